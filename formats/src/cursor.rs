@@ -1,0 +1,83 @@
+//! Checked little-endian reads from a byte slice.
+
+use crate::FormatError;
+
+/// A position in a byte slice; every read checks the length first and names the field it wanted.
+#[derive(Debug, Clone)]
+pub struct Cursor<'a> {
+    bytes: &'a [u8],
+    position: usize,
+}
+
+impl<'a> Cursor<'a> {
+    /// Starts at byte 0.
+    pub fn new(bytes: &'a [u8]) -> Self {
+        Self { bytes, position: 0 }
+    }
+
+    /// Offset of the next byte.
+    pub fn position(&self) -> u64 {
+        self.position as u64
+    }
+
+    /// Bytes not yet read.
+    pub fn remaining(&self) -> usize {
+        self.bytes.len() - self.position
+    }
+
+    /// The next `length` bytes.
+    pub fn take(&mut self, length: usize, field: &'static str) -> Result<&'a [u8], FormatError> {
+        let rest = &self.bytes[self.position..];
+        if rest.len() < length {
+            return Err(FormatError::at_byte(
+                self.position(),
+                field,
+                format!("end of data after {} of {length} bytes", rest.len()),
+                format!("{length} bytes"),
+            ));
+        }
+        self.position += length;
+        Ok(&rest[..length])
+    }
+
+    fn array<const N: usize>(&mut self, field: &'static str) -> Result<[u8; N], FormatError> {
+        let mut array = [0; N];
+        array.copy_from_slice(self.take(N, field)?);
+        Ok(array)
+    }
+
+    /// One byte.
+    pub fn u8(&mut self, field: &'static str) -> Result<u8, FormatError> {
+        Ok(u8::from_le_bytes(self.array(field)?))
+    }
+
+    /// Unsigned, 2 bytes.
+    pub fn u16(&mut self, field: &'static str) -> Result<u16, FormatError> {
+        Ok(u16::from_le_bytes(self.array(field)?))
+    }
+
+    /// Unsigned, 4 bytes.
+    pub fn u32(&mut self, field: &'static str) -> Result<u32, FormatError> {
+        Ok(u32::from_le_bytes(self.array(field)?))
+    }
+
+    /// Signed, 4 bytes.
+    pub fn i32(&mut self, field: &'static str) -> Result<i32, FormatError> {
+        Ok(i32::from_le_bytes(self.array(field)?))
+    }
+
+    /// Unsigned, 8 bytes.
+    pub fn u64(&mut self, field: &'static str) -> Result<u64, FormatError> {
+        Ok(u64::from_le_bytes(self.array(field)?))
+    }
+
+    /// IEEE 754 single, 4 bytes.
+    pub fn f32(&mut self, field: &'static str) -> Result<f32, FormatError> {
+        Ok(f32::from_le_bytes(self.array(field)?))
+    }
+
+    /// IEEE 754 double, 8 bytes.
+    pub fn f64(&mut self, field: &'static str) -> Result<f64, FormatError> {
+        Ok(f64::from_le_bytes(self.array(field)?))
+    }
+}

@@ -1,0 +1,77 @@
+//! The one error type of every reader: where, what was found, what is allowed.
+
+use std::borrow::Cow;
+use std::fmt;
+
+/// Where in an input something is wrong.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Place {
+    /// A byte offset from the start of the file, for binary layouts.
+    Byte(u64),
+    /// A line, counted from 1, for text layouts.
+    Line(u64),
+    /// The input as a whole.
+    Whole,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Place::Byte(offset) => write!(f, "byte {offset}, "),
+            Place::Line(line) => write!(f, "line {line}, "),
+            Place::Whole => Ok(()),
+        }
+    }
+}
+
+/// An input that does not follow its layout.
+///
+/// Reads as `byte 4, theta_d count: found 0; allowed 1 to 4096`. The caller, who knows it, adds the file's name.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{place}{field}: found {found}; allowed {allowed}")]
+pub struct FormatError {
+    /// Where.
+    pub place: Place,
+    /// Which field of the layout, in the words of its page in `spec`.
+    pub field: Cow<'static, str>,
+    /// What stands there.
+    pub found: String,
+    /// What may stand there.
+    pub allowed: String,
+}
+
+impl FormatError {
+    /// An error at a byte offset.
+    pub fn at_byte(
+        offset: u64,
+        field: impl Into<Cow<'static, str>>,
+        found: impl Into<String>,
+        allowed: impl Into<String>,
+    ) -> Self {
+        Self::at(Place::Byte(offset), field, found, allowed)
+    }
+
+    /// An error at a line, counted from 1.
+    pub fn at_line(
+        line: u64,
+        field: impl Into<Cow<'static, str>>,
+        found: impl Into<String>,
+        allowed: impl Into<String>,
+    ) -> Self {
+        Self::at(Place::Line(line), field, found, allowed)
+    }
+
+    /// An error of the input as a whole.
+    pub fn whole(field: impl Into<Cow<'static, str>>, found: impl Into<String>, allowed: impl Into<String>) -> Self {
+        Self::at(Place::Whole, field, found, allowed)
+    }
+
+    fn at(
+        place: Place,
+        field: impl Into<Cow<'static, str>>,
+        found: impl Into<String>,
+        allowed: impl Into<String>,
+    ) -> Self {
+        Self { place, field: field.into(), found: found.into(), allowed: allowed.into() }
+    }
+}

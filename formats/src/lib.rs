@@ -1,0 +1,16 @@
+//! Every byte layout that `brdfc` reads or writes, and the CPU decoders of its packs.
+//!
+//! An engine that loads packs links this crate alone. The normative description of each layout is a page in `spec/`.
+//!
+//! Conventions: the local frame is x = tangent, y = bitangent, z = normal; directions are unit vectors that point away
+//! from the surface (`incoming` to the light, `outgoing` to the viewer); values are `f_r` in 1/sr, linear RGB with
+//! Rec. 709 primaries.
+
+pub mod colour;
+pub mod cursor;
+pub mod direction;
+mod error;
+pub mod measured;
+pub mod pack;
+
+pub use error::{FormatError, Place};

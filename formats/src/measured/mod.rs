@@ -1,0 +1,1 @@
+//! Readers of measured data: bytes to typed and checked structs, one file per layout.

@@ -1,0 +1,3 @@
+//! Compiler for measured appearance; see the README.
+
+pub mod source;

@@ -1,0 +1,3 @@
+//! The `brdfc` command.
+
+fn main() {}

@@ -1,0 +1,27 @@
+//! Whatever can be evaluated at a direction pair: measured files, analytic models, packs.
+
+pub mod analytic;
+mod symmetry;
+mod tally;
+
+pub use symmetry::Symmetry;
+pub use tally::Tally;
+
+use brdfc_formats::direction::DirectionPair;
+
+/// A reflectance function that can be asked for `f_r` anywhere.
+pub trait Source: Send + Sync {
+    /// `f_r` at a direction pair, linear RGB, 1/sr.
+    ///
+    /// Values are what the data says: interpolated measurements may be slightly negative. Zero where either direction
+    /// is at or below the horizon (`z <= 0`). What had to be mended on the way is counted in `tally`.
+    fn eval(&self, pair: DirectionPair, tally: &mut Tally) -> [f64; 3];
+
+    /// The symmetries that `eval` obeys exactly, up to rounding.
+    fn symmetry(&self) -> Symmetry;
+
+    /// Whether all three channels are equal everywhere, so that one is enough.
+    fn is_grey(&self) -> bool {
+        false
+    }
+}
