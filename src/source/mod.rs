@@ -1,9 +1,13 @@
 //! Whatever can be evaluated at a direction pair: measured files, analytic models, packs.
 
 pub mod analytic;
+mod merl;
+mod pack;
 mod symmetry;
 mod tally;
 
+pub use merl::MerlSource;
+pub use pack::PackSource;
 pub use symmetry::Symmetry;
 pub use tally::Tally;
 

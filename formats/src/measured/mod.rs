@@ -1,1 +1,8 @@
 //! Readers of measured data: bytes to typed and checked structs, one file per layout.
+//!
+//! Each layout has a normative page in `formats/spec`. Readers check every length against the data at hand before they
+//! ask for memory, and say where, what was found and what is allowed when a file does not follow its layout.
+
+pub mod merl;
+pub mod scan;
+pub mod scan_csv;

@@ -1,1 +1,11 @@
-//! Packs for the GPU.
+//! Packs for the GPU: KTX2 files whose `brdfc.*` entries say what the texels mean. Layouts: `spec/container.md` and
+//! one page per pack.
+
+pub mod container;
+mod decode;
+pub mod wavelet;
+mod wavelet_layout;
+
+pub use container::{TexelFormat, Texture};
+pub use decode::{Filter, WaveletDecoder};
+pub use wavelet::WaveletPack;

@@ -1,0 +1,272 @@
+//! The KTX2 container of every pack. Layout: `spec/container.md`.
+//!
+//! Headers, level index and data format descriptor are the `ktx2` crate's; this file sequences them by the rules of
+//! the Khronos validator and holds incoming files to the few shapes that packs have.
+
+use crate::FormatError;
+use std::collections::BTreeMap;
+
+/// Who wrote the file, in the `KTXwriter` entry. Holds no version, so that bytes change with contents alone.
+pub const WRITER: &str = "brdfc";
+/// Orientation of a 3D texture, in the `KTXorientation` entry: x right, y down, z inwards.
+pub const ORIENTATION_3D: &str = "rdi";
+/// Most texels along one axis: the limit of a 3D texture in WebGPU.
+pub const MAX_EXTENT: u32 = 2048;
+/// Most bytes of texels in one pack, after decompression.
+pub const MAX_TEXEL_BYTES: u64 = 1 << 30;
+/// Zstandard level: past this the files hardly shrink, and time grows.
+const ZSTD_LEVEL: i32 = 3;
+
+/// Texel formats that packs use; all are filterable and core in Vulkan, or a native feature of WebGPU (16 bit).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TexelFormat {
+    /// One component of 8 bits, `VK_FORMAT_R8_UNORM`.
+    R8Unorm,
+    /// Four components of 8 bits, `VK_FORMAT_R8G8B8A8_UNORM`.
+    Rgba8Unorm,
+    /// One component of 16 bits, `VK_FORMAT_R16_UNORM`.
+    R16Unorm,
+    /// Four components of 16 bits, `VK_FORMAT_R16G16B16A16_UNORM`.
+    Rgba16Unorm,
+}
+
+impl TexelFormat {
+    const ALL: [Self; 4] = [Self::R8Unorm, Self::Rgba8Unorm, Self::R16Unorm, Self::Rgba16Unorm];
+
+    /// Components stored per texel: 1 or 4.
+    pub fn components(self) -> usize {
+        match self {
+            Self::R8Unorm | Self::R16Unorm => 1,
+            Self::Rgba8Unorm | Self::Rgba16Unorm => 4,
+        }
+    }
+
+    /// Bytes per component: 1 or 2.
+    pub fn component_bytes(self) -> usize {
+        match self {
+            Self::R8Unorm | Self::Rgba8Unorm => 1,
+            Self::R16Unorm | Self::Rgba16Unorm => 2,
+        }
+    }
+
+    /// Bytes per texel.
+    pub fn texel_bytes(self) -> usize {
+        self.components() * self.component_bytes()
+    }
+
+    fn vulkan(self) -> ktx2::Format {
+        match self {
+            Self::R8Unorm => ktx2::Format::R8_UNORM,
+            Self::Rgba8Unorm => ktx2::Format::R8G8B8A8_UNORM,
+            Self::R16Unorm => ktx2::Format::R16_UNORM,
+            Self::Rgba16Unorm => ktx2::Format::R16G16B16A16_UNORM,
+        }
+    }
+}
+
+/// A 3D texture of one level, and its entries.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Texture {
+    /// How a texel is stored.
+    pub format: TexelFormat,
+    /// Texels along x, y and z, each 1 to [`MAX_EXTENT`].
+    pub extent: [u32; 3],
+    /// Key/value entries named `brdfc.*`; the container adds its own `KTX*` entries.
+    pub entries: BTreeMap<String, Vec<u8>>,
+    /// Texels, x fastest, then y, then z; little-endian components.
+    pub texels: Vec<u8>,
+}
+
+impl Texture {
+    /// The bytes of the file.
+    ///
+    /// # Panics
+    /// When `texels` does not have the length that format and extent call for: a mistake of the caller.
+    pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
+        let [width, height, depth] = self.extent;
+        let texel_bytes = self.format.texel_bytes();
+        let texels = width as usize * height as usize * depth as usize;
+        assert_eq!(self.texels.len(), texels * texel_bytes, "texel data has the wrong length");
+
+        let compressed = supercompress
+            .then(|| zstd::bulk::compress(&self.texels, ZSTD_LEVEL).expect("compression into memory does not fail"));
+        let level: &[u8] = compressed.as_deref().unwrap_or(&self.texels);
+        let (descriptor, type_size) = descriptor(self.format);
+        let entries = self.entry_bytes();
+
+        let descriptor_offset = ktx2::Header::LENGTH + ktx2::LevelIndex::LENGTH;
+        let entries_offset = descriptor_offset + descriptor.len();
+        // Levels are aligned to whole texels and 4 bytes, unless supercompressed; all our texel sizes divide 8.
+        let alignment = if supercompress { 1 } else { texel_bytes.max(4) };
+        let level_offset = (entries_offset + entries.len()).next_multiple_of(alignment);
+
+        let header = ktx2::Header {
+            format: Some(self.format.vulkan()),
+            type_size,
+            pixel_width: width,
+            pixel_height: height,
+            pixel_depth: depth,
+            layer_count: 0,
+            face_count: 1,
+            level_count: 1,
+            supercompression_scheme: supercompress.then_some(ktx2::SupercompressionScheme::Zstandard),
+            index: ktx2::Index {
+                dfd_byte_offset: descriptor_offset as u32,
+                dfd_byte_length: descriptor.len() as u32,
+                kvd_byte_offset: entries_offset as u32,
+                kvd_byte_length: entries.len() as u32,
+                sgd_byte_offset: 0,
+                sgd_byte_length: 0,
+            },
+        };
+        let index = ktx2::LevelIndex {
+            byte_offset: level_offset as u64,
+            byte_length: level.len() as u64,
+            uncompressed_byte_length: self.texels.len() as u64,
+        };
+        let mut bytes = Vec::with_capacity(level_offset + level.len());
+        bytes.extend_from_slice(&header.as_bytes());
+        bytes.extend_from_slice(&index.as_bytes());
+        bytes.extend_from_slice(&descriptor);
+        bytes.extend_from_slice(&entries);
+        bytes.resize(level_offset, 0);
+        bytes.extend_from_slice(level);
+        bytes
+    }
+
+    /// Entries sorted by the bytes of their keys, each padded to 4 bytes.
+    fn entry_bytes(&self) -> Vec<u8> {
+        let text = |s: &str| format!("{s}\0").into_bytes();
+        let mut all = self.entries.clone();
+        all.insert("KTXorientation".to_owned(), text(ORIENTATION_3D));
+        all.insert("KTXwriter".to_owned(), text(WRITER));
+        let mut bytes = Vec::new();
+        for (key, value) in &all {
+            bytes.extend_from_slice(&((key.len() + 1 + value.len()) as u32).to_le_bytes());
+            bytes.extend_from_slice(key.as_bytes());
+            bytes.push(0);
+            bytes.extend_from_slice(value);
+            bytes.resize(bytes.len().next_multiple_of(4), 0);
+        }
+        bytes
+    }
+
+    /// Reads a file that [`Self::to_bytes`] could have written; other KTX2 files are refused with the reason.
+    ///
+    /// # Errors
+    /// Anything that is not a 3D texture of one level in one of the [`TexelFormat`]s, uncompressed or with Zstandard.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
+        let reader = ktx2::Reader::new(bytes).map_err(|error| {
+            let allowed = "a whole KTX2 file";
+            match error {
+                ktx2::ParseError::BadMagic => FormatError::at_byte(0, "identifier", "other bytes", allowed),
+                ktx2::ParseError::UnexpectedEnd => {
+                    FormatError::whole("container", format!("{} bytes, which end too early", bytes.len()), allowed)
+                }
+                other => FormatError::whole("container", other.to_string(), allowed),
+            }
+        })?;
+        let header = reader.header();
+        let format = TexelFormat::ALL.into_iter().find(|f| Some(f.vulkan()) == header.format).ok_or_else(|| {
+            FormatError::at_byte(
+                12,
+                "vkFormat",
+                header.format.map_or("undefined or unknown".to_owned(), |f| f.value().to_string()),
+                "9 (R8), 37 (RGBA8), 70 (R16) or 91 (RGBA16)",
+            )
+        })?;
+        let extent = [header.pixel_width, header.pixel_height, header.pixel_depth];
+        for (axis, (size, field)) in extent.into_iter().zip(["pixelWidth", "pixelHeight", "pixelDepth"]).enumerate() {
+            if !(1..=MAX_EXTENT).contains(&size) {
+                return Err(FormatError::at_byte(
+                    20 + 4 * axis as u64,
+                    field,
+                    size.to_string(),
+                    format!("1 to {MAX_EXTENT}"),
+                ));
+            }
+        }
+        for (offset, field, found, allowed) in [
+            (16, "typeSize", header.type_size, format.component_bytes() as u32),
+            (32, "layerCount", header.layer_count, 0),
+            (36, "faceCount", header.face_count, 1),
+            (40, "levelCount", header.level_count, 1),
+        ] {
+            if found != allowed {
+                return Err(FormatError::at_byte(offset, field, found.to_string(), allowed.to_string()));
+            }
+        }
+        let size = extent.into_iter().map(u64::from).product::<u64>() * format.texel_bytes() as u64;
+        if size > MAX_TEXEL_BYTES {
+            let allowed = format!("at most {MAX_TEXEL_BYTES}");
+            return Err(FormatError::at_byte(20, "texture", format!("{size} bytes of texels"), allowed));
+        }
+        let expected = ktx2::dfd::Block::Basic(descriptor_block(format).0);
+        if reader.dfd_blocks() != [expected] {
+            return Err(FormatError::at_byte(
+                u64::from(header.index.dfd_byte_offset),
+                "data format descriptor",
+                "another description",
+                "the one of vkFormat, linear",
+            ));
+        }
+        let entries: BTreeMap<String, Vec<u8>> = reader
+            .key_value_data()
+            .filter(|(key, _)| key.starts_with("brdfc."))
+            .map(|(key, value)| (key.to_owned(), value.to_owned()))
+            .collect();
+        let scheme = u32::from_le_bytes([bytes[44], bytes[45], bytes[46], bytes[47]]);
+        let level = reader.levels().next().expect("levelCount is 1");
+        let texels = texels(&level, scheme, size)?;
+        Ok(Self { format, extent, entries, texels })
+    }
+
+    /// Bytes of texels on a GPU.
+    pub fn texel_bytes(&self) -> u64 {
+        self.texels.len() as u64
+    }
+}
+
+fn texels(level: &ktx2::Level<'_>, scheme: u32, size: u64) -> Result<Vec<u8>, FormatError> {
+    const LEVEL_INDEX: u64 = 80;
+    let wrong_size = |offset, field, found: u64| {
+        FormatError::at_byte(offset, field, found.to_string(), format!("{size}, as format and extent say"))
+    };
+    if level.uncompressed_byte_length != size {
+        return Err(wrong_size(LEVEL_INDEX + 16, "uncompressedByteLength", level.uncompressed_byte_length));
+    }
+    match scheme {
+        0 if level.data.len() as u64 == size => Ok(level.data.to_vec()),
+        0 => Err(wrong_size(LEVEL_INDEX + 8, "byteLength", level.data.len() as u64)),
+        2 => {
+            let refused =
+                |found: String| FormatError::whole("level 0", found, format!("Zstandard data of {size} bytes"));
+            // A frame says how long its contents are: believe that before asking for memory.
+            let declared = zstd::zstd_safe::get_frame_content_size(level.data).ok().flatten();
+            if declared != Some(size) {
+                return Err(refused(
+                    declared.map_or("no content size".to_owned(), |n| format!("a frame of {n} bytes")),
+                ));
+            }
+            let texels = zstd::bulk::decompress(level.data, size as usize).map_err(|e| refused(e.to_string()))?;
+            if texels.len() as u64 == size { Ok(texels) } else { Err(refused(format!("{} bytes", texels.len()))) }
+        }
+        other => {
+            Err(FormatError::at_byte(44, "supercompressionScheme", other.to_string(), "0 (none) or 2 (Zstandard)"))
+        }
+    }
+}
+
+/// Linear values without colour meaning: coefficients, not pictures.
+fn descriptor_block(format: TexelFormat) -> (ktx2::dfd::Basic, u32) {
+    ktx2::dfd::Basic::from_format_with(format.vulkan(), false, Some(ktx2::TransferFunction::Linear), None, None)
+        .expect("every texel format has a descriptor")
+}
+
+fn descriptor(format: TexelFormat) -> (Vec<u8>, u32) {
+    let (block, type_size) = descriptor_block(format);
+    let block = ktx2::dfd::Block::Basic(block).to_vec();
+    let mut bytes = ((block.len() + 4) as u32).to_le_bytes().to_vec();
+    bytes.extend_from_slice(&block);
+    (bytes, type_size)
+}

@@ -1,0 +1,115 @@
+//! Codec error: a decoded pack against the table it was made from, at every sample of the grid.
+
+use super::table::Table;
+use crate::metrics::compare::Reciprocity;
+use crate::metrics::norms::{NormSums, Norms};
+use brdfc_formats::direction::{Parameterisation, cell_centre};
+use brdfc_formats::pack::WaveletDecoder;
+use rayon::prelude::*;
+
+/// Outer cells per unit of parallel work: fixed, so that sums do not depend on threads.
+const CHUNK: usize = 32;
+
+/// Codec error on the grid.
+#[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+pub struct GridError {
+    /// Norms over all samples above the horizon.
+    pub norms: Norms,
+    /// Largest difference of directional albedo over incoming cells, by the sums over the grid. Tangent-pole grids
+    /// only; 0 otherwise.
+    pub albedo_max_difference: f64,
+    /// Mean of `|f'(i, o) - f'(o, i)| / f` over all pairs of cells. Tangent-pole grids only; 0 otherwise.
+    pub reciprocity: f64,
+}
+
+/// Decodes the whole table and compares it with `reference` (values of `f`, not logarithms).
+pub fn grid_error(reference: &Table, decoder: &WaveletDecoder) -> GridError {
+    let grid = reference.grid;
+    let (n, cells, channels) = (grid.n(), grid.cells(), reference.channels());
+    let mean = f64::from(decoder.header().mean);
+    let centre = |cell: usize| cell_centre(cell % n, cell / n, n);
+    let tangent_pole = grid.parameterisation == Parameterisation::TangentPole;
+    // Solid angle of a cell times the outgoing cosine.
+    let albedo_weight: Vec<f64> = (0..cells)
+        .map(|cell| {
+            let [x, _, z] = centre(cell);
+            (std::f64::consts::PI / n as f64).powi(2) * x.hypot(z) * z
+        })
+        .collect();
+
+    let parts: Vec<(NormSums, f64, Vec<f32>)> = (0..cells.div_ceil(CHUNK))
+        .into_par_iter()
+        .map(|chunk| {
+            let mut sums = NormSums::new(mean);
+            let mut albedo_max: f64 = 0.0;
+            let mut decoded = vec![0.0f32; cells];
+            let mut kept = Vec::new();
+            let mut scratch = Vec::new();
+            for outer in chunk * CHUNK..((chunk + 1) * CHUNK).min(cells) {
+                let (row, flip) = reference.fold.locate(outer);
+                for channel in 0..channels {
+                    decoder.decode_row(outer, channel, &mut decoded, &mut scratch);
+                    let samples = reference.row(channel, row);
+                    let mut albedo = 0.0;
+                    for inner in 0..cells {
+                        let f = f64::from(samples[flip.cell(inner, n)]);
+                        let g = f64::from(decoder.from_log(decoded[inner]));
+                        decoded[inner] = g as f32;
+                        let cosine = if tangent_pole {
+                            centre_z(outer, n)
+                        } else {
+                            let pair = grid.parameterisation.from_axes(centre(outer), centre(inner));
+                            if !pair.is_above_horizon() {
+                                continue;
+                            }
+                            pair.incoming[2]
+                        };
+                        sums.add(f, g, cosine);
+                        albedo += (g - f) * albedo_weight[inner];
+                    }
+                    albedo_max = albedo_max.max(albedo.abs());
+                    if tangent_pole {
+                        kept.extend_from_slice(&decoded);
+                    }
+                }
+            }
+            (sums, albedo_max, kept)
+        })
+        .collect();
+
+    let mut sums = NormSums::new(mean);
+    let mut albedo_max: f64 = 0.0;
+    for (part, albedo, _) in &parts {
+        sums.merge(part);
+        albedo_max = albedo_max.max(*albedo);
+    }
+    let mut error = GridError { norms: sums.norms(), ..GridError::default() };
+    if tangent_pole {
+        error.albedo_max_difference = albedo_max;
+        error.reciprocity = reciprocity(reference, &parts, mean);
+    }
+    error
+}
+
+fn centre_z(cell: usize, n: usize) -> f64 {
+    cell_centre(cell % n, cell / n, n)[2]
+}
+
+fn reciprocity(reference: &Table, parts: &[(NormSums, f64, Vec<f32>)], mean: f64) -> f64 {
+    let (cells, channels, n) = (reference.grid.cells(), reference.channels(), reference.grid.n());
+    let decoded = |outer: usize, channel: usize, inner: usize| {
+        f64::from(parts[outer / CHUNK].2[((outer % CHUNK) * channels + channel) * cells + inner])
+    };
+    let mut total = Reciprocity::default();
+    for outer in 0..cells {
+        let (row, flip) = reference.fold.locate(outer);
+        for channel in 0..channels {
+            let samples = reference.row(channel, row);
+            for inner in 0..outer {
+                let f = f64::from(samples[flip.cell(inner, n)]);
+                total.add(f, decoded(outer, channel, inner), decoded(inner, channel, outer), mean);
+            }
+        }
+    }
+    total.mean()
+}

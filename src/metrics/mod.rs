@@ -1,0 +1,5 @@
+//! Error norms: how far one reflectance function is from another.
+
+pub mod compare;
+pub mod norms;
+pub mod sampling;

@@ -1,0 +1,210 @@
+//! MERL tables as a source.
+
+use super::{Source, Symmetry, Tally};
+use brdfc_formats::direction::{DirectionPair, dot, half_vector};
+use brdfc_formats::measured::merl::Merl;
+use std::f64::consts::FRAC_PI_2;
+
+/// Largest relative difference between a cell and its image that still counts as the rounding of a symmetric file.
+const SYMMETRY_TOLERANCE: f64 = 1e-5;
+
+/// A MERL table, interpolated trilinearly in `(sqrt(theta_h), theta_d, phi_d)`.
+#[derive(Debug)]
+pub struct MerlSource {
+    table: Merl,
+    symmetry: Symmetry,
+}
+
+impl MerlSource {
+    /// Measures which symmetries the table obeys.
+    ///
+    /// The layout makes it isotropic, and reciprocal where it stores half a turn; mirror symmetry is a property of
+    /// the data, and measured files need not have it.
+    pub fn new(table: Merl) -> Self {
+        let symmetry = Symmetry {
+            isotropic: true,
+            mirror: table.mirror_asymmetry() <= SYMMETRY_TOLERANCE,
+            reciprocal: table.reciprocity_asymmetry() <= SYMMETRY_TOLERANCE,
+        };
+        Self { table, symmetry }
+    }
+
+    /// The table.
+    pub fn table(&self) -> &Merl {
+        &self.table
+    }
+
+    /// Angles `(theta_h, theta_d, phi_d)` of a pair, radians: half vector's polar angle, and the difference vector in
+    /// the half vector's frame (Rusinkiewicz 1998). `phi_d` is in `[-π, π]`.
+    pub fn half_difference_angles(pair: DirectionPair) -> [f64; 3] {
+        let (i, o) = (pair.incoming, pair.outgoing);
+        let h = half_vector(pair);
+        let sum = [i[0] + o[0], i[1] + o[1], i[2] + o[2]];
+        let difference = [i[0] - o[0], i[1] - o[1], i[2] - o[2]];
+        let theta_h = h[0].hypot(h[1]).atan2(h[2]);
+        let theta_d = dot(difference, difference).sqrt().atan2(dot(sum, sum).sqrt());
+        let x = dot(i, h) * h[2] - i[2];
+        let y = i[1] * h[0] - i[0] * h[1];
+        [theta_h, theta_d, y.atan2(x)]
+    }
+}
+
+impl Source for MerlSource {
+    fn eval(&self, pair: DirectionPair, tally: &mut Tally) -> [f64; 3] {
+        tally.evaluations += 1;
+        if !pair.is_above_horizon() {
+            return [0.0; 3];
+        }
+        let n = self.table.dimensions;
+        let [theta_h, theta_d, phi_d] = Self::half_difference_angles(pair);
+        let h = edge_position((theta_h / FRAC_PI_2).sqrt() * n.theta_half as f64, n.theta_half);
+        let d = edge_position(theta_d / FRAC_PI_2 * n.theta_difference as f64, n.theta_difference);
+        let period = n.azimuth_period();
+        let turns = phi_d / period;
+        let azimuth = (turns - turns.floor()) * n.phi_difference as f64;
+        let k0 = (azimuth as usize).min(n.phi_difference - 1);
+        let fraction = azimuth - k0 as f64;
+        let k1 = if k0 + 1 == n.phi_difference { 0 } else { k0 + 1 };
+
+        let mut sum = [0.0; 3];
+        let mut valid = 0.0;
+        let mut corners = 0;
+        for (i, wi) in [(h.0, 1.0 - h.2), (h.1, h.2)] {
+            for (j, wj) in [(d.0, 1.0 - d.2), (d.1, d.2)] {
+                let ring = (i * n.theta_difference + j) * n.phi_difference;
+                for (k, wk) in [(k0, 1.0 - fraction), (k1, fraction)] {
+                    let weight = wi * wj * wk;
+                    let cell = self.table.values[ring + k];
+                    if weight > 0.0 && !cell[0].is_nan() {
+                        valid += weight;
+                        corners += 1;
+                        for channel in 0..3 {
+                            sum[channel] += weight * f64::from(cell[channel]);
+                        }
+                    } else if weight == 0.0 {
+                        corners += 1;
+                    }
+                }
+            }
+        }
+        if corners == 8 {
+            return sum;
+        }
+        if valid > 0.0 {
+            tally.partly_invalid += 1;
+            return sum.map(|s| s / valid);
+        }
+        tally.nearest_valid += 1;
+        self.nearest_valid(h.0, d.0, k0)
+    }
+
+    fn symmetry(&self) -> Symmetry {
+        self.symmetry
+    }
+}
+
+impl MerlSource {
+    /// The valid cell nearest to `(i, j, k)` in index distance; ties go to the lower index. Slow, and rare: a pair
+    /// above the horizon whose eight cells are all invalid.
+    fn nearest_valid(&self, i: usize, j: usize, k: usize) -> [f64; 3] {
+        let n = self.table.dimensions;
+        let mut best = (usize::MAX, [0.0f32; 3]);
+        for (index, cell) in self.table.values.iter().enumerate() {
+            if cell[0].is_nan() {
+                continue;
+            }
+            let (ring, c) = (index / n.phi_difference, index % n.phi_difference);
+            let (a, b) = (ring / n.theta_difference, ring % n.theta_difference);
+            let across = c.abs_diff(k).min(n.phi_difference - c.abs_diff(k));
+            let distance = a.abs_diff(i).pow(2) + b.abs_diff(j).pow(2) + across.pow(2);
+            if distance < best.0 {
+                best = (distance, *cell);
+            }
+        }
+        best.1.map(f64::from)
+    }
+}
+
+/// Lower and upper sample and the fraction between them, for samples at integer positions; clamped at the last.
+fn edge_position(position: f64, count: usize) -> (usize, usize, f64) {
+    let lower = (position as usize).min(count - 1);
+    if lower + 1 == count { (lower, lower, 0.0) } else { (lower, lower + 1, position - lower as f64) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use brdfc_formats::direction::{from_polar, rotate_from_normal};
+    use brdfc_formats::measured::merl::{Dimensions, write};
+
+    /// A pair with these half and difference angles; half vector in the tangent's azimuth.
+    fn pair_at([theta_h, theta_d, phi_d]: [f64; 3]) -> DirectionPair {
+        let h = from_polar(theta_h, 0.0);
+        let d = from_polar(theta_d, phi_d);
+        let o = from_polar(theta_d, phi_d + std::f64::consts::PI);
+        DirectionPair::new(rotate_from_normal(h, d), rotate_from_normal(h, o))
+    }
+
+    fn source(dimensions: Dimensions, value: impl Fn([f64; 3]) -> Option<[f64; 3]>) -> MerlSource {
+        let mut bytes = Vec::new();
+        write(&mut bytes, dimensions, value).unwrap();
+        MerlSource::new(Merl::from_bytes(&bytes).unwrap())
+    }
+
+    #[test]
+    fn angles_of_a_pair_built_from_angles() {
+        for angles in [[0.3, 0.5, 1.0], [0.1, 0.2, -2.0], [0.6, 0.1, 3.0]] {
+            let found = MerlSource::half_difference_angles(pair_at(angles));
+            for (a, b) in found.into_iter().zip(angles) {
+                assert!((a - b).abs() < 1e-12, "{found:?} {angles:?}");
+            }
+        }
+    }
+
+    /// Linear in the warped coordinates, so trilinear interpolation is exact if and only if samples are taken to sit
+    /// on the lower bin edges; taken at bin centres the value would be off by half a step.
+    #[test]
+    fn samples_are_on_edges_not_centres() {
+        let n = Dimensions { theta_half: 10, theta_difference: 12, phi_difference: 24 };
+        let warp = |theta_h: f64| (theta_h / FRAC_PI_2).sqrt();
+        let s = source(n, |[h, d, _]| Some([1.0 + warp(h), 1.0 + d, 1.0]));
+        let mut tally = Tally::default();
+        for angles in [[0.2, 0.3, 0.4], [0.05, 0.6, 2.0], [0.5, 0.45, 3.0]] {
+            let value = s.eval(pair_at(angles), &mut tally);
+            assert!((value[0] - 1.0 - warp(angles[0])).abs() < 1e-6, "{value:?}");
+            assert!((value[1] - 1.0 - angles[1]).abs() < 1e-6, "{value:?}");
+            let half_a_step = 0.5 / 10.0;
+            assert!((value[0] - (1.0 + warp(angles[0]) + half_a_step)).abs() > 0.01);
+        }
+        assert_eq!(tally, Tally { evaluations: 3, ..Tally::default() });
+    }
+
+    #[test]
+    fn azimuth_wraps_after_half_a_turn() {
+        let n = Dimensions { theta_half: 4, theta_difference: 8, phi_difference: 16 };
+        let s = source(n, |[.., p]| Some([2.0 + (2.0 * p).cos(), 2.0 + (2.0 * p).sin(), 1.0]));
+        let mut tally = Tally::default();
+        let at = |phi: f64, tally: &mut Tally| s.eval(pair_at([0.3, 0.4, phi]), tally);
+        let (a, b) = (at(0.3, &mut tally), at(0.3 - std::f64::consts::PI, &mut tally));
+        assert!((a[1] - b[1]).abs() < 1e-9 && (a[0] - b[0]).abs() < 1e-9);
+        let last = n.sample_angles(0, 0, 15)[2];
+        let beyond = at(last + 0.05, &mut tally)[1];
+        let expected_between = (2.0 + (2.0 * last).sin(), 2.0);
+        assert!(beyond > expected_between.0 && beyond < expected_between.1);
+        assert!(!s.symmetry().mirror && s.symmetry().reciprocal && s.symmetry().isotropic);
+    }
+
+    #[test]
+    fn invalid_cells_are_left_out_and_counted() {
+        let n = Dimensions { theta_half: 6, theta_difference: 6, phi_difference: 12 };
+        let limit = n.sample_angles(0, 3, 0)[1];
+        let s = source(n, |[_, d, _]| (d < limit - 1e-9).then_some([3.0; 3]));
+        let mut tally = Tally::default();
+        assert_eq!(s.eval(pair_at([0.2, 0.1, 0.5]), &mut tally), [f64::from(3.0f32); 3]);
+        let mended = s.eval(pair_at([0.2, limit - 0.1, 0.5]), &mut tally);
+        assert!((mended[0] - 3.0).abs() < 1e-6, "zeros or -1 must not leak in: {mended:?}");
+        let far = s.eval(pair_at([0.0, 1.3, 0.5]), &mut tally);
+        assert!((far[0] - 3.0).abs() < 1e-6);
+        assert_eq!((tally.partly_invalid, tally.nearest_valid), (1, 1));
+    }
+}
