@@ -1,5 +1,6 @@
 //! Whatever can be evaluated at a direction pair: measured files, analytic models, packs.
 
+pub mod address;
 pub mod analytic;
 mod merl;
 mod pack;
