@@ -1,6 +1,7 @@
 //! Whatever can be evaluated at a direction pair: measured files, analytic models, packs.
 
 pub mod analytic;
+pub mod rgl;
 mod symmetry;
 mod tally;
 
