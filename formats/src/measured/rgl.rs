@@ -62,7 +62,7 @@ pub enum Azimuths {
 pub struct Rgl {
     /// What was measured; bytes that are not UTF-8 stand as U+FFFD.
     pub description: String,
-    /// Azimuths of the incident direction, radians, strictly increasing, in [-2π, 2π], spanning at most 2π.
+    /// Azimuths of the incident direction, radians, strictly increasing, in [-2π, 2π]; see `azimuths`.
     pub phi_i: Vec<f64>,
     /// Polar angles of the incident direction, radians, strictly increasing, in [0, π/2].
     pub theta_i: Vec<f64>,
@@ -102,8 +102,8 @@ impl Rgl {
     ///
     /// Errors: a broken container (see [`TensorFile::parse`]), a missing field, element types or shapes that do not fit
     /// each other, axes that do not increase strictly or leave their range, azimuths that cover neither the circle nor a
-    /// half nor a quadrant of it, values that are not finite, negative
-    /// densities, a table of visible normals that is all zero.
+    /// half nor a quadrant of it, values that are not finite, negative densities, a table of visible normals that is all
+    /// zero.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
         let file = TensorFile::parse(bytes)?;
         let phi_i = axis(file.require("phi_i")?, -TAU, TAU)?;
