@@ -58,16 +58,20 @@ fn every_truncation_is_an_error() {
 
 #[test]
 fn no_single_corrupt_byte_panics() {
-    let bytes = material().build();
+    let container = material();
+    let bytes = container.build();
+    let start = container.data_offsets()[0];
     let mut valid = 0;
     for offset in 0..bytes.len() {
         let mut broken = bytes.clone();
-        for value in 0..=u8::MAX {
+        // All values in the headers; in the data a spread of them.
+        let step = if offset < start { 1 } else { 15 };
+        for value in (0..=u8::MAX).step_by(step) {
             broken[offset] = value;
             valid += usize::from(survive(&broken));
         }
     }
-    assert!(valid >= bytes.len());
+    assert!(valid >= start);
 }
 
 #[test]
