@@ -162,7 +162,7 @@ pub fn polynomial_atan2(y: f32, x: f32) -> f32 {
         9.999_993_4e-1,
         -3.332_986e-1,
         1.994_656_6e-1,
-        -1.390_863_1e-1,
+        -0.139_086_31,
         9.642_198e-2,
         -5.591_232_7e-2,
         2.186_295_8e-2,
@@ -193,7 +193,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn upper() -> impl Strategy<Value = Vector> {
-        (0.01f64..1.56, 0.0f64..6.28).prop_map(|(t, p)| from_polar(t, p))
+        (0.01f64..1.56, 0.0f64..std::f64::consts::TAU).prop_map(|(t, p)| from_polar(t, p))
     }
 
     fn close(a: Vector, b: Vector) -> bool {

@@ -4,11 +4,15 @@ pub mod address;
 pub mod analytic;
 mod merl;
 mod pack;
+pub mod rgl;
+pub mod scan;
 mod symmetry;
 mod tally;
 
 pub use merl::MerlSource;
 pub use pack::PackSource;
+pub use rgl::RglSource;
+pub use scan::ScanSource;
 pub use symmetry::Symmetry;
 pub use tally::Tally;
 

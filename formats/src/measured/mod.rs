@@ -4,5 +4,7 @@
 //! ask for memory, and say where, what was found and what is allowed when a file does not follow its layout.
 
 pub mod merl;
+pub mod rgl;
 pub mod scan;
 pub mod scan_csv;
+pub mod tensor;

@@ -1,0 +1,148 @@
+//! Tables over the unit square and the map that makes the visible normals uniform.
+
+use brdfc_formats::measured::rgl::Map;
+
+/// Position between two nodes of a table.
+#[derive(Debug, Clone, Copy)]
+pub struct Cell {
+    /// Node before.
+    pub index: usize,
+    /// 0 at that node, 1 at the next.
+    pub fraction: f64,
+}
+
+impl Cell {
+    /// Position of `u` (clamped to `[0, 1]`) on `nodes >= 2` evenly spaced nodes from 0 to 1.
+    pub fn new(u: f64, nodes: usize) -> Self {
+        let position = u.clamp(0.0, 1.0) * (nodes - 1) as f64;
+        let index = (position as usize).min(nodes - 2);
+        Self { index, fraction: position - index as f64 }
+    }
+}
+
+/// Value of a table between its four nodes.
+pub fn bilinear(map: &Map, u: f64, v: f64) -> f64 {
+    let (x, y) = (Cell::new(u, map.columns), Cell::new(v, map.rows));
+    let row = |index: usize| {
+        let start = index * map.columns + x.index;
+        mix(f64::from(map.values[start]), f64::from(map.values[start + 1]), x.fraction)
+    };
+    mix(row(y.index), row(y.index + 1), y.fraction)
+}
+
+fn mix(a: f64, b: f64, t: f64) -> f64 {
+    (1.0 - t) * a + t * b
+}
+
+/// The tabulated incident directions around a given one, with their weights.
+#[derive(Debug, Clone, Copy)]
+pub struct Incidence {
+    entries: [(usize, f64); 4],
+    count: usize,
+}
+
+impl Incidence {
+    /// Weights for linear interpolation along both axes; outside an axis its nearest entry counts.
+    pub fn new(phi_axis: &[f64], phi: f64, theta_axis: &[f64], theta: f64) -> Self {
+        let mut this = Self { entries: [(0, 0.0); 4], count: 0 };
+        for (p, phi_weight) in neighbours(phi_axis, phi) {
+            for (t, theta_weight) in neighbours(theta_axis, theta) {
+                let weight = phi_weight * theta_weight;
+                if weight > 0.0 {
+                    this.entries[this.count] = (p * theta_axis.len() + t, weight);
+                    this.count += 1;
+                }
+            }
+        }
+        this
+    }
+
+    /// Index over (phi_i, theta_i) and weight; the weights are positive and add up to 1.
+    pub fn slices(&self) -> &[(usize, f64)] {
+        &self.entries[..self.count]
+    }
+}
+
+fn neighbours(axis: &[f64], value: f64) -> [(usize, f64); 2] {
+    let last = axis.len() - 1;
+    let next = axis.partition_point(|entry| *entry <= value);
+    if next == 0 || next > last {
+        return [(next.min(last), 1.0), (0, 0.0)];
+    }
+    let t = (value - axis[next - 1]) / (axis[next] - axis[next - 1]);
+    [(next - 1, 1.0 - t), (next, t)]
+}
+
+/// Densities of visible normals and their running integrals, each incident direction scaled to integral 1.
+///
+/// The map is the one of the inversion method, first over rows, then along a row, for the density that is bilinear
+/// between the nodes. Lengths are counted in nodes, so that no spacing enters.
+#[derive(Debug, Clone)]
+pub struct VisibleNormals {
+    rows: usize,
+    columns: usize,
+    /// Density, and its integral along the row up to here. Shape (incidence, row, column).
+    nodes: Vec<[f32; 2]>,
+    /// Integral of the whole row, and the integral of the rows up to here. Shape (incidence, row).
+    totals: Vec<[f32; 2]>,
+}
+
+impl VisibleNormals {
+    /// From densities of shape (incidence, `rows`, `columns`).
+    pub fn new(densities: &[f32], rows: usize, columns: usize) -> Self {
+        let mut this = Self {
+            rows,
+            columns,
+            nodes: Vec::with_capacity(densities.len()),
+            totals: Vec::with_capacity(densities.len() / columns),
+        };
+        let mut running = vec![0.0; rows * columns];
+        let mut marginal = vec![0.0; rows];
+        for slice in densities.chunks_exact(rows * columns) {
+            for (line, sums) in slice.chunks_exact(columns).zip(running.chunks_exact_mut(columns)) {
+                for x in 1..columns {
+                    sums[x] = sums[x - 1] + 0.5 * (f64::from(line[x - 1]) + f64::from(line[x]));
+                }
+            }
+            let total = |y: usize| running[(y + 1) * columns - 1];
+            for y in 1..rows {
+                marginal[y] = marginal[y - 1] + 0.5 * (total(y - 1) + total(y));
+            }
+            let scale = 1.0 / marginal[rows - 1];
+            let scaled = |v: f64| (v * scale) as f32;
+            this.nodes.extend(slice.iter().zip(&running).map(|(d, sum)| [scaled(f64::from(*d)), scaled(*sum)]));
+            this.totals.extend((0..rows).map(|y| [scaled(total(y)), scaled(marginal[y])]));
+        }
+        this
+    }
+
+    /// Where the point `(u, v)` falls once the density is made uniform; both in `[0, 1]`.
+    pub fn invert(&self, incidence: &Incidence, u: f64, v: f64) -> [f64; 2] {
+        let (x, y) = (Cell::new(u, self.columns), Cell::new(v, self.rows));
+        let (mut before, mut left, mut right) = (0.0, 0.0, 0.0);
+        let (mut rows_before, mut upper, mut lower) = (0.0, 0.0, 0.0);
+        for &(slice, weight) in incidence.slices() {
+            let row = slice * self.rows + y.index;
+            for (row, weight) in [(row, weight * (1.0 - y.fraction)), (row + 1, weight * y.fraction)] {
+                let start = row * self.columns + x.index;
+                let ([density, sum], [next, _]) = (self.nodes[start], self.nodes[start + 1]);
+                before += weight * f64::from(sum);
+                left += weight * f64::from(density);
+                right += weight * f64::from(next);
+            }
+            upper += weight * f64::from(self.totals[row][0]);
+            lower += weight * f64::from(self.totals[row + 1][0]);
+            rows_before += weight * f64::from(self.totals[row][1]);
+        }
+        let along_row = before + segment(left, right, x.fraction);
+        let whole_row = mix(upper, lower, y.fraction);
+        // A row without visible normals has no shape to follow.
+        let s = if whole_row > 0.0 { along_row / whole_row } else { u };
+        [s.clamp(0.0, 1.0), (rows_before + segment(upper, lower, y.fraction)).clamp(0.0, 1.0)]
+    }
+}
+
+/// Integral from 0 to `t` of the line that goes from `a` at 0 to `b` at 1.
+fn segment(a: f64, b: f64, t: f64) -> f64 {
+    t * (a + 0.5 * t * (b - a))
+}

@@ -1,0 +1,303 @@
+//! Moving least squares: a local polynomial through the neighbours of the asked point (DESIGN section 3, "Sources").
+//!
+//! With offsets `p` from the asked point, in units of the distance to the first neighbour left out, a weight
+//! `(1 - |p|³)³` and the basis `1, p, p pᵀ`, the value of the fit at `p = 0` is its constant term. A second pass weighs down
+//! neighbours that the first fit misses (biweight). Linear and quadratic fit share one Cholesky factorisation: the
+//! linear normal matrix is the leading block of the quadratic one.
+//!
+//! A fit is trusted by its variance factor `[(BᵀWB)⁻¹]₀₀`, the variance of its value for data of unit variance (1 for a
+//! plain mean): fully below 20, not at all above 200, which is where a neighbourhood is rank-deficient or
+//! ill-conditioned for that degree. Distrust blends towards the next lower degree, down to the weighted mean.
+
+use super::super::Tally;
+
+/// Neighbours of a fit in 3 dimensions.
+pub const NEIGHBOURS_3D: usize = 12;
+/// Neighbours of a fit in 4 dimensions.
+pub const NEIGHBOURS_4D: usize = 18;
+/// Most neighbours of a fit.
+const MOST: usize = 18;
+/// Terms of a quadratic in 4 dimensions.
+const TERMS: usize = 15;
+/// What keeps the normal matrix regular: added to the diagonal for constant, linear and quadratic terms.
+const RIDGE: [f64; 3] = [2e-9, 1.01e-7, 5e-4];
+/// Residuals, in units of their median, from which a neighbour hardly counts.
+const OUTLIER: f64 = 5.0;
+/// Variance factors of full and of no trust.
+const TRUST: [f64; 2] = [20.0, 200.0];
+/// Share of the quadratic fit where both are trusted: it follows curvature, the linear one averages more noise.
+const QUADRATIC_SHARE: f64 = 0.5;
+/// How far below its neighbours a value may extrapolate, in units of their range.
+const MARGIN_BELOW: f64 = 0.1;
+
+/// Neighbours of one asked point.
+#[derive(Debug, Clone)]
+pub struct Neighbourhood<const D: usize> {
+    count: usize,
+    offsets: [[f64; D]; MOST],
+    weights: [f64; MOST],
+    values: [[f64; 3]; MOST],
+}
+
+impl<const D: usize> Default for Neighbourhood<D> {
+    fn default() -> Self {
+        Self { count: 0, offsets: [[0.0; D]; MOST], weights: [0.0; MOST], values: [[0.0; 3]; MOST] }
+    }
+}
+
+impl<const D: usize> Neighbourhood<D> {
+    /// Adds a neighbour: offset in units of the support radius, and log values. At most 18.
+    pub fn push(&mut self, offset: [f64; D], value: [f64; 3]) {
+        let distance = offset.iter().map(|c| c * c).sum::<f64>().sqrt().min(1.0);
+        self.offsets[self.count] = offset;
+        self.weights[self.count] = (1.0 - distance.powi(3)).powi(3);
+        self.values[self.count] = value;
+        self.count += 1;
+    }
+
+    /// Fitted log values at the asked point for the first `channels` channels, within reach of the neighbours' range.
+    /// At least one neighbour.
+    pub fn fit(&self, channels: usize, tally: &mut Tally) -> [f64; 3] {
+        let n = self.count;
+        let mut weights = [0.0; MOST];
+        weights[..n].copy_from_slice(&self.weights[..n]);
+        normalise(&mut weights[..n]);
+
+        let mut mean = [0.0; 3];
+        for k in 0..n {
+            for channel in 0..channels {
+                mean[channel] += weights[k] * self.values[k][channel];
+            }
+        }
+        let basis = self.basis();
+        let mut residuals = [[0.0; 3]; MOST];
+        for k in 0..n {
+            for channel in 0..channels {
+                residuals[k][channel] = self.values[k][channel] - mean[channel];
+            }
+        }
+        let first = solve::<D>(&basis[..n], &weights[..n], &residuals[..n], channels);
+        self.reweigh(&basis, &first, &residuals, channels, &mut weights);
+        let second = solve::<D>(&basis[..n], &weights[..n], &residuals[..n], channels);
+
+        let trust = second.variance.map(|v| ((TRUST[1] / v).ln() / (TRUST[1] / TRUST[0]).ln()).clamp(0.0, 1.0));
+        tally.fell_to_constant += u64::from(trust[0] == 0.0 && trust[1] == 0.0);
+        tally.fell_to_linear += u64::from(trust[0] > 0.0 && trust[1] == 0.0);
+
+        let mut fitted = mean;
+        let mut clamped = false;
+        for channel in 0..channels {
+            let linear = trust[0] * second.linear[channel][0];
+            let blend = linear + QUADRATIC_SHARE * trust[1] * (second.quadratic[channel][0] - linear);
+            let value = mean[channel] + blend;
+            let (low, high) = self.range(channel);
+            fitted[channel] = value.clamp(low - MARGIN_BELOW * (high - low), high);
+            clamped |= fitted[channel] != value;
+        }
+        tally.clamped_to_neighbours += u64::from(clamped);
+        fitted
+    }
+
+    /// Smallest and largest log value of the neighbours.
+    pub fn range(&self, channel: usize) -> (f64, f64) {
+        let values = self.values[..self.count].iter().map(|v| v[channel]);
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
+    }
+
+    /// `1, p, p pᵀ` of every neighbour.
+    fn basis(&self) -> [[f64; TERMS]; MOST] {
+        let mut basis = [[0.0; TERMS]; MOST];
+        for (row, p) in basis.iter_mut().zip(&self.offsets[..self.count]) {
+            row[0] = 1.0;
+            row[1..=D].copy_from_slice(p);
+            let mut term = D + 1;
+            for a in 0..D {
+                for b in a..D {
+                    row[term] = p[a] * p[b];
+                    term += 1;
+                }
+            }
+        }
+        basis
+    }
+
+    /// Biweight of the residuals of both fits' mean, over all channels together.
+    fn reweigh(
+        &self,
+        basis: &[[f64; TERMS]; MOST],
+        fit: &Solution,
+        residuals: &[[f64; 3]; MOST],
+        channels: usize,
+        weights: &mut [f64; MOST],
+    ) {
+        let n = self.count;
+        let mut missed = [0.0; MOST];
+        for k in 0..n {
+            let mut square = 0.0;
+            for channel in 0..channels {
+                let linear: f64 = (0..=D).map(|t| basis[k][t] * fit.linear[channel][t]).sum();
+                let quadratic: f64 = (0..terms(D)).map(|t| basis[k][t] * fit.quadratic[channel][t]).sum();
+                square += (residuals[k][channel] - 0.5 * (linear + quadratic)).powi(2);
+            }
+            missed[k] = (square / channels as f64).sqrt();
+        }
+        let mut sorted = missed;
+        sorted[..n].sort_unstable_by(f64::total_cmp);
+        let median = 0.5 * (sorted[(n - 1) / 2] + sorted[n / 2]);
+        for k in 0..n {
+            let u = (missed[k] / (OUTLIER * median + 1e-3)).min(1.0);
+            weights[k] *= (1.0 - u * u).powi(2) + 1e-4;
+        }
+        normalise(&mut weights[..n]);
+    }
+}
+
+const fn terms(dimensions: usize) -> usize {
+    1 + dimensions + dimensions * (dimensions + 1) / 2
+}
+
+fn normalise(weights: &mut [f64]) {
+    let sum: f64 = weights.iter().sum();
+    if sum > 0.0 {
+        weights.iter_mut().for_each(|w| *w /= sum);
+    } else {
+        weights.fill(1.0 / weights.len() as f64);
+    }
+}
+
+/// Coefficients of both fits, per channel, and variance factors of their values at the asked point.
+struct Solution {
+    linear: [[f64; TERMS]; 3],
+    quadratic: [[f64; TERMS]; 3],
+    variance: [f64; 2],
+}
+
+/// Solves `(BᵀWB + ridge) a = BᵀW e` for the quadratic basis and for its linear part.
+fn solve<const D: usize>(basis: &[[f64; TERMS]], weights: &[f64], residuals: &[[f64; 3]], channels: usize) -> Solution {
+    let m = terms(D);
+    let mut l = [[0.0; TERMS]; TERMS];
+    let mut right = [[0.0; TERMS]; 3];
+    for ((row, weight), residual) in basis.iter().zip(weights).zip(residuals) {
+        for a in 0..m {
+            let weighted = weight * row[a];
+            for b in 0..=a {
+                l[a][b] += weighted * row[b];
+            }
+            for channel in 0..channels {
+                right[channel][a] += weighted * residual[channel];
+            }
+        }
+    }
+    for (term, row) in l.iter_mut().enumerate().take(m) {
+        row[term] += RIDGE[if term == 0 { 0 } else { 1 + usize::from(term > D) }];
+    }
+    cholesky(&mut l, m);
+    let mut solution = Solution { linear: [[0.0; TERMS]; 3], quadratic: [[0.0; TERMS]; 3], variance: [0.0; 2] };
+    for channel in 0..channels {
+        let forward = substitute_forward(&l, &right[channel], m);
+        solution.linear[channel] = substitute_back(&l, &forward, D + 1);
+        solution.quadratic[channel] = substitute_back(&l, &forward, m);
+    }
+    let mut unit = [0.0; TERMS];
+    unit[0] = 1.0;
+    let forward = substitute_forward(&l, &unit, m);
+    let square = |count: usize| forward[..count].iter().map(|v| v * v).sum();
+    solution.variance = [square(D + 1), square(m)];
+    solution
+}
+
+/// `A = L Lᵀ` in place, lower triangle; the ridge keeps every pivot positive, rounding included.
+fn cholesky(a: &mut [[f64; TERMS]; TERMS], m: usize) {
+    for i in 0..m {
+        for j in 0..=i {
+            let sum: f64 = a[i][j] - (0..j).map(|k| a[i][k] * a[j][k]).sum::<f64>();
+            a[i][j] = if i == j { sum.max(1e-12).sqrt() } else { sum / a[j][j] };
+        }
+    }
+}
+
+fn substitute_forward(l: &[[f64; TERMS]; TERMS], right: &[f64; TERMS], m: usize) -> [f64; TERMS] {
+    let mut y = [0.0; TERMS];
+    for i in 0..m {
+        y[i] = (right[i] - (0..i).map(|k| l[i][k] * y[k]).sum::<f64>()) / l[i][i];
+    }
+    y
+}
+
+/// Back substitution with the leading `m` x `m` block.
+fn substitute_back(l: &[[f64; TERMS]; TERMS], y: &[f64; TERMS], m: usize) -> [f64; TERMS] {
+    let mut x = [0.0; TERMS];
+    for i in (0..m).rev() {
+        x[i] = (y[i] - (i + 1..m).map(|k| l[k][i] * x[k]).sum::<f64>()) / l[i][i];
+    }
+    x
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points that determine a quadratic in 3 dimensions well.
+    fn spread() -> Vec<[f64; 3]> {
+        let mut points = Vec::new();
+        for a in 0..3 {
+            for sign in [-0.6, 0.6] {
+                let mut p = [0.05 * sign; 3];
+                p[a] = sign;
+                points.push(p);
+            }
+        }
+        points.extend([[0.4, 0.4, 0.0], [0.4, 0.0, 0.4], [0.0, 0.4, 0.4]]);
+        points.extend([[-0.4, -0.4, 0.1], [-0.4, 0.1, -0.4], [0.1, -0.4, -0.4]]);
+        points
+    }
+
+    fn fitted(value: impl Fn([f64; 3]) -> f64) -> (f64, Tally) {
+        let mut neighbourhood = Neighbourhood::<3>::default();
+        for p in spread() {
+            neighbourhood.push(p, [value(p); 3]);
+        }
+        let mut tally = Tally::default();
+        (neighbourhood.fit(1, &mut tally)[0], tally)
+    }
+
+    #[test]
+    fn constants_and_planes_are_exact() {
+        let (value, tally) = fitted(|_| 2.5);
+        assert!((value - 2.5).abs() < 1e-9);
+        assert_eq!(tally, Tally::default());
+        let (value, _) = fitted(|p| 1.0 + 2.0 * p[0] - p[1] + 0.5 * p[2]);
+        assert!((value - 1.0).abs() < 1e-4, "{value}");
+    }
+
+    #[test]
+    fn a_bowl_is_followed_better_than_by_a_mean() {
+        let bowl = |p: [f64; 3]| p.iter().map(|c| c * c).sum::<f64>();
+        let (value, _) = fitted(bowl);
+        let mean = spread().into_iter().map(bowl).sum::<f64>() / 12.0;
+        assert!(value < 0.6 * mean, "{value} against {mean}");
+    }
+
+    #[test]
+    fn values_stay_near_the_neighbours() {
+        let (value, tally) = fitted(|p| if p[0] > 0.5 { 30.0 } else { 0.0 });
+        assert!((-3.0..=30.0).contains(&value), "{value}");
+        assert!(tally.clamped_to_neighbours <= 1);
+    }
+
+    #[test]
+    fn degenerate_neighbourhoods_fall_back_and_are_counted() {
+        let mut tally = Tally::default();
+        let mut line = Neighbourhood::<3>::default();
+        for k in 0..12 {
+            line.push([0.7 + 0.02 * f64::from(k), 0.0, 0.0], [f64::from(k); 3]);
+        }
+        let value = line.fit(3, &mut tally);
+        assert!(value.iter().all(|v| v.is_finite()) && tally.fell_to_constant + tally.fell_to_linear == 1, "{tally:?}");
+        let mut same = Neighbourhood::<3>::default();
+        for k in 0..12 {
+            same.push([0.0; 3], [f64::from(k % 2); 3]);
+        }
+        assert!((same.fit(3, &mut tally)[0] - 0.5).abs() < 1e-6);
+    }
+}
