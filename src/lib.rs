@@ -1,8 +1,11 @@
 //! `brdfc`: an offline compiler for measured appearance. See the README for what it does.
 //!
 //! Layers, each using only those before it: formats (a crate of its own), `source`, the stages `brdf` and `metrics`,
-//! `build` and `report`, `cli`.
+//! `report` and `build`, `cli`.
 
 pub mod brdf;
+pub mod build;
+pub mod cli;
 pub mod metrics;
+pub mod report;
 pub mod source;

@@ -1,3 +1,5 @@
 //! The `brdfc` command.
 
-fn main() {}
+fn main() -> std::process::ExitCode {
+    brdfc::cli::main()
+}

@@ -4,6 +4,7 @@ use super::{Source, Symmetry, Tally};
 use brdfc_formats::direction::{DirectionPair, dot, half_vector};
 use brdfc_formats::measured::merl::Merl;
 use std::f64::consts::FRAC_PI_2;
+use std::sync::OnceLock;
 
 /// Largest relative difference between a cell and its image that still counts as the rounding of a symmetric file.
 const SYMMETRY_TOLERANCE: f64 = 1e-5;
@@ -13,6 +14,7 @@ const SYMMETRY_TOLERANCE: f64 = 1e-5;
 pub struct MerlSource {
     table: Merl,
     symmetry: Symmetry,
+    nearest: OnceLock<Vec<u32>>,
 }
 
 impl MerlSource {
@@ -26,7 +28,7 @@ impl MerlSource {
             mirror: table.mirror_asymmetry() <= SYMMETRY_TOLERANCE,
             reciprocal: table.reciprocity_asymmetry() <= SYMMETRY_TOLERANCE,
         };
-        Self { table, symmetry }
+        Self { table, symmetry, nearest: OnceLock::new() }
     }
 
     /// The table.
@@ -104,25 +106,46 @@ impl Source for MerlSource {
 }
 
 impl MerlSource {
-    /// The valid cell nearest to `(i, j, k)` in index distance; ties go to the lower index. Slow, and rare: a pair
-    /// above the horizon whose eight cells are all invalid.
+    /// The valid cell nearest to cell `(i, j, k)` in steps along the axes; ties go to the cell reached first. For pairs
+    /// above the horizon whose eight cells are all invalid: rare, so the map is made when the first one comes.
     fn nearest_valid(&self, i: usize, j: usize, k: usize) -> [f64; 3] {
         let n = self.table.dimensions;
-        let mut best = (usize::MAX, [0.0f32; 3]);
-        for (index, cell) in self.table.values.iter().enumerate() {
-            if cell[0].is_nan() {
-                continue;
-            }
-            let (ring, c) = (index / n.phi_difference, index % n.phi_difference);
-            let (a, b) = (ring / n.theta_difference, ring % n.theta_difference);
-            let across = c.abs_diff(k).min(n.phi_difference - c.abs_diff(k));
-            let distance = a.abs_diff(i).pow(2) + b.abs_diff(j).pow(2) + across.pow(2);
-            if distance < best.0 {
-                best = (distance, *cell);
+        let nearest = self.nearest.get_or_init(|| nearest_valid_cells(&self.table));
+        let cell = (i * n.theta_difference + j) * n.phi_difference + k;
+        self.table.values[nearest[cell] as usize].map(f64::from)
+    }
+}
+
+/// For each cell the valid cell that a breadth-first walk from all valid cells reaches it from.
+fn nearest_valid_cells(table: &Merl) -> Vec<u32> {
+    let n = table.dimensions;
+    let mut nearest = vec![u32::MAX; n.cells()];
+    let mut queue = std::collections::VecDeque::new();
+    for (cell, value) in table.values.iter().enumerate() {
+        if !value[0].is_nan() {
+            nearest[cell] = cell as u32;
+            queue.push_back(cell);
+        }
+    }
+    while let Some(cell) = queue.pop_front() {
+        let (ring, k) = (cell / n.phi_difference, cell % n.phi_difference);
+        let (i, j) = (ring / n.theta_difference, ring % n.theta_difference);
+        let ring_cells = n.theta_difference * n.phi_difference;
+        let first = cell - k;
+        let mut neighbours =
+            vec![first + (k + 1) % n.phi_difference, first + (k + n.phi_difference - 1) % n.phi_difference];
+        neighbours.extend((j > 0).then(|| cell - n.phi_difference));
+        neighbours.extend((j + 1 < n.theta_difference).then(|| cell + n.phi_difference));
+        neighbours.extend((i > 0).then(|| cell - ring_cells));
+        neighbours.extend((i + 1 < n.theta_half).then(|| cell + ring_cells));
+        for neighbour in neighbours {
+            if nearest[neighbour] == u32::MAX {
+                nearest[neighbour] = nearest[cell];
+                queue.push_back(neighbour);
             }
         }
-        best.1.map(f64::from)
     }
+    nearest
 }
 
 /// Lower and upper sample and the fraction between them, for samples at integer positions; clamped at the last.

@@ -3,9 +3,11 @@
 pub mod address;
 pub mod analytic;
 mod merl;
+pub mod open;
 mod pack;
 pub mod rgl;
 pub mod scan;
+pub mod simulate;
 mod symmetry;
 mod tally;
 

@@ -91,24 +91,52 @@ impl Scan {
     }
 }
 
-/// Writes rows in the text layout with three bands at 450, 550 and 650 nm that hold the mean of R, G and B.
+/// Writes rows in the text layout with 31 bands from 400 to 700 nm.
 ///
-/// The layout holds spectra, not colours, so only grey values survive it unchanged: write coloured rows as CSV.
+/// The layout holds spectra, not colours: each row gets the flattest spectrum (least squares) that reads back as its
+/// colour. A saturated colour's spectrum may be negative in places.
 pub fn write(output: &mut impl Write, comment: &str, rows: &[Row]) -> std::io::Result<()> {
+    let wavelengths: Vec<f64> = (0..31).map(|k| 400.0 + 10.0 * f64::from(k)).collect();
+    let weights = colour::rgb_weights(&wavelengths).expect("31 wavelengths across the visible range");
+    let shapes = spectral_shapes(&weights);
     for line in comment.lines() {
         writeln!(output, "# {line}")?;
     }
-    writeln!(output, "# number of wavelengths\n3\n# wavelengths, nm\n450 550 650")?;
+    let listed: Vec<String> = wavelengths.iter().map(f64::to_string).collect();
+    writeln!(output, "# number of wavelengths\n{}\n# wavelengths, nm\n{}", listed.len(), listed.join(" "))?;
     writeln!(output, "# theta_i phi_i theta_o phi_o, then one value per wavelength")?;
     for row in rows {
+        write!(output, "{:.6} {:.6} {:.6} {:.6}", row.theta_i, row.phi_i, row.theta_o, row.phi_o)?;
         let grey = row.value.iter().sum::<f64>() / 3.0;
-        writeln!(
-            output,
-            "{:.6} {:.6} {:.6} {:.6} {grey:.8e} {grey:.8e} {grey:.8e}",
-            row.theta_i, row.phi_i, row.theta_o, row.phi_o
-        )?;
+        for shape in &shapes {
+            let chroma: f64 = (0..3).map(|c| (row.value[c] - grey) * shape[c]).sum();
+            write!(output, " {:.6e}", grey + chroma)?;
+        }
+        writeln!(output)?;
     }
     Ok(())
+}
+
+/// `W (WᵀW)⁻¹` for weights `W`: the smallest spectra whose colours are the unit vectors.
+fn spectral_shapes(weights: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    let mut gram = [[0.0; 3]; 3];
+    for w in weights {
+        for a in 0..3 {
+            for b in 0..3 {
+                gram[a][b] += w[a] * w[b];
+            }
+        }
+    }
+    // Inverse by cofactors of the cyclic neighbours.
+    let cofactor = |a: usize, b: usize| {
+        let (a1, a2, b1, b2) = ((a + 1) % 3, (a + 2) % 3, (b + 1) % 3, (b + 2) % 3);
+        gram[a1][b1] * gram[a2][b2] - gram[a1][b2] * gram[a2][b1]
+    };
+    let determinant: f64 = (0..3).map(|b| gram[0][b] * cofactor(0, b)).sum();
+    weights
+        .iter()
+        .map(|w| [0, 1, 2].map(|c| (0..3).map(|a| w[a] * cofactor(c, a)).sum::<f64>() / determinant))
+        .collect()
 }
 
 fn read_wavelengths<'a>(
@@ -233,11 +261,15 @@ mod tests {
     #[test]
     fn what_is_written_is_read() {
         let row = Row { theta_i: 0.25, phi_i: 0.5, theta_o: 0.75, phi_o: -1.0, value: [0.125; 3] };
+        let coloured = Row { value: [0.5, 0.25, 0.01], ..row };
         let mut bytes = Vec::new();
-        write(&mut bytes, "made by a test", &[row]).unwrap();
+        write(&mut bytes, "made by a test", &[row, coloured]).unwrap();
         let read = Scan::from_bytes(&bytes).unwrap();
-        assert_eq!(read.rows.len(), 1);
-        assert!((read.rows[0].value[1] - 0.125).abs() < 1e-12);
+        for (written, read) in [row, coloured].iter().zip(&read.rows) {
+            for channel in 0..3 {
+                assert!((written.value[channel] - read.value[channel]).abs() < 1e-5, "{written:?} {read:?}");
+            }
+        }
     }
 
     #[test]

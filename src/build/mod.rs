@@ -1,0 +1,7 @@
+//! The main job: a scene manifest becomes packs. What no use asks for is not opened, computed or written.
+
+pub mod cache;
+pub mod manifest;
+pub mod needs;
+pub mod run;
+pub mod write;

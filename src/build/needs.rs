@@ -1,0 +1,67 @@
+//! Needs: what the scene asks of each material. Everything outside is not computed and not written.
+
+use super::manifest::Manifest;
+use std::collections::BTreeMap;
+
+/// `α` of the level of detail when the manifest names none (section 5.4.1).
+pub const DEFAULT_DISTANCE_SCALE: f64 = 0.15;
+
+/// What one material is needed for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Needs {
+    /// Uses that refer to it, at least 1.
+    pub uses: usize,
+    /// Nearest distance at which any of them is seen, 0 or more.
+    pub nearest: f64,
+}
+
+impl Needs {
+    /// Finest level of detail that is ever asked for, of `levels`: `⌈N - clamp(log2(α d), 0, N)⌉`.
+    pub fn stored_levels(&self, levels: u32, distance_scale: f64) -> u32 {
+        (f64::from(levels) - lost_levels(self.nearest, distance_scale, levels)).ceil() as u32
+    }
+}
+
+/// `clamp(log2(α d), 0, N)`: levels that distance makes invisible.
+fn lost_levels(distance: f64, scale: f64, levels: u32) -> f64 {
+    (scale * distance).log2().clamp(0.0, f64::from(levels))
+}
+
+/// The needs of every material that is used, by name.
+pub fn needs(manifest: &Manifest) -> BTreeMap<&str, Needs> {
+    let mut all: BTreeMap<&str, Needs> = BTreeMap::new();
+    for used in &manifest.uses {
+        let nearest = used.nearest.unwrap_or(0.0);
+        let entry = all.entry(used.material.get_ref()).or_insert(Needs { uses: 0, nearest });
+        entry.uses += 1;
+        entry.nearest = entry.nearest.min(nearest);
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distance_takes_levels_away() {
+        let stored = |nearest| Needs { uses: 1, nearest }.stored_levels(5, 0.15);
+        assert_eq!(stored(0.0), 5);
+        assert_eq!(stored(6.0), 5, "log2(0.9) is clamped at 0");
+        assert_eq!(stored(14.0), 4, "2.1 is just over one level");
+        assert_eq!(stored(13.0), 5, "1.95 is not");
+        assert_eq!(stored(1e9), 0);
+    }
+
+    #[test]
+    fn the_nearest_use_counts_and_unused_materials_have_no_needs() {
+        let manifest = Manifest::parse(
+            "[materials.a]\nsource='x'\n[materials.b]\nsource='y'\n\
+             [[uses]]\nmaterial='a'\nnearest=20\n[[uses]]\nmaterial='a'\nnearest=7\n",
+        )
+        .unwrap();
+        let all = needs(&manifest);
+        assert_eq!(all.len(), 1);
+        assert_eq!(all["a"], Needs { uses: 2, nearest: 7.0 });
+    }
+}

@@ -1,0 +1,72 @@
+//! `brdfc encode`: one input to one pack.
+
+use super::options::EncodeOptions;
+use super::output::{print, print_json, remark, write_file};
+use super::{CliError, Common};
+use crate::brdf::encode::{Observer as _, encode};
+use crate::build::run::{StageClock, grid};
+use crate::report::material::{MaterialReport, StageTime, mended_in_words};
+use crate::report::table;
+use crate::source::open::{Facts, open};
+use clap::Args;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Encode one material as a wavelet pack.
+///
+/// Prints slices, bytes and errors; the errors stand in the pack too.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  brdfc encode red-plastic.binary -o red.ktx2
+  brdfc encode paint.brdf -o paint.ktx2 --max-error 0.02 --bits 12
+  brdfc encode 'synth:ggx?alpha=0.2' -o ggx.ktx2 --ratio 16 --json")]
+pub struct Arguments {
+    /// A path, or synth:MODEL?param=value&...
+    input: String,
+    /// The pack to write.
+    #[arg(long, short, value_name = "PACK.ktx2")]
+    output: PathBuf,
+    #[command(flatten)]
+    options: EncodeOptions,
+    /// Print the report as JSON (schema: 'brdfc schema encode').
+    #[arg(long)]
+    json: bool,
+}
+
+/// What `--json` prints.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub struct Report {
+    /// Layout of this report.
+    version: u32,
+    /// The input.
+    input: Facts,
+    /// What was made and measured.
+    #[serde(flatten)]
+    report: MaterialReport,
+    /// Seconds per stage.
+    stages: Vec<StageTime>,
+}
+
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
+    let recipe = arguments.options.recipe()?;
+    let mut clock = StageClock::new(|_| true);
+    clock.stage("read");
+    let opened = open(&arguments.input, None)?;
+    let encoded = encode(opened.source.as_ref(), grid(&recipe), &recipe, &mut clock)?;
+    clock.stage("write");
+    write_file(&arguments.output, &encoded.bytes)?;
+    let stages = clock.finish();
+    let report = MaterialReport::new(&encoded, &recipe, opened.facts.samples());
+    for line in mended_in_words(&report.mended) {
+        remark(common, &format!("note: {line}"));
+    }
+    if arguments.json {
+        return print_json(&Report { version: 1, input: opened.facts, report, stages });
+    }
+    let mut row = vec![arguments.output.display().to_string()];
+    row.extend(table::material_row(&report, Some(stages.iter().map(|s| s.seconds).sum())));
+    let mut header = table::MATERIAL_HEADER;
+    header[0] = "pack";
+    print(&table::plain(&header, &[row]))
+}

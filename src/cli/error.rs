@@ -1,0 +1,96 @@
+//! Errors with the exit codes that scripts rely on.
+
+use crate::brdf::encode::EncodeError;
+use crate::build::manifest::OptionError;
+use crate::build::run::JobError;
+use crate::source::open::InputError;
+use std::path::Path;
+
+/// Why the program did not do what it was asked.
+#[derive(Debug)]
+pub enum CliError {
+    /// A check failed: exit code 1.
+    Check(String),
+    /// Wrong arguments: 2.
+    Usage(String),
+    /// Invalid input: 3.
+    Input(String),
+    /// Cannot read or write: 4.
+    Io(String),
+    /// A fault of the program: 6.
+    Internal(String),
+    /// Stopped by the user: 130.
+    Interrupted,
+    /// Nobody reads our output any more, which is no error: 0.
+    PipeClosed,
+}
+
+impl CliError {
+    /// The exit code of DESIGN section 8.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::PipeClosed => 0,
+            Self::Check(_) => 1,
+            Self::Usage(_) => 2,
+            Self::Input(_) => 3,
+            Self::Io(_) => 4,
+            Self::Internal(_) => 6,
+            Self::Interrupted => 130,
+        }
+    }
+
+    /// What to tell, if anything.
+    pub fn message(&self) -> Option<&str> {
+        match self {
+            Self::Check(m) | Self::Usage(m) | Self::Input(m) | Self::Io(m) | Self::Internal(m) => Some(m),
+            Self::Interrupted => Some("interrupted; files that were finished are whole"),
+            Self::PipeClosed => None,
+        }
+    }
+
+    /// A file that cannot be written.
+    pub fn write(path: &Path, error: &std::io::Error) -> Self {
+        Self::Io(format!("{}: cannot write: {error}", path.display()))
+    }
+
+    /// A file that cannot be read.
+    pub fn read(path: &Path, error: &std::io::Error) -> Self {
+        Self::Io(format!("{}: cannot read: {error}", path.display()))
+    }
+}
+
+impl From<InputError> for CliError {
+    fn from(error: InputError) -> Self {
+        let message = error.to_string();
+        match error {
+            InputError::Io { .. } => Self::Io(message),
+            InputError::Format { .. } | InputError::Address { .. } => Self::Input(message),
+        }
+    }
+}
+
+impl From<EncodeError> for CliError {
+    fn from(error: EncodeError) -> Self {
+        match error {
+            EncodeError::BudgetMissed { .. } | EncodeError::TooFewBytes { .. } => Self::Check(error.to_string()),
+            EncodeError::TooManySlices { .. } => Self::Usage(error.to_string()),
+            EncodeError::Cancelled => Self::Interrupted,
+        }
+    }
+}
+
+impl From<JobError> for CliError {
+    fn from(error: JobError) -> Self {
+        match error {
+            JobError::Input(error) => error.into(),
+            JobError::Encode(error) => error.into(),
+            JobError::Write { .. } => Self::Io(error.to_string()),
+        }
+    }
+}
+
+impl From<OptionError> for CliError {
+    fn from(error: OptionError) -> Self {
+        Self::Usage(format!("--{}: found {}; allowed {}", error.field.replace('_', "-"), error.found, error.allowed))
+    }
+}

@@ -1,0 +1,119 @@
+//! `brdfc info`: what an input is.
+
+use super::CliError;
+use super::output::{print, print_json};
+use crate::report::table::{bytes, percent};
+use crate::source::Symmetry;
+use crate::source::open::{Facts, open};
+use clap::Args;
+use serde::Serialize;
+
+/// Say what an input is: layout, sizes, symmetries, measured errors of a pack.
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// A path, or synth:MODEL?param=value&...
+    input: String,
+    /// Print JSON (schema: 'brdfc schema info').
+    #[arg(long)]
+    json: bool,
+}
+
+/// What `--json` prints.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub struct Report {
+    /// Layout of this report.
+    version: u32,
+    /// What it is.
+    #[serde(flatten)]
+    facts: Facts,
+    /// Symmetries that hold exactly and save work.
+    symmetry: Symmetry,
+    /// Whether one channel is enough.
+    grey: bool,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
+    let opened = open(&arguments.input, None)?;
+    let (symmetry, grey) = (opened.source.symmetry(), opened.source.is_grey());
+    if arguments.json {
+        return print_json(&Report { version: 1, facts: opened.facts, symmetry, grey });
+    }
+    let mut lines = facts_in_words(&opened.facts);
+    if !matches!(opened.facts, Facts::WaveletPack { .. }) {
+        lines.push(("symmetry", symmetry_in_words(symmetry)));
+        lines.push(("colour", if grey { "grey (one channel)" } else { "RGB" }.to_owned()));
+    }
+    let width = lines.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
+    print(&lines.iter().map(|(name, value)| format!("{name:width$}  {value}\n")).collect::<String>())
+}
+
+fn symmetry_in_words(s: Symmetry) -> String {
+    let named = [(s.isotropic, "isotropic"), (s.mirror, "mirror symmetric"), (s.reciprocal, "reciprocal")];
+    let held: Vec<&str> = named.into_iter().filter(|(holds, _)| *holds).map(|(_, name)| name).collect();
+    if held.is_empty() { "none that holds exactly".to_owned() } else { held.join(", ") }
+}
+
+fn facts_in_words(facts: &Facts) -> Vec<(&'static str, String)> {
+    match facts {
+        Facts::Synth { address } => vec![("kind", "analytic model".to_owned()), ("address", address.clone())],
+        Facts::Merl { dimensions: [h, d, p], valid_cells, invalid_cells, mirror_asymmetry } => vec![
+            ("kind", "MERL table".to_owned()),
+            ("samples (theta_h x theta_d x phi_d)", format!("{h} x {d} x {p}")),
+            ("azimuths cover", if *p == 4 * d { "a full turn" } else { "half a turn" }.to_owned()),
+            ("valid cells", format!("{valid_cells} of {}", valid_cells + invalid_cells)),
+            ("largest mirror asymmetry", percent(*mirror_asymmetry)),
+        ],
+        Facts::Scan { wavelengths, summary } => {
+            let s = summary;
+            let isotropic = if s.isotropic {
+                "taken as isotropic: all rows have one azimuth of incidence"
+            } else {
+                "anisotropic: several azimuths of incidence"
+            };
+            let spectrum = match (wavelengths.first(), wavelengths.last()) {
+                (Some(first), Some(last)) => format!("{} wavelengths, {first} to {last} nm", wavelengths.len()),
+                _ => "RGB columns".to_owned(),
+            };
+            vec![
+                ("kind", "scattered scan".to_owned()),
+                ("rows", format!("{} ({} distinct direction pairs)", s.rows, s.distinct)),
+                ("material", isotropic.to_owned()),
+                ("values", spectrum),
+                ("largest difference of repeated rows", percent(s.largest_disagreement)),
+                ("rows with negative channels, raised to 0", s.negative.to_string()),
+                ("rows that are all 0", s.zero.to_string()),
+            ]
+        }
+        Facts::Rgl { description, azimuths, polar_angles, resolution: [rows, columns], channels } => vec![
+            ("kind", "RGL material".to_owned()),
+            ("description", description.clone()),
+            ("incoming directions", format!("{azimuths} azimuths x {polar_angles} polar angles")),
+            ("outgoing directions of each", format!("{rows} x {columns}")),
+            ("channels", if *channels == 3 { "RGB".to_owned() } else { format!("{channels} wavelengths") }),
+        ],
+        Facts::WaveletPack {
+            parameterisation,
+            grid,
+            levels,
+            stored_levels,
+            channels,
+            bits,
+            slices_kept,
+            mean,
+            bias,
+            gpu_bytes,
+            relative_error_on_grid,
+            relative_error_off_grid,
+        } => vec![
+            ("kind", "wavelet pack".to_owned()),
+            ("grid", format!("{grid} x {grid} per hemisphere, {parameterisation}")),
+            ("levels of detail", format!("{levels}, stored up to {stored_levels}")),
+            ("texels", format!("{channels} channels, {bits} bits")),
+            ("slices kept", format!("{slices_kept} of {}", grid * grid)),
+            ("mean μ, bias ε", format!("{mean} 1/sr, {bias}")),
+            ("bytes on a GPU", bytes(*gpu_bytes)),
+            ("relative error ε_r on the grid", percent(f64::from(*relative_error_on_grid))),
+            ("relative error ε_r off the grid", percent(f64::from(*relative_error_off_grid))),
+        ],
+    }
+}

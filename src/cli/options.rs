@@ -1,0 +1,52 @@
+//! Flags that say how a pack is made.
+
+use super::CliError;
+use crate::brdf::encode::Recipe;
+use crate::build::manifest::Options;
+use clap::Args;
+
+/// How a pack is made.
+#[derive(Debug, Args)]
+pub struct EncodeOptions {
+    /// Keep one slice in R (default 4).
+    #[arg(long, value_name = "R", conflicts_with_all = ["max_error", "max_bytes"])]
+    ratio: Option<f64>,
+    /// Keep the fewest slices whose mean relative error ε_r on the grid is at most E, a fraction: 0.02 is 2 %.
+    #[arg(long, value_name = "E", conflicts_with = "max_bytes")]
+    max_error: Option<f64>,
+    /// Keep as many slices as fit into B bytes on a GPU: texture and index map, before any compression of the file.
+    #[arg(long, value_name = "B")]
+    max_bytes: Option<u64>,
+    /// Cells per axis and hemisphere: 2, 4, 8, 16, 32 or 64 (default 32).
+    #[arg(long, value_name = "N")]
+    grid: Option<usize>,
+    /// What the two hemispheres are: tangent-pole (default, incoming and outgoing) or half-difference.
+    #[arg(long, value_name = "P")]
+    parameterisation: Option<String>,
+    /// Bits per component: 8 (default), or 10 to 16 in a texture of 16 bits.
+    #[arg(long, value_name = "N")]
+    bits: Option<u32>,
+    /// Smooth the table by moving least squares first: for noisy dense data. Scans are smoothed anyway.
+    #[arg(long)]
+    smooth: bool,
+    /// Store texels as they are, without Zstandard.
+    #[arg(long)]
+    no_supercompression: bool,
+}
+
+impl EncodeOptions {
+    /// The recipe.
+    pub fn recipe(&self) -> Result<Recipe, CliError> {
+        let options = Options {
+            grid: self.grid,
+            bits: self.bits,
+            parameterisation: self.parameterisation.clone(),
+            ratio: self.ratio,
+            max_error: self.max_error,
+            max_bytes: self.max_bytes,
+            smooth: self.smooth.then_some(true),
+        };
+        let recipe = options.resolve(&Options::default())?;
+        Ok(Recipe { supercompress: !self.no_supercompression, ..recipe })
+    }
+}

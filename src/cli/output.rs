@@ -1,0 +1,42 @@
+//! Results to stdout, remarks to stderr.
+
+use super::{CliError, Common};
+use crate::build::write::write_atomic;
+use serde::Serialize;
+use std::io::Write;
+use std::path::Path;
+
+/// Prints text to stdout.
+pub fn print(text: &str) -> Result<(), CliError> {
+    let mut stdout = std::io::stdout().lock();
+    stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()).map_err(|error| {
+        if error.kind() == std::io::ErrorKind::BrokenPipe {
+            CliError::PipeClosed
+        } else {
+            CliError::Io(format!("stdout: cannot write: {error}"))
+        }
+    })
+}
+
+/// Prints JSON to stdout.
+pub fn print_json(value: &impl Serialize) -> Result<(), CliError> {
+    print(&to_json(value))
+}
+
+/// JSON with a final newline.
+pub fn to_json(value: &impl Serialize) -> String {
+    serde_json::to_string_pretty(value).expect("results are plain data") + "\n"
+}
+
+/// Writes a whole file, or nothing.
+pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), CliError> {
+    write_atomic(path, bytes).map_err(|error| CliError::write(path, &error))
+}
+
+/// A remark on stderr, unless quiet.
+pub fn remark(common: Common, text: &str) {
+    if !common.quiet {
+        // A closed stderr is nobody to tell.
+        let _ = writeln!(std::io::stderr(), "{text}");
+    }
+}

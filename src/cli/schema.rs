@@ -1,0 +1,41 @@
+//! `brdfc schema`: JSON schemas of what `--json` prints.
+
+use super::CliError;
+use super::output::print_json;
+use clap::{Args, ValueEnum};
+use schemars::schema_for;
+
+/// Print the JSON schema of a report.
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// Which report.
+    #[arg(value_enum)]
+    report: Report,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Report {
+    /// 'brdfc build --json', and report.json in the output folder.
+    Build,
+    /// MATERIAL.json in the output folder.
+    Material,
+    /// 'brdfc encode --json'.
+    Encode,
+    /// 'brdfc compare --json'.
+    Compare,
+    /// 'brdfc info --json'.
+    Info,
+    /// 'brdfc bench --json'.
+    Bench,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
+    print_json(&match arguments.report {
+        Report::Build => schema_for!(super::build::Report),
+        Report::Material => schema_for!(crate::build::run::MaterialFile),
+        Report::Encode => schema_for!(super::encode::Report),
+        Report::Compare => schema_for!(super::compare::Report),
+        Report::Info => schema_for!(super::info::Report),
+        Report::Bench => schema_for!(super::bench::Report),
+    })
+}

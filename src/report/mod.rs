@@ -1,0 +1,5 @@
+//! What is said about finished work: JSON with a schema, and tables for people.
+
+pub mod material;
+pub mod study;
+pub mod table;

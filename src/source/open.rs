@@ -1,0 +1,245 @@
+//! Opens any input: a path or a `synth:` address.
+
+use super::address::{self, AddressError};
+use super::scan::{ScanSource, ScanSummary};
+use super::{MerlSource, PackSource, RglSource, Source};
+use brdfc_formats::FormatError;
+use brdfc_formats::colour::rgb_weights;
+use brdfc_formats::measured::merl::{Merl, MerlError};
+use brdfc_formats::measured::rgl::Rgl;
+use brdfc_formats::measured::scan::Scan;
+use brdfc_formats::measured::scan_csv;
+use brdfc_formats::pack::WaveletPack;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+/// Largest file that is read as a whole (everything but MERL tables, whose header is checked first).
+const MAX_FILE_BYTES: u64 = 2 << 30;
+
+/// An input that cannot be used, and whose fault that is.
+#[derive(Debug, thiserror::Error)]
+pub enum InputError {
+    /// What stands in the file breaks its layout.
+    #[error("{name}: {error}")]
+    Format {
+        /// The input as it was named.
+        name: String,
+        /// What is wrong.
+        error: FormatError,
+    },
+    /// The file cannot be read.
+    #[error("{name}: cannot read: {error}")]
+    Io {
+        /// The input as it was named.
+        name: String,
+        /// What the system says.
+        error: std::io::Error,
+    },
+    /// The `synth:` address is wrong.
+    #[error("{name}: {error}")]
+    Address {
+        /// The input as it was named.
+        name: String,
+        /// What is wrong.
+        error: AddressError,
+    },
+}
+
+/// What kind of input it is, with what is worth knowing about it.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum Facts {
+    /// An analytic model.
+    Synth {
+        /// The address with all parameters.
+        address: String,
+    },
+    /// A MERL table.
+    Merl {
+        /// Samples along theta_h, theta_d and phi_d.
+        dimensions: [usize; 3],
+        /// Cells with a measurement.
+        valid_cells: usize,
+        /// Cells without.
+        invalid_cells: usize,
+        /// Largest relative difference between a cell and its mirror image.
+        mirror_asymmetry: f64,
+    },
+    /// A scattered scan.
+    Scan {
+        /// Wavelengths in nm; empty for RGB columns.
+        wavelengths: Vec<f64>,
+        /// Counts.
+        #[serde(flatten)]
+        summary: ScanSummary,
+    },
+    /// An RGL material.
+    Rgl {
+        /// What the file says of itself.
+        description: String,
+        /// Incoming azimuths measured.
+        azimuths: usize,
+        /// Incoming polar angles measured.
+        polar_angles: usize,
+        /// Rows and columns of the colour tensor per incoming direction.
+        resolution: [usize; 2],
+        /// Colour channels or wavelengths in the file.
+        channels: usize,
+    },
+    /// A wavelet pack.
+    WaveletPack {
+        /// The parameterisation's name.
+        parameterisation: String,
+        /// Cells per axis and hemisphere.
+        grid: usize,
+        /// Levels of detail.
+        levels: u32,
+        /// Finest level that holds slices.
+        stored_levels: u32,
+        /// 1 or 3.
+        channels: u32,
+        /// Bits per component.
+        bits: u32,
+        /// Slices kept, the zero slice not counted.
+        slices_kept: usize,
+        /// `μ`, 1/sr.
+        mean: f32,
+        /// `ε`.
+        bias: f32,
+        /// Bytes on a GPU.
+        gpu_bytes: u64,
+        /// `ε_r` of the codec on the grid, a fraction.
+        relative_error_on_grid: f32,
+        /// `ε_r` against the source at random direction pairs, a fraction.
+        relative_error_off_grid: f32,
+    },
+}
+
+impl Facts {
+    /// Measured samples that came in; 0 for models.
+    pub fn samples(&self) -> u64 {
+        match self {
+            Self::Synth { .. } => 0,
+            Self::Merl { valid_cells, .. } => *valid_cells as u64,
+            Self::Scan { summary, .. } => summary.rows as u64,
+            Self::Rgl { azimuths, polar_angles, resolution, .. } => {
+                (azimuths * polar_angles * resolution[0] * resolution[1]) as u64
+            }
+            Self::WaveletPack { grid, slices_kept, .. } => (grid * grid * slices_kept) as u64,
+        }
+    }
+}
+
+/// An input, ready for evaluation.
+pub struct Opened {
+    /// Evaluates it.
+    pub source: Box<dyn Source>,
+    /// What it is.
+    pub facts: Facts,
+}
+
+/// Opens `input`. `level` is the level of detail that packs are decoded at; other inputs have none.
+///
+/// # Errors
+/// Files that cannot be read or do not follow their layout, unknown kinds, wrong addresses.
+pub fn open(input: &str, level: Option<f32>) -> Result<Opened, InputError> {
+    if address::is_synth(input) {
+        let model = address::parse_model(&input[address::SYNTH_PREFIX.len()..])
+            .map_err(|error| InputError::Address { name: input.to_owned(), error })?;
+        let facts = Facts::Synth { address: address::canonical(model.as_ref()) };
+        return Ok(Opened { source: model, facts });
+    }
+    open_file(Path::new(input), level)
+}
+
+/// Opens a file.
+///
+/// # Errors
+/// As [`open`].
+pub fn open_file(path: &Path, level: Option<f32>) -> Result<Opened, InputError> {
+    let name = path.display().to_string();
+    let io = |error| InputError::Io { name: name.clone(), error };
+    let format = |error| InputError::Format { name: name.clone(), error };
+    let mut file = File::open(path).map_err(io)?;
+    let metadata = file.metadata().map_err(io)?;
+    if metadata.is_dir() {
+        return Err(io(std::io::Error::from(std::io::ErrorKind::IsADirectory)));
+    }
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
+    if extension == "binary" {
+        let table = Merl::read(file, metadata.len()).map_err(|error| match error {
+            MerlError::Format(error) => format(error),
+            MerlError::Io(error) => io(error),
+        })?;
+        return Ok(opened_merl(table));
+    }
+    if metadata.len() > MAX_FILE_BYTES {
+        return Err(format(FormatError::whole(
+            "file length",
+            format!("{} bytes", metadata.len()),
+            format!("at most {MAX_FILE_BYTES} bytes"),
+        )));
+    }
+    let mut bytes = Vec::with_capacity(metadata.len() as usize);
+    file.read_to_end(&mut bytes).map_err(io)?;
+    let opened = match extension.as_str() {
+        "brdf" => Scan::from_bytes(&bytes).and_then(|scan| opened_scan(&scan)),
+        "csv" => scan_csv::from_bytes(&bytes).and_then(|scan| opened_scan(&scan)),
+        "bsdf" => Rgl::from_bytes(&bytes).and_then(opened_rgl),
+        "ktx2" => WaveletPack::from_bytes(&bytes).map(|pack| opened_pack(&pack, level)),
+        _ => Err(FormatError::whole(
+            "file name",
+            if extension.is_empty() { "no extension".to_owned() } else { format!("extension .{extension}") },
+            ".binary (MERL), .brdf or .csv (scan), .bsdf (RGL), .ktx2 (pack), or synth:MODEL",
+        )),
+    };
+    opened.map_err(format)
+}
+
+fn opened_merl(table: Merl) -> Opened {
+    let n = table.dimensions;
+    let facts = Facts::Merl {
+        dimensions: [n.theta_half, n.theta_difference, n.phi_difference],
+        valid_cells: table.valid_cells,
+        invalid_cells: n.cells() - table.valid_cells,
+        mirror_asymmetry: table.mirror_asymmetry(),
+    };
+    Opened { source: Box::new(MerlSource::new(table)), facts }
+}
+
+fn opened_scan(scan: &Scan) -> Result<Opened, FormatError> {
+    let source = ScanSource::new(scan)?;
+    let facts = Facts::Scan { wavelengths: scan.wavelengths.clone(), summary: source.summary() };
+    Ok(Opened { source: Box::new(source), facts })
+}
+
+fn opened_rgl(rgl: Rgl) -> Result<Opened, FormatError> {
+    let facts = Facts::Rgl {
+        description: rgl.description.clone(),
+        azimuths: rgl.phi_i.len(),
+        polar_angles: rgl.theta_i.len(),
+        resolution: [rgl.colour_rows, rgl.colour_columns],
+        channels: rgl.channels(),
+    };
+    Ok(Opened { source: Box::new(RglSource::new(rgl, rgb_weights)?), facts })
+}
+
+fn opened_pack(pack: &WaveletPack, level: Option<f32>) -> Opened {
+    let h = &pack.header;
+    let facts = Facts::WaveletPack {
+        parameterisation: h.parameterisation.name().to_owned(),
+        grid: h.grid(),
+        levels: h.levels,
+        stored_levels: h.stored_levels,
+        channels: h.channels,
+        bits: h.bits,
+        slices_kept: pack.slices() - 1,
+        mean: h.mean,
+        bias: h.bias,
+        gpu_bytes: pack.gpu_bytes(),
+        relative_error_on_grid: pack.on_grid.relative_mean,
+        relative_error_off_grid: pack.off_grid.relative_mean,
+    };
+    Opened { source: Box::new(PackSource::new(pack, level)), facts }
+}
