@@ -31,19 +31,33 @@ impl Flip {
         usize::from(self.columns) + 2 * usize::from(self.rows)
     }
 
-    /// Image of a cell, numbered row by row.
+    /// Image of a cell, numbered row by row, on a grid of `n` x `n` cells, `n` a power of two: the mirror image of an
+    /// index below a power of two has all its bits inverted.
+    #[inline]
     pub fn cell(self, cell: usize, n: usize) -> usize {
-        let (row, column) = (cell / n, cell % n);
-        let row = if self.rows { n - 1 - row } else { row };
-        let column = if self.columns { n - 1 - column } else { column };
-        row * n + column
+        let columns = if self.columns { n - 1 } else { 0 };
+        let rows = if self.rows { (n - 1) * n } else { 0 };
+        cell ^ (columns | rows)
+    }
+}
+
+impl Flip {
+    /// The image of an `n` x `n` grid: `output[cell] = samples[flip(cell)]`.
+    pub fn unfold(self, samples: &[f32], n: usize, output: &mut [f32]) {
+        for (row, line) in output.chunks_exact_mut(n).enumerate() {
+            let from = if self.rows { n - 1 - row } else { row };
+            line.copy_from_slice(&samples[from * n..][..n]);
+            if self.columns {
+                line.reverse();
+            }
+        }
     }
 }
 
 /// How outer cells fold onto the few rows that are computed.
 #[derive(Debug, Clone)]
 pub struct Fold {
-    /// Cells per axis, even.
+    /// Cells per axis, a power of two.
     pub n: usize,
     parameterisation: Parameterisation,
     reciprocal: bool,
@@ -51,11 +65,12 @@ pub struct Fold {
     half_turn: bool,
     /// Outer cells of the fundamental domain, in ascending order: the table's rows.
     rows: Vec<u32>,
-    row_of_cell: Vec<u32>,
+    /// Row and flip of every outer cell.
+    located: Vec<(u32, Flip)>,
 }
 
 impl Fold {
-    /// The fold that a symmetry allows on an `n` x `n` grid.
+    /// The fold that a symmetry allows on an `n` x `n` grid, `n` a power of two, at least 2.
     pub fn new(n: usize, parameterisation: Parameterisation, symmetry: Symmetry) -> Self {
         let mut fold = Self {
             n,
@@ -64,13 +79,18 @@ impl Fold {
             mirror: symmetry.mirror,
             half_turn: symmetry.mirror || symmetry.isotropic,
             rows: Vec::new(),
-            row_of_cell: vec![u32::MAX; n * n],
+            located: Vec::with_capacity(n * n),
         };
+        let mut row_of_cell = vec![u32::MAX; n * n];
         for cell in 0..n * n {
             if fold.flip_to_domain(cell) == Flip::NONE {
-                fold.row_of_cell[cell] = fold.rows.len() as u32;
+                row_of_cell[cell] = fold.rows.len() as u32;
                 fold.rows.push(cell as u32);
             }
+        }
+        for cell in 0..n * n {
+            let flip = fold.flip_to_domain(cell);
+            fold.located.push((row_of_cell[flip.cell(cell, n)], flip));
         }
         fold
     }
@@ -108,13 +128,15 @@ impl Fold {
 
     /// The table row that holds an outer cell, and the flip of the inner cells that goes with it:
     /// `f[cell][inner] = table[row][flip(inner)]`.
+    #[inline]
     pub fn locate(&self, cell: usize) -> (usize, Flip) {
-        let flip = self.flip_to_domain(cell);
-        (self.row_of_cell[flip.cell(cell, self.n)] as usize, flip)
+        let (row, flip) = self.located[cell];
+        (row as usize, flip)
     }
 
     /// Row and inner cell of the same sample with light and viewer exchanged; `None` for a source that is not
     /// reciprocal.
+    #[inline]
     pub fn exchanged(&self, row: usize, inner: usize) -> Option<(usize, usize)> {
         if !self.reciprocal {
             return None;

@@ -1,6 +1,7 @@
 //! Log encoding (section 5.1, after McCool et al. 2001): `f~ = ln(f / μ + ε)`.
 
 use super::table::Table;
+use crate::metrics::vector_math;
 use rayon::prelude::*;
 
 /// The `ε` of the paper's equation in section 5.1 when none is asked for.
@@ -38,7 +39,8 @@ impl LogEncoding {
 
 /// Encodes every sample of a table.
 pub fn log_encode(table: &Table, encoding: LogEncoding) -> Table {
-    map(table, |f| encoding.encode(f64::from(f)) as f32)
+    let (scale, bias) = ((1.0 / encoding.mean) as f32, encoding.bias as f32);
+    map(table, |f| vector_math::ln(f * scale + bias))
 }
 
 /// Inverse of [`log_encode`], raised to 0 where rounding or smoothing went below.
@@ -56,7 +58,24 @@ fn map(table: &Table, f: impl Fn(f32) -> f32 + Sync) -> Table {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::brdf::fold::Fold;
+    use crate::brdf::table::Grid;
+    use crate::source::Symmetry;
+    use brdfc_formats::direction::Parameterisation;
+    use ndarray::Array3;
     use proptest::prelude::*;
+
+    #[test]
+    fn tables_in_single_precision_follow_the_equation() {
+        let grid = Grid { parameterisation: Parameterisation::TangentPole, levels: 1 };
+        let fold = Fold::new(2, grid.parameterisation, Symmetry::NONE);
+        let values = Array3::from_shape_fn((1, 4, 4), |(_, a, b)| 1e-12f32 * 13f32.powi((4 * a + b) as i32));
+        let table = Table { grid, fold, values };
+        let encoding = LogEncoding::of(&table, DEFAULT_BIAS);
+        for (f, v) in table.values.iter().zip(log_encode(&table, encoding).values.iter()) {
+            assert!((f64::from(*v) - encoding.encode(f64::from(*f))).abs() < 2e-6, "{f} {v}");
+        }
+    }
 
     proptest! {
         #[test]

@@ -3,6 +3,7 @@
 use super::table::Table;
 use crate::metrics::compare::Reciprocity;
 use crate::metrics::norms::{NormSums, Norms};
+use crate::metrics::vector_math::exp;
 use brdfc_formats::direction::{Parameterisation, cell_centre};
 use brdfc_formats::pack::WaveletDecoder;
 use rayon::prelude::*;
@@ -43,33 +44,31 @@ pub fn grid_error(reference: &Table, decoder: &WaveletDecoder) -> GridError {
             let mut sums = NormSums::new(mean);
             let mut albedo_max: f64 = 0.0;
             let mut decoded = vec![0.0f32; cells];
+            let mut unfolded = vec![0.0f32; cells];
             let mut kept = Vec::new();
             let mut scratch = Vec::new();
             for outer in chunk * CHUNK..((chunk + 1) * CHUNK).min(cells) {
                 let (row, flip) = reference.fold.locate(outer);
                 for channel in 0..channels {
                     decoder.decode_row(outer, channel, &mut decoded, &mut scratch);
+                    let (mean, bias) = (decoder.header().mean, decoder.header().bias);
+                    decoded.iter_mut().for_each(|v| *v = (mean * (exp(*v) - bias)).max(0.0));
                     let samples = reference.row(channel, row);
-                    let mut albedo = 0.0;
-                    for inner in 0..cells {
-                        let f = f64::from(samples[flip.cell(inner, n)]);
-                        let g = f64::from(decoder.from_log(decoded[inner]));
-                        decoded[inner] = g as f32;
-                        let cosine = if tangent_pole {
-                            centre_z(outer, n)
-                        } else {
-                            let pair = grid.parameterisation.from_axes(centre(outer), centre(inner));
-                            if !pair.is_above_horizon() {
-                                continue;
-                            }
-                            pair.incoming[2]
-                        };
-                        sums.add(f, g, cosine);
-                        albedo += (g - f) * albedo_weight[inner];
-                    }
-                    albedo_max = albedo_max.max(albedo.abs());
+                    flip.unfold(samples, n, &mut unfolded);
                     if tangent_pole {
+                        sums.add_row(&unfolded, &decoded, centre(outer)[2] as f32);
+                        let albedo: f64 = (0..cells)
+                            .map(|inner| f64::from(decoded[inner] - unfolded[inner]) * albedo_weight[inner])
+                            .sum();
+                        albedo_max = albedo_max.max(albedo.abs());
                         kept.extend_from_slice(&decoded);
+                        continue;
+                    }
+                    for inner in 0..cells {
+                        let pair = grid.parameterisation.from_axes(centre(outer), centre(inner));
+                        if pair.is_above_horizon() {
+                            sums.add(f64::from(unfolded[inner]), f64::from(decoded[inner]), pair.incoming[2]);
+                        }
                     }
                 }
             }
@@ -91,25 +90,33 @@ pub fn grid_error(reference: &Table, decoder: &WaveletDecoder) -> GridError {
     error
 }
 
-fn centre_z(cell: usize, n: usize) -> f64 {
-    cell_centre(cell % n, cell / n, n)[2]
-}
-
 fn reciprocity(reference: &Table, parts: &[(NormSums, f64, Vec<f32>)], mean: f64) -> f64 {
     let (cells, channels, n) = (reference.grid.cells(), reference.channels(), reference.grid.n());
-    let decoded = |outer: usize, channel: usize, inner: usize| {
-        f64::from(parts[outer / CHUNK].2[((outer % CHUNK) * channels + channel) * cells + inner])
+    let decoded = |outer: usize, channel: usize| {
+        &parts[outer / CHUNK].2[((outer % CHUNK) * channels + channel) * cells..][..cells]
     };
-    let mut total = Reciprocity::default();
-    for outer in 0..cells {
-        let (row, flip) = reference.fold.locate(outer);
-        for channel in 0..channels {
-            let samples = reference.row(channel, row);
-            for inner in 0..outer {
-                let f = f64::from(samples[flip.cell(inner, n)]);
-                total.add(f, decoded(outer, channel, inner), decoded(inner, channel, outer), mean);
+    // Square tiles: the exchanged samples stand in columns, which only small tiles keep in the cache.
+    let tiles: Vec<(usize, usize)> =
+        (0..cells.div_ceil(CHUNK)).flat_map(|a| (0..=a).map(move |b| (a * CHUNK, b * CHUNK))).collect();
+    let sums: Vec<Reciprocity> = tiles
+        .par_iter()
+        .map(|(first_outer, first_inner)| {
+            let mut sum = Reciprocity::default();
+            for outer in *first_outer..(first_outer + CHUNK).min(cells) {
+                let (row, flip) = reference.fold.locate(outer);
+                for channel in 0..channels {
+                    let (samples, straight) = (reference.row(channel, row), decoded(outer, channel));
+                    for inner in *first_inner..(first_inner + CHUNK).min(outer) {
+                        let f = f64::from(samples[flip.cell(inner, n)]);
+                        let (g, exchanged) = (straight[inner], decoded(inner, channel)[outer]);
+                        sum.add(f, f64::from(g), f64::from(exchanged), mean);
+                    }
+                }
             }
-        }
-    }
+            sum
+        })
+        .collect();
+    let mut total = Reciprocity::default();
+    sums.iter().for_each(|sum| total.merge(sum));
     total.mean()
 }

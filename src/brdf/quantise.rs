@@ -18,11 +18,12 @@ pub struct Quantised {
 pub fn quantise(coefficients: &Table, kept: &[u32], header: &Header) -> Quantised {
     let format = header.texel_format();
     let slice_bytes = header.cells() * format.texel_bytes();
+    let transposed = Transposed::new(coefficients);
     let mut texels = vec![0u8; (kept.len() + 1) * slice_bytes];
     let mut scales = vec![SliceScale::default(); kept.len() + 1];
     texels[slice_bytes..].par_chunks_mut(slice_bytes).zip(scales[1..].par_iter_mut()).zip(kept).for_each(
         |((texels, scale), k)| {
-            let slice = gather(coefficients, *k as usize);
+            let slice = transposed.slice(*k as usize);
             *scale = fit_scale(&slice, header.bits);
             let (components, bytes) = (format.components(), format.component_bytes());
             let cells = header.cells();
@@ -42,19 +43,45 @@ pub fn quantise(coefficients: &Table, kept: &[u32], header: &Header) -> Quantise
     Quantised { scales, texels }
 }
 
-/// One slice, `[channel][outer cell]`, unfolded.
-fn gather(coefficients: &Table, k: usize) -> Vec<f32> {
-    let fold = &coefficients.fold;
-    let images = super::fold::Flip::ALL.map(|flip| flip_coefficient(k, flip));
-    let mut slice = Vec::with_capacity(coefficients.channels() * coefficients.grid.cells());
-    for channel in 0..coefficients.channels() {
-        for cell in 0..coefficients.grid.cells() {
-            let (row, flip) = fold.locate(cell);
-            let (image, sign) = images[flip.number()];
-            slice.push(sign * coefficients.row(channel, row)[image]);
+/// Coefficients with the rows of one coefficient side by side, `[channel][k][row]`, so that a slice is read in order.
+struct Transposed<'a> {
+    coefficients: &'a Table,
+    values: Vec<f32>,
+}
+
+impl<'a> Transposed<'a> {
+    fn new(coefficients: &'a Table) -> Self {
+        const TILE: usize = 16;
+        let (channels, rows, cells) = coefficients.values.dim();
+        let mut values = vec![0.0f32; channels * rows * cells];
+        for channel in 0..channels {
+            for first in (0..rows).step_by(TILE) {
+                let tile = (rows - first).min(TILE);
+                for row in first..first + tile {
+                    for (k, c) in coefficients.row(channel, row).iter().enumerate() {
+                        values[(channel * cells + k) * rows + row] = *c;
+                    }
+                }
+            }
         }
+        Self { coefficients, values }
     }
-    slice
+
+    /// One slice, `[channel][outer cell]`, unfolded.
+    fn slice(&self, k: usize) -> Vec<f32> {
+        let fold = &self.coefficients.fold;
+        let (channels, rows, cells) = self.coefficients.values.dim();
+        let images = super::fold::Flip::ALL.map(|flip| flip_coefficient(k, flip));
+        let mut slice = Vec::with_capacity(channels * cells);
+        for channel in 0..channels {
+            for cell in 0..cells {
+                let (row, flip) = fold.locate(cell);
+                let (image, sign) = images[flip.number()];
+                slice.push(sign * self.values[(channel * cells + image) * rows + row]);
+            }
+        }
+        slice
+    }
 }
 
 /// The range of a slice, over all channels. Where it spans 0, 0 itself is one of the steps: most details are almost

@@ -91,8 +91,7 @@ pub fn compare(
     let mut tally = Tally::default();
     for (part, exchange, counts) in &parts {
         sums.merge(part);
-        reciprocity.sum += exchange.sum;
-        reciprocity.count += exchange.count;
+        reciprocity.merge(exchange);
         tally += *counts;
     }
     let albedo = albedo_curves(reference, approximation);
@@ -139,6 +138,12 @@ impl Reciprocity {
             self.sum += (g - exchanged).abs() / f;
             self.count += 1;
         }
+    }
+
+    /// Adds the samples of another set.
+    pub fn merge(&mut self, other: &Self) {
+        self.sum += other.sum;
+        self.count += other.count;
     }
 
     /// The mean; 0 for no samples.

@@ -3,3 +3,4 @@
 pub mod compare;
 pub mod norms;
 pub mod sampling;
+pub mod vector_math;

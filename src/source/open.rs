@@ -198,14 +198,15 @@ pub fn open_file(path: &Path, level: Option<f32>) -> Result<Opened, InputError> 
 }
 
 fn opened_merl(table: Merl) -> Opened {
-    let n = table.dimensions;
+    let source = MerlSource::new(table);
+    let (n, valid_cells) = (source.table().dimensions, source.table().valid_cells);
     let facts = Facts::Merl {
         dimensions: [n.theta_half, n.theta_difference, n.phi_difference],
-        valid_cells: table.valid_cells,
-        invalid_cells: n.cells() - table.valid_cells,
-        mirror_asymmetry: table.mirror_asymmetry(),
+        valid_cells,
+        invalid_cells: n.cells() - valid_cells,
+        mirror_asymmetry: source.mirror_asymmetry(),
     };
-    Opened { source: Box::new(MerlSource::new(table)), facts }
+    Opened { source: Box::new(source), facts }
 }
 
 fn opened_scan(scan: &Scan) -> Result<Opened, FormatError> {

@@ -2,7 +2,7 @@
 
 use crate::FormatError;
 use std::f64::consts::{FRAC_PI_2, PI};
-use std::io::{Read, Write};
+use std::io::{Read, Seek, SeekFrom, Write};
 
 /// Size of the header: three little-endian `i32`.
 pub const HEADER_BYTES: u64 = 12;
@@ -95,12 +95,13 @@ pub struct Merl {
 }
 
 impl Merl {
-    /// Reads a file of known `length` in one pass through a small buffer.
+    /// Reads a file of known `length`, through small buffers that walk along the three colour planes side by side.
     ///
     /// # Errors
     /// Dimensions out of range or not matching `length`, a read that ends early or fails, NaN, infinite or absurd
     /// numbers, no valid cell at all.
-    pub fn read(mut input: impl Read, length: u64) -> Result<Self, MerlError> {
+    pub fn read(mut input: impl Read + Seek, length: u64) -> Result<Self, MerlError> {
+        const BLOCK: usize = 1 << 13;
         let mut header = [0u8; HEADER_BYTES as usize];
         if length < HEADER_BYTES {
             return Err(FormatError::whole("file length", format!("{length} bytes"), "at least 12 bytes").into());
@@ -111,16 +112,15 @@ impl Merl {
 
         let cells = dimensions.cells();
         let mut values = vec![[0.0f32; 3]; cells];
-        let mut buffer = vec![0u8; 1 << 18];
-        for (channel, scale) in SCALES.into_iter().enumerate() {
-            let mut cell = 0;
-            while cell < cells {
-                let count = (cells - cell).min(buffer.len() / 8);
-                let offset = HEADER_BYTES + 8 * (channel * cells + cell) as u64;
-                let bytes = &mut buffer[..8 * count];
+        let mut buffer = vec![0u8; 8 * BLOCK.min(cells)];
+        for (block, block_values) in values.chunks_mut(BLOCK).enumerate() {
+            for (channel, scale) in SCALES.into_iter().enumerate() {
+                let offset = HEADER_BYTES + 8 * (channel * cells + block * BLOCK) as u64;
+                let bytes = &mut buffer[..8 * block_values.len()];
+                input.seek(SeekFrom::Start(offset)).map_err(MerlError::Io)?;
                 read_exact(&mut input, bytes, offset)?;
                 let mut clean = true;
-                for (value, raw) in values[cell..cell + count].iter_mut().zip(bytes.as_chunks::<8>().0) {
+                for (value, raw) in block_values.iter_mut().zip(bytes.as_chunks::<8>().0) {
                     let number = f64::from_le_bytes(*raw);
                     clean &= number.abs() <= MAX_STORED;
                     value[channel] = if number < 0.0 { f32::NAN } else { (number * scale) as f32 };
@@ -128,7 +128,6 @@ impl Merl {
                 if !clean {
                     return Err(bad_number(bytes, offset).into());
                 }
-                cell += count;
             }
         }
 
@@ -153,7 +152,7 @@ impl Merl {
 
     /// Reads from bytes in memory.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, MerlError> {
-        Self::read(bytes, bytes.len() as u64)
+        Self::read(std::io::Cursor::new(bytes), bytes.len() as u64)
     }
 
     /// Largest relative difference between a valid cell and its mirror image (`phi_d` to `-phi_d`), 0 to 1.
@@ -172,7 +171,7 @@ impl Merl {
         let n = self.dimensions.phi_difference;
         let mut largest = 0.0f32;
         for ring in self.values.chunks_exact(n) {
-            for (k, value) in ring.iter().enumerate() {
+            for (k, value) in ring.iter().enumerate().take(n / 2 + 1) {
                 let other = ring[partner(k, n)];
                 if value[0].is_nan() != other[0].is_nan() {
                     return 1.0;

@@ -2,7 +2,7 @@
 //!
 //! With offsets `p` from the asked point, in units of the distance to the first neighbour left out, a weight
 //! `(1 - |p|³)³` and the basis `1, p, p pᵀ`, the value of the fit at `p = 0` is its constant term. A second pass weighs down
-//! neighbours that the first fit misses (biweight). Linear and quadratic fit share one Cholesky factorisation: the
+//! neighbours that the first fit misses (biweight). Linear and quadratic fit share one elimination: the
 //! linear normal matrix is the leading block of the quadratic one.
 //!
 //! A fit is trusted by its variance factor `[(BᵀWB)⁻¹]₀₀`, the variance of its value for data of unit variance (1 for a
@@ -12,13 +12,15 @@
 use super::super::Tally;
 
 /// Neighbours of a fit in 3 dimensions.
-pub const NEIGHBOURS_3D: usize = 12;
+pub const NEIGHBOURS_3D: usize = 16;
 /// Neighbours of a fit in 4 dimensions.
-pub const NEIGHBOURS_4D: usize = 18;
+pub const NEIGHBOURS_4D: usize = 20;
 /// Most neighbours of a fit.
-const MOST: usize = 18;
+const MOST: usize = 20;
+/// Terms of a quadratic in 3 dimensions.
+pub const TERMS_3D: usize = 10;
 /// Terms of a quadratic in 4 dimensions.
-const TERMS: usize = 15;
+pub const TERMS_4D: usize = 15;
 /// What keeps the normal matrix regular: added to the diagonal for constant, linear and quadratic terms.
 const RIDGE: [f64; 3] = [2e-9, 1.01e-7, 5e-4];
 /// Residuals, in units of their median, from which a neighbour hardly counts.
@@ -47,7 +49,7 @@ impl<const D: usize> Default for Neighbourhood<D> {
 
 impl<const D: usize> Neighbourhood<D> {
     /// Adds a neighbour: offset and distance in units of the support radius (a reciprocal row is farther than its
-    /// offset), and log values. At most 18.
+    /// offset), and log values. At most 20.
     pub fn push(&mut self, offset: [f64; D], distance: f64, value: [f64; 3]) {
         let distance = distance.min(1.0);
         self.offsets[self.count] = offset;
@@ -56,9 +58,9 @@ impl<const D: usize> Neighbourhood<D> {
         self.count += 1;
     }
 
-    /// Fitted log values at the asked point for the first `channels` channels, within reach of the neighbours' range.
+    /// Fitted log values, by a quadratic of `M` terms, at the asked point for the first `channels` channels, within reach of the neighbours' range.
     /// At least one neighbour.
-    pub fn fit(&self, channels: usize, tally: &mut Tally) -> [f64; 3] {
+    pub fn fit<const M: usize>(&self, channels: usize, tally: &mut Tally) -> [f64; 3] {
         let n = self.count;
         let mut weights = [0.0; MOST];
         weights[..n].copy_from_slice(&self.weights[..n]);
@@ -70,16 +72,16 @@ impl<const D: usize> Neighbourhood<D> {
                 mean[channel] += weights[k] * self.values[k][channel];
             }
         }
-        let basis = self.basis();
+        let basis = self.basis::<M>();
         let mut residuals = [[0.0; 3]; MOST];
         for k in 0..n {
             for channel in 0..channels {
                 residuals[k][channel] = self.values[k][channel] - mean[channel];
             }
         }
-        let first = solve::<D>(&basis[..n], &weights[..n], &residuals[..n], channels);
+        let first = solve::<D, M>(&basis[..n], &weights[..n], &residuals[..n]);
         self.reweigh(&basis, &first, &residuals, channels, &mut weights);
-        let second = solve::<D>(&basis[..n], &weights[..n], &residuals[..n], channels);
+        let second = solve::<D, M>(&basis[..n], &weights[..n], &residuals[..n]);
 
         let trust = second.variance.map(|v| ((TRUST[1] / v).ln() / (TRUST[1] / TRUST[0]).ln()).clamp(0.0, 1.0));
         tally.fell_to_constant += u64::from(trust[0] == 0.0 && trust[1] == 0.0);
@@ -106,8 +108,8 @@ impl<const D: usize> Neighbourhood<D> {
     }
 
     /// `1, p, p pᵀ` of every neighbour.
-    fn basis(&self) -> [[f64; TERMS]; MOST] {
-        let mut basis = [[0.0; TERMS]; MOST];
+    fn basis<const M: usize>(&self) -> [[f64; M]; MOST] {
+        let mut basis = [[0.0; M]; MOST];
         for (row, p) in basis.iter_mut().zip(&self.offsets[..self.count]) {
             row[0] = 1.0;
             row[1..=D].copy_from_slice(p);
@@ -123,10 +125,10 @@ impl<const D: usize> Neighbourhood<D> {
     }
 
     /// Biweight of the residuals of both fits' mean, over all channels together.
-    fn reweigh(
+    fn reweigh<const M: usize>(
         &self,
-        basis: &[[f64; TERMS]; MOST],
-        fit: &Solution,
+        basis: &[[f64; M]; MOST],
+        fit: &Solution<M>,
         residuals: &[[f64; 3]; MOST],
         channels: usize,
         weights: &mut [f64; MOST],
@@ -137,7 +139,7 @@ impl<const D: usize> Neighbourhood<D> {
             let mut square = 0.0;
             for channel in 0..channels {
                 let linear: f64 = (0..=D).map(|t| basis[k][t] * fit.linear[channel][t]).sum();
-                let quadratic: f64 = (0..terms(D)).map(|t| basis[k][t] * fit.quadratic[channel][t]).sum();
+                let quadratic: f64 = (0..M).map(|t| basis[k][t] * fit.quadratic[channel][t]).sum();
                 square += (residuals[k][channel] - 0.5 * (linear + quadratic)).powi(2);
             }
             missed[k] = (square / channels as f64).sqrt();
@@ -153,10 +155,6 @@ impl<const D: usize> Neighbourhood<D> {
     }
 }
 
-const fn terms(dimensions: usize) -> usize {
-    1 + dimensions + dimensions * (dimensions + 1) / 2
-}
-
 fn normalise(weights: &mut [f64]) {
     let sum: f64 = weights.iter().sum();
     if sum > 0.0 {
@@ -167,71 +165,74 @@ fn normalise(weights: &mut [f64]) {
 }
 
 /// Coefficients of both fits, per channel, and variance factors of their values at the asked point.
-struct Solution {
-    linear: [[f64; TERMS]; 3],
-    quadratic: [[f64; TERMS]; 3],
+struct Solution<const M: usize> {
+    linear: [[f64; M]; 3],
+    quadratic: [[f64; M]; 3],
     variance: [f64; 2],
 }
 
-/// Solves `(BᵀWB + ridge) a = BᵀW e` for the quadratic basis and for its linear part.
-fn solve<const D: usize>(basis: &[[f64; TERMS]], weights: &[f64], residuals: &[[f64; 3]], channels: usize) -> Solution {
-    let m = terms(D);
-    let mut l = [[0.0; TERMS]; TERMS];
-    let mut right = [[0.0; TERMS]; 3];
+/// Right sides that are carried along: one per channel, and the unit vector of the constant term.
+const RIGHT: usize = 4;
+
+/// Solves `(BᵀWB + ridge) a = BᵀW e` for the quadratic basis of `M` terms and for its linear part, by elimination
+/// without pivoting: the matrix is symmetric and positive, and the linear system is its leading block.
+fn solve<const D: usize, const M: usize>(basis: &[[f64; M]], weights: &[f64], residuals: &[[f64; 3]]) -> Solution<M> {
+    let mut matrix = [[0.0; M]; M];
+    let mut right = [[0.0; RIGHT]; M];
     for ((row, weight), residual) in basis.iter().zip(weights).zip(residuals) {
-        for a in 0..m {
+        for a in 0..M {
             let weighted = weight * row[a];
-            for b in 0..=a {
-                l[a][b] += weighted * row[b];
+            for b in 0..M {
+                matrix[a][b] += weighted * row[b];
             }
-            for channel in 0..channels {
-                right[channel][a] += weighted * residual[channel];
+            for channel in 0..3 {
+                right[a][channel] += weighted * residual[channel];
             }
         }
     }
-    for (term, row) in l.iter_mut().enumerate().take(m) {
-        row[term] += RIDGE[if term == 0 { 0 } else { 1 + usize::from(term > D) }];
+    right[0][3] = 1.0;
+    for term in 0..M {
+        matrix[term][term] += RIDGE[if term == 0 { 0 } else { 1 + usize::from(term > D) }];
     }
-    cholesky(&mut l, m);
-    let mut solution = Solution { linear: [[0.0; TERMS]; 3], quadratic: [[0.0; TERMS]; 3], variance: [0.0; 2] };
-    for channel in 0..channels {
-        let forward = substitute_forward(&l, &right[channel], m);
-        solution.linear[channel] = substitute_back(&l, &forward, D + 1);
-        solution.quadratic[channel] = substitute_back(&l, &forward, m);
+    for j in 0..M {
+        // The ridge keeps pivots positive but for rounding.
+        matrix[j][j] = matrix[j][j].max(1e-12);
+        let (pivot, pivot_right) = (matrix[j], right[j]);
+        for i in j + 1..M {
+            let factor = matrix[i][j] / pivot[j];
+            for k in 0..M {
+                matrix[i][k] -= factor * pivot[k];
+            }
+            for k in 0..RIGHT {
+                right[i][k] -= factor * pivot_right[k];
+            }
+        }
     }
-    let mut unit = [0.0; TERMS];
-    unit[0] = 1.0;
-    let forward = substitute_forward(&l, &unit, m);
-    let square = |count: usize| forward[..count].iter().map(|v| v * v).sum();
-    solution.variance = [square(D + 1), square(m)];
+    let mut solution = Solution { linear: [[0.0; M]; 3], quadratic: [[0.0; M]; 3], variance: [0.0; 2] };
+    substitute_back(&matrix, &right, D + 1, &mut solution.linear);
+    substitute_back(&matrix, &right, M, &mut solution.quadratic);
+    // With L D Lᵀ = A and y = L⁻¹ e₀, the corner of the inverse is yᵀ D⁻¹ y.
+    let corner = |count: usize| (0..count).map(|j| right[j][3] * right[j][3] / matrix[j][j]).sum();
+    solution.variance = [corner(D + 1), corner(M)];
     solution
 }
 
-/// `A = L Lᵀ` in place, lower triangle; the ridge keeps every pivot positive, rounding included.
-fn cholesky(a: &mut [[f64; TERMS]; TERMS], m: usize) {
-    for i in 0..m {
-        for j in 0..=i {
-            let sum: f64 = a[i][j] - (0..j).map(|k| a[i][k] * a[j][k]).sum::<f64>();
-            a[i][j] = if i == j { sum.max(1e-12).sqrt() } else { sum / a[j][j] };
+/// Back substitution with the leading `m` x `m` block of the eliminated matrix.
+fn substitute_back<const M: usize>(
+    matrix: &[[f64; M]; M],
+    right: &[[f64; RIGHT]; M],
+    m: usize,
+    solution: &mut [[f64; M]; 3],
+) {
+    for i in (0..m).rev() {
+        for channel in 0..3 {
+            let mut value = right[i][channel];
+            for k in i + 1..m {
+                value -= matrix[i][k] * solution[channel][k];
+            }
+            solution[channel][i] = value / matrix[i][i];
         }
     }
-}
-
-fn substitute_forward(l: &[[f64; TERMS]; TERMS], right: &[f64; TERMS], m: usize) -> [f64; TERMS] {
-    let mut y = [0.0; TERMS];
-    for i in 0..m {
-        y[i] = (right[i] - (0..i).map(|k| l[i][k] * y[k]).sum::<f64>()) / l[i][i];
-    }
-    y
-}
-
-/// Back substitution with the leading `m` x `m` block.
-fn substitute_back(l: &[[f64; TERMS]; TERMS], y: &[f64; TERMS], m: usize) -> [f64; TERMS] {
-    let mut x = [0.0; TERMS];
-    for i in (0..m).rev() {
-        x[i] = (y[i] - (i + 1..m).map(|k| l[k][i] * x[k]).sum::<f64>()) / l[i][i];
-    }
-    x
 }
 
 #[cfg(test)]
@@ -261,7 +262,7 @@ mod tests {
             neighbourhood.push(p, distance, [value(p); 3]);
         }
         let mut tally = Tally::default();
-        (neighbourhood.fit(1, &mut tally)[0], tally)
+        (neighbourhood.fit::<TERMS_3D>(1, &mut tally)[0], tally)
     }
 
     #[test]
@@ -296,12 +297,12 @@ mod tests {
             let x = 0.7 + 0.02 * f64::from(k);
             line.push([x, 0.0, 0.0], x, [f64::from(k); 3]);
         }
-        let value = line.fit(3, &mut tally);
+        let value = line.fit::<TERMS_3D>(3, &mut tally);
         assert!(value.iter().all(|v| v.is_finite()) && tally.fell_to_constant + tally.fell_to_linear == 1, "{tally:?}");
         let mut same = Neighbourhood::<3>::default();
         for k in 0..12 {
             same.push([0.0; 3], 0.0, [f64::from(k % 2); 3]);
         }
-        assert!((same.fit(3, &mut tally)[0] - 0.5).abs() < 1e-6);
+        assert!((same.fit::<TERMS_3D>(3, &mut tally)[0] - 0.5).abs() < 1e-6);
     }
 }

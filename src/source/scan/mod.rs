@@ -118,7 +118,7 @@ impl ScanSource {
         self.summary
     }
 
-    fn fit<const D: usize, const S: usize, P: Space<D, S>>(
+    fn fit<const D: usize, const S: usize, const M: usize, P: Space<D, S>>(
         &self,
         tree: &Tree<S>,
         pair: DirectionPair,
@@ -143,7 +143,7 @@ impl ScanSource {
             neighbourhood.push(offset, item.distance.sqrt() / radius, value);
         }
         let channels = if self.grey { 1 } else { 3 };
-        let fitted = neighbourhood.fit(channels, tally);
+        let fitted = neighbourhood.fit::<M>(channels, tally);
         let mut value = [0.0; 3];
         for channel in 0..channels {
             let least = 0.5 * (neighbourhood.range(channel).0.exp() - self.bias);
@@ -160,8 +160,12 @@ impl Source for ScanSource {
             return [0.0; 3];
         }
         match &self.points {
-            Points::Isotropic(tree) => self.fit::<3, 4, Isotropic>(tree, pair, fit::NEIGHBOURS_3D, tally),
-            Points::Anisotropic(tree) => self.fit::<4, 5, Anisotropic>(tree, pair, fit::NEIGHBOURS_4D, tally),
+            Points::Isotropic(tree) => {
+                self.fit::<3, 4, { fit::TERMS_3D }, Isotropic>(tree, pair, fit::NEIGHBOURS_3D, tally)
+            }
+            Points::Anisotropic(tree) => {
+                self.fit::<4, 5, { fit::TERMS_4D }, Anisotropic>(tree, pair, fit::NEIGHBOURS_4D, tally)
+            }
         }
     }
 
