@@ -156,7 +156,7 @@ impl Texture {
     /// # Errors
     /// Anything that is not a 3D texture of one level in one of the [`TexelFormat`]s, uncompressed or with Zstandard.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        let reader = ktx2::Reader::new(bytes).map_err(|error| {
+        let refused = |error| {
             let allowed = "a whole KTX2 file";
             match error {
                 ktx2::ParseError::BadMagic => FormatError::at_byte(0, "identifier", "other bytes", allowed),
@@ -165,8 +165,9 @@ impl Texture {
                 }
                 other => FormatError::whole("container", other.to_string(), allowed),
             }
-        })?;
-        let header = reader.header();
+        };
+        let first = bytes.first_chunk().ok_or_else(|| refused(ktx2::ParseError::UnexpectedEnd))?;
+        let header = ktx2::Header::from_bytes(first).map_err(refused)?;
         let format = TexelFormat::ALL.into_iter().find(|f| Some(f.vulkan()) == header.format).ok_or_else(|| {
             FormatError::at_byte(
                 12,
@@ -175,6 +176,8 @@ impl Texture {
                 "9 (R8), 37 (RGBA8), 70 (R16) or 91 (RGBA16)",
             )
         })?;
+        check_descriptor(bytes, &header.index, format)?;
+        let reader = ktx2::Reader::new(bytes).map_err(refused)?;
         let extent = [header.pixel_width, header.pixel_height, header.pixel_depth];
         for (axis, (size, field)) in extent.into_iter().zip(["pixelWidth", "pixelHeight", "pixelDepth"]).enumerate() {
             if !(1..=MAX_EXTENT).contains(&size) {
@@ -201,20 +204,12 @@ impl Texture {
             let allowed = format!("at most {MAX_TEXEL_BYTES}");
             return Err(FormatError::at_byte(20, "texture", format!("{size} bytes of texels"), allowed));
         }
-        let expected = ktx2::dfd::Block::Basic(descriptor_block(format).0);
-        if reader.dfd_blocks() != [expected] {
-            return Err(FormatError::at_byte(
-                u64::from(header.index.dfd_byte_offset),
-                "data format descriptor",
-                "another description",
-                "the one of vkFormat, linear",
-            ));
+        let mut entries = BTreeMap::new();
+        for (key, value) in reader.key_value_data().filter(|(key, _)| key.starts_with("brdfc.")) {
+            if entries.insert(key.to_owned(), value.to_owned()).is_some() {
+                return Err(FormatError::whole(key.to_owned(), "two entries of this name", "one"));
+            }
         }
-        let entries: BTreeMap<String, Vec<u8>> = reader
-            .key_value_data()
-            .filter(|(key, _)| key.starts_with("brdfc."))
-            .map(|(key, value)| (key.to_owned(), value.to_owned()))
-            .collect();
         let scheme = u32::from_le_bytes([bytes[44], bytes[45], bytes[46], bytes[47]]);
         let level = reader.levels().next().expect("levelCount is 1");
         let texels = texels(&level, scheme, size)?;
@@ -248,6 +243,10 @@ fn texels(level: &ktx2::Level<'_>, scheme: u32, size: u64) -> Result<Vec<u8>, Fo
                     declared.map_or("no content size".to_owned(), |n| format!("a frame of {n} bytes")),
                 ));
             }
+            // A block of 128 KiB takes 4 bytes at least.
+            if size > (level.data.len() as u64 / 4 + 1) << 17 {
+                return Err(refused(format!("{} bytes, too few for that", level.data.len())));
+            }
             let texels = zstd::bulk::decompress(level.data, size as usize).map_err(|e| refused(e.to_string()))?;
             if texels.len() as u64 == size { Ok(texels) } else { Err(refused(format!("{} bytes", texels.len()))) }
         }
@@ -257,14 +256,23 @@ fn texels(level: &ktx2::Level<'_>, scheme: u32, size: u64) -> Result<Vec<u8>, Fo
     }
 }
 
-/// Linear values without colour meaning: coefficients, not pictures.
-fn descriptor_block(format: TexelFormat) -> (ktx2::dfd::Basic, u32) {
-    ktx2::dfd::Basic::from_format_with(format.vulkan(), false, Some(ktx2::TransferFunction::Linear), None, None)
-        .expect("every texel format has a descriptor")
+/// Compares bytes, before the `ktx2` crate parses them: it panics at a block dimension of 256.
+fn check_descriptor(bytes: &[u8], index: &ktx2::Index, format: TexelFormat) -> Result<(), FormatError> {
+    let start = index.dfd_byte_offset as usize;
+    let found = bytes.get(start..).and_then(|rest| rest.get(..index.dfd_byte_length as usize));
+    if found == Some(&descriptor(format).0[..]) {
+        return Ok(());
+    }
+    let found = if found.is_some() { "another description" } else { "end of data" };
+    let place = u64::from(index.dfd_byte_offset);
+    Err(FormatError::at_byte(place, "data format descriptor", found, "the one of vkFormat, linear"))
 }
 
+/// Linear values without colour meaning: coefficients, not pictures.
 fn descriptor(format: TexelFormat) -> (Vec<u8>, u32) {
-    let (block, type_size) = descriptor_block(format);
+    let linear = Some(ktx2::TransferFunction::Linear);
+    let (block, type_size) = ktx2::dfd::Basic::from_format_with(format.vulkan(), false, linear, None, None)
+        .expect("every texel format has a descriptor");
     let block = ktx2::dfd::Block::Basic(block).to_vec();
     let mut bytes = ((block.len() + 4) as u32).to_le_bytes().to_vec();
     bytes.extend_from_slice(&block);

@@ -96,9 +96,12 @@ impl WaveletDecoder {
         log_value.map(|v| self.from_log(v))
     }
 
-    /// Inverse of the log encoding (section 5.1): `f = μ (exp(v) - ε)`, raised to 0 where rounding made it negative.
+    /// Inverse of the log encoding (section 5.1): `f = μ (exp(v) - ε)`, raised to 0 where rounding made it negative,
+    /// and lowered to the largest number where a pack with absurd scales overflows.
     pub fn from_log(&self, value: f32) -> f32 {
-        (self.header.mean * (value.exp() - self.header.bias)).max(0.0)
+        let f = self.header.mean * (value.exp() - self.header.bias);
+        // NaN, the difference of two infinities, is not above 0 either.
+        if f > 0.0 { f.min(f32::MAX) } else { 0.0 }
     }
 
     /// Equation 2's synthesis along one path of the tree: the log-encoded value of one inner cell.

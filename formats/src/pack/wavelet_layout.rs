@@ -165,12 +165,12 @@ fn read_scales(bytes: &[u8], slices: usize) -> Result<Vec<SliceScale>, FormatErr
     let mut scales = Vec::with_capacity(slices);
     for slice in 0..slices {
         let (scale, offset) = (cursor.f32("scale")?, cursor.f32("offset")?);
-        let fine = scale.is_finite() && offset.is_finite() && scale >= 0.0;
+        let fine = scale >= 0.0 && offset.is_finite() && (scale + offset).is_finite();
         if !fine || slice == 0 && (scale != 0.0 || offset != 0.0) {
             return Err(FormatError::whole(
                 format!("{SCALES} slice {slice}"),
                 format!("scale {scale}, offset {offset}"),
-                if slice == 0 { "0 and 0, the zero slice" } else { "finite numbers, scale not negative" },
+                if slice == 0 { "0 and 0, the zero slice" } else { "numbers with a finite sum, scale not negative" },
             ));
         }
         scales.push(SliceScale { scale, offset });

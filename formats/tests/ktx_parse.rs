@@ -1,0 +1,129 @@
+//! Packs are read by ktx-parse, which shares no code with this crate. Needs Node and its package registry.
+
+mod common;
+
+use std::fmt::Write as _;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use brdfc_formats::pack::WaveletPack;
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().fold(String::new(), |mut text, byte| {
+        write!(text, "{byte:02x}").unwrap();
+        text
+    })
+}
+
+/// What the script is to find, as JSON. The bytes of the entries are those of `spec/wavelet.md`, put together here.
+fn expectation(pack: &WaveletPack, supercompress: bool) -> String {
+    let h = &pack.header;
+    let vk_format = match (h.channels, h.bits) {
+        (1, 8) => 9,
+        (1, _) => 70,
+        (_, 8) => 37,
+        _ => 91,
+    };
+    let size = 1 << h.levels;
+    let mut header: Vec<u8> = Vec::new();
+    for word in [1, h.parameterisation.code(), h.levels, h.stored_levels, h.channels, h.bits, pack.scales.len() as u32]
+    {
+        header.extend(word.to_le_bytes());
+    }
+    header.extend([h.mean.to_le_bytes(), h.bias.to_le_bytes(), [0; 4]].concat());
+    let index: Vec<u8> = pack.index.iter().flat_map(|slice| slice.to_le_bytes()).collect();
+    let scales: Vec<u8> =
+        pack.scales.iter().flat_map(|s| [s.scale.to_le_bytes(), s.offset.to_le_bytes()].concat()).collect();
+    let mut errors: Vec<u8> = Vec::new();
+    for e in [pack.on_grid, pack.off_grid] {
+        errors.extend(e.samples.to_le_bytes());
+        for ratio in [e.rms, e.relative_mean, e.relative_p95, e.relative_p99, e.relative_max] {
+            errors.extend(ratio.to_le_bytes());
+        }
+        for ratio in [e.log_rms, e.cosine_log_rms, e.albedo_max, e.reciprocity] {
+            errors.extend(ratio.to_le_bytes());
+        }
+    }
+    let fields = [
+        ("vkFormat", vk_format),
+        ("typeSize", if h.bits == 8 { 1 } else { 2 }),
+        ("pixelWidth", size),
+        ("pixelHeight", size),
+        ("pixelDepth", pack.scales.len()),
+        ("layerCount", 0),
+        ("faceCount", 1),
+        ("levelCount", 1),
+        ("supercompressionScheme", if supercompress { 2 } else { 0 }),
+    ]
+    .map(|(name, value)| format!("\"{name}\": {value}"));
+    let entries = [
+        ("KTXorientation", "rdi".to_owned()),
+        ("KTXwriter", "brdfc".to_owned()),
+        ("brdfc.wavelet", hex(&header)),
+        ("brdfc.wavelet.errors", hex(&errors)),
+        ("brdfc.wavelet.index", hex(&index)),
+        ("brdfc.wavelet.scales", hex(&scales)),
+    ]
+    .map(|(name, value)| format!("\"{name}\": \"{value}\""));
+    format!("{{\"header\": {{{}}}, \"entries\": {{{}}}}}", fields.join(", "), entries.join(", "))
+}
+
+fn run(folder: &Path, program: &str, arguments: &[&str]) -> std::io::Result<Output> {
+    Command::new(program).args(arguments).current_dir(folder).output()
+}
+
+/// A copy of the folder of the script with its packages, where they can be had.
+fn installed() -> Option<tempfile::TempDir> {
+    let folder = tempfile::tempdir().unwrap();
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/ktx_parse");
+    for name in ["package.json", "package-lock.json", ".npmrc", "check.mjs"] {
+        std::fs::copy(source.join(name), folder.path().join(name)).unwrap();
+    }
+    let install = ["ci", "--ignore-scripts", "--prefer-offline", "--fetch-retries=0", "--fetch-timeout=20000"];
+    for (program, arguments) in [("node", &["--version"][..]), ("npm", &install)] {
+        match run(folder.path(), program, arguments) {
+            Ok(output) if output.status.success() => {}
+            Ok(output) => {
+                println!("skipped: {program} fails: {}", String::from_utf8_lossy(&output.stderr));
+                return None;
+            }
+            Err(error) => {
+                println!("skipped: no {program}: {error}");
+                return None;
+            }
+        }
+    }
+    Some(folder)
+}
+
+#[test]
+fn another_implementation_reads_packs_and_writes_the_same_bytes() {
+    let Some(folder) = installed() else { return };
+    let packs = folder.path().join("packs");
+    std::fs::create_dir(&packs).unwrap();
+    let mut count = 0;
+    for (_, pack) in common::packs() {
+        for supercompress in [false, true] {
+            let save = |extension: &str, bytes: &[u8]| {
+                std::fs::write(packs.join(format!("{count}.{extension}")), bytes).unwrap();
+            };
+            save("ktx2", &pack.to_bytes(supercompress));
+            save("json", expectation(&pack, supercompress).as_bytes());
+            save("texels", &pack.texels);
+            count += 1;
+        }
+    }
+    let output = run(folder.path(), "node", &["check.mjs", "packs"]).unwrap();
+    let (found, problems) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "{problems}");
+    assert_eq!(found.trim(), format!("{count} packs"));
+
+    // The script notices one texel that differs.
+    let first = packs.join("0.texels");
+    let mut texels = std::fs::read(&first).unwrap();
+    *texels.last_mut().unwrap() ^= 1;
+    std::fs::write(first, texels).unwrap();
+    let output = run(folder.path(), "node", &["check.mjs", "packs"]).unwrap();
+    let problems = String::from_utf8_lossy(&output.stderr);
+    assert!(!output.status.success() && problems.contains("0: AssertionError") && problems.contains("texels"));
+}

@@ -1,0 +1,36 @@
+//! Any bytes, or a valid pack with edits: an error, or a pack whose values are numbers at every level and filter.
+#![no_main]
+
+#[path = "../../../formats/tests/common/mod.rs"]
+mod common;
+mod edits;
+
+use brdfc_formats::direction::Parameterisation;
+use brdfc_formats::pack::WaveletPack;
+use libfuzzer_sys::fuzz_target;
+
+fn valid(choice: u8) -> Vec<u8> {
+    let parameterisation = Parameterisation::NAMES[usize::from(choice & 1)].1;
+    let channels = if choice & 2 == 0 { 1 } else { 3 };
+    let bits = if choice & 4 == 0 { 8 } else { 12 };
+    let levels = 1 + u32::from(choice >> 3 & 1);
+    common::pack(common::header(parameterisation, levels, channels, bits), 3, 1).to_bytes(choice & 16 != 0)
+}
+
+fuzz_target!(|data: &[u8]| {
+    let Some((choice, rest)) = data.split_first() else { return };
+    let bytes = if choice & 0x80 == 0 {
+        let mut bytes = valid(*choice);
+        edits::edit(&mut bytes, rest);
+        bytes
+    } else {
+        rest.to_vec()
+    };
+    let survives = common::survives(&bytes);
+    assert!(survives || choice & 0x80 != 0 || rest.len() >= 4, "the edits are lost on a file that was never valid");
+    if survives {
+        let pack = WaveletPack::from_bytes(&bytes).expect("it was read before");
+        let again = WaveletPack::from_bytes(&pack.to_bytes(true)).expect("what is written is read");
+        assert_eq!(pack.to_bytes(false), again.to_bytes(false));
+    }
+});

@@ -1,0 +1,80 @@
+//! Any bytes, or a valid file with edits, to every reader of measured data; what is read is evaluated.
+#![no_main]
+
+mod edits;
+#[allow(dead_code)]
+#[path = "../../common/tensor.rs"]
+mod tensor;
+
+use brdfc::source::{MerlSource, RglSource, ScanSource, Source, Tally};
+use brdfc_formats::colour::rgb_weights;
+use brdfc_formats::direction::DirectionPair;
+use brdfc_formats::measured::merl::{self, Merl};
+use brdfc_formats::measured::rgl::Rgl;
+use brdfc_formats::measured::scan::Scan;
+use brdfc_formats::measured::scan_csv;
+use libfuzzer_sys::fuzz_target;
+
+const READERS: u8 = 6;
+
+fn valid(reader: u8) -> Vec<u8> {
+    match reader {
+        0 => {
+            let dimensions = merl::Dimensions { theta_half: 2, theta_difference: 2, phi_difference: 4 };
+            let mut bytes = Vec::new();
+            let value = |[h, d, p]: [f64; 3]| (d < 1.0 || p < 1.0).then_some([h + 0.1, d, p]);
+            merl::write(&mut bytes, dimensions, value).expect("memory takes it");
+            bytes
+        }
+        1 => {
+            let rows: String = (0..9).map(|k| format!("0.{k} {} 0.5 -1.{k} 0.1 1e-{k}\n", k % 2)).collect();
+            format!("# scan\n2\n450 650 # nm\n{rows}").into_bytes()
+        }
+        2 => {
+            let rows: String = (0..9).map(|k| format!("0.{k},{},0.5,-1.{k},0.1,1e-{k},-1\n", k % 2)).collect();
+            format!("{}\n{rows}", scan_csv::ANGLE_COLUMNS.join(",")).into_bytes()
+        }
+        3 => b"id,wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n7,0,0,1,0,0.6,0.8\n".to_vec(),
+        4 => tensor::Material { phi_i: vec![0.0, 0.8, 1.5707], ..Default::default() }.container().build(),
+        _ => tensor::Material { wavelengths: Some(vec![450.0, 650.0]), colour: |at| at.s, ..Default::default() }
+            .container()
+            .build(),
+    }
+}
+
+fn evaluate(source: &dyn Source) {
+    for (theta_i, theta_o) in [(0.4, 0.8), (0.0, 0.0), (1.5, 1.55)] {
+        let pair = DirectionPair::from_angles(theta_i, 0.3, theta_o, 2.0);
+        let value = source.eval(pair, &mut Tally::default());
+        assert!(value.iter().all(|v| v.is_finite()), "{value:?}");
+    }
+}
+
+/// Whether the bytes are a file of that reader, from which a source can be built.
+fn read(reader: u8, bytes: &[u8]) -> bool {
+    match reader {
+        0 => Merl::from_bytes(bytes).map(|table| evaluate(&MerlSource::new(table))).is_ok(),
+        1 | 2 => {
+            let scan = if reader == 1 { Scan::from_bytes(bytes) } else { scan_csv::from_bytes(bytes) };
+            scan.and_then(|scan| ScanSource::new(&scan)).map(|source| evaluate(&source)).is_ok()
+        }
+        3 => scan_csv::directions_from_bytes(bytes).is_ok(),
+        _ => Rgl::from_bytes(bytes)
+            .and_then(|rgl| RglSource::new(rgl, rgb_weights))
+            .map(|source| evaluate(&source))
+            .is_ok(),
+    }
+}
+
+fuzz_target!(|data: &[u8]| {
+    let Some((choice, rest)) = data.split_first() else { return };
+    let reader = (choice & 0x7f) % READERS;
+    if choice & 0x80 == 0 {
+        let mut bytes = valid(reader);
+        edits::edit(&mut bytes, rest);
+        // Else the edits are lost on a file that was never valid.
+        assert!(read(reader, &bytes) || rest.len() >= 4, "reader {reader}");
+    } else {
+        read(reader, rest);
+    }
+});
