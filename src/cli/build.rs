@@ -1,20 +1,18 @@
 //! `brdfc build`: the main job.
 
 use super::output::{print, print_json, remark, to_json, write_file};
+use super::progress::Progress;
 use super::{CliError, Common};
 use crate::brdf::encode::Target;
 use crate::build::manifest::Manifest;
-use crate::build::run::{Made, Outcome, Plan, Watcher, pack_name, plan, run as run_jobs};
+use crate::build::run::{Made, Outcome, Plan, pack_name, plan, run as run_jobs};
 use crate::report::material::{MaterialReport, StageTime, mended_in_words};
 use crate::report::table;
 use clap::Args;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
-use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
 
 /// Make the packs that a scene needs.
 ///
@@ -106,9 +104,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     })
     .map_err(|error| CliError::Internal(format!("cannot watch for interrupts: {error}")))?;
 
-    let progress = Progress::new(&plan, common);
+    let progress = Progress::new(plan.jobs.len(), common);
     let outcomes = run_jobs(&plan, &arguments.out, !arguments.no_cache, &cancelled, &progress);
-    progress.bar.finish_and_clear();
+    drop(progress);
 
     let report =
         Report { version: 1, scene, materials: outcomes.iter().map(entry).collect(), skipped: plan.skipped.clone() };
@@ -231,56 +229,4 @@ fn dry_run(arguments: &Arguments, plan: &Plan, scene: String) -> Result<(), CliE
         text += &format!("not used by the scene: {}\n", plan.skipped.join(", "));
     }
     print(&text)
-}
-
-/// Stages of a material, for the bar's length: read, the encoder's eight, write.
-const STAGES: u64 = 10;
-
-struct Progress {
-    bar: ProgressBar,
-    lines: bool,
-    total: usize,
-    finished: std::sync::atomic::AtomicUsize,
-    started: Instant,
-}
-
-impl Progress {
-    fn new(plan: &Plan, common: Common) -> Self {
-        let terminal = std::io::stderr().is_terminal();
-        let bar = if terminal && !common.quiet {
-            let bar = ProgressBar::new(STAGES * plan.jobs.len() as u64);
-            bar.set_draw_target(ProgressDrawTarget::stderr());
-            let style = ProgressStyle::with_template("{bar:30} {percent:>3} %  {eta} left  {msg}");
-            bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-            bar.enable_steady_tick(Duration::from_millis(200));
-            bar
-        } else {
-            ProgressBar::hidden()
-        };
-        Self {
-            bar,
-            lines: !terminal && !common.quiet,
-            total: plan.jobs.len(),
-            finished: 0.into(),
-            started: Instant::now(),
-        }
-    }
-}
-
-impl Watcher for Progress {
-    fn stage(&self, material: &str, stage: &'static str) {
-        self.bar.set_message(format!("{material}: {stage}"));
-        self.bar.inc(1);
-    }
-
-    fn finished(&self, outcome: &Outcome) {
-        let done = 1 + self.finished.fetch_add(1, Ordering::Relaxed);
-        self.bar.set_position(STAGES * done as u64);
-        if self.lines {
-            let elapsed = self.started.elapsed().as_secs_f64();
-            let left = elapsed / done as f64 * (self.total - done) as f64;
-            let what = if outcome.result.is_ok() { "done" } else { "failed" };
-            eprintln!("{done} of {}: {} {what} ({elapsed:.1} s, about {left:.0} s left)", self.total, outcome.name);
-        }
-    }
 }

@@ -2,9 +2,10 @@
 
 use super::options::EncodeOptions;
 use super::output::{print, print_json, remark, write_file};
+use super::progress::Progress;
 use super::{CliError, Common};
 use crate::brdf::encode::{Observer as _, encode};
-use crate::build::run::{StageClock, grid};
+use crate::build::run::{StageClock, Watcher as _, grid};
 use crate::report::material::{MaterialReport, StageTime, mended_in_words};
 use crate::report::table;
 use crate::source::open::{Facts, open};
@@ -50,13 +51,19 @@ pub struct Report {
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     let recipe = arguments.options.recipe()?;
-    let mut clock = StageClock::new(|_| true);
+    let progress = Progress::new(1, common);
+    let name = arguments.output.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    let mut clock = StageClock::new(|stage| {
+        progress.stage(&name, stage);
+        true
+    });
     clock.stage("read");
     let opened = open(&arguments.input, None)?;
     let encoded = encode(opened.source.as_ref(), grid(&recipe), &recipe, &mut clock)?;
     clock.stage("write");
     write_file(&arguments.output, &encoded.bytes)?;
     let stages = clock.finish();
+    drop(progress);
     let report = MaterialReport::new(&encoded, &recipe, opened.facts.samples());
     for line in mended_in_words(&report.mended) {
         remark(common, &format!("note: {line}"));

@@ -4,7 +4,7 @@ use super::CliError;
 use super::output::{print, print_json};
 use crate::report::table::{bytes, percent};
 use crate::source::Symmetry;
-use crate::source::open::{Facts, open};
+use crate::source::open::{Facts, StoredErrors, open};
 use clap::Args;
 use serde::Serialize;
 
@@ -102,8 +102,8 @@ fn facts_in_words(facts: &Facts) -> Vec<(&'static str, String)> {
             mean,
             bias,
             gpu_bytes,
-            relative_error_on_grid,
-            relative_error_off_grid,
+            on_grid,
+            off_grid,
         } => vec![
             ("kind", "wavelet pack".to_owned()),
             ("grid", format!("{grid} x {grid} per hemisphere, {parameterisation}")),
@@ -112,8 +112,21 @@ fn facts_in_words(facts: &Facts) -> Vec<(&'static str, String)> {
             ("slices kept", format!("{slices_kept} of {}", grid * grid)),
             ("mean μ, bias ε", format!("{mean} 1/sr, {bias}")),
             ("bytes on a GPU", bytes(*gpu_bytes)),
-            ("relative error ε_r on the grid", percent(f64::from(*relative_error_on_grid))),
-            ("relative error ε_r off the grid", percent(f64::from(*relative_error_off_grid))),
+            ("error on the grid (codec)", errors_in_words(on_grid)),
+            ("error off the grid (against the source)", errors_in_words(off_grid)),
         ],
     }
+}
+
+fn errors_in_words(errors: &StoredErrors) -> String {
+    let ratio = |value: f32| percent(f64::from(value));
+    format!(
+        "ε_r {} (95 %: {}, 99 %: {}, largest: {}), ε {:.3e} 1/sr, reciprocity {}",
+        ratio(errors.relative_mean),
+        ratio(errors.relative_p95),
+        ratio(errors.relative_p99),
+        ratio(errors.relative_max),
+        errors.rms,
+        ratio(errors.reciprocity)
+    )
 }

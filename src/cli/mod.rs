@@ -9,6 +9,7 @@ mod eval;
 mod info;
 mod options;
 mod output;
+mod progress;
 mod schema;
 mod synth;
 

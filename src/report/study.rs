@@ -31,11 +31,30 @@ pub struct StudyRow {
     pub paper_relative: f64,
 }
 
-/// The models of the study, and the paper's figures: mean, then (ε, ε_r in per cent) at 4:1, 16:1 and 32:1.
-const MODELS: [(&str, f64, [(f64, f64); 3]); 3] = [
-    ("lewis?kd=0.6&ks=0.3&n=20", 0.282, [(0.0247, 1.74), (0.0417, 2.90), (0.0520, 3.73)]),
-    ("ward?kd=0.2&ks=0.1&ax=0.15&ay=0.5", 0.278, [(0.832, 2.56), (0.840, 4.02), (0.856, 6.12)]),
-    ("poulin?kd=0.3&ks=0.3&d=2.5&h=0&n=40", 0.394, [(0.0291, 12.1), (0.0643, 20.2), (0.0847, 26.9)]),
+/// A model of the study, and the paper's figures for its model of the same name.
+struct Model {
+    address: &'static str,
+    paper_mean: f64,
+    /// `ε` and `ε_r` in per cent at each of [`RATIOS`].
+    paper: [(f64, f64); 3],
+}
+
+const MODELS: [Model; 3] = [
+    Model {
+        address: "lewis?kd=0.6&ks=0.3&n=20",
+        paper_mean: 0.282,
+        paper: [(0.0247, 1.74), (0.0417, 2.90), (0.0520, 3.73)],
+    },
+    Model {
+        address: "ward?kd=0.2&ks=0.1&ax=0.15&ay=0.5",
+        paper_mean: 0.278,
+        paper: [(0.832, 2.56), (0.840, 4.02), (0.856, 6.12)],
+    },
+    Model {
+        address: "poulin?kd=0.3&ks=0.3&d=2.5&h=0&n=40",
+        paper_mean: 0.394,
+        paper: [(0.0291, 12.1), (0.0643, 20.2), (0.0847, 26.9)],
+    },
 ];
 const RATIOS: [f64; 3] = [4.0, 16.0, 32.0];
 
@@ -57,8 +76,8 @@ pub enum StudyError {
 pub fn wavelet_table_1() -> Result<Vec<StudyRow>, StudyError> {
     let grid = Grid { parameterisation: Parameterisation::TangentPole, levels: 5 };
     let mut rows = Vec::new();
-    for (model, paper_mean, paper) in MODELS {
-        let source = parse_model(model)?;
+    for Model { address, paper_mean, paper } in MODELS {
+        let source = parse_model(address)?;
         for (ratio, (paper_rms, paper_percent)) in RATIOS.into_iter().zip(paper) {
             let at = |bits| {
                 let target = Target::Ratio(ratio);

@@ -10,6 +10,7 @@ use brdfc_formats::measured::rgl::Rgl;
 use brdfc_formats::measured::scan::Scan;
 use brdfc_formats::measured::scan_csv;
 use brdfc_formats::pack::WaveletPack;
+use brdfc_formats::pack::wavelet::ErrorSummary;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -109,11 +110,53 @@ pub enum Facts {
         bias: f32,
         /// Bytes on a GPU.
         gpu_bytes: u64,
-        /// `ε_r` of the codec on the grid, a fraction.
-        relative_error_on_grid: f32,
-        /// `ε_r` against the source at random direction pairs, a fraction.
-        relative_error_off_grid: f32,
+        /// Codec error: decoded samples against the table they were made from.
+        on_grid: StoredErrors,
+        /// The filtered pack against its source at random direction pairs.
+        off_grid: StoredErrors,
     },
+}
+
+/// Errors as a pack holds them; ratios are fractions. See [`ErrorSummary`].
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
+pub struct StoredErrors {
+    /// Samples compared.
+    pub samples: u32,
+    /// `ε`, RMS, 1/sr.
+    pub rms: f32,
+    /// `ε_r`, mean relative difference.
+    pub relative_mean: f32,
+    /// Its 95th percentile.
+    pub relative_p95: f32,
+    /// Its 99th percentile.
+    pub relative_p99: f32,
+    /// Its maximum.
+    pub relative_max: f32,
+    /// RMS of log difference.
+    pub log_rms: f32,
+    /// RMS of `ln(1 + f cos θi)` difference.
+    pub cosine_log_rms: f32,
+    /// Largest difference of directional albedo.
+    pub albedo_max_difference: f32,
+    /// Mean relative difference between the pack and itself with directions exchanged.
+    pub reciprocity: f32,
+}
+
+impl From<ErrorSummary> for StoredErrors {
+    fn from(e: ErrorSummary) -> Self {
+        Self {
+            samples: e.samples,
+            rms: e.rms,
+            relative_mean: e.relative_mean,
+            relative_p95: e.relative_p95,
+            relative_p99: e.relative_p99,
+            relative_max: e.relative_max,
+            log_rms: e.log_rms,
+            cosine_log_rms: e.cosine_log_rms,
+            albedo_max_difference: e.albedo_max,
+            reciprocity: e.reciprocity,
+        }
+    }
 }
 
 impl Facts {
@@ -239,8 +282,8 @@ fn opened_pack(pack: &WaveletPack, level: Option<f32>) -> Opened {
         mean: h.mean,
         bias: h.bias,
         gpu_bytes: pack.gpu_bytes(),
-        relative_error_on_grid: pack.on_grid.relative_mean,
-        relative_error_off_grid: pack.off_grid.relative_mean,
+        on_grid: pack.on_grid.into(),
+        off_grid: pack.off_grid.into(),
     };
     Opened { source: Box::new(PackSource::new(pack, level)), facts }
 }

@@ -156,6 +156,14 @@ impl Texture {
     /// # Errors
     /// Anything that is not a 3D texture of one level in one of the [`TexelFormat`]s, uncompressed or with Zstandard.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
+        Self::from_bytes_within(bytes, MAX_TEXEL_BYTES)
+    }
+
+    /// [`Self::from_bytes`] for a pack whose texels take at most `limit` bytes: known before they are unpacked.
+    ///
+    /// # Errors
+    /// As [`Self::from_bytes`], and more texels than `limit`.
+    pub fn from_bytes_within(bytes: &[u8], limit: u64) -> Result<Self, FormatError> {
         let refused = |error| {
             let allowed = "a whole KTX2 file";
             match error {
@@ -200,8 +208,9 @@ impl Texture {
             }
         }
         let size = extent.into_iter().map(u64::from).product::<u64>() * format.texel_bytes() as u64;
-        if size > MAX_TEXEL_BYTES {
-            let allowed = format!("at most {MAX_TEXEL_BYTES}");
+        let limit = limit.min(MAX_TEXEL_BYTES);
+        if size > limit {
+            let allowed = format!("at most {limit}");
             return Err(FormatError::at_byte(20, "texture", format!("{size} bytes of texels"), allowed));
         }
         let mut entries = BTreeMap::new();

@@ -11,6 +11,9 @@ pub const MAX_LEVELS: u32 = 6;
 /// Most slices of a pack, the zero slice included: the depth limit of a 3D texture.
 pub const MAX_SLICES: usize = super::container::MAX_EXTENT as usize;
 
+/// Texels of the largest pack: 64 x 64 x 2048 of 8 bytes.
+const MAX_TEXEL_BYTES: u64 = (8 << (2 * MAX_LEVELS)) * MAX_SLICES as u64;
+
 /// What a pack says of itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Header {
@@ -134,7 +137,7 @@ impl WaveletPack {
     /// # Errors
     /// Whatever is not a pack that [`Self::to_bytes`] could have written: see `spec/wavelet.md` for the rules.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        layout::from_texture(Texture::from_bytes(bytes)?)
+        layout::from_texture(Texture::from_bytes_within(bytes, MAX_TEXEL_BYTES)?)
     }
 }
 

@@ -12,7 +12,7 @@
 use super::super::Tally;
 
 /// Neighbours of a fit in 3 dimensions.
-pub const NEIGHBOURS_3D: usize = 16;
+pub const NEIGHBOURS_3D: usize = 14;
 /// Neighbours of a fit in 4 dimensions.
 pub const NEIGHBOURS_4D: usize = 20;
 /// Most neighbours of a fit.
