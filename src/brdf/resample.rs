@@ -10,9 +10,12 @@ use rayon::prelude::*;
 /// Lowest `z` of a direction that the half-difference grid asks for below the horizon: the pair is lifted to it.
 const LIFTED_Z: f64 = 1e-3;
 
+/// Largest value of a sample, 1/sr: far above any reflectance, far below the end of f32.
+const LARGEST: f64 = 1e30;
+
 /// Evaluates `source` at every cell centre pair of `grid`, `f_r` in 1/sr.
 ///
-/// Negative values are raised to 0 and counted. Pairs that the half-difference grid puts below the horizon take the
+/// Negative values (and any that are no number) are raised to 0 and counted. Pairs that the half-difference grid puts below the horizon take the
 /// value just above it, so that the table goes on smoothly there.
 pub fn resample(source: &dyn Source, grid: Grid) -> (Table, Tally) {
     let n = grid.n();
@@ -34,12 +37,14 @@ pub fn resample(source: &dyn Source, grid: Grid) -> (Table, Tally) {
                 }
                 let pair = grid.parameterisation.from_axes(centres[*outer as usize], centres[inner]);
                 let value = source.eval(lifted(pair), &mut tally);
-                let mut negative = false;
+                let mut raised = false;
                 for channel in 0..channels {
-                    negative |= value[channel] < 0.0;
-                    values[channel * cells + inner] = value[channel].max(0.0) as f32;
+                    // NaN fails this comparison too.
+                    let usable = value[channel] >= 0.0;
+                    raised |= !usable;
+                    values[channel * cells + inner] = if usable { value[channel].min(LARGEST) as f32 } else { 0.0 };
                 }
-                tally.negative_raised += u64::from(negative);
+                tally.negative_raised += u64::from(raised);
             }
             (values, tally)
         })

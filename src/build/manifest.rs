@@ -64,6 +64,8 @@ pub struct Options {
     pub max_bytes: Option<u64>,
     /// Whether the table is smoothed.
     pub smooth: Option<bool>,
+    /// `ε` of the log encoding.
+    pub bias: Option<f64>,
 }
 
 /// One object that shows a material.
@@ -95,9 +97,9 @@ pub struct ManifestError {
 }
 
 const SCENE_KEYS: &[&str] = &["name", "distance_scale"];
-const OPTION_KEYS: &[&str] = &["grid", "bits", "parameterisation", "ratio", "max_error", "max_bytes", "smooth"];
+const OPTION_KEYS: &[&str] = &["grid", "bits", "parameterisation", "ratio", "max_error", "max_bytes", "smooth", "bias"];
 const MATERIAL_KEYS: &[&str] =
-    &["source", "grid", "bits", "parameterisation", "ratio", "max_error", "max_bytes", "smooth"];
+    &["source", "grid", "bits", "parameterisation", "ratio", "max_error", "max_bytes", "smooth", "bias"];
 const USE_KEYS: &[&str] = &["object", "material", "nearest"];
 const TOP_KEYS: &[&str] = &["scene", "defaults", "materials", "uses"];
 
@@ -230,6 +232,12 @@ impl Options {
         }
         if let Some(smooth) = self.smooth.or(defaults.smooth) {
             recipe.smooth = smooth;
+        }
+        if let Some(bias) = self.bias.or(defaults.bias) {
+            if !(1e-6..=1.0).contains(&bias) {
+                return Err(problem("bias", bias.to_string(), "1e-6 to 1"));
+            }
+            recipe.bias = bias;
         }
         if let Some(target) = self.target()?.or(defaults.target()?) {
             recipe.target = target;

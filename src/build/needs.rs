@@ -1,10 +1,8 @@
 //! Needs: what the scene asks of each material. Everything outside is not computed and not written.
 
 use super::manifest::Manifest;
+use brdfc_formats::pack::level_of_detail;
 use std::collections::BTreeMap;
-
-/// `α` of the level of detail when the manifest names none (section 5.4.1).
-pub const DEFAULT_DISTANCE_SCALE: f64 = 0.15;
 
 /// What one material is needed for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,15 +14,10 @@ pub struct Needs {
 }
 
 impl Needs {
-    /// Finest level of detail that is ever asked for, of `levels`: `⌈N - clamp(log2(α d), 0, N)⌉`.
+    /// Finest level of detail that is ever asked for, of `levels`: [`level_of_detail`] at the nearest use, rounded up.
     pub fn stored_levels(&self, levels: u32, distance_scale: f64) -> u32 {
-        (f64::from(levels) - lost_levels(self.nearest, distance_scale, levels)).ceil() as u32
+        level_of_detail(levels, self.nearest, distance_scale).ceil() as u32
     }
-}
-
-/// `clamp(log2(α d), 0, N)`: levels that distance makes invisible.
-fn lost_levels(distance: f64, scale: f64, levels: u32) -> f64 {
-    (scale * distance).log2().clamp(0.0, f64::from(levels))
 }
 
 /// The needs of every material that is used, by name.

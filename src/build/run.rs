@@ -2,7 +2,7 @@
 
 use super::cache::{self, Entry, Key};
 use super::manifest::Manifest;
-use super::needs::{DEFAULT_DISTANCE_SCALE, needs};
+use super::needs::needs;
 use super::write::write_atomic;
 use crate::brdf::encode::{EncodeError, Observer, Recipe, encode};
 use crate::brdf::table::Grid;
@@ -10,6 +10,7 @@ use crate::report::material::{MaterialReport, StageTime};
 use crate::source::address;
 use crate::source::open::{InputError, open};
 use brdfc_formats::direction::Parameterisation;
+use brdfc_formats::pack::DEFAULT_DISTANCE_SCALE;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::Path;

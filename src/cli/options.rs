@@ -26,6 +26,10 @@ pub struct EncodeOptions {
     /// Bits per component: 8 (default), or 10 to 16 in a texture of 16 bits.
     #[arg(long, value_name = "N")]
     bits: Option<u32>,
+    /// Bias ε of the log encoding ln(f/μ + ε), 1e-6 to 1 (default 0.01): values far below ε times the mean are lost.
+    /// Lower it for mirror-like materials, whose mean is far above most values.
+    #[arg(long, value_name = "E")]
+    bias: Option<f64>,
     /// Smooth the table by moving least squares first: for noisy dense data. Scans are smoothed anyway.
     #[arg(long)]
     smooth: bool,
@@ -45,6 +49,7 @@ impl EncodeOptions {
             max_error: self.max_error,
             max_bytes: self.max_bytes,
             smooth: self.smooth.then_some(true),
+            bias: self.bias,
         };
         let recipe = options.resolve(&Options::default())?;
         Ok(Recipe { supercompress: !self.no_supercompression, ..recipe })

@@ -218,6 +218,15 @@ pub fn detail_indices(j: u32, parent_column: usize, parent_row: usize, child_row
     (first + parent_row * side + parent_column, 2 * first + child_row * side + parent_column)
 }
 
+/// `α` of [`level_of_detail`] that the paper found good, per unit of distance.
+pub const DEFAULT_DISTANCE_SCALE: f64 = 0.15;
+
+/// Level of detail at a distance `d` from the viewer: `l = N - clamp(log2(α d), 0, N)` (section 5.4.1, with the sense that
+/// its cost remark and pictures have: far is coarse). `levels` is `N`, `scale` is `α`.
+pub fn level_of_detail(levels: u32, distance: f64, scale: f64) -> f64 {
+    f64::from(levels) - (scale * distance).log2().clamp(0.0, f64::from(levels))
+}
+
 /// `2^-n`.
 fn weight(n: u32) -> f32 {
     1.0 / (1u64 << n) as f32

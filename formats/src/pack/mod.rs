@@ -7,5 +7,5 @@ pub mod wavelet;
 mod wavelet_layout;
 
 pub use container::{TexelFormat, Texture};
-pub use decode::{Filter, WaveletDecoder};
+pub use decode::{DEFAULT_DISTANCE_SCALE, Filter, WaveletDecoder, level_of_detail};
 pub use wavelet::WaveletPack;
