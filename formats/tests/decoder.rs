@@ -4,7 +4,7 @@ mod common;
 
 use brdfc_formats::direction::{DirectionPair, Parameterisation, cell_centre};
 use brdfc_formats::pack::wavelet::SliceScale;
-use brdfc_formats::pack::{Filter, WaveletDecoder, WaveletPack};
+use brdfc_formats::pack::{Filter, RowScratch, WaveletDecoder, WaveletPack};
 use common::{header, pack, pairs};
 
 const FILTERS: [Filter; 2] = [Filter::Nearest, Filter::Bilinear];
@@ -17,7 +17,7 @@ fn log_value(pack: &WaveletPack, f: f32) -> f64 {
 /// Whole rows of the table: `[outer cell][channel][inner cell]`.
 fn rows(pack: &WaveletPack) -> Vec<Vec<Vec<f32>>> {
     let decoder = WaveletDecoder::new(pack);
-    let mut scratch = Vec::new();
+    let mut scratch = RowScratch::default();
     let mut row = |cell, channel| {
         let mut output = vec![0.0; pack.header.cells()];
         decoder.decode_row(cell, channel, &mut output, &mut scratch);

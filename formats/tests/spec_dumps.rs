@@ -5,7 +5,7 @@ mod common;
 use brdfc_formats::measured::merl::{self, Merl};
 use brdfc_formats::measured::scan::Scan;
 use brdfc_formats::measured::scan_csv;
-use brdfc_formats::pack::{Texture, WaveletDecoder, WaveletPack};
+use brdfc_formats::pack::{RowScratch, Texture, WaveletDecoder, WaveletPack};
 use common::check_dump;
 
 #[test]
@@ -31,7 +31,7 @@ fn wavelet_packs() {
 fn the_worked_value_of_the_wavelet_page() {
     let decoder = WaveletDecoder::new(&common::example());
     let mut row = [0.0; 4];
-    decoder.decode_row(0, 0, &mut row, &mut Vec::new());
+    decoder.decode_row(0, 0, &mut row, &mut RowScratch::default());
     let f = decoder.from_log(row[1]);
     assert!((row[1] + 0.676_777).abs() < 1e-6 && (f - 0.249_126).abs() < 1e-6, "{} {f}", row[1]);
 }

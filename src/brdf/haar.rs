@@ -1,11 +1,12 @@
 //! The Haar transform (section 4.2), over the inner hemisphere.
 //!
 //! One level splits along longitude, then splits the smooth half along latitude. Coefficient numbers are those of
-//! [`brdfc_formats::pack::decode`]'s tree: 0 is the scaling coefficient, level `j` starts at `4^j` with `2^j x 2^j` latitude
+//! [`brdfc_formats::pack::haar`]: 0 is the scaling coefficient, level `j` starts at `4^j` with `2^j x 2^j` latitude
 //! details, followed by `2^(j+1)` rows of `2^j` longitude details.
 
 use super::fold::Flip;
 use super::table::Table;
+pub use brdfc_formats::pack::haar::inverse;
 use num_traits::Float;
 use rayon::prelude::*;
 
@@ -36,31 +37,6 @@ pub fn forward<T: Float>(samples: &[T], n: usize, coefficients: &mut [T], smooth
         size = half;
     }
     coefficients[0] = smooth[0];
-}
-
-/// Synthesis, the inverse of [`forward`]: `a = (l + h) / √2`, `b = (l - h) / √2`. `split` is scratch space.
-pub fn inverse<T: Float>(coefficients: &[T], n: usize, samples: &mut [T], split: &mut Vec<T>) {
-    let r = T::from(std::f64::consts::FRAC_1_SQRT_2).expect("every float holds 1/√2");
-    split.clear();
-    split.resize(n * n, T::zero());
-    samples[0] = coefficients[0];
-    let mut half = 1;
-    while half < n {
-        let (latitude, longitude) = coefficients[half * half..4 * half * half].split_at(half * half);
-        for row in 0..half {
-            for column in 0..half {
-                let (l, h) = (samples[row * half + column], latitude[row * half + column]);
-                split[2 * row * half + column] = (l + h) * r;
-                split[(2 * row + 1) * half + column] = (l - h) * r;
-            }
-        }
-        for cell in 0..2 * half * half {
-            let (l, h) = (split[cell], longitude[cell]);
-            samples[2 * cell] = (l + h) * r;
-            samples[2 * cell + 1] = (l - h) * r;
-        }
-        half *= 2;
-    }
 }
 
 /// Transforms every row of a table in place of its samples.

@@ -5,7 +5,7 @@ use crate::metrics::compare::Reciprocity;
 use crate::metrics::norms::{NormSums, Norms};
 use crate::metrics::vector_math::exp;
 use brdfc_formats::direction::{Parameterisation, cell_centre};
-use brdfc_formats::pack::WaveletDecoder;
+use brdfc_formats::pack::{RowScratch, WaveletDecoder};
 use rayon::prelude::*;
 
 /// Outer cells per unit of parallel work: fixed, so that sums do not depend on threads.
@@ -46,7 +46,7 @@ pub fn grid_error(reference: &Table, decoder: &WaveletDecoder) -> GridError {
             let mut decoded = vec![0.0f32; cells];
             let mut unfolded = vec![0.0f32; cells];
             let mut kept = Vec::new();
-            let mut scratch = Vec::new();
+            let mut scratch = RowScratch::default();
             for outer in chunk * CHUNK..((chunk + 1) * CHUNK).min(cells) {
                 let (row, flip) = reference.fold.locate(outer);
                 for channel in 0..channels {

@@ -56,12 +56,11 @@ fn symmetry_in_words(s: Symmetry) -> String {
 fn facts_in_words(facts: &Facts) -> Vec<(&'static str, String)> {
     match facts {
         Facts::Synth { address } => vec![("kind", "analytic model".to_owned()), ("address", address.clone())],
-        Facts::Merl { dimensions: [h, d, p], valid_cells, invalid_cells, mirror_asymmetry } => vec![
+        Facts::Merl { dimensions: [h, d, p], valid_cells, invalid_cells } => vec![
             ("kind", "MERL table".to_owned()),
             ("samples (theta_h x theta_d x phi_d)", format!("{h} x {d} x {p}")),
             ("azimuths cover", if *p == 4 * d { "a full turn" } else { "half a turn" }.to_owned()),
             ("valid cells", format!("{valid_cells} of {}", valid_cells + invalid_cells)),
-            ("largest mirror asymmetry", percent(*mirror_asymmetry)),
         ],
         Facts::Scan { wavelengths, summary } => {
             let s = summary;

@@ -89,30 +89,35 @@ impl NormSums {
     pub fn add_row(&mut self, f: &[f32], g: &[f32], cos_theta_i: f32) {
         let floor = ((RELATIVE_FLOOR * self.mean) as f32).max(f32::MIN_POSITIVE);
         let least = (1e-6 * self.mean) as f32;
-        let mut buffer = [[0.0f32; LANES]; 3];
+        let mut squares = [[0.0f32; LANES]; 3];
+        let mut relative = [0.0f32; LANES];
         for (f, g) in f.chunks(LANES).zip(g.chunks(LANES)) {
-            let [relative, log, cosine_log] = &mut buffer;
+            let [difference, log, cosine_log] = &mut squares;
+            let mut counted = 0;
             for k in 0..f.len() {
-                let difference = g[k] - f[k];
+                let d = g[k] - f[k];
                 let base = f[k].max(floor);
-                relative[k] = difference.abs() / base;
-                log[k] = ln_1p((g[k].max(least) - base) / base);
-                cosine_log[k] = ln_1p(difference * cos_theta_i / (1.0 + f[k] * cos_theta_i));
+                // Samples below the floor count as exact here, and are counted apart.
+                let above = if f[k] >= floor { 1.0 } else { 0.0 };
+                let l = above * ln_1p((g[k].max(least) - base) / base);
+                let c = ln_1p(d * cos_theta_i / (1.0 + f[k] * cos_theta_i));
+                relative[k] = above * d.abs() / base;
+                (difference[k], log[k], cosine_log[k]) = (d * d, l * l, c * c);
+                counted += u32::from(f[k] >= floor);
             }
-            for k in 0..f.len() {
-                let difference = f64::from(g[k]) - f64::from(f[k]);
-                self.square += difference * difference;
-                self.cosine_log_square += f64::from(cosine_log[k]) * f64::from(cosine_log[k]);
+            let n = f.len();
+            self.square += sum(&difference[..n]);
+            self.log_square += sum(&log[..n]);
+            self.cosine_log_square += sum(&cosine_log[..n]);
+            self.relative += sum(&relative[..n]);
+            for (k, ratio) in relative[..n].iter().enumerate() {
                 if f[k] >= floor {
-                    self.relative += f64::from(relative[k]);
-                    self.relative_max = self.relative_max.max(f64::from(relative[k]));
-                    self.log_square += f64::from(log[k]) * f64::from(log[k]);
-                    self.histogram[(relative[k].to_bits() >> BIN_SHIFT) as usize] += 1;
-                } else {
-                    self.below_floor += 1;
+                    self.relative_max = self.relative_max.max(f64::from(*ratio));
+                    self.histogram[(ratio.to_bits() >> BIN_SHIFT) as usize] += 1;
                 }
             }
-            self.samples += f.len() as u64;
+            self.samples += n as u64;
+            self.below_floor += n as u64 - u64::from(counted);
         }
     }
 
@@ -160,6 +165,18 @@ impl NormSums {
         }
         0.0
     }
+}
+
+/// Sum in a fixed order of eight strands, which vector code keeps.
+fn sum(values: &[f32]) -> f64 {
+    let mut strands = [0.0f32; 8];
+    let (groups, rest) = values.as_chunks::<8>();
+    for group in groups {
+        for k in 0..8 {
+            strands[k] += group[k];
+        }
+    }
+    strands.iter().chain(rest).map(|v| f64::from(*v)).sum()
 }
 
 #[cfg(test)]

@@ -7,14 +7,13 @@ use std::f64::consts::FRAC_PI_2;
 use std::sync::OnceLock;
 
 /// Largest relative difference between a cell and its image that still counts as the rounding of a symmetric file.
-const SYMMETRY_TOLERANCE: f64 = 1e-5;
+const SYMMETRY_TOLERANCE: f32 = 1e-5;
 
 /// A MERL table, interpolated trilinearly in `(sqrt(theta_h), theta_d, phi_d)`.
 #[derive(Debug)]
 pub struct MerlSource {
     table: Merl,
     symmetry: Symmetry,
-    mirror_asymmetry: f64,
     nearest: OnceLock<Vec<u32>>,
 }
 
@@ -24,23 +23,17 @@ impl MerlSource {
     /// The layout makes it isotropic, and reciprocal where it stores half a turn; mirror symmetry is a property of
     /// the data, and measured files need not have it.
     pub fn new(table: Merl) -> Self {
-        let mirror_asymmetry = table.mirror_asymmetry();
         let symmetry = Symmetry {
             isotropic: true,
-            mirror: mirror_asymmetry <= SYMMETRY_TOLERANCE,
-            reciprocal: table.reciprocity_asymmetry() <= SYMMETRY_TOLERANCE,
+            mirror: table.is_mirror_symmetric(SYMMETRY_TOLERANCE),
+            reciprocal: table.is_reciprocal(SYMMETRY_TOLERANCE),
         };
-        Self { table, symmetry, mirror_asymmetry, nearest: OnceLock::new() }
+        Self { table, symmetry, nearest: OnceLock::new() }
     }
 
     /// The table.
     pub fn table(&self) -> &Merl {
         &self.table
-    }
-
-    /// Largest relative difference between a cell and its mirror image.
-    pub fn mirror_asymmetry(&self) -> f64 {
-        self.mirror_asymmetry
     }
 
     /// Angles `(theta_h, theta_d, phi_d)` of a pair, radians: half vector's polar angle, and the difference vector in

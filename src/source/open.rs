@@ -64,8 +64,6 @@ pub enum Facts {
         valid_cells: usize,
         /// Cells without.
         invalid_cells: usize,
-        /// Largest relative difference between a cell and its mirror image.
-        mirror_asymmetry: f64,
     },
     /// A scattered scan.
     Scan {
@@ -247,7 +245,6 @@ fn opened_merl(table: Merl) -> Opened {
         dimensions: [n.theta_half, n.theta_difference, n.phi_difference],
         valid_cells,
         invalid_cells: n.cells() - valid_cells,
-        mirror_asymmetry: source.mirror_asymmetry(),
     };
     Opened { source: Box::new(source), facts }
 }

@@ -155,39 +155,27 @@ impl Merl {
         Self::read(std::io::Cursor::new(bytes), bytes.len() as u64)
     }
 
-    /// Largest relative difference between a valid cell and its mirror image (`phi_d` to `-phi_d`), 0 to 1.
-    /// 0 for data that is exactly mirror symmetric.
-    pub fn mirror_asymmetry(&self) -> f64 {
-        self.largest_difference(|k, n| (n - k) % n)
+    /// Whether every cell equals its mirror image (`phi_d` to `-phi_d`) to within a fraction `tolerance`.
+    pub fn is_mirror_symmetric(&self, tolerance: f32) -> bool {
+        self.is_unchanged_by(|k, n| (n - k) % n, tolerance)
     }
 
-    /// Largest relative difference between a valid cell and its reciprocal (`phi_d` to `phi_d + π`), 0 to 1.
-    /// 0 by layout where the azimuths cover half a turn.
-    pub fn reciprocity_asymmetry(&self) -> f64 {
-        if self.dimensions.is_full_turn() { self.largest_difference(|k, n| (k + n / 2) % n) } else { 0.0 }
+    /// Whether every cell equals its reciprocal (`phi_d` to `phi_d + π`) to within a fraction `tolerance`. True by
+    /// layout where the azimuths cover half a turn.
+    pub fn is_reciprocal(&self, tolerance: f32) -> bool {
+        !self.dimensions.is_full_turn() || self.is_unchanged_by(|k, n| (k + n / 2) % n, tolerance)
     }
 
-    fn largest_difference(&self, partner: impl Fn(usize, usize) -> usize) -> f64 {
+    /// Stops at the first difference, which measured data has early.
+    fn is_unchanged_by(&self, partner: impl Fn(usize, usize) -> usize, tolerance: f32) -> bool {
         let n = self.dimensions.phi_difference;
-        let mut largest = 0.0f32;
-        for ring in self.values.chunks_exact(n) {
-            for (k, value) in ring.iter().enumerate().take(n / 2 + 1) {
-                let other = ring[partner(k, n)];
-                if value[0].is_nan() != other[0].is_nan() {
-                    return 1.0;
-                }
-                for channel in 0..3 {
-                    let (a, b) = (value[channel], other[channel]);
-                    if a != b && !a.is_nan() {
-                        largest = largest.max((a - b).abs() / a.max(b));
-                    }
-                }
-            }
-            if largest == 1.0 {
-                break;
-            }
-        }
-        f64::from(largest)
+        self.values.chunks_exact(n).all(|ring| {
+            (0..=n / 2).all(|k| {
+                let (value, other) = (ring[k % n], ring[partner(k % n, n)]);
+                let both_invalid = value[0].is_nan() && other[0].is_nan();
+                both_invalid || (0..3).all(|c| (value[c] - other[c]).abs() <= tolerance * value[c].max(other[c]))
+            })
+        })
     }
 }
 
@@ -335,12 +323,14 @@ mod tests {
     }
 
     #[test]
-    fn asymmetry_is_measured() {
+    fn symmetry_is_measured() {
         let n = Dimensions { theta_half: 2, theta_difference: 2, phi_difference: 8 };
         let even = Merl::from_bytes(&file(n, |[.., p]| Some([2.0 + (2.0 * p).cos(); 3]))).unwrap();
-        assert!(even.mirror_asymmetry() < 1e-6);
+        assert!(even.is_mirror_symmetric(1e-5));
         let odd = Merl::from_bytes(&file(n, |[.., p]| Some([2.0 + (2.0 * p).sin(); 3]))).unwrap();
-        assert!(odd.mirror_asymmetry() > 0.3);
-        assert!(even.dimensions.is_full_turn() && even.reciprocity_asymmetry() < 1e-6);
+        assert!(!odd.is_mirror_symmetric(0.1));
+        assert!(even.dimensions.is_full_turn() && even.is_reciprocal(1e-5) && odd.is_reciprocal(1e-5));
+        let turning = Merl::from_bytes(&file(n, |[.., p]| Some([2.0 + p.cos(); 3]))).unwrap();
+        assert!(turning.is_mirror_symmetric(1e-5) && !turning.is_reciprocal(0.1));
     }
 }

@@ -3,6 +3,7 @@
 //! Every step is f32 arithmetic in a fixed order without fused operations, so that a shader that follows it with
 //! manual filtering gives the same bits up to the last exponential.
 
+use super::haar::{self, detail_indices};
 use super::wavelet::{Header, WaveletPack};
 use crate::direction::{DirectionPair, Parameterisation, polynomial_atan2};
 use std::f32::consts::{FRAC_1_SQRT_2, PI};
@@ -35,6 +36,13 @@ struct Tap {
 
 /// The outer half of a look-up: up to four cells of a slice.
 type Footprint = [(usize, f32); 4];
+
+/// Space that [`WaveletDecoder::decode_row`] works in.
+#[derive(Debug, Clone, Default)]
+pub struct RowScratch {
+    coefficients: Vec<f32>,
+    split: Vec<f32>,
+}
 
 impl WaveletDecoder {
     /// Unpacks texels to coefficients: `offset + scale * texel`.
@@ -175,47 +183,18 @@ impl WaveletDecoder {
 
     /// Log-encoded values of a whole row of the table at the finest level: all inner cells of one outer cell, for one
     /// channel, by the inverse transform. `output` has `cells` entries, longitude fastest.
-    pub fn decode_row(&self, outer_cell: usize, channel: usize, output: &mut [f32], scratch: &mut Vec<f32>) {
+    pub fn decode_row(&self, outer_cell: usize, channel: usize, output: &mut [f32], scratch: &mut RowScratch) {
         let (n, cells, channels) = (self.header.grid(), self.header.cells(), self.header.channels as usize);
-        let coefficient = |k: usize| match self.index[k] {
-            0 => 0.0,
-            slice => self.coefficients[(usize::from(slice) * cells + outer_cell) * channels + channel],
-        };
-        scratch.clear();
-        scratch.resize(cells, 0.0);
-        output[0] = coefficient(0);
-        let mut half = 1;
-        while half < n {
-            // Latitude: half x half to half x 2 half, then longitude: to 2 half x 2 half.
-            for row in 0..half {
-                for column in 0..half {
-                    let smooth = output[row * half + column];
-                    let detail = coefficient(half * half + row * half + column);
-                    scratch[2 * row * half + column] = (smooth + detail) * FRAC_1_SQRT_2;
-                    scratch[(2 * row + 1) * half + column] = (smooth - detail) * FRAC_1_SQRT_2;
-                }
+        scratch.coefficients.resize(cells, 0.0);
+        scratch.coefficients.fill(0.0);
+        for (k, slice) in self.index.iter().enumerate() {
+            if *slice != 0 {
+                let texel = usize::from(*slice) * cells + outer_cell;
+                scratch.coefficients[k] = self.coefficients[texel * channels + channel];
             }
-            for row in 0..2 * half {
-                for column in 0..half {
-                    let smooth = scratch[row * half + column];
-                    let detail = coefficient(2 * half * half + row * half + column);
-                    output[2 * (row * half + column)] = (smooth + detail) * FRAC_1_SQRT_2;
-                    output[2 * (row * half + column) + 1] = (smooth - detail) * FRAC_1_SQRT_2;
-                }
-            }
-            half *= 2;
         }
+        haar::inverse(&scratch.coefficients, n, output, &mut scratch.split);
     }
-}
-
-/// Coefficient numbers of the latitude and the longitude detail of one step from level `j` to `j + 1`.
-///
-/// Coefficient 0 is the scaling coefficient. Level `j` starts at `4^j`: first `2^j x 2^j` latitude details, then
-/// `2^(j+1)` rows of `2^j` longitude details.
-pub fn detail_indices(j: u32, parent_column: usize, parent_row: usize, child_row: usize) -> (usize, usize) {
-    let side = 1usize << j;
-    let first = side * side;
-    (first + parent_row * side + parent_column, 2 * first + child_row * side + parent_column)
 }
 
 /// `α` of [`level_of_detail`] that the paper found good, per unit of distance.

@@ -3,9 +3,10 @@
 
 pub mod container;
 mod decode;
+pub mod haar;
 pub mod wavelet;
 mod wavelet_layout;
 
 pub use container::{TexelFormat, Texture};
-pub use decode::{DEFAULT_DISTANCE_SCALE, Filter, WaveletDecoder, level_of_detail};
+pub use decode::{DEFAULT_DISTANCE_SCALE, Filter, RowScratch, WaveletDecoder, level_of_detail};
 pub use wavelet::WaveletPack;
