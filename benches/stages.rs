@@ -1,0 +1,177 @@
+//! One benchmark per stage, on inputs made in memory with fixed seeds: `cargo bench`, or `cargo bench -- haar`.
+//!
+//! The grid is 32 x 32 per hemisphere unless the name says otherwise. All stages use every core.
+
+use brdfc::brdf::encode::{Recipe, Target, encode};
+use brdfc::brdf::haar;
+use brdfc::brdf::log_encode::{DEFAULT_BIAS, LogEncoding, log_encode};
+use brdfc::brdf::measure::grid_error;
+use brdfc::brdf::quantise::quantise;
+use brdfc::brdf::resample::resample;
+use brdfc::brdf::smooth::smooth;
+use brdfc::brdf::table::{Grid, Table};
+use brdfc::brdf::threshold::{keep, ranking, slice_energies};
+use brdfc::metrics::compare::compare;
+use brdfc::metrics::sampling::random_pairs;
+use brdfc::source::address::parse_model;
+use brdfc::source::simulate::{ScanPlan, merl_file, scan};
+use brdfc::source::{MerlSource, PackSource, ScanSource, Source};
+use brdfc_formats::direction::Parameterisation;
+use brdfc_formats::measured::merl::{Dimensions, Merl};
+use brdfc_formats::measured::scan::Scan;
+use brdfc_formats::pack::{Filter, WaveletDecoder, WaveletPack};
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use std::hint::black_box;
+use std::time::Duration;
+
+const GRID: Grid = Grid { parameterisation: Parameterisation::TangentPole, levels: 5 };
+const COARSE: Grid = Grid { levels: 4, ..GRID };
+const SEED: u64 = 7;
+const RATIO: f64 = 4.0;
+
+fn model(address: &str) -> Box<dyn Source> {
+    parse_model(address).expect("a model of ours")
+}
+
+/// A red plastic as a MERL file of full size.
+fn merl_bytes() -> Vec<u8> {
+    merl_file(model("ggx?kd=0.4,0.05,0.04&alpha=0.25").as_ref(), Dimensions::MERL)
+}
+
+/// The same file with one side of the plane of incidence brighter than the other.
+fn lopsided(mut table: Merl) -> MerlSource {
+    let azimuths = table.dimensions.phi_difference;
+    for (cell, value) in table.values.iter_mut().enumerate() {
+        let phi = std::f32::consts::PI * (cell % azimuths) as f32 / azimuths as f32;
+        *value = value.map(|v| v * (1.0 + 0.1 * (2.0 * phi).sin()));
+    }
+    MerlSource::new(table)
+}
+
+/// A noisy scan of a blue paint.
+fn scan_source() -> ScanSource {
+    let plan =
+        ScanPlan { rows: 1440, incidences: 8, azimuths: 1, noise: 0.05, gaps: 0.1, duplicates: 0.05, seed: SEED };
+    let rows = scan(model("ggx?kd=0.1,0.1,0.4&alpha=0.3").as_ref(), &plan);
+    ScanSource::new(&Scan { wavelengths: Vec::new(), rows }).expect("enough rows")
+}
+
+fn read(criterion: &mut Criterion) {
+    let bytes = merl_bytes();
+    let mut group = criterion.benchmark_group("read");
+    group.throughput(Throughput::Bytes(bytes.len() as u64));
+    group.bench_function("merl 90 x 90 x 180", |b| b.iter(|| Merl::from_bytes(black_box(&bytes))));
+}
+
+fn resampling(criterion: &mut Criterion) {
+    let table = Merl::from_bytes(&merl_bytes()).expect("our own file");
+    let (mirror, lopsided, scan) = (MerlSource::new(table.clone()), lopsided(table), scan_source());
+    assert!(mirror.symmetry().mirror && !lopsided.symmetry().mirror, "the two inputs differ in symmetry");
+    let mut group = criterion.benchmark_group("resample");
+    for (name, source, grid) in [
+        ("merl, mirror symmetric", &mirror as &dyn Source, GRID),
+        ("merl, not mirror symmetric", &lopsided, GRID),
+        ("scan by moving least squares, 16 x 16", &scan, COARSE),
+    ] {
+        let (_, tally) = resample(source, grid);
+        group.throughput(Throughput::Elements(tally.evaluations));
+        group.bench_function(name, |b| b.iter(|| resample(black_box(source), grid)));
+    }
+}
+
+/// A table, its logarithms and its coefficients.
+struct Stages {
+    source: MerlSource,
+    table: Table,
+    encoding: LogEncoding,
+    logarithms: Table,
+    coefficients: Table,
+    pack: WaveletPack,
+}
+
+fn stages() -> Stages {
+    let source = MerlSource::new(Merl::from_bytes(&merl_bytes()).expect("our own file"));
+    let (table, _) = resample(&source, GRID);
+    let encoding = LogEncoding::of(&table, DEFAULT_BIAS);
+    let logarithms = log_encode(&table, encoding);
+    let coefficients = haar::transform(&logarithms);
+    let recipe = Recipe { target: Target::Ratio(RATIO), off_grid_pairs: 1, ..Recipe::default() };
+    let pack = encode(&source, GRID, &recipe, &mut ()).expect("a ratio is always met").pack;
+    Stages { source, table, encoding, logarithms, coefficients, pack }
+}
+
+fn encoding(criterion: &mut Criterion) {
+    let s = stages();
+    let order = ranking(&slice_energies(&s.coefficients), GRID.levels);
+    let kept = keep(&order, s.pack.slices() - 1);
+    let mut group = criterion.benchmark_group("encode");
+    group.bench_function("log", |b| b.iter(|| log_encode(black_box(&s.table), s.encoding)));
+    group.bench_function("smooth", |b| b.iter(|| smooth(black_box(&s.logarithms))));
+    group.bench_function("haar", |b| b.iter(|| haar::transform(black_box(&s.logarithms))));
+    group.bench_function("slice energies and ranking", |b| {
+        b.iter(|| ranking(&slice_energies(black_box(&s.coefficients)), GRID.levels))
+    });
+    group.bench_function("quantise, 4:1", |b| b.iter(|| quantise(black_box(&s.coefficients), &kept, &s.pack.header)));
+}
+
+fn decoding(criterion: &mut Criterion) {
+    let s = stages();
+    let decoder = WaveletDecoder::new(&s.pack);
+    let mut group = criterion.benchmark_group("decode");
+    group.bench_function("whole grid, one thread", |b| {
+        let mut row = vec![0.0; GRID.cells()];
+        let mut scratch = Vec::new();
+        b.iter(|| {
+            for outer in 0..GRID.cells() {
+                for channel in 0..3 {
+                    decoder.decode_row(outer, channel, &mut row, &mut scratch);
+                }
+            }
+            row[0]
+        });
+    });
+    let pairs = random_pairs(1000, SEED);
+    group.throughput(Throughput::Elements(pairs.len() as u64));
+    for (name, filter) in [("1000 pairs, nearest", Filter::Nearest), ("1000 pairs, bilinear", Filter::Bilinear)] {
+        group.bench_function(name, |b| {
+            b.iter(|| pairs.iter().map(|pair| decoder.eval(*pair, GRID.levels as f32, filter)[0]).sum::<f32>());
+        });
+    }
+}
+
+fn measuring(criterion: &mut Criterion) {
+    let s = stages();
+    let decoded = PackSource::new(&s.pack, None);
+    let pairs = random_pairs(Recipe::default().off_grid_pairs, SEED);
+    let mut group = criterion.benchmark_group("measure");
+    group.bench_function("on the grid", |b| b.iter(|| grid_error(black_box(&s.table), decoded.decoder())));
+    group.throughput(Throughput::Elements(pairs.len() as u64));
+    group.bench_function("off the grid", |b| b.iter(|| compare(&s.source, &decoded, &pairs, s.encoding.mean)));
+}
+
+fn packing(criterion: &mut Criterion) {
+    let pack = stages().pack;
+    let mut group = criterion.benchmark_group("pack");
+    group.throughput(Throughput::Bytes(pack.texels.len() as u64));
+    for (name, compressed) in [("stored", false), ("zstandard", true)] {
+        let bytes = pack.to_bytes(compressed);
+        group.bench_function(format!("write, {name}"), |b| b.iter(|| black_box(&pack).to_bytes(compressed)));
+        group.bench_function(format!("read, {name}"), |b| b.iter(|| WaveletPack::from_bytes(black_box(&bytes))));
+    }
+}
+
+/// Few samples: stages differ by powers of ten, and a run should take a minute or two.
+fn short() -> Criterion {
+    Criterion::default()
+        .sample_size(10)
+        .warm_up_time(Duration::from_millis(300))
+        .measurement_time(Duration::from_millis(1500))
+        .configure_from_args()
+}
+
+criterion_group! {
+    name = benches;
+    config = short();
+    targets = read, resampling, encoding, decoding, measuring, packing
+}
+criterion_main!(benches);
