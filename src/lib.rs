@@ -9,3 +9,8 @@ pub mod cli;
 pub mod metrics;
 pub mod report;
 pub mod source;
+
+/// Compiles the Rust example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
