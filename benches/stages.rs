@@ -160,12 +160,14 @@ fn packing(criterion: &mut Criterion) {
     }
 }
 
-/// Few samples: stages differ by powers of ten, and a run should take a minute or two.
+/// Few samples: stages differ by powers of ten, and a run should take about a minute.
 fn short() -> Criterion {
     Criterion::default()
         .sample_size(10)
         .warm_up_time(Duration::from_millis(300))
-        .measurement_time(Duration::from_millis(1500))
+        .measurement_time(Duration::from_millis(1000))
+        .nresamples(5000)
+        .without_plots()
         .configure_from_args()
 }
 

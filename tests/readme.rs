@@ -1,7 +1,8 @@
 //! The commands in README.md work, and print what the README says they print; the manifest in docs/scene.md parses.
 //!
 //! Each line of a fenced `sh` block is run in one folder that holds a copy of the demo scene, in the order of the page.
-//! A line may end in `# exit code N`. A `text` block right after a `sh` block is what the block's last line prints.
+//! A line may end in `# exit code N`. A `text` block right after a `sh` block is what the block's last line prints;
+//! with `BRDFC_UPDATE_README=1` in the environment these blocks are written anew instead of compared.
 
 use brdfc::build::manifest::Manifest;
 use std::path::{Path, PathBuf};
@@ -79,21 +80,25 @@ impl Sandbox {
     }
 }
 
-/// The command of a line as the sandbox runs it, and its exit code.
-fn command(line: &str) -> Option<(String, i32)> {
+/// The command of a line as the sandbox runs it, and its exit code; `None` if it is one that is not run.
+fn command(line: &str) -> Result<Option<(String, i32)>, String> {
     let (command, code) = line.split_once("# exit code ").map_or((line, 0), |(c, n)| (c, n.trim().parse().unwrap()));
     if NOT_RUN.iter().any(|start| command.starts_with(start)) {
-        return None;
+        return Ok(None);
     }
     let command = command.replacen("cargo run --release -- ", "brdfc ", 1);
-    assert!(command.starts_with("brdfc "), "neither a command of ours nor one that is known not to run: {line}");
-    Some((command, code))
+    if !command.starts_with("brdfc ") {
+        return Err(format!("neither a command of ours nor one that is known not to run: {line}"));
+    }
+    Ok(Some((command, code)))
 }
 
 #[test]
 #[cfg(unix)]
 fn every_command_of_the_readme_works() {
     let page = std::fs::read_to_string(root().join("README.md")).unwrap();
+    let update = std::env::var_os("BRDFC_UPDATE_README").is_some();
+    let mut updated = page.clone();
     let sandbox = Sandbox::new();
     let mut printed = None;
     let (mut run, mut compared) = (0, 0);
@@ -101,7 +106,7 @@ fn every_command_of_the_readme_works() {
         match block.language.as_str() {
             "sh" => {
                 for line in block.text.replace("\\\n", " ").lines().filter(|l| !l.trim().is_empty()) {
-                    let Some((command, code)) = command(line) else {
+                    let Some((command, code)) = command(line).unwrap() else {
                         println!("skipped: {line}");
                         printed = None;
                         continue;
@@ -115,11 +120,18 @@ fn every_command_of_the_readme_works() {
             }
             "text" if block.follows => {
                 let (command, found) = printed.take().expect("a block of output follows a command that is run");
-                assert_same_words(&command, &block.text, &found);
+                if update {
+                    updated = updated.replace(&block.text, &found);
+                } else {
+                    assert_same_words(&command, &block.text, &found);
+                }
                 compared += 1;
             }
             _ => {}
         }
+    }
+    if update {
+        std::fs::write(root().join("README.md"), updated).unwrap();
     }
     println!("{run} commands run, the output of {compared} compared");
     assert!(run >= 10 && compared >= 3, "the README was not understood: {run} commands, {compared} outputs");
@@ -149,8 +161,8 @@ fn same_word(a: &str, b: &str) -> bool {
 fn the_comparison_of_outputs_can_fail() {
     assert!(same_word("1.000,2", "1.005,2") && same_word("a:1", "a:1"));
     assert!(!same_word("1.00", "1.05") && !same_word("1,2", "1") && !same_word("4:1", "5:1"));
-    let unknown = std::panic::catch_unwind(|| command("rm -r packs"));
-    assert!(unknown.is_err());
+    assert!(command("rm -r packs").is_err() && command("cargo bench").unwrap().is_none());
+    assert_eq!(command("cargo run --release -- info x # exit code 3"), Ok(Some(("brdfc info x ".to_owned(), 3))));
 }
 
 #[test]
@@ -176,4 +188,16 @@ fn the_manifest_in_the_docs_parses() {
         examples += 1;
     }
     assert!(examples > 0);
+}
+
+/// The message about an unknown key lists all that are known.
+#[test]
+fn every_key_of_the_manifest_is_described() {
+    let page = std::fs::read_to_string(root().join("docs/scene.md")).unwrap();
+    for table in ["[scene]", "[defaults]", "[materials.a]", "[[uses]]"] {
+        let error = Manifest::parse(&format!("{table}\nno_such_key = 1\n")).unwrap_err();
+        for key in error.allowed.split(", ") {
+            assert!(page.contains(&format!("\n| `{key}` |")), "docs/scene.md does not describe {key} of {table}");
+        }
+    }
 }
