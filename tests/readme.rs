@@ -141,7 +141,10 @@ fn every_command_of_the_readme_works() {
 fn assert_same_words(command: &str, expected: &str, found: &str) {
     let split = |text: &str| text.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
     let (a, b) = (split(expected), split(found));
-    let told = format!("{command}\nthe README says:\n{expected}\nit prints:\n{found}");
+    let told = format!(
+        "{command}\nthe README says:\n{expected}\nit prints:\n{found}\n\
+         If this is meant: BRDFC_UPDATE_README=1 cargo test --test readme"
+    );
     assert_eq!(a.len(), b.len(), "{told}");
     for (index, (a_word, b_word)) in a.iter().zip(&b).enumerate() {
         let is_time = a.get(index + 1).is_some_and(|unit| unit == "s");
