@@ -19,7 +19,7 @@ use brdfc::source::{MerlSource, PackSource, ScanSource, Source};
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::measured::merl::{Dimensions, Merl};
 use brdfc_formats::measured::scan::Scan;
-use brdfc_formats::pack::{Filter, WaveletDecoder, WaveletPack};
+use brdfc_formats::pack::{Filter, RowScratch, WaveletDecoder, WaveletPack};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
 use std::time::Duration;
@@ -120,7 +120,7 @@ fn decoding(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("decode");
     group.bench_function("whole grid, one thread", |b| {
         let mut row = vec![0.0; GRID.cells()];
-        let mut scratch = Vec::new();
+        let mut scratch = RowScratch::default();
         b.iter(|| {
             for outer in 0..GRID.cells() {
                 for channel in 0..3 {
