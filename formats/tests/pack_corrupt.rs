@@ -293,7 +293,9 @@ fn a_few_bytes_that_declare_a_gibibyte_are_refused_unread() {
     for (offset, size) in [(20, 2048u32), (24, 2048), (28, 256)] {
         bytes[offset..offset + 4].copy_from_slice(&size.to_le_bytes());
     }
-    assert_eq!(WaveletPack::from_bytes(&bytes).unwrap_err().found, "41 bytes, too few for that");
+    assert_eq!(Texture::from_bytes(&bytes).unwrap_err().found, "41 bytes, too few for that");
+    let error = WaveletPack::from_bytes(&bytes).unwrap_err();
+    assert_eq!(error.allowed, "at most 67108864", "no wavelet pack is larger");
 }
 
 /// The limit above is not too strict for the most compressible contents.

@@ -148,6 +148,13 @@ pub fn encode(
     recipe: &Recipe,
     observer: &mut dyn Observer,
 ) -> Result<Encoded, EncodeError> {
+    let most = 1usize << (2 * recipe.stored_levels);
+    if let Target::Ratio(ratio) = recipe.target {
+        let found = ratio_count(grid.cells(), ratio, most) + 1;
+        if found > MAX_SLICES {
+            return Err(EncodeError::TooManySlices { found });
+        }
+    }
     let mut start = |name| if observer.stage(name) { Ok(()) } else { Err(EncodeError::Cancelled) };
 
     start("resample")?;
@@ -209,10 +216,7 @@ fn choose(
     target: Target,
 ) -> Result<Vec<u32>, EncodeError> {
     let count = match target {
-        Target::Ratio(ratio) => {
-            // At most the stored levels; a pack of fewer levels is already smaller than asked for.
-            ((header.cells() as f64 / ratio).round() as usize).clamp(1, ranking.len())
-        }
+        Target::Ratio(ratio) => ratio_count(header.cells(), ratio, ranking.len()),
         Target::MaxBytes(bytes) => {
             let fitting = |slices: usize| gpu_bytes(&header, slices + 1) <= bytes;
             if !fitting(1) {
@@ -230,10 +234,13 @@ fn choose(
                 .map_err(|(found, slices)| EncodeError::BudgetMissed { found, allowed, slices, bits: header.bits })?
         }
     };
-    if count + 1 > MAX_SLICES {
-        return Err(EncodeError::TooManySlices { found: count + 1 });
-    }
     Ok(threshold::keep(ranking, count))
+}
+
+/// Slices kept at a ratio, of at most as many as the stored levels have: a pack of fewer levels is already smaller than
+/// asked for.
+fn ratio_count(cells: usize, ratio: f64, most: usize) -> usize {
+    ((cells as f64 / ratio).round() as usize).clamp(1, most)
 }
 
 /// The smallest count in `1..=most` whose error is within `allowed`, by bisection; the error falls with the count but

@@ -77,7 +77,7 @@ pub struct Use {
     /// Which material.
     pub material: Spanned<String>,
     /// Nearest distance at which it is seen; finer levels of detail than that asks for are not stored. Absent: any.
-    pub nearest: Option<f64>,
+    pub nearest: Option<Spanned<f64>>,
 }
 
 /// A manifest that is wrong.
@@ -174,13 +174,13 @@ impl Manifest {
                     suggestion: near_miss(name, &known),
                 });
             }
-            if let Some(nearest) = used.nearest
-                && !(nearest.is_finite() && nearest >= 0.0)
+            if let Some(nearest) = &used.nearest
+                && !(nearest.get_ref().is_finite() && *nearest.get_ref() >= 0.0)
             {
                 return Err(ManifestError {
-                    line: line_of(text, Some(used.material.span())),
+                    line: line_of(text, Some(nearest.span())),
                     field: format!("uses[{number}].nearest"),
-                    found: nearest.to_string(),
+                    found: nearest.get_ref().to_string(),
                     allowed: "a distance, 0 or more".to_owned(),
                     suggestion: None,
                 });
@@ -266,6 +266,9 @@ impl Options {
                 return Err(problem("max_error", error.to_string(), "a positive fraction, such as 0.02 for 2 %"));
             }
             return Ok(Some(Target::MaxError(error)));
+        }
+        if self.max_bytes == Some(0) {
+            return Err(problem("max_bytes", "0".to_owned(), "1 or more"));
         }
         Ok(self.max_bytes.map(Target::MaxBytes))
     }

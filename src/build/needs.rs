@@ -24,7 +24,7 @@ impl Needs {
 pub fn needs(manifest: &Manifest) -> BTreeMap<&str, Needs> {
     let mut all: BTreeMap<&str, Needs> = BTreeMap::new();
     for used in &manifest.uses {
-        let nearest = used.nearest.unwrap_or(0.0);
+        let nearest = used.nearest.as_ref().map_or(0.0, |distance| *distance.get_ref());
         let entry = all.entry(used.material.get_ref()).or_insert(Needs { uses: 0, nearest });
         entry.uses += 1;
         entry.nearest = entry.nearest.min(nearest);

@@ -133,7 +133,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     worst(outcomes)
 }
 
-/// The first failure decides the exit code, a bad input before a missed budget.
+/// The failure with the highest exit code decides.
 fn worst(outcomes: Vec<Outcome>) -> Result<(), CliError> {
     let count = outcomes.len();
     let failures: Vec<CliError> = outcomes.into_iter().filter_map(|o| o.result.err()).map(CliError::from).collect();
