@@ -1,6 +1,6 @@
 //! `brdfc build`: the main job.
 
-use super::output::{print, print_json, remark, to_json, write_file};
+use super::output::{print, print_json, remark, tell, to_json, write_file};
 use super::{CliError, Common};
 use crate::brdf::encode::Target;
 use crate::build::manifest::Manifest;
@@ -121,7 +121,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
                     remark(common, &format!("note: {}: {line}", outcome.name));
                 }
             }
-            Err(error) => eprintln!("brdfc: {}: {error}", outcome.name),
+            Err(error) => tell(&format!("brdfc: {}: {error}", outcome.name)),
         }
     }
     if arguments.json {
@@ -280,7 +280,8 @@ impl Watcher for Progress {
             let elapsed = self.started.elapsed().as_secs_f64();
             let left = elapsed / done as f64 * (self.total - done) as f64;
             let what = if outcome.result.is_ok() { "done" } else { "failed" };
-            eprintln!("{done} of {}: {} {what} ({elapsed:.1} s, about {left:.0} s left)", self.total, outcome.name);
+            let times = format!("{elapsed:.1} s, about {left:.0} s left");
+            tell(&format!("{done} of {}: {} {what} ({times})", self.total, outcome.name));
         }
     }
 }

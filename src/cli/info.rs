@@ -10,6 +10,10 @@ use serde::Serialize;
 
 /// Say what an input is: layout, sizes, symmetries, measured errors of a pack.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  brdfc info paint.brdf
+  brdfc info red.ktx2 --json")]
 pub struct Arguments {
     /// A path, or synth:MODEL?param=value&...
     input: String,

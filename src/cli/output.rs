@@ -30,13 +30,23 @@ pub fn to_json(value: &impl Serialize) -> String {
 
 /// Writes a whole file, or nothing.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), CliError> {
-    write_atomic(path, bytes).map_err(|error| CliError::write(path, &error))
+    write_atomic(path, bytes).map_err(|error| {
+        if error.kind() == std::io::ErrorKind::BrokenPipe {
+            CliError::PipeClosed
+        } else {
+            CliError::write(path, &error)
+        }
+    })
+}
+
+/// A line on stderr. A closed or full stderr is nobody to tell, and no reason to stop.
+pub fn tell(text: &str) {
+    let _ = writeln!(std::io::stderr(), "{text}");
 }
 
 /// A remark on stderr, unless quiet.
 pub fn remark(common: Common, text: &str) {
     if !common.quiet {
-        // A closed stderr is nobody to tell.
-        let _ = writeln!(std::io::stderr(), "{text}");
+        tell(text);
     }
 }
