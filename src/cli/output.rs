@@ -41,7 +41,13 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), CliError> {
 
 /// A line on stderr. A closed or full stderr is nobody to tell, and no reason to stop.
 pub fn tell(text: &str) {
-    let _ = writeln!(std::io::stderr(), "{text}");
+    let _ = writeln!(std::io::stderr(), "{}", printable(text));
+}
+
+/// Text whose control characters, line ends apart, are escaped: what stands in a file must not steer a terminal.
+pub fn printable(text: &str) -> String {
+    let escape = |c: char| if c.is_control() && c != '\n' { c.escape_default().to_string() } else { c.to_string() };
+    text.chars().map(escape).collect()
 }
 
 /// A remark on stderr, unless quiet.
