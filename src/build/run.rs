@@ -12,7 +12,7 @@ use crate::source::open::{InputError, open};
 use brdfc_formats::direction::Parameterisation;
 use rayon::prelude::*;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -204,7 +204,7 @@ fn listing_bytes(material: &str, report: &MaterialReport) -> Vec<u8> {
     bytes
 }
 
-fn write(path: &PathBuf, bytes: &[u8]) -> Result<(), JobError> {
+fn write(path: &Path, bytes: &[u8]) -> Result<(), JobError> {
     write_atomic(path, bytes).map_err(|error| JobError::Write { path: path.display().to_string(), error })
 }
 

@@ -31,8 +31,11 @@ pub struct StudyRow {
     pub paper_relative: f64,
 }
 
+/// A model's address, the paper's mean, and its (ε, ε_r) at each ratio.
+type Model = (&'static str, f64, [(f64, f64); 3]);
+
 /// The models of the study, and the paper's figures: mean, then (ε, ε_r in per cent) at 4:1, 16:1 and 32:1.
-const MODELS: [(&str, f64, [(f64, f64); 3]); 3] = [
+const MODELS: [Model; 3] = [
     ("lewis?kd=0.6&ks=0.3&n=20", 0.282, [(0.0247, 1.74), (0.0417, 2.90), (0.0520, 3.73)]),
     ("ward?kd=0.2&ks=0.1&ax=0.15&ay=0.5", 0.278, [(0.832, 2.56), (0.840, 4.02), (0.856, 6.12)]),
     ("poulin?kd=0.3&ks=0.3&d=2.5&h=0&n=40", 0.394, [(0.0291, 12.1), (0.0643, 20.2), (0.0847, 26.9)]),
