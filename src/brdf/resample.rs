@@ -7,8 +7,9 @@ use brdfc_formats::direction::{DirectionPair, Vector, cell_centre, normalize};
 use ndarray::Array3;
 use rayon::prelude::*;
 
-/// Lowest `z` of a direction that the half-difference grid asks for below the horizon: the pair is lifted to it.
-const LIFTED_Z: f64 = 1e-3;
+/// Lowest `z` of a direction that is evaluated. The half-difference grid asks for directions on and below the horizon,
+/// where models go to infinity or nowhere, and lifts them to here; cells of the finest tangent-pole grid lie above.
+const LIFTED_Z: f64 = 5e-4;
 
 /// Largest value of a sample, 1/sr: far above any reflectance, far below the end of f32.
 const LARGEST: f64 = 1e30;
@@ -81,9 +82,6 @@ fn fill_exchanged(fold: &Fold, channels: usize, cells: usize, values: &mut [f32]
 }
 
 fn lifted(pair: DirectionPair) -> DirectionPair {
-    if pair.is_above_horizon() {
-        return pair;
-    }
-    let lift = |v: Vector| if v[2] > 0.0 { v } else { normalize([v[0], v[1], LIFTED_Z]) };
+    let lift = |v: Vector| if v[2] >= LIFTED_Z { v } else { normalize([v[0], v[1], LIFTED_Z]) };
     DirectionPair::new(lift(pair.incoming), lift(pair.outgoing))
 }

@@ -22,6 +22,8 @@ use std::time::Instant;
 pub struct Job {
     /// The material's name.
     pub name: String,
+    /// Path or address as the manifest has it.
+    pub declared: String,
     /// Path or address, resolved against the manifest's folder.
     pub source: String,
     /// How it is encoded, needs included.
@@ -106,7 +108,8 @@ pub fn plan(manifest: &Manifest, folder: &Path) -> Plan {
         } else {
             folder.join(&material.source).display().to_string()
         };
-        plan.jobs.push(Job { name: name.clone(), source, recipe, uses: need.uses });
+        let declared = material.source.clone();
+        plan.jobs.push(Job { name: name.clone(), declared, source, recipe, uses: need.uses });
     }
     plan
 }

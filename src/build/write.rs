@@ -3,11 +3,25 @@
 use std::io::Write;
 use std::path::Path;
 
-/// Writes `bytes` to a temporary file beside `path`, then renames it. A device or pipe is written to directly.
+/// Whether a path is a name of standard output.
+pub fn is_standard_output(path: &Path) -> bool {
+    ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].into_iter().any(|name| path == Path::new(name))
+}
+
+/// Writes `bytes` to a temporary file beside `path`, then renames it. A device or pipe is written to directly; a link
+/// stays, and the file that it points to is replaced.
 pub fn write_atomic(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    if path.metadata().is_ok_and(|m| !m.is_file() && !m.is_dir()) {
+    if is_standard_output(path) {
+        // It may be a file that others go on writing to: neither replaced nor started again.
+        let mut stdout = std::io::stdout().lock();
+        return stdout.write_all(bytes).and_then(|()| stdout.flush());
+    }
+    let is_device = path.metadata().is_ok_and(|m| !m.is_file() && !m.is_dir());
+    if is_device || path.starts_with("/dev/fd") || path.starts_with("/proc") || path == Path::new("/dev/stderr") {
         return std::fs::OpenOptions::new().write(true).open(path)?.write_all(bytes);
     }
+    let target = if path.is_symlink() { std::fs::canonicalize(path)? } else { path.to_owned() };
+    let path = target.as_path();
     if path.is_dir() {
         return Err(std::io::Error::from(std::io::ErrorKind::IsADirectory));
     }
@@ -37,5 +51,18 @@ mod tests {
         assert!(write_atomic(&folder.path().join("no/such/folder"), b"x").is_err());
         assert!(write_atomic(folder.path(), b"x").is_err());
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn links_stay_links() {
+        let folder = tempfile::tempdir().unwrap();
+        let (link, target) = (folder.path().join("link"), folder.path().join("target"));
+        std::os::unix::fs::symlink(&target, &link).unwrap();
+        assert!(write_atomic(&link, b"x").is_err(), "a link to nothing");
+        std::fs::write(&target, b"old").unwrap();
+        write_atomic(&link, b"new").unwrap();
+        assert!(link.is_symlink() && !target.is_symlink());
+        assert_eq!(std::fs::read(&target).unwrap(), b"new");
     }
 }

@@ -11,6 +11,10 @@ use serde::Serialize;
 ///
 /// Timings of single stages are criterion benchmarks: 'cargo bench'.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  brdfc bench
+  brdfc bench --json > table-1.json")]
 pub struct Arguments {
     /// Which study.
     #[arg(long, value_enum, default_value = "wavelet-brdf")]

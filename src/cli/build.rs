@@ -1,6 +1,6 @@
 //! `brdfc build`: the main job.
 
-use super::output::{print, print_json, remark, to_json, write_file};
+use super::output::{print, print_json, remark, tell, to_json, write_file};
 use super::progress::Progress;
 use super::{CliError, Common};
 use crate::brdf::encode::Target;
@@ -110,7 +110,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
 
     let report =
         Report { version: 1, scene, materials: outcomes.iter().map(entry).collect(), skipped: plan.skipped.clone() };
-    let lasting = to_json(&without_times(&report));
+    let lasting = to_json(&lasting(&report, &plan, &arguments.out));
     write_file(&arguments.out.join("report.json"), lasting.as_bytes())?;
     for outcome in &outcomes {
         match &outcome.result {
@@ -119,7 +119,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
                     remark(common, &format!("note: {}: {line}", outcome.name));
                 }
             }
-            Err(error) => eprintln!("brdfc: {}: {error}", outcome.name),
+            Err(error) => tell(&format!("brdfc: {}: {error}", outcome.name)),
         }
     }
     if arguments.json {
@@ -158,12 +158,14 @@ fn entry(outcome: &Outcome) -> Entry {
     Entry { material: outcome.name.clone(), pack, report, error, cached, stages }
 }
 
-fn without_times(report: &Report) -> Report {
-    let materials = report.materials.iter().map(|e| Entry {
-        material: e.material.clone(),
-        pack: e.pack.clone(),
-        report: e.report.clone(),
-        error: e.error.clone(),
+/// The report without what differs between runs: times, and where manifest and packs are.
+fn lasting(report: &Report, plan: &Plan, out: &Path) -> Report {
+    let out = format!("{}/", out.display());
+    let materials = report.materials.iter().zip(&plan.jobs).map(|(entry, job)| Entry {
+        material: entry.material.clone(),
+        pack: entry.pack.clone(),
+        report: entry.report.clone(),
+        error: entry.error.as_ref().map(|text| text.replace(&job.source, &job.declared).replace(&out, "")),
         cached: None,
         stages: None,
     });

@@ -1,11 +1,12 @@
 //! `brdfc encode`: one input to one pack.
 
 use super::options::EncodeOptions;
-use super::output::{print, print_json, remark, write_file};
+use super::output::{print, remark, to_json, write_file};
 use super::progress::Progress;
 use super::{CliError, Common};
 use crate::brdf::encode::{Observer as _, encode};
 use crate::build::run::{StageClock, Watcher as _, grid};
+use crate::build::write::is_standard_output;
 use crate::report::material::{MaterialReport, StageTime, mended_in_words};
 use crate::report::table;
 use crate::source::open::{Facts, open};
@@ -68,12 +69,19 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     for line in mended_in_words(&report.mended) {
         remark(common, &format!("note: {line}"));
     }
-    if arguments.json {
-        return print_json(&Report { version: 1, input: opened.facts, report, stages });
+    let text = if arguments.json {
+        to_json(&Report { version: 1, input: opened.facts, report, stages })
+    } else {
+        let mut row = vec![arguments.output.display().to_string()];
+        row.extend(table::material_row(&report, Some(stages.iter().map(|s| s.seconds).sum())));
+        let mut header = table::MATERIAL_HEADER;
+        header[0] = "pack";
+        table::plain(&header, &[row])
+    };
+    if is_standard_output(&arguments.output) {
+        // Behind a pack the report would be taken for a part of it.
+        remark(common, text.trim_end());
+        return Ok(());
     }
-    let mut row = vec![arguments.output.display().to_string()];
-    row.extend(table::material_row(&report, Some(stages.iter().map(|s| s.seconds).sum())));
-    let mut header = table::MATERIAL_HEADER;
-    header[0] = "pack";
-    print(&table::plain(&header, &[row]))
+    print(&text)
 }

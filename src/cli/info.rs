@@ -1,7 +1,7 @@
 //! `brdfc info`: what an input is.
 
 use super::CliError;
-use super::output::{print, print_json};
+use super::output::{print, print_json, printable};
 use crate::report::table::{bytes, percent};
 use crate::source::Symmetry;
 use crate::source::open::{Facts, StoredErrors, open};
@@ -10,6 +10,10 @@ use serde::Serialize;
 
 /// Say what an input is: layout, sizes, symmetries, measured errors of a pack.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  brdfc info paint.brdf
+  brdfc info red.ktx2 --json")]
 pub struct Arguments {
     /// A path, or synth:MODEL?param=value&...
     input: String,
@@ -44,7 +48,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         lines.push(("colour", if grey { "grey (one channel)" } else { "RGB" }.to_owned()));
     }
     let width = lines.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
-    print(&lines.iter().map(|(name, value)| format!("{name:width$}  {value}\n")).collect::<String>())
+    print(&lines.iter().map(|(name, value)| format!("{name:width$}  {}\n", printable(value))).collect::<String>())
 }
 
 fn symmetry_in_words(s: Symmetry) -> String {

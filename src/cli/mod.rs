@@ -81,12 +81,12 @@ pub fn main() -> ExitCode {
         Ok(Ok(())) => ExitCode::SUCCESS,
         Ok(Err(error)) => {
             if let Some(message) = error.message() {
-                eprintln!("brdfc: {message}");
+                output::tell(&format!("brdfc: {message}"));
             }
             ExitCode::from(error.exit_code())
         }
         Err(_) => {
-            eprintln!("brdfc: internal error; please report it with the lines above and the input");
+            output::tell("brdfc: internal error; please report it with the lines above and the input");
             ExitCode::from(6)
         }
     }

@@ -30,13 +30,29 @@ pub fn to_json(value: &impl Serialize) -> String {
 
 /// Writes a whole file, or nothing.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), CliError> {
-    write_atomic(path, bytes).map_err(|error| CliError::write(path, &error))
+    write_atomic(path, bytes).map_err(|error| {
+        if error.kind() == std::io::ErrorKind::BrokenPipe {
+            CliError::PipeClosed
+        } else {
+            CliError::write(path, &error)
+        }
+    })
+}
+
+/// A line on stderr. A closed or full stderr is nobody to tell, and no reason to stop.
+pub fn tell(text: &str) {
+    let _ = writeln!(std::io::stderr(), "{}", printable(text));
+}
+
+/// Text whose control characters, line ends apart, are escaped: what stands in a file must not steer a terminal.
+pub fn printable(text: &str) -> String {
+    let escape = |c: char| if c.is_control() && c != '\n' { c.escape_default().to_string() } else { c.to_string() };
+    text.chars().map(escape).collect()
 }
 
 /// A remark on stderr, unless quiet.
 pub fn remark(common: Common, text: &str) {
     if !common.quiet {
-        // A closed stderr is nobody to tell.
-        let _ = writeln!(std::io::stderr(), "{text}");
+        tell(text);
     }
 }

@@ -1,6 +1,7 @@
 //! Progress on stderr: a bar with the time left on a terminal, plain lines elsewhere.
 
 use super::Common;
+use super::output::tell;
 use crate::build::run::{Outcome, Watcher};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
@@ -80,7 +81,8 @@ impl Watcher for Progress {
             let elapsed = self.started.elapsed().as_secs_f64();
             let left = elapsed / done as f64 * (self.total - done) as f64;
             let what = if outcome.result.is_ok() { "done" } else { "failed" };
-            eprintln!("{done} of {}: {} {what} ({elapsed:.1} s, about {left:.0} s left)", self.total, outcome.name);
+            let times = format!("{elapsed:.1} s, about {left:.0} s left");
+            tell(&format!("{done} of {}: {} {what} ({times})", self.total, outcome.name));
         }
     }
 }

@@ -7,6 +7,9 @@ use schemars::schema_for;
 
 /// Print the JSON schema of a report.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  brdfc schema encode > encode.schema.json")]
 pub struct Arguments {
     /// Which report.
     #[arg(value_enum)]

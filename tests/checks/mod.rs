@@ -1,4 +1,6 @@
 //! Worst violations of the laws of reflectance, for any source. Every check is itself tested on a source that breaks it.
+// Each test binary that includes this file uses a part of it.
+#![allow(dead_code)]
 
 use brdfc::source::{Source, Tally};
 use brdfc_formats::direction::{DirectionPair, Vector, from_polar};

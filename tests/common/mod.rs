@@ -1,6 +1,7 @@
 //! What several integration tests share. Each of them uses only a part.
 #![allow(dead_code)]
 
+pub mod cli;
 pub mod tensor;
 
 use std::path::{Path, PathBuf};

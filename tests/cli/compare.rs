@@ -1,0 +1,61 @@
+//! `brdfc compare`.
+
+use super::schemas::conforms;
+use crate::common::cli::{Folder, inputs};
+
+#[test]
+fn an_input_equals_itself() {
+    let folder = Folder::new();
+    folder.run(&["encode", "synth:ward", "-o", "p.ktx2", "--grid", "4"]).succeeded();
+    for input in inputs(&folder).into_iter().chain(["p.ktx2"]) {
+        let ran =
+            folder.run(&["compare", input, input, "--directions", "500", "--max-error", "0", "--json"]).succeeded();
+        let report = ran.json();
+        conforms("compare", &report);
+        for key in ["rms", "relative_mean", "relative_max", "log_rms", "cosine_log_rms"] {
+            assert_eq!(report["norms"][key], 0.0, "{input} {key}");
+        }
+        assert_eq!(report["albedo_max_difference"], 0.0);
+        assert!(report["mean"].as_f64().unwrap() > 0.0);
+    }
+}
+
+#[test]
+fn a_known_difference_is_measured() {
+    let folder = Folder::new();
+    let ran = folder.run(&["compare", "synth:lambert?kd=0.5", "synth:lambert?kd=0.6", "--json"]).succeeded();
+    let report = ran.json();
+    for (key, expected) in
+        [("relative_mean", 0.2), ("relative_max", 0.2), ("rms", 0.1 / std::f64::consts::PI), ("log_rms", 1.2f64.ln())]
+    {
+        let found = report["norms"][key].as_f64().unwrap();
+        assert!((found / expected - 1.0).abs() < 1e-9, "{key}: {found}");
+    }
+    assert_eq!((&report["pairs"], &report["norms"]["samples"]), (&10_000.into(), &10_000.into()));
+    assert!((report["albedo_max_difference"].as_f64().unwrap() - 0.1).abs() < 1e-9);
+}
+
+#[test]
+fn a_missed_limit_exits_with_1_after_the_table() {
+    let folder = Folder::new();
+    let arguments = ["compare", "synth:lambert?kd=0.5", "synth:lambert?kd=0.6", "--directions", "100", "--max-error"];
+    let ran = folder.run(&[&arguments[..], &["0.19"]].concat());
+    assert_eq!(ran.code, 1);
+    assert!(ran.stdout.contains("ε_r, mean relative difference"), "{}", ran.stdout);
+    assert_eq!(ran.stderr, "brdfc: mean relative difference: found 20.000 %; allowed 19.000 %\n");
+    folder.run(&[&arguments[..], &["0.21"]].concat()).succeeded();
+}
+
+#[test]
+fn pairs_may_come_from_a_file() {
+    let folder = Folder::new();
+    folder.write("pairs.csv", "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n0,0,1,0,0,1\n0.6,0,0.8,0,0.6,0.8\n");
+    let ran = folder.run(&["compare", "synth:lewis", "synth:ward", "--directions", "pairs.csv", "--json"]).succeeded();
+    assert_eq!(ran.json()["pairs"], 2);
+    folder.write("empty.csv", "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n");
+    let ran = folder.run(&["compare", "synth:lewis", "synth:ward", "--directions", "empty.csv"]);
+    assert_eq!(ran.code, 3);
+    assert_eq!(ran.stderr, "brdfc: empty.csv: records: found none; allowed at least one\n");
+    let ran = folder.run(&["compare", "synth:lewis", "synth:ward", "--directions", "missing.csv"]);
+    assert!(ran.code == 4 && ran.stderr.contains("missing.csv: cannot read: "), "{}", ran.stderr);
+}

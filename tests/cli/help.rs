@@ -1,0 +1,81 @@
+//! Help, versions, wrong usage.
+
+use crate::common::cli::Folder;
+
+const COMMANDS: [&str; 8] = ["build", "encode", "eval", "compare", "info", "synth", "bench", "schema"];
+
+#[test]
+fn every_command_has_help_with_an_example() {
+    let folder = Folder::new();
+    let top = folder.run(&["--help"]).succeeded().stdout;
+    assert!(top.contains("Examples:\n  brdfc build ") && top.contains("Exit codes: 0 done; 1 "), "{top}");
+    for command in COMMANDS {
+        assert!(top.contains(&format!("\n  {command} ")), "{command} is listed");
+        let ran = folder.run(&[command, "--help"]).succeeded();
+        assert_eq!(ran.stderr, "");
+        assert!(ran.stdout.contains(&format!("\n  brdfc {command} ")), "{command}: {}", ran.stdout);
+        for line in ran.stdout.lines() {
+            assert!(line.chars().count() <= 120, "{command}: {line}");
+        }
+    }
+    for model in ["lambert", "lewis", "ward", "poulin", "ggx"] {
+        assert!(folder.run(&["synth", "--help"]).stdout.contains(&format!("\n{model} ")), "{model}");
+    }
+}
+
+#[test]
+fn the_examples_in_the_help_parse() {
+    let folder = Folder::new();
+    // A bench takes seconds, and has a test of its own.
+    for command in COMMANDS.into_iter().filter(|command| *command != "bench") {
+        let help = folder.run(&[command, "--help"]).stdout;
+        for line in help.lines().filter(|line| line.trim_start().starts_with("brdfc ")) {
+            let words = line.split(" > ").next().unwrap().split_whitespace().skip(1);
+            let arguments: Vec<&str> = words.map(|word| word.trim_matches('\'')).collect();
+            // The files of the examples are not there, so the worst that may happen is code 3 or 4.
+            let ran = folder.run(&arguments);
+            assert_ne!(ran.code, 2, "{line}: {}", ran.stderr);
+        }
+    }
+}
+
+#[test]
+fn the_version_is_that_of_the_package() {
+    let ran = Folder::new().run(&["--version"]).succeeded();
+    assert_eq!(ran.stdout, format!("brdfc {}\n", env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn wrong_usage_exits_with_2_and_says_what_is_allowed() {
+    let folder = Folder::new();
+    for (arguments, expected) in [
+        (&[][..], "Usage:"),
+        (&["frobnicate"], "unrecognized subcommand 'frobnicate'"),
+        (&["encod", "a", "-o", "b"], "'encode'"),
+        (&["encode", "synth:lewis"], "--output"),
+        (&["encode", "synth:lewis", "-o", "p.ktx2", "--grid", "12"], "--grid: found 12; allowed 2, 4, 8, 16, 32 or 64"),
+        (&["encode", "synth:lewis", "-o", "p.ktx2", "--grid", "-1"], "unexpected argument"),
+        (&["encode", "synth:lewis", "-o", "p.ktx2", "--bits", "9"], "--bits: found 9; allowed 8, or 10 to 16"),
+        (&["encode", "synth:lewis", "-o", "p.ktx2", "--ratio", "0.5"], "--ratio: found 0.5; allowed 1 to 4096"),
+        (&["encode", "synth:lewis", "-o", "p.ktx2", "--ratio", "NaN"], "--ratio: found NaN; allowed 1 to 4096"),
+        (&["encode", "synth:lewis", "-o", "p.ktx2", "--max-error", "0"], "--max-error: found 0; allowed a positive"),
+        (&["encode", "synth:lewis", "-o", "p.ktx2", "--max-error", "inf"], "--max-error: found inf; allowed"),
+        (&["encode", "synth:lewis", "-o", "p.ktx2", "--ratio", "4", "--max-error", "0.1"], "cannot be used with"),
+        (&["encode", "synth:lewis", "-o", "p.ktx2", "--parameterisation", "polar"], "tangent-pole or half-difference"),
+        (&["encode", "synth:lambert", "-o", "p.ktx2", "--grid", "64", "--ratio", "1"], "slices: found"),
+        (&["compare", "synth:lewis", "synth:lewis", "--directions", "0"], "--directions: found 0; allowed 1 to"),
+        (&["compare", "synth:lewis", "synth:lewis", "--max-error=-1"], "--max-error: found -1; allowed"),
+        (&["info", "synth:lewis", "--jobs", "2000"], "--jobs: found 2000; allowed 0 to 1024"),
+        (&["synth", "lewis", "-o", "file.png"], "--output: found file.png; allowed a name that ends in .binary"),
+        (&["synth", "lewis", "-o", "a.binary", "--dimensions", "0x1x1"], "--dimensions: found 0x1x1; allowed three"),
+        (&["synth", "lewis", "-o", "a.brdf", "--rows", "0"], "--rows: found 0; allowed 1 to"),
+        (&["synth", "lewis", "-o", "a.brdf", "--gaps", "2"], "--gaps: found 2; allowed 0 to 0.9"),
+        (&["synth", "lewis", "-o", "a.brdf", "--noise", "NaN"], "--noise: found NaN; allowed 0 to 2"),
+        (&["schema", "nothing"], "possible values: build, material"),
+    ] {
+        let ran = folder.run(arguments);
+        assert_eq!(ran.code, 2, "{arguments:?}: {}", ran.stderr);
+        assert!(ran.stderr.contains(expected) && ran.stdout.is_empty(), "{arguments:?}: {}", ran.stderr);
+    }
+    assert!(folder.files(".").is_empty());
+}

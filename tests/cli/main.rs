@@ -1,0 +1,15 @@
+//! The real program, command by command. One binary, because each of them is linked anew.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod bench;
+mod build;
+mod compare;
+mod encode;
+mod eval;
+mod help;
+mod info;
+mod output;
+mod schemas;
+mod synth;

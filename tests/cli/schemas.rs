@@ -1,0 +1,70 @@
+//! The schemas of what `--json` prints. `BRDFC_BLESS=1 cargo test schemas` writes them to `schemas/` again.
+
+use crate::common::cli::Folder;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+const NAMES: [&str; 6] = ["build", "material", "encode", "compare", "info", "bench"];
+
+fn file(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("schemas").join(format!("{name}.json"))
+}
+
+fn schema(name: &str) -> Value {
+    let text = std::fs::read_to_string(file(name)).unwrap_or_else(|error| panic!("schemas/{name}.json: {error}"));
+    serde_json::from_str(&text).unwrap()
+}
+
+/// Why `report` is not what the schema says; members that the schema does not know count too.
+fn complaints(name: &str, report: &Value) -> Vec<String> {
+    let mut strict = schema(name);
+    strict["unevaluatedProperties"] = json!(false);
+    let validator = jsonschema::validator_for(&strict).unwrap();
+    validator.iter_errors(report).map(|error| format!("{}: {error}", error.instance_path())).collect()
+}
+
+#[track_caller]
+pub fn conforms(name: &str, report: &Value) {
+    let complaints = complaints(name, report);
+    assert!(complaints.is_empty(), "{name}: {complaints:#?}");
+}
+
+#[test]
+fn schemas_in_the_repository_are_those_of_the_program() {
+    let folder = Folder::new();
+    for name in NAMES {
+        let printed = folder.run(&["schema", name]).succeeded().stdout;
+        if std::env::var_os("BRDFC_BLESS").is_some() {
+            std::fs::create_dir_all(file(name).parent().unwrap()).unwrap();
+            std::fs::write(file(name), &printed).unwrap();
+        }
+        let kept = std::fs::read_to_string(file(name)).unwrap_or_default();
+        assert!(kept == printed, "schemas/{name}.json is old: BRDFC_BLESS=1 cargo test schemas");
+    }
+    let files = std::fs::read_dir(file("x").parent().unwrap()).unwrap().count();
+    assert_eq!(files, NAMES.len(), "nothing else lies in schemas/");
+}
+
+#[test]
+fn schemas_follow_the_2020_12_draft() {
+    for name in NAMES {
+        let schema = schema(name);
+        assert_eq!(schema["$schema"], "https://json-schema.org/draft/2020-12/schema");
+        assert!(jsonschema::meta::is_valid(&schema), "{name}");
+        assert!(schema["required"].as_array().unwrap().contains(&json!("version")), "{name}");
+    }
+}
+
+#[test]
+fn schemas_refuse_reports_that_are_wrong() {
+    let report = Folder::new().run(&["info", "synth:lewis", "--json"]).succeeded().json();
+    conforms("info", &report);
+    for (key, value) in [("version", json!("1")), ("kind", json!("merly")), ("surprise", json!(1))] {
+        let mut wrong = report.clone();
+        wrong[key] = value;
+        assert!(!complaints("info", &wrong).is_empty(), "{key}");
+    }
+    let mut short = report.clone();
+    short.as_object_mut().unwrap().remove("grey");
+    assert!(!complaints("info", &short).is_empty());
+}
