@@ -51,19 +51,20 @@ struct Transposed<'a> {
 
 impl<'a> Transposed<'a> {
     fn new(coefficients: &'a Table) -> Self {
-        const TILE: usize = 16;
+        const BLOCK: usize = 64;
         let (channels, rows, cells) = coefficients.values.dim();
         let mut values = vec![0.0f32; channels * rows * cells];
-        for channel in 0..channels {
-            for first in (0..rows).step_by(TILE) {
-                let tile = (rows - first).min(TILE);
-                for row in first..first + tile {
-                    for (k, c) in coefficients.row(channel, row).iter().enumerate() {
-                        values[(channel * cells + k) * rows + row] = *c;
-                    }
+        // Blocks of coefficients: few enough that their lines stay in the cache from row to row.
+        let block = BLOCK.min(cells);
+        values.par_chunks_mut(block * rows).enumerate().for_each(|(number, output)| {
+            let (channel, first) = (number * block / cells, number * block % cells);
+            for row in 0..rows {
+                let from = &coefficients.row(channel, row)[first..first + block];
+                for (k, c) in from.iter().enumerate() {
+                    output[k * rows + row] = *c;
                 }
             }
-        }
+        });
         Self { coefficients, values }
     }
 
@@ -106,12 +107,14 @@ pub fn fit_scale(slice: &[f32], bits: u32) -> SliceScale {
 }
 
 /// Nearest step of a coefficient, 0 to `2^bits - 1`.
+#[inline]
 pub fn to_step(coefficient: f32, scale: SliceScale, bits: u32) -> u32 {
     if scale.scale == 0.0 {
         return 0;
     }
     let unit = (f64::from(coefficient) - f64::from(scale.offset)) / f64::from(scale.scale);
-    (unit * last_step(bits)).round().clamp(0.0, last_step(bits)) as u32
+    // Half a step more and cut off is rounding, as nothing here is negative.
+    ((unit * last_step(bits)).clamp(0.0, last_step(bits)) + 0.5) as u32
 }
 
 /// A step as the unsigned normalised integer of the texture: with fewer than 16 bits in a texture of 16, spread over
