@@ -9,7 +9,9 @@ use brdfc_formats::pack::{RowScratch, WaveletDecoder};
 use rayon::prelude::*;
 
 /// Outer cells per unit of parallel work: fixed, so that sums do not depend on threads.
-const CHUNK: usize = 32;
+const CHUNK: usize = 64;
+/// Side of the square tiles in which exchanged samples are paired; divides [`CHUNK`].
+const TILE: usize = 32;
 
 /// Codec error on the grid.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -97,16 +99,16 @@ fn reciprocity(reference: &Table, parts: &[(NormSums, f64, Vec<f32>)], mean: f64
     };
     // Square tiles: the exchanged samples stand in columns, which only small tiles keep in the cache.
     let tiles: Vec<(usize, usize)> =
-        (0..cells.div_ceil(CHUNK)).flat_map(|a| (0..=a).map(move |b| (a * CHUNK, b * CHUNK))).collect();
+        (0..cells.div_ceil(TILE)).flat_map(|a| (0..=a).map(move |b| (a * TILE, b * TILE))).collect();
     let sums: Vec<Reciprocity> = tiles
         .par_iter()
         .map(|(first_outer, first_inner)| {
             let mut sum = Reciprocity::default();
-            for outer in *first_outer..(first_outer + CHUNK).min(cells) {
+            for outer in *first_outer..(first_outer + TILE).min(cells) {
                 let (row, flip) = reference.fold.locate(outer);
                 for channel in 0..channels {
                     let (samples, straight) = (reference.row(channel, row), decoded(outer, channel));
-                    for inner in *first_inner..(first_inner + CHUNK).min(outer) {
+                    for inner in *first_inner..(first_inner + TILE).min(outer) {
                         let f = f64::from(samples[flip.cell(inner, n)]);
                         let (g, exchanged) = (straight[inner], decoded(inner, channel)[outer]);
                         sum.add(f, f64::from(g), f64::from(exchanged), mean);

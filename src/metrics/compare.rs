@@ -7,7 +7,7 @@ use brdfc_formats::direction::DirectionPair;
 use rayon::prelude::*;
 
 /// Direction pairs per unit of parallel work: fixed, so that sums do not depend on threads.
-const CHUNK: usize = 512;
+const CHUNK: usize = 1024;
 /// Outgoing directions per axis of an albedo.
 const ALBEDO_SIDE: usize = 16;
 /// Direction pairs, of those given, that reciprocity is measured at.

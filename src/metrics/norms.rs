@@ -9,7 +9,9 @@ pub const RELATIVE_FLOOR: f64 = 1e-3;
 const BIN_SHIFT: u32 = 15;
 /// Samples that are worked on at once in single precision.
 const LANES: usize = 256;
-const BINS: usize = (f32::INFINITY.to_bits() >> BIN_SHIFT) as usize + 1;
+/// Ratios outside 2^-40 to 2^40 fall into the first and the last bin.
+const FIRST_BIN: u32 = (127 - 40) << (23 - BIN_SHIFT);
+const BINS: usize = 80 << (23 - BIN_SHIFT);
 
 /// Norms of `f' - f` over a set of samples; each channel of a direction pair is one sample.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -79,7 +81,7 @@ impl NormSums {
         let relative = difference.abs() / f;
         self.relative += relative;
         self.relative_max = self.relative_max.max(relative);
-        self.histogram[((relative as f32).to_bits() >> BIN_SHIFT) as usize] += 1;
+        self.histogram[bin_of(relative as f32)] += 1;
         let log = (g.max(1e-6 * self.mean) / f).ln();
         self.log_square += log * log;
     }
@@ -113,7 +115,7 @@ impl NormSums {
             for (k, ratio) in relative[..n].iter().enumerate() {
                 if f[k] >= floor {
                     self.relative_max = self.relative_max.max(f64::from(*ratio));
-                    self.histogram[(ratio.to_bits() >> BIN_SHIFT) as usize] += 1;
+                    self.histogram[bin_of(*ratio)] += 1;
                 }
             }
             self.samples += n as u64;
@@ -159,12 +161,16 @@ impl NormSums {
         for (bin, count) in self.histogram.iter().enumerate() {
             seen += u64::from(*count);
             if seen >= rank {
-                let centre = ((bin as u32) << BIN_SHIFT) + (1 << (BIN_SHIFT - 1));
+                let centre = ((bin as u32 + FIRST_BIN) << BIN_SHIFT) + (1 << (BIN_SHIFT - 1));
                 return f64::from(f32::from_bits(centre)).min(self.relative_max);
             }
         }
         0.0
     }
+}
+
+fn bin_of(ratio: f32) -> usize {
+    ((ratio.to_bits() >> BIN_SHIFT).saturating_sub(FIRST_BIN) as usize).min(BINS - 1)
 }
 
 /// Sum in a fixed order of eight strands, which vector code keeps.
