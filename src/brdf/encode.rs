@@ -91,7 +91,7 @@ pub struct Encoded {
 pub enum EncodeError {
     /// The error budget cannot be met.
     #[error(
-        "error budget: found {:.4} % relative error with all {slices} slices at {bits} bits; allowed {:.4} %",
+        "error budget: found {:.4} % relative error with all {slices} slices at {bits} bits; allowed {} %",
         100.0 * found, 100.0 * allowed
     )]
     BudgetMissed {

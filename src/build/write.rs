@@ -26,6 +26,10 @@ pub fn write_atomic(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
         return Err(std::io::Error::from(std::io::ErrorKind::IsADirectory));
     }
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if !folder.is_dir() {
+        let text = format!("there is no folder {}", folder.display());
+        return Err(std::io::Error::new(std::io::ErrorKind::NotFound, text));
+    }
     let mut builder = tempfile::Builder::new();
     builder.prefix(".brdfc-").suffix(".tmp");
     #[cfg(unix)]
