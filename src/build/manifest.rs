@@ -147,13 +147,16 @@ impl Manifest {
         self.defaults.resolve(&Options::default()).map_err(|p| error(line(&["defaults", p.field]), "defaults", p))?;
         for (name, material) in &self.materials {
             let prefix = format!("materials.{name}");
-            let fine = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || "-_".contains(c));
+            // report.json is the whole build's.
+            let fine = !name.is_empty()
+                && !name.eq_ignore_ascii_case("report")
+                && name.chars().all(|c| c.is_ascii_alphanumeric() || "-_".contains(c));
             if !fine {
                 return Err(ManifestError {
                     line: line(&["materials", name]),
                     field: prefix,
                     found: format!("the name \"{name}\""),
-                    allowed: "letters, digits, - and _, as packs are files of that name".to_owned(),
+                    allowed: "letters, digits, - and _, as packs are files of that name; not \"report\"".to_owned(),
                     suggestion: None,
                 });
             }

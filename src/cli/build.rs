@@ -6,7 +6,7 @@ use super::{CliError, Common};
 use crate::brdf::encode::Target;
 use crate::build::manifest::Manifest;
 use crate::build::run::{Made, Outcome, Plan, pack_name, plan, run as run_jobs};
-use crate::report::material::{MaterialReport, StageTime, mended_in_words};
+use crate::report::material::{MaterialReport, StageTime, remarks};
 use crate::report::table;
 use clap::Args;
 use serde::Serialize;
@@ -115,7 +115,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     for outcome in &outcomes {
         match &outcome.result {
             Ok(made) => {
-                for line in mended_in_words(&made.report.mended) {
+                for line in remarks(&made.report) {
                     remark(common, &format!("note: {}: {line}", outcome.name));
                 }
             }

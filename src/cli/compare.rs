@@ -68,12 +68,18 @@ pub(super) fn run(arguments: &Arguments, _: Common) -> Result<(), CliError> {
     let mean = mean_value(a.source.as_ref(), &pairs);
     let (comparison, _) = compare(a.source.as_ref(), b.source.as_ref(), &pairs, mean);
     let found = comparison.norms.relative_mean;
+    let comparison_counts = comparison.norms.counted() > 0;
     if arguments.json {
         print_json(&Report { version: 1, a: a.facts, b: b.facts, pairs: pairs.len(), mean, comparison })?;
     } else {
         print(&table::comparison(&comparison))?;
     }
     match arguments.max_error {
+        Some(_) if !comparison_counts => Err(CliError::Check(
+            "mean relative difference: found no sample above 0.1 % of the reference's mean; allowed at least one, or \
+             the check says nothing"
+                .to_owned(),
+        )),
         Some(allowed) if found > allowed => Err(CliError::Check(format!(
             "mean relative difference: found {}; allowed {}",
             table::percent(found),

@@ -1,18 +1,18 @@
 //! `brdfc encode`: one input to one pack.
 
 use super::options::EncodeOptions;
-use super::output::{print, remark, to_json, write_file};
+use super::output::{print, refuse_overwriting, remark, to_json, write_file};
 use super::progress::Progress;
 use super::{CliError, Common};
 use crate::brdf::encode::{Observer as _, encode};
 use crate::build::run::{StageClock, Watcher as _, grid};
 use crate::build::write::is_standard_output;
-use crate::report::material::{MaterialReport, StageTime, mended_in_words};
+use crate::report::material::{MaterialReport, StageTime, remarks};
 use crate::report::table;
 use crate::source::open::{Facts, open};
 use clap::Args;
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Encode one material as a wavelet pack.
 ///
@@ -52,6 +52,7 @@ pub struct Report {
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     let recipe = arguments.options.recipe()?;
+    refuse_overwriting(&arguments.output, &[Path::new(&arguments.input)])?;
     let progress = Progress::new(1, common);
     let name = arguments.output.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let mut clock = StageClock::new(|stage| {
@@ -66,7 +67,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let stages = clock.finish();
     drop(progress);
     let report = MaterialReport::new(&encoded, &recipe, opened.facts.samples());
-    for line in mended_in_words(&report.mended) {
+    for line in remarks(&report) {
         remark(common, &format!("note: {line}"));
     }
     let text = if arguments.json {

@@ -1,6 +1,6 @@
 //! `brdfc eval`: values at given direction pairs.
 
-use super::output::{print, remark, write_file};
+use super::output::{print, refuse_overwriting, remark, write_file};
 use super::{CliError, Common};
 use crate::report::material::mended_in_words;
 use crate::source::Tally;
@@ -9,7 +9,7 @@ use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::measured::scan_csv::directions_from_bytes;
 use clap::Args;
 use rayon::prelude::*;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Evaluate a source or pack at direction pairs.
 ///
@@ -44,6 +44,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         return Err(CliError::Usage(format!("--lod: found {level}; allowed 0 to the pack's number of levels")));
     }
     let path = &arguments.directions;
+    if let Some(output) = &arguments.output {
+        refuse_overwriting(output, &[path, Path::new(&arguments.input)])?;
+    }
     let bytes = std::fs::read(path).map_err(|error| CliError::read(path, &error))?;
     let in_file = |error| CliError::Input(format!("{}: {error}", path.display()));
     let pairs = directions_from_bytes(&bytes).map_err(in_file)?;

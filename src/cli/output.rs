@@ -39,6 +39,15 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), CliError> {
     })
 }
 
+/// An output that is one of the inputs would destroy a measurement.
+pub fn refuse_overwriting(output: &Path, inputs: &[&Path]) -> Result<(), CliError> {
+    let Ok(target) = output.canonicalize() else { return Ok(()) };
+    if target.is_file() && inputs.iter().any(|input| input.canonicalize().is_ok_and(|path| path == target)) {
+        return Err(CliError::Usage(format!("--output: found {}, an input; allowed another file", output.display())));
+    }
+    Ok(())
+}
+
 /// A line on stderr. A closed or full stderr is nobody to tell, and no reason to stop.
 pub fn tell(text: &str) {
     let _ = writeln!(std::io::stderr(), "{}", printable(text));

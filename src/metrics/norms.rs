@@ -36,6 +36,13 @@ pub struct Norms {
     pub cosine_log_rms: f64,
 }
 
+impl Norms {
+    /// Samples that the relative and log norms rest on.
+    pub fn counted(&self) -> u64 {
+        self.samples - self.below_floor
+    }
+}
+
 /// Sums on the way to [`Norms`]. Merging in a fixed order gives the same bits on any number of threads.
 #[derive(Debug, Clone)]
 pub struct NormSums {

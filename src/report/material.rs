@@ -82,6 +82,20 @@ pub struct StageTime {
     pub seconds: f64,
 }
 
+/// Lines that say in words what a reader of the table should know; empty for a clean source.
+pub fn remarks(report: &MaterialReport) -> Vec<String> {
+    let mut lines = mended_in_words(&report.mended);
+    for (norms, place) in [(&report.on_grid.norms, "on"), (&report.off_grid.norms, "off")] {
+        if 2 * norms.below_floor > norms.samples {
+            let share = 100.0 * norms.below_floor as f64 / norms.samples as f64;
+            lines.push(format!(
+                "{share:.1} % of the samples {place} the grid lie below 0.1 % of the mean: ε_r {place} the grid leaves them out"
+            ));
+        }
+    }
+    lines
+}
+
 /// Lines that say in words what had to be mended; empty for a clean source.
 pub fn mended_in_words(tally: &Tally) -> Vec<String> {
     let share = |count: u64| format!("{:.1} %", 100.0 * count as f64 / tally.evaluations.max(1) as f64);

@@ -30,8 +30,8 @@ pub fn material_row(report: &MaterialReport, seconds: Option<f64>) -> Vec<String
         format!("{:.1}:1", report.ratio),
         bytes(report.bytes_on_disk),
         bytes(report.bytes_on_gpu),
-        percent(report.on_grid.norms.relative_mean),
-        percent(report.off_grid.norms.relative_mean),
+        relative(&report.on_grid.norms),
+        relative(&report.off_grid.norms),
         seconds.map_or("cached".to_owned(), |s| format!("{s:.2} s")),
     ]
 }
@@ -53,7 +53,7 @@ fn norms_rows(norms: &Norms) -> Vec<Vec<String>> {
         ("samples", norms.samples.to_string()),
         ("below 0.1 % of the mean, left out of ratios", norms.below_floor.to_string()),
         ("ε, RMS difference (1/sr)", format!("{:.4e}", norms.rms)),
-        ("ε_r, mean relative difference", percent(norms.relative_mean)),
+        ("ε_r, mean relative difference", relative(norms)),
         ("relative difference, 95th percentile", percent(norms.relative_p95)),
         ("relative difference, 99th percentile", percent(norms.relative_p99)),
         ("relative difference, maximum", percent(norms.relative_max)),
@@ -63,6 +63,11 @@ fn norms_rows(norms: &Norms) -> Vec<Vec<String>> {
     .into_iter()
     .map(|(name, value)| vec![name.to_owned(), value])
     .collect()
+}
+
+/// `ε_r`, or a dash where no sample was above the floor.
+fn relative(norms: &Norms) -> String {
+    if norms.counted() == 0 { "-".to_owned() } else { percent(norms.relative_mean) }
 }
 
 /// A fraction as per cent with enough digits.
