@@ -59,3 +59,20 @@ fn pairs_may_come_from_a_file() {
     let ran = folder.run(&["compare", "synth:lewis", "synth:ward", "--directions", "missing.csv"]);
     assert!(ran.code == 4 && ran.stderr.contains("missing.csv: cannot read: "), "{}", ran.stderr);
 }
+
+/// Black has no sample that a ratio could rest on: the check must not pass on nothing.
+#[test]
+fn a_limit_that_rests_on_no_sample_is_missed() {
+    let folder = Folder::new();
+    let ran = folder.run(&["compare", "synth:lambert?kd=0", "synth:lambert?kd=0.5", "--max-error", "0.5"]);
+    assert_eq!(ran.code, 1);
+}
+
+#[test]
+fn an_output_never_replaces_an_input() {
+    let folder = Folder::new();
+    folder.run(&["encode", "synth:ward", "-o", "p.ktx2", "--grid", "4"]).succeeded();
+    let before = folder.read("p.ktx2");
+    assert_eq!(folder.run(&["encode", "p.ktx2", "-o", "./p.ktx2", "--grid", "8"]).code, 2);
+    assert!(folder.read("p.ktx2") == before);
+}
