@@ -1,12 +1,14 @@
 //! `brdfc`: an offline compiler for measured appearance. See the README for what it does.
 //!
 //! Layers, each using only those before it: formats (a crate of its own), `source`, the stages `brdf` and `metrics`,
-//! `report` and `build`, `cli`.
+//! `render`, `report` and `build`, `cli`.
 
 pub mod brdf;
 pub mod build;
 pub mod cli;
 pub mod metrics;
+#[cfg(feature = "render")]
+pub mod render;
 pub mod report;
 pub mod source;
 

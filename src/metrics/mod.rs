@@ -1,6 +1,8 @@
 //! Error norms: how far one reflectance function is from another.
 
 pub mod compare;
+#[cfg(feature = "render")]
+pub mod image;
 pub mod norms;
 pub mod sampling;
 pub mod vector_math;

@@ -1,0 +1,21 @@
+//! Images in memory: what renderers return and comparisons take.
+
+/// A rectangle of linear radiance.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinearImage {
+    /// Pixels per row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Linear RGB (the primaries of sRGB), not negative, row by row from the top, left to right.
+    pub pixels: Vec<[f32; 3]>,
+    /// Share of a pixel's samples that hit a surface, 0 to 1. Same order as `pixels`.
+    pub coverage: Vec<f32>,
+}
+
+impl LinearImage {
+    /// A black image that nothing covers.
+    pub fn black(width: usize, height: usize) -> Self {
+        Self { width, height, pixels: vec![[0.0; 3]; width * height], coverage: vec![0.0; width * height] }
+    }
+}

@@ -1,0 +1,3 @@
+//! The verifier: draws packs with the shaders that engines use, beside a CPU reference, on any Vulkan driver.
+
+pub mod scene;
