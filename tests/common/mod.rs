@@ -18,3 +18,16 @@ pub fn shared_data(relative: &str) -> Option<PathBuf> {
     println!("skipped: no {}", path.display());
     None
 }
+
+/// The graphics adapter, or why a test that needs one is skipped.
+#[cfg(feature = "render")]
+pub fn gpu() -> Option<brdfc::render::gpu::Gpu> {
+    use brdfc::render::gpu::{AdapterChoice, Gpu};
+    match Gpu::open(&AdapterChoice::Best) {
+        Ok(gpu) => Some(gpu),
+        Err(error) => {
+            println!("skipped: {error}");
+            None
+        }
+    }
+}

@@ -6,13 +6,16 @@
 use super::haar::{self, detail_indices};
 use super::wavelet::{Header, WaveletPack};
 use crate::direction::{DirectionPair, Parameterisation, polynomial_atan2};
-use std::f32::consts::{FRAC_1_SQRT_2, PI};
+use std::f32::consts::{PI, SQRT_2};
 
 /// How values between grid cells are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Filter {
     /// The nearest cell on both hemispheres.
     Nearest,
+    /// Bilinear over four outer cells in each slice (what a sampler does), at the nearest inner cell: one
+    /// reconstruction.
+    Slices,
     /// Bilinear over four outer cells in each slice (what a sampler does), and over the reconstructions at the four
     /// nearest inner cells (section 5.4.2).
     Bilinear,
@@ -77,15 +80,22 @@ impl WaveletDecoder {
         if !pair.is_above_horizon() {
             return [0.0; 3];
         }
+        self.log_value(pair, level, filter).map(|v| self.from_log(v))
+    }
+
+    /// The log-encoded value `ln(f / μ + ε)` that [`Self::eval`] decodes, of directions above the horizon. A shader
+    /// with manual filtering and correctly rounded arithmetic returns the same bits.
+    pub fn log_value(&self, pair: DirectionPair, level: f32, filter: Filter) -> [f32; 3] {
         let (outer, inner) = axes(self.header.parameterisation, pair);
-        let [outer_column, outer_row] = self.taps(outer, filter);
-        let [inner_column, inner_row] = self.taps(inner, filter);
+        let [outer_column, outer_row] = self.taps(outer, filter != Filter::Nearest);
+        let [inner_column, inner_row] = self.taps(inner, filter == Filter::Bilinear);
         let n = self.header.grid();
         let footprint = footprint(outer_column, outer_row, n);
         let mut log_value = [0.0f32; 3];
         match filter {
-            Filter::Nearest => {
-                log_value = self.reconstruct(&footprint[..1], inner_column.cells[0], inner_row.cells[0], level);
+            Filter::Nearest | Filter::Slices => {
+                let cells = if filter == Filter::Nearest { 1 } else { 4 };
+                log_value = self.reconstruct(&footprint[..cells], inner_column.cells[0], inner_row.cells[0], level);
             }
             Filter::Bilinear => {
                 // The same order as `footprint`: rows outside, columns inside.
@@ -101,7 +111,7 @@ impl WaveletDecoder {
                 }
             }
         }
-        log_value.map(|v| self.from_log(v))
+        log_value
     }
 
     /// Inverse of the log encoding (section 5.1): `f = μ (exp(v) - ε)`, raised to 0 where rounding made it negative,
@@ -129,7 +139,7 @@ impl WaveletDecoder {
             let (latitude, longitude) = detail_indices(j, parent_column, parent_row, child_row);
             let scale = weight(levels - j);
             let latitude_sign = if child_row & 1 == 0 { scale } else { -scale };
-            let longitude_scale = scale / FRAC_1_SQRT_2;
+            let longitude_scale = scale * SQRT_2;
             let longitude_sign = if child_column & 1 == 0 { longitude_scale } else { -longitude_scale };
             let (a, b) = (self.slice_value(latitude, footprint), self.slice_value(longitude, footprint));
             let part = if j == whole { fraction } else { 1.0 };
@@ -158,7 +168,7 @@ impl WaveletDecoder {
         value
     }
 
-    fn taps(&self, direction: [f32; 3], filter: Filter) -> [Tap; 2] {
+    fn taps(&self, direction: [f32; 3], filtered: bool) -> [Tap; 2] {
         let n = self.header.grid();
         let [x, y, z] = direction;
         let z = z.max(0.0);
@@ -167,17 +177,13 @@ impl WaveletDecoder {
         let colatitude = polynomial_atan2(sine, y);
         [longitude, colatitude].map(|angle| {
             let position = angle / PI * n as f32;
-            match filter {
-                Filter::Nearest => {
-                    let cell = (position as usize).min(n - 1);
-                    Tap { cells: [cell, cell], weight: 0.0 }
-                }
-                Filter::Bilinear => {
-                    let centred = (position - 0.5).clamp(0.0, (n - 1) as f32);
-                    let lower = (centred as usize).min(n - 1);
-                    Tap { cells: [lower, (lower + 1).min(n - 1)], weight: centred - lower as f32 }
-                }
+            if !filtered {
+                let cell = (position as usize).min(n - 1);
+                return Tap { cells: [cell, cell], weight: 0.0 };
             }
+            let centred = (position - 0.5).clamp(0.0, (n - 1) as f32);
+            let lower = (centred as usize).min(n - 1);
+            Tap { cells: [lower, (lower + 1).min(n - 1)], weight: centred - lower as f32 }
         })
     }
 

@@ -6,6 +6,7 @@ mod decode;
 pub mod haar;
 pub mod wavelet;
 mod wavelet_layout;
+pub mod wavelet_shader;
 
 pub use container::{TexelFormat, Texture};
 pub use decode::{DEFAULT_DISTANCE_SCALE, Filter, RowScratch, WaveletDecoder, level_of_detail};

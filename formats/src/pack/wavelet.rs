@@ -114,8 +114,8 @@ impl WaveletPack {
         self.scales.len()
     }
 
-    /// Bytes on a GPU: the texture, and the index map with one slice number, scale and offset (12 bytes) per
-    /// coefficient.
+    /// Bytes on a GPU: the texture, and the index map with one slice number, scale and offset per coefficient
+    /// (16 bytes, see [`super::wavelet_shader`]).
     pub fn gpu_bytes(&self) -> u64 {
         gpu_bytes(&self.header, self.slices())
     }
@@ -144,5 +144,5 @@ impl WaveletPack {
 /// Bytes on a GPU of a pack with this many slices, the zero slice included.
 pub fn gpu_bytes(header: &Header, slices: usize) -> u64 {
     let texture = header.cells() * slices * header.texel_format().texel_bytes();
-    (texture + 12 * header.cells()) as u64
+    (texture + 16 * header.cells()) as u64
 }

@@ -1,0 +1,153 @@
+//! Finding an adapter, opening a device, and turning whatever wgpu reports into errors.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::sync::{Arc, Mutex};
+use wgpu::{
+    Backends, BufferUsages, DeviceDescriptor, DeviceType, Features, Instance, InstanceDescriptor, Limits, MapMode,
+    PollType, PowerPreference, RequestAdapterOptions,
+};
+
+/// Graphics that cannot be used, or failed on the way.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum GpuError {
+    /// No adapter, or none that was asked for.
+    #[error("no usable graphics adapter: {0}")]
+    NoAdapter(String),
+    /// The driver failed.
+    #[error("graphics: {0}")]
+    Failed(String),
+    /// What is asked for does not fit the adapter.
+    #[error("{0}")]
+    TooLarge(String),
+}
+
+/// Which adapter to use.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub enum AdapterChoice {
+    /// The fastest there is.
+    #[default]
+    Best,
+    /// The first whose name or driver contains this text, whatever its case.
+    Named(String),
+}
+
+/// What drew.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+pub struct AdapterDescription {
+    /// The adapter's name.
+    pub name: String,
+    /// The driver and its version.
+    pub driver: String,
+    /// Whether it is a program on the CPU.
+    pub software: bool,
+}
+
+/// An open device.
+pub struct Gpu {
+    pub(super) device: wgpu::Device,
+    pub(super) queue: wgpu::Queue,
+    description: AdapterDescription,
+    /// The first error that no call returned.
+    error: Arc<Mutex<Option<String>>>,
+}
+
+impl Gpu {
+    /// Opens an adapter; no display is needed.
+    ///
+    /// # Errors
+    /// [`GpuError::NoAdapter`] where there is none, or where it lacks textures of 16-bit components.
+    pub fn open(choice: &AdapterChoice) -> Result<Self, GpuError> {
+        let mut descriptor = InstanceDescriptor::new_without_display_handle();
+        descriptor.backends = Backends::VULKAN;
+        let instance = Instance::new(descriptor);
+        let adapter = match choice {
+            AdapterChoice::Best => {
+                let options =
+                    RequestAdapterOptions { power_preference: PowerPreference::HighPerformance, ..Default::default() };
+                pollster::block_on(instance.request_adapter(&options))
+                    .map_err(|error| GpuError::NoAdapter(error.to_string()))?
+            }
+            AdapterChoice::Named(text) => {
+                let all = pollster::block_on(instance.enumerate_adapters(Backends::VULKAN));
+                let names: Vec<String> = all.iter().map(|adapter| adapter.get_info().name).collect();
+                let wanted = text.to_lowercase();
+                let fits = |info: wgpu::AdapterInfo| {
+                    info.name.to_lowercase().contains(&wanted) || info.driver.to_lowercase().contains(&wanted)
+                };
+                all.into_iter().find(|adapter| fits(adapter.get_info())).ok_or_else(|| {
+                    let there = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+                    GpuError::NoAdapter(format!("none is called {text}; found {there}"))
+                })?
+            }
+        };
+        let info = adapter.get_info();
+        let features = Features::TEXTURE_FORMAT_16BIT_NORM;
+        if !adapter.features().contains(features) {
+            return Err(GpuError::NoAdapter(format!("{} has no textures of 16-bit components", info.name)));
+        }
+        let limits = Limits::default().using_resolution(adapter.limits());
+        let descriptor =
+            DeviceDescriptor { required_features: features, required_limits: limits, ..DeviceDescriptor::default() };
+        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
+            .map_err(|error| GpuError::NoAdapter(format!("{}: {error}", info.name)))?;
+        let error = Arc::new(Mutex::new(None));
+        let keep = |first: &Mutex<Option<String>>, text: String| {
+            if let Ok(mut slot) = first.lock() {
+                slot.get_or_insert(text);
+            }
+        };
+        let slot = Arc::clone(&error);
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| keep(&slot, error.to_string())));
+        let slot = Arc::clone(&error);
+        device.set_device_lost_callback(move |reason, text| keep(&slot, format!("device lost ({reason:?}): {text}")));
+        let description = AdapterDescription {
+            name: info.name,
+            driver: format!("{} {}", info.driver, info.driver_info).trim().to_owned(),
+            software: info.device_type == DeviceType::Cpu,
+        };
+        Ok(Self { device, queue, description, error })
+    }
+
+    /// What it is.
+    pub fn description(&self) -> &AdapterDescription {
+        &self.description
+    }
+
+    /// The first error since the last call, if any.
+    pub(super) fn check(&self) -> Result<(), GpuError> {
+        match self.error.lock().map(|mut slot| slot.take()) {
+            Ok(None) => Ok(()),
+            Ok(Some(text)) => Err(GpuError::Failed(text)),
+            Err(_) => Err(GpuError::Failed("an error handler panicked".to_owned())),
+        }
+    }
+
+    /// Waits until everything submitted is done.
+    pub(super) fn wait(&self) -> Result<(), GpuError> {
+        self.device.poll(PollType::wait_indefinitely()).map_err(|error| GpuError::Failed(error.to_string()))?;
+        self.check()
+    }
+
+    /// A buffer that [`Self::read`] takes.
+    pub(super) fn read_buffer(&self, bytes: u64) -> wgpu::Buffer {
+        self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: bytes,
+            usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        })
+    }
+
+    /// Waits for the queue and hands a buffer's bytes to `take`.
+    pub(super) fn read<T>(&self, buffer: &wgpu::Buffer, take: impl FnOnce(&[u8]) -> T) -> Result<T, GpuError> {
+        let (sender, receiver) = std::sync::mpsc::channel();
+        buffer.map_async(MapMode::Read, .., move |result| drop(sender.send(result)));
+        self.wait()?;
+        let failed = |text: String| GpuError::Failed(format!("reading back: {text}"));
+        receiver.recv().map_err(|error| failed(error.to_string()))?.map_err(|error| failed(error.to_string()))?;
+        let value = take(&buffer.get_mapped_range(..).map_err(|error| failed(error.to_string()))?);
+        buffer.unmap();
+        Ok(value)
+    }
+}
