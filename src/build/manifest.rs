@@ -1,5 +1,6 @@
 //! The scene manifest, `scene.toml`: materials, and the uses a scene makes of them.
 
+use super::render_section::{CAMERA_KEYS, LIGHT_KEYS, RENDER_KEYS, RenderSection};
 use crate::brdf::encode::{Recipe, Target};
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::pack::wavelet::MAX_LEVELS;
@@ -24,6 +25,9 @@ pub struct Manifest {
     /// What the scene shows.
     #[serde(default)]
     pub uses: Vec<Use>,
+    /// What `brdfc render` shows.
+    #[serde(default)]
+    pub render: RenderSection,
 }
 
 /// What holds for the whole scene.
@@ -101,7 +105,7 @@ const OPTION_KEYS: &[&str] = &["grid", "bits", "parameterisation", "ratio", "max
 const MATERIAL_KEYS: &[&str] =
     &["source", "grid", "bits", "parameterisation", "ratio", "max_error", "max_bytes", "smooth", "bias"];
 const USE_KEYS: &[&str] = &["object", "material", "nearest"];
-const TOP_KEYS: &[&str] = &["scene", "defaults", "materials", "uses"];
+const TOP_KEYS: &[&str] = &["scene", "defaults", "materials", "uses", "render"];
 
 impl Manifest {
     /// Parses and checks a manifest.
@@ -125,6 +129,7 @@ impl Manifest {
     }
 
     fn check(&self, text: &str, tree: &toml::de::DeTable<'_>) -> Result<(), ManifestError> {
+        self.render.check(&Place { text, tree })?;
         let line = |path: &[&str]| line_of_key(text, tree, path);
         if let Some(scale) = self.scene.distance_scale
             && !(scale.is_finite() && scale > 0.0)
@@ -190,6 +195,25 @@ impl Manifest {
             }
         }
         Ok(())
+    }
+}
+
+/// Where keys of a manifest stand.
+pub(super) struct Place<'a> {
+    text: &'a str,
+    tree: &'a toml::de::DeTable<'a>,
+}
+
+impl Place<'_> {
+    /// An error at the deepest key of `path` that is there.
+    pub(super) fn error(&self, path: &[&str], found: String, allowed: &str) -> ManifestError {
+        ManifestError {
+            line: line_of_key(self.text, self.tree, path),
+            field: path.join("."),
+            found,
+            allowed: allowed.to_owned(),
+            suggestion: None,
+        }
     }
 }
 
@@ -294,7 +318,7 @@ fn check_keys(text: &str, tree: &toml::de::DeTable<'_>) -> Result<(), ManifestEr
         Ok(())
     };
     check(tree, TOP_KEYS, "")?;
-    for (key, allowed) in [("scene", SCENE_KEYS), ("defaults", OPTION_KEYS)] {
+    for (key, allowed) in [("scene", SCENE_KEYS), ("defaults", OPTION_KEYS), ("render", RENDER_KEYS)] {
         if let Some(table) = tree.get(key).and_then(|v| v.get_ref().as_table()) {
             check(table, allowed, &format!("[{key}]"))?;
         }
@@ -306,10 +330,17 @@ fn check_keys(text: &str, tree: &toml::de::DeTable<'_>) -> Result<(), ManifestEr
             }
         }
     }
-    if let Some(uses) = tree.get("uses").and_then(|v| v.get_ref().as_array()) {
-        for used in uses.iter() {
-            if let Some(table) = used.get_ref().as_table() {
-                check(table, USE_KEYS, "[[uses]]")?;
+    let render = tree.get("render").and_then(|v| v.get_ref().as_table());
+    if let Some(camera) = render.and_then(|r| r.get("camera")).and_then(|v| v.get_ref().as_table()) {
+        check(camera, CAMERA_KEYS, "[render.camera]")?;
+    }
+    for (array, allowed, prefix) in [
+        (tree.get("uses"), USE_KEYS, "[[uses]]"),
+        (render.and_then(|r| r.get("lights")), LIGHT_KEYS, "[[render.lights]]"),
+    ] {
+        for entry in array.and_then(|v| v.get_ref().as_array()).into_iter().flat_map(|a| a.iter()) {
+            if let Some(table) = entry.get_ref().as_table() {
+                check(table, allowed, prefix)?;
             }
         }
     }
@@ -326,7 +357,8 @@ pub fn near_miss(name: &str, known: &[&str]) -> Option<String> {
         .map(|(_, k)| k.to_owned())
 }
 
-fn line_of(text: &str, span: Option<Range<usize>>) -> usize {
+/// The line, from 1, where a span of a manifest starts.
+pub fn line_of(text: &str, span: Option<Range<usize>>) -> usize {
     let end = span.map_or(0, |s| s.start.min(text.len()));
     1 + text.as_bytes()[..end].iter().filter(|byte| **byte == b'\n').count()
 }

@@ -3,5 +3,6 @@
 pub mod cache;
 pub mod manifest;
 pub mod needs;
+pub mod render_section;
 pub mod run;
 pub mod write;

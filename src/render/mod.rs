@@ -1,4 +1,12 @@
 //! The verifier: draws packs with the shaders that engines use, beside a CPU reference, on any Vulkan driver.
 
+pub mod camera;
+pub mod environment;
 pub mod gpu;
 pub mod scene;
+pub mod shade;
+pub mod surface_point;
+#[cfg(test)]
+mod testing;
+pub mod trace;
+mod vector;

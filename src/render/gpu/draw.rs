@@ -1,0 +1,430 @@
+//! Draws scenes by the rasteriser, into linear images of 32-bit floats.
+
+use super::device::{Gpu, GpuError};
+use super::evaluate::SliceFilter;
+use super::pack;
+use crate::metrics::image::LinearImage;
+use crate::render::scene::{Camera, Environment, Frame, Part, Scene};
+use brdfc_formats::pack::wavelet_shader::WAVELET_BRDF_WGSL;
+use brdfc_formats::pack::{Filter, WaveletPack};
+use std::borrow::Cow;
+use wgpu::util::{DeviceExt, TextureDataOrder};
+use wgpu::{
+    BindGroupDescriptor, BindGroupEntry, BindGroupLayoutDescriptor, BindGroupLayoutEntry, BindingResource, BindingType,
+    BufferBindingType, BufferUsages, CompareFunction, DepthStencilState, Extent3d, FragmentState, LoadOp, Operations,
+    PipelineLayoutDescriptor, PrimitiveState, RenderPassColorAttachment, RenderPassDepthStencilAttachment,
+    RenderPassDescriptor, RenderPipelineDescriptor, ShaderModuleDescriptor, ShaderSource, ShaderStages, StoreOp,
+    TextureDescriptor, TextureDimension, TextureFormat, TextureSampleType, TextureUsages, TextureViewDimension,
+    VertexBufferLayout, VertexState, VertexStepMode, vertex_attr_array,
+};
+
+/// The scene's entry points over the decoder.
+pub const SCENE_WGSL: &str = include_str!("../shaders/scene.wgsl");
+
+const COLOUR: TextureFormat = TextureFormat::Rgba32Float;
+const DEPTH: TextureFormat = TextureFormat::Depth32Float;
+/// Bytes of a pixel of the target.
+const PIXEL: u64 = 16;
+/// Rows are read back in bands of about this size.
+const BAND_BYTES: u64 = 32 << 20;
+/// 32-bit words of a vertex: position, normal, tangent, uv.
+const VERTEX_WORDS: usize = 11;
+
+/// How packs are decoded in an image.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Decoding {
+    /// Over inner and outer cells.
+    pub filter: Filter,
+    /// Who filters slices.
+    pub slices: SliceFilter,
+    /// A fixed level of detail, or the one that follows from the distance.
+    pub level: Option<f32>,
+    /// `α` of the level of detail, per unit of distance. Positive.
+    pub distance_scale: f64,
+}
+
+/// A compiled pipeline.
+pub struct Renderer<'g> {
+    gpu: &'g Gpu,
+    pipeline: wgpu::RenderPipeline,
+    view_layout: wgpu::BindGroupLayout,
+    pack_layout: wgpu::BindGroupLayout,
+    surface_layout: wgpu::BindGroupLayout,
+}
+
+/// A scene on the device.
+pub struct LoadedScene {
+    view: wgpu::Buffer,
+    view_group: wgpu::BindGroup,
+    parts: Vec<LoadedPart>,
+    background: [f32; 3],
+    lights: u32,
+    decoding: Decoding,
+}
+
+struct LoadedPart {
+    vertices: wgpu::Buffer,
+    indices: wgpu::Buffer,
+    count: u32,
+    pack: wgpu::BindGroup,
+    surface: wgpu::BindGroup,
+}
+
+/// Colour and depth of a frame.
+pub struct Target {
+    colour: wgpu::Texture,
+    colour_view: wgpu::TextureView,
+    depth_view: wgpu::TextureView,
+}
+
+impl<'g> Renderer<'g> {
+    /// Compiles the shaders.
+    ///
+    /// # Errors
+    /// What the driver reports.
+    pub fn new(gpu: &'g Gpu) -> Result<Self, GpuError> {
+        let module = gpu.device.create_shader_module(ShaderModuleDescriptor {
+            label: Some("scene"),
+            source: ShaderSource::Wgsl(Cow::Owned(format!("{WAVELET_BRDF_WGSL}\n{SCENE_WGSL}"))),
+        });
+        let entry = |binding, visibility, ty| BindGroupLayoutEntry { binding, visibility, ty, count: None };
+        let buffer = |ty| BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
+        let image = BindingType::Texture {
+            sample_type: TextureSampleType::Float { filterable: false },
+            view_dimension: TextureViewDimension::D2,
+            multisampled: false,
+        };
+        let uniform = buffer(BufferBindingType::Uniform);
+        let view_layout = gpu.device.create_bind_group_layout(&BindGroupLayoutDescriptor {
+            label: Some("view"),
+            entries: &[
+                entry(0, ShaderStages::VERTEX_FRAGMENT, uniform),
+                entry(1, ShaderStages::FRAGMENT, buffer(BufferBindingType::Storage { read_only: true })),
+                entry(2, ShaderStages::FRAGMENT, image),
+            ],
+        });
+        let pack_layout = pack::layout(gpu, ShaderStages::FRAGMENT);
+        let surface_layout = gpu.device.create_bind_group_layout(&BindGroupLayoutDescriptor {
+            label: Some("surface"),
+            entries: &[entry(0, ShaderStages::FRAGMENT, uniform), entry(1, ShaderStages::FRAGMENT, image)],
+        });
+        let layout = gpu.device.create_pipeline_layout(&PipelineLayoutDescriptor {
+            label: None,
+            bind_group_layouts: &[Some(&view_layout), Some(&pack_layout), Some(&surface_layout)],
+            immediate_size: 0,
+        });
+        let pipeline = gpu.device.create_render_pipeline(&RenderPipelineDescriptor {
+            label: Some("scene"),
+            layout: Some(&layout),
+            vertex: VertexState {
+                module: &module,
+                entry_point: Some("project"),
+                compilation_options: Default::default(),
+                buffers: &[Some(VertexBufferLayout {
+                    array_stride: 4 * VERTEX_WORDS as u64,
+                    step_mode: VertexStepMode::Vertex,
+                    attributes: &vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x3, 3 => Float32x2],
+                })],
+            },
+            primitive: PrimitiveState::default(),
+            depth_stencil: Some(DepthStencilState {
+                format: DEPTH,
+                depth_write_enabled: Some(true),
+                depth_compare: Some(CompareFunction::Greater),
+                stencil: Default::default(),
+                bias: Default::default(),
+            }),
+            multisample: Default::default(),
+            fragment: Some(FragmentState {
+                module: &module,
+                entry_point: Some("shade"),
+                compilation_options: Default::default(),
+                targets: &[Some(COLOUR.into())],
+            }),
+            multiview_mask: None,
+            cache: None,
+        });
+        gpu.check()?;
+        Ok(Self { gpu, pipeline, view_layout, pack_layout, surface_layout })
+    }
+
+    /// Uploads a scene with one pack for each of its parts.
+    ///
+    /// # Panics
+    /// If there are not as many packs as parts.
+    ///
+    /// # Errors
+    /// What the driver reports.
+    pub fn load(&self, scene: &Scene, packs: &[&WaveletPack], decoding: Decoding) -> Result<LoadedScene, GpuError> {
+        assert_eq!(packs.len(), scene.parts.len(), "one pack for each part");
+        let view = self.gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: 4 * VIEW_WORDS as u64,
+            usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let mut words: Vec<f32> = Vec::new();
+        for light in &scene.lights {
+            words.extend(light.position.map(|c| c as f32));
+            words.push(0.0);
+            words.extend(light.intensity.map(|c| c as f32));
+            words.push(0.0);
+        }
+        words.resize(words.len().max(8), 0.0);
+        let lights = self.buffer(bytemuck::cast_slice(&words), BufferUsages::STORAGE);
+        let environment = self.environment(&scene.environment);
+        let view_group = self.gpu.device.create_bind_group(&BindGroupDescriptor {
+            label: None,
+            layout: &self.view_layout,
+            entries: &[
+                BindGroupEntry { binding: 0, resource: view.as_entire_binding() },
+                BindGroupEntry { binding: 1, resource: lights.as_entire_binding() },
+                BindGroupEntry { binding: 2, resource: BindingResource::TextureView(&environment) },
+            ],
+        });
+        let parts = scene
+            .parts
+            .iter()
+            .zip(packs)
+            .map(|(part, pack)| self.part(part, pack, decoding))
+            .collect::<Result<_, _>>()?;
+        self.gpu.check()?;
+        Ok(LoadedScene {
+            view,
+            view_group,
+            parts,
+            background: scene.background,
+            lights: scene.lights.len() as u32,
+            decoding,
+        })
+    }
+
+    fn part(&self, part: &Part, pack: &WaveletPack, decoding: Decoding) -> Result<LoadedPart, GpuError> {
+        let mut words: Vec<f32> = Vec::with_capacity(VERTEX_WORDS * part.mesh.vertices.len());
+        for vertex in &part.mesh.vertices {
+            words.extend(vertex.position);
+            words.extend(vertex.normal);
+            words.extend(vertex.tangent);
+            words.extend(vertex.uv);
+        }
+        let bump = part.surface.bump.as_ref();
+        let size = bump.map_or(0, |bump| bump.size as u32);
+        let surface = [part.surface.mirror.to_bits(), size, 0, 0];
+        let surface = self.buffer(bytemuck::cast_slice(&surface), BufferUsages::UNIFORM);
+        let heights = bump.map_or(&[0.0][..], |bump| &bump.heights);
+        let heights = self.image(TextureFormat::R32Float, size.max(1), size.max(1), bytemuck::cast_slice(heights));
+        let surface = self.gpu.device.create_bind_group(&BindGroupDescriptor {
+            label: None,
+            layout: &self.surface_layout,
+            entries: &[
+                BindGroupEntry { binding: 0, resource: surface.as_entire_binding() },
+                BindGroupEntry { binding: 1, resource: BindingResource::TextureView(&heights) },
+            ],
+        });
+        Ok(LoadedPart {
+            vertices: self.buffer(bytemuck::cast_slice(&words), BufferUsages::VERTEX),
+            indices: self.buffer(bytemuck::cast_slice(&part.mesh.triangles), BufferUsages::INDEX),
+            count: 3 * part.mesh.triangles.len() as u32,
+            pack: pack::upload(self.gpu, &self.pack_layout, pack, decoding.filter, decoding.distance_scale)?,
+            surface,
+        })
+    }
+
+    fn buffer(&self, contents: &[u8], usage: BufferUsages) -> wgpu::Buffer {
+        self.gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents, usage })
+    }
+
+    fn image(&self, format: TextureFormat, width: u32, height: u32, bytes: &[u8]) -> wgpu::TextureView {
+        let descriptor = TextureDescriptor {
+            label: None,
+            size: Extent3d { width, height, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: TextureDimension::D2,
+            format,
+            usage: TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        };
+        let gpu = self.gpu;
+        let texture = gpu.device.create_texture_with_data(&gpu.queue, &descriptor, TextureDataOrder::LayerMajor, bytes);
+        texture.create_view(&wgpu::TextureViewDescriptor::default())
+    }
+
+    fn environment(&self, environment: &Environment) -> wgpu::TextureView {
+        let texels: Vec<[f32; 4]> = environment.pixels.iter().map(|p| [p[0], p[1], p[2], 1.0]).collect();
+        let (width, height) = (environment.width as u32, environment.height as u32);
+        self.image(TextureFormat::Rgba32Float, width, height, bytemuck::cast_slice(&texels))
+    }
+
+    /// Colour and depth of `width` x `height` pixels.
+    ///
+    /// # Errors
+    /// More than the adapter's limit per side.
+    pub fn target(&self, width: usize, height: usize) -> Result<Target, GpuError> {
+        let most = self.gpu.device.limits().max_texture_dimension_2d as usize;
+        if width > most || height > most {
+            let text = format!("an image of {width} x {height} pixels; this adapter draws at most {most} per side");
+            return Err(GpuError::TooLarge(text));
+        }
+        let texture = |format, usage| {
+            self.gpu.device.create_texture(&TextureDescriptor {
+                label: None,
+                size: Extent3d { width: width as u32, height: height as u32, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: TextureDimension::D2,
+                format,
+                usage,
+                view_formats: &[],
+            })
+        };
+        let colour = texture(COLOUR, TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC);
+        let depth = texture(DEPTH, TextureUsages::RENDER_ATTACHMENT);
+        self.gpu.check()?;
+        Ok(Target {
+            colour_view: colour.create_view(&wgpu::TextureViewDescriptor::default()),
+            colour,
+            depth_view: depth.create_view(&wgpu::TextureViewDescriptor::default()),
+        })
+    }
+
+    /// Draws one sample per pixel, `sample` = `[column, row]` of the `samples` x `samples` in each, and waits for it.
+    ///
+    /// # Errors
+    /// What the driver reports.
+    pub fn draw_sample(
+        &self,
+        scene: &LoadedScene,
+        camera: &Camera,
+        target: &Target,
+        sample: [usize; 2],
+        samples: usize,
+    ) -> Result<(), GpuError> {
+        let size = [target.colour.width() as f64, target.colour.height() as f64];
+        let words = view_words(scene, camera, size, sample, samples);
+        self.gpu.queue.write_buffer(&scene.view, 0, bytemuck::cast_slice(&words));
+        let [r, g, b] = scene.background.map(f64::from);
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
+            label: None,
+            color_attachments: &[Some(RenderPassColorAttachment {
+                view: &target.colour_view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: Operations { load: LoadOp::Clear(wgpu::Color { r, g, b, a: 0.0 }), store: StoreOp::Store },
+            })],
+            depth_stencil_attachment: Some(RenderPassDepthStencilAttachment {
+                view: &target.depth_view,
+                depth_ops: Some(Operations { load: LoadOp::Clear(0.0), store: StoreOp::Discard }),
+                stencil_ops: None,
+            }),
+            timestamp_writes: None,
+            occlusion_query_set: None,
+            multiview_mask: None,
+        });
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &scene.view_group, &[]);
+        for part in &scene.parts {
+            pass.set_bind_group(1, &part.pack, &[]);
+            pass.set_bind_group(2, &part.surface, &[]);
+            pass.set_vertex_buffer(0, part.vertices.slice(..));
+            pass.set_index_buffer(part.indices.slice(..), wgpu::IndexFormat::Uint32);
+            pass.draw_indexed(0..part.count, 0, 0..1);
+        }
+        drop(pass);
+        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.wait()
+    }
+
+    /// Draws a whole image: the mean of `samples²` samples per pixel, summed in a fixed order.
+    ///
+    /// # Errors
+    /// Images beyond the adapter's limits; what the driver reports.
+    pub fn draw(&self, scene: &LoadedScene, camera: &Camera, frame: Frame) -> Result<LinearImage, GpuError> {
+        let target = self.target(frame.width, frame.height)?;
+        let mut sums = vec![[0.0f64; 4]; frame.width * frame.height];
+        for row in 0..frame.samples {
+            for column in 0..frame.samples {
+                self.draw_sample(scene, camera, &target, [column, row], frame.samples)?;
+                self.add(&target, &mut sums)?;
+            }
+        }
+        let share = 1.0 / (frame.samples * frame.samples) as f64;
+        let mean = |sum: &[f64; 4]| [0, 1, 2].map(|channel| (sum[channel] * share) as f32);
+        Ok(LinearImage {
+            width: frame.width,
+            height: frame.height,
+            pixels: sums.iter().map(mean).collect(),
+            coverage: sums.iter().map(|sum| (sum[3] * share) as f32).collect(),
+        })
+    }
+
+    /// Reads a target back and adds it to `sums`, band by band.
+    fn add(&self, target: &Target, sums: &mut [[f64; 4]]) -> Result<(), GpuError> {
+        let (width, height) = (target.colour.width(), target.colour.height());
+        let row_bytes = (u64::from(width) * PIXEL).next_multiple_of(u64::from(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT));
+        let band = (BAND_BYTES / row_bytes).clamp(1, u64::from(height)) as u32;
+        let buffer = self.gpu.read_buffer(row_bytes * u64::from(band));
+        for first in (0..height).step_by(band as usize) {
+            let rows = band.min(height - first);
+            let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+            encoder.copy_texture_to_buffer(
+                wgpu::TexelCopyTextureInfo {
+                    texture: &target.colour,
+                    mip_level: 0,
+                    origin: wgpu::Origin3d { x: 0, y: first, z: 0 },
+                    aspect: wgpu::TextureAspect::All,
+                },
+                wgpu::TexelCopyBufferInfo {
+                    buffer: &buffer,
+                    layout: wgpu::TexelCopyBufferLayout {
+                        offset: 0,
+                        bytes_per_row: Some(row_bytes as u32),
+                        rows_per_image: None,
+                    },
+                },
+                Extent3d { width, height: rows, depth_or_array_layers: 1 },
+            );
+            self.gpu.queue.submit([encoder.finish()]);
+            let band_sums = &mut sums[(first * width) as usize..][..(rows * width) as usize];
+            self.gpu.read(&buffer, |bytes| {
+                for (row, sums) in
+                    bytes.chunks_exact(row_bytes as usize).zip(band_sums.chunks_exact_mut(width as usize))
+                {
+                    let pixels: &[[f32; 4]] = bytemuck::cast_slice(&row[..width as usize * PIXEL as usize]);
+                    for (pixel, sum) in pixels.iter().zip(sums) {
+                        (0..4).for_each(|channel| sum[channel] += f64::from(pixel[channel]));
+                    }
+                }
+            })?;
+        }
+        Ok(())
+    }
+}
+
+/// 32-bit words of the shader's `View`.
+const VIEW_WORDS: usize = 24;
+
+fn view_words(
+    scene: &LoadedScene,
+    camera: &Camera,
+    [width, height]: [f64; 2],
+    sample: [usize; 2],
+    samples: usize,
+) -> [u32; VIEW_WORDS] {
+    let (right, up, forward) = camera.basis();
+    let [half_width, half_height] = camera.half_extent(width as usize, height as usize);
+    let mut words = [0; VIEW_WORDS];
+    let rows = [camera.eye, right.map(|c| c / half_width), up.map(|c| c / half_height), forward];
+    for (target, row) in words.chunks_exact_mut(4).zip(rows) {
+        (0..3).for_each(|k| target[k] = (row[k] as f32).to_bits());
+    }
+    // Pixels are sampled at their centres: the image moves by what the wanted point is off.
+    let off = |index: usize| 0.5 - (index as f64 + 0.5) / samples as f64;
+    words[16] = ((2.0 * off(sample[0]) / width) as f32).to_bits();
+    words[17] = ((-2.0 * off(sample[1]) / height) as f32).to_bits();
+    words[18] = scene.decoding.level.map_or(-1.0, |level| level.max(0.0)).to_bits();
+    words[19] = u32::from(scene.decoding.slices == SliceFilter::Hardware);
+    words[20] = scene.lights;
+    words
+}
