@@ -80,13 +80,7 @@ pub struct Entry {
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     let path = &arguments.scene;
-    let bytes = std::fs::read(path).map_err(|error| CliError::read(path, &error))?;
-    let text = std::str::from_utf8(&bytes).map_err(|error| {
-        let line = 1 + bytes[..error.valid_up_to()].iter().filter(|b| **b == b'\n').count();
-        let byte = bytes[error.valid_up_to()];
-        CliError::Input(format!("{}: line {line}, text: found byte {byte:#04x}; allowed UTF-8", path.display()))
-    })?;
-    let manifest = Manifest::parse(text).map_err(|error| CliError::Input(format!("{}: {error}", path.display())))?;
+    let (_, manifest) = read_manifest(path)?;
     let plan = plan(&manifest, path.parent().unwrap_or(Path::new("")));
     let scene = manifest.scene.name.clone().unwrap_or_else(|| "scene".to_owned());
     if arguments.dry_run {
@@ -131,6 +125,18 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         remark(common, &format!("not used by the scene, not opened: {}", plan.skipped.join(", ")));
     }
     worst(outcomes)
+}
+
+/// A manifest with its text.
+pub(super) fn read_manifest(path: &Path) -> Result<(String, Manifest), CliError> {
+    let bytes = std::fs::read(path).map_err(|error| CliError::read(path, &error))?;
+    let text = std::str::from_utf8(&bytes).map_err(|error| {
+        let line = 1 + bytes[..error.valid_up_to()].iter().filter(|b| **b == b'\n').count();
+        let byte = bytes[error.valid_up_to()];
+        CliError::Input(format!("{}: line {line}, text: found byte {byte:#04x}; allowed UTF-8", path.display()))
+    })?;
+    let manifest = Manifest::parse(text).map_err(|error| CliError::Input(format!("{}: {error}", path.display())))?;
+    Ok((text.to_owned(), manifest))
 }
 
 /// The failure with the highest exit code decides.

@@ -17,6 +17,8 @@ pub enum CliError {
     Input(String),
     /// Cannot read or write: 4.
     Io(String),
+    /// No graphics adapter that can be used: 5.
+    NoAdapter(String),
     /// A fault of the program: 6.
     Internal(String),
     /// Stopped by the user: 130.
@@ -34,6 +36,7 @@ impl CliError {
             Self::Usage(_) => 2,
             Self::Input(_) => 3,
             Self::Io(_) => 4,
+            Self::NoAdapter(_) => 5,
             Self::Internal(_) => 6,
             Self::Interrupted => 130,
         }
@@ -42,10 +45,18 @@ impl CliError {
     /// What to tell, if anything.
     pub fn message(&self) -> Option<&str> {
         match self {
-            Self::Check(m) | Self::Usage(m) | Self::Input(m) | Self::Io(m) | Self::Internal(m) => Some(m),
+            Self::Check(m) | Self::Usage(m) | Self::Input(m) | Self::Io(m) | Self::NoAdapter(m) | Self::Internal(m) => {
+                Some(m)
+            }
             Self::Interrupted => Some("interrupted; files that were finished are whole"),
             Self::PipeClosed => None,
         }
+    }
+
+    /// What a program without the renderer says.
+    #[cfg(not(feature = "render"))]
+    pub fn without_renderer() -> Self {
+        Self::NoAdapter("no usable graphics adapter: this program was built without its feature 'render'".to_owned())
     }
 
     /// A file that cannot be written.
@@ -92,5 +103,23 @@ impl From<JobError> for CliError {
 impl From<OptionError> for CliError {
     fn from(error: OptionError) -> Self {
         Self::Usage(format!("--{}: found {}; allowed {}", error.field.replace('_', "-"), error.found, error.allowed))
+    }
+}
+
+#[cfg(feature = "render")]
+impl From<crate::render::gpu::GpuError> for CliError {
+    fn from(error: crate::render::gpu::GpuError) -> Self {
+        use crate::render::gpu::GpuError;
+        match error {
+            GpuError::NoAdapter(_) => Self::NoAdapter(format!(
+                "{error}\n\
+                 A Vulkan driver is needed; a graphics card is not. Mesa's software driver is enough:\n  \
+                 Debian, Ubuntu   sudo apt-get install mesa-vulkan-drivers libvulkan1\n  \
+                 Fedora           sudo dnf install mesa-vulkan-drivers vulkan-loader\n  \
+                 Arch             sudo pacman -S vulkan-swrast vulkan-icd-loader"
+            )),
+            GpuError::TooLarge(text) => Self::Usage(text),
+            GpuError::Failed(_) => Self::NoAdapter(error.to_string()),
+        }
     }
 }

@@ -10,6 +10,8 @@ mod info;
 mod options;
 mod output;
 mod progress;
+#[cfg(feature = "render")]
+mod render;
 mod schema;
 mod synth;
 
@@ -41,6 +43,15 @@ enum Command {
     Compare(compare::Arguments),
     Info(info::Arguments),
     Synth(synth::Arguments),
+    #[cfg(feature = "render")]
+    Render(Box<render::Arguments>),
+    /// Not in this program: it was built without its feature 'render'.
+    #[cfg(not(feature = "render"))]
+    Render {
+        /// Anything.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
+        rest: Vec<String>,
+    },
     Bench(bench::Arguments),
     Schema(schema::Arguments),
 }
@@ -52,6 +63,7 @@ Examples:
   brdfc encode paint.brdf -o paint.ktx2 --max-error 0.02
   brdfc compare paint.brdf paint.ktx2                 how wrong is it?
   brdfc info paint.ktx2
+  brdfc render paint.ktx2 -o paint.png                what does it look like?
 
 INPUT is a path (.binary MERL, .brdf or .csv scan, .bsdf RGL, .ktx2 pack) or an analytic model such as
 synth:ward?kd=0.2&ks=0.1&ax=0.15&ay=0.5 ('brdfc synth --help' lists them).
@@ -108,6 +120,10 @@ fn run(cli: Cli) -> Result<(), CliError> {
         Command::Compare(arguments) => compare::run(&arguments, common),
         Command::Info(arguments) => info::run(&arguments),
         Command::Synth(arguments) => synth::run(&arguments),
+        #[cfg(feature = "render")]
+        Command::Render(arguments) => render::run(&arguments, common),
+        #[cfg(not(feature = "render"))]
+        Command::Render { .. } => Err(CliError::without_renderer()),
         Command::Bench(arguments) => bench::run(&arguments, common),
         Command::Schema(arguments) => schema::run(&arguments),
     }

@@ -39,6 +39,13 @@ pub struct EncodeOptions {
 }
 
 impl EncodeOptions {
+    /// Whether any is given.
+    pub fn any(&self) -> bool {
+        let numbers = self.ratio.is_some() || self.max_error.is_some() || self.bias.is_some();
+        let sizes = self.max_bytes.is_some() || self.grid.is_some() || self.bits.is_some();
+        numbers || sizes || self.parameterisation.is_some() || self.smooth || self.no_supercompression
+    }
+
     /// The recipe.
     pub fn recipe(&self) -> Result<Recipe, CliError> {
         let options = Options {

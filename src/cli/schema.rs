@@ -30,6 +30,9 @@ enum Report {
     Info,
     /// 'brdfc bench --json'.
     Bench,
+    /// 'brdfc render --json'.
+    #[cfg(feature = "render")]
+    Render,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
@@ -40,5 +43,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         Report::Compare => schema_for!(super::compare::Report),
         Report::Info => schema_for!(super::info::Report),
         Report::Bench => schema_for!(super::bench::Report),
+        #[cfg(feature = "render")]
+        Report::Render => schema_for!(super::render::Report),
     })
 }

@@ -3,10 +3,13 @@
 pub mod camera;
 pub mod environment;
 pub mod gpu;
+pub mod picture;
 pub mod scene;
+pub mod scenes;
 pub mod shade;
 pub mod surface_point;
 #[cfg(test)]
 mod testing;
 pub mod trace;
 mod vector;
+pub mod verify;

@@ -1,5 +1,7 @@
 //! What is said about finished work: JSON with a schema, and tables for people.
 
 pub mod material;
+#[cfg(feature = "render")]
+pub mod render;
 pub mod study;
 pub mod table;

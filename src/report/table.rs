@@ -90,3 +90,27 @@ pub fn bytes(count: u64) -> String {
         _ => format!("{:.2} MiB", count as f64 / 1_048_576.0),
     }
 }
+
+/// Three or four significant digits.
+pub fn significant(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".to_owned(),
+        a if !(1e-3..1e5).contains(&a) => format!("{value:.3e}"),
+        a => format!("{value:.*}", (3 - a.log10().floor() as i32).max(0) as usize),
+    }
+}
+
+/// Header of [`image_row`].
+#[cfg(feature = "render")]
+pub const IMAGE_HEADER: [&str; 6] = ["mean", "σ", "95 %", "max", "mean ΔE2000", "PSNR"];
+
+/// A comparison of images.
+#[cfg(feature = "render")]
+pub fn image_row(difference: &crate::metrics::image::ImageDifference) -> Vec<String> {
+    let d = &difference.delta_e;
+    let mut row: Vec<String> = [d.mean, d.standard_deviation, d.p95, d.max, difference.delta_e_2000.mean]
+        .map(|value| format!("{value:.3}"))
+        .into();
+    row.push(difference.psnr.map_or("-".to_owned(), |psnr| format!("{psnr:.1} dB")));
+    row
+}

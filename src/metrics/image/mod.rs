@@ -1,5 +1,9 @@
 //! Images in memory: what renderers return and comparisons take.
 
+mod difference;
+
+pub use difference::{ImageDifference, Spread, auto_exposure, compare_images, delta_e_map, luminance};
+
 /// A rectangle of linear radiance.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearImage {

@@ -1,0 +1,201 @@
+//! Studies that need a graphics adapter.
+
+use super::{Arguments, Study, StudyResult};
+use crate::brdf::encode::{Recipe, encode};
+use crate::build::run::grid;
+use crate::cli::output::{remark, write_file};
+use crate::cli::{CliError, Common};
+use crate::render::gpu::{AdapterChoice, AdapterDescription, Gpu};
+use crate::render::picture::to_png;
+use crate::report::study::images::{ImageRow, PAPER_MEAN, PAPER_SIGMA, StudyError, on_the_cloth};
+use crate::report::study::level_of_detail::{Animation, LevelOfDetail, level_of_detail};
+use crate::report::study::throughput::{Throughput, throughput};
+use crate::report::table::plain;
+use crate::source::open::open;
+use brdfc_formats::pack::WaveletPack;
+use std::path::Path;
+use std::time::Instant;
+
+/// Anisotropic, soft: the paper's velvet.
+const VELVET: &str = "synth:velvet";
+/// Sharp enough to glitter.
+const GLOSSY: &str = "synth:ggx?kd=0.05,0.04,0.03&f0=0.9,0.8,0.6&alpha=0.1";
+
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, CliError> {
+    let choice = arguments.adapter.clone().map_or(AdapterChoice::Best, AdapterChoice::Named);
+    let gpu = Gpu::open(&choice)?;
+    let started = Instant::now();
+    let seconds = || started.elapsed().as_secs_f64();
+    match arguments.study {
+        Study::Throughput => {
+            let pack = pack(one(arguments, VELVET)?)?;
+            let progress = |done, all| remark(common, &format!("{done} of {all} rows, {:.1} s", seconds()));
+            Ok(StudyResult::Throughput(throughput(&gpu, &pack, progress)?))
+        }
+        Study::LevelOfDetail => {
+            let pack = pack(one(arguments, GLOSSY)?)?;
+            let progress = |what: &str| remark(common, &format!("{what}, {:.1} s", seconds()));
+            if let Some(folder) = &arguments.out {
+                std::fs::create_dir_all(folder).map_err(|error| CliError::write(folder, &error))?;
+            }
+            let (result, animation) = level_of_detail(&gpu, &pack, progress)?;
+            if let Some(folder) = &arguments.out {
+                write_frames(folder, &animation)?;
+            }
+            Ok(StudyResult::LevelOfDetail(result))
+        }
+        Study::Images | Study::WaveletBrdf => {
+            let velvet = [VELVET.to_owned()];
+            let inputs = if arguments.inputs.is_empty() { &velvet[..] } else { &arguments.inputs };
+            let mut rows = Vec::new();
+            for (number, input) in inputs.iter().enumerate() {
+                let opened = open(input, None)?;
+                let name = if input.starts_with("synth:") { input.as_str() } else { file_name(input) };
+                rows.push(on_the_cloth(&gpu, name, opened.source.as_ref()).map_err(study_error)?);
+                let left = seconds() / (number + 1) as f64 * (inputs.len() - number - 1) as f64;
+                let done =
+                    format!("{} of {}: {name}, {:.1} s, about {left:.0} s left", number + 1, inputs.len(), seconds());
+                remark(common, &done);
+            }
+            Ok(StudyResult::Images { rows })
+        }
+    }
+}
+
+fn study_error(error: StudyError) -> CliError {
+    match error {
+        StudyError::Gpu(error) => error.into(),
+        StudyError::Encode(error) => error.into(),
+    }
+}
+
+fn file_name(path: &str) -> &str {
+    Path::new(path).file_name().and_then(|name| name.to_str()).unwrap_or(path)
+}
+
+fn one<'a>(arguments: &'a Arguments, default: &'a str) -> Result<&'a str, CliError> {
+    match &arguments.inputs[..] {
+        [] => Ok(default),
+        [one] => Ok(one),
+        more => Err(CliError::Usage(format!("INPUT: found {}; allowed one with this study", more.len()))),
+    }
+}
+
+/// A pack as it is, or what a source becomes at 4:1 and 8 bits.
+fn pack(input: &str) -> Result<WaveletPack, CliError> {
+    if input.to_ascii_lowercase().ends_with(".ktx2") {
+        return crate::cli::render::read_pack(Path::new(input));
+    }
+    let recipe = Recipe { off_grid_pairs: 1, ..Recipe::default() };
+    let opened = open(input, None)?;
+    Ok(encode(opened.source.as_ref(), grid(&recipe), &recipe, &mut ())?.pack)
+}
+
+fn write_frames(folder: &Path, animation: &Animation) -> Result<(), CliError> {
+    for (name, frames) in
+        [("finest", &animation.finest), ("by-distance", &animation.by_distance), ("smooth", &animation.smooth)]
+    {
+        for (number, frame) in frames.iter().enumerate() {
+            let path = folder.join(format!("{name}-{}.png", number + 1));
+            write_file(&path, &to_png(frame, animation.exposure))?;
+        }
+    }
+    Ok(())
+}
+
+pub(super) fn text(result: &StudyResult) -> String {
+    match result {
+        StudyResult::Throughput(result) => throughput_text(result),
+        StudyResult::LevelOfDetail(result) => level_of_detail_text(result),
+        StudyResult::Images { rows } => images_text(rows),
+        StudyResult::WaveletBrdf { .. } => String::new(),
+    }
+}
+
+fn adapter(description: &AdapterDescription) -> String {
+    let kind = if description.software { ", a software driver" } else { "" };
+    format!("{}, {}{kind}", description.name, description.driver)
+}
+
+fn throughput_text(result: &Throughput) -> String {
+    let all = format!("CPU, {} threads", result.threads);
+    let header = ["filter", "level", "fetches", "shader", "shader, exact", "CPU, 1 thread", &all];
+    let mega = |rate: f64| format!("{:.2}", rate / 1e6);
+    let rows: Vec<Vec<String>> = result
+        .rows
+        .iter()
+        .map(|row| {
+            let mut cells = vec![row.filter.clone(), row.level.to_string(), row.fetches.to_string()];
+            cells.extend([row.shader, row.shader_exact, row.cpu_one, row.cpu_all].map(mega));
+            cells
+        })
+        .collect();
+    let shaders = adapter(&result.adapter);
+    plain(&header, &rows)
+        + &format!(
+            "\nMillions of evaluations per second, {0} x {0} cells per hemisphere. Shaders: {shaders}.\n\
+             A fetch of the sampler filters four texels; exact weights and the CPU fetch each of them.\n",
+            result.grid
+        )
+}
+
+fn level_of_detail_text(result: &LevelOfDetail) -> String {
+    let header = ["level", "fetches", "nearest", "speed-up", "bilinear", "speed-up", "paper"];
+    let rows: Vec<Vec<String>> = result
+        .levels
+        .iter()
+        .map(|row| {
+            let time = |k: usize| [format!("{:.1} ms", 1e3 * row.seconds[k]), format!("{:.2}", row.speed_up[k])];
+            let mut cells = vec![row.level.to_string(), format!("{} or {}", row.fetches[0], row.fetches[1])];
+            cells.extend(time(0));
+            cells.extend(time(1));
+            cells.push(row.paper.map_or("-".to_owned(), |paper| format!("{paper:.1}")));
+            cells
+        })
+        .collect();
+    let [finest, by_distance, smooth] = result.luminance;
+    plain(&header, &rows)
+        + &format!(
+            "\nlevel by distance, bilinear: {:.1} ms, {:.2} times as fast as the finest\n\
+             flicker over six frames moving away: {:.3e} at the finest level, {:.3e} by distance\n\
+             mean luminance: {finest:.4} finest, {by_distance:.4} by distance, {smooth:.4} smooth (64 samples per pixel)\n\
+             \n{} triangles, {} x {} pixels of which {} show terrain. {}.\n\
+             Flicker is the variance over time of the difference in display luminance from the smooth frames.\n",
+            1e3 * result.seconds_by_distance,
+            result.levels[0].seconds[1] / result.seconds_by_distance,
+            result.flicker_finest,
+            result.flicker_by_distance,
+            result.triangles,
+            result.size[0],
+            result.size[1],
+            result.shaded,
+            adapter(&result.adapter),
+        )
+}
+
+fn images_text(rows: &[ImageRow]) -> String {
+    let header = ["material", "shader ΔE", "σ", "pack ΔE", "σ", "table ΔE", "σ", "ΔE2000", "PSNR", "verdict"];
+    let cells: Vec<Vec<String>> = rows
+        .iter()
+        .map(|row| {
+            let mut cells = vec![row.material.clone()];
+            cells.extend([row.shader, row.pack, row.table].concat().iter().map(|value| format!("{value:.3}")));
+            cells.push(format!("{:.3}", row.delta_e_2000));
+            cells.push(row.psnr.map_or("-".to_owned(), |psnr| format!("{psnr:.1} dB")));
+            let verdict = match (row.passes(), row.grid_is_the_limit()) {
+                (true, _) => "met",
+                (false, true) => "missed: the grid",
+                (false, false) => "missed",
+            };
+            cells.push(verdict.to_owned());
+            cells
+        })
+        .collect();
+    let drawn = rows.iter().find_map(|row| row.adapter.as_ref()).map_or(String::new(), adapter);
+    plain(&header, &cells)
+        + &format!(
+            "\nCloth, 512 x 512 pixels of 4 samples, 4:1, 8 bits; mean and standard deviation of ΔE of CIE L*a*b* over\n\
+             surfaces, against the source. The shader on {drawn}; pack and table on the CPU, the\n\
+             table whole and at 16 bits. Met: at most {PAPER_MEAN} and {PAPER_SIGMA}, the paper's velvet.\n"
+        )
+}

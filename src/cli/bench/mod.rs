@@ -1,0 +1,140 @@
+//! `brdfc bench`: studies that repeat the papers' tables.
+
+#[cfg(feature = "render")]
+mod drawn;
+
+use super::output::{print, print_json};
+use super::{CliError, Common};
+use crate::report::study::{StudyRow, wavelet_table_1};
+use crate::report::table::{percent, plain};
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Repeat a study of the papers, with the paper's own figures beside ours.
+///
+/// Timings of single stages are criterion benchmarks: 'cargo bench'.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  brdfc bench
+  brdfc bench --json > table-1.json
+  brdfc bench --study throughput
+  brdfc bench --study level-of-detail --out frames
+  brdfc bench --study images paint.brdf metal.bsdf synth:velvet")]
+pub struct Arguments {
+    /// Materials of the studies that draw (default: synth:velvet, and a glossy metal for level-of-detail).
+    #[arg(value_name = "INPUT")]
+    inputs: Vec<String>,
+    /// Which study.
+    #[arg(long, value_enum, default_value = "wavelet-brdf")]
+    study: Study,
+    /// Write the frames of level-of-detail into this folder.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Use the adapter whose name contains this (default: the fastest).
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+    /// Print JSON (schema: 'brdfc schema bench').
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Study {
+    /// Table 1 of Claustres et al. 2007: errors of Lewis, Ward and Poulin-Fournier at 4:1, 16:1 and 32:1.
+    WaveletBrdf,
+    /// Section 6.3: evaluations per second, shader and CPU decoder.
+    Throughput,
+    /// Section 6.3, figure 10: a terrain with and without levels of detail, time per level, flicker.
+    LevelOfDetail,
+    /// Section 6.3, figure 9: colour differences on a cloth, shader against source, 4:1 and 8 bits.
+    Images,
+}
+
+/// What `--json` prints.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub struct Report {
+    /// Layout of this report.
+    version: u32,
+    /// The study's figures.
+    #[serde(flatten)]
+    result: StudyResult,
+}
+
+/// Figures of a study.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+#[serde(tag = "study", rename_all = "kebab-case")]
+pub enum StudyResult {
+    /// Table 1.
+    WaveletBrdf {
+        /// Rows of the table.
+        rows: Vec<StudyRow>,
+    },
+    /// Evaluations per second.
+    #[cfg(feature = "render")]
+    Throughput(crate::report::study::throughput::Throughput),
+    /// The terrain.
+    #[cfg(feature = "render")]
+    LevelOfDetail(crate::report::study::level_of_detail::LevelOfDetail),
+    /// Colour differences on the cloth.
+    #[cfg(feature = "render")]
+    Images {
+        /// One for each material.
+        rows: Vec<crate::report::study::images::ImageRow>,
+    },
+}
+
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
+    if arguments.study == Study::WaveletBrdf && !arguments.inputs.is_empty() {
+        return Err(CliError::Usage(
+            "INPUT: found with --study wavelet-brdf; allowed with the studies that draw".into(),
+        ));
+    }
+    if arguments.study != Study::LevelOfDetail && arguments.out.is_some() {
+        return Err(CliError::Usage("--out: found with another study; allowed with --study level-of-detail".into()));
+    }
+    let result = match arguments.study {
+        Study::WaveletBrdf => {
+            let _ = common;
+            let rows = wavelet_table_1().map_err(|error| CliError::Internal(error.to_string()))?;
+            StudyResult::WaveletBrdf { rows }
+        }
+        #[cfg(feature = "render")]
+        _ => drawn::run(arguments, common)?,
+        #[cfg(not(feature = "render"))]
+        _ => return Err(CliError::without_renderer()),
+    };
+    if arguments.json {
+        return print_json(&Report { version: 1, result });
+    }
+    match &result {
+        StudyResult::WaveletBrdf { rows } => print(&table_1(rows)),
+        #[cfg(feature = "render")]
+        drawn => print(&drawn::text(drawn)),
+    }
+}
+
+fn table_1(rows: &[StudyRow]) -> String {
+    let header = ["model", "r_c", "slices", "mean", "ε", "ε_r", "ε_r, 8 bits", "paper mean", "paper ε", "paper ε_r"];
+    let cells: Vec<Vec<String>> = rows
+        .iter()
+        .map(|row| {
+            vec![
+                row.model.clone(),
+                format!("{}:1", row.ratio),
+                row.slices.to_string(),
+                format!("{:.6}", row.mean),
+                format!("{:.4e}", row.rms),
+                percent(row.relative),
+                percent(row.relative_8_bit),
+                row.paper_mean.to_string(),
+                row.paper_rms.to_string(),
+                percent(row.paper_relative),
+            ]
+        })
+        .collect();
+    plain(&header, &cells)
+        + "\n32 x 32 x 32 x 32 tangent-pole table, one channel, bias 0.01; ε and ε_r at 16 bits unless said otherwise.\n\
+           The paper does not print its parameters: its figures show the magnitude to expect, not the same materials.\n"
+}

@@ -1,0 +1,218 @@
+//! `brdfc render`: packs drawn by the shaders that engines use, and how wrong they look.
+
+mod materials;
+mod outputs;
+mod scene;
+
+use super::options::EncodeOptions;
+use super::output::{print, print_json, remark};
+use super::{CliError, Common};
+use crate::render::gpu::{AdapterChoice, Decoding, Gpu, SliceFilter};
+use crate::render::scenes::Builtin;
+use crate::render::verify::{Material, views};
+use crate::report::render::{PartMaterial, Verification};
+use crate::report::table;
+use crate::source::Source;
+use brdfc_formats::pack::{DEFAULT_DISTANCE_SCALE, Filter};
+use clap::{Args, ValueEnum};
+use materials::Prepared;
+pub(super) use materials::read_pack;
+use serde::Serialize;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Draw packs with the shaders that engines use, and say how wrong they look.
+///
+/// The scene is drawn by the graphics driver, a software driver if there is no other, without a display, and once more
+/// on the CPU: from the packs, and from their sources where those are at hand. Differences are colour differences ΔE of
+/// CIE L*a*b* per pixel that shows a surface; about 1 is just visible. Light comes from points and throws no shadows.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  brdfc render scene.toml -o scene.png
+  brdfc render red.ktx2 -o red.png --scene cloth
+  brdfc render red.ktx2 --source red-plastic.binary -o red.exr
+  brdfc render red-plastic.binary --ratio 16 --sheet red.png          encodes it first
+  brdfc render paint.brdf --scene cloth --max-delta-e 1.3 --json      exit code 1 when missed
+
+A manifest says what is shown in its [render] table, see docs/scene.md. Without a Vulkan driver the exit code is 5.")]
+pub struct Arguments {
+    /// A scene manifest, a pack, or anything that can be encoded: a path or synth:MODEL?param=value&...
+    #[arg(value_name = "SCENE.toml|INPUT")]
+    input: String,
+    /// The shader's image: .png (sRGB) or .exr (linear).
+    #[arg(long, short, value_name = "IMAGE")]
+    output: Option<PathBuf>,
+    /// The CPU's image, from the sources or else from the packs: .png or .exr.
+    #[arg(long, value_name = "IMAGE")]
+    reference: Option<PathBuf>,
+    /// ΔE per pixel of the shader's image against the reference, dark 0 to light yellow 10: .png.
+    #[arg(long, value_name = "IMAGE.png")]
+    difference: Option<PathBuf>,
+    /// The shader's image, the reference and their difference side by side: .png.
+    #[arg(long, value_name = "IMAGE.png")]
+    sheet: Option<PathBuf>,
+    /// Which scene (default: the manifest's, or sphere).
+    #[arg(long, value_enum, value_name = "SCENE")]
+    scene: Option<SceneName>,
+    /// Pixels, such as 800x600 (default 512x512).
+    #[arg(long, value_name = "WxH")]
+    size: Option<String>,
+    /// Samples per pixel and axis: 2 is 4 per pixel (default 2).
+    #[arg(long, value_name = "N")]
+    samples: Option<usize>,
+    /// Factor from radiance to the display's range (default: the brightest 1 % of the surfaces clip).
+    #[arg(long, value_name = "X")]
+    exposure: Option<f64>,
+    /// How values between cells are found.
+    #[arg(long, value_enum, default_value = "bilinear")]
+    filter: FilterName,
+    /// Filter slices in the shader with exact weights instead of the sampler.
+    #[arg(long)]
+    exact: bool,
+    /// A level of detail for all pixels (default: it follows the distance).
+    #[arg(long, value_name = "L")]
+    lod: Option<f32>,
+    /// What a pack was made from, to compare with.
+    #[arg(long, value_name = "INPUT")]
+    source: Option<String>,
+    /// Take the packs of a manifest from this folder, where 'brdfc build' put them, instead of encoding.
+    #[arg(long, value_name = "DIR")]
+    packs: Option<PathBuf>,
+    /// Compare whole tables too, all slices at 16 bits: what the grid alone loses.
+    #[arg(long)]
+    table: bool,
+    /// Fail with exit code 1 if the mean ΔE is above X: against the sources, or the CPU's decoder without them.
+    #[arg(long, value_name = "X")]
+    max_delta_e: Option<f64>,
+    /// Use the adapter whose name contains this (default: the fastest).
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+    #[command(flatten)]
+    options: EncodeOptions,
+    /// Print JSON (schema: 'brdfc schema render').
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum SceneName {
+    /// A ball.
+    Sphere,
+    /// A draped cloth: its tangents follow the weave.
+    Cloth,
+    /// A still life of four materials, one bumped, one mirroring its environment.
+    Table,
+    /// A landscape at a grazing angle, for levels of detail.
+    Terrain,
+}
+
+impl From<SceneName> for Builtin {
+    fn from(name: SceneName) -> Self {
+        match name {
+            SceneName::Sphere => Self::Sphere,
+            SceneName::Cloth => Self::Cloth,
+            SceneName::Table => Self::Table,
+            SceneName::Terrain => Self::Terrain,
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum FilterName {
+    /// The nearest cell.
+    Nearest,
+    /// Bilinear in slices, one reconstruction.
+    Slices,
+    /// Bilinear, four reconstructions.
+    Bilinear,
+}
+
+impl From<FilterName> for Filter {
+    fn from(name: FilterName) -> Self {
+        match name {
+            FilterName::Nearest => Self::Nearest,
+            FilterName::Slices => Self::Slices,
+            FilterName::Bilinear => Self::Bilinear,
+        }
+    }
+}
+
+/// What `--json` prints.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub struct Report {
+    /// Layout of this report.
+    version: u32,
+    /// What was drawn and measured.
+    #[serde(flatten)]
+    verification: Verification,
+    /// Seconds from the start to the last image, encoding included.
+    seconds: f64,
+}
+
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
+    let started = Instant::now();
+    outputs::check(arguments)?;
+    if let Some(limit) = arguments.max_delta_e
+        && !(limit >= 0.0 && limit.is_finite())
+    {
+        return Err(CliError::Usage(format!("--max-delta-e: found {limit}; allowed a number, 0 or more")));
+    }
+    if let Some(level) = arguments.lod
+        && !(0.0..=6.0).contains(&level)
+    {
+        return Err(CliError::Usage(format!("--lod: found {level}; allowed 0 to 6")));
+    }
+    let subject = materials::subject(arguments)?;
+    let setup = scene::setup(arguments, &subject)?;
+    // Before the work: without an adapter there is nothing to wait for.
+    let choice = arguments.adapter.clone().map_or(AdapterChoice::Best, AdapterChoice::Named);
+    let gpu = Gpu::open(&choice)?;
+    let prepared = materials::prepare(arguments, &subject, &setup.names, common)?;
+
+    let of_part = |name: &String| prepared.iter().find(|p| p.name == *name).expect("every name was prepared");
+    let parts: Vec<&Prepared> = setup.names.iter().map(of_part).collect();
+    let materials: Vec<Material<'_>> = parts
+        .iter()
+        .map(|part| Material {
+            pack: &part.pack,
+            source: part.source.as_deref().map(|source| source as &dyn Source),
+            table: part.table.as_ref(),
+        })
+        .collect();
+    let decoding = Decoding {
+        filter: arguments.filter.into(),
+        slices: if arguments.exact { SliceFilter::Exact } else { SliceFilter::Hardware },
+        level: arguments.lod,
+        distance_scale: subject.distance_scale().unwrap_or(DEFAULT_DISTANCE_SCALE),
+    };
+    let views = views(&gpu, &setup.scene, setup.frame, &materials, decoding)?;
+    let listed = setup.scene.parts.iter().zip(&parts).map(|(part, material)| PartMaterial {
+        part: part.name.to_owned(),
+        material: material.name.clone(),
+        bytes_on_gpu: material.pack.gpu_bytes(),
+    });
+    let verification = Verification::new(
+        setup.builtin.name(),
+        setup.frame,
+        &views,
+        setup.exposure,
+        gpu.description(),
+        listed.collect(),
+    );
+    outputs::write(arguments, &views, verification.exposure)?;
+    let seconds = started.elapsed().as_secs_f64();
+    let mean = verification.checked().delta_e.mean;
+    let text = if arguments.json { None } else { Some(outputs::text(&verification)) };
+    match text {
+        Some(text) => print(&text)?,
+        None => print_json(&Report { version: 1, verification, seconds })?,
+    }
+    remark(common, &format!("{seconds:.1} s"));
+    match arguments.max_delta_e {
+        Some(limit) if !(mean <= limit) => {
+            Err(CliError::Check(format!("mean ΔE: found {}; allowed {limit}", table::significant(mean))))
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,150 @@
+//! Flags and manifest to a scene: the command line wins over the manifest, the manifest over the scene's own defaults.
+
+use super::Arguments;
+use super::materials::Subject;
+use crate::build::manifest::{ManifestError, line_of, near_miss};
+use crate::build::render_section::{MAX_SAMPLES, MAX_SIDE, RenderSection};
+use crate::cli::CliError;
+use crate::render::picture::from_exr;
+use crate::render::scene::{Environment, Frame, PointLight, Scene};
+use crate::render::scenes::Builtin;
+use crate::source::open::InputError;
+use std::path::Path;
+use toml::Spanned;
+
+/// Pixels per side where nothing is said.
+const DEFAULT_SIDE: usize = 512;
+/// Samples per pixel and axis where nothing is said.
+const DEFAULT_SAMPLES: usize = 2;
+
+/// What is drawn.
+pub(super) struct Setup {
+    pub(super) builtin: Builtin,
+    pub(super) scene: Scene,
+    pub(super) frame: Frame,
+    pub(super) exposure: Option<f64>,
+    /// Name of each part's material.
+    pub(super) names: Vec<String>,
+}
+
+/// Decides everything but the materials' values.
+pub(super) fn setup(arguments: &Arguments, subject: &Subject) -> Result<Setup, CliError> {
+    let absent = RenderSection::default();
+    let section = subject.manifest().map_or(&absent, |manifest| &manifest.render);
+    let builtin = builtin(arguments, subject, section)?;
+    let mut scene = builtin.scene();
+    let camera = &section.camera;
+    scene.camera.eye = camera.eye.unwrap_or(scene.camera.eye);
+    scene.camera.target = camera.target.unwrap_or(scene.camera.target);
+    scene.camera.up = camera.up.unwrap_or(scene.camera.up);
+    scene.camera.field_of_view = camera.field_of_view.unwrap_or(scene.camera.field_of_view);
+    if !scene.camera.is_valid() {
+        let camera = scene.camera;
+        return Err(CliError::Input(format!(
+            "{}: render.camera: found eye {:?}, target {:?}, up {:?}; allowed three that span a view",
+            arguments.input, camera.eye, camera.target, camera.up
+        )));
+    }
+    if let Some(lights) = &section.lights {
+        let light = |l: &crate::build::render_section::LightSection| PointLight {
+            position: l.position,
+            intensity: l.intensity.colour(),
+        };
+        scene.lights = lights.iter().map(light).collect();
+    }
+    if let (Some(file), Subject::Scene { path, .. }) = (&section.environment, subject) {
+        scene.environment = environment(&path.parent().unwrap_or(Path::new("")).join(file))?;
+    }
+    let (width, height) = match &arguments.size {
+        Some(text) => size(text)?,
+        None => (section.width.unwrap_or(DEFAULT_SIDE), section.height.unwrap_or(DEFAULT_SIDE)),
+    };
+    let samples = arguments.samples.or(section.samples).unwrap_or(DEFAULT_SAMPLES);
+    if !(1..=MAX_SAMPLES).contains(&samples) {
+        return Err(CliError::Usage(format!("--samples: found {samples}; allowed 1 to {MAX_SAMPLES}")));
+    }
+    if let Some(exposure) = arguments.exposure
+        && !(exposure > 0.0 && exposure.is_finite())
+    {
+        return Err(CliError::Usage(format!("--exposure: found {exposure}; allowed a positive number")));
+    }
+    let exposure = arguments.exposure.or(section.exposure);
+    let names = names(arguments, subject, builtin)?;
+    Ok(Setup { builtin, scene, frame: Frame { width, height, samples }, exposure, names })
+}
+
+fn size(text: &str) -> Result<(usize, usize), CliError> {
+    let side = |part: &str| part.parse::<usize>().ok().filter(|side| (1..=MAX_SIDE).contains(side));
+    text.split_once(['x', 'X'])
+        .and_then(|(width, height)| Some((side(width)?, side(height)?)))
+        .ok_or_else(|| CliError::Usage(format!("--size: found {text}; allowed WIDTHxHEIGHT, each 1 to {MAX_SIDE}")))
+}
+
+fn builtin(arguments: &Arguments, subject: &Subject, section: &RenderSection) -> Result<Builtin, CliError> {
+    if let Some(name) = arguments.scene {
+        return Ok(name.into());
+    }
+    let Some(name) = &section.scene else { return Ok(Builtin::Sphere) };
+    let known = Builtin::NAMES.map(|(name, _)| name);
+    Builtin::NAMES
+        .into_iter()
+        .find(|(text, _)| text == name.get_ref())
+        .map(|(_, builtin)| builtin)
+        .ok_or_else(|| at(subject, name, "render.scene", &known))
+}
+
+/// The material of each part: as the manifest says, or else its materials in turn.
+fn names(arguments: &Arguments, subject: &Subject, builtin: Builtin) -> Result<Vec<String>, CliError> {
+    let Subject::Scene { manifest, .. } = subject else {
+        return Ok(vec![arguments.input.clone(); builtin.parts().len()]);
+    };
+    let materials: Vec<&str> = manifest.materials.keys().map(String::as_str).collect();
+    if materials.is_empty() {
+        let text = format!("{}: materials: found none; allowed one or more", arguments.input);
+        return Err(CliError::Input(text));
+    }
+    let given = &manifest.render.materials;
+    for (part, material) in given {
+        // The manifest may name the parts of another scene than the one that --scene asks for.
+        let known: Vec<&str> = Builtin::NAMES.iter().flat_map(|(_, scene)| scene.parts()).copied().collect();
+        if !known.contains(&part.get_ref().as_str()) {
+            return Err(at(subject, part, "part in [render.materials]", builtin.parts()));
+        }
+        if !materials.contains(&material.get_ref().as_str()) {
+            return Err(at(subject, material, &format!("render.materials.{}", part.get_ref()), &materials));
+        }
+    }
+    // What the scene uses comes first; the rest is shown only where nothing else is left.
+    let used = |name: &&&str| manifest.uses.iter().any(|u| u.material.get_ref() == **name);
+    let mut turn: Vec<&str> = materials.iter().filter(used).copied().collect();
+    if turn.is_empty() {
+        turn = materials;
+    }
+    let mut next = turn.iter().cycle();
+    let of_part = |part: &&str| match given.iter().find(|(name, _)| name.get_ref() == part) {
+        Some((_, material)) => material.get_ref().clone(),
+        None => (*next.next().expect("there are materials")).to_owned(),
+    };
+    Ok(builtin.parts().iter().map(of_part).collect())
+}
+
+fn at(subject: &Subject, name: &Spanned<String>, field: &str, known: &[&str]) -> CliError {
+    let Subject::Scene { path, text, .. } = subject else {
+        return CliError::Internal("only manifests have spans".to_owned());
+    };
+    let error = ManifestError {
+        line: line_of(text, Some(name.span())),
+        field: field.to_owned(),
+        found: format!("\"{}\"", name.get_ref()),
+        allowed: known.join(", "),
+        suggestion: near_miss(name.get_ref(), known),
+    };
+    CliError::Input(format!("{}: {error}", path.display()))
+}
+
+fn environment(path: &Path) -> Result<Environment, CliError> {
+    let bytes = std::fs::read(path).map_err(|error| CliError::read(path, &error))?;
+    let image = from_exr(&bytes)
+        .map_err(|error| CliError::from(InputError::Format { name: path.display().to_string(), error }))?;
+    Ok(Environment { width: image.width, height: image.height, pixels: image.pixels })
+}

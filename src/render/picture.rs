@@ -1,0 +1,245 @@
+//! Images as bytes: PNG for eyes, EXR for numbers.
+
+use crate::metrics::image::LinearImage;
+use brdfc_formats::FormatError;
+use exr::prelude::{
+    Blocks, Compression, Encoding, Image, Layer, LayerAttributes, LineOrder, MetaData, ReadChannels, ReadLayers,
+    SpecificChannels, Vec2, WritableImage, read,
+};
+use std::io::Cursor;
+
+/// Most pixels per row and rows of an EXR that is read.
+const MAX_EXR: [usize; 2] = [8192, 4096];
+/// Columns between the panels of a sheet.
+const GAP: usize = 4;
+/// Grey of the gap, sRGB-encoded.
+const GAP_GREY: u8 = 128;
+
+/// 8-bit RGB, row by row from the top.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Panel {
+    /// Pixels per row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Three bytes per pixel, sRGB-encoded.
+    pub rgb: Vec<u8>,
+}
+
+/// What a display shows: `clamp(exposure * radiance, 0, 1)`, sRGB-encoded. What is no number is black.
+pub fn to_panel(image: &LinearImage, exposure: f64) -> Panel {
+    let encode = |c: &f32| srgb(f64::from(*c) * exposure);
+    Panel { width: image.width, height: image.height, rgb: image.pixels.iter().flatten().map(encode).collect() }
+}
+
+/// Linear value to 8 bits by the transfer function of IEC 61966-2-1, to the nearest.
+fn srgb(value: f64) -> u8 {
+    let value = if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) };
+    let encoded = if value <= 0.003_130_8 { 12.92 * value } else { 1.055 * value.powf(1.0 / 2.4) - 0.055 };
+    (255.0 * encoded).round() as u8
+}
+
+/// PNG of [`to_panel`], which says that it is sRGB and names the exposure in a text chunk.
+pub fn to_png(image: &LinearImage, exposure: f64) -> Vec<u8> {
+    encode_png(&to_panel(image, exposure), Some(("Exposure", exposure.to_string())))
+}
+
+/// PNG of a panel.
+pub fn rgb_png(panel: &Panel) -> Vec<u8> {
+    encode_png(panel, None)
+}
+
+fn encode_png(panel: &Panel, text: Option<(&str, String)>) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, panel.width as u32, panel.height as u32);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    if let Some((keyword, text)) = text {
+        encoder.add_text_chunk(keyword.to_owned(), text).expect("a plain keyword");
+    }
+    let mut writer = encoder.write_header().expect("memory takes all bytes");
+    writer.write_image_data(&panel.rgb).expect("as many bytes as pixels need");
+    writer.finish().expect("memory takes all bytes");
+    bytes
+}
+
+/// Linear RGB as 32-bit floats, losslessly compressed.
+pub fn to_exr(image: &LinearImage) -> Vec<u8> {
+    let pixel = |at: Vec2<usize>| {
+        let [r, g, b] = image.pixels[at.y() * image.width + at.x()];
+        (r, g, b)
+    };
+    let encoding =
+        Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
+    let layer =
+        Layer::new((image.width, image.height), LayerAttributes::default(), encoding, SpecificChannels::rgb(pixel));
+    let mut bytes = Cursor::new(Vec::new());
+    Image::from_layer(layer).write().non_parallel().to_buffered(&mut bytes).expect("memory takes all bytes");
+    bytes.into_inner()
+}
+
+/// RGB of the first layer of an EXR that has them, for environments.
+///
+/// # Errors
+/// What is no EXR with channels R, G and B; more than 8192 x 4096 pixels; values that are negative or no numbers.
+pub fn from_exr(bytes: &[u8]) -> Result<LinearImage, FormatError> {
+    let broken = |error: exr::error::Error| FormatError::whole("EXR", error.to_string(), "channels R, G and B");
+    // Sizes first: pixels are asked for only when they are small enough.
+    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(broken)?;
+    for header in &meta.headers {
+        let size = header.layer_size;
+        if size.x() > MAX_EXR[0] || size.y() > MAX_EXR[1] {
+            let found = format!("{} x {} pixels", size.x(), size.y());
+            return Err(FormatError::whole("EXR", found, format!("at most {} x {}", MAX_EXR[0], MAX_EXR[1])));
+        }
+    }
+    let image = read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .rgb_channels(
+            |size, _| LinearImage {
+                coverage: vec![1.0; size.x() * size.y()],
+                ..LinearImage::black(size.x(), size.y())
+            },
+            |image: &mut LinearImage, at, (r, g, b): (f32, f32, f32)| {
+                image.pixels[at.y() * image.width + at.x()] = [r, g, b];
+            },
+        )
+        .first_valid_layer()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(Cursor::new(bytes))
+        .map_err(broken)?
+        .layer_data
+        .channel_data
+        .pixels;
+    let wrong = image.pixels.iter().position(|pixel| pixel.iter().any(|c| !(c.is_finite() && *c >= 0.0)));
+    if let Some(pixel) = wrong {
+        let place = format!("pixel ({}, {})", pixel % image.width, pixel / image.width);
+        let found = format!("{:?} at {place}", image.pixels[pixel]);
+        return Err(FormatError::whole("EXR", found, "finite values of 0 or more"));
+    }
+    Ok(image)
+}
+
+/// Corners of the ramp of [`heat_map`], linear in sRGB-encoded values: dark, purple, orange, pale yellow.
+const RAMP: [[f64; 3]; 5] =
+    [[6.0, 6.0, 14.0], [74.0, 18.0, 110.0], [186.0, 50.0, 84.0], [247.0, 140.0, 28.0], [252.0, 250.0, 180.0]];
+
+/// Values as colours from dark (0) to pale yellow (`full_scale` and more).
+pub fn heat_map(values: &[f32], width: usize, height: usize, full_scale: f64) -> Panel {
+    Panel { width, height, rgb: values.iter().flat_map(|value| ramp(f64::from(*value) / full_scale)).collect() }
+}
+
+fn ramp(share: f64) -> [u8; 3] {
+    let position = share.clamp(0.0, 1.0) * (RAMP.len() - 1) as f64;
+    let lower = (position as usize).min(RAMP.len() - 2);
+    let t = position - lower as f64;
+    [0, 1, 2].map(|k| ((1.0 - t) * RAMP[lower][k] + t * RAMP[lower + 1][k]).round() as u8)
+}
+
+/// Panels of one height side by side, with a grey gap.
+///
+/// # Panics
+/// If heights differ.
+pub fn sheet(panels: &[Panel]) -> Panel {
+    let height = panels.first().map_or(0, |panel| panel.height);
+    assert!(panels.iter().all(|panel| panel.height == height), "panels of one height");
+    let width = panels.iter().map(|panel| panel.width).sum::<usize>() + GAP * panels.len().saturating_sub(1);
+    let mut rgb = Vec::with_capacity(3 * width * height);
+    for row in 0..height {
+        for (number, panel) in panels.iter().enumerate() {
+            if number > 0 {
+                rgb.extend([GAP_GREY; 3 * GAP]);
+            }
+            rgb.extend(&panel.rgb[3 * panel.width * row..3 * panel.width * (row + 1)]);
+        }
+    }
+    Panel { width, height, rgb }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn image() -> LinearImage {
+        let (width, height) = (23, 9);
+        let value = |i: usize, k: usize| ((i * 37 + k * 101) % 256) as f32 / 200.0;
+        let pixels: Vec<[f32; 3]> = (0..width * height).map(|i| [0, 1, 2].map(|k| value(i, k))).collect();
+        LinearImage { width, height, pixels, coverage: vec![1.0; width * height] }
+    }
+
+    #[test]
+    fn a_png_holds_srgb_values() {
+        let image = image();
+        let bytes = to_png(&image, 0.8);
+        assert_eq!(bytes, to_png(&image, 0.8));
+        let read = image::load_from_memory_with_format(&bytes, image::ImageFormat::Png).unwrap().into_rgb8();
+        assert_eq!((read.width(), read.height()), (23, 9));
+        for (pixel, linear) in read.pixels().zip(&image.pixels) {
+            for k in 0..3 {
+                // The inverse transfer function, within half a step.
+                let encoded = f64::from(pixel.0[k]) / 255.0;
+                let back = if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) };
+                let expected = (f64::from(linear[k]) * 0.8).clamp(0.0, 1.0);
+                assert!((back - expected).abs() < 0.0046, "{pixel:?} {linear:?}");
+            }
+        }
+        assert!(bytes.windows(8).any(|w| w == b"Exposure") && bytes.windows(4).any(|w| w == b"sRGB"));
+    }
+
+    #[test]
+    fn an_exr_holds_the_values_themselves() {
+        let image = image();
+        let bytes = to_exr(&image);
+        assert_eq!(bytes, to_exr(&image));
+        let read = from_exr(&bytes).unwrap();
+        assert_eq!(read.pixels, image.pixels);
+    }
+
+    #[test]
+    fn broken_exrs_are_errors() {
+        let bytes = to_exr(&image());
+        for length in 0..bytes.len() {
+            assert!(from_exr(&bytes[..length]).is_err(), "{length}");
+        }
+        let mut refused = 0;
+        for at in 0..bytes.len() {
+            for flip in [0x01, 0x80, 0xff] {
+                let mut changed = bytes.clone();
+                changed[at] ^= flip;
+                refused += usize::from(from_exr(&changed).is_err());
+            }
+        }
+        assert!(refused > 100, "{refused}");
+        let mut negative = image();
+        negative.pixels[30][1] = -0.5;
+        let error = from_exr(&to_exr(&negative)).unwrap_err().to_string();
+        assert!(error.contains("(7, 1)"), "{error}");
+        let wide = LinearImage::black(MAX_EXR[0] + 1, 1);
+        assert!(from_exr(&to_exr(&wide)).unwrap_err().to_string().contains("8193"));
+    }
+
+    #[test]
+    fn the_ramp_gets_lighter_and_lighter() {
+        use palette::{IntoColor, Lab, Srgb};
+        let lightness = |i: i32| {
+            let [r, g, b] = ramp(f64::from(i) / 100.0).map(|c| f64::from(c) / 255.0);
+            let lab: Lab<palette::white_point::D65, f64> = Srgb::new(r, g, b).into_linear().into_color();
+            lab.l
+        };
+        assert!((1..=100).all(|i| lightness(i) >= lightness(i - 1) - 1e-9));
+        assert!(lightness(100) - lightness(0) > 85.0);
+        assert_eq!(ramp(7.0), ramp(1.0));
+    }
+
+    #[test]
+    fn panels_stand_side_by_side() {
+        let panel = |value: u8, width: usize| Panel { width, height: 2, rgb: vec![value; 6 * width] };
+        let sheet = sheet(&[panel(1, 3), panel(2, 5)]);
+        assert_eq!((sheet.width, sheet.height, sheet.rgb.len()), (12, 2, 72));
+        let row: Vec<u8> = sheet.rgb[36..].iter().step_by(3).copied().collect();
+        assert_eq!(row, [1, 1, 1, 128, 128, 128, 128, 2, 2, 2, 2, 2]);
+    }
+}
