@@ -8,7 +8,7 @@ use brdfc_formats::direction::{DirectionPair, Vector, cell_centre, from_polar};
 use checks::{albedo, isotropy, largest_albedo, mirror, reciprocity, value};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-const ADDRESSES: [&str; 13] = [
+const ADDRESSES: [&str; 15] = [
     "synth:lambert",
     "synth:lambert?kd=0.8,0.5,0.1",
     "synth:lewis",
@@ -22,6 +22,8 @@ const ADDRESSES: [&str; 13] = [
     "synth:ggx",
     "synth:ggx?kd=0&f0=0.9,0.6,0.2&alpha=0.05",
     "synth:ggx?alpha_x=0.1&alpha_y=0.6",
+    "synth:velvet",
+    "synth:velvet?kd=0.1,0.02,0.03&sx=0.4&sy=0.4",
 ];
 
 fn source(address: &str) -> Box<dyn Source> {

@@ -6,6 +6,7 @@ use super::quantise::quantise;
 use super::resample::resample;
 use super::smooth::smooth;
 use super::table::{Grid, Table};
+use super::visible::visible_energies;
 use super::{haar, threshold};
 use crate::metrics::compare::{Comparison, compare};
 use crate::metrics::sampling::random_pairs;
@@ -26,6 +27,22 @@ pub enum Target {
     MaxBytes(u64),
 }
 
+/// Which slices are the strongest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Ranking {
+    /// By energy, all cells alike (section 4.3): smallest error of the table.
+    #[default]
+    Energy,
+    /// By energy weighted with what is seen, see [`super::visible`]: smallest error of pictures.
+    Visible,
+}
+
+impl Ranking {
+    /// The names that scripts use.
+    pub const NAMES: [(&'static str, Self); 2] = [("energy", Self::Energy), ("visible", Self::Visible)];
+}
+
 /// Everything that decides the bytes of a pack, besides the source.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Recipe {
@@ -43,6 +60,8 @@ pub struct Recipe {
     pub smooth: bool,
     /// How many slices are kept.
     pub target: Target,
+    /// Which slices are kept.
+    pub ranking: Ranking,
     /// Direction pairs for the error off the grid.
     pub off_grid_pairs: usize,
     /// Whether texels are compressed in the file.
@@ -60,6 +79,7 @@ impl Default for Recipe {
             bias: super::log_encode::DEFAULT_BIAS,
             smooth: false,
             target: Target::Ratio(4.0),
+            ranking: Ranking::Energy,
             off_grid_pairs: 8192,
             supercompress: true,
         }
@@ -175,7 +195,11 @@ pub fn encode(
     drop(logarithms);
 
     start("threshold")?;
-    let ranking = threshold::ranking(&threshold::slice_energies(&coefficients), recipe.stored_levels);
+    let energies = match recipe.ranking {
+        Ranking::Energy => threshold::slice_energies(&coefficients),
+        Ranking::Visible => visible_energies(&coefficients, &reference, encoding),
+    };
+    let ranking = threshold::ranking(&energies, recipe.stored_levels);
     let header = Header {
         parameterisation: grid.parameterisation,
         levels: grid.levels,

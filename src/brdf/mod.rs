@@ -12,3 +12,4 @@ pub mod resample;
 pub mod smooth;
 pub mod table;
 pub mod threshold;
+pub mod visible;

@@ -1,7 +1,7 @@
 //! The scene manifest, `scene.toml`: materials, and the uses a scene makes of them.
 
 use super::render_section::{CAMERA_KEYS, LIGHT_KEYS, RENDER_KEYS, RenderSection};
-use crate::brdf::encode::{Recipe, Target};
+use crate::brdf::encode::{Ranking, Recipe, Target};
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::pack::wavelet::MAX_LEVELS;
 use serde::Deserialize;
@@ -70,6 +70,8 @@ pub struct Options {
     pub smooth: Option<bool>,
     /// `ε` of the log encoding.
     pub bias: Option<f64>,
+    /// Which slices are kept, by name.
+    pub ranking: Option<String>,
 }
 
 /// One object that shows a material.
@@ -101,9 +103,10 @@ pub struct ManifestError {
 }
 
 const SCENE_KEYS: &[&str] = &["name", "distance_scale"];
-const OPTION_KEYS: &[&str] = &["grid", "bits", "parameterisation", "ratio", "max_error", "max_bytes", "smooth", "bias"];
+const OPTION_KEYS: &[&str] =
+    &["grid", "bits", "parameterisation", "ratio", "max_error", "max_bytes", "smooth", "bias", "ranking"];
 const MATERIAL_KEYS: &[&str] =
-    &["source", "grid", "bits", "parameterisation", "ratio", "max_error", "max_bytes", "smooth", "bias"];
+    &["source", "grid", "bits", "parameterisation", "ratio", "max_error", "max_bytes", "smooth", "bias", "ranking"];
 const USE_KEYS: &[&str] = &["object", "material", "nearest"];
 const TOP_KEYS: &[&str] = &["scene", "defaults", "materials", "uses", "render"];
 
@@ -265,6 +268,17 @@ impl Options {
                 return Err(problem("bias", bias.to_string(), "1e-6 to 1"));
             }
             recipe.bias = bias;
+        }
+        if let Some(name) = self.ranking.as_ref().or(defaults.ranking.as_ref()) {
+            let known = Ranking::NAMES.into_iter().find(|(text, _)| text == name);
+            let Some((_, ranking)) = known else {
+                return Err(problem(
+                    "ranking",
+                    format!("\"{name}\""),
+                    &Ranking::NAMES.map(|(name, _)| name).join(" or "),
+                ));
+            };
+            recipe.ranking = ranking;
         }
         if let Some(target) = self.target()?.or(defaults.target()?) {
             recipe.target = target;

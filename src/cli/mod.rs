@@ -6,6 +6,8 @@ mod compare;
 mod encode;
 mod error;
 mod eval;
+#[cfg(feature = "render")]
+mod graphics_environment;
 mod info;
 mod options;
 mod output;

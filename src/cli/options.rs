@@ -30,6 +30,10 @@ pub struct EncodeOptions {
     /// Lower it for mirror-like materials, whose mean is far above most values.
     #[arg(long, value_name = "E")]
     bias: Option<f64>,
+    /// Which slices are kept: energy (default: smallest error of the table) or visible (smallest error of pictures: what
+    /// grazing angles and darkness hide counts less).
+    #[arg(long, value_name = "BY")]
+    ranking: Option<String>,
     /// Smooth the table by moving least squares first: for noisy dense data. Scans are smoothed anyway.
     #[arg(long)]
     smooth: bool,
@@ -43,7 +47,12 @@ impl EncodeOptions {
     pub fn any(&self) -> bool {
         let numbers = self.ratio.is_some() || self.max_error.is_some() || self.bias.is_some();
         let sizes = self.max_bytes.is_some() || self.grid.is_some() || self.bits.is_some();
-        numbers || sizes || self.parameterisation.is_some() || self.smooth || self.no_supercompression
+        numbers
+            || sizes
+            || self.parameterisation.is_some()
+            || self.ranking.is_some()
+            || self.smooth
+            || self.no_supercompression
     }
 
     /// The recipe.
@@ -57,6 +66,7 @@ impl EncodeOptions {
             max_bytes: self.max_bytes,
             smooth: self.smooth.then_some(true),
             bias: self.bias,
+            ranking: self.ranking.clone(),
         };
         let recipe = options.resolve(&Options::default())?;
         Ok(Recipe { supercompress: !self.no_supercompression, ..recipe })

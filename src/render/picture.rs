@@ -26,10 +26,15 @@ pub struct Panel {
     pub rgb: Vec<u8>,
 }
 
-/// What a display shows: `clamp(exposure * radiance, 0, 1)`, sRGB-encoded. What is no number is black.
+/// What a display shows: `clamp(exposure * radiance, 0, 1)` over the background, sRGB-encoded. What is no number is black.
 pub fn to_panel(image: &LinearImage, exposure: f64) -> Panel {
-    let encode = |c: &f32| srgb(f64::from(*c) * exposure);
-    Panel { width: image.width, height: image.height, rgb: image.pixels.iter().flatten().map(encode).collect() }
+    let behind = |k: usize, coverage: f32| f64::from(image.background[k] * (1.0 - coverage));
+    let encode = |(pixel, coverage): (&[f32; 3], &f32)| {
+        let shown = |k: usize| (f64::from(pixel[k]) * exposure).min(1.0) + behind(k, *coverage);
+        [0, 1, 2].map(|k| srgb(shown(k)))
+    };
+    let rgb = image.pixels.iter().zip(&image.coverage).flat_map(encode).collect();
+    Panel { width: image.width, height: image.height, rgb }
 }
 
 /// Linear value to 8 bits by the transfer function of IEC 61966-2-1, to the nearest.
@@ -167,7 +172,7 @@ mod tests {
         let (width, height) = (23, 9);
         let value = |i: usize, k: usize| ((i * 37 + k * 101) % 256) as f32 / 200.0;
         let pixels: Vec<[f32; 3]> = (0..width * height).map(|i| [0, 1, 2].map(|k| value(i, k))).collect();
-        LinearImage { width, height, pixels, coverage: vec![1.0; width * height] }
+        LinearImage { width, height, pixels, coverage: vec![1.0; width * height], background: [0.0; 3] }
     }
 
     #[test]

@@ -101,7 +101,7 @@ pub struct Scene {
     pub lights: Vec<PointLight>,
     /// What mirrors show.
     pub environment: Environment,
-    /// Linear RGB where no surface is.
+    /// What a picture shows where no surface is: linear RGB of the display, 0 to 1, whatever the exposure.
     pub background: [f32; 3],
 }
 

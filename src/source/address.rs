@@ -220,9 +220,12 @@ mod tests {
     #[test]
     fn errors_name_the_part_and_what_is_allowed() {
         for (text, expected) in [
-            ("", "model: found ``; allowed lambert, lewis, ward, poulin, ggx"),
-            ("Lambrt", "model: found `Lambrt`; allowed lambert, lewis, ward, poulin, ggx; did you mean `lambert`?"),
-            ("phong", "model: found `phong`; allowed lambert, lewis, ward, poulin, ggx"),
+            ("", "model: found ``; allowed lambert, lewis, ward, poulin, ggx, velvet"),
+            (
+                "Lambrt",
+                "model: found `Lambrt`; allowed lambert, lewis, ward, poulin, ggx, velvet; did you mean `lambert`?",
+            ),
+            ("phong", "model: found `phong`; allowed lambert, lewis, ward, poulin, ggx, velvet"),
             ("lambert?", "parameter of lambert: found ``; allowed name=value"),
             ("lambert?kd=0.1&", "parameter of lambert: found ``; allowed name=value"),
             ("lambert?kd", "parameter of lambert: found `kd`; allowed name=value"),
@@ -266,7 +269,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn any_text_is_parsed_or_refused(text in "(lambert|lewis|ward|poulin|ggx|x)?\\??[a-z=&,.0-9_-]{0,30}") {
+        fn any_text_is_parsed_or_refused(text in "(lambert|lewis|ward|poulin|ggx|velvet|x)?\\??[a-z=&,.0-9_-]{0,30}") {
             if let Ok(model) = parse_model(&text) {
                 let address = canonical(model.as_ref());
                 let again = parse_model(&address[SYNTH_PREFIX.len()..]).unwrap();

@@ -18,7 +18,7 @@ fn every_command_has_help_with_an_example() {
             assert!(line.chars().count() <= 120, "{command}: {line}");
         }
     }
-    for model in ["lambert", "lewis", "ward", "poulin", "ggx"] {
+    for model in ["lambert", "lewis", "ward", "poulin", "ggx", "velvet"] {
         assert!(folder.run(&["synth", "--help"]).stdout.contains(&format!("\n{model} ")), "{model}");
     }
 }

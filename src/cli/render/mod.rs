@@ -6,7 +6,7 @@ mod scene;
 
 use super::options::EncodeOptions;
 use super::output::{print, print_json, remark};
-use super::{CliError, Common};
+use super::{CliError, Common, graphics_environment};
 use crate::render::gpu::{AdapterChoice, Decoding, Gpu, SliceFilter};
 use crate::render::scenes::Builtin;
 use crate::render::verify::{Material, views};
@@ -151,6 +151,7 @@ pub struct Report {
 }
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
+    graphics_environment::prepare();
     let started = Instant::now();
     outputs::check(arguments)?;
     if let Some(limit) = arguments.max_delta_e

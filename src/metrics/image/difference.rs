@@ -138,7 +138,13 @@ mod tests {
     use super::*;
 
     fn image(pixels: &[[f32; 3]]) -> LinearImage {
-        LinearImage { width: pixels.len(), height: 1, pixels: pixels.to_vec(), coverage: vec![1.0; pixels.len()] }
+        LinearImage {
+            width: pixels.len(),
+            height: 1,
+            pixels: pixels.to_vec(),
+            coverage: vec![1.0; pixels.len()],
+            background: [0.0; 3],
+        }
     }
 
     #[test]

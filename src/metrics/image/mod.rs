@@ -11,15 +11,18 @@ pub struct LinearImage {
     pub width: usize,
     /// Rows.
     pub height: usize,
-    /// Linear RGB (the primaries of sRGB), not negative, row by row from the top, left to right.
+    /// Linear RGB (the primaries of sRGB), not negative, 0 where nothing covers; row by row from the top, left to right.
     pub pixels: Vec<[f32; 3]>,
     /// Share of a pixel's samples that hit a surface, 0 to 1. Same order as `pixels`.
     pub coverage: Vec<f32>,
+    /// What a picture shows where nothing covers: linear RGB of the display, 0 to 1, whatever the exposure.
+    pub background: [f32; 3],
 }
 
 impl LinearImage {
     /// A black image that nothing covers.
     pub fn black(width: usize, height: usize) -> Self {
-        Self { width, height, pixels: vec![[0.0; 3]; width * height], coverage: vec![0.0; width * height] }
+        let (pixels, coverage) = (vec![[0.0; 3]; width * height], vec![0.0; width * height]);
+        Self { width, height, pixels, coverage, background: [0.0; 3] }
     }
 }

@@ -175,7 +175,6 @@ impl<'g> Renderer<'g> {
         let size = [target.colour.width() as f64, target.colour.height() as f64];
         let words = view_words(scene, camera, size, sample, samples);
         self.gpu.queue.write_buffer(&scene.view, 0, bytemuck::cast_slice(&words));
-        let [r, g, b] = scene.background.map(f64::from);
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
             label: None,
@@ -183,7 +182,7 @@ impl<'g> Renderer<'g> {
                 view: &target.colour_view,
                 depth_slice: None,
                 resolve_target: None,
-                ops: Operations { load: LoadOp::Clear(wgpu::Color { r, g, b, a: 0.0 }), store: StoreOp::Store },
+                ops: Operations { load: LoadOp::Clear(wgpu::Color::TRANSPARENT), store: StoreOp::Store },
             })],
             depth_stencil_attachment: Some(RenderPassDepthStencilAttachment {
                 view: &target.depth_view,
@@ -227,6 +226,7 @@ impl<'g> Renderer<'g> {
             width: frame.width,
             height: frame.height,
             pixels: sums.iter().map(mean).collect(),
+            background: scene.background,
             coverage: sums.iter().map(|sum| (sum[3] * share) as f32).collect(),
         })
     }

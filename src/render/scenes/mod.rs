@@ -1,6 +1,7 @@
 //! Built-in scenes: procedural, small, the same on every run.
 
 mod cloth;
+mod drape;
 mod grid_mesh;
 mod noise;
 mod sky;

@@ -36,6 +36,6 @@ pub(super) fn scene() -> Scene {
         // Radiance 1 of a white matte surface at distance d needs π d².
         lights: vec![PointLight { position: [-2.5, 3.0, 4.0], intensity: [PI * 24.0; 3] }],
         environment: sky::environment(),
-        background: [0.02; 3],
+        background: [0.1, 0.1, 0.11],
     }
 }

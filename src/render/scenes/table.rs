@@ -1,6 +1,6 @@
 //! A still life: table top, cloth, vase and ball.
 
-use super::cloth::drape;
+use super::drape::{Pedestal, drape};
 use super::grid_mesh::surface;
 use super::noise::value_noise;
 use super::sky;
@@ -11,6 +11,8 @@ use std::f64::consts::{PI, TAU};
 
 /// Texels per side of the table top's bump map.
 const GRAIN_SIZE: usize = 256;
+/// Height of what the cloth lies on.
+const HEIGHT: f64 = 0.5;
 /// Share of the mirrored environment in the ball.
 const MIRROR: f32 = 0.22;
 
@@ -19,7 +21,7 @@ pub(super) fn scene() -> Scene {
     Scene {
         parts: vec![
             part("top", top(), Surface { bump: Some(grain()), mirror: 0.0 }),
-            part("cloth", moved(drape(0.78, 0.4, 7.0, 60), [-0.78, 0.47, -0.25]), Surface::default()),
+            part("cloth", moved(cloth(), [-0.75, HEIGHT, -0.3]), Surface::default()),
             part("vase", vase(), Surface::default()),
             part("ball", ball(0.3, [0.1, 0.3, 0.62], 96, 48), Surface { bump: None, mirror: MIRROR }),
         ],
@@ -29,8 +31,14 @@ pub(super) fn scene() -> Scene {
             PointLight { position: [3.2, 2.0, 1.5], intensity: [0.8, 0.9, 1.0].map(|c| PI * 5.0 * c) },
         ],
         environment: sky::environment(),
-        background: [0.02; 3],
+        background: [0.1, 0.1, 0.11],
     }
+}
+
+/// A napkin over a box that is not seen; its corners lie on the table.
+fn cloth() -> Mesh {
+    let pedestal = Pedestal { radius: 0.36, edge: 0.08, floor: -HEIGHT + 0.005 };
+    drape(1.5, [0.02, 0.01], pedestal, 64)
 }
 
 /// A square top with uv along the grain.

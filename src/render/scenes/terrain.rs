@@ -4,6 +4,7 @@ use super::grid_mesh::surface;
 use super::noise::{fractal, value_noise};
 use super::sky;
 use crate::render::scene::{Camera, Part, PointLight, Scene, Surface};
+use std::f64::consts::PI;
 
 /// Quads per side: 45,000 triangles.
 const QUADS: usize = 150;
@@ -14,7 +15,7 @@ const EXTENT: f64 = 300.0;
 fn height(x: f64, z: f64) -> f64 {
     let hills = 16.0 * value_noise(x / 90.0 + 3.1, z / 90.0 + 8.7, 1, None);
     let ridges = 9.0 * fractal(x / 38.0, z / 38.0, 11, 3, 0.45, |n| 1.0 - 2.0 * n.abs());
-    let bumps = 1.5 * fractal(x / 7.0, z / 7.0, 29, 2, 0.55, |n| n);
+    let bumps = 1.7 * fractal(x / 8.0, z / 8.0, 29, 2, 0.6, |n| n);
     // A valley along the line of sight, where the camera stands.
     let valley = (x / 70.0).powi(2).min(1.0);
     (hills + ridges) * (0.35 + 0.65 * valley) + bumps
@@ -31,11 +32,12 @@ pub(super) fn scene() -> Scene {
         parts: vec![Part { name: "terrain", mesh, surface: Surface::default() }],
         camera: Camera { eye, target: [0.0, eye[1] - 22.0, 0.0], up: [0.0, 1.0, 0.0], field_of_view: 42.0 },
         // Low and opposite, so that glossy slopes glitter.
-        lights: vec![PointLight {
-            position: [-60.0, 130.0, -260.0],
-            intensity: [1.0, 0.92, 0.8].map(|c| std::f64::consts::PI * 9e4 * c),
-        }],
+        lights: vec![
+            PointLight { position: [-60.0, 130.0, -260.0], intensity: [1.0, 0.92, 0.8].map(|c| PI * 9e4 * c) },
+            // What lies in the shade is seen by the sky behind the viewer.
+            PointLight { position: [120.0, 260.0, 320.0], intensity: [0.7, 0.85, 1.0].map(|c| PI * 2.5e4 * c) },
+        ],
         environment: sky::environment(),
-        background: [0.17, 0.22, 0.3],
+        background: [0.42, 0.55, 0.72],
     }
 }

@@ -1,8 +1,9 @@
 //! How wrong packs look on the cloth, against the paper's velvet (section 6.3 of Claustres et al. 2007).
 
-use crate::brdf::encode::{EncodeError, Recipe, Target, encode};
+use crate::brdf::encode::{EncodeError, Ranking, Recipe, Target, encode};
 use crate::brdf::table::Grid;
-use crate::render::gpu::{AdapterDescription, Decoding, Gpu, GpuError, SliceFilter};
+use crate::metrics::image::{ImageDifference, compare_images};
+use crate::render::gpu::{AdapterDescription, Decoding, Gpu, GpuError, Renderer, SliceFilter};
 use crate::render::scene::Frame;
 use crate::render::scenes::Builtin;
 use crate::render::verify::{Material, views};
@@ -23,8 +24,10 @@ pub const PAPER_SIGMA: f64 = 2.29;
 pub struct ImageRow {
     /// The input.
     pub material: String,
-    /// Mean and standard deviation of ΔE, shader against source.
+    /// Mean and standard deviation of ΔE, shader against source; slices ranked by what is seen.
     pub shader: [f64; 2],
+    /// The same, slices ranked by energy.
+    pub shader_by_energy: [f64; 2],
     /// CPU from the pack against source: codec error.
     pub pack: [f64; 2],
     /// CPU from the whole table, unquantised, against source: what the grid alone loses.
@@ -69,11 +72,12 @@ pub enum StudyError {
 /// # Errors
 /// What the driver reports.
 pub fn on_the_cloth(gpu: &Gpu, material: &str, source: &dyn Source) -> Result<ImageRow, StudyError> {
-    let recipe = Recipe { off_grid_pairs: 1, ..Recipe::default() };
+    let by_energy = Recipe { off_grid_pairs: 1, ..Recipe::default() };
+    let recipe = Recipe { ranking: Ranking::Visible, ..by_energy.clone() };
     let whole = Recipe { target: Target::Ratio(1.0), bits: 16, ..recipe.clone() };
-    let grid = Grid { parameterisation: Parameterisation::TangentPole, levels: recipe.levels };
-    let pack = encode(source, grid, &recipe, &mut ())?.pack;
-    let table = encode(source, grid, &whole, &mut ())?.pack;
+    let grid_of_table = Grid { parameterisation: Parameterisation::TangentPole, levels: recipe.levels };
+    let pack = encode(source, grid_of_table, &recipe, &mut ())?.pack;
+    let table = encode(source, grid_of_table, &whole, &mut ())?.pack;
     let frame = Frame { width: 512, height: 512, samples: 2 };
     let decoding = Decoding {
         filter: Filter::Bilinear,
@@ -81,16 +85,22 @@ pub fn on_the_cloth(gpu: &Gpu, material: &str, source: &dyn Source) -> Result<Im
         level: None,
         distance_scale: DEFAULT_DISTANCE_SCALE,
     };
+    let scene = Builtin::Cloth.scene();
     let materials = [Material { pack: &pack, source: Some(source), table: Some(&table) }];
-    let views = views(gpu, &Builtin::Cloth.scene(), frame, &materials, decoding)?;
+    let views = views(gpu, &scene, frame, &materials, decoding)?;
     let v = Verification::new(Builtin::Cloth.name(), frame, &views, None, gpu.description(), Vec::new());
     let (Some(total), Some(codec), Some(grid)) = (&v.total, &v.codec, &v.grid) else {
         unreachable!("there is a source and a table");
     };
-    let both = |d: &crate::metrics::image::ImageDifference| [d.delta_e.mean, d.delta_e.standard_deviation];
+    let pack = encode(source, grid_of_table, &by_energy, &mut ())?.pack;
+    let renderer = Renderer::new(gpu)?;
+    let image = renderer.draw(&renderer.load(&scene, &[&pack], decoding)?, &scene.camera, frame)?;
+    let energy = compare_images(&image, views.reference(), v.exposure);
+    let both = |d: &ImageDifference| [d.delta_e.mean, d.delta_e.standard_deviation];
     Ok(ImageRow {
         material: material.to_owned(),
         shader: both(total),
+        shader_by_energy: both(&energy),
         pack: both(codec),
         table: both(grid),
         delta_e_2000: total.delta_e_2000.mean,

@@ -193,7 +193,7 @@ mod tests {
     use super::*;
 
     fn image(value: f32) -> LinearImage {
-        LinearImage { width: 1, height: 1, pixels: vec![[value; 3]], coverage: vec![1.0] }
+        LinearImage { width: 1, height: 1, pixels: vec![[value; 3]], coverage: vec![1.0], background: [0.0; 3] }
     }
 
     #[test]

@@ -9,12 +9,14 @@ mod lambert;
 mod lewis;
 mod poulin;
 mod quadrature;
+mod velvet;
 mod ward;
 
 pub use ggx::Ggx;
 pub use lambert::Lambert;
 pub use lewis::Lewis;
 pub use poulin::Poulin;
+pub use velvet::Velvet;
 pub use ward::Ward;
 
 use super::Source;
@@ -91,7 +93,8 @@ pub struct ModelInfo {
 }
 
 /// All models.
-pub const MODELS: [&ModelInfo; 5] = [&lambert::INFO, &lewis::INFO, &ward::INFO, &poulin::INFO, &ggx::INFO];
+pub const MODELS: [&ModelInfo; 6] =
+    [&lambert::INFO, &lewis::INFO, &ward::INFO, &poulin::INFO, &ggx::INFO, &velvet::INFO];
 
 const DIFFUSE: &str = "diffuse albedo";
 
