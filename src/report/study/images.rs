@@ -16,6 +16,8 @@ use serde::Serialize;
 
 /// Mean ΔE of the paper's velvet.
 pub const PAPER_MEAN: f64 = 1.3;
+/// Bias `ε` of the packs that are drawn: pictures show values far below the mean of the table, which grazing angles raise.
+const BIAS: f64 = 0.001;
 /// Standard deviation of the same.
 pub const PAPER_SIGMA: f64 = 2.29;
 
@@ -24,9 +26,9 @@ pub const PAPER_SIGMA: f64 = 2.29;
 pub struct ImageRow {
     /// The input.
     pub material: String,
-    /// Mean and standard deviation of ΔE, shader against source; slices ranked by what is seen.
+    /// Mean and standard deviation of ΔE, shader against source; slices ranked by what is seen, bias 0.001.
     pub shader: [f64; 2],
-    /// The same, slices ranked by energy.
+    /// The same of the default recipe: slices ranked by energy, bias 0.01.
     pub shader_by_energy: [f64; 2],
     /// CPU from the pack against source: codec error.
     pub pack: [f64; 2],
@@ -73,7 +75,7 @@ pub enum StudyError {
 /// What the driver reports.
 pub fn on_the_cloth(gpu: &Gpu, material: &str, source: &dyn Source) -> Result<ImageRow, StudyError> {
     let by_energy = Recipe { off_grid_pairs: 1, ..Recipe::default() };
-    let recipe = Recipe { ranking: Ranking::Visible, ..by_energy.clone() };
+    let recipe = Recipe { ranking: Ranking::Visible, bias: BIAS, ..by_energy.clone() };
     let whole = Recipe { target: Target::Ratio(1.0), bits: 16, ..recipe.clone() };
     let grid_of_table = Grid { parameterisation: Parameterisation::TangentPole, levels: recipe.levels };
     let pack = encode(source, grid_of_table, &recipe, &mut ())?.pack;
