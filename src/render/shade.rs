@@ -77,7 +77,8 @@ fn from_light(light: &PointLight, point: &SurfacePoint, material: &dyn Reflectan
     let to_light = subtract(light.position, point.position);
     let distance_squared = dot(to_light, to_light);
     let incoming = point.local(to_light.map(|c| c / distance_squared.sqrt()));
-    if !(incoming[2] > 0.0) {
+    // A light in the surface itself has no direction.
+    if incoming[2] <= 0.0 || incoming[2].is_nan() {
         return [0.0; 3];
     }
     let f_r = material.eval(DirectionPair::new(incoming, point.outgoing), point.distance);

@@ -203,17 +203,27 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     );
     outputs::write(arguments, &views, verification.exposure)?;
     let seconds = started.elapsed().as_secs_f64();
-    let mean = verification.checked().delta_e.mean;
-    let text = if arguments.json { None } else { Some(outputs::text(&verification)) };
-    match text {
-        Some(text) => print(&text)?,
-        None => print_json(&Report { version: 1, verification, seconds })?,
+    let checked = arguments.max_delta_e.map(|limit| check(&verification, limit));
+    if arguments.json {
+        print_json(&Report { version: 1, verification, seconds })?;
+    } else {
+        print(&outputs::text(&verification))?;
+        remark(common, &format!("{seconds:.1} s"));
     }
-    remark(common, &format!("{seconds:.1} s"));
-    match arguments.max_delta_e {
-        Some(limit) if !(mean <= limit) => {
-            Err(CliError::Check(format!("mean ΔE: found {}; allowed {limit}", table::significant(mean))))
-        }
-        _ => Ok(()),
-    }
+    checked.unwrap_or(Ok(()))
+}
+
+/// A check that rests on nothing fails too.
+fn check(verification: &Verification, limit: f64) -> Result<(), CliError> {
+    let difference = verification.checked();
+    let found = if difference.pixels == 0 {
+        "no pixel that shows a surface".to_owned()
+    } else if difference.invalid_pixels > 0 {
+        format!("{} pixels that hold no number", difference.invalid_pixels)
+    } else if difference.delta_e.mean > limit {
+        table::significant(difference.delta_e.mean)
+    } else {
+        return Ok(());
+    };
+    Err(CliError::Check(format!("mean ΔE: found {found}; allowed {limit}")))
 }

@@ -1,6 +1,7 @@
 //! A square cloth over a round pedestal, with hanging folds.
 
-use super::drape::{Pedestal, drape};
+use super::drape::Drape;
+use super::grid_mesh::through;
 use super::sky;
 use crate::render::scene::{Camera, Part, PointLight, Scene, Surface};
 use std::f64::consts::PI;
@@ -9,17 +10,15 @@ use std::f64::consts::PI;
 const QUADS: usize = 74;
 
 pub(super) fn scene() -> Scene {
-    let pedestal = Pedestal { radius: 0.78, edge: 0.14, floor: -1.25 };
+    // The floor is too far down to be reached.
+    let drape = Drape { side: 3.1, quads: QUADS, offset: [0.05, -0.04], radius: 0.8, rim: 0.14, floor: -9.0, seed: 7 };
     Scene {
-        parts: vec![Part {
-            name: "cloth",
-            mesh: drape(3.3, [0.04, -0.03], pedestal, QUADS),
-            surface: Surface::default(),
-        }],
-        camera: Camera { eye: [0.7, 1.75, 4.0], target: [0.0, -0.58, 0.0], up: [0.0, 1.0, 0.0], field_of_view: 35.0 },
+        parts: vec![Part { name: "cloth", mesh: through(&drape.fall(), QUADS), surface: Surface::default() }],
+        camera: Camera { eye: [0.9, 1.5, 4.6], target: [0.03, -0.64, 0.0], up: [0.0, 1.0, 0.0], field_of_view: 29.0 },
+        // From the side, across the folds.
         lights: vec![
-            PointLight { position: [-2.6, 3.2, 2.8], intensity: [PI * 20.0; 3] },
-            PointLight { position: [3.5, 1.2, 2.0], intensity: [PI * 6.0; 3] },
+            PointLight { position: [-3.6, 2.2, 2.4], intensity: [PI * 22.0; 3] },
+            PointLight { position: [2.6, 2.4, 3.4], intensity: [PI * 7.0; 3] },
         ],
         environment: sky::environment(),
         background: [0.1, 0.1, 0.11],

@@ -1,156 +1,168 @@
-//! Cloth that falls over a round pedestal, by position-based dynamics (Müller et al. 2007). Only sums, products,
-//! quotients and square roots are used, which every machine rounds alike.
+//! Cloth that falls over a round pedestal, by position-based dynamics (Müller et al. 2007) with small steps.
+//!
+//! Only + - * / and square roots: the same on every machine.
 
-use super::grid_mesh::surface;
-use crate::render::scene::Mesh;
+use super::noise::value_noise;
 use crate::render::vector::{add_scaled, subtract};
 use brdfc_formats::direction::{Vector, dot};
 
-/// Quads per side of the simulated net.
-const NET: usize = 40;
-/// Steps, until it hangs still.
-const STEPS: usize = 220;
-/// Passes over all distances per step.
-const PASSES: usize = 8;
-/// Fall of one step, in sides of a quad.
-const FALL: f64 = 0.006;
-/// Share of a step's movement that goes on in the next.
-const MOMENTUM: f64 = 0.97;
-/// How strongly bends are straightened, 0 to 1.
-const STIFFNESS: f64 = 0.12;
+/// Steps while the cloth has half as many quads per side; large motion is cheap there.
+const COARSE_STEPS: usize = 800;
+/// Steps with all quads: fine folds, and what the finer cloth has too much of its stretch.
+const FINE_STEPS: usize = 110;
+/// Seconds of a step.
+const STEP: f64 = 1.0 / 260.0;
+/// Fall in a second squared.
+const GRAVITY: f64 = 6.0;
+/// Share of the velocity that a step keeps.
+const KEPT: f64 = 0.992;
+/// Share of the sliding that friction takes from a point on the pedestal or the floor.
+const FRICTION: f64 = 0.35;
+/// How much narrower the pedestal gets per unit of depth below its rim: room for folds.
+const TAPER: f64 = 0.45;
+/// Passes that take the last small wrinkles out.
+const SMOOTHING: usize = 9;
+/// Share of the error in length that one step corrects: along the weave, across it, and over two quads (bending).
+const STIFFNESS: [f64; 3] = [1.0, 0.3, 0.35];
 
-/// What the cloth lies on.
+/// A square cloth and what it falls on. The top of the pedestal is at height 0.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Pedestal {
-    /// Radius of the upright cylinder, whose axis is the y axis and whose top is at height 0.
-    pub(super) radius: f64,
-    /// Radius of its rounded edge.
-    pub(super) edge: f64,
-    /// Height of the floor, below 0.
-    pub(super) floor: f64,
+pub(super) struct Drape {
+    /// Length of a side.
+    pub side: f64,
+    /// Quads per side, an even number.
+    pub quads: usize,
+    /// Middle of the cloth over the middle of the pedestal, `[x, z]`; off it, folds are less alike.
+    pub offset: [f64; 2],
+    /// Radius of the pedestal.
+    pub radius: f64,
+    /// Radius of its rounded rim.
+    pub rim: f64,
+    /// Height of a floor that the cloth does not pass.
+    pub floor: f64,
+    /// Of the noise that folds start from.
+    pub seed: u64,
 }
 
-impl Pedestal {
-    /// Moves a point that is inside to the surface, and says whether it was.
-    fn push_out(self, p: &mut Vector) -> bool {
-        let mut touched = false;
-        if p[1] < self.floor {
-            p[1] = self.floor;
-            touched = true;
+/// Two points that keep their distance.
+struct Link {
+    ends: [usize; 2],
+    length: f64,
+    stiffness: f64,
+}
+
+impl Drape {
+    /// Points of the fallen cloth, `quads + 1` rows of as many; columns run along +x, rows along -z.
+    pub(super) fn fall(&self) -> Vec<Vector> {
+        let coarse = self.quads / 2;
+        let mut points = self.flat(coarse);
+        self.relax(&mut points, coarse, COARSE_STEPS);
+        let mut points = refine(&points, coarse + 1);
+        self.relax(&mut points, 2 * coarse, FINE_STEPS);
+        for _ in 0..SMOOTHING {
+            points = smooth(&points, 2 * coarse + 1);
+            points.iter_mut().for_each(|point| {
+                self.push_out(point);
+            });
         }
-        let from_axis = (p[0] * p[0] + p[2] * p[2]).sqrt();
-        // Distance to the cylinder that is smaller by the radius of the edge all around.
-        let (out, up) = (from_axis - (self.radius - self.edge), p[1] + self.edge);
-        if out <= 0.0 {
-            if up < self.edge && up > -2.0 * self.edge {
-                p[1] = 0.0;
-                touched = true;
-            }
-        } else {
-            let above = up.max(0.0);
-            let distance = (out * out + above * above).sqrt();
-            if distance < self.edge && from_axis > 0.0 {
-                let scale = self.edge / distance;
-                let radius = self.radius - self.edge + out * scale;
-                (p[0], p[2]) = (p[0] * radius / from_axis, p[2] * radius / from_axis);
-                p[1] += above * (scale - 1.0);
-                touched = true;
-            }
-        }
-        touched
+        points
     }
-}
 
-/// A square of side `side`, its centre above `(offset, offset)`, dropped on the pedestal; `quads` per side of the mesh.
-pub(super) fn drape(side: f64, offset: [f64; 2], pedestal: Pedestal, quads: usize) -> Mesh {
-    let net = fall(side, offset, pedestal);
-    // A uniform cubic B-spline over the net: smooth to its second derivative.
-    surface(quads, quads, |u, v| spline(&net, u, v))
-}
+    /// The cloth before it falls: flat but for a little noise, without which it would balance and fold alike
+    /// everywhere.
+    fn flat(&self, quads: usize) -> Vec<Vector> {
+        let point = |index: usize| {
+            let at = |i: usize| i as f64 / quads as f64 - 0.5;
+            let (u, v) = (at(index % (quads + 1)), at(index / (quads + 1)));
+            let (x, z) = (self.offset[0] + self.side * u, self.offset[1] - self.side * v);
+            [x, 0.01 + 0.03 * (1.0 + value_noise(9.0 * u + 20.0, 9.0 * v + 20.0, self.seed, None)), z]
+        };
+        (0..(quads + 1) * (quads + 1)).map(point).collect()
+    }
 
-fn fall(side: f64, offset: [f64; 2], pedestal: Pedestal) -> Vec<Vector> {
-    let count = NET + 1;
-    let step = side / NET as f64;
-    let at = |index: usize| {
-        let (column, row) = ((index % count) as f64, (index / count) as f64);
-        // A slight wave, so that folds know where to begin.
-        let wave = 0.1 * step * ((7.0 * column / NET as f64 + 3.0 * row / NET as f64) % 1.0 - 0.5);
-        [step * column - 0.5 * side + offset[0], 0.02 * side + wave, 0.5 * side - step * row + offset[1]]
-    };
-    let mut points: Vec<Vector> = (0..count * count).map(at).collect();
-    let mut before = points.clone();
-    let links = links();
-    for _ in 0..STEPS {
-        for (p, last) in points.iter_mut().zip(&mut before) {
-            let moved = add_scaled(*p, MOMENTUM, subtract(*p, *last));
-            *last = *p;
-            *p = [moved[0], moved[1] - FALL * step, moved[2]];
-        }
-        for _ in 0..PASSES {
-            for link in &links {
-                let (a, b) = (points[link.a], points[link.b]);
-                let between = subtract(b, a);
-                let length = dot(between, between).sqrt();
-                // Bends are straightened a little; threads do not stretch.
-                let share = 0.5 * link.strength * (length - link.length * step) / length;
-                points[link.a] = add_scaled(a, share, between);
-                points[link.b] = add_scaled(b, -share, between);
+    fn relax(&self, points: &mut [Vector], quads: usize, steps: usize) {
+        let links = links(quads, self.side / quads as f64);
+        let mut before = points.to_vec();
+        for step in 0..steps {
+            for (point, before) in points.iter_mut().zip(&mut before) {
+                let velocity = subtract(*point, *before);
+                *before = *point;
+                *point = add_scaled(*point, KEPT, velocity);
+                point[1] -= GRAVITY * STEP * STEP;
             }
-            for (p, last) in points.iter_mut().zip(&mut before) {
-                if pedestal.push_out(p) {
-                    // Friction: what touches hardly slides.
-                    *last = add_scaled(*p, 0.25, subtract(*last, *p));
+            // Both ways in turn, so that the order of links leaves no trace.
+            if step % 2 == 0 {
+                links.iter().for_each(|link| link.pull(points));
+            } else {
+                links.iter().rev().for_each(|link| link.pull(points));
+            }
+            for (point, before) in points.iter_mut().zip(&before) {
+                if self.push_out(point) {
+                    *point = add_scaled(*point, -FRICTION, subtract(*point, *before));
+                    self.push_out(point);
                 }
             }
         }
     }
-    smoothed(smoothed(points))
-}
 
-/// Each point half-way to the mean of its neighbours along both threads: creases of one quad are no folds.
-fn smoothed(points: Vec<Vector>) -> Vec<Vector> {
-    let count = NET + 1;
-    let of = |index: usize| {
-        let (column, row) = (index % count, index / count);
-        let border = column == 0 || row == 0 || column == NET || row == NET;
-        if border {
-            return points[index];
+    /// Moves a point out of the pedestal and the floor; says whether it was inside.
+    fn push_out(&self, point: &mut Vector) -> bool {
+        let radial = (point[0] * point[0] + point[2] * point[2]).sqrt();
+        // From the circle that is the middle of the rim's rounding.
+        let (out, up) = (radial - (self.radius - self.rim), point[1] + self.rim);
+        let wall = out - TAPER * up.min(0.0);
+        let (distance, direction) = if out > 0.0 && up > 0.0 {
+            let length = (out * out + up * up).sqrt();
+            (length, [out / length, up / length])
+        } else if up > wall {
+            (up, [0.0, 1.0])
+        } else {
+            (wall, [1.0, 0.0])
+        };
+        let inside = self.rim - distance;
+        let mut touches = inside > 0.0;
+        if touches {
+            let outwards = direction[0] * inside / radial.max(1e-12);
+            *point = [point[0] * (1.0 + outwards), point[1] + direction[1] * inside, point[2] * (1.0 + outwards)];
         }
-        let neighbours = [index - 1, index + 1, index - count, index + count];
-        let sum = neighbours.iter().fold([0.0; 3], |sum, k| add_scaled(sum, 1.0, points[*k]));
-        [0, 1, 2].map(|k| 0.5 * points[index][k] + 0.125 * sum[k])
-    };
-    (0..points.len()).map(of).collect()
+        if point[1] < self.floor {
+            point[1] = self.floor;
+            touches = true;
+        }
+        touches
+    }
 }
 
-/// A distance between two points that is kept.
-struct Link {
-    a: usize,
-    b: usize,
-    /// In sides of a quad.
-    length: f64,
-    strength: f64,
+impl Link {
+    fn pull(&self, points: &mut [Vector]) {
+        let [a, b] = self.ends;
+        let apart = subtract(points[b], points[a]);
+        let length = dot(apart, apart).sqrt();
+        let share = 0.5 * self.stiffness * (1.0 - self.length / length.max(1e-12));
+        points[a] = add_scaled(points[a], share, apart);
+        points[b] = add_scaled(points[b], -share, apart);
+    }
 }
 
-fn links() -> Vec<Link> {
-    let count = NET + 1;
+fn links(quads: usize, spacing: f64) -> Vec<Link> {
+    let [weave, shear, bend] = STIFFNESS;
+    let side = quads as i64 + 1;
+    let diagonal = 2f64.sqrt() * spacing;
     let mut links = Vec::new();
-    let diagonal = 2f64.sqrt();
-    // Along both threads, across them, and over two quads against bending.
-    for (columns, rows, length, strength) in [
-        (1i64, 0i64, 1.0, 1.0),
-        (0, 1, 1.0, 1.0),
-        (1, 1, diagonal, 0.5),
-        (-1, 1, diagonal, 0.5),
-        (2, 0, 2.0, STIFFNESS),
-        (0, 2, 2.0, STIFFNESS),
+    for (step, length, stiffness) in [
+        ([2, 0], 2.0 * spacing, bend),
+        ([0, 2], 2.0 * spacing, bend),
+        ([1, 1], diagonal, shear),
+        ([-1, 1], diagonal, shear),
+        ([1, 0], spacing, weave),
+        ([0, 1], spacing, weave),
     ] {
-        for row in 0..count as i64 {
-            for column in 0..count as i64 {
-                let (c, r) = (column + columns, row + rows);
-                if (0..count as i64).contains(&c) && (0..count as i64).contains(&r) {
-                    let index = |c: i64, r: i64| r as usize * count + c as usize;
-                    links.push(Link { a: index(column, row), b: index(c, r), length, strength });
+        for row in 0..side - step[1] {
+            for column in 0..side {
+                let other = column + step[0];
+                if (0..side).contains(&other) {
+                    let ends = [row * side + column, (row + step[1]) * side + other].map(|i| i as usize);
+                    links.push(Link { ends, length, stiffness });
                 }
             }
         }
@@ -158,75 +170,87 @@ fn links() -> Vec<Link> {
     links
 }
 
-/// The uniform cubic B-spline of the net at `(u, v)` in the unit square, v upwards along rows. Beyond the border the net
-/// goes on straight.
-fn spline(net: &[Vector], u: f64, v: f64) -> Vector {
-    let [columns, rows] = [u, v].map(|t| {
-        let position = t * NET as f64;
-        let lower = position.floor().clamp(0.0, NET as f64 - 1.0);
-        (lower as i64, weights(position - lower))
-    });
-    let mut point = [0.0; 3];
-    for (r, row_weight) in rows.1.iter().enumerate() {
-        for (c, column_weight) in columns.1.iter().enumerate() {
-            let corner = beyond(net, columns.0 + c as i64 - 1, rows.0 + r as i64 - 1);
-            point = add_scaled(point, row_weight * column_weight, corner);
-        }
-    }
-    point
+/// A square grid with a point between any two, on the cubic through four.
+fn refine(points: &[Vector], side: usize) -> Vec<Vector> {
+    let finer = |line: &dyn Fn(usize) -> Vector| -> Vec<Vector> {
+        (0..2 * side - 1)
+            .map(|k| {
+                let i = k / 2;
+                if k % 2 == 0 {
+                    return line(i);
+                }
+                if i == 0 || i + 2 == side {
+                    return [0, 1, 2].map(|c| 0.5 * (line(i)[c] + line(i + 1)[c]));
+                }
+                let [a, b, c, d] = [i - 1, i, i + 1, i + 2].map(line);
+                [0, 1, 2].map(|k| 0.5625 * (b[k] + c[k]) - 0.0625 * (a[k] + d[k]))
+            })
+            .collect()
+    };
+    let long = 2 * side - 1;
+    let wide: Vec<Vector> = (0..side).flat_map(|row| finer(&|column| points[row * side + column])).collect();
+    let columns: Vec<Vec<Vector>> = (0..long).map(|column| finer(&|row| wide[row * long + column])).collect();
+    (0..long * long).map(|index| columns[index % long][index / long]).collect()
 }
 
-fn weights(t: f64) -> [f64; 4] {
-    let s = 1.0 - t;
-    [s * s * s, 3.0 * t * t * t - 6.0 * t * t + 4.0, 3.0 * s * s * s - 6.0 * s * s + 4.0, t * t * t].map(|w| w / 6.0)
-}
-
-fn beyond(net: &[Vector], column: i64, row: i64) -> Vector {
-    let last = NET as i64;
-    let inside = |c: i64, r: i64| net[r as usize * (NET + 1) + c as usize];
-    let (c, r) = (column.clamp(0, last), row.clamp(0, last));
-    let here = inside(c, r);
-    let mirrored = |c: i64, r: i64| inside(c.clamp(0, last), r.clamp(0, last));
-    let opposite = mirrored(2 * c - column, 2 * r - row);
-    if (c, r) == (column, row) { here } else { add_scaled(here, 1.0, subtract(here, opposite)) }
+/// Each point moves a quarter of the way to the middle of its neighbours; those of the hem only along it.
+fn smooth(points: &[Vector], side: usize) -> Vec<Vector> {
+    let point = |index: usize| {
+        let (column, row) = (index % side, index / side);
+        let (hem_u, hem_v) = (column == 0 || column + 1 == side, row == 0 || row + 1 == side);
+        let pull = |stays: bool, step: usize| -> Vector {
+            if stays {
+                return [0.0; 3];
+            }
+            let (a, b, middle) = (points[index - step], points[index + step], points[index]);
+            [0, 1, 2].map(|k| 0.125 * (a[k] + b[k] - 2.0 * middle[k]))
+        };
+        let (along_u, along_v) = (pull(hem_u, 1), pull(hem_v, side));
+        [0, 1, 2].map(|k| points[index][k] + along_u[k] + along_v[k])
+    };
+    (0..points.len()).map(point).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const PEDESTAL: Pedestal = Pedestal { radius: 0.7, edge: 0.12, floor: -0.9 };
+    const DRAPE: Drape =
+        Drape { side: 2.0, quads: 24, offset: [0.03, 0.02], radius: 0.5, rim: 0.1, floor: -0.4, seed: 3 };
 
     #[test]
-    fn threads_keep_their_length_and_nothing_is_inside_the_pedestal() {
-        let side = 3.0;
-        let net = fall(side, [0.03, -0.05], PEDESTAL);
-        let step = side / NET as f64;
-        let (mut longest, mut lowest) = (0.0f64, 0.0f64);
-        for row in 0..=NET {
-            for column in 0..NET {
-                let between = subtract(net[row * (NET + 1) + column + 1], net[row * (NET + 1) + column]);
-                longest = longest.max(dot(between, between).sqrt() / step);
-            }
+    fn a_fallen_cloth_stays_outside_and_keeps_its_lengths() {
+        let points = DRAPE.fall();
+        assert_eq!(points.len(), 25 * 25);
+        assert_eq!(points, DRAPE.fall());
+        for point in &points {
+            let mut moved = *point;
+            DRAPE.push_out(&mut moved);
+            let off = subtract(moved, *point);
+            assert!(dot(off, off).sqrt() < 1e-9, "{point:?}");
         }
-        for p in &net {
-            let mut moved = *p;
-            PEDESTAL.push_out(&mut moved);
-            let off = subtract(moved, *p);
-            assert!(dot(off, off).sqrt() < 0.02, "{p:?}");
-            lowest = lowest.min(p[1]);
-        }
-        assert!(longest < 1.15, "{longest}");
-        assert!(lowest < -0.5, "it hangs: {lowest}");
+        // It has fallen.
+        assert!(points[0][1] < -0.3 && points[24 * 25 + 24][1] < -0.3);
+        let stretch: Vec<f64> = links(24, 2.0 / 24.0)
+            .iter()
+            .filter(|link| link.stiffness == STIFFNESS[0])
+            .map(|link| {
+                let apart = subtract(points[link.ends[0]], points[link.ends[1]]);
+                dot(apart, apart).sqrt() / link.length
+            })
+            .collect();
+        assert!(stretch.iter().all(|s| (0.8..1.2).contains(s)), "{stretch:?}");
     }
 
     #[test]
-    fn splines_go_through_straight_nets() {
-        let net: Vec<Vector> =
-            (0..(NET + 1) * (NET + 1)).map(|i| [(i % (NET + 1)) as f64, 1.0, (i / (NET + 1)) as f64]).collect();
-        for (u, v) in [(0.0, 0.0), (0.31, 0.77), (1.0, 0.5), (1.0, 1.0)] {
-            let p = spline(&net, u, v);
-            assert!((p[0] - u * NET as f64).abs() < 1e-9 && (p[2] - v * NET as f64).abs() < 1e-9, "{u} {v} {p:?}");
+    fn refining_keeps_points_and_planes() {
+        let side = 5;
+        let plane = |x: f64, z: f64| [x, 0.5 * x - 0.25 * z, z];
+        let coarse: Vec<Vector> = (0..25).map(|i| plane((i % side) as f64, (i / side) as f64)).collect();
+        let fine = refine(&coarse, side);
+        for (index, point) in fine.iter().enumerate() {
+            let expected = plane((index % 9) as f64 / 2.0, (index / 9) as f64 / 2.0);
+            assert!((0..3).all(|k| (point[k] - expected[k]).abs() < 1e-12), "{index}: {point:?}");
         }
     }
 }

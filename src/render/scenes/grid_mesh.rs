@@ -24,6 +24,30 @@ pub(super) fn surface(columns: usize, rows: usize, position: impl Fn(f64, f64) -
     mesh
 }
 
+/// A grid of quads through points that are stored row by row, `columns + 1` in each. Normals are means over the
+/// triangles of a point: on rough ground they keep to what is drawn better than differences do. Tangents are
+/// differences along a row.
+pub(super) fn through(points: &[Vector], columns: usize) -> Mesh {
+    let width = columns + 1;
+    let rows = points.len() / width - 1;
+    let triangles = quads(columns, rows);
+    let mut normals = vec![[0.0; 3]; points.len()];
+    for triangle in &triangles {
+        let [a, b, c] = triangle.map(|corner| points[corner as usize]);
+        let normal = normalize(cross(subtract(b, a), subtract(c, a)));
+        triangle
+            .iter()
+            .for_each(|corner| normals[*corner as usize] = add_scaled(normals[*corner as usize], 1.0, normal));
+    }
+    let vertices = (0..points.len()).map(|index| {
+        let (column, row) = (index % width, index / width);
+        let [before, after] = [column.saturating_sub(1), (column + 1).min(columns)].map(|c| points[row * width + c]);
+        let uv = [column as f64 / columns as f64, row as f64 / rows as f64];
+        vertex(points[index], normalize(normals[index]), subtract(after, before), uv)
+    });
+    Mesh { vertices: vertices.collect(), triangles }
+}
+
 /// A vertex whose tangent is put at right angles to its normal.
 pub(super) fn vertex(position: Vector, normal: Vector, tangent: Vector, uv: [f64; 2]) -> Vertex {
     let tangent = normalize(add_scaled(tangent, -dot(normal, tangent), normal));

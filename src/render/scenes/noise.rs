@@ -23,16 +23,28 @@ pub(super) fn value_noise(x: f64, y: f64, seed: u64, period: Option<[i64; 2]>) -
     mix(mix(at(0, 0), at(1, 0), s), mix(at(0, 1), at(1, 1), s), t)
 }
 
-/// Sum of octaves of noise, each twice as fine and `gain` as high. `shape` is applied to each.
+/// Gradient noise in about [-1, 1] (Perlin 2002), 0 at the points of the grid: without the flat spots and straight
+/// edges of value noise.
+fn gradient_noise(x: f64, y: f64, seed: u64) -> f64 {
+    let (x0, y0) = (x.floor(), y.floor());
+    let (s, t) = (x - x0, y - y0);
+    let at = |dx: i64, dy: i64| {
+        let slope = |axis: u64| 2.0 * lattice(x0 as i64 + dx, y0 as i64 + dy, seed ^ (axis << 32)) - 1.0;
+        slope(1) * (s - dx as f64) + slope(2) * (t - dy as f64)
+    };
+    let fade = |t: f64| t * t * t * (t * (6.0 * t - 15.0) + 10.0);
+    let mix = |a: f64, b: f64, t: f64| a + t * (b - a);
+    1.6 * mix(mix(at(0, 0), at(1, 0), fade(s)), mix(at(0, 1), at(1, 1), fade(s)), fade(t))
+}
+
+/// Sum of octaves of gradient noise, each twice as fine and `gain` as high. `shape` is applied to each.
 pub(super) fn fractal(x: f64, y: f64, seed: u64, octaves: u32, gain: f64, shape: impl Fn(f64) -> f64) -> f64 {
-    let (mut sum, mut height, mut frequency) = (0.0, 1.0, 1.0);
+    let (mut sum, mut height, mut at) = (0.0, 1.0, [x, y]);
     for octave in 0..octaves {
-        // Shifted, so that lattices of octaves do not fall together.
-        let shift = 17.3 * f64::from(octave);
-        sum +=
-            height * shape(value_noise(x * frequency + shift, y * frequency - shift, seed + u64::from(octave), None));
+        sum += height * shape(gradient_noise(at[0], at[1], seed + u64::from(octave)));
         height *= gain;
-        frequency *= 2.0;
+        // Turned and shifted, so that lattices of octaves do not fall together.
+        at = [1.6 * at[0] - 1.2 * at[1] + 17.3, 1.2 * at[0] + 1.6 * at[1] - 9.1];
     }
     sum
 }

@@ -1,7 +1,7 @@
 //! A still life: table top, cloth, vase and ball.
 
-use super::drape::{Pedestal, drape};
-use super::grid_mesh::surface;
+use super::drape::Drape;
+use super::grid_mesh::{surface, through};
 use super::noise::value_noise;
 use super::sky;
 use super::sphere::ball;
@@ -11,39 +11,39 @@ use std::f64::consts::{PI, TAU};
 
 /// Texels per side of the table top's bump map.
 const GRAIN_SIZE: usize = 256;
-/// Height of what the cloth lies on.
-const HEIGHT: f64 = 0.5;
 /// Share of the mirrored environment in the ball.
 const MIRROR: f32 = 0.22;
+
+/// A cloth over a drum; its corners lie on the table.
+const CLOTH: Drape =
+    Drape { side: 1.5, quads: 74, offset: [0.02, 0.01], radius: 0.36, rim: 0.08, floor: -0.5, seed: 11 };
 
 pub(super) fn scene() -> Scene {
     let part = |name, mesh, surface| Part { name, mesh, surface };
     Scene {
         parts: vec![
             part("top", top(), Surface { bump: Some(grain()), mirror: 0.0 }),
-            part("cloth", moved(cloth(), [-0.75, HEIGHT, -0.3]), Surface::default()),
+            part(
+                "cloth",
+                moved(through(&CLOTH.fall(), CLOTH.quads), [-0.72, 0.006 - CLOTH.floor, -0.3]),
+                Surface::default(),
+            ),
             part("vase", vase(), Surface::default()),
-            part("ball", ball(0.3, [0.1, 0.3, 0.62], 96, 48), Surface { bump: None, mirror: MIRROR }),
+            part("ball", ball(0.27, [0.2, 0.27, 0.7], 96, 48), Surface { bump: None, mirror: MIRROR }),
         ],
-        camera: Camera { eye: [0.25, 1.75, 3.9], target: [0.0, 0.34, 0.0], up: [0.0, 1.0, 0.0], field_of_view: 33.0 },
+        camera: Camera { eye: [0.25, 1.75, 3.9], target: [0.02, 0.38, 0.0], up: [0.0, 1.0, 0.0], field_of_view: 31.0 },
         lights: vec![
-            PointLight { position: [-2.4, 3.4, 2.6], intensity: [1.0, 0.95, 0.86].map(|c| PI * 16.0 * c) },
-            PointLight { position: [3.2, 2.0, 1.5], intensity: [0.8, 0.9, 1.0].map(|c| PI * 5.0 * c) },
+            PointLight { position: [-2.8, 2.9, 2.2], intensity: [1.0, 0.95, 0.86].map(|c| PI * 24.0 * c) },
+            PointLight { position: [3.2, 2.0, 1.5], intensity: [0.8, 0.9, 1.0].map(|c| PI * 8.0 * c) },
         ],
         environment: sky::environment(),
         background: [0.1, 0.1, 0.11],
     }
 }
 
-/// A napkin over a box that is not seen; its corners lie on the table.
-fn cloth() -> Mesh {
-    let pedestal = Pedestal { radius: 0.36, edge: 0.08, floor: -HEIGHT + 0.005 };
-    drape(1.5, [0.02, 0.01], pedestal, 64)
-}
-
 /// A square top with uv along the grain.
 fn top() -> Mesh {
-    surface(16, 16, |u, v| [4.4 * (u - 0.5), 0.0, 3.6 * (0.5 - v) - 0.1])
+    surface(16, 16, |u, v| [5.2 * (u - 0.5), 0.0, 4.0 * (0.5 - v) + 0.3])
 }
 
 /// Wood: long fibres along u with rings that wander. Periodic.
