@@ -20,10 +20,7 @@ fn all_kinds_of_pairs(count: usize, seed: u64) -> Vec<DirectionPair> {
     let z = |v: [f64; 3], z: f64| [v[0], v[1], z];
     let below = DirectionPair::new(z(all[0].incoming, -0.1), all[0].outgoing);
     all.extend([below, below.exchanged(), DirectionPair::new([1.0, 0.0, 0.0], [0.0, 0.0, 1.0])]);
-    all.extend([
-        DirectionPair::new([0.0, 0.0, 1.0], [0.0, 0.0, 1.0]),
-        DirectionPair::from_angles(1.5707, 0.0, 0.3, 3.1),
-    ]);
+    all.extend([DirectionPair::new([0.0, 0.0, 1.0], [0.0, 0.0, 1.0]), DirectionPair::from_angles(1.57, 0.0, 0.3, 3.1)]);
     all
 }
 
@@ -80,8 +77,7 @@ fn exact_differences(
             }
             let difference = (f64::from(f_r[channel]) - f64::from(found.f_r[channel])).abs();
             let bound = if above { exponential_bound(pack, log_value[channel]) } else { 0.0 };
-            // Not "greater than": what is no number differs.
-            differences.values += usize::from(!(difference <= bound));
+            differences.values += usize::from(difference > bound || difference.is_nan());
         }
     }
     differences
@@ -360,9 +356,8 @@ fn is_noticed(gpu: &Gpu, source: &str) -> bool {
                     let expected = if above { decoder.log_value(*pair, level, filter) } else { [0.0; 3] };
                     let f_r = if above { decoder.from_log(found.log_value[0]) } else { 0.0 };
                     let exponential = if above { exponential_bound(&pack, found.log_value[0]) as f32 } else { 0.0 };
-                    if !((expected[0] - found.log_value[0]).abs() <= bound)
-                        || !((f_r - found.f_r[0]).abs() <= exponential)
-                    {
+                    let beyond = |difference: f32, bound: f32| difference.abs() > bound || difference.is_nan();
+                    if beyond(expected[0] - found.log_value[0], bound) || beyond(f_r - found.f_r[0], exponential) {
                         return true;
                     }
                 }

@@ -11,11 +11,11 @@ use std::hint::black_box;
 use std::time::Instant;
 
 /// Pairs per run of the shader.
-const SHADER_PAIRS: usize = 1 << 18;
+const SHADER_PAIRS: usize = 1 << 17;
 /// Pairs per run on the CPU.
-const CPU_PAIRS: usize = 1 << 16;
+const CPU_PAIRS: usize = 1 << 15;
 /// Runs, of which the fastest counts.
-const RUNS: usize = 5;
+const RUNS: usize = 3;
 const SEED: u64 = 5;
 
 /// Rates of one pack.
