@@ -11,5 +11,7 @@ mod eval;
 mod help;
 mod info;
 mod output;
+#[cfg(feature = "render")]
+mod render;
 mod schemas;
 mod synth;

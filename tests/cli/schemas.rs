@@ -4,7 +4,7 @@ use crate::common::cli::Folder;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-const NAMES: [&str; 6] = ["build", "material", "encode", "compare", "info", "bench"];
+const NAMES: [&str; 7] = ["build", "material", "encode", "compare", "info", "bench", "render"];
 
 fn file(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("schemas").join(format!("{name}.json"))
