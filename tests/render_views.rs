@@ -68,6 +68,8 @@ fn shader_and_cpu_draw_the_same_pictures() {
     }
 }
 
+type Change = fn(&mut Scene);
+
 /// The controls: what a twin could forget is seen.
 #[test]
 fn a_change_of_the_scene_is_a_difference() {
@@ -75,9 +77,9 @@ fn a_change_of_the_scene_is_a_difference() {
     let pack = pack("synth:lewis?kd=0.3,0.1,0.05&ks=0.5&n=15");
     let scene = Builtin::Table.scene();
     let shader = by_shader(&gpu, &scene, &pack, EXACT, FRAME);
-    let changes: [(&str, fn(&mut Scene)); 7] = [
+    let changes: [(&str, Change); 7] = [
         ("light moved", |s| s.lights[0].position[0] += 0.4),
-        ("light gone", |s| drop(s.lights.pop())),
+        ("light gone", |s| s.lights.truncate(s.lights.len() - 1)),
         ("light dimmed", |s| s.lights[0].intensity[1] *= 0.8),
         ("camera moved", |s| s.camera.eye[0] += 0.05),
         ("no bumps", |s| s.parts[0].surface.bump = None),

@@ -108,7 +108,7 @@ mod tests {
     use crate::source::analytic::Ggx;
     use brdfc_formats::direction::Parameterisation;
 
-    const ENCODING: LogEncoding = LogEncoding { mean: 0.5, bias: 0.01 };
+    const ENCODING: LogEncoding = LogEncoding { mean: 0.5, bias: 3e-4 };
 
     #[test]
     fn grazing_and_dark_count_less() {

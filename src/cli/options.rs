@@ -44,6 +44,7 @@ pub struct EncodeOptions {
 
 impl EncodeOptions {
     /// Whether any is given.
+    #[cfg(feature = "render")]
     pub fn any(&self) -> bool {
         let numbers = self.ratio.is_some() || self.max_error.is_some() || self.bias.is_some();
         let sizes = self.max_bytes.is_some() || self.grid.is_some() || self.bits.is_some();

@@ -142,7 +142,10 @@ fn names_and_folders() {
 fn addresses() {
     let folder = Folder::new();
     for (address, expected) in [
-        ("synth:lewiss", "model: found `lewiss`; allowed lambert, lewis, ward, poulin, ggx; did you mean `lewis`?"),
+        (
+            "synth:lewiss",
+            "model: found `lewiss`; allowed lambert, lewis, ward, poulin, ggx, velvet; did you mean `lewis`?",
+        ),
         ("synth:phong", "model: found `phong`; allowed lambert,"),
         ("synth:", "model: found ``; allowed lambert,"),
         ("synth:ggx?alpah=1", "parameter of ggx: found `alpah`; allowed kd, f0,"),

@@ -42,11 +42,15 @@ fn the_good_manifest_is_good() {
 #[test]
 fn unknown_keys_at_every_level() {
     for (after, line, expected) in [
-        (0, "[secne]", "line 1, key: found \"secne\"; allowed scene, defaults, materials, uses (did you mean scene?)"),
+        (
+            0,
+            "[secne]",
+            "line 1, key: found \"secne\"; allowed scene, defaults, materials, uses, render (did you mean scene?)",
+        ),
         (
             0,
             "material = 1",
-            "line 1, key: found \"material\"; allowed scene, defaults, materials, uses (did you mean materials?)",
+            "line 1, key: found \"material\"; allowed scene, defaults, materials, uses, render (did you mean materials?)",
         ),
         (2, "titel = 1", "line 3, key in [scene]: found \"titel\"; allowed name, distance_scale"),
         (2, "distance-scale = 1", "(did you mean distance_scale?)"),
@@ -62,7 +66,7 @@ fn unknown_keys_at_every_level() {
     }
     bad(
         GOOD.replace("[[uses]]", "[[use]]"),
-        "key: found \"use\"; allowed scene, defaults, materials, uses (did you mean uses?)",
+        "key: found \"use\"; allowed scene, defaults, materials, uses, render (did you mean uses?)",
     );
 }
 
