@@ -258,6 +258,7 @@ fn wrong_arguments() {
         (&["render", "p.ktx2", "--size", "800"], 2, "--size: found 800; allowed WIDTHxHEIGHT"),
         (&["render", "p.ktx2", "--size", "0x5"], 2, "each 1 to 8192"),
         (&["render", "p.ktx2", "--size", "99999x5"], 2, "each 1 to 8192"),
+        (&["render", "p.ktx2", "--size", "8192x8192"], 2, "allowed 33554432 samples in all"),
         (&["render", "p.ktx2", "--samples", "17"], 2, "--samples: found 17; allowed 1 to 16"),
         (&["render", "p.ktx2", "--exposure", "0"], 2, "--exposure: found 0"),
         (&["render", "p.ktx2", "--lod", "7"], 2, "--lod: found 7; allowed 0 to 6"),

@@ -11,6 +11,9 @@ use crate::source::open::{InputError, open};
 use brdfc_formats::pack::WaveletPack;
 use std::path::{Path, PathBuf};
 
+/// Finest grid whose slices all fit into a 3D texture.
+const MAX_TABLE_LEVELS: u32 = 5;
+
 /// What the command line names.
 pub(super) enum Subject {
     /// A manifest.
@@ -142,7 +145,11 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<P
     };
     let table = match &source {
         Some(source) if arguments.table => {
-            let levels = pack.header.levels.min(5);
+            let levels = pack.header.levels;
+            if levels > MAX_TABLE_LEVELS {
+                let text = "--table: found a grid of 64; allowed up to 32, whose slices all fit into a texture";
+                return Err(CliError::Usage(text.to_owned()));
+            }
             let whole = Recipe {
                 parameterisation: pack.header.parameterisation.name().to_owned(),
                 levels,

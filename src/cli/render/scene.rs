@@ -14,6 +14,8 @@ use toml::Spanned;
 
 /// Pixels per side where nothing is said.
 const DEFAULT_SIDE: usize = 512;
+/// Samples of an image: each takes some 50 bytes of memory.
+const MAX_ALL_SAMPLES: u64 = 1 << 25;
 /// Samples per pixel and axis where nothing is said.
 const DEFAULT_SAMPLES: usize = 2;
 
@@ -62,6 +64,13 @@ pub(super) fn setup(arguments: &Arguments, subject: &Subject) -> Result<Setup, C
     let samples = arguments.samples.or(section.samples).unwrap_or(DEFAULT_SAMPLES);
     if !(1..=MAX_SAMPLES).contains(&samples) {
         return Err(CliError::Usage(format!("--samples: found {samples}; allowed 1 to {MAX_SAMPLES}")));
+    }
+    let count = width as u64 * height as u64 * (samples * samples) as u64;
+    if count > MAX_ALL_SAMPLES {
+        return Err(CliError::Usage(format!(
+            "size and samples: found {width} x {height} pixels of {} samples; allowed {MAX_ALL_SAMPLES} samples in all",
+            samples * samples
+        )));
     }
     if let Some(exposure) = arguments.exposure
         && !(exposure > 0.0 && exposure.is_finite())
