@@ -65,8 +65,12 @@ impl Gpu {
             AdapterChoice::Best => {
                 let options =
                     RequestAdapterOptions { power_preference: PowerPreference::HighPerformance, ..Default::default() };
-                pollster::block_on(instance.request_adapter(&options))
-                    .map_err(|error| GpuError::NoAdapter(error.to_string()))?
+                pollster::block_on(instance.request_adapter(&options)).map_err(|error| match error {
+                    wgpu::RequestAdapterError::NotFound { .. } => {
+                        GpuError::NoAdapter("no Vulkan driver was found".to_owned())
+                    }
+                    other => GpuError::NoAdapter(other.to_string()),
+                })?
             }
             AdapterChoice::Named(text) => {
                 let all = pollster::block_on(instance.enumerate_adapters(Backends::VULKAN));
