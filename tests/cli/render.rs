@@ -191,6 +191,8 @@ fn a_limit_is_a_check() {
     let nothing = folder.run(&["render", "away.toml", "--max-delta-e", "5"]);
     assert_eq!(nothing.code, 1);
     assert!(nothing.stderr.contains("no pixel"), "{}", nothing.stderr);
+    let dark = folder.run(&["render", "synth:lambert?kd=0", "--grid", "4", "--size", "16x16"]).succeeded();
+    assert!(dark.stderr.contains("note: all surfaces are black"), "{}", dark.stderr);
 }
 
 #[test]

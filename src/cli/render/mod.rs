@@ -201,6 +201,11 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         gpu.description(),
         listed.collect(),
     );
+    if verification.checked().pixels == 0 {
+        remark(common, "note: no pixel shows a surface; look at render.camera");
+    } else if views.reference().pixels.iter().all(|pixel| *pixel == [0.0; 3]) {
+        remark(common, "note: all surfaces are black: no light reaches what is seen, or the materials reflect none");
+    }
     outputs::write(arguments, &views, verification.exposure)?;
     let seconds = started.elapsed().as_secs_f64();
     let checked = arguments.max_delta_e.map(|limit| check(&verification, limit));
