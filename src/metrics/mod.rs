@@ -1,7 +1,6 @@
 //! Error norms: how far one reflectance function is from another.
 
 pub mod compare;
-#[cfg(feature = "render")]
 pub mod image;
 pub mod norms;
 pub mod sampling;
