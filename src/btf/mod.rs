@@ -3,4 +3,9 @@
 //!
 //! Lengths are in tiles: the surface repeats after 1 along x and y; z is up, and the reference plane is `z = 0`.
 
+pub mod caster;
 pub mod mesh;
+pub mod parameterise;
+pub mod stretch;
+#[cfg(test)]
+mod testing;

@@ -1,0 +1,29 @@
+//! Small surfaces for tests.
+
+use super::mesh::{PeriodicMesh, VertexMaterial};
+
+/// A height field of `n` x `n` vertices at `(column / n, row / n)`.
+pub(crate) fn height_field(n: usize, height: impl Fn(f64, f64) -> f64) -> PeriodicMesh {
+    let at = |i: usize| ((i % n) as f64 / n as f64, (i / n) as f64 / n as f64);
+    let points = (0..n * n).map(|i| {
+        let (x, y) = at(i);
+        [x, y, height(x, y)]
+    });
+    PeriodicMesh::from_grid(n, n, points.collect(), vec![VertexMaterial::default(); n * n])
+}
+
+/// Smooth bumps, `height` from top to bottom.
+pub(crate) fn bumps(n: usize, height: f64) -> PeriodicMesh {
+    let tau = std::f64::consts::TAU;
+    height_field(n, |x, y| 0.25 * height * ((tau * x).sin() + (tau * (y + x)).cos()))
+}
+
+/// A sheet that leans over so far that it hides parts of itself from above.
+pub(crate) fn overhang(n: usize) -> PeriodicMesh {
+    let tau = std::f64::consts::TAU;
+    let points = (0..n * n).map(|i| {
+        let (u, v) = ((i % n) as f64 / n as f64, (i / n) as f64 / n as f64);
+        [u + 0.22 * (tau * u).sin(), v, 0.12 * (tau * u).cos() + 0.02 * (tau * v).sin()]
+    });
+    PeriodicMesh::from_grid(n, n, points.collect(), vec![VertexMaterial::default(); n * n])
+}
