@@ -4,8 +4,13 @@
 //! Lengths are in tiles: the surface repeats after 1 along x and y; z is up, and the reference plane is `z = 0`.
 
 pub mod caster;
+pub mod fill;
+pub mod flatten;
+pub mod indirect;
 pub mod mesh;
 pub mod parameterise;
 pub mod stretch;
+pub mod surface;
 #[cfg(test)]
 mod testing;
+pub mod texels;
