@@ -3,15 +3,16 @@
 //! `cargo run --release --no-default-features --example structures -- FOLDER [STRUCTURE...]`
 //!
 //! A structure is an address without its prefix, such as `knit?count=8`; without any, all are drawn with defaults. Files
-//! are `FOLDER/0.png`, `FOLDER/1.png`, and so on. Colours are those of the first two materials, diffuse.
+//! are `FOLDER/0.png`, `FOLDER/1.png`, and so on.
 
-use brdfc::btf::mesh::PeriodicMesh;
+use brdfc::btf::mesh::{MAX_MATERIALS, PeriodicMesh};
 use brdfc::btf::structures::{STRUCTURES, Structure};
 use brdfc::source::address::parse_synth;
+use brdfc::source::{Source, Tally};
 use brdfc_formats::direction::{DirectionPair, Vector, add_scaled, cross, dot, from_polar, normalize};
 use image::{Rgb, RgbImage};
 use std::error::Error;
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use std::path::Path;
 
 /// Pixels along a view.
@@ -70,35 +71,49 @@ impl View {
     }
 }
 
-fn picture(mesh: &PeriodicMesh, colours: &[Vector], towards: Vector) -> RgbImage {
-    let light = from_polar(0.9, 2.2);
+fn picture(mesh: &PeriodicMesh, materials: &[Box<dyn Source>], towards: Vector) -> RgbImage {
+    let light = from_polar(0.9, 2.7);
     let (view, sun) = (View::new(mesh, towards, SIZE), View::new(mesh, light, 2 * SIZE));
     RgbImage::from_fn(SIZE as u32, SIZE as u32, |x, y| {
         let (depth, index, shares) = view.nearest[y as usize * SIZE + x as usize];
         if depth == f64::NEG_INFINITY {
             return Rgb([40; 3]);
         }
-        let (mut point, mut normal, mut albedo) = ([0.0; 3], [0.0; 3], [0.0; 3]);
+        let (mut point, mut normal, mut tint, mut weights) = ([0.0; 3], [0.0; 3], [0.0; 3], [0.0; MAX_MATERIALS]);
         for (corner, share) in mesh.triangles[index].into_iter().zip(shares) {
             let vertex = corner.vertex as usize;
             point = add_scaled(point, share, mesh.position(corner));
             normal = add_scaled(normal, share, mesh.normals[vertex]);
-            let material = &mesh.materials[vertex];
-            for (colour, weight) in colours.iter().zip(material.weights) {
-                let tinted: Vector = std::array::from_fn(|c| colour[c] * f64::from(material.tint[c]));
-                albedo = add_scaled(albedo, share * f64::from(weight), tinted);
-            }
+            tint = add_scaled(tint, share, mesh.materials[vertex].tint.map(f64::from));
+            let of_vertex = mesh.materials[vertex].weights;
+            (0..MAX_MATERIALS).for_each(|k| weights[k] += share * f64::from(of_vertex[k]));
         }
         let normal = normalize(normal);
+        let tangent = normalize(cross([0.0, 1.0, 0.0], normal));
+        let frame = [tangent, cross(normal, tangent), normal];
+        let reflected = |from: Vector, to: Vector| {
+            let pair = DirectionPair::new(frame.map(|axis| dot(axis, from)), frame.map(|axis| dot(axis, to)));
+            let mut sum = [0.0; 3];
+            for (material, weight) in materials.iter().zip(weights) {
+                sum = add_scaled(sum, weight, material.eval(pair, &mut Tally::default()));
+            }
+            sum
+        };
+        // Towards 60 degrees from the mirror direction there is no highlight.
+        let diffuse = || reflected(normal, add_scaled(frame[2].map(|n| 0.5 * n), 0.75f64.sqrt(), tangent));
         // The same place in the tile that the sun's map shows.
         let lit = (-2..3).flat_map(|ty| (-2..3).map(move |tx| [f64::from(tx), f64::from(ty), 0.0])).any(|tile| {
             let [px, py, depth] = sun.project(add_scaled(point, 1.0, tile));
             let inside = |p: f64| (0.0..2.0 * SIZE as f64).contains(&p);
             inside(px) && inside(py) && depth > sun.nearest[py as usize * sun.size + px as usize].0 - 0.006
         });
-        let direct = if lit { dot(normal, light).max(0.0) } else { 0.0 };
-        let shade = 1.1 * direct + 0.22 * (0.6 + 0.4 * normal[2]);
-        Rgb(albedo.map(|a| (255.0 * (a * shade).clamp(0.0, 1.0).powf(1.0 / 2.2)) as u8))
+        let direct = reflected(light, towards).map(|f| if lit { 3.4 * f * dot(normal, light).max(0.0) } else { 0.0 });
+        // A little light from all around, as if the surface were diffuse.
+        let around = diffuse().map(|f| 0.55 * f * (0.6 + 0.4 * normal[2]).max(0.0));
+        Rgb(std::array::from_fn(|c| {
+            let value = tint[c] * (direct[c] + around[c]);
+            (255.0 * value.clamp(0.0, 1.0).powf(1.0 / 2.2)) as u8
+        }))
     })
 }
 
@@ -110,16 +125,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (k, text) in structures.iter().enumerate() {
         let structure = Structure::parse(text)?;
         let mesh = structure.mesh();
-        let up = DirectionPair::from_angles(0.5, 1.0, 0.0, 0.0);
-        let mut colours = Vec::new();
-        for address in structure.default_materials() {
-            let value = parse_synth(address)?.eval(up, &mut Default::default());
-            colours.push(value.map(|f| f * PI));
-        }
+        let addresses = structure.default_materials().iter();
+        let materials = addresses.map(|address| parse_synth(address)).collect::<Result<Vec<_>, _>>()?;
         let mut sheet = RgbImage::new(2 * SIZE as u32, SIZE as u32);
         // From above is not quite from above, so that a view has an upright: -y is below.
         for (column, [theta, phi]) in [[FRAC_PI_4, -1.2], [1e-6, -FRAC_PI_2]].into_iter().enumerate() {
-            let view = picture(&mesh, &colours, from_polar(theta, phi));
+            let view = picture(&mesh, &materials, from_polar(theta, phi));
             image::imageops::replace(&mut sheet, &view, (column * SIZE) as i64, 0);
         }
         let path = Path::new(folder).join(format!("{k}.png"));

@@ -16,7 +16,7 @@ pub(super) const INFO: StructureInfo = StructureInfo {
         Parameter::integer("count", [1.0, 8.0], 2.0, "studs along either side of the tile; staggered if even"),
         Parameter::number("overhang", [0.15, 0.6], 0.35, "how far caps reach over their necks, in cap radii"),
     ],
-    materials: &["synth:lewis?kd=0.42,0.13,0.08&ks=0.22&n=40"],
+    materials: &["synth:lewis?kd=0.42,0.13,0.08&ks=0.1&n=40"],
     build: |values| Box::new(Buttons::new(values[2] as u64, values[3] as i64, values[4])),
 };
 

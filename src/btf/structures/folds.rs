@@ -40,11 +40,11 @@ impl Folds {
     /// The cloth before it leans over: a height field, in distances between folds.
     fn relief(&self, x: f64, y: f64) -> f64 {
         // Ridges wander and run askew for a while.
-        let wander = 0.09 * (TAU * y).sin() + 0.16 * self.noise(x, y, [2, 2], 0x11);
+        let wander = 0.08 * (TAU * y).sin() + 0.11 * self.noise(x, y, [2, 2], 0x11);
         let phase = TAU * (self.count * x + self.count.min(3.0) * wander);
         // Narrow ridges, wide valleys.
         let wave = 0.5 + 0.5 * (phase.cos() + 0.22 * (2.0 * phase).cos()) / 1.22;
-        let strength = 0.86 + 0.3 * self.noise(x, y, [self.count as i64, 3], 0x22);
+        let strength = 0.86 + 0.3 * self.noise(x, y, [self.count as i64, 2], 0x22);
         let slack = 0.03 * periodic_fractal(x, y, self.seed ^ 0x33, [3, 4], 2, 0.5);
         RELIEF * strength * wave + slack
     }
@@ -64,15 +64,16 @@ impl Folds {
 
     /// What the cloth is made of at a point of the cloth: satin stripes on a matte ground, yarn by yarn.
     fn material(&self, u: f64, v: f64) -> VertexMaterial {
-        const YARNS: f64 = 96.0;
-        let yarn = |t: f64, salt: u64| lattice((t * YARNS).floor() as i64 % YARNS as i64, 0, self.seed ^ salt);
+        const YARNS: i64 = 96;
+        let yarn =
+            |t: f64, salt: u64| lattice(((t * YARNS as f64).floor() as i64).rem_euclid(YARNS), 0, self.seed ^ salt);
         // Distance from the middle of the nearest of n stripes, in stripes.
         let from_stripe = |t: f64, n: f64, at: f64| (t * n - at - (t * n - at).round()).abs();
         let band = 1.0 - smooth_step(0.22, 0.25, from_stripe(v, 3.0, 0.5));
         let line = 1.0 - smooth_step(0.10, 0.13, from_stripe(v, 3.0, 0.0));
         let cross = 1.0 - smooth_step(0.12, 0.15, from_stripe(u, 6.0, 0.5));
         let satin = (line + 0.5 * cross * (1.0 - line)).min(1.0);
-        let heather = 1.0 - 0.14 * (yarn(u, 0x55) + yarn(v, 0x66));
+        let heather = 1.0 - 0.06 * yarn(u, 0x55) - 0.14 * yarn(v, 0x66);
         let [ground, dyed, thread] = [[0.62, 0.58, 0.5], [0.12, 0.2, 0.42], [0.95, 0.66, 0.25]];
         let tint = std::array::from_fn(|c| {
             let cloth: f64 = mix(ground[c], dyed[c], band);

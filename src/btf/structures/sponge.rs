@@ -42,7 +42,9 @@ impl Sponge {
                 let period = [2 * cells, 2 * cells];
                 0.12 * gradient_noise(u * period[0] as f64, v * period[1] as f64, seed ^ salt, Some(period))
             };
-            let at = [u * cells as f64 + bend(0x51), v * cells as f64 + bend(0x52)];
+            // Shifted, so that cells of different sizes have no edges in common.
+            let shift = 0.37 * f64::from(size);
+            let at = [u * cells as f64 + shift + bend(0x51), v * cells as f64 + shift + bend(0x52)];
             let cell = at.map(|x| x.floor() as i64);
             for [column, row] in (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| [cell[0] + dx, cell[1] + dy])) {
                 let wrapped = [column.rem_euclid(cells), row.rem_euclid(cells)];
@@ -51,8 +53,7 @@ impl Sponge {
                     continue;
                 }
                 let radius = mix(0.24, 0.56, random(2));
-                let centre =
-                    [column as f64 + 0.5 + 0.7 * (random(3) - 0.5), row as f64 + 0.5 + 0.7 * (random(4) - 0.5)];
+                let centre = [column as f64 + 0.5 + (random(3) - 0.5), row as f64 + 0.5 + (random(4) - 0.5)];
                 let distance = (at[0] - centre[0]).hypot(at[1] - centre[1]) / radius;
                 let hollow = 1.0 - smooth_step(0.25, 1.0, distance);
                 let depth = DEPTH * radius * hollow * mix(0.7, 1.0, random(5)) / cells as f64;
