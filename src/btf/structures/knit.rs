@@ -53,7 +53,8 @@ impl Knit {
         let at = [x * self.columns as f64, y * self.columns as f64];
         let row_height = self.columns as f64 / self.rows as f64;
         let (half, row) = ((2.0 * at[0]).floor() as i64, (at[1] / row_height).floor() as i64);
-        let mut top = Top { height: f64::NEG_INFINITY, row, stitch: 0.5, fibre: 0.0 };
+        // Where no leg is, the yarn under the stitches.
+        let mut top = Top { height: 0.0, row: row.rem_euclid(self.rows), stitch: 0.5, fibre: 0.0 };
         for (half, row) in (-1..=1).flat_map(|dx| (-2..=2).map(move |dy| (half + dx, row + dy))) {
             let wrapped = [half.rem_euclid(2 * self.columns), row.rem_euclid(self.rows)];
             let random = |k: u64| lattice(wrapped[0], wrapped[1], self.seed ^ (k << 40));
@@ -82,7 +83,6 @@ impl Knit {
                 top = Top { height, row: wrapped[1], stitch: random(7), fibre };
             }
         }
-        top.height = top.height.max(0.0);
         top
     }
 

@@ -199,7 +199,7 @@ fn materials_are_shares_and_vary() {
     for info in STRUCTURES {
         let mesh = mesh(&format!("{}?resolution=96", info.name));
         let (mut weight_range, mut tint_range) = ([1.0f32, 0.0], [1.0f32, 0.0]);
-        let mut widen = |range: &mut [f32; 2], x: f32| *range = [range[0].min(x), range[1].max(x)];
+        let widen = |range: &mut [f32; 2], x: f32| *range = [range[0].min(x), range[1].max(x)];
         for material in &mesh.materials {
             let sum: f32 = material.weights.iter().sum();
             assert!((sum - 1.0).abs() < 1e-6 && material.weights.iter().all(|w| *w >= 0.0), "{material:?}");
