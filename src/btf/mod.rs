@@ -10,6 +10,7 @@ pub mod indirect;
 pub mod mesh;
 pub mod parameterise;
 pub mod stretch;
+pub mod structures;
 pub mod surface;
 #[cfg(test)]
 mod testing;

@@ -13,7 +13,7 @@
 //! lines an address needs quotes: `"synth:lewis?kd=0.6&n=20"`.
 
 use super::Source;
-use super::analytic::{Analytic, MODELS, ModelInfo, Parameter, ParameterKind};
+use super::analytic::{Analytic, MODELS, Parameter, ParameterKind, Shorthand};
 use std::fmt::Write;
 
 /// What the address of an analytic model starts with.
@@ -74,20 +74,50 @@ pub fn parse_synth(address: &str) -> Result<Box<dyn Source>, AddressError> {
 ///
 /// As [`parse_synth`].
 pub fn parse_model(text: &str) -> Result<Box<dyn Analytic>, AddressError> {
-    let (name, query) = match text.split_once('?') {
-        Some((name, query)) => (name, Some(query)),
-        None => (text, None),
-    };
-    let names: Vec<&str> = MODELS.iter().map(|m| m.name).collect();
-    let info =
-        MODELS.into_iter().find(|m| m.name == name).ok_or_else(|| AddressError::unknown_name("model", name, &names))?;
-    let mut values = vec![None; info.parameters.len()];
-    for item in query.into_iter().flat_map(|q| q.split('&')) {
-        set(info, item, &mut values)?;
-    }
-    let values: Vec<[f64; 3]> =
-        info.parameters.iter().zip(values).map(|(p, value)| value.unwrap_or([p.default; 3])).collect();
+    let (name, query) = split_query(text);
+    let info = find_named("model", name, &MODELS, |m| m.name)?;
+    let values = parse_parameters(info.name, info.parameters, info.shorthands, query)?;
     Ok((info.build)(&values))
+}
+
+/// The name in an address without its prefix, and the parameters behind its `?`, if there is one.
+pub fn split_query(text: &str) -> (&str, Option<&str>) {
+    text.split_once('?').map_or((text, None), |(name, query)| (name, Some(query)))
+}
+
+/// The one of `items` that has a name; `part` says what they are.
+///
+/// # Errors
+///
+/// When none has.
+pub fn find_named<T: Copy>(
+    part: &str,
+    name: &str,
+    items: &[T],
+    name_of: impl Fn(T) -> &'static str,
+) -> Result<T, AddressError> {
+    let names: Vec<&str> = items.iter().map(|item| name_of(*item)).collect();
+    let found = names.iter().position(|known| *known == name);
+    found.map(|k| items[k]).ok_or_else(|| AddressError::unknown_name(part, name, &names))
+}
+
+/// The values of `parameters`, in their order, from the part of an address behind the `?`; those left out have their
+/// defaults, and a number stands in all three channels. `owner` is the name that errors give.
+///
+/// # Errors
+///
+/// When a parameter is unknown, or a value is missing, doubled, not a number, or out of range.
+pub fn parse_parameters(
+    owner: &str,
+    parameters: &[Parameter],
+    shorthands: &[Shorthand],
+    query: Option<&str>,
+) -> Result<Vec<[f64; 3]>, AddressError> {
+    let mut values = vec![None; parameters.len()];
+    for item in query.into_iter().flat_map(|q| q.split('&')) {
+        set(owner, parameters, shorthands, item, &mut values)?;
+    }
+    Ok(parameters.iter().zip(values).map(|(p, value)| value.unwrap_or([p.default; 3])).collect())
 }
 
 /// The address of a model with every parameter, in the model's order, each number in its shortest exact form.
@@ -95,8 +125,13 @@ pub fn parse_model(text: &str) -> Result<Box<dyn Analytic>, AddressError> {
 /// Models with the same values have the same canonical address, and it parses to the same values.
 pub fn canonical(model: &dyn Analytic) -> String {
     let info = model.info();
-    let mut text = format!("{SYNTH_PREFIX}{}", info.name);
-    for (k, (parameter, value)) in info.parameters.iter().zip(model.values()).enumerate() {
+    canonical_address(info.name, info.parameters, &model.values())
+}
+
+/// The address of anything with parameters, as [`canonical`].
+pub fn canonical_address(name: &str, parameters: &[Parameter], values: &[[f64; 3]]) -> String {
+    let mut text = format!("{SYNTH_PREFIX}{name}");
+    for (k, (parameter, value)) in parameters.iter().zip(values).enumerate() {
         // Adding zero turns -0 into 0.
         let [r, g, b] = value.map(|v| v + 0.0);
         let separator = if k == 0 { '?' } else { '&' };
@@ -110,44 +145,57 @@ pub fn canonical(model: &dyn Analytic) -> String {
 
 /// A list of all models with their parameters, ranges and defaults, for help texts.
 pub fn describe_models() -> String {
-    let mut text = String::new();
-    for info in MODELS {
-        let _ = writeln!(text, "{:<9} {}", info.name, info.meaning);
-        for p in info.parameters {
-            let kind = if p.kind == ParameterKind::Colour { " or r,g,b" } else { "" };
-            let (range, default) = (format!("{} to {}{kind}", p.minimum, p.maximum), p.default);
-            let _ = writeln!(text, "  {:<9} {range:<18} default {default:<5} {}", p.name, p.meaning);
-        }
-        for s in info.shorthands {
-            let _ = writeln!(text, "  {:<9} sets {}", s.name, s.stands_for.join(" and "));
-        }
+    MODELS.iter().map(|info| describe(info.name, info.meaning, info.parameters, info.shorthands)).collect()
+}
+
+/// What a name in addresses stands for, and its parameters, ranges and defaults, for help texts.
+pub fn describe(name: &str, meaning: &str, parameters: &[Parameter], shorthands: &[Shorthand]) -> String {
+    let names = parameters.iter().map(|p| p.name).chain(shorthands.iter().map(|s| s.name));
+    let width = names.map(str::len).fold(9, usize::max);
+    let mut text = format!("{name:<9} {meaning}\n");
+    for p in parameters {
+        let kind = match p.kind {
+            ParameterKind::Number => "",
+            ParameterKind::Integer => ", whole",
+            ParameterKind::Colour => " or r,g,b",
+        };
+        let (range, default) = (format!("{} to {}{kind}", p.minimum, p.maximum), p.default);
+        let _ = writeln!(text, "  {:<width$} {range:<18} default {default:<5} {}", p.name, p.meaning);
+    }
+    for s in shorthands {
+        let _ = writeln!(text, "  {:<width$} sets {}", s.name, s.stands_for.join(" and "));
     }
     text
 }
 
-fn set(info: &ModelInfo, item: &str, values: &mut [Option<[f64; 3]>]) -> Result<(), AddressError> {
-    let of_model = |what: &str| format!("{what} of {}", info.name);
+fn set(
+    owner: &str,
+    parameters: &[Parameter],
+    shorthands: &[Shorthand],
+    item: &str,
+    values: &mut [Option<[f64; 3]>],
+) -> Result<(), AddressError> {
+    let of_owner = |what: &str| format!("{what} of {owner}");
     let Some((name, value)) = item.split_once('=') else {
-        return Err(AddressError::new(of_model("parameter"), quoted(item), "name=value"));
+        return Err(AddressError::new(of_owner("parameter"), quoted(item), "name=value"));
     };
-    let shorthand = info.shorthands.iter().find(|s| s.name == name);
+    let shorthand = shorthands.iter().find(|s| s.name == name);
     let mut known = false;
-    for (k, parameter) in info.parameters.iter().enumerate() {
+    for (k, parameter) in parameters.iter().enumerate() {
         if parameter.name != name && !shorthand.is_some_and(|s| s.stands_for.contains(&parameter.name)) {
             continue;
         }
         known = true;
         if values[k].is_some() {
-            return Err(AddressError::new(of_model(parameter.name), format!("{} again", quoted(item)), "one value"));
+            return Err(AddressError::new(of_owner(parameter.name), format!("{} again", quoted(item)), "one value"));
         }
-        values[k] = Some(parse_value(parameter, value, &of_model(name))?);
+        values[k] = Some(parse_value(parameter, value, &of_owner(name))?);
     }
     if known {
         return Ok(());
     }
-    let allowed: Vec<&str> =
-        info.parameters.iter().map(|p| p.name).chain(info.shorthands.iter().map(|s| s.name)).collect();
-    Err(AddressError::unknown_name(of_model("parameter"), name, &allowed))
+    let allowed: Vec<&str> = parameters.iter().map(|p| p.name).chain(shorthands.iter().map(|s| s.name)).collect();
+    Err(AddressError::unknown_name(of_owner("parameter"), name, &allowed))
 }
 
 fn parse_value(parameter: &Parameter, text: &str, part: &str) -> Result<[f64; 3], AddressError> {
@@ -158,14 +206,16 @@ fn parse_value(parameter: &Parameter, text: &str, part: &str) -> Result<[f64; 3]
         let allowed = if allowed_counts.len() > 1 { "one number or three" } else { "one number" };
         return Err(AddressError::new(part, quoted(text), allowed));
     }
+    let whole = parameter.kind == ParameterKind::Integer;
+    let range = if whole { "whole numbers from " } else { "" };
     let mut value = [0.0; 3];
     for (c, slot) in value.iter_mut().enumerate() {
         let number = numbers[c.min(numbers.len() - 1)];
         *slot = number
             .parse()
             .ok()
-            .filter(|v| (minimum..=maximum).contains(v))
-            .ok_or_else(|| AddressError::new(part, quoted(number), format!("{minimum} to {maximum}")))?;
+            .filter(|v| (minimum..=maximum).contains(v) && !(whole && f64::fract(*v) != 0.0))
+            .ok_or_else(|| AddressError::new(part, quoted(number), format!("{range}{minimum} to {maximum}")))?;
     }
     Ok(value)
 }

@@ -2,7 +2,7 @@
 //!
 //! Only + - * / and square roots: the same on every machine.
 
-use super::noise::value_noise;
+use crate::btf::structures::noise::value_noise;
 use crate::render::vector::{add_scaled, subtract};
 use brdfc_formats::direction::{Vector, dot};
 

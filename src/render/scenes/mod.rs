@@ -3,7 +3,6 @@
 mod cloth;
 mod drape;
 mod grid_mesh;
-mod noise;
 mod sky;
 mod sphere;
 mod table;

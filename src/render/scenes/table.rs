@@ -2,9 +2,9 @@
 
 use super::drape::Drape;
 use super::grid_mesh::{surface, through};
-use super::noise::value_noise;
 use super::sky;
 use super::sphere::ball;
+use crate::btf::structures::noise::value_noise;
 use crate::render::scene::{Camera, HeightMap, Mesh, Part, PointLight, Scene, Surface};
 use brdfc_formats::direction::Vector;
 use std::f64::consts::{PI, TAU};

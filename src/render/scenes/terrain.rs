@@ -1,8 +1,8 @@
 //! A landscape of ridges, seen from just above.
 
 use super::grid_mesh::through;
-use super::noise::{fractal, value_noise};
 use super::sky;
+use crate::btf::structures::noise::{fractal, value_noise};
 use crate::render::scene::{Camera, Part, PointLight, Scene, Surface};
 use brdfc_formats::direction::Vector;
 use std::f64::consts::PI;

@@ -36,6 +36,8 @@ pub trait Analytic: Source {
 pub enum ParameterKind {
     /// One number.
     Number,
+    /// One whole number.
+    Integer,
     /// Linear RGB (Rec. 709 primaries): one number for all channels, or three.
     Colour,
 }
@@ -58,12 +60,23 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    const fn number(name: &'static str, [minimum, maximum]: [f64; 2], default: f64, meaning: &'static str) -> Self {
+    /// A number in a range.
+    pub const fn number(name: &'static str, [minimum, maximum]: [f64; 2], default: f64, meaning: &'static str) -> Self {
         Self { name, kind: ParameterKind::Number, minimum, maximum, default, meaning }
     }
 
+    /// A whole number in a range.
+    pub const fn integer(
+        name: &'static str,
+        [minimum, maximum]: [f64; 2],
+        default: f64,
+        meaning: &'static str,
+    ) -> Self {
+        Self { name, kind: ParameterKind::Integer, minimum, maximum, default, meaning }
+    }
+
     /// A colour in `[0, 1]` per channel.
-    const fn colour(name: &'static str, default: f64, meaning: &'static str) -> Self {
+    pub const fn colour(name: &'static str, default: f64, meaning: &'static str) -> Self {
         Self { name, kind: ParameterKind::Colour, minimum: 0.0, maximum: 1.0, default, meaning }
     }
 }
