@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::Parameterisation;
-use brdfc_formats::pack::{TexelFormat, Texture, WaveletPack};
+use brdfc_formats::pack::{Extent, TexelFormat, Texture, WaveletPack};
 use common::survives;
 
 /// One small pack of each texel format.
@@ -302,7 +302,12 @@ fn a_few_bytes_that_declare_a_gibibyte_are_refused_unread() {
 #[test]
 fn a_large_texture_of_one_value_is_read() {
     let texels = vec![0; 1 << 26];
-    let texture = Texture { format: TexelFormat::R8Unorm, extent: [256, 256, 1024], entries: BTreeMap::new(), texels };
+    let texture = Texture {
+        format: TexelFormat::R8Unorm,
+        extent: Extent::D3([256, 256, 1024]),
+        entries: BTreeMap::new(),
+        texels,
+    };
     assert!(Texture::from_bytes(&texture.to_bytes(true)).unwrap() == texture);
 }
 
@@ -353,7 +358,7 @@ fn other_textures_are_refused() {
 fn a_texture_that_is_no_pack_is_refused() {
     let texture = Texture {
         format: TexelFormat::Rgba16Unorm,
-        extent: [3, 1, 2],
+        extent: Extent::D3([3, 1, 2]),
         entries: BTreeMap::from([("brdfc.other".to_owned(), vec![7])]),
         texels: (0..48).collect(),
     };

@@ -3,77 +3,111 @@
 //! Headers, level index and data format descriptor are the `ktx2` crate's; this file sequences them by the rules of
 //! the Khronos validator and holds incoming files to the few shapes that packs have.
 
+use super::texel_format::TexelFormat;
 use crate::FormatError;
 use std::collections::BTreeMap;
+use std::fmt;
 
 /// Who wrote the file, in the `KTXwriter` entry. Holds no version, so that bytes change with contents alone.
 pub const WRITER: &str = "brdfc";
 /// Orientation of a 3D texture, in the `KTXorientation` entry: x right, y down, z inwards.
 pub const ORIENTATION_3D: &str = "rdi";
-/// Most texels along one axis: the limit of a 3D texture in WebGPU.
+/// Orientation of 2D textures and their arrays: x right, y down.
+pub const ORIENTATION_2D: &str = "rd";
+/// Most texels along one axis of a 3D texture: the limit of WebGPU.
 pub const MAX_EXTENT: u32 = 2048;
+/// Most texels along one axis of a 2D texture: the limit of WebGPU.
+pub const MAX_EXTENT_2D: u32 = 8192;
+/// Most layers of a 2D array, as desktop drivers have them. WebGPU promises 256.
+pub const MAX_LAYERS: u32 = 2048;
 /// Most bytes of texels in one pack, after decompression.
 pub const MAX_TEXEL_BYTES: u64 = 1 << 30;
 /// Zstandard level: past this the files hardly shrink, and time grows.
 const ZSTD_LEVEL: i32 = 3;
 
-/// Texel formats that packs use; all are filterable and core in Vulkan, or a native feature of WebGPU (16 bit).
+/// What kind of texture a pack is, and how large.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TexelFormat {
-    /// One component of 8 bits, `VK_FORMAT_R8_UNORM`.
-    R8Unorm,
-    /// Four components of 8 bits, `VK_FORMAT_R8G8B8A8_UNORM`.
-    Rgba8Unorm,
-    /// One component of 16 bits, `VK_FORMAT_R16_UNORM`.
-    R16Unorm,
-    /// Four components of 16 bits, `VK_FORMAT_R16G16B16A16_UNORM`.
-    Rgba16Unorm,
+pub enum Extent {
+    /// A 2D texture: width and height, each 1 to [`MAX_EXTENT_2D`].
+    D2([u32; 2]),
+    /// An array of 2D textures: width and height, each 1 to [`MAX_EXTENT_2D`], and 1 to [`MAX_LAYERS`] layers.
+    D2Array([u32; 3]),
+    /// A 3D texture: width, height and depth, each 1 to [`MAX_EXTENT`].
+    D3([u32; 3]),
 }
 
-impl TexelFormat {
-    const ALL: [Self; 4] = [Self::R8Unorm, Self::Rgba8Unorm, Self::R16Unorm, Self::Rgba16Unorm];
-
-    /// Components stored per texel: 1 or 4.
-    pub fn components(self) -> usize {
+impl Extent {
+    /// Texels.
+    pub fn texels(self) -> u64 {
         match self {
-            Self::R8Unorm | Self::R16Unorm => 1,
-            Self::Rgba8Unorm | Self::Rgba16Unorm => 4,
+            Self::D2(sides) => sides.into_iter().map(u64::from).product(),
+            Self::D2Array(sides) | Self::D3(sides) => sides.into_iter().map(u64::from).product(),
         }
     }
 
-    /// Bytes per component: 1 or 2.
-    pub fn component_bytes(self) -> usize {
+    /// Width, height, depth and layer count of the header; 0 is the depth and the layer count of what has none.
+    fn fields(self) -> [u32; 4] {
         match self {
-            Self::R8Unorm | Self::Rgba8Unorm => 1,
-            Self::R16Unorm | Self::Rgba16Unorm => 2,
+            Self::D2([width, height]) => [width, height, 0, 0],
+            Self::D2Array([width, height, layers]) => [width, height, 0, layers],
+            Self::D3([width, height, depth]) => [width, height, depth, 0],
         }
     }
 
-    /// Bytes per texel.
-    pub fn texel_bytes(self) -> usize {
-        self.components() * self.component_bytes()
+    fn from_fields(fields: [u32; 4]) -> Result<Self, FormatError> {
+        let [width, height, depth, layers] = fields;
+        let side = if depth == 0 { MAX_EXTENT_2D } else { MAX_EXTENT };
+        for (axis, (field, range)) in [
+            ("pixelWidth", 1..=side),
+            ("pixelHeight", 1..=side),
+            ("pixelDepth", 0..=MAX_EXTENT),
+            // Arrays of 3D textures are in the format, but hardly anything reads them.
+            ("layerCount", 0..=if depth == 0 { MAX_LAYERS } else { 0 }),
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            if !range.contains(&fields[axis]) {
+                let (first, last) = (range.start(), range.end());
+                let allowed = if first == last { first.to_string() } else { format!("{first} to {last}") };
+                return Err(FormatError::at_byte(20 + 4 * axis as u64, field, fields[axis].to_string(), allowed));
+            }
+        }
+        Ok(match (depth, layers) {
+            (0, 0) => Self::D2([width, height]),
+            (0, _) => Self::D2Array([width, height, layers]),
+            _ => Self::D3([width, height, depth]),
+        })
     }
 
-    fn vulkan(self) -> ktx2::Format {
+    fn orientation(self) -> &'static str {
         match self {
-            Self::R8Unorm => ktx2::Format::R8_UNORM,
-            Self::Rgba8Unorm => ktx2::Format::R8G8B8A8_UNORM,
-            Self::R16Unorm => ktx2::Format::R16_UNORM,
-            Self::Rgba16Unorm => ktx2::Format::R16G16B16A16_UNORM,
+            Self::D2(_) | Self::D2Array(_) => ORIENTATION_2D,
+            Self::D3(_) => ORIENTATION_3D,
         }
     }
 }
 
-/// A 3D texture of one level, and its entries.
+impl fmt::Display for Extent {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::D2([width, height]) => write!(f, "{width} x {height}"),
+            Self::D2Array([width, height, layers]) => write!(f, "{layers} layers of {width} x {height}"),
+            Self::D3([width, height, depth]) => write!(f, "{width} x {height} x {depth}"),
+        }
+    }
+}
+
+/// A texture of one level, and its entries.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Texture {
     /// How a texel is stored.
     pub format: TexelFormat,
-    /// Texels along x, y and z, each 1 to [`MAX_EXTENT`].
-    pub extent: [u32; 3],
+    /// 2D, 2D array or 3D, and the number of texels along each axis.
+    pub extent: Extent,
     /// Key/value entries named `brdfc.*`; the container adds its own `KTX*` entries.
     pub entries: BTreeMap<String, Vec<u8>>,
-    /// Texels, x fastest, then y, then z; little-endian components.
+    /// Texels, x fastest, then y, then z or the layer; little-endian components.
     pub texels: Vec<u8>,
 }
 
@@ -83,30 +117,30 @@ impl Texture {
     /// # Panics
     /// When `texels` does not have the length that format and extent call for: a mistake of the caller.
     pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
-        let [width, height, depth] = self.extent;
+        let [width, height, depth, layers] = self.extent.fields();
         let texel_bytes = self.format.texel_bytes();
-        let texels = width as usize * height as usize * depth as usize;
-        assert_eq!(self.texels.len(), texels * texel_bytes, "texel data has the wrong length");
+        let length = self.extent.texels() * texel_bytes as u64;
+        assert_eq!(self.texels.len() as u64, length, "texel data has the wrong length");
 
         let compressed = supercompress
             .then(|| zstd::bulk::compress(&self.texels, ZSTD_LEVEL).expect("compression into memory does not fail"));
         let level: &[u8] = compressed.as_deref().unwrap_or(&self.texels);
-        let (descriptor, type_size) = descriptor(self.format);
+        let descriptor = self.format.descriptor();
         let entries = self.entry_bytes();
 
         let descriptor_offset = ktx2::Header::LENGTH + ktx2::LevelIndex::LENGTH;
         let entries_offset = descriptor_offset + descriptor.len();
-        // Levels are aligned to whole texels and 4 bytes, unless supercompressed; all our texel sizes divide 8.
+        // Levels are aligned to whole texels and 4 bytes, unless supercompressed; all our texel sizes are powers of two.
         let alignment = if supercompress { 1 } else { texel_bytes.max(4) };
         let level_offset = (entries_offset + entries.len()).next_multiple_of(alignment);
 
         let header = ktx2::Header {
             format: Some(self.format.vulkan()),
-            type_size,
+            type_size: self.format.component_bytes() as u32,
             pixel_width: width,
             pixel_height: height,
             pixel_depth: depth,
-            layer_count: 0,
+            layer_count: layers,
             face_count: 1,
             level_count: 1,
             supercompression_scheme: supercompress.then_some(ktx2::SupercompressionScheme::Zstandard),
@@ -138,7 +172,7 @@ impl Texture {
     fn entry_bytes(&self) -> Vec<u8> {
         let text = |s: &str| format!("{s}\0").into_bytes();
         let mut all = self.entries.clone();
-        all.insert("KTXorientation".to_owned(), text(ORIENTATION_3D));
+        all.insert("KTXorientation".to_owned(), text(self.extent.orientation()));
         all.insert("KTXwriter".to_owned(), text(WRITER));
         let mut bytes = Vec::new();
         for (key, value) in &all {
@@ -154,7 +188,8 @@ impl Texture {
     /// Reads a file that [`Self::to_bytes`] could have written; other KTX2 files are refused with the reason.
     ///
     /// # Errors
-    /// Anything that is not a 3D texture of one level in one of the [`TexelFormat`]s, uncompressed or with Zstandard.
+    /// Anything that is not a 2D texture, 2D array or 3D texture of one level in one of the [`TexelFormat`]s,
+    /// uncompressed or with Zstandard.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
         Self::from_bytes_within(bytes, MAX_TEXEL_BYTES)
     }
@@ -181,25 +216,15 @@ impl Texture {
                 12,
                 "vkFormat",
                 header.format.map_or("undefined or unknown".to_owned(), |f| f.value().to_string()),
-                "9 (R8), 37 (RGBA8), 70 (R16) or 91 (RGBA16)",
+                "9, 37, 70, 91, 97, 103, 109 or 123",
             )
         })?;
         check_descriptor(bytes, &header.index, format)?;
         let reader = ktx2::Reader::new(bytes).map_err(refused)?;
-        let extent = [header.pixel_width, header.pixel_height, header.pixel_depth];
-        for (axis, (size, field)) in extent.into_iter().zip(["pixelWidth", "pixelHeight", "pixelDepth"]).enumerate() {
-            if !(1..=MAX_EXTENT).contains(&size) {
-                return Err(FormatError::at_byte(
-                    20 + 4 * axis as u64,
-                    field,
-                    size.to_string(),
-                    format!("1 to {MAX_EXTENT}"),
-                ));
-            }
-        }
+        let extent =
+            Extent::from_fields([header.pixel_width, header.pixel_height, header.pixel_depth, header.layer_count])?;
         for (offset, field, found, allowed) in [
             (16, "typeSize", header.type_size, format.component_bytes() as u32),
-            (32, "layerCount", header.layer_count, 0),
             (36, "faceCount", header.face_count, 1),
             (40, "levelCount", header.level_count, 1),
         ] {
@@ -207,7 +232,7 @@ impl Texture {
                 return Err(FormatError::at_byte(offset, field, found.to_string(), allowed.to_string()));
             }
         }
-        let size = extent.into_iter().map(u64::from).product::<u64>() * format.texel_bytes() as u64;
+        let size = extent.texels() * format.texel_bytes() as u64;
         let limit = limit.min(MAX_TEXEL_BYTES);
         if size > limit {
             let allowed = format!("at most {limit}");
@@ -269,21 +294,10 @@ fn texels(level: &ktx2::Level<'_>, scheme: u32, size: u64) -> Result<Vec<u8>, Fo
 fn check_descriptor(bytes: &[u8], index: &ktx2::Index, format: TexelFormat) -> Result<(), FormatError> {
     let start = index.dfd_byte_offset as usize;
     let found = bytes.get(start..).and_then(|rest| rest.get(..index.dfd_byte_length as usize));
-    if found == Some(&descriptor(format).0[..]) {
+    if found == Some(&format.descriptor()[..]) {
         return Ok(());
     }
     let found = if found.is_some() { "another description" } else { "end of data" };
     let place = u64::from(index.dfd_byte_offset);
     Err(FormatError::at_byte(place, "data format descriptor", found, "the one of vkFormat, linear"))
-}
-
-/// Linear values without colour meaning: coefficients, not pictures.
-fn descriptor(format: TexelFormat) -> (Vec<u8>, u32) {
-    let linear = Some(ktx2::TransferFunction::Linear);
-    let (block, type_size) = ktx2::dfd::Basic::from_format_with(format.vulkan(), false, linear, None, None)
-        .expect("every texel format has a descriptor");
-    let block = ktx2::dfd::Block::Basic(block).to_vec();
-    let mut bytes = ((block.len() + 4) as u32).to_le_bytes().to_vec();
-    bytes.extend_from_slice(&block);
-    (bytes, type_size)
 }

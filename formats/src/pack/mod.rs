@@ -3,11 +3,18 @@
 
 pub mod container;
 mod decode;
+mod entries;
+pub mod flat_btf;
+pub mod flat_btf_shader;
 pub mod haar;
+pub mod half;
+pub mod rgb9e5;
+mod texel_format;
 pub mod wavelet;
 mod wavelet_layout;
 pub mod wavelet_shader;
 
-pub use container::{TexelFormat, Texture};
+pub use container::{Extent, Texture};
 pub use decode::{DEFAULT_DISTANCE_SCALE, Filter, RowScratch, WaveletDecoder, level_of_detail};
+pub use texel_format::TexelFormat;
 pub use wavelet::WaveletPack;

@@ -1,7 +1,8 @@
 //! The wavelet BRDF pack (Claustres et al. 2007, section 5): kept coefficient slices as a 3D texture, and the map that
 //! finds them. Byte layout: `spec/wavelet.md` and `wavelet_layout.rs`.
 
-use super::container::{TexelFormat, Texture};
+use super::container::{Extent, Texture};
+use super::texel_format::TexelFormat;
 use super::wavelet_layout as layout;
 use crate::FormatError;
 use crate::direction::Parameterisation;
@@ -125,8 +126,8 @@ impl WaveletPack {
         let grid = self.header.grid() as u32;
         Texture {
             format: self.header.texel_format(),
-            extent: [grid, grid, self.slices() as u32],
-            entries: layout::entries(self),
+            extent: Extent::D3([grid, grid, self.slices() as u32]),
+            entries: layout::entries_of(self),
             texels: self.texels.clone(),
         }
         .to_bytes(supercompress)

@@ -1,6 +1,7 @@
 //! Bytes of the `brdfc.*` entries of a wavelet pack, and the rules a pack must keep. Normative text: `spec/wavelet.md`.
 
-use super::container::Texture;
+use super::container::{Extent, Texture};
+use super::entries::{self, sized};
 use super::wavelet::{ErrorSummary, Header, MAX_LEVELS, MAX_SLICES, SliceScale, WaveletPack};
 use crate::FormatError;
 use crate::cursor::Cursor;
@@ -13,7 +14,7 @@ const INDEX: &str = "brdfc.wavelet.index";
 const SCALES: &str = "brdfc.wavelet.scales";
 const ERRORS: &str = "brdfc.wavelet.errors";
 
-pub(super) fn entries(pack: &WaveletPack) -> BTreeMap<String, Vec<u8>> {
+pub(super) fn entries_of(pack: &WaveletPack) -> BTreeMap<String, Vec<u8>> {
     let h = &pack.header;
     let mut header = Vec::with_capacity(40);
     for word in [
@@ -63,11 +64,12 @@ fn error_words(e: &ErrorSummary) -> [u32; 10] {
 pub(super) fn from_texture(texture: Texture) -> Result<WaveletPack, FormatError> {
     let (header, slices) = read_header(entry(&texture, HEADER)?)?;
     let grid = header.grid() as u32;
-    if texture.extent != [grid, grid, slices as u32] || texture.format != header.texel_format() {
+    let extent = Extent::D3([grid, grid, slices as u32]);
+    if texture.extent != extent || texture.format != header.texel_format() {
         return Err(FormatError::whole(
             "texture",
-            format!("{:?} texels of {:?}", texture.extent, texture.format),
-            format!("[{grid}, {grid}, {slices}] texels of {:?}, as {HEADER} says", header.texel_format()),
+            format!("{} texels of {:?}", texture.extent, texture.format),
+            format!("{extent} texels of {:?}, as {HEADER} says", header.texel_format()),
         ));
     }
     let index = read_index(entry(&texture, INDEX)?, &header, slices)?;
@@ -83,18 +85,7 @@ pub(super) fn from_texture(texture: Texture) -> Result<WaveletPack, FormatError>
 }
 
 fn entry<'a>(texture: &'a Texture, key: &'static str) -> Result<&'a [u8], FormatError> {
-    texture.entries.get(key).map(Vec::as_slice).ok_or_else(|| {
-        let keys: Vec<_> = texture.entries.keys().map(String::as_str).collect();
-        let found = if keys.is_empty() { "no brdfc entries".to_owned() } else { format!("only {}", keys.join(", ")) };
-        FormatError::whole(key, found, "the entries of a wavelet pack")
-    })
-}
-
-fn sized<'a>(bytes: &'a [u8], key: &'static str, length: usize) -> Result<&'a [u8], FormatError> {
-    if bytes.len() == length {
-        return Ok(bytes);
-    }
-    Err(FormatError::whole(key, format!("{} bytes", bytes.len()), format!("{length} bytes")))
+    entries::entry(texture, key, "a wavelet pack")
 }
 
 fn read_header(bytes: &[u8]) -> Result<(Header, usize), FormatError> {

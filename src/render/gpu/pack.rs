@@ -11,6 +11,20 @@ use wgpu::{
     TextureViewDimension,
 };
 
+/// How the device calls a texel format.
+pub(super) fn texture_format(format: TexelFormat) -> TextureFormat {
+    match format {
+        TexelFormat::R8Unorm => TextureFormat::R8Unorm,
+        TexelFormat::Rgba8Unorm => TextureFormat::Rgba8Unorm,
+        TexelFormat::R16Unorm => TextureFormat::R16Unorm,
+        TexelFormat::Rgba16Unorm => TextureFormat::Rgba16Unorm,
+        TexelFormat::Rgba16Float => TextureFormat::Rgba16Float,
+        TexelFormat::Rg32Float => TextureFormat::Rg32Float,
+        TexelFormat::Rgba32Float => TextureFormat::Rgba32Float,
+        TexelFormat::Rgb9E5 => TextureFormat::Rgb9e5Ufloat,
+    }
+}
+
 /// The layout of group 1.
 pub(super) fn layout(gpu: &Gpu, stages: ShaderStages) -> wgpu::BindGroupLayout {
     let entry = |binding, ty| BindGroupLayoutEntry { binding, visibility: stages, ty, count: None };
@@ -46,12 +60,7 @@ pub(super) fn upload(
     distance_scale: f64,
 ) -> Result<wgpu::BindGroup, GpuError> {
     let grid = pack.header.grid() as u32;
-    let format = match pack.header.texel_format() {
-        TexelFormat::R8Unorm => TextureFormat::R8Unorm,
-        TexelFormat::Rgba8Unorm => TextureFormat::Rgba8Unorm,
-        TexelFormat::R16Unorm => TextureFormat::R16Unorm,
-        TexelFormat::Rgba16Unorm => TextureFormat::Rgba16Unorm,
-    };
+    let format = texture_format(pack.header.texel_format());
     let texture = |dimension, format, depth, bytes: &[u8]| {
         let descriptor = TextureDescriptor {
             label: None,

@@ -1,0 +1,91 @@
+//! IEEE 754 half precision, as textures of 16-bit floats store it.
+
+/// Largest finite half.
+pub const MAX: f32 = 65504.0;
+
+/// The bits of the half nearest to `value`, ties to even; infinity beyond the largest half, a quiet NaN for NaN.
+pub fn encode(value: f32) -> u16 {
+    let sign = ((value.to_bits() >> 16) & 0x8000) as u16;
+    let magnitude = value.abs();
+    if magnitude.is_nan() {
+        return sign | 0x7e00;
+    }
+    // Halfway between the largest half and the next power of two rounds to the even one, infinity.
+    if magnitude >= 65520.0 {
+        return sign | 0x7c00;
+    }
+    // One ulp of the half around this value; 2^-24 is the step of subnormal halves.
+    let exponent = (magnitude.to_bits() >> 23) as i32 - 127;
+    let step_exponent = exponent.max(-14) - 10;
+    // Scaling by a power of two is exact in f64. A carry out of the mantissa moves into the exponent by itself.
+    let steps = (f64::from(magnitude) * 2f64.powi(-step_exponent)).round_ties_even() as u32;
+    let biased = if exponent < -14 { 0 } else { (exponent + 14) as u32 };
+    sign | (biased * 1024 + steps) as u16
+}
+
+/// The value of a half, exactly; NaN for NaN.
+pub fn decode(bits: u16) -> f32 {
+    let (exponent, mantissa) = (i32::from(bits >> 10) & 31, f32::from(bits & 1023));
+    let magnitude = match exponent {
+        31 if bits & 1023 != 0 => f32::NAN,
+        31 => f32::INFINITY,
+        0 => mantissa * 2f32.powi(-24),
+        _ => (1024.0 + mantissa) * 2f32.powi(exponent - 25),
+    };
+    if bits & 0x8000 == 0 { magnitude } else { -magnitude }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn known_halves() {
+        for (value, bits) in [
+            (0.0, 0),
+            (-0.0, 0x8000),
+            (1.0, 0x3c00),
+            (-2.0, 0xc000),
+            (65504.0, 0x7bff),
+            (65519.99, 0x7bff),
+            (65520.0, 0x7c00),
+            (f32::NEG_INFINITY, 0xfc00),
+            (2f32.powi(-14), 0x0400),
+            (2f32.powi(-24), 1),
+            (2f32.powi(-25), 0),
+            (2f32.powi(-25) * 1.000_001, 1),
+            (1.0 / 3.0, 0x3555),
+            (1.0 + 2f32.powi(-11), 0x3c00),
+            (1.0 + 3.0 * 2f32.powi(-11), 0x3c02),
+            (f32::MIN_POSITIVE / 4.0, 0),
+        ] {
+            assert_eq!(encode(value), bits, "{value}");
+        }
+        assert!(decode(encode(f32::NAN)).is_nan());
+        assert_eq!((decode(0x3c01), decode(0x03ff)), (1.0 + 2f32.powi(-10), 1023.0 / 16_777_216.0));
+    }
+
+    #[test]
+    fn every_half_comes_back() {
+        for bits in 0..=u16::MAX {
+            let value = decode(bits);
+            assert!(encode(value) == bits || value.is_nan() && (bits & 0x7fff) > 0x7c00, "{bits:#x}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn no_half_is_nearer(value in -7e4f32..7e4, scale in -20i32..1) {
+            let value = value * 2f32.powi(scale);
+            let bits = encode(value);
+            let distance = |bits: u16| (f64::from(decode(bits)) - f64::from(value)).abs();
+            if bits & 0x7fff < 0x7bff {
+                prop_assert!(distance(bits) <= distance(bits + 1));
+            }
+            if bits & 0x7fff > 0 {
+                prop_assert!(distance(bits) <= distance(bits - 1));
+            }
+        }
+    }
+}
