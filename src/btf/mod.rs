@@ -4,11 +4,15 @@
 //! Lengths are in tiles: the surface repeats after 1 along x and y; z is up, and the reference plane is `z = 0`.
 
 pub mod caster;
+pub mod coherency;
 pub mod fill;
 pub mod flatten;
 pub mod indirect;
+pub mod indirection;
 pub mod mesh;
+pub mod model;
 pub mod parameterise;
+pub mod rebuild;
 pub mod stretch;
 pub mod structures;
 pub mod surface;

@@ -2,6 +2,7 @@
 
 pub mod compare;
 pub mod image;
+pub mod lab;
 pub mod norms;
 pub mod sampling;
 pub mod vector_math;
