@@ -2,8 +2,8 @@
 //!
 //! `cargo run --release --no-default-features --example structures -- FOLDER [STRUCTURE...]`
 //!
-//! A structure is an address without its prefix, such as `knit?count=8`; without any, all are drawn with defaults. Files
-//! are `FOLDER/0.png`, `FOLDER/1.png`, and so on.
+//! A structure is an address without its prefix, such as `knit?count=8`; without any, all are drawn with defaults.
+//! Files are `FOLDER/0.png`, `FOLDER/1.png`, and so on.
 
 use brdfc::btf::mesh::{MAX_MATERIALS, PeriodicMesh};
 use brdfc::btf::structures::{STRUCTURES, Structure};

@@ -159,7 +159,7 @@ impl Profile {
         self.quarters[quarter].at((k - quarter * STEPS) as f64 / STEPS as f64)
     }
 
-    /// Radius and height at parameter `s`, 0 at the axis and 1 where the base is reached at radius `rim`, there `[rim, 0]`.
+    /// Radius and height at parameter `s`: 0 at the axis, 1 at the edge of the disc, there `[rim, 0]`.
     fn at(&self, s: f64, rim: f64) -> [f64; 2] {
         let curved = self.spent[4 * STEPS];
         let foot = self.quarters[3].at(1.0)[0];

@@ -49,8 +49,8 @@ impl Folds {
         RELIEF * strength * wave + slack
     }
 
-    /// Where a point of the height field goes when the cloth leans over: at a given `y` and `z`, `x` still grows, so that
-    /// the surface cannot meet itself.
+    /// Where a point of the height field goes when the cloth leans over: at a given `y` and `z`, `x` still grows, so
+    /// that the surface cannot meet itself.
     fn leant(&self, x: f64, y: f64, z: f64) -> f64 {
         let direction = 0.8 + 0.35 * self.noise(0.0, y, [1, 3], 0x44) + 0.12 * (TAU * x).sin();
         // More towards the ridge: it rolls over.

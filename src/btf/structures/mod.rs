@@ -1,8 +1,8 @@
 //! Procedural meso-geometry for validation: the cases of Figure 1 of Hadim et al. 2009.
 //!
 //! Each structure is a function from parameters `(u, v)` to points and materials that goes on periodically: at
-//! `(u + 1, v)` and `(u, v + 1)` is the same point, one tile on. `formats/spec/synth.md` has the formulas. Addresses have
-//! the grammar of [`address`](crate::source::address).
+//! `(u + 1, v)` and `(u, v + 1)` is the same point, one tile on. `formats/spec/synth.md` has the formulas. Addresses
+//! have the grammar of [`address`](crate::source::address).
 
 mod button;
 mod folds;
