@@ -9,6 +9,8 @@
 pub mod colour;
 pub mod cursor;
 pub mod direction;
+pub mod direction_mesh;
+pub mod direction_set;
 mod error;
 pub mod measured;
 pub mod pack;

@@ -3,6 +3,7 @@
 //! Each layout has a normative page in `formats/spec`. Readers check every length against the data at hand before they
 //! ask for memory, and say where, what was found and what is allowed when a file does not follow its layout.
 
+pub mod btf_stack;
 pub mod merl;
 pub mod rgl;
 pub mod scan;

@@ -71,13 +71,15 @@ pub fn write(output: &mut impl Write, rows: &[Row]) -> std::io::Result<()> {
     Ok(())
 }
 
-struct Table<'a> {
+/// A CSV file with named columns of numbers.
+pub(crate) struct Table<'a> {
     reader: csv::Reader<&'a [u8]>,
     header: Vec<String>,
 }
 
 impl<'a> Table<'a> {
-    fn open(bytes: &'a [u8]) -> Result<Self, FormatError> {
+    /// Reads the header.
+    pub(crate) fn open(bytes: &'a [u8]) -> Result<Self, FormatError> {
         let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(bytes);
         let header = reader.headers().map_err(|error| csv_error(&error))?;
         let header: Vec<String> = header.iter().map(str::to_owned).collect();
@@ -88,7 +90,7 @@ impl<'a> Table<'a> {
     }
 
     /// Index in the file of each wanted column.
-    fn find(&self, wanted: &[&'static str]) -> Result<Vec<(usize, &'static str)>, FormatError> {
+    pub(crate) fn find(&self, wanted: &[&'static str]) -> Result<Vec<(usize, &'static str)>, FormatError> {
         wanted
             .iter()
             .map(|name| {
@@ -104,7 +106,11 @@ impl<'a> Table<'a> {
             .collect()
     }
 
-    fn next_numbers(&mut self, columns: &[(usize, &'static str)]) -> Result<Option<(u64, Vec<f64>)>, FormatError> {
+    /// Line and numbers of the next record; none at the end.
+    pub(crate) fn next_numbers(
+        &mut self,
+        columns: &[(usize, &'static str)],
+    ) -> Result<Option<(u64, Vec<f64>)>, FormatError> {
         let mut record = csv::StringRecord::new();
         if !self.reader.read_record(&mut record).map_err(|error| csv_error(&error))? {
             return Ok(None);

@@ -1,0 +1,285 @@
+//! Lists of directions at which image stacks are measured.
+
+use crate::FormatError;
+use crate::direction::{Vector, dot, from_polar, normalize, subtract};
+use crate::measured::scan;
+use crate::measured::scan_csv::Table;
+
+/// Most directions of one set.
+pub const MAX_DIRECTIONS: usize = 4096;
+/// Unit vectors closer than this are the same direction.
+pub const SAME_DIRECTION: f64 = 1e-6;
+/// Columns of a set as CSV; angles in degrees, `index` counts from 0.
+pub const COLUMNS: [&str; 3] = ["index", "theta_deg", "phi_deg"];
+
+/// Rings of the Bonn database of 2003: polar angle, count, first azimuth; degrees. 81 directions (Sattler, Sarlette and
+/// Klein 2003, "Efficient and realistic visualization of cloth").
+const UBO2003_RINGS: [(f64, usize, f64); 6] =
+    [(0.0, 1, 0.0), (15.0, 6, 0.0), (30.0, 12, 0.0), (45.0, 18, 0.0), (60.0, 20, 0.0), (75.0, 24, 0.0)];
+
+/// Rings of the Bonn database of 2014: 151 directions (Weinmann, Gall and Klein 2014).
+const UBO2014_RINGS: [(f64, usize, f64); 10] = [
+    (0.0, 1, 0.0),
+    (11.0, 6, 15.0),
+    (23.5, 12, 0.0),
+    (30.0, 12, 15.0),
+    (37.5, 12, 0.0),
+    (45.0, 18, 0.0),
+    (52.5, 18, 7.5),
+    (60.0, 24, 0.0),
+    (67.5, 24, 7.5),
+    (75.0, 24, 0.0),
+];
+
+/// Directions of the upper hemisphere, in a fixed order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DirectionSet {
+    /// What to call it in reports.
+    pub name: String,
+    /// Polar angle to the normal and azimuth from the tangent, degrees.
+    pub angles: Vec<[f64; 2]>,
+}
+
+impl DirectionSet {
+    /// A checked set.
+    ///
+    /// # Errors
+    /// No direction or more than [`MAX_DIRECTIONS`], polar angles outside [0, 90), azimuths outside [-360, 360], two
+    /// directions within [`SAME_DIRECTION`].
+    pub fn new(name: impl Into<String>, angles: Vec<[f64; 2]>) -> Result<Self, FormatError> {
+        let set = Self { name: name.into(), angles };
+        let count = set.angles.len();
+        if !(1..=MAX_DIRECTIONS).contains(&count) {
+            return Err(FormatError::whole("directions", count.to_string(), format!("1 to {MAX_DIRECTIONS}")));
+        }
+        for (index, angles) in set.angles.iter().enumerate() {
+            if let Some((field, found, allowed)) = wrong_angle(*angles) {
+                return Err(FormatError::whole(format!("direction {index}, {field}"), found.to_string(), allowed));
+            }
+        }
+        match first_pair_of_equals(&set.directions()) {
+            Some((first, second)) => Err(FormatError::whole(
+                format!("direction {second}"),
+                format!("direction {first} again"),
+                "directions that differ",
+            )),
+            None => Ok(set),
+        }
+    }
+
+    /// The 81 directions of the BTF database of Bonn University, 2003.
+    pub fn ubo2003() -> Self {
+        Self::from_rings("ubo2003", &UBO2003_RINGS)
+    }
+
+    /// The 151 directions of the BTF database of Bonn University, 2014.
+    pub fn ubo2014() -> Self {
+        Self::from_rings("ubo2014", &UBO2014_RINGS)
+    }
+
+    /// The normal and `zeniths - 1` rings of `azimuths` directions each; polar angles in equal steps up to
+    /// `max_zenith_degrees`, azimuths from 0. `1 + (zeniths - 1) * azimuths` directions.
+    ///
+    /// # Errors
+    /// Counts of 0, more than [`MAX_DIRECTIONS`] directions, a largest polar angle outside (0, 90), rings so fine
+    /// that directions coincide.
+    pub fn grid(zeniths: usize, azimuths: usize, max_zenith_degrees: f64) -> Result<Self, FormatError> {
+        for (field, count) in [("zeniths", zeniths), ("azimuths", azimuths)] {
+            if count == 0 {
+                return Err(FormatError::whole(field, "0", "1 or more"));
+            }
+        }
+        let count = (zeniths - 1).saturating_mul(azimuths).saturating_add(1);
+        if count > MAX_DIRECTIONS {
+            return Err(FormatError::whole("directions", count.to_string(), format!("at most {MAX_DIRECTIONS}")));
+        }
+        if !(max_zenith_degrees > 0.0 && max_zenith_degrees < 90.0) {
+            return Err(FormatError::whole("largest polar angle", max_zenith_degrees.to_string(), "between 0 and 90"));
+        }
+        let mut angles = ring(0.0, 1, 0.0);
+        for k in 1..zeniths {
+            angles.extend(ring(max_zenith_degrees * k as f64 / (zeniths - 1) as f64, azimuths, 0.0));
+        }
+        Self::new(format!("grid-{zeniths}x{azimuths}"), angles)
+    }
+
+    /// Parses a CSV with the columns [`COLUMNS`]: `index` counts the records from 0.
+    ///
+    /// # Errors
+    /// As [`DirectionSet::new`], with the line; a wrong header or index, what is no number.
+    pub fn from_csv(bytes: &[u8]) -> Result<Self, FormatError> {
+        scan::utf8(bytes)?;
+        let mut table = Table::open(bytes)?;
+        let columns = table.find(&COLUMNS)?;
+        let mut angles = Vec::new();
+        let mut lines = Vec::new();
+        while let Some((line, numbers)) = table.next_numbers(&columns)? {
+            if numbers[0] != angles.len() as f64 {
+                return Err(FormatError::at_line(line, "index", numbers[0].to_string(), angles.len().to_string()));
+            }
+            if angles.len() == MAX_DIRECTIONS {
+                let allowed = format!("at most {MAX_DIRECTIONS} directions");
+                return Err(FormatError::at_line(line, "record", "one more direction", allowed));
+            }
+            let found = [numbers[1], numbers[2]];
+            if let Some((field, number, allowed)) = wrong_angle(found) {
+                return Err(FormatError::at_line(line, field, number.to_string(), allowed));
+            }
+            angles.push(found);
+            lines.push(line);
+        }
+        if angles.is_empty() {
+            return Err(FormatError::whole("directions", "none", "at least one record after the header"));
+        }
+        let set = Self { name: "list".to_owned(), angles };
+        if let Some((first, second)) = first_pair_of_equals(&set.directions()) {
+            let found = format!("the direction of line {}", lines[first]);
+            return Err(FormatError::at_line(lines[second], "direction", found, "directions that differ"));
+        }
+        Ok(set)
+    }
+
+    /// The set as CSV, which [`DirectionSet::from_csv`] reads back to the same bits.
+    pub fn to_csv(&self) -> String {
+        let mut text = COLUMNS.join(",") + "\n";
+        for (index, [theta, phi]) in self.angles.iter().enumerate() {
+            text += &format!("{index},{theta},{phi}\n");
+        }
+        text
+    }
+
+    /// Unit vectors, in the order of `angles`.
+    pub fn directions(&self) -> Vec<Vector> {
+        self.angles.iter().map(|[theta, phi]| from_polar(theta.to_radians(), phi.to_radians())).collect()
+    }
+
+    /// How many directions there are.
+    pub fn len(&self) -> usize {
+        self.angles.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.angles.is_empty()
+    }
+
+    /// Index of the direction at the smallest angle to `direction` (any length but 0), the first of several; 0 for an
+    /// empty set.
+    pub fn nearest(&self, direction: Vector) -> usize {
+        let wanted = normalize(direction);
+        let mut best = (0, f64::INFINITY);
+        for (index, found) in self.directions().into_iter().enumerate() {
+            let difference = subtract(found, wanted);
+            let distance = dot(difference, difference);
+            if distance < best.1 {
+                best = (index, distance);
+            }
+        }
+        best.0
+    }
+
+    fn from_rings(name: &str, rings: &[(f64, usize, f64)]) -> Self {
+        let angles = rings.iter().flat_map(|&(theta, count, first)| ring(theta, count, first)).collect();
+        Self { name: name.to_owned(), angles }
+    }
+}
+
+/// `count` directions at polar angle `theta`, in equal steps of azimuth from `first`; degrees.
+fn ring(theta: f64, count: usize, first: f64) -> Vec<[f64; 2]> {
+    (0..count).map(|k| [theta, first + 360.0 * k as f64 / count as f64]).collect()
+}
+
+/// Field, number and what is allowed, where an angle is out of range.
+pub(crate) fn wrong_angle([theta, phi]: [f64; 2]) -> Option<(&'static str, f64, &'static str)> {
+    if !(0.0..90.0).contains(&theta) {
+        return Some(("theta_deg", theta, "0 to less than 90"));
+    }
+    (!(-360.0..=360.0).contains(&phi)).then_some(("phi_deg", phi, "-360 to 360"))
+}
+
+/// The first index whose direction stood before, behind the index where it did.
+fn first_pair_of_equals(directions: &[Vector]) -> Option<(usize, usize)> {
+    let same = |a: Vector, b: Vector| {
+        let difference = subtract(a, b);
+        dot(difference, difference) < SAME_DIRECTION * SAME_DIRECTION
+    };
+    (1..directions.len()).find_map(|second| {
+        (0..second).find(|first| same(directions[*first], directions[second])).map(|first| (first, second))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sets_of_bonn() {
+        let set = DirectionSet::ubo2003();
+        assert_eq!(set.len(), 81);
+        assert_eq!(set.angles[..3], [[0.0, 0.0], [15.0, 0.0], [15.0, 60.0]]);
+        for (theta, step) in [(15.0, 60.0), (30.0, 30.0), (45.0, 20.0), (60.0, 18.0), (75.0, 15.0)] {
+            let ring: Vec<f64> = set.angles.iter().filter(|a| a[0] == theta).map(|a| a[1]).collect();
+            assert!(ring.iter().enumerate().all(|(k, phi)| (phi - step * k as f64).abs() < 1e-12), "{ring:?}");
+            assert_eq!(ring.len() as f64 * step, 360.0);
+        }
+        assert_eq!(DirectionSet::ubo2014().len(), 151);
+        for set in [set, DirectionSet::ubo2014()] {
+            assert_eq!(DirectionSet::new(set.name.clone(), set.angles.clone()), Ok(set));
+        }
+    }
+
+    #[test]
+    fn a_grid_has_one_pole() {
+        let set = DirectionSet::grid(4, 8, 75.0).unwrap();
+        assert_eq!(set.len(), 25);
+        assert_eq!((set.angles[0], set.angles[1], set.angles[24]), ([0.0, 0.0], [25.0, 0.0], [75.0, 315.0]));
+        assert_eq!(DirectionSet::grid(1, 8, 75.0).unwrap().len(), 1);
+        let text = |z, a, t| DirectionSet::grid(z, a, t).unwrap_err().to_string();
+        assert!(text(0, 8, 75.0).contains("zeniths: found 0"));
+        assert!(text(4, 0, 75.0).contains("azimuths: found 0"));
+        assert!(text(4, 8, 90.0).contains("found 90"));
+        assert!(text(4, 8, f64::NAN).contains("NaN"));
+        assert!(text(usize::MAX, 8, 75.0).contains("at most 4096"));
+        assert!(text(2, 8, 1e-7).contains("differ"));
+    }
+
+    #[test]
+    fn directions_are_unit_vectors_and_nearest_to_themselves() {
+        let set = DirectionSet::ubo2014();
+        for (index, d) in set.directions().into_iter().enumerate() {
+            assert!((dot(d, d) - 1.0).abs() < 1e-14 && d[2] > 0.0);
+            assert_eq!(set.nearest([2.0 * d[0], 2.0 * d[1], 2.0 * d[2]]), index);
+        }
+        let [theta, phi] = [75.0f64, 345.0f64].map(f64::to_radians);
+        assert!((set.directions()[150][0] - theta.sin() * phi.cos()).abs() < 1e-14);
+        assert_eq!(set.nearest([0.0, 0.05, 1.0]), 0);
+        assert!(set.nearest([0.0, 0.0, -1.0]) >= 127, "one of the outer ring");
+    }
+
+    #[test]
+    fn csv_round_trip() {
+        let set = DirectionSet::grid(7, 9, 80.0).unwrap();
+        assert_eq!(DirectionSet::from_csv(set.to_csv().as_bytes()).unwrap().angles, set.angles);
+    }
+
+    #[test]
+    fn errors_name_the_line() {
+        let head = "index,theta_deg,phi_deg\n";
+        let text = |rows: &str| DirectionSet::from_csv(format!("{head}{rows}").as_bytes()).unwrap_err().to_string();
+        assert_eq!(text("0,90,0\n"), "line 2, theta_deg: found 90; allowed 0 to less than 90");
+        assert!(text("0,0,0\n1,-1,0\n").starts_with("line 3, theta_deg: found -1"));
+        assert!(text("0,0,361\n").contains("phi_deg: found 361"));
+        assert!(text("0,0,x\n").contains("line 2, phi_deg: found \"x\""));
+        assert!(text("0,0,0\n2,10,0\n").contains("line 3, index: found 2; allowed 1"));
+        assert!(text("0,0,0\n1,10,0\n2,0,90\n").contains("line 4, direction: found the direction of line 2"));
+        assert!(text("0,10,0\n1,10,360\n").contains("line 3, direction"));
+        assert!(text("").contains("at least one record"));
+        let many: String = (0..4097).map(|k| format!("{k},{},{}\n", k as f64 * 0.02, k % 360)).collect();
+        assert!(text(&many).starts_with("line 4098, record: found one more direction; allowed at most 4096"));
+        let error = DirectionSet::from_csv(b"index,theta,phi\n").unwrap_err().to_string();
+        assert!(error.contains("column theta_deg"), "{error}");
+        // Just far enough apart: no error.
+        let near = format!("{head}0,10,0\n1,10.0001,0\n");
+        assert_eq!(DirectionSet::from_csv(near.as_bytes()).unwrap().len(), 2);
+    }
+}
