@@ -11,6 +11,7 @@ pub mod cursor;
 pub mod direction;
 mod error;
 pub mod measured;
+pub mod meso;
 pub mod pack;
 
 pub use error::{FormatError, Place};

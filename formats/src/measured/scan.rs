@@ -182,7 +182,7 @@ fn read_wavelengths<'a>(
     ))
 }
 
-pub(super) fn utf8(bytes: &[u8]) -> Result<&str, FormatError> {
+pub(crate) fn utf8(bytes: &[u8]) -> Result<&str, FormatError> {
     std::str::from_utf8(bytes).map_err(|error| {
         let good = &bytes[..error.valid_up_to()];
         let line = 1 + good.iter().filter(|byte| **byte == b'\n').count() as u64;
@@ -190,12 +190,12 @@ pub(super) fn utf8(bytes: &[u8]) -> Result<&str, FormatError> {
     })
 }
 
-pub(super) fn quoted(token: &str) -> String {
+pub(crate) fn quoted(token: &str) -> String {
     let short: String = token.chars().take(40).collect();
     if short.len() < token.len() { format!("\"{short}...\"") } else { format!("\"{short}\"") }
 }
 
-pub(super) fn number(token: &str, line: u64, field: &'static str) -> Result<f64, FormatError> {
+pub(crate) fn number(token: &str, line: u64, field: &'static str) -> Result<f64, FormatError> {
     token
         .parse::<f64>()
         .ok()
