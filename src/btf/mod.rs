@@ -4,3 +4,4 @@
 //! Lengths are in tiles: the surface repeats after 1 along x and y; z is up, and the reference plane is `z = 0`.
 
 pub mod mesh;
+pub mod weld;
