@@ -13,6 +13,7 @@ pub mod direction_mesh;
 pub mod direction_set;
 mod error;
 pub mod measured;
+pub mod meso;
 pub mod pack;
 
 pub use error::{FormatError, Place};

@@ -64,6 +64,16 @@ impl PeriodicMesh {
         [z.clone().fold(f64::INFINITY, f64::min), z.fold(f64::NEG_INFINITY, f64::max)]
     }
 
+    /// Area of the projection on the reference plane in tiles, parts that face down counted negative: 1 for a sheet
+    /// over the tile.
+    pub fn projected_area(&self) -> f64 {
+        let area = |triangle| {
+            let [a, b, c] = self.corners(triangle);
+            0.5 * cross(subtract(b, a), subtract(c, a))[2]
+        };
+        (0..self.triangles.len()).map(area).sum()
+    }
+
     /// A mesh through a grid of `columns` x `rows` points, row by row, that is joined at its ends: point `(column, row)`
     /// comes from parameters `(column / columns, row / rows)`, and at `columns` the surface goes on one tile along x, at
     /// `rows` one tile along y. Quads are split along their shorter diagonal. Normals are means over the triangles at a
@@ -113,5 +123,57 @@ impl PeriodicMesh {
             }
         }
         normals.into_iter().map(normalize).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::collections::BTreeMap;
+
+    /// How often each edge is passed, in either direction; keys are its ends, and how many tiles it goes.
+    pub fn edges(mesh: &PeriodicMesh) -> BTreeMap<(u32, u32, [i32; 2]), [usize; 2]> {
+        let mut edges: BTreeMap<_, [usize; 2]> = BTreeMap::new();
+        for triangle in &mesh.triangles {
+            for side in 0..3 {
+                let (from, to) = (triangle[side], triangle[(side + 1) % 3]);
+                let step = [0, 1].map(|k| to.tile[k] - from.tile[k]);
+                let (along, back) = ((from.vertex, to.vertex, step), (to.vertex, from.vertex, step.map(|s| -s)));
+                edges.entry(along.min(back)).or_default()[usize::from(back < along)] += 1;
+            }
+        }
+        edges
+    }
+
+    proptest! {
+        /// Whatever the points are, the grid is a torus that covers the tile once.
+        #[test]
+        fn grids_are_sheets(
+            (columns, rows, offsets) in (3usize..9, 3usize..9).prop_flat_map(|(columns, rows)| {
+                let offset = [-0.4..0.4, -0.4..0.4, -1.0..1.0];
+                (Just(columns), Just(rows), prop::collection::vec(offset, columns * rows))
+            }),
+        ) {
+            let place = |i: usize| [(i % columns) as f64 / columns as f64, (i / columns) as f64 / rows as f64, 0.0];
+            let points: Vec<Vector> =
+                offsets.iter().enumerate().map(|(i, o)| [0, 1, 2].map(|k| place(i)[k] + o[k])).collect();
+            let mesh = PeriodicMesh::from_grid(columns, rows, points, vec![VertexMaterial::default(); columns * rows]);
+            let edges = edges(&mesh);
+            prop_assert!(edges.values().all(|passes| *passes == [1, 1]));
+            prop_assert_eq!(mesh.positions.len() + mesh.triangles.len(), edges.len());
+            prop_assert!((mesh.projected_area() - 1.0).abs() < 1e-12, "{}", mesh.projected_area());
+            prop_assert!(mesh.normals.iter().all(|n| (dot(*n, *n) - 1.0).abs() < 1e-12));
+        }
+    }
+
+    #[test]
+    fn a_missing_triangle_is_missed() {
+        let points = (0..9).map(|i| [f64::from(i % 3) / 3.0, f64::from(i / 3) / 3.0, 0.0]).collect();
+        let mut mesh = PeriodicMesh::from_grid(3, 3, points, vec![VertexMaterial::default(); 9]);
+        assert!((mesh.projected_area() - 1.0).abs() < 1e-15);
+        mesh.triangles.pop();
+        assert!((mesh.projected_area() - 17.0 / 18.0).abs() < 1e-15);
+        assert!(edges(&mesh).values().any(|passes| *passes != [1, 1]));
     }
 }

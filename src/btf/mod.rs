@@ -19,3 +19,4 @@ pub mod surface;
 #[cfg(test)]
 mod testing;
 pub mod texels;
+pub mod weld;

@@ -3,6 +3,7 @@
 pub mod address;
 pub mod analytic;
 mod merl;
+pub mod meso;
 pub mod open;
 mod pack;
 pub mod rgl;

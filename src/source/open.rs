@@ -200,30 +200,17 @@ pub fn open(input: &str, level: Option<f32>) -> Result<Opened, InputError> {
 /// As [`open`].
 pub fn open_file(path: &Path, level: Option<f32>) -> Result<Opened, InputError> {
     let name = path.display().to_string();
-    let io = |error| InputError::Io { name: name.clone(), error };
     let format = |error| InputError::Format { name: name.clone(), error };
-    let mut file = File::open(path).map_err(io)?;
-    let metadata = file.metadata().map_err(io)?;
-    if metadata.is_dir() {
-        return Err(io(std::io::Error::from(std::io::ErrorKind::IsADirectory)));
-    }
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
+    let (file, length) = open_path(path)?;
+    let extension = extension_of(path);
     if extension == "binary" {
-        let table = Merl::read(file, metadata.len()).map_err(|error| match error {
+        let table = Merl::read(file, length).map_err(|error| match error {
             MerlError::Format(error) => format(error),
-            MerlError::Io(error) => io(error),
+            MerlError::Io(error) => InputError::Io { name: name.clone(), error },
         })?;
         return Ok(opened_merl(table));
     }
-    if metadata.len() > MAX_FILE_BYTES {
-        return Err(format(FormatError::whole(
-            "file length",
-            format!("{} bytes", metadata.len()),
-            format!("at most {MAX_FILE_BYTES} bytes"),
-        )));
-    }
-    let mut bytes = Vec::with_capacity(metadata.len() as usize);
-    file.read_to_end(&mut bytes).map_err(io)?;
+    let bytes = read_all(path, file, length)?;
     let opened = match extension.as_str() {
         "brdf" => Scan::from_bytes(&bytes).and_then(|scan| opened_scan(&scan)),
         "csv" => scan_csv::from_bytes(&bytes).and_then(|scan| opened_scan(&scan)),
@@ -231,11 +218,44 @@ pub fn open_file(path: &Path, level: Option<f32>) -> Result<Opened, InputError> 
         "ktx2" => WaveletPack::from_bytes(&bytes).map(|pack| opened_pack(&pack, level)),
         _ => Err(FormatError::whole(
             "file name",
-            if extension.is_empty() { "no extension".to_owned() } else { format!("extension .{extension}") },
+            found_extension(&extension),
             ".binary (MERL), .brdf or .csv (scan), .bsdf (RGL), .ktx2 (pack), or synth:MODEL",
         )),
     };
     opened.map_err(format)
+}
+
+/// Opens what is no folder; its length too.
+pub(super) fn open_path(path: &Path) -> Result<(File, u64), InputError> {
+    let io = |error| InputError::Io { name: path.display().to_string(), error };
+    let file = File::open(path).map_err(io)?;
+    let metadata = file.metadata().map_err(io)?;
+    if metadata.is_dir() {
+        return Err(io(std::io::Error::from(std::io::ErrorKind::IsADirectory)));
+    }
+    Ok((file, metadata.len()))
+}
+
+/// Reads a file to its end if it is not too large.
+pub(super) fn read_all(path: &Path, mut file: File, length: u64) -> Result<Vec<u8>, InputError> {
+    let name = path.display().to_string();
+    if length > MAX_FILE_BYTES {
+        let (found, allowed) = (format!("{length} bytes"), format!("at most {MAX_FILE_BYTES} bytes"));
+        return Err(InputError::Format { name, error: FormatError::whole("file length", found, allowed) });
+    }
+    let mut bytes = Vec::with_capacity(length as usize);
+    file.read_to_end(&mut bytes).map_err(|error| InputError::Io { name, error })?;
+    Ok(bytes)
+}
+
+/// The extension of a file's name in lower case, or nothing.
+pub(super) fn extension_of(path: &Path) -> String {
+    path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase()
+}
+
+/// An extension as an error says that it was found.
+pub(super) fn found_extension(extension: &str) -> String {
+    if extension.is_empty() { "no extension".to_owned() } else { format!("extension .{extension}") }
 }
 
 fn opened_merl(table: Merl) -> Opened {

@@ -1,0 +1,177 @@
+use super::*;
+use crate::meso::testing::{meshes, mutate};
+use proptest::prelude::*;
+
+const HEADER: &str = "ply\nformat ascii 1.0\ncomment made by hand\nelement vertex 4\nproperty float x\n\
+    property float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
+const BODY: &str = "0 0 0\n1 0 0\n1 1 0\n0 1 0.5\n4 0 1 2 3\n";
+
+fn message(text: &str) -> String {
+    from_bytes(text.as_bytes()).unwrap_err().to_string()
+}
+
+fn square() -> String {
+    format!("{HEADER}{BODY}")
+}
+
+#[test]
+fn a_polygon_becomes_a_fan() {
+    for text in [
+        square(),
+        square().replace('\n', "\r\n"),
+        square().replace("vertex_indices", "vertex_index"),
+        square().replace("float", "float64").replace("uchar int", "uint8 uint16"),
+        format!("{HEADER}{}", BODY.replace('\n', " ")),
+    ] {
+        let mesh = from_bytes(text.as_bytes()).unwrap();
+        assert_eq!(mesh.positions, [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.5]]);
+        assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3]]);
+        assert!(mesh.materials.is_empty() && mesh.colours.is_empty());
+    }
+}
+
+#[test]
+fn other_elements_and_properties_are_skipped() {
+    let text = "ply\nformat ascii 1.0\nelement nothing 18446744073709551615\nelement camera 1\n\
+        property float view\nproperty list int float k\nelement face 1\nproperty uchar flags\n\
+        property list uchar float texcoord\nproperty list uchar uint vertex_index\nelement vertex 3\nproperty short z\n\
+        property list uchar int more\nproperty double y\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n\
+        property uchar alpha\nproperty int x\nend_header\n\
+        nan 2 0.5 0.5\n7 2 0 0 3 2 0 1\n-1 0 2.5 0 255 128 255 3\n-2 1 9 2.5 0 255 128 255 4\n-3 0 3e0 0 255 128 255 5\n";
+    let mesh = from_bytes(text.as_bytes()).unwrap();
+    assert_eq!(mesh.positions, [[3.0, 2.5, -1.0], [4.0, 2.5, -2.0], [5.0, 3.0, -3.0]]);
+    assert_eq!(mesh.triangles, [[2, 0, 1]]);
+    assert_eq!((mesh.colours[0][0], mesh.colours[0][1]), (0.0, 1.0));
+    assert!((mesh.colours[0][2] - 0.215_861).abs() < 1e-6, "128 of sRGB");
+}
+
+/// A file with every type, in the byte order that `number` gives.
+fn binary(order: &str, bytes: fn(&[u8]) -> Vec<u8>) -> Vec<u8> {
+    let mut file = format!(
+        "ply\nformat binary_{order}_endian 1.0\nelement vertex 3\nproperty float x\nproperty double y\nproperty short z\n\
+        property float red\nproperty float green\nproperty double blue\nelement face 1\nproperty ushort a\n\
+        property list int uint vertex_indices\nproperty char b\nend_header\n"
+    )
+    .into_bytes();
+    for k in 0..3i16 {
+        let number = f32::from(k);
+        file.extend(bytes(&(number + 0.5).to_le_bytes()));
+        file.extend(bytes(&f64::from(-number).to_le_bytes()));
+        file.extend(bytes(&(300 * k).to_le_bytes()));
+        file.extend(bytes(&0.25f32.to_le_bytes()));
+        file.extend(bytes(&0.5f32.to_le_bytes()));
+        file.extend(bytes(&1.0f64.to_le_bytes()));
+    }
+    file.extend(bytes(&513u16.to_le_bytes()));
+    file.extend(bytes(&3i32.to_le_bytes()));
+    (0..3u32).for_each(|k| file.extend(bytes(&k.to_le_bytes())));
+    file.push(0xff);
+    file
+}
+
+fn little() -> Vec<u8> {
+    binary("little", <[u8]>::to_vec)
+}
+
+fn big() -> Vec<u8> {
+    binary("big", |bytes| bytes.iter().rev().copied().collect())
+}
+
+#[test]
+fn both_byte_orders_hold_the_same() {
+    let mesh = from_bytes(&little()).unwrap();
+    assert_eq!(mesh.positions, [[0.5, 0.0, 0.0], [1.5, -1.0, 300.0], [2.5, -2.0, 600.0]]);
+    assert_eq!((mesh.triangles.as_slice(), mesh.colours[2]), ([[0, 1, 2]].as_slice(), [0.25, 0.5, 1.0]));
+    assert_eq!(from_bytes(&big()).unwrap(), mesh);
+    let swapped = String::from_utf8_lossy(&big()).contains("big");
+    assert!(swapped && little() != big());
+}
+
+#[test]
+fn errors_say_where() {
+    assert_eq!(message(""), "header: found end of data after 0 bytes; allowed end_header");
+    assert_eq!(message("plx\n"), "line 1, first line: found \"plx\"; allowed ply");
+    assert!(message("ply\nformat ascii 2.0\n").starts_with("line 2, format: found \"ascii 2.0\"; allowed ascii,"));
+    assert!(message("ply\nend_header\n").contains("line 2, header: found \"end_header\"; allowed a line format"));
+    assert!(message("ply\nelement vertex -1\n").contains("line 2, element count: found \"-1\""));
+    assert!(
+        message("ply\nelement a 1\nelement a 1\n").contains("line 3, element: found \"a\"; allowed each name once")
+    );
+    assert!(message("ply\nproperty int a\n").contains("allowed an element before it"));
+    assert!(message("ply\nelement a 1\nproperty half a\n").contains("allowed char, uchar"));
+    assert!(message("ply\nelement a 1\nproperty list int a\n").contains("line 3, header"));
+    assert!(message("ply\nelement a 1\nproperty int a\nproperty int a\n").contains("line 4, property: found \"a\""));
+    assert!(message("ply\nrubbish\n").contains("line 2, header: found \"rubbish\"; allowed comment, obj_info"));
+    assert!(message("ply\nformat ascii 1.0").contains("a line feed after it"));
+    let changed = |from: &str, to: &str| message(&square().replace(from, to));
+    assert!(
+        changed("element vertex", "element point").contains("elements: found \"point face\"; allowed one named vertex")
+    );
+    assert!(changed("float z", "float w").contains("line 4, vertex: found \"x y w\"; allowed scalar properties x, y"));
+    assert!(
+        changed("list uchar int vertex_indices", "int vertex_indices")
+            .contains("line 9, face: found vertex indices of")
+    );
+    assert!(changed("uchar int vertex_indices", "uchar float vertex_indices").contains("of another type"));
+    assert!(changed("vertex_indices", "v").contains("line 8, face: found no list"));
+    assert!(changed("float z\n", "float z\nproperty uchar red\n").contains("some of red, green, blue"));
+    assert!(
+        changed("float z\n", "float z\nproperty int red\nproperty int green\nproperty int blue\n")
+            .contains("line 8, colour: found red, green, blue of other types")
+    );
+    assert!(changed("1 1 0\n", "1 nan 0\n").contains("line 13, coordinate: found NaN; allowed -1e12 to 1e12"));
+    assert!(changed("1 1 0\n", "1 1e13 0\n").contains("coordinate: found 10000000000000"));
+    assert!(changed("1 1 0\n", "1 x 0\n").contains("line 13, vertex: found \"x\"; allowed a number"));
+    assert!(changed("4 0 1 2 3", "4 0 1 2 4").contains("line 15, vertex index: found 4; allowed 0 or more, below 4"));
+    assert!(changed("4 0 1 2 3", "4 0 1 2 -1").contains("vertex index: found -1"));
+    assert!(changed("4 0 1 2 3", "4 0 1 2 1.5").contains("found \"1.5\"; allowed an integer"));
+    assert!(changed("4 0 1 2 3", "2 0 1").contains("line 15, face: found 2 corners; allowed 3 or more"));
+    assert!(changed("4 0 1 2 3", "256 0 1").contains("found \"256\"; allowed an integer, 0 to 255"));
+    assert!(changed("4 0 1 2 3", "4 0 1 2").contains("line 15, vertex index: found end of data"));
+    assert!(changed("4 0 1 2 3", "3 0 1 2 3").contains("end of data: found \"3\"; allowed nothing after"));
+    assert!(changed("vertex 4", "vertex 999999999999").contains("element count: found 999999999999 rows of vertex"));
+    let empty = square().replace("face 1", "face 0").replace("4 0 1 2 3\n", "");
+    assert_eq!(message(&empty), "faces: found none, and 4 vertices; allowed at least one");
+    let not_text = [HEADER.as_bytes(), b"0 0 0\n\xff"].concat();
+    assert!(from_bytes(&not_text).unwrap_err().to_string().starts_with("line 12, text: found byte 0xff"));
+}
+
+#[test]
+fn errors_of_binary_files_name_the_byte() {
+    let good = little();
+    for length in 0..good.len() {
+        assert!(from_bytes(&good[..length]).is_err(), "{length}");
+    }
+    let start = good.len() - (1 + 12 + 4 + 2) - 3 * 30;
+    let error = |at: usize, bytes: &[u8]| {
+        let mut file = good.clone();
+        file[at..at + bytes.len()].copy_from_slice(bytes);
+        from_bytes(&file).unwrap_err().to_string()
+    };
+    let place = |offset: usize| format!("byte {}, ", start + offset);
+    assert!(error(start, &f32::NAN.to_le_bytes()).starts_with(&format!("{}coordinate: found NaN", place(30))));
+    assert!(error(start + 14, &2.0f32.to_le_bytes()).starts_with(&format!("{}colour: found 2;", place(30))));
+    let faces = start + 90;
+    let length = error(faces + 2, &i32::MAX.to_le_bytes());
+    assert_eq!(length, format!("{}list length: found 2147483647; allowed 0 to 3, for which there are data", place(96)));
+    assert!(error(faces + 2, &(-1i32).to_le_bytes()).contains("list length: found -1"));
+    assert!(error(faces + 6, &7u32.to_le_bytes()).contains("vertex index: found 7"));
+    let longer = [good.as_slice(), &[0]].concat();
+    assert!(from_bytes(&longer).unwrap_err().to_string().contains("end of data: found 1 bytes"));
+}
+
+#[test]
+fn no_change_of_bytes_panics() {
+    for bytes in [square().into_bytes(), little(), big()] {
+        mutate(&bytes, from_bytes);
+    }
+}
+
+proptest! {
+    #[test]
+    fn what_is_written_is_read(mesh in meshes()) {
+        let mut bytes = Vec::new();
+        write(&mut bytes, &mesh).unwrap();
+        prop_assert_eq!(from_bytes(&bytes).unwrap(), mesh);
+    }
+}

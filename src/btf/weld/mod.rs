@@ -1,0 +1,296 @@
+//! From a mesh as a file holds it, or a height map, to a surface that closes over the tile.
+
+mod error;
+mod identify;
+mod sliver;
+mod topology;
+
+pub use error::MesoError;
+pub use identify::TOLERANCE;
+
+use super::mesh::{Corner, MAX_MATERIALS, PeriodicMesh, VertexMaterial};
+use brdfc_formats::direction::Vector;
+use brdfc_formats::meso::TriangleMesh;
+use serde::{Deserialize, Serialize};
+use std::collections::HashSet;
+use topology::EdgeError;
+
+/// Farthest coordinate along any axis, in tiles.
+const MAX_TILES: f64 = 1e6;
+
+/// What a mesh had, and what was mended.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct WeldReport {
+    /// Vertices in the mesh.
+    pub vertices_in: usize,
+    /// Triangles in the mesh.
+    pub triangles_in: usize,
+    /// Vertices of the surface.
+    pub vertices: usize,
+    /// Triangles of the surface.
+    pub triangles: usize,
+    /// Vertices joined to one before them, in the same tile or another.
+    pub merged_vertices: usize,
+    /// Vertices left out because no triangle has them.
+    pub unreferenced_vertices: usize,
+    /// Triangles left out because two corners are one.
+    pub degenerate_triangles: usize,
+    /// Triangles left out because there is the same before them, in the same tile or another.
+    pub duplicate_triangles: usize,
+    /// Triangles turned over.
+    pub turned_triangles: usize,
+    /// Triangles whose corners lie in a line, mended by exchanging the longest edge for the other diagonal.
+    pub exchanged_edges: usize,
+}
+
+/// Joins the vertices of a mesh that repeats after `tile`, in the file's unit, along x and y.
+///
+/// Triangles are turned so that outside is up. The surface's materials are the mesh's, in their order.
+///
+/// # Errors
+/// Whatever is no sheet over the tile, see [`MesoError`]: holes, borders that do not fit, edges of more than two
+/// triangles, parts that are loose or only touch, handles.
+pub fn weld(mesh: &TriangleMesh, tile: f64) -> Result<(PeriodicMesh, WeldReport), MesoError> {
+    if !(tile.is_finite() && tile > 0.0) {
+        return Err(MesoError::Tile(tile));
+    }
+    mesh.check()?;
+    if mesh.materials.len() > MAX_MATERIALS {
+        return Err(MesoError::Materials(mesh.materials.clone()));
+    }
+    let mut welder = Welder::new(mesh, tile)?;
+    welder.close()?;
+    welder.mend_slivers()?;
+    Ok(welder.finish())
+}
+
+struct Welder<'a> {
+    mesh: &'a TriangleMesh,
+    tile: f64,
+    surface: PeriodicMesh,
+    /// Index of the vertex of the mesh that each one of the surface is.
+    vertices: Vec<u32>,
+    /// Index of the triangle of the mesh that each one of the surface is.
+    triangles: Vec<u32>,
+    report: WeldReport,
+}
+
+impl<'a> Welder<'a> {
+    /// Identifies vertices and leaves out what is no triangle.
+    fn new(mesh: &'a TriangleMesh, tile: f64) -> Result<Self, MesoError> {
+        let mut used = vec![false; mesh.positions.len()];
+        mesh.triangles.iter().flatten().for_each(|vertex| used[*vertex as usize] = true);
+        let listed: Vec<u32> = (0..used.len() as u32).filter(|vertex| used[*vertex as usize]).collect();
+        let mut place = vec![0; used.len()];
+        for (at, vertex) in listed.iter().enumerate() {
+            place[*vertex as usize] = at;
+            let position = mesh.positions[*vertex as usize];
+            let found = position.iter().fold(0.0, |far: f64, c| far.max((c / tile).abs()));
+            if found > MAX_TILES {
+                return Err(MesoError::Far { vertex: *vertex as usize, position, found });
+            }
+        }
+        let identified = identify::identify(listed.iter().map(|v| mesh.positions[*v as usize].map(|c| c / tile)));
+        let mut report = WeldReport {
+            vertices_in: used.len(),
+            triangles_in: mesh.triangles.len(),
+            merged_vertices: listed.len() - identified.positions.len(),
+            unreferenced_vertices: used.len() - listed.len(),
+            ..WeldReport::default()
+        };
+        let mut surface = PeriodicMesh { positions: identified.positions, ..PeriodicMesh::default() };
+        let mut triangles = Vec::new();
+        let mut known = HashSet::new();
+        for (index, vertices) in mesh.triangles.iter().enumerate() {
+            let corners = in_first_tile(vertices.map(|v| identified.corners[place[v as usize]]));
+            if corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0] {
+                report.degenerate_triangles += 1;
+                continue;
+            }
+            let mut key = corners.map(|corner| (corner.vertex, corner.tile));
+            key.sort_unstable();
+            if known.insert(key) {
+                surface.triangles.push(corners);
+                triangles.push(index as u32);
+            } else {
+                report.duplicate_triangles += 1;
+            }
+        }
+        let vertices = identified.first.iter().map(|at| listed[*at as usize]).collect();
+        let mut welder = Self { mesh, tile, surface, vertices, triangles, report };
+        if welder.surface.triangles.is_empty() {
+            return Err(MesoError::Empty { triangles: mesh.triangles.len(), extent: welder.extent(), tile });
+        }
+        welder.drop_unused_vertices();
+        Ok(welder)
+    }
+
+    /// Leaves out vertices of which only degenerate triangles are left.
+    fn drop_unused_vertices(&mut self) {
+        let mut used = vec![false; self.surface.positions.len()];
+        self.surface.triangles.iter().flatten().for_each(|corner| used[corner.vertex as usize] = true);
+        let mut kept = 0;
+        let mut index = vec![0; used.len()];
+        for old in 0..used.len() {
+            index[old] = kept as u32;
+            if used[old] {
+                self.surface.positions[kept] = self.surface.positions[old];
+                self.vertices[kept] = self.vertices[old];
+                kept += 1;
+            }
+        }
+        self.surface.positions.truncate(kept);
+        self.vertices.truncate(kept);
+        self.report.unreferenced_vertices += used.len() - kept;
+        let corners = self.surface.triangles.iter_mut().flatten();
+        corners.for_each(|corner| corner.vertex = index[corner.vertex as usize]);
+    }
+
+    /// Turns triangles so that the surface is one sheet with its outside up, or says why it is none.
+    fn close(&mut self) -> Result<(), MesoError> {
+        let partners = topology::partners(&self.surface.triangles).map_err(|error| self.edge_error(error))?;
+        let orientation = topology::orient(&self.surface.triangles, &partners);
+        if let Some(second) = orientation.pieces.get(1) {
+            let [position, ..] = self.corners_in_file(*second);
+            let (count, triangle) = (orientation.pieces.len(), self.triangles[*second] as usize);
+            return Err(MesoError::Pieces { count, triangle, position });
+        }
+        if let Some(conflict) = orientation.conflict {
+            let [position, ..] = self.corners_in_file(conflict);
+            return Err(MesoError::NotOrientable { triangle: self.triangles[conflict] as usize, position });
+        }
+        let mut turn = orientation.turn;
+        self.turn(&turn);
+        // The size is judged once the topology is known: a closed body covers nothing.
+        if self.surface.projected_area() < 0.0 {
+            self.turn(&vec![true; turn.len()]);
+            turn.iter_mut().for_each(|turn| *turn = !*turn);
+        }
+        self.report.turned_triangles = turn.iter().filter(|turn| **turn).count();
+
+        let partners = topology::partners(&self.surface.triangles).map_err(|error| self.edge_error(error))?;
+        let (vertices, triangles) = (self.surface.positions.len(), self.surface.triangles.len());
+        if let Some(vertex) = topology::touching_vertex(&self.surface.triangles, &partners, vertices) {
+            let vertex = self.vertices[vertex as usize] as usize;
+            return Err(MesoError::Touching { vertex, position: self.mesh.positions[vertex] });
+        }
+        let edges = triangles / 2 * 3;
+        let characteristic = vertices as i64 - edges as i64 + triangles as i64;
+        if characteristic != 0 {
+            return Err(MesoError::Topology { vertices, edges, triangles, characteristic });
+        }
+        // A whole number, up to rounding, for any closed surface.
+        let found = self.surface.projected_area();
+        if found.round() != 1.0 {
+            return Err(MesoError::Cover { found, extent: self.extent(), tile: self.tile });
+        }
+        Ok(())
+    }
+
+    fn turn(&mut self, turn: &[bool]) {
+        self.surface.triangles.iter_mut().zip(turn).filter(|(_, turn)| **turn).for_each(|(t, _)| t.swap(1, 2));
+    }
+
+    fn mend_slivers(&mut self) -> Result<(), MesoError> {
+        self.report.exchanged_edges = sliver::mend(&mut self.surface);
+        match (0..self.surface.triangles.len()).find(|t| sliver::is_flat(self.surface.corners(*t))) {
+            Some(flat) => {
+                Err(MesoError::Flat { triangle: self.triangles[flat] as usize, corners: self.corners_in_file(flat) })
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn finish(mut self) -> (PeriodicMesh, WeldReport) {
+        self.surface.materials = self.materials();
+        self.surface.normals = self.surface.smooth_normals();
+        self.report.vertices = self.surface.positions.len();
+        self.report.triangles = self.surface.triangles.len();
+        (self.surface, self.report)
+    }
+
+    /// Shares of the triangles at each vertex, and its colour.
+    fn materials(&self) -> Vec<VertexMaterial> {
+        let mut counts = vec![[0u32; MAX_MATERIALS]; self.surface.positions.len()];
+        for (corners, index) in self.surface.triangles.iter().zip(&self.triangles) {
+            let material = self.mesh.triangle_materials.get(*index as usize).map_or(0, |material| *material as usize);
+            corners.iter().for_each(|corner| counts[corner.vertex as usize][material] += 1);
+        }
+        let tint = |vertex: u32| self.mesh.colours.get(vertex as usize).copied().unwrap_or([1.0; 3]);
+        let share = |counts: [u32; MAX_MATERIALS]| counts.map(|n| n as f32 / counts.iter().sum::<u32>() as f32);
+        counts
+            .into_iter()
+            .zip(&self.vertices)
+            .map(|(counts, vertex)| VertexMaterial { weights: share(counts), tint: tint(*vertex) })
+            .collect()
+    }
+
+    fn edge_error(&self, error: EdgeError) -> MesoError {
+        let (EdgeError::Open(bad) | EdgeError::NonManifold(bad)) = error;
+        let corners = self.corners_in_file(bad.triangle);
+        let edge = [corners[bad.side], corners[(bad.side + 1) % 3]];
+        let triangle = self.triangles[bad.triangle] as usize;
+        let (count, triangles, extent, tile) = (bad.count, bad.triangles, self.extent(), self.tile);
+        match error {
+            EdgeError::Open(_) => MesoError::Open { count, triangle, edge, extent, tile },
+            EdgeError::NonManifold(_) => MesoError::NonManifold { count, triangle, triangles, edge, extent, tile },
+        }
+    }
+
+    /// Corners of the triangle of the file that a triangle of the surface is, in the file's unit.
+    fn corners_in_file(&self, triangle: usize) -> [Vector; 3] {
+        self.mesh.triangles[self.triangles[triangle] as usize].map(|vertex| self.mesh.positions[vertex as usize])
+    }
+
+    /// Sizes of the bounding box of all triangles along x and y, in the file's unit.
+    fn extent(&self) -> [f64; 2] {
+        [0, 1].map(|axis| {
+            let along = self.mesh.triangles.iter().flatten().map(|vertex| self.mesh.positions[*vertex as usize][axis]);
+            let [low, high] =
+                along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], c| [low.min(c), high.max(c)]);
+            high - low
+        })
+    }
+}
+
+/// Shifts a triangle by whole tiles so that its lowest corner along each axis is in the first.
+fn in_first_tile(corners: [Corner; 3]) -> [Corner; 3] {
+    let lowest = [0, 1].map(|axis| corners.iter().map(|corner| corner.tile[axis]).min().unwrap_or(0));
+    corners.map(|corner| Corner { tile: [0, 1].map(|axis| corner.tile[axis] - lowest[axis]), ..corner })
+}
+
+/// The surface through a height map, one vertex in the middle of each pixel.
+///
+/// Heights stand row by row from the top, `y = 1`; a pixel of height `h` is at `z = scale h + offset`, in tiles.
+///
+/// # Errors
+/// Fewer than 3 columns or rows, another number of heights, heights that are no finite numbers.
+pub fn from_heights(
+    width: usize,
+    height: usize,
+    heights: &[f32],
+    scale: f64,
+    offset: f64,
+) -> Result<PeriodicMesh, MesoError> {
+    if width < 3 || height < 3 || width.checked_mul(height) != Some(heights.len()) {
+        let found = format!("{width} x {height} pixels with {} heights", heights.len());
+        return Err(MesoError::Heights { found, allowed: "3 or more per side, and one height for each pixel" });
+    }
+    let mut points = Vec::with_capacity(heights.len());
+    for row in 0..height {
+        let line = height - 1 - row;
+        for (column, value) in heights[line * width..][..width].iter().enumerate() {
+            let z = scale * f64::from(*value) + offset;
+            if !z.is_finite() || z.abs() > MAX_TILES {
+                let found = format!("{scale} x {value} + {offset} at pixel ({column}, {line})");
+                return Err(MesoError::Heights { found, allowed: "finite heights up to 1e6 tiles" });
+            }
+            points.push([(column as f64 + 0.5) / width as f64, (row as f64 + 0.5) / height as f64, z]);
+        }
+    }
+    let materials = vec![VertexMaterial::default(); points.len()];
+    Ok(PeriodicMesh::from_grid(width, height, points, materials))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,317 @@
+//! Meso-geometry from files: meshes and height maps.
+
+use super::open::{InputError, extension_of, found_extension, open_path, read_all};
+use brdfc_formats::FormatError;
+use brdfc_formats::meso::{TriangleMesh, obj, ply};
+use exr::prelude::{MetaData, ReadChannels, ReadLayers, ReadSpecificChannel, Text, read};
+use std::io::Cursor;
+use std::ops::RangeInclusive;
+use std::path::Path;
+
+/// Columns and rows of a height map.
+pub const HEIGHT_MAP_SIDE: RangeInclusive<usize> = 4..=8192;
+/// How many times smaller than its data a deflate stream can be.
+const MAX_DEFLATE_RATIO: usize = 1032;
+
+/// Geometry as it was given.
+#[derive(Debug, Clone, PartialEq)]
+pub enum MesoInput {
+    /// A mesh, not yet welded.
+    Mesh(TriangleMesh),
+    /// Heights over the whole tile.
+    Heights(HeightMap),
+}
+
+/// One height for each pixel; pixels cover the tile.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeightMap {
+    /// Pixels per row, along x.
+    pub width: usize,
+    /// Rows, along y.
+    pub height: usize,
+    /// Row by row from the top of the image, which is `y = 1`; finite. 0 to 1 from PNG, as stored from EXR.
+    pub heights: Vec<f32>,
+}
+
+/// Opens a mesh (`.obj`, `.ply`) or a height map (`.png`, `.exr`).
+///
+/// # Errors
+/// Files that cannot be read or do not follow their layout, other extensions.
+pub fn open_meso(path: &Path) -> Result<MesoInput, InputError> {
+    let format = |error| InputError::Format { name: path.display().to_string(), error };
+    let (file, length) = open_path(path)?;
+    let extension = extension_of(path);
+    let parse: fn(&[u8]) -> Result<MesoInput, FormatError> = match extension.as_str() {
+        "obj" => |bytes| obj::from_bytes(bytes).map(MesoInput::Mesh),
+        "ply" => |bytes| ply::from_bytes(bytes).map(MesoInput::Mesh),
+        "png" => |bytes| heights_from_png(bytes).map(MesoInput::Heights),
+        "exr" => |bytes| heights_from_exr(bytes).map(MesoInput::Heights),
+        _ => {
+            let allowed = ".obj or .ply (mesh), .png or .exr (height map)";
+            return Err(format(FormatError::whole("file name", found_extension(&extension), allowed)));
+        }
+    };
+    parse(&read_all(path, file, length)?).map_err(format)
+}
+
+fn check_size(field: &'static str, width: usize, height: usize) -> Result<(), FormatError> {
+    if HEIGHT_MAP_SIDE.contains(&width) && HEIGHT_MAP_SIDE.contains(&height) {
+        return Ok(());
+    }
+    let allowed = format!("{} to {} per side", HEIGHT_MAP_SIDE.start(), HEIGHT_MAP_SIDE.end());
+    Err(FormatError::whole(field, format!("{width} x {height} pixels"), allowed))
+}
+
+/// Stored values of a grey PNG over the largest, 255 or 65535; no transfer function is applied.
+///
+/// # Errors
+/// What is no PNG, other sizes than [`HEIGHT_MAP_SIDE`], colour, palettes, transparency, fewer than 8 bits.
+pub fn heights_from_png(bytes: &[u8]) -> Result<HeightMap, FormatError> {
+    let allowed = "a grey PNG of 8 or 16 bits";
+    let broken = |error: png::DecodingError| FormatError::whole("PNG", error.to_string(), allowed);
+    let mut decoder = png::Decoder::new(Cursor::new(bytes));
+    decoder.set_transformations(png::Transformations::IDENTITY);
+    // Only what stands before the pixels, without memory for them.
+    let info = decoder.read_header_info().map_err(broken)?;
+    let (width, height) = (info.width as usize, info.height as usize);
+    check_size("PNG", width, height)?;
+    let sample_bytes = match (info.color_type, info.bit_depth) {
+        (png::ColorType::Grayscale, png::BitDepth::Eight) => 1,
+        (png::ColorType::Grayscale, png::BitDepth::Sixteen) => 2,
+        (colour, depth) => {
+            let kind = match colour {
+                png::ColorType::Grayscale => "grey",
+                png::ColorType::GrayscaleAlpha => "grey with transparency",
+                png::ColorType::Indexed => "a palette",
+                png::ColorType::Rgb => "RGB",
+                png::ColorType::Rgba => "RGB with transparency",
+            };
+            return Err(FormatError::whole("PNG", format!("{kind}, {} bits", depth as u8), allowed));
+        }
+    };
+    let size = width * height * sample_bytes;
+    if size / MAX_DEFLATE_RATIO > bytes.len() {
+        let found = format!("{} bytes for {width} x {height} pixels", bytes.len());
+        return Err(FormatError::whole("PNG", found, format!("{} or more", size / MAX_DEFLATE_RATIO)));
+    }
+    let mut reader = decoder.read_info().map_err(broken)?;
+    let mut samples = vec![0; size];
+    reader.next_frame(&mut samples).map_err(broken)?;
+    let heights = match sample_bytes {
+        1 => samples.iter().map(|value| f32::from(*value) / 255.0).collect(),
+        _ => samples.chunks_exact(2).map(|v| f32::from(u16::from_be_bytes([v[0], v[1]])) / 65535.0).collect(),
+    };
+    Ok(HeightMap { width, height, heights })
+}
+
+/// Channel Y of the first layer of an EXR, or else R, or else its only one.
+///
+/// # Errors
+/// What is no EXR, other sizes than [`HEIGHT_MAP_SIDE`], no such channel, values that are not finite.
+pub fn heights_from_exr(bytes: &[u8]) -> Result<HeightMap, FormatError> {
+    let allowed = "an EXR with a channel Y or R, or with one channel";
+    let broken = |error: exr::error::Error| FormatError::whole("EXR", error.to_string(), allowed);
+    // Sizes first: pixels are asked for only when they are few enough.
+    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(broken)?;
+    for header in &meta.headers {
+        check_size("EXR", header.layer_size.x(), header.layer_size.y())?;
+    }
+    let channels = meta.headers.first().map_or(&[][..], |header| &header.channels.list);
+    let chosen = ["Y", "R"].iter().find_map(|name| channels.iter().find(|channel| channel.name == **name));
+    let Some(channel) = chosen.or(if channels.len() == 1 { channels.first() } else { None }) else {
+        let names: Vec<String> = channels.iter().take(8).map(|channel| channel.name.to_string()).collect();
+        return Err(FormatError::whole("EXR", format!("channels {}", names.join(", ")), allowed));
+    };
+    if (channel.sampling.x(), channel.sampling.y()) != (1, 1) {
+        let found = format!("channel {} with fewer samples than pixels", channel.name);
+        return Err(FormatError::whole("EXR", found, "one sample per pixel"));
+    }
+    let name: Text = channel.name.clone();
+    let map = read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .specific_channels()
+        .required(name)
+        .collect_pixels(
+            |size, _| HeightMap { width: size.x(), height: size.y(), heights: vec![0.0; size.x() * size.y()] },
+            |map: &mut HeightMap, at, (value,): (f32,)| map.heights[at.y() * map.width + at.x()] = value,
+        )
+        .first_valid_layer()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(Cursor::new(bytes))
+        .map_err(broken)?
+        .layer_data
+        .channel_data
+        .pixels;
+    if let Some(pixel) = map.heights.iter().position(|value| !value.is_finite()) {
+        let (column, row) = (pixel % map.width, pixel / map.width);
+        let found = format!("{} at pixel ({column}, {row})", map.heights[pixel]);
+        return Err(FormatError::whole("EXR", found, "finite values"));
+    }
+    Ok(map)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, WritableImage};
+
+    fn png_of(width: u32, height: u32, colour: png::ColorType, depth: png::BitDepth, data: &[u8]) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, width, height);
+        encoder.set_color(colour);
+        encoder.set_depth(depth);
+        if colour == png::ColorType::Indexed {
+            encoder.set_palette(vec![0; 3 * 256]);
+        }
+        let mut writer = encoder.write_header().unwrap();
+        writer.write_image_data(data).unwrap();
+        writer.finish().unwrap();
+        bytes
+    }
+
+    fn exr_of(width: usize, height: usize, channels: &[&str], value: impl Fn(usize, usize) -> f32) -> Vec<u8> {
+        let list = channels
+            .iter()
+            .enumerate()
+            .map(|(c, name)| {
+                AnyChannel::new(*name, FlatSamples::F32((0..width * height).map(|i| value(c, i)).collect()))
+            })
+            .collect();
+        let encoding = Encoding::SMALL_LOSSLESS;
+        let layer = Layer::new((width, height), LayerAttributes::default(), encoding, AnyChannels::sort(list));
+        let mut bytes = Cursor::new(Vec::new());
+        Image::from_layer(layer).write().non_parallel().to_buffered(&mut bytes).unwrap();
+        bytes.into_inner()
+    }
+
+    fn grey(data: &[u8]) -> Vec<u8> {
+        png_of(5, 4, png::ColorType::Grayscale, png::BitDepth::Eight, data)
+    }
+
+    #[test]
+    fn grey_pngs_are_heights_from_the_top() {
+        let values: Vec<u8> = (0..20).map(|k| 13 * k).collect();
+        let map = heights_from_png(&grey(&values)).unwrap();
+        assert_eq!((map.width, map.height), (5, 4));
+        assert!(map.heights.iter().zip(&values).all(|(h, v)| *h == f32::from(*v) / 255.0));
+        let wide: Vec<u8> = (0..20u16).flat_map(|k| (3449 * k).to_be_bytes()).collect();
+        let map = heights_from_png(&png_of(5, 4, png::ColorType::Grayscale, png::BitDepth::Sixteen, &wide)).unwrap();
+        assert_eq!((map.heights[0], map.heights[1]), (0.0, 3449.0 / 65535.0));
+        assert!((map.heights[19] - 0.999_939).abs() < 1e-6);
+    }
+
+    #[test]
+    fn other_pngs_are_refused() {
+        use png::{BitDepth, ColorType};
+        let error = |width, height, colour, depth, length| {
+            heights_from_png(&png_of(width, height, colour, depth, &vec![0; length])).unwrap_err().to_string()
+        };
+        let allowed = "; allowed a grey PNG of 8 or 16 bits";
+        for (colour, depth, length, found) in [
+            (ColorType::Rgb, BitDepth::Eight, 48, "RGB, 8 bits"),
+            (ColorType::Rgba, BitDepth::Sixteen, 128, "RGB with transparency, 16 bits"),
+            (ColorType::GrayscaleAlpha, BitDepth::Eight, 32, "grey with transparency, 8 bits"),
+            (ColorType::Indexed, BitDepth::Eight, 16, "a palette, 8 bits"),
+            (ColorType::Grayscale, BitDepth::Four, 8, "grey, 4 bits"),
+        ] {
+            assert_eq!(error(4, 4, colour, depth, length), format!("PNG: found {found}{allowed}"));
+        }
+        let sizes = error(3, 4, ColorType::Grayscale, BitDepth::Eight, 12);
+        assert_eq!(sizes, "PNG: found 3 x 4 pixels; allowed 4 to 8192 per side");
+        assert!(error(4, 8193, ColorType::Grayscale, BitDepth::Eight, 4 * 8193).contains("4 x 8193"));
+        assert!(heights_from_png(b"GIF89a").unwrap_err().to_string().ends_with(allowed));
+    }
+
+    #[test]
+    fn a_few_bytes_are_no_large_png() {
+        let mut bytes = grey(&[0; 20]);
+        // The header says 8192 x 8192; its checksum follows.
+        bytes[16..24].copy_from_slice(&[0, 0, 0x20, 0, 0, 0, 0x20, 0]);
+        let mut crc = u32::MAX;
+        for byte in &bytes[12..29] {
+            crc ^= u32::from(*byte);
+            (0..8).for_each(|_| crc = (crc >> 1) ^ (0xedb8_8320 * (crc & 1)));
+        }
+        bytes[29..33].copy_from_slice(&(!crc).to_be_bytes());
+        let error = heights_from_png(&bytes).unwrap_err().to_string();
+        assert!(error.contains("bytes for 8192 x 8192 pixels; allowed 65027 or more"), "{error}");
+    }
+
+    #[test]
+    fn exrs_are_heights_as_they_are() {
+        let value = |c: usize, i: usize| 100.0 * c as f32 + i as f32 - 7.5;
+        for (channels, chosen) in [(&["B", "R", "Y"][..], 2), (&["B", "G", "R"], 2), (&["Z"], 0), (&["A", "Y"], 1)] {
+            let map = heights_from_exr(&exr_of(5, 4, channels, value)).unwrap();
+            assert_eq!((map.width, map.height), (5, 4));
+            assert!((0..20).all(|i| map.heights[i] == value(chosen, i)), "{channels:?}");
+        }
+    }
+
+    #[test]
+    fn other_exrs_are_refused() {
+        let error = |width, height, channels: &[&str], value: f32| {
+            let at = |_: usize, i: usize| if i == 7 { value } else { 0.0 };
+            heights_from_exr(&exr_of(width, height, channels, at)).unwrap_err().to_string()
+        };
+        assert_eq!(error(5, 4, &["Y"], f32::NAN), "EXR: found NaN at pixel (2, 1); allowed finite values");
+        assert!(error(5, 4, &["Y"], f32::NEG_INFINITY).contains("-inf at pixel (2, 1)"));
+        let channels = error(5, 4, &["A", "B"], 0.0);
+        assert_eq!(channels, "EXR: found channels A, B; allowed an EXR with a channel Y or R, or with one channel");
+        assert!(error(5, 3, &["Y"], 0.0).contains("5 x 3 pixels; allowed 4 to 8192 per side"));
+        assert!(error(8193, 4, &["Y"], 0.0).contains("8193 x 4"));
+    }
+
+    #[test]
+    fn no_change_of_bytes_panics() {
+        let png = grey(&(0..20).map(|k| 11 * k).collect::<Vec<u8>>());
+        let exr = exr_of(5, 4, &["R", "Y"], |c, i| (c + i) as f32);
+        let parsers: [(&[u8], fn(&[u8]) -> Result<HeightMap, FormatError>); 2] =
+            [(&png, heights_from_png), (&exr, heights_from_exr)];
+        for (bytes, parse) in parsers {
+            let mut refused = 0;
+            let mut check = |bytes: &[u8]| match parse(bytes) {
+                Ok(map) => assert_eq!(map.heights.len(), map.width * map.height),
+                Err(_) => refused += 1,
+            };
+            for at in 0..bytes.len() {
+                check(&bytes[..at]);
+                let mut changed = bytes.to_vec();
+                for flip in [0x01, 0x10, 0x80, 0xff] {
+                    changed[at] = bytes[at] ^ flip;
+                    check(&changed);
+                }
+            }
+            assert!(refused > bytes.len(), "{refused}");
+        }
+    }
+
+    #[test]
+    fn files_are_told_apart_by_their_names() {
+        let folder = tempfile::tempdir().unwrap();
+        let open = |name: &str, bytes: &[u8]| {
+            let path = folder.path().join(name);
+            std::fs::write(&path, bytes).unwrap();
+            open_meso(&path)
+        };
+        let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+        let Ok(MesoInput::Mesh(mesh)) = open("a.OBJ", obj) else { panic!("a mesh") };
+        let mut ply = Vec::new();
+        ply::write(&mut ply, &mesh).unwrap();
+        assert_eq!(open("a.ply", &ply).unwrap(), MesoInput::Mesh(mesh));
+        let exr = exr_of(4, 4, &["Y"], |_, _| 2.0);
+        for (name, bytes, height) in [("a.png", grey(&[255; 20]), 1.0), ("a.exr", exr, 2.0)] {
+            let Ok(MesoInput::Heights(map)) = open(name, &bytes) else { panic!("{name}") };
+            assert!(map.heights.iter().all(|h| *h == height));
+        }
+        let error = |name: &str, bytes: &[u8]| open(name, bytes).unwrap_err().to_string();
+        assert!(error("b.obj", b"f 1 2 3").contains("b.obj: line 1, face: found vertex 3"));
+        assert!(error("b.stl", obj).contains("b.stl: file name: found extension .stl; allowed .obj or .ply"));
+        assert!(error("b", obj).contains("found no extension"));
+        assert!(error("b.ply", obj).contains("b.ply: line 1, first line"));
+        let missing = open_meso(&folder.path().join("none.obj")).unwrap_err();
+        assert!(matches!(missing, InputError::Io { .. }));
+        assert!(matches!(open_meso(folder.path()), Err(InputError::Io { .. })));
+    }
+}
