@@ -270,6 +270,22 @@ const OBSERVER: [[f64; 3]; 81] = [
     [0.000042, 0.000015, 0.0],
 ];
 
+/// sRGB code, 0 to 1, of a linear value by the transfer function of IEC 61966-2-1. Clipped to 0 to 1; NaN becomes 0.
+pub fn encode_srgb(linear: f64) -> f64 {
+    let linear = if linear.is_nan() { 0.0 } else { linear.clamp(0.0, 1.0) };
+    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+}
+
+/// Linear value of an sRGB code, both 0 to 1: the inverse of [`encode_srgb`].
+pub fn decode_srgb(code: f64) -> f64 {
+    if code <= 0.040_45 { code / 12.92 } else { ((code + 0.055) / 1.055).powf(2.4) }
+}
+
+/// The nearest sRGB code of 8 bits.
+pub fn encode_srgb_byte(linear: f64) -> u8 {
+    (255.0 * encode_srgb(linear)).round() as u8
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -290,6 +306,16 @@ mod tests {
 
     proptest! {
         #[test]
+    fn srgb_codes_go_both_ways() {
+        for code in 0..=255u8 {
+            assert_eq!(encode_srgb_byte(decode_srgb(f64::from(code) / 255.0)), code);
+        }
+        assert!((decode_srgb(0.5) - 0.214_041_140_482_232_55).abs() < 1e-12);
+        assert_eq!([encode_srgb(f64::NAN), encode_srgb(-1.0), encode_srgb(0.0)], [0.0; 3]);
+        assert!((encode_srgb(7.0) - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
         fn flat_spectra_are_grey(gaps in prop::collection::vec(0.01f64..60.0, 1..60), first in 100.0f64..700.0,
                                  value in 0.0f64..10.0) {
             let mut at = first;

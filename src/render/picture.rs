@@ -2,6 +2,7 @@
 
 use crate::metrics::image::LinearImage;
 use brdfc_formats::FormatError;
+use brdfc_formats::colour::encode_srgb_byte;
 use exr::prelude::{
     Blocks, Compression, Encoding, Image, Layer, LayerAttributes, LineOrder, MetaData, ReadChannels, ReadLayers,
     SpecificChannels, Vec2, WritableImage, read,
@@ -31,17 +32,10 @@ pub fn to_panel(image: &LinearImage, exposure: f64) -> Panel {
     let behind = |k: usize, coverage: f32| f64::from(image.background[k] * (1.0 - coverage));
     let encode = |(pixel, coverage): (&[f32; 3], &f32)| {
         let shown = |k: usize| (f64::from(pixel[k]) * exposure).min(1.0) + behind(k, *coverage);
-        [0, 1, 2].map(|k| srgb(shown(k)))
+        [0, 1, 2].map(|k| encode_srgb_byte(shown(k)))
     };
     let rgb = image.pixels.iter().zip(&image.coverage).flat_map(encode).collect();
     Panel { width: image.width, height: image.height, rgb }
-}
-
-/// Linear value to 8 bits by the transfer function of IEC 61966-2-1, to the nearest.
-fn srgb(value: f64) -> u8 {
-    let value = if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) };
-    let encoded = if value <= 0.003_130_8 { 12.92 * value } else { 1.055 * value.powf(1.0 / 2.4) - 0.055 };
-    (255.0 * encoded).round() as u8
 }
 
 /// PNG of [`to_panel`], which says that it is sRGB and names the exposure in a text chunk.

@@ -1,7 +1,8 @@
 //! Wavefront OBJ, the polygons of it. Layout: `spec/meso.md`.
 
-use super::{MAX_COORDINATE, TriangleMesh, from_srgb, is_coordinate, to_srgb};
+use super::{MAX_COORDINATE, TriangleMesh, is_coordinate};
 use crate::FormatError;
+use crate::colour::{decode_srgb, encode_srgb};
 use crate::measured::scan::{number, quoted, utf8};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -117,7 +118,7 @@ impl Reader {
             if let Some(wrong) = [r, g, b].iter().find(|c| !(0.0..=1.0).contains(*c)) {
                 return Err(FormatError::at_line(line, "colour", wrong.to_string(), "0 to 1"));
             }
-            self.mesh.colours.push([r, g, b].map(from_srgb));
+            self.mesh.colours.push([r, g, b].map(|c| decode_srgb(c).clamp(0.0, 1.0) as f32));
         }
         self.mesh.positions.push([x, y, z]);
         Ok(())
@@ -205,7 +206,7 @@ pub fn write(output: &mut impl Write, mesh: &TriangleMesh) -> std::io::Result<()
     for (index, [x, y, z]) in mesh.positions.iter().enumerate() {
         write!(output, "v {x:?} {y:?} {z:?}")?;
         if let Some(colour) = mesh.colours.get(index) {
-            let [r, g, b] = colour.map(to_srgb);
+            let [r, g, b] = colour.map(|c| encode_srgb(f64::from(c)));
             write!(output, " {r:.7} {g:.7} {b:.7}")?;
         }
         writeln!(output)?;

@@ -2,8 +2,9 @@
 
 mod header;
 
-use super::{MAX_COORDINATE, TriangleMesh, from_srgb, is_coordinate};
+use super::{MAX_COORDINATE, TriangleMesh, is_coordinate};
 use crate::FormatError;
+use crate::colour::decode_srgb;
 use crate::cursor::Cursor;
 use crate::measured::scan::quoted;
 use header::{Element, Encoding, Header, Kind, Scalar};
@@ -112,7 +113,7 @@ fn read_vertices(
         if let Some(colour) = layout.colour {
             let colour = colour.map(|k| row[k]);
             if layout.encoded {
-                mesh.colours.push(colour.map(|c| from_srgb(c / 255.0)));
+                mesh.colours.push(colour.map(|c| decode_srgb(c / 255.0).clamp(0.0, 1.0) as f32));
             } else if let Some(wrong) = colour.iter().find(|c| !(0.0..=1.0).contains(*c)) {
                 return Err(values.error("colour", wrong.to_string(), "0 to 1"));
             } else {

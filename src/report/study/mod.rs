@@ -1,5 +1,6 @@
 //! Studies that repeat the papers' tables and figures, the papers' own numbers beside ours.
 
+pub mod flat_btf;
 #[cfg(feature = "render")]
 pub mod images;
 #[cfg(feature = "render")]
