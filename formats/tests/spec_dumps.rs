@@ -5,6 +5,7 @@ mod common;
 use brdfc_formats::measured::merl::{self, Merl};
 use brdfc_formats::measured::scan::Scan;
 use brdfc_formats::measured::scan_csv;
+use brdfc_formats::meso::{obj, ply};
 use brdfc_formats::pack::{RowScratch, Texture, WaveletDecoder, WaveletPack};
 use common::check_dump;
 
@@ -67,6 +68,18 @@ fn scans_as_csv() {
     let scan = scan_csv::from_bytes(text.as_bytes()).unwrap();
     assert_eq!((scan.rows.len(), scan.rows[1].value), (2, [0.25, 0.125, -0.001]));
     assert_eq!(check_dump(page, text.as_bytes()), 7);
+}
+
+#[test]
+fn meshes() {
+    let page = include_str!("../spec/meso.md");
+    let mesh = obj::from_bytes(fenced(page).as_bytes()).unwrap();
+    assert_eq!((mesh.positions[2], mesh.triangles.as_slice()), ([2.0, 2.0, 0.0], [[0, 1, 2], [0, 2, 3]].as_slice()));
+    let mut bytes = Vec::new();
+    ply::write(&mut bytes, &mesh).unwrap();
+    print(&bytes);
+    assert_eq!(ply::from_bytes(&bytes).unwrap(), mesh);
+    assert_eq!(check_dump(page, &bytes), 19);
 }
 
 #[test]

@@ -45,7 +45,7 @@ pub fn from_bytes(bytes: &[u8]) -> Result<TriangleMesh, FormatError> {
     while let Some((line, content)) = lines.next() {
         let mut content = Cow::Borrowed(content);
         // A backslash at its end joins a line to the next one.
-        while content.ends_with('\\') {
+        while content.ends_with('\\') && !content.starts_with('#') {
             let joined = content.to_mut();
             joined.pop();
             joined.push(' ');
@@ -265,6 +265,12 @@ mod tests {
         let before = format!("f 1 2 3\n{SQUARE}");
         assert_eq!(read(&before).triangles, [[0, 1, 2]], "faces may come first");
         assert_eq!(read(&before.replace('\n', "\r\n")).triangles, [[0, 1, 2]]);
+    }
+
+    #[test]
+    fn a_comment_ends_with_its_line() {
+        assert_eq!(read(&format!("{SQUARE}# C:\\meshes\\\nf 1 2 3")).triangles.len(), 1);
+        assert_eq!(read(&format!("{SQUARE}f 1 2 \\\n\\\n3 \\")).triangles.len(), 1, "other lines go on");
     }
 
     #[test]

@@ -234,7 +234,7 @@ impl<'a> Values<'a> {
                 if *big_endian {
                     bytes[..size].reverse();
                 }
-                Ok(scalar.from_le_bytes(bytes))
+                Ok(scalar.decode(bytes))
             }
             Self::Ascii { lines, tokens, line, left } => {
                 let token = loop {

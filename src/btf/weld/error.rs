@@ -39,8 +39,8 @@ pub enum MesoError {
     },
     /// Edges with one triangle: a hole, or a border that the opposite one does not continue.
     #[error(
-        "edges: found {count} with one triangle, the first at triangle {triangle} from {} to {}; allowed two triangles at \
-         every edge, where need be one tile on: this is a hole, or a border that does not fit the opposite one{}",
+        "edges: found {count} with one triangle, the first at triangle {triangle} from {} to {}; allowed two triangles \
+         at every edge, where need be one tile on: this is a hole, or a border that does not fit the opposite one{}",
         Point(.edge[0]), Point(.edge[1]), Hint(*.extent, *.tile)
     )]
     Open {
@@ -77,8 +77,8 @@ pub enum MesoError {
     },
     /// More than one surface.
     #[error(
-        "surface: found {count} pieces that are not joined, the second with triangle {triangle} at {}; allowed one that \
-         goes on from tile to tile: loose parts are to be merged with what is below",
+        "surface: found {count} pieces that are not joined, the second with triangle {triangle} at {}; allowed one \
+         that goes on from tile to tile: loose parts are to be merged with what is below",
         Point(*.position)
     )]
     Pieces {

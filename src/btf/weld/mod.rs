@@ -11,8 +11,8 @@ pub use identify::TOLERANCE;
 use super::mesh::{Corner, MAX_MATERIALS, PeriodicMesh, VertexMaterial};
 use brdfc_formats::direction::Vector;
 use brdfc_formats::meso::TriangleMesh;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::collections::HashSet;
 use topology::EdgeError;
 
 /// Farthest coordinate along any axis, in tiles.
@@ -100,22 +100,21 @@ impl<'a> Welder<'a> {
         };
         let mut surface = PeriodicMesh { positions: identified.positions, ..PeriodicMesh::default() };
         let mut triangles = Vec::new();
-        let mut known = HashSet::new();
         for (index, vertices) in mesh.triangles.iter().enumerate() {
             let corners = in_first_tile(vertices.map(|v| identified.corners[place[v as usize]]));
             if corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0] {
                 report.degenerate_triangles += 1;
                 continue;
             }
-            let mut key = corners.map(|corner| (corner.vertex, corner.tile));
-            key.sort_unstable();
-            if known.insert(key) {
-                surface.triangles.push(corners);
-                triangles.push(index as u32);
-            } else {
-                report.duplicate_triangles += 1;
-            }
+            surface.triangles.push(corners);
+            triangles.push(index as u32);
         }
+        let duplicate = duplicates(&surface.triangles);
+        report.duplicate_triangles = duplicate.iter().filter(|duplicate| **duplicate).count();
+        let kept = |index: usize| !duplicate[index];
+        let (mut at, mut index) = (0.., 0..);
+        surface.triangles.retain(|_| at.next().is_some_and(kept));
+        triangles.retain(|_| index.next().is_some_and(kept));
         let vertices = identified.first.iter().map(|at| listed[*at as usize]).collect();
         let mut welder = Self { mesh, tile, surface, vertices, triangles, report };
         if welder.surface.triangles.is_empty() {
@@ -168,7 +167,7 @@ impl<'a> Welder<'a> {
         }
         self.report.turned_triangles = turn.iter().filter(|turn| **turn).count();
 
-        let partners = topology::partners(&self.surface.triangles).map_err(|error| self.edge_error(error))?;
+        let partners = topology::turned(&partners, &turn);
         let (vertices, triangles) = (self.surface.positions.len(), self.surface.triangles.len());
         if let Some(vertex) = topology::touching_vertex(&self.surface.triangles, &partners, vertices) {
             let vertex = self.vertices[vertex as usize] as usize;
@@ -251,6 +250,21 @@ impl<'a> Welder<'a> {
             high - low
         })
     }
+}
+
+/// Which triangles have the corners of one before them, in any order.
+fn duplicates(triangles: &[[Corner; 3]]) -> Vec<bool> {
+    let key = |index: usize| {
+        let mut corners = triangles[index].map(|corner| (corner.vertex, corner.tile));
+        corners.sort_unstable();
+        (corners, index)
+    };
+    let mut keys: Vec<_> = (0..triangles.len()).into_par_iter().map(key).collect();
+    keys.par_sort_unstable();
+    let mut duplicate = vec![false; triangles.len()];
+    let pairs = keys.windows(2).filter(|pair| pair[0].0 == pair[1].0);
+    pairs.for_each(|pair| duplicate[pair[1].1] = true);
+    duplicate
 }
 
 /// Shifts a triangle by whole tiles so that its lowest corner along each axis is in the first.

@@ -1,6 +1,7 @@
 //! How triangles hang together: edges, sides, fans, pieces.
 
 use crate::btf::mesh::Corner;
+use rayon::prelude::*;
 
 /// Three corners; side `k` goes from corner `k` to the next.
 pub type Triangle = [Corner; 3];
@@ -52,7 +53,7 @@ pub fn partners(triangles: &[Triangle]) -> Result<Partners, EdgeError> {
     let half_edges = 3 * triangles.len();
     let mut sides: Vec<(EdgeKey, u32)> =
         (0..half_edges).map(|half| (edge_at(&triangles[half / 3], half % 3).0, half as u32)).collect();
-    sides.sort_unstable();
+    sides.par_sort_unstable();
     let mut partners = vec![0; half_edges];
     let [mut open, mut crowded] = [BadEdges { count: 0, triangle: usize::MAX, side: 0, triangles: 0 }; 2];
     for group in sides.chunk_by(|a, b| a.0 == b.0) {
@@ -73,6 +74,12 @@ pub fn partners(triangles: &[Triangle]) -> Result<Partners, EdgeError> {
         (0, _) => Err(EdgeError::Open(open)),
         _ => Err(EdgeError::NonManifold(crowded)),
     }
+}
+
+/// Partners once triangles are turned by exchanging corners 1 and 2, which exchanges sides 0 and 2.
+pub fn turned(partners: &Partners, turn: &[bool]) -> Partners {
+    let moved = |half: usize| if turn[half / 3] { half / 3 * 3 + 2 - half % 3 } else { half };
+    (0..partners.len()).map(|half| moved(partners[moved(half)] as usize) as u32).collect()
 }
 
 /// Pieces that share edges, and which triangles are to be turned for both sides of every edge to run opposite ways.
@@ -156,7 +163,10 @@ mod tests {
     fn the_smallest_torus_closes() {
         let triangles = smallest();
         let partners = partners(&triangles).unwrap();
-        assert!((0..6).all(|half| partners[partners[half] as usize] as usize == half && partners[half] / 3 != half as u32 / 3));
+        for half in 0..6 {
+            let partner = partners[half] as usize;
+            assert!(partners[partner] as usize == half && partner / 3 != half / 3);
+        }
         let orientation = orient(&triangles, &partners);
         assert_eq!((orientation.turn, orientation.pieces, orientation.conflict), (vec![false; 2], vec![0], None));
         assert_eq!(touching_vertex(&triangles, &partners, 1), None);
@@ -166,8 +176,12 @@ mod tests {
     fn a_turned_triangle_is_seen() {
         let mut triangles = smallest();
         triangles[1].swap(1, 2);
-        let partners = partners(&triangles).unwrap();
-        assert_eq!(orient(&triangles, &partners).turn, [false, true]);
+        let before = partners(&triangles).unwrap();
+        assert_eq!(orient(&triangles, &before).turn, [false, true]);
+        triangles[1].swap(1, 2);
+        assert_eq!(turned(&before, &[false, true]), partners(&triangles).unwrap());
+        triangles[0].swap(1, 2);
+        assert_eq!(turned(&before, &[true, true]), partners(&triangles).unwrap());
     }
 
     #[test]

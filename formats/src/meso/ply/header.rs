@@ -71,8 +71,8 @@ impl Scalar {
         if self.is_integer() { format!("an integer, {lowest} to {highest}") } else { "a number".to_owned() }
     }
 
-    /// Reads the first [`size`](Self::size) bytes.
-    pub fn from_le_bytes(self, [a, b, c, d, e, f, g, h]: [u8; 8]) -> f64 {
+    /// The number in the first [`size`](Self::size) bytes, little-endian.
+    pub fn decode(self, [a, b, c, d, e, f, g, h]: [u8; 8]) -> f64 {
         match self {
             Self::I8 => i8::from_le_bytes([a]).into(),
             Self::U8 => a.into(),

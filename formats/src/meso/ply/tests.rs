@@ -35,9 +35,11 @@ fn other_elements_and_properties_are_skipped() {
     let text = "ply\nformat ascii 1.0\nelement nothing 18446744073709551615\nelement camera 1\n\
         property float view\nproperty list int float k\nelement face 1\nproperty uchar flags\n\
         property list uchar float texcoord\nproperty list uchar uint vertex_index\nelement vertex 3\nproperty short z\n\
-        property list uchar int more\nproperty double y\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n\
+        property list uchar int more\nproperty double y\nproperty uchar red\nproperty uchar green\n\
+        property uchar blue\n\
         property uchar alpha\nproperty int x\nend_header\n\
-        nan 2 0.5 0.5\n7 2 0 0 3 2 0 1\n-1 0 2.5 0 255 128 255 3\n-2 1 9 2.5 0 255 128 255 4\n-3 0 3e0 0 255 128 255 5\n";
+        nan 2 0.5 0.5\n7 2 0 0 3 2 0 1\n-1 0 2.5 0 255 128 255 3\n-2 1 9 2.5 0 255 128 255 4\n\
+        -3 0 3e0 0 255 128 255 5\n";
     let mesh = from_bytes(text.as_bytes()).unwrap();
     assert_eq!(mesh.positions, [[3.0, 2.5, -1.0], [4.0, 2.5, -2.0], [5.0, 3.0, -3.0]]);
     assert_eq!(mesh.triangles, [[2, 0, 1]]);
@@ -48,7 +50,8 @@ fn other_elements_and_properties_are_skipped() {
 /// A file with every type, in the byte order that `number` gives.
 fn binary(order: &str, bytes: fn(&[u8]) -> Vec<u8>) -> Vec<u8> {
     let mut file = format!(
-        "ply\nformat binary_{order}_endian 1.0\nelement vertex 3\nproperty float x\nproperty double y\nproperty short z\n\
+        "ply\nformat binary_{order}_endian 1.0\nelement vertex 3\nproperty float x\nproperty double y\n\
+        property short z\n\
         property float red\nproperty float green\nproperty double blue\nelement face 1\nproperty ushort a\n\
         property list int uint vertex_indices\nproperty char b\nend_header\n"
     )
