@@ -2,6 +2,8 @@
 
 mod common;
 
+use brdfc_formats::direction_set::DirectionSet;
+use brdfc_formats::measured::btf_stack;
 use brdfc_formats::measured::merl::{self, Merl};
 use brdfc_formats::measured::scan::Scan;
 use brdfc_formats::measured::scan_csv;
@@ -120,6 +122,19 @@ fn what_the_pages_of_scans_say_about_text() {
 }
 
 /// Contents of the first fence of a page.
+/// The name and the list of directions on the page of image stacks.
+#[test]
+fn image_stacks() {
+    let page = include_str!("../spec/btf-stack.md");
+    let name = fenced(page).trim();
+    let angles = btf_stack::parse_name(name).unwrap();
+    assert_eq!((angles.view, angles.light), ([30.0, 30.0], [0.0, 0.0]));
+    assert_eq!(btf_stack::image_name(8, angles, "png"), name);
+    let list = fenced(page.split_once("## Direction lists").unwrap().1);
+    let set = DirectionSet::from_csv(list.as_bytes()).unwrap();
+    assert_eq!((set.angles[2], set.to_csv().as_str()), ([37.5, 180.0], list));
+}
+
 fn fenced(page: &str) -> &str {
     page.split_once("```text\n").unwrap().1.split_once("```").unwrap().0
 }
