@@ -121,7 +121,6 @@ fn what_the_pages_of_scans_say_about_text() {
     assert_eq!(scan_csv::directions_from_bytes(b"wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n"), Ok(Vec::new()));
 }
 
-/// Contents of the first fence of a page.
 /// The name and the list of directions on the page of image stacks.
 #[test]
 fn image_stacks() {
@@ -135,6 +134,7 @@ fn image_stacks() {
     assert_eq!((set.angles[2], set.to_csv().as_str()), ([37.5, 180.0], list));
 }
 
+/// Contents of the first fence of a page.
 fn fenced(page: &str) -> &str {
     page.split_once("```text\n").unwrap().1.split_once("```").unwrap().0
 }
