@@ -30,8 +30,8 @@ impl StackFormat {
 /// Writes one image into `folder`, under the name that [`image_name`] gives it, and returns its path. Folders are made
 /// where there are none; the file is whole or not there.
 ///
-/// `number` is `light index * views + view index`. `pixels` are linear RGB (Rec. 709 primaries), 1 = a white diffuser that
-/// faces the light, row by row from the top (y = 1), left to right.
+/// `number` is `light index * views + view index`. `pixels` are linear RGB (Rec. 709 primaries), 1 = a white diffuser
+/// that faces the light, row by row from the top (y = 1), left to right.
 ///
 /// # Errors
 /// What cannot be written; a number of pixels other than `width * height`, or 0; values that are no numbers or infinite.

@@ -290,7 +290,8 @@ mod tests {
         paths.retain(|path| !path.contains("tl030 pl120 tv030") && !path.contains("tl030 pl000 tv030 pv240"));
         assert_eq!(
             text(&paths),
-            "stack: found 4 of 16 images missing, the first of them tl030 pl120 tv030 pv000; allowed all 4 x 4 of views and lights"
+            "stack: found 4 of 16 images missing, the first of them tl030 pl120 tv030 pv000; \
+             allowed all 4 x 4 of views and lights"
         );
         let mut paths = full.clone();
         paths.push("copy/tl000 pl005 tv030 pv000.png".to_owned());
@@ -321,9 +322,9 @@ mod tests {
         }
 
         #[test]
-        fn no_name_panics(name in "\\PC{0,40}", tokens in proptest::collection::vec("(tl|pl|tv|pv| |_|\\.|0|9|é){0,3}", 0..12)) {
+        fn no_name_panics(name in "\\PC{0,40}", tokens in "(tl|pl|tv|pv| |_|\\.|0|9|é){0,36}") {
             let _ = parse_name(&name);
-            let _ = StackIndex::new(&[format!("{name}.png"), format!("{}.jpg", tokens.concat())]);
+            let _ = StackIndex::new(&[format!("{name}.png"), format!("{tokens}.jpg")]);
         }
     }
 }
