@@ -94,7 +94,7 @@ impl DirectionMesh {
                 if squared > 0.0 {
                     t = (q[0] * e1[0] + q[1] * e1[1]) / squared;
                 }
-                if t >= 0.0 && t <= 1.0 {
+                if (0.0..=1.0).contains(&t) {
                     if e1[0] * q[1] - e1[1] * q[0] <= 0.0 {
                         return (corners, [1.0 - t, t, 0.0]);
                     }
@@ -159,6 +159,7 @@ pub fn direction_mesh_wgsl(function_name: &str, binding_name: &str) -> String {
 }
 
 /// `(x, y) / (1 + z)`, from z = 0 up; in [-1, 1] whatever the direction is.
+#[expect(clippy::manual_clamp, reason = "what is no number becomes -1")]
 fn paraboloid([x, y, z]: [f32; 3]) -> [f32; 2] {
     let scale = 1.0 + z.max(0.0);
     [(x / scale).max(-1.0).min(1.0), (y / scale).max(-1.0).min(1.0)]

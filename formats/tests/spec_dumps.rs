@@ -2,6 +2,8 @@
 
 mod common;
 
+use brdfc_formats::direction_set::DirectionSet;
+use brdfc_formats::measured::btf_stack;
 use brdfc_formats::measured::merl::{self, Merl};
 use brdfc_formats::measured::scan::Scan;
 use brdfc_formats::measured::scan_csv;
@@ -130,6 +132,19 @@ fn what_the_pages_of_scans_say_about_text() {
         assert!(red(&bad).is_err(), "{bad:?}");
     }
     assert_eq!(scan_csv::directions_from_bytes(b"wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n"), Ok(Vec::new()));
+}
+
+/// The name and the list of directions on the page of image stacks.
+#[test]
+fn image_stacks() {
+    let page = include_str!("../spec/btf-stack.md");
+    let name = fenced(page).trim();
+    let angles = btf_stack::parse_name(name).unwrap();
+    assert_eq!((angles.view, angles.light), ([30.0, 30.0], [0.0, 0.0]));
+    assert_eq!(btf_stack::image_name(8, angles, "png"), name);
+    let list = fenced(page.split_once("## Direction lists").unwrap().1);
+    let set = DirectionSet::from_csv(list.as_bytes()).unwrap();
+    assert_eq!((set.angles[2], set.to_csv().as_str()), ([37.5, 180.0], list));
 }
 
 /// Contents of the first fence of a page.

@@ -1,5 +1,6 @@
 //! The main job: a scene manifest becomes packs. What no use asks for is not opened, computed or written.
 
+pub mod btf_stack;
 pub mod cache;
 pub mod manifest;
 pub mod needs;

@@ -2,6 +2,7 @@
 
 pub mod address;
 pub mod analytic;
+pub mod btf_stack;
 mod merl;
 pub mod meso;
 pub mod open;

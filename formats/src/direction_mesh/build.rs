@@ -157,8 +157,8 @@ fn chain(points: &[Point]) -> (Vec<[u32; 3]>, Vec<Region>) {
     (segments, regions)
 }
 
-/// Triangles followed by the segments of the hull. Regions: the triangles themselves, the strips beyond the segments and
-/// the wedges beyond the corners.
+/// Triangles followed by the segments of the hull. Regions: the triangles themselves, the strips beyond the segments
+/// and the wedges beyond the corners.
 fn with_hull(points: &[Point], mut triangles: Vec<[u32; 3]>) -> (Vec<[u32; 3]>, Vec<Region>) {
     let mut regions = Vec::new();
     let mut edges = BTreeSet::new();

@@ -181,7 +181,8 @@ fn check_complete(
     lights: &DirectionSet,
     images: &BTreeMap<(Key, Key), &String>,
 ) -> Result<(), FormatError> {
-    let missing = views.len() * lights.len() - images.len();
+    let wanted = views.len() * lights.len();
+    let missing = wanted - images.len();
     if missing == 0 {
         return Ok(());
     }
@@ -193,7 +194,7 @@ fn check_complete(
     });
     Err(FormatError::whole(
         "stack",
-        format!("{missing} images missing{name}"),
+        format!("{missing} of {wanted} images missing{name}"),
         format!("all {} x {} of views and lights", views.len(), lights.len()),
     ))
 }
@@ -289,7 +290,8 @@ mod tests {
         paths.retain(|path| !path.contains("tl030 pl120 tv030") && !path.contains("tl030 pl000 tv030 pv240"));
         assert_eq!(
             text(&paths),
-            "stack: found 4 images missing, the first of them tl030 pl120 tv030 pv000; allowed all 4 x 4 of views and lights"
+            "stack: found 4 of 16 images missing, the first of them tl030 pl120 tv030 pv000; \
+             allowed all 4 x 4 of views and lights"
         );
         let mut paths = full.clone();
         paths.push("copy/tl000 pl005 tv030 pv000.png".to_owned());
@@ -320,9 +322,9 @@ mod tests {
         }
 
         #[test]
-        fn no_name_panics(name in "\\PC{0,40}", tokens in proptest::collection::vec("(tl|pl|tv|pv| |_|\\.|0|9|é){0,3}", 0..12)) {
+        fn no_name_panics(name in "\\PC{0,40}", tokens in "(tl|pl|tv|pv| |_|\\.|0|9|é){0,36}") {
             let _ = parse_name(&name);
-            let _ = StackIndex::new(&[format!("{name}.png"), format!("{}.jpg", tokens.concat())]);
+            let _ = StackIndex::new(&[format!("{name}.png"), format!("{tokens}.jpg")]);
         }
     }
 }
