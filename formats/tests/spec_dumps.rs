@@ -5,6 +5,7 @@ mod common;
 use brdfc_formats::measured::merl::{self, Merl};
 use brdfc_formats::measured::scan::Scan;
 use brdfc_formats::measured::scan_csv;
+use brdfc_formats::pack::flat_btf::{FlatView, IndirectionMap};
 use brdfc_formats::pack::{RowScratch, Texture, WaveletDecoder, WaveletPack};
 use common::check_dump;
 
@@ -24,6 +25,21 @@ fn wavelet_packs() {
     let bytes = common::example().to_bytes(false);
     assert_eq!(WaveletPack::from_bytes(&bytes).unwrap(), common::example());
     assert_eq!(check_dump(page, &bytes), 17);
+}
+
+/// Two files stand on the page, one after the other.
+#[test]
+fn flat_btfs() {
+    let page = include_str!("../spec/flat-btf.md");
+    let (first, second) = page.split_once("### A view").unwrap();
+    let bytes = common::flat::example_indirection().to_bytes(false);
+    print(&bytes);
+    assert_eq!(IndirectionMap::from_bytes(&bytes).unwrap(), common::flat::example_indirection());
+    assert_eq!(check_dump(first, &bytes), 23);
+    let bytes = common::flat::example_view().to_bytes(false);
+    print(&bytes);
+    assert_eq!(FlatView::from_bytes(&bytes).unwrap(), common::flat::example_view());
+    assert_eq!(check_dump(second, &bytes), 26);
 }
 
 /// The value at the foot of the page.
