@@ -107,6 +107,9 @@ fn values_out_of_range_are_named_with_their_texel() {
 fn the_rules_of_a_block() {
     let bytes = flat::example_indirection().to_bytes(false);
     let refusal = |at: usize, texel: [f32; 4]| {
+        // The pole of the row keeps to its own rule.
+        let [x, y, ..] = texel;
+        let bytes = with_texel(&bytes, at - at % 2, &halves([x, y, 0.0, 0.0]));
         IndirectionMap::from_bytes(&with_texel(&bytes, at, &halves(texel))).unwrap_err().allowed
     };
     for bad in [[1.0, 0.0, -0.1, 0.0], [1.0, 0.0, f32::NAN, 0.0], [1.0, 0.0, 2000.0, 0.0], [1.0, 0.0, 0.1, f32::NAN]] {
@@ -118,7 +121,7 @@ fn the_rules_of_a_block() {
     for bad in [[1.0, 0.0, 0.1, 0.0], [0.0, 1.0, 0.0, 0.0]] {
         assert_eq!(refusal(0, bad), "at the pole a distance of 0 and the direction of the next sample");
     }
-    assert_eq!(refusal(7, [1.0, 0.0, 0.3, -0.5]), "in the last row of a block the same as in its first");
+    assert_eq!(refusal(7, [1.0, 0.0, 0.3, 0.5]), "in the last row of a block the same as in its first");
 }
 
 #[test]

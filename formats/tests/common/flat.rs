@@ -34,7 +34,7 @@ pub fn header(sizes: Sizes) -> IndirectionHeader {
 
 pub fn directions(count: u32, seed: u64) -> Vec<[f32; 2]> {
     let mut numbers = Numbers::new(seed);
-    (0..count).map(|_| [FRAC_PI_2 * numbers.unit() as f32, 6.28 * numbers.unit() as f32]).collect()
+    (0..count).map(|_| [FRAC_PI_2 * numbers.unit() as f32, 6.2 * numbers.unit() as f32]).collect()
 }
 
 pub fn unit_vector(numbers: &mut Numbers) -> [f32; 3] {
@@ -57,7 +57,8 @@ pub fn indirection(sizes: Sizes, seed: u64) -> IndirectionMap {
     let mut numbers = Numbers::new(seed);
     IndirectionMap::from_displacements(header(sizes), |_, k, a| {
         let turn = TAU * a as f32 / sizes.azimuth as f32 + numbers.between(-0.7, 0.7) as f32;
-        let length = if numbers.bits() % 9 == 0 { 0.0 } else { 0.1 * k as f32 * numbers.between(0.5, 1.5) as f32 };
+        let length =
+            if numbers.bits().is_multiple_of(9) { 0.0 } else { 0.1 * k as f32 * numbers.between(0.5, 1.5) as f32 };
         ([length * turn.cos(), length * turn.sin()], numbers.between(-0.3, 0.3) as f32)
     })
     .unwrap()
@@ -95,7 +96,7 @@ pub fn mask(sizes: Sizes, seed: u64) -> VisibilityMask {
 pub fn weights(numbers: &mut Numbers, count: u32) -> ViewWeights {
     let indices = [0; 3].map(|_| numbers.bits() % count);
     let mut weights = [0; 3].map(|_| numbers.unit() as f32);
-    if numbers.bits() % 4 == 0 {
+    if numbers.bits().is_multiple_of(4) {
         weights[numbers.bits() as usize % 3] = 0.0;
     }
     let sum: f32 = weights.iter().sum();
@@ -111,7 +112,7 @@ pub fn only(index: u32) -> ViewWeights {
 pub fn example_indirection() -> IndirectionMap {
     let header = IndirectionHeader { size: 1, zenith_samples: 2, azimuth_samples: 3, largest_angle: 1.0 };
     let displacements = [[0.25, 0.0], [-0.125, 0.216_506], [-0.125, -0.216_506]];
-    IndirectionMap::from_displacements(header, |_, k, a| (displacements[a as usize], -0.5 * k as f32)).unwrap()
+    IndirectionMap::from_displacements(header, |_, k, a| (displacements[a as usize], 0.5 * k as f32)).unwrap()
 }
 
 pub fn example_view() -> FlatView {
