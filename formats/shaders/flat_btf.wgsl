@@ -1,8 +1,8 @@
 // Flat BTFs on a GPU: a BTF on the parameters of its meso-geometry, found through a view-dependent indirection.
 //
-// After Hadim, Pacanowski, Granier and Schlick 2009, "Flat bidirectional texture functions"; section and equation numbers
-// below are theirs. The layout of the files is described in `spec/flat-btf.md`; the CPU decoder with the same steps in
-// the same order is `FlatBtfDecoder` of the crate `brdfc-formats`.
+// After Hadim, Pacanowski, Granier and Schlick 2009, "Flat bidirectional texture functions"; section and equation
+// numbers below are theirs. The layout of the files is described in `spec/flat-btf.md`; the CPU decoder with the same
+// steps in the same order is `FlatBtfDecoder` of the crate `brdfc-formats`.
 //
 // To use it: paste this file before your own shader, move the seven bindings where they suit you, and call
 //
@@ -51,8 +51,8 @@ struct FlatBtfWeights {
 const FLAT_BTF_PI: f32 = 3.14159274;
 const FLAT_BTF_HALF_PI: f32 = 1.57079637;
 const FLAT_BTF_TAU: f32 = 6.28318548;
-// How far the sampler stays from the border of a block, in texels: coordinates have rounding errors, and a fetch that is
-// rounded outwards would blend with the next block.
+// How far the sampler stays from the border of a block, in texels: coordinates have rounding errors, and a fetch that
+// is rounded outwards would blend with the next block.
 const FLAT_BTF_GUARD: f32 = 0.001953125;
 
 // Two neighbouring samples along one axis.

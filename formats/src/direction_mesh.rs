@@ -24,7 +24,7 @@
 //! | `5 + G² + c + 3 t` | `2 n` | x, y of each direction in paraboloid coordinates, bits of f32 |
 //!
 //! Triangles are counter-clockwise. Segments are the edges of the hull, with the hull on the left; of sets in line, the
-//! pieces of the line in both directions. A cell lists every triangle that it overlaps and every segment that is nearest
+//! pieces of the line in both directions. A cell lists each triangle that it overlaps and each segment that is nearest
 //! to some point of it on the segment's right. [`direction_mesh_wgsl`] is the look-up as
 //! WGSL; [`DirectionMesh::weights`] does the same steps in the same order, so that both give the same bits wherever the
 //! adapter divides with correct rounding and fuses nothing.

@@ -2,7 +2,8 @@
 
 mod common;
 
-use brdfc_formats::pack::WaveletPack;
+use brdfc_formats::pack::{Extent, TexelFormat, Texture, WaveletPack};
+use std::collections::BTreeMap;
 
 struct Bytes<'a>(&'a [u8]);
 
@@ -20,30 +21,86 @@ impl Bytes<'_> {
     }
 }
 
-/// What one texel format has to look like in a file.
+/// What a texture has to look like in a file.
+#[derive(Clone)]
 struct Expected {
     vk_format: u32,
-    components: u32,
-    component_bytes: u32,
+    type_size: u32,
+    /// Width, height, depth and layer count of the header.
+    fields: [u32; 4],
+    texel_bytes: u32,
+    samples: Vec<Sample>,
+}
+
+/// Bit offset, bits, channel with qualifiers, lower and upper limit.
+type Sample = (u32, u32, u8, u32, u32);
+
+const ONE: u32 = 0x3f80_0000;
+const MINUS_ONE: u32 = 0xbf80_0000;
+/// Float, signed.
+const FLOAT: u8 = 0xc0;
+/// Red, green, blue, alpha.
+const CHANNELS: [u8; 4] = [0, 1, 2, 15];
+
+fn unorm(components: u32, bits: u32) -> Vec<Sample> {
+    (0..components).map(|k| (k * bits, bits, CHANNELS[k as usize], 0, (1 << bits) - 1)).collect()
+}
+
+fn float(components: u32, bits: u32) -> Vec<Sample> {
+    (0..components).map(|k| (k * bits, bits, CHANNELS[k as usize] | FLOAT, MINUS_ONE, ONE)).collect()
+}
+
+/// A mantissa and the shared exponent, biased by 15, for each channel. 8448 is 2^13 + 2^8: what the validator of the
+/// Khronos tools asks for.
+fn shared_exponent() -> Vec<Sample> {
+    const EXPONENT: u8 = 0x20;
+    (0..3u8).flat_map(|k| [(9 * u32::from(k), 9, k, 0, 8448), (27, 5, k | EXPONENT, 15, 31)]).collect()
 }
 
 fn expected(pack: &WaveletPack) -> Expected {
     let (components, vk_formats) = if pack.header.channels == 1 { (1, [9, 70]) } else { (4, [37, 91]) };
     let wide = usize::from(pack.header.bits > 8);
-    Expected { vk_format: vk_formats[wide], components, component_bytes: [1, 2][wide] }
+    let component_bytes = [1, 2][wide];
+    let grid = 1 << pack.header.levels;
+    Expected {
+        vk_format: vk_formats[wide],
+        type_size: component_bytes,
+        fields: [grid, grid, pack.scales.len() as u32, 0],
+        texel_bytes: components * component_bytes,
+        samples: unorm(components, 8 * component_bytes),
+    }
 }
 
-fn check_header(file: &Bytes<'_>, pack: &WaveletPack, supercompressed: bool) {
+/// By the tables of the Khronos data format specification.
+fn expected_texture(texture: &Texture) -> Expected {
+    let (vk_format, type_size, texel_bytes, samples) = match texture.format {
+        TexelFormat::R8Unorm => (9, 1, 1, unorm(1, 8)),
+        TexelFormat::Rgba8Unorm => (37, 1, 4, unorm(4, 8)),
+        TexelFormat::R16Unorm => (70, 2, 2, unorm(1, 16)),
+        TexelFormat::Rgba16Unorm => (91, 2, 8, unorm(4, 16)),
+        TexelFormat::Rgba16Float => (97, 2, 8, float(4, 16)),
+        TexelFormat::Rg32Float => (103, 4, 8, float(2, 32)),
+        TexelFormat::Rgba32Float => (109, 4, 16, float(4, 32)),
+        TexelFormat::Rgb9E5 => (123, 4, 4, shared_exponent()),
+    };
+    let fields = match texture.extent {
+        Extent::D2([width, height]) => [width, height, 0, 0],
+        Extent::D2Array([width, height, layers]) => [width, height, 0, layers],
+        Extent::D3([width, height, depth]) => [width, height, depth, 0],
+    };
+    Expected { vk_format, type_size, fields, texel_bytes, samples }
+}
+
+fn check_header(file: &Bytes<'_>, expected: &Expected, supercompressed: bool) {
     assert_eq!(file.0[..12], [0xab, 0x4b, 0x54, 0x58, 0x20, 0x32, 0x30, 0xbb, 0x0d, 0x0a, 0x1a, 0x0a], "identifier");
-    let expected = expected(pack);
-    let grid = 1 << pack.header.levels;
+    let [width, height, depth, layers] = expected.fields;
     let fields = [
         (12, "vkFormat", expected.vk_format),
-        (16, "typeSize", expected.component_bytes),
-        (20, "pixelWidth", grid),
-        (24, "pixelHeight", grid),
-        (28, "pixelDepth", pack.scales.len() as u32),
-        (32, "layerCount", 0),
+        (16, "typeSize", expected.type_size),
+        (20, "pixelWidth", width),
+        (24, "pixelHeight", height),
+        (28, "pixelDepth", depth),
+        (32, "layerCount", layers),
         (36, "faceCount", 1),
         (40, "levelCount", 1),
         (44, "supercompressionScheme", if supercompressed { 2 } else { 0 }),
@@ -54,13 +111,13 @@ fn check_header(file: &Bytes<'_>, pack: &WaveletPack, supercompressed: bool) {
     assert_eq!((file.u64(64), file.u64(72)), (0, 0), "no global data");
 }
 
-fn check_descriptor(file: &Bytes<'_>, pack: &WaveletPack) {
-    let Expected { components, component_bytes, .. } = expected(pack);
+fn check_descriptor(file: &Bytes<'_>, expected: &Expected) {
+    let samples = &expected.samples;
     let start = file.u32(48) as usize;
     let length = file.u32(52);
     assert_eq!(start, 80 + 24, "the descriptor follows the level index");
     assert_eq!(file.u32(start), length, "dfdTotalSize");
-    assert_eq!(length, 4 + 24 + 16 * components, "one basic block");
+    assert_eq!(length, 4 + 24 + 16 * samples.len() as u32, "one basic block");
     let block = start + 4;
     assert_eq!(file.u32(block), 0, "vendorId Khronos, descriptorType basic");
     assert_eq!(file.u16(block + 4), 2, "versionNumber of the Khronos data format 1.3");
@@ -70,17 +127,16 @@ fn check_descriptor(file: &Bytes<'_>, pack: &WaveletPack) {
     assert_eq!(file.0[block + 10], 1, "transferFunction linear");
     assert_eq!(file.0[block + 11], 0, "flags: straight alpha");
     assert_eq!(file.0[block + 12..block + 16], [0; 4], "texel block of 1 x 1 x 1 x 1");
-    assert_eq!(u32::from(file.0[block + 16]), components * component_bytes, "bytesPlane0, also when supercompressed");
+    assert_eq!(u32::from(file.0[block + 16]), expected.texel_bytes, "bytesPlane0, also when supercompressed");
     assert_eq!(file.0[block + 17..block + 24], [0; 7], "one plane");
-    for component in 0..components {
-        let sample = block + 24 + 16 * component as usize;
-        let bits = 8 * component_bytes;
-        assert_eq!(file.u16(sample), component * bits, "bitOffset");
-        assert_eq!(u32::from(file.0[sample + 2]) + 1, bits, "bitLength");
-        assert_eq!(file.0[sample + 3], [0, 1, 2, 15][component as usize], "red, green, blue, alpha; no qualifiers");
+    for (k, (offset, bits, channel, lower, upper)) in samples.iter().enumerate() {
+        let sample = block + 24 + 16 * k;
+        assert_eq!(file.u16(sample), *offset, "bitOffset");
+        assert_eq!(u32::from(file.0[sample + 2]) + 1, *bits, "bitLength");
+        assert_eq!(file.0[sample + 3], *channel, "channelType and qualifiers");
         assert_eq!(file.0[sample + 4..sample + 8], [0; 4], "samplePosition");
-        assert_eq!(file.u32(sample + 8), 0, "sampleLower");
-        assert_eq!(file.u32(sample + 12), (1 << bits) - 1, "sampleUpper");
+        assert_eq!(file.u32(sample + 8), *lower, "sampleLower");
+        assert_eq!(file.u32(sample + 12), *upper, "sampleUpper");
     }
 }
 
@@ -110,12 +166,11 @@ fn entries(file: &Bytes<'_>) -> Vec<(String, Vec<u8>)> {
     entries
 }
 
-fn check_level(file: &Bytes<'_>, pack: &WaveletPack, supercompressed: bool) {
-    let Expected { components, component_bytes, .. } = expected(pack);
+fn check_level(file: &Bytes<'_>, expected: &Expected, supercompressed: bool) {
     let (offset, length, uncompressed) = (file.u64(80), file.u64(88), file.u64(96));
-    let texel = u64::from(components * component_bytes);
-    let grid = 1u64 << pack.header.levels;
-    assert_eq!(uncompressed, grid * grid * pack.scales.len() as u64 * texel, "uncompressedByteLength");
+    let texel = u64::from(expected.texel_bytes);
+    let texels: u64 = expected.fields.into_iter().map(|n| u64::from(n.max(1))).product();
+    assert_eq!(uncompressed, texels * texel, "uncompressedByteLength");
     let entries_end = u64::from(file.u32(56) + file.u32(60));
     if supercompressed {
         assert_eq!(offset, entries_end, "no alignment under supercompression");
@@ -128,22 +183,48 @@ fn check_level(file: &Bytes<'_>, pack: &WaveletPack, supercompressed: bool) {
     assert_eq!(offset + length, file.0.len() as u64, "the file ends with the level");
 }
 
+/// All checks; returns the entries.
+fn check(bytes: &[u8], expected: &Expected, supercompressed: bool) -> Vec<(String, Vec<u8>)> {
+    let file = Bytes(bytes);
+    check_header(&file, expected, supercompressed);
+    check_descriptor(&file, expected);
+    let entries = entries(&file);
+    check_level(&file, expected, supercompressed);
+    let flat = expected.fields[2] == 0;
+    assert_eq!(entries[0], ("KTXorientation".to_owned(), if flat { b"rd\0".to_vec() } else { b"rdi\0".to_vec() }));
+    assert_eq!(entries[1], ("KTXwriter".to_owned(), b"brdfc\0".to_vec()));
+    entries
+}
+
 #[test]
 fn files_keep_the_rules_of_the_validator() {
     for (name, pack) in common::packs() {
         for supercompress in [false, true] {
             println!("{name}, supercompress {supercompress}");
-            let bytes = pack.to_bytes(supercompress);
-            let file = Bytes(&bytes);
-            check_header(&file, &pack, supercompress);
-            check_descriptor(&file, &pack);
-            let entries = entries(&file);
-            let keys: Vec<&str> = entries.iter().map(|(key, _)| key.as_str()).collect();
+            let entries = check(&pack.to_bytes(supercompress), &expected(&pack), supercompress);
+            let keys: Vec<&str> = entries.iter().skip(2).map(|(key, _)| key.as_str()).collect();
             let ours = ["brdfc.wavelet", "brdfc.wavelet.errors", "brdfc.wavelet.index", "brdfc.wavelet.scales"];
-            assert_eq!(keys, ["KTXorientation", "KTXwriter"].into_iter().chain(ours).collect::<Vec<_>>());
-            assert_eq!(entries[0].1, b"rdi\0");
-            assert_eq!(entries[1].1, b"brdfc\0");
-            check_level(&file, &pack, supercompress);
+            assert_eq!(keys, ours);
+        }
+    }
+}
+
+#[test]
+fn every_kind_of_texture_keeps_the_rules_of_the_validator() {
+    let textures = common::textures();
+    assert_eq!(textures.len(), 8 * 5);
+    for (name, texture) in textures {
+        for supercompress in [false, true] {
+            println!("{name}, supercompress {supercompress}");
+            let bytes = texture.to_bytes(supercompress);
+            let entries = check(&bytes, &expected_texture(&texture), supercompress);
+            assert_eq!(entries.into_iter().skip(2).collect::<BTreeMap<_, _>>(), texture.entries);
+            assert!(Texture::from_bytes(&bytes).unwrap() == texture);
+            // Another reader.
+            let reader = ktx2::Reader::new(&bytes[..]).unwrap();
+            let level = reader.levels().next().unwrap();
+            let texels = if supercompress { zstd::decode_all(level.data).unwrap() } else { level.data.to_vec() };
+            assert!(texels == texture.texels);
         }
     }
 }
@@ -238,16 +319,8 @@ fn the_checks_notice_broken_files() {
     let pack = common::example();
     let good = pack.to_bytes(false);
     let noticed = |bytes: &[u8]| {
-        let bytes = bytes.to_vec();
-        let pack = pack.clone();
-        std::panic::catch_unwind(move || {
-            let file = Bytes(&bytes);
-            check_header(&file, &pack, false);
-            check_descriptor(&file, &pack);
-            entries(&file);
-            check_level(&file, &pack, false);
-        })
-        .is_err()
+        let (bytes, expected) = (bytes.to_vec(), expected(&pack));
+        std::panic::catch_unwind(move || check(&bytes, &expected, false)).is_err()
     };
     assert!(!noticed(&good));
     for offset in 0..104 + 44 {

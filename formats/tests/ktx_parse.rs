@@ -2,11 +2,12 @@
 
 mod common;
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use brdfc_formats::pack::WaveletPack;
+use brdfc_formats::pack::{Extent, TexelFormat, Texture, WaveletPack};
 
 fn hex(bytes: &[u8]) -> String {
     bytes.iter().fold(String::new(), |mut text, byte| {
@@ -44,28 +45,57 @@ fn expectation(pack: &WaveletPack, supercompress: bool) -> String {
             errors.extend(ratio.to_le_bytes());
         }
     }
+    let component = if h.bits == 8 { 1 } else { 2 };
+    let entries = [
+        ("brdfc.wavelet", header),
+        ("brdfc.wavelet.errors", errors),
+        ("brdfc.wavelet.index", index),
+        ("brdfc.wavelet.scales", scales),
+    ];
+    let entries = entries.map(|(name, value)| (name.to_owned(), value)).into();
+    json([vk_format, component, size, size, pack.scales.len() as u32, 0], &entries, supercompress)
+}
+
+/// The same of any texture.
+fn texture_expectation(texture: &Texture, supercompress: bool) -> String {
+    let (vk_format, word) = match texture.format {
+        TexelFormat::R8Unorm => (9, 1),
+        TexelFormat::Rgba8Unorm => (37, 1),
+        TexelFormat::R16Unorm => (70, 2),
+        TexelFormat::Rgba16Unorm => (91, 2),
+        TexelFormat::Rgba16Float => (97, 2),
+        TexelFormat::Rg32Float => (103, 4),
+        TexelFormat::Rgba32Float => (109, 4),
+        TexelFormat::Rgb9E5 => (123, 4),
+    };
+    let [width, height, depth, layers] = match texture.extent {
+        Extent::D2([width, height]) => [width, height, 0, 0],
+        Extent::D2Array([width, height, layers]) => [width, height, 0, layers],
+        Extent::D3([width, height, depth]) => [width, height, depth, 0],
+    };
+    json([vk_format, word, width, height, depth, layers], &texture.entries, supercompress)
+}
+
+/// Format, size of a word, width, height, depth, layers.
+fn json(fields: [u32; 6], entries: &BTreeMap<String, Vec<u8>>, supercompress: bool) -> String {
+    let [vk_format, type_size, width, height, depth, layers] = fields;
     let fields = [
         ("vkFormat", vk_format),
-        ("typeSize", if h.bits == 8 { 1 } else { 2 }),
-        ("pixelWidth", size),
-        ("pixelHeight", size),
-        ("pixelDepth", pack.scales.len()),
-        ("layerCount", 0),
+        ("typeSize", type_size),
+        ("pixelWidth", width),
+        ("pixelHeight", height),
+        ("pixelDepth", depth),
+        ("layerCount", layers),
         ("faceCount", 1),
         ("levelCount", 1),
         ("supercompressionScheme", if supercompress { 2 } else { 0 }),
     ]
     .map(|(name, value)| format!("\"{name}\": {value}"));
-    let entries = [
-        ("KTXorientation", "rdi".to_owned()),
-        ("KTXwriter", "brdfc".to_owned()),
-        ("brdfc.wavelet", hex(&header)),
-        ("brdfc.wavelet.errors", hex(&errors)),
-        ("brdfc.wavelet.index", hex(&index)),
-        ("brdfc.wavelet.scales", hex(&scales)),
-    ]
-    .map(|(name, value)| format!("\"{name}\": \"{value}\""));
-    format!("{{\"header\": {{{}}}, \"entries\": {{{}}}}}", fields.join(", "), entries.join(", "))
+    let orientation = if depth == 0 { "rd" } else { "rdi" };
+    let mut all = vec![("KTXorientation", orientation.to_owned()), ("KTXwriter", "brdfc".to_owned())];
+    all.extend(entries.iter().map(|(name, value)| (name.as_str(), hex(value))));
+    let all: Vec<String> = all.iter().map(|(name, value)| format!("\"{name}\": \"{value}\"")).collect();
+    format!("{{\"header\": {{{}}}, \"entries\": {{{}}}}}", fields.join(", "), all.join(", "))
 }
 
 fn run(folder: &Path, program: &str, arguments: &[&str]) -> std::io::Result<Output> {
@@ -102,15 +132,18 @@ fn another_implementation_reads_packs_and_writes_the_same_bytes() {
     let packs = folder.path().join("packs");
     std::fs::create_dir(&packs).unwrap();
     let mut count = 0;
-    for (_, pack) in common::packs() {
-        for supercompress in [false, true] {
-            let save = |extension: &str, bytes: &[u8]| {
-                std::fs::write(packs.join(format!("{count}.{extension}")), bytes).unwrap();
-            };
-            save("ktx2", &pack.to_bytes(supercompress));
-            save("json", expectation(&pack, supercompress).as_bytes());
-            save("texels", &pack.texels);
-            count += 1;
+    let mut save = |file: &[u8], json: &str, texels: &[u8]| {
+        for (extension, bytes) in [("ktx2", file), ("json", json.as_bytes()), ("texels", texels)] {
+            std::fs::write(packs.join(format!("{count}.{extension}")), bytes).unwrap();
+        }
+        count += 1;
+    };
+    for supercompress in [false, true] {
+        for (_, pack) in common::packs() {
+            save(&pack.to_bytes(supercompress), &expectation(&pack, supercompress), &pack.texels);
+        }
+        for (_, texture) in common::textures() {
+            save(&texture.to_bytes(supercompress), &texture_expectation(&texture, supercompress), &texture.texels);
         }
     }
     let output = run(folder.path(), "node", &["check.mjs", "packs"]).unwrap();

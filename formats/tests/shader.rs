@@ -5,6 +5,8 @@ mod common;
 
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::pack::Filter;
+use brdfc_formats::pack::flat_btf::FlatBtfDecoder;
+use brdfc_formats::pack::flat_btf_shader::{FLAT_BTF_WGSL, FlatBtfParameters, IndirectionFilter};
 use brdfc_formats::pack::wavelet_shader::{WAVELET_BRDF_WGSL, WaveletBrdfParameters, index_texels};
 use common::{header, pack};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -88,4 +90,62 @@ fn the_index_map_has_slice_scale_and_offset() {
         let scale = pack.scales[usize::from(*slice)];
         assert_eq!(*texel, [f32::from(*slice), scale.scale, scale.offset, 0.0]);
     }
+}
+
+fn flat_btf() -> naga::Module {
+    naga::front::wgsl::parse_str(FLAT_BTF_WGSL)
+        .unwrap_or_else(|error| panic!("{}", error.emit_to_string(FLAT_BTF_WGSL)))
+}
+
+#[test]
+fn the_flat_btf_shader_validates() {
+    let result = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&flat_btf());
+    assert!(result.is_ok(), "{}", result.unwrap_err().emit_to_string(FLAT_BTF_WGSL));
+    let source = FLAT_BTF_WGSL.replace("var value = vec3<f32>(0.0);", "var value = 0u;");
+    assert!(source != FLAT_BTF_WGSL);
+    let valid = naga::front::wgsl::parse_str(&source)
+        .is_ok_and(|module| Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module).is_ok());
+    assert!(!valid, "a mistake");
+    let code: String = FLAT_BTF_WGSL.lines().map(|line| line.split("//").next().unwrap()).collect();
+    assert!(!code.contains("textureSample(") && code.contains("textureSampleLevel("));
+}
+
+/// Both files can be pasted into one shader.
+#[test]
+fn the_shaders_share_no_names() {
+    let source = format!("{WAVELET_BRDF_WGSL}\n{}", FLAT_BTF_WGSL.replace("@group(1)", "@group(2)"));
+    let module =
+        naga::front::wgsl::parse_str(&source).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&source)));
+    assert!(Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module).is_ok());
+}
+
+#[test]
+fn the_uniform_block_of_flat_btfs_is_the_one_that_rust_writes() {
+    let module = flat_btf();
+    let find = |ty: &naga::Type| ty.name.as_deref() == Some("FlatBtfParameters");
+    let (_, block) = module.types.iter().find(|(_, ty)| find(ty)).expect("the block has its name");
+    let naga::TypeInner::Struct { members, span } = &block.inner else { panic!("not a struct") };
+    assert_eq!(*span as usize, FlatBtfParameters::SIZE);
+    let decoder = FlatBtfDecoder::new(common::flat::parts(common::flat::SMALL, 1)).unwrap();
+    let bytes = FlatBtfParameters::new(&decoder, IndirectionFilter::Hardware).to_bytes();
+    let names: Vec<&str> = members.iter().map(|member| member.name.as_deref().unwrap()).collect();
+    let words = [
+        ("size", 4),
+        ("reference_size", 2),
+        ("zenith_samples", 3),
+        ("azimuth_samples", 4),
+        ("largest_angle", 1.3f32.to_bits()),
+        ("atlas_columns", 3),
+        ("hardware", 1),
+        ("reserved", 0),
+    ];
+    assert_eq!(names, words.map(|(name, _)| name));
+    for (member, (name, expected)) in members.iter().zip(words) {
+        let word = u32::from_le_bytes(bytes[member.offset as usize..][..4].try_into().unwrap());
+        assert_eq!(word, expected, "{name}");
+        let kind = if name == "largest_angle" { naga::ScalarKind::Float } else { naga::ScalarKind::Uint };
+        assert_eq!(module.types[member.ty].inner.scalar_kind(), Some(kind), "{name}");
+    }
+    let exact = FlatBtfParameters::new(&decoder, IndirectionFilter::Exact);
+    assert_eq!(exact.to_bytes()[24..], [0; 8]);
 }

@@ -8,6 +8,9 @@ use brdfc_formats::measured::merl::{self, Merl};
 use brdfc_formats::measured::scan::Scan;
 use brdfc_formats::measured::scan_csv;
 use brdfc_formats::meso::{obj, ply};
+use brdfc_formats::pack::flat_btf::{
+    DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatView, IndirectionMap, NormalMap, ReferenceMap,
+};
 use brdfc_formats::pack::{RowScratch, Texture, WaveletDecoder, WaveletPack};
 use common::check_dump;
 
@@ -27,6 +30,35 @@ fn wavelet_packs() {
     let bytes = common::example().to_bytes(false);
     assert_eq!(WaveletPack::from_bytes(&bytes).unwrap(), common::example());
     assert_eq!(check_dump(page, &bytes), 17);
+}
+
+/// Two files stand on the page, one after the other.
+#[test]
+fn flat_btfs() {
+    let page = include_str!("../spec/flat-btf.md");
+    let (first, second) = page.split_once("### A view").unwrap();
+    let bytes = common::flat::example_indirection().to_bytes(false);
+    print(&bytes);
+    assert_eq!(IndirectionMap::from_bytes(&bytes).unwrap(), common::flat::example_indirection());
+    assert_eq!(check_dump(first, &bytes), 22);
+    let bytes = common::flat::example_view().to_bytes(false);
+    print(&bytes);
+    assert_eq!(FlatView::from_bytes(&bytes).unwrap(), common::flat::example_view());
+    assert_eq!(check_dump(second, &bytes), 25);
+}
+
+/// The value below the first dump.
+#[test]
+fn the_worked_value_of_the_flat_btf_page() {
+    let decoder = FlatBtfDecoder::new(FlatBtfParts {
+        reference: ReferenceMap::new(1, vec![[0.9, 0.5]]).unwrap(),
+        indirection: common::flat::example_indirection(),
+        normal: NormalMap::new(1, vec![[0.0, 0.0, 1.0]]).unwrap(),
+        diffuse: DiffuseMap::new(1, vec![0]).unwrap(),
+        views: Vec::new(),
+    });
+    let [u, v, z] = decoder.unwrap().indirection([0.2, 0.7], [0.5f32.sin(), 0.0, 0.5f32.cos()]);
+    assert!((u - 0.025).abs() < 1e-6 && v == 0.5 && (z - 0.25).abs() < 1e-6, "{u} {v} {z}");
 }
 
 /// The value at the foot of the page.

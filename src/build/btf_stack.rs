@@ -34,7 +34,7 @@ impl StackFormat {
 /// that faces the light, row by row from the top (y = 1), left to right.
 ///
 /// # Errors
-/// What cannot be written; a number of pixels other than `width * height`, or 0; values that are no numbers or infinite.
+/// What cannot be written; a number of pixels other than `width * height`, or 0; values that are NaN or infinite.
 pub fn write_image(
     folder: &Path,
     number: usize,

@@ -133,7 +133,7 @@ impl StackIndex {
     ///
     /// # Errors
     /// Names that [`parse_name`] refuses, two images of one view and light, no images, missing images, more than
-    /// [`MAX_DIRECTIONS`] views or lights, directions that differ by less than [`crate::direction_set::SAME_DIRECTION`].
+    /// [`MAX_DIRECTIONS`] views or lights, directions closer than [`crate::direction_set::SAME_DIRECTION`].
     pub fn new(paths: &[String]) -> Result<Self, FormatError> {
         let mut sorted: Vec<&String> = paths.iter().filter(|path| is_image(path)).collect();
         sorted.sort_unstable();

@@ -1,9 +1,12 @@
 //! What several tests of packs share. Each of them uses only a part.
 #![allow(dead_code)]
 
+pub mod flat;
+
 use brdfc_formats::direction::{DirectionPair, Parameterisation};
 use brdfc_formats::pack::wavelet::{ErrorSummary, Header, SliceScale};
-use brdfc_formats::pack::{Filter, WaveletDecoder, WaveletPack};
+use brdfc_formats::pack::{Extent, Filter, TexelFormat, Texture, WaveletDecoder, WaveletPack};
+use std::collections::BTreeMap;
 
 /// Numbers that are the same on every run.
 pub struct Numbers(u64);
@@ -98,6 +101,29 @@ pub fn packs() -> Vec<(String, WaveletPack)> {
         }
     }
     packs
+}
+
+/// Textures of every format and kind, with random texels.
+pub fn textures() -> Vec<(String, Texture)> {
+    let mut textures = Vec::new();
+    for format in TexelFormat::ALL {
+        let extents = [
+            Extent::D2([1, 1]),
+            Extent::D2([5, 3]),
+            Extent::D2Array([2, 3, 1]),
+            Extent::D2Array([3, 2, 4]),
+            Extent::D3([3, 2, 5]),
+        ];
+        for extent in extents {
+            let mut numbers = Numbers::new(textures.len() as u64);
+            let mut texels = vec![0; extent.texels() as usize * format.texel_bytes()];
+            texels.fill_with(|| numbers.bits() as u8);
+            let note = vec![7; textures.len() % 5];
+            let entries = BTreeMap::from([("brdfc.note".to_owned(), note), ("brdfc.other".to_owned(), vec![1, 0])]);
+            textures.push((format!("{format:?}, {extent}"), Texture { format, extent, entries, texels }));
+        }
+    }
+    textures
 }
 
 /// The pack whose bytes stand in `spec/container.md` and `spec/wavelet.md`.
