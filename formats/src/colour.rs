@@ -304,8 +304,7 @@ mod tests {
         (0..3).all(|c| (a[c] - b[c]).abs() <= tolerance)
     }
 
-    proptest! {
-        #[test]
+    #[test]
     fn srgb_codes_go_both_ways() {
         for code in 0..=255u8 {
             assert_eq!(encode_srgb_byte(decode_srgb(f64::from(code) / 255.0)), code);
@@ -315,7 +314,8 @@ mod tests {
         assert!((encode_srgb(7.0) - 1.0).abs() < 1e-12);
     }
 
-    #[test]
+    proptest! {
+        #[test]
         fn flat_spectra_are_grey(gaps in prop::collection::vec(0.01f64..60.0, 1..60), first in 100.0f64..700.0,
                                  value in 0.0f64..10.0) {
             let mut at = first;

@@ -219,7 +219,7 @@ mod tests {
     use brdfc_formats::direction::from_polar;
 
     fn made_of(address: &str) -> Appearance {
-        Appearance { sources: vec![parse_synth(address).unwrap()] }
+        Appearance { sources: vec![parse_synth(address).unwrap()], ..Default::default() }
     }
 
     fn flat_texels(mesh: &PeriodicMesh, size: usize) -> TexelMap {

@@ -5,10 +5,12 @@
 
 pub mod caster;
 pub mod coherency;
+pub mod diffuse;
 pub mod fill;
 pub mod flatten;
 pub mod indirect;
 pub mod indirection;
+pub mod measured;
 pub mod mesh;
 pub mod model;
 pub mod parameterise;
@@ -19,4 +21,5 @@ pub mod surface;
 #[cfg(test)]
 mod testing;
 pub mod texels;
+pub mod tile_image;
 pub mod weld;

@@ -2,6 +2,7 @@
 
 use super::caster::{Hit, geometric_normal};
 use super::mesh::{PeriodicMesh, VertexMaterial};
+use super::tile_image::TileImage;
 use crate::source::{Source, Tally};
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::direction::{Vector, dot, normalize, rotate_to_normal};
@@ -55,9 +56,14 @@ impl SurfacePoint {
 ///
 /// Their tangent frame is the reference plane's, turned by the shortest rotation that takes its normal to the shading
 /// normal.
+#[derive(Default)]
 pub struct Appearance {
     /// One for each weight of [`VertexMaterial`] that is used; 1 to 4.
     pub sources: Vec<Box<dyn Source>>,
+    /// Multiplies tints: linear RGB, 0 to 1, straight above and below each point of the tile.
+    pub colour: Option<TileImage<3>>,
+    /// Shares of the sources, instead of those of the vertices; need not sum to 1.
+    pub weights: Option<TileImage<4>>,
 }
 
 impl Appearance {
@@ -67,14 +73,22 @@ impl Appearance {
             return [0.0; 3];
         }
         let pair = DirectionPair::new(rotate_to_normal(point.normal, light), rotate_to_normal(point.normal, view));
+        let [x, y, _] = point.position;
+        let weights = self.weights.as_ref().map_or(point.material.weights, |map| {
+            let weights = map.at(x, y);
+            let sum: f32 = weights.iter().take(self.sources.len()).sum();
+            // Black: the first material.
+            if sum > 0.0 { weights.map(|w| w / sum) } else { [1.0, 0.0, 0.0, 0.0] }
+        });
         let mut sum = [0.0f64; 3];
-        for (source, weight) in self.sources.iter().zip(point.material.weights) {
+        for (source, weight) in self.sources.iter().zip(weights) {
             if weight > 0.0 {
                 let f_r = source.eval(pair, &mut Tally::default());
                 (0..3).for_each(|k| sum[k] += f64::from(weight) * f_r[k].max(0.0));
             }
         }
-        [0, 1, 2].map(|k| sum[k] * f64::from(point.material.tint[k]))
+        let colour = self.colour.as_ref().map_or([1.0; 3], |map| map.at(x, y));
+        [0, 1, 2].map(|k| sum[k] * f64::from(point.material.tint[k] * colour[k]))
     }
 
     /// Radiance towards `view` under a light from far away, divided by that of a white diffuser that faces the light:
@@ -96,7 +110,7 @@ mod tests {
     fn a_white_diffuser_that_faces_the_light_is_one() {
         let mesh = bumps(8, 0.0);
         let point = SurfacePoint::new(&mesh, 5, [0.2, 0.3], [0, 0]);
-        let white = Appearance { sources: vec![parse_synth("synth:lambert?kd=1").unwrap()] };
+        let white = Appearance { sources: vec![parse_synth("synth:lambert?kd=1").unwrap()], ..Default::default() };
         let view = from_polar(0.7, 2.0);
         let facing = white.relative_radiance(&point, view, [0.0, 0.0, 1.0]);
         assert!(facing.iter().all(|v| (v - 1.0).abs() < 1e-6), "{facing:?}");
@@ -110,7 +124,7 @@ mod tests {
         let mut mesh = bumps(8, 0.0);
         mesh.materials.fill(VertexMaterial { weights: [0.25, 0.75, 0.0, 0.0], tint: [1.0, 0.5, 0.0] });
         let sources = vec![parse_synth("synth:lambert?kd=0.8").unwrap(), parse_synth("synth:lambert?kd=0.4").unwrap()];
-        let seen = Appearance { sources }.relative_radiance(
+        let seen = Appearance { sources, ..Default::default() }.relative_radiance(
             &SurfacePoint::new(&mesh, 0, [0.1, 0.1], [0, 0]),
             [0.0, 0.0, 1.0],
             [0.0, 0.0, 1.0],

@@ -1,6 +1,7 @@
 //! Writes the images of a BTF stack. Layout: `formats/spec/btf-stack.md`.
 
 use super::write::write_atomic;
+use brdfc_formats::colour::encode_srgb_byte;
 use brdfc_formats::measured::btf_stack::{ImageAngles, image_name};
 use exr::prelude::{
     Blocks, Compression, Encoding, Image, Layer, LayerAttributes, LineOrder, SpecificChannels, Vec2, WritableImage, f16,
@@ -65,7 +66,7 @@ pub fn write_image(
 }
 
 fn to_png(pixels: &[[f32; 3]], width: u32, height: u32) -> Result<Vec<u8>, png::EncodingError> {
-    let codes: Vec<u8> = pixels.iter().flatten().map(|value| srgb_code(f64::from(*value))).collect();
+    let codes: Vec<u8> = pixels.iter().flatten().map(|value| encode_srgb_byte(f64::from(*value))).collect();
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, width, height);
     encoder.set_color(png::ColorType::Rgb);
@@ -75,13 +76,6 @@ fn to_png(pixels: &[[f32; 3]], width: u32, height: u32) -> Result<Vec<u8>, png::
     writer.write_image_data(&codes)?;
     writer.finish()?;
     Ok(bytes)
-}
-
-/// Linear value to 8 bits by the transfer function of IEC 61966-2-1, to the nearest.
-fn srgb_code(value: f64) -> u8 {
-    let value = value.clamp(0.0, 1.0);
-    let encoded = if value <= 0.003_130_8 { 12.92 * value } else { 1.055 * value.powf(1.0 / 2.4) - 0.055 };
-    (255.0 * encoded).round() as u8
 }
 
 fn to_exr(pixels: &[[f32; 3]], width: usize, height: usize) -> Result<Vec<u8>, exr::error::Error> {

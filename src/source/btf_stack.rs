@@ -2,6 +2,7 @@
 
 use super::open::InputError;
 use brdfc_formats::FormatError;
+use brdfc_formats::colour::decode_srgb;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::measured::btf_stack::StackIndex;
 use image::{DynamicImage, ImageError, ImageFormat, ImageReader};
@@ -131,11 +132,6 @@ impl BtfStack {
             _ => decoded.into_rgb16().pixels().map(|pixel| pixel.0.map(|code| self.srgb[usize::from(code)])).collect(),
         }
     }
-}
-
-/// Transfer function of IEC 61966-2-1, code in [0, 1] to linear.
-fn decode_srgb(code: f64) -> f64 {
-    if code <= 0.040_45 { code / 12.92 } else { ((code + 0.055) / 1.055).powf(2.4) }
 }
 
 /// Files below `folder`, with `/` between folders, behind `prefix`.
