@@ -168,19 +168,32 @@ pub struct FlatView<'a, F: LightField> {
 }
 
 enum Fill<'a> {
+    Black,
     PushPull(PushPull),
     Poisson(Poisson, &'a Guide),
 }
 
+/// What becomes of texels that a view does not see.
+#[derive(Clone, Copy)]
+pub enum Holes<'a> {
+    /// They stay black: for those who do not look.
+    Black,
+    /// Filled by push-pull.
+    PushPull,
+    /// Filled by Poisson inpainting after this guide.
+    Poisson(&'a Guide),
+}
+
 impl<'a, F: LightField> FlatView<'a, F> {
-    /// A view with the texels that it sees. Holes are filled after `guide` (Poisson), or without one by push-pull.
+    /// A view with the texels that it sees.
     ///
     /// # Errors
     /// As the field's.
-    pub fn new(field: &'a F, view: usize, mask: &[bool], guide: Option<&'a Guide>) -> Result<Self, F::Error> {
-        let fill = match guide {
-            Some(guide) => Fill::Poisson(Poisson::new(mask), guide),
-            None => Fill::PushPull(PushPull::new(mask)),
+    pub fn new(field: &'a F, view: usize, mask: &[bool], holes: Holes<'a>) -> Result<Self, F::Error> {
+        let fill = match holes {
+            Holes::Black => Fill::Black,
+            Holes::PushPull => Fill::PushPull(PushPull::new(mask)),
+            Holes::Poisson(guide) => Fill::Poisson(Poisson::new(mask), guide),
         };
         let seen: Vec<u32> = (0..mask.len() as u32).filter(|texel| mask[*texel as usize]).collect();
         Ok(Self { field, view: field.view(view, seen.clone())?, seen, texels: mask.len(), fill })
@@ -195,6 +208,7 @@ impl<'a, F: LightField> FlatView<'a, F> {
         let mut image = vec![[0.0; 3]; self.texels];
         self.seen.iter().zip(values).for_each(|(texel, value)| image[*texel as usize] = value);
         match &self.fill {
+            Fill::Black => {}
             Fill::PushPull(fill) => fill.fill(&mut image),
             Fill::Poisson(fill, guide) => fill.fill(&mut image, &guide.images[light]),
         }
@@ -238,7 +252,7 @@ mod tests {
             let field = ComputedField::new(&mesh, &texels, &caster, &material, &views, &lights, samples);
             let mask = visible(&texels, &caster, views[0]);
             assert!(mask.iter().all(|seen| *seen));
-            let flat = FlatView::new(&field, 0, &mask, None).unwrap();
+            let flat = FlatView::new(&field, 0, &mask, Holes::PushPull).unwrap();
             for (light, direction) in lights.iter().enumerate() {
                 let Ok(image) = flat.image(light);
                 assert!(image.iter().all(|v| (f64::from(v[1]) - 0.5 * direction[2]).abs() < 1e-6));
@@ -254,7 +268,8 @@ mod tests {
         let lights = [from_polar(1.25, 0.4)];
         let material = made_of("synth:lambert?kd=1");
         let field = ComputedField::new(&mesh, &texels, &caster, &material, &views, &lights, 0);
-        let Ok(image) = FlatView::new(&field, 0, &visible(&texels, &caster, views[0]), None).unwrap().image(0);
+        let Ok(image) =
+            FlatView::new(&field, 0, &visible(&texels, &caster, views[0]), Holes::PushPull).unwrap().image(0);
         let dark = image.iter().filter(|v| v[0] == 0.0).count();
         let (mut turned_away, mut shadowed) = (0, 0);
         for (point, lit) in texels.points.iter().zip(field.lit(0)) {
@@ -280,15 +295,15 @@ mod tests {
         let known: Vec<bool> = (0..64 * 64).map(|t| masks.iter().any(|mask| mask[t])).collect();
         let all: Vec<u32> = (0..64 * 64).collect();
         let Ok(truth) = field.values(&field.view(0, all).unwrap(), 0);
-        let error = |guide| {
-            let Ok(image) = FlatView::new(&field, 1, &masks[1], guide).unwrap().image(0);
+        let error = |holes| {
+            let Ok(image) = FlatView::new(&field, 1, &masks[1], holes).unwrap().image(0);
             let off = |t: &usize| f64::from((image[*t][0] - truth[*t][0]).abs());
             let seen: f64 = (0..64 * 64).filter(|t| masks[1][*t]).map(|t| off(&t)).sum();
             assert_eq!(seen, 0.0, "what is seen stays");
             (0..64 * 64).filter(|t| known[*t] && !masks[1][*t]).map(|t| off(&t)).sum::<f64>()
         };
         // A matte surface looks the same from everywhere: the guide is the truth; push-pull can but guess.
-        let (poisson, push_pull) = (error(Some(&guide)), error(None));
+        let (poisson, push_pull) = (error(Holes::Poisson(&guide)), error(Holes::PushPull));
         assert!(push_pull > 10.0 && poisson < 0.02 * push_pull, "{poisson} {push_pull}");
     }
 

@@ -58,7 +58,7 @@ impl<I: ViewImages> LightField for MeasuredField<'_, I> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::btf::flatten::{ComputedField, FlatView, visible};
+    use crate::btf::flatten::{ComputedField, FlatView, Holes, visible};
     use crate::btf::model::MesoModel;
     use crate::btf::rebuild::ViewImage;
     use crate::btf::surface::Appearance;
@@ -94,11 +94,11 @@ mod tests {
         let mask = visible(&texels, &model.caster, directions[0]);
         let computed =
             ComputedField::new(&model.mesh, &texels, &model.caster, &appearance, &directions, &directions, 0);
-        let Ok(truth) = FlatView::new(&computed, 0, &mask, None).unwrap().image(1);
+        let Ok(truth) = FlatView::new(&computed, 0, &mask, Holes::PushPull).unwrap().image(1);
         let images = Rendered { model: &model, appearance: &appearance, directions: &directions, size: 256 };
         let error = |views: [Vector; 2]| {
             let measured = MeasuredField { images: &images, texels: &texels, views: &views };
-            let Ok(found) = FlatView::new(&measured, 0, &mask, None).unwrap().image(1);
+            let Ok(found) = FlatView::new(&measured, 0, &mask, Holes::PushPull).unwrap().image(1);
             let off = |t: usize| f64::from((found[t][0] - truth[t][0]).abs());
             (0..64 * 64).filter(|t| mask[*t]).map(off).sum::<f64>() / (64.0 * 64.0)
         };

@@ -76,7 +76,7 @@ pub fn periodic_bilinear(image: &[[f32; 3]], size: usize, [u, v]: [f32; 2]) -> [
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::btf::flatten::{ComputedField, FlatView, visible};
+    use crate::btf::flatten::{ComputedField, FlatView, Holes, visible};
     use crate::btf::testing::overhang;
     use crate::source::address::parse_synth;
     use brdfc_formats::direction::from_polar;
@@ -93,7 +93,7 @@ mod tests {
             let map = model.texels(texels);
             let field = ComputedField::new(&model.mesh, &map, &model.caster, &appearance, &views, &lights, 0);
             let mask = visible(&map, &model.caster, views[0]);
-            let Ok(flat) = FlatView::new(&field, 0, &mask, None).unwrap().image(0);
+            let Ok(flat) = FlatView::new(&field, 0, &mask, Holes::PushPull).unwrap().image(0);
             let seen = ViewImage::new(&model, from_polar(0.8, 0.6 + turned), 48, 1);
             let rebuilt = seen.rebuilt(&flat);
             let off = rebuilt.iter().zip(&reference).map(|(a, b)| (a[0] - b[0]).abs()).sum::<f32>();

@@ -2,6 +2,7 @@
 
 pub mod btf_stack;
 pub mod cache;
+pub mod flatten;
 pub mod manifest;
 pub mod needs;
 pub mod render_section;

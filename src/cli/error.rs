@@ -1,6 +1,7 @@
 //! Errors with the exit codes that scripts rely on.
 
 use crate::brdf::encode::EncodeError;
+use crate::build::flatten::{FlattenError, MesoInputError};
 use crate::build::manifest::OptionError;
 use crate::build::run::JobError;
 use crate::source::open::InputError;
@@ -96,6 +97,30 @@ impl From<JobError> for CliError {
             JobError::Input(error) => error.into(),
             JobError::Encode(error) => error.into(),
             JobError::Write { .. } => Self::Io(error.to_string()),
+        }
+    }
+}
+
+impl From<MesoInputError> for CliError {
+    fn from(error: MesoInputError) -> Self {
+        let message = error.to_string();
+        match error {
+            MesoInputError::Input(error) => error.into(),
+            MesoInputError::Tabulate { error, .. } => error.into(),
+            MesoInputError::Address { .. } | MesoInputError::Geometry { .. } => Self::Input(message),
+            MesoInputError::Options(_) => Self::Usage(message),
+        }
+    }
+}
+
+impl From<FlattenError> for CliError {
+    fn from(error: FlattenError) -> Self {
+        let message = error.to_string();
+        match error {
+            FlattenError::Input(error) => error.into(),
+            FlattenError::Parameterise(_) | FlattenError::Pack(_) => Self::Input(message),
+            FlattenError::Write { .. } => Self::Io(message),
+            FlattenError::Cancelled => Self::Interrupted,
         }
     }
 }

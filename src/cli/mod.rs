@@ -6,6 +6,7 @@ mod compare;
 mod encode;
 mod error;
 mod eval;
+mod flatten;
 #[cfg(feature = "render")]
 mod graphics_environment;
 mod info;
@@ -15,6 +16,7 @@ mod progress;
 #[cfg(feature = "render")]
 mod render;
 mod schema;
+mod steps;
 mod synth;
 
 pub use error::CliError;
@@ -45,6 +47,7 @@ enum Command {
     Compare(compare::Arguments),
     Info(info::Arguments),
     Synth(synth::Arguments),
+    Flatten(Box<flatten::Arguments>),
     #[cfg(feature = "render")]
     Render(Box<render::Arguments>),
     /// Not in this program: it was built without its feature 'render'.
@@ -66,6 +69,7 @@ Examples:
   brdfc compare paint.brdf paint.ktx2                 how wrong is it?
   brdfc info paint.ktx2
   brdfc render paint.ktx2 -o paint.png                what does it look like?
+  brdfc flatten synth:button -o button                flat BTF of a surface with relief
 
 INPUT is a path (.binary MERL, .brdf or .csv scan, .bsdf RGL, .ktx2 pack) or an analytic model such as
 synth:ward?kd=0.2&ks=0.1&ax=0.15&ay=0.5 ('brdfc synth --help' lists them).
@@ -122,6 +126,7 @@ fn run(cli: Cli) -> Result<(), CliError> {
         Command::Compare(arguments) => compare::run(&arguments, common),
         Command::Info(arguments) => info::run(&arguments),
         Command::Synth(arguments) => synth::run(&arguments),
+        Command::Flatten(arguments) => flatten::run(&arguments, common),
         #[cfg(feature = "render")]
         Command::Render(arguments) => render::run(&arguments, common),
         #[cfg(not(feature = "render"))]

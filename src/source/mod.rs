@@ -12,6 +12,7 @@ pub mod scan;
 pub mod simulate;
 mod symmetry;
 mod tally;
+pub mod tile_image;
 
 pub use merl::MerlSource;
 pub use pack::PackSource;

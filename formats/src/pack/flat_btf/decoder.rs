@@ -104,6 +104,11 @@ impl FlatBtfDecoder {
         &self.parts
     }
 
+    /// The parts again.
+    pub fn into_parts(self) -> FlatBtfParts {
+        self.parts
+    }
+
     /// How the flat values lie on a GPU; without any light where there are no views.
     pub fn atlas(&self) -> Atlas {
         let lights = self.parts.views.first().map_or(0, |view| view.header().lights.len());

@@ -3,7 +3,7 @@
 use super::apparent::{Apparent, ApparentSizes, summary};
 use super::{ModelRow, PAPER, StudySettings};
 use crate::btf::coherency::ViewVariance;
-use crate::btf::flatten::{ComputedField, FlatView, Guide, from_above, visible};
+use crate::btf::flatten::{ComputedField, FlatView, Guide, Holes, from_above, visible};
 use crate::btf::model::MesoModel;
 use crate::btf::parameterise::ParameteriseError;
 use crate::btf::rebuild::ViewImage;
@@ -115,8 +115,8 @@ pub fn study_model(
     let mut images = Vec::new();
     for (view, direction) in directions.iter().enumerate() {
         let seen = ViewImage::new(&model, *direction, settings.texels, settings.oversampling);
-        let Ok(push_pull) = FlatView::new(&field, view, &masks[view], None);
-        let Ok(poisson) = FlatView::new(&field, view, &masks[view], Some(&guide));
+        let Ok(push_pull) = FlatView::new(&field, view, &masks[view], Holes::PushPull);
+        let Ok(poisson) = FlatView::new(&field, view, &masks[view], Holes::Poisson(&guide));
         let light = |(light, kept): (usize, &mut PerLight)| {
             let Ok(filled) = push_pull.image(light);
             let Ok(inpainted) = poisson.image(light);
