@@ -1,6 +1,8 @@
 //! Meso-geometry: a triangle mesh over the unit tile that goes on periodically.
 
 use brdfc_formats::direction::{Vector, cross, dot, normalize, subtract};
+use brdfc_formats::meso::TriangleMesh;
+use std::collections::BTreeMap;
 
 /// A corner of a triangle: a vertex in one of the repetitions of the tile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -104,6 +106,25 @@ impl PeriodicMesh {
             }
         }
         mesh.normals = mesh.smooth_normals();
+        mesh
+    }
+
+    /// One tile as a mesh for files: corners in other tiles are vertices of their own. Tints are vertex colours; which
+    /// materials a vertex has is lost.
+    pub fn to_triangle_mesh(&self) -> TriangleMesh {
+        let mut mesh = TriangleMesh::default();
+        let mut known = BTreeMap::new();
+        let mut index = |corner: &Corner, mesh: &mut TriangleMesh| {
+            *known.entry((corner.vertex, corner.tile)).or_insert_with(|| {
+                mesh.positions.push(self.position(*corner));
+                mesh.colours.push(self.materials[corner.vertex as usize].tint);
+                mesh.positions.len() as u32 - 1
+            })
+        };
+        for triangle in &self.triangles {
+            let corners = [0, 1, 2].map(|k| index(&triangle[k], &mut mesh));
+            mesh.triangles.push(corners);
+        }
         mesh
     }
 

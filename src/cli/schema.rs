@@ -28,6 +28,10 @@ enum Report {
     Compare,
     /// 'brdfc info --json'.
     Info,
+    /// 'brdfc flatten --json'.
+    Flatten,
+    /// NAME.json in the folder of a flat BTF.
+    FlatBtf,
     /// 'brdfc bench --json'.
     Bench,
     /// 'brdfc render --json'.
@@ -42,6 +46,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         Report::Encode => schema_for!(super::encode::Report),
         Report::Compare => schema_for!(super::compare::Report),
         Report::Info => schema_for!(super::info::Report),
+        Report::Flatten => schema_for!(super::flatten::Report),
+        Report::FlatBtf => schema_for!(crate::build::flatten::AssetFile),
         Report::Bench => schema_for!(super::bench::Report),
         #[cfg(feature = "render")]
         Report::Render => schema_for!(super::render::Report),

@@ -2,21 +2,24 @@
 
 use super::CliError;
 use super::output::write_file;
+use crate::btf::structures::{Structure, describe_structures};
 use crate::source::address::{self, AddressError};
 use crate::source::simulate::{ScanPlan, merl_file, scan};
 use brdfc_formats::measured::merl::{Dimensions, MAX_DIMENSION};
 use brdfc_formats::measured::{scan as scan_text, scan_csv};
+use brdfc_formats::meso::{obj, ply};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
-/// Write an analytic model as a measured file.
+/// Write an analytic model as a measured file, or a structure as a mesh.
 ///
 /// The extension says which: .binary is a MERL table, .brdf and .csv are scattered scans with seeded noise, gaps and
-/// duplicates (.brdf with a spectrum of 31 bands that has the model's colour).
+/// duplicates (.brdf with a spectrum of 31 bands that has the model's colour). .obj and .ply hold one tile of a structure, with its tints as
+/// vertex colours.
 #[derive(Debug, Args)]
 #[command(after_help = models())]
 pub struct Arguments {
-    /// MODEL, or MODEL?param=value&...
+    /// MODEL or STRUCTURE, or MODEL?param=value&...
     model: String,
     /// The file to write.
     #[arg(long, short, value_name = "FILE")]
@@ -49,9 +52,11 @@ pub struct Arguments {
 
 fn models() -> String {
     format!(
-        "Models:\n{}\nExamples:\n  brdfc synth lambert?kd=0.5 -o white.binary --dimensions 16x16x32\n  \
-         brdfc synth 'ggx?kd=0.1,0.1,0.4&alpha=0.3' -o paint.brdf --noise 0.05 --gaps 0.1 --seed 7",
-        address::describe_models()
+        "Models:\n{}\nStructures (.obj, .ply):\n{}\nExamples:\n  brdfc synth lambert?kd=0.5 -o white.binary --dimensions 16x16x32\n  \
+         brdfc synth 'ggx?kd=0.1,0.1,0.4&alpha=0.3' -o paint.brdf --noise 0.05 --gaps 0.1 --seed 7\n  \
+         brdfc synth 'folds?resolution=64' -o folds.ply",
+        address::describe_models(),
+        describe_structures()
     )
 }
 
@@ -60,6 +65,10 @@ const MOST_ROWS: usize = 10_000_000;
 const MOST_CELLS: usize = 1 << 28;
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
+    let kind = arguments.output.extension().and_then(|e| e.to_str()).unwrap_or("");
+    if ["obj", "ply"].contains(&kind) {
+        return write_structure(arguments, kind);
+    }
     let wrong = |error: AddressError| CliError::Input(format!("{}: {error}", arguments.model));
     let text = arguments.model.strip_prefix(address::SYNTH_PREFIX).unwrap_or(&arguments.model);
     let model = address::parse_model(text).map_err(wrong)?;
@@ -79,11 +88,22 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         }
         _ => {
             return Err(CliError::Usage(format!(
-                "--output: found {}; allowed a name that ends in .binary, .brdf or .csv",
+                "--output: found {}; allowed a name that ends in .binary, .brdf or .csv (models), .obj or .ply \
+                 (structures)",
                 Path::new(&arguments.output).display()
             )));
         }
     }
+    write_file(&arguments.output, &bytes)
+}
+
+fn write_structure(arguments: &Arguments, kind: &str) -> Result<(), CliError> {
+    let text = arguments.model.strip_prefix(address::SYNTH_PREFIX).unwrap_or(&arguments.model);
+    let structure = Structure::parse(text).map_err(|error| CliError::Input(format!("{}: {error}", arguments.model)))?;
+    let mesh = structure.mesh().to_triangle_mesh();
+    let mut bytes = Vec::new();
+    let written = if kind == "obj" { obj::write(&mut bytes, &mesh) } else { ply::write(&mut bytes, &mesh) };
+    written.expect("memory can be written to");
     write_file(&arguments.output, &bytes)
 }
 

@@ -8,6 +8,7 @@ mod disk;
 mod files;
 mod interrupt;
 mod manifest;
+mod meso;
 mod packs;
 mod scans;
 

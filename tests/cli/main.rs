@@ -8,6 +8,7 @@ mod build;
 mod compare;
 mod encode;
 mod eval;
+mod flatten;
 mod help;
 mod info;
 mod output;

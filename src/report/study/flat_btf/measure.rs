@@ -1,6 +1,7 @@
 //! Tables 1, 2 and 3 in one pass over the views.
 
 use super::apparent::{Apparent, ApparentSizes, summary};
+use super::grids::grid_errors;
 use super::{ModelRow, PAPER, StudySettings};
 use crate::btf::coherency::ViewVariance;
 use crate::btf::flatten::{ComputedField, FlatView, Guide, Holes, from_above, visible};
@@ -152,6 +153,7 @@ pub fn study_model(
             visible: spread(|l| &l.visible),
         },
         apparent,
+        grids: grid_errors(&model),
         parameterisation: model.parameterisation.report,
         seen: masks.iter().flatten().filter(|seen| **seen).count() as f64 / (count * flat) as f64,
         paper,

@@ -1,10 +1,12 @@
 //! The error study of Hadim et al. 2009 (section 4) on our own meso-structures.
 
 mod apparent;
+mod grids;
 mod measure;
 mod paper;
 
 pub use apparent::{ApparentSizes, TexelSizes};
+pub use grids::{GridRow, grid_errors};
 pub use measure::{CoherencyRow, ReconstructionRow, StudyError, study_model};
 pub use paper::{PAPER, PaperModel};
 
@@ -23,6 +25,8 @@ pub struct StudySettings {
     pub rounds: usize,
     /// Name of the set of directions, for views and lights.
     pub directions: String,
+    /// How many these are.
+    pub count: usize,
 }
 
 /// All figures of one model.
@@ -38,6 +42,8 @@ pub struct ModelRow {
     pub coherency: CoherencyRow,
     /// Table 3.
     pub apparent: ApparentSizes,
+    /// Figure 10: both grids of views.
+    pub grids: Vec<GridRow>,
     /// Stretch of the parameterisation.
     pub parameterisation: crate::btf::parameterise::ParameterisationReport,
     /// Share of texels that a view sees, mean over the views.
