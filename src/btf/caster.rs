@@ -147,6 +147,16 @@ impl PeriodicCaster {
         dot(geometric_normal, direction) > 0.0 && !self.is_blocked(add_scaled(point, LIFT, geometric_normal), direction)
     }
 
+    /// How many tiles a ray goes through, between the surface's lowest and highest point, up to `distance`.
+    pub fn tiles(&self, origin: Vector, direction: Vector, distance: f64) -> usize {
+        let mut count = 0;
+        self.march(origin, direction, |local, _, start| {
+            count += 1;
+            start + f64::from(local.tmax) >= distance
+        });
+        count
+    }
+
     /// Calls `visit` with the part of the ray in each tile that it crosses between the surface's lowest and highest
     /// point: the ray in the tile's own coordinates, the tile, and the distance at which that part begins. Ends when
     /// `visit` returns true.
