@@ -19,4 +19,5 @@ pub mod surface;
 #[cfg(test)]
 mod testing;
 pub mod texels;
+pub mod triangle_tree;
 pub mod weld;
