@@ -40,8 +40,9 @@ pub struct TriangleTree {
     waiting: usize,
 }
 
-/// Boxes of up to four children, and which they are.
+/// Boxes of up to four children, and which they are. Lies in two lines of the cache.
 #[derive(Clone, Copy)]
+#[repr(align(64))]
 struct Node {
     /// Along each axis, lower and upper borders.
     borders: [[Vec4; 2]; 3],
@@ -63,7 +64,7 @@ const EDGE: f32 = 1e-5;
 /// How far boxes reach beyond their triangles, for coordinates near 1: what rounding and [`EDGE`] need.
 const PADDING: f32 = 1e-6;
 /// Waiting nodes for which there is room without asking for memory.
-const SMALL_STACK: usize = 96;
+const SMALL_STACK: usize = 64;
 
 impl TriangleTree {
     /// Builds the tree. Coordinates should be near 1 or below.
@@ -126,7 +127,7 @@ impl TriangleTree {
         let mut found = None;
         let mut length = segment.length;
         self.visit::<true>(segment, &mut |leaf, rays| {
-            let (met, distance, u, v) = leaf.intersect(rays, length);
+            let (met, [distance, u, v]) = leaf.intersect(rays, length);
             for lane in lanes(met) {
                 if distance[lane] < length || (found.is_none() && distance[lane] <= length) {
                     length = distance[lane];
@@ -233,7 +234,7 @@ impl Rays {
 impl Node {
     /// Which children a ray meets up to `length`, and where it enters them.
     #[inline(always)]
-    fn intersect(&self, rays: &Rays, length: f32) -> (BVec4A, Vec4) {
+    fn intersect(&self, rays: &Rays, length: f32) -> (BVec4A, [f32; 4]) {
         let (mut start, mut end) = (Vec4::ZERO, Vec4::splat(length));
         for axis in 0..3 {
             let near = rays.near[axis] & 1;
@@ -241,7 +242,7 @@ impl Node {
             start = distance(near).max(start);
             end = distance(near ^ 1).min(end);
         }
-        (start.cmple(end), start)
+        (start.cmple(end), start.to_array())
     }
 }
 
@@ -265,7 +266,7 @@ impl Leaf {
     /// Which triangles a ray meets up to `length`, the distances, and weights of the second and third corners (Möller and
     /// Trumbore 1997).
     #[inline(always)]
-    fn intersect(&self, rays: &Rays, length: f32) -> (BVec4A, Vec4, Vec4, Vec4) {
+    fn intersect(&self, rays: &Rays, length: f32) -> (BVec4A, [[f32; 4]; 3]) {
         let [e1, e2] = &self.edges;
         let p = cross(&rays.direction, e2);
         // Not a number where the determinant is 0: no comparison holds.
@@ -278,7 +279,7 @@ impl Leaf {
         let edge = Vec4::splat(-EDGE);
         let inside = u.cmpge(edge) & v.cmpge(edge) & (u + v).cmple(Vec4::splat(1.0 + EDGE));
         let within = distance.cmpge(Vec4::ZERO) & distance.cmple(Vec4::splat(length));
-        (inside & within, distance, u, v)
+        (inside & within, [distance, u, v].map(|lanes| lanes.to_array()))
     }
 }
 
@@ -304,4 +305,96 @@ fn lanes(set: BVec4A) -> impl Iterator<Item = usize> {
         left &= left - 1;
         Some(lane)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    fn random_vector(random: &mut ChaCha8Rng) -> Vec3A {
+        Vec3A::from_array(std::array::from_fn(|_| random.random_range(-1.0..1.0)))
+    }
+
+    /// Distance to the first of all triangles, in double precision and by volumes: the line goes round the same side of
+    /// all three edges.
+    fn expected(corners: &[[Vec3A; 3]], segment: &Segment) -> Option<(u32, f64)> {
+        let double = |v: Vec3A| v.as_dvec3();
+        let (o, d) = (double(segment.origin), double(segment.direction));
+        let met = |(index, triangle): (usize, &[Vec3A; 3])| {
+            let [a, b, c] = triangle.map(|corner| double(corner) - o);
+            let side = [d.dot(a.cross(b)), d.dot(b.cross(c)), d.dot(c.cross(a))];
+            let normal = (b - a).cross(c - a);
+            let distance = a.dot(normal) / d.dot(normal);
+            let inside = side.iter().all(|s| *s > 0.0) || side.iter().all(|s| *s < 0.0);
+            (inside && distance >= 0.0 && distance <= f64::from(segment.length)).then_some((index as u32, distance))
+        };
+        corners.iter().enumerate().filter_map(met).min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    #[test]
+    fn meets_what_a_search_through_all_triangles_meets() {
+        let mut random = ChaCha8Rng::seed_from_u64(3);
+        for (count, size) in [(1, 0.8), (3, 0.8), (5, 0.5), (40, 0.4), (700, 0.15)] {
+            let corners: Vec<[Vec3A; 3]> = (0..count)
+                .map(|_| {
+                    let middle = random_vector(&mut random);
+                    [0, 1, 2].map(|_| middle + size * random_vector(&mut random))
+                })
+                .collect();
+            let tree = TriangleTree::new(&corners);
+            let (mut met, mut blocked) = (0, 0);
+            for k in 0..2000 {
+                let mut direction = random_vector(&mut random).normalize();
+                if k % 8 < 3 {
+                    direction = Vec3A::AXES[k % 8] * if k % 16 < 8 { 1.0 } else { -1.0 };
+                }
+                let length = if k % 2 == 0 { 0.5 } else { 4.0 };
+                let segment = Segment { origin: random_vector(&mut random), direction, length };
+                let (found, expected) = (tree.nearest(&segment), expected(&corners, &segment));
+                assert_eq!(tree.is_blocked(&segment), found.is_some(), "{count} {segment:?}");
+                match (found, expected) {
+                    (Some(found), Some((triangle, distance))) => {
+                        assert_eq!(found.triangle, triangle, "{count} {segment:?}");
+                        assert!((f64::from(found.distance) - distance).abs() < 1e-4, "{count} {segment:?}");
+                        let [a, b, c] = corners[triangle as usize];
+                        let point = a + found.barycentric[0] * (b - a) + found.barycentric[1] * (c - a);
+                        let along = segment.origin + found.distance * direction;
+                        assert!((point - along).length() < 1e-4, "{point} {along}");
+                        met += 1;
+                    }
+                    (None, None) => blocked += 1,
+                    other => panic!("{count} {segment:?}: {other:?}"),
+                }
+            }
+            assert!(met > 10 && blocked > 10, "{count}: {met} {blocked}");
+        }
+    }
+
+    #[test]
+    fn trees_of_nothing_and_of_triangles_without_area_are_met_by_nothing() {
+        let corner = Vec3A::new(0.3, 0.2, 0.0);
+        let segment = Segment { origin: corner + Vec3A::Z, direction: -Vec3A::Z, length: 2.0 };
+        for corners in [vec![], vec![[corner; 3]; 9], vec![[corner, corner, Vec3A::ZERO]; 2]] {
+            let tree = TriangleTree::new(&corners);
+            assert!(tree.nearest(&segment).is_none() && !tree.is_blocked(&segment));
+        }
+    }
+
+    #[test]
+    fn deep_trees_find_room() {
+        // Boxes within boxes: each is met by the same ray.
+        let square = |k: i32| {
+            let r = 0.9f32.powi(k);
+            [Vec3A::new(-r, -r, -r), Vec3A::new(3.0 * r, -r, -r), Vec3A::new(-r, 3.0 * r, -r)]
+        };
+        let corners: Vec<_> = (0..800).map(square).collect();
+        let tree = TriangleTree::new(&corners);
+        let down = |length| Segment { origin: Vec3A::Z, direction: -Vec3A::Z, length };
+        assert!(tree.nearest(&down(1.0)).is_some_and(|hit| hit.distance >= 1.0 - 1e-6));
+        let up = Segment { origin: Vec3A::new(0.0, 0.0, -1.5), direction: Vec3A::Z, length: 3.0 };
+        assert_eq!(tree.nearest(&up).map(|hit| hit.triangle), Some(0));
+        assert!(tree.is_blocked(&up));
+    }
 }

@@ -3,7 +3,7 @@
 use super::{Arguments, StudyResult};
 use crate::cli::output::{remark, write_file};
 use crate::cli::{CliError, Common};
-use crate::report::study::rays::{RayScene, RayStudy, RayStudyError};
+use crate::report::study::rays::{Dump, RayScene, RayStudy, RayStudyError};
 use crate::report::table::{percent, plain};
 use std::path::Path;
 
@@ -28,15 +28,14 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
         RayStudyError::Address(error) => CliError::Input(format!("{input}: {error}")),
         RayStudyError::Parameterise(error) => CliError::Internal(error.to_string()),
     })?;
-    if let Some(folder) = &arguments.out {
-        write_dump(&scene, input, folder)?;
-        remark(common, &format!("{}: mesh.ply and rays.bin written", folder.display()));
-    }
-    Ok(StudyResult::Rays(scene.measure()))
+    let Some(folder) = &arguments.out else { return Ok(StudyResult::Rays(scene.measure(None))) };
+    let dump = scene.dump().map_err(|error| CliError::Input(format!("{input}: {error}")))?;
+    write_dump(&dump, folder)?;
+    remark(common, &format!("{}: mesh.ply and rays.bin written", folder.display()));
+    Ok(StudyResult::Rays(scene.measure(Some(&dump))))
 }
 
-fn write_dump(scene: &RayScene, input: &str, folder: &Path) -> Result<(), CliError> {
-    let dump = scene.dump().map_err(|error| CliError::Input(format!("{input}: {error}")))?;
+fn write_dump(dump: &Dump, folder: &Path) -> Result<(), CliError> {
     std::fs::create_dir_all(folder).map_err(|error| CliError::write(folder, &error))?;
     write_file(&folder.join("mesh.ply"), &dump.ply())?;
     write_file(&folder.join("rays.bin"), &dump.rays())
@@ -44,19 +43,22 @@ fn write_dump(scene: &RayScene, input: &str, folder: &Path) -> Result<(), CliErr
 
 pub(super) fn text(study: &RayStudy) -> String {
     let all = format!("{} threads", study.threads);
-    let header = ["query", "rays", "hits", "tiles", "1 thread", &all];
+    let header = ["query", "rays", "hits", "tiles", "1 thread", &all, "repeated, 1", "repeated"];
     let rows: Vec<Vec<String>> = study
         .rows
         .iter()
         .map(|row| {
-            let mega = |rate: f64| format!("{:.2}", rate / 1e6);
-            let tiles = format!("{:.2}", row.tiles);
-            vec![row.query.to_owned(), row.rays.to_string(), percent(row.hits), tiles, mega(row.one), mega(row.all)]
+            let mega = |rate: Option<f64>| rate.map_or("-".to_owned(), |rate| format!("{:.2}", rate / 1e6));
+            let mut cells = vec![row.query.to_owned(), row.rays.to_string(), percent(row.hits)];
+            cells.push(format!("{:.2}", row.tiles));
+            cells.extend([Some(row.one), Some(row.all), row.repeated_one, row.repeated_all].map(mega));
+            cells
         })
         .collect();
     plain(&header, &rows)
         + &format!(
-            "\nMillions of rays per second. {}: {} triangles, {2} x {2} texels; tiles: per ray, mean.\n",
+            "\nMillions of rays per second. {}: {} triangles, {2} x {2} texels; tiles: per ray, mean.\n\
+             repeated: with --out, against the mesh of the dump, without going from tile to tile.\n",
             study.model, study.triangles, study.texels
         )
 }

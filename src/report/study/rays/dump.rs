@@ -1,6 +1,8 @@
 //! The rays of the study and the surface around them, for other programs.
 
 use super::{CHUNK, RayScene, StudyRay};
+use crate::btf::triangle_tree::TriangleTree;
+use glam::Vec3A;
 use rayon::prelude::*;
 
 /// Most triangles of a repeated mesh.
@@ -80,6 +82,13 @@ impl RayScene {
 }
 
 impl Dump {
+    /// A tree of the repeated mesh.
+    pub(super) fn tree(&self) -> TriangleTree {
+        let corner = |vertex: u32| Vec3A::from_array(self.vertices[vertex as usize]);
+        let corners: Vec<_> = self.triangles.iter().map(|triangle| triangle.map(corner)).collect();
+        TriangleTree::new(&corners)
+    }
+
     /// The mesh as binary PLY: `x`, `y`, `z` in single precision, and lists of three corners.
     pub fn ply(&self) -> Vec<u8> {
         let mut bytes = format!(

@@ -8,9 +8,11 @@ use crate::btf::caster::{LIFT, PeriodicCaster};
 use crate::btf::model::MesoModel;
 use crate::btf::parameterise::ParameteriseError;
 use crate::btf::structures::Structure;
+use crate::btf::triangle_tree::Segment;
 use crate::source::address::AddressError;
 use brdfc_formats::direction::{Vector, add_scaled, dot, from_polar};
 use brdfc_formats::direction_set::DirectionSet;
+use glam::Vec3A;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -23,6 +25,8 @@ const VIEWS: usize = 16;
 const STEEPEST: f64 = 80.0;
 /// Rounds of stretch-reducing reweighting: where texels are matters little here.
 const ROUNDS: usize = 2;
+/// Ends of rays are moved on by this much, in tiles: the lowest triangles lie on them.
+const MARGIN: f32 = 1e-4;
 /// Runs, of which the fastest counts.
 const RUNS: usize = 3;
 /// Rays that a thread takes at once.
@@ -59,6 +63,10 @@ pub struct RayRate {
     pub one: f64,
     /// Rays per second on all threads.
     pub all: f64,
+    /// Rays per second on one thread through a tree of the repeated mesh of the dump, without going from tile to tile.
+    pub repeated_one: Option<f64>,
+    /// The same on all threads.
+    pub repeated_all: Option<f64>,
 }
 
 /// Why there are no rates.
@@ -96,6 +104,11 @@ impl StudyRay {
     }
 
     /// Distance to what it meets first; infinite where it meets nothing.
+    fn segment(&self) -> Segment {
+        let [origin, direction] = [self.origin, self.direction].map(Vec3A::from_array);
+        Segment { origin, direction, length: self.end + MARGIN }
+    }
+
     fn nearest(&self, caster: &PeriodicCaster) -> f32 {
         let (origin, direction) = self.vectors();
         caster.nearest(origin, direction).map_or(f32::INFINITY, |hit| hit.distance as f32)
@@ -134,33 +147,54 @@ impl RayScene {
         Ok(Self { address: structure.canonical(), model, texels, nearest, any })
     }
 
-    /// Casts all rays.
-    pub fn measure(&self) -> RayStudy {
+    /// Casts all rays; with a dump also against its repeated mesh.
+    pub fn measure(&self, dump: Option<&Dump>) -> RayStudy {
         let caster = &self.model.caster;
-        let row = |query, rays: &[StudyRay], cast: &(dyn Fn(&StudyRay) -> bool + Sync)| {
-            let count = |rays: &[StudyRay]| rays.iter().filter(|ray| cast(ray)).count();
-            let all = || rays.par_chunks(CHUNK).map(count).sum::<usize>();
-            let tiles: usize = rays.par_chunks(CHUNK).map(|c| c.iter().map(|r| r.tiles(caster)).sum::<usize>()).sum();
-            RayRate {
-                query,
-                rays: rays.len(),
-                hits: all() as f64 / rays.len() as f64,
-                tiles: tiles as f64 / rays.len() as f64,
-                one: rays.len() as f64 / best_of(|| count(rays)),
-                all: rays.len() as f64 / best_of(all),
-            }
-        };
+        let repeated = dump.map(Dump::tree);
+        let repeated = repeated.as_ref();
+        let nearest = repeated.map(|tree| move |ray: &StudyRay| tree.nearest(&ray.segment()).is_some());
+        let any = repeated.map(|tree| move |ray: &StudyRay| tree.is_blocked(&ray.segment()));
         RayStudy {
             model: self.address.clone(),
             triangles: self.model.mesh.triangles.len(),
             texels: self.texels,
             threads: rayon::current_num_threads(),
             rows: vec![
-                row("nearest", &self.nearest, &|ray| ray.nearest(caster).is_finite()),
-                row("any", &self.any, &|ray| ray.is_blocked(caster)),
+                self.row("nearest", &self.nearest, |ray| ray.nearest(caster).is_finite(), nearest),
+                self.row("any", &self.any, |ray| ray.is_blocked(caster), any),
             ],
         }
     }
+
+    fn row(
+        &self,
+        query: &'static str,
+        rays: &[StudyRay],
+        cast: impl Fn(&StudyRay) -> bool + Sync,
+        repeated: Option<impl Fn(&StudyRay) -> bool + Sync>,
+    ) -> RayRate {
+        let caster = &self.model.caster;
+        let tiles = |rays: &[StudyRay]| rays.iter().map(|ray| ray.tiles(caster)).sum::<usize>();
+        let mean = |sum: usize| sum as f64 / rays.len() as f64;
+        RayRate {
+            query,
+            rays: rays.len(),
+            hits: mean(count_all(rays, &cast)),
+            tiles: mean(rays.par_chunks(CHUNK).map(tiles).sum()),
+            one: rays.len() as f64 / best_of(|| count(rays, &cast)),
+            all: rays.len() as f64 / best_of(|| count_all(rays, &cast)),
+            repeated_one: repeated.as_ref().map(|cast| rays.len() as f64 / best_of(|| count(rays, cast))),
+            repeated_all: repeated.as_ref().map(|cast| rays.len() as f64 / best_of(|| count_all(rays, cast))),
+        }
+    }
+}
+
+fn count(rays: &[StudyRay], cast: impl Fn(&StudyRay) -> bool) -> usize {
+    rays.iter().filter(|ray| cast(ray)).count()
+}
+
+fn count_all(rays: &[StudyRay], cast: impl Fn(&StudyRay) -> bool + Sync) -> usize {
+    rays.par_chunks(CHUNK).map(|rays| count(rays, &cast)).sum()
 }
 
 /// Measures the structure at an address without its prefix `synth:`, with rays of `texels` x `texels` texels.
@@ -168,7 +202,7 @@ impl RayScene {
 /// # Errors
 /// As [`RayScene::new`].
 pub fn ray_study(address: &str, texels: usize) -> Result<RayStudy, RayStudyError> {
-    Ok(RayScene::new(address, texels)?.measure())
+    Ok(RayScene::new(address, texels)?.measure(None))
 }
 
 /// Rays down to the texels of the reference plane, in the order of an indirection map.
@@ -230,6 +264,27 @@ mod tests {
         // Nothing stands in the way of a plane.
         let plane = ray_study("button?resolution=16&height=0", 4).unwrap();
         assert_eq!((plane.rows[0].hits, plane.rows[1].hits, plane.rows[1].rays), (1.0, 0.0, 4 * 4 * 81));
+        assert_eq!(plane.rows[0].repeated_one, None);
         assert!(ray_study("buton", 4).unwrap_err().to_string().contains("did you mean `button`?"));
+    }
+
+    #[test]
+    fn the_dumped_mesh_gives_the_same_answers() {
+        let scene = RayScene::new("button?resolution=32", 6).unwrap();
+        let dump = scene.dump().unwrap();
+        let tree = dump.tree();
+        for (k, ray) in dump.nearest.iter().enumerate() {
+            let found = tree.nearest(&ray.segment()).map_or(f32::INFINITY, |hit| hit.distance);
+            assert!((found - dump.answers[k]).abs() < 1e-4, "{k}: {found} {}", dump.answers[k]);
+        }
+        let differ = dump.any.iter().zip(&dump.answers[dump.nearest.len()..]);
+        let differ = differ.filter(|(ray, answer)| f32::from(u8::from(tree.is_blocked(&ray.segment()))) != **answer);
+        assert!(differ.count() <= dump.any.len() / 500);
+        let rays = dump.rays();
+        assert_eq!(rays.len(), 8 + 32 * dump.answers.len());
+        assert_eq!(rays[8..12], dump.nearest[0].origin[0].to_le_bytes());
+        let ply = brdfc_formats::meso::ply::from_bytes(&dump.ply()).unwrap();
+        assert_eq!((ply.positions.len(), ply.triangles.len()), (dump.vertices.len(), dump.triangles.len()));
+        assert!(scene.measure(Some(&dump)).rows.iter().all(|row| row.repeated_one > Some(0.0)));
     }
 }
