@@ -4,13 +4,9 @@
 //! tile it crosses, with its origin moved into the tile: coordinates stay near 1, where single precision is fine enough.
 
 use super::mesh::PeriodicMesh;
+use super::triangle_tree::{Segment, TriangleTree};
 use brdfc_formats::direction::{Vector, add_scaled, cross, dot, normalize, subtract};
 use glam::Vec3A;
-use obvhs::BvhBuildParams;
-use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::builder::build_bvh2_from_tris;
-use obvhs::ray::{Ray, RayHit};
-use obvhs::triangle::Triangle;
 
 /// Where a ray meets the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,24 +21,14 @@ pub struct Hit {
     pub distance: f64,
 }
 
-/// A triangle of the tree: its first corner and its two edges there.
-#[derive(Debug, Clone, Copy)]
-struct Placed {
-    corner: Vec3A,
-    edges: [Vec3A; 2],
-    triangle: u32,
-    tile: [i32; 2],
-}
-
 /// A mesh made ready for rays.
 pub struct PeriodicCaster {
-    tree: Bvh2,
-    placed: Vec<Placed>,
+    tree: TriangleTree,
+    /// What the triangles of the tree are: triangles of the mesh, in which repetition of the tile.
+    placed: Vec<(u32, [i32; 2])>,
     heights: [f64; 2],
 }
 
-/// How far outside a triangle, in barycentric coordinates, a ray still hits it: closes the seams between triangles.
-const EDGE: f32 = 1e-5;
 /// How far into the next tile a ray is followed, so that none slips through between two tiles. In tiles.
 const OVERLAP: f64 = 1e-6;
 /// Rays that leave a surface start this far off it, in tiles: what single precision needs on tiles of 1.
@@ -53,7 +39,7 @@ const MOST_TILES: usize = 4096;
 impl PeriodicCaster {
     /// Builds the tree.
     pub fn new(mesh: &PeriodicMesh) -> Self {
-        let mut placed = Vec::new();
+        let (mut placed, mut triangles) = (Vec::new(), Vec::new());
         for index in 0..mesh.triangles.len() {
             let corners = mesh.corners(index);
             let range = |axis: usize| {
@@ -65,25 +51,13 @@ impl PeriodicCaster {
             for y in range(1) {
                 for x in range(0) {
                     let moved = corners.map(|c| add_scaled(c, 1.0, [f64::from(x), f64::from(y), 0.0]));
-                    let single = |v: Vector| Vec3A::from_array(v.map(|c| c as f32));
-                    placed.push(Placed {
-                        corner: single(moved[0]),
-                        edges: [single(subtract(moved[1], moved[0])), single(subtract(moved[2], moved[0]))],
-                        triangle: index as u32,
-                        tile: [x, y],
-                    });
+                    triangles.push(moved.map(single));
+                    placed.push((index as u32, [x, y]));
                 }
             }
         }
-        let boxed: Vec<Triangle> = placed
-            .iter()
-            .map(|p| Triangle { v0: p.corner, v1: p.corner + p.edges[0], v2: p.corner + p.edges[1] })
-            .collect();
-        let tree = build_bvh2_from_tris(&boxed, BvhBuildParams::slow_build(), &mut Default::default());
-        // In the order of the tree's leaves, so that neighbours in space are neighbours in memory.
-        let placed = tree.primitive_indices.iter().map(|index| placed[*index as usize]).collect();
         let [low, high] = mesh.height_range();
-        Self { tree, placed, heights: [low - OVERLAP, high + OVERLAP] }
+        Self { tree: TriangleTree::new(&triangles), placed, heights: [low - OVERLAP, high + OVERLAP] }
     }
 
     /// Lowest and highest z of the surface.
@@ -102,25 +76,14 @@ impl PeriodicCaster {
     /// What a ray from `origin` along the unit vector `direction` meets first.
     pub fn nearest(&self, origin: Vector, direction: Vector) -> Option<Hit> {
         let mut found = None;
-        self.march(origin, direction, |local, tile, start| {
-            let mut nearest: Option<(f32, usize, [f32; 2])> = None;
-            let far = local.tmax;
-            self.tree.ray_traverse(local, &mut RayHit::none(), |ray, index| {
-                match intersect(&self.placed[index], ray) {
-                    Some((t, barycentric)) if t <= far && nearest.is_none_or(|(found, ..)| t < found) => {
-                        nearest = Some((t, index, barycentric));
-                        t
-                    }
-                    _ => f32::INFINITY,
-                }
-            });
-            let Some((t, index, barycentric)) = nearest else { return false };
-            let placed = &self.placed[index];
+        self.march(origin, direction, |part, tile, start| {
+            let Some(hit) = self.tree.nearest(part) else { return false };
+            let (triangle, repetition) = self.placed[hit.triangle as usize];
             found = Some(Hit {
-                triangle: placed.triangle,
-                tile: [0, 1].map(|k| placed.tile[k] + tile[k]),
-                barycentric,
-                distance: start + f64::from(t),
+                triangle,
+                tile: [0, 1].map(|k| repetition[k] + tile[k]),
+                barycentric: hit.barycentric,
+                distance: start + f64::from(hit.distance),
             });
             true
         });
@@ -130,13 +93,8 @@ impl PeriodicCaster {
     /// Whether anything stands in the way of a ray from `origin` along the unit vector `direction`.
     pub fn is_blocked(&self, origin: Vector, direction: Vector) -> bool {
         let mut blocked = false;
-        self.march(origin, direction, |local, _, _| {
-            let far = local.tmax;
-            let miss = self.tree.ray_traverse_miss(local, |ray, index| {
-                intersect(&self.placed[index], ray)
-                    .map_or(f32::INFINITY, |(t, _)| if t <= far { t } else { f32::INFINITY })
-            });
-            blocked = !miss;
+        self.march(origin, direction, |part, _, _| {
+            blocked = self.tree.is_blocked(part);
             blocked
         });
         blocked
@@ -147,10 +105,20 @@ impl PeriodicCaster {
         dot(geometric_normal, direction) > 0.0 && !self.is_blocked(add_scaled(point, LIFT, geometric_normal), direction)
     }
 
+    /// How many tiles a ray goes through, between the surface's lowest and highest point, up to `distance`.
+    pub fn tiles(&self, origin: Vector, direction: Vector, distance: f64) -> usize {
+        let mut count = 0;
+        self.march(origin, direction, |part, _, start| {
+            count += 1;
+            start + f64::from(part.length) >= distance
+        });
+        count
+    }
+
     /// Calls `visit` with the part of the ray in each tile that it crosses between the surface's lowest and highest
     /// point: the ray in the tile's own coordinates, the tile, and the distance at which that part begins. Ends when
     /// `visit` returns true.
-    fn march(&self, origin: Vector, direction: Vector, mut visit: impl FnMut(Ray, [i32; 2], f64) -> bool) {
+    fn march(&self, origin: Vector, direction: Vector, mut visit: impl FnMut(&Segment, [i32; 2], f64) -> bool) {
         let [low, high] = self.heights;
         let (mut start, mut end) = (0.0f64, f64::INFINITY);
         if direction[2] == 0.0 {
@@ -167,7 +135,7 @@ impl PeriodicCaster {
         }
         let mut entry = add_scaled(origin, start, direction);
         let mut tile = [entry[0].floor(), entry[1].floor()];
-        let along = Vec3A::from_array(direction.map(|c| c as f32));
+        let along = single(direction);
         for _ in 0..MOST_TILES {
             // Distance at which the ray leaves the tile along each axis.
             let leave = [0, 1].map(|k| {
@@ -176,9 +144,9 @@ impl PeriodicCaster {
             });
             let axis = usize::from(leave[1] < leave[0]);
             let stop = leave[axis].min(end);
-            let local = [entry[0] - tile[0], entry[1] - tile[1], entry[2]].map(|c| c as f32);
-            let ray = Ray::new(Vec3A::from_array(local), along, 0.0, (stop - start + OVERLAP) as f32);
-            if visit(ray, tile.map(|t| t as i32), start) || leave[axis] >= end {
+            let local = single([entry[0] - tile[0], entry[1] - tile[1], entry[2]]);
+            let part = Segment { origin: local, direction: along, length: (stop - start + OVERLAP) as f32 };
+            if visit(&part, tile.map(|t| t as i32), start) || leave[axis] >= end {
                 return;
             }
             start = leave[axis];
@@ -188,22 +156,8 @@ impl PeriodicCaster {
     }
 }
 
-/// Distance, and weights of the second and third corner (Möller and Trumbore 1997).
-#[inline]
-fn intersect(placed: &Placed, ray: &Ray) -> Option<(f32, [f32; 2])> {
-    let [e1, e2] = placed.edges;
-    let p = ray.direction.cross(e2);
-    let determinant = e1.dot(p);
-    if determinant == 0.0 {
-        return None;
-    }
-    let inverse = 1.0 / determinant;
-    let from = ray.origin - placed.corner;
-    let u = from.dot(p) * inverse;
-    let q = from.cross(e1);
-    let v = ray.direction.dot(q) * inverse;
-    let t = e2.dot(q) * inverse;
-    (u >= -EDGE && v >= -EDGE && u + v <= 1.0 + EDGE && t >= 0.0).then_some((t, [u, v]))
+fn single(v: Vector) -> Vec3A {
+    Vec3A::from_array(v.map(|c| c as f32))
 }
 
 /// Unit normal of a triangle, on the side from which its corners go counter-clockwise.

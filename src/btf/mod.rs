@@ -23,4 +23,5 @@ pub mod surface;
 mod testing;
 pub mod texels;
 pub mod tile_image;
+pub mod triangle_tree;
 pub mod weld;

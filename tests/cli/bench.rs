@@ -16,3 +16,28 @@ fn the_study_prints_nine_rows_with_the_papers_figures_beside() {
         assert!(relative > 0.0 && relative < 1.0 && coarse < relative + 0.001, "{row}");
     }
 }
+
+#[test]
+fn the_study_of_rays_counts_rays_and_writes_them() {
+    let folder = Folder::new();
+    let study = ["bench", "--study", "rays", "synth:button?resolution=16", "--texels", "2"];
+    let ran = folder.run(&[&study[..], &["--json", "--out", "dump"]].concat()).succeeded();
+    let report = ran.json();
+    conforms("bench", &report);
+    let rows = report["rows"].as_array().unwrap();
+    assert_eq!(rows[0]["rays"], 2 * 2 * 256);
+    assert!(rows.iter().all(|row| row["one"].as_f64() > Some(0.0) && row["repeated_all"].as_f64() > Some(0.0)));
+    let rays: u64 = rows.iter().map(|row| row["rays"].as_u64().unwrap()).sum();
+    assert_eq!(std::fs::metadata(folder.path().join("dump/rays.bin")).unwrap().len(), 8 + 32 * rays);
+    assert!(folder.path().join("dump/mesh.ply").exists());
+    conforms("bench", &folder.run(&[&study[..], &["--json"]].concat()).succeeded().json());
+    for (arguments, code, expected) in [
+        (&["synth:buton"][..], 3, "did you mean `button`?"),
+        (&["button.obj"], 2, "INPUT: found button.obj"),
+        (&["--texels", "0"], 2, "--texels: found 0; allowed 1 to 512"),
+    ] {
+        let ran = folder.run(&[&["bench", "--study", "rays"][..], arguments].concat());
+        assert_eq!(ran.code, code, "{arguments:?}: {}", ran.stderr);
+        assert!(ran.stderr.contains(expected), "{arguments:?}: {}", ran.stderr);
+    }
+}

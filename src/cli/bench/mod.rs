@@ -2,6 +2,7 @@
 
 #[cfg(feature = "render")]
 mod drawn;
+mod rays;
 
 use super::output::{print, print_json};
 use super::{CliError, Common};
@@ -19,19 +20,24 @@ use std::path::PathBuf;
 Examples:
   brdfc bench
   brdfc bench --json > table-1.json
+  brdfc bench --study rays synth:folds
   brdfc bench --study throughput
   brdfc bench --study level-of-detail --out frames
   brdfc bench --study images paint.brdf metal.bsdf synth:velvet")]
 pub struct Arguments {
-    /// Materials of the studies that draw (default: synth:velvet, and a glossy metal for level-of-detail).
+    /// Materials of the studies that draw (default: synth:velvet, and a glossy metal for level-of-detail), or the
+    /// structure of rays (default: synth:button).
     #[arg(value_name = "INPUT")]
     inputs: Vec<String>,
     /// Which study.
     #[arg(long, value_enum, default_value = "wavelet-brdf")]
     study: Study,
-    /// Write the frames of level-of-detail into this folder.
+    /// Write the frames of level-of-detail into this folder, or the mesh and the rays of rays.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Texels per side of the map whose rays the study rays casts.
+    #[arg(long, value_name = "N", default_value_t = 64)]
+    texels: usize,
     /// Use the adapter whose name contains this (default: the fastest).
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
@@ -44,6 +50,8 @@ pub struct Arguments {
 enum Study {
     /// Table 1 of Claustres et al. 2007: errors of Lewis, Ward and Poulin-Fournier at 4:1, 16:1 and 32:1.
     WaveletBrdf,
+    /// Rays per second against a repeated structure. With --out: mesh.ply and rays.bin for other programs.
+    Rays,
     /// Section 6.3: evaluations per second, shader and CPU decoder.
     Throughput,
     /// Section 6.3, figure 10: a terrain with and without levels of detail, time per level, flicker.
@@ -71,6 +79,8 @@ pub enum StudyResult {
         /// Rows of the table.
         rows: Vec<StudyRow>,
     },
+    /// Rays per second.
+    Rays(crate::report::study::rays::RayStudy),
     /// Evaluations per second.
     #[cfg(feature = "render")]
     Throughput(crate::report::study::throughput::Throughput),
@@ -88,18 +98,19 @@ pub enum StudyResult {
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     if arguments.study == Study::WaveletBrdf && !arguments.inputs.is_empty() {
         return Err(CliError::Usage(
-            "INPUT: found with --study wavelet-brdf; allowed with the studies that draw".into(),
+            "INPUT: found with --study wavelet-brdf; allowed with the studies that draw, and with rays".into(),
         ));
     }
-    if arguments.study != Study::LevelOfDetail && arguments.out.is_some() {
-        return Err(CliError::Usage("--out: found with another study; allowed with --study level-of-detail".into()));
+    if !matches!(arguments.study, Study::LevelOfDetail | Study::Rays) && arguments.out.is_some() {
+        let allowed = "allowed with --study level-of-detail and --study rays";
+        return Err(CliError::Usage(format!("--out: found with another study; {allowed}")));
     }
     let result = match arguments.study {
         Study::WaveletBrdf => {
-            let _ = common;
             let rows = wavelet_table_1().map_err(|error| CliError::Internal(error.to_string()))?;
             StudyResult::WaveletBrdf { rows }
         }
+        Study::Rays => rays::run(arguments, common)?,
         #[cfg(feature = "render")]
         _ => drawn::run(arguments, common)?,
         #[cfg(not(feature = "render"))]
@@ -110,6 +121,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     }
     match &result {
         StudyResult::WaveletBrdf { rows } => print(&table_1(rows)),
+        StudyResult::Rays(study) => print(&rays::text(study)),
         #[cfg(feature = "render")]
         drawn => print(&drawn::text(drawn)),
     }

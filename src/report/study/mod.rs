@@ -5,6 +5,7 @@ pub mod flat_btf;
 pub mod images;
 #[cfg(feature = "render")]
 pub mod level_of_detail;
+pub mod rays;
 #[cfg(feature = "render")]
 pub mod throughput;
 mod wavelet;
