@@ -31,7 +31,8 @@ pub fn open_flat_btf(path: &Path, views: bool) -> Result<FlatBtfParts, InputErro
     let (folder, name) = asset(path)?;
     let file = |part: &str| folder.join(format!("{name}.{part}{EXTENSION}"));
     let first_view = [view_part(0, 1), view_part(0, 1000)].into_iter().find(|part| file(part).is_file());
-    let mut missing: Vec<String> = PARTS.iter().filter(|part| !file(part).is_file()).map(|part| part.to_string()).collect();
+    let mut missing: Vec<String> =
+        PARTS.iter().filter(|part| !file(part).is_file()).map(|part| part.to_string()).collect();
     if views && first_view.is_none() {
         missing.push(view_part(0, 1));
     }

@@ -19,7 +19,8 @@ pub const FLAT_SCENE_WGSL: &str = include_str!("../shaders/flat_scene.wgsl");
 
 /// The whole shader: decoder, look-ups of views and lights, scene.
 pub fn flat_scene_source() -> String {
-    let (views, lights) = (direction_mesh_wgsl("sampled_views", "views"), direction_mesh_wgsl("sampled_lights", "lamps"));
+    let (views, lights) =
+        (direction_mesh_wgsl("sampled_views", "views"), direction_mesh_wgsl("sampled_lights", "lamps"));
     [FLAT_BTF_WGSL, &views, &lights, VIEW_WGSL, FLAT_SCENE_WGSL].join("\n")
 }
 

@@ -4,13 +4,14 @@ use super::device::{Gpu, GpuError};
 use super::pack::texture_format;
 use super::raster::{buffer_type, entry};
 use brdfc_formats::pack::TexelFormat;
-use brdfc_formats::pack::flat_btf::FlatBtfDecoder;
+use brdfc_formats::pack::flat_btf::{Atlas, FlatBtfDecoder};
 use brdfc_formats::pack::flat_btf_shader::{FlatBtfParameters, IndirectionFilter};
 use wgpu::{
     AddressMode, BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor,
-    BindingResource, BindingType, BufferBindingType, BufferUsages, Extent3d, FilterMode, Origin3d, SamplerBindingType,
-    SamplerDescriptor, ShaderStages, TexelCopyBufferLayout, TexelCopyTextureInfo, TextureAspect, TextureDescriptor,
-    TextureDimension, TextureSampleType, TextureUsages, TextureView, TextureViewDescriptor, TextureViewDimension,
+    BindingResource, BindingType, BufferBindingType, BufferUsages, Extent3d, FilterMode, Limits, Origin3d,
+    SamplerBindingType, SamplerDescriptor, ShaderStages, TexelCopyBufferLayout, TexelCopyTextureInfo, TextureAspect,
+    TextureDescriptor, TextureDimension, TextureSampleType, TextureUsages, TextureView, TextureViewDescriptor,
+    TextureViewDimension,
 };
 
 /// What to do about views that are too large.
@@ -97,20 +98,7 @@ pub(super) fn upload(
 fn atlas(gpu: &Gpu, decoder: &FlatBtfDecoder, views: bool) -> Result<TextureView, GpuError> {
     let count = if views { decoder.parts().views.len() as u32 } else { 0 };
     let atlas = decoder.atlas();
-    let [width, height] = if count == 0 { [1, 1] } else { atlas.extent() };
-    let limits = gpu.device.limits();
-    let (most, most_layers) = (limits.max_texture_dimension_2d, limits.max_texture_array_layers);
-    if width > most || height > most {
-        let (size, lights) = (atlas.size, atlas.lights);
-        return Err(GpuError::TooLarge(format!(
-            "{lights} lights of {size} x {size} texels take a texture of {width} x {height}; this adapter takes {most} \
-             on a side: {ADVICE}"
-        )));
-    }
-    if count > most_layers {
-        let text = format!("{count} views; this adapter takes {most_layers} layers: draw the light form, or make fewer");
-        return Err(GpuError::TooLarge(text));
-    }
+    let [width, height] = atlas_extent(atlas, count, &gpu.device.limits())?;
     let size = Extent3d { width, height, depth_or_array_layers: 1 };
     let texture = gpu.device.create_texture(&TextureDescriptor {
         label: None,
@@ -137,4 +125,44 @@ fn atlas(gpu: &Gpu, decoder: &FlatBtfDecoder, views: bool) -> Result<TextureView
     gpu.wait()?;
     let dimension = Some(TextureViewDimension::D2Array);
     Ok(texture.create_view(&TextureViewDescriptor { dimension, ..TextureViewDescriptor::default() }))
+}
+
+/// Width and height of the array of `views` layers, or why an adapter does not take it.
+fn atlas_extent(atlas: Atlas, views: u32, limits: &Limits) -> Result<[u32; 2], GpuError> {
+    let [width, height] = if views == 0 { [1, 1] } else { atlas.extent() };
+    let (most, most_layers) = (limits.max_texture_dimension_2d, limits.max_texture_array_layers);
+    if width > most || height > most {
+        let (size, lights) = (atlas.size, atlas.lights);
+        return Err(GpuError::TooLarge(format!(
+            "{lights} lights of {size} x {size} texels take a texture of {width} x {height}; this adapter takes {most} \
+             on a side: {ADVICE}"
+        )));
+    }
+    if views > most_layers {
+        let text =
+            format!("{views} views; this adapter takes {most_layers} layers: draw the light form, or make fewer");
+        return Err(GpuError::TooLarge(text));
+    }
+    Ok([width, height])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sides_and_layers_within_limits() {
+        let limits = Limits { max_texture_dimension_2d: 2304, max_texture_array_layers: 81, ..Limits::default() };
+        let extent = |size, lights, views| atlas_extent(Atlas::new(size, lights), views, &limits);
+        assert_eq!(extent(256, 81, 81), Ok([2304, 2304]));
+        let Err(GpuError::TooLarge(text)) = extent(256, 82, 81) else { panic!("too wide") };
+        assert_eq!(
+            text,
+            "82 lights of 256 x 256 texels take a texture of 2560 x 2304; this adapter takes 2304 on a side: draw the \
+             light form, or make the flat BTF with fewer texels"
+        );
+        assert!(extent(257, 81, 81).is_err() && extent(256, 81, 82).is_err());
+        // Nothing is uploaded without views.
+        assert_eq!(extent(4096, 81, 0), Ok([1, 1]));
+    }
 }
