@@ -2,8 +2,10 @@
 
 pub mod camera;
 pub mod environment;
+pub mod flat;
 pub mod gpu;
 pub mod picture;
+mod sampled;
 pub mod scene;
 pub mod scenes;
 pub mod shade;

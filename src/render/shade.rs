@@ -1,5 +1,6 @@
 //! Shading on the CPU: the reference that the shader's images are compared with. `scene.wgsl` does the same steps.
 
+use super::sampled::sampled;
 use super::scene::{Frame, PointLight, Scene, Surface};
 use super::surface_point::SurfacePoint;
 use super::trace::Hits;
@@ -7,7 +8,6 @@ use super::vector::{add_scaled, subtract};
 use crate::metrics::image::LinearImage;
 use crate::source::{Source, Tally};
 use brdfc_formats::direction::{DirectionPair, Vector, dot};
-use rayon::prelude::*;
 
 /// What can be asked for `f_r` when a surface is shaded.
 pub trait Reflectance: Sync {
@@ -32,26 +32,12 @@ pub fn shade(scene: &Scene, frame: Frame, hits: &Hits, materials: &[&dyn Reflect
     let samples = frame.samples_per_pixel();
     assert_eq!(hits.0.len(), frame.width * frame.height * samples, "hits of this frame");
     assert!(materials.len() >= scene.parts.len(), "one material for each part");
-    let pixel = |hits: &[Option<super::trace::Hit>]| {
-        let (mut sum, mut covered) = ([0.0; 3], 0usize);
-        for hit in hits {
-            let radiance = match hit {
-                Some(hit) => {
-                    covered += 1;
-                    let part = hit.part as usize;
-                    let point = SurfacePoint::new(&scene.parts[part], hit, scene.camera.eye);
-                    reflected(scene, &scene.parts[part].surface, &point, materials[part])
-                }
-                None => [0.0; 3],
-            };
-            (0..3).for_each(|channel| sum[channel] += radiance[channel]);
-        }
-        (sum.map(|s| (s / samples as f64) as f32), covered as f32 / samples as f32)
-    };
-    let rows: Vec<Vec<([f32; 3], f32)>> =
-        hits.0.par_chunks(frame.width * samples).map(|row| row.chunks_exact(samples).map(pixel).collect()).collect();
-    let (pixels, coverage) = rows.into_iter().flatten().unzip();
-    LinearImage { width: frame.width, height: frame.height, pixels, coverage, background: scene.background }
+    sampled(scene, frame, |pixel, sample| {
+        let hit = hits.0[pixel * samples + sample].as_ref()?;
+        let part = hit.part as usize;
+        let point = SurfacePoint::new(&scene.parts[part], hit, scene.camera.eye);
+        Some(reflected(scene, &scene.parts[part].surface, &point, materials[part]))
+    })
 }
 
 /// Radiance towards the viewer: lights, and a share of the mirrored environment.

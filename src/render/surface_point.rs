@@ -26,6 +26,8 @@ pub struct SurfacePoint {
     pub outgoing: Vector,
     /// How far away the viewer is.
     pub distance: f64,
+    /// Coordinates of textures. Seen from behind, v is negated, so that it goes along the bitangent there, too.
+    pub uv: [f64; 2],
 }
 
 impl SurfacePoint {
@@ -44,12 +46,13 @@ impl SurfacePoint {
 
         let mut normal = normalize(mean(corners.map(|corner| double(corner.normal))));
         let face = cross(subtract(positions[1], positions[0]), subtract(positions[2], positions[0]));
-        if dot(face, to_viewer) < 0.0 {
+        let from_behind = dot(face, to_viewer) < 0.0;
+        if from_behind {
             normal = normal.map(|c| -c);
         }
+        let uv = [0, 1].map(|k| (0..3).map(|corner| weights[corner] * f64::from(corners[corner].uv[k])).sum());
         let along = mean(corners.map(|corner| double(corner.tangent)));
         if let Some(bump) = &part.surface.bump {
-            let uv = [0, 1].map(|k| (0..3).map(|corner| weights[corner] * f64::from(corners[corner].uv[k])).sum());
             let tangent = orthonormal(along, normal);
             let bitangent = cross(normal, tangent);
             let [du, dv] = bump.gradient(uv);
@@ -65,6 +68,7 @@ impl SurfacePoint {
             to_viewer,
             outgoing: [0.0; 3],
             distance,
+            uv: if from_behind { [uv[0], -uv[1]] } else { uv },
         };
         point.outgoing = point.local(to_viewer);
         point
@@ -115,6 +119,18 @@ mod tests {
         assert_eq!(point.normal, [0.0, 0.0, -1.0]);
         assert!(point.outgoing[2] > 0.0);
         assert_eq!(point.bitangent, cross(point.normal, point.tangent));
+    }
+
+    /// A step along the tangent raises u, one along the bitangent raises v.
+    #[test]
+    fn coordinates_follow_the_frame_from_both_sides() {
+        for height in [4.0, -4.0] {
+            let at = |barycentric| SurfacePoint::new(&part(), &Hit { barycentric, ..MIDDLE }, [0.0, 3.0, height]);
+            let [a, b] = [[0.25, 0.5], [0.35, 0.3]].map(at);
+            let step = a.local(subtract(b.position, a.position));
+            // The square has sides of 2 and coordinates of 0 to 1.
+            assert!((0..2).all(|k| (2.0 * (b.uv[k] - a.uv[k]) - step[k]).abs() < 1e-12), "{a:?} {b:?}");
+        }
     }
 
     #[test]

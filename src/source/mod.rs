@@ -3,6 +3,7 @@
 pub mod address;
 pub mod analytic;
 pub mod btf_stack;
+pub mod flat_btf;
 mod merl;
 pub mod meso;
 pub mod open;

@@ -2,6 +2,7 @@
 #![allow(dead_code)]
 
 pub mod cli;
+pub mod flat;
 pub mod tensor;
 
 use std::path::{Path, PathBuf};

@@ -105,6 +105,14 @@ enum SceneName {
     Table,
     /// A landscape at a grazing angle, for levels of detail.
     Terrain,
+    /// A square on the ground, seen obliquely.
+    Plane,
+    /// A bottle: a surface of revolution.
+    Bottle,
+    /// A vase: a surface of revolution.
+    Vase,
+    /// A teapot with lid, spout and handle.
+    Teapot,
 }
 
 impl From<SceneName> for Builtin {
@@ -114,6 +122,10 @@ impl From<SceneName> for Builtin {
             SceneName::Cloth => Self::Cloth,
             SceneName::Table => Self::Table,
             SceneName::Terrain => Self::Terrain,
+            SceneName::Plane => Self::Plane,
+            SceneName::Bottle => Self::Bottle,
+            SceneName::Vase => Self::Vase,
+            SceneName::Teapot => Self::Teapot,
         }
     }
 }

@@ -1,32 +1,21 @@
-//! Draws scenes by the rasteriser, into linear images of 32-bit floats.
+//! Draws scenes whose parts have wavelet packs.
 
 use super::device::{Gpu, GpuError};
 use super::evaluate::SliceFilter;
-use super::load::{LoadedScene, VERTEX_WORDS, view_words};
+use super::load::LoadedScene;
 use super::pack;
+use super::raster::{Rasteriser, Target, VIEW_WGSL, buffer_type, entry};
 use crate::metrics::image::LinearImage;
-use crate::render::scene::{Camera, Frame};
-use brdfc_formats::pack::Filter;
+use crate::render::scene::{Camera, Environment, Frame, Part, Scene};
 use brdfc_formats::pack::wavelet_shader::WAVELET_BRDF_WGSL;
-use std::borrow::Cow;
+use brdfc_formats::pack::{Filter, WaveletPack};
 use wgpu::{
-    BindGroupLayoutDescriptor, BindGroupLayoutEntry, BindingType, BufferBindingType, CompareFunction,
-    DepthStencilState, Extent3d, FragmentState, LoadOp, Operations, PipelineLayoutDescriptor, PrimitiveState,
-    RenderPassColorAttachment, RenderPassDepthStencilAttachment, RenderPassDescriptor, RenderPipelineDescriptor,
-    ShaderModuleDescriptor, ShaderSource, ShaderStages, StoreOp, TextureDescriptor, TextureDimension, TextureFormat,
-    TextureSampleType, TextureUsages, TextureViewDimension, VertexBufferLayout, VertexState, VertexStepMode,
-    vertex_attr_array,
+    BindGroupDescriptor, BindGroupEntry, BindGroupLayoutDescriptor, BindingResource, BindingType, BufferBindingType,
+    BufferUsages, ShaderStages, TextureFormat, TextureSampleType, TextureViewDimension,
 };
 
-/// The scene's entry points over the decoder.
+/// The scene's entry points over the decoder, behind [`VIEW_WGSL`].
 pub const SCENE_WGSL: &str = include_str!("../shaders/scene.wgsl");
-
-const COLOUR: TextureFormat = TextureFormat::Rgba32Float;
-const DEPTH: TextureFormat = TextureFormat::Depth32Float;
-/// Bytes of a pixel of the target.
-const PIXEL: u64 = 16;
-/// Rows are read back in bands of about this size.
-const BAND_BYTES: u64 = 32 << 20;
 
 /// How packs are decoded in an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,18 +32,9 @@ pub struct Decoding {
 
 /// A compiled pipeline.
 pub struct Renderer<'g> {
-    pub(super) gpu: &'g Gpu,
-    pub(super) pipeline: wgpu::RenderPipeline,
-    pub(super) view_layout: wgpu::BindGroupLayout,
-    pub(super) pack_layout: wgpu::BindGroupLayout,
-    pub(super) surface_layout: wgpu::BindGroupLayout,
-}
-
-/// Colour and depth of a frame.
-pub struct Target {
-    colour: wgpu::Texture,
-    colour_view: wgpu::TextureView,
-    depth_view: wgpu::TextureView,
+    rasteriser: Rasteriser<'g>,
+    pack_layout: wgpu::BindGroupLayout,
+    surface_layout: wgpu::BindGroupLayout,
 }
 
 impl<'g> Renderer<'g> {
@@ -63,69 +43,63 @@ impl<'g> Renderer<'g> {
     /// # Errors
     /// What the driver reports.
     pub fn new(gpu: &'g Gpu) -> Result<Self, GpuError> {
-        let module = gpu.device.create_shader_module(ShaderModuleDescriptor {
-            label: Some("scene"),
-            source: ShaderSource::Wgsl(Cow::Owned(format!("{WAVELET_BRDF_WGSL}\n{SCENE_WGSL}"))),
-        });
-        let entry = |binding, visibility, ty| BindGroupLayoutEntry { binding, visibility, ty, count: None };
-        let buffer = |ty| BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
         let image = BindingType::Texture {
             sample_type: TextureSampleType::Float { filterable: false },
             view_dimension: TextureViewDimension::D2,
             multisampled: false,
         };
-        let uniform = buffer(BufferBindingType::Uniform);
-        let view_layout = gpu.device.create_bind_group_layout(&BindGroupLayoutDescriptor {
-            label: Some("view"),
-            entries: &[
-                entry(0, ShaderStages::VERTEX_FRAGMENT, uniform),
-                entry(1, ShaderStages::FRAGMENT, buffer(BufferBindingType::Storage { read_only: true })),
-                entry(2, ShaderStages::FRAGMENT, image),
-            ],
-        });
         let pack_layout = pack::layout(gpu, ShaderStages::FRAGMENT);
         let surface_layout = gpu.device.create_bind_group_layout(&BindGroupLayoutDescriptor {
             label: Some("surface"),
-            entries: &[entry(0, ShaderStages::FRAGMENT, uniform), entry(1, ShaderStages::FRAGMENT, image)],
+            entries: &[
+                entry(0, ShaderStages::FRAGMENT, buffer_type(BufferBindingType::Uniform)),
+                entry(1, ShaderStages::FRAGMENT, image),
+                entry(2, ShaderStages::FRAGMENT, image),
+            ],
         });
-        let layout = gpu.device.create_pipeline_layout(&PipelineLayoutDescriptor {
+        let source = format!("{WAVELET_BRDF_WGSL}\n{VIEW_WGSL}\n{SCENE_WGSL}");
+        let rasteriser = Rasteriser::new(gpu, source, &[&pack_layout, &surface_layout])?;
+        Ok(Self { rasteriser, pack_layout, surface_layout })
+    }
+
+    /// Uploads a scene with one pack for each of its parts.
+    ///
+    /// # Panics
+    /// If there are not as many packs as parts.
+    ///
+    /// # Errors
+    /// What the driver reports.
+    pub fn load(&self, scene: &Scene, packs: &[&WaveletPack], decoding: Decoding) -> Result<LoadedScene, GpuError> {
+        assert_eq!(packs.len(), scene.parts.len(), "one pack for each part");
+        let gpu = self.rasteriser.gpu;
+        let environment = environment(gpu, &scene.environment);
+        let mut groups = Vec::with_capacity(scene.parts.len());
+        for (part, pack) in scene.parts.iter().zip(packs) {
+            let pack = pack::upload(gpu, &self.pack_layout, pack, decoding.filter, decoding.distance_scale)?;
+            groups.push(vec![pack, self.surface(part, &environment)]);
+        }
+        let level = decoding.level.map_or(-1.0, |level| level.max(0.0)).to_bits();
+        let settings = [level, u32::from(decoding.slices == SliceFilter::Hardware)];
+        self.rasteriser.load(scene, groups, settings)
+    }
+
+    fn surface(&self, part: &Part, environment: &wgpu::TextureView) -> wgpu::BindGroup {
+        let gpu = self.rasteriser.gpu;
+        let bump = part.surface.bump.as_ref();
+        let size = bump.map_or(0, |bump| bump.size as u32);
+        let surface = [part.surface.mirror.to_bits(), size, 0, 0];
+        let surface = gpu.buffer(bytemuck::cast_slice(&surface), BufferUsages::UNIFORM);
+        let heights = bump.map_or(&[0.0][..], |bump| &bump.heights);
+        let heights = gpu.image(TextureFormat::R32Float, [size.max(1); 2], bytemuck::cast_slice(heights));
+        gpu.device.create_bind_group(&BindGroupDescriptor {
             label: None,
-            bind_group_layouts: &[Some(&view_layout), Some(&pack_layout), Some(&surface_layout)],
-            immediate_size: 0,
-        });
-        let pipeline = gpu.device.create_render_pipeline(&RenderPipelineDescriptor {
-            label: Some("scene"),
-            layout: Some(&layout),
-            vertex: VertexState {
-                module: &module,
-                entry_point: Some("project"),
-                compilation_options: Default::default(),
-                buffers: &[Some(VertexBufferLayout {
-                    array_stride: 4 * VERTEX_WORDS as u64,
-                    step_mode: VertexStepMode::Vertex,
-                    attributes: &vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x3, 3 => Float32x2],
-                })],
-            },
-            primitive: PrimitiveState::default(),
-            depth_stencil: Some(DepthStencilState {
-                format: DEPTH,
-                depth_write_enabled: Some(true),
-                depth_compare: Some(CompareFunction::Greater),
-                stencil: Default::default(),
-                bias: Default::default(),
-            }),
-            multisample: Default::default(),
-            fragment: Some(FragmentState {
-                module: &module,
-                entry_point: Some("shade"),
-                compilation_options: Default::default(),
-                targets: &[Some(COLOUR.into())],
-            }),
-            multiview_mask: None,
-            cache: None,
-        });
-        gpu.check()?;
-        Ok(Self { gpu, pipeline, view_layout, pack_layout, surface_layout })
+            layout: &self.surface_layout,
+            entries: &[
+                BindGroupEntry { binding: 0, resource: surface.as_entire_binding() },
+                BindGroupEntry { binding: 1, resource: BindingResource::TextureView(&heights) },
+                BindGroupEntry { binding: 2, resource: BindingResource::TextureView(environment) },
+            ],
+        })
     }
 
     /// Colour and depth of `width` x `height` pixels.
@@ -133,31 +107,7 @@ impl<'g> Renderer<'g> {
     /// # Errors
     /// More than the adapter's limit per side.
     pub fn target(&self, width: usize, height: usize) -> Result<Target, GpuError> {
-        let most = self.gpu.device.limits().max_texture_dimension_2d as usize;
-        if width > most || height > most {
-            let text = format!("an image of {width} x {height} pixels; this adapter draws at most {most} per side");
-            return Err(GpuError::TooLarge(text));
-        }
-        let texture = |format, usage| {
-            self.gpu.device.create_texture(&TextureDescriptor {
-                label: None,
-                size: Extent3d { width: width as u32, height: height as u32, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: TextureDimension::D2,
-                format,
-                usage,
-                view_formats: &[],
-            })
-        };
-        let colour = texture(COLOUR, TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC);
-        let depth = texture(DEPTH, TextureUsages::RENDER_ATTACHMENT);
-        self.gpu.check()?;
-        Ok(Target {
-            colour_view: colour.create_view(&wgpu::TextureViewDescriptor::default()),
-            colour,
-            depth_view: depth.create_view(&wgpu::TextureViewDescriptor::default()),
-        })
+        self.rasteriser.target(width, height)
     }
 
     /// Draws one sample per pixel, `sample` = `[column, row]` of the `samples` x `samples` in each, and waits for it.
@@ -172,39 +122,7 @@ impl<'g> Renderer<'g> {
         sample: [usize; 2],
         samples: usize,
     ) -> Result<(), GpuError> {
-        let size = [target.colour.width() as f64, target.colour.height() as f64];
-        let words = view_words(scene, camera, size, sample, samples);
-        self.gpu.queue.write_buffer(&scene.view, 0, bytemuck::cast_slice(&words));
-        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
-            label: None,
-            color_attachments: &[Some(RenderPassColorAttachment {
-                view: &target.colour_view,
-                depth_slice: None,
-                resolve_target: None,
-                ops: Operations { load: LoadOp::Clear(wgpu::Color::TRANSPARENT), store: StoreOp::Store },
-            })],
-            depth_stencil_attachment: Some(RenderPassDepthStencilAttachment {
-                view: &target.depth_view,
-                depth_ops: Some(Operations { load: LoadOp::Clear(0.0), store: StoreOp::Discard }),
-                stencil_ops: None,
-            }),
-            timestamp_writes: None,
-            occlusion_query_set: None,
-            multiview_mask: None,
-        });
-        pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, &scene.view_group, &[]);
-        for part in &scene.parts {
-            pass.set_bind_group(1, &part.pack, &[]);
-            pass.set_bind_group(2, &part.surface, &[]);
-            pass.set_vertex_buffer(0, part.vertices.slice(..));
-            pass.set_index_buffer(part.indices.slice(..), wgpu::IndexFormat::Uint32);
-            pass.draw_indexed(0..part.count, 0, 0..1);
-        }
-        drop(pass);
-        self.gpu.queue.submit([encoder.finish()]);
-        self.gpu.wait()
+        self.rasteriser.draw_sample(scene, camera, target, sample, samples)
     }
 
     /// Draws a whole image: the mean of `samples²` samples per pixel, summed in a fixed order.
@@ -212,64 +130,12 @@ impl<'g> Renderer<'g> {
     /// # Errors
     /// Images beyond the adapter's limits; what the driver reports.
     pub fn draw(&self, scene: &LoadedScene, camera: &Camera, frame: Frame) -> Result<LinearImage, GpuError> {
-        let target = self.target(frame.width, frame.height)?;
-        let mut sums = vec![[0.0f64; 4]; frame.width * frame.height];
-        for row in 0..frame.samples {
-            for column in 0..frame.samples {
-                self.draw_sample(scene, camera, &target, [column, row], frame.samples)?;
-                self.add(&target, &mut sums)?;
-            }
-        }
-        let share = 1.0 / (frame.samples * frame.samples) as f64;
-        let mean = |sum: &[f64; 4]| [0, 1, 2].map(|channel| (sum[channel] * share) as f32);
-        Ok(LinearImage {
-            width: frame.width,
-            height: frame.height,
-            pixels: sums.iter().map(mean).collect(),
-            background: scene.background,
-            coverage: sums.iter().map(|sum| (sum[3] * share) as f32).collect(),
-        })
+        self.rasteriser.draw(scene, camera, frame)
     }
+}
 
-    /// Reads a target back and adds it to `sums`, band by band.
-    fn add(&self, target: &Target, sums: &mut [[f64; 4]]) -> Result<(), GpuError> {
-        let (width, height) = (target.colour.width(), target.colour.height());
-        let row_bytes = (u64::from(width) * PIXEL).next_multiple_of(u64::from(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT));
-        let band = (BAND_BYTES / row_bytes).clamp(1, u64::from(height)) as u32;
-        let buffer = self.gpu.read_buffer(row_bytes * u64::from(band));
-        for first in (0..height).step_by(band as usize) {
-            let rows = band.min(height - first);
-            let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-            encoder.copy_texture_to_buffer(
-                wgpu::TexelCopyTextureInfo {
-                    texture: &target.colour,
-                    mip_level: 0,
-                    origin: wgpu::Origin3d { x: 0, y: first, z: 0 },
-                    aspect: wgpu::TextureAspect::All,
-                },
-                wgpu::TexelCopyBufferInfo {
-                    buffer: &buffer,
-                    layout: wgpu::TexelCopyBufferLayout {
-                        offset: 0,
-                        bytes_per_row: Some(row_bytes as u32),
-                        rows_per_image: None,
-                    },
-                },
-                Extent3d { width, height: rows, depth_or_array_layers: 1 },
-            );
-            self.gpu.queue.submit([encoder.finish()]);
-            let band_sums = &mut sums[(first * width) as usize..][..(rows * width) as usize];
-            self.gpu.read(&buffer, |bytes| {
-                for (row, sums) in
-                    bytes.chunks_exact(row_bytes as usize).zip(band_sums.chunks_exact_mut(width as usize))
-                {
-                    let pixels: &[[f32; 4]] = bytemuck::cast_slice(&row[..width as usize * PIXEL as usize]);
-                    for (pixel, sum) in pixels.iter().zip(sums) {
-                        (0..4).for_each(|channel| sum[channel] += f64::from(pixel[channel]));
-                    }
-                }
-            })?;
-        }
-        Ok(())
-    }
+fn environment(gpu: &Gpu, environment: &Environment) -> wgpu::TextureView {
+    let texels: Vec<[f32; 4]> = environment.pixels.iter().map(|p| [p[0], p[1], p[2], 1.0]).collect();
+    let size = [environment.width as u32, environment.height as u32];
+    gpu.image(TextureFormat::Rgba32Float, size, bytemuck::cast_slice(&texels))
 }

@@ -1,18 +1,15 @@
 //! Flat BTFs evaluated by the shader: what tests hold against the CPU decoder.
 
 use super::device::{Gpu, GpuError};
-use super::pack::texture_format;
-use brdfc_formats::pack::TexelFormat;
+use super::flat_textures;
+use super::raster::{buffer_type, entry};
 use brdfc_formats::pack::flat_btf::{FlatBtfDecoder, ViewWeights};
-use brdfc_formats::pack::flat_btf_shader::{FLAT_BTF_WGSL, FlatBtfParameters, IndirectionFilter};
+use brdfc_formats::pack::flat_btf_shader::{FLAT_BTF_WGSL, IndirectionFilter};
 use std::borrow::Cow;
-use wgpu::util::{DeviceExt, TextureDataOrder};
 use wgpu::{
-    AddressMode, BindGroupDescriptor, BindGroupEntry, BindGroupLayoutDescriptor, BindGroupLayoutEntry, BindingResource,
-    BindingType, BufferBindingType, BufferUsages, ComputePassDescriptor, ComputePipelineDescriptor, Extent3d,
-    FilterMode, PipelineLayoutDescriptor, SamplerBindingType, SamplerDescriptor, ShaderModuleDescriptor, ShaderSource,
-    ShaderStages, TextureDescriptor, TextureDimension, TextureSampleType, TextureUsages, TextureViewDescriptor,
-    TextureViewDimension,
+    BindGroupDescriptor, BindGroupEntry, BindGroupLayoutDescriptor, BufferBindingType, BufferUsages,
+    ComputePassDescriptor, ComputePipelineDescriptor, PipelineLayoutDescriptor, ShaderModuleDescriptor, ShaderSource,
+    ShaderStages,
 };
 
 /// The compute entry point over the decoder.
@@ -83,13 +80,7 @@ impl<'g> FlatBtfEvaluator<'g> {
             source: ShaderSource::Wgsl(Cow::Owned(format!("{decoder}\n{EVALUATE_FLAT_BTF_WGSL}"))),
         });
         gpu.check()?;
-        let entry = |binding, ty| BindGroupLayoutEntry { binding, visibility: ShaderStages::COMPUTE, ty, count: None };
-        let buffer =
-            |binding, ty| entry(binding, BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None });
-        let texture = |binding, filterable, view_dimension| {
-            let sample_type = TextureSampleType::Float { filterable };
-            entry(binding, BindingType::Texture { sample_type, view_dimension, multisampled: false })
-        };
+        let buffer = |binding, ty| entry(binding, ShaderStages::COMPUTE, buffer_type(ty));
         let query_layout = gpu.device.create_bind_group_layout(&BindGroupLayoutDescriptor {
             label: Some("queries"),
             entries: &[
@@ -98,18 +89,7 @@ impl<'g> FlatBtfEvaluator<'g> {
                 buffer(2, BufferBindingType::Storage { read_only: false }),
             ],
         });
-        let texture_layout = gpu.device.create_bind_group_layout(&BindGroupLayoutDescriptor {
-            label: Some("flat BTF"),
-            entries: &[
-                buffer(0, BufferBindingType::Uniform),
-                texture(1, false, TextureViewDimension::D2),
-                texture(2, true, TextureViewDimension::D2),
-                entry(3, BindingType::Sampler(SamplerBindingType::Filtering)),
-                texture(4, true, TextureViewDimension::D2),
-                texture(5, true, TextureViewDimension::D2),
-                texture(6, true, TextureViewDimension::D2Array),
-            ],
-        });
+        let texture_layout = flat_textures::layout(gpu, ShaderStages::COMPUTE);
         let layout = gpu.device.create_pipeline_layout(&PipelineLayoutDescriptor {
             label: None,
             bind_group_layouts: &[Some(&query_layout), Some(&texture_layout)],
@@ -132,59 +112,7 @@ impl<'g> FlatBtfEvaluator<'g> {
     /// # Errors
     /// More than the adapter takes; what the driver reports.
     pub fn load(&self, decoder: &FlatBtfDecoder, filter: IndirectionFilter) -> Result<LoadedFlatBtf, GpuError> {
-        let parts = decoder.parts();
-        let (atlas, views) = (decoder.atlas(), parts.views.len() as u32);
-        let [width, height] = if views == 0 { [1, 1] } else { atlas.extent() };
-        let limits = self.gpu.device.limits();
-        let largest = limits.max_texture_dimension_2d;
-        let packed = parts.indirection.header().extent();
-        let sides = [width, height, packed[0], packed[1], parts.reference.size(), parts.diffuse.size()];
-        if let Some(side) = sides.into_iter().find(|side| *side > largest) {
-            return Err(GpuError::TooLarge(format!(
-                "a texture of {side} texels on a side; the adapter takes {largest}"
-            )));
-        }
-        if views > limits.max_texture_array_layers {
-            let most = limits.max_texture_array_layers;
-            return Err(GpuError::TooLarge(format!("{views} views; the adapter takes {most} layers")));
-        }
-        let reference: &[[f32; 2]] = parts.reference.parameters();
-        let size = [parts.diffuse.size(); 2];
-        let reference =
-            self.texture(TexelFormat::Rg32Float, [parts.reference.size(); 2], None, bytemuck::cast_slice(reference));
-        let packed = self.texture(TexelFormat::Rgba16Float, packed, None, &parts.indirection.texel_bytes());
-        let normal = self.texture(TexelFormat::Rgba16Float, size, None, &parts.normal.texel_bytes());
-        let diffuse = self.texture(TexelFormat::Rgb9E5, size, None, bytemuck::cast_slice(parts.diffuse.texels()));
-        let layers: Vec<u32> = match views {
-            0 => vec![0],
-            _ => parts.views.iter().flat_map(|view| atlas.layer(view)).collect(),
-        };
-        let layers =
-            self.texture(TexelFormat::Rgb9E5, [width, height], Some(views.max(1)), bytemuck::cast_slice(&layers));
-        let parameters = FlatBtfParameters::new(decoder, filter).to_bytes();
-        let parameters = self.buffer(&parameters, BufferUsages::UNIFORM);
-        let sampler = self.gpu.device.create_sampler(&SamplerDescriptor {
-            address_mode_u: AddressMode::ClampToEdge,
-            address_mode_v: AddressMode::ClampToEdge,
-            mag_filter: FilterMode::Linear,
-            min_filter: FilterMode::Linear,
-            ..SamplerDescriptor::default()
-        });
-        let group = self.gpu.device.create_bind_group(&BindGroupDescriptor {
-            label: None,
-            layout: &self.texture_layout,
-            entries: &[
-                BindGroupEntry { binding: 0, resource: parameters.as_entire_binding() },
-                BindGroupEntry { binding: 1, resource: BindingResource::TextureView(&reference) },
-                BindGroupEntry { binding: 2, resource: BindingResource::TextureView(&packed) },
-                BindGroupEntry { binding: 3, resource: BindingResource::Sampler(&sampler) },
-                BindGroupEntry { binding: 4, resource: BindingResource::TextureView(&normal) },
-                BindGroupEntry { binding: 5, resource: BindingResource::TextureView(&diffuse) },
-                BindGroupEntry { binding: 6, resource: BindingResource::TextureView(&layers) },
-            ],
-        });
-        self.gpu.check()?;
-        Ok(LoadedFlatBtf { group })
+        Ok(LoadedFlatBtf { group: flat_textures::upload(self.gpu, &self.texture_layout, decoder, filter, true)? })
     }
 
     /// Evaluates and reads back, in the order of `queries`.
@@ -196,8 +124,8 @@ impl<'g> FlatBtfEvaluator<'g> {
         for chunk in queries.chunks(MOST_QUERIES) {
             let words: Vec<[u32; 28]> = chunk.iter().map(query_words).collect();
             let evaluation = [chunk.len() as u32, GROUP * ROW_OF_GROUPS, 0, 0];
-            let evaluation = self.buffer(bytemuck::cast_slice(&evaluation), BufferUsages::UNIFORM);
-            let input = self.buffer(bytemuck::cast_slice(words.as_flattened()), BufferUsages::STORAGE);
+            let evaluation = self.gpu.buffer(bytemuck::cast_slice(&evaluation), BufferUsages::UNIFORM);
+            let input = self.gpu.buffer(bytemuck::cast_slice(words.as_flattened()), BufferUsages::STORAGE);
             let answers = self.gpu.device.create_buffer(&wgpu::BufferDescriptor {
                 label: None,
                 size: 48 * chunk.len() as u64,
@@ -234,34 +162,6 @@ impl<'g> FlatBtfEvaluator<'g> {
             })?;
         }
         Ok(all)
-    }
-
-    fn buffer(&self, contents: &[u8], usage: BufferUsages) -> wgpu::Buffer {
-        self.gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents, usage })
-    }
-
-    /// A 2D texture, or an array of so many layers.
-    fn texture(
-        &self,
-        format: TexelFormat,
-        [width, height]: [u32; 2],
-        layers: Option<u32>,
-        bytes: &[u8],
-    ) -> wgpu::TextureView {
-        let descriptor = TextureDescriptor {
-            label: None,
-            size: Extent3d { width, height, depth_or_array_layers: layers.unwrap_or(1) },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: TextureDimension::D2,
-            format: texture_format(format),
-            usage: TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        };
-        let gpu = self.gpu;
-        let texture = gpu.device.create_texture_with_data(&gpu.queue, &descriptor, TextureDataOrder::LayerMajor, bytes);
-        let dimension = if layers.is_some() { TextureViewDimension::D2Array } else { TextureViewDimension::D2 };
-        texture.create_view(&TextureViewDescriptor { dimension: Some(dimension), ..TextureViewDescriptor::default() })
     }
 }
 

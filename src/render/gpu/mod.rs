@@ -3,12 +3,17 @@
 mod device;
 mod draw;
 mod evaluate;
+mod flat;
 mod flat_btf;
+mod flat_textures;
 mod load;
 mod pack;
+mod raster;
 
 pub use device::{AdapterChoice, AdapterDescription, Gpu, GpuError};
-pub use draw::{Decoding, Renderer, SCENE_WGSL, Target};
+pub use draw::{Decoding, Renderer, SCENE_WGSL};
 pub use evaluate::{EVALUATE_WGSL, Evaluated, Evaluator, LoadedPack, LoadedPairs, SliceFilter};
+pub use flat::{FLAT_SCENE_WGSL, FlatRenderer, flat_scene_source};
 pub use flat_btf::{EVALUATE_FLAT_BTF_WGSL, FlatBtfAnswer, FlatBtfEvaluator, FlatBtfQuery, LoadedFlatBtf};
 pub use load::LoadedScene;
+pub use raster::{Target, VIEW_WGSL};

@@ -3,10 +3,14 @@
 mod cloth;
 mod drape;
 mod grid_mesh;
+mod plane;
+mod revolve;
 mod sky;
 mod sphere;
 mod table;
+mod teapot;
 mod terrain;
+mod vessels;
 
 use super::scene::Scene;
 
@@ -21,12 +25,28 @@ pub enum Builtin {
     Table,
     /// A landscape of 45 thousand triangles, seen at a grazing angle.
     Terrain,
+    /// A square on the ground, seen obliquely.
+    Plane,
+    /// A bottle, a surface of revolution. Like those below its uv count tiles, which are square and close all around.
+    Bottle,
+    /// A vase, likewise.
+    Vase,
+    /// A teapot: a body with lid, spout and handle.
+    Teapot,
 }
 
 impl Builtin {
     /// The names that manifests and the command line use.
-    pub const NAMES: [(&'static str, Self); 4] =
-        [("sphere", Self::Sphere), ("cloth", Self::Cloth), ("table", Self::Table), ("terrain", Self::Terrain)];
+    pub const NAMES: [(&'static str, Self); 8] = [
+        ("sphere", Self::Sphere),
+        ("cloth", Self::Cloth),
+        ("table", Self::Table),
+        ("terrain", Self::Terrain),
+        ("plane", Self::Plane),
+        ("bottle", Self::Bottle),
+        ("vase", Self::Vase),
+        ("teapot", Self::Teapot),
+    ];
 
     /// Its name.
     pub fn name(self) -> &'static str {
@@ -35,6 +55,10 @@ impl Builtin {
             Self::Cloth => "cloth",
             Self::Table => "table",
             Self::Terrain => "terrain",
+            Self::Plane => "plane",
+            Self::Bottle => "bottle",
+            Self::Vase => "vase",
+            Self::Teapot => "teapot",
         }
     }
 
@@ -45,6 +69,10 @@ impl Builtin {
             Self::Cloth => &["cloth"],
             Self::Table => &["top", "cloth", "vase", "ball"],
             Self::Terrain => &["terrain"],
+            Self::Plane => &["plane"],
+            Self::Bottle => &["bottle"],
+            Self::Vase => &["vase"],
+            Self::Teapot => &["teapot"],
         }
     }
 
@@ -55,6 +83,10 @@ impl Builtin {
             Self::Cloth => cloth::scene(),
             Self::Table => table::scene(),
             Self::Terrain => terrain::scene(),
+            Self::Plane => plane::scene(),
+            Self::Bottle => vessels::bottle(),
+            Self::Vase => vessels::vase(),
+            Self::Teapot => teapot::scene(),
         }
     }
 }

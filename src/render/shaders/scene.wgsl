@@ -1,24 +1,5 @@
-// Draws a scene of materials under point lights. Pasted behind `wavelet_brdf.wgsl`; the CPU twin is `render/shade.rs`
-// with `surface_point.rs`, `environment.rs` and `height_map.rs`, step by step.
-
-struct View {
-    eye: vec4<f32>,
-    right: vec4<f32>,    // divided by half the width of the image plane at distance 1
-    up: vec4<f32>,       // divided by half its height
-    forward: vec4<f32>,
-    shift: vec2<f32>,    // of the image, in clip space: moves the wanted sample to the pixel's centre
-    level: f32,          // level of detail; negative: follows the distance
-    hardware: u32,       // 1: the sampler filters slices
-    light_count: u32,
-    reserved_0: u32,
-    reserved_1: u32,
-    reserved_2: u32,
-}
-
-struct PointLight {
-    position: vec4<f32>,
-    intensity: vec4<f32>, // W/sr
-}
+// Draws a scene of materials under point lights. Pasted behind `wavelet_brdf.wgsl` and `view.wgsl`; the CPU twin is
+// `render/shade.rs` with `surface_point.rs` and `environment.rs`, step by step.
 
 struct Surface {
     mirror: f32,      // reflectance of the mirrored environment at normal incidence
@@ -27,40 +8,9 @@ struct Surface {
     reserved_1: u32,
 }
 
-@group(0) @binding(0) var<uniform> view: View;
-@group(0) @binding(1) var<storage, read> lights: array<PointLight>;
-@group(0) @binding(2) var environment: texture_2d<f32>;
 @group(2) @binding(0) var<uniform> surface: Surface;
 @group(2) @binding(1) var heights: texture_2d<f32>;
-
-const NEAR: f32 = 0.01;
-// Shading normals are bent until the viewer is at least this far above the horizon.
-const LOWEST_VIEW: f32 = 0.02;
-
-struct Corner {
-    @location(0) position: vec3<f32>,
-    @location(1) normal: vec3<f32>,
-    @location(2) tangent: vec3<f32>,
-    @location(3) uv: vec2<f32>,
-}
-
-struct Varying {
-    @builtin(position) clip: vec4<f32>,
-    @location(0) position: vec3<f32>,
-    @location(1) normal: vec3<f32>,
-    @location(2) tangent: vec3<f32>,
-    @location(3) uv: vec2<f32>,
-}
-
-// Pinhole projection with reversed, infinite depth.
-@vertex
-fn project(corner: Corner) -> Varying {
-    let r = corner.position - view.eye.xyz;
-    let w = dot(view.forward.xyz, r);
-    let x = dot(view.right.xyz, r) + view.shift.x * w;
-    let y = dot(view.up.xyz, r) + view.shift.y * w;
-    return Varying(vec4<f32>(x, y, NEAR, w), corner.position, corner.normal, corner.tangent, corner.uv);
-}
+@group(2) @binding(2) var environment: texture_2d<f32>;
 
 @fragment
 fn shade(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
@@ -113,12 +63,7 @@ fn shading_frame(in: Varying, front: bool, v: vec3<f32>) -> mat3x3<f32> {
         let slope = height_gradient(in.uv);
         n = normalize(n - slope.x * t - slope.y * b);
     }
-    let cosine = dot(n, v);
-    if cosine < LOWEST_VIEW {
-        n = normalize(n + v * (LOWEST_VIEW - cosine));
-    }
-    let t = normalize(in.tangent - n * dot(n, in.tangent));
-    return mat3x3<f32>(t, cross(n, t), n);
+    return turned_frame(n, in.tangent, v);
 }
 
 // Central differences of the height map over one texel.

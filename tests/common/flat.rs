@@ -1,0 +1,86 @@
+//! Flat BTFs of procedural structures, built in memory.
+
+use brdfc::btf::flatten::{ComputedField, FlatView as Flattened, visible};
+use brdfc::btf::indirection::indirection;
+use brdfc::btf::model::MesoModel;
+use brdfc::btf::structures::Structure;
+use brdfc::btf::surface::Appearance;
+use brdfc::source::address::parse_synth;
+use brdfc_formats::direction::dot;
+use brdfc_formats::direction_set::DirectionSet;
+use brdfc_formats::pack::flat_btf::{
+    DiffuseMap, FlatBtfParts, FlatHeader, FlatView, IndirectionHeader, IndirectionMap, NormalMap, ReferenceMap,
+};
+use brdfc_formats::pack::rgb9e5;
+
+/// A structure such as `button?resolution=48`, and what it is made of: its own materials, or another one.
+pub fn structure(address: &str, material: Option<&str>) -> (MesoModel, Appearance) {
+    let structure = Structure::parse(address).unwrap();
+    let materials = material.map_or(structure.default_materials().to_vec(), |material| vec![material; 4]);
+    let sources = materials.into_iter().map(|address| parse_synth(address).unwrap()).collect();
+    (MesoModel::new(structure.mesh(), 2).unwrap(), Appearance { sources })
+}
+
+/// The parts that are drawn: `texels` per side of the flat BTF, one set of directions for views and lights.
+pub fn parts(
+    model: &MesoModel,
+    appearance: &Appearance,
+    texels: usize,
+    header: IndirectionHeader,
+    directions: &DirectionSet,
+) -> FlatBtfParts {
+    let map = model.texels(texels);
+    let all = directions.directions();
+    let field = ComputedField::new(&model.mesh, &map, &model.caster, appearance, &all, &all, 0);
+    let angles: Vec<[f32; 2]> =
+        directions.angles.iter().map(|[theta, phi]| [theta.to_radians() as f32, phi.to_radians() as f32]).collect();
+    // Least squares of diffuse colours: sums of value x cosine and of cosine² over what is seen and lit.
+    let mut sums = vec![([0.0f64; 3], 0.0f64); texels * texels];
+    let mut views = Vec::new();
+    for (view, towards) in all.iter().enumerate() {
+        let mask = visible(&map, &model.caster, *towards);
+        let flat = Flattened::new(&field, view, &mask, None).unwrap();
+        let mut packed = Vec::with_capacity(texels * texels * all.len());
+        for (light, from) in all.iter().enumerate() {
+            let image = flat.image(light).unwrap();
+            packed.extend(image.iter().map(|value| rgb9e5::encode(*value)));
+            add(&mut sums, &image, &mask, field.lit(light), |texel| dot(map.points[texel].normal, *from));
+        }
+        let header =
+            FlatHeader { size: texels as u32, view: view as u32, views: angles.clone(), lights: angles.clone() };
+        views.push(FlatView::new(header, packed).unwrap());
+    }
+    let colour = |([r, g, b], weight): &([f64; 3], f64)| [r, g, b].map(|c| (c / weight.max(1e-9)) as f32);
+    let colours: Vec<[f32; 3]> = sums.iter().map(colour).collect();
+    let found = indirection(model, header, 2, &|| ());
+    let [zeniths, azimuths, size] = [header.zenith_samples, header.azimuth_samples, header.size].map(|n| n as usize);
+    let displacement = |[i, j]: [u32; 2], k: u32, a: u32| {
+        let row = (j as usize * azimuths + a as usize % azimuths) * size + i as usize;
+        found.displacements[row * zeniths + k as usize]
+    };
+    let normals = map.points.iter().map(|point| point.normal.map(|c| c as f32)).collect();
+    FlatBtfParts {
+        reference: ReferenceMap::new(header.size, found.reference.clone()).unwrap(),
+        indirection: IndirectionMap::from_displacements(header, displacement).unwrap(),
+        normal: NormalMap::new(texels as u32, normals).unwrap(),
+        diffuse: DiffuseMap::from_colours(texels as u32, &colours).unwrap(),
+        views,
+    }
+}
+
+fn add(sums: &mut [([f64; 3], f64)], image: &[[f32; 3]], seen: &[bool], lit: &[bool], cosine: impl Fn(usize) -> f64) {
+    for (texel, (sum, weight)) in sums.iter_mut().enumerate() {
+        if seen[texel] && lit[texel] {
+            let cosine = cosine(texel).max(0.0);
+            (0..3).for_each(|k| sum[k] += cosine * f64::from(image[texel][k]));
+            *weight += cosine * cosine;
+        }
+    }
+}
+
+/// The same parts without parallax: every view sees what the view along the normal does.
+pub fn without_parallax(parts: &FlatBtfParts) -> FlatBtfParts {
+    let map = &parts.indirection;
+    let still = |texel, _, _| ([0.0; 2], map.sample(texel, 0, 0)[3]);
+    FlatBtfParts { indirection: IndirectionMap::from_displacements(*map.header(), still).unwrap(), ..parts.clone() }
+}
