@@ -60,6 +60,20 @@ pub fn open_flat_btf(path: &Path, views: bool) -> Result<FlatBtfParts, InputErro
     Ok(parts)
 }
 
+/// The text of the asset's list of parts, `NAME.json`, where there is one.
+///
+/// # Errors
+/// What is no flat BTF; a list that cannot be read.
+pub fn asset_json(path: &Path) -> Result<Option<String>, InputError> {
+    let (folder, name) = asset(path)?;
+    let file = folder.join(format!("{name}.json"));
+    if !file.is_file() {
+        return Ok(None);
+    }
+    let (opened, length) = open_path(&file)?;
+    Ok(String::from_utf8(read_all(&file, opened, length)?).ok())
+}
+
 /// Folder and name of the asset that a path means.
 fn asset(path: &Path) -> Result<(PathBuf, String), InputError> {
     if !path.is_dir() {

@@ -18,6 +18,8 @@ pub struct AssetFile {
     pub source: String,
     /// Materials of a computed BTF.
     pub materials: Vec<String>,
+    /// Whether images over the tile coloured the materials or mixed them.
+    pub images_over_the_tile: bool,
     /// How it was made.
     pub settings: Settings,
     /// Files by part; see `formats/spec/flat-btf.md`.

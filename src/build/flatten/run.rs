@@ -200,6 +200,10 @@ pub fn run(job: FlattenJob<'_>, watcher: &dyn FlattenWatcher) -> Result<AssetFil
         name: job.name.to_owned(),
         source: job.geometry.name,
         materials: job.materials,
+        images_over_the_tile: match &job.values {
+            Values::Computed(appearance) => appearance.colour.is_some() || appearance.weights.is_some(),
+            Values::Measured(_) => false,
+        },
         settings: recipe.settings(),
         parts: parts.files.clone(),
         report,

@@ -45,7 +45,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
             }
             Ok(StudyResult::LevelOfDetail(result))
         }
-        Study::Images | Study::WaveletBrdf | Study::Rays => {
+        _ => {
             let velvet = [VELVET.to_owned()];
             let inputs = if arguments.inputs.is_empty() { &velvet[..] } else { &arguments.inputs };
             let mut rows = Vec::new();
@@ -109,7 +109,7 @@ pub(super) fn text(result: &StudyResult) -> String {
         StudyResult::Throughput(result) => throughput_text(result),
         StudyResult::LevelOfDetail(result) => level_of_detail_text(result),
         StudyResult::Images { rows } => images_text(rows),
-        StudyResult::WaveletBrdf { .. } | StudyResult::Rays(_) => String::new(),
+        _ => String::new(),
     }
 }
 

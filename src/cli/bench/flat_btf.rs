@@ -28,8 +28,14 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
         return Err(CliError::Usage(format!("--flat-texels: found {flat_texels}; allowed a power of two")));
     }
     let directions = direction_set("directions", &arguments.directions)?;
-    let settings =
-        StudySettings { texels, flat_texels, oversampling: 1, rounds: 0, directions: directions.name.clone(), count: directions.len() };
+    let settings = StudySettings {
+        texels,
+        flat_texels,
+        oversampling: 1,
+        rounds: 0,
+        directions: directions.name.clone(),
+        count: directions.len(),
+    };
     let directions = directions.directions();
     let all: Vec<String> = STRUCTURES.iter().map(|info| format!("{SYNTH_PREFIX}{}", info.name)).collect();
     let inputs = if arguments.inputs.is_empty() { &all } else { &arguments.inputs };
@@ -64,18 +70,17 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
 pub(super) fn text(settings: &StudySettings, rows: &[ModelRow]) -> String {
     let mut text = format!(
         "{0} views and lights ({1}), {2} x {2} texels of the plane, {3} x {3} of the flat BTF.\n\n",
-        settings.count,
-        settings.directions,
-        settings.texels,
-        settings.flat_texels
+        settings.count, settings.directions, settings.texels, settings.flat_texels
     );
-    text += "Table 1: colour difference (L*a*b*) of BTFs rebuilt by equation 1; maximum and variance of means of images\n";
-    text += &table(&["model", "mean", "push-pull", "max", "variance", "paper", "mean", "max", "variance"], rows, |row| {
-        let (r, p) = (&row.reconstruction, &row.paper.reconstruction);
-        let ours = [r.mean, r.mean_push_pull, r.largest_image, r.image_variance].map(two);
-        let [a, b, c, d] = ours;
-        vec![name(row), a, b, c, d, row.paper_model.to_owned(), two(p[0]), two(p[1]), two(p[2])]
-    });
+    text +=
+        "Table 1: colour difference (L*a*b*) of BTFs rebuilt by equation 1; maximum and variance of means of images\n";
+    text +=
+        &table(&["model", "mean", "push-pull", "max", "variance", "paper", "mean", "max", "variance"], rows, |row| {
+            let (r, p) = (&row.reconstruction, &row.paper.reconstruction);
+            let ours = [r.mean, r.mean_push_pull, r.largest_image, r.image_variance].map(two);
+            let [a, b, c, d] = ours;
+            vec![name(row), a, b, c, d, row.paper_model.to_owned(), two(p[0]), two(p[1]), two(p[2])]
+        });
     text += "\nTable 2: variance over the views (L*a*b*), mean over texels; in brackets how many times lower than the BTF's\n";
     let header = ["model", "BTF", "push-pull", "poisson", "visible", "paper: BTF", "filled", "visible"];
     text += &table(&header, rows, |row| {
@@ -104,7 +109,8 @@ pub(super) fn text(settings: &StudySettings, rows: &[ModelRow]) -> String {
         let mean = [less(a.mean.flat_png, a.mean.btf_png), less(a.mean.flat_zstd, a.mean.btf_zstd)];
         std::iter::once(name(row)).chain(mean).chain(texels).chain(paper).collect()
     });
-    text += "\nFigure 10: distance of blended from real indirections in 1/256 of the tile, mean (median), by polar angle\n";
+    text +=
+        "\nFigure 10: distance of blended from real indirections in 1/256 of the tile, mean (median), by polar angle\n";
     let header =
         ["model", "grid", "all", "0-10°", "10-20°", "20-30°", "30-40°", "40-50°", "50-60°", "60-70°", "70-80°"];
     let cells = rows.iter().flat_map(|row| {

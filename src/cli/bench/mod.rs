@@ -2,6 +2,7 @@
 
 #[cfg(feature = "render")]
 mod drawn;
+mod flat_btf;
 mod rays;
 
 use super::output::{print, print_json};
@@ -20,13 +21,14 @@ use std::path::PathBuf;
 Examples:
   brdfc bench
   brdfc bench --json > table-1.json
+  brdfc bench --study flat-btf synth:knit --texels 64 --flat-texels 128
   brdfc bench --study rays synth:folds
   brdfc bench --study throughput
   brdfc bench --study level-of-detail --out frames
   brdfc bench --study images paint.brdf metal.bsdf synth:velvet")]
 pub struct Arguments {
-    /// Materials of the studies that draw (default: synth:velvet, and a glossy metal for level-of-detail), or the
-    /// structure of rays (default: synth:button).
+    /// Materials of the studies that draw (default: synth:velvet, and a glossy metal for level-of-detail), or
+    /// structures of flat-btf (default: all four) and of rays (default: synth:button).
     #[arg(value_name = "INPUT")]
     inputs: Vec<String>,
     /// Which study.
@@ -35,9 +37,15 @@ pub struct Arguments {
     /// Write the frames of level-of-detail into this folder, or the mesh and the rays of rays.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Texels per side of the map whose rays the study rays casts.
-    #[arg(long, value_name = "N", default_value_t = 64)]
-    texels: usize,
+    /// Texels of the reference plane per side, for flat-btf (default 256, as in the paper) and rays (default 64).
+    #[arg(long, value_name = "N")]
+    texels: Option<usize>,
+    /// Texels of flat BTFs per side for flat-btf, a power of two (default: the one from --texels on).
+    #[arg(long, value_name = "N")]
+    flat_texels: Option<usize>,
+    /// Views and lights of flat-btf, as for 'brdfc flatten --views'.
+    #[arg(long, value_name = "SET", default_value = "ubo2003")]
+    directions: String,
     /// Use the adapter whose name contains this (default: the fastest).
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
@@ -50,6 +58,9 @@ pub struct Arguments {
 enum Study {
     /// Table 1 of Claustres et al. 2007: errors of Lewis, Ward and Poulin-Fournier at 4:1, 16:1 and 32:1.
     WaveletBrdf,
+    /// Section 4 of Hadim et al. 2009: reconstruction, coherency, sizes and interpolation of flat BTFs. Takes minutes for
+    /// each of synth:button, folds, knit and sponge, which are the default.
+    FlatBtf,
     /// Rays per second against a repeated structure. With --out: mesh.ply and rays.bin for other programs.
     Rays,
     /// Section 6.3: evaluations per second, shader and CPU decoder.
@@ -78,6 +89,13 @@ pub enum StudyResult {
     WaveletBrdf {
         /// Rows of the table.
         rows: Vec<StudyRow>,
+    },
+    /// Tables 1, 2 and 3 and figure 10 of Hadim et al. 2009.
+    FlatBtf {
+        /// What was computed.
+        settings: crate::report::study::flat_btf::StudySettings,
+        /// One for each model.
+        rows: Vec<crate::report::study::flat_btf::ModelRow>,
     },
     /// Rays per second.
     Rays(crate::report::study::rays::RayStudy),
@@ -110,6 +128,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
             let rows = wavelet_table_1().map_err(|error| CliError::Internal(error.to_string()))?;
             StudyResult::WaveletBrdf { rows }
         }
+        Study::FlatBtf => flat_btf::run(arguments, common)?,
         Study::Rays => rays::run(arguments, common)?,
         #[cfg(feature = "render")]
         _ => drawn::run(arguments, common)?,
@@ -121,6 +140,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     }
     match &result {
         StudyResult::WaveletBrdf { rows } => print(&table_1(rows)),
+        StudyResult::FlatBtf { settings, rows } => print(&flat_btf::text(settings, rows)),
         StudyResult::Rays(study) => print(&rays::text(study)),
         #[cfg(feature = "render")]
         drawn => print(&drawn::text(drawn)),

@@ -20,11 +20,12 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     let Some(address) = input.strip_prefix("synth:") else {
         return Err(CliError::Usage(format!("INPUT: found {input}; allowed synth: and a structure with --study rays")));
     };
-    if !TEXELS.contains(&arguments.texels) {
+    let texels = arguments.texels.unwrap_or(64);
+    if !TEXELS.contains(&texels) {
         let allowed = format!("allowed {} to {}", TEXELS.start(), TEXELS.end());
-        return Err(CliError::Usage(format!("--texels: found {}; {allowed}", arguments.texels)));
+        return Err(CliError::Usage(format!("--texels: found {texels}; {allowed}")));
     }
-    let scene = RayScene::new(address, arguments.texels).map_err(|error| match error {
+    let scene = RayScene::new(address, texels).map_err(|error| match error {
         RayStudyError::Address(error) => CliError::Input(format!("{input}: {error}")),
         RayStudyError::Parameterise(error) => CliError::Internal(error.to_string()),
     })?;

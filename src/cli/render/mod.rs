@@ -1,5 +1,6 @@
 //! `brdfc render`: packs drawn by the shaders that engines use, and how wrong they look.
 
+mod flat;
 mod materials;
 mod outputs;
 mod scene;
@@ -9,7 +10,7 @@ use super::output::{print, print_json, remark};
 use super::{CliError, Common, graphics_environment};
 use crate::render::gpu::{AdapterChoice, Decoding, Gpu, SliceFilter};
 use crate::render::scenes::Builtin;
-use crate::render::verify::{Material, views};
+use crate::render::verify::{Material, Views, views};
 use crate::report::render::{PartMaterial, Verification};
 use crate::report::table;
 use crate::source::Source;
@@ -34,10 +35,13 @@ Examples:
   brdfc render red.ktx2 --source red-plastic.binary -o red.exr
   brdfc render red-plastic.binary --ratio 16 --sheet red.png          encodes it first
   brdfc render paint.brdf --scene cloth --max-delta-e 1.3 --json      exit code 1 when missed
+  brdfc render button --scene vase -o vase.png                        a flat BTF of 'brdfc flatten'
+  brdfc render button --scene plane --sheet plane.png                 beside the surface itself
 
 A manifest says what is shown in its [render] table, see docs/scene.md. Without a Vulkan driver the exit code is 5.")]
 pub struct Arguments {
-    /// A scene manifest, a pack, or anything that can be encoded: a path or synth:MODEL?param=value&...
+    /// A scene manifest, a pack, the folder or the .json of a flat BTF, or anything that can be encoded: a path or
+    /// synth:MODEL?param=value&...
     #[arg(value_name = "SCENE.toml|INPUT")]
     input: String,
     /// The shader's image: .png (sRGB) or .exr (linear).
@@ -88,6 +92,12 @@ pub struct Arguments {
     /// Use the adapter whose name contains this (default: the fastest).
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
+    /// Of a flat BTF: every view and light, or normal map and diffuse colours (default: full where the folder has views).
+    #[arg(long, value_enum)]
+    form: Option<FormName>,
+    /// Of a flat BTF: tiles per unit of the scene's uv (default: 4 on the plane, 1 on bottle, vase and teapot, else 8).
+    #[arg(long, value_name = "N")]
+    repeat: Option<u32>,
     #[command(flatten)]
     options: EncodeOptions,
     /// Print JSON (schema: 'brdfc schema render').
@@ -128,6 +138,14 @@ impl From<SceneName> for Builtin {
             SceneName::Teapot => Self::Teapot,
         }
     }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum FormName {
+    /// Equation 1 of Hadim et al. 2009.
+    Full,
+    /// Their light form.
+    Light,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -176,6 +194,34 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     {
         return Err(CliError::Usage(format!("--lod: found {level}; allowed 0 to 6")));
     }
+    let (verification, views) = if flat::is_flat(&arguments.input) {
+        flat::verification(arguments, common)?
+    } else {
+        of_brdfs(arguments, common)?
+    };
+    if verification.checked().pixels == 0 {
+        remark(common, "note: no pixel shows a surface; look at render.camera");
+    } else if views.reference().pixels.iter().all(|pixel| *pixel == [0.0; 3]) {
+        remark(common, "note: all surfaces are black: no light reaches what is seen, or the materials reflect none");
+    }
+    drop(views);
+    let seconds = started.elapsed().as_secs_f64();
+    let checked = arguments.max_delta_e.map(|limit| check(&verification, limit));
+    if arguments.json {
+        print_json(&Report { version: 1, verification, seconds })?;
+    } else {
+        print(&outputs::text(&verification))?;
+        remark(common, &format!("{seconds:.1} s"));
+    }
+    checked.unwrap_or(Ok(()))
+}
+
+/// Draws packs of BRDFs.
+fn of_brdfs(arguments: &Arguments, common: Common) -> Result<(Verification, Views), CliError> {
+    if let Some(flag) = flat::flag_of_flat(arguments) {
+        let text = format!("{flag}: found with {}; allowed with the folder of a flat BTF", arguments.input);
+        return Err(CliError::Usage(text));
+    }
     let subject = materials::subject(arguments)?;
     let setup = scene::setup(arguments, &subject)?;
     // Before the work: without an adapter there is nothing to wait for.
@@ -213,21 +259,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         gpu.description(),
         listed.collect(),
     );
-    if verification.checked().pixels == 0 {
-        remark(common, "note: no pixel shows a surface; look at render.camera");
-    } else if views.reference().pixels.iter().all(|pixel| *pixel == [0.0; 3]) {
-        remark(common, "note: all surfaces are black: no light reaches what is seen, or the materials reflect none");
-    }
     outputs::write(arguments, &views, verification.exposure)?;
-    let seconds = started.elapsed().as_secs_f64();
-    let checked = arguments.max_delta_e.map(|limit| check(&verification, limit));
-    if arguments.json {
-        print_json(&Report { version: 1, verification, seconds })?;
-    } else {
-        print(&outputs::text(&verification))?;
-        remark(common, &format!("{seconds:.1} s"));
-    }
-    checked.unwrap_or(Ok(()))
+    Ok((verification, views))
 }
 
 /// A check that rests on nothing fails too.

@@ -1,0 +1,152 @@
+//! Pictures of flat BTFs.
+
+use super::materials::Subject;
+use super::{Arguments, FormName, outputs, scene};
+use crate::btf::model::MesoModel;
+use crate::build::flatten::{MesoOptions, open_appearance, open_geometry};
+use crate::cli::CliError;
+use crate::cli::Common;
+use crate::cli::output::remark;
+use crate::render::flat::{FlatForm, FlatMaterial, draw, draw_on_cpu, reference_plane};
+use crate::render::gpu::{AdapterChoice, Gpu};
+use crate::render::scenes::Builtin;
+use crate::render::verify::Views;
+use crate::report::render::{PartMaterial, Verification};
+use crate::source::address::is_synth;
+use crate::source::flat_btf::{asset_json, open_flat_btf};
+use brdfc_formats::pack::flat_btf::{FlatBtfDecoder, FlatBtfParts};
+use std::path::Path;
+
+/// Whether an input is a flat BTF: a folder, or its list of parts.
+pub(super) fn is_flat(input: &str) -> bool {
+    !is_synth(input) && (Path::new(input).is_dir() || input.to_ascii_lowercase().ends_with(".json"))
+}
+
+/// Draws the asset by the shader and on the CPU; on a plane, beside the surface itself where that can be computed again.
+pub(super) fn verification(arguments: &Arguments, common: Common) -> Result<(Verification, Views), CliError> {
+    check_flags(arguments)?;
+    let subject = Subject::Pack;
+    let setup = scene::setup(arguments, &subject)?;
+    let choice = arguments.adapter.clone().map_or(AdapterChoice::Best, AdapterChoice::Named);
+    let gpu = Gpu::open(&choice)?;
+    let path = Path::new(&arguments.input);
+    let list = asset_json(path)?;
+    let has_views = list.as_ref().is_none_or(|list| list.contains("\"flat.000") || list.contains("\"flat.0000"));
+    let form = match arguments.form {
+        Some(FormName::Full) => FlatForm::Full,
+        Some(FormName::Light) => FlatForm::Light,
+        None if has_views => FlatForm::Full,
+        None => FlatForm::Light,
+    };
+    let parts = open_flat_btf(path, form == FlatForm::Full)?;
+    let bytes_on_gpu = gpu_bytes(&parts);
+    let wrong = |error: brdfc_formats::FormatError| CliError::Input(format!("{}: {error}", arguments.input));
+    let repeat = arguments.repeat.unwrap_or(default_repeat(setup.builtin));
+    let material = FlatMaterial::new(FlatBtfDecoder::new(parts).map_err(wrong)?, repeat).map_err(wrong)?;
+    let shader = draw(&gpu, &setup.scene, setup.frame, &material, form)?;
+    let pack = draw_on_cpu(&setup.scene, setup.frame, &material, form);
+    drop(material);
+    let surface = match setup.builtin {
+        Builtin::Plane => list.as_deref().map(surface_again).transpose()?.flatten(),
+        _ => None,
+    };
+    let source =
+        surface.map(|(model, appearance)| reference_plane(&setup.scene, setup.frame, &model, &appearance, repeat));
+    if setup.builtin == Builtin::Plane && source.is_none() {
+        remark(common, "note: made from files, not from an address: nothing to compare with but the CPU's decoder");
+    }
+    let views = Views { shader, pack, table: None, source };
+    let name = path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    let listed = setup.scene.parts.iter().map(|part| PartMaterial {
+        part: part.name.to_owned(),
+        material: format!("{name} ({})", if form == FlatForm::Full { "full form" } else { "light form" }),
+        bytes_on_gpu,
+    });
+    let verification = Verification::new(
+        setup.builtin.name(),
+        setup.frame,
+        &views,
+        setup.exposure,
+        gpu.description(),
+        listed.collect(),
+    );
+    outputs::write(arguments, &views, verification.exposure)?;
+    Ok((verification, views))
+}
+
+fn check_flags(arguments: &Arguments) -> Result<(), CliError> {
+    for (given, flag) in [
+        (arguments.source.is_some(), "--source"),
+        (arguments.packs.is_some(), "--packs"),
+        (arguments.table, "--table"),
+        (arguments.lod.is_some(), "--lod"),
+        (arguments.exact, "--exact"),
+        (arguments.options.any(), "encoding options"),
+    ] {
+        if given {
+            let text = format!("{flag}: found with {}, a flat BTF; allowed with BRDFs", arguments.input);
+            return Err(CliError::Usage(text));
+        }
+    }
+    match arguments.repeat {
+        Some(repeat) if !(1..=1024).contains(&repeat) => {
+            Err(CliError::Usage(format!("--repeat: found {repeat}; allowed 1 to 1024 tiles")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Tiles per unit of uv that show a relief well. On vessels uv counts tiles already.
+fn default_repeat(scene: Builtin) -> u32 {
+    match scene {
+        Builtin::Bottle | Builtin::Vase | Builtin::Teapot => 1,
+        Builtin::Plane => 4,
+        _ => 8,
+    }
+}
+
+/// Bytes of the parts' texels on a GPU.
+fn gpu_bytes(parts: &FlatBtfParts) -> u64 {
+    let flat: usize = parts.views.iter().map(|view| 4 * view.texels().len()).sum();
+    let maps = 8 * parts.indirection.texels().len()
+        + 8 * parts.reference.parameters().len()
+        + 8 * parts.normal.normals().len()
+        + 4 * parts.diffuse.texels().len();
+    (flat + maps) as u64
+}
+
+/// The surface and materials that an asset was made from, where all are addresses.
+fn surface_again(list: &str) -> Result<Option<(MesoModel, crate::btf::surface::Appearance)>, CliError> {
+    let Ok(list) = serde_json::from_str::<serde_json::Value>(list) else { return Ok(None) };
+    let materials: Vec<String> = list["materials"]
+        .as_array()
+        .map(|all| all.iter().filter_map(|m| m.as_str().map(str::to_owned)).collect())
+        .unwrap_or_default();
+    let source = list["source"].as_str().unwrap_or_default();
+    let bounced = list["settings"]["bounces"].as_u64() != Some(0);
+    let mapped = list["images_over_the_tile"].as_bool() != Some(false);
+    if !is_synth(source) || materials.is_empty() || !materials.iter().all(|m| is_synth(m)) || bounced || mapped {
+        return Ok(None);
+    }
+    let options = MesoOptions {
+        geometry: source.to_owned(),
+        tile: 1.0,
+        height_scale: 1.0,
+        height_offset: 0.0,
+        materials: Vec::new(),
+        colour: None,
+        weights: None,
+    };
+    let geometry = open_geometry(&options)?;
+    let appearance = open_appearance(&options, &materials, &mut ())?;
+    let model = MesoModel::new(geometry.mesh, 0).map_err(|error| CliError::Input(format!("{source}: {error}")))?;
+    Ok(Some((model, appearance)))
+}
+
+/// Whether there is anything that only flat BTFs have among the flags.
+pub(super) fn flag_of_flat(arguments: &Arguments) -> Option<&'static str> {
+    if arguments.form.is_some() {
+        return Some("--form");
+    }
+    arguments.repeat.is_some().then_some("--repeat")
+}
