@@ -27,7 +27,7 @@ fn main() {
                 azimuth_samples: 16,
                 largest_angle: std::f32::consts::FRAC_PI_2,
             };
-            let parts = made::parts(&model, &appearance, 128, header, &DirectionSet::ubo2003());
+            let parts = made::parts(&model, &appearance, 128, header, [&DirectionSet::ubo2003(); 2]);
             let write =
                 |part: &str, bytes: Vec<u8>| std::fs::write(folder.join(format!("{name}.{part}.ktx2")), bytes).unwrap();
             write("reference", parts.reference.to_bytes(true));

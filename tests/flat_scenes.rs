@@ -11,12 +11,12 @@ use brdfc::render::scenes::Builtin;
 use brdfc::render::shade::{SourceReflectance, shade};
 use brdfc::render::trace::trace;
 use brdfc::source::address::parse_synth;
-use brdfc_formats::direction::{add_scaled, from_polar};
+use brdfc_formats::direction::add_scaled;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::pack::flat_btf::{
     DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatHeader, FlatView, IndirectionHeader, NormalMap,
 };
-use common::flat::{parts, structure, without_parallax};
+use common::flat::{parts, structure, with_displacements};
 use std::f32::consts::FRAC_PI_2;
 use std::sync::LazyLock;
 
@@ -29,7 +29,8 @@ const REPEAT: u32 = 2;
 /// A stud, seen and lit from 25 directions.
 static STUD: LazyLock<FlatBtfParts> = LazyLock::new(|| {
     let (model, appearance) = structure(BUTTON, None);
-    parts(&model, &appearance, 48, HEADER, &DirectionSet::grid(4, 8, 75.0).unwrap())
+    let directions = DirectionSet::grid(4, 8, 75.0).unwrap();
+    parts(&model, &appearance, 64, HEADER, [&directions; 2])
 });
 
 fn material(parts: &FlatBtfParts) -> FlatMaterial {
@@ -48,7 +49,7 @@ fn difference(a: &LinearImage, b: &LinearImage) -> (f64, f64) {
 fn same(a: &LinearImage, b: &LinearImage, what: &str) {
     let (share, mean) = difference(a, b);
     println!("{what}: {share} of the pixels, mean ΔE {mean}");
-    assert!(share < 0.03 && mean < 0.15, "{what}: {share} of the pixels, mean ΔE {mean}");
+    assert!(share < 0.01 && mean < 0.05, "{what}: {share} of the pixels, mean ΔE {mean}");
     let covered = a.coverage.iter().zip(&b.coverage).filter(|(a, b)| a != b).count();
     assert!(covered < FRAME.width * FRAME.height / 100, "{what}: {covered} outlines");
 }
@@ -113,28 +114,33 @@ fn a_change_of_the_scene_or_of_the_shader_is_a_difference() {
     }
 }
 
-/// Mean ΔE against the displaced surface: with parallax, and with all displacements 0.
 #[test]
 fn parallax_is_that_of_the_displaced_surface() {
     let (model, appearance) = structure(BUTTON, None);
     let mut scene = Builtin::Plane.scene();
-    // At one of the sampled directions, far away: only views are blended.
-    let towards = from_polar(50f64.to_radians(), 135f64.to_radians());
+    // At the one sampled direction, far away: only views are blended.
+    let light = DirectionSet::new("light", vec![[50.0, 135.0]]).unwrap();
+    let towards = light.directions()[0];
     let position = add_scaled([0.0; 3], 100.0, [towards[0], towards[2], -towards[1]]);
     scene.lights = vec![PointLight { position, intensity: [1e4 * std::f64::consts::PI; 3] }];
     let reference = reference_plane(&scene, FRAME, &model, &appearance, REPEAT);
-    let (moving, still) = (material(&STUD), material(&without_parallax(&STUD)));
-    let compare = |image: LinearImage| {
-        assert!(image.coverage.iter().zip(&reference.coverage).filter(|(a, b)| a != b).count() < 30, "the same edge");
-        compare_images(&image, &reference, auto_exposure(&reference)).delta_e.mean
+    let header = IndirectionHeader { size: 48, ..HEADER };
+    let made = parts(&model, &appearance, 128, header, [&DirectionSet::ubo2003(), &light]);
+    // The controls: no parallax, and parallax the wrong way around.
+    let materials = [1.0, 0.0, -1.0].map(|factor| material(&with_displacements(&made, factor)));
+    let check = |what: &str, draw: &dyn Fn(&FlatMaterial) -> LinearImage| {
+        let [right, none, wrong] = materials.each_ref().map(|material| {
+            let image = draw(material);
+            let edge = image.coverage.iter().zip(&reference.coverage).filter(|(a, b)| a != b).count();
+            assert!(edge < 30, "{what}: {edge} pixels of the edge");
+            compare_images(&image, &reference, auto_exposure(&reference)).delta_e.mean
+        });
+        println!("{what}: mean ΔE {right}, {none} without parallax, {wrong} the wrong way around");
+        assert!(right < 4.0 && none > 4.0 * right && wrong > 4.0 * right, "{what}: {right} {none} {wrong}");
     };
-    let [near, far] = [&moving, &still].map(|m| compare(draw_on_cpu(&scene, FRAME, m, FlatForm::Full)));
-    println!("CPU: mean ΔE {near} with parallax, {far} without");
-    assert!(near < 4.0 && far > 3.0 * near, "{near} {far}");
+    check("CPU", &|material| draw_on_cpu(&scene, FRAME, material, FlatForm::Full));
     if let Some(gpu) = common::gpu() {
-        let [near, far] = [&moving, &still].map(|m| compare(draw(&gpu, &scene, FRAME, m, FlatForm::Full).unwrap()));
-        println!("GPU: mean ΔE {near} with parallax, {far} without");
-        assert!(near < 4.0 && far > 3.0 * near, "{near} {far}");
+        check("GPU", &|material| draw(&gpu, &scene, FRAME, material, FlatForm::Full).unwrap());
     }
 }
 
@@ -148,7 +154,7 @@ fn a_flat_structure_looks_like_its_brdf() {
         ("synth:lewis?kd=0.3,0.1,0.05&ks=0.2&n=3", &[FlatForm::Full][..]),
     ] {
         let (model, appearance) = structure("button?resolution=16&height=0&count=1", Some(address));
-        let mut made = parts(&model, &appearance, 4, header, &directions);
+        let mut made = parts(&model, &appearance, 4, header, [&directions; 2]);
         // Tints of the structure vary over the tile: one material everywhere is wanted here.
         untint(&mut made, &appearance, &directions);
         let material = material(&made);
@@ -161,7 +167,8 @@ fn a_flat_structure_looks_like_its_brdf() {
                 let exposure = auto_exposure(&expected);
                 let found = compare_images(&drawn, &expected, exposure).delta_e;
                 println!("{address}, {builtin:?}, {form:?}: {found:?}");
-                let most = if *form == FlatForm::Light { 0.2 } else { 1.0 };
+                // Colours of 9 bits are off by up to half a percent.
+                let most = if *form == FlatForm::Light { 0.4 } else { 1.0 };
                 assert!(found.mean < most, "{address}, {builtin:?}, {form:?}: {found:?}");
                 let other = parse_synth("synth:lambert?kd=0.5,0.3,0.2").unwrap();
                 let other = shade(&scene, FRAME, &trace(&scene, FRAME), &[&SourceReflectance(other.as_ref())]);
@@ -200,7 +207,7 @@ fn what_is_too_large_says_what_to_do() {
     let texels = large.diffuse.texels();
     large.views = (0..views.len() as u32)
         .map(|view| {
-            let header = FlatHeader { size: 48, view, views: views.clone(), lights: vec![[0.0; 2]] };
+            let header = FlatHeader { size: 64, view, views: views.clone(), lights: vec![[0.0; 2]] };
             FlatView::new(header, texels.to_vec()).unwrap()
         })
         .collect();

@@ -21,34 +21,33 @@ pub fn structure(address: &str, material: Option<&str>) -> (MesoModel, Appearanc
     (MesoModel::new(structure.mesh(), 2).unwrap(), Appearance { sources })
 }
 
-/// The parts that are drawn: `texels` per side of the flat BTF, one set of directions for views and lights.
+/// The parts that are drawn. `texels` per side of the flat BTF: a power of 2.
 pub fn parts(
     model: &MesoModel,
     appearance: &Appearance,
     texels: usize,
     header: IndirectionHeader,
-    directions: &DirectionSet,
+    [views, lights]: [&DirectionSet; 2],
 ) -> FlatBtfParts {
     let map = model.texels(texels);
-    let all = directions.directions();
-    let field = ComputedField::new(&model.mesh, &map, &model.caster, appearance, &all, &all, 0);
-    let angles: Vec<[f32; 2]> =
-        directions.angles.iter().map(|[theta, phi]| [theta.to_radians() as f32, phi.to_radians() as f32]).collect();
+    let [towards, from] = [views.directions(), lights.directions()];
+    let field = ComputedField::new(&model.mesh, &map, &model.caster, appearance, &towards, &from, 0);
+    let [view_angles, light_angles] = [views, lights].map(angles);
     // Least squares of diffuse colours: sums of value x cosine and of cosine² over what is seen and lit.
     let mut sums = vec![([0.0f64; 3], 0.0f64); texels * texels];
-    let mut views = Vec::new();
-    for (view, towards) in all.iter().enumerate() {
+    let mut flat_views = Vec::new();
+    for (view, towards) in towards.iter().enumerate() {
         let mask = visible(&map, &model.caster, *towards);
         let flat = Flattened::new(&field, view, &mask, None).unwrap();
-        let mut packed = Vec::with_capacity(texels * texels * all.len());
-        for (light, from) in all.iter().enumerate() {
+        let mut packed = Vec::with_capacity(texels * texels * from.len());
+        for (light, from) in from.iter().enumerate() {
             let image = flat.image(light).unwrap();
             packed.extend(image.iter().map(|value| rgb9e5::encode(*value)));
             add(&mut sums, &image, &mask, field.lit(light), |texel| dot(map.points[texel].normal, *from));
         }
-        let header =
-            FlatHeader { size: texels as u32, view: view as u32, views: angles.clone(), lights: angles.clone() };
-        views.push(FlatView::new(header, packed).unwrap());
+        let (views, lights) = (view_angles.clone(), light_angles.clone());
+        let header = FlatHeader { size: texels as u32, view: view as u32, views, lights };
+        flat_views.push(FlatView::new(header, packed).unwrap());
     }
     let colour = |([r, g, b], weight): &([f64; 3], f64)| [r, g, b].map(|c| (c / weight.max(1e-9)) as f32);
     let colours: Vec<[f32; 3]> = sums.iter().map(colour).collect();
@@ -64,8 +63,13 @@ pub fn parts(
         indirection: IndirectionMap::from_displacements(header, displacement).unwrap(),
         normal: NormalMap::new(texels as u32, normals).unwrap(),
         diffuse: DiffuseMap::from_colours(texels as u32, &colours).unwrap(),
-        views,
+        views: flat_views,
     }
+}
+
+/// Radians.
+fn angles(set: &DirectionSet) -> Vec<[f32; 2]> {
+    set.angles.iter().map(|angles| angles.map(|degrees| degrees.to_radians() as f32)).collect()
 }
 
 fn add(sums: &mut [([f64; 3], f64)], image: &[[f32; 3]], seen: &[bool], lit: &[bool], cosine: impl Fn(usize) -> f64) {
@@ -78,9 +82,12 @@ fn add(sums: &mut [([f64; 3], f64)], image: &[[f32; 3]], seen: &[bool], lit: &[b
     }
 }
 
-/// The same parts without parallax: every view sees what the view along the normal does.
-pub fn without_parallax(parts: &FlatBtfParts) -> FlatBtfParts {
+/// The same parts with all displacements times `factor`: with 0 every view sees what the view along the normal does.
+pub fn with_displacements(parts: &FlatBtfParts, factor: f32) -> FlatBtfParts {
     let map = &parts.indirection;
-    let still = |texel, _, _| ([0.0; 2], map.sample(texel, 0, 0)[3]);
-    FlatBtfParts { indirection: IndirectionMap::from_displacements(*map.header(), still).unwrap(), ..parts.clone() }
+    let scaled = |texel, k, a| {
+        let [x, y, distance, height] = map.sample(texel, k, a);
+        ([x, y].map(|c| factor * distance * c), height)
+    };
+    FlatBtfParts { indirection: IndirectionMap::from_displacements(*map.header(), scaled).unwrap(), ..parts.clone() }
 }

@@ -1,7 +1,7 @@
 //! What every built-in scene keeps to.
 
 use super::*;
-use crate::render::scene::{Frame, Mesh};
+use crate::render::scene::{Frame, Mesh, Vertex};
 use crate::render::surface_point::SurfacePoint;
 use crate::render::trace::trace;
 use crate::render::vector::{cross, double, subtract};
@@ -166,5 +166,53 @@ fn things_stand_on_the_table() {
             .fold(f64::INFINITY, f64::min)
             .sqrt();
         assert!(nearest > 0.03, "{a} and {b}: {nearest}");
+    }
+}
+
+/// How a triangle's position changes with u and with v.
+fn along_uv(mesh: &Mesh, triangle: usize) -> Option<[Vector; 2]> {
+    let [a, b, c] = mesh.triangles[triangle].map(|corner| mesh.vertices[corner as usize]);
+    let edge = |end: Vertex| subtract(double(end.position), double(a.position));
+    let step = |end: Vertex| [0, 1].map(|k| f64::from(end.uv[k] - a.uv[k]));
+    let ([e, f], [g, h]) = (step(b), step(c));
+    let determinant = e * h - f * g;
+    let solve = |s: f64, t: f64| [0, 1, 2].map(|k| (s * edge(b)[k] + t * edge(c)[k]) / determinant);
+    (determinant.abs() > 1e-12).then(|| [solve(h, -f), solve(-g, e)])
+}
+
+/// Textures are put on the right way around: relief is lit and shifted by directions in the frame of the vertices.
+#[test]
+fn frames_follow_the_coordinates_of_textures() {
+    for builtin in [Builtin::Sphere, Builtin::Plane, Builtin::Bottle, Builtin::Vase, Builtin::Teapot] {
+        let mesh = builtin.scene().parts.remove(0).mesh;
+        for triangle in 0..mesh.triangles.len() {
+            let Some([along_u, along_v]) = along_uv(&mesh, triangle) else { continue };
+            for corner in mesh.triangles[triangle] {
+                let vertex = mesh.vertices[corner as usize];
+                let (t, n) = (double(vertex.tangent), double(vertex.normal));
+                let cosine = |a: Vector, b: Vector| dot(a, b) / (dot(a, a) * dot(b, b)).sqrt();
+                let found = [cosine(along_u, t), cosine(along_v, cross(n, t))];
+                // Triangles at the sphere's poles are sheared.
+                let least = if builtin == Builtin::Sphere { 0.0 } else { 0.8 };
+                assert!(found.iter().all(|c| *c > least), "{builtin:?}: {found:?} at {:?}", vertex.position);
+            }
+        }
+    }
+}
+
+/// Also a whole number of tiles: a texture meets itself without a seam.
+#[test]
+fn tiles_are_square_and_close_all_around() {
+    for (builtin, around) in [(Builtin::Plane, None), (Builtin::Bottle, Some(2.0)), (Builtin::Vase, Some(3.0))] {
+        let mesh = builtin.scene().parts.remove(0).mesh;
+        for triangle in 0..mesh.triangles.len() {
+            let [u, v] = along_uv(&mesh, triangle).unwrap().map(|along| dot(along, along).sqrt());
+            assert!((0.9..1.1).contains(&(u / v)), "{builtin:?}: {u} {v}");
+        }
+        let range = |k: usize| {
+            let all = mesh.vertices.iter().map(|vertex| vertex.uv[k]);
+            all.clone().fold(f32::MAX, f32::min)..=all.fold(f32::MIN, f32::max)
+        };
+        assert_eq!((*range(0).start(), *range(0).end()), (0.0, around.unwrap_or(1.0)), "{builtin:?}");
     }
 }
