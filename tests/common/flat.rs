@@ -1,6 +1,6 @@
 //! Flat BTFs of procedural structures, built in memory.
 
-use brdfc::btf::flatten::{ComputedField, FlatView as Flattened, visible};
+use brdfc::btf::flatten::{ComputedField, FlatView as Flattened, Holes, visible};
 use brdfc::btf::indirection::indirection;
 use brdfc::btf::model::MesoModel;
 use brdfc::btf::structures::Structure;
@@ -18,7 +18,7 @@ pub fn structure(address: &str, material: Option<&str>) -> (MesoModel, Appearanc
     let structure = Structure::parse(address).unwrap();
     let materials = material.map_or(structure.default_materials().to_vec(), |material| vec![material; 4]);
     let sources = materials.into_iter().map(|address| parse_synth(address).unwrap()).collect();
-    (MesoModel::new(structure.mesh(), 2).unwrap(), Appearance { sources })
+    (MesoModel::new(structure.mesh(), 2).unwrap(), Appearance { sources, ..Default::default() })
 }
 
 /// The parts that are drawn. `texels` per side of the flat BTF: a power of 2.
@@ -38,7 +38,7 @@ pub fn parts(
     let mut flat_views = Vec::new();
     for (view, towards) in towards.iter().enumerate() {
         let mask = visible(&map, &model.caster, *towards);
-        let flat = Flattened::new(&field, view, &mask, None).unwrap();
+        let flat = Flattened::new(&field, view, &mask, Holes::PushPull).unwrap();
         let mut packed = Vec::with_capacity(texels * texels * from.len());
         for (light, from) in from.iter().enumerate() {
             let image = flat.image(light).unwrap();
