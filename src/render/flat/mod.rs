@@ -1,8 +1,8 @@
 //! Flat BTFs on the surfaces of a scene, with parallax (section 3.5 of Hadim et al. 2009).
 //!
-//! The surfaces of a scene are macro surfaces: each is the reference plane of the meso-geometry, bent. Directions are
-//! taken in its local frame, tangent, bitangent and normal. One material goes over all parts of a scene; their bump maps
-//! and mirrors are not looked at.
+//! The surfaces of a scene are macro surfaces: each is the reference plane of the meso-geometry, bent. Directions
+//! are taken in its local frame, tangent, bitangent and normal; a light below its horizon gives nothing. One material goes
+//! over all parts of a scene; their bump maps and mirrors are not looked at.
 //!
 //! Values of flat BTFs are relative to a white diffuser that faces the light: a point light of radiant intensity I at
 //! distance d gives the radiance `value I / (π d²)`. The cosine is inside.

@@ -34,8 +34,8 @@ pub(super) struct LoadedPart {
 }
 
 impl Rasteriser<'_> {
-    /// Uploads a scene; `groups` are the bind groups from 1 on of each part, `settings` the words `level` and `hardware`
-    /// of the shader's `View`.
+    /// Uploads a scene; `groups` are the bind groups from 1 on of each part, `settings` the words `level` and
+    /// `hardware` of the shader's `View`.
     ///
     /// # Errors
     /// What the driver reports.

@@ -40,8 +40,8 @@ pub(super) fn tube(columns: usize, rows: usize, turns: u32, curve: impl Fn(f64) 
     mesh
 }
 
-/// A round cap around the y axis, `profile` from the pole (radius 0) outwards. uv are those of a disc: straight from the
-/// pole at the length of the profile, so that nothing shrinks there. `unit` is the length of a tile.
+/// A round cap around the y axis, `profile` from the pole (radius 0) outwards. uv are those of a disc: straight from
+/// the pole at the length of the profile, so that nothing shrinks there. `unit` is the length of a tile.
 pub(super) fn cap(columns: usize, rows: usize, unit: f64, profile: impl Fn(f64) -> [f64; 2]) -> Mesh {
     const STEP: f64 = 1e-4;
     let lengths = lengths(rows, |t| {

@@ -192,8 +192,8 @@ fn frames_follow_the_coordinates_of_textures() {
                 let (t, n) = (double(vertex.tangent), double(vertex.normal));
                 let cosine = |a: Vector, b: Vector| dot(a, b) / (dot(a, a) * dot(b, b)).sqrt();
                 let found = [cosine(along_u, t), cosine(along_v, cross(n, t))];
-                // Triangles at the sphere's poles are sheared.
-                let least = if builtin == Builtin::Sphere { 0.0 } else { 0.8 };
+                // Shear at the poles of the sphere, and on the knob of the lid.
+                let least = if builtin == Builtin::Sphere { 0.0 } else { 0.7 };
                 assert!(found.iter().all(|c| *c > least), "{builtin:?}: {found:?} at {:?}", vertex.position);
             }
         }
