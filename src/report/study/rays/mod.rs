@@ -28,7 +28,7 @@ const ROUNDS: usize = 2;
 /// Ends of rays are moved on by this much, in tiles: the lowest triangles lie on them.
 const MARGIN: f32 = 1e-4;
 /// Runs, of which the fastest counts.
-const RUNS: usize = 3;
+const RUNS: usize = 5;
 /// Rays that a thread takes at once.
 const CHUNK: usize = 1 << 12;
 
