@@ -1,6 +1,6 @@
 //! `brdfc flatten`: flat BTFs of surfaces with relief, and of ordinary BTFs.
 
-use super::output::{print, print_json, remark};
+use super::output::{print, print_json, printable, remark};
 use super::steps::Steps;
 use super::{CliError, Common};
 use crate::btf::fill::FillMethod;
@@ -11,7 +11,7 @@ use crate::build::flatten::{
     AssetFile, FlattenJob, FlattenRecipe, Form, MesoOptions, Values, material_list, open_appearance, open_geometry,
     run as flatten,
 };
-use crate::report::table::{bytes, percent, plain};
+use crate::report::table::{bytes, percent};
 use crate::source::btf_stack::BtfStack;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::pack::flat_btf::IndirectionHeader;
@@ -383,30 +383,28 @@ fn remarks(asset: &AssetFile) -> Vec<String> {
 }
 
 fn text(asset: &AssetFile, seconds: f64) -> String {
-    let report = &asset.report;
+    let (report, settings) = (&asset.report, &asset.settings);
     let stretch = &report.parameterisation.after;
     let mut rows = vec![
-        vec!["source".to_owned(), asset.source.clone()],
-        vec![
-            "texels".to_owned(),
-            format!("{0} x {0} flat, {1} x {1} on the plane", asset.settings.flat_texels, asset.settings.texels),
-        ],
-        vec!["views x lights".to_owned(), format!("{} x {}", asset.settings.views.1, asset.settings.lights.1)],
-        vec!["heights".to_owned(), format!("{:.4} to {:.4} tiles", report.heights[0], report.heights[1])],
-        vec!["stretch".to_owned(), format!("{:.3} (1 is even), largest {:.2}", stretch.l2, stretch.largest)],
-        vec!["texels seen".to_owned(), percent(report.seen)],
-        vec!["files".to_owned(), format!("{}, {} on a GPU", bytes(asset.bytes()), bytes(asset.gpu_bytes()))],
+        ("source", asset.source.clone()),
+        ("texels", format!("{0} x {0} flat, {1} x {1} on the plane", settings.flat_texels, settings.texels)),
+        ("views x lights", format!("{} x {}", settings.views.1, settings.lights.1)),
+        ("heights", format!("{:.4} to {:.4} tiles", report.heights[0], report.heights[1])),
+        ("stretch", format!("{:.3} (1 is even), largest {:.2}", stretch.l2, stretch.largest)),
+        ("texels that a view sees", percent(report.seen)),
+        ("files", format!("{} in {}, {} on a GPU", bytes(asset.bytes()), asset.parts.len(), bytes(asset.gpu_bytes()))),
     ];
-    let errors = [
-        ("ΔE at samples", report.errors.at_samples),
-        ("ΔE between samples", report.errors.between_samples),
+    for (name, error) in [
+        ("ΔE at sampled directions", report.errors.at_samples),
+        ("ΔE between them", report.errors.between_samples),
         ("ΔE of the light form", report.errors.light_form),
-    ];
-    for (name, error) in errors {
+    ] {
         if let Some(ColourErrors { mean, p95, max, .. }) = error {
-            rows.push(vec![name.to_owned(), format!("{mean:.2} (95 %: {p95:.1}, largest: {max:.1})")]);
+            rows.push((name, format!("{mean:.2} (95 %: {p95:.1}, largest: {max:.1})")));
         }
     }
-    rows.push(vec!["time".to_owned(), format!("{seconds:.1} s")]);
-    plain(&[asset.name.as_str(), ""], &rows)
+    rows.push(("time", format!("{seconds:.1} s")));
+    let width = rows.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
+    let lines = rows.iter().map(|(name, value)| format!("{name:width$}  {}\n", printable(value)));
+    format!("{}\n", asset.name) + &lines.collect::<String>()
 }

@@ -17,7 +17,7 @@ impl PushPull {
         assert!(size * size == known.len() && size.is_power_of_two(), "{} texels", known.len());
         let mut weights = vec![known.iter().map(|k| f32::from(u8::from(*k))).collect::<Vec<f32>>()];
         let mut n = size;
-        while n > 1 && weights.last().is_some_and(|level| level.iter().any(|w| *w == 0.0)) {
+        while n > 1 && weights.last().is_some_and(|level| level.contains(&0.0)) {
             let fine = weights.last().expect("there is a level");
             let coarse = (0..n / 2 * (n / 2)).map(|i| four(i, n).iter().map(|at| fine[*at]).sum::<f32>().min(1.0));
             let coarse = coarse.collect();

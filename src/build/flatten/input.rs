@@ -68,7 +68,7 @@ pub enum MesoInputError {
         /// The input.
         name: String,
         /// What is wrong.
-        error: MesoError,
+        error: Box<MesoError>,
     },
     /// A scan that cannot be tabulated.
     #[error("{name}: {error}")]
@@ -102,7 +102,7 @@ pub fn open_geometry(options: &MesoOptions) -> Result<Geometry, MesoInputError> 
     }
     let path = Path::new(input);
     let name = path.file_name().map_or_else(|| input.clone(), |name| name.to_string_lossy().into_owned());
-    let wrong = |error| MesoInputError::Geometry { name: input.clone(), error };
+    let wrong = |error| MesoInputError::Geometry { name: input.clone(), error: Box::new(error) };
     let (mesh, weld, material_names) = match open_meso(path)? {
         MesoInput::Mesh(mesh) => {
             let (welded, report) = weld(&mesh, options.tile).map_err(wrong)?;

@@ -96,11 +96,10 @@ fn check_flags(arguments: &Arguments) -> Result<(), CliError> {
     }
 }
 
-/// Tiles per unit of uv that show a relief well. On vessels uv counts tiles already.
+/// Tiles per unit of uv that show a relief well.
 fn default_repeat(scene: Builtin) -> u32 {
     match scene {
-        Builtin::Bottle | Builtin::Vase | Builtin::Teapot => 1,
-        Builtin::Plane => 4,
+        Builtin::Plane | Builtin::Bottle | Builtin::Vase | Builtin::Teapot => 4,
         _ => 8,
     }
 }

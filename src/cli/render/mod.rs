@@ -95,7 +95,7 @@ pub struct Arguments {
     /// Of a flat BTF: every view and light, or normal map and diffuse colours (default: full where the folder has views).
     #[arg(long, value_enum)]
     form: Option<FormName>,
-    /// Of a flat BTF: tiles per unit of the scene's uv (default: 4 on the plane, 1 on bottle, vase and teapot, else 8).
+    /// Of a flat BTF: tiles per unit of the scene's uv (default: 4 on plane, bottle, vase and teapot, else 8).
     #[arg(long, value_name = "N")]
     repeat: Option<u32>,
     #[command(flatten)]
