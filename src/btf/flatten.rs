@@ -286,7 +286,7 @@ mod tests {
     fn holes_of_a_matte_surface_are_filled_with_what_other_views_see() {
         let mesh = overhang(48);
         let (texels, caster) = (flat_texels(&mesh, 64), PeriodicCaster::new(&mesh));
-        let views = [[0.0, 0.0, 1.0], from_polar(1.1, 0.0), from_polar(1.1, 3.14)];
+        let views = [[0.0, 0.0, 1.0], from_polar(1.1, 0.0), from_polar(1.1, std::f64::consts::PI)];
         let lights = [from_polar(0.6, 1.0)];
         let material = made_of("synth:lambert?kd=0.7");
         let field = ComputedField::new(&mesh, &texels, &caster, &material, &views, &lights, 0);

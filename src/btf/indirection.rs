@@ -220,7 +220,7 @@ mod tests {
         each(&found, |[i, _], [polar, azimuth], _, z| {
             // From the right, the edge of the wall's top hides the ground from 0.295 on: inside texel 4.
             if (3..=6).contains(&i) && azimuth == 0.0 && (polar - 0.6).abs() < 1e-6 {
-                assert!(z < 0.01 || z > 0.29, "{z}");
+                assert!(!(0.01..=0.29).contains(&z), "{z}");
                 *(if z > 0.1 { &mut top } else { &mut ground }) += 1;
             }
         });

@@ -27,7 +27,7 @@ pub struct Parameterisation {
 }
 
 /// How good a parameterisation is.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct ParameterisationReport {
     /// Largest difference of a vertex from the weighted mean of its neighbours, in tiles.
     pub residual: f64,

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use std::f64::consts::TAU;
 
 /// Differences in L*a*b* (ΔE of 1976); 1 is just visible side by side.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct ColourErrors {
     /// Look-ups.
     pub samples: usize,

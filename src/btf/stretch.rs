@@ -5,7 +5,7 @@ use super::parameterise::{corner_coordinates, twice_area};
 use brdfc_formats::direction::{Vector, cross, dot, subtract};
 
 /// Stretch of a whole surface. Lengths are relative to a map that keeps every area: 1 everywhere would be perfect.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Stretch {
     /// Root mean square over the surface of the stretch in all directions; 1 or more.
     pub l2: f64,

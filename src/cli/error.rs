@@ -1,9 +1,11 @@
 //! Errors with the exit codes that scripts rely on.
 
 use crate::brdf::encode::EncodeError;
+use crate::btf::structures::Structure;
 use crate::build::flatten::{FlattenError, MesoInputError};
 use crate::build::manifest::OptionError;
 use crate::build::run::JobError;
+use crate::source::address::SYNTH_PREFIX;
 use crate::source::open::InputError;
 use std::path::Path;
 
@@ -76,7 +78,12 @@ impl From<InputError> for CliError {
         let message = error.to_string();
         match error {
             InputError::Io { .. } => Self::Io(message),
-            InputError::Format { .. } | InputError::Address { .. } => Self::Input(message),
+            InputError::Format { .. } => Self::Input(message),
+            InputError::Address { name, .. } => {
+                let structure = name.strip_prefix(SYNTH_PREFIX).is_some_and(|text| Structure::parse(text).is_ok());
+                let hint = if structure { "; this is a structure, for 'brdfc flatten'" } else { "" };
+                Self::Input(message + hint)
+            }
         }
     }
 }

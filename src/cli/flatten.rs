@@ -189,7 +189,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     if arguments.json {
         return print_json(&Report { asset, seconds });
     }
-    print(&text(&asset, seconds))
+    print(&text(&asset, Some(seconds)))
 }
 
 /// A flag that is set by the first interrupt; the second ends the process at once.
@@ -382,7 +382,8 @@ fn remarks(asset: &AssetFile) -> Vec<String> {
     lines
 }
 
-fn text(asset: &AssetFile, seconds: f64) -> String {
+/// What people read of an asset.
+pub(super) fn text(asset: &AssetFile, seconds: Option<f64>) -> String {
     let (report, settings) = (&asset.report, &asset.settings);
     let stretch = &report.parameterisation.after;
     let mut rows = vec![
@@ -403,7 +404,7 @@ fn text(asset: &AssetFile, seconds: f64) -> String {
             rows.push((name, format!("{mean:.2} (95 %: {p95:.1}, largest: {max:.1})")));
         }
     }
-    rows.push(("time", format!("{seconds:.1} s")));
+    rows.extend(seconds.map(|seconds| ("time", format!("{seconds:.1} s"))));
     let width = rows.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
     let lines = rows.iter().map(|(name, value)| format!("{name:width$}  {}\n", printable(value)));
     format!("{}\n", asset.name) + &lines.collect::<String>()

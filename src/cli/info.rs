@@ -1,21 +1,25 @@
 //! `brdfc info`: what an input is.
 
-use super::CliError;
 use super::output::{print, print_json, printable};
+use super::{CliError, flatten};
+use crate::build::flatten::AssetFile;
 use crate::report::table::{bytes, percent};
 use crate::source::Symmetry;
+use crate::source::flat_btf::{asset_json, asset_of_part};
 use crate::source::open::{Facts, StoredErrors, open};
 use clap::Args;
 use serde::Serialize;
+use std::path::Path;
 
 /// Say what an input is: layout, sizes, symmetries, measured errors of a pack.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   brdfc info paint.brdf
-  brdfc info red.ktx2 --json")]
+  brdfc info red.ktx2 --json
+  brdfc info button                       a folder of 'brdfc flatten'; --json prints its list of parts")]
 pub struct Arguments {
-    /// A path, or synth:MODEL?param=value&...
+    /// A path, or synth:MODEL?param=value&...; of a flat BTF its folder, its .json, or any of its parts.
     input: String,
     /// Print JSON (schema: 'brdfc schema info').
     #[arg(long)]
@@ -37,6 +41,9 @@ pub struct Report {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
+    if let Some(list) = flat_btf(&arguments.input) {
+        return flat_btf_facts(&list?, arguments);
+    }
     let opened = open(&arguments.input, None)?;
     let (symmetry, grey) = (opened.source.symmetry(), opened.source.is_grey());
     if arguments.json {
@@ -49,6 +56,26 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     }
     let width = lines.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
     print(&lines.iter().map(|(name, value)| format!("{name:width$}  {}\n", printable(value))).collect::<String>())
+}
+
+/// The path of the list of a flat BTF's parts, if the input is one: its folder, the list itself, or one of the parts.
+fn flat_btf(input: &str) -> Option<Result<String, CliError>> {
+    let path = Path::new(input);
+    let list = |path: &Path| {
+        let text = asset_json(path).map_err(CliError::from)?;
+        text.ok_or_else(|| CliError::Input(format!("{input}: flat BTF: found no NAME.json; allowed a finished asset")))
+    };
+    if path.is_dir() || path.extension().is_some_and(|e| e == "json") {
+        return Some(list(path));
+    }
+    let name = asset_of_part(path.file_name()?.to_str()?)?;
+    Some(list(&path.with_file_name(format!("{name}.json"))))
+}
+
+fn flat_btf_facts(list: &str, arguments: &Arguments) -> Result<(), CliError> {
+    let wrong = |error| CliError::Input(format!("{}: list of parts: {error}", arguments.input));
+    let asset: AssetFile = serde_json::from_str(list).map_err(wrong)?;
+    if arguments.json { print_json(&asset) } else { print(&flatten::text(&asset, None)) }
 }
 
 fn symmetry_in_words(s: Symmetry) -> String {

@@ -13,6 +13,8 @@ use std::path::{Path, PathBuf};
 const EXTENSION: &str = ".ktx2";
 /// Parts that every asset has, of those that are drawn.
 const PARTS: [&str; 4] = ["reference", "indirection", "normal", "diffuse"];
+/// Parts that are not drawn.
+const OTHER_PARTS: [&str; 2] = ["position", "mask"];
 /// Part of the first view; the others are found through it.
 const VIEW: &str = "flat";
 /// Most files that are looked at.
@@ -96,7 +98,7 @@ fn asset(path: &Path) -> Result<(PathBuf, String), InputError> {
             let found = format!("more than {MAX_ENTRIES}");
             return Err(format_error(path, FormatError::whole("files", found, "the files of one flat BTF")));
         }
-        names.extend(name_of(&entry.map_err(io)?.file_name().to_string_lossy()));
+        names.extend(asset_of_part(&entry.map_err(io)?.file_name().to_string_lossy()));
     }
     let found = match names.len() {
         1 => return Ok((path.to_owned(), names.into_iter().next().unwrap_or_default())),
@@ -107,10 +109,10 @@ fn asset(path: &Path) -> Result<(PathBuf, String), InputError> {
 }
 
 /// NAME of a file `NAME.PART.ktx2` of a flat BTF.
-fn name_of(file: &str) -> Option<String> {
+pub fn asset_of_part(file: &str) -> Option<String> {
     let stem = file.strip_suffix(EXTENSION)?;
     let (name, part) = stem.rsplit_once('.')?;
-    if PARTS.contains(&part) {
+    if PARTS.contains(&part) || OTHER_PARTS.contains(&part) {
         return Some(name.to_owned());
     }
     let is_number = part.len() >= 3 && part.bytes().all(|digit| digit.is_ascii_digit());

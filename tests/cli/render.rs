@@ -336,3 +336,41 @@ fn the_studies_that_draw() {
     assert!(variance("by_distance") < variance("finest"), "{detail}");
     assert_eq!(folder.files("frames").len(), 18);
 }
+
+#[test]
+fn flat_btfs_are_drawn_with_parallax() {
+    if gpu().is_none() {
+        return;
+    }
+    let folder = Folder::new();
+    let small = ["--texels", "32", "--flat-texels", "64", "--views", "grid:3x8@70", "--indirection", "8x8"];
+    let button = ["flatten", "synth:button?resolution=48", "-o", "button", "--oversampling", "1"];
+    folder.run(&[&button[..], &small].concat()).succeeded();
+    let plane = ["render", "button", "--scene", "plane", "--size", "80x60", "--samples", "1", "--json"];
+    let full = report(folder.run(&[&plane[..], &["--sheet", "s.png", "-o", "p.exr"]].concat()).succeeded());
+    assert!(mean(&full, "shading") < 0.2, "{full}");
+    let light = report(folder.run(&[&plane[..], &["--form", "light"]].concat()).succeeded());
+    // Both show the relief; shadows are in the full form alone.
+    assert!(mean(&full, "total") < mean(&light, "total"), "{full} {light}");
+    assert!(folder.path().join("s.png").is_file() && folder.path().join("p.exr").is_file());
+    for scene in ["bottle", "vase", "teapot", "sphere"] {
+        let list = "button/button.json";
+        let ran = folder.run(&["render", list, "--scene", scene, "--size", "40x40", "--form", "light", "--json"]);
+        let drawn = report(ran.succeeded());
+        assert!(mean(&drawn, "shading") < 0.2 && drawn.get("total").is_none(), "{drawn}");
+    }
+    let info = folder.run(&["info", "button"]).succeeded().stdout;
+    assert!(info.contains("synth:button?resolution=48") && info.contains("texels that a view sees"), "{info}");
+    assert_eq!(folder.run(&["info", "button/button.flat.003.ktx2"]).succeeded().stdout, info);
+    for (wrong, expected) in [
+        (["render", "button", "--lod", "2"], "a flat BTF"),
+        (["render", "synth:lambert", "--form", "light"], "the folder of a flat BTF"),
+        (["render", "button", "--repeat", "0"], "1 to 1024"),
+    ] {
+        let ran = folder.run(&wrong);
+        assert!(ran.code == 2 && ran.stderr.contains(expected), "{ran:?}");
+    }
+    std::fs::remove_file(folder.path().join("button/button.flat.004.ktx2")).unwrap();
+    let ran = folder.run(&["render", "button", "--scene", "plane"]);
+    assert!(ran.code == 3 && ran.stderr.contains("no button.flat.004.ktx2"), "{ran:?}");
+}

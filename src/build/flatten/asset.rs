@@ -4,11 +4,11 @@ use super::recipe::Settings;
 use crate::btf::parameterise::ParameterisationReport;
 use crate::btf::probes::ColourErrors;
 use crate::btf::weld::WeldReport;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// The contents of `NAME.json`.
-#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct AssetFile {
     /// Layout of this file.
     pub version: u32,
@@ -29,7 +29,7 @@ pub struct AssetFile {
 }
 
 /// One file.
-#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct PartFile {
     /// Its name.
     pub file: String,
@@ -40,7 +40,7 @@ pub struct PartFile {
 }
 
 /// What was measured of an asset.
-#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct AssetReport {
     /// What was mended in a mesh.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -59,7 +59,7 @@ pub struct AssetReport {
 
 /// Errors against what the surface shows, or the images that came in. Where light of one bounce was asked for there are
 /// none of computed BTFs: the comparison knows direct light only.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, schemars::JsonSchema)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct AssetErrors {
     /// Equation 1 at sampled views and lights.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -3,10 +3,10 @@
 use crate::btf::fill::FillMethod;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::pack::flat_btf::IndirectionHeader;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Which parts are made.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, schemars::JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Form {
     /// Everything: equation 1.
@@ -46,7 +46,7 @@ pub struct FlattenRecipe {
 }
 
 /// The settings as reports hold them.
-#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Settings {
     /// Texels of the flat BTF per side.
     pub flat_texels: usize,
