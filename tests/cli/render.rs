@@ -347,16 +347,16 @@ fn flat_btfs_are_drawn_with_parallax() {
     let button = ["flatten", "synth:button?resolution=48", "-o", "button", "--oversampling", "1"];
     folder.run(&[&button[..], &small].concat()).succeeded();
     let plane = ["render", "button", "--scene", "plane", "--size", "80x60", "--samples", "1", "--json"];
-    let full = report(folder.run(&[&plane[..], &["--sheet", "s.png", "-o", "p.exr"]].concat()).succeeded());
+    let full = report(&folder.run(&[&plane[..], &["--sheet", "s.png", "-o", "p.exr"]].concat()).succeeded());
     assert!(mean(&full, "shading") < 0.2, "{full}");
-    let light = report(folder.run(&[&plane[..], &["--form", "light"]].concat()).succeeded());
+    let light = report(&folder.run(&[&plane[..], &["--form", "light"]].concat()).succeeded());
     // Both show the relief; shadows are in the full form alone.
     assert!(mean(&full, "total") < mean(&light, "total"), "{full} {light}");
     assert!(folder.path().join("s.png").is_file() && folder.path().join("p.exr").is_file());
     for scene in ["bottle", "vase", "teapot", "sphere"] {
         let list = "button/button.json";
         let ran = folder.run(&["render", list, "--scene", scene, "--size", "40x40", "--form", "light", "--json"]);
-        let drawn = report(ran.succeeded());
+        let drawn = report(&ran.succeeded());
         assert!(mean(&drawn, "shading") < 0.2 && drawn.get("total").is_none(), "{drawn}");
     }
     let info = folder.run(&["info", "button"]).succeeded().stdout;
