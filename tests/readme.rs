@@ -11,13 +11,15 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 /// What a line may start with that the README shows and this test does not run: set-up, or checked elsewhere.
-const NOT_RUN: [&str; 9] = [
+const NOT_RUN: [&str; 10] = [
     "./scripts/test",
     "sudo apt-get install",
     "cargo install",
     "cargo bench",
     "cargo build",
     "cargo run --release --example",
+    // In tests/cli/bench.rs.
+    "brdfc bench --study flat-btf",
     // In tests/cli/render.rs.
     "brdfc bench --study throughput",
     "brdfc bench --study level-of-detail",

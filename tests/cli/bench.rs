@@ -41,3 +41,26 @@ fn the_study_of_rays_counts_rays_and_writes_them() {
         assert!(ran.stderr.contains(expected), "{arguments:?}: {}", ran.stderr);
     }
 }
+
+#[test]
+fn the_study_of_flat_btfs_has_the_papers_tables() {
+    let folder = Folder::new();
+    let small = ["--texels", "16", "--flat-texels", "64", "--directions", "grid:3x6@70"];
+    let both = ["bench", "--study", "flat-btf", "synth:folds?resolution=48", "synth:sponge?resolution=48"];
+    let report = folder.run(&[&both[..], &small, &["--json"]].concat()).succeeded().json();
+    conforms("bench", &report);
+    for row in report["rows"].as_array().unwrap() {
+        let number = |value: &serde_json::Value| value.as_f64().unwrap();
+        let variance = |kind: &str| number(&row["coherency"][kind]["mean"]);
+        assert!(variance("visible") <= variance("poisson") && variance("poisson") < variance("push_pull"), "{row}");
+        assert!(variance("btf") > 1.8 * variance("push_pull") && variance("btf") > 3.0 * variance("visible"), "{row}");
+        assert!((0.1..2.9).contains(&number(&row["reconstruction"]["mean"])), "{row}");
+        assert_eq!(row["grids"].as_array().unwrap().len(), 2);
+    }
+    let text = folder.run(&[&both[..4], &["synth:knit?resolution=32&height=0"], &small].concat()).succeeded().stdout;
+    for words in ["Table 1", "Table 2", "Table 3", "Figure 10", "Isba", "16 x 16", "knit"] {
+        assert!(text.contains(words), "no {words} in {text}");
+    }
+    let wrong = folder.run(&["bench", "--study", "flat-btf", "synth:lambert"]);
+    assert!(wrong.code == 3 && wrong.stderr.contains("button, folds, knit, sponge"), "{wrong:?}");
+}
