@@ -17,7 +17,7 @@ use std::path::Path;
 Examples:
   brdfc info paint.brdf
   brdfc info red.ktx2 --json
-  brdfc info button                       a folder of 'brdfc flatten'; --json prints its list of parts")]
+  brdfc info button                       a folder of 'brdfc flatten'")]
 pub struct Arguments {
     /// A path, or synth:MODEL?param=value&...; of a flat BTF its folder, its .json, or any of its parts.
     input: String,
