@@ -17,7 +17,7 @@ use std::path::Path;
 Examples:
   brdfc info paint.brdf
   brdfc info red.ktx2 --json
-  brdfc info button                       a folder of 'brdfc flatten'")]
+  brdfc info button/button.json")]
 pub struct Arguments {
     /// A path, or synth:MODEL?param=value&...; of a flat BTF its folder, its .json, or any of its parts.
     input: String,

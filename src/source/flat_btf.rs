@@ -98,7 +98,10 @@ fn asset(path: &Path) -> Result<(PathBuf, String), InputError> {
             let found = format!("more than {MAX_ENTRIES}");
             return Err(format_error(path, FormatError::whole("files", found, "the files of one flat BTF")));
         }
-        names.extend(asset_of_part(&entry.map_err(io)?.file_name().to_string_lossy()));
+        let file = entry.map_err(io)?.file_name().to_string_lossy().into_owned();
+        names.extend(
+            name_and_part(&file).filter(|(_, part)| !OTHER_PARTS.contains(part)).map(|(name, _)| name.to_owned()),
+        );
     }
     let found = match names.len() {
         1 => return Ok((path.to_owned(), names.into_iter().next().unwrap_or_default())),
@@ -110,13 +113,17 @@ fn asset(path: &Path) -> Result<(PathBuf, String), InputError> {
 
 /// NAME of a file `NAME.PART.ktx2` of a flat BTF.
 pub fn asset_of_part(file: &str) -> Option<String> {
-    let stem = file.strip_suffix(EXTENSION)?;
-    let (name, part) = stem.rsplit_once('.')?;
+    name_and_part(file).map(|(name, _)| name.to_owned())
+}
+
+/// NAME and PART of a file `NAME.PART.ktx2`; of views the part is [`VIEW`] without their number.
+fn name_and_part(file: &str) -> Option<(&str, &str)> {
+    let (name, part) = file.strip_suffix(EXTENSION)?.rsplit_once('.')?;
     if PARTS.contains(&part) || OTHER_PARTS.contains(&part) {
-        return Some(name.to_owned());
+        return Some((name, part));
     }
     let is_number = part.len() >= 3 && part.bytes().all(|digit| digit.is_ascii_digit());
-    name.strip_suffix(VIEW)?.strip_suffix('.').filter(|_| is_number).map(str::to_owned)
+    name.strip_suffix(VIEW)?.strip_suffix('.').filter(|_| is_number).map(|name| (name, VIEW))
 }
 
 fn check_missing(folder: &Path, name: &str, missing: &[String]) -> Result<(), InputError> {
