@@ -11,8 +11,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 /// What a line may start with that the README shows and this test does not run: set-up, or checked elsewhere.
-const NOT_RUN: [&str; 10] = [
+const NOT_RUN: [&str; 11] = [
     "./scripts/test",
+    // Needs Embree.
+    "./scripts/compare-embree",
     "sudo apt-get install",
     "cargo install",
     "cargo bench",
