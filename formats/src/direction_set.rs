@@ -5,10 +5,10 @@ use crate::direction::{Vector, dot, from_polar, normalize, subtract};
 use crate::measured::scan;
 use crate::measured::scan_csv::Table;
 
-/// Most directions of one set.
-pub const MAX_DIRECTIONS: usize = 4096;
-/// Unit vectors closer than this are the same direction.
-pub const SAME_DIRECTION: f64 = 1e-6;
+/// Most directions of one set: as many as a flat BTF has layers.
+pub const MAX_DIRECTIONS: usize = crate::pack::container::MAX_LAYERS as usize;
+/// Unit vectors closer than this, 0.014 degrees, are the same direction: [`crate::direction_mesh`] cannot blend between them.
+pub const SAME_DIRECTION: f64 = 2.5e-4;
 /// Columns of a set as CSV; angles in degrees, `index` counts from 0.
 pub const COLUMNS: [&str; 3] = ["index", "theta_deg", "phi_deg"];
 

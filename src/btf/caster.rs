@@ -4,6 +4,7 @@
 //! tile it crosses, with its origin moved into the tile: coordinates stay near 1, where single precision is fine enough.
 
 use super::mesh::PeriodicMesh;
+use super::surface::SurfacePoint;
 use super::triangle_tree::{Segment, TriangleTree};
 use brdfc_formats::direction::{Vector, add_scaled, cross, dot, normalize, subtract};
 use glam::Vec3A;
@@ -33,8 +34,10 @@ pub struct PeriodicCaster {
 const OVERLAP: f64 = 1e-6;
 /// Rays that leave a surface start this far off it, in tiles: what single precision needs on tiles of 1.
 pub const LIFT: f64 = 1e-5;
-/// Most tiles that a ray crosses: a ray this flat has left the tile's neighbourhood for good.
+/// Most tiles that a ray crosses. Rays of [`STEEPEST_DEGREES`] over a relief of [`super::weld::TALLEST`] cross fewer.
 const MOST_TILES: usize = 4096;
+/// Largest polar angle of views and lights, degrees.
+pub const STEEPEST_DEGREES: f64 = 89.0;
 
 impl PeriodicCaster {
     /// Builds the tree.
@@ -100,9 +103,9 @@ impl PeriodicCaster {
         blocked
     }
 
-    /// Whether a surface point with this geometric normal is seen from (or lit from) far away in `direction`.
-    pub fn sees_sky(&self, point: Vector, geometric_normal: Vector, direction: Vector) -> bool {
-        dot(geometric_normal, direction) > 0.0 && !self.is_blocked(add_scaled(point, LIFT, geometric_normal), direction)
+    /// Whether a point of the surface is seen from (or lit from) far away in `direction`.
+    pub fn sees_sky(&self, point: &SurfacePoint, direction: Vector) -> bool {
+        dot(point.geometric_normal, direction) > 0.0 && !self.is_blocked(point.lifted(), direction)
     }
 
     /// How many tiles a ray goes through, between the surface's lowest and highest point, up to `distance`.
@@ -237,9 +240,15 @@ mod tests {
         let caster = PeriodicCaster::new(&mesh);
         let up = [0.0, 0.0, 1.0];
         let from_left = from_polar(1.3, std::f64::consts::PI);
-        assert!(!caster.sees_sky([0.2, 0.5, 0.0], up, from_left), "behind the ridge of the tile on the left");
-        assert!(caster.sees_sky([0.2, 0.5, 0.0], up, from_polar(0.3, std::f64::consts::PI)));
-        assert!(!caster.sees_sky([0.2, 0.5, 0.0], [0.0, 0.0, -1.0], up), "faces away");
+        let point = |normal| SurfacePoint {
+            position: [0.2, 0.5, 0.0],
+            normal,
+            geometric_normal: normal,
+            material: VertexMaterial::default(),
+        };
+        assert!(!caster.sees_sky(&point(up), from_left), "behind the ridge of the tile on the left");
+        assert!(caster.sees_sky(&point(up), from_polar(0.3, std::f64::consts::PI)));
+        assert!(!caster.sees_sky(&point([0.0, 0.0, -1.0]), up), "faces away");
     }
 
     #[test]

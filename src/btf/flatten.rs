@@ -2,13 +2,12 @@
 //!
 //! One view is made at a time: memory holds one image per light and shadows, never views x lights.
 
-use super::caster::{LIFT, PeriodicCaster};
+use super::caster::PeriodicCaster;
 use super::fill::{Poisson, PushPull};
 use super::indirect::Bounces;
-use super::mesh::PeriodicMesh;
 use super::surface::{Appearance, SurfacePoint};
 use super::texels::TexelMap;
-use brdfc_formats::direction::{Vector, add_scaled, dot};
+use brdfc_formats::direction::{Vector, dot};
 use rayon::prelude::*;
 
 /// Where the values of texels come from: a surface and its materials, or measured images.
@@ -31,11 +30,23 @@ pub trait LightField: Sync {
     fn values(&self, view: &Self::View, light: usize) -> Result<Vec<[f32; 3]>, Self::Error>;
 }
 
+/// [`visible`] for each of `directions`; `None` as soon as `done`, which is told of each, returns `false`.
+pub fn visible_from_each(
+    texels: &TexelMap,
+    caster: &PeriodicCaster,
+    directions: &[Vector],
+    done: &dyn Fn() -> bool,
+) -> Option<Vec<Vec<bool>>> {
+    let one = |direction: &Vector| {
+        let mask = visible(texels, caster, *direction);
+        done().then_some(mask)
+    };
+    directions.iter().map(one).collect()
+}
+
 /// Which texels are seen from far away in direction `view`: neither turned away nor hidden by the repeated surface.
 pub fn visible(texels: &TexelMap, caster: &PeriodicCaster, view: Vector) -> Vec<bool> {
-    let seen = |point: &SurfacePoint| {
-        dot(point.normal, view) > 0.0 && caster.sees_sky(point.position, point.geometric_normal, view)
-    };
+    let seen = |point: &SurfacePoint| dot(point.normal, view) > 0.0 && caster.sees_sky(point, view);
     texels.points.par_iter().map(seen).collect()
 }
 
@@ -47,29 +58,25 @@ pub struct ComputedField<'a> {
     views: &'a [Vector],
     lights: &'a [Vector],
     /// For each light, which texels it reaches.
-    lit: Vec<Vec<bool>>,
+    lit: &'a [Vec<bool>],
     bounces: Option<Bounces>,
 }
 
 impl<'a> ComputedField<'a> {
-    /// Casts shadows for all lights; `samples` rays per texel gather the light of one bounce (0: none).
+    /// `lit` is, for each light, which texels it reaches: [`visible_from_each`] of `lights`.
     pub fn new(
-        mesh: &PeriodicMesh,
         texels: &'a TexelMap,
-        caster: &PeriodicCaster,
         appearance: &'a Appearance,
         views: &'a [Vector],
         lights: &'a [Vector],
-        samples: usize,
+        lit: &'a [Vec<bool>],
     ) -> Self {
-        let lit: Vec<Vec<bool>> = lights.iter().map(|light| visible(texels, caster, *light)).collect();
-        let bounces = (samples > 0).then(|| Bounces::new(mesh, texels, caster, appearance, lights, samples));
-        Self { texels, appearance, views, lights, lit, bounces }
+        Self { texels, appearance, views, lights, lit, bounces: None }
     }
 
-    /// Which texels light `light` reaches.
-    pub fn lit(&self, light: usize) -> &[bool] {
-        &self.lit[light]
+    /// Adds the light of one bounce.
+    pub fn with_bounces(self, bounces: Bounces) -> Self {
+        Self { bounces: Some(bounces), ..self }
     }
 }
 
@@ -109,11 +116,6 @@ impl LightField for ComputedField<'_> {
         };
         Ok(view.texels.iter().enumerate().map(value).collect())
     }
-}
-
-/// The surface point of a texel, lifted off the surface for rays that leave it.
-pub(super) fn lifted(point: &SurfacePoint) -> Vector {
-    add_scaled(point.position, LIFT, point.geometric_normal)
 }
 
 /// For each light, the image that holes are filled after: every texel as the view that sees it most from above shows it.
@@ -226,6 +228,7 @@ pub fn from_above(views: &[Vector]) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::btf::mesh::PeriodicMesh;
     use crate::btf::parameterise::parameterise;
     use crate::btf::testing::{bumps, height_field, overhang};
     use crate::btf::texels::texel_map;
@@ -234,6 +237,25 @@ mod tests {
 
     fn made_of(address: &str) -> Appearance {
         Appearance { sources: vec![parse_synth(address).unwrap()], ..Default::default() }
+    }
+
+    fn lit(texels: &TexelMap, caster: &PeriodicCaster, lights: &[Vector]) -> Vec<Vec<bool>> {
+        visible_from_each(texels, caster, lights, &|| true).unwrap()
+    }
+
+    fn field<'a>(
+        mesh: &PeriodicMesh,
+        texels: &'a TexelMap,
+        caster: &PeriodicCaster,
+        material: &'a Appearance,
+        [views, lights]: [&'a [Vector]; 2],
+        (samples, lit): (usize, &'a [Vec<bool>]),
+    ) -> ComputedField<'a> {
+        let field = ComputedField::new(texels, material, views, lights, lit);
+        if samples == 0 {
+            return field;
+        }
+        field.with_bounces(Bounces::new(mesh, texels, caster, material, lights, samples, &|| true).unwrap())
     }
 
     fn flat_texels(mesh: &PeriodicMesh, size: usize) -> TexelMap {
@@ -249,7 +271,8 @@ mod tests {
         let material = made_of("synth:lambert?kd=0.2,0.5,0.8");
         // A plane sees nothing of itself: a bounce adds nothing.
         for samples in [0, 4] {
-            let field = ComputedField::new(&mesh, &texels, &caster, &material, &views, &lights, samples);
+            let lit = lit(&texels, &caster, &lights);
+            let field = field(&mesh, &texels, &caster, &material, [&views, &lights], (samples, &lit));
             let mask = visible(&texels, &caster, views[0]);
             assert!(mask.iter().all(|seen| *seen));
             let flat = FlatView::new(&field, 0, &mask, Holes::PushPull).unwrap();
@@ -267,12 +290,13 @@ mod tests {
         let views = [[0.0, 0.0, 1.0]];
         let lights = [from_polar(1.25, 0.4)];
         let material = made_of("synth:lambert?kd=1");
-        let field = ComputedField::new(&mesh, &texels, &caster, &material, &views, &lights, 0);
+        let lit = lit(&texels, &caster, &lights);
+        let field = ComputedField::new(&texels, &material, &views, &lights, &lit);
         let Ok(image) =
             FlatView::new(&field, 0, &visible(&texels, &caster, views[0]), Holes::PushPull).unwrap().image(0);
         let dark = image.iter().filter(|v| v[0] == 0.0).count();
         let (mut turned_away, mut shadowed) = (0, 0);
-        for (point, lit) in texels.points.iter().zip(field.lit(0)) {
+        for (point, lit) in texels.points.iter().zip(&lit[0]) {
             let faces = dot(point.normal, lights[0]) > 0.0 && dot(point.geometric_normal, lights[0]) > 0.0;
             assert!(faces || !lit);
             turned_away += usize::from(!faces);
@@ -289,7 +313,8 @@ mod tests {
         let views = [[0.0, 0.0, 1.0], from_polar(1.1, 0.0), from_polar(1.1, std::f64::consts::PI)];
         let lights = [from_polar(0.6, 1.0)];
         let material = made_of("synth:lambert?kd=0.7");
-        let field = ComputedField::new(&mesh, &texels, &caster, &material, &views, &lights, 0);
+        let lit = lit(&texels, &caster, &lights);
+        let field = ComputedField::new(&texels, &material, &views, &lights, &lit);
         let masks: Vec<Vec<bool>> = views.iter().map(|view| visible(&texels, &caster, *view)).collect();
         let guide = Guide::new(&field, &masks, &from_above(&views), 1).unwrap();
         let known: Vec<bool> = (0..64 * 64).map(|t| masks.iter().any(|mask| mask[t])).collect();
@@ -305,6 +330,26 @@ mod tests {
         // A matte surface looks the same from everywhere: the guide is the truth; push-pull can but guess.
         let (poisson, push_pull) = (error(Holes::Poisson(&guide)), error(Holes::PushPull));
         assert!(push_pull > 10.0 && poisson < 0.02 * push_pull, "{poisson} {push_pull}");
+    }
+
+    /// Texels whose centres lie on the bottom line of a crease: a ray that starts along the normal of one side starts
+    /// behind the other.
+    #[test]
+    fn the_bottom_of_a_crease_is_seen() {
+        let size = 64;
+        let wave = |x: f64, _: f64| {
+            let t = (4.0 * (x - 0.5 / size as f64)).rem_euclid(1.0);
+            0.5 * if t < 0.5 { t } else { 1.0 - t }
+        };
+        let mesh = height_field(size, wave);
+        let (texels, caster) = (flat_texels(&mesh, size), PeriodicCaster::new(&mesh));
+        for view in [[0.0, 0.0, 1.0], from_polar(0.1, 1.0)] {
+            let unseen = visible(&texels, &caster, view).iter().filter(|seen| !**seen).count();
+            assert_eq!(unseen, 0, "{view:?}");
+        }
+        // The control: what is hidden stays hidden.
+        let slanted = visible(&texels, &caster, from_polar(1.2, 0.0));
+        assert!(slanted.iter().filter(|seen| !**seen).count() > size * size / 3);
     }
 
     #[test]
@@ -324,7 +369,8 @@ mod tests {
             .collect();
         let material = made_of("synth:lambert?kd=1");
         let total = |samples: usize| -> Vec<f64> {
-            let field = ComputedField::new(&mesh, &texels, &caster, &material, &views, &lights, samples);
+            let lit = lit(&texels, &caster, &lights);
+            let field = field(&mesh, &texels, &caster, &material, [&views, &lights], (samples, &lit));
             let all: Vec<u32> = (0..16 * 16).collect();
             let view = field.view(0, all).unwrap();
             let mut sum = vec![0.0; 16 * 16];

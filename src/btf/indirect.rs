@@ -4,11 +4,11 @@
 //! `B(w)` is the relative radiance that the surface point in direction `w` sends back under direct light.
 
 use super::caster::PeriodicCaster;
-use super::flatten::lifted;
 use super::mesh::PeriodicMesh;
 use super::surface::{Appearance, SurfacePoint};
 use super::texels::TexelMap;
 use brdfc_formats::direction::{Vector, dot, rotate_from_normal};
+use brdfc_formats::pack::rgb9e5;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -16,21 +16,34 @@ use std::f64::consts::{PI, TAU};
 
 /// Rays from each texel, and what comes back along them under each light. The same rays serve all views.
 ///
-/// Memory: 12 bytes for each texel, ray and light.
+/// Memory: [`Bounces::bytes`].
 pub struct Bounces {
     samples: usize,
     lights: usize,
     /// Unit directions, `samples` for each texel; `None` where nothing is met.
-    directions: Vec<Option<Vector>>,
-    /// Relative radiance that comes from there, `lights` for each ray.
-    arriving: Vec<[f32; 3]>,
+    directions: Vec<Option<[f32; 3]>>,
+    /// Relative radiance that comes from there, `lights` for each ray, as [`rgb9e5`] has it.
+    arriving: Vec<u32>,
 }
 
 /// Seed of all rays; each texel has a stream of its own.
 const SEED: u64 = 0x5eed_b0ce;
+/// Texels between two calls of `done`.
+const STEP: usize = 1024;
 
 impl Bounces {
-    /// Casts `samples` rays per texel, and shadow rays for every light where they end.
+    /// Bytes in memory for so many texels, rays of each, and lights.
+    pub fn bytes(texels: usize, samples: usize, lights: usize) -> u64 {
+        (texels * samples) as u64 * (size_of::<Option<[f32; 3]>>() + size_of::<u32>() * lights) as u64
+    }
+
+    /// How often `done` is told of so many texels.
+    pub fn steps(texels: usize) -> usize {
+        texels.div_ceil(STEP)
+    }
+
+    /// Casts `samples` rays per texel, and shadow rays for every light where they end; `None` as soon as `done`, which is
+    /// told now and then, returns `false`.
     pub fn new(
         mesh: &PeriodicMesh,
         texels: &TexelMap,
@@ -38,39 +51,36 @@ impl Bounces {
         appearance: &Appearance,
         lights: &[Vector],
         samples: usize,
-    ) -> Self {
-        let rays = |(index, point): (usize, &SurfacePoint)| {
+        done: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Self> {
+        let rays = texels.points.len() * samples;
+        let (mut directions, mut arriving) = (vec![None; rays], vec![0; rays * lights.len()]);
+        let each = directions.par_chunks_mut(samples).zip(arriving.par_chunks_mut(samples * lights.len()));
+        each.enumerate().try_for_each(|(index, (directions, arriving))| {
+            let point = &texels.points[index];
             let mut random = ChaCha8Rng::seed_from_u64(SEED);
             random.set_stream(index as u64);
-            let mut directions = Vec::with_capacity(samples);
-            let mut arriving = Vec::with_capacity(samples * lights.len());
-            for _ in 0..samples {
+            for (stored, arriving) in directions.iter_mut().zip(arriving.chunks_exact_mut(lights.len())) {
                 let (a, b): (f64, f64) = (random.random(), random.random());
                 let radius = a.sqrt();
                 let local = [radius * (TAU * b).cos(), radius * (TAU * b).sin(), (1.0 - a).sqrt()];
                 let direction = rotate_from_normal(point.normal, local);
                 let met = caster
-                    .nearest(lifted(point), direction)
+                    .nearest(point.lifted(), direction)
                     .map(|hit| SurfacePoint::of_hit(mesh, &hit))
                     .filter(|met| dot(met.geometric_normal, direction) < 0.0);
-                directions.push(met.map(|_| direction));
-                arriving.extend(lights.iter().map(|light| match &met {
-                    Some(met) if caster.sees_sky(met.position, met.geometric_normal, *light) => {
-                        appearance.relative_radiance(met, direction.map(|c| -c), *light)
+                let Some(met) = met else { continue };
+                *stored = Some(direction.map(|c| c as f32));
+                for (value, light) in arriving.iter_mut().zip(lights) {
+                    if caster.sees_sky(&met, *light) {
+                        let back = direction.map(|c| -c);
+                        *value = rgb9e5::encode(appearance.relative_radiance(&met, back, *light));
                     }
-                    _ => [0.0; 3],
-                }));
+                }
             }
-            (directions, arriving)
-        };
-        let all: Vec<_> = texels.points.par_iter().enumerate().map(rays).collect();
-        let (mut directions, mut arriving) = (Vec::new(), Vec::new());
-        arriving.reserve_exact(texels.points.len() * samples * lights.len());
-        for (d, a) in all {
-            directions.extend(d);
-            arriving.extend(a);
-        }
-        Self { samples, lights: lights.len(), directions, arriving }
+            (index % STEP != STEP - 1 && index + 1 != texels.points.len() || done()).then_some(())
+        })?;
+        Some(Self { samples, lights: lights.len(), directions, arriving })
     }
 
     /// `π f_r(w_s, v) / S` for the rays of `texels`, one after the other.
@@ -81,7 +91,9 @@ impl Bounces {
             let rays = &self.directions[index * self.samples..][..self.samples];
             rays.iter()
                 .map(|ray| match ray {
-                    Some(ray) => appearance.reflectance(&map.points[index], view, *ray).map(|f_r| (scale * f_r) as f32),
+                    Some(ray) => appearance
+                        .reflectance(&map.points[index], view, ray.map(f64::from))
+                        .map(|f_r| (scale * f_r) as f32),
                     None => [0.0; 3],
                 })
                 .collect::<Vec<_>>()
@@ -93,7 +105,7 @@ impl Bounces {
     pub fn gathered(&self, texel: usize, light: usize, shares: &[[f32; 3]], nth: usize) -> [f32; 3] {
         let mut sum = [0.0f32; 3];
         for sample in 0..self.samples {
-            let arriving = self.arriving[(texel * self.samples + sample) * self.lights + light];
+            let arriving = rgb9e5::decode(self.arriving[(texel * self.samples + sample) * self.lights + light]);
             let share = shares[nth * self.samples + sample];
             (0..3).for_each(|k| sum[k] += share[k] * arriving[k]);
         }

@@ -91,9 +91,9 @@ mod tests {
             Appearance { sources: vec![parse_synth("synth:lambert?kd=0.6").unwrap()], ..Default::default() };
         let directions = [from_polar(0.7, 0.5), from_polar(0.3, 2.0)];
         let texels = model.texels(64);
-        let mask = visible(&texels, &model.caster, directions[0]);
-        let computed =
-            ComputedField::new(&model.mesh, &texels, &model.caster, &appearance, &directions, &directions, 0);
+        let [mask, lit] = directions.map(|direction| visible(&texels, &model.caster, direction));
+        let both = [mask.clone(), lit];
+        let computed = ComputedField::new(&texels, &appearance, &directions, &directions, &both);
         let Ok(truth) = FlatView::new(&computed, 0, &mask, Holes::PushPull).unwrap().image(1);
         let images = Rendered { model: &model, appearance: &appearance, directions: &directions, size: 256 };
         let error = |views: [Vector; 2]| {

@@ -45,12 +45,17 @@ impl MesoModel {
     /// What an eye far away in direction `view` sees behind the point `(x, y)` of the reference plane.
     ///
     /// # Panics
-    /// If the surface has a hole: [`PeriodicMesh`] has none.
+    /// If the surface has a hole, or the view is steeper than [`super::caster::STEEPEST_DEGREES`] over a taller relief
+    /// than [`super::weld::TALLEST`]: a [`PeriodicMesh`] that was checked has neither.
     pub fn seen(&self, at: [f64; 2], view: Vector) -> Seen {
         let at = [at[0], at[1], 0.0];
-        // A line through the seam of triangles that rounding pulls apart: a hair to the side they meet.
-        let nudged = |k: usize| [at[0] + 1e-7 * k as f64, at[1] + 0.7e-7 * k as f64, 0.0];
-        let hit = (0..8).find_map(|k| self.caster.seen(nudged(k), view)).expect("a periodic surface has no holes");
+        // A line through the seam of triangles that rounding pulls apart: a hair to the side they meet. Hairs grow, since
+        // seams of large triangles are wider.
+        let nudged = |k: i32| {
+            let hair = if k == 0 { 0.0 } else { 1e-7 * 2f64.powi(k - 1) };
+            [at[0] + hair, at[1] + 0.7 * hair, 0.0]
+        };
+        let hit = (0..16).find_map(|k| self.caster.seen(nudged(k), view)).expect("a periodic surface has no holes");
         Seen { parameters: self.parameters(&hit), hit }
     }
 

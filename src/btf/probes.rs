@@ -172,7 +172,7 @@ impl Probe {
 /// What the surface shows behind a point of the reference plane: direct light with cast shadows.
 pub fn shown(model: &MesoModel, appearance: &Appearance, at: [f64; 2], view: Vector, light: Vector) -> [f32; 3] {
     let point = model.point(&model.seen(at, view).hit);
-    if dot(point.normal, light) > 0.0 && model.caster.sees_sky(point.position, point.geometric_normal, light) {
+    if dot(point.normal, light) > 0.0 && model.caster.sees_sky(&point, light) {
         appearance.relative_radiance(&point, view, light)
     } else {
         [0.0; 3]

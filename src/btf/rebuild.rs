@@ -33,7 +33,7 @@ impl ViewImage {
 
     /// The image under one light as the surface shows it: means over the rays of a texel.
     pub fn direct(&self, model: &MesoModel, appearance: &Appearance, light: Vector) -> Vec<[f32; 3]> {
-        let value = |point: &SurfacePoint| match model.caster.sees_sky(point.position, point.geometric_normal, light) {
+        let value = |point: &SurfacePoint| match model.caster.sees_sky(point, light) {
             true => appearance.relative_radiance(point, self.view, light),
             false => [0.0; 3],
         };
@@ -91,7 +91,8 @@ mod tests {
         let reference = seen.direct(&model, &appearance, lights[0]);
         let error = |texels: usize, turned: f64| {
             let map = model.texels(texels);
-            let field = ComputedField::new(&model.mesh, &map, &model.caster, &appearance, &views, &lights, 0);
+            let lit = [visible(&map, &model.caster, lights[0])];
+            let field = ComputedField::new(&map, &appearance, &views, &lights, &lit);
             let mask = visible(&map, &model.caster, views[0]);
             let Ok(flat) = FlatView::new(&field, 0, &mask, Holes::PushPull).unwrap().image(0);
             let seen = ViewImage::new(&model, from_polar(0.8, 0.6 + turned), 48, 1);

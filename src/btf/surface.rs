@@ -1,11 +1,11 @@
 //! Points of a surface, and what they are made of.
 
-use super::caster::{Hit, geometric_normal};
+use super::caster::{Hit, LIFT, geometric_normal};
 use super::mesh::{PeriodicMesh, VertexMaterial};
 use super::tile_image::TileImage;
 use crate::source::{Source, Tally};
 use brdfc_formats::direction::DirectionPair;
-use brdfc_formats::direction::{Vector, dot, normalize, rotate_to_normal};
+use brdfc_formats::direction::{Vector, add_scaled, dot, normalize, rotate_to_normal};
 use std::f64::consts::PI;
 
 /// A point of the surface.
@@ -43,6 +43,18 @@ impl SurfacePoint {
             normal: normalize(mean(vertices.map(|vertex| mesh.normals[vertex]))),
             geometric_normal: geometric_normal(corners),
             material,
+        }
+    }
+
+    /// Where rays start that leave the surface here: [`LIFT`] above its triangle, along the shading normal. At the bottom
+    /// of a crease the normal of one side leads behind the other. Only where the shading normal hardly rises above the
+    /// triangle it is the triangle's own.
+    pub fn lifted(&self) -> Vector {
+        let rise = dot(self.normal, self.geometric_normal);
+        if rise > 0.1 {
+            add_scaled(self.position, LIFT / rise, self.normal)
+        } else {
+            add_scaled(self.position, LIFT, self.geometric_normal)
         }
     }
 

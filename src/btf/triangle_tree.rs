@@ -247,11 +247,12 @@ impl Node {
 }
 
 impl Leaf {
-    /// The first four of `held`: leaves hold no more.
+    /// Of up to four triangles.
     fn new(held: &[u32], corners: &[[Vec3A; 3]]) -> Self {
         // Edges of no length are never met.
+        assert!(held.len() <= 4, "a leaf of {} triangles", held.len());
         let mut leaf = Self { corner: [Vec4::ZERO; 3], edges: [[Vec4::ZERO; 3]; 2], triangles: [u32::MAX; 4] };
-        for (lane, triangle) in held.iter().enumerate().take(4) {
+        for (lane, triangle) in held.iter().enumerate() {
             let [a, b, c] = corners[*triangle as usize];
             leaf.triangles[lane] = *triangle;
             for axis in 0..3 {

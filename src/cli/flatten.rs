@@ -171,6 +171,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         let names = materials.iter().map(|material| without_folder(material)).collect();
         (geometry, names, Values::Computed(appearance))
     };
+    recipe.check().map_err(|error| CliError::Usage(error.to_string()))?;
     std::fs::create_dir_all(&arguments.out).map_err(|error| CliError::write(&arguments.out, &error))?;
     let cancelled = watch_for_interrupts()?;
     let steps = Steps::new(common, &cancelled);

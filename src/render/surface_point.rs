@@ -1,6 +1,6 @@
 //! The point that a ray hits, with its local frame.
 
-use super::scene::Part;
+use super::scene::{HeightMap, Mesh, Part};
 use super::trace::Hit;
 use super::vector::{add_scaled, cross, double, subtract};
 use brdfc_formats::direction::{Vector, dot, normalize};
@@ -33,7 +33,15 @@ pub struct SurfacePoint {
 impl SurfacePoint {
     /// The point of a hit, seen from `eye`.
     pub fn new(part: &Part, hit: &Hit, eye: Vector) -> Self {
-        let mesh = &part.mesh;
+        Self::bumped(&part.mesh, part.surface.bump.as_ref(), hit, eye)
+    }
+
+    /// The same without the bump map of the part.
+    pub fn without_bump(part: &Part, hit: &Hit, eye: Vector) -> Self {
+        Self::bumped(&part.mesh, None, hit, eye)
+    }
+
+    fn bumped(mesh: &Mesh, bump: Option<&HeightMap>, hit: &Hit, eye: Vector) -> Self {
         let corners = mesh.triangles[hit.triangle as usize].map(|corner| mesh.vertices[corner as usize]);
         let [u, v] = hit.barycentric.map(f64::from);
         let weights = [1.0 - u - v, u, v];
@@ -52,7 +60,7 @@ impl SurfacePoint {
         }
         let uv = [0, 1].map(|k| (0..3).map(|corner| weights[corner] * f64::from(corners[corner].uv[k])).sum());
         let along = mean(corners.map(|corner| double(corner.tangent)));
-        if let Some(bump) = &part.surface.bump {
+        if let Some(bump) = bump {
             let tangent = orthonormal(along, normal);
             let bitangent = cross(normal, tangent);
             let [du, dv] = bump.gradient(uv);

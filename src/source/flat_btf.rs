@@ -6,11 +6,14 @@ use brdfc_formats::pack::flat_btf::{
     DiffuseMap, FlatBtfParts, FlatView, IndirectionMap, NormalMap, ReferenceMap, view_part,
 };
 use rayon::prelude::*;
-use std::collections::BTreeSet;
+use serde::Deserialize;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// What the name of every part's file ends with.
 const EXTENSION: &str = ".ktx2";
+/// What the name of the list of parts ends with.
+const LIST: &str = ".json";
 /// Parts that every asset has, of those that are drawn.
 const PARTS: [&str; 4] = ["reference", "indirection", "normal", "diffuse"];
 /// Parts that are not drawn.
@@ -22,44 +25,126 @@ const MAX_ENTRIES: usize = 1 << 16;
 /// Most missing files that an error lists.
 const MOST_LISTED: usize = 6;
 
+/// The list of an asset's parts, `NAME.json`: what of it says which files belong together.
+#[derive(Debug, Deserialize)]
+struct Listing {
+    parts: BTreeMap<String, Listed>,
+}
+
+/// A file of an asset.
+#[derive(Debug, Deserialize)]
+struct Listed {
+    file: String,
+    bytes: u64,
+    blake3: String,
+}
+
 /// Reads a flat BTF: from the only asset of a folder, or from the files beside `NAME.json`.
 ///
-/// With `views` the large files of the full form are read, too; without, [`FlatBtfParts::views`] is empty.
+/// With `views` the large files of the full form are read, too; without, [`FlatBtfParts::views`] is empty. Files are held
+/// against the list of parts, so that no part of another asset passes for one of this.
 ///
 /// # Errors
-/// Folders without a flat BTF or with several, files that are missing, cannot be read or do not follow their layout.
-/// Whether the parts belong together is for `FlatBtfDecoder::new`.
+/// Folders without a flat BTF or with several, a missing or damaged list, files that are missing, cannot be read, are not
+/// those of the list or do not follow their layout. Whether sizes fit together is for `FlatBtfDecoder::new`.
 pub fn open_flat_btf(path: &Path, views: bool) -> Result<FlatBtfParts, InputError> {
-    let (folder, name) = asset(path)?;
-    let file = |part: &str| folder.join(format!("{name}.{part}{EXTENSION}"));
-    let first_view = [view_part(0, 1), view_part(0, 1000)].into_iter().find(|part| file(part).is_file());
-    let mut missing: Vec<String> =
-        PARTS.iter().filter(|part| !file(part).is_file()).map(|part| part.to_string()).collect();
-    if views && first_view.is_none() {
-        missing.push(view_part(0, 1));
+    let asset = Asset::open(path)?;
+    let mut names: Vec<String> = PARTS.map(str::to_owned).to_vec();
+    let count = asset.listing.parts.keys().filter(|part| is_view(part)).count() as u32;
+    if views {
+        names.extend((0..count.max(1)).map(|view| view_part(view, count)));
     }
-    check_missing(&folder, &name, &missing)?;
+    asset.check_listed(&names)?;
     let mut parts = FlatBtfParts {
-        reference: read(&file("reference"), ReferenceMap::from_bytes)?,
-        indirection: read(&file("indirection"), IndirectionMap::from_bytes)?,
-        normal: read(&file("normal"), NormalMap::from_bytes)?,
-        diffuse: read(&file("diffuse"), DiffuseMap::from_bytes)?,
+        reference: asset.part("reference", ReferenceMap::from_bytes)?,
+        indirection: asset.part("indirection", IndirectionMap::from_bytes)?,
+        normal: asset.part("normal", NormalMap::from_bytes)?,
+        diffuse: asset.part("diffuse", DiffuseMap::from_bytes)?,
         views: Vec::new(),
     };
-    if let Some(first) = first_view.filter(|_| views) {
-        let first = read(&file(&first), FlatView::from_bytes)?;
-        let count = first.header().views.len() as u32;
-        let others: Vec<String> = (1..count).map(|view| view_part(view, count)).collect();
-        let missing: Vec<String> = others.iter().filter(|part| !file(part).is_file()).cloned().collect();
-        check_missing(&folder, &name, &missing)?;
-        let others: Vec<Result<FlatView, InputError>> =
-            others.par_iter().map(|part| read(&file(part), FlatView::from_bytes)).collect();
-        parts.views.push(first);
-        for view in others {
-            parts.views.push(view?);
-        }
+    if views {
+        let views: Vec<Result<FlatView, InputError>> =
+            names[PARTS.len()..].par_iter().map(|part| asset.part(part, FlatView::from_bytes)).collect();
+        parts.views = views.into_iter().collect::<Result<_, _>>()?;
     }
     Ok(parts)
+}
+
+/// Holds every file of an asset against its list of parts.
+///
+/// # Errors
+/// As [`open_flat_btf`], but layouts are not looked at.
+pub fn check_flat_btf(path: &Path) -> Result<(), InputError> {
+    let asset = Asset::open(path)?;
+    let names: Vec<String> = asset.listing.parts.keys().cloned().collect();
+    asset.check_listed(&names)?;
+    let checked: Vec<Result<(), InputError>> = names.par_iter().map(|part| asset.part(part, |_| Ok(()))).collect();
+    checked.into_iter().collect()
+}
+
+struct Asset {
+    folder: PathBuf,
+    name: String,
+    listing: Listing,
+}
+
+impl Asset {
+    fn open(path: &Path) -> Result<Self, InputError> {
+        let (folder, name) = asset(path)?;
+        let file = folder.join(format!("{name}{LIST}"));
+        if !file.is_file() {
+            let found = format!("no {name}{LIST}");
+            return Err(format_error(&folder, FormatError::whole("flat BTF", found, "a finished asset")));
+        }
+        let wrong = |error: serde_json::Error| {
+            format_error(&file, FormatError::whole("list of parts", error.to_string(), "what 'brdfc flatten' wrote"))
+        };
+        let (opened, length) = open_path(&file)?;
+        let listing = serde_json::from_slice(&read_all(&file, opened, length)?).map_err(wrong)?;
+        Ok(Self { folder, name, listing })
+    }
+
+    fn file(&self, part: &str) -> String {
+        format!("{}.{part}{EXTENSION}", self.name)
+    }
+
+    /// That parts are in the list, under their names, and that their files are there.
+    fn check_listed(&self, parts: &[String]) -> Result<(), InputError> {
+        let is_there = |part: &&String| {
+            self.listing.parts.get(*part).is_some_and(|listed| listed.file == self.file(part))
+                && self.folder.join(self.file(part)).is_file()
+        };
+        let missing: Vec<String> = parts.iter().filter(|part| !is_there(part)).map(|part| self.file(part)).collect();
+        if missing.is_empty() {
+            return Ok(());
+        }
+        let more = match missing.len().saturating_sub(MOST_LISTED) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        let found = format!("no {}{more}", missing[..missing.len().min(MOST_LISTED)].join(", "));
+        Err(format_error(&self.folder, FormatError::whole("flat BTF", found, "all of its files")))
+    }
+
+    /// Reads a part that is in the list.
+    fn part<T>(&self, part: &str, parse: impl Fn(&[u8]) -> Result<T, FormatError>) -> Result<T, InputError> {
+        let path = self.folder.join(self.file(part));
+        let listed = &self.listing.parts[part];
+        let (file, length) = open_path(&path)?;
+        let bytes = read_all(&path, file, length)?;
+        let other = |found: String, allowed: String| {
+            Err(format_error(&path, FormatError::whole("part of a flat BTF", found, allowed)))
+        };
+        if bytes.len() as u64 != listed.bytes {
+            let allowed = format!("{}, as {}{LIST} says", listed.bytes, self.name);
+            return other(format!("{} bytes", bytes.len()), allowed);
+        }
+        if blake3::hash(&bytes).to_hex().as_str() != listed.blake3 {
+            let allowed = format!("those that {}{LIST} lists", self.name);
+            return other("other bytes than were written, or a part of another asset".to_owned(), allowed);
+        }
+        parse(&bytes).map_err(|error| format_error(&path, error))
+    }
 }
 
 /// The text of the asset's list of parts, `NAME.json`, where there is one.
@@ -122,27 +207,17 @@ fn name_and_part(file: &str) -> Option<(&str, &str)> {
     if PARTS.contains(&part) || OTHER_PARTS.contains(&part) {
         return Some((name, part));
     }
-    let is_number = part.len() >= 3 && part.bytes().all(|digit| digit.is_ascii_digit());
-    name.strip_suffix(VIEW)?.strip_suffix('.').filter(|_| is_number).map(|name| (name, VIEW))
+    let name = name.strip_suffix(VIEW)?.strip_suffix('.').filter(|_| is_number(part));
+    name.map(|name| (name, VIEW))
 }
 
-fn check_missing(folder: &Path, name: &str, missing: &[String]) -> Result<(), InputError> {
-    if missing.is_empty() {
-        return Ok(());
-    }
-    let listed: Vec<String> =
-        missing.iter().take(MOST_LISTED).map(|part| format!("{name}.{part}{EXTENSION}")).collect();
-    let more = match missing.len() - listed.len() {
-        0 => String::new(),
-        more => format!(" and {more} more"),
-    };
-    let found = format!("no {}{more}", listed.join(", "));
-    Err(format_error(folder, FormatError::whole("flat BTF", found, "all of its files")))
+/// Whether a part is a view: [`VIEW`], a point, and its number.
+fn is_view(part: &str) -> bool {
+    part.split_once('.').is_some_and(|(view, number)| view == VIEW && is_number(number))
 }
 
-fn read<T>(path: &Path, parse: fn(&[u8]) -> Result<T, FormatError>) -> Result<T, InputError> {
-    let (file, length) = open_path(path)?;
-    parse(&read_all(path, file, length)?).map_err(|error| format_error(path, error))
+fn is_number(text: &str) -> bool {
+    text.len() >= 3 && text.bytes().all(|digit| digit.is_ascii_digit())
 }
 
 fn format_error(path: &Path, error: FormatError) -> InputError {

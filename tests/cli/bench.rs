@@ -47,16 +47,22 @@ fn the_study_of_flat_btfs_has_the_papers_tables() {
     let folder = Folder::new();
     let small = ["--texels", "16", "--flat-texels", "64", "--directions", "grid:3x6@70"];
     let both = ["bench", "--study", "flat-btf", "synth:folds?resolution=48", "synth:sponge?resolution=48"];
-    let report = folder.run(&[&both[..], &small, &["--json"]].concat()).succeeded().json();
+    let others = ["synth:button?resolution=48", "synth:knit?resolution=48"];
+    let report = folder.run(&[&both[..], &others, &small, &["--json"]].concat()).succeeded().json();
     conforms("bench", &report);
-    for row in report["rows"].as_array().unwrap() {
+    let rows = report["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 4);
+    for row in rows {
         let number = |value: &serde_json::Value| value.as_f64().unwrap();
         let variance = |kind: &str| number(&row["coherency"][kind]["mean"]);
         assert!(variance("visible") <= variance("poisson") && variance("poisson") < variance("push_pull"), "{row}");
         assert!(variance("btf") > 1.8 * variance("push_pull") && variance("btf") > 3.0 * variance("visible"), "{row}");
         // At so few texels; the paper's own are 3 and more.
         assert!((0.1..4.5).contains(&number(&row["reconstruction"]["mean"])), "{row}");
-        assert_eq!(row["grids"].as_array().unwrap().len(), 2);
+        // 16 x 16 views against 8 x 32.
+        let [coarse, fine] = row["grids"].as_array().unwrap().as_slice() else { panic!("{row}") };
+        assert_eq!([&coarse["zenith_samples"], &fine["zenith_samples"]], [8, 16]);
+        assert!(number(&fine["mean"]) < number(&coarse["mean"]), "{row}");
     }
     let text = folder.run(&[&both[..4], &["synth:knit?resolution=32&height=0"], &small].concat()).succeeded().stdout;
     for words in ["Table 1", "Table 2", "Table 3", "Figure 10", "Isba", "16 x 16", "knit"] {

@@ -31,7 +31,8 @@ pub fn parts(
 ) -> FlatBtfParts {
     let map = model.texels(texels);
     let [towards, from] = [views.directions(), lights.directions()];
-    let field = ComputedField::new(&model.mesh, &map, &model.caster, appearance, &towards, &from, 0);
+    let lit: Vec<Vec<bool>> = from.iter().map(|from| visible(&map, &model.caster, *from)).collect();
+    let field = ComputedField::new(&map, appearance, &towards, &from, &lit);
     let [view_angles, light_angles] = [views, lights].map(angles);
     // Least squares of diffuse colours: sums of value x cosine and of cosine² over what is seen and lit.
     let mut sums = vec![([0.0f64; 3], 0.0f64); texels * texels];
@@ -43,7 +44,7 @@ pub fn parts(
         for (light, from) in from.iter().enumerate() {
             let image = flat.image(light).unwrap();
             packed.extend(image.iter().map(|value| rgb9e5::encode(*value)));
-            add(&mut sums, &image, &mask, field.lit(light), |texel| dot(map.points[texel].normal, *from));
+            add(&mut sums, &image, &mask, &lit[light], |texel| dot(map.points[texel].normal, *from));
         }
         let (views, lights) = (view_angles.clone(), light_angles.clone());
         let header = FlatHeader { size: texels as u32, view: view as u32, views, lights };
@@ -51,7 +52,7 @@ pub fn parts(
     }
     let colour = |([r, g, b], weight): &([f64; 3], f64)| [r, g, b].map(|c| (c / weight.max(1e-9)) as f32);
     let colours: Vec<[f32; 3]> = sums.iter().map(colour).collect();
-    let found = indirection(model, header, 2, &|| ());
+    let found = indirection(model, header, 2, &|| true).unwrap();
     let [zeniths, azimuths, size] = [header.zenith_samples, header.azimuth_samples, header.size].map(|n| n as usize);
     let displacement = |[i, j]: [u32; 2], k: u32, a: u32| {
         let row = (j as usize * azimuths + a as usize % azimuths) * size + i as usize;

@@ -149,6 +149,28 @@ pub enum MesoError {
     /// More materials than a surface blends.
     #[error("materials: found {}: {}; allowed at most 4", .0.len(), .0.join(", "))]
     Materials(Vec<String>),
+    /// A surface that rises or falls too far.
+    #[error("heights: found {} to {} tiles; allowed {} tiles above and below the reference plane at most", .0[0], .0[1], super::TALLEST)]
+    Tall([f64; 2]),
+    /// A triangle that reaches over too many tiles.
+    #[error(
+        "triangle {triangle}: found that it reaches over {found:.0} tiles; allowed {} along each axis",
+        super::WIDEST
+    )]
+    Wide {
+        /// Which.
+        triangle: usize,
+        /// Its larger extent along x and y, in tiles.
+        found: f64,
+    },
+    /// Triangles that reach over many tiles each.
+    #[error("triangles: found that they reach over {found} tiles together; allowed {allowed}")]
+    Spread {
+        /// Sum over all triangles.
+        found: u64,
+        /// Largest sum.
+        allowed: u64,
+    },
     /// A height map of a size that cannot be joined, or with heights that are no numbers.
     #[error("heights: found {found}; allowed {allowed}")]
     Heights {

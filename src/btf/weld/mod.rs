@@ -18,6 +18,13 @@ use topology::EdgeError;
 /// Farthest coordinate along any axis, in tiles.
 const MAX_TILES: f64 = 1e6;
 
+/// Farthest that a surface rises above or falls below the reference plane, in tiles.
+pub const TALLEST: f64 = 16.0;
+/// Farthest that a triangle reaches along x or y, in tiles.
+pub const WIDEST: f64 = 64.0;
+/// Tiles that triangles may reach over, together: some for each triangle, and as many for all.
+const MOST_SPREAD: [u64; 2] = [16, 1 << 20];
+
 /// What a mesh had, and what was mended.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct WeldReport {
@@ -61,7 +68,34 @@ pub fn weld(mesh: &TriangleMesh, tile: f64) -> Result<(PeriodicMesh, WeldReport)
     let mut welder = Welder::new(mesh, tile)?;
     welder.close()?;
     welder.mend_slivers()?;
+    check_extent(&welder.surface).map_err(|error| match error {
+        MesoError::Wide { triangle, found } => MesoError::Wide { triangle: welder.triangles[triangle] as usize, found },
+        other => other,
+    })?;
     Ok(welder.finish())
+}
+
+/// Whether rays against the repeated surface take reasonable time and memory, and single precision is enough for them.
+fn check_extent(surface: &PeriodicMesh) -> Result<(), MesoError> {
+    let heights = surface.height_range();
+    if heights.iter().any(|z| z.abs() > TALLEST) {
+        return Err(MesoError::Tall(heights));
+    }
+    let mut spread = 0;
+    for triangle in 0..surface.triangles.len() {
+        let corners = surface.corners(triangle);
+        let extent = |axis: usize| {
+            let c = corners.map(|corner| corner[axis]);
+            c[0].max(c[1]).max(c[2]) - c[0].min(c[1]).min(c[2])
+        };
+        let [x, y] = [extent(0), extent(1)];
+        if x.max(y) > WIDEST {
+            return Err(MesoError::Wide { triangle, found: x.max(y) });
+        }
+        spread += (x as u64 + 1) * (y as u64 + 1);
+    }
+    let allowed = MOST_SPREAD[0] * surface.triangles.len() as u64 + MOST_SPREAD[1];
+    if spread > allowed { Err(MesoError::Spread { found: spread, allowed }) } else { Ok(()) }
 }
 
 struct Welder<'a> {
@@ -303,7 +337,9 @@ pub fn from_heights(
         }
     }
     let materials = vec![VertexMaterial::default(); points.len()];
-    Ok(PeriodicMesh::from_grid(width, height, points, materials))
+    let surface = PeriodicMesh::from_grid(width, height, points, materials);
+    check_extent(&surface)?;
+    Ok(surface)
 }
 
 #[cfg(test)]

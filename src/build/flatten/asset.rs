@@ -37,6 +37,8 @@ pub struct PartFile {
     pub bytes: u64,
     /// Bytes of its texels on a GPU.
     pub gpu_bytes: u64,
+    /// BLAKE3 hash of its bytes, hexadecimal: a part of another asset is not taken for this one.
+    pub blake3: String,
 }
 
 /// What was measured of an asset.

@@ -50,7 +50,7 @@ pub fn draw_on_cpu(scene: &Scene, frame: Frame, material: &FlatMaterial, form: F
     let hits = trace(scene, frame).0;
     sampled(scene, frame, |pixel, sample| {
         let hit = hits[pixel * frame.samples_per_pixel() + sample].as_ref()?;
-        let point = SurfacePoint::new(&scene.parts[hit.part as usize], hit, scene.camera.eye);
+        let point = SurfacePoint::without_bump(&scene.parts[hit.part as usize], hit, scene.camera.eye);
         Some(reflected(scene, &point, material, form))
     })
 }

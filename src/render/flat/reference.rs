@@ -89,7 +89,7 @@ pub fn reference_plane(
             let to_light = subtract(*position, point.position);
             let squared = dot(to_light, to_light);
             let light = to_light.map(|c| c / squared.sqrt());
-            if model.caster.sees_sky(point.position, point.geometric_normal, light) {
+            if model.caster.sees_sky(&point, light) {
                 let value = appearance.relative_radiance(&point, view, light);
                 let scale = 1.0 / (PI * squared * tiling.side * tiling.side);
                 (0..3).for_each(|k| radiance[k] += f64::from(value[k]) * intensity[k] * scale);

@@ -35,7 +35,11 @@ pub struct FlatHeader {
 }
 
 impl FlatHeader {
-    fn check(&self) -> Result<(), FormatError> {
+    /// Whether everything is in range.
+    ///
+    /// # Errors
+    /// Too many directions, or such that are out of range; a view that is none of them.
+    pub fn check(&self) -> Result<(), FormatError> {
         for (key, directions) in [(VIEWS, &self.views), (LIGHTS, &self.lights)] {
             if !(1..=MAX_DIRECTIONS as usize).contains(&directions.len()) {
                 let found = format!("{} directions", directions.len());

@@ -67,7 +67,7 @@ pub fn grid_errors(model: &MesoModel) -> Vec<GridRow> {
 }
 
 fn decoder(model: &MesoModel, header: IndirectionHeader) -> FlatBtfDecoder {
-    let found = indirection(model, header, 2, &|| ());
+    let found = indirection(model, header, 2, &|| true).expect("nobody stops it");
     let mut displacements = found.displacements.into_iter();
     let map = IndirectionMap::from_displacements(header, |_, _, _| displacements.next().expect("one for each view"));
     let parts = FlatBtfParts {

@@ -97,7 +97,7 @@ pub fn study_model(
     let model = MesoModel::new(structure.mesh(), settings.rounds)?;
     let texels = model.texels(settings.flat_texels);
     let masks: Vec<Vec<bool>> = directions.iter().map(|view| visible(&texels, &model.caster, *view)).collect();
-    let field = ComputedField::new(&model.mesh, &texels, &model.caster, &appearance, directions, directions, 0);
+    let field = ComputedField::new(&texels, &appearance, directions, directions, &masks);
     let Ok(guide) = Guide::new(&field, &masks, &from_above(directions), directions.len());
 
     let plane = settings.texels * settings.texels;
@@ -141,7 +141,8 @@ pub fn study_model(
     let count = directions.len();
     let apparent: ApparentSizes = summary(&flat_apparent.sizes(count), &btf_apparent.sizes(count), chosen);
     let name = structure.info().name;
-    let (_, paper_model, paper) = PAPER.into_iter().find(|(ours, ..)| *ours == name).unwrap_or(PAPER[0]);
+    let (_, paper_model, paper) =
+        PAPER.into_iter().find(|(ours, ..)| *ours == name).expect("every structure is in the table");
     Ok(ModelRow {
         model: structure.canonical(),
         paper_model,
