@@ -11,14 +11,14 @@ use crate::source::address::SYNTH_PREFIX;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// The paper's setting.
-const TEXELS: usize = 256;
+/// Of the plane; the flat BTF has twice as many per side, the paper's 256.
+const TEXELS: usize = 128;
 /// Remarks come at least this far apart.
 const BETWEEN_REMARKS: Duration = Duration::from_secs(5);
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, CliError> {
     let texels = arguments.texels.unwrap_or(TEXELS);
-    let flat_texels = arguments.flat_texels.unwrap_or(texels.next_power_of_two());
+    let flat_texels = arguments.flat_texels.unwrap_or(2 * texels.next_power_of_two());
     for (option, value) in [("texels", texels), ("flat-texels", flat_texels)] {
         if !(8..=1024).contains(&value) {
             return Err(CliError::Usage(format!("--{option}: found {value}; allowed 8 to 1024")));

@@ -40,7 +40,7 @@ pub struct Arguments {
     /// Texels of the reference plane per side, for flat-btf (default 256, as in the paper) and rays (default 64).
     #[arg(long, value_name = "N")]
     texels: Option<usize>,
-    /// Texels of flat BTFs per side for flat-btf, a power of two (default: the one from --texels on).
+    /// Texels of flat BTFs per side for flat-btf, a power of two (default: twice those of the plane).
     #[arg(long, value_name = "N")]
     flat_texels: Option<usize>,
     /// Views and lights of flat-btf, as for 'brdfc flatten --views'.
