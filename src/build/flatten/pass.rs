@@ -69,7 +69,7 @@ impl Pass<'_> {
             for (view, (pack, bytes)) in batch.iter().zip(made) {
                 let value = |light: usize, texel: usize| rgb9e5::decode(pack.light(light as u32)[texel]);
                 let lit = |light: usize, texel: usize| self.lit[light][texel];
-                fit.add_view(self.texels, &self.masks[*view], self.lights, &lit, value);
+                fit.add_view(self.texels, &self.masks[*view], self.lights, lit, value);
                 if let Some(bytes) = bytes {
                     probes.iter_mut().for_each(|probes| probes.add_view(&pack));
                     parts.add(&view_part(*view as u32, count), &bytes, 4 * pack.texels().len() as u64)?;

@@ -37,7 +37,7 @@ pub struct Arguments {
     /// Write the frames of level-of-detail into this folder, or the mesh and the rays of rays.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Texels of the reference plane per side, for flat-btf (default 256, as in the paper) and rays (default 64).
+    /// Texels of the reference plane per side, for flat-btf (default 128) and rays (default 64).
     #[arg(long, value_name = "N")]
     texels: Option<usize>,
     /// Texels of flat BTFs per side for flat-btf, a power of two (default: twice those of the plane).
