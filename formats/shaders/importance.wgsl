@@ -39,7 +39,7 @@ fn importance_sample(outgoing: vec3<f32>, index: u32) -> ImportanceSample {
     }
     let projection = outgoing.x * half_vector.x + outgoing.y * half_vector.y + outgoing.z * half_vector.z;
     let incoming = 2.0 * projection * half_vector - outgoing;
-    if projection <= 0.0 || incoming.z <= 0.0 || outgoing.z <= 0.0 {
+    if incoming.z <= 0.0 || outgoing.z <= 0.0 {
         return ImportanceSample(incoming, 0.0);
     }
     return ImportanceSample(incoming, 4.0 * projection / texel.w);

@@ -217,7 +217,8 @@ impl ImportancePack {
         let projection = x * half[0] + y * half[1] + z * half[2];
         let double = 2.0 * projection;
         let incoming = [double * half[0] - x, double * half[1] - y, double * half[2] - z];
-        if projection <= 0.0 || incoming[2] <= 0.0 || z <= 0.0 {
+        // A half vector seen from behind has its incoming direction below the horizon.
+        if incoming[2] <= 0.0 || z <= 0.0 {
             return (incoming, 0.0);
         }
         (incoming, 4.0 * projection / density)
