@@ -4,6 +4,7 @@
 
 use brdfc::brdf::encode::{Recipe, Target, encode};
 use brdfc::brdf::haar;
+use brdfc::brdf::importance::{ImportanceRecipe, importance_samples};
 use brdfc::brdf::log_encode::{DEFAULT_BIAS, LogEncoding, log_encode};
 use brdfc::brdf::measure::grid_error;
 use brdfc::brdf::quantise::quantise;
@@ -76,6 +77,20 @@ fn resampling(criterion: &mut Criterion) {
         let (_, tally) = resample(source, grid);
         group.throughput(Throughput::Elements(tally.evaluations));
         group.bench_function(name, |b| b.iter(|| resample(black_box(source), grid)));
+    }
+}
+
+fn importance(criterion: &mut Criterion) {
+    let table = Merl::from_bytes(&merl_bytes()).expect("our own file");
+    let (mirror, lopsided, ward) = (MerlSource::new(table.clone()), lopsided(table), model("ward"));
+    let recipe = ImportanceRecipe::default();
+    let mut group = criterion.benchmark_group("importance samples");
+    for (name, source) in [
+        ("merl, mirror symmetric", &mirror as &dyn Source),
+        ("merl, not mirror symmetric", &lopsided),
+        ("anisotropic model", ward.as_ref()),
+    ] {
+        group.bench_function(name, |b| b.iter(|| importance_samples(black_box(source), &recipe)));
     }
 }
 
@@ -174,6 +189,6 @@ fn short() -> Criterion {
 criterion_group! {
     name = benches;
     config = short();
-    targets = read, resampling, encoding, decoding, measuring, packing
+    targets = read, resampling, importance, encoding, decoding, measuring, packing
 }
 criterion_main!(benches);

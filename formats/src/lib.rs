@@ -6,6 +6,7 @@
 //! from the surface (`incoming` to the light, `outgoing` to the viewer); values are `f_r` in 1/sr, linear RGB with
 //! Rec. 709 primaries.
 
+pub mod bandwidth_propagation;
 pub mod colour;
 pub mod cursor;
 pub mod direction;

@@ -5,6 +5,7 @@
 pub mod encode;
 pub mod fold;
 pub mod haar;
+pub mod importance;
 pub mod log_encode;
 pub mod measure;
 pub mod quantise;

@@ -5,8 +5,9 @@ use super::{CliError, flatten};
 use crate::build::flatten::AssetFile;
 use crate::report::table::{bytes, percent};
 use crate::source::Symmetry;
+use crate::source::address::is_synth;
 use crate::source::flat_btf::{asset_json, asset_of_part};
-use crate::source::open::{Facts, StoredErrors, open};
+use crate::source::open::{Facts, StoredErrors, importance_facts, open};
 use clap::Args;
 use serde::Serialize;
 use std::path::Path;
@@ -34,28 +35,40 @@ pub struct Report {
     /// What it is.
     #[serde(flatten)]
     facts: Facts,
-    /// Symmetries that hold exactly and save work.
-    symmetry: Symmetry,
-    /// Whether one channel is enough.
-    grey: bool,
+    /// Symmetries that hold exactly and save work. Not of importance samples.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    symmetry: Option<Symmetry>,
+    /// Whether one channel is enough. Not of importance samples.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    grey: Option<bool>,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     if let Some(list) = flat_btf(&arguments.input) {
         return flat_btf_facts(&list?, arguments);
     }
-    let opened = open(&arguments.input, None)?;
-    let (symmetry, grey) = (opened.source.symmetry(), opened.source.is_grey());
+    let report = report(&arguments.input)?;
     if arguments.json {
-        return print_json(&Report { version: 1, facts: opened.facts, symmetry, grey });
+        return print_json(&report);
     }
-    let mut lines = facts_in_words(&opened.facts);
-    if !matches!(opened.facts, Facts::WaveletPack { .. }) {
-        lines.push(("symmetry", symmetry_in_words(symmetry)));
-        lines.push(("colour", if grey { "grey (one channel)" } else { "RGB" }.to_owned()));
+    let mut lines = facts_in_words(&report.facts);
+    if !matches!(report.facts, Facts::WaveletPack { .. }) {
+        lines.extend(report.symmetry.map(|symmetry| ("symmetry", symmetry_in_words(symmetry))));
+        lines.extend(report.grey.map(|grey| ("colour", if grey { "grey (one channel)" } else { "RGB" }.to_owned())));
     }
     let width = lines.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
     print(&lines.iter().map(|(name, value)| format!("{name:width$}  {}\n", printable(value))).collect::<String>())
+}
+
+fn report(input: &str) -> Result<Report, CliError> {
+    if !is_synth(input)
+        && let Some(facts) = importance_facts(Path::new(input))?
+    {
+        return Ok(Report { version: 1, facts, symmetry: None, grey: None });
+    }
+    let opened = open(input, None)?;
+    let (symmetry, grey) = (Some(opened.source.symmetry()), Some(opened.source.is_grey()));
+    Ok(Report { version: 1, facts: opened.facts, symmetry, grey })
 }
 
 /// The path of the list of a flat BTF's parts, if the input is one: its folder, the list itself, or one of the parts.
@@ -144,6 +157,18 @@ fn facts_in_words(facts: &Facts) -> Vec<(&'static str, String)> {
             ("bytes on a GPU", bytes(*gpu_bytes)),
             ("error on the grid (codec)", errors_in_words(on_grid)),
             ("error off the grid (against the source)", errors_in_words(off_grid)),
+        ],
+        Facts::ImportancePack { polar, azimuths, samples, gpu_bytes } => vec![
+            ("kind", "importance-sample pack".to_owned()),
+            (
+                "outgoing directions",
+                match azimuths {
+                    1 => format!("{polar} polar angles, isotropic"),
+                    _ => format!("{polar} polar angles x {azimuths} azimuths"),
+                },
+            ),
+            ("samples of each", samples.to_string()),
+            ("bytes on a GPU", bytes(*gpu_bytes)),
         ],
     }
 }

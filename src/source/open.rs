@@ -9,8 +9,9 @@ use brdfc_formats::measured::merl::{Merl, MerlError};
 use brdfc_formats::measured::rgl::Rgl;
 use brdfc_formats::measured::scan::Scan;
 use brdfc_formats::measured::scan_csv;
-use brdfc_formats::pack::WaveletPack;
+use brdfc_formats::pack::importance::IMPORTANCE_ENTRY;
 use brdfc_formats::pack::wavelet::ErrorSummary;
+use brdfc_formats::pack::{ImportanceHeader, ImportancePack, Texture, WaveletPack};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -113,6 +114,17 @@ pub enum Facts {
         /// The filtered pack against its source at random direction pairs.
         off_grid: StoredErrors,
     },
+    /// An importance-sample pack.
+    ImportancePack {
+        /// Polar angles of the outgoing direction.
+        polar: u32,
+        /// Its azimuths; 1 for isotropic materials.
+        azimuths: u32,
+        /// Samples of each outgoing direction.
+        samples: u32,
+        /// Bytes on a GPU.
+        gpu_bytes: u64,
+    },
 }
 
 /// Errors as a pack holds them; ratios are fractions. See [`ErrorSummary`].
@@ -161,7 +173,7 @@ impl Facts {
     /// Measured samples that came in; 0 for models.
     pub fn samples(&self) -> u64 {
         match self {
-            Self::Synth { .. } => 0,
+            Self::Synth { .. } | Self::ImportancePack { .. } => 0,
             Self::Merl { valid_cells, .. } => *valid_cells as u64,
             Self::Scan { summary, .. } => summary.rows as u64,
             Self::Rgl { azimuths, polar_angles, resolution, .. } => {
@@ -192,6 +204,26 @@ pub fn open(input: &str, level: Option<f32>) -> Result<Opened, InputError> {
         return Ok(Opened { source: model, facts });
     }
     open_file(Path::new(input), level)
+}
+
+/// What an importance-sample pack is, if the file is one: it has no reflectance, so [`open`] refuses it.
+///
+/// # Errors
+/// As [`open`].
+pub fn importance_facts(path: &Path) -> Result<Option<Facts>, InputError> {
+    if extension_of(path) != "ktx2" {
+        return Ok(None);
+    }
+    let (file, length) = open_path(path)?;
+    let bytes = read_all(path, file, length)?;
+    let Ok(texture) = Texture::from_bytes(&bytes) else { return Ok(None) };
+    if !texture.entries.contains_key(IMPORTANCE_ENTRY) {
+        return Ok(None);
+    }
+    let name = path.display().to_string();
+    let pack = ImportancePack::from_texture(&texture).map_err(|error| InputError::Format { name, error })?;
+    let ImportanceHeader { polar, azimuths, samples } = pack.header();
+    Ok(Some(Facts::ImportancePack { polar, azimuths, samples, gpu_bytes: pack.gpu_bytes() }))
 }
 
 /// Opens a file.

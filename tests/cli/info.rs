@@ -2,6 +2,7 @@
 
 use super::schemas::conforms;
 use crate::common::cli::{Folder, inputs};
+use brdfc_formats::pack::{ImportanceHeader, ImportancePack};
 
 #[test]
 fn every_kind_is_named_with_its_sizes() {
@@ -55,4 +56,29 @@ fn the_extension_decides_whatever_its_case() {
     let ran = folder.run(&["info", "c.dat"]);
     assert_eq!(ran.code, 3);
     assert!(ran.stderr.contains("c.dat: file name: found extension .dat; allowed .binary (MERL)"), "{}", ran.stderr);
+}
+
+#[test]
+fn importance_samples_are_told_from_other_packs() {
+    let folder = Folder::new();
+    let header = ImportanceHeader { polar: 2, azimuths: 4, samples: 3 };
+    let bytes = ImportancePack::new(header, vec![[0.0, 0.0, 1.0, 1.0]; 24]).unwrap().to_bytes(true);
+    folder.write("p.ktx2", &bytes);
+    let report = folder.run(&["info", "p.ktx2", "--json"]).succeeded().json();
+    conforms("info", &report);
+    assert_eq!((&report["kind"], &report["samples"]), (&"importance-pack".into(), &3.into()));
+    let text = folder.run(&["info", "p.ktx2"]).succeeded().stdout;
+    assert!(text.contains("2 polar angles x 4 azimuths") && text.contains("384 B"), "{text}");
+    // A broken one is still told what it is, and other commands say what is missing.
+    let mut texels = vec![[0.0, 0.0, 1.0, 1.0]; 24];
+    texels[5][3] = 2.0;
+    let bytes = ImportancePack::new(header, texels).unwrap().to_bytes(false);
+    let at = bytes.windows(4).rposition(|word| word == 2.0f32.to_le_bytes()).unwrap();
+    folder.write("q.ktx2", [&bytes[..at], &(-2.0f32).to_le_bytes(), &bytes[at + 4..]].concat());
+    let ran = folder.run(&["info", "q.ktx2"]);
+    assert_eq!(ran.code, 3);
+    assert!(ran.stderr.contains("q.ktx2: importance texel (2, 1)"), "{}", ran.stderr);
+    let ran = folder.run(&["compare", "p.ktx2", "synth:ggx"]);
+    assert_eq!(ran.code, 3);
+    assert!(ran.stderr.contains("allowed the entries of a wavelet pack"), "{}", ran.stderr);
 }

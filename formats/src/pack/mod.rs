@@ -8,6 +8,7 @@ pub mod flat_btf;
 pub mod flat_btf_shader;
 pub mod haar;
 pub mod half;
+pub mod importance;
 pub mod rgb9e5;
 mod texel_format;
 pub mod wavelet;
@@ -16,5 +17,6 @@ pub mod wavelet_shader;
 
 pub use container::{Extent, Texture};
 pub use decode::{DEFAULT_DISTANCE_SCALE, Filter, RowScratch, WaveletDecoder, level_of_detail};
+pub use importance::{ImportanceHeader, ImportancePack};
 pub use texel_format::TexelFormat;
 pub use wavelet::WaveletPack;
