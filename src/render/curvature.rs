@@ -87,7 +87,7 @@ mod tests {
             }
         }
         for at in (0..2 * columns as u32).step_by(2) {
-            mesh.triangles.extend([[at, at + 1, at + 2], [at + 1, at + 3, at + 2]]);
+            mesh.triangles.extend([[at, at + 2, at + 1], [at + 1, at + 2, at + 3]]);
         }
         mesh
     }
@@ -157,14 +157,17 @@ mod tests {
         let mut mesh = quad(3.0, 0.0);
         let front = quad(1.0, 1.0);
         mesh.triangles.extend(front.triangles.iter().map(|t| t.map(|corner| corner + 4)));
-        mesh.vertices.extend(front.vertices.iter().map(|vertex| Vertex { normal: [0.6, 0.0, 0.8], ..*vertex }));
+        mesh.vertices.extend(front.vertices.iter().map(|vertex| {
+            let [x, y, z] = vertex.position;
+            Vertex { position: [x, y, z - 0.75 * x], normal: [0.6, 0.0, 0.8], ..*vertex }
+        }));
         let mut scene = plain_scene(mesh.clone(), seen_from([0.3, 0.2, 7.0]));
         let buffer = GBuffer::new(&scene, FRAME);
         let values = curvature(&buffer);
         assert!(values.iter().all(|c| *c == 0.0), "{:?}", values.iter().copied().fold(0.0, f32::max));
         // The control: a normal that changes on the surface itself does count.
         let mut bent = buffer.clone();
-        bent.normal[32 * 64 + 32] = [0.8, 0.0, 0.6];
+        bent.normal[32 * 64 + 32] = [0.68, 0.0, 0.733];
         assert!(curvature(&bent)[32 * 64 + 32] > 1.0 && curvature(&bent)[32 * 64 + 33] > 1.0);
 
         let mut second = scene.parts[0].clone();

@@ -1,7 +1,7 @@
 //! Radiance that a surface reflects from an environment, without visibility: equation 1 of Soler et al. 2012,
 //! "Interactive rendering of acquired materials on dynamic geometry using bandwidth prediction".
 
-use super::environment_sampler::{EnvironmentSampler, FramedEnvironmentSampler, texel_solid_angle};
+use super::environment_sampler::{EnvironmentSampler, FramedEnvironmentSampler};
 use super::lobe_sampler::{BalancedSampler, LobeSampler, shift_of};
 use super::sampled::sampled;
 use super::scene::{Environment, Frame, Scene};
@@ -125,6 +125,12 @@ pub fn quadrature(
     };
     let rows: Vec<Vector> = (0..height).into_par_iter().map(row).collect();
     [0, 1, 2].map(|k| rows.iter().map(|row| row[k]).sum())
+}
+
+/// Solid angle of each texel of a row, sr.
+pub(super) fn texel_solid_angle(row: usize, width: usize, height: usize) -> f64 {
+    let [above, below] = [row, row + 1].map(|edge| (PI * edge as f64 / height as f64).cos());
+    (above - below) * TAU / width as f64
 }
 
 /// What a frame shows of a scene that its environment lights, `samples` directions for each of the frame's samples: half
