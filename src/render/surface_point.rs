@@ -86,6 +86,11 @@ impl SurfacePoint {
     pub fn local(&self, v: Vector) -> Vector {
         [dot(v, self.tangent), dot(v, self.bitangent), dot(v, self.normal)]
     }
+
+    /// A vector of the local frame in world space: the inverse of [`Self::local`].
+    pub fn world(&self, v: Vector) -> Vector {
+        [0, 1, 2].map(|k| v[0] * self.tangent[k] + v[1] * self.bitangent[k] + v[2] * self.normal[k])
+    }
 }
 
 /// The part of `v` at right angles to the unit vector `normal`, as a unit vector.
@@ -119,6 +124,16 @@ mod tests {
         let to_eye = subtract([0.0, 3.0, 4.0], point.position);
         assert!((point.distance - dot(to_eye, to_eye).sqrt()).abs() < 1e-12);
         assert!((0..3).all(|k| (point.outgoing[k] * point.distance - to_eye[k]).abs() < 1e-12));
+    }
+
+    #[test]
+    fn local_vectors_come_back() {
+        let mut part = part();
+        part.mesh.vertices.iter_mut().for_each(|vertex| vertex.normal = [0.36, 0.48, 0.8]);
+        let point = SurfacePoint::new(&part, &MIDDLE, [0.0, 3.0, 4.0]);
+        let back = point.world(point.local([0.2, -0.5, 0.7]));
+        assert!((0..3).all(|k| (back[k] - [0.2, -0.5, 0.7][k]).abs() < 1e-12), "{back:?}");
+        assert_ne!(point.local([0.2, -0.5, 0.7]), back);
     }
 
     #[test]

@@ -123,6 +123,10 @@ enum SceneName {
     Vase,
     /// A teapot with lid, spout and handle.
     Teapot,
+    /// A ball with a smooth and a bumpy half, without point lights: for environments.
+    BumpyBall,
+    /// A torus with a smooth and a ribbed half, likewise.
+    RibbedTorus,
 }
 
 impl From<SceneName> for Builtin {
@@ -136,6 +140,8 @@ impl From<SceneName> for Builtin {
             SceneName::Bottle => Self::Bottle,
             SceneName::Vase => Self::Vase,
             SceneName::Teapot => Self::Teapot,
+            SceneName::BumpyBall => Self::BumpyBall,
+            SceneName::RibbedTorus => Self::RibbedTorus,
         }
     }
 }

@@ -1,9 +1,10 @@
 //! How different two images look.
 
 use super::LinearImage;
+use super::psnr::{decibels, squared_difference};
 use palette::color_difference::{Ciede2000, EuclideanDistance};
 use palette::white_point::D65;
-use palette::{IntoColor, Lab, LinSrgb, Srgb};
+use palette::{IntoColor, Lab, LinSrgb};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -82,7 +83,7 @@ pub fn compare_images(image: &LinearImage, reference: &LinearImage, exposure: f6
         delta_e: spread(valid.iter().map(|d| d.delta_e).collect()),
         delta_e_whole_image: spread(all.iter().flatten().map(|d| d.delta_e).collect()),
         delta_e_2000: spread(valid.iter().map(|d| d.delta_e_2000).collect()),
-        psnr: (mean_square > 0.0).then(|| -10.0 * mean_square.log10()),
+        psnr: decibels(mean_square),
     }
 }
 
@@ -94,9 +95,7 @@ struct PixelDifference {
 }
 
 fn pixel_difference(a: [f32; 3], b: [f32; 3], exposure: f64) -> Option<PixelDifference> {
-    if a.iter().chain(&b).any(|c| !c.is_finite()) {
-        return None;
-    }
+    let squared = squared_difference(a, b, exposure)?;
     if a == b {
         return Some(PixelDifference { delta_e: 0.0, delta_e_2000: 0.0, squared: 0.0 });
     }
@@ -105,9 +104,6 @@ fn pixel_difference(a: [f32; 3], b: [f32; 3], exposure: f64) -> Option<PixelDiff
         LinSrgb::<f64>::new(r, g, b)
     };
     let (a, b) = (display(a), display(b));
-    let encoded = |colour: LinSrgb<f64>| -> [f64; 3] { Srgb::<f64>::from_linear(colour).into() };
-    let (encoded_a, encoded_b) = (encoded(a), encoded(b));
-    let squared = (0..3).map(|k| (encoded_a[k] - encoded_b[k]).powi(2)).sum();
     let (a, b): (Lab<D65, f64>, Lab<D65, f64>) = (a.into_color(), b.into_color());
     Some(PixelDifference { delta_e: a.distance(b), delta_e_2000: Ciede2000::difference(a, b), squared })
 }

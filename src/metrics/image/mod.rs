@@ -1,8 +1,12 @@
 //! Images in memory: what renderers return and comparisons take.
 
 mod difference;
+mod flip;
+mod psnr;
 
 pub use difference::{ImageDifference, Spread, auto_exposure, compare_images, delta_e_map, luminance};
+pub use flip::{Flip, PIXELS_PER_DEGREE, flip};
+pub use psnr::{SignalToNoise, signal_to_noise};
 
 /// A rectangle of linear radiance.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,10 +1,12 @@
 //! Built-in scenes: procedural, small, the same on every run.
 
+mod bumpy_ball;
 mod cloth;
 mod drape;
 mod grid_mesh;
 mod plane;
 mod revolve;
+mod ribbed_torus;
 mod sky;
 mod sphere;
 mod table;
@@ -33,11 +35,16 @@ pub enum Builtin {
     Vase,
     /// A teapot: a body with lid, spout and handle.
     Teapot,
+    /// A ball with a smooth half and a half of round bumps. Like the next one it has no point lights: its environment
+    /// lights it.
+    BumpyBall,
+    /// A torus with a smooth and a ribbed half.
+    RibbedTorus,
 }
 
 impl Builtin {
     /// The names that manifests and the command line use.
-    pub const NAMES: [(&'static str, Self); 8] = [
+    pub const NAMES: [(&'static str, Self); 10] = [
         ("sphere", Self::Sphere),
         ("cloth", Self::Cloth),
         ("table", Self::Table),
@@ -46,6 +53,8 @@ impl Builtin {
         ("bottle", Self::Bottle),
         ("vase", Self::Vase),
         ("teapot", Self::Teapot),
+        ("bumpy-ball", Self::BumpyBall),
+        ("ribbed-torus", Self::RibbedTorus),
     ];
 
     /// Its name.
@@ -59,6 +68,8 @@ impl Builtin {
             Self::Bottle => "bottle",
             Self::Vase => "vase",
             Self::Teapot => "teapot",
+            Self::BumpyBall => "bumpy-ball",
+            Self::RibbedTorus => "ribbed-torus",
         }
     }
 
@@ -73,10 +84,12 @@ impl Builtin {
             Self::Bottle => &["bottle"],
             Self::Vase => &["vase"],
             Self::Teapot => &["teapot"],
+            Self::BumpyBall => &["ball"],
+            Self::RibbedTorus => &["torus"],
         }
     }
 
-    /// The scene, with its own camera and lights.
+    /// The scene, with its own camera and lights, or with an environment instead of lights.
     pub fn scene(self) -> Scene {
         match self {
             Self::Sphere => sphere::scene(),
@@ -87,6 +100,8 @@ impl Builtin {
             Self::Bottle => vessels::bottle(),
             Self::Vase => vessels::vase(),
             Self::Teapot => teapot::scene(),
+            Self::BumpyBall => bumpy_ball::scene(),
+            Self::RibbedTorus => ribbed_torus::scene(),
         }
     }
 }
