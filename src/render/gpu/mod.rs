@@ -1,5 +1,6 @@
 //! Everything that touches wgpu.
 
+mod bandwidth;
 mod device;
 mod draw;
 mod evaluate;
@@ -10,6 +11,7 @@ mod load;
 mod pack;
 mod raster;
 
+pub use bandwidth::{BandwidthEvaluator, BandwidthQuery, EVALUATE_BANDWIDTH_WGSL};
 pub use device::{AdapterChoice, AdapterDescription, Gpu, GpuError};
 pub use draw::{Decoding, Renderer, SCENE_WGSL};
 pub use evaluate::{EVALUATE_WGSL, Evaluated, Evaluator, LoadedPack, LoadedPairs, SliceFilter};
