@@ -5,7 +5,7 @@ mod common;
 #[path = "../formats/tests/common/mod.rs"]
 mod made;
 
-use brdfc::render::gpu::{BandwidthEvaluator, BandwidthQuery, Gpu};
+use brdfc::render::gpu::{BandwidthEvaluator, BandwidthQuery};
 use brdfc_formats::pack::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
 use brdfc_formats::pack::bandwidth_shader::BANDWIDTH_WGSL;
 use made::Numbers;
@@ -50,7 +50,8 @@ fn queries() -> Vec<BandwidthQuery> {
             _ => numbers.between(-2.0, 3.0) as f32,
         });
     }
-    for d in [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [1.0, -0.0, 0.0], [1.0, -1e-9, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 0.0]] {
+    for d in [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [1.0, -0.0, 0.0], [1.0, -1e-9, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 0.0]]
+    {
         let [x, y, z] = d;
         all.push(BandwidthQuery { incoming: d, outgoing: d, direction: [x, z, y], uv: [0.25, 0.75] });
     }

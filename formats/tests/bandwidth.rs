@@ -95,7 +95,8 @@ fn fields_out_of_range_are_named() {
     let [environment, cloth] = [&maps()[1], &example()].map(texture);
     let with = |texture: &Texture, word: usize, value: u32| {
         let mut changed = texture.clone();
-        changed.entries.get_mut("brdfc.bandwidth").unwrap()[4 * word..4 * word + 4].copy_from_slice(&value.to_le_bytes());
+        changed.entries.get_mut("brdfc.bandwidth").unwrap()[4 * word..4 * word + 4]
+            .copy_from_slice(&value.to_le_bytes());
         refusal(&changed)
     };
     let bits = f32::to_bits;

@@ -118,7 +118,8 @@ pub fn split<T: Real>(image: &[T], width: usize, height: usize, axes: [bool; 2])
                 let low: [&[T]; TAPS] = std::array::from_fn(|k| &across[(2 * r + k) * width..][..columns]);
                 combine(low, &filters, &mut smooth[at.clone()], &mut along_v[at.clone()]);
                 if axes[0] {
-                    let high: [&[T]; TAPS] = std::array::from_fn(|k| &across[(2 * r + k) * width + columns..][..columns]);
+                    let high: [&[T]; TAPS] =
+                        std::array::from_fn(|k| &across[(2 * r + k) * width + columns..][..columns]);
                     combine(high, &filters, &mut along_u[at.clone()], &mut both[at]);
                 }
             } else {
@@ -251,7 +252,8 @@ mod tests {
         let (low, high) = (LOW_PASS, high_pass());
         assert!((low.iter().sum::<f64>() - 2f64.sqrt()).abs() < 1e-15);
         for shift in 0..4 {
-            let product = |a: &[f64; TAPS], b: &[f64; TAPS]| (2 * shift..TAPS).map(|k| a[k] * b[k - 2 * shift]).sum::<f64>();
+            let product =
+                |a: &[f64; TAPS], b: &[f64; TAPS]| (2 * shift..TAPS).map(|k| a[k] * b[k - 2 * shift]).sum::<f64>();
             let one = if shift == 0 { 1.0 } else { 0.0 };
             assert!((product(&low, &low) - one).abs() < 1e-15 && (product(&high, &high) - one).abs() < 1e-15);
             assert!(product(&low, &high).abs() < 1e-15 && product(&high, &low).abs() < 1e-15);

@@ -107,7 +107,8 @@ mod tests {
         for sharpness in [50.0, 200.0] {
             let found = LATITUDES.map(|latitude| {
                 let centre = at_latitude(latitude, 2.0);
-                let map = environment_bandwidth(&environment(256, |d| (sharpness * (dot(d, centre) - 1.0)).exp()), 256, 0.01);
+                let map =
+                    environment_bandwidth(&environment(256, |d| (sharpness * (dot(d, centre) - 1.0)).exp()), 256, 0.01);
                 (peak(&map), value(&map, centre))
             });
             let peaks = found.map(|(peak, _)| peak);

@@ -120,7 +120,8 @@ mod tests {
         for (i, expected) in wave(128).enumerate() {
             assert!((found[i] - expected).abs() < 1e-3 && found[i] == found[i + 128]);
         }
-        let ends = resample(vec![1.0, 3.0], Axis { from: 2, to: 4, wraps: false }, Axis { from: 1, to: 1, wraps: false });
+        let ends =
+            resample(vec![1.0, 3.0], Axis { from: 2, to: 4, wraps: false }, Axis { from: 1, to: 1, wraps: false });
         assert_eq!(ends, [0.5, 1.5, 2.5, 3.5]);
         assert_eq!(channels(&[[1.0, f32::NAN, 2.0], [f32::INFINITY, 1.0, 0.5]]).len(), 3);
         assert_eq!(channels(&[[2.0; 3]]), [[2.0]]);

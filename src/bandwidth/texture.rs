@@ -90,7 +90,8 @@ mod tests {
             assert!(low > 1.2 && high < 1.45, "{cycles:?}: {low} {high}");
             // The negative control: the size of the other axis is the wrong Jacobian.
             let turned = Placement { metres: [2.0, 0.5], ..placement };
-            let [low, high] = range(&texture_bandwidth(&wave(128, 256, cycles), 128, turned, 0.01)).map(|v| v / expected);
+            let [low, high] =
+                range(&texture_bandwidth(&wave(128, 256, cycles), 128, turned, 0.01)).map(|v| v / expected);
             assert!(low < 1.2 || high > 1.45, "{low} {high}");
         }
     }

@@ -48,11 +48,7 @@ pub fn from_exr(bytes: &[u8]) -> Result<RadianceImage, FormatError> {
         .no_deep_data()
         .largest_resolution_level()
         .rgb_channels(
-            |size, _| RadianceImage {
-                width: size.x(),
-                height: size.y(),
-                pixels: vec![[0.0; 3]; size.x() * size.y()],
-            },
+            |size, _| RadianceImage { width: size.x(), height: size.y(), pixels: vec![[0.0; 3]; size.x() * size.y()] },
             |image: &mut RadianceImage, at, (r, g, b): (f32, f32, f32)| {
                 image.pixels[at.y() * image.width + at.x()] = [r, g, b];
             },

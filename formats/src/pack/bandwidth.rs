@@ -279,9 +279,8 @@ fn check_size(header: &BandwidthHeader, size: [u32; 2]) -> Result<(), FormatErro
 }
 
 fn check_header(header: &BandwidthHeader) -> Result<(), FormatError> {
-    let wrong = |field: &str, found: String, allowed: String| {
-        Err(FormatError::whole(format!("{KEY} {field}"), found, allowed))
-    };
+    let wrong =
+        |field: &str, found: String, allowed: String| Err(FormatError::whole(format!("{KEY} {field}"), found, allowed));
     let positive = |value: f32| value.is_normal() && value > 0.0;
     if !(positive(header.epsilon) && header.epsilon <= 1.0) {
         return wrong("epsilon", header.epsilon.to_string(), "a positive number of at most 1".to_owned());
@@ -302,7 +301,8 @@ fn check_header(header: &BandwidthHeader) -> Result<(), FormatError> {
 /// The header, and the scale of the texels.
 fn read_header(bytes: &[u8]) -> Result<(BandwidthHeader, f32), FormatError> {
     let mut cursor = Cursor::new(sized(bytes, KEY, HEADER_BYTES)?);
-    let wrong = |field: &str, found: String, allowed: &str| FormatError::whole(format!("{KEY} {field}"), found, allowed);
+    let wrong =
+        |field: &str, found: String, allowed: &str| FormatError::whole(format!("{KEY} {field}"), found, allowed);
     let version = cursor.u32("version")?;
     if version != VERSION {
         return Err(wrong("version", version.to_string(), "1"));

@@ -67,12 +67,7 @@ pub(super) fn upload(gpu: &Gpu, layout: &BindGroupLayout, maps: &[BandwidthMap])
     let group = gpu.device.create_bind_group(&BindGroupDescriptor {
         label: None,
         layout,
-        entries: &[
-            BindGroupEntry { binding: 0, resource: parameters.as_entire_binding() },
-            view(0),
-            view(1),
-            view(2),
-        ],
+        entries: &[BindGroupEntry { binding: 0, resource: parameters.as_entire_binding() }, view(0), view(1), view(2)],
     });
     gpu.check()?;
     Ok(group)
