@@ -1,8 +1,9 @@
 //! `brdfc`: an offline compiler for measured appearance. See the README for what it does.
 //!
-//! Layers, each using only those before it: formats (a crate of its own), `source`, the stages `brdf`, `btf` and `metrics`,
-//! `render`, `report` and `build`, `cli`.
+//! Layers, each using only those before it: formats (a crate of its own), `source`, the stages `brdf`, `btf`, `bandwidth`
+//! and `metrics`, `render`, `report` and `build`, `cli`.
 
+pub mod bandwidth;
 pub mod brdf;
 pub mod btf;
 pub mod build;

@@ -77,6 +77,7 @@ fn expected_texture(texture: &Texture) -> Expected {
         TexelFormat::R8Unorm => (9, 1, 1, unorm(1, 8)),
         TexelFormat::Rgba8Unorm => (37, 1, 4, unorm(4, 8)),
         TexelFormat::R16Unorm => (70, 2, 2, unorm(1, 16)),
+        TexelFormat::R16Float => (76, 2, 2, float(1, 16)),
         TexelFormat::Rgba16Unorm => (91, 2, 8, unorm(4, 16)),
         TexelFormat::Rgba16Float => (97, 2, 8, float(4, 16)),
         TexelFormat::Rg32Float => (103, 4, 8, float(2, 32)),

@@ -62,6 +62,7 @@ fn texture_expectation(texture: &Texture, supercompress: bool) -> String {
         TexelFormat::R8Unorm => (9, 1),
         TexelFormat::Rgba8Unorm => (37, 1),
         TexelFormat::R16Unorm => (70, 2),
+        TexelFormat::R16Float => (76, 2),
         TexelFormat::Rgba16Unorm => (91, 2),
         TexelFormat::Rgba16Float => (97, 2),
         TexelFormat::Rg32Float => (103, 4),

@@ -1,11 +1,12 @@
 //! `brdfc info`: what an input is.
 
 use super::output::{print, print_json, printable};
-use super::{CliError, flatten};
+use super::{CliError, bandwidth, flatten};
 use crate::build::flatten::AssetFile;
 use crate::report::table::{bytes, percent};
 use crate::source::Symmetry;
 use crate::source::address::is_synth;
+use crate::source::bandwidth_map::open_bandwidth_map;
 use crate::source::flat_btf::{asset_json, asset_of_part};
 use crate::source::open::{Facts, StoredErrors, importance_facts, open};
 use clap::Args;
@@ -22,7 +23,7 @@ Examples:
 pub struct Arguments {
     /// A path, or synth:MODEL?param=value&...; of a flat BTF its folder, its .json, or any of its parts.
     input: String,
-    /// Print JSON (schema: 'brdfc schema info').
+    /// Print JSON (schema: 'brdfc schema info'; of a bandwidth map 'brdfc schema bandwidth').
     #[arg(long)]
     json: bool,
 }
@@ -46,6 +47,9 @@ pub struct Report {
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     if let Some(list) = flat_btf(&arguments.input) {
         return flat_btf_facts(&list?, arguments);
+    }
+    if let Some(map) = open_bandwidth_map(Path::new(&arguments.input))? {
+        return bandwidth::info(&map, arguments.json);
     }
     let report = report(&arguments.input)?;
     if arguments.json {

@@ -1,5 +1,6 @@
 //! The command line: one file per subcommand, flags to a resolved recipe to one call.
 
+mod bandwidth;
 mod bench;
 mod build;
 mod compare;
@@ -47,6 +48,7 @@ enum Command {
     Compare(compare::Arguments),
     Info(info::Arguments),
     Synth(synth::Arguments),
+    Bandwidth(bandwidth::Arguments),
     Flatten(Box<flatten::Arguments>),
     #[cfg(feature = "render")]
     Render(Box<render::Arguments>),
@@ -70,6 +72,7 @@ Examples:
   brdfc info paint.ktx2
   brdfc render paint.ktx2 -o paint.png                what does it look like?
   brdfc flatten synth:button -o button                flat BTF of a surface with relief
+  brdfc bandwidth museum.exr -o museum.ktx2           how fast does it vary?
 
 INPUT is a path (.binary MERL, .brdf or .csv scan, .bsdf RGL, .ktx2 pack) or an analytic model such as
 synth:ward?kd=0.2&ks=0.1&ax=0.15&ay=0.5 ('brdfc synth --help' lists them).
@@ -126,6 +129,7 @@ fn run(cli: Cli) -> Result<(), CliError> {
         Command::Compare(arguments) => compare::run(&arguments, common),
         Command::Info(arguments) => info::run(&arguments),
         Command::Synth(arguments) => synth::run(&arguments),
+        Command::Bandwidth(arguments) => bandwidth::run(&arguments, common),
         Command::Flatten(arguments) => flatten::run(&arguments, common),
         #[cfg(feature = "render")]
         Command::Render(arguments) => render::run(&arguments, common),

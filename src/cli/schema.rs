@@ -28,6 +28,8 @@ enum Report {
     Compare,
     /// 'brdfc info --json'.
     Info,
+    /// 'brdfc bandwidth --json'.
+    Bandwidth,
     /// 'brdfc flatten --json'.
     Flatten,
     /// NAME.json in the folder of a flat BTF.
@@ -46,6 +48,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         Report::Encode => schema_for!(super::encode::Report),
         Report::Compare => schema_for!(super::compare::Report),
         Report::Info => schema_for!(super::info::Report),
+        Report::Bandwidth => schema_for!(super::bandwidth::Report),
         Report::Flatten => schema_for!(super::flatten::Report),
         Report::FlatBtf => schema_for!(crate::build::flatten::AssetFile),
         Report::Bench => schema_for!(super::bench::Report),

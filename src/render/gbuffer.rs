@@ -4,7 +4,7 @@ use super::scene::{Frame, Scene};
 use super::surface_point::SurfacePoint;
 use super::trace::{Hits, trace};
 use super::vector::{cross, double};
-use brdfc_formats::direction::{Vector, normalize};
+use brdfc_formats::direction::{Vector, dot, normalize};
 use rayon::prelude::*;
 
 /// The part of pixels that show no surface.
@@ -23,6 +23,9 @@ pub struct GBuffer {
     pub normal: Vec<[f32; 3]>,
     /// Unit tangents, at right angles to the normals.
     pub tangent: Vec<[f32; 3]>,
+    /// Direction in which the normal points in the image, across and down, a unit vector; to the right where it points to
+    /// the viewer.
+    pub across: Vec<[f32; 2]>,
     /// Unit vectors to the viewer.
     pub to_viewer: Vec<[f32; 3]>,
     /// Coordinates of textures, as those of [`SurfacePoint`].
@@ -31,6 +34,36 @@ pub struct GBuffer {
     pub distance: Vec<f32>,
     /// Index of the part, or [`BACKGROUND`].
     pub part: Vec<u32>,
+}
+
+/// Tangent, bitangent and normal: orthonormal, up to rounding.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LocalFrame {
+    /// x.
+    pub tangent: [f32; 3],
+    /// y.
+    pub bitangent: [f32; 3],
+    /// z.
+    pub normal: [f32; 3],
+}
+
+impl LocalFrame {
+    /// From world space into the frame.
+    pub fn local(&self, v: [f32; 3]) -> [f32; 3] {
+        [self.tangent, self.bitangent, self.normal].map(|axis| v[0] * axis[0] + v[1] * axis[1] + v[2] * axis[2])
+    }
+
+    /// From the frame into world space.
+    pub fn world(&self, v: [f32; 3]) -> [f32; 3] {
+        [0, 1, 2].map(|k| v[0] * self.tangent[k] + v[1] * self.bitangent[k] + v[2] * self.normal[k])
+    }
+}
+
+/// Where the normal points in the image.
+fn across(point: &SurfacePoint, [right, up]: [Vector; 2]) -> [f32; 2] {
+    let (x, y) = (dot(point.normal, right), -dot(point.normal, up));
+    let length = x.hypot(y);
+    if length > 1e-9 { [(x / length) as f32, (y / length) as f32] } else { [1.0, 0.0] }
 }
 
 impl GBuffer {
@@ -55,6 +88,8 @@ impl GBuffer {
             Some((hit.part, SurfacePoint::new(&scene.parts[hit.part as usize], &hit, scene.camera.eye)))
         };
         let points: Vec<Option<(u32, SurfacePoint)>> = (0..width * height).into_par_iter().map(point).collect();
+        let (right, up, _) = scene.camera.basis();
+        let basis = [right, up];
         let vectors = |of: fn(&SurfacePoint) -> Vector| -> Vec<[f32; 3]> {
             points.iter().map(|point| point.map_or([0.0; 3], |(_, point)| of(&point).map(|c| c as f32))).collect()
         };
@@ -64,11 +99,20 @@ impl GBuffer {
             position: vectors(|point| point.position),
             normal: vectors(|point| point.normal),
             tangent: vectors(|point| point.tangent),
+            across: points.iter().map(|point| point.map_or([1.0, 0.0], |(_, point)| across(&point, basis))).collect(),
             to_viewer: vectors(|point| point.to_viewer),
             uv: points.iter().map(|point| point.map_or([0.0; 2], |(_, point)| point.uv.map(|c| c as f32))).collect(),
             distance: points.iter().map(|point| point.map_or(0.0, |(_, point)| point.distance as f32)).collect(),
             part: points.iter().map(|point| point.map_or(BACKGROUND, |(part, _)| part)).collect(),
         }
+    }
+
+    /// The local frame at a pixel that shows a surface.
+    pub fn frame(&self, pixel: usize) -> LocalFrame {
+        let (normal, tangent) = (self.normal[pixel], self.tangent[pixel]);
+        let [(a, b, c), (x, y, z)] = [normal, tangent].map(|[x, y, z]| (x, y, z));
+        let bitangent = [b * z - c * y, c * x - a * z, a * y - b * x];
+        LocalFrame { tangent, bitangent, normal }
     }
 
     /// The part that a pixel shows; `None` is the background.

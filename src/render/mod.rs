@@ -1,5 +1,6 @@
 //! The verifier: draws packs with the shaders that engines use, beside a CPU reference, on any Vulkan driver.
 
+pub mod adaptive;
 pub mod camera;
 pub mod curvature;
 pub mod environment;

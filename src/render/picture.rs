@@ -1,16 +1,14 @@
 //! Images as bytes: PNG for eyes, EXR for numbers.
 
 use crate::metrics::image::LinearImage;
+use crate::source::radiance_image;
 use brdfc_formats::FormatError;
 use brdfc_formats::colour::encode_srgb_byte;
 use exr::prelude::{
-    Blocks, Compression, Encoding, Image, Layer, LayerAttributes, LineOrder, MetaData, ReadChannels, ReadLayers,
-    SpecificChannels, Vec2, WritableImage, read,
+    Blocks, Compression, Encoding, Image, Layer, LayerAttributes, LineOrder, SpecificChannels, Vec2, WritableImage,
 };
 use std::io::Cursor;
 
-/// Most pixels per row and rows of an EXR that is read.
-const MAX_EXR: [usize; 2] = [8192, 4096];
 /// Columns between the panels of a sheet.
 const GAP: usize = 4;
 /// Grey of the gap, sRGB-encoded.
@@ -78,48 +76,14 @@ pub fn to_exr(image: &LinearImage) -> Vec<u8> {
     bytes.into_inner()
 }
 
-/// RGB of the first layer of an EXR that has them, for environments.
+/// RGB of an EXR: see [`radiance_image::from_exr`].
 ///
 /// # Errors
-/// What is no EXR with channels R, G and B; more than 8192 x 4096 pixels; values that are negative or no numbers.
+/// As there.
 pub fn from_exr(bytes: &[u8]) -> Result<LinearImage, FormatError> {
-    let broken = |error: exr::error::Error| FormatError::whole("EXR", error.to_string(), "channels R, G and B");
-    // Sizes first: pixels are asked for only when they are small enough.
-    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(broken)?;
-    for header in &meta.headers {
-        let size = header.layer_size;
-        if size.x() > MAX_EXR[0] || size.y() > MAX_EXR[1] {
-            let found = format!("{} x {} pixels", size.x(), size.y());
-            return Err(FormatError::whole("EXR", found, format!("at most {} x {}", MAX_EXR[0], MAX_EXR[1])));
-        }
-    }
-    let image = read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .rgb_channels(
-            |size, _| LinearImage {
-                coverage: vec![1.0; size.x() * size.y()],
-                ..LinearImage::black(size.x(), size.y())
-            },
-            |image: &mut LinearImage, at, (r, g, b): (f32, f32, f32)| {
-                image.pixels[at.y() * image.width + at.x()] = [r, g, b];
-            },
-        )
-        .first_valid_layer()
-        .all_attributes()
-        .non_parallel()
-        .from_buffered(Cursor::new(bytes))
-        .map_err(broken)?
-        .layer_data
-        .channel_data
-        .pixels;
-    let wrong = image.pixels.iter().position(|pixel| pixel.iter().any(|c| !(c.is_finite() && *c >= 0.0)));
-    if let Some(pixel) = wrong {
-        let place = format!("pixel ({}, {})", pixel % image.width, pixel / image.width);
-        let found = format!("{:?} at {place}", image.pixels[pixel]);
-        return Err(FormatError::whole("EXR", found, "finite values of 0 or more"));
-    }
-    Ok(image)
+    let image = radiance_image::from_exr(bytes)?;
+    let coverage = vec![1.0; image.pixels.len()];
+    Ok(LinearImage { pixels: image.pixels, coverage, ..LinearImage::black(image.width, image.height) })
 }
 
 /// Corners of the ramp of [`heat_map`], linear in sRGB-encoded values: dark, purple, orange, pale yellow.
@@ -216,7 +180,7 @@ mod tests {
         negative.pixels[30][1] = -0.5;
         let error = from_exr(&to_exr(&negative)).unwrap_err().to_string();
         assert!(error.contains("(7, 1)"), "{error}");
-        let wide = LinearImage::black(MAX_EXR[0] + 1, 1);
+        let wide = LinearImage::black(radiance_image::MAX_SIDES[0] + 1, 1);
         assert!(from_exr(&to_exr(&wide)).unwrap_err().to_string().contains("8193"));
     }
 

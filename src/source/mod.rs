@@ -2,12 +2,14 @@
 
 pub mod address;
 pub mod analytic;
+pub mod bandwidth_map;
 pub mod btf_stack;
 pub mod flat_btf;
 mod merl;
 pub mod meso;
 pub mod open;
 mod pack;
+pub mod radiance_image;
 pub mod rgl;
 pub mod scan;
 pub mod simulate;

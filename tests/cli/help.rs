@@ -2,7 +2,7 @@
 
 use crate::common::cli::Folder;
 
-const COMMANDS: [&str; 8] = ["build", "encode", "eval", "compare", "info", "synth", "bench", "schema"];
+const COMMANDS: [&str; 9] = ["build", "encode", "eval", "compare", "info", "synth", "bandwidth", "bench", "schema"];
 
 #[test]
 fn every_command_has_help_with_an_example() {

@@ -216,7 +216,7 @@ impl Texture {
                 12,
                 "vkFormat",
                 header.format.map_or("undefined or unknown".to_owned(), |f| f.value().to_string()),
-                "9, 37, 70, 91, 97, 103, 109 or 123",
+                "9, 37, 70, 76, 91, 97, 103, 109 or 123",
             )
         })?;
         check_descriptor(bytes, &header.index, format)?;

@@ -1,6 +1,8 @@
 //! Packs for the GPU: KTX2 files whose `brdfc.*` entries say what the texels mean. Layouts: `spec/container.md` and
 //! one page per pack.
 
+pub mod bandwidth;
+pub mod bandwidth_shader;
 pub mod container;
 mod decode;
 mod entries;

@@ -10,6 +10,8 @@ pub enum TexelFormat {
     Rgba8Unorm,
     /// One component of 16 bits, `VK_FORMAT_R16_UNORM`.
     R16Unorm,
+    /// One 16-bit float, `VK_FORMAT_R16_SFLOAT`.
+    R16Float,
     /// Four components of 16 bits, `VK_FORMAT_R16G16B16A16_UNORM`.
     Rgba16Unorm,
     /// Four 16-bit floats, `VK_FORMAT_R16G16B16A16_SFLOAT`.
@@ -25,10 +27,11 @@ pub enum TexelFormat {
 
 impl TexelFormat {
     /// Every format, in the order of their Vulkan numbers.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::R8Unorm,
         Self::Rgba8Unorm,
         Self::R16Unorm,
+        Self::R16Float,
         Self::Rgba16Unorm,
         Self::Rgba16Float,
         Self::Rg32Float,
@@ -39,7 +42,7 @@ impl TexelFormat {
     /// Words stored per texel: one per component, or a single one of packed components.
     pub fn components(self) -> usize {
         match self {
-            Self::R8Unorm | Self::R16Unorm | Self::Rgb9E5 => 1,
+            Self::R8Unorm | Self::R16Unorm | Self::R16Float | Self::Rgb9E5 => 1,
             Self::Rg32Float => 2,
             Self::Rgba8Unorm | Self::Rgba16Unorm | Self::Rgba16Float | Self::Rgba32Float => 4,
         }
@@ -49,7 +52,7 @@ impl TexelFormat {
     pub fn component_bytes(self) -> usize {
         match self {
             Self::R8Unorm | Self::Rgba8Unorm => 1,
-            Self::R16Unorm | Self::Rgba16Unorm | Self::Rgba16Float => 2,
+            Self::R16Unorm | Self::R16Float | Self::Rgba16Unorm | Self::Rgba16Float => 2,
             Self::Rg32Float | Self::Rgba32Float | Self::Rgb9E5 => 4,
         }
     }
@@ -64,6 +67,7 @@ impl TexelFormat {
             Self::R8Unorm => ktx2::Format::R8_UNORM,
             Self::Rgba8Unorm => ktx2::Format::R8G8B8A8_UNORM,
             Self::R16Unorm => ktx2::Format::R16_UNORM,
+            Self::R16Float => ktx2::Format::R16_SFLOAT,
             Self::Rgba16Unorm => ktx2::Format::R16G16B16A16_UNORM,
             Self::Rgba16Float => ktx2::Format::R16G16B16A16_SFLOAT,
             Self::Rg32Float => ktx2::Format::R32G32_SFLOAT,

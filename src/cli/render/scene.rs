@@ -5,10 +5,9 @@ use super::materials::Subject;
 use crate::build::manifest::{ManifestError, line_of, near_miss};
 use crate::build::render_section::{MAX_SAMPLES, MAX_SIDE, RenderSection};
 use crate::cli::CliError;
-use crate::render::picture::from_exr;
 use crate::render::scene::{Environment, Frame, PointLight, Scene};
 use crate::render::scenes::Builtin;
-use crate::source::open::InputError;
+use crate::source::radiance_image::open_radiance_image;
 use std::path::Path;
 use toml::Spanned;
 
@@ -152,8 +151,6 @@ fn at(subject: &Subject, name: &Spanned<String>, field: &str, known: &[&str]) ->
 }
 
 fn environment(path: &Path) -> Result<Environment, CliError> {
-    let bytes = std::fs::read(path).map_err(|error| CliError::read(path, &error))?;
-    let image = from_exr(&bytes)
-        .map_err(|error| CliError::from(InputError::Format { name: path.display().to_string(), error }))?;
+    let image = open_radiance_image(path)?;
     Ok(Environment { width: image.width, height: image.height, pixels: image.pixels })
 }

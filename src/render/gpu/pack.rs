@@ -17,6 +17,7 @@ pub(super) fn texture_format(format: TexelFormat) -> TextureFormat {
         TexelFormat::R8Unorm => TextureFormat::R8Unorm,
         TexelFormat::Rgba8Unorm => TextureFormat::Rgba8Unorm,
         TexelFormat::R16Unorm => TextureFormat::R16Unorm,
+        TexelFormat::R16Float => TextureFormat::R16Float,
         TexelFormat::Rgba16Unorm => TextureFormat::Rgba16Unorm,
         TexelFormat::Rgba16Float => TextureFormat::Rgba16Float,
         TexelFormat::Rg32Float => TextureFormat::Rg32Float,

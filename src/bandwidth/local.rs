@@ -1,0 +1,337 @@
+//! Local bandwidth: the appendix's rule, per pixel.
+//!
+//! `Λ_k` at a pixel is the largest coefficient of level k among the wavelets whose support holds it; level k has `2^k`
+//! wavelets per axis. The paper's local level is the smallest n with `T(n) = Σ_(k ≥ n) Λ_k < ε max_k Λ_k`, and its bandwidth
+//! `2^n`. Here n is a real number, and 2 octaves are taken off:
+//!
+//! - Whole levels would make bandwidths that jump by 2. T falls by about 32 per octave beyond a sinusoid, so `ln T` is
+//!   interpolated linearly between the levels where it crosses `ε max Λ`.
+//! - For a sinusoid of k cycles per image the crossing is 2.39 to 2.49 octaves above `log2 k`, for every k and everywhere
+//!   in the image: `2^n` would be 5.4 times too high. `2^(n - 2)` is 1.31 to 1.41 times k, which is on the safe side and
+//!   within an octave. With another ε the crossing moves by `log32(0.01 / ε)`, which is taken off too; that makes sinusoids
+//!   independent of ε.
+//! - Above a quarter of a cycle per pixel there is no finer level for the tail to end in. It is continued with the
+//!   sinusoid's 2^-5 per octave; where the finest level outweighs all others, by that ratio in addition. The result ends at
+//!   half a cycle per pixel.
+//!
+//! Bands with detail along u and along v are followed separately, both relative to the common maximum.
+//!
+//! Rounding is no detail: a coefficient below 2^-20 of the smooth coefficient beside it counts as 0.
+
+use super::daubechies::{Level, TAPS, split};
+use rayon::prelude::*;
+
+/// What lies beyond the image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Border {
+    /// The image again.
+    Periodic,
+    /// Nothing: wavelets that would cross the border are replaced by the nearest one wholly inside, so that no invented
+    /// value has a bandwidth. Levels of which no wavelet fits are stood for by one level whose coefficient is the
+    /// variation of the means of an eighth of the image: not constant is then at least one cycle per image.
+    Bounded,
+}
+
+/// Frequencies around each block of 2 x 2 pixels, row by row: cycles per pixel along u and v, 0 to 1/2.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Frequencies {
+    /// Blocks per row.
+    pub width: usize,
+    /// Rows of blocks.
+    pub height: usize,
+    /// Along u.
+    pub u: Vec<f32>,
+    /// Along v.
+    pub v: Vec<f32>,
+}
+
+/// Detail below this share of the smooth coefficient is rounding.
+const ROUNDING: f32 = 1.0 / (1 << 20) as f32;
+/// Means per axis that stand for coarse levels of bounded images.
+const MEANS: usize = 8;
+/// Smallest side of a bounded image.
+pub const SMALLEST_BOUNDED: usize = 16;
+
+/// One level: `Λ` of blocks of `2^shift` finest blocks. Empty along an axis that is not split.
+struct Scale {
+    shift: [u32; 2],
+    width: usize,
+    u: Vec<f32>,
+    v: Vec<f32>,
+}
+
+/// Along one axis: the wavelets of a level.
+#[derive(Clone, Copy)]
+struct Wavelets {
+    /// Wavelets from the first whose support may hold a block to the last.
+    cells: usize,
+    /// Last one that may be used; the border decides what others are.
+    last: usize,
+    border: Border,
+}
+
+impl Wavelets {
+    /// `count` wavelets after `splits` splits.
+    fn new(count: usize, splits: u32, border: Border) -> Self {
+        if splits == 0 {
+            return Self { cells: 1, last: count - 1, border };
+        }
+        let step = 1usize << splits;
+        let support = support(splits);
+        let last = match border {
+            Border::Periodic => count - 1,
+            Border::Bounded => (count * step).saturating_sub(support) / step,
+        };
+        Self { cells: support.div_ceil(step), last, border }
+    }
+
+    /// The wavelet that starts `before` blocks before block `at`.
+    fn index(self, at: usize, before: usize) -> usize {
+        match self.border {
+            // `last` is -1 modulo the count.
+            Border::Periodic => (at + before * self.last) % (self.last + 1),
+            Border::Bounded => at.saturating_sub(before).min(self.last),
+        }
+    }
+}
+
+/// Samples in the support of a wavelet after `splits` splits.
+pub fn support(splits: u32) -> usize {
+    (TAPS - 1) * ((1 << splits) - 1) + 1
+}
+
+/// Frequencies of the first `rows` rows of an image of `width x height` finite values, both powers of two; `rows` is even,
+/// or all of them.
+///
+/// # Panics
+/// On other sizes; bounded images have at least [`SMALLEST_BOUNDED`] pixels per axis.
+pub fn frequencies(
+    image: &[f32],
+    [width, height]: [usize; 2],
+    rows: usize,
+    border: Border,
+    epsilon: f64,
+) -> Frequencies {
+    assert!(width.is_power_of_two() && height.is_power_of_two(), "sizes are powers of two");
+    assert!(rows <= height && (rows.is_multiple_of(2) || rows == height), "rows are of the image");
+    assert!(border == Border::Periodic || width.min(height) >= SMALLEST_BOUNDED, "bounded images have some pixels");
+    let columns = (width / 2).max(1);
+    let block_rows = rows.div_ceil(2);
+    let magnitude = image.par_iter().copied().map(f32::abs).reduce(|| 0.0, f32::max);
+    let blank = |columns: usize| vec![0.0; columns * block_rows];
+    let mut found = Frequencies { width: columns, height: block_rows, u: blank(columns), v: blank(columns) };
+    if magnitude == 0.0 || width * height == 1 {
+        return found;
+    }
+    // Far from overflow and underflow: a power of two changes no other bit.
+    let scaled: Vec<f32>;
+    let image = if (1e-20..1e20).contains(&magnitude) {
+        image
+    } else {
+        let factor = 2f64.powi(-magnitude.log2() as i32);
+        scaled = image.iter().map(|value| (f64::from(*value) * factor) as f32).collect();
+        &scaled
+    };
+    let scales = scales(image, [width, height], block_rows, border);
+    let (finest, next) = maxima(&scales, columns, block_rows);
+    let rule = Rule::new(epsilon);
+    let outputs = found.u.par_chunks_exact_mut(columns).zip(found.v.par_chunks_exact_mut(columns));
+    outputs.enumerate().for_each(|(row, (u, v))| {
+        let along = |pick: fn(&Scale) -> &Vec<f32>| -> Vec<(&[f32], u32)> {
+            let used = scales.iter().filter(|scale| !pick(scale).is_empty());
+            used.map(|s| (&pick(s)[(row >> s.shift[1]) * s.width..][..s.width], s.shift[0])).collect()
+        };
+        let (along_u, along_v) = (along(|s| &s.u), along(|s| &s.v));
+        let finest = &finest[row * columns..][..columns];
+        for at in 0..columns {
+            let (largest, coarser) = (finest[at], next.at(at, row));
+            let value = |scales: &[(&[f32], u32)], k: usize| scales.get(k).map(|(row, shift)| row[at >> shift]);
+            u[at] = rule.frequency(|k| value(&along_u, k), largest, coarser);
+            v[at] = rule.frequency(|k| value(&along_v, k), largest, coarser);
+        }
+    });
+    found
+}
+
+/// `ε`, and what it changes.
+#[derive(Clone, Copy)]
+struct Rule {
+    epsilon: f32,
+    /// `2^(-3) (ε / 0.01)^(1/5)`: cycles per pixel of a crossing at the finest level.
+    unit: f32,
+}
+
+impl Rule {
+    fn new(epsilon: f64) -> Self {
+        Self { epsilon: epsilon as f32, unit: (0.125 * (epsilon / 0.01).powf(0.2)) as f32 }
+    }
+
+    /// Cycles per pixel where the tail of `Λ` (finest level first) crosses ε times the `largest` of all; `coarser` is the
+    /// largest of all but the finest level.
+    fn frequency(self, lambda: impl Fn(usize) -> Option<f32>, largest: f32, coarser: f32) -> f32 {
+        let threshold = self.epsilon * largest;
+        let mut total = lambda(0).unwrap_or(0.0);
+        if largest <= 0.0 {
+            return 0.0;
+        }
+        if total >= threshold {
+            let octaves = (total / threshold * (total / coarser).max(1.0)).log2() / 5.0;
+            return (self.unit * octaves.exp2()).min(0.5);
+        }
+        for k in 1.. {
+            let Some(value) = lambda(k) else { break };
+            let finer = total;
+            total += value;
+            if total >= threshold {
+                let share = if finer > 0.0 { (total / threshold).log2() / (total / finer).log2() } else { 0.0 };
+                return (self.unit * (share - k as f32).exp2()).min(0.5);
+            }
+        }
+        0.0
+    }
+}
+
+/// `Λ` of every level, the finest first.
+fn scales(image: &[f32], size: [usize; 2], block_rows: usize, border: Border) -> Vec<Scale> {
+    // Splits along an axis: down to one coefficient, or as long as a wavelet fits.
+    let most = size.map(|side| match border {
+        Border::Periodic => side.ilog2(),
+        Border::Bounded => (1..).take_while(|splits| support(*splits) <= side).count() as u32,
+    });
+    // Blocks of the finest level are two pixels wide, where there are two.
+    let first = size.map(|side| u32::from(side > 1));
+    let mut scales = Vec::new();
+    let mut smooth: Vec<f32> = Vec::new();
+    let (mut current, mut splits) = (size, [0u32; 2]);
+    while (0..2).any(|axis| splits[axis] < most[axis]) {
+        let axes = [splits[0] < most[0], splits[1] < most[1]];
+        let input = if scales.is_empty() { image } else { &smooth[..] };
+        let level = split(input, current[0], current[1], axes);
+        for axis in 0..2 {
+            splits[axis] += u32::from(axes[axis]);
+        }
+        current = [level.width, level.height];
+        let shift = [0, 1].map(|axis| splits[axis].saturating_sub(first[axis]));
+        let rows = block_rows.div_ceil(1 << shift[1]);
+        let wavelets = [0, 1].map(|axis| Wavelets::new(current[axis], splits[axis], border));
+        let band = |detail: &[f32]| dilate(&level, detail, wavelets, rows);
+        scales.push(Scale { shift, width: level.width, u: band(&level.along_u), v: band(&level.along_v) });
+        smooth = level.smooth;
+    }
+    if border == Border::Bounded {
+        let [u, v] = variation(image, size);
+        // The gain of a coefficient over the amplitude of a wave.
+        let gain = 2f32.powf(0.5 * (splits[0] + splits[1] + 2) as f32);
+        let whole = [0, 1].map(|axis| size[axis].ilog2());
+        scales.push(Scale { shift: whole, width: 1, u: vec![gain * u], v: vec![gain * v] });
+    }
+    scales
+}
+
+/// Detail along one axis, along both included, as `Λ` of the first `rows` rows of blocks.
+fn dilate(level: &Level<f32>, detail: &[f32], [across, down]: [Wavelets; 2], rows: usize) -> Vec<f32> {
+    if detail.is_empty() {
+        return Vec::new();
+    }
+    let width = level.width;
+    let significant = |at: usize| {
+        let both = if level.both.is_empty() { 0.0 } else { level.both[at].abs() };
+        let value = detail[at].abs().max(both);
+        if value > ROUNDING * level.smooth[at].abs() { value } else { 0.0 }
+    };
+    let mut wide = vec![0.0f32; detail.len()];
+    wide.par_chunks_exact_mut(width).enumerate().for_each_init(Vec::new, |padded: &mut Vec<f32>, (row, target)| {
+        let first = row * width;
+        let border = across.cells - 1;
+        padded.clear();
+        padded.extend((0..border).map(|k| significant(first + across.index(0, border - k))));
+        padded.extend((0..width).map(|at| significant(first + across.index(at, 0))));
+        let mut span = 1;
+        while 2 * span <= across.cells {
+            sliding_maximum(padded, span);
+            span *= 2;
+        }
+        if span < across.cells {
+            sliding_maximum(padded, across.cells - span);
+        }
+        target.copy_from_slice(&padded[..width]);
+    });
+    let mut dilated = vec![0.0f32; width * rows];
+    dilated.par_chunks_exact_mut(width).enumerate().for_each(|(row, target)| {
+        for before in 0..down.cells {
+            let source = &wide[down.index(row, before) * width..][..width];
+            for (value, other) in target.iter_mut().zip(source) {
+                *value = value.max(*other);
+            }
+        }
+    });
+    dilated
+}
+
+/// `values_i = max(values_i, values_(i + distance))`, where there is one.
+fn sliding_maximum(values: &mut [f32], distance: usize) {
+    for i in 0..values.len() - distance {
+        values[i] = values[i].max(values[i + distance]);
+    }
+}
+
+/// Largest of a level and all coarser ones.
+struct Maxima {
+    shift: [u32; 2],
+    width: usize,
+    values: Vec<f32>,
+}
+
+impl Maxima {
+    fn at(&self, column: usize, row: usize) -> f32 {
+        self.values.get((row >> self.shift[1]) * self.width + (column >> self.shift[0])).copied().unwrap_or(0.0)
+    }
+}
+
+/// Of all levels, per finest block, and of all but the finest.
+fn maxima(scales: &[Scale], columns: usize, rows: usize) -> (Vec<f32>, Maxima) {
+    let mut coarser = Maxima { shift: [0; 2], width: 0, values: Vec::new() };
+    let mut next = Maxima { shift: [0; 2], width: 0, values: Vec::new() };
+    for scale in scales.iter().rev() {
+        let height = rows.div_ceil(1 << scale.shift[1]);
+        let mut values = vec![0.0f32; scale.width * height];
+        values.par_chunks_exact_mut(scale.width).enumerate().for_each(|(row, target)| {
+            for (column, value) in target.iter_mut().enumerate() {
+                let at = row * scale.width + column;
+                let own = [&scale.u, &scale.v].map(|band| band.get(at).copied().unwrap_or(0.0));
+                let above = coarser.at(column << scale.shift[0], row << scale.shift[1]);
+                *value = own[0].max(own[1]).max(above);
+            }
+        });
+        next = std::mem::replace(&mut coarser, Maxima { shift: scale.shift, width: scale.width, values });
+    }
+    debug_assert_eq!(coarser.values.len(), if scales.is_empty() { 0 } else { columns * rows });
+    (coarser.values, next)
+}
+
+/// Half the range of the means of an eighth of the image, along each axis.
+fn variation(image: &[f32], [width, height]: [usize; 2]) -> [f32; 2] {
+    let (across, down) = (width / MEANS, height / MEANS);
+    let mut means = [[0.0f64; MEANS]; MEANS];
+    for (row, values) in image.chunks_exact(width).enumerate() {
+        for (mean, cell) in means[row / down].iter_mut().zip(values.chunks_exact(across)) {
+            *mean += cell.iter().map(|value| f64::from(*value)).sum::<f64>();
+        }
+    }
+    let count = (across * down) as f64;
+    let range = |line: &dyn Fn(usize) -> f64| {
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for k in 0..MEANS {
+            (low, high) = (low.min(line(k)), high.max(line(k)));
+        }
+        let half = 0.5 * (high - low);
+        if half > f64::from(ROUNDING) * low.abs().max(high.abs()) { half / count } else { 0.0 }
+    };
+    let largest = |line: &dyn Fn(usize, usize) -> f64| {
+        (0..MEANS).map(|fixed| range(&|k| line(fixed, k))).fold(0.0, f64::max) as f32
+    };
+    [largest(&|row, k| means[row][k]), largest(&|column, k| means[k][column])]
+}
+
+#[cfg(test)]
+mod tests;
