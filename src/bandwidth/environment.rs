@@ -48,10 +48,16 @@ pub fn environment_bandwidth(pixels: &[[f32; 3]], width: usize, epsilon: f64) ->
         values.par_chunks_exact_mut(blocks[0]).enumerate().for_each(|(row, target)| {
             // The row of the block that is nearer to the pole.
             let theta = (row as f64 * 2.0 + 0.5).min(size[1] as f64 - 1.5 - row as f64 * 2.0) * PI / size[1] as f64;
+            let theta = theta as f32;
+            let steepest = 1.0 / theta.sin();
             let at = row * blocks[0];
             for (k, value) in target.iter_mut().enumerate() {
                 let [u, v] = [found.u[at + k] * density[0], found.v[at + k] * density[1]];
-                *value = value.max(on_sphere(theta as f32, [u, v]));
+                // At most this; channels are much alike.
+                let most = (u * steepest).max(v);
+                if most * most + v * v > *value * *value {
+                    *value = value.max(on_sphere(theta, [u, v]));
+                }
             }
         });
     }
