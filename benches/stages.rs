@@ -2,6 +2,8 @@
 //!
 //! The grid is 32 x 32 per hemisphere unless the name says otherwise. All stages use every core.
 
+use brdfc::bandwidth::environment::environment_bandwidth;
+use brdfc::bandwidth::lobe::lobe_bandwidth;
 use brdfc::brdf::encode::{Recipe, Target, encode};
 use brdfc::brdf::haar;
 use brdfc::brdf::importance::{ImportanceRecipe, importance_samples};
@@ -164,6 +166,20 @@ fn measuring(criterion: &mut Criterion) {
     group.bench_function("off the grid", |b| b.iter(|| compare(&s.source, &decoded, &pairs, s.encoding.mean)));
 }
 
+fn bandwidth(criterion: &mut Criterion) {
+    let table = MerlSource::new(Merl::from_bytes(&merl_bytes()).expect("our own file"));
+    let mut group = criterion.benchmark_group("bandwidth");
+    group.bench_function("merl, lobes of 64 x 64", |b| b.iter(|| lobe_bandwidth(black_box(&table), 64, 0.01)));
+    let (width, height) = (2048, 1024);
+    let pixel = |i: usize| {
+        let (x, y) = ((i % width) as f32 / 100.0, (i / width) as f32 / 40.0);
+        [1.5 + x.sin(), 1.2 + (x + y).cos(), 1.0 + (i * i % 101) as f32 / 100.0]
+    };
+    let sky: Vec<[f32; 3]> = (0..width * height).map(pixel).collect();
+    group.throughput(Throughput::Elements(sky.len() as u64));
+    group.bench_function("environment 2048 x 1024", |b| b.iter(|| environment_bandwidth(black_box(&sky), width, 0.01)));
+}
+
 fn packing(criterion: &mut Criterion) {
     let pack = stages().pack;
     let mut group = criterion.benchmark_group("pack");
@@ -189,6 +205,6 @@ fn short() -> Criterion {
 criterion_group! {
     name = benches;
     config = short();
-    targets = read, resampling, importance, encoding, decoding, measuring, packing
+    targets = read, resampling, importance, encoding, decoding, measuring, bandwidth, packing
 }
 criterion_main!(benches);

@@ -29,7 +29,7 @@ fn maps(tiles: bool) -> [BandwidthMap; 3] {
 fn queries() -> Vec<BandwidthQuery> {
     let mut numbers = Numbers::new(2);
     let mut direction = |cells: u32| {
-        let on_a_border = numbers.bits() % 3 == 0;
+        let on_a_border = numbers.bits().is_multiple_of(3);
         let part = |count: u32, share: f64| {
             if on_a_border { (share * f64::from(count)).round() / f64::from(count) } else { share }
         };

@@ -213,7 +213,7 @@ fn files_keep_the_rules_of_the_validator() {
 #[test]
 fn every_kind_of_texture_keeps_the_rules_of_the_validator() {
     let textures = common::textures();
-    assert_eq!(textures.len(), 8 * 5);
+    assert_eq!(textures.len(), 9 * 5);
     for (name, texture) in textures {
         for supercompress in [false, true] {
             println!("{name}, supercompress {supercompress}");

@@ -72,6 +72,17 @@ pub struct Level<T> {
 /// # Panics
 /// On a length that is not `width * height`, and on odd sizes of an axis that is split.
 pub fn split<T: Real>(image: &[T], width: usize, height: usize, axes: [bool; 2]) -> Level<T> {
+    split_where(image, width, height, axes, |_| true)
+}
+
+/// [`split`], with detail only in the tasks of [`ROWS_OF_A_TASK`] rows that have a wanted one: other detail is 0.
+pub(super) fn split_where<T: Real>(
+    image: &[T],
+    width: usize,
+    height: usize,
+    axes: [bool; 2],
+    wanted: impl Fn(usize) -> bool + Sync,
+) -> Level<T> {
     assert_eq!(image.len(), width * height, "an image has width x height values");
     assert!(axes[0] || axes[1], "at least one axis is split");
     assert!((!axes[0] || width.is_multiple_of(2)) && (!axes[1] || height.is_multiple_of(2)), "split axes are even");
@@ -93,21 +104,22 @@ pub fn split<T: Real>(image: &[T], width: usize, height: usize, axes: [bool; 2])
     let mut both = level.both.chunks_mut(task);
     let tasks = level.smooth.chunks_mut(task).enumerate().map(|(number, smooth)| {
         // Bands that are not wanted have no rows.
-        let [u, v, both] = [&mut along_u, &mut along_v, &mut both].map(|rows| rows.next().unwrap_or_default());
-        (number * ROWS_OF_A_TASK, smooth, u, v, both)
+        let details = [&mut along_u, &mut along_v, &mut both].map(|rows| rows.next().unwrap_or_default());
+        (number * ROWS_OF_A_TASK, smooth, details)
     });
     let tasks: Vec<_> = tasks.collect();
-    tasks.into_par_iter().for_each(|(first, smooth, along_u, along_v, both)| {
+    tasks.into_par_iter().for_each_init(Vec::new, |across: &mut Vec<T>, (first, smooth, [along_u, along_v, both])| {
         let count = smooth.len() / columns;
+        let detail = (first..first + count).any(&wanted);
         // Rows of the image that this task needs, each split along u: low half, high half.
         let (start, needed) = if axes[1] { (2 * first, 2 * count + TAPS - 2) } else { (first, count) };
-        let mut across = vec![T::zero(); needed * width];
+        across.resize(needed * width, T::zero());
         let mut pairs = [Vec::new(), Vec::new()];
         for (r, target) in across.chunks_exact_mut(width).enumerate() {
             let row = &image[(start + r) % height * width..][..width];
             if axes[0] {
                 let (low, high) = target.split_at_mut(columns);
-                split_row(row, &filters, &mut pairs, low, high);
+                split_row(row, &filters, &mut pairs, low, detail.then_some(high));
             } else {
                 target.copy_from_slice(row);
             }
@@ -115,17 +127,23 @@ pub fn split<T: Real>(image: &[T], width: usize, height: usize, axes: [bool; 2])
         for r in 0..count {
             let at = r * columns..(r + 1) * columns;
             if axes[1] {
-                let low: [&[T]; TAPS] = std::array::from_fn(|k| &across[(2 * r + k) * width..][..columns]);
-                combine(low, &filters, &mut smooth[at.clone()], &mut along_v[at.clone()]);
+                let taps = |start: usize| -> [&[T]; TAPS] {
+                    std::array::from_fn(|k| &across[(2 * r + k) * width + start..][..columns])
+                };
+                if !detail {
+                    combine_one(taps(0), &filters.low, &mut smooth[at]);
+                    continue;
+                }
+                combine(taps(0), &filters, &mut smooth[at.clone()], &mut along_v[at.clone()]);
                 if axes[0] {
-                    let high: [&[T]; TAPS] =
-                        std::array::from_fn(|k| &across[(2 * r + k) * width + columns..][..columns]);
-                    combine(high, &filters, &mut along_u[at.clone()], &mut both[at]);
+                    combine(taps(columns), &filters, &mut along_u[at.clone()], &mut both[at]);
                 }
             } else {
                 let (low, high) = across[r * width..(r + 1) * width].split_at(columns);
                 smooth[at.clone()].copy_from_slice(low);
-                along_u[at].copy_from_slice(high);
+                if detail {
+                    along_u[at].copy_from_slice(high);
+                }
             }
         }
     });
@@ -133,17 +151,33 @@ pub fn split<T: Real>(image: &[T], width: usize, height: usize, axes: [bool; 2])
 }
 
 /// Splits one row; `pairs` is space for its even and its odd samples.
-fn split_row<T: Real>(row: &[T], filters: &Filters<T>, pairs: &mut [Vec<T>; 2], low: &mut [T], high: &mut [T]) {
+fn split_row<T: Real>(row: &[T], filters: &Filters<T>, pairs: &mut [Vec<T>; 2], low: &mut [T], high: Option<&mut [T]>) {
     let half = row.len() / 2;
     for (parity, samples) in pairs.iter_mut().enumerate() {
         samples.clear();
-        samples.extend(row.iter().skip(parity).step_by(2));
+        samples.extend(row.as_chunks::<2>().0.iter().map(|pair| pair[parity]));
         for i in half..half + TAPS / 2 {
             samples.push(row[(2 * i + parity) % row.len()]);
         }
     }
     let taps: [&[T]; TAPS] = std::array::from_fn(|k| &pairs[k % 2][k / 2..][..half]);
-    combine(taps, filters, low, high);
+    match high {
+        Some(high) => combine(taps, filters, low, high),
+        None => combine_one(taps, &filters.low, low),
+    }
+}
+
+/// The first half of [`combine`].
+fn combine_one<T: Real>(taps: [&[T]; TAPS], filter: &[T; TAPS], values: &mut [T]) {
+    let count = values.len();
+    let taps = taps.map(|row| &row[..count]);
+    for i in 0..count {
+        let mut sum = T::zero();
+        for k in 0..TAPS {
+            sum = sum + filter[k] * taps[k][i];
+        }
+        values[i] = sum;
+    }
 }
 
 /// `low_i = Σ_k h_k taps_k,i` and `high_i = Σ_k g_k taps_k,i`, in the order of k.

@@ -56,13 +56,16 @@ pub fn resample(image: Vec<f32>, u: Axis, v: Axis) -> Vec<f32> {
 /// A latitude-longitude image continued over both poles: row `-1` at azimuth φ is row 0 at `φ + π`, so that `2 height` rows
 /// go once around, and both axes span 2π. `width` is even.
 pub fn continue_over_poles(image: &[f32], width: usize, height: usize) -> Vec<f32> {
-    let mut torus = Vec::with_capacity(2 * image.len());
-    torus.extend_from_slice(image);
-    for row in (0..height).rev() {
-        let (first, second) = image[row * width..][..width].split_at(width / 2);
-        torus.extend_from_slice(second);
-        torus.extend_from_slice(first);
-    }
+    let mut torus = vec![0.0; 2 * image.len()];
+    torus.par_chunks_exact_mut(width).enumerate().for_each(|(row, target)| {
+        if row < height {
+            target.copy_from_slice(&image[row * width..][..width]);
+        } else {
+            let (first, second) = image[(2 * height - 1 - row) * width..][..width].split_at(width / 2);
+            target[..width / 2].copy_from_slice(second);
+            target[width / 2..].copy_from_slice(first);
+        }
+    });
     torus
 }
 

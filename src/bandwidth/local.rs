@@ -18,7 +18,7 @@
 //!
 //! Rounding is no detail: a coefficient below 2^-20 of the smooth coefficient beside it counts as 0.
 
-use super::daubechies::{Level, TAPS, split};
+use super::daubechies::{Level, TAPS, split_where};
 use rayon::prelude::*;
 
 /// What lies beyond the image.
@@ -93,6 +93,11 @@ impl Wavelets {
             Border::Bounded => at.saturating_sub(before).min(self.last),
         }
     }
+
+    /// Whether any of the first `blocks` blocks may be in the support of wavelet `at`.
+    fn is_used(self, at: usize, blocks: usize) -> bool {
+        at < blocks || at + self.cells > self.last + 1 || self.border == Border::Bounded
+    }
 }
 
 /// Samples in the support of a wavelet after `splits` splits.
@@ -117,7 +122,8 @@ pub fn frequencies(
     assert!(border == Border::Periodic || width.min(height) >= SMALLEST_BOUNDED, "bounded images have some pixels");
     let columns = (width / 2).max(1);
     let block_rows = rows.div_ceil(2);
-    let magnitude = image.par_iter().copied().map(f32::abs).reduce(|| 0.0, f32::max);
+    let largest = |values: &[f32]| values.iter().fold(0.0f32, |most, value| most.max(value.abs()));
+    let magnitude = image.par_chunks(1 << 14).map(largest).reduce(|| 0.0, f32::max);
     let blank = |columns: usize| vec![0.0; columns * block_rows];
     let mut found = Frequencies { width: columns, height: block_rows, u: blank(columns), v: blank(columns) };
     if magnitude == 0.0 || width * height == 1 {
@@ -206,14 +212,16 @@ fn scales(image: &[f32], size: [usize; 2], block_rows: usize, border: Border) ->
     while (0..2).any(|axis| splits[axis] < most[axis]) {
         let axes = [splits[0] < most[0], splits[1] < most[1]];
         let input = if scales.is_empty() { image } else { &smooth[..] };
-        let level = split(input, current[0], current[1], axes);
+        let [u, v] = current;
         for axis in 0..2 {
             splits[axis] += u32::from(axes[axis]);
+            current[axis] /= if axes[axis] { 2 } else { 1 };
         }
-        current = [level.width, level.height];
         let shift = [0, 1].map(|axis| splits[axis].saturating_sub(first[axis]));
         let rows = block_rows.div_ceil(1 << shift[1]);
         let wavelets = [0, 1].map(|axis| Wavelets::new(current[axis], splits[axis], border));
+        let wanted = |row: usize| wavelets[1].is_used(row, rows);
+        let level = split_where(input, u, v, axes, wanted);
         let band = |detail: &[f32]| dilate(&level, detail, wavelets, rows);
         scales.push(Scale { shift, width: level.width, u: band(&level.along_u), v: band(&level.along_v) });
         smooth = level.smooth;
@@ -241,6 +249,9 @@ fn dilate(level: &Level<f32>, detail: &[f32], [across, down]: [Wavelets; 2], row
     };
     let mut wide = vec![0.0f32; detail.len()];
     wide.par_chunks_exact_mut(width).enumerate().for_each_init(Vec::new, |padded: &mut Vec<f32>, (row, target)| {
+        if !down.is_used(row, rows) {
+            return;
+        }
         let first = row * width;
         let border = across.cells - 1;
         padded.clear();

@@ -2,6 +2,7 @@
 
 use super::schemas::conforms;
 use crate::common::cli::{Folder, inputs};
+use crate::common::shared_data;
 use brdfc_formats::pack::bandwidth::{BandwidthKind, BandwidthMap};
 
 fn map(folder: &Folder, input: &str, more: &[&str]) -> (BandwidthMap, serde_json::Value) {
@@ -77,6 +78,19 @@ fn info_tells_what_a_map_is() {
     let ran = folder.run(&["encode", "map.ktx2", "-o", "pack.ktx2"]);
     assert_eq!(ran.code, 3);
     assert!(ran.stderr.contains("brdfc.wavelet: found only brdfc.bandwidth; allowed"), "{}", ran.stderr);
+}
+
+/// Ten times the threshold: means of 6.4, 5.9 and 5.3 cycles per radian.
+#[test]
+fn the_threshold_hardly_matters_in_a_real_environment() {
+    let Some(museum) = shared_data("env/museum.exr") else { return };
+    let folder = Folder::new();
+    let [low, middle, high] = ["0.003", "0.01", "0.03"].map(|epsilon| {
+        let (map, report) = map(&folder, museum.to_str().unwrap(), &["--epsilon", epsilon]);
+        assert_eq!((map.size(), map.header().transformed), ([256, 128], [512, 256]));
+        report["mean"].as_f64().unwrap()
+    });
+    assert!(low / middle < 1.15 && middle / high < 1.15 && high <= middle && middle <= low, "{low} {middle} {high}");
 }
 
 #[test]
