@@ -8,7 +8,7 @@ use crate::source::Symmetry;
 use crate::source::address::is_synth;
 use crate::source::bandwidth_map::open_bandwidth_map;
 use crate::source::flat_btf::{asset_json, asset_of_part};
-use crate::source::open::{Facts, StoredErrors, importance_facts, open};
+use crate::source::open::{Facts, OtherPack, StoredErrors, open, other_pack};
 use clap::Args;
 use serde::Serialize;
 use std::path::Path;
@@ -35,13 +35,23 @@ pub struct Report {
     version: u32,
     /// What it is.
     #[serde(flatten)]
-    facts: Facts,
-    /// Symmetries that hold exactly and save work. Not of importance samples.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    symmetry: Option<Symmetry>,
-    /// Whether one channel is enough. Not of importance samples.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    grey: Option<bool>,
+    contents: Contents,
+}
+
+/// What an input is, with reflectance or without.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+#[serde(untagged)]
+enum Contents {
+    Reflectance {
+        /// What it is.
+        #[serde(flatten)]
+        facts: Facts,
+        /// Symmetries that hold exactly and save work.
+        symmetry: Symmetry,
+        /// Whether one channel is enough.
+        grey: bool,
+    },
+    Other(OtherPack),
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
@@ -51,28 +61,24 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     if let Some(map) = open_bandwidth_map(Path::new(&arguments.input))? {
         return bandwidth::info(&map, arguments.json);
     }
-    let report = report(&arguments.input)?;
+    let contents = contents(&arguments.input)?;
     if arguments.json {
-        return print_json(&report);
+        return print_json(&Report { version: 1, contents });
     }
-    let mut lines = facts_in_words(&report.facts);
-    if !matches!(report.facts, Facts::WaveletPack { .. }) {
-        lines.extend(report.symmetry.map(|symmetry| ("symmetry", symmetry_in_words(symmetry))));
-        lines.extend(report.grey.map(|grey| ("colour", if grey { "grey (one channel)" } else { "RGB" }.to_owned())));
-    }
+    let lines = contents_in_words(&contents);
     let width = lines.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
     print(&lines.iter().map(|(name, value)| format!("{name:width$}  {}\n", printable(value))).collect::<String>())
 }
 
-fn report(input: &str) -> Result<Report, CliError> {
+fn contents(input: &str) -> Result<Contents, CliError> {
     if !is_synth(input)
-        && let Some(facts) = importance_facts(Path::new(input))?
+        && let Some(pack) = other_pack(Path::new(input))?
     {
-        return Ok(Report { version: 1, facts, symmetry: None, grey: None });
+        return Ok(Contents::Other(pack));
     }
     let opened = open(input, None)?;
-    let (symmetry, grey) = (Some(opened.source.symmetry()), Some(opened.source.is_grey()));
-    Ok(Report { version: 1, facts: opened.facts, symmetry, grey })
+    let (symmetry, grey) = (opened.source.symmetry(), opened.source.is_grey());
+    Ok(Contents::Reflectance { facts: opened.facts, symmetry, grey })
 }
 
 /// The path of the list of a flat BTF's parts, if the input is one: its folder, the list itself, or one of the parts.
@@ -99,6 +105,28 @@ fn symmetry_in_words(s: Symmetry) -> String {
     let named = [(s.isotropic, "isotropic"), (s.mirror, "mirror symmetric"), (s.reciprocal, "reciprocal")];
     let held: Vec<&str> = named.into_iter().filter(|(holds, _)| *holds).map(|(_, name)| name).collect();
     if held.is_empty() { "none that holds exactly".to_owned() } else { held.join(", ") }
+}
+
+fn contents_in_words(contents: &Contents) -> Vec<(&'static str, String)> {
+    match contents {
+        Contents::Reflectance { facts, symmetry, grey } => {
+            let mut lines = facts_in_words(facts);
+            if !matches!(facts, Facts::WaveletPack { .. }) {
+                lines.push(("symmetry", symmetry_in_words(*symmetry)));
+                lines.push(("colour", if *grey { "grey (one channel)" } else { "RGB" }.to_owned()));
+            }
+            lines
+        }
+        Contents::Other(OtherPack::ImportancePack { polar, azimuths, samples, gpu_bytes }) => {
+            let azimuths = if *azimuths == 1 { ", isotropic".to_owned() } else { format!(" x {azimuths} azimuths") };
+            vec![
+                ("kind", "importance-sample pack".to_owned()),
+                ("outgoing directions", format!("{polar} polar angles{azimuths}")),
+                ("samples of each", samples.to_string()),
+                ("bytes on a GPU", bytes(*gpu_bytes)),
+            ]
+        }
+    }
 }
 
 fn facts_in_words(facts: &Facts) -> Vec<(&'static str, String)> {
@@ -161,18 +189,6 @@ fn facts_in_words(facts: &Facts) -> Vec<(&'static str, String)> {
             ("bytes on a GPU", bytes(*gpu_bytes)),
             ("error on the grid (codec)", errors_in_words(on_grid)),
             ("error off the grid (against the source)", errors_in_words(off_grid)),
-        ],
-        Facts::ImportancePack { polar, azimuths, samples, gpu_bytes } => vec![
-            ("kind", "importance-sample pack".to_owned()),
-            (
-                "outgoing directions",
-                match azimuths {
-                    1 => format!("{polar} polar angles, isotropic"),
-                    _ => format!("{polar} polar angles x {azimuths} azimuths"),
-                },
-            ),
-            ("samples of each", samples.to_string()),
-            ("bytes on a GPU", bytes(*gpu_bytes)),
         ],
     }
 }

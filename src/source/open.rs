@@ -114,6 +114,12 @@ pub enum Facts {
         /// The filtered pack against its source at random direction pairs.
         off_grid: StoredErrors,
     },
+}
+
+/// A pack that has no reflectance of its own, so that [`open`] refuses it.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum OtherPack {
     /// An importance-sample pack.
     ImportancePack {
         /// Polar angles of the outgoing direction.
@@ -173,7 +179,7 @@ impl Facts {
     /// Measured samples that came in; 0 for models.
     pub fn samples(&self) -> u64 {
         match self {
-            Self::Synth { .. } | Self::ImportancePack { .. } => 0,
+            Self::Synth { .. } => 0,
             Self::Merl { valid_cells, .. } => *valid_cells as u64,
             Self::Scan { summary, .. } => summary.rows as u64,
             Self::Rgl { azimuths, polar_angles, resolution, .. } => {
@@ -206,11 +212,11 @@ pub fn open(input: &str, level: Option<f32>) -> Result<Opened, InputError> {
     open_file(Path::new(input), level)
 }
 
-/// What an importance-sample pack is, if the file is one: it has no reflectance, so [`open`] refuses it.
+/// What the file is, if it is a pack without reflectance.
 ///
 /// # Errors
 /// As [`open`].
-pub fn importance_facts(path: &Path) -> Result<Option<Facts>, InputError> {
+pub fn other_pack(path: &Path) -> Result<Option<OtherPack>, InputError> {
     if extension_of(path) != "ktx2" {
         return Ok(None);
     }
@@ -223,7 +229,7 @@ pub fn importance_facts(path: &Path) -> Result<Option<Facts>, InputError> {
     let name = path.display().to_string();
     let pack = ImportancePack::from_texture(&texture).map_err(|error| InputError::Format { name, error })?;
     let ImportanceHeader { polar, azimuths, samples } = pack.header();
-    Ok(Some(Facts::ImportancePack { polar, azimuths, samples, gpu_bytes: pack.gpu_bytes() }))
+    Ok(Some(OtherPack::ImportancePack { polar, azimuths, samples, gpu_bytes: pack.gpu_bytes() }))
 }
 
 /// Opens a file.
