@@ -57,7 +57,10 @@ fn shader_and_cpu_draw_the_same_pictures() {
     let Some(gpu) = common::gpu() else { return };
     let pack = pack("synth:ward?kd=0.3,0.1,0.05&ks=0.1&ax=0.2&ay=0.5");
     for (name, builtin) in Builtin::NAMES {
-        let scene = builtin.scene();
+        let mut scene = builtin.scene();
+        if scene.lights.is_empty() {
+            scene.lights = Builtin::Sphere.scene().lights;
+        }
         for (filter, level) in [(Filter::Bilinear, None), (Filter::Slices, Some(2.5))] {
             let decoding = Decoding { filter, level, ..EXACT };
             let shader = by_shader(&gpu, &scene, &pack, decoding, FRAME);

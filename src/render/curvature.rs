@@ -151,6 +151,27 @@ mod tests {
         }
     }
 
+    /// Also of the shapes that have a smooth and a bumpy half.
+    #[test]
+    fn smooth_halves_have_known_curvatures_and_bumpy_ones_more() {
+        for (builtin, expected) in [(Builtin::BumpyBall, 1.0), (Builtin::RibbedTorus, 1.0 / 0.36)] {
+            let buffer = GBuffer::new(&builtin.scene(), Frame { width: 128, height: 128, samples: 1 });
+            let values = curvature(&buffer);
+            let of = |low: f32, high: f32| -> Vec<f64> {
+                let seen = |pixel: &usize| {
+                    let facing = dot(buffer.normal[*pixel], buffer.to_viewer[*pixel]) > 0.6;
+                    facing && (low..high).contains(&buffer.position[*pixel][0])
+                };
+                (0..values.len()).filter(seen).map(|pixel| f64::from(values[pixel]) / expected).collect()
+            };
+            let (smooth, bumpy) = (of(-1.2, -0.45), of(0.3, 1.2));
+            let close = smooth.iter().filter(|c| (0.8..1.05).contains(*c)).count();
+            assert!(smooth.len() > 500 && close == smooth.len(), "{builtin:?}: {close} of {}", smooth.len());
+            let more = bumpy.iter().filter(|c| **c > 1.5).count();
+            assert!(3 * more > bumpy.len() && bumpy.len() > 500, "{builtin:?}: {more} of {}", bumpy.len());
+        }
+    }
+
     /// A plane in front of another that faces elsewhere, of one part, and the same as two parts.
     #[test]
     fn outlines_and_other_parts_do_not_count() {

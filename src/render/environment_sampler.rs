@@ -175,7 +175,8 @@ mod tests {
             .map(|(direction, _)| sampler.density(direction) / look_up(&environment, direction))
             .collect();
         let [low, high] = [f64::min, f64::max].map(|pick| ratios.iter().copied().reduce(pick).unwrap());
-        assert!(high < 1.2 * low, "{low} {high}");
+        // The light itself varies by thousands.
+        assert!(high < 1.3 * low, "{low} {high}");
     }
 
     #[test]

@@ -64,7 +64,7 @@ fn mesh(columns: usize, rows: usize) -> Mesh {
 
 pub(super) fn scene() -> Scene {
     Scene {
-        parts: vec![Part { name: "ball", mesh: mesh(400, 200), surface: Surface::default() }],
+        parts: vec![Part { name: "ball", mesh: mesh(320, 160), surface: Surface::default() }],
         camera: Camera { eye: [0.0, 0.0, 4.6], target: [0.0; 3], up: [0.0, 1.0, 0.0], field_of_view: 30.0 },
         lights: Vec::new(),
         environment: sky::environment(),

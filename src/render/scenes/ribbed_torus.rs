@@ -64,7 +64,7 @@ fn mesh(columns: usize, rows: usize) -> Mesh {
 
 pub(super) fn scene() -> Scene {
     Scene {
-        parts: vec![Part { name: "torus", mesh: mesh(480, 160), surface: Surface::default() }],
+        parts: vec![Part { name: "torus", mesh: mesh(400, 128), surface: Surface::default() }],
         camera: Camera { eye: [0.0, 0.0, 4.6], target: [0.0; 3], up: [0.0, 1.0, 0.0], field_of_view: 27.0 },
         lights: Vec::new(),
         environment: sky::environment(),
