@@ -1,11 +1,15 @@
 //! From a meso-structure, or an ordinary BTF, to the packs of a flat BTF.
 
 mod asset;
+mod describe;
 mod input;
+mod read;
 mod recipe;
 mod run;
 
 pub use asset::{AssetErrors, AssetFile, AssetReport, PartFile};
-pub use input::{Geometry, MesoInputError, MesoOptions, material_list, open_appearance, open_geometry};
+pub use describe::{MeshFacts, SurfaceFacts, describe_surface};
+pub use input::{Geometry, MesoInputError, MesoOptions, PLANE, material_list, open_appearance, open_geometry};
+pub use read::open_asset;
 pub use recipe::{FlattenRecipe, Form, Settings};
 pub use run::{FlattenError, FlattenJob, FlattenWatcher, Values, run};
