@@ -85,7 +85,7 @@ impl Kind {
             Self::Structure => "a structure, whose tile is 1 x 1 and whose relief its address gives",
             Self::Mesh => "a mesh",
             Self::HeightMap => "a height map, which is one tile",
-            Self::Plane => "images over the plane",
+            Self::Plane => "the plane",
         }
     }
 }

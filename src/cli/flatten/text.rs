@@ -40,11 +40,12 @@ pub(in crate::cli) fn height(value: f64) -> String {
 /// What people read of an asset.
 pub(in crate::cli) fn text(asset: &AssetFile, seconds: Option<f64>) -> String {
     let (report, settings) = (&asset.report, &asset.settings);
+    let (views, lights) = (&settings.views, &settings.lights);
     let stretch = &report.parameterisation.after;
     let mut rows = vec![
         ("source", asset.source.clone()),
         ("texels", format!("{0} x {0} flat, {1} x {1} on the plane", settings.flat_texels, settings.texels)),
-        ("views x lights", format!("{} x {}", settings.views.1, settings.lights.1)),
+        ("views x lights", format!("{} ({}) x {} ({})", views.1, views.0, lights.1, lights.0)),
         ("heights", format!("{} to {} tiles", height(report.heights[0]), height(report.heights[1]))),
         ("stretch", format!("{:.3} (1 is even), largest {:.2}", stretch.l2, stretch.largest)),
         ("texels seen by one view", format!("{}, mean over the views", percent(report.seen))),

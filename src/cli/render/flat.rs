@@ -4,7 +4,7 @@ use super::materials::Subject;
 use super::{Arguments, FormName, outputs, scene};
 use crate::btf::model::MesoModel;
 use crate::btf::surface::Appearance;
-use crate::build::flatten::{AssetFile, Form, MesoOptions, open_appearance, open_asset, open_geometry};
+use crate::build::flatten::{AssetFile, Form, MesoOptions, PLANE, open_appearance, open_asset, open_geometry};
 use crate::cli::CliError;
 use crate::cli::Common;
 use crate::cli::output::remark;
@@ -34,10 +34,10 @@ pub(super) fn verification(arguments: &Arguments, common: Common) -> Result<(Ver
     check_flags(arguments)?;
     let subject = Subject::Pack;
     let setup = scene::setup(arguments, &subject)?;
-    let choice = arguments.adapter.clone().map_or(AdapterChoice::Best, AdapterChoice::Named);
-    let gpu = Gpu::open(&choice)?;
     let path = Path::new(&arguments.input);
     let asset = open_asset(path)?;
+    let choice = arguments.adapter.clone().map_or(AdapterChoice::Best, AdapterChoice::Named);
+    let gpu = Gpu::open(&choice)?;
     let has_views = asset.as_ref().is_none_or(|asset| asset.settings.form == Form::Full);
     let form = match arguments.form {
         Some(FormName::Full) => FlatForm::Full,
@@ -125,7 +125,8 @@ fn gpu_bytes(parts: &FlatBtfParts) -> u64 {
 /// The surface and materials that an asset was made from, where all are addresses.
 fn surface_again(asset: &AssetFile) -> Result<Option<(MesoModel, Appearance)>, CliError> {
     let (source, materials) = (&asset.source, &asset.materials);
-    let from_files = !is_synth(source) || materials.is_empty() || !materials.iter().all(|m| is_synth(m));
+    let from_formula = is_synth(source) || source == PLANE;
+    let from_files = !from_formula || materials.is_empty() || !materials.iter().all(|m| is_synth(m));
     if from_files || asset.settings.bounces > 0 || asset.images_over_the_tile {
         return Ok(None);
     }
