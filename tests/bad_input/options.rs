@@ -21,6 +21,7 @@ fn inputs() -> Folder {
 }
 
 #[test]
+#[cfg(feature = "render")]
 fn one_file_for_two_pictures() {
     let folder = inputs();
     let both = |code, options: &[&str], expected: &[&str]| {
@@ -29,8 +30,6 @@ fn one_file_for_two_pictures() {
     let expected = ["--output and --reference: found same.png for both"];
     both(2, &["-o", "same.png", "--reference", "same.png", "--difference", "d.png"], &expected);
     both(2, &["-o", "a.png", "--sheet", "./s.png", "--difference", "s.png"], &["--difference and --sheet"]);
-    let same = ["flatten", "synth:knit?resolution=16", "-o", "out", "--write-images", "./out"];
-    refused(&folder, &same, 2, &["--out and --write-images", "./out"]);
 }
 
 #[test]
@@ -81,6 +80,13 @@ fn options_that_go_with_another_input() {
     }
     let rest = ["--material", "clay=synth:lambert", "--material", "synth:lewis"];
     folder.run(&[&["flatten", "named.obj", "-o", "out"], &rest[..], &SMALL].concat()).succeeded();
+}
+
+#[test]
+#[cfg(feature = "render")]
+fn flat_btfs_that_are_not_drawn() {
+    let folder = inputs();
+    folder.run(&[&["flatten", "m.obj", "-o", "out"], &SMALL[..]].concat()).succeeded();
     refused(&folder, &["render", "out", "--filter", "nearest"], 2, &["--filter: found with out, a flat BTF"]);
     let list = folder.text("out/out.json");
     for damaged in ["{}", "[]", &list[..list.len() / 2]] {
@@ -98,15 +104,14 @@ fn folders_that_are_files_or_not_empty() {
     };
     with(&["-o", "m.obj"], 4, &["m.obj: cannot write: found a file; allowed a folder"]);
     with(&["-o", "out", "--write-images", "m.obj"], 4, &["m.obj: cannot write: found a file; allowed a folder"]);
+    with(&["-o", "out", "--write-images", "./out"], 2, &["--out and --write-images: found ./out for both"]);
     let full = ["--write-images: found 1 files or folders in s; allowed a new or empty folder"];
     with(&["-o", "out", "--write-images", "s"], 2, &full);
     assert!(!folder.path().join("out").exists(), "before the work");
     std::fs::create_dir(folder.path().join("empty")).unwrap();
     folder.run(&[&knit[..], &["-o", "out", "--write-images", "empty"], &SMALL].concat()).succeeded();
     assert_eq!(folder.files("empty").len(), 16);
-    for study in ["rays", "level-of-detail"] {
-        refused(&folder, &["bench", "--study", study, "--out", "m.obj"], 4, &["found a file; allowed a folder"]);
-    }
+    refused(&folder, &["bench", "--study", "rays", "--out", "m.obj"], 4, &["found a file; allowed a folder"]);
     refused(&folder, &["bench", "--study", "rays", "--directions", "ubo2003"], 2, &["allowed with --study flat-btf"]);
     refused(&folder, &["bench", "synth:knit"], 2, &["flat-btf and rays (structures)", "images: materials"]);
 }

@@ -66,6 +66,7 @@ fn tile(side: &str) -> String {
 fn what_flatten_takes_is_described() {
     let folder = Folder::new();
     folder.write("tile.obj", tile("2.5"));
+    folder.write("over.obj", tile("1").replace("f 1 3 4", "f 4 3 1\nf 4 3 1"));
     folder.write("open.obj", tile("1").replace("f 1 3 4\n", ""));
     let mut png = std::io::Cursor::new(Vec::new());
     image::GrayImage::from_fn(8, 6, |x, _| image::Luma([51 * (x as u8 % 6)]))
@@ -87,6 +88,10 @@ fn what_flatten_takes_is_described() {
     assert_eq!((&mesh["kind"], &mesh["triangles"], &mesh["tile"]), (&"mesh".into(), &2.into(), &2.5.into()));
     assert_eq!((&mesh["materials"][0], &mesh["bounds"][0][1]), (&"clay".into(), &2.5.into()));
     assert!(text.contains("with --tile 2.5") && text.contains("clay"), "{text}");
+    assert!(text.lines().any(|line| line.starts_with("mended ") && line.ends_with("nothing")), "{text}");
+    let (over, text) = info("over.obj");
+    assert_eq!(over["mended"]["duplicate_triangles"], 1);
+    assert!(text.contains("1 triangles that were there twice were left out; 1 triangles were turned over"), "{text}");
     let (open, text) = info("open.obj");
     assert!(open["tile"].is_null() && open["problem"].as_str().unwrap().contains("hole"), "{open}");
     assert!(text.contains("does not close"), "{text}");

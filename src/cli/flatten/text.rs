@@ -1,30 +1,33 @@
 //! What people read of an asset.
 
 use crate::btf::probes::ColourErrors;
+use crate::btf::weld::WeldReport;
 use crate::build::flatten::AssetFile;
 use crate::cli::output::printable;
 use crate::report::table::{bytes, percent};
 
 /// What a user should know.
 pub(super) fn remarks(asset: &AssetFile) -> Vec<String> {
-    let mut lines = Vec::new();
-    if let Some(mended) = &asset.report.mended {
-        for (count, what) in [
-            (mended.unreferenced_vertices, "vertices that no triangle has were left out"),
-            (mended.degenerate_triangles, "triangles with two equal corners were left out"),
-            (mended.duplicate_triangles, "triangles that were there twice were left out"),
-            (mended.turned_triangles, "triangles were turned over, so that outside is up"),
-            (mended.exchanged_edges, "triangles without area were mended"),
-        ] {
-            if count > 0 {
-                lines.push(format!("{count} {what}"));
-            }
-        }
-    }
+    let mut lines = asset.report.mended.as_ref().map(mended_in_words).unwrap_or_default();
     if asset.report.never_seen > 0 {
         lines.push(format!("{} of the texels are seen by none of the views", percent(unseen(asset))));
     }
     lines
+}
+
+/// What was mended in a mesh; nothing where it was whole.
+pub(in crate::cli) fn mended_in_words(mended: &WeldReport) -> Vec<String> {
+    [
+        (mended.unreferenced_vertices, "vertices that no triangle has were left out"),
+        (mended.degenerate_triangles, "triangles with two equal corners were left out"),
+        (mended.duplicate_triangles, "triangles that were there twice were left out"),
+        (mended.turned_triangles, "triangles were turned over, so that outside is up"),
+        (mended.exchanged_edges, "triangles without area were mended"),
+    ]
+    .into_iter()
+    .filter(|(count, _)| *count > 0)
+    .map(|(count, what)| format!("{count} {what}"))
+    .collect()
 }
 
 /// Share of the texels that no view sees.

@@ -1,7 +1,7 @@
 //! What people read of an input of `brdfc flatten`, and of a part of a flat BTF.
 
 use crate::build::flatten::{MeshFacts, SurfaceFacts};
-use crate::cli::flatten::height;
+use crate::cli::flatten::{height, mended_in_words};
 use crate::report::table::bytes;
 
 /// Lines of name and value.
@@ -64,9 +64,8 @@ fn mesh_in_words(mesh: &MeshFacts) -> Vec<(&'static str, String)> {
     }
     if let Some(mended) = &mesh.mended {
         lines.push(("surface", format!("{} vertices, {} triangles", mended.vertices, mended.triangles)));
-        let left = mended.unreferenced_vertices + mended.degenerate_triangles + mended.duplicate_triangles;
-        let turned = mended.turned_triangles + mended.exchanged_edges;
-        lines.push(("to be mended", format!("{left} elements left out, {turned} triangles turned or mended")));
+        let words = mended_in_words(mended);
+        lines.push(("mended", if words.is_empty() { "nothing".to_owned() } else { words.join("; ") }));
     }
     lines
 }
