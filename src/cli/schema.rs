@@ -28,9 +28,11 @@ enum Report {
     Compare,
     /// 'brdfc info --json'.
     Info,
+    /// 'brdfc info --json' of a structure, a mesh, a height map, images, or a part of a flat BTF.
+    InfoSurface,
     /// 'brdfc flatten --json'.
     Flatten,
-    /// NAME.json in the folder of a flat BTF.
+    /// NAME.json in the folder of a flat BTF, and 'brdfc info --json' of one.
     FlatBtf,
     /// 'brdfc bench --json'.
     Bench,
@@ -46,6 +48,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         Report::Encode => schema_for!(super::encode::Report),
         Report::Compare => schema_for!(super::compare::Report),
         Report::Info => schema_for!(super::info::Report),
+        Report::InfoSurface => schema_for!(super::info::SurfaceReport),
         Report::Flatten => schema_for!(super::flatten::Report),
         Report::FlatBtf => schema_for!(crate::build::flatten::AssetFile),
         Report::Bench => schema_for!(super::bench::Report),

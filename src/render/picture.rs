@@ -83,7 +83,8 @@ pub fn to_exr(image: &LinearImage) -> Vec<u8> {
 /// # Errors
 /// What is no EXR with channels R, G and B; more than 8192 x 4096 pixels; values that are negative or no numbers.
 pub fn from_exr(bytes: &[u8]) -> Result<LinearImage, FormatError> {
-    let broken = |error: exr::error::Error| FormatError::whole("EXR", error.to_string(), "channels R, G and B");
+    let broken =
+        |error: exr::error::Error| FormatError::whole("EXR", error.to_string(), "a whole EXR with channels R, G and B");
     // Sizes first: pixels are asked for only when they are small enough.
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(broken)?;
     for header in &meta.headers {

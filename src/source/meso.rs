@@ -110,7 +110,7 @@ pub fn heights_from_png(bytes: &[u8]) -> Result<HeightMap, FormatError> {
 /// What is no EXR, other sizes than [`HEIGHT_MAP_SIDE`], no such channel, values that are not finite.
 pub fn heights_from_exr(bytes: &[u8]) -> Result<HeightMap, FormatError> {
     let allowed = "an EXR with a channel Y or R, or with one channel";
-    let broken = |error: exr::error::Error| FormatError::whole("EXR", error.to_string(), allowed);
+    let broken = |error: exr::error::Error| FormatError::whole("EXR", error.to_string(), "a whole EXR, not deep");
     // Sizes first: pixels are asked for only when they are few enough.
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(broken)?;
     for header in &meta.headers {
@@ -259,6 +259,9 @@ mod tests {
         assert!(error(5, 4, &["Y"], f32::NEG_INFINITY).contains("-inf at pixel (2, 1)"));
         let channels = error(5, 4, &["A", "B"], 0.0);
         assert_eq!(channels, "EXR: found channels A, B; allowed an EXR with a channel Y or R, or with one channel");
+        let whole = exr_of(5, 4, &["Y"], |_, _| 0.0);
+        let cut = heights_from_exr(&whole[..whole.len() / 2]).unwrap_err().to_string();
+        assert!(cut.ends_with("allowed a whole EXR, not deep"), "{cut}");
         assert!(error(5, 3, &["Y"], 0.0).contains("5 x 3 pixels; allowed 4 to 8192 per side"));
         assert!(error(8193, 4, &["Y"], 0.0).contains("8193 x 4"));
     }

@@ -4,6 +4,7 @@ pub mod address;
 pub mod analytic;
 pub mod btf_stack;
 pub mod flat_btf;
+pub mod flat_part;
 mod merl;
 pub mod meso;
 pub mod open;

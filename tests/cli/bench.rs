@@ -33,6 +33,7 @@ fn the_study_of_rays_counts_rays_and_writes_them() {
     conforms("bench", &folder.run(&[&study[..], &["--json"]].concat()).succeeded().json());
     for (arguments, code, expected) in [
         (&["synth:buton"][..], 3, "did you mean `button`?"),
+        (&["--adapter", "x"], 2, "--adapter: found with another study; allowed with --study throughput"),
         (&["button.obj"], 2, "INPUT: found button.obj"),
         (&["--texels", "0"], 2, "--texels: found 0; allowed 1 to 512"),
     ] {

@@ -4,7 +4,8 @@ use crate::common::cli::Folder;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-const NAMES: [&str; 9] = ["build", "material", "encode", "compare", "info", "flatten", "flat-btf", "bench", "render"];
+const NAMES: [&str; 10] =
+    ["build", "material", "encode", "compare", "info", "info-surface", "flatten", "flat-btf", "bench", "render"];
 
 fn file(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("schemas").join(format!("{name}.json"))

@@ -8,7 +8,7 @@ use crate::cli::CliError;
 use crate::render::picture::from_exr;
 use crate::render::scene::{Environment, Frame, PointLight, Scene};
 use crate::render::scenes::Builtin;
-use crate::source::open::InputError;
+use crate::source::open::{InputError, MAX_FILE_BYTES, read_file};
 use std::path::Path;
 use toml::Spanned;
 
@@ -152,7 +152,7 @@ fn at(subject: &Subject, name: &Spanned<String>, field: &str, known: &[&str]) ->
 }
 
 fn environment(path: &Path) -> Result<Environment, CliError> {
-    let bytes = std::fs::read(path).map_err(|error| CliError::read(path, &error))?;
+    let bytes = read_file(path, MAX_FILE_BYTES)?;
     let image = from_exr(&bytes)
         .map_err(|error| CliError::from(InputError::Format { name: path.display().to_string(), error }))?;
     Ok(Environment { width: image.width, height: image.height, pixels: image.pixels })
