@@ -9,7 +9,7 @@ use crate::btf::flatten::{ComputedField, FlatView as Flattened, Guide, Holes, Li
 use crate::btf::indirection::indirection;
 use crate::btf::measured::{MeasuredField, ViewImages};
 use crate::btf::model::MesoModel;
-use crate::btf::parameterise::ParameteriseError;
+use crate::btf::parameterise::{ParameteriseError, steps};
 use crate::btf::probes::{ColourErrors, Directions, Probes, shown};
 use crate::btf::rebuild::ViewImage;
 use crate::btf::surface::Appearance;
@@ -115,8 +115,8 @@ pub fn run(job: FlattenJob<'_>, watcher: &dyn FlattenWatcher) -> Result<AssetFil
     // Until it is whole again there is no asset of this name.
     let _ = std::fs::remove_file(&listing);
 
-    begin(watcher, "parameterise", 1)?;
-    let model = MesoModel::new(job.geometry.mesh, recipe.rounds)?;
+    begin(watcher, "parameterise", steps(recipe.rounds))?;
+    let model = MesoModel::watched(job.geometry.mesh, recipe.rounds, &|| watcher.step())?;
     let texels = model.texels(recipe.flat_texels);
     let size = recipe.flat_texels as u32;
     let single = |v: Vector| v.map(|c| c as f32);
