@@ -24,11 +24,16 @@ const UNEVENNESS_LIMIT: f64 = 1e-9;
 /// Newton's steps towards the tilt: four or five are usual.
 const TILT_STEPS: usize = 100;
 /// Residual that solutions aim at.
-const EXACT: f64 = 1e-14;
+const EXACT: f64 = 1e-13;
 /// Residual, relative to the right side, of solutions that only lead to the next step.
 const ROUGH: f64 = 1e-4;
 /// Most that one step changes the logarithm of a weight: the second derivative then stays of one size.
 const LARGEST_CHANGE: f64 = 1.0;
+/// Rounds in which the first shares of time are found; one or two are usual.
+const FIRST_ROUNDS: usize = 20;
+/// Steps of the walk in each of them.
+const FIRST_WALK: usize = 32;
+const UNEVEN: &str = "the weights differ too much from one another";
 /// How often a solution without great trouble asks whether to go on.
 pub(super) const STEPS: usize = 10;
 
@@ -60,18 +65,14 @@ pub(super) fn solve(
     let mut drift = [f64::NAN; 2];
     for _ in 0..TILT_STEPS {
         let (walk, log_sums) = tilted(edges, tilt, &potential);
-        let made = match solver.take() {
-            Some(made) => made,
-            None => {
-                let rough = Solver::new(&walk, &share, symbolic)?;
-                ask()?;
-                stationary(&rough, &walk, &mut share)?;
-                Solver::new(&walk, &share, symbolic)?
+        let solver = match &solver {
+            Some(made) => {
+                stationary(made, &walk, &mut share)?;
+                made
             }
+            None => solver.insert(first_solver(&walk, &mut share, symbolic, &ask)?),
         };
-        let solver = solver.insert(made);
         ask()?;
-        stationary(solver, &walk, &mut share)?;
         let steps = mean_steps(&walk, n);
         drift = [0, 1].map(|k| share.iter().zip(&steps).map(|(s, d)| s * d[k]).sum());
         let mean_log: f64 = share.iter().zip(&log_sums).map(|(s, l)| s * l).sum();
@@ -150,22 +151,52 @@ fn tilted<'a>(edges: &'a [Edge], tilt: [f64; 2], potential: &[f64]) -> (Walk<'a>
     (Walk { edges, probabilities }, log_sums)
 }
 
-/// Improves the shares of time until as much comes to each vertex as leaves it. They add up to 1.
-fn stationary(solver: &Solver, walk: &Walk<'_>, share: &mut [f64]) -> Result<(), ParameteriseError> {
+/// A solver, and the shares of time that it was made for.
+fn first_solver(
+    walk: &Walk<'_>,
+    share: &mut [f64],
+    symbolic: &mut Option<SymbolicLlt<usize>>,
+    ask: &dyn Fn() -> Result<(), ParameteriseError>,
+) -> Result<Solver, ParameteriseError> {
+    let mut excess = vec![0.0; share.len()];
+    let ones = vec![1.0; share.len()];
+    for _ in 0..FIRST_ROUNDS {
+        // Steps of the walk even out what is wrong nearby; the solver does so far off.
+        for _ in 0..FIRST_WALK {
+            walk.backward(share, &ones, &mut excess);
+            share.iter_mut().zip(&excess).for_each(|(s, e)| *s -= 0.5 * e);
+        }
+        let solver = Solver::new(walk, share, symbolic)?;
+        ask()?;
+        if stationary(&solver, walk, share)? < 2.0 {
+            return Ok(solver);
+        }
+    }
+    Err(ParameteriseError::Singular { reason: UNEVEN.into() })
+}
+
+/// Improves the shares of time until as much comes to each vertex as leaves it. They add up to 1. Returns the largest
+/// factor by which one changed.
+fn stationary(solver: &Solver, walk: &Walk<'_>, share: &mut [f64]) -> Result<f64, ParameteriseError> {
     let n = share.len();
-    // What leaves each vertex beyond what comes; shares are searched as multiples of those at hand.
+    // What comes to each vertex beyond what leaves it; shares are searched as multiples of those at hand.
     let mut excess = vec![0.0; n];
     walk.backward(share, &vec![1.0; n], &mut excess);
     excess.iter_mut().for_each(|e| *e = -*e);
     let mut change = vec![0.0; n];
     solver.backward(walk, share, &excess, &mut change, EXACT);
-    share.iter_mut().zip(&change).for_each(|(s, c)| *s *= 1.0 + c);
+    let mut largest = 1.0f64;
+    for (s, c) in share.iter_mut().zip(&change) {
+        let factor = (1.0 + c).clamp(0.1, 10.0);
+        largest = largest.max(factor).max(1.0 / factor);
+        *s *= factor;
+    }
     let total: f64 = share.iter().sum();
     share.iter_mut().for_each(|s| *s /= total);
     if share.iter().all(|s| *s > 0.0 && s.is_finite()) {
-        return Ok(());
+        return Ok(largest);
     }
-    Err(ParameteriseError::Singular { reason: "the weights differ too much from one another".into() })
+    Err(ParameteriseError::Singular { reason: UNEVEN.into() })
 }
 
 /// Mean over the edges of each vertex of the tiles that they go on.

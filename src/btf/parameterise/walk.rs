@@ -20,6 +20,8 @@ use std::collections::VecDeque;
 const KEPT_DIRECTIONS: usize = 6;
 /// Most steps of one solution.
 const MOST_STEPS: usize = 400;
+/// Steps without progress after which a solution is as good as it gets.
+const IDLE_STEPS: usize = 6;
 
 /// A random walk: `probabilities[e]` of leaving along edge `e`, 1 in all for each vertex.
 pub(super) struct Walk<'a> {
@@ -135,16 +137,20 @@ impl Solver {
         let n = x.len();
         let largest = |r: &[f64]| r.iter().zip(scale).map(|(r, s)| (r / s).abs()).fold(0.0, larger);
         let mut r = vec![0.0; n];
+        let total: f64 = scale.iter().sum();
         let residual = |x: &[f64], r: &mut Vec<f64>| {
             apply(x, r);
             r.iter_mut().zip(right).for_each(|(r, b)| *r = b - *r);
+            // Of rounding: no solution has it.
+            let rest = r.iter().sum::<f64>() / total;
+            subtract_scaled(r, rest, scale);
         };
         residual(x, &mut r);
-        let mut found = largest(&r);
+        let mut exact = largest(&r);
         let mut kept: VecDeque<Direction> = VecDeque::with_capacity(KEPT_DIRECTIONS);
-        for dbg in 0..MOST_STEPS {
-            if std::env::var_os("DBG").is_some() { eprintln!("   {dbg} found {found:e} now {:e} enough {enough:e}", largest(&r)); }
-            if found <= enough || found.is_nan() {
+        let (mut least, mut idle) = (product(&r, &r), 0);
+        for _ in 0..MOST_STEPS {
+            if exact <= enough || exact.is_nan() {
                 break;
             }
             let mut along = self.precondition(&r);
@@ -166,15 +172,18 @@ impl Solver {
                 kept.pop_front();
             }
             kept.push_back(Direction { along, image, squared });
-            if largest(&r) <= enough {
+            let now = product(&r, &r);
+            idle = if now < 0.9 * least { 0 } else { idle + 1 };
+            least = least.min(now);
+            if largest(&r) <= enough || idle == IDLE_STEPS {
                 // What was carried on has rounding of its own.
                 residual(x, &mut r);
-                let exact = largest(&r);
-                if exact > 0.5 * found {
-                    return exact;
+                let before = std::mem::replace(&mut exact, largest(&r));
+                if exact > 0.5 * before {
+                    break;
                 }
-                found = exact;
                 kept.clear();
+                (least, idle) = (product(&r, &r), 0);
             }
         }
         residual(x, &mut r);
