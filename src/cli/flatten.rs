@@ -8,8 +8,8 @@ use crate::btf::probes::ColourErrors;
 use crate::btf::structures::describe_structures;
 use crate::build::btf_stack::StackFormat;
 use crate::build::flatten::{
-    AssetFile, FlattenJob, FlattenRecipe, Form, MesoOptions, Values, material_list, open_appearance, open_geometry,
-    run as flatten,
+    AssetFile, FlattenError, FlattenJob, FlattenRecipe, Form, MesoOptions, Values, material_list, open_appearance,
+    open_geometry, run as flatten,
 };
 use crate::report::table::{bytes, percent};
 use crate::source::btf_stack::BtfStack;
@@ -26,7 +26,8 @@ use std::time::Instant;
 ///
 /// MESO is one tile of a surface that repeats: synth:STRUCTURE, a mesh (.obj, .ply), a height map (.png of 8 or 16 bits
 /// grey, .exr), or a folder of images of an ordinary BTF, whose relief --geometry gives. Every mesh is closed over the
-/// tile's borders first; what was mended is reported.
+/// tile's borders first; what was mended is reported. A surface has at most 1048576 vertices, and so many pixels a height
+/// map: 1024 x 1024.
 #[derive(Debug, Args)]
 #[command(after_help = after_help())]
 pub struct Arguments {
@@ -180,7 +181,10 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     };
     let images = arguments.write_images.as_deref().map(|folder| (folder, format));
     let job = FlattenJob { name: &name, folder: &arguments.out, recipe: &recipe, geometry, materials, values, images };
-    let asset = flatten(job, &steps)?;
+    let asset = flatten(job, &steps).map_err(|error| match error {
+        FlattenError::Parameterise(error) => CliError::Input(format!("{}: {error}", options.geometry)),
+        error => error.into(),
+    })?;
     drop(steps);
     for line in remarks(&asset) {
         remark(common, &format!("note: {line}"));

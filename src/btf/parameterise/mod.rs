@@ -210,12 +210,53 @@ mod tests {
                 for turned in [[lean, 0.3 * lean], [-lean, 0.0], [0.3 * lean, -lean]] {
                     let mesh = leaning(n, turned);
                     let found = laid_flat(&mesh, 0).unwrap_or_else(|error| panic!("{n} {turned:?}: {error}"));
-                    println!("{n} {turned:?} {:?}", found.report);
                     assert_eq!(flipped(&mesh, &found.coordinates).0, 0, "{turned:?}");
                     assert!(found.report.residual < 1e-11 && found.report.tilt > 1e-3, "{:?}", found.report);
                 }
             }
         }
+    }
+
+    #[test]
+    fn weights_may_differ_by_orders_of_magnitude() {
+        // Needles eight times as high as they are wide, at random.
+        let noise = |x: f64, y: f64| ((12.9898 * x + 78.233 * y).sin() * 43758.5453).rem_euclid(1.0) * 8.0 / 24.0;
+        let mesh = height_field(24, noise);
+        let found = laid_flat(&mesh, 0).unwrap();
+        assert_eq!(flipped(&mesh, &found.coordinates).0, 0);
+        assert!(found.report.residual < 1e-11 && found.report.tilt > 1e-2, "{:?}", found.report);
+        // The control: untilted, they drift.
+        let edges = mean_value_weights(&mesh);
+        let off = tilt::drift_without_tilt(&edges, mesh.positions.len()).unwrap();
+        assert!(off[0].hypot(off[1]) > 1e-4, "{off:?}");
+    }
+
+    #[test]
+    fn it_stops_when_told_and_counts_its_steps() {
+        let mesh = overhang(16);
+        let calls = std::cell::Cell::new(0);
+        let count = |most: usize| {
+            calls.set(0);
+            parameterise(&mesh, 1, &|| {
+                calls.set(calls.get() + 1);
+                calls.get() < most
+            })
+        };
+        assert!(count(usize::MAX).is_ok());
+        let all = calls.get();
+        assert!((6..=2 * steps(1)).contains(&all), "{all}");
+        for most in 1..=all {
+            assert_eq!(count(most), Err(ParameteriseError::Cancelled));
+            assert_eq!(calls.get(), most);
+        }
+    }
+
+    #[test]
+    fn too_many_vertices_are_refused_before_any_work() {
+        assert_eq!(MAX_VERTICES, crate::source::meso::HEIGHT_MAP_PIXELS);
+        let mesh = PeriodicMesh { positions: vec![[0.0; 3]; MAX_VERTICES + 1], ..PeriodicMesh::default() };
+        let error = parameterise(&mesh, 0, &|| panic!("work")).unwrap_err();
+        assert_eq!(error.to_string(), "vertices: found 1048577; allowed at most 1048576");
     }
 
     #[test]

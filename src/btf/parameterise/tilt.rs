@@ -80,7 +80,6 @@ pub(super) fn solve(
         if !drift.iter().chain([&uneven]).all(|v| v.is_finite()) {
             break;
         }
-        if std::env::var_os("DBG").is_some() { eprintln!("tilt {tilt:?} drift {drift:?} uneven {uneven:e}"); }
         let found = drift.iter().all(|d| d.abs() < DRIFT_LIMIT) && uneven < UNEVENNESS_LIMIT;
 
         let longest = steps.iter().map(|d| d[0].abs().max(d[1].abs())).fold(0.0, f64::max);
@@ -252,4 +251,14 @@ fn finish(walk: &Walk<'_>, u: [Vec<f64>; 2], first: [f64; 2], tilt: [f64; 2]) ->
         return Err(ParameteriseError::Residual { found: residual });
     }
     Ok(Solution { coordinates, residual, tilt: tilt[0].hypot(tilt[1]) })
+}
+
+/// The drift of the weights as they are.
+#[cfg(test)]
+pub(super) fn drift_without_tilt(edges: &[Edge], n: usize) -> Result<[f64; 2], ParameteriseError> {
+    let (walk, _) = tilted(edges, [0.0; 2], &vec![0.0; n]);
+    let mut share = first_shares(edges, n)?;
+    first_solver(&walk, &mut share, &mut None, &|| Ok(()))?;
+    let steps = mean_steps(&walk, n);
+    Ok([0, 1].map(|k| share.iter().zip(&steps).map(|(s, d)| s * d[k]).sum()))
 }

@@ -39,7 +39,7 @@ use std::path::{Path, PathBuf};
 pub enum FlattenError {
     /// The surface cannot be laid flat.
     #[error(transparent)]
-    Parameterise(#[from] ParameteriseError),
+    Parameterise(ParameteriseError),
     /// A pack cannot hold it.
     #[error("{0}")]
     Pack(#[from] FormatError),
@@ -57,6 +57,12 @@ pub enum FlattenError {
     /// Stopped by the watcher.
     #[error("cancelled")]
     Cancelled,
+}
+
+impl From<ParameteriseError> for FlattenError {
+    fn from(error: ParameteriseError) -> Self {
+        if error == ParameteriseError::Cancelled { Self::Cancelled } else { Self::Parameterise(error) }
+    }
 }
 
 impl From<Infallible> for FlattenError {
