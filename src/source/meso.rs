@@ -223,10 +223,10 @@ mod tests {
             assert_eq!(error(4, 4, colour, depth, length), format!("PNG: found {found}{allowed}"));
         }
         let sizes = error(3, 4, ColorType::Grayscale, BitDepth::Eight, 12);
-        let allowed = "allowed 4 to 8192 per side, and at most 1048576 in all, as 1024 x 1024 has";
-        assert_eq!(sizes, format!("PNG: found 3 x 4 pixels; {allowed}"));
+        let limits = "allowed 4 to 8192 per side, and at most 1048576 in all, as 1024 x 1024 has";
+        assert_eq!(sizes, format!("PNG: found 3 x 4 pixels; {limits}"));
         let large = error(1024, 1025, ColorType::Grayscale, BitDepth::Eight, 1024 * 1025);
-        assert_eq!(large, format!("PNG: found 1024 x 1025 pixels; {allowed}"));
+        assert_eq!(large, format!("PNG: found 1024 x 1025 pixels; {limits}"));
         assert_eq!(HEIGHT_MAP_PIXELS, 1024 * 1024);
         assert!(error(4, 8193, ColorType::Grayscale, BitDepth::Eight, 4 * 8193).contains("4 x 8193"));
         assert!(heights_from_png(b"GIF89a").unwrap_err().to_string().ends_with(allowed));
