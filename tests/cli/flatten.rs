@@ -110,6 +110,26 @@ fn meshes_written_by_synth_and_height_maps() {
 }
 
 #[test]
+fn height_maps_of_too_many_pixels_are_refused_before_any_work() {
+    let folder = Folder::new();
+    let mut bytes = Vec::new();
+    image::write_buffer_with_format(
+        &mut std::io::Cursor::new(&mut bytes),
+        &vec![0; 1025 * 1024],
+        1025,
+        1024,
+        image::ColorType::L8,
+        image::ImageFormat::Png,
+    )
+    .unwrap();
+    folder.write("large.png", bytes);
+    let ran = flatten(&folder, &["large.png", "-o", "large"]);
+    let expected = "large.png: PNG: found 1025 x 1024 pixels; allowed 4 to 8192 per side, and at most 1048576";
+    assert!(ran.code == 3 && ran.stderr.contains(expected), "{ran:?}");
+    assert!(!folder.path().join("large").exists());
+}
+
+#[test]
 fn an_ordinary_btf_goes_out_and_comes_in_again() {
     let folder = Folder::new();
     let sponge = "synth:sponge?resolution=48&height=0.6";

@@ -14,7 +14,7 @@ use super::steps::Steps;
 use super::{CliError, Common};
 use crate::build::btf_stack::StackFormat;
 use crate::build::flatten::{
-    AssetFile, FlattenJob, Values, material_list, open_appearance, open_geometry, run as flatten,
+    AssetFile, FlattenError, FlattenJob, Values, material_list, open_appearance, open_geometry, run as flatten,
 };
 use crate::source::address::is_synth;
 use crate::source::btf_stack::BtfStack;
@@ -70,7 +70,10 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     };
     let images = arguments.write_images.as_deref().map(|folder| (folder, format));
     let job = FlattenJob { name: &name, folder: &arguments.out, recipe: &recipe, geometry, materials, values, images };
-    let asset = flatten(job, &steps)?;
+    let asset = flatten(job, &steps).map_err(|error| match error {
+        FlattenError::Parameterise(error) => CliError::Input(format!("{}: {error}", options.geometry)),
+        error => error.into(),
+    })?;
     drop(steps);
     for line in remarks(&asset) {
         remark(common, &format!("note: {line}"));
