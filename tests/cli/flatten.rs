@@ -257,9 +257,11 @@ fn directions_are_checked_before_the_work() {
     folder.run(&[&knit[..], &["-o", "turns", "--views", "turns.csv"]].concat()).succeeded();
     folder.write("steep.csv", "index,theta_deg,phi_deg\n0,0,0\n1,89.99,0\n");
     folder.write("near.csv", "index,theta_deg,phi_deg\n0,0,0\n1,40,10\n2,40,10.001\n");
-    for (set, words) in
-        [("steep.csv", "polar angle: found 89.99"), ("near.csv", "found the direction of line 3"), ("grid:64x64@80", "2048")]
-    {
+    for (set, words) in [
+        ("steep.csv", "polar angle: found 89.99"),
+        ("near.csv", "found the direction of line 3"),
+        ("grid:64x64@80", "2048"),
+    ] {
         let ran = folder.run(&[&knit[..], &["-o", "never", "--views", set]].concat());
         assert!((2..=3).contains(&ran.code) && ran.stderr.contains(words), "{set}: {ran:?}");
         assert!(!folder.path().join("never").exists(), "{set}");

@@ -59,7 +59,7 @@ fn the_extension_decides_whatever_its_case() {
 
 /// Two triangles over a tile of side `side`.
 fn tile(side: &str) -> String {
-    format!("v 0 0 0.1\nv S 0 0.1\nv S S 0.1\nv 0 S 0.1\nusemtl clay\nf 1 2 3\nf 1 3 4\n").replace('S', side)
+    "v 0 0 0.1\nv S 0 0.1\nv S S 0.1\nv 0 S 0.1\nusemtl clay\nf 1 2 3\nf 1 3 4\n".replace('S', side)
 }
 
 #[test]

@@ -10,7 +10,7 @@ use crate::report::table::{bytes, percent};
 use crate::source::Symmetry;
 use crate::source::address::{SYNTH_PREFIX, is_synth, split_query};
 use crate::source::btf_stack::has_images;
-use crate::source::flat_btf::asset_of_part;
+use crate::source::flat_btf::{asset_of_part, check_flat_btf};
 use crate::source::open::{Facts, InputError, StoredErrors, open};
 use clap::Args;
 use serde::Serialize;
@@ -100,12 +100,19 @@ fn flat_btf(input: &str) -> Result<Option<AssetFile>, CliError> {
                 "{input}: flat BTF: found no NAME.json; allowed a finished asset (or the path of one part)"
             ))
         };
-        return open_asset(path)?.map(Some).ok_or_else(missing);
+        let asset = open_asset(path)?.ok_or_else(missing)?;
+        check_flat_btf(path)?;
+        return Ok(Some(asset));
     }
     let part = path.file_name().and_then(|file| file.to_str()).and_then(asset_of_part);
     let Some(list) = part.map(|name| path.with_file_name(format!("{name}.json"))) else { return Ok(None) };
     // A part that is missing is said to be so by whoever opens it.
-    if path.is_file() && list.is_file() { Ok(open_asset(&list)?) } else { Ok(None) }
+    if !path.is_file() || !list.is_file() {
+        return Ok(None);
+    }
+    let asset = open_asset(&list)?;
+    check_flat_btf(&list)?;
+    Ok(asset)
 }
 
 fn has_parts(folder: &Path) -> bool {
