@@ -259,7 +259,7 @@ mod tests {
     }
 
     fn flat_texels(mesh: &PeriodicMesh, size: usize) -> TexelMap {
-        texel_map(mesh, &parameterise(mesh, 0).unwrap().coordinates, size)
+        texel_map(mesh, &parameterise(mesh, 0, &|| true).unwrap().coordinates, size)
     }
 
     #[test]

@@ -32,7 +32,17 @@ impl MesoModel {
     /// # Errors
     /// As [`parameterise`].
     pub fn new(mesh: PeriodicMesh, rounds: usize) -> Result<Self, ParameteriseError> {
-        let parameterisation = parameterise(&mesh, rounds)?;
+        Self::watched(mesh, rounds, &|| true)
+    }
+
+    /// As [`MesoModel::new`]; `go_on` is called about [`steps`]`(rounds)` times, and cancels by returning `false`.
+    ///
+    /// [`steps`]: super::parameterise::steps
+    ///
+    /// # Errors
+    /// As [`parameterise`].
+    pub fn watched(mesh: PeriodicMesh, rounds: usize, go_on: &dyn Fn() -> bool) -> Result<Self, ParameteriseError> {
+        let parameterisation = parameterise(&mesh, rounds, go_on)?;
         let caster = PeriodicCaster::new(&mesh);
         Ok(Self { mesh, parameterisation, caster })
     }

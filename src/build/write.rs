@@ -34,11 +34,16 @@ pub fn write_atomic(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     builder.prefix(".brdfc-").suffix(".tmp");
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut file = builder.tempfile_in(folder)?;
-    file.write_all(bytes)?;
-    file.flush()?;
-    file.persist(path).map_err(|error| error.error)?;
+    let mut file = builder.tempfile_in(folder).map_err(of_target)?;
+    file.write_all(bytes).map_err(of_target)?;
+    file.flush().map_err(of_target)?;
+    file.persist(path).map_err(|error| of_target(error.error))?;
     Ok(())
+}
+
+/// The error without the name of the temporary file, which says nothing to anybody.
+fn of_target(error: std::io::Error) -> std::io::Error {
+    if error.raw_os_error().is_some() { error } else { std::io::Error::from(error.kind()) }
 }
 
 #[cfg(test)]
@@ -55,6 +60,12 @@ mod tests {
         assert!(write_atomic(&folder.path().join("no/such/folder"), b"x").is_err());
         assert!(write_atomic(folder.path(), b"x").is_err());
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn errors_name_no_temporary_file() {
+        let error = std::io::Error::new(std::io::ErrorKind::StorageFull, "full at path \"/x/.brdfc-1.tmp\"");
+        assert!(!of_target(error).to_string().contains(".tmp"));
     }
 
     #[test]

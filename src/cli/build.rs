@@ -1,6 +1,6 @@
 //! `brdfc build`: the main job.
 
-use super::output::{print, print_json, remark, tell, to_json, write_file};
+use super::output::{make_folder, print, print_json, remark, tell, to_json, write_file};
 use super::progress::Progress;
 use super::{CliError, Common};
 use crate::brdf::encode::Target;
@@ -8,6 +8,7 @@ use crate::build::manifest::Manifest;
 use crate::build::run::{Made, Outcome, Plan, pack_name, plan, run as run_jobs};
 use crate::report::material::{MaterialReport, StageTime, remarks};
 use crate::report::table;
+use crate::source::open::{MAX_TEXT_BYTES, read_file};
 use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -87,7 +88,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         return dry_run(arguments, &plan, scene);
     }
 
-    std::fs::create_dir_all(&arguments.out).map_err(|error| CliError::write(&arguments.out, &error))?;
+    make_folder(&arguments.out)?;
     let cancelled = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&cancelled);
     // The second interrupt ends the process at once; packs are renamed into place, so none is ever half written.
@@ -129,7 +130,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
 
 /// A manifest with its text.
 pub(super) fn read_manifest(path: &Path) -> Result<(String, Manifest), CliError> {
-    let bytes = std::fs::read(path).map_err(|error| CliError::read(path, &error))?;
+    let bytes = read_file(path, MAX_TEXT_BYTES)?;
     let text = std::str::from_utf8(&bytes).map_err(|error| {
         let line = 1 + bytes[..error.valid_up_to()].iter().filter(|b| **b == b'\n').count();
         let byte = bytes[error.valid_up_to()];

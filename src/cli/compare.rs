@@ -5,7 +5,7 @@ use super::{CliError, Common};
 use crate::metrics::compare::{Comparison, compare, mean_value};
 use crate::metrics::sampling::random_pairs;
 use crate::report::table;
-use crate::source::open::{Facts, open};
+use crate::source::open::{Facts, MAX_FILE_BYTES, open, read_file};
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::measured::scan_csv::directions_from_bytes;
 use clap::Args;
@@ -97,7 +97,7 @@ fn pairs(directions: &str) -> Result<Vec<DirectionPair>, CliError> {
         return Ok(random_pairs(count, SEED));
     }
     let path = std::path::Path::new(directions);
-    let bytes = std::fs::read(path).map_err(|error| CliError::read(path, &error))?;
+    let bytes = read_file(path, MAX_FILE_BYTES)?;
     let pairs = directions_from_bytes(&bytes).map_err(|error| CliError::Input(format!("{directions}: {error}")))?;
     if pairs.is_empty() {
         return Err(CliError::Input(format!("{directions}: records: found none; allowed at least one")));

@@ -4,7 +4,7 @@ use super::output::{print, refuse_overwriting, remark, write_file};
 use super::{CliError, Common};
 use crate::report::material::mended_in_words;
 use crate::source::Tally;
-use crate::source::open::{Facts, open};
+use crate::source::open::{Facts, MAX_FILE_BYTES, open, read_file};
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::measured::scan_csv::directions_from_bytes;
 use clap::Args;
@@ -47,7 +47,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     if let Some(output) = &arguments.output {
         refuse_overwriting(output, &[path, Path::new(&arguments.input)])?;
     }
-    let bytes = std::fs::read(path).map_err(|error| CliError::read(path, &error))?;
+    let bytes = read_file(path, MAX_FILE_BYTES)?;
     let in_file = |error| CliError::Input(format!("{}: {error}", path.display()));
     let pairs = directions_from_bytes(&bytes).map_err(in_file)?;
     let opened = open(&arguments.input, arguments.lod)?;

@@ -4,7 +4,7 @@ use super::{CliError, Common};
 use crate::build::write::write_atomic;
 use serde::Serialize;
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Prints text to stdout.
 pub fn print(text: &str) -> Result<(), CliError> {
@@ -46,6 +46,44 @@ pub fn refuse_overwriting(output: &Path, inputs: &[&Path]) -> Result<(), CliErro
         return Err(CliError::Usage(format!("--output: found {}, an input; allowed another file", output.display())));
     }
     Ok(())
+}
+
+/// Outputs that are one file: the later would be written over the earlier.
+pub fn refuse_same_outputs(outputs: &[(&str, Option<&Path>)]) -> Result<(), CliError> {
+    let given: Vec<(&str, &Path)> = outputs.iter().filter_map(|(option, path)| Some((*option, (*path)?))).collect();
+    for (at, (option, path)) in given.iter().enumerate() {
+        if let Some((first, _)) = given[..at].iter().find(|(_, earlier)| place(earlier) == place(path)) {
+            return Err(CliError::Usage(format!(
+                "{first} and {option}: found {} for both; allowed different places",
+                path.display()
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// Where a path leads, be there anything or not.
+fn place(path: &Path) -> PathBuf {
+    let parent = || {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        Some(folder.canonicalize().ok()?.join(path.file_name()?))
+    };
+    let there = path.canonicalize().ok().or_else(parent);
+    there.or_else(|| std::path::absolute(path).ok()).unwrap_or_else(|| path.to_owned())
+}
+
+/// An output folder that is something else is found before the work.
+pub fn check_folder(path: &Path) -> Result<(), CliError> {
+    if path.exists() && !path.is_dir() {
+        return Err(CliError::Io(format!("{}: cannot write: found a file; allowed a folder", path.display())));
+    }
+    Ok(())
+}
+
+/// Makes an output folder where there is none.
+pub fn make_folder(path: &Path) -> Result<(), CliError> {
+    check_folder(path)?;
+    std::fs::create_dir_all(path).map_err(|error| CliError::write(path, &error))
 }
 
 /// A line on stderr. A closed or full stderr is nobody to tell, and no reason to stop.

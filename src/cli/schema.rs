@@ -30,9 +30,11 @@ enum Report {
     Info,
     /// 'brdfc bandwidth --json'.
     Bandwidth,
+    /// 'brdfc info --json' of a structure, a mesh, a height map, images, or a part of a flat BTF.
+    InfoSurface,
     /// 'brdfc flatten --json'.
     Flatten,
-    /// NAME.json in the folder of a flat BTF.
+    /// NAME.json in the folder of a flat BTF, and 'brdfc info --json' of one.
     FlatBtf,
     /// 'brdfc bench --json'.
     Bench,
@@ -49,6 +51,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         Report::Compare => schema_for!(super::compare::Report),
         Report::Info => schema_for!(super::info::Report),
         Report::Bandwidth => schema_for!(super::bandwidth::Report),
+        Report::InfoSurface => schema_for!(super::info::SurfaceReport),
         Report::Flatten => schema_for!(super::flatten::Report),
         Report::FlatBtf => schema_for!(crate::build::flatten::AssetFile),
         Report::Bench => schema_for!(super::bench::Report),

@@ -4,7 +4,7 @@ use super::open::InputError;
 use brdfc_formats::FormatError;
 use brdfc_formats::colour::decode_srgb;
 use brdfc_formats::direction_set::DirectionSet;
-use brdfc_formats::measured::btf_stack::StackIndex;
+use brdfc_formats::measured::btf_stack::{StackContents, StackIndex, is_image};
 use image::{DynamicImage, ImageError, ImageFormat, ImageReader};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -55,19 +55,9 @@ impl BtfStack {
         let mut paths = Vec::new();
         let mut entries = 0;
         list(folder, "", LEVELS, &mut entries, &mut paths)?;
-        let index = StackIndex::new(&paths).map_err(|error| format_error(folder, error))?;
-        let mut size = [0; 2];
-        for file in &index.files {
-            let found = image_size(&folder.join(file))?;
-            if file == &index.files[0] {
-                size = found;
-            }
-            if found != size {
-                let allowed = format!("{} x {}, as {} has", size[0], size[1], index.files[0]);
-                let error = FormatError::whole("image size", format!("{} x {}", found[0], found[1]), allowed);
-                return Err(format_error(&folder.join(file), error));
-            }
-        }
+        let mut index = StackIndex::new(&paths).map_err(|error| format_error(folder, error))?;
+        (index.views.name, index.lights.name) = ("of the images".to_owned(), "of the images".to_owned());
+        let size = common_size(folder, &index.files)?;
         let srgb = (0..=u16::MAX).map(|code| decode_srgb(f64::from(code) / 65535.0) as f32).collect();
         Ok(Self { folder: folder.to_owned(), index, size: size.map(|n| n as usize), srgb })
     }
@@ -134,6 +124,41 @@ impl BtfStack {
     }
 }
 
+/// What a folder of images has, be it complete or not, and the size of its images.
+///
+/// # Errors
+/// As [`BtfStack::open`], but for missing images.
+pub fn survey(folder: &Path) -> Result<(StackContents, [u32; 2]), InputError> {
+    let mut paths = Vec::new();
+    list(folder, "", LEVELS, &mut 0, &mut paths)?;
+    let contents = StackContents::new(&paths).map_err(|error| format_error(folder, error))?;
+    let size = common_size(folder, &contents.files)?;
+    Ok((contents, size))
+}
+
+/// Whether a folder, or a folder in it, has a file with the extension of an image.
+pub fn has_images(folder: &Path) -> bool {
+    let mut paths = Vec::new();
+    list(folder, "", LEVELS, &mut 0, &mut paths).is_ok() && paths.iter().any(|path| is_image(path))
+}
+
+/// The size of all images.
+fn common_size(folder: &Path, files: &[String]) -> Result<[u32; 2], InputError> {
+    let mut size = [0; 2];
+    for file in files {
+        let found = image_size(&folder.join(file))?;
+        if *file == files[0] {
+            size = found;
+        }
+        if found != size {
+            let allowed = format!("{} x {}, as {} has", size[0], size[1], files[0]);
+            let error = FormatError::whole("image size", format!("{} x {}", found[0], found[1]), allowed);
+            return Err(format_error(&folder.join(file), error));
+        }
+    }
+    Ok(size)
+}
+
 /// Files below `folder`, with `/` between folders, behind `prefix`.
 fn list(
     folder: &Path,
@@ -188,6 +213,10 @@ fn image_error(path: &Path, error: ImageError) -> InputError {
             if ![ErrorKind::UnexpectedEof, ErrorKind::InvalidData, ErrorKind::Other].contains(&error.kind()) =>
         {
             io_error(path, error)
+        }
+        ImageError::Limits(_) => {
+            let allowed = format!("1 to {MAX_SIZE} along each side");
+            format_error(path, FormatError::whole("image size", "more pixels than a decoder takes", allowed))
         }
         error => format_error(path, FormatError::whole("image", error.to_string(), "a whole PNG, JPEG or EXR image")),
     }

@@ -1,6 +1,6 @@
 //! Flat BTFs in folders: the files of one asset.
 
-use super::open::{InputError, open_path, read_all};
+use super::open::{InputError, MAX_TEXT_BYTES, open_path, read_all, read_file};
 use brdfc_formats::FormatError;
 use brdfc_formats::pack::flat_btf::{
     DiffuseMap, FlatBtfParts, FlatView, IndirectionMap, NormalMap, ReferenceMap, view_part,
@@ -147,18 +147,18 @@ impl Asset {
     }
 }
 
-/// The text of the asset's list of parts, `NAME.json`, where there is one.
+/// Path and bytes of the asset's list of parts, `NAME.json`, where there is one.
 ///
 /// # Errors
 /// What is no flat BTF; a list that cannot be read.
-pub fn asset_json(path: &Path) -> Result<Option<String>, InputError> {
+pub fn asset_list(path: &Path) -> Result<Option<(PathBuf, Vec<u8>)>, InputError> {
     let (folder, name) = asset(path)?;
     let file = folder.join(format!("{name}.json"));
     if !file.is_file() {
         return Ok(None);
     }
-    let (opened, length) = open_path(&file)?;
-    Ok(String::from_utf8(read_all(&file, opened, length)?).ok())
+    let bytes = read_file(&file, MAX_TEXT_BYTES)?;
+    Ok(Some((file, bytes)))
 }
 
 /// Folder and name of the asset that a path means.

@@ -10,6 +10,8 @@ use std::path::Path;
 
 /// Columns and rows of a height map.
 pub const HEIGHT_MAP_SIDE: RangeInclusive<usize> = 4..=8192;
+/// Most pixels of a height map: each is a vertex, and more cannot be laid flat in a reasonable time.
+pub const HEIGHT_MAP_PIXELS: usize = 1 << 20;
 /// How many times smaller than its data a deflate stream can be.
 const MAX_DEFLATE_RATIO: usize = 1032;
 
@@ -55,17 +57,19 @@ pub fn open_meso(path: &Path) -> Result<MesoInput, InputError> {
 }
 
 fn check_size(field: &'static str, width: usize, height: usize) -> Result<(), FormatError> {
-    if HEIGHT_MAP_SIDE.contains(&width) && HEIGHT_MAP_SIDE.contains(&height) {
+    let sides = HEIGHT_MAP_SIDE.contains(&width) && HEIGHT_MAP_SIDE.contains(&height);
+    if sides && width * height <= HEIGHT_MAP_PIXELS {
         return Ok(());
     }
-    let allowed = format!("{} to {} per side", HEIGHT_MAP_SIDE.start(), HEIGHT_MAP_SIDE.end());
+    let (least, most) = (HEIGHT_MAP_SIDE.start(), HEIGHT_MAP_SIDE.end());
+    let allowed = format!("{least} to {most} per side, and at most {HEIGHT_MAP_PIXELS} in all, as 1024 x 1024 has");
     Err(FormatError::whole(field, format!("{width} x {height} pixels"), allowed))
 }
 
 /// Stored values of a grey PNG over the largest, 255 or 65535; no transfer function is applied.
 ///
 /// # Errors
-/// What is no PNG, other sizes than [`HEIGHT_MAP_SIDE`], colour, palettes, transparency, fewer than 8 bits.
+/// What is no PNG, other sizes than [`HEIGHT_MAP_SIDE`] and [`HEIGHT_MAP_PIXELS`], colour, palettes, transparency, fewer than 8 bits.
 pub fn heights_from_png(bytes: &[u8]) -> Result<HeightMap, FormatError> {
     let allowed = "a grey PNG of 8 or 16 bits";
     let broken = |error: png::DecodingError| FormatError::whole("PNG", error.to_string(), allowed);
@@ -107,10 +111,10 @@ pub fn heights_from_png(bytes: &[u8]) -> Result<HeightMap, FormatError> {
 /// Channel Y of the first layer of an EXR, or else R, or else its only one.
 ///
 /// # Errors
-/// What is no EXR, other sizes than [`HEIGHT_MAP_SIDE`], no such channel, values that are not finite.
+/// What is no EXR, other sizes than [`HEIGHT_MAP_SIDE`] and [`HEIGHT_MAP_PIXELS`], no such channel, values that are not finite.
 pub fn heights_from_exr(bytes: &[u8]) -> Result<HeightMap, FormatError> {
     let allowed = "an EXR with a channel Y or R, or with one channel";
-    let broken = |error: exr::error::Error| FormatError::whole("EXR", error.to_string(), allowed);
+    let broken = |error: exr::error::Error| FormatError::whole("EXR", error.to_string(), "a whole EXR, not deep");
     // Sizes first: pixels are asked for only when they are few enough.
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(broken)?;
     for header in &meta.headers {
@@ -219,7 +223,11 @@ mod tests {
             assert_eq!(error(4, 4, colour, depth, length), format!("PNG: found {found}{allowed}"));
         }
         let sizes = error(3, 4, ColorType::Grayscale, BitDepth::Eight, 12);
-        assert_eq!(sizes, "PNG: found 3 x 4 pixels; allowed 4 to 8192 per side");
+        let limits = "allowed 4 to 8192 per side, and at most 1048576 in all, as 1024 x 1024 has";
+        assert_eq!(sizes, format!("PNG: found 3 x 4 pixels; {limits}"));
+        let large = error(1024, 1025, ColorType::Grayscale, BitDepth::Eight, 1024 * 1025);
+        assert_eq!(large, format!("PNG: found 1024 x 1025 pixels; {limits}"));
+        assert_eq!(HEIGHT_MAP_PIXELS, 1024 * 1024);
         assert!(error(4, 8193, ColorType::Grayscale, BitDepth::Eight, 4 * 8193).contains("4 x 8193"));
         assert!(heights_from_png(b"GIF89a").unwrap_err().to_string().ends_with(allowed));
     }
@@ -227,8 +235,8 @@ mod tests {
     #[test]
     fn a_few_bytes_are_no_large_png() {
         let mut bytes = grey(&[0; 20]);
-        // The header says 8192 x 8192; its checksum follows.
-        bytes[16..24].copy_from_slice(&[0, 0, 0x20, 0, 0, 0, 0x20, 0]);
+        // The header says 1024 x 1024; its checksum follows.
+        bytes[16..24].copy_from_slice(&[0, 0, 4, 0, 0, 0, 4, 0]);
         let mut crc = u32::MAX;
         for byte in &bytes[12..29] {
             crc ^= u32::from(*byte);
@@ -236,7 +244,7 @@ mod tests {
         }
         bytes[29..33].copy_from_slice(&(!crc).to_be_bytes());
         let error = heights_from_png(&bytes).unwrap_err().to_string();
-        assert!(error.contains("bytes for 8192 x 8192 pixels; allowed 65027 or more"), "{error}");
+        assert!(error.contains("bytes for 1024 x 1024 pixels; allowed 1016 or more"), "{error}");
     }
 
     #[test]
@@ -259,7 +267,11 @@ mod tests {
         assert!(error(5, 4, &["Y"], f32::NEG_INFINITY).contains("-inf at pixel (2, 1)"));
         let channels = error(5, 4, &["A", "B"], 0.0);
         assert_eq!(channels, "EXR: found channels A, B; allowed an EXR with a channel Y or R, or with one channel");
+        let whole = exr_of(5, 4, &["Y"], |_, _| 0.0);
+        let cut = heights_from_exr(&whole[..whole.len() / 2]).unwrap_err().to_string();
+        assert!(cut.ends_with("allowed a whole EXR, not deep"), "{cut}");
         assert!(error(5, 3, &["Y"], 0.0).contains("5 x 3 pixels; allowed 4 to 8192 per side"));
+        assert!(error(2048, 513, &["Y"], 0.0).contains("2048 x 513 pixels; allowed 4 to 8192 per side, and at most"));
         assert!(error(8193, 4, &["Y"], 0.0).contains("8193 x 4"));
     }
 

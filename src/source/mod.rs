@@ -5,6 +5,7 @@ pub mod analytic;
 pub mod bandwidth_map;
 pub mod btf_stack;
 pub mod flat_btf;
+pub mod flat_part;
 mod merl;
 pub mod meso;
 pub mod open;

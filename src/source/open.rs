@@ -1,6 +1,7 @@
 //! Opens any input: a path or a `synth:` address.
 
 use super::address::{self, AddressError};
+use super::flat_part::is_part;
 use super::scan::{ScanSource, ScanSummary};
 use super::{MerlSource, PackSource, RglSource, Source};
 use brdfc_formats::FormatError;
@@ -17,7 +18,9 @@ use std::io::Read;
 use std::path::Path;
 
 /// Largest file that is read as a whole (everything but MERL tables, whose header is checked first).
-const MAX_FILE_BYTES: u64 = 2 << 30;
+pub const MAX_FILE_BYTES: u64 = 2 << 30;
+/// Largest file of text that people write: manifests, lists of directions.
+pub const MAX_TEXT_BYTES: u64 = 16 << 20;
 
 /// An input that cannot be used, and whose fault that is.
 #[derive(Debug, thiserror::Error)]
@@ -241,6 +244,14 @@ pub fn open_file(path: &Path, level: Option<f32>) -> Result<Opened, InputError> 
     let format = |error| InputError::Format { name: name.clone(), error };
     let (file, length) = open_path(path)?;
     let extension = extension_of(path);
+    // Before anything is read.
+    if !EXTENSIONS.contains(&extension.as_str()) {
+        return Err(format(FormatError::whole(
+            "file name",
+            found_extension(&extension),
+            ".binary (MERL), .brdf or .csv (scan), .bsdf (RGL), .ktx2 (pack), or synth:MODEL",
+        )));
+    }
     if extension == "binary" {
         let table = Merl::read(file, length).map_err(|error| match error {
             MerlError::Format(error) => format(error),
@@ -253,17 +264,34 @@ pub fn open_file(path: &Path, level: Option<f32>) -> Result<Opened, InputError> 
         "brdf" => Scan::from_bytes(&bytes).and_then(|scan| opened_scan(&scan)),
         "csv" => scan_csv::from_bytes(&bytes).and_then(|scan| opened_scan(&scan)),
         "bsdf" => Rgl::from_bytes(&bytes).and_then(opened_rgl),
-        "ktx2" => WaveletPack::from_bytes(&bytes).map(|pack| opened_pack(&pack, level)),
-        _ => Err(FormatError::whole(
-            "file name",
-            found_extension(&extension),
-            ".binary (MERL), .brdf or .csv (scan), .bsdf (RGL), .ktx2 (pack), or synth:MODEL",
-        )),
+        _ => wavelet_pack(path, &bytes).map(|pack| opened_pack(&pack, level)),
     };
     opened.map_err(format)
 }
 
-/// Opens what is no folder; its length too.
+/// Extensions of what [`open_file`] reads.
+const EXTENSIONS: [&str; 5] = ["binary", "brdf", "csv", "bsdf", "ktx2"];
+
+/// Reads a wavelet pack.
+///
+/// # Errors
+/// As [`open`]; a part of a flat BTF, which says so.
+pub fn open_pack(path: &Path) -> Result<WaveletPack, InputError> {
+    wavelet_pack(path, &read_file(path, MAX_FILE_BYTES)?)
+        .map_err(|error| InputError::Format { name: path.display().to_string(), error })
+}
+
+fn wavelet_pack(path: &Path, bytes: &[u8]) -> Result<WaveletPack, FormatError> {
+    WaveletPack::from_bytes(bytes).map_err(|error| {
+        if !is_part(path, bytes) {
+            return error;
+        }
+        let allowed = "a wavelet pack; of a flat BTF, its folder or the NAME.json beside its parts";
+        FormatError::whole("pack", "a part of a flat BTF", allowed)
+    })
+}
+
+/// Opens what is no folder and no device; its length too, which is 0 for pipes.
 pub(super) fn open_path(path: &Path) -> Result<(File, u64), InputError> {
     let io = |error| InputError::Io { name: path.display().to_string(), error };
     let file = File::open(path).map_err(io)?;
@@ -271,18 +299,47 @@ pub(super) fn open_path(path: &Path) -> Result<(File, u64), InputError> {
     if metadata.is_dir() {
         return Err(io(std::io::Error::from(std::io::ErrorKind::IsADirectory)));
     }
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::FileTypeExt;
+        let kind = metadata.file_type();
+        if kind.is_char_device() || kind.is_block_device() {
+            let error = FormatError::whole("file", "a device", "a file or a pipe");
+            return Err(InputError::Format { name: path.display().to_string(), error });
+        }
+    }
     Ok((file, metadata.len()))
 }
 
+/// Reads a file or a pipe to its end if it has at most `limit` bytes.
+///
+/// # Errors
+/// What cannot be read; folders and devices; more bytes.
+pub fn read_file(path: &Path, limit: u64) -> Result<Vec<u8>, InputError> {
+    let (file, length) = open_path(path)?;
+    read_within(path, file, length, limit)
+}
+
 /// Reads a file to its end if it is not too large.
-pub(super) fn read_all(path: &Path, mut file: File, length: u64) -> Result<Vec<u8>, InputError> {
+pub(super) fn read_all(path: &Path, file: File, length: u64) -> Result<Vec<u8>, InputError> {
+    read_within(path, file, length, MAX_FILE_BYTES)
+}
+
+fn read_within(path: &Path, file: File, length: u64, limit: u64) -> Result<Vec<u8>, InputError> {
     let name = path.display().to_string();
-    if length > MAX_FILE_BYTES {
-        let (found, allowed) = (format!("{length} bytes"), format!("at most {MAX_FILE_BYTES} bytes"));
-        return Err(InputError::Format { name, error: FormatError::whole("file length", found, allowed) });
+    let too_long = |found: String| {
+        let error = FormatError::whole("file length", found, format!("at most {limit} bytes"));
+        InputError::Format { name: path.display().to_string(), error }
+    };
+    if length > limit {
+        return Err(too_long(format!("{length} bytes")));
     }
     let mut bytes = Vec::with_capacity(length as usize);
-    file.read_to_end(&mut bytes).map_err(|error| InputError::Io { name, error })?;
+    // A pipe has no length, and a file may grow meanwhile.
+    file.take(limit + 1).read_to_end(&mut bytes).map_err(|error| InputError::Io { name, error })?;
+    if bytes.len() as u64 > limit {
+        return Err(too_long(format!("more than {limit} bytes")));
+    }
     Ok(bytes)
 }
 

@@ -9,6 +9,7 @@ mod files;
 mod interrupt;
 mod manifest;
 mod meso;
+mod options;
 mod packs;
 mod scans;
 

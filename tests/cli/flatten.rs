@@ -10,7 +10,14 @@ use serde_json::Value;
 const SMALL: [&str; 8] = ["--texels", "16", "--views", "grid:2x6@50", "--indirection", "4x6", "--oversampling", "1"];
 
 fn flatten(folder: &Folder, arguments: &[&str]) -> Ran {
-    folder.run(&[&["flatten"], arguments, &SMALL, &["--json", "-j", "2"]].concat())
+    // Images have their own views.
+    let small: Vec<&str> = match arguments.first() {
+        Some(&"images") => {
+            SMALL.iter().filter(|option| !["--views", "grid:2x6@50"].contains(option)).copied().collect()
+        }
+        _ => SMALL.to_vec(),
+    };
+    folder.run(&[&["flatten"], arguments, &small, &["--json", "-j", "2"]].concat())
 }
 
 fn report(ran: Ran) -> Value {
@@ -103,19 +110,42 @@ fn meshes_written_by_synth_and_height_maps() {
 }
 
 #[test]
+fn height_maps_of_too_many_pixels_are_refused_before_any_work() {
+    let folder = Folder::new();
+    let mut bytes = Vec::new();
+    image::write_buffer_with_format(
+        &mut std::io::Cursor::new(&mut bytes),
+        &vec![0; 1025 * 1024],
+        1025,
+        1024,
+        image::ColorType::L8,
+        image::ImageFormat::Png,
+    )
+    .unwrap();
+    folder.write("large.png", bytes);
+    let ran = flatten(&folder, &["large.png", "-o", "large"]);
+    let expected = "large.png: PNG: found 1025 x 1024 pixels; allowed 4 to 8192 per side, and at most 1048576";
+    assert!(ran.code == 3 && ran.stderr.contains(expected), "{ran:?}");
+    assert!(!folder.path().join("large").exists());
+}
+
+#[test]
 fn an_ordinary_btf_goes_out_and_comes_in_again() {
     let folder = Folder::new();
     let sponge = "synth:sponge?resolution=48&height=0.6";
     let images = ["--write-images", "images", "--image-format", "exr", "--flat-texels", "32"];
     let first = report(flatten(&folder, &[&[sponge, "-o", "first"], &images[..]].concat()));
     assert_eq!(folder.files("images").len(), 49);
-    let again = ["images", "--geometry", sponge, "-o", "second", "--flat-texels", "32"];
-    let second = report(flatten(&folder, &again));
+    let measured = |more: &[&str]| report(flatten(&folder, &[&["images"], more, &["--flat-texels", "32"]].concat()));
+    let second = measured(&["--geometry", sponge, "-o", "second"]);
+    assert_eq!(second["settings"]["views"][0], "of the images");
     assert_eq!(second["settings"]["views"][1], 7);
     let seen = |report: &Value| number(&report["report"]["seen"]);
     assert!((seen(&first) - seen(&second)).abs() < 1e-9);
     // Over a plane the same images keep their parallax in the texels: less of them fits together.
-    let plane = report(flatten(&folder, &["images", "-o", "plane", "--flat-texels", "32"]));
+    let plane = measured(&["-o", "plane"]);
+    assert_eq!(plane["source"], "images over the plane");
+    assert_eq!(plane["report"]["heights"], serde_json::json!([0.0, 0.0]));
     assert!((seen(&plane) - 1.0).abs() < 1e-12);
     let error = |report: &Value| number(&report["report"]["errors"]["light_form"]["mean"]);
     assert!(error(&second) < error(&plane), "{} {}", error(&second), error(&plane));
@@ -144,6 +174,17 @@ fn fewer_views_leave_no_stale_files() {
     let fewer = ["flatten", "synth:knit?resolution=32", "-o", "knit", "--texels", "8", "--views", "grid:2x3@40"];
     folder.run(&[&fewer[..], &["--indirection", "4x6"]].concat()).succeeded();
     assert_eq!(folder.files("knit").len(), 6 + 4 + 1);
+}
+
+#[test]
+fn settings_are_recorded_as_they_were_given() {
+    let folder = Folder::new();
+    folder.write("sets/few.csv", "index,theta_deg,phi_deg\n0,0,0\n1,30,0\n2,30,120\n3,30,240\n");
+    let more = ["--lights", "sets/few.csv", "--stretch-rounds", "3", "--no-supercompression"];
+    let report = report(flatten(&folder, &[&["synth:knit?resolution=16", "-o", "a"], &more[..]].concat()));
+    let settings = &report["settings"];
+    assert_eq!((&settings["views"][0], &settings["lights"][0]), (&"grid:2x6@50".into(), &"few.csv".into()));
+    assert_eq!((&settings["stretch_rounds"], &settings["supercompression"]), (&3.into(), &false.into()));
 }
 
 #[test]

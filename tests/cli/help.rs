@@ -2,7 +2,8 @@
 
 use crate::common::cli::Folder;
 
-const COMMANDS: [&str; 9] = ["build", "encode", "eval", "compare", "info", "synth", "bandwidth", "bench", "schema"];
+const COMMANDS: [&str; 10] =
+    ["build", "encode", "eval", "compare", "info", "synth", "flatten", "bandwidth", "bench", "schema"];
 
 #[test]
 fn every_command_has_help_with_an_example() {
@@ -18,6 +19,10 @@ fn every_command_has_help_with_an_example() {
             assert!(line.chars().count() <= 120, "{command}: {line}");
         }
     }
+    let sets = folder.run(&["flatten", "--help"]).stdout;
+    let sets = sets.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(sets.contains("grid:2x6@50 has 1 + 6 = 7 directions"), "{sets}");
+    assert!(folder.run(&["info", "--help"]).stdout.contains("info-surface"), "all schemas of info");
     for model in ["lambert", "lewis", "ward", "poulin", "ggx", "velvet"] {
         assert!(folder.run(&["synth", "--help"]).stdout.contains(&format!("\n{model} ")), "{model}");
     }
@@ -26,8 +31,8 @@ fn every_command_has_help_with_an_example() {
 #[test]
 fn the_examples_in_the_help_parse() {
     let folder = Folder::new();
-    // A bench takes seconds, and has a test of its own.
-    for command in COMMANDS.into_iter().filter(|command| *command != "bench") {
+    // These take seconds or minutes, and have tests of their own.
+    for command in COMMANDS.into_iter().filter(|command| !["bench", "flatten"].contains(command)) {
         let help = folder.run(&[command, "--help"]).stdout;
         for line in help.lines().filter(|line| line.trim_start().starts_with("brdfc ")) {
             let words = line.split(" > ").next().unwrap().split_whitespace().skip(1);

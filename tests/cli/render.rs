@@ -361,7 +361,7 @@ fn flat_btfs_are_drawn_with_parallax() {
         assert!(mean(&drawn, "shading") < 0.2 && drawn.get("total").is_none(), "{drawn}");
     }
     let info = folder.run(&["info", "button"]).succeeded().stdout;
-    assert!(info.contains("synth:button?resolution=48") && info.contains("texels that a view sees"), "{info}");
+    assert!(info.contains("synth:button?resolution=48") && info.contains("texels seen by one view"), "{info}");
     assert_eq!(folder.run(&["info", "button/button.flat.003.ktx2"]).succeeded().stdout, info);
     for (wrong, expected) in [
         (["render", "button", "--lod", "2"], "a flat BTF"),

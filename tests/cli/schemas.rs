@@ -4,8 +4,19 @@ use crate::common::cli::Folder;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-const NAMES: [&str; 10] =
-    ["build", "material", "encode", "compare", "info", "bandwidth", "flatten", "flat-btf", "bench", "render"];
+const NAMES: [&str; 11] = [
+    "build",
+    "material",
+    "encode",
+    "compare",
+    "info",
+    "info-surface",
+    "bandwidth",
+    "flatten",
+    "flat-btf",
+    "bench",
+    "render",
+];
 
 fn file(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("schemas").join(format!("{name}.json"))

@@ -90,10 +90,9 @@ pub fn parse_name(path: &str) -> Result<ImageAngles, FormatError> {
     let direction = |theta: (&'static str, Option<f64>), phi: (&'static str, Option<f64>)| {
         let angles = [angle(theta)?, angle(phi)?];
         match wrong_angle(angles) {
-            Some((field, found, allowed)) => {
-                let part = if field == "theta_deg" { theta.0 } else { phi.0 };
-                Err(wrong(part, format!("{found} degrees"), allowed))
-            }
+            Some(("theta_deg", found, allowed)) => Err(wrong(theta.0, format!("{found} degrees"), allowed)),
+            // Names have no signs.
+            Some((_, found, _)) => Err(wrong(phi.0, format!("{found} degrees"), "0 to 360")),
             None => Ok(angles),
         }
     };
@@ -135,9 +134,58 @@ impl StackIndex {
     /// Names that [`parse_name`] refuses, two images of one view and light, no images, missing images, more than
     /// [`MAX_DIRECTIONS`] views or lights, directions closer than [`crate::direction_set::SAME_DIRECTION`].
     pub fn new(paths: &[String]) -> Result<Self, FormatError> {
+        let Found { views, lights, images } = Found::new(paths)?;
+        check_complete(&views, &lights, &images)?;
+        Ok(Self { views, lights, files: images.into_values().cloned().collect() })
+    }
+
+    /// Path of one image.
+    ///
+    /// # Panics
+    /// If the view or the light is none of the stack.
+    pub fn file(&self, view: usize, light: usize) -> &str {
+        assert!(view < self.views.len() && light < self.lights.len(), "view {view}, light {light}");
+        &self.files[view * self.lights.len() + light]
+    }
+}
+
+/// What a stack has, be it complete or not.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StackContents {
+    /// Directions to the viewer, by polar angle, then azimuth.
+    pub views: DirectionSet,
+    /// Directions to the light, by polar angle, then azimuth.
+    pub lights: DirectionSet,
+    /// Paths of the images as they were given, by view, then light.
+    pub files: Vec<String>,
+    /// Views x lights without an image.
+    pub missing: usize,
+}
+
+impl StackContents {
+    /// Sorts the images among `paths` as [`StackIndex::new`] does.
+    ///
+    /// # Errors
+    /// As [`StackIndex::new`], but for missing images.
+    pub fn new(paths: &[String]) -> Result<Self, FormatError> {
+        let Found { views, lights, images } = Found::new(paths)?;
+        let missing = views.len() * lights.len() - images.len();
+        Ok(Self { views, lights, files: images.into_values().cloned().collect(), missing })
+    }
+}
+
+/// Images by view and light.
+struct Found<'a> {
+    views: DirectionSet,
+    lights: DirectionSet,
+    images: BTreeMap<(Key, Key), &'a String>,
+}
+
+impl<'a> Found<'a> {
+    fn new(paths: &'a [String]) -> Result<Self, FormatError> {
         let mut sorted: Vec<&String> = paths.iter().filter(|path| is_image(path)).collect();
         sorted.sort_unstable();
-        let mut images: BTreeMap<(Key, Key), &String> = BTreeMap::new();
+        let mut images: BTreeMap<(Key, Key), &'a String> = BTreeMap::new();
         for path in sorted {
             let angles = parse_name(path)
                 .map_err(|error| FormatError { field: format!("{path}: {}", error.field).into(), ..error })?;
@@ -151,17 +199,7 @@ impl StackIndex {
         }
         let views = directions("views", images.keys().map(|(view, _)| *view))?;
         let lights = directions("lights", images.keys().map(|(_, light)| *light))?;
-        check_complete(&views, &lights, &images)?;
-        Ok(Self { views, lights, files: images.into_values().cloned().collect() })
-    }
-
-    /// Path of one image.
-    ///
-    /// # Panics
-    /// If the view or the light is none of the stack.
-    pub fn file(&self, view: usize, light: usize) -> &str {
-        assert!(view < self.views.len() && light < self.lights.len(), "view {view}, light {light}");
-        &self.files[view * self.lights.len() + light]
+        Ok(Self { views, lights, images })
     }
 }
 
@@ -246,7 +284,7 @@ mod tests {
             ("1 tl000 pl000 tv000 pv000..png", "pv: found \"pv000.\""),
             ("1 tl000 pl000 tv1e1 pv000.png", "tv: found \"tv1e1\""),
             ("1 tl090 pl000 tv000 pv000.png", "tl: found 90 degrees; allowed 0 to less than 90"),
-            ("1 tl000 pl000 tv000 pv361.png", "pv: found 361 degrees"),
+            ("1 tl000 pl000 tv000 pv361.png", "pv: found 361 degrees; allowed 0 to 360"),
             ("1 tl000 tl000 tv000 pv000.png", "tl: found two of them"),
             ("x1 tl000 pl000 tv000 pv000.png", "image name: found \"x1\""),
             ("1 2 tl000 pl000 tv000 pv000.png", "image name: found \"2\""),
@@ -308,6 +346,9 @@ mod tests {
         let many: Vec<String> = (0..4097).map(|k| format!("tl010.{k:04} pl000 tv000 pv000.png")).collect();
         assert!(text(&many).starts_with("lights: found 4097; allowed at most 4096"));
         assert!(StackIndex::new(&full).is_ok());
+        let contents = StackContents::new(&full[..14]).unwrap();
+        assert_eq!((contents.views.len(), contents.lights.len()), (4, 4));
+        assert_eq!((contents.files.len(), contents.missing), (14, 2));
     }
 
     proptest! {

@@ -15,10 +15,15 @@ use crate::source::open::{Facts, InputError, open};
 use brdfc_formats::pack::WaveletPack;
 use std::path::Path;
 
+/// The reference plane itself, as an input: what images show where no relief is given.
+pub const PLANE: &str = "the plane";
+/// A structure without relief.
+const FLAT: &str = "sponge?height=0&resolution=16";
+
 /// What is flattened.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MesoOptions {
-    /// `synth:STRUCTURE`, a mesh or a height map.
+    /// `synth:STRUCTURE`, a mesh, a height map, or [`PLANE`].
     pub geometry: String,
     /// The period of a mesh along x and y, in its unit.
     pub tile: f64,
@@ -100,6 +105,20 @@ pub fn open_geometry(options: &MesoOptions) -> Result<Geometry, MesoInputError> 
             name: structure.canonical(),
         });
     }
+    if input == PLANE {
+        let structure =
+            Structure::parse(FLAT).map_err(|error| MesoInputError::Address { name: input.clone(), error })?;
+        let mut mesh = structure.mesh();
+        // Rounding of the mean height.
+        mesh.positions.iter_mut().for_each(|point| point[2] = 0.0);
+        return Ok(Geometry {
+            mesh,
+            weld: None,
+            material_names: Vec::new(),
+            default_materials: Vec::new(),
+            name: PLANE.to_owned(),
+        });
+    }
     let path = Path::new(input);
     let name = path.file_name().map_or_else(|| input.clone(), |name| name.to_string_lossy().into_owned());
     let wrong = |error| MesoInputError::Geometry { name: input.clone(), error: Box::new(error) };
@@ -124,12 +143,24 @@ const DEFAULT_MATERIAL: &str = "synth:lambert?kd=0.5";
 /// # Errors
 /// Names that the mesh does not have, and materials without a source.
 pub fn material_list(options: &MesoOptions, geometry: &Geometry) -> Result<Vec<String>, MesoInputError> {
+    let materials = listed(options, geometry)?;
+    if options.weights.is_some() && materials.len() < 2 {
+        let text = "--weights: found one material; allowed two or more, whose shares the image gives";
+        return Err(MesoInputError::Options(text.to_owned()));
+    }
+    Ok(materials)
+}
+
+fn listed(options: &MesoOptions, geometry: &Geometry) -> Result<Vec<String>, MesoInputError> {
     let names = &geometry.material_names;
     let unnamed: Vec<&String> = options.materials.iter().filter(|(n, _)| n.is_none()).map(|(_, s)| s).collect();
-    for (name, _) in &options.materials {
-        if let Some(name) = name
-            && !names.contains(name)
-        {
+    let named: Vec<&String> = options.materials.iter().filter_map(|(name, _)| name.as_ref()).collect();
+    for (at, name) in named.iter().enumerate() {
+        if named[..at].contains(name) {
+            let text = format!("--material: found the name {name} twice; allowed one material for each name");
+            return Err(MesoInputError::Options(text));
+        }
+        if !names.contains(name) {
             let allowed = if names.is_empty() { "no names: the surface has none".to_owned() } else { names.join(", ") };
             return Err(MesoInputError::Options(format!("--material: found the name {name}; allowed {allowed}")));
         }
@@ -139,6 +170,14 @@ pub fn material_list(options: &MesoOptions, geometry: &Geometry) -> Result<Vec<S
         return Err(MesoInputError::Options(text));
     }
     if !names.is_empty() {
+        if unnamed.len() > 1 || (!unnamed.is_empty() && named.len() == names.len()) {
+            let text = format!(
+                "--material: found {} without a name; allowed one, for the rest of {}",
+                unnamed.len(),
+                names.join(", ")
+            );
+            return Err(MesoInputError::Options(text));
+        }
         // Of a mesh with names: its own source, or the one without a name.
         let rest = unnamed.last().map_or(DEFAULT_MATERIAL, |s| s.as_str());
         let own = |name: &String| options.materials.iter().rev().find(|(n, _)| n.as_ref() == Some(name));

@@ -2,15 +2,19 @@
 
 mod asset;
 mod check;
+mod describe;
 mod input;
 mod parts;
 mod pass;
 mod probing;
+mod read;
 mod recipe;
 mod run;
 mod stack;
 
 pub use asset::{AssetErrors, AssetFile, AssetReport, PartFile};
-pub use input::{Geometry, MesoInputError, MesoOptions, material_list, open_appearance, open_geometry};
+pub use describe::{MeshFacts, SurfaceFacts, describe_surface};
+pub use input::{Geometry, MesoInputError, MesoOptions, PLANE, material_list, open_appearance, open_geometry};
+pub use read::open_asset;
 pub use recipe::{FlattenRecipe, Form, Settings};
 pub use run::{FlattenError, FlattenJob, FlattenWatcher, Values, run};

@@ -58,7 +58,7 @@ pub struct Settings {
     pub largest_angle: f64,
     /// Rays per texel and axis.
     pub oversampling: usize,
-    /// Set and number of the views.
+    /// Set and number of the views: the set as it was named, a file without its folder.
     pub views: (String, usize),
     /// Set and number of the lights.
     pub lights: (String, usize),
@@ -66,8 +66,12 @@ pub struct Settings {
     pub fill: FillMethod,
     /// Rays per texel of the light of one bounce.
     pub bounces: usize,
+    /// Rounds of stretch-reducing reweighting at most.
+    pub stretch_rounds: usize,
     /// Which parts were made.
     pub form: Form,
+    /// Whether files are compressed with Zstandard.
+    pub supercompression: bool,
 }
 
 impl FlattenRecipe {
@@ -84,7 +88,9 @@ impl FlattenRecipe {
             lights: (self.lights.name.clone(), self.lights.len()),
             fill: self.fill,
             bounces: self.bounces,
+            stretch_rounds: self.rounds,
             form: self.form,
+            supercompression: self.supercompress,
         }
     }
 }

@@ -12,7 +12,7 @@ use crate::btf::indirect::Bounces;
 use crate::btf::indirection::indirection;
 use crate::btf::measured::MeasuredField;
 use crate::btf::model::MesoModel;
-use crate::btf::parameterise::ParameteriseError;
+use crate::btf::parameterise::{ParameteriseError, steps};
 use crate::btf::surface::Appearance;
 use crate::btf::texels::TexelMap;
 use crate::build::btf_stack::StackFormat;
@@ -31,7 +31,7 @@ use std::path::Path;
 pub enum FlattenError {
     /// The surface cannot be laid flat.
     #[error(transparent)]
-    Parameterise(#[from] ParameteriseError),
+    Parameterise(ParameteriseError),
     /// A pack cannot hold it.
     #[error("{0}")]
     Pack(#[from] FormatError),
@@ -54,6 +54,12 @@ pub enum FlattenError {
 impl FlattenError {
     pub(super) fn write(path: &Path, error: std::io::Error) -> Self {
         Self::Write { path: path.display().to_string(), error }
+    }
+}
+
+impl From<ParameteriseError> for FlattenError {
+    fn from(error: ParameteriseError) -> Self {
+        if error == ParameteriseError::Cancelled { Self::Cancelled } else { Self::Parameterise(error) }
     }
 }
 
@@ -108,8 +114,8 @@ pub fn run(job: FlattenJob<'_>, watcher: &dyn FlattenWatcher) -> Result<AssetFil
     let mut parts = Parts::new(job.name, job.folder)?;
     let zip = recipe.supercompress;
 
-    begin(watcher, "parameterise", 1)?;
-    let model = MesoModel::new(job.geometry.mesh, recipe.rounds)?;
+    begin(watcher, "parameterise", steps(recipe.rounds))?;
+    let model = MesoModel::watched(job.geometry.mesh, recipe.rounds, &|| watcher.step())?;
     let texels = model.texels(recipe.flat_texels);
     let (size, flat) = (recipe.flat_texels as u32, texels.points.len() as u64);
     let single = |v: Vector| v.map(|c| c as f32);

@@ -3,7 +3,7 @@
 use super::{Arguments, Study, StudyResult};
 use crate::brdf::encode::{Recipe, encode};
 use crate::build::run::grid;
-use crate::cli::output::{remark, write_file};
+use crate::cli::output::{make_folder, remark, write_file};
 use crate::cli::{CliError, Common, graphics_environment};
 use crate::render::gpu::{AdapterChoice, AdapterDescription, Gpu};
 use crate::render::picture::to_png;
@@ -11,7 +11,7 @@ use crate::report::study::images::{ImageRow, PAPER_MEAN, PAPER_SIGMA, StudyError
 use crate::report::study::level_of_detail::{Animation, LevelOfDetail, level_of_detail};
 use crate::report::study::throughput::{Throughput, throughput};
 use crate::report::table::plain;
-use crate::source::open::open;
+use crate::source::open::{open, open_pack};
 use brdfc_formats::pack::WaveletPack;
 use std::path::Path;
 use std::time::Instant;
@@ -37,7 +37,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
             let pack = pack(one(arguments, GLOSSY)?)?;
             let progress = |what: &str| remark(common, &format!("{what}, {:.1} s", seconds()));
             if let Some(folder) = &arguments.out {
-                std::fs::create_dir_all(folder).map_err(|error| CliError::write(folder, &error))?;
+                make_folder(folder)?;
             }
             let (result, animation) = level_of_detail(&gpu, &pack, progress)?;
             if let Some(folder) = &arguments.out {
@@ -85,7 +85,7 @@ fn one<'a>(arguments: &'a Arguments, default: &'a str) -> Result<&'a str, CliErr
 /// A pack as it is, or what a source becomes at 4:1 and 8 bits.
 fn pack(input: &str) -> Result<WaveletPack, CliError> {
     if input.to_ascii_lowercase().ends_with(".ktx2") {
-        return crate::cli::render::read_pack(Path::new(input));
+        return Ok(open_pack(Path::new(input))?);
     }
     let recipe = Recipe { off_grid_pairs: 1, ..Recipe::default() };
     let opened = open(input, None)?;

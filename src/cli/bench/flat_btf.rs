@@ -2,7 +2,7 @@
 
 use super::{Arguments, StudyResult};
 use crate::btf::structures::STRUCTURES;
-use crate::cli::flatten::direction_set;
+use crate::cli::flatten::{DEFAULT_SET, direction_set};
 use crate::cli::output::remark;
 use crate::cli::{CliError, Common};
 use crate::report::study::flat_btf::{ModelRow, StudyError, StudySettings, study_model};
@@ -27,7 +27,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     if !flat_texels.is_power_of_two() {
         return Err(CliError::Usage(format!("--flat-texels: found {flat_texels}; allowed a power of two")));
     }
-    let directions = direction_set("directions", &arguments.directions)?;
+    let directions = direction_set("directions", arguments.directions.as_deref().unwrap_or(DEFAULT_SET))?;
     let settings = StudySettings {
         texels,
         flat_texels,

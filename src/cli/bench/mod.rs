@@ -5,7 +5,7 @@ mod drawn;
 mod flat_btf;
 mod rays;
 
-use super::output::{print, print_json};
+use super::output::{check_folder, print, print_json};
 use super::{CliError, Common};
 use crate::report::study::{StudyRow, wavelet_table_1};
 use crate::report::table::{percent, plain};
@@ -43,9 +43,9 @@ pub struct Arguments {
     /// Texels of flat BTFs per side for flat-btf, a power of two (default: twice those of the plane).
     #[arg(long, value_name = "N")]
     flat_texels: Option<usize>,
-    /// Views and lights of flat-btf, as for 'brdfc flatten --views'.
-    #[arg(long, value_name = "SET", default_value = "ubo2003")]
-    directions: String,
+    /// Views and lights of flat-btf, as for 'brdfc flatten --views' (default: ubo2003).
+    #[arg(long, value_name = "SET")]
+    directions: Option<String>,
     /// Use the adapter whose name contains this (default: the fastest).
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
@@ -115,13 +115,31 @@ pub enum StudyResult {
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     if arguments.study == Study::WaveletBrdf && !arguments.inputs.is_empty() {
-        return Err(CliError::Usage(
-            "INPUT: found with --study wavelet-brdf; allowed with the studies that draw, and with rays".into(),
-        ));
+        let text = "INPUT: found with --study wavelet-brdf; allowed with the studies that draw (throughput, \
+                    level-of-detail and images: materials), and with flat-btf and rays (structures)";
+        return Err(CliError::Usage(text.into()));
     }
     if !matches!(arguments.study, Study::LevelOfDetail | Study::Rays) && arguments.out.is_some() {
         let allowed = "allowed with --study level-of-detail and --study rays";
         return Err(CliError::Usage(format!("--out: found with another study; {allowed}")));
+    }
+    for (given, option, studies) in [
+        (arguments.texels.is_some(), "texels", &[Study::FlatBtf, Study::Rays][..]),
+        (arguments.flat_texels.is_some(), "flat-texels", &[Study::FlatBtf]),
+        (arguments.directions.is_some(), "directions", &[Study::FlatBtf]),
+        (arguments.adapter.is_some(), "adapter", &[Study::Throughput, Study::LevelOfDetail, Study::Images]),
+    ] {
+        if given && !studies.contains(&arguments.study) {
+            let names: Vec<String> =
+                studies.iter().filter_map(|s| Some(s.to_possible_value()?.get_name().to_owned())).collect();
+            let allowed = names.join(", ");
+            return Err(CliError::Usage(format!(
+                "--{option}: found with another study; allowed with --study {allowed}"
+            )));
+        }
+    }
+    if let Some(folder) = &arguments.out {
+        check_folder(folder)?;
     }
     let result = match arguments.study {
         Study::WaveletBrdf => {

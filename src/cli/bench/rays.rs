@@ -1,7 +1,7 @@
 //! The study of rays.
 
 use super::{Arguments, StudyResult};
-use crate::cli::output::{remark, write_file};
+use crate::cli::output::{make_folder, remark, write_file};
 use crate::cli::{CliError, Common};
 use crate::report::study::rays::{Dump, RayScene, RayStudy, RayStudyError};
 use crate::report::table::{percent, plain};
@@ -25,6 +25,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
         let allowed = format!("allowed {} to {}", TEXELS.start(), TEXELS.end());
         return Err(CliError::Usage(format!("--texels: found {texels}; {allowed}")));
     }
+    if let Some(folder) = &arguments.out {
+        make_folder(folder)?;
+    }
     let scene = RayScene::new(address, texels).map_err(|error| match error {
         RayStudyError::Address(error) => CliError::Input(format!("{input}: {error}")),
         RayStudyError::Parameterise(error) => CliError::Internal(error.to_string()),
@@ -37,7 +40,6 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
 }
 
 fn write_dump(dump: &Dump, folder: &Path) -> Result<(), CliError> {
-    std::fs::create_dir_all(folder).map_err(|error| CliError::write(folder, &error))?;
     write_file(&folder.join("mesh.ply"), &dump.ply())?;
     write_file(&folder.join("rays.bin"), &dump.rays())
 }

@@ -3,7 +3,8 @@
 use super::materials::Subject;
 use super::{Arguments, FormName, outputs, scene};
 use crate::btf::model::MesoModel;
-use crate::build::flatten::{MesoOptions, open_appearance, open_geometry};
+use crate::btf::surface::Appearance;
+use crate::build::flatten::{AssetFile, Form, MesoOptions, PLANE, open_appearance, open_asset, open_geometry};
 use crate::cli::CliError;
 use crate::cli::Common;
 use crate::cli::output::remark;
@@ -13,9 +14,15 @@ use crate::render::scenes::Builtin;
 use crate::render::verify::Views;
 use crate::report::render::{PartMaterial, Verification};
 use crate::source::address::is_synth;
-use crate::source::flat_btf::{asset_json, open_flat_btf};
+use crate::source::flat_btf::open_flat_btf;
 use brdfc_formats::pack::flat_btf::{FlatBtfDecoder, FlatBtfParts};
 use std::path::Path;
+
+/// Why a plane has no picture of the surface itself.
+const NO_SURFACE: &str = "note: not compared with the surface itself, only shader with CPU: that takes an asset whose \
+                          surface and materials are all synth: addresses, without --bounces, --colour and --weights";
+/// Why other scenes have none.
+const CURVED: &str = "note: not compared with the surface itself, only shader with CPU: that is done on --scene plane";
 
 /// Whether an input is a flat BTF: a folder, or its list of parts.
 pub(super) fn is_flat(input: &str) -> bool {
@@ -27,11 +34,11 @@ pub(super) fn verification(arguments: &Arguments, common: Common) -> Result<(Ver
     check_flags(arguments)?;
     let subject = Subject::Pack;
     let setup = scene::setup(arguments, &subject)?;
+    let path = Path::new(&arguments.input);
+    let asset = open_asset(path)?;
     let choice = arguments.adapter.clone().map_or(AdapterChoice::Best, AdapterChoice::Named);
     let gpu = Gpu::open(&choice)?;
-    let path = Path::new(&arguments.input);
-    let list = asset_json(path)?;
-    let has_views = list.as_ref().is_none_or(|list| list.contains("\"flat.000") || list.contains("\"flat.0000"));
+    let has_views = asset.as_ref().is_none_or(|asset| asset.settings.form == Form::Full);
     let form = match arguments.form {
         Some(FormName::Full) => FlatForm::Full,
         Some(FormName::Light) => FlatForm::Light,
@@ -47,13 +54,13 @@ pub(super) fn verification(arguments: &Arguments, common: Common) -> Result<(Ver
     let pack = draw_on_cpu(&setup.scene, setup.frame, &material, form);
     drop(material);
     let surface = match setup.builtin {
-        Builtin::Plane => list.as_deref().map(surface_again).transpose()?.flatten(),
+        Builtin::Plane => asset.as_ref().map(surface_again).transpose()?.flatten(),
         _ => None,
     };
     let source =
         surface.map(|(model, appearance)| reference_plane(&setup.scene, setup.frame, &model, &appearance, repeat));
-    if setup.builtin == Builtin::Plane && source.is_none() {
-        remark(common, "note: made from files, not from an address: nothing to compare with but the CPU's decoder");
+    if source.is_none() {
+        remark(common, if setup.builtin == Builtin::Plane { NO_SURFACE } else { CURVED });
     }
     let views = Views { shader, pack, table: None, source };
     let name = path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
@@ -81,6 +88,7 @@ fn check_flags(arguments: &Arguments) -> Result<(), CliError> {
         (arguments.table, "--table"),
         (arguments.lod.is_some(), "--lod"),
         (arguments.exact, "--exact"),
+        (arguments.filter.is_some(), "--filter"),
         (arguments.options.any(), "encoding options"),
     ] {
         if given {
@@ -115,20 +123,15 @@ fn gpu_bytes(parts: &FlatBtfParts) -> u64 {
 }
 
 /// The surface and materials that an asset was made from, where all are addresses.
-fn surface_again(list: &str) -> Result<Option<(MesoModel, crate::btf::surface::Appearance)>, CliError> {
-    let Ok(list) = serde_json::from_str::<serde_json::Value>(list) else { return Ok(None) };
-    let materials: Vec<String> = list["materials"]
-        .as_array()
-        .map(|all| all.iter().filter_map(|m| m.as_str().map(str::to_owned)).collect())
-        .unwrap_or_default();
-    let source = list["source"].as_str().unwrap_or_default();
-    let bounced = list["settings"]["bounces"].as_u64() != Some(0);
-    let mapped = list["images_over_the_tile"].as_bool() != Some(false);
-    if !is_synth(source) || materials.is_empty() || !materials.iter().all(|m| is_synth(m)) || bounced || mapped {
+fn surface_again(asset: &AssetFile) -> Result<Option<(MesoModel, Appearance)>, CliError> {
+    let (source, materials) = (&asset.source, &asset.materials);
+    let from_formula = is_synth(source) || source == PLANE;
+    let from_files = !from_formula || materials.is_empty() || !materials.iter().all(|m| is_synth(m));
+    if from_files || asset.settings.bounces > 0 || asset.images_over_the_tile {
         return Ok(None);
     }
     let options = MesoOptions {
-        geometry: source.to_owned(),
+        geometry: source.clone(),
         tile: 1.0,
         height_scale: 1.0,
         height_offset: 0.0,
@@ -137,7 +140,7 @@ fn surface_again(list: &str) -> Result<Option<(MesoModel, crate::btf::surface::A
         weights: None,
     };
     let geometry = open_geometry(&options)?;
-    let appearance = open_appearance(&options, &materials, &mut ())?;
+    let appearance = open_appearance(&options, materials, &mut ())?;
     let model = MesoModel::new(geometry.mesh, 0).map_err(|error| CliError::Input(format!("{source}: {error}")))?;
     Ok(Some((model, appearance)))
 }

@@ -7,7 +7,7 @@ use crate::build::run::{Job, grid, pack_name, plan};
 use crate::cli::output::remark;
 use crate::cli::{CliError, Common};
 use crate::source::Source;
-use crate::source::open::{InputError, open};
+use crate::source::open::{open, open_pack};
 use brdfc_formats::pack::WaveletPack;
 use std::path::{Path, PathBuf};
 
@@ -139,7 +139,7 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<P
     };
     let source = source.map(|input| open(&input, None)).transpose()?.map(|opened| opened.source);
     let pack = match (&pack_path, &source) {
-        (Some(path), _) => read_pack(path)?,
+        (Some(path), _) => open_pack(path)?,
         (None, Some(source)) => encoded(source.as_ref(), &recipe)?,
         (None, None) => return Err(CliError::Internal("nothing to draw".to_owned())),
     };
@@ -169,10 +169,4 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<P
 fn encoded(source: &dyn Source, recipe: &Recipe) -> Result<WaveletPack, CliError> {
     let recipe = Recipe { off_grid_pairs: 1, ..recipe.clone() };
     Ok(encode(source, grid(&recipe), &recipe, &mut ())?.pack)
-}
-
-pub(in crate::cli) fn read_pack(path: &Path) -> Result<WaveletPack, CliError> {
-    let bytes = std::fs::read(path).map_err(|error| CliError::read(path, &error))?;
-    let name = path.display().to_string();
-    WaveletPack::from_bytes(&bytes).map_err(|error| InputError::Format { name, error }.into())
 }

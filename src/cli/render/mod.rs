@@ -17,7 +17,6 @@ use crate::source::Source;
 use brdfc_formats::pack::{DEFAULT_DISTANCE_SCALE, Filter};
 use clap::{Args, ValueEnum};
 use materials::Prepared;
-pub(super) use materials::read_pack;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -68,9 +67,9 @@ pub struct Arguments {
     /// Factor from radiance to the display's range (default: the brightest 1 % of the surfaces clip).
     #[arg(long, value_name = "X")]
     exposure: Option<f64>,
-    /// How values between cells are found.
-    #[arg(long, value_enum, default_value = "bilinear")]
-    filter: FilterName,
+    /// How values between cells are found (default: bilinear).
+    #[arg(long, value_enum)]
+    filter: Option<FilterName>,
     /// Filter slices in the shader with exact weights instead of the sampler.
     #[arg(long)]
     exact: bool,
@@ -246,7 +245,7 @@ fn of_brdfs(arguments: &Arguments, common: Common) -> Result<(Verification, View
         })
         .collect();
     let decoding = Decoding {
-        filter: arguments.filter.into(),
+        filter: arguments.filter.unwrap_or(FilterName::Bilinear).into(),
         slices: if arguments.exact { SliceFilter::Exact } else { SliceFilter::Hardware },
         level: arguments.lod,
         distance_scale: subject.distance_scale().unwrap_or(DEFAULT_DISTANCE_SCALE),

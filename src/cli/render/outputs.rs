@@ -2,7 +2,7 @@
 
 use super::Arguments;
 use crate::cli::CliError;
-use crate::cli::output::{refuse_overwriting, write_file};
+use crate::cli::output::{refuse_overwriting, refuse_same_outputs, write_file};
 use crate::metrics::image::{LinearImage, delta_e_map};
 use crate::render::picture::{Panel, heat_map, rgb_png, sheet, to_exr, to_panel, to_png};
 use crate::render::verify::Views;
@@ -25,6 +25,7 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
         ("--difference", &arguments.difference, &["png"]),
         ("--sheet", &arguments.sheet, &["png"]),
     ];
+    refuse_same_outputs(&files.each_ref().map(|(flag, path, _)| (*flag, path.as_deref())))?;
     for (flag, path, allowed) in files {
         let Some(path) = path else { continue };
         if !allowed.contains(&extension(path).as_str()) {

@@ -1,29 +1,38 @@
 //! `brdfc info`: what an input is.
 
+mod surface;
+
 use super::output::{print, print_json, printable};
 use super::{CliError, bandwidth, flatten};
-use crate::build::flatten::AssetFile;
+use crate::btf::structures::STRUCTURES;
+use crate::build::flatten::{AssetFile, SurfaceFacts, describe_surface, open_asset};
 use crate::report::table::{bytes, percent};
 use crate::source::Symmetry;
-use crate::source::address::is_synth;
+use crate::source::address::{SYNTH_PREFIX, is_synth, split_query};
 use crate::source::bandwidth_map::open_bandwidth_map;
-use crate::source::flat_btf::{asset_json, asset_of_part};
-use crate::source::open::{Facts, OtherPack, StoredErrors, open, other_pack};
+use crate::source::btf_stack::has_images;
+use crate::source::flat_btf::{asset_of_part, check_flat_btf};
+use crate::source::open::{Facts, InputError, OtherPack, StoredErrors, open, other_pack};
 use clap::Args;
 use serde::Serialize;
 use std::path::Path;
 
 /// Say what an input is: layout, sizes, symmetries, measured errors of a pack.
+///
+/// Of a mesh: whether it closes over the tile, and what would be mended. Of a folder of images: what is missing.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   brdfc info paint.brdf
   brdfc info red.ktx2 --json
+  brdfc info bricks.obj
   brdfc info button/button.json")]
 pub struct Arguments {
-    /// A path, or synth:MODEL?param=value&...; of a flat BTF its folder, its .json, or any of its parts.
+    /// A path, synth:MODEL?param=value&... or synth:STRUCTURE?...; of a flat BTF its folder, its .json, or any of its
+    /// parts; a mesh, a height map or a folder of images for 'brdfc flatten'.
     input: String,
-    /// Print JSON (schema: 'brdfc schema info'; of a bandwidth map 'brdfc schema bandwidth').
+    /// Print JSON (schemas: 'brdfc schema info'; of a flat BTF 'flat-btf'; of a part of one, a structure, a mesh, a height
+    /// map or images 'info-surface'; of a bandwidth map 'bandwidth').
     #[arg(long)]
     json: bool,
 }
@@ -54,18 +63,37 @@ enum Contents {
     Other(OtherPack),
 }
 
+/// What `--json` prints of what 'brdfc flatten' takes, and of a part of a flat BTF.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub struct SurfaceReport {
+    /// Layout of this report.
+    version: u32,
+    /// What it is.
+    #[serde(flatten)]
+    facts: SurfaceFacts,
+}
+
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
-    if let Some(list) = flat_btf(&arguments.input) {
-        return flat_btf_facts(&list?, arguments);
+    if let Some(asset) = flat_btf(&arguments.input)? {
+        return if arguments.json { print_json(&asset) } else { print(&flatten::text(&asset, None)) };
     }
     if let Some(map) = open_bandwidth_map(Path::new(&arguments.input))? {
         return bandwidth::info(&map, arguments.json);
+    }
+    if let Some(facts) = surface(&arguments.input)? {
+        if arguments.json {
+            return print_json(&SurfaceReport { version: 1, facts });
+        }
+        return print_lines(&surface::in_words(&facts));
     }
     let contents = contents(&arguments.input)?;
     if arguments.json {
         return print_json(&Report { version: 1, contents });
     }
-    let lines = contents_in_words(&contents);
+    print_lines(&contents_in_words(&contents))
+}
+
+fn print_lines(lines: &[(&'static str, String)]) -> Result<(), CliError> {
     let width = lines.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
     print(&lines.iter().map(|(name, value)| format!("{name:width$}  {}\n", printable(value))).collect::<String>())
 }
@@ -76,29 +104,67 @@ fn contents(input: &str) -> Result<Contents, CliError> {
     {
         return Ok(Contents::Other(pack));
     }
-    let opened = open(input, None)?;
+    let opened = open(input, None).map_err(with_structures)?;
     let (symmetry, grey) = (opened.source.symmetry(), opened.source.is_grey());
     Ok(Contents::Reflectance { facts: opened.facts, symmetry, grey })
 }
 
-/// The path of the list of a flat BTF's parts, if the input is one: its folder, the list itself, or one of the parts.
-fn flat_btf(input: &str) -> Option<Result<String, CliError>> {
+/// The list of a flat BTF's parts, if the input is one: its folder, the list itself, or one of the parts beside it.
+fn flat_btf(input: &str) -> Result<Option<AssetFile>, CliError> {
     let path = Path::new(input);
-    let list = |path: &Path| {
-        let text = asset_json(path).map_err(CliError::from)?;
-        text.ok_or_else(|| CliError::Input(format!("{input}: flat BTF: found no NAME.json; allowed a finished asset")))
-    };
-    if path.is_dir() || path.extension().is_some_and(|e| e == "json") {
-        return Some(list(path));
+    if is_synth(input) || (path.is_dir() && !has_parts(path) && has_images(path)) {
+        return Ok(None);
     }
-    let name = asset_of_part(path.file_name()?.to_str()?)?;
-    Some(list(&path.with_file_name(format!("{name}.json"))))
+    if path.is_dir() || path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
+        let missing = || {
+            CliError::Input(format!(
+                "{input}: flat BTF: found no NAME.json; allowed a finished asset (or the path of one part)"
+            ))
+        };
+        let asset = open_asset(path)?.ok_or_else(missing)?;
+        check_flat_btf(path)?;
+        return Ok(Some(asset));
+    }
+    let part = path.file_name().and_then(|file| file.to_str()).and_then(asset_of_part);
+    let Some(list) = part.map(|name| path.with_file_name(format!("{name}.json"))) else { return Ok(None) };
+    // A part that is missing is said to be so by whoever opens it.
+    if !path.is_file() || !list.is_file() {
+        return Ok(None);
+    }
+    let asset = open_asset(&list)?;
+    check_flat_btf(&list)?;
+    Ok(asset)
 }
 
-fn flat_btf_facts(list: &str, arguments: &Arguments) -> Result<(), CliError> {
-    let wrong = |error| CliError::Input(format!("{}: list of parts: {error}", arguments.input));
-    let asset: AssetFile = serde_json::from_str(list).map_err(wrong)?;
-    if arguments.json { print_json(&asset) } else { print(&flatten::text(&asset, None)) }
+fn has_parts(folder: &Path) -> bool {
+    let is_part =
+        |entry: std::fs::DirEntry| entry.file_name().to_str().is_some_and(|file| asset_of_part(file).is_some());
+    std::fs::read_dir(folder).is_ok_and(|mut entries| entries.any(|entry| entry.is_ok_and(is_part)))
+}
+
+/// What 'brdfc flatten' takes; nothing of models and BRDFs.
+fn surface(input: &str) -> Result<Option<SurfaceFacts>, CliError> {
+    if let Some(text) = input.strip_prefix(SYNTH_PREFIX)
+        && !STRUCTURES.iter().any(|info| info.name == split_query(text).0)
+    {
+        return Ok(None);
+    }
+    Ok(describe_surface(input)?)
+}
+
+/// A name that is no model may have been meant for a structure; an extension, for a mesh or a height map.
+fn with_structures(error: InputError) -> CliError {
+    let more = match &error {
+        InputError::Address { .. } => {
+            let names: Vec<&str> = STRUCTURES.iter().map(|info| info.name).collect();
+            format!("; structures: {}", names.join(", "))
+        }
+        _ => String::new(),
+    };
+    match CliError::from(error) {
+        CliError::Input(text) => CliError::Input(text + &more),
+        other => other,
+    }
 }
 
 fn symmetry_in_words(s: Symmetry) -> String {

@@ -1,0 +1,213 @@
+//! The linear systems of a random walk over the edges of a mesh, and their solver.
+//!
+//! With `π` the share of time that the walk spends at each vertex, `diag(π) (I - P)` is a Laplacian plus a circulation:
+//! `S + K` with `S` symmetric, `K` skew, and the rows and columns of both adding up to 0. A circulation is local, so that
+//! `S⁻¹ (S + K)` stays near the identity however many vertices there are: one sparse Cholesky factorisation of `S` and a
+//! few steps of a minimal residual method replace the LU factorisation of the whole, which fills in far more (the
+//! splitting of Concus and Golub 1976, "A generalized conjugate gradient method for nonsymmetric systems of linear
+//! equations"; the steps of Eisenstat, Elman and Schultz 1983, "Variational iterative methods for nonsymmetric systems
+//! of linear equations", ORTHOMIN).
+
+use super::ParameteriseError;
+use super::weights::Edge;
+use faer::linalg::solvers::Solve;
+use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
+use faer::sparse::{SparseColMat, Triplet};
+use faer::{MatMut, Side};
+use std::collections::VecDeque;
+
+/// Directions that a step is made orthogonal to.
+const KEPT_DIRECTIONS: usize = 6;
+/// Most steps of one solution.
+const MOST_STEPS: usize = 400;
+/// Steps without progress after which a solution is as good as it gets.
+const IDLE_STEPS: usize = 6;
+
+/// A random walk: `probabilities[e]` of leaving along edge `e`, 1 in all for each vertex.
+pub(super) struct Walk<'a> {
+    pub edges: &'a [Edge],
+    pub probabilities: Vec<f64>,
+}
+
+impl Walk<'_> {
+    /// `out = diag(scale) (I - P) x`.
+    fn forward(&self, scale: &[f64], x: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+        for (edge, p) in self.edges.iter().zip(&self.probabilities) {
+            // Differences along edges: nothing is lost where the values are large and near each other.
+            let from = edge.from as usize;
+            out[from] += p * (x[from] - x[edge.to.vertex as usize]);
+        }
+        out.iter_mut().zip(scale).for_each(|(o, s)| *o *= s);
+    }
+
+    /// `out = (diag(scale) (I - P))ᵀ x`.
+    pub fn backward(&self, scale: &[f64], x: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+        for (edge, p) in self.edges.iter().zip(&self.probabilities) {
+            let (from, to) = (edge.from as usize, edge.to.vertex as usize);
+            let flow = scale[from] * p * x[from];
+            out[from] += flow;
+            out[to] -= flow;
+        }
+    }
+}
+
+/// Solves systems of walks that are not far from the one it was made for.
+pub(super) struct Solver {
+    /// Of the symmetric part without the first row and column; none for a single vertex.
+    factor: Option<Llt<usize, f64>>,
+}
+
+impl Solver {
+    /// `share` need not be the exact share of time at each vertex.
+    pub fn new(
+        walk: &Walk<'_>,
+        share: &[f64],
+        symbolic: &mut Option<SymbolicLlt<usize>>,
+    ) -> Result<Self, ParameteriseError> {
+        let n = share.len();
+        if n < 2 {
+            return Ok(Self { factor: None });
+        }
+        let singular = |reason: String| ParameteriseError::Singular { reason };
+        let mut entries = Vec::with_capacity(walk.edges.len() + n);
+        let mut diagonal = vec![0.0; n];
+        for (edge, p) in walk.edges.iter().zip(&walk.probabilities) {
+            let (from, to) = (edge.from as usize, edge.to.vertex as usize);
+            if from == to {
+                continue;
+            }
+            let half = 0.5 * share[from] * p;
+            diagonal[from] += half;
+            diagonal[to] += half;
+            // The lower half is enough; entries in one place are added.
+            let (row, column) = (from.max(to), from.min(to));
+            if column > 0 {
+                entries.push(Triplet::new(row - 1, column - 1, -half));
+            }
+        }
+        entries.extend(diagonal[1..].iter().enumerate().map(|(i, d)| Triplet::new(i, i, *d)));
+        let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(n - 1, n - 1, &entries)
+            .map_err(|error| singular(format!("{error:?}")))?;
+        drop(entries);
+        let symbolic = match symbolic {
+            Some(known) => known.clone(),
+            None => symbolic
+                .insert(
+                    SymbolicLlt::try_new(matrix.symbolic(), Side::Lower)
+                        .map_err(|error| singular(format!("{error:?}")))?,
+                )
+                .clone(),
+        };
+        let factor = Llt::try_new_with_symbolic(symbolic, matrix.as_ref(), Side::Lower)
+            .map_err(|error| singular(format!("{error:?}")))?;
+        Ok(Self { factor: Some(factor) })
+    }
+
+    fn precondition(&self, r: &[f64]) -> Vec<f64> {
+        let mut z = r.to_vec();
+        z[0] = 0.0;
+        if let Some(factor) = &self.factor {
+            let n = z.len() - 1;
+            factor.solve_in_place(MatMut::from_column_major_slice_mut(&mut z[1..], n, 1));
+        }
+        z
+    }
+
+    /// Solves `diag(scale) (I - P) x = right` from a first guess, up to a constant; `right` adds up to 0. Returns the
+    /// largest residual of a row over its scale.
+    pub fn forward(&self, walk: &Walk<'_>, scale: &[f64], right: &[f64], x: &mut [f64], enough: f64) -> f64 {
+        self.solve(|x, out| walk.forward(scale, x, out), scale, right, x, enough)
+    }
+
+    /// As [`Solver::forward`], with the transpose of the matrix.
+    pub fn backward(&self, walk: &Walk<'_>, scale: &[f64], right: &[f64], x: &mut [f64], enough: f64) -> f64 {
+        self.solve(|x, out| walk.backward(scale, x, out), scale, right, x, enough)
+    }
+
+    fn solve(
+        &self,
+        apply: impl Fn(&[f64], &mut [f64]),
+        scale: &[f64],
+        right: &[f64],
+        x: &mut [f64],
+        enough: f64,
+    ) -> f64 {
+        let n = x.len();
+        let largest = |r: &[f64]| r.iter().zip(scale).map(|(r, s)| (r / s).abs()).fold(0.0, larger);
+        let mut r = vec![0.0; n];
+        let total: f64 = scale.iter().sum();
+        let residual = |x: &[f64], r: &mut Vec<f64>| {
+            apply(x, r);
+            r.iter_mut().zip(right).for_each(|(r, b)| *r = b - *r);
+            // Of rounding: no solution has it.
+            let rest = r.iter().sum::<f64>() / total;
+            subtract_scaled(r, rest, scale);
+        };
+        residual(x, &mut r);
+        let mut exact = largest(&r);
+        let mut kept: VecDeque<Direction> = VecDeque::with_capacity(KEPT_DIRECTIONS);
+        let (mut least, mut idle) = (product(&r, &r), 0);
+        for _ in 0..MOST_STEPS {
+            if exact <= enough || exact.is_nan() {
+                break;
+            }
+            let mut along = self.precondition(&r);
+            let mut image = vec![0.0; n];
+            apply(&along, &mut image);
+            for direction in &kept {
+                let share = product(&image, &direction.image) / direction.squared;
+                subtract_scaled(&mut along, share, &direction.along);
+                subtract_scaled(&mut image, share, &direction.image);
+            }
+            let squared = product(&image, &image);
+            let step = product(&r, &image) / squared;
+            if !step.is_finite() {
+                break;
+            }
+            subtract_scaled(x, -step, &along);
+            subtract_scaled(&mut r, step, &image);
+            if kept.len() == KEPT_DIRECTIONS {
+                kept.pop_front();
+            }
+            kept.push_back(Direction { along, image, squared });
+            let now = product(&r, &r);
+            idle = if now < 0.9 * least { 0 } else { idle + 1 };
+            least = least.min(now);
+            if largest(&r) <= enough || idle == IDLE_STEPS {
+                // What was carried on has rounding of its own.
+                residual(x, &mut r);
+                let before = std::mem::replace(&mut exact, largest(&r));
+                if exact > 0.5 * before {
+                    break;
+                }
+                kept.clear();
+                (least, idle) = (product(&r, &r), 0);
+            }
+        }
+        residual(x, &mut r);
+        largest(&r)
+    }
+}
+
+/// A step that was taken.
+struct Direction {
+    along: Vec<f64>,
+    image: Vec<f64>,
+    squared: f64,
+}
+
+/// The larger one; NaN stays.
+fn larger(a: f64, b: f64) -> f64 {
+    if b > a || b.is_nan() { b } else { a }
+}
+
+fn product(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// `a -= share b`.
+fn subtract_scaled(a: &mut [f64], share: f64, b: &[f64]) {
+    a.iter_mut().zip(b).for_each(|(a, b)| *a -= share * b);
+}

@@ -1,0 +1,204 @@
+//! Options that would have no effect or lose something, and outputs that cannot be written: found before the work.
+
+use super::refused;
+use crate::common::cli::Folder;
+
+const SMALL: [&str; 6] = ["--texels", "8", "--views", "grid:2x3@40", "--indirection", "4x6"];
+const TILE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
+const IMAGE: &str = "s/tl000 pl000 tv000 pv000.png";
+
+/// A folder with one input of each kind.
+fn inputs() -> Folder {
+    let folder = Folder::new();
+    folder.write("m.obj", TILE);
+    folder
+        .write("named.obj", TILE.replace("f 1 2 3", "usemtl clay\nf 1 2 3").replace("f 1 3 4", "usemtl tin\nf 1 3 4"));
+    let mut png = std::io::Cursor::new(Vec::new());
+    image::GrayImage::new(8, 8).write_to(&mut png, image::ImageFormat::Png).unwrap();
+    folder.write("h.png", png.get_ref());
+    folder.write(IMAGE, png.get_ref());
+    folder
+}
+
+#[test]
+#[cfg(feature = "render")]
+fn one_file_for_two_pictures() {
+    let folder = inputs();
+    let both = |code, options: &[&str], expected: &[&str]| {
+        refused(&folder, &[&["render", "synth:lewis"][..], options].concat(), code, expected);
+    };
+    let expected = ["--output and --reference: found same.png for both"];
+    both(2, &["-o", "same.png", "--reference", "same.png", "--difference", "d.png"], &expected);
+    both(2, &["-o", "a.png", "--sheet", "./s.png", "--difference", "s.png"], &["--difference and --sheet"]);
+}
+
+#[test]
+fn options_that_go_with_another_input() {
+    let folder = inputs();
+    let structure = "synth:knit?resolution=16";
+    for (input, options, expected) in [
+        ("s", &["--views", "ubo2003"][..], "--views: found with a folder of images"),
+        ("s", &["--lights", "ubo2003"], "--lights: found with a folder of images"),
+        ("s", &["--tile", "2"], "--tile: found with the plane; allowed with a mesh"),
+        ("s", &["--height-scale", "0.1"], "--height-scale: found with the plane; allowed with a height map"),
+        ("s", &["--height-offset", "0"], "--height-offset: found with the plane"),
+        ("s", &["--geometry", "h.png", "--tile", "1"], "--tile: found with a height map"),
+        ("s", &["--geometry", "m.obj", "--height-scale", "1"], "--height-scale: found with a mesh"),
+        (structure, &["--tile", "1"], "--tile: found with a structure"),
+        (structure, &["--height-scale", "0.1"], "--height-scale: found with a structure"),
+        (structure, &["--height-offset", "0"], "--height-offset: found with a structure"),
+        ("m.obj", &["--height-scale", "0.1"], "--height-scale: found with a mesh"),
+        ("m.obj", &["--height-offset", "0.1"], "--height-offset: found with a mesh"),
+        ("h.png", &["--tile", "1"], "--tile: found with a height map"),
+        ("h.png", &["--height-scale", "NaN"], "--height-scale: found NaN; allowed -10 to 10"),
+        (structure, &["--image-format", "exr"], "--image-format: found alone; allowed with --write-images"),
+        (structure, &["--form", "light", "--fill", "poisson"], "--fill: found with --form light"),
+        (structure, &["--weights", "h.png"], "--weights: found one material"),
+        ("m.obj", &["--weights", "h.png", "--material", "synth:lambert"], "--weights: found one material"),
+        (
+            "named.obj",
+            &["--material", "clay=synth:lambert", "--material", "clay=synth:lewis"],
+            "--material: found the name clay twice",
+        ),
+        (
+            "named.obj",
+            &["--material", "synth:lambert", "--material", "synth:lewis"],
+            "--material: found 2 without a name; allowed one, for the rest of clay, tin",
+        ),
+        (structure, &["--bounces", "4", "--write-images", "images"], "--write-images: found with --bounces"),
+        (structure, &["--views", "grid:1x6@50"], "--views: found grid:1x6@50; allowed 2 polar angles or more"),
+        (structure, &["--indirection", "0x0"], "--indirection: found 0x0; allowed 2 to 256 polar angles x 3 to 256"),
+        (structure, &["--texels", "2048", "--indirection", "16x16"], "found a map of 32768 x 34816 texels"),
+        (structure, &["--name", " "], "--name: found \" \"; allowed letters"),
+        (structure, &["--name", "a "], "--name: found \"a \""),
+    ] {
+        let told = refused(&folder, &[&["flatten", input, "-o", "out"], options].concat(), 2, &[expected]);
+        assert!(!told.contains("brdfc.indirection"), "{told}");
+    }
+    for out in ["..", "/"] {
+        refused(&folder, &["flatten", structure, "-o", out], 2, &[&format!("--out: found {out}, whose last part")]);
+    }
+    let rest = ["--material", "clay=synth:lambert", "--material", "synth:lewis"];
+    folder.run(&[&["flatten", "named.obj", "-o", "out"], &rest[..], &SMALL].concat()).succeeded();
+}
+
+#[test]
+#[cfg(feature = "render")]
+fn flat_btfs_that_are_not_drawn() {
+    let folder = inputs();
+    folder.run(&[&["flatten", "m.obj", "-o", "out"], &SMALL[..]].concat()).succeeded();
+    refused(&folder, &["render", "out", "--filter", "nearest"], 2, &["--filter: found with out, a flat BTF"]);
+    let list = folder.text("out/out.json");
+    for damaged in ["{}", "[]", &list[..list.len() / 2]] {
+        folder.write("out/out.json", damaged);
+        refused(&folder, &["render", "out"], 3, &["out/out.json: list of parts: found "]);
+    }
+}
+
+#[test]
+fn folders_that_are_files_or_not_empty() {
+    let folder = inputs();
+    let knit = ["flatten", "synth:knit?resolution=16"];
+    let with = |more: &[&str], code, expected: &[&str]| {
+        refused(&folder, &[&knit[..], more, &SMALL].concat(), code, expected);
+    };
+    with(&["-o", "m.obj"], 4, &["m.obj: cannot write: found a file; allowed a folder"]);
+    with(&["-o", "out", "--write-images", "m.obj"], 4, &["m.obj: cannot write: found a file; allowed a folder"]);
+    with(&["-o", "out", "--write-images", "./out"], 2, &["--out and --write-images: found ./out for both"]);
+    let full = ["--write-images: found 1 files or folders in s; allowed a new or empty folder"];
+    with(&["-o", "out", "--write-images", "s"], 2, &full);
+    assert!(!folder.path().join("out").exists(), "before the work");
+    std::fs::create_dir(folder.path().join("empty")).unwrap();
+    folder.run(&[&knit[..], &["-o", "out", "--write-images", "empty"], &SMALL].concat()).succeeded();
+    assert_eq!(folder.files("empty").len(), 16);
+    refused(&folder, &["bench", "--study", "rays", "--out", "m.obj"], 4, &["found a file; allowed a folder"]);
+    refused(&folder, &["bench", "--study", "rays", "--directions", "ubo2003"], 2, &["allowed with --study flat-btf"]);
+    refused(&folder, &["bench", "synth:knit"], 2, &["flat-btf and rays (structures)", "images: materials"]);
+}
+
+#[test]
+fn synth_files_of_another_kind() {
+    let folder = Folder::new();
+    for (model, output, options, expected) in [
+        ("folds", "x.stl", &[][..], "--output: found x.stl; allowed a name that ends in .binary"),
+        ("folds", "x.binary", &[], "--output: found x.binary; allowed a name that ends in .obj or .ply"),
+        ("lewis", "x.obj", &[], "--output: found x.obj; allowed a name that ends in .binary, .brdf or .csv"),
+        (
+            "folds",
+            "y.ply",
+            &["--rows", "5", "--noise", "NaN"],
+            "--rows: found with y.ply; allowed with a file in .brdf",
+        ),
+        ("folds", "y.ply", &["--noise", "NaN"], "--noise: found with y.ply"),
+        (
+            "folds",
+            "y.obj",
+            &["--dimensions", "0x0x0"],
+            "--dimensions: found with y.obj; allowed with a file in .binary",
+        ),
+        ("lewis", "y.csv", &["--dimensions", "9x9x9"], "--dimensions: found with y.csv"),
+        ("lewis", "y.binary", &["--seed", "1"], "--seed: found with y.binary"),
+    ] {
+        refused(&folder, &[&["synth", model, "-o", output], options].concat(), 2, &[expected]);
+    }
+    folder.run(&["synth", "folds?resolution=16", "-o", "x.PLY"]).succeeded();
+    folder.run(&["info", "x.PLY"]).succeeded();
+}
+
+/// Neither memory nor time is spent on what is no input.
+#[test]
+#[cfg(target_os = "linux")]
+fn devices_and_files_without_end() {
+    let folder = inputs();
+    std::os::unix::fs::symlink("/dev/zero", folder.path().join("zero.brdf")).unwrap();
+    for name in ["big.png", "big.csv", "big.ktx2", "big.obj", "big.toml"] {
+        let file = std::fs::File::create(folder.path().join(name)).unwrap();
+        file.set_len(30 << 30).unwrap();
+    }
+    let told = |arguments: &[&str], expected: &str| {
+        let ran = folder.run(arguments);
+        assert_eq!((ran.code, ran.stdout.as_str()), (3, ""), "{arguments:?}: {}", ran.stderr);
+        assert!(ran.stderr.contains(expected), "{arguments:?}: {}", ran.stderr);
+    };
+    told(&["info", "/dev/zero"], "/dev/zero: file: found a device; allowed a file or a pipe");
+    told(&["info", "zero.brdf"], "found a device");
+    let length = "file length: found 32212254720 bytes; allowed at most ";
+    told(&["flatten", "m.obj", "-o", "out", "--colour", "big.png"], length);
+    told(&["flatten", "m.obj", "-o", "out", "--views", "big.csv"], length);
+    told(&["flatten", "big.obj", "-o", "out"], length);
+    told(&["info", "big.ktx2"], length);
+    told(&["compare", "synth:lewis", "synth:lewis", "--directions", "big.csv"], length);
+    told(&["build", "big.toml", "--dry-run"], length);
+    assert!(!folder.path().join("out").exists());
+}
+
+#[test]
+fn colours_that_are_no_srgb_codes() {
+    let folder = inputs();
+    let mut exr = std::io::Cursor::new(Vec::new());
+    let image = image::Rgb32FImage::from_pixel(4, 4, image::Rgb([2.0f32; 3]));
+    image::DynamicImage::from(image).write_to(&mut exr, image::ImageFormat::OpenExr).unwrap();
+    folder.write("x.exr", exr.get_ref());
+    let flatten = ["flatten", "m.obj", "-o", "out", "--colour", "x.exr"];
+    refused(&folder, &flatten, 3, &["x.exr: image: found OpenExr; allowed a whole PNG or JPEG"]);
+    // Truncated: the channels are not what is wrong.
+    folder.write("cut.exr", &exr.get_ref()[..exr.get_ref().len() / 2]);
+    refused(&folder, &["info", "cut.exr"], 3, &["cut.exr: EXR: found ", "allowed a whole EXR"]);
+}
+
+/// The header of a PNG says 2e9 x 2e9.
+#[test]
+fn images_of_a_stack_that_declare_too_much() {
+    let folder = inputs();
+    let mut bytes = folder.read(IMAGE);
+    bytes[16..24].copy_from_slice(&[2_000_000_000u32.to_be_bytes(), 2_000_000_000u32.to_be_bytes()].concat());
+    let mut crc = u32::MAX;
+    for byte in &bytes[12..29] {
+        crc ^= u32::from(*byte);
+        (0..8).for_each(|_| crc = (crc >> 1) ^ (0xedb8_8320 * (crc & 1)));
+    }
+    bytes[29..33].copy_from_slice(&(!crc).to_be_bytes());
+    folder.write(IMAGE, bytes);
+    let told = refused(&folder, &["flatten", "s", "-o", "out"], 3, &["image size: found ", "allowed 1 to 4096"]);
+    assert!(!told.contains("emory"), "{told}");
+}
