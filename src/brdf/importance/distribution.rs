@@ -48,6 +48,14 @@ impl Distribution {
         probability * self.grid.azimuths as f64 / ((self.borders[ring + 1] - self.borders[ring]) * TAU)
     }
 
+    /// Density per steradian at a unit half vector above the horizon.
+    pub fn density_at(&self, [x, y, z]: [f64; 3]) -> f64 {
+        let ring = self.borders[1..self.grid.polar].partition_point(|border| *border <= 1.0 - z);
+        let turn = y.atan2(x).rem_euclid(TAU) / TAU;
+        let cell = ((turn * self.grid.azimuths as f64) as usize).min(self.grid.azimuths - 1);
+        self.density(ring, cell)
+    }
+
     fn ring(&self, ring: usize) -> &[f64] {
         &self.cells[ring * (self.grid.azimuths + 1)..][..self.grid.azimuths + 1]
     }

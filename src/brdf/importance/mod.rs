@@ -6,11 +6,13 @@
 //! of one outgoing direction fit its neighbours, too.
 
 mod distribution;
+mod distributions;
 mod grid;
 mod lobe;
 mod sequence;
 
 pub use distribution::Distribution;
+pub use distributions::LobeDistributions;
 pub use grid::HalfGrid;
 pub use lobe::cell_probabilities;
 pub use sequence::sequence_point;
@@ -58,6 +60,15 @@ impl ImportanceRecipe {
             if isotropic { (self.isotropic_polar, 1) } else { (self.anisotropic_polar, self.anisotropic_azimuths) };
         ImportanceHeader { polar, azimuths, samples: self.samples }
     }
+
+    fn check(&self, header: &ImportanceHeader) -> Result<(), FormatError> {
+        header.check()?;
+        self.grid.check()?;
+        if !(self.defensive > 0.0 && self.defensive <= 1.0) {
+            return Err(FormatError::whole("defensive share", self.defensive.to_string(), "above 0, up to 1"));
+        }
+        Ok(())
+    }
 }
 
 /// Samples of `source` for all outgoing directions. The same on any number of threads.
@@ -70,11 +81,7 @@ pub fn importance_samples(
 ) -> Result<(ImportancePack, Tally), FormatError> {
     let symmetry = source.symmetry();
     let header = recipe.header(symmetry.isotropic);
-    header.check()?;
-    recipe.grid.check()?;
-    if !(recipe.defensive > 0.0 && recipe.defensive <= 1.0) {
-        return Err(FormatError::whole("defensive share", recipe.defensive.to_string(), "above 0, up to 1"));
-    }
+    recipe.check(&header)?;
     let points: Vec<[f64; 2]> = (0..recipe.samples).map(sequence_point).collect();
     let rows: Vec<u32> = (0..header.rows()).collect();
     // Mirror images need no evaluation.

@@ -8,12 +8,14 @@ mod passes;
 mod predict;
 mod pyramid;
 mod shading;
+mod truth;
 mod upsample;
 
 pub use passes::{ShadedLevels, shade};
 pub use predict::{ANY_LEVEL, Prediction, coarsest, predict};
 pub use pyramid::Pyramid;
 pub use shading::{forward, shade_point};
+pub use truth::ground_truth;
 pub use upsample::{Guide, LEAST_WEIGHT, parents, weight};
 
 use super::gbuffer::GBuffer;

@@ -1,0 +1,55 @@
+//! The ground truth: converged in double precision, by the lobe and by the light (multiple importance sampling).
+
+use super::{AdaptiveScene, resolve};
+use crate::brdf::importance::LobeDistributions;
+use crate::metrics::image::LinearImage;
+use crate::render::environment_light::reflected;
+use crate::render::environment_sampler::{EnvironmentSampler, FramedEnvironmentSampler};
+use crate::render::gbuffer::GBuffer;
+use crate::render::lobe_sampler::{BalancedSampler, LobeSampler, low_discrepancy, shift_of};
+use crate::render::scene::Frame;
+use brdfc_formats::direction::Vector;
+use rayon::prelude::*;
+
+/// A measured lobe as a sampler.
+struct MeasuredLobe<'a> {
+    distributions: &'a LobeDistributions,
+    shift: [f64; 2],
+}
+
+impl LobeSampler for MeasuredLobe<'_> {
+    fn sample(&self, outgoing: Vector, index: usize) -> (Vector, f64) {
+        self.distributions.sample(outgoing, low_discrepancy(index, self.shift))
+    }
+
+    fn pdf(&self, outgoing: Vector, incoming: Vector) -> f64 {
+        self.distributions.density(outgoing, incoming)
+    }
+}
+
+/// The picture that `samples` samples for each point of the buffer give, half of them by the lobe of the material, half
+/// by the light of the environment. One distribution for each part.
+///
+/// # Panics
+/// If there are fewer distributions than parts.
+pub fn ground_truth(
+    scene: &AdaptiveScene<'_>,
+    frame: Frame,
+    buffer: &GBuffer,
+    distributions: &[&LobeDistributions],
+    samples: usize,
+) -> LinearImage {
+    let environment = EnvironmentSampler::new(&scene.scene.environment);
+    let one = |pixel: usize| -> [f32; 3] {
+        let (Some(part), Some(point)) = (buffer.part_at(pixel), buffer.surface_point(pixel)) else { return [0.0; 3] };
+        let shift = shift_of(pixel);
+        let lobe = MeasuredLobe { distributions: distributions[part], shift };
+        let light = FramedEnvironmentSampler { environment: &environment, point: &point, shift };
+        let sampler = BalancedSampler { first: &lobe, second: &light };
+        let material = scene.materials[part].reflectance;
+        let estimate = reflected(&point, &scene.scene.environment, material, &sampler, samples);
+        estimate.radiance.map(|c| c as f32)
+    };
+    let radiance: Vec<[f32; 3]> = (0..buffer.part.len()).into_par_iter().map(one).collect();
+    resolve(scene.scene, frame, buffer, &radiance, buffer.width / frame.width)
+}
