@@ -239,7 +239,7 @@ mod tests {
         assert!(text(4, 0, 75.0).contains("azimuths: found 0"));
         assert!(text(4, 8, 90.0).contains("found 90"));
         assert!(text(4, 8, f64::NAN).contains("NaN"));
-        assert!(text(usize::MAX, 8, 75.0).contains("at most 4096"));
+        assert!(text(usize::MAX, 8, 75.0).contains("at most 2048"));
         assert!(text(2, 8, 1e-7).contains("differ"));
     }
 
@@ -274,12 +274,12 @@ mod tests {
         assert!(text("0,0,0\n1,10,0\n2,0,90\n").contains("line 4, direction: found the direction of line 2"));
         assert!(text("0,10,0\n1,10,360\n").contains("line 3, direction"));
         assert!(text("").contains("at least one record"));
-        let many: String = (0..4097).map(|k| format!("{k},{},{}\n", k as f64 * 0.02, k % 360)).collect();
-        assert!(text(&many).starts_with("line 4098, record: found one more direction; allowed at most 4096"));
+        let many: String = (0..2049).map(|k| format!("{k},{},{}\n", k as f64 * 0.04, k % 360)).collect();
+        assert!(text(&many).starts_with("line 2050, record: found one more direction; allowed at most 2048"));
         let error = DirectionSet::from_csv(b"index,theta,phi\n").unwrap_err().to_string();
         assert!(error.contains("column theta_deg"), "{error}");
         // Just far enough apart: no error.
-        let near = format!("{head}0,10,0\n1,10.0001,0\n");
+        let near = format!("{head}0,10,0\n1,10.015,0\n");
         assert_eq!(DirectionSet::from_csv(near.as_bytes()).unwrap().len(), 2);
     }
 }

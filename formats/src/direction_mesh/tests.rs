@@ -126,10 +126,14 @@ fn sets_in_line_are_blended_along_it() {
 
 #[test]
 fn directions_too_close_for_f32_are_refused() {
-    let close = DirectionSet { name: String::new(), angles: vec![[0.0, 0.0], [50.0, 10.0], [50.001, 10.0]] };
-    assert!(DirectionSet::new("", close.angles.clone()).is_ok());
-    let error = DirectionMesh::new(&close).unwrap_err().to_string();
-    assert!(error.starts_with("direction 2: found less than 0.0001 from direction 1"), "{error}");
+    let close =
+        |apart: f64| DirectionSet { name: String::new(), angles: vec![[0.0, 0.0], [50.0, 10.0], [50.0 + apart, 10.0]] };
+    let error = DirectionMesh::new(&close(0.01)).unwrap_err().to_string();
+    assert!(error.starts_with("direction 2: found direction 1 again"), "{error}");
+    // What a set may hold can be blended, at the horizon, too, where coordinates are densest.
+    assert!(DirectionMesh::new(&close(0.02)).is_ok());
+    let low = DirectionSet { name: String::new(), angles: vec![[0.0, 0.0], [89.9, 10.0], [89.9, 10.015]] };
+    assert!(DirectionMesh::new(&low).is_ok());
     let none = DirectionSet { name: String::new(), angles: Vec::new() };
     assert!(DirectionMesh::new(&none).is_err());
 }
@@ -211,8 +215,8 @@ fn cells_hold_few_candidates() {
 
 #[test]
 fn the_largest_set_is_quick_enough() {
-    let mesh = mesh(&DirectionSet::grid(64, 65, 89.0).unwrap());
-    assert!(mesh.to_words().len() < 200_000);
+    let mesh = mesh(&DirectionSet::grid(24, 89, 89.0).unwrap());
+    assert!(mesh.to_words().len() < 100_000);
 }
 
 fn random_set() -> impl Strategy<Value = DirectionSet> {
