@@ -10,8 +10,8 @@
 //! a wavelength of the pole, on the other hand, every direction is the elevation of some azimuth, and `k_v` counts for both
 //! axes.
 //!
-//! What that achieves: the peak bandwidth of a wave or of a round spot is the same within a factor 1.8 wherever it is put
-//! on the sphere (tests); with `1 / sin θ` alone it is wrong by a hundred.
+//! What that achieves: the peak bandwidth of a round spot is the same within a factor 1.65 wherever it is put on the
+//! sphere, that of a wave within 2 (bounds of the tests); with `1 / sin θ` alone it is wrong by a hundred.
 
 use super::image::{Axis, channels, continue_over_poles, reduce_by_maximum, resample};
 use super::local::{Border, frequencies};

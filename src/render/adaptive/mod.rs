@@ -34,6 +34,8 @@ pub struct AdaptiveMaterial<'a> {
     pub samples: &'a ImportancePack,
     /// How fast its lobe varies.
     pub bandwidth: &'a BandwidthMap,
+    /// Luminance of its albedo, roughly: how bright it is among the others.
+    pub albedo: f32,
 }
 
 /// A scene with everything that adaptive shading looks up.
@@ -55,15 +57,17 @@ pub struct Settings {
     /// Mean samples of a surface pixel before [`Settings::fewest`] and [`Settings::most`] hold, where there is no
     /// [`Settings::scale`].
     pub samples: f32,
-    /// Samples for a relative variance of 1.
+    /// Samples for a visible deviation of 1.
     pub scale: Option<f32>,
     /// Fewest samples of a shaded pixel.
     pub fewest: u32,
     /// Most samples of a shaded pixel.
     pub most: u32,
-    /// Luminance below which errors are judged absolutely, see [`brdfc_formats::bandwidth_propagation::VarianceEstimate`].
-    pub darkest: f32,
-    /// Multiplies bandwidths before levels are chosen: 1 is Nyquist's rate, 2 twice as many pixels along each axis.
+    /// Radiance that the display shows as white.
+    pub white: f32,
+    /// Multiplies bandwidths before levels are chosen: 1 is Nyquist's rate for them, 2 twice as many pixels along each axis.
+    /// Predicted bandwidths are upper bounds, by the maps (1.3 to 1.45 times those of waves, largest of three channels) and
+    /// by the propagation (no signs, every direction in the plane of incidence), so less than 1 will do.
     pub caution: f32,
     /// Levels finer than pixels: 0, 1 for 2 x 2 samples per pixel, 2 for 4 x 4.
     pub antialiasing_levels: u32,
@@ -76,9 +80,9 @@ impl Default for Settings {
             samples: 64.0,
             scale: None,
             fewest: 4,
-            most: 1024,
-            darkest: 0.0,
-            caution: 1.0,
+            most: 4096,
+            white: 1.0,
+            caution: 0.5,
             antialiasing_levels: 0,
         }
     }
@@ -129,7 +133,7 @@ pub fn draw(scene: &AdaptiveScene<'_>, frame: Frame, buffer: &GBuffer, settings:
     assert_eq!((buffer.width, buffer.height), (frame.width * sub, frame.height * sub), "the buffer of this frame");
     assert!(scene.materials.len() >= scene.scene.parts.len(), "one material for each part");
     let prediction = predict(scene, frame, buffer, settings);
-    let ShadedLevels { radiance, levels } = shade(scene, buffer, &prediction);
+    let ShadedLevels { radiance, levels } = shade(scene, buffer, &prediction, settings.most);
     let image = resolve(scene.scene, frame, buffer, &radiance, sub);
     AdaptivePicture { image, prediction, levels }
 }
@@ -152,3 +156,6 @@ pub fn resolve(scene: &Scene, frame: Frame, buffer: &GBuffer, radiance: &[[f32; 
     }
     LinearImage { width: frame.width, height: frame.height, pixels, coverage, background: scene.background }
 }
+
+#[cfg(test)]
+mod tests;

@@ -32,7 +32,10 @@ enum Made {
 /// Goes through the levels. A pixel of a level stands for a square of the buffer; it is shaded where the finest level that
 /// any pixel of the square asks for is this one, takes over what the coarser level has where that is coarser, and is left
 /// out where it is finer. Where nothing around it fits, it is shaded, too.
-pub fn shade(scene: &AdaptiveScene<'_>, buffer: &GBuffer, prediction: &Prediction) -> ShadedLevels {
+///
+/// A pixel of level `l` gets `2^l` times the samples of the most demanding pixel in its square, up to `most`: its error
+/// shows in `4^l` pixels, and the sum of squared errors is least where samples are in proportion to the root of that.
+pub fn shade(scene: &AdaptiveScene<'_>, buffer: &GBuffer, prediction: &Prediction, most: u32) -> ShadedLevels {
     let coarsest = coarsest(buffer) as usize;
     let (width, height) = (buffer.width, buffer.height);
     let wanted = Pyramid::new(width, height, prediction.level.clone(), coarsest, i32::min);
@@ -53,7 +56,7 @@ pub fn shade(scene: &AdaptiveScene<'_>, buffer: &GBuffer, prediction: &Predictio
             {
                 return Made::Taken(value);
             }
-            let count = samples.levels[level as usize].2[at];
+            let count = samples.levels[level as usize].2[at].saturating_mul(1 << level).min(most);
             Made::Shaded(shade_point(scene, buffer, point as usize, count), count)
         };
         let made: Vec<Made> = (0..width * height).into_par_iter().map(pixel).collect();

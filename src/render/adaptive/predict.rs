@@ -21,8 +21,9 @@ pub const ANY_LEVEL: i32 = i32::MAX;
 pub struct Prediction {
     /// Cycles per pixel of the picture, equation 6; 0 where no surface is.
     pub bandwidth: Vec<f32>,
-    /// `V` of equation 7 relative to the squared mean, see [`VarianceEstimate`]; 0 where no surface is.
-    pub variance: Vec<f32>,
+    /// Standard deviation of a sample as it shows: the root of `V` of equation 7, see [`VarianceEstimate`], times how much a
+    /// relative error changes the display; 0 where no surface is.
+    pub deviation: Vec<f32>,
     /// Level of the pyramid, 0 the G-buffer's own resolution; [`ANY_LEVEL`] where no surface is.
     pub level: Vec<i32>,
     /// Samples of the pixel if it is shaded; 0 where no surface is.
@@ -40,13 +41,14 @@ pub fn predict(scene: &AdaptiveScene<'_>, frame: Frame, buffer: &GBuffer, settin
     let largest = largest_pixel_bandwidth(settings.antialiasing_levels);
     let one = |pixel: usize| -> (f32, f32) {
         let Some(part) = buffer.part_at(pixel) else { return (0.0, 0.0) };
-        let (bandwidth, variance) = at(scene, buffer, pixel, part, curvature[pixel], settings);
-        (pixel_bandwidth(bandwidth.angular, field_of_view, size, largest), variance)
+        let (bandwidth, variance, luminance) = at(scene, buffer, pixel, part, curvature[pixel], settings);
+        let deviation = visible_deviation(variance, luminance, settings.white);
+        (pixel_bandwidth(bandwidth.angular, field_of_view, size, largest), deviation)
     };
-    let (bandwidth, variance): (Vec<f32>, Vec<f32>) = (0..buffer.part.len()).into_par_iter().map(one).unzip();
+    let (bandwidth, deviation): (Vec<f32>, Vec<f32>) = (0..buffer.part.len()).into_par_iter().map(one).unzip();
     let is_surface = |pixel: &usize| buffer.part_at(*pixel).is_some();
-    let covered = (0..variance.len()).filter(is_surface).count();
-    let sum: f64 = variance.iter().map(|v| f64::from(*v)).sum();
+    let covered = (0..deviation.len()).filter(is_surface).count();
+    let sum: f64 = deviation.iter().map(|v| f64::from(*v)).sum();
     let scale = settings.scale.unwrap_or_else(|| sample_scale((sum / covered.max(1) as f64) as f32, settings.samples));
     let coarsest = coarsest(buffer);
     let level = |pixel: usize| match is_surface(&pixel) {
@@ -56,7 +58,7 @@ pub fn predict(scene: &AdaptiveScene<'_>, frame: Frame, buffer: &GBuffer, settin
         false => ANY_LEVEL,
     };
     let samples = |pixel: usize| match is_surface(&pixel) {
-        true => sample_count(variance[pixel], scale, settings.fewest, settings.most),
+        true => sample_count(deviation[pixel], scale, settings.fewest, settings.most),
         false => 0,
     };
     let pixels = 0..buffer.part.len();
@@ -64,11 +66,22 @@ pub fn predict(scene: &AdaptiveScene<'_>, frame: Frame, buffer: &GBuffer, settin
         level: pixels.clone().map(level).collect(),
         samples: pixels.map(samples).collect(),
         bandwidth,
-        variance,
+        deviation,
     }
 }
 
-/// Bandwidth and relative variance at a surface point.
+/// What an error of the estimate does to the picture: standard deviation of one sample in units of the display's codes.
+///
+/// For `N_i` samples of pixels that show as displayed codes `s(L)`, the sum of squared errors `Σ (σ_i s'(L_i))² / N_i` is
+/// least for a given sum of `N_i` where `N_i` is in proportion to `σ_i s'(L_i)`. `V` is `σ²` relative to the squared mean,
+/// and `s` is nearly the power 1/2.2 up to white, beyond which nothing shows.
+fn visible_deviation(variance: f32, luminance: f32, white: f32) -> f32 {
+    let shown = luminance / white;
+    let response = if shown < 1.0 { shown.sqrt() } else { 1.0 / (shown * shown) };
+    variance.sqrt() * response
+}
+
+/// Bandwidth, relative variance and luminance at a surface point.
 fn at(
     scene: &AdaptiveScene<'_>,
     buffer: &GBuffer,
@@ -76,11 +89,12 @@ fn at(
     part: usize,
     curvature: f32,
     settings: &Settings,
-) -> (Bandwidth, f32) {
+) -> (Bandwidth, f32, f32) {
     let frame = buffer.frame(pixel);
     let material = &scene.materials[part];
     let outgoing = frame.local(buffer.to_viewer[pixel]);
     let (mut average, mut variance) = (BandwidthAverage::default(), VarianceEstimate::default());
+    let mut light_sum = 0.0f32;
     for index in 0..settings.directions {
         let (incoming, inverse_density) = material.samples.sample(outgoing, index);
         if inverse_density <= 0.0 {
@@ -94,10 +108,12 @@ fn at(
         let contribution = (0..3).map(|k| LUMINANCE[k] * radiance[k] as f32).sum::<f32>().max(0.0);
         let surface = Surface { cos_incoming: incoming[2], cos_outgoing: outgoing[2], curvature, lobe, texture: 0.0 };
         let arrives = Bandwidth::distant(light).one_bounce(0.0, surface, buffer.distance[pixel]);
+        light_sum += contribution;
         average = average.add(arrives, contribution);
         variance = variance.add(light, lobe, contribution);
     }
-    (average.mean(), variance.relative(settings.darkest))
+    let luminance = material.albedo * light_sum / settings.directions.max(1) as f32;
+    (average.mean(), variance.relative(0.0), luminance)
 }
 
 /// The level whose only pixel covers the buffer's shorter side.
