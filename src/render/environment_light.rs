@@ -1,4 +1,4 @@
-//! Radiance that a surface reflects from an environment, without visibility: equation 1 of Soler et al. 2012,
+//! Radiance that a surface reflects from an environment, without visibility: equation 1 of Bagher et al. 2012,
 //! "Interactive rendering of acquired materials on dynamic geometry using bandwidth prediction".
 
 use super::environment_sampler::{EnvironmentSampler, FramedEnvironmentSampler};
