@@ -93,7 +93,7 @@ fn standing_for(buffer: &GBuffer, coarsest: usize) -> Pyramid<u32> {
     for (level, (width, _, points)) in pyramid.levels.iter_mut().enumerate().skip(1) {
         let half = 1usize << (level - 1);
         for (at, point) in points.iter_mut().enumerate() {
-            let (x, y) = ((at % *width << level) + half, (at / *width << level) + half);
+            let (x, y) = (((at % *width) << level) + half, ((at / *width) << level) + half);
             if x < buffer.width && y < buffer.height && buffer.part_at(y * buffer.width + x).is_some() {
                 *point = (y * buffer.width + x) as u32;
             }
