@@ -1,0 +1,114 @@
+//! Any bytes, or a valid file with edits, to every reader of what flat BTFs are made of and stored in, of bandwidth maps and
+//! of importance samples; meshes are welded, parts written and read again.
+#![no_main]
+
+#[allow(dead_code)]
+#[path = "../../../formats/tests/common/mod.rs"]
+mod common;
+mod edits;
+
+use brdfc::btf::weld::weld;
+use brdfc::source::meso::{heights_from_exr, heights_from_png};
+use brdfc::source::radiance_image;
+use brdfc_formats::FormatError;
+use brdfc_formats::direction_set::DirectionSet;
+use brdfc_formats::meso::{TriangleMesh, obj, ply};
+use brdfc_formats::pack::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
+use brdfc_formats::pack::flat_btf::{
+    DiffuseMap, FlatView, IndirectionMap, NormalMap, PositionMap, ReferenceMap, VisibilityMask,
+};
+use brdfc_formats::pack::{ImportanceHeader, ImportancePack};
+use common::flat;
+use libfuzzer_sys::fuzz_target;
+
+const READERS: u8 = 16;
+const SIZES: flat::Sizes = flat::SMALL;
+
+/// Two triangles over the tile.
+const OBJ: &[u8] = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl clay\nf 1 2 3\nf 1 3 4\n";
+const PLY: &[u8] = b"ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
+    element face 2\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n";
+const HDR: &[u8] = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n\x80\x80\x80\x81\x40\x40\x40\x80";
+
+fn environment() -> BandwidthMap {
+    let header = BandwidthHeader { kind: BandwidthKind::Environment, epsilon: 0.01, transformed: [8, 4] };
+    BandwidthMap::new(header, [4, 2], &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]).expect("a map")
+}
+
+fn samples() -> ImportancePack {
+    let header = ImportanceHeader { polar: 2, azimuths: 1, samples: 2 };
+    ImportancePack::new(header, vec![[0.0, 0.0, 1.0, 1.0]; 4]).expect("a pack")
+}
+
+fn valid(reader: u8) -> Vec<u8> {
+    let parts = flat::parts(SIZES, 3);
+    match reader {
+        0 => OBJ.to_vec(),
+        1 => PLY.to_vec(),
+        2 => b"index,theta_deg,phi_deg\n0,0,0\n1,40,-90\n2,40,90\n".to_vec(),
+        3 => HDR.to_vec(),
+        4 => parts.reference.to_bytes(false),
+        5 => parts.indirection.to_bytes(false),
+        6 => parts.normal.to_bytes(true),
+        7 => parts.diffuse.to_bytes(false),
+        8 => parts.views[0].to_bytes(false),
+        9 => flat::position(SIZES.flat, 1).to_bytes(false),
+        10 => flat::mask(SIZES, 1).to_bytes(false),
+        11 => environment().to_bytes(false),
+        12 => samples().to_bytes(false),
+        // Only as they come: compressed images hardly survive edits.
+        _ => Vec::new(),
+    }
+}
+
+fn surface(mesh: Result<TriangleMesh, FormatError>) -> bool {
+    mesh.map(|mesh| drop(weld(&mesh, 1.0))).is_ok()
+}
+
+/// Reads, writes and reads again.
+macro_rules! again {
+    ($part:ty, $bytes:expr) => {
+        <$part>::from_bytes($bytes)
+            .map(|part| {
+                let written = part.to_bytes(true);
+                let again = <$part>::from_bytes(&written).expect("what is written is read");
+                assert_eq!(part.to_bytes(false), again.to_bytes(false));
+            })
+            .is_ok()
+    };
+}
+
+fn read(reader: u8, bytes: &[u8]) -> bool {
+    match reader {
+        0 => surface(obj::from_bytes(bytes)),
+        1 => surface(ply::from_bytes(bytes)),
+        2 => DirectionSet::from_csv(bytes).is_ok(),
+        3 => radiance_image::from_hdr(bytes).is_ok(),
+        4 => again!(ReferenceMap, bytes),
+        5 => again!(IndirectionMap, bytes),
+        6 => again!(NormalMap, bytes),
+        7 => again!(DiffuseMap, bytes),
+        8 => again!(FlatView, bytes),
+        9 => again!(PositionMap, bytes),
+        10 => again!(VisibilityMask, bytes),
+        11 => again!(BandwidthMap, bytes),
+        12 => again!(ImportancePack, bytes),
+        13 => heights_from_png(bytes).is_ok(),
+        14 => heights_from_exr(bytes).is_ok(),
+        _ => radiance_image::from_exr(bytes).is_ok(),
+    }
+}
+
+fuzz_target!(|data: &[u8]| {
+    let Some((choice, rest)) = data.split_first() else { return };
+    let reader = (choice & 0x7f) % READERS;
+    if choice & 0x80 == 0 {
+        let mut bytes = valid(reader);
+        let edited = !bytes.is_empty();
+        edits::edit(&mut bytes, rest);
+        // Else the edits are lost on a file that was never valid.
+        assert!(read(reader, &bytes) || rest.len() >= 4 || !edited, "reader {reader}");
+    } else {
+        read(reader, rest);
+    }
+});
