@@ -3,6 +3,7 @@
 //! Values of the flat BTF come view by view and are added up as they pass, so that all views need never be in memory.
 
 use super::model::MesoModel;
+use super::rebuild::periodic_bilinear;
 use super::surface::Appearance;
 use crate::metrics::lab::{distance_squared, lab};
 use brdfc_formats::direction::{Vector, dot, from_polar};
@@ -136,7 +137,8 @@ impl Probes {
             let share: f32 = (0..3).filter(|k| probe.views.0[*k] == index).map(|k| probe.views.1[k]).sum();
             if share > 0.0 {
                 for (light, weight) in probe.lights.0.into_iter().zip(probe.lights.1).filter(|(_, w)| *w > 0.0) {
-                    let value = packed_bilinear(view.light(light), size, probe.parameters);
+                    let texels = view.light(light);
+                    let value = periodic_bilinear(size, probe.parameters, |texel| rgb9e5::decode(texels[texel]));
                     (0..3).for_each(|k| probe.rebuilt[k] += share * weight * value[k]);
                 }
             }
@@ -181,19 +183,4 @@ pub fn shown(model: &MesoModel, appearance: &Appearance, at: [f64; 2], view: Vec
 
 fn difference(a: [f32; 3], b: [f32; 3]) -> f64 {
     f64::from(distance_squared(lab(a), lab(b))).sqrt()
-}
-
-/// Bilinear, periodic value of one light's texels.
-fn packed_bilinear(texels: &[u32], size: usize, [u, v]: [f32; 2]) -> [f32; 3] {
-    let axis = |c: f32| {
-        let at = c * size as f32 - 0.5;
-        let first = (at.floor() as i64).rem_euclid(size as i64) as usize;
-        (first, (first + 1) % size, at - at.floor())
-    };
-    let ((x0, x1, s), (y0, y1, t)) = (axis(u), axis(v));
-    let [a, b, c, d] = [(x0, y0), (x1, y0), (x0, y1), (x1, y1)].map(|(x, y)| rgb9e5::decode(texels[y * size + x]));
-    [0, 1, 2].map(|k| {
-        let (low, high) = (a[k] + s * (b[k] - a[k]), c[k] + s * (d[k] - c[k]));
-        low + t * (high - low)
-    })
 }

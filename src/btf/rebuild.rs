@@ -44,7 +44,7 @@ impl ViewImage {
     /// texel see, and their mean.
     pub fn rebuilt(&self, flat: &[[f32; 3]]) -> Vec<[f32; 3]> {
         let size = flat.len().isqrt();
-        let value = |parameters: &[f32; 2]| periodic_bilinear(flat, size, *parameters);
+        let value = |parameters: &[f32; 2]| periodic_bilinear(size, *parameters, |texel| flat[texel]);
         self.parameters
             .chunks_exact(self.per_texel)
             .map(|parameters| mean(parameters.iter().map(value), self.per_texel))
@@ -57,8 +57,8 @@ fn mean(values: impl Iterator<Item = [f32; 3]>, count: usize) -> [f32; 3] {
     sum.map(|s| s / count as f32)
 }
 
-/// Value of an image of `size` x `size` texels, which repeats, between its texels' centres.
-pub fn periodic_bilinear(image: &[[f32; 3]], size: usize, [u, v]: [f32; 2]) -> [f32; 3] {
+/// Value of an image of `size` x `size` texels, which repeats, between its texels' centres; `texel` gives those, row by row.
+pub fn periodic_bilinear(size: usize, [u, v]: [f32; 2], texel: impl Fn(usize) -> [f32; 3]) -> [f32; 3] {
     let axis = |c: f32| {
         let at = c * size as f32 - 0.5;
         let floor = at.floor();
@@ -66,7 +66,7 @@ pub fn periodic_bilinear(image: &[[f32; 3]], size: usize, [u, v]: [f32; 2]) -> [
         (first, (first + 1) % size, at - floor)
     };
     let ((x0, x1, s), (y0, y1, t)) = (axis(u), axis(v));
-    let [a, b, c, d] = [(x0, y0), (x1, y0), (x0, y1), (x1, y1)].map(|(x, y)| image[y * size + x]);
+    let [a, b, c, d] = [(x0, y0), (x1, y0), (x0, y1), (x1, y1)].map(|(x, y)| texel(y * size + x));
     [0, 1, 2].map(|k| {
         let (low, high) = (a[k] + s * (b[k] - a[k]), c[k] + s * (d[k] - c[k]));
         low + t * (high - low)

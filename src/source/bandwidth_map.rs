@@ -1,6 +1,6 @@
 //! Maps of bandwidth as files.
 
-use super::open::{InputError, extension_of, open_path, read_all};
+use super::open::{InputError, MAX_FILE_BYTES, extension_of, read_file};
 use brdfc_formats::pack::Texture;
 use brdfc_formats::pack::bandwidth::{BandwidthMap, MAX_SIDE};
 use std::path::Path;
@@ -13,8 +13,7 @@ pub fn open_bandwidth_map(path: &Path) -> Result<Option<BandwidthMap>, InputErro
     if extension_of(path) != "ktx2" {
         return Ok(None);
     }
-    let (file, length) = open_path(path)?;
-    let bytes = read_all(path, file, length)?;
+    let bytes = read_file(path, MAX_FILE_BYTES)?;
     // No map is larger; whoever opens the pack that it is says what is wrong with other files.
     let limit = 2 * u64::from(MAX_SIDE) * u64::from(MAX_SIDE);
     match Texture::from_bytes_within(&bytes, limit) {

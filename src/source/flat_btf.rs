@@ -1,6 +1,6 @@
 //! Flat BTFs in folders: the files of one asset.
 
-use super::open::{InputError, MAX_TEXT_BYTES, open_path, read_all, read_file};
+use super::open::{InputError, MAX_FILE_BYTES, MAX_TEXT_BYTES, open_path, read_file};
 use brdfc_formats::FormatError;
 use brdfc_formats::pack::flat_btf::{
     DiffuseMap, FlatBtfParts, FlatView, IndirectionMap, NormalMap, ReferenceMap, view_part,
@@ -99,8 +99,7 @@ impl Asset {
         let wrong = |error: serde_json::Error| {
             format_error(&file, FormatError::whole("list of parts", error.to_string(), "what 'brdfc flatten' wrote"))
         };
-        let (opened, length) = open_path(&file)?;
-        let listing = serde_json::from_slice(&read_all(&file, opened, length)?).map_err(wrong)?;
+        let listing = serde_json::from_slice(&read_file(&file, MAX_TEXT_BYTES)?).map_err(wrong)?;
         Ok(Self { folder, name, listing })
     }
 
@@ -130,8 +129,7 @@ impl Asset {
     fn part<T>(&self, part: &str, parse: impl Fn(&[u8]) -> Result<T, FormatError>) -> Result<T, InputError> {
         let path = self.folder.join(self.file(part));
         let listed = &self.listing.parts[part];
-        let (file, length) = open_path(&path)?;
-        let bytes = read_all(&path, file, length)?;
+        let bytes = read_file(&path, MAX_FILE_BYTES)?;
         let other = |found: String, allowed: String| {
             Err(format_error(&path, FormatError::whole("part of a flat BTF", found, allowed)))
         };

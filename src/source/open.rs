@@ -223,9 +223,7 @@ pub fn other_pack(path: &Path) -> Result<Option<OtherPack>, InputError> {
     if extension_of(path) != "ktx2" {
         return Ok(None);
     }
-    let (file, length) = open_path(path)?;
-    let bytes = read_all(path, file, length)?;
-    let Ok(texture) = Texture::from_bytes(&bytes) else { return Ok(None) };
+    let Ok(texture) = Texture::from_bytes(&read_file(path, MAX_FILE_BYTES)?) else { return Ok(None) };
     if !texture.entries.contains_key(IMPORTANCE_ENTRY) {
         return Ok(None);
     }

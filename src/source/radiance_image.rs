@@ -1,6 +1,6 @@
 //! Images of radiance: OpenEXR and Radiance HDR.
 
-use super::open::{InputError, extension_of, open_path, read_all};
+use super::open::{InputError, MAX_FILE_BYTES, extension_of, read_file};
 use brdfc_formats::FormatError;
 use exr::prelude::{MetaData, ReadChannels, ReadLayers, read};
 use image::{ImageFormat, ImageReader, Limits};
@@ -27,8 +27,7 @@ pub struct RadianceImage {
 /// Files that cannot be read, or break the rules of [`from_exr`] and [`from_hdr`].
 pub fn open_radiance_image(path: &Path) -> Result<RadianceImage, InputError> {
     let name = path.display().to_string();
-    let (file, length) = open_path(path)?;
-    let bytes = read_all(path, file, length)?;
+    let bytes = read_file(path, MAX_FILE_BYTES)?;
     let read = if extension_of(path) == "hdr" { from_hdr(&bytes) } else { from_exr(&bytes) };
     read.map_err(|error| InputError::Format { name, error })
 }

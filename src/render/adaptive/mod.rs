@@ -54,11 +54,8 @@ pub struct AdaptiveScene<'a> {
 pub struct Settings {
     /// `n_b`, incident directions that bandwidth is averaged over.
     pub directions: u32,
-    /// Mean samples of a surface pixel before [`Settings::fewest`] and [`Settings::most`] hold, where there is no
-    /// [`Settings::scale`].
+    /// Mean samples of a surface pixel before [`Settings::fewest`] and [`Settings::most`] hold.
     pub samples: f32,
-    /// Samples for a visible deviation of 1.
-    pub scale: Option<f32>,
     /// Fewest samples of a shaded pixel.
     pub fewest: u32,
     /// Most samples of a shaded pixel.
@@ -66,7 +63,7 @@ pub struct Settings {
     /// Radiance that the display shows as white.
     pub white: f32,
     /// Multiplies bandwidths before levels are chosen: 1 is Nyquist's rate for them, 2 twice as many pixels along each axis.
-    /// Predicted bandwidths are upper bounds, by the maps (1.3 to 1.45 times those of waves, largest of three channels) and
+    /// Predicted bandwidths are upper bounds, by the maps (1.2 to 1.45 times those of waves, largest of three channels) and
     /// by the propagation (no signs, every direction in the plane of incidence), so less than 1 will do.
     pub caution: f32,
     /// Levels finer than pixels: 0, 1 for 2 x 2 samples per pixel, 2 for 4 x 4.
@@ -75,16 +72,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self {
-            directions: 16,
-            samples: 64.0,
-            scale: None,
-            fewest: 4,
-            most: 4096,
-            white: 1.0,
-            caution: 0.5,
-            antialiasing_levels: 0,
-        }
+        Self { directions: 16, samples: 64.0, fewest: 4, most: 4096, white: 1.0, caution: 0.5, antialiasing_levels: 0 }
     }
 }
 

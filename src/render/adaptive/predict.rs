@@ -2,6 +2,7 @@
 //! 2.3 and 3.1 of Bagher et al. 2012).
 
 use super::{AdaptiveScene, Settings};
+use crate::metrics::image::luminance;
 use crate::render::curvature::curvature;
 use crate::render::gbuffer::GBuffer;
 use crate::render::scene::{Camera, Frame};
@@ -11,8 +12,6 @@ use brdfc_formats::bandwidth_propagation::{
 };
 use rayon::prelude::*;
 
-/// Rec. 709.
-const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 /// The level of pixels that show no surface: any level will do.
 pub const ANY_LEVEL: i32 = i32::MAX;
 
@@ -41,15 +40,15 @@ pub fn predict(scene: &AdaptiveScene<'_>, frame: Frame, buffer: &GBuffer, settin
     let largest = largest_pixel_bandwidth(settings.antialiasing_levels);
     let one = |pixel: usize| -> (f32, f32) {
         let Some(part) = buffer.part_at(pixel) else { return (0.0, 0.0) };
-        let (bandwidth, variance, luminance) = at(scene, buffer, pixel, part, curvature[pixel], settings);
-        let deviation = visible_deviation(variance, luminance, settings.white);
+        let (bandwidth, variance, radiance) = at(scene, buffer, pixel, part, curvature[pixel], settings);
+        let deviation = visible_deviation(variance, radiance, settings.white);
         (pixel_bandwidth(bandwidth.angular, field_of_view, size, largest), deviation)
     };
     let (bandwidth, deviation): (Vec<f32>, Vec<f32>) = (0..buffer.part.len()).into_par_iter().map(one).unzip();
     let is_surface = |pixel: &usize| buffer.part_at(*pixel).is_some();
     let covered = (0..deviation.len()).filter(is_surface).count();
     let sum: f64 = deviation.iter().map(|v| f64::from(*v)).sum();
-    let scale = settings.scale.unwrap_or_else(|| sample_scale((sum / covered.max(1) as f64) as f32, settings.samples));
+    let scale = sample_scale((sum / covered.max(1) as f64) as f32, settings.samples);
     let coarsest = coarsest(buffer);
     let level = |pixel: usize| match is_surface(&pixel) {
         // Level 0 is the buffer's resolution, which is finer than the picture's with antialiasing.
@@ -105,7 +104,7 @@ fn at(
         let light = scene.environment_bandwidth.environment(direction);
         let lobe = material.bandwidth.brdf(incoming, outgoing);
         let radiance = scene.scene.environment.at(direction.map(f64::from));
-        let contribution = (0..3).map(|k| LUMINANCE[k] * radiance[k] as f32).sum::<f32>().max(0.0);
+        let contribution = (luminance(radiance.map(|c| c as f32)) as f32).max(0.0);
         let surface = Surface { cos_incoming: incoming[2], cos_outgoing: outgoing[2], curvature, lobe, texture: 0.0 };
         let arrives = Bandwidth::distant(light).one_bounce(0.0, surface, buffer.distance[pixel]);
         light_sum += contribution;

@@ -1,12 +1,14 @@
 //! Any WGSL function over a list of numbers: what tests hold against its CPU twin.
 
 use super::device::{Gpu, GpuError};
+use super::pack::texture_format;
 use super::raster::{buffer_type, entry};
+use brdfc_formats::pack::TexelFormat;
 use std::borrow::Cow;
 use wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor, BindingResource,
     BindingType, BufferBindingType, BufferUsages, ComputePassDescriptor, ComputePipelineDescriptor,
-    PipelineLayoutDescriptor, ShaderModuleDescriptor, ShaderSource, ShaderStages, TextureFormat, TextureSampleType,
+    PipelineLayoutDescriptor, ShaderModuleDescriptor, ShaderSource, ShaderStages, TextureSampleType,
     TextureViewDimension,
 };
 
@@ -27,7 +29,15 @@ pub enum Resource<'a> {
     Uniform(&'a [u8]),
     /// A 2D texture of four 32-bit floats, which is not filtered: width, height and texels, row by row.
     Texture([u32; 2], &'a [[f32; 4]]),
+    /// A 2D texture of one 16-bit float, which is not filtered: width, height and bytes of the texels, row by row.
+    Halves([u32; 2], &'a [u8]),
 }
+
+const UNFILTERED: BindingType = BindingType::Texture {
+    sample_type: TextureSampleType::Float { filterable: false },
+    view_dimension: TextureViewDimension::D2,
+    multisampled: false,
+};
 
 /// A compiled shader with its resources.
 pub struct Compute<'g> {
@@ -133,12 +143,12 @@ fn upload(gpu: &Gpu, resources: &[Resource<'_>]) -> Result<(BindGroupLayout, Bin
                 buffer_type(BufferBindingType::Uniform)
             }
             Resource::Texture(size, texels) => {
-                views.push(texture(gpu, *size, texels)?);
-                BindingType::Texture {
-                    sample_type: TextureSampleType::Float { filterable: false },
-                    view_dimension: TextureViewDimension::D2,
-                    multisampled: false,
-                }
+                views.push(texture(gpu, TexelFormat::Rgba32Float, *size, bytemuck::cast_slice(texels))?);
+                UNFILTERED
+            }
+            Resource::Halves(size, texels) => {
+                views.push(texture(gpu, TexelFormat::R16Float, *size, texels)?);
+                UNFILTERED
             }
         };
         layout.push(entry(binding as u32, ShaderStages::COMPUTE, ty));
@@ -150,7 +160,7 @@ fn upload(gpu: &Gpu, resources: &[Resource<'_>]) -> Result<(BindGroupLayout, Bin
     for (binding, resource) in resources.iter().enumerate() {
         let resource = match resource {
             Resource::Uniform(_) => buffers.next().map(wgpu::Buffer::as_entire_binding),
-            Resource::Texture(..) => views.next().map(BindingResource::TextureView),
+            Resource::Texture(..) | Resource::Halves(..) => views.next().map(BindingResource::TextureView),
         };
         entries.extend(resource.map(|resource| BindGroupEntry { binding: binding as u32, resource }));
     }
@@ -163,12 +173,13 @@ fn upload(gpu: &Gpu, resources: &[Resource<'_>]) -> Result<(BindGroupLayout, Bin
     Ok((layout, group))
 }
 
-fn texture(gpu: &Gpu, [width, height]: [u32; 2], texels: &[[f32; 4]]) -> Result<wgpu::TextureView, GpuError> {
+fn texture(gpu: &Gpu, format: TexelFormat, size: [u32; 2], texels: &[u8]) -> Result<wgpu::TextureView, GpuError> {
     let most = gpu.device.limits().max_texture_dimension_2d;
-    if width.max(height) > most || width.min(height) == 0 || texels.len() as u64 != u64::from(width) * u64::from(height)
-    {
-        let text = format!("{} texels for a texture of {width} x {height}; at most {most} per side", texels.len());
+    let [width, height] = size;
+    let bytes = u64::from(width) * u64::from(height) * format.texel_bytes() as u64;
+    if width.max(height) > most || width.min(height) == 0 || texels.len() as u64 != bytes {
+        let text = format!("{} bytes for a texture of {width} x {height}; at most {most} per side", texels.len());
         return Err(GpuError::TooLarge(text));
     }
-    Ok(gpu.image(TextureFormat::Rgba32Float, [width, height], bytemuck::cast_slice(texels)))
+    Ok(gpu.image(texture_format(format), size, texels))
 }

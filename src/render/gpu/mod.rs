@@ -1,6 +1,5 @@
 //! Everything that touches wgpu.
 
-mod bandwidth;
 mod compute;
 mod device;
 mod draw;
@@ -12,7 +11,6 @@ mod load;
 mod pack;
 mod raster;
 
-pub use bandwidth::{BandwidthEvaluator, BandwidthQuery, EVALUATE_BANDWIDTH_WGSL};
 pub use compute::{COMPUTE_WGSL, Compute, Resource};
 pub use device::{AdapterChoice, AdapterDescription, Gpu, GpuError};
 pub use draw::{Decoding, Renderer, SCENE_WGSL};
