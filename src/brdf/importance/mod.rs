@@ -23,7 +23,7 @@ use brdfc_formats::pack::{ImportanceHeader, ImportancePack};
 use rayon::prelude::*;
 
 /// Sizes and shares of [`importance_samples`].
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ImportanceRecipe {
     /// Polar angles of the outgoing direction for isotropic materials, 1 to 1024.
     pub isotropic_polar: u32,
