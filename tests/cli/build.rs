@@ -182,6 +182,7 @@ fn an_environment_asks_for_maps() {
         [("model", "synth:ward?kd=0.2,0.1,0.1"), ("table", "data/table.binary")].into_iter().enumerate()
     {
         same(&["bandwidth", source], &format!("{name}.bandwidth.ktx2"));
+        same(&["samples", source], &format!("{name}.samples.ktx2"));
         let (made, plan) = (&report["materials"][number], &planned["materials"][number]);
         let list: serde_json::Value = serde_json::from_str(&folder.text(&format!("packs/{name}.json"))).unwrap();
         conforms("material", &list);

@@ -95,8 +95,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
 }
 
 fn print_lines(lines: &[(&'static str, String)]) -> Result<(), CliError> {
+    print(&lines_of(lines))
+}
+
+/// Names and values, a line each, the values below each other.
+pub(super) fn lines_of(lines: &[(&'static str, String)]) -> String {
     let width = lines.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
-    print(&lines.iter().map(|(name, value)| format!("{name:width$}  {}\n", printable(value))).collect::<String>())
+    lines.iter().map(|(name, value)| format!("{name:width$}  {}\n", printable(value))).collect()
 }
 
 fn contents(input: &str) -> Result<Contents, CliError> {
