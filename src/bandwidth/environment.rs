@@ -35,6 +35,14 @@ pub fn environment_bandwidth(pixels: &[[f32; 3]], width: usize, epsilon: f64) ->
     map_by(pixels, width, epsilon, on_sphere, f32::max)
 }
 
+/// Square roots of radiance, about what a display shows; negative values become 0.
+///
+/// The rule compares detail with the strongest coefficient around it, and a window may be a thousand times brighter than the
+/// room: without this, all that is in the room counts as nothing beside the window, but not in what mirrors the room.
+pub fn as_shown(pixels: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    pixels.par_iter().map(|pixel| pixel.map(|c| c.max(0.0).sqrt())).collect()
+}
+
 /// [`environment_bandwidth`] with a Jacobian, which is given the angle to the nearer pole and frequencies in cycles per
 /// radian of azimuth and of elevation, and what joins blocks.
 fn map_by(
@@ -208,6 +216,19 @@ mod tests {
         assert!(on_sphere(theta, [u, 0.0]) < 5.0 && u / theta.sin() > 100.0);
         assert!((on_sphere(FRAC_PI_2, [u, 0.0]) - u).abs() < 1e-6);
         assert!((on_sphere(1.0, [20.0, 5.0]) - (20.0 / 1.05f32.sin()).hypot(5.0)).abs() < 1e-5);
+    }
+
+    /// Stripes in a dim room beside a bright window; the negative control takes radiance as it is.
+    #[test]
+    fn a_window_does_not_hide_the_room() {
+        let (window, wall) = (at_latitude(10.0, 1.0), at_latitude(0.0, 1.5));
+        let room = environment(256, |d| {
+            let stripes = 0.02 + 0.01 * (TAU * 12.0 * d[1]).cos();
+            stripes + if dot(d, window) > 0.98 { 20.0 } else { 0.0 }
+        });
+        let found = |pixels: &[[f32; 3]]| value(&environment_bandwidth(pixels, 256, 0.01), wall);
+        let (shown, linear) = (found(&as_shown(&room)), found(&room));
+        assert!((12.0..24.0).contains(&shown) && linear < 10.0, "{shown} {linear}");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Maps as packs hold them: the last step of [`super::lobe`], [`super::environment`] and [`super::texture`].
 
-use super::environment::environment_bandwidth;
+use super::environment::{as_shown, environment_bandwidth};
 use super::lobe::{SIDE, lobe_bandwidth};
 use super::texture::{BandwidthImage, Placement, texture_bandwidth};
 use crate::source::{Source, Tally};
@@ -21,7 +21,7 @@ pub fn brdf_map(source: &dyn Source, resolution: usize, epsilon: f64) -> Result<
     Ok((BandwidthMap::new(header, [SIDE as u32; 2], &found.values)?, found.tally))
 }
 
-/// The map of a latitude-longitude image; see [`environment_bandwidth`].
+/// The map of a latitude-longitude image of radiance, [`as_shown`]; see [`environment_bandwidth`].
 ///
 /// # Errors
 /// As [`brdf_map`].
@@ -29,7 +29,7 @@ pub fn brdf_map(source: &dyn Source, resolution: usize, epsilon: f64) -> Result<
 /// # Panics
 /// As [`environment_bandwidth`].
 pub fn environment_map(pixels: &[[f32; 3]], width: usize, epsilon: f64) -> Result<BandwidthMap, FormatError> {
-    image_map(BandwidthKind::Environment, &environment_bandwidth(pixels, width, epsilon), epsilon)
+    image_map(BandwidthKind::Environment, &environment_bandwidth(&as_shown(pixels), width, epsilon), epsilon)
 }
 
 /// The map of a texture; see [`texture_bandwidth`].

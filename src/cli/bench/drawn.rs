@@ -19,7 +19,7 @@ use std::time::Instant;
 /// Anisotropic, soft: the paper's velvet.
 const VELVET: &str = "synth:velvet?kd=0.1,0.01,0.02&ks=0.5,0.3,0.35";
 /// Sharp enough to glitter.
-const GLOSSY: &str = "synth:ggx?kd=0.05,0.04,0.03&f0=0.9,0.8,0.6&alpha=0.1";
+pub(super) const GLOSSY: &str = "synth:ggx?kd=0.05,0.04,0.03&f0=0.9,0.8,0.6&alpha=0.1";
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, CliError> {
     graphics_environment::prepare();
@@ -51,7 +51,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
             let mut rows = Vec::new();
             for (number, input) in inputs.iter().enumerate() {
                 let opened = open(input, None)?;
-                let name = if input.starts_with("synth:") { input.as_str() } else { file_name(input) };
+                let name = display_name(input);
                 rows.push(on_the_cloth(&gpu, name, opened.source.as_ref()).map_err(study_error)?);
                 let left = seconds() / (number + 1) as f64 * (inputs.len() - number - 1) as f64;
                 let done =
@@ -70,8 +70,12 @@ fn study_error(error: StudyError) -> CliError {
     }
 }
 
-fn file_name(path: &str) -> &str {
-    Path::new(path).file_name().and_then(|name| name.to_str()).unwrap_or(path)
+/// What reports call an input: its address, or the name of its file.
+pub(super) fn display_name(input: &str) -> &str {
+    if input.starts_with("synth:") {
+        return input;
+    }
+    Path::new(input).file_name().and_then(|name| name.to_str()).unwrap_or(input)
 }
 
 fn one<'a>(arguments: &'a Arguments, default: &'a str) -> Result<&'a str, CliError> {

@@ -1,6 +1,8 @@
 //! `brdfc bench`: studies that repeat the papers' tables.
 
 #[cfg(feature = "render")]
+mod adaptive;
+#[cfg(feature = "render")]
 mod drawn;
 mod flat_btf;
 mod rays;
@@ -25,10 +27,12 @@ Examples:
   brdfc bench --study rays synth:folds
   brdfc bench --study throughput
   brdfc bench --study level-of-detail --out frames
-  brdfc bench --study images paint.brdf metal.bsdf synth:velvet")]
+  brdfc bench --study images paint.brdf metal.bsdf synth:velvet
+  brdfc bench --study adaptive red-plastic.binary paint.bsdf --environment museum.exr
+  brdfc bench --study pixel-bandwidth red-plastic.binary --environment museum.exr")]
 pub struct Arguments {
-    /// Materials of the studies that draw (default: synth:velvet, and a glossy metal for level-of-detail), or
-    /// structures of flat-btf (default: all four) and of rays (default: synth:button).
+    /// Materials of the studies that draw (default: synth:velvet, and a glossy metal for level-of-detail and those of
+    /// adaptive shading), or structures of flat-btf (default: all four) and of rays (default: synth:button).
     #[arg(value_name = "INPUT")]
     inputs: Vec<String>,
     /// Which study.
@@ -46,6 +50,15 @@ pub struct Arguments {
     /// Views and lights of flat-btf, as for 'brdfc flatten --views' (default: ubo2003).
     #[arg(long, value_name = "SET")]
     directions: Option<String>,
+    /// Latitude-longitude image, .exr or .hdr, that lights the studies of adaptive shading (default: a sky).
+    #[arg(long, value_name = "FILE")]
+    environment: Option<String>,
+    /// Pixels per side of the studies of adaptive shading, 32 to 2048 (default 512).
+    #[arg(long, value_name = "N")]
+    pixels: Option<usize>,
+    /// Samples per pixel of their ground truth, 16 to 65536 (default 256).
+    #[arg(long, value_name = "N")]
+    truth: Option<usize>,
     /// Use the adapter whose name contains this (default: the fastest).
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
@@ -69,6 +82,15 @@ enum Study {
     LevelOfDetail,
     /// Section 6.3, figure 9: colour differences on a cloth, shader against source, 4:1 and 8 bits.
     Images,
+    /// Section 5 of Bagher et al. 2012: samples that adaptive and forward shading need for the same error, of every
+    /// material on two shapes. Minutes for each material.
+    Adaptive,
+    /// Figure 12 of Bagher et al. 2012: predicted pixel bandwidth against windowed Fourier transforms, on a sphere.
+    PixelBandwidth,
+    /// Figure 13 of Bagher et al. 2012: error with bandwidth averaged over 16 to 1024 directions.
+    BandwidthDirections,
+    /// Figure 10 of Bagher et al. 2012: cost of adaptive shading with 1, 4 and 16 points per pixel.
+    Antialiasing,
 }
 
 /// What `--json` prints.
@@ -111,7 +133,36 @@ pub enum StudyResult {
         /// One for each material.
         rows: Vec<crate::report::study::images::ImageRow>,
     },
+    /// Adaptive and forward shading at equal error.
+    #[cfg(feature = "render")]
+    Adaptive {
+        /// One for each material, shape and error.
+        rows: Vec<crate::report::study::adaptive::EqualErrorRow>,
+    },
+    /// Predicted bandwidth against Fourier transforms.
+    #[cfg(feature = "render")]
+    PixelBandwidth {
+        /// Share of a window's energy that its bandwidth holds.
+        share: f64,
+        /// One for each material.
+        rows: Vec<crate::report::study::adaptive::FourierRow>,
+    },
+    /// Numbers of incident directions.
+    #[cfg(feature = "render")]
+    BandwidthDirections {
+        /// One for each material.
+        rows: Vec<adaptive::DirectionsStudy>,
+    },
+    /// Points per pixel.
+    #[cfg(feature = "render")]
+    Antialiasing {
+        /// One for each material and shape.
+        rows: Vec<adaptive::AntialiasingStudy>,
+    },
 }
+
+/// Studies of adaptive shading.
+const ADAPTIVE: &[Study] = &[Study::Adaptive, Study::PixelBandwidth, Study::BandwidthDirections, Study::Antialiasing];
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     if arguments.study == Study::WaveletBrdf && !arguments.inputs.is_empty() {
@@ -127,6 +178,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         (arguments.texels.is_some(), "texels", &[Study::FlatBtf, Study::Rays][..]),
         (arguments.flat_texels.is_some(), "flat-texels", &[Study::FlatBtf]),
         (arguments.directions.is_some(), "directions", &[Study::FlatBtf]),
+        (arguments.environment.is_some(), "environment", ADAPTIVE),
+        (arguments.pixels.is_some(), "pixels", ADAPTIVE),
+        (arguments.truth.is_some(), "truth", ADAPTIVE),
         (arguments.adapter.is_some(), "adapter", &[Study::Throughput, Study::LevelOfDetail, Study::Images]),
     ] {
         if given && !studies.contains(&arguments.study) {
@@ -149,6 +203,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         Study::FlatBtf => flat_btf::run(arguments, common)?,
         Study::Rays => rays::run(arguments, common)?,
         #[cfg(feature = "render")]
+        study if ADAPTIVE.contains(&study) => adaptive::run(arguments, common)?,
+        #[cfg(feature = "render")]
         _ => drawn::run(arguments, common)?,
         #[cfg(not(feature = "render"))]
         _ => return Err(CliError::without_renderer()),
@@ -160,6 +216,14 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         StudyResult::WaveletBrdf { rows } => print(&table_1(rows)),
         StudyResult::FlatBtf { settings, rows } => print(&flat_btf::text(settings, rows)),
         StudyResult::Rays(study) => print(&rays::text(study)),
+        #[cfg(feature = "render")]
+        StudyResult::Adaptive { rows } => print(&adaptive::equal_error_text(rows)),
+        #[cfg(feature = "render")]
+        StudyResult::PixelBandwidth { share, rows } => print(&adaptive::fourier_text(rows, *share)),
+        #[cfg(feature = "render")]
+        StudyResult::BandwidthDirections { rows } => print(&adaptive::directions_text(rows)),
+        #[cfg(feature = "render")]
+        StudyResult::Antialiasing { rows } => print(&adaptive::antialiasing_text(rows)),
         #[cfg(feature = "render")]
         drawn => print(&drawn::text(drawn)),
     }

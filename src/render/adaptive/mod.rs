@@ -4,6 +4,7 @@
 //! Light comes from the environment alone, without visibility. [`predict`] fills the bandwidth buffer, [`Pyramid`] makes
 //! its levels, [`shade`] goes through them from coarse to fine; this file sequences them.
 
+mod lookups;
 mod passes;
 mod predict;
 mod pyramid;
@@ -11,6 +12,7 @@ mod shading;
 mod truth;
 mod upsample;
 
+pub use lookups::Lookups;
 pub use passes::{ShadedLevels, shade};
 pub use predict::{ANY_LEVEL, Prediction, coarsest, predict};
 pub use pyramid::Pyramid;
@@ -72,7 +74,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { directions: 16, samples: 64.0, fewest: 4, most: 4096, white: 1.0, caution: 0.35, antialiasing_levels: 0 }
+        Self { directions: 16, samples: 64.0, fewest: 1, most: 1024, white: 1.0, caution: 0.35, antialiasing_levels: 0 }
     }
 }
 

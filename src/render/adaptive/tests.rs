@@ -120,14 +120,14 @@ fn a_fraction_of_the_samples_gives_the_same_error() {
     prepared.with(|scene| {
         let truth = prepared.truth(scene, FRAME, &buffer, 512);
         let psnr = |image: &LinearImage| signal_to_noise(image, &truth, 1.0).psnr.unwrap();
-        let picture = draw(scene, FRAME, &buffer, &Settings { samples: 16.0, ..Settings::default() });
+        let picture = draw(scene, FRAME, &buffer, &Settings { samples: 64.0, ..Settings::default() });
         let surface = buffer.part.iter().filter(|part| **part != u32::MAX).count() as f64;
         let each = picture.samples() as f64 / surface;
         let ours = psnr(&picture.image);
         let forward = |count: f64| psnr(&forward(scene, FRAME, &buffer, count.ceil() as u32));
         assert!(ours > forward(2.5 * each), "{ours} dB with {each} samples, {} forward", forward(2.5 * each));
         // The control: levels far too coarse.
-        let careless = draw(scene, FRAME, &buffer, &Settings { samples: 16.0, caution: 1e-3, ..Settings::default() });
+        let careless = draw(scene, FRAME, &buffer, &Settings { samples: 64.0, caution: 1e-3, ..Settings::default() });
         assert!(psnr(&careless.image) < ours - 1.0, "{} {ours}", psnr(&careless.image));
     });
 }

@@ -1,5 +1,7 @@
 //! Studies that repeat the papers' tables and figures, the papers' own numbers beside ours.
 
+#[cfg(feature = "render")]
+pub mod adaptive;
 pub mod flat_btf;
 #[cfg(feature = "render")]
 pub mod images;

@@ -1,0 +1,16 @@
+//! What adaptive shading saves, and how good its predictions are (sections 3 to 5 of "Interactive rendering of acquired
+//! materials on dynamic geometry using bandwidth prediction", Bagher, Soler, Subr, Belcour and Holzschuch 2012). On the
+//! CPU, from the measured values themselves.
+
+mod antialiasing;
+mod case;
+mod curve;
+mod directions;
+mod equal_error;
+mod fourier;
+
+pub use antialiasing::{AntialiasingRow, antialiasing_study, exponents};
+pub use case::{Case, Lighting, StudyMaterial};
+pub use directions::{DIRECTIONS, DirectionsRow, directions_study};
+pub use equal_error::{AdaptivePoint, EqualErrorRow, equal_error};
+pub use fourier::{FourierRow, SHARE, fourier_check};
