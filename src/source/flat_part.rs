@@ -6,7 +6,7 @@ use brdfc_formats::FormatError;
 use brdfc_formats::pack::flat_btf::{
     DiffuseMap, FlatView, IndirectionMap, NormalMap, PositionMap, ReferenceMap, VisibilityMask,
 };
-use brdfc_formats::pack::{Extent, Texture};
+use brdfc_formats::pack::{Extent, PackedTexture};
 use std::path::Path;
 
 /// The entry that every wavelet pack has, and no part of a flat BTF.
@@ -43,7 +43,7 @@ pub fn open_part(path: &Path) -> Result<Option<PartFacts>, InputError> {
     let Some((asset, part)) = name_and_part(path) else { return Ok(None) };
     let bytes = read_file(path, MAX_FILE_BYTES)?;
     let format = |error| InputError::Format { name: path.display().to_string(), error };
-    let texture = Texture::from_bytes(&bytes).map_err(format)?;
+    let texture = PackedTexture::from_bytes(&bytes).map_err(format)?;
     if texture.entries.contains_key(WAVELET_ENTRY) {
         return Ok(None);
     }
@@ -97,7 +97,7 @@ fn name_and_part(path: &Path) -> Option<(String, String)> {
 
 /// Whether what is no wavelet pack is a part of a flat BTF, by its entries or its name.
 pub(super) fn is_part(path: &Path, bytes: &[u8]) -> bool {
-    let Ok(texture) = Texture::from_bytes(bytes) else { return false };
+    let Ok(texture) = PackedTexture::from_bytes(bytes) else { return false };
     let has = |entry: &str| texture.entries.contains_key(entry);
     !has(WAVELET_ENTRY) && (has("brdfc.flat-btf") || has("brdfc.indirection") || name_and_part(path).is_some())
 }

@@ -10,6 +10,7 @@ pub mod importance_pack;
 mod merl;
 pub mod meso;
 pub mod open;
+pub mod other_pack;
 mod pack;
 pub mod radiance_image;
 pub mod rgl;

@@ -2,7 +2,6 @@
 
 use super::address::{self, AddressError};
 use super::flat_part::is_part;
-use super::importance_pack::ImportanceFacts;
 use super::scan::{ScanSource, ScanSummary};
 use super::{MerlSource, PackSource, RglSource, Source};
 use brdfc_formats::FormatError;
@@ -11,9 +10,8 @@ use brdfc_formats::measured::merl::{Merl, MerlError};
 use brdfc_formats::measured::rgl::Rgl;
 use brdfc_formats::measured::scan::Scan;
 use brdfc_formats::measured::scan_csv;
-use brdfc_formats::pack::importance::IMPORTANCE_ENTRY;
+use brdfc_formats::pack::WaveletPack;
 use brdfc_formats::pack::wavelet::ErrorSummary;
-use brdfc_formats::pack::{ImportancePack, Texture, WaveletPack};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -120,14 +118,6 @@ pub enum Facts {
     },
 }
 
-/// A pack that has no reflectance of its own, so that [`open`] refuses it.
-#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
-#[serde(tag = "kind", rename_all = "kebab-case")]
-pub enum OtherPack {
-    /// An importance-sample pack.
-    ImportancePack(ImportanceFacts),
-}
-
 /// Errors as a pack holds them; ratios are fractions. See [`ErrorSummary`].
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct StoredErrors {
@@ -205,23 +195,6 @@ pub fn open(input: &str, level: Option<f32>) -> Result<Opened, InputError> {
         return Ok(Opened { source: model, facts });
     }
     open_file(Path::new(input), level)
-}
-
-/// What the file is, if it is a pack without reflectance.
-///
-/// # Errors
-/// As [`open`].
-pub fn other_pack(path: &Path) -> Result<Option<OtherPack>, InputError> {
-    if extension_of(path) != "ktx2" {
-        return Ok(None);
-    }
-    let Ok(texture) = Texture::from_bytes(&read_file(path, MAX_FILE_BYTES)?) else { return Ok(None) };
-    if !texture.entries.contains_key(IMPORTANCE_ENTRY) {
-        return Ok(None);
-    }
-    let name = path.display().to_string();
-    let pack = ImportancePack::from_texture(&texture).map_err(|error| InputError::Format { name, error })?;
-    Ok(Some(OtherPack::ImportancePack(ImportanceFacts::new(&pack))))
 }
 
 /// Opens a file.

@@ -22,7 +22,8 @@ pub const MAX_SIDE: u32 = 512;
 pub const MAX_TRANSFORMED: u32 = 1 << 16;
 
 const VERSION: u32 = 1;
-const KEY: &str = "brdfc.bandwidth";
+/// The entry that makes a texture this kind of pack.
+pub const BANDWIDTH_ENTRY: &str = "brdfc.bandwidth";
 const HEADER_BYTES: usize = 40;
 
 /// Of what a map is, and what only that kind has.
@@ -197,7 +198,7 @@ impl BandwidthMap {
             self.scale.to_bits(),
         ];
         let header = words.into_iter().flat_map(u32::to_le_bytes).collect();
-        let (extent, entries) = (Extent::D2(self.size), BTreeMap::from([(KEY.to_owned(), header)]));
+        let (extent, entries) = (Extent::D2(self.size), BTreeMap::from([(BANDWIDTH_ENTRY.to_owned(), header)]));
         Texture { format: TexelFormat::R16Float, extent, entries, texels: self.texel_bytes() }.to_bytes(supercompress)
     }
 
@@ -210,17 +211,12 @@ impl BandwidthMap {
         Self::from_texture(&Texture::from_bytes_within(bytes, 2 * u64::from(MAX_SIDE) * u64::from(MAX_SIDE))?)
     }
 
-    /// Whether a texture says that it is a map of bandwidth.
-    pub fn is_one(texture: &Texture) -> bool {
-        texture.entries.contains_key(KEY)
-    }
-
     /// Reads and checks the texture of a KTX2 file.
     ///
     /// # Errors
     /// As [`Self::from_bytes`].
     pub fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
-        let (header, scale) = read_header(entry(texture, KEY, "a bandwidth map")?)?;
+        let (header, scale) = read_header(entry(texture, BANDWIDTH_ENTRY, "a bandwidth map")?)?;
         if texture.format != TexelFormat::R16Float {
             return Err(FormatError::whole("texels of a bandwidth map", format!("{:?}", texture.format), "R16Float"));
         }
@@ -279,8 +275,9 @@ fn check_size(header: &BandwidthHeader, size: [u32; 2]) -> Result<(), FormatErro
 }
 
 fn check_header(header: &BandwidthHeader) -> Result<(), FormatError> {
-    let wrong =
-        |field: &str, found: String, allowed: String| Err(FormatError::whole(format!("{KEY} {field}"), found, allowed));
+    let wrong = |field: &str, found: String, allowed: String| {
+        Err(FormatError::whole(format!("{BANDWIDTH_ENTRY} {field}"), found, allowed))
+    };
     let positive = |value: f32| value.is_normal() && value > 0.0;
     if !(positive(header.epsilon) && header.epsilon <= 1.0) {
         return wrong("epsilon", header.epsilon.to_string(), "a positive number of at most 1".to_owned());
@@ -300,9 +297,10 @@ fn check_header(header: &BandwidthHeader) -> Result<(), FormatError> {
 
 /// The header, and the scale of the texels.
 fn read_header(bytes: &[u8]) -> Result<(BandwidthHeader, f32), FormatError> {
-    let mut cursor = Cursor::new(sized(bytes, KEY, HEADER_BYTES)?);
-    let wrong =
-        |field: &str, found: String, allowed: &str| FormatError::whole(format!("{KEY} {field}"), found, allowed);
+    let mut cursor = Cursor::new(sized(bytes, BANDWIDTH_ENTRY, HEADER_BYTES)?);
+    let wrong = |field: &str, found: String, allowed: &str| {
+        FormatError::whole(format!("{BANDWIDTH_ENTRY} {field}"), found, allowed)
+    };
     let version = cursor.u32("version")?;
     if version != VERSION {
         return Err(wrong("version", version.to_string(), "1"));

@@ -199,6 +199,33 @@ impl Texture {
     /// # Errors
     /// As [`Self::from_bytes`], and more texels than `limit`.
     pub fn from_bytes_within(bytes: &[u8], limit: u64) -> Result<Self, FormatError> {
+        PackedTexture::from_bytes(bytes)?.unpack(limit)
+    }
+
+    /// Bytes of texels on a GPU.
+    pub fn texel_bytes(&self) -> u64 {
+        self.texels.len() as u64
+    }
+}
+
+/// A [`Texture`] whose texels have not been unpacked: enough to tell what it is.
+pub struct PackedTexture<'a> {
+    /// How a texel is stored.
+    pub format: TexelFormat,
+    /// Texels along each axis.
+    pub extent: Extent,
+    /// Key/value entries named `brdfc.*`.
+    pub entries: BTreeMap<String, Vec<u8>>,
+    scheme: u32,
+    reader: ktx2::Reader<&'a [u8]>,
+}
+
+impl<'a> PackedTexture<'a> {
+    /// Reads everything but the texels.
+    ///
+    /// # Errors
+    /// As [`Texture::from_bytes`].
+    pub fn from_bytes(bytes: &'a [u8]) -> Result<Self, FormatError> {
         let refused = |error| {
             let allowed = "a whole KTX2 file";
             match error {
@@ -232,12 +259,6 @@ impl Texture {
                 return Err(FormatError::at_byte(offset, field, found.to_string(), allowed.to_string()));
             }
         }
-        let size = extent.texels() * format.texel_bytes() as u64;
-        let limit = limit.min(MAX_TEXEL_BYTES);
-        if size > limit {
-            let allowed = format!("at most {limit}");
-            return Err(FormatError::at_byte(20, "texture", format!("{size} bytes of texels"), allowed));
-        }
         let mut entries = BTreeMap::new();
         for (key, value) in reader.key_value_data().filter(|(key, _)| key.starts_with("brdfc.")) {
             if entries.insert(key.to_owned(), value.to_owned()).is_some() {
@@ -245,14 +266,28 @@ impl Texture {
             }
         }
         let scheme = u32::from_le_bytes([bytes[44], bytes[45], bytes[46], bytes[47]]);
-        let level = reader.levels().next().expect("levelCount is 1");
-        let texels = texels(&level, scheme, size)?;
-        Ok(Self { format, extent, entries, texels })
+        Ok(Self { format, extent, entries, scheme, reader })
     }
 
     /// Bytes of texels on a GPU.
     pub fn texel_bytes(&self) -> u64 {
-        self.texels.len() as u64
+        self.extent.texels() * self.format.texel_bytes() as u64
+    }
+
+    /// Unpacks texels of at most `limit` bytes: known before.
+    ///
+    /// # Errors
+    /// More texels; texels that are not as the rest says.
+    pub fn unpack(self, limit: u64) -> Result<Texture, FormatError> {
+        let size = self.texel_bytes();
+        let limit = limit.min(MAX_TEXEL_BYTES);
+        if size > limit {
+            let allowed = format!("at most {limit}");
+            return Err(FormatError::at_byte(20, "texture", format!("{size} bytes of texels"), allowed));
+        }
+        let level = self.reader.levels().next().expect("levelCount is 1");
+        let texels = texels(&level, self.scheme, size)?;
+        Ok(Texture { format: self.format, extent: self.extent, entries: self.entries, texels })
     }
 }
 

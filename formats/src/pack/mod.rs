@@ -17,7 +17,7 @@ pub mod wavelet;
 mod wavelet_layout;
 pub mod wavelet_shader;
 
-pub use container::{Extent, Texture};
+pub use container::{Extent, PackedTexture, Texture};
 pub use decode::{DEFAULT_DISTANCE_SCALE, Filter, RowScratch, WaveletDecoder, level_of_detail};
 pub use importance::{ImportanceHeader, ImportancePack};
 pub use texel_format::TexelFormat;

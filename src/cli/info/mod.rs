@@ -9,11 +9,11 @@ use crate::build::flatten::{AssetFile, SurfaceFacts, describe_surface, open_asse
 use crate::report::table::{bytes, percent};
 use crate::source::Symmetry;
 use crate::source::address::{SYNTH_PREFIX, is_synth, split_query};
-use crate::source::bandwidth_map::open_bandwidth_map;
 use crate::source::btf_stack::has_images;
 use crate::source::flat_btf::{asset_of_part, check_flat_btf};
 use crate::source::importance_pack::ImportanceFacts;
-use crate::source::open::{Facts, InputError, OtherPack, StoredErrors, open, other_pack};
+use crate::source::open::{Facts, InputError, StoredErrors, open};
+use crate::source::other_pack::{OtherPack, open_other_pack};
 use clap::Args;
 use serde::Serialize;
 use std::path::Path;
@@ -61,7 +61,15 @@ enum Contents {
         /// Whether one channel is enough.
         grey: bool,
     },
-    Other(OtherPack),
+    Other(Other),
+}
+
+/// A pack that has no reflectance of its own.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+enum Other {
+    /// An importance-sample pack.
+    ImportancePack(ImportanceFacts),
 }
 
 /// What `--json` prints of what 'brdfc flatten' takes, and of a part of a flat BTF.
@@ -78,16 +86,24 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     if let Some(asset) = flat_btf(&arguments.input)? {
         return if arguments.json { print_json(&asset) } else { print(&flatten::text(&asset, None)) };
     }
-    if let Some(map) = open_bandwidth_map(Path::new(&arguments.input))? {
-        return bandwidth::info(&map, arguments.json);
-    }
-    if let Some(facts) = surface(&arguments.input)? {
+    let other = if is_synth(&arguments.input) { None } else { open_other_pack(Path::new(&arguments.input))? };
+    let contents = match other {
+        Some(OtherPack::Bandwidth(map)) => return bandwidth::info(&map, arguments.json),
+        Some(OtherPack::Importance(pack)) => Some(Contents::Other(Other::ImportancePack(ImportanceFacts::new(&pack)))),
+        None => None,
+    };
+    if contents.is_none()
+        && let Some(facts) = surface(&arguments.input)?
+    {
         if arguments.json {
             return print_json(&SurfaceReport { version: 1, facts });
         }
         return print_lines(&surface::in_words(&facts));
     }
-    let contents = contents(&arguments.input)?;
+    let contents = match contents {
+        Some(contents) => contents,
+        None => reflectance(&arguments.input)?,
+    };
     if arguments.json {
         return print_json(&Report { version: 1, contents });
     }
@@ -104,12 +120,7 @@ pub(super) fn lines_of(lines: &[(&'static str, String)]) -> String {
     lines.iter().map(|(name, value)| format!("{name:width$}  {}\n", printable(value))).collect()
 }
 
-fn contents(input: &str) -> Result<Contents, CliError> {
-    if !is_synth(input)
-        && let Some(pack) = other_pack(Path::new(input))?
-    {
-        return Ok(Contents::Other(pack));
-    }
+fn reflectance(input: &str) -> Result<Contents, CliError> {
     let opened = open(input, None).map_err(with_structures)?;
     let (symmetry, grey) = (opened.source.symmetry(), opened.source.is_grey());
     Ok(Contents::Reflectance { facts: opened.facts, symmetry, grey })
@@ -189,7 +200,7 @@ fn contents_in_words(contents: &Contents) -> Vec<(&'static str, String)> {
             }
             lines
         }
-        Contents::Other(OtherPack::ImportancePack(facts)) => importance_in_words(facts),
+        Contents::Other(Other::ImportancePack(facts)) => importance_in_words(facts),
     }
 }
 
