@@ -10,6 +10,7 @@ mod flat_textures;
 mod load;
 mod pack;
 mod raster;
+mod surface;
 
 pub use compute::{COMPUTE_WGSL, Compute, Resource};
 pub use device::{AdapterChoice, AdapterDescription, Gpu, GpuError};
@@ -19,3 +20,4 @@ pub use flat::{FLAT_SCENE_WGSL, FlatRenderer, flat_scene_source};
 pub use flat_btf::{EVALUATE_FLAT_BTF_WGSL, FlatBtfAnswer, FlatBtfEvaluator, FlatBtfQuery, LoadedFlatBtf};
 pub use load::LoadedScene;
 pub use raster::{Target, VIEW_WGSL};
+pub use surface::{ENVIRONMENT_WGSL, PERIODIC_WGSL, SURFACE_WGSL};
