@@ -1,5 +1,6 @@
 //! Everything that touches wgpu.
 
+mod adaptive;
 mod compute;
 mod device;
 mod draw;
@@ -12,6 +13,7 @@ mod pack;
 mod raster;
 mod surface;
 
+pub use adaptive::{AdaptiveRenderer, AdaptiveShaders, LoadedAdaptive, LoadedGBuffer};
 pub use compute::{COMPUTE_WGSL, Compute, Resource};
 pub use device::{AdapterChoice, AdapterDescription, Gpu, GpuError};
 pub use draw::{Decoding, Renderer, SCENE_WGSL};
