@@ -88,6 +88,31 @@ fn builds_do_not_depend_on_threads_runs_or_folders() {
     }
 }
 
+/// A tiny table, an anisotropic model, and an environment.
+#[test]
+fn maps_do_not_depend_on_threads_or_folders() {
+    const LIT: &str = "[scene]\nenvironment = 'sky.hdr'\n[defaults]\ngrid = 2\n[materials.table]\nsource = 'table.binary'\n\
+        [materials.model]\nsource = 'synth:ward?ay=0.5'\n[[uses]]\nmaterial = 'table'\n[[uses]]\nmaterial = 'model'\n";
+    let scene = || {
+        let folder = Folder::new();
+        inputs(&folder);
+        let colour = |x: u32, y: u32| image::Rgb([(x * x % 7) as f32, y as f32, 1.0]);
+        let sky = image::DynamicImage::ImageRgb32F(image::Rgb32FImage::from_fn(64, 32, colour));
+        sky.save(folder.path().join("sky.hdr")).unwrap();
+        folder.write("scene.toml", LIT);
+        folder
+    };
+    let (here, there) = (scene(), scene());
+    let first = build(&here, "one", &["--jobs", "1"]);
+    assert_eq!(first.len(), 10, "two packs, five maps, two lists, a report: {:?}", first.keys());
+    assert_same(&first, &build(&here, "eight", &["--jobs", "8"]));
+    assert_same(&first, &build(&there, "deeper/down", &["--jobs", "3"]));
+    for (name, bytes) in first.iter().filter(|(name, _)| name.ends_with(".json")) {
+        let text = String::from_utf8_lossy(bytes);
+        assert!(!text.contains(here.path().to_str().unwrap()) && !text.contains("seconds"), "{name}");
+    }
+}
+
 #[test]
 fn the_cache_keeps_bytes_and_notices_every_change() {
     let folder = scene();

@@ -28,7 +28,7 @@ pub const LOW_PASS: [f64; TAPS] = [
 ];
 
 /// Output rows that one task computes.
-const ROWS_OF_A_TASK: usize = 32;
+pub(super) const ROWS_OF_A_TASK: usize = 32;
 
 /// What the transform computes in: `f32` where data flows, `f64` for reference.
 pub trait Real: Float + Send + Sync {}
@@ -67,97 +67,173 @@ pub struct Level<T> {
     pub both: Vec<T>,
 }
 
+/// Rows of samples, where a row may be put together from two parts.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Image<'a, T> {
+    /// Row by row.
+    pub values: &'a [T],
+    /// Samples per row.
+    pub width: usize,
+    /// Rows; twice as many as there are values for of an image that goes on over the poles.
+    pub height: usize,
+    /// Whether, as in latitude-longitude images, row `-1` at azimuth φ is row 0 at `φ + π`, so that all rows go once around.
+    /// The width is a multiple of 4 then.
+    pub over_poles: bool,
+}
+
+impl<'a, T> Image<'a, T> {
+    /// An image that ends at its border.
+    pub fn plain(values: &'a [T], width: usize, height: usize) -> Self {
+        assert_eq!(values.len(), width * height, "an image has width x height values");
+        Self { values, width, height, over_poles: false }
+    }
+
+    /// The parts of a row, from left to right.
+    pub fn row(self, at: usize) -> [&'a [T]; 2] {
+        let row = |at: usize| &self.values[at * self.width..][..self.width];
+        if self.over_poles && at >= self.height / 2 {
+            let (first, second) = row(self.height - 1 - at).split_at(self.width / 2);
+            [second, first]
+        } else {
+            [row(at), &[]]
+        }
+    }
+}
+
 /// Splits an image of `width x height`, row by row, along the axes `[u, v]` that are asked for.
 ///
 /// # Panics
 /// On a length that is not `width * height`, and on odd sizes of an axis that is split.
 pub fn split<T: Real>(image: &[T], width: usize, height: usize, axes: [bool; 2]) -> Level<T> {
-    split_where(image, width, height, axes, |_| true)
+    let [columns, rows] = halved([width, height], axes);
+    let band = |wanted: bool| vec![T::zero(); if wanted { columns * rows } else { 0 }];
+    let [mut along_u, mut along_v, mut both] = [axes[0], axes[1], axes[0] && axes[1]].map(band);
+    let mut bands = [&mut along_u, &mut along_v, &mut both].map(|band| band.chunks_mut(columns * ROWS_OF_A_TASK));
+    // Bands that are not wanted have no rows.
+    let tasks = (0..rows.div_ceil(ROWS_OF_A_TASK))
+        .map(|_| bands.each_mut().map(|rows| rows.next().unwrap_or_default()))
+        .collect();
+    let keep = |bands: &mut [&mut [T]; 3], row: usize, found: &Row<'_, T>| {
+        for (band, values) in bands.iter_mut().zip([found.along_u, found.along_v, found.both]) {
+            if !values.is_empty() {
+                band[row * columns..][..columns].copy_from_slice(values);
+            }
+        }
+    };
+    let smooth = split_rows(Image::plain(image, width, height), axes, |_| true, tasks, keep);
+    Level { width: columns, height: rows, smooth, along_u, along_v, both }
 }
 
-/// [`split`], with detail only in the tasks of [`ROWS_OF_A_TASK`] rows that have a wanted one: other detail is 0.
-pub(super) fn split_where<T: Real>(
-    image: &[T],
-    width: usize,
-    height: usize,
+/// Size of a level.
+pub(super) fn halved(size: [usize; 2], axes: [bool; 2]) -> [usize; 2] {
+    [0, 1].map(|axis| if axes[axis] { size[axis] / 2 } else { size[axis] })
+}
+
+/// A row of a [`Level`].
+pub(super) struct Row<'a, T> {
+    pub smooth: &'a [T],
+    pub along_u: &'a [T],
+    pub along_v: &'a [T],
+    pub both: &'a [T],
+}
+
+/// [`split`] that keeps no detail but gives each row to `sink` while it is in the cache, with the output of its task, which
+/// is of [`ROWS_OF_A_TASK`] rows, and its number in the task. Tasks without a wanted row have no detail found. Returns the
+/// smooth part.
+pub(super) fn split_rows<T: Real, O: Send>(
+    image: Image<'_, T>,
     axes: [bool; 2],
     wanted: impl Fn(usize) -> bool + Sync,
-) -> Level<T> {
-    assert_eq!(image.len(), width * height, "an image has width x height values");
+    outputs: Vec<O>,
+    sink: impl Fn(&mut O, usize, &Row<'_, T>) + Sync,
+) -> Vec<T> {
+    let (width, height) = (image.width, image.height);
     assert!(axes[0] || axes[1], "at least one axis is split");
     assert!((!axes[0] || width.is_multiple_of(2)) && (!axes[1] || height.is_multiple_of(2)), "split axes are even");
     let filters = filters::<T>();
-    let columns = if axes[0] { width / 2 } else { width };
-    let rows = if axes[1] { height / 2 } else { height };
-    let band = |wanted: bool| vec![T::zero(); if wanted { columns * rows } else { 0 }];
-    let mut level = Level {
-        width: columns,
-        height: rows,
-        smooth: band(true),
-        along_u: band(axes[0]),
-        along_v: band(axes[1]),
-        both: band(axes[0] && axes[1]),
-    };
-    let task = columns * ROWS_OF_A_TASK;
-    let mut along_u = level.along_u.chunks_mut(task);
-    let mut along_v = level.along_v.chunks_mut(task);
-    let mut both = level.both.chunks_mut(task);
-    let tasks = level.smooth.chunks_mut(task).enumerate().map(|(number, smooth)| {
-        // Bands that are not wanted have no rows.
-        let details = [&mut along_u, &mut along_v, &mut both].map(|rows| rows.next().unwrap_or_default());
-        (number * ROWS_OF_A_TASK, smooth, details)
-    });
-    let tasks: Vec<_> = tasks.collect();
-    tasks.into_par_iter().for_each_init(Vec::new, |across: &mut Vec<T>, (first, smooth, [along_u, along_v, both])| {
-        let count = smooth.len() / columns;
+    let [columns, rows] = halved([width, height], axes);
+    let mut smooth = vec![T::zero(); columns * rows];
+    let tasks = smooth.par_chunks_mut(columns * ROWS_OF_A_TASK).zip(outputs).enumerate();
+    tasks.for_each_init(Scratch::default, |scratch, (number, (smooth, mut output))| {
+        let (first, count) = (number * ROWS_OF_A_TASK, smooth.len() / columns);
         let detail = (first..first + count).any(&wanted);
+        let Scratch { across, pairs, bands } = scratch;
         // Rows of the image that this task needs, each split along u: low half, high half.
         let (start, needed) = if axes[1] { (2 * first, 2 * count + TAPS - 2) } else { (first, count) };
         across.resize(needed * width, T::zero());
-        let mut pairs = [Vec::new(), Vec::new()];
+        bands.iter_mut().for_each(|band| band.resize(columns, T::zero()));
         for (r, target) in across.chunks_exact_mut(width).enumerate() {
-            let row = &image[(start + r) % height * width..][..width];
+            let parts = image.row((start + r) % height);
             if axes[0] {
                 let (low, high) = target.split_at_mut(columns);
-                split_row(row, &filters, &mut pairs, low, detail.then_some(high));
+                split_row(parts, &filters, pairs, low, detail.then_some(high));
             } else {
-                target.copy_from_slice(row);
+                let (first, second) = target.split_at_mut(parts[0].len());
+                first.copy_from_slice(parts[0]);
+                second.copy_from_slice(parts[1]);
             }
         }
-        for r in 0..count {
-            let at = r * columns..(r + 1) * columns;
+        for (r, smooth) in smooth.chunks_exact_mut(columns).enumerate() {
+            let [u, v, b] = bands.each_mut();
+            let mut found = Row { smooth: &[], along_u: &[], along_v: &[], both: &[] };
             if axes[1] {
                 let taps = |start: usize| -> [&[T]; TAPS] {
                     std::array::from_fn(|k| &across[(2 * r + k) * width + start..][..columns])
                 };
                 if !detail {
-                    combine_one(taps(0), &filters.low, &mut smooth[at]);
+                    combine_one(taps(0), &filters.low, smooth);
                     continue;
                 }
-                combine(taps(0), &filters, &mut smooth[at.clone()], &mut along_v[at.clone()]);
+                combine(taps(0), &filters, smooth, v);
+                found.along_v = v;
                 if axes[0] {
-                    combine(taps(columns), &filters, &mut along_u[at.clone()], &mut both[at]);
+                    combine(taps(columns), &filters, u, b);
+                    (found.along_u, found.both) = (u, b);
                 }
             } else {
                 let (low, high) = across[r * width..(r + 1) * width].split_at(columns);
-                smooth[at.clone()].copy_from_slice(low);
-                if detail {
-                    along_u[at].copy_from_slice(high);
+                smooth.copy_from_slice(low);
+                if !detail {
+                    continue;
                 }
+                found.along_u = high;
             }
+            sink(&mut output, r, &Row { smooth, ..found });
         }
     });
-    level
+    smooth
 }
 
-/// Splits one row; `pairs` is space for its even and its odd samples.
-fn split_row<T: Real>(row: &[T], filters: &Filters<T>, pairs: &mut [Vec<T>; 2], low: &mut [T], high: Option<&mut [T]>) {
-    let half = row.len() / 2;
+/// Space of a task.
+#[derive(Debug)]
+struct Scratch<T> {
+    across: Vec<T>,
+    pairs: [Vec<T>; 2],
+    bands: [Vec<T>; 3],
+}
+
+impl<T> Default for Scratch<T> {
+    fn default() -> Self {
+        Self { across: Vec::new(), pairs: [const { Vec::new() }; 2], bands: [const { Vec::new() }; 3] }
+    }
+}
+
+/// Splits one row, given in two parts of even length; `pairs` is space for its even and its odd samples.
+fn split_row<T: Real>(
+    parts: [&[T]; 2],
+    filters: &Filters<T>,
+    pairs: &mut [Vec<T>; 2],
+    low: &mut [T],
+    high: Option<&mut [T]>,
+) {
+    let half = low.len();
     for (parity, samples) in pairs.iter_mut().enumerate() {
         samples.clear();
-        samples.extend(row.as_chunks::<2>().0.iter().map(|pair| pair[parity]));
-        for i in half..half + TAPS / 2 {
-            samples.push(row[(2 * i + parity) % row.len()]);
+        for part in parts {
+            samples.extend(part.as_chunks::<2>().0.iter().map(|pair| pair[parity]));
+        }
+        for i in 0..TAPS / 2 {
+            samples.push(samples[i % half]);
         }
     }
     let taps: [&[T]; TAPS] = std::array::from_fn(|k| &pairs[k % 2][k / 2..][..half]);
@@ -279,6 +355,20 @@ mod tests {
         let details = |level: &Level<T>| [&level.along_u[..], &level.along_v, &level.both].concat();
         let last = levels.last().map(|level| level.smooth.clone()).unwrap_or_default();
         levels.iter().flat_map(details).chain(last).collect()
+    }
+
+    #[test]
+    fn rows_go_on_behind_the_pole() {
+        let values: Vec<f32> = (0..8).map(|i| i as f32).collect();
+        let image = Image { values: &values, width: 4, height: 4, over_poles: true };
+        let rows: Vec<Vec<f32>> = (0..4).map(|row| image.row(row).concat()).collect();
+        assert_eq!(rows.concat(), [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 6.0, 7.0, 4.0, 5.0, 2.0, 3.0, 0.0, 1.0]);
+        // The transform reads them so.
+        let wide = noise(64 * 32, 5);
+        let over = Image { values: &wide, width: 64, height: 64, over_poles: true };
+        let torus: Vec<f64> = (0..64).flat_map(|row| over.row(row).concat()).collect();
+        let smooth = split_rows(over, [true; 2], |_| true, vec![(); 1], |(), _, _| ());
+        assert_eq!(smooth, split(&torus, 64, 64, [true; 2]).smooth);
     }
 
     #[test]

@@ -13,8 +13,9 @@
 //! What that achieves: the peak bandwidth of a round spot is the same within a factor 1.65 wherever it is put on the
 //! sphere, that of a wave within 2 (bounds of the tests); with `1 / sin θ` alone it is wrong by a hundred.
 
-use super::image::{Axis, channels, continue_over_poles, reduce_by_maximum, resample};
-use super::local::{Border, frequencies};
+use super::daubechies::Image;
+use super::image::{Axis, channels, resample};
+use super::local::{Border, Join, block_frequencies, doublings};
 use super::texture::BandwidthImage;
 use rayon::prelude::*;
 use std::f32::consts::FRAC_PI_2;
@@ -26,43 +27,57 @@ pub const MOST: [usize; 2] = [512, 256];
 const LEAST: [usize; 2] = [4, 2];
 
 /// Local bandwidth of a latitude-longitude image (row 0 up, linear RGB): the largest of the channels, in cycles per radian,
-/// reduced by maximum to at most [`MOST`]. Sizes that are no powers of two are resampled bilinearly to the next one.
+/// of blocks of pixels, at most [`MOST`] of them. Sizes that are no powers of two are resampled bilinearly to the next one.
 ///
 /// # Panics
 /// When the number of pixels is no multiple of `width`, or there are none.
 pub fn environment_bandwidth(pixels: &[[f32; 3]], width: usize, epsilon: f64) -> BandwidthImage {
+    map_by(pixels, width, epsilon, on_sphere, f32::max)
+}
+
+/// [`environment_bandwidth`] with a Jacobian, which is given the angle to the nearer pole and frequencies in cycles per
+/// radian of azimuth and of elevation, and what joins blocks.
+fn map_by(
+    pixels: &[[f32; 3]],
+    width: usize,
+    epsilon: f64,
+    jacobian: impl Fn(f32, [f32; 2]) -> f32 + Sync,
+    join: impl Join,
+) -> BandwidthImage {
     assert!(width > 0 && !pixels.is_empty() && pixels.len().is_multiple_of(width), "an environment has whole rows");
     let from = [width, pixels.len() / width];
     let size = [0, 1].map(|k| from[k].next_power_of_two().max(LEAST[k]));
     let [across, down] = [0, 1].map(|k| Axis { from: from[k], to: size[k], wraps: k == 0 });
     // Cycles per pixel are this many cycles per radian of the two angles.
     let density = [size[0] as f64 / TAU, size[1] as f64 / PI].map(|density| density as f32);
-    let mut values: Vec<f32> = Vec::new();
-    let mut blocks = [0; 2];
+    let doublings = [0, 1].map(|k| doublings(size[k], MOST[k]));
+    // Pixels per block.
+    let step = (2usize << doublings[1]) as f64;
+    let mut map = BandwidthImage { width: 0, height: 0, values: Vec::new(), transformed: size };
     for channel in channels(pixels) {
-        let image = resample(channel, across, down);
-        let torus = continue_over_poles(&image, size[0], size[1]);
-        let found = frequencies(&torus, [size[0], 2 * size[1]], size[1], Border::Periodic, epsilon);
-        blocks = [found.width, found.height];
-        values.resize(found.u.len(), 0.0);
-        values.par_chunks_exact_mut(blocks[0]).enumerate().for_each(|(row, target)| {
-            // The row of the block that is nearer to the pole.
-            let theta = (row as f64 * 2.0 + 0.5).min(size[1] as f64 - 1.5 - row as f64 * 2.0) * PI / size[1] as f64;
+        let values = resample(channel, across, down);
+        let torus = Image { values: &values, width: size[0], height: 2 * size[1], over_poles: true };
+        let found = block_frequencies(torus, size[1], Border::Periodic, epsilon, doublings, join);
+        (map.width, map.height) = (found.width, found.height);
+        map.values.resize(found.u.len(), 0.0);
+        map.values.par_chunks_exact_mut(found.width).enumerate().for_each(|(row, target)| {
+            // The row of the block that is nearest to a pole.
+            let row_below = (row + 1) as f64 * step;
+            let theta = (row as f64 * step + 0.5).min(size[1] as f64 + 0.5 - row_below) * PI / size[1] as f64;
             let theta = theta as f32;
             let steepest = 1.0 / theta.sin();
-            let at = row * blocks[0];
+            let at = row * found.width;
             for (k, value) in target.iter_mut().enumerate() {
                 let [u, v] = [found.u[at + k] * density[0], found.v[at + k] * density[1]];
                 // At most this; channels are much alike.
                 let most = (u * steepest).max(v);
                 if most * most + v * v > *value * *value {
-                    *value = value.max(on_sphere(theta, [u, v]));
+                    *value = value.max(jacobian(theta, [u, v]));
                 }
             }
         });
     }
-    let (values, [width, height]) = reduce_by_maximum(values, blocks, MOST);
-    BandwidthImage { width, height, values, transformed: size }
+    map
 }
 
 /// `|J^T k|` at the angle `theta` to the nearer pole, of frequencies in cycles per radian of azimuth and of elevation.
@@ -111,22 +126,60 @@ mod tests {
         high / low
     }
 
+    /// Peak bandwidth of round spots, and bandwidth at their centres, at [`LATITUDES`].
+    fn spots(sharpness: f64, jacobian: impl Fn(f32, [f32; 2]) -> f32 + Sync + Copy) -> Vec<(f32, f32)> {
+        let spot = |latitude: f64| {
+            let centre = at_latitude(latitude, 2.0);
+            let image = environment(256, |d| (sharpness * (dot(d, centre) - 1.0)).exp());
+            let map = map_by(&image, 256, 0.01, jacobian, f32::max);
+            (peak(&map), value(&map, centre))
+        };
+        LATITUDES.into_iter().map(spot).collect()
+    }
+
     #[test]
     fn a_spot_has_its_bandwidth_anywhere() {
         for sharpness in [50.0, 200.0] {
-            let found = LATITUDES.map(|latitude| {
-                let centre = at_latitude(latitude, 2.0);
-                let map =
-                    environment_bandwidth(&environment(256, |d| (sharpness * (dot(d, centre) - 1.0)).exp()), 256, 0.01);
-                (peak(&map), value(&map, centre))
-            });
-            let peaks = found.map(|(peak, _)| peak);
+            let found = spots(sharpness, on_sphere);
+            let peaks: Vec<f32> = found.iter().map(|(peak, _)| *peak).collect();
             assert!(spread(&peaks) < 1.65, "{sharpness}: {peaks:?}");
             assert!(found.iter().all(|(peak, centre)| centre / peak > 0.8), "{found:?}");
             // The spectrum of the spot has fallen to 1 % at this many cycles per radian.
             let expected = ((2.0 * sharpness * 100f64.ln()).sqrt() / TAU) as f32;
             assert!(peaks.iter().all(|peak| (0.6..1.3).contains(&(peak / expected))), "{expected}: {peaks:?}");
+            // The negative controls: the Jacobian of the texel itself, and that of a cylinder.
+            for wrong in [|theta: f32, [u, v]: [f32; 2]| (u / theta.sin()).hypot(v), |_, [u, v]: [f32; 2]| u.hypot(v)] {
+                let peaks: Vec<f32> = spots(sharpness, wrong).iter().map(|(peak, _)| *peak).collect();
+                assert!(spread(&peaks) > 1.65, "{sharpness}: {peaks:?}");
+            }
         }
+    }
+
+    /// Small lights under a bright sky; the negative control is a mean of the blocks in place of the maximum.
+    #[test]
+    fn a_block_has_the_bandwidth_of_what_varies_most_in_it() {
+        let mut sky: Vec<f32> = environment(2048, |d| 1.0 + d[1]).iter().map(|pixel| pixel[0]).collect();
+        for light in 0..300 {
+            sky[(331 * light + 7) % 1024 * 2048 + (1237 * light) % 2048] += 200.0;
+        }
+        let torus = Image { values: &sky, width: 2048, height: 2048, over_poles: true };
+        let fine = block_frequencies(torus, 1024, Border::Periodic, 0.01, [0; 2], f32::max);
+        let pixels: Vec<[f32; 3]> = sky.iter().map(|value| [*value; 3]).collect();
+        let flat = |_: f32, [u, v]: [f32; 2]| u.hypot(v);
+        // Blocks of the map that are too low for one of the four blocks of 2 x 2 pixels in them.
+        let low = |join: fn(f32, f32) -> f32| {
+            let map = map_by(&pixels, 2048, 0.01, flat, join);
+            assert_eq!([map.width, map.height], MOST);
+            let is_low = |at: &usize| {
+                let (column, row) = (2 * (at % 512), 2 * (at / 512));
+                let inside = [0, 1, 1024, 1025].map(|step| row * 1024 + column + step);
+                let most = inside.map(|k| fine.u[k].hypot(fine.v[k])).into_iter().fold(0.0, f32::max);
+                map.values[*at] < 0.95 * most * (2048.0 / TAU) as f32
+            };
+            (0..map.values.len()).filter(is_low).count()
+        };
+        let wrong = low(|a, b| 0.5 * (a + b));
+        assert!(low(f32::max) == 0 && wrong > 300, "{} {wrong}", low(f32::max));
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Images on their way into the transform and maps on their way out.
+//! Images on their way into the transform.
 
 use rayon::prelude::*;
 
@@ -53,67 +53,9 @@ pub fn resample(image: Vec<f32>, u: Axis, v: Axis) -> Vec<f32> {
     resampled
 }
 
-/// A latitude-longitude image continued over both poles: row `-1` at azimuth φ is row 0 at `φ + π`, so that `2 height` rows
-/// go once around, and both axes span 2π. `width` is even.
-pub fn continue_over_poles(image: &[f32], width: usize, height: usize) -> Vec<f32> {
-    let mut torus = vec![0.0; 2 * image.len()];
-    torus.par_chunks_exact_mut(width).enumerate().for_each(|(row, target)| {
-        if row < height {
-            target.copy_from_slice(&image[row * width..][..width]);
-        } else {
-            let (first, second) = image[(2 * height - 1 - row) * width..][..width].split_at(width / 2);
-            target[..width / 2].copy_from_slice(second);
-            target[width / 2..].copy_from_slice(first);
-        }
-    });
-    torus
-}
-
-/// A map reduced by maximum to at most `most` per axis, each axis by a power of two that divides it. Returns the values with
-/// their width and height.
-pub fn reduce_by_maximum(values: Vec<f32>, size: [usize; 2], most: [usize; 2]) -> (Vec<f32>, [usize; 2]) {
-    let factor = |axis: usize| {
-        let mut factor = 1;
-        while size[axis] / factor > most[axis] && (size[axis] / factor).is_multiple_of(2) {
-            factor *= 2;
-        }
-        factor
-    };
-    let [across, down] = [factor(0), factor(1)];
-    if across == 1 && down == 1 {
-        return (values, size);
-    }
-    let [width, height] = [size[0] / across, size[1] / down];
-    let mut reduced = vec![0.0f32; width * height];
-    reduced.par_chunks_exact_mut(width).enumerate().for_each(|(row, target)| {
-        for source in values[row * down * size[0]..][..down * size[0]].chunks_exact(size[0]) {
-            for (value, cell) in target.iter_mut().zip(source.chunks_exact(across)) {
-                *value = cell.iter().copied().fold(*value, f32::max);
-            }
-        }
-    });
-    (reduced, [width, height])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_maximum_is_no_mean() {
-        let mut values = vec![1.0; 64];
-        values[3 * 8 + 5] = 9.0;
-        let (reduced, size) = reduce_by_maximum(values.clone(), [8, 8], [2, 4]);
-        assert_eq!((size, reduced), ([2, 4], vec![1.0, 1.0, 1.0, 9.0, 1.0, 1.0, 1.0, 1.0]));
-        assert_eq!(reduce_by_maximum(values.clone(), [8, 8], [8, 8]).0, values);
-    }
-
-    #[test]
-    fn rows_go_on_behind_the_pole() {
-        let image: Vec<f32> = (0..8).map(|i| i as f32).collect();
-        let torus = continue_over_poles(&image, 4, 2);
-        assert_eq!(torus, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 6.0, 7.0, 4.0, 5.0, 2.0, 3.0, 0.0, 1.0]);
-    }
 
     #[test]
     fn waves_survive_resampling() {

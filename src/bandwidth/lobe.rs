@@ -158,17 +158,31 @@ impl LobeImage {
     /// Bandwidth of the lobe of an incoming cell, per outgoing cell `[l][k]`; k is counted from azimuth 0 of the material, but
     /// from the plane of incidence of isotropic ones.
     fn cells(&self, source: &dyn Source, cell: [usize; 2], epsilon: f64, tally: &mut Tally) -> [[f32; CELLS]; CELLS] {
+        self.cells_by(source, cell, epsilon, tally, |values| values.iter().copied().fold(0.0, f32::max))
+    }
+
+    /// [`Self::cells`] with what makes one value of those of a cell's pixels.
+    fn cells_by(
+        &self,
+        source: &dyn Source,
+        cell: [usize; 2],
+        epsilon: f64,
+        tally: &mut Tally,
+        reduce: impl Fn(&[f32]) -> f32,
+    ) -> [[f32; CELLS]; CELLS] {
         let symmetry = source.symmetry();
         let halves = symmetry.isotropic && symmetry.mirror;
         let channels = self.lobe(source, incoming(cell), halves, tally);
         let mut cells = [[0.0f32; CELLS]; CELLS];
         let turn = if symmetry.isotropic { 0 } else { cell[0] };
+        let mut inside = Vec::new();
         for channel in channels {
             let values = self.bandwidth(&channel, epsilon);
             for (number, members) in self.members.iter().enumerate() {
-                let largest = members.iter().map(|pixel| values[*pixel]).fold(0.0, f32::max);
+                inside.clear();
+                inside.extend(members.iter().map(|pixel| values[*pixel]));
                 let value = &mut cells[number / CELLS][(number + turn) % CELLS];
-                *value = value.max(largest);
+                *value = value.max(reduce(&inside));
             }
         }
         if halves {

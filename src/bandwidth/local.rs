@@ -14,11 +14,17 @@
 //!   sinusoid's 2^-5 per octave; where the finest level outweighs all others, by that ratio in addition. The result ends at
 //!   half a cycle per pixel.
 //!
+//! The two octaves are those of what has the largest coefficient. Detail with a `Λ` of w times that is found
+//! `log32(1 / w)` octaves lower. That is the rule, not its interpolation: the tail of weak detail starts nearer to the
+//! threshold. Coefficients at equal contrast double with each coarser level, so fine detail on a strong slow wave is such a
+//! case. It is found at 0.83 of its frequency where w is 0.1, at 0.5 where it is 0.02, and at 0.35 to 0.45 where w = ε;
+//! below half of that it does not count. The paper's `2^n` is four times as much, above the frequency of even the weakest.
+//!
 //! Bands with detail along u and along v are followed separately, both relative to the common maximum.
 //!
 //! Rounding is no detail: a coefficient below 2^-20 of the smooth coefficient beside it counts as 0.
 
-use super::daubechies::{Level, TAPS, split_where};
+use super::daubechies::{Image, ROWS_OF_A_TASK, Row, TAPS, halved, split_rows};
 use rayon::prelude::*;
 
 /// What lies beyond the image.
@@ -32,7 +38,7 @@ pub enum Border {
     Bounded,
 }
 
-/// Frequencies around each block of 2 x 2 pixels, row by row: cycles per pixel along u and v, 0 to 1/2.
+/// Frequencies around each block of pixels, row by row: cycles per pixel along u and v, 0 to 1/2.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frequencies {
     /// Blocks per row.
@@ -43,6 +49,11 @@ pub struct Frequencies {
     pub u: Vec<f32>,
     /// Along v.
     pub v: Vec<f32>,
+}
+
+/// How often blocks of 2 pixels are doubled to have at most `most` of them along an axis of so many pixels, a power of two.
+pub fn doublings(pixels: usize, most: usize) -> u32 {
+    (pixels / 2).max(1).div_ceil(most).next_power_of_two().ilog2()
 }
 
 /// Detail below this share of the smooth coefficient is rounding.
@@ -105,8 +116,8 @@ pub fn support(splits: u32) -> usize {
     (TAPS - 1) * ((1 << splits) - 1) + 1
 }
 
-/// Frequencies of the first `rows` rows of an image of `width x height` finite values, both powers of two; `rows` is even,
-/// or all of them.
+/// Frequencies of the first `rows` rows of an image of `width x height` finite values, both powers of two, around each block
+/// of 2 x 2 pixels; `rows` is even, or all of them.
 ///
 /// # Panics
 /// On other sizes; bounded images have at least [`SMALLEST_BOUNDED`] pixels per axis.
@@ -117,13 +128,30 @@ pub fn frequencies(
     border: Border,
     epsilon: f64,
 ) -> Frequencies {
+    block_frequencies(Image::plain(image, width, height), rows, border, epsilon, [0; 2], f32::max)
+}
+
+/// How two neighbouring blocks become one.
+pub(super) trait Join: Fn(f32, f32) -> f32 + Copy + Sync {}
+impl<T: Fn(f32, f32) -> f32 + Copy + Sync> Join for T {}
+
+/// [`frequencies`] around each block of `2^(1 + doublings)` pixels per axis. `Λ` of such a block is joined from those of the
+/// blocks of 2 x 2 pixels in it, by maximum where nothing is to be missed, so that the rule needs to be followed once.
+pub(super) fn block_frequencies(
+    image: Image<'_, f32>,
+    rows: usize,
+    border: Border,
+    epsilon: f64,
+    doublings: [u32; 2],
+    join: impl Join,
+) -> Frequencies {
+    let (width, height) = (image.width, image.height);
     assert!(width.is_power_of_two() && height.is_power_of_two(), "sizes are powers of two");
     assert!(rows <= height && (rows.is_multiple_of(2) || rows == height), "rows are of the image");
     assert!(border == Border::Periodic || width.min(height) >= SMALLEST_BOUNDED, "bounded images have some pixels");
-    let columns = (width / 2).max(1);
-    let block_rows = rows.div_ceil(2);
+    let [columns, block_rows] = [(width / 2).max(1) >> doublings[0], rows.div_ceil(2) >> doublings[1]];
     let largest = |values: &[f32]| values.iter().fold(0.0f32, |most, value| most.max(value.abs()));
-    let magnitude = image.par_chunks(1 << 14).map(largest).reduce(|| 0.0, f32::max);
+    let magnitude = image.values.par_chunks(1 << 14).map(largest).reduce(|| 0.0, f32::max);
     let blank = |columns: usize| vec![0.0; columns * block_rows];
     let mut found = Frequencies { width: columns, height: block_rows, u: blank(columns), v: blank(columns) };
     if magnitude == 0.0 || width * height == 1 {
@@ -131,14 +159,13 @@ pub fn frequencies(
     }
     // Far from overflow and underflow: a power of two changes no other bit.
     let scaled: Vec<f32>;
-    let image = if (1e-20..1e20).contains(&magnitude) {
-        image
-    } else {
+    let mut image = image;
+    if !(1e-20..1e20).contains(&magnitude) {
         let factor = 2f64.powi(-magnitude.log2() as i32);
-        scaled = image.iter().map(|value| (f64::from(*value) * factor) as f32).collect();
-        &scaled
-    };
-    let scales = scales(image, [width, height], block_rows, border);
+        scaled = image.values.iter().map(|value| (f64::from(*value) * factor) as f32).collect();
+        image.values = &scaled;
+    }
+    let scales = scales(image, block_rows, border, doublings, join);
     let (finest, next) = maxima(&scales, columns, block_rows);
     let rule = Rule::new(epsilon);
     let outputs = found.u.par_chunks_exact_mut(columns).zip(found.v.par_chunks_exact_mut(columns));
@@ -198,7 +225,14 @@ impl Rule {
 }
 
 /// `Λ` of every level, the finest first.
-fn scales(image: &[f32], size: [usize; 2], block_rows: usize, border: Border) -> Vec<Scale> {
+fn scales(
+    image: Image<'_, f32>,
+    block_rows: usize,
+    border: Border,
+    doublings: [u32; 2],
+    join: impl Join,
+) -> Vec<Scale> {
+    let size = [image.width, image.height];
     // Splits along an axis: down to one coefficient, or as long as a wavelet fits.
     let most = size.map(|side| match border {
         Border::Periodic => side.ilog2(),
@@ -211,52 +245,92 @@ fn scales(image: &[f32], size: [usize; 2], block_rows: usize, border: Border) ->
     let (mut current, mut splits) = (size, [0u32; 2]);
     while (0..2).any(|axis| splits[axis] < most[axis]) {
         let axes = [splits[0] < most[0], splits[1] < most[1]];
-        let input = if scales.is_empty() { image } else { &smooth[..] };
-        let [u, v] = current;
-        for axis in 0..2 {
-            splits[axis] += u32::from(axes[axis]);
-            current[axis] /= if axes[axis] { 2 } else { 1 };
-        }
-        let shift = [0, 1].map(|axis| splits[axis].saturating_sub(first[axis]));
-        let rows = block_rows.div_ceil(1 << shift[1]);
-        let wavelets = [0, 1].map(|axis| Wavelets::new(current[axis], splits[axis], border));
-        let wanted = |row: usize| wavelets[1].is_used(row, rows);
-        let level = split_where(input, u, v, axes, wanted);
-        let band = |detail: &[f32]| dilate(&level, detail, wavelets, rows);
-        scales.push(Scale { shift, width: level.width, u: band(&level.along_u), v: band(&level.along_v) });
-        smooth = level.smooth;
+        let input = if scales.is_empty() { image } else { Image::plain(&smooth, current[0], current[1]) };
+        current = halved(current, axes);
+        splits = [0, 1].map(|axis| splits[axis] + u32::from(axes[axis]));
+        let own = [0, 1].map(|axis| splits[axis].saturating_sub(first[axis]));
+        let cells = Cells {
+            wavelets: [0, 1].map(|axis| Wavelets::new(current[axis], splits[axis], border)),
+            doublings: [0, 1].map(|axis| doublings[axis].saturating_sub(own[axis])),
+            columns: current[0],
+            rows: block_rows.div_ceil(1 << own[1].saturating_sub(doublings[1])),
+            join,
+        };
+        let shift = [0, 1].map(|axis| own[axis].saturating_sub(doublings[axis]));
+        let (next, [u, v]) = cells.largest(input, axes, current[1]);
+        scales.push(Scale { shift, width: cells.width(), u, v });
+        smooth = next;
     }
     if border == Border::Bounded {
-        let [u, v] = variation(image, size);
+        let [u, v] = variation(image.values, size);
         // The gain of a coefficient over the amplitude of a wave.
         let gain = 2f32.powf(0.5 * (splits[0] + splits[1] + 2) as f32);
-        let whole = [0, 1].map(|axis| size[axis].ilog2());
+        let whole = [0, 1].map(|axis| size[axis].ilog2() - doublings[axis]);
         scales.push(Scale { shift: whole, width: 1, u: vec![gain * u], v: vec![gain * v] });
     }
     scales
 }
 
-/// Detail along one axis, along both included, as `Λ` of the first `rows` rows of blocks.
-fn dilate(level: &Level<f32>, detail: &[f32], [across, down]: [Wavelets; 2], rows: usize) -> Vec<f32> {
-    if detail.is_empty() {
-        return Vec::new();
+/// The blocks of a level.
+struct Cells<J> {
+    /// Along u and v.
+    wavelets: [Wavelets; 2],
+    /// Blocks of the level are joined so often.
+    doublings: [u32; 2],
+    /// Coefficients per row.
+    columns: usize,
+    /// Rows of joined blocks that are asked for.
+    rows: usize,
+    join: J,
+}
+
+impl<J: Join> Cells<J> {
+    /// Joined blocks per row.
+    fn width(&self) -> usize {
+        self.columns >> self.doublings[0]
     }
-    let width = level.width;
-    let significant = |at: usize| {
-        let both = if level.both.is_empty() { 0.0 } else { level.both[at].abs() };
-        let value = detail[at].abs().max(both);
-        if value > ROUNDING * level.smooth[at].abs() { value } else { 0.0 }
-    };
-    let mut wide = vec![0.0f32; detail.len()];
-    wide.par_chunks_exact_mut(width).enumerate().for_each_init(Vec::new, |padded: &mut Vec<f32>, (row, target)| {
-        if !down.is_used(row, rows) {
-            return;
-        }
-        let first = row * width;
+
+    /// Splits an image into a level of `height` rows. Gives the smooth part, and the largest detail along u and along v,
+    /// along both included, of the wavelets around each block.
+    fn largest(&self, image: Image<'_, f32>, axes: [bool; 2], height: usize) -> (Vec<f32>, [Vec<f32>; 2]) {
+        let (width, blocks) = (self.width(), self.rows << self.doublings[1]);
+        let wanted = |row: usize| self.wavelets[1].is_used(row, blocks);
+        let mut wide = axes.map(|split| vec![0.0f32; if split { width * height } else { 0 }]);
+        let [u, v] = wide.each_mut().map(|band| band.chunks_mut(width * ROWS_OF_A_TASK));
+        let (mut u, mut v) = (u, v);
+        let tasks = (0..height.div_ceil(ROWS_OF_A_TASK))
+            .map(|_| ([&mut u, &mut v].map(|rows| rows.next().unwrap_or_default()), Vec::new()))
+            .collect();
+        let widen = |(bands, space): &mut ([&mut [f32]; 2], Vec<f32>), row: usize, found: &Row<'_, f32>| {
+            for (band, detail) in bands.iter_mut().zip([found.along_u, found.along_v]) {
+                if !detail.is_empty() {
+                    self.widen(detail, found, space, &mut band[row * width..][..width]);
+                }
+            }
+        };
+        let smooth = split_rows(image, axes, wanted, tasks, widen);
+        (smooth, wide.map(|wide| self.lengthen(&wide)))
+    }
+
+    /// The largest significant detail of a row per joined block.
+    fn widen(&self, detail: &[f32], row: &Row<'_, f32>, padded: &mut Vec<f32>, target: &mut [f32]) {
+        let across = self.wavelets[0];
+        // The wavelets that start before the first block come first.
         let border = across.cells - 1;
         padded.clear();
-        padded.extend((0..border).map(|k| significant(first + across.index(0, border - k))));
-        padded.extend((0..width).map(|at| significant(first + across.index(at, 0))));
+        padded.resize(border, 0.0);
+        if row.both.is_empty() {
+            padded.extend(detail.iter().zip(row.smooth).map(|(d, s)| significant(d.abs(), *s)));
+        } else {
+            let values = detail.iter().zip(row.both).zip(row.smooth);
+            padded.extend(values.map(|((d, b), s)| significant(d.abs().max(b.abs()), *s)));
+        }
+        for k in 0..border {
+            padded[k] = padded[border + across.index(0, border - k)];
+        }
+        for at in across.last + 1..self.columns {
+            padded[border + at] = padded[border + across.last];
+        }
         let mut span = 1;
         while 2 * span <= across.cells {
             sliding_maximum(padded, span);
@@ -265,18 +339,53 @@ fn dilate(level: &Level<f32>, detail: &[f32], [across, down]: [Wavelets; 2], row
         if span < across.cells {
             sliding_maximum(padded, across.cells - span);
         }
-        target.copy_from_slice(&padded[..width]);
-    });
-    let mut dilated = vec![0.0f32; width * rows];
-    dilated.par_chunks_exact_mut(width).enumerate().for_each(|(row, target)| {
-        for before in 0..down.cells {
-            let source = &wide[down.index(row, before) * width..][..width];
-            for (value, other) in target.iter_mut().zip(source) {
-                *value = value.max(*other);
+        let mut count = self.columns;
+        for _ in 0..self.doublings[0] {
+            count /= 2;
+            for at in 0..count {
+                padded[at] = (self.join)(padded[2 * at], padded[2 * at + 1]);
             }
         }
-    });
-    dilated
+        target.copy_from_slice(&padded[..count]);
+    }
+
+    /// The largest of the rows around each row of blocks, joined.
+    fn lengthen(&self, wide: &[f32]) -> Vec<f32> {
+        if wide.is_empty() {
+            return Vec::new();
+        }
+        let (down, width) = (self.wavelets[1], self.width());
+        let around = |at: usize, target: &mut [f32]| {
+            for before in 0..down.cells {
+                let source = &wide[down.index(at, before) * width..][..width];
+                for (value, other) in target.iter_mut().zip(source) {
+                    *value = value.max(*other);
+                }
+            }
+        };
+        let mut largest = vec![0.0f32; width * self.rows];
+        let rows = largest.par_chunks_exact_mut(width).enumerate();
+        rows.for_each(|(row, target)| self.join_rows(row, self.doublings[1], target, &around));
+        largest
+    }
+
+    /// Row `at` of blocks that have been joined so often, of rows that `single` gives.
+    fn join_rows(&self, at: usize, doublings: u32, target: &mut [f32], single: &impl Fn(usize, &mut [f32])) {
+        if doublings == 0 {
+            return single(at, target);
+        }
+        self.join_rows(2 * at, doublings - 1, target, single);
+        let mut second = vec![0.0; target.len()];
+        self.join_rows(2 * at + 1, doublings - 1, &mut second, single);
+        for (value, other) in target.iter_mut().zip(&second) {
+            *value = (self.join)(*value, *other);
+        }
+    }
+}
+
+/// A coefficient, unless it may be the rounding of the smooth one beside it.
+fn significant(detail: f32, smooth: f32) -> f32 {
+    if detail > ROUNDING * smooth.abs() { detail } else { 0.0 }
 }
 
 /// `values_i = max(values_i, values_(i + distance))`, where there is one.

@@ -2,13 +2,14 @@
 //! section 2.4 and appendix A).
 //!
 //! [`daubechies`] transforms, [`local`] finds the bandwidth around each pixel, [`lobe`], [`environment`] and [`texture`]
-//! turn it into cycles per radian or per metre. Values go into the packs of `brdfc_formats::pack::bandwidth`.
+//! turn it into cycles per radian or per metre, and [`map`] puts that into the packs of `brdfc_formats::pack::bandwidth`.
 
 pub mod daubechies;
 pub mod environment;
 pub mod image;
 pub mod lobe;
 pub mod local;
+pub mod map;
 pub mod texture;
 
 /// `ε` of the paper: coefficients whose sum is below this share of the largest one do not count.

@@ -1,7 +1,8 @@
 //! Bandwidth of textures over the surface, in cycles per metre.
 
-use super::image::{Axis, channels, reduce_by_maximum, resample};
-use super::local::{Border, SMALLEST_BOUNDED, frequencies};
+use super::daubechies::Image;
+use super::image::{Axis, channels, resample};
+use super::local::{Border, SMALLEST_BOUNDED, block_frequencies, doublings};
 
 /// Most values per axis of a map.
 pub const MOST: usize = 512;
@@ -47,19 +48,19 @@ pub fn texture_bandwidth(pixels: &[[f32; 3]], width: usize, placement: Placement
     let axis = |k: usize| Axis { from: from[k], to: size[k], wraps: placement.tiles };
     // Cycles per pixel are this many cycles per metre.
     let density = [0, 1].map(|k| (size[k] as f64 / placement.metres[k]) as f32);
-    let mut values: Vec<f32> = Vec::new();
-    let mut blocks = [0; 2];
+    let doublings = size.map(|side| doublings(side, MOST));
+    let mut map = BandwidthImage { width: 0, height: 0, values: Vec::new(), transformed: size };
     for channel in channels(pixels) {
         let image = resample(channel, axis(0), axis(1));
-        let found = frequencies(&image, size, size[1], border, epsilon);
-        blocks = [found.width, found.height];
-        values.resize(found.u.len(), 0.0);
-        for ((value, u), v) in values.iter_mut().zip(&found.u).zip(&found.v) {
+        let image = Image::plain(&image, size[0], size[1]);
+        let found = block_frequencies(image, size[1], border, epsilon, doublings, f32::max);
+        (map.width, map.height) = (found.width, found.height);
+        map.values.resize(found.u.len(), 0.0);
+        for ((value, u), v) in map.values.iter_mut().zip(&found.u).zip(&found.v) {
             *value = value.max((u * density[0]).hypot(v * density[1]));
         }
     }
-    let (values, [width, height]) = reduce_by_maximum(values, blocks, [MOST; 2]);
-    BandwidthImage { width, height, values, transformed: size }
+    map
 }
 
 #[cfg(test)]

@@ -1,36 +1,32 @@
-//! The build cache: what a pack was made from, so that unchanged materials are not made again.
+//! The build cache: what files were made from, so that what is unchanged is not made again.
 //!
-//! One `bincode` file per material in a folder beside the packs. A stale or broken entry is no error: the material is
-//! made again.
+//! A `bincode` file for each pack, and for the maps of each material and of the scene, in a folder beside them. A stale or
+//! broken entry is no error: the files are made again.
 
-use crate::brdf::encode::Recipe;
-use crate::report::material::MaterialReport;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
 /// Folder of the cache, inside the output folder.
 pub const FOLDER: &str = ".brdfc-cache";
 
-/// Everything that decides a pack's bytes.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Key {
+/// What was put in, options apart.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Origin {
     /// Hash of the program: a new version makes everything again.
     pub program: [u8; 32],
     /// Hash of the source's bytes, or of its address.
     pub source: [u8; 32],
-    /// All options.
-    pub recipe: Recipe,
 }
 
-/// What is kept.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Entry {
-    /// What the pack was made from.
-    pub key: Key,
-    /// Hash of the pack.
-    pub pack: [u8; 32],
-    /// What was measured.
-    pub report: MaterialReport,
+/// What is kept of files that were made together. `R` is all options, `T` what was measured.
+#[derive(Debug, Serialize, Deserialize)]
+struct Entry<R, T> {
+    origin: Origin,
+    recipe: R,
+    /// Hash of each file.
+    files: Vec<[u8; 32]>,
+    report: T,
 }
 
 /// Hash of a file's bytes.
@@ -50,21 +46,46 @@ pub fn hash_program() -> std::io::Result<[u8; 32]> {
     hash_file(&std::env::current_exe()?)
 }
 
-fn path(out: &Path, material: &str) -> PathBuf {
-    out.join(FOLDER).join(format!("{material}.bincode"))
+/// Files that are made together, and what decides their bytes.
+#[derive(Debug)]
+pub struct Slot<'a, R> {
+    /// The output folder.
+    pub out: &'a Path,
+    /// Name of the entry.
+    pub name: String,
+    /// The files, relative to the output folder.
+    pub files: Vec<String>,
+    /// Without one nothing is looked up or kept.
+    pub origin: Option<Origin>,
+    /// All options.
+    pub recipe: R,
 }
 
-/// The report of a material whose pack is there, whole, and made from the same key.
-pub fn look_up(out: &Path, material: &str, pack: &Path, key: &Key) -> Option<MaterialReport> {
-    let bytes = std::fs::read(path(out, material)).ok()?;
-    let config = bincode::config::standard().with_limit::<{ 1 << 20 }>();
-    let (entry, _): (Entry, usize) = bincode::serde::decode_from_slice(&bytes, config).ok()?;
-    (entry.key == *key && hash_file(pack).ok()? == entry.pack).then_some(entry.report)
-}
+impl<R: Clone + PartialEq + Serialize + DeserializeOwned> Slot<'_, R> {
+    fn path(&self) -> PathBuf {
+        self.out.join(FOLDER).join(format!("{}.bincode", self.name))
+    }
 
-/// Keeps an entry.
-pub fn store(out: &Path, material: &str, entry: &Entry) -> std::io::Result<()> {
-    std::fs::create_dir_all(out.join(FOLDER))?;
-    let bytes = bincode::serde::encode_to_vec(entry, bincode::config::standard()).map_err(std::io::Error::other)?;
-    super::write::write_atomic(&path(out, material), &bytes)
+    /// The report of files that are there, whole, and made from the same.
+    pub fn look_up<T: DeserializeOwned>(&self) -> Option<T> {
+        let origin = self.origin?;
+        let bytes = std::fs::read(self.path()).ok()?;
+        let config = bincode::config::standard().with_limit::<{ 1 << 20 }>();
+        let (entry, _): (Entry<R, T>, usize) = bincode::serde::decode_from_slice(&bytes, config).ok()?;
+        let whole =
+            |(file, hash): (&String, &[u8; 32])| hash_file(&self.out.join(file)).is_ok_and(|found| found == *hash);
+        let same = entry.origin == origin && entry.recipe == self.recipe && entry.files.len() == self.files.len();
+        (same && self.files.iter().zip(&entry.files).all(whole)).then_some(entry.report)
+    }
+
+    /// Keeps a report of files with these bytes. A cache that cannot be kept costs time in the next build, nothing else.
+    pub fn store<T: Serialize>(&self, files: &[Vec<u8>], report: &T) {
+        let Some(origin) = self.origin else { return };
+        let files = files.iter().map(|bytes| hash(bytes)).collect();
+        let entry = Entry { origin, recipe: self.recipe.clone(), files, report };
+        let Ok(bytes) = bincode::serde::encode_to_vec(&entry, bincode::config::standard()) else { return };
+        if std::fs::create_dir_all(self.out.join(FOLDER)).is_ok() {
+            let _ = super::write::write_atomic(&self.path(), &bytes);
+        }
+    }
 }

@@ -1,6 +1,8 @@
 //! The scene manifest, `scene.toml`: materials, and the uses a scene makes of them.
 
+use super::needs::ENVIRONMENT;
 use super::render_section::{CAMERA_KEYS, LIGHT_KEYS, RENDER_KEYS, RenderSection};
+use super::scene_section::{SCENE_KEYS, Scene};
 use crate::brdf::encode::{Ranking, Recipe, Target};
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::pack::wavelet::MAX_LEVELS;
@@ -28,16 +30,6 @@ pub struct Manifest {
     /// What `brdfc render` shows.
     #[serde(default)]
     pub render: RenderSection,
-}
-
-/// What holds for the whole scene.
-#[derive(Debug, Clone, Default, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Scene {
-    /// A name for reports.
-    pub name: Option<String>,
-    /// `α` of the level of detail `l = N - clamp(log2(α d), 0, N)`, per unit of distance; 0.15 by default.
-    pub distance_scale: Option<f64>,
 }
 
 /// A material. Its keys are checked before, so that `flatten` may stand here.
@@ -102,7 +94,6 @@ pub struct ManifestError {
     pub suggestion: Option<String>,
 }
 
-const SCENE_KEYS: &[&str] = &["name", "distance_scale"];
 const OPTION_KEYS: &[&str] =
     &["grid", "bits", "parameterisation", "ratio", "max_error", "max_bytes", "smooth", "bias", "ranking"];
 const MATERIAL_KEYS: &[&str] =
@@ -132,19 +123,10 @@ impl Manifest {
     }
 
     fn check(&self, text: &str, tree: &toml::de::DeTable<'_>) -> Result<(), ManifestError> {
-        self.render.check(&Place { text, tree })?;
+        let place = Place { text, tree };
+        self.scene.check(&place)?;
+        self.render.check(&place)?;
         let line = |path: &[&str]| line_of_key(text, tree, path);
-        if let Some(scale) = self.scene.distance_scale
-            && !(scale.is_finite() && scale > 0.0)
-        {
-            return Err(ManifestError {
-                line: line(&["scene", "distance_scale"]),
-                field: "scene.distance_scale".to_owned(),
-                found: scale.to_string(),
-                allowed: "a positive number".to_owned(),
-                suggestion: None,
-            });
-        }
         let error = |line, prefix: &str, problem: OptionError| ManifestError {
             line,
             field: format!("{prefix}.{}", problem.field),
@@ -167,6 +149,10 @@ impl Manifest {
                     allowed: "letters, digits, - and _, as packs are files of that name; not \"report\"".to_owned(),
                     suggestion: None,
                 });
+            }
+            if self.scene.environment.is_some() && name.eq_ignore_ascii_case(ENVIRONMENT) {
+                let allowed = "another name: the maps of the scene's environment have this one";
+                return Err(place.error(&["materials", name], format!("the name \"{name}\""), allowed));
             }
             material
                 .options

@@ -2,15 +2,18 @@
 
 use super::output::{print, print_json, refuse_overwriting, remark, to_json, write_file};
 use super::{CliError, Common};
-use crate::bandwidth::environment::environment_bandwidth;
-use crate::bandwidth::lobe::{DEFAULT_RESOLUTION, RESOLUTIONS, SIDE, lobe_bandwidth};
-use crate::bandwidth::texture::{BandwidthImage, Placement, texture_bandwidth};
+use crate::bandwidth::lobe::{DEFAULT_RESOLUTION, RESOLUTIONS};
+use crate::bandwidth::map::{brdf_map, environment_map, texture_map};
+use crate::bandwidth::texture::Placement;
 use crate::bandwidth::{DEFAULT_EPSILON, EPSILON_RANGE};
 use crate::build::write::is_standard_output;
+use crate::report::table;
+use crate::source::bandwidth_map::BandwidthFacts;
 use crate::source::open::open;
 use crate::source::radiance_image::open_radiance_image;
 use crate::source::tile_image::open_tile_image;
-use brdfc_formats::pack::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
+use brdfc_formats::FormatError;
+use brdfc_formats::pack::bandwidth::BandwidthMap;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -73,26 +76,9 @@ pub struct Report {
     version: u32,
     /// 'bandwidth-map'.
     kind: &'static str,
-    /// 'brdf', 'environment' or 'texture'.
-    of: &'static str,
-    /// Unit of the bandwidths.
-    unit: &'static str,
-    /// Texels per row and rows.
-    size: [u32; 2],
-    /// Width and height of the image that was transformed; of materials, of each lobe.
-    transformed: [u32; 2],
-    /// Share of the largest coefficient that does not count.
-    epsilon: f32,
-    /// Width and height of a texture in metres.
-    metres: Option<[f32; 2]>,
-    /// Whether a texture repeats.
-    tiles: Option<bool>,
-    /// Largest bandwidth.
-    largest: f32,
-    /// Mean of all texels.
-    mean: f64,
-    /// Share of texels without any variation, 0 to 1.
-    constant: f64,
+    /// What it says of itself, and its values.
+    #[serde(flatten)]
+    facts: BandwidthFacts,
     /// Seconds that reading and finding the bandwidth took; not of a map that was there.
     seconds: Option<Seconds>,
 }
@@ -108,41 +94,23 @@ pub struct Seconds {
 
 impl Report {
     fn new(map: &BandwidthMap, seconds: Option<Seconds>) -> Self {
-        let (header, values) = (map.header(), map.values());
-        let (metres, tiles) = match header.kind {
-            BandwidthKind::Texture { metres, tiles } => (Some(metres), Some(tiles)),
-            _ => (None, None),
-        };
-        let count = values.len() as f64;
-        Self {
-            version: 1,
-            kind: "bandwidth-map",
-            of: header.kind.name(),
-            unit: header.kind.unit(),
-            size: map.size(),
-            transformed: header.transformed,
-            epsilon: header.epsilon,
-            metres,
-            tiles,
-            largest: values.iter().copied().fold(0.0, f32::max),
-            mean: values.iter().map(|value| f64::from(*value)).sum::<f64>() / count,
-            constant: values.iter().filter(|value| **value == 0.0).count() as f64 / count,
-            seconds,
-        }
+        Self { version: 1, kind: "bandwidth-map", facts: BandwidthFacts::new(map), seconds }
     }
 
     fn text(&self) -> String {
+        let facts = &self.facts;
         let mut lines = vec![
             ("kind", "bandwidth map".to_owned()),
-            ("of", self.of.to_owned()),
-            ("texels", format!("{} x {}", self.size[0], self.size[1])),
-            ("transformed at", format!("{} x {}", self.transformed[0], self.transformed[1])),
-            ("threshold ε", self.epsilon.to_string()),
-            ("largest", format!("{:.4} {}", self.largest, self.unit)),
-            ("mean", format!("{:.4} {}", self.mean, self.unit)),
-            ("without variation", crate::report::table::percent(self.constant)),
+            ("of", facts.of.clone()),
+            ("texels", format!("{} x {}", facts.size[0], facts.size[1])),
+            ("transformed at", format!("{} x {}", facts.transformed[0], facts.transformed[1])),
+            ("threshold ε", facts.epsilon.to_string()),
+            ("largest", format!("{:.4} {}", facts.largest, facts.unit)),
+            ("mean", format!("{:.4} {}", facts.mean, facts.unit)),
+            ("without variation", table::percent(facts.constant)),
+            ("bytes on a GPU", table::bytes(facts.gpu_bytes)),
         ];
-        if let (Some([width, height]), Some(tiles)) = (self.metres, self.tiles) {
+        if let (Some([width, height]), Some(tiles)) = (facts.metres, facts.tiles) {
             let border = if tiles { "repeats" } else { "does not repeat" };
             lines.push(("texture", format!("{width} m x {height} m, {border}")));
         }
@@ -225,16 +193,17 @@ fn metres(arguments: &Arguments) -> Result<[f64; 2], CliError> {
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     let recipe = recipe(arguments)?;
     refuse_overwriting(&arguments.output, &[Path::new(&arguments.input)])?;
+    let epsilon = arguments.epsilon;
     let (map, seconds) = match recipe {
-        Recipe::Brdf { resolution } => material(arguments, resolution)?,
-        Recipe::Environment => image(arguments, BandwidthKind::Environment, |pixels, width| {
-            environment_bandwidth(pixels, width, arguments.epsilon)
-        })?,
+        Recipe::Brdf { resolution } => {
+            let material = || Ok(open(&arguments.input, None)?.source);
+            timed(material, |source| Ok(brdf_map(source.as_ref(), resolution, epsilon)?.0))?
+        }
+        Recipe::Environment => {
+            timed(|| image(&arguments.input), |(pixels, width)| environment_map(pixels, *width, epsilon))?
+        }
         Recipe::Texture(placement) => {
-            let metres = placement.metres.map(|side| side as f32);
-            image(arguments, BandwidthKind::Texture { metres, tiles: placement.tiles }, |pixels, width| {
-                texture_bandwidth(pixels, width, placement, arguments.epsilon)
-            })?
+            timed(|| image(&arguments.input), |(pixels, width)| texture_map(pixels, *width, placement, epsilon))?
         }
     };
     write_file(&arguments.output, &map.to_bytes(true))?;
@@ -252,45 +221,28 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     print(&text)
 }
 
-fn packed(header: BandwidthHeader, size: [usize; 2], values: &[f32]) -> Result<BandwidthMap, CliError> {
-    BandwidthMap::new(header, size.map(|side| side as u32), values)
-        .map_err(|error| CliError::Internal(format!("a map that its own layout refuses: {error}")))
-}
-
-fn material(arguments: &Arguments, resolution: usize) -> Result<(BandwidthMap, Seconds), CliError> {
-    let start = Instant::now();
-    let opened = open(&arguments.input, None)?;
-    let read = start.elapsed().as_secs_f64();
-    let start = Instant::now();
-    let found = lobe_bandwidth(opened.source.as_ref(), resolution, arguments.epsilon);
-    let seconds = Seconds { read, bandwidth: start.elapsed().as_secs_f64() };
-    let transformed = [resolution as u32; 2];
-    let header = BandwidthHeader { kind: BandwidthKind::Brdf, epsilon: arguments.epsilon as f32, transformed };
-    Ok((packed(header, [SIDE; 2], &found.values)?, seconds))
-}
-
-/// Reads an image and finds its map.
-fn image(
-    arguments: &Arguments,
-    kind: BandwidthKind,
-    map: impl Fn(&[[f32; 3]], usize) -> BandwidthImage,
+/// Reads an input and makes its map.
+fn timed<T>(
+    read: impl FnOnce() -> Result<T, CliError>,
+    make: impl FnOnce(&T) -> Result<BandwidthMap, FormatError>,
 ) -> Result<(BandwidthMap, Seconds), CliError> {
     let start = Instant::now();
-    let path = Path::new(&arguments.input);
-    let (pixels, width) = if radiance(&arguments.input) == Some(true) {
-        let image = open_radiance_image(path)?;
-        (image.pixels, image.width)
-    } else {
-        let image = open_tile_image(path)?;
-        (image.colours(), image.width)
-    };
+    let input = read()?;
     let read = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    let found = map(&pixels, width);
-    let seconds = Seconds { read, bandwidth: start.elapsed().as_secs_f64() };
-    let transformed = found.transformed.map(|side| side as u32);
-    let header = BandwidthHeader { kind, epsilon: arguments.epsilon as f32, transformed };
-    Ok((packed(header, [found.width, found.height], &found.values)?, seconds))
+    let map = make(&input).map_err(CliError::own_layout)?;
+    Ok((map, Seconds { read, bandwidth: start.elapsed().as_secs_f64() }))
+}
+
+/// Pixels of an image, and how many there are per row.
+fn image(input: &str) -> Result<(Vec<[f32; 3]>, usize), CliError> {
+    let path = Path::new(input);
+    if radiance(input) == Some(true) {
+        let image = open_radiance_image(path)?;
+        return Ok((image.pixels, image.width));
+    }
+    let image = open_tile_image(path)?;
+    Ok((image.colours(), image.width))
 }
 
 /// Eight octaves below the largest value, as a PNG.

@@ -5,7 +5,8 @@ use super::output::{print, refuse_overwriting, remark, to_json, write_file};
 use super::progress::Progress;
 use super::{CliError, Common};
 use crate::brdf::encode::{Observer as _, encode};
-use crate::build::run::{StageClock, Watcher as _, grid};
+use crate::build::run::{Watcher as _, grid};
+use crate::build::stage_clock::StageClock;
 use crate::build::write::is_standard_output;
 use crate::report::material::{MaterialReport, StageTime, remarks};
 use crate::report::table;
@@ -53,7 +54,7 @@ pub struct Report {
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     let recipe = arguments.options.recipe()?;
     refuse_overwriting(&arguments.output, &[Path::new(&arguments.input)])?;
-    let progress = Progress::new(1, common);
+    let progress = Progress::new(1, false, common);
     let name = arguments.output.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let mut clock = StageClock::new(|stage| {
         progress.stage(&name, stage);

@@ -7,6 +7,7 @@ use crate::build::manifest::OptionError;
 use crate::build::run::JobError;
 use crate::source::address::SYNTH_PREFIX;
 use crate::source::open::InputError;
+use brdfc_formats::FormatError;
 use std::path::Path;
 
 /// Why the program did not do what it was asked.
@@ -62,6 +63,11 @@ impl CliError {
         Self::NoAdapter("no usable graphics adapter: this program was built without its feature 'render'".to_owned())
     }
 
+    /// What the program made breaks the rules of its own layout.
+    pub fn own_layout(error: FormatError) -> Self {
+        Self::Internal(format!("a pack that its own layout refuses: {error}"))
+    }
+
     /// A file that cannot be written.
     pub fn write(path: &Path, error: &std::io::Error) -> Self {
         Self::Io(format!("{}: cannot write: {error}", path.display()))
@@ -103,6 +109,7 @@ impl From<JobError> for CliError {
         match error {
             JobError::Input(error) => error.into(),
             JobError::Encode(error) => error.into(),
+            JobError::Map(error) => Self::own_layout(error),
             JobError::Write { .. } => Self::Io(error.to_string()),
         }
     }

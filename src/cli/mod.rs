@@ -16,6 +16,7 @@ mod output;
 mod progress;
 #[cfg(feature = "render")]
 mod render;
+mod samples;
 mod schema;
 mod steps;
 mod synth;
@@ -49,6 +50,7 @@ enum Command {
     Info(info::Arguments),
     Synth(synth::Arguments),
     Bandwidth(bandwidth::Arguments),
+    Samples(samples::Arguments),
     Flatten(Box<flatten::Arguments>),
     #[cfg(feature = "render")]
     Render(Box<render::Arguments>),
@@ -73,6 +75,7 @@ Examples:
   brdfc render paint.ktx2 -o paint.png                what does it look like?
   brdfc flatten synth:button -o button                flat BTF of a surface with relief
   brdfc bandwidth museum.exr -o museum.ktx2           how fast does it vary?
+  brdfc samples red-plastic.binary -o red.samples.ktx2
 
 INPUT is a path (.binary MERL, .brdf or .csv scan, .bsdf RGL, .ktx2 pack) or an analytic model such as
 synth:ward?kd=0.2&ks=0.1&ax=0.15&ay=0.5 ('brdfc synth --help' lists them).
@@ -130,6 +133,7 @@ fn run(cli: Cli) -> Result<(), CliError> {
         Command::Info(arguments) => info::run(&arguments),
         Command::Synth(arguments) => synth::run(&arguments),
         Command::Bandwidth(arguments) => bandwidth::run(&arguments, common),
+        Command::Samples(arguments) => samples::run(&arguments, common),
         Command::Flatten(arguments) => flatten::run(&arguments, common),
         #[cfg(feature = "render")]
         Command::Render(arguments) => render::run(&arguments, common),

@@ -2,14 +2,14 @@
 
 use super::Common;
 use super::output::tell;
-use crate::build::run::{Outcome, Watcher};
+use crate::build::run::Watcher;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-/// Stages in order, with their rough share of the time of a scattered scan, in per cent.
-const SHARES: [(&str, u64); 11] = [
+/// Stages in order, with their rough share of the time of a scattered scan, in per cent of a pack's.
+const SHARES: [(&str, u64); 13] = [
     ("read", 2),
     ("resample", 70),
     ("log-encode", 1),
@@ -20,14 +20,20 @@ const SHARES: [(&str, u64); 11] = [
     ("measure on the grid", 5),
     ("measure off the grid", 5),
     ("pack", 1),
+    ("bandwidth map", 5),
+    ("importance samples", 40),
     ("write", 1),
 ];
-const WHOLE: u64 = 100;
+/// Those that only environment lighting needs.
+const OF_MAPS: [&str; 2] = ["bandwidth map", "importance samples"];
 
-/// Progress over a number of materials.
+/// Progress over a number of materials, the environment counted as one.
 pub(super) struct Progress {
     bar: ProgressBar,
     lines: bool,
+    shares: Vec<(&'static str, u64)>,
+    /// Of one material.
+    whole: u64,
     total: usize,
     finished: AtomicUsize,
     position: AtomicU64,
@@ -35,10 +41,13 @@ pub(super) struct Progress {
 }
 
 impl Progress {
-    pub(super) fn new(total: usize, common: Common) -> Self {
+    /// Of `total` materials, with maps or without.
+    pub(super) fn new(total: usize, maps: bool, common: Common) -> Self {
+        let shares: Vec<_> = SHARES.into_iter().filter(|(name, _)| maps || !OF_MAPS.contains(name)).collect();
+        let whole = shares.iter().map(|(_, share)| share).sum();
         let terminal = std::io::stderr().is_terminal();
         let bar = if terminal && !common.quiet {
-            let bar = ProgressBar::with_draw_target(Some(WHOLE * total as u64), ProgressDrawTarget::stderr());
+            let bar = ProgressBar::with_draw_target(Some(whole * total as u64), ProgressDrawTarget::stderr());
             let style = ProgressStyle::with_template("{bar:30} {percent:>3} %  {eta} left  {msg}");
             bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
             bar.enable_steady_tick(Duration::from_millis(200));
@@ -49,6 +58,8 @@ impl Progress {
         Self {
             bar,
             lines: !terminal && !common.quiet,
+            shares,
+            whole,
             total,
             finished: AtomicUsize::new(0),
             position: AtomicU64::new(0),
@@ -65,24 +76,24 @@ impl Drop for Progress {
 }
 
 impl Watcher for Progress {
-    fn stage(&self, material: &str, stage: &'static str) {
-        self.bar.set_message(format!("{material}: {stage}"));
+    fn stage(&self, name: &str, stage: &'static str) {
+        self.bar.set_message(format!("{name}: {stage}"));
         // The stage before this one is done.
-        let before = SHARES.iter().position(|(name, _)| *name == stage).and_then(|at| at.checked_sub(1));
-        let share = before.map_or(0, |at| SHARES[at].1);
+        let before = self.shares.iter().position(|(name, _)| *name == stage).and_then(|at| at.checked_sub(1));
+        let share = before.map_or(0, |at| self.shares[at].1);
         self.bar.set_position(share + self.position.fetch_add(share, Ordering::Relaxed));
     }
 
-    fn finished(&self, outcome: &Outcome) {
+    fn finished(&self, name: &str, worked: bool) {
         let done = 1 + self.finished.fetch_add(1, Ordering::Relaxed);
-        self.position.fetch_max(WHOLE * done as u64, Ordering::Relaxed);
+        self.position.fetch_max(self.whole * done as u64, Ordering::Relaxed);
         self.bar.set_position(self.position.load(Ordering::Relaxed));
         if self.lines {
             let elapsed = self.started.elapsed().as_secs_f64();
             let left = elapsed / done as f64 * (self.total - done) as f64;
-            let what = if outcome.result.is_ok() { "done" } else { "failed" };
+            let what = if worked { "done" } else { "failed" };
             let times = format!("{elapsed:.1} s, about {left:.0} s left");
-            tell(&format!("{done} of {}: {} {what} ({times})", self.total, outcome.name));
+            tell(&format!("{done} of {}: {name} {what} ({times})", self.total));
         }
     }
 }

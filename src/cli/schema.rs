@@ -30,6 +30,8 @@ enum Report {
     Info,
     /// 'brdfc bandwidth --json'.
     Bandwidth,
+    /// 'brdfc samples --json'.
+    Samples,
     /// 'brdfc info --json' of a structure, a mesh, a height map, images, or a part of a flat BTF.
     InfoSurface,
     /// 'brdfc flatten --json'.
@@ -51,6 +53,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         Report::Compare => schema_for!(super::compare::Report),
         Report::Info => schema_for!(super::info::Report),
         Report::Bandwidth => schema_for!(super::bandwidth::Report),
+        Report::Samples => schema_for!(super::samples::Report),
         Report::InfoSurface => schema_for!(super::info::SurfaceReport),
         Report::Flatten => schema_for!(super::flatten::Report),
         Report::FlatBtf => schema_for!(crate::build::flatten::AssetFile),

@@ -6,6 +6,7 @@ pub mod bandwidth_map;
 pub mod btf_stack;
 pub mod flat_btf;
 pub mod flat_part;
+pub mod importance_pack;
 mod merl;
 pub mod meso;
 pub mod open;

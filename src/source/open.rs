@@ -2,6 +2,7 @@
 
 use super::address::{self, AddressError};
 use super::flat_part::is_part;
+use super::importance_pack::ImportanceFacts;
 use super::scan::{ScanSource, ScanSummary};
 use super::{MerlSource, PackSource, RglSource, Source};
 use brdfc_formats::FormatError;
@@ -12,7 +13,7 @@ use brdfc_formats::measured::scan::Scan;
 use brdfc_formats::measured::scan_csv;
 use brdfc_formats::pack::importance::IMPORTANCE_ENTRY;
 use brdfc_formats::pack::wavelet::ErrorSummary;
-use brdfc_formats::pack::{ImportanceHeader, ImportancePack, Texture, WaveletPack};
+use brdfc_formats::pack::{ImportancePack, Texture, WaveletPack};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -124,16 +125,7 @@ pub enum Facts {
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum OtherPack {
     /// An importance-sample pack.
-    ImportancePack {
-        /// Polar angles of the outgoing direction.
-        polar: u32,
-        /// Its azimuths; 1 for isotropic materials.
-        azimuths: u32,
-        /// Samples of each outgoing direction.
-        samples: u32,
-        /// Bytes on a GPU.
-        gpu_bytes: u64,
-    },
+    ImportancePack(ImportanceFacts),
 }
 
 /// Errors as a pack holds them; ratios are fractions. See [`ErrorSummary`].
@@ -229,8 +221,7 @@ pub fn other_pack(path: &Path) -> Result<Option<OtherPack>, InputError> {
     }
     let name = path.display().to_string();
     let pack = ImportancePack::from_texture(&texture).map_err(|error| InputError::Format { name, error })?;
-    let ImportanceHeader { polar, azimuths, samples } = pack.header();
-    Ok(Some(OtherPack::ImportancePack { polar, azimuths, samples, gpu_bytes: pack.gpu_bytes() }))
+    Ok(Some(OtherPack::ImportancePack(ImportanceFacts::new(&pack))))
 }
 
 /// Opens a file.

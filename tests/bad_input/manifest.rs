@@ -52,7 +52,7 @@ fn unknown_keys_at_every_level() {
             "material = 1",
             "line 1, key: found \"material\"; allowed scene, defaults, materials, uses, render (did you mean materials?)",
         ),
-        (2, "titel = 1", "line 3, key in [scene]: found \"titel\"; allowed name, distance_scale"),
+        (2, "titel = 1", "line 3, key in [scene]: found \"titel\"; allowed name, distance_scale, environment"),
         (2, "distance-scale = 1", "(did you mean distance_scale?)"),
         (4, "grit = 8", "line 5, key in [defaults]: found \"grit\"; allowed grid, bits,"),
         (4, "grit = 8", "(did you mean grid?)"),

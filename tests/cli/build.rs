@@ -131,3 +131,188 @@ fn the_demo_scene_is_planned() {
     let names: Vec<_> = report["materials"].as_array().unwrap().iter().map(|m| m["material"].clone()).collect();
     assert_eq!(names, ["blue_paint", "brushed_metal", "red_plastic", "satin"]);
 }
+
+/// A small environment.
+fn sky(folder: &Folder, name: &str) {
+    let wave = |x: u32| 0.5 + 0.4 * (std::f32::consts::TAU * (x as f32 + 0.5) / 8.0).sin();
+    let image = image::Rgb32FImage::from_fn(32, 16, |x, _| image::Rgb([wave(x), 1.0, 1.0]));
+    image::DynamicImage::ImageRgb32F(image).save(folder.path().join(name)).unwrap();
+}
+
+/// [`SCENE`] with an environment.
+fn lit(file: &str) -> String {
+    SCENE.replace("name = 'two'", &format!("name = 'two'\nenvironment = '{file}'"))
+}
+
+#[test]
+fn an_environment_asks_for_maps() {
+    let folder = folder();
+    sky(&folder, "data/sky.hdr");
+    folder.write("scene.toml", lit("data/sky.hdr"));
+    let planned = folder.run(&["build", "scene.toml", "--dry-run", "--json"]).succeeded().json();
+    conforms("build", &planned);
+    let words = folder.run(&["build", "scene.toml", "--dry-run"]).succeeded().stdout;
+    assert!(words.contains("lit by data/sky.hdr: packs/environment.bandwidth.ktx2"), "{words}");
+    assert!(!folder.path().join("packs").exists());
+
+    let ran = folder.run(&["build", "scene.toml", "--json"]).succeeded();
+    let report = ran.json();
+    conforms("build", &report);
+    assert!(ran.stderr.contains("of 3: environment done"), "{}", ran.stderr);
+    let mut names: Vec<_> = folder.products("packs").into_keys().collect();
+    let mut expected = vec!["environment.bandwidth.ktx2".to_owned(), "report.json".to_owned()];
+    for name in ["model", "table"] {
+        expected.extend(["bandwidth.ktx2", "brdf.ktx2", "json", "samples.ktx2"].map(|part| format!("{name}.{part}")));
+    }
+    names.sort();
+    expected.sort();
+    assert_eq!(names, expected);
+    assert_eq!(report["environment"]["source"], "data/sky.hdr");
+    let lasting: serde_json::Value = serde_json::from_str(&folder.text("packs/report.json")).unwrap();
+    conforms("build", &lasting);
+    assert!(lasting["environment"].get("stages").is_none() && lasting["environment"]["bandwidth"].is_string());
+
+    // Each file is what the command of its own writes, and what the lists say of it.
+    let same = |arguments: &[&str], pack: &str| {
+        folder.run(&[arguments, &["-o", "alone.ktx2"]].concat()).succeeded();
+        assert!(folder.read("alone.ktx2") == folder.read(&format!("packs/{pack}")), "{pack}");
+    };
+    same(&["bandwidth", "data/sky.hdr"], "environment.bandwidth.ktx2");
+    for (number, (name, source)) in
+        [("model", "synth:ward?kd=0.2,0.1,0.1"), ("table", "data/table.binary")].into_iter().enumerate()
+    {
+        same(&["bandwidth", source], &format!("{name}.bandwidth.ktx2"));
+        same(&["samples", source], &format!("{name}.samples.ktx2"));
+        let (made, plan) = (&report["materials"][number], &planned["materials"][number]);
+        let list: serde_json::Value = serde_json::from_str(&folder.text(&format!("packs/{name}.json"))).unwrap();
+        conforms("material", &list);
+        assert_eq!((&list["maps"], list["parts"].as_object().unwrap().len()), (&made["maps"], 3));
+        for part in ["bandwidth", "samples"] {
+            let file = list["parts"][part].as_str().unwrap();
+            assert!(made[part] == file && plan[part] == file, "{made} {plan}");
+            assert_eq!(made["maps"][part]["bytes_on_disk"], folder.read(&format!("packs/{file}")).len());
+            let info = folder.run(&["info", &format!("packs/{file}"), "--json"]).succeeded().json();
+            assert_eq!(info["gpu_bytes"], made["maps"][part]["facts"]["gpu_bytes"]);
+        }
+        let stages: Vec<_> = made["stages"].as_array().unwrap().iter().map(|s| s["stage"].as_str().unwrap()).collect();
+        assert!(stages.ends_with(&["pack", "bandwidth map", "importance samples", "write"]), "{stages:?}");
+    }
+    let words = folder.run(&["build", "scene.toml"]).succeeded().stdout;
+    let first: Vec<&str> = words.lines().map(|line| line.split_whitespace().next().unwrap_or("")).collect();
+    let maps = ["map", "environment.bandwidth.ktx2", "model.bandwidth.ktx2", "model.samples.ktx2"];
+    assert!(first.windows(4).any(|lines| lines == maps), "{words}");
+}
+
+/// Packs and maps are kept apart: what is asked for in addition costs nothing else.
+#[test]
+fn maps_are_kept_like_packs() {
+    let folder = folder();
+    sky(&folder, "sky.exr");
+    let build = |text: &str| {
+        folder.write("scene.toml", text);
+        let report = folder.run(&["build", "scene.toml", "--json"]).succeeded().json();
+        let stages = |entry: &serde_json::Value| -> Vec<String> {
+            let all = entry.get("stages").and_then(|stages| stages.as_array()).into_iter().flatten();
+            all.map(|stage| stage["stage"].as_str().unwrap().to_owned()).collect()
+        };
+        [&report["materials"][0], &report["materials"][1], &report["environment"]].map(stages)
+    };
+    let maps = ["read", "bandwidth map", "importance samples", "write"];
+    let nothing: [&str; 0] = [];
+    build(SCENE);
+    let dark = folder.products("packs");
+    assert!(dark.keys().all(|name| !name.contains("bandwidth") && !name.contains("samples")), "{:?}", dark.keys());
+    let [model, table, environment] = build(&lit("sky.exr"));
+    assert!(model == maps && table == maps, "the packs are there: {model:?} {table:?}");
+    assert_eq!(environment, ["read", "bandwidth map", "write"]);
+    let first = folder.products("packs");
+    assert!(dark.iter().all(|(name, bytes)| name.ends_with(".json") || first[name] == *bytes));
+    assert!(build(&lit("sky.exr")).iter().all(|stages| *stages == nothing));
+
+    for (file, number) in [("model.samples.ktx2", 0), ("table.bandwidth.ktx2", 1), ("environment.bandwidth.ktx2", 2)] {
+        folder.write(&format!("packs/{file}"), b"broken");
+        let made = build(&lit("sky.exr"));
+        for (other, stages) in made.iter().enumerate() {
+            assert_eq!(!stages.is_empty(), other == number, "{file}: {made:?}");
+        }
+        assert!(folder.products("packs") == first, "{file}");
+    }
+    // Another image of the same name, another source of the same name.
+    sky(&folder, "other.hdr");
+    folder.write("sky.exr", folder.read("sky.exr").into_iter().chain([0]).collect::<Vec<_>>());
+    let [model, table, environment] = build(&lit("sky.exr"));
+    assert!(model == nothing && table == nothing && environment.len() == 3, "{environment:?}");
+    let [model, table, _] = build(&lit("sky.exr").replace("kd=0.2,0.1,0.1", "kd=0.2,0.1,0.2"));
+    assert!(model.len() > 9 && model.contains(&"importance samples".to_owned()) && table == nothing, "{model:?}");
+    // No list names maps that are no longer needed.
+    build(SCENE);
+    assert!(!folder.text("packs/table.json").contains("samples.ktx2"));
+}
+
+#[test]
+fn environments_that_cannot_be_used() {
+    let folder = folder();
+    folder.write("broken.exr", "not an image");
+    for (file, code, words) in [
+        ("gone.exr", 4, "environment: gone.exr: cannot read: "),
+        ("broken.exr", 3, "environment: broken.exr: EXR: found "),
+        ("data", 3, "line 3, scene.environment: found \"data\"; allowed a file .exr or .hdr"),
+        ("sky.png", 3, "line 3, scene.environment: found \"sky.png\"; allowed a file .exr or .hdr"),
+    ] {
+        let _ = std::fs::remove_dir_all(folder.path().join("packs"));
+        folder.write("scene.toml", lit(file).replace("ratio = 2", "grid = 2"));
+        let ran = folder.run(&["build", "scene.toml", "--json"]);
+        assert!(ran.code == code && ran.stderr.contains(words), "{file}: {}", ran.stderr);
+        if !ran.stdout.is_empty() {
+            assert!(ran.stderr.contains("brdfc: the environment failed"), "{}", ran.stderr);
+            conforms("build", &ran.json());
+            let names: Vec<_> = folder.products("packs").into_keys().collect();
+            assert!(names.contains(&"table.samples.ktx2".to_owned()), "materials are made: {names:?}");
+            assert!(!names.contains(&"environment.bandwidth.ktx2".to_owned()));
+        }
+    }
+    folder.write("scene.toml", lit("gone.exr").replace("environment =", "enviroment ="));
+    let ran = folder.run(&["build", "scene.toml"]);
+    assert!(ran.code == 3 && ran.stderr.contains("(did you mean environment?)"), "{}", ran.stderr);
+    // Its files would be the scene's.
+    let named = |text: &str| text.replace("materials.spare", "materials.Environment");
+    folder.write("scene.toml", named(&lit("gone.exr")));
+    let ran = folder.run(&["build", "scene.toml"]);
+    assert!(ran.code == 3 && ran.stderr.contains("line 11, materials.Environment: found the name"), "{}", ran.stderr);
+    folder.write("scene.toml", named(SCENE));
+    folder.run(&["build", "scene.toml", "--dry-run"]).succeeded();
+}
+
+/// On a small grid; the scan is left out where maps are made, because its fits take long.
+#[test]
+fn the_demo_scene_has_maps_only_under_an_environment() {
+    let folder = Folder::new();
+    for entry in std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/testdata/demo")).unwrap() {
+        let path = entry.unwrap().path();
+        folder.write(path.file_name().unwrap().to_str().unwrap(), std::fs::read(&path).unwrap());
+    }
+    let demo =
+        folder.text("scene.toml").replace("grid = 32", "grid = 4").replace("max_error = 0.02", "max_error = 0.5");
+    folder.write("scene.toml", &demo);
+    folder.run(&["build", "scene.toml"]).succeeded();
+    let dark: Vec<_> = folder.products("packs").into_keys().collect();
+    assert!(
+        dark.len() == 9 && dark.iter().all(|name| name.ends_with(".json") || name.ends_with(".brdf.ktx2")),
+        "{dark:?}"
+    );
+
+    sky(&folder, "sky.exr");
+    let lit = demo.replace("name = \"demo\"", "name = \"demo\"\nenvironment = \"sky.exr\"");
+    folder.write("scene.toml", &lit);
+    let planned = folder.run(&["build", "scene.toml", "--dry-run", "--json"]).succeeded().json();
+    assert!(planned["materials"].as_array().unwrap().iter().all(|m| m["bandwidth"].is_string()), "{planned}");
+    folder.write("scene.toml", lit.replace("object = \"car body\"\nmaterial = \"blue_paint\"", "material = \"satin\""));
+    folder.run(&["build", "scene.toml", "--out", "lit"]).succeeded();
+    let all: Vec<_> = folder.products("lit").into_keys().collect();
+    for name in ["red_plastic", "brushed_metal", "satin"] {
+        for part in ["brdf", "bandwidth", "samples"] {
+            assert!(all.contains(&format!("{name}.{part}.ktx2")), "{name} {part}: {all:?}");
+        }
+    }
+    assert!(all.contains(&"environment.bandwidth.ktx2".to_owned()) && all.len() == 14, "{all:?}");
+}

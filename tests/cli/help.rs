@@ -2,8 +2,8 @@
 
 use crate::common::cli::Folder;
 
-const COMMANDS: [&str; 10] =
-    ["build", "encode", "eval", "compare", "info", "synth", "flatten", "bandwidth", "bench", "schema"];
+const COMMANDS: [&str; 11] =
+    ["build", "encode", "eval", "compare", "info", "synth", "flatten", "bandwidth", "samples", "bench", "schema"];
 
 #[test]
 fn every_command_has_help_with_an_example() {

@@ -15,5 +15,6 @@ mod info;
 mod output;
 #[cfg(feature = "render")]
 mod render;
+mod samples;
 mod schemas;
 mod synth;

@@ -308,8 +308,16 @@ fn wrong_manifests_name_the_line() {
     assert_eq!(ran.code, 3, "{}", ran.stderr);
     assert!(ran.stderr.contains("materials: found none"), "{}", ran.stderr);
     folder.write("sky.exr", "not an image");
-    folder.write("scene.toml", MANIFEST.replace("exposure = 0.5", "environment = 'sky.exr'"));
+    let mirrored = MANIFEST.replace("exposure = 0.5", "environment = 'sky.exr'");
+    folder.write("scene.toml", &mirrored);
     assert_eq!(folder.run(&["render", "scene.toml"]).code, 3);
+    // What lights the scene is what mirrors show, where nothing else is said.
+    let lit = |text: &str| format!("[scene]\nenvironment = 'gone.hdr'\n{text}");
+    for (text, code, expected) in [(MANIFEST, 4, "gone.hdr: cannot read"), (&mirrored, 3, "sky.exr: EXR")] {
+        folder.write("scene.toml", lit(text));
+        let ran = folder.run(&["render", "scene.toml"]);
+        assert!(ran.code == code && ran.stderr.contains(expected), "{}", ran.stderr);
+    }
 }
 
 #[test]

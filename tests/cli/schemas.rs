@@ -4,7 +4,7 @@ use crate::common::cli::Folder;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-const NAMES: [&str; 11] = [
+const NAMES: [&str; 12] = [
     "build",
     "material",
     "encode",
@@ -12,6 +12,7 @@ const NAMES: [&str; 11] = [
     "info",
     "info-surface",
     "bandwidth",
+    "samples",
     "flatten",
     "flat-btf",
     "bench",

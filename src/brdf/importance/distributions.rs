@@ -20,8 +20,7 @@ impl LobeDistributions {
     /// # Errors
     /// Numbers of the recipe that are out of range.
     pub fn new(source: &dyn Source, recipe: &ImportanceRecipe) -> Result<Self, FormatError> {
-        let header = recipe.header(source.symmetry().isotropic);
-        recipe.check(&header)?;
+        let header = recipe.check(source.symmetry().isotropic)?;
         let row = |row: u32| {
             let probabilities = cell_probabilities(source, &header, row, recipe, &mut Tally::default());
             Distribution::new(recipe.grid, &probabilities)

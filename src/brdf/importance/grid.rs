@@ -6,7 +6,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Rings around the normal, each of as many cells. Borders of the rings are at `(k / polar)² π/2`, as in MERL tables: with
 /// 128 of them the first ends at 0.006 degrees, and a lobe one degree wide has ten.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct HalfGrid {
     /// Rings.
     pub polar: usize,

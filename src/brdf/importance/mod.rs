@@ -23,7 +23,7 @@ use brdfc_formats::pack::{ImportanceHeader, ImportancePack};
 use rayon::prelude::*;
 
 /// Sizes and shares of [`importance_samples`].
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ImportanceRecipe {
     /// Polar angles of the outgoing direction for isotropic materials, 1 to 1024.
     pub isotropic_polar: u32,
@@ -61,13 +61,22 @@ impl ImportanceRecipe {
         ImportanceHeader { polar, azimuths, samples: self.samples }
     }
 
-    fn check(&self, header: &ImportanceHeader) -> Result<(), FormatError> {
+    /// Checks ranges, and gives the sizes of the pack.
+    ///
+    /// # Errors
+    /// Names what is out of range.
+    pub fn check(&self, isotropic: bool) -> Result<ImportanceHeader, FormatError> {
+        let header = self.header(isotropic);
         header.check()?;
+        if !isotropic && header.isotropic() {
+            let found = format!("{} of an anisotropic material", header.azimuths);
+            return Err(FormatError::whole("azimuth columns", found, "a multiple of 4"));
+        }
         self.grid.check()?;
         if !(self.defensive > 0.0 && self.defensive <= 1.0) {
             return Err(FormatError::whole("defensive share", self.defensive.to_string(), "above 0, up to 1"));
         }
-        Ok(())
+        Ok(header)
     }
 }
 
@@ -80,8 +89,7 @@ pub fn importance_samples(
     recipe: &ImportanceRecipe,
 ) -> Result<(ImportancePack, Tally), FormatError> {
     let symmetry = source.symmetry();
-    let header = recipe.header(symmetry.isotropic);
-    recipe.check(&header)?;
+    let header = recipe.check(symmetry.isotropic)?;
     let points: Vec<[f64; 2]> = (0..recipe.samples).map(sequence_point).collect();
     let rows: Vec<u32> = (0..header.rows()).collect();
     // Mirror images need no evaluation.

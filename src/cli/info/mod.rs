@@ -12,6 +12,7 @@ use crate::source::address::{SYNTH_PREFIX, is_synth, split_query};
 use crate::source::bandwidth_map::open_bandwidth_map;
 use crate::source::btf_stack::has_images;
 use crate::source::flat_btf::{asset_of_part, check_flat_btf};
+use crate::source::importance_pack::ImportanceFacts;
 use crate::source::open::{Facts, InputError, OtherPack, StoredErrors, open, other_pack};
 use clap::Args;
 use serde::Serialize;
@@ -94,8 +95,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
 }
 
 fn print_lines(lines: &[(&'static str, String)]) -> Result<(), CliError> {
+    print(&lines_of(lines))
+}
+
+/// Names and values, a line each, the values below each other.
+pub(super) fn lines_of(lines: &[(&'static str, String)]) -> String {
     let width = lines.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
-    print(&lines.iter().map(|(name, value)| format!("{name:width$}  {}\n", printable(value))).collect::<String>())
+    lines.iter().map(|(name, value)| format!("{name:width$}  {}\n", printable(value))).collect()
 }
 
 fn contents(input: &str) -> Result<Contents, CliError> {
@@ -183,16 +189,20 @@ fn contents_in_words(contents: &Contents) -> Vec<(&'static str, String)> {
             }
             lines
         }
-        Contents::Other(OtherPack::ImportancePack { polar, azimuths, samples, gpu_bytes }) => {
-            let azimuths = if *azimuths == 1 { ", isotropic".to_owned() } else { format!(" x {azimuths} azimuths") };
-            vec![
-                ("kind", "importance-sample pack".to_owned()),
-                ("outgoing directions", format!("{polar} polar angles{azimuths}")),
-                ("samples of each", samples.to_string()),
-                ("bytes on a GPU", bytes(*gpu_bytes)),
-            ]
-        }
+        Contents::Other(OtherPack::ImportancePack(facts)) => importance_in_words(facts),
     }
+}
+
+/// Lines about importance samples.
+pub(super) fn importance_in_words(facts: &ImportanceFacts) -> Vec<(&'static str, String)> {
+    let ImportanceFacts { polar, azimuths, samples, gpu_bytes } = facts;
+    let azimuths = if *azimuths == 1 { ", isotropic".to_owned() } else { format!(" x {azimuths} azimuths") };
+    vec![
+        ("kind", "importance-sample pack".to_owned()),
+        ("outgoing directions", format!("{polar} polar angles{azimuths}")),
+        ("samples of each", samples.to_string()),
+        ("bytes on a GPU", bytes(*gpu_bytes)),
+    ]
 }
 
 fn facts_in_words(facts: &Facts) -> Vec<(&'static str, String)> {

@@ -53,7 +53,8 @@ pub(super) fn setup(arguments: &Arguments, subject: &Subject) -> Result<Setup, C
         };
         scene.lights = lights.iter().map(light).collect();
     }
-    if let (Some(file), Subject::Scene { path, .. }) = (&section.environment, subject) {
+    let lighting = || subject.manifest()?.scene.environment.as_ref();
+    if let (Some(file), Subject::Scene { path, .. }) = (section.environment.as_ref().or_else(lighting), subject) {
         scene.environment = environment(&path.parent().unwrap_or(Path::new("")).join(file))?;
     }
     let (width, height) = match &arguments.size {

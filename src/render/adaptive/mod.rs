@@ -72,7 +72,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { directions: 16, samples: 64.0, fewest: 4, most: 4096, white: 1.0, caution: 0.5, antialiasing_levels: 0 }
+        Self { directions: 16, samples: 64.0, fewest: 4, most: 4096, white: 1.0, caution: 0.35, antialiasing_levels: 0 }
     }
 }
 

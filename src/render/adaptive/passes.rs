@@ -33,8 +33,9 @@ enum Made {
 /// any pixel of the square asks for is this one, takes over what the coarser level has where that is coarser, and is left
 /// out where it is finer. Where nothing around it fits, it is shaded, too.
 ///
-/// A pixel of level `l` gets `2^l` times the samples of the most demanding pixel in its square, up to `most`: its error
-/// shows in `4^l` pixels, and the sum of squared errors is least where samples are in proportion to the root of that.
+/// A pixel of a level `l` above 0 gets `2^l / 2` times the samples of the most demanding pixel in its square, up to `most`: its
+/// error shows in `4^l` pixels, of which the means over the pixels around leave about a quarter, and the sum of squared
+/// errors is least where samples are in proportion to the root of that.
 pub fn shade(scene: &AdaptiveScene<'_>, buffer: &GBuffer, prediction: &Prediction, most: u32) -> ShadedLevels {
     let coarsest = coarsest(buffer) as usize;
     let (width, height) = (buffer.width, buffer.height);
@@ -56,7 +57,7 @@ pub fn shade(scene: &AdaptiveScene<'_>, buffer: &GBuffer, prediction: &Predictio
             {
                 return Made::Taken(value);
             }
-            let count = samples.levels[level as usize].2[at].saturating_mul(1 << level).min(most);
+            let count = samples.levels[level as usize].2[at].saturating_mul(1 << (level - 1).max(0)).min(most);
             Made::Shaded(shade_point(scene, buffer, point as usize, count), count)
         };
         let made: Vec<Made> = (0..width * height).into_par_iter().map(pixel).collect();
@@ -114,10 +115,10 @@ fn taken(
     let spacing = (1u32 << (level + 1)) as f32;
     let pixel = guide(buffer, point as usize);
     let (mut sum, mut total) = ([0.0f32; 3], 0.0f32);
-    for (parent, alpha) in parents(at, [coarser.width, coarser.height]) {
+    for parent in parents(at, [coarser.width, coarser.height]) {
         let Some(value) = coarser.values[parent] else { continue };
         let stands_at = stands.levels[level + 1].2[parent];
-        let w = alpha * weight(&pixel, &guide(buffer, stands_at as usize), spacing);
+        let w = weight(&pixel, &guide(buffer, stands_at as usize), spacing);
         (0..3).for_each(|k| sum[k] += w * value[k]);
         total += w;
     }

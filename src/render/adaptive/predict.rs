@@ -42,9 +42,10 @@ pub fn predict(scene: &AdaptiveScene<'_>, frame: Frame, buffer: &GBuffer, settin
         let Some(part) = buffer.part_at(pixel) else { return (0.0, 0.0) };
         let (bandwidth, variance, radiance) = at(scene, buffer, pixel, part, curvature[pixel], settings);
         let deviation = visible_deviation(variance, radiance, settings.white);
-        (pixel_bandwidth(bandwidth.angular, field_of_view, size, largest), deviation)
+        (bandwidth.angular, deviation)
     };
-    let (bandwidth, deviation): (Vec<f32>, Vec<f32>) = (0..buffer.part.len()).into_par_iter().map(one).unzip();
+    let in_picture = |angular: f32| pixel_bandwidth(angular, field_of_view, size, largest);
+    let (angular, deviation): (Vec<f32>, Vec<f32>) = (0..buffer.part.len()).into_par_iter().map(one).unzip();
     let is_surface = |pixel: &usize| buffer.part_at(*pixel).is_some();
     let covered = (0..deviation.len()).filter(is_surface).count();
     let sum: f64 = deviation.iter().map(|v| f64::from(*v)).sum();
@@ -52,7 +53,9 @@ pub fn predict(scene: &AdaptiveScene<'_>, frame: Frame, buffer: &GBuffer, settin
     let coarsest = coarsest(buffer);
     let level = |pixel: usize| match is_surface(&pixel) {
         // Level 0 is the buffer's resolution, which is finer than the picture's with antialiasing.
-        true => (pyramid_level(settings.caution * bandwidth[pixel], coarsest) + settings.antialiasing_levels as i32)
+        // What no pixel can show still has the most detail of all, so the limit comes after the factor.
+        true => (pyramid_level(in_picture(settings.caution * angular[pixel]), coarsest)
+            + settings.antialiasing_levels as i32)
             .clamp(0, coarsest),
         false => ANY_LEVEL,
     };
@@ -64,7 +67,7 @@ pub fn predict(scene: &AdaptiveScene<'_>, frame: Frame, buffer: &GBuffer, settin
     Prediction {
         level: pixels.clone().map(level).collect(),
         samples: pixels.map(samples).collect(),
-        bandwidth,
+        bandwidth: angular.into_iter().map(in_picture).collect(),
         deviation,
     }
 }

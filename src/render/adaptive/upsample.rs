@@ -22,9 +22,10 @@ const DEPTH: f32 = 0.25;
 /// Below this sum of weights nothing can be taken over.
 pub const LEAST_WEIGHT: f32 = 1e-3;
 
-/// `w = g_z(z - z_i) g_a(p - p_i)`, without the bilinear weight `α`; 0 for another part.
+/// `w = α g_z(z - z_i) g_a(p - p_i)`; 0 for another part. `spacing` is that of the parents, in pixels of the finest buffer.
 ///
-/// `g_z` compares along the normal, not along the view: a plane seen obliquely is one surface. `g_a` is `exp(-vᵀ M v)`,
+/// `α` is the bilinear weight of the parent's point: 1 where the pixel stands for the same point, 0 a spacing away. `g_z`
+/// compares along the normal, not along the view: a plane seen obliquely is one surface. `g_a` is `exp(-vᵀ M v)`,
 /// `v` in pixels of the coarser level, `M = R_φᵀ diag(1, cos θ) R_φ`: wider at right angles to the projected normal, where
 /// the surface turns less from pixel to pixel.
 pub fn weight(pixel: &Guide, parent: &Guide, spacing: f32) -> f32 {
@@ -36,27 +37,25 @@ pub fn weight(pixel: &Guide, parent: &Guide, spacing: f32) -> f32 {
     let off = dot(step, pixel.normal);
     let depth = if length_squared > 0.0 { off * off / (DEPTH * DEPTH * length_squared) } else { 0.0 };
     let v = [0, 1].map(|k| (parent.at[k] - pixel.at[k]) / spacing);
+    let alpha = (1.0 - v[0].abs()).max(0.0) * (1.0 - v[1].abs()).max(0.0);
     let along = v[0] * pixel.across[0] + v[1] * pixel.across[1];
     let beside = v[1] * pixel.across[0] - v[0] * pixel.across[1];
-    (-(depth + along * along + pixel.cosine * beside * beside)).exp()
+    alpha * (-(depth + along * along + pixel.cosine * beside * beside)).exp()
 }
 
 fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// Indices of the up to four pixels of the coarser level around a pixel of the finer one, with bilinear weights. Outside
-/// the level there is none.
-pub fn parents([x, y]: [usize; 2], [width, height]: [usize; 2]) -> impl Iterator<Item = (usize, f32)> {
+/// Indices of the up to four pixels of the coarser level around a pixel of the finer one. Outside the level there is none.
+pub fn parents([x, y]: [usize; 2], [width, height]: [usize; 2]) -> impl Iterator<Item = usize> {
     let near = |c: usize, size: usize| {
         let own = c / 2;
         let other = if c.is_multiple_of(2) { own.checked_sub(1) } else { Some(own + 1).filter(|o| *o < size) };
-        [(Some(own), 0.75f32), (other, 0.25)]
+        [Some(own), other]
     };
     let (columns, rows) = (near(x, width), near(y, height));
-    rows.into_iter().flat_map(move |(row, b)| {
-        columns.into_iter().filter_map(move |(column, a)| Some((row? * width + column?, a * b)))
-    })
+    rows.into_iter().flat_map(move |row| columns.into_iter().filter_map(move |column| Some(row? * width + column?)))
 }
 
 #[cfg(test)]
@@ -66,26 +65,30 @@ mod tests {
     const FLAT: Guide =
         Guide { at: [8.0, 8.0], position: [0.0; 3], normal: [0.0, 0.0, 1.0], cosine: 1.0, across: [1.0, 0.0], part: 0 };
 
+    fn moved(at: [f32; 2], position: [f32; 3]) -> Guide {
+        Guide { at, position, ..FLAT }
+    }
+
     #[test]
     fn parents_are_those_around() {
         let found = |at, size| parents(at, size).collect::<Vec<_>>();
-        assert_eq!(found([5, 2], [4, 4]), [(4 + 2, 0.5625), (4 + 3, 0.1875), (2, 0.1875), (3, 0.0625)]);
-        assert_eq!(found([0, 0], [4, 4]), [(0, 0.5625)]);
-        assert_eq!(found([7, 1], [4, 1]), [(3, 0.5625)]);
+        assert_eq!(found([5, 2], [4, 4]), [4 + 2, 4 + 3, 2, 3]);
+        assert_eq!(found([0, 0], [4, 4]), [0]);
+        assert_eq!(found([7, 1], [4, 1]), [3]);
     }
 
     #[test]
     fn weights_follow_distance_depth_and_tilt() {
-        let moved = |at: [f32; 2], position: [f32; 3]| Guide { at, position, ..FLAT };
-        assert_eq!(weight(&FLAT, &FLAT, 2.0), 1.0);
-        let beside = weight(&FLAT, &moved([10.0, 8.0], [0.1, 0.0, 0.0]), 2.0);
-        assert!((beside - (-1.0f32).exp()).abs() < 1e-6);
-        assert!(weight(&FLAT, &moved([10.0, 8.0], [0.1, 0.0, 0.1]), 2.0) < 0.01 * beside, "behind an edge");
-        assert_eq!(weight(&FLAT, &Guide { part: 1, ..FLAT }, 2.0), 0.0);
+        assert_eq!(weight(&FLAT, &FLAT, 4.0), 1.0);
+        let beside = weight(&FLAT, &moved([10.0, 8.0], [0.1, 0.0, 0.0]), 4.0);
+        assert!((beside - 0.5 * (-0.25f32).exp()).abs() < 1e-6);
+        assert_eq!(weight(&FLAT, &moved([12.0, 8.0], [0.2, 0.0, 0.0]), 4.0), 0.0, "a spacing away");
+        assert!(weight(&FLAT, &moved([10.0, 8.0], [0.1, 0.0, 0.1]), 4.0) < 0.01 * beside, "behind an edge");
+        assert_eq!(weight(&FLAT, &Guide { part: 1, ..FLAT }, 4.0), 0.0);
         // Seen obliquely the kernel is wide at right angles to the projected normal.
         let tilted = Guide { cosine: 0.2, ..FLAT };
-        let along = weight(&tilted, &moved([10.0, 8.0], [0.1, 0.0, 0.0]), 2.0);
-        let across = weight(&tilted, &moved([8.0, 10.0], [0.0, 0.1, 0.0]), 2.0);
-        assert!(across > 2.0 * along, "{across} {along}");
+        let along = weight(&tilted, &moved([10.0, 8.0], [0.1, 0.0, 0.0]), 4.0);
+        let across = weight(&tilted, &moved([8.0, 10.0], [0.0, 0.1, 0.0]), 4.0);
+        assert!(across > 1.2 * along, "{across} {along}");
     }
 }

@@ -1,16 +1,20 @@
 //! `brdfc build`: the main job.
 
+mod report;
+
+pub use report::Report;
+
 use super::output::{make_folder, print, print_json, remark, tell, to_json, write_file};
 use super::progress::Progress;
 use super::{CliError, Common};
 use crate::brdf::encode::Target;
 use crate::build::manifest::Manifest;
-use crate::build::run::{Made, Outcome, Plan, pack_name, plan, run as run_jobs};
-use crate::report::material::{MaterialReport, StageTime, remarks};
+use crate::build::needs::ENVIRONMENT;
+use crate::build::run::{Outcomes, Plan, pack_name, plan, run as run_jobs};
+use crate::report::material::remarks;
 use crate::report::table;
 use crate::source::open::{MAX_TEXT_BYTES, read_file};
 use clap::Args;
-use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -20,6 +24,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// The manifest names materials and the uses that a scene makes of them; docs/scene.md lists its keys. A material that
 /// no use refers to is not even opened. Packs of an earlier build are kept where source, options and program are the
 /// same. One material that fails does not stop the others.
+///
+/// Where the manifest names an environment that lights the scene ([scene] environment), the maps of adaptive shading are
+/// made too: how fast each material's lobes and the environment vary, and importance samples of the lobes.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -44,48 +51,13 @@ pub struct Arguments {
     json: bool,
 }
 
-/// What `--json` prints, and without times what `report.json` in the output folder holds.
-#[derive(Debug, Serialize, schemars::JsonSchema)]
-pub struct Report {
-    /// Layout of this report.
-    version: u32,
-    /// The scene's name.
-    scene: String,
-    /// Materials that the scene uses, by name.
-    materials: Vec<Entry>,
-    /// Materials that no use refers to.
-    skipped: Vec<String>,
-}
-
-/// One material of a build.
-#[derive(Debug, Serialize, schemars::JsonSchema)]
-pub struct Entry {
-    /// Its name.
-    material: String,
-    /// The pack, relative to the output folder; absent if there is none.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pack: Option<String>,
-    /// What was measured; absent if it failed, or was only planned.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    report: Option<MaterialReport>,
-    /// Why it failed.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    error: Option<String>,
-    /// Whether the pack of an earlier build was kept. Only in what is printed.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    cached: Option<bool>,
-    /// Seconds per stage. Only in what is printed.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    stages: Option<Vec<StageTime>>,
-}
-
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     let path = &arguments.scene;
     let (_, manifest) = read_manifest(path)?;
     let plan = plan(&manifest, path.parent().unwrap_or(Path::new("")));
     let scene = manifest.scene.name.clone().unwrap_or_else(|| "scene".to_owned());
     if arguments.dry_run {
-        return dry_run(arguments, &plan, scene);
+        return dry_run(arguments, &plan, &scene);
     }
 
     make_folder(&arguments.out)?;
@@ -99,15 +71,14 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     })
     .map_err(|error| CliError::Internal(format!("cannot watch for interrupts: {error}")))?;
 
-    let progress = Progress::new(plan.jobs.len(), common);
+    let total = plan.jobs.len() + usize::from(plan.environment.is_some());
+    let progress = Progress::new(total, plan.environment.is_some(), common);
     let outcomes = run_jobs(&plan, &arguments.out, !arguments.no_cache, &cancelled, &progress);
     drop(progress);
 
-    let report =
-        Report { version: 1, scene, materials: outcomes.iter().map(entry).collect(), skipped: plan.skipped.clone() };
-    let lasting = to_json(&lasting(&report, &plan, &arguments.out));
+    let lasting = to_json(&Report::new(&scene, &plan, &outcomes).lasting(&plan, &arguments.out));
     write_file(&arguments.out.join("report.json"), lasting.as_bytes())?;
-    for outcome in &outcomes {
+    for outcome in &outcomes.materials {
         match &outcome.result {
             Ok(made) => {
                 for line in remarks(&made.report) {
@@ -117,10 +88,13 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
             Err(error) => tell(&format!("brdfc: {}: {error}", outcome.name)),
         }
     }
+    if let Some(Err(error)) = &outcomes.environment {
+        tell(&format!("brdfc: {ENVIRONMENT}: {error}"));
+    }
     if arguments.json {
-        print_json(&report)?;
+        print_json(&Report::new(&scene, &plan, &outcomes))?;
     } else {
-        print(&build_table(&outcomes))?;
+        print(&report::text(&outcomes))?;
     }
     if !plan.skipped.is_empty() {
         remark(common, &format!("not used by the scene, not opened: {}", plan.skipped.join(", ")));
@@ -141,12 +115,21 @@ pub(super) fn read_manifest(path: &Path) -> Result<(String, Manifest), CliError>
 }
 
 /// The failure with the highest exit code decides.
-fn worst(outcomes: Vec<Outcome>) -> Result<(), CliError> {
-    let count = outcomes.len();
-    let failures: Vec<CliError> = outcomes.into_iter().filter_map(|o| o.result.err()).map(CliError::from).collect();
-    let failed = failures.len();
-    let Some(first) = failures.into_iter().max_by_key(|error| (error.exit_code(), 0)) else { return Ok(()) };
-    let summary = format!("{failed} of {count} materials failed");
+fn worst(outcomes: Outcomes) -> Result<(), CliError> {
+    let count = outcomes.materials.len();
+    let environment = outcomes.environment.and_then(Result::err);
+    let failures = outcomes.materials.into_iter().filter_map(|o| o.result.err());
+    let mut failures: Vec<CliError> = failures.map(CliError::from).collect();
+    let mut failed = Vec::new();
+    if !failures.is_empty() {
+        failed.push(format!("{} of {count} materials failed", failures.len()));
+    }
+    if let Some(error) = environment {
+        failed.push("the environment failed".to_owned());
+        failures.push(error.into());
+    }
+    let Some(first) = failures.into_iter().max_by_key(|error| error.exit_code()) else { return Ok(()) };
+    let summary = failed.join(", ");
     Err(match first {
         CliError::Check(_) => CliError::Check(summary),
         CliError::Usage(_) => CliError::Usage(summary),
@@ -156,60 +139,9 @@ fn worst(outcomes: Vec<Outcome>) -> Result<(), CliError> {
     })
 }
 
-fn entry(outcome: &Outcome) -> Entry {
-    let (report, error, cached, stages) = match &outcome.result {
-        Ok(Made { report, times }) => (Some(report.clone()), None, Some(times.is_none()), times.clone()),
-        Err(error) => (None, Some(error.to_string()), None, None),
-    };
-    let pack = report.is_some().then(|| pack_name(&outcome.name));
-    Entry { material: outcome.name.clone(), pack, report, error, cached, stages }
-}
-
-/// The report without what differs between runs: times, and where manifest and packs are.
-fn lasting(report: &Report, plan: &Plan, out: &Path) -> Report {
-    let out = format!("{}/", out.display());
-    let materials = report.materials.iter().zip(&plan.jobs).map(|(entry, job)| Entry {
-        material: entry.material.clone(),
-        pack: entry.pack.clone(),
-        report: entry.report.clone(),
-        error: entry.error.as_ref().map(|text| text.replace(&job.source, &job.declared).replace(&out, "")),
-        cached: None,
-        stages: None,
-    });
-    Report {
-        version: report.version,
-        scene: report.scene.clone(),
-        materials: materials.collect(),
-        skipped: report.skipped.clone(),
-    }
-}
-
-fn build_table(outcomes: &[Outcome]) -> String {
-    let rows: Vec<Vec<String>> = outcomes
-        .iter()
-        .filter_map(|outcome| {
-            let made = outcome.result.as_ref().ok()?;
-            let seconds = made.times.as_ref().map(|times| times.iter().map(|t| t.seconds).sum());
-            let mut row = vec![outcome.name.clone()];
-            row.extend(table::material_row(&made.report, seconds));
-            Some(row)
-        })
-        .collect();
-    table::plain(&table::MATERIAL_HEADER, &rows)
-}
-
-fn dry_run(arguments: &Arguments, plan: &Plan, scene: String) -> Result<(), CliError> {
+fn dry_run(arguments: &Arguments, plan: &Plan, scene: &str) -> Result<(), CliError> {
     if arguments.json {
-        let materials = plan.jobs.iter().map(|job| Entry {
-            material: job.name.clone(),
-            pack: Some(pack_name(&job.name)),
-            report: None,
-            error: None,
-            cached: None,
-            stages: None,
-        });
-        let report = Report { version: 1, scene, materials: materials.collect(), skipped: plan.skipped.clone() };
-        return print_json(&report);
+        return print_json(&Report::planned(scene, plan));
     }
     let rows: Vec<Vec<String>> = plan
         .jobs
@@ -234,6 +166,10 @@ fn dry_run(arguments: &Arguments, plan: &Plan, scene: String) -> Result<(), CliE
         .collect();
     let header = ["material", "uses", "grid", "levels", "bits", "target", "source", "pack"];
     let mut text = table::plain(&header, &rows);
+    if let Some(job) = &plan.environment {
+        let map = arguments.out.join(report::environment_file()).display().to_string();
+        text += &format!("lit by {}: {map}, and a bandwidth map and importance samples of each material\n", job.source);
+    }
     if !plan.skipped.is_empty() {
         text += &format!("not used by the scene: {}\n", plan.skipped.join(", "));
     }

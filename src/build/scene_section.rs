@@ -1,0 +1,39 @@
+//! The `[scene]` table of a manifest.
+
+use super::manifest::{ManifestError, Place};
+use serde::Deserialize;
+use std::path::Path;
+
+/// What holds for the whole scene.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// A name for reports.
+    pub name: Option<String>,
+    /// `α` of the level of detail `l = N - clamp(log2(α d), 0, N)`, per unit of distance; 0.15 by default.
+    pub distance_scale: Option<f64>,
+    /// A latitude-longitude image, relative to the manifest, that lights the scene. Absent: it is lit otherwise.
+    pub environment: Option<String>,
+}
+
+/// Keys of `[scene]`.
+pub(super) const SCENE_KEYS: &[&str] = &["name", "distance_scale", "environment"];
+
+impl Scene {
+    /// Checks ranges.
+    pub(super) fn check(&self, place: &Place<'_>) -> Result<(), ManifestError> {
+        if let Some(scale) = self.distance_scale
+            && !(scale.is_finite() && scale > 0.0)
+        {
+            return Err(place.error(&["scene", "distance_scale"], scale.to_string(), "a positive number"));
+        }
+        if let Some(file) = &self.environment {
+            let extension = Path::new(file).extension().and_then(|e| e.to_str()).unwrap_or("");
+            if !["exr", "hdr"].iter().any(|known| extension.eq_ignore_ascii_case(known)) {
+                let found = format!("\"{file}\"");
+                return Err(place.error(&["scene", "environment"], found, "a file .exr or .hdr"));
+            }
+        }
+        Ok(())
+    }
+}
