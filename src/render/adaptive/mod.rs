@@ -14,7 +14,7 @@ mod upsample;
 
 pub use lookups::Lookups;
 pub use passes::{ShadedLevels, shade};
-pub use predict::{ANY_LEVEL, Prediction, coarsest, predict};
+pub use predict::{ANY_LEVEL, Prediction, coarsest, coarsest_of, field_of_view, predict};
 pub use pyramid::Pyramid;
 pub use shading::{forward, shade_point};
 pub use truth::ground_truth;

@@ -120,10 +120,15 @@ fn at(
 
 /// The level whose only pixel covers the buffer's shorter side.
 pub fn coarsest(buffer: &GBuffer) -> i32 {
-    buffer.width.min(buffer.height).max(1).ilog2() as i32
+    coarsest_of(buffer.width, buffer.height)
+}
+
+/// The same of a buffer of this size.
+pub fn coarsest_of(width: usize, height: usize) -> i32 {
+    width.min(height).max(1).ilog2() as i32
 }
 
 /// Angles of view across and down, radians.
-fn field_of_view(camera: &Camera, frame: Frame) -> [f32; 2] {
+pub fn field_of_view(camera: &Camera, frame: Frame) -> [f32; 2] {
     camera.half_extent(frame.width, frame.height).map(|half| (2.0 * half.atan()) as f32)
 }

@@ -33,7 +33,8 @@ pub enum Resource<'a> {
     Halves([u32; 2], &'a [u8]),
 }
 
-const UNFILTERED: BindingType = BindingType::Texture {
+/// A 2D texture that is not filtered.
+pub(super) const UNFILTERED: BindingType = BindingType::Texture {
     sample_type: TextureSampleType::Float { filterable: false },
     view_dimension: TextureViewDimension::D2,
     multisampled: false,
@@ -173,7 +174,16 @@ fn upload(gpu: &Gpu, resources: &[Resource<'_>]) -> Result<(BindGroupLayout, Bin
     Ok((layout, group))
 }
 
-fn texture(gpu: &Gpu, format: TexelFormat, size: [u32; 2], texels: &[u8]) -> Result<wgpu::TextureView, GpuError> {
+/// Uploads a 2D texture.
+///
+/// # Errors
+/// Other texels than the size says, or more than the adapter's limit per side.
+pub(super) fn texture(
+    gpu: &Gpu,
+    format: TexelFormat,
+    size: [u32; 2],
+    texels: &[u8],
+) -> Result<wgpu::TextureView, GpuError> {
     let most = gpu.device.limits().max_texture_dimension_2d;
     let [width, height] = size;
     let bytes = u64::from(width) * u64::from(height) * format.texel_bytes() as u64;

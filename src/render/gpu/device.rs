@@ -154,4 +154,22 @@ impl Gpu {
         buffer.unmap();
         Ok(value)
     }
+
+    /// Waits for the queue and takes `count` values of a buffer, from the one of this index on.
+    pub(super) fn read_values<T: bytemuck::Pod>(
+        &self,
+        source: &wgpu::Buffer,
+        first: usize,
+        count: usize,
+    ) -> Result<Vec<T>, GpuError> {
+        let size = size_of::<T>();
+        if count == 0 {
+            return Ok(Vec::new());
+        }
+        let buffer = self.read_buffer((count * size) as u64);
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        encoder.copy_buffer_to_buffer(source, (first * size) as u64, &buffer, 0, buffer.size());
+        self.queue.submit([encoder.finish()]);
+        self.read(&buffer, bytemuck::pod_collect_to_vec)
+    }
 }

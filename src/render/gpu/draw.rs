@@ -4,17 +4,16 @@ use super::device::{Gpu, GpuError};
 use super::evaluate::SliceFilter;
 use super::load::LoadedScene;
 use super::pack;
-use super::raster::{Rasteriser, Target, VIEW_WGSL, buffer_type, entry};
+use super::raster::{Rasteriser, Target, VIEW_WGSL};
+use super::surface::{self, ENVIRONMENT_WGSL, PERIODIC_WGSL, SURFACE_WGSL};
 use crate::metrics::image::LinearImage;
-use crate::render::scene::{Camera, Environment, Frame, Part, Scene};
+use crate::render::scene::{Camera, Frame, Scene};
 use brdfc_formats::pack::wavelet_shader::WAVELET_BRDF_WGSL;
 use brdfc_formats::pack::{Filter, WaveletPack};
-use wgpu::{
-    BindGroupDescriptor, BindGroupEntry, BindGroupLayoutDescriptor, BindingResource, BindingType, BufferBindingType,
-    BufferUsages, ShaderStages, TextureFormat, TextureSampleType, TextureViewDimension,
-};
+use wgpu::ShaderStages;
 
-/// The scene's entry points over the decoder, behind [`VIEW_WGSL`].
+/// The scene's entry points over the decoder, behind [`VIEW_WGSL`], [`PERIODIC_WGSL`], [`SURFACE_WGSL`] and
+/// [`ENVIRONMENT_WGSL`].
 pub const SCENE_WGSL: &str = include_str!("../shaders/scene.wgsl");
 
 /// How packs are decoded in an image.
@@ -30,6 +29,14 @@ pub struct Decoding {
     pub distance_scale: f64,
 }
 
+impl Decoding {
+    /// The words `level` and `hardware` as shaders take them.
+    pub(super) fn words(&self) -> [u32; 2] {
+        let level = self.level.map_or(-1.0, |level| level.max(0.0)).to_bits();
+        [level, u32::from(self.slices == SliceFilter::Hardware)]
+    }
+}
+
 /// A compiled pipeline.
 pub struct Renderer<'g> {
     rasteriser: Rasteriser<'g>,
@@ -43,21 +50,10 @@ impl<'g> Renderer<'g> {
     /// # Errors
     /// What the driver reports.
     pub fn new(gpu: &'g Gpu) -> Result<Self, GpuError> {
-        let image = BindingType::Texture {
-            sample_type: TextureSampleType::Float { filterable: false },
-            view_dimension: TextureViewDimension::D2,
-            multisampled: false,
-        };
         let pack_layout = pack::layout(gpu, ShaderStages::FRAGMENT);
-        let surface_layout = gpu.device.create_bind_group_layout(&BindGroupLayoutDescriptor {
-            label: Some("surface"),
-            entries: &[
-                entry(0, ShaderStages::FRAGMENT, buffer_type(BufferBindingType::Uniform)),
-                entry(1, ShaderStages::FRAGMENT, image),
-                entry(2, ShaderStages::FRAGMENT, image),
-            ],
-        });
-        let source = format!("{WAVELET_BRDF_WGSL}\n{VIEW_WGSL}\n{SCENE_WGSL}");
+        let surface_layout = surface::layout(gpu);
+        let source =
+            [WAVELET_BRDF_WGSL, VIEW_WGSL, PERIODIC_WGSL, SURFACE_WGSL, ENVIRONMENT_WGSL, SCENE_WGSL].join("\n");
         let rasteriser = Rasteriser::new(gpu, source, &[&pack_layout, &surface_layout])?;
         Ok(Self { rasteriser, pack_layout, surface_layout })
     }
@@ -72,34 +68,13 @@ impl<'g> Renderer<'g> {
     pub fn load(&self, scene: &Scene, packs: &[&WaveletPack], decoding: Decoding) -> Result<LoadedScene, GpuError> {
         assert_eq!(packs.len(), scene.parts.len(), "one pack for each part");
         let gpu = self.rasteriser.gpu;
-        let environment = environment(gpu, &scene.environment);
+        let environment = surface::environment(gpu, &scene.environment)?;
         let mut groups = Vec::with_capacity(scene.parts.len());
-        for (part, pack) in scene.parts.iter().zip(packs) {
+        for (index, (part, pack)) in (0..).zip(scene.parts.iter().zip(packs)) {
             let pack = pack::upload(gpu, &self.pack_layout, pack, decoding.filter, decoding.distance_scale)?;
-            groups.push(vec![pack, self.surface(part, &environment)]);
+            groups.push(vec![pack, surface::upload(gpu, &self.surface_layout, index, part, &environment)]);
         }
-        let level = decoding.level.map_or(-1.0, |level| level.max(0.0)).to_bits();
-        let settings = [level, u32::from(decoding.slices == SliceFilter::Hardware)];
-        self.rasteriser.load(scene, groups, settings)
-    }
-
-    fn surface(&self, part: &Part, environment: &wgpu::TextureView) -> wgpu::BindGroup {
-        let gpu = self.rasteriser.gpu;
-        let bump = part.surface.bump.as_ref();
-        let size = bump.map_or(0, |bump| bump.size as u32);
-        let surface = [part.surface.mirror.to_bits(), size, 0, 0];
-        let surface = gpu.buffer(bytemuck::cast_slice(&surface), BufferUsages::UNIFORM);
-        let heights = bump.map_or(&[0.0][..], |bump| &bump.heights);
-        let heights = gpu.image(TextureFormat::R32Float, [size.max(1); 2], bytemuck::cast_slice(heights));
-        gpu.device.create_bind_group(&BindGroupDescriptor {
-            label: None,
-            layout: &self.surface_layout,
-            entries: &[
-                BindGroupEntry { binding: 0, resource: surface.as_entire_binding() },
-                BindGroupEntry { binding: 1, resource: BindingResource::TextureView(&heights) },
-                BindGroupEntry { binding: 2, resource: BindingResource::TextureView(environment) },
-            ],
-        })
+        self.rasteriser.load(scene, groups, decoding.words())
     }
 
     /// Colour and depth of `width` x `height` pixels.
@@ -132,10 +107,4 @@ impl<'g> Renderer<'g> {
     pub fn draw(&self, scene: &LoadedScene, camera: &Camera, frame: Frame) -> Result<LinearImage, GpuError> {
         self.rasteriser.draw(scene, camera, frame)
     }
-}
-
-fn environment(gpu: &Gpu, environment: &Environment) -> wgpu::TextureView {
-    let texels: Vec<[f32; 4]> = environment.pixels.iter().map(|p| [p[0], p[1], p[2], 1.0]).collect();
-    let size = [environment.width as u32, environment.height as u32];
-    gpu.image(TextureFormat::Rgba32Float, size, bytemuck::cast_slice(&texels))
 }

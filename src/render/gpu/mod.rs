@@ -1,5 +1,6 @@
 //! Everything that touches wgpu.
 
+mod adaptive;
 mod compute;
 mod device;
 mod draw;
@@ -10,7 +11,9 @@ mod flat_textures;
 mod load;
 mod pack;
 mod raster;
+mod surface;
 
+pub use adaptive::{AdaptiveRenderer, AdaptiveShaders, LoadedAdaptive, LoadedGBuffer};
 pub use compute::{COMPUTE_WGSL, Compute, Resource};
 pub use device::{AdapterChoice, AdapterDescription, Gpu, GpuError};
 pub use draw::{Decoding, Renderer, SCENE_WGSL};
@@ -19,3 +22,4 @@ pub use flat::{FLAT_SCENE_WGSL, FlatRenderer, flat_scene_source};
 pub use flat_btf::{EVALUATE_FLAT_BTF_WGSL, FlatBtfAnswer, FlatBtfEvaluator, FlatBtfQuery, LoadedFlatBtf};
 pub use load::LoadedScene;
 pub use raster::{Target, VIEW_WGSL};
+pub use surface::{ENVIRONMENT_WGSL, PERIODIC_WGSL, SURFACE_WGSL};

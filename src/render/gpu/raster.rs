@@ -23,18 +23,28 @@ const PIXEL: u64 = 16;
 /// Rows are read back in bands of about this size.
 const BAND_BYTES: u64 = 32 << 20;
 
-/// A compiled pipeline.
+/// Compiled pipelines, one for each pass over the scene.
 pub(super) struct Rasteriser<'g> {
     pub(super) gpu: &'g Gpu,
-    pub(super) pipeline: wgpu::RenderPipeline,
+    passes: Vec<Pass>,
     pub(super) view_layout: BindGroupLayout,
 }
 
-/// Colour and depth of a frame.
+struct Pass {
+    pipeline: wgpu::RenderPipeline,
+    colours: usize,
+}
+
+/// Colours and depth of a frame: the colours of all passes, pass by pass.
 pub struct Target {
-    colour: wgpu::Texture,
-    colour_view: wgpu::TextureView,
+    colours: Vec<(wgpu::Texture, wgpu::TextureView)>,
     depth_view: wgpu::TextureView,
+}
+
+impl Target {
+    pub(super) fn views(&self) -> impl Iterator<Item = &wgpu::TextureView> {
+        self.colours.iter().map(|(_, view)| view)
+    }
 }
 
 /// An entry of a layout.
@@ -53,6 +63,20 @@ impl<'g> Rasteriser<'g> {
     /// # Errors
     /// What the driver reports.
     pub(super) fn new(gpu: &'g Gpu, source: String, layouts: &[&BindGroupLayout]) -> Result<Self, GpuError> {
+        Self::with_passes(gpu, source, layouts, &[("shade", 1)])
+    }
+
+    /// The same with any passes over the scene: the fragment entry point of each, and how many colours it writes. Every
+    /// pass begins with an empty depth buffer, so that all of them see the same surfaces.
+    ///
+    /// # Errors
+    /// What the driver reports.
+    pub(super) fn with_passes(
+        gpu: &'g Gpu,
+        source: String,
+        layouts: &[&BindGroupLayout],
+        passes: &[(&str, usize)],
+    ) -> Result<Self, GpuError> {
         let module = gpu.device.create_shader_module(ShaderModuleDescriptor {
             label: Some("scene"),
             source: ShaderSource::Wgsl(Cow::Owned(source)),
@@ -71,39 +95,44 @@ impl<'g> Rasteriser<'g> {
             bind_group_layouts: &groups,
             immediate_size: 0,
         });
-        let pipeline = gpu.device.create_render_pipeline(&RenderPipelineDescriptor {
-            label: Some("scene"),
-            layout: Some(&layout),
-            vertex: VertexState {
-                module: &module,
-                entry_point: Some("project"),
-                compilation_options: Default::default(),
-                buffers: &[Some(VertexBufferLayout {
-                    array_stride: 4 * VERTEX_WORDS as u64,
-                    step_mode: VertexStepMode::Vertex,
-                    attributes: &vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x3, 3 => Float32x2],
-                })],
-            },
-            primitive: PrimitiveState::default(),
-            depth_stencil: Some(DepthStencilState {
-                format: DEPTH,
-                depth_write_enabled: Some(true),
-                depth_compare: Some(CompareFunction::Greater),
-                stencil: Default::default(),
-                bias: Default::default(),
-            }),
-            multisample: Default::default(),
-            fragment: Some(FragmentState {
-                module: &module,
-                entry_point: Some("shade"),
-                compilation_options: Default::default(),
-                targets: &[Some(COLOUR.into())],
-            }),
-            multiview_mask: None,
-            cache: None,
-        });
+        let pipeline = |fragment: &str, colours: usize| {
+            gpu.device.create_render_pipeline(&RenderPipelineDescriptor {
+                label: Some("scene"),
+                layout: Some(&layout),
+                vertex: VertexState {
+                    module: &module,
+                    entry_point: Some("project"),
+                    compilation_options: Default::default(),
+                    buffers: &[Some(VertexBufferLayout {
+                        array_stride: 4 * VERTEX_WORDS as u64,
+                        step_mode: VertexStepMode::Vertex,
+                        attributes: &vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x3, 3 => Float32x2],
+                    })],
+                },
+                primitive: PrimitiveState::default(),
+                depth_stencil: Some(DepthStencilState {
+                    format: DEPTH,
+                    depth_write_enabled: Some(true),
+                    depth_compare: Some(CompareFunction::Greater),
+                    stencil: Default::default(),
+                    bias: Default::default(),
+                }),
+                multisample: Default::default(),
+                fragment: Some(FragmentState {
+                    module: &module,
+                    entry_point: Some(fragment),
+                    compilation_options: Default::default(),
+                    targets: &vec![Some(COLOUR.into()); colours],
+                }),
+                multiview_mask: None,
+                cache: None,
+            })
+        };
+        let passes =
+            passes.iter().map(|(fragment, colours)| Pass { pipeline: pipeline(fragment, *colours), colours: *colours });
+        let passes = passes.collect();
         gpu.check()?;
-        Ok(Self { gpu, pipeline, view_layout })
+        Ok(Self { gpu, passes, view_layout })
     }
 
     /// Colour and depth of `width` x `height` pixels.
@@ -128,14 +157,17 @@ impl<'g> Rasteriser<'g> {
                 view_formats: &[],
             })
         };
-        let colour = texture(COLOUR, TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC);
-        let depth = texture(DEPTH, TextureUsages::RENDER_ATTACHMENT);
+        let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC | TextureUsages::TEXTURE_BINDING;
+        let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let colour = |_| {
+            let texture = texture(COLOUR, usage);
+            let view = view(&texture);
+            (texture, view)
+        };
+        let colours = (0..self.passes.iter().map(|pass| pass.colours).sum()).map(colour).collect();
+        let depth_view = view(&texture(DEPTH, TextureUsages::RENDER_ATTACHMENT));
         self.gpu.check()?;
-        Ok(Target {
-            colour_view: colour.create_view(&wgpu::TextureViewDescriptor::default()),
-            colour,
-            depth_view: depth.create_view(&wgpu::TextureViewDescriptor::default()),
-        })
+        Ok(Target { colours, depth_view })
     }
 
     /// Draws one sample per pixel, `sample` = `[column, row]` of the `samples` x `samples` in each, and waits for it.
@@ -150,38 +182,45 @@ impl<'g> Rasteriser<'g> {
         sample: [usize; 2],
         samples: usize,
     ) -> Result<(), GpuError> {
-        let size = [target.colour.width() as f64, target.colour.height() as f64];
+        let texture = &target.colours[0].0;
+        let size = [texture.width() as f64, texture.height() as f64];
         let words = view_words(scene, camera, size, sample, samples);
         self.gpu.queue.write_buffer(&scene.view, 0, bytemuck::cast_slice(&words));
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
-            label: None,
-            color_attachments: &[Some(RenderPassColorAttachment {
-                view: &target.colour_view,
-                depth_slice: None,
-                resolve_target: None,
-                ops: Operations { load: LoadOp::Clear(wgpu::Color::TRANSPARENT), store: StoreOp::Store },
-            })],
-            depth_stencil_attachment: Some(RenderPassDepthStencilAttachment {
-                view: &target.depth_view,
-                depth_ops: Some(Operations { load: LoadOp::Clear(0.0), store: StoreOp::Discard }),
-                stencil_ops: None,
-            }),
-            timestamp_writes: None,
-            occlusion_query_set: None,
-            multiview_mask: None,
-        });
-        pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, &scene.view_group, &[]);
-        for part in &scene.parts {
-            for (index, group) in (1..).zip(&part.groups) {
-                pass.set_bind_group(index, group, &[]);
+        let mut views = target.views();
+        for Pass { pipeline, colours } in &self.passes {
+            let attachment = |view| {
+                Some(RenderPassColorAttachment {
+                    view,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: Operations { load: LoadOp::Clear(wgpu::Color::TRANSPARENT), store: StoreOp::Store },
+                })
+            };
+            let attachments: Vec<_> = views.by_ref().take(*colours).map(attachment).collect();
+            let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
+                label: None,
+                color_attachments: &attachments,
+                depth_stencil_attachment: Some(RenderPassDepthStencilAttachment {
+                    view: &target.depth_view,
+                    depth_ops: Some(Operations { load: LoadOp::Clear(0.0), store: StoreOp::Discard }),
+                    stencil_ops: None,
+                }),
+                timestamp_writes: None,
+                occlusion_query_set: None,
+                multiview_mask: None,
+            });
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, &scene.view_group, &[]);
+            for part in &scene.parts {
+                for (index, group) in (1..).zip(&part.groups) {
+                    pass.set_bind_group(index, group, &[]);
+                }
+                pass.set_vertex_buffer(0, part.vertices.slice(..));
+                pass.set_index_buffer(part.indices.slice(..), wgpu::IndexFormat::Uint32);
+                pass.draw_indexed(0..part.count, 0, 0..1);
             }
-            pass.set_vertex_buffer(0, part.vertices.slice(..));
-            pass.set_index_buffer(part.indices.slice(..), wgpu::IndexFormat::Uint32);
-            pass.draw_indexed(0..part.count, 0, 0..1);
         }
-        drop(pass);
         self.gpu.queue.submit([encoder.finish()]);
         self.gpu.wait()
     }
@@ -212,7 +251,8 @@ impl<'g> Rasteriser<'g> {
 
     /// Reads a target back and adds it to `sums`, band by band.
     fn add(&self, target: &Target, sums: &mut [[f64; 4]]) -> Result<(), GpuError> {
-        let (width, height) = (target.colour.width(), target.colour.height());
+        let texture = &target.colours[0].0;
+        let (width, height) = (texture.width(), texture.height());
         let row_bytes = (u64::from(width) * PIXEL).next_multiple_of(u64::from(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT));
         let band = (BAND_BYTES / row_bytes).clamp(1, u64::from(height)) as u32;
         let buffer = self.gpu.read_buffer(row_bytes * u64::from(band));
@@ -221,7 +261,7 @@ impl<'g> Rasteriser<'g> {
             let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
             encoder.copy_texture_to_buffer(
                 wgpu::TexelCopyTextureInfo {
-                    texture: &target.colour,
+                    texture,
                     mip_level: 0,
                     origin: wgpu::Origin3d { x: 0, y: first, z: 0 },
                     aspect: wgpu::TextureAspect::All,

@@ -1,0 +1,158 @@
+//! Layouts and pipelines of the steps, and how they are run.
+
+use super::super::compute::UNFILTERED;
+use super::super::device::{Gpu, GpuError};
+use super::super::pack;
+use super::super::raster::{buffer_type, entry};
+use super::material::LoadedMaterial;
+use super::storage::LoadedGBuffer;
+use std::borrow::Cow;
+use wgpu::{
+    BindGroupLayout, BindGroupLayoutDescriptor, BufferBindingType, ComputePassDescriptor, ComputePipeline,
+    ComputePipelineDescriptor, PipelineLayoutDescriptor, ShaderModuleDescriptor, ShaderSource, ShaderStages,
+};
+
+/// Invocations of a workgroup.
+const GROUP: u32 = 64;
+/// Workgroups of a row; more go to the next row.
+const ROW_OF_GROUPS: u32 = 1024;
+
+/// Buffers of [`LoadedGBuffer`] that the steps write.
+pub(super) const STORAGE_BUFFERS: u32 = 8;
+
+/// The compiled steps.
+pub(super) struct Kernels<'g> {
+    pub(super) gpu: &'g Gpu,
+    pub(super) frame_layout: BindGroupLayout,
+    pub(super) storage_layout: BindGroupLayout,
+    pub(super) pack_layout: BindGroupLayout,
+    pub(super) material_layout: BindGroupLayout,
+    pub(super) read_back: ComputePipeline,
+    pub(super) curvatures: ComputePipeline,
+    pub(super) predict: ComputePipeline,
+    pub(super) deviations: ComputePipeline,
+    pub(super) rates: ComputePipeline,
+    pub(super) even: ComputePipeline,
+    pub(super) merge: ComputePipeline,
+    pub(super) decide: ComputePipeline,
+    pub(super) shade: ComputePipeline,
+    pub(super) gather: ComputePipeline,
+    pub(super) resolve: ComputePipeline,
+}
+
+/// What a step is run over.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Job {
+    /// Things, from the first on.
+    pub(super) count: usize,
+    /// Level of the pyramid, where that matters.
+    pub(super) level: u32,
+    /// Most things of a submission, so that drivers do not take it for a hang.
+    pub(super) at_once: usize,
+}
+
+impl Job {
+    /// Over everything at once.
+    pub(super) fn over(count: usize) -> Self {
+        Self { count, level: 0, at_once: usize::MAX }
+    }
+}
+
+impl<'g> Kernels<'g> {
+    /// Compiles the steps.
+    ///
+    /// # Errors
+    /// A source that does not validate, with the compiler's message.
+    pub(super) fn new(gpu: &'g Gpu, source: &str) -> Result<Self, GpuError> {
+        let module = gpu.device.create_shader_module(ShaderModuleDescriptor {
+            label: Some("adaptive shading"),
+            source: ShaderSource::Wgsl(Cow::Borrowed(source)),
+        });
+        gpu.check()?;
+        let group = |label, types: &[wgpu::BindingType]| {
+            let entries: Vec<_> =
+                (0..).zip(types).map(|(binding, ty)| entry(binding, ShaderStages::COMPUTE, *ty)).collect();
+            gpu.device.create_bind_group_layout(&BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
+        };
+        let uniform = buffer_type(BufferBindingType::Uniform);
+        let storage = buffer_type(BufferBindingType::Storage { read_only: false });
+        let image = UNFILTERED;
+        let frame_layout = group("frame", &[uniform, uniform, uniform, image, image, image]);
+        let storage_layout = group("storage", &[storage; STORAGE_BUFFERS as usize]);
+        let pack_layout = pack::layout(gpu, ShaderStages::COMPUTE);
+        let material_layout = group("material", &[uniform, image, uniform, image, image, image, uniform, image]);
+        let layout = |groups: &[Option<&BindGroupLayout>]| {
+            gpu.device.create_pipeline_layout(&PipelineLayoutDescriptor {
+                label: None,
+                bind_group_layouts: groups,
+                immediate_size: 0,
+            })
+        };
+        let of_points = layout(&[Some(&frame_layout), Some(&storage_layout)]);
+        let of_materials =
+            layout(&[Some(&frame_layout), Some(&storage_layout), Some(&pack_layout), Some(&material_layout)]);
+        let pipeline = |layout, name| {
+            gpu.device.create_compute_pipeline(&ComputePipelineDescriptor {
+                label: Some(name),
+                layout: Some(layout),
+                module: &module,
+                entry_point: Some(name),
+                compilation_options: Default::default(),
+                cache: None,
+            })
+        };
+        let kernels = Self {
+            gpu,
+            read_back: pipeline(&of_points, "read_back"),
+            curvatures: pipeline(&of_points, "curvatures"),
+            predict: pipeline(&of_materials, "predict"),
+            deviations: pipeline(&of_points, "deviations"),
+            rates: pipeline(&of_points, "rates"),
+            even: pipeline(&of_points, "even"),
+            merge: pipeline(&of_points, "merge"),
+            decide: pipeline(&of_points, "decide"),
+            shade: pipeline(&of_materials, "shade"),
+            gather: pipeline(&of_points, "gather"),
+            resolve: pipeline(&of_points, "resolve"),
+            frame_layout,
+            storage_layout,
+            pack_layout,
+            material_layout,
+        };
+        gpu.check()?;
+        Ok(kernels)
+    }
+
+    /// Runs a step; one that looks at materials needs one.
+    pub(super) fn run(&self, step: &ComputePipeline, on: &LoadedGBuffer, material: Option<&LoadedMaterial>, job: Job) {
+        for first in (0..job.count).step_by(job.at_once.max(1)) {
+            self.run_part(step, on, material, [first, job.at_once.min(job.count - first)], job.level);
+        }
+    }
+
+    /// The same for `[first, count]` of the things, in one submission.
+    pub(super) fn run_part(
+        &self,
+        step: &ComputePipeline,
+        on: &LoadedGBuffer,
+        material: Option<&LoadedMaterial>,
+        [first, count]: [usize; 2],
+        level: u32,
+    ) {
+        let words = [first as u32, count as u32, GROUP * ROW_OF_GROUPS, level];
+        self.gpu.queue.write_buffer(&on.job, 0, bytemuck::cast_slice(&words));
+        let groups = (count as u32).div_ceil(GROUP);
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor::default());
+        pass.set_pipeline(step);
+        pass.set_bind_group(0, &on.frame_group, &[]);
+        pass.set_bind_group(1, &on.storage_group, &[]);
+        if let Some(material) = material {
+            pass.set_bind_group(2, &material.pack, &[]);
+            pass.set_bind_group(3, &material.maps, &[]);
+        }
+        pass.dispatch_workgroups(groups.min(ROW_OF_GROUPS), groups.div_ceil(ROW_OF_GROUPS), 1);
+        drop(pass);
+        self.gpu.queue.submit([encoder.finish()]);
+    }
+}

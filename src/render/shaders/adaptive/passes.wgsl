@@ -1,0 +1,38 @@
+// What becomes of the nodes of a level. Pasted behind `upsample.wgsl`; the CPU twin is `render/adaptive/passes.rs`.
+
+const LEFT_OUT: u32 = 0u;
+const TAKEN: u32 = 1u;
+const SHADED: u32 = 2u;
+
+@compute @workgroup_size(64)
+fn decide(@builtin(global_invocation_id) id: vec3<u32>) {
+    let at = within_job(id);
+    if at >= job.count {
+        return;
+    }
+    let index = job.first + at;
+    let node = nodes[picture.levels[job.level].z + index];
+    let point = stands_for(job.level, index);
+    computed[picture.levels[job.level].z + index] = vec4<f32>(0.0);
+    outcomes[index] = vec4<u32>(LEFT_OUT, 0u, point, NONE);
+    if point == NONE || node.wanted < i32(job.level) {
+        return;
+    }
+    if node.wanted > i32(job.level) && job.level < picture.coarsest {
+        let value = taken(point, index, job.level);
+        if value.w > 0.0 {
+            computed[picture.levels[job.level].z + index] = value;
+            outcomes[index].x = TAKEN;
+            return;
+        }
+    }
+    outcomes[index] = vec4<u32>(SHADED, raised(node.samples, job.level), point, part_of(point));
+}
+
+// 2^level times the samples, up to the most: a coarse pixel's error shows in 4^level points.
+fn raised(samples: u32, level: u32) -> u32 {
+    if samples > (NONE >> level) {
+        return settings.most;
+    }
+    return min(samples << level, settings.most);
+}

@@ -1,0 +1,134 @@
+// The points of a G-buffer, and what all steps of adaptive shading share. The CPU twin is `render/gbuffer.rs`.
+
+// Of a frame and its camera. Levels of the pyramid are finest first.
+struct Picture {
+    eye: vec4<f32>,
+    right: vec4<f32>,           // unit vectors
+    up: vec4<f32>,
+    points: vec2<u32>,          // columns and rows of the G-buffer
+    pixels: vec2<u32>,          // of the picture
+    sub: u32,                   // points per pixel and axis
+    coarsest: u32,              // level
+    reserved_0: u32,
+    reserved_1: u32,
+    levels: array<vec4<u32>, 20>, // width, height, index of the first node
+}
+
+// Of `Settings`, and what is found on the way.
+struct Settings {
+    field_of_view: vec2<f32>,   // radians, across and down
+    directions: u32,
+    white: f32,
+    caution: f32,
+    largest: f32,               // bandwidth of a pixel
+    scale: f32,                 // from deviation to samples
+    fewest: u32,
+    most: u32,
+    antialiasing_levels: u32,
+    reserved_0: u32,
+    reserved_1: u32,
+}
+
+// What one dispatch does: `count` things from `first` on, of a level where that matters.
+struct Job {
+    first: u32,
+    count: u32,
+    stride: u32,                // invocations per row of workgroups
+    level: u32,
+}
+
+// A pixel of a level.
+struct Node {
+    wanted: i32,                // finest level that any of its points asks for
+    samples: u32,               // of the most demanding of its points
+    first: u32,                 // the first point in it that shows a surface, or NONE
+}
+
+@group(0) @binding(0) var<uniform> picture: Picture;
+@group(0) @binding(1) var<uniform> settings: Settings;
+@group(0) @binding(2) var<uniform> job: Job;
+@group(0) @binding(3) var positions: texture_2d<f32>;
+@group(0) @binding(4) var normals: texture_2d<f32>;
+@group(0) @binding(5) var tangents: texture_2d<f32>;
+
+// Of each point: bandwidth, deviation, curvature.
+@group(1) @binding(0) var<storage, read_write> predicted: array<vec4<f32>>;
+@group(1) @binding(1) var<storage, read_write> nodes: array<Node>;
+// Of each node its radiance, and 1 where it has one.
+@group(1) @binding(2) var<storage, read_write> computed: array<vec4<f32>>;
+// Of each node of the level under way: what becomes of it, samples, the point it stands for, its part.
+@group(1) @binding(3) var<storage, read_write> outcomes: array<vec4<u32>>;
+// Point, first sample, samples.
+@group(1) @binding(4) var<storage, read_write> slices: array<vec4<u32>>;
+// Node, first slice, slices, samples.
+@group(1) @binding(5) var<storage, read_write> gathers: array<vec4<u32>>;
+// Of each slice its sum, of each stretch of points the sum of deviations.
+@group(1) @binding(6) var<storage, read_write> sums: array<vec4<f32>>;
+@group(1) @binding(7) var<storage, read_write> image: array<vec4<f32>>;
+
+const NONE: u32 = 0xffffffffu;
+// The level of points that show no surface.
+const ANY_LEVEL: i32 = 0x7fffffff;
+
+// The number of an invocation within the job; `job.count` or more: none.
+fn within_job(id: vec3<u32>) -> u32 {
+    return id.y * job.stride + id.x;
+}
+
+fn place_of(point: u32) -> vec2<u32> {
+    return vec2<u32>(point % picture.points.x, point / picture.points.x);
+}
+
+// The part that a point shows; NONE is the background.
+fn part_of(point: u32) -> u32 {
+    return u32(textureLoad(positions, place_of(point), 0).w) - 1u;
+}
+
+fn position_of(point: u32) -> vec3<f32> {
+    return textureLoad(positions, place_of(point), 0).xyz;
+}
+
+fn normal_of(point: u32) -> vec3<f32> {
+    return textureLoad(normals, place_of(point), 0).xyz;
+}
+
+// Unit vector to the viewer, and how far away the viewer is.
+fn viewer_of(position: vec3<f32>) -> vec4<f32> {
+    let to_eye = picture.eye.xyz - position;
+    let distance = sqrt(product(to_eye, to_eye));
+    return vec4<f32>(to_eye / distance, distance);
+}
+
+// Where a normal points in the image, across and down.
+fn across_of(normal: vec3<f32>) -> vec2<f32> {
+    let projected = vec2<f32>(product(normal, picture.right.xyz), -product(normal, picture.up.xyz));
+    let length = sqrt(projected.x * projected.x + projected.y * projected.y);
+    return select(vec2<f32>(1.0, 0.0), projected / length, length > 1e-9);
+}
+
+// Tangent, bitangent and normal of a point.
+struct LocalFrame {
+    tangent: vec3<f32>,
+    bitangent: vec3<f32>,
+    normal: vec3<f32>,
+}
+
+fn frame_of(point: u32) -> LocalFrame {
+    let n = normal_of(point);
+    let t = textureLoad(tangents, place_of(point), 0).xyz;
+    let b = vec3<f32>(n.y * t.z - n.z * t.y, n.z * t.x - n.x * t.z, n.x * t.y - n.y * t.x);
+    return LocalFrame(t, b, n);
+}
+
+fn into_frame(frame: LocalFrame, v: vec3<f32>) -> vec3<f32> {
+    return vec3<f32>(product(v, frame.tangent), product(v, frame.bitangent), product(v, frame.normal));
+}
+
+fn into_world(frame: LocalFrame, v: vec3<f32>) -> vec3<f32> {
+    return v.x * frame.tangent + v.y * frame.bitangent + v.z * frame.normal;
+}
+
+// The scalar product, summed in the order of the CPU.
+fn product(a: vec3<f32>, b: vec3<f32>) -> f32 {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}

@@ -1,0 +1,21 @@
+// Means over the points of each pixel, and the share of them that shows a surface. The CPU twin is `resolve` of
+// `render/adaptive/mod.rs`.
+
+@compute @workgroup_size(64)
+fn resolve(@builtin(global_invocation_id) id: vec3<u32>) {
+    let at = within_job(id);
+    if at >= job.count {
+        return;
+    }
+    let pixel = job.first + at;
+    let corner = picture.sub * vec2<u32>(pixel % picture.pixels.x, pixel / picture.pixels.x);
+    let all = picture.sub * picture.sub;
+    var sum = vec4<f32>(0.0);
+    for (var k = 0u; k < all; k += 1u) {
+        let point = (corner.y + k / picture.sub) * picture.points.x + corner.x + k % picture.sub;
+        if part_of(point) != NONE {
+            sum += vec4<f32>(computed[point].xyz, 1.0);
+        }
+    }
+    image[pixel] = sum / f32(all);
+}

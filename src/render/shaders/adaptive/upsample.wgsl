@@ -1,0 +1,102 @@
+// What a node takes over from the coarser level. The CPU twin is `render/adaptive/upsample.rs`, with `standing_for` and
+// `taken` of `passes.rs`.
+
+// How far a parent may lie off the node's tangent plane, in units of how far apart both are.
+const DEPTH: f32 = 0.25;
+// Below this sum of weights nothing can be taken over.
+const LEAST_WEIGHT: f32 = 1e-3;
+
+// The surface at the point that a node stands for.
+struct Guide {
+    at: vec2<f32>,       // in points
+    position: vec3<f32>,
+    normal: vec3<f32>,
+    cosine: f32,         // of the angle between normal and view
+    across: vec2<f32>,   // where the normal points in the image
+    part: u32,
+}
+
+// The point that a node of a level stands for: that in the middle of its square, or else the first that shows a surface.
+fn stands_for(level: u32, index: u32) -> u32 {
+    let own = picture.levels[level];
+    if level > 0u {
+        let corner = vec2<u32>(index % own.x, index / own.x) << vec2<u32>(level);
+        let middle = corner + vec2<u32>(1u << (level - 1u));
+        if all(middle < picture.points) {
+            let point = middle.y * picture.points.x + middle.x;
+            if part_of(point) != NONE {
+                return point;
+            }
+        }
+    }
+    return nodes[own.z + index].first;
+}
+
+// The weighted mean of what was computed around a node at the coarser level, and 1; 0 where nothing fits.
+fn taken(point: u32, index: u32, level: u32) -> vec4<f32> {
+    let own = picture.levels[level];
+    let coarser = picture.levels[level + 1u];
+    let place = vec2<u32>(index % own.x, index / own.x);
+    let spacing = f32(1u << (level + 1u));
+    let here = guide_of(point);
+    var sum = vec3<f32>(0.0);
+    var total = 0.0;
+    for (var k = 0u; k < 4u; k += 1u) {
+        // The own parent, its neighbour in the row, in the column, in both.
+        let column = parent(place.x, coarser.x, k & 1u);
+        let row = parent(place.y, coarser.y, k >> 1u);
+        if column == NONE || row == NONE {
+            continue;
+        }
+        let node = row * coarser.x + column;
+        let value = computed[coarser.z + node];
+        if value.w == 0.0 {
+            continue;
+        }
+        let alpha = select(0.75, 0.25, (k & 1u) == 1u) * select(0.75, 0.25, (k >> 1u) == 1u);
+        let w = alpha * weight(here, guide_of(stands_for(level + 1u, node)), spacing);
+        sum += w * value.xyz;
+        total += w;
+    }
+    if total > LEAST_WEIGHT {
+        return vec4<f32>(sum / total, 1.0);
+    }
+    return vec4<f32>(0.0);
+}
+
+// Along one axis, the parent of a node or the next one on the node's side of it; NONE outside the level.
+fn parent(at: u32, size: u32, other: u32) -> u32 {
+    let own = at / 2u;
+    if other == 0u {
+        return own;
+    }
+    if at % 2u == 0u {
+        return select(own - 1u, NONE, own == 0u);
+    }
+    return select(NONE, own + 1u, own + 1u < size);
+}
+
+fn guide_of(point: u32) -> Guide {
+    let place = place_of(point);
+    let position = textureLoad(positions, place, 0);
+    let normal = textureLoad(normals, place, 0).xyz;
+    let cosine = clamp(product(normal, viewer_of(position.xyz).xyz), 0.0, 1.0);
+    return Guide(vec2<f32>(place), position.xyz, normal, cosine, across_of(normal), u32(position.w) - 1u);
+}
+
+fn weight(here: Guide, there: Guide, spacing: f32) -> f32 {
+    if here.part != there.part {
+        return 0.0;
+    }
+    let step = there.position - here.position;
+    let length_squared = product(step, step);
+    let off = product(step, here.normal);
+    var depth = 0.0;
+    if length_squared > 0.0 {
+        depth = off * off / (DEPTH * DEPTH * length_squared);
+    }
+    let v = (there.at - here.at) / spacing;
+    let along = v.x * here.across.x + v.y * here.across.y;
+    let beside = v.y * here.across.x - v.x * here.across.y;
+    return exp(-(depth + along * along + here.cosine * beside * beside));
+}
