@@ -248,10 +248,7 @@ fn image(input: &str) -> Result<(Vec<[f32; 3]>, usize), CliError> {
 /// Eight octaves below the largest value, as a PNG.
 #[cfg(feature = "render")]
 fn picture(map: &BandwidthMap) -> Vec<u8> {
-    use crate::render::picture::{heat_map, rgb_png};
-    let values = map.values();
-    let largest = values.iter().copied().fold(f32::MIN_POSITIVE, f32::max);
-    let shares: Vec<f32> = values.iter().map(|value| 1.0 + (value / largest).log2() / 8.0).collect();
+    use crate::render::picture::{octave_map, rgb_png};
     let [width, height] = map.size().map(|side| side as usize);
-    rgb_png(&heat_map(&shares, width, height, 1.0))
+    rgb_png(&octave_map(&map.values(), width, height, 8.0))
 }

@@ -43,6 +43,9 @@ enum Report {
     /// 'brdfc render --json'.
     #[cfg(feature = "render")]
     Render,
+    /// 'brdfc render --adaptive --json'.
+    #[cfg(feature = "render")]
+    RenderAdaptive,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
@@ -60,5 +63,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         Report::Bench => schema_for!(super::bench::Report),
         #[cfg(feature = "render")]
         Report::Render => schema_for!(super::render::Report),
+        #[cfg(feature = "render")]
+        Report::RenderAdaptive => schema_for!(super::render::AdaptiveReport),
     })
 }

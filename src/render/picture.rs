@@ -95,6 +95,13 @@ pub fn heat_map(values: &[f32], width: usize, height: usize, full_scale: f64) ->
     Panel { width, height, rgb: values.iter().flat_map(|value| ramp(f64::from(*value) / full_scale)).collect() }
 }
 
+/// Logarithms of values as colours from dark (`octaves` octaves below the largest, and less) to pale yellow (the largest).
+pub fn octave_map(values: &[f32], width: usize, height: usize, octaves: f32) -> Panel {
+    let largest = values.iter().copied().fold(f32::MIN_POSITIVE, f32::max);
+    let shares: Vec<f32> = values.iter().map(|value| 1.0 + (value / largest).log2() / octaves).collect();
+    heat_map(&shares, width, height, 1.0)
+}
+
 fn ramp(share: f64) -> [u8; 3] {
     let position = share.clamp(0.0, 1.0) * (RAMP.len() - 1) as f64;
     let lower = (position as usize).min(RAMP.len() - 2);

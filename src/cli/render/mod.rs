@@ -1,5 +1,6 @@
 //! `brdfc render`: packs drawn by the shaders that engines use, and how wrong they look.
 
+mod adaptive;
 mod flat;
 mod materials;
 mod outputs;
@@ -36,6 +37,7 @@ Examples:
   brdfc render paint.brdf --scene cloth --max-delta-e 1.3 --json      exit code 1 when missed
   brdfc render button --scene vase -o vase.png                        a flat BTF of 'brdfc flatten'
   brdfc render button --scene plane --sheet plane.png                 beside the surface itself
+  brdfc render red.ktx2 --adaptive --environment museum.exr --scene bumpy-ball --sheet red.png --maps maps.png
 
 A manifest says what is shown in its [render] table, see docs/scene.md. Without a Vulkan driver the exit code is 5.")]
 pub struct Arguments {
@@ -98,8 +100,10 @@ pub struct Arguments {
     #[arg(long, value_name = "N")]
     repeat: Option<u32>,
     #[command(flatten)]
+    adaptive: adaptive::Options,
+    #[command(flatten)]
     options: EncodeOptions,
-    /// Print JSON (schema: 'brdfc schema render').
+    /// Print JSON (schema: 'brdfc schema render', with --adaptive 'brdfc schema render-adaptive').
     #[arg(long)]
     json: bool,
 }
@@ -173,6 +177,8 @@ impl From<FilterName> for Filter {
     }
 }
 
+pub use adaptive::Report as AdaptiveReport;
+
 /// What `--json` prints.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 pub struct Report {
@@ -198,6 +204,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         && !(0.0..=6.0).contains(&level)
     {
         return Err(CliError::Usage(format!("--lod: found {level}; allowed 0 to 6")));
+    }
+    if adaptive::is_adaptive(arguments) {
+        return adaptive::run(arguments, common);
     }
     let (verification, views) = if flat::is_flat(&arguments.input) {
         flat::verification(arguments, common)?

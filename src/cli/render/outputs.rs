@@ -4,7 +4,8 @@ use super::Arguments;
 use crate::cli::CliError;
 use crate::cli::output::{refuse_overwriting, refuse_same_outputs, write_file};
 use crate::metrics::image::{LinearImage, delta_e_map};
-use crate::render::picture::{Panel, heat_map, rgb_png, sheet, to_exr, to_panel, to_png};
+use crate::render::adaptive::{ANY_LEVEL, Prediction};
+use crate::render::picture::{Panel, heat_map, octave_map, rgb_png, sheet, to_exr, to_panel, to_png};
 use crate::render::verify::Views;
 use crate::report::render::Verification;
 use crate::report::table;
@@ -19,11 +20,12 @@ fn extension(path: &Path) -> String {
 
 /// Names that cannot be written are found before the work.
 pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
-    let files: [(&str, &Option<PathBuf>, &[&str]); 4] = [
+    let files: [(&str, &Option<PathBuf>, &[&str]); 5] = [
         ("--output", &arguments.output, &["png", "exr"]),
         ("--reference", &arguments.reference, &["png", "exr"]),
         ("--difference", &arguments.difference, &["png"]),
         ("--sheet", &arguments.sheet, &["png"]),
+        ("--maps", &arguments.adaptive.maps, &["png"]),
     ];
     refuse_same_outputs(&files.each_ref().map(|(flag, path, _)| (*flag, path.as_deref())))?;
     for (flag, path, allowed) in files {
@@ -40,6 +42,7 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
         }
         let mut inputs = vec![Path::new(&arguments.input)];
         inputs.extend(arguments.source.as_deref().map(Path::new));
+        inputs.extend(arguments.adaptive.environment.as_deref());
         refuse_overwriting(path, &inputs)?;
     }
     Ok(())
@@ -47,12 +50,21 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
 
 /// Writes what was asked for.
 pub(super) fn write(arguments: &Arguments, views: &Views, exposure: f64) -> Result<(), CliError> {
+    write_images(arguments, &views.shader, views.reference(), exposure)
+}
+
+/// Writes the pictures of an image and its reference that were asked for.
+pub(super) fn write_images(
+    arguments: &Arguments,
+    drawn: &LinearImage,
+    reference: &LinearImage,
+    exposure: f64,
+) -> Result<(), CliError> {
     let image = |path: &Path, image: &LinearImage| {
         write_file(path, &if extension(path) == "exr" { to_exr(image) } else { to_png(image, exposure) })
     };
-    let reference = views.reference();
     if let Some(path) = &arguments.output {
-        image(path, &views.shader)?;
+        image(path, drawn)?;
     }
     if let Some(path) = &arguments.reference {
         image(path, reference)?;
@@ -60,15 +72,29 @@ pub(super) fn write(arguments: &Arguments, views: &Views, exposure: f64) -> Resu
     if arguments.difference.is_none() && arguments.sheet.is_none() {
         return Ok(());
     }
-    let difference = difference_panel(&views.shader, reference, exposure);
+    let difference = difference_panel(drawn, reference, exposure);
     if let Some(path) = &arguments.sheet {
-        let panels = [to_panel(&views.shader, exposure), to_panel(reference, exposure), difference.clone()];
+        let panels = [to_panel(drawn, exposure), to_panel(reference, exposure), difference.clone()];
         write_file(path, &rgb_png(&sheet(&panels)))?;
     }
     if let Some(path) = &arguments.difference {
         write_file(path, &rgb_png(&difference))?;
     }
     Ok(())
+}
+
+/// Bandwidth, levels and variance of a prediction of so many points across and down, side by side: logarithms, from dark to
+/// pale yellow. The background is dark.
+pub(super) fn maps_png(prediction: &Prediction, [width, height]: [usize; 2]) -> Vec<u8> {
+    let coarsest = prediction.level.iter().filter(|level| **level != ANY_LEVEL).max().copied().unwrap_or(0);
+    let fineness = |level: &i32| if *level == ANY_LEVEL { 0.0 } else { 1.0 - *level as f32 / (coarsest + 1) as f32 };
+    let levels: Vec<f32> = prediction.level.iter().map(fineness).collect();
+    let variance: Vec<f32> = prediction.deviation.iter().map(|deviation| deviation * deviation).collect();
+    rgb_png(&sheet(&[
+        octave_map(&prediction.bandwidth, width, height, 8.0),
+        heat_map(&levels, width, height, 1.0),
+        octave_map(&variance, width, height, 16.0),
+    ]))
 }
 
 fn difference_panel(image: &LinearImage, reference: &LinearImage, exposure: f64) -> Panel {

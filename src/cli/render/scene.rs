@@ -1,14 +1,14 @@
 //! Flags and manifest to a scene: the command line wins over the manifest, the manifest over the scene's own defaults.
 
-use super::Arguments;
 use super::materials::Subject;
+use super::{Arguments, adaptive};
 use crate::build::manifest::{ManifestError, line_of, near_miss};
 use crate::build::render_section::{MAX_SAMPLES, MAX_SIDE, RenderSection};
 use crate::cli::CliError;
 use crate::render::scene::{Environment, Frame, PointLight, Scene};
 use crate::render::scenes::Builtin;
 use crate::source::radiance_image::open_radiance_image;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use toml::Spanned;
 
 /// Pixels per side where nothing is said.
@@ -53,9 +53,8 @@ pub(super) fn setup(arguments: &Arguments, subject: &Subject) -> Result<Setup, C
         };
         scene.lights = lights.iter().map(light).collect();
     }
-    let lighting = || subject.manifest()?.scene.environment.as_ref();
-    if let (Some(file), Subject::Scene { path, .. }) = (section.environment.as_ref().or_else(lighting), subject) {
-        scene.environment = environment(&path.parent().unwrap_or(Path::new("")).join(file))?;
+    if let Some(path) = environment_file(arguments, subject, section) {
+        scene.environment = environment(&path)?;
     }
     let (width, height) = match &arguments.size {
         Some(text) => size(text)?,
@@ -149,6 +148,17 @@ fn at(subject: &Subject, name: &Spanned<String>, field: &str, known: &[&str]) ->
         suggestion: near_miss(name.get_ref(), known),
     };
     CliError::Input(format!("{}: {error}", path.display()))
+}
+
+/// Which image the surroundings are: of what lights the scene with --adaptive, else of what mirrors show.
+fn environment_file(arguments: &Arguments, subject: &Subject, section: &RenderSection) -> Option<PathBuf> {
+    if let Some(path) = &arguments.adaptive.environment {
+        return Some(path.clone());
+    }
+    let Subject::Scene { path, manifest, .. } = subject else { return None };
+    let (lights, mirrored) = (manifest.scene.environment.as_ref(), section.environment.as_ref());
+    let file = if adaptive::is_adaptive(arguments) { lights.or(mirrored) } else { mirrored.or(lights) }?;
+    Some(path.parent().unwrap_or(Path::new("")).join(file))
 }
 
 fn environment(path: &Path) -> Result<Environment, CliError> {
