@@ -302,7 +302,7 @@ fn larger_blocks_miss_nothing() {
             assert_eq!((found.width, found.height), (128 >> doublings[0], 128 >> doublings[1]));
             let (mut low, mut sum) = (0, 0.0);
             for at in 0..found.u.len() {
-                let (column, row) = (at % found.width << doublings[0], at / found.width << doublings[1]);
+                let (column, row) = ((at % found.width) << doublings[0], (at / found.width) << doublings[1]);
                 let length = |u: f32, v: f32| f64::from(u.hypot(v));
                 let inside = (row..row + (1 << doublings[1]))
                     .flat_map(|r| (column..column + (1 << doublings[0])).map(move |c| r * 128 + c));
