@@ -11,7 +11,7 @@ mod merl;
 pub mod meso;
 pub mod open;
 pub mod other_pack;
-pub mod pack;
+mod pack;
 pub mod radiance_image;
 pub mod rgl;
 pub mod scan;
