@@ -34,7 +34,7 @@ const EXACT: Decoding = Decoding {
     distance_scale: DEFAULT_DISTANCE_SCALE,
 };
 const SETTINGS: Settings =
-    Settings { directions: 16, samples: 12.0, fewest: 4, most: 512, white: 1.0, caution: 0.7, antialiasing_levels: 0 };
+    Settings { directions: 16, samples: 12.0, fewest: 4, most: 512, white: 1.0, caution: 0.4, antialiasing_levels: 0 };
 const EPSILON: f64 = 0.01;
 
 struct Material {
@@ -320,7 +320,7 @@ fn each_step_does_what_its_twin_does() {
 }
 
 /// Small changes of the shaders, and by what each is noticed.
-const CHANGES: [(&str, &str, &str); 25] = [
+const CHANGES: [(&str, &str, &str); 28] = [
     ("product(turned, turned) / length_squared", "product(turned, turned)", "curvature"),
     ("rise * rise > LARGEST_RISE_SQUARED", "rise > LARGEST_RISE_SQUARED", "curvature"),
     ("surface, viewer.w)", "surface, 1.0)", "bandwidth"),
@@ -329,12 +329,14 @@ const CHANGES: [(&str, &str, &str); 25] = [
     ("sqrt(variance) * sqrt(shown)", "sqrt(variance) * shown", "deviation"),
     ("0.7152", "0.71", "deviation"),
     ("material.albedo *", "0.4 *", "deviation"),
-    ("settings.caution * predicted", "predicted", "levels"),
+    ("picture_bandwidth(settings.caution * predicted[point].w)", "picture_bandwidth(predicted[point].w)", "levels"),
+    ("picture_bandwidth(settings.caution * predicted[point].w)", "settings.caution * predicted[point].x", "levels"),
     ("level + i32(settings.antialiasing_levels)", "level", "levels"),
     ("covered += 1u", "covered += 2u", "samples"),
     ("min(a.wanted, b.wanted)", "max(a.wanted, b.wanted)", "pyramids"),
     ("max(a.samples, b.samples)", "min(a.samples, b.samples)", "pyramids"),
-    ("min(samples << level, settings.most)", "min(samples, settings.most)", "counts"),
+    ("min(samples << doublings, settings.most)", "min(samples, settings.most)", "counts"),
+    ("max(level, 1u) - 1u", "level", "counts"),
     ("node.wanted > i32(job.level)", "node.wanted >= i32(job.level)", "counts"),
     ("(drawn.incoming.z * drawn.inverse_density)", "drawn.inverse_density", "forward"),
     ("scattered(point) + first", "scattered(point)", "forward"),
@@ -344,6 +346,7 @@ const CHANGES: [(&str, &str, &str); 25] = [
     ("NONE, own + 1u, own + 1u < size", "NONE, own, own + 1u < size", "radiance"),
     ("computed[coarser.z + node]", "computed[own.z + node]", "radiance"),
     ("off * off /", "off /", "radiance"),
+    ("return alpha * exp", "return exp", "radiance"),
     ("here.cosine * beside", "beside", "radiance"),
     ("vec4<f32>(computed[point].xyz, 1.0)", "vec4<f32>(computed[point].xyz, 2.0)", "coverage"),
 ];
