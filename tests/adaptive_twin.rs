@@ -34,7 +34,7 @@ const EXACT: Decoding = Decoding {
     distance_scale: DEFAULT_DISTANCE_SCALE,
 };
 const SETTINGS: Settings =
-    Settings { directions: 16, samples: 12.0, fewest: 4, most: 512, white: 1.0, caution: 0.4, antialiasing_levels: 0 };
+    Settings { directions: 16, samples: 12.0, fewest: 4, most: 512, white: 1.0, caution: 0.7, antialiasing_levels: 0 };
 const EPSILON: f64 = 0.01;
 
 struct Material {
@@ -354,8 +354,10 @@ const CHANGES: [(&str, &str, &str); 28] = [
 #[test]
 fn changed_shaders_are_noticed() {
     let Some(gpu) = common::gpu() else { return };
-    let world = World::new(Builtin::BumpyBall, Decoding { filter: Filter::Nearest, ..EXACT });
-    let settings = Settings { antialiasing_levels: 1, ..SETTINGS };
+    let mut world = World::new(Builtin::BumpyBall, Decoding { filter: Filter::Nearest, ..EXACT });
+    // From further away, so that there is more than pixels show.
+    world.scene.camera.field_of_view = Builtin::BumpyBall.scene().camera.field_of_view;
+    let settings = Settings { antialiasing_levels: 1, caution: 0.4, ..SETTINGS };
     let shaders = AdaptiveShaders::default();
     let renderer = AdaptiveRenderer::with_shaders(&gpu, &shaders).unwrap();
     let loaded = world.load(&renderer);
