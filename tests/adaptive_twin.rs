@@ -206,11 +206,12 @@ fn share<T: PartialEq>(a: &[T], b: &[T]) -> f64 {
 
 fn unequal<T: PartialEq>(a: &Pyramid<T>, b: &Pyramid<T>) -> usize {
     assert_eq!(a.levels.len(), b.levels.len());
-    let level = |((w, h, a), (v, g, b)): (&(usize, usize, Vec<T>), &(usize, usize, Vec<T>))| {
-        assert_eq!((w, h), (v, g));
-        a.iter().zip(b).filter(|(a, b)| a != b).count()
-    };
-    a.levels.iter().zip(&b.levels).map(level).sum()
+    let mut count = 0;
+    for ((w, h, a), (v, g, b)) in a.levels.iter().zip(&b.levels) {
+        assert_eq!((w, h, a.len()), (v, g, b.len()));
+        count += a.iter().zip(b).filter(|(a, b)| a != b).count();
+    }
+    count
 }
 
 /// What the CPU finds on a G-buffer.
