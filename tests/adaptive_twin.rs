@@ -206,11 +206,12 @@ fn share<T: PartialEq>(a: &[T], b: &[T]) -> f64 {
 
 fn unequal<T: PartialEq>(a: &Pyramid<T>, b: &Pyramid<T>) -> usize {
     assert_eq!(a.levels.len(), b.levels.len());
-    let level = |((w, h, a), (v, g, b)): (&(usize, usize, Vec<T>), &(usize, usize, Vec<T>))| {
-        assert_eq!((w, h), (v, g));
-        a.iter().zip(b).filter(|(a, b)| a != b).count()
-    };
-    a.levels.iter().zip(&b.levels).map(level).sum()
+    let mut count = 0;
+    for ((w, h, a), (v, g, b)) in a.levels.iter().zip(&b.levels) {
+        assert_eq!((w, h, a.len()), (v, g, b.len()));
+        count += a.iter().zip(b).filter(|(a, b)| a != b).count();
+    }
+    count
 }
 
 /// What the CPU finds on a G-buffer.
@@ -320,7 +321,7 @@ fn each_step_does_what_its_twin_does() {
 }
 
 /// Small changes of the shaders, and by what each is noticed.
-const CHANGES: [(&str, &str, &str); 25] = [
+const CHANGES: [(&str, &str, &str); 28] = [
     ("product(turned, turned) / length_squared", "product(turned, turned)", "curvature"),
     ("rise * rise > LARGEST_RISE_SQUARED", "rise > LARGEST_RISE_SQUARED", "curvature"),
     ("surface, viewer.w)", "surface, 1.0)", "bandwidth"),
@@ -329,12 +330,14 @@ const CHANGES: [(&str, &str, &str); 25] = [
     ("sqrt(variance) * sqrt(shown)", "sqrt(variance) * shown", "deviation"),
     ("0.7152", "0.71", "deviation"),
     ("material.albedo *", "0.4 *", "deviation"),
-    ("settings.caution * predicted", "predicted", "levels"),
+    ("picture_bandwidth(settings.caution * predicted[point].w)", "picture_bandwidth(predicted[point].w)", "levels"),
+    ("picture_bandwidth(settings.caution * predicted[point].w)", "settings.caution * predicted[point].x", "levels"),
     ("level + i32(settings.antialiasing_levels)", "level", "levels"),
     ("covered += 1u", "covered += 2u", "samples"),
     ("min(a.wanted, b.wanted)", "max(a.wanted, b.wanted)", "pyramids"),
     ("max(a.samples, b.samples)", "min(a.samples, b.samples)", "pyramids"),
-    ("min(samples << level, settings.most)", "min(samples, settings.most)", "counts"),
+    ("min(samples << doublings, settings.most)", "min(samples, settings.most)", "counts"),
+    ("max(level, 1u) - 1u", "level", "counts"),
     ("node.wanted > i32(job.level)", "node.wanted >= i32(job.level)", "counts"),
     ("(drawn.incoming.z * drawn.inverse_density)", "drawn.inverse_density", "forward"),
     ("scattered(point) + first", "scattered(point)", "forward"),
@@ -344,6 +347,7 @@ const CHANGES: [(&str, &str, &str); 25] = [
     ("NONE, own + 1u, own + 1u < size", "NONE, own, own + 1u < size", "radiance"),
     ("computed[coarser.z + node]", "computed[own.z + node]", "radiance"),
     ("off * off /", "off /", "radiance"),
+    ("return alpha * exp", "return exp", "radiance"),
     ("here.cosine * beside", "beside", "radiance"),
     ("vec4<f32>(computed[point].xyz, 1.0)", "vec4<f32>(computed[point].xyz, 2.0)", "coverage"),
 ];
@@ -351,8 +355,10 @@ const CHANGES: [(&str, &str, &str); 25] = [
 #[test]
 fn changed_shaders_are_noticed() {
     let Some(gpu) = common::gpu() else { return };
-    let world = World::new(Builtin::BumpyBall, Decoding { filter: Filter::Nearest, ..EXACT });
-    let settings = Settings { antialiasing_levels: 1, ..SETTINGS };
+    let mut world = World::new(Builtin::BumpyBall, Decoding { filter: Filter::Nearest, ..EXACT });
+    // From further away, so that there is more than pixels show.
+    world.scene.camera.field_of_view = Builtin::BumpyBall.scene().camera.field_of_view;
+    let settings = Settings { antialiasing_levels: 1, caution: 0.4, ..SETTINGS };
     let shaders = AdaptiveShaders::default();
     let renderer = AdaptiveRenderer::with_shaders(&gpu, &shaders).unwrap();
     let loaded = world.load(&renderer);

@@ -81,7 +81,7 @@ pub(super) fn allocate(
     let levels = levels(size);
     let nodes = levels.iter().map(|[width, height, _]| (width * height) as u64).sum::<u64>();
     let limits = gpu.device.limits();
-    let most = (limits.max_storage_buffer_binding_size as u64).min(limits.max_buffer_size);
+    let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
     let wanted = VECTOR * nodes.max(FEWEST);
     if wanted > most || levels.len() > MOST_LEVELS {
         let [width, height] = size;

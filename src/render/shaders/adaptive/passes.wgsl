@@ -29,10 +29,12 @@ fn decide(@builtin(global_invocation_id) id: vec3<u32>) {
     outcomes[index] = vec4<u32>(SHADED, raised(node.samples, job.level), point, part_of(point));
 }
 
-// 2^level times the samples, up to the most: a coarse pixel's error shows in 4^level points.
+// 2^level / 2 times the samples above level 0, up to the most: a coarse pixel's error shows in 4^level points, of which
+// means over the pixels around leave a quarter.
 fn raised(samples: u32, level: u32) -> u32 {
-    if samples > (NONE >> level) {
+    let doublings = max(level, 1u) - 1u;
+    if samples > (NONE >> doublings) {
         return settings.most;
     }
-    return min(samples << level, settings.most);
+    return min(samples << doublings, settings.most);
 }

@@ -51,7 +51,7 @@ struct Node {
 @group(0) @binding(4) var normals: texture_2d<f32>;
 @group(0) @binding(5) var tangents: texture_2d<f32>;
 
-// Of each point: bandwidth, deviation, curvature.
+// Of each point: bandwidth in the picture, deviation, curvature, angular bandwidth.
 @group(1) @binding(0) var<storage, read_write> predicted: array<vec4<f32>>;
 @group(1) @binding(1) var<storage, read_write> nodes: array<Node>;
 // Of each node its radiance, and 1 where it has one.

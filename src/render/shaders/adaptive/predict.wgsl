@@ -12,10 +12,10 @@ fn predict(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let found = predict_at(point, predicted[point].z);
-    predicted[point].x = found.x;
-    predicted[point].y = found.y;
+    predicted[point] = vec4<f32>(picture_bandwidth(found.x), found.y, predicted[point].z, found.x);
 }
 
+// Angular bandwidth and deviation.
 fn predict_at(point: u32, bend: f32) -> vec2<f32> {
     let frame = frame_of(point);
     let viewer = viewer_of(position_of(point));
@@ -41,8 +41,12 @@ fn predict_at(point: u32, bend: f32) -> vec2<f32> {
     }
     let shown = material.albedo * light_sum / f32(max(settings.directions, 1u));
     let angular = bandwidth_average_mean(average).angular;
-    let b = bandwidth_pixel(angular, settings.field_of_view, vec2<f32>(picture.pixels), settings.largest);
-    return vec2<f32>(b, visible_deviation(bandwidth_variance_relative(variance, 0.0), shown));
+    return vec2<f32>(angular, visible_deviation(bandwidth_variance_relative(variance, 0.0), shown));
+}
+
+// Cycles per pixel of the picture.
+fn picture_bandwidth(angular: f32) -> f32 {
+    return bandwidth_pixel(angular, settings.field_of_view, vec2<f32>(picture.pixels), settings.largest);
 }
 
 // Standard deviation of one sample in units of the display's codes.

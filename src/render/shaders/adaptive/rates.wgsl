@@ -44,7 +44,8 @@ fn rates(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     // Level 0 is the buffer's resolution, which is finer than the picture's with antialiasing.
     let coarsest = i32(picture.coarsest);
-    let level = bandwidth_pyramid_level(settings.caution * predicted[point].x, coarsest);
+    // What no pixel can show still has the most detail of all, so the limit comes after the factor.
+    let level = bandwidth_pyramid_level(picture_bandwidth(settings.caution * predicted[point].w), coarsest);
     let wanted = clamp(level + i32(settings.antialiasing_levels), 0, coarsest);
     let samples = bandwidth_sample_count(predicted[point].y, settings.scale, settings.fewest, settings.most);
     nodes[point] = Node(wanted, samples, point);

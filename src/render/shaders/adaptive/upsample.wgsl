@@ -53,8 +53,7 @@ fn taken(point: u32, index: u32, level: u32) -> vec4<f32> {
         if value.w == 0.0 {
             continue;
         }
-        let alpha = select(0.75, 0.25, (k & 1u) == 1u) * select(0.75, 0.25, (k >> 1u) == 1u);
-        let w = alpha * weight(here, guide_of(stands_for(level + 1u, node)), spacing);
+        let w = weight(here, guide_of(stands_for(level + 1u, node)), spacing);
         sum += w * value.xyz;
         total += w;
     }
@@ -84,6 +83,7 @@ fn guide_of(point: u32) -> Guide {
     return Guide(vec2<f32>(place), position.xyz, normal, cosine, across_of(normal), u32(position.w) - 1u);
 }
 
+// The bilinear weight of the parent's point, times how much it fits in depth and along the image; 0 for another part.
 fn weight(here: Guide, there: Guide, spacing: f32) -> f32 {
     if here.part != there.part {
         return 0.0;
@@ -96,7 +96,8 @@ fn weight(here: Guide, there: Guide, spacing: f32) -> f32 {
         depth = off * off / (DEPTH * DEPTH * length_squared);
     }
     let v = (there.at - here.at) / spacing;
+    let alpha = max(1.0 - abs(v.x), 0.0) * max(1.0 - abs(v.y), 0.0);
     let along = v.x * here.across.x + v.y * here.across.y;
     let beside = v.y * here.across.x - v.x * here.across.y;
-    return exp(-(depth + along * along + here.cosine * beside * beside));
+    return alpha * exp(-(depth + along * along + here.cosine * beside * beside));
 }
