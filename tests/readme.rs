@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 /// What a line may start with that the README shows and this test does not run: set-up, or checked elsewhere.
-const NOT_RUN: [&str; 11] = [
+const NOT_RUN: [&str; 15] = [
     "./scripts/test",
     // Needs Embree.
     "./scripts/compare-embree",
@@ -26,6 +26,11 @@ const NOT_RUN: [&str; 11] = [
     "brdfc bench --study throughput",
     "brdfc bench --study level-of-detail",
     "brdfc bench --study images",
+    // In tests/cli/render_adaptive.rs.
+    "brdfc bench --study adaptive",
+    "brdfc bench --study pixel-bandwidth",
+    "brdfc bench --study bandwidth-directions",
+    "brdfc bench --study antialiasing",
 ];
 /// How far a number may be from the one in the README: the last digit of mathematical functions is the machine's.
 const TOLERANCE: f64 = 0.01;

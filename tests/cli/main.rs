@@ -15,6 +15,8 @@ mod info;
 mod output;
 #[cfg(feature = "render")]
 mod render;
+#[cfg(feature = "render")]
+mod render_adaptive;
 mod samples;
 mod schemas;
 mod synth;

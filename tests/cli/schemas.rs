@@ -4,7 +4,7 @@ use crate::common::cli::Folder;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-const NAMES: [&str; 12] = [
+const NAMES: [&str; 13] = [
     "build",
     "material",
     "encode",
@@ -17,6 +17,7 @@ const NAMES: [&str; 12] = [
     "flat-btf",
     "bench",
     "render",
+    "render-adaptive",
 ];
 
 fn file(name: &str) -> PathBuf {

@@ -3,11 +3,12 @@
 use super::{Arguments, Study, StudyResult, drawn};
 use crate::cli::output::remark;
 use crate::cli::{CliError, Common};
+use crate::render::adaptive::Start;
 use crate::render::scene::{Environment, Frame};
 use crate::render::scenes::Builtin;
 use crate::report::study::adaptive::{
-    AntialiasingRow, Case, DirectionsRow, EqualErrorRow, FourierRow, Lighting, SHARE, StudyMaterial,
-    antialiasing_study, directions_study, equal_error, exponents, fourier_check,
+    AntialiasingRow, Case, DirectionsRow, EqualErrorRow, FourierRow, Lighting, StudyMaterial, antialiasing_study,
+    directions_study, equal_error, exponents, fourier_check,
 };
 use crate::report::table::{percent, plain, significant};
 use crate::source::Source;
@@ -24,7 +25,7 @@ const PSNR: [f64; 3] = [28.0, 30.0, 33.0];
 /// Shapes with smooth and bumpy parts.
 const SHAPES: [Builtin; 2] = [Builtin::BumpyBall, Builtin::RibbedTorus];
 /// Mean samples per pixel that the studies at a fixed budget ask for.
-const BUDGET: f32 = 16.0;
+const BUDGET: f32 = 64.0;
 
 /// Numbers of directions for one material.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
@@ -100,7 +101,7 @@ fn unpackable(error: FormatError) -> CliError {
 
 fn empty(study: Study) -> StudyResult {
     match study {
-        Study::PixelBandwidth => StudyResult::PixelBandwidth { share: SHARE, rows: Vec::new() },
+        Study::PixelBandwidth => StudyResult::PixelBandwidth { rows: Vec::new() },
         Study::BandwidthDirections => StudyResult::BandwidthDirections { rows: Vec::new() },
         Study::Antialiasing => StudyResult::Antialiasing { rows: Vec::new() },
         _ => StudyResult::Adaptive { rows: Vec::new() },
@@ -120,11 +121,15 @@ fn add(
         StudyResult::Adaptive { rows } => {
             rows.extend(equal_error(material, shape, lighting, frame, truth, &PSNR));
         }
-        StudyResult::PixelBandwidth { rows, .. } => {
-            rows.push(Case::with(material, shape, lighting, frame, truth, |case| fourier_check(case, &name, &on)))
+        StudyResult::PixelBandwidth { rows } => {
+            rows.push(Case::with(material, shape, lighting, frame, (truth, Start::Shared), |case| {
+                fourier_check(case, &name, &on)
+            }))
         }
         StudyResult::BandwidthDirections { rows } => {
-            let found = Case::with(material, shape, lighting, frame, truth, |case| directions_study(case, BUDGET));
+            let found = Case::with(material, shape, lighting, frame, (truth, Start::Scattered), |case| {
+                directions_study(case, BUDGET)
+            });
             rows.push(DirectionsStudy { material: name, shape: on, rows: found });
         }
         StudyResult::Antialiasing { rows } => {
@@ -185,7 +190,7 @@ pub(super) fn equal_error_text(rows: &[EqualErrorRow]) -> String {
         )
 }
 
-pub(super) fn fourier_text(rows: &[FourierRow], share: f64) -> String {
+pub(super) fn fourier_text(rows: &[FourierRow]) -> String {
     let header =
         ["material", "shape", "windows", "within 4", "too low by 2", "rank correlation", "5 %", "median", "95 %"];
     let cells: Vec<Vec<String>> = rows
@@ -198,11 +203,8 @@ pub(super) fn fourier_text(rows: &[FourierRow], share: f64) -> String {
         })
         .collect();
     plain(&header, &cells)
-        + &format!(
-            "\nPredicted pixel bandwidth over that of windowed Fourier transforms of the ground truth as displayed, 32 x 32\n\
-             pixels, {} of the energy. Wanted: within 4 on 90 %, too low by 2 on at most 5 %, correlation 0.7.\n",
-            percent(share)
-        )
+        + "\nPredicted pixel bandwidth over the root mean square of frequency in windows of 32 x 32 pixels of the ground truth as\n\
+           displayed. Wanted: within 4 on 90 %, too low by 2 on at most 5 %, correlation 0.7.\n"
 }
 
 pub(super) fn directions_text(rows: &[DirectionsStudy]) -> String {

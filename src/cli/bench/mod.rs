@@ -142,8 +142,6 @@ pub enum StudyResult {
     /// Predicted bandwidth against Fourier transforms.
     #[cfg(feature = "render")]
     PixelBandwidth {
-        /// Share of a window's energy that its bandwidth holds.
-        share: f64,
         /// One for each material.
         rows: Vec<crate::report::study::adaptive::FourierRow>,
     },
@@ -219,7 +217,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         #[cfg(feature = "render")]
         StudyResult::Adaptive { rows } => print(&adaptive::equal_error_text(rows)),
         #[cfg(feature = "render")]
-        StudyResult::PixelBandwidth { share, rows } => print(&adaptive::fourier_text(rows, *share)),
+        StudyResult::PixelBandwidth { rows } => print(&adaptive::fourier_text(rows)),
         #[cfg(feature = "render")]
         StudyResult::BandwidthDirections { rows } => print(&adaptive::directions_text(rows)),
         #[cfg(feature = "render")]

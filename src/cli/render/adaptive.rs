@@ -8,7 +8,9 @@ use crate::build::maps::part_name;
 use crate::cli::output::{print, print_json, remark, write_file};
 use crate::cli::{CliError, Common};
 use crate::metrics::image::{LinearImage, auto_exposure};
-use crate::render::adaptive::{AdaptiveMaterial, AdaptivePicture, AdaptiveScene, Lookups, Settings, ground_truth};
+use crate::render::adaptive::{
+    AdaptiveMaterial, AdaptivePicture, AdaptiveScene, Lookups, Settings, Start, ground_truth,
+};
 use crate::render::gpu::{AdapterChoice, AdaptiveRenderer, Decoding, Gpu, SliceFilter};
 use crate::render::scene::Frame;
 use crate::render::shade::Reflectance;
@@ -44,10 +46,10 @@ pub(super) struct Options {
     /// Latitude-longitude image, .exr or .hdr, that lights the scene (default: the manifest's, or the scene's sky).
     #[arg(long, value_name = "FILE", requires = "adaptive")]
     pub(super) environment: Option<PathBuf>,
-    /// Mean samples per pixel if all pixels were shaded (default 16).
+    /// Mean samples per pixel if all pixels were shaded (default 64).
     #[arg(long, value_name = "X", requires = "adaptive")]
     budget: Option<f32>,
-    /// Factor on predicted bandwidths, which are upper bounds: less is faster, more is sharper (default 0.35).
+    /// Factor on predicted bandwidths, which are upper bounds: less is faster, more is sharper (default 0.5).
     #[arg(long, value_name = "X", requires = "adaptive")]
     caution: Option<f32>,
     /// Incident directions that bandwidth is averaged over (default 16).
@@ -124,7 +126,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let truth_samples = (arguments.adaptive.truth.unwrap_or(TRUTH) / antialias as usize).max(16);
     remark(common, &format!("ground truth: {truth_samples} samples for each of {surface_points} points, on the CPU"));
     let distributions: Vec<_> = parts.iter().map(|part| &lookups[*part].distributions).collect();
-    let (truth, truth_seconds) = timed(|| Ok(ground_truth(&drawn, frame, &buffer, &distributions, truth_samples)))?;
+    let (truth, truth_seconds) =
+        timed(|| Ok(ground_truth(&drawn, frame, &buffer, &distributions, truth_samples, Start::Scattered)))?;
     let exposure = setup.exposure.unwrap_or_else(|| auto_exposure(&truth));
     settings.white = (1.0 / exposure) as f32;
 
@@ -180,7 +183,7 @@ fn settings(options: &Options) -> Result<(Settings, u32), CliError> {
     let usage = |flag: &str, found: String, allowed: &str| {
         Err(CliError::Usage(format!("--{flag}: found {found}; allowed {allowed}")))
     };
-    let default = Settings { samples: 16.0, ..Settings::default() };
+    let default = Settings::default();
     let samples = options.budget.unwrap_or(default.samples);
     if !(0.01..=MOST as f32).contains(&samples) {
         return usage("budget", samples.to_string(), "0.01 to 65536");

@@ -17,7 +17,7 @@ pub use passes::{ShadedLevels, shade};
 pub use predict::{ANY_LEVEL, Prediction, coarsest, coarsest_of, field_of_view, predict};
 pub use pyramid::Pyramid;
 pub use shading::{forward, shade_point};
-pub use truth::ground_truth;
+pub use truth::{Start, ground_truth};
 pub use upsample::{Guide, LEAST_WEIGHT, parents, weight};
 
 use super::gbuffer::GBuffer;
@@ -74,7 +74,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { directions: 16, samples: 64.0, fewest: 1, most: 1024, white: 1.0, caution: 0.35, antialiasing_levels: 0 }
+        Self { directions: 16, samples: 64.0, fewest: 1, most: 1024, white: 1.0, caution: 0.5, antialiasing_levels: 0 }
     }
 }
 

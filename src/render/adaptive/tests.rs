@@ -62,7 +62,7 @@ impl Prepared {
 
     fn truth(&self, scene: &AdaptiveScene<'_>, frame: Frame, buffer: &GBuffer, samples: usize) -> LinearImage {
         let distributions = LobeDistributions::new(self.source.as_ref(), &self.recipe).unwrap();
-        ground_truth(scene, frame, buffer, &vec![&distributions; self.scene.parts.len()], samples)
+        ground_truth(scene, frame, buffer, &vec![&distributions; self.scene.parts.len()], samples, Start::Scattered)
     }
 }
 

@@ -27,6 +27,15 @@ impl LobeSampler for MeasuredLobe<'_> {
     }
 }
 
+/// Where in the sequence of samples points begin.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Start {
+    /// Anywhere: errors are noise.
+    Scattered,
+    /// All at the same place: errors vary no faster than the picture, which leaves its spectrum without noise.
+    Shared,
+}
+
 /// The picture that `samples` samples for each point of the buffer give, half of them by the lobe of the material, half
 /// by the light of the environment. One distribution for each part.
 ///
@@ -38,11 +47,12 @@ pub fn ground_truth(
     buffer: &GBuffer,
     distributions: &[&LobeDistributions],
     samples: usize,
+    start: Start,
 ) -> LinearImage {
     let environment = EnvironmentSampler::new(&scene.scene.environment);
     let one = |pixel: usize| -> [f32; 3] {
         let (Some(part), Some(point)) = (buffer.part_at(pixel), buffer.surface_point(pixel)) else { return [0.0; 3] };
-        let shift = shift_of(pixel);
+        let shift = shift_of(if start == Start::Scattered { pixel } else { 0 });
         let lobe = MeasuredLobe { distributions: distributions[part], shift };
         let light = FramedEnvironmentSampler { environment: &environment, point: &point, shift };
         let sampler = BalancedSampler { first: &lobe, second: &light };

@@ -3,7 +3,7 @@
 use crate::bandwidth::DEFAULT_EPSILON;
 use crate::bandwidth::map::environment_map;
 use crate::metrics::image::{LinearImage, auto_exposure, signal_to_noise};
-use crate::render::adaptive::{AdaptiveScene, Lookups, Settings, ground_truth};
+use crate::render::adaptive::{AdaptiveScene, Lookups, Settings, Start, ground_truth};
 use crate::render::gbuffer::GBuffer;
 use crate::render::scene::{Environment, Frame, Scene};
 use crate::render::scenes::Builtin;
@@ -66,13 +66,13 @@ pub struct Case<'a> {
 }
 
 impl Case<'_> {
-    /// Draws the ground truth of a material on a shape, and hands all of it to `run`.
+    /// Draws the ground truth of a material on a shape, with so many samples per pixel, and hands all of it to `run`.
     pub fn with<T>(
         material: &StudyMaterial<'_>,
         shape: Builtin,
         lighting: &Lighting,
         frame: Frame,
-        truth_samples: usize,
+        (samples, start): (usize, Start),
         run: impl FnOnce(&Case<'_>) -> T,
     ) -> T {
         let scene = Scene { environment: lighting.environment.clone(), ..shape.scene() };
@@ -81,7 +81,7 @@ impl Case<'_> {
         let adaptive = AdaptiveScene { scene: &scene, environment_bandwidth: &lighting.map, materials: &materials };
         let buffer = GBuffer::new(&scene, frame);
         let distributions = vec![&material.lookups.distributions; scene.parts.len()];
-        let truth = ground_truth(&adaptive, frame, &buffer, &distributions, truth_samples);
+        let truth = ground_truth(&adaptive, frame, &buffer, &distributions, samples, start);
         let exposure = auto_exposure(&truth);
         let surface = (0..buffer.part.len()).filter(|pixel| buffer.part_at(*pixel).is_some()).count();
         run(&Case { adaptive, frame, buffer: &buffer, truth, exposure, surface })

@@ -3,7 +3,7 @@
 use super::case::{Case, Lighting, StudyMaterial};
 use super::curve::{Point, needed};
 use crate::metrics::image::{PIXELS_PER_DEGREE, flip};
-use crate::render::adaptive::{AdaptivePicture, Settings, draw, forward, predict};
+use crate::render::adaptive::{AdaptivePicture, Settings, Start, draw, forward, predict};
 use crate::render::scene::Frame;
 use crate::render::scenes::Builtin;
 use schemars::JsonSchema;
@@ -11,7 +11,7 @@ use serde::Serialize;
 use std::time::Instant;
 
 /// Values of [`Settings::caution`] beside the default one.
-pub const CAUTIONS: [f32; 3] = [0.25, 0.5, 1.0];
+pub const CAUTIONS: [f32; 3] = [0.25, 0.35, 1.0];
 /// Most samples per pixel of forward shading, and most that adaptive shading is asked for.
 const MOST: u32 = 512;
 
@@ -78,7 +78,7 @@ pub fn equal_error(
     truth_samples: usize,
     wanted: &[f64],
 ) -> Vec<EqualErrorRow> {
-    Case::with(material, shape, lighting, frame, truth_samples, |case| {
+    Case::with(material, shape, lighting, frame, (truth_samples, Start::Scattered), |case| {
         let highest = wanted.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let forward = forward_curve(case, highest);
         let default = Settings::default().caution;

@@ -7,8 +7,6 @@ use brdfc_formats::colour::encode_srgb;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// Share of a window's energy that its bandwidth holds.
-pub const SHARE: f64 = 0.95;
 /// Pixels between windows.
 const STRIDE: usize = 4;
 
@@ -53,7 +51,7 @@ pub fn fourier_check(case: &Case<'_>, material: &str, shape: &str) -> FourierRow
         .flat_map(|row| (half..=width.saturating_sub(half)).step_by(STRIDE).map(move |column| [column, row]))
         .filter(is_surface)
         .collect();
-    let reference = window_bandwidths(&shown, width, &windows, SHARE);
+    let reference = window_bandwidths(&shown, width, &windows);
     let predicted: Vec<f32> = windows.iter().map(|[x, y]| prediction.bandwidth[y * width + x]).collect();
     compared(&predicted, &reference, material, shape)
 }

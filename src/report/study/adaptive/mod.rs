@@ -13,4 +13,4 @@ pub use antialiasing::{AntialiasingRow, antialiasing_study, exponents};
 pub use case::{Case, Lighting, StudyMaterial};
 pub use directions::{DIRECTIONS, DirectionsRow, directions_study};
 pub use equal_error::{AdaptivePoint, EqualErrorRow, equal_error};
-pub use fourier::{FourierRow, SHARE, fourier_check};
+pub use fourier::{FourierRow, fourier_check};
