@@ -15,6 +15,9 @@ use brdfc_formats::direction::{DirectionPair, Vector, from_polar};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+/// Values beyond this count as this: their coefficients stay finite.
+const LARGEST: f64 = 1e30;
+
 /// Cells per axis of the grids of directions.
 pub const CELLS: usize = 16;
 /// Values per axis of a map.
@@ -224,9 +227,10 @@ impl LobeImage {
                     value = [0, 1, 2].map(|k| 2.0 * horizon[sample][k] - value[k]);
                 }
                 for (k, channel) in channels.iter_mut().enumerate() {
-                    channel[number] = value[k] as f32;
+                    let value = value[k].clamp(-LARGEST, LARGEST) as f32;
+                    channel[number] = value;
                     if halves {
-                        channel[(side - 1 - row) * side + number % side] = value[k] as f32;
+                        channel[(side - 1 - row) * side + number % side] = value;
                     }
                 }
             }

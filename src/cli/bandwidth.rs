@@ -193,6 +193,8 @@ fn metres(arguments: &Arguments) -> Result<[f64; 2], CliError> {
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     let recipe = recipe(arguments)?;
     refuse_overwriting(&arguments.output, &[Path::new(&arguments.input)])?;
+    #[cfg(feature = "render")]
+    check_picture(arguments)?;
     let epsilon = arguments.epsilon;
     let (map, seconds) = match recipe {
         Recipe::Brdf { resolution } => {
@@ -219,6 +221,18 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         return Ok(());
     }
     print(&text)
+}
+
+/// The picture is another file than the input and the map, and a PNG.
+#[cfg(feature = "render")]
+fn check_picture(arguments: &Arguments) -> Result<(), CliError> {
+    use super::output::refuse_same_outputs;
+    let Some(path) = &arguments.picture else { return Ok(()) };
+    if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
+        return Err(CliError::Usage(format!("--picture: found {}; allowed a name in .png", path.display())));
+    }
+    refuse_overwriting(path, &[Path::new(&arguments.input)])?;
+    refuse_same_outputs(&[("--output", Some(&arguments.output)), ("--picture", Some(path))])
 }
 
 /// Reads an input and makes its map.

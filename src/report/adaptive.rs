@@ -33,7 +33,7 @@ pub struct AdaptiveVerification {
     pub settings: AdaptiveSettings,
     /// What adaptive shading took.
     pub adaptive: Shading,
-    /// Seconds of it that the bandwidth buffer took.
+    /// Seconds that the bandwidth buffer takes, run on its own before.
     pub bandwidth_seconds: f64,
     /// What each level of the pyramid shaded, finest first.
     pub levels: Vec<LevelCount>,

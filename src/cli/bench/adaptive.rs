@@ -148,6 +148,7 @@ pub(super) fn equal_error_text(rows: &[EqualErrorRow]) -> String {
         "forward",
         "adaptive",
         "gain",
+        "drawn",
         "shaded",
         "FLIP",
         "best",
@@ -166,6 +167,7 @@ pub(super) fn equal_error_text(rows: &[EqualErrorRow]) -> String {
                 number(row.forward_samples),
                 number(row.adaptive.map(|point| point.samples)),
                 number(row.gain(row.adaptive)),
+                row.adaptive.map_or("-".to_owned(), |point| format!("{:.2} dB", point.psnr)),
                 row.adaptive.map_or("-".to_owned(), |point| percent(point.shaded)),
                 row.adaptive.map_or("-".to_owned(), |point| format!("{:.3}", point.flip)),
                 number(row.best.map(|point| point.samples)),
@@ -182,9 +184,9 @@ pub(super) fn equal_error_text(rows: &[EqualErrorRow]) -> String {
     plain(&header, &cells)
         + &format!(
             "\nforward, adaptive and best: samples per pixel that shows a surface, for the same PSNR against a ground truth of\n\
-             {} samples; interpolated between powers of two. adaptive: default caution; best: the caution that takes fewest.\n\
+             {} samples; interpolated between powers of two; drawn: PSNR of the picture with that budget. adaptive: default caution; best: the caution that takes fewest.\n\
              shaded: shaded pixels per pixel of surface. bandwidth: time of the bandwidth buffer as a share of forward\n\
-             shading's. Smallest gain at default caution: {summary}; not reached at any budget: {missed} of {}.\n",
+             shading's. Smallest gain at default caution: {summary}; not reached with 1 to 512: {missed} of {}.\n",
             rows.first().map_or(0, |row| row.truth_samples),
             rows.len(),
         )

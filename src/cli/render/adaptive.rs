@@ -1,10 +1,11 @@
 //! `brdfc render --adaptive`: environment light, shaded where and as much as predicted bandwidth asks for.
 
-use super::materials::Prepared;
+use super::materials::{Prepared, Subject};
 use super::{Arguments, FilterName, materials, outputs, scene};
 use crate::bandwidth::DEFAULT_EPSILON;
 use crate::bandwidth::map::environment_map;
 use crate::build::maps::part_name;
+use crate::build::needs;
 use crate::cli::output::{print, print_json, remark, write_file};
 use crate::cli::{CliError, Common};
 use crate::metrics::image::{LinearImage, auto_exposure};
@@ -32,8 +33,10 @@ use std::time::Instant;
 /// Samples per pixel of forward shading and of the ground truth where nothing is said.
 const FORWARD: u32 = 32;
 const TRUTH: usize = 256;
-/// Most samples per pixel of either, and mean samples that may be asked for.
-const MOST: u32 = 65_536;
+/// Most samples of forward shading, and mean samples that may be asked for: the lists of samples begin again after as many.
+const MOST: u32 = 1024;
+/// Most samples per pixel of the ground truth.
+const MOST_TRUTH: usize = 65_536;
 
 /// Flags of `--adaptive`.
 #[derive(Debug, Args)]
@@ -49,7 +52,7 @@ pub(super) struct Options {
     /// Mean samples per pixel if all pixels were shaded (default 64).
     #[arg(long, value_name = "X", requires = "adaptive")]
     budget: Option<f32>,
-    /// Factor on predicted bandwidths, which are upper bounds: less is faster, more is sharper (default 0.5).
+    /// Factor on predicted bandwidths before levels are chosen: less is faster, more is sharper (default 0.5).
     #[arg(long, value_name = "X", requires = "adaptive")]
     caution: Option<f32>,
     /// Incident directions that bandwidth is averaged over (default 16).
@@ -64,7 +67,7 @@ pub(super) struct Options {
     /// Samples per pixel of the ground truth, on the CPU (default 256).
     #[arg(long, value_name = "N", requires = "adaptive")]
     truth: Option<usize>,
-    /// Bandwidth, levels and variance side by side, bright where much is spent: .png.
+    /// Bandwidth, levels and variance as it shows side by side, bright where much is spent: .png.
     #[arg(long, value_name = "IMAGE.png", requires = "adaptive")]
     pub(super) maps: Option<PathBuf>,
     /// Fail with exit code 1 if the PSNR is below X dB.
@@ -84,6 +87,11 @@ pub struct Report {
     seconds: f64,
 }
 
+/// Points per pixel and axis.
+pub(super) fn points_per_axis(arguments: &Arguments) -> usize {
+    1 << (arguments.adaptive.antialias.unwrap_or(1).max(1).ilog2() / 2)
+}
+
 /// Whether the flag is there.
 pub(super) fn is_adaptive(arguments: &Arguments) -> bool {
     arguments.adaptive.adaptive
@@ -99,8 +107,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let choice = arguments.adapter.clone().map_or(AdapterChoice::Best, AdapterChoice::Named);
     let gpu = Gpu::open(&choice)?;
     let prepared = materials::prepare(arguments, &subject, &setup.names, common)?;
-    let lookups = prepared.iter().map(|part| lookups(arguments, part)).collect::<Result<Vec<_>, _>>()?;
-    let environment_bandwidth = environment(arguments, &setup.scene.environment)?;
+    let lookups = prepared.iter().map(|part| lookups(arguments, &subject, part)).collect::<Result<Vec<_>, _>>()?;
+    let environment_bandwidth = environment(arguments, &subject, &setup.scene.environment)?;
     let decoding = Decoding {
         filter: arguments.filter.unwrap_or(FilterName::Bilinear).into(),
         slices: if arguments.exact { SliceFilter::Exact } else { SliceFilter::Hardware },
@@ -131,6 +139,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let exposure = setup.exposure.unwrap_or_else(|| auto_exposure(&truth));
     settings.white = (1.0 / exposure) as f32;
 
+    // Once before it is timed: a driver compiles when it first runs.
+    renderer.run_prediction(&loaded, &g_buffer, &settings)?;
     let ((), bandwidth_seconds) = timed(|| renderer.run_prediction(&loaded, &g_buffer, &settings))?;
     let (picture, seconds) = timed(|| renderer.draw(&loaded, &g_buffer, &settings))?;
     let count = arguments.adaptive.forward.unwrap_or(FORWARD);
@@ -186,7 +196,7 @@ fn settings(options: &Options) -> Result<(Settings, u32), CliError> {
     let default = Settings::default();
     let samples = options.budget.unwrap_or(default.samples);
     if !(0.01..=MOST as f32).contains(&samples) {
-        return usage("budget", samples.to_string(), "0.01 to 65536");
+        return usage("budget", samples.to_string(), "0.01 to 1024");
     }
     let caution = options.caution.unwrap_or(default.caution);
     if !(0.001..=1000.0).contains(&caution) {
@@ -201,9 +211,9 @@ fn settings(options: &Options) -> Result<(Settings, u32), CliError> {
         return usage("antialias", antialias.to_string(), "1, 4 or 16");
     }
     if let Some(count) = options.forward.filter(|count| !(1..=MOST).contains(count)) {
-        return usage("forward", count.to_string(), "1 to 65536");
+        return usage("forward", count.to_string(), "1 to 1024");
     }
-    if let Some(count) = options.truth.filter(|count| !(16..=MOST as usize).contains(count)) {
+    if let Some(count) = options.truth.filter(|count| !(16..=MOST_TRUTH).contains(count)) {
         return usage("truth", count.to_string(), "16 to 65536");
     }
     if let Some(limit) = options.min_psnr.filter(|limit| !limit.is_finite()) {
@@ -232,7 +242,7 @@ fn refuse(arguments: &Arguments) -> Result<(), CliError> {
 }
 
 /// What is looked up of a material: from the folder of a build where it is there, else from the source or the pack.
-fn lookups(arguments: &Arguments, prepared: &Prepared) -> Result<Lookups, CliError> {
+fn lookups(arguments: &Arguments, subject: &Subject, prepared: &Prepared) -> Result<Lookups, CliError> {
     let wrong = |error: FormatError| CliError::Internal(format!("{}: {error}", prepared.name));
     let unpacked;
     let source = match &prepared.source {
@@ -242,15 +252,19 @@ fn lookups(arguments: &Arguments, prepared: &Prepared) -> Result<Lookups, CliErr
             &unpacked
         }
     };
-    match built(arguments, &prepared.name)? {
+    match built(arguments, subject, &prepared.name)? {
         Some((bandwidth, samples)) => Lookups::of_packs(source, bandwidth, samples).map_err(wrong),
         None => Lookups::new(source).map_err(wrong),
     }
 }
 
 /// Map and samples that a build wrote; neither where it wrote none.
-fn built(arguments: &Arguments, name: &str) -> Result<Option<(BandwidthMap, ImportancePack)>, CliError> {
-    let Some(folder) = &arguments.packs else { return Ok(None) };
+fn built(
+    arguments: &Arguments,
+    subject: &Subject,
+    name: &str,
+) -> Result<Option<(BandwidthMap, ImportancePack)>, CliError> {
+    let Some(folder) = maps_folder(arguments, subject) else { return Ok(None) };
     let [map, samples] = ["bandwidth", "samples"].map(|part| folder.join(part_name(name, part)));
     if !map.exists() && !samples.exists() {
         return Ok(None);
@@ -269,13 +283,20 @@ fn built(arguments: &Arguments, name: &str) -> Result<Option<(BandwidthMap, Impo
     }
 }
 
-/// The environment's map: that of the build, if it is of this scene's environment.
+/// The folder in which a build of this manifest left maps. Those of other scenes do not count: they may be old.
+fn maps_folder<'a>(arguments: &'a Arguments, subject: &Subject) -> Option<&'a PathBuf> {
+    subject.manifest().and_then(needs::environment)?;
+    arguments.packs.as_ref()
+}
+
+/// The environment's map: that of the build where the manifest's environment lights the scene, else made afresh.
 fn environment(
     arguments: &Arguments,
+    subject: &Subject,
     environment: &crate::render::scene::Environment,
 ) -> Result<BandwidthMap, CliError> {
-    if let (Some(folder), None) = (&arguments.packs, &arguments.adaptive.environment) {
-        let path = folder.join(part_name(crate::build::needs::ENVIRONMENT, "bandwidth"));
+    if let (Some(folder), None) = (maps_folder(arguments, subject), &arguments.adaptive.environment) {
+        let path = folder.join(part_name(needs::ENVIRONMENT, "bandwidth"));
         if path.exists() {
             return match open_other_pack(&path)? {
                 Some(OtherPack::Bandwidth(map)) if map.header().kind == BandwidthKind::Environment => Ok(map),
@@ -361,9 +382,10 @@ fn text(v: &AdaptiveVerification) -> String {
     text += &format!("\n{}\n", plain(&header, &rows));
     text += &plain(&["level", "pixels", "shaded", "samples"], &levels);
     text += &format!(
-        "\nbandwidth buffer: {:.3} s, {} of forward shading. Ground truth: {} samples per point, {:.1} s.\n",
+        "\nbandwidth buffer: {:.3} s, {} of forward shading with {} samples. Ground truth: {} samples per point, {:.1} s.\n",
         v.bandwidth_seconds,
         percent(v.bandwidth_seconds / v.forward.seconds.max(1e-9)),
+        v.forward.samples_per_point,
         v.truth_samples,
         v.truth_seconds,
     );

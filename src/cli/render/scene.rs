@@ -60,7 +60,10 @@ pub(super) fn setup(arguments: &Arguments, subject: &Subject) -> Result<Setup, C
         Some(text) => size(text)?,
         None => (section.width.unwrap_or(DEFAULT_SIDE), section.height.unwrap_or(DEFAULT_SIDE)),
     };
-    let samples = arguments.samples.or(section.samples).unwrap_or(DEFAULT_SAMPLES);
+    let samples = match adaptive::is_adaptive(arguments) {
+        true => adaptive::points_per_axis(arguments),
+        false => arguments.samples.or(section.samples).unwrap_or(DEFAULT_SAMPLES),
+    };
     if !(1..=MAX_SAMPLES).contains(&samples) {
         return Err(CliError::Usage(format!("--samples: found {samples}; allowed 1 to {MAX_SAMPLES}")));
     }

@@ -21,7 +21,10 @@ pub fn window_bandwidth(values: &[f32], width: usize, [column, row]: [usize; 2])
     const HALF: usize = WINDOW / 2;
     assert!(column >= HALF && column + HALF <= width && row >= HALF, "the window lies inside");
     let weight = |k: usize| 0.5 - 0.5 * (TAU * (k as f32 + 0.5) / WINDOW as f32).cos();
-    let at = |k: usize| values[(row - HALF + k / WINDOW) * width + column - HALF + k % WINDOW];
+    // Relative to one of them, so that a constant has no rounding.
+    let at = |k: usize| {
+        values[(row - HALF + k / WINDOW) * width + column - HALF + k % WINDOW] - values[row * width + column]
+    };
     let weights: Vec<f32> = (0..WINDOW * WINDOW).map(|k| weight(k % WINDOW) * weight(k / WINDOW)).collect();
     let total: f32 = weights.iter().sum();
     let mean = weights.iter().enumerate().map(|(k, w)| w * at(k)).sum::<f32>() / total;

@@ -76,7 +76,8 @@ fn albedo(samples: &ImportancePack, f_r: impl Fn(DirectionPair) -> [f64; 3]) -> 
             }
         }
     }
-    (sum / f64::from(VIEWS * SAMPLES)) as f32
+    // Measured values may be below 0.
+    (sum / f64::from(VIEWS * SAMPLES)).max(0.0) as f32
 }
 
 #[cfg(test)]

@@ -65,8 +65,8 @@ pub struct Settings {
     /// Radiance that the display shows as white.
     pub white: f32,
     /// Multiplies bandwidths before levels are chosen: 1 is Nyquist's rate for them, 2 twice as many pixels along each axis.
-    /// Predicted bandwidths are upper bounds, by the maps (1.2 to 1.45 times those of waves, largest of three channels) and
-    /// by the propagation (no signs, every direction in the plane of incidence), so less than 1 will do.
+    /// Predicted bandwidths are mostly too high, by the maps (1.2 to 1.45 times those of waves, largest of three channels) and
+    /// by the propagation (no signs, every direction in the plane of incidence), so less than 1 will do; weak detail on strong slow light is found too low.
     pub caution: f32,
     /// Levels finer than pixels: 0, 1 for 2 x 2 samples per pixel, 2 for 4 x 4.
     pub antialiasing_levels: u32,

@@ -32,7 +32,8 @@ pub struct Prediction {
 /// Predicts every pixel of the buffer, whose points stand `1 << antialiasing_levels` to a pixel and axis.
 ///
 /// Each of `settings.directions` incident directions is drawn in proportion to the lobe, so that `L ρ cos θ` over the
-/// density is proportional to `L`: neither the material nor the reflected light is evaluated.
+/// density is proportional to `L`: neither the material nor the reflected light is evaluated. The tenth of the directions that
+/// does not follow the lobe counts like the others.
 pub fn predict(scene: &AdaptiveScene<'_>, frame: Frame, buffer: &GBuffer, settings: &Settings) -> Prediction {
     let curvature = curvature(buffer);
     let field_of_view = field_of_view(&scene.scene.camera, frame);
@@ -118,7 +119,7 @@ fn at(
     (average.mean(), variance.relative(0.0), luminance)
 }
 
-/// The level whose only pixel covers the buffer's shorter side.
+/// The coarsest level: log2 of the buffer's shorter side, rounded down.
 pub fn coarsest(buffer: &GBuffer) -> i32 {
     coarsest_of(buffer.width, buffer.height)
 }

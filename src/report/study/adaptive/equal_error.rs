@@ -28,11 +28,11 @@ pub struct EqualErrorRow {
     pub truth_samples: usize,
     /// The error that both are to have, dB of PSNR against the ground truth.
     pub psnr: f64,
-    /// Samples per pixel that forward shading needs; absent if 512 are not enough.
+    /// Samples per pixel that forward shading needs; absent if none of 1 to 512 has just this error.
     pub forward_samples: Option<f64>,
     /// Seconds of forward shading with as many.
     pub forward_seconds: Option<f64>,
-    /// Adaptive shading with the default caution; absent if no budget is enough.
+    /// Adaptive shading with the default caution; absent if no budget from 1 to 512 has just this error.
     pub adaptive: Option<AdaptivePoint>,
     /// The same with the caution that needs the fewest samples.
     pub best: Option<AdaptivePoint>,
