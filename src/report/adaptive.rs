@@ -78,6 +78,8 @@ pub struct Shading {
     pub shaded: u64,
     /// Seconds to shade, without the G-buffer.
     pub seconds: f64,
+    /// Pixels that hold no number, in the picture or in the ground truth; they are left out of the PSNR.
+    pub invalid_pixels: usize,
     /// dB of PSNR against the ground truth, as a display shows both; absent if there is no difference.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub psnr: Option<f64>,
@@ -111,12 +113,14 @@ impl Shading {
         truth: &LinearImage,
         exposure: f64,
     ) -> Self {
+        let error = signal_to_noise(image, truth, exposure);
         Self {
             samples,
             samples_per_point: samples as f64 / points.max(1) as f64,
             shaded,
             seconds,
-            psnr: signal_to_noise(image, truth, exposure).psnr,
+            invalid_pixels: error.invalid_pixels,
+            psnr: error.psnr,
             flip: flip(image, truth, exposure, PIXELS_PER_DEGREE).mean_on_surfaces,
         }
     }

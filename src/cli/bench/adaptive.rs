@@ -53,8 +53,10 @@ pub struct AntialiasingStudy {
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, CliError> {
     let side = arguments.pixels.unwrap_or(512);
-    if !(32..=2048).contains(&side) {
-        return Err(CliError::Usage(format!("--pixels: found {side}; allowed 32 to 2048")));
+    // Windows of 32 x 32 pixels are to fit into the sphere.
+    let least = if arguments.study == Study::PixelBandwidth { 64 } else { 32 };
+    if !(least..=2048).contains(&side) {
+        return Err(CliError::Usage(format!("--pixels: found {side}; allowed {least} to 2048")));
     }
     let truth = arguments.truth.unwrap_or(256);
     if !(16..=65536).contains(&truth) {

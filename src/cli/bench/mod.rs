@@ -83,7 +83,7 @@ enum Study {
     /// Section 6.3, figure 9: colour differences on a cloth, shader against source, 4:1 and 8 bits.
     Images,
     /// Section 5 of Bagher et al. 2012: samples that adaptive and forward shading need for the same error, of every
-    /// material on two shapes. Minutes for each material.
+    /// material on two shapes, on the CPU. Minutes for each material.
     Adaptive,
     /// Figure 12 of Bagher et al. 2012: predicted pixel bandwidth against windowed Fourier transforms, on a sphere.
     PixelBandwidth,

@@ -27,7 +27,7 @@ use brdfc_formats::pack::bandwidth::{BandwidthKind, BandwidthMap};
 use brdfc_formats::pack::{DEFAULT_DISTANCE_SCALE, ImportancePack, WaveletPack};
 use clap::Args;
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Samples per pixel of forward shading and of the ground truth where nothing is said.
@@ -49,7 +49,8 @@ pub(super) struct Options {
     /// Latitude-longitude image, .exr or .hdr, that lights the scene (default: the manifest's, or the scene's sky).
     #[arg(long, value_name = "FILE", requires = "adaptive")]
     pub(super) environment: Option<PathBuf>,
-    /// Mean samples per pixel if all pixels were shaded (default 64).
+    /// Mean samples per pixel if all pixels were shaded (default 64);
+    /// a shaded pixel gets 1 to 1024, more where more shows.
     #[arg(long, value_name = "X", requires = "adaptive")]
     budget: Option<f32>,
     /// Factor on predicted bandwidths before levels are chosen: less is faster, more is sharper (default 0.5).
@@ -269,18 +270,18 @@ fn built(
     if !map.exists() && !samples.exists() {
         return Ok(None);
     }
-    match (open_other_pack(&map)?, open_other_pack(&samples)?) {
-        (Some(OtherPack::Bandwidth(bandwidth)), Some(OtherPack::Importance(samples)))
-            if bandwidth.header().kind == BandwidthKind::Brdf =>
-        {
-            Ok(Some((bandwidth, samples)))
-        }
-        _ => Err(CliError::Input(format!(
-            "{} and {}: found other packs; allowed what 'brdfc build' writes",
-            map.display(),
-            samples.display()
-        ))),
+    let bandwidth = match open_other_pack(&map)? {
+        Some(OtherPack::Bandwidth(bandwidth)) if bandwidth.header().kind == BandwidthKind::Brdf => bandwidth,
+        _ => return Err(no_such_pack(&map, "the bandwidth map of a material")),
+    };
+    match open_other_pack(&samples)? {
+        Some(OtherPack::Importance(samples)) => Ok(Some((bandwidth, samples))),
+        _ => Err(no_such_pack(&samples, "importance samples")),
     }
+}
+
+fn no_such_pack(path: &Path, allowed: &str) -> CliError {
+    CliError::Input(format!("{}: found another pack, or none that is whole; allowed {allowed}", path.display()))
 }
 
 /// The folder in which a build of this manifest left maps. Those of other scenes do not count: they may be old.
@@ -300,10 +301,7 @@ fn environment(
         if path.exists() {
             return match open_other_pack(&path)? {
                 Some(OtherPack::Bandwidth(map)) if map.header().kind == BandwidthKind::Environment => Ok(map),
-                _ => Err(CliError::Input(format!(
-                    "{}: found another pack; allowed the map of an environment",
-                    path.display()
-                ))),
+                _ => Err(no_such_pack(&path, "the bandwidth map of an environment")),
             };
         }
     }
@@ -331,6 +329,12 @@ fn check(arguments: &Arguments, verification: &AdaptiveVerification) -> Result<(
     if verification.surface_points == 0 {
         return Err(CliError::Check(format!("PSNR: found no pixel that shows a surface; allowed {limit} dB or more")));
     }
+    let invalid = verification.adaptive.invalid_pixels;
+    if invalid > 0 {
+        return Err(CliError::Check(format!(
+            "PSNR: found {invalid} pixels that hold no number; allowed {limit} dB or more"
+        )));
+    }
     match verification.adaptive.psnr {
         Some(psnr) if psnr < limit => {
             Err(CliError::Check(format!("PSNR: found {psnr:.2} dB; allowed {limit} or more")))
@@ -341,7 +345,7 @@ fn check(arguments: &Arguments, verification: &AdaptiveVerification) -> Result<(
 
 fn text(v: &AdaptiveVerification) -> String {
     let mut text = format!(
-        "{}, {} x {} pixels, {} points each, exposure {}, environment {} x {}\ndrawn by {}{}\n",
+        "{}, {} x {} pixels, points per pixel: {}, exposure {}, environment {} x {}\ndrawn by {}{}\n",
         v.scene,
         v.width,
         v.height,

@@ -48,7 +48,7 @@ pub struct Arguments {
     /// The shader's image: .png (sRGB) or .exr (linear).
     #[arg(long, short, value_name = "IMAGE")]
     output: Option<PathBuf>,
-    /// The CPU's image, from the sources or else from the packs: .png or .exr.
+    /// The CPU's image, from the sources or else from the packs: .png or .exr. With --adaptive the ground truth.
     #[arg(long, value_name = "IMAGE")]
     reference: Option<PathBuf>,
     /// ΔE per pixel of the shader's image against the reference, dark 0 to light yellow 10: .png.
@@ -78,7 +78,7 @@ pub struct Arguments {
     /// A level of detail for all pixels (default: it follows the distance).
     #[arg(long, value_name = "L")]
     lod: Option<f32>,
-    /// What a pack was made from, to compare with.
+    /// What a pack was made from, to compare with; with --adaptive bandwidth and samples are those of its lobes.
     #[arg(long, value_name = "INPUT")]
     source: Option<String>,
     /// Take the packs of a manifest from this folder, where 'brdfc build' put them, instead of encoding.
