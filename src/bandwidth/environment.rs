@@ -223,12 +223,13 @@ mod tests {
     fn a_window_does_not_hide_the_room() {
         let (window, wall) = (at_latitude(10.0, 1.0), at_latitude(0.0, 1.5));
         let room = environment(256, |d| {
-            let stripes = 0.02 + 0.01 * (TAU * 12.0 * d[1]).cos();
+            let stripes = 0.2 + 0.15 * (TAU * 12.0 * d[1]).cos();
             stripes + if dot(d, window) > 0.98 { 20.0 } else { 0.0 }
         });
         let found = |pixels: &[[f32; 3]]| value(&environment_bandwidth(pixels, 256, 0.01), wall);
         let (shown, linear) = (found(&as_shown(&room)), found(&room));
-        assert!((12.0..24.0).contains(&shown) && linear < 10.0, "{shown} {linear}");
+        // Beside what is stronger, detail is found lower than it is: less so here.
+        assert!(shown < 24.0 && shown > 1.2 * linear, "{shown} {linear}");
     }
 
     #[test]

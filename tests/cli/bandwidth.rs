@@ -90,7 +90,8 @@ fn the_threshold_hardly_matters_in_a_real_environment() {
         assert_eq!((map.size(), map.header().transformed), ([256, 128], [512, 256]));
         report["mean"].as_f64().unwrap()
     });
-    assert!(low / middle < 1.15 && middle / high < 1.15 && high <= middle && middle <= low, "{low} {middle} {high}");
+    // Ten times the threshold takes half an octave off.
+    assert!(low / middle < 1.3 && middle / high < 1.3 && high <= middle && middle <= low, "{low} {middle} {high}");
 }
 
 #[test]
