@@ -10,7 +10,7 @@ use brdfc::brdf::importance::{ImportanceRecipe, importance_samples};
 use brdfc::build::run::grid;
 use brdfc::metrics::image::LinearImage;
 use brdfc::render::adaptive::{
-    self, AdaptiveMaterial, AdaptiveScene, Prediction, Pyramid, Settings, ShadedLevels, coarsest,
+    self, AdaptiveMaterial, AdaptiveScene, DistantLight, Prediction, Pyramid, Settings, ShadedLevels, coarsest,
 };
 use brdfc::render::curvature::curvature;
 use brdfc::render::gbuffer::{BACKGROUND, GBuffer};
@@ -65,7 +65,7 @@ static MATERIALS: LazyLock<[Material; 2]> =
 /// A scene with its maps and materials, decoded in some way.
 struct World {
     scene: Scene,
-    environment_bandwidth: BandwidthMap,
+    light: DistantLight,
     reflectances: [PackReflectance; 2],
     decoding: Decoding,
 }
@@ -77,9 +77,10 @@ impl World {
         scene.camera.field_of_view *= 0.4;
         let map = environment_bandwidth(&scene.environment.pixels, scene.environment.width, EPSILON);
         let size = [map.width as u32, map.height as u32];
-        let environment_bandwidth = BandwidthMap::new(header(BandwidthKind::Environment), size, &map.values).unwrap();
+        let map = BandwidthMap::new(header(BandwidthKind::Environment), size, &map.values).unwrap();
+        let light = DistantLight::new(&scene.environment, map);
         let reflectances = [0, 1].map(|k| PackReflectance::new(&MATERIALS[k].pack, decoding));
-        Self { scene, environment_bandwidth, reflectances, decoding }
+        Self { scene, light, reflectances, decoding }
     }
 
     fn with<T>(&self, run: impl FnOnce(&AdaptiveScene<'_>) -> T) -> T {
@@ -90,8 +91,7 @@ impl World {
             albedo: [0.5, 0.2][k % 2],
         };
         let materials: Vec<_> = (0..self.scene.parts.len()).map(material).collect();
-        let (scene, environment_bandwidth) = (&self.scene, &self.environment_bandwidth);
-        run(&AdaptiveScene { scene, environment_bandwidth, materials: &materials })
+        run(&AdaptiveScene { scene: &self.scene, light: &self.light, materials: &materials })
     }
 
     fn load(&self, renderer: &AdaptiveRenderer<'_>) -> LoadedAdaptive {
@@ -321,14 +321,19 @@ fn each_step_does_what_its_twin_does() {
 }
 
 /// Small changes of the shaders, and by what each is noticed.
-const CHANGES: [(&str, &str, &str); 28] = [
+const CHANGES: [(&str, &str, &str); 33] = [
     ("product(turned, turned) / length_squared", "product(turned, turned)", "curvature"),
     ("rise * rise > LARGEST_RISE_SQUARED", "rise > LARGEST_RISE_SQUARED", "curvature"),
     ("surface, viewer.w)", "surface, 1.0)", "bandwidth"),
     ("outgoing.z, bend, lobe", "outgoing.z, 0.0, lobe", "bandwidth"),
-    ("Bandwidth(0.0, light), 0.0", "Bandwidth(0.0, lobe), 0.0", "bandwidth"),
+    ("Bandwidth(0.0, found.y), 0.0", "Bandwidth(0.0, lobe), 0.0", "bandwidth"),
     ("sqrt(variance) * sqrt(shown)", "sqrt(variance) * shown", "deviation"),
-    ("0.7152", "0.71", "deviation"),
+    ("exponent >> 1u", "exponent", "deviation"),
+    ("direction) >> vec2<u32>(level)", "direction)", "bandwidth"),
+    ("index += 16u", "index += 15u", "bandwidth"),
+    ("own[k] = share_of(points[k], k)", "own[k] = share_of(points[k], 0u)", "bandwidth"),
+    ("joined(all, share_of(point, other))", "all", "deviation"),
+    ("part_of(point) == material.part)", "true)", "bandwidth"),
     ("material.albedo *", "0.4 *", "deviation"),
     ("picture_bandwidth(settings.caution * predicted[point].w)", "picture_bandwidth(predicted[point].w)", "levels"),
     ("picture_bandwidth(settings.caution * predicted[point].w)", "settings.caution * predicted[point].x", "levels"),

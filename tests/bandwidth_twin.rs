@@ -145,7 +145,7 @@ const CHANGES: [(&str, &str); 16] = [
     ("0.19946566", "0.1995"),
     ("0.3332986", "0.3333"),
     ("0.99999934", "1.0001"),
-    ("i * BANDWIDTH_CELLS + o", "o * BANDWIDTH_CELLS + i"),
+    ("incoming * BANDWIDTH_CELLS + outgoing", "outgoing * BANDWIDTH_CELLS + incoming"),
     ("texture_tiles == 1u", "texture_tiles == 2u"),
     ("f32(count) - 1.0", "f32(count) - 2.0"),
     ("y < 0.0)", "y > 0.0)"),

@@ -7,8 +7,8 @@ mod made;
 
 use brdfc::render::gpu::{Compute, Gpu};
 use brdfc_formats::bandwidth_propagation::{
-    Bandwidth, BandwidthAverage, PROPAGATION_WGSL, Surface, VarianceEstimate, largest_pixel_bandwidth, pixel_bandwidth,
-    pyramid_level, sample_count, sample_scale,
+    Bandwidth, BandwidthAverage, DirectedLight, PROPAGATION_WGSL, Surface, VarianceEstimate, largest_pixel_bandwidth,
+    pixel_bandwidth, pyramid_level, sample_count, sample_scale,
 };
 use made::Numbers;
 
@@ -25,15 +25,24 @@ fn compute(at: u32) {
     let first = at * 26u;
     var average = BandwidthAverage(Bandwidth(0.0, 0.0), 0.0);
     var variance = BandwidthVariance(0.0, 0.0, 0.0);
+    var average_of_first = average;
+    var variance_of_first = variance;
     for (var k = 0u; k < 2u; k += 1u) {
         let f = first + 9u * k;
         let light = Bandwidth(input[f], input[f + 1u]);
         let seen = bandwidth_one_bounce(light, input[f + 2u], surface(f + 3u), input[first + 18u]);
         average = bandwidth_average_add(average, seen, input[f + 8u]);
         variance = bandwidth_variance_add(variance, light.angular, input[f + 6u], input[f + 8u]);
+        if k == 0u {
+            average_of_first = average;
+            variance_of_first =
+                bandwidth_variance_add_range(variance, input[f + 8u], input[f + 5u], input[f + 1u], input[f + 6u]);
+        }
         output[at * 12u + 2u * k] = seen.spatial;
         output[at * 12u + 2u * k + 1u] = seen.angular;
     }
+    average = bandwidth_average_join(average, average_of_first);
+    variance = bandwidth_variance_join(variance, variance_of_first);
     let mean = bandwidth_average_mean(average);
     let field = vec2<f32>(input[first + 19u], input[first + 20u]);
     let size = vec2<f32>(input[first + 21u], input[first + 22u]);
@@ -59,6 +68,7 @@ fn surface(words: &[f32]) -> Surface {
 fn expected(words: &[f32]) -> [f32; OUT] {
     let mut average = BandwidthAverage::default();
     let mut variance = VarianceEstimate::default();
+    let mut of_first = (average, variance);
     let mut out = [0.0; OUT];
     for k in 0..2 {
         let f = &words[9 * k..];
@@ -66,9 +76,14 @@ fn expected(words: &[f32]) -> [f32; OUT] {
         let seen = light.one_bounce(f[2], surface(&f[3..8]), words[18]);
         average = average.add(seen, f[8]);
         variance = variance.add(light.angular, f[6], f[8]);
+        if k == 0 {
+            let range = DirectedLight { radiance: f[8], bandwidth: 0.0, squares: f[5], varying: f[1] };
+            of_first = (average, variance.add_range(range, f[6]));
+        }
         out[2 * k] = seen.spatial;
         out[2 * k + 1] = seen.angular;
     }
+    (average, variance) = (average.join(of_first.0), variance.join(of_first.1));
     let mean = average.mean();
     let largest = largest_pixel_bandwidth(words[23] as u32);
     let b = pixel_bandwidth(mean.angular, [words[19], words[20]], [words[21], words[22]], largest);
@@ -139,7 +154,7 @@ fn the_shader_gives_the_bits_of_the_cpu() {
 }
 
 /// Lines of the shader and small changes of them, each of which has to be seen in the inputs.
-const CHANGES: [(&str, &str); 34] = [
+const CHANGES: [(&str, &str); 43] = [
     ("BANDWIDTH_UNLIMITED: f32 = 1e9", "BANDWIDTH_UNLIMITED: f32 = 1.001e9"),
     ("BANDWIDTH_SMALLEST_COSINE: f32 = 0.0009765625", "BANDWIDTH_SMALLEST_COSINE: f32 = 0.00098"),
     ("BANDWIDTH_BLACK: f32 = 1e-18", "BANDWIDTH_BLACK: f32 = 1e-3"),
@@ -173,7 +188,16 @@ const CHANGES: [(&str, &str); 34] = [
     ("min(-(exponent + beyond), coarsest)", "-(exponent + beyond)"),
     ("bandwidth_limited(light + lobe) * (x * x)", "bandwidth_limited(light + lobe) * x"),
     ("v.sum + x, v.directions + 1.0", "v.sum, v.directions + 1.0"),
-    ("max(v.sum / directions, darkest)", "v.sum / directions"),
+    ("max(bandwidth_variance_mean(v), darkest)", "bandwidth_variance_mean(v)"),
+    ("v.sum / max(v.directions, 1.0)", "v.sum / max(v.directions, 4.0)"),
+    ("v.squares + (nu_l2 + lobe * l2)", "v.squares + (nu_l2 + l2)"),
+    ("v.sum + l,", "v.sum,"),
+    ("a.squares + b.squares", "a.squares"),
+    ("a.sum + b.sum", "a.sum"),
+    ("a.directions + b.directions", "a.directions"),
+    ("a.weighted.spatial + b.weighted.spatial", "a.weighted.spatial"),
+    ("a.weighted.angular + b.weighted.angular", "a.weighted.angular"),
+    ("a.weight + b.weight", "a.weight"),
     ("v.squares / directions / mean / mean", "v.squares / directions / mean"),
     ("bandwidth_limited(samples / mean_variance)", "samples * mean_variance"),
     ("ceil(bandwidth_limited(scale * variance))", "floor(bandwidth_limited(scale * variance))"),

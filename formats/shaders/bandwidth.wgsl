@@ -33,19 +33,27 @@ const BANDWIDTH_TAU: f32 = 6.28318548;
 const BANDWIDTH_CELLS: u32 = 16u;
 
 fn bandwidth_brdf(incoming: vec3<f32>, outgoing: vec3<f32>) -> f32 {
-    let i = bandwidth_cell(incoming);
-    let o = bandwidth_cell(outgoing);
-    let at = i * BANDWIDTH_CELLS + o;
+    return bandwidth_brdf_cells(bandwidth_cell(incoming), bandwidth_cell(outgoing));
+}
+
+// Of directions whose cells are known.
+fn bandwidth_brdf_cells(incoming: vec2<u32>, outgoing: vec2<u32>) -> f32 {
+    let at = incoming * BANDWIDTH_CELLS + outgoing;
     return textureLoad(bandwidth_brdf_map, at, 0).x * bandwidth_parameters.brdf_scale;
 }
 
 fn bandwidth_environment(direction: vec3<f32>) -> f32 {
+    let at = bandwidth_environment_texel(direction);
+    return textureLoad(bandwidth_environment_map, at, 0).x * bandwidth_parameters.environment_scale;
+}
+
+// Column and row: where other images of this size have what belongs to it.
+fn bandwidth_environment_texel(direction: vec3<f32>) -> vec2<u32> {
     let size = textureDimensions(bandwidth_environment_map);
     let sine = sqrt(direction.x * direction.x + direction.z * direction.z);
     let turn = bandwidth_azimuth(direction.x, direction.z) / BANDWIDTH_TAU;
     let fall = bandwidth_atan2(sine, direction.y) / BANDWIDTH_PI;
-    let at = vec2<u32>(bandwidth_index(turn, size.x), bandwidth_index(fall, size.y));
-    return textureLoad(bandwidth_environment_map, at, 0).x * bandwidth_parameters.environment_scale;
+    return vec2<u32>(bandwidth_index(turn, size.x), bandwidth_index(fall, size.y));
 }
 
 // v goes with the rows of the texture.

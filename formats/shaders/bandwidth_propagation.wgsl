@@ -108,6 +108,13 @@ fn bandwidth_average_add(average: BandwidthAverage, v: Bandwidth, weight: f32) -
     return BandwidthAverage(Bandwidth(spatial, angular), average.weight + w);
 }
 
+// With the directions of another part of the sum.
+fn bandwidth_average_join(a: BandwidthAverage, b: BandwidthAverage) -> BandwidthAverage {
+    let spatial = a.weighted.spatial + b.weighted.spatial;
+    let angular = a.weighted.angular + b.weighted.angular;
+    return BandwidthAverage(Bandwidth(spatial, angular), a.weight + b.weight);
+}
+
 fn bandwidth_average_mean(average: BandwidthAverage) -> Bandwidth {
     if average.weight < BANDWIDTH_BLACK {
         return Bandwidth(0.0, 0.0);
@@ -143,10 +150,26 @@ fn bandwidth_variance_add(v: BandwidthVariance, light: f32, lobe: f32, contribut
     return BandwidthVariance(squares, v.sum + x, v.directions + 1.0);
 }
 
+// A range of directions that one stands for: of each, L is proportional to the contribution. The means of L, of L² and of
+// ν L² over the range.
+fn bandwidth_variance_add_range(v: BandwidthVariance, l: f32, l2: f32, nu_l2: f32, lobe: f32) -> BandwidthVariance {
+    return BandwidthVariance(v.squares + (nu_l2 + lobe * l2), v.sum + l, v.directions + 1.0);
+}
+
+// With the directions of another part of the sum.
+fn bandwidth_variance_join(a: BandwidthVariance, b: BandwidthVariance) -> BandwidthVariance {
+    return BandwidthVariance(a.squares + b.squares, a.sum + b.sum, a.directions + b.directions);
+}
+
+// The mean contribution.
+fn bandwidth_variance_mean(v: BandwidthVariance) -> f32 {
+    return v.sum / max(v.directions, 1.0);
+}
+
 // Relative to the squared mean; `darkest` is the radiance below which errors count as at it.
 fn bandwidth_variance_relative(v: BandwidthVariance, darkest: f32) -> f32 {
     let directions = max(v.directions, 1.0);
-    let mean = max(v.sum / directions, darkest);
+    let mean = max(bandwidth_variance_mean(v), darkest);
     if mean < BANDWIDTH_BLACK {
         return 0.0;
     }

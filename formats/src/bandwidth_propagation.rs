@@ -21,7 +21,7 @@ pub const SMALLEST_COSINE: f32 = 0.0009765625;
 /// Contributions and their means below this are black, and need no samples.
 const BLACK: f32 = 1e-18;
 /// Largest contribution, so that its square stays finite.
-const BRIGHTEST: f32 = 1e12;
+pub const BRIGHTEST: f32 = 1e12;
 
 /// Local bandwidth around a ray: `v = (v_s, v_a)` of section 2.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -118,6 +118,17 @@ impl BandwidthAverage {
         }
     }
 
+    /// With the directions of another part of the sum.
+    pub fn join(self, other: Self) -> Self {
+        Self {
+            weighted: Bandwidth {
+                spatial: self.weighted.spatial + other.weighted.spatial,
+                angular: self.weighted.angular + other.weighted.angular,
+            },
+            weight: self.weight + other.weight,
+        }
+    }
+
     /// The mean; 0 where all is black.
     pub fn mean(self) -> Bandwidth {
         if self.weight < BLACK {
@@ -157,6 +168,38 @@ pub fn pyramid_level(bandwidth: f32, coarsest: i32) -> i32 {
     (-(exponent + beyond)).min(coarsest)
 }
 
+/// Light from a range of directions, as a few numbers that sums over directions need.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct DirectedLight {
+    /// `L̄`, mean radiance (luminance), at most [`BRIGHTEST`].
+    pub radiance: f32,
+    /// Mean of `ν_i L_i` over `L̄`, cycles per radian: bandwidth weighted by light.
+    pub bandwidth: f32,
+    /// Mean of `L_i²`.
+    pub squares: f32,
+    /// Mean of `ν_i L_i²`.
+    pub varying: f32,
+}
+
+impl DirectedLight {
+    /// From one direction: a radiance of 0 to [`BRIGHTEST`] and its bandwidth.
+    pub fn of(radiance: f32, bandwidth: f32) -> Self {
+        let squares = radiance * radiance;
+        Self { radiance, bandwidth, squares, varying: bandwidth * squares }
+    }
+
+    /// Means of `L`, `ν L`, `L²` and `ν L²`, which may be averaged over directions.
+    pub fn moments(self) -> [f32; 4] {
+        [self.radiance, self.bandwidth * self.radiance, self.squares, self.varying]
+    }
+
+    /// Of averaged [`Self::moments`].
+    pub fn from_moments([radiance, weighted, squares, varying]: [f32; 4]) -> Self {
+        let bandwidth = if radiance < BLACK { 0.0 } else { limited(weighted / radiance) };
+        Self { radiance, bandwidth, squares, varying }
+    }
+}
+
 /// Equation 7: how much the estimate of a pixel's radiance varies from sample to sample, from a few incident directions.
 ///
 /// The paper bounds the variance about a direction by `(ν_i + ν_ρ) X_i²`, with `X_i = L ρ cos θi`, and then prints the
@@ -190,10 +233,34 @@ impl VarianceEstimate {
         }
     }
 
+    /// Adds a range of directions that one stands for; of each, `L` is proportional to the contribution, as it is where
+    /// directions are drawn in proportion to the lobe.
+    pub fn add_range(self, light: DirectedLight, lobe: f32) -> Self {
+        Self {
+            squares: self.squares + (light.varying + lobe * light.squares),
+            sum: self.sum + light.radiance,
+            directions: self.directions + 1.0,
+        }
+    }
+
+    /// With the directions of another part of the sum.
+    pub fn join(self, other: Self) -> Self {
+        Self {
+            squares: self.squares + other.squares,
+            sum: self.sum + other.sum,
+            directions: self.directions + other.directions,
+        }
+    }
+
+    /// The mean contribution.
+    pub fn mean(self) -> f32 {
+        self.sum / self.directions.max(1.0)
+    }
+
     /// `V`; 0 where all is black. `darkest` is a radiance, 0 for relative errors everywhere.
     pub fn relative(self, darkest: f32) -> f32 {
         let directions = self.directions.max(1.0);
-        let mean = (self.sum / directions).max(darkest);
+        let mean = self.mean().max(darkest);
         if mean < BLACK {
             return 0.0;
         }

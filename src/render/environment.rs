@@ -2,6 +2,7 @@
 
 use super::scene::{Environment, HeightMap};
 use brdfc_formats::direction::{Vector, polynomial_atan2};
+use rayon::prelude::*;
 use std::f32::consts::PI;
 
 impl Environment {
@@ -22,6 +23,34 @@ impl Environment {
             let mixed = |row| mix(f64::from(texel(a, row)[k]), f64::from(texel(b, row)[k]), s);
             mix(mixed(c), mixed(d), t)
         })
+    }
+}
+
+impl Environment {
+    /// With fewer texels: the mean of the pixels that each covers, in part or whole.
+    ///
+    /// # Panics
+    /// If there are no pixels, or not as many as the size says.
+    pub fn reduced(&self, [width, height]: [usize; 2]) -> Self {
+        assert!(self.width > 0 && self.height > 0 && self.pixels.len() == self.width * self.height, "whole rows");
+        let covered = |at: usize, count: usize, pixels: usize| at * pixels / count..((at + 1) * pixels).div_ceil(count);
+        let row = |row: usize| -> Vec<[f32; 3]> {
+            let rows = covered(row, height, self.height);
+            let texel = |column: usize| {
+                let columns = covered(column, width, self.width);
+                let mut sum = [0.0f64; 3];
+                for row in rows.clone() {
+                    for pixel in &self.pixels[row * self.width..][columns.clone()] {
+                        (0..3).for_each(|k| sum[k] += f64::from(pixel[k]));
+                    }
+                }
+                let count = (rows.len() * columns.len()) as f64;
+                sum.map(|s| (s / count) as f32)
+            };
+            (0..width).map(texel).collect()
+        };
+        let pixels = (0..height).into_par_iter().flat_map_iter(row).collect();
+        Self { width, height, pixels }
     }
 }
 

@@ -128,7 +128,7 @@ pub fn quadrature(
 }
 
 /// Solid angle of each texel of a row, sr.
-pub(super) fn texel_solid_angle(row: usize, width: usize, height: usize) -> f64 {
+pub(crate) fn texel_solid_angle(row: usize, width: usize, height: usize) -> f64 {
     let [above, below] = [row, row + 1].map(|edge| (PI * edge as f64 / height as f64).cos());
     (above - below) * TAU / width as f64
 }

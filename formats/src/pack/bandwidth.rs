@@ -146,10 +146,14 @@ impl BandwidthMap {
     /// Bandwidth of the lobe of `incoming` at `outgoing`, at the nearest cell, in cycles per radian. Directions are unit
     /// vectors in the frame z = normal; those below the horizon have the last cell. 0 of other kinds of maps.
     pub fn brdf(&self, incoming: [f32; 3], outgoing: [f32; 3]) -> f32 {
+        self.brdf_cells(brdf_cell(incoming), brdf_cell(outgoing))
+    }
+
+    /// [`Self::brdf`] of directions whose [`brdf_cell`] is known.
+    pub fn brdf_cells(&self, [i, j]: [u32; 2], [k, l]: [u32; 2]) -> f32 {
         if self.header.kind != BandwidthKind::Brdf {
             return 0.0;
         }
-        let ([i, j], [k, l]) = (cell(incoming), cell(outgoing));
         self.texel([i * CELLS + k, j * CELLS + l])
     }
 
@@ -159,10 +163,23 @@ impl BandwidthMap {
         if self.header.kind != BandwidthKind::Environment {
             return 0.0;
         }
+        self.texel(self.environment_texel(direction))
+    }
+
+    /// What [`Self::environment`] finds, row by row.
+    pub fn environment_values(&self) -> Vec<f32> {
+        match self.header.kind {
+            BandwidthKind::Environment => self.values(),
+            _ => vec![0.0; self.texels.len()],
+        }
+    }
+
+    /// Column and row that [`Self::environment`] looks at: where other images of this size have what belongs to it.
+    pub fn environment_texel(&self, direction: [f32; 3]) -> [u32; 2] {
         let [x, y, z] = direction;
         let turn = azimuth(x, z) / TAU;
         let fall = polynomial_atan2((x * x + z * z).sqrt(), y) / PI;
-        self.texel([index(turn, self.size[0]), index(fall, self.size[1])])
+        [index(turn, self.size[0]), index(fall, self.size[1])]
     }
 
     /// Bandwidth of a texture at the nearest texel, in cycles per metre. `(0, 0)` is the corner of the first texel, v goes with
@@ -244,8 +261,8 @@ fn index(share: f32, count: u32) -> u32 {
     (at.min(count as f32 - 1.0)) as u32
 }
 
-/// Cell of a direction: azimuth, polar angle.
-fn cell([x, y, z]: [f32; 3]) -> [u32; 2] {
+/// Cell of a direction in the map of a BRDF: azimuth, polar angle.
+pub fn brdf_cell([x, y, z]: [f32; 3]) -> [u32; 2] {
     let turn = azimuth(x, y) / TAU;
     let fall = polynomial_atan2((x * x + y * y).sqrt(), z) / FRAC_PI_2;
     [index(turn, CELLS), index(fall, CELLS)]

@@ -25,12 +25,11 @@ pub fn encode(value: f32) -> u16 {
 
 /// The value of a half, exactly; NaN for NaN.
 pub fn decode(bits: u16) -> f32 {
-    let (exponent, mantissa) = (i32::from(bits >> 10) & 31, f32::from(bits & 1023));
-    let magnitude = match exponent {
-        31 if bits & 1023 != 0 => f32::NAN,
-        31 => f32::INFINITY,
-        0 => mantissa * 2f32.powi(-24),
-        _ => (1024.0 + mantissa) * 2f32.powi(exponent - 25),
+    // The same digits and exponent as an f32, whose exponents are 112 lower: 2^112 is exact, of subnormals too.
+    let magnitude = match bits & 0x7fff {
+        0x7c00 => f32::INFINITY,
+        beyond if beyond > 0x7c00 => f32::NAN,
+        finite => f32::from_bits(u32::from(finite) << 13) * f32::from_bits((112 + 127) << 23),
     };
     if bits & 0x8000 == 0 { magnitude } else { -magnitude }
 }

@@ -10,7 +10,7 @@ use crate::cli::output::{print, print_json, remark, write_file};
 use crate::cli::{CliError, Common};
 use crate::metrics::image::{LinearImage, auto_exposure};
 use crate::render::adaptive::{
-    AdaptiveMaterial, AdaptivePicture, AdaptiveScene, Lookups, Settings, Start, ground_truth,
+    AdaptiveMaterial, AdaptivePicture, AdaptiveScene, DistantLight, Lookups, Settings, Start, ground_truth,
 };
 use crate::render::gpu::{AdapterChoice, AdaptiveRenderer, Decoding, Gpu, SliceFilter};
 use crate::render::scene::Frame;
@@ -109,7 +109,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let gpu = Gpu::open(&choice)?;
     let prepared = materials::prepare(arguments, &subject, &setup.names, common)?;
     let lookups = prepared.iter().map(|part| lookups(arguments, &subject, part)).collect::<Result<Vec<_>, _>>()?;
-    let environment_bandwidth = environment(arguments, &subject, &setup.scene.environment)?;
+    let map = environment(arguments, &subject, &setup.scene.environment)?;
+    let light = DistantLight::new(&setup.scene.environment, map);
     let decoding = Decoding {
         filter: arguments.filter.unwrap_or(FilterName::Bilinear).into(),
         slices: if arguments.exact { SliceFilter::Exact } else { SliceFilter::Hardware },
@@ -123,8 +124,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let materials: Vec<AdaptiveMaterial<'_>> =
         parts.iter().map(|part| lookups[*part].material(&reflectances[*part] as &dyn Reflectance)).collect();
     let packs: Vec<&WaveletPack> = parts.iter().map(|part| &prepared[*part].pack).collect();
-    let drawn =
-        AdaptiveScene { scene: &setup.scene, environment_bandwidth: &environment_bandwidth, materials: &materials };
+    let drawn = AdaptiveScene { scene: &setup.scene, light: &light, materials: &materials };
 
     let renderer = AdaptiveRenderer::new(&gpu)?;
     let loaded = renderer.load(&drawn, &packs, decoding)?;

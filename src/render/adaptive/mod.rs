@@ -4,14 +4,17 @@
 //! Light comes from the environment alone, without visibility. [`predict`] fills the bandwidth buffer, [`Pyramid`] makes
 //! its levels, [`shade`] goes through them from coarse to fine; this file sequences them.
 
+mod light;
 mod lookups;
 mod passes;
 mod predict;
 mod pyramid;
 mod shading;
+mod tile;
 mod truth;
 mod upsample;
 
+pub use light::{DistantLight, LightLevel};
 pub use lookups::Lookups;
 pub use passes::{ShadedLevels, shade};
 pub use predict::{ANY_LEVEL, Prediction, coarsest, coarsest_of, field_of_view, predict};
@@ -45,8 +48,8 @@ pub struct AdaptiveMaterial<'a> {
 pub struct AdaptiveScene<'a> {
     /// Parts, camera and environment; point lights and mirrors are not looked at.
     pub scene: &'a Scene,
-    /// How fast the environment varies.
-    pub environment_bandwidth: &'a BandwidthMap,
+    /// The environment, as predictions look it up.
+    pub light: &'a DistantLight,
     /// One for each part.
     pub materials: &'a [AdaptiveMaterial<'a>],
 }
@@ -54,7 +57,7 @@ pub struct AdaptiveScene<'a> {
 /// How much is spent, and how carefully.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// `n_b`, incident directions that bandwidth is averaged over.
+    /// `n_b`, incident directions that bandwidth is averaged over, at least: see [`tile`]. Multiples of 4 are what is asked for.
     pub directions: u32,
     /// Mean samples of a surface pixel before [`Settings::fewest`] and [`Settings::most`] hold.
     pub samples: f32,

@@ -1,16 +1,14 @@
 //! The bandwidth buffer: for each pixel, at which level of the pyramid it is shaded and by how many samples (sections 2.2,
 //! 2.3 and 3.1 of Bagher et al. 2012).
 
+use super::tile::bandwidth_and_deviation;
 use super::{AdaptiveScene, Settings};
-use crate::metrics::image::luminance;
 use crate::render::curvature::curvature;
 use crate::render::gbuffer::GBuffer;
 use crate::render::scene::{Camera, Frame};
 use brdfc_formats::bandwidth_propagation::{
-    Bandwidth, BandwidthAverage, Surface, VarianceEstimate, largest_pixel_bandwidth, pixel_bandwidth, pyramid_level,
-    sample_count, sample_scale,
+    largest_pixel_bandwidth, pixel_bandwidth, pyramid_level, sample_count, sample_scale,
 };
-use rayon::prelude::*;
 
 /// The level of pixels that show no surface: any level will do.
 pub const ANY_LEVEL: i32 = i32::MAX;
@@ -33,20 +31,14 @@ pub struct Prediction {
 ///
 /// Each of `settings.directions` incident directions is drawn in proportion to the lobe, so that `L ρ cos θ` over the
 /// density is proportional to `L`: neither the material nor the reflected light is evaluated. The tenth of the directions that
-/// does not follow the lobe counts like the others.
+/// does not follow the lobe counts like the others. Neighbouring points share what they find, see [`super::tile`].
 pub fn predict(scene: &AdaptiveScene<'_>, frame: Frame, buffer: &GBuffer, settings: &Settings) -> Prediction {
     let curvature = curvature(buffer);
     let field_of_view = field_of_view(&scene.scene.camera, frame);
     let size = [frame.width as f32, frame.height as f32];
     let largest = largest_pixel_bandwidth(settings.antialiasing_levels);
-    let one = |pixel: usize| -> (f32, f32) {
-        let Some(part) = buffer.part_at(pixel) else { return (0.0, 0.0) };
-        let (bandwidth, variance, radiance) = at(scene, buffer, pixel, part, curvature[pixel], settings);
-        let deviation = visible_deviation(variance, radiance, settings.white);
-        (bandwidth.angular, deviation)
-    };
+    let (angular, deviation) = bandwidth_and_deviation(scene, buffer, &curvature, settings, visible_deviation);
     let in_picture = |angular: f32| pixel_bandwidth(angular, field_of_view, size, largest);
-    let (angular, deviation): (Vec<f32>, Vec<f32>) = (0..buffer.part.len()).into_par_iter().map(one).unzip();
     let is_surface = |pixel: &usize| buffer.part_at(*pixel).is_some();
     let covered = (0..deviation.len()).filter(is_surface).count();
     let sum: f64 = deviation.iter().map(|v| f64::from(*v)).sum();
@@ -82,41 +74,6 @@ fn visible_deviation(variance: f32, luminance: f32, white: f32) -> f32 {
     let shown = luminance / white;
     let response = if shown < 1.0 { shown.sqrt() } else { 1.0 / (shown * shown) };
     variance.sqrt() * response
-}
-
-/// Bandwidth, relative variance and luminance at a surface point.
-fn at(
-    scene: &AdaptiveScene<'_>,
-    buffer: &GBuffer,
-    pixel: usize,
-    part: usize,
-    curvature: f32,
-    settings: &Settings,
-) -> (Bandwidth, f32, f32) {
-    let frame = buffer.frame(pixel);
-    let material = &scene.materials[part];
-    let outgoing = frame.local(buffer.to_viewer[pixel]);
-    let (mut average, mut variance) = (BandwidthAverage::default(), VarianceEstimate::default());
-    let mut light_sum = 0.0f32;
-    for index in 0..settings.directions {
-        let (incoming, inverse_density) = material.samples.sample(outgoing, index);
-        if inverse_density <= 0.0 {
-            variance = variance.add(0.0, 0.0, 0.0);
-            continue;
-        }
-        let direction = frame.world(incoming);
-        let light = scene.environment_bandwidth.environment(direction);
-        let lobe = material.bandwidth.brdf(incoming, outgoing);
-        let radiance = scene.scene.environment.at(direction.map(f64::from));
-        let contribution = (luminance(radiance.map(|c| c as f32)) as f32).max(0.0);
-        let surface = Surface { cos_incoming: incoming[2], cos_outgoing: outgoing[2], curvature, lobe, texture: 0.0 };
-        let arrives = Bandwidth::distant(light).one_bounce(0.0, surface, buffer.distance[pixel]);
-        light_sum += contribution;
-        average = average.add(arrives, contribution);
-        variance = variance.add(light, lobe, contribution);
-    }
-    let luminance = material.albedo * light_sum / settings.directions.max(1) as f32;
-    (average.mean(), variance.relative(0.0), luminance)
 }
 
 /// The coarsest level: log2 of the buffer's shorter side, rounded down.

@@ -14,7 +14,7 @@ use std::f64::consts::{PI, TAU};
 struct Prepared {
     source: Box<dyn Source>,
     lookups: Lookups,
-    environment_bandwidth: BandwidthMap,
+    light: DistantLight,
     scene: Scene,
 }
 
@@ -22,8 +22,9 @@ struct Prepared {
 fn prepared(address: &str, builtin: Builtin, environment: Environment) -> Prepared {
     let source = parse_synth(address).unwrap();
     let lookups = Lookups::new(source.as_ref()).unwrap();
-    let environment_bandwidth = environment_map(&environment.pixels, environment.width, DEFAULT_EPSILON).unwrap();
-    Prepared { source, lookups, environment_bandwidth, scene: Scene { environment, ..builtin.scene() } }
+    let map = environment_map(&environment.pixels, environment.width, DEFAULT_EPSILON).unwrap();
+    let light = DistantLight::new(&environment, map);
+    Prepared { source, lookups, light, scene: Scene { environment, ..builtin.scene() } }
 }
 
 impl Prepared {
@@ -31,8 +32,7 @@ impl Prepared {
         let reflectance = SourceReflectance(self.source.as_ref());
         let material = self.lookups.material(&reflectance);
         let materials = vec![material; self.scene.parts.len()];
-        let (scene, environment_bandwidth) = (&self.scene, &self.environment_bandwidth);
-        run(&AdaptiveScene { scene, environment_bandwidth, materials: &materials })
+        run(&AdaptiveScene { scene: &self.scene, light: &self.light, materials: &materials })
     }
 
     fn buffer(&self, frame: Frame) -> GBuffer {

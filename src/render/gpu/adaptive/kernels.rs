@@ -80,7 +80,7 @@ impl<'g> Kernels<'g> {
         let frame_layout = group("frame", &[uniform, uniform, uniform, image, image, image]);
         let storage_layout = group("storage", &[storage; STORAGE_BUFFERS as usize]);
         let pack_layout = pack::layout(gpu, ShaderStages::COMPUTE);
-        let material_layout = group("material", &[uniform, image, uniform, image, image, image, uniform, image]);
+        let material_layout = group("material", &[uniform, image, uniform, image, image, image, uniform, image, image]);
         let layout = |groups: &[Option<&BindGroupLayout>]| {
             gpu.device.create_pipeline_layout(&PipelineLayoutDescriptor {
                 label: None,

@@ -5,11 +5,15 @@ use super::super::device::{Gpu, GpuError};
 use super::super::draw::Decoding;
 use super::super::pack;
 use super::kernels::Kernels;
-use crate::render::adaptive::AdaptiveMaterial;
+use crate::render::adaptive::{AdaptiveMaterial, DistantLight};
 use brdfc_formats::pack::bandwidth::{BandwidthKind, BandwidthMap};
 use brdfc_formats::pack::bandwidth_shader::BandwidthParameters;
 use brdfc_formats::pack::{TexelFormat, WaveletPack};
-use wgpu::{BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, BufferUsages, TextureView};
+use wgpu::util::{DeviceExt, TextureDataOrder};
+use wgpu::{
+    BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, BufferUsages, Extent3d, TextureDescriptor,
+    TextureDimension, TextureFormat, TextureUsages, TextureView,
+};
 
 /// The bind groups of a part.
 pub(super) struct LoadedMaterial {
@@ -20,6 +24,8 @@ pub(super) struct LoadedMaterial {
 /// What all materials of a scene share.
 pub(super) struct Surroundings<'a> {
     pub(super) radiance: &'a TextureView,
+    /// [`light`].
+    pub(super) light: &'a TextureView,
     pub(super) bandwidth: &'a BandwidthMap,
     pub(super) decoding: Decoding,
 }
@@ -59,6 +65,7 @@ pub(super) fn upload(
         view(&light),
         own.as_entire_binding(),
         view(surroundings.radiance),
+        view(surroundings.light),
     ];
     let entries: Vec<_> =
         (0..).zip(resources).map(|(binding, resource)| BindGroupEntry { binding, resource }).collect();
@@ -66,6 +73,30 @@ pub(super) fn upload(
     let maps = gpu.device.create_bind_group(&descriptor);
     gpu.check()?;
     Ok(LoadedMaterial { pack, maps })
+}
+
+/// Means of light as mip levels.
+pub(super) fn light(gpu: &Gpu, light: &DistantLight) -> TextureView {
+    let levels = light.levels();
+    let texels: Vec<[f32; 4]> = levels
+        .iter()
+        .flat_map(|level| &level.texels)
+        .map(|texel| [texel.radiance, texel.bandwidth, texel.squares, texel.varying])
+        .collect();
+    let size = Extent3d { width: levels[0].width as u32, height: levels[0].height as u32, depth_or_array_layers: 1 };
+    let descriptor = TextureDescriptor {
+        label: Some("light"),
+        size,
+        mip_level_count: levels.len() as u32,
+        sample_count: 1,
+        dimension: TextureDimension::D2,
+        format: TextureFormat::Rgba32Float,
+        usage: TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
+    };
+    let bytes = bytemuck::cast_slice(&texels);
+    let texture = gpu.device.create_texture_with_data(&gpu.queue, &descriptor, TextureDataOrder::MipMajor, bytes);
+    texture.create_view(&Default::default())
 }
 
 /// A map of this kind with its scale; one of another kind has 0 everywhere.

@@ -43,7 +43,10 @@ impl AdaptiveRenderer<'_> {
         let count = buffer.points();
         self.set(buffer, settings, 0.0)?;
         kernels.run(&kernels.curvatures, buffer, None, Job::over(count));
-        let job = Job { at_once: self.at_once(self.budget.lookups, settings.directions as usize), ..Job::over(count) };
+        // Tiles of 4 x 4 points, which at worst are all of different pieces.
+        let tiles = buffer.size().map(|side| side.div_ceil(4)).into_iter().product();
+        let at_once = self.at_once(self.budget.lookups, 16 * settings.directions as usize);
+        let job = Job { at_once, ..Job::over(tiles) };
         for material in &loaded.materials {
             kernels.run(&kernels.predict, buffer, Some(material), job);
         }

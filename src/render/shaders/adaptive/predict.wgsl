@@ -1,47 +1,116 @@
-// Bandwidth and deviation of each point. Pasted behind `bandwidth.wgsl`, `bandwidth_propagation.wgsl`, `importance.wgsl`
-// and `environment.wgsl`; the CPU twin is `render/adaptive/predict.rs`.
+// Bandwidth and deviation of each point. Pasted behind `bandwidth.wgsl`, `bandwidth_propagation.wgsl` and
+// `importance.wgsl`; the CPU twins are `render/adaptive/predict.rs` and `tile.rs`.
 
+// Points whose normals have at least this cosine are of the same piece of a surface.
+const SAME_PIECE: f32 = 0.95;
+
+// What some of the directions of a point find.
+struct Share {
+    average: BandwidthAverage,
+    variance: BandwidthVariance,
+}
+
+// The points of one part in a tile of 4 x 4. Each looks along a sixteenth of the directions, and takes over what the other
+// points of the same piece have found along theirs.
 @compute @workgroup_size(64)
 fn predict(@builtin(global_invocation_id) id: vec3<u32>) {
     let at = within_job(id);
     if at >= job.count {
         return;
     }
-    let point = job.first + at;
-    if part_of(point) != material.part {
-        return;
+    let columns = (picture.points.x + 3u) / 4u;
+    let corner = 4u * vec2<u32>((job.first + at) % columns, (job.first + at) / columns);
+    var points: array<u32, 16>;
+    var own: array<Share, 16>;
+    for (var k = 0u; k < 16u; k += 1u) {
+        points[k] = point_of_tile(corner, k);
+        if points[k] != NONE {
+            own[k] = share_of(points[k], k);
+        }
     }
-    let found = predict_at(point, predicted[point].z);
-    predicted[point] = vec4<f32>(picture_bandwidth(found.x), found.y, predicted[point].z, found.x);
-}
-
-// Angular bandwidth and deviation.
-fn predict_at(point: u32, bend: f32) -> vec2<f32> {
-    let frame = frame_of(point);
-    let viewer = viewer_of(position_of(point));
-    let outgoing = into_frame(frame, viewer.xyz);
-    var average = BandwidthAverage(Bandwidth(0.0, 0.0), 0.0);
-    var variance = BandwidthVariance(0.0, 0.0, 0.0);
-    var light_sum = 0.0;
-    for (var index = 0u; index < settings.directions; index += 1u) {
-        let drawn = importance_sample(outgoing, index);
-        if drawn.inverse_density <= 0.0 {
-            variance = bandwidth_variance_add(variance, 0.0, 0.0, 0.0);
+    for (var k = 0u; k < 16u; k += 1u) {
+        let point = points[k];
+        if point == NONE {
             continue;
         }
-        let direction = into_world(frame, drawn.incoming);
-        let light = bandwidth_environment(direction);
-        let lobe = bandwidth_brdf(drawn.incoming, outgoing);
-        let contribution = max(luminance(environment_at(direction)), 0.0);
-        let surface = BandwidthSurface(drawn.incoming.z, outgoing.z, bend, lobe, 0.0);
-        let arrives = bandwidth_one_bounce(Bandwidth(0.0, light), 0.0, surface, viewer.w);
-        light_sum += contribution;
-        average = bandwidth_average_add(average, arrives, contribution);
-        variance = bandwidth_variance_add(variance, light, lobe, contribution);
+        var all = Share(BandwidthAverage(Bandwidth(0.0, 0.0), 0.0), BandwidthVariance(0.0, 0.0, 0.0));
+        var count = 0u;
+        for (var other = 0u; other < 16u; other += 1u) {
+            if other == k || is_same_piece(point, points[other]) {
+                all = joined(all, own[other]);
+                count += 1u;
+            }
+        }
+        // Four make all directions of a point.
+        for (var other = 0u; other < 16u && count < 4u; other += 1u) {
+            if other != k && !is_same_piece(point, points[other]) {
+                all = joined(all, share_of(point, other));
+                count += 1u;
+            }
+        }
+        let angular = bandwidth_average_mean(all.average).angular;
+        let shown = material.albedo * bandwidth_variance_mean(all.variance);
+        let deviation = visible_deviation(bandwidth_variance_relative(all.variance, 0.0), shown);
+        predicted[point] = vec4<f32>(picture_bandwidth(angular), deviation, predicted[point].z, angular);
     }
-    let shown = material.albedo * light_sum / f32(max(settings.directions, 1u));
-    let angular = bandwidth_average_mean(average).angular;
-    return vec2<f32>(angular, visible_deviation(bandwidth_variance_relative(variance, 0.0), shown));
+}
+
+// Point k of a tile, if it shows this part.
+fn point_of_tile(corner: vec2<u32>, k: u32) -> u32 {
+    let place = corner + vec2<u32>(k % 4u, k / 4u);
+    if any(place >= picture.points) {
+        return NONE;
+    }
+    let point = place.y * picture.points.x + place.x;
+    return select(NONE, point, part_of(point) == material.part);
+}
+
+fn is_same_piece(point: u32, other: u32) -> bool {
+    if other == NONE {
+        return false;
+    }
+    return product(normal_of(point), normal_of(other)) >= SAME_PIECE;
+}
+
+// Of every sixteenth direction from `first` on.
+fn share_of(point: u32, first: u32) -> Share {
+    let frame = frame_of(point);
+    let viewer = viewer_of(position_of(point));
+    let bend = predicted[point].z;
+    let outgoing = into_frame(frame, viewer.xyz);
+    let outgoing_cell = bandwidth_cell(outgoing);
+    var average = BandwidthAverage(Bandwidth(0.0, 0.0), 0.0);
+    var variance = BandwidthVariance(0.0, 0.0, 0.0);
+    for (var index = first; index < 4u * settings.directions; index += 16u) {
+        let drawn = importance_sample(outgoing, index);
+        if drawn.inverse_density <= 0.0 {
+            variance = bandwidth_variance_add_range(variance, 0.0, 0.0, 0.0, 0.0);
+            continue;
+        }
+        let solid_angle = drawn.inverse_density / f32(settings.directions);
+        let found = light_around(into_world(frame, drawn.incoming), solid_angle);
+        let lobe = bandwidth_brdf_cells(bandwidth_cell(drawn.incoming), outgoing_cell);
+        let surface = BandwidthSurface(drawn.incoming.z, outgoing.z, bend, lobe, 0.0);
+        let arrives = bandwidth_one_bounce(Bandwidth(0.0, found.y), 0.0, surface, viewer.w);
+        average = bandwidth_average_add(average, arrives, found.x);
+        variance = bandwidth_variance_add_range(variance, found.x, found.z, found.w, lobe);
+    }
+    return Share(average, variance);
+}
+
+// Mean light around a direction, over about so much solid angle: radiance, bandwidth, mean squares, bandwidth times squares.
+fn light_around(direction: vec3<f32>, solid_angle: f32) -> vec4<f32> {
+    let size = textureDimensions(light, 0);
+    let covered = solid_angle * f32(size.x * size.y) / (2.0 * BANDWIDTH_PI * BANDWIDTH_PI);
+    // Half the exponent is the logarithm of base 4, rounded down.
+    let exponent = i32(bitcast<u32>(covered) >> 23u) - 127;
+    let level = u32(clamp(exponent >> 1u, 0, i32(textureNumLevels(light)) - 1));
+    let at = bandwidth_environment_texel(direction) >> vec2<u32>(level);
+    return textureLoad(light, min(at, textureDimensions(light, level) - 1u), level);
+}
+
+fn joined(a: Share, b: Share) -> Share {
+    return Share(bandwidth_average_join(a.average, b.average), bandwidth_variance_join(a.variance, b.variance));
 }
 
 // Cycles per pixel of the picture.
@@ -56,9 +125,4 @@ fn visible_deviation(variance: f32, radiance: f32) -> f32 {
         return sqrt(variance) * sqrt(shown);
     }
     return sqrt(variance) * (1.0 / (shown * shown));
-}
-
-// Rec. 709.
-fn luminance(colour: vec3<f32>) -> f32 {
-    return 0.2126 * colour.r + 0.7152 * colour.g + 0.0722 * colour.b;
 }

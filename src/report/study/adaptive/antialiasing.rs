@@ -46,7 +46,7 @@ pub fn antialiasing_study(
     let scene = Scene { environment: lighting.environment.clone(), ..shape.scene() };
     let reflectance = SourceReflectance(material.source);
     let materials = vec![material.lookups.material(&reflectance); scene.parts.len()];
-    let adaptive = AdaptiveScene { scene: &scene, environment_bandwidth: &lighting.map, materials: &materials };
+    let adaptive = AdaptiveScene { scene: &scene, light: &lighting.light, materials: &materials };
     let buffer = |levels: u32| GBuffer::new(&scene, Frame { samples: 1 << levels, ..frame });
     let white = (1.0 / auto_exposure(&forward(&adaptive, frame, &buffer(0), EXPOSURE_SAMPLES))) as f32;
     let one = |levels: u32| {

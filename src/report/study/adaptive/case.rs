@@ -3,14 +3,13 @@
 use crate::bandwidth::DEFAULT_EPSILON;
 use crate::bandwidth::map::environment_map;
 use crate::metrics::image::{LinearImage, auto_exposure, signal_to_noise};
-use crate::render::adaptive::{AdaptiveScene, Lookups, Settings, Start, ground_truth};
+use crate::render::adaptive::{AdaptiveScene, DistantLight, Lookups, Settings, Start, ground_truth};
 use crate::render::gbuffer::GBuffer;
 use crate::render::scene::{Environment, Frame, Scene};
 use crate::render::scenes::Builtin;
 use crate::render::shade::SourceReflectance;
 use crate::source::Source;
 use brdfc_formats::FormatError;
-use brdfc_formats::pack::bandwidth::BandwidthMap;
 
 /// A material to study.
 pub struct StudyMaterial<'a> {
@@ -35,7 +34,7 @@ impl<'a> StudyMaterial<'a> {
 pub struct Lighting {
     /// The light.
     pub environment: Environment,
-    pub(super) map: BandwidthMap,
+    pub(super) light: DistantLight,
 }
 
 impl Lighting {
@@ -45,7 +44,8 @@ impl Lighting {
     /// What the layout of maps refuses.
     pub fn new(environment: Environment) -> Result<Self, FormatError> {
         let map = environment_map(&environment.pixels, environment.width, DEFAULT_EPSILON)?;
-        Ok(Self { environment, map })
+        let light = DistantLight::new(&environment, map);
+        Ok(Self { environment, light })
     }
 }
 
@@ -78,7 +78,7 @@ impl Case<'_> {
         let scene = Scene { environment: lighting.environment.clone(), ..shape.scene() };
         let reflectance = SourceReflectance(material.source);
         let materials = vec![material.lookups.material(&reflectance); scene.parts.len()];
-        let adaptive = AdaptiveScene { scene: &scene, environment_bandwidth: &lighting.map, materials: &materials };
+        let adaptive = AdaptiveScene { scene: &scene, light: &lighting.light, materials: &materials };
         let buffer = GBuffer::new(&scene, frame);
         let distributions = vec![&material.lookups.distributions; scene.parts.len()];
         let truth = ground_truth(&adaptive, frame, &buffer, &distributions, samples, start);
