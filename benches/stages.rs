@@ -180,6 +180,40 @@ fn bandwidth(criterion: &mut Criterion) {
     group.bench_function("environment 2048 x 1024", |b| b.iter(|| environment_bandwidth(black_box(&sky), width, 0.01)));
 }
 
+/// What adaptive shading spends before it shades, and forward shading beside it.
+#[cfg(feature = "render")]
+fn adaptive(criterion: &mut Criterion) {
+    use brdfc::bandwidth::map::environment_map;
+    use brdfc::render::adaptive::{AdaptiveScene, DistantLight, Lookups, Settings, forward, predict};
+    use brdfc::render::gbuffer::GBuffer;
+    use brdfc::render::scene::Frame;
+    use brdfc::render::scenes::Builtin;
+    use brdfc::render::shade::SourceReflectance;
+    let table = MerlSource::new(Merl::from_bytes(&merl_bytes()).expect("our own file"));
+    let (scene, frame) = (Builtin::BumpyBall.scene(), Frame { width: 512, height: 512, samples: 1 });
+    let (sky, lookups) = (&scene.environment, Lookups::new(&table).expect("the default recipes"));
+    let light = DistantLight::new(sky, environment_map(&sky.pixels, sky.width, 0.01).expect("a map"));
+    let reflectance = SourceReflectance(&table);
+    let materials = vec![lookups.material(&reflectance); scene.parts.len()];
+    let adaptive = AdaptiveScene { scene: &scene, light: &light, materials: &materials };
+    let buffer = GBuffer::new(&scene, frame);
+    let points = (0..buffer.part.len()).filter(|point| buffer.part_at(*point).is_some()).count();
+    let mut group = criterion.benchmark_group("adaptive");
+    group.throughput(Throughput::Elements(points as u64));
+    for directions in [4, 16, 64] {
+        let settings = Settings { directions, ..Settings::default() };
+        group.bench_function(format!("bandwidth buffer, {directions} directions"), |b| {
+            b.iter(|| predict(black_box(&adaptive), frame, &buffer, &settings));
+        });
+    }
+    group.bench_function("forward shading, 4 samples", |b| {
+        b.iter(|| forward(black_box(&adaptive), frame, &buffer, 4));
+    });
+}
+
+#[cfg(not(feature = "render"))]
+fn adaptive(_: &mut Criterion) {}
+
 fn packing(criterion: &mut Criterion) {
     let pack = stages().pack;
     let mut group = criterion.benchmark_group("pack");
@@ -205,6 +239,6 @@ fn short() -> Criterion {
 criterion_group! {
     name = benches;
     config = short();
-    targets = read, resampling, importance, encoding, decoding, measuring, bandwidth, packing
+    targets = read, resampling, importance, encoding, decoding, measuring, bandwidth, adaptive, packing
 }
 criterion_main!(benches);

@@ -173,6 +173,11 @@ pub fn rotate_from_normal(axis: Vector, v: Vector) -> Vector {
 /// A fixed polynomial in f32 (odd, minimax on [0, 1]), so that a shader that copies it gets the same bits: the
 /// built-in functions of GPUs are not precise enough to agree.
 pub fn polynomial_atan2(y: f32, x: f32) -> f32 {
+    polynomial_atan2_each([y], [x])[0]
+}
+
+/// [`polynomial_atan2`] of several pairs at once, for which there are wide instructions.
+pub fn polynomial_atan2_each<const N: usize>(y: [f32; N], x: [f32; N]) -> [f32; N] {
     const C: [f32; 8] = [
         9.999_993_4e-1,
         -3.332_986e-1,
@@ -183,23 +188,25 @@ pub fn polynomial_atan2(y: f32, x: f32) -> f32 {
         2.186_295_8e-2,
         -4.054_566_4e-3,
     ];
-    let ax = x.abs();
-    let steep = y > ax;
-    let (small, large) = if steep { (ax, y) } else { (y, ax) };
-    let t = if large > 0.0 { small / large } else { 0.0 };
-    let t2 = t * t;
-    let mut p = C[7];
-    for c in C[..7].iter().rev() {
-        p = p * t2 + c;
-    }
-    let mut angle = p * t;
-    if steep {
-        angle = std::f32::consts::FRAC_PI_2 - angle;
-    }
-    if x < 0.0 {
-        angle = std::f32::consts::PI - angle;
-    }
-    angle
+    std::array::from_fn(|k| {
+        let (y, ax) = (y[k], x[k].abs());
+        let steep = y > ax;
+        let (small, large) = (if steep { ax } else { y }, if steep { y } else { ax });
+        let t = small / if large > f32::MIN_POSITIVE { large } else { f32::MIN_POSITIVE };
+        let t2 = t * t;
+        let mut p = C[7];
+        for c in C[..7].iter().rev() {
+            p = p * t2 + c;
+        }
+        let angle = subtracted_if(steep, std::f32::consts::FRAC_PI_2, p * t);
+        subtracted_if(x[k] < 0.0, std::f32::consts::PI, angle)
+    })
+}
+
+/// `from - angle` where the condition holds, else the angle: without a branch, which directions at random would make slow.
+pub(crate) fn subtracted_if(condition: bool, from: f32, angle: f32) -> f32 {
+    let bits = u32::from(condition).wrapping_neg();
+    f32::from_bits(from.to_bits() & bits) + f32::from_bits(angle.to_bits() ^ (bits & 0x8000_0000))
 }
 
 #[cfg(test)]

@@ -7,7 +7,9 @@ use crate::bandwidth::map::{brdf_map, environment_map, texture_map};
 use crate::bandwidth::texture::Placement;
 use crate::bandwidth::{DEFAULT_EPSILON, EPSILON_RANGE};
 use crate::build::write::is_standard_output;
+use crate::report::material::mended_in_words;
 use crate::report::table;
+use crate::source::Tally;
 use crate::source::bandwidth_map::BandwidthFacts;
 use crate::source::open::open;
 use crate::source::radiance_image::open_radiance_image;
@@ -79,6 +81,8 @@ pub struct Report {
     /// What it says of itself, and its values.
     #[serde(flatten)]
     facts: BandwidthFacts,
+    /// What evaluating a material had to mend; not of images, nor of a map that was there.
+    mended: Option<Tally>,
     /// Seconds that reading and finding the bandwidth took; not of a map that was there.
     seconds: Option<Seconds>,
 }
@@ -93,8 +97,8 @@ pub struct Seconds {
 }
 
 impl Report {
-    fn new(map: &BandwidthMap, seconds: Option<Seconds>) -> Self {
-        Self { version: 1, kind: "bandwidth-map", facts: BandwidthFacts::new(map), seconds }
+    fn new(map: &BandwidthMap, mended: Option<Tally>, seconds: Option<Seconds>) -> Self {
+        Self { version: 1, kind: "bandwidth-map", facts: BandwidthFacts::new(map), mended, seconds }
     }
 
     fn text(&self) -> String {
@@ -123,7 +127,7 @@ impl Report {
 
 /// `brdfc info` of a map.
 pub(super) fn info(map: &BandwidthMap, json: bool) -> Result<(), CliError> {
-    let report = Report::new(map, None);
+    let report = Report::new(map, None, None);
     if json { print_json(&report) } else { print(&report.text()) }
 }
 
@@ -196,24 +200,31 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     #[cfg(feature = "render")]
     check_picture(arguments)?;
     let epsilon = arguments.epsilon;
-    let (map, seconds) = match recipe {
+    let ((map, mended), seconds) = match recipe {
         Recipe::Brdf { resolution } => {
             let material = || Ok(open(&arguments.input, None)?.source);
-            timed(material, |source| Ok(brdf_map(source.as_ref(), resolution, epsilon)?.0))?
+            timed(material, |source| {
+                let (map, tally) = brdf_map(source.as_ref(), resolution, epsilon)?;
+                Ok((map, Some(tally)))
+            })?
         }
         Recipe::Environment => {
-            timed(|| image(&arguments.input), |(pixels, width)| environment_map(pixels, *width, epsilon))?
+            timed(|| image(&arguments.input), |(pixels, width)| Ok((environment_map(pixels, *width, epsilon)?, None)))?
         }
-        Recipe::Texture(placement) => {
-            timed(|| image(&arguments.input), |(pixels, width)| texture_map(pixels, *width, placement, epsilon))?
-        }
+        Recipe::Texture(placement) => timed(
+            || image(&arguments.input),
+            |(pixels, width)| Ok((texture_map(pixels, *width, placement, epsilon)?, None)),
+        )?,
     };
     write_file(&arguments.output, &map.to_bytes(true))?;
     #[cfg(feature = "render")]
     if let Some(path) = &arguments.picture {
         write_file(path, &picture(&map))?;
     }
-    let report = Report::new(&map, Some(seconds));
+    for line in mended.iter().flat_map(mended_in_words) {
+        remark(common, &format!("note: {line}"));
+    }
+    let report = Report::new(&map, mended, Some(seconds));
     let text = if arguments.json { to_json(&report) } else { report.text() };
     if is_standard_output(&arguments.output) {
         // Behind a map the report would be taken for a part of it.
@@ -236,10 +247,10 @@ fn check_picture(arguments: &Arguments) -> Result<(), CliError> {
 }
 
 /// Reads an input and makes its map.
-fn timed<T>(
+fn timed<T, M>(
     read: impl FnOnce() -> Result<T, CliError>,
-    make: impl FnOnce(&T) -> Result<BandwidthMap, FormatError>,
-) -> Result<(BandwidthMap, Seconds), CliError> {
+    make: impl FnOnce(&T) -> Result<M, FormatError>,
+) -> Result<(M, Seconds), CliError> {
     let start = Instant::now();
     let input = read()?;
     let read = start.elapsed().as_secs_f64();

@@ -41,6 +41,10 @@ pub struct AdaptiveVerification {
     pub forward: Shading,
     /// Samples per point of the ground truth.
     pub truth_samples: usize,
+    /// PSNR that the standard error of the ground truth itself amounts to, dB: no picture is known to be better. Absent if it
+    /// has none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub truth_psnr: Option<f64>,
     /// Seconds that the ground truth took, on the CPU.
     pub truth_seconds: f64,
 }
@@ -150,6 +154,8 @@ pub struct Drawn<'a> {
     pub forward: (&'a LinearImage, u32, f64),
     /// Ground truth, samples per point and seconds.
     pub truth: (&'a LinearImage, usize, f64),
+    /// PSNR of its standard error.
+    pub truth_psnr: Option<f64>,
 }
 
 impl AdaptiveVerification {
@@ -175,6 +181,7 @@ impl AdaptiveVerification {
             levels: picture.levels.clone(),
             forward: Shading::forward(forward, count, points, forward_seconds, truth, exposure),
             truth_samples,
+            truth_psnr: drawn.truth_psnr,
             truth_seconds,
         }
     }

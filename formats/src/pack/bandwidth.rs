@@ -8,7 +8,7 @@ use super::half;
 use super::texel_format::TexelFormat;
 use crate::FormatError;
 use crate::cursor::Cursor;
-use crate::direction::polynomial_atan2;
+use crate::direction::{polynomial_atan2, polynomial_atan2_each, subtracted_if};
 use std::collections::BTreeMap;
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
@@ -182,6 +182,18 @@ impl BandwidthMap {
         [index(turn, self.size[0]), index(fall, self.size[1])]
     }
 
+    /// [`brdf_cell`] of one direction and [`Self::environment_texel`] of another at once, which takes less time.
+    pub fn cell_and_texel(&self, local: [f32; 3], world: [f32; 3]) -> ([u32; 2], [u32; 2]) {
+        let ([a, b, c], [x, y, z]) = (local, world);
+        let beside = [b.abs(), (a * a + b * b).sqrt(), z.abs(), (x * x + z * z).sqrt()];
+        let [ab, ac, xz, xy] = polynomial_atan2_each(beside, [a, c, x, y]);
+        let turned = [subtracted_if(b < 0.0, TAU, ab), ac, subtracted_if(z < 0.0, TAU, xz), xy];
+        let whole = [TAU, FRAC_PI_2, TAU, PI];
+        let count = [CELLS, CELLS, self.size[0], self.size[1]];
+        let [i, j, column, row] = std::array::from_fn(|k| index(turned[k] / whole[k], count[k]));
+        ([i, j], [column, row])
+    }
+
     /// Bandwidth of a texture at the nearest texel, in cycles per metre. `(0, 0)` is the corner of the first texel, v goes with
     /// the rows, a texture is 1 wide and high; beyond, it repeats or ends as the header says. 0 of other kinds of maps.
     pub fn texture(&self, uv: [f32; 2]) -> f32 {
@@ -250,8 +262,7 @@ impl BandwidthMap {
 
 /// Angle of `(x, y)`, 0 to 2π.
 fn azimuth(x: f32, y: f32) -> f32 {
-    let half_turn = polynomial_atan2(y.abs(), x);
-    if y < 0.0 { TAU - half_turn } else { half_turn }
+    subtracted_if(y < 0.0, TAU, polynomial_atan2(y.abs(), x))
 }
 
 /// The one of `count` equal parts of `[0, 1]` that a share is in; the last ones take what is beyond.
@@ -387,6 +398,8 @@ mod tests {
             for column in 0..8 {
                 let (theta, phi) = (PI * (row as f32 + 0.5) / 4.0, TAU * (column as f32 + 0.5) / 8.0);
                 let d = [theta.sin() * phi.cos(), theta.cos(), theta.sin() * phi.sin()].map(|c| 7.0 * c);
+                let local = [d[2], d[0], d[1].abs()];
+                assert_eq!(sky.cell_and_texel(local, d), (brdf_cell(local), [column, row]));
                 assert_eq!(sky.environment(d), sky.texel([column, row]));
             }
         }

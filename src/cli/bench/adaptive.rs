@@ -7,8 +7,8 @@ use crate::render::adaptive::Start;
 use crate::render::scene::{Environment, Frame};
 use crate::render::scenes::Builtin;
 use crate::report::study::adaptive::{
-    AntialiasingRow, Case, DirectionsRow, EqualErrorRow, FourierRow, Lighting, StudyMaterial, antialiasing_study,
-    directions_study, equal_error, exponents, fourier_check,
+    AntialiasingRow, Case, DirectionsRow, EqualErrorRow, Exponents, FourierRow, Lighting, StudyMaterial,
+    antialiasing_study, directions_study, equal_error, exponents, fourier_check,
 };
 use crate::report::table::{percent, plain, significant};
 use crate::source::Source;
@@ -47,8 +47,8 @@ pub struct AntialiasingStudy {
     pub shape: String,
     /// 1, 4 and 16 points per pixel.
     pub rows: Vec<AntialiasingRow>,
-    /// Exponents of cost over points: of shaded pixels, samples and seconds.
-    pub exponents: Option<[f64; 3]>,
+    /// How cost grows with points.
+    pub exponents: Option<Exponents>,
 }
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, CliError> {
@@ -170,7 +170,7 @@ pub(super) fn equal_error_text(rows: &[EqualErrorRow]) -> String {
                 number(row.adaptive.map(|point| point.samples)),
                 number(row.gain(row.adaptive)),
                 row.adaptive.map_or("-".to_owned(), |point| format!("{:.2} dB", point.psnr)),
-                row.adaptive.map_or("-".to_owned(), |point| percent(point.shaded)),
+                row.adaptive.map_or("-".to_owned(), |point| percent(point.shaded_share)),
                 row.adaptive.map_or("-".to_owned(), |point| format!("{:.3}", point.flip)),
                 number(row.best.map(|point| point.samples)),
                 number(row.gain(row.best)),
@@ -186,10 +186,15 @@ pub(super) fn equal_error_text(rows: &[EqualErrorRow]) -> String {
     plain(&header, &cells)
         + &format!(
             "\nforward, adaptive and best: samples per pixel that shows a surface, for the same PSNR against a ground truth of\n\
-             {} samples; interpolated between powers of two; drawn: PSNR of the picture with that budget. adaptive: default caution; best: the caution that takes fewest.\n\
+             {} samples, whose own standard error is one of {}; interpolated between powers of two. drawn: PSNR of\n\
+             the picture with that budget. adaptive: default caution; best: the caution that takes fewest.\n\
              shaded: shaded pixels per pixel of surface. bandwidth: time of the bandwidth buffer as a share of forward\n\
              shading's. Smallest gain at default caution: {summary}; not reached with 1 to 512: {missed} of {}.\n",
             rows.first().map_or(0, |row| row.truth_samples),
+            rows.iter()
+                .filter_map(|row| row.truth_psnr)
+                .min_by(f64::total_cmp)
+                .map_or("no dB".to_owned(), |psnr| format!("{psnr:.1} dB or more")),
             rows.len(),
         )
 }
@@ -202,7 +207,7 @@ pub(super) fn fourier_text(rows: &[FourierRow]) -> String {
         .map(|row| {
             let mut cells = vec![row.material.clone(), row.shape.clone(), row.windows.to_string()];
             cells.extend([percent(row.within_4), percent(row.too_low_by_2), format!("{:.3}", row.rank_correlation)]);
-            cells.extend(row.ratios.map(|ratio| format!("{ratio:.2}")));
+            cells.extend([row.ratios.low, row.ratios.median, row.ratios.high].map(|ratio| format!("{ratio:.2}")));
             cells
         })
         .collect();
@@ -248,7 +253,7 @@ pub(super) fn antialiasing_text(rows: &[AntialiasingStudy]) -> String {
                 row.shaded.to_string(),
                 row.samples.to_string(),
                 format!("{:.0} ms", 1e3 * row.seconds),
-                exponents.map_or(String::new(), |e| e.map(|e| format!("{e:.2}")).join(", ")),
+                exponents.map_or(String::new(), |e| format!("{:.2}, {:.2}, {:.2}", e.shaded, e.samples, e.seconds)),
             ]
         })
         .collect();

@@ -51,10 +51,10 @@ pub(super) struct Options {
     pub(super) environment: Option<PathBuf>,
     /// Mean samples per pixel if all pixels were shaded (default 64);
     /// a shaded pixel gets 1 to 1024, more where more shows.
-    #[arg(long, value_name = "X", requires = "adaptive")]
+    #[arg(long, value_name = "X", requires = "adaptive", allow_negative_numbers = true)]
     budget: Option<f32>,
     /// Factor on predicted bandwidths before levels are chosen: less is faster, more is sharper (default 0.5).
-    #[arg(long, value_name = "X", requires = "adaptive")]
+    #[arg(long, value_name = "X", requires = "adaptive", allow_negative_numbers = true)]
     caution: Option<f32>,
     /// Incident directions that bandwidth is averaged over (default 16).
     #[arg(long, value_name = "N", requires = "adaptive")]
@@ -68,11 +68,12 @@ pub(super) struct Options {
     /// Samples per pixel of the ground truth, on the CPU (default 256).
     #[arg(long, value_name = "N", requires = "adaptive")]
     truth: Option<usize>,
-    /// Bandwidth, levels and variance as it shows side by side, bright where much is spent: .png.
+    /// Bandwidth, levels and variance as it shows side by side, from dark to pale yellow: .png. Bandwidth over 8 octaves and
+    /// variance over 16, up to the largest of the picture; levels from the coarsest to the finest.
     #[arg(long, value_name = "IMAGE.png", requires = "adaptive")]
     pub(super) maps: Option<PathBuf>,
     /// Fail with exit code 1 if the PSNR is below X dB.
-    #[arg(long, value_name = "X", requires = "adaptive")]
+    #[arg(long, value_name = "X", requires = "adaptive", allow_negative_numbers = true)]
     min_psnr: Option<f64>,
 }
 
@@ -133,11 +134,16 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let surface_points = (0..buffer.part.len()).filter(|point| buffer.part_at(*point).is_some()).count() as u64;
 
     let truth_samples = (arguments.adaptive.truth.unwrap_or(TRUTH) / antialias as usize).max(16);
+    if truth_samples < 2 * arguments.adaptive.forward.unwrap_or(FORWARD) as usize {
+        remark(common, "note: the ground truth has hardly more samples than forward shading; --truth takes more");
+    }
     remark(common, &format!("ground truth: {truth_samples} samples for each of {surface_points} points, on the CPU"));
     let distributions: Vec<_> = parts.iter().map(|part| &lookups[*part].distributions).collect();
     let (truth, truth_seconds) =
         timed(|| Ok(ground_truth(&drawn, frame, &buffer, &distributions, truth_samples, Start::Scattered)))?;
-    let exposure = setup.exposure.unwrap_or_else(|| auto_exposure(&truth));
+    let exposure = setup.exposure.unwrap_or_else(|| auto_exposure(&truth.image));
+    let truth_psnr = truth.psnr(exposure);
+    let truth = truth.image;
     settings.white = (1.0 / exposure) as f32;
 
     // Once before it is timed: a driver compiles when it first runs.
@@ -167,6 +173,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         adaptive: (&picture, [bandwidth_seconds, seconds]),
         forward: (&forward, count, forward_seconds),
         truth: (&truth, truth_samples, truth_seconds),
+        truth_psnr,
     });
     write(arguments, &picture, &truth, exposure, settings.antialiasing_levels)?;
     if surface_points == 0 {
@@ -386,12 +393,14 @@ fn text(v: &AdaptiveVerification) -> String {
     text += &format!("\n{}\n", plain(&header, &rows));
     text += &plain(&["level", "pixels", "shaded", "samples"], &levels);
     text += &format!(
-        "\nbandwidth buffer: {:.3} s, {} of forward shading with {} samples. Ground truth: {} samples per point, {:.1} s.\n",
+        "\nbandwidth buffer: {:.3} s, {} of forward shading with {} samples. Ground truth: {} samples per point, \
+         {:.1} s; its standard error is {}.\n",
         v.bandwidth_seconds,
         percent(v.bandwidth_seconds / v.forward.seconds.max(1e-9)),
         v.forward.samples_per_point,
         v.truth_samples,
         v.truth_seconds,
+        v.truth_psnr.map_or("0".to_owned(), |psnr| format!("one of {psnr:.1} dB")),
     );
     text
 }

@@ -20,12 +20,11 @@ pub const WINDOW: usize = 32;
 pub fn window_bandwidth(values: &[f32], width: usize, [column, row]: [usize; 2]) -> f32 {
     const HALF: usize = WINDOW / 2;
     assert!(column >= HALF && column + HALF <= width && row >= HALF, "the window lies inside");
-    let weight = |k: usize| 0.5 - 0.5 * (TAU * (k as f32 + 0.5) / WINDOW as f32).cos();
     // Relative to one of them, so that a constant has no rounding.
     let at = |k: usize| {
         values[(row - HALF + k / WINDOW) * width + column - HALF + k % WINDOW] - values[row * width + column]
     };
-    let weights: Vec<f32> = (0..WINDOW * WINDOW).map(|k| weight(k % WINDOW) * weight(k / WINDOW)).collect();
+    let weights = hann();
     let total: f32 = weights.iter().sum();
     let mean = weights.iter().enumerate().map(|(k, w)| w * at(k)).sum::<f32>() / total;
     let mut spectrum: Vec<Complex<f32>> =
@@ -34,7 +33,30 @@ pub fn window_bandwidth(values: &[f32], width: usize, [column, row]: [usize; 2])
     root_mean_square(&spectrum)
 }
 
-/// The same for each of the pixels, in order.
+/// Weights of the pixels of a window, row by row.
+fn hann() -> Vec<f32> {
+    let weight = |k: usize| 0.5 - 0.5 * (TAU * (k as f32 + 0.5) / WINDOW as f32).cos();
+    (0..WINDOW * WINDOW).map(|k| weight(k % WINDOW) * weight(k / WINDOW)).collect()
+}
+
+/// What a picture with these bandwidths, cycles per pixel, and as much energy everywhere has as its [`window_bandwidth`]: the
+/// root of the mean square over the window, each pixel by the energy that the window lets through.
+///
+/// # Panics
+/// If the window does not lie inside the picture.
+pub fn window_mean(bandwidths: &[f32], width: usize, [column, row]: [usize; 2]) -> f32 {
+    const HALF: usize = WINDOW / 2;
+    assert!(column >= HALF && column + HALF <= width && row >= HALF, "the window lies inside");
+    let (mut energy, mut squares) = (0.0, 0.0);
+    for (k, weight) in hann().into_iter().enumerate() {
+        let here = f64::from(weight * weight);
+        energy += here;
+        squares += here * f64::from(bandwidths[(row - HALF + k / WINDOW) * width + column - HALF + k % WINDOW]).powi(2);
+    }
+    (squares / energy).sqrt() as f32
+}
+
+/// [`window_bandwidth`] for each of the pixels, in order.
 pub fn window_bandwidths(values: &[f32], width: usize, pixels: &[[usize; 2]]) -> Vec<f32> {
     pixels.par_iter().map(|pixel| window_bandwidth(values, width, *pixel)).collect()
 }

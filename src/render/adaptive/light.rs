@@ -66,7 +66,11 @@ impl DistantLight {
     /// The mean around a direction of any length, over about so much solid angle, sr: that of the texel that has the
     /// direction, on the level whose texels are at most as large at the horizon, and more than a quarter of it.
     pub fn at(&self, direction: [f32; 3], solid_angle: f32) -> DirectedLight {
-        let texel = self.bandwidth.environment_texel(direction);
+        self.at_texel(self.bandwidth.environment_texel(direction), solid_angle)
+    }
+
+    /// The same of a direction whose [`BandwidthMap::environment_texel`] is known.
+    pub fn at_texel(&self, texel: [u32; 2], solid_angle: f32) -> DirectedLight {
         let texels = self.bandwidth.size().into_iter().product::<u32>() as f32;
         let covered = solid_angle * texels / (2.0 * PI * PI);
         // Half the exponent is the logarithm of base 4, rounded down.

@@ -20,7 +20,7 @@ pub use passes::{ShadedLevels, shade};
 pub use predict::{ANY_LEVEL, Prediction, coarsest, coarsest_of, field_of_view, predict};
 pub use pyramid::Pyramid;
 pub use shading::{forward, shade_point};
-pub use truth::{Start, ground_truth};
+pub use truth::{GroundTruth, Start, ground_truth};
 pub use upsample::{Guide, LEAST_WEIGHT, parents, weight};
 
 use super::gbuffer::GBuffer;

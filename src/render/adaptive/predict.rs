@@ -9,6 +9,7 @@ use crate::render::scene::{Camera, Frame};
 use brdfc_formats::bandwidth_propagation::{
     largest_pixel_bandwidth, pixel_bandwidth, pyramid_level, sample_count, sample_scale,
 };
+use rayon::prelude::*;
 
 /// The level of pixels that show no surface: any level will do.
 pub const ANY_LEVEL: i32 = i32::MAX;
@@ -56,11 +57,11 @@ pub fn predict(scene: &AdaptiveScene<'_>, frame: Frame, buffer: &GBuffer, settin
         true => sample_count(deviation[pixel], scale, settings.fewest, settings.most),
         false => 0,
     };
-    let pixels = 0..buffer.part.len();
+    let pixels = || (0..buffer.part.len()).into_par_iter();
     Prediction {
-        level: pixels.clone().map(level).collect(),
-        samples: pixels.map(samples).collect(),
-        bandwidth: angular.into_iter().map(in_picture).collect(),
+        level: pixels().map(level).collect(),
+        samples: pixels().map(samples).collect(),
+        bandwidth: angular.par_iter().map(|angular| in_picture(*angular)).collect(),
         deviation,
     }
 }

@@ -48,6 +48,7 @@ impl Prepared {
             samples,
             Start::Scattered,
         )
+        .image
     }
 }
 

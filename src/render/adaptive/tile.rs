@@ -30,33 +30,30 @@ pub(super) fn bandwidth_and_deviation(
     deviation: fn(f32, f32, f32) -> f32,
 ) -> (Vec<f32>, Vec<f32>) {
     let tile = Tile { scene, buffer, curvature, directions: settings.directions };
-    let columns = buffer.width.div_ceil(SIDE);
-    let points = |at: usize| -> [Option<usize>; POINTS] {
-        let (x, y) = (at % columns * SIDE, at / columns * SIDE);
-        std::array::from_fn(|k| {
-            let (x, y) = (x + k % SIDE, y + k / SIDE);
-            let point = y * buffer.width + x;
-            (x < buffer.width && y < buffer.height && buffer.part_at(point).is_some()).then_some(point)
-        })
-    };
-    let found = |at: usize| {
-        let points = points(at);
-        let shares = tile.shares(&points);
-        let values = std::array::from_fn::<_, POINTS, _>(|k| {
-            let point = points[k]?;
-            let all = tile.joined(&points, &shares, k);
-            let luminance = scene.materials[tile.part(point)].albedo * all.variance.mean();
-            let deviation = deviation(all.variance.relative(0.0), luminance, settings.white);
-            Some((point, all.average.mean().angular, deviation))
-        });
-        values
-    };
-    let tiles: Vec<_> = (0..columns * buffer.height.div_ceil(SIDE)).into_par_iter().map(found).collect();
-    let (mut angular, mut deviation) = (vec![0.0; buffer.part.len()], vec![0.0; buffer.part.len()]);
-    for (point, of_angle, of_sample) in tiles.into_iter().flatten().flatten() {
-        (angular[point], deviation[point]) = (of_angle, of_sample);
-    }
-    (angular, deviation)
+    let (mut angular, mut deviations) = (vec![0.0; buffer.part.len()], vec![0.0; buffer.part.len()]);
+    // A row of tiles is a task.
+    let tasks = angular.par_chunks_mut(SIDE * buffer.width).zip(deviations.par_chunks_mut(SIDE * buffer.width));
+    tasks.enumerate().for_each(|(row, (angular, deviations))| {
+        let first = row * SIDE * buffer.width;
+        for column in (0..buffer.width).step_by(SIDE) {
+            let points: [Option<usize>; POINTS] = std::array::from_fn(|k| {
+                let (x, point) = (column + k % SIDE, first + k / SIDE * buffer.width + column + k % SIDE);
+                (x < buffer.width && point < buffer.part.len() && buffer.part_at(point).is_some()).then_some(point)
+            });
+            if points.iter().all(Option::is_none) {
+                continue;
+            }
+            let (shares, alike) = (tile.shares(&points), tile.alike(&points));
+            for (point, alike) in points.into_iter().zip(alike) {
+                let Some(point) = point else { continue };
+                let all = tile.joined(point, &shares, alike);
+                let luminance = scene.materials[tile.part(point)].albedo * all.variance.mean();
+                angular[point - first] = all.average.mean().angular;
+                deviations[point - first] = deviation(all.variance.relative(0.0), luminance, settings.white);
+            }
+        }
+    });
+    (angular, deviations)
 }
 
 /// What tiles are looked up in.
@@ -91,32 +88,29 @@ impl Tile<'_> {
         std::array::from_fn(|k| points[k].map_or(Share::default(), |point| self.share(point, k)))
     }
 
-    /// All that counts for point `k`.
-    fn joined(&self, points: &[Option<usize>; POINTS], shares: &[Share; POINTS], k: usize) -> Share {
-        let point = points[k].expect("a point of the tile");
-        let is_taken = |other: usize| points[other].is_some_and(|other| self.is_same_piece(point, other));
-        let (mut all, mut count) = (Share::default(), 0);
-        for other in 0..POINTS {
-            if other == k || is_taken(other) {
-                all = all.join(shares[other]);
-                count += 1;
+    /// Of each point, one bit for each point of the tile that shows the same piece of a surface, itself included.
+    fn alike(&self, points: &[Option<usize>; POINTS]) -> [u16; POINTS] {
+        let normals = points.map(|point| point.map_or([0.0; 3], |point| self.buffer.normal[point]));
+        let parts = points.map(|point| point.map(|point| self.buffer.part[point]));
+        let mut alike = std::array::from_fn(|k| 1 << k);
+        for a in 0..POINTS {
+            for b in 0..a {
+                let (m, n) = (normals[a], normals[b]);
+                let same = parts[a] == parts[b] && m[0] * n[0] + m[1] * n[1] + m[2] * n[2] >= SAME_PIECE;
+                alike[a] |= u16::from(same) << b;
+                alike[b] |= u16::from(same) << a;
             }
         }
-        for other in 0..POINTS {
-            if count >= ENOUGH {
-                break;
-            }
-            if other != k && !is_taken(other) {
-                all = all.join(self.share(point, other));
-                count += 1;
-            }
-        }
-        all
+        alike
     }
 
-    fn is_same_piece(&self, a: usize, b: usize) -> bool {
-        let (m, n) = (self.buffer.normal[a], self.buffer.normal[b]);
-        self.buffer.part[a] == self.buffer.part[b] && m[0] * n[0] + m[1] * n[1] + m[2] * n[2] >= SAME_PIECE
+    /// All that counts for a point, given which points are like it.
+    fn joined(&self, point: usize, shares: &[Share; POINTS], alike: u16) -> Share {
+        let is_alike = |other: &usize| alike >> other & 1 == 1;
+        let taken = (0..POINTS).filter(is_alike).fold(Share::default(), |all, other| all.join(shares[other]));
+        let missing = ENOUGH.saturating_sub(alike.count_ones() as usize);
+        let others = (0..POINTS).filter(|other| !is_alike(other)).take(missing);
+        others.fold(taken, |all, other| all.join(self.share(point, other)))
     }
 
     /// Of every sixteenth direction from `first` on.
@@ -132,12 +126,14 @@ impl Tile<'_> {
                 share.variance = share.variance.add_range(DirectedLight::default(), 0.0);
                 continue;
             }
-            let light = self.scene.light.at(frame.world(incoming), inverse_density / self.directions as f32);
+            let map = self.scene.light.bandwidth();
+            let (incoming_cell, texel) = map.cell_and_texel(incoming, frame.world(incoming));
+            let light = self.scene.light.at_texel(texel, inverse_density / self.directions as f32);
             let surface = Surface {
                 cos_incoming: incoming[2],
                 cos_outgoing: outgoing[2],
                 curvature: self.curvature[point],
-                lobe: material.bandwidth.brdf_cells(brdf_cell(incoming), outgoing_cell),
+                lobe: material.bandwidth.brdf_cells(incoming_cell, outgoing_cell),
                 texture: 0.0,
             };
             let arrives = Bandwidth::distant(light.bandwidth).one_bounce(0.0, surface, self.buffer.distance[point]);

@@ -90,7 +90,12 @@ impl Gpu {
         if !adapter.features().contains(features) {
             return Err(GpuError::NoAdapter(format!("{} has no textures of 16-bit components", info.name)));
         }
-        let limits = Limits::default().using_resolution(adapter.limits());
+        let all = adapter.limits();
+        let limits = Limits {
+            max_buffer_size: all.max_buffer_size,
+            max_storage_buffer_binding_size: all.max_storage_buffer_binding_size,
+            ..Limits::default().using_resolution(all)
+        };
         let descriptor =
             DeviceDescriptor { required_features: features, required_limits: limits, ..DeviceDescriptor::default() };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))

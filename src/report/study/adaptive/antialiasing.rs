@@ -27,12 +27,27 @@ pub struct AntialiasingRow {
     pub seconds: f64,
 }
 
-/// Exponents `e` of cost ∝ points^e from 1 to 16 points: of shaded pixels, samples and seconds.
-pub fn exponents(rows: &[AntialiasingRow]) -> Option<[f64; 3]> {
+/// Exponents `e` of cost ∝ points^e from 1 to 16 points.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct Exponents {
+    /// Of shaded pixels.
+    pub shaded: f64,
+    /// Of samples of incident light.
+    pub samples: f64,
+    /// Of seconds.
+    pub seconds: f64,
+}
+
+/// From the first row to the last.
+pub fn exponents(rows: &[AntialiasingRow]) -> Option<Exponents> {
     let (first, last) = (rows.first()?, rows.last()?);
     let steps = (f64::from(last.points) / f64::from(first.points)).ln();
     let of = |cost: fn(&AntialiasingRow) -> f64| (cost(last) / cost(first)).ln() / steps;
-    Some([of(|row| row.shaded as f64), of(|row| row.samples as f64), of(|row| row.seconds)])
+    Some(Exponents {
+        shaded: of(|row| row.shaded as f64),
+        samples: of(|row| row.samples as f64),
+        seconds: of(|row| row.seconds),
+    })
 }
 
 /// The same picture with 1, 4 and 16 points per pixel, as bright as the default exposure makes it.

@@ -59,6 +59,8 @@ pub struct Case<'a> {
     pub buffer: &'a GBuffer,
     /// The converged picture.
     pub truth: LinearImage,
+    /// PSNR that its own standard error amounts to, dB.
+    pub truth_psnr: f64,
     /// Factor from radiance to the display's range: the brightest 1 % of the ground truth clip.
     pub exposure: f64,
     /// Pixels that show a surface.
@@ -82,9 +84,11 @@ impl Case<'_> {
         let buffer = GBuffer::new(&scene, frame);
         let distributions = vec![&material.lookups.distributions; scene.parts.len()];
         let truth = ground_truth(&adaptive, frame, &buffer, &distributions, samples, start);
-        let exposure = auto_exposure(&truth);
+        let exposure = auto_exposure(&truth.image);
+        let truth_psnr = truth.psnr(exposure).unwrap_or(f64::INFINITY);
+        let truth = truth.image;
         let surface = (0..buffer.part.len()).filter(|pixel| buffer.part_at(*pixel).is_some()).count();
-        run(&Case { adaptive, frame, buffer: &buffer, truth, exposure, surface })
+        run(&Case { adaptive, frame, buffer: &buffer, truth, truth_psnr, exposure, surface })
     }
 
     /// PSNR of a picture against the ground truth, dB; infinite if there is no difference.

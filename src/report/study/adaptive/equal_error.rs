@@ -26,6 +26,8 @@ pub struct EqualErrorRow {
     pub surface_pixels: usize,
     /// Samples per pixel of the ground truth.
     pub truth_samples: usize,
+    /// PSNR that the standard error of the ground truth itself amounts to, dB; absent if it has none.
+    pub truth_psnr: Option<f64>,
     /// The error that both are to have, dB of PSNR against the ground truth.
     pub psnr: f64,
     /// Samples per pixel that forward shading needs; absent if none of 1 to 512 has just this error.
@@ -48,7 +50,7 @@ pub struct AdaptivePoint {
     /// Samples per pixel that shows a surface.
     pub samples: f64,
     /// Shaded pixels, per pixel that shows a surface.
-    pub shaded: f64,
+    pub shaded_share: f64,
     /// PSNR of the picture that was drawn with this budget, dB.
     pub psnr: f64,
     /// Mean FLIP of the picture on surfaces.
@@ -96,6 +98,7 @@ pub fn equal_error(
                 shape: shape.name().to_owned(),
                 surface_pixels: case.surface,
                 truth_samples,
+                truth_psnr: Some(case.truth_psnr).filter(|psnr| psnr.is_finite()),
                 psnr: *psnr,
                 forward_samples: reference.map(|point| point.samples),
                 forward_seconds: reference.map(|point| point.seconds),
@@ -150,7 +153,7 @@ fn attempt(case: &Case<'_>, caution: f32, asked: f64) -> (AdaptivePicture, Point
 
 fn drawn(case: &Case<'_>, caution: f32, asked: f64) -> AdaptivePoint {
     let (picture, Point { samples, psnr, seconds, .. }) = attempt(case, caution, asked);
-    let shaded = picture.shaded() as f64 / case.surface.max(1) as f64;
+    let shaded_share = picture.shaded() as f64 / case.surface.max(1) as f64;
     let flip = flip(&picture.image, &case.truth, case.exposure, PIXELS_PER_DEGREE).mean_on_surfaces;
-    AdaptivePoint { caution, samples, shaded, psnr, flip, seconds }
+    AdaptivePoint { caution, samples, shaded_share, psnr, flip, seconds }
 }
