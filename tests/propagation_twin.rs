@@ -15,6 +15,8 @@ use made::Numbers;
 /// A pixel with two incident directions: numbers in and numbers out.
 const IN: usize = 26;
 const OUT: usize = 12;
+/// Of the numbers that come out, the variance.
+const RELATIVE: usize = 8;
 
 const ENTRY: &str = "
 fn surface(first: u32) -> BandwidthSurface {
@@ -32,6 +34,7 @@ fn compute(at: u32) {
         let light = Bandwidth(input[f], input[f + 1u]);
         let seen = bandwidth_one_bounce(light, input[f + 2u], surface(f + 3u), input[first + 18u]);
         average = bandwidth_average_add(average, seen, input[f + 8u]);
+        average = bandwidth_average_add(average, bandwidth_of_albedo(surface(f + 3u), input[first + 18u]), input[f + 2u]);
         variance = bandwidth_variance_add(variance, light.angular, input[f + 6u], input[f + 8u]);
         if k == 0u {
             average_of_first = average;
@@ -75,6 +78,7 @@ fn expected(words: &[f32]) -> [f32; OUT] {
         let light = Bandwidth { spatial: f[0], angular: f[1] };
         let seen = light.one_bounce(f[2], surface(&f[3..8]), words[18]);
         average = average.add(seen, f[8]);
+        average = average.add(surface(&f[3..8]).albedo(words[18]), f[2]);
         variance = variance.add(light.angular, f[6], f[8]);
         if k == 0 {
             let range = DirectedLight { radiance: f[8], bandwidth: 0.0, squares: f[5], varying: f[1] };
@@ -131,8 +135,10 @@ fn differences(gpu: &Gpu, source: &str, inputs: &[f32]) -> [usize; OUT] {
     let found = compute.run(inputs, IN, OUT).unwrap();
     let mut counts = [0; OUT];
     for (words, found) in inputs.chunks_exact(IN).zip(found.chunks_exact(OUT)) {
-        for (count, (a, b)) in counts.iter_mut().zip(expected(words).iter().zip(found)) {
-            *count += usize::from(a.to_bits() != b.to_bits());
+        for (at, (count, (a, b))) in counts.iter_mut().zip(expected(words).iter().zip(found)).enumerate() {
+            // A driver may add up what is joined in another order.
+            let allowed = if at == RELATIVE { 4 } else { 0 };
+            *count += usize::from(a.to_bits().abs_diff(b.to_bits()) > allowed);
         }
     }
     counts
@@ -154,7 +160,7 @@ fn the_shader_gives_the_bits_of_the_cpu() {
 }
 
 /// Lines of the shader and small changes of them, each of which has to be seen in the inputs.
-const CHANGES: [(&str, &str); 43] = [
+const CHANGES: [(&str, &str); 46] = [
     ("BANDWIDTH_UNLIMITED: f32 = 1e9", "BANDWIDTH_UNLIMITED: f32 = 1.001e9"),
     ("BANDWIDTH_SMALLEST_COSINE: f32 = 0.0009765625", "BANDWIDTH_SMALLEST_COSINE: f32 = 0.00098"),
     ("BANDWIDTH_BLACK: f32 = 1e-18", "BANDWIDTH_BLACK: f32 = 1e-3"),
@@ -189,8 +195,11 @@ const CHANGES: [(&str, &str); 43] = [
     ("bandwidth_limited(light + lobe) * (x * x)", "bandwidth_limited(light + lobe) * x"),
     ("v.sum + x, v.directions + 1.0", "v.sum, v.directions + 1.0"),
     ("max(bandwidth_variance_mean(v), darkest)", "bandwidth_variance_mean(v)"),
-    ("v.sum / max(v.directions, 1.0)", "v.sum / max(v.directions, 4.0)"),
-    ("v.squares + (nu_l2 + lobe * l2)", "v.squares + (nu_l2 + l2)"),
+    ("v.sum / max(v.directions, 1.0)", "v.sum / max(v.directions, 5.0)"),
+    ("nu_l2 + bandwidth_limited(lobe) * l2", "nu_l2 + l2"),
+    ("min(surface.lobe, BANDWIDTH_ALBEDO)", "surface.lobe"),
+    ("BANDWIDTH_ALBEDO: f32 = 0.5", "BANDWIDTH_ALBEDO: f32 = 0.25"),
+    ("out_of_surface(own, surface.cos_outgoing)", "out_of_surface(own, surface.cos_incoming)"),
     ("v.sum + l,", "v.sum,"),
     ("a.squares + b.squares", "a.squares"),
     ("a.sum + b.sum", "a.sum"),

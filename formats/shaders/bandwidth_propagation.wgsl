@@ -24,6 +24,8 @@ const BANDWIDTH_UNLIMITED: f32 = 1e9;
 // Cosines to the normal below this count as this.
 const BANDWIDTH_SMALLEST_COSINE: f32 = 0.0009765625;
 // Contributions and their means below this are black.
+// How fast an albedo varies with the viewer's angle, cycles per radian.
+const BANDWIDTH_ALBEDO: f32 = 0.5;
 const BANDWIDTH_BLACK: f32 = 1e-18;
 // Largest contribution, so that its square stays finite.
 const BANDWIDTH_BRIGHTEST: f32 = 1e12;
@@ -100,6 +102,12 @@ fn bandwidth_one_bounce(
     return bandwidth_flight(bandwidth_reflected(arriving, surface), image_distance);
 }
 
+// What a surface shows in light that does not vary, at the image plane.
+fn bandwidth_of_albedo(surface: BandwidthSurface, image_distance: f32) -> Bandwidth {
+    let own = bandwidth_curvature(Bandwidth(0.0, min(surface.lobe, BANDWIDTH_ALBEDO)), surface.curvature);
+    return bandwidth_flight(bandwidth_out_of_surface(own, surface.cos_outgoing), image_distance);
+}
+
 // Equation 5. The weight is the luminance of L ρ cos θi over the density that the direction was drawn with.
 fn bandwidth_average_add(average: BandwidthAverage, v: Bandwidth, weight: f32) -> BandwidthAverage {
     let w = min(weight, BANDWIDTH_BRIGHTEST);
@@ -153,7 +161,7 @@ fn bandwidth_variance_add(v: BandwidthVariance, light: f32, lobe: f32, contribut
 // A range of directions that one stands for: of each, L is proportional to the contribution. The means of L, of L² and of
 // ν L² over the range.
 fn bandwidth_variance_add_range(v: BandwidthVariance, l: f32, l2: f32, nu_l2: f32, lobe: f32) -> BandwidthVariance {
-    return BandwidthVariance(v.squares + (nu_l2 + lobe * l2), v.sum + l, v.directions + 1.0);
+    return BandwidthVariance(v.squares + nu_l2 + bandwidth_limited(lobe) * l2, v.sum + l, v.directions + 1.0);
 }
 
 // With the directions of another part of the sum.

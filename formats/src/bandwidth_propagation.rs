@@ -18,6 +18,10 @@ pub const UNLIMITED: f32 = 1e9;
 /// Cosines to the normal below this count as this: a surface seen edge-on has no end of frequencies.
 pub const SMALLEST_COSINE: f32 = 0.0009765625;
 
+/// How fast the albedo of a material that is not matte varies with the viewer's angle, cycles per radian, roughly: it rises
+/// towards grazing angles over about a radian.
+pub const ALBEDO: f32 = 0.5;
+
 /// Contributions and their means below this are black, and need no samples.
 const BLACK: f32 = 1e-18;
 /// Largest contribution, so that its square stays finite.
@@ -95,6 +99,15 @@ pub struct Surface {
     pub lobe: f32,
     /// `t`, bandwidth of the texture along the surface, cycles per metre; 0 without one.
     pub texture: f32,
+}
+
+impl Surface {
+    /// What the surface shows in light that does not vary: its albedo changes with the viewer's angle, [`ALBEDO`] or as fast as
+    /// the lobe if that is less. From the surface to the image plane, as [`Bandwidth::one_bounce`]; not in the paper.
+    pub fn albedo(self, image_distance: f32) -> Bandwidth {
+        let own = Bandwidth::distant(self.lobe.min(ALBEDO));
+        own.curvature(self.curvature).out_of_surface(self.cos_outgoing).flight(image_distance)
+    }
 }
 
 /// Equation 5: the mean bandwidth at a pixel over a few incident directions, weighted by what each brings.
@@ -182,9 +195,9 @@ pub struct DirectedLight {
 }
 
 impl DirectedLight {
-    /// From one direction: a radiance of 0 to [`BRIGHTEST`] and its bandwidth.
-    pub fn of(radiance: f32, bandwidth: f32) -> Self {
-        let squares = radiance * radiance;
+    /// Of directions with one bandwidth: means of radiance and of its square, of at most [`BRIGHTEST`].
+    pub fn of(radiance: f32, squares: f32, bandwidth: f32) -> Self {
+        let bandwidth = limited(bandwidth);
         Self { radiance, bandwidth, squares, varying: bandwidth * squares }
     }
 
@@ -237,7 +250,7 @@ impl VarianceEstimate {
     /// directions are drawn in proportion to the lobe.
     pub fn add_range(self, light: DirectedLight, lobe: f32) -> Self {
         Self {
-            squares: self.squares + (light.varying + lobe * light.squares),
+            squares: self.squares + light.varying + limited(lobe) * light.squares,
             sum: self.sum + light.radiance,
             directions: self.directions + 1.0,
         }
@@ -331,6 +344,32 @@ mod tests {
         assert_eq!(BandwidthAverage::default().add(bandwidth(3.0, 4.0), 0.0).mean(), Bandwidth::default());
         assert_eq!(VarianceEstimate::default().relative(0.0), 0.0);
         assert_eq!(VarianceEstimate::default().add(0.0, 0.0, 5.0).relative(0.0), 0.0);
+    }
+
+    /// Around a ball of radius ½ from 4 away, the viewer's angle to the normal turns by `1 + d' / (R cos θo)`.
+    #[test]
+    fn albedo_varies_with_the_viewers_angle() {
+        let ball = Surface { cos_outgoing: 0.5, curvature: 2.0, ..SURFACE };
+        assert_eq!(ball.albedo(4.0).angular, 0.5 * (1.0 + 4.0 * 2.0 / 0.5));
+        assert_eq!(Surface { lobe: 0.0, ..ball }.albedo(4.0), Bandwidth::default());
+        assert_eq!(Surface { lobe: 0.25, ..ball }.albedo(4.0).angular, 0.25 * 17.0);
+    }
+
+    #[test]
+    fn parts_of_sums_add_up() {
+        let light = DirectedLight::of(2.0, 5.0, 3.0);
+        assert_eq!(light.moments(), [2.0, 6.0, 5.0, 15.0]);
+        assert_eq!(DirectedLight::from_moments(light.moments()), light);
+        assert_eq!(DirectedLight::from_moments([0.0; 4]), DirectedLight::default());
+        // One direction as a range is that direction.
+        let start = VarianceEstimate::default().add(1.0, 2.0, 4.0);
+        assert_eq!(start.add_range(DirectedLight::of(3.0, 9.0, 5.0), 7.0), start.add(5.0, 7.0, 3.0));
+        assert_eq!(start.join(VarianceEstimate::default().add(5.0, 7.0, 3.0)), start.add(5.0, 7.0, 3.0));
+        assert_eq!(start.add(5.0, 7.0, 2.0).mean(), 3.0);
+        let average = BandwidthAverage::default().add(bandwidth(1.0, 2.0), 3.0);
+        let other = BandwidthAverage::default().add(bandwidth(5.0, 7.0), 1.0);
+        assert_eq!(average.join(other), average.add(bandwidth(5.0, 7.0), 1.0));
+        assert_eq!(average.join(other).mean(), bandwidth(2.0, 3.25));
     }
 
     #[test]

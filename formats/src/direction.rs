@@ -192,7 +192,7 @@ pub fn polynomial_atan2_each<const N: usize>(y: [f32; N], x: [f32; N]) -> [f32; 
         let (y, ax) = (y[k], x[k].abs());
         let steep = y > ax;
         let (small, large) = (if steep { ax } else { y }, if steep { y } else { ax });
-        let t = small / if large > f32::MIN_POSITIVE { large } else { f32::MIN_POSITIVE };
+        let t = small / if large > 0.0 { large } else { 1.0 };
         let t2 = t * t;
         let mut p = C[7];
         for c in C[..7].iter().rev() {

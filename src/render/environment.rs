@@ -1,6 +1,7 @@
 //! Looking up environments and height maps, as `scene.wgsl` does.
 
 use super::scene::{Environment, HeightMap};
+use crate::metrics::image::luminance;
 use brdfc_formats::direction::{Vector, polynomial_atan2};
 use rayon::prelude::*;
 use std::f32::consts::PI;
@@ -27,31 +28,46 @@ impl Environment {
 }
 
 impl Environment {
-    /// With fewer texels: the mean of the pixels that each covers, in part or whole.
+    /// Means of luminance and of its square over the texels of an image of another size, row by row, by the solid angle of what
+    /// each covers. Luminance is held to 0 to `brightest` first.
     ///
     /// # Panics
     /// If there are no pixels, or not as many as the size says.
-    pub fn reduced(&self, [width, height]: [usize; 2]) -> Self {
+    pub fn moments_over(&self, [width, height]: [usize; 2], brightest: f64) -> Vec<[f64; 2]> {
         assert!(self.width > 0 && self.height > 0 && self.pixels.len() == self.width * self.height, "whole rows");
-        let covered = |at: usize, count: usize, pixels: usize| at * pixels / count..((at + 1) * pixels).div_ceil(count);
-        let row = |row: usize| -> Vec<[f32; 3]> {
-            let rows = covered(row, height, self.height);
-            let texel = |column: usize| {
-                let columns = covered(column, width, self.width);
-                let mut sum = [0.0f64; 3];
-                for row in rows.clone() {
-                    for pixel in &self.pixels[row * self.width..][columns.clone()] {
-                        (0..3).for_each(|k| sum[k] += f64::from(pixel[k]));
+        let columns: Vec<_> = (0..width).map(|at| overlaps(at, width, self.width)).collect();
+        let row = |row: usize| -> Vec<[f64; 2]> {
+            let band = |[from, to]: [f64; 2]| {
+                let angle = |y: f64| std::f64::consts::PI * y / self.height as f64;
+                (angle(from).cos() - angle(to).cos()).max(0.0)
+            };
+            let rows = overlaps(row, height, self.height);
+            let texel = |columns: &Vec<(usize, [f64; 2])>| {
+                let (mut sums, mut all) = ([0.0f64; 2], 0.0);
+                for (row, across) in &rows {
+                    for (column, [from, to]) in columns {
+                        let weight = band(*across) * (to - from);
+                        let shown = luminance(self.pixels[row * self.width + column]).clamp(0.0, brightest);
+                        sums[0] += weight * shown;
+                        sums[1] += weight * shown * shown;
+                        all += weight;
                     }
                 }
-                let count = (rows.len() * columns.len()) as f64;
-                sum.map(|s| (s / count) as f32)
+                sums.map(|sum| if all > 0.0 { sum / all } else { 0.0 })
             };
-            (0..width).map(texel).collect()
+            columns.iter().map(texel).collect()
         };
-        let pixels = (0..height).into_par_iter().flat_map_iter(row).collect();
-        Self { width, height, pixels }
+        (0..height).into_par_iter().flat_map_iter(row).collect()
     }
+}
+
+/// Pixels of `from` along an axis that texel `at` of `count` covers, and from where to where in each, in pixels.
+fn overlaps(at: usize, count: usize, from: usize) -> Vec<(usize, [f64; 2])> {
+    let edge = |at: usize| at as f64 * from as f64 / count as f64;
+    let (start, end) = (edge(at), edge(at + 1));
+    let range = start.floor() as usize..(end.ceil() as usize).min(from);
+    let part = |pixel: usize| (pixel, [start.max(pixel as f64), end.min(pixel as f64 + 1.0)]);
+    range.map(part).filter(|(_, [from, to])| to > from).collect()
 }
 
 impl HeightMap {
@@ -85,6 +101,7 @@ fn mix(a: f64, b: f64, t: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::environment_light::texel_solid_angle;
 
     #[test]
     fn an_environment_has_its_texels_at_their_directions() {
@@ -102,6 +119,29 @@ mod tests {
         }
         let up = environment.at([0.0, 1.0, 0.0]);
         assert!(up.iter().all(|c| c.is_finite()));
+    }
+
+    /// One bright pixel brings as much light whatever the size; means of squares are at least squared means.
+    #[test]
+    fn means_over_texels_keep_the_light() {
+        for (from, to) in [([12, 6], [8, 4]), ([12, 6], [4, 2]), ([7, 3], [4, 2]), ([3, 5], [2, 4]), ([1, 1], [2, 1])] {
+            for lit in 0..from[0] * from[1] {
+                let pixels = (0..from[0] * from[1]).map(|at| [if at == lit { 5.0 } else { 0.25 }; 3]).collect();
+                let environment = Environment { width: from[0], height: from[1], pixels };
+                let flux = |width: usize, height: usize, value: &dyn Fn(usize) -> f64| -> f64 {
+                    let solid_angle = |at: usize| texel_solid_angle(at / width, width, height);
+                    (0..width * height).map(|at| solid_angle(at) * value(at)).sum()
+                };
+                let moments = environment.moments_over(to, 1e12);
+                for (k, power) in [(0, 1), (1, 2)] {
+                    let light = |at: usize| luminance(environment.pixels[at]).powi(power);
+                    let expected = flux(from[0], from[1], &light);
+                    let found = flux(to[0], to[1], &|at| moments[at][k]);
+                    assert!((found / expected - 1.0).abs() < 1e-9, "{from:?} {to:?} {lit}: {found} {expected}");
+                }
+                assert!(moments.iter().all(|[mean, squares]| *squares > 0.999_999 * mean * mean));
+            }
+        }
     }
 
     #[test]

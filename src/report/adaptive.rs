@@ -41,8 +41,8 @@ pub struct AdaptiveVerification {
     pub forward: Shading,
     /// Samples per point of the ground truth.
     pub truth_samples: usize,
-    /// PSNR that the standard error of the ground truth itself amounts to, dB: no picture is known to be better. Absent if it
-    /// has none.
+    /// PSNR that the spread of the ground truth's own samples amounts to, dB: an upper bound of its error, which runs of
+    /// samples overstate. Absent if there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub truth_psnr: Option<f64>,
     /// Seconds that the ground truth took, on the CPU.

@@ -181,20 +181,20 @@ pub(super) fn equal_error_text(rows: &[EqualErrorRow]) -> String {
         .collect();
     let gains: Vec<f64> = rows.iter().filter_map(|row| row.gain(row.adaptive)).collect();
     let worst = gains.iter().copied().fold(f64::INFINITY, f64::min);
-    let missed = rows.iter().filter(|row| row.forward_samples.is_some() && row.adaptive.is_none()).count();
+    let missed = rows.iter().filter(|row| row.forward_samples.is_none() || row.adaptive.is_none()).count();
     let summary = if gains.is_empty() { "none".to_owned() } else { significant(worst) };
     plain(&header, &cells)
         + &format!(
             "\nforward, adaptive and best: samples per pixel that shows a surface, for the same PSNR against a ground truth of\n\
-             {} samples, whose own standard error is one of {}; interpolated between powers of two. drawn: PSNR of\n\
+             {} samples, good for {}; interpolated between powers of two. drawn: PSNR of\n\
              the picture with that budget. adaptive: default caution; best: the caution that takes fewest.\n\
              shaded: shaded pixels per pixel of surface. bandwidth: time of the bandwidth buffer as a share of forward\n\
-             shading's. Smallest gain at default caution: {summary}; not reached with 1 to 512: {missed} of {}.\n",
+             shading's. Smallest gain at default caution: {summary}; not reached, or passed, with 1 to 512 samples (-): {missed} of {}.\n",
             rows.first().map_or(0, |row| row.truth_samples),
             rows.iter()
                 .filter_map(|row| row.truth_psnr)
                 .min_by(f64::total_cmp)
-                .map_or("no dB".to_owned(), |psnr| format!("{psnr:.1} dB or more")),
+                .map_or("any PSNR".to_owned(), |psnr| format!("{psnr:.1} dB or more")),
             rows.len(),
         )
 }
@@ -226,7 +226,7 @@ pub(super) fn directions_text(rows: &[DirectionsStudy]) -> String {
                 study.material.clone(),
                 study.shape.clone(),
                 row.directions.to_string(),
-                format!("{:.2} dB", row.psnr),
+                row.psnr.map_or("-".to_owned(), |psnr| format!("{psnr:.2} dB")),
                 format!("{:.2}", row.samples),
                 format!("{:.0} ms", 1e3 * row.bandwidth_seconds),
                 format!("{:.0} ms", 1e3 * row.seconds),

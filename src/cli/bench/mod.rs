@@ -53,7 +53,7 @@ pub struct Arguments {
     /// Latitude-longitude image, .exr or .hdr, that lights the studies of adaptive shading (default: a sky).
     #[arg(long, value_name = "FILE")]
     environment: Option<String>,
-    /// Pixels per side of the studies of adaptive shading, 32 to 2048 (default 512).
+    /// Pixels per side of the studies of adaptive shading, 32 to 2048, for pixel-bandwidth 64 and more (default 512).
     #[arg(long, value_name = "N")]
     pixels: Option<usize>,
     /// Samples per pixel of their ground truth, 16 to 65536 (default 256).

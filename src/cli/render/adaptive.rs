@@ -56,7 +56,7 @@ pub(super) struct Options {
     /// Factor on predicted bandwidths before levels are chosen: less is faster, more is sharper (default 0.5).
     #[arg(long, value_name = "X", requires = "adaptive", allow_negative_numbers = true)]
     caution: Option<f32>,
-    /// Incident directions that bandwidth is averaged over (default 16).
+    /// Incident directions that bandwidth is averaged over, rounded up to a multiple of 4 (default 16).
     #[arg(long, value_name = "N", requires = "adaptive")]
     bandwidth_directions: Option<u32>,
     /// Points per pixel: 1 (default), 4 or 16.
@@ -65,7 +65,7 @@ pub(super) struct Options {
     /// Samples per point of forward shading (default 32).
     #[arg(long, value_name = "N", requires = "adaptive")]
     forward: Option<u32>,
-    /// Samples per pixel of the ground truth, on the CPU (default 256).
+    /// Samples per point of the ground truth, on the CPU (default: 256 per pixel, and twice those of forward shading).
     #[arg(long, value_name = "N", requires = "adaptive")]
     truth: Option<usize>,
     /// Bandwidth, levels and variance as it shows side by side, from dark to pale yellow: .png. Bandwidth over 8 octaves and
@@ -133,9 +133,17 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let buffer = renderer.read(&g_buffer)?;
     let surface_points = (0..buffer.part.len()).filter(|point| buffer.part_at(*point).is_some()).count() as u64;
 
-    let truth_samples = (arguments.adaptive.truth.unwrap_or(TRUTH) / antialias as usize).max(16);
-    if truth_samples < 2 * arguments.adaptive.forward.unwrap_or(FORWARD) as usize {
-        remark(common, "note: the ground truth has hardly more samples than forward shading; --truth takes more");
+    let count = arguments.adaptive.forward.unwrap_or(FORWARD);
+    let least = (TRUTH / antialias as usize).max(2 * count as usize);
+    // Whole runs, whose spread says how far it is off.
+    let truth_samples = arguments.adaptive.truth.unwrap_or(least).next_multiple_of(16);
+    if truth_samples < 2 * count as usize {
+        remark(
+            common,
+            &format!(
+                "note: a ground truth of {truth_samples} samples beside {count} of forward shading; --truth takes more"
+            ),
+        );
     }
     remark(common, &format!("ground truth: {truth_samples} samples for each of {surface_points} points, on the CPU"));
     let distributions: Vec<_> = parts.iter().map(|part| &lookups[*part].distributions).collect();
@@ -150,7 +158,6 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     renderer.run_prediction(&loaded, &g_buffer, &settings)?;
     let ((), bandwidth_seconds) = timed(|| renderer.run_prediction(&loaded, &g_buffer, &settings))?;
     let (picture, seconds) = timed(|| renderer.draw(&loaded, &g_buffer, &settings))?;
-    let count = arguments.adaptive.forward.unwrap_or(FORWARD);
     remark(common, &format!("adaptive: {seconds:.1} s; forward: {count} samples per point"));
     let (forward, forward_seconds) = timed(|| renderer.forward(&loaded, &g_buffer, count))?;
 
@@ -281,6 +288,12 @@ fn built(
         Some(OtherPack::Bandwidth(bandwidth)) if bandwidth.header().kind == BandwidthKind::Brdf => bandwidth,
         _ => return Err(no_such_pack(&map, "the bandwidth map of a material")),
     };
+    if let Some((missing, there)) =
+        [(&map, &samples), (&samples, &map)].into_iter().find(|(missing, _)| !missing.exists())
+    {
+        let text = format!("{}: found none beside {}; 'brdfc build' writes both", missing.display(), there.display());
+        return Err(CliError::Input(text));
+    }
     match open_other_pack(&samples)? {
         Some(OtherPack::Importance(samples)) => Ok(Some((bandwidth, samples))),
         _ => Err(no_such_pack(&samples, "importance samples")),
@@ -394,13 +407,19 @@ fn text(v: &AdaptiveVerification) -> String {
     text += &plain(&["level", "pixels", "shaded", "samples"], &levels);
     text += &format!(
         "\nbandwidth buffer: {:.3} s, {} of forward shading with {} samples. Ground truth: {} samples per point, \
-         {:.1} s; its standard error is {}.\n",
+         {:.1} s{}.\n",
         v.bandwidth_seconds,
         percent(v.bandwidth_seconds / v.forward.seconds.max(1e-9)),
         v.forward.samples_per_point,
         v.truth_samples,
         v.truth_seconds,
-        v.truth_psnr.map_or("0".to_owned(), |psnr| format!("one of {psnr:.1} dB")),
+        v.truth_psnr.map_or(String::new(), |psnr| format!(", good for {psnr:.1} dB or more")),
     );
+    for (name, shading) in [("adaptive", &v.adaptive), ("forward", &v.forward)] {
+        if shading.invalid_pixels > 0 {
+            text +=
+                &format!("{name}: {} pixels hold no number, and are left out of its PSNR.\n", shading.invalid_pixels);
+        }
+    }
     text
 }

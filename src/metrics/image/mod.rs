@@ -8,7 +8,7 @@ mod spectrum;
 pub use difference::{ImageDifference, Spread, auto_exposure, compare_images, delta_e_map, luminance};
 pub use flip::{Flip, PIXELS_PER_DEGREE, flip};
 pub use psnr::{SignalToNoise, signal_to_noise};
-pub use spectrum::{WINDOW, window_bandwidth, window_bandwidths, window_mean};
+pub use spectrum::{WINDOW, window_bandwidth, window_bandwidths};
 
 /// A rectangle of linear radiance.
 #[derive(Debug, Clone, PartialEq)]

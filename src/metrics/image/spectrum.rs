@@ -39,23 +39,6 @@ fn hann() -> Vec<f32> {
     (0..WINDOW * WINDOW).map(|k| weight(k % WINDOW) * weight(k / WINDOW)).collect()
 }
 
-/// What a picture with these bandwidths, cycles per pixel, and as much energy everywhere has as its [`window_bandwidth`]: the
-/// root of the mean square over the window, each pixel by the energy that the window lets through.
-///
-/// # Panics
-/// If the window does not lie inside the picture.
-pub fn window_mean(bandwidths: &[f32], width: usize, [column, row]: [usize; 2]) -> f32 {
-    const HALF: usize = WINDOW / 2;
-    assert!(column >= HALF && column + HALF <= width && row >= HALF, "the window lies inside");
-    let (mut energy, mut squares) = (0.0, 0.0);
-    for (k, weight) in hann().into_iter().enumerate() {
-        let here = f64::from(weight * weight);
-        energy += here;
-        squares += here * f64::from(bandwidths[(row - HALF + k / WINDOW) * width + column - HALF + k % WINDOW]).powi(2);
-    }
-    (squares / energy).sqrt() as f32
-}
-
 /// [`window_bandwidth`] for each of the pixels, in order.
 pub fn window_bandwidths(values: &[f32], width: usize, pixels: &[[usize; 2]]) -> Vec<f32> {
     pixels.par_iter().map(|pixel| window_bandwidth(values, width, *pixel)).collect()

@@ -20,6 +20,7 @@ pub use passes::{ShadedLevels, shade};
 pub use predict::{ANY_LEVEL, Prediction, coarsest, coarsest_of, field_of_view, predict};
 pub use pyramid::Pyramid;
 pub use shading::{forward, shade_point};
+pub(crate) use tile::MOST_DIRECTIONS;
 pub use truth::{GroundTruth, Start, ground_truth};
 pub use upsample::{Guide, LEAST_WEIGHT, parents, weight};
 
@@ -57,7 +58,8 @@ pub struct AdaptiveScene<'a> {
 /// How much is spent, and how carefully.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// `n_b`, incident directions that bandwidth is averaged over, at least: see [`tile`]. Multiples of 4 are what is asked for.
+    /// `n_b`, incident directions that bandwidth is averaged over, rounded up to a multiple of 4. Points take a quarter of them
+    /// each and share with up to 15 others, so that an average is over up to four times as many.
     pub directions: u32,
     /// Mean samples of a surface pixel before [`Settings::fewest`] and [`Settings::most`] hold.
     pub samples: f32,
@@ -69,7 +71,8 @@ pub struct Settings {
     pub white: f32,
     /// Multiplies bandwidths before levels are chosen: 1 is Nyquist's rate for them, 2 twice as many pixels along each axis.
     /// Predicted bandwidths are mostly too high, by the maps (1.2 to 1.45 times those of waves, largest of three channels) and
-    /// by the propagation (no signs, every direction in the plane of incidence), so less than 1 will do; weak detail on strong slow light is found too low.
+    /// by the propagation (no signs, every direction in the plane of incidence), so less than 1 will do; weak detail on strong
+    /// slow light is found too low.
     pub caution: f32,
     /// Levels finer than pixels: 0, 1 for 2 x 2 samples per pixel, 2 for 4 x 4.
     pub antialiasing_levels: u32,

@@ -19,7 +19,7 @@ pub const ANY_LEVEL: i32 = i32::MAX;
 pub struct Prediction {
     /// Cycles per pixel of the picture, equation 6; 0 where no surface is.
     pub bandwidth: Vec<f32>,
-    /// Standard deviation of a sample as it shows: the root of `V` of equation 7, see [`VarianceEstimate`], times how much a
+    /// Standard deviation of a sample as it shows: the root of `V` of equation 7, see [`brdfc_formats::bandwidth_propagation::VarianceEstimate`], times how much a
     /// relative error changes the display; 0 where no surface is.
     pub deviation: Vec<f32>,
     /// Level of the pyramid, 0 the G-buffer's own resolution; [`ANY_LEVEL`] where no surface is.
@@ -32,7 +32,7 @@ pub struct Prediction {
 ///
 /// Each of `settings.directions` incident directions is drawn in proportion to the lobe, so that `L ρ cos θ` over the
 /// density is proportional to `L`: neither the material nor the reflected light is evaluated. The tenth of the directions that
-/// does not follow the lobe counts like the others. Neighbouring points share what they find, see [`super::tile`].
+/// does not follow the lobe counts like the others. Neighbouring points share what they find.
 pub fn predict(scene: &AdaptiveScene<'_>, frame: Frame, buffer: &GBuffer, settings: &Settings) -> Prediction {
     let curvature = curvature(buffer);
     let field_of_view = field_of_view(&scene.scene.camera, frame);

@@ -1,9 +1,10 @@
 //! Bandwidth and variance of points that share incident directions.
 //!
-//! Points of a tile of 4 x 4 each look along a sixteenth of four times `n_b` directions, different ones, and take over what
-//! the other points of the same part and nearly the same normal have found along theirs: "Interleaved sampling" (Keller and
-//! Heidrich 2001). So an average is over as many as `4 n_b` directions for the work of `n_b / 4`. Where fewer than four
-//! points are alike, a point looks along the missing directions itself, and the average is over `n_b`.
+//! Points of a tile of 4 x 4 each look along a sixteenth of four times `n_b` directions, a run of the sequence of their own,
+//! and take over what the other points of the same part and nearly the same normal have found along theirs: "Interleaved
+//! sampling" (Keller and Heidrich 2001). So an average is over up to `4 n_b` directions for the work of `n_b / 4`. Where fewer
+//! than four points are alike, a point looks along the next runs itself, and the average is over `n_b`. Bandwidth follows
+//! the mean curvature of what is alike.
 
 use super::{AdaptiveScene, Settings};
 use crate::render::gbuffer::GBuffer;
@@ -17,6 +18,8 @@ const SIDE: usize = 4;
 const POINTS: usize = SIDE * SIDE;
 /// Shares that make `n_b` directions.
 const ENOUGH: usize = 4;
+/// Most directions: far more than samples of a lobe.
+pub(crate) const MOST_DIRECTIONS: u32 = 1 << 16;
 /// Points whose normals have at least this cosine, 18°, are of the same piece of a surface.
 const SAME_PIECE: f32 = 0.95;
 
@@ -29,7 +32,8 @@ pub(super) fn bandwidth_and_deviation(
     settings: &Settings,
     deviation: fn(f32, f32, f32) -> f32,
 ) -> (Vec<f32>, Vec<f32>) {
-    let tile = Tile { scene, buffer, curvature, directions: settings.directions };
+    let tile =
+        Tile { scene, buffer, curvature, run: settings.directions.clamp(1, MOST_DIRECTIONS).div_ceil(ENOUGH as u32) };
     let (mut angular, mut deviations) = (vec![0.0; buffer.part.len()], vec![0.0; buffer.part.len()]);
     // A row of tiles is a task.
     let tasks = angular.par_chunks_mut(SIDE * buffer.width).zip(deviations.par_chunks_mut(SIDE * buffer.width));
@@ -44,9 +48,9 @@ pub(super) fn bandwidth_and_deviation(
                 continue;
             }
             let (shares, alike) = (tile.shares(&points), tile.alike(&points));
-            for (point, alike) in points.into_iter().zip(alike) {
-                let Some(point) = point else { continue };
-                let all = tile.joined(point, &shares, alike);
+            for (k, alike) in alike.into_iter().enumerate() {
+                let Some(point) = points[k] else { continue };
+                let all = tile.joined((k, point), &shares, alike);
                 let luminance = scene.materials[tile.part(point)].albedo * all.variance.mean();
                 angular[point - first] = all.average.mean().angular;
                 deviations[point - first] = deviation(all.variance.relative(0.0), luminance, settings.white);
@@ -61,7 +65,8 @@ struct Tile<'a> {
     scene: &'a AdaptiveScene<'a>,
     buffer: &'a GBuffer,
     curvature: &'a [f32],
-    directions: u32,
+    /// Directions of each point.
+    run: u32,
 }
 
 /// What some of the directions of a point find.
@@ -104,23 +109,24 @@ impl Tile<'_> {
         alike
     }
 
-    /// All that counts for a point, given which points are like it.
-    fn joined(&self, point: usize, shares: &[Share; POINTS], alike: u16) -> Share {
+    /// All that counts for point `k` of a tile, given which points are like it.
+    fn joined(&self, (k, point): (usize, usize), shares: &[Share; POINTS], alike: u16) -> Share {
         let is_alike = |other: &usize| alike >> other & 1 == 1;
         let taken = (0..POINTS).filter(is_alike).fold(Share::default(), |all, other| all.join(shares[other]));
         let missing = ENOUGH.saturating_sub(alike.count_ones() as usize);
-        let others = (0..POINTS).filter(|other| !is_alike(other)).take(missing);
-        others.fold(taken, |all, other| all.join(self.share(point, other)))
+        let next = (k + 1..k + POINTS).map(|other| other % POINTS).filter(|other| !is_alike(other)).take(missing);
+        next.fold(taken, |all, other| all.join(self.share(point, other)))
     }
 
-    /// Of every sixteenth direction from `first` on.
-    fn share(&self, point: usize, first: usize) -> Share {
+    /// What a point finds along a run of directions.
+    fn share(&self, point: usize, number: usize) -> Share {
         let frame = self.buffer.frame(point);
         let material = &self.scene.materials[self.part(point)];
         let outgoing = frame.local(self.buffer.to_viewer[point]);
         let outgoing_cell = brdf_cell(outgoing);
         let mut share = Share::default();
-        for index in (first as u32..ENOUGH as u32 * self.directions).step_by(POINTS) {
+        let first = number as u32 * self.run;
+        for index in first..first + self.run {
             let (incoming, inverse_density) = material.samples.sample(outgoing, index);
             if inverse_density <= 0.0 {
                 share.variance = share.variance.add_range(DirectedLight::default(), 0.0);
@@ -128,7 +134,7 @@ impl Tile<'_> {
             }
             let map = self.scene.light.bandwidth();
             let (incoming_cell, texel) = map.cell_and_texel(incoming, frame.world(incoming));
-            let light = self.scene.light.at_texel(texel, inverse_density / self.directions as f32);
+            let light = self.scene.light.at(texel, inverse_density / (ENOUGH as u32 * self.run) as f32);
             let surface = Surface {
                 cos_incoming: incoming[2],
                 cos_outgoing: outgoing[2],
@@ -137,7 +143,9 @@ impl Tile<'_> {
                 texture: 0.0,
             };
             let arrives = Bandwidth::distant(light.bandwidth).one_bounce(0.0, surface, self.buffer.distance[point]);
-            share.average = share.average.add(arrives, light.radiance);
+            let own = surface.albedo(self.buffer.distance[point]).angular;
+            let shows = Bandwidth { angular: arrives.angular.max(own), ..arrives };
+            share.average = share.average.add(shows, light.radiance);
             share.variance = share.variance.add_range(light, surface.lobe);
         }
         share

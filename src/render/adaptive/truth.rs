@@ -47,8 +47,8 @@ pub struct GroundTruth {
 }
 
 impl GroundTruth {
-    /// PSNR of the picture against itself with its standard error added, as a display shows both at this exposure, dB: beyond it
-    /// pictures cannot be told apart. `None` if there is no error.
+    /// PSNR of the picture against itself with its standard error added, as a display shows both at this exposure, dB: the
+    /// picture is at least as good. `None` if there is no error.
     pub fn psnr(&self, exposure: f64) -> Option<f64> {
         let mut other = self.image.clone();
         for (pixel, error) in other.pixels.iter_mut().zip(&self.error.pixels) {

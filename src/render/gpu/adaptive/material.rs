@@ -6,14 +6,11 @@ use super::super::draw::Decoding;
 use super::super::pack;
 use super::kernels::Kernels;
 use crate::render::adaptive::{AdaptiveMaterial, DistantLight};
+use brdfc_formats::bandwidth_propagation::DirectedLight;
 use brdfc_formats::pack::bandwidth::{BandwidthKind, BandwidthMap};
 use brdfc_formats::pack::bandwidth_shader::BandwidthParameters;
 use brdfc_formats::pack::{TexelFormat, WaveletPack};
-use wgpu::util::{DeviceExt, TextureDataOrder};
-use wgpu::{
-    BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, BufferUsages, Extent3d, TextureDescriptor,
-    TextureDimension, TextureFormat, TextureUsages, TextureView,
-};
+use wgpu::{BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, BufferUsages, TextureView};
 
 /// The bind groups of a part.
 pub(super) struct LoadedMaterial {
@@ -75,28 +72,21 @@ pub(super) fn upload(
     Ok(LoadedMaterial { pack, maps })
 }
 
-/// Means of light as mip levels.
-pub(super) fn light(gpu: &Gpu, light: &DistantLight) -> TextureView {
-    let levels = light.levels();
-    let texels: Vec<[f32; 4]> = levels
-        .iter()
-        .flat_map(|level| &level.texels)
-        .map(|texel| [texel.radiance, texel.bandwidth, texel.squares, texel.varying])
-        .collect();
-    let size = Extent3d { width: levels[0].width as u32, height: levels[0].height as u32, depth_or_array_layers: 1 };
-    let descriptor = TextureDescriptor {
-        label: Some("light"),
-        size,
-        mip_level_count: levels.len() as u32,
-        sample_count: 1,
-        dimension: TextureDimension::D2,
-        format: TextureFormat::Rgba32Float,
-        usage: TextureUsages::TEXTURE_BINDING,
-        view_formats: &[],
+/// The levels of light, one below the other.
+///
+/// # Errors
+/// [`GpuError::TooLarge`] for more than the adapter's limit per side.
+pub(super) fn light(gpu: &Gpu, light: &DistantLight) -> Result<TextureView, GpuError> {
+    let width = light.levels()[0].width;
+    let row = |texels: &[DirectedLight]| -> Vec<[f32; 4]> {
+        let mut row: Vec<_> = texels.iter().map(|t| [t.radiance, t.bandwidth, t.squares, t.varying]).collect();
+        row.resize(width, [0.0; 4]);
+        row
     };
-    let bytes = bytemuck::cast_slice(&texels);
-    let texture = gpu.device.create_texture_with_data(&gpu.queue, &descriptor, TextureDataOrder::MipMajor, bytes);
-    texture.create_view(&Default::default())
+    let texels: Vec<[f32; 4]> =
+        light.levels().iter().flat_map(|level| level.texels.chunks(level.width)).flat_map(row).collect();
+    let size = [width as u32, (texels.len() / width) as u32];
+    texture(gpu, TexelFormat::Rgba32Float, size, bytemuck::cast_slice(&texels))
 }
 
 /// A map of this kind with its scale; one of another kind has 0 everywhere.

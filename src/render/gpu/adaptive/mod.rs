@@ -95,7 +95,7 @@ impl<'g> AdaptiveRenderer<'g> {
         let radiance = surface::environment(self.gpu(), &scene.scene.environment)?;
         let surface = |(index, part)| vec![surface::upload(self.gpu(), &self.surface_layout, index, part, &radiance)];
         let groups = (0..).zip(parts).map(surface).collect();
-        let (light, bandwidth) = (&material::light(self.gpu(), scene.light), scene.light.bandwidth());
+        let (light, bandwidth) = (&material::light(self.gpu(), scene.light)?, scene.light.bandwidth());
         let surroundings = Surroundings { radiance: &radiance, light, bandwidth, decoding };
         let material =
             |(index, (material, pack))| material::upload(&self.kernels, &surroundings, index, material, pack);

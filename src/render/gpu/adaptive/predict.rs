@@ -4,7 +4,7 @@ use super::super::device::GpuError;
 use super::kernels::Job;
 use super::storage::{LoadedGBuffer, SETTINGS_WORDS};
 use super::{AdaptiveRenderer, LoadedAdaptive};
-use crate::render::adaptive::{ANY_LEVEL, Prediction, Pyramid, Settings, field_of_view};
+use crate::render::adaptive::{ANY_LEVEL, MOST_DIRECTIONS, Prediction, Pyramid, Settings, field_of_view};
 use brdfc_formats::bandwidth_propagation::{largest_pixel_bandwidth, sample_scale};
 
 /// Points that an invocation of `deviations` adds up.
@@ -45,7 +45,7 @@ impl AdaptiveRenderer<'_> {
         kernels.run(&kernels.curvatures, buffer, None, Job::over(count));
         // Tiles of 4 x 4 points, which at worst are all of different pieces.
         let tiles = buffer.size().map(|side| side.div_ceil(4)).into_iter().product();
-        let at_once = self.at_once(self.budget.lookups, 16 * settings.directions as usize);
+        let at_once = self.at_once(self.budget.lookups, 16 * settings.directions.min(MOST_DIRECTIONS) as usize);
         let job = Job { at_once, ..Job::over(tiles) };
         for material in &loaded.materials {
             kernels.run(&kernels.predict, buffer, Some(material), job);
@@ -130,7 +130,7 @@ impl AdaptiveRenderer<'_> {
         let words: [u32; SETTINGS_WORDS] = [
             field_of_view[0].to_bits(),
             field_of_view[1].to_bits(),
-            settings.directions,
+            settings.directions.clamp(1, MOST_DIRECTIONS),
             settings.white.to_bits(),
             settings.caution.to_bits(),
             largest.to_bits(),

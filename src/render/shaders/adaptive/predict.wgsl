@@ -10,7 +10,7 @@ struct Share {
     variance: BandwidthVariance,
 }
 
-// The points of one part in a tile of 4 x 4. Each looks along a sixteenth of the directions, and takes over what the other
+// The points of one part in a tile of 4 x 4. Each looks along a run of directions of its own, and takes over what the other
 // points of the same piece have found along theirs.
 @compute @workgroup_size(64)
 fn predict(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -42,9 +42,10 @@ fn predict(@builtin(global_invocation_id) id: vec3<u32>) {
             }
         }
         // Four make all directions of a point.
-        for (var other = 0u; other < 16u && count < 4u; other += 1u) {
-            if other != k && !is_same_piece(point, points[other]) {
-                all = joined(all, share_of(point, other));
+        for (var step = 1u; step < 16u && count < 4u; step += 1u) {
+            let next = (k + step) % 16u;
+            if !is_same_piece(point, points[next]) {
+                all = joined(all, share_of(point, next));
                 count += 1u;
             }
         }
@@ -72,8 +73,8 @@ fn is_same_piece(point: u32, other: u32) -> bool {
     return product(normal_of(point), normal_of(other)) >= SAME_PIECE;
 }
 
-// Of every sixteenth direction from `first` on.
-fn share_of(point: u32, first: u32) -> Share {
+// What a point finds along a run of directions.
+fn share_of(point: u32, number: u32) -> Share {
     let frame = frame_of(point);
     let viewer = viewer_of(position_of(point));
     let bend = predicted[point].z;
@@ -81,18 +82,21 @@ fn share_of(point: u32, first: u32) -> Share {
     let outgoing_cell = bandwidth_cell(outgoing);
     var average = BandwidthAverage(Bandwidth(0.0, 0.0), 0.0);
     var variance = BandwidthVariance(0.0, 0.0, 0.0);
-    for (var index = first; index < 4u * settings.directions; index += 16u) {
+    let run = (settings.directions + 3u) / 4u;
+    for (var index = number * run; index < (number + 1u) * run; index += 1u) {
         let drawn = importance_sample(outgoing, index);
         if drawn.inverse_density <= 0.0 {
             variance = bandwidth_variance_add_range(variance, 0.0, 0.0, 0.0, 0.0);
             continue;
         }
-        let solid_angle = drawn.inverse_density / f32(settings.directions);
+        let solid_angle = drawn.inverse_density / f32(4u * run);
         let found = light_around(into_world(frame, drawn.incoming), solid_angle);
         let lobe = bandwidth_brdf_cells(bandwidth_cell(drawn.incoming), outgoing_cell);
         let surface = BandwidthSurface(drawn.incoming.z, outgoing.z, bend, lobe, 0.0);
         let arrives = bandwidth_one_bounce(Bandwidth(0.0, found.y), 0.0, surface, viewer.w);
-        average = bandwidth_average_add(average, arrives, found.x);
+        let own = bandwidth_of_albedo(surface, viewer.w).angular;
+        let shows = Bandwidth(arrives.spatial, max(arrives.angular, own));
+        average = bandwidth_average_add(average, shows, found.x);
         variance = bandwidth_variance_add_range(variance, found.x, found.z, found.w, lobe);
     }
     return Share(average, variance);
@@ -100,13 +104,19 @@ fn share_of(point: u32, first: u32) -> Share {
 
 // Mean light around a direction, over about so much solid angle: radiance, bandwidth, mean squares, bandwidth times squares.
 fn light_around(direction: vec3<f32>, solid_angle: f32) -> vec4<f32> {
-    let size = textureDimensions(light, 0);
+    var size = textureDimensions(bandwidth_environment_map);
     let covered = solid_angle * f32(size.x * size.y) / (2.0 * BANDWIDTH_PI * BANDWIDTH_PI);
     // Half the exponent is the logarithm of base 4, rounded down.
     let exponent = i32(bitcast<u32>(covered) >> 23u) - 127;
-    let level = u32(clamp(exponent >> 1u, 0, i32(textureNumLevels(light)) - 1));
+    let level = u32(clamp(exponent >> 1u, 0, i32(firstLeadingBit(max(size.x, size.y)))));
     let at = bandwidth_environment_texel(direction) >> vec2<u32>(level);
-    return textureLoad(light, min(at, textureDimensions(light, level) - 1u), level);
+    var row = 0u;
+    for (var finer = 0u; finer < level; finer += 1u) {
+        row += size.y;
+        size = max(size / 2u, vec2<u32>(1u));
+    }
+    let texel = min(at, size - 1u);
+    return textureLoad(light, vec2<u32>(texel.x, row + texel.y), 0);
 }
 
 fn joined(a: Share, b: Share) -> Share {

@@ -14,8 +14,8 @@ pub const DIRECTIONS: [u32; 4] = [16, 64, 256, 1024];
 pub struct DirectionsRow {
     /// `n_b`.
     pub directions: u32,
-    /// PSNR against the ground truth, dB.
-    pub psnr: f64,
+    /// PSNR against the ground truth, dB; null if there is no difference.
+    pub psnr: Option<f64>,
     /// Samples per pixel that shows a surface.
     pub samples: f64,
     /// Seconds of the bandwidth buffer.
@@ -37,14 +37,14 @@ pub fn directions_study(case: &Case<'_>, budget: f32) -> Vec<DirectionsRow> {
         let _ = predict(&case.adaptive, case.frame, case.buffer, &settings);
         let bandwidth_seconds = started.elapsed().as_secs_f64();
         let mut asked = f64::from(budget);
-        let mut row = DirectionsRow { directions, psnr: 0.0, samples: 0.0, bandwidth_seconds, seconds: 0.0 };
+        let mut row = DirectionsRow { directions, psnr: None, samples: 0.0, bandwidth_seconds, seconds: 0.0 };
         for _ in 0..6 {
             let started = Instant::now();
             let settings = Settings { samples: asked as f32, ..settings };
             let picture = draw(&case.adaptive, case.frame, case.buffer, &settings);
             row.seconds = started.elapsed().as_secs_f64();
             row.samples = picture.samples() as f64 / surface;
-            row.psnr = case.psnr(&picture.image);
+            row.psnr = Some(case.psnr(&picture.image)).filter(|psnr| psnr.is_finite());
             let target = *wanted.get_or_insert(row.samples);
             if (row.samples / target - 1.0).abs() < 0.01 {
                 break;

@@ -26,7 +26,7 @@ pub struct EqualErrorRow {
     pub surface_pixels: usize,
     /// Samples per pixel of the ground truth.
     pub truth_samples: usize,
-    /// PSNR that the standard error of the ground truth itself amounts to, dB; absent if it has none.
+    /// PSNR that the spread of the ground truth's own samples amounts to, dB, an upper bound of its error; null if there is none.
     pub truth_psnr: Option<f64>,
     /// The error that both are to have, dB of PSNR against the ground truth.
     pub psnr: f64,
