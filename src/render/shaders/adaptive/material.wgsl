@@ -10,6 +10,6 @@ struct Material {
 @group(3) @binding(6) var<uniform> material: Material;
 @group(3) @binding(7) var environment: texture_2d<f32>;
 // The environment over the texels of its bandwidth map, and below it means of 2 x 2 and more, level by level: radiance,
-// bandwidth, squares of radiance, bandwidth times squares. Not as mip levels: software drivers take one level for four
-// neighbouring invocations.
+// bandwidth, squares of radiance, bandwidth times squares. Not as mip levels: of those, with a level
+// for each invocation, a software driver gave texels of other levels.
 @group(3) @binding(8) var light: texture_2d<f32>;
