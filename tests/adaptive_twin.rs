@@ -423,7 +423,7 @@ fn what_is_too_large_is_refused() {
         renderer.g_buffer(&loaded, &world.scene.camera, frame, levels).map(|buffer| buffer.size())
     };
     assert_eq!(g_buffer(7, 5, 1), Ok([14, 10]));
-    for (width, height, levels) in [(100_000, 4, 0), (64, 64, 12), (64, 64, 200)] {
+    for (width, height, levels) in [(100_000, 4, 0), (64, 64, 12), (64, 64, 200), (4000, 4000, 0)] {
         let refused = g_buffer(width, height, levels);
         assert!(matches!(refused, Err(GpuError::TooLarge(_))), "{width} {height} {levels}: {refused:?}");
     }

@@ -23,9 +23,9 @@
 const BANDWIDTH_UNLIMITED: f32 = 1e9;
 // Cosines to the normal below this count as this.
 const BANDWIDTH_SMALLEST_COSINE: f32 = 0.0009765625;
-// Contributions and their means below this are black.
 // How fast an albedo varies with the viewer's angle, cycles per radian.
 const BANDWIDTH_ALBEDO: f32 = 0.5;
+// Contributions and their means below this are black.
 const BANDWIDTH_BLACK: f32 = 1e-18;
 // Largest contribution, so that its square stays finite.
 const BANDWIDTH_BRIGHTEST: f32 = 1e12;

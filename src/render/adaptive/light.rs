@@ -105,16 +105,15 @@ mod tests {
     use crate::bandwidth::map::environment_map;
     use std::f64::consts::TAU;
 
-    fn light(width: usize, height: usize, pixel: impl Fn(usize) -> [f32; 3]) -> (Environment, DistantLight) {
+    fn light(width: usize, height: usize, pixel: impl Fn(usize) -> [f32; 3]) -> DistantLight {
         let environment = Environment { width, height, pixels: (0..width * height).map(pixel).collect() };
         let map = environment_map(&environment.pixels, width, 0.01).unwrap();
-        let light = DistantLight::new(&environment, map);
-        (environment, light)
+        DistantLight::new(&environment, map)
     }
 
     #[test]
     fn texels_have_the_mean_of_the_light_that_they_cover() {
-        let (_, light) = light(8, 4, |i| [(i % 8 / 2) as f32, (i % 3) as f32, (i / 16) as f32]);
+        let light = light(8, 4, |i| [(i % 8 / 2) as f32, (i % 3) as f32, (i / 16) as f32]);
         assert_eq!(light.bandwidth().size(), [4, 2]);
         for (azimuth, column) in [(0.4f32, 0), (2.0, 1), (3.5, 2), (6.0, 3)] {
             for (y, row) in [(0.5, 0), (-0.5, 1)] {
@@ -131,11 +130,11 @@ mod tests {
         }
     }
 
-    /// Of a whole sphere, and of levels in between, against sums over the finest texels.
+    /// Of a whole sphere, against sums over the finest texels.
     #[test]
     fn coarser_levels_have_the_mean_over_their_solid_angle() {
         for (width, height) in [(64, 32), (100, 38), (96, 3), (512, 1)] {
-            let (_, light) = light(width, height, |i| [(1 + i * i % 97) as f32; 3]);
+            let light = light(width, height, |i| [(1 + i * i % 97) as f32; 3]);
             let finest = &light.levels()[0];
             assert!(light.levels().len() > 3);
             let whole = light.at([3, 1], 1e6);
@@ -158,7 +157,7 @@ mod tests {
 
     #[test]
     fn a_solid_angle_has_the_level_whose_texels_are_no_larger() {
-        let (_, light) = light(64, 32, |i| [(1 + i % 7) as f32; 3]);
+        let light = light(64, 32, |i| [(1 + i % 7) as f32; 3]);
         let finest = (TAU * std::f64::consts::PI / f64::from(32 * 16)) as f32;
         for (solid_angle, level) in
             [(0.0, 0), (0.9 * finest, 0), (3.9 * finest, 0), (4.1 * finest, 1), (17.0 * finest, 2), (1e6, 5)]

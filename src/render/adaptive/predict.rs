@@ -38,7 +38,7 @@ pub fn predict(scene: &AdaptiveScene<'_>, frame: Frame, buffer: &GBuffer, settin
     let field_of_view = field_of_view(&scene.scene.camera, frame);
     let size = [frame.width as f32, frame.height as f32];
     let largest = largest_pixel_bandwidth(settings.antialiasing_levels);
-    let (angular, deviation) = bandwidth_and_deviation(scene, buffer, &curvature, settings, visible_deviation);
+    let (angular, deviation) = bandwidth_and_deviation(scene, buffer, &curvature, settings);
     let in_picture = |angular: f32| pixel_bandwidth(angular, field_of_view, size, largest);
     let is_surface = |pixel: &usize| buffer.part_at(*pixel).is_some();
     let covered = (0..deviation.len()).filter(is_surface).count();
@@ -64,17 +64,6 @@ pub fn predict(scene: &AdaptiveScene<'_>, frame: Frame, buffer: &GBuffer, settin
         bandwidth: angular.par_iter().map(|angular| in_picture(*angular)).collect(),
         deviation,
     }
-}
-
-/// What an error of the estimate does to the picture: standard deviation of one sample in units of the display's codes.
-///
-/// For `N_i` samples of pixels that show as displayed codes `s(L)`, the sum of squared errors `Σ (σ_i s'(L_i))² / N_i` is
-/// least for a given sum of `N_i` where `N_i` is in proportion to `σ_i s'(L_i)`. `V` is `σ²` relative to the squared mean,
-/// and `s` is nearly the power 1/2.2 up to white, beyond which nothing shows.
-fn visible_deviation(variance: f32, luminance: f32, white: f32) -> f32 {
-    let shown = luminance / white;
-    let response = if shown < 1.0 { shown.sqrt() } else { 1.0 / (shown * shown) };
-    variance.sqrt() * response
 }
 
 /// The coarsest level: log2 of the buffer's shorter side, rounded down.

@@ -23,14 +23,12 @@ pub(crate) const MOST_DIRECTIONS: u32 = 1 << 16;
 /// Points whose normals have at least this cosine, 18°, are of the same piece of a surface.
 const SAME_PIECE: f32 = 0.95;
 
-/// Cycles per radian and, by the rule `deviation` from relative variance, luminance and white, deviation of all points, row by
-/// row; 0 where no surface is.
+/// Cycles per radian and deviation as it shows of all points, row by row; 0 where no surface is.
 pub(super) fn bandwidth_and_deviation(
     scene: &AdaptiveScene<'_>,
     buffer: &GBuffer,
     curvature: &[f32],
     settings: &Settings,
-    deviation: fn(f32, f32, f32) -> f32,
 ) -> (Vec<f32>, Vec<f32>) {
     let tile =
         Tile { scene, buffer, curvature, run: settings.directions.clamp(1, MOST_DIRECTIONS).div_ceil(ENOUGH as u32) };
@@ -53,11 +51,22 @@ pub(super) fn bandwidth_and_deviation(
                 let all = tile.joined((k, point), &shares, alike);
                 let luminance = scene.materials[tile.part(point)].albedo * all.variance.mean();
                 angular[point - first] = all.average.mean().angular;
-                deviations[point - first] = deviation(all.variance.relative(0.0), luminance, settings.white);
+                deviations[point - first] = visible_deviation(all.variance.relative(0.0), luminance, settings.white);
             }
         }
     });
     (angular, deviations)
+}
+
+/// What an error of the estimate does to the picture: standard deviation of one sample in units of the display's codes.
+///
+/// For `N_i` samples of pixels that show as displayed codes `s(L)`, the sum of squared errors `Σ (σ_i s'(L_i))² / N_i` is
+/// least for a given sum of `N_i` where `N_i` is in proportion to `σ_i s'(L_i)`. `V` is `σ²` relative to the squared mean,
+/// and `s` is nearly the power 1/2.2 up to white, beyond which nothing shows.
+fn visible_deviation(variance: f32, luminance: f32, white: f32) -> f32 {
+    let shown = luminance / white;
+    let response = if shown < 1.0 { shown.sqrt() } else { 1.0 / (shown * shown) };
+    variance.sqrt() * response
 }
 
 /// What tiles are looked up in.
