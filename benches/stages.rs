@@ -2,27 +2,28 @@
 //!
 //! The grid is 32 x 32 per hemisphere unless the name says otherwise. All stages use every core.
 
-use brdfc::bandwidth::environment::environment_bandwidth;
-use brdfc::bandwidth::lobe::lobe_bandwidth;
-use brdfc::brdf::encode::{Recipe, Target, encode};
-use brdfc::brdf::haar;
-use brdfc::brdf::importance::{ImportanceRecipe, importance_samples};
-use brdfc::brdf::log_encode::{DEFAULT_BIAS, LogEncoding, log_encode};
-use brdfc::brdf::measure::grid_error;
-use brdfc::brdf::quantise::quantise;
-use brdfc::brdf::resample::resample;
-use brdfc::brdf::smooth::smooth;
-use brdfc::brdf::table::{Grid, Table};
-use brdfc::brdf::threshold::{keep, ranking, slice_energies};
-use brdfc::metrics::compare::compare;
-use brdfc::metrics::sampling::random_pairs;
-use brdfc::source::address::parse_model;
-use brdfc::source::simulate::{ScanPlan, merl_file, scan};
-use brdfc::source::{MerlSource, PackSource, ScanSource, Source};
+use brdfc_bandwidth::environment::environment_bandwidth;
+use brdfc_bandwidth::lobe::lobe_bandwidth;
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::measured::merl::{Dimensions, Merl};
 use brdfc_formats::measured::scan::Scan;
-use brdfc_formats::pack::{Filter, RowScratch, WaveletDecoder, WaveletPack};
+use brdfc_formats::wavelet::{Filter, RowScratch, WaveletDecoder, WaveletPack};
+use brdfc_importance::{ImportanceRecipe, importance_samples};
+use brdfc_metrics::compare::compare;
+use brdfc_metrics::sampling::random_pairs;
+use brdfc_source::address::parse_model;
+use brdfc_source::simulate::{ScanPlan, merl_file, scan};
+use brdfc_source::{MerlSource, PackSource, ScanSource, Source};
+use brdfc_wavelet::encode::encode;
+use brdfc_wavelet::haar;
+use brdfc_wavelet::log_encode::{DEFAULT_BIAS, LogEncoding, log_encode};
+use brdfc_wavelet::measure::grid_error;
+use brdfc_wavelet::quantise::quantise;
+use brdfc_wavelet::recipe::{Recipe, Target};
+use brdfc_wavelet::resample::resample;
+use brdfc_wavelet::smooth::smooth;
+use brdfc_wavelet::table::{Grid, Table};
+use brdfc_wavelet::threshold::{keep, ranking, slice_energies};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
 use std::time::Duration;
@@ -113,7 +114,7 @@ fn stages() -> Stages {
     let logarithms = log_encode(&table, encoding);
     let coefficients = haar::transform(&logarithms);
     let recipe = Recipe { target: Target::Ratio(RATIO), off_grid_pairs: 1, ..Recipe::default() };
-    let pack = encode(&source, GRID, &recipe, &mut ()).expect("a ratio is always met").pack;
+    let pack = encode(&source, &recipe, &mut ()).expect("a ratio is always met").pack;
     Stages { source, table, encoding, logarithms, coefficients, pack }
 }
 
@@ -183,12 +184,12 @@ fn bandwidth(criterion: &mut Criterion) {
 /// What adaptive shading spends before it shades, and forward shading beside it.
 #[cfg(feature = "render")]
 fn adaptive(criterion: &mut Criterion) {
-    use brdfc::bandwidth::map::environment_map;
-    use brdfc::render::adaptive::{AdaptiveScene, DistantLight, Lookups, Settings, forward, predict};
-    use brdfc::render::gbuffer::GBuffer;
-    use brdfc::render::scene::Frame;
-    use brdfc::render::scenes::Builtin;
-    use brdfc::render::shade::SourceReflectance;
+    use brdfc_bandwidth::map::environment_map;
+    use brdfc_render::adaptive::{AdaptiveScene, DistantLight, Lookups, Settings, forward, predict};
+    use brdfc_render::gbuffer::GBuffer;
+    use brdfc_render::scene::Frame;
+    use brdfc_render::scenes::Builtin;
+    use brdfc_render::shade::SourceReflectance;
     let table = MerlSource::new(Merl::from_bytes(&merl_bytes()).expect("our own file"));
     let (scene, frame) = (Builtin::BumpyBall.scene(), Frame { width: 512, height: 512, samples: 1 });
     let (sky, lookups) = (&scene.environment, Lookups::new(&table).expect("the default recipes"));

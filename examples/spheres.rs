@@ -6,12 +6,13 @@
 //! 16:1 and 32:1 with 8 bits. The camera is orthographic and looks along -z. One point light shines on each sphere;
 //! the colour of a pixel is equation 1 of Claustres et al. 2007, `f_r I cos θi / |x - x_light|²`.
 
-use brdfc::brdf::encode::{Recipe, Target, encode};
-use brdfc::build::manifest::Manifest;
-use brdfc::build::run::{grid, plan};
-use brdfc::source::open::open;
-use brdfc::source::{PackSource, Source, Tally};
 use brdfc_formats::direction::{DirectionPair, Vector, dot, normalize};
+use brdfc_jobs::scene::manifest::Manifest;
+use brdfc_jobs::scene::run::plan;
+use brdfc_source::open::open;
+use brdfc_source::{PackSource, Source, Tally};
+use brdfc_wavelet::encode::encode;
+use brdfc_wavelet::recipe::{Recipe, Target};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{Rgb, RgbImage};
 use rayon::prelude::*;
@@ -51,7 +52,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         draw(&mut picture, [0, row], opened.source.as_ref());
         for (column, ratio) in (1..).zip(RATIOS) {
             let recipe = Recipe { target: Target::Ratio(ratio), off_grid_pairs: 1, ..Recipe::default() };
-            let encoded = encode(opened.source.as_ref(), grid(&recipe), &recipe, &mut ())?;
+            let encoded = encode(opened.source.as_ref(), &recipe, &mut ())?;
             draw(&mut picture, [column, row], &PackSource::new(&encoded.pack, None));
         }
     }

@@ -6,7 +6,7 @@ use crate::measured::scan;
 use crate::measured::scan_csv::Table;
 
 /// Most directions of one set: as many as a flat BTF has layers.
-pub const MAX_DIRECTIONS: usize = crate::pack::container::MAX_LAYERS as usize;
+pub const MAX_DIRECTIONS: usize = crate::container::MAX_LAYERS as usize;
 /// Unit vectors closer than this, 0.014 degrees, are the same direction: [`crate::direction_mesh`] cannot blend between them.
 pub const SAME_DIRECTION: f64 = 2.5e-4;
 /// Columns of a set as CSV; angles in degrees, `index` counts from 0.

@@ -6,15 +6,18 @@
 //! from the surface (`incoming` to the light, `outgoing` to the viewer); values are `f_r` in 1/sr, linear RGB with
 //! Rec. 709 primaries.
 
-pub mod bandwidth_propagation;
+pub mod bandwidth;
 pub mod colour;
+pub mod container;
 pub mod cursor;
 pub mod direction;
 pub mod direction_mesh;
 pub mod direction_set;
 mod error;
+pub mod flat_btf;
+pub mod importance;
 pub mod measured;
 pub mod meso;
-pub mod pack;
+pub mod wavelet;
 
 pub use error::{FormatError, Place};

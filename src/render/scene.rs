@@ -1,117 +1,170 @@
-//! What is drawn: meshes, camera, lights. Both renderers, shader and CPU, read the same values.
-//!
-//! World space is right-handed, y up, lengths in the scene's own unit.
+//! Flags and manifest to a scene: the command line wins over the manifest, the manifest over the scene's own defaults.
 
-use brdfc_formats::direction::Vector;
+use super::materials::Subject;
+use super::{Arguments, adaptive};
+use crate::CliError;
+use brdfc_jobs::scene::manifest::{ManifestError, line_of, near_miss};
+use brdfc_jobs::scene::render_section::{MAX_SAMPLES, MAX_SIDE, RenderSection};
+use brdfc_render::scene::{Environment, Frame, PointLight, Scene};
+use brdfc_render::scenes::Builtin;
+use brdfc_source::radiance_image::open_radiance_image;
+use std::path::{Path, PathBuf};
+use toml::Spanned;
 
-/// A corner of a triangle.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Vertex {
-    /// Where it is.
-    pub position: [f32; 3],
-    /// Unit shading normal.
-    pub normal: [f32; 3],
-    /// Unit tangent, at right angles to the normal: the x axis of the BRDF's frame. Bitangent = normal x tangent.
-    pub tangent: [f32; 3],
-    /// Coordinates for bump maps.
-    pub uv: [f32; 2],
+/// Pixels per side where nothing is said.
+const DEFAULT_SIDE: usize = 512;
+/// Samples of an image: each takes some 50 bytes of memory.
+const MAX_ALL_SAMPLES: u64 = 1 << 25;
+/// Samples per pixel and axis where nothing is said.
+const DEFAULT_SAMPLES: usize = 2;
+
+/// What is drawn.
+pub(super) struct Setup {
+    pub(super) builtin: Builtin,
+    pub(super) scene: Scene,
+    pub(super) frame: Frame,
+    pub(super) exposure: Option<f64>,
+    /// Name of each part's material.
+    pub(super) names: Vec<String>,
 }
 
-/// Triangles with shared corners. Counter-clockwise from the front.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Mesh {
-    /// Corners.
-    pub vertices: Vec<Vertex>,
-    /// Indices of three corners each.
-    pub triangles: Vec<[u32; 3]>,
+/// Decides everything but the materials' values.
+pub(super) fn setup(arguments: &Arguments, subject: &Subject) -> Result<Setup, CliError> {
+    let absent = RenderSection::default();
+    let section = subject.manifest().map_or(&absent, |manifest| &manifest.render);
+    let builtin = builtin(arguments, subject, section)?;
+    let mut scene = builtin.scene();
+    let camera = &section.camera;
+    scene.camera.eye = camera.eye.unwrap_or(scene.camera.eye);
+    scene.camera.target = camera.target.unwrap_or(scene.camera.target);
+    scene.camera.up = camera.up.unwrap_or(scene.camera.up);
+    scene.camera.field_of_view = camera.field_of_view.unwrap_or(scene.camera.field_of_view);
+    if !scene.camera.is_valid() {
+        let camera = scene.camera;
+        return Err(CliError::Input(format!(
+            "{}: render.camera: found eye {:?}, target {:?}, up {:?}; allowed three that span a view",
+            arguments.input, camera.eye, camera.target, camera.up
+        )));
+    }
+    if let Some(lights) = &section.lights {
+        let light = |l: &brdfc_jobs::scene::render_section::LightSection| PointLight {
+            position: l.position,
+            intensity: l.intensity.colour(),
+        };
+        scene.lights = lights.iter().map(light).collect();
+    }
+    if let Some(path) = environment_file(arguments, subject, section) {
+        scene.environment = environment(&path)?;
+    }
+    let (width, height) = match &arguments.size {
+        Some(text) => size(text)?,
+        None => (section.width.unwrap_or(DEFAULT_SIDE), section.height.unwrap_or(DEFAULT_SIDE)),
+    };
+    let samples = match adaptive::is_adaptive(arguments) {
+        true => adaptive::points_per_axis(arguments),
+        false => arguments.samples.or(section.samples).unwrap_or(DEFAULT_SAMPLES),
+    };
+    if !(1..=MAX_SAMPLES).contains(&samples) {
+        return Err(CliError::Usage(format!("--samples: found {samples}; allowed 1 to {MAX_SAMPLES}")));
+    }
+    let count = width as u64 * height as u64 * (samples * samples) as u64;
+    if count > MAX_ALL_SAMPLES {
+        return Err(CliError::Usage(format!(
+            "size and samples: found {width} x {height} pixels of {} samples; allowed {MAX_ALL_SAMPLES} samples in all",
+            samples * samples
+        )));
+    }
+    if let Some(exposure) = arguments.exposure
+        && !(exposure > 0.0 && exposure.is_finite())
+    {
+        return Err(CliError::Usage(format!("--exposure: found {exposure}; allowed a positive number")));
+    }
+    let exposure = arguments.exposure.or(section.exposure);
+    let names = names(arguments, subject, builtin)?;
+    Ok(Setup { builtin, scene, frame: Frame { width, height, samples }, exposure, names })
 }
 
-/// What a surface has besides its BRDF.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Surface {
-    /// Heights that bend the normal.
-    pub bump: Option<HeightMap>,
-    /// Weight of the mirrored environment at normal incidence, 0 to 1; rises towards grazing angles (Schlick 1994).
-    /// The BRDF's share falls accordingly. 0: no environment.
-    pub mirror: f32,
+fn size(text: &str) -> Result<(usize, usize), CliError> {
+    let side = |part: &str| part.parse::<usize>().ok().filter(|side| (1..=MAX_SIDE).contains(side));
+    text.split_once(['x', 'X'])
+        .and_then(|(width, height)| Some((side(width)?, side(height)?)))
+        .ok_or_else(|| CliError::Usage(format!("--size: found {text}; allowed WIDTHxHEIGHT, each 1 to {MAX_SIDE}")))
 }
 
-/// A periodic map of heights over `uv`; one repetition per unit of `uv`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct HeightMap {
-    /// Texels per side.
-    pub size: usize,
-    /// Heights, in the unit of positions per unit of `uv`: slope = d height / d uv. Row by row, `v` rows.
-    pub heights: Vec<f32>,
+fn builtin(arguments: &Arguments, subject: &Subject, section: &RenderSection) -> Result<Builtin, CliError> {
+    if let Some(name) = arguments.scene {
+        return Ok(name.into());
+    }
+    let Some(name) = &section.scene else { return Ok(Builtin::Sphere) };
+    let known = Builtin::NAMES.map(|(name, _)| name);
+    Builtin::NAMES
+        .into_iter()
+        .find(|(text, _)| text == name.get_ref())
+        .map(|(_, builtin)| builtin)
+        .ok_or_else(|| at(subject, name, "render.scene", &known))
 }
 
-/// A part of a scene: one mesh of one material.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Part {
-    /// The name that manifests give materials to.
-    pub name: &'static str,
-    /// Its triangles.
-    pub mesh: Mesh,
-    /// Bump and mirror.
-    pub surface: Surface,
+/// The material of each part: as the manifest says, or else its materials in turn.
+fn names(arguments: &Arguments, subject: &Subject, builtin: Builtin) -> Result<Vec<String>, CliError> {
+    let Subject::Scene { manifest, .. } = subject else {
+        return Ok(vec![arguments.input.clone(); builtin.parts().len()]);
+    };
+    let materials: Vec<&str> = manifest.materials.keys().map(String::as_str).collect();
+    if materials.is_empty() {
+        let text = format!("{}: materials: found none; allowed one or more", arguments.input);
+        return Err(CliError::Input(text));
+    }
+    let given = &manifest.render.materials;
+    for (part, material) in given {
+        // The manifest may name the parts of another scene than the one that --scene asks for.
+        let known: Vec<&str> = Builtin::NAMES.iter().flat_map(|(_, scene)| scene.parts()).copied().collect();
+        if !known.contains(&part.get_ref().as_str()) {
+            return Err(at(subject, part, "part in [render.materials]", builtin.parts()));
+        }
+        if !materials.contains(&material.get_ref().as_str()) {
+            return Err(at(subject, material, &format!("render.materials.{}", part.get_ref()), &materials));
+        }
+    }
+    // What the scene uses comes first; the rest is shown only where nothing else is left.
+    let used = |name: &&&str| manifest.uses.iter().any(|u| u.material.get_ref() == **name);
+    let mut turn: Vec<&str> = materials.iter().filter(used).copied().collect();
+    if turn.is_empty() {
+        turn = materials;
+    }
+    let mut next = turn.iter().cycle();
+    let of_part = |part: &&str| match given.iter().find(|(name, _)| name.get_ref() == part) {
+        Some((_, material)) => material.get_ref().clone(),
+        None => (*next.next().expect("there are materials")).to_owned(),
+    };
+    Ok(builtin.parts().iter().map(of_part).collect())
 }
 
-/// A pinhole camera.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Camera {
-    /// Where it is.
-    pub eye: Vector,
-    /// What it looks at.
-    pub target: Vector,
-    /// Which way is up in the image.
-    pub up: Vector,
-    /// Vertical angle of view in degrees, between 0 and 180.
-    pub field_of_view: f64,
+fn at(subject: &Subject, name: &Spanned<String>, field: &str, known: &[&str]) -> CliError {
+    let Subject::Scene { path, text, .. } = subject else {
+        return CliError::Internal("only manifests have spans".to_owned());
+    };
+    let error = ManifestError {
+        line: line_of(text, Some(name.span())),
+        field: field.to_owned(),
+        found: format!("\"{}\"", name.get_ref()),
+        allowed: known.join(", "),
+        suggestion: near_miss(name.get_ref(), known),
+    };
+    CliError::Input(format!("{}: {error}", path.display()))
 }
 
-/// A light of no extent.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PointLight {
-    /// Where it is.
-    pub position: Vector,
-    /// Radiant intensity, linear RGB, W/sr.
-    pub intensity: [f64; 3],
+/// Which image the surroundings are: of what lights the scene with --adaptive, else of what mirrors show.
+fn environment_file(arguments: &Arguments, subject: &Subject, section: &RenderSection) -> Option<PathBuf> {
+    if let Some(path) = &arguments.adaptive.environment {
+        return Some(path.clone());
+    }
+    let Subject::Scene { path, manifest, .. } = subject else { return None };
+    let (lights, mirrored) = (manifest.scene.environment.as_ref(), section.environment.as_ref());
+    let file = if adaptive::is_adaptive(arguments) { lights.or(mirrored) } else { mirrored.or(lights) }?;
+    Some(path.parent().unwrap_or(Path::new("")).join(file))
 }
 
-/// Radiance from far away, by direction: a latitude-longitude image. Row 0 looks up (+y); column `c` of `w` looks along
-/// azimuth `2π (c + ½) / w`, with `x = sin θ cos φ, y = cos θ, z = sin θ sin φ`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Environment {
-    /// Pixels per row.
-    pub width: usize,
-    /// Rows.
-    pub height: usize,
-    /// Linear RGB, W/(m² sr).
-    pub pixels: Vec<[f32; 3]>,
-}
-
-/// Everything that is drawn.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Scene {
-    /// Parts, in the order that materials are given for.
-    pub parts: Vec<Part>,
-    /// From where.
-    pub camera: Camera,
-    /// Lit by.
-    pub lights: Vec<PointLight>,
-    /// What mirrors show.
-    pub environment: Environment,
-    /// What a picture shows where no surface is: linear RGB of the display, 0 to 1, whatever the exposure.
-    pub background: [f32; 3],
-}
-
-/// Size of an image and how finely its pixels are sampled.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Frame {
-    /// Pixels per row.
-    pub width: usize,
-    /// Rows.
-    pub height: usize,
-    /// Samples per pixel and axis: `samples²` points on a regular grid at `(i + ½) / samples`.
-    pub samples: usize,
+fn environment(path: &Path) -> Result<Environment, CliError> {
+    let image = open_radiance_image(path)?;
+    Ok(Environment { width: image.width, height: image.height, pixels: image.pixels })
 }

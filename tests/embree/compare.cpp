@@ -3,7 +3,7 @@
 // compare DIR prints one line per query, first with Embree's fast tests of triangles, which leak at edges, then with its
 // robust ones: name of the query and of the tests, rays, rays per second on one thread and on all threads, rays whose
 // answer is that of brdfc, and nearest-hit rays that miss. The layout of DIR/rays.bin is that of Dump::rays in
-// src/report/study/rays/dump.rs.
+// crates/studies/src/rays/dump.rs.
 
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>

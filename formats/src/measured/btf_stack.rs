@@ -1,4 +1,4 @@
-//! Names of the images of a BTF stack: one image per view and light. Layout: `spec/btf-stack.md`.
+//! Names of the images of a BTF stack: one image per view and light. Layout: `formats/src/measured/btf_stack.md`.
 
 use super::scan::quoted;
 use crate::FormatError;

@@ -1,4 +1,4 @@
-//! MERL `.binary`: a dense isotropic table over half and difference angles. Layout: `spec/merl.md`.
+//! MERL `.binary`: a dense isotropic table over half and difference angles. Layout: `formats/src/measured/merl.md`.
 
 use crate::FormatError;
 use std::f64::consts::{FRAC_PI_2, PI};

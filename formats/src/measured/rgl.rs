@@ -1,7 +1,7 @@
 //! Materials of the RGL database (Dupuy and Jakob 2018, "An adaptive parameterization for efficient material
 //! acquisition and rendering"), measured on a goniophotometer over a parameterisation made for each material.
 //!
-//! Layout: `spec/rgl.md`.
+//! Layout: `formats/src/measured/rgl.md`.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 

@@ -1,4 +1,4 @@
-//! Scattered gonioreflectometer scans as text, `.brdf`. Layout: `spec/scan.md`.
+//! Scattered gonioreflectometer scans as text, `.brdf`. Layout: `formats/src/measured/scan.md`.
 
 use crate::{FormatError, colour};
 use std::f64::consts::{FRAC_PI_2, TAU};

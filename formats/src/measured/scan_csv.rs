@@ -1,4 +1,4 @@
-//! Scattered scans as CSV with RGB columns. Layout: `spec/scan-csv.md`.
+//! Scattered scans as CSV with RGB columns. Layout: `formats/src/measured/scan_csv.md`.
 
 use super::scan::{self, Row, Scan, number};
 use crate::FormatError;

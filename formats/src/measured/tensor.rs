@@ -1,6 +1,6 @@
 //! The tensor container of the RGL material database: named arrays behind one table of headers.
 //!
-//! Layout: `spec/rgl.md`, section "Container".
+//! Layout: `formats/src/measured/rgl.md`, section "Container".
 
 use std::collections::HashSet;
 

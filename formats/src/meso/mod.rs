@@ -1,4 +1,4 @@
-//! Triangle meshes for meso-geometry: Wavefront OBJ and PLY. Layouts: `spec/meso.md`.
+//! Triangle meshes for meso-geometry: Wavefront OBJ and PLY. Layouts: `formats/src/meso/spec.md`.
 
 pub mod obj;
 pub mod ply;

@@ -1,4 +1,4 @@
-//! Wavefront OBJ, the polygons of it. Layout: `spec/meso.md`.
+//! Wavefront OBJ, the polygons of it. Layout: `formats/src/meso/spec.md`.
 
 use super::{MAX_COORDINATE, TriangleMesh, is_coordinate};
 use crate::FormatError;

@@ -1,4 +1,4 @@
-//! PLY, ascii and binary of either byte order. Layout: `spec/meso.md`.
+//! PLY, ascii and binary of either byte order. Layout: `formats/src/meso/spec.md`.
 
 mod header;
 

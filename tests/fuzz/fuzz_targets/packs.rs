@@ -6,7 +6,7 @@ mod common;
 mod edits;
 
 use brdfc_formats::direction::Parameterisation;
-use brdfc_formats::pack::WaveletPack;
+use brdfc_formats::wavelet::WaveletPack;
 use libfuzzer_sys::fuzz_target;
 
 fn valid(choice: u8) -> Vec<u8> {

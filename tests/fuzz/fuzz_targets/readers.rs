@@ -6,7 +6,7 @@ mod edits;
 #[path = "../../common/tensor.rs"]
 mod tensor;
 
-use brdfc::source::{MerlSource, RglSource, ScanSource, Source, Tally};
+use brdfc_source::{MerlSource, RglSource, ScanSource, Source, Tally};
 use brdfc_formats::colour::rgb_weights;
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::measured::merl::{self, Merl};

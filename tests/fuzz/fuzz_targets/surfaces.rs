@@ -7,18 +7,16 @@
 mod common;
 mod edits;
 
-use brdfc::btf::weld::weld;
-use brdfc::source::meso::{heights_from_exr, heights_from_png};
-use brdfc::source::radiance_image;
+use brdfc_flat_btf::weld::weld;
+use brdfc_source::meso::{heights_from_exr, heights_from_png};
+use brdfc_source::radiance_image;
 use brdfc_formats::FormatError;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::meso::{TriangleMesh, obj, ply};
-use brdfc_formats::pack::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
-use brdfc_formats::pack::flat_btf::{
-    DiffuseMap, FlatView, IndirectionMap, NormalMap, PositionMap, ReferenceMap, VisibilityMask,
-};
-use brdfc_formats::pack::{ImportanceHeader, ImportancePack};
-use common::flat;
+use brdfc_formats::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
+use brdfc_formats::flat_btf::{DiffuseMap, FlatView, IndirectionMap, NormalMap, PositionMap, ReferenceMap, VisibilityMask};
+use brdfc_formats::importance::{ImportanceHeader, ImportancePack};
+use crate::common::flat;
 use libfuzzer_sys::fuzz_target;
 
 const READERS: u8 = 16;

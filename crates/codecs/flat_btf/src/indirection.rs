@@ -1,0 +1,238 @@
+//! View-dependent indirection maps: which texel of the flat BTF a view sees behind each texel of the reference plane
+//! (section 3.4 of Hadim et al. 2009), `VDIM_v = VDIM_n + d_v δ_v`.
+
+use super::caster::STEEPEST_DEGREES;
+use super::model::MesoModel;
+use brdfc_formats::direction::{Vector, from_polar};
+use brdfc_formats::flat_btf::IndirectionHeader;
+use rayon::prelude::*;
+
+/// What is seen through the texels of the reference plane, in the view along the normal and in all sampled views.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Indirection {
+    /// Sizes and views.
+    pub header: IndirectionHeader,
+    /// Parameters in the view along the normal, `R(i, j)`, row by row; not wrapped.
+    pub reference: Vec<[f32; 2]>,
+    /// Displacement from the reference, and height of what is seen: for each row `j` of texels, for each azimuth, for each
+    /// column `i`, for each polar angle.
+    pub displacements: Vec<([f32; 2], f32)>,
+}
+
+/// Casts `oversampling²` rays for each texel and view.
+///
+/// The value of a texel is the mean over the largest group of its rays that meet the surface close together: a mean over
+/// rays that meet on both sides of a silhouette would be a point that none of them sees. `row_done` is told of each
+/// finished row of texels; once it returns `false` the rest is left out, and there is no result.
+pub fn indirection(
+    model: &MesoModel,
+    header: IndirectionHeader,
+    oversampling: usize,
+    row_done: &(dyn Fn() -> bool + Sync),
+) -> Option<Indirection> {
+    let size = header.size as usize;
+    let [zeniths, azimuths] = [header.zenith_samples as usize, header.azimuth_samples as usize];
+    let views: Vec<Vector> = (0..azimuths)
+        .flat_map(|a| (0..zeniths).map(move |k| (k, a)))
+        .map(|(k, a)| {
+            let [polar, azimuth] = header.view_angles(k as u32, a as u32);
+            // Along the ground there is nothing to see: a hair above it.
+            from_polar(polar.min(STEEPEST_DEGREES.to_radians()), azimuth)
+        })
+        .collect();
+    let row = |j: usize| {
+        let reference: Vec<([f64; 2], f64)> =
+            (0..size).map(|i| through_texel(model, [i, j], size, oversampling, [0.0, 0.0, 1.0])).collect();
+        let mut displacements = Vec::with_capacity(size * views.len());
+        for views in views.chunks_exact(zeniths) {
+            for (i, (normal, height)) in reference.iter().enumerate() {
+                for (k, view) in views.iter().enumerate() {
+                    if k == 0 {
+                        displacements.push(([0.0; 2], *height as f32));
+                        continue;
+                    }
+                    let (seen, height) = through_texel(model, [i, j], size, oversampling, *view);
+                    displacements.push(([0, 1].map(|axis| (seen[axis] - normal[axis]) as f32), height as f32));
+                }
+            }
+        }
+        let reference: Vec<[f32; 2]> = reference.iter().map(|(r, _)| r.map(|c| c as f32)).collect();
+        row_done().then_some((reference, displacements))
+    };
+    let rows = (0..size).into_par_iter().map(row).collect::<Option<Vec<_>>>()?;
+    let (mut reference, mut displacements) = (Vec::new(), Vec::with_capacity(size * size * views.len()));
+    for (r, d) in rows {
+        reference.extend(r);
+        displacements.extend(d);
+    }
+    Some(Indirection { header, reference, displacements })
+}
+
+/// Rays that meet the surface within this many texels of each other belong together.
+const GROUP: f64 = 2.0;
+
+/// Parameters and height of what a view sees through a texel of the reference plane.
+fn through_texel(
+    model: &MesoModel,
+    texel: [usize; 2],
+    size: usize,
+    oversampling: usize,
+    view: Vector,
+) -> ([f64; 2], f64) {
+    let scale = 1.0 / size as f64;
+    let sub = 1.0 / oversampling as f64;
+    let mut seen = Vec::with_capacity(oversampling * oversampling);
+    for y in 0..oversampling {
+        for x in 0..oversampling {
+            let offset = [(x as f64 + 0.5) * sub, (y as f64 + 0.5) * sub];
+            let at = [0, 1].map(|k| (texel[k] as f64 + offset[k]) * scale);
+            let found = model.seen(at, view);
+            seen.push((found.parameters, model.point(&found.hit).position[2]));
+        }
+    }
+    if seen.len() == 1 {
+        return seen[0];
+    }
+    let apart = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+    let group = |of: [f64; 2]| seen.iter().filter(move |(p, _)| apart(*p, of) <= GROUP * scale);
+    let of = seen
+        .iter()
+        .map(|(p, _)| (*p, group(*p).count()))
+        .reduce(|best, next| if next.1 > best.1 { next } else { best })
+        .expect("there is a ray");
+    let (mut parameters, mut height) = ([0.0; 2], 0.0);
+    for (p, z) in group(of.0) {
+        (0..2).for_each(|k| parameters[k] += p[k] / of.1 as f64);
+        height += z / of.1 as f64;
+    }
+    (parameters, height)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{bumps, height_field};
+
+    const HEADER: IndirectionHeader =
+        IndirectionHeader { size: 8, zenith_samples: 5, azimuth_samples: 8, largest_angle: 1.2 };
+
+    fn each(found: &Indirection, mut check: impl FnMut([usize; 2], [f64; 2], [f32; 2], f32)) {
+        let h = &found.header;
+        let mut values = found.displacements.iter();
+        for j in 0..h.size as usize {
+            for a in 0..h.azimuth_samples {
+                for i in 0..h.size as usize {
+                    for k in 0..h.zenith_samples {
+                        let (displacement, height) = values.next().unwrap();
+                        check([i, j], h.view_angles(k, a), *displacement, *height);
+                    }
+                }
+            }
+        }
+        assert!(values.next().is_none());
+    }
+
+    #[test]
+    fn a_plane_in_the_reference_plane_has_the_identity_and_no_displacement() {
+        let model = MesoModel::new(height_field(6, |_, _| 0.0), 0).unwrap();
+        let found = indirection(&model, HEADER, 2, &|| true).unwrap();
+        for (index, r) in found.reference.iter().enumerate() {
+            let expected = [index % 8, index / 8].map(|c| (c as f32 + 0.5) / 8.0);
+            assert!((r[0] - expected[0]).abs() < 1e-6 && (r[1] - expected[1]).abs() < 1e-6);
+        }
+        each(&found, |_, _, d, z| assert!(d[0].abs() < 2e-6 && d[1].abs() < 2e-6 && z.abs() < 1e-6, "{d:?} {z}"));
+    }
+
+    #[test]
+    fn a_raised_plane_shifts_by_its_height_times_the_tangent() {
+        let height = 0.11;
+        let model = MesoModel::new(height_field(6, |_, _| height), 0).unwrap();
+        each(&indirection(&model, HEADER, 1, &|| true).unwrap(), |_, [polar, azimuth], d, z| {
+            let shift = height * polar.tan();
+            let expected = [shift * azimuth.cos(), shift * azimuth.sin()];
+            assert!((0..2).all(|k| (f64::from(d[k]) - expected[k]).abs() < 1e-5), "{d:?} {expected:?}");
+            assert!((f64::from(z) - height).abs() < 1e-6);
+        });
+    }
+
+    #[test]
+    fn a_tilted_plane_has_the_analytic_shift() {
+        // A roof of two tilted planes: z = s (¼ - |x - ½|). Away from its edges each is a plane.
+        let slope = 0.4;
+        let model = MesoModel::new(height_field(32, |x, _| slope * (0.25 - (x - 0.5).abs())), 0).unwrap();
+        // Laid flat, the roof is the unit square again: u = x, v = y, by symmetry.
+        each(&indirection(&model, HEADER, 1, &|| true).unwrap(), |[i, j], [polar, azimuth], d, _| {
+            let (x, y) = ((i as f64 + 0.5) / 8.0, (j as f64 + 0.5) / 8.0);
+            if !(0.15..0.35).contains(&x) || polar > 0.7 {
+                return;
+            }
+            // The left plane, z = s (x - ¼): x + t w_x, z = t w_z.
+            let w = from_polar(polar, azimuth);
+            let t = slope * (x - 0.25) / (w[2] - slope * w[0]);
+            let expected = [t * w[0], t * w[1]];
+            assert!((0..2).all(|k| (f64::from(d[k]) - expected[k]).abs() < 1e-5), "{d:?} {expected:?} at {x} {y}");
+        });
+    }
+
+    #[test]
+    fn a_sphere_cap_has_the_analytic_intersection() {
+        // A cap of radius r, half its height sunk: parameters are not x and y here, heights and positions are.
+        let (radius, sunk) = (0.4, 0.2);
+        let cap = |x: f64, y: f64| {
+            let d = (x - 0.5).powi(2) + (y - 0.5).powi(2);
+            (radius * radius - d).max(0.0).sqrt().max(sunk) - sunk
+        };
+        let n = 256;
+        let model = MesoModel::new(height_field(n, cap), 0).unwrap();
+        let mut checked = 0;
+        for (polar, azimuth) in [(0.0, 0.0), (0.4, 1.0), (0.8, 2.0), (1.0, 5.0)] {
+            let w = from_polar(polar, azimuth);
+            for k in 0..400 {
+                let at = [f64::from(k % 20) / 20.0 + 0.013, f64::from(k / 20) / 20.0 + 0.007];
+                // |at + t w - c| = r with c = (½, ½, -sunk), the higher of both.
+                let from = [at[0] - 0.5, at[1] - 0.5, sunk];
+                let b = from[0] * w[0] + from[1] * w[1] + from[2] * w[2];
+                let c = from.iter().map(|v| v * v).sum::<f64>() - radius * radius;
+                if b * b - c < 0.02 {
+                    continue;
+                }
+                let t = -b + (b * b - c).sqrt();
+                if t * w[2] < 0.03 {
+                    continue;
+                }
+                let expected = [at[0] + t * w[0], at[1] + t * w[1], t * w[2]];
+                let seen = model.point(&model.seen(at, w).hit).position;
+                assert!((0..3).all(|k| (seen[k] - expected[k]).abs() < 2e-4), "{seen:?} {expected:?}");
+                checked += 1;
+            }
+        }
+        assert!(checked > 200, "{checked}");
+    }
+
+    #[test]
+    fn rays_on_both_sides_of_an_edge_are_not_mixed() {
+        // A wall: seen from the side, rays of one texel land on its top or far behind.
+        let model = MesoModel::new(height_field(64, |x, _| if x > 0.5 { 0.3 } else { 0.0 }), 0).unwrap();
+        let header = IndirectionHeader { size: 16, ..HEADER };
+        let found = indirection(&model, header, 4, &|| true).unwrap();
+        let (mut top, mut ground) = (0, 0);
+        each(&found, |[i, _], [polar, azimuth], _, z| {
+            // From the right, the edge of the wall's top hides the ground from 0.295 on: inside texel 4.
+            if (3..=6).contains(&i) && azimuth == 0.0 && (polar - 0.6).abs() < 1e-6 {
+                assert!(!(0.01..=0.29).contains(&z), "{z}");
+                *(if z > 0.1 { &mut top } else { &mut ground }) += 1;
+            }
+        });
+        assert!(top > 0 && ground > 0);
+    }
+
+    #[test]
+    fn threads_do_not_matter() {
+        let model = MesoModel::new(bumps(16, 0.3), 0).unwrap();
+        let run = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| indirection(&model, HEADER, 2, &|| true).unwrap())
+        };
+        assert_eq!(run(1), run(4));
+    }
+}

@@ -1,0 +1,137 @@
+//! Procedural meso-geometry for validation: the cases of Figure 1 of Hadim et al. 2009.
+//!
+//! Each structure is a function from parameters `(u, v)` to points and materials that goes on periodically: at
+//! `(u + 1, v)` and `(u, v + 1)` is the same point, one tile on. `docs/synth.md` has the formulas. Addresses
+//! have the grammar of [`address`](brdfc_source::address).
+
+mod button;
+mod folds;
+mod knit;
+pub mod noise;
+mod sponge;
+#[cfg(test)]
+mod tests;
+
+use super::mesh::{PeriodicMesh, VertexMaterial};
+use brdfc_formats::direction::{Vector, subtract};
+use brdfc_source::address::{AddressError, canonical_address, describe, find_named, parse_parameters, split_query};
+use brdfc_source::analytic::Parameter;
+use rayon::prelude::*;
+
+/// A point of a surface, and what the surface is made of there.
+type Sample = (Vector, VertexMaterial);
+
+/// A surface over the parameter plane. The point is near `(u, v, 0)`; z is not yet centred.
+trait Surface: Sync {
+    /// The line of the surface at `v`, as a function of `u`.
+    fn line(&self, v: f64) -> Box<dyn Fn(f64) -> Sample + '_>;
+}
+
+/// A procedural structure: its name, parameters and materials.
+#[derive(Debug, Clone, Copy)]
+pub struct StructureInfo {
+    /// The name in addresses.
+    pub name: &'static str,
+    /// What it is, in few words.
+    pub meaning: &'static str,
+    /// Its parameters, in the order of the canonical form; the first three are those of every structure.
+    pub parameters: &'static [Parameter],
+    /// Addresses of the materials that its weights blend, in their order; tints come on top.
+    pub materials: &'static [&'static str],
+    /// Builds the surface from one value per parameter, in order.
+    build: fn(&[f64]) -> Box<dyn Surface>,
+}
+
+/// All structures.
+pub const STRUCTURES: [&StructureInfo; 4] = [&button::INFO, &folds::INFO, &knit::INFO, &sponge::INFO];
+
+const RESOLUTION: Parameter =
+    Parameter::integer("resolution", [16.0, 1024.0], 192.0, "points of the mesh along either side of the tile");
+const HEIGHT: Parameter = Parameter::number("height", [0.0, 2.0], 1.0, "scale of the relief; 0: a flat plane");
+const SEED: Parameter = Parameter::integer("seed", [0.0, 999_999.0], 1.0, "of what is random");
+
+/// A structure with values for its parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Structure {
+    info: &'static StructureInfo,
+    values: Vec<f64>,
+}
+
+impl PartialEq for StructureInfo {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
+
+impl Structure {
+    /// The structure at an address without its prefix `synth:`, such as `button?resolution=160&seed=3`.
+    ///
+    /// # Errors
+    ///
+    /// When the structure or a parameter is unknown, or a value is missing, doubled, not a number, or out of range.
+    pub fn parse(text: &str) -> Result<Self, AddressError> {
+        let (name, query) = split_query(text);
+        let info = find_named("structure", name, &STRUCTURES, |info| info.name)?;
+        let values = parse_parameters(info.name, info.parameters, &[], query)?;
+        Ok(Self { info, values: values.into_iter().map(|[value, ..]| value).collect() })
+    }
+
+    /// Name, parameters and materials.
+    pub fn info(&self) -> &'static StructureInfo {
+        self.info
+    }
+
+    /// The address with every parameter, in the structure's order, each number in its shortest exact form.
+    pub fn canonical(&self) -> String {
+        let values: Vec<_> = self.values.iter().map(|value| [*value; 3]).collect();
+        canonical_address(self.info.name, self.info.parameters, &values)
+    }
+
+    /// Addresses of the materials that [`VertexMaterial::weights`] of the mesh refer to, each with an albedo below 1.
+    pub fn default_materials(&self) -> &'static [&'static str] {
+        self.info.materials
+    }
+
+    /// The surface as a mesh of `resolution` x `resolution` points. `z = 0` is its mean height: as much volume lies
+    /// between the surface and the plane above it as below.
+    pub fn mesh(&self) -> PeriodicMesh {
+        let (resolution, height) = (self.values[0] as usize, self.values[1]);
+        let surface = (self.info.build)(&self.values);
+        let coordinate = |k: usize| k as f64 / resolution as f64;
+        // Overhangs shrink with the relief: a flat plane has none.
+        let reach = height.min(1.0);
+        let sample = |line: &dyn Fn(f64) -> Sample, u: f64, v: f64| {
+            let ([x, y, z], material) = line(u);
+            ([u + reach * (x - u), v + reach * (y - v), height * z], material)
+        };
+        let rows: Vec<Vec<Sample>> = (0..resolution)
+            .into_par_iter()
+            .map(|row| {
+                let v = coordinate(row);
+                let line = surface.line(v);
+                (0..resolution).map(|column| sample(&line, coordinate(column), v)).collect()
+            })
+            .collect();
+        let (points, materials) = rows.into_iter().flatten().unzip();
+        let mut mesh = PeriodicMesh::from_grid(resolution, resolution, points, materials);
+        let mean = mean_height(&mesh);
+        mesh.positions.iter_mut().for_each(|point| point[2] -= mean);
+        mesh
+    }
+}
+
+/// Mean height over the tile, with overhangs counted by the volume under them: the integral of z over the projected
+/// area, which is negative where a triangle faces down.
+fn mean_height(mesh: &PeriodicMesh) -> f64 {
+    let volume = |triangle: usize| {
+        let [a, b, c] = mesh.corners(triangle);
+        let (p, q) = (subtract(b, a), subtract(c, a));
+        0.5 * (p[0] * q[1] - p[1] * q[0]) * (a[2] + b[2] + c[2]) / 3.0
+    };
+    (0..mesh.triangles.len()).map(volume).sum()
+}
+
+/// A list of all structures with their parameters, ranges and defaults, for help texts.
+pub fn describe_structures() -> String {
+    STRUCTURES.iter().map(|info| describe(info.name, info.meaning, info.parameters, &[])).collect()
+}

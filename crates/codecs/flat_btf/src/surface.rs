@@ -1,0 +1,145 @@
+//! Points of a surface, and what they are made of.
+
+use super::caster::{Hit, LIFT, geometric_normal};
+use super::mesh::{PeriodicMesh, VertexMaterial};
+use super::tile_image::TileImage;
+use brdfc_formats::direction::{DirectionPair, Vector, add_scaled, dot, normalize, rotate_to_normal};
+use brdfc_source::{Source, Tally};
+use std::f64::consts::PI;
+
+/// A point of the surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfacePoint {
+    /// Where it is, in tiles.
+    pub position: Vector,
+    /// Unit shading normal: vertex normals, interpolated.
+    pub normal: Vector,
+    /// Unit normal of its triangle.
+    pub geometric_normal: Vector,
+    /// What it is made of.
+    pub material: VertexMaterial,
+}
+
+impl SurfacePoint {
+    /// The point with these weights of the second and third corner of a triangle, `tile` tiles away.
+    pub fn new(mesh: &PeriodicMesh, triangle: usize, [u, v]: [f64; 2], tile: [i32; 2]) -> Self {
+        let weights = [1.0 - u - v, u, v];
+        let corners = mesh.corners(triangle);
+        let vertices = mesh.triangles[triangle].map(|corner| corner.vertex as usize);
+        let mean = |values: [Vector; 3]| -> Vector {
+            [0, 1, 2].map(|axis| (0..3).map(|k| weights[k] * values[k][axis]).sum())
+        };
+        let mut position = mean(corners);
+        (0..2).for_each(|k| position[k] += f64::from(tile[k]));
+        let mut material = VertexMaterial { weights: [0.0; 4], tint: [0.0; 3] };
+        for k in 0..3 {
+            let (part, weight) = (&mesh.materials[vertices[k]], weights[k] as f32);
+            (0..4).for_each(|m| material.weights[m] += weight * part.weights[m]);
+            (0..3).for_each(|c| material.tint[c] += weight * part.tint[c]);
+        }
+        Self {
+            position,
+            normal: normalize(mean(vertices.map(|vertex| mesh.normals[vertex]))),
+            geometric_normal: geometric_normal(corners),
+            material,
+        }
+    }
+
+    /// Where rays start that leave the surface here: [`LIFT`] above its triangle, along the shading normal. At the bottom
+    /// of a crease the normal of one side leads behind the other. Only where the shading normal hardly rises above the
+    /// triangle it is the triangle's own.
+    pub fn lifted(&self) -> Vector {
+        let rise = dot(self.normal, self.geometric_normal);
+        if rise > 0.1 {
+            add_scaled(self.position, LIFT / rise, self.normal)
+        } else {
+            add_scaled(self.position, LIFT, self.geometric_normal)
+        }
+    }
+
+    /// The point that a ray met.
+    pub fn of_hit(mesh: &PeriodicMesh, hit: &Hit) -> Self {
+        Self::new(mesh, hit.triangle as usize, hit.barycentric.map(f64::from), hit.tile)
+    }
+}
+
+/// The materials of a surface.
+///
+/// Their tangent frame is the reference plane's, turned by the shortest rotation that takes its normal to the shading
+/// normal.
+#[derive(Default)]
+pub struct Appearance {
+    /// One for each weight of [`VertexMaterial`] that is used; 1 to 4.
+    pub sources: Vec<Box<dyn Source>>,
+    /// Multiplies tints: linear RGB, 0 to 1, straight above and below each point of the tile.
+    pub colour: Option<TileImage<3>>,
+    /// Shares of the sources, instead of those of the vertices; need not sum to 1.
+    pub weights: Option<TileImage<4>>,
+}
+
+impl Appearance {
+    /// `f_r` in 1/sr, linear RGB, not negative; 0 where either direction is below the horizon of the shading normal.
+    pub fn reflectance(&self, point: &SurfacePoint, view: Vector, light: Vector) -> [f64; 3] {
+        if dot(point.normal, view) <= 0.0 || dot(point.normal, light) <= 0.0 {
+            return [0.0; 3];
+        }
+        let pair = DirectionPair::new(rotate_to_normal(point.normal, light), rotate_to_normal(point.normal, view));
+        let [x, y, _] = point.position;
+        let weights = self.weights.as_ref().map_or(point.material.weights, |map| {
+            let weights = map.at(x, y);
+            let sum: f32 = weights.iter().take(self.sources.len()).sum();
+            // Black: the first material.
+            if sum > 0.0 { weights.map(|w| w / sum) } else { [1.0, 0.0, 0.0, 0.0] }
+        });
+        let mut sum = [0.0f64; 3];
+        for (source, weight) in self.sources.iter().zip(weights) {
+            if weight > 0.0 {
+                let f_r = source.eval(pair, &mut Tally::default());
+                (0..3).for_each(|k| sum[k] += f64::from(weight) * f_r[k].max(0.0));
+            }
+        }
+        let colour = self.colour.as_ref().map_or([1.0; 3], |map| map.at(x, y));
+        [0, 1, 2].map(|k| sum[k] * f64::from(point.material.tint[k] * colour[k]))
+    }
+
+    /// Radiance towards `view` under a light from far away, divided by that of a white diffuser that faces the light:
+    /// `π f_r cos θi`. Shadows are not looked at.
+    pub fn relative_radiance(&self, point: &SurfacePoint, view: Vector, light: Vector) -> [f32; 3] {
+        let scale = PI * dot(point.normal, light);
+        self.reflectance(point, view, light).map(|f_r| (scale * f_r) as f32)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::bumps;
+    use brdfc_formats::direction::from_polar;
+    use brdfc_source::address::parse_synth;
+
+    #[test]
+    fn a_white_diffuser_that_faces_the_light_is_one() {
+        let mesh = bumps(8, 0.0);
+        let point = SurfacePoint::new(&mesh, 5, [0.2, 0.3], [0, 0]);
+        let white = Appearance { sources: vec![parse_synth("synth:lambert?kd=1").unwrap()], ..Default::default() };
+        let view = from_polar(0.7, 2.0);
+        let facing = white.relative_radiance(&point, view, [0.0, 0.0, 1.0]);
+        assert!(facing.iter().all(|v| (v - 1.0).abs() < 1e-6), "{facing:?}");
+        let slanted = white.relative_radiance(&point, view, from_polar(1.0, 0.3));
+        assert!((f64::from(slanted[0]) - 1.0f64.cos()).abs() < 1e-6);
+        assert_eq!(white.relative_radiance(&point, from_polar(1.6, 0.0), [0.0, 0.0, 1.0]), [0.0; 3]);
+    }
+
+    #[test]
+    fn materials_are_blended_and_tinted() {
+        let mut mesh = bumps(8, 0.0);
+        mesh.materials.fill(VertexMaterial { weights: [0.25, 0.75, 0.0, 0.0], tint: [1.0, 0.5, 0.0] });
+        let sources = vec![parse_synth("synth:lambert?kd=0.8").unwrap(), parse_synth("synth:lambert?kd=0.4").unwrap()];
+        let seen = Appearance { sources, ..Default::default() }.relative_radiance(
+            &SurfacePoint::new(&mesh, 0, [0.1, 0.1], [0, 0]),
+            [0.0, 0.0, 1.0],
+            [0.0, 0.0, 1.0],
+        );
+        assert!((seen[0] - 0.5).abs() < 1e-6 && (seen[1] - 0.25).abs() < 1e-6 && seen[2] == 0.0, "{seen:?}");
+    }
+}

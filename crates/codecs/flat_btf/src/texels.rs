@@ -1,0 +1,92 @@
+//! Which surface point each texel of a flat BTF stands for: position and normal map (section 3.3 of Hadim et al. 2009).
+
+use super::mesh::PeriodicMesh;
+use super::parameterise::{corner_coordinates, twice_area};
+use super::surface::SurfacePoint;
+
+/// Surface points of a square of texels, row by row; texel `(column, row)` has parameters
+/// `((column + ½) / size, (row + ½) / size)`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TexelMap {
+    /// Texels per side.
+    pub size: usize,
+    /// One point for each texel.
+    pub points: Vec<SurfacePoint>,
+}
+
+/// How far outside a triangle, in barycentric coordinates, a texel's centre still belongs to it: what rounding loses.
+const EDGE: f64 = 1e-9;
+
+/// Finds the surface point of each texel. A centre on an edge belongs to the triangle that comes first.
+///
+/// # Panics
+/// When the parameters do not cover the square: they are not a parameterisation of this mesh.
+pub fn texel_map(mesh: &PeriodicMesh, coordinates: &[[f64; 2]], size: usize) -> TexelMap {
+    let mut points: Vec<Option<SurfacePoint>> = vec![None; size * size];
+    let scale = size as f64;
+    for triangle in 0..mesh.triangles.len() {
+        let corners = corner_coordinates(mesh, coordinates, triangle).map(|c| c.map(|c| c * scale - 0.5));
+        let whole = twice_area(corners);
+        let range = |k: usize| {
+            let c = corners.map(|corner| corner[k]);
+            let (low, high) = (c[0].min(c[1]).min(c[2]), c[0].max(c[1]).max(c[2]));
+            (low - EDGE).ceil() as i64..=(high + EDGE).floor() as i64
+        };
+        for row in range(1) {
+            for column in range(0) {
+                let at = [column as f64, row as f64];
+                let u = twice_area([corners[0], at, corners[2]]) / whole;
+                let v = twice_area([corners[0], corners[1], at]) / whole;
+                if u < -EDGE || v < -EDGE || u + v > 1.0 + EDGE {
+                    continue;
+                }
+                let n = size as i64;
+                let texel = (row.rem_euclid(n) * n + column.rem_euclid(n)) as usize;
+                if points[texel].is_none() {
+                    let tile = [-column.div_euclid(n) as i32, -row.div_euclid(n) as i32];
+                    points[texel] = Some(SurfacePoint::new(mesh, triangle, [u, v], tile));
+                }
+            }
+        }
+    }
+    let points = points.into_iter().map(|point| point.expect("parameters cover the square")).collect();
+    TexelMap { size, points }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameterise::parameterise;
+    use crate::testing::{height_field, overhang};
+
+    #[test]
+    fn texels_of_a_plane_are_where_they_are() {
+        let mesh = height_field(7, |_, _| 0.25);
+        let found = parameterise(&mesh, 0, &|| true).unwrap();
+        let map = texel_map(&mesh, &found.coordinates, 16);
+        for (index, point) in map.points.iter().enumerate() {
+            let expected = [(index % 16) as f64 / 16.0 + 1.0 / 32.0, (index / 16) as f64 / 16.0 + 1.0 / 32.0, 0.25];
+            assert!((0..3).all(|k| (point.position[k] - expected[k]).abs() < 1e-9), "{index} {point:?}");
+        }
+    }
+
+    #[test]
+    fn neighbours_in_parameters_are_neighbours_in_space_across_borders_too() {
+        let mesh = overhang(32);
+        let found = parameterise(&mesh, 0, &|| true).unwrap();
+        let n = 64;
+        let map = texel_map(&mesh, &found.coordinates, n);
+        let mut longest = 0.0f64;
+        for row in 0..n {
+            for column in 0..n {
+                let [a, b] = [column, column + 1].map(|c| {
+                    let mut p = map.points[row * n + c % n].position;
+                    p[0] += (c / n) as f64;
+                    p
+                });
+                longest = longest.max((0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt());
+            }
+        }
+        assert!(longest < 0.06, "{longest}");
+    }
+}

@@ -1,0 +1,74 @@
+//! Triangles whose three corners lie in a line, as tools leave them where a vertex stands on an edge.
+
+use super::in_first_tile;
+use super::topology::{self, EdgeKey};
+use crate::mesh::{Corner, PeriodicMesh};
+use brdfc_formats::direction::{Vector, cross, dot, subtract};
+use std::collections::HashSet;
+
+/// Height over the longest side, below which a triangle is a line.
+const FLAT: f64 = 1e-7;
+
+/// Whether corners lie in a line.
+pub fn is_flat(corners: [Vector; 3]) -> bool {
+    let normal = cross(subtract(corners[1], corners[0]), subtract(corners[2], corners[0]));
+    let longest = (0..3).map(|side| square_length(corners, side)).fold(0.0, f64::max);
+    dot(normal, normal).sqrt() <= FLAT * longest
+}
+
+fn square_length(corners: [Vector; 3], side: usize) -> f64 {
+    let along = subtract(corners[(side + 1) % 3], corners[side]);
+    dot(along, along)
+}
+
+/// Exchanges the longest edge of flat triangles for the other diagonal of the two triangles there, where that leaves
+/// fewer flat ones and the diagonal is no edge yet. Returns how many edges.
+///
+/// The surface is closed and oriented, and stays so.
+pub fn mend(surface: &mut PeriodicMesh) -> usize {
+    let mut exchanged = 0;
+    loop {
+        let flat: Vec<usize> =
+            (0..surface.triangles.len()).filter(|triangle| is_flat(surface.corners(*triangle))).collect();
+        let before = exchanged;
+        if !flat.is_empty() {
+            exchanged += mend_some(surface, &flat);
+        }
+        // An exchange may have made room for the next.
+        if exchanged == before {
+            return exchanged;
+        }
+    }
+}
+
+fn mend_some(surface: &mut PeriodicMesh, flat: &[usize]) -> usize {
+    let Ok(partners) = topology::partners(&surface.triangles) else { return 0 };
+    let sides = |triangle: &[Corner; 3]| [0, 1, 2].map(|k| topology::edge(triangle[k], triangle[(k + 1) % 3]).0);
+    let mut edges: HashSet<EdgeKey> = surface.triangles.iter().flat_map(sides).collect();
+    let mut touched = vec![false; surface.triangles.len()];
+    let mut exchanged = 0;
+    for &triangle in flat {
+        let corners = surface.corners(triangle);
+        let longest = |a: &usize, b: &usize| square_length(corners, *a).total_cmp(&square_length(corners, *b));
+        let side = (0..3).max_by(longest).unwrap_or(0);
+        let partner = partners[3 * triangle + side] as usize;
+        let (other, other_side) = (partner / 3, partner % 3);
+        if touched[triangle] || touched[other] || other == triangle {
+            continue;
+        }
+        // The longest side runs from `c` to `a`, past `b`; `d` is the corner beyond it.
+        let [c, a, b] = [0, 1, 2].map(|k| surface.triangles[triangle][(side + k) % 3]);
+        let beyond = surface.triangles[other];
+        let (same, d) = (beyond[other_side], beyond[(other_side + 2) % 3]);
+        let d = Corner { tile: [0, 1].map(|k| d.tile[k] + a.tile[k] - same.tile[k]), ..d };
+        let pair = [[a, b, d], [b, c, d]].map(in_first_tile);
+        let still_flat = pair.iter().any(|corners| is_flat(corners.map(|corner| surface.position(corner))));
+        if still_flat || !edges.insert(topology::edge(b, d).0) {
+            continue;
+        }
+        [surface.triangles[triangle], surface.triangles[other]] = pair;
+        (touched[triangle], touched[other]) = (true, true);
+        exchanged += 1;
+    }
+    exchanged
+}

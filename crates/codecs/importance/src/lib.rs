@@ -1,0 +1,132 @@
+//! Importance samples of a material's lobe: for each outgoing direction the density of half vectors is tabulated, its
+//! cumulative distribution inverted at the points of a low-discrepancy sequence. One step, one file; this one sequences.
+//!
+//! "Interactive rendering of acquired materials on dynamic geometry using bandwidth prediction" (2012), section 3.3.
+//! Half vectors, and not incoming directions, are stored, because a lobe follows the mirror direction: the half vectors
+//! of one outgoing direction fit its neighbours, too.
+
+mod distribution;
+mod distributions;
+mod grid;
+mod lobe;
+mod sequence;
+
+pub use distribution::Distribution;
+pub use distributions::LobeDistributions;
+pub use grid::HalfGrid;
+pub use lobe::cell_probabilities;
+pub use sequence::sequence_point;
+
+use brdfc_formats::FormatError;
+use brdfc_formats::importance::{ImportanceHeader, ImportancePack};
+use brdfc_source::{Source, Tally};
+use rayon::prelude::*;
+
+/// Sizes and shares of [`importance_samples`].
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct ImportanceRecipe {
+    /// Polar angles of the outgoing direction for isotropic materials, 1 to 1024.
+    pub isotropic_polar: u32,
+    /// Polar angles of the outgoing direction for others.
+    pub anisotropic_polar: u32,
+    /// Azimuths of the outgoing direction for others, a multiple of 4 up to 256.
+    pub anisotropic_azimuths: u32,
+    /// Samples of each outgoing direction, 1 to 8192.
+    pub samples: u32,
+    /// Where half vectors are tabulated.
+    pub grid: HalfGrid,
+    /// Share of the samples that does not follow the lobe, above 0 up to 1: what keeps densities away from 0 where the
+    /// table misses something.
+    pub defensive: f64,
+}
+
+impl Default for ImportanceRecipe {
+    fn default() -> Self {
+        Self {
+            isotropic_polar: 64,
+            anisotropic_polar: 32,
+            anisotropic_azimuths: 16,
+            samples: 1024,
+            grid: HalfGrid::DEFAULT,
+            defensive: 0.1,
+        }
+    }
+}
+
+impl ImportanceRecipe {
+    /// The sizes of the pack.
+    pub fn header(&self, isotropic: bool) -> ImportanceHeader {
+        let (polar, azimuths) =
+            if isotropic { (self.isotropic_polar, 1) } else { (self.anisotropic_polar, self.anisotropic_azimuths) };
+        ImportanceHeader { polar, azimuths, samples: self.samples }
+    }
+
+    /// Checks ranges, and gives the sizes of the pack.
+    ///
+    /// # Errors
+    /// Names what is out of range.
+    pub fn check(&self, isotropic: bool) -> Result<ImportanceHeader, FormatError> {
+        let header = self.header(isotropic);
+        header.check()?;
+        if !isotropic && header.isotropic() {
+            let found = format!("{} of an anisotropic material", header.azimuths);
+            return Err(FormatError::whole("azimuth columns", found, "a multiple of 4"));
+        }
+        self.grid.check()?;
+        if !(self.defensive > 0.0 && self.defensive <= 1.0) {
+            return Err(FormatError::whole("defensive share", self.defensive.to_string(), "above 0, up to 1"));
+        }
+        Ok(header)
+    }
+}
+
+/// Samples of `source` for all outgoing directions. The same on any number of threads.
+///
+/// # Errors
+/// Numbers of the recipe that are out of range.
+pub fn importance_samples(
+    source: &dyn Source,
+    recipe: &ImportanceRecipe,
+) -> Result<(ImportancePack, Tally), FormatError> {
+    let symmetry = source.symmetry();
+    let header = recipe.check(symmetry.isotropic)?;
+    let points: Vec<[f64; 2]> = (0..recipe.samples).map(sequence_point).collect();
+    let rows: Vec<u32> = (0..header.rows()).collect();
+    // Mirror images need no evaluation.
+    let mirrored = symmetry.mirror && !symmetry.isotropic;
+    let made: Vec<(Vec<[f32; 4]>, Tally)> = rows
+        .par_iter()
+        .map(|row| {
+            let mut tally = Tally::default();
+            if mirrored && mirror_image(&header, *row).0 != *row {
+                return (Vec::new(), tally);
+            }
+            let probabilities = cell_probabilities(source, &header, *row, recipe, &mut tally);
+            let distribution = Distribution::new(recipe.grid, &probabilities);
+            (points.iter().map(|point| distribution.sample(*point)).collect(), tally)
+        })
+        .collect();
+    let mut texels = Vec::with_capacity(rows.len() * recipe.samples as usize);
+    let mut tally = Tally::default();
+    for row in rows {
+        let (original, [x, y]) = if mirrored { mirror_image(&header, row) } else { (row, [1.0; 2]) };
+        let (samples, counts) = &made[original as usize];
+        texels.extend(samples.iter().map(|[hx, hy, hz, density]| [x * hx, y * hy, *hz, *density]));
+        if original == row {
+            tally += *counts;
+        }
+    }
+    Ok((ImportancePack::new(header, texels)?, tally))
+}
+
+/// The row of the first quarter turn whose mirror image a row is, and the signs of x and y that take it there.
+fn mirror_image(header: &ImportanceHeader, row: u32) -> (u32, [f32; 2]) {
+    let (polar, azimuth, quarter) = (row / header.azimuths, row % header.azimuths, header.azimuths / 4);
+    let (original, signs) = match azimuth / quarter {
+        0 => (azimuth, [1.0, 1.0]),
+        1 => (2 * quarter - 1 - azimuth, [-1.0, 1.0]),
+        2 => (azimuth - 2 * quarter, [-1.0, -1.0]),
+        _ => (header.azimuths - 1 - azimuth, [1.0, -1.0]),
+    };
+    (polar * header.azimuths + original, signs)
+}

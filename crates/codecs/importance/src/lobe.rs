@@ -1,0 +1,86 @@
+//! The probabilities that half vectors are drawn with.
+
+use super::ImportanceRecipe;
+use brdfc_formats::direction::{DirectionPair, Vector, dot};
+use brdfc_formats::importance::ImportanceHeader;
+use brdfc_source::{Source, Tally};
+use std::f64::consts::FRAC_1_PI;
+
+/// Rec. 709.
+const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
+/// Largest value that is believed, so that sums stay finite.
+const LARGEST: f64 = 1e30;
+/// What part of the defensive share is uniform over all half vectors, also those that no direction of the row has.
+const UNIFORM: f64 = 0.1;
+
+/// Probability of each cell of the grid, ring by ring, for the outgoing direction in the middle of `row`; all positive,
+/// with the sum 1.
+///
+/// Incoming directions are to be drawn in proportion to the luminance of `f_r cos θi`. Reflection of `wo` about `h` turns
+/// `4 (wo · h)` steradians of incoming directions into one of half vectors (Walter et al. 2007, "Microfacet models for
+/// refraction through rough surfaces", eq. 14), so the density of half vectors is in proportion to
+/// `f_r cos θi 4 (wo · h)`. Most of the defensive share is the same with a constant for `f_r`, the largest over the
+/// outgoing directions of the row; a tenth of it is uniform. So all half vectors that any outgoing direction can have are
+/// drawn.
+pub fn cell_probabilities(
+    source: &dyn Source,
+    header: &ImportanceHeader,
+    row: u32,
+    recipe: &ImportanceRecipe,
+    tally: &mut Tally,
+) -> Vec<f64> {
+    let grid = recipe.grid;
+    let outgoing = header.outgoing(row, 0.0);
+    let others = [header.outgoing(row, -0.5), header.outgoing(row, 0.5)];
+    let folded = header.isotropic() && source.symmetry().mirror;
+    let mut lobe = vec![0.0; grid.cells()];
+    let mut cosine = vec![0.0; grid.cells()];
+    for ring in 0..grid.polar {
+        let solid_angle = grid.solid_angle(ring);
+        for cell in 0..grid.azimuths {
+            let at = ring * grid.azimuths + cell;
+            let image = grid.azimuths - 1 - cell;
+            if folded && image < cell {
+                lobe[at] = lobe[at - cell + image];
+                cosine[at] = cosine[at - cell + image];
+                continue;
+            }
+            let half = grid.centre(ring, cell);
+            let (incoming, jacobian) = reflected(outgoing, half);
+            let mut largest = incoming[2].max(0.0) * jacobian;
+            if largest > 0.0 {
+                lobe[at] = luminance(source, DirectionPair::new(incoming, outgoing), tally) * largest * solid_angle;
+            }
+            for other in others {
+                let (incoming, jacobian) = reflected(other, half);
+                largest = largest.max(incoming[2].max(0.0) * jacobian);
+            }
+            cosine[at] = largest * FRAC_1_PI * solid_angle;
+        }
+    }
+    let (lobe_sum, cosine_sum) = (lobe.iter().sum::<f64>(), cosine.iter().sum::<f64>());
+    // A black material has no lobe to follow.
+    let defensive = if lobe_sum > 0.0 { recipe.defensive } else { 1.0 };
+    let lobe_scale = if lobe_sum > 0.0 { (1.0 - defensive) / lobe_sum } else { 0.0 };
+    let uniform = if cosine_sum > 0.0 { UNIFORM } else { 1.0 };
+    let cosine_scale = if cosine_sum > 0.0 { defensive * (1.0 - uniform) / cosine_sum } else { 0.0 };
+    let hemisphere = grid.border(grid.polar) * std::f64::consts::TAU;
+    for (at, (value, cosine)) in lobe.iter_mut().zip(&cosine).enumerate() {
+        let even = grid.solid_angle(at / grid.azimuths) / hemisphere;
+        *value = lobe_scale * *value + cosine_scale * cosine + defensive * uniform * even;
+    }
+    lobe
+}
+
+/// The incoming direction that a half vector stands for, and steradians of it per steradian of half vectors; 0 where the
+/// half vector is seen from behind.
+fn reflected(outgoing: Vector, half: Vector) -> (Vector, f64) {
+    let projection = dot(outgoing, half);
+    (std::array::from_fn(|k| 2.0 * projection * half[k] - outgoing[k]), 4.0 * projection.max(0.0))
+}
+
+fn luminance(source: &dyn Source, pair: DirectionPair, tally: &mut Tally) -> f64 {
+    let value = source.eval(pair, tally);
+    // NaN becomes 0, too.
+    (0..3).map(|k| LUMINANCE[k] * value[k].max(0.0)).sum::<f64>().min(LARGEST)
+}

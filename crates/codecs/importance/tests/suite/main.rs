@@ -1,0 +1,3 @@
+//! Importance samples against what they must estimate.
+
+mod importance;

@@ -1,0 +1,238 @@
+//! The encoder: sequences the stages.
+
+use super::log_encode::{LogEncoding, log_decode, log_encode};
+use super::measure::{GridError, grid_error};
+use super::quantise::quantise;
+use super::recipe::{Ranking, Recipe, Target};
+use super::resample::resample;
+use super::smooth::smooth;
+use super::table::Table;
+use super::visible::visible_energies;
+use super::{haar, threshold};
+use brdfc_formats::wavelet::{ErrorSummary, Header, MAX_SLICES, WaveletDecoder, WaveletPack, gpu_bytes};
+use brdfc_metrics::compare::{Comparison, compare};
+use brdfc_metrics::sampling::random_pairs;
+use brdfc_source::{PackSource, Source, Tally};
+
+/// Seed of the direction pairs for the error off the grid.
+const OFF_GRID_SEED: u64 = 2007;
+
+/// A pack with what was measured while making it.
+#[derive(Debug, Clone)]
+pub struct Encoded {
+    /// The pack.
+    pub pack: WaveletPack,
+    /// The file.
+    pub bytes: Vec<u8>,
+    /// Codec error.
+    pub on_grid: GridError,
+    /// Error against the source at random direction pairs.
+    pub off_grid: Comparison,
+    /// What resampling had to mend.
+    pub tally: Tally,
+    /// Samples of the table that were evaluated, thanks to symmetry fewer than it has.
+    pub evaluated: u64,
+}
+
+/// Why there is no pack.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum EncodeError {
+    /// The error budget cannot be met.
+    #[error(
+        "error budget: found {:.4} % relative error with all {slices} slices at {bits} bits; allowed {} %",
+        100.0 * found, 100.0 * allowed
+    )]
+    BudgetMissed {
+        /// `ε_r` with every slice kept.
+        found: f64,
+        /// The budget.
+        allowed: f64,
+        /// Slices kept.
+        slices: usize,
+        /// Bits per component.
+        bits: u32,
+    },
+    /// The byte budget does not hold even the scaling slice.
+    #[error("byte budget: found {allowed} bytes; allowed at least {smallest}, which hold the scaling slice alone")]
+    TooFewBytes {
+        /// The budget.
+        allowed: u64,
+        /// The smallest pack.
+        smallest: u64,
+    },
+    /// More slices than a 3D texture has layers.
+    #[error(
+        "slices: found {found}, with the zero slice; allowed {MAX_SLICES}: ask for a higher ratio or a smaller grid"
+    )]
+    TooManySlices {
+        /// Slices asked for.
+        found: usize,
+    },
+    /// The caller asked to stop.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+/// Told which stage starts; may ask to stop. The encoder itself knows no clock.
+pub trait Observer {
+    /// A stage starts. Returning `false` cancels.
+    fn stage(&mut self, name: &'static str) -> bool;
+}
+
+/// Ignores everything.
+impl Observer for () {
+    fn stage(&mut self, _: &'static str) -> bool {
+        true
+    }
+}
+
+/// Runs all stages.
+///
+/// # Errors
+/// A budget that cannot be met, or cancellation.
+pub fn encode(source: &dyn Source, recipe: &Recipe, observer: &mut dyn Observer) -> Result<Encoded, EncodeError> {
+    let grid = recipe.grid();
+    let most = 1usize << (2 * recipe.stored_levels);
+    if let Target::Ratio(ratio) = recipe.target {
+        let found = ratio_count(grid.cells(), ratio, most) + 1;
+        if found > MAX_SLICES {
+            return Err(EncodeError::TooManySlices { found });
+        }
+    }
+    let mut start = |name| if observer.stage(name) { Ok(()) } else { Err(EncodeError::Cancelled) };
+
+    start("resample")?;
+    let (sampled, tally) = resample(source, grid);
+
+    start("log-encode")?;
+    let encoding = LogEncoding::of(&sampled, recipe.bias);
+    let mut logarithms = log_encode(&sampled, encoding);
+    let mut reference = sampled;
+    if recipe.smooth {
+        start("smooth")?;
+        logarithms = smooth(&logarithms);
+        reference = log_decode(&logarithms, encoding);
+    }
+
+    start("haar")?;
+    let coefficients = haar::transform(&logarithms);
+    drop(logarithms);
+
+    start("threshold")?;
+    let energies = match recipe.ranking {
+        Ranking::Energy => threshold::slice_energies(&coefficients),
+        Ranking::Visible => visible_energies(&coefficients, &reference, encoding),
+    };
+    let ranking = threshold::ranking(&energies, recipe.stored_levels);
+    let header = Header {
+        parameterisation: grid.parameterisation,
+        levels: grid.levels,
+        stored_levels: recipe.stored_levels,
+        channels: coefficients.channels() as u32,
+        bits: recipe.bits,
+        mean: encoding.mean as f32,
+        bias: encoding.bias as f32,
+    };
+    let kept = choose(&coefficients, &reference, &ranking, header, recipe.target)?;
+
+    start("quantise")?;
+    let mut pack = assemble(&coefficients, &kept, header);
+    drop(coefficients);
+
+    start("measure on the grid")?;
+    let on_grid = grid_error(&reference, &WaveletDecoder::new(&pack));
+    drop(reference);
+
+    start("measure off the grid")?;
+    let decoded = PackSource::new(&pack, None);
+    let pairs = random_pairs(recipe.off_grid_pairs, OFF_GRID_SEED);
+    let (off_grid, _) = compare(source, &decoded, &pairs, encoding.mean);
+    pack.on_grid = on_grid.summary();
+    pack.off_grid = off_grid.summary();
+
+    start("pack")?;
+    let bytes = pack.to_bytes(recipe.supercompress);
+    Ok(Encoded { pack, bytes, on_grid, off_grid, evaluated: tally.evaluations, tally })
+}
+
+/// The slices that the target keeps.
+fn choose(
+    coefficients: &Table,
+    reference: &Table,
+    ranking: &[u32],
+    header: Header,
+    target: Target,
+) -> Result<Vec<u32>, EncodeError> {
+    let count = match target {
+        Target::Ratio(ratio) => ratio_count(header.cells(), ratio, ranking.len()),
+        Target::MaxBytes(bytes) => {
+            let fitting = |slices: usize| gpu_bytes(&header, slices + 1) <= bytes;
+            if !fitting(1) {
+                return Err(EncodeError::TooFewBytes { allowed: bytes, smallest: gpu_bytes(&header, 2) });
+            }
+            let most = ranking.len().min(MAX_SLICES - 1);
+            (1..=most).collect::<Vec<_>>().partition_point(|slices| fitting(*slices))
+        }
+        Target::MaxError(allowed) => {
+            let error = |count: usize| {
+                let pack = assemble(coefficients, &threshold::keep(ranking, count), header);
+                grid_error(reference, &WaveletDecoder::new(&pack)).norms.relative_mean
+            };
+            fewest_within(allowed, ranking.len().min(MAX_SLICES - 1), error)
+                .map_err(|(found, slices)| EncodeError::BudgetMissed { found, allowed, slices, bits: header.bits })?
+        }
+    };
+    Ok(threshold::keep(ranking, count))
+}
+
+/// Slices kept at a ratio, of at most as many as the stored levels have: a pack of fewer levels is already smaller than
+/// asked for.
+fn ratio_count(cells: usize, ratio: f64, most: usize) -> usize {
+    ((cells as f64 / ratio).round() as usize).clamp(1, most)
+}
+
+/// The smallest count in `1..=most` whose error is within `allowed`, by bisection; the error falls with the count but
+/// for ripples of quantisation, so the result is checked downwards while it still holds.
+fn fewest_within(allowed: f64, most: usize, error: impl Fn(usize) -> f64) -> Result<usize, (f64, usize)> {
+    let at_most = error(most);
+    if at_most > allowed {
+        return Err((at_most, most));
+    }
+    let (mut missed, mut met) = (0, most);
+    while met - missed > 1 {
+        let middle = missed.midpoint(met);
+        if error(middle) <= allowed {
+            met = middle;
+        } else {
+            missed = middle;
+        }
+    }
+    while met > 1 && error(met - 1) <= allowed {
+        met -= 1;
+    }
+    Ok(met)
+}
+
+/// A pack of the kept slices, its errors not yet measured.
+fn assemble(coefficients: &Table, kept: &[u32], header: Header) -> WaveletPack {
+    let quantised = quantise(coefficients, kept, &header);
+    let mut index = vec![0u16; header.cells()];
+    for (slice, k) in (1..).zip(kept) {
+        index[*k as usize] = slice;
+    }
+    WaveletPack {
+        header,
+        index,
+        scales: quantised.scales,
+        on_grid: ErrorSummary::default(),
+        off_grid: ErrorSummary::default(),
+        texels: quantised.texels,
+    }
+}
+
+impl GridError {
+    /// The form that a pack holds.
+    pub fn summary(&self) -> ErrorSummary {
+        self.norms.summary(self.albedo_max_difference, self.reciprocity)
+    }
+}

@@ -1,0 +1,17 @@
+//! The wavelet BRDF path: resample, smooth, log-encode, transform, threshold, quantise. One stage, one file;
+//! [`encode`] sequences them. Paper: Claustres, Barthe, Paulin, "Wavelet Encoding of BRDFs for Real-Time Rendering",
+//! Graphics Interface 2007.
+
+pub mod encode;
+pub mod fold;
+pub mod haar;
+pub mod log_encode;
+pub mod measure;
+pub mod options;
+pub mod quantise;
+pub mod recipe;
+pub mod resample;
+pub mod smooth;
+pub mod table;
+pub mod threshold;
+pub mod visible;

@@ -1,0 +1,4 @@
+//! Wavelet packs against known answers and the laws of reflectance.
+
+mod known_answers;
+mod physics_packs;

@@ -1,0 +1,278 @@
+//! Packs against the physics of their sources. Every check is shown to fail on a source or pack that breaks it.
+
+use brdfc_formats::direction::{DirectionPair, Parameterisation, cell_centre, from_polar};
+use brdfc_formats::wavelet::{WaveletDecoder, WaveletPack};
+use brdfc_metrics::compare::compare;
+use brdfc_metrics::sampling::random_pairs;
+use brdfc_source::address::parse_synth;
+use brdfc_source::{PackSource, Source, Symmetry};
+use brdfc_testing::checks::{albedo, value};
+use brdfc_testing::wrapped::{Claiming, Noisy, OneWay};
+use brdfc_wavelet::encode::{Encoded, encode};
+use brdfc_wavelet::haar;
+use brdfc_wavelet::log_encode::{DEFAULT_BIAS, LogEncoding, log_encode};
+use brdfc_wavelet::measure::grid_error;
+use brdfc_wavelet::recipe::{Recipe, Target};
+use brdfc_wavelet::resample::resample;
+use brdfc_wavelet::table::{Grid, Table};
+use std::f64::consts::{FRAC_1_PI, FRAC_1_SQRT_2};
+
+fn source(address: &str) -> Box<dyn Source> {
+    parse_synth(address).unwrap()
+}
+
+fn grid(parameterisation: Parameterisation, levels: u32) -> Grid {
+    Grid { parameterisation, levels }
+}
+
+fn tangent_pole(levels: u32) -> Grid {
+    grid(Parameterisation::TangentPole, levels)
+}
+
+fn encoded(source: &dyn Source, grid: Grid, change: impl Fn(&mut Recipe)) -> Encoded {
+    let mut recipe = Recipe { off_grid_pairs: 2000, stored_levels: grid.levels, ..Recipe::default() };
+    change(&mut recipe);
+    encode(source, &recipe, &mut ()).unwrap()
+}
+
+/// The pack as an engine would see it: through the bytes of its file.
+fn decoded(encoded: &Encoded, level: Option<f32>) -> PackSource {
+    PackSource::new(&WaveletPack::from_bytes(&encoded.bytes).unwrap(), level)
+}
+
+/// Largest relative distance of a source from a constant colour.
+fn distance_from_constant(source: &dyn Source, constant: [f64; 3]) -> f64 {
+    brdfc_testing::checks::random_pairs(500)
+        .into_iter()
+        .flat_map(|pair| {
+            let found = value(source, pair);
+            (0..3).map(move |c| (found[c] / constant[c] - 1.0).abs())
+        })
+        .fold(0.0, f64::max)
+}
+
+#[test]
+fn lambert_is_the_same_constant_at_every_direction_and_level() {
+    for parameterisation in Parameterisation::NAMES.map(|(_, p)| p) {
+        for (address, albedo, allowed) in [
+            ("synth:lambert?kd=0.5", [0.5; 3], 1e-5),
+            // Half a step of 8 bits of the scaling slice, which spans ln 8 from the darkest to the brightest channel.
+            ("synth:lambert?kd=0.8,0.5,0.1", [0.8, 0.5, 0.1], 8f64.ln() / 510.0 * 1.1),
+        ] {
+            let pack = encoded(source(address).as_ref(), grid(parameterisation, 3), |_| ());
+            for level in [0.0, 0.5, 1.0, 2.75, 3.0] {
+                let found = distance_from_constant(&decoded(&pack, Some(level)), albedo.map(|kd| kd * FRAC_1_PI));
+                assert!(found <= allowed, "{address}, {parameterisation:?}, level {level}: {found}");
+            }
+        }
+    }
+    let shiny = encoded(source("synth:lewis?kd=0.5&ks=0.05").as_ref(), tangent_pole(3), |_| ());
+    let found = distance_from_constant(&decoded(&shiny, None), [0.5 * FRAC_1_PI; 3]);
+    assert!(found > 0.05, "a little gloss is seen: {found}");
+}
+
+#[test]
+fn a_white_pack_reflects_everything() {
+    let white = encoded(source("synth:lambert?kd=1").as_ref(), tangent_pole(4), |_| ());
+    let grey = encoded(source("synth:lambert?kd=0.98").as_ref(), tangent_pole(4), |_| ());
+    for theta in [0.0, 0.6, 1.2, 1.5] {
+        let found = albedo(&decoded(&white, None), from_polar(theta, 0.7), 16)[0];
+        assert!((found - 1.0).abs() < 1e-4, "{theta}: {found}");
+        let less = albedo(&decoded(&grey, None), from_polar(theta, 0.7), 16)[0];
+        assert!((less - 1.0).abs() > 0.01, "{less}");
+    }
+}
+
+#[test]
+fn tables_of_symmetric_sources_have_the_symmetries() {
+    for address in ["synth:ward?kd=0.2&ay=0.5", "synth:lewis"] {
+        let claimed = source(address);
+        let none = Claiming(source(address), Symmetry::NONE);
+        for parameterisation in Parameterisation::NAMES.map(|(_, p)| p) {
+            let (folded, tally) = resample(claimed.as_ref(), grid(parameterisation, 3));
+            let (whole, all) = resample(&none, grid(parameterisation, 3));
+            assert!(tally.evaluations * 4 < all.evaluations, "{} of {}", tally.evaluations, all.evaluations);
+            assert!(largest_difference(&folded, &whole) < 1e-5, "{address}, {parameterisation:?}");
+        }
+    }
+    let full = Symmetry { isotropic: false, ..Symmetry::FULL };
+    let (folded, _) = resample(&Claiming(Box::new(OneWay(source("synth:lewis"))), full), tangent_pole(3));
+    let (whole, _) = resample(&OneWay(source("synth:lewis")), tangent_pole(3));
+    assert!(largest_difference(&folded, &whole) > 0.1, "a false claim shows");
+}
+
+#[test]
+fn half_difference_tables_hold_nothing_from_the_horizon_itself() {
+    let (table, _) = resample(source("synth:ward?kd=0.2&ay=0.5").as_ref(), grid(Parameterisation::HalfDifference, 4));
+    // Between 1e-3 above the horizon and the normal no value is above 400 / sr, and the mean is that of a grey paint.
+    assert!(table.values.iter().all(|v| *v < 400.0) && table.mean() < 1.0, "mean {}", table.mean());
+}
+
+/// Largest relative difference of two tables of one grid, cell by cell. Pairs on the very horizon are left out: there
+/// rounding decides between a value and the value just above.
+fn largest_difference(a: &Table, b: &Table) -> f64 {
+    let (n, cells) = (a.grid.n(), a.grid.cells());
+    let at = |table: &Table, outer: usize, inner: usize| {
+        let (row, flip) = table.fold.locate(outer);
+        f64::from(table.row(0, row)[flip.cell(inner, n)])
+    };
+    let centre = |cell: usize| cell_centre(cell % n, cell / n, n);
+    let mut largest: f64 = 0.0;
+    for outer in 0..cells {
+        for inner in 0..cells {
+            let pair = a.grid.parameterisation.from_axes(centre(outer), centre(inner));
+            if pair.incoming[2].abs().min(pair.outgoing[2].abs()) < 1e-9 {
+                continue;
+            }
+            let (x, y) = (at(a, outer, inner), at(b, outer, inner));
+            largest = largest.max((x - y).abs() / x.abs().max(y.abs()).max(1e-12));
+        }
+    }
+    largest
+}
+
+#[test]
+fn a_pack_of_a_reciprocal_source_is_nearly_reciprocal() {
+    let fine = |r: &mut Recipe| (r.target, r.bits) = (Target::Ratio(1.0), 16);
+    let good = encoded(source("synth:lewis").as_ref(), tangent_pole(3), fine);
+    assert!(good.on_grid.reciprocity < 1e-4, "{}", good.on_grid.reciprocity);
+    let bad = encoded(&OneWay(source("synth:lewis")), tangent_pole(3), fine);
+    assert!(bad.on_grid.reciprocity > 0.1, "{}", bad.on_grid.reciprocity);
+}
+
+#[test]
+fn a_false_claim_of_reciprocity_shows_off_the_grid() {
+    let claim = Symmetry { isotropic: false, ..Symmetry::FULL };
+    let honest = encoded(&OneWay(source("synth:lewis?n=3")), tangent_pole(4), |_| ());
+    let lying = encoded(&Claiming(Box::new(OneWay(source("synth:lewis?n=3"))), claim), tangent_pole(4), |_| ());
+    let [honest, lying] = [honest, lying].map(|e| e.off_grid.norms.relative_mean);
+    assert!(lying > 2.0 * honest && lying > 0.1, "{honest} {lying}");
+}
+
+#[test]
+fn half_difference_suits_a_glossy_isotropic_source() {
+    let glossy = source("synth:ggx?kd=0.1&f0=0.2&alpha=0.15");
+    let [tangent, half] = Parameterisation::NAMES.map(|(_, p)| encoded(glossy.as_ref(), grid(p, 4), |_| ()));
+    // The RMS is that of the highlight; ε_r counts the dark rest as much, and is no better.
+    let [a, b] = [&tangent, &half].map(|e| e.off_grid.norms.rms);
+    println!("RMS off the grid: tangent-pole {a:.4}, half-difference {b:.4}");
+    assert!(b < 0.75 * a, "{a} {b}");
+    // The file's bytes decode to the same as was measured.
+    let pairs = random_pairs(2000, 2007);
+    let (again, _) = compare(glossy.as_ref(), &decoded(&half, None), &pairs, f64::from(half.pack.header.mean));
+    assert_eq!(again.norms, half.off_grid.norms);
+    // Negative control: the same texels read with the other meaning.
+    let mut swapped = half.pack.clone();
+    swapped.header.parameterisation = Parameterisation::TangentPole;
+    let (wrong, _) = compare(glossy.as_ref(), &PackSource::new(&swapped, None), &pairs, 0.1);
+    assert!(wrong.norms.rms > 2.0 * b, "{}", wrong.norms.rms);
+}
+
+/// Coefficient `k` of an image of `n` x `n` samples, as an inner product with its wavelet: no cascade, so that it shares
+/// nothing with the code it checks.
+fn coefficient(k: usize, n: usize, sample: impl Fn(usize, usize) -> f64) -> f64 {
+    // Columns and rows of the wavelet's support, and where its sign changes.
+    let (columns, rows, split_rows) = match k {
+        0 => (0..n, 0..n, None),
+        _ => {
+            let side = 1usize << (k.ilog2() / 2);
+            let (first, block) = (side * side, n / side);
+            if k < 2 * first {
+                let (row, column) = ((k - first) / side, (k - first) % side);
+                (column * block..(column + 1) * block, row * block..(row + 1) * block, Some(true))
+            } else {
+                let (row, column) = ((k - 2 * first) / side, (k - 2 * first) % side);
+                let half = block / 2;
+                (column * block..(column + 1) * block, row * half..(row + 1) * half, Some(false))
+            }
+        }
+    };
+    let (middle_row, middle_column) = ((rows.start + rows.end) / 2, (columns.start + columns.end) / 2);
+    let norm = ((rows.len() * columns.len()) as f64).sqrt();
+    let mut sum = 0.0;
+    for row in rows {
+        for column in columns.clone() {
+            let negative = match split_rows {
+                None => false,
+                Some(true) => row >= middle_row,
+                Some(false) => column >= middle_column,
+            };
+            sum += if negative { -sample(row, column) } else { sample(row, column) };
+        }
+    }
+    sum / norm
+}
+
+/// Largest absolute difference between the table's coefficients in f32 and those of the source in f64.
+fn largest_coefficient_error(model: &dyn Source, reference_bias: f64) -> f64 {
+    let grid = tangent_pole(3);
+    let n = grid.n();
+    let (table, _) = resample(model, grid);
+    let encoding = LogEncoding::of(&table, DEFAULT_BIAS);
+    let coefficients = haar::transform(&log_encode(&table, encoding));
+
+    let centre = |cell: usize| cell_centre(cell % n, cell / n, n);
+    let f = |outer: usize, inner: usize| value(model, DirectionPair::new(centre(outer), centre(inner)))[0];
+    let all: Vec<f64> = (0..64).flat_map(|outer| (0..64).map(move |inner| f(outer, inner))).collect();
+    let mean = all.iter().sum::<f64>() / all.len() as f64;
+    let mut largest: f64 = 0.0;
+    for (row, outer) in coefficients.fold.rows().iter().enumerate() {
+        let image = |r: usize, c: usize| (all[*outer as usize * 64 + r * n + c] / mean + reference_bias).ln();
+        for (k, found) in coefficients.row(0, row).iter().enumerate() {
+            largest = largest.max((f64::from(*found) - coefficient(k, n, image)).abs());
+        }
+    }
+    largest
+}
+
+#[test]
+fn single_precision_costs_less_than_a_step_of_16_bits() {
+    // Logarithms lie within ±6, and a scaling coefficient is up to 8 of them: 48 · 2^-24 per rounding, a few roundings.
+    for address in ["synth:lewis", "synth:ward", "synth:poulin", "synth:ggx?alpha=0.1"] {
+        let found = largest_coefficient_error(source(address).as_ref(), DEFAULT_BIAS);
+        println!("{address}: {found:e}");
+        assert!(found < 1.5e-5, "{address}: {found:e}");
+    }
+    let wrong = largest_coefficient_error(source("synth:lewis").as_ref(), DEFAULT_BIAS * 1.01);
+    assert!(wrong > 1e-4, "{wrong:e}");
+}
+
+#[test]
+fn the_transform_divides_by_the_square_root_of_two() {
+    let mut coefficients = [0.0; 4];
+    haar::forward(&[1.0, 0.0, 0.0, 0.0], 2, &mut coefficients, &mut Vec::new());
+    for (found, expected) in coefficients.into_iter().zip([0.5, 0.5, FRAC_1_SQRT_2, 0.0]) {
+        assert!((found - expected).abs() < 1e-15, "{coefficients:?}");
+    }
+}
+
+#[test]
+fn scaled_details_are_noticed() {
+    let model = source("synth:lewis");
+    let pack = encoded(model.as_ref(), tangent_pole(4), |r| (r.target, r.bits) = (Target::Ratio(1.0), 16)).pack;
+    let (table, _) = resample(model.as_ref(), tangent_pole(4));
+    let error = |pack: &WaveletPack| grid_error(&table, &WaveletDecoder::new(pack)).norms.relative_mean;
+    let mut scaled = pack.clone();
+    for slice in &mut scaled.scales[2..] {
+        (slice.scale, slice.offset) = (slice.scale * std::f32::consts::SQRT_2, slice.offset * std::f32::consts::SQRT_2);
+    }
+    let (right, wrong) = (error(&pack), error(&scaled));
+    assert!(right < 1e-4 && wrong > 0.05, "{right} {wrong}");
+}
+
+#[test]
+fn smoothing_a_noisy_table_brings_it_nearer_to_the_truth() {
+    let truth = source("synth:lewis?kd=0.5&ks=0.2&n=4");
+    let noisy = Noisy { source: source("synth:lewis?kd=0.5&ks=0.2&n=4"), amplitude: 0.2, seed: 3 };
+    let pairs = random_pairs(4000, 11);
+    let error = |source: &dyn Source, smooth: bool| {
+        let pack = encoded(source, tangent_pole(4), |r| (r.target, r.smooth) = (Target::Ratio(1.0), smooth));
+        compare(truth.as_ref(), &decoded(&pack, None), &pairs, f64::from(pack.pack.header.mean)).0.norms.relative_mean
+    };
+    let (rough, smoothed) = (error(&noisy, false), error(&noisy, true));
+    println!("against the truth: {rough:.4} as measured, {smoothed:.4} smoothed");
+    assert!(smoothed < 0.7 * rough, "{rough} {smoothed}");
+    // Without noise there is nothing to gain, so the gain above is that of the noise.
+    let (clean, needless) = (error(truth.as_ref(), false), error(truth.as_ref(), true));
+    assert!(needless > 0.7 * clean, "{clean} {needless}");
+}

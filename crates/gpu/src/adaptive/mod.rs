@@ -1,0 +1,115 @@
+//! Adaptive shading on the device: what [`brdfc_render::adaptive`] does on the CPU, from wavelet packs.
+//!
+//! Its functions have the names of their twins. Points and predictions stay on the device from step to step; what comes
+//! back are sums of deviations, one number for each stretch of points, and for each level what becomes of its pixels.
+
+mod g_buffer;
+mod kernels;
+mod material;
+mod passes;
+mod predict;
+mod shader;
+mod storage;
+
+pub use shader::AdaptiveShaders;
+pub use storage::LoadedGBuffer;
+
+use super::device::{Gpu, GpuError};
+use super::draw::Decoding;
+use super::load::LoadedScene;
+use super::raster::Rasteriser;
+use super::surface;
+use brdfc_formats::wavelet::WaveletPack;
+use brdfc_render::adaptive::AdaptiveScene;
+use kernels::Kernels;
+use material::{LoadedMaterial, Surroundings};
+
+/// Most samples of a pixel.
+const MOST_SAMPLES: u32 = 1 << 24;
+
+/// What a submission may take, so that drivers do not take it for a hang.
+#[derive(Clone, Copy)]
+struct Budget {
+    /// Directions of predictions.
+    lookups: usize,
+    /// Samples of shading.
+    samples: usize,
+}
+
+/// Of a program on the CPU: well below a second.
+const SOFTWARE: Budget = Budget { lookups: 1 << 21, samples: 1 << 17 };
+const HARDWARE: Budget = Budget { lookups: 1 << 26, samples: 1 << 24 };
+
+/// Compiled pipelines.
+pub struct AdaptiveRenderer<'g> {
+    rasteriser: Rasteriser<'g>,
+    surface_layout: wgpu::BindGroupLayout,
+    kernels: Kernels<'g>,
+    budget: Budget,
+}
+
+/// A scene on the device, with everything that adaptive shading looks up.
+pub struct LoadedAdaptive {
+    scene: LoadedScene,
+    materials: Vec<LoadedMaterial>,
+}
+
+impl<'g> AdaptiveRenderer<'g> {
+    /// Compiles the shaders.
+    ///
+    /// # Errors
+    /// What the driver reports.
+    pub fn new(gpu: &'g Gpu) -> Result<Self, GpuError> {
+        Self::with_shaders(gpu, &AdaptiveShaders::default())
+    }
+
+    /// Compiles other shaders, such as broken ones.
+    ///
+    /// # Errors
+    /// A source that does not validate, with the compiler's message.
+    pub fn with_shaders(gpu: &'g Gpu, shaders: &AdaptiveShaders) -> Result<Self, GpuError> {
+        let surface_layout = surface::layout(gpu);
+        let passes = [("place", 2), ("turn", 1)];
+        let rasteriser = Rasteriser::with_passes(gpu, shaders.g_buffer.clone(), &[&surface_layout], &passes)?;
+        let kernels = Kernels::new(gpu, &shaders.steps)?;
+        let budget = if gpu.description().software { SOFTWARE } else { HARDWARE };
+        Ok(Self { rasteriser, surface_layout, kernels, budget })
+    }
+
+    /// Uploads a scene with one pack for each of its parts: what stands for the reflectance of its materials, which is
+    /// not looked at.
+    ///
+    /// # Panics
+    /// If there are not as many packs as parts, or fewer materials.
+    ///
+    /// # Errors
+    /// [`GpuError::TooLarge`] for textures beyond the adapter's limits; what the driver reports.
+    pub fn load(
+        &self,
+        scene: &AdaptiveScene<'_>,
+        packs: &[&WaveletPack],
+        decoding: Decoding,
+    ) -> Result<LoadedAdaptive, GpuError> {
+        let (parts, materials) = (&scene.scene.parts, scene.materials);
+        assert!(packs.len() == parts.len() && materials.len() >= parts.len(), "one pack and material for each part");
+        let radiance = surface::environment(self.gpu(), &scene.scene.environment)?;
+        let surface = |(index, part)| vec![surface::upload(self.gpu(), &self.surface_layout, index, part, &radiance)];
+        let groups = (0..).zip(parts).map(surface).collect();
+        let (light, bandwidth) = (&material::light(self.gpu(), scene.light)?, scene.light.bandwidth());
+        let surroundings = Surroundings { radiance: &radiance, light, bandwidth, decoding };
+        let material =
+            |(index, (material, pack))| material::upload(&self.kernels, &surroundings, index, material, pack);
+        let materials =
+            materials.iter().zip(packs.iter().copied()).enumerate().map(material).collect::<Result<_, _>>()?;
+        Ok(LoadedAdaptive { scene: self.rasteriser.load(scene.scene, groups, decoding.words())?, materials })
+    }
+
+    fn gpu(&self) -> &'g Gpu {
+        self.kernels.gpu
+    }
+
+    /// How many things of this cost a submission may have.
+    fn at_once(&self, budget: usize, cost: usize) -> usize {
+        (budget / cost.max(1)).max(1)
+    }
+}

@@ -1,0 +1,60 @@
+//! The shaders of adaptive shading, put together from their files.
+
+use super::super::raster::VIEW_WGSL;
+use super::super::surface::{ENVIRONMENT_WGSL, PERIODIC_WGSL, SURFACE_WGSL};
+use brdfc_formats::bandwidth::propagation::PROPAGATION_WGSL;
+use brdfc_formats::bandwidth::shader::BANDWIDTH_WGSL;
+use brdfc_formats::importance::IMPORTANCE_WGSL;
+use brdfc_formats::wavelet::shader::WAVELET_BRDF_WGSL;
+
+/// What [`super::AdaptiveRenderer`] compiles.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct AdaptiveShaders {
+    /// Rasterises the G-buffer: vertex entry point `project`, fragment entry points `place` and `turn`.
+    pub g_buffer: String,
+    /// All steps that follow, compute entry points each.
+    pub steps: String,
+}
+
+const STEPS: [&str; 10] = [
+    include_str!("points.wgsl"),
+    include_str!("material.wgsl"),
+    include_str!("read_back.wgsl"),
+    include_str!("curvature.wgsl"),
+    include_str!("predict.wgsl"),
+    include_str!("rates.wgsl"),
+    include_str!("pyramid.wgsl"),
+    include_str!("upsample.wgsl"),
+    include_str!("passes.wgsl"),
+    include_str!("shade.wgsl"),
+];
+const RESOLVE: &str = include_str!("resolve.wgsl");
+const G_BUFFER: &str = include_str!("g_buffer.wgsl");
+
+impl Default for AdaptiveShaders {
+    fn default() -> Self {
+        // Without a pack, surfaces are group 1.
+        let surface = SURFACE_WGSL.replace("@group(2)", "@group(1)");
+        let shared = [
+            moved(WAVELET_BRDF_WGSL, 2, 0),
+            moved(IMPORTANCE_WGSL, 3, 0),
+            moved(BANDWIDTH_WGSL, 3, 2),
+            PROPAGATION_WGSL.to_owned(),
+            PERIODIC_WGSL.to_owned(),
+            ENVIRONMENT_WGSL.to_owned(),
+        ];
+        Self {
+            g_buffer: [VIEW_WGSL, PERIODIC_WGSL, &surface, G_BUFFER].join("\n"),
+            steps: [shared.join("\n"), STEPS.join("\n"), RESOLVE.to_owned()].join("\n"),
+        }
+    }
+}
+
+/// A decoder with the bindings of its group 1 in another group, from `first` on.
+fn moved(source: &str, group: u32, first: u32) -> String {
+    // From the last one, so that none is moved twice.
+    (0..4).rev().fold(source.to_owned(), |source, binding| {
+        let (from, to) = (binding, binding + first);
+        source.replace(&format!("@group(1) @binding({from})"), &format!("@group({group}) @binding({to})"))
+    })
+}

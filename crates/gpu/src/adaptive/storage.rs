@@ -1,0 +1,196 @@
+//! A G-buffer on the device, with the buffers that adaptive shading fills for it.
+
+use super::super::device::{Gpu, GpuError};
+use super::super::raster::Target;
+use super::kernels::{Kernels, STORAGE_BUFFERS};
+use brdfc_render::adaptive::coarsest_of;
+use brdfc_render::scene::{Camera, Frame};
+use wgpu::{BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferUsages};
+
+/// Slices of samples, and nodes with slices, of one submission.
+pub(super) const SLICES: usize = 1 << 19;
+/// Levels that the shader's `Picture` has place for.
+const MOST_LEVELS: usize = 20;
+/// 32-bit words of the shader's `Settings`.
+pub(super) const SETTINGS_WORDS: usize = 12;
+/// Bytes of a vector of four 32-bit numbers.
+const VECTOR: u64 = 16;
+/// Bytes of the shader's `Node`.
+const NODE: u64 = 12;
+/// Fewest vectors of any buffer: a point that is read back takes five.
+const FEWEST: u64 = 64;
+
+/// What a camera sees of a scene, on the device.
+pub struct LoadedGBuffer {
+    /// Of the picture.
+    pub(super) frame: Frame,
+    pub(super) camera: Camera,
+    pub(super) antialiasing_levels: u32,
+    /// Points per row, and rows.
+    pub(super) size: [usize; 2],
+    /// Width, height and first node of each level of the pyramid, finest first.
+    pub(super) levels: Vec<[usize; 3]>,
+    pub(super) settings: Buffer,
+    pub(super) job: Buffer,
+    pub(super) frame_group: BindGroup,
+    pub(super) storage_group: BindGroup,
+    pub(super) storage: Storage,
+}
+
+/// What `points.wgsl` declares in group 1; see there.
+pub(super) struct Storage {
+    pub(super) predicted: Buffer,
+    pub(super) nodes: Buffer,
+    pub(super) computed: Buffer,
+    pub(super) outcomes: Buffer,
+    pub(super) slices: Buffer,
+    pub(super) gathers: Buffer,
+    pub(super) sums: Buffer,
+    pub(super) image: Buffer,
+}
+
+impl LoadedGBuffer {
+    /// Points per row, and rows.
+    pub fn size(&self) -> [usize; 2] {
+        self.size
+    }
+
+    pub(super) fn points(&self) -> usize {
+        self.size[0] * self.size[1]
+    }
+
+    /// What points are read back through holds so many of them.
+    pub(super) fn points_at_once(&self) -> usize {
+        (self.storage.computed.size() / (5 * VECTOR)) as usize
+    }
+}
+
+/// Makes room for a target's points.
+///
+/// # Errors
+/// [`GpuError::TooLarge`] for more than the adapter binds at once; what the driver reports.
+pub(super) fn allocate(
+    kernels: &Kernels<'_>,
+    target: &Target,
+    camera: &Camera,
+    frame: Frame,
+    antialiasing_levels: u32,
+) -> Result<LoadedGBuffer, GpuError> {
+    let gpu = kernels.gpu;
+    let size = [frame.width << antialiasing_levels, frame.height << antialiasing_levels];
+    let levels = levels(size);
+    let nodes = levels.iter().map(|[width, height, _]| (width * height) as u64).sum::<u64>();
+    let limits = gpu.device.limits();
+    let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+    let wanted = VECTOR * nodes.max(FEWEST);
+    if wanted > most || levels.len() > MOST_LEVELS {
+        let [width, height] = size;
+        let text = format!(
+            "adaptive shading of {width} x {height} points takes a buffer of {wanted} bytes; this adapter binds at \
+             most {most}"
+        );
+        return Err(GpuError::TooLarge(text));
+    }
+    let uniform = |words: usize| {
+        gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: 4 * words as u64,
+            usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        })
+    };
+    let picture = picture_words(camera, frame, antialiasing_levels, size, &levels);
+    let picture = gpu.buffer(bytemuck::cast_slice(&picture), BufferUsages::UNIFORM);
+    let (settings, job) = (uniform(SETTINGS_WORDS), uniform(4));
+    let uniforms = [&picture, &settings, &job].map(Buffer::as_entire_binding);
+    let frame_group =
+        group(gpu, &kernels.frame_layout, uniforms.into_iter().chain(target.views().map(BindingResource::TextureView)));
+    let points = (size[0] * size[1]) as u64;
+    let storage = Storage {
+        predicted: storage(gpu, VECTOR * points),
+        nodes: storage(gpu, NODE * nodes),
+        computed: storage(gpu, wanted),
+        outcomes: storage(gpu, VECTOR * points),
+        slices: storage(gpu, VECTOR * SLICES as u64),
+        gathers: storage(gpu, VECTOR * SLICES as u64),
+        sums: storage(gpu, VECTOR * SLICES as u64),
+        image: storage(gpu, VECTOR * (frame.width * frame.height) as u64),
+    };
+    let all: [&Buffer; STORAGE_BUFFERS as usize] = [
+        &storage.predicted,
+        &storage.nodes,
+        &storage.computed,
+        &storage.outcomes,
+        &storage.slices,
+        &storage.gathers,
+        &storage.sums,
+        &storage.image,
+    ];
+    let storage_group = group(gpu, &kernels.storage_layout, all.into_iter().map(Buffer::as_entire_binding));
+    gpu.check()?;
+    let camera = *camera;
+    Ok(LoadedGBuffer {
+        frame,
+        camera,
+        antialiasing_levels,
+        size,
+        levels,
+        settings,
+        job,
+        frame_group,
+        storage_group,
+        storage,
+    })
+}
+
+fn storage(gpu: &Gpu, bytes: u64) -> Buffer {
+    gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: bytes,
+        usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
+}
+
+fn group<'a>(
+    gpu: &Gpu,
+    layout: &wgpu::BindGroupLayout,
+    resources: impl Iterator<Item = BindingResource<'a>>,
+) -> BindGroup {
+    let entries: Vec<_> =
+        (0..).zip(resources).map(|(binding, resource)| BindGroupEntry { binding, resource }).collect();
+    gpu.device.create_bind_group(&BindGroupDescriptor { label: None, layout, entries: &entries })
+}
+
+/// Sizes of the levels, as those of [`brdfc_render::adaptive::Pyramid`], and where they begin.
+fn levels([width, height]: [usize; 2]) -> Vec<[usize; 3]> {
+    let mut levels = vec![[width, height, 0]];
+    for _ in 0..coarsest_of(width, height) {
+        let [width, height, first] = levels[levels.len() - 1];
+        levels.push([width.div_ceil(2), height.div_ceil(2), first + width * height]);
+    }
+    levels
+}
+
+/// The shader's `Picture`.
+fn picture_words(
+    camera: &Camera,
+    frame: Frame,
+    antialiasing_levels: u32,
+    size: [usize; 2],
+    levels: &[[usize; 3]],
+) -> Vec<u32> {
+    let (right, up, _) = camera.basis();
+    let mut words = Vec::with_capacity(20 + 4 * MOST_LEVELS);
+    for vector in [camera.eye, right, up] {
+        words.extend(vector.map(|c| (c as f32).to_bits()));
+        words.push(0);
+    }
+    words.extend([size[0], size[1], frame.width, frame.height].map(|c| c as u32));
+    words.extend([1 << antialiasing_levels, levels.len() as u32 - 1, 0, 0]);
+    for [width, height, first] in levels {
+        words.extend([*width as u32, *height as u32, *first as u32, 0]);
+    }
+    words.resize(20 + 4 * MOST_LEVELS, 0);
+    words
+}

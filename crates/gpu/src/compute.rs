@@ -1,0 +1,195 @@
+//! Any WGSL function over a list of numbers: what tests hold against its CPU twin.
+
+use super::device::{Gpu, GpuError};
+use super::pack::texture_format;
+use super::raster::{buffer_type, entry};
+use brdfc_formats::container::TexelFormat;
+use std::borrow::Cow;
+use wgpu::{
+    BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor, BindingResource,
+    BindingType, BufferBindingType, BufferUsages, ComputePassDescriptor, ComputePipelineDescriptor,
+    PipelineLayoutDescriptor, ShaderModuleDescriptor, ShaderSource, ShaderStages, TextureSampleType,
+    TextureViewDimension,
+};
+
+/// The compute entry point: it calls `fn compute(at: u32)`, which reads `input` and writes `output`.
+pub const COMPUTE_WGSL: &str = include_str!("compute.wgsl");
+
+/// Invocations of a workgroup.
+const GROUP: u32 = 64;
+/// Workgroups of a row; more go to the next row.
+const ROW_OF_GROUPS: u32 = 1024;
+/// Most numbers in or out at once, within what every adapter binds.
+const MOST_NUMBERS: usize = 1 << 24;
+
+/// What a shader reads besides its input, in the order of the bindings of group 1.
+#[derive(Debug, Clone, Copy)]
+pub enum Resource<'a> {
+    /// A uniform block, a multiple of 16 bytes.
+    Uniform(&'a [u8]),
+    /// A 2D texture of four 32-bit floats, which is not filtered: width, height and texels, row by row.
+    Texture([u32; 2], &'a [[f32; 4]]),
+    /// A 2D texture of one 16-bit float, which is not filtered: width, height and bytes of the texels, row by row.
+    Halves([u32; 2], &'a [u8]),
+}
+
+/// A 2D texture that is not filtered.
+pub(super) const UNFILTERED: BindingType = BindingType::Texture {
+    sample_type: TextureSampleType::Float { filterable: false },
+    view_dimension: TextureViewDimension::D2,
+    multisampled: false,
+};
+
+/// A compiled shader with its resources.
+pub struct Compute<'g> {
+    gpu: &'g Gpu,
+    pipeline: wgpu::ComputePipeline,
+    item_layout: BindGroupLayout,
+    resources: BindGroup,
+}
+
+impl<'g> Compute<'g> {
+    /// Compiles `source`, which defines `compute(at: u32)`, in front of [`COMPUTE_WGSL`], and uploads the resources.
+    ///
+    /// # Errors
+    /// A source that does not validate, with the compiler's message; resources that do not fit.
+    pub fn new(gpu: &'g Gpu, source: &str, resources: &[Resource<'_>]) -> Result<Self, GpuError> {
+        let module = gpu.device.create_shader_module(ShaderModuleDescriptor {
+            label: Some("compute"),
+            source: ShaderSource::Wgsl(Cow::Owned(format!("{source}\n{COMPUTE_WGSL}"))),
+        });
+        gpu.check()?;
+        let buffer = |binding, ty| entry(binding, ShaderStages::COMPUTE, buffer_type(ty));
+        let item_layout = gpu.device.create_bind_group_layout(&BindGroupLayoutDescriptor {
+            label: Some("items"),
+            entries: &[
+                buffer(0, BufferBindingType::Uniform),
+                buffer(1, BufferBindingType::Storage { read_only: true }),
+                buffer(2, BufferBindingType::Storage { read_only: false }),
+            ],
+        });
+        let (resource_layout, resources) = upload(gpu, resources)?;
+        let layout = gpu.device.create_pipeline_layout(&PipelineLayoutDescriptor {
+            label: None,
+            bind_group_layouts: &[Some(&item_layout), Some(&resource_layout)],
+            immediate_size: 0,
+        });
+        let pipeline = gpu.device.create_compute_pipeline(&ComputePipelineDescriptor {
+            label: Some("compute"),
+            layout: Some(&layout),
+            module: &module,
+            entry_point: Some("main"),
+            compilation_options: Default::default(),
+            cache: None,
+        });
+        gpu.check()?;
+        Ok(Self { gpu, pipeline, item_layout, resources })
+    }
+
+    /// Runs over `count` items and reads back: `width` numbers of `input` belong to an item, and `width_out` numbers of
+    /// the output.
+    ///
+    /// # Errors
+    /// An input of another length, too many numbers; what the driver reports.
+    pub fn run(&self, input: &[f32], width: usize, width_out: usize) -> Result<Vec<f32>, GpuError> {
+        let count = input.len() / width.max(1);
+        let numbers = count.saturating_mul(width_out.max(width));
+        if count * width != input.len() || numbers > MOST_NUMBERS {
+            let text = format!("{} numbers in items of {width} and {width_out}; at most {MOST_NUMBERS}", input.len());
+            return Err(GpuError::TooLarge(text));
+        }
+        if count * width_out == 0 {
+            return Ok(Vec::new());
+        }
+        let computation = [count as u32, GROUP * ROW_OF_GROUPS, 0, 0];
+        let computation = self.gpu.buffer(bytemuck::cast_slice(&computation), BufferUsages::UNIFORM);
+        let items = self.gpu.buffer(bytemuck::cast_slice(input), BufferUsages::STORAGE);
+        let answers = self.gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: 4 * (count * width_out) as u64,
+            usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC,
+            mapped_at_creation: false,
+        });
+        let group = self.gpu.device.create_bind_group(&BindGroupDescriptor {
+            label: None,
+            layout: &self.item_layout,
+            entries: &[
+                BindGroupEntry { binding: 0, resource: computation.as_entire_binding() },
+                BindGroupEntry { binding: 1, resource: items.as_entire_binding() },
+                BindGroupEntry { binding: 2, resource: answers.as_entire_binding() },
+            ],
+        });
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        let groups = (count as u32).div_ceil(GROUP);
+        let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor::default());
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.set_bind_group(1, &self.resources, &[]);
+        pass.dispatch_workgroups(groups.min(ROW_OF_GROUPS), groups.div_ceil(ROW_OF_GROUPS), 1);
+        drop(pass);
+        let buffer = self.gpu.read_buffer(answers.size());
+        encoder.copy_buffer_to_buffer(&answers, 0, &buffer, 0, answers.size());
+        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.read(&buffer, |bytes| bytemuck::cast_slice(bytes).to_vec())
+    }
+}
+
+fn upload(gpu: &Gpu, resources: &[Resource<'_>]) -> Result<(BindGroupLayout, BindGroup), GpuError> {
+    let (mut buffers, mut views) = (Vec::new(), Vec::new());
+    let mut layout = Vec::new();
+    for (binding, resource) in resources.iter().enumerate() {
+        let ty = match resource {
+            Resource::Uniform(bytes) => {
+                buffers.push(gpu.buffer(bytes, BufferUsages::UNIFORM));
+                buffer_type(BufferBindingType::Uniform)
+            }
+            Resource::Texture(size, texels) => {
+                views.push(texture(gpu, TexelFormat::Rgba32Float, *size, bytemuck::cast_slice(texels))?);
+                UNFILTERED
+            }
+            Resource::Halves(size, texels) => {
+                views.push(texture(gpu, TexelFormat::R16Float, *size, texels)?);
+                UNFILTERED
+            }
+        };
+        layout.push(entry(binding as u32, ShaderStages::COMPUTE, ty));
+    }
+    let layout =
+        gpu.device.create_bind_group_layout(&BindGroupLayoutDescriptor { label: Some("resources"), entries: &layout });
+    let (mut buffers, mut views) = (buffers.iter(), views.iter());
+    let mut entries = Vec::new();
+    for (binding, resource) in resources.iter().enumerate() {
+        let resource = match resource {
+            Resource::Uniform(_) => buffers.next().map(wgpu::Buffer::as_entire_binding),
+            Resource::Texture(..) | Resource::Halves(..) => views.next().map(BindingResource::TextureView),
+        };
+        entries.extend(resource.map(|resource| BindGroupEntry { binding: binding as u32, resource }));
+    }
+    let group = gpu.device.create_bind_group(&BindGroupDescriptor {
+        label: Some("resources"),
+        layout: &layout,
+        entries: &entries,
+    });
+    gpu.check()?;
+    Ok((layout, group))
+}
+
+/// Uploads a 2D texture.
+///
+/// # Errors
+/// Other texels than the size says, or more than the adapter's limit per side.
+pub(super) fn texture(
+    gpu: &Gpu,
+    format: TexelFormat,
+    size: [u32; 2],
+    texels: &[u8],
+) -> Result<wgpu::TextureView, GpuError> {
+    let most = gpu.device.limits().max_texture_dimension_2d;
+    let [width, height] = size;
+    let bytes = u64::from(width) * u64::from(height) * format.texel_bytes() as u64;
+    if width.max(height) > most || width.min(height) == 0 || texels.len() as u64 != bytes {
+        let text = format!("{} bytes for a texture of {width} x {height}; at most {most} per side", texels.len());
+        return Err(GpuError::TooLarge(text));
+    }
+    Ok(gpu.image(texture_format(format), size, texels))
+}

@@ -1,0 +1,110 @@
+//! Draws scenes whose parts have wavelet packs.
+
+use super::device::{Gpu, GpuError};
+use super::evaluate::SliceFilter;
+use super::load::LoadedScene;
+use super::pack;
+use super::raster::{Rasteriser, Target, VIEW_WGSL};
+use super::surface::{self, ENVIRONMENT_WGSL, PERIODIC_WGSL, SURFACE_WGSL};
+use brdfc_formats::wavelet::shader::WAVELET_BRDF_WGSL;
+use brdfc_formats::wavelet::{Filter, WaveletPack};
+use brdfc_metrics::image::LinearImage;
+use brdfc_render::scene::{Camera, Frame, Scene};
+use wgpu::ShaderStages;
+
+/// The scene's entry points over the decoder, behind [`VIEW_WGSL`], [`PERIODIC_WGSL`], [`SURFACE_WGSL`] and
+/// [`ENVIRONMENT_WGSL`].
+pub const SCENE_WGSL: &str = include_str!("scene.wgsl");
+
+/// How packs are decoded in an image.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Decoding {
+    /// Over inner and outer cells.
+    pub filter: Filter,
+    /// Who filters slices.
+    pub slices: SliceFilter,
+    /// A fixed level of detail, or the one that follows from the distance.
+    pub level: Option<f32>,
+    /// `α` of the level of detail, per unit of distance. Positive.
+    pub distance_scale: f64,
+}
+
+impl Decoding {
+    /// The words `level` and `hardware` as shaders take them.
+    pub(super) fn words(&self) -> [u32; 2] {
+        let level = self.level.map_or(-1.0, |level| level.max(0.0)).to_bits();
+        [level, u32::from(self.slices == SliceFilter::Hardware)]
+    }
+}
+
+/// A compiled pipeline.
+pub struct Renderer<'g> {
+    rasteriser: Rasteriser<'g>,
+    pack_layout: wgpu::BindGroupLayout,
+    surface_layout: wgpu::BindGroupLayout,
+}
+
+impl<'g> Renderer<'g> {
+    /// Compiles the shaders.
+    ///
+    /// # Errors
+    /// What the driver reports.
+    pub fn new(gpu: &'g Gpu) -> Result<Self, GpuError> {
+        let pack_layout = pack::layout(gpu, ShaderStages::FRAGMENT);
+        let surface_layout = surface::layout(gpu);
+        let source =
+            [WAVELET_BRDF_WGSL, VIEW_WGSL, PERIODIC_WGSL, SURFACE_WGSL, ENVIRONMENT_WGSL, SCENE_WGSL].join("\n");
+        let rasteriser = Rasteriser::new(gpu, source, &[&pack_layout, &surface_layout])?;
+        Ok(Self { rasteriser, pack_layout, surface_layout })
+    }
+
+    /// Uploads a scene with one pack for each of its parts.
+    ///
+    /// # Panics
+    /// If there are not as many packs as parts.
+    ///
+    /// # Errors
+    /// What the driver reports.
+    pub fn load(&self, scene: &Scene, packs: &[&WaveletPack], decoding: Decoding) -> Result<LoadedScene, GpuError> {
+        assert_eq!(packs.len(), scene.parts.len(), "one pack for each part");
+        let gpu = self.rasteriser.gpu;
+        let environment = surface::environment(gpu, &scene.environment)?;
+        let mut groups = Vec::with_capacity(scene.parts.len());
+        for (index, (part, pack)) in (0..).zip(scene.parts.iter().zip(packs)) {
+            let pack = pack::upload(gpu, &self.pack_layout, pack, decoding.filter, decoding.distance_scale)?;
+            groups.push(vec![pack, surface::upload(gpu, &self.surface_layout, index, part, &environment)]);
+        }
+        self.rasteriser.load(scene, groups, decoding.words())
+    }
+
+    /// Colour and depth of `width` x `height` pixels.
+    ///
+    /// # Errors
+    /// More than the adapter's limit per side.
+    pub fn target(&self, width: usize, height: usize) -> Result<Target, GpuError> {
+        self.rasteriser.target(width, height)
+    }
+
+    /// Draws one sample per pixel, `sample` = `[column, row]` of the `samples` x `samples` in each, and waits for it.
+    ///
+    /// # Errors
+    /// What the driver reports.
+    pub fn draw_sample(
+        &self,
+        scene: &LoadedScene,
+        camera: &Camera,
+        target: &Target,
+        sample: [usize; 2],
+        samples: usize,
+    ) -> Result<(), GpuError> {
+        self.rasteriser.draw_sample(scene, camera, target, sample, samples)
+    }
+
+    /// Draws a whole image: the mean of `samples²` samples per pixel, summed in a fixed order.
+    ///
+    /// # Errors
+    /// Images beyond the adapter's limits; what the driver reports.
+    pub fn draw(&self, scene: &LoadedScene, camera: &Camera, frame: Frame) -> Result<LinearImage, GpuError> {
+        self.rasteriser.draw(scene, camera, frame)
+    }
+}

@@ -1,0 +1,124 @@
+//! Draws scenes whose parts are all of one flat BTF.
+
+use super::device::{Gpu, GpuError};
+use super::flat_textures;
+use super::load::LoadedScene;
+use super::raster::{Rasteriser, VIEW_WGSL, buffer_type, entry};
+use brdfc_formats::direction_mesh::direction_mesh_wgsl;
+use brdfc_formats::flat_btf::shader::{FLAT_BTF_WGSL, IndirectionFilter};
+use brdfc_metrics::image::LinearImage;
+use brdfc_render::flat::{FlatForm, FlatMaterial};
+use brdfc_render::scene::{Camera, Frame, Scene};
+use wgpu::{
+    BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor, BufferBindingType, BufferUsages,
+    ShaderStages,
+};
+
+/// The entry points over the decoder of flat BTFs, behind [`VIEW_WGSL`].
+pub const FLAT_SCENE_WGSL: &str = include_str!("flat_scene.wgsl");
+
+/// The whole shader: decoder, look-ups of views and lights, scene.
+pub fn flat_scene_source() -> String {
+    let (views, lights) =
+        (direction_mesh_wgsl("sampled_views", "views"), direction_mesh_wgsl("sampled_lights", "lamps"));
+    [FLAT_BTF_WGSL, &views, &lights, VIEW_WGSL, FLAT_SCENE_WGSL].join("\n")
+}
+
+/// Draws a scene whose parts are all of one flat BTF, by the shader with exact filters.
+///
+/// # Errors
+/// [`GpuError::TooLarge`] where the adapter cannot hold the material or the image; what the driver reports.
+///
+/// # Panics
+/// For the full form of a material without views: see [`FlatMaterial::has_views`].
+pub fn draw_flat_btf(
+    gpu: &Gpu,
+    scene: &Scene,
+    frame: Frame,
+    material: &FlatMaterial,
+    form: FlatForm,
+) -> Result<LinearImage, GpuError> {
+    let renderer = FlatRenderer::new(gpu)?;
+    let loaded = renderer.load(scene, material, form)?;
+    renderer.draw(&loaded, &scene.camera, frame)
+}
+
+/// A compiled pipeline.
+pub struct FlatRenderer<'g> {
+    rasteriser: Rasteriser<'g>,
+    texture_layout: BindGroupLayout,
+    material_layout: BindGroupLayout,
+}
+
+impl<'g> FlatRenderer<'g> {
+    /// Compiles the shaders.
+    ///
+    /// # Errors
+    /// What the driver reports.
+    pub fn new(gpu: &'g Gpu) -> Result<Self, GpuError> {
+        Self::with_shader(gpu, flat_scene_source())
+    }
+
+    /// Compiles another shader than [`flat_scene_source`], such as a broken one.
+    ///
+    /// # Errors
+    /// A source that does not validate, with the compiler's message.
+    pub fn with_shader(gpu: &'g Gpu, source: String) -> Result<Self, GpuError> {
+        let texture_layout = flat_textures::layout(gpu, ShaderStages::FRAGMENT);
+        let words = buffer_type(BufferBindingType::Storage { read_only: true });
+        let material_layout = gpu.device.create_bind_group_layout(&BindGroupLayoutDescriptor {
+            label: Some("flat material"),
+            entries: &[
+                entry(0, ShaderStages::FRAGMENT, buffer_type(BufferBindingType::Uniform)),
+                entry(1, ShaderStages::FRAGMENT, words),
+                entry(2, ShaderStages::FRAGMENT, words),
+            ],
+        });
+        let rasteriser = Rasteriser::new(gpu, source, &[&texture_layout, &material_layout])?;
+        Ok(Self { rasteriser, texture_layout, material_layout })
+    }
+
+    /// Uploads a scene with a material for all of its parts. Views go along only for the full form.
+    ///
+    /// # Errors
+    /// [`GpuError::TooLarge`] for more than the adapter takes; what the driver reports.
+    ///
+    /// # Panics
+    /// For the full form of a material without views.
+    pub fn load(&self, scene: &Scene, material: &FlatMaterial, form: FlatForm) -> Result<LoadedScene, GpuError> {
+        let gpu = self.rasteriser.gpu;
+        let full = form == FlatForm::Full;
+        let (views, lights, lowest_light) = match form {
+            FlatForm::Full => {
+                let sampled = material.sampled_directions();
+                (sampled.views.to_words(), sampled.lights.to_words(), sampled.lowest_light)
+            }
+            FlatForm::Light => (vec![0; 4], vec![0; 4], 1.0),
+        };
+        let filter = IndirectionFilter::Exact;
+        let textures = flat_textures::upload(gpu, &self.texture_layout, material.decoder(), filter, full)?;
+        let words = [material.repeat(), u32::from(full), lowest_light.to_bits(), 0];
+        let uniform = gpu.buffer(bytemuck::cast_slice(&words), BufferUsages::UNIFORM);
+        let [views, lights] =
+            [views, lights].map(|words| gpu.buffer(bytemuck::cast_slice(&words), BufferUsages::STORAGE));
+        let group = gpu.device.create_bind_group(&BindGroupDescriptor {
+            label: None,
+            layout: &self.material_layout,
+            entries: &[
+                BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() },
+                BindGroupEntry { binding: 1, resource: views.as_entire_binding() },
+                BindGroupEntry { binding: 2, resource: lights.as_entire_binding() },
+            ],
+        });
+        let groups = vec![vec![textures, group]; scene.parts.len()];
+        self.rasteriser.load(scene, groups, [0; 2])
+    }
+
+    /// Draws a whole image: the mean of `samples²` samples per pixel, summed in a fixed order.
+    ///
+    /// # Errors
+    /// Images beyond the adapter's limits; what the driver reports.
+    pub fn draw(&self, scene: &LoadedScene, camera: &Camera, frame: Frame) -> Result<LinearImage, GpuError> {
+        self.rasteriser.draw(scene, camera, frame)
+    }
+}

@@ -1,0 +1,49 @@
+// Draws a scene of one flat BTF under point lights. Pasted behind `flat_btf/decoder.wgsl`, the look-ups `sampled_views` and
+// `sampled_lights` of sampled directions, and `view.wgsl`; the CPU twin is `render/flat` with `surface_point.rs`.
+
+struct FlatMaterial {
+    repeat: u32,        // tiles per unit of uv
+    full: u32,          // 1: every sampled view and light, 0: normal map and diffuse colour
+    lowest_light: f32,  // cosine of the largest polar angle of a sampled light
+    reserved: u32,
+}
+
+@group(2) @binding(0) var<uniform> material: FlatMaterial;
+// Words of `DirectionMesh`.
+@group(2) @binding(1) var<storage, read> views: array<u32>;
+@group(2) @binding(2) var<storage, read> lamps: array<u32>;
+
+const PI: f32 = 3.14159274;
+
+@fragment
+fn shade(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+    let v = normalize(view.eye.xyz - in.position);
+    let n = normalize(in.normal);
+    let frame = turned_frame(select(-n, n, front), in.tangent, v);
+    // From behind, v is negated, so that it goes along the bitangent there, too.
+    let uv = select(vec2<f32>(in.uv.x, -in.uv.y), in.uv, front) * f32(material.repeat);
+    let wo = vec3<f32>(dot(v, frame[0]), dot(v, frame[1]), dot(v, frame[2]));
+    var radiance = vec3<f32>(0.0);
+    for (var k = 0u; k < view.light_count; k += 1u) {
+        let to_light = lights[k].position.xyz - in.position;
+        let distance_squared = dot(to_light, to_light);
+        let l = to_light / sqrt(distance_squared);
+        let wi = vec3<f32>(dot(l, frame[0]), dot(l, frame[1]), dot(l, frame[2]));
+        if wi.z > 0.0 {
+            radiance += flat_value(uv, wo, wi) * lights[k].intensity.rgb / (PI * distance_squared);
+        }
+    }
+    return vec4<f32>(radiance, 1.0);
+}
+
+// Radiance divided by that of a white diffuser that faces the light.
+fn flat_value(uv: vec2<f32>, wo: vec3<f32>, wi: vec3<f32>) -> vec3<f32> {
+    if material.full == 0u {
+        return flat_btf_light(uv, wo, wi);
+    }
+    let v = sampled_views(wo);
+    let l = sampled_lights(wi);
+    let value = flat_btf_full(uv, wo, FlatBtfWeights(v.indices, v.weights), FlatBtfWeights(l.indices, l.weights));
+    // Lights lower than all sampled ones are dimmed by the ratio of cosines.
+    return value * min(wi.z / material.lowest_light, 1.0);
+}

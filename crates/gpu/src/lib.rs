@@ -1,0 +1,26 @@
+//! Everything that touches wgpu.
+
+mod adaptive;
+mod compute;
+mod device;
+mod draw;
+mod evaluate;
+mod flat;
+mod flat_btf;
+mod flat_textures;
+mod load;
+mod pack;
+mod raster;
+mod surface;
+pub mod verify;
+
+pub use adaptive::{AdaptiveRenderer, AdaptiveShaders, LoadedAdaptive, LoadedGBuffer};
+pub use compute::{COMPUTE_WGSL, Compute, Resource};
+pub use device::{AdapterChoice, AdapterDescription, Gpu, GpuError};
+pub use draw::{Decoding, Renderer, SCENE_WGSL};
+pub use evaluate::{EVALUATE_WGSL, Evaluated, Evaluator, LoadedPack, LoadedPairs, SliceFilter};
+pub use flat::{FLAT_SCENE_WGSL, FlatRenderer, draw_flat_btf, flat_scene_source};
+pub use flat_btf::{EVALUATE_FLAT_BTF_WGSL, FlatBtfAnswer, FlatBtfEvaluator, FlatBtfQuery, LoadedFlatBtf};
+pub use load::LoadedScene;
+pub use raster::{Target, VIEW_WGSL};
+pub use surface::{ENVIRONMENT_WGSL, PERIODIC_WGSL, SURFACE_WGSL};

@@ -1,0 +1,107 @@
+//! One scene drawn several ways, so that errors can be told apart: by the shader from packs, and on the CPU from packs,
+//! from whole tables and from sources.
+
+use crate::{Decoding, Gpu, GpuError, Renderer};
+use brdfc_formats::direction::DirectionPair;
+use brdfc_formats::wavelet::{WaveletDecoder, WaveletPack, level_of_detail};
+use brdfc_metrics::image::LinearImage;
+use brdfc_render::scene::{Frame, Scene};
+use brdfc_render::shade::{Reflectance, SourceReflectance, shade};
+use brdfc_render::trace::trace;
+use brdfc_source::Source;
+
+/// One material of a scene's part.
+#[derive(Clone, Copy)]
+pub struct Material<'a> {
+    /// What engines get.
+    pub pack: &'a WaveletPack,
+    /// What it was made from, if that is at hand.
+    pub source: Option<&'a dyn Source>,
+    /// All slices at 16 bits: what the grid alone loses.
+    pub table: Option<&'a WaveletPack>,
+}
+
+/// The same view, drawn in different ways.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Views {
+    /// By the shader, from packs.
+    pub shader: LinearImage,
+    /// Ray cast on the CPU from packs, with exact filters.
+    pub pack: LinearImage,
+    /// Ray cast on the CPU from whole tables, where every part has one.
+    pub table: Option<LinearImage>,
+    /// Ray cast on the CPU from sources, where every part has one.
+    pub source: Option<LinearImage>,
+}
+
+impl Views {
+    /// The best there is to compare with: the sources, or else the packs.
+    pub fn reference(&self) -> &LinearImage {
+        self.source.as_ref().unwrap_or(&self.pack)
+    }
+}
+
+/// A pack on the CPU, decoded as a shader with exact filters does.
+pub struct PackReflectance {
+    decoder: WaveletDecoder,
+    decoding: Decoding,
+}
+
+impl PackReflectance {
+    /// Unpacks a pack.
+    pub fn new(pack: &WaveletPack, decoding: Decoding) -> Self {
+        Self { decoder: WaveletDecoder::new(pack), decoding }
+    }
+}
+
+impl Reflectance for PackReflectance {
+    fn eval(&self, pair: DirectionPair, distance: f64) -> [f64; 3] {
+        let levels = self.decoder.header().levels;
+        let level = self
+            .decoding
+            .level
+            .unwrap_or_else(|| level_of_detail(levels, distance, self.decoding.distance_scale) as f32);
+        self.decoder.eval(pair, level, self.decoding.filter).map(f64::from)
+    }
+}
+
+/// Draws a scene in every way that its materials allow. One material per part.
+///
+/// All views share the positions of their samples, so that differences are of shading, not of outlines.
+///
+/// # Errors
+/// What the driver reports.
+pub fn views(
+    gpu: &Gpu,
+    scene: &Scene,
+    frame: Frame,
+    materials: &[Material<'_>],
+    decoding: Decoding,
+) -> Result<Views, GpuError> {
+    let renderer = Renderer::new(gpu)?;
+    let packs: Vec<&WaveletPack> = materials.iter().map(|material| material.pack).collect();
+    let loaded = renderer.load(scene, &packs, decoding)?;
+    let shader = renderer.draw(&loaded, &scene.camera, frame)?;
+
+    let hits = trace(scene, frame);
+    let from_packs = |packs: &[&WaveletPack], decoding: Decoding| {
+        let decoders: Vec<PackReflectance> = packs.iter().map(|pack| PackReflectance::new(pack, decoding)).collect();
+        let all: Vec<&dyn Reflectance> = decoders.iter().map(|decoder| decoder as &dyn Reflectance).collect();
+        shade(scene, frame, &hits, &all)
+    };
+    let pack = from_packs(&packs, decoding);
+    let tables: Option<Vec<&WaveletPack>> = materials.iter().map(|material| material.table).collect();
+    let table = tables.map(|tables| {
+        from_packs(
+            &tables,
+            Decoding { filter: brdfc_formats::wavelet::Filter::Bilinear, level: Some(f32::MAX), ..decoding },
+        )
+    });
+    let sources: Option<Vec<SourceReflectance<'_>>> =
+        materials.iter().map(|material| material.source.map(SourceReflectance)).collect();
+    let source = sources.map(|sources| {
+        let all: Vec<&dyn Reflectance> = sources.iter().map(|source| source as &dyn Reflectance).collect();
+        shade(scene, frame, &hits, &all)
+    });
+    Ok(Views { shader, pack, table, source })
+}

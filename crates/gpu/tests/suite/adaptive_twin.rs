@@ -1,0 +1,451 @@
+//! Adaptive shading by shaders against its CPU twin, on whatever adapter there is.
+
+use brdfc_bandwidth::environment::environment_bandwidth;
+use brdfc_bandwidth::lobe::lobe_bandwidth;
+use brdfc_formats::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
+use brdfc_formats::importance::ImportancePack;
+use brdfc_formats::wavelet::{DEFAULT_DISTANCE_SCALE, Filter, WaveletPack};
+use brdfc_gpu::verify::PackReflectance;
+use brdfc_gpu::{AdaptiveRenderer, AdaptiveShaders, Decoding, GpuError, LoadedAdaptive, LoadedGBuffer, SliceFilter};
+use brdfc_importance::{ImportanceRecipe, importance_samples};
+use brdfc_metrics::image::LinearImage;
+use brdfc_render::adaptive::{
+    self, AdaptiveMaterial, AdaptiveScene, DistantLight, Prediction, Pyramid, Settings, ShadedLevels, coarsest,
+};
+use brdfc_render::curvature::curvature;
+use brdfc_render::gbuffer::{BACKGROUND, GBuffer};
+use brdfc_render::scene::{Frame, Scene};
+use brdfc_render::scenes::Builtin;
+use brdfc_source::address::parse_synth;
+use brdfc_wavelet::encode::encode;
+use brdfc_wavelet::recipe::Recipe;
+use std::sync::LazyLock;
+use wgpu::naga;
+
+const FRAME: Frame = Frame { width: 67, height: 49, samples: 1 };
+const EXACT: Decoding = Decoding {
+    filter: Filter::Slices,
+    slices: SliceFilter::Exact,
+    level: None,
+    distance_scale: DEFAULT_DISTANCE_SCALE,
+};
+const SETTINGS: Settings =
+    Settings { directions: 16, samples: 12.0, fewest: 4, most: 512, white: 1.0, caution: 0.7, antialiasing_levels: 0 };
+const EPSILON: f64 = 0.01;
+
+struct Material {
+    pack: WaveletPack,
+    samples: ImportancePack,
+    bandwidth: BandwidthMap,
+}
+
+fn header(kind: BandwidthKind) -> BandwidthHeader {
+    BandwidthHeader { kind, epsilon: EPSILON as f32, transformed: [64, 64] }
+}
+
+fn material(address: &str) -> Material {
+    let source = parse_synth(address).unwrap();
+    let recipe = Recipe { levels: 4, stored_levels: 4, off_grid_pairs: 1, ..Recipe::default() };
+    let pack = encode(source.as_ref(), &recipe, &mut ()).unwrap().pack;
+    let recipe = ImportanceRecipe { samples: 256, ..ImportanceRecipe::default() };
+    let (samples, _) = importance_samples(source.as_ref(), &recipe).unwrap();
+    let lobes = lobe_bandwidth(source.as_ref(), 32, EPSILON);
+    let bandwidth = BandwidthMap::new(header(BandwidthKind::Brdf), [256, 256], &lobes.values).unwrap();
+    Material { pack, samples, bandwidth }
+}
+
+/// A glossy and an anisotropic one: parts take turns.
+static MATERIALS: LazyLock<[Material; 2]> =
+    LazyLock::new(|| ["synth:ggx?alpha=0.25", "synth:ward?kd=0.3,0.1,0.05&ks=0.1&ax=0.2&ay=0.5"].map(material));
+
+/// A scene with its maps and materials, decoded in some way.
+struct World {
+    scene: Scene,
+    light: DistantLight,
+    reflectances: [PackReflectance; 2],
+    decoding: Decoding,
+}
+
+impl World {
+    fn new(builtin: Builtin, decoding: Decoding) -> Self {
+        let mut scene = builtin.scene();
+        // From close by, so that there are pixels of many bandwidths.
+        scene.camera.field_of_view *= 0.4;
+        let map = environment_bandwidth(&scene.environment.pixels, scene.environment.width, EPSILON);
+        let size = [map.width as u32, map.height as u32];
+        let map = BandwidthMap::new(header(BandwidthKind::Environment), size, &map.values).unwrap();
+        let light = DistantLight::new(&scene.environment, map);
+        let reflectances = [0, 1].map(|k| PackReflectance::new(&MATERIALS[k].pack, decoding));
+        Self { scene, light, reflectances, decoding }
+    }
+
+    fn with<T>(&self, run: impl FnOnce(&AdaptiveScene<'_>) -> T) -> T {
+        let material = |k: usize| AdaptiveMaterial {
+            reflectance: &self.reflectances[k % 2],
+            samples: &MATERIALS[k % 2].samples,
+            bandwidth: &MATERIALS[k % 2].bandwidth,
+            albedo: [0.5, 0.2][k % 2],
+        };
+        let materials: Vec<_> = (0..self.scene.parts.len()).map(material).collect();
+        run(&AdaptiveScene { scene: &self.scene, light: &self.light, materials: &materials })
+    }
+
+    fn load(&self, renderer: &AdaptiveRenderer<'_>) -> LoadedAdaptive {
+        let packs: Vec<_> = (0..self.scene.parts.len()).map(|k| &MATERIALS[k % 2].pack).collect();
+        self.with(|scene| renderer.load(scene, &packs, self.decoding)).unwrap()
+    }
+}
+
+/// How two G-buffers differ, as shares of the points.
+#[derive(Debug)]
+struct PointDifferences {
+    /// Another part or background.
+    parts: f64,
+    /// Of the others, points that are somewhere else: the ray has hit another triangle.
+    elsewhere: f64,
+    /// Of those at the same place, values beyond the bounds of rounding.
+    values: f64,
+}
+
+fn point_differences(a: &GBuffer, b: &GBuffer) -> PointDifferences {
+    assert_eq!((a.width, a.height), (b.width, b.height));
+    let (mut parts, mut elsewhere, mut values) = (0, 0, 0);
+    let far = |p: &[f32], q: &[f32]| p.iter().zip(q).map(|(p, q)| (p - q).abs()).fold(0.0, f32::max);
+    for at in 0..a.part.len() {
+        if a.part[at] != b.part[at] {
+            parts += 1;
+        } else if far(&a.position[at], &b.position[at]) > 1e-4 * a.distance[at] {
+            elsewhere += 1;
+        } else if a.part[at] != BACKGROUND {
+            // Height maps turn differences of coordinates into some of normals.
+            let turned = far(&a.normal[at], &b.normal[at]).max(far(&a.tangent[at], &b.tangent[at]));
+            let facing = (0..3).map(|k| a.normal[at][k] * a.to_viewer[at][k]).sum::<f32>() > 0.9999;
+            let across = if facing { 0.0 } else { far(&a.across[at], &b.across[at]) };
+            let rest = far(&a.to_viewer[at], &b.to_viewer[at])
+                .max(far(&a.uv[at], &b.uv[at]))
+                .max((a.distance[at] / b.distance[at] - 1.0).abs());
+            values += usize::from(turned > 2e-3 || across > 2e-2 || rest > 1e-4);
+        }
+    }
+    let share = |count: usize| count as f64 / a.part.len() as f64;
+    PointDifferences { parts: share(parts), elsewhere: share(elsewhere), values: share(values) }
+}
+
+#[test]
+fn the_drawn_g_buffer_is_the_traced_one() {
+    let Some(gpu) = crate::common::gpu() else { return };
+    let renderer = AdaptiveRenderer::new(&gpu).unwrap();
+    for builtin in [Builtin::BumpyBall, Builtin::RibbedTorus, Builtin::Table] {
+        let world = World::new(builtin, EXACT);
+        let loaded = world.load(&renderer);
+        for levels in [0, 1] {
+            let drawn = renderer.read(&drawn(&renderer, &loaded, &world, levels)).unwrap();
+            let same = |scene: &Scene| {
+                let traced = GBuffer::new(scene, Frame { samples: 1 << levels, ..FRAME });
+                let found = point_differences(&traced, &drawn);
+                println!("{builtin:?} {levels}: {found:?}");
+                found.parts < 0.01 && found.elsewhere < 0.01 && found.values < 0.005
+            };
+            assert!(same(&world.scene), "{builtin:?} {levels}");
+            // The controls: another camera, other normals, another tangent.
+            let changed = |change: fn(&mut Scene)| {
+                let mut scene = world.scene.clone();
+                change(&mut scene);
+                scene
+            };
+            assert!(!same(&changed(|scene| scene.camera.eye[0] += 0.02)));
+            assert!(!same(&changed(|scene| scene.parts[0].mesh.vertices.iter_mut().for_each(|v| v.normal[0] += 0.1))));
+            assert!(!same(&changed(|scene| scene.parts[0].mesh.vertices.iter_mut().for_each(|v| v.tangent[2] += 0.3))));
+            if world.scene.parts[0].surface.bump.is_some() {
+                assert!(!same(&changed(|scene| scene.parts[0].surface.bump = None)));
+            }
+        }
+    }
+}
+
+/// What the device does differently on the G-buffer that it drew.
+#[derive(Debug, Default)]
+struct Differences {
+    /// Share of the points whose curvature has other bits.
+    curvature: f64,
+    /// Largest relative differences.
+    bandwidth: f64,
+    deviation: f64,
+    /// Shares of the points.
+    levels: f64,
+    samples: f64,
+    /// Nodes of the pyramids of one prediction.
+    pyramids: usize,
+    /// Shading by one prediction: whether all counts are the same, and the largest difference, in units of the larger
+    /// of the radiance and a hundredth of the brightest.
+    counts: bool,
+    radiance: f64,
+    /// Of the forward renderer, likewise, and coverage.
+    forward: f64,
+    coverage: bool,
+}
+
+fn relative(a: &[f32], b: &[f32]) -> f64 {
+    let pair = |(a, b): (&f32, &f32)| f64::from((a - b).abs()) / f64::from(a.abs().max(b.abs())).max(1e-30);
+    a.iter().zip(b).map(pair).fold(0.0, f64::max)
+}
+
+fn of_radiance(a: &[[f32; 3]], b: &[[f32; 3]]) -> f64 {
+    let brightest = a.as_flattened().iter().copied().fold(0.0, f32::max);
+    let pair = |(a, b): (&f32, &f32)| f64::from((a - b).abs() / a.abs().max(0.01 * brightest));
+    a.as_flattened().iter().zip(b.as_flattened()).map(pair).fold(0.0, |m, d| if d.is_nan() { d } else { d.max(m) })
+}
+
+fn share<T: PartialEq>(a: &[T], b: &[T]) -> f64 {
+    a.iter().zip(b).filter(|(a, b)| a != b).count() as f64 / a.len() as f64
+}
+
+fn unequal<T: PartialEq>(a: &Pyramid<T>, b: &Pyramid<T>) -> usize {
+    assert_eq!(a.levels.len(), b.levels.len());
+    let mut count = 0;
+    for ((w, h, a), (v, g, b)) in a.levels.iter().zip(&b.levels) {
+        assert_eq!((w, h, a.len()), (v, g, b.len()));
+        count += a.iter().zip(b).filter(|(a, b)| a != b).count();
+    }
+    count
+}
+
+/// What the CPU finds on a G-buffer.
+struct Expected {
+    curvature: Vec<f32>,
+    prediction: Prediction,
+    wanted: Pyramid<i32>,
+    samples: Pyramid<u32>,
+    shaded: ShadedLevels,
+    forward: LinearImage,
+}
+
+/// Samples of the forward renderer: not all of one slice.
+const FORWARD: u32 = 40;
+
+fn expected(world: &World, buffer: &GBuffer, settings: &Settings) -> Expected {
+    world.with(|scene| {
+        let prediction = adaptive::predict(scene, FRAME, buffer, settings);
+        let (width, height, coarsest) = (buffer.width, buffer.height, coarsest(buffer) as usize);
+        Expected {
+            curvature: curvature(buffer),
+            wanted: Pyramid::new(width, height, prediction.level.clone(), coarsest, i32::min),
+            samples: Pyramid::new(width, height, prediction.samples.clone(), coarsest, u32::max),
+            shaded: adaptive::shade(scene, buffer, &prediction, settings.most),
+            forward: adaptive::forward(scene, FRAME, buffer, FORWARD),
+            prediction,
+        }
+    })
+}
+
+fn drawn(renderer: &AdaptiveRenderer<'_>, loaded: &LoadedAdaptive, world: &World, levels: u32) -> LoadedGBuffer {
+    renderer.g_buffer(loaded, &world.scene.camera, FRAME, levels).unwrap()
+}
+
+fn differences(
+    renderer: &AdaptiveRenderer<'_>,
+    world: &World,
+    settings: &Settings,
+    expected: &Expected,
+) -> Differences {
+    let loaded = world.load(renderer);
+    let buffer = drawn(renderer, &loaded, world, settings.antialiasing_levels);
+    let bits = |values: Vec<f32>| values.into_iter().map(f32::to_bits).collect::<Vec<_>>();
+    let curved = bits(renderer.curvature(&buffer).unwrap());
+    let prediction = renderer.predict(&loaded, &buffer, settings).unwrap();
+    let (wanted, samples) = renderer.pyramids(&buffer, &expected.prediction).unwrap();
+    let shaded = renderer.shade(&loaded, &buffer, &expected.prediction, settings.most).unwrap();
+    let forward = renderer.forward(&loaded, &buffer, FORWARD).unwrap();
+    Differences {
+        curvature: share(&bits(expected.curvature.clone()), &curved),
+        bandwidth: relative(&expected.prediction.bandwidth, &prediction.bandwidth),
+        deviation: relative(&expected.prediction.deviation, &prediction.deviation),
+        levels: share(&expected.prediction.level, &prediction.level),
+        samples: share(&expected.prediction.samples, &prediction.samples),
+        pyramids: unequal(&expected.wanted, &wanted) + unequal(&expected.samples, &samples),
+        counts: expected.shaded.levels == shaded.levels,
+        radiance: of_radiance(&expected.shaded.radiance, &shaded.radiance),
+        forward: of_radiance(&expected.forward.pixels, &forward.pixels),
+        coverage: expected.forward.coverage == forward.coverage,
+    }
+}
+
+impl Differences {
+    /// What is beyond the bounds. Curvature, pyramids and counts are the same to the bit; the environment is mixed in
+    /// double precision on the CPU, the exponential of the packs' decoder is the driver's.
+    fn beyond(&self) -> Vec<&'static str> {
+        [
+            ("curvature", self.curvature > 0.0),
+            ("bandwidth", self.bandwidth > 2e-6),
+            ("deviation", self.deviation > 2e-6),
+            ("levels", self.levels > 0.001),
+            ("samples", self.samples > 0.005),
+            ("pyramids", self.pyramids > 0),
+            ("counts", !self.counts),
+            ("radiance", self.radiance.is_nan() || self.radiance > 1e-5),
+            ("forward", self.forward.is_nan() || self.forward > 1e-5),
+            ("coverage", !self.coverage),
+        ]
+        .into_iter()
+        .filter_map(|(name, wrong)| wrong.then_some(name))
+        .collect()
+    }
+}
+
+#[test]
+fn each_step_does_what_its_twin_does() {
+    let Some(gpu) = crate::common::gpu() else { return };
+    let renderer = AdaptiveRenderer::new(&gpu).unwrap();
+    for (builtin, filter, antialiasing_levels) in [
+        (Builtin::BumpyBall, Filter::Slices, 0),
+        (Builtin::BumpyBall, Filter::Nearest, 1),
+        (Builtin::RibbedTorus, Filter::Bilinear, 0),
+        (Builtin::Table, Filter::Slices, 0),
+    ] {
+        let world = World::new(builtin, Decoding { filter, ..EXACT });
+        let settings = Settings { antialiasing_levels, ..SETTINGS };
+        let loaded = world.load(&renderer);
+        let buffer = renderer.read(&drawn(&renderer, &loaded, &world, antialiasing_levels)).unwrap();
+        let expected = expected(&world, &buffer, &settings);
+        // Each kind of outcome is there.
+        let levels = &expected.shaded.levels;
+        assert!(levels[0].shaded > 0 && levels[0].shaded < levels[0].pixels && levels[1].shaded > 0, "{levels:?}");
+        let found = differences(&renderer, &world, &settings, &expected);
+        println!("{builtin:?}, {filter:?}, {antialiasing_levels}: {found:?}");
+        assert_eq!(found.beyond(), [""; 0], "{builtin:?}, {filter:?}, {antialiasing_levels}: {found:?}");
+    }
+}
+
+/// Small changes of the shaders, and by what each is noticed.
+const CHANGES: [(&str, &str, &str); 32] = [
+    ("product(turned, turned) / length_squared", "product(turned, turned)", "curvature"),
+    ("rise * rise > LARGEST_RISE_SQUARED", "rise > LARGEST_RISE_SQUARED", "curvature"),
+    ("0.0, surface, viewer.w)", "0.0, surface, 1.0)", "bandwidth"),
+    ("outgoing.z, bend, lobe", "outgoing.z, 0.0, lobe", "bandwidth"),
+    ("Bandwidth(0.0, found.y), 0.0", "Bandwidth(0.0, lobe), 0.0", "bandwidth"),
+    ("sqrt(variance) * sqrt(shown)", "sqrt(variance) * shown", "deviation"),
+    ("exponent >> 1u", "exponent", "deviation"),
+    ("direction) >> vec2<u32>(level)", "direction)", "bandwidth"),
+    ("(number + 1u) * run", "(number + 1u) * run - 1u", "bandwidth"),
+    ("own[k] = share_of(points[k], k)", "own[k] = share_of(points[k], 0u)", "bandwidth"),
+    ("joined(all, share_of(point, next))", "all", "deviation"),
+    ("material.albedo *", "0.4 *", "deviation"),
+    ("picture_bandwidth(settings.caution * predicted[point].w)", "picture_bandwidth(predicted[point].w)", "levels"),
+    ("picture_bandwidth(settings.caution * predicted[point].w)", "settings.caution * predicted[point].x", "levels"),
+    ("level + i32(settings.antialiasing_levels)", "level", "levels"),
+    ("covered += 1u", "covered += 2u", "samples"),
+    ("min(a.wanted, b.wanted)", "max(a.wanted, b.wanted)", "pyramids"),
+    ("max(a.samples, b.samples)", "min(a.samples, b.samples)", "pyramids"),
+    ("min(samples << doublings, settings.most)", "min(samples, settings.most)", "counts"),
+    ("max(level, 1u) - 1u", "level", "counts"),
+    ("node.wanted > i32(job.level)", "node.wanted >= i32(job.level)", "counts"),
+    ("(drawn.incoming.z * drawn.inverse_density)", "drawn.inverse_density", "forward"),
+    ("scattered(point) + first", "scattered(point)", "forward"),
+    ("sum / f32(max(node.w, 1u))", "sum / f32(node.z)", "forward"),
+    ("h ^= h >> 13u", "h ^= h >> 12u", "radiance"),
+    ("corner + vec2<u32>(1u << (level - 1u))", "corner", "radiance"),
+    ("NONE, own + 1u, own + 1u < size", "NONE, own, own + 1u < size", "radiance"),
+    ("computed[coarser.z + node]", "computed[own.z + node]", "radiance"),
+    ("off * off /", "off /", "radiance"),
+    ("return alpha * exp", "return exp", "radiance"),
+    ("here.cosine * beside", "beside", "radiance"),
+    ("vec4<f32>(computed[point].xyz, 1.0)", "vec4<f32>(computed[point].xyz, 2.0)", "coverage"),
+];
+
+#[test]
+fn changed_shaders_are_noticed() {
+    let Some(gpu) = crate::common::gpu() else { return };
+    let mut world = World::new(Builtin::BumpyBall, Decoding { filter: Filter::Nearest, ..EXACT });
+    // From further away, so that there is more than pixels show.
+    world.scene.camera.field_of_view = Builtin::BumpyBall.scene().camera.field_of_view;
+    let settings = Settings { antialiasing_levels: 1, caution: 0.4, ..SETTINGS };
+    let shaders = AdaptiveShaders::default();
+    let renderer = AdaptiveRenderer::with_shaders(&gpu, &shaders).unwrap();
+    let loaded = world.load(&renderer);
+    let buffer = renderer.read(&drawn(&renderer, &loaded, &world, 1)).unwrap();
+    let expected = expected(&world, &buffer, &settings);
+    for (from, to, what) in CHANGES {
+        assert_eq!(shaders.steps.matches(from).count(), 1, "{from}");
+        let changed = AdaptiveShaders { steps: shaders.steps.replace(from, to), ..shaders.clone() };
+        let renderer = AdaptiveRenderer::with_shaders(&gpu, &changed).unwrap();
+        let found = differences(&renderer, &world, &settings, &expected);
+        assert!(found.beyond().contains(&what), "{from} -> {to}: {found:?}");
+    }
+}
+
+/// From end to end: where a level or a count falls on the other side, so does little else.
+#[test]
+fn whole_pictures_are_those_of_the_cpu() {
+    let Some(gpu) = crate::common::gpu() else { return };
+    let renderer = AdaptiveRenderer::new(&gpu).unwrap();
+    let world = World::new(Builtin::Table, EXACT);
+    let loaded = world.load(&renderer);
+    let buffer = drawn(&renderer, &loaded, &world, 0);
+    let found = renderer.draw(&loaded, &buffer, &SETTINGS).unwrap();
+    assert_eq!(found, renderer.draw(&loaded, &buffer, &SETTINGS).unwrap(), "two runs");
+    let read = renderer.read(&buffer).unwrap();
+    let expected = world.with(|scene| adaptive::draw(scene, FRAME, &read, &SETTINGS));
+    assert_eq!(found.image.coverage, expected.image.coverage);
+    assert_eq!(found.image.background, expected.image.background);
+    let far = |a: &[f32; 3], b: &[f32; 3]| (0..3).any(|k| (a[k] - b[k]).abs() > 1e-3 * a[k].abs().max(0.01));
+    let differ = found.image.pixels.iter().zip(&expected.image.pixels).filter(|(a, b)| far(b, a)).count();
+    assert!(differ < found.image.pixels.len() / 100, "{differ}");
+    let ratio = found.samples() as f64 / expected.samples() as f64;
+    assert!((ratio - 1.0).abs() < 1e-3, "{ratio}");
+}
+
+#[test]
+fn the_sampler_filters_nearly_as_the_shader_does() {
+    let Some(gpu) = crate::common::gpu() else { return };
+    let renderer = AdaptiveRenderer::new(&gpu).unwrap();
+    let pictures = [SliceFilter::Exact, SliceFilter::Hardware].map(|slices| {
+        let world = World::new(Builtin::BumpyBall, Decoding { slices, level: Some(3.0), ..EXACT });
+        let loaded = world.load(&renderer);
+        renderer.forward(&loaded, &drawn(&renderer, &loaded, &world, 0), 8).unwrap()
+    });
+    let [exact, hardware] = &pictures;
+    let found = of_radiance(&exact.pixels, &hardware.pixels);
+    assert!(found > 0.0 && found < 0.1, "{found}");
+}
+
+#[test]
+fn what_is_too_large_is_refused() {
+    let Some(gpu) = crate::common::gpu() else { return };
+    let renderer = AdaptiveRenderer::new(&gpu).unwrap();
+    let world = World::new(Builtin::BumpyBall, EXACT);
+    let loaded = world.load(&renderer);
+    let g_buffer = |width, height, levels| {
+        let frame = Frame { width, height, samples: 1 };
+        renderer.g_buffer(&loaded, &world.scene.camera, frame, levels).map(|buffer| buffer.size())
+    };
+    assert_eq!(g_buffer(7, 5, 1), Ok([14, 10]));
+    for (width, height, levels) in [(100_000, 4, 0), (64, 64, 12), (64, 64, 200), (4000, 4000, 0)] {
+        let refused = g_buffer(width, height, levels);
+        assert!(matches!(refused, Err(GpuError::TooLarge(_))), "{width} {height} {levels}: {refused:?}");
+    }
+    let buffer = drawn(&renderer, &loaded, &world, 0);
+    let refused = renderer.forward(&loaded, &buffer, 1 << 25);
+    assert!(matches!(refused, Err(GpuError::TooLarge(_))), "{refused:?}");
+}
+
+/// What naga says against a shader; no capability beyond those that WebGPU has without features.
+fn complaint(text: &str) -> Option<String> {
+    let module = match naga::front::wgsl::parse_str(text) {
+        Ok(module) => module,
+        Err(error) => return Some(error.emit_to_string(text)),
+    };
+    let flags = naga::valid::ValidationFlags::all();
+    let result = naga::valid::Validator::new(flags, naga::valid::Capabilities::empty()).validate(&module);
+    result.err().map(|error| error.emit_to_string(text))
+}
+
+#[test]
+fn the_shaders_validate() {
+    let shaders = AdaptiveShaders::default();
+    assert_eq!(complaint(&shaders.g_buffer), None);
+    assert_eq!(complaint(&shaders.steps), None);
+    let bad = shaders.steps.replace("var count = 0u", "let count = 0u");
+    assert!(bad != shaders.steps && complaint(&bad).is_some());
+    let bad = shaders.g_buffer.replace("frame[2]", "frame");
+    assert!(bad != shaders.g_buffer && complaint(&bad).is_some());
+}

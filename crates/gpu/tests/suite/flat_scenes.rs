@@ -1,0 +1,230 @@
+//! Flat BTFs on scenes: the shader against the CPU, and both against the displaced surface itself.
+
+use crate::common::flat::{parts, structure, with_displacements};
+use brdfc_formats::direction::add_scaled;
+use brdfc_formats::direction_set::DirectionSet;
+use brdfc_formats::flat_btf::{
+    DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatHeader, FlatView, IndirectionHeader, NormalMap,
+};
+use brdfc_gpu::{FlatRenderer, GpuError, draw_flat_btf, flat_scene_source};
+use brdfc_metrics::image::{LinearImage, auto_exposure, compare_images};
+use brdfc_render::flat::{FlatForm, FlatMaterial, draw_on_cpu, reference_plane};
+use brdfc_render::scene::{Frame, PointLight, Scene};
+use brdfc_render::scenes::Builtin;
+use brdfc_render::shade::{SourceReflectance, shade};
+use brdfc_render::trace::trace;
+use brdfc_source::address::parse_synth;
+use std::f32::consts::FRAC_PI_2;
+use std::sync::LazyLock;
+
+const FRAME: Frame = Frame { width: 96, height: 72, samples: 2 };
+const HEADER: IndirectionHeader =
+    IndirectionHeader { size: 32, zenith_samples: 12, azimuth_samples: 16, largest_angle: FRAC_PI_2 };
+const BUTTON: &str = "button?resolution=48&count=1";
+const REPEAT: u32 = 2;
+
+/// A stud, seen and lit from 25 directions.
+static STUD: LazyLock<FlatBtfParts> = LazyLock::new(|| {
+    let (model, appearance) = structure(BUTTON, None);
+    let directions = DirectionSet::grid(4, 8, 75.0).unwrap();
+    parts(&model, &appearance, 64, HEADER, [&directions; 2])
+});
+
+fn material(parts: &FlatBtfParts) -> FlatMaterial {
+    FlatMaterial::new(FlatBtfDecoder::new(parts.clone()).unwrap(), REPEAT).unwrap()
+}
+
+/// Share of pixels that differ by more than a hundredth of white, and mean ΔE.
+fn difference(a: &LinearImage, b: &LinearImage) -> (f64, f64) {
+    let exposure = auto_exposure(b);
+    let differs = |(a, b): (&[f32; 3], &[f32; 3])| (0..3).any(|k| f64::from((a[k] - b[k]).abs()) * exposure > 1e-2);
+    let count = a.pixels.iter().zip(&b.pixels).filter(|pair| differs(*pair)).count();
+    (count as f64 / a.pixels.len() as f64, compare_images(a, b, exposure).delta_e.mean)
+}
+
+/// Outlines, and borders of what is not filtered, where a sample may fall on either side.
+fn same(a: &LinearImage, b: &LinearImage, what: &str) {
+    let (share, mean) = difference(a, b);
+    println!("{what}: {share} of the pixels, mean ΔE {mean}");
+    assert!(share < 0.01 && mean < 0.05, "{what}: {share} of the pixels, mean ΔE {mean}");
+    let covered = a.coverage.iter().zip(&b.coverage).filter(|(a, b)| a != b).count();
+    assert!(covered < FRAME.width * FRAME.height / 100, "{what}: {covered} outlines");
+}
+
+#[test]
+fn shader_and_cpu_draw_the_same_pictures() {
+    let Some(gpu) = crate::common::gpu() else { return };
+    let material = material(&STUD);
+    // The table has bump maps: they are for BRDFs.
+    for builtin in [Builtin::Plane, Builtin::Vase, Builtin::Table] {
+        let scene = builtin.scene();
+        for form in [FlatForm::Full, FlatForm::Light] {
+            let shader = draw_flat_btf(&gpu, &scene, FRAME, &material, form).unwrap();
+            let cpu = draw_on_cpu(&scene, FRAME, &material, form);
+            assert!(cpu.pixels.iter().filter(|p| p[0] > 0.01).count() > FRAME.width * FRAME.height / 8);
+            same(&shader, &cpu, &format!("{}, {form:?}", builtin.name()));
+        }
+    }
+}
+
+type Change = fn(&mut Scene);
+
+/// The controls: what a twin could forget is seen.
+#[test]
+fn a_change_of_the_scene_or_of_the_shader_is_a_difference() {
+    let Some(gpu) = crate::common::gpu() else { return };
+    let whole = material(&STUD);
+    let scene = Builtin::Plane.scene();
+    let cpu = draw_on_cpu(&scene, FRAME, &whole, FlatForm::Full);
+    let changes: [(&str, Change); 4] = [
+        ("light moved", |s| s.lights[0].position[0] += 1.0),
+        ("light dimmed", |s| s.lights[0].intensity[1] *= 0.8),
+        ("camera moved", |s| s.camera.eye[0] += 0.1),
+        ("tangents turned", |s| s.parts[0].mesh.vertices.iter_mut().for_each(|v| v.tangent = [0.0, 0.0, 1.0])),
+    ];
+    for (what, change) in changes {
+        let mut changed = scene.clone();
+        change(&mut changed);
+        let (share, mean) = difference(&draw_flat_btf(&gpu, &changed, FRAME, &whole, FlatForm::Full).unwrap(), &cpu);
+        assert!(share > 0.1 && mean > 0.4, "{what}: {share} of the pixels, mean ΔE {mean}");
+    }
+    let mut below = scene.clone();
+    // Both below the sampled lights, and seen from below.
+    below.lights[0].position = [-2.6, -0.3, -1.0];
+    below.camera.eye[1] = -1.5;
+    let from_below = draw_on_cpu(&below, FRAME, &whole, FlatForm::Full);
+    assert!(from_below.pixels.iter().any(|p| p[0] > 0.0), "lit from below");
+    let drawn = |source: String, scene: &Scene| {
+        let renderer = FlatRenderer::with_shader(&gpu, source).unwrap();
+        let loaded = renderer.load(scene, &whole, FlatForm::Full).unwrap();
+        renderer.draw(&loaded, &scene.camera, FRAME).unwrap()
+    };
+    same(&drawn(flat_scene_source(), &below), &from_below, "from below");
+    let edits = [
+        ("select(vec2<f32>(in.uv.x, -in.uv.y), in.uv, front)", "in.uv"),
+        ("select(-n, n, front)", "n"),
+        ("min(wi.z / material.lowest_light, 1.0)", "1.0"),
+    ];
+    for (from, to) in edits {
+        assert_eq!(flat_scene_source().matches(from).count(), 1, "{from}");
+        let (share, mean) = difference(&drawn(flat_scene_source().replace(from, to), &below), &from_below);
+        assert!(share > 0.05 && mean > 0.4, "{from} -> {to}: {share} of the pixels, mean ΔE {mean}");
+    }
+}
+
+#[test]
+fn parallax_is_that_of_the_displaced_surface() {
+    let (model, appearance) = structure(BUTTON, None);
+    let mut scene = Builtin::Plane.scene();
+    // At the one sampled direction, far away: only views are blended.
+    let light = DirectionSet::new("light", vec![[50.0, 135.0]]).unwrap();
+    let towards = light.directions()[0];
+    let position = add_scaled([0.0; 3], 100.0, [towards[0], towards[2], -towards[1]]);
+    scene.lights = vec![PointLight { position, intensity: [1e4 * std::f64::consts::PI; 3] }];
+    let reference = reference_plane(&scene, FRAME, &model, &appearance, REPEAT);
+    let header = IndirectionHeader { size: 48, ..HEADER };
+    let made = parts(&model, &appearance, 128, header, [&DirectionSet::ubo2003(), &light]);
+    // The controls: no parallax, and parallax the wrong way around.
+    let materials = [1.0, 0.0, -1.0].map(|factor| material(&with_displacements(&made, factor)));
+    let check = |what: &str, draw: &dyn Fn(&FlatMaterial) -> LinearImage| {
+        let [right, none, wrong] = materials.each_ref().map(|material| {
+            let image = draw(material);
+            let edge = image.coverage.iter().zip(&reference.coverage).filter(|(a, b)| a != b).count();
+            assert!(edge < 30, "{what}: {edge} pixels of the edge");
+            compare_images(&image, &reference, auto_exposure(&reference)).delta_e.mean
+        });
+        println!("{what}: mean ΔE {right}, {none} without parallax, {wrong} the wrong way around");
+        assert!(right < 4.0 && none > 4.0 * right && wrong > 4.0 * right, "{what}: {right} {none} {wrong}");
+    };
+    check("CPU", &|material| draw_on_cpu(&scene, FRAME, material, FlatForm::Full));
+    if let Some(gpu) = crate::common::gpu() {
+        check("GPU", &|material| draw_flat_btf(&gpu, &scene, FRAME, material, FlatForm::Full).unwrap());
+    }
+}
+
+/// Two materials: matte, which both forms hold exactly, and a broad gloss, which sampled directions nearly hold.
+#[test]
+fn a_flat_structure_looks_like_its_brdf() {
+    let directions = DirectionSet::grid(9, 24, 80.0).unwrap();
+    let header = IndirectionHeader { size: 4, zenith_samples: 4, azimuth_samples: 4, largest_angle: FRAC_PI_2 };
+    for (address, forms) in [
+        ("synth:lambert?kd=0.6,0.3,0.1", &[FlatForm::Full, FlatForm::Light][..]),
+        ("synth:lewis?kd=0.3,0.1,0.05&ks=0.2&n=3", &[FlatForm::Full][..]),
+    ] {
+        let (model, appearance) = structure("button?resolution=16&height=0&count=1", Some(address));
+        let mut made = parts(&model, &appearance, 4, header, [&directions; 2]);
+        // Tints of the structure vary over the tile: one material everywhere is wanted here.
+        untint(&mut made, &appearance, &directions);
+        let material = material(&made);
+        let source = parse_synth(address).unwrap();
+        for builtin in [Builtin::Plane, Builtin::Vase] {
+            let scene = builtin.scene();
+            let expected = shade(&scene, FRAME, &trace(&scene, FRAME), &[&SourceReflectance(source.as_ref())]);
+            for form in forms {
+                let drawn = draw_on_cpu(&scene, FRAME, &material, *form);
+                let exposure = auto_exposure(&expected);
+                let found = compare_images(&drawn, &expected, exposure).delta_e;
+                println!("{address}, {builtin:?}, {form:?}: {found:?}");
+                // Colours of 9 bits are off by up to half a percent.
+                let most = if *form == FlatForm::Light { 0.4 } else { 1.0 };
+                assert!(found.mean < most, "{address}, {builtin:?}, {form:?}: {found:?}");
+                let other = parse_synth("synth:lambert?kd=0.5,0.3,0.2").unwrap();
+                let other = shade(&scene, FRAME, &trace(&scene, FRAME), &[&SourceReflectance(other.as_ref())]);
+                assert!(compare_images(&drawn, &other, exposure).delta_e.mean > 4.0, "the control");
+            }
+        }
+    }
+}
+
+/// Gives every texel the values of the material itself.
+fn untint(parts: &mut FlatBtfParts, appearance: &brdfc_flat_btf::surface::Appearance, directions: &DirectionSet) {
+    use brdfc_formats::container::rgb9e5;
+    use brdfc_formats::direction::DirectionPair;
+    let all = directions.directions();
+    let texels = (parts.diffuse.size() * parts.diffuse.size()) as usize;
+    let value = |view, light: [f64; 3]| {
+        let f_r = appearance.sources[0].eval(DirectionPair::new(light, view), &mut Default::default());
+        f_r.map(|f| (f * std::f64::consts::PI * light[2]) as f32)
+    };
+    for (view, flat) in parts.views.iter_mut().enumerate() {
+        let values = all.iter().flat_map(|light| vec![rgb9e5::encode(value(all[view], *light)); texels]);
+        *flat = FlatView::new(flat.header().clone(), values.collect()).unwrap();
+    }
+    let up = [0.0, 0.0, 1.0];
+    parts.diffuse = DiffuseMap::from_colours(parts.diffuse.size(), &vec![value(up, up); texels]).unwrap();
+    parts.normal = NormalMap::new(parts.normal.size(), vec![[0.0, 0.0, 1.0]; texels]).unwrap();
+}
+
+/// Sides are tested where they are found; layers are as few as WebGPU promises on every adapter.
+#[test]
+fn what_is_too_large_says_what_to_do() {
+    let Some(gpu) = crate::common::gpu() else { return };
+    let mut large = STUD.clone();
+    let directions = DirectionSet::grid(4, 100, 60.0).unwrap();
+    let views: Vec<[f32; 2]> = directions.angles.iter().map(|a| a.map(|degrees| degrees.to_radians() as f32)).collect();
+    let texels = large.diffuse.texels();
+    large.views = (0..views.len() as u32)
+        .map(|view| {
+            let header = FlatHeader { size: 64, view, views: views.clone(), lights: vec![[0.0; 2]] };
+            FlatView::new(header, texels.to_vec()).unwrap()
+        })
+        .collect();
+    let (material, scene) = (material(&large), Builtin::Plane.scene());
+    let error = draw_flat_btf(&gpu, &scene, FRAME, &material, FlatForm::Full).unwrap_err();
+    let GpuError::TooLarge(text) = error else { panic!("{error}") };
+    assert!(text.contains("301 views") && text.contains("draw the light form"), "{text}");
+    assert!(draw_flat_btf(&gpu, &scene, FRAME, &material, FlatForm::Light).is_ok());
+}
+
+#[test]
+fn materials_without_views_or_repetition() {
+    let alone = FlatBtfParts { views: Vec::new(), ..STUD.clone() };
+    let decoder = FlatBtfDecoder::new(alone).unwrap();
+    assert!(FlatMaterial::new(decoder.clone(), 0).unwrap_err().to_string().contains("repeat"));
+    let material = FlatMaterial::new(decoder, 1).unwrap();
+    assert!(!material.has_views() && self::material(&STUD).has_views());
+    let scene = Builtin::Plane.scene();
+    let drawn = draw_on_cpu(&scene, FRAME, &material, FlatForm::Light);
+    let whole = FlatMaterial::new(FlatBtfDecoder::new(STUD.clone()).unwrap(), 1).unwrap();
+    assert_eq!(drawn, draw_on_cpu(&scene, FRAME, &whole, FlatForm::Light));
+}

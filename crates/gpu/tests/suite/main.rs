@@ -1,0 +1,11 @@
+//! Shaders against their twins, and pictures against the reference renderer.
+
+mod adaptive_twin;
+mod bandwidth_twin;
+mod common;
+mod flat_btf_twin;
+mod flat_scenes;
+mod importance_twin;
+mod propagation_twin;
+mod render_views;
+mod shader_twin;

@@ -1,0 +1,93 @@
+//! Writes the images of a BTF stack. Layout: `formats/src/measured/btf_stack.md`.
+
+use super::write::write_atomic;
+use brdfc_formats::colour::encode_srgb_byte;
+use brdfc_formats::measured::btf_stack::{ImageAngles, image_name};
+use exr::prelude::{
+    Blocks, Compression, Encoding, Image, Layer, LayerAttributes, LineOrder, SpecificChannels, Vec2, WritableImage, f16,
+};
+use std::io::{Cursor, Error, ErrorKind};
+use std::path::{Path, PathBuf};
+
+/// Kind of the images of a stack.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum StackFormat {
+    /// 8-bit sRGB codes; values are clipped to [0, 1].
+    Png,
+    /// 16-bit floats, linear; values are clipped to those that are finite, and losslessly compressed.
+    Exr,
+}
+
+impl StackFormat {
+    /// Extension of files, without the point.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Png => "png",
+            Self::Exr => "exr",
+        }
+    }
+}
+
+/// Writes one image into `folder`, under the name that [`image_name`] gives it, and returns its path. Folders are made
+/// where there are none; the file is whole or not there.
+///
+/// `number` is `light index * views + view index`. `pixels` are linear RGB (Rec. 709 primaries), 1 = a white diffuser
+/// that faces the light, row by row from the top (y = 1), left to right.
+///
+/// # Errors
+/// What cannot be written; a number of pixels other than `width * height`, or 0; values that are NaN or infinite.
+pub fn write_image(
+    folder: &Path,
+    number: usize,
+    angles: ImageAngles,
+    pixels: &[[f32; 3]],
+    [width, height]: [usize; 2],
+    format: StackFormat,
+) -> std::io::Result<PathBuf> {
+    let wrong = |text: String| Error::new(ErrorKind::InvalidInput, text);
+    let sides = [width, height].map(u32::try_from);
+    let [Ok(columns), Ok(rows)] = sides else { return Err(wrong(format!("an image of {width} x {height} pixels"))) };
+    if pixels.is_empty() || width.checked_mul(height) != Some(pixels.len()) {
+        return Err(wrong(format!("{} pixels for an image of {width} x {height}", pixels.len())));
+    }
+    if let Some(at) = pixels.iter().position(|pixel| !pixel.iter().all(|c| c.is_finite())) {
+        return Err(wrong(format!("{:?} at pixel ({}, {})", pixels[at], at % width, at / width)));
+    }
+    let bytes = match format {
+        StackFormat::Png => to_png(pixels, columns, rows).map_err(Error::other)?,
+        StackFormat::Exr => to_exr(pixels, width, height).map_err(Error::other)?,
+    };
+    let path = folder.join(image_name(number, angles, format.extension()));
+    if let Some(parent) = path.parent() {
+        std::fs::create_dir_all(parent)?;
+    }
+    write_atomic(&path, &bytes)?;
+    Ok(path)
+}
+
+fn to_png(pixels: &[[f32; 3]], width: u32, height: u32) -> Result<Vec<u8>, png::EncodingError> {
+    let codes: Vec<u8> = pixels.iter().flatten().map(|value| encode_srgb_byte(f64::from(*value))).collect();
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&codes)?;
+    writer.finish()?;
+    Ok(bytes)
+}
+
+fn to_exr(pixels: &[[f32; 3]], width: usize, height: usize) -> Result<Vec<u8>, exr::error::Error> {
+    let limit = f16::MAX.to_f32();
+    let pixel = |at: Vec2<usize>| {
+        let [r, g, b] = pixels[at.y() * width + at.x()].map(|value| f16::from_f32(value.clamp(-limit, limit)));
+        (r, g, b)
+    };
+    let encoding =
+        Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
+    let layer = Layer::new((width, height), LayerAttributes::default(), encoding, SpecificChannels::rgb(pixel));
+    let mut bytes = Cursor::new(Vec::new());
+    Image::from_layer(layer).write().non_parallel().to_buffered(&mut bytes)?;
+    Ok(bytes.into_inner())
+}

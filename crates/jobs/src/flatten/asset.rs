@@ -1,0 +1,87 @@
+//! What is written: the list of an asset's parts and what was measured.
+
+use super::recipe::Settings;
+use brdfc_flat_btf::parameterise::ParameterisationReport;
+use brdfc_flat_btf::probes::ColourErrors;
+use brdfc_flat_btf::weld::WeldReport;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// The contents of `NAME.json`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct AssetFile {
+    /// Layout of this file.
+    pub version: u32,
+    /// The asset's name.
+    pub name: String,
+    /// What it was made from: an address with all parameters, or names of files without folders.
+    pub source: String,
+    /// Materials of a computed BTF.
+    pub materials: Vec<String>,
+    /// Whether images over the tile coloured the materials or mixed them.
+    pub images_over_the_tile: bool,
+    /// How it was made.
+    pub settings: Settings,
+    /// Files by part; see `formats/src/flat_btf/spec.md`.
+    pub parts: BTreeMap<String, PartFile>,
+    /// What was measured.
+    pub report: AssetReport,
+}
+
+/// One file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct PartFile {
+    /// Its name.
+    pub file: String,
+    /// Its bytes.
+    pub bytes: u64,
+    /// Bytes of its texels on a GPU.
+    pub gpu_bytes: u64,
+    /// BLAKE3 hash of its bytes, hexadecimal: a part of another asset is not taken for this one.
+    pub blake3: String,
+}
+
+/// What was measured of an asset.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct AssetReport {
+    /// What was mended in a mesh.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mended: Option<WeldReport>,
+    /// The parameterisation.
+    pub parameterisation: ParameterisationReport,
+    /// Lowest and highest point of the surface, in tiles.
+    pub heights: [f64; 2],
+    /// Share of texels that a view sees, mean over the views.
+    pub seen: f64,
+    /// Texels that no view sees.
+    pub never_seen: usize,
+    /// Errors of what a shader sees.
+    pub errors: AssetErrors,
+}
+
+/// Errors against what the surface shows, or the images that came in. Where light of one bounce was asked for there are
+/// none of computed BTFs: the comparison knows direct light only.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct AssetErrors {
+    /// Equation 1 at sampled views and lights.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at_samples: Option<ColourErrors>,
+    /// Equation 1 at random views and lights between the samples. Not known for measured BTFs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub between_samples: Option<ColourErrors>,
+    /// The light form, normal map and diffuse colour, at the same views and lights.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub light_form: Option<ColourErrors>,
+}
+
+impl AssetFile {
+    /// Bytes of all files.
+    pub fn bytes(&self) -> u64 {
+        self.parts.values().map(|part| part.bytes).sum()
+    }
+
+    /// Bytes of all texels on a GPU.
+    pub fn gpu_bytes(&self) -> u64 {
+        self.parts.values().map(|part| part.gpu_bytes).sum()
+    }
+}

@@ -1,0 +1,129 @@
+//! What can be known of a recipe before the work.
+
+use super::pass::MOST_VIEWS_AT_ONCE;
+use super::recipe::{FlattenRecipe, Form};
+use brdfc_flat_btf::caster::STEEPEST_DEGREES;
+use brdfc_flat_btf::fill::FillMethod;
+use brdfc_flat_btf::indirect::Bounces;
+use brdfc_formats::FormatError;
+use brdfc_formats::direction_mesh::DirectionMesh;
+use brdfc_formats::direction_set::DirectionSet;
+use brdfc_formats::flat_btf::FlatHeader;
+use std::f32::consts::TAU;
+
+/// Most memory that a recipe may need.
+pub const MOST_BYTES: u64 = 8 << 30;
+/// A point of the surface with its normals and material, and what belongs to it.
+const TEXEL_BYTES: u64 = 256;
+/// A view and a light of a texel while a view is made: its value, the value packed, and compressed.
+const VALUE_BYTES: u64 = 12;
+
+impl FlattenRecipe {
+    /// Whether packs can hold what is asked for, rays can find it, and memory can hold it on the way.
+    ///
+    /// # Errors
+    /// The first thing that is out of range.
+    pub fn check(&self) -> Result<(), FormatError> {
+        self.indirection.check()?;
+        for (what, set) in [("views", &self.views), ("lights", &self.lights)] {
+            let of_set = |error: FormatError| FormatError { field: format!("{what}, {}", error.field).into(), ..error };
+            if let Some(steep) = set.angles.iter().position(|[polar, _]| *polar > STEEPEST_DEGREES) {
+                let field = format!("{what}, direction {steep}, polar angle");
+                let found = format!("{} degrees", set.angles[steep][0]);
+                return Err(FormatError::whole(field, found, format!("0 to {STEEPEST_DEGREES}")));
+            }
+            // What the shader blends with.
+            DirectionMesh::new(set).map_err(of_set)?;
+        }
+        self.header(0).check()?;
+        let bytes = self.bytes();
+        if bytes > MOST_BYTES {
+            let gib = |bytes: u64| format!("{:.1} GiB", bytes as f64 / f64::from(1 << 30));
+            let allowed = format!("{}: fewer texels, views, lights or bounces", gib(MOST_BYTES));
+            return Err(FormatError::whole("memory", gib(bytes), allowed));
+        }
+        Ok(())
+    }
+
+    /// The header of a view.
+    pub(super) fn header(&self, view: u32) -> FlatHeader {
+        let (views, lights) = (angles(&self.views), angles(&self.lights));
+        FlatHeader { size: self.flat_texels as u32, view, views, lights }
+    }
+
+    /// Bytes in memory at most, roughly: what grows with texels, views, lights and bounces.
+    pub fn bytes(&self) -> u64 {
+        let texels = (self.flat_texels * self.flat_texels) as u64;
+        let (views, lights) = (self.views.len() as u64, self.lights.len() as u64);
+        let at_once = (rayon::current_num_threads().clamp(1, MOST_VIEWS_AT_ONCE) as u64).min(views);
+        let guide = u64::from(self.fill == FillMethod::Poisson && self.form == Form::Full);
+        let per_light = VALUE_BYTES * (at_once + guide) + 1;
+        let map: u64 = self.indirection.extent().into_iter().map(u64::from).product();
+        texels * (TEXEL_BYTES + views + lights * per_light)
+            + 20 * map
+            + Bounces::bytes(texels as usize, self.bounces, self.lights.len())
+    }
+}
+
+/// Polar angles and azimuths in radians, azimuths from 0 to below 2π.
+fn angles(set: &DirectionSet) -> Vec<[f32; 2]> {
+    let radians = |[polar, azimuth]: &[f64; 2]| {
+        let azimuth = azimuth.rem_euclid(360.0).to_radians() as f32;
+        [polar.to_radians() as f32, if azimuth >= TAU { 0.0 } else { azimuth }]
+    };
+    set.angles.iter().map(radians).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use brdfc_formats::flat_btf::IndirectionHeader;
+
+    fn recipe() -> FlattenRecipe {
+        FlattenRecipe {
+            flat_texels: 256,
+            indirection: IndirectionHeader { size: 256, zenith_samples: 16, azimuth_samples: 16, largest_angle: 1.4 },
+            oversampling: 2,
+            views: DirectionSet::ubo2003(),
+            lights: DirectionSet::ubo2003(),
+            fill: FillMethod::Poisson,
+            bounces: 0,
+            rounds: 0,
+            form: Form::Full,
+            supercompress: true,
+        }
+    }
+
+    fn list(angles: &[[f64; 2]]) -> DirectionSet {
+        DirectionSet::new("list", angles.to_vec()).unwrap()
+    }
+
+    #[test]
+    fn the_papers_setting_is_within_its_memory() {
+        assert!(recipe().check().is_ok());
+        assert!(recipe().bytes() < 1 << 30, "{}", recipe().bytes());
+    }
+
+    #[test]
+    fn what_cannot_be_made_is_known_before() {
+        let steep = FlattenRecipe { views: list(&[[0.0, 0.0], [89.99, 0.0]]), ..recipe() };
+        assert_eq!(
+            steep.check().unwrap_err().to_string(),
+            "views, direction 1, polar angle: found 89.99 degrees; allowed 0 to 89"
+        );
+        let large = FlattenRecipe { flat_texels: 2048, ..recipe() };
+        assert!(large.check().unwrap_err().to_string().contains("memory: found "));
+        let bounced = FlattenRecipe { bounces: 1024, ..recipe() };
+        assert!(bounced.check().unwrap_err().to_string().contains("GiB; allowed 8.0 GiB"));
+        assert!(FlattenRecipe { bounces: 64, ..recipe() }.check().is_ok());
+    }
+
+    #[test]
+    fn azimuths_below_zero_and_a_full_turn_are_wrapped() {
+        let set = list(&[[10.0, -90.0], [20.0, 360.0], [30.0, -1e-9]]);
+        let found = angles(&set);
+        assert!((found[0][1] - 1.5 * std::f32::consts::PI).abs() < 1e-6);
+        assert_eq!((found[1][1], found[2][1]), (0.0, 0.0));
+        assert!(FlattenRecipe { lights: set, ..recipe() }.check().is_ok());
+    }
+}

@@ -1,0 +1,171 @@
+//! What inputs of flattening are, before they are flattened.
+
+use super::input::MesoInputError;
+use brdfc_flat_btf::structures::Structure;
+use brdfc_flat_btf::weld::{MesoError, WeldReport, weld};
+use brdfc_formats::meso::TriangleMesh;
+use brdfc_source::address::{SYNTH_PREFIX, is_synth};
+use brdfc_source::btf_stack::survey;
+use brdfc_source::flat_part::{PartFacts, open_part};
+use brdfc_source::meso::{HeightMap, MesoInput, open_meso};
+use brdfc_source::open::InputError;
+use serde::Serialize;
+use std::path::Path;
+
+/// What kind of input it is, with what is worth knowing about it.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum SurfaceFacts {
+    /// A procedural structure.
+    Structure {
+        /// The address with all parameters.
+        address: String,
+        /// Vertices of one tile.
+        vertices: usize,
+        /// Triangles of one tile.
+        triangles: usize,
+        /// Lowest and highest point, in tiles.
+        heights: [f64; 2],
+        /// Addresses of the materials that it blends.
+        materials: Vec<String>,
+    },
+    /// A mesh.
+    Mesh(MeshFacts),
+    /// A height map.
+    HeightMap {
+        /// Pixels per row, and rows.
+        size: [usize; 2],
+        /// Lowest and highest value: 0 to 1 from PNG, as stored from EXR.
+        values: [f64; 2],
+    },
+    /// Images of an ordinary BTF.
+    ImageStack {
+        /// Different directions to the viewer.
+        views: usize,
+        /// Different directions to the light.
+        lights: usize,
+        /// Images that are there.
+        images: usize,
+        /// Views x lights without one: with any, the stack is refused.
+        missing: usize,
+        /// Pixels per row, and rows.
+        size: [u32; 2],
+        /// Extensions of the images, lower case, each once.
+        extensions: Vec<String>,
+    },
+    /// One part of a flat BTF, without the others.
+    FlatBtfPart(PartFacts),
+}
+
+/// What a mesh has, and whether it is a surface that repeats.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct MeshFacts {
+    /// Vertices in the file.
+    pub vertices: usize,
+    /// Triangles in the file.
+    pub triangles: usize,
+    /// Names of its materials.
+    pub materials: Vec<String>,
+    /// Whether vertices have colours.
+    pub colours: bool,
+    /// Lowest and highest coordinates along x, y and z, in the file's unit.
+    pub bounds: [[f64; 2]; 3],
+    /// The period with which it closes, if one was found: 1, or the side of a square bounding box.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tile: Option<f64>,
+    /// What would be mended with this period.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mended: Option<WeldReport>,
+    /// Why it does not close.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub problem: Option<String>,
+}
+
+/// Describes a structure, a mesh, a height map, a folder of images or a part of a flat BTF; nothing where the input is
+/// none of these by its name.
+///
+/// # Errors
+/// Files that cannot be read or do not follow their layout, wrong addresses. A mesh that does not close is none.
+pub fn describe_surface(input: &str) -> Result<Option<SurfaceFacts>, MesoInputError> {
+    if is_synth(input) {
+        return describe_structure(&input[SYNTH_PREFIX.len()..])
+            .map(Some)
+            .map_err(|error| MesoInputError::Address { name: input.to_owned(), error });
+    }
+    let path = Path::new(input);
+    if path.is_dir() {
+        return Ok(Some(describe_images(path)?));
+    }
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
+    Ok(match extension.as_str() {
+        "obj" | "ply" | "png" | "exr" => Some(match open_meso(path)? {
+            MesoInput::Mesh(mesh) => SurfaceFacts::Mesh(describe_mesh(&mesh)),
+            MesoInput::Heights(map) => describe_heights(&map),
+        }),
+        "ktx2" => open_part(path)?.map(SurfaceFacts::FlatBtfPart),
+        _ => None,
+    })
+}
+
+fn describe_structure(text: &str) -> Result<SurfaceFacts, brdfc_source::address::AddressError> {
+    let structure = Structure::parse(text)?;
+    let mesh = structure.mesh();
+    Ok(SurfaceFacts::Structure {
+        address: structure.canonical(),
+        vertices: mesh.positions.len(),
+        triangles: mesh.triangles.len(),
+        heights: mesh.height_range(),
+        materials: structure.default_materials().iter().map(|material| (*material).to_owned()).collect(),
+    })
+}
+
+fn describe_mesh(mesh: &TriangleMesh) -> MeshFacts {
+    let bounds = [0, 1, 2].map(|axis| range(mesh.positions.iter().map(|position| position[axis])));
+    let closed = |tile: f64| weld(mesh, tile).map(|(_, report)| (tile, report));
+    let outcome = closed(1.0).or_else(|error: MesoError| {
+        let [width, height] = [0, 1].map(|axis: usize| bounds[axis][1] - bounds[axis][0]);
+        let square = width > 0.0 && (width - height).abs() <= 1e-6 * width && (width - 1.0).abs() > 1e-6;
+        // The side may be a rounded one; its own error says less than the one with the hint.
+        if square { closed(width).map_err(|_| error) } else { Err(error) }
+    });
+    let (tile, mended, problem) = match outcome {
+        Ok((tile, report)) => (Some(tile), Some(report), None),
+        Err(error) => (None, None, Some(error.to_string())),
+    };
+    MeshFacts {
+        vertices: mesh.positions.len(),
+        triangles: mesh.triangles.len(),
+        materials: mesh.materials.clone(),
+        colours: !mesh.colours.is_empty(),
+        bounds,
+        tile,
+        mended,
+        problem,
+    }
+}
+
+fn describe_heights(map: &HeightMap) -> SurfaceFacts {
+    let values = range(map.heights.iter().map(|height| f64::from(*height)));
+    SurfaceFacts::HeightMap { size: [map.width, map.height], values }
+}
+
+fn describe_images(folder: &Path) -> Result<SurfaceFacts, InputError> {
+    let (contents, size) = survey(folder)?;
+    let of_file = |file: &String| Path::new(file).extension().map(|e| e.to_string_lossy().to_lowercase());
+    let extensions: std::collections::BTreeSet<String> = contents.files.iter().filter_map(of_file).collect();
+    Ok(SurfaceFacts::ImageStack {
+        views: contents.views.len(),
+        lights: contents.lights.len(),
+        images: contents.files.len(),
+        missing: contents.missing,
+        size,
+        extensions: extensions.into_iter().collect(),
+    })
+}
+
+/// Lowest and highest; 0 to 0 of nothing.
+fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values
+        .fold(None, |found: Option<[f64; 2]>, v| Some(found.map_or([v; 2], |[a, b]| [a.min(v), b.max(v)])))
+        .unwrap_or_default()
+}

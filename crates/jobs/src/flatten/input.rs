@@ -1,0 +1,236 @@
+//! Opens what is flattened: geometry, materials, images.
+
+use brdfc_flat_btf::mesh::{MAX_MATERIALS, PeriodicMesh};
+use brdfc_flat_btf::structures::Structure;
+use brdfc_flat_btf::surface::Appearance;
+use brdfc_flat_btf::tile_image::TileImage;
+use brdfc_flat_btf::weld::{MesoError, WeldReport, from_heights, weld};
+use brdfc_formats::wavelet::WaveletPack;
+use brdfc_source::address::{AddressError, SYNTH_PREFIX, is_synth};
+use brdfc_source::meso::{MesoInput, open_meso};
+use brdfc_source::open::{Facts, InputError, open};
+use brdfc_source::{PackSource, Source};
+use brdfc_wavelet::encode::{EncodeError, Observer, encode};
+use brdfc_wavelet::recipe::{Recipe, Target};
+use std::path::Path;
+
+/// The reference plane itself, as an input: what images show where no relief is given.
+pub const PLANE: &str = "the plane";
+/// A structure without relief.
+const FLAT: &str = "sponge?height=0&resolution=16";
+
+/// What is flattened.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MesoOptions {
+    /// `synth:STRUCTURE`, a mesh, a height map, or [`PLANE`].
+    pub geometry: String,
+    /// The period of a mesh along x and y, in its unit.
+    pub tile: f64,
+    /// Tiles per unit of a height map.
+    pub height_scale: f64,
+    /// Height of a height map's 0, in tiles.
+    pub height_offset: f64,
+    /// Materials: name in the mesh, if one is meant, and source.
+    pub materials: Vec<(Option<String>, String)>,
+    /// Image that multiplies the reflectance.
+    pub colour: Option<String>,
+    /// Image whose channels are shares of the materials.
+    pub weights: Option<String>,
+}
+
+/// Geometry that was read.
+pub struct Geometry {
+    /// The surface.
+    pub mesh: PeriodicMesh,
+    /// What was mended, for meshes.
+    pub weld: Option<WeldReport>,
+    /// Names of the mesh's materials, in the order of its weights; empty for one without.
+    pub material_names: Vec<String>,
+    /// Materials of a structure.
+    pub default_materials: Vec<String>,
+    /// The input as reports name it: an address with all parameters, or a file's name without its folder.
+    pub name: String,
+}
+
+/// Why an input cannot be flattened.
+#[derive(Debug, thiserror::Error)]
+pub enum MesoInputError {
+    /// A file.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// The address of a structure.
+    #[error("{name}: {error}")]
+    Address {
+        /// The input.
+        name: String,
+        /// What is wrong.
+        error: AddressError,
+    },
+    /// Geometry that is no periodic surface.
+    #[error("{name}: {error}")]
+    Geometry {
+        /// The input.
+        name: String,
+        /// What is wrong.
+        error: Box<MesoError>,
+    },
+    /// A scan that cannot be tabulated.
+    #[error("{name}: {error}")]
+    Tabulate {
+        /// The input.
+        name: String,
+        /// What is wrong.
+        error: EncodeError,
+    },
+    /// Options that do not fit the geometry.
+    #[error("{0}")]
+    Options(String),
+}
+
+/// Reads geometry.
+///
+/// # Errors
+/// Files that cannot be read, wrong addresses, geometry that does not close.
+pub fn open_geometry(options: &MesoOptions) -> Result<Geometry, MesoInputError> {
+    let input = &options.geometry;
+    if is_synth(input) {
+        let structure = Structure::parse(&input[SYNTH_PREFIX.len()..])
+            .map_err(|error| MesoInputError::Address { name: input.clone(), error })?;
+        return Ok(Geometry {
+            mesh: structure.mesh(),
+            weld: None,
+            material_names: Vec::new(),
+            default_materials: structure.default_materials().iter().map(|m| (*m).to_owned()).collect(),
+            name: structure.canonical(),
+        });
+    }
+    if input == PLANE {
+        let structure =
+            Structure::parse(FLAT).map_err(|error| MesoInputError::Address { name: input.clone(), error })?;
+        let mut mesh = structure.mesh();
+        // Rounding of the mean height.
+        mesh.positions.iter_mut().for_each(|point| point[2] = 0.0);
+        return Ok(Geometry {
+            mesh,
+            weld: None,
+            material_names: Vec::new(),
+            default_materials: Vec::new(),
+            name: PLANE.to_owned(),
+        });
+    }
+    let path = Path::new(input);
+    let name = path.file_name().map_or_else(|| input.clone(), |name| name.to_string_lossy().into_owned());
+    let wrong = |error| MesoInputError::Geometry { name: input.clone(), error: Box::new(error) };
+    let (mesh, weld, material_names) = match open_meso(path)? {
+        MesoInput::Mesh(mesh) => {
+            let (welded, report) = weld(&mesh, options.tile).map_err(wrong)?;
+            (welded, Some(report), mesh.materials)
+        }
+        MesoInput::Heights(map) => {
+            let (scale, offset) = (options.height_scale, options.height_offset);
+            (from_heights(map.width, map.height, &map.heights, scale, offset).map_err(wrong)?, None, Vec::new())
+        }
+    };
+    Ok(Geometry { mesh, weld, material_names, default_materials: Vec::new(), name })
+}
+
+/// What a surface without a material is made of.
+const DEFAULT_MATERIAL: &str = "synth:lambert?kd=0.5";
+
+/// The materials' sources in the order of the surface's weights, as they were named.
+///
+/// # Errors
+/// Names that the mesh does not have, and materials without a source.
+pub fn material_list(options: &MesoOptions, geometry: &Geometry) -> Result<Vec<String>, MesoInputError> {
+    let materials = listed(options, geometry)?;
+    if options.weights.is_some() && materials.len() < 2 {
+        let text = "--weights: found one material; allowed two or more, whose shares the image gives";
+        return Err(MesoInputError::Options(text.to_owned()));
+    }
+    Ok(materials)
+}
+
+fn listed(options: &MesoOptions, geometry: &Geometry) -> Result<Vec<String>, MesoInputError> {
+    let names = &geometry.material_names;
+    let unnamed: Vec<&String> = options.materials.iter().filter(|(n, _)| n.is_none()).map(|(_, s)| s).collect();
+    let named: Vec<&String> = options.materials.iter().filter_map(|(name, _)| name.as_ref()).collect();
+    for (at, name) in named.iter().enumerate() {
+        if named[..at].contains(name) {
+            let text = format!("--material: found the name {name} twice; allowed one material for each name");
+            return Err(MesoInputError::Options(text));
+        }
+        if !names.contains(name) {
+            let allowed = if names.is_empty() { "no names: the surface has none".to_owned() } else { names.join(", ") };
+            return Err(MesoInputError::Options(format!("--material: found the name {name}; allowed {allowed}")));
+        }
+    }
+    if unnamed.len() > MAX_MATERIALS {
+        let text = format!("--material: found {} materials; allowed at most {MAX_MATERIALS}", unnamed.len());
+        return Err(MesoInputError::Options(text));
+    }
+    if !names.is_empty() {
+        if unnamed.len() > 1 || (!unnamed.is_empty() && named.len() == names.len()) {
+            let text = format!(
+                "--material: found {} without a name; allowed one, for the rest of {}",
+                unnamed.len(),
+                names.join(", ")
+            );
+            return Err(MesoInputError::Options(text));
+        }
+        // Of a mesh with names: its own source, or the one without a name.
+        let rest = unnamed.last().map_or(DEFAULT_MATERIAL, |s| s.as_str());
+        let own = |name: &String| options.materials.iter().rev().find(|(n, _)| n.as_ref() == Some(name));
+        return Ok(names.iter().map(|name| own(name).map_or(rest, |(_, s)| s).to_owned()).collect());
+    }
+    let defaults = &geometry.default_materials;
+    let wanted = if options.weights.is_some() { unnamed.len().max(1) } else { defaults.len().max(1) };
+    if unnamed.len() > wanted {
+        let text = format!(
+            "--material: found {} materials; allowed {wanted}, as many as the surface blends (or give --weights)",
+            unnamed.len()
+        );
+        return Err(MesoInputError::Options(text));
+    }
+    let source = |k: usize| {
+        // One material alone is that of the whole surface.
+        let given = unnamed.get(k).or(if unnamed.len() == 1 { unnamed.first() } else { None });
+        given.map(|s| (*s).clone()).or(defaults.get(k).cloned()).unwrap_or(DEFAULT_MATERIAL.to_owned())
+    };
+    Ok((0..wanted).map(source).collect())
+}
+
+/// Opens the materials. Scans, whose every evaluation is a fit, are tabulated first: unfiltered, 16 bits.
+///
+/// # Errors
+/// Files that cannot be read.
+pub fn open_appearance(
+    options: &MesoOptions,
+    materials: &[String],
+    observer: &mut dyn Observer,
+) -> Result<Appearance, MesoInputError> {
+    let sources = materials.iter().map(|material| open_material(material, observer)).collect::<Result<_, _>>()?;
+    let image = |path: &String| brdfc_source::tile_image::open_tile_image(Path::new(path));
+    let colour = options.colour.as_ref().map(image).transpose()?.map(|image| TileImage {
+        width: image.width,
+        height: image.height,
+        pixels: image.colours(),
+    });
+    let weights = options.weights.as_ref().map(image).transpose()?.map(|image| TileImage {
+        width: image.width,
+        height: image.height,
+        pixels: image.shares(),
+    });
+    Ok(Appearance { sources, colour, weights })
+}
+
+fn open_material(material: &str, observer: &mut dyn Observer) -> Result<Box<dyn Source>, MesoInputError> {
+    let opened = open(material, None)?;
+    if !matches!(opened.facts, Facts::Scan { .. }) {
+        return Ok(opened.source);
+    }
+    let recipe = Recipe { target: Target::Ratio(1.0), bits: 16, supercompress: false, ..Recipe::default() };
+    let encoded = encode(opened.source.as_ref(), &recipe, observer)
+        .map_err(|error| MesoInputError::Tabulate { name: material.to_owned(), error })?;
+    let pack = WaveletPack::from_bytes(&encoded.bytes).expect("our own pack");
+    Ok(Box::new(PackSource::new(&pack, None)))
+}

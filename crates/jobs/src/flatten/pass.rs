@@ -1,0 +1,139 @@
+//! The pass over all views, a few of which are in memory at a time.
+
+use super::parts::Parts;
+use super::recipe::{FlattenRecipe, Form};
+use super::run::{FlattenError, FlattenWatcher, begin};
+use crate::btf_stack::{StackFormat, write_image};
+use brdfc_flat_btf::diffuse::DiffuseFit;
+use brdfc_flat_btf::fill::{FillMethod, PushPull};
+use brdfc_flat_btf::flatten::{FlatView as Flattened, Guide, Holes, LightField, from_above};
+use brdfc_flat_btf::model::MesoModel;
+use brdfc_flat_btf::probes::Probes;
+use brdfc_flat_btf::rebuild::ViewImage;
+use brdfc_flat_btf::surface::Appearance;
+use brdfc_flat_btf::texels::TexelMap;
+use brdfc_formats::container::rgb9e5;
+use brdfc_formats::direction::Vector;
+use brdfc_formats::flat_btf::{DiffuseMap, FlatView, view_part};
+use brdfc_formats::measured::btf_stack::ImageAngles;
+use rayon::prelude::*;
+use std::path::Path;
+
+/// Most views in memory at once.
+pub(super) const MOST_VIEWS_AT_ONCE: usize = 8;
+
+/// What a pass over all views needs.
+pub(super) struct Pass<'a> {
+    pub(super) recipe: &'a FlattenRecipe,
+    pub(super) model: &'a MesoModel,
+    pub(super) texels: &'a TexelMap,
+    pub(super) views: &'a [Vector],
+    pub(super) lights: &'a [Vector],
+    pub(super) masks: &'a [Vec<bool>],
+    pub(super) lit: &'a [Vec<bool>],
+}
+
+impl Pass<'_> {
+    /// Makes and writes the views, a few at a time, and fits the diffuse colours on the way.
+    pub(super) fn run<F: LightField>(
+        &self,
+        field: &F,
+        probes: &mut [&mut Probes],
+        parts: &mut Parts<'_>,
+        watcher: &dyn FlattenWatcher,
+    ) -> Result<DiffuseMap, FlattenError>
+    where
+        FlattenError: From<F::Error>,
+    {
+        let full = self.recipe.form == Form::Full;
+        let guide = match self.recipe.fill {
+            FillMethod::Poisson if full => {
+                begin(watcher, "guide", 1)?;
+                Some(Guide::new(field, self.masks, &from_above(self.views), self.lights.len())?)
+            }
+            _ => None,
+        };
+        begin(watcher, "views", self.views.len())?;
+        let mut fit = DiffuseFit::new(self.texels.points.len());
+        let at_once = rayon::current_num_threads().clamp(1, MOST_VIEWS_AT_ONCE);
+        let count = self.views.len() as u32;
+        for batch in (0..self.views.len()).collect::<Vec<_>>().chunks(at_once) {
+            let made: Vec<_> = batch
+                .par_iter()
+                .map(|view| {
+                    let pack = self.view(field, *view, guide.as_ref())?;
+                    let bytes = full.then(|| pack.to_bytes(self.recipe.supercompress));
+                    Ok::<_, FlattenError>((pack, bytes))
+                })
+                .collect::<Result<_, _>>()?;
+            for (view, (pack, bytes)) in batch.iter().zip(made) {
+                let value = |light: usize, texel: usize| rgb9e5::decode(pack.light(light as u32)[texel]);
+                let lit = |light: usize, texel: usize| self.lit[light][texel];
+                fit.add_view(self.texels, &self.masks[*view], self.lights, lit, value);
+                if let Some(bytes) = bytes {
+                    probes.iter_mut().for_each(|probes| probes.add_view(&pack));
+                    parts.add(&view_part(*view as u32, count), &bytes, 4 * pack.texels().len() as u64)?;
+                }
+                if !watcher.step() {
+                    return Err(FlattenError::Cancelled);
+                }
+            }
+        }
+        let found = fit.reflectances();
+        let known: Vec<bool> = found.iter().map(Option::is_some).collect();
+        let mut colours: Vec<[f32; 3]> = found.into_iter().map(Option::unwrap_or_default).collect();
+        PushPull::new(&known).fill(&mut colours);
+        Ok(DiffuseMap::from_colours(self.recipe.flat_texels as u32, &colours)?)
+    }
+
+    /// One view with all its lights.
+    fn view<F: LightField>(&self, field: &F, view: usize, guide: Option<&Guide>) -> Result<FlatView, FlattenError>
+    where
+        FlattenError: From<F::Error>,
+    {
+        let holes = match (self.recipe.form, guide) {
+            (Form::Light, _) => Holes::Black,
+            (Form::Full, Some(guide)) => Holes::Poisson(guide),
+            (Form::Full, None) => Holes::PushPull,
+        };
+        let flattened = Flattened::new(field, view, &self.masks[view], holes)?;
+        let mut texels = vec![0; self.lights.len() * self.texels.points.len()];
+        texels.par_chunks_mut(self.texels.points.len()).enumerate().try_for_each(|(light, layer)| {
+            let image = flattened.image(light)?;
+            layer.iter_mut().zip(image).for_each(|(texel, value)| *texel = rgb9e5::encode(value));
+            Ok::<_, F::Error>(())
+        })?;
+        Ok(FlatView::new(self.recipe.header(view as u32), texels)?)
+    }
+}
+
+impl Pass<'_> {
+    /// Writes the images of the ordinary BTF, as many texels per side as the reference plane has.
+    pub(super) fn write_images(
+        &self,
+        appearance: &Appearance,
+        folder: &Path,
+        format: StackFormat,
+        watcher: &dyn FlattenWatcher,
+    ) -> Result<(), FlattenError> {
+        begin(watcher, "images", self.views.len())?;
+        let size = self.recipe.indirection.size as usize;
+        for (view, direction) in self.views.iter().enumerate() {
+            let seen = ViewImage::new(self.model, *direction, size, self.recipe.oversampling);
+            let write = |light: usize| {
+                let image = seen.direct(self.model, appearance, self.lights[light]);
+                // Row 0 of a picture is its top.
+                let rows: Vec<[f32; 3]> = image.chunks_exact(size).rev().flatten().copied().collect();
+                let angles =
+                    ImageAngles { light: self.recipe.lights.angles[light], view: self.recipe.views.angles[view] };
+                write_image(folder, light * self.views.len() + view, angles, &rows, [size; 2], format)
+                    .map_err(|error| FlattenError::write(folder, error))
+            };
+            (0..self.lights.len()).into_par_iter().try_for_each(|light| write(light).map(drop))?;
+            if !watcher.step() {
+                return Err(FlattenError::Cancelled);
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,71 @@
+//! Look-ups into the finished packs that errors are measured with.
+
+use super::asset::AssetErrors;
+use super::pass::Pass;
+use super::recipe::Form;
+use super::run::FlattenError;
+use super::stack::StackImages;
+use brdfc_flat_btf::measured::ViewImages;
+use brdfc_flat_btf::probes::{ColourErrors, Directions, Probes, shown};
+use brdfc_flat_btf::surface::Appearance;
+use brdfc_formats::direction_mesh::DirectionMesh;
+use brdfc_formats::flat_btf::FlatBtfDecoder;
+
+/// Look-ups of each kind; each of a measured BTF reads an image, and there are an eighth of them.
+const PROBES: usize = 4096;
+
+/// Look-ups of both kinds.
+pub(super) struct AllProbes {
+    at_samples: Option<Probes>,
+    between: Option<Probes>,
+}
+
+impl AllProbes {
+    pub(super) fn each(&mut self) -> Vec<&mut Probes> {
+        self.at_samples.iter_mut().chain(self.between.iter_mut()).collect()
+    }
+
+    pub(super) fn measure(&self, decoder: &FlatBtfDecoder, form: Form) -> AssetErrors {
+        let full = |probes: &Option<Probes>| -> Option<ColourErrors> {
+            probes.as_ref().filter(|_| form == Form::Full).map(Probes::full)
+        };
+        let light = self.between.as_ref().or(self.at_samples.as_ref());
+        AssetErrors {
+            at_samples: full(&self.at_samples),
+            between_samples: full(&self.between),
+            light_form: light.map(|probes| probes.light_form(decoder)),
+        }
+    }
+}
+
+pub(super) fn computed_probes(
+    pass: &Pass<'_>,
+    decoder: &FlatBtfDecoder,
+    appearance: &Appearance,
+) -> Result<AllProbes, FlattenError> {
+    if pass.recipe.bounces > 0 {
+        return Ok(AllProbes { at_samples: None, between: None });
+    }
+    let truth = |view: usize, light: usize, at: [f64; 2]| -> Result<[f32; 3], FlattenError> {
+        Ok(shown(pass.model, appearance, at, pass.views[view], pass.lights[light]))
+    };
+    let at_samples = Probes::at_samples(PROBES, decoder, pass.views, pass.lights, truth)?;
+    let (view_mesh, light_mesh) = (DirectionMesh::new(&pass.recipe.views)?, DirectionMesh::new(&pass.recipe.lights)?);
+    let views = Directions { all: pass.views, mesh: &view_mesh };
+    let lights = Directions { all: pass.lights, mesh: &light_mesh };
+    let between = Probes::between_samples(PROBES, decoder, &views, &lights, pass.model, appearance);
+    Ok(AllProbes { at_samples: Some(at_samples), between: Some(between) })
+}
+
+/// Against the images themselves.
+pub(super) fn measured_probes(
+    pass: &Pass<'_>,
+    decoder: &FlatBtfDecoder,
+    images: &StackImages<'_>,
+) -> Result<AllProbes, FlattenError> {
+    let truth = |view: usize, light: usize, at: [f64; 2]| -> Result<[f32; 3], FlattenError> {
+        Ok(images.image(view, light)?.at(at[0], at[1]))
+    };
+    let at_samples = Probes::at_samples(PROBES / 8, decoder, pass.views, pass.lights, truth)?;
+    Ok(AllProbes { at_samples: Some(at_samples), between: None })
+}

@@ -1,0 +1,217 @@
+//! Makes the packs of a flat BTF.
+
+use super::asset::{AssetFile, AssetReport};
+use super::input::Geometry;
+use super::parts::Parts;
+use super::pass::Pass;
+use super::probing::{computed_probes, measured_probes};
+use super::recipe::FlattenRecipe;
+use super::stack::StackImages;
+use crate::btf_stack::StackFormat;
+use brdfc_flat_btf::flatten::{ComputedField, visible_from_each};
+use brdfc_flat_btf::indirect::Bounces;
+use brdfc_flat_btf::indirection::indirection;
+use brdfc_flat_btf::measured::MeasuredField;
+use brdfc_flat_btf::model::MesoModel;
+use brdfc_flat_btf::parameterise::{ParameteriseError, steps};
+use brdfc_flat_btf::surface::Appearance;
+use brdfc_flat_btf::texels::TexelMap;
+use brdfc_formats::FormatError;
+use brdfc_formats::direction::Vector;
+use brdfc_formats::flat_btf::{
+    DiffuseMap, FlatBtfDecoder, FlatBtfParts, IndirectionMap, NormalMap, PositionMap, ReferenceMap, VisibilityMask,
+};
+use brdfc_source::btf_stack::BtfStack;
+use brdfc_source::open::InputError;
+use std::convert::Infallible;
+use std::path::Path;
+
+/// Why a flat BTF cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum FlattenError {
+    /// The surface cannot be laid flat.
+    #[error(transparent)]
+    Parameterise(ParameteriseError),
+    /// A pack cannot hold it.
+    #[error("{0}")]
+    Pack(#[from] FormatError),
+    /// An image cannot be read.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// A file cannot be written.
+    #[error("{path}: cannot write: {error}")]
+    Write {
+        /// Which.
+        path: String,
+        /// What the system says.
+        error: std::io::Error,
+    },
+    /// Stopped by the watcher.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+impl FlattenError {
+    pub(super) fn write(path: &Path, error: std::io::Error) -> Self {
+        Self::Write { path: path.display().to_string(), error }
+    }
+}
+
+impl From<ParameteriseError> for FlattenError {
+    fn from(error: ParameteriseError) -> Self {
+        if error == ParameteriseError::Cancelled { Self::Cancelled } else { Self::Parameterise(error) }
+    }
+}
+
+impl From<Infallible> for FlattenError {
+    fn from(never: Infallible) -> Self {
+        match never {}
+    }
+}
+
+/// What is told while it runs. Calls come from several threads.
+pub trait FlattenWatcher: Sync {
+    /// A stage of so many steps starts. Returning `false` cancels.
+    fn stage(&self, name: &'static str, steps: usize) -> bool;
+    /// A step is done. Returning `false` cancels.
+    fn step(&self) -> bool;
+}
+
+/// Where the values of texels come from.
+pub enum Values {
+    /// Materials of the surface.
+    Computed(Appearance),
+    /// Images of an ordinary BTF.
+    Measured(BtfStack),
+}
+
+/// What is made, and where.
+pub struct FlattenJob<'a> {
+    /// The asset's name.
+    pub name: &'a str,
+    /// The folder of its files.
+    pub folder: &'a Path,
+    /// How it is made.
+    pub recipe: &'a FlattenRecipe,
+    /// The surface.
+    pub geometry: Geometry,
+    /// The materials' sources.
+    pub materials: Vec<String>,
+    /// Where values come from.
+    pub values: Values,
+    /// Folder and kind of the images of an ordinary BTF to write besides, computed directly.
+    pub images: Option<(&'a Path, StackFormat)>,
+}
+
+/// Makes all parts and puts them in place, `NAME.json` last.
+///
+/// # Errors
+/// A recipe that cannot be followed, a surface that cannot be laid flat, images that cannot be read, files that cannot be
+/// written. An asset of that name that stands in the folder stays as it was.
+pub fn run(job: FlattenJob<'_>, watcher: &dyn FlattenWatcher) -> Result<AssetFile, FlattenError> {
+    let recipe = job.recipe;
+    recipe.check()?;
+    let mut parts = Parts::new(job.name, job.folder)?;
+    let zip = recipe.supercompress;
+
+    begin(watcher, "parameterise", steps(recipe.rounds))?;
+    let model = MesoModel::watched(job.geometry.mesh, recipe.rounds, &|| watcher.step())?;
+    let texels = model.texels(recipe.flat_texels);
+    let (size, flat) = (recipe.flat_texels as u32, texels.points.len() as u64);
+    let single = |v: Vector| v.map(|c| c as f32);
+    let position = PositionMap::new(size, texels.points.iter().map(|p| single(p.position)).collect())?;
+    parts.add("position", &position.to_bytes(zip), 16 * flat)?;
+    let normal = NormalMap::new(size, texels.points.iter().map(|p| single(p.normal)).collect())?;
+    parts.add("normal", &normal.to_bytes(zip), 8 * flat)?;
+
+    let header = recipe.indirection;
+    begin(watcher, "indirection", header.size as usize)?;
+    let found = indirection(&model, header, recipe.oversampling, &|| watcher.step()).ok_or(FlattenError::Cancelled)?;
+    let reference = ReferenceMap::new(header.size, found.reference)?;
+    let mut displacements = found.displacements.into_iter();
+    let map = IndirectionMap::from_displacements(header, |_, _, _| displacements.next().expect("one for each view"))?;
+    parts.add("reference", &reference.to_bytes(zip), 8 * u64::from(header.size).pow(2))?;
+    parts.add("indirection", &map.to_bytes(zip), header.extent().into_iter().map(u64::from).product::<u64>() * 8)?;
+    // Colours come last; the decoder is asked for indirections before.
+    let black = DiffuseMap::new(size, vec![0; texels.points.len()])?;
+    let decoder =
+        FlatBtfDecoder::new(FlatBtfParts { reference, indirection: map, normal, diffuse: black, views: Vec::new() })?;
+
+    let (views, lights) = (recipe.views.directions(), recipe.lights.directions());
+    let masks = seen_from(&texels, &model, &views, "visibility", watcher)?;
+    let bytes = masks.iter().flatten().map(|seen| if *seen { 255 } else { 0 }).collect();
+    let mask = VisibilityMask::new(size, views.len() as u32, bytes)?.to_bytes(zip);
+    parts.add("mask", &mask, flat * views.len() as u64)?;
+
+    let lit = seen_from(&texels, &model, &lights, "shadows", watcher)?;
+    let pass =
+        Pass { recipe, model: &model, texels: &texels, views: &views, lights: &lights, masks: &masks, lit: &lit };
+    let (diffuse, errors) = match &job.values {
+        Values::Computed(appearance) => {
+            let mut field = ComputedField::new(&texels, appearance, &views, &lights, &lit);
+            if recipe.bounces > 0 {
+                begin(watcher, "bounces", Bounces::steps(texels.points.len()))?;
+                let (mesh, caster, step) = (&model.mesh, &model.caster, || watcher.step());
+                let bounces = Bounces::new(mesh, &texels, caster, appearance, &lights, recipe.bounces, &step);
+                field = field.with_bounces(bounces.ok_or(FlattenError::Cancelled)?);
+            }
+            let mut probes = computed_probes(&pass, &decoder, appearance)?;
+            let diffuse = pass.run(&field, &mut probes.each(), &mut parts, watcher)?;
+            if let Some((folder, format)) = job.images {
+                pass.write_images(appearance, folder, format, watcher)?;
+            }
+            (diffuse, probes)
+        }
+        Values::Measured(stack) => {
+            let images = StackImages(stack);
+            let field = MeasuredField { images: &images, texels: &texels, views: &views };
+            let mut probes = measured_probes(&pass, &decoder, &images)?;
+            let diffuse = pass.run(&field, &mut probes.each(), &mut parts, watcher)?;
+            (diffuse, probes)
+        }
+    };
+    parts.add("diffuse", &diffuse.to_bytes(zip), 4 * flat)?;
+    let decoder = FlatBtfDecoder::new(FlatBtfParts { diffuse, ..decoder.into_parts() })?;
+
+    let seen = masks.iter().flatten().filter(|seen| **seen).count() as f64;
+    let never_seen = (0..texels.points.len()).filter(|texel| !masks.iter().any(|mask| mask[*texel])).count();
+    let report = AssetReport {
+        mended: job.geometry.weld,
+        parameterisation: model.parameterisation.report,
+        heights: model.mesh.height_range(),
+        seen: seen / (views.len() * texels.points.len()) as f64,
+        never_seen,
+        errors: errors.measure(&decoder, recipe.form),
+    };
+    let asset = AssetFile {
+        version: 1,
+        name: job.name.to_owned(),
+        source: job.geometry.name,
+        materials: job.materials,
+        images_over_the_tile: match &job.values {
+            Values::Computed(appearance) => appearance.colour.is_some() || appearance.weights.is_some(),
+            Values::Measured(_) => false,
+        },
+        settings: recipe.settings(),
+        parts: parts.files().clone(),
+        report,
+    };
+    parts.commit(&(serde_json::to_string_pretty(&asset).expect("plain data") + "\n"))?;
+    Ok(asset)
+}
+
+/// Which texels each direction sees.
+fn seen_from(
+    texels: &TexelMap,
+    model: &MesoModel,
+    directions: &[Vector],
+    stage: &'static str,
+    watcher: &dyn FlattenWatcher,
+) -> Result<Vec<Vec<bool>>, FlattenError> {
+    begin(watcher, stage, directions.len())?;
+    visible_from_each(texels, &model.caster, directions, &|| watcher.step()).ok_or(FlattenError::Cancelled)
+}
+
+pub(super) fn begin(watcher: &dyn FlattenWatcher, name: &'static str, steps: usize) -> Result<(), FlattenError> {
+    if watcher.stage(name, steps) { Ok(()) } else { Err(FlattenError::Cancelled) }
+}

@@ -1,0 +1,18 @@
+//! Images of an ordinary BTF as the flattening asks for them.
+
+use brdfc_flat_btf::measured::ViewImages;
+use brdfc_flat_btf::tile_image::TileImage;
+use brdfc_source::btf_stack::BtfStack;
+use brdfc_source::open::InputError;
+
+/// Images of a stack.
+pub(super) struct StackImages<'a>(pub(super) &'a BtfStack);
+
+impl ViewImages for StackImages<'_> {
+    type Error = InputError;
+
+    fn image(&self, view: usize, light: usize) -> Result<TileImage<3>, InputError> {
+        let image = self.0.view(view, light)?;
+        Ok(TileImage { width: image.width, height: image.height, pixels: image.pixels })
+    }
+}

@@ -1,0 +1,10 @@
+//! The main job: a scene manifest becomes packs. What no use asks for is not opened, computed or written.
+
+pub mod btf_stack;
+pub mod cache;
+pub mod flatten;
+mod keys;
+pub mod report;
+pub mod scene;
+pub mod stage_clock;
+pub mod write;

@@ -1,0 +1,7 @@
+//! What is said about finished work: JSON with a schema, and tables for people.
+
+#[cfg(feature = "render")]
+pub mod adaptive;
+pub mod material;
+#[cfg(feature = "render")]
+pub mod render;

@@ -1,0 +1,96 @@
+//! What a verification reports: how wrong packs look, and where the error comes from.
+
+use brdfc_gpu::AdapterDescription;
+use brdfc_gpu::verify::Views;
+use brdfc_metrics::image::{ImageDifference, LinearImage, auto_exposure, compare_images};
+use brdfc_render::scene::Frame;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// A verification of one view.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+pub struct Verification {
+    /// Which scene.
+    pub scene: String,
+    /// Pixels per row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Samples per pixel.
+    pub samples: usize,
+    /// Factor from radiance to the display's range [0, 1], for pictures and comparisons.
+    pub exposure: f64,
+    /// What drew.
+    pub adapter: AdapterDescription,
+    /// Parts of the scene with their materials.
+    pub parts: Vec<PartMaterial>,
+    /// What a user sees: the shader's image against the CPU's from the sources. Absent without sources.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub total: Option<ImageDifference>,
+    /// Codec error: the CPU's image from packs against the one from sources. Absent without sources.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub codec: Option<ImageDifference>,
+    /// What the grid alone loses: the CPU's image from whole, unquantised tables against the one from sources.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub grid: Option<ImageDifference>,
+    /// Shading error: the shader's image against the CPU's, both from packs.
+    pub shading: ImageDifference,
+}
+
+/// Which material a part shows.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+pub struct PartMaterial {
+    /// The part's name.
+    pub part: String,
+    /// The material's name, or the input.
+    pub material: String,
+    /// Bytes of its pack on a GPU.
+    pub bytes_on_gpu: u64,
+}
+
+impl Verification {
+    /// Compares views. Without an `exposure` the brightest 1 % of the reference are clipped.
+    pub fn new(
+        scene: &str,
+        frame: Frame,
+        views: &Views,
+        exposure: Option<f64>,
+        adapter: &AdapterDescription,
+        parts: Vec<PartMaterial>,
+    ) -> Self {
+        let exposure = exposure.unwrap_or_else(|| auto_exposure(views.reference()));
+        let against_source =
+            |image: &LinearImage| views.source.as_ref().map(|source| compare_images(image, source, exposure));
+        Self {
+            scene: scene.to_owned(),
+            width: frame.width,
+            height: frame.height,
+            samples: frame.samples * frame.samples,
+            exposure,
+            adapter: adapter.clone(),
+            parts,
+            total: against_source(&views.shader),
+            codec: against_source(&views.pack),
+            grid: views.table.as_ref().and_then(against_source),
+            shading: compare_images(&views.shader, &views.pack, exposure),
+        }
+    }
+
+    /// What a check is made on: the total, or the shading where there are no sources.
+    pub fn checked(&self) -> &ImageDifference {
+        self.total.as_ref().unwrap_or(&self.shading)
+    }
+
+    /// The comparisons that there are, with what they are called in tables.
+    pub fn rows(&self) -> Vec<(&'static str, &ImageDifference)> {
+        [
+            ("shader against source", self.total.as_ref()),
+            ("pack against source (codec)", self.codec.as_ref()),
+            ("table against source (grid)", self.grid.as_ref()),
+            ("shader against pack (shading)", Some(&self.shading)),
+        ]
+        .into_iter()
+        .filter_map(|(name, difference)| Some((name, difference?)))
+        .collect()
+    }
+}

@@ -1,0 +1,335 @@
+//! Runs a build: one job per needed material, and one for the environment where it is needed.
+
+use super::manifest::Manifest;
+use super::maps::{self, MapRecipe, MapsReport, Packed, environment_file, material_maps, part_name};
+use super::needs::{self, ENVIRONMENT, needs};
+use crate::cache::{self, Origin, Slot};
+use crate::report::material::{MaterialReport, StageTime};
+use crate::stage_clock::StageClock;
+use crate::write::write_atomic;
+use brdfc_formats::FormatError;
+use brdfc_formats::wavelet::DEFAULT_DISTANCE_SCALE;
+use brdfc_source::address;
+use brdfc_source::bandwidth_map::BandwidthFacts;
+use brdfc_source::open::{InputError, open};
+use brdfc_wavelet::encode::{EncodeError, Observer, encode};
+use brdfc_wavelet::recipe::Recipe;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// One material to make.
+#[derive(Debug, Clone)]
+pub struct Job {
+    /// The material's name.
+    pub name: String,
+    /// Path or address as the manifest has it.
+    pub declared: String,
+    /// Path or address, resolved against the manifest's folder.
+    pub source: String,
+    /// How it is encoded, needs included.
+    pub recipe: Recipe,
+    /// How its maps are made, where it needs them.
+    pub maps: Option<MapRecipe>,
+    /// Uses that refer to it.
+    pub uses: usize,
+}
+
+/// The environment's map.
+#[derive(Debug, Clone)]
+pub struct EnvironmentJob {
+    /// Path as the manifest has it.
+    pub declared: String,
+    /// Path, resolved against the manifest's folder.
+    pub source: String,
+    /// `ε` of the bandwidth.
+    pub epsilon: f64,
+}
+
+/// What a build will do.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// Materials to make, by name.
+    pub jobs: Vec<Job>,
+    /// The environment, where the scene needs its map.
+    pub environment: Option<EnvironmentJob>,
+    /// Materials that no use refers to: not even opened.
+    pub skipped: Vec<String>,
+}
+
+/// What a build did.
+#[derive(Debug)]
+pub struct Outcomes {
+    /// To each material, in the order of the plan.
+    pub materials: Vec<Outcome>,
+    /// To the environment, where it was planned.
+    pub environment: Option<Result<MadeEnvironment, JobError>>,
+}
+
+/// What a build did to one material.
+#[derive(Debug)]
+pub struct Outcome {
+    /// The material's name.
+    pub name: String,
+    /// Report and times, or why there is no pack.
+    pub result: Result<Made, JobError>,
+}
+
+/// A material that is there now.
+#[derive(Debug, Clone)]
+pub struct Made {
+    /// What was measured.
+    pub report: MaterialReport,
+    /// What its maps hold, where it needs them.
+    pub maps: Option<MapsReport>,
+    /// Seconds per stage; `None` when all files of an earlier build still hold.
+    pub times: Option<Vec<StageTime>>,
+}
+
+/// The environment's map, which is there now.
+#[derive(Debug, Clone)]
+pub struct MadeEnvironment {
+    /// What it holds.
+    pub report: Packed<BandwidthFacts>,
+    /// Seconds per stage; `None` when the map of an earlier build still holds.
+    pub times: Option<Vec<StageTime>>,
+}
+
+/// Why a material, or the environment, failed.
+#[derive(Debug, thiserror::Error)]
+pub enum JobError {
+    /// The source.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// The encoder.
+    #[error(transparent)]
+    Encode(#[from] EncodeError),
+    /// A map that its own layout refuses: a fault of the program.
+    #[error("{0}")]
+    Map(FormatError),
+    /// A file that cannot be written.
+    #[error("{path}: cannot write: {error}")]
+    Write {
+        /// Which.
+        path: String,
+        /// What the system says.
+        error: std::io::Error,
+    },
+}
+
+/// The parts of a material, as `<material>.json` lists them.
+#[derive(Debug, Clone, Serialize, schemars::JsonSchema)]
+pub struct MaterialFile {
+    /// Layout of this file.
+    pub version: u32,
+    /// The material's name.
+    pub material: String,
+    /// Files of the material, by part: `brdf` is the wavelet pack; where an environment lights the scene, `bandwidth` is
+    /// the bandwidth map and `samples` are the importance samples.
+    pub parts: BTreeMap<String, String>,
+    /// What was measured.
+    pub report: MaterialReport,
+    /// What the maps hold.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub maps: Option<MapsReport>,
+}
+
+/// Plans a build: which materials, with which recipes.
+pub fn plan(manifest: &Manifest, folder: &Path) -> Plan {
+    let needed = needs(manifest);
+    let scale = manifest.scene.distance_scale.unwrap_or(DEFAULT_DISTANCE_SCALE);
+    let environment = needs::environment(manifest).map(|declared| EnvironmentJob {
+        declared: declared.to_owned(),
+        source: folder.join(declared).display().to_string(),
+        epsilon: MapRecipe::default().epsilon,
+    });
+    let mut plan = Plan { jobs: Vec::new(), environment, skipped: Vec::new() };
+    for (name, material) in &manifest.materials {
+        let Some(need) = needed.get(name.as_str()) else {
+            plan.skipped.push(name.clone());
+            continue;
+        };
+        let mut recipe = material.options.resolve(&manifest.defaults).expect("checked when the manifest was parsed");
+        recipe.stored_levels = need.stored_levels(recipe.levels, scale);
+        let source = if address::is_synth(&material.source) {
+            material.source.clone()
+        } else {
+            folder.join(&material.source).display().to_string()
+        };
+        let declared = material.source.clone();
+        let maps = need.maps.then(MapRecipe::default);
+        plan.jobs.push(Job { name: name.clone(), declared, source, recipe, maps, uses: need.uses });
+    }
+    plan
+}
+
+/// The pack's file of a material.
+pub fn pack_name(material: &str) -> String {
+    part_name(material, "brdf")
+}
+
+/// What a build tells while it runs. Calls come from several threads.
+pub trait Watcher: Sync {
+    /// A stage of a material, or of the environment, starts.
+    fn stage(&self, name: &str, stage: &'static str);
+    /// A material, or the environment, is finished, and whether it worked.
+    fn finished(&self, name: &str, worked: bool);
+}
+
+/// What all jobs of a build share.
+struct Build<'a> {
+    out: &'a Path,
+    /// Hash of the program, if the cache is used.
+    program: Option<[u8; 32]>,
+    cancelled: &'a AtomicBool,
+    watcher: &'a dyn Watcher,
+}
+
+/// Runs all jobs; one that fails does not stop the others.
+pub fn run(plan: &Plan, out: &Path, use_cache: bool, cancelled: &AtomicBool, watcher: &dyn Watcher) -> Outcomes {
+    let program = if use_cache { cache::hash_program().ok() } else { None };
+    let build = Build { out, program, cancelled, watcher };
+    let materials = || {
+        plan.jobs
+            .par_iter()
+            .map(|job| {
+                let result = build.material(job);
+                watcher.finished(&job.name, result.is_ok());
+                Outcome { name: job.name.clone(), result }
+            })
+            .collect()
+    };
+    let environment = || {
+        let result = build.environment(plan.environment.as_ref()?);
+        watcher.finished(ENVIRONMENT, result.is_ok());
+        Some(result)
+    };
+    let (environment, materials) = rayon::join(environment, materials);
+    Outcomes { materials, environment }
+}
+
+/// Starts a stage.
+///
+/// # Errors
+/// When the observer cancels.
+pub(super) fn start(observer: &mut dyn Observer, stage: &'static str) -> Result<(), JobError> {
+    if observer.stage(stage) { Ok(()) } else { Err(EncodeError::Cancelled.into()) }
+}
+
+impl<'a> Build<'a> {
+    /// A clock that tells the watcher, and stops where the build is cancelled.
+    fn clock(&self, name: &str) -> StageClock<impl FnMut(&'static str) -> bool> {
+        StageClock::new(move |stage| {
+            self.watcher.stage(name, stage);
+            !self.cancelled.load(Ordering::Relaxed)
+        })
+    }
+
+    /// What a source is now, if that is to be compared with what it was.
+    fn origin(&self, source: &str) -> Option<Origin> {
+        let program = self.program?;
+        let source = if address::is_synth(source) {
+            cache::hash(source.as_bytes())
+        } else {
+            cache::hash_file(Path::new(source)).ok()?
+        };
+        Some(Origin { program, source })
+    }
+
+    fn slot<R>(&self, name: String, files: Vec<String>, origin: Option<Origin>, recipe: R) -> Slot<'a, R> {
+        Slot { out: self.out, name, files, origin, recipe }
+    }
+
+    fn material(&self, job: &Job) -> Result<Made, JobError> {
+        if self.cancelled.load(Ordering::Relaxed) {
+            return Err(EncodeError::Cancelled.into());
+        }
+        let origin = self.origin(&job.source);
+        let pack_slot = self.slot(job.name.clone(), vec![pack_name(&job.name)], origin, job.recipe.clone());
+        let map_slot = job.maps.map(|recipe| {
+            let files = maps::PARTS.map(|part| part_name(&job.name, part)).to_vec();
+            self.slot(format!("{}.maps", job.name), files, origin, recipe)
+        });
+        let kept_pack: Option<MaterialReport> = pack_slot.look_up();
+        let kept_maps: Option<MapsReport> = map_slot.as_ref().and_then(Slot::look_up);
+        if let Some(report) = &kept_pack
+            && kept_maps.is_some() == map_slot.is_some()
+        {
+            self.list(job, report, kept_maps.as_ref())?;
+            return Ok(Made { report: report.clone(), maps: kept_maps, times: None });
+        }
+
+        let mut clock = self.clock(&job.name);
+        start(&mut clock, "read")?;
+        let opened = open(&job.source, None)?;
+        let (report, packs) = match kept_pack {
+            Some(report) => (report, Vec::new()),
+            None => {
+                let encoded = encode(opened.source.as_ref(), &job.recipe, &mut clock)?;
+                let report = MaterialReport::new(&encoded, &job.recipe, opened.facts.samples());
+                (report, vec![encoded.bytes])
+            }
+        };
+        let (maps, map_files) = match (&job.maps, kept_maps) {
+            (Some(recipe), None) => {
+                let (files, report) = material_maps(opened.source.as_ref(), recipe, &mut clock)?;
+                (Some(report), files.to_vec())
+            }
+            (_, kept) => (kept, Vec::new()),
+        };
+        clock.stage("write");
+        self.write_all(&pack_slot, &packs)?;
+        if let Some(slot) = &map_slot {
+            self.write_all(slot, &map_files)?;
+        }
+        self.list(job, &report, maps.as_ref())?;
+        if !packs.is_empty() {
+            pack_slot.store(&packs, &report);
+        }
+        if let (Some(slot), Some(maps), false) = (&map_slot, &maps, map_files.is_empty()) {
+            slot.store(&map_files, maps);
+        }
+        Ok(Made { report, maps, times: Some(clock.finish()) })
+    }
+
+    fn environment(&self, job: &EnvironmentJob) -> Result<MadeEnvironment, JobError> {
+        let file = part_name(ENVIRONMENT, "bandwidth");
+        let slot = self.slot(format!("{ENVIRONMENT}.bandwidth"), vec![file], self.origin(&job.source), job.epsilon);
+        if let Some(report) = slot.look_up() {
+            return Ok(MadeEnvironment { report, times: None });
+        }
+        let mut clock = self.clock(ENVIRONMENT);
+        let (bytes, report) = environment_file(Path::new(&job.source), job.epsilon, &mut clock)?;
+        clock.stage("write");
+        let files = [bytes];
+        self.write_all(&slot, &files)?;
+        slot.store(&files, &report);
+        Ok(MadeEnvironment { report, times: Some(clock.finish()) })
+    }
+
+    /// Writes the files of a slot, or nothing where there are no bytes.
+    fn write_all<R>(&self, slot: &Slot<'_, R>, files: &[Vec<u8>]) -> Result<(), JobError> {
+        slot.files.iter().zip(files).try_for_each(|(file, bytes)| write(&self.out.join(file), bytes))
+    }
+
+    /// Writes the list of a material's files.
+    fn list(&self, job: &Job, report: &MaterialReport, maps: Option<&MapsReport>) -> Result<(), JobError> {
+        let parts = maps.is_some().then_some(maps::PARTS).into_iter().flatten().chain(["brdf"]);
+        let file = MaterialFile {
+            version: 1,
+            material: job.name.clone(),
+            parts: parts.map(|part| (part.to_owned(), part_name(&job.name, part))).collect(),
+            report: report.clone(),
+            maps: maps.cloned(),
+        };
+        let mut bytes = serde_json::to_vec_pretty(&file).expect("reports are plain data");
+        bytes.push(b'\n');
+        write(&self.out.join(format!("{}.json", job.name)), &bytes)
+    }
+}
+
+fn write(path: &Path, bytes: &[u8]) -> Result<(), JobError> {
+    write_atomic(path, bytes).map_err(|error| JobError::Write { path: path.display().to_string(), error })
+}

@@ -1,0 +1,3 @@
+//! Jobs on files.
+
+mod btf_stack;

@@ -1,0 +1,140 @@
+//! The passes over the pyramid, from coarse to fine (section 3.2, figure 9 of Bagher et al. 2012).
+
+use super::upsample::{Guide, LEAST_WEIGHT, parents, weight};
+use super::{AdaptiveScene, LevelCount, Prediction, Pyramid, coarsest, shade_point};
+use crate::gbuffer::GBuffer;
+use rayon::prelude::*;
+
+/// What the passes leave.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ShadedLevels {
+    /// Radiance of each point of the buffer, row by row; 0 where no surface is.
+    pub radiance: Vec<[f32; 3]>,
+    /// What each level did, finest first.
+    pub levels: Vec<LevelCount>,
+}
+
+/// A level under way: a value for each pixel that was computed.
+struct Computed {
+    width: usize,
+    height: usize,
+    values: Vec<Option<[f32; 3]>>,
+}
+
+/// What becomes of a pixel.
+enum Made {
+    /// Left to a finer level, or no surface.
+    Nothing,
+    Taken([f32; 3]),
+    Shaded([f32; 3], u32),
+}
+
+/// Goes through the levels. A pixel of a level stands for a square of the buffer; it is shaded where the finest level that
+/// any pixel of the square asks for is this one, takes over what the coarser level has where that is coarser, and is left
+/// out where it is finer. Where nothing around it fits, it is shaded, too.
+///
+/// A pixel of a level `l` above 0 gets `2^l / 2` times the samples of the most demanding pixel in its square, up to `most`: its
+/// error shows in `4^l` pixels, of which the means over the pixels around leave about a quarter, and the sum of squared
+/// errors is least where samples are in proportion to the root of that.
+pub fn shade(scene: &AdaptiveScene<'_>, buffer: &GBuffer, prediction: &Prediction, most: u32) -> ShadedLevels {
+    let coarsest = coarsest(buffer) as usize;
+    let (width, height) = (buffer.width, buffer.height);
+    let wanted = Pyramid::new(width, height, prediction.level.clone(), coarsest, i32::min);
+    let samples = Pyramid::new(width, height, prediction.samples.clone(), coarsest, u32::max);
+    let stands = standing_for(buffer, coarsest);
+    let mut coarser: Option<Computed> = None;
+    let mut levels = Vec::new();
+    for level in (0..=coarsest).rev() {
+        let (width, height, wanted) = &wanted.levels[level];
+        let pixel = |at: usize| -> Made {
+            let (point, level) = (stands.levels[level].2[at], level as i32);
+            if point == NONE || wanted[at] < level {
+                return Made::Nothing;
+            }
+            if wanted[at] > level
+                && let Some(coarser) = &coarser
+                && let Some(value) = taken(buffer, &stands, coarser, point, [at % width, at / width], level as usize)
+            {
+                return Made::Taken(value);
+            }
+            let count = samples.levels[level as usize].2[at].saturating_mul(1 << (level - 1).max(0)).min(most);
+            Made::Shaded(shade_point(scene, buffer, point as usize, count), count)
+        };
+        let made: Vec<Made> = (0..width * height).into_par_iter().map(pixel).collect();
+        let mut count = LevelCount::default();
+        let mut values = Vec::with_capacity(made.len());
+        for made in made {
+            let (value, shaded) = match made {
+                Made::Nothing => (None, None),
+                Made::Taken(value) => (Some(value), None),
+                Made::Shaded(value, samples) => (Some(value), Some(samples)),
+            };
+            count.pixels += u64::from(value.is_some());
+            count.shaded += u64::from(shaded.is_some());
+            count.samples += u64::from(shaded.unwrap_or(0));
+            values.push(value);
+        }
+        levels.push(count);
+        coarser = Some(Computed { width: *width, height: *height, values });
+    }
+    levels.reverse();
+    let finest = coarser.map_or(Vec::new(), |level| level.values);
+    ShadedLevels { radiance: finest.into_iter().map(Option::unwrap_or_default).collect(), levels }
+}
+
+/// No surface.
+const NONE: u32 = u32::MAX;
+
+/// For each pixel of each level the point of the buffer that it stands for: that in the middle of its square or else the
+/// one of the finer level's pixels that comes first.
+fn standing_for(buffer: &GBuffer, coarsest: usize) -> Pyramid<u32> {
+    let own = |pixel: usize| if buffer.part_at(pixel).is_some() { pixel as u32 } else { NONE };
+    let finest = (0..buffer.part.len()).map(own).collect();
+    let mut pyramid = Pyramid::new(buffer.width, buffer.height, finest, coarsest, |a: u32, b: u32| a.min(b));
+    for (level, (width, _, points)) in pyramid.levels.iter_mut().enumerate().skip(1) {
+        let half = 1usize << (level - 1);
+        for (at, point) in points.iter_mut().enumerate() {
+            let (x, y) = (((at % *width) << level) + half, ((at / *width) << level) + half);
+            if x < buffer.width && y < buffer.height && buffer.part_at(y * buffer.width + x).is_some() {
+                *point = (y * buffer.width + x) as u32;
+            }
+        }
+    }
+    pyramid
+}
+
+/// The weighted mean of what was computed around a pixel at the coarser level; `None` where nothing fits.
+fn taken(
+    buffer: &GBuffer,
+    stands: &Pyramid<u32>,
+    coarser: &Computed,
+    point: u32,
+    at: [usize; 2],
+    level: usize,
+) -> Option<[f32; 3]> {
+    let spacing = (1u32 << (level + 1)) as f32;
+    let pixel = guide(buffer, point as usize);
+    let (mut sum, mut total) = ([0.0f32; 3], 0.0f32);
+    for parent in parents(at, [coarser.width, coarser.height]) {
+        let Some(value) = coarser.values[parent] else { continue };
+        let stands_at = stands.levels[level + 1].2[parent];
+        let w = weight(&pixel, &guide(buffer, stands_at as usize), spacing);
+        (0..3).for_each(|k| sum[k] += w * value[k]);
+        total += w;
+    }
+    (total > LEAST_WEIGHT).then(|| sum.map(|s| s / total))
+}
+
+fn guide(buffer: &GBuffer, point: usize) -> Guide {
+    let normal = buffer.normal[point];
+    let to_viewer = buffer.to_viewer[point];
+    let cosine = (0..3).map(|k| normal[k] * to_viewer[k]).sum::<f32>().clamp(0.0, 1.0);
+    Guide {
+        at: [(point % buffer.width) as f32, (point / buffer.width) as f32],
+        position: buffer.position[point],
+        normal,
+        cosine,
+        across: buffer.across[point],
+        part: buffer.part[point],
+    }
+}

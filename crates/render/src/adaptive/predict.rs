@@ -1,0 +1,82 @@
+//! The bandwidth buffer: for each pixel, at which level of the pyramid it is shaded and by how many samples (sections 2.2,
+//! 2.3 and 3.1 of Bagher et al. 2012).
+
+use super::tile::bandwidth_and_deviation;
+use super::{AdaptiveScene, Settings};
+use crate::curvature::curvature;
+use crate::gbuffer::GBuffer;
+use crate::scene::{Camera, Frame};
+use brdfc_formats::bandwidth::propagation::{
+    largest_pixel_bandwidth, pixel_bandwidth, pyramid_level, sample_count, sample_scale,
+};
+use rayon::prelude::*;
+
+/// The level of pixels that show no surface: any level will do.
+pub const ANY_LEVEL: i32 = i32::MAX;
+
+/// What is predicted of the pixels of a G-buffer, row by row.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Prediction {
+    /// Cycles per pixel of the picture, equation 6; 0 where no surface is.
+    pub bandwidth: Vec<f32>,
+    /// Standard deviation of a sample as it shows: the root of `V` of equation 7, see [`brdfc_formats::bandwidth::propagation::VarianceEstimate`], times how much a
+    /// relative error changes the display; 0 where no surface is.
+    pub deviation: Vec<f32>,
+    /// Level of the pyramid, 0 the G-buffer's own resolution; [`ANY_LEVEL`] where no surface is.
+    pub level: Vec<i32>,
+    /// Samples of the pixel if it is shaded; 0 where no surface is.
+    pub samples: Vec<u32>,
+}
+
+/// Predicts every pixel of the buffer, whose points stand `1 << antialiasing_levels` to a pixel and axis.
+///
+/// Each of `settings.directions` incident directions is drawn in proportion to the lobe, so that `L ρ cos θ` over the
+/// density is proportional to `L`: neither the material nor the reflected light is evaluated. The tenth of the directions that
+/// does not follow the lobe counts like the others. Neighbouring points share what they find.
+pub fn predict(scene: &AdaptiveScene<'_>, frame: Frame, buffer: &GBuffer, settings: &Settings) -> Prediction {
+    let curvature = curvature(buffer);
+    let field_of_view = field_of_view(&scene.scene.camera, frame);
+    let size = [frame.width as f32, frame.height as f32];
+    let largest = largest_pixel_bandwidth(settings.antialiasing_levels);
+    let (angular, deviation) = bandwidth_and_deviation(scene, buffer, &curvature, settings);
+    let in_picture = |angular: f32| pixel_bandwidth(angular, field_of_view, size, largest);
+    let is_surface = |pixel: &usize| buffer.part_at(*pixel).is_some();
+    let covered = (0..deviation.len()).filter(is_surface).count();
+    let sum: f64 = deviation.iter().map(|v| f64::from(*v)).sum();
+    let scale = sample_scale((sum / covered.max(1) as f64) as f32, settings.samples);
+    let coarsest = coarsest(buffer);
+    let level = |pixel: usize| match is_surface(&pixel) {
+        // Level 0 is the buffer's resolution, which is finer than the picture's with antialiasing.
+        // What no pixel can show still has the most detail of all, so the limit comes after the factor.
+        true => (pyramid_level(in_picture(settings.caution * angular[pixel]), coarsest)
+            + settings.antialiasing_levels as i32)
+            .clamp(0, coarsest),
+        false => ANY_LEVEL,
+    };
+    let samples = |pixel: usize| match is_surface(&pixel) {
+        true => sample_count(deviation[pixel], scale, settings.fewest, settings.most),
+        false => 0,
+    };
+    let pixels = || (0..buffer.part.len()).into_par_iter();
+    Prediction {
+        level: pixels().map(level).collect(),
+        samples: pixels().map(samples).collect(),
+        bandwidth: angular.par_iter().map(|angular| in_picture(*angular)).collect(),
+        deviation,
+    }
+}
+
+/// The coarsest level: log2 of the buffer's shorter side, rounded down.
+pub fn coarsest(buffer: &GBuffer) -> i32 {
+    coarsest_of(buffer.width, buffer.height)
+}
+
+/// The same of a buffer of this size.
+pub fn coarsest_of(width: usize, height: usize) -> i32 {
+    width.min(height).max(1).ilog2() as i32
+}
+
+/// Angles of view across and down, radians.
+pub fn field_of_view(camera: &Camera, frame: Frame) -> [f32; 2] {
+    camera.half_extent(frame.width, frame.height).map(|half| (2.0 * half.atan()) as f32)
+}

@@ -1,0 +1,150 @@
+//! Known answers of adaptive shading, and what it saves.
+
+use super::*;
+use crate::scene::Environment;
+use crate::scenes::Builtin;
+use crate::shade::SourceReflectance;
+use brdfc_bandwidth::DEFAULT_EPSILON;
+use brdfc_bandwidth::map::environment_map;
+use brdfc_metrics::image::signal_to_noise;
+use brdfc_source::Source;
+use brdfc_source::address::parse_synth;
+use std::f64::consts::{PI, TAU};
+
+struct Prepared {
+    source: Box<dyn Source>,
+    lookups: Lookups,
+    light: DistantLight,
+    scene: Scene,
+}
+
+/// A scene of one material in an environment.
+fn prepared(address: &str, builtin: Builtin, environment: Environment) -> Prepared {
+    let source = parse_synth(address).unwrap();
+    let lookups = Lookups::new(source.as_ref()).unwrap();
+    let map = environment_map(&environment.pixels, environment.width, DEFAULT_EPSILON).unwrap();
+    let light = DistantLight::new(&environment, map);
+    Prepared { source, lookups, light, scene: Scene { environment, ..builtin.scene() } }
+}
+
+impl Prepared {
+    fn with<T>(&self, run: impl FnOnce(&AdaptiveScene<'_>) -> T) -> T {
+        let reflectance = SourceReflectance(self.source.as_ref());
+        let material = self.lookups.material(&reflectance);
+        let materials = vec![material; self.scene.parts.len()];
+        run(&AdaptiveScene { scene: &self.scene, light: &self.light, materials: &materials })
+    }
+
+    fn buffer(&self, frame: Frame) -> GBuffer {
+        GBuffer::new(&self.scene, frame)
+    }
+
+    fn truth(&self, scene: &AdaptiveScene<'_>, frame: Frame, buffer: &GBuffer, samples: usize) -> LinearImage {
+        ground_truth(
+            scene,
+            frame,
+            buffer,
+            &vec![&self.lookups.distributions; self.scene.parts.len()],
+            samples,
+            Start::Scattered,
+        )
+        .image
+    }
+}
+
+fn environment(radiance: impl Fn(f64, f64) -> f64) -> Environment {
+    let (width, height) = (128, 64);
+    let pixel = |index: usize| {
+        let theta = PI * ((index / width) as f64 + 0.5) / height as f64;
+        let phi = TAU * ((index % width) as f64 + 0.5) / width as f64;
+        [radiance(theta, phi) as f32; 3]
+    };
+    Environment { width, height, pixels: (0..width * height).map(pixel).collect() }
+}
+
+/// Bright windows on a grey wall.
+fn windows() -> Environment {
+    environment(|theta, phi| 0.4 + if theta.cos() > 0.2 && (5.0 * phi).sin() > 0.6 { 4.0 } else { 0.0 })
+}
+
+const FRAME: Frame = Frame { width: 96, height: 96, samples: 1 };
+
+#[test]
+fn in_a_furnace_nothing_varies_and_next_to_nothing_is_shaded() {
+    let prepared = prepared("synth:lambert?kd=0.6", Builtin::Sphere, environment(|_, _| 1.0));
+    let buffer = prepared.buffer(FRAME);
+    prepared.with(|scene| {
+        let picture = draw(scene, FRAME, &buffer, &Settings::default());
+        let surface: Vec<usize> = (0..buffer.part.len()).filter(|pixel| buffer.part_at(*pixel).is_some()).collect();
+        assert!(surface.iter().all(|pixel| picture.prediction.bandwidth[*pixel] == 0.0));
+        assert!(picture.shaded() < 8, "{:?}", picture.levels);
+        let furthest = surface.iter().map(|pixel| (picture.image.pixels[*pixel][1] - 0.6).abs()).fold(0.0, f32::max);
+        assert!(furthest < 0.06, "{furthest}");
+        let background = (0..buffer.part.len()).find(|pixel| buffer.part_at(*pixel).is_none()).unwrap();
+        assert_eq!(picture.image.pixels[background], [0.0; 3]);
+    });
+}
+
+#[test]
+fn with_every_pixel_at_the_finest_level_it_is_the_forward_renderer() {
+    let prepared = prepared("synth:ggx?alpha=0.3", Builtin::BumpyBall, windows());
+    let buffer = prepared.buffer(FRAME);
+    prepared.with(|scene| {
+        let settings = Settings { caution: 1e6, fewest: 9, most: 9, ..Settings::default() };
+        let picture = draw(scene, FRAME, &buffer, &settings);
+        assert_eq!(picture.image, forward(scene, FRAME, &buffer, 9));
+        let surface = buffer.part.iter().filter(|part| **part != u32::MAX).count() as u64;
+        assert_eq!((picture.shaded(), picture.samples()), (surface, 9 * surface));
+    });
+}
+
+/// The same error for a fraction of the samples; and where what is predicted is not believed, a larger error.
+#[test]
+fn a_fraction_of_the_samples_gives_the_same_error() {
+    let prepared = prepared("synth:ggx?alpha=0.3", Builtin::BumpyBall, windows());
+    let buffer = prepared.buffer(FRAME);
+    prepared.with(|scene| {
+        let truth = prepared.truth(scene, FRAME, &buffer, 512);
+        let psnr = |image: &LinearImage| signal_to_noise(image, &truth, 1.0).psnr.unwrap();
+        let picture = draw(scene, FRAME, &buffer, &Settings { samples: 64.0, ..Settings::default() });
+        let surface = buffer.part.iter().filter(|part| **part != u32::MAX).count() as f64;
+        let each = picture.samples() as f64 / surface;
+        let ours = psnr(&picture.image);
+        let forward = |count: f64| psnr(&forward(scene, FRAME, &buffer, count.ceil() as u32));
+        assert!(ours > forward(2.0 * each), "{ours} dB with {each} samples, {} forward", forward(2.0 * each));
+        // The control: levels far too coarse.
+        let careless = draw(scene, FRAME, &buffer, &Settings { samples: 64.0, caution: 1e-3, ..Settings::default() });
+        assert!(psnr(&careless.image) < ours - 1.0, "{} {ours}", psnr(&careless.image));
+    });
+}
+
+#[test]
+fn antialiasing_shades_few_pixels_more_than_once() {
+    let prepared = prepared("synth:lambert?kd=0.7", Builtin::BumpyBall, windows());
+    let counts: Vec<(u64, usize)> = (0..2)
+        .map(|levels| {
+            let buffer = prepared.buffer(Frame { samples: 1 << levels, ..FRAME });
+            prepared.with(|scene| {
+                let settings = Settings { antialiasing_levels: levels, ..Settings::default() };
+                let picture = draw(scene, FRAME, &buffer, &settings);
+                let partly = picture.image.coverage.iter().filter(|c| **c > 0.0 && **c < 1.0).count();
+                (picture.shaded(), partly)
+            })
+        })
+        .collect();
+    assert!(counts[0].1 == 0 && counts[1].1 > 50, "{counts:?}");
+    // Four times the points, shaded points to the power of 0.7 at most.
+    assert!((counts[1].0 as f64) < 4f64.powf(0.7) * counts[0].0 as f64, "{counts:?}");
+}
+
+#[test]
+fn threads_do_not_matter() {
+    let prepared = prepared("synth:ggx?alpha=0.3", Builtin::BumpyBall, windows());
+    let frame = Frame { width: 48, height: 48, samples: 1 };
+    let buffer = prepared.buffer(frame);
+    let run = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| prepared.with(|scene| draw(scene, frame, &buffer, &Settings::default())))
+    };
+    assert_eq!(run(1), run(3));
+}

@@ -1,0 +1,162 @@
+//! Bandwidth and variance of points that share incident directions.
+//!
+//! Points of a tile of 4 x 4 each look along a sixteenth of four times `n_b` directions, a run of the sequence of their own,
+//! and take over what the other points of the same part and nearly the same normal have found along theirs: "Interleaved
+//! sampling" (Keller and Heidrich 2001). So an average is over up to `4 n_b` directions for the work of `n_b / 4`. Where fewer
+//! than four points are alike, a point looks along the next runs itself, and the average is over `n_b`. Bandwidth follows
+//! the mean curvature of what is alike.
+
+use super::{AdaptiveScene, Settings};
+use crate::gbuffer::GBuffer;
+use brdfc_formats::bandwidth::brdf_cell;
+use brdfc_formats::bandwidth::propagation::{Bandwidth, BandwidthAverage, DirectedLight, Surface, VarianceEstimate};
+use rayon::prelude::*;
+
+/// Points along each side of a tile.
+const SIDE: usize = 4;
+/// Points of a tile.
+const POINTS: usize = SIDE * SIDE;
+/// Shares that make `n_b` directions.
+const ENOUGH: usize = 4;
+/// Most directions: far more than samples of a lobe.
+pub const MOST_DIRECTIONS: u32 = 1 << 16;
+/// Points whose normals have at least this cosine, 18°, are of the same piece of a surface.
+const SAME_PIECE: f32 = 0.95;
+
+/// Cycles per radian and deviation as it shows of all points, row by row; 0 where no surface is.
+pub(super) fn bandwidth_and_deviation(
+    scene: &AdaptiveScene<'_>,
+    buffer: &GBuffer,
+    curvature: &[f32],
+    settings: &Settings,
+) -> (Vec<f32>, Vec<f32>) {
+    let tile =
+        Tile { scene, buffer, curvature, run: settings.directions.clamp(1, MOST_DIRECTIONS).div_ceil(ENOUGH as u32) };
+    let (mut angular, mut deviations) = (vec![0.0; buffer.part.len()], vec![0.0; buffer.part.len()]);
+    // A row of tiles is a task.
+    let tasks = angular.par_chunks_mut(SIDE * buffer.width).zip(deviations.par_chunks_mut(SIDE * buffer.width));
+    tasks.enumerate().for_each(|(row, (angular, deviations))| {
+        let first = row * SIDE * buffer.width;
+        for column in (0..buffer.width).step_by(SIDE) {
+            let points: [Option<usize>; POINTS] = std::array::from_fn(|k| {
+                let (x, point) = (column + k % SIDE, first + k / SIDE * buffer.width + column + k % SIDE);
+                (x < buffer.width && point < buffer.part.len() && buffer.part_at(point).is_some()).then_some(point)
+            });
+            if points.iter().all(Option::is_none) {
+                continue;
+            }
+            let (shares, alike) = (tile.shares(&points), tile.alike(&points));
+            for (k, alike) in alike.into_iter().enumerate() {
+                let Some(point) = points[k] else { continue };
+                let all = tile.joined((k, point), &shares, alike);
+                let luminance = scene.materials[tile.part(point)].albedo * all.variance.mean();
+                angular[point - first] = all.average.mean().angular;
+                deviations[point - first] = visible_deviation(all.variance.relative(0.0), luminance, settings.white);
+            }
+        }
+    });
+    (angular, deviations)
+}
+
+/// What an error of the estimate does to the picture: standard deviation of one sample in units of the display's codes.
+///
+/// For `N_i` samples of pixels that show as displayed codes `s(L)`, the sum of squared errors `Σ (σ_i s'(L_i))² / N_i` is
+/// least for a given sum of `N_i` where `N_i` is in proportion to `σ_i s'(L_i)`. `V` is `σ²` relative to the squared mean,
+/// and `s` is nearly the power 1/2.2 up to white, beyond which nothing shows.
+fn visible_deviation(variance: f32, luminance: f32, white: f32) -> f32 {
+    let shown = luminance / white;
+    let response = if shown < 1.0 { shown.sqrt() } else { 1.0 / (shown * shown) };
+    variance.sqrt() * response
+}
+
+/// What tiles are looked up in.
+struct Tile<'a> {
+    scene: &'a AdaptiveScene<'a>,
+    buffer: &'a GBuffer,
+    curvature: &'a [f32],
+    /// Directions of each point.
+    run: u32,
+}
+
+/// What some of the directions of a point find.
+#[derive(Debug, Clone, Copy, Default)]
+struct Share {
+    average: BandwidthAverage,
+    variance: VarianceEstimate,
+}
+
+impl Share {
+    fn join(self, other: Self) -> Self {
+        Self { average: self.average.join(other.average), variance: self.variance.join(other.variance) }
+    }
+}
+
+impl Tile<'_> {
+    /// Of a point that shows a surface.
+    fn part(&self, point: usize) -> usize {
+        self.buffer.part_at(point).expect("points of tiles show a surface")
+    }
+
+    /// What each point finds along its own directions.
+    fn shares(&self, points: &[Option<usize>; POINTS]) -> [Share; POINTS] {
+        std::array::from_fn(|k| points[k].map_or(Share::default(), |point| self.share(point, k)))
+    }
+
+    /// Of each point, one bit for each point of the tile that shows the same piece of a surface, itself included.
+    fn alike(&self, points: &[Option<usize>; POINTS]) -> [u16; POINTS] {
+        let normals = points.map(|point| point.map_or([0.0; 3], |point| self.buffer.normal[point]));
+        let parts = points.map(|point| point.map(|point| self.buffer.part[point]));
+        let mut alike = std::array::from_fn(|k| 1 << k);
+        for a in 0..POINTS {
+            for b in 0..a {
+                let (m, n) = (normals[a], normals[b]);
+                let same = parts[a] == parts[b] && m[0] * n[0] + m[1] * n[1] + m[2] * n[2] >= SAME_PIECE;
+                alike[a] |= u16::from(same) << b;
+                alike[b] |= u16::from(same) << a;
+            }
+        }
+        alike
+    }
+
+    /// All that counts for point `k` of a tile, given which points are like it.
+    fn joined(&self, (k, point): (usize, usize), shares: &[Share; POINTS], alike: u16) -> Share {
+        let is_alike = |other: &usize| alike >> other & 1 == 1;
+        let taken = (0..POINTS).filter(is_alike).fold(Share::default(), |all, other| all.join(shares[other]));
+        let missing = ENOUGH.saturating_sub(alike.count_ones() as usize);
+        let next = (k + 1..k + POINTS).map(|other| other % POINTS).filter(|other| !is_alike(other)).take(missing);
+        next.fold(taken, |all, other| all.join(self.share(point, other)))
+    }
+
+    /// What a point finds along a run of directions.
+    fn share(&self, point: usize, number: usize) -> Share {
+        let frame = self.buffer.frame(point);
+        let material = &self.scene.materials[self.part(point)];
+        let outgoing = frame.local(self.buffer.to_viewer[point]);
+        let outgoing_cell = brdf_cell(outgoing);
+        let mut share = Share::default();
+        let first = number as u32 * self.run;
+        for index in first..first + self.run {
+            let (incoming, inverse_density) = material.samples.sample(outgoing, index);
+            if inverse_density <= 0.0 {
+                share.variance = share.variance.add_range(DirectedLight::default(), 0.0);
+                continue;
+            }
+            let map = self.scene.light.bandwidth();
+            let (incoming_cell, texel) = map.cell_and_texel(incoming, frame.world(incoming));
+            let light = self.scene.light.at(texel, inverse_density / (ENOUGH as u32 * self.run) as f32);
+            let surface = Surface {
+                cos_incoming: incoming[2],
+                cos_outgoing: outgoing[2],
+                curvature: self.curvature[point],
+                lobe: material.bandwidth.brdf_cells(incoming_cell, outgoing_cell),
+                texture: 0.0,
+            };
+            let arrives = Bandwidth::distant(light.bandwidth).one_bounce(0.0, surface, self.buffer.distance[point]);
+            let own = surface.albedo(self.buffer.distance[point]).angular;
+            let shows = Bandwidth { angular: arrives.angular.max(own), ..arrives };
+            share.average = share.average.add(shows, light.radiance);
+            share.variance = share.variance.add_range(light, surface.lobe);
+        }
+        share
+    }
+}

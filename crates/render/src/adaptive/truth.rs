@@ -1,0 +1,90 @@
+//! The ground truth: converged in double precision, by the lobe and by the light (multiple importance sampling).
+
+use super::{AdaptiveScene, resolve};
+use crate::environment_light::reflected;
+use crate::environment_sampler::{EnvironmentSampler, FramedEnvironmentSampler};
+use crate::gbuffer::GBuffer;
+use crate::lobe_sampler::{BalancedSampler, LobeSampler, low_discrepancy, shift_of};
+use crate::scene::Frame;
+use brdfc_formats::direction::Vector;
+use brdfc_importance::LobeDistributions;
+use brdfc_metrics::image::{LinearImage, signal_to_noise};
+use rayon::prelude::*;
+
+/// A measured lobe as a sampler.
+struct MeasuredLobe<'a> {
+    distributions: &'a LobeDistributions,
+    shift: [f64; 2],
+}
+
+impl LobeSampler for MeasuredLobe<'_> {
+    fn sample(&self, outgoing: Vector, index: usize) -> (Vector, f64) {
+        self.distributions.sample(outgoing, low_discrepancy(index, self.shift))
+    }
+
+    fn pdf(&self, outgoing: Vector, incoming: Vector) -> f64 {
+        self.distributions.density(outgoing, incoming)
+    }
+}
+
+/// Where in the sequence of samples points begin.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Start {
+    /// Anywhere: errors are noise.
+    Scattered,
+    /// All at the same place: errors vary no faster than the picture, which leaves its spectrum without noise.
+    Shared,
+}
+
+/// A converged picture, and how far it may be off.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GroundTruth {
+    /// The picture.
+    pub image: LinearImage,
+    /// Standard error of each channel, from the spread of 16 runs of each point's samples: more than the error of
+    /// [`Start::Scattered`], whose runs fill each other's gaps, and where a pixel has several points.
+    pub error: LinearImage,
+}
+
+impl GroundTruth {
+    /// PSNR of the picture against itself with its standard error added, as a display shows both at this exposure, dB: the
+    /// picture is at least as good. `None` if there is no error.
+    pub fn psnr(&self, exposure: f64) -> Option<f64> {
+        let mut other = self.image.clone();
+        for (pixel, error) in other.pixels.iter_mut().zip(&self.error.pixels) {
+            (0..3).for_each(|k| pixel[k] += error[k]);
+        }
+        signal_to_noise(&other, &self.image, exposure).psnr
+    }
+}
+
+/// The picture that `samples` samples for each point of the buffer give, half of them by the lobe of the material, half
+/// by the light of the environment. One distribution for each part.
+///
+/// # Panics
+/// If there are fewer distributions than parts.
+pub fn ground_truth(
+    scene: &AdaptiveScene<'_>,
+    frame: Frame,
+    buffer: &GBuffer,
+    distributions: &[&LobeDistributions],
+    samples: usize,
+    start: Start,
+) -> GroundTruth {
+    let environment = EnvironmentSampler::new(&scene.scene.environment);
+    let one = |pixel: usize| -> ([f32; 3], [f32; 3]) {
+        let (Some(part), Some(point)) = (buffer.part_at(pixel), buffer.surface_point(pixel)) else {
+            return Default::default();
+        };
+        let shift = shift_of(if start == Start::Scattered { pixel } else { 0 });
+        let lobe = MeasuredLobe { distributions: distributions[part], shift };
+        let light = FramedEnvironmentSampler { environment: &environment, point: &point, shift };
+        let sampler = BalancedSampler { first: &lobe, second: &light };
+        let material = scene.materials[part].reflectance;
+        let estimate = reflected(&point, &scene.scene.environment, material, &sampler, samples);
+        (estimate.radiance.map(|c| c as f32), estimate.error.map(|c| c as f32))
+    };
+    let (radiance, error): (Vec<_>, Vec<_>) = (0..buffer.part.len()).into_par_iter().map(one).unzip();
+    let image = |values: &[[f32; 3]]| resolve(scene.scene, frame, buffer, values, buffer.width / frame.width);
+    GroundTruth { image: image(&radiance), error: image(&error) }
+}

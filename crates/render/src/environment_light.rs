@@ -1,0 +1,167 @@
+//! Radiance that a surface reflects from an environment, without visibility: equation 1 of Bagher et al. 2012,
+//! "Interactive rendering of acquired materials on dynamic geometry using bandwidth prediction".
+
+use super::environment_sampler::{EnvironmentSampler, FramedEnvironmentSampler};
+use super::lobe_sampler::{BalancedSampler, LobeSampler, shift_of};
+use super::sampled::sampled;
+use super::scene::{Environment, Frame, Scene};
+use super::shade::Reflectance;
+use super::surface_point::SurfacePoint;
+use super::trace::Hits;
+use brdfc_formats::direction::{DirectionPair, Vector};
+use brdfc_metrics::image::LinearImage;
+use rayon::prelude::*;
+use std::f64::consts::{PI, TAU};
+
+/// Runs of samples whose spread is the stated error.
+const RUNS: usize = 16;
+/// Samples that [`converged`] starts with.
+const FIRST_SAMPLES: usize = 256;
+
+/// An integral by samples.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    /// Linear RGB, W/(m² sr).
+    pub radiance: Vector,
+    /// Standard error of each channel, from the spread of 16 runs of the sampler's sequence. The runs of a sequence that
+    /// fills space evenly make up for each other's gaps: their mean is better than this says.
+    pub error: Vector,
+    /// How many samples it took.
+    pub samples: usize,
+}
+
+/// `L(ω) f_r(ω, ω_o) cos θ` for a direction of the local frame; 0 at the horizon and below.
+pub fn integrand(
+    point: &SurfacePoint,
+    environment: &Environment,
+    material: &dyn Reflectance,
+    incoming: Vector,
+) -> Vector {
+    if incoming[2] <= 0.0 || incoming[2].is_nan() {
+        return [0.0; 3];
+    }
+    let f_r = material.eval(DirectionPair::new(incoming, point.outgoing), point.distance);
+    let light = environment.at(point.world(incoming));
+    [0, 1, 2].map(|k| f_r[k] * light[k] * incoming[2])
+}
+
+/// The mean over the first `samples` directions of a sampler, rounded up to 16 runs of the same length.
+///
+/// The sampler must reach every direction that reflects light.
+pub fn reflected(
+    point: &SurfacePoint,
+    environment: &Environment,
+    material: &dyn Reflectance,
+    sampler: &dyn LobeSampler,
+    samples: usize,
+) -> Estimate {
+    let length = samples.div_ceil(RUNS).max(1);
+    let run = |run: usize| {
+        let mut sum = [0.0; 3];
+        for index in run * length..(run + 1) * length {
+            let (incoming, inverse_density) = sampler.sample(point.outgoing, index);
+            if inverse_density > 0.0 {
+                let value = integrand(point, environment, material, incoming);
+                (0..3).for_each(|k| sum[k] += value[k] * inverse_density);
+            }
+        }
+        sum.map(|s| s / length as f64)
+    };
+    let runs: Vec<Vector> = (0..RUNS).map(run).collect();
+    let radiance = [0, 1, 2].map(|k| runs.iter().map(|run| run[k]).sum::<f64>() / RUNS as f64);
+    let error = [0, 1, 2].map(|k| {
+        let squares: f64 = runs.iter().map(|run| (run[k] - radiance[k]).powi(2)).sum();
+        (squares / (RUNS * (RUNS - 1)) as f64).sqrt()
+    });
+    Estimate { radiance, error, samples: length * RUNS }
+}
+
+/// [`reflected`] with twice as many samples again and again, from 256 on, until the error of no channel is above
+/// `tolerance` (radiance), or there are `most`.
+pub fn converged(
+    point: &SurfacePoint,
+    environment: &Environment,
+    material: &dyn Reflectance,
+    sampler: &dyn LobeSampler,
+    tolerance: f64,
+    most: usize,
+) -> Estimate {
+    let mut samples = FIRST_SAMPLES.min(most);
+    loop {
+        let estimate = reflected(point, environment, material, sampler, samples);
+        let enough = estimate.error.iter().all(|error| *error <= tolerance);
+        if enough || samples >= most {
+            return estimate;
+        }
+        samples = (2 * samples).min(most);
+    }
+}
+
+/// The integral as a sum over all texels, each divided into `per_side²` equal solid angles: slow, and independent of
+/// samplers. Its error falls with the square of `per_side` where lobe and environment are smooth.
+pub fn quadrature(
+    point: &SurfacePoint,
+    environment: &Environment,
+    material: &dyn Reflectance,
+    per_side: usize,
+) -> Vector {
+    let (width, height) = (environment.width, environment.height);
+    let middle = |step: usize| (step as f64 + 0.5) / per_side as f64;
+    let row = |row: usize| {
+        let [above, below] = [row, row + 1].map(|edge| (PI * edge as f64 / height as f64).cos());
+        let mut sum = [0.0; 3];
+        for down in 0..per_side {
+            let y = above + middle(down) * (below - above);
+            let sine = (1.0 - y * y).sqrt();
+            for (column, right) in (0..width).flat_map(|column| (0..per_side).map(move |right| (column, right))) {
+                let azimuth = TAU * (column as f64 + middle(right)) / width as f64;
+                let direction = [sine * azimuth.cos(), y, sine * azimuth.sin()];
+                let value = integrand(point, environment, material, point.local(direction));
+                (0..3).for_each(|k| sum[k] += value[k]);
+            }
+        }
+        let each = texel_solid_angle(row, width, height) / (per_side * per_side) as f64;
+        sum.map(|s| s * each)
+    };
+    let rows: Vec<Vector> = (0..height).into_par_iter().map(row).collect();
+    [0, 1, 2].map(|k| rows.iter().map(|row| row[k]).sum())
+}
+
+/// Solid angle of each texel of a row, sr.
+pub(crate) fn texel_solid_angle(row: usize, width: usize, height: usize) -> f64 {
+    let [above, below] = [row, row + 1].map(|edge| (PI * edge as f64 / height as f64).cos());
+    (above - below) * TAU / width as f64
+}
+
+/// What a frame shows of a scene that its environment lights, `samples` directions for each of the frame's samples: half
+/// of them by the lobe of the part's material, half by the light of the environment.
+///
+/// Point lights and mirrors are left out.
+///
+/// # Panics
+/// If there are fewer materials or lobes than parts, or hits of another frame.
+pub fn shade_by_environment(
+    scene: &Scene,
+    frame: Frame,
+    hits: &Hits,
+    materials: &[&dyn Reflectance],
+    lobes: &[&dyn LobeSampler],
+    samples: usize,
+) -> LinearImage {
+    let each = frame.samples_per_pixel();
+    assert_eq!(hits.0.len(), frame.width * frame.height * each, "hits of this frame");
+    assert!(materials.len().min(lobes.len()) >= scene.parts.len(), "one material and lobe for each part");
+    let light = EnvironmentSampler::new(&scene.environment);
+    sampled(scene, frame, |pixel, sample| {
+        let hit = hits.0[pixel * each + sample].as_ref()?;
+        let part = hit.part as usize;
+        let point = SurfacePoint::new(&scene.parts[part], hit, scene.camera.eye);
+        let framed =
+            FramedEnvironmentSampler { environment: &light, point: &point, shift: shift_of(pixel * each + sample) };
+        let both = BalancedSampler { first: lobes[part], second: &framed };
+        Some(reflected(&point, &scene.environment, materials[part], &both, samples).radiance)
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,52 @@
+//! Flat BTFs on the surfaces of a scene, with parallax (section 3.5 of Hadim et al. 2009).
+//!
+//! The surfaces of a scene are macro surfaces: each is the reference plane of the meso-geometry, bent. Directions
+//! are taken in its local frame, tangent, bitangent and normal; a light below its horizon gives nothing. One material goes
+//! over all parts of a scene; their bump maps and mirrors are not looked at.
+//!
+//! Values of flat BTFs are relative to a white diffuser that faces the light: a point light of radiant intensity I at
+//! distance d gives the radiance `value I / (π d²)`. The cosine is inside.
+
+mod material;
+mod reference;
+
+pub use material::{FlatForm, FlatMaterial, SampledDirections};
+pub use reference::reference_plane;
+
+use super::sampled::sampled;
+use super::scene::{Frame, Scene};
+use super::surface_point::SurfacePoint;
+use super::trace::trace;
+use super::vector::subtract;
+use brdfc_formats::direction::{Vector, dot};
+use brdfc_metrics::image::LinearImage;
+use std::f64::consts::PI;
+
+/// Draws a scene whose parts are all of one flat BTF: `flat_scene.wgsl` does the same steps.
+///
+/// # Panics
+/// For the full form of a material without views: see [`FlatMaterial::has_views`].
+pub fn draw_on_cpu(scene: &Scene, frame: Frame, material: &FlatMaterial, form: FlatForm) -> LinearImage {
+    let hits = trace(scene, frame).0;
+    sampled(scene, frame, |pixel, sample| {
+        let hit = hits[pixel * frame.samples_per_pixel() + sample].as_ref()?;
+        let point = SurfacePoint::without_bump(&scene.parts[hit.part as usize], hit, scene.camera.eye);
+        Some(reflected(scene, &point, material, form))
+    })
+}
+
+/// Radiance towards the viewer.
+fn reflected(scene: &Scene, point: &SurfacePoint, material: &FlatMaterial, form: FlatForm) -> Vector {
+    let mut radiance = [0.0; 3];
+    for light in &scene.lights {
+        let to_light = subtract(light.position, point.position);
+        let squared = dot(to_light, to_light);
+        let incoming = point.local(to_light.map(|c| c / squared.sqrt()));
+        if incoming[2] <= 0.0 || incoming[2].is_nan() {
+            continue;
+        }
+        let value = material.value(form, point.uv, point.outgoing, incoming);
+        (0..3).for_each(|k| radiance[k] += f64::from(value[k]) * light.intensity[k] / (PI * squared));
+    }
+    radiance
+}

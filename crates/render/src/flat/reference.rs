@@ -1,0 +1,100 @@
+//! What a flat BTF on a plane is to look like: the displaced surface itself, ray cast.
+
+use crate::sampled::sampled;
+use crate::scene::{Frame, Mesh, Scene};
+use crate::vector::{add_scaled, cross, double, subtract};
+use brdfc_flat_btf::model::MesoModel;
+use brdfc_flat_btf::surface::Appearance;
+use brdfc_formats::direction::{Vector, dot, normalize};
+use brdfc_metrics::image::LinearImage;
+use std::f64::consts::PI;
+
+/// World space seen from a plane that is covered with tiles.
+struct Tiling {
+    /// Where tile coordinates are 0.
+    origin: Vector,
+    /// Unit vectors along u, along v, and up.
+    axes: [Vector; 3],
+    /// Side of a tile in units of world space.
+    side: f64,
+}
+
+impl Tiling {
+    /// The plane of a mesh's first triangle. `None` where u and v are not at right angles and of one scale, or the mesh
+    /// is not plane.
+    fn new(mesh: &Mesh, repeat: u32) -> Option<Self> {
+        let corners = mesh.triangles.first()?.map(|corner| &mesh.vertices[corner as usize]);
+        let [a, b, c] = corners.map(|corner| double(corner.position));
+        let [p, q, r] = corners.map(|corner| corner.uv.map(f64::from));
+        let ([e, f], [g, h]) = ([q[0] - p[0], q[1] - p[1]], [r[0] - p[0], r[1] - p[1]]);
+        let determinant = e * h - f * g;
+        let (along, across) = (subtract(b, a), subtract(c, a));
+        let solve = |s: f64, t: f64| [0, 1, 2].map(|k| (s * along[k] + t * across[k]) / determinant);
+        let (u, v) = (solve(h, -f), solve(-g, e));
+        let scale = dot(u, u).sqrt();
+        let square = dot(u, v).abs() < 1e-5 * scale * scale && (dot(v, v).sqrt() / scale - 1.0).abs() < 1e-5;
+        let axes = [normalize(u), normalize(v), normalize(cross(u, v))];
+        let origin = add_scaled(add_scaled(a, -p[0], u), -p[1], v);
+        let off = |position| dot(subtract(double(position), origin), axes[2]).abs();
+        let plane = mesh.vertices.iter().all(|vertex| off(vertex.position) < 1e-5 * scale);
+        (determinant != 0.0 && square && plane).then_some(Self { origin, axes, side: scale / f64::from(repeat) })
+    }
+
+    /// A direction in the plane's axes, of the same length.
+    fn direction(&self, v: Vector) -> Vector {
+        self.axes.map(|axis| dot(axis, v))
+    }
+
+    /// A point in tiles.
+    fn point(&self, p: Vector) -> Vector {
+        self.direction(subtract(p, self.origin)).map(|c| c / self.side)
+    }
+}
+
+/// Draws the plane of a scene with the real displaced surface on it: the repetition of `model`, `repeat` tiles per unit
+/// of uv, under direct light with cast shadows.
+///
+/// Rays, distances and directions to lights are exact for each point of the displaced surface; only shadow rays go on
+/// beyond a light, which is above the whole surface. The plane's edge is where a ray crosses z = 0 at uv of 0 and 1.
+///
+/// # Panics
+/// If the scene's first part is not a plane with square tiles, or the camera is not above it: a mistake of the caller.
+pub fn reference_plane(
+    scene: &Scene,
+    frame: Frame,
+    model: &MesoModel,
+    appearance: &Appearance,
+    repeat: u32,
+) -> LinearImage {
+    let tiling = Tiling::new(&scene.parts[0].mesh, repeat).expect("a plane with square tiles");
+    let eye = tiling.point(scene.camera.eye);
+    assert!(eye[2] > model.caster.heights()[1], "the camera is above the surface");
+    let lights: Vec<(Vector, [f64; 3])> =
+        scene.lights.iter().map(|light| (tiling.point(light.position), light.intensity)).collect();
+    let last = f64::from(repeat);
+    sampled(scene, frame, |pixel, sample| {
+        let [x, y] = frame.sample_position(pixel, sample);
+        let ray = normalize(tiling.direction(scene.camera.ray(frame, x, y)));
+        if ray[2] >= 0.0 {
+            return None;
+        }
+        let at = add_scaled(eye, -eye[2] / ray[2], ray);
+        if !(0.0..=last).contains(&at[0]) || !(0.0..=last).contains(&at[1]) {
+            return None;
+        }
+        let view = ray.map(|c| -c);
+        let point = model.point(&model.seen([at[0], at[1]], view).hit);
+        let mut radiance = [0.0; 3];
+        for (position, intensity) in &lights {
+            let to_light = subtract(*position, point.position);
+            let squared = dot(to_light, to_light);
+            let light = to_light.map(|c| c / squared.sqrt());
+            if model.caster.sees_sky(&point, light) {
+                let value = appearance.relative_radiance(&point, view, light);
+                let scale = 1.0 / (PI * squared * tiling.side * tiling.side);
+                (0..3).for_each(|k| radiance[k] += f64::from(value[k]) * intensity[k] * scale);
+            }
+        }
+        Some(radiance)
+    })
+}

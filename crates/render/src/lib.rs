@@ -1,0 +1,21 @@
+//! The verifier: draws packs with the shaders that engines use, beside a CPU reference, on any Vulkan driver.
+
+pub mod adaptive;
+pub mod camera;
+pub mod curvature;
+pub mod environment;
+pub mod environment_light;
+pub mod environment_sampler;
+pub mod flat;
+pub mod gbuffer;
+pub mod lobe_sampler;
+pub mod picture;
+mod sampled;
+pub mod scene;
+pub mod scenes;
+pub mod shade;
+pub mod surface_point;
+#[cfg(test)]
+mod testing;
+pub mod trace;
+mod vector;

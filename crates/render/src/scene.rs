@@ -1,0 +1,117 @@
+//! What is drawn: meshes, camera, lights. Both renderers, shader and CPU, read the same values.
+//!
+//! World space is right-handed, y up, lengths in the scene's own unit.
+
+use brdfc_formats::direction::Vector;
+
+/// A corner of a triangle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Vertex {
+    /// Where it is.
+    pub position: [f32; 3],
+    /// Unit shading normal.
+    pub normal: [f32; 3],
+    /// Unit tangent, at right angles to the normal: the x axis of the BRDF's frame. Bitangent = normal x tangent.
+    pub tangent: [f32; 3],
+    /// Coordinates for bump maps.
+    pub uv: [f32; 2],
+}
+
+/// Triangles with shared corners. Counter-clockwise from the front.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Mesh {
+    /// Corners.
+    pub vertices: Vec<Vertex>,
+    /// Indices of three corners each.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// What a surface has besides its BRDF.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Surface {
+    /// Heights that bend the normal.
+    pub bump: Option<HeightMap>,
+    /// Weight of the mirrored environment at normal incidence, 0 to 1; rises towards grazing angles (Schlick 1994).
+    /// The BRDF's share falls accordingly. 0: no environment.
+    pub mirror: f32,
+}
+
+/// A periodic map of heights over `uv`; one repetition per unit of `uv`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeightMap {
+    /// Texels per side.
+    pub size: usize,
+    /// Heights, in the unit of positions per unit of `uv`: slope = d height / d uv. Row by row, `v` rows.
+    pub heights: Vec<f32>,
+}
+
+/// A part of a scene: one mesh of one material.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    /// The name that manifests give materials to.
+    pub name: &'static str,
+    /// Its triangles.
+    pub mesh: Mesh,
+    /// Bump and mirror.
+    pub surface: Surface,
+}
+
+/// A pinhole camera.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Camera {
+    /// Where it is.
+    pub eye: Vector,
+    /// What it looks at.
+    pub target: Vector,
+    /// Which way is up in the image.
+    pub up: Vector,
+    /// Vertical angle of view in degrees, between 0 and 180.
+    pub field_of_view: f64,
+}
+
+/// A light of no extent.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PointLight {
+    /// Where it is.
+    pub position: Vector,
+    /// Radiant intensity, linear RGB, W/sr.
+    pub intensity: [f64; 3],
+}
+
+/// Radiance from far away, by direction: a latitude-longitude image. Row 0 looks up (+y); column `c` of `w` looks along
+/// azimuth `2π (c + ½) / w`, with `x = sin θ cos φ, y = cos θ, z = sin θ sin φ`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Environment {
+    /// Pixels per row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Linear RGB, W/(m² sr).
+    pub pixels: Vec<[f32; 3]>,
+}
+
+/// Everything that is drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scene {
+    /// Parts, in the order that materials are given for.
+    pub parts: Vec<Part>,
+    /// From where.
+    pub camera: Camera,
+    /// Lit by.
+    pub lights: Vec<PointLight>,
+    /// What mirrors show.
+    pub environment: Environment,
+    /// What a picture shows where no surface is: linear RGB of the display, 0 to 1, whatever the exposure.
+    pub background: [f32; 3],
+}
+
+/// Size of an image and how finely its pixels are sampled.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Frame {
+    /// Pixels per row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Samples per pixel and axis: `samples²` points on a regular grid at `(i + ½) / samples`.
+    pub samples: usize,
+}

@@ -1,0 +1,346 @@
+//! Addresses of analytic models.
+//!
+//! ```text
+//! address   = "synth:" model
+//! model     = name [ "?" parameter *( "&" parameter ) ]
+//! parameter = name "=" number [ "," number "," number ]
+//! number    = a decimal number, such as 0.3, 20 or 1.5e-2
+//! ```
+//!
+//! Names are those of [`MODELS`], in lower case; there are no spaces and no escapes. A colour is one number for all
+//! channels, or three: linear red, green and blue. Parameters may come in any order, each at most once; those left out
+//! take their defaults. A shorthand (`alpha` of `ggx`) sets several parameters and counts as each of them. On most command
+//! lines an address needs quotes: `"synth:lewis?kd=0.6&n=20"`.
+
+use super::Source;
+use super::analytic::{Analytic, MODELS, Parameter, ParameterKind, Shorthand};
+use std::fmt::Write;
+
+/// What the address of an analytic model starts with.
+pub const SYNTH_PREFIX: &str = "synth:";
+
+/// An address that is not one of an analytic model.
+///
+/// Reads as ``n of lewis: found `-1`; allowed 0 to 10000``.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{part}: found {found}; allowed {allowed}{}", did_you_mean(.suggestion))]
+pub struct AddressError {
+    /// Which part of the address.
+    pub part: String,
+    /// What stands there.
+    pub found: String,
+    /// What may stand there.
+    pub allowed: String,
+    /// The allowed name nearest to the one found, if any is near.
+    pub suggestion: Option<String>,
+}
+
+fn did_you_mean(suggestion: &Option<String>) -> String {
+    suggestion.as_ref().map(|name| format!("; did you mean `{name}`?")).unwrap_or_default()
+}
+
+impl AddressError {
+    fn new(part: impl Into<String>, found: impl Into<String>, allowed: impl Into<String>) -> Self {
+        Self { part: part.into(), found: found.into(), allowed: allowed.into(), suggestion: None }
+    }
+
+    fn unknown_name(part: impl Into<String>, found: &str, allowed: &[&str]) -> Self {
+        let suggestion = nearest(found, allowed).map(str::to_owned);
+        Self { suggestion, ..Self::new(part, quoted(found), allowed.join(", ")) }
+    }
+}
+
+/// Whether an input is the address of an analytic model and not a path.
+pub fn is_synth(input: &str) -> bool {
+    input.starts_with(SYNTH_PREFIX)
+}
+
+/// The model at an address, `synth:MODEL?param=value&...`; see the module for the grammar.
+///
+/// # Errors
+///
+/// When the prefix is missing, the model or a parameter is unknown, or a value is missing, doubled, not a number, or out
+/// of range.
+pub fn parse_synth(address: &str) -> Result<Box<dyn Source>, AddressError> {
+    let model = address
+        .strip_prefix(SYNTH_PREFIX)
+        .ok_or_else(|| AddressError::new("address", quoted(address), format!("{SYNTH_PREFIX}MODEL?param=value&...")))?;
+    Ok(parse_model(model)?)
+}
+
+/// The model of an address without its prefix, `MODEL?param=value&...`.
+///
+/// # Errors
+///
+/// As [`parse_synth`].
+pub fn parse_model(text: &str) -> Result<Box<dyn Analytic>, AddressError> {
+    let (name, query) = split_query(text);
+    let info = find_named("model", name, &MODELS, |m| m.name)?;
+    let values = parse_parameters(info.name, info.parameters, info.shorthands, query)?;
+    Ok((info.build)(&values))
+}
+
+/// The name in an address without its prefix, and the parameters behind its `?`, if there is one.
+pub fn split_query(text: &str) -> (&str, Option<&str>) {
+    text.split_once('?').map_or((text, None), |(name, query)| (name, Some(query)))
+}
+
+/// The one of `items` that has a name; `part` says what they are.
+///
+/// # Errors
+///
+/// When none has.
+pub fn find_named<T: Copy>(
+    part: &str,
+    name: &str,
+    items: &[T],
+    name_of: impl Fn(T) -> &'static str,
+) -> Result<T, AddressError> {
+    let names: Vec<&str> = items.iter().map(|item| name_of(*item)).collect();
+    let found = names.iter().position(|known| *known == name);
+    found.map(|k| items[k]).ok_or_else(|| AddressError::unknown_name(part, name, &names))
+}
+
+/// The values of `parameters`, in their order, from the part of an address behind the `?`; those left out have their
+/// defaults, and a number stands in all three channels. `owner` is the name that errors give.
+///
+/// # Errors
+///
+/// When a parameter is unknown, or a value is missing, doubled, not a number, or out of range.
+pub fn parse_parameters(
+    owner: &str,
+    parameters: &[Parameter],
+    shorthands: &[Shorthand],
+    query: Option<&str>,
+) -> Result<Vec<[f64; 3]>, AddressError> {
+    let mut values = vec![None; parameters.len()];
+    for item in query.into_iter().flat_map(|q| q.split('&')) {
+        set(owner, parameters, shorthands, item, &mut values)?;
+    }
+    Ok(parameters.iter().zip(values).map(|(p, value)| value.unwrap_or([p.default; 3])).collect())
+}
+
+/// The address of a model with every parameter, in the model's order, each number in its shortest exact form.
+///
+/// Models with the same values have the same canonical address, and it parses to the same values.
+pub fn canonical(model: &dyn Analytic) -> String {
+    let info = model.info();
+    canonical_address(info.name, info.parameters, &model.values())
+}
+
+/// The address of anything with parameters, as [`canonical`].
+pub fn canonical_address(name: &str, parameters: &[Parameter], values: &[[f64; 3]]) -> String {
+    let mut text = format!("{SYNTH_PREFIX}{name}");
+    for (k, (parameter, value)) in parameters.iter().zip(values).enumerate() {
+        // Adding zero turns -0 into 0.
+        let [r, g, b] = value.map(|v| v + 0.0);
+        let separator = if k == 0 { '?' } else { '&' };
+        let _ = write!(text, "{separator}{}={r}", parameter.name);
+        if parameter.kind == ParameterKind::Colour && (g != r || b != r) {
+            let _ = write!(text, ",{g},{b}");
+        }
+    }
+    text
+}
+
+/// A list of all models with their parameters, ranges and defaults, for help texts.
+pub fn describe_models() -> String {
+    MODELS.iter().map(|info| describe(info.name, info.meaning, info.parameters, info.shorthands)).collect()
+}
+
+/// What a name in addresses stands for, and its parameters, ranges and defaults, for help texts.
+pub fn describe(name: &str, meaning: &str, parameters: &[Parameter], shorthands: &[Shorthand]) -> String {
+    let names = parameters.iter().map(|p| p.name).chain(shorthands.iter().map(|s| s.name));
+    let width = names.map(str::len).fold(9, usize::max);
+    let mut text = format!("{name:<9} {meaning}\n");
+    for p in parameters {
+        let kind = match p.kind {
+            ParameterKind::Number => "",
+            ParameterKind::Integer => ", whole",
+            ParameterKind::Colour => " or r,g,b",
+        };
+        let (range, default) = (format!("{} to {}{kind}", p.minimum, p.maximum), p.default);
+        let _ = writeln!(text, "  {:<width$} {range:<18} default {default:<5} {}", p.name, p.meaning);
+    }
+    for s in shorthands {
+        let _ = writeln!(text, "  {:<width$} sets {}", s.name, s.stands_for.join(" and "));
+    }
+    text
+}
+
+fn set(
+    owner: &str,
+    parameters: &[Parameter],
+    shorthands: &[Shorthand],
+    item: &str,
+    values: &mut [Option<[f64; 3]>],
+) -> Result<(), AddressError> {
+    let of_owner = |what: &str| format!("{what} of {owner}");
+    let Some((name, value)) = item.split_once('=') else {
+        return Err(AddressError::new(of_owner("parameter"), quoted(item), "name=value"));
+    };
+    let shorthand = shorthands.iter().find(|s| s.name == name);
+    let mut known = false;
+    for (k, parameter) in parameters.iter().enumerate() {
+        if parameter.name != name && !shorthand.is_some_and(|s| s.stands_for.contains(&parameter.name)) {
+            continue;
+        }
+        known = true;
+        if values[k].is_some() {
+            return Err(AddressError::new(of_owner(parameter.name), format!("{} again", quoted(item)), "one value"));
+        }
+        values[k] = Some(parse_value(parameter, value, &of_owner(name))?);
+    }
+    if known {
+        return Ok(());
+    }
+    let allowed: Vec<&str> = parameters.iter().map(|p| p.name).chain(shorthands.iter().map(|s| s.name)).collect();
+    Err(AddressError::unknown_name(of_owner("parameter"), name, &allowed))
+}
+
+fn parse_value(parameter: &Parameter, text: &str, part: &str) -> Result<[f64; 3], AddressError> {
+    let (minimum, maximum) = (parameter.minimum, parameter.maximum);
+    let numbers: Vec<&str> = text.split(',').collect();
+    let allowed_counts: &[usize] = if parameter.kind == ParameterKind::Colour { &[1, 3] } else { &[1] };
+    if !allowed_counts.contains(&numbers.len()) {
+        let allowed = if allowed_counts.len() > 1 { "one number or three" } else { "one number" };
+        return Err(AddressError::new(part, quoted(text), allowed));
+    }
+    let whole = parameter.kind == ParameterKind::Integer;
+    let range = if whole { "whole numbers from " } else { "" };
+    let mut value = [0.0; 3];
+    for (c, slot) in value.iter_mut().enumerate() {
+        let number = numbers[c.min(numbers.len() - 1)];
+        *slot = number
+            .parse()
+            .ok()
+            .filter(|v| (minimum..=maximum).contains(v) && !(whole && f64::fract(*v) != 0.0))
+            .ok_or_else(|| AddressError::new(part, quoted(number), format!("{range}{minimum} to {maximum}")))?;
+    }
+    Ok(value)
+}
+
+fn nearest<'a>(found: &str, allowed: &[&'a str]) -> Option<&'a str> {
+    let found = found.to_lowercase();
+    let near = |name: &&str| {
+        let distance = strsim::damerau_levenshtein(&found, name);
+        let longest = found.chars().count().max(name.len());
+        // At least one letter in common, and at most one in three wrong.
+        (distance < longest && distance <= longest.div_ceil(3)).then_some(distance)
+    };
+    allowed.iter().filter_map(|name| near(name).map(|d| (d, *name))).min_by_key(|&(d, _)| d).map(|(_, name)| name)
+}
+
+/// The text between back quotes, control characters escaped.
+fn quoted(text: &str) -> String {
+    format!("`{}`", text.escape_debug())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn error(text: &str) -> String {
+        parse_model(text).err().map(|e| e.to_string()).unwrap_or_default()
+    }
+
+    fn canonical_of(text: &str) -> String {
+        canonical(parse_model(text).unwrap().as_ref())
+    }
+
+    #[test]
+    fn defaults_fill_what_is_left_out() {
+        assert_eq!(canonical_of("lambert"), "synth:lambert?kd=0.5");
+        assert_eq!(canonical_of("lewis?n=5e1"), "synth:lewis?kd=0.6&ks=0.3&n=50");
+        assert_eq!(canonical_of("ward?ay=0.25&kd=0.6,0.1,.1"), "synth:ward?kd=0.6,0.1,0.1&ks=0.1&ax=0.15&ay=0.25");
+        assert_eq!(canonical_of("poulin?h=-0&kd=0.1,0.1,0.1"), "synth:poulin?kd=0.1&ks=0.1&d=2.5&h=0&n=20");
+        assert_eq!(canonical_of("ggx?alpha=0.1"), "synth:ggx?kd=0.2&f0=0.04&alpha_x=0.1&alpha_y=0.1");
+    }
+
+    #[test]
+    fn addresses_become_sources() {
+        assert!(is_synth("synth:lambert") && !is_synth("lambert.binary"));
+        assert!(parse_synth("synth:lambert").unwrap().is_grey());
+        assert!(!parse_synth("synth:lambert?kd=0.1,0.2,0.3").unwrap().is_grey());
+        let missing = parse_synth("lambert").err().unwrap().to_string();
+        assert_eq!(missing, "address: found `lambert`; allowed synth:MODEL?param=value&...");
+    }
+
+    #[test]
+    fn errors_name_the_part_and_what_is_allowed() {
+        for (text, expected) in [
+            ("", "model: found ``; allowed lambert, lewis, ward, poulin, ggx, velvet"),
+            (
+                "Lambrt",
+                "model: found `Lambrt`; allowed lambert, lewis, ward, poulin, ggx, velvet; did you mean `lambert`?",
+            ),
+            ("phong", "model: found `phong`; allowed lambert, lewis, ward, poulin, ggx, velvet"),
+            ("lambert?", "parameter of lambert: found ``; allowed name=value"),
+            ("lambert?kd=0.1&", "parameter of lambert: found ``; allowed name=value"),
+            ("lambert?kd", "parameter of lambert: found `kd`; allowed name=value"),
+            ("lambert?q=1", "parameter of lambert: found `q`; allowed kd"),
+            (
+                "ggx?alfa=1",
+                "parameter of ggx: found `alfa`; allowed kd, f0, alpha_x, alpha_y, alpha; did you mean `alpha`?",
+            ),
+            ("lambert?kd=", "kd of lambert: found ``; allowed 0 to 1"),
+            ("lambert?kd=NaN", "kd of lambert: found `NaN`; allowed 0 to 1"),
+            ("lambert?kd=0.1, 0.2,0.3", "kd of lambert: found ` 0.2`; allowed 0 to 1"),
+            ("lambert?kd=0.1,0.2", "kd of lambert: found `0.1,0.2`; allowed one number or three"),
+            ("lambert?kd=0.1&kd=0.1", "kd of lambert: found `kd=0.1` again; allowed one value"),
+            ("lewis?n=inf", "n of lewis: found `inf`; allowed 0 to 10000"),
+            ("lewis?n=1,2,3", "n of lewis: found `1,2,3`; allowed one number"),
+            ("poulin?d=1.9", "d of poulin: found `1.9`; allowed 2 to 100"),
+            ("ggx?alpha_x=0.1&alpha=0.2", "alpha_x of ggx: found `alpha=0.2` again; allowed one value"),
+            ("ggx?alpha=2", "alpha of ggx: found `2`; allowed 0.001 to 1"),
+            ("lambert?kd=\u{1b}[2J", "kd of lambert: found `\\u{1b}[2J`; allowed 0 to 1"),
+        ] {
+            assert_eq!(error(text), expected);
+        }
+    }
+
+    #[test]
+    fn the_specification_lists_every_parameter() {
+        let page = include_str!("../../../docs/synth.md");
+        for info in MODELS {
+            assert!(page.contains(&format!("## {}\n", info.name)), "{}", info.name);
+            for p in info.parameters {
+                let kind = if p.kind == ParameterKind::Colour { "colour" } else { "number" };
+                let row = format!("| {} | {kind} | {} to {} | {} |", p.name, p.minimum, p.maximum, p.default);
+                let section = page.split("\n## ").find(|s| s.starts_with(info.name)).unwrap();
+                assert!(section.contains(&row), "{}: {row}", info.name);
+                assert!((p.minimum..=p.maximum).contains(&p.default));
+            }
+        }
+        let help = describe_models();
+        assert!(help.contains("lewis ") && help.contains("alpha     sets alpha_x and alpha_y"), "{help}");
+    }
+
+    proptest! {
+        #[test]
+        fn any_text_is_parsed_or_refused(text in "(lambert|lewis|ward|poulin|ggx|velvet|x)?\\??[a-z=&,.0-9_-]{0,30}") {
+            if let Ok(model) = parse_model(&text) {
+                let address = canonical(model.as_ref());
+                let again = parse_model(&address[SYNTH_PREFIX.len()..]).unwrap();
+                prop_assert_eq!(again.values(), model.values());
+                prop_assert_eq!(canonical(again.as_ref()), address);
+            }
+        }
+
+        #[test]
+        fn canonical_addresses_round_trip(
+            model in 0usize..5,
+            shares in prop::collection::vec([0.0f64..=1.0, 0.0f64..=1.0, 0.0f64..=1.0], 5),
+        ) {
+            let info = MODELS[model];
+            let value = |p: &Parameter, shares: [f64; 3]| {
+                let value = shares.map(|t| (p.minimum + t * (p.maximum - p.minimum)).min(p.maximum));
+                if p.kind == ParameterKind::Colour { value } else { [value[0]; 3] }
+            };
+            let values: Vec<[f64; 3]> = info.parameters.iter().zip(shares).map(|(p, t)| value(p, t)).collect();
+            let address = canonical((info.build)(&values).as_ref());
+            prop_assert_eq!(parse_model(&address[SYNTH_PREFIX.len()..]).unwrap().values(), values);
+        }
+    }
+}

@@ -1,0 +1,55 @@
+//! Maps of bandwidth as files.
+
+use brdfc_formats::bandwidth::{BandwidthKind, BandwidthMap};
+
+/// What is worth knowing about a map.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+pub struct BandwidthFacts {
+    /// 'brdf', 'environment' or 'texture'.
+    pub of: String,
+    /// Unit of the bandwidths.
+    pub unit: String,
+    /// Texels per row and rows.
+    pub size: [u32; 2],
+    /// Width and height of the image that was transformed; of materials, of each lobe.
+    pub transformed: [u32; 2],
+    /// Share of the largest coefficient that does not count.
+    pub epsilon: f32,
+    /// Width and height of a texture in metres.
+    pub metres: Option<[f32; 2]>,
+    /// Whether a texture repeats.
+    pub tiles: Option<bool>,
+    /// Largest bandwidth.
+    pub largest: f32,
+    /// Mean of all texels.
+    pub mean: f64,
+    /// Share of texels without any variation, 0 to 1.
+    pub constant: f64,
+    /// Bytes on a GPU.
+    pub gpu_bytes: u64,
+}
+
+impl BandwidthFacts {
+    /// Of a map.
+    pub fn new(map: &BandwidthMap) -> Self {
+        let (header, values) = (map.header(), map.values());
+        let (metres, tiles) = match header.kind {
+            BandwidthKind::Texture { metres, tiles } => (Some(metres), Some(tiles)),
+            _ => (None, None),
+        };
+        let count = values.len() as f64;
+        Self {
+            of: header.kind.name().to_owned(),
+            unit: header.kind.unit().to_owned(),
+            size: map.size(),
+            transformed: header.transformed,
+            epsilon: header.epsilon,
+            metres,
+            tiles,
+            largest: values.iter().copied().fold(0.0, f32::max),
+            mean: values.iter().map(|value| f64::from(*value)).sum::<f64>() / count,
+            constant: values.iter().filter(|value| **value == 0.0).count() as f64 / count,
+            gpu_bytes: map.texel_bytes().len() as u64,
+        }
+    }
+}

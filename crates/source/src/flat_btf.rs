@@ -1,0 +1,221 @@
+//! Flat BTFs in folders: the files of one asset.
+
+use super::open::{InputError, MAX_FILE_BYTES, MAX_TEXT_BYTES, open_path, read_file};
+use brdfc_formats::FormatError;
+use brdfc_formats::flat_btf::{DiffuseMap, FlatBtfParts, FlatView, IndirectionMap, NormalMap, ReferenceMap, view_part};
+use rayon::prelude::*;
+use serde::Deserialize;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+/// What the name of every part's file ends with.
+const EXTENSION: &str = ".ktx2";
+/// What the name of the list of parts ends with.
+const LIST: &str = ".json";
+/// Parts that every asset has, of those that are drawn.
+const PARTS: [&str; 4] = ["reference", "indirection", "normal", "diffuse"];
+/// Parts that are not drawn.
+const OTHER_PARTS: [&str; 2] = ["position", "mask"];
+/// Part of the first view; the others are found through it.
+const VIEW: &str = "flat";
+/// Most files that are looked at.
+const MAX_ENTRIES: usize = 1 << 16;
+/// Most missing files that an error lists.
+const MOST_LISTED: usize = 6;
+
+/// The list of an asset's parts, `NAME.json`: what of it says which files belong together.
+#[derive(Debug, Deserialize)]
+struct Listing {
+    parts: BTreeMap<String, Listed>,
+}
+
+/// A file of an asset.
+#[derive(Debug, Deserialize)]
+struct Listed {
+    file: String,
+    bytes: u64,
+    blake3: String,
+}
+
+/// Reads a flat BTF: from the only asset of a folder, or from the files beside `NAME.json`.
+///
+/// With `views` the large files of the full form are read, too; without, [`FlatBtfParts::views`] is empty. Files are held
+/// against the list of parts, so that no part of another asset passes for one of this.
+///
+/// # Errors
+/// Folders without a flat BTF or with several, a missing or damaged list, files that are missing, cannot be read, are not
+/// those of the list or do not follow their layout. Whether sizes fit together is for `FlatBtfDecoder::new`.
+pub fn open_flat_btf(path: &Path, views: bool) -> Result<FlatBtfParts, InputError> {
+    let asset = Asset::open(path)?;
+    let mut names: Vec<String> = PARTS.map(str::to_owned).to_vec();
+    let count = asset.listing.parts.keys().filter(|part| is_view(part)).count() as u32;
+    if views {
+        names.extend((0..count.max(1)).map(|view| view_part(view, count)));
+    }
+    asset.check_listed(&names)?;
+    let mut parts = FlatBtfParts {
+        reference: asset.part("reference", ReferenceMap::from_bytes)?,
+        indirection: asset.part("indirection", IndirectionMap::from_bytes)?,
+        normal: asset.part("normal", NormalMap::from_bytes)?,
+        diffuse: asset.part("diffuse", DiffuseMap::from_bytes)?,
+        views: Vec::new(),
+    };
+    if views {
+        let views: Vec<Result<FlatView, InputError>> =
+            names[PARTS.len()..].par_iter().map(|part| asset.part(part, FlatView::from_bytes)).collect();
+        parts.views = views.into_iter().collect::<Result<_, _>>()?;
+    }
+    Ok(parts)
+}
+
+/// Holds every file of an asset against its list of parts.
+///
+/// # Errors
+/// As [`open_flat_btf`], but layouts are not looked at.
+pub fn check_flat_btf(path: &Path) -> Result<(), InputError> {
+    let asset = Asset::open(path)?;
+    let names: Vec<String> = asset.listing.parts.keys().cloned().collect();
+    asset.check_listed(&names)?;
+    let checked: Vec<Result<(), InputError>> = names.par_iter().map(|part| asset.part(part, |_| Ok(()))).collect();
+    checked.into_iter().collect()
+}
+
+struct Asset {
+    folder: PathBuf,
+    name: String,
+    listing: Listing,
+}
+
+impl Asset {
+    fn open(path: &Path) -> Result<Self, InputError> {
+        let (folder, name) = asset(path)?;
+        let file = folder.join(format!("{name}{LIST}"));
+        if !file.is_file() {
+            let found = format!("no {name}{LIST}");
+            return Err(format_error(&folder, FormatError::whole("flat BTF", found, "a finished asset")));
+        }
+        let wrong = |error: serde_json::Error| {
+            format_error(&file, FormatError::whole("list of parts", error.to_string(), "what 'brdfc flatten' wrote"))
+        };
+        let listing = serde_json::from_slice(&read_file(&file, MAX_TEXT_BYTES)?).map_err(wrong)?;
+        Ok(Self { folder, name, listing })
+    }
+
+    fn file(&self, part: &str) -> String {
+        format!("{}.{part}{EXTENSION}", self.name)
+    }
+
+    /// That parts are in the list, under their names, and that their files are there.
+    fn check_listed(&self, parts: &[String]) -> Result<(), InputError> {
+        let is_there = |part: &&String| {
+            self.listing.parts.get(*part).is_some_and(|listed| listed.file == self.file(part))
+                && self.folder.join(self.file(part)).is_file()
+        };
+        let missing: Vec<String> = parts.iter().filter(|part| !is_there(part)).map(|part| self.file(part)).collect();
+        if missing.is_empty() {
+            return Ok(());
+        }
+        let more = match missing.len().saturating_sub(MOST_LISTED) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        let found = format!("no {}{more}", missing[..missing.len().min(MOST_LISTED)].join(", "));
+        Err(format_error(&self.folder, FormatError::whole("flat BTF", found, "all of its files")))
+    }
+
+    /// Reads a part that is in the list.
+    fn part<T>(&self, part: &str, parse: impl Fn(&[u8]) -> Result<T, FormatError>) -> Result<T, InputError> {
+        let path = self.folder.join(self.file(part));
+        let listed = &self.listing.parts[part];
+        let bytes = read_file(&path, MAX_FILE_BYTES)?;
+        let other = |found: String, allowed: String| {
+            Err(format_error(&path, FormatError::whole("part of a flat BTF", found, allowed)))
+        };
+        if bytes.len() as u64 != listed.bytes {
+            let allowed = format!("{}, as {}{LIST} says", listed.bytes, self.name);
+            return other(format!("{} bytes", bytes.len()), allowed);
+        }
+        if blake3::hash(&bytes).to_hex().as_str() != listed.blake3 {
+            let allowed = format!("those that {}{LIST} lists", self.name);
+            return other("other bytes than were written, or a part of another asset".to_owned(), allowed);
+        }
+        parse(&bytes).map_err(|error| format_error(&path, error))
+    }
+}
+
+/// Path and bytes of the asset's list of parts, `NAME.json`, where there is one.
+///
+/// # Errors
+/// What is no flat BTF; a list that cannot be read.
+pub fn asset_list(path: &Path) -> Result<Option<(PathBuf, Vec<u8>)>, InputError> {
+    let (folder, name) = asset(path)?;
+    let file = folder.join(format!("{name}.json"));
+    if !file.is_file() {
+        return Ok(None);
+    }
+    let bytes = read_file(&file, MAX_TEXT_BYTES)?;
+    Ok(Some((file, bytes)))
+}
+
+/// Folder and name of the asset that a path means.
+fn asset(path: &Path) -> Result<(PathBuf, String), InputError> {
+    if !path.is_dir() {
+        // Says so if there is nothing.
+        open_path(path)?;
+        let stem = path.file_stem().and_then(|stem| stem.to_str());
+        return match (stem, path.extension().is_some_and(|extension| extension == "json")) {
+            (Some(stem), true) => Ok((path.parent().unwrap_or(Path::new("")).to_owned(), stem.to_owned())),
+            _ => {
+                let found = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+                let allowed = "a folder, or NAME.json beside the files NAME.PART.ktx2";
+                Err(format_error(path, FormatError::whole("flat BTF", found, allowed)))
+            }
+        };
+    }
+    let io = |error| InputError::Io { name: path.display().to_string(), error };
+    let mut names = BTreeSet::new();
+    for (number, entry) in std::fs::read_dir(path).map_err(io)?.enumerate() {
+        if number == MAX_ENTRIES {
+            let found = format!("more than {MAX_ENTRIES}");
+            return Err(format_error(path, FormatError::whole("files", found, "the files of one flat BTF")));
+        }
+        let file = entry.map_err(io)?.file_name().to_string_lossy().into_owned();
+        names.extend(
+            name_and_part(&file).filter(|(_, part)| !OTHER_PARTS.contains(part)).map(|(name, _)| name.to_owned()),
+        );
+    }
+    let found = match names.len() {
+        1 => return Ok((path.to_owned(), names.into_iter().next().unwrap_or_default())),
+        0 => "no files NAME.PART.ktx2".to_owned(),
+        _ => names.into_iter().collect::<Vec<_>>().join(", "),
+    };
+    Err(format_error(path, FormatError::whole("flat BTFs", found, "one in a folder, or the path of its NAME.json")))
+}
+
+/// NAME of a file `NAME.PART.ktx2` of a flat BTF.
+pub fn asset_of_part(file: &str) -> Option<String> {
+    name_and_part(file).map(|(name, _)| name.to_owned())
+}
+
+/// NAME and PART of a file `NAME.PART.ktx2`; of views the part is [`VIEW`] without their number.
+fn name_and_part(file: &str) -> Option<(&str, &str)> {
+    let (name, part) = file.strip_suffix(EXTENSION)?.rsplit_once('.')?;
+    if PARTS.contains(&part) || OTHER_PARTS.contains(&part) {
+        return Some((name, part));
+    }
+    let name = name.strip_suffix(VIEW)?.strip_suffix('.').filter(|_| is_number(part));
+    name.map(|name| (name, VIEW))
+}
+
+/// Whether a part is a view: [`VIEW`], a point, and its number.
+fn is_view(part: &str) -> bool {
+    part.split_once('.').is_some_and(|(view, number)| view == VIEW && is_number(number))
+}
+
+fn is_number(text: &str) -> bool {
+    text.len() >= 3 && text.bytes().all(|digit| digit.is_ascii_digit())
+}
+
+fn format_error(path: &Path, error: FormatError) -> InputError {
+    InputError::Format { name: path.display().to_string(), error }
+}

@@ -1,0 +1,206 @@
+//! Materials of the RGL database, evaluated as in Dupuy and Jakob 2018, "An adaptive parameterization for efficient
+//! material acquisition and rendering", section 3. The equations stand in `formats/src/measured/rgl.md`.
+
+mod warp;
+
+use std::f64::consts::{FRAC_2_PI, PI, TAU};
+
+use brdfc_formats::FormatError;
+use brdfc_formats::direction::{DirectionPair, Vector, half_vector};
+use brdfc_formats::measured::rgl::{Azimuths, Colour, Map, Rgl};
+
+use super::{Source, Symmetry, Tally};
+use warp::{Cell, Incidence, VisibleNormals};
+
+/// Below this squared distance from the normal a direction has no azimuth but rounding noise.
+const NO_AZIMUTH: f64 = 1e-24;
+
+/// Largest relative difference of values that count as equal when a symmetry is looked for.
+const SAME: f32 = 1e-6;
+
+/// An RGL material, ready to be evaluated.
+#[derive(Debug, Clone)]
+pub struct RglSource {
+    phi_i: Vec<f64>,
+    theta_i: Vec<f64>,
+    azimuths: Azimuths,
+    /// Middle of `phi_i`, radians.
+    middle: f64,
+    ndf: Map,
+    sigma: Map,
+    visible: VisibleNormals,
+    colour_rows: usize,
+    colour_columns: usize,
+    /// Linear RGB, shape (phi_i, theta_i, rows, columns).
+    colours: Vec<[f32; 3]>,
+    jacobian: bool,
+    symmetry: Symmetry,
+    grey: bool,
+}
+
+impl RglSource {
+    /// Prepares a material; spectra are turned into linear RGB here, once.
+    ///
+    /// `weights` is called with the wavelengths (nanometres, increasing) of a spectral file and returns the linear RGB
+    /// that a value of 1 at each of them adds: a colour is the sum of weight times value over the wavelengths. It is
+    /// not called for an RGB file.
+    ///
+    /// Errors: those of `weights`, a wrong number of weights, colours that leave the range of single precision.
+    pub fn new(rgl: Rgl, weights: impl Fn(&[f64]) -> Result<Vec<[f64; 3]>, FormatError>) -> Result<Self, FormatError> {
+        let weights = match &rgl.colour {
+            Colour::Rgb(_) => vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            Colour::Spectra { wavelengths, .. } => weights(wavelengths)?,
+        };
+        if weights.len() != rgl.channels() {
+            return Err(FormatError::whole(
+                "colour weights",
+                format!("{} weights", weights.len()),
+                format!("{}, one for each wavelength", rgl.channels()),
+            ));
+        }
+        let (Colour::Rgb(values) | Colour::Spectra { values, .. }) = &rgl.colour;
+        let colours = combine(values, &weights, rgl.colour_rows * rgl.colour_columns);
+        if let Some(colour) = colours.iter().flatten().find(|v| !v.is_finite()) {
+            return Err(FormatError::whole("linear RGB", colour.to_string(), "the range of single precision"));
+        }
+        let visible = VisibleNormals::new(&rgl.vndf, rgl.vndf_rows, rgl.vndf_columns);
+        let symmetry = symmetry(&rgl, &colours);
+        let grey = colours.iter().all(|[r, g, b]| r == g && g == b);
+        Ok(Self {
+            middle: (rgl.phi_i[0] + rgl.phi_i[rgl.phi_i.len() - 1]) / 2.0,
+            phi_i: rgl.phi_i,
+            theta_i: rgl.theta_i,
+            azimuths: rgl.azimuths,
+            ndf: rgl.ndf,
+            sigma: rgl.sigma,
+            visible,
+            colour_rows: rgl.colour_rows,
+            colour_columns: rgl.colour_columns,
+            colours,
+            jacobian: rgl.jacobian,
+            symmetry,
+            grey,
+        })
+    }
+
+    /// The pair that the material does not tell from `pair` and whose incident direction was measured.
+    fn reduce(&self, pair: DirectionPair) -> DirectionPair {
+        let [x, y, _] = pair.incoming;
+        let (sin, cos) = self.middle.sin_cos();
+        let [flip_x, flip_y] = match self.azimuths {
+            Azimuths::Isotropic | Azimuths::Full => [false; 2],
+            Azimuths::HalfTurn => [x * cos + y * sin < 0.0; 2],
+            Azimuths::Quadrant => [x * cos < 0.0, y * sin < 0.0],
+        };
+        let flip = |[x, y, z]: Vector| [if flip_x { -x } else { x }, if flip_y { -y } else { y }, z];
+        DirectionPair::new(flip(pair.incoming), flip(pair.outgoing))
+    }
+
+    /// Bilinear colour at a warped point.
+    fn colour(&self, incidence: &Incidence, [s, t]: [f64; 2]) -> [f64; 3] {
+        let column = Cell::new(s, self.colour_columns);
+        let row = Cell::new(t, self.colour_rows);
+        let mut sum = [0.0; 3];
+        for &(slice, weight) in incidence.slices() {
+            for (y, weight) in [(row.index, weight * (1.0 - row.fraction)), (row.index + 1, weight * row.fraction)] {
+                let start = (slice * self.colour_rows + y) * self.colour_columns + column.index;
+                let (left, right) = (self.colours[start], self.colours[start + 1]);
+                let (a, b) = (weight * (1.0 - column.fraction), weight * column.fraction);
+                for k in 0..3 {
+                    sum[k] += a * f64::from(left[k]) + b * f64::from(right[k]);
+                }
+            }
+        }
+        sum
+    }
+}
+
+impl Source for RglSource {
+    fn eval(&self, pair: DirectionPair, tally: &mut Tally) -> [f64; 3] {
+        tally.evaluations += 1;
+        if !pair.is_above_horizon() {
+            return [0.0; 3];
+        }
+        let pair = self.reduce(pair);
+        let (theta_i, phi_i) = polar(pair.incoming);
+        let (theta_m, phi_m) = polar(half_vector(pair));
+        let u_i = polar_to_unit(theta_i);
+        let u_m = polar_to_unit(theta_m);
+        let v_m = azimuth_to_unit(match (self.azimuths, phi_m, phi_i) {
+            (Azimuths::Isotropic, Some(m), Some(i)) => m - i,
+            (Azimuths::Isotropic, ..) => 0.0,
+            (_, m, _) => m.unwrap_or(0.0),
+        });
+        let phi_i = phi_i.unwrap_or(0.0);
+        let turns = ((self.middle - phi_i) / TAU).round();
+        let incidence = Incidence::new(&self.phi_i, phi_i + turns * TAU, &self.theta_i, theta_i);
+
+        let mut scale = 1.0 / pair.outgoing[2];
+        if self.jacobian {
+            let sigma = warp::bilinear(&self.sigma, u_i, azimuth_to_unit(phi_i));
+            // No microfacet is seen from here: only at the horizon, in a file that goes to zero there.
+            if sigma <= 0.0 {
+                return [0.0; 3];
+            }
+            scale *= warp::bilinear(&self.ndf, u_m, v_m) / (4.0 * sigma);
+        }
+        self.colour(&incidence, self.visible.invert(&incidence, u_m, v_m)).map(|v| v * scale)
+    }
+
+    fn symmetry(&self) -> Symmetry {
+        self.symmetry
+    }
+
+    fn is_grey(&self) -> bool {
+        self.grey
+    }
+}
+
+/// Polar angle and, where there is one, azimuth, radians.
+fn polar([x, y, z]: Vector) -> (f64, Option<f64>) {
+    let squared = x * x + y * y;
+    (squared.sqrt().atan2(z), (squared > NO_AZIMUTH).then(|| y.atan2(x)))
+}
+
+/// `u` of a polar angle in `[0, π/2]`: denser nodes at the normal.
+fn polar_to_unit(theta: f64) -> f64 {
+    (theta * FRAC_2_PI).sqrt()
+}
+
+/// `v` of an azimuth: `-π` is 0, a full turn is 1, wrapped into `[0, 1]`.
+fn azimuth_to_unit(phi: f64) -> f64 {
+    let v = (phi + PI) / TAU;
+    v - v.floor()
+}
+
+/// Weighted sums over the channel axis: shape (incidence, channel, node) to (incidence, node) of RGB.
+fn combine(values: &[f32], weights: &[[f64; 3]], nodes: usize) -> Vec<[f32; 3]> {
+    let mut colours = Vec::with_capacity(values.len() / weights.len());
+    for channels in values.chunks_exact(weights.len() * nodes) {
+        for node in 0..nodes {
+            let mut sum = [0.0; 3];
+            for (channel, weight) in weights.iter().enumerate() {
+                for k in 0..3 {
+                    sum[k] += weight[k] * f64::from(channels[channel * nodes + node]);
+                }
+            }
+            colours.push(sum.map(|v| v as f32));
+        }
+    }
+    colours
+}
+
+/// Isotropic where the file says so and no table depends on the azimuth of incidence.
+fn symmetry(rgl: &Rgl, colours: &[[f32; 3]]) -> Symmetry {
+    let same = |a: f32, b: f32| (a - b).abs() <= SAME * a.abs().max(b.abs());
+    let all_same = |values: &[f32], block: usize| {
+        values.chunks_exact(block).skip(1).all(|later| later.iter().zip(values).all(|(a, b)| same(*a, *b)))
+    };
+    let colours = colours.as_flattened();
+    let count = rgl.phi_i.len();
+    let isotropic = rgl.azimuths == Azimuths::Isotropic
+        && all_same(&rgl.vndf, rgl.vndf.len() / count)
+        && all_same(colours, colours.len() / count)
+        && (!rgl.jacobian || all_same(&rgl.sigma.values, rgl.sigma.columns));
+    Symmetry { isotropic, ..Symmetry::NONE }
+}

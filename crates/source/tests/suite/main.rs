@@ -1,0 +1,9 @@
+//! Sources against known answers, oracles and broken files.
+
+mod direction_set;
+mod flat_btf_files;
+mod gonio_held_out;
+mod physics;
+mod rgl_corrupt;
+mod rgl_oracle;
+mod rgl_synthetic;

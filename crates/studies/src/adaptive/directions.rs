@@ -1,0 +1,57 @@
+//! Incident directions that bandwidth is averaged over (figure 13 of Bagher et al. 2012).
+
+use super::case::Case;
+use brdfc_render::adaptive::{Settings, draw, predict};
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::time::Instant;
+
+/// Numbers of directions: the paper's.
+pub const DIRECTIONS: [u32; 4] = [16, 64, 256, 1024];
+
+/// One number of directions.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct DirectionsRow {
+    /// `n_b`.
+    pub directions: u32,
+    /// PSNR against the ground truth, dB; null if there is no difference.
+    pub psnr: Option<f64>,
+    /// Samples per pixel that shows a surface.
+    pub samples: f64,
+    /// Seconds of the bandwidth buffer.
+    pub bandwidth_seconds: f64,
+    /// Seconds of the whole picture.
+    pub seconds: f64,
+}
+
+/// The picture with each number of [`DIRECTIONS`], for as many samples as the first one took.
+///
+/// The budget is asked for anew until the samples agree within 1 %: fewer directions estimate another mean variance, which
+/// changes what a budget buys, and not how good a picture is for its samples.
+pub fn directions_study(case: &Case<'_>, budget: f32) -> Vec<DirectionsRow> {
+    let surface = case.surface.max(1) as f64;
+    let mut wanted = None;
+    let mut one = |directions: u32| {
+        let settings = Settings { directions, samples: budget, ..case.settings() };
+        let started = Instant::now();
+        let _ = predict(&case.adaptive, case.frame, case.buffer, &settings);
+        let bandwidth_seconds = started.elapsed().as_secs_f64();
+        let mut asked = f64::from(budget);
+        let mut row = DirectionsRow { directions, psnr: None, samples: 0.0, bandwidth_seconds, seconds: 0.0 };
+        for _ in 0..6 {
+            let started = Instant::now();
+            let settings = Settings { samples: asked as f32, ..settings };
+            let picture = draw(&case.adaptive, case.frame, case.buffer, &settings);
+            row.seconds = started.elapsed().as_secs_f64();
+            row.samples = picture.samples() as f64 / surface;
+            row.psnr = Some(case.psnr(&picture.image)).filter(|psnr| psnr.is_finite());
+            let target = *wanted.get_or_insert(row.samples);
+            if (row.samples / target - 1.0).abs() < 0.01 {
+                break;
+            }
+            asked *= target / row.samples;
+        }
+        row
+    };
+    DIRECTIONS.iter().map(|directions| one(*directions)).collect()
+}

@@ -1,0 +1,176 @@
+//! Predicted bandwidth against windowed Fourier transforms of the picture (figure 12 of Bagher et al. 2012).
+
+use super::case::Case;
+use brdfc_formats::colour::encode_srgb;
+use brdfc_metrics::image::{WINDOW, luminance, window_bandwidths};
+use brdfc_render::adaptive::predict;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// Pixels between windows.
+const STRIDE: usize = 4;
+
+/// How predictions compare with the picture.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct FourierRow {
+    /// The input.
+    pub material: String,
+    /// The shape.
+    pub shape: String,
+    /// Windows of 32 x 32 pixels that show nothing but surface.
+    pub windows: usize,
+    /// Share of them whose prediction is within a factor 4, 0 to 1.
+    pub within_4: f64,
+    /// Share of them whose prediction is too low by more than a factor 2.
+    pub too_low_by_2: f64,
+    /// Spearman's rank correlation, -1 to 1.
+    pub rank_correlation: f64,
+    /// Prediction over transform.
+    pub ratios: Quantiles,
+}
+
+/// What a share of the values is below.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct Quantiles {
+    /// 5 % of them.
+    pub low: f64,
+    /// Half of them.
+    pub median: f64,
+    /// 95 % of them.
+    pub high: f64,
+}
+
+/// Compares at every window; the picture is that of the ground truth as a display shows it.
+pub fn fourier_check(case: &Case<'_>, material: &str, shape: &str) -> FourierRow {
+    let prediction = predict(&case.adaptive, case.frame, case.buffer, &case.settings());
+    let (width, height) = (case.frame.width, case.frame.height);
+    let shown: Vec<f32> = case
+        .truth
+        .pixels
+        .iter()
+        .map(|pixel| {
+            luminance(pixel.map(|c| encode_srgb((f64::from(c) * case.exposure).clamp(0.0, 1.0)) as f32)) as f32
+        })
+        .collect();
+    let half = WINDOW / 2;
+    let is_surface = |[column, row]: &[usize; 2]| {
+        let all = |y: usize| (column - half..column + half).all(|x| case.buffer.part_at(y * width + x).is_some());
+        (row - half..row + half).all(all)
+    };
+    let rows = (half..=height.saturating_sub(half)).step_by(STRIDE);
+    let windows: Vec<[usize; 2]> = rows
+        .flat_map(|row| (half..=width.saturating_sub(half)).step_by(STRIDE).map(move |column| [column, row]))
+        .filter(is_surface)
+        .collect();
+    let reference = window_bandwidths(&shown, width, &windows);
+    let predicted: Vec<f32> = windows.iter().map(|[x, y]| prediction.bandwidth[y * width + x]).collect();
+    compared(&predicted, &reference, material, shape)
+}
+
+fn compared(predicted: &[f32], reference: &[f32], material: &str, shape: &str) -> FourierRow {
+    let mut ratios: Vec<f64> =
+        predicted.iter().zip(reference).map(|(p, r)| f64::from(*p) / f64::from(r.max(1e-6))).collect();
+    let rank_correlation = correlation(&ranks(predicted), &ranks(reference));
+    ratios.sort_by(f64::total_cmp);
+    let count = ratios.len().max(1) as f64;
+    let share = |is: &dyn Fn(f64) -> bool| ratios.iter().filter(|ratio| is(**ratio)).count() as f64 / count;
+    let quantile = |q: f64| ratios.get((q * (count - 1.0)).round() as usize).copied().unwrap_or(0.0);
+    FourierRow {
+        material: material.to_owned(),
+        shape: shape.to_owned(),
+        windows: ratios.len(),
+        within_4: share(&|ratio| (0.25..=4.0).contains(&ratio)),
+        too_low_by_2: share(&|ratio| ratio < 0.5),
+        rank_correlation,
+        ratios: Quantiles { low: quantile(0.05), median: quantile(0.5), high: quantile(0.95) },
+    }
+}
+
+/// Mean ranks of equal values.
+fn ranks(values: &[f32]) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+    let mut ranks = vec![0.0; values.len()];
+    let mut start = 0;
+    while start < order.len() {
+        let equal = order[start..].iter().take_while(|i| values[**i] == values[order[start]]).count();
+        let mean = start as f64 + 0.5 * (equal as f64 - 1.0);
+        order[start..start + equal].iter().for_each(|i| ranks[*i] = mean);
+        start += equal;
+    }
+    ranks
+}
+
+/// Pearson's, of as many values each.
+fn correlation(a: &[f64], b: &[f64]) -> f64 {
+    let count = a.len().max(1) as f64;
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / count;
+    let (ma, mb) = (mean(a), mean(b));
+    let (mut products, mut squares_a, mut squares_b) = (0.0, 0.0, 0.0);
+    for (x, y) in a.iter().zip(b) {
+        products += (x - ma) * (y - mb);
+        squares_a += (x - ma) * (x - ma);
+        squares_b += (y - mb) * (y - mb);
+    }
+    let spread = (squares_a * squares_b).sqrt();
+    if spread > 0.0 { products / spread } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::adaptive::{Lighting, StudyMaterial};
+    use brdfc_formats::direction::{dot, normalize};
+    use brdfc_render::adaptive::Start;
+    use brdfc_render::scene::{Environment, Frame};
+    use brdfc_render::scenes::Builtin;
+    use brdfc_source::address::parse_synth;
+    use std::f64::consts::{PI, TAU};
+
+    #[test]
+    fn ranks_do_not_mind_monotone_changes() {
+        let values = [0.3f32, 0.1, 0.2, 0.2, 0.9];
+        assert_eq!(ranks(&values), [3.0, 0.0, 1.5, 1.5, 4.0]);
+        let squared = values.map(|v| v * v);
+        let row = compared(&values, &squared, "", "");
+        assert!((row.rank_correlation - 1.0).abs() < 1e-12);
+        assert_eq!((row.windows, row.within_4), (5, 0.4));
+        // The control: the order reversed.
+        let reversed = values.map(|v| -v);
+        assert!((correlation(&ranks(&values), &ranks(&reversed)) + 1.0).abs() < 1e-12);
+        assert_eq!(compared(&[0.1, 0.1], &[0.3, 0.1], "", "").too_low_by_2, 0.5);
+    }
+
+    /// Light with as much detail everywhere.
+    fn waves() -> Environment {
+        let (width, height) = (256, 128);
+        let axes =
+            [[1.0, 0.2, 0.1], [0.1, 1.0, 0.3], [-0.3, 0.2, 1.0], [0.7, 0.7, -0.2], [-0.6, 0.1, 0.8]].map(normalize);
+        let pixel = |index: usize| {
+            let theta = PI * ((index / width) as f64 + 0.5) / height as f64;
+            let phi = TAU * ((index % width) as f64 + 0.5) / width as f64;
+            let d = [theta.sin() * phi.cos(), theta.cos(), theta.sin() * phi.sin()];
+            let sum: f64 = axes.iter().map(|axis| (TAU * 5.0 * dot(d, *axis)).cos()).sum();
+            [(1.0 + 0.15 * sum) as f32; 3]
+        };
+        Environment { width, height, pixels: (0..width * height).map(pixel).collect() }
+    }
+
+    /// Figure 12 on a glossy sphere; the negative control takes bandwidths of a surface without curvature.
+    #[test]
+    fn predictions_follow_the_picture() {
+        let source = parse_synth("synth:ggx?kd=0&f0=0.9&alpha=0.05").unwrap();
+        let material = StudyMaterial::new("metal".to_owned(), source.as_ref()).unwrap();
+        let lighting = Lighting::new(waves()).unwrap();
+        let frame = Frame { width: 128, height: 128, samples: 1 };
+        Case::with(&material, Builtin::Sphere, &lighting, frame, (256, Start::Shared), |case| {
+            let row = fourier_check(case, "metal", "sphere");
+            assert!(row.windows > 100 && row.within_4 >= 0.9 && row.too_low_by_2 <= 0.05, "{row:?}");
+            let mut flat = case.buffer.clone();
+            let facing = flat.normal[64 * 128 + 64];
+            flat.normal.iter_mut().for_each(|normal| *normal = facing);
+            let row = fourier_check(&Case { buffer: &flat, truth: case.truth.clone(), ..*case }, "metal", "sphere");
+            assert!(row.too_low_by_2 > 0.5, "{row:?}");
+        });
+    }
+}

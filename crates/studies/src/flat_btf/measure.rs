@@ -1,0 +1,228 @@
+//! Tables 1, 2 and 3 in one pass over the views.
+
+use super::apparent::{Apparent, ApparentSizes, summary};
+use super::grids::grid_errors;
+use super::{ModelRow, PAPER, StudySettings};
+use brdfc_flat_btf::coherency::ViewVariance;
+use brdfc_flat_btf::flatten::{ComputedField, FlatView, Guide, Holes, from_above, visible};
+use brdfc_flat_btf::model::MesoModel;
+use brdfc_flat_btf::parameterise::ParameteriseError;
+use brdfc_flat_btf::rebuild::ViewImage;
+use brdfc_flat_btf::structures::Structure;
+use brdfc_flat_btf::surface::Appearance;
+use brdfc_formats::direction::Vector;
+use brdfc_metrics::lab::{distance_squared, lab};
+use brdfc_source::address::{AddressError, parse_synth};
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// Why a model cannot be studied.
+#[derive(Debug, thiserror::Error)]
+pub enum StudyError {
+    /// Its address is wrong.
+    #[error(transparent)]
+    Address(#[from] AddressError),
+    /// It cannot be laid flat.
+    #[error(transparent)]
+    Parameterise(#[from] ParameteriseError),
+}
+
+/// Table 1: difference in L*a*b* between BTF images computed directly and rebuilt by equation 1, at the sampled views
+/// with indirections of their own.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct ReconstructionRow {
+    /// Mean over all texels of all images, holes filled by Poisson inpainting.
+    pub mean: f64,
+    /// The same with holes filled by push-pull.
+    pub mean_push_pull: f64,
+    /// Largest mean of an image.
+    pub largest_image: f64,
+    /// Variance of the means of images.
+    pub image_variance: f64,
+    /// Largest difference of a single texel.
+    pub largest_texel: f64,
+}
+
+/// Table 2: variance over the views, in L*a*b*, mean over lights.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct CoherencyRow {
+    /// Ordinary BTF.
+    pub btf: Spread,
+    /// Flat BTF with holes filled by push-pull.
+    pub push_pull: Spread,
+    /// Flat BTF with holes filled by Poisson inpainting.
+    pub poisson: Spread,
+    /// Flat BTF, only what is seen.
+    pub visible: Spread,
+}
+
+/// Mean and maximum over texels.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct Spread {
+    /// Mean.
+    pub mean: f64,
+    /// Maximum.
+    pub max: f64,
+}
+
+/// Sums of one image's differences.
+#[derive(Clone, Copy, Default)]
+struct Differences {
+    sum: f64,
+    push_pull: f64,
+    max: f32,
+}
+
+/// What is kept for one light.
+struct PerLight {
+    btf: ViewVariance,
+    push_pull: ViewVariance,
+    poisson: ViewVariance,
+    visible: ViewVariance,
+}
+
+/// Studies one structure. `view_done` is told of each finished view.
+///
+/// # Errors
+/// A wrong address, or a surface that cannot be laid flat.
+pub fn study_model(
+    address: &str,
+    settings: &StudySettings,
+    directions: &[Vector],
+    view_done: &(dyn Fn() + Sync),
+) -> Result<ModelRow, StudyError> {
+    let structure = Structure::parse(address)?;
+    let sources = structure.default_materials().iter().map(|m| parse_synth(m)).collect::<Result<_, _>>()?;
+    let appearance = Appearance { sources, ..Default::default() };
+    let model = MesoModel::new(structure.mesh(), settings.rounds)?;
+    let texels = model.texels(settings.flat_texels);
+    let masks: Vec<Vec<bool>> = directions.iter().map(|view| visible(&texels, &model.caster, *view)).collect();
+    let field = ComputedField::new(&texels, &appearance, directions, directions, &masks);
+    let Ok(guide) = Guide::new(&field, &masks, &from_above(directions), directions.len());
+
+    let plane = settings.texels * settings.texels;
+    let flat = settings.flat_texels * settings.flat_texels;
+    let mut lights: Vec<PerLight> = directions
+        .iter()
+        .map(|_| PerLight {
+            btf: ViewVariance::new(plane),
+            push_pull: ViewVariance::new(flat),
+            poisson: ViewVariance::new(flat),
+            visible: ViewVariance::new(flat),
+        })
+        .collect();
+    let (chosen, flat_picks, btf_picks) = picks(&model, settings);
+    let (mut flat_apparent, mut btf_apparent) = (Apparent::new(flat_picks), Apparent::new(btf_picks));
+    let mut images = Vec::new();
+    for (view, direction) in directions.iter().enumerate() {
+        let seen = ViewImage::new(&model, *direction, settings.texels, settings.oversampling);
+        let Ok(push_pull) = FlatView::new(&field, view, &masks[view], Holes::PushPull);
+        let Ok(poisson) = FlatView::new(&field, view, &masks[view], Holes::Poisson(&guide));
+        let light = |(light, kept): (usize, &mut PerLight)| {
+            let Ok(filled) = push_pull.image(light);
+            let Ok(inpainted) = poisson.image(light);
+            let direct = seen.direct(&model, &appearance, directions[light]);
+            let differences = differences(&direct, &seen.rebuilt(&inpainted), &seen.rebuilt(&filled));
+            kept.btf.add(&direct, None);
+            kept.push_pull.add(&filled, None);
+            kept.poisson.add(&inpainted, None);
+            kept.visible.add(&inpainted, Some(&masks[view]));
+            (differences, flat_apparent.pick(&inpainted), btf_apparent.pick(&direct))
+        };
+        let done: Vec<_> = lights.par_iter_mut().enumerate().map(light).collect();
+        for (differences, flat, btf) in done {
+            images.push(differences);
+            flat_apparent.add(flat);
+            btf_apparent.add(btf);
+        }
+        view_done();
+    }
+    let spread = |of: fn(&PerLight) -> &ViewVariance| spread(lights.iter().map(of));
+    let count = directions.len();
+    let apparent: ApparentSizes = summary(&flat_apparent.sizes(count), &btf_apparent.sizes(count), chosen);
+    let name = structure.info().name;
+    let (_, paper_model, paper) =
+        PAPER.into_iter().find(|(ours, ..)| *ours == name).expect("every structure is in the table");
+    Ok(ModelRow {
+        model: structure.canonical(),
+        paper_model,
+        reconstruction: reconstruction(&images, plane),
+        coherency: CoherencyRow {
+            btf: spread(|l| &l.btf),
+            push_pull: spread(|l| &l.push_pull),
+            poisson: spread(|l| &l.poisson),
+            visible: spread(|l| &l.visible),
+        },
+        apparent,
+        grids: grid_errors(&model),
+        parameterisation: model.parameterisation.report,
+        seen: masks.iter().flatten().filter(|seen| **seen).count() as f64 / (count * flat) as f64,
+        paper,
+    })
+}
+
+/// Texels whose apparent BRDFs are looked at: first the paper's two (one surface point in both, then the same texel in
+/// both), then a grid over the reference plane with the surface points that are seen there from above.
+fn picks(model: &MesoModel, settings: &StudySettings) -> (usize, Vec<usize>, Vec<usize>) {
+    let on = |size: usize, at: [f64; 2]| {
+        let [x, y] = at.map(|c| ((c.rem_euclid(1.0) * size as f64) as usize).min(size - 1));
+        y * size + x
+    };
+    let up = [0.0, 0.0, 1.0];
+    let below = |at: [f64; 2]| on(settings.flat_texels, model.seen(at, up).parameters);
+    let first = [0.37, 0.61];
+    let mut flat = vec![below(first), on(settings.flat_texels, first)];
+    let mut btf = vec![on(settings.texels, first); 2];
+    for k in 0..64 {
+        let at = [(f64::from(k % 8) + 0.5) / 8.0, (f64::from(k / 8) + 0.5) / 8.0];
+        flat.push(below(at));
+        btf.push(on(settings.texels, at));
+    }
+    (2, flat, btf)
+}
+
+fn differences(direct: &[[f32; 3]], rebuilt: &[[f32; 3]], by_push_pull: &[[f32; 3]]) -> Differences {
+    let mut all = Differences::default();
+    for ((direct, rebuilt), filled) in direct.iter().zip(rebuilt).zip(by_push_pull) {
+        let direct = lab(*direct);
+        let difference = distance_squared(direct, lab(*rebuilt)).sqrt();
+        all.sum += f64::from(difference);
+        all.push_pull += f64::from(distance_squared(direct, lab(*filled)).sqrt());
+        all.max = all.max.max(difference);
+    }
+    all
+}
+
+fn reconstruction(images: &[Differences], texels: usize) -> ReconstructionRow {
+    let means: Vec<f64> = images.iter().map(|image| image.sum / texels as f64).collect();
+    let count = means.len() as f64;
+    let mean = means.iter().sum::<f64>() / count;
+    ReconstructionRow {
+        mean,
+        mean_push_pull: images.iter().map(|image| image.push_pull / texels as f64).sum::<f64>() / count,
+        largest_image: means.iter().copied().fold(0.0, f64::max),
+        image_variance: means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / count,
+        largest_texel: images.iter().map(|image| f64::from(image.max)).fold(0.0, f64::max),
+    }
+}
+
+/// Mean and maximum over texels of the mean over lights. Texels that fewer than two views show are left out.
+fn spread<'a>(lights: impl Iterator<Item = &'a ViewVariance>) -> Spread {
+    let mut sums: Vec<(f64, u32)> = Vec::new();
+    for light in lights {
+        for (texel, variance) in light.variances().enumerate() {
+            if sums.len() <= texel {
+                sums.push((0.0, 0));
+            }
+            if let Some(variance) = variance {
+                sums[texel].0 += f64::from(variance);
+                sums[texel].1 += 1;
+            }
+        }
+    }
+    let means: Vec<f64> = sums.iter().filter(|(_, n)| *n > 0).map(|(sum, n)| sum / f64::from(*n)).collect();
+    Spread {
+        mean: means.iter().sum::<f64>() / means.len().max(1) as f64,
+        max: means.iter().copied().fold(0.0, f64::max),
+    }
+}

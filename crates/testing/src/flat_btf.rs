@@ -1,0 +1,122 @@
+//! Flat BTFs for tests.
+
+use crate::packs::Numbers;
+use brdfc_formats::container::rgb9e5;
+use brdfc_formats::flat_btf::{
+    DiffuseMap, FlatBtfParts, FlatHeader, FlatView, IndirectionHeader, IndirectionMap, NormalMap, PositionMap,
+    ReferenceMap, ViewWeights, VisibilityMask,
+};
+use std::f32::consts::{FRAC_PI_2, TAU};
+
+/// Sizes of a made-up asset.
+#[derive(Debug, Clone, Copy)]
+pub struct Sizes {
+    pub flat: u32,
+    pub reference: u32,
+    pub zenith: u32,
+    pub azimuth: u32,
+    pub largest_angle: f32,
+    pub views: u32,
+    pub lights: u32,
+}
+
+pub const SMALL: Sizes =
+    Sizes { flat: 4, reference: 2, zenith: 3, azimuth: 4, largest_angle: 1.3, views: 3, lights: 5 };
+
+pub fn header(sizes: Sizes) -> IndirectionHeader {
+    IndirectionHeader {
+        size: sizes.reference,
+        zenith_samples: sizes.zenith,
+        azimuth_samples: sizes.azimuth,
+        largest_angle: sizes.largest_angle,
+    }
+}
+
+pub fn directions(count: u32, seed: u64) -> Vec<[f32; 2]> {
+    let mut numbers = Numbers::new(seed);
+    (0..count).map(|_| [FRAC_PI_2 * numbers.unit() as f32, 6.2 * numbers.unit() as f32]).collect()
+}
+
+pub fn unit_vector(numbers: &mut Numbers) -> [f32; 3] {
+    let (z, azimuth) = (numbers.between(-0.2, 1.0), numbers.between(0.0, 6.3));
+    let sine = (1.0 - z * z).sqrt();
+    [sine * azimuth.cos(), sine * azimuth.sin(), z].map(|c| c as f32)
+}
+
+pub fn flat_view(sizes: Sizes, view: u32, seed: u64) -> FlatView {
+    let mut numbers = Numbers::new(seed + 977 * u64::from(view));
+    let header =
+        FlatHeader { size: sizes.flat, view, views: directions(sizes.views, 1), lights: directions(sizes.lights, 2) };
+    let count = sizes.flat * sizes.flat * sizes.lights;
+    let colour = |numbers: &mut Numbers| [0; 3].map(|_| numbers.between(0.0, 1.5) as f32);
+    FlatView::new(header, (0..count).map(|_| rgb9e5::encode(colour(&mut numbers))).collect()).unwrap()
+}
+
+/// Random displacements: some of length 0, most roughly along the azimuth of the view.
+pub fn indirection(sizes: Sizes, seed: u64) -> IndirectionMap {
+    let mut numbers = Numbers::new(seed);
+    IndirectionMap::from_displacements(header(sizes), |_, k, a| {
+        let turn = TAU * a as f32 / sizes.azimuth as f32 + numbers.between(-0.7, 0.7) as f32;
+        let length =
+            if numbers.bits().is_multiple_of(9) { 0.0 } else { 0.1 * k as f32 * numbers.between(0.5, 1.5) as f32 };
+        ([length * turn.cos(), length * turn.sin()], numbers.between(-0.3, 0.3) as f32)
+    })
+    .unwrap()
+}
+
+pub fn parts(sizes: Sizes, seed: u64) -> FlatBtfParts {
+    let mut numbers = Numbers::new(seed);
+    let texels = sizes.flat * sizes.flat;
+    let reference: Vec<[f32; 2]> =
+        (0..sizes.reference * sizes.reference).map(|_| [0; 2].map(|_| numbers.between(-0.5, 1.5) as f32)).collect();
+    let normals = (0..texels).map(|_| unit_vector(&mut numbers)).collect();
+    let colours: Vec<[f32; 3]> = (0..texels).map(|_| [0; 3].map(|_| numbers.unit() as f32)).collect();
+    FlatBtfParts {
+        reference: ReferenceMap::new(sizes.reference, reference).unwrap(),
+        indirection: indirection(sizes, seed + 1),
+        normal: NormalMap::new(sizes.flat, normals).unwrap(),
+        diffuse: DiffuseMap::from_colours(sizes.flat, &colours).unwrap(),
+        views: (0..sizes.views).map(|view| flat_view(sizes, view, seed + 2)).collect(),
+    }
+}
+
+pub fn position(size: u32, seed: u64) -> PositionMap {
+    let mut numbers = Numbers::new(seed);
+    let points = (0..size * size).map(|_| [0; 3].map(|_| numbers.between(-1.0, 2.0) as f32)).collect();
+    PositionMap::new(size, points).unwrap()
+}
+
+pub fn mask(sizes: Sizes, seed: u64) -> VisibilityMask {
+    let mut numbers = Numbers::new(seed);
+    let texels = (0..sizes.flat * sizes.flat * sizes.views).map(|_| if numbers.bits() & 1 == 0 { 0 } else { 255 });
+    VisibilityMask::new(sizes.flat, sizes.views, texels.collect()).unwrap()
+}
+
+/// Three of `count` directions with weights, some of them 0.
+pub fn weights(numbers: &mut Numbers, count: u32) -> ViewWeights {
+    let indices = [0; 3].map(|_| numbers.bits() % count);
+    let mut weights = [0; 3].map(|_| numbers.unit() as f32);
+    if numbers.bits().is_multiple_of(4) {
+        weights[numbers.bits() as usize % 3] = 0.0;
+    }
+    let sum: f32 = weights.iter().sum();
+    ViewWeights { indices, weights: weights.map(|w| w / sum) }
+}
+
+/// One whole weight.
+pub fn only(index: u32) -> ViewWeights {
+    ViewWeights { indices: [index; 3], weights: [1.0, 0.0, 0.0] }
+}
+
+/// The asset whose indirection and second view stand in `formats/src/flat_btf/spec.md`.
+pub fn example_indirection() -> IndirectionMap {
+    let header = IndirectionHeader { size: 1, zenith_samples: 2, azimuth_samples: 3, largest_angle: 1.0 };
+    let displacements = [[0.25, 0.0], [-0.125, 0.216_506], [-0.125, -0.216_506]];
+    IndirectionMap::from_displacements(header, |_, k, a| (displacements[a as usize], 0.5 * k as f32)).unwrap()
+}
+
+pub fn example_view() -> FlatView {
+    let header =
+        FlatHeader { size: 1, view: 1, views: vec![[0.0, 0.0], [0.5, 1.0]], lights: vec![[0.0, 0.0], [1.0, 3.0]] };
+    FlatView::new(header, vec![rgb9e5::encode([1.0, 0.5, 0.25]), rgb9e5::encode([0.125, 0.0, 0.0625])]).unwrap()
+}

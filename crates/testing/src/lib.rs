@@ -1,0 +1,28 @@
+//! What tests of several crates share: inputs made on the spot, checks of the laws of reflectance, and the folder of
+//! measured data.
+#![allow(missing_docs)]
+
+pub mod checks;
+pub mod flat_btf;
+pub mod packs;
+pub mod tensor;
+pub mod wrapped;
+
+use std::path::{Path, PathBuf};
+
+/// The repository.
+pub fn repository() -> &'static Path {
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
+}
+
+/// A file or folder of the shared measured data: `relative` to the folder that `BRDFC_SHARED` names, or else to
+/// `../shared` beside the repository. Prints why a test that needs it is skipped where it is absent.
+pub fn shared_data(relative: &str) -> Option<PathBuf> {
+    let root = std::env::var_os("BRDFC_SHARED").map_or_else(|| repository().join("../shared"), PathBuf::from);
+    let path = root.join("data").join(relative);
+    if path.exists() {
+        return Some(path);
+    }
+    println!("skipped: no {}", path.display());
+    None
+}

@@ -1,0 +1,188 @@
+//! What several tests of packs share. Each of them uses only a part.
+use brdfc_formats::container::{Extent, TexelFormat, Texture};
+use brdfc_formats::direction::{DirectionPair, Parameterisation};
+use brdfc_formats::wavelet::{ErrorSummary, Filter, Header, SliceScale, WaveletDecoder, WaveletPack};
+use std::collections::BTreeMap;
+
+/// Numbers that are the same on every run.
+pub struct Numbers(u64);
+
+impl Numbers {
+    pub fn new(seed: u64) -> Self {
+        Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
+    }
+
+    pub fn bits(&mut self) -> u32 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 32) as u32
+    }
+
+    /// In `[0, 1)`.
+    pub fn unit(&mut self) -> f64 {
+        f64::from(self.bits()) / 4_294_967_296.0
+    }
+
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+}
+
+pub fn header(parameterisation: Parameterisation, levels: u32, channels: u32, bits: u32) -> Header {
+    Header { parameterisation, levels, stored_levels: levels, channels, bits, mean: 0.25, bias: 0.01 }
+}
+
+/// A pack with made-up slices: `kept` coefficients, spread over the tree, with random texels and scales that keep
+/// values in a sensible range.
+pub fn pack(header: Header, kept: usize, seed: u64) -> WaveletPack {
+    let mut numbers = Numbers::new(seed);
+    let cells = header.cells();
+    let stored = 1usize << (2 * header.stored_levels);
+    assert!((1..=stored).contains(&kept));
+    let mut index = vec![0u16; cells];
+    let mut next = 0;
+    for coefficient in 0..stored {
+        // Evenly spread; the scaling coefficient comes first.
+        if coefficient * kept / stored >= next || coefficient == 0 {
+            next += 1;
+            index[coefficient] = next as u16;
+        }
+    }
+    let slices = next + 1;
+    let scales = (0..slices)
+        .map(|slice| match slice {
+            0 => SliceScale::default(),
+            1 => SliceScale { scale: (2.5 * header.grid() as f64) as f32, offset: -2.0 },
+            _ => {
+                let half = numbers.between(0.05, 1.0);
+                SliceScale { scale: 2.0 * half as f32, offset: numbers.between(-1.2, -0.8) as f32 * half as f32 }
+            }
+        })
+        .collect();
+    let summary = |numbers: &mut Numbers| ErrorSummary {
+        samples: numbers.bits(),
+        rms: numbers.unit() as f32,
+        relative_mean: numbers.unit() as f32,
+        relative_p95: numbers.unit() as f32,
+        relative_p99: numbers.unit() as f32,
+        relative_max: numbers.unit() as f32,
+        log_rms: numbers.unit() as f32,
+        cosine_log_rms: numbers.unit() as f32,
+        albedo_max: numbers.unit() as f32,
+        reciprocity: numbers.unit() as f32,
+    };
+    let (on_grid, off_grid) = (summary(&mut numbers), summary(&mut numbers));
+    let texel_bytes = header.texel_format().texel_bytes();
+    let mut texels = vec![0u8; slices * cells * texel_bytes];
+    for texel in texels[cells * texel_bytes..].chunks_exact_mut(texel_bytes) {
+        let colours = if header.channels == 1 { texel_bytes } else { texel_bytes / 4 * 3 };
+        texel[colours..].fill(0xff);
+        texel[..colours].fill_with(|| numbers.bits() as u8);
+    }
+    WaveletPack { header, index, scales, on_grid, off_grid, texels }
+}
+
+/// Packs of every texel format, both parameterisations, several sizes, down to two slices.
+pub fn packs() -> Vec<(String, WaveletPack)> {
+    let mut packs = Vec::new();
+    for levels in 1..=5u32 {
+        for channels in [1, 3] {
+            for bits in [8, 12, 16] {
+                for kept in [1, 2, 3, 1 << levels] {
+                    let seed = packs.len() as u64;
+                    let parameterisation = Parameterisation::NAMES[(levels + bits / 4) as usize % 2].1;
+                    let made = pack(header(parameterisation, levels, channels, bits), kept, seed);
+                    packs.push((format!("levels {levels}, channels {channels}, bits {bits}, kept {kept}"), made));
+                }
+            }
+        }
+    }
+    packs
+}
+
+/// Textures of every format and kind, with random texels.
+pub fn textures() -> Vec<(String, Texture)> {
+    let mut textures = Vec::new();
+    for format in TexelFormat::ALL {
+        let extents = [
+            Extent::D2([1, 1]),
+            Extent::D2([5, 3]),
+            Extent::D2Array([2, 3, 1]),
+            Extent::D2Array([3, 2, 4]),
+            Extent::D3([3, 2, 5]),
+        ];
+        for extent in extents {
+            let mut numbers = Numbers::new(textures.len() as u64);
+            let mut texels = vec![0; extent.texels() as usize * format.texel_bytes()];
+            texels.fill_with(|| numbers.bits() as u8);
+            let note = vec![7; textures.len() % 5];
+            let entries = BTreeMap::from([("brdfc.note".to_owned(), note), ("brdfc.other".to_owned(), vec![1, 0])]);
+            textures.push((format!("{format:?}, {extent}"), Texture { format, extent, entries, texels }));
+        }
+    }
+    textures
+}
+
+/// The pack whose bytes stand in `formats/src/container/spec.md` and `formats/src/wavelet/spec.md`.
+pub fn example() -> WaveletPack {
+    let header = Header {
+        parameterisation: Parameterisation::HalfDifference,
+        levels: 1,
+        stored_levels: 1,
+        channels: 1,
+        bits: 8,
+        mean: 0.5,
+        bias: 0.01,
+    };
+    let summary = ErrorSummary { samples: 16, rms: 0.25, reciprocity: 0.125, ..ErrorSummary::default() };
+    WaveletPack {
+        header,
+        index: vec![1, 0, 2, 0],
+        scales: vec![
+            SliceScale::default(),
+            SliceScale { scale: 2.0, offset: -1.0 },
+            SliceScale { scale: 0.5, offset: -0.25 },
+        ],
+        on_grid: summary,
+        off_grid: summary,
+        texels: vec![0, 0, 0, 0, 0, 85, 170, 255, 255, 170, 85, 0],
+    }
+}
+
+/// Directions all over the hemisphere, some close to its borders.
+pub fn pairs(count: usize, seed: u64) -> Vec<DirectionPair> {
+    let mut numbers = Numbers::new(seed);
+    let mut angles = || (numbers.between(0.0, 1.57), numbers.between(-3.2, 3.2));
+    (0..count)
+        .map(|_| {
+            let ((theta_i, phi_i), (theta_o, phi_o)) = (angles(), angles());
+            DirectionPair::from_angles(theta_i, phi_i, theta_o, phi_o)
+        })
+        .collect()
+}
+
+/// Reads bytes and, where they are a pack, decodes it here and there: whatever a file holds, `f_r` is a number.
+pub fn survives(bytes: &[u8]) -> bool {
+    let Ok(pack) = WaveletPack::from_bytes(bytes) else { return false };
+    let decoder = WaveletDecoder::new(&pack);
+    for (k, pair) in pairs(3, 5).into_iter().enumerate() {
+        for filter in [Filter::Nearest, Filter::Bilinear] {
+            let value = decoder.eval(pair, [9.0, 0.5, 1.25][k], filter);
+            assert!(value.iter().all(|v| v.is_finite() && *v >= 0.0), "{value:?}");
+        }
+    }
+    true
+}
+
+/// Checks every line of a page's hex dumps against the bytes they show; returns the number of lines.
+pub fn check_dump(page: &str, bytes: &[u8]) -> usize {
+    let mut lines = 0;
+    for line in page.lines() {
+        let Some((offset, rest)) = line.split_once("  ") else { continue };
+        let Ok(offset) = usize::from_str_radix(offset, 16) else { continue };
+        let hex: Vec<u8> =
+            rest.split("  ").next().unwrap().split(' ').map(|b| u8::from_str_radix(b, 16).unwrap()).collect();
+        assert_eq!(hex, bytes[offset..offset + hex.len()], "line {offset:#x}");
+        lines += 1;
+    }
+    lines
+}

@@ -1,0 +1,117 @@
+// Maps of local bandwidth on a GPU: how fast a BRDF lobe, an environment or a texture varies.
+//
+// After Bagher, Soler, Subr, Belcour and Holzschuch 2012, "Interactive rendering of acquired materials on dynamic geometry
+// using bandwidth prediction", section 2.4. The layout is described in `formats/src/bandwidth/spec.md`; the CPU look-ups with the same
+// steps in the same order are those of `BandwidthMap` of the crate `brdfc-formats`.
+//
+// To use it: paste this file before your own shader, move the four bindings where they suit you, and call
+//
+//     let rho = bandwidth_brdf(wi, wo);         // cycles per radian of the outgoing direction
+//     let light = bandwidth_environment(d);     // cycles per radian of the direction
+//     let spatial = bandwidth_texture(uv);      // cycles per metre
+//
+// wi and wo are unit vectors in the frame x = tangent, y = bitangent, z = normal; d is any vector in the frame of the
+// environment. A map that is not there is a texture of one texel, with a scale of 0.
+
+// The same fields, in the same order, as `BandwidthParameters` of `brdfc-formats`. 16 bytes.
+struct BandwidthParameters {
+    brdf_scale: f32,          // what texels are multiplied by
+    environment_scale: f32,
+    texture_scale: f32,
+    texture_tiles: u32,       // 1: the texture repeats
+}
+
+@group(1) @binding(0) var<uniform> bandwidth_parameters: BandwidthParameters;
+// The textures as they are in the KTX2 files.
+@group(1) @binding(1) var bandwidth_brdf_map: texture_2d<f32>;
+@group(1) @binding(2) var bandwidth_environment_map: texture_2d<f32>;
+@group(1) @binding(3) var bandwidth_texture_map: texture_2d<f32>;
+
+const BANDWIDTH_PI: f32 = 3.14159274;
+const BANDWIDTH_HALF_PI: f32 = 1.57079637;
+const BANDWIDTH_TAU: f32 = 6.28318548;
+const BANDWIDTH_CELLS: u32 = 16u;
+
+fn bandwidth_brdf(incoming: vec3<f32>, outgoing: vec3<f32>) -> f32 {
+    return bandwidth_brdf_cells(bandwidth_cell(incoming), bandwidth_cell(outgoing));
+}
+
+// Of directions whose cells are known.
+fn bandwidth_brdf_cells(incoming: vec2<u32>, outgoing: vec2<u32>) -> f32 {
+    let at = incoming * BANDWIDTH_CELLS + outgoing;
+    return textureLoad(bandwidth_brdf_map, at, 0).x * bandwidth_parameters.brdf_scale;
+}
+
+fn bandwidth_environment(direction: vec3<f32>) -> f32 {
+    let at = bandwidth_environment_texel(direction);
+    return textureLoad(bandwidth_environment_map, at, 0).x * bandwidth_parameters.environment_scale;
+}
+
+// Column and row: where other images of this size have what belongs to it.
+fn bandwidth_environment_texel(direction: vec3<f32>) -> vec2<u32> {
+    let size = textureDimensions(bandwidth_environment_map);
+    let sine = sqrt(direction.x * direction.x + direction.z * direction.z);
+    let turn = bandwidth_azimuth(direction.x, direction.z) / BANDWIDTH_TAU;
+    let fall = bandwidth_atan2(sine, direction.y) / BANDWIDTH_PI;
+    return vec2<u32>(bandwidth_index(turn, size.x), bandwidth_index(fall, size.y));
+}
+
+// v goes with the rows of the texture.
+fn bandwidth_texture(uv: vec2<f32>) -> f32 {
+    let size = textureDimensions(bandwidth_texture_map);
+    var inside = uv;
+    if bandwidth_parameters.texture_tiles == 1u {
+        inside = uv - floor(uv);
+    }
+    let at = vec2<u32>(bandwidth_index(inside.x, size.x), bandwidth_index(inside.y, size.y));
+    return textureLoad(bandwidth_texture_map, at, 0).x * bandwidth_parameters.texture_scale;
+}
+
+// Cell of a direction about the normal: azimuth, polar angle.
+fn bandwidth_cell(direction: vec3<f32>) -> vec2<u32> {
+    let sine = sqrt(direction.x * direction.x + direction.y * direction.y);
+    let turn = bandwidth_azimuth(direction.x, direction.y) / BANDWIDTH_TAU;
+    let fall = bandwidth_atan2(sine, direction.z) / BANDWIDTH_HALF_PI;
+    return vec2<u32>(bandwidth_index(turn, BANDWIDTH_CELLS), bandwidth_index(fall, BANDWIDTH_CELLS));
+}
+
+// The one of `count` equal parts of [0, 1] that a share is in; the last ones take what is beyond.
+fn bandwidth_index(share: f32, count: u32) -> u32 {
+    let at = select(0.0, share * f32(count), share > 0.0);
+    return u32(min(at, f32(count) - 1.0));
+}
+
+// Angle of (x, y), 0 to 2π.
+fn bandwidth_azimuth(x: f32, y: f32) -> f32 {
+    let half_turn = bandwidth_atan2(abs(y), x);
+    return select(half_turn, BANDWIDTH_TAU - half_turn, y < 0.0);
+}
+
+// atan2 for y >= 0, in [0, π]: the polynomial of `polynomial_atan2` of the crate.
+fn bandwidth_atan2(y: f32, x: f32) -> f32 {
+    let ax = abs(x);
+    let steep = y > ax;
+    let small = select(y, ax, steep);
+    let large = select(ax, y, steep);
+    var t = 0.0;
+    if large > 0.0 {
+        t = small / large;
+    }
+    let t2 = t * t;
+    var p = -4.0545664e-3;
+    p = p * t2 + 2.1862958e-2;
+    p = p * t2 - 5.5912327e-2;
+    p = p * t2 + 9.642198e-2;
+    p = p * t2 - 0.1390863;
+    p = p * t2 + 0.19946566;
+    p = p * t2 - 0.3332986;
+    p = p * t2 + 0.99999934;
+    var angle = p * t;
+    if steep {
+        angle = BANDWIDTH_HALF_PI - angle;
+    }
+    if x < 0.0 {
+        angle = BANDWIDTH_PI - angle;
+    }
+    return angle;
+}

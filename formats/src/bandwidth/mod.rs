@@ -1,0 +1,9 @@
+//! Maps of local bandwidth and their use in shading (Bagher et al. 2012, "Accurate fitting of measured reflectances",
+//! and "Interactive rendering of acquired materials on dynamic geometry using bandwidth prediction"). Layouts: `spec.md`
+//! and `propagation.md` in this folder.
+
+mod map;
+pub mod propagation;
+pub mod shader;
+
+pub use map::*;

@@ -1,0 +1,21 @@
+//! The `brdfc.*` entries of a texture, as the layouts of packs read them.
+
+use crate::FormatError;
+use crate::container::Texture;
+
+/// The value of an entry that `kind`, such as "a wavelet pack", has.
+pub(crate) fn entry<'a>(texture: &'a Texture, key: &'static str, kind: &str) -> Result<&'a [u8], FormatError> {
+    texture.entries.get(key).map(Vec::as_slice).ok_or_else(|| {
+        let keys: Vec<_> = texture.entries.keys().map(String::as_str).collect();
+        let found = if keys.is_empty() { "no brdfc entries".to_owned() } else { format!("only {}", keys.join(", ")) };
+        FormatError::whole(key, found, format!("the entries of {kind}"))
+    })
+}
+
+/// The value if it has the length that it must have.
+pub(crate) fn sized<'a>(bytes: &'a [u8], key: &'static str, length: usize) -> Result<&'a [u8], FormatError> {
+    if bytes.len() == length {
+        return Ok(bytes);
+    }
+    Err(FormatError::whole(key, format!("{} bytes", bytes.len()), format!("{length} bytes")))
+}

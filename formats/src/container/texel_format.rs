@@ -1,0 +1,90 @@
+//! How texels of packs are stored, and how a KTX2 file describes that. Layout: `formats/src/container/spec.md`.
+
+/// Texel formats that packs use. All are core in Vulkan; the 16-bit unorm ones are a native feature of WebGPU, and all
+/// but those of 32-bit floats can be filtered everywhere.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TexelFormat {
+    /// One component of 8 bits, `VK_FORMAT_R8_UNORM`.
+    R8Unorm,
+    /// Four components of 8 bits, `VK_FORMAT_R8G8B8A8_UNORM`.
+    Rgba8Unorm,
+    /// One component of 16 bits, `VK_FORMAT_R16_UNORM`.
+    R16Unorm,
+    /// One 16-bit float, `VK_FORMAT_R16_SFLOAT`.
+    R16Float,
+    /// Four components of 16 bits, `VK_FORMAT_R16G16B16A16_UNORM`.
+    Rgba16Unorm,
+    /// Four 16-bit floats, `VK_FORMAT_R16G16B16A16_SFLOAT`.
+    Rgba16Float,
+    /// Two 32-bit floats, `VK_FORMAT_R32G32_SFLOAT`.
+    Rg32Float,
+    /// Four 32-bit floats, `VK_FORMAT_R32G32B32A32_SFLOAT`.
+    Rgba32Float,
+    /// Three mantissas of 9 bits that share an exponent, in one word: `VK_FORMAT_E5B9G9R9_UFLOAT_PACK32`. See
+    /// [`super::rgb9e5`].
+    Rgb9E5,
+}
+
+impl TexelFormat {
+    /// Every format, in the order of their Vulkan numbers.
+    pub const ALL: [Self; 9] = [
+        Self::R8Unorm,
+        Self::Rgba8Unorm,
+        Self::R16Unorm,
+        Self::R16Float,
+        Self::Rgba16Unorm,
+        Self::Rgba16Float,
+        Self::Rg32Float,
+        Self::Rgba32Float,
+        Self::Rgb9E5,
+    ];
+
+    /// Words stored per texel: one per component, or a single one of packed components.
+    pub fn components(self) -> usize {
+        match self {
+            Self::R8Unorm | Self::R16Unorm | Self::R16Float | Self::Rgb9E5 => 1,
+            Self::Rg32Float => 2,
+            Self::Rgba8Unorm | Self::Rgba16Unorm | Self::Rgba16Float | Self::Rgba32Float => 4,
+        }
+    }
+
+    /// Bytes per word: 1, 2 or 4.
+    pub fn component_bytes(self) -> usize {
+        match self {
+            Self::R8Unorm | Self::Rgba8Unorm => 1,
+            Self::R16Unorm | Self::R16Float | Self::Rgba16Unorm | Self::Rgba16Float => 2,
+            Self::Rg32Float | Self::Rgba32Float | Self::Rgb9E5 => 4,
+        }
+    }
+
+    /// Bytes per texel, a power of two.
+    pub fn texel_bytes(self) -> usize {
+        self.components() * self.component_bytes()
+    }
+
+    pub(super) fn vulkan(self) -> ktx2::Format {
+        match self {
+            Self::R8Unorm => ktx2::Format::R8_UNORM,
+            Self::Rgba8Unorm => ktx2::Format::R8G8B8A8_UNORM,
+            Self::R16Unorm => ktx2::Format::R16_UNORM,
+            Self::R16Float => ktx2::Format::R16_SFLOAT,
+            Self::Rgba16Unorm => ktx2::Format::R16G16B16A16_UNORM,
+            Self::Rgba16Float => ktx2::Format::R16G16B16A16_SFLOAT,
+            Self::Rg32Float => ktx2::Format::R32G32_SFLOAT,
+            Self::Rgba32Float => ktx2::Format::R32G32B32A32_SFLOAT,
+            Self::Rgb9E5 => ktx2::Format::E5B9G9R9_UFLOAT_PACK32,
+        }
+    }
+
+    /// The data format descriptor, with its length in front. Values are linear and have no colour meaning of their own.
+    pub(super) fn descriptor(self) -> Vec<u8> {
+        let linear = Some(ktx2::TransferFunction::Linear);
+        let (block, type_size) = ktx2::dfd::Basic::from_format_with(self.vulkan(), false, linear, None, None)
+            .expect("every texel format has a descriptor");
+        debug_assert_eq!(type_size as usize, self.component_bytes());
+        let block = ktx2::dfd::Block::Basic(block).to_vec();
+        let mut bytes = ((block.len() + 4) as u32).to_le_bytes().to_vec();
+        bytes.extend_from_slice(&block);
+        bytes
+    }
+}

@@ -1,0 +1,179 @@
+//! Interpolation between the directions of a set: three samples and their weights for any direction.
+//!
+//! The samples are triangulated (Delaunay) in paraboloid coordinates `(x, y) / (1 + z)`, and a direction gets the
+//! barycentric weights of its triangle. Outside the convex hull it gets those of the nearest point of the hull, in the
+//! same plane: that is the one choice that is continuous everywhere. Directions below the horizon are taken with z = 0.
+//!
+//! Weights are 1 at a sample, not negative, sum up to 1 within rounding, and reproduce linear functions of paraboloid
+//! coordinates inside the hull.
+//!
+//! Sets without a triangle: one direction has weight 1 everywhere; of two directions, or of several on one line in
+//! paraboloid coordinates (a plane through the normal), the two around the nearest point of the line are blended.
+//!
+//! # Words for a shader
+//!
+//! Everything that a look-up needs is one list of `u32` for a storage buffer, in f32 throughout. `n` directions, `t`
+//! triangles and segments, `G` x `G` cells over [-1, 1]² of paraboloid coordinates, `c` candidates:
+//!
+//! | from word | words | what |
+//! |---|---|---|
+//! | 0 | 4 | `G`, `n`, `t`, `c` |
+//! | 4 | `G² + 1` | cell `row * G + column`: its first candidate; then `c` |
+//! | `5 + G²` | `c` | candidates: numbers of triangles and segments, ascending within a cell |
+//! | `5 + G² + c` | `3 t` | directions at the corners of each triangle; a segment from a to b is a, b, b |
+//! | `5 + G² + c + 3 t` | `2 n` | x, y of each direction in paraboloid coordinates, bits of f32 |
+//!
+//! Triangles are counter-clockwise. Segments are the edges of the hull, with the hull on the left; of sets in line, the
+//! pieces of the line in both directions. A cell lists each triangle that it overlaps and each segment that is nearest
+//! to some point of it on the segment's right. [`direction_mesh_wgsl`] is the look-up as
+//! WGSL; [`DirectionMesh::weights`] does the same steps in the same order, so that both give the same bits wherever the
+//! adapter divides with correct rounding and fuses nothing.
+
+mod build;
+
+use crate::FormatError;
+use crate::direction_set::DirectionSet;
+
+/// The look-up as WGSL, with the placeholders that [`direction_mesh_wgsl`] fills.
+const TEMPLATE: &str = include_str!("direction_mesh.wgsl");
+const FUNCTION: &str = "DIRECTION_MESH_FUNCTION";
+const BINDING: &str = "DIRECTION_MESH_BINDING";
+
+/// Words before the cells.
+const HEADER_WORDS: usize = 4;
+
+/// A triangulated set of directions.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DirectionMesh {
+    words: Vec<u32>,
+}
+
+impl DirectionMesh {
+    /// Triangulates a set.
+    ///
+    /// # Errors
+    /// What [`DirectionSet::new`] refuses; directions less than 1e-4 apart, which f32 cannot tell apart well enough.
+    pub fn new(set: &DirectionSet) -> Result<Self, FormatError> {
+        let set = DirectionSet::new(set.name.clone(), set.angles.clone())?;
+        let points: Vec<[f32; 2]> = set.directions().iter().map(|d| paraboloid(d.map(|c| c as f32))).collect();
+        Ok(Self { words: build::words(&points)? })
+    }
+
+    /// Indices into the set and weights of three directions, which may repeat with weight 0.
+    ///
+    /// `direction` is a unit vector; what is no number gets some sample of the set.
+    pub fn weights(&self, direction: [f32; 3]) -> ([u32; 3], [f32; 3]) {
+        let words = &self.words[..];
+        let point = paraboloid(direction);
+        let grid = words[0] as usize;
+        let column = cell(point[0], grid);
+        let row = cell(point[1], grid);
+        let candidates = HEADER_WORDS + grid * grid + 1;
+        let triangles = candidates + words[3] as usize;
+        let vertices = triangles + 3 * words[2] as usize;
+        let first = words[HEADER_WORDS + row * grid + column];
+        let end = words[HEADER_WORDS + row * grid + column + 1];
+        let mut best = f32::MAX;
+        let mut indices = [0; 3];
+        let mut weights = [1.0, 0.0, 0.0];
+        for k in first..end {
+            let triangle = triangles + 3 * words[candidates + k as usize] as usize;
+            let corners = [words[triangle], words[triangle + 1], words[triangle + 2]];
+            let [a, b, c] = corners.map(|index| {
+                let vertex = vertices + 2 * index as usize;
+                [f32::from_bits(words[vertex]), f32::from_bits(words[vertex + 1])]
+            });
+            let q = difference(point, a);
+            let e1 = difference(b, a);
+            let mut w = [1.0, 0.0, 0.0];
+            let mut distance;
+            if corners[1] == corners[2] {
+                // A segment, which counts on its right side: the hull is on the left.
+                let squared = e1[0] * e1[0] + e1[1] * e1[1];
+                let mut t = 0.0;
+                if squared > 0.0 {
+                    t = (q[0] * e1[0] + q[1] * e1[1]) / squared;
+                }
+                if (0.0..=1.0).contains(&t) {
+                    if e1[0] * q[1] - e1[1] * q[0] <= 0.0 {
+                        return (corners, [1.0 - t, t, 0.0]);
+                    }
+                    continue;
+                }
+                distance = q[0] * q[0] + q[1] * q[1];
+                if t > 1.0 {
+                    w = [0.0, 1.0, 0.0];
+                    let r = difference(point, b);
+                    distance = r[0] * r[0] + r[1] * r[1];
+                }
+            } else {
+                let e2 = difference(c, a);
+                let area = e1[0] * e2[1] - e1[1] * e2[0];
+                let w1 = (q[0] * e2[1] - q[1] * e2[0]) / area;
+                let w2 = (e1[0] * q[1] - e1[1] * q[0]) / area;
+                let w0 = 1.0 - w1 - w2;
+                if w0 >= 0.0 && w1 >= 0.0 && w2 >= 0.0 {
+                    return (corners, [w0, w1, w2]);
+                }
+                // Rounding may leave a point between two triangles.
+                let [c0, c1, c2] = [w0.max(0.0), w1.max(0.0), w2.max(0.0)];
+                let sum = c0 + c1 + c2;
+                w = [c0 / sum, c1 / sum, c2 / sum];
+                let x = q[0] - (w[1] * e1[0] + w[2] * e2[0]);
+                let y = q[1] - (w[1] * e1[1] + w[2] * e2[1]);
+                // Outside the hull the corner of a segment is to win.
+                distance = 4.0 * (x * x + y * y);
+            }
+            if k == first || distance < best {
+                best = distance;
+                indices = corners;
+                weights = w;
+            }
+        }
+        (indices, weights)
+    }
+
+    /// The words of the table above, for a storage buffer.
+    pub fn to_words(&self) -> Vec<u32> {
+        self.words.clone()
+    }
+
+    /// Corners of the triangles: indices into the set, counter-clockwise seen from above. None for sets in line.
+    pub fn triangles(&self) -> Vec<[u32; 3]> {
+        let grid = self.words[0] as usize;
+        let start = HEADER_WORDS + grid * grid + 1 + self.words[3] as usize;
+        let words = &self.words[start..start + 3 * self.words[2] as usize];
+        let all = words.chunks_exact(3).map(|corners| [corners[0], corners[1], corners[2]]);
+        all.filter(|corners| corners[1] != corners[2]).collect()
+    }
+}
+
+/// The WGSL twin of [`DirectionMesh::weights`]: `fn NAME(direction: vec3<f32>) -> NAME_result`, a struct with `indices:
+/// vec3<u32>` and `weights: vec3<f32>`.
+///
+/// `binding_name` is a variable that the shader declares, for example `@group(0) @binding(3) var<storage, read> NAME:
+/// array<u32>;`, and that holds [`DirectionMesh::to_words`]. Both must be WGSL identifiers; one shader may hold the
+/// function several times under different names.
+pub fn direction_mesh_wgsl(function_name: &str, binding_name: &str) -> String {
+    TEMPLATE.replace(FUNCTION, function_name).replace(BINDING, binding_name)
+}
+
+/// `(x, y) / (1 + z)`, from z = 0 up; in [-1, 1] whatever the direction is.
+#[expect(clippy::manual_clamp, reason = "what is no number becomes -1")]
+fn paraboloid([x, y, z]: [f32; 3]) -> [f32; 2] {
+    let scale = 1.0 + z.max(0.0);
+    [(x / scale).max(-1.0).min(1.0), (y / scale).max(-1.0).min(1.0)]
+}
+
+/// Which of `grid` cells over [-1, 1] holds a coordinate.
+fn cell(coordinate: f32, grid: usize) -> usize {
+    let size = grid as f32;
+    ((coordinate + 1.0) * 0.5 * size).min(size - 1.0) as usize
+}
+
+fn difference(a: [f32; 2], b: [f32; 2]) -> [f32; 2] {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,234 @@
+// Flat BTFs on a GPU: a BTF on the parameters of its meso-geometry, found through a view-dependent indirection.
+//
+// After Hadim, Pacanowski, Granier and Schlick 2009, "Flat bidirectional texture functions"; section and equation
+// numbers below are theirs. The layout of the files is described in `formats/src/flat_btf/spec.md`; the CPU decoder with the same
+// steps in the same order is `FlatBtfDecoder` of the crate `brdfc-formats`.
+//
+// To use it: paste this file before your own shader, move the seven bindings where they suit you, and call
+//
+//     let seen = flat_btf_indirection(uv, view);        // parameters and height of the surface point that is seen
+//     let value = flat_btf_light(uv, view, light);      // normal map and diffuse colour
+//     let value = flat_btf_full(uv, view, views, lights); // every sampled view and light
+//
+// uv is in tiles, of any size. view (to the viewer) and light (to the light) are unit vectors in the frame x = tangent,
+// y = bitangent, z = normal. Values are linear RGB: radiance divided by that of a white diffuser that faces the light.
+//
+// The indirection costs 5 fetches with manual filtering and 2 with the sampler; the light form 8 more; the full form 4
+// more for each pair of a view and a light whose weights are not 0.
+
+// The same fields, in the same order, as `FlatBtfParameters` of `brdfc-formats`. 32 bytes.
+struct FlatBtfParameters {
+    size: u32,             // T: the flat BTF has T x T texels
+    reference_size: u32,   // M: the reference plane has M x M texels
+    zenith_samples: u32,   // Z, polar angles of the views
+    azimuth_samples: u32,  // A, azimuths of the views
+    largest_angle: f32,    // φ_max, radians
+    atlas_columns: u32,    // lights in a row of the atlas
+    hardware: u32,         // 1: the sampler blends views of the indirection, 0: manual weights
+    reserved: u32,
+}
+
+// Three sampled directions and their weights; what has a weight of 0 is not fetched.
+struct FlatBtfWeights {
+    indices: vec3<u32>,
+    weights: vec3<f32>,
+}
+
+@group(1) @binding(0) var<uniform> flat_btf_parameters: FlatBtfParameters;
+// M x M texels of two 32-bit floats, as in the file `reference`. Not filtered.
+@group(1) @binding(1) var flat_btf_reference: texture_2d<f32>;
+// The file `indirection`: direction, distance, height in halves.
+@group(1) @binding(2) var flat_btf_packed_indirection: texture_2d<f32>;
+// Linear filter, clamp to edge.
+@group(1) @binding(3) var flat_btf_sampler: sampler;
+// The file `normal`.
+@group(1) @binding(4) var flat_btf_normal: texture_2d<f32>;
+// The file `diffuse`.
+@group(1) @binding(5) var flat_btf_diffuse: texture_2d<f32>;
+// One layer per view. Light l has the tile of T x T texels at column l mod atlas_columns, row l / atlas_columns.
+@group(1) @binding(6) var flat_btf_values: texture_2d_array<f32>;
+
+const FLAT_BTF_PI: f32 = 3.14159274;
+const FLAT_BTF_HALF_PI: f32 = 1.57079637;
+const FLAT_BTF_TAU: f32 = 6.28318548;
+// How far the sampler stays from the border of a block, in texels: coordinates have rounding errors, and a fetch that
+// is rounded outwards would blend with the next block.
+const FLAT_BTF_GUARD: f32 = 0.001953125;
+
+// Two neighbouring samples along one axis.
+struct FlatBtfTap {
+    lower: u32,
+    upper: u32,
+    weight: f32,   // of the upper sample
+}
+
+// Equation 3: parameters, 0 to below 1, and height in tiles of what is seen through a point of the reference plane.
+fn flat_btf_indirection(uv: vec2<f32>, view: vec3<f32>) -> vec3<f32> {
+    let size = flat_btf_parameters.reference_size;
+    let i = min(u32(flat_btf_wrap(uv.x) * f32(size)), size - 1u);
+    let j = min(u32(flat_btf_wrap(uv.y) * f32(size)), size - 1u);
+    let position = flat_btf_view_position(view);
+    var blended = vec4<f32>(0.0);
+    if flat_btf_parameters.hardware == 1u {
+        blended = flat_btf_sampled_block(i, j, position);
+    } else {
+        blended = flat_btf_loaded_block(i, j, position);
+    }
+    // The blend of directions is brought back to length 1: directional in azimuth, linear in distance.
+    let length = sqrt(blended.x * blended.x + blended.y * blended.y);
+    let scale = select(0.0, blended.z / length, length > 0.0);
+    let reference = textureLoad(flat_btf_reference, vec2<u32>(i, j), 0);
+    let u = flat_btf_wrap(reference.x + scale * blended.x);
+    let v = flat_btf_wrap(reference.y + scale * blended.y);
+    return vec3<f32>(u, v, blended.w);
+}
+
+// Equation 1: the BTF from all sampled views and lights.
+fn flat_btf_full(uv: vec2<f32>, view: vec3<f32>, views: FlatBtfWeights, lights: FlatBtfWeights) -> vec3<f32> {
+    let seen = flat_btf_indirection(uv, view);
+    let column = flat_btf_periodic_tap(seen.x);
+    let row = flat_btf_periodic_tap(seen.y);
+    var value = vec3<f32>(0.0);
+    for (var v = 0u; v < 3u; v += 1u) {
+        if views.weights[v] == 0.0 {
+            continue;
+        }
+        for (var l = 0u; l < 3u; l += 1u) {
+            if lights.weights[l] == 0.0 {
+                continue;
+            }
+            let weight = views.weights[v] * lights.weights[l];
+            value += weight * flat_btf_sample(views.indices[v], lights.indices[l], column, row);
+        }
+    }
+    return value;
+}
+
+// Section 3.5: the light form, a diffuse colour lit under a normal map.
+fn flat_btf_light(uv: vec2<f32>, view: vec3<f32>, light: vec3<f32>) -> vec3<f32> {
+    let seen = flat_btf_indirection(uv, view);
+    let column = flat_btf_periodic_tap(seen.x);
+    let row = flat_btf_periodic_tap(seen.y);
+    var normal = vec3<f32>(0.0);
+    var diffuse = vec3<f32>(0.0);
+    for (var k = 0u; k < 4u; k += 1u) {
+        let at = vec2<u32>(flat_btf_tap_sample(column, k & 1u), flat_btf_tap_sample(row, k >> 1u));
+        let weight = flat_btf_tap_weight(row, k >> 1u) * flat_btf_tap_weight(column, k & 1u);
+        let normal_texel = textureLoad(flat_btf_normal, at, 0);
+        let diffuse_texel = textureLoad(flat_btf_diffuse, at, 0);
+        normal += weight * normal_texel.xyz;
+        diffuse += weight * diffuse_texel.rgb;
+    }
+    let length = sqrt(normal.x * normal.x + normal.y * normal.y + normal.z * normal.z);
+    let scale = select(0.0, 1.0 / length, length > 0.0);
+    let cosine = (normal.x * light.x + normal.y * light.y + normal.z * light.z) * scale;
+    return diffuse * max(cosine, 0.0);
+}
+
+// One view and light, filtered over the flat BTF with period 1.
+fn flat_btf_sample(view: u32, light: u32, column: FlatBtfTap, row: FlatBtfTap) -> vec3<f32> {
+    let columns = flat_btf_parameters.atlas_columns;
+    let origin = vec2<u32>(light % columns, light / columns) * flat_btf_parameters.size;
+    var value = vec3<f32>(0.0);
+    for (var k = 0u; k < 4u; k += 1u) {
+        let at = origin + vec2<u32>(flat_btf_tap_sample(column, k & 1u), flat_btf_tap_sample(row, k >> 1u));
+        let weight = flat_btf_tap_weight(row, k >> 1u) * flat_btf_tap_weight(column, k & 1u);
+        let texel = textureLoad(flat_btf_values, at, view, 0);
+        value += weight * texel.rgb;
+    }
+    return value;
+}
+
+// Where a view is among the samples of a block: polar angle in units of columns, azimuth in units of rows.
+fn flat_btf_view_position(view: vec3<f32>) -> vec2<f32> {
+    let angle = flat_btf_atan2(sqrt(view.x * view.x + view.y * view.y), view.z);
+    let polar = min(angle, flat_btf_parameters.largest_angle);
+    let half_azimuth = flat_btf_atan2(abs(view.y), view.x);
+    let azimuth = select(half_azimuth, FLAT_BTF_TAU - half_azimuth, view.y < 0.0);
+    let column = polar / flat_btf_parameters.largest_angle * f32(flat_btf_parameters.zenith_samples - 1u);
+    let row = azimuth / FLAT_BTF_TAU * f32(flat_btf_parameters.azimuth_samples);
+    return vec2<f32>(column, row);
+}
+
+// The four view samples around a position, blended with manual weights.
+fn flat_btf_loaded_block(i: u32, j: u32, position: vec2<f32>) -> vec4<f32> {
+    let column = flat_btf_block_tap(position.x, flat_btf_parameters.zenith_samples - 1u);
+    let row = flat_btf_block_tap(position.y, flat_btf_parameters.azimuth_samples);
+    let corner = vec2<u32>(i * flat_btf_parameters.zenith_samples, j * (flat_btf_parameters.azimuth_samples + 1u));
+    var value = vec4<f32>(0.0);
+    for (var k = 0u; k < 4u; k += 1u) {
+        let at = corner + vec2<u32>(flat_btf_tap_sample(column, k & 1u), flat_btf_tap_sample(row, k >> 1u));
+        let weight = flat_btf_tap_weight(row, k >> 1u) * flat_btf_tap_weight(column, k & 1u);
+        let texel = textureLoad(flat_btf_packed_indirection, at, 0);
+        value += weight * texel;
+    }
+    return value;
+}
+
+// The same by the sampler. With t = φ / φ_max and N = M this is the paper's u = (i + α t + β) / N with α = (Z - 1) / Z
+// and β = 1 / 2Z; for the azimuth α = A / (A + 1) and β = 1 / 2(A + 1).
+fn flat_btf_sampled_block(i: u32, j: u32, position: vec2<f32>) -> vec4<f32> {
+    let samples = vec2<f32>(f32(flat_btf_parameters.zenith_samples), f32(flat_btf_parameters.azimuth_samples + 1u));
+    let inside = clamp(position, vec2<f32>(FLAT_BTF_GUARD), samples - (1.0 + FLAT_BTF_GUARD));
+    let texels = vec2<f32>(f32(i), f32(j)) * samples + inside + 0.5;
+    let at = texels / (f32(flat_btf_parameters.reference_size) * samples);
+    let value = textureSampleLevel(flat_btf_packed_indirection, flat_btf_sampler, at, 0.0);
+    return value;
+}
+
+// The fraction, 0 to below 1. A tiny negative number has a fraction that rounds to 1.
+fn flat_btf_wrap(x: f32) -> f32 {
+    let fraction = x - floor(x);
+    return select(0.0, fraction, fraction < 1.0);
+}
+
+// The samples around a position from 0 to last.
+fn flat_btf_block_tap(position: f32, last: u32) -> FlatBtfTap {
+    let lower = min(u32(position), last - 1u);
+    return FlatBtfTap(lower, lower + 1u, position - f32(lower));
+}
+
+// The texels of the flat BTF around a parameter, whose centres are at (i + 1/2) / T, with period 1.
+fn flat_btf_periodic_tap(parameter: f32) -> FlatBtfTap {
+    let size = flat_btf_parameters.size;
+    let position = parameter * f32(size) - 0.5;
+    let below = floor(position);
+    let lower = select(min(u32(below), size - 1u), size - 1u, below < 0.0);
+    let upper = select(lower + 1u, 0u, lower + 1u == size);
+    return FlatBtfTap(lower, upper, position - below);
+}
+
+fn flat_btf_tap_sample(tap: FlatBtfTap, upper: u32) -> u32 {
+    return select(tap.lower, tap.upper, upper == 1u);
+}
+
+fn flat_btf_tap_weight(tap: FlatBtfTap, upper: u32) -> f32 {
+    return select(1.0 - tap.weight, tap.weight, upper == 1u);
+}
+
+// atan2(y, x) for y >= 0, in [0, π], within 2.5e-7 of the exact angle: an odd minimax polynomial on [0, 1]. The
+// built-in function of a GPU may be off by 1e-5 and more, which moves filter weights.
+fn flat_btf_atan2(y: f32, x: f32) -> f32 {
+    let ax = abs(x);
+    let steep = y > ax;
+    let small = select(y, ax, steep);
+    let large = select(ax, y, steep);
+    let t = select(0.0, small / large, large > 0.0);
+    let t2 = t * t;
+    var p = -4.0545664e-3;
+    p = p * t2 + 2.1862958e-2;
+    p = p * t2 - 5.5912327e-2;
+    p = p * t2 + 9.642198e-2;
+    p = p * t2 - 0.1390863;
+    p = p * t2 + 0.19946566;
+    p = p * t2 - 0.3332986;
+    p = p * t2 + 0.99999934;
+    var angle = p * t;
+    if steep {
+        angle = FLAT_BTF_HALF_PI - angle;
+    }
+    if x < 0.0 {
+        angle = FLAT_BTF_PI - angle;
+    }
+    return angle;
+}

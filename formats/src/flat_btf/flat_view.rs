@@ -1,0 +1,222 @@
+//! The parts `flat.VVV` and `mask`: values of the flat BTF for one view and all lights, and which of them were seen.
+
+use super::layout::{VERSION, check_square, square_layers, word, words, wrong_extent};
+use crate::FormatError;
+use crate::container::entries::{entry, sized};
+use crate::container::{Extent, MAX_LAYERS, TexelFormat, Texture};
+use crate::cursor::Cursor;
+use std::collections::BTreeMap;
+
+const PART: &str = "flat";
+const HEADER: &str = "brdfc.flat-btf";
+const VIEWS: &str = "brdfc.views";
+const LIGHTS: &str = "brdfc.lights";
+/// Most views, and most lights.
+pub const MAX_DIRECTIONS: u32 = MAX_LAYERS;
+
+/// The name of the part of a view, `flat.007`: three digits, or four from 1000 views on.
+pub fn view_part(view: u32, views: u32) -> String {
+    let digits = if views < 1000 { 3 } else { 4 };
+    format!("{PART}.{view:0digits$}")
+}
+
+/// Which view a file holds, of which views and lights. The directions are the same in all files of an asset.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FlatHeader {
+    /// `T`, texels per side, 1 to 8192.
+    pub size: u32,
+    /// Which of the views, from 0.
+    pub view: u32,
+    /// Polar angle, 0 to π/2, and azimuth, 0 up to 2π, of all views, radians. 1 to [`MAX_DIRECTIONS`].
+    pub views: Vec<[f32; 2]>,
+    /// The same of all lights.
+    pub lights: Vec<[f32; 2]>,
+}
+
+impl FlatHeader {
+    /// Whether everything is in range.
+    ///
+    /// # Errors
+    /// Too many directions, or such that are out of range; a view that is none of them.
+    pub fn check(&self) -> Result<(), FormatError> {
+        for (key, directions) in [(VIEWS, &self.views), (LIGHTS, &self.lights)] {
+            if !(1..=MAX_DIRECTIONS as usize).contains(&directions.len()) {
+                let found = format!("{} directions", directions.len());
+                return Err(FormatError::whole(key, found, format!("1 to {MAX_DIRECTIONS}")));
+            }
+            for (k, [polar, azimuth]) in directions.iter().enumerate() {
+                let good = (0.0..=std::f32::consts::FRAC_PI_2).contains(polar)
+                    && (0.0..std::f32::consts::TAU).contains(azimuth);
+                if !good {
+                    let (field, found) = (format!("{key} direction {k}"), format!("{polar}, {azimuth}"));
+                    let allowed = "a polar angle of 0 to π/2 and an azimuth of 0 to below 2π";
+                    return Err(FormatError::whole(field, found, allowed));
+                }
+            }
+        }
+        if self.view as usize >= self.views.len() {
+            let (field, allowed) =
+                (format!("{HEADER} view"), format!("below {}, the number of views", self.views.len()));
+            return Err(FormatError::whole(field, self.view.to_string(), allowed));
+        }
+        Ok(())
+    }
+
+    fn entries(&self) -> BTreeMap<String, Vec<u8>> {
+        let header = [VERSION, self.size, self.view, self.views.len() as u32, self.lights.len() as u32];
+        let bytes = |directions: &[[f32; 2]]| directions.iter().flatten().flat_map(|c| c.to_le_bytes()).collect();
+        BTreeMap::from([
+            (HEADER.to_owned(), header.into_iter().flat_map(u32::to_le_bytes).collect()),
+            (VIEWS.to_owned(), bytes(&self.views)),
+            (LIGHTS.to_owned(), bytes(&self.lights)),
+        ])
+    }
+
+    fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
+        let value = |key| entry(texture, key, "a view of a flat BTF");
+        let mut cursor = Cursor::new(sized(value(HEADER)?, HEADER, 20)?);
+        word(&mut cursor, HEADER, "version", VERSION..=VERSION)?;
+        let (size, view) = (cursor.u32("size")?, cursor.u32("view")?);
+        let views = word(&mut cursor, HEADER, "views", 1..=MAX_DIRECTIONS)?;
+        let lights = word(&mut cursor, HEADER, "lights", 1..=MAX_DIRECTIONS)?;
+        let directions = |key, count: u32| {
+            let bytes = sized(value(key)?, key, 8 * count as usize)?;
+            Ok::<_, FormatError>(super::layout::floats::<2>(bytes))
+        };
+        let header = Self { size, view, views: directions(VIEWS, views)?, lights: directions(LIGHTS, lights)? };
+        header.check()?;
+        Ok(header)
+    }
+}
+
+/// Values of the flat BTF for one view: radiance divided by that of a white diffuser that faces the light.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FlatView {
+    header: FlatHeader,
+    texels: Vec<u32>,
+}
+
+impl FlatView {
+    /// A view from its texels of [`crate::container::rgb9e5`]: light by light, each `T x T` row by row.
+    ///
+    /// # Errors
+    /// A header out of range, another number of texels than `T x T x lights`.
+    pub fn new(header: FlatHeader, texels: Vec<u32>) -> Result<Self, FormatError> {
+        header.check()?;
+        check_square(PART, header.size, header.lights.len() as u32, MAX_DIRECTIONS, texels.len())?;
+        Ok(Self { header, texels })
+    }
+
+    /// Which view, of which views and lights.
+    pub fn header(&self) -> &FlatHeader {
+        &self.header
+    }
+
+    /// All packed texels, light by light.
+    pub fn texels(&self) -> &[u32] {
+        &self.texels
+    }
+
+    /// The packed texels of a light, row by row.
+    ///
+    /// # Panics
+    /// Without such a light.
+    pub fn light(&self, light: u32) -> &[u32] {
+        let length = self.header.size as usize * self.header.size as usize;
+        &self.texels[light as usize * length..][..length]
+    }
+
+    /// The bytes of the KTX2 file.
+    pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
+        let size = self.header.size;
+        Texture {
+            format: TexelFormat::Rgb9E5,
+            extent: Extent::D2Array([size, size, self.header.lights.len() as u32]),
+            entries: self.header.entries(),
+            texels: self.texels.iter().flat_map(|texel| texel.to_le_bytes()).collect(),
+        }
+        .to_bytes(supercompress)
+    }
+
+    /// Reads and checks a KTX2 file.
+    ///
+    /// # Errors
+    /// Whatever breaks the rules of `formats/src/flat_btf/spec.md`.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
+        let texture = Texture::from_bytes(bytes)?;
+        let header = FlatHeader::from_texture(&texture)?;
+        let [size, lights] = square_layers(&texture, PART, TexelFormat::Rgb9E5)?;
+        if (size, lights as usize) != (header.size, header.lights.len()) {
+            let (side, count) = (header.size, header.lights.len());
+            let allowed = format!("{count} layers of {side} x {side}, as {HEADER} says");
+            return Err(wrong_extent(PART, texture.extent, allowed));
+        }
+        Self::new(header, words(&texture.texels))
+    }
+}
+
+/// The part `mask`: which texels of the flat BTF are seen in which view; values of the others were filled in.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct VisibilityMask {
+    size: u32,
+    views: u32,
+    texels: Vec<u8>,
+}
+
+impl VisibilityMask {
+    const PART: &'static str = "mask";
+
+    /// A mask from its texels, view by view, each `T x T` row by row: 255 where seen, 0 where not.
+    ///
+    /// # Errors
+    /// Sizes out of range, another number of texels, other values.
+    pub fn new(size: u32, views: u32, texels: Vec<u8>) -> Result<Self, FormatError> {
+        check_square(Self::PART, size, views, MAX_DIRECTIONS, texels.len())?;
+        if let Some(at) = texels.iter().position(|texel| !matches!(texel, 0 | 255)) {
+            let field = format!("{} texel {at}", Self::PART);
+            return Err(FormatError::whole(field, texels[at].to_string(), "0 (filled in) or 255 (seen)"));
+        }
+        Ok(Self { size, views, texels })
+    }
+
+    /// `T`, texels per side.
+    pub fn size(&self) -> u32 {
+        self.size
+    }
+
+    /// Number of views.
+    pub fn views(&self) -> u32 {
+        self.views
+    }
+
+    /// Whether texel `(column, row)` is seen in a view.
+    ///
+    /// # Panics
+    /// Outside of the mask.
+    pub fn is_seen(&self, view: u32, [column, row]: [u32; 2]) -> bool {
+        assert!(column < self.size, "column {column} of {}", self.size);
+        let [size, view, column, row] = [self.size, view, column, row].map(|n| n as usize);
+        self.texels[(view * size + row) * size + column] == 255
+    }
+
+    /// The bytes of the KTX2 file.
+    pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
+        Texture {
+            format: TexelFormat::R8Unorm,
+            extent: Extent::D2Array([self.size, self.size, self.views]),
+            entries: BTreeMap::new(),
+            texels: self.texels.clone(),
+        }
+        .to_bytes(supercompress)
+    }
+
+    /// Reads and checks a KTX2 file.
+    ///
+    /// # Errors
+    /// Whatever breaks the rules of `formats/src/flat_btf/spec.md`.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
+        let texture = Texture::from_bytes(bytes)?;
+        let [size, views] = square_layers(&texture, Self::PART, TexelFormat::R8Unorm)?;
+        Self::new(size, views, texture.texels)
+    }
+}

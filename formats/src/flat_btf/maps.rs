@@ -1,0 +1,235 @@
+//! The parts of a flat BTF that no view or light changes: position, normal, diffuse colour and reference.
+
+use super::layout::{
+    check_square, check_texels, floats, half_bytes, halves, is_coordinate, square, words as packed_words,
+};
+use crate::FormatError;
+use crate::container::{Extent, TexelFormat, Texture, half, rgb9e5};
+use std::collections::BTreeMap;
+
+/// How far the squared length of a direction of halves may be from 1.
+const UNIT_TOLERANCE: f32 = 1.0 / 128.0;
+
+/// Whether a vector is a unit vector after its components were rounded to halves.
+pub(super) fn is_unit(v: &[f32]) -> bool {
+    (v.iter().map(|c| c * c).sum::<f32>() - 1.0).abs() <= UNIT_TOLERANCE
+}
+
+fn texture(format: TexelFormat, size: u32, texels: Vec<u8>) -> Texture {
+    Texture { format, extent: Extent::D2([size, size]), entries: BTreeMap::new(), texels }
+}
+
+/// The part `position`: the surface point that each texel of the flat BTF stands for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PositionMap {
+    size: u32,
+    points: Vec<[f32; 3]>,
+}
+
+impl PositionMap {
+    const PART: &'static str = "position";
+
+    /// `T x T` points in tiles, row by row.
+    ///
+    /// # Errors
+    /// A size of 0 or above 8192, another number of points, coordinates beyond [`super::MAX_COORDINATE`] or NaN.
+    pub fn new(size: u32, points: Vec<[f32; 3]>) -> Result<Self, FormatError> {
+        check_square(Self::PART, size, 1, 1, points.len())?;
+        let good = |p: &[f32; 3]| p.iter().all(|c| is_coordinate(*c));
+        check_texels(Self::PART, size, &points, "coordinates of -1024 to 1024 tiles", |p| format!("{p:?}"), good)?;
+        Ok(Self { size, points })
+    }
+
+    /// `T`, texels per side.
+    pub fn size(&self) -> u32 {
+        self.size
+    }
+
+    /// The points in tiles, row by row: texel `(column, row)` is at the parameters
+    /// `((column + ½) / T, (row + ½) / T)`.
+    pub fn points(&self) -> &[[f32; 3]] {
+        &self.points
+    }
+
+    /// The bytes of the KTX2 file.
+    pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
+        let texel = |[x, y, z]: &[f32; 3]| [*x, *y, *z, 1.0].map(f32::to_le_bytes);
+        let texels = self.points.iter().flat_map(texel).flatten().collect();
+        texture(TexelFormat::Rgba32Float, self.size, texels).to_bytes(supercompress)
+    }
+
+    /// Reads and checks a KTX2 file.
+    ///
+    /// # Errors
+    /// Whatever breaks the rules of `formats/src/flat_btf/spec.md`.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
+        let texture = Texture::from_bytes(bytes)?;
+        let size = square(&texture, Self::PART, TexelFormat::Rgba32Float)?;
+        let texels = floats::<4>(&texture.texels);
+        check_texels(Self::PART, size, &texels, "1 as w", |t| t[3].to_string(), |t| t[3] == 1.0)?;
+        Self::new(size, texels.into_iter().map(|[x, y, z, _]| [x, y, z]).collect())
+    }
+}
+
+/// The part `normal`: unit shading normals, in the frame of the reference plane.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NormalMap {
+    size: u32,
+    /// Exactly representable as halves.
+    normals: Vec<[f32; 3]>,
+}
+
+impl NormalMap {
+    const PART: &'static str = "normal";
+
+    /// `T x T` unit vectors, row by row; components are rounded to halves.
+    ///
+    /// # Errors
+    /// A size of 0 or above 8192, another number of normals, vectors that are not of unit length.
+    pub fn new(size: u32, normals: Vec<[f32; 3]>) -> Result<Self, FormatError> {
+        check_square(Self::PART, size, 1, 1, normals.len())?;
+        check_texels(Self::PART, size, &normals, "a unit vector", |n| format!("{n:?}"), |n| is_unit(n))?;
+        let mut normals = normals;
+        for normal in &mut normals {
+            *normal = normal.map(|c| half::decode(half::encode(c)));
+        }
+        Ok(Self { size, normals })
+    }
+
+    /// `T`, texels per side.
+    pub fn size(&self) -> u32 {
+        self.size
+    }
+
+    /// The normals as halves hold them, row by row.
+    pub fn normals(&self) -> &[[f32; 3]] {
+        &self.normals
+    }
+
+    /// The texels as a GPU takes them: four halves each, the last of them 0.
+    pub fn texel_bytes(&self) -> Vec<u8> {
+        let texels: Vec<_> =
+            self.normals.iter().map(|[x, y, z]| [half::encode(*x), half::encode(*y), half::encode(*z), 0]).collect();
+        half_bytes(&texels)
+    }
+
+    /// The bytes of the KTX2 file.
+    pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
+        texture(TexelFormat::Rgba16Float, self.size, self.texel_bytes()).to_bytes(supercompress)
+    }
+
+    /// Reads and checks a KTX2 file.
+    ///
+    /// # Errors
+    /// Whatever breaks the rules of `formats/src/flat_btf/spec.md`.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
+        let texture = Texture::from_bytes(bytes)?;
+        let size = square(&texture, Self::PART, TexelFormat::Rgba16Float)?;
+        let texels = halves(&texture.texels);
+        check_texels(Self::PART, size, &texels, "0 as w", |t| half::decode(t[3]).to_string(), |t| t[3] == 0)?;
+        Self::new(size, texels.into_iter().map(|[x, y, z, _]| [x, y, z].map(half::decode)).collect())
+    }
+}
+
+/// The part `diffuse`: reflectance of a Lambertian surface, fitted to the visible samples.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DiffuseMap {
+    size: u32,
+    texels: Vec<u32>,
+}
+
+impl DiffuseMap {
+    const PART: &'static str = "diffuse";
+
+    /// `T x T` texels of [`rgb9e5`], row by row.
+    ///
+    /// # Errors
+    /// A size of 0 or above 8192, another number of texels.
+    pub fn new(size: u32, texels: Vec<u32>) -> Result<Self, FormatError> {
+        check_square(Self::PART, size, 1, 1, texels.len())?;
+        Ok(Self { size, texels })
+    }
+
+    /// [`Self::new`] from linear RGB.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn from_colours(size: u32, colours: &[[f32; 3]]) -> Result<Self, FormatError> {
+        Self::new(size, colours.iter().map(|colour| rgb9e5::encode(*colour)).collect())
+    }
+
+    /// `T`, texels per side.
+    pub fn size(&self) -> u32 {
+        self.size
+    }
+
+    /// The packed texels, row by row.
+    pub fn texels(&self) -> &[u32] {
+        &self.texels
+    }
+
+    /// The bytes of the KTX2 file.
+    pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
+        let texels = self.texels.iter().flat_map(|texel| texel.to_le_bytes()).collect();
+        texture(TexelFormat::Rgb9E5, self.size, texels).to_bytes(supercompress)
+    }
+
+    /// Reads and checks a KTX2 file.
+    ///
+    /// # Errors
+    /// Whatever breaks the rules of `formats/src/flat_btf/spec.md`.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
+        let texture = Texture::from_bytes(bytes)?;
+        let size = square(&texture, Self::PART, TexelFormat::Rgb9E5)?;
+        Self::new(size, packed_words(&texture.texels))
+    }
+}
+
+/// The part `reference`: parameters of the surface point that is seen through each texel of the reference plane `z = 0`
+/// in the view along the normal. Not to be filtered.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReferenceMap {
+    size: u32,
+    parameters: Vec<[f32; 2]>,
+}
+
+impl ReferenceMap {
+    const PART: &'static str = "reference";
+
+    /// `M x M` pairs of parameters, row by row. Only their fractions matter.
+    ///
+    /// # Errors
+    /// A size of 0 or above 8192, another number of pairs, parameters beyond [`super::MAX_COORDINATE`] or NaN.
+    pub fn new(size: u32, parameters: Vec<[f32; 2]>) -> Result<Self, FormatError> {
+        check_square(Self::PART, size, 1, 1, parameters.len())?;
+        let good = |p: &[f32; 2]| p.iter().all(|c| is_coordinate(*c));
+        check_texels(Self::PART, size, &parameters, "parameters of -1024 to 1024", |p| format!("{p:?}"), good)?;
+        Ok(Self { size, parameters })
+    }
+
+    /// `M`, texels per side.
+    pub fn size(&self) -> u32 {
+        self.size
+    }
+
+    /// The parameters, row by row: texel `(i, j)` has its centre at `((i + ½) / M, (j + ½) / M)` on the plane.
+    pub fn parameters(&self) -> &[[f32; 2]] {
+        &self.parameters
+    }
+
+    /// The bytes of the KTX2 file.
+    pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
+        let texels = self.parameters.iter().flatten().flat_map(|c| c.to_le_bytes()).collect();
+        texture(TexelFormat::Rg32Float, self.size, texels).to_bytes(supercompress)
+    }
+
+    /// Reads and checks a KTX2 file.
+    ///
+    /// # Errors
+    /// Whatever breaks the rules of `formats/src/flat_btf/spec.md`.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
+        let texture = Texture::from_bytes(bytes)?;
+        let size = square(&texture, Self::PART, TexelFormat::Rg32Float)?;
+        Self::new(size, floats::<2>(&texture.texels))
+    }
+}

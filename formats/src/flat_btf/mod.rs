@@ -1,0 +1,22 @@
+//! Packs of flat BTFs (Hadim, Pacanowski, Granier and Schlick 2009, "Flat bidirectional texture functions"): a BTF on the
+//! parameters of its meso-geometry, and the view-dependent indirection that finds it. Byte layout: `spec.md` in this folder.
+//!
+//! One asset is several files `NAME.PART.ktx2`, each a type of this module. Coordinates of the surface are in tiles: the
+//! tile is the unit square, repeated; parameters likewise have period 1.
+
+mod atlas;
+mod decoder;
+mod flat_view;
+mod indirection;
+mod layout;
+mod maps;
+pub mod shader;
+
+pub use atlas::Atlas;
+pub use decoder::{FlatBtfDecoder, FlatBtfParts, ViewWeights};
+pub use flat_view::{FlatHeader, FlatView, MAX_DIRECTIONS, VisibilityMask, view_part};
+pub use indirection::{IndirectionHeader, IndirectionMap, MAX_AZIMUTH_SAMPLES, MAX_ZENITH_SAMPLES};
+pub use maps::{DiffuseMap, NormalMap, PositionMap, ReferenceMap};
+
+/// Largest absolute value of a coordinate, height or distance in a file: tiles, or periods of the parameters.
+pub const MAX_COORDINATE: f32 = 1024.0;

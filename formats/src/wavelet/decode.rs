@@ -1,0 +1,254 @@
+//! The CPU decoder of wavelet packs: the reference that shaders are held against.
+//!
+//! Every step is f32 arithmetic in a fixed order without fused operations, so that a shader that follows it with
+//! manual filtering gives the same bits up to the last exponential.
+
+use super::haar::{self, detail_indices};
+use crate::direction::{DirectionPair, Parameterisation, polynomial_atan2};
+use crate::wavelet::{Header, WaveletPack};
+use std::f32::consts::{PI, SQRT_2};
+
+/// How values between grid cells are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Filter {
+    /// The nearest cell on both hemispheres.
+    Nearest,
+    /// Bilinear over four outer cells in each slice (what a sampler does), at the nearest inner cell: one
+    /// reconstruction.
+    Slices,
+    /// Bilinear over four outer cells in each slice (what a sampler does), and over the reconstructions at the four
+    /// nearest inner cells (section 5.4.2).
+    Bilinear,
+}
+
+/// A pack made ready for random access.
+#[derive(Debug, Clone)]
+pub struct WaveletDecoder {
+    header: Header,
+    index: Vec<u16>,
+    /// Coefficients `[slice][cell][channel]`, slice 0 all zero.
+    coefficients: Vec<f32>,
+}
+
+/// Two neighbouring cells along one axis and the weight of the second.
+#[derive(Debug, Clone, Copy)]
+struct Tap {
+    cells: [usize; 2],
+    weight: f32,
+}
+
+/// The outer half of a look-up: up to four cells of a slice.
+type Footprint = [(usize, f32); 4];
+
+/// Space that [`WaveletDecoder::decode_row`] works in.
+#[derive(Debug, Clone, Default)]
+pub struct RowScratch {
+    coefficients: Vec<f32>,
+    split: Vec<f32>,
+}
+
+impl WaveletDecoder {
+    /// Unpacks texels to coefficients: `offset + scale * texel`.
+    pub fn new(pack: &WaveletPack) -> Self {
+        let header = pack.header;
+        let (cells, channels) = (header.cells(), header.channels as usize);
+        let format = header.texel_format();
+        let stride = format.components();
+        let mut coefficients = Vec::with_capacity(pack.slices() * cells * channels);
+        for (slice, scale) in pack.scales.iter().enumerate() {
+            for cell in 0..cells {
+                let texel = (slice * cells + cell) * stride;
+                for channel in 0..channels {
+                    let unorm = component(&pack.texels, texel + channel, format.component_bytes());
+                    coefficients.push(scale.offset + scale.scale * unorm);
+                }
+            }
+        }
+        Self { header, index: pack.index.clone(), coefficients }
+    }
+
+    /// Sizes and constants.
+    pub fn header(&self) -> &Header {
+        &self.header
+    }
+
+    /// `f_r` at a direction pair, linear RGB (grey packs repeat their channel), 1/sr, not negative.
+    ///
+    /// `level` is the level of detail, `0.0..=N`, clamped; fractions blend two levels (section 5.4.1): the coarser
+    /// value is on the way to the finer one. Zero where a direction is at or below the horizon.
+    pub fn eval(&self, pair: DirectionPair, level: f32, filter: Filter) -> [f32; 3] {
+        if !pair.is_above_horizon() {
+            return [0.0; 3];
+        }
+        self.log_value(pair, level, filter).map(|v| self.from_log(v))
+    }
+
+    /// The log-encoded value `ln(f / μ + ε)` that [`Self::eval`] decodes, of directions above the horizon. A shader
+    /// with manual filtering and correctly rounded arithmetic returns the same bits.
+    pub fn log_value(&self, pair: DirectionPair, level: f32, filter: Filter) -> [f32; 3] {
+        let (outer, inner) = axes(self.header.parameterisation, pair);
+        let [outer_column, outer_row] = self.taps(outer, filter != Filter::Nearest);
+        let [inner_column, inner_row] = self.taps(inner, filter == Filter::Bilinear);
+        let n = self.header.grid();
+        let footprint = footprint(outer_column, outer_row, n);
+        let mut log_value = [0.0f32; 3];
+        match filter {
+            Filter::Nearest | Filter::Slices => {
+                let cells = if filter == Filter::Nearest { 1 } else { 4 };
+                log_value = self.reconstruct(&footprint[..cells], inner_column.cells[0], inner_row.cells[0], level);
+            }
+            Filter::Bilinear => {
+                // The same order as `footprint`: rows outside, columns inside.
+                for (row, row_weight) in [(0, 1.0 - inner_row.weight), (1, inner_row.weight)] {
+                    for (column, column_weight) in [(0, 1.0 - inner_column.weight), (1, inner_column.weight)] {
+                        let weight = row_weight * column_weight;
+                        let value =
+                            self.reconstruct(&footprint, inner_column.cells[column], inner_row.cells[row], level);
+                        for channel in 0..3 {
+                            log_value[channel] += weight * value[channel];
+                        }
+                    }
+                }
+            }
+        }
+        log_value
+    }
+
+    /// Inverse of the log encoding (section 5.1): `f = μ (exp(v) - ε)`, raised to 0 where rounding made it negative,
+    /// and lowered to the largest number where a pack with absurd scales overflows.
+    pub fn from_log(&self, value: f32) -> f32 {
+        let f = self.header.mean * (value.exp() - self.header.bias);
+        // NaN, the difference of two infinities, is not above 0 either.
+        if f > 0.0 { f.min(f32::MAX) } else { 0.0 }
+    }
+
+    /// Equation 2's synthesis along one path of the tree: the log-encoded value of one inner cell.
+    ///
+    /// A level adds the latitude detail, then the longitude detail, with the weights that repeated division by √2
+    /// gives: `2^-(N-j)` and `√2 2^-(N-j)`; the sign is that of the half the cell is in.
+    fn reconstruct(&self, footprint: &[(usize, f32)], column: usize, row: usize, level: f32) -> [f32; 3] {
+        let levels = self.header.levels;
+        let level = level.clamp(0.0, levels as f32);
+        let whole = level.floor() as u32;
+        let fraction = level - level.floor();
+        let mut value = self.slice_value(0, footprint).map(|c| c * weight(levels));
+        let last = whole + u32::from(fraction > 0.0);
+        for j in 0..last {
+            let (child_column, child_row) = (column >> (levels - j - 1), row >> (levels - j - 1));
+            let (parent_column, parent_row) = (child_column >> 1, child_row >> 1);
+            let (latitude, longitude) = detail_indices(j, parent_column, parent_row, child_row);
+            let scale = weight(levels - j);
+            let latitude_sign = if child_row & 1 == 0 { scale } else { -scale };
+            let longitude_scale = scale * SQRT_2;
+            let longitude_sign = if child_column & 1 == 0 { longitude_scale } else { -longitude_scale };
+            let (a, b) = (self.slice_value(latitude, footprint), self.slice_value(longitude, footprint));
+            let part = if j == whole { fraction } else { 1.0 };
+            for channel in 0..3 {
+                value[channel] += part * (latitude_sign * a[channel] + longitude_sign * b[channel]);
+            }
+        }
+        value
+    }
+
+    /// One coefficient at the outer direction, through the index map.
+    fn slice_value(&self, coefficient: usize, footprint: &[(usize, f32)]) -> [f32; 3] {
+        let channels = self.header.channels as usize;
+        let slice = usize::from(self.index[coefficient]) * self.header.cells();
+        let mut value = [0.0; 3];
+        if slice == 0 {
+            // The zero slice: a shader fetches it, here the fetch is saved. The value is the same.
+            return value;
+        }
+        for (cell, weight) in footprint {
+            let texel = &self.coefficients[(slice + cell) * channels..][..channels];
+            for channel in 0..3 {
+                value[channel] += weight * texel[if channels == 1 { 0 } else { channel }];
+            }
+        }
+        value
+    }
+
+    fn taps(&self, direction: [f32; 3], filtered: bool) -> [Tap; 2] {
+        let n = self.header.grid();
+        let [x, y, z] = direction;
+        let z = z.max(0.0);
+        let longitude = polynomial_atan2(z, x);
+        let sine = (x * x + z * z).sqrt();
+        let colatitude = polynomial_atan2(sine, y);
+        [longitude, colatitude].map(|angle| {
+            let position = angle / PI * n as f32;
+            if !filtered {
+                let cell = (position as usize).min(n - 1);
+                return Tap { cells: [cell, cell], weight: 0.0 };
+            }
+            let centred = (position - 0.5).clamp(0.0, (n - 1) as f32);
+            let lower = (centred as usize).min(n - 1);
+            Tap { cells: [lower, (lower + 1).min(n - 1)], weight: centred - lower as f32 }
+        })
+    }
+
+    /// Log-encoded values of a whole row of the table at the finest level: all inner cells of one outer cell, for one
+    /// channel, by the inverse transform. `output` has `cells` entries, longitude fastest.
+    pub fn decode_row(&self, outer_cell: usize, channel: usize, output: &mut [f32], scratch: &mut RowScratch) {
+        let (n, cells, channels) = (self.header.grid(), self.header.cells(), self.header.channels as usize);
+        scratch.coefficients.resize(cells, 0.0);
+        scratch.coefficients.fill(0.0);
+        for (k, slice) in self.index.iter().enumerate() {
+            if *slice != 0 {
+                let texel = usize::from(*slice) * cells + outer_cell;
+                scratch.coefficients[k] = self.coefficients[texel * channels + channel];
+            }
+        }
+        haar::inverse(&scratch.coefficients, n, output, &mut scratch.split);
+    }
+}
+
+/// `α` of [`level_of_detail`] that the paper found good, per unit of distance.
+pub const DEFAULT_DISTANCE_SCALE: f64 = 0.15;
+
+/// Level of detail at a distance `d` from the viewer: `l = N - clamp(log2(α d), 0, N)` (section 5.4.1, with the sense that
+/// its cost remark and pictures have: far is coarse). `levels` is `N`, `scale` is `α`.
+pub fn level_of_detail(levels: u32, distance: f64, scale: f64) -> f64 {
+    f64::from(levels) - (scale * distance).log2().clamp(0.0, f64::from(levels))
+}
+
+/// `2^-n`.
+fn weight(n: u32) -> f32 {
+    1.0 / (1u64 << n) as f32
+}
+
+fn component(texels: &[u8], index: usize, bytes: usize) -> f32 {
+    if bytes == 1 {
+        f32::from(texels[index]) * (1.0 / 255.0)
+    } else {
+        f32::from(u16::from_le_bytes([texels[2 * index], texels[2 * index + 1]])) * (1.0 / 65535.0)
+    }
+}
+
+fn footprint(column: Tap, row: Tap, n: usize) -> Footprint {
+    let mut cells = [(0, 0.0); 4];
+    let mut k = 0;
+    for (r, row_weight) in [(0, 1.0 - row.weight), (1, row.weight)] {
+        for (c, column_weight) in [(0, 1.0 - column.weight), (1, column.weight)] {
+            cells[k] = (row.cells[r] * n + column.cells[c], row_weight * column_weight);
+            k += 1;
+        }
+    }
+    cells
+}
+
+/// [`Parameterisation::to_axes`] in f32.
+fn axes(parameterisation: Parameterisation, pair: DirectionPair) -> ([f32; 3], [f32; 3]) {
+    let (i, o) = (pair.incoming.map(|c| c as f32), pair.outgoing.map(|c| c as f32));
+    match parameterisation {
+        Parameterisation::TangentPole => (i, o),
+        Parameterisation::HalfDifference => {
+            let sum = [i[0] + o[0], i[1] + o[1], i[2] + o[2]];
+            let length = (sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]).sqrt();
+            let h = [sum[0] / length, sum[1] / length, sum[2] / length];
+            let s = (h[0] * i[0] + h[1] * i[1]) / (1.0 + h[2]) + i[2];
+            let z = h[0] * i[0] + h[1] * i[1] + h[2] * i[2];
+            (h, [i[0] - h[0] * s, i[1] - h[1] * s, z])
+        }
+    }
+}

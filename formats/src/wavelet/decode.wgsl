@@ -1,0 +1,263 @@
+// Wavelet BRDF packs on a GPU: f_r at a direction pair and a continuous level of detail.
+//
+// After Claustres, Barthe and Paulin 2007, "Wavelet encoding of BRDFs for real-time rendering"; section and equation
+// numbers below are theirs. The pack layout is described in `formats/src/wavelet/spec.md`; the CPU decoder with the same steps in
+// the same order is `WaveletDecoder` of the crate `brdfc-formats`.
+//
+// To use it: paste this file before your own shader, move the four bindings where they suit you, and call
+//
+//     let level = wavelet_brdf_level(distance);
+//     let f_r = wavelet_brdf(wi, wo, level);         // hardware filtering of the outer direction
+//     let f_r = wavelet_brdf_exact(wi, wo, level);   // manual filtering: slower, the same bits as the CPU decoder
+//
+// wi (to the light) and wo (to the viewer) are unit vectors in the frame x = tangent, y = bitangent, z = normal. The
+// result is linear RGB in 1/sr, 0 where a direction is at or below the horizon.
+//
+// One reconstruction costs 4 l + 1 texture fetches at level l, blended levels count as the finer one: two details per
+// level, each through the index map, and the scaling coefficient, which always is slice 1. Filter modes:
+//
+//     0 nearest    one reconstruction; the exact path takes the nearest cell of a slice, the hardware path filters it
+//     1 slices     one reconstruction, slices filtered bilinearly (section 5.2)
+//     2 bilinear   four reconstructions around the inner direction, blended (section 5.4.2)
+
+// The same fields, in the same order, as `WaveletBrdfParameters` of `brdfc-formats`. 48 bytes.
+struct WaveletBrdfParameters {
+    levels: u32,             // N: each hemisphere has 2^N x 2^N cells
+    parameterisation: u32,   // 0 tangent-pole, 1 half-difference
+    filter_mode: u32,        // see above
+    channels: u32,           // 1 grey, 3 RGB
+    mean: f32,               // μ, 1/sr
+    bias: f32,               // ε
+    scaling_scale: f32,      // of slice 1
+    scaling_offset: f32,     // of slice 1
+    slices: f32,             // depth of the 3D texture
+    distance_scale: f32,     // α of section 5.4.1, per unit of distance
+    reserved_0: u32,
+    reserved_1: u32,
+}
+
+@group(1) @binding(0) var<uniform> wavelet_brdf_parameters: WaveletBrdfParameters;
+// The pack's texture as it is in the KTX2 file.
+@group(1) @binding(1) var wavelet_brdf_slices: texture_3d<f32>;
+// 2^N x 2^N texels of 32-bit floats, coefficient k at (k mod 2^N, k / 2^N): slice, its scale, its offset, 0.
+@group(1) @binding(2) var wavelet_brdf_index: texture_2d<f32>;
+// Linear filter, clamp to edge.
+@group(1) @binding(3) var wavelet_brdf_sampler: sampler;
+
+const WAVELET_BRDF_PI: f32 = 3.14159274;
+const WAVELET_BRDF_HALF_PI: f32 = 1.57079637;
+const WAVELET_BRDF_SQRT_2: f32 = 1.41421354;
+const WAVELET_BRDF_LARGEST: f32 = 3.40282347e38;
+
+// Two neighbouring cells along one axis.
+struct WaveletBrdfTap {
+    lower: u32,
+    upper: u32,
+    weight: f32,   // of the upper cell
+    position: f32, // angle / π, in [0, 1]: the texture coordinate
+}
+
+// Where a direction is on its hemisphere.
+struct WaveletBrdfTaps {
+    column: WaveletBrdfTap,
+    row: WaveletBrdfTap,
+}
+
+// Outer and inner hemisphere points of a direction pair.
+struct WaveletBrdfAxes {
+    outer: vec3<f32>,
+    inner: vec3<f32>,
+}
+
+// Section 5.4.1: l = N - clamp(log2(α d), 0, N) at distance d from the viewer. N is the finest level.
+fn wavelet_brdf_level(distance: f32) -> f32 {
+    let levels = f32(wavelet_brdf_parameters.levels);
+    return levels - clamp(log2(wavelet_brdf_parameters.distance_scale * distance), 0.0, levels);
+}
+
+// f_r with the sampler's bilinear filter in slices.
+fn wavelet_brdf(wi: vec3<f32>, wo: vec3<f32>, level: f32) -> vec3<f32> {
+    if !(wi.z > 0.0 && wo.z > 0.0) {
+        return vec3<f32>(0.0);
+    }
+    return wavelet_brdf_from_log(wavelet_brdf_log(wi, wo, level, true));
+}
+
+// f_r with manual weights.
+fn wavelet_brdf_exact(wi: vec3<f32>, wo: vec3<f32>, level: f32) -> vec3<f32> {
+    if !(wi.z > 0.0 && wo.z > 0.0) {
+        return vec3<f32>(0.0);
+    }
+    return wavelet_brdf_from_log(wavelet_brdf_log(wi, wo, level, false));
+}
+
+// Inverse of the log encoding of section 5.1: f = μ (exp(v) - ε), from 0 to the largest number.
+fn wavelet_brdf_from_log(value: vec3<f32>) -> vec3<f32> {
+    let f = wavelet_brdf_parameters.mean * (exp(value) - wavelet_brdf_parameters.bias);
+    return select(vec3<f32>(0.0), min(f, vec3<f32>(WAVELET_BRDF_LARGEST)), f > vec3<f32>(0.0));
+}
+
+// The log-encoded value ln(f / μ + ε). Both directions are above the horizon.
+fn wavelet_brdf_log(wi: vec3<f32>, wo: vec3<f32>, level: f32, hardware: bool) -> vec3<f32> {
+    let axes = wavelet_brdf_axes(wi, wo);
+    let outer = wavelet_brdf_taps(axes.outer, wavelet_brdf_parameters.filter_mode > 0u);
+    let inner = wavelet_brdf_taps(axes.inner, wavelet_brdf_parameters.filter_mode == 2u);
+    if wavelet_brdf_parameters.filter_mode < 2u {
+        return wavelet_brdf_reconstruct(outer, inner.column.lower, inner.row.lower, level, hardware);
+    }
+    var value = vec3<f32>(0.0);
+    for (var k = 0u; k < 4u; k += 1u) {
+        let column = wavelet_brdf_cell(inner.column, k & 1u);
+        let row = wavelet_brdf_cell(inner.row, k >> 1u);
+        let weight = wavelet_brdf_cell_weight(inner.row, k >> 1u) * wavelet_brdf_cell_weight(inner.column, k & 1u);
+        value += weight * wavelet_brdf_reconstruct(outer, column, row, level, hardware);
+    }
+    return value;
+}
+
+// Section 5.3, equation 2's synthesis along one path of the tree. Level j refines 2^j x 2^j cells to twice as many per
+// axis: first the latitude detail with weight 2^-(N-j), then the longitude detail with weight √2 2^-(N-j). These are
+// the divisions by √2 of all levels taken together; the sign tells the halves apart.
+fn wavelet_brdf_reconstruct(
+    outer: WaveletBrdfTaps,
+    column: u32,
+    row: u32,
+    level: f32,
+    hardware: bool,
+) -> vec3<f32> {
+    let levels = wavelet_brdf_parameters.levels;
+    let clamped = clamp(level, 0.0, f32(levels));
+    let whole = u32(floor(clamped));
+    let fraction = clamped - floor(clamped);
+    let last = whole + select(0u, 1u, fraction > 0.0);
+    let scaling = vec3<f32>(1.0, wavelet_brdf_parameters.scaling_scale, wavelet_brdf_parameters.scaling_offset);
+    var value = wavelet_brdf_coefficient(scaling, outer, hardware) * wavelet_brdf_weight(levels);
+    for (var j = 0u; j < last; j += 1u) {
+        let child_column = column >> (levels - j - 1u);
+        let child_row = row >> (levels - j - 1u);
+        let parent_column = child_column >> 1u;
+        let parent_row = child_row >> 1u;
+        let side = 1u << j;
+        let first = side * side;
+        let latitude = wavelet_brdf_entry(first + parent_row * side + parent_column);
+        let longitude = wavelet_brdf_entry(2u * first + child_row * side + parent_column);
+        let weight = wavelet_brdf_weight(levels - j);
+        let latitude_weight = select(-weight, weight, (child_row & 1u) == 0u);
+        let longitude_weight = select(-(weight * WAVELET_BRDF_SQRT_2), weight * WAVELET_BRDF_SQRT_2, (child_column & 1u) == 0u);
+        let a = wavelet_brdf_coefficient(latitude, outer, hardware);
+        let b = wavelet_brdf_coefficient(longitude, outer, hardware);
+        // The coarser value is on the way to the finer one, so a blend of levels costs no second reconstruction.
+        let part = select(1.0, fraction, j == whole);
+        value += part * (latitude_weight * a + longitude_weight * b);
+    }
+    return value;
+}
+
+// 2^-n, exactly.
+fn wavelet_brdf_weight(n: u32) -> f32 {
+    return bitcast<f32>((127u - n) << 23u);
+}
+
+// Figure 6: the compression map. Slice, scale and offset of a coefficient; all 0 where it was dropped.
+fn wavelet_brdf_entry(coefficient: u32) -> vec3<f32> {
+    let levels = wavelet_brdf_parameters.levels;
+    let texel = vec2<u32>(coefficient & ((1u << levels) - 1u), coefficient >> levels);
+    let entry = textureLoad(wavelet_brdf_index, texel, 0);
+    return entry.xyz;
+}
+
+// One coefficient at the outer direction: offset + scale * texel. Slice 0 is all zero, so nothing branches on it.
+fn wavelet_brdf_coefficient(entry: vec3<f32>, outer: WaveletBrdfTaps, hardware: bool) -> vec3<f32> {
+    if hardware {
+        let depth = (entry.x + 0.5) / wavelet_brdf_parameters.slices;
+        let at = vec3<f32>(outer.column.position, outer.row.position, depth);
+        let texel = textureSampleLevel(wavelet_brdf_slices, wavelet_brdf_sampler, at, 0.0);
+        return vec3<f32>(entry.z) + entry.y * wavelet_brdf_colour(texel);
+    }
+    let cells = select(4u, 1u, wavelet_brdf_parameters.filter_mode == 0u);
+    var value = vec3<f32>(0.0);
+    for (var k = 0u; k < cells; k += 1u) {
+        let column = wavelet_brdf_cell(outer.column, k & 1u);
+        let row = wavelet_brdf_cell(outer.row, k >> 1u);
+        let weight = wavelet_brdf_cell_weight(outer.row, k >> 1u) * wavelet_brdf_cell_weight(outer.column, k & 1u);
+        let texel = textureLoad(wavelet_brdf_slices, vec3<u32>(column, row, u32(entry.x)), 0);
+        value += weight * (vec3<f32>(entry.z) + entry.y * wavelet_brdf_colour(texel));
+    }
+    return value;
+}
+
+// A grey pack has its value in all channels.
+fn wavelet_brdf_colour(texel: vec4<f32>) -> vec3<f32> {
+    return select(texel.rgb, texel.rrr, wavelet_brdf_parameters.channels == 1u);
+}
+
+fn wavelet_brdf_cell(tap: WaveletBrdfTap, upper: u32) -> u32 {
+    return select(tap.lower, tap.upper, upper == 1u);
+}
+
+fn wavelet_brdf_cell_weight(tap: WaveletBrdfTap, upper: u32) -> f32 {
+    return select(1.0 - tap.weight, tap.weight, upper == 1u);
+}
+
+// Section 4.1: the pole of the grid is the bitangent; x = sin φ cos θ, y = cos φ, z = sin φ sin θ.
+fn wavelet_brdf_taps(direction: vec3<f32>, filtered: bool) -> WaveletBrdfTaps {
+    let x = direction.x;
+    let z = max(direction.z, 0.0);
+    let longitude = wavelet_brdf_atan2(z, x);
+    let colatitude = wavelet_brdf_atan2(sqrt(x * x + z * z), direction.y);
+    return WaveletBrdfTaps(wavelet_brdf_tap(longitude, filtered), wavelet_brdf_tap(colatitude, filtered));
+}
+
+// The cells around an angle in [0, π], whose centres are at (i + 1/2) π / n; or the nearest one.
+fn wavelet_brdf_tap(angle: f32, filtered: bool) -> WaveletBrdfTap {
+    let n = 1u << wavelet_brdf_parameters.levels;
+    let relative = angle / WAVELET_BRDF_PI;
+    let position = relative * f32(n);
+    if !filtered {
+        let cell = min(u32(position), n - 1u);
+        return WaveletBrdfTap(cell, cell, 0.0, relative);
+    }
+    let centred = clamp(position - 0.5, 0.0, f32(n - 1u));
+    let lower = u32(centred);
+    return WaveletBrdfTap(lower, min(lower + 1u, n - 1u), centred - f32(lower), relative);
+}
+
+// Outer and inner hemisphere points: light and viewer, or the half vector h and the light in the frame that the
+// shortest rotation from h to the normal gives.
+fn wavelet_brdf_axes(i: vec3<f32>, o: vec3<f32>) -> WaveletBrdfAxes {
+    if wavelet_brdf_parameters.parameterisation == 0u {
+        return WaveletBrdfAxes(i, o);
+    }
+    let sum = i + o;
+    let h = sum / sqrt(sum.x * sum.x + sum.y * sum.y + sum.z * sum.z);
+    let s = (h.x * i.x + h.y * i.y) / (1.0 + h.z) + i.z;
+    let z = h.x * i.x + h.y * i.y + h.z * i.z;
+    return WaveletBrdfAxes(h, vec3<f32>(i.x - h.x * s, i.y - h.y * s, z));
+}
+
+// atan2(y, x) for y >= 0, in [0, π], within 2.5e-7 of the exact angle: an odd minimax polynomial on [0, 1]. The
+// built-in function of a GPU may be off by 1e-5 and more, which moves filter weights.
+fn wavelet_brdf_atan2(y: f32, x: f32) -> f32 {
+    let ax = abs(x);
+    let steep = y > ax;
+    let small = select(y, ax, steep);
+    let large = select(ax, y, steep);
+    let t = select(0.0, small / large, large > 0.0);
+    let t2 = t * t;
+    var p = -4.0545664e-3;
+    p = p * t2 + 2.1862958e-2;
+    p = p * t2 - 5.5912327e-2;
+    p = p * t2 + 9.642198e-2;
+    p = p * t2 - 0.1390863;
+    p = p * t2 + 0.19946566;
+    p = p * t2 - 0.3332986;
+    p = p * t2 + 0.99999934;
+    var angle = p * t;
+    if steep {
+        angle = WAVELET_BRDF_HALF_PI - angle;
+    }
+    if x < 0.0 {
+        angle = WAVELET_BRDF_PI - angle;
+    }
+    return angle;
+}

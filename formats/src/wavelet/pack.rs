@@ -1,0 +1,123 @@
+//! The wavelet BRDF pack (Claustres et al. 2007, section 5): kept coefficient slices as a 3D texture, and the map that
+//! finds them. Byte layout: `spec.md` and `layout.rs`.
+
+use crate::container::TexelFormat;
+use crate::direction::Parameterisation;
+
+/// Most levels: 6 is a 64 x 64 grid per hemisphere.
+pub const MAX_LEVELS: u32 = 6;
+/// Most slices of a pack, the zero slice included: the depth limit of a 3D texture.
+pub const MAX_SLICES: usize = crate::container::MAX_EXTENT as usize;
+
+/// What a pack says of itself.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Header {
+    /// What the two hemispheres of the table are.
+    pub parameterisation: Parameterisation,
+    /// `N`: the grid of each hemisphere is `2^N x 2^N`, 1 to [`MAX_LEVELS`].
+    pub levels: u32,
+    /// Levels of detail that may hold slices, 0 to `levels`: finer ones were not needed and are all zero.
+    pub stored_levels: u32,
+    /// Colour channels: 1 (grey) or 3 (linear RGB).
+    pub channels: u32,
+    /// Significant bits per component: 8, or 10 to 16 in a texture of 16 bits.
+    pub bits: u32,
+    /// `μ`, mean of all samples of the table, 1/sr, positive.
+    pub mean: f32,
+    /// `ε` of the log encoding `ln(f / μ + ε)`, positive.
+    pub bias: f32,
+}
+
+impl Header {
+    /// Cells per axis, `2^N`.
+    pub fn grid(&self) -> usize {
+        1 << self.levels
+    }
+
+    /// Cells of one hemisphere, which is also the number of wavelet coefficients.
+    pub fn cells(&self) -> usize {
+        self.grid() * self.grid()
+    }
+
+    /// How texels are stored: 1 or 4 components, of 8 or 16 bits.
+    pub fn texel_format(&self) -> TexelFormat {
+        match (self.channels, self.bits) {
+            (1, 8) => TexelFormat::R8Unorm,
+            (1, _) => TexelFormat::R16Unorm,
+            (_, 8) => TexelFormat::Rgba8Unorm,
+            _ => TexelFormat::Rgba16Unorm,
+        }
+    }
+}
+
+/// What makes stored numbers coefficients again: `coefficient = offset + scale * texel`, texel in `[0, 1]`.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SliceScale {
+    /// Range of the slice, not negative.
+    pub scale: f32,
+    /// Value of texel 0.
+    pub offset: f32,
+}
+
+/// Error norms of a pack against its source, as measured when it was made. Ratios are fractions, not per cent.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ErrorSummary {
+    /// Samples compared.
+    pub samples: u32,
+    /// RMS of `f' - f`, 1/sr.
+    pub rms: f32,
+    /// `ε_r`, mean of `|f' - f| / f` over samples with `f >= 1e-3 μ`.
+    pub relative_mean: f32,
+    /// 95th percentile of the same ratio.
+    pub relative_p95: f32,
+    /// 99th percentile of the same ratio.
+    pub relative_p99: f32,
+    /// Its maximum.
+    pub relative_max: f32,
+    /// RMS of `ln f' - ln f` over the same samples.
+    pub log_rms: f32,
+    /// RMS of `ln(1 + f' cos θi) - ln(1 + f cos θi)` over all samples.
+    pub cosine_log_rms: f32,
+    /// Largest difference of directional albedo over incoming angles.
+    pub albedo_max: f32,
+    /// Mean of `|f'(i, o) - f'(o, i)| / f` of the pack: how far it is from reciprocal.
+    pub reciprocity: f32,
+}
+
+/// A wavelet pack in memory.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WaveletPack {
+    /// Sizes and constants.
+    pub header: Header,
+    /// The paper's compression map: slice of each coefficient, 0 where it was dropped. `cells` entries.
+    /// Entry 0, the scaling coefficient, is slice 1.
+    pub index: Vec<u16>,
+    /// One per slice; slice 0, the zero slice, has scale and offset 0.
+    pub scales: Vec<SliceScale>,
+    /// Codec error: decoded samples against the table they were made from.
+    pub on_grid: ErrorSummary,
+    /// What a user sees: the filtered pack against the source at random direction pairs.
+    pub off_grid: ErrorSummary,
+    /// Texels `[slice][row][column][component]`, little-endian; column = longitude, row = colatitude of the outer
+    /// direction. With 3 channels the fourth component is full.
+    pub texels: Vec<u8>,
+}
+
+impl WaveletPack {
+    /// Slices of the texture, the zero slice included.
+    pub fn slices(&self) -> usize {
+        self.scales.len()
+    }
+
+    /// Bytes on a GPU: the texture, and the index map with one slice number, scale and offset per coefficient
+    /// (16 bytes, see [`crate::wavelet::shader`]).
+    pub fn gpu_bytes(&self) -> u64 {
+        gpu_bytes(&self.header, self.slices())
+    }
+}
+
+/// Bytes on a GPU of a pack with this many slices, the zero slice included.
+pub fn gpu_bytes(header: &Header, slices: usize) -> u64 {
+    let texture = header.cells() * slices * header.texel_format().texel_bytes();
+    (texture + 16 * header.cells()) as u64
+}

@@ -1,0 +1,97 @@
+//! What a shader needs besides a pack's texture: `formats/src/wavelet/decode.wgsl`, its uniform block and its index map.
+
+use super::decode::Filter;
+use crate::wavelet::WaveletPack;
+
+/// The WGSL decoder. It declares a uniform block, two textures and a sampler in bind group 1; see the file.
+pub const WAVELET_BRDF_WGSL: &str = include_str!("decode.wgsl");
+
+/// How far hardware filtering of 8-bit slices may be from exact weights, in units of a texel's range [0, 1].
+///
+/// Samplers use weights of 8 bits or fewer; Vulkan asks for no more than 4. Software drivers were measured at 6.7e-3.
+pub const FILTER_PRECISION_8_BIT: f32 = 1.0 / 128.0;
+
+/// The same for slices of 16 bits on drivers that filter them in 32-bit floats, as software drivers do.
+pub const FILTER_PRECISION_16_BIT: f32 = 2e-6;
+
+/// The uniform block `WaveletBrdfParameters` of the shader.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WaveletBrdfParameters {
+    /// `N`: each hemisphere has `2^N x 2^N` cells.
+    pub levels: u32,
+    /// 0 tangent-pole, 1 half-difference.
+    pub parameterisation: u32,
+    /// 0 nearest, 1 slices, 2 bilinear: see [`Filter`].
+    pub filter_mode: u32,
+    /// 1 grey, 3 RGB.
+    pub channels: u32,
+    /// `μ`, 1/sr.
+    pub mean: f32,
+    /// `ε`.
+    pub bias: f32,
+    /// Scale of slice 1, the scaling coefficient.
+    pub scaling_scale: f32,
+    /// Offset of slice 1.
+    pub scaling_offset: f32,
+    /// Depth of the texture, the zero slice included.
+    pub slices: f32,
+    /// `α` of the level of detail `N - clamp(log2(α d), 0, N)`, per unit of distance. Positive.
+    pub distance_scale: f32,
+}
+
+impl WaveletBrdfParameters {
+    /// Bytes of the block.
+    pub const SIZE: usize = 48;
+
+    /// The parameters of a pack.
+    pub fn new(pack: &WaveletPack, filter: Filter, distance_scale: f32) -> Self {
+        let header = &pack.header;
+        Self {
+            levels: header.levels,
+            parameterisation: header.parameterisation.code(),
+            filter_mode: match filter {
+                Filter::Nearest => 0,
+                Filter::Slices => 1,
+                Filter::Bilinear => 2,
+            },
+            channels: header.channels,
+            mean: header.mean,
+            bias: header.bias,
+            scaling_scale: pack.scales[1].scale,
+            scaling_offset: pack.scales[1].offset,
+            slices: pack.slices() as f32,
+            distance_scale,
+        }
+    }
+
+    /// The block as the shader reads it: little-endian, fields in order, 8 bytes of zero at the end.
+    pub fn to_bytes(&self) -> [u8; Self::SIZE] {
+        let words = [
+            self.levels,
+            self.parameterisation,
+            self.filter_mode,
+            self.channels,
+            self.mean.to_bits(),
+            self.bias.to_bits(),
+            self.scaling_scale.to_bits(),
+            self.scaling_offset.to_bits(),
+            self.slices.to_bits(),
+            self.distance_scale.to_bits(),
+        ];
+        let mut bytes = [0; Self::SIZE];
+        for (target, word) in bytes.chunks_exact_mut(4).zip(words) {
+            target.copy_from_slice(&word.to_le_bytes());
+        }
+        bytes
+    }
+}
+
+/// The index map as texels of four 32-bit floats, `2^N x 2^N` of them: coefficient `k` at `(k mod 2^N, k / 2^N)` has its
+/// slice, the slice's scale and offset, and 0.
+pub fn index_texels(pack: &WaveletPack) -> Vec<[f32; 4]> {
+    let entry = |slice: &u16| {
+        let scale = pack.scales[usize::from(*slice)];
+        [f32::from(*slice), scale.scale, scale.offset, 0.0]
+    };
+    pack.index.iter().map(entry).collect()
+}

@@ -1,0 +1,174 @@
+//! Bandwidth maps: the dump and the worked value of their page, broken files, the shader.
+
+use brdfc_formats::bandwidth::shader::{BANDWIDTH_WGSL, BandwidthParameters};
+use brdfc_formats::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
+use brdfc_formats::container::{Extent, TexelFormat, Texture};
+use brdfc_formats::flat_btf::shader::FLAT_BTF_WGSL;
+use brdfc_formats::wavelet::shader::WAVELET_BRDF_WGSL;
+use brdfc_testing::packs::{Numbers, check_dump};
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use std::collections::BTreeMap;
+
+/// The map whose bytes stand on the page.
+fn example() -> BandwidthMap {
+    let kind = BandwidthKind::Texture { metres: [0.5, 0.25], tiles: true };
+    let header = BandwidthHeader { kind, epsilon: 0.01, transformed: [4, 2] };
+    BandwidthMap::new(header, [2, 1], &[8.0, 12.5]).unwrap()
+}
+
+fn maps() -> Vec<BandwidthMap> {
+    let mut numbers = Numbers::new(4);
+    let mut map = |kind, size: [u32; 2]| {
+        let header = BandwidthHeader { kind, epsilon: 0.02, transformed: [64, 64] };
+        let values: Vec<f32> = (0..size[0] * size[1]).map(|_| numbers.between(0.0, 40.0) as f32).collect();
+        BandwidthMap::new(header, size, &values).unwrap()
+    };
+    vec![
+        map(BandwidthKind::Brdf, [256; 2]),
+        map(BandwidthKind::Environment, [5, 3]),
+        map(BandwidthKind::Texture { metres: [2.0, 0.1], tiles: false }, [1, 7]),
+        example(),
+    ]
+}
+
+#[test]
+fn what_is_written_is_read() {
+    for map in maps() {
+        for supercompress in [false, true] {
+            let bytes = map.to_bytes(supercompress);
+            let read = BandwidthMap::from_bytes(&bytes).unwrap();
+            assert_eq!(read, map);
+            assert_eq!(read.to_bytes(supercompress), bytes);
+        }
+    }
+}
+
+#[test]
+fn the_dump_on_the_page() {
+    let page = include_str!("../../src/bandwidth/spec.md");
+    let bytes = example().to_bytes(false);
+    for (line, chunk) in bytes.chunks(16).enumerate() {
+        let hex: Vec<String> = chunk.iter().map(|byte| format!("{byte:02x}")).collect();
+        let text: String = chunk.iter().map(|b| if (0x20..0x7f).contains(b) { char::from(*b) } else { '.' }).collect();
+        println!("{:08x}  {:47}  {text}", 16 * line, hex.join(" "));
+    }
+    assert_eq!(check_dump(page, &bytes), bytes.len().div_ceil(16));
+    assert_eq!(example().texture([1.75, 0.5]), 12.5);
+}
+
+#[test]
+fn no_truncation_and_no_corrupt_byte_panics() {
+    for map in &maps()[1..] {
+        for supercompress in [false, true] {
+            let bytes = map.to_bytes(supercompress);
+            for length in 0..bytes.len() {
+                assert!(BandwidthMap::from_bytes(&bytes[..length]).is_err(), "{length} of {}", bytes.len());
+            }
+            let mut broken = bytes.clone();
+            for offset in 0..bytes.len() {
+                for pattern in [1, 4, 64, 128, 0x7f, 0xff] {
+                    broken[offset] = bytes[offset] ^ pattern;
+                    if let Ok(map) = BandwidthMap::from_bytes(&broken) {
+                        let found = [
+                            map.brdf([0.6, 0.0, 0.8], [0.0, -0.6, 0.8]),
+                            map.environment([1.0, -2.0, -3.0]),
+                            map.texture([-7.3, 2.2]),
+                        ];
+                        assert!(found.iter().chain(&map.values()).all(|v| v.is_finite() && *v >= 0.0), "{offset}");
+                    }
+                }
+                broken[offset] = bytes[offset];
+            }
+        }
+    }
+}
+
+fn refusal(texture: &Texture) -> String {
+    BandwidthMap::from_bytes(&texture.to_bytes(false)).unwrap_err().to_string()
+}
+
+#[test]
+fn fields_out_of_range_are_named() {
+    let texture = |map: &BandwidthMap| Texture::from_bytes(&map.to_bytes(false)).unwrap();
+    let [environment, cloth] = [&maps()[1], &example()].map(texture);
+    let with = |texture: &Texture, word: usize, value: u32| {
+        let mut changed = texture.clone();
+        changed.entries.get_mut("brdfc.bandwidth").unwrap()[4 * word..4 * word + 4]
+            .copy_from_slice(&value.to_le_bytes());
+        refusal(&changed)
+    };
+    let bits = f32::to_bits;
+    for (word, value, expected) in [
+        (0, 2, "brdfc.bandwidth version: found 2; allowed 1"),
+        (1, 3, "brdfc.bandwidth kind: found 3; allowed 0 (brdf), 1 (environment) or 2 (texture)"),
+        (1, 1, "brdfc.bandwidth unit: found 1; allowed 0 (cycles per radian) of the kind environment"),
+        (2, 0, "brdfc.bandwidth unit: found 0; allowed 1 (cycles per metre) of the kind texture"),
+        (3, 0, "brdfc.bandwidth epsilon: found 0; allowed a positive number of at most 1"),
+        (3, bits(f32::NAN), "brdfc.bandwidth epsilon: found NaN; allowed"),
+        (3, bits(1.5), "brdfc.bandwidth epsilon: found 1.5; allowed"),
+        (4, 0, "brdfc.bandwidth transformed size: found 0; allowed 1 to 65536"),
+        (5, 65_537, "brdfc.bandwidth transformed size: found 65537"),
+        (6, bits(-1.0), "brdfc.bandwidth metres: found -1; allowed a positive number"),
+        (7, bits(f32::INFINITY), "brdfc.bandwidth metres: found inf"),
+        (8, 2, "brdfc.bandwidth tiles: found 2; allowed 0 or 1"),
+        (9, bits(3.0), "brdfc.bandwidth scale: found 3; allowed a power of two from 1 to 2^112"),
+        (9, bits(0.5), "brdfc.bandwidth scale: found 0.5"),
+        (9, bits(2f32.powi(113)), "brdfc.bandwidth scale: found"),
+    ] {
+        let found = with(&cloth, word, value);
+        assert!(found.starts_with(expected), "{found}");
+    }
+    assert!(with(&environment, 8, 1).starts_with("brdfc.bandwidth metres: found 0 x 0 metres, tiles 1"));
+    assert_eq!(with(&environment, 1, 0), "size of a bandwidth map: found 5 x 3; allowed 256 x 256 of a BRDF");
+    let mut entryless = cloth.clone();
+    entryless.entries = BTreeMap::new();
+    assert!(refusal(&entryless).starts_with("brdfc.bandwidth: found no brdfc entries"));
+    let mut long = cloth.clone();
+    long.entries.get_mut("brdfc.bandwidth").unwrap().push(0);
+    assert_eq!(refusal(&long), "brdfc.bandwidth: found 41 bytes; allowed 40 bytes");
+}
+
+#[test]
+fn texels_and_shapes_that_no_map_has() {
+    let good = Texture::from_bytes(&example().to_bytes(false)).unwrap();
+    for bad in [0x7c00u16, 0x7e00, 0x8000, 0xbc00, 0xffff] {
+        let mut changed = good.clone();
+        changed.texels[2..4].copy_from_slice(&bad.to_le_bytes());
+        assert!(refusal(&changed).starts_with("bandwidth texel (1, 0): found "), "{bad:#x}");
+    }
+    let flat = Texture { format: TexelFormat::R16Unorm, ..good.clone() };
+    assert_eq!(refusal(&flat), "texels of a bandwidth map: found R16Unorm; allowed R16Float");
+    for extent in [Extent::D2Array([2, 1, 1]), Extent::D3([2, 1, 1])] {
+        assert!(refusal(&Texture { extent, ..good.clone() }).ends_with("allowed a 2D texture"), "{extent}");
+    }
+    let wide = Texture { extent: Extent::D2([513, 1]), texels: vec![0; 1026], ..good };
+    assert_eq!(refusal(&wide), "size of a bandwidth map: found 513 x 1; allowed 1 to 512 on each side");
+}
+
+fn validates(source: &str) -> bool {
+    naga::front::wgsl::parse_str(source)
+        .is_ok_and(|module| Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module).is_ok())
+}
+
+#[test]
+fn the_shader_validates_and_goes_with_the_others() {
+    assert!(validates(BANDWIDTH_WGSL));
+    let broken = BANDWIDTH_WGSL.replace("let half_turn =", "let half_turn: u32 =");
+    assert!(broken != BANDWIDTH_WGSL && !validates(&broken));
+    assert!(!BANDWIDTH_WGSL.contains("textureSample("));
+    let others = [WAVELET_BRDF_WGSL, &FLAT_BTF_WGSL.replace("@group(1)", "@group(2)")];
+    assert!(validates(&format!("{}\n{}\n{}", others[0], others[1], BANDWIDTH_WGSL.replace("@group(1)", "@group(3)"))));
+}
+
+#[test]
+fn the_uniform_block_is_the_one_that_rust_writes() {
+    let module = naga::front::wgsl::parse_str(BANDWIDTH_WGSL).unwrap();
+    let block = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some("BandwidthParameters")).unwrap().1;
+    let naga::TypeInner::Struct { members, span } = &block.inner else { panic!("not a struct") };
+    assert_eq!(*span as usize, BandwidthParameters::SIZE);
+    let names: Vec<_> = members.iter().map(|member| (member.name.as_deref().unwrap(), member.offset)).collect();
+    let fields = ["brdf_scale", "environment_scale", "texture_scale", "texture_tiles"];
+    assert_eq!(names, [(fields[0], 0), (fields[1], 4), (fields[2], 8), (fields[3], 12)]);
+    let parameters = BandwidthParameters::new(&[example()]);
+    assert_eq!(parameters.to_bytes()[8..], [0, 0, 0x80, 0x3f, 1, 0, 0, 0]);
+}

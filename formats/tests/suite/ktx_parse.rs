@@ -1,0 +1,162 @@
+//! Packs are read by ktx-parse, which shares no code with this crate. Needs Node and its package registry.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use brdfc_formats::container::{Extent, TexelFormat, Texture};
+use brdfc_formats::wavelet::WaveletPack;
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().fold(String::new(), |mut text, byte| {
+        write!(text, "{byte:02x}").unwrap();
+        text
+    })
+}
+
+/// What the script is to find, as JSON. The bytes of the entries are those of `formats/src/wavelet/spec.md`, put together here.
+fn expectation(pack: &WaveletPack, supercompress: bool) -> String {
+    let h = &pack.header;
+    let vk_format = match (h.channels, h.bits) {
+        (1, 8) => 9,
+        (1, _) => 70,
+        (_, 8) => 37,
+        _ => 91,
+    };
+    let size = 1 << h.levels;
+    let mut header: Vec<u8> = Vec::new();
+    for word in [1, h.parameterisation.code(), h.levels, h.stored_levels, h.channels, h.bits, pack.scales.len() as u32]
+    {
+        header.extend(word.to_le_bytes());
+    }
+    header.extend([h.mean.to_le_bytes(), h.bias.to_le_bytes(), [0; 4]].concat());
+    let index: Vec<u8> = pack.index.iter().flat_map(|slice| slice.to_le_bytes()).collect();
+    let scales: Vec<u8> =
+        pack.scales.iter().flat_map(|s| [s.scale.to_le_bytes(), s.offset.to_le_bytes()].concat()).collect();
+    let mut errors: Vec<u8> = Vec::new();
+    for e in [pack.on_grid, pack.off_grid] {
+        errors.extend(e.samples.to_le_bytes());
+        for ratio in [e.rms, e.relative_mean, e.relative_p95, e.relative_p99, e.relative_max] {
+            errors.extend(ratio.to_le_bytes());
+        }
+        for ratio in [e.log_rms, e.cosine_log_rms, e.albedo_max, e.reciprocity] {
+            errors.extend(ratio.to_le_bytes());
+        }
+    }
+    let component = if h.bits == 8 { 1 } else { 2 };
+    let entries = [
+        ("brdfc.wavelet", header),
+        ("brdfc.wavelet.errors", errors),
+        ("brdfc.wavelet.index", index),
+        ("brdfc.wavelet.scales", scales),
+    ];
+    let entries = entries.map(|(name, value)| (name.to_owned(), value)).into();
+    json([vk_format, component, size, size, pack.scales.len() as u32, 0], &entries, supercompress)
+}
+
+/// The same of any texture.
+fn texture_expectation(texture: &Texture, supercompress: bool) -> String {
+    let (vk_format, word) = match texture.format {
+        TexelFormat::R8Unorm => (9, 1),
+        TexelFormat::Rgba8Unorm => (37, 1),
+        TexelFormat::R16Unorm => (70, 2),
+        TexelFormat::R16Float => (76, 2),
+        TexelFormat::Rgba16Unorm => (91, 2),
+        TexelFormat::Rgba16Float => (97, 2),
+        TexelFormat::Rg32Float => (103, 4),
+        TexelFormat::Rgba32Float => (109, 4),
+        TexelFormat::Rgb9E5 => (123, 4),
+    };
+    let [width, height, depth, layers] = match texture.extent {
+        Extent::D2([width, height]) => [width, height, 0, 0],
+        Extent::D2Array([width, height, layers]) => [width, height, 0, layers],
+        Extent::D3([width, height, depth]) => [width, height, depth, 0],
+    };
+    json([vk_format, word, width, height, depth, layers], &texture.entries, supercompress)
+}
+
+/// Format, size of a word, width, height, depth, layers.
+fn json(fields: [u32; 6], entries: &BTreeMap<String, Vec<u8>>, supercompress: bool) -> String {
+    let [vk_format, type_size, width, height, depth, layers] = fields;
+    let fields = [
+        ("vkFormat", vk_format),
+        ("typeSize", type_size),
+        ("pixelWidth", width),
+        ("pixelHeight", height),
+        ("pixelDepth", depth),
+        ("layerCount", layers),
+        ("faceCount", 1),
+        ("levelCount", 1),
+        ("supercompressionScheme", if supercompress { 2 } else { 0 }),
+    ]
+    .map(|(name, value)| format!("\"{name}\": {value}"));
+    let orientation = if depth == 0 { "rd" } else { "rdi" };
+    let mut all = vec![("KTXorientation", orientation.to_owned()), ("KTXwriter", "brdfc".to_owned())];
+    all.extend(entries.iter().map(|(name, value)| (name.as_str(), hex(value))));
+    let all: Vec<String> = all.iter().map(|(name, value)| format!("\"{name}\": \"{value}\"")).collect();
+    format!("{{\"header\": {{{}}}, \"entries\": {{{}}}}}", fields.join(", "), all.join(", "))
+}
+
+fn run(folder: &Path, program: &str, arguments: &[&str]) -> std::io::Result<Output> {
+    Command::new(program).args(arguments).current_dir(folder).output()
+}
+
+/// A copy of the folder of the script with its packages, where they can be had.
+fn installed() -> Option<tempfile::TempDir> {
+    let folder = tempfile::tempdir().unwrap();
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/ktx_parse");
+    for name in ["package.json", "package-lock.json", ".npmrc", "check.mjs"] {
+        std::fs::copy(source.join(name), folder.path().join(name)).unwrap();
+    }
+    let install = ["ci", "--ignore-scripts", "--prefer-offline", "--fetch-retries=0", "--fetch-timeout=20000"];
+    for (program, arguments) in [("node", &["--version"][..]), ("npm", &install)] {
+        match run(folder.path(), program, arguments) {
+            Ok(output) if output.status.success() => {}
+            Ok(output) => {
+                println!("skipped: {program} fails: {}", String::from_utf8_lossy(&output.stderr));
+                return None;
+            }
+            Err(error) => {
+                println!("skipped: no {program}: {error}");
+                return None;
+            }
+        }
+    }
+    Some(folder)
+}
+
+#[test]
+fn another_implementation_reads_packs_and_writes_the_same_bytes() {
+    let Some(folder) = installed() else { return };
+    let packs = folder.path().join("packs");
+    std::fs::create_dir(&packs).unwrap();
+    let mut count = 0;
+    let mut save = |file: &[u8], json: &str, texels: &[u8]| {
+        for (extension, bytes) in [("ktx2", file), ("json", json.as_bytes()), ("texels", texels)] {
+            std::fs::write(packs.join(format!("{count}.{extension}")), bytes).unwrap();
+        }
+        count += 1;
+    };
+    for supercompress in [false, true] {
+        for (_, pack) in brdfc_testing::packs::packs() {
+            save(&pack.to_bytes(supercompress), &expectation(&pack, supercompress), &pack.texels);
+        }
+        for (_, texture) in brdfc_testing::packs::textures() {
+            save(&texture.to_bytes(supercompress), &texture_expectation(&texture, supercompress), &texture.texels);
+        }
+    }
+    let output = run(folder.path(), "node", &["check.mjs", "packs"]).unwrap();
+    let (found, problems) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "{problems}");
+    assert_eq!(found.trim(), format!("{count} packs"));
+
+    // The script notices one texel that differs.
+    let first = packs.join("0.texels");
+    let mut texels = std::fs::read(&first).unwrap();
+    *texels.last_mut().unwrap() ^= 1;
+    std::fs::write(first, texels).unwrap();
+    let output = run(folder.path(), "node", &["check.mjs", "packs"]).unwrap();
+    let problems = String::from_utf8_lossy(&output.stderr);
+    assert!(!output.status.success() && problems.contains("0: AssertionError") && problems.contains("texels"));
+}

@@ -1,0 +1,16 @@
+//! Layouts, decoders and shaders of every pack.
+
+mod bandwidth;
+mod bandwidth_shaders;
+mod container_corrupt;
+mod decoder;
+mod decoder_equations;
+mod direction_mesh_shader;
+mod flat_btf;
+mod flat_btf_corrupt;
+mod importance;
+mod ktx2_rules;
+mod ktx_parse;
+mod pack_corrupt;
+mod shader;
+mod spec_dumps;

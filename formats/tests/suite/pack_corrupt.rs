@@ -1,0 +1,374 @@
+//! Broken and hostile packs: each is refused, or is a pack that decodes to numbers. None panics or asks for memory
+//! that its own size does not justify.
+
+use std::collections::BTreeMap;
+
+use brdfc_formats::FormatError;
+use brdfc_formats::container::{Extent, TexelFormat, Texture};
+use brdfc_formats::direction::Parameterisation;
+use brdfc_formats::wavelet::WaveletPack;
+use brdfc_testing::packs::survives;
+
+/// One small pack of each texel format.
+fn small_packs() -> Vec<WaveletPack> {
+    [(1, 8), (3, 8), (1, 12), (3, 16)]
+        .into_iter()
+        .map(|(channels, bits)| {
+            brdfc_testing::packs::pack(
+                brdfc_testing::packs::header(Parameterisation::HalfDifference, 2, channels, bits),
+                3,
+                u64::from(bits),
+            )
+        })
+        .collect()
+}
+
+fn texels_start(bytes: &[u8]) -> usize {
+    u64::from_le_bytes(bytes[80..88].try_into().unwrap()) as usize
+}
+
+#[test]
+fn every_truncation_is_an_error() {
+    for pack in small_packs() {
+        for supercompress in [false, true] {
+            let bytes = pack.to_bytes(supercompress);
+            for length in 0..bytes.len() {
+                assert!(WaveletPack::from_bytes(&bytes[..length]).is_err(), "{length} of {} bytes", bytes.len());
+            }
+            assert!(survives(&bytes));
+        }
+    }
+}
+
+#[test]
+fn no_single_corrupt_byte_panics() {
+    for pack in small_packs() {
+        for supercompress in [false, true] {
+            let bytes = pack.to_bytes(supercompress);
+            let start = texels_start(&bytes);
+            let mut broken = bytes.clone();
+            let mut valid = 0;
+            for offset in 0..bytes.len() {
+                // All patterns before the texels and in compressed data; texels as such may hold anything.
+                let patterns: &[u8] = match offset {
+                    _ if offset < start || supercompress => &[1, 2, 4, 8, 16, 32, 64, 128, 0xff, 0x7f],
+                    _ => &[0x80],
+                };
+                for pattern in patterns {
+                    broken[offset] = bytes[offset] ^ pattern;
+                    valid += usize::from(survives(&broken));
+                }
+                broken[offset] = bytes[offset];
+            }
+            assert!(valid > 0, "the numbers of an error summary may change");
+        }
+    }
+}
+
+#[test]
+fn values_of_the_header_fields_at_their_limits_do_not_panic() {
+    let bytes = brdfc_testing::packs::example().to_bytes(false);
+    for offset in (12..104).step_by(4) {
+        for value in [0, 1, 0x7fff_ffff, 0x8000_0000, 0xffff_fff0, u32::MAX] {
+            let mut broken = bytes.clone();
+            broken[offset..offset + 4].copy_from_slice(&value.to_le_bytes());
+            survives(&broken);
+            if offset % 8 == 0 {
+                broken[offset + 4..offset + 8].copy_from_slice(&u32::MAX.to_le_bytes());
+                survives(&broken);
+            }
+        }
+    }
+}
+
+/// The example as a texture, whose entries a test may change.
+fn texture() -> Texture {
+    Texture::from_bytes(&brdfc_testing::packs::example().to_bytes(false)).unwrap()
+}
+
+fn refusal(texture: &Texture) -> FormatError {
+    let plain = WaveletPack::from_bytes(&texture.to_bytes(false)).unwrap_err();
+    assert_eq!(WaveletPack::from_bytes(&texture.to_bytes(true)).unwrap_err(), plain);
+    plain
+}
+
+/// Refusal after 4 bytes of an entry were replaced.
+fn with_word(key: &str, offset: usize, word: [u8; 4]) -> FormatError {
+    let mut texture = texture();
+    texture.entries.get_mut(key).unwrap()[offset..offset + 4].copy_from_slice(&word);
+    refusal(&texture)
+}
+
+#[test]
+fn header_fields_out_of_range_are_named() {
+    for (offset, field, values) in [
+        (0, "version", vec![0, 2, u32::MAX]),
+        (4, "parameterisation", vec![2, u32::MAX]),
+        (8, "levels", vec![0, 7, 32, u32::MAX]),
+        (12, "stored levels", vec![2, u32::MAX]),
+        (16, "channels", vec![0, 2, 4]),
+        (20, "bits", vec![0, 7, 9, 17, u32::MAX]),
+        (24, "slices", vec![0, 1, 2049, u32::MAX]),
+        (36, "reserved", vec![1]),
+    ] {
+        for value in values {
+            let error = with_word("brdfc.wavelet", offset, value.to_le_bytes());
+            assert_eq!(error.field, format!("brdfc.wavelet {field}"), "{value}");
+            assert_eq!(error.found, value.to_string());
+        }
+    }
+    for (offset, field) in [(28, "mean"), (32, "bias")] {
+        for value in [0.0, -0.0, -1.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MIN_POSITIVE / 2.0] {
+            let error = with_word("brdfc.wavelet", offset, value.to_le_bytes());
+            assert_eq!(error.field, format!("brdfc.wavelet {field}"), "{value}");
+        }
+    }
+}
+
+#[test]
+fn header_and_texture_agree() {
+    // Another size, slice count, channel count or depth than the texture has.
+    for (offset, value) in [(8, 2), (24, 2), (24, 4), (16, 3), (20, 16)] {
+        assert_eq!(with_word("brdfc.wavelet", offset, u32::to_le_bytes(value)).field, "texture");
+    }
+}
+
+#[test]
+fn the_index_map_counts_slices_in_order() {
+    for (index, field) in [
+        ([2, 0, 1, 0], " entry 0"),
+        ([0, 0, 1, 2], " entry 0"),
+        ([1, 0, 3, 0], " entry 2"),
+        ([1, 0, 1, 0], " entry 2"),
+        ([1, 2, 2, 0], " entry 2"),
+        ([1, 0, u16::MAX, 0], " entry 2"),
+        ([1, 0, 0, 0], ""),
+        ([1, 2, 3, 0], ""),
+    ] {
+        let mut texture = texture();
+        texture.entries.insert("brdfc.wavelet.index".into(), index.iter().flat_map(|i| i.to_le_bytes()).collect());
+        assert_eq!(refusal(&texture).field, format!("brdfc.wavelet.index{field}"), "{index:?}");
+    }
+    // Slices of a level that the header says is not stored.
+    let error = with_word("brdfc.wavelet", 12, [0; 4]);
+    assert_eq!(error.to_string(), "brdfc.wavelet.index entry 2: found 2; allowed 0, as this level is not stored");
+}
+
+#[test]
+fn scales_are_finite_and_not_negative() {
+    let key = "brdfc.wavelet.scales";
+    for (offset, value) in [
+        (0, 1.0),
+        (0, f32::NAN),
+        (4, 1e-9),
+        (8, f32::NAN),
+        (8, -1.0),
+        (8, f32::INFINITY),
+        (12, f32::NAN),
+        (12, f32::NEG_INFINITY),
+        (20, f32::INFINITY),
+    ] {
+        let error = with_word(key, offset, f32::to_le_bytes(value));
+        assert_eq!(error.field, format!("{key} slice {}", offset / 8), "{offset} {value}");
+    }
+    let mut texture = texture();
+    texture.entries.get_mut(key).unwrap()[8..16].copy_from_slice(&[f32::MAX.to_le_bytes(); 2].concat());
+    assert_eq!(refusal(&texture).field, "brdfc.wavelet.scales slice 1", "the largest coefficient overflows");
+}
+
+#[test]
+fn absurd_scales_still_decode_to_numbers() {
+    for [scale, offset] in [[f32::MAX, 0.0], [0.0, f32::MAX], [f32::MAX, f32::MIN], [0.0, f32::MIN], [1e30, 1e30]] {
+        for slice in [1, 2] {
+            let mut texture = texture();
+            texture.entries.get_mut("brdfc.wavelet.scales").unwrap()[8 * slice..8 * slice + 8]
+                .copy_from_slice(&[scale.to_le_bytes(), offset.to_le_bytes()].concat());
+            assert!(survives(&texture.to_bytes(false)), "scale {scale}, offset {offset}");
+        }
+    }
+}
+
+#[test]
+fn errors_are_not_negative() {
+    for offset in (4..40).chain(44..80).step_by(4).filter(|offset| offset % 40 != 0) {
+        for value in [-1.0, f32::NAN, f32::INFINITY] {
+            let error = with_word("brdfc.wavelet.errors", offset, f32::to_le_bytes(value));
+            assert_eq!(error.field, "brdfc.wavelet.errors", "{offset} {value}");
+        }
+    }
+}
+
+#[test]
+fn every_entry_is_required_once_and_has_its_length() {
+    let keys: Vec<String> = texture().entries.into_keys().collect();
+    assert_eq!(keys.len(), 4);
+    for key in &keys {
+        let mut missing = texture();
+        missing.entries.remove(key);
+        assert_eq!(&refusal(&missing).field, key);
+        for change in [-40isize, -4, -1, 1, 4] {
+            let mut resized = texture();
+            let value = resized.entries.get_mut(key).unwrap();
+            value.resize(value.len().saturating_add_signed(change), 0);
+            let error = refusal(&resized);
+            assert!(error.field == *key && error.found.ends_with(" bytes"), "{key} {change}: {error}");
+        }
+    }
+    let empty = Texture { entries: BTreeMap::new(), ..texture() };
+    assert_eq!(refusal(&empty).found, "no brdfc entries");
+
+    // An entry named like another, of the same length: `brdfc.wavelet` has a NUL where it would go on.
+    let mut twice = texture();
+    twice.entries.insert("brdfc.wavelez".into(), twice.entries["brdfc.wavelet"].clone());
+    let mut bytes = twice.to_bytes(false);
+    let at = bytes.windows(14).position(|w| w == b"brdfc.wavelez\0").unwrap();
+    bytes[at + 12] = b't';
+    let error = WaveletPack::from_bytes(&bytes).unwrap_err();
+    assert_eq!((error.field.as_ref(), error.found.as_str()), ("brdfc.wavelet", "two entries of this name"));
+}
+
+#[test]
+fn entries_of_other_names_are_ignored() {
+    let mut more = texture();
+    more.entries.insert("brdfc.note".into(), vec![1, 2, 3]);
+    assert_eq!(WaveletPack::from_bytes(&more.to_bytes(true)).unwrap(), brdfc_testing::packs::example());
+}
+
+#[test]
+fn the_zero_slice_is_zero() {
+    for offset in 0..4 {
+        let mut texture = texture();
+        texture.texels[offset] = 1;
+        assert_eq!(refusal(&texture).field, "slice 0");
+    }
+}
+
+/// A supercompressed file of the example with other bytes as its level.
+fn with_level(level: &[u8], uncompressed: u64) -> Vec<u8> {
+    let mut bytes = brdfc_testing::packs::example().to_bytes(true);
+    bytes.truncate(texels_start(&bytes));
+    bytes.extend_from_slice(level);
+    bytes[88..96].copy_from_slice(&(level.len() as u64).to_le_bytes());
+    bytes[96..104].copy_from_slice(&uncompressed.to_le_bytes());
+    bytes
+}
+
+#[test]
+fn compressed_data_that_lie_about_their_length_are_refused() {
+    let texels = brdfc_testing::packs::example().texels;
+    let frame = |bytes: &[u8]| zstd::bulk::compress(bytes, 3).unwrap();
+    assert!(survives(&with_level(&frame(&texels), 12)));
+    let bomb = frame(&vec![0; 1 << 26]);
+    assert!(bomb.len() < 1 << 14);
+    // A frame header: magic, a descriptor for a single segment with 4 bytes of content size, the size.
+    let declares = |size: u32| {
+        let whole = frame(&texels);
+        assert_eq!(whole[4..6], [0x20, 12], "single segment, content size in one byte");
+        [&whole[..4], &[0xa0], &size.to_le_bytes(), &whole[6..]].concat()
+    };
+    assert!(survives(&with_level(&declares(12), 12)), "the frame made by hand is a good one");
+    let streamed = zstd::stream::encode_all(&texels[..], 3).unwrap();
+    for (name, level, uncompressed) in [
+        ("longer than the extent", bomb.clone(), 12),
+        ("longer, and the index says so", bomb.clone(), 1 << 26),
+        ("shorter", frame(&texels[..11]), 12),
+        ("declares more than it holds", declares(13), 12),
+        ("declares very much", declares(u32::MAX), 12),
+        ("declares less than it holds", declares(11), 12),
+        ("a second frame", [frame(&texels), bomb].concat(), 12),
+        ("a second frame of the right size", [frame(&texels), frame(&texels)].concat(), 12),
+        ("bytes after the frame", [frame(&texels), vec![0; 3]].concat(), 12),
+        ("without a content size", streamed, 12),
+        ("not a frame", texels.clone(), 12),
+        ("empty", Vec::new(), 12),
+    ] {
+        let error = WaveletPack::from_bytes(&with_level(&level, uncompressed)).expect_err(name);
+        assert!(["level 0", "uncompressedByteLength", "container"].contains(&error.field.as_ref()), "{name}: {error}");
+    }
+}
+
+#[test]
+fn a_few_bytes_that_declare_a_gibibyte_are_refused_unread() {
+    let mut level = vec![0x28, 0xb5, 0x2f, 0xfd, 0xa0];
+    level.extend_from_slice(&(1u32 << 30).to_le_bytes());
+    level.extend_from_slice(&[0; 32]);
+    let mut bytes = with_level(&level, 1 << 30);
+    for (offset, size) in [(20, 2048u32), (24, 2048), (28, 256)] {
+        bytes[offset..offset + 4].copy_from_slice(&size.to_le_bytes());
+    }
+    assert_eq!(Texture::from_bytes(&bytes).unwrap_err().found, "41 bytes, too few for that");
+    let error = WaveletPack::from_bytes(&bytes).unwrap_err();
+    assert_eq!(error.allowed, "at most 67108864", "no wavelet pack is larger");
+}
+
+/// The limit above is not too strict for the most compressible contents.
+#[test]
+fn a_large_texture_of_one_value_is_read() {
+    let texels = vec![0; 1 << 26];
+    let texture = Texture {
+        format: TexelFormat::R8Unorm,
+        extent: Extent::D3([256, 256, 1024]),
+        entries: BTreeMap::new(),
+        texels,
+    };
+    assert!(Texture::from_bytes(&texture.to_bytes(true)).unwrap() == texture);
+}
+
+#[test]
+fn extents_beyond_the_limits_are_refused_before_memory_is_asked_for() {
+    for extent in [[2048; 3], [2048, 2048, 512], [2049, 1, 1], [1, 2049, 1], [1, 1, 2049], [u32::MAX; 3], [0, 1, 1]] {
+        for supercompress in [false, true] {
+            let mut bytes = brdfc_testing::packs::example().to_bytes(supercompress);
+            for (axis, size) in extent.into_iter().enumerate() {
+                bytes[20 + 4 * axis..24 + 4 * axis].copy_from_slice(&size.to_le_bytes());
+            }
+            let size = extent.into_iter().map(u128::from).product::<u128>() as u64;
+            bytes[96..104].copy_from_slice(&size.to_le_bytes());
+            assert!(WaveletPack::from_bytes(&bytes).is_err(), "{extent:?}");
+        }
+    }
+}
+
+#[test]
+fn other_textures_are_refused() {
+    let bytes = brdfc_testing::packs::example().to_bytes(false);
+    for (offset, value, field) in [
+        (0, 0, "identifier"),
+        (12, 10, "vkFormat"),
+        (12, 37, "data format descriptor"),
+        (16, 2, "typeSize"),
+        (32, 1, "layerCount"),
+        (36, 6, "faceCount"),
+        (40, 0, "levelCount"),
+        (40, 2, "levelCount"),
+        (44, 1, "supercompressionScheme"),
+        (44, 3, "supercompressionScheme"),
+        // The block dimension 256 is a special case of the ktx2 crate.
+        (104 + 4 + 12, 255, "data format descriptor"),
+        (104 + 4 + 10, 2, "data format descriptor"),
+        (104 + 4 + 16, 0, "data format descriptor"),
+    ] {
+        let mut broken = bytes.clone();
+        broken[offset] = value;
+        let error = Texture::from_bytes(&broken).unwrap_err();
+        // A second level index entry runs into the descriptor before its count is looked at.
+        let whole = field == "levelCount" && error.field == "container";
+        assert!(error.field == field || whole, "{offset} {value}: {error}");
+    }
+}
+
+#[test]
+fn a_texture_that_is_no_pack_is_refused() {
+    let texture = Texture {
+        format: TexelFormat::Rgba16Unorm,
+        extent: Extent::D3([3, 1, 2]),
+        entries: BTreeMap::from([("brdfc.other".to_owned(), vec![7])]),
+        texels: (0..48).collect(),
+    };
+    for supercompress in [false, true] {
+        let bytes = texture.to_bytes(supercompress);
+        assert_eq!(Texture::from_bytes(&bytes).unwrap(), texture);
+        let error = WaveletPack::from_bytes(&bytes).unwrap_err();
+        assert_eq!(error.to_string(), "brdfc.wavelet: found only brdfc.other; allowed the entries of a wavelet pack");
+    }
+}

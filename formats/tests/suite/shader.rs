@@ -1,0 +1,149 @@
+//! The shipped WGSL without a graphics adapter: it validates, its uniform block is the one that Rust writes, and it calls
+//! nothing that browsers refuse.
+
+use brdfc_formats::direction::Parameterisation;
+use brdfc_formats::flat_btf::FlatBtfDecoder;
+use brdfc_formats::flat_btf::shader::{FLAT_BTF_WGSL, FlatBtfParameters, IndirectionFilter};
+use brdfc_formats::wavelet::Filter;
+use brdfc_formats::wavelet::shader::{WAVELET_BRDF_WGSL, WaveletBrdfParameters, index_texels};
+use brdfc_testing::packs::{header, pack};
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+fn parsed() -> naga::Module {
+    naga::front::wgsl::parse_str(WAVELET_BRDF_WGSL)
+        .unwrap_or_else(|error| panic!("{}", error.emit_to_string(WAVELET_BRDF_WGSL)))
+}
+
+/// No capability beyond those that WebGPU has without features.
+#[test]
+fn it_validates() {
+    let result = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&parsed());
+    assert!(result.is_ok(), "{}", result.unwrap_err().emit_to_string(WAVELET_BRDF_WGSL));
+}
+
+#[test]
+fn a_mistake_does_not_validate() {
+    let source = WAVELET_BRDF_WGSL.replace("var value = vec3<f32>(0.0);", "var value = 0u;");
+    assert!(source != WAVELET_BRDF_WGSL);
+    let valid = naga::front::wgsl::parse_str(&source)
+        .is_ok_and(|module| Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module).is_ok());
+    assert!(!valid);
+}
+
+/// Sampling with implicit derivatives is allowed in uniform control flow only.
+#[test]
+fn every_fetch_names_its_level() {
+    let code: String = WAVELET_BRDF_WGSL.lines().map(|line| line.split("//").next().unwrap()).collect();
+    assert!(!code.contains("textureSample("));
+    assert!(code.contains("textureSampleLevel(") && code.contains("textureLoad("));
+}
+
+#[test]
+fn the_uniform_block_is_the_one_that_rust_writes() {
+    let module = parsed();
+    let (_, block) = module
+        .types
+        .iter()
+        .find(|(_, ty)| ty.name.as_deref() == Some("WaveletBrdfParameters"))
+        .expect("the block has its name");
+    let naga::TypeInner::Struct { members, span } = &block.inner else { panic!("not a struct") };
+    assert_eq!(*span as usize, WaveletBrdfParameters::SIZE);
+    let pack = pack(header(Parameterisation::HalfDifference, 3, 3, 8), 9, 1);
+    let parameters = WaveletBrdfParameters::new(&pack, Filter::Bilinear, 0.15);
+    let bytes = parameters.to_bytes();
+    let mut seen = 0;
+    for member in members {
+        let name = member.name.as_deref().unwrap();
+        let word = u32::from_le_bytes(bytes[member.offset as usize..][..4].try_into().unwrap());
+        let expected = match name {
+            "levels" => 3,
+            "parameterisation" => 1,
+            "filter_mode" => 2,
+            "channels" => 3,
+            "mean" => 0.25f32.to_bits(),
+            "bias" => 0.01f32.to_bits(),
+            "scaling_scale" => pack.scales[1].scale.to_bits(),
+            "scaling_offset" => pack.scales[1].offset.to_bits(),
+            "slices" => (pack.slices() as f32).to_bits(),
+            "distance_scale" => 0.15f32.to_bits(),
+            _ if name.starts_with("reserved") => 0,
+            _ => panic!("no such field: {name}"),
+        };
+        assert_eq!(word, expected, "{name}");
+        let float = ["mean", "bias", "scaling_scale", "scaling_offset", "slices", "distance_scale"].contains(&name);
+        let kind = module.types[member.ty].inner.scalar_kind();
+        assert_eq!(kind, Some(if float { naga::ScalarKind::Float } else { naga::ScalarKind::Uint }), "{name}");
+        seen += 1;
+    }
+    assert_eq!(seen, 12);
+}
+
+#[test]
+fn the_index_map_has_slice_scale_and_offset() {
+    let pack = pack(header(Parameterisation::TangentPole, 2, 1, 8), 5, 3);
+    let texels = index_texels(&pack);
+    assert_eq!(texels.len(), 16);
+    assert_eq!(std::mem::size_of_val(&texels[..]) as u64 + pack.texels.len() as u64, pack.gpu_bytes());
+    for (texel, slice) in texels.iter().zip(&pack.index) {
+        let scale = pack.scales[usize::from(*slice)];
+        assert_eq!(*texel, [f32::from(*slice), scale.scale, scale.offset, 0.0]);
+    }
+}
+
+fn flat_btf() -> naga::Module {
+    naga::front::wgsl::parse_str(FLAT_BTF_WGSL)
+        .unwrap_or_else(|error| panic!("{}", error.emit_to_string(FLAT_BTF_WGSL)))
+}
+
+#[test]
+fn the_flat_btf_shader_validates() {
+    let result = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&flat_btf());
+    assert!(result.is_ok(), "{}", result.unwrap_err().emit_to_string(FLAT_BTF_WGSL));
+    let source = FLAT_BTF_WGSL.replace("var value = vec3<f32>(0.0);", "var value = 0u;");
+    assert!(source != FLAT_BTF_WGSL);
+    let valid = naga::front::wgsl::parse_str(&source)
+        .is_ok_and(|module| Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module).is_ok());
+    assert!(!valid, "a mistake");
+    let code: String = FLAT_BTF_WGSL.lines().map(|line| line.split("//").next().unwrap()).collect();
+    assert!(!code.contains("textureSample(") && code.contains("textureSampleLevel("));
+}
+
+/// Both files can be pasted into one shader.
+#[test]
+fn the_shaders_share_no_names() {
+    let source = format!("{WAVELET_BRDF_WGSL}\n{}", FLAT_BTF_WGSL.replace("@group(1)", "@group(2)"));
+    let module =
+        naga::front::wgsl::parse_str(&source).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&source)));
+    assert!(Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module).is_ok());
+}
+
+#[test]
+fn the_uniform_block_of_flat_btfs_is_the_one_that_rust_writes() {
+    let module = flat_btf();
+    let find = |ty: &naga::Type| ty.name.as_deref() == Some("FlatBtfParameters");
+    let (_, block) = module.types.iter().find(|(_, ty)| find(ty)).expect("the block has its name");
+    let naga::TypeInner::Struct { members, span } = &block.inner else { panic!("not a struct") };
+    assert_eq!(*span as usize, FlatBtfParameters::SIZE);
+    let decoder = FlatBtfDecoder::new(brdfc_testing::flat_btf::parts(brdfc_testing::flat_btf::SMALL, 1)).unwrap();
+    let bytes = FlatBtfParameters::new(&decoder, IndirectionFilter::Hardware).to_bytes();
+    let names: Vec<&str> = members.iter().map(|member| member.name.as_deref().unwrap()).collect();
+    let words = [
+        ("size", 4),
+        ("reference_size", 2),
+        ("zenith_samples", 3),
+        ("azimuth_samples", 4),
+        ("largest_angle", 1.3f32.to_bits()),
+        ("atlas_columns", 3),
+        ("hardware", 1),
+        ("reserved", 0),
+    ];
+    assert_eq!(names, words.map(|(name, _)| name));
+    for (member, (name, expected)) in members.iter().zip(words) {
+        let word = u32::from_le_bytes(bytes[member.offset as usize..][..4].try_into().unwrap());
+        assert_eq!(word, expected, "{name}");
+        let kind = if name == "largest_angle" { naga::ScalarKind::Float } else { naga::ScalarKind::Uint };
+        assert_eq!(module.types[member.ty].inner.scalar_kind(), Some(kind), "{name}");
+    }
+    let exact = FlatBtfParameters::new(&decoder, IndirectionFilter::Exact);
+    assert_eq!(exact.to_bytes()[24..], [0; 8]);
+}

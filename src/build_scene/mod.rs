@@ -1,0 +1,177 @@
+//! `brdfc build`: the main job.
+
+mod report;
+
+pub use report::Report;
+
+use super::output::{make_folder, print, print_json, remark, tell, to_json, write_file};
+use super::progress::Progress;
+use super::{CliError, Common};
+use crate::table;
+use brdfc_jobs::report::material::remarks;
+use brdfc_jobs::scene::manifest::Manifest;
+use brdfc_jobs::scene::needs::ENVIRONMENT;
+use brdfc_jobs::scene::run::{Outcomes, Plan, pack_name, plan, run as run_jobs};
+use brdfc_source::open::{MAX_TEXT_BYTES, read_file};
+use brdfc_wavelet::recipe::Target;
+use clap::Args;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Make the packs that a scene needs.
+///
+/// The manifest names materials and the uses that a scene makes of them; docs/scene.md lists its keys. A material that
+/// no use refers to is not even opened. Packs of an earlier build are kept where source, options and program are the
+/// same. One material that fails does not stop the others.
+///
+/// Where the manifest names an environment that lights the scene ([scene] environment), the maps of adaptive shading are
+/// made too: how fast each material's lobes and the environment vary, and importance samples of the lobes.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  brdfc build scene.toml
+  brdfc build scene.toml --out assets/packs --jobs 4 --json > report.json
+  brdfc build scene.toml --dry-run")]
+pub struct Arguments {
+    /// The scene manifest.
+    #[arg(value_name = "SCENE.toml")]
+    scene: PathBuf,
+    /// Folder for packs and reports.
+    #[arg(long, short, value_name = "DIR", default_value = "packs")]
+    out: PathBuf,
+    /// Say what would be done, and do nothing.
+    #[arg(long)]
+    dry_run: bool,
+    /// Make every pack again.
+    #[arg(long)]
+    no_cache: bool,
+    /// Print the report as JSON (schema: 'brdfc schema build').
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
+    let path = &arguments.scene;
+    let (_, manifest) = read_manifest(path)?;
+    let plan = plan(&manifest, path.parent().unwrap_or(Path::new("")));
+    let scene = manifest.scene.name.clone().unwrap_or_else(|| "scene".to_owned());
+    if arguments.dry_run {
+        return dry_run(arguments, &plan, &scene);
+    }
+
+    make_folder(&arguments.out)?;
+    let cancelled = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&cancelled);
+    // The second interrupt ends the process at once; packs are renamed into place, so none is ever half written.
+    ctrlc::set_handler(move || {
+        if flag.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    })
+    .map_err(|error| CliError::Internal(format!("cannot watch for interrupts: {error}")))?;
+
+    let total = plan.jobs.len() + usize::from(plan.environment.is_some());
+    let progress = Progress::new(total, plan.environment.is_some(), common);
+    let outcomes = run_jobs(&plan, &arguments.out, !arguments.no_cache, &cancelled, &progress);
+    drop(progress);
+
+    let lasting = to_json(&Report::new(&scene, &plan, &outcomes).lasting(&plan, &arguments.out));
+    write_file(&arguments.out.join("report.json"), lasting.as_bytes())?;
+    for outcome in &outcomes.materials {
+        match &outcome.result {
+            Ok(made) => {
+                for line in remarks(&made.report) {
+                    remark(common, &format!("note: {}: {line}", outcome.name));
+                }
+            }
+            Err(error) => tell(&format!("brdfc: {}: {error}", outcome.name)),
+        }
+    }
+    if let Some(Err(error)) = &outcomes.environment {
+        tell(&format!("brdfc: {ENVIRONMENT}: {error}"));
+    }
+    if arguments.json {
+        print_json(&Report::new(&scene, &plan, &outcomes))?;
+    } else {
+        print(&report::text(&outcomes))?;
+    }
+    if !plan.skipped.is_empty() {
+        remark(common, &format!("not used by the scene, not opened: {}", plan.skipped.join(", ")));
+    }
+    worst(outcomes)
+}
+
+/// A manifest with its text.
+pub(super) fn read_manifest(path: &Path) -> Result<(String, Manifest), CliError> {
+    let bytes = read_file(path, MAX_TEXT_BYTES)?;
+    let text = std::str::from_utf8(&bytes).map_err(|error| {
+        let line = 1 + bytes[..error.valid_up_to()].iter().filter(|b| **b == b'\n').count();
+        let byte = bytes[error.valid_up_to()];
+        CliError::Input(format!("{}: line {line}, text: found byte {byte:#04x}; allowed UTF-8", path.display()))
+    })?;
+    let manifest = Manifest::parse(text).map_err(|error| CliError::Input(format!("{}: {error}", path.display())))?;
+    Ok((text.to_owned(), manifest))
+}
+
+/// The failure with the highest exit code decides.
+fn worst(outcomes: Outcomes) -> Result<(), CliError> {
+    let count = outcomes.materials.len();
+    let environment = outcomes.environment.and_then(Result::err);
+    let failures = outcomes.materials.into_iter().filter_map(|o| o.result.err());
+    let mut failures: Vec<CliError> = failures.map(CliError::from).collect();
+    let mut failed = Vec::new();
+    if !failures.is_empty() {
+        failed.push(format!("{} of {count} materials failed", failures.len()));
+    }
+    if let Some(error) = environment {
+        failed.push("the environment failed".to_owned());
+        failures.push(error.into());
+    }
+    let Some(first) = failures.into_iter().max_by_key(|error| error.exit_code()) else { return Ok(()) };
+    let summary = failed.join(", ");
+    Err(match first {
+        CliError::Check(_) => CliError::Check(summary),
+        CliError::Usage(_) => CliError::Usage(summary),
+        CliError::Input(_) => CliError::Input(summary),
+        CliError::Io(_) => CliError::Io(summary),
+        other => other,
+    })
+}
+
+fn dry_run(arguments: &Arguments, plan: &Plan, scene: &str) -> Result<(), CliError> {
+    if arguments.json {
+        return print_json(&Report::planned(scene, plan));
+    }
+    let rows: Vec<Vec<String>> = plan
+        .jobs
+        .iter()
+        .map(|job| {
+            let r = &job.recipe;
+            vec![
+                job.name.clone(),
+                job.uses.to_string(),
+                format!("{0} x {0}", 1u32 << r.levels),
+                format!("{} of {}", r.stored_levels, r.levels),
+                r.bits.to_string(),
+                match r.target {
+                    Target::Ratio(ratio) => format!("{ratio}:1"),
+                    Target::MaxError(error) => format!("ε_r at most {}", table::percent(error)),
+                    Target::MaxBytes(bytes) => format!("at most {}", table::bytes(bytes)),
+                },
+                job.source.clone(),
+                arguments.out.join(pack_name(&job.name)).display().to_string(),
+            ]
+        })
+        .collect();
+    let header = ["material", "uses", "grid", "levels", "bits", "target", "source", "pack"];
+    let mut text = table::plain(&header, &rows);
+    if let Some(job) = &plan.environment {
+        let map = arguments.out.join(report::environment_file()).display().to_string();
+        text += &format!("lit by {}: {map}, and a bandwidth map and importance samples of each material\n", job.source);
+    }
+    if !plan.skipped.is_empty() {
+        text += &format!("not used by the scene: {}\n", plan.skipped.join(", "));
+    }
+    print(&text)
+}

@@ -1,0 +1,106 @@
+//! `brdfc compare`: error of one input against another.
+
+use super::output::{print, print_json};
+use super::{CliError, Common};
+use crate::table;
+use brdfc_formats::direction::DirectionPair;
+use brdfc_formats::measured::scan_csv::directions_from_bytes;
+use brdfc_metrics::compare::{Comparison, compare, mean_value};
+use brdfc_metrics::sampling::random_pairs;
+use brdfc_source::open::{Facts, MAX_FILE_BYTES, open, read_file};
+use clap::Args;
+use serde::Serialize;
+
+/// Measure the error of B against A.
+///
+/// A is the reference. Both may be any source or pack. Exits with 1 when --max-error is given and missed.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  brdfc compare paint.brdf paint.ktx2
+  brdfc compare red.binary red.ktx2 --directions 100000 --max-error 0.05
+  brdfc compare a.ktx2 b.ktx2 --directions pairs.csv --json")]
+pub struct Arguments {
+    /// The reference.
+    a: String,
+    /// The approximation.
+    b: String,
+    /// How many random direction pairs (uniform over both hemispheres, fixed seed), or a CSV of pairs.
+    #[arg(long, value_name = "N|FILE.csv", default_value = "10000")]
+    directions: String,
+    /// Largest mean relative difference ε_r that passes, a fraction.
+    #[arg(long, value_name = "E")]
+    max_error: Option<f64>,
+    /// Print JSON (schema: 'brdfc schema compare').
+    #[arg(long)]
+    json: bool,
+}
+
+/// What `--json` prints.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub struct Report {
+    /// Layout of this report.
+    version: u32,
+    /// The reference.
+    a: Facts,
+    /// The approximation.
+    b: Facts,
+    /// Direction pairs.
+    pairs: usize,
+    /// `μ` of the reference over these pairs, 1/sr.
+    mean: f64,
+    /// What was measured.
+    #[serde(flatten)]
+    comparison: Comparison,
+}
+
+const SEED: u64 = 2007;
+const MOST_PAIRS: usize = 100_000_000;
+
+pub(super) fn run(arguments: &Arguments, _: Common) -> Result<(), CliError> {
+    if let Some(limit) = arguments.max_error
+        && !(limit >= 0.0 && limit.is_finite())
+    {
+        return Err(CliError::Usage(format!("--max-error: found {limit}; allowed a fraction, 0 or more")));
+    }
+    let pairs = pairs(&arguments.directions)?;
+    let (a, b) = (open(&arguments.a, None)?, open(&arguments.b, None)?);
+    let mean = mean_value(a.source.as_ref(), &pairs);
+    let (comparison, _) = compare(a.source.as_ref(), b.source.as_ref(), &pairs, mean);
+    let found = comparison.norms.relative_mean;
+    let comparison_counts = comparison.norms.counted() > 0;
+    if arguments.json {
+        print_json(&Report { version: 1, a: a.facts, b: b.facts, pairs: pairs.len(), mean, comparison })?;
+    } else {
+        print(&table::comparison(&comparison))?;
+    }
+    match arguments.max_error {
+        Some(_) if !comparison_counts => Err(CliError::Check(
+            "mean relative difference: found no sample above 0.1 % of the reference's mean; allowed at least one, or \
+             the check says nothing"
+                .to_owned(),
+        )),
+        Some(allowed) if found > allowed => Err(CliError::Check(format!(
+            "mean relative difference: found {}; allowed {}",
+            table::percent(found),
+            table::percent(allowed)
+        ))),
+        _ => Ok(()),
+    }
+}
+
+fn pairs(directions: &str) -> Result<Vec<DirectionPair>, CliError> {
+    if let Ok(count) = directions.parse::<usize>() {
+        if !(1..=MOST_PAIRS).contains(&count) {
+            return Err(CliError::Usage(format!("--directions: found {count}; allowed 1 to {MOST_PAIRS}")));
+        }
+        return Ok(random_pairs(count, SEED));
+    }
+    let path = std::path::Path::new(directions);
+    let bytes = read_file(path, MAX_FILE_BYTES)?;
+    let pairs = directions_from_bytes(&bytes).map_err(|error| CliError::Input(format!("{directions}: {error}")))?;
+    if pairs.is_empty() {
+        return Err(CliError::Input(format!("{directions}: records: found none; allowed at least one")));
+    }
+    Ok(pairs.into_iter().map(|(incoming, outgoing)| DirectionPair::new(incoming, outgoing)).collect())
+}

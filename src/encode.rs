@@ -1,0 +1,89 @@
+//! `brdfc encode`: one input to one pack.
+
+use super::options::PackOptions;
+use super::output::{print, refuse_overwriting, remark, to_json, write_file};
+use super::progress::Progress;
+use super::{CliError, Common};
+use crate::table;
+use brdfc_jobs::report::material::{MaterialReport, StageTime, remarks};
+use brdfc_jobs::scene::run::Watcher as _;
+use brdfc_jobs::stage_clock::StageClock;
+use brdfc_jobs::write::is_standard_output;
+use brdfc_source::open::{Facts, open};
+use brdfc_wavelet::encode::{Observer as _, encode};
+use clap::Args;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// Encode one material as a wavelet pack.
+///
+/// Prints slices, bytes and errors; the errors stand in the pack too.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  brdfc encode red-plastic.binary -o red.ktx2
+  brdfc encode paint.brdf -o paint.ktx2 --max-error 0.02 --bits 12
+  brdfc encode 'synth:ggx?alpha=0.2' -o ggx.ktx2 --ratio 16 --json")]
+pub struct Arguments {
+    /// A path, or synth:MODEL?param=value&...
+    input: String,
+    /// The pack to write.
+    #[arg(long, short, value_name = "PACK.ktx2")]
+    output: PathBuf,
+    #[command(flatten)]
+    options: PackOptions,
+    /// Print the report as JSON (schema: 'brdfc schema encode').
+    #[arg(long)]
+    json: bool,
+}
+
+/// What `--json` prints.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub struct Report {
+    /// Layout of this report.
+    version: u32,
+    /// The input.
+    input: Facts,
+    /// What was made and measured.
+    #[serde(flatten)]
+    report: MaterialReport,
+    /// Seconds per stage.
+    stages: Vec<StageTime>,
+}
+
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
+    let recipe = arguments.options.recipe()?;
+    refuse_overwriting(&arguments.output, &[Path::new(&arguments.input)])?;
+    let progress = Progress::new(1, false, common);
+    let name = arguments.output.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    let mut clock = StageClock::new(|stage| {
+        progress.stage(&name, stage);
+        true
+    });
+    clock.stage("read");
+    let opened = open(&arguments.input, None)?;
+    let encoded = encode(opened.source.as_ref(), &recipe, &mut clock)?;
+    clock.stage("write");
+    write_file(&arguments.output, &encoded.bytes)?;
+    let stages = clock.finish();
+    drop(progress);
+    let report = MaterialReport::new(&encoded, &recipe, opened.facts.samples());
+    for line in remarks(&report) {
+        remark(common, &format!("note: {line}"));
+    }
+    let text = if arguments.json {
+        to_json(&Report { version: 1, input: opened.facts, report, stages })
+    } else {
+        let mut row = vec![arguments.output.display().to_string()];
+        row.extend(table::material_row(&report, Some(stages.iter().map(|s| s.seconds).sum())));
+        let mut header = table::MATERIAL_HEADER;
+        header[0] = "pack";
+        table::plain(&header, &[row])
+    };
+    if is_standard_output(&arguments.output) {
+        // Behind a pack the report would be taken for a part of it.
+        remark(common, text.trim_end());
+        return Ok(());
+    }
+    print(&text)
+}

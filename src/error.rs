@@ -1,0 +1,164 @@
+//! Errors with the exit codes that scripts rely on.
+
+use brdfc_flat_btf::structures::Structure;
+use brdfc_formats::FormatError;
+use brdfc_jobs::flatten::{FlattenError, MesoInputError};
+use brdfc_jobs::scene::run::JobError;
+use brdfc_source::address::SYNTH_PREFIX;
+use brdfc_source::open::InputError;
+use brdfc_wavelet::encode::EncodeError;
+use brdfc_wavelet::options::OptionError;
+use std::path::Path;
+
+/// Why the program did not do what it was asked.
+#[derive(Debug)]
+pub enum CliError {
+    /// A check failed: exit code 1.
+    Check(String),
+    /// Wrong arguments: 2.
+    Usage(String),
+    /// Invalid input: 3.
+    Input(String),
+    /// Cannot read or write: 4.
+    Io(String),
+    /// No graphics adapter that can be used: 5.
+    NoAdapter(String),
+    /// A fault of the program: 6.
+    Internal(String),
+    /// Stopped by the user: 130.
+    Interrupted,
+    /// Nobody reads our output any more, which is no error: 0.
+    PipeClosed,
+}
+
+impl CliError {
+    /// The exit code of DESIGN section 8.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::PipeClosed => 0,
+            Self::Check(_) => 1,
+            Self::Usage(_) => 2,
+            Self::Input(_) => 3,
+            Self::Io(_) => 4,
+            Self::NoAdapter(_) => 5,
+            Self::Internal(_) => 6,
+            Self::Interrupted => 130,
+        }
+    }
+
+    /// What to tell, if anything.
+    pub fn message(&self) -> Option<&str> {
+        match self {
+            Self::Check(m) | Self::Usage(m) | Self::Input(m) | Self::Io(m) | Self::NoAdapter(m) | Self::Internal(m) => {
+                Some(m)
+            }
+            Self::Interrupted => Some("interrupted; files that were finished are whole"),
+            Self::PipeClosed => None,
+        }
+    }
+
+    /// What a program without the renderer says.
+    #[cfg(not(feature = "render"))]
+    pub fn without_renderer() -> Self {
+        Self::NoAdapter("no usable graphics adapter: this program was built without its feature 'render'".to_owned())
+    }
+
+    /// What the program made breaks the rules of its own layout.
+    pub fn own_layout(error: FormatError) -> Self {
+        Self::Internal(format!("a pack that its own layout refuses: {error}"))
+    }
+
+    /// A file that cannot be written.
+    pub fn write(path: &Path, error: &std::io::Error) -> Self {
+        Self::Io(format!("{}: cannot write: {error}", path.display()))
+    }
+
+    /// A file that cannot be read.
+    pub fn read(path: &Path, error: &std::io::Error) -> Self {
+        Self::Io(format!("{}: cannot read: {error}", path.display()))
+    }
+}
+
+impl From<InputError> for CliError {
+    fn from(error: InputError) -> Self {
+        let message = error.to_string();
+        match error {
+            InputError::Io { .. } => Self::Io(message),
+            InputError::Format { .. } => Self::Input(message),
+            InputError::Address { name, .. } => {
+                let structure = name.strip_prefix(SYNTH_PREFIX).is_some_and(|text| Structure::parse(text).is_ok());
+                let hint = if structure { "; this is a structure, for 'brdfc flatten'" } else { "" };
+                Self::Input(message + hint)
+            }
+        }
+    }
+}
+
+impl From<EncodeError> for CliError {
+    fn from(error: EncodeError) -> Self {
+        match error {
+            EncodeError::BudgetMissed { .. } | EncodeError::TooFewBytes { .. } => Self::Check(error.to_string()),
+            EncodeError::TooManySlices { .. } => Self::Usage(error.to_string()),
+            EncodeError::Cancelled => Self::Interrupted,
+        }
+    }
+}
+
+impl From<JobError> for CliError {
+    fn from(error: JobError) -> Self {
+        match error {
+            JobError::Input(error) => error.into(),
+            JobError::Encode(error) => error.into(),
+            JobError::Map(error) => Self::own_layout(error),
+            JobError::Write { .. } => Self::Io(error.to_string()),
+        }
+    }
+}
+
+impl From<MesoInputError> for CliError {
+    fn from(error: MesoInputError) -> Self {
+        let message = error.to_string();
+        match error {
+            MesoInputError::Input(error) => error.into(),
+            MesoInputError::Tabulate { error, .. } => error.into(),
+            MesoInputError::Address { .. } | MesoInputError::Geometry { .. } => Self::Input(message),
+            MesoInputError::Options(_) => Self::Usage(message),
+        }
+    }
+}
+
+impl From<FlattenError> for CliError {
+    fn from(error: FlattenError) -> Self {
+        let message = error.to_string();
+        match error {
+            FlattenError::Input(error) => error.into(),
+            FlattenError::Parameterise(_) | FlattenError::Pack(_) => Self::Input(message),
+            FlattenError::Write { .. } => Self::Io(message),
+            FlattenError::Cancelled => Self::Interrupted,
+        }
+    }
+}
+
+impl From<OptionError> for CliError {
+    fn from(error: OptionError) -> Self {
+        Self::Usage(format!("--{}: found {}; allowed {}", error.field.replace('_', "-"), error.found, error.allowed))
+    }
+}
+
+#[cfg(feature = "render")]
+impl From<brdfc_gpu::GpuError> for CliError {
+    fn from(error: brdfc_gpu::GpuError) -> Self {
+        use brdfc_gpu::GpuError;
+        match error {
+            GpuError::NoAdapter(_) => Self::NoAdapter(format!(
+                "{error}\n\
+                 A Vulkan driver is needed; a graphics card is not. Mesa's software driver is enough:\n  \
+                 Debian, Ubuntu   sudo apt-get install mesa-vulkan-drivers libvulkan1\n  \
+                 Fedora           sudo dnf install mesa-vulkan-drivers vulkan-loader\n  \
+                 Arch             sudo pacman -S vulkan-swrast vulkan-icd-loader"
+            )),
+            GpuError::TooLarge(text) => Self::Usage(text),
+            GpuError::Failed(_) => Self::NoAdapter(error.to_string()),
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! `brdfc eval`: values at given direction pairs.
+
+use super::output::{print, refuse_overwriting, remark, write_file};
+use super::{CliError, Common};
+use brdfc_formats::direction::DirectionPair;
+use brdfc_formats::measured::scan_csv::directions_from_bytes;
+use brdfc_jobs::report::material::mended_in_words;
+use brdfc_source::Tally;
+use brdfc_source::open::{Facts, MAX_FILE_BYTES, open, read_file};
+use clap::Args;
+use rayon::prelude::*;
+use std::path::{Path, PathBuf};
+
+/// Evaluate a source or pack at direction pairs.
+///
+/// The CSV has a header with wi_x,wi_y,wi_z,wo_x,wo_y,wo_z (unit vectors in the frame x = tangent, y = bitangent,
+/// z = normal; other columns are kept); f_r,f_g,f_b (1/sr, linear RGB) are appended. Scans are smoothed at the asked
+/// directions themselves, packs are filtered bilinearly.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  brdfc eval paint.brdf --directions pairs.csv
+  brdfc eval paint.ktx2 --directions pairs.csv --lod 2.5 -o values.csv")]
+pub struct Arguments {
+    /// A path, or synth:MODEL?param=value&...
+    input: String,
+    /// Direction pairs.
+    #[arg(long, value_name = "IN.csv")]
+    directions: PathBuf,
+    /// Where to write; stdout if absent.
+    #[arg(long, short, value_name = "OUT.csv")]
+    output: Option<PathBuf>,
+    /// Level of detail of a pack, 0 (a constant per incoming direction) to N (finest, the default).
+    #[arg(long, value_name = "L")]
+    lod: Option<f32>,
+}
+
+const CHUNK: usize = 256;
+
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
+    if let Some(level) = arguments.lod
+        && !(0.0..=64.0).contains(&level)
+    {
+        return Err(CliError::Usage(format!("--lod: found {level}; allowed 0 to the pack's number of levels")));
+    }
+    let path = &arguments.directions;
+    if let Some(output) = &arguments.output {
+        refuse_overwriting(output, &[path, Path::new(&arguments.input)])?;
+    }
+    let bytes = read_file(path, MAX_FILE_BYTES)?;
+    let in_file = |error| CliError::Input(format!("{}: {error}", path.display()));
+    let pairs = directions_from_bytes(&bytes).map_err(in_file)?;
+    let opened = open(&arguments.input, arguments.lod)?;
+    match (&opened.facts, arguments.lod) {
+        (Facts::WaveletPack { levels, .. }, Some(level)) if level > *levels as f32 => {
+            return Err(CliError::Usage(format!("--lod: found {level}; allowed 0 to {levels}, the pack's levels")));
+        }
+        (Facts::WaveletPack { .. }, _) | (_, None) => {}
+        _ => return Err(CliError::Usage("--lod: only packs have levels of detail".to_owned())),
+    }
+
+    let chunks: Vec<(Vec<[f64; 3]>, Tally)> = pairs
+        .par_chunks(CHUNK)
+        .map(|chunk| {
+            let mut tally = Tally::default();
+            let values = chunk
+                .iter()
+                .map(|(incoming, outgoing)| opened.source.eval(DirectionPair::new(*incoming, *outgoing), &mut tally))
+                .collect();
+            (values, tally)
+        })
+        .collect();
+    let mut tally = Tally::default();
+    chunks.iter().for_each(|(_, counts)| tally += *counts);
+    for line in mended_in_words(&tally) {
+        remark(common, &format!("note: {line}"));
+    }
+    let text = appended(&bytes, chunks.iter().flat_map(|(values, _)| values))
+        .map_err(|error| CliError::Input(format!("{}: {error}", path.display())))?;
+    match &arguments.output {
+        Some(output) => write_file(output, text.as_bytes()),
+        None => print(&text),
+    }
+}
+
+/// The records of the input, each with its value.
+fn appended<'a>(bytes: &[u8], values: impl Iterator<Item = &'a [f64; 3]>) -> Result<String, csv::Error> {
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(bytes);
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let mut header = reader.headers()?.clone();
+    ["f_r", "f_g", "f_b"].iter().for_each(|name| header.push_field(name));
+    writer.write_record(&header)?;
+    for (record, value) in reader.records().zip(values) {
+        let mut record = record?;
+        value.iter().for_each(|channel| record.push_field(&channel.to_string()));
+        writer.write_record(&record)?;
+    }
+    let bytes = writer.into_inner().expect("memory can be written to");
+    Ok(String::from_utf8(bytes).expect("the input was checked to be UTF-8"))
+}

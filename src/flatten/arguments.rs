@@ -1,0 +1,126 @@
+//! The flags of `brdfc flatten`.
+
+use brdfc_flat_btf::structures::describe_structures;
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// Make the packs of a flat BTF: appearance on the surface itself, and maps of where each view sees it.
+///
+/// MESO is one tile of a surface that repeats: synth:STRUCTURE, a mesh (.obj, .ply), a height map (.png of 8 or 16 bits
+/// grey, .exr), or a folder of images of an ordinary BTF, whose relief --geometry gives. Every mesh is closed over the
+/// tile's borders first; what was mended is reported. A surface has at most 1048576 vertices, and so many pixels a height
+/// map: 1024 x 1024.
+#[derive(Debug, Args)]
+#[command(after_help = after_help())]
+pub struct Arguments {
+    /// synth:STRUCTURE, a mesh, a height map, or a folder of BTF images.
+    pub(super) meso: String,
+    /// Folder of the packs; made if there is none.
+    #[arg(long, short, value_name = "DIR")]
+    pub(super) out: PathBuf,
+    /// Name of the asset's files (default: the folder's).
+    #[arg(long)]
+    pub(super) name: Option<String>,
+    /// Relief of a folder of BTF images: mesh, height map or structure (default: the plane).
+    #[arg(long, value_name = "MESO")]
+    pub(super) geometry: Option<String>,
+    /// Period of a mesh along x and y, in its unit (default: 1).
+    #[arg(long, value_name = "SIZE", allow_negative_numbers = true)]
+    pub(super) tile: Option<f64>,
+    /// Tiles per unit of a height map, white of a PNG is 1 (default: 0.1).
+    #[arg(long, value_name = "TILES", allow_negative_numbers = true)]
+    pub(super) height_scale: Option<f64>,
+    /// Height of a height map's 0 above the reference plane, in tiles (default: 0).
+    #[arg(long, value_name = "TILES", allow_negative_numbers = true)]
+    pub(super) height_offset: Option<f64>,
+    /// Material: any INPUT of 'brdfc encode', or NAME=INPUT for the faces of that name in a mesh. Up to four; a structure
+    /// blends its own by default.
+    #[arg(long, value_name = "[NAME=]INPUT")]
+    pub(super) material: Vec<String>,
+    /// Image over the tile that multiplies the reflectance (PNG or JPEG, sRGB).
+    #[arg(long, value_name = "IMAGE")]
+    pub(super) colour: Option<String>,
+    /// Image over the tile whose red, green, blue and alpha are the shares of the materials, in their order.
+    #[arg(long, value_name = "IMAGE")]
+    pub(super) weights: Option<String>,
+    /// Texels of the reference plane and its indirection map, per side.
+    #[arg(long, value_name = "N", default_value_t = 256)]
+    pub(super) texels: u32,
+    /// Texels of the flat BTF per side, a power of two (default: the one from --texels on).
+    #[arg(long, value_name = "N")]
+    pub(super) flat_texels: Option<usize>,
+    /// Views: ubo2003 (81), ubo2014 (151), grid:ZxA@DEGREES, or a .csv file with index,theta_deg,phi_deg (default: ubo2003).
+    /// A grid has Z polar angles from the zenith, one direction, to DEGREES, with A azimuths at each of the others:
+    /// grid:2x6@50 has 1 + 6 = 7 directions.
+    #[arg(long, value_name = "SET")]
+    pub(super) views: Option<String>,
+    /// Lights (default: as the views).
+    #[arg(long, value_name = "SET")]
+    pub(super) lights: Option<String>,
+    /// Polar angles x azimuths of the indirection map.
+    #[arg(long, value_name = "ZxA", default_value = "16x16")]
+    pub(super) indirection: String,
+    /// Largest polar angle of the indirection map, degrees; steeper views see what it sees.
+    #[arg(long, value_name = "DEGREES", default_value_t = 80.0)]
+    pub(super) largest_angle: f64,
+    /// Rays per texel and axis for the indirection map.
+    #[arg(long, value_name = "N", default_value_t = 2)]
+    pub(super) oversampling: usize,
+    /// What texels of the full form get that a view does not see (default: poisson).
+    #[arg(long, value_enum)]
+    pub(super) fill: Option<Fill>,
+    /// Rays per texel that gather the light of one bounce; 0: direct light and cast shadows only.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(super) bounces: usize,
+    /// Rounds of reweighting that spend texels where the surface is, as long as the stretch falls.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(super) stretch_rounds: usize,
+    /// full: everything; light: normal map and diffuse colours instead of views x lights.
+    #[arg(long, value_enum, default_value = "full")]
+    pub(super) form: FormArgument,
+    /// Also write the ordinary BTF, computed directly from direct light, as images into a new or empty folder.
+    #[arg(long, value_name = "DIR")]
+    pub(super) write_images: Option<PathBuf>,
+    /// Kind of these images: png (8 bits, sRGB) or exr (16-bit floats, linear) (default: png).
+    #[arg(long, value_enum)]
+    pub(super) image_format: Option<ImageFormat>,
+    /// Store texels as they are, without Zstandard.
+    #[arg(long)]
+    pub(super) no_supercompression: bool,
+    /// Print the report as JSON (schema: 'brdfc schema flatten').
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum Fill {
+    /// Gradients of the view that sees them most from above.
+    Poisson,
+    /// Means of what is seen around them: faster, as in the paper.
+    PushPull,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum FormArgument {
+    /// Equation 1.
+    Full,
+    /// Normal map and diffuse colours.
+    Light,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum ImageFormat {
+    Png,
+    Exr,
+}
+
+fn after_help() -> String {
+    format!(
+        "Structures:\n{}\nExamples:\n  brdfc flatten synth:button -o button\n  \
+         brdfc flatten 'synth:knit?count=6' -o wool --form light --texels 128\n  \
+         brdfc flatten bricks.obj --tile 2 --material clay=clay.binary --material synth:lambert?kd=0.4 -o bricks\n  \
+         brdfc flatten relief.png --height-scale 0.2 --colour relief-colour.png -o relief\n  \
+         brdfc flatten corduroy/ --geometry corduroy-height.exr -o corduroy-flat",
+        describe_structures()
+    )
+}

@@ -1,0 +1,106 @@
+//! `brdfc flatten`: flat BTFs of surfaces with relief, and of ordinary BTFs.
+
+mod arguments;
+mod directions;
+mod options;
+mod text;
+
+pub use arguments::Arguments;
+pub(super) use directions::{DEFAULT_SET, direction_set};
+pub(super) use text::{height, mended_in_words, text};
+
+use super::output::{make_folder, print, print_json, remark};
+use super::steps::Steps;
+use super::{CliError, Common};
+use arguments::ImageFormat;
+use brdfc_jobs::btf_stack::StackFormat;
+use brdfc_jobs::flatten::{
+    AssetFile, FlattenError, FlattenJob, Values, material_list, open_appearance, open_geometry, run as flatten,
+};
+use brdfc_source::address::is_synth;
+use brdfc_source::btf_stack::BtfStack;
+use options::{asset_name, check_outputs, meso_options, recipe};
+use serde::Serialize;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+use text::remarks;
+
+/// What `--json` prints.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub struct Report {
+    /// The asset, as its own file has it.
+    #[serde(flatten)]
+    asset: AssetFile,
+    /// Seconds from start to finish.
+    seconds: f64,
+}
+
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
+    let started = Instant::now();
+    let is_stack = Path::new(&arguments.meso).is_dir();
+    let name = asset_name(arguments)?;
+    let mut recipe = recipe(arguments)?;
+    let options = meso_options(arguments, is_stack)?;
+    check_outputs(arguments)?;
+    let (geometry, materials, values) = if is_stack {
+        let stack = BtfStack::open(Path::new(&arguments.meso))?;
+        (recipe.views, recipe.lights) = (stack.views().clone(), stack.lights().clone());
+        let mut geometry = open_geometry(&options)?;
+        let folder = Path::new(&arguments.meso).canonicalize().ok();
+        let folder = folder.as_deref().and_then(Path::file_name).map(|n| n.to_string_lossy().into_owned());
+        geometry.name = format!("{} over {}", folder.unwrap_or_else(|| "images".to_owned()), geometry.name);
+        (geometry, Vec::new(), Values::Measured(stack))
+    } else {
+        let geometry = open_geometry(&options)?;
+        let materials = material_list(&options, &geometry)?;
+        let appearance = open_appearance(&options, &materials, &mut ())?;
+        let names = materials.iter().map(|material| without_folder(material)).collect();
+        (geometry, names, Values::Computed(appearance))
+    };
+    recipe.check().map_err(|error| CliError::Usage(error.to_string()))?;
+    make_folder(&arguments.out)?;
+    arguments.write_images.as_deref().map(make_folder).transpose()?;
+    let cancelled = watch_for_interrupts()?;
+    let steps = Steps::new(common, &cancelled);
+    let format = match arguments.image_format {
+        Some(ImageFormat::Exr) => StackFormat::Exr,
+        Some(ImageFormat::Png) | None => StackFormat::Png,
+    };
+    let images = arguments.write_images.as_deref().map(|folder| (folder, format));
+    let job = FlattenJob { name: &name, folder: &arguments.out, recipe: &recipe, geometry, materials, values, images };
+    let asset = flatten(job, &steps).map_err(|error| match error {
+        FlattenError::Parameterise(error) => CliError::Input(format!("{}: {error}", options.geometry)),
+        error => error.into(),
+    })?;
+    drop(steps);
+    for line in remarks(&asset) {
+        remark(common, &format!("note: {line}"));
+    }
+    let seconds = started.elapsed().as_secs_f64();
+    if arguments.json {
+        return print_json(&Report { asset, seconds });
+    }
+    print(&text(&asset, Some(seconds)))
+}
+
+/// A flag that is set by the first interrupt; the second ends the process at once.
+fn watch_for_interrupts() -> Result<Arc<AtomicBool>, CliError> {
+    let cancelled = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&cancelled);
+    ctrlc::set_handler(move || {
+        if flag.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    })
+    .map_err(|error| CliError::Internal(format!("cannot watch for interrupts: {error}")))?;
+    Ok(cancelled)
+}
+
+fn without_folder(material: &str) -> String {
+    if is_synth(material) {
+        return material.to_owned();
+    }
+    Path::new(material).file_name().map_or_else(|| material.to_owned(), |name| name.to_string_lossy().into_owned())
+}

@@ -1,0 +1,231 @@
+//! Flags to what is flattened and how: which of them go with which input, and their ranges.
+
+use super::arguments::{Arguments, Fill, FormArgument};
+use super::directions::{DEFAULT_SET, direction_set, pair};
+use crate::CliError;
+use crate::output::{check_folder, refuse_same_outputs};
+use brdfc_flat_btf::fill::FillMethod;
+use brdfc_formats::container::MAX_EXTENT_2D;
+use brdfc_formats::flat_btf::{IndirectionHeader, MAX_AZIMUTH_SAMPLES, MAX_ZENITH_SAMPLES};
+use brdfc_jobs::flatten::{FlattenRecipe, Form, MesoOptions, PLANE};
+use brdfc_source::address::is_synth;
+use std::path::Path;
+
+/// The asset's name: as given, or that of its folder.
+pub(super) fn asset_name(arguments: &Arguments) -> Result<String, CliError> {
+    let folder = || {
+        let whole = std::path::absolute(&arguments.out).ok()?;
+        let path = whole.components().next_back()?;
+        Some(path.as_os_str().to_string_lossy().into_owned())
+    };
+    let name = arguments.name.clone().or_else(folder).unwrap_or_default();
+    let allowed = |c: char| c.is_alphanumeric() || matches!(c, '-' | '_' | '.' | ' ');
+    if name.is_empty() || name.starts_with('.') || name.trim() != name || !name.chars().all(allowed) {
+        let text = "allowed letters, digits, -_., and spaces between them";
+        return Err(CliError::Usage(match arguments.name {
+            Some(_) => format!("--name: found {name:?}; {text}"),
+            None => format!(
+                "--out: found {}, whose last part {name:?} is to be the asset's name; {text} (or give a --name)",
+                arguments.out.display()
+            ),
+        }));
+    }
+    Ok(name)
+}
+
+/// Outputs that cannot be written are found before any work.
+pub(super) fn check_outputs(arguments: &Arguments) -> Result<(), CliError> {
+    check_folder(&arguments.out)?;
+    let Some(images) = arguments.write_images.as_deref() else {
+        if arguments.image_format.is_some() {
+            return Err(CliError::Usage("--image-format: found alone; allowed with --write-images".to_owned()));
+        }
+        return Ok(());
+    };
+    refuse_same_outputs(&[("--out", Some(&arguments.out)), ("--write-images", Some(images))])?;
+    check_folder(images)?;
+    if arguments.bounces > 0 {
+        let text = "--write-images: found with --bounces; allowed without: the images hold direct light only, and would \
+                    show less than the flat BTF";
+        return Err(CliError::Usage(text.to_owned()));
+    }
+    let files = std::fs::read_dir(images).map_or(0, Iterator::count);
+    if files > 0 {
+        let text = format!("--write-images: found {files} files or folders in {}", images.display());
+        return Err(CliError::Usage(text + "; allowed a new or empty folder: two stacks in one would be mixed"));
+    }
+    Ok(())
+}
+
+/// What a geometry is, by its name; which decides what options go with it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Structure,
+    Mesh,
+    HeightMap,
+    Plane,
+}
+
+impl Kind {
+    fn of(geometry: &str) -> Self {
+        let lower = geometry.to_ascii_lowercase();
+        if is_synth(geometry) {
+            Self::Structure
+        } else if geometry == PLANE {
+            Self::Plane
+        } else if [".png", ".exr"].iter().any(|extension| lower.ends_with(extension)) {
+            Self::HeightMap
+        } else {
+            Self::Mesh
+        }
+    }
+
+    fn in_words(self) -> &'static str {
+        match self {
+            Self::Structure => "a structure, whose tile is 1 x 1 and whose relief its address gives",
+            Self::Mesh => "a mesh",
+            Self::HeightMap => "a height map, which is one tile",
+            Self::Plane => "the plane",
+        }
+    }
+}
+
+/// The surface and its materials.
+pub(super) fn meso_options(arguments: &Arguments, is_stack: bool) -> Result<MesoOptions, CliError> {
+    check_placement(arguments, is_stack)?;
+    let geometry = match (is_stack, &arguments.geometry) {
+        (true, Some(geometry)) => geometry.clone(),
+        (true, None) => PLANE.to_owned(),
+        (false, _) => arguments.meso.clone(),
+    };
+    for (option, value) in [("height-scale", arguments.height_scale), ("height-offset", arguments.height_offset)] {
+        if let Some(value) = value
+            && !(-10.0..=10.0).contains(&value)
+        {
+            return Err(CliError::Usage(format!("--{option}: found {value}; allowed -10 to 10 tiles")));
+        }
+    }
+    let kind = Kind::of(&geometry);
+    for (given, option, goes_with, allowed) in [
+        (arguments.tile.is_some(), "--tile", Kind::Mesh, "a mesh"),
+        (arguments.height_scale.is_some(), "--height-scale", Kind::HeightMap, "a height map"),
+        (arguments.height_offset.is_some(), "--height-offset", Kind::HeightMap, "a height map"),
+    ] {
+        if given && kind != goes_with {
+            return Err(CliError::Usage(format!("{option}: found with {}; allowed with {allowed}", kind.in_words())));
+        }
+    }
+    let materials = arguments.material.iter().map(|text| named_material(text)).collect();
+    Ok(MesoOptions {
+        geometry,
+        tile: arguments.tile.unwrap_or(1.0),
+        height_scale: arguments.height_scale.unwrap_or(0.1),
+        height_offset: arguments.height_offset.unwrap_or(0.0),
+        materials,
+        colour: arguments.colour.clone(),
+        weights: arguments.weights.clone(),
+    })
+}
+
+/// Options that would have no effect.
+fn check_placement(arguments: &Arguments, is_stack: bool) -> Result<(), CliError> {
+    let for_stacks = [(arguments.geometry.is_some(), "--geometry")];
+    let for_surfaces = [
+        (!arguments.material.is_empty(), "--material"),
+        (arguments.colour.is_some(), "--colour"),
+        (arguments.weights.is_some(), "--weights"),
+        (arguments.bounces > 0, "--bounces"),
+        (arguments.write_images.is_some(), "--write-images"),
+        (arguments.views.is_some(), "--views"),
+        (arguments.lights.is_some(), "--lights"),
+    ];
+    let wrong: &[(bool, &str)] = if is_stack { &for_surfaces } else { &for_stacks };
+    if let Some((_, option)) = wrong.iter().find(|(given, _)| *given) {
+        let (found, allowed) = if is_stack {
+            ("a folder of images, which has its own views and lights", "with a surface, whose appearance is computed")
+        } else {
+            ("a surface", "with a folder of images")
+        };
+        return Err(CliError::Usage(format!("{option}: found with {found}; allowed {allowed}")));
+    }
+    if arguments.fill.is_some() && arguments.form == FormArgument::Light {
+        let text = "--fill: found with --form light, which has no views to fill; allowed with --form full";
+        return Err(CliError::Usage(text.to_owned()));
+    }
+    Ok(())
+}
+
+/// `NAME=INPUT`, or an input alone; the `=` of an address is no name's.
+fn named_material(text: &str) -> (Option<String>, String) {
+    match text.split_once('=') {
+        Some((name, source)) if !is_synth(text) && !Path::new(text).exists() => {
+            (Some(name.to_owned()), source.to_owned())
+        }
+        _ => (None, text.to_owned()),
+    }
+}
+
+/// How it is flattened.
+pub(super) fn recipe(arguments: &Arguments) -> Result<FlattenRecipe, CliError> {
+    let wrong = |option: &str, found: &dyn std::fmt::Display, allowed: &str| {
+        CliError::Usage(format!("--{option}: found {found}; allowed {allowed}"))
+    };
+    if !(4..=2048).contains(&arguments.texels) {
+        return Err(wrong("texels", &arguments.texels, "4 to 2048"));
+    }
+    let flat_texels = arguments.flat_texels.unwrap_or((arguments.texels as usize).next_power_of_two());
+    if !(4..=2048).contains(&flat_texels) || !flat_texels.is_power_of_two() {
+        return Err(wrong("flat-texels", &flat_texels, "a power of two from 4 to 2048"));
+    }
+    if !(arguments.largest_angle > 0.0 && arguments.largest_angle <= 89.0) {
+        return Err(wrong("largest-angle", &arguments.largest_angle, "above 0, up to 89 degrees"));
+    }
+    for (option, value, range) in [
+        ("oversampling", arguments.oversampling, 1..=16),
+        ("bounces", arguments.bounces, 0..=1024),
+        ("stretch-rounds", arguments.stretch_rounds, 0..=100),
+    ] {
+        if !range.contains(&value) {
+            return Err(wrong(option, &value, &format!("{} to {}", range.start(), range.end())));
+        }
+    }
+    let [zenith_samples, azimuth_samples] = pair(&arguments.indirection)
+        .ok_or_else(|| wrong("indirection", &arguments.indirection, "polar angles x azimuths, such as 16x16"))?;
+    let indirection = IndirectionHeader {
+        size: arguments.texels,
+        zenith_samples,
+        azimuth_samples,
+        largest_angle: arguments.largest_angle.to_radians() as f32,
+    };
+    if !(2..=MAX_ZENITH_SAMPLES).contains(&zenith_samples) || !(3..=MAX_AZIMUTH_SAMPLES).contains(&azimuth_samples) {
+        let allowed = format!("2 to {MAX_ZENITH_SAMPLES} polar angles x 3 to {MAX_AZIMUTH_SAMPLES} azimuths");
+        return Err(wrong("indirection", &arguments.indirection, &allowed));
+    }
+    let [width, height] = indirection.extent();
+    if width.max(height) > MAX_EXTENT_2D {
+        let allowed = format!("at most {MAX_EXTENT_2D} on each side: lower --texels or --indirection");
+        let text = format!("--texels x --indirection: found a map of {width} x {height} texels; allowed {allowed}");
+        return Err(CliError::Usage(text));
+    }
+    indirection.check().map_err(|error| CliError::Usage(format!("--indirection, --texels: {error}")))?;
+    let views = direction_set("views", arguments.views.as_deref().unwrap_or(DEFAULT_SET))?;
+    let lights = arguments.lights.as_ref().map_or(Ok(views.clone()), |lights| direction_set("lights", lights))?;
+    Ok(FlattenRecipe {
+        flat_texels,
+        indirection,
+        oversampling: arguments.oversampling,
+        views,
+        lights,
+        fill: match arguments.fill {
+            Some(Fill::PushPull) => FillMethod::PushPull,
+            Some(Fill::Poisson) | None => FillMethod::Poisson,
+        },
+        bounces: arguments.bounces,
+        rounds: arguments.stretch_rounds,
+        form: match arguments.form {
+            FormArgument::Full => Form::Full,
+            FormArgument::Light => Form::Light,
+        },
+        supercompress: !arguments.no_supercompression,
+    })
+}

@@ -1,0 +1,294 @@
+//! `brdfc info`: what an input is.
+
+mod surface;
+
+use super::output::{print, print_json, printable};
+use super::{CliError, bandwidth, flatten};
+use crate::table::{bytes, percent};
+use brdfc_flat_btf::structures::STRUCTURES;
+use brdfc_jobs::flatten::{AssetFile, SurfaceFacts, describe_surface, open_asset};
+use brdfc_source::Symmetry;
+use brdfc_source::address::{SYNTH_PREFIX, is_synth, split_query};
+use brdfc_source::btf_stack::has_images;
+use brdfc_source::flat_btf::{asset_of_part, check_flat_btf};
+use brdfc_source::importance_pack::ImportanceFacts;
+use brdfc_source::open::{Facts, InputError, StoredErrors, open};
+use brdfc_source::other_pack::{OtherPack, open_other_pack};
+use clap::Args;
+use serde::Serialize;
+use std::path::Path;
+
+/// Say what an input is: layout, sizes, symmetries, measured errors of a pack.
+///
+/// Of a mesh: whether it closes over the tile, and what would be mended. Of a folder of images: what is missing.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  brdfc info paint.brdf
+  brdfc info red.ktx2 --json
+  brdfc info bricks.obj
+  brdfc info button/button.json")]
+pub struct Arguments {
+    /// A path, synth:MODEL?param=value&... or synth:STRUCTURE?...; of a flat BTF its folder, its .json, or any of its
+    /// parts; a mesh, a height map or a folder of images for 'brdfc flatten'.
+    input: String,
+    /// Print JSON (schemas: 'brdfc schema info'; of a flat BTF 'flat-btf'; of a part of one, a structure, a mesh, a height
+    /// map or images 'info-surface'; of a bandwidth map 'bandwidth').
+    #[arg(long)]
+    json: bool,
+}
+
+/// What `--json` prints.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub struct Report {
+    /// Layout of this report.
+    version: u32,
+    /// What it is.
+    #[serde(flatten)]
+    contents: Contents,
+}
+
+/// What an input is, with reflectance or without.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+#[serde(untagged)]
+enum Contents {
+    Reflectance {
+        /// What it is.
+        #[serde(flatten)]
+        facts: Facts,
+        /// Symmetries that hold exactly and save work.
+        symmetry: Symmetry,
+        /// Whether one channel is enough.
+        grey: bool,
+    },
+    Other(Other),
+}
+
+/// A pack that has no reflectance of its own.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+enum Other {
+    /// An importance-sample pack.
+    ImportancePack(ImportanceFacts),
+}
+
+/// What `--json` prints of what 'brdfc flatten' takes, and of a part of a flat BTF.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub struct SurfaceReport {
+    /// Layout of this report.
+    version: u32,
+    /// What it is.
+    #[serde(flatten)]
+    facts: SurfaceFacts,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
+    if let Some(asset) = flat_btf(&arguments.input)? {
+        return if arguments.json { print_json(&asset) } else { print(&flatten::text(&asset, None)) };
+    }
+    let other = if is_synth(&arguments.input) { None } else { open_other_pack(Path::new(&arguments.input))? };
+    let contents = match other {
+        Some(OtherPack::Bandwidth(map)) => return bandwidth::info(&map, arguments.json),
+        Some(OtherPack::Importance(pack)) => Some(Contents::Other(Other::ImportancePack(ImportanceFacts::new(&pack)))),
+        None => None,
+    };
+    if contents.is_none()
+        && let Some(facts) = surface(&arguments.input)?
+    {
+        if arguments.json {
+            return print_json(&SurfaceReport { version: 1, facts });
+        }
+        return print_lines(&surface::in_words(&facts));
+    }
+    let contents = match contents {
+        Some(contents) => contents,
+        None => reflectance(&arguments.input)?,
+    };
+    if arguments.json {
+        return print_json(&Report { version: 1, contents });
+    }
+    print_lines(&contents_in_words(&contents))
+}
+
+fn print_lines(lines: &[(&'static str, String)]) -> Result<(), CliError> {
+    print(&lines_of(lines))
+}
+
+/// Names and values, a line each, the values below each other.
+pub(super) fn lines_of(lines: &[(&'static str, String)]) -> String {
+    let width = lines.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
+    lines.iter().map(|(name, value)| format!("{name:width$}  {}\n", printable(value))).collect()
+}
+
+fn reflectance(input: &str) -> Result<Contents, CliError> {
+    let opened = open(input, None).map_err(with_structures)?;
+    let (symmetry, grey) = (opened.source.symmetry(), opened.source.is_grey());
+    Ok(Contents::Reflectance { facts: opened.facts, symmetry, grey })
+}
+
+/// The list of a flat BTF's parts, if the input is one: its folder, the list itself, or one of the parts beside it.
+fn flat_btf(input: &str) -> Result<Option<AssetFile>, CliError> {
+    let path = Path::new(input);
+    if is_synth(input) || (path.is_dir() && !has_parts(path) && has_images(path)) {
+        return Ok(None);
+    }
+    if path.is_dir() || path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
+        let missing = || {
+            CliError::Input(format!(
+                "{input}: flat BTF: found no NAME.json; allowed a finished asset (or the path of one part)"
+            ))
+        };
+        let asset = open_asset(path)?.ok_or_else(missing)?;
+        check_flat_btf(path)?;
+        return Ok(Some(asset));
+    }
+    let part = path.file_name().and_then(|file| file.to_str()).and_then(asset_of_part);
+    let Some(list) = part.map(|name| path.with_file_name(format!("{name}.json"))) else { return Ok(None) };
+    // A part that is missing is said to be so by whoever opens it.
+    if !path.is_file() || !list.is_file() {
+        return Ok(None);
+    }
+    let asset = open_asset(&list)?;
+    check_flat_btf(&list)?;
+    Ok(asset)
+}
+
+fn has_parts(folder: &Path) -> bool {
+    let is_part =
+        |entry: std::fs::DirEntry| entry.file_name().to_str().is_some_and(|file| asset_of_part(file).is_some());
+    std::fs::read_dir(folder).is_ok_and(|mut entries| entries.any(|entry| entry.is_ok_and(is_part)))
+}
+
+/// What 'brdfc flatten' takes; nothing of models and BRDFs.
+fn surface(input: &str) -> Result<Option<SurfaceFacts>, CliError> {
+    if let Some(text) = input.strip_prefix(SYNTH_PREFIX)
+        && !STRUCTURES.iter().any(|info| info.name == split_query(text).0)
+    {
+        return Ok(None);
+    }
+    Ok(describe_surface(input)?)
+}
+
+/// A name that is no model may have been meant for a structure; an extension, for a mesh or a height map.
+fn with_structures(error: InputError) -> CliError {
+    let more = match &error {
+        InputError::Address { .. } => {
+            let names: Vec<&str> = STRUCTURES.iter().map(|info| info.name).collect();
+            format!("; structures: {}", names.join(", "))
+        }
+        _ => String::new(),
+    };
+    match CliError::from(error) {
+        CliError::Input(text) => CliError::Input(text + &more),
+        other => other,
+    }
+}
+
+fn symmetry_in_words(s: Symmetry) -> String {
+    let named = [(s.isotropic, "isotropic"), (s.mirror, "mirror symmetric"), (s.reciprocal, "reciprocal")];
+    let held: Vec<&str> = named.into_iter().filter(|(holds, _)| *holds).map(|(_, name)| name).collect();
+    if held.is_empty() { "none that holds exactly".to_owned() } else { held.join(", ") }
+}
+
+fn contents_in_words(contents: &Contents) -> Vec<(&'static str, String)> {
+    match contents {
+        Contents::Reflectance { facts, symmetry, grey } => {
+            let mut lines = facts_in_words(facts);
+            if !matches!(facts, Facts::WaveletPack { .. }) {
+                lines.push(("symmetry", symmetry_in_words(*symmetry)));
+                lines.push(("colour", if *grey { "grey (one channel)" } else { "RGB" }.to_owned()));
+            }
+            lines
+        }
+        Contents::Other(Other::ImportancePack(facts)) => importance_in_words(facts),
+    }
+}
+
+/// Lines about importance samples.
+pub(super) fn importance_in_words(facts: &ImportanceFacts) -> Vec<(&'static str, String)> {
+    let ImportanceFacts { polar, azimuths, samples, gpu_bytes } = facts;
+    let azimuths = if *azimuths == 1 { ", isotropic".to_owned() } else { format!(" x {azimuths} azimuths") };
+    vec![
+        ("kind", "importance-sample pack".to_owned()),
+        ("outgoing directions", format!("{polar} polar angles{azimuths}")),
+        ("samples of each", samples.to_string()),
+        ("bytes on a GPU", bytes(*gpu_bytes)),
+    ]
+}
+
+fn facts_in_words(facts: &Facts) -> Vec<(&'static str, String)> {
+    match facts {
+        Facts::Synth { address } => vec![("kind", "analytic model".to_owned()), ("address", address.clone())],
+        Facts::Merl { dimensions: [h, d, p], valid_cells, invalid_cells } => vec![
+            ("kind", "MERL table".to_owned()),
+            ("samples (theta_h x theta_d x phi_d)", format!("{h} x {d} x {p}")),
+            ("azimuths cover", if *p == 4 * d { "a full turn" } else { "half a turn" }.to_owned()),
+            ("valid cells", format!("{valid_cells} of {}", valid_cells + invalid_cells)),
+        ],
+        Facts::Scan { wavelengths, summary } => {
+            let s = summary;
+            let isotropic = if s.isotropic {
+                "taken as isotropic: all rows have one azimuth of incidence"
+            } else {
+                "anisotropic: several azimuths of incidence"
+            };
+            let spectrum = match (wavelengths.first(), wavelengths.last()) {
+                (Some(first), Some(last)) => format!("{} wavelengths, {first} to {last} nm", wavelengths.len()),
+                _ => "RGB columns".to_owned(),
+            };
+            vec![
+                ("kind", "scattered scan".to_owned()),
+                ("rows", format!("{} ({} distinct direction pairs)", s.rows, s.distinct)),
+                ("material", isotropic.to_owned()),
+                ("values", spectrum),
+                ("largest difference of repeated rows", percent(s.largest_disagreement)),
+                ("rows with negative channels, raised to 0", s.negative.to_string()),
+                ("rows that are all 0", s.zero.to_string()),
+            ]
+        }
+        Facts::Rgl { description, azimuths, polar_angles, resolution: [rows, columns], channels } => vec![
+            ("kind", "RGL material".to_owned()),
+            ("description", description.clone()),
+            ("incoming directions", format!("{azimuths} azimuths x {polar_angles} polar angles")),
+            ("outgoing directions of each", format!("{rows} x {columns}")),
+            ("channels", if *channels == 3 { "RGB".to_owned() } else { format!("{channels} wavelengths") }),
+        ],
+        Facts::WaveletPack {
+            parameterisation,
+            grid,
+            levels,
+            stored_levels,
+            channels,
+            bits,
+            slices_kept,
+            mean,
+            bias,
+            gpu_bytes,
+            on_grid,
+            off_grid,
+        } => vec![
+            ("kind", "wavelet pack".to_owned()),
+            ("grid", format!("{grid} x {grid} per hemisphere, {parameterisation}")),
+            ("levels of detail", format!("{levels}, stored up to {stored_levels}")),
+            ("texels", format!("{channels} channels, {bits} bits")),
+            ("slices kept", format!("{slices_kept} of {}", grid * grid)),
+            ("mean μ, bias ε", format!("{mean} 1/sr, {bias}")),
+            ("bytes on a GPU", bytes(*gpu_bytes)),
+            ("error on the grid (codec)", errors_in_words(on_grid)),
+            ("error off the grid (against the source)", errors_in_words(off_grid)),
+        ],
+    }
+}
+
+fn errors_in_words(errors: &StoredErrors) -> String {
+    let ratio = |value: f32| percent(f64::from(value));
+    format!(
+        "ε_r {} (95 %: {}, 99 %: {}, largest: {}), ε {:.3e} 1/sr, reciprocity {}",
+        ratio(errors.relative_mean),
+        ratio(errors.relative_p95),
+        ratio(errors.relative_p99),
+        ratio(errors.relative_max),
+        errors.rms,
+        ratio(errors.reciprocity)
+    )
+}

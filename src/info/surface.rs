@@ -1,0 +1,71 @@
+//! What people read of an input of `brdfc flatten`, and of a part of a flat BTF.
+
+use crate::flatten::{height, mended_in_words};
+use crate::table::bytes;
+use brdfc_jobs::flatten::{MeshFacts, SurfaceFacts};
+
+/// Lines of name and value.
+pub(super) fn in_words(facts: &SurfaceFacts) -> Vec<(&'static str, String)> {
+    match facts {
+        SurfaceFacts::Structure { address, vertices, triangles, heights: [low, high], materials } => vec![
+            ("kind", "structure, for 'brdfc flatten'".to_owned()),
+            ("address", address.clone()),
+            ("mesh of a tile", format!("{vertices} vertices, {triangles} triangles")),
+            ("heights", format!("{} to {} tiles", height(*low), height(*high))),
+            ("materials", materials.join(", ")),
+        ],
+        SurfaceFacts::Mesh(mesh) => mesh_in_words(mesh),
+        SurfaceFacts::HeightMap { size: [width, height], values: [low, high] } => vec![
+            ("kind", "height map, for 'brdfc flatten'".to_owned()),
+            ("pixels", format!("{width} x {height}")),
+            ("values", format!("{low} to {high}, times --height-scale in tiles")),
+        ],
+        SurfaceFacts::ImageStack { views, lights, images, missing, size: [width, height], extensions } => vec![
+            ("kind", "images of an ordinary BTF, for 'brdfc flatten'".to_owned()),
+            ("views x lights", format!("{views} x {lights}")),
+            ("images", format!("{images}, .{}", extensions.join(", ."))),
+            ("missing", if *missing == 0 { "none".to_owned() } else { format!("{missing}: it would be refused") }),
+            ("pixels", format!("{width} x {height}")),
+        ],
+        SurfaceFacts::FlatBtfPart(part) => {
+            let extent: Vec<String> = part.extent.iter().map(u32::to_string).collect();
+            let mut lines = vec![
+                ("kind", format!("part {} of the flat BTF {1}, without its list {1}.json", part.part, part.asset)),
+                ("texels", format!("{}, {}", extent.join(" x "), part.format)),
+                ("file", format!("{}, {} on a GPU", bytes(part.bytes), bytes(part.gpu_bytes))),
+            ];
+            lines.extend(
+                part.view_views_lights.map(|[view, views, lights]| {
+                    ("view", format!("{view}, counted from 0, of {views}; {lights} lights"))
+                }),
+            );
+            lines
+                .extend(part.polar_angles_azimuths.map(|[z, a]| ("views", format!("{z} polar angles x {a} azimuths"))));
+            lines
+        }
+    }
+}
+
+fn mesh_in_words(mesh: &MeshFacts) -> Vec<(&'static str, String)> {
+    let [x, y, z] = mesh.bounds.map(|[low, high]| format!("{low} to {high}"));
+    let materials = if mesh.materials.is_empty() { "no names".to_owned() } else { mesh.materials.join(", ") };
+    let mut lines = vec![
+        ("kind", "mesh, for 'brdfc flatten'".to_owned()),
+        ("vertices", format!("{}{}", mesh.vertices, if mesh.colours { ", with colours" } else { "" })),
+        ("triangles", mesh.triangles.to_string()),
+        ("materials", materials),
+        ("bounding box", format!("x {x}, y {y}")),
+        ("heights", z),
+    ];
+    match (mesh.tile, &mesh.problem) {
+        (Some(tile), _) => lines.push(("closes", format!("with --tile {tile}"))),
+        (None, Some(problem)) => lines.push(("does not close", problem.clone())),
+        (None, None) => {}
+    }
+    if let Some(mended) = &mesh.mended {
+        lines.push(("surface", format!("{} vertices, {} triangles", mended.vertices, mended.triangles)));
+        let words = mended_in_words(mended);
+        lines.push(("mended", if words.is_empty() { "nothing".to_owned() } else { words.join("; ") }));
+    }
+    lines
+}

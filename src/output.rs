@@ -1,0 +1,105 @@
+//! Results to stdout, remarks to stderr.
+
+use super::{CliError, Common};
+use brdfc_jobs::write::write_atomic;
+use serde::Serialize;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Prints text to stdout.
+pub fn print(text: &str) -> Result<(), CliError> {
+    let mut stdout = std::io::stdout().lock();
+    stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()).map_err(|error| {
+        if error.kind() == std::io::ErrorKind::BrokenPipe {
+            CliError::PipeClosed
+        } else {
+            CliError::Io(format!("stdout: cannot write: {error}"))
+        }
+    })
+}
+
+/// Prints JSON to stdout.
+pub fn print_json(value: &impl Serialize) -> Result<(), CliError> {
+    print(&to_json(value))
+}
+
+/// JSON with a final newline.
+pub fn to_json(value: &impl Serialize) -> String {
+    serde_json::to_string_pretty(value).expect("results are plain data") + "\n"
+}
+
+/// Writes a whole file, or nothing.
+pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), CliError> {
+    write_atomic(path, bytes).map_err(|error| {
+        if error.kind() == std::io::ErrorKind::BrokenPipe {
+            CliError::PipeClosed
+        } else {
+            CliError::write(path, &error)
+        }
+    })
+}
+
+/// An output that is one of the inputs would destroy a measurement.
+pub fn refuse_overwriting(output: &Path, inputs: &[&Path]) -> Result<(), CliError> {
+    let Ok(target) = output.canonicalize() else { return Ok(()) };
+    if target.is_file() && inputs.iter().any(|input| input.canonicalize().is_ok_and(|path| path == target)) {
+        return Err(CliError::Usage(format!("--output: found {}, an input; allowed another file", output.display())));
+    }
+    Ok(())
+}
+
+/// Outputs that are one file: the later would be written over the earlier.
+pub fn refuse_same_outputs(outputs: &[(&str, Option<&Path>)]) -> Result<(), CliError> {
+    let given: Vec<(&str, &Path)> = outputs.iter().filter_map(|(option, path)| Some((*option, (*path)?))).collect();
+    for (at, (option, path)) in given.iter().enumerate() {
+        if let Some((first, _)) = given[..at].iter().find(|(_, earlier)| place(earlier) == place(path)) {
+            return Err(CliError::Usage(format!(
+                "{first} and {option}: found {} for both; allowed different places",
+                path.display()
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// Where a path leads, be there anything or not.
+fn place(path: &Path) -> PathBuf {
+    let parent = || {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        Some(folder.canonicalize().ok()?.join(path.file_name()?))
+    };
+    let there = path.canonicalize().ok().or_else(parent);
+    there.or_else(|| std::path::absolute(path).ok()).unwrap_or_else(|| path.to_owned())
+}
+
+/// An output folder that is something else is found before the work.
+pub fn check_folder(path: &Path) -> Result<(), CliError> {
+    if path.exists() && !path.is_dir() {
+        return Err(CliError::Io(format!("{}: cannot write: found a file; allowed a folder", path.display())));
+    }
+    Ok(())
+}
+
+/// Makes an output folder where there is none.
+pub fn make_folder(path: &Path) -> Result<(), CliError> {
+    check_folder(path)?;
+    std::fs::create_dir_all(path).map_err(|error| CliError::write(path, &error))
+}
+
+/// A line on stderr. A closed or full stderr is nobody to tell, and no reason to stop.
+pub fn tell(text: &str) {
+    let _ = writeln!(std::io::stderr(), "{}", printable(text));
+}
+
+/// Text whose control characters, line ends apart, are escaped: what stands in a file must not steer a terminal.
+pub fn printable(text: &str) -> String {
+    let escape = |c: char| if c.is_control() && c != '\n' { c.escape_default().to_string() } else { c.to_string() };
+    text.chars().map(escape).collect()
+}
+
+/// A remark on stderr, unless quiet.
+pub fn remark(common: Common, text: &str) {
+    if !common.quiet {
+        tell(text);
+    }
+}

@@ -1,0 +1,426 @@
+//! `brdfc render --adaptive`: environment light, shaded where and as much as predicted bandwidth asks for.
+
+use super::materials::{self, Prepared, Subject};
+use super::{Arguments, FilterName, outputs, scene};
+use crate::output::{print, print_json, remark, write_file};
+use crate::table::{percent, plain, significant};
+use crate::{CliError, Common};
+use brdfc_bandwidth::DEFAULT_EPSILON;
+use brdfc_bandwidth::map::environment_map;
+use brdfc_formats::FormatError;
+use brdfc_formats::bandwidth::{BandwidthKind, BandwidthMap};
+use brdfc_formats::importance::ImportancePack;
+use brdfc_formats::wavelet::{DEFAULT_DISTANCE_SCALE, WaveletPack};
+use brdfc_gpu::verify::PackReflectance;
+use brdfc_gpu::{AdapterChoice, AdaptiveRenderer, Decoding, Gpu, SliceFilter};
+use brdfc_jobs::report::adaptive::{AdaptiveVerification, Drawn};
+use brdfc_jobs::report::render::PartMaterial;
+use brdfc_jobs::scene::maps::part_name;
+use brdfc_jobs::scene::needs;
+use brdfc_metrics::image::{LinearImage, auto_exposure};
+use brdfc_render::adaptive::{
+    AdaptiveMaterial, AdaptivePicture, AdaptiveScene, DistantLight, Lookups, Settings, Start, ground_truth,
+};
+use brdfc_render::scene::Frame;
+use brdfc_render::shade::Reflectance;
+use brdfc_source::PackSource;
+use brdfc_source::bandwidth_map::BandwidthFacts;
+use brdfc_source::other_pack::{OtherPack, open_other_pack};
+use clap::Args;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Samples per pixel of forward shading and of the ground truth where nothing is said.
+const FORWARD: u32 = 32;
+const TRUTH: usize = 256;
+/// Most samples of forward shading, and mean samples that may be asked for: the lists of samples begin again after as many.
+const MOST: u32 = 1024;
+/// Most samples per pixel of the ground truth.
+const MOST_TRUTH: usize = 65_536;
+
+/// Flags of `--adaptive`.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Adaptive shading")]
+pub(super) struct Options {
+    /// Light by the environment alone, and shade only where, and as much as, predicted bandwidth asks for: beside forward
+    /// shading and a ground truth. Point lights, mirrors and shadows are not drawn.
+    #[arg(long)]
+    adaptive: bool,
+    /// Latitude-longitude image, .exr or .hdr, that lights the scene (default: the manifest's, or the scene's sky).
+    #[arg(long, value_name = "FILE", requires = "adaptive")]
+    pub(super) environment: Option<PathBuf>,
+    /// Mean samples per pixel if all pixels were shaded (default 64);
+    /// a shaded pixel gets 1 to 1024, more where more shows.
+    #[arg(long, value_name = "X", requires = "adaptive", allow_negative_numbers = true)]
+    budget: Option<f32>,
+    /// Factor on predicted bandwidths before levels are chosen: less is faster, more is sharper (default 0.5).
+    #[arg(long, value_name = "X", requires = "adaptive", allow_negative_numbers = true)]
+    caution: Option<f32>,
+    /// Incident directions that bandwidth is averaged over, rounded up to a multiple of 4 (default 16).
+    #[arg(long, value_name = "N", requires = "adaptive")]
+    bandwidth_directions: Option<u32>,
+    /// Points per pixel: 1 (default), 4 or 16.
+    #[arg(long, value_name = "N", requires = "adaptive")]
+    antialias: Option<u32>,
+    /// Samples per point of forward shading (default 32).
+    #[arg(long, value_name = "N", requires = "adaptive")]
+    forward: Option<u32>,
+    /// Samples per point of the ground truth, on the CPU (default: 256 per pixel, and twice those of forward shading).
+    #[arg(long, value_name = "N", requires = "adaptive")]
+    truth: Option<usize>,
+    /// Bandwidth, levels and variance as it shows side by side, from dark to pale yellow: .png. Bandwidth over 8 octaves and
+    /// variance over 16, up to the largest of the picture; levels from the coarsest to the finest.
+    #[arg(long, value_name = "IMAGE.png", requires = "adaptive")]
+    pub(super) maps: Option<PathBuf>,
+    /// Fail with exit code 1 if the PSNR is below X dB.
+    #[arg(long, value_name = "X", requires = "adaptive", allow_negative_numbers = true)]
+    min_psnr: Option<f64>,
+}
+
+/// What `--adaptive --json` prints.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub struct Report {
+    /// Layout of this report.
+    version: u32,
+    /// What was drawn and measured.
+    #[serde(flatten)]
+    verification: AdaptiveVerification,
+    /// Seconds from the start to the last image, encoding included.
+    seconds: f64,
+}
+
+/// Points per pixel and axis.
+pub(super) fn points_per_axis(arguments: &Arguments) -> usize {
+    1 << (arguments.adaptive.antialias.unwrap_or(1).max(1).ilog2() / 2)
+}
+
+/// Whether the flag is there.
+pub(super) fn is_adaptive(arguments: &Arguments) -> bool {
+    arguments.adaptive.adaptive
+}
+
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
+    let started = Instant::now();
+    let (mut settings, antialias) = settings(&arguments.adaptive)?;
+    refuse(arguments)?;
+    let subject = materials::subject(arguments)?;
+    let setup = scene::setup(arguments, &subject)?;
+    let frame = Frame { samples: 1, ..setup.frame };
+    let choice = arguments.adapter.clone().map_or(AdapterChoice::Best, AdapterChoice::Named);
+    let gpu = Gpu::open(&choice)?;
+    let prepared = materials::prepare(arguments, &subject, &setup.names, common)?;
+    let lookups = prepared.iter().map(|part| lookups(arguments, &subject, part)).collect::<Result<Vec<_>, _>>()?;
+    let map = environment(arguments, &subject, &setup.scene.environment)?;
+    let light = DistantLight::new(&setup.scene.environment, map);
+    let decoding = Decoding {
+        filter: arguments.filter.unwrap_or(FilterName::Bilinear).into(),
+        slices: if arguments.exact { SliceFilter::Exact } else { SliceFilter::Hardware },
+        level: arguments.lod,
+        distance_scale: subject.distance_scale().unwrap_or(DEFAULT_DISTANCE_SCALE),
+    };
+    let reflectances: Vec<PackReflectance> =
+        prepared.iter().map(|part| PackReflectance::new(&part.pack, decoding)).collect();
+    let index = |name: &String| prepared.iter().position(|part| part.name == *name).expect("every name was prepared");
+    let parts: Vec<usize> = setup.names.iter().map(index).collect();
+    let materials: Vec<AdaptiveMaterial<'_>> =
+        parts.iter().map(|part| lookups[*part].material(&reflectances[*part] as &dyn Reflectance)).collect();
+    let packs: Vec<&WaveletPack> = parts.iter().map(|part| &prepared[*part].pack).collect();
+    let drawn = AdaptiveScene { scene: &setup.scene, light: &light, materials: &materials };
+
+    let renderer = AdaptiveRenderer::new(&gpu)?;
+    let loaded = renderer.load(&drawn, &packs, decoding)?;
+    let g_buffer = renderer.g_buffer(&loaded, &setup.scene.camera, frame, settings.antialiasing_levels)?;
+    let buffer = renderer.read(&g_buffer)?;
+    let surface_points = (0..buffer.part.len()).filter(|point| buffer.part_at(*point).is_some()).count() as u64;
+
+    let count = arguments.adaptive.forward.unwrap_or(FORWARD);
+    let least = (TRUTH / antialias as usize).max(2 * count as usize);
+    // Whole runs, whose spread says how far it is off.
+    let truth_samples = arguments.adaptive.truth.unwrap_or(least).next_multiple_of(16);
+    if truth_samples < 2 * count as usize {
+        remark(
+            common,
+            &format!(
+                "note: a ground truth of {truth_samples} samples beside {count} of forward shading; --truth takes more"
+            ),
+        );
+    }
+    remark(common, &format!("ground truth: {truth_samples} samples for each of {surface_points} points, on the CPU"));
+    let distributions: Vec<_> = parts.iter().map(|part| &lookups[*part].distributions).collect();
+    let (truth, truth_seconds) =
+        timed(|| Ok(ground_truth(&drawn, frame, &buffer, &distributions, truth_samples, Start::Scattered)))?;
+    let exposure = setup.exposure.unwrap_or_else(|| auto_exposure(&truth.image));
+    let truth_psnr = truth.psnr(exposure);
+    let truth = truth.image;
+    settings.white = (1.0 / exposure) as f32;
+
+    // Once before it is timed: a driver compiles when it first runs.
+    renderer.run_prediction(&loaded, &g_buffer, &settings)?;
+    let ((), bandwidth_seconds) = timed(|| renderer.run_prediction(&loaded, &g_buffer, &settings))?;
+    let (picture, seconds) = timed(|| renderer.draw(&loaded, &g_buffer, &settings))?;
+    remark(common, &format!("adaptive: {seconds:.1} s; forward: {count} samples per point"));
+    let (forward, forward_seconds) = timed(|| renderer.forward(&loaded, &g_buffer, count))?;
+
+    let listed = setup.scene.parts.iter().zip(&parts).map(|(part, index)| PartMaterial {
+        part: part.name.to_owned(),
+        material: prepared[*index].name.clone(),
+        bytes_on_gpu: prepared[*index].pack.gpu_bytes()
+            + lookups[*index].samples.gpu_bytes()
+            + BandwidthFacts::new(&lookups[*index].bandwidth).gpu_bytes,
+    });
+    let verification = AdaptiveVerification::new(Drawn {
+        scene: setup.builtin.name(),
+        frame,
+        surface_points,
+        adapter: gpu.description(),
+        parts: listed.collect(),
+        environment: [setup.scene.environment.width, setup.scene.environment.height],
+        settings: &settings,
+        exposure,
+        adaptive: (&picture, [bandwidth_seconds, seconds]),
+        forward: (&forward, count, forward_seconds),
+        truth: (&truth, truth_samples, truth_seconds),
+        truth_psnr,
+    });
+    write(arguments, &picture, &truth, exposure, settings.antialiasing_levels)?;
+    if surface_points == 0 {
+        remark(common, "note: no pixel shows a surface; look at render.camera");
+    }
+    let checked = check(arguments, &verification);
+    let seconds = started.elapsed().as_secs_f64();
+    if arguments.json {
+        print_json(&Report { version: 1, verification, seconds })?;
+    } else {
+        print(&text(&verification))?;
+        remark(common, &format!("{seconds:.1} s"));
+    }
+    checked
+}
+
+fn timed<T>(run: impl FnOnce() -> Result<T, brdfc_gpu::GpuError>) -> Result<(T, f64), CliError> {
+    let started = Instant::now();
+    let found = run()?;
+    Ok((found, started.elapsed().as_secs_f64()))
+}
+
+/// Settings and points per pixel, from the flags.
+fn settings(options: &Options) -> Result<(Settings, u32), CliError> {
+    let usage = |flag: &str, found: String, allowed: &str| {
+        Err(CliError::Usage(format!("--{flag}: found {found}; allowed {allowed}")))
+    };
+    let default = Settings::default();
+    let samples = options.budget.unwrap_or(default.samples);
+    if !(0.01..=MOST as f32).contains(&samples) {
+        return usage("budget", samples.to_string(), "0.01 to 1024");
+    }
+    let caution = options.caution.unwrap_or(default.caution);
+    if !(0.001..=1000.0).contains(&caution) {
+        return usage("caution", caution.to_string(), "0.001 to 1000");
+    }
+    let directions = options.bandwidth_directions.unwrap_or(default.directions);
+    if !(1..=4096).contains(&directions) {
+        return usage("bandwidth-directions", directions.to_string(), "1 to 4096");
+    }
+    let antialias = options.antialias.unwrap_or(1);
+    if ![1, 4, 16].contains(&antialias) {
+        return usage("antialias", antialias.to_string(), "1, 4 or 16");
+    }
+    if let Some(count) = options.forward.filter(|count| !(1..=MOST).contains(count)) {
+        return usage("forward", count.to_string(), "1 to 1024");
+    }
+    if let Some(count) = options.truth.filter(|count| !(16..=MOST_TRUTH).contains(count)) {
+        return usage("truth", count.to_string(), "16 to 65536");
+    }
+    if let Some(limit) = options.min_psnr.filter(|limit| !limit.is_finite()) {
+        return usage("min-psnr", limit.to_string(), "a number");
+    }
+    let antialiasing_levels = antialias.ilog2() / 2;
+    Ok((Settings { samples, caution, directions, antialiasing_levels, ..default }, antialias))
+}
+
+/// Flags that say nothing here.
+fn refuse(arguments: &Arguments) -> Result<(), CliError> {
+    let given = [
+        ("--table", arguments.table, "without"),
+        ("--max-delta-e", arguments.max_delta_e.is_some(), "without (--min-psnr is for it)"),
+        ("--samples", arguments.samples.is_some(), "without (--antialias is for it)"),
+        ("--form", arguments.form.is_some(), "without"),
+        ("--repeat", arguments.repeat.is_some(), "without"),
+    ];
+    match given.iter().find(|(_, given, _)| *given) {
+        Some((flag, _, allowed)) => Err(CliError::Usage(format!("{flag}: found with --adaptive; allowed {allowed}"))),
+        None if super::flat::is_flat(&arguments.input) => Err(CliError::Usage(
+            "--adaptive: found with a flat BTF; allowed with materials and packs of BRDFs".to_owned(),
+        )),
+        None => Ok(()),
+    }
+}
+
+/// What is looked up of a material: from the folder of a build where it is there, else from the source or the pack.
+fn lookups(arguments: &Arguments, subject: &Subject, prepared: &Prepared) -> Result<Lookups, CliError> {
+    let wrong = |error: FormatError| CliError::Internal(format!("{}: {error}", prepared.name));
+    let unpacked;
+    let source = match &prepared.source {
+        Some(source) => source.as_ref(),
+        None => {
+            unpacked = PackSource::new(&prepared.pack, None);
+            &unpacked
+        }
+    };
+    match built(arguments, subject, &prepared.name)? {
+        Some((bandwidth, samples)) => Lookups::of_packs(source, bandwidth, samples).map_err(wrong),
+        None => Lookups::new(source).map_err(wrong),
+    }
+}
+
+/// Map and samples that a build wrote; neither where it wrote none.
+fn built(
+    arguments: &Arguments,
+    subject: &Subject,
+    name: &str,
+) -> Result<Option<(BandwidthMap, ImportancePack)>, CliError> {
+    let Some(folder) = maps_folder(arguments, subject) else { return Ok(None) };
+    let [map, samples] = ["bandwidth", "samples"].map(|part| folder.join(part_name(name, part)));
+    if !map.exists() && !samples.exists() {
+        return Ok(None);
+    }
+    let bandwidth = match open_other_pack(&map)? {
+        Some(OtherPack::Bandwidth(bandwidth)) if bandwidth.header().kind == BandwidthKind::Brdf => bandwidth,
+        _ => return Err(no_such_pack(&map, "the bandwidth map of a material")),
+    };
+    if let Some((missing, there)) =
+        [(&map, &samples), (&samples, &map)].into_iter().find(|(missing, _)| !missing.exists())
+    {
+        let text = format!("{}: found none beside {}; 'brdfc build' writes both", missing.display(), there.display());
+        return Err(CliError::Input(text));
+    }
+    match open_other_pack(&samples)? {
+        Some(OtherPack::Importance(samples)) => Ok(Some((bandwidth, samples))),
+        _ => Err(no_such_pack(&samples, "importance samples")),
+    }
+}
+
+fn no_such_pack(path: &Path, allowed: &str) -> CliError {
+    CliError::Input(format!("{}: found another pack, or none that is whole; allowed {allowed}", path.display()))
+}
+
+/// The folder in which a build of this manifest left maps. Those of other scenes do not count: they may be old.
+fn maps_folder<'a>(arguments: &'a Arguments, subject: &Subject) -> Option<&'a PathBuf> {
+    subject.manifest().and_then(needs::environment)?;
+    arguments.packs.as_ref()
+}
+
+/// The environment's map: that of the build where the manifest's environment lights the scene, else made afresh.
+fn environment(
+    arguments: &Arguments,
+    subject: &Subject,
+    environment: &brdfc_render::scene::Environment,
+) -> Result<BandwidthMap, CliError> {
+    if let (Some(folder), None) = (maps_folder(arguments, subject), &arguments.adaptive.environment) {
+        let path = folder.join(part_name(needs::ENVIRONMENT, "bandwidth"));
+        if path.exists() {
+            return match open_other_pack(&path)? {
+                Some(OtherPack::Bandwidth(map)) if map.header().kind == BandwidthKind::Environment => Ok(map),
+                _ => Err(no_such_pack(&path, "the bandwidth map of an environment")),
+            };
+        }
+    }
+    environment_map(&environment.pixels, environment.width, DEFAULT_EPSILON)
+        .map_err(|error| CliError::Internal(format!("environment: {error}")))
+}
+
+fn write(
+    arguments: &Arguments,
+    picture: &AdaptivePicture,
+    truth: &LinearImage,
+    exposure: f64,
+    antialiasing_levels: u32,
+) -> Result<(), CliError> {
+    outputs::write_images(arguments, &picture.image, truth, exposure)?;
+    if let Some(path) = &arguments.adaptive.maps {
+        let size = [truth.width << antialiasing_levels, truth.height << antialiasing_levels];
+        write_file(path, &outputs::maps_png(&picture.prediction, size))?;
+    }
+    Ok(())
+}
+
+fn check(arguments: &Arguments, verification: &AdaptiveVerification) -> Result<(), CliError> {
+    let Some(limit) = arguments.adaptive.min_psnr else { return Ok(()) };
+    if verification.surface_points == 0 {
+        return Err(CliError::Check(format!("PSNR: found no pixel that shows a surface; allowed {limit} dB or more")));
+    }
+    let invalid = verification.adaptive.invalid_pixels;
+    if invalid > 0 {
+        return Err(CliError::Check(format!(
+            "PSNR: found {invalid} pixels that hold no number; allowed {limit} dB or more"
+        )));
+    }
+    match verification.adaptive.psnr {
+        Some(psnr) if psnr < limit => {
+            Err(CliError::Check(format!("PSNR: found {psnr:.2} dB; allowed {limit} or more")))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn text(v: &AdaptiveVerification) -> String {
+    let mut text = format!(
+        "{}, {} x {} pixels, points per pixel: {}, exposure {}, environment {} x {}\ndrawn by {}{}\n",
+        v.scene,
+        v.width,
+        v.height,
+        v.points,
+        significant(v.exposure),
+        v.environment[0],
+        v.environment[1],
+        v.adapter.name,
+        if v.adapter.software { ", a software driver" } else { "" },
+    );
+    for part in &v.parts {
+        text += &format!("{}: {}, {}\n", part.part, part.material, crate::table::bytes(part.bytes_on_gpu));
+    }
+    let rows: Vec<Vec<String>> = [("adaptive", &v.adaptive), ("forward", &v.forward)]
+        .into_iter()
+        .map(|(name, shading)| {
+            vec![
+                name.to_owned(),
+                shading.samples.to_string(),
+                format!("{:.2}", shading.samples_per_point),
+                shading.shaded.to_string(),
+                format!("{:.2} s", shading.seconds),
+                shading.psnr.map_or("-".to_owned(), |psnr| format!("{psnr:.2} dB")),
+                format!("{:.4}", shading.flip),
+            ]
+        })
+        .collect();
+    let header = ["shading", "samples", "per point", "shaded pixels", "time", "PSNR", "FLIP"];
+    let levels: Vec<Vec<String>> = v
+        .levels
+        .iter()
+        .enumerate()
+        .filter(|(_, level)| level.shaded > 0)
+        .map(|(number, level)| {
+            vec![number.to_string(), level.pixels.to_string(), level.shaded.to_string(), level.samples.to_string()]
+        })
+        .collect();
+    text += &format!("\n{}\n", plain(&header, &rows));
+    text += &plain(&["level", "pixels", "shaded", "samples"], &levels);
+    text += &format!(
+        "\nbandwidth buffer: {:.3} s, {} of forward shading with {} samples. Ground truth: {} samples per point, \
+         {:.1} s{}.\n",
+        v.bandwidth_seconds,
+        percent(v.bandwidth_seconds / v.forward.seconds.max(1e-9)),
+        v.forward.samples_per_point,
+        v.truth_samples,
+        v.truth_seconds,
+        v.truth_psnr.map_or(String::new(), |psnr| format!(", good for {psnr:.1} dB or more")),
+    );
+    for (name, shading) in [("adaptive", &v.adaptive), ("forward", &v.forward)] {
+        if shading.invalid_pixels > 0 {
+            text +=
+                &format!("{name}: {} pixels hold no number, and are left out of its PSNR.\n", shading.invalid_pixels);
+        }
+    }
+    text
+}

@@ -1,0 +1,153 @@
+//! Pictures of flat BTFs.
+
+use super::materials::Subject;
+use super::{Arguments, FormName, outputs, scene};
+use crate::output::remark;
+use crate::{CliError, Common};
+use brdfc_flat_btf::model::MesoModel;
+use brdfc_flat_btf::surface::Appearance;
+use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts};
+use brdfc_gpu::verify::Views;
+use brdfc_gpu::{AdapterChoice, Gpu, draw_flat_btf};
+use brdfc_jobs::flatten::{AssetFile, Form, MesoOptions, PLANE, open_appearance, open_asset, open_geometry};
+use brdfc_jobs::report::render::{PartMaterial, Verification};
+use brdfc_render::flat::{FlatForm, FlatMaterial, draw_on_cpu, reference_plane};
+use brdfc_render::scenes::Builtin;
+use brdfc_source::address::is_synth;
+use brdfc_source::flat_btf::open_flat_btf;
+use std::path::Path;
+
+/// Why a plane has no picture of the surface itself.
+const NO_SURFACE: &str = "note: not compared with the surface itself, only shader with CPU: that takes an asset whose \
+                          surface and materials are all synth: addresses, without --bounces, --colour and --weights";
+/// Why other scenes have none.
+const CURVED: &str = "note: not compared with the surface itself, only shader with CPU: that is done on --scene plane";
+
+/// Whether an input is a flat BTF: a folder, or its list of parts.
+pub(super) fn is_flat(input: &str) -> bool {
+    !is_synth(input) && (Path::new(input).is_dir() || input.to_ascii_lowercase().ends_with(".json"))
+}
+
+/// Draws the asset by the shader and on the CPU; on a plane, beside the surface itself where that can be computed again.
+pub(super) fn verification(arguments: &Arguments, common: Common) -> Result<(Verification, Views), CliError> {
+    check_flags(arguments)?;
+    let subject = Subject::Pack;
+    let setup = scene::setup(arguments, &subject)?;
+    let path = Path::new(&arguments.input);
+    let asset = open_asset(path)?;
+    let choice = arguments.adapter.clone().map_or(AdapterChoice::Best, AdapterChoice::Named);
+    let gpu = Gpu::open(&choice)?;
+    let has_views = asset.as_ref().is_none_or(|asset| asset.settings.form == Form::Full);
+    let form = match arguments.form {
+        Some(FormName::Full) => FlatForm::Full,
+        Some(FormName::Light) => FlatForm::Light,
+        None if has_views => FlatForm::Full,
+        None => FlatForm::Light,
+    };
+    let parts = open_flat_btf(path, form == FlatForm::Full)?;
+    let bytes_on_gpu = gpu_bytes(&parts);
+    let wrong = |error: brdfc_formats::FormatError| CliError::Input(format!("{}: {error}", arguments.input));
+    let repeat = arguments.repeat.unwrap_or(default_repeat(setup.builtin));
+    let material = FlatMaterial::new(FlatBtfDecoder::new(parts).map_err(wrong)?, repeat).map_err(wrong)?;
+    let shader = draw_flat_btf(&gpu, &setup.scene, setup.frame, &material, form)?;
+    let pack = draw_on_cpu(&setup.scene, setup.frame, &material, form);
+    drop(material);
+    let surface = match setup.builtin {
+        Builtin::Plane => asset.as_ref().map(surface_again).transpose()?.flatten(),
+        _ => None,
+    };
+    let source =
+        surface.map(|(model, appearance)| reference_plane(&setup.scene, setup.frame, &model, &appearance, repeat));
+    if source.is_none() {
+        remark(common, if setup.builtin == Builtin::Plane { NO_SURFACE } else { CURVED });
+    }
+    let views = Views { shader, pack, table: None, source };
+    let name = path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    let listed = setup.scene.parts.iter().map(|part| PartMaterial {
+        part: part.name.to_owned(),
+        material: format!("{name} ({})", if form == FlatForm::Full { "full form" } else { "light form" }),
+        bytes_on_gpu,
+    });
+    let verification = Verification::new(
+        setup.builtin.name(),
+        setup.frame,
+        &views,
+        setup.exposure,
+        gpu.description(),
+        listed.collect(),
+    );
+    outputs::write(arguments, &views, verification.exposure)?;
+    Ok((verification, views))
+}
+
+fn check_flags(arguments: &Arguments) -> Result<(), CliError> {
+    for (given, flag) in [
+        (arguments.source.is_some(), "--source"),
+        (arguments.packs.is_some(), "--packs"),
+        (arguments.table, "--table"),
+        (arguments.lod.is_some(), "--lod"),
+        (arguments.exact, "--exact"),
+        (arguments.filter.is_some(), "--filter"),
+        (arguments.options.any(), "encoding options"),
+    ] {
+        if given {
+            let text = format!("{flag}: found with {}, a flat BTF; allowed with BRDFs", arguments.input);
+            return Err(CliError::Usage(text));
+        }
+    }
+    match arguments.repeat {
+        Some(repeat) if !(1..=1024).contains(&repeat) => {
+            Err(CliError::Usage(format!("--repeat: found {repeat}; allowed 1 to 1024 tiles")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Tiles per unit of uv that show a relief well.
+fn default_repeat(scene: Builtin) -> u32 {
+    match scene {
+        Builtin::Plane | Builtin::Bottle | Builtin::Vase | Builtin::Teapot => 4,
+        _ => 8,
+    }
+}
+
+/// Bytes of the parts' texels on a GPU.
+fn gpu_bytes(parts: &FlatBtfParts) -> u64 {
+    let flat: usize = parts.views.iter().map(|view| 4 * view.texels().len()).sum();
+    let maps = 8 * parts.indirection.texels().len()
+        + 8 * parts.reference.parameters().len()
+        + 8 * parts.normal.normals().len()
+        + 4 * parts.diffuse.texels().len();
+    (flat + maps) as u64
+}
+
+/// The surface and materials that an asset was made from, where all are addresses.
+fn surface_again(asset: &AssetFile) -> Result<Option<(MesoModel, Appearance)>, CliError> {
+    let (source, materials) = (&asset.source, &asset.materials);
+    let from_formula = is_synth(source) || source == PLANE;
+    let from_files = !from_formula || materials.is_empty() || !materials.iter().all(|m| is_synth(m));
+    if from_files || asset.settings.bounces > 0 || asset.images_over_the_tile {
+        return Ok(None);
+    }
+    let options = MesoOptions {
+        geometry: source.clone(),
+        tile: 1.0,
+        height_scale: 1.0,
+        height_offset: 0.0,
+        materials: Vec::new(),
+        colour: None,
+        weights: None,
+    };
+    let geometry = open_geometry(&options)?;
+    let appearance = open_appearance(&options, materials, &mut ())?;
+    let model = MesoModel::new(geometry.mesh, 0).map_err(|error| CliError::Input(format!("{source}: {error}")))?;
+    Ok(Some((model, appearance)))
+}
+
+/// Whether there is anything that only flat BTFs have among the flags.
+pub(super) fn flag_of_flat(arguments: &Arguments) -> Option<&'static str> {
+    if arguments.form.is_some() {
+        return Some("--form");
+    }
+    arguments.repeat.is_some().then_some("--repeat")
+}

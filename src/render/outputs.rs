@@ -1,0 +1,132 @@
+//! Pictures and text of a verification.
+
+use super::Arguments;
+use crate::output::{refuse_overwriting, refuse_same_outputs, write_file};
+use crate::{CliError, table};
+use brdfc_gpu::verify::Views;
+use brdfc_jobs::report::render::Verification;
+use brdfc_metrics::image::{LinearImage, delta_e_map};
+use brdfc_render::adaptive::{ANY_LEVEL, Prediction};
+use brdfc_render::picture::{Panel, heat_map, octave_map, rgb_png, sheet, to_exr, to_panel, to_png};
+use std::path::{Path, PathBuf};
+
+/// ΔE that a difference image shows as its lightest colour.
+const FULL_SCALE: f64 = 10.0;
+
+fn extension(path: &Path) -> String {
+    path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase()
+}
+
+/// Names that cannot be written are found before the work.
+pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
+    let files: [(&str, &Option<PathBuf>, &[&str]); 5] = [
+        ("--output", &arguments.output, &["png", "exr"]),
+        ("--reference", &arguments.reference, &["png", "exr"]),
+        ("--difference", &arguments.difference, &["png"]),
+        ("--sheet", &arguments.sheet, &["png"]),
+        ("--maps", &arguments.adaptive.maps, &["png"]),
+    ];
+    refuse_same_outputs(&files.each_ref().map(|(flag, path, _)| (*flag, path.as_deref())))?;
+    for (flag, path, allowed) in files {
+        let Some(path) = path else { continue };
+        if !allowed.contains(&extension(path).as_str()) {
+            let allowed = allowed.join(" or .");
+            return Err(CliError::Usage(format!("{flag}: found {}; allowed a name in .{allowed}", path.display())));
+        }
+        if let Some(folder) = path.parent()
+            && !folder.as_os_str().is_empty()
+            && !folder.is_dir()
+        {
+            return Err(CliError::Io(format!("{}: cannot write: no folder {}", path.display(), folder.display())));
+        }
+        let mut inputs = vec![Path::new(&arguments.input)];
+        inputs.extend(arguments.source.as_deref().map(Path::new));
+        inputs.extend(arguments.adaptive.environment.as_deref());
+        refuse_overwriting(path, &inputs)?;
+    }
+    Ok(())
+}
+
+/// Writes what was asked for.
+pub(super) fn write(arguments: &Arguments, views: &Views, exposure: f64) -> Result<(), CliError> {
+    write_images(arguments, &views.shader, views.reference(), exposure)
+}
+
+/// Writes the pictures of an image and its reference that were asked for.
+pub(super) fn write_images(
+    arguments: &Arguments,
+    drawn: &LinearImage,
+    reference: &LinearImage,
+    exposure: f64,
+) -> Result<(), CliError> {
+    let image = |path: &Path, image: &LinearImage| {
+        write_file(path, &if extension(path) == "exr" { to_exr(image) } else { to_png(image, exposure) })
+    };
+    if let Some(path) = &arguments.output {
+        image(path, drawn)?;
+    }
+    if let Some(path) = &arguments.reference {
+        image(path, reference)?;
+    }
+    if arguments.difference.is_none() && arguments.sheet.is_none() {
+        return Ok(());
+    }
+    let difference = difference_panel(drawn, reference, exposure);
+    if let Some(path) = &arguments.sheet {
+        let panels = [to_panel(drawn, exposure), to_panel(reference, exposure), difference.clone()];
+        write_file(path, &rgb_png(&sheet(&panels)))?;
+    }
+    if let Some(path) = &arguments.difference {
+        write_file(path, &rgb_png(&difference))?;
+    }
+    Ok(())
+}
+
+/// Bandwidth, levels and variance of a prediction of so many points across and down, side by side: logarithms, from dark to
+/// pale yellow. The background is dark.
+pub(super) fn maps_png(prediction: &Prediction, [width, height]: [usize; 2]) -> Vec<u8> {
+    let coarsest = prediction.level.iter().filter(|level| **level != ANY_LEVEL).max().copied().unwrap_or(0);
+    let fineness = |level: &i32| if *level == ANY_LEVEL { 0.0 } else { 1.0 - *level as f32 / (coarsest + 1) as f32 };
+    let levels: Vec<f32> = prediction.level.iter().map(fineness).collect();
+    let variance: Vec<f32> = prediction.deviation.iter().map(|deviation| deviation * deviation).collect();
+    rgb_png(&sheet(&[
+        octave_map(&prediction.bandwidth, width, height, 8.0),
+        heat_map(&levels, width, height, 1.0),
+        octave_map(&variance, width, height, 16.0),
+    ]))
+}
+
+fn difference_panel(image: &LinearImage, reference: &LinearImage, exposure: f64) -> Panel {
+    heat_map(&delta_e_map(image, reference, exposure), image.width, image.height, FULL_SCALE)
+}
+
+/// What people read.
+pub(super) fn text(verification: &Verification) -> String {
+    let v = verification;
+    let mut text = format!(
+        "{}, {} x {} pixels, {} samples each, exposure {}\ndrawn by {}{}\n",
+        v.scene,
+        v.width,
+        v.height,
+        v.samples,
+        table::significant(v.exposure),
+        v.adapter.name,
+        if v.adapter.software { ", a software driver" } else { "" },
+    );
+    for part in &v.parts {
+        text += &format!("{}: {}, {}\n", part.part, part.material, table::bytes(part.bytes_on_gpu));
+    }
+    text.push('\n');
+    let rows: Vec<Vec<String>> = v
+        .rows()
+        .into_iter()
+        .map(|(name, difference)| {
+            let mut row = vec![name.to_owned()];
+            row.extend(table::image_row(difference));
+            row
+        })
+        .collect();
+    let mut header = vec!["ΔE of CIE L*a*b* over surfaces"];
+    header.extend(table::IMAGE_HEADER);
+    text + &table::plain(&header, &rows)
+}

@@ -1,9 +1,0 @@
-//! What is said about finished work: JSON with a schema, and tables for people.
-
-#[cfg(feature = "render")]
-pub mod adaptive;
-pub mod material;
-#[cfg(feature = "render")]
-pub mod render;
-pub mod study;
-pub mod table;

@@ -1,0 +1,176 @@
+//! `brdfc samples`: directions drawn in proportion to a material's lobes, as a pack.
+
+use super::info::{importance_in_words, lines_of};
+use super::output::{print, refuse_overwriting, remark, to_json, write_file};
+use super::{CliError, Common};
+use crate::table;
+use brdfc_formats::FormatError;
+use brdfc_importance::{HalfGrid, ImportanceRecipe, importance_samples};
+use brdfc_jobs::report::material::mended_in_words;
+use brdfc_jobs::write::is_standard_output;
+use brdfc_source::Tally;
+use brdfc_source::importance_pack::ImportanceFacts;
+use brdfc_source::open::open;
+use clap::Args;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Precompute directions that follow a material's lobes, for rendering with few samples.
+///
+/// For each outgoing direction, half vectors are drawn in proportion to reflectance and cosine; each comes with its
+/// density. Renderers take as many as they need, from anywhere in the list: see formats/src/importance/spec.md.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  brdfc samples red-plastic.binary -o red.samples.ktx2
+  brdfc samples 'synth:ward?ax=0.1&ay=0.4' -o brushed.samples.ktx2 --polar 32 --azimuths 24
+  brdfc samples chrome.binary -o chrome.samples.ktx2 --count 4096 --rings 512 --json")]
+pub struct Arguments {
+    /// A material: a path, or synth:MODEL?param=value&...
+    input: String,
+    /// The pack to write.
+    #[arg(long, short, value_name = "SAMPLES.ktx2")]
+    output: PathBuf,
+    /// Samples of each outgoing direction, 1 to 8192.
+    #[arg(long, value_name = "M", default_value_t = ImportanceRecipe::default().samples)]
+    count: u32,
+    /// Polar angles of the outgoing direction, 1 to 1024 (default: 64 for isotropic materials, 32 for others).
+    #[arg(long, value_name = "P")]
+    polar: Option<u32>,
+    /// Azimuths of the outgoing direction, a multiple of 4 up to 256 (default: 16). Isotropic materials have one.
+    #[arg(long, value_name = "A")]
+    azimuths: Option<u32>,
+    /// Rings of the table of half vectors that is inverted, 1 to 4096: closer together near the normal.
+    #[arg(long, value_name = "N", default_value_t = HalfGrid::DEFAULT.polar)]
+    rings: usize,
+    /// Cells of each ring, an even number, 2 to 4096.
+    #[arg(long, value_name = "N", default_value_t = HalfGrid::DEFAULT.azimuths)]
+    cells: usize,
+    /// Share of the samples that does not follow the lobe, above 0 up to 1: it bounds the error where the table misses
+    /// something.
+    #[arg(long, value_name = "S", default_value_t = ImportanceRecipe::default().defensive)]
+    defensive: f64,
+    /// Print the report as JSON (schema: 'brdfc schema samples').
+    #[arg(long)]
+    json: bool,
+}
+
+/// What `--json` prints.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub struct Report {
+    /// Layout of this report.
+    version: u32,
+    /// 'importance-pack'.
+    kind: &'static str,
+    /// What the pack holds.
+    #[serde(flatten)]
+    facts: ImportanceFacts,
+    /// Rings of the table of half vectors.
+    rings: usize,
+    /// Cells of each ring.
+    cells: usize,
+    /// Share of the samples that does not follow the lobe.
+    defensive: f64,
+    /// Bytes of the file.
+    bytes_on_disk: usize,
+    /// What had to be mended.
+    mended: Tally,
+    /// Seconds that reading and drawing took.
+    seconds: Seconds,
+}
+
+/// Seconds per stage.
+#[derive(Debug, Clone, Copy, Serialize, schemars::JsonSchema)]
+pub struct Seconds {
+    /// Reading and decoding the input.
+    read: f64,
+    /// Tabulating the lobes and inverting their distributions.
+    samples: f64,
+}
+
+/// What the recipe calls things, and the flags that set them.
+const FLAGS: [(&str, &str); 7] = [
+    ("polar rows", "--polar"),
+    ("azimuth columns", "--azimuths"),
+    ("samples", "--count"),
+    ("half vectors of a ring", "--cells"),
+    ("rings of half vectors", "--rings"),
+    ("defensive share", "--defensive"),
+    // All of them: polar angles by azimuths.
+    ("rows", "--polar by --azimuths"),
+];
+
+fn recipe(arguments: &Arguments) -> ImportanceRecipe {
+    let default = ImportanceRecipe::default();
+    ImportanceRecipe {
+        isotropic_polar: arguments.polar.unwrap_or(default.isotropic_polar),
+        anisotropic_polar: arguments.polar.unwrap_or(default.anisotropic_polar),
+        anisotropic_azimuths: arguments.azimuths.unwrap_or(default.anisotropic_azimuths),
+        samples: arguments.count,
+        grid: HalfGrid { polar: arguments.rings, azimuths: arguments.cells },
+        defensive: arguments.defensive,
+    }
+}
+
+/// A number out of range, by the flag that it came from.
+fn wrong_flag(error: FormatError) -> CliError {
+    match FLAGS.iter().find(|(field, _)| error.field.ends_with(field)) {
+        Some((_, flag)) => CliError::Usage(format!("{flag}: found {}; allowed {}", error.found, error.allowed)),
+        None => CliError::own_layout(error),
+    }
+}
+
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
+    let recipe = recipe(arguments);
+    // What the material does not decide is refused before it is read.
+    recipe.check(true).map_err(wrong_flag)?;
+    refuse_overwriting(&arguments.output, &[Path::new(&arguments.input)])?;
+    let start = Instant::now();
+    let source = open(&arguments.input, None)?.source;
+    let read = start.elapsed().as_secs_f64();
+    let isotropic = source.symmetry().isotropic;
+    if let (Some(azimuths), true) = (arguments.azimuths, isotropic) {
+        let text = format!("--azimuths: found {azimuths} of an isotropic material; allowed for anisotropic ones");
+        return Err(CliError::Usage(text));
+    }
+    recipe.check(isotropic).map_err(wrong_flag)?;
+    let start = Instant::now();
+    let (pack, mended) = importance_samples(source.as_ref(), &recipe).map_err(CliError::own_layout)?;
+    let seconds = Seconds { read, samples: start.elapsed().as_secs_f64() };
+    let bytes = pack.to_bytes(true);
+    write_file(&arguments.output, &bytes)?;
+    for line in mended_in_words(&mended) {
+        remark(common, &format!("note: {line}"));
+    }
+    let report = Report {
+        version: 1,
+        kind: "importance-pack",
+        facts: ImportanceFacts::new(&pack),
+        rings: recipe.grid.polar,
+        cells: recipe.grid.azimuths,
+        defensive: recipe.defensive,
+        bytes_on_disk: bytes.len(),
+        mended,
+        seconds,
+    };
+    let text = if arguments.json { to_json(&report) } else { report.text() };
+    if is_standard_output(&arguments.output) {
+        // Behind a pack the report would be taken for a part of it.
+        remark(common, text.trim_end());
+        return Ok(());
+    }
+    print(&text)
+}
+
+impl Report {
+    fn text(&self) -> String {
+        let mut lines = importance_in_words(&self.facts);
+        lines.push(("bytes on disk", table::bytes(self.bytes_on_disk as u64)));
+        lines.push(("half vectors", format!("{} rings of {} cells", self.rings, self.cells)));
+        lines.push(("defensive share", table::percent(self.defensive)));
+        let Seconds { read, samples } = self.seconds;
+        lines.push(("seconds", format!("{read:.3} to read, {samples:.3} for the samples")));
+        lines_of(&lines)
+    }
+}

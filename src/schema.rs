@@ -1,0 +1,69 @@
+//! `brdfc schema`: JSON schemas of what `--json` prints.
+
+use super::CliError;
+use super::output::print_json;
+use clap::{Args, ValueEnum};
+use schemars::schema_for;
+
+/// Print the JSON schema of a report.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  brdfc schema encode > encode.schema.json")]
+pub struct Arguments {
+    /// Which report.
+    #[arg(value_enum)]
+    report: Report,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Report {
+    /// 'brdfc build --json', and report.json in the output folder.
+    Build,
+    /// MATERIAL.json in the output folder.
+    Material,
+    /// 'brdfc encode --json'.
+    Encode,
+    /// 'brdfc compare --json'.
+    Compare,
+    /// 'brdfc info --json'.
+    Info,
+    /// 'brdfc bandwidth --json'.
+    Bandwidth,
+    /// 'brdfc samples --json'.
+    Samples,
+    /// 'brdfc info --json' of a structure, a mesh, a height map, images, or a part of a flat BTF.
+    InfoSurface,
+    /// 'brdfc flatten --json'.
+    Flatten,
+    /// NAME.json in the folder of a flat BTF, and 'brdfc info --json' of one.
+    FlatBtf,
+    /// 'brdfc bench --json'.
+    Bench,
+    /// 'brdfc render --json'.
+    #[cfg(feature = "render")]
+    Render,
+    /// 'brdfc render --adaptive --json'.
+    #[cfg(feature = "render")]
+    RenderAdaptive,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
+    print_json(&match arguments.report {
+        Report::Build => schema_for!(crate::build_scene::Report),
+        Report::Material => schema_for!(brdfc_jobs::scene::run::MaterialFile),
+        Report::Encode => schema_for!(super::encode::Report),
+        Report::Compare => schema_for!(super::compare::Report),
+        Report::Info => schema_for!(super::info::Report),
+        Report::Bandwidth => schema_for!(super::bandwidth::Report),
+        Report::Samples => schema_for!(super::samples::Report),
+        Report::InfoSurface => schema_for!(super::info::SurfaceReport),
+        Report::Flatten => schema_for!(super::flatten::Report),
+        Report::FlatBtf => schema_for!(brdfc_jobs::flatten::AssetFile),
+        Report::Bench => schema_for!(super::bench::Report),
+        #[cfg(feature = "render")]
+        Report::Render => schema_for!(super::render::Report),
+        #[cfg(feature = "render")]
+        Report::RenderAdaptive => schema_for!(super::render::AdaptiveReport),
+    })
+}

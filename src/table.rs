@@ -1,0 +1,115 @@
+//! Tables for people.
+
+use brdfc_jobs::report::material::MaterialReport;
+use brdfc_metrics::compare::Comparison;
+use brdfc_metrics::norms::Norms;
+use comfy_table::{CellAlignment, Table, presets};
+
+/// Rows with a header, numbers to the right, no frame: copies well into a terminal, a mail or a diff.
+pub fn plain(header: &[&str], rows: &[Vec<String>]) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING).set_header(header.iter().copied());
+    for row in rows {
+        table.add_row(row);
+    }
+    for (index, column) in table.column_iter_mut().enumerate() {
+        column.set_padding((0, 2));
+        if index > 0 {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    table.lines().map(|line| line.trim_end().to_owned() + "\n").collect()
+}
+
+/// A row of the build table, without the material's name.
+pub fn material_row(report: &MaterialReport, seconds: Option<f64>) -> Vec<String> {
+    vec![
+        if report.samples_in == 0 { "-".to_owned() } else { report.samples_in.to_string() },
+        format!("{}/{}", report.slices_kept, report.slices_in_all),
+        format!("{:.1}:1", report.ratio),
+        bytes(report.bytes_on_disk),
+        bytes(report.bytes_on_gpu),
+        relative(&report.on_grid.norms),
+        relative(&report.off_grid.norms),
+        seconds.map_or("cached".to_owned(), |s| format!("{s:.2} s")),
+    ]
+}
+
+/// Header of the build table.
+pub const MATERIAL_HEADER: [&str; 9] =
+    ["material", "samples in", "slices", "ratio", "on disk", "on GPU", "ε_r on grid", "ε_r off grid", "time"];
+
+/// All norms of a comparison, a line each.
+pub fn comparison(comparison: &Comparison) -> String {
+    let mut rows = norms_rows(&comparison.norms);
+    rows.push(vec!["largest albedo difference".to_owned(), format!("{:.3e}", comparison.albedo_max_difference)]);
+    rows.push(vec!["reciprocity error of B".to_owned(), percent(comparison.reciprocity)]);
+    plain(&["norm", "value"], &rows)
+}
+
+fn norms_rows(norms: &Norms) -> Vec<Vec<String>> {
+    [
+        ("samples", norms.samples.to_string()),
+        ("below 0.1 % of the mean, left out of ratios", norms.below_floor.to_string()),
+        ("ε, RMS difference (1/sr)", format!("{:.4e}", norms.rms)),
+        ("ε_r, mean relative difference", relative(norms)),
+        ("relative difference, 95th percentile", percent(norms.relative_p95)),
+        ("relative difference, 99th percentile", percent(norms.relative_p99)),
+        ("relative difference, maximum", percent(norms.relative_max)),
+        ("RMS of log difference", format!("{:.4e}", norms.log_rms)),
+        ("RMS of ln(1 + f cos θi) difference", format!("{:.4e}", norms.cosine_log_rms)),
+    ]
+    .into_iter()
+    .map(|(name, value)| vec![name.to_owned(), value])
+    .collect()
+}
+
+/// `ε_r`, or a dash where no sample was above the floor.
+fn relative(norms: &Norms) -> String {
+    if norms.counted() == 0 { "-".to_owned() } else { percent(norms.relative_mean) }
+}
+
+/// A fraction as per cent with enough digits.
+pub fn percent(fraction: f64) -> String {
+    let value = 100.0 * fraction;
+    if value >= 1e5 {
+        format!("{value:.2e} %")
+    } else if value >= 0.01 || value == 0.0 {
+        format!("{value:.3} %")
+    } else {
+        format!("{value:.1e} %")
+    }
+}
+
+/// Bytes with a binary unit.
+pub fn bytes(count: u64) -> String {
+    match count {
+        0..1024 => format!("{count} B"),
+        1024..1_048_576 => format!("{:.1} KiB", count as f64 / 1024.0),
+        _ => format!("{:.2} MiB", count as f64 / 1_048_576.0),
+    }
+}
+
+/// Three or four significant digits.
+pub fn significant(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".to_owned(),
+        a if !(1e-3..1e5).contains(&a) => format!("{value:.3e}"),
+        a => format!("{value:.*}", (3 - a.log10().floor() as i32).max(0) as usize),
+    }
+}
+
+/// Header of [`image_row`].
+#[cfg(feature = "render")]
+pub const IMAGE_HEADER: [&str; 6] = ["mean", "σ", "95 %", "max", "mean ΔE2000", "PSNR"];
+
+/// A comparison of images.
+#[cfg(feature = "render")]
+pub fn image_row(difference: &brdfc_metrics::image::ImageDifference) -> Vec<String> {
+    let d = &difference.delta_e;
+    let mut row: Vec<String> = [d.mean, d.standard_deviation, d.p95, d.max, difference.delta_e_2000.mean]
+        .map(|value| format!("{value:.3}"))
+        .into();
+    row.push(difference.psnr.map_or("-".to_owned(), |psnr| format!("{psnr:.1} dB")));
+    row
+}

@@ -1,0 +1,283 @@
+//! `brdfc flatten`, from every kind of input.
+
+use super::schemas::conforms;
+use crate::common::cli::{Folder, Ran};
+use brdfc_formats::container::rgb9e5;
+use brdfc_source::flat_btf::open_flat_btf;
+use serde_json::Value;
+
+/// Small enough for seconds: 7 views and lights.
+const SMALL: [&str; 8] = ["--texels", "16", "--views", "grid:2x6@50", "--indirection", "4x6", "--oversampling", "1"];
+
+fn flatten(folder: &Folder, arguments: &[&str]) -> Ran {
+    // Images have their own views.
+    let small: Vec<&str> = match arguments.first() {
+        Some(&"images") => {
+            SMALL.iter().filter(|option| !["--views", "grid:2x6@50"].contains(option)).copied().collect()
+        }
+        _ => SMALL.to_vec(),
+    };
+    folder.run(&[&["flatten"], arguments, &small, &["--json", "-j", "2"]].concat())
+}
+
+fn report(ran: Ran) -> Value {
+    let report = ran.succeeded().json();
+    conforms("flatten", &report);
+    report
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value}"))
+}
+
+#[test]
+fn every_structure_and_every_part() {
+    let folder = Folder::new();
+    for (name, limit) in [("button", 12.0), ("folds", 13.0), ("knit", 7.5), ("sponge", 14.0)] {
+        let report = report(flatten(&folder, &[&format!("synth:{name}?resolution=48"), "-o", name]));
+        for part in ["position", "normal", "diffuse", "reference", "indirection", "mask", "flat.000", "flat.006"] {
+            let file = report["parts"][part]["file"].as_str().unwrap_or_else(|| panic!("{part}: {report}"));
+            assert_eq!(file, format!("{name}.{part}.ktx2"));
+            let length = std::fs::metadata(folder.path().join(name).join(file)).unwrap().len();
+            assert_eq!(report["parts"][part]["bytes"], length);
+        }
+        assert_eq!(report["parts"].as_object().unwrap().len(), 13);
+        assert_eq!(report["report"]["parameterisation"]["flipped"], 0);
+        let errors = &report["report"]["errors"];
+        // At 16 x 16 texels, few.
+        assert!(number(&errors["at_samples"]["mean"]) < limit, "{name}: {errors}");
+        let listed: Value =
+            serde_json::from_slice(&std::fs::read(folder.path().join(name).join(format!("{name}.json"))).unwrap())
+                .unwrap();
+        conforms("flat-btf", &listed);
+        assert_eq!(listed["parts"], report["parts"]);
+    }
+}
+
+#[test]
+fn a_matte_plane_is_exact() {
+    let folder = Folder::new();
+    folder.write("plane.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
+    let plane = ["plane.obj", "--material", "synth:lambert?kd=0.5", "-o", "plane"];
+    let report = report(flatten(&folder, &plane));
+    assert!((number(&report["report"]["seen"]) - 1.0).abs() < 1e-12);
+    let errors = &report["report"]["errors"];
+    for kind in ["at_samples", "light_form"] {
+        assert!(number(&errors[kind]["max"]) < 0.1, "{errors}");
+    }
+    // The cosine of lights is blended between samples 50 degrees apart.
+    assert!((0.1..5.0).contains(&number(&errors["between_samples"]["mean"])), "{errors}");
+}
+
+#[test]
+fn the_same_bytes_on_any_number_of_threads() {
+    let folder = Folder::new();
+    for (out, jobs) in [("one", "1"), ("three", "3")] {
+        let input = ["flatten", "synth:folds?resolution=32", "--name", "folds", "-o", out, "-j", jobs];
+        folder.run(&[&input[..], &SMALL].concat()).succeeded();
+    }
+    let (one, three) = (folder.files("one"), folder.files("three"));
+    assert_eq!(one.len(), 14);
+    assert!(one.values().eq(three.values()) && one.len() == three.len());
+}
+
+#[test]
+fn meshes_written_by_synth_and_height_maps() {
+    let folder = Folder::new();
+    for kind in ["obj", "ply"] {
+        let mesh = format!("folds.{kind}");
+        folder.run(&["synth", "folds?resolution=32", "-o", &mesh]).succeeded();
+        let report = report(flatten(&folder, &[&mesh, "-o", kind, "--material", "synth:lambert?kd=0.4"]));
+        assert_eq!(report["report"]["mended"]["triangles"], 2 * 32 * 32);
+        assert!(number(&report["report"]["mended"]["merged_vertices"]) > 60.0);
+        assert_eq!(report["source"], mesh);
+    }
+    let mut bytes = Vec::new();
+    let heights: Vec<u8> = (0..24 * 24).map(|i| if (i % 24) < 12 { 0 } else { 255 }).collect();
+    image::write_buffer_with_format(
+        &mut std::io::Cursor::new(&mut bytes),
+        &heights,
+        24,
+        24,
+        image::ColorType::L8,
+        image::ImageFormat::Png,
+    )
+    .unwrap();
+    folder.write("step.png", bytes);
+    let report = report(flatten(&folder, &["step.png", "-o", "step", "--height-scale", "0.2"]));
+    let heights = &report["report"]["heights"];
+    assert!((number(&heights[0])).abs() < 1e-9 && (number(&heights[1]) - 0.2).abs() < 1e-9, "{heights}");
+}
+
+#[test]
+fn height_maps_of_too_many_pixels_are_refused_before_any_work() {
+    let folder = Folder::new();
+    let mut bytes = Vec::new();
+    image::write_buffer_with_format(
+        &mut std::io::Cursor::new(&mut bytes),
+        &vec![0; 1025 * 1024],
+        1025,
+        1024,
+        image::ColorType::L8,
+        image::ImageFormat::Png,
+    )
+    .unwrap();
+    folder.write("large.png", bytes);
+    let ran = flatten(&folder, &["large.png", "-o", "large"]);
+    let expected = "large.png: PNG: found 1025 x 1024 pixels; allowed 4 to 8192 per side, and at most 1048576";
+    assert!(ran.code == 3 && ran.stderr.contains(expected), "{ran:?}");
+    assert!(!folder.path().join("large").exists());
+}
+
+#[test]
+fn an_ordinary_btf_goes_out_and_comes_in_again() {
+    let folder = Folder::new();
+    let sponge = "synth:sponge?resolution=48&height=0.6";
+    let images = ["--write-images", "images", "--image-format", "exr", "--flat-texels", "32"];
+    let first = report(flatten(&folder, &[&[sponge, "-o", "first"], &images[..]].concat()));
+    assert_eq!(folder.files("images").len(), 49);
+    let measured = |more: &[&str]| report(flatten(&folder, &[&["images"], more, &["--flat-texels", "32"]].concat()));
+    let second = measured(&["--geometry", sponge, "-o", "second"]);
+    assert_eq!(second["settings"]["views"][0], "of the images");
+    assert_eq!(second["settings"]["views"][1], 7);
+    let seen = |report: &Value| number(&report["report"]["seen"]);
+    assert!((seen(&first) - seen(&second)).abs() < 1e-9);
+    // Over a plane the same images keep their parallax in the texels: less of them fits together.
+    let plane = measured(&["-o", "plane"]);
+    assert_eq!(plane["source"], "images over the plane");
+    assert_eq!(plane["report"]["heights"], serde_json::json!([0.0, 0.0]));
+    assert!((seen(&plane) - 1.0).abs() < 1e-12);
+    let error = |report: &Value| number(&report["report"]["errors"]["light_form"]["mean"]);
+    assert!(error(&second) < error(&plane), "{} {}", error(&second), error(&plane));
+}
+
+#[test]
+fn the_light_form_writes_no_views_and_the_same_colours() {
+    let folder = Folder::new();
+    for (out, form) in [("full", "full"), ("light", "light")] {
+        flatten(&folder, &["synth:button?resolution=32", "-o", out, "--name", "b", "--form", form]).succeeded();
+    }
+    let (full, light) = (folder.files("full"), folder.files("light"));
+    assert_eq!((full.len(), light.len()), (14, 7));
+    for part in ["b.diffuse.ktx2", "b.normal.ktx2", "b.indirection.ktx2"] {
+        let find = |files: &std::collections::BTreeMap<String, Vec<u8>>| {
+            files.iter().find(|(path, _)| path.ends_with(part)).map(|(_, bytes)| bytes.clone()).unwrap()
+        };
+        assert_eq!(find(&full), find(&light), "{part}");
+    }
+}
+
+#[test]
+fn fewer_views_leave_no_stale_files() {
+    let folder = Folder::new();
+    flatten(&folder, &["synth:knit?resolution=32", "-o", "knit"]).succeeded();
+    let fewer = ["flatten", "synth:knit?resolution=32", "-o", "knit", "--texels", "8", "--views", "grid:2x3@40"];
+    folder.run(&[&fewer[..], &["--indirection", "4x6"]].concat()).succeeded();
+    assert_eq!(folder.files("knit").len(), 6 + 4 + 1);
+}
+
+#[test]
+fn settings_are_recorded_as_they_were_given() {
+    let folder = Folder::new();
+    folder.write("sets/few.csv", "index,theta_deg,phi_deg\n0,0,0\n1,30,0\n2,30,120\n3,30,240\n");
+    let more = ["--lights", "sets/few.csv", "--stretch-rounds", "3", "--no-supercompression"];
+    let report = report(flatten(&folder, &[&["synth:knit?resolution=16", "-o", "a"], &more[..]].concat()));
+    let settings = &report["settings"];
+    assert_eq!((&settings["views"][0], &settings["lights"][0]), (&"grid:2x6@50".into(), &"few.csv".into()));
+    assert_eq!((&settings["stretch_rounds"], &settings["supercompression"]), (&3.into(), &false.into()));
+}
+
+#[test]
+fn options_change_what_they_say() {
+    let folder = Folder::new();
+    let mean = |report: &Value| number(&report["report"]["parameterisation"]["after"]["l2"]);
+    let button = "synth:button?resolution=40";
+    let plain = report(flatten(&folder, &[button, "-o", "a"]));
+    let even = report(flatten(&folder, &[button, "-o", "b", "--stretch-rounds", "8"]));
+    assert!(mean(&even) < 0.95 * mean(&plain), "{} {}", mean(&even), mean(&plain));
+    let other = report(flatten(&folder, &[button, "-o", "c", "--fill", "push-pull"]));
+    assert_eq!(other["settings"]["fill"], "push-pull");
+    let view = |folder_name: &str| {
+        folder.files(folder_name).into_iter().find(|(path, _)| path.ends_with("flat.003.ktx2")).unwrap().1
+    };
+    assert_ne!(view("a"), view("c"));
+}
+
+#[test]
+fn light_of_one_bounce_brightens_and_does_not_depend_on_threads() {
+    let folder = Folder::new();
+    let sponge = ["flatten", "synth:sponge?resolution=32&height=1.5", "--name", "s", "--fill", "push-pull"];
+    for (out, more) in
+        [("direct", &[][..]), ("one", &["--bounces", "8", "-j", "1"]), ("three", &["--bounces", "8", "-j", "3"])]
+    {
+        folder.run(&[&sponge[..], &["-o", out], more, &SMALL].concat()).succeeded();
+    }
+    let files = |out: &str| folder.files(out);
+    assert!(files("one").values().eq(files("three").values()));
+    let listed: Value = serde_json::from_slice(&std::fs::read(folder.path().join("one/s.json")).unwrap()).unwrap();
+    assert!(listed["report"]["errors"].as_object().unwrap().is_empty(), "the comparison knows direct light only");
+    let brightness = |out: &str| {
+        let parts = open_flat_btf(&folder.path().join(out), true).unwrap();
+        let texels = || parts.views.iter().flat_map(|view| view.texels());
+        let sum: f64 = texels().map(|texel| f64::from(rgb9e5::decode(*texel)[1])).sum();
+        sum / texels().count() as f64
+    };
+    let (direct, bounced) = (brightness("direct"), brightness("one"));
+    assert!(bounced > 1.02 * direct && bounced < 1.6 * direct, "{direct} {bounced}");
+}
+
+/// What fails after the first parts were made leaves the asset that was there as it was.
+#[test]
+fn a_failed_run_leaves_the_asset_as_it_was() {
+    let folder = Folder::new();
+    let sponge = "synth:sponge?resolution=48&height=0.6";
+    flatten(&folder, &[sponge, "-o", "first", "--write-images", "images"]).succeeded();
+    flatten(&folder, &["images", "-o", "asset"]).succeeded();
+    let before = folder.files("asset");
+    let image = folder.files("images").into_keys().next_back().unwrap();
+    let path = folder.path().join("images").join(image);
+    let whole = std::fs::read(&path).unwrap();
+    // The header of the image is read before the work, its pixels in the middle of it.
+    std::fs::write(&path, &whole[..whole.len() / 2]).unwrap();
+    let ran = flatten(&folder, &["images", "-o", "asset", "--geometry", "synth:knit?resolution=32"]);
+    assert!(ran.code == 3 && ran.stderr.contains(".png"), "{ran:?}");
+    assert!(folder.files("asset") == before);
+    // Nor does a new one appear.
+    let ran = flatten(&folder, &["images", "-o", "other"]);
+    assert_eq!(ran.code, 3, "{ran:?}");
+    assert_eq!(folder.files("other").len(), 0);
+}
+
+#[test]
+fn directions_are_checked_before_the_work() {
+    let folder = Folder::new();
+    // Azimuths of any sign, and a full turn, are directions.
+    folder.write("turns.csv", "index,theta_deg,phi_deg\n0,0,0\n1,40,-90\n2,40,360\n3,30,200\n");
+    let knit = ["flatten", "synth:knit?resolution=16", "--texels", "8", "--indirection", "4x6"];
+    folder.run(&[&knit[..], &["-o", "turns", "--views", "turns.csv"]].concat()).succeeded();
+    folder.write("steep.csv", "index,theta_deg,phi_deg\n0,0,0\n1,89.99,0\n");
+    folder.write("near.csv", "index,theta_deg,phi_deg\n0,0,0\n1,40,10\n2,40,10.001\n");
+    for (set, words) in [
+        ("steep.csv", "polar angle: found 89.99"),
+        ("near.csv", "found the direction of line 3"),
+        ("grid:64x64@80", "2048"),
+    ] {
+        let ran = folder.run(&[&knit[..], &["-o", "never", "--views", set]].concat());
+        assert!((2..=3).contains(&ran.code) && ran.stderr.contains(words), "{set}: {ran:?}");
+        assert!(!folder.path().join("never").exists(), "{set}");
+    }
+    let ran = folder.run(&[&knit[..], &["-o", "never", "--flat-texels", "1024", "--bounces", "1024"]].concat());
+    assert!(ran.code == 2 && ran.stderr.contains("memory: found "), "{ran:?}");
+}
+
+#[test]
+fn reliefs_that_rays_cannot_follow_are_refused() {
+    let folder = Folder::new();
+    let plane =
+        |lifted: &str| format!("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv {lifted}\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n");
+    for (lifted, words) in [("0.5 0.5 50", "allowed 16 tiles above"), ("300 0.5 1", "reaches over 300 tiles")] {
+        folder.write("spike.obj", plane(lifted));
+        let ran = flatten(&folder, &["spike.obj", "-o", "spike", "--material", "synth:lambert"]);
+        assert!(ran.code == 3 && ran.stderr.contains("spike.obj: ") && ran.stderr.contains(words), "{ran:?}");
+    }
+}

@@ -1,0 +1,197 @@
+//! `brdfc info`.
+
+use super::schemas::conforms;
+use crate::common::cli::{Folder, inputs};
+use brdfc_formats::importance::{ImportanceHeader, ImportancePack};
+
+#[test]
+fn every_kind_is_named_with_its_sizes() {
+    let folder = Folder::new();
+    let [table, round, brushed, rgl, model] = inputs(&folder);
+    folder.run(&["encode", "synth:lewis", "-o", "p.ktx2", "--grid", "4"]).succeeded();
+    for (input, kind, words) in [
+        (table, "merl", "12 x 12 x 24"),
+        (round, "scan", "31 wavelengths, 400 to 700 nm"),
+        (brushed, "scan", "anisotropic"),
+        (rgl, "rgl", "4 x 4"),
+        (model, "synth", "synth:ward?kd=0.2,0.1,0.1&ks=0.1&ax=0.15&ay=0.5"),
+        ("p.ktx2", "wavelet-pack", "4 x 4 per hemisphere"),
+    ] {
+        let report = folder.run(&["info", input, "--json"]).succeeded().json();
+        conforms("info", &report);
+        assert_eq!(report["kind"], kind);
+        let ran = folder.run(&["info", input]).succeeded();
+        assert!(ran.stdout.contains(words) && ran.stderr.is_empty(), "{input}: {}", ran.stdout);
+    }
+}
+
+#[test]
+fn symmetries_are_told() {
+    let folder = Folder::new();
+    let symmetry = |input: &str| {
+        let report = folder.run(&["info", input, "--json"]).succeeded().json();
+        ["isotropic", "mirror", "reciprocal"].map(|key| report["symmetry"][key].as_bool().unwrap())
+    };
+    assert_eq!(symmetry("synth:ggx"), [true; 3]);
+    assert_eq!(symmetry("synth:ward"), [false, true, true]);
+    folder.run(&["synth", "ggx", "-o", "a.binary", "--dimensions", "6x6x12"]).succeeded();
+    assert_eq!(symmetry("a.binary"), [true; 3]);
+    let mut bytes = folder.read("a.binary");
+    // One cell off the plane of incidence, twice as bright in red: its mirror image is another cell.
+    let cell = 12 + 8 * (2 * 6 * 12 + 2 * 12 + 3);
+    let red = f64::from_le_bytes(bytes[cell..cell + 8].try_into().unwrap());
+    assert!(red > 0.0);
+    bytes[cell..cell + 8].copy_from_slice(&(2.0 * red).to_le_bytes());
+    folder.write("b.binary", &bytes);
+    assert_eq!(symmetry("b.binary"), [true, false, true]);
+}
+
+#[test]
+fn the_extension_decides_whatever_its_case() {
+    let folder = Folder::new();
+    folder.run(&["synth", "ggx", "-o", "a.binary", "--dimensions", "6x6x12"]).succeeded();
+    folder.write("B.BINARY", folder.read("a.binary"));
+    folder.run(&["info", "B.BINARY"]).succeeded();
+    folder.write("c.dat", folder.read("a.binary"));
+    let ran = folder.run(&["info", "c.dat"]);
+    assert_eq!(ran.code, 3);
+    assert!(ran.stderr.contains("c.dat: file name: found extension .dat; allowed .binary (MERL)"), "{}", ran.stderr);
+}
+
+#[test]
+fn importance_samples_are_told_from_other_packs() {
+    let folder = Folder::new();
+    let header = ImportanceHeader { polar: 2, azimuths: 4, samples: 3 };
+    let bytes = ImportancePack::new(header, vec![[0.0, 0.0, 1.0, 1.0]; 24]).unwrap().to_bytes(true);
+    folder.write("p.ktx2", &bytes);
+    let report = folder.run(&["info", "p.ktx2", "--json"]).succeeded().json();
+    conforms("info", &report);
+    assert_eq!((&report["kind"], &report["samples"]), (&"importance-pack".into(), &3.into()));
+    let text = folder.run(&["info", "p.ktx2"]).succeeded().stdout;
+    assert!(text.contains("2 polar angles x 4 azimuths") && text.contains("384 B"), "{text}");
+    // A broken one is still told what it is, and other commands say what is missing.
+    let mut texels = vec![[0.0, 0.0, 1.0, 1.0]; 24];
+    texels[5][3] = 2.0;
+    let bytes = ImportancePack::new(header, texels).unwrap().to_bytes(false);
+    let at = bytes.windows(4).rposition(|word| word == 2.0f32.to_le_bytes()).unwrap();
+    folder.write("q.ktx2", [&bytes[..at], &(-2.0f32).to_le_bytes(), &bytes[at + 4..]].concat());
+    let ran = folder.run(&["info", "q.ktx2"]);
+    assert_eq!(ran.code, 3);
+    assert!(ran.stderr.contains("q.ktx2: importance texel (2, 1)"), "{}", ran.stderr);
+    let ran = folder.run(&["compare", "p.ktx2", "synth:ggx"]);
+    assert_eq!(ran.code, 3);
+    assert!(ran.stderr.contains("allowed the entries of a wavelet pack"), "{}", ran.stderr);
+}
+
+/// Two triangles over a tile of side `side`.
+fn tile(side: &str) -> String {
+    "v 0 0 0.1\nv S 0 0.1\nv S S 0.1\nv 0 S 0.1\nusemtl clay\nf 1 2 3\nf 1 3 4\n".replace('S', side)
+}
+
+#[test]
+fn what_flatten_takes_is_described() {
+    let folder = Folder::new();
+    folder.write("tile.obj", tile("2.5"));
+    folder.write("over.obj", tile("1").replace("f 1 3 4", "f 4 3 1\nf 4 3 1"));
+    folder.write("open.obj", tile("1").replace("f 1 3 4\n", ""));
+    let mut png = std::io::Cursor::new(Vec::new());
+    image::GrayImage::from_fn(8, 6, |x, _| image::Luma([51 * (x as u8 % 6)]))
+        .write_to(&mut png, image::ImageFormat::Png)
+        .unwrap();
+    folder.write("h.png", png.get_ref());
+    let name = |light: &str, view: &str| format!("s/tl{light} pl000 tv{view} pv000.png");
+    for (light, view) in [("000", "000"), ("030", "000"), ("000", "030")] {
+        folder.write(&name(light, view), png.get_ref());
+    }
+    let info = |input: &str| {
+        let report = folder.run(&["info", input, "--json"]).succeeded().json();
+        conforms("info-surface", &report);
+        let text = folder.run(&["info", input]).succeeded();
+        assert_eq!(text.stderr, "");
+        (report, text.stdout)
+    };
+    let (mesh, text) = info("tile.obj");
+    assert_eq!((&mesh["kind"], &mesh["triangles"], &mesh["tile"]), (&"mesh".into(), &2.into(), &2.5.into()));
+    assert_eq!((&mesh["materials"][0], &mesh["bounds"][0][1]), (&"clay".into(), &2.5.into()));
+    assert!(text.contains("with --tile 2.5") && text.contains("clay"), "{text}");
+    assert!(text.lines().any(|line| line.starts_with("mended ") && line.ends_with("nothing")), "{text}");
+    let (over, text) = info("over.obj");
+    assert_eq!(over["mended"]["duplicate_triangles"], 1);
+    assert!(text.contains("1 triangles that were there twice were left out; 1 triangles were turned over"), "{text}");
+    let (open, text) = info("open.obj");
+    assert!(open["tile"].is_null() && open["problem"].as_str().unwrap().contains("hole"), "{open}");
+    assert!(text.contains("does not close"), "{text}");
+    let (heights, text) = info("h.png");
+    assert_eq!(
+        (&heights["kind"], &heights["size"][0], &heights["values"][1]),
+        (&"height-map".into(), &8.into(), &1.0.into())
+    );
+    assert!(text.contains("8 x 6") && text.contains("0 to 1"), "{text}");
+    let (stack, text) = info("s");
+    assert_eq!(
+        (&stack["views"], &stack["lights"], &stack["images"], &stack["missing"]),
+        (&2.into(), &2.into(), &3.into(), &1.into())
+    );
+    assert_eq!(stack["extensions"][0], "png");
+    assert!(text.contains("1: it would be refused"), "{text}");
+    let (structure, text) = info("synth:button?resolution=16");
+    assert_eq!((&structure["kind"], &structure["triangles"]), (&"structure".into(), &512.into()));
+    assert!(text.contains("synth:button?resolution=16&height=1"), "{text}");
+    let wrong = folder.run(&["info", "synth:buton"]);
+    assert!(wrong.code == 3 && wrong.stderr.contains("structures: button, folds"), "{}", wrong.stderr);
+    let wrong = folder.run(&["info", "synth:button?resolution=1"]);
+    assert!(wrong.code == 3 && wrong.stderr.contains("resolution of button"), "{}", wrong.stderr);
+}
+
+#[test]
+fn parts_of_a_flat_btf_and_damaged_lists() {
+    let folder = Folder::new();
+    let small = ["--texels", "8", "--views", "grid:2x3@40", "--indirection", "4x6"];
+    folder.run(&[&["flatten", "synth:knit?resolution=16", "-o", "knit"], &small[..]].concat()).succeeded();
+    let whole = folder.run(&["info", "knit/knit.normal.ktx2", "--json"]).succeeded().json();
+    conforms("flat-btf", &whole);
+    for (part, words) in [
+        ("normal", "8 x 8"),
+        ("indirection", "4 polar angles x 6"),
+        ("flat.001", "of 4; 4 lights"),
+        ("mask", "8 x 8 x 4"),
+    ] {
+        let alone = format!("alone/knit.{part}.ktx2");
+        folder.write(&alone, folder.read(&format!("knit/knit.{part}.ktx2")));
+        let report = folder.run(&["info", &alone, "--json"]).succeeded().json();
+        conforms("info-surface", &report);
+        assert_eq!((&report["kind"], &report["part"]), (&"flat-btf-part".into(), &part.into()));
+        let text = folder.run(&["info", &alone]).succeeded().stdout;
+        assert!(text.contains(words), "{text}");
+        let ran = folder.run(&["compare", "synth:lewis", &alone]);
+        assert_eq!(ran.code, 3);
+        assert!(
+            ran.stderr.contains("found a part of a flat BTF; allowed a wavelet pack; of a flat BTF, its folder"),
+            "{}",
+            ran.stderr
+        );
+    }
+    // A wavelet pack may have such a name.
+    folder.run(&["encode", "synth:lewis", "-o", "a.normal.ktx2", "--grid", "4"]).succeeded();
+    assert_eq!(folder.run(&["info", "a.normal.ktx2", "--json"]).succeeded().json()["kind"], "wavelet-pack");
+    let list = folder.text("knit/knit.json");
+    for damaged in ["{}", "[]", &list[..list.len() / 2], ""] {
+        folder.write("knit/knit.json", damaged);
+        for arguments in [&["info", "knit"][..], &["info", "knit/knit.mask.ktx2"]] {
+            let ran = folder.run(arguments);
+            assert_eq!(ran.code, 3, "{}", ran.stderr);
+            assert!(ran.stderr.contains("knit/knit.json: list of parts: found "), "{}", ran.stderr);
+        }
+    }
+}
+
+#[test]
+fn the_plane_has_a_name_and_no_negative_heights() {
+    let folder = Folder::new();
+    let mut png = std::io::Cursor::new(Vec::new());
+    image::GrayImage::from_pixel(8, 8, image::Luma([128])).write_to(&mut png, image::ImageFormat::Png).unwrap();
+    folder.write("s/tl000 pl000 tv000 pv000.png", png.get_ref());
+    let ran = folder.run(&["flatten", "s", "-o", "out", "--texels", "8", "--indirection", "4x6"]).succeeded();
+    assert!(ran.stdout.contains("s over the plane") && ran.stdout.contains("0.0000 to 0.0000 tiles"), "{}", ran.stdout);
+    assert!(!ran.stdout.contains("-0.0"), "{}", ran.stdout);
+}

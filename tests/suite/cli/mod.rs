@@ -1,0 +1,19 @@
+//! The real program, command by command. One binary, because each of them is linked anew.
+
+mod bandwidth;
+mod bench;
+mod build_scene;
+mod compare;
+mod encode;
+mod eval;
+mod flatten;
+mod help;
+mod info;
+mod output;
+#[cfg(feature = "render")]
+mod render;
+#[cfg(feature = "render")]
+mod render_adaptive;
+mod samples;
+mod schemas;
+mod synth;

@@ -1,0 +1,385 @@
+//! `brdfc render`, and the studies that draw.
+
+use super::schemas::conforms;
+use crate::common::cli::{Folder, Ran};
+use crate::common::has_adapter;
+use serde_json::Value;
+
+const MANIFEST: &str = "\
+[materials.red]
+source = 'synth:ward?kd=0.4,0.05,0.05&ax=0.3&ay=0.3'
+grid = 8
+
+[materials.blue]
+source = 'synth:lambert?kd=0.1,0.2,0.6'
+grid = 8
+
+[[uses]]
+material = 'red'
+
+[render]
+scene = 'table'
+width = 48
+height = 40
+samples = 1
+exposure = 0.5
+
+[render.camera]
+eye = [0.0, 1.5, 4.2]
+field_of_view = 35.0
+
+[[render.lights]]
+position = [2.0, 3.0, 3.0]
+intensity = 60.0
+
+[[render.lights]]
+position = [-2.0, 3.0, 3.0]
+intensity = [10.0, 20.0, 30.0]
+
+[render.materials]
+ball = 'blue'
+";
+
+fn report(ran: &Ran) -> Value {
+    let report = ran.json();
+    conforms("render", &report);
+    report
+}
+
+fn mean(report: &Value, of: &str) -> f64 {
+    report[of]["delta_e"]["mean"].as_f64().unwrap_or_else(|| panic!("{of}: {report}"))
+}
+
+#[test]
+fn every_scene_of_every_kind_of_input() {
+    if !has_adapter() {
+        return;
+    }
+    let folder = Folder::new();
+    folder.run(&["synth", "ward", "-o", "table.binary", "--dimensions", "10x10x20"]).succeeded();
+    folder.run(&["encode", "table.binary", "-o", "p.ktx2", "--grid", "8"]).succeeded();
+    let lit = ["sphere", "cloth", "table", "terrain", "plane", "bottle", "vase", "teapot"];
+    for scene in lit.into_iter().chain(["bumpy-ball", "ribbed-torus"]) {
+        for (input, more, has_source) in [
+            ("p.ktx2", &[][..], false),
+            ("p.ktx2", &["--source", "table.binary"][..], true),
+            ("synth:lewis", &["--grid", "8", "--ratio", "2"][..], true),
+        ] {
+            let arguments = [
+                &["render", input, "--scene", scene, "--size", "40x30", "--samples", "1", "--json", "-o", "i.png"][..],
+                more,
+            ];
+            let report = report(&folder.run(&arguments.concat()).succeeded());
+            assert_eq!((&report["width"], &report["height"]), (&40.into(), &30.into()));
+            assert_eq!(report["total"].is_null(), !has_source, "{input} {more:?}");
+            assert!(mean(&report, "shading") < 1.0, "{scene}: {report}");
+            let image = image::load_from_memory(&folder.read("i.png")).unwrap();
+            assert_eq!((image.width(), image.height()), (40, 30));
+        }
+    }
+}
+
+#[test]
+fn pictures_of_all_kinds_and_the_same_bytes_twice() {
+    if !has_adapter() {
+        return;
+    }
+    let folder = Folder::new();
+    let draw = |prefix: &str| {
+        let names = ["a.png", "b.exr", "c.png", "d.png"].map(|name| format!("{prefix}{name}"));
+        let [output, reference, difference, sheet] = &names;
+        folder
+            .run(&[
+                "render",
+                "synth:ward",
+                "--grid",
+                "8",
+                "--scene",
+                "cloth",
+                "--size",
+                "50x40",
+                "--samples",
+                "1",
+                "-o",
+                output,
+                "--reference",
+                reference,
+                "--difference",
+                difference,
+                "--sheet",
+                sheet,
+            ])
+            .succeeded();
+        names.map(|name| folder.read(&name))
+    };
+    let first = draw("1");
+    assert_eq!(first, draw("2"));
+    let sheet = image::load_from_memory(&first[3]).unwrap();
+    assert_eq!((sheet.width(), sheet.height()), (3 * 50 + 2 * 4, 40));
+    let exr = brdfc_render::picture::from_exr(&first[1]).unwrap();
+    assert_eq!((exr.width, exr.height), (50, 40));
+    assert!(exr.pixels.iter().any(|pixel| pixel[0] > 0.0));
+}
+
+#[test]
+fn a_manifest_says_what_is_shown() {
+    if !has_adapter() {
+        return;
+    }
+    let folder = Folder::new();
+    folder.write("scene.toml", MANIFEST);
+    let drawn = report(&folder.run(&["render", "scene.toml", "--json", "-o", "a.png"]).succeeded());
+    assert_eq!((&drawn["scene"], &drawn["exposure"]), (&"table".into(), &0.5.into()));
+    let parts: Vec<[&str; 2]> = drawn["parts"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|part| ["part", "material"].map(|key| part[key].as_str().unwrap()))
+        .collect();
+    // What is not said takes the materials that the scene uses.
+    assert_eq!(parts, [["top", "red"], ["cloth", "red"], ["vase", "red"], ["ball", "blue"]]);
+    assert!(mean(&drawn, "codec") >= 0.0);
+    for (key, value) in [("eye = [0.0, 1.5, 4.2]", "eye = [0.5, 1.5, 4.2]"), ("intensity = 60.0", "intensity = 30.0")] {
+        folder.write("other.toml", MANIFEST.replace(key, value));
+        folder.run(&["render", "other.toml", "-o", "b.png"]).succeeded();
+        assert_ne!(folder.read("a.png"), folder.read("b.png"), "{value}");
+    }
+    // The command line wins.
+    let small =
+        report(&folder.run(&["render", "scene.toml", "--json", "--size", "20x20", "--scene", "sphere"]).succeeded());
+    assert_eq!((&small["width"], &small["scene"]), (&20.into(), &"sphere".into()));
+}
+
+#[test]
+fn packs_of_a_build_are_drawn_as_they_are() {
+    if !has_adapter() {
+        return;
+    }
+    let folder = Folder::new();
+    folder.write("scene.toml", MANIFEST.replace("\n[render.materials]\nball = 'blue'\n", ""));
+    folder.run(&["build", "scene.toml", "--out", "packs"]).succeeded();
+    let fresh = folder.run(&["render", "scene.toml", "-o", "a.png"]).succeeded();
+    let kept = folder.run(&["render", "scene.toml", "--packs", "packs", "-o", "b.png"]).succeeded();
+    assert_eq!(fresh.stdout, kept.stdout);
+    assert_eq!(folder.read("a.png"), folder.read("b.png"));
+    let missing = folder.run(&["render", "scene.toml", "--packs", "nowhere"]);
+    assert_eq!(missing.code, 4, "{}", missing.stderr);
+    assert!(missing.stderr.contains("red.brdf.ktx2"), "{}", missing.stderr);
+}
+
+#[test]
+fn a_limit_is_a_check() {
+    if !has_adapter() {
+        return;
+    }
+    let folder = Folder::new();
+    let run = |limit: &str, more: &[&str]| {
+        let arguments = ["render", "synth:ward", "--size", "40x40", "--ratio", "16", "--max-delta-e", limit];
+        folder.run(&[&arguments[..], more].concat())
+    };
+    run("50", &[]).succeeded();
+    let missed = run("0.001", &["-o", "image.png", "--json"]);
+    assert_eq!(missed.code, 1);
+    assert!(missed.stderr.contains("mean ΔE: found") && missed.stderr.contains("allowed 0.001"), "{}", missed.stderr);
+    // Both report and picture are there to look at.
+    assert!(mean(&report(&missed), "total") > 0.001);
+    assert!(!folder.read("image.png").is_empty());
+    // A check that rests on nothing fails.
+    folder.write(
+        "away.toml",
+        MANIFEST.replace("eye = [0.0, 1.5, 4.2]", "eye = [0.0, 1.5, 40.0]\ntarget = [0.0, 1.5, 80.0]"),
+    );
+    let nothing = folder.run(&["render", "away.toml", "--max-delta-e", "5"]);
+    assert_eq!(nothing.code, 1);
+    assert!(nothing.stderr.contains("no pixel"), "{}", nothing.stderr);
+    let dark = folder.run(&["render", "synth:lambert?kd=0", "--grid", "4", "--size", "16x16"]).succeeded();
+    assert!(dark.stderr.contains("note: all surfaces are black"), "{}", dark.stderr);
+}
+
+#[test]
+fn coarser_levels_of_detail_and_filters_change_the_picture() {
+    if !has_adapter() {
+        return;
+    }
+    let folder = Folder::new();
+    let error = |more: &[&str]| {
+        let arguments = ["render", "synth:ward?ax=0.2&ay=0.2", "--size", "60x60", "--samples", "1", "--json"];
+        mean(&report(&folder.run(&[&arguments[..], more].concat()).succeeded()), "total")
+    };
+    let finest = error(&[]);
+    assert!(error(&["--lod", "2"]) > 2.0 * finest);
+    assert!(error(&["--filter", "nearest"]) > finest);
+    assert!((error(&["--exact"]) - finest).abs() < 0.3);
+    assert!(error(&["--ranking", "visible"]) < finest);
+}
+
+#[test]
+fn without_a_driver_it_says_what_to_install() {
+    let folder = Folder::new();
+    folder.write("scene.toml", MANIFEST);
+    for arguments in [
+        &["render", "synth:lewis", "-o", "image.png"][..],
+        &["render", "scene.toml"],
+        &["bench", "--study", "throughput"],
+    ] {
+        let output = folder
+            .command(arguments)
+            .env("VK_DRIVER_FILES", "/nonexistent")
+            .env("VK_ICD_FILENAMES", "/nonexistent")
+            .output()
+            .unwrap();
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(5), "{arguments:?}: {stderr}");
+        assert!(stderr.contains("no usable graphics adapter"), "{stderr}");
+        assert!(stderr.contains("apt-get install mesa-vulkan-drivers libvulkan1"), "{stderr}");
+        assert!(output.stdout.is_empty());
+    }
+    assert!(!folder.path().join("image.png").exists());
+}
+
+#[test]
+fn an_adapter_that_is_not_there() {
+    if !has_adapter() {
+        return;
+    }
+    let folder = Folder::new();
+    let ran = folder.run(&["render", "synth:lewis", "--adapter", "no such card"]);
+    assert_eq!(ran.code, 5, "{}", ran.stderr);
+    assert!(ran.stderr.contains("none is called no such card; found"), "{}", ran.stderr);
+}
+
+/// Found before any work, with or without a driver.
+#[test]
+fn wrong_arguments() {
+    let folder = Folder::new();
+    folder.run(&["encode", "synth:lewis", "-o", "p.ktx2", "--grid", "4"]).succeeded();
+    folder.write("scene.toml", MANIFEST);
+    for (arguments, code, expected) in [
+        (&["render", "p.ktx2", "-o", "image.jpg"][..], 2, "--output: found image.jpg; allowed a name in .png or .exr"),
+        (&["render", "p.ktx2", "--difference", "d.exr"], 2, "--difference: found d.exr; allowed a name in .png"),
+        (&["render", "p.ktx2", "-o", "no/image.png"], 4, "no folder no"),
+        (&["render", "p.ktx2", "--size", "800"], 2, "--size: found 800; allowed WIDTHxHEIGHT"),
+        (&["render", "p.ktx2", "--size", "0x5"], 2, "each 1 to 8192"),
+        (&["render", "p.ktx2", "--size", "99999x5"], 2, "each 1 to 8192"),
+        (&["render", "p.ktx2", "--size", "8192x8192"], 2, "allowed 33554432 samples in all"),
+        (&["render", "p.ktx2", "--samples", "17"], 2, "--samples: found 17; allowed 1 to 16"),
+        (&["render", "p.ktx2", "--exposure", "0"], 2, "--exposure: found 0"),
+        (&["render", "p.ktx2", "--lod", "7"], 2, "--lod: found 7; allowed 0 to 6"),
+        (&["render", "p.ktx2", "--max-delta-e", "nan"], 2, "--max-delta-e: found NaN"),
+        (&["render", "p.ktx2", "--ratio", "8"], 2, "encoding options"),
+        (&["render", "p.ktx2", "--table"], 2, "--source"),
+        (&["render", "p.ktx2", "--packs", "packs"], 2, "--packs: found with p.ktx2; allowed with a manifest"),
+        (&["render", "synth:lewis", "--source", "p.ktx2"], 2, "--source: found with synth:lewis"),
+        (&["render", "synth:lewis", "--ranking", "loud"], 2, "allowed energy or visible"),
+        (&["bench", "synth:lewis"], 2, "allowed with the studies that draw"),
+        (&["bench", "--out", "x"], 2, "--study level-of-detail"),
+    ] {
+        let ran = folder.run(arguments);
+        assert_eq!(ran.code, code, "{arguments:?}: {}", ran.stderr);
+        assert!(ran.stderr.contains(expected), "{arguments:?}: {}", ran.stderr);
+    }
+}
+
+#[test]
+fn wrong_manifests_name_the_line() {
+    let folder = Folder::new();
+    for (change, to, expected) in [
+        ("scene = 'table'", "scene = 'tabel'", "line 13, render.scene: found \"tabel\""),
+        ("scene = 'table'", "scene = 'tabel'", "did you mean table?"),
+        ("width = 48", "width = 0", "line 14, render.width: found 0; allowed 1 to 8192"),
+        ("width = 48", "widht = 48", "did you mean width?"),
+        ("exposure = 0.5", "exposure = -1", "line 17, render.exposure"),
+        ("field_of_view = 35.0", "field_of_view = 0.0", "line 21, render.camera.field_of_view: found 0"),
+        ("eye = [0.0, 1.5, 4.2]", "eye = [0.0, nan, 4.2]", "line 20, render.camera.eye"),
+        ("eye = [0.0, 1.5, 4.2]", "up = [0.0, 0.0, 0.0]", "three that span a view"),
+        ("intensity = 60.0", "intensity = -60.0", "intensities of 0 or more"),
+        ("ball = 'blue'", "bal = 'blue'", "line 32, part in [render.materials]: found \"bal\""),
+        ("ball = 'blue'", "ball = 'bleu'", "line 32, render.materials.ball: found \"bleu\""),
+        ("exposure = 0.5", "environment = 'sky.exr'", "sky.exr: cannot read"),
+    ] {
+        assert!(MANIFEST.contains(change));
+        folder.write("scene.toml", MANIFEST.replace(change, to));
+        let ran = folder.run(&["render", "scene.toml"]);
+        assert_eq!(ran.code, if to.contains("exr") { 4 } else { 3 }, "{to}: {}", ran.stderr);
+        assert!(ran.stderr.contains(expected), "{to}: {}", ran.stderr);
+    }
+    folder.write("scene.toml", "[render]\n");
+    let ran = folder.run(&["render", "scene.toml"]);
+    assert_eq!(ran.code, 3, "{}", ran.stderr);
+    assert!(ran.stderr.contains("materials: found none"), "{}", ran.stderr);
+    folder.write("sky.exr", "not an image");
+    let mirrored = MANIFEST.replace("exposure = 0.5", "environment = 'sky.exr'");
+    folder.write("scene.toml", &mirrored);
+    assert_eq!(folder.run(&["render", "scene.toml"]).code, 3);
+    // What lights the scene is what mirrors show, where nothing else is said.
+    let lit = |text: &str| format!("[scene]\nenvironment = 'gone.hdr'\n{text}");
+    for (text, code, expected) in [(MANIFEST, 4, "gone.hdr: cannot read"), (&mirrored, 3, "sky.exr: EXR")] {
+        folder.write("scene.toml", lit(text));
+        let ran = folder.run(&["render", "scene.toml"]);
+        assert!(ran.code == code && ran.stderr.contains(expected), "{}", ran.stderr);
+    }
+}
+
+#[test]
+fn the_studies_that_draw() {
+    if !has_adapter() {
+        return;
+    }
+    let folder = Folder::new();
+    folder.run(&["encode", "synth:ward", "-o", "small.ktx2", "--grid", "4"]).succeeded();
+    let study = |more: &[&str]| {
+        let ran = folder.run(&[&["bench", "--json", "--study"][..], more].concat()).succeeded();
+        conforms("bench", &ran.json());
+        ran.json()
+    };
+    let throughput = study(&["throughput", "small.ktx2"]);
+    assert_eq!(throughput["rows"].as_array().unwrap().len(), 6);
+    assert!(throughput["rows"].as_array().unwrap().iter().all(|row| row["shader"].as_f64().unwrap() > 1e4));
+    let images = study(&["images", "synth:lewis?kd=0.5&ks=0.1&n=4"]);
+    let row = &images["rows"][0];
+    let mean = |key: &str| row[key][0].as_f64().unwrap();
+    assert!(mean("table") < mean("shader") && mean("shader") < 1.3, "{row}");
+    let detail = study(&["level-of-detail", "small.ktx2", "--out", "frames"]);
+    assert_eq!(detail["levels"].as_array().unwrap().len(), 3);
+    let variance = |key: &str| detail[key]["variance"].as_f64().unwrap();
+    assert!(variance("by_distance") < variance("finest"), "{detail}");
+    assert_eq!(folder.files("frames").len(), 18);
+}
+
+#[test]
+fn flat_btfs_are_drawn_with_parallax() {
+    if !has_adapter() {
+        return;
+    }
+    let folder = Folder::new();
+    let small = ["--texels", "32", "--flat-texels", "64", "--views", "grid:3x8@70", "--indirection", "8x8"];
+    let button = ["flatten", "synth:button?resolution=48", "-o", "button", "--oversampling", "1"];
+    folder.run(&[&button[..], &small].concat()).succeeded();
+    let plane = ["render", "button", "--scene", "plane", "--size", "80x60", "--samples", "1", "--json"];
+    let full = report(&folder.run(&[&plane[..], &["--sheet", "s.png", "-o", "p.exr"]].concat()).succeeded());
+    assert!(mean(&full, "shading") < 0.2, "{full}");
+    let light = report(&folder.run(&[&plane[..], &["--form", "light"]].concat()).succeeded());
+    // Both show the relief; shadows are in the full form alone.
+    assert!(mean(&full, "total") < mean(&light, "total"), "{full} {light}");
+    assert!(folder.path().join("s.png").is_file() && folder.path().join("p.exr").is_file());
+    for scene in ["bottle", "vase", "teapot", "sphere"] {
+        let list = "button/button.json";
+        let ran = folder.run(&["render", list, "--scene", scene, "--size", "40x40", "--form", "light", "--json"]);
+        let drawn = report(&ran.succeeded());
+        assert!(mean(&drawn, "shading") < 0.2 && drawn.get("total").is_none(), "{drawn}");
+    }
+    let info = folder.run(&["info", "button"]).succeeded().stdout;
+    assert!(info.contains("synth:button?resolution=48") && info.contains("texels seen by one view"), "{info}");
+    assert_eq!(folder.run(&["info", "button/button.flat.003.ktx2"]).succeeded().stdout, info);
+    for (wrong, expected) in [
+        (["render", "button", "--lod", "2"], "a flat BTF"),
+        (["render", "synth:lambert", "--form", "light"], "the folder of a flat BTF"),
+        (["render", "button", "--repeat", "0"], "1 to 1024"),
+    ] {
+        let ran = folder.run(&wrong);
+        assert!(ran.code == 2 && ran.stderr.contains(expected), "{ran:?}");
+    }
+    std::fs::remove_file(folder.path().join("button/button.flat.004.ktx2")).unwrap();
+    let ran = folder.run(&["render", "button", "--scene", "plane"]);
+    assert!(ran.code == 3 && ran.stderr.contains("no button.flat.004.ktx2"), "{ran:?}");
+}

@@ -1,0 +1,178 @@
+//! `brdfc render --adaptive`, and the studies of adaptive shading.
+
+use super::schemas::conforms;
+use crate::common::cli::Folder;
+use crate::common::has_adapter;
+use serde_json::Value;
+
+const SMALL: [&str; 10] =
+    ["--adaptive", "--scene", "bumpy-ball", "--size", "64x48", "--grid", "8", "--truth", "64", "--json"];
+
+fn drawn(folder: &Folder, input: &str, more: &[&str]) -> Value {
+    let report = folder.run(&[&["render", input][..], &SMALL, more].concat()).succeeded().json();
+    conforms("render-adaptive", &report);
+    report
+}
+
+/// Stripes around the sky, bright above.
+fn sky(folder: &Folder, name: &str) {
+    let image = image::Rgb32FImage::from_fn(64, 32, |x, y| {
+        let stripe = if (x / 4) % 2 == 0 { 1.0 } else { 0.2 };
+        image::Rgb([stripe, 0.8 * stripe, if y < 16 { 1.5 } else { 0.1 }])
+    });
+    image::DynamicImage::ImageRgb32F(image).save(folder.path().join(name)).unwrap();
+}
+
+#[test]
+fn a_picture_with_its_cost_its_error_and_its_maps() {
+    if !has_adapter() {
+        return;
+    }
+    let folder = Folder::new();
+    sky(&folder, "sky.exr");
+    let images =
+        ["-o", "a.png", "--reference", "b.exr", "--sheet", "c.png", "--maps", "d.png", "--difference", "e.png"];
+    let report = drawn(&folder, "synth:ggx?alpha=0.3", &[&["--environment", "sky.exr"][..], &images].concat());
+    assert_eq!(report["environment"], serde_json::json!([64, 32]));
+    let [adaptive, forward] = ["adaptive", "forward"].map(|name| &report[name]);
+    let points = report["surface_points"].as_u64().unwrap();
+    assert!(points > 500 && forward["samples"] == 32 * points && forward["shaded"] == points, "{report}");
+    let shaded: u64 = report["levels"].as_array().unwrap().iter().map(|l| l["shaded"].as_u64().unwrap()).sum();
+    assert!(adaptive["shaded"] == shaded && shaded < points, "{report}");
+    for shading in [adaptive, forward] {
+        assert!(shading["psnr"].as_f64().unwrap() > 15.0 && shading["flip"].as_f64().unwrap() < 0.3, "{report}");
+    }
+    for (name, width) in [("a.png", 64), ("c.png", 3 * 64 + 8), ("d.png", 3 * 64 + 8), ("e.png", 64)] {
+        let image = image::load_from_memory(&folder.read(name)).unwrap();
+        assert_eq!((image.width(), image.height()), (width, 48), "{name}");
+    }
+    // The same numbers and pictures again.
+    let again = drawn(&folder, "synth:ggx?alpha=0.3", &["--environment", "sky.exr", "-o", "f.png"]);
+    assert_eq!((&again["adaptive"]["psnr"], &again["levels"]), (&adaptive["psnr"], &report["levels"]));
+    assert_eq!(folder.read("a.png"), folder.read("f.png"));
+}
+
+#[test]
+fn budget_caution_and_antialiasing_do_what_they_say() {
+    if !has_adapter() {
+        return;
+    }
+    let folder = Folder::new();
+    let cost = |more: &[&str]| {
+        let report = drawn(&folder, "synth:ggx?alpha=0.3", more);
+        [&report["adaptive"]["samples"], &report["adaptive"]["shaded"]].map(|value| value.as_u64().unwrap())
+    };
+    let usual = cost(&[]);
+    let (more, sharper, finer) = (cost(&["--budget", "256"]), cost(&["--caution", "2"]), cost(&["--antialias", "4"]));
+    assert!(more[0] > 2 * usual[0] && more[1] == usual[1], "{usual:?} {more:?}");
+    assert!(sharper[1] > usual[1] && finer[1] > usual[1] && finer[1] < 4 * usual[1], "{usual:?} {sharper:?} {finer:?}");
+}
+
+#[test]
+fn packs_manifests_and_what_a_build_wrote() {
+    if !has_adapter() {
+        return;
+    }
+    let folder = Folder::new();
+    sky(&folder, "sky.exr");
+    folder.write(
+        "scene.toml",
+        b"[scene]\nenvironment = 'sky.exr'\n[materials.m]\nsource = 'synth:ggx?alpha=0.3'\ngrid = 8\n[[uses]]\nmaterial = 'm'\n",
+    );
+    folder.run(&["build", "scene.toml", "--out", "packs"]).succeeded();
+    let manifest = |more: &[&str]| {
+        let scene = ["--adaptive", "--scene", "bumpy-ball", "--size", "64x48", "--truth", "64", "--json"];
+        let report = folder.run(&[&["render", "scene.toml"][..], &scene, more].concat()).succeeded().json();
+        conforms("render-adaptive", &report);
+        report
+    };
+    let (fresh, built) = (manifest(&[]), manifest(&["--packs", "packs"]));
+    assert_eq!(fresh["environment"], serde_json::json!([64, 32]));
+    assert_eq!(fresh["levels"], built["levels"], "what the build wrote is what is made afresh");
+    // A pack alone: its own lobes are looked up.
+    let pack = "packs/m.brdf.ktx2";
+    let scene = ["--adaptive", "--scene", "bumpy-ball", "--size", "64x48", "--truth", "64", "--json"];
+    conforms("render-adaptive", &folder.run(&[&["render", pack][..], &scene].concat()).succeeded().json());
+    // Packs of another kind in their place.
+    std::fs::copy(folder.path().join("packs/m.samples.ktx2"), folder.path().join("packs/m.bandwidth.ktx2")).unwrap();
+    let ran = folder.run(&[&["render", "scene.toml", "--packs", "packs"][..], &scene].concat());
+    assert!(ran.code == 3 && ran.stderr.contains("m.bandwidth.ktx2"), "{} {}", ran.code, ran.stderr);
+}
+
+#[test]
+fn wrong_flags_are_named() {
+    let folder = Folder::new();
+    let lambert = ["render", "synth:lambert"];
+    for (more, expected) in [
+        (&["--adaptive", "--budget", "0"][..], "--budget: found 0; allowed 0.01 to 1024"),
+        (&["--adaptive", "--caution", "nan"], "--caution: found NaN; allowed 0.001 to 1000"),
+        (&["--adaptive", "--antialias", "2"], "--antialias: found 2; allowed 1, 4 or 16"),
+        (&["--adaptive", "--truth", "1"], "--truth: found 1; allowed 16 to 65536"),
+        (&["--adaptive", "--forward", "0"], "--forward: found 0; allowed 1 to 1024"),
+        (&["--adaptive", "--samples", "2"], "--samples: found with --adaptive"),
+        (&["--adaptive", "--bandwidth-directions", "0"], "--bandwidth-directions: found 0; allowed 1 to 4096"),
+        (&["--budget", "4"], "--adaptive"),
+        (&["--adaptive", "--maps", "maps.exr"], "--maps: found maps.exr; allowed a name in .png"),
+    ] {
+        let ran = folder.run(&[&lambert[..], more].concat());
+        assert_eq!(ran.code, 2, "{more:?}: {}", ran.stderr);
+        assert!(ran.stderr.contains(expected), "{more:?}: {}", ran.stderr);
+    }
+    let ran = folder.run(&[&lambert[..], &["--adaptive", "--environment", "none.exr"]].concat());
+    assert!(ran.code == 3 || ran.code == 4, "{} {}", ran.code, ran.stderr);
+    assert!(ran.stderr.contains("none.exr"), "{}", ran.stderr);
+}
+
+#[test]
+fn a_limit_that_is_missed_is_exit_code_1() {
+    if !has_adapter() {
+        return;
+    }
+    let folder = Folder::new();
+    let code = |limit| folder.run(&[&["render", "synth:lambert"][..], &SMALL, &["--min-psnr", limit]].concat()).code;
+    assert_eq!((code("5"), code("99")), (0, 1));
+}
+
+#[test]
+fn studies_of_adaptive_shading() {
+    let folder = Folder::new();
+    sky(&folder, "sky.exr");
+    let study = |name: &str, more: &[&str]| {
+        let small = ["bench", "--study", name, "synth:ggx?alpha=0.2", "--pixels", "64", "--truth", "64"];
+        let small = [&small[..], &["--environment", "sky.exr"], more].concat();
+        let report = folder.run(&[&small[..], &["--json"]].concat()).succeeded().json();
+        conforms("bench", &report);
+        let text = folder.run(&small).succeeded().stdout;
+        assert!(text.contains("synth:ggx?alpha=0.2") && text.lines().count() > 3, "{text}");
+        report["rows"].clone()
+    };
+    let equal = study("adaptive", &[]);
+    assert_eq!(equal.as_array().unwrap().len(), 6, "two shapes, three errors");
+    for row in equal.as_array().unwrap() {
+        for point in [&row["adaptive"], &row["best"]].into_iter().filter(|point| !point.is_null()) {
+            let off = point["psnr"].as_f64().unwrap() - row["psnr"].as_f64().unwrap();
+            assert!(off.abs() < 1.0, "the picture of the interpolated budget has the wanted error: {row}");
+        }
+    }
+    let fourier = study("pixel-bandwidth", &[]);
+    assert!(fourier[0]["windows"].as_u64() > Some(3), "{fourier}");
+    let directions = study("bandwidth-directions", &[]);
+    let errors: Vec<f64> =
+        directions[0]["rows"].as_array().unwrap().iter().map(|row| row["psnr"].as_f64().unwrap()).collect();
+    // Figure 13: within 0.3 dB.
+    assert!(errors.len() == 4 && errors.iter().all(|psnr| (psnr - errors[3]).abs() < 0.3), "{errors:?}");
+    let antialiasing = study("antialiasing", &[]);
+    assert_eq!(antialiasing[1]["rows"][2]["points"], 16);
+    // Figure 10.
+    for row in antialiasing.as_array().unwrap() {
+        assert!(["shaded", "samples"].iter().all(|cost| row["exponents"][cost].as_f64().unwrap() < 0.7), "{row}");
+    }
+    for (arguments, expected) in [
+        (&["--study", "adaptive", "--pixels", "8"][..], "--pixels: found 8; allowed 32 to 2048"),
+        (&["--study", "adaptive", "--truth", "8"], "--truth: found 8; allowed 16 to 65536"),
+        (&["--study", "rays", "--truth", "64"], "--truth: found with another study; allowed with --study adaptive"),
+    ] {
+        let ran = folder.run(&[&["bench"][..], arguments].concat());
+        assert!(ran.code == 2 && ran.stderr.contains(expected), "{arguments:?}: {}", ran.stderr);
+    }
+}

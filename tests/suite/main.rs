@@ -1,0 +1,8 @@
+//! The program as people and scripts use it.
+
+mod bad_input;
+mod cli;
+mod common;
+mod determinism;
+mod layers;
+mod readme;
