@@ -3,6 +3,7 @@
 use super::output::{print, print_json, refuse_overwriting, remark, to_json, write_file};
 use super::{CliError, Common};
 use crate::table;
+use brdfc_bandwidth::facts::BandwidthFacts;
 use brdfc_bandwidth::lobe::{DEFAULT_RESOLUTION, RESOLUTIONS};
 use brdfc_bandwidth::map::{brdf_map, environment_map, texture_map};
 use brdfc_bandwidth::texture::Placement;
@@ -12,7 +13,6 @@ use brdfc_formats::bandwidth::BandwidthMap;
 use brdfc_jobs::report::material::mended_in_words;
 use brdfc_jobs::write::is_standard_output;
 use brdfc_source::Tally;
-use brdfc_source::bandwidth_map::BandwidthFacts;
 use brdfc_source::open::open;
 use brdfc_source::radiance_image::open_radiance_image;
 use brdfc_source::tile_image::open_tile_image;

@@ -7,7 +7,8 @@ use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::measured::scan_csv::directions_from_bytes;
 use brdfc_metrics::compare::{Comparison, compare, mean_value};
 use brdfc_metrics::sampling::random_pairs;
-use brdfc_source::open::{Facts, MAX_FILE_BYTES, open, read_file};
+use brdfc_source::open::{Facts, open};
+use brdfc_source::read::{MAX_FILE_BYTES, read_file};
 use clap::Args;
 use serde::Serialize;
 

@@ -30,7 +30,7 @@ use std::process::ExitCode;
 /// Compiles measured appearance (MERL, gonioreflectometer scans, RGL) into packed GPU textures, each with its measured
 /// error.
 #[derive(Debug, Parser)]
-#[command(name = "brdfc", version, max_term_width = 110, after_help = EXIT_CODES)]
+#[command(name = "brdfc", version, max_term_width = 110, after_help = after_help())]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -66,7 +66,7 @@ enum Command {
     Schema(schema::Arguments),
 }
 
-const EXIT_CODES: &str = "\
+const EXAMPLES: &str = "\
 Examples:
   brdfc build scene.toml                              make the packs of a scene
   brdfc encode red-plastic.binary -o red.ktx2         make one pack, 4:1, 8 bits
@@ -78,11 +78,17 @@ Examples:
   brdfc bandwidth museum.exr -o museum.ktx2           how fast does it vary?
   brdfc samples red-plastic.binary -o red.samples.ktx2
 
-INPUT is a path (.binary MERL, .brdf or .csv scan, .bsdf RGL, .ktx2 pack) or an analytic model such as
-synth:ward?kd=0.2&ks=0.1&ax=0.15&ay=0.5 ('brdfc synth --help' lists them).
+INPUT is a path or an analytic model such as synth:ward?kd=0.2&ks=0.1&ax=0.15&ay=0.5 ('brdfc synth --help' lists them).
+";
 
+const EXIT_CODES: &str = "\
 Exit codes: 0 done; 1 a check failed (error budget missed, comparison differs); 2 wrong usage; 3 invalid input;
 4 cannot read or write; 5 no usable graphics adapter; 6 internal error; 130 interrupted.";
+
+/// What stands below the list of commands.
+fn after_help() -> String {
+    format!("{EXAMPLES}\nFiles: {}.\n\n{EXIT_CODES}", brdfc_source::open::known_files())
+}
 
 /// What every subcommand gets besides its own arguments.
 #[derive(Debug, Clone, Copy)]

@@ -95,7 +95,11 @@ pub fn cell_centre(column: usize, row: usize, n: usize) -> Vector {
 
 /// How a direction pair becomes two points on hemispheres.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema),
+    serde(rename_all = "kebab-case")
+)]
 pub enum Parameterisation {
     /// Outer = incoming, inner = outgoing, as in the paper.
     TangentPole,

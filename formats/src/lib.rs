@@ -16,8 +16,10 @@ pub mod direction_set;
 mod error;
 pub mod flat_btf;
 pub mod importance;
+mod kind;
 pub mod measured;
 pub mod meso;
 pub mod wavelet;
 
 pub use error::{FormatError, Place};
+pub use kind::{Pack, PackKind};

@@ -7,7 +7,8 @@ use crate::{CliError, Common, graphics_environment};
 use brdfc_formats::wavelet::WaveletPack;
 use brdfc_gpu::{AdapterChoice, AdapterDescription, Gpu};
 use brdfc_render::picture::to_png;
-use brdfc_source::open::{open, open_pack};
+use brdfc_source::open::open;
+use brdfc_source::pack::open_wavelet_pack;
 use brdfc_studies::images::{ImageRow, PAPER_MEAN, PAPER_SIGMA, StudyError, on_the_cloth};
 use brdfc_studies::level_of_detail::{Animation, LevelOfDetail, level_of_detail};
 use brdfc_studies::throughput::{Throughput, throughput};
@@ -89,7 +90,7 @@ fn one<'a>(arguments: &'a Arguments, default: &'a str) -> Result<&'a str, CliErr
 /// A pack as it is, or what a source becomes at 4:1 and 8 bits.
 fn pack(input: &str) -> Result<WaveletPack, CliError> {
     if input.to_ascii_lowercase().ends_with(".ktx2") {
-        return Ok(open_pack(Path::new(input))?);
+        return Ok(open_wavelet_pack(Path::new(input))?);
     }
     let recipe = Recipe { off_grid_pairs: 1, ..Recipe::default() };
     let opened = open(input, None)?;

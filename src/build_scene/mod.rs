@@ -12,7 +12,7 @@ use brdfc_jobs::report::material::remarks;
 use brdfc_jobs::scene::manifest::Manifest;
 use brdfc_jobs::scene::needs::ENVIRONMENT;
 use brdfc_jobs::scene::run::{Outcomes, Plan, pack_name, plan, run as run_jobs};
-use brdfc_source::open::{MAX_TEXT_BYTES, read_file};
+use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
 use brdfc_wavelet::recipe::Target;
 use clap::Args;
 use std::path::{Path, PathBuf};

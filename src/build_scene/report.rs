@@ -1,11 +1,11 @@
 //! What a build says about itself.
 
 use crate::table;
+use brdfc_bandwidth::facts::BandwidthFacts;
 use brdfc_jobs::report::material::{MaterialReport, StageTime};
 use brdfc_jobs::scene::maps::{MapsReport, PARTS, Packed, part_name};
 use brdfc_jobs::scene::needs::ENVIRONMENT;
 use brdfc_jobs::scene::run::{JobError, Made, MadeEnvironment, Outcome, Outcomes, Plan, pack_name};
-use brdfc_source::bandwidth_map::BandwidthFacts;
 use serde::Serialize;
 use std::path::Path;
 

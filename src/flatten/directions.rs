@@ -2,7 +2,7 @@
 
 use crate::CliError;
 use brdfc_formats::direction_set::DirectionSet;
-use brdfc_source::open::{MAX_TEXT_BYTES, read_file};
+use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
 use std::path::Path;
 
 /// The set where none is named.

@@ -6,14 +6,16 @@ use super::output::{print, print_json, printable};
 use super::{CliError, bandwidth, flatten};
 use crate::table::{bytes, percent};
 use brdfc_flat_btf::structures::STRUCTURES;
+use brdfc_formats::Pack;
+use brdfc_formats::wavelet::ErrorSummary;
+use brdfc_importance::ImportanceFacts;
 use brdfc_jobs::flatten::{AssetFile, SurfaceFacts, describe_surface, open_asset};
-use brdfc_source::Symmetry;
 use brdfc_source::address::{SYNTH_PREFIX, is_synth, split_query};
 use brdfc_source::btf_stack::has_images;
 use brdfc_source::flat_btf::{asset_of_part, check_flat_btf};
-use brdfc_source::importance_pack::ImportanceFacts;
-use brdfc_source::open::{Facts, InputError, StoredErrors, open};
-use brdfc_source::other_pack::{OtherPack, open_other_pack};
+use brdfc_source::open::{Facts, Opened, open};
+use brdfc_source::pack::{open_pack, opened};
+use brdfc_source::{InputError, Symmetry};
 use clap::Args;
 use serde::Serialize;
 use std::path::Path;
@@ -86,11 +88,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     if let Some(asset) = flat_btf(&arguments.input)? {
         return if arguments.json { print_json(&asset) } else { print(&flatten::text(&asset, None)) };
     }
-    let other = if is_synth(&arguments.input) { None } else { open_other_pack(Path::new(&arguments.input))? };
-    let contents = match other {
-        Some(OtherPack::Bandwidth(map)) => return bandwidth::info(&map, arguments.json),
-        Some(OtherPack::Importance(pack)) => Some(Contents::Other(Other::ImportancePack(ImportanceFacts::new(&pack)))),
-        None => None,
+    let path = Path::new(&arguments.input);
+    let is_pack = !is_synth(&arguments.input) && path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ktx2"));
+    let contents = match if is_pack { Some(open_pack(path)?) } else { None } {
+        Some(Pack::Bandwidth(map)) => return bandwidth::info(&map, arguments.json),
+        Some(Pack::Importance(pack)) => Some(Contents::Other(Other::ImportancePack(ImportanceFacts::new(&pack)))),
+        Some(Pack::Wavelet(pack)) => Some(reflectance(opened(&pack, None))),
+        _ => None,
     };
     if contents.is_none()
         && let Some(facts) = surface(&arguments.input)?
@@ -102,7 +106,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     }
     let contents = match contents {
         Some(contents) => contents,
-        None => reflectance(&arguments.input)?,
+        None => reflectance(open(&arguments.input, None).map_err(with_structures)?),
     };
     if arguments.json {
         return print_json(&Report { version: 1, contents });
@@ -120,10 +124,9 @@ pub(super) fn lines_of(lines: &[(&'static str, String)]) -> String {
     lines.iter().map(|(name, value)| format!("{name:width$}  {}\n", printable(value))).collect()
 }
 
-fn reflectance(input: &str) -> Result<Contents, CliError> {
-    let opened = open(input, None).map_err(with_structures)?;
+fn reflectance(opened: Opened) -> Contents {
     let (symmetry, grey) = (opened.source.symmetry(), opened.source.is_grey());
-    Ok(Contents::Reflectance { facts: opened.facts, symmetry, grey })
+    Contents::Reflectance { facts: opened.facts, symmetry, grey }
 }
 
 /// The list of a flat BTF's parts, if the input is one: its folder, the list itself, or one of the parts beside it.
@@ -142,7 +145,7 @@ fn flat_btf(input: &str) -> Result<Option<AssetFile>, CliError> {
         check_flat_btf(path)?;
         return Ok(Some(asset));
     }
-    let part = path.file_name().and_then(|file| file.to_str()).and_then(asset_of_part);
+    let part = path.file_name().and_then(|file| file.to_str()).and_then(asset_of_part).map(str::to_owned);
     let Some(list) = part.map(|name| path.with_file_name(format!("{name}.json"))) else { return Ok(None) };
     // A part that is missing is said to be so by whoever opens it.
     if !path.is_file() || !list.is_file() {
@@ -268,7 +271,7 @@ fn facts_in_words(facts: &Facts) -> Vec<(&'static str, String)> {
             off_grid,
         } => vec![
             ("kind", "wavelet pack".to_owned()),
-            ("grid", format!("{grid} x {grid} per hemisphere, {parameterisation}")),
+            ("grid", format!("{grid} x {grid} per hemisphere, {}", parameterisation.name())),
             ("levels of detail", format!("{levels}, stored up to {stored_levels}")),
             ("texels", format!("{channels} channels, {bits} bits")),
             ("slices kept", format!("{slices_kept} of {}", grid * grid)),
@@ -280,7 +283,7 @@ fn facts_in_words(facts: &Facts) -> Vec<(&'static str, String)> {
     }
 }
 
-fn errors_in_words(errors: &StoredErrors) -> String {
+fn errors_in_words(errors: &ErrorSummary) -> String {
     let ratio = |value: f32| percent(f64::from(value));
     format!(
         "ε_r {} (95 %: {}, 99 %: {}, largest: {}), ε {:.3e} 1/sr, reciprocity {}",

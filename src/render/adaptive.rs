@@ -6,11 +6,12 @@ use crate::output::{print, print_json, remark, write_file};
 use crate::table::{percent, plain, significant};
 use crate::{CliError, Common};
 use brdfc_bandwidth::DEFAULT_EPSILON;
+use brdfc_bandwidth::facts::BandwidthFacts;
 use brdfc_bandwidth::map::environment_map;
-use brdfc_formats::FormatError;
 use brdfc_formats::bandwidth::{BandwidthKind, BandwidthMap};
 use brdfc_formats::importance::ImportancePack;
 use brdfc_formats::wavelet::{DEFAULT_DISTANCE_SCALE, WaveletPack};
+use brdfc_formats::{FormatError, Pack};
 use brdfc_gpu::verify::PackReflectance;
 use brdfc_gpu::{AdapterChoice, AdaptiveRenderer, Decoding, Gpu, SliceFilter};
 use brdfc_jobs::report::adaptive::{AdaptiveVerification, Drawn};
@@ -24,8 +25,7 @@ use brdfc_render::adaptive::{
 use brdfc_render::scene::Frame;
 use brdfc_render::shade::Reflectance;
 use brdfc_source::PackSource;
-use brdfc_source::bandwidth_map::BandwidthFacts;
-use brdfc_source::other_pack::{OtherPack, open_other_pack};
+use brdfc_source::pack::open_pack;
 use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -285,9 +285,9 @@ fn built(
     if !map.exists() && !samples.exists() {
         return Ok(None);
     }
-    let bandwidth = match open_other_pack(&map)? {
-        Some(OtherPack::Bandwidth(bandwidth)) if bandwidth.header().kind == BandwidthKind::Brdf => bandwidth,
-        _ => return Err(no_such_pack(&map, "the bandwidth map of a material")),
+    let bandwidth = match open_pack(&map)? {
+        Pack::Bandwidth(bandwidth) if bandwidth.header().kind == BandwidthKind::Brdf => bandwidth,
+        other => return Err(no_such_pack(&map, &other, "the bandwidth map of a material")),
     };
     if let Some((missing, there)) =
         [(&map, &samples), (&samples, &map)].into_iter().find(|(missing, _)| !missing.exists())
@@ -295,14 +295,14 @@ fn built(
         let text = format!("{}: found none beside {}; 'brdfc build' writes both", missing.display(), there.display());
         return Err(CliError::Input(text));
     }
-    match open_other_pack(&samples)? {
-        Some(OtherPack::Importance(samples)) => Ok(Some((bandwidth, samples))),
-        _ => Err(no_such_pack(&samples, "importance samples")),
+    match open_pack(&samples)? {
+        Pack::Importance(samples) => Ok(Some((bandwidth, samples))),
+        other => Err(no_such_pack(&samples, &other, "importance samples")),
     }
 }
 
-fn no_such_pack(path: &Path, allowed: &str) -> CliError {
-    CliError::Input(format!("{}: found another pack, or none that is whole; allowed {allowed}", path.display()))
+fn no_such_pack(path: &Path, found: &Pack, allowed: &str) -> CliError {
+    CliError::Input(format!("{}: found {}; allowed {allowed}", path.display(), found.kind().name()))
 }
 
 /// The folder in which a build of this manifest left maps. Those of other scenes do not count: they may be old.
@@ -320,9 +320,9 @@ fn environment(
     if let (Some(folder), None) = (maps_folder(arguments, subject), &arguments.adaptive.environment) {
         let path = folder.join(part_name(needs::ENVIRONMENT, "bandwidth"));
         if path.exists() {
-            return match open_other_pack(&path)? {
-                Some(OtherPack::Bandwidth(map)) if map.header().kind == BandwidthKind::Environment => Ok(map),
-                _ => Err(no_such_pack(&path, "the bandwidth map of an environment")),
+            return match open_pack(&path)? {
+                Pack::Bandwidth(map) if map.header().kind == BandwidthKind::Environment => Ok(map),
+                other => Err(no_such_pack(&path, &other, "the bandwidth map of an environment")),
             };
         }
     }

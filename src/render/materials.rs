@@ -7,7 +7,8 @@ use brdfc_formats::wavelet::WaveletPack;
 use brdfc_jobs::scene::manifest::Manifest;
 use brdfc_jobs::scene::run::{Job, pack_name, plan};
 use brdfc_source::Source;
-use brdfc_source::open::{open, open_pack};
+use brdfc_source::open::open;
+use brdfc_source::pack::open_wavelet_pack;
 use brdfc_wavelet::encode::encode;
 use brdfc_wavelet::recipe::{Recipe, Target};
 use std::path::{Path, PathBuf};
@@ -140,7 +141,7 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<P
     };
     let source = source.map(|input| open(&input, None)).transpose()?.map(|opened| opened.source);
     let pack = match (&pack_path, &source) {
-        (Some(path), _) => open_pack(path)?,
+        (Some(path), _) => open_wavelet_pack(path)?,
         (None, Some(source)) => encoded(source.as_ref(), &recipe)?,
         (None, None) => return Err(CliError::Internal("nothing to draw".to_owned())),
     };

@@ -39,7 +39,7 @@ pub struct Norms {
 
 impl Norms {
     /// The form that a pack holds, with the largest difference of albedos and the reciprocity error.
-    pub fn summary(&self, albedo_max: f64, reciprocity: f64) -> ErrorSummary {
+    pub fn summary(&self, albedo_max_difference: f64, reciprocity: f64) -> ErrorSummary {
         let narrow = |v: f64| (v as f32).min(f32::MAX);
         ErrorSummary {
             samples: self.samples.min(u64::from(u32::MAX)) as u32,
@@ -50,7 +50,7 @@ impl Norms {
             relative_max: narrow(self.relative_max),
             log_rms: narrow(self.log_rms),
             cosine_log_rms: narrow(self.cosine_log_rms),
-            albedo_max: narrow(albedo_max),
+            albedo_max_difference: narrow(albedo_max_difference),
             reciprocity: narrow(reciprocity),
         }
     }

@@ -1,6 +1,6 @@
 //! Folders of images, one per view and light: a BTF as it was measured.
 
-use super::open::InputError;
+use crate::InputError;
 use brdfc_formats::FormatError;
 use brdfc_formats::colour::decode_srgb;
 use brdfc_formats::direction_set::DirectionSet;

@@ -1,23 +1,22 @@
 //! Flat BTFs in folders: the files of one asset.
 
-use super::open::{InputError, MAX_FILE_BYTES, MAX_TEXT_BYTES, open_path, read_file};
+use super::read::open_path;
+use crate::InputError;
+use crate::read::{MAX_FILE_BYTES, MAX_TEXT_BYTES, read_file};
 use brdfc_formats::FormatError;
-use brdfc_formats::flat_btf::{DiffuseMap, FlatBtfParts, FlatView, IndirectionMap, NormalMap, ReferenceMap, view_part};
+use brdfc_formats::flat_btf::{
+    DiffuseMap, FlatBtfParts, FlatPart, FlatView, IndirectionMap, NormalMap, PART_EXTENSION, ReferenceMap,
+    split_part_name, view_part,
+};
 use rayon::prelude::*;
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// What the name of every part's file ends with.
-const EXTENSION: &str = ".ktx2";
 /// What the name of the list of parts ends with.
 const LIST: &str = ".json";
 /// Parts that every asset has, of those that are drawn.
 const PARTS: [&str; 4] = ["reference", "indirection", "normal", "diffuse"];
-/// Parts that are not drawn.
-const OTHER_PARTS: [&str; 2] = ["position", "mask"];
-/// Part of the first view; the others are found through it.
-const VIEW: &str = "flat";
 /// Most files that are looked at.
 const MAX_ENTRIES: usize = 1 << 16;
 /// Most missing files that an error lists.
@@ -48,7 +47,8 @@ struct Listed {
 pub fn open_flat_btf(path: &Path, views: bool) -> Result<FlatBtfParts, InputError> {
     let asset = Asset::open(path)?;
     let mut names: Vec<String> = PARTS.map(str::to_owned).to_vec();
-    let count = asset.listing.parts.keys().filter(|part| is_view(part)).count() as u32;
+    let count =
+        asset.listing.parts.keys().filter(|part| FlatPart::from_name(part) == Some(FlatPart::View)).count() as u32;
     if views {
         names.extend((0..count.max(1)).map(|view| view_part(view, count)));
     }
@@ -102,7 +102,7 @@ impl Asset {
     }
 
     fn file(&self, part: &str) -> String {
-        format!("{}.{part}{EXTENSION}", self.name)
+        format!("{}.{part}{PART_EXTENSION}", self.name)
     }
 
     /// That parts are in the list, under their names, and that their files are there.
@@ -180,9 +180,7 @@ fn asset(path: &Path) -> Result<(PathBuf, String), InputError> {
             return Err(format_error(path, FormatError::whole("files", found, "the files of one flat BTF")));
         }
         let file = entry.map_err(io)?.file_name().to_string_lossy().into_owned();
-        names.extend(
-            name_and_part(&file).filter(|(_, part)| !OTHER_PARTS.contains(part)).map(|(name, _)| name.to_owned()),
-        );
+        names.extend(split_part_name(&file).filter(|(_, part, _)| part.is_drawn()).map(|(name, ..)| name.to_owned()));
     }
     let found = match names.len() {
         1 => return Ok((path.to_owned(), names.into_iter().next().unwrap_or_default())),
@@ -193,27 +191,8 @@ fn asset(path: &Path) -> Result<(PathBuf, String), InputError> {
 }
 
 /// NAME of a file `NAME.PART.ktx2` of a flat BTF.
-pub fn asset_of_part(file: &str) -> Option<String> {
-    name_and_part(file).map(|(name, _)| name.to_owned())
-}
-
-/// NAME and PART of a file `NAME.PART.ktx2`; of views the part is [`VIEW`] without their number.
-fn name_and_part(file: &str) -> Option<(&str, &str)> {
-    let (name, part) = file.strip_suffix(EXTENSION)?.rsplit_once('.')?;
-    if PARTS.contains(&part) || OTHER_PARTS.contains(&part) {
-        return Some((name, part));
-    }
-    let name = name.strip_suffix(VIEW)?.strip_suffix('.').filter(|_| is_number(part));
-    name.map(|name| (name, VIEW))
-}
-
-/// Whether a part is a view: [`VIEW`], a point, and its number.
-fn is_view(part: &str) -> bool {
-    part.split_once('.').is_some_and(|(view, number)| view == VIEW && is_number(number))
-}
-
-fn is_number(text: &str) -> bool {
-    text.len() >= 3 && text.bytes().all(|digit| digit.is_ascii_digit())
+pub fn asset_of_part(file: &str) -> Option<&str> {
+    split_part_name(file).map(|(name, ..)| name)
 }
 
 fn format_error(path: &Path, error: FormatError) -> InputError {

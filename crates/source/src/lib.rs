@@ -2,17 +2,15 @@
 
 pub mod address;
 pub mod analytic;
-pub mod bandwidth_map;
 pub mod btf_stack;
+mod error;
 pub mod flat_btf;
-pub mod flat_part;
-pub mod importance_pack;
 mod merl;
 pub mod meso;
 pub mod open;
-pub mod other_pack;
-mod pack;
+pub mod pack;
 pub mod radiance_image;
+pub mod read;
 pub mod rgl;
 pub mod scan;
 pub mod simulate;
@@ -20,6 +18,7 @@ mod symmetry;
 mod tally;
 pub mod tile_image;
 
+pub use error::InputError;
 pub use merl::MerlSource;
 pub use pack::PackSource;
 pub use rgl::RglSource;

@@ -1,13 +1,33 @@
 //! MERL tables as a source.
 
+use super::error::InputError;
+use super::open::{Facts, Format, InputFile, Opened};
 use super::{Source, Symmetry, Tally};
 use brdfc_formats::direction::{DirectionPair, dot, half_vector};
-use brdfc_formats::measured::merl::Merl;
+use brdfc_formats::measured::merl::{Merl, MerlError};
 use std::f64::consts::FRAC_PI_2;
 use std::sync::OnceLock;
 
 /// Largest relative difference between a cell and its image that still counts as the rounding of a symmetric file.
 const SYMMETRY_TOLERANCE: f32 = 1e-5;
+
+/// How MERL tables are opened.
+pub(crate) const FORMAT: Format = Format { extension: "binary", name: "MERL", open };
+
+fn open(input: InputFile<'_>) -> Result<Opened, InputError> {
+    let table = Merl::read(input.file, input.length).map_err(|error| match error {
+        MerlError::Format(error) => InputError::format(input.path, error),
+        MerlError::Io(error) => InputError::io(input.path, error),
+    })?;
+    let source = MerlSource::new(table);
+    let (n, valid_cells) = (source.table().dimensions, source.table().valid_cells);
+    let facts = Facts::Merl {
+        dimensions: [n.theta_half, n.theta_difference, n.phi_difference],
+        valid_cells,
+        invalid_cells: n.cells() - valid_cells,
+    };
+    Ok(Opened { source: Box::new(source), facts })
+}
 
 /// A MERL table, interpolated trilinearly in `(sqrt(theta_h), theta_d, phi_d)`.
 #[derive(Debug)]

@@ -1,6 +1,8 @@
 //! Meso-geometry from files: meshes and height maps.
 
-use super::open::{InputError, extension_of, found_extension, open_path, read_all};
+use super::read::{found_extension, open_path, read_all};
+use crate::InputError;
+use crate::read::extension_of;
 use brdfc_formats::FormatError;
 use brdfc_formats::meso::{TriangleMesh, obj, ply};
 use exr::prelude::{MetaData, ReadChannels, ReadLayers, ReadSpecificChannel, Text, read};

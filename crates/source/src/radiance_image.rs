@@ -1,6 +1,7 @@
 //! Images of radiance: OpenEXR and Radiance HDR.
 
-use super::open::{InputError, MAX_FILE_BYTES, extension_of, read_file};
+use crate::InputError;
+use crate::read::{MAX_FILE_BYTES, extension_of, read_file};
 use brdfc_formats::FormatError;
 use exr::prelude::{MetaData, ReadChannels, ReadLayers, read};
 use image::{ImageFormat, ImageReader, Limits};

@@ -6,9 +6,12 @@ mod warp;
 use std::f64::consts::{FRAC_2_PI, PI, TAU};
 
 use brdfc_formats::FormatError;
+use brdfc_formats::colour::rgb_weights;
 use brdfc_formats::direction::{DirectionPair, Vector, half_vector};
 use brdfc_formats::measured::rgl::{Azimuths, Colour, Map, Rgl};
 
+use super::error::InputError;
+use super::open::{Facts, Format, InputFile, Opened};
 use super::{Source, Symmetry, Tally};
 use warp::{Cell, Incidence, VisibleNormals};
 
@@ -17,6 +20,23 @@ const NO_AZIMUTH: f64 = 1e-24;
 
 /// Largest relative difference of values that count as equal when a symmetry is looked for.
 const SAME: f32 = 1e-6;
+
+/// How RGL materials are opened.
+pub(crate) const FORMAT: Format = Format { extension: "bsdf", name: "RGL", open };
+
+fn open(input: InputFile<'_>) -> Result<Opened, InputError> {
+    input.parse(|bytes| {
+        let rgl = Rgl::from_bytes(bytes)?;
+        let facts = Facts::Rgl {
+            description: rgl.description.clone(),
+            azimuths: rgl.phi_i.len(),
+            polar_angles: rgl.theta_i.len(),
+            resolution: [rgl.colour_rows, rgl.colour_columns],
+            channels: rgl.channels(),
+        };
+        Ok(Opened { source: Box::new(RglSource::new(rgl, rgb_weights)?), facts })
+    })
+}
 
 /// An RGL material, ready to be evaluated.
 #[derive(Debug, Clone)]

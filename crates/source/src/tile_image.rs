@@ -1,6 +1,7 @@
 //! Images that colour a surface or say where its materials are.
 
-use super::open::{InputError, read_file};
+use crate::InputError;
+use crate::read::read_file;
 use brdfc_formats::FormatError;
 use brdfc_formats::colour::decode_srgb;
 use image::{ImageError, ImageFormat, ImageReader, Limits};

@@ -67,7 +67,7 @@ pub fn pack(header: Header, kept: usize, seed: u64) -> WaveletPack {
         relative_max: numbers.unit() as f32,
         log_rms: numbers.unit() as f32,
         cosine_log_rms: numbers.unit() as f32,
-        albedo_max: numbers.unit() as f32,
+        albedo_max_difference: numbers.unit() as f32,
         reciprocity: numbers.unit() as f32,
     };
     let (on_grid, off_grid) = (summary(&mut numbers), summary(&mut numbers));

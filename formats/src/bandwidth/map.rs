@@ -234,9 +234,11 @@ impl BandwidthMap {
     /// # Errors
     /// Whatever breaks the rules of `formats/src/bandwidth/spec.md`.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        // No map is larger.
-        Self::from_texture(&Texture::from_bytes_within(bytes, 2 * u64::from(MAX_SIDE) * u64::from(MAX_SIDE))?)
+        Self::from_texture(&Texture::from_bytes_within(bytes, Self::MAX_TEXEL_BYTES)?)
     }
+
+    /// Texels of the largest map.
+    pub const MAX_TEXEL_BYTES: u64 = 2 * MAX_SIDE as u64 * MAX_SIDE as u64;
 
     /// Reads and checks the texture of a KTX2 file.
     ///

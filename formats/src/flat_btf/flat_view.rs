@@ -8,7 +8,8 @@ use crate::cursor::Cursor;
 use std::collections::BTreeMap;
 
 const PART: &str = "flat";
-const HEADER: &str = "brdfc.flat-btf";
+/// The entry that tells a view.
+pub(crate) const HEADER: &str = "brdfc.flat-btf";
 const VIEWS: &str = "brdfc.views";
 const LIGHTS: &str = "brdfc.lights";
 /// Most views, and most lights.
@@ -143,9 +144,16 @@ impl FlatView {
     /// # Errors
     /// Whatever breaks the rules of `formats/src/flat_btf/spec.md`.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        let texture = Texture::from_bytes(bytes)?;
-        let header = FlatHeader::from_texture(&texture)?;
-        let [size, lights] = square_layers(&texture, PART, TexelFormat::Rgb9E5)?;
+        Self::from_texture(&Texture::from_bytes(bytes)?)
+    }
+
+    /// [`Self::from_bytes`] of a file whose container has been read.
+    ///
+    /// # Errors
+    /// As [`Self::from_bytes`].
+    pub fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
+        let header = FlatHeader::from_texture(texture)?;
+        let [size, lights] = square_layers(texture, PART, TexelFormat::Rgb9E5)?;
         if (size, lights as usize) != (header.size, header.lights.len()) {
             let (side, count) = (header.size, header.lights.len());
             let allowed = format!("{count} layers of {side} x {side}, as {HEADER} says");
@@ -215,8 +223,15 @@ impl VisibilityMask {
     /// # Errors
     /// Whatever breaks the rules of `formats/src/flat_btf/spec.md`.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        let texture = Texture::from_bytes(bytes)?;
-        let [size, views] = square_layers(&texture, Self::PART, TexelFormat::R8Unorm)?;
-        Self::new(size, views, texture.texels)
+        Self::from_texture(&Texture::from_bytes(bytes)?)
+    }
+
+    /// [`Self::from_bytes`] of a file whose container has been read.
+    ///
+    /// # Errors
+    /// As [`Self::from_bytes`].
+    pub fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
+        let [size, views] = square_layers(texture, Self::PART, TexelFormat::R8Unorm)?;
+        Self::new(size, views, texture.texels.clone())
     }
 }

@@ -11,7 +11,8 @@ use crate::cursor::Cursor;
 use std::collections::BTreeMap;
 
 const PART: &str = "indirection";
-const HEADER: &str = "brdfc.indirection";
+/// The entry that tells an indirection map.
+pub(crate) const HEADER: &str = "brdfc.indirection";
 /// Most samples of the polar angle.
 pub const MAX_ZENITH_SAMPLES: u32 = 256;
 /// Most samples of the azimuth.
@@ -198,9 +199,16 @@ impl IndirectionMap {
     /// # Errors
     /// Whatever breaks the rules of `formats/src/flat_btf/spec.md`.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        let texture = Texture::from_bytes(bytes)?;
-        let header = IndirectionHeader::from_bytes(entry(&texture, HEADER, "an indirection map")?)?;
-        check_format(&texture, PART, TexelFormat::Rgba16Float)?;
+        Self::from_texture(&Texture::from_bytes(bytes)?)
+    }
+
+    /// [`Self::from_bytes`] of a file whose container has been read.
+    ///
+    /// # Errors
+    /// As [`Self::from_bytes`].
+    pub fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
+        let header = IndirectionHeader::from_bytes(entry(texture, HEADER, "an indirection map")?)?;
+        check_format(texture, PART, TexelFormat::Rgba16Float)?;
         let extent = Extent::D2(header.extent());
         if texture.extent != extent {
             return Err(wrong_extent(PART, texture.extent, format!("a 2D texture of {extent}, as {HEADER} says")));

@@ -63,8 +63,15 @@ impl PositionMap {
     /// # Errors
     /// Whatever breaks the rules of `formats/src/flat_btf/spec.md`.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        let texture = Texture::from_bytes(bytes)?;
-        let size = square(&texture, Self::PART, TexelFormat::Rgba32Float)?;
+        Self::from_texture(&Texture::from_bytes(bytes)?)
+    }
+
+    /// [`Self::from_bytes`] of a file whose container has been read.
+    ///
+    /// # Errors
+    /// As [`Self::from_bytes`].
+    pub fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
+        let size = square(texture, Self::PART, TexelFormat::Rgba32Float)?;
         let texels = floats::<4>(&texture.texels);
         check_texels(Self::PART, size, &texels, "1 as w", |t| t[3].to_string(), |t| t[3] == 1.0)?;
         Self::new(size, texels.into_iter().map(|[x, y, z, _]| [x, y, z]).collect())
@@ -123,8 +130,15 @@ impl NormalMap {
     /// # Errors
     /// Whatever breaks the rules of `formats/src/flat_btf/spec.md`.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        let texture = Texture::from_bytes(bytes)?;
-        let size = square(&texture, Self::PART, TexelFormat::Rgba16Float)?;
+        Self::from_texture(&Texture::from_bytes(bytes)?)
+    }
+
+    /// [`Self::from_bytes`] of a file whose container has been read.
+    ///
+    /// # Errors
+    /// As [`Self::from_bytes`].
+    pub fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
+        let size = square(texture, Self::PART, TexelFormat::Rgba16Float)?;
         let texels = halves(&texture.texels);
         check_texels(Self::PART, size, &texels, "0 as w", |t| half::decode(t[3]).to_string(), |t| t[3] == 0)?;
         Self::new(size, texels.into_iter().map(|[x, y, z, _]| [x, y, z].map(half::decode)).collect())
@@ -179,8 +193,15 @@ impl DiffuseMap {
     /// # Errors
     /// Whatever breaks the rules of `formats/src/flat_btf/spec.md`.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        let texture = Texture::from_bytes(bytes)?;
-        let size = square(&texture, Self::PART, TexelFormat::Rgb9E5)?;
+        Self::from_texture(&Texture::from_bytes(bytes)?)
+    }
+
+    /// [`Self::from_bytes`] of a file whose container has been read.
+    ///
+    /// # Errors
+    /// As [`Self::from_bytes`].
+    pub fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
+        let size = square(texture, Self::PART, TexelFormat::Rgb9E5)?;
         Self::new(size, packed_words(&texture.texels))
     }
 }
@@ -228,8 +249,15 @@ impl ReferenceMap {
     /// # Errors
     /// Whatever breaks the rules of `formats/src/flat_btf/spec.md`.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        let texture = Texture::from_bytes(bytes)?;
-        let size = square(&texture, Self::PART, TexelFormat::Rg32Float)?;
+        Self::from_texture(&Texture::from_bytes(bytes)?)
+    }
+
+    /// [`Self::from_bytes`] of a file whose container has been read.
+    ///
+    /// # Errors
+    /// As [`Self::from_bytes`].
+    pub fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
+        let size = square(texture, Self::PART, TexelFormat::Rg32Float)?;
         Self::new(size, floats::<2>(&texture.texels))
     }
 }

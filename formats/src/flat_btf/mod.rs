@@ -10,13 +10,17 @@ mod flat_view;
 mod indirection;
 mod layout;
 mod maps;
+mod part;
 pub mod shader;
 
 pub use atlas::Atlas;
 pub use decoder::{FlatBtfDecoder, FlatBtfParts, ViewWeights};
+pub(crate) use flat_view::HEADER as FLAT_BTF_ENTRY;
 pub use flat_view::{FlatHeader, FlatView, MAX_DIRECTIONS, VisibilityMask, view_part};
+pub(crate) use indirection::HEADER as INDIRECTION_ENTRY;
 pub use indirection::{IndirectionHeader, IndirectionMap, MAX_AZIMUTH_SAMPLES, MAX_ZENITH_SAMPLES};
 pub use maps::{DiffuseMap, NormalMap, PositionMap, ReferenceMap};
+pub use part::{FlatPart, PART_EXTENSION, split_part_name};
 
 /// Largest absolute value of a coordinate, height or distance in a file: tiles, or periods of the parameters.
 pub const MAX_COORDINATE: f32 = 1024.0;

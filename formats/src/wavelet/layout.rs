@@ -8,11 +8,9 @@ use crate::direction::Parameterisation;
 use crate::wavelet::{ErrorSummary, Header, MAX_LEVELS, MAX_SLICES, SliceScale, WaveletPack};
 use std::collections::BTreeMap;
 
-/// Texels of the largest pack: 64 x 64 x 2048 of 8 bytes.
-const MAX_TEXEL_BYTES: u64 = (8 << (2 * MAX_LEVELS)) * MAX_SLICES as u64;
-
 const VERSION: u32 = 1;
-const HEADER: &str = "brdfc.wavelet";
+/// The entry that tells a wavelet pack.
+pub(crate) const HEADER: &str = "brdfc.wavelet";
 const INDEX: &str = "brdfc.wavelet.index";
 const SCALES: &str = "brdfc.wavelet.scales";
 const ERRORS: &str = "brdfc.wavelet.errors";
@@ -35,8 +33,19 @@ impl WaveletPack {
     /// # Errors
     /// Whatever is not a pack that [`Self::to_bytes`] could have written: see `formats/src/wavelet/spec.md` for the rules.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        from_texture(Texture::from_bytes_within(bytes, MAX_TEXEL_BYTES)?)
+        Self::from_texture(Texture::from_bytes_within(bytes, Self::MAX_TEXEL_BYTES)?)
     }
+
+    /// [`Self::from_bytes`] of a file whose container has been read.
+    ///
+    /// # Errors
+    /// As [`Self::from_bytes`].
+    pub fn from_texture(texture: Texture) -> Result<Self, FormatError> {
+        from_texture(texture)
+    }
+
+    /// Texels of the largest pack: 64 x 64 x 2048 of 8 bytes.
+    pub const MAX_TEXEL_BYTES: u64 = (8 << (2 * MAX_LEVELS)) * MAX_SLICES as u64;
 }
 
 fn entries_of(pack: &WaveletPack) -> BTreeMap<String, Vec<u8>> {
@@ -76,7 +85,7 @@ fn error_words(e: &ErrorSummary) -> [u32; 10] {
         e.relative_max,
         e.log_rms,
         e.cosine_log_rms,
-        e.albedo_max,
+        e.albedo_max_difference,
         e.reciprocity,
     ];
     let mut words = [e.samples; 10];
@@ -212,7 +221,7 @@ fn read_errors(bytes: &[u8]) -> Result<ErrorSummary, FormatError> {
         relative_max,
         log_rms,
         cosine_log_rms,
-        albedo_max,
+        albedo_max_difference,
         reciprocity,
     ] = ratios;
     Ok(ErrorSummary {
@@ -224,7 +233,7 @@ fn read_errors(bytes: &[u8]) -> Result<ErrorSummary, FormatError> {
         relative_max,
         log_rms,
         cosine_log_rms,
-        albedo_max,
+        albedo_max_difference,
         reciprocity,
     })
 }

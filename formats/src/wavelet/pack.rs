@@ -61,6 +61,7 @@ pub struct SliceScale {
 
 /// Error norms of a pack against its source, as measured when it was made. Ratios are fractions, not per cent.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, schemars::JsonSchema))]
 pub struct ErrorSummary {
     /// Samples compared.
     pub samples: u32,
@@ -79,7 +80,7 @@ pub struct ErrorSummary {
     /// RMS of `ln(1 + f' cos θi) - ln(1 + f cos θi)` over all samples.
     pub cosine_log_rms: f32,
     /// Largest difference of directional albedo over incoming angles.
-    pub albedo_max: f32,
+    pub albedo_max_difference: f32,
     /// Mean of `|f'(i, o) - f'(o, i)| / f` of the pack: how far it is from reciprocal.
     pub reciprocity: f32,
 }

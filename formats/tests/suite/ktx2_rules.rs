@@ -292,7 +292,7 @@ fn check_entries<'a>(pack: &WaveletPack, entry: impl Fn(&str) -> &'a [u8]) {
             e.relative_max,
             e.log_rms,
             e.cosine_log_rms,
-            e.albedo_max,
+            e.albedo_max_difference,
             e.reciprocity,
         ];
         for (k, ratio) in ratios.into_iter().enumerate() {

@@ -40,7 +40,7 @@ fn expectation(pack: &WaveletPack, supercompress: bool) -> String {
         for ratio in [e.rms, e.relative_mean, e.relative_p95, e.relative_p99, e.relative_max] {
             errors.extend(ratio.to_le_bytes());
         }
-        for ratio in [e.log_rms, e.cosine_log_rms, e.albedo_max, e.reciprocity] {
+        for ratio in [e.log_rms, e.cosine_log_rms, e.albedo_max_difference, e.reciprocity] {
             errors.extend(ratio.to_le_bytes());
         }
     }

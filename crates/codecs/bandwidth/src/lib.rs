@@ -6,6 +6,7 @@
 
 pub mod daubechies;
 pub mod environment;
+pub mod facts;
 pub mod image;
 pub mod lobe;
 pub mod local;

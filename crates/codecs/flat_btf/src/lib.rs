@@ -14,6 +14,7 @@ pub mod measured;
 pub mod mesh;
 pub mod model;
 pub mod parameterise;
+pub mod part_facts;
 pub mod probes;
 pub mod rebuild;
 pub mod stretch;

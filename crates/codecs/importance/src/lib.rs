@@ -7,12 +7,14 @@
 
 mod distribution;
 mod distributions;
+mod facts;
 mod grid;
 mod lobe;
 mod sequence;
 
 pub use distribution::Distribution;
 pub use distributions::LobeDistributions;
+pub use facts::ImportanceFacts;
 pub use grid::HalfGrid;
 pub use lobe::cell_probabilities;
 pub use sequence::sequence_point;

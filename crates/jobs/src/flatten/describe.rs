@@ -1,14 +1,16 @@
 //! What inputs of flattening are, before they are flattened.
 
 use super::input::MesoInputError;
+use brdfc_flat_btf::part_facts::PartFacts;
 use brdfc_flat_btf::structures::Structure;
 use brdfc_flat_btf::weld::{MesoError, WeldReport, weld};
+use brdfc_formats::flat_btf::split_part_name;
 use brdfc_formats::meso::TriangleMesh;
+use brdfc_source::InputError;
 use brdfc_source::address::{SYNTH_PREFIX, is_synth};
 use brdfc_source::btf_stack::survey;
-use brdfc_source::flat_part::{PartFacts, open_part};
 use brdfc_source::meso::{HeightMap, MesoInput, open_meso};
-use brdfc_source::open::InputError;
+use brdfc_source::read::{MAX_FILE_BYTES, read_file};
 use serde::Serialize;
 use std::path::Path;
 
@@ -102,7 +104,7 @@ pub fn describe_surface(input: &str) -> Result<Option<SurfaceFacts>, MesoInputEr
             MesoInput::Mesh(mesh) => SurfaceFacts::Mesh(describe_mesh(&mesh)),
             MesoInput::Heights(map) => describe_heights(&map),
         }),
-        "ktx2" => open_part(path)?.map(SurfaceFacts::FlatBtfPart),
+        "ktx2" => part_of_flat_btf(path)?.map(SurfaceFacts::FlatBtfPart),
         _ => None,
     })
 }
@@ -168,4 +170,10 @@ fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
     values
         .fold(None, |found: Option<[f64; 2]>, v| Some(found.map_or([v; 2], |[a, b]| [a.min(v), b.max(v)])))
         .unwrap_or_default()
+}
+
+fn part_of_flat_btf(path: &Path) -> Result<Option<PartFacts>, InputError> {
+    let name = path.file_name().and_then(|name| name.to_str());
+    let Some(name) = name.filter(|name| split_part_name(name).is_some()) else { return Ok(None) };
+    PartFacts::from_bytes(&read_file(path, MAX_FILE_BYTES)?, name).map_err(|error| InputError::format(path, error))
 }

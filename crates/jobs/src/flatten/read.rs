@@ -2,8 +2,8 @@
 
 use super::asset::AssetFile;
 use brdfc_formats::FormatError;
+use brdfc_source::InputError;
 use brdfc_source::flat_btf::asset_list;
-use brdfc_source::open::InputError;
 use std::path::Path;
 
 /// The list `NAME.json` of the asset that a path means, its folder or the list itself; nothing where there is no list.

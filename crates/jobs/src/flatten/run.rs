@@ -21,8 +21,8 @@ use brdfc_formats::direction::Vector;
 use brdfc_formats::flat_btf::{
     DiffuseMap, FlatBtfDecoder, FlatBtfParts, IndirectionMap, NormalMap, PositionMap, ReferenceMap, VisibilityMask,
 };
+use brdfc_source::InputError;
 use brdfc_source::btf_stack::BtfStack;
-use brdfc_source::open::InputError;
 use std::convert::Infallible;
 use std::path::Path;
 

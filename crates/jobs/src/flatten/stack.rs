@@ -2,8 +2,8 @@
 
 use brdfc_flat_btf::measured::ViewImages;
 use brdfc_flat_btf::tile_image::TileImage;
+use brdfc_source::InputError;
 use brdfc_source::btf_stack::BtfStack;
-use brdfc_source::open::InputError;
 
 /// Images of a stack.
 pub(super) struct StackImages<'a>(pub(super) &'a BtfStack);

@@ -1,5 +1,6 @@
 //! The report of one encoded material.
 
+use brdfc_formats::direction::Parameterisation;
 use brdfc_metrics::compare::Comparison;
 use brdfc_source::Tally;
 use brdfc_wavelet::encode::Encoded;
@@ -15,8 +16,8 @@ pub struct MaterialReport {
     pub samples_in: u64,
     /// Samples of the table that were evaluated; symmetry gives the others.
     pub evaluated: u64,
-    /// The parameterisation's name.
-    pub parameterisation: String,
+    /// What the two hemispheres of the table are.
+    pub parameterisation: Parameterisation,
     /// Cells per axis and hemisphere.
     pub grid: usize,
     /// Finest level of detail that is stored.
@@ -55,7 +56,7 @@ impl MaterialReport {
         Self {
             samples_in,
             evaluated: encoded.evaluated,
-            parameterisation: header.parameterisation.name().to_owned(),
+            parameterisation: header.parameterisation,
             grid: header.grid(),
             stored_levels: header.stored_levels,
             channels: header.channels,

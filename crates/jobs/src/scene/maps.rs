@@ -2,11 +2,10 @@
 
 use super::run::{JobError, start};
 use brdfc_bandwidth::DEFAULT_EPSILON;
+use brdfc_bandwidth::facts::BandwidthFacts;
 use brdfc_bandwidth::lobe::DEFAULT_RESOLUTION;
 use brdfc_bandwidth::map::{brdf_map, environment_map};
-use brdfc_importance::{ImportanceRecipe, importance_samples};
-use brdfc_source::bandwidth_map::BandwidthFacts;
-use brdfc_source::importance_pack::ImportanceFacts;
+use brdfc_importance::{ImportanceFacts, ImportanceRecipe, importance_samples};
 use brdfc_source::radiance_image::open_radiance_image;
 use brdfc_source::{Source, Tally};
 use brdfc_wavelet::encode::Observer;

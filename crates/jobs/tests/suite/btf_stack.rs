@@ -3,8 +3,8 @@
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::measured::btf_stack::ImageAngles;
 use brdfc_jobs::btf_stack::{StackFormat, write_image};
+use brdfc_source::InputError;
 use brdfc_source::btf_stack::BtfStack;
-use brdfc_source::open::InputError;
 use std::path::{Path, PathBuf};
 
 const SIZE: [usize; 2] = [5, 3];

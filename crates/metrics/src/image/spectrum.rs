@@ -1,9 +1,9 @@
 //! Local bandwidth of a picture by windowed Fourier transforms: what predictions are held against (figure 12 of Bagher et
 //! al. 2012).
 
+use microfft::Complex32;
+use microfft::complex::cfft_32;
 use rayon::prelude::*;
-use rustfft::FftPlanner;
-use rustfft::num_complex::Complex;
 use std::f32::consts::TAU;
 
 /// Pixels per side of a window: the paper's.
@@ -27,8 +27,8 @@ pub fn window_bandwidth(values: &[f32], width: usize, [column, row]: [usize; 2])
     let weights = hann();
     let total: f32 = weights.iter().sum();
     let mean = weights.iter().enumerate().map(|(k, w)| w * at(k)).sum::<f32>() / total;
-    let mut spectrum: Vec<Complex<f32>> =
-        weights.iter().enumerate().map(|(k, w)| Complex::new(w * (at(k) - mean), 0.0)).collect();
+    let mut spectrum: Vec<Complex32> =
+        weights.iter().enumerate().map(|(k, w)| Complex32::new(w * (at(k) - mean), 0.0)).collect();
     transform(&mut spectrum);
     root_mean_square(&spectrum)
 }
@@ -45,18 +45,22 @@ pub fn window_bandwidths(values: &[f32], width: usize, pixels: &[[usize; 2]]) ->
 }
 
 /// In two dimensions, in place; the result is transposed.
-fn transform(values: &mut [Complex<f32>]) {
-    let plan = FftPlanner::new().plan_fft_forward(WINDOW);
-    plan.process(values);
+fn transform(values: &mut [Complex32]) {
+    let each_row = |values: &mut [Complex32]| {
+        values.as_chunks_mut::<WINDOW>().0.iter_mut().for_each(|row| {
+            let _ = cfft_32(row);
+        });
+    };
+    each_row(values);
     for row in 0..WINDOW {
         for column in 0..row {
             values.swap(row * WINDOW + column, column * WINDOW + row);
         }
     }
-    plan.process(values);
+    each_row(values);
 }
 
-fn root_mean_square(spectrum: &[Complex<f32>]) -> f32 {
+fn root_mean_square(spectrum: &[Complex32]) -> f32 {
     let signed = |k: usize| if k < WINDOW / 2 { k as f64 } else { k as f64 - WINDOW as f64 };
     let (mut energy, mut squares) = (0.0, 0.0);
     for (k, value) in spectrum.iter().enumerate() {

@@ -5,10 +5,13 @@ mod coordinates;
 mod fit;
 mod merge;
 
+use super::error::InputError;
+use super::open::{Facts, Format, InputFile, Opened};
 use super::{Source, Symmetry, Tally};
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::measured::scan::Scan;
+use brdfc_formats::measured::scan_csv;
 use coordinates::{Anisotropic, Isotropic, Space};
 use fit::Neighbourhood;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
@@ -21,6 +24,26 @@ pub const FEWEST_ROWS: usize = 8;
 const LOG_BIAS: f64 = 0.05;
 /// Azimuths of incidence closer than this are one azimuth, radians.
 const SAME_AZIMUTH: f64 = 1e-4;
+
+/// How scans as text are opened.
+pub(crate) const TEXT_FORMAT: Format = Format { extension: "brdf", name: "scan", open: open_text };
+/// How scans as CSV are opened.
+pub(crate) const CSV_FORMAT: Format = Format { extension: "csv", name: "scan", open: open_csv };
+
+fn open_text(input: InputFile<'_>) -> Result<Opened, InputError> {
+    input.parse(|bytes| opened(&Scan::from_bytes(bytes)?))
+}
+
+fn open_csv(input: InputFile<'_>) -> Result<Opened, InputError> {
+    input.parse(|bytes| opened(&scan_csv::from_bytes(bytes)?))
+}
+
+/// A scan as a source, whatever its file was.
+pub(crate) fn opened(scan: &Scan) -> Result<Opened, FormatError> {
+    let source = ScanSource::new(scan)?;
+    let facts = Facts::Scan { wavelengths: scan.wavelengths.clone(), summary: source.summary() };
+    Ok(Opened { source: Box::new(source), facts })
+}
 
 /// What was found while a scan was taken in.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]

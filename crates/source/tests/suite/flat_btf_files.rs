@@ -1,8 +1,8 @@
 //! Flat BTFs in folders: what is written is read, and what is missing is said.
 
 use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts, view_part};
+use brdfc_source::InputError;
 use brdfc_source::flat_btf::{check_flat_btf, open_flat_btf};
-use brdfc_source::open::InputError;
 use brdfc_testing::flat_btf::{SMALL, parts};
 use std::path::Path;
 

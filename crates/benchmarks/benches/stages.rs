@@ -182,7 +182,6 @@ fn bandwidth(criterion: &mut Criterion) {
 }
 
 /// What adaptive shading spends before it shades, and forward shading beside it.
-#[cfg(feature = "render")]
 fn adaptive(criterion: &mut Criterion) {
     use brdfc_bandwidth::map::environment_map;
     use brdfc_render::adaptive::{AdaptiveScene, DistantLight, Lookups, Settings, forward, predict};
@@ -211,9 +210,6 @@ fn adaptive(criterion: &mut Criterion) {
         b.iter(|| forward(black_box(&adaptive), frame, &buffer, 4));
     });
 }
-
-#[cfg(not(feature = "render"))]
-fn adaptive(_: &mut Criterion) {}
 
 fn packing(criterion: &mut Criterion) {
     let pack = stages().pack;

@@ -1,0 +1,46 @@
+//! Inputs that cannot be used.
+
+use super::address::AddressError;
+use brdfc_formats::FormatError;
+use std::path::Path;
+
+/// An input that cannot be used, and whose fault that is.
+#[derive(Debug, thiserror::Error)]
+pub enum InputError {
+    /// What stands in the file breaks its layout.
+    #[error("{name}: {error}")]
+    Format {
+        /// The input as it was named.
+        name: String,
+        /// What is wrong.
+        error: FormatError,
+    },
+    /// The file cannot be read.
+    #[error("{name}: cannot read: {error}")]
+    Io {
+        /// The input as it was named.
+        name: String,
+        /// What the system says.
+        error: std::io::Error,
+    },
+    /// The `synth:` address is wrong.
+    #[error("{name}: {error}")]
+    Address {
+        /// The input as it was named.
+        name: String,
+        /// What is wrong.
+        error: AddressError,
+    },
+}
+
+impl InputError {
+    /// A file that breaks its layout.
+    pub fn format(path: &Path, error: FormatError) -> Self {
+        Self::Format { name: path.display().to_string(), error }
+    }
+
+    /// A file that cannot be read.
+    pub fn io(path: &Path, error: std::io::Error) -> Self {
+        Self::Io { name: path.display().to_string(), error }
+    }
+}

@@ -1,0 +1,180 @@
+//! Which pack a KTX2 file is: decided here alone, once, before any texel is unpacked.
+
+use crate::FormatError;
+use crate::bandwidth::{BANDWIDTH_ENTRY, BandwidthMap};
+use crate::container::{MAX_TEXEL_BYTES, PackedTexture};
+use crate::flat_btf::{
+    DiffuseMap, FLAT_BTF_ENTRY, FlatPart, FlatView, INDIRECTION_ENTRY, IndirectionMap, NormalMap, PositionMap,
+    ReferenceMap, VisibilityMask, split_part_name,
+};
+use crate::importance::{IMPORTANCE_ENTRY, ImportancePack};
+use crate::wavelet::{WAVELET_ENTRY, WaveletPack};
+
+/// What a pack is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum PackKind {
+    /// A wavelet BRDF pack.
+    Wavelet,
+    /// A part of a flat BTF.
+    FlatBtf(FlatPart),
+    /// A bandwidth map.
+    Bandwidth,
+    /// Importance samples.
+    Importance,
+}
+
+impl PackKind {
+    /// The kind of a texture: its `brdfc.*` entries decide. Parts of flat BTFs that have none are told by the name of
+    /// their file, `NAME.PART.ktx2`. Nothing where neither is known.
+    pub fn of(texture: &PackedTexture<'_>, file_name: Option<&str>) -> Option<Self> {
+        [
+            (WAVELET_ENTRY, Self::Wavelet),
+            (BANDWIDTH_ENTRY, Self::Bandwidth),
+            (IMPORTANCE_ENTRY, Self::Importance),
+            (FLAT_BTF_ENTRY, Self::FlatBtf(FlatPart::View)),
+            (INDIRECTION_ENTRY, Self::FlatBtf(FlatPart::Indirection)),
+        ]
+        .into_iter()
+        .find(|(entry, _)| texture.entries.contains_key(*entry))
+        .map(|(_, kind)| kind)
+        .or_else(|| file_name.and_then(split_part_name).map(|(_, part, _)| Self::FlatBtf(part)))
+    }
+
+    /// What it is called in messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Wavelet => "a wavelet pack",
+            Self::FlatBtf(_) => "a part of a flat BTF",
+            Self::Bandwidth => "a bandwidth map",
+            Self::Importance => "an importance-sample pack",
+        }
+    }
+
+    /// Most bytes of texels that a pack of this kind has.
+    fn most_texel_bytes(self) -> u64 {
+        match self {
+            Self::Wavelet => WaveletPack::MAX_TEXEL_BYTES,
+            Self::Bandwidth => BandwidthMap::MAX_TEXEL_BYTES,
+            Self::FlatBtf(_) | Self::Importance => MAX_TEXEL_BYTES,
+        }
+    }
+}
+
+/// A pack of any kind, checked by the rules of its layout.
+#[derive(Debug, Clone, PartialEq)]
+#[allow(clippy::large_enum_variant)]
+pub enum Pack {
+    /// A wavelet BRDF pack.
+    Wavelet(WaveletPack),
+    /// A bandwidth map.
+    Bandwidth(BandwidthMap),
+    /// Importance samples.
+    Importance(ImportancePack),
+    /// The part `position` of a flat BTF.
+    Position(PositionMap),
+    /// The part `normal`.
+    Normal(NormalMap),
+    /// The part `reference`.
+    Reference(ReferenceMap),
+    /// The part `diffuse`.
+    Diffuse(DiffuseMap),
+    /// The part `mask`.
+    Mask(VisibilityMask),
+    /// The part `indirection`.
+    Indirection(IndirectionMap),
+    /// A view.
+    View(FlatView),
+}
+
+impl Pack {
+    /// Reads and checks a KTX2 file. The name of the file tells parts of flat BTFs that have no entry.
+    ///
+    /// # Errors
+    /// What is no KTX2 file, no pack of a known kind, or breaks the rules of its kind.
+    pub fn from_bytes(bytes: &[u8], file_name: Option<&str>) -> Result<Self, FormatError> {
+        let packed = PackedTexture::from_bytes(bytes)?;
+        let Some(kind) = PackKind::of(&packed, file_name) else {
+            let entries: Vec<&str> = packed.entries.keys().map(String::as_str).collect();
+            let found = if entries.is_empty() { "none".to_owned() } else { format!("only {}", entries.join(", ")) };
+            let allowed = "those of a wavelet pack, a flat BTF, a bandwidth map or importance samples";
+            return Err(FormatError::whole("brdfc entries", found, allowed));
+        };
+        Self::of_kind(kind, packed)
+    }
+
+    /// Unpacks and checks a texture of a known kind.
+    ///
+    /// # Errors
+    /// What breaks the rules of the kind.
+    pub fn of_kind(kind: PackKind, packed: PackedTexture<'_>) -> Result<Self, FormatError> {
+        let texture = packed.unpack(kind.most_texel_bytes())?;
+        Ok(match kind {
+            PackKind::Wavelet => Self::Wavelet(WaveletPack::from_texture(texture)?),
+            PackKind::Bandwidth => Self::Bandwidth(BandwidthMap::from_texture(&texture)?),
+            PackKind::Importance => Self::Importance(ImportancePack::from_texture(&texture)?),
+            PackKind::FlatBtf(part) => match part {
+                FlatPart::Position => Self::Position(PositionMap::from_texture(&texture)?),
+                FlatPart::Normal => Self::Normal(NormalMap::from_texture(&texture)?),
+                FlatPart::Reference => Self::Reference(ReferenceMap::from_texture(&texture)?),
+                FlatPart::Diffuse => Self::Diffuse(DiffuseMap::from_texture(&texture)?),
+                FlatPart::Mask => Self::Mask(VisibilityMask::from_texture(&texture)?),
+                FlatPart::Indirection => Self::Indirection(IndirectionMap::from_texture(&texture)?),
+                FlatPart::View => Self::View(FlatView::from_texture(&texture)?),
+            },
+        })
+    }
+
+    /// What it is.
+    pub fn kind(&self) -> PackKind {
+        match self {
+            Self::Wavelet(_) => PackKind::Wavelet,
+            Self::Bandwidth(_) => PackKind::Bandwidth,
+            Self::Importance(_) => PackKind::Importance,
+            Self::Position(_) => PackKind::FlatBtf(FlatPart::Position),
+            Self::Normal(_) => PackKind::FlatBtf(FlatPart::Normal),
+            Self::Reference(_) => PackKind::FlatBtf(FlatPart::Reference),
+            Self::Diffuse(_) => PackKind::FlatBtf(FlatPart::Diffuse),
+            Self::Mask(_) => PackKind::FlatBtf(FlatPart::Mask),
+            Self::Indirection(_) => PackKind::FlatBtf(FlatPart::Indirection),
+            Self::View(_) => PackKind::FlatBtf(FlatPart::View),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::importance::ImportanceHeader;
+
+    #[test]
+    fn the_entry_decides_and_broken_packs_are_errors() {
+        let header = ImportanceHeader { polar: 2, azimuths: 1, samples: 2 };
+        let pack = ImportancePack::new(header, vec![[0.0, 0.0, 1.0, 1.0]; 4]).unwrap();
+        let bytes = pack.to_bytes(false);
+        // Whatever its name says.
+        for name in [None, Some("a.samples.ktx2"), Some("a.diffuse.ktx2")] {
+            assert_eq!(Pack::from_bytes(&bytes, name).unwrap(), Pack::Importance(pack.clone()));
+        }
+        assert!(Pack::from_bytes(b"no pack", None).is_err());
+        let at = bytes.len() - 4;
+        let broken = [&bytes[..at], &(-1.0f32).to_le_bytes()].concat();
+        assert_eq!(Pack::from_bytes(&broken, None).unwrap_err().field, "importance texel (1, 1)");
+        // Of another kind by its entry, whatever its texels are.
+        let mut other = bytes.clone();
+        let entry = other.windows(16).position(|bytes| bytes == IMPORTANCE_ENTRY.as_bytes()).unwrap();
+        other[entry + 15] = b'x';
+        let error = Pack::from_bytes(&other, None).unwrap_err().to_string();
+        assert!(error.starts_with("brdfc entries: found only brdfc.importancx; allowed"), "{error}");
+    }
+
+    #[test]
+    fn parts_without_entries_go_by_their_name() {
+        let map = ReferenceMap::new(1, vec![[0.25, 0.5]]).unwrap();
+        let bytes = map.to_bytes(true);
+        assert_eq!(Pack::from_bytes(&bytes, Some("knit.reference.ktx2")).unwrap(), Pack::Reference(map));
+        let error = Pack::from_bytes(&bytes, Some("knit.position.ktx2")).unwrap_err().to_string();
+        assert!(error.contains("position"), "{error}");
+        let error = Pack::from_bytes(&bytes, Some("knit.ktx2")).unwrap_err().to_string();
+        assert!(error.starts_with("brdfc entries: found none; allowed"), "{error}");
+    }
+}
