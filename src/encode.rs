@@ -2,18 +2,19 @@
 
 use super::options::PackOptions;
 use super::output::{print, refuse_overwriting, remark, to_json, write_file};
-use super::progress::Progress;
+use super::progress::Materials;
 use super::{CliError, Common};
 use crate::table;
 use brdfc_jobs::report::material::{MaterialReport, StageTime, remarks};
-use brdfc_jobs::scene::run::Watcher as _;
 use brdfc_jobs::stage_clock::StageClock;
 use brdfc_jobs::write::is_standard_output;
 use brdfc_source::open::{Facts, open};
-use brdfc_wavelet::encode::{Observer as _, encode};
+use brdfc_source::progress::{Progress as _, Stage};
+use brdfc_wavelet::encode::encode;
 use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 
 /// Encode one material as a wavelet pack.
 ///
@@ -54,18 +55,18 @@ pub struct Report {
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     let recipe = arguments.options.recipe()?;
     refuse_overwriting(&arguments.output, &[Path::new(&arguments.input)])?;
-    let progress = Progress::new(1, false, common);
+    let cancelled = AtomicBool::new(false);
+    let progress = Materials::new(1, false, common, &cancelled);
     let name = arguments.output.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-    let mut clock = StageClock::new(|stage| {
-        progress.stage(&name, stage);
-        true
-    });
-    clock.stage("read");
+    let part = progress.part(&name);
+    let clock = StageClock::new(part.as_ref());
+    clock.stage(Stage::Read, 1)?;
     let opened = open(&arguments.input, None)?;
-    let encoded = encode(opened.source.as_ref(), &recipe, &mut clock)?;
-    clock.stage("write");
+    let encoded = encode(opened.source.as_ref(), &recipe, &clock)?;
+    clock.stage(Stage::Write, 1)?;
     write_file(&arguments.output, &encoded.bytes)?;
     let stages = clock.finish();
+    drop(part);
     drop(progress);
     let report = MaterialReport::new(&encoded, &recipe, opened.facts.samples());
     for line in remarks(&report) {

@@ -6,6 +6,7 @@ use brdfc_jobs::flatten::{FlattenError, MesoInputError};
 use brdfc_jobs::scene::run::JobError;
 use brdfc_source::InputError;
 use brdfc_source::address::SYNTH_PREFIX;
+use brdfc_source::progress::Cancelled;
 use brdfc_wavelet::encode::EncodeError;
 use brdfc_wavelet::options::OptionError;
 use std::path::Path;
@@ -94,12 +95,18 @@ impl From<InputError> for CliError {
     }
 }
 
+impl From<Cancelled> for CliError {
+    fn from(_: Cancelled) -> Self {
+        Self::Interrupted
+    }
+}
+
 impl From<EncodeError> for CliError {
     fn from(error: EncodeError) -> Self {
         match error {
             EncodeError::BudgetMissed { .. } | EncodeError::TooFewBytes { .. } => Self::Check(error.to_string()),
             EncodeError::TooManySlices { .. } => Self::Usage(error.to_string()),
-            EncodeError::Cancelled => Self::Interrupted,
+            EncodeError::Cancelled(_) => Self::Interrupted,
         }
     }
 }
@@ -109,6 +116,7 @@ impl From<JobError> for CliError {
         match error {
             JobError::Input(error) => error.into(),
             JobError::Encode(error) => error.into(),
+            JobError::Cancelled(_) => Self::Interrupted,
             JobError::Map(error) => Self::own_layout(error),
             JobError::Write { .. } => Self::Io(error.to_string()),
         }
@@ -134,7 +142,7 @@ impl From<FlattenError> for CliError {
             FlattenError::Input(error) => error.into(),
             FlattenError::Parameterise(_) | FlattenError::Pack(_) => Self::Input(message),
             FlattenError::Write { .. } => Self::Io(message),
-            FlattenError::Cancelled => Self::Interrupted,
+            FlattenError::Cancelled(_) => Self::Interrupted,
         }
     }
 }

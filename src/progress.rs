@@ -2,36 +2,37 @@
 
 use super::Common;
 use super::output::tell;
-use brdfc_jobs::scene::run::Watcher;
+use brdfc_source::progress::{Cancelled, Progress, Stage};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
-use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 /// Stages in order, with their rough share of the time of a scattered scan, in per cent of a pack's.
-const SHARES: [(&str, u64); 13] = [
-    ("read", 2),
-    ("resample", 70),
-    ("log-encode", 1),
-    ("smooth", 2),
-    ("haar", 1),
-    ("threshold", 10),
-    ("quantise", 2),
-    ("measure on the grid", 5),
-    ("measure off the grid", 5),
-    ("pack", 1),
-    ("bandwidth map", 5),
-    ("importance samples", 40),
-    ("write", 1),
+const SHARES: [(Stage, u64); 13] = [
+    (Stage::Read, 2),
+    (Stage::Resample, 70),
+    (Stage::LogEncode, 1),
+    (Stage::Smooth, 2),
+    (Stage::Haar, 1),
+    (Stage::Threshold, 10),
+    (Stage::Quantise, 2),
+    (Stage::MeasureOnGrid, 5),
+    (Stage::MeasureOffGrid, 5),
+    (Stage::Pack, 1),
+    (Stage::BandwidthMap, 5),
+    (Stage::ImportanceSamples, 40),
+    (Stage::Write, 1),
 ];
 /// Those that only environment lighting needs.
-const OF_MAPS: [&str; 2] = ["bandwidth map", "importance samples"];
+const OF_MAPS: [Stage; 2] = [Stage::BandwidthMap, Stage::ImportanceSamples];
 
 /// Progress over a number of materials, the environment counted as one.
-pub(super) struct Progress {
+pub(super) struct Materials<'a> {
+    cancelled: &'a AtomicBool,
     bar: ProgressBar,
     lines: bool,
-    shares: Vec<(&'static str, u64)>,
+    shares: Vec<(Stage, u64)>,
     /// Of one material.
     whole: u64,
     total: usize,
@@ -40,10 +41,10 @@ pub(super) struct Progress {
     started: Instant,
 }
 
-impl Progress {
+impl<'a> Materials<'a> {
     /// Of `total` materials, with maps or without.
-    pub(super) fn new(total: usize, maps: bool, common: Common) -> Self {
-        let shares: Vec<_> = SHARES.into_iter().filter(|(name, _)| maps || !OF_MAPS.contains(name)).collect();
+    pub(super) fn new(total: usize, maps: bool, common: Common, cancelled: &'a AtomicBool) -> Self {
+        let shares: Vec<_> = SHARES.into_iter().filter(|(stage, _)| maps || !OF_MAPS.contains(stage)).collect();
         let whole = shares.iter().map(|(_, share)| share).sum();
         let terminal = std::io::stderr().is_terminal();
         let bar = if terminal && !common.quiet {
@@ -56,6 +57,7 @@ impl Progress {
             ProgressBar::hidden()
         };
         Self {
+            cancelled,
             bar,
             lines: !terminal && !common.quiet,
             shares,
@@ -69,31 +71,58 @@ impl Progress {
 }
 
 /// Takes the bar away, after errors too.
-impl Drop for Progress {
+impl Drop for Materials<'_> {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
     }
 }
 
-impl Watcher for Progress {
-    fn stage(&self, name: &str, stage: &'static str) {
-        self.bar.set_message(format!("{name}: {stage}"));
-        // The stage before this one is done.
-        let before = self.shares.iter().position(|(name, _)| *name == stage).and_then(|at| at.checked_sub(1));
-        let share = before.map_or(0, |at| self.shares[at].1);
-        self.bar.set_position(share + self.position.fetch_add(share, Ordering::Relaxed));
+impl Progress for Materials<'_> {
+    fn check(&self) -> Result<(), Cancelled> {
+        if self.cancelled.load(Ordering::Relaxed) { Err(Cancelled) } else { Ok(()) }
     }
 
-    fn finished(&self, name: &str, worked: bool) {
-        let done = 1 + self.finished.fetch_add(1, Ordering::Relaxed);
-        self.position.fetch_max(self.whole * done as u64, Ordering::Relaxed);
-        self.bar.set_position(self.position.load(Ordering::Relaxed));
-        if self.lines {
-            let elapsed = self.started.elapsed().as_secs_f64();
-            let left = elapsed / done as f64 * (self.total - done) as f64;
-            let what = if worked { "done" } else { "failed" };
+    fn part<'a>(&'a self, name: &'a str) -> Box<dyn Progress + 'a> {
+        Box::new(Material { all: self, name })
+    }
+}
+
+/// The progress of one material.
+struct Material<'a> {
+    all: &'a Materials<'a>,
+    name: &'a str,
+}
+
+impl Progress for Material<'_> {
+    fn check(&self) -> Result<(), Cancelled> {
+        self.all.check()
+    }
+
+    fn stage(&self, stage: Stage, _: usize) -> Result<(), Cancelled> {
+        let all = self.all;
+        all.bar.set_message(format!("{}: {}", self.name, stage.name()));
+        // The stage before this one is done.
+        let before = all.shares.iter().position(|(known, _)| *known == stage).and_then(|at| at.checked_sub(1));
+        let share = before.map_or(0, |at| all.shares[at].1);
+        all.bar.set_position(share + all.position.fetch_add(share, Ordering::Relaxed));
+        self.check()
+    }
+
+    fn part<'a>(&'a self, name: &'a str) -> Box<dyn Progress + 'a> {
+        self.all.part(name)
+    }
+
+    fn finished(&self, succeeded: bool) {
+        let all = self.all;
+        let done = 1 + all.finished.fetch_add(1, Ordering::Relaxed);
+        all.position.fetch_max(all.whole * done as u64, Ordering::Relaxed);
+        all.bar.set_position(all.position.load(Ordering::Relaxed));
+        if all.lines {
+            let elapsed = all.started.elapsed().as_secs_f64();
+            let left = elapsed / done as f64 * (all.total - done) as f64;
+            let what = if succeeded { "done" } else { "failed" };
             let times = format!("{elapsed:.1} s, about {left:.0} s left");
-            tell(&format!("{done} of {}: {name} {what} ({times})", self.total));
+            tell(&format!("{done} of {}: {} {what} ({times})", all.total, self.name));
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Common;
 use super::output::tell;
-use brdfc_jobs::flatten::FlattenWatcher;
+use brdfc_source::progress::{Cancelled, Progress, Stage};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::sync::Mutex;
@@ -17,15 +17,15 @@ pub(super) struct Steps<'a> {
     bar: ProgressBar,
     lines: bool,
     cancelled: &'a AtomicBool,
-    stage: Mutex<Stage>,
+    running: Mutex<Running>,
 }
 
-struct Stage {
-    name: &'static str,
+struct Running {
+    stage: &'static str,
     steps: usize,
     done: usize,
     started: Instant,
-    told: Instant,
+    reported: Instant,
 }
 
 impl<'a> Steps<'a> {
@@ -41,12 +41,8 @@ impl<'a> Steps<'a> {
             ProgressBar::hidden()
         };
         let now = Instant::now();
-        let stage = Mutex::new(Stage { name: "", steps: 1, done: 0, started: now, told: now });
-        Self { bar, lines: !terminal && !common.quiet, cancelled, stage }
-    }
-
-    fn goes_on(&self) -> bool {
-        !self.cancelled.load(Ordering::Relaxed)
+        let running = Mutex::new(Running { stage: "", steps: 1, done: 0, started: now, reported: now });
+        Self { bar, lines: !terminal && !common.quiet, cancelled, running }
     }
 }
 
@@ -57,11 +53,15 @@ impl Drop for Steps<'_> {
     }
 }
 
-impl FlattenWatcher for Steps<'_> {
-    fn stage(&self, name: &'static str, steps: usize) -> bool {
-        let now = Instant::now();
-        if let Ok(mut stage) = self.stage.lock() {
-            *stage = Stage { name, steps, done: 0, started: now, told: now };
+impl Progress for Steps<'_> {
+    fn check(&self) -> Result<(), Cancelled> {
+        if self.cancelled.load(Ordering::Relaxed) { Err(Cancelled) } else { Ok(()) }
+    }
+
+    fn stage(&self, stage: Stage, steps: usize) -> Result<(), Cancelled> {
+        let (now, name) = (Instant::now(), stage.name());
+        if let Ok(mut running) = self.running.lock() {
+            *running = Running { stage: name, steps, done: 0, started: now, reported: now };
         }
         self.bar.set_message(name);
         self.bar.reset();
@@ -69,23 +69,27 @@ impl FlattenWatcher for Steps<'_> {
         if self.lines && steps > 1 {
             tell(&format!("{name}: {steps} steps"));
         }
-        self.goes_on()
+        self.check()
     }
 
-    fn step(&self) -> bool {
+    fn step(&self) -> Result<(), Cancelled> {
         self.bar.inc(1);
-        if let Ok(mut stage) = self.stage.lock() {
-            stage.done += 1;
-            if self.lines && stage.told.elapsed() >= BETWEEN_LINES && stage.done < stage.steps {
-                let elapsed = stage.started.elapsed().as_secs_f64();
-                let left = elapsed / stage.done as f64 * (stage.steps - stage.done) as f64;
+        if let Ok(mut running) = self.running.lock() {
+            running.done += 1;
+            if self.lines && running.reported.elapsed() >= BETWEEN_LINES && running.done < running.steps {
+                let elapsed = running.started.elapsed().as_secs_f64();
+                let left = elapsed / running.done as f64 * (running.steps - running.done) as f64;
                 tell(&format!(
                     "{}: {} of {} ({elapsed:.0} s, about {left:.0} s left)",
-                    stage.name, stage.done, stage.steps
+                    running.stage, running.done, running.steps
                 ));
-                stage.told = Instant::now();
+                running.reported = Instant::now();
             }
         }
-        self.goes_on()
+        self.check()
+    }
+
+    fn part<'a>(&'a self, _: &'a str) -> Box<dyn Progress + 'a> {
+        Box::new(())
     }
 }

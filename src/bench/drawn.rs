@@ -94,7 +94,7 @@ fn pack(input: &str) -> Result<WaveletPack, CliError> {
     }
     let recipe = Recipe { off_grid_pairs: 1, ..Recipe::default() };
     let opened = open(input, None)?;
-    Ok(encode(opened.source.as_ref(), &recipe, &mut ())?.pack)
+    Ok(encode(opened.source.as_ref(), &recipe, &())?.pack)
 }
 
 fn write_frames(folder: &Path, animation: &Animation) -> Result<(), CliError> {

@@ -5,7 +5,7 @@ mod report;
 pub use report::Report;
 
 use super::output::{make_folder, print, print_json, remark, tell, to_json, write_file};
-use super::progress::Progress;
+use super::progress::Materials;
 use super::{CliError, Common};
 use crate::table;
 use brdfc_jobs::report::material::remarks;
@@ -72,8 +72,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     .map_err(|error| CliError::Internal(format!("cannot watch for interrupts: {error}")))?;
 
     let total = plan.jobs.len() + usize::from(plan.environment.is_some());
-    let progress = Progress::new(total, plan.environment.is_some(), common);
-    let outcomes = run_jobs(&plan, &arguments.out, !arguments.no_cache, &cancelled, &progress);
+    let progress = Materials::new(total, plan.environment.is_some(), common, &cancelled);
+    let outcomes = run_jobs(&plan, &arguments.out, !arguments.no_cache, &progress);
     drop(progress);
 
     let lasting = to_json(&Report::new(&scene, &plan, &outcomes).lasting(&plan, &arguments.out));

@@ -55,7 +55,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     } else {
         let geometry = open_geometry(&options)?;
         let materials = material_list(&options, &geometry)?;
-        let appearance = open_appearance(&options, &materials, &mut ())?;
+        let appearance = open_appearance(&options, &materials, &())?;
         let names = materials.iter().map(|material| without_folder(material)).collect();
         (geometry, names, Values::Computed(appearance))
     };

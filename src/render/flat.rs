@@ -139,7 +139,7 @@ fn surface_again(asset: &AssetFile) -> Result<Option<(MesoModel, Appearance)>, C
         weights: None,
     };
     let geometry = open_geometry(&options)?;
-    let appearance = open_appearance(&options, materials, &mut ())?;
+    let appearance = open_appearance(&options, materials, &())?;
     let model = MesoModel::new(geometry.mesh, 0).map_err(|error| CliError::Input(format!("{source}: {error}")))?;
     Ok(Some((model, appearance)))
 }

@@ -114,7 +114,7 @@ fn stages() -> Stages {
     let logarithms = log_encode(&table, encoding);
     let coefficients = haar::transform(&logarithms);
     let recipe = Recipe { target: Target::Ratio(RATIO), off_grid_pairs: 1, ..Recipe::default() };
-    let pack = encode(&source, &recipe, &mut ()).expect("a ratio is always met").pack;
+    let pack = encode(&source, &recipe, &()).expect("a ratio is always met").pack;
     Stages { source, table, encoding, logarithms, coefficients, pack }
 }
 

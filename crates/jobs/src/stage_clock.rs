@@ -1,39 +1,66 @@
 //! Times of stages.
 
 use crate::report::material::StageTime;
-use brdfc_wavelet::encode::Observer;
+use brdfc_source::progress::{Cancelled, Progress, Stage};
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-/// Times stages for a caller that may show or cancel them.
-pub struct StageClock<F> {
-    on_stage: F,
-    times: Vec<StageTime>,
-    started: Option<(&'static str, Instant)>,
+/// Times the stages of what it passes on.
+pub struct StageClock<'a> {
+    listener: &'a dyn Progress,
+    times: Mutex<Times>,
 }
 
-impl<F: FnMut(&'static str) -> bool> StageClock<F> {
-    /// `on_stage` hears each start and says whether to go on.
-    pub fn new(on_stage: F) -> Self {
-        Self { on_stage, times: Vec::new(), started: None }
-    }
+#[derive(Default)]
+struct Times {
+    ended: Vec<StageTime>,
+    running: Option<(Stage, Instant)>,
+}
 
-    /// Ends the last stage and gives all times.
-    pub fn finish(mut self) -> Vec<StageTime> {
-        self.end();
-        self.times
-    }
-
+impl Times {
     fn end(&mut self) {
-        if let Some((stage, start)) = self.started.take() {
-            self.times.push(StageTime { stage: stage.to_owned(), seconds: start.elapsed().as_secs_f64() });
+        if let Some((stage, start)) = self.running.take() {
+            self.ended.push(StageTime { stage: stage.name().to_owned(), seconds: start.elapsed().as_secs_f64() });
         }
     }
 }
 
-impl<F: FnMut(&'static str) -> bool> Observer for StageClock<F> {
-    fn stage(&mut self, name: &'static str) -> bool {
-        self.end();
-        self.started = Some((name, Instant::now()));
-        (self.on_stage)(name)
+impl<'a> StageClock<'a> {
+    /// A clock that passes everything on to `listener`.
+    pub fn new(listener: &'a dyn Progress) -> Self {
+        Self { listener, times: Mutex::default() }
+    }
+
+    /// Ends the last stage and gives all times.
+    pub fn finish(self) -> Vec<StageTime> {
+        let mut times = self.times.into_inner().unwrap_or_else(PoisonError::into_inner);
+        times.end();
+        times.ended
+    }
+}
+
+impl Progress for StageClock<'_> {
+    fn check(&self) -> Result<(), Cancelled> {
+        self.listener.check()
+    }
+
+    fn stage(&self, stage: Stage, steps: usize) -> Result<(), Cancelled> {
+        let mut times = self.times.lock().unwrap_or_else(PoisonError::into_inner);
+        times.end();
+        times.running = Some((stage, Instant::now()));
+        drop(times);
+        self.listener.stage(stage, steps)
+    }
+
+    fn step(&self) -> Result<(), Cancelled> {
+        self.listener.step()
+    }
+
+    fn part<'b>(&'b self, name: &'b str) -> Box<dyn Progress + 'b> {
+        self.listener.part(name)
+    }
+
+    fn finished(&self, succeeded: bool) {
+        self.listener.finished(succeeded);
     }
 }

@@ -9,6 +9,7 @@ mod merl;
 pub mod meso;
 pub mod open;
 pub mod pack;
+pub mod progress;
 pub mod radiance_image;
 pub mod read;
 pub mod rgl;

@@ -76,8 +76,8 @@ pub fn on_the_cloth(gpu: &Gpu, material: &str, source: &dyn Source) -> Result<Im
     let by_energy = Recipe { off_grid_pairs: 1, ..Recipe::default() };
     let recipe = Recipe { ranking: Ranking::Visible, bias: BIAS, ..by_energy.clone() };
     let whole = Recipe { target: Target::Ratio(1.0), bits: 16, ..recipe.clone() };
-    let pack = encode(source, &recipe, &mut ())?.pack;
-    let table = encode(source, &whole, &mut ())?.pack;
+    let pack = encode(source, &recipe, &())?.pack;
+    let table = encode(source, &whole, &())?.pack;
     let frame = Frame { width: 512, height: 512, samples: 2 };
     let decoding = Decoding {
         filter: Filter::Bilinear,
@@ -92,7 +92,7 @@ pub fn on_the_cloth(gpu: &Gpu, material: &str, source: &dyn Source) -> Result<Im
     let (Some(total), Some(codec), Some(grid)) = (&v.total, &v.codec, &v.grid) else {
         unreachable!("there is a source and a table");
     };
-    let pack = encode(source, &by_energy, &mut ())?.pack;
+    let pack = encode(source, &by_energy, &())?.pack;
     let renderer = Renderer::new(gpu)?;
     let image = renderer.draw(&renderer.load(&scene, &[&pack], decoding)?, &scene.camera, frame)?;
     let energy = compare_images(&image, views.reference(), v.exposure);

@@ -80,7 +80,7 @@ pub fn wavelet_table_1() -> Result<Vec<StudyRow>, StudyError> {
             let at = |bits| {
                 let target = Target::Ratio(ratio);
                 let recipe = Recipe { target, bits, off_grid_pairs: 1, supercompress: false, ..Recipe::default() };
-                encode(source.as_ref(), &recipe, &mut ())
+                encode(source.as_ref(), &recipe, &())
             };
             let (fine, coarse) = (at(16)?, at(8)?);
             rows.push(StudyRow {

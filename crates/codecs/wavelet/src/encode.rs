@@ -12,6 +12,7 @@ use super::{haar, threshold};
 use brdfc_formats::wavelet::{ErrorSummary, Header, MAX_SLICES, WaveletDecoder, WaveletPack, gpu_bytes};
 use brdfc_metrics::compare::{Comparison, compare};
 use brdfc_metrics::sampling::random_pairs;
+use brdfc_source::progress::{Cancelled, Progress, Stage};
 use brdfc_source::{PackSource, Source, Tally};
 
 /// Seed of the direction pairs for the error off the grid.
@@ -69,28 +70,15 @@ pub enum EncodeError {
         found: usize,
     },
     /// The caller asked to stop.
-    #[error("cancelled")]
-    Cancelled,
-}
-
-/// Told which stage starts; may ask to stop. The encoder itself knows no clock.
-pub trait Observer {
-    /// A stage starts. Returning `false` cancels.
-    fn stage(&mut self, name: &'static str) -> bool;
-}
-
-/// Ignores everything.
-impl Observer for () {
-    fn stage(&mut self, _: &'static str) -> bool {
-        true
-    }
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }
 
 /// Runs all stages.
 ///
 /// # Errors
 /// A budget that cannot be met, or cancellation.
-pub fn encode(source: &dyn Source, recipe: &Recipe, observer: &mut dyn Observer) -> Result<Encoded, EncodeError> {
+pub fn encode(source: &dyn Source, recipe: &Recipe, progress: &dyn Progress) -> Result<Encoded, EncodeError> {
     let grid = recipe.grid();
     let most = 1usize << (2 * recipe.stored_levels);
     if let Target::Ratio(ratio) = recipe.target {
@@ -99,26 +87,26 @@ pub fn encode(source: &dyn Source, recipe: &Recipe, observer: &mut dyn Observer)
             return Err(EncodeError::TooManySlices { found });
         }
     }
-    let mut start = |name| if observer.stage(name) { Ok(()) } else { Err(EncodeError::Cancelled) };
+    let start = |stage| progress.stage(stage, 1);
 
-    start("resample")?;
+    start(Stage::Resample)?;
     let (sampled, tally) = resample(source, grid);
 
-    start("log-encode")?;
+    start(Stage::LogEncode)?;
     let encoding = LogEncoding::of(&sampled, recipe.bias);
     let mut logarithms = log_encode(&sampled, encoding);
     let mut reference = sampled;
     if recipe.smooth {
-        start("smooth")?;
+        start(Stage::Smooth)?;
         logarithms = smooth(&logarithms);
         reference = log_decode(&logarithms, encoding);
     }
 
-    start("haar")?;
+    start(Stage::Haar)?;
     let coefficients = haar::transform(&logarithms);
     drop(logarithms);
 
-    start("threshold")?;
+    start(Stage::Threshold)?;
     let energies = match recipe.ranking {
         Ranking::Energy => threshold::slice_energies(&coefficients),
         Ranking::Visible => visible_energies(&coefficients, &reference, encoding),
@@ -135,22 +123,22 @@ pub fn encode(source: &dyn Source, recipe: &Recipe, observer: &mut dyn Observer)
     };
     let kept = choose(&coefficients, &reference, &ranking, header, recipe.target)?;
 
-    start("quantise")?;
+    start(Stage::Quantise)?;
     let mut pack = assemble(&coefficients, &kept, header);
     drop(coefficients);
 
-    start("measure on the grid")?;
+    start(Stage::MeasureOnGrid)?;
     let on_grid = grid_error(&reference, &WaveletDecoder::new(&pack));
     drop(reference);
 
-    start("measure off the grid")?;
+    start(Stage::MeasureOffGrid)?;
     let decoded = PackSource::new(&pack, None);
     let pairs = random_pairs(recipe.off_grid_pairs, OFF_GRID_SEED);
     let (off_grid, _) = compare(source, &decoded, &pairs, encoding.mean);
     pack.on_grid = on_grid.summary();
     pack.off_grid = off_grid.summary();
 
-    start("pack")?;
+    start(Stage::Pack)?;
     let bytes = pack.to_bytes(recipe.supercompress);
     Ok(Encoded { pack, bytes, on_grid, off_grid, evaluated: tally.evaluations, tally })
 }

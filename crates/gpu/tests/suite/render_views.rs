@@ -22,7 +22,7 @@ const EXACT: Decoding = Decoding {
 
 fn pack(address: &str) -> WaveletPack {
     let recipe = Recipe { levels: 4, stored_levels: 4, off_grid_pairs: 1, ..Recipe::default() };
-    encode(parse_synth(address).unwrap().as_ref(), &recipe, &mut ()).unwrap().pack
+    encode(parse_synth(address).unwrap().as_ref(), &recipe, &()).unwrap().pack
 }
 
 fn by_shader(gpu: &Gpu, scene: &Scene, pack: &WaveletPack, decoding: Decoding, frame: Frame) -> LinearImage {
@@ -169,7 +169,7 @@ fn views_say_where_an_error_comes_from() {
     let Some(gpu) = crate::common::gpu() else { return };
     let source = parse_synth("synth:ward?kd=0.3,0.1,0.05&ks=0.1&ax=0.2&ay=0.5").unwrap();
     let recipe = Recipe { off_grid_pairs: 1, ..Recipe::default() };
-    let coarse = encode(source.as_ref(), &recipe, &mut ()).unwrap().pack;
+    let coarse = encode(source.as_ref(), &recipe, &()).unwrap().pack;
     let scene = Builtin::Sphere.scene();
     let material = Material { pack: &coarse, source: Some(source.as_ref()), table: None };
     let drawn = views(&gpu, &scene, FRAME, &[material], EXACT).unwrap();

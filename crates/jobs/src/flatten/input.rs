@@ -9,8 +9,9 @@ use brdfc_formats::wavelet::WaveletPack;
 use brdfc_source::address::{AddressError, SYNTH_PREFIX, is_synth};
 use brdfc_source::meso::{MesoInput, open_meso};
 use brdfc_source::open::{Facts, open};
+use brdfc_source::progress::Progress;
 use brdfc_source::{InputError, PackSource, Source};
-use brdfc_wavelet::encode::{EncodeError, Observer, encode};
+use brdfc_wavelet::encode::{EncodeError, encode};
 use brdfc_wavelet::recipe::{Recipe, Target};
 use std::path::Path;
 
@@ -206,9 +207,9 @@ fn listed(options: &MesoOptions, geometry: &Geometry) -> Result<Vec<String>, Mes
 pub fn open_appearance(
     options: &MesoOptions,
     materials: &[String],
-    observer: &mut dyn Observer,
+    progress: &dyn Progress,
 ) -> Result<Appearance, MesoInputError> {
-    let sources = materials.iter().map(|material| open_material(material, observer)).collect::<Result<_, _>>()?;
+    let sources = materials.iter().map(|material| open_material(material, progress)).collect::<Result<_, _>>()?;
     let image = |path: &String| brdfc_source::tile_image::open_tile_image(Path::new(path));
     let colour = options.colour.as_ref().map(image).transpose()?.map(|image| TileImage {
         width: image.width,
@@ -223,13 +224,13 @@ pub fn open_appearance(
     Ok(Appearance { sources, colour, weights })
 }
 
-fn open_material(material: &str, observer: &mut dyn Observer) -> Result<Box<dyn Source>, MesoInputError> {
+fn open_material(material: &str, progress: &dyn Progress) -> Result<Box<dyn Source>, MesoInputError> {
     let opened = open(material, None)?;
     if !matches!(opened.facts, Facts::Scan { .. }) {
         return Ok(opened.source);
     }
     let recipe = Recipe { target: Target::Ratio(1.0), bits: 16, supercompress: false, ..Recipe::default() };
-    let encoded = encode(opened.source.as_ref(), &recipe, observer)
+    let encoded = encode(opened.source.as_ref(), &recipe, progress)
         .map_err(|error| MesoInputError::Tabulate { name: material.to_owned(), error })?;
     let pack = WaveletPack::from_bytes(&encoded.bytes).expect("our own pack");
     Ok(Box::new(PackSource::new(&pack, None)))

@@ -17,4 +17,4 @@ pub use describe::{MeshFacts, SurfaceFacts, describe_surface};
 pub use input::{Geometry, MesoInputError, MesoOptions, PLANE, material_list, open_appearance, open_geometry};
 pub use read::open_asset;
 pub use recipe::{FlattenRecipe, Form, Settings};
-pub use run::{FlattenError, FlattenJob, FlattenWatcher, Values, run};
+pub use run::{FlattenError, FlattenJob, Values, run};

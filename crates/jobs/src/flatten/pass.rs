@@ -2,7 +2,7 @@
 
 use super::parts::Parts;
 use super::recipe::{FlattenRecipe, Form};
-use super::run::{FlattenError, FlattenWatcher, begin};
+use super::run::FlattenError;
 use crate::btf_stack::{StackFormat, write_image};
 use brdfc_flat_btf::diffuse::DiffuseFit;
 use brdfc_flat_btf::fill::{FillMethod, PushPull};
@@ -16,6 +16,7 @@ use brdfc_formats::container::rgb9e5;
 use brdfc_formats::direction::Vector;
 use brdfc_formats::flat_btf::{DiffuseMap, FlatView, view_part};
 use brdfc_formats::measured::btf_stack::ImageAngles;
+use brdfc_source::progress::{Progress, Stage};
 use rayon::prelude::*;
 use std::path::Path;
 
@@ -40,7 +41,7 @@ impl Pass<'_> {
         field: &F,
         probes: &mut [&mut Probes],
         parts: &mut Parts<'_>,
-        watcher: &dyn FlattenWatcher,
+        progress: &dyn Progress,
     ) -> Result<DiffuseMap, FlattenError>
     where
         FlattenError: From<F::Error>,
@@ -48,12 +49,12 @@ impl Pass<'_> {
         let full = self.recipe.form == Form::Full;
         let guide = match self.recipe.fill {
             FillMethod::Poisson if full => {
-                begin(watcher, "guide", 1)?;
+                progress.stage(Stage::Guide, 1)?;
                 Some(Guide::new(field, self.masks, &from_above(self.views), self.lights.len())?)
             }
             _ => None,
         };
-        begin(watcher, "views", self.views.len())?;
+        progress.stage(Stage::Views, self.views.len())?;
         let mut fit = DiffuseFit::new(self.texels.points.len());
         let at_once = rayon::current_num_threads().clamp(1, MOST_VIEWS_AT_ONCE);
         let count = self.views.len() as u32;
@@ -74,9 +75,7 @@ impl Pass<'_> {
                     probes.iter_mut().for_each(|probes| probes.add_view(&pack));
                     parts.add(&view_part(*view as u32, count), &bytes, 4 * pack.texels().len() as u64)?;
                 }
-                if !watcher.step() {
-                    return Err(FlattenError::Cancelled);
-                }
+                progress.step()?;
             }
         }
         let found = fit.reflectances();
@@ -114,9 +113,9 @@ impl Pass<'_> {
         appearance: &Appearance,
         folder: &Path,
         format: StackFormat,
-        watcher: &dyn FlattenWatcher,
+        progress: &dyn Progress,
     ) -> Result<(), FlattenError> {
-        begin(watcher, "images", self.views.len())?;
+        progress.stage(Stage::Images, self.views.len())?;
         let size = self.recipe.indirection.size as usize;
         for (view, direction) in self.views.iter().enumerate() {
             let seen = ViewImage::new(self.model, *direction, size, self.recipe.oversampling);
@@ -130,9 +129,7 @@ impl Pass<'_> {
                     .map_err(|error| FlattenError::write(folder, error))
             };
             (0..self.lights.len()).into_par_iter().try_for_each(|light| write(light).map(drop))?;
-            if !watcher.step() {
-                return Err(FlattenError::Cancelled);
-            }
+            progress.step()?;
         }
         Ok(())
     }

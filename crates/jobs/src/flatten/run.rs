@@ -23,6 +23,7 @@ use brdfc_formats::flat_btf::{
 };
 use brdfc_source::InputError;
 use brdfc_source::btf_stack::BtfStack;
+use brdfc_source::progress::{Cancelled, Progress, Stage};
 use std::convert::Infallible;
 use std::path::Path;
 
@@ -46,9 +47,9 @@ pub enum FlattenError {
         /// What the system says.
         error: std::io::Error,
     },
-    /// Stopped by the watcher.
-    #[error("cancelled")]
-    Cancelled,
+    /// The caller asked to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }
 
 impl FlattenError {
@@ -59,7 +60,7 @@ impl FlattenError {
 
 impl From<ParameteriseError> for FlattenError {
     fn from(error: ParameteriseError) -> Self {
-        if error == ParameteriseError::Cancelled { Self::Cancelled } else { Self::Parameterise(error) }
+        if error == ParameteriseError::Cancelled { Cancelled.into() } else { Self::Parameterise(error) }
     }
 }
 
@@ -67,14 +68,6 @@ impl From<Infallible> for FlattenError {
     fn from(never: Infallible) -> Self {
         match never {}
     }
-}
-
-/// What is told while it runs. Calls come from several threads.
-pub trait FlattenWatcher: Sync {
-    /// A stage of so many steps starts. Returning `false` cancels.
-    fn stage(&self, name: &'static str, steps: usize) -> bool;
-    /// A step is done. Returning `false` cancels.
-    fn step(&self) -> bool;
 }
 
 /// Where the values of texels come from.
@@ -108,14 +101,14 @@ pub struct FlattenJob<'a> {
 /// # Errors
 /// A recipe that cannot be followed, a surface that cannot be laid flat, images that cannot be read, files that cannot be
 /// written. An asset of that name that stands in the folder stays as it was.
-pub fn run(job: FlattenJob<'_>, watcher: &dyn FlattenWatcher) -> Result<AssetFile, FlattenError> {
+pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<AssetFile, FlattenError> {
     let recipe = job.recipe;
     recipe.check()?;
     let mut parts = Parts::new(job.name, job.folder)?;
     let zip = recipe.supercompress;
 
-    begin(watcher, "parameterise", steps(recipe.rounds))?;
-    let model = MesoModel::watched(job.geometry.mesh, recipe.rounds, &|| watcher.step())?;
+    progress.stage(Stage::Parameterise, steps(recipe.rounds))?;
+    let model = MesoModel::watched(job.geometry.mesh, recipe.rounds, &|| progress.step().is_ok())?;
     let texels = model.texels(recipe.flat_texels);
     let (size, flat) = (recipe.flat_texels as u32, texels.points.len() as u64);
     let single = |v: Vector| v.map(|c| c as f32);
@@ -125,8 +118,8 @@ pub fn run(job: FlattenJob<'_>, watcher: &dyn FlattenWatcher) -> Result<AssetFil
     parts.add("normal", &normal.to_bytes(zip), 8 * flat)?;
 
     let header = recipe.indirection;
-    begin(watcher, "indirection", header.size as usize)?;
-    let found = indirection(&model, header, recipe.oversampling, &|| watcher.step()).ok_or(FlattenError::Cancelled)?;
+    progress.stage(Stage::Indirection, header.size as usize)?;
+    let found = indirection(&model, header, recipe.oversampling, &|| progress.step().is_ok()).ok_or(Cancelled)?;
     let reference = ReferenceMap::new(header.size, found.reference)?;
     let mut displacements = found.displacements.into_iter();
     let map = IndirectionMap::from_displacements(header, |_, _, _| displacements.next().expect("one for each view"))?;
@@ -138,27 +131,27 @@ pub fn run(job: FlattenJob<'_>, watcher: &dyn FlattenWatcher) -> Result<AssetFil
         FlatBtfDecoder::new(FlatBtfParts { reference, indirection: map, normal, diffuse: black, views: Vec::new() })?;
 
     let (views, lights) = (recipe.views.directions(), recipe.lights.directions());
-    let masks = seen_from(&texels, &model, &views, "visibility", watcher)?;
+    let masks = seen_from(&texels, &model, &views, Stage::Visibility, progress)?;
     let bytes = masks.iter().flatten().map(|seen| if *seen { 255 } else { 0 }).collect();
     let mask = VisibilityMask::new(size, views.len() as u32, bytes)?.to_bytes(zip);
     parts.add("mask", &mask, flat * views.len() as u64)?;
 
-    let lit = seen_from(&texels, &model, &lights, "shadows", watcher)?;
+    let lit = seen_from(&texels, &model, &lights, Stage::Shadows, progress)?;
     let pass =
         Pass { recipe, model: &model, texels: &texels, views: &views, lights: &lights, masks: &masks, lit: &lit };
     let (diffuse, errors) = match &job.values {
         Values::Computed(appearance) => {
             let mut field = ComputedField::new(&texels, appearance, &views, &lights, &lit);
             if recipe.bounces > 0 {
-                begin(watcher, "bounces", Bounces::steps(texels.points.len()))?;
-                let (mesh, caster, step) = (&model.mesh, &model.caster, || watcher.step());
+                progress.stage(Stage::Bounces, Bounces::steps(texels.points.len()))?;
+                let (mesh, caster, step) = (&model.mesh, &model.caster, || progress.step().is_ok());
                 let bounces = Bounces::new(mesh, &texels, caster, appearance, &lights, recipe.bounces, &step);
-                field = field.with_bounces(bounces.ok_or(FlattenError::Cancelled)?);
+                field = field.with_bounces(bounces.ok_or(Cancelled)?);
             }
             let mut probes = computed_probes(&pass, &decoder, appearance)?;
-            let diffuse = pass.run(&field, &mut probes.each(), &mut parts, watcher)?;
+            let diffuse = pass.run(&field, &mut probes.each(), &mut parts, progress)?;
             if let Some((folder, format)) = job.images {
-                pass.write_images(appearance, folder, format, watcher)?;
+                pass.write_images(appearance, folder, format, progress)?;
             }
             (diffuse, probes)
         }
@@ -166,7 +159,7 @@ pub fn run(job: FlattenJob<'_>, watcher: &dyn FlattenWatcher) -> Result<AssetFil
             let images = StackImages(stack);
             let field = MeasuredField { images: &images, texels: &texels, views: &views };
             let mut probes = measured_probes(&pass, &decoder, &images)?;
-            let diffuse = pass.run(&field, &mut probes.each(), &mut parts, watcher)?;
+            let diffuse = pass.run(&field, &mut probes.each(), &mut parts, progress)?;
             (diffuse, probes)
         }
     };
@@ -205,13 +198,9 @@ fn seen_from(
     texels: &TexelMap,
     model: &MesoModel,
     directions: &[Vector],
-    stage: &'static str,
-    watcher: &dyn FlattenWatcher,
+    stage: Stage,
+    progress: &dyn Progress,
 ) -> Result<Vec<Vec<bool>>, FlattenError> {
-    begin(watcher, stage, directions.len())?;
-    visible_from_each(texels, &model.caster, directions, &|| watcher.step()).ok_or(FlattenError::Cancelled)
-}
-
-pub(super) fn begin(watcher: &dyn FlattenWatcher, name: &'static str, steps: usize) -> Result<(), FlattenError> {
-    if watcher.stage(name, steps) { Ok(()) } else { Err(FlattenError::Cancelled) }
+    progress.stage(stage, directions.len())?;
+    visible_from_each(texels, &model.caster, directions, &|| progress.step().is_ok()).ok_or(Cancelled.into())
 }

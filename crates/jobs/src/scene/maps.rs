@@ -1,14 +1,14 @@
 //! The maps of scenes that an environment lights: how fast lobes and light vary, and samples of the lobes.
 
-use super::run::{JobError, start};
+use super::run::JobError;
 use brdfc_bandwidth::DEFAULT_EPSILON;
 use brdfc_bandwidth::facts::BandwidthFacts;
 use brdfc_bandwidth::lobe::DEFAULT_RESOLUTION;
 use brdfc_bandwidth::map::{brdf_map, environment_map};
 use brdfc_importance::{ImportanceFacts, ImportanceRecipe, importance_samples};
+use brdfc_source::progress::{Progress, Stage};
 use brdfc_source::radiance_image::open_radiance_image;
 use brdfc_source::{Source, Tally};
-use brdfc_wavelet::encode::Observer;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -66,15 +66,15 @@ pub fn part_name(material: &str, part: &str) -> String {
 /// The bytes of the files of [`PARTS`].
 ///
 /// # Errors
-/// When the observer cancels.
+/// When the work is cancelled.
 pub fn material_maps(
     source: &dyn Source,
     recipe: &MapRecipe,
-    observer: &mut dyn Observer,
+    progress: &dyn Progress,
 ) -> Result<([Vec<u8>; 2], MapsReport), JobError> {
-    start(observer, "bandwidth map")?;
+    progress.stage(Stage::BandwidthMap, 1)?;
     let (map, mut mended) = brdf_map(source, recipe.resolution, recipe.epsilon).map_err(JobError::Map)?;
-    start(observer, "importance samples")?;
+    progress.stage(Stage::ImportanceSamples, 1)?;
     let (pack, tally) = importance_samples(source, &recipe.samples).map_err(JobError::Map)?;
     mended += tally;
     let (bandwidth, samples) = (map.to_bytes(true), pack.to_bytes(true));
@@ -89,15 +89,15 @@ pub fn material_maps(
 /// The bytes of the file of an environment's map.
 ///
 /// # Errors
-/// An image that cannot be used; when the observer cancels.
+/// An image that cannot be used; when the work is cancelled.
 pub fn environment_file(
     path: &Path,
     epsilon: f64,
-    observer: &mut dyn Observer,
+    progress: &dyn Progress,
 ) -> Result<(Vec<u8>, Packed<BandwidthFacts>), JobError> {
-    start(observer, "read")?;
+    progress.stage(Stage::Read, 1)?;
     let image = open_radiance_image(path)?;
-    start(observer, "bandwidth map")?;
+    progress.stage(Stage::BandwidthMap, 1)?;
     let map = environment_map(&image.pixels, image.width, epsilon).map_err(JobError::Map)?;
     let bytes = map.to_bytes(true);
     let report = Packed::new(&bytes, BandwidthFacts::new(&map));

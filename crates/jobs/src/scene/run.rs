@@ -11,14 +11,14 @@ use brdfc_bandwidth::facts::BandwidthFacts;
 use brdfc_formats::FormatError;
 use brdfc_formats::wavelet::DEFAULT_DISTANCE_SCALE;
 use brdfc_source::open::open;
+use brdfc_source::progress::{Cancelled, Progress, Stage};
 use brdfc_source::{InputError, address};
-use brdfc_wavelet::encode::{EncodeError, Observer, encode};
+use brdfc_wavelet::encode::{EncodeError, encode};
 use brdfc_wavelet::recipe::Recipe;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// One material to make.
 #[derive(Debug, Clone)]
@@ -105,7 +105,10 @@ pub enum JobError {
     Input(#[from] InputError),
     /// The encoder.
     #[error(transparent)]
-    Encode(#[from] EncodeError),
+    Encode(EncodeError),
+    /// The caller asked to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
     /// A map that its own layout refuses: a fault of the program.
     #[error("{0}")]
     Map(FormatError),
@@ -117,6 +120,15 @@ pub enum JobError {
         /// What the system says.
         error: std::io::Error,
     },
+}
+
+impl From<EncodeError> for JobError {
+    fn from(error: EncodeError) -> Self {
+        match error {
+            EncodeError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            other => Self::Encode(other),
+        }
+    }
 }
 
 /// The parts of a material, as `<material>.json` lists them.
@@ -170,63 +182,39 @@ pub fn pack_name(material: &str) -> String {
     part_name(material, "brdf")
 }
 
-/// What a build tells while it runs. Calls come from several threads.
-pub trait Watcher: Sync {
-    /// A stage of a material, or of the environment, starts.
-    fn stage(&self, name: &str, stage: &'static str);
-    /// A material, or the environment, is finished, and whether it worked.
-    fn finished(&self, name: &str, worked: bool);
-}
-
 /// What all jobs of a build share.
 struct Build<'a> {
     out: &'a Path,
     /// Hash of the program, if the cache is used.
     program: Option<[u8; 32]>,
-    cancelled: &'a AtomicBool,
-    watcher: &'a dyn Watcher,
 }
 
 /// Runs all jobs; one that fails does not stop the others.
-pub fn run(plan: &Plan, out: &Path, use_cache: bool, cancelled: &AtomicBool, watcher: &dyn Watcher) -> Outcomes {
+pub fn run(plan: &Plan, out: &Path, use_cache: bool, progress: &dyn Progress) -> Outcomes {
     let program = if use_cache { cache::hash_program().ok() } else { None };
-    let build = Build { out, program, cancelled, watcher };
+    let build = Build { out, program };
     let materials = || {
         plan.jobs
             .par_iter()
             .map(|job| {
-                let result = build.material(job);
-                watcher.finished(&job.name, result.is_ok());
+                let part = progress.part(&job.name);
+                let result = build.material(job, part.as_ref());
+                part.finished(result.is_ok());
                 Outcome { name: job.name.clone(), result }
             })
             .collect()
     };
     let environment = || {
-        let result = build.environment(plan.environment.as_ref()?);
-        watcher.finished(ENVIRONMENT, result.is_ok());
+        let part = progress.part(ENVIRONMENT);
+        let result = build.environment(plan.environment.as_ref()?, part.as_ref());
+        part.finished(result.is_ok());
         Some(result)
     };
     let (environment, materials) = rayon::join(environment, materials);
     Outcomes { materials, environment }
 }
 
-/// Starts a stage.
-///
-/// # Errors
-/// When the observer cancels.
-pub(super) fn start(observer: &mut dyn Observer, stage: &'static str) -> Result<(), JobError> {
-    if observer.stage(stage) { Ok(()) } else { Err(EncodeError::Cancelled.into()) }
-}
-
 impl<'a> Build<'a> {
-    /// A clock that tells the watcher, and stops where the build is cancelled.
-    fn clock(&self, name: &str) -> StageClock<impl FnMut(&'static str) -> bool> {
-        StageClock::new(move |stage| {
-            self.watcher.stage(name, stage);
-            !self.cancelled.load(Ordering::Relaxed)
-        })
-    }
-
     /// What a source is now, if that is to be compared with what it was.
     fn origin(&self, source: &str) -> Option<Origin> {
         let program = self.program?;
@@ -242,10 +230,8 @@ impl<'a> Build<'a> {
         Slot { out: self.out, name, files, origin, recipe }
     }
 
-    fn material(&self, job: &Job) -> Result<Made, JobError> {
-        if self.cancelled.load(Ordering::Relaxed) {
-            return Err(EncodeError::Cancelled.into());
-        }
+    fn material(&self, job: &Job, progress: &dyn Progress) -> Result<Made, JobError> {
+        progress.check()?;
         let origin = self.origin(&job.source);
         let pack_slot = self.slot(job.name.clone(), vec![pack_name(&job.name)], origin, job.recipe.clone());
         let map_slot = job.maps.map(|recipe| {
@@ -261,25 +247,26 @@ impl<'a> Build<'a> {
             return Ok(Made { report: report.clone(), maps: kept_maps, times: None });
         }
 
-        let mut clock = self.clock(&job.name);
-        start(&mut clock, "read")?;
+        let clock = StageClock::new(progress);
+        clock.stage(Stage::Read, 1)?;
         let opened = open(&job.source, None)?;
         let (report, packs) = match kept_pack {
             Some(report) => (report, Vec::new()),
             None => {
-                let encoded = encode(opened.source.as_ref(), &job.recipe, &mut clock)?;
+                let encoded = encode(opened.source.as_ref(), &job.recipe, &clock)?;
                 let report = MaterialReport::new(&encoded, &job.recipe, opened.facts.samples());
                 (report, vec![encoded.bytes])
             }
         };
         let (maps, map_files) = match (&job.maps, kept_maps) {
             (Some(recipe), None) => {
-                let (files, report) = material_maps(opened.source.as_ref(), recipe, &mut clock)?;
+                let (files, report) = material_maps(opened.source.as_ref(), recipe, &clock)?;
                 (Some(report), files.to_vec())
             }
             (_, kept) => (kept, Vec::new()),
         };
-        clock.stage("write");
+        // What is finished is written, cancelled or not.
+        let _ = clock.stage(Stage::Write, 1);
         self.write_all(&pack_slot, &packs)?;
         if let Some(slot) = &map_slot {
             self.write_all(slot, &map_files)?;
@@ -294,15 +281,16 @@ impl<'a> Build<'a> {
         Ok(Made { report, maps, times: Some(clock.finish()) })
     }
 
-    fn environment(&self, job: &EnvironmentJob) -> Result<MadeEnvironment, JobError> {
+    fn environment(&self, job: &EnvironmentJob, progress: &dyn Progress) -> Result<MadeEnvironment, JobError> {
         let file = part_name(ENVIRONMENT, "bandwidth");
         let slot = self.slot(format!("{ENVIRONMENT}.bandwidth"), vec![file], self.origin(&job.source), job.epsilon);
         if let Some(report) = slot.look_up() {
             return Ok(MadeEnvironment { report, times: None });
         }
-        let mut clock = self.clock(ENVIRONMENT);
-        let (bytes, report) = environment_file(Path::new(&job.source), job.epsilon, &mut clock)?;
-        clock.stage("write");
+        let clock = StageClock::new(progress);
+        let (bytes, report) = environment_file(Path::new(&job.source), job.epsilon, &clock)?;
+        // What is finished is written, cancelled or not.
+        let _ = clock.stage(Stage::Write, 1);
         let files = [bytes];
         self.write_all(&slot, &files)?;
         slot.store(&files, &report);

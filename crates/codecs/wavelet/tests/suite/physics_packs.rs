@@ -32,7 +32,7 @@ fn tangent_pole(levels: u32) -> Grid {
 fn encoded(source: &dyn Source, grid: Grid, change: impl Fn(&mut Recipe)) -> Encoded {
     let mut recipe = Recipe { off_grid_pairs: 2000, stored_levels: grid.levels, ..Recipe::default() };
     change(&mut recipe);
-    encode(source, &recipe, &mut ()).unwrap()
+    encode(source, &recipe, &()).unwrap()
 }
 
 /// The pack as an engine would see it: through the bytes of its file.
