@@ -239,7 +239,7 @@ fn facts_in_words(facts: &Facts) -> Vec<(&'static str, String)> {
                 (Some(first), Some(last)) => format!("{} wavelengths, {first} to {last} nm", wavelengths.len()),
                 _ => "RGB columns".to_owned(),
             };
-            vec![
+            let mut lines = vec![
                 ("kind", "scattered scan".to_owned()),
                 ("rows", format!("{} ({} distinct direction pairs)", s.rows, s.distinct)),
                 ("material", isotropic.to_owned()),
@@ -247,7 +247,11 @@ fn facts_in_words(facts: &Facts) -> Vec<(&'static str, String)> {
                 ("largest difference of repeated rows", percent(s.largest_disagreement)),
                 ("rows with negative channels, raised to 0", s.negative.to_string()),
                 ("rows that are all 0", s.zero.to_string()),
-            ]
+            ];
+            if s.left_out > 0 {
+                lines.push(("rows left out, at or below the horizon", s.left_out.to_string()));
+            }
+            lines
         }
         Facts::Rgl { description, azimuths, polar_angles, resolution: [rows, columns], channels } => vec![
             ("kind", "RGL material".to_owned()),

@@ -112,7 +112,8 @@ pub struct Format {
 }
 
 /// Every kind of file that has reflectance.
-pub const FORMATS: [Format; 5] = [merl::FORMAT, scan::TEXT_FORMAT, scan::CSV_FORMAT, rgl::FORMAT, pack::FORMAT];
+pub const FORMATS: [Format; 6] =
+    [merl::FORMAT, scan::TEXT_FORMAT, scan::CSV_FORMAT, scan::ALTA_FORMAT, rgl::FORMAT, pack::FORMAT];
 
 /// The files that can be opened, for messages: `.binary (MERL), .brdf (scan) ...`.
 pub fn known_files() -> String {

@@ -10,6 +10,7 @@ use super::open::{Facts, Format, InputFile, Opened};
 use super::{Source, Symmetry, Tally};
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::DirectionPair;
+use brdfc_formats::measured::alta::AltaTable;
 use brdfc_formats::measured::scan::Scan;
 use brdfc_formats::measured::scan_csv;
 use coordinates::{Anisotropic, Isotropic, Space};
@@ -29,19 +30,28 @@ const SAME_AZIMUTH: f64 = 1e-4;
 pub(crate) const TEXT_FORMAT: Format = Format { extension: "brdf", name: "scan", open: open_text };
 /// How scans as CSV are opened.
 pub(crate) const CSV_FORMAT: Format = Format { extension: "csv", name: "scan", open: open_csv };
+/// How tables of ALTA are opened.
+pub(crate) const ALTA_FORMAT: Format = Format { extension: "dat", name: "ALTA", open: open_alta };
 
 fn open_text(input: InputFile<'_>) -> Result<Opened, InputError> {
-    input.parse(|bytes| opened(&Scan::from_bytes(bytes)?))
+    input.parse(|bytes| opened(&Scan::from_bytes(bytes)?, 0))
 }
 
 fn open_csv(input: InputFile<'_>) -> Result<Opened, InputError> {
-    input.parse(|bytes| opened(&scan_csv::from_bytes(bytes)?))
+    input.parse(|bytes| opened(&scan_csv::from_bytes(bytes)?, 0))
 }
 
-/// A scan as a source, whatever its file was.
-pub(crate) fn opened(scan: &Scan) -> Result<Opened, FormatError> {
+fn open_alta(input: InputFile<'_>) -> Result<Opened, InputError> {
+    input.parse(|bytes| {
+        let table = AltaTable::from_bytes(bytes)?;
+        opened(&table.scan, table.left_out)
+    })
+}
+
+fn opened(scan: &Scan, left_out: usize) -> Result<Opened, FormatError> {
     let source = ScanSource::new(scan)?;
-    let facts = Facts::Scan { wavelengths: scan.wavelengths.clone(), summary: source.summary() };
+    let summary = ScanSummary { left_out, ..source.summary() };
+    let facts = Facts::Scan { wavelengths: scan.wavelengths.clone(), summary };
     Ok(Opened { source: Box::new(source), facts })
 }
 
@@ -60,6 +70,13 @@ pub struct ScanSummary {
     pub zero: usize,
     /// Whether all rows have one azimuth of incidence, so that the material is taken as isotropic.
     pub isotropic: bool,
+    /// Rows of the file that say nothing about reflectance: directions at or below the horizon.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub left_out: usize,
+}
+
+fn is_zero(count: &usize) -> bool {
+    *count == 0
 }
 
 /// A scan that can be evaluated anywhere.
@@ -127,6 +144,7 @@ impl ScanSource {
             negative: scan.rows.iter().filter(|r| r.value.iter().any(|v| *v < 0.0)).count(),
             zero: raised.iter().filter(|v| **v == [0.0; 3]).count(),
             isotropic,
+            left_out: 0,
         };
         let grey = raised.iter().all(|[r, g, b]| {
             let tolerance = 1e-12 * r.max(*g).max(*b);

@@ -1,7 +1,9 @@
 //! Held-out rows of real gonioreflectometer scans: what moving least squares is worth.
 
 use brdfc_formats::direction::{DirectionPair, dot};
+use brdfc_formats::measured::alta::AltaTable;
 use brdfc_formats::measured::scan::{Row, Scan};
+use brdfc_source::open::{Facts, open_file};
 use brdfc_source::{ScanSource, Source, Tally};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
@@ -95,4 +97,25 @@ fn left_out_rows_are_predicted() {
         assert!(mean <= allowed, "{name}: {mean}");
         assert!(nearest > mean, "the check tells a bad estimator from a good one: {nearest}");
     }
+}
+
+/// Retro-reflective tape: rows that are left out are predicted, and the peak stands where the light is.
+#[test]
+fn retro_reflective_tape_is_bright_towards_the_light() {
+    let Some(path) = brdfc_testing::shared_data("retro/retro-3M-jaune.dat") else { return };
+    let opened = open_file(&path, None).unwrap();
+    let Facts::Scan { summary, .. } = opened.facts else { panic!("{:?}", opened.facts) };
+    assert!(summary.isotropic && summary.rows > 7000 && summary.left_out > 0, "{summary:?}");
+    let value = |theta_i: f64, theta_o: f64, phi: f64| {
+        let pair = DirectionPair::from_angles(theta_i.to_radians(), 0.0, theta_o.to_radians(), phi.to_radians());
+        opened.source.eval(pair, &mut Tally::default())[0]
+    };
+    for theta in [15.0, 30.0] {
+        let (back, mirror) = (value(theta, theta - 2.0, 0.0), value(theta, theta - 2.0, 180.0));
+        assert!(back > 1.5 * mirror, "{theta}: {back} {mirror}");
+    }
+    let table = AltaTable::from_bytes(&std::fs::read(path).unwrap()).unwrap();
+    let error = held_out(&table.scan.rows, moving_least_squares).iter().sum::<f64>() / SEEDS as f64;
+    println!("retro-3M-jaune: median relative error {:.2} %", 100.0 * error);
+    assert!(error < 0.06, "{error}");
 }
