@@ -16,6 +16,7 @@ pub mod model;
 pub mod parameterise;
 pub mod probes;
 pub mod rebuild;
+pub mod sparse;
 pub mod stretch;
 pub mod structures;
 pub mod surface;
