@@ -17,6 +17,7 @@ pub mod parameterise;
 pub mod part_facts;
 pub mod probes;
 pub mod rebuild;
+pub mod sparse;
 pub mod stretch;
 pub mod structures;
 pub mod surface;

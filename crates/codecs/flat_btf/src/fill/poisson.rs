@@ -4,17 +4,15 @@
 //! With `x = g + e` this is the membrane `Δe = 0` inside, `e = f - g` outside. The matrix depends on the mask alone: one
 //! factorisation serves all lights and colours of a view.
 
-use faer::linalg::solvers::Solve;
-use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
-use faer::sparse::{SparseColMat, Triplet};
-use faer::{Mat, Side};
+use super::super::sparse::{Cholesky, Symbolic};
+use std::sync::Arc;
 
 /// A mask made ready to fill images of `size` x `size` texels that repeat at their borders.
 pub struct Poisson {
     holes: Vec<u32>,
     /// For each hole, the known texels beside it.
     borders: Vec<Vec<u32>>,
-    factor: Option<Llt<usize, f64>>,
+    factor: Option<Cholesky>,
 }
 
 impl Poisson {
@@ -29,29 +27,31 @@ impl Poisson {
         if holes.len() == known.len() {
             return Self { borders: vec![Vec::new(); holes.len()], holes, factor: None };
         }
-        let mut row_of = vec![usize::MAX; known.len()];
-        holes.iter().enumerate().for_each(|(row, hole)| row_of[*hole as usize] = row);
+        let mut row_of = vec![u32::MAX; known.len()];
+        holes.iter().zip(0..).for_each(|(hole, row)| row_of[*hole as usize] = row);
         let mut borders = vec![Vec::new(); holes.len()];
-        let mut entries = Vec::with_capacity(3 * holes.len());
+        let (mut places, mut values) = (Vec::with_capacity(3 * holes.len()), Vec::with_capacity(3 * holes.len()));
+        let mut add = |row, column, value| {
+            places.push([row, column]);
+            values.push(value);
+        };
         for (row, hole) in holes.iter().enumerate() {
             let (x, y) = (*hole as usize % n, *hole as usize / n);
             let around = [(x + 1, y), (x + n - 1, y), (x, y + 1), (x, y + n - 1)].map(|(x, y)| y % n * n + x % n);
-            entries.push(Triplet::new(row, row, 4.0));
+            add(row as u32, row as u32, 4.0);
             for neighbour in around {
                 match row_of[neighbour] {
-                    usize::MAX => borders[row].push(neighbour as u32),
+                    u32::MAX => borders[row].push(neighbour as u32),
                     // The lower half is enough.
-                    other if other < row => entries.push(Triplet::new(row, other, -1.0)),
+                    other if other < row as u32 => add(row as u32, other, -1.0),
                     _ => {}
                 }
             }
         }
         let factor = (!holes.is_empty()).then(|| {
-            let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(holes.len(), holes.len(), &entries)
-                .expect("rows and columns are in range");
-            let symbolic = SymbolicLlt::try_new(matrix.symbolic(), Side::Lower).expect("memory for the factor");
+            let symbolic = Symbolic::new(holes.len(), &places).expect("no more rows than texels");
             // Weakly diagonally dominant, and every hole ends at a known texel: positive definite.
-            Llt::try_new_with_symbolic(symbolic, matrix.as_ref(), Side::Lower).expect("the matrix is positive definite")
+            Cholesky::new(&Arc::new(symbolic), &values, &|| true).expect("the matrix is positive definite")
         });
         Self { holes, borders, factor }
     }
@@ -59,19 +59,19 @@ impl Poisson {
     /// Gives texels that are not known a value; the others stay as they are. Where nothing is known the guide is taken.
     /// Values are not negative.
     pub fn fill(&self, image: &mut [[f32; 3]], guide: &[[f32; 3]]) {
-        let mut right = Mat::<f64>::zeros(self.holes.len(), 3);
+        let mut right = vec![[0.0f64; 3]; self.holes.len()];
         for (row, border) in self.borders.iter().enumerate() {
             for at in border {
                 let at = *at as usize;
-                (0..3).for_each(|k| right[(row, k)] += f64::from(image[at][k]) - f64::from(guide[at][k]));
+                (0..3).for_each(|k| right[row][k] += f64::from(image[at][k]) - f64::from(guide[at][k]));
             }
         }
         if let Some(factor) = &self.factor {
-            factor.solve_in_place(&mut right);
+            factor.solve(&mut right);
         }
         for (row, hole) in self.holes.iter().enumerate() {
             let at = *hole as usize;
-            image[at] = [0, 1, 2].map(|k| (f64::from(guide[at][k]) + right[(row, k)]).max(0.0) as f32);
+            image[at] = [0, 1, 2].map(|k| (f64::from(guide[at][k]) + right[row][k]).max(0.0) as f32);
         }
     }
 }

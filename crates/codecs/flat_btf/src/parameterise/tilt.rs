@@ -11,11 +11,12 @@
 //! `π`; parameters `u` with a drift, `(I - P) u = Σ_j P_ij t_ij - c`, which are also how `h` answers to `θ`; the
 //! correction of `h`. The second derivative of `log ρ` is the variance of `t_ij + u_j - u_i - c`.
 
+use super::super::sparse::Symbolic;
 use super::walk::{Solver, Walk};
 use super::weights::Edge;
 use super::{ParameteriseError, RESIDUAL_LIMIT};
-use faer::sparse::linalg::solvers::SymbolicLlt;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Drift at which the tilt is found, in tiles.
 pub(super) const DRIFT_LIMIT: f64 = 1e-12;
@@ -35,7 +36,7 @@ const FIRST_ROUNDS: usize = 20;
 const FIRST_WALK: usize = 32;
 const UNEVEN: &str = "the weights differ too much from one another";
 /// How often a solution without great trouble asks whether to go on.
-pub(super) const STEPS: usize = 10;
+pub(super) const STEPS: usize = 14;
 
 /// Parameters and the weights they come from.
 pub(super) struct Solution {
@@ -52,7 +53,7 @@ pub(super) struct Solution {
 pub(super) fn solve(
     edges: &[Edge],
     guess: &[[f64; 2]],
-    symbolic: &mut Option<SymbolicLlt<usize>>,
+    symbolic: &mut Option<Arc<Symbolic>>,
     go_on: &dyn Fn() -> bool,
 ) -> Result<Solution, ParameteriseError> {
     let n = guess.len();
@@ -154,7 +155,7 @@ fn tilted<'a>(edges: &'a [Edge], tilt: [f64; 2], potential: &[f64]) -> (Walk<'a>
 fn first_solver(
     walk: &Walk<'_>,
     share: &mut [f64],
-    symbolic: &mut Option<SymbolicLlt<usize>>,
+    symbolic: &mut Option<Arc<Symbolic>>,
     ask: &dyn Fn() -> Result<(), ParameteriseError>,
 ) -> Result<Solver, ParameteriseError> {
     let mut excess = vec![0.0; share.len()];
@@ -165,7 +166,7 @@ fn first_solver(
             walk.backward(share, &ones, &mut excess);
             share.iter_mut().zip(&excess).for_each(|(s, e)| *s -= 0.5 * e);
         }
-        let solver = Solver::new(walk, share, symbolic)?;
+        let solver = Solver::new(walk, share, symbolic, &|| ask().is_ok())?;
         ask()?;
         if stationary(&solver, walk, share)? < 2.0 {
             return Ok(solver);

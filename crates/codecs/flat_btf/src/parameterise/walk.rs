@@ -8,13 +8,11 @@
 //! equations"; the steps of Eisenstat, Elman and Schultz 1983, "Variational iterative methods for nonsymmetric systems
 //! of linear equations", ORTHOMIN).
 
+use super::super::sparse::{Cholesky, FactorError, Symbolic};
 use super::ParameteriseError;
 use super::weights::Edge;
-use faer::linalg::solvers::Solve;
-use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
-use faer::sparse::{SparseColMat, Triplet};
-use faer::{MatMut, Side};
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 /// Directions that a step is made orthogonal to.
 const KEPT_DIRECTIONS: usize = 6;
@@ -56,52 +54,49 @@ impl Walk<'_> {
 /// Solves systems of walks that are not far from the one it was made for.
 pub(super) struct Solver {
     /// Of the symmetric part without the first row and column; none for a single vertex.
-    factor: Option<Llt<usize, f64>>,
+    factor: Option<Cholesky>,
 }
 
 impl Solver {
-    /// `share` need not be the exact share of time at each vertex.
+    /// `share` need not be the exact share of time at each vertex. All walks that have `symbolic` in common have the same
+    /// edges. `go_on` is asked a few times, and cancels by returning `false`.
     pub fn new(
         walk: &Walk<'_>,
         share: &[f64],
-        symbolic: &mut Option<SymbolicLlt<usize>>,
+        symbolic: &mut Option<Arc<Symbolic>>,
+        go_on: &dyn Fn() -> bool,
     ) -> Result<Self, ParameteriseError> {
         let n = share.len();
         if n < 2 {
             return Ok(Self { factor: None });
         }
-        let singular = |reason: String| ParameteriseError::Singular { reason };
-        let mut entries = Vec::with_capacity(walk.edges.len() + n);
+        let refused = |error: FactorError| match error {
+            FactorError::Cancelled => ParameteriseError::Cancelled,
+            error => ParameteriseError::Singular { reason: error.to_string() },
+        };
+        let mut places = Vec::with_capacity(walk.edges.len() + n);
+        let mut values = Vec::with_capacity(walk.edges.len() + n);
         let mut diagonal = vec![0.0; n];
         for (edge, p) in walk.edges.iter().zip(&walk.probabilities) {
-            let (from, to) = (edge.from as usize, edge.to.vertex as usize);
+            let (from, to) = (edge.from, edge.to.vertex);
             if from == to {
                 continue;
             }
-            let half = 0.5 * share[from] * p;
-            diagonal[from] += half;
-            diagonal[to] += half;
-            // The lower half is enough; entries in one place are added.
-            let (row, column) = (from.max(to), from.min(to));
-            if column > 0 {
-                entries.push(Triplet::new(row - 1, column - 1, -half));
+            let half = 0.5 * share[from as usize] * p;
+            diagonal[from as usize] += half;
+            diagonal[to as usize] += half;
+            if from.min(to) > 0 {
+                places.push([from - 1, to - 1]);
+                values.push(-half);
             }
         }
-        entries.extend(diagonal[1..].iter().enumerate().map(|(i, d)| Triplet::new(i, i, *d)));
-        let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(n - 1, n - 1, &entries)
-            .map_err(|error| singular(format!("{error:?}")))?;
-        drop(entries);
+        places.extend((0..n as u32 - 1).map(|row| [row; 2]));
+        values.extend(&diagonal[1..]);
         let symbolic = match symbolic {
-            Some(known) => known.clone(),
-            None => symbolic
-                .insert(
-                    SymbolicLlt::try_new(matrix.symbolic(), Side::Lower)
-                        .map_err(|error| singular(format!("{error:?}")))?,
-                )
-                .clone(),
+            Some(known) => known,
+            None => symbolic.insert(Arc::new(Symbolic::new(n - 1, &places).map_err(refused)?)),
         };
-        let factor = Llt::try_new_with_symbolic(symbolic, matrix.as_ref(), Side::Lower)
-            .map_err(|error| singular(format!("{error:?}")))?;
+        let factor = Cholesky::new(symbolic, &values, go_on).map_err(refused)?;
         Ok(Self { factor: Some(factor) })
     }
 
@@ -109,8 +104,7 @@ impl Solver {
         let mut z = r.to_vec();
         z[0] = 0.0;
         if let Some(factor) = &self.factor {
-            let n = z.len() - 1;
-            factor.solve_in_place(MatMut::from_column_major_slice_mut(&mut z[1..], n, 1));
+            factor.solve(z[1..].as_chunks_mut::<1>().0);
         }
         z
     }
