@@ -1,12 +1,11 @@
 //! Any bytes, or a valid pack with edits: an error, or a pack whose values are numbers at every level and filter.
 #![no_main]
 
-#[path = "../../../formats/tests/common/mod.rs"]
-mod common;
 mod edits;
 
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::wavelet::WaveletPack;
+use brdfc_testing::packs;
 use libfuzzer_sys::fuzz_target;
 
 fn valid(choice: u8) -> Vec<u8> {
@@ -14,7 +13,7 @@ fn valid(choice: u8) -> Vec<u8> {
     let channels = if choice & 2 == 0 { 1 } else { 3 };
     let bits = if choice & 4 == 0 { 8 } else { 12 };
     let levels = 1 + u32::from(choice >> 3 & 1);
-    common::pack(common::header(parameterisation, levels, channels, bits), 3, 1).to_bytes(choice & 16 != 0)
+    packs::pack(packs::header(parameterisation, levels, channels, bits), 3, 1).to_bytes(choice & 16 != 0)
 }
 
 fuzz_target!(|data: &[u8]| {
@@ -26,7 +25,7 @@ fuzz_target!(|data: &[u8]| {
     } else {
         rest.to_vec()
     };
-    let survives = common::survives(&bytes);
+    let survives = packs::survives(&bytes);
     assert!(survives || choice & 0x80 != 0 || rest.len() >= 4, "the edits are lost on a file that was never valid");
     if survives {
         let pack = WaveletPack::from_bytes(&bytes).expect("it was read before");

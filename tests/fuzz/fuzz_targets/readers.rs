@@ -2,20 +2,19 @@
 #![no_main]
 
 mod edits;
-#[allow(dead_code)]
-#[path = "../../common/tensor.rs"]
-mod tensor;
 
-use brdfc_source::{MerlSource, RglSource, ScanSource, Source, Tally};
 use brdfc_formats::colour::rgb_weights;
 use brdfc_formats::direction::DirectionPair;
+use brdfc_formats::measured::alta::AltaTable;
 use brdfc_formats::measured::merl::{self, Merl};
 use brdfc_formats::measured::rgl::Rgl;
 use brdfc_formats::measured::scan::Scan;
 use brdfc_formats::measured::scan_csv;
+use brdfc_source::{MerlSource, RglSource, ScanSource, Source, Tally};
+use brdfc_testing::tensor;
 use libfuzzer_sys::fuzz_target;
 
-const READERS: u8 = 6;
+const READERS: u8 = 7;
 
 fn valid(reader: u8) -> Vec<u8> {
     match reader {
@@ -35,7 +34,11 @@ fn valid(reader: u8) -> Vec<u8> {
             format!("{}\n{rows}", scan_csv::ANGLE_COLUMNS.join(",")).into_bytes()
         }
         3 => b"id,wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n7,0,0,1,0,0.6,0.8\n".to_vec(),
-        4 => tensor::Material { phi_i: vec![0.0, 0.8, 1.5707], ..Default::default() }.container().build(),
+        4 => {
+            let rows: String = (0..9).map(|k| format!("0.{k} 0.3 -0.{k} 1e-{k}\n")).collect();
+            format!("#DIM 3 1\n#PARAM_IN ISOTROPIC_TL_TV_PROJ_DPHI\n#PARAM_OUT INV_STERADIAN\n{rows}").into_bytes()
+        }
+        5 => tensor::Material { phi_i: vec![0.0, 0.8, 1.5707], ..Default::default() }.container().build(),
         _ => tensor::Material { wavelengths: Some(vec![450.0, 650.0]), colour: |at| at.s, ..Default::default() }
             .container()
             .build(),
@@ -59,6 +62,10 @@ fn read(reader: u8, bytes: &[u8]) -> bool {
             scan.and_then(|scan| ScanSource::new(&scan)).map(|source| evaluate(&source)).is_ok()
         }
         3 => scan_csv::directions_from_bytes(bytes).is_ok(),
+        4 => AltaTable::from_bytes(bytes)
+            .and_then(|table| ScanSource::new(&table.scan))
+            .map(|source| evaluate(&source))
+            .is_ok(),
         _ => Rgl::from_bytes(bytes)
             .and_then(|rgl| RglSource::new(rgl, rgb_weights))
             .map(|source| evaluate(&source))

@@ -2,21 +2,20 @@
 //! of importance samples; meshes are welded, parts written and read again.
 #![no_main]
 
-#[allow(dead_code)]
-#[path = "../../../formats/tests/common/mod.rs"]
-mod common;
 mod edits;
 
 use brdfc_flat_btf::weld::weld;
+use brdfc_formats::FormatError;
+use brdfc_formats::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
+use brdfc_formats::direction_set::DirectionSet;
+use brdfc_formats::flat_btf::{
+    DiffuseMap, FlatView, IndirectionMap, NormalMap, PositionMap, ReferenceMap, VisibilityMask,
+};
+use brdfc_formats::importance::{ImportanceHeader, ImportancePack};
+use brdfc_formats::meso::{TriangleMesh, obj, ply};
 use brdfc_source::meso::{heights_from_exr, heights_from_png};
 use brdfc_source::radiance_image;
-use brdfc_formats::FormatError;
-use brdfc_formats::direction_set::DirectionSet;
-use brdfc_formats::meso::{TriangleMesh, obj, ply};
-use brdfc_formats::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
-use brdfc_formats::flat_btf::{DiffuseMap, FlatView, IndirectionMap, NormalMap, PositionMap, ReferenceMap, VisibilityMask};
-use brdfc_formats::importance::{ImportanceHeader, ImportancePack};
-use crate::common::flat;
+use brdfc_testing::flat_btf as flat;
 use libfuzzer_sys::fuzz_target;
 
 const READERS: u8 = 16;
