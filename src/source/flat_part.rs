@@ -4,7 +4,7 @@ use super::flat_btf::asset_of_part;
 use super::open::{InputError, MAX_FILE_BYTES, read_file};
 use brdfc_formats::FormatError;
 use brdfc_formats::pack::flat_btf::{
-    DiffuseMap, FlatView, IndirectionMap, NormalMap, PositionMap, ReferenceMap, VisibilityMask,
+    DiffuseMap, FlatView, IndirectionMap, NormalMap, PositionMap, ReferenceMap, VisibilityMask, gpu_bytes,
 };
 use brdfc_formats::pack::{Extent, PackedTexture};
 use std::path::Path;
@@ -25,7 +25,8 @@ pub struct PartFacts {
     pub extent: Vec<u32>,
     /// Bytes of the file.
     pub bytes: u64,
-    /// Bytes of its texels on a GPU.
+    /// Bytes of texels on a GPU, as `formats/spec/flat-btf.md` counts them: with the unused tiles of a view's layer, and 0
+    /// of a part that no shader reads.
     pub gpu_bytes: u64,
     /// Of a view: its number, how many views there are, and how many lights.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -55,7 +56,7 @@ pub fn open_part(path: &Path) -> Result<Option<PartFacts>, InputError> {
             Extent::D2Array(sides) | Extent::D3(sides) => sides.to_vec(),
         },
         bytes: bytes.len() as u64,
-        gpu_bytes: texture.texel_bytes(),
+        gpu_bytes: gpu_bytes(&part, texture.extent),
         view_views_lights: None,
         polar_angles_azimuths: None,
         part,

@@ -14,6 +14,7 @@ use crate::btf::texels::TexelMap;
 use crate::build::btf_stack::{StackFormat, write_image};
 use brdfc_formats::direction::Vector;
 use brdfc_formats::measured::btf_stack::ImageAngles;
+use brdfc_formats::pack::Extent;
 use brdfc_formats::pack::flat_btf::{DiffuseMap, FlatView, view_part};
 use brdfc_formats::pack::rgb9e5;
 use rayon::prelude::*;
@@ -57,6 +58,8 @@ impl Pass<'_> {
         let mut fit = DiffuseFit::new(self.texels.points.len());
         let at_once = rayon::current_num_threads().clamp(1, MOST_VIEWS_AT_ONCE);
         let count = self.views.len() as u32;
+        let size = self.recipe.flat_texels as u32;
+        let extent = Extent::D2Array([size, size, self.lights.len() as u32]);
         for batch in (0..self.views.len()).collect::<Vec<_>>().chunks(at_once) {
             let made: Vec<_> = batch
                 .par_iter()
@@ -72,7 +75,7 @@ impl Pass<'_> {
                 fit.add_view(self.texels, &self.masks[*view], self.lights, lit, value);
                 if let Some(bytes) = bytes {
                     probes.iter_mut().for_each(|probes| probes.add_view(&pack));
-                    parts.add(&view_part(*view as u32, count), &bytes, 4 * pack.texels().len() as u64)?;
+                    parts.add(&view_part(*view as u32, count), &bytes, extent)?;
                 }
                 if !watcher.step() {
                     return Err(FlattenError::Cancelled);

@@ -20,6 +20,7 @@ use crate::source::btf_stack::BtfStack;
 use crate::source::open::InputError;
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::Vector;
+use brdfc_formats::pack::Extent;
 use brdfc_formats::pack::flat_btf::{
     DiffuseMap, FlatBtfDecoder, FlatBtfParts, IndirectionMap, NormalMap, PositionMap, ReferenceMap, VisibilityMask,
 };
@@ -117,12 +118,13 @@ pub fn run(job: FlattenJob<'_>, watcher: &dyn FlattenWatcher) -> Result<AssetFil
     begin(watcher, "parameterise", steps(recipe.rounds))?;
     let model = MesoModel::watched(job.geometry.mesh, recipe.rounds, &|| watcher.step())?;
     let texels = model.texels(recipe.flat_texels);
-    let (size, flat) = (recipe.flat_texels as u32, texels.points.len() as u64);
+    let size = recipe.flat_texels as u32;
+    let flat = Extent::D2([size, size]);
     let single = |v: Vector| v.map(|c| c as f32);
     let position = PositionMap::new(size, texels.points.iter().map(|p| single(p.position)).collect())?;
-    parts.add("position", &position.to_bytes(zip), 16 * flat)?;
+    parts.add("position", &position.to_bytes(zip), flat)?;
     let normal = NormalMap::new(size, texels.points.iter().map(|p| single(p.normal)).collect())?;
-    parts.add("normal", &normal.to_bytes(zip), 8 * flat)?;
+    parts.add("normal", &normal.to_bytes(zip), flat)?;
 
     let header = recipe.indirection;
     begin(watcher, "indirection", header.size as usize)?;
@@ -130,8 +132,8 @@ pub fn run(job: FlattenJob<'_>, watcher: &dyn FlattenWatcher) -> Result<AssetFil
     let reference = ReferenceMap::new(header.size, found.reference)?;
     let mut displacements = found.displacements.into_iter();
     let map = IndirectionMap::from_displacements(header, |_, _, _| displacements.next().expect("one for each view"))?;
-    parts.add("reference", &reference.to_bytes(zip), 8 * u64::from(header.size).pow(2))?;
-    parts.add("indirection", &map.to_bytes(zip), header.extent().into_iter().map(u64::from).product::<u64>() * 8)?;
+    parts.add("reference", &reference.to_bytes(zip), Extent::D2([header.size, header.size]))?;
+    parts.add("indirection", &map.to_bytes(zip), Extent::D2(header.extent()))?;
     // Colours come last; the decoder is asked for indirections before.
     let black = DiffuseMap::new(size, vec![0; texels.points.len()])?;
     let decoder =
@@ -141,7 +143,7 @@ pub fn run(job: FlattenJob<'_>, watcher: &dyn FlattenWatcher) -> Result<AssetFil
     let masks = seen_from(&texels, &model, &views, "visibility", watcher)?;
     let bytes = masks.iter().flatten().map(|seen| if *seen { 255 } else { 0 }).collect();
     let mask = VisibilityMask::new(size, views.len() as u32, bytes)?.to_bytes(zip);
-    parts.add("mask", &mask, flat * views.len() as u64)?;
+    parts.add("mask", &mask, Extent::D2Array([size, size, views.len() as u32]))?;
 
     let lit = seen_from(&texels, &model, &lights, "shadows", watcher)?;
     let pass =
@@ -170,7 +172,7 @@ pub fn run(job: FlattenJob<'_>, watcher: &dyn FlattenWatcher) -> Result<AssetFil
             (diffuse, probes)
         }
     };
-    parts.add("diffuse", &diffuse.to_bytes(zip), 4 * flat)?;
+    parts.add("diffuse", &diffuse.to_bytes(zip), flat)?;
     let decoder = FlatBtfDecoder::new(FlatBtfParts { diffuse, ..decoder.into_parts() })?;
 
     let seen = masks.iter().flatten().filter(|seen| **seen).count() as f64;

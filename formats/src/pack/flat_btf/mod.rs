@@ -7,6 +7,7 @@
 mod atlas;
 mod decoder;
 mod flat_view;
+mod graphics_memory;
 mod indirection;
 mod layout;
 mod maps;
@@ -14,6 +15,7 @@ mod maps;
 pub use atlas::Atlas;
 pub use decoder::{FlatBtfDecoder, FlatBtfParts, ViewWeights};
 pub use flat_view::{FlatHeader, FlatView, MAX_DIRECTIONS, VisibilityMask, view_part};
+pub use graphics_memory::gpu_bytes;
 pub use indirection::{IndirectionHeader, IndirectionMap, MAX_AZIMUTH_SAMPLES, MAX_ZENITH_SAMPLES};
 pub use maps::{DiffuseMap, NormalMap, PositionMap, ReferenceMap};
 
