@@ -20,9 +20,6 @@ use brdfc_formats::pack::rgb9e5;
 use rayon::prelude::*;
 use std::path::Path;
 
-/// Most views in memory at once.
-pub(super) const MOST_VIEWS_AT_ONCE: usize = 8;
-
 /// What a pass over all views needs.
 pub(super) struct Pass<'a> {
     pub(super) recipe: &'a FlattenRecipe,
@@ -56,7 +53,7 @@ impl Pass<'_> {
         };
         begin(watcher, "views", self.views.len())?;
         let mut fit = DiffuseFit::new(self.texels.points.len());
-        let at_once = rayon::current_num_threads().clamp(1, MOST_VIEWS_AT_ONCE);
+        let at_once = self.recipe.views_at_once();
         let count = self.views.len() as u32;
         let size = self.recipe.flat_texels as u32;
         let extent = Extent::D2Array([size, size, self.lights.len() as u32]);
