@@ -2,8 +2,8 @@
 
 use super::run::{JobError, start};
 use crate::bandwidth::DEFAULT_EPSILON;
-use crate::bandwidth::lobe::DEFAULT_RESOLUTION;
 use crate::bandwidth::map::{brdf_map, environment_map};
+use crate::bandwidth::resolution::Resolution;
 use crate::brdf::encode::Observer;
 use crate::brdf::importance::{ImportanceRecipe, importance_samples};
 use crate::source::bandwidth_map::BandwidthFacts;
@@ -17,7 +17,7 @@ use std::path::Path;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MapRecipe {
     /// Pixels per side at which lobes are transformed.
-    pub resolution: usize,
+    pub resolution: Resolution,
     /// `ε` of the bandwidth.
     pub epsilon: f64,
     /// Sizes of the importance samples.
@@ -26,7 +26,7 @@ pub struct MapRecipe {
 
 impl Default for MapRecipe {
     fn default() -> Self {
-        Self { resolution: DEFAULT_RESOLUTION, epsilon: DEFAULT_EPSILON, samples: ImportanceRecipe::default() }
+        Self { resolution: Resolution::Automatic, epsilon: DEFAULT_EPSILON, samples: ImportanceRecipe::default() }
     }
 }
 

@@ -2,6 +2,7 @@
 //! one page per pack.
 
 pub mod bandwidth;
+mod bandwidth_limit;
 pub mod bandwidth_shader;
 pub mod container;
 mod decode;

@@ -2,8 +2,8 @@
 
 use super::AdaptiveMaterial;
 use crate::bandwidth::DEFAULT_EPSILON;
-use crate::bandwidth::lobe::DEFAULT_RESOLUTION;
 use crate::bandwidth::map::brdf_map;
+use crate::bandwidth::resolution::Resolution;
 use crate::brdf::importance::{ImportanceRecipe, LobeDistributions, importance_samples};
 use crate::metrics::image::luminance;
 use crate::render::shade::Reflectance;
@@ -37,7 +37,7 @@ impl Lookups {
     /// # Errors
     /// What the layouts refuse, which the default recipes do not ask for.
     pub fn new(source: &dyn Source) -> Result<Self, FormatError> {
-        let (bandwidth, _) = brdf_map(source, DEFAULT_RESOLUTION, DEFAULT_EPSILON)?;
+        let (bandwidth, _) = brdf_map(source, Resolution::Automatic, DEFAULT_EPSILON)?;
         let (samples, _) = importance_samples(source, &ImportanceRecipe::default())?;
         Self::of_packs(source, bandwidth, samples)
     }
