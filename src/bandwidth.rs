@@ -4,8 +4,8 @@ use super::output::{print, print_json, refuse_overwriting, remark, to_json, writ
 use super::{CliError, Common};
 use crate::table;
 use brdfc_bandwidth::facts::BandwidthFacts;
-use brdfc_bandwidth::lobe::{DEFAULT_RESOLUTION, RESOLUTIONS};
 use brdfc_bandwidth::map::{brdf_map, environment_map, texture_map};
+use brdfc_bandwidth::resolution::{RESOLUTIONS, Resolution};
 use brdfc_bandwidth::texture::Placement;
 use brdfc_bandwidth::{DEFAULT_EPSILON, EPSILON_RANGE};
 use brdfc_formats::FormatError;
@@ -40,7 +40,8 @@ pub struct Arguments {
     /// What the input is, where its extension does not say.
     #[arg(long, value_enum)]
     kind: Option<Kind>,
-    /// Pixels per side at which each lobe of a material is transformed: 32, 64 (default), 128 or 256.
+    /// Pixels per side at which each lobe of a material is transformed, a power of two from 32 to 1024 (default: 64, doubled
+    /// to at most 256 as long as a highlight is narrower than that shows).
     #[arg(long, value_name = "N")]
     resolution: Option<usize>,
     /// Coefficients whose sum is below this share of the largest one do not count, 0.0001 to 0.1.
@@ -114,6 +115,9 @@ impl Report {
             ("without variation", table::percent(facts.constant)),
             ("bytes on a GPU", table::bytes(facts.gpu_bytes)),
         ];
+        if let Some(share) = facts.limited {
+            lines.push(("limited by these", table::percent(share)));
+        }
         if let (Some([width, height]), Some(tiles)) = (facts.metres, facts.tiles) {
             let border = if tiles { "repeats" } else { "does not repeat" };
             lines.push(("texture", format!("{width} m x {height} m, {border}")));
@@ -133,7 +137,7 @@ pub(super) fn info(map: &BandwidthMap, json: bool) -> Result<(), CliError> {
 
 /// What is to be done, from the flags.
 enum Recipe {
-    Brdf { resolution: usize },
+    Brdf { resolution: Resolution },
     Environment,
     Texture(Placement),
 }
@@ -173,12 +177,12 @@ fn recipe(arguments: &Arguments) -> Result<Recipe, CliError> {
     }
     Ok(match kind {
         Kind::Brdf => {
-            let resolution = arguments.resolution.unwrap_or(DEFAULT_RESOLUTION);
             let [least, most] = RESOLUTIONS;
-            if !(resolution.is_power_of_two() && (least..=most).contains(&resolution)) {
-                return usage(format!("--resolution: found {resolution}; allowed 32, 64, 128 or 256"));
+            let allowed = |side: usize| side.is_power_of_two() && (least..=most).contains(&side);
+            if let Some(side) = arguments.resolution.filter(|side| !allowed(*side)) {
+                return usage(format!("--resolution: found {side}; allowed a power of two from {least} to {most}"));
             }
-            Recipe::Brdf { resolution }
+            Recipe::Brdf { resolution: arguments.resolution.map_or(Resolution::Automatic, Resolution::Fixed) }
         }
         Kind::Environment => Recipe::Environment,
         Kind::Texture => Recipe::Texture(Placement { metres: metres(arguments)?, tiles: !arguments.no_tile }),
@@ -225,6 +229,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         remark(common, &format!("note: {line}"));
     }
     let report = Report::new(&map, mended, Some(seconds));
+    if let Some(line) = report.facts.remark() {
+        remark(common, &format!("note: {line}"));
+    }
     let text = if arguments.json { to_json(&report) } else { report.text() };
     if is_standard_output(&arguments.output) {
         // Behind a map the report would be taken for a part of it.

@@ -6,6 +6,7 @@ use crate::output::remark;
 use crate::table::plain;
 use crate::{CliError, Common};
 use brdfc_flat_btf::structures::STRUCTURES;
+use brdfc_formats::container::MAX_EXTENT_2D;
 use brdfc_source::address::SYNTH_PREFIX;
 use brdfc_studies::flat_btf::{ModelRow, StudyError, StudySettings, study_model};
 use std::sync::Mutex;
@@ -13,15 +14,20 @@ use std::time::{Duration, Instant};
 
 /// Of the plane; the flat BTF has twice as many per side, the paper's 256.
 const TEXELS: usize = 128;
+/// Views of the indirection map, as `brdfc flatten` takes them where nothing is said.
+const INDIRECTION: [u32; 2] = [16, 16];
+const LARGEST_ANGLE: f64 = 80.0;
+/// Most texels of the plane: with these views, of the indirection map.
+const MOST_TEXELS: usize = (MAX_EXTENT_2D / (INDIRECTION[1] + 1)) as usize;
 /// Remarks come at least this far apart.
 const BETWEEN_REMARKS: Duration = Duration::from_secs(5);
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, CliError> {
     let texels = arguments.texels.unwrap_or(TEXELS);
     let flat_texels = arguments.flat_texels.unwrap_or(2 * texels.next_power_of_two());
-    for (option, value) in [("texels", texels), ("flat-texels", flat_texels)] {
-        if !(8..=1024).contains(&value) {
-            return Err(CliError::Usage(format!("--{option}: found {value}; allowed 8 to 1024")));
+    for (option, value, most) in [("texels", texels, MOST_TEXELS), ("flat-texels", flat_texels, 1024)] {
+        if !(8..=most).contains(&value) {
+            return Err(CliError::Usage(format!("--{option}: found {value}; allowed 8 to {most}")));
         }
     }
     if !flat_texels.is_power_of_two() {
@@ -32,6 +38,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
         texels,
         flat_texels,
         oversampling: 1,
+        indirection: INDIRECTION,
+        largest_angle: LARGEST_ANGLE,
         rounds: 0,
         directions: directions.name.clone(),
         count: directions.len(),
@@ -69,18 +77,24 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
 
 pub(super) fn text(settings: &StudySettings, rows: &[ModelRow]) -> String {
     let mut text = format!(
-        "{0} views and lights ({1}), {2} x {2} texels of the plane, {3} x {3} of the flat BTF.\n\n",
-        settings.count, settings.directions, settings.texels, settings.flat_texels
+        "{0} views and lights ({1}), {2} x {2} texels of the plane, {3} x {3} of the flat BTF, {4} x {5} views \
+         of the indirection map.\n\n",
+        settings.count,
+        settings.directions,
+        settings.texels,
+        settings.flat_texels,
+        settings.indirection[0],
+        settings.indirection[1]
     );
-    text +=
-        "Table 1: colour difference (L*a*b*) of BTFs rebuilt by equation 1; maximum and variance of means of images\n";
-    text +=
-        &table(&["model", "mean", "push-pull", "max", "variance", "paper", "mean", "max", "variance"], rows, |row| {
-            let (r, p) = (&row.reconstruction, &row.paper.reconstruction);
-            let ours = [r.mean, r.mean_push_pull, r.largest_image, r.image_variance].map(two);
-            let [a, b, c, d] = ours;
-            vec![name(row), a, b, c, d, row.paper_model.to_owned(), two(p[0]), two(p[1]), two(p[2])]
-        });
+    text += "Table 1: colour difference (L*a*b*) of BTFs rebuilt by equation 1; maximum and variance of means of images; exact: \
+         without the indirection map\n";
+    let header = ["model", "mean", "push-pull", "exact", "max", "variance", "paper", "mean", "max", "variance"];
+    text += &table(&header, rows, |row| {
+        let (r, p) = (&row.reconstruction, &row.paper.reconstruction);
+        let ours = [r.mean, r.mean_push_pull, r.mean_exact_indirection, r.largest_image, r.image_variance].map(two);
+        let paper = [p[0], p[1], p[2]].map(two);
+        [name(row)].into_iter().chain(ours).chain([row.paper_model.to_owned()]).chain(paper).collect()
+    });
     text += "\nTable 2: variance over the views (L*a*b*), mean over texels; in brackets how many times lower than the BTF's\n";
     let header = ["model", "BTF", "push-pull", "poisson", "visible", "paper: BTF", "filled", "visible"];
     text += &table(&header, rows, |row| {

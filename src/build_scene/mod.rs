@@ -81,7 +81,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     for outcome in &outcomes.materials {
         match &outcome.result {
             Ok(made) => {
-                for line in remarks(&made.report) {
+                let of_map = made.maps.as_ref().and_then(|maps| maps.bandwidth.facts.remark());
+                for line in remarks(&made.report).into_iter().chain(of_map) {
                     remark(common, &format!("note: {}: {line}", outcome.name));
                 }
             }

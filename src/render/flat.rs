@@ -6,7 +6,7 @@ use crate::output::remark;
 use crate::{CliError, Common};
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::surface::Appearance;
-use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts};
+use brdfc_formats::flat_btf::FlatBtfDecoder;
 use brdfc_gpu::verify::Views;
 use brdfc_gpu::{AdapterChoice, Gpu, draw_flat_btf};
 use brdfc_jobs::flatten::{AssetFile, Form, MesoOptions, PLANE, open_appearance, open_asset, open_geometry};
@@ -45,7 +45,7 @@ pub(super) fn verification(arguments: &Arguments, common: Common) -> Result<(Ver
         None => FlatForm::Light,
     };
     let parts = open_flat_btf(path, form == FlatForm::Full)?;
-    let bytes_on_gpu = gpu_bytes(&parts);
+    let bytes_on_gpu = parts.gpu_bytes();
     let wrong = |error: brdfc_formats::FormatError| CliError::Input(format!("{}: {error}", arguments.input));
     let repeat = arguments.repeat.unwrap_or(default_repeat(setup.builtin));
     let material = FlatMaterial::new(FlatBtfDecoder::new(parts).map_err(wrong)?, repeat).map_err(wrong)?;
@@ -109,16 +109,6 @@ fn default_repeat(scene: Builtin) -> u32 {
         Builtin::Plane | Builtin::Bottle | Builtin::Vase | Builtin::Teapot => 4,
         _ => 8,
     }
-}
-
-/// Bytes of the parts' texels on a GPU.
-fn gpu_bytes(parts: &FlatBtfParts) -> u64 {
-    let flat: usize = parts.views.iter().map(|view| 4 * view.texels().len()).sum();
-    let maps = 8 * parts.indirection.texels().len()
-        + 8 * parts.reference.parameters().len()
-        + 8 * parts.normal.normals().len()
-        + 4 * parts.diffuse.texels().len();
-    (flat + maps) as u64
 }
 
 /// The surface and materials that an asset was made from, where all are addresses.

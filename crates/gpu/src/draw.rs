@@ -16,6 +16,11 @@ use wgpu::ShaderStages;
 /// [`ENVIRONMENT_WGSL`].
 pub const SCENE_WGSL: &str = include_str!("scene.wgsl");
 
+/// The whole shader: decoder, surfaces, environment, scene.
+pub fn scene_source() -> String {
+    [WAVELET_BRDF_WGSL, VIEW_WGSL, PERIODIC_WGSL, SURFACE_WGSL, ENVIRONMENT_WGSL, SCENE_WGSL].join("\n")
+}
+
 /// How packs are decoded in an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Decoding {
@@ -52,9 +57,7 @@ impl<'g> Renderer<'g> {
     pub fn new(gpu: &'g Gpu) -> Result<Self, GpuError> {
         let pack_layout = pack::layout(gpu, ShaderStages::FRAGMENT);
         let surface_layout = surface::layout(gpu);
-        let source =
-            [WAVELET_BRDF_WGSL, VIEW_WGSL, PERIODIC_WGSL, SURFACE_WGSL, ENVIRONMENT_WGSL, SCENE_WGSL].join("\n");
-        let rasteriser = Rasteriser::new(gpu, source, &[&pack_layout, &surface_layout])?;
+        let rasteriser = Rasteriser::new(gpu, scene_source(), &[&pack_layout, &surface_layout])?;
         Ok(Self { rasteriser, pack_layout, surface_layout })
     }
 

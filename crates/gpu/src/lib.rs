@@ -17,7 +17,7 @@ pub mod verify;
 pub use adaptive::{AdaptiveRenderer, AdaptiveShaders, LoadedAdaptive, LoadedGBuffer};
 pub use compute::{COMPUTE_WGSL, Compute, Resource};
 pub use device::{AdapterChoice, AdapterDescription, Gpu, GpuError};
-pub use draw::{Decoding, Renderer, SCENE_WGSL};
+pub use draw::{Decoding, Renderer, SCENE_WGSL, scene_source};
 pub use evaluate::{EVALUATE_WGSL, Evaluated, Evaluator, LoadedPack, LoadedPairs, SliceFilter};
 pub use flat::{FLAT_SCENE_WGSL, FlatRenderer, draw_flat_btf, flat_scene_source};
 pub use flat_btf::{EVALUATE_FLAT_BTF_WGSL, FlatBtfAnswer, FlatBtfEvaluator, FlatBtfQuery, LoadedFlatBtf};

@@ -2,6 +2,7 @@
 //! and "Interactive rendering of acquired materials on dynamic geometry using bandwidth prediction"). Layouts: `spec.md`
 //! and `propagation.md` in this folder.
 
+mod limit;
 mod map;
 pub mod propagation;
 pub mod shader;

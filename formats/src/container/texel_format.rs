@@ -1,7 +1,7 @@
 //! How texels of packs are stored, and how a KTX2 file describes that. Layout: `formats/src/container/spec.md`.
 
-/// Texel formats that packs use. All are core in Vulkan; the 16-bit unorm ones are a native feature of WebGPU, and all
-/// but those of 32-bit floats can be filtered everywhere.
+/// Texel formats that packs use. The 16-bit unorm ones are optional everywhere; all others are core, and all but those of
+/// 32-bit floats can be filtered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TexelFormat {
     /// One component of 8 bits, `VK_FORMAT_R8_UNORM`.

@@ -28,7 +28,7 @@ fn DIRECTION_MESH_FUNCTION(direction: vec3<f32>) -> DIRECTION_MESH_FUNCTION_resu
     let first = DIRECTION_MESH_BINDING[4u + row * grid + column];
     let end = DIRECTION_MESH_BINDING[5u + row * grid + column];
 
-    var best = 3.40282347e38;
+    var best = 3.4028234e38;
     var result = DIRECTION_MESH_FUNCTION_result(vec3<u32>(0u), vec3<f32>(1.0, 0.0, 0.0));
     for (var k = first; k < end; k += 1u) {
         let triangle = triangles + 3u * DIRECTION_MESH_BINDING[candidates + k];

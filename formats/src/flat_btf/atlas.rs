@@ -34,6 +34,11 @@ impl Atlas {
         [self.columns() * self.size, self.rows() * self.size]
     }
 
+    /// Texels of a layer, those of tiles without a light included.
+    pub fn texels(self) -> u64 {
+        self.extent().into_iter().map(u64::from).product()
+    }
+
     /// The first texel, `(column, row)`, of a light's tile.
     pub fn origin(self, light: u32) -> [u32; 2] {
         let columns = self.columns();

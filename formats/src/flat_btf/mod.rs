@@ -7,6 +7,7 @@
 mod atlas;
 mod decoder;
 mod flat_view;
+mod graphics_memory;
 mod indirection;
 mod layout;
 mod maps;
@@ -17,6 +18,7 @@ pub use atlas::Atlas;
 pub use decoder::{FlatBtfDecoder, FlatBtfParts, ViewWeights};
 pub(crate) use flat_view::HEADER as FLAT_BTF_ENTRY;
 pub use flat_view::{FlatHeader, FlatView, MAX_DIRECTIONS, VisibilityMask, view_part};
+pub use graphics_memory::gpu_bytes;
 pub(crate) use indirection::HEADER as INDIRECTION_ENTRY;
 pub use indirection::{IndirectionHeader, IndirectionMap, MAX_AZIMUTH_SAMPLES, MAX_ZENITH_SAMPLES};
 pub use maps::{DiffuseMap, NormalMap, PositionMap, ReferenceMap};

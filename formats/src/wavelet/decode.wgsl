@@ -47,7 +47,7 @@ struct WaveletBrdfParameters {
 const WAVELET_BRDF_PI: f32 = 3.14159274;
 const WAVELET_BRDF_HALF_PI: f32 = 1.57079637;
 const WAVELET_BRDF_SQRT_2: f32 = 1.41421354;
-const WAVELET_BRDF_LARGEST: f32 = 3.40282347e38;
+const WAVELET_BRDF_LARGEST: f32 = 3.4028234e38;
 
 // Two neighbouring cells along one axis.
 struct WaveletBrdfTap {

@@ -1,6 +1,7 @@
 //! The dumps on the pages of the layouts are the bytes of files that these tests make.
 
 use brdfc_formats::container::Texture;
+use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::flat_btf::{
     DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatView, IndirectionMap, NormalMap, ReferenceMap,
@@ -9,7 +10,7 @@ use brdfc_formats::measured::merl::{self, Merl};
 use brdfc_formats::measured::scan::Scan;
 use brdfc_formats::measured::{btf_stack, scan_csv};
 use brdfc_formats::meso::{obj, ply};
-use brdfc_formats::wavelet::{RowScratch, WaveletDecoder, WaveletPack};
+use brdfc_formats::wavelet::{Filter, RowScratch, WaveletDecoder, WaveletPack};
 use brdfc_testing::packs::check_dump;
 
 #[test]
@@ -59,10 +60,27 @@ fn the_worked_value_of_the_flat_btf_page() {
     assert!((u - 0.025).abs() < 1e-6 && v == 0.5 && (z - 0.25).abs() < 1e-6, "{u} {v} {z}");
 }
 
-/// The value at the foot of the page.
+/// The values at the foot of the page.
 #[test]
-fn the_worked_value_of_the_wavelet_page() {
+fn the_worked_values_of_the_wavelet_page() {
+    let page = include_str!("../../src/wavelet/spec.md");
+    let (_, foot) = page.split_once("For `wi = (0, 0.6, 0.8)` and `wo = (0.6, 0, 0.8)`").expect("the pair");
     let decoder = WaveletDecoder::new(&brdfc_testing::packs::example());
+    let pair = DirectionPair::new([0.0, 0.6, 0.8], [0.6, 0.0, 0.8]);
+    for (filter, level, v, f) in [
+        (Filter::Nearest, 1.0, "-0.676777", "0.249126"),
+        (Filter::Nearest, 0.0, "-1 / 2", "0.298265"),
+        (Filter::Bilinear, 1.0, "-0.241379", "0.387772"),
+        (Filter::Bilinear, 0.0, "-0.219447", "0.396481"),
+    ] {
+        assert!(foot.contains(v) && foot.contains(f), "{v} {f}");
+        let [found, ..] = decoder.log_value(pair, level, filter);
+        let expected = v.parse().unwrap_or(-0.5f32);
+        assert!((found - expected).abs() < 1e-6, "{found} {v}");
+        let [found, ..] = decoder.eval(pair, level, filter);
+        assert!((found - f.parse::<f32>().unwrap()).abs() < 1e-6, "{found} {f}");
+    }
+    // The same cells by themselves.
     let mut row = [0.0; 4];
     decoder.decode_row(0, 0, &mut row, &mut RowScratch::default());
     let f = decoder.from_log(row[1]);

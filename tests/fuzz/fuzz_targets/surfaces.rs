@@ -8,9 +8,7 @@ use brdfc_flat_btf::weld::weld;
 use brdfc_formats::FormatError;
 use brdfc_formats::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
 use brdfc_formats::direction_set::DirectionSet;
-use brdfc_formats::flat_btf::{
-    DiffuseMap, FlatView, IndirectionMap, NormalMap, PositionMap, ReferenceMap, VisibilityMask,
-};
+use brdfc_formats::flat_btf::{DiffuseMap, FlatView, IndirectionMap, NormalMap, PositionMap, ReferenceMap, VisibilityMask};
 use brdfc_formats::importance::{ImportanceHeader, ImportancePack};
 use brdfc_formats::meso::{TriangleMesh, obj, ply};
 use brdfc_source::meso::{heights_from_exr, heights_from_png};

@@ -84,6 +84,48 @@ fn info_tells_what_a_map_is() {
     assert!(ran.stderr.contains("brdfc.wavelet: found only brdfc.bandwidth; allowed"), "{}", ran.stderr);
 }
 
+/// Nobody has to know that 64 pixels are too few for a lobe; who asks for 64 gets them, and is told.
+#[test]
+fn narrow_lobes_get_more_pixels_until_they_are_not_limited() {
+    let folder = Folder::new();
+    let of = |material: &str, more: &[&str]| {
+        let (map, report) = map(&folder, material, more);
+        let told = folder.run(&["info", "map.ktx2", "--json"]).succeeded().json();
+        assert_eq!(told["limited"], report["limited"]);
+        (map.header().transformed[0], report["limited"].as_f64().unwrap(), folder.read("map.ktx2"))
+    };
+    let (wide, narrow) = ("synth:ggx?alpha=0.3", "synth:ggx?alpha=0.1");
+    let (side, limited, bytes) = of(wide, &[]);
+    assert_eq!((side, limited), (64, 0.0));
+    assert!(bytes == of(wide, &["--resolution", "64"]).2, "the bytes of 64 pixels");
+    let (side, limited, bytes) = of(narrow, &[]);
+    assert_eq!((side, limited), (256, 0.0));
+    assert!(bytes == of(narrow, &["--resolution", "256"]).2);
+    let (side, limited, _) = of(narrow, &["--resolution", "64"]);
+    assert!(side == 64 && limited > 0.001, "{limited}");
+    let ran = folder.run(&["bandwidth", narrow, "-o", "map.ktx2", "--resolution", "64"]).succeeded();
+    assert!(
+        ran.stderr.contains("of 65536 values may be too low: lobes of 64 x 64 pixels show no more"),
+        "{}",
+        ran.stderr
+    );
+    assert!(ran.stdout.contains("limited by these"), "{}", ran.stdout);
+    // More than is chosen by itself.
+    assert_eq!(of(narrow, &["--resolution", "512"]).0, 512);
+}
+
+/// Bandwidths at 32 to 256 pixels are 6, 12, 20 and 38 cycles per radian.
+#[test]
+fn a_mirror_is_limited_and_that_is_said() {
+    let Some(chrome) = shared_data("merl/chrome.binary") else { return };
+    let folder = Folder::new();
+    let ran = folder.run(&["bandwidth", chrome.to_str().unwrap(), "-o", "map.ktx2", "--json"]).succeeded();
+    let report = ran.json();
+    assert_eq!(report["transformed"][0], 256);
+    assert!(report["largest"].as_f64().unwrap() > 30.0 && report["limited"].as_f64().unwrap() > 0.01, "{report}");
+    assert!(ran.stderr.contains("lobes of 256 x 256 pixels show no more"), "{}", ran.stderr);
+}
+
 /// Ten times the threshold: means of 6.4, 5.9 and 5.3 cycles per radian.
 #[test]
 fn the_threshold_hardly_matters_in_a_real_environment() {
@@ -132,7 +174,8 @@ fn wrong_usage_and_wrong_inputs() {
     for (code, input, more, expected) in [
         (2, "synth:ggx", &["--epsilon", "0.5"][..], "--epsilon: found 0.5; allowed 0.0001 to 0.1"),
         (2, "synth:ggx", &["--epsilon", "NaN"], "--epsilon: found NaN; allowed"),
-        (2, "synth:ggx", &["--resolution", "48"], "--resolution: found 48; allowed 32, 64, 128 or 256"),
+        (2, "synth:ggx", &["--resolution", "48"], "--resolution: found 48; allowed a power of two from 32 to 1024"),
+        (2, "synth:ggx", &["--resolution", "2048"], "--resolution: found 2048; allowed a power of two"),
         (2, "synth:ggx", &["--kind", "texture"], "--kind: found texture of no image; allowed brdf for materials"),
         (2, "synth:ggx", &["--size", "1x1"], "--size, --no-tile: found no texture"),
         (2, "cloth.png", &[], "--size: found none; allowed WIDTHxHEIGHT of the texture in metres"),

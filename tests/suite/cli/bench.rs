@@ -61,8 +61,9 @@ fn the_study_of_flat_btfs_has_the_papers_tables() {
         assert!(variance("poisson") < variance("push_pull"), "{row}");
         assert!(variance("btf") > filled * variance("push_pull"), "{row}");
         assert!(variance("btf") > seen * variance("visible"), "{row}");
-        // At so few texels; the paper's own are 3 and more.
-        assert!((0.1..4.5).contains(&number(&row["reconstruction"]["mean"])), "{row}");
+        // At so few texels; the paper's own are 3 and more. The map costs about as much as the rest.
+        let [mean, exact] = ["mean", "mean_exact_indirection"].map(|kind| number(&row["reconstruction"][kind]));
+        assert!((0.1..4.5).contains(&exact) && mean > 1.2 * exact && mean < 8.0, "{row}");
         // 16 x 16 views against 8 x 32.
         let [coarse, fine] = row["grids"].as_array().unwrap().as_slice() else { panic!("{row}") };
         assert_eq!([&coarse["zenith_samples"], &fine["zenith_samples"]], [8, 16]);

@@ -54,6 +54,30 @@ fn every_structure_and_every_part() {
     }
 }
 
+/// The list, each part alone, and `render` agree on what a GPU has to hold.
+#[test]
+fn graphics_memory_is_that_of_the_bindings() {
+    let folder = Folder::new();
+    let report = report(flatten(&folder, &["synth:knit?resolution=24", "-o", "knit", "--lights", "grid:3x8@60"]));
+    let of = |part: &str| report["parts"][part]["gpu_bytes"].as_u64().unwrap();
+    assert_eq!((of("position"), of("mask"), of("normal")), (0, 0, 8 * 16 * 16));
+    // 17 lights take 5 x 4 tiles.
+    assert_eq!(of("flat.000"), 4 * 20 * 16 * 16);
+    for part in ["position", "normal", "diffuse", "reference", "indirection", "mask", "flat.003"] {
+        // Away from its list.
+        let file = format!("knit.{part}.ktx2");
+        folder.write(&file, folder.read(&format!("knit/{file}")));
+        let facts = folder.run(&["info", &file, "--json"]).succeeded().json();
+        assert_eq!(facts["gpu_bytes"].as_u64(), Some(of(part)), "{part}");
+    }
+    #[cfg(feature = "render")]
+    if crate::common::has_adapter() {
+        let total: u64 = report["parts"].as_object().unwrap().keys().map(|part| of(part)).sum();
+        let drawn = folder.run(&["render", "knit", "--size", "16x16", "--json"]).succeeded().json();
+        assert_eq!(drawn["parts"][0]["bytes_on_gpu"].as_u64(), Some(total), "{drawn}");
+    }
+}
+
 #[test]
 fn a_matte_plane_is_exact() {
     let folder = Folder::new();

@@ -23,6 +23,9 @@ pub struct BandwidthFacts {
     pub largest: f32,
     /// Mean of all texels.
     pub mean: f64,
+    /// Of a material, share of texels, 0 to 1, that are a quarter of a cycle per pixel of the transformed image or more: lobes
+    /// may vary faster there than that resolution shows.
+    pub limited: Option<f64>,
     /// Share of texels without any variation, 0 to 1.
     pub constant: f64,
     /// Bytes on a GPU.
@@ -30,6 +33,17 @@ pub struct BandwidthFacts {
 }
 
 impl BandwidthFacts {
+    /// What a user should know: whether the resolution limits some of the values.
+    pub fn remark(&self) -> Option<String> {
+        let share = self.limited.filter(|share| *share > 0.0)?;
+        let [width, height] = self.transformed;
+        let all = self.size.map(f64::from).into_iter().product::<f64>();
+        let count = (share * all).round();
+        Some(format!(
+            "bandwidth map: {count} of {all} values may be too low: lobes of {width} x {height} pixels show no more"
+        ))
+    }
+
     /// Of a map.
     pub fn new(map: &BandwidthMap) -> Self {
         let (header, values) = (map.header(), map.values());
@@ -48,6 +62,7 @@ impl BandwidthFacts {
             tiles,
             largest: values.iter().copied().fold(0.0, f32::max),
             mean: values.iter().map(|value| f64::from(*value)).sum::<f64>() / count,
+            limited: map.limited(),
             constant: values.iter().filter(|value| **value == 0.0).count() as f64 / count,
             gpu_bytes: map.texel_bytes().len() as u64,
         }

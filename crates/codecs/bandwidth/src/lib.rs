@@ -11,6 +11,7 @@ pub mod image;
 pub mod lobe;
 pub mod local;
 pub mod map;
+pub mod resolution;
 pub mod texture;
 
 /// `ε` of the paper: coefficients whose sum is below this share of the largest one do not count.

@@ -10,6 +10,7 @@
 //! two samples: value and slope have no step there.
 
 use super::local::{Border, frequencies};
+use super::resolution::RESOLUTIONS;
 use brdfc_formats::direction::{DirectionPair, Vector, from_polar};
 use brdfc_source::{Source, Tally};
 use rayon::prelude::*;
@@ -20,12 +21,13 @@ const LARGEST: f64 = 1e30;
 
 /// Cells per axis of the grids of directions.
 pub const CELLS: usize = 16;
+/// Pixels of a Gaussian that are at least half as bright as its centre where its bandwidth is a quarter of a cycle per pixel.
+const HIGHLIGHT: usize = 16;
 /// Values per axis of a map.
 pub const SIDE: usize = CELLS * CELLS;
-/// Pixels per side of a lobe's image where nothing is said.
-pub const DEFAULT_RESOLUTION: usize = 64;
-/// Smallest and largest number of pixels per side.
-pub const RESOLUTIONS: [usize; 2] = [32, 256];
+
+/// Per outgoing cell `[l][k]`.
+type Cells = [[f32; CELLS]; CELLS];
 
 /// A map of all lobes.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,6 +37,10 @@ pub struct LobeBandwidth {
     pub values: Vec<f32>,
     /// What evaluation had to mend.
     pub tally: Tally,
+    /// Whether the highlight of some lobe is narrower than the image shows: fewer than 16 pixels are at least
+    /// half as bright as the brightest one, whose bandwidth is a quarter of a cycle per pixel or more. Noise and weak detail
+    /// on a bright lobe are none.
+    pub narrow: bool,
 }
 
 /// The map of a material; lobes are transformed at `resolution` pixels per side. The largest of the channels counts.
@@ -59,13 +65,14 @@ pub fn lobe_bandwidth(source: &dyn Source, resolution: usize, epsilon: f64) -> L
         .map(|number| {
             let (i, j) = (number % azimuths, number / azimuths);
             let mut tally = Tally::default();
-            let cells = image.cells(source, [i, j], epsilon, &mut tally);
-            (i, j, cells, tally)
+            let (cells, narrow) = image.cells(source, [i, j], epsilon, &mut tally);
+            (i, j, cells, narrow, tally)
         })
         .collect();
-    let mut map = LobeBandwidth { values: vec![0.0; SIDE * SIDE], tally: Tally::default() };
-    for (i, j, cells, tally) in computed {
+    let mut map = LobeBandwidth { values: vec![0.0; SIDE * SIDE], tally: Tally::default(), narrow: false };
+    for (i, j, cells, narrow, tally) in computed {
         map.tally += tally;
+        map.narrow |= narrow;
         let mut put = |incoming: usize, outgoing: &dyn Fn(usize) -> usize| {
             for (l, row) in cells.iter().enumerate() {
                 for (k, value) in row.iter().enumerate() {
@@ -159,8 +166,8 @@ impl LobeImage {
     }
 
     /// Bandwidth of the lobe of an incoming cell, per outgoing cell `[l][k]`; k is counted from azimuth 0 of the material, but
-    /// from the plane of incidence of isotropic ones.
-    fn cells(&self, source: &dyn Source, cell: [usize; 2], epsilon: f64, tally: &mut Tally) -> [[f32; CELLS]; CELLS] {
+    /// from the plane of incidence of isotropic ones. And whether the lobe is too narrow for the image.
+    fn cells(&self, source: &dyn Source, cell: [usize; 2], epsilon: f64, tally: &mut Tally) -> (Cells, bool) {
         self.cells_by(source, cell, epsilon, tally, |values| values.iter().copied().fold(0.0, f32::max))
     }
 
@@ -172,15 +179,17 @@ impl LobeImage {
         epsilon: f64,
         tally: &mut Tally,
         reduce: impl Fn(&[f32]) -> f32,
-    ) -> [[f32; CELLS]; CELLS] {
+    ) -> (Cells, bool) {
         let symmetry = source.symmetry();
         let halves = symmetry.isotropic && symmetry.mirror;
         let channels = self.lobe(source, incoming(cell), halves, tally);
         let mut cells = [[0.0f32; CELLS]; CELLS];
         let turn = if symmetry.isotropic { 0 } else { cell[0] };
         let mut inside = Vec::new();
+        let mut narrow = false;
         for channel in channels {
             let values = self.bandwidth(&channel, epsilon);
+            narrow |= self.is_narrow(&channel, &values);
             for (number, members) in self.members.iter().enumerate() {
                 inside.clear();
                 inside.extend(members.iter().map(|pixel| values[*pixel]));
@@ -197,7 +206,17 @@ impl LobeImage {
                 }
             }
         }
-        cells
+        (cells, narrow)
+    }
+
+    /// See [`LobeBandwidth::narrow`].
+    fn is_narrow(&self, lobe: &[f32], bandwidth: &[f32]) -> bool {
+        let inside = || (0..lobe.len()).filter(|number| self.beyond[*number].is_none());
+        let Some(peak) = inside().reduce(|best, next| if lobe[next] > lobe[best] { next } else { best }) else {
+            return false;
+        };
+        let bright = inside().filter(|number| lobe[*number] >= 0.5 * lobe[peak]).count();
+        bright < HIGHLIGHT && f64::from(bandwidth[peak]) >= 0.25 * self.side as f64 * stretch(self.theta[peak])
     }
 
     /// The images of a lobe, one per channel. With `halves`, the side below the plane of incidence mirrors the other.

@@ -2,23 +2,35 @@
 
 use super::environment::{as_shown, environment_bandwidth};
 use super::lobe::{SIDE, lobe_bandwidth};
+use super::resolution::Resolution;
 use super::texture::{BandwidthImage, Placement, texture_bandwidth};
 use brdfc_formats::FormatError;
 use brdfc_formats::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
 use brdfc_source::{Source, Tally};
 
-/// The map of a material, with what its evaluation had to mend; see [`lobe_bandwidth`].
+/// The map of a material, with what its evaluation had to mend; see [`lobe_bandwidth`] and [`Resolution`].
 ///
 /// # Errors
 /// An `epsilon` that the layout has no place for.
 ///
 /// # Panics
 /// As [`lobe_bandwidth`].
-pub fn brdf_map(source: &dyn Source, resolution: usize, epsilon: f64) -> Result<(BandwidthMap, Tally), FormatError> {
-    let found = lobe_bandwidth(source, resolution, epsilon);
-    let transformed = [resolution as u32; 2];
-    let header = BandwidthHeader { kind: BandwidthKind::Brdf, epsilon: epsilon as f32, transformed };
-    Ok((BandwidthMap::new(header, [SIDE as u32; 2], &found.values)?, found.tally))
+pub fn brdf_map(
+    source: &dyn Source,
+    resolution: Resolution,
+    epsilon: f64,
+) -> Result<(BandwidthMap, Tally), FormatError> {
+    let mut steps = resolution.steps().peekable();
+    loop {
+        let side = steps.next().expect("the last step ends the loop");
+        let found = lobe_bandwidth(source, side, epsilon);
+        let header =
+            BandwidthHeader { kind: BandwidthKind::Brdf, epsilon: epsilon as f32, transformed: [side as u32; 2] };
+        let map = BandwidthMap::new(header, [SIDE as u32; 2], &found.values)?;
+        if steps.peek().is_none() || !found.narrow {
+            return Ok((map, found.tally));
+        }
+    }
 }
 
 /// The map of a latitude-longitude image of radiance, [`as_shown`]; see [`environment_bandwidth`].

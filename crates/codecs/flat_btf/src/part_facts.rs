@@ -1,7 +1,7 @@
 //! What one part of a flat BTF is, without the others.
 
 use brdfc_formats::container::{Extent, PackedTexture};
-use brdfc_formats::flat_btf::split_part_name;
+use brdfc_formats::flat_btf::{gpu_bytes, split_part_name};
 use brdfc_formats::{FormatError, Pack, PackKind};
 
 /// What one file of a flat BTF holds.
@@ -17,7 +17,8 @@ pub struct PartFacts {
     pub extent: Vec<u32>,
     /// Bytes of the file.
     pub bytes: u64,
-    /// Bytes of its texels on a GPU.
+    /// Bytes of texels on a GPU, as `formats/src/flat_btf/spec.md` counts them: with the unused tiles of a view's layer, and 0
+    /// of a part that no shader reads.
     pub gpu_bytes: u64,
     /// Of a view: its number, how many views there are, and how many lights.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -45,7 +46,7 @@ impl PartFacts {
                 Extent::D2Array(sides) | Extent::D3(sides) => sides.to_vec(),
             },
             bytes: bytes.len() as u64,
-            gpu_bytes: packed.texel_bytes(),
+            gpu_bytes: gpu_bytes(part, packed.extent),
             view_views_lights: None,
             polar_angles_azimuths: None,
         };

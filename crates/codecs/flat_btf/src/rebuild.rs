@@ -4,6 +4,7 @@
 use super::model::MesoModel;
 use super::surface::{Appearance, SurfacePoint};
 use brdfc_formats::direction::Vector;
+use brdfc_formats::flat_btf::FlatBtfDecoder;
 use rayon::prelude::*;
 
 /// What a view sees through the texels of the reference plane: `oversampling²` surface points for each.
@@ -41,15 +42,29 @@ impl ViewImage {
     }
 
     /// The image rebuilt from the flat image of the same view and light: bilinear, periodic look-ups at what the rays of a
-    /// texel see, and their mean.
+    /// texel see, and their mean. No indirection map is asked: what the flat image alone loses.
     pub fn rebuilt(&self, flat: &[[f32; 3]]) -> Vec<[f32; 3]> {
-        let size = flat.len().isqrt();
-        let value = |parameters: &[f32; 2]| periodic_bilinear(size, *parameters, |texel| flat[texel]);
-        self.parameters
-            .chunks_exact(self.per_texel)
-            .map(|parameters| mean(parameters.iter().map(value), self.per_texel))
-            .collect()
+        let values = looked_up(flat, &self.parameters);
+        values.chunks_exact(self.per_texel).map(|values| mean(values.iter().copied(), self.per_texel)).collect()
     }
+}
+
+/// What the indirection map of a decoder says that a view sees, for the centre of each texel of its reference plane.
+pub fn stored_parameters(decoder: &FlatBtfDecoder, view: Vector) -> Vec<[f32; 2]> {
+    let size = decoder.parts().reference.size() as usize;
+    let view = view.map(|c| c as f32);
+    let seen = |texel: usize| {
+        let at = [texel % size, texel / size].map(|c| (c as f32 + 0.5) / size as f32);
+        let [u, v, _] = decoder.indirection(at, view);
+        [u, v]
+    };
+    (0..size * size).into_par_iter().map(seen).collect()
+}
+
+/// Bilinear, periodic look-ups into a flat image.
+pub fn looked_up(flat: &[[f32; 3]], parameters: &[[f32; 2]]) -> Vec<[f32; 3]> {
+    let size = flat.len().isqrt();
+    parameters.iter().map(|at| periodic_bilinear(size, *at, |texel| flat[texel])).collect()
 }
 
 fn mean(values: impl Iterator<Item = [f32; 3]>, count: usize) -> [f32; 3] {

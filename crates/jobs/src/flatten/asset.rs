@@ -35,7 +35,8 @@ pub struct PartFile {
     pub file: String,
     /// Its bytes.
     pub bytes: u64,
-    /// Bytes of its texels on a GPU.
+    /// Bytes of texels on a GPU, as `formats/src/flat_btf/spec.md` counts them: with the unused tiles of a view's layer, and 0
+    /// of a part that no shader reads.
     pub gpu_bytes: u64,
     /// BLAKE3 hash of its bytes, hexadecimal: a part of another asset is not taken for this one.
     pub blake3: String,
@@ -80,7 +81,7 @@ impl AssetFile {
         self.parts.values().map(|part| part.bytes).sum()
     }
 
-    /// Bytes of all texels on a GPU.
+    /// Bytes of all texels on a GPU, in the full form where there are views.
     pub fn gpu_bytes(&self) -> u64 {
         self.parts.values().map(|part| part.gpu_bytes).sum()
     }

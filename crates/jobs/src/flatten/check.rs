@@ -1,6 +1,5 @@
 //! What can be known of a recipe before the work.
 
-use super::pass::MOST_VIEWS_AT_ONCE;
 use super::recipe::{FlattenRecipe, Form};
 use brdfc_flat_btf::caster::STEEPEST_DEGREES;
 use brdfc_flat_btf::fill::FillMethod;
@@ -11,15 +10,18 @@ use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::flat_btf::FlatHeader;
 use std::f32::consts::TAU;
 
-/// Most memory that a recipe may need.
+/// Most memory that a recipe may take.
 pub const MOST_BYTES: u64 = 8 << 30;
 /// A point of the surface with its normals and material, and what belongs to it.
 const TEXEL_BYTES: u64 = 256;
 /// A view and a light of a texel while a view is made: its value, the value packed, and compressed.
 const VALUE_BYTES: u64 = 12;
+/// Most views in memory at once.
+const MOST_VIEWS_AT_ONCE: usize = 8;
 
 impl FlattenRecipe {
-    /// Whether packs can hold what is asked for, rays can find it, and memory can hold it on the way.
+    /// Whether packs can hold what is asked for, rays can find it, and memory can hold it on the way, with one view at a
+    /// time: so it does not depend on the machine.
     ///
     /// # Errors
     /// The first thing that is out of range.
@@ -36,7 +38,7 @@ impl FlattenRecipe {
             DirectionMesh::new(set).map_err(of_set)?;
         }
         self.header(0).check()?;
-        let bytes = self.bytes();
+        let bytes = self.bytes(1);
         if bytes > MOST_BYTES {
             let gib = |bytes: u64| format!("{:.1} GiB", bytes as f64 / f64::from(1 << 30));
             let allowed = format!("{}: fewer texels, views, lights or bounces", gib(MOST_BYTES));
@@ -51,13 +53,18 @@ impl FlattenRecipe {
         FlatHeader { size: self.flat_texels as u32, view, views, lights }
     }
 
-    /// Bytes in memory at most, roughly: what grows with texels, views, lights and bounces.
-    pub fn bytes(&self) -> u64 {
+    /// How many views are made at once: one per thread, as far as memory allows.
+    pub(super) fn views_at_once(&self) -> usize {
+        let most = rayon::current_num_threads().clamp(1, MOST_VIEWS_AT_ONCE).min(self.views.len());
+        (2..=most).rev().find(|views| self.bytes(*views) <= MOST_BYTES).unwrap_or(1)
+    }
+
+    /// Bytes in memory at most, roughly, with so many views at once: what grows with texels, views, lights and bounces.
+    pub fn bytes(&self, views_at_once: usize) -> u64 {
         let texels = (self.flat_texels * self.flat_texels) as u64;
         let (views, lights) = (self.views.len() as u64, self.lights.len() as u64);
-        let at_once = (rayon::current_num_threads().clamp(1, MOST_VIEWS_AT_ONCE) as u64).min(views);
         let guide = u64::from(self.fill == FillMethod::Poisson && self.form == Form::Full);
-        let per_light = VALUE_BYTES * (at_once + guide) + 1;
+        let per_light = VALUE_BYTES * (views_at_once as u64 + guide) + 1;
         let map: u64 = self.indirection.extent().into_iter().map(u64::from).product();
         texels * (TEXEL_BYTES + views + lights * per_light)
             + 20 * map
@@ -101,7 +108,29 @@ mod tests {
     #[test]
     fn the_papers_setting_is_within_its_memory() {
         assert!(recipe().check().is_ok());
-        assert!(recipe().bytes() < 1 << 30, "{}", recipe().bytes());
+        assert!(recipe().bytes(MOST_VIEWS_AT_ONCE) < 1 << 30, "{}", recipe().bytes(MOST_VIEWS_AT_ONCE));
+    }
+
+    #[test]
+    fn the_number_of_threads_decides_how_many_views_are_made_at_once_and_nothing_else() {
+        let threads = [1, 2, 8, 64];
+        let on_each = |recipe: &FlattenRecipe| {
+            threads.map(|threads| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                pool.install(|| (recipe.check().map_err(|error| error.to_string()), recipe.views_at_once()))
+            })
+        };
+        for (flat_texels, lights, at_once) in [
+            (256, DirectionSet::ubo2003(), [1, 2, 8, 8]),
+            (1024, DirectionSet::ubo2003(), [1, 2, 6, 6]),
+            (1024, DirectionSet::ubo2014(), [1, 2, 3, 3]),
+        ] {
+            let recipe = FlattenRecipe { flat_texels, lights, ..recipe() };
+            assert_eq!(on_each(&recipe), at_once.map(|views| (Ok(()), views)));
+            assert!(at_once.iter().all(|views| recipe.bytes(*views) <= MOST_BYTES));
+        }
+        let found = on_each(&FlattenRecipe { flat_texels: 2048, ..recipe() });
+        assert!(found[0].0.is_err() && found.iter().all(|answer| *answer == found[0]), "{found:?}");
     }
 
     #[test]

@@ -3,6 +3,8 @@
 use super::asset::PartFile;
 use super::run::FlattenError;
 use crate::write::write_atomic;
+use brdfc_formats::container::Extent;
+use brdfc_formats::flat_btf::gpu_bytes;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -33,16 +35,17 @@ impl<'a> Parts<'a> {
         Ok(Self { name, folder, aside, files: BTreeMap::new() })
     }
 
-    /// Writes a part aside; its texels take `gpu_bytes` on a GPU.
+    /// Writes a part of this extent aside.
     ///
     /// # Errors
     /// What the system says.
-    pub(super) fn add(&mut self, part: &str, bytes: &[u8], gpu_bytes: u64) -> Result<(), FlattenError> {
+    pub(super) fn add(&mut self, part: &str, bytes: &[u8], extent: Extent) -> Result<(), FlattenError> {
         let file = format!("{}.{part}{EXTENSION}", self.name);
         std::fs::write(self.aside.path().join(&file), bytes)
             .map_err(|error| FlattenError::write(&self.folder.join(&file), error))?;
         let blake3 = blake3::hash(bytes).to_hex().to_string();
-        self.files.insert(part.to_owned(), PartFile { file, bytes: bytes.len() as u64, gpu_bytes, blake3 });
+        let listed = PartFile { file, bytes: bytes.len() as u64, gpu_bytes: gpu_bytes(part, extent), blake3 };
+        self.files.insert(part.to_owned(), listed);
         Ok(())
     }
 
@@ -95,6 +98,8 @@ impl<'a> Parts<'a> {
 mod tests {
     use super::*;
 
+    const EXTENT: Extent = Extent::D2([1, 1]);
+
     fn names(folder: &Path) -> Vec<String> {
         let entries = std::fs::read_dir(folder).unwrap();
         let mut names: Vec<String> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
@@ -108,7 +113,7 @@ mod tests {
         let path = folder.path();
         let mut first = Parts::new("a", path).unwrap();
         for part in ["normal", "flat.000", "flat.001"] {
-            first.add(part, b"first", 1).unwrap();
+            first.add(part, b"first", EXTENT).unwrap();
         }
         assert_eq!(names(path).len(), 1, "nothing but the folder aside");
         first.commit("first list").unwrap();
@@ -116,15 +121,15 @@ mod tests {
         assert_eq!(names(path), whole);
 
         let mut second = Parts::new("a", path).unwrap();
-        second.add("normal", b"second", 1).unwrap();
+        second.add("normal", b"second", EXTENT).unwrap();
         drop(second);
         assert_eq!(names(path), whole);
         assert_eq!(std::fs::read(path.join("a.normal.ktx2")).unwrap(), b"first");
         assert_eq!(std::fs::read(path.join("a.json")).unwrap(), b"first list");
 
         let mut third = Parts::new("a", path).unwrap();
-        third.add("normal", b"third", 1).unwrap();
-        third.add("flat.000", b"third", 1).unwrap();
+        third.add("normal", b"third", EXTENT).unwrap();
+        third.add("flat.000", b"third", EXTENT).unwrap();
         third.commit("third list").unwrap();
         assert_eq!(names(path), ["a.flat.000.ktx2", "a.json", "a.normal.ktx2"]);
         assert_eq!(std::fs::read(path.join("a.normal.ktx2")).unwrap(), b"third");

@@ -12,16 +12,13 @@ use brdfc_flat_btf::probes::Probes;
 use brdfc_flat_btf::rebuild::ViewImage;
 use brdfc_flat_btf::surface::Appearance;
 use brdfc_flat_btf::texels::TexelMap;
-use brdfc_formats::container::rgb9e5;
+use brdfc_formats::container::{Extent, rgb9e5};
 use brdfc_formats::direction::Vector;
 use brdfc_formats::flat_btf::{DiffuseMap, FlatView, view_part};
 use brdfc_formats::measured::btf_stack::ImageAngles;
 use brdfc_source::progress::{Progress, Stage};
 use rayon::prelude::*;
 use std::path::Path;
-
-/// Most views in memory at once.
-pub(super) const MOST_VIEWS_AT_ONCE: usize = 8;
 
 /// What a pass over all views needs.
 pub(super) struct Pass<'a> {
@@ -56,8 +53,10 @@ impl Pass<'_> {
         };
         progress.stage(Stage::Views, self.views.len())?;
         let mut fit = DiffuseFit::new(self.texels.points.len());
-        let at_once = rayon::current_num_threads().clamp(1, MOST_VIEWS_AT_ONCE);
+        let at_once = self.recipe.views_at_once();
         let count = self.views.len() as u32;
+        let size = self.recipe.flat_texels as u32;
+        let extent = Extent::D2Array([size, size, self.lights.len() as u32]);
         for batch in (0..self.views.len()).collect::<Vec<_>>().chunks(at_once) {
             let made: Vec<_> = batch
                 .par_iter()
@@ -73,7 +72,7 @@ impl Pass<'_> {
                 fit.add_view(self.texels, &self.masks[*view], self.lights, lit, value);
                 if let Some(bytes) = bytes {
                     probes.iter_mut().for_each(|probes| probes.add_view(&pack));
-                    parts.add(&view_part(*view as u32, count), &bytes, 4 * pack.texels().len() as u64)?;
+                    parts.add(&view_part(*view as u32, count), &bytes, extent)?;
                 }
                 progress.step()?;
             }

@@ -17,6 +17,7 @@ use brdfc_flat_btf::parameterise::{ParameteriseError, steps};
 use brdfc_flat_btf::surface::Appearance;
 use brdfc_flat_btf::texels::TexelMap;
 use brdfc_formats::FormatError;
+use brdfc_formats::container::Extent;
 use brdfc_formats::direction::Vector;
 use brdfc_formats::flat_btf::{
     DiffuseMap, FlatBtfDecoder, FlatBtfParts, IndirectionMap, NormalMap, PositionMap, ReferenceMap, VisibilityMask,
@@ -110,12 +111,13 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<AssetFile, Fl
     progress.stage(Stage::Parameterise, steps(recipe.rounds))?;
     let model = MesoModel::watched(job.geometry.mesh, recipe.rounds, &|| progress.step().is_ok())?;
     let texels = model.texels(recipe.flat_texels);
-    let (size, flat) = (recipe.flat_texels as u32, texels.points.len() as u64);
+    let size = recipe.flat_texels as u32;
+    let flat = Extent::D2([size, size]);
     let single = |v: Vector| v.map(|c| c as f32);
     let position = PositionMap::new(size, texels.points.iter().map(|p| single(p.position)).collect())?;
-    parts.add("position", &position.to_bytes(zip), 16 * flat)?;
+    parts.add("position", &position.to_bytes(zip), flat)?;
     let normal = NormalMap::new(size, texels.points.iter().map(|p| single(p.normal)).collect())?;
-    parts.add("normal", &normal.to_bytes(zip), 8 * flat)?;
+    parts.add("normal", &normal.to_bytes(zip), flat)?;
 
     let header = recipe.indirection;
     progress.stage(Stage::Indirection, header.size as usize)?;
@@ -123,8 +125,8 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<AssetFile, Fl
     let reference = ReferenceMap::new(header.size, found.reference)?;
     let mut displacements = found.displacements.into_iter();
     let map = IndirectionMap::from_displacements(header, |_, _, _| displacements.next().expect("one for each view"))?;
-    parts.add("reference", &reference.to_bytes(zip), 8 * u64::from(header.size).pow(2))?;
-    parts.add("indirection", &map.to_bytes(zip), header.extent().into_iter().map(u64::from).product::<u64>() * 8)?;
+    parts.add("reference", &reference.to_bytes(zip), Extent::D2([header.size, header.size]))?;
+    parts.add("indirection", &map.to_bytes(zip), Extent::D2(header.extent()))?;
     // Colours come last; the decoder is asked for indirections before.
     let black = DiffuseMap::new(size, vec![0; texels.points.len()])?;
     let decoder =
@@ -134,7 +136,7 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<AssetFile, Fl
     let masks = seen_from(&texels, &model, &views, Stage::Visibility, progress)?;
     let bytes = masks.iter().flatten().map(|seen| if *seen { 255 } else { 0 }).collect();
     let mask = VisibilityMask::new(size, views.len() as u32, bytes)?.to_bytes(zip);
-    parts.add("mask", &mask, flat * views.len() as u64)?;
+    parts.add("mask", &mask, Extent::D2Array([size, size, views.len() as u32]))?;
 
     let lit = seen_from(&texels, &model, &lights, Stage::Shadows, progress)?;
     let pass =
@@ -163,7 +165,7 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<AssetFile, Fl
             (diffuse, probes)
         }
     };
-    parts.add("diffuse", &diffuse.to_bytes(zip), 4 * flat)?;
+    parts.add("diffuse", &diffuse.to_bytes(zip), flat)?;
     let decoder = FlatBtfDecoder::new(FlatBtfParts { diffuse, ..decoder.into_parts() })?;
 
     let seen = masks.iter().flatten().filter(|seen| **seen).count() as f64;

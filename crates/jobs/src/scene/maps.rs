@@ -3,8 +3,8 @@
 use super::run::JobError;
 use brdfc_bandwidth::DEFAULT_EPSILON;
 use brdfc_bandwidth::facts::BandwidthFacts;
-use brdfc_bandwidth::lobe::DEFAULT_RESOLUTION;
 use brdfc_bandwidth::map::{brdf_map, environment_map};
+use brdfc_bandwidth::resolution::Resolution;
 use brdfc_importance::{ImportanceFacts, ImportanceRecipe, importance_samples};
 use brdfc_source::progress::{Progress, Stage};
 use brdfc_source::radiance_image::open_radiance_image;
@@ -16,7 +16,7 @@ use std::path::Path;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MapRecipe {
     /// Pixels per side at which lobes are transformed.
-    pub resolution: usize,
+    pub resolution: Resolution,
     /// `ε` of the bandwidth.
     pub epsilon: f64,
     /// Sizes of the importance samples.
@@ -25,7 +25,7 @@ pub struct MapRecipe {
 
 impl Default for MapRecipe {
     fn default() -> Self {
-        Self { resolution: DEFAULT_RESOLUTION, epsilon: DEFAULT_EPSILON, samples: ImportanceRecipe::default() }
+        Self { resolution: Resolution::Automatic, epsilon: DEFAULT_EPSILON, samples: ImportanceRecipe::default() }
     }
 }
 

@@ -3,8 +3,8 @@
 use super::AdaptiveMaterial;
 use crate::shade::Reflectance;
 use brdfc_bandwidth::DEFAULT_EPSILON;
-use brdfc_bandwidth::lobe::DEFAULT_RESOLUTION;
 use brdfc_bandwidth::map::brdf_map;
+use brdfc_bandwidth::resolution::Resolution;
 use brdfc_formats::FormatError;
 use brdfc_formats::bandwidth::BandwidthMap;
 use brdfc_formats::direction::DirectionPair;
@@ -37,7 +37,7 @@ impl Lookups {
     /// # Errors
     /// What the layouts refuse, which the default recipes do not ask for.
     pub fn new(source: &dyn Source) -> Result<Self, FormatError> {
-        let (bandwidth, _) = brdf_map(source, DEFAULT_RESOLUTION, DEFAULT_EPSILON)?;
+        let (bandwidth, _) = brdf_map(source, Resolution::Automatic, DEFAULT_EPSILON)?;
         let (samples, _) = importance_samples(source, &ImportanceRecipe::default())?;
         Self::of_packs(source, bandwidth, samples)
     }

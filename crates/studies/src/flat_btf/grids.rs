@@ -50,7 +50,7 @@ pub fn grid_errors(model: &MesoModel) -> Vec<GridRow> {
                 azimuth_samples,
                 largest_angle: (10.0 * BANDS as f32).to_radians(),
             };
-            let decoder = decoder(model, header);
+            let decoder = stored_map(model, header);
             let bands: Vec<Vec<f64>> = (0..BANDS).map(|band| band_errors(model, &decoder, band)).collect();
             let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
             let all: Vec<f64> = bands.iter().flatten().copied().collect();
@@ -66,12 +66,13 @@ pub fn grid_errors(model: &MesoModel) -> Vec<GridRow> {
         .collect()
 }
 
-fn decoder(model: &MesoModel, header: IndirectionHeader) -> FlatBtfDecoder {
+/// The stored map of a model, ready to be asked for indirections and for nothing else.
+pub(super) fn stored_map(model: &MesoModel, header: IndirectionHeader) -> FlatBtfDecoder {
     let found = indirection(model, header, 2, &|| true).expect("nobody stops it");
     let mut displacements = found.displacements.into_iter();
     let map = IndirectionMap::from_displacements(header, |_, _, _| displacements.next().expect("one for each view"));
     let parts = FlatBtfParts {
-        reference: ReferenceMap::new(SIZE, found.reference).expect("parameters are near the tile"),
+        reference: ReferenceMap::new(header.size, found.reference).expect("parameters are near the tile"),
         indirection: map.expect("displacements are a few tiles"),
         normal: NormalMap::new(1, vec![[0.0, 0.0, 1.0]]).expect("a unit vector"),
         diffuse: DiffuseMap::new(1, vec![0]).expect("black"),

@@ -1,15 +1,16 @@
 //! Tables 1, 2 and 3 in one pass over the views.
 
 use super::apparent::{Apparent, ApparentSizes, summary};
-use super::grids::grid_errors;
+use super::grids::{grid_errors, stored_map};
 use super::{ModelRow, PAPER, StudySettings};
 use brdfc_flat_btf::coherency::ViewVariance;
 use brdfc_flat_btf::flatten::{ComputedField, FlatView, Guide, Holes, from_above, visible};
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::parameterise::ParameteriseError;
-use brdfc_flat_btf::rebuild::ViewImage;
+use brdfc_flat_btf::rebuild::{ViewImage, looked_up, stored_parameters};
 use brdfc_flat_btf::structures::Structure;
 use brdfc_flat_btf::surface::Appearance;
+use brdfc_formats::container::rgb9e5;
 use brdfc_formats::direction::Vector;
 use brdfc_metrics::lab::{distance_squared, lab};
 use brdfc_source::address::{AddressError, parse_synth};
@@ -27,14 +28,16 @@ pub enum StudyError {
     Parameterise(#[from] ParameteriseError),
 }
 
-/// Table 1: difference in L*a*b* between BTF images computed directly and rebuilt by equation 1, at the sampled views
-/// with indirections of their own.
+/// Table 1: difference in L*a*b* between BTF images computed directly and rebuilt by equation 1 from what packs hold, the
+/// indirection map and the packed values, at the sampled views.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct ReconstructionRow {
     /// Mean over all texels of all images, holes filled by Poisson inpainting.
     pub mean: f64,
     /// The same with holes filled by push-pull.
     pub mean_push_pull: f64,
+    /// The mean with exact indirections in place of the map: what the flat BTF alone loses.
+    pub mean_exact_indirection: f64,
     /// Largest mean of an image.
     pub largest_image: f64,
     /// Variance of the means of images.
@@ -70,6 +73,7 @@ pub struct Spread {
 struct Differences {
     sum: f64,
     push_pull: f64,
+    exact: f64,
     max: f32,
 }
 
@@ -114,15 +118,18 @@ pub fn study_model(
     let (chosen, flat_picks, btf_picks) = picks(&model, settings);
     let (mut flat_apparent, mut btf_apparent) = (Apparent::new(flat_picks), Apparent::new(btf_picks));
     let mut images = Vec::new();
+    let map = stored_map(&model, settings.map_header());
     for (view, direction) in directions.iter().enumerate() {
         let seen = ViewImage::new(&model, *direction, settings.texels, settings.oversampling);
+        let stored = stored_parameters(&map, *direction);
         let Ok(push_pull) = FlatView::new(&field, view, &masks[view], Holes::PushPull);
         let Ok(poisson) = FlatView::new(&field, view, &masks[view], Holes::Poisson(&guide));
         let light = |(light, kept): (usize, &mut PerLight)| {
-            let Ok(filled) = push_pull.image(light);
-            let Ok(inpainted) = poisson.image(light);
+            let Ok(filled) = push_pull.image(light).map(packed);
+            let Ok(inpainted) = poisson.image(light).map(packed);
             let direct = seen.direct(&model, &appearance, directions[light]);
-            let differences = differences(&direct, &seen.rebuilt(&inpainted), &seen.rebuilt(&filled));
+            let rebuilt = [looked_up(&inpainted, &stored), looked_up(&filled, &stored), seen.rebuilt(&inpainted)];
+            let differences = differences(&direct, &rebuilt);
             kept.btf.add(&direct, None);
             kept.push_pull.add(&filled, None);
             kept.poisson.add(&inpainted, None);
@@ -181,13 +188,21 @@ fn picks(model: &MesoModel, settings: &StudySettings) -> (usize, Vec<usize>, Vec
     (2, flat, btf)
 }
 
-fn differences(direct: &[[f32; 3]], rebuilt: &[[f32; 3]], by_push_pull: &[[f32; 3]]) -> Differences {
+/// Values as packs hold them.
+fn packed(image: Vec<[f32; 3]>) -> Vec<[f32; 3]> {
+    image.into_iter().map(|value| rgb9e5::decode(rgb9e5::encode(value))).collect()
+}
+
+/// Of an image that was rebuilt, with holes filled by push-pull, and with exact indirections.
+fn differences(direct: &[[f32; 3]], [rebuilt, filled, exact]: &[Vec<[f32; 3]>; 3]) -> Differences {
     let mut all = Differences::default();
-    for ((direct, rebuilt), filled) in direct.iter().zip(rebuilt).zip(by_push_pull) {
+    for (texel, direct) in direct.iter().enumerate() {
         let direct = lab(*direct);
-        let difference = distance_squared(direct, lab(*rebuilt)).sqrt();
+        let off = |image: &[[f32; 3]]| distance_squared(direct, lab(image[texel])).sqrt();
+        let difference = off(rebuilt);
         all.sum += f64::from(difference);
-        all.push_pull += f64::from(distance_squared(direct, lab(*filled)).sqrt());
+        all.push_pull += f64::from(off(filled));
+        all.exact += f64::from(off(exact));
         all.max = all.max.max(difference);
     }
     all
@@ -200,6 +215,7 @@ fn reconstruction(images: &[Differences], texels: usize) -> ReconstructionRow {
     ReconstructionRow {
         mean,
         mean_push_pull: images.iter().map(|image| image.push_pull / texels as f64).sum::<f64>() / count,
+        mean_exact_indirection: images.iter().map(|image| image.exact / texels as f64).sum::<f64>() / count,
         largest_image: means.iter().copied().fold(0.0, f64::max),
         image_variance: means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / count,
         largest_texel: images.iter().map(|image| f64::from(image.max)).fold(0.0, f64::max),

@@ -10,6 +10,7 @@ pub use grids::{GridRow, grid_errors};
 pub use measure::{CoherencyRow, ReconstructionRow, StudyError, study_model};
 pub use paper::{PAPER, PaperModel};
 
+use brdfc_formats::flat_btf::IndirectionHeader;
 use serde::Serialize;
 
 /// What the study computes.
@@ -21,12 +22,24 @@ pub struct StudySettings {
     pub flat_texels: usize,
     /// Rays per texel and axis.
     pub oversampling: usize,
+    /// Polar angles and azimuths of the indirection map; it has as many texels as the images.
+    pub indirection: [u32; 2],
+    /// Its largest polar angle, degrees.
+    pub largest_angle: f64,
     /// Rounds of stretch-reducing reweighting at most.
     pub rounds: usize,
     /// Name of the set of directions, for views and lights.
     pub directions: String,
     /// How many these are.
     pub count: usize,
+}
+
+impl StudySettings {
+    fn map_header(&self) -> IndirectionHeader {
+        let [zenith_samples, azimuth_samples] = self.indirection;
+        let largest_angle = self.largest_angle.to_radians() as f32;
+        IndirectionHeader { size: self.texels as u32, zenith_samples, azimuth_samples, largest_angle }
+    }
 }
 
 /// All figures of one model.

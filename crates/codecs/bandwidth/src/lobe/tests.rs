@@ -100,6 +100,31 @@ fn a_constant_lobe_has_no_bandwidth() {
     assert!(lobe_bandwidth(&constant, 64, 0.01).values.iter().all(|value| *value == 0.0));
 }
 
+/// `cos^n` falls to half at `1.18 / √n` radians: of 64 pixels per side 16 are within that up to an exponent of 113.
+#[test]
+fn lobes_that_are_narrower_than_pixels_show_are_found() {
+    let narrow = |exponent: f64, side: usize| lobe_bandwidth(&phong(exponent), side, 0.01).narrow;
+    assert_eq!([10.0, 50.0, 2000.0].map(|exponent| narrow(exponent, 64)), [false, false, true]);
+    assert_eq!([64, 128, 256].map(|side| narrow(1000.0, side)), [true, true, false]);
+    // A constant lobe, and noise on one.
+    assert!(!narrow(0.0, 64));
+    struct Noise;
+    impl Source for Noise {
+        fn eval(&self, pair: DirectionPair, _: &mut Tally) -> [f64; 3] {
+            let [x, y, _] = pair.outgoing;
+            [1.0 + 0.2 * (1e5 * (x + 0.7 * y)).sin(); 3]
+        }
+        fn symmetry(&self) -> Symmetry {
+            Symmetry::NONE
+        }
+        fn is_grey(&self) -> bool {
+            true
+        }
+    }
+    let noise = lobe_bandwidth(&Noise, 32, 0.01);
+    assert!(peak(&noise.values) > 4.0 && !noise.narrow, "{}", peak(&noise.values));
+}
+
 /// The highlight is in the cell of the mirror direction; a mean over the cells around it would hide it.
 #[test]
 fn the_peak_is_at_the_highlight() {
@@ -132,8 +157,8 @@ fn a_cell_keeps_the_largest_of_its_pixels() {
     };
     let mean = |values: &[f32]| values.iter().sum::<f32>() / values.len() as f32;
     let tally = &mut Tally::default();
-    assert_eq!(lower(image.cells(&source, [0, 8], 0.01, tally)), 0);
-    let wrong = lower(image.cells_by(&source, [0, 8], 0.01, tally, mean));
+    assert_eq!(lower(image.cells(&source, [0, 8], 0.01, tally).0), 0);
+    let wrong = lower(image.cells_by(&source, [0, 8], 0.01, tally, mean).0);
     assert!(wrong > 20, "{wrong}");
 }
 

@@ -1,0 +1,167 @@
+//! All shaders through a second compiler: Tint, that of Chrome and Dawn, is stricter than naga. It runs in Node, by the
+//! package that `scripts/test` installs beside this file.
+
+use brdfc_formats::direction_mesh::direction_mesh_wgsl;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// How the script says that the package does not run here.
+const NO_PACKAGE: i32 = 3;
+
+#[derive(Serialize)]
+struct Module {
+    name: String,
+    source: String,
+}
+
+impl Module {
+    fn new(name: impl Into<String>, source: impl Into<String>) -> Self {
+        Self { name: name.into(), source: source.into() }
+    }
+}
+
+#[derive(Deserialize)]
+struct Answer {
+    features: Vec<String>,
+    modules: Vec<Vec<Message>>,
+}
+
+#[derive(Deserialize)]
+struct Message {
+    r#type: String,
+    line: usize,
+    column: usize,
+    text: String,
+}
+
+/// What Tint says to each of the modules, or `None` where it is missing.
+fn compiled(modules: &[Module]) -> Option<Answer> {
+    let folder = brdfc_testing::repository().join("tests/tint");
+    let mut command = Command::new("node");
+    command.arg("compile.mjs").current_dir(&folder);
+    let child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
+    let mut child = match child {
+        Ok(child) => child,
+        Err(error) => {
+            println!("skipped: no shader goes through Tint: node: {error}");
+            return None;
+        }
+    };
+    // A script that has ended reads nothing; its exit code tells why.
+    let _ = serde_json::to_writer(child.stdin.take().unwrap(), modules);
+    let output = child.wait_with_output().unwrap();
+    let errors = String::from_utf8_lossy(&output.stderr);
+    if output.status.code() == Some(NO_PACKAGE) {
+        println!("skipped: no shader goes through Tint: {}", errors.lines().next().unwrap_or_default());
+        return None;
+    }
+    assert!(output.status.success(), "{}: {errors}", output.status);
+    let answer: Answer = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(answer.modules.len(), modules.len());
+    Some(answer)
+}
+
+/// The messages about a module, each with the line that it is about.
+fn complaints(module: &Module, messages: &[Message]) -> String {
+    let line = |message: &Message| {
+        let code = module.source.lines().nth(message.line.max(1) - 1).unwrap_or_default().trim();
+        format!(
+            "{}:{}:{}: {}: {}\n    {code}\n",
+            module.name, message.line, message.column, message.r#type, message.text
+        )
+    };
+    messages.iter().map(line).collect()
+}
+
+/// The files that engines paste before shaders of their own.
+fn shipped() -> Vec<Module> {
+    let mut paths = Vec::new();
+    wgsl_files(&brdfc_testing::repository().join("formats/src"), &mut paths);
+    paths.sort();
+    assert!(paths.len() > 5, "{paths:?}");
+    let module = |path: PathBuf| {
+        let source = std::fs::read_to_string(&path).unwrap();
+        // A template, which names the buffer that whoever pastes it declares.
+        let words = "@group(0) @binding(0) var<storage, read> DIRECTION_MESH_BINDING: array<u32>;\n";
+        let source = if path.ends_with("direction_mesh.wgsl") { words.to_owned() + &source } else { source };
+        Module::new(path.display().to_string(), source)
+    };
+    paths.into_iter().map(module).collect()
+}
+
+fn wgsl_files(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            wgsl_files(&path, found);
+        } else if path.extension().is_some_and(|extension| extension == "wgsl") {
+            found.push(path);
+        }
+    }
+}
+
+/// The modules that the renderer compiles.
+fn composed() -> Vec<Module> {
+    use brdfc_formats::flat_btf::shader::FLAT_BTF_WGSL;
+    use brdfc_formats::wavelet::shader::WAVELET_BRDF_WGSL;
+    use brdfc_gpu::{
+        AdaptiveShaders, COMPUTE_WGSL, EVALUATE_FLAT_BTF_WGSL, EVALUATE_WGSL, flat_scene_source, scene_source,
+    };
+    let adaptive = AdaptiveShaders::default();
+    let compute = "fn compute(at: u32) { output[at] = input[at]; }\n";
+    vec![
+        Module::new("scene", scene_source()),
+        Module::new("flat scene", flat_scene_source()),
+        Module::new("adaptive G-buffer", adaptive.g_buffer),
+        Module::new("adaptive steps", adaptive.steps),
+        Module::new("evaluate", format!("{WAVELET_BRDF_WGSL}\n{EVALUATE_WGSL}")),
+        Module::new("evaluate flat BTFs", format!("{FLAT_BTF_WGSL}\n{EVALUATE_FLAT_BTF_WGSL}")),
+        Module::new("compute", format!("{compute}{COMPUTE_WGSL}")),
+    ]
+}
+
+/// Without optional features of WebGPU. The last three modules are wrong, so that silence means something.
+#[test]
+fn tint_compiles_all_shaders() {
+    let mut modules = shipped();
+    modules.extend(composed());
+    let good = modules.len();
+    let mesh = direction_mesh_wgsl("samples", "words");
+    let declared = format!("@group(0) @binding(0) var<storage, read> words: array<u32>;\n{mesh}");
+    let beyond = declared.replace("3.4028234e38", "3.40282347e38");
+    assert!(beyond != declared);
+    modules.extend([
+        Module::new("a number beyond the largest of 32 bits", beyond),
+        Module::new("a name that is not declared", &mesh),
+        Module::new("not WGSL", "fn"),
+    ]);
+    let Some(answer) = compiled(&modules) else { return };
+    // The device is a plain one.
+    assert_eq!(answer.features, ["core-features-and-limits"]);
+    let messages = modules.iter().zip(&answer.modules);
+    let all: Vec<String> = messages.map(|(module, messages)| complaints(module, messages)).collect();
+    assert!(all[..good].iter().all(String::is_empty), "{}", all[..good].concat());
+    assert!(all[good].contains("cannot be represented as 'f32'"), "{}", all[good]);
+    assert!(all[good].contains("var best = 3.40282347e38;"), "{}", all[good]);
+    assert!(all[good + 1].contains("unresolved value 'words'"), "{}", all[good + 1]);
+    assert!(!all[good + 2].is_empty());
+}
+
+/// Without Tint, too: the fault that naga lets pass.
+#[test]
+fn numbers_of_shaders_are_within_those_of_32_bits() {
+    let too_large = |source: &str| {
+        let code: String = source.lines().map(|line| line.split("//").next().unwrap().to_owned() + "\n").collect();
+        let numbers = code.split(|c: char| !(c.is_ascii_alphanumeric() || c == '.'));
+        let values = numbers.filter(|n| n.starts_with(|c: char| c.is_ascii_digit())).filter_map(|n| n.parse().ok());
+        let mut large = values.filter(|value: &f64| *value > f64::from(f32::MAX));
+        large.next()
+    };
+    for module in shipped().iter().chain(&composed()) {
+        assert_eq!(too_large(&module.source), None, "{}", module.name);
+    }
+    assert!(too_large("let a = 3.40282347e38;").is_some());
+    assert_eq!(too_large("let a = 3.4028234e38; // not 1e39"), None);
+    assert_eq!("3.4028234e38".parse(), Ok(f32::MAX));
+}

@@ -1,0 +1,36 @@
+//! What the parts take in graphics memory, as the bindings of `formats/src/flat_btf/spec.md` hold them.
+
+use super::atlas::Atlas;
+use super::decoder::FlatBtfParts;
+use crate::container::{Extent, TexelFormat};
+
+/// Bytes of texels that the part of this name takes in graphics memory, by the extent of its file.
+///
+/// A view is a layer of the atlas, with the tiles of the layer that no light has. `position` and `mask` take nothing: no
+/// shader reads them.
+pub fn gpu_bytes(part: &str, extent: Extent) -> u64 {
+    let (texels, format) = match (part, extent) {
+        ("position" | "mask", _) => return 0,
+        ("reference", _) => (extent.texels(), TexelFormat::Rg32Float),
+        ("indirection" | "normal", _) => (extent.texels(), TexelFormat::Rgba16Float),
+        (_, Extent::D2Array([width, _, lights])) => (Atlas::new(width, lights).texels(), TexelFormat::Rgb9E5),
+        _ => (extent.texels(), TexelFormat::Rgb9E5),
+    };
+    texels * format.texel_bytes() as u64
+}
+
+impl FlatBtfParts {
+    /// Bytes of texels in graphics memory: [`gpu_bytes`] of all parts, views only where there are some.
+    pub fn gpu_bytes(&self) -> u64 {
+        let square = |size: u32| Extent::D2([size, size]);
+        let view = self.views.first().map_or(0, |view| {
+            let header = view.header();
+            gpu_bytes("flat", Extent::D2Array([header.size, header.size, header.lights.len() as u32]))
+        });
+        gpu_bytes("reference", square(self.reference.size()))
+            + gpu_bytes("indirection", Extent::D2(self.indirection.header().extent()))
+            + gpu_bytes("normal", square(self.normal.size()))
+            + gpu_bytes("diffuse", square(self.diffuse.size()))
+            + view * self.views.len() as u64
+    }
+}
