@@ -194,7 +194,7 @@ fn the_decoder_follows_the_equations() {
 /// those of any material.
 #[test]
 fn the_page_says_how_far_the_decoder_is_from_the_equations() {
-    let page = include_str!("../spec/wavelet.md");
+    let page = include_str!("../../src/wavelet/spec.md");
     assert!(
         page.contains(
             "abs(f' - f) <= 2e-5 (f + μ ε)          on grids of up to 32 x 32 cells, 4e-5 (f + μ ε) on 64 x 64"

@@ -146,7 +146,7 @@ fn the_look_up_follows_the_page() {
 /// The table on the page.
 #[test]
 fn the_worked_weights_of_the_page() {
-    let page = include_str!("../spec/flat-btf.md");
+    let page = include_str!("../../src/flat_btf/spec.md");
     let (_, table) = page.split_once("| polar angle, azimuth | q | weights |").expect("the table");
     let mesh =
         DirectionMesh::new(&list(&[[0.0, 0.0], [60.0, 0.0], [60.0, 90.0], [60.0, 180.0], [60.0, 270.0]])).unwrap();
