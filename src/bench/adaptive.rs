@@ -1,6 +1,8 @@
 //! The studies of bandwidth maps and adaptive shading.
 
-use super::{Arguments, Study, StudyResult, drawn};
+use super::arguments::{Arguments, Study};
+use super::drawn;
+use super::result::{AntialiasingStudy, DirectionsStudy, StudyResult};
 use crate::output::remark;
 use crate::table::{percent, plain, significant};
 use crate::{CliError, Common};
@@ -15,8 +17,6 @@ use brdfc_studies::adaptive::{
     AntialiasingRow, Case, DirectionsRow, EqualErrorRow, Exponents, FourierRow, Lighting, StudyMaterial,
     antialiasing_study, directions_study, equal_error, exponents, fourier_check,
 };
-use schemars::JsonSchema;
-use serde::Serialize;
 use std::path::Path;
 use std::time::Instant;
 
@@ -26,30 +26,6 @@ const PSNR: [f64; 3] = [28.0, 30.0, 33.0];
 const SHAPES: [Builtin; 2] = [Builtin::BumpyBall, Builtin::RibbedTorus];
 /// Mean samples per pixel that the studies at a fixed budget ask for.
 const BUDGET: f32 = 64.0;
-
-/// Numbers of directions for one material.
-#[derive(Debug, Clone, Serialize, JsonSchema)]
-pub struct DirectionsStudy {
-    /// The input.
-    pub material: String,
-    /// The shape.
-    pub shape: String,
-    /// One for each number.
-    pub rows: Vec<DirectionsRow>,
-}
-
-/// Antialiasing of one material on one shape.
-#[derive(Debug, Clone, Serialize, JsonSchema)]
-pub struct AntialiasingStudy {
-    /// The input.
-    pub material: String,
-    /// The shape.
-    pub shape: String,
-    /// 1, 4 and 16 points per pixel.
-    pub rows: Vec<AntialiasingRow>,
-    /// How cost grows with points.
-    pub exponents: Option<Exponents>,
-}
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, CliError> {
     let side = arguments.pixels.unwrap_or(512);

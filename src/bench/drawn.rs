@@ -1,6 +1,7 @@
 //! Studies that need a graphics adapter.
 
-use super::{Arguments, Study, StudyResult};
+use super::arguments::{Arguments, Study};
+use super::result::StudyResult;
 use crate::output::{make_folder, remark, write_file};
 use crate::table::plain;
 use crate::{CliError, Common, graphics_environment};

@@ -1,7 +1,9 @@
 //! `brdfc render --adaptive`: environment light, shaded where and as much as predicted bandwidth asks for.
 
+use super::adaptive_options::AdaptiveOptions;
+use super::arguments::{Arguments, FilterName};
 use super::materials::{self, Prepared, Subject};
-use super::{Arguments, FilterName, outputs, scene};
+use super::{outputs, scene};
 use crate::output::{print, print_json, remark, write_file};
 use crate::table::{percent, plain, significant};
 use crate::{CliError, Common};
@@ -18,6 +20,7 @@ use brdfc_jobs::report::adaptive::{AdaptiveVerification, Drawn};
 use brdfc_jobs::report::render::PartMaterial;
 use brdfc_jobs::scene::maps::part_name;
 use brdfc_jobs::scene::needs;
+use brdfc_jobs::scene::scene_section::ENVIRONMENT;
 use brdfc_metrics::image::{LinearImage, auto_exposure};
 use brdfc_render::adaptive::{
     AdaptiveMaterial, AdaptivePicture, AdaptiveScene, DistantLight, Lookups, Settings, Start, ground_truth,
@@ -26,7 +29,6 @@ use brdfc_render::scene::Frame;
 use brdfc_render::shade::Reflectance;
 use brdfc_source::PackSource;
 use brdfc_source::pack::open_pack;
-use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -39,45 +41,6 @@ const MOST: u32 = 1024;
 /// Most samples per pixel of the ground truth.
 const MOST_TRUTH: usize = 65_536;
 
-/// Flags of `--adaptive`.
-#[derive(Debug, Args)]
-#[command(next_help_heading = "Adaptive shading")]
-pub(super) struct Options {
-    /// Light by the environment alone, and shade only where, and as much as, predicted bandwidth asks for: beside forward
-    /// shading and a ground truth. Point lights, mirrors and shadows are not drawn.
-    #[arg(long)]
-    adaptive: bool,
-    /// Latitude-longitude image, .exr or .hdr, that lights the scene (default: the manifest's, or the scene's sky).
-    #[arg(long, value_name = "FILE", requires = "adaptive")]
-    pub(super) environment: Option<PathBuf>,
-    /// Mean samples per pixel if all pixels were shaded (default 64);
-    /// a shaded pixel gets 1 to 1024, more where more shows.
-    #[arg(long, value_name = "X", requires = "adaptive", allow_negative_numbers = true)]
-    budget: Option<f32>,
-    /// Factor on predicted bandwidths before levels are chosen: less is faster, more is sharper (default 0.5).
-    #[arg(long, value_name = "X", requires = "adaptive", allow_negative_numbers = true)]
-    caution: Option<f32>,
-    /// Incident directions that bandwidth is averaged over, rounded up to a multiple of 4 (default 16).
-    #[arg(long, value_name = "N", requires = "adaptive")]
-    bandwidth_directions: Option<u32>,
-    /// Points per pixel: 1 (default), 4 or 16.
-    #[arg(long, value_name = "N", requires = "adaptive")]
-    antialias: Option<u32>,
-    /// Samples per point of forward shading (default 32).
-    #[arg(long, value_name = "N", requires = "adaptive")]
-    forward: Option<u32>,
-    /// Samples per point of the ground truth, on the CPU (default: 256 per pixel, and twice those of forward shading).
-    #[arg(long, value_name = "N", requires = "adaptive")]
-    truth: Option<usize>,
-    /// Bandwidth, levels and variance as it shows side by side, from dark to pale yellow: .png. Bandwidth over 8 octaves and
-    /// variance over 16, up to the largest of the picture; levels from the coarsest to the finest.
-    #[arg(long, value_name = "IMAGE.png", requires = "adaptive")]
-    pub(super) maps: Option<PathBuf>,
-    /// Fail with exit code 1 if the PSNR is below X dB.
-    #[arg(long, value_name = "X", requires = "adaptive", allow_negative_numbers = true)]
-    min_psnr: Option<f64>,
-}
-
 /// What `--adaptive --json` prints.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 pub struct Report {
@@ -88,16 +51,6 @@ pub struct Report {
     verification: AdaptiveVerification,
     /// Seconds from the start to the last image, encoding included.
     seconds: f64,
-}
-
-/// Points per pixel and axis.
-pub(super) fn points_per_axis(arguments: &Arguments) -> usize {
-    1 << (arguments.adaptive.antialias.unwrap_or(1).max(1).ilog2() / 2)
-}
-
-/// Whether the flag is there.
-pub(super) fn is_adaptive(arguments: &Arguments) -> bool {
-    arguments.adaptive.adaptive
 }
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
@@ -205,7 +158,7 @@ fn timed<T>(run: impl FnOnce() -> Result<T, brdfc_gpu::GpuError>) -> Result<(T, 
 }
 
 /// Settings and points per pixel, from the flags.
-fn settings(options: &Options) -> Result<(Settings, u32), CliError> {
+fn settings(options: &AdaptiveOptions) -> Result<(Settings, u32), CliError> {
     let usage = |flag: &str, found: String, allowed: &str| {
         Err(CliError::Usage(format!("--{flag}: found {found}; allowed {allowed}")))
     };
@@ -318,7 +271,7 @@ fn environment(
     environment: &brdfc_render::scene::Environment,
 ) -> Result<BandwidthMap, CliError> {
     if let (Some(folder), None) = (maps_folder(arguments, subject), &arguments.adaptive.environment) {
-        let path = folder.join(part_name(needs::ENVIRONMENT, "bandwidth"));
+        let path = folder.join(part_name(ENVIRONMENT, "bandwidth"));
         if path.exists() {
             return match open_pack(&path)? {
                 Pack::Bandwidth(map) if map.header().kind == BandwidthKind::Environment => Ok(map),

@@ -1,6 +1,6 @@
 //! Pictures and text of a verification.
 
-use super::Arguments;
+use super::arguments::Arguments;
 use crate::output::{refuse_overwriting, refuse_same_outputs, write_file};
 use crate::{CliError, table};
 use brdfc_gpu::verify::Views;

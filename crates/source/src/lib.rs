@@ -5,6 +5,7 @@ pub mod analytic;
 pub mod btf_stack;
 mod error;
 pub mod flat_btf;
+mod format;
 mod merl;
 pub mod meso;
 pub mod open;

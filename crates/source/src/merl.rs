@@ -1,7 +1,7 @@
 //! MERL tables as a source.
 
 use super::error::InputError;
-use super::open::{Facts, Format, InputFile, Opened};
+use super::format::{Facts, Format, InputFile, Opened};
 use super::{Source, Symmetry, Tally};
 use brdfc_formats::direction::{DirectionPair, dot, half_vector};
 use brdfc_formats::measured::merl::{Merl, MerlError};

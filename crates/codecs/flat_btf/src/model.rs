@@ -1,9 +1,10 @@
 //! A surface made ready for everything that is asked of it.
 
-use super::caster::{Hit, PeriodicCaster};
+use super::caster::PeriodicCaster;
 use super::mesh::PeriodicMesh;
-use super::parameterise::{Parameterisation, ParameteriseError, corner_coordinates, parameterise};
-use super::surface::SurfacePoint;
+use super::mesh::corner_coordinates;
+use super::parameterise::{Parameterisation, ParameteriseError, parameterise};
+use super::surface::{Hit, SurfacePoint};
 use super::texels::{TexelMap, texel_map};
 use brdfc_formats::direction::Vector;
 

@@ -1,6 +1,6 @@
 //! The probabilities that half vectors are drawn with.
 
-use super::ImportanceRecipe;
+use super::recipe::ImportanceRecipe;
 use brdfc_formats::direction::{DirectionPair, Vector, dot};
 use brdfc_formats::importance::ImportanceHeader;
 use brdfc_source::{Source, Tally};

@@ -1,8 +1,8 @@
 //! The pass over all views, a few of which are in memory at a time.
 
+use super::error::FlattenError;
 use super::parts::Parts;
 use super::recipe::{FlattenRecipe, Form};
-use super::run::FlattenError;
 use crate::btf_stack::{StackFormat, write_image};
 use brdfc_flat_btf::diffuse::DiffuseFit;
 use brdfc_flat_btf::fill::{FillMethod, PushPull};

@@ -1,6 +1,6 @@
 //! The maps of scenes that an environment lights: how fast lobes and light vary, and samples of the lobes.
 
-use super::run::JobError;
+use super::error::JobError;
 use brdfc_bandwidth::DEFAULT_EPSILON;
 use brdfc_bandwidth::facts::BandwidthFacts;
 use brdfc_bandwidth::lobe::DEFAULT_RESOLUTION;

@@ -1,8 +1,11 @@
 //! The `[scene]` table of a manifest.
 
-use super::manifest::{ManifestError, Place};
+use super::place::{ManifestError, Place};
 use serde::Deserialize;
 use std::path::Path;
+
+/// Name of the files of the scene's environment. No material of a scene that has one may be called so.
+pub const ENVIRONMENT: &str = "environment";
 
 /// What holds for the whole scene.
 #[derive(Debug, Clone, Default, Deserialize)]

@@ -1,9 +1,20 @@
 //! The passes over the pyramid, from coarse to fine (section 3.2, figure 9 of Bagher et al. 2012).
 
 use super::upsample::{Guide, LEAST_WEIGHT, parents, weight};
-use super::{AdaptiveScene, LevelCount, Prediction, Pyramid, coarsest, shade_point};
+use super::{AdaptiveScene, Prediction, Pyramid, coarsest, shade_point};
 use crate::gbuffer::GBuffer;
 use rayon::prelude::*;
+
+/// What a level shaded.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
+pub struct LevelCount {
+    /// Pixels of the level that show a surface and are not left to finer levels.
+    pub pixels: u64,
+    /// Of these, pixels that were shaded; the others took over what the coarser level has.
+    pub shaded: u64,
+    /// Samples of incident light.
+    pub samples: u64,
+}
 
 /// What the passes leave.
 #[derive(Debug, Clone, PartialEq)]

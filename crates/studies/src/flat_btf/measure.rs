@@ -1,8 +1,9 @@
 //! Tables 1, 2 and 3 in one pass over the views.
 
+use super::PAPER;
 use super::apparent::{Apparent, ApparentSizes, summary};
 use super::grids::grid_errors;
-use super::{ModelRow, PAPER, StudySettings};
+use super::rows::{CoherencyRow, ModelRow, ReconstructionRow, Spread, StudySettings};
 use brdfc_flat_btf::coherency::ViewVariance;
 use brdfc_flat_btf::flatten::{ComputedField, FlatView, Guide, Holes, from_above, visible};
 use brdfc_flat_btf::model::MesoModel;
@@ -14,7 +15,6 @@ use brdfc_formats::direction::Vector;
 use brdfc_metrics::lab::{distance_squared, lab};
 use brdfc_source::address::{AddressError, parse_synth};
 use rayon::prelude::*;
-use serde::Serialize;
 
 /// Why a model cannot be studied.
 #[derive(Debug, thiserror::Error)]
@@ -25,44 +25,6 @@ pub enum StudyError {
     /// It cannot be laid flat.
     #[error(transparent)]
     Parameterise(#[from] ParameteriseError),
-}
-
-/// Table 1: difference in L*a*b* between BTF images computed directly and rebuilt by equation 1, at the sampled views
-/// with indirections of their own.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct ReconstructionRow {
-    /// Mean over all texels of all images, holes filled by Poisson inpainting.
-    pub mean: f64,
-    /// The same with holes filled by push-pull.
-    pub mean_push_pull: f64,
-    /// Largest mean of an image.
-    pub largest_image: f64,
-    /// Variance of the means of images.
-    pub image_variance: f64,
-    /// Largest difference of a single texel.
-    pub largest_texel: f64,
-}
-
-/// Table 2: variance over the views, in L*a*b*, mean over lights.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct CoherencyRow {
-    /// Ordinary BTF.
-    pub btf: Spread,
-    /// Flat BTF with holes filled by push-pull.
-    pub push_pull: Spread,
-    /// Flat BTF with holes filled by Poisson inpainting.
-    pub poisson: Spread,
-    /// Flat BTF, only what is seen.
-    pub visible: Spread,
-}
-
-/// Mean and maximum over texels.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct Spread {
-    /// Mean.
-    pub mean: f64,
-    /// Maximum.
-    pub max: f64,
 }
 
 /// Sums of one image's differences.

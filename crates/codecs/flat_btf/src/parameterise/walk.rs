@@ -8,7 +8,7 @@
 //! equations"; the steps of Eisenstat, Elman and Schultz 1983, "Variational iterative methods for nonsymmetric systems
 //! of linear equations", ORTHOMIN).
 
-use super::ParameteriseError;
+use super::error::ParameteriseError;
 use super::weights::Edge;
 use faer::linalg::solvers::Solve;
 use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::mesh::Corner;
+use super::relief::Relief;
 use brdfc_formats::direction::{DirectionPair, cross, dot, from_polar};
 use brdfc_source::Tally;
 use brdfc_source::address::parse_synth;
@@ -11,7 +12,7 @@ fn mesh(text: &str) -> PeriodicMesh {
     Structure::parse(text).unwrap().mesh()
 }
 
-fn surface(text: &str) -> Box<dyn Surface> {
+fn surface(text: &str) -> Box<dyn Relief> {
     let structure = Structure::parse(text).unwrap();
     (structure.info.build)(&structure.values)
 }
