@@ -1,8 +1,8 @@
 //! The studies of bandwidth maps and adaptive shading.
 
-use super::arguments::{Arguments, Study};
-use super::drawn;
-use super::result::{AntialiasingStudy, DirectionsStudy, StudyResult};
+use super::arguments::Arguments;
+use super::on_adapter;
+use super::studies::{AntialiasingStudy, DirectionsStudy, Study, StudyResult};
 use crate::output::remark;
 use crate::table::{percent, plain, significant};
 use crate::{CliError, Common};
@@ -14,8 +14,8 @@ use brdfc_source::Source;
 use brdfc_source::open::open;
 use brdfc_source::radiance_image::open_radiance_image;
 use brdfc_studies::adaptive::{
-    AntialiasingRow, Case, DirectionsRow, EqualErrorRow, Exponents, FourierRow, Lighting, StudyMaterial,
-    antialiasing_study, directions_study, equal_error, exponents, fourier_check,
+    Case, EqualErrorRow, FourierRow, Lighting, StudyMaterial, antialiasing_study, directions_study, equal_error,
+    exponents, fourier_check,
 };
 use std::path::Path;
 use std::time::Instant;
@@ -46,7 +46,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
         None => Builtin::BumpyBall.scene().environment,
     };
     let lighting = Lighting::new(environment).map_err(unpackable)?;
-    let default = [drawn::GLOSSY.to_owned()];
+    let default = [on_adapter::GLOSSY.to_owned()];
     let inputs = if arguments.inputs.is_empty() { &default[..] } else { &arguments.inputs };
     // All of them before the work: a missing one is found at once.
     let sources: Vec<Box<dyn Source>> =
@@ -60,7 +60,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     let (started, all) = (Instant::now(), inputs.len() * shapes.len());
     let mut result = empty(arguments.study);
     for (number, (index, shape)) in (0..inputs.len()).flat_map(|i| shapes.iter().map(move |s| (i, *s))).enumerate() {
-        let name = drawn::display_name(&inputs[index]);
+        let name = on_adapter::display_name(&inputs[index]);
         let material = StudyMaterial::new(name.to_owned(), sources[index].as_ref()).map_err(unpackable)?;
         add(&mut result, &material, shape, &lighting, frame, truth);
         let seconds = started.elapsed().as_secs_f64();

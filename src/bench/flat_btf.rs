@@ -1,7 +1,7 @@
 //! The error study of flat BTFs.
 
 use super::arguments::Arguments;
-use super::result::StudyResult;
+use super::studies::StudyResult;
 use crate::flatten::{DEFAULT_SET, direction_set};
 use crate::output::remark;
 use crate::table::plain;

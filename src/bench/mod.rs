@@ -3,22 +3,21 @@
 #[cfg(feature = "render")]
 mod adaptive;
 mod arguments;
-#[cfg(feature = "render")]
-mod drawn;
 mod flat_btf;
+#[cfg(feature = "render")]
+mod on_adapter;
 mod rays;
-mod result;
+mod studies;
 
 pub use arguments::Arguments;
-pub use result::Report;
+pub use studies::Report;
 
 use super::output::{check_folder, print, print_json};
 use super::{CliError, Common};
 use crate::table::{percent, plain};
-use arguments::Study;
 use brdfc_studies::{StudyRow, wavelet_table_1};
 use clap::ValueEnum;
-use result::StudyResult;
+use studies::{Study, StudyResult};
 
 /// Studies of adaptive shading.
 const ADAPTIVE: &[Study] = &[Study::Adaptive, Study::PixelBandwidth, Study::BandwidthDirections, Study::Antialiasing];
@@ -64,7 +63,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         #[cfg(feature = "render")]
         study if ADAPTIVE.contains(&study) => adaptive::run(arguments, common)?,
         #[cfg(feature = "render")]
-        _ => drawn::run(arguments, common)?,
+        _ => on_adapter::run(arguments, common)?,
         #[cfg(not(feature = "render"))]
         _ => return Err(CliError::without_renderer()),
     };
@@ -84,7 +83,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         #[cfg(feature = "render")]
         StudyResult::Antialiasing { rows } => print(&adaptive::antialiasing_text(rows)),
         #[cfg(feature = "render")]
-        drawn => print(&drawn::text(drawn)),
+        other => print(&on_adapter::text(other)),
     }
 }
 

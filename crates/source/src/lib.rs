@@ -19,6 +19,7 @@ pub mod simulate;
 mod symmetry;
 mod tally;
 pub mod tile_image;
+pub mod words;
 
 pub use error::InputError;
 pub use merl::MerlSource;

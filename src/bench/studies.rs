@@ -1,9 +1,36 @@
-//! What the studies report.
+//! Which studies there are, and what they report.
 
 use brdfc_studies::StudyRow;
 #[cfg(feature = "render")]
 use brdfc_studies::adaptive::{AntialiasingRow, DirectionsRow, Exponents};
+use clap::ValueEnum;
 use serde::Serialize;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum Study {
+    /// Table 1 of Claustres et al. 2007: errors of Lewis, Ward and Poulin-Fournier at 4:1, 16:1 and 32:1.
+    WaveletBrdf,
+    /// Section 4 of Hadim et al. 2009: reconstruction, coherency, sizes and interpolation of flat BTFs. Takes minutes for
+    /// each of synth:button, folds, knit and sponge, which are the default.
+    FlatBtf,
+    /// Rays per second against a repeated structure. With --out: mesh.ply and rays.bin for other programs.
+    Rays,
+    /// Section 6.3: evaluations per second, shader and CPU decoder.
+    Throughput,
+    /// Section 6.3, figure 10: a terrain with and without levels of detail, time per level, flicker.
+    LevelOfDetail,
+    /// Section 6.3, figure 9: colour differences on a cloth, shader against source, 4:1 and 8 bits.
+    Images,
+    /// Section 5 of Bagher et al. 2012: samples that adaptive and forward shading need for the same error, of every
+    /// material on two shapes, on the CPU. Minutes for each material.
+    Adaptive,
+    /// Figure 12 of Bagher et al. 2012: predicted pixel bandwidth against windowed Fourier transforms, on a sphere.
+    PixelBandwidth,
+    /// Figure 13 of Bagher et al. 2012: error with bandwidth averaged over 16 to 1024 directions.
+    BandwidthDirections,
+    /// Figure 10 of Bagher et al. 2012: cost of adaptive shading with 1, 4 and 16 points per pixel.
+    Antialiasing,
+}
 
 /// What `--json` prints.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
