@@ -9,6 +9,7 @@ mod distribution;
 mod distributions;
 mod facts;
 mod grid;
+mod half_vector;
 mod lobe;
 mod recipe;
 mod sequence;
