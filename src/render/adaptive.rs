@@ -16,7 +16,7 @@ use brdfc_formats::wavelet::{DEFAULT_DISTANCE_SCALE, WaveletPack};
 use brdfc_formats::{FormatError, Pack};
 use brdfc_gpu::verify::PackReflectance;
 use brdfc_gpu::{AdapterChoice, AdaptiveRenderer, Decoding, Gpu, SliceFilter};
-use brdfc_jobs::report::adaptive::{AdaptiveVerification, Drawn};
+use brdfc_jobs::report::adaptive::{AdaptivePictures, AdaptiveVerification};
 use brdfc_jobs::report::render::PartMaterial;
 use brdfc_jobs::scene::maps::part_name;
 use brdfc_jobs::scene::needs;
@@ -79,10 +79,10 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let materials: Vec<AdaptiveMaterial<'_>> =
         parts.iter().map(|part| lookups[*part].material(&reflectances[*part] as &dyn Reflectance)).collect();
     let packs: Vec<&WaveletPack> = parts.iter().map(|part| &prepared[*part].pack).collect();
-    let drawn = AdaptiveScene { scene: &setup.scene, light: &light, materials: &materials };
+    let adaptive_scene = AdaptiveScene { scene: &setup.scene, light: &light, materials: &materials };
 
     let renderer = AdaptiveRenderer::new(&gpu)?;
-    let loaded = renderer.load(&drawn, &packs, decoding)?;
+    let loaded = renderer.load(&adaptive_scene, &packs, decoding)?;
     let g_buffer = renderer.g_buffer(&loaded, &setup.scene.camera, frame, settings.antialiasing_levels)?;
     let buffer = renderer.read(&g_buffer)?;
     let surface_points = (0..buffer.part.len()).filter(|point| buffer.part_at(*point).is_some()).count() as u64;
@@ -102,7 +102,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     remark(common, &format!("ground truth: {truth_samples} samples for each of {surface_points} points, on the CPU"));
     let distributions: Vec<_> = parts.iter().map(|part| &lookups[*part].distributions).collect();
     let (truth, truth_seconds) =
-        timed(|| Ok(ground_truth(&drawn, frame, &buffer, &distributions, truth_samples, Start::Scattered)))?;
+        timed(|| Ok(ground_truth(&adaptive_scene, frame, &buffer, &distributions, truth_samples, Start::Scattered)))?;
     let exposure = setup.exposure.unwrap_or_else(|| auto_exposure(&truth.image));
     let truth_psnr = truth.psnr(exposure);
     let truth = truth.image;
@@ -122,7 +122,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
             + lookups[*index].samples.gpu_bytes()
             + BandwidthFacts::new(&lookups[*index].bandwidth).gpu_bytes,
     });
-    let verification = AdaptiveVerification::new(Drawn {
+    let verification = AdaptiveVerification::new(AdaptivePictures {
         scene: setup.builtin.name(),
         frame,
         surface_points,

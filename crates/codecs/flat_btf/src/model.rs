@@ -3,7 +3,7 @@
 use super::caster::PeriodicCaster;
 use super::mesh::PeriodicMesh;
 use super::mesh::corner_coordinates;
-use super::parameterise::{Parameterisation, ParameteriseError, parameterise};
+use super::parameterise::{ParameteriseError, SurfaceParameterisation, parameterise};
 use super::surface::{Hit, SurfacePoint};
 use super::texels::{TexelMap, texel_map};
 use brdfc_formats::direction::Vector;
@@ -13,7 +13,7 @@ pub struct MesoModel {
     /// The surface.
     pub mesh: PeriodicMesh,
     /// Its parameters.
-    pub parameterisation: Parameterisation,
+    pub parameterisation: SurfaceParameterisation,
     /// Rays against its repetition.
     pub caster: PeriodicCaster,
 }

@@ -9,9 +9,9 @@ use super::probing::{computed_probes, measured_probes};
 use super::recipe::FlattenRecipe;
 use super::stack::StackImages;
 use crate::btf_stack::StackFormat;
-use brdfc_flat_btf::flatten::{ComputedField, visible_from_each};
-use brdfc_flat_btf::indirect::Bounces;
 use brdfc_flat_btf::indirection::indirection;
+use brdfc_flat_btf::interreflection::Bounces;
+use brdfc_flat_btf::light_field::{ComputedField, visible_from_each};
 use brdfc_flat_btf::measured::MeasuredField;
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::parameterise::steps;
@@ -124,7 +124,7 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<AssetFile, Fl
     let seen = masks.iter().flatten().filter(|seen| **seen).count() as f64;
     let never_seen = (0..texels.points.len()).filter(|texel| !masks.iter().any(|mask| mask[*texel])).count();
     let report = AssetReport {
-        mended: job.geometry.weld,
+        repairs: job.geometry.weld,
         parameterisation: model.parameterisation.report,
         heights: model.mesh.height_range(),
         seen: seen / (views.len() * texels.points.len()) as f64,

@@ -4,7 +4,7 @@ pub use super::place::{ManifestError, line_of, near_miss};
 
 use super::place::{Place, line_of_key};
 use super::render_section::{CAMERA_KEYS, LIGHT_KEYS, RENDER_KEYS, RenderSection};
-use super::scene_section::{ENVIRONMENT, SCENE_KEYS, Scene};
+use super::scene_section::{ENVIRONMENT, SCENE_KEYS, SceneSection};
 use crate::keys::keys_of;
 use brdfc_wavelet::options::{EncodeOptions, OptionError};
 use serde::Deserialize;
@@ -17,7 +17,7 @@ use toml::Spanned;
 pub struct Manifest {
     /// What holds for the whole scene.
     #[serde(default)]
-    pub scene: Scene,
+    pub scene: SceneSection,
     /// Options of materials that do not say otherwise.
     #[serde(default)]
     pub defaults: EncodeOptions,

@@ -10,7 +10,7 @@ pub const ENVIRONMENT: &str = "environment";
 /// What holds for the whole scene.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Scene {
+pub struct SceneSection {
     /// A name for reports.
     pub name: Option<String>,
     /// `α` of the level of detail `l = N - clamp(log2(α d), 0, N)`, per unit of distance; 0.15 by default.
@@ -22,7 +22,7 @@ pub struct Scene {
 /// Keys of `[scene]`.
 pub(super) const SCENE_KEYS: &[&str] = &["name", "distance_scale", "environment"];
 
-impl Scene {
+impl SceneSection {
     /// Checks ranges.
     pub(super) fn check(&self, place: &Place<'_>) -> Result<(), ManifestError> {
         if let Some(scale) = self.distance_scale

@@ -26,7 +26,7 @@ pub use scene::{AdaptiveMaterial, AdaptiveScene, Settings};
 pub use shading::{forward, shade_point};
 pub use tile::MOST_DIRECTIONS;
 pub use truth::{GroundTruth, Start, ground_truth};
-pub use upsample::{Guide, LEAST_WEIGHT, parents, weight};
+pub use upsample::{LEAST_WEIGHT, UpsamplingGuide, parents, weight};
 
 use super::gbuffer::GBuffer;
 use super::scene::Frame;

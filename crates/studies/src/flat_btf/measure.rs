@@ -5,7 +5,7 @@ use super::apparent::{Apparent, ApparentSizes, summary};
 use super::grids::grid_errors;
 use super::rows::{CoherencyRow, ModelRow, ReconstructionRow, Spread, StudySettings};
 use brdfc_flat_btf::coherency::ViewVariance;
-use brdfc_flat_btf::flatten::{ComputedField, FlatView, Guide, Holes, from_above, visible};
+use brdfc_flat_btf::light_field::{ComputedField, FillGuide, FlattenedView, Holes, from_above, visible};
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::parameterise::ParameteriseError;
 use brdfc_flat_btf::rebuild::ViewImage;
@@ -60,7 +60,7 @@ pub fn study_model(
     let texels = model.texels(settings.flat_texels);
     let masks: Vec<Vec<bool>> = directions.iter().map(|view| visible(&texels, &model.caster, *view)).collect();
     let field = ComputedField::new(&texels, &appearance, directions, directions, &masks);
-    let Ok(guide) = Guide::new(&field, &masks, &from_above(directions), directions.len());
+    let Ok(guide) = FillGuide::new(&field, &masks, &from_above(directions), directions.len());
 
     let plane = settings.texels * settings.texels;
     let flat = settings.flat_texels * settings.flat_texels;
@@ -78,8 +78,8 @@ pub fn study_model(
     let mut images = Vec::new();
     for (view, direction) in directions.iter().enumerate() {
         let seen = ViewImage::new(&model, *direction, settings.texels, settings.oversampling);
-        let Ok(push_pull) = FlatView::new(&field, view, &masks[view], Holes::PushPull);
-        let Ok(poisson) = FlatView::new(&field, view, &masks[view], Holes::Poisson(&guide));
+        let Ok(push_pull) = FlattenedView::new(&field, view, &masks[view], Holes::PushPull);
+        let Ok(poisson) = FlattenedView::new(&field, view, &masks[view], Holes::Poisson(&guide));
         let light = |(light, kept): (usize, &mut PerLight)| {
             let Ok(filled) = push_pull.image(light);
             let Ok(inpainted) = poisson.image(light);

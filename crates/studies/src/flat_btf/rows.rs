@@ -38,7 +38,7 @@ pub struct ModelRow {
     /// Figure 10: both grids of views.
     pub grids: Vec<GridRow>,
     /// Stretch of the parameterisation.
-    pub parameterisation: brdfc_flat_btf::parameterise::ParameterisationReport,
+    pub parameterisation: brdfc_flat_btf::parameterise::SurfaceParameterisationReport,
     /// Share of texels that a view sees, mean over the views.
     pub seen: f64,
     /// What the paper found.

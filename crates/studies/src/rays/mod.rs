@@ -6,11 +6,11 @@ mod ray;
 pub use dump::{Dump, DumpError};
 pub use ray::StudyRay;
 
-use brdfc_flat_btf::surface::LIFT;
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::parameterise::ParameteriseError;
 use brdfc_flat_btf::structures::Structure;
-use brdfc_formats::direction::{Vector, add_scaled, dot, from_polar};
+use brdfc_flat_btf::surface::LIFT;
+use brdfc_formats::direction::{add_scaled, dot, from_polar};
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_source::address::AddressError;
 use ray::CHUNK;

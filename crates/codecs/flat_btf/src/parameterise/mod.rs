@@ -25,16 +25,17 @@ use weights::mean_value_weights;
 
 /// Parameters of a mesh.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Parameterisation {
+pub struct SurfaceParameterisation {
     /// `(u, v)` of each vertex. A corner in another tile has these plus the tile.
     pub coordinates: Vec<[f64; 2]>,
     /// What was measured.
-    pub report: ParameterisationReport,
+    pub report: SurfaceParameterisationReport,
 }
 
 /// How good a parameterisation is.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-pub struct ParameterisationReport {
+#[schemars(rename = "ParameterisationReport")]
+pub struct SurfaceParameterisationReport {
     /// Largest difference of a vertex from the weighted mean of its neighbours, in tiles.
     pub residual: f64,
     /// Length of the tilt `θ`, per tile.
@@ -67,7 +68,7 @@ pub fn parameterise(
     mesh: &PeriodicMesh,
     rounds: usize,
     go_on: &dyn Fn() -> bool,
-) -> Result<Parameterisation, ParameteriseError> {
+) -> Result<SurfaceParameterisation, ParameteriseError> {
     if mesh.positions.len() > MAX_VERTICES {
         return Err(ParameteriseError::TooLarge { found: mesh.positions.len() });
     }
@@ -95,9 +96,15 @@ pub fn parameterise(
     if count > 0 {
         return Err(ParameteriseError::Flipped { count, at });
     }
-    let report =
-        ParameterisationReport { residual: best.residual, tilt: best.tilt, flipped: 0, before, after, rounds: used };
-    Ok(Parameterisation { coordinates: best.coordinates, report })
+    let report = SurfaceParameterisationReport {
+        residual: best.residual,
+        tilt: best.tilt,
+        flipped: 0,
+        before,
+        after,
+        rounds: used,
+    };
+    Ok(SurfaceParameterisation { coordinates: best.coordinates, report })
 }
 
 /// Number of triangles without positive area, and where the first is.
@@ -124,12 +131,12 @@ mod tests {
         mesh
     }
 
-    fn largest_move(mesh: &PeriodicMesh, found: &Parameterisation) -> f64 {
+    fn largest_move(mesh: &PeriodicMesh, found: &SurfaceParameterisation) -> f64 {
         let off = |(p, c): (&[f64; 3], &[f64; 2])| (p[0] - c[0]).abs().max((p[1] - c[1]).abs());
         mesh.positions.iter().zip(&found.coordinates).map(off).fold(0.0, f64::max)
     }
 
-    fn laid_flat(mesh: &PeriodicMesh, rounds: usize) -> Result<Parameterisation, ParameteriseError> {
+    fn laid_flat(mesh: &PeriodicMesh, rounds: usize) -> Result<SurfaceParameterisation, ParameteriseError> {
         parameterise(mesh, rounds, &|| true)
     }
 

@@ -1,9 +1,9 @@
 //! What holds for all structures, and what sets each apart.
 
+use super::relief::Relief;
 use super::*;
 use crate::mesh::Corner;
-use super::relief::Relief;
-use brdfc_formats::direction::{DirectionPair, cross, dot, from_polar};
+use brdfc_formats::direction::{DirectionPair, Vector, cross, dot, from_polar};
 use brdfc_source::Tally;
 use brdfc_source::address::parse_synth;
 use brdfc_source::analytic::ParameterKind;
