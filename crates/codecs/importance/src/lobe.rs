@@ -46,14 +46,12 @@ pub fn cell_probabilities(
                 continue;
             }
             let half = grid.centre(ring, cell);
-            let (incoming, jacobian) = incoming_of(outgoing, half);
-            let mut largest = incoming[2].max(0.0) * jacobian;
+            let (incoming, mut largest) = density(outgoing, half);
             if largest > 0.0 {
                 lobe[at] = luminance(source, DirectionPair::new(incoming, outgoing), tally) * largest * solid_angle;
             }
             for other in others {
-                let (incoming, jacobian) = incoming_of(other, half);
-                largest = largest.max(incoming[2].max(0.0) * jacobian);
+                largest = largest.max(density(other, half).1);
             }
             cosine[at] = largest * FRAC_1_PI * solid_angle;
         }
@@ -72,11 +70,12 @@ pub fn cell_probabilities(
     lobe
 }
 
-/// The incoming direction that a half vector stands for, and steradians of it per steradian of half vectors; 0 where the
-/// half vector is seen from behind.
-fn incoming_of(outgoing: Vector, half: Vector) -> (Vector, f64) {
+/// The incoming direction that a half vector stands for, and the density of half vectors per `f_r`, not normalised:
+/// `cos θi 4 (wo · h)`; 0 where light or viewer are behind.
+fn density(outgoing: Vector, half: Vector) -> (Vector, f64) {
     let projection = dot(outgoing, half);
-    (reflected(outgoing, half, projection), jacobian(projection.max(0.0)))
+    let incoming = reflected(outgoing, half, projection);
+    (incoming, incoming[2].max(0.0) * jacobian(projection.max(0.0)))
 }
 
 fn luminance(source: &dyn Source, pair: DirectionPair, tally: &mut Tally) -> f64 {
