@@ -10,7 +10,7 @@ use brdfc_bandwidth::texture::Placement;
 use brdfc_bandwidth::{DEFAULT_EPSILON, EPSILON_RANGE};
 use brdfc_formats::FormatError;
 use brdfc_formats::bandwidth::BandwidthMap;
-use brdfc_jobs::report::material::mended_in_words;
+use brdfc_jobs::report::material::repairs_in_words;
 use brdfc_jobs::write::is_standard_output;
 use brdfc_source::Tally;
 use brdfc_source::open::open;
@@ -83,7 +83,8 @@ pub struct Report {
     #[serde(flatten)]
     facts: BandwidthFacts,
     /// What evaluating a material had to mend; not of images, nor of a map that was there.
-    mended: Option<Tally>,
+    #[serde(rename = "mended")]
+    repairs: Option<Tally>,
     /// Seconds that reading and finding the bandwidth took; not of a map that was there.
     seconds: Option<Seconds>,
 }
@@ -98,8 +99,8 @@ pub struct Seconds {
 }
 
 impl Report {
-    fn new(map: &BandwidthMap, mended: Option<Tally>, seconds: Option<Seconds>) -> Self {
-        Self { version: 1, kind: "bandwidth-map", facts: BandwidthFacts::new(map), mended, seconds }
+    fn new(map: &BandwidthMap, repairs: Option<Tally>, seconds: Option<Seconds>) -> Self {
+        Self { version: 1, kind: "bandwidth-map", facts: BandwidthFacts::new(map), repairs, seconds }
     }
 
     fn text(&self) -> String {
@@ -204,7 +205,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     #[cfg(feature = "render")]
     check_picture(arguments)?;
     let epsilon = arguments.epsilon;
-    let ((map, mended), seconds) = match recipe {
+    let ((map, repairs), seconds) = match recipe {
         Recipe::Brdf { resolution } => {
             let material = || Ok(open(&arguments.input, None)?.source);
             timed(material, |source| {
@@ -225,10 +226,10 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     if let Some(path) = &arguments.picture {
         write_file(path, &picture(&map))?;
     }
-    for line in mended.iter().flat_map(mended_in_words) {
+    for line in repairs.iter().flat_map(repairs_in_words) {
         remark(common, &format!("note: {line}"));
     }
-    let report = Report::new(&map, mended, Some(seconds));
+    let report = Report::new(&map, repairs, Some(seconds));
     if let Some(line) = report.facts.remark() {
         remark(common, &format!("note: {line}"));
     }

@@ -4,7 +4,7 @@ use super::output::{print, refuse_overwriting, remark, write_file};
 use super::{CliError, Common};
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::measured::scan_csv::directions_from_bytes;
-use brdfc_jobs::report::material::mended_in_words;
+use brdfc_jobs::report::material::repairs_in_words;
 use brdfc_source::Tally;
 use brdfc_source::open::{Facts, open};
 use brdfc_source::read::{MAX_FILE_BYTES, read_file};
@@ -73,7 +73,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         .collect();
     let mut tally = Tally::default();
     chunks.iter().for_each(|(_, counts)| tally += *counts);
-    for line in mended_in_words(&tally) {
+    for line in repairs_in_words(&tally) {
         remark(common, &format!("note: {line}"));
     }
     let text = appended(&bytes, chunks.iter().flat_map(|(values, _)| values))

@@ -3,6 +3,7 @@
 mod bandwidth;
 mod bench;
 mod build_scene;
+mod common;
 mod compare;
 mod encode;
 mod error;
@@ -25,6 +26,7 @@ mod table;
 pub use error::CliError;
 
 use clap::{Parser, Subcommand};
+use common::Common;
 use std::process::ExitCode;
 
 /// Compiles measured appearance (MERL, gonioreflectometer scans, RGL) into packed GPU textures, each with its measured
@@ -88,12 +90,6 @@ Exit codes: 0 done; 1 a check failed (error budget missed, comparison differs); 
 /// What stands below the list of commands.
 fn after_help() -> String {
     format!("{EXAMPLES}\nFiles: {}.\n\n{EXIT_CODES}", brdfc_source::open::known_files())
-}
-
-/// What every subcommand gets besides its own arguments.
-#[derive(Debug, Clone, Copy)]
-struct Common {
-    quiet: bool,
 }
 
 /// Runs the program: parses arguments, does the work, prints errors, gives the exit code.

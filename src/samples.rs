@@ -6,7 +6,7 @@ use super::{CliError, Common};
 use crate::table;
 use brdfc_formats::FormatError;
 use brdfc_importance::{HalfGrid, ImportanceFacts, ImportanceRecipe, importance_samples};
-use brdfc_jobs::report::material::mended_in_words;
+use brdfc_jobs::report::material::repairs_in_words;
 use brdfc_jobs::write::is_standard_output;
 use brdfc_source::Tally;
 use brdfc_source::open::open;
@@ -74,7 +74,8 @@ pub struct Report {
     /// Bytes of the file.
     bytes_on_disk: usize,
     /// What had to be mended.
-    mended: Tally,
+    #[serde(rename = "mended")]
+    repairs: Tally,
     /// Seconds that reading and drawing took.
     seconds: Seconds,
 }
@@ -135,11 +136,11 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     }
     recipe.check(isotropic).map_err(wrong_flag)?;
     let start = Instant::now();
-    let (pack, mended) = importance_samples(source.as_ref(), &recipe).map_err(CliError::own_layout)?;
+    let (pack, repairs) = importance_samples(source.as_ref(), &recipe).map_err(CliError::own_layout)?;
     let seconds = Seconds { read, samples: start.elapsed().as_secs_f64() };
     let bytes = pack.to_bytes(true);
     write_file(&arguments.output, &bytes)?;
-    for line in mended_in_words(&mended) {
+    for line in repairs_in_words(&repairs) {
         remark(common, &format!("note: {line}"));
     }
     let report = Report {
@@ -150,7 +151,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         cells: recipe.grid.azimuths,
         defensive: recipe.defensive,
         bytes_on_disk: bytes.len(),
-        mended,
+        repairs,
         seconds,
     };
     let text = if arguments.json { to_json(&report) } else { report.text() };

@@ -1,5 +1,7 @@
 //! Tables for people.
 
+pub use brdfc_source::words::{bytes, percent};
+
 use brdfc_jobs::report::material::MaterialReport;
 use brdfc_metrics::compare::Comparison;
 use brdfc_metrics::norms::Norms;
@@ -67,27 +69,6 @@ fn norms_rows(norms: &Norms) -> Vec<Vec<String>> {
 /// `ε_r`, or a dash where no sample was above the floor.
 fn relative(norms: &Norms) -> String {
     if norms.counted() == 0 { "-".to_owned() } else { percent(norms.relative_mean) }
-}
-
-/// A fraction as per cent with enough digits.
-pub fn percent(fraction: f64) -> String {
-    let value = 100.0 * fraction;
-    if value >= 1e5 {
-        format!("{value:.2e} %")
-    } else if value >= 0.01 || value == 0.0 {
-        format!("{value:.3} %")
-    } else {
-        format!("{value:.1e} %")
-    }
-}
-
-/// Bytes with a binary unit.
-pub fn bytes(count: u64) -> String {
-    match count {
-        0..1024 => format!("{count} B"),
-        1024..1_048_576 => format!("{:.1} KiB", count as f64 / 1024.0),
-        _ => format!("{:.2} MiB", count as f64 / 1_048_576.0),
-    }
 }
 
 /// Three or four significant digits.

@@ -1,6 +1,8 @@
 //! The studies of bandwidth maps and adaptive shading.
 
-use super::{Arguments, Study, StudyResult, drawn};
+use super::arguments::Arguments;
+use super::on_adapter;
+use super::studies::{AntialiasingStudy, DirectionsStudy, Study, StudyResult};
 use crate::output::remark;
 use crate::table::{percent, plain, significant};
 use crate::{CliError, Common};
@@ -12,11 +14,9 @@ use brdfc_source::Source;
 use brdfc_source::open::open;
 use brdfc_source::radiance_image::open_radiance_image;
 use brdfc_studies::adaptive::{
-    AntialiasingRow, Case, DirectionsRow, EqualErrorRow, Exponents, FourierRow, Lighting, StudyMaterial,
-    antialiasing_study, directions_study, equal_error, exponents, fourier_check,
+    Case, EqualErrorRow, FourierRow, Lighting, StudyMaterial, antialiasing_study, directions_study, equal_error,
+    exponents, fourier_check,
 };
-use schemars::JsonSchema;
-use serde::Serialize;
 use std::path::Path;
 use std::time::Instant;
 
@@ -26,30 +26,6 @@ const PSNR: [f64; 3] = [28.0, 30.0, 33.0];
 const SHAPES: [Builtin; 2] = [Builtin::BumpyBall, Builtin::RibbedTorus];
 /// Mean samples per pixel that the studies at a fixed budget ask for.
 const BUDGET: f32 = 64.0;
-
-/// Numbers of directions for one material.
-#[derive(Debug, Clone, Serialize, JsonSchema)]
-pub struct DirectionsStudy {
-    /// The input.
-    pub material: String,
-    /// The shape.
-    pub shape: String,
-    /// One for each number.
-    pub rows: Vec<DirectionsRow>,
-}
-
-/// Antialiasing of one material on one shape.
-#[derive(Debug, Clone, Serialize, JsonSchema)]
-pub struct AntialiasingStudy {
-    /// The input.
-    pub material: String,
-    /// The shape.
-    pub shape: String,
-    /// 1, 4 and 16 points per pixel.
-    pub rows: Vec<AntialiasingRow>,
-    /// How cost grows with points.
-    pub exponents: Option<Exponents>,
-}
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, CliError> {
     let side = arguments.pixels.unwrap_or(512);
@@ -70,7 +46,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
         None => Builtin::BumpyBall.scene().environment,
     };
     let lighting = Lighting::new(environment).map_err(unpackable)?;
-    let default = [drawn::GLOSSY.to_owned()];
+    let default = [on_adapter::GLOSSY.to_owned()];
     let inputs = if arguments.inputs.is_empty() { &default[..] } else { &arguments.inputs };
     // All of them before the work: a missing one is found at once.
     let sources: Vec<Box<dyn Source>> =
@@ -84,7 +60,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     let (started, all) = (Instant::now(), inputs.len() * shapes.len());
     let mut result = empty(arguments.study);
     for (number, (index, shape)) in (0..inputs.len()).flat_map(|i| shapes.iter().map(move |s| (i, *s))).enumerate() {
-        let name = drawn::display_name(&inputs[index]);
+        let name = on_adapter::display_name(&inputs[index]);
         let material = StudyMaterial::new(name.to_owned(), sources[index].as_ref()).map_err(unpackable)?;
         add(&mut result, &material, shape, &lighting, frame, truth);
         let seconds = started.elapsed().as_secs_f64();

@@ -1,6 +1,7 @@
 //! The error study of flat BTFs.
 
-use super::{Arguments, StudyResult};
+use super::arguments::Arguments;
+use super::studies::StudyResult;
 use crate::flatten::{DEFAULT_SET, direction_set};
 use crate::output::remark;
 use crate::table::plain;

@@ -1,6 +1,7 @@
 //! The study of rays.
 
-use super::{Arguments, StudyResult};
+use super::arguments::Arguments;
+use super::studies::StudyResult;
 use crate::output::{make_folder, remark, write_file};
 use crate::table::{percent, plain};
 use crate::{CliError, Common};

@@ -4,8 +4,8 @@ use crate::table;
 use brdfc_bandwidth::facts::BandwidthFacts;
 use brdfc_jobs::report::material::{MaterialReport, StageTime};
 use brdfc_jobs::scene::maps::{MapsReport, PARTS, Packed, part_name};
-use brdfc_jobs::scene::needs::ENVIRONMENT;
 use brdfc_jobs::scene::run::{JobError, Made, MadeEnvironment, Outcome, Outcomes, Plan, pack_name};
+use brdfc_jobs::scene::scene_section::ENVIRONMENT;
 use serde::Serialize;
 use std::path::Path;
 

@@ -7,7 +7,7 @@ mod text;
 
 pub use arguments::Arguments;
 pub(super) use directions::{DEFAULT_SET, direction_set};
-pub(super) use text::{height, mended_in_words, text};
+pub(super) use text::{height, repairs_in_words, text};
 
 use super::output::{make_folder, print, print_json, remark};
 use super::steps::Steps;

@@ -8,7 +8,7 @@ use brdfc_jobs::flatten::AssetFile;
 
 /// What a user should know.
 pub(super) fn remarks(asset: &AssetFile) -> Vec<String> {
-    let mut lines = asset.report.mended.as_ref().map(mended_in_words).unwrap_or_default();
+    let mut lines = asset.report.repairs.as_ref().map(repairs_in_words).unwrap_or_default();
     if asset.report.never_seen > 0 {
         lines.push(format!("{} of the texels are seen by none of the views", percent(unseen(asset))));
     }
@@ -16,13 +16,13 @@ pub(super) fn remarks(asset: &AssetFile) -> Vec<String> {
 }
 
 /// What was mended in a mesh; nothing where it was whole.
-pub(crate) fn mended_in_words(mended: &WeldReport) -> Vec<String> {
+pub(crate) fn repairs_in_words(repairs: &WeldReport) -> Vec<String> {
     [
-        (mended.unreferenced_vertices, "vertices that no triangle has were left out"),
-        (mended.degenerate_triangles, "triangles with two equal corners were left out"),
-        (mended.duplicate_triangles, "triangles that were there twice were left out"),
-        (mended.turned_triangles, "triangles were turned over, so that outside is up"),
-        (mended.exchanged_edges, "triangles without area were mended"),
+        (repairs.unreferenced_vertices, "vertices that no triangle has were left out"),
+        (repairs.degenerate_triangles, "triangles with two equal corners were left out"),
+        (repairs.duplicate_triangles, "triangles that were there twice were left out"),
+        (repairs.turned_triangles, "triangles were turned over, so that outside is up"),
+        (repairs.exchanged_edges, "triangles without area were mended"),
     ]
     .into_iter()
     .filter(|(count, _)| *count > 0)

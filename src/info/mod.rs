@@ -4,10 +4,9 @@ mod surface;
 
 use super::output::{print, print_json, printable};
 use super::{CliError, bandwidth, flatten};
-use crate::table::{bytes, percent};
+use crate::table::bytes;
 use brdfc_flat_btf::structures::STRUCTURES;
 use brdfc_formats::Pack;
-use brdfc_formats::wavelet::ErrorSummary;
 use brdfc_importance::ImportanceFacts;
 use brdfc_jobs::flatten::{AssetFile, SurfaceFacts, describe_surface, open_asset};
 use brdfc_source::address::{SYNTH_PREFIX, is_synth, split_query};
@@ -196,7 +195,7 @@ fn symmetry_in_words(s: Symmetry) -> String {
 fn contents_in_words(contents: &Contents) -> Vec<(&'static str, String)> {
     match contents {
         Contents::Reflectance { facts, symmetry, grey } => {
-            let mut lines = facts_in_words(facts);
+            let mut lines = facts.in_words();
             if !matches!(facts, Facts::WaveletPack { .. }) {
                 lines.push(("symmetry", symmetry_in_words(*symmetry)));
                 lines.push(("colour", if *grey { "grey (one channel)" } else { "RGB" }.to_owned()));
@@ -217,85 +216,4 @@ pub(super) fn importance_in_words(facts: &ImportanceFacts) -> Vec<(&'static str,
         ("samples of each", samples.to_string()),
         ("bytes on a GPU", bytes(*gpu_bytes)),
     ]
-}
-
-fn facts_in_words(facts: &Facts) -> Vec<(&'static str, String)> {
-    match facts {
-        Facts::Synth { address } => vec![("kind", "analytic model".to_owned()), ("address", address.clone())],
-        Facts::Merl { dimensions: [h, d, p], valid_cells, invalid_cells } => vec![
-            ("kind", "MERL table".to_owned()),
-            ("samples (theta_h x theta_d x phi_d)", format!("{h} x {d} x {p}")),
-            ("azimuths cover", if *p == 4 * d { "a full turn" } else { "half a turn" }.to_owned()),
-            ("valid cells", format!("{valid_cells} of {}", valid_cells + invalid_cells)),
-        ],
-        Facts::Scan { wavelengths, summary } => {
-            let s = summary;
-            let isotropic = if s.isotropic {
-                "taken as isotropic: all rows have one azimuth of incidence"
-            } else {
-                "anisotropic: several azimuths of incidence"
-            };
-            let spectrum = match (wavelengths.first(), wavelengths.last()) {
-                (Some(first), Some(last)) => format!("{} wavelengths, {first} to {last} nm", wavelengths.len()),
-                _ => "RGB columns".to_owned(),
-            };
-            let mut lines = vec![
-                ("kind", "scattered scan".to_owned()),
-                ("rows", format!("{} ({} distinct direction pairs)", s.rows, s.distinct)),
-                ("material", isotropic.to_owned()),
-                ("values", spectrum),
-                ("largest difference of repeated rows", percent(s.largest_disagreement)),
-                ("rows with negative channels, raised to 0", s.negative.to_string()),
-                ("rows that are all 0", s.zero.to_string()),
-            ];
-            if s.left_out > 0 {
-                lines.push(("rows left out, at or below the horizon", s.left_out.to_string()));
-            }
-            lines
-        }
-        Facts::Rgl { description, azimuths, polar_angles, resolution: [rows, columns], channels } => vec![
-            ("kind", "RGL material".to_owned()),
-            ("description", description.clone()),
-            ("incoming directions", format!("{azimuths} azimuths x {polar_angles} polar angles")),
-            ("outgoing directions of each", format!("{rows} x {columns}")),
-            ("channels", if *channels == 3 { "RGB".to_owned() } else { format!("{channels} wavelengths") }),
-        ],
-        Facts::WaveletPack {
-            parameterisation,
-            grid,
-            levels,
-            stored_levels,
-            channels,
-            bits,
-            slices_kept,
-            mean,
-            bias,
-            gpu_bytes,
-            on_grid,
-            off_grid,
-        } => vec![
-            ("kind", "wavelet pack".to_owned()),
-            ("grid", format!("{grid} x {grid} per hemisphere, {}", parameterisation.name())),
-            ("levels of detail", format!("{levels}, stored up to {stored_levels}")),
-            ("texels", format!("{channels} channels, {bits} bits")),
-            ("slices kept", format!("{slices_kept} of {}", grid * grid)),
-            ("mean μ, bias ε", format!("{mean} 1/sr, {bias}")),
-            ("bytes on a GPU", bytes(*gpu_bytes)),
-            ("error on the grid (codec)", errors_in_words(on_grid)),
-            ("error off the grid (against the source)", errors_in_words(off_grid)),
-        ],
-    }
-}
-
-fn errors_in_words(errors: &ErrorSummary) -> String {
-    let ratio = |value: f32| percent(f64::from(value));
-    format!(
-        "ε_r {} (95 %: {}, 99 %: {}, largest: {}), ε {:.3e} 1/sr, reciprocity {}",
-        ratio(errors.relative_mean),
-        ratio(errors.relative_p95),
-        ratio(errors.relative_p99),
-        ratio(errors.relative_max),
-        errors.rms,
-        ratio(errors.reciprocity)
-    )
 }

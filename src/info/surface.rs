@@ -1,6 +1,6 @@
 //! What people read of an input of `brdfc flatten`, and of a part of a flat BTF.
 
-use crate::flatten::{height, mended_in_words};
+use crate::flatten::{height, repairs_in_words};
 use crate::table::bytes;
 use brdfc_jobs::flatten::{MeshFacts, SurfaceFacts};
 
@@ -62,9 +62,9 @@ fn mesh_in_words(mesh: &MeshFacts) -> Vec<(&'static str, String)> {
         (None, Some(problem)) => lines.push(("does not close", problem.clone())),
         (None, None) => {}
     }
-    if let Some(mended) = &mesh.mended {
-        lines.push(("surface", format!("{} vertices, {} triangles", mended.vertices, mended.triangles)));
-        let words = mended_in_words(mended);
+    if let Some(repairs) = &mesh.repairs {
+        lines.push(("surface", format!("{} vertices, {} triangles", repairs.vertices, repairs.triangles)));
+        let words = repairs_in_words(repairs);
         lines.push(("mended", if words.is_empty() { "nothing".to_owned() } else { words.join("; ") }));
     }
     lines

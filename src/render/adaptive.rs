@@ -1,7 +1,9 @@
 //! `brdfc render --adaptive`: environment light, shaded where and as much as predicted bandwidth asks for.
 
+use super::adaptive_options::AdaptiveOptions;
+use super::arguments::{Arguments, FilterName};
 use super::materials::{self, Prepared, Subject};
-use super::{Arguments, FilterName, outputs, scene};
+use super::{outputs, scene};
 use crate::output::{print, print_json, remark, write_file};
 use crate::table::{percent, plain, significant};
 use crate::{CliError, Common};
@@ -14,10 +16,11 @@ use brdfc_formats::wavelet::{DEFAULT_DISTANCE_SCALE, WaveletPack};
 use brdfc_formats::{FormatError, Pack};
 use brdfc_gpu::verify::PackReflectance;
 use brdfc_gpu::{AdapterChoice, AdaptiveRenderer, Decoding, Gpu, SliceFilter};
-use brdfc_jobs::report::adaptive::{AdaptiveVerification, Drawn};
+use brdfc_jobs::report::adaptive::{AdaptivePictures, AdaptiveVerification};
 use brdfc_jobs::report::render::PartMaterial;
 use brdfc_jobs::scene::maps::part_name;
 use brdfc_jobs::scene::needs;
+use brdfc_jobs::scene::scene_section::ENVIRONMENT;
 use brdfc_metrics::image::{LinearImage, auto_exposure};
 use brdfc_render::adaptive::{
     AdaptiveMaterial, AdaptivePicture, AdaptiveScene, DistantLight, Lookups, Settings, Start, ground_truth,
@@ -26,7 +29,6 @@ use brdfc_render::scene::Frame;
 use brdfc_render::shade::Reflectance;
 use brdfc_source::PackSource;
 use brdfc_source::pack::open_pack;
-use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -39,45 +41,6 @@ const MOST: u32 = 1024;
 /// Most samples per pixel of the ground truth.
 const MOST_TRUTH: usize = 65_536;
 
-/// Flags of `--adaptive`.
-#[derive(Debug, Args)]
-#[command(next_help_heading = "Adaptive shading")]
-pub(super) struct Options {
-    /// Light by the environment alone, and shade only where, and as much as, predicted bandwidth asks for: beside forward
-    /// shading and a ground truth. Point lights, mirrors and shadows are not drawn.
-    #[arg(long)]
-    adaptive: bool,
-    /// Latitude-longitude image, .exr or .hdr, that lights the scene (default: the manifest's, or the scene's sky).
-    #[arg(long, value_name = "FILE", requires = "adaptive")]
-    pub(super) environment: Option<PathBuf>,
-    /// Mean samples per pixel if all pixels were shaded (default 64);
-    /// a shaded pixel gets 1 to 1024, more where more shows.
-    #[arg(long, value_name = "X", requires = "adaptive", allow_negative_numbers = true)]
-    budget: Option<f32>,
-    /// Factor on predicted bandwidths before levels are chosen: less is faster, more is sharper (default 0.5).
-    #[arg(long, value_name = "X", requires = "adaptive", allow_negative_numbers = true)]
-    caution: Option<f32>,
-    /// Incident directions that bandwidth is averaged over, rounded up to a multiple of 4 (default 16).
-    #[arg(long, value_name = "N", requires = "adaptive")]
-    bandwidth_directions: Option<u32>,
-    /// Points per pixel: 1 (default), 4 or 16.
-    #[arg(long, value_name = "N", requires = "adaptive")]
-    antialias: Option<u32>,
-    /// Samples per point of forward shading (default 32).
-    #[arg(long, value_name = "N", requires = "adaptive")]
-    forward: Option<u32>,
-    /// Samples per point of the ground truth, on the CPU (default: 256 per pixel, and twice those of forward shading).
-    #[arg(long, value_name = "N", requires = "adaptive")]
-    truth: Option<usize>,
-    /// Bandwidth, levels and variance as it shows side by side, from dark to pale yellow: .png. Bandwidth over 8 octaves and
-    /// variance over 16, up to the largest of the picture; levels from the coarsest to the finest.
-    #[arg(long, value_name = "IMAGE.png", requires = "adaptive")]
-    pub(super) maps: Option<PathBuf>,
-    /// Fail with exit code 1 if the PSNR is below X dB.
-    #[arg(long, value_name = "X", requires = "adaptive", allow_negative_numbers = true)]
-    min_psnr: Option<f64>,
-}
-
 /// What `--adaptive --json` prints.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 pub struct Report {
@@ -88,16 +51,6 @@ pub struct Report {
     verification: AdaptiveVerification,
     /// Seconds from the start to the last image, encoding included.
     seconds: f64,
-}
-
-/// Points per pixel and axis.
-pub(super) fn points_per_axis(arguments: &Arguments) -> usize {
-    1 << (arguments.adaptive.antialias.unwrap_or(1).max(1).ilog2() / 2)
-}
-
-/// Whether the flag is there.
-pub(super) fn is_adaptive(arguments: &Arguments) -> bool {
-    arguments.adaptive.adaptive
 }
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
@@ -126,10 +79,10 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let materials: Vec<AdaptiveMaterial<'_>> =
         parts.iter().map(|part| lookups[*part].material(&reflectances[*part] as &dyn Reflectance)).collect();
     let packs: Vec<&WaveletPack> = parts.iter().map(|part| &prepared[*part].pack).collect();
-    let drawn = AdaptiveScene { scene: &setup.scene, light: &light, materials: &materials };
+    let adaptive_scene = AdaptiveScene { scene: &setup.scene, light: &light, materials: &materials };
 
     let renderer = AdaptiveRenderer::new(&gpu)?;
-    let loaded = renderer.load(&drawn, &packs, decoding)?;
+    let loaded = renderer.load(&adaptive_scene, &packs, decoding)?;
     let g_buffer = renderer.g_buffer(&loaded, &setup.scene.camera, frame, settings.antialiasing_levels)?;
     let buffer = renderer.read(&g_buffer)?;
     let surface_points = (0..buffer.part.len()).filter(|point| buffer.part_at(*point).is_some()).count() as u64;
@@ -149,7 +102,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     remark(common, &format!("ground truth: {truth_samples} samples for each of {surface_points} points, on the CPU"));
     let distributions: Vec<_> = parts.iter().map(|part| &lookups[*part].distributions).collect();
     let (truth, truth_seconds) =
-        timed(|| Ok(ground_truth(&drawn, frame, &buffer, &distributions, truth_samples, Start::Scattered)))?;
+        timed(|| Ok(ground_truth(&adaptive_scene, frame, &buffer, &distributions, truth_samples, Start::Scattered)))?;
     let exposure = setup.exposure.unwrap_or_else(|| auto_exposure(&truth.image));
     let truth_psnr = truth.psnr(exposure);
     let truth = truth.image;
@@ -169,7 +122,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
             + lookups[*index].samples.gpu_bytes()
             + BandwidthFacts::new(&lookups[*index].bandwidth).gpu_bytes,
     });
-    let verification = AdaptiveVerification::new(Drawn {
+    let verification = AdaptiveVerification::new(AdaptivePictures {
         scene: setup.builtin.name(),
         frame,
         surface_points,
@@ -205,7 +158,7 @@ fn timed<T>(run: impl FnOnce() -> Result<T, brdfc_gpu::GpuError>) -> Result<(T, 
 }
 
 /// Settings and points per pixel, from the flags.
-fn settings(options: &Options) -> Result<(Settings, u32), CliError> {
+fn settings(options: &AdaptiveOptions) -> Result<(Settings, u32), CliError> {
     let usage = |flag: &str, found: String, allowed: &str| {
         Err(CliError::Usage(format!("--{flag}: found {found}; allowed {allowed}")))
     };
@@ -318,7 +271,7 @@ fn environment(
     environment: &brdfc_render::scene::Environment,
 ) -> Result<BandwidthMap, CliError> {
     if let (Some(folder), None) = (maps_folder(arguments, subject), &arguments.adaptive.environment) {
-        let path = folder.join(part_name(needs::ENVIRONMENT, "bandwidth"));
+        let path = folder.join(part_name(ENVIRONMENT, "bandwidth"));
         if path.exists() {
             return match open_pack(&path)? {
                 Pack::Bandwidth(map) if map.header().kind == BandwidthKind::Environment => Ok(map),

@@ -1,7 +1,8 @@
 //! Pictures of flat BTFs.
 
+use super::arguments::{Arguments, FormName};
 use super::materials::Subject;
-use super::{Arguments, FormName, outputs, scene};
+use super::{outputs, scene};
 use crate::output::remark;
 use crate::{CliError, Common};
 use brdfc_flat_btf::model::MesoModel;

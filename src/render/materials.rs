@@ -1,6 +1,6 @@
 //! Which materials are drawn, from where, and as which packs.
 
-use super::Arguments;
+use super::arguments::Arguments;
 use crate::output::remark;
 use crate::{CliError, Common};
 use brdfc_formats::wavelet::WaveletPack;

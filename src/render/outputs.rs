@@ -1,6 +1,6 @@
 //! Pictures and text of a verification.
 
-use super::Arguments;
+use super::arguments::Arguments;
 use crate::output::{refuse_overwriting, refuse_same_outputs, write_file};
 use crate::{CliError, table};
 use brdfc_gpu::verify::Views;
@@ -55,7 +55,7 @@ pub(super) fn write(arguments: &Arguments, views: &Views, exposure: f64) -> Resu
 /// Writes the pictures of an image and its reference that were asked for.
 pub(super) fn write_images(
     arguments: &Arguments,
-    drawn: &LinearImage,
+    shader: &LinearImage,
     reference: &LinearImage,
     exposure: f64,
 ) -> Result<(), CliError> {
@@ -63,7 +63,7 @@ pub(super) fn write_images(
         write_file(path, &if extension(path) == "exr" { to_exr(image) } else { to_png(image, exposure) })
     };
     if let Some(path) = &arguments.output {
-        image(path, drawn)?;
+        image(path, shader)?;
     }
     if let Some(path) = &arguments.reference {
         image(path, reference)?;
@@ -71,9 +71,9 @@ pub(super) fn write_images(
     if arguments.difference.is_none() && arguments.sheet.is_none() {
         return Ok(());
     }
-    let difference = difference_panel(drawn, reference, exposure);
+    let difference = difference_panel(shader, reference, exposure);
     if let Some(path) = &arguments.sheet {
-        let panels = [to_panel(drawn, exposure), to_panel(reference, exposure), difference.clone()];
+        let panels = [to_panel(shader, exposure), to_panel(reference, exposure), difference.clone()];
         write_file(path, &rgb_png(&sheet(&panels)))?;
     }
     if let Some(path) = &arguments.difference {

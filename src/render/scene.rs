@@ -1,7 +1,7 @@
 //! Flags and manifest to a scene: the command line wins over the manifest, the manifest over the scene's own defaults.
 
+use super::arguments::Arguments;
 use super::materials::Subject;
-use super::{Arguments, adaptive};
 use crate::CliError;
 use brdfc_jobs::scene::manifest::{ManifestError, line_of, near_miss};
 use brdfc_jobs::scene::render_section::{MAX_SAMPLES, MAX_SIDE, RenderSection};
@@ -60,8 +60,8 @@ pub(super) fn setup(arguments: &Arguments, subject: &Subject) -> Result<Setup, C
         Some(text) => size(text)?,
         None => (section.width.unwrap_or(DEFAULT_SIDE), section.height.unwrap_or(DEFAULT_SIDE)),
     };
-    let samples = match adaptive::is_adaptive(arguments) {
-        true => adaptive::points_per_axis(arguments),
+    let samples = match arguments.adaptive.adaptive {
+        true => arguments.adaptive.points_per_axis(),
         false => arguments.samples.or(section.samples).unwrap_or(DEFAULT_SAMPLES),
     };
     if !(1..=MAX_SAMPLES).contains(&samples) {
@@ -160,7 +160,7 @@ fn environment_file(arguments: &Arguments, subject: &Subject, section: &RenderSe
     }
     let Subject::Scene { path, manifest, .. } = subject else { return None };
     let (lights, mirrored) = (manifest.scene.environment.as_ref(), section.environment.as_ref());
-    let file = if adaptive::is_adaptive(arguments) { lights.or(mirrored) } else { mirrored.or(lights) }?;
+    let file = if arguments.adaptive.adaptive { lights.or(mirrored) } else { mirrored.or(lights) }?;
     Some(path.parent().unwrap_or(Path::new("")).join(file))
 }
 

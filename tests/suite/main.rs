@@ -1,5 +1,6 @@
 //! The program as people and scripts use it.
 
+mod architecture;
 mod bad_input;
 mod cli;
 mod common;

@@ -90,8 +90,8 @@ impl<'g> FlatRenderer<'g> {
         let full = form == FlatForm::Full;
         let (views, lights, lowest_light) = match form {
             FlatForm::Full => {
-                let sampled = material.sampled_directions();
-                (sampled.views.to_words(), sampled.lights.to_words(), sampled.lowest_light)
+                let directions = material.sampled_directions();
+                (directions.views.to_words(), directions.lights.to_words(), directions.lowest_light)
             }
             FlatForm::Light => (vec![0; 4], vec![0; 4], 1.0),
         };

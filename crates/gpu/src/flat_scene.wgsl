@@ -1,5 +1,5 @@
 // Draws a scene of one flat BTF under point lights. Pasted behind `flat_btf/decoder.wgsl`, the look-ups `sampled_views` and
-// `sampled_lights` of sampled directions, and `view.wgsl`; the CPU twin is `render/flat` with `surface_point.rs`.
+// `sampled_lights` of sampled directions, and `view.wgsl`; the CPU twin is `render/flat` with `shading_point.rs`.
 
 struct FlatMaterial {
     repeat: u32,        // tiles per unit of uv

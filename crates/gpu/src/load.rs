@@ -1,12 +1,11 @@
 //! Scenes on the device: buffers, textures and bind groups of what `view.wgsl` declares, and what all uploads share.
 
 use super::device::{Gpu, GpuError};
-use super::raster::Rasteriser;
 use brdfc_render::scene::{Camera, Part, Scene};
 use wgpu::util::{DeviceExt, TextureDataOrder};
 use wgpu::{
-    BindGroup, BindGroupDescriptor, BindGroupEntry, BufferUsages, Extent3d, TextureDescriptor, TextureDimension,
-    TextureFormat, TextureUsages,
+    BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BufferUsages, Extent3d, TextureDescriptor,
+    TextureDimension, TextureFormat, TextureUsages,
 };
 
 /// 32-bit words of a vertex: position, normal, tangent, uv.
@@ -33,67 +32,66 @@ pub(super) struct LoadedPart {
     pub(super) groups: Vec<BindGroup>,
 }
 
-impl Rasteriser<'_> {
-    /// Uploads a scene; `groups` are the bind groups from 1 on of each part, `settings` the words `level` and
-    /// `hardware` of the shader's `View`.
-    ///
-    /// # Errors
-    /// What the driver reports.
-    pub(super) fn load(
-        &self,
-        scene: &Scene,
-        groups: Vec<Vec<BindGroup>>,
-        settings: [u32; 2],
-    ) -> Result<LoadedScene, GpuError> {
-        let view = self.gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size: 4 * VIEW_WORDS as u64,
-            usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        let mut words: Vec<f32> = Vec::new();
-        for light in &scene.lights {
-            words.extend(light.position.map(|c| c as f32));
-            words.push(0.0);
-            words.extend(light.intensity.map(|c| c as f32));
-            words.push(0.0);
-        }
-        words.resize(words.len().max(8), 0.0);
-        let lights = self.gpu.buffer(bytemuck::cast_slice(&words), BufferUsages::STORAGE);
-        let view_group = self.gpu.device.create_bind_group(&BindGroupDescriptor {
-            label: None,
-            layout: &self.view_layout,
-            entries: &[
-                BindGroupEntry { binding: 0, resource: view.as_entire_binding() },
-                BindGroupEntry { binding: 1, resource: lights.as_entire_binding() },
-            ],
-        });
-        let parts = scene.parts.iter().zip(groups).map(|(part, groups)| self.part(part, groups)).collect();
-        self.gpu.check()?;
-        Ok(LoadedScene {
-            view,
-            view_group,
-            parts,
-            background: scene.background,
-            lights: scene.lights.len() as u32,
-            settings,
-        })
+/// Uploads a scene, with bind group 0 of this layout; `groups` are the bind groups from 1 on of each part, `settings` the words `level` and
+/// `hardware` of the shader's `View`.
+///
+/// # Errors
+/// What the driver reports.
+pub(super) fn load(
+    gpu: &Gpu,
+    view_layout: &BindGroupLayout,
+    scene: &Scene,
+    groups: Vec<Vec<BindGroup>>,
+    settings: [u32; 2],
+) -> Result<LoadedScene, GpuError> {
+    let view = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: 4 * VIEW_WORDS as u64,
+        usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    let mut words: Vec<f32> = Vec::new();
+    for light in &scene.lights {
+        words.extend(light.position.map(|c| c as f32));
+        words.push(0.0);
+        words.extend(light.intensity.map(|c| c as f32));
+        words.push(0.0);
     }
+    words.resize(words.len().max(8), 0.0);
+    let lights = gpu.buffer(bytemuck::cast_slice(&words), BufferUsages::STORAGE);
+    let view_group = gpu.device.create_bind_group(&BindGroupDescriptor {
+        label: None,
+        layout: view_layout,
+        entries: &[
+            BindGroupEntry { binding: 0, resource: view.as_entire_binding() },
+            BindGroupEntry { binding: 1, resource: lights.as_entire_binding() },
+        ],
+    });
+    let parts = scene.parts.iter().zip(groups).map(|(part, groups)| load_part(gpu, part, groups)).collect();
+    gpu.check()?;
+    Ok(LoadedScene {
+        view,
+        view_group,
+        parts,
+        background: scene.background,
+        lights: scene.lights.len() as u32,
+        settings,
+    })
+}
 
-    fn part(&self, part: &Part, groups: Vec<BindGroup>) -> LoadedPart {
-        let mut words: Vec<f32> = Vec::with_capacity(VERTEX_WORDS * part.mesh.vertices.len());
-        for vertex in &part.mesh.vertices {
-            words.extend(vertex.position);
-            words.extend(vertex.normal);
-            words.extend(vertex.tangent);
-            words.extend(vertex.uv);
-        }
-        LoadedPart {
-            vertices: self.gpu.buffer(bytemuck::cast_slice(&words), BufferUsages::VERTEX),
-            indices: self.gpu.buffer(bytemuck::cast_slice(&part.mesh.triangles), BufferUsages::INDEX),
-            count: 3 * part.mesh.triangles.len() as u32,
-            groups,
-        }
+fn load_part(gpu: &Gpu, part: &Part, groups: Vec<BindGroup>) -> LoadedPart {
+    let mut words: Vec<f32> = Vec::with_capacity(VERTEX_WORDS * part.mesh.vertices.len());
+    for vertex in &part.mesh.vertices {
+        words.extend(vertex.position);
+        words.extend(vertex.normal);
+        words.extend(vertex.tangent);
+        words.extend(vertex.uv);
+    }
+    LoadedPart {
+        vertices: gpu.buffer(bytemuck::cast_slice(&words), BufferUsages::VERTEX),
+        indices: gpu.buffer(bytemuck::cast_slice(&part.mesh.triangles), BufferUsages::INDEX),
+        count: 3 * part.mesh.triangles.len() as u32,
+        groups,
     }
 }
 

@@ -1,16 +1,16 @@
 //! The rasteriser: scenes into linear images of 32-bit floats, whatever their materials.
 
 use super::device::{Gpu, GpuError};
-use super::load::{LoadedScene, VERTEX_WORDS, view_words};
+use super::load::{LoadedScene, VERTEX_WORDS, load, view_words};
 use brdfc_metrics::image::LinearImage;
-use brdfc_render::scene::{Camera, Frame};
+use brdfc_render::scene::{Camera, Frame, Scene};
 use std::borrow::Cow;
 use wgpu::{
-    BindGroupLayout, BindGroupLayoutDescriptor, BindGroupLayoutEntry, BindingType, BufferBindingType, CompareFunction,
-    DepthStencilState, Extent3d, FragmentState, LoadOp, Operations, PipelineLayoutDescriptor, PrimitiveState,
-    RenderPassColorAttachment, RenderPassDepthStencilAttachment, RenderPassDescriptor, RenderPipelineDescriptor,
-    ShaderModuleDescriptor, ShaderSource, ShaderStages, StoreOp, TextureDescriptor, TextureDimension, TextureFormat,
-    TextureUsages, VertexBufferLayout, VertexState, VertexStepMode, vertex_attr_array,
+    BindGroup, BindGroupLayout, BindGroupLayoutDescriptor, BindGroupLayoutEntry, BindingType, BufferBindingType,
+    CompareFunction, DepthStencilState, Extent3d, FragmentState, LoadOp, Operations, PipelineLayoutDescriptor,
+    PrimitiveState, RenderPassColorAttachment, RenderPassDepthStencilAttachment, RenderPassDescriptor,
+    RenderPipelineDescriptor, ShaderModuleDescriptor, ShaderSource, ShaderStages, StoreOp, TextureDescriptor,
+    TextureDimension, TextureFormat, TextureUsages, VertexBufferLayout, VertexState, VertexStepMode, vertex_attr_array,
 };
 
 /// What the shaders of scenes have in common: camera, lights, corners, `project`. Bind group 0.
@@ -133,6 +133,20 @@ impl<'g> Rasteriser<'g> {
         let passes = passes.collect();
         gpu.check()?;
         Ok(Self { gpu, passes, view_layout })
+    }
+
+    /// Uploads a scene; `groups` are the bind groups from 1 on of each part, `settings` the words `level` and
+    /// `hardware` of the shader's `View`.
+    ///
+    /// # Errors
+    /// What the driver reports.
+    pub(super) fn load(
+        &self,
+        scene: &Scene,
+        groups: Vec<Vec<BindGroup>>,
+        settings: [u32; 2],
+    ) -> Result<LoadedScene, GpuError> {
+        load(self.gpu, &self.view_layout, scene, groups, settings)
     }
 
     /// Colour and depth of `width` x `height` pixels.

@@ -1,5 +1,5 @@
 // What a surface has besides its BRDF, and its local frame. Pasted behind `view.wgsl` and `periodic.wgsl`; the CPU twin is
-// `render/surface_point.rs` with `environment.rs`.
+// `render/shading_point.rs` with `environment.rs`.
 
 struct Surface {
     mirror: f32,      // reflectance of the mirrored environment at normal incidence

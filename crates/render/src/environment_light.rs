@@ -3,10 +3,10 @@
 
 use super::environment_sampler::{EnvironmentSampler, FramedEnvironmentSampler};
 use super::lobe_sampler::{BalancedSampler, LobeSampler, shift_of};
-use super::sampled::sampled;
+use super::sample_means::sample_means;
 use super::scene::{Environment, Frame, Scene};
 use super::shade::Reflectance;
-use super::surface_point::SurfacePoint;
+use super::shading_point::ShadingPoint;
 use super::trace::Hits;
 use brdfc_formats::direction::{DirectionPair, Vector};
 use brdfc_metrics::image::LinearImage;
@@ -32,7 +32,7 @@ pub struct Estimate {
 
 /// `L(ω) f_r(ω, ω_o) cos θ` for a direction of the local frame; 0 at the horizon and below.
 pub fn integrand(
-    point: &SurfacePoint,
+    point: &ShadingPoint,
     environment: &Environment,
     material: &dyn Reflectance,
     incoming: Vector,
@@ -49,7 +49,7 @@ pub fn integrand(
 ///
 /// The sampler must reach every direction that reflects light.
 pub fn reflected(
-    point: &SurfacePoint,
+    point: &ShadingPoint,
     environment: &Environment,
     material: &dyn Reflectance,
     sampler: &dyn LobeSampler,
@@ -79,7 +79,7 @@ pub fn reflected(
 /// [`reflected`] with twice as many samples again and again, from 256 on, until the error of no channel is above
 /// `tolerance` (radiance), or there are `most`.
 pub fn converged(
-    point: &SurfacePoint,
+    point: &ShadingPoint,
     environment: &Environment,
     material: &dyn Reflectance,
     sampler: &dyn LobeSampler,
@@ -100,7 +100,7 @@ pub fn converged(
 /// The integral as a sum over all texels, each divided into `per_side²` equal solid angles: slow, and independent of
 /// samplers. Its error falls with the square of `per_side` where lobe and environment are smooth.
 pub fn quadrature(
-    point: &SurfacePoint,
+    point: &ShadingPoint,
     environment: &Environment,
     material: &dyn Reflectance,
     per_side: usize,
@@ -152,10 +152,10 @@ pub fn shade_by_environment(
     assert_eq!(hits.0.len(), frame.width * frame.height * each, "hits of this frame");
     assert!(materials.len().min(lobes.len()) >= scene.parts.len(), "one material and lobe for each part");
     let light = EnvironmentSampler::new(&scene.environment);
-    sampled(scene, frame, |pixel, sample| {
+    sample_means(scene, frame, |pixel, sample| {
         let hit = hits.0[pixel * each + sample].as_ref()?;
         let part = hit.part as usize;
-        let point = SurfacePoint::new(&scene.parts[part], hit, scene.camera.eye);
+        let point = ShadingPoint::new(&scene.parts[part], hit, scene.camera.eye);
         let framed =
             FramedEnvironmentSampler { environment: &light, point: &point, shift: shift_of(pixel * each + sample) };
         let both = BalancedSampler { first: lobes[part], second: &framed };

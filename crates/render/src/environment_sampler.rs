@@ -2,7 +2,7 @@
 
 use super::lobe_sampler::{LobeSampler, low_discrepancy};
 use super::scene::Environment;
-use super::surface_point::SurfacePoint;
+use super::shading_point::ShadingPoint;
 use brdfc_formats::direction::Vector;
 use brdfc_metrics::image::luminance;
 use rayon::prelude::*;
@@ -76,8 +76,12 @@ impl EnvironmentSampler {
         let mix = |a: f64, b: f64, share: f64| a + share * (b - a);
         let across = |row: usize| mix(self.weights[row + column(0.0)], self.weights[row + column(1.0)], s - s.floor());
         let weight = mix(across(row(0.0)), across(row(1.0)), t - t.floor());
-        let texel = (PI * y / self.height as f64).sin() * (PI / self.height as f64) * (TAU / self.width as f64);
-        weight / texel
+        weight / self.jacobian(y)
+    }
+
+    /// Steradians per texel at a place in texels from the top: `sin θ` times the angles that a texel spans.
+    fn jacobian(&self, y: f64) -> f64 {
+        (PI * y / self.height as f64).sin() * (PI / self.height as f64) * (TAU / self.width as f64)
     }
 }
 
@@ -115,7 +119,7 @@ pub struct FramedEnvironmentSampler<'a> {
     /// In world space.
     pub environment: &'a EnvironmentSampler,
     /// Whose frame.
-    pub point: &'a SurfacePoint,
+    pub point: &'a ShadingPoint,
     /// Moves the sequence, see [`low_discrepancy`].
     pub shift: [f64; 2],
 }
@@ -127,7 +131,7 @@ impl LobeSampler for FramedEnvironmentSampler<'_> {
         (self.point.local(direction), if density > 0.0 { 1.0 / density } else { 0.0 })
     }
 
-    fn pdf(&self, _: Vector, incoming: Vector) -> f64 {
+    fn density(&self, _: Vector, incoming: Vector) -> f64 {
         self.environment.density(self.point.world(incoming))
     }
 }

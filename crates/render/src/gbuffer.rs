@@ -1,7 +1,7 @@
 //! What an image sees, ahead of shading: a G-buffer on the CPU.
 
 use super::scene::{Frame, Scene};
-use super::surface_point::SurfacePoint;
+use super::shading_point::ShadingPoint;
 use super::trace::{Hits, trace};
 use super::vector::{cross, double};
 use brdfc_formats::direction::{Vector, dot, normalize};
@@ -28,7 +28,7 @@ pub struct GBuffer {
     pub across: Vec<[f32; 2]>,
     /// Unit vectors to the viewer.
     pub to_viewer: Vec<[f32; 3]>,
-    /// Coordinates of textures, as those of [`SurfacePoint`].
+    /// Coordinates of textures, as those of [`ShadingPoint`].
     pub uv: Vec<[f32; 2]>,
     /// How far away the viewer is.
     pub distance: Vec<f32>,
@@ -60,7 +60,7 @@ impl LocalFrame {
 }
 
 /// Where the normal points in the image.
-fn across(point: &SurfacePoint, [right, up]: [Vector; 2]) -> [f32; 2] {
+fn across(point: &ShadingPoint, [right, up]: [Vector; 2]) -> [f32; 2] {
     let (x, y) = (dot(point.normal, right), -dot(point.normal, up));
     let length = x.hypot(y);
     if length > 1e-9 { [(x / length) as f32, (y / length) as f32] } else { [1.0, 0.0] }
@@ -85,12 +85,12 @@ impl GBuffer {
             let (x, y) = (index % width, index / width);
             let pixel = y / samples * frame.width + x / samples;
             let hit = hits.0[pixel * each + y % samples * samples + x % samples]?;
-            Some((hit.part, SurfacePoint::new(&scene.parts[hit.part as usize], &hit, scene.camera.eye)))
+            Some((hit.part, ShadingPoint::new(&scene.parts[hit.part as usize], &hit, scene.camera.eye)))
         };
-        let points: Vec<Option<(u32, SurfacePoint)>> = (0..width * height).into_par_iter().map(point).collect();
+        let points: Vec<Option<(u32, ShadingPoint)>> = (0..width * height).into_par_iter().map(point).collect();
         let (right, up, _) = scene.camera.basis();
         let basis = [right, up];
-        let vectors = |of: fn(&SurfacePoint) -> Vector| -> Vec<[f32; 3]> {
+        let vectors = |of: fn(&ShadingPoint) -> Vector| -> Vec<[f32; 3]> {
             points.iter().map(|point| point.map_or([0.0; 3], |(_, point)| of(&point).map(|c| c as f32))).collect()
         };
         Self {
@@ -122,12 +122,12 @@ impl GBuffer {
     }
 
     /// The point that a pixel shows, in double precision with an orthonormal frame; `None` is the background.
-    pub fn surface_point(&self, pixel: usize) -> Option<SurfacePoint> {
+    pub fn shading_point(&self, pixel: usize) -> Option<ShadingPoint> {
         self.part_at(pixel)?;
         let unit = |v: [f32; 3]| normalize(double(v));
         let (normal, to_viewer) = (unit(self.normal[pixel]), unit(self.to_viewer[pixel]));
         let bitangent = normalize(cross(normal, double(self.tangent[pixel])));
-        let mut point = SurfacePoint {
+        let mut point = ShadingPoint {
             position: double(self.position[pixel]),
             tangent: cross(bitangent, normal),
             bitangent,
@@ -158,12 +158,12 @@ mod tests {
         let mut parts = [0; 4];
         for (pixel, hit) in hits.0.iter().enumerate() {
             let Some(hit) = hit else {
-                assert!(buffer.part[pixel] == BACKGROUND && buffer.surface_point(pixel).is_none());
+                assert!(buffer.part[pixel] == BACKGROUND && buffer.shading_point(pixel).is_none());
                 continue;
             };
             parts[buffer.part_at(pixel).unwrap()] += 1;
-            let expected = SurfacePoint::new(&scene.parts[hit.part as usize], hit, scene.camera.eye);
-            let found = buffer.surface_point(pixel).unwrap();
+            let expected = ShadingPoint::new(&scene.parts[hit.part as usize], hit, scene.camera.eye);
+            let found = buffer.shading_point(pixel).unwrap();
             let near = |a: Vector, b: Vector| (0..3).all(|k| (a[k] - b[k]).abs() < 1e-6);
             assert!(near(found.position, expected.position) && near(found.normal, expected.normal));
             assert!(near(found.tangent, expected.tangent) && near(found.bitangent, expected.bitangent));

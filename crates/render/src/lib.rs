@@ -10,11 +10,11 @@ pub mod flat;
 pub mod gbuffer;
 pub mod lobe_sampler;
 pub mod picture;
-mod sampled;
+mod sample_means;
 pub mod scene;
 pub mod scenes;
 pub mod shade;
-pub mod surface_point;
+pub mod shading_point;
 #[cfg(test)]
 mod testing;
 pub mod trace;

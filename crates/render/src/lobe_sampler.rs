@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 
 /// Incoming directions for an outgoing one, more where they matter more.
 ///
-/// The mean of `g(incoming) / pdf` over indices from 0 on is the integral of `g` over the directions that the sampler
+/// The mean of `g(incoming) / density` over indices from 0 on is the integral of `g` over the directions that the sampler
 /// reaches, in solid angle. Directions are unit vectors in the local frame, and may lie below the horizon.
 pub trait LobeSampler: Sync {
     /// The direction of an index, and the inverse of its density, sr; 0 for an index without a direction, which still
@@ -13,7 +13,7 @@ pub trait LobeSampler: Sync {
     fn sample(&self, outgoing: Vector, index: usize) -> (Vector, f64);
 
     /// Density of an incoming direction, 1/sr; 0 where no sample goes.
-    fn pdf(&self, outgoing: Vector, incoming: Vector) -> f64;
+    fn density(&self, outgoing: Vector, incoming: Vector) -> f64;
 }
 
 /// Hemisphere directions as dense as their cosine, for matte surfaces.
@@ -28,10 +28,10 @@ impl LobeSampler for CosineSampler {
         let [u, v] = low_discrepancy(index, self.shift);
         let (sine, phi) = (u.sqrt(), TAU * v);
         let incoming = [sine * phi.cos(), sine * phi.sin(), (1.0 - u).sqrt()];
-        (incoming, 1.0 / self.pdf(outgoing, incoming))
+        (incoming, 1.0 / self.density(outgoing, incoming))
     }
 
-    fn pdf(&self, _: Vector, incoming: Vector) -> f64 {
+    fn density(&self, _: Vector, incoming: Vector) -> f64 {
         incoming[2].max(0.0) / PI
     }
 }
@@ -50,12 +50,12 @@ impl LobeSampler for BalancedSampler<'_> {
     fn sample(&self, outgoing: Vector, index: usize) -> (Vector, f64) {
         let of = if index.is_multiple_of(2) { self.first } else { self.second };
         let (incoming, inverse) = of.sample(outgoing, index / 2);
-        let density = self.pdf(outgoing, incoming);
+        let density = self.density(outgoing, incoming);
         (incoming, if inverse > 0.0 && density > 0.0 { 1.0 / density } else { 0.0 })
     }
 
-    fn pdf(&self, outgoing: Vector, incoming: Vector) -> f64 {
-        0.5 * (self.first.pdf(outgoing, incoming) + self.second.pdf(outgoing, incoming))
+    fn density(&self, outgoing: Vector, incoming: Vector) -> f64 {
+        0.5 * (self.first.density(outgoing, incoming) + self.second.density(outgoing, incoming))
     }
 }
 
@@ -94,7 +94,7 @@ mod tests {
             ([sine * phi.cos(), sine * phi.sin(), z], 4.0 * PI)
         }
 
-        fn pdf(&self, _: Vector, _: Vector) -> f64 {
+        fn density(&self, _: Vector, _: Vector) -> f64 {
             0.25 / PI
         }
     }
@@ -133,7 +133,7 @@ mod tests {
             fn sample(&self, outgoing: Vector, index: usize) -> (Vector, f64) {
                 (CosineSampler::default().sample(outgoing, index).0, TAU)
             }
-            fn pdf(&self, _: Vector, _: Vector) -> f64 {
+            fn density(&self, _: Vector, _: Vector) -> f64 {
                 1.0 / TAU
             }
         }
@@ -148,9 +148,9 @@ mod tests {
         for sampler in samplers {
             for index in 0..200 {
                 let (incoming, inverse) = sampler.sample(OUTGOING, index);
-                assert!((inverse * sampler.pdf(OUTGOING, incoming) - 1.0).abs() < 1e-12);
+                assert!((inverse * sampler.density(OUTGOING, incoming) - 1.0).abs() < 1e-12);
             }
         }
-        assert_eq!(cosine.pdf(OUTGOING, [0.0, 0.6, -0.8]), 0.0);
+        assert_eq!(cosine.density(OUTGOING, [0.0, 0.6, -0.8]), 0.0);
     }
 }

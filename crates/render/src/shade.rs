@@ -1,8 +1,8 @@
 //! Shading on the CPU: the reference that the shader's images are compared with. `scene.wgsl` does the same steps.
 
-use super::sampled::sampled;
+use super::sample_means::sample_means;
 use super::scene::{Frame, PointLight, Scene, Surface};
-use super::surface_point::SurfacePoint;
+use super::shading_point::ShadingPoint;
 use super::trace::Hits;
 use super::vector::{add_scaled, subtract};
 use brdfc_formats::direction::{DirectionPair, Vector, dot};
@@ -32,16 +32,16 @@ pub fn shade(scene: &Scene, frame: Frame, hits: &Hits, materials: &[&dyn Reflect
     let samples = frame.samples_per_pixel();
     assert_eq!(hits.0.len(), frame.width * frame.height * samples, "hits of this frame");
     assert!(materials.len() >= scene.parts.len(), "one material for each part");
-    sampled(scene, frame, |pixel, sample| {
+    sample_means(scene, frame, |pixel, sample| {
         let hit = hits.0[pixel * samples + sample].as_ref()?;
         let part = hit.part as usize;
-        let point = SurfacePoint::new(&scene.parts[part], hit, scene.camera.eye);
+        let point = ShadingPoint::new(&scene.parts[part], hit, scene.camera.eye);
         Some(reflected(scene, &scene.parts[part].surface, &point, materials[part]))
     })
 }
 
 /// Radiance towards the viewer: lights, and a share of the mirrored environment.
-fn reflected(scene: &Scene, surface: &Surface, point: &SurfacePoint, material: &dyn Reflectance) -> Vector {
+fn reflected(scene: &Scene, surface: &Surface, point: &ShadingPoint, material: &dyn Reflectance) -> Vector {
     let mut radiance = [0.0; 3];
     for light in &scene.lights {
         let added = from_light(light, point, material);
@@ -59,7 +59,7 @@ fn reflected(scene: &Scene, surface: &Surface, point: &SurfacePoint, material: &
 }
 
 /// One term of equation 1 of Claustres et al. 2007: `f_r I cos θi / |x - x_light|²`.
-fn from_light(light: &PointLight, point: &SurfacePoint, material: &dyn Reflectance) -> Vector {
+fn from_light(light: &PointLight, point: &ShadingPoint, material: &dyn Reflectance) -> Vector {
     let to_light = subtract(light.position, point.position);
     let distance_squared = dot(to_light, to_light);
     let incoming = point.local(to_light.map(|c| c / distance_squared.sqrt()));
@@ -72,7 +72,7 @@ fn from_light(light: &PointLight, point: &SurfacePoint, material: &dyn Reflectan
 }
 
 /// The direction that a mirror shows.
-fn mirrored(point: &SurfacePoint) -> Vector {
+fn mirrored(point: &ShadingPoint) -> Vector {
     let twice = 2.0 * dot(point.normal, point.to_viewer);
     add_scaled(point.to_viewer.map(|c| -c), twice, point.normal)
 }

@@ -5,6 +5,7 @@ pub mod analytic;
 pub mod btf_stack;
 mod error;
 pub mod flat_btf;
+mod format;
 mod merl;
 pub mod meso;
 pub mod open;
@@ -18,6 +19,7 @@ pub mod simulate;
 mod symmetry;
 mod tally;
 pub mod tile_image;
+pub mod words;
 
 pub use error::InputError;
 pub use merl::MerlSource;

@@ -1,7 +1,7 @@
 //! MERL tables as a source.
 
 use super::error::InputError;
-use super::open::{Facts, Format, InputFile, Opened};
+use super::format::{Facts, Format, InputFile, Opened};
 use super::{Source, Symmetry, Tally};
 use brdfc_formats::direction::{DirectionPair, dot, half_vector};
 use brdfc_formats::measured::merl::{Merl, MerlError};
@@ -244,8 +244,8 @@ mod tests {
         let s = source(n, |[_, d, _]| (d < limit - 1e-9).then_some([3.0; 3]));
         let mut tally = Tally::default();
         assert!((s.eval(pair_at([0.2, 0.1, 0.5]), &mut tally)[2] - 3.0).abs() < 1e-6);
-        let mended = s.eval(pair_at([0.2, limit - 0.1, 0.5]), &mut tally);
-        assert!((mended[0] - 3.0).abs() < 1e-6, "zeros or -1 must not leak in: {mended:?}");
+        let repaired = s.eval(pair_at([0.2, limit - 0.1, 0.5]), &mut tally);
+        assert!((repaired[0] - 3.0).abs() < 1e-6, "zeros or -1 must not leak in: {repaired:?}");
         let far = s.eval(pair_at([0.0, 1.3, 0.5]), &mut tally);
         assert!((far[0] - 3.0).abs() < 1e-6);
         assert_eq!((tally.partly_invalid, tally.nearest_valid), (1, 1));

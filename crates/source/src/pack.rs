@@ -1,7 +1,7 @@
 //! Packs as sources: what an engine would see.
 
 use super::error::InputError;
-use super::open::{Facts, Format, InputFile, Opened};
+use super::format::{Facts, Format, InputFile, Opened};
 use super::read::{MAX_FILE_BYTES, read_file};
 use super::{Source, Symmetry, Tally};
 use brdfc_formats::direction::DirectionPair;

@@ -11,7 +11,7 @@ use brdfc_formats::direction::{DirectionPair, Vector, half_vector};
 use brdfc_formats::measured::rgl::{Azimuths, Colour, Map, Rgl};
 
 use super::error::InputError;
-use super::open::{Facts, Format, InputFile, Opened};
+use super::format::{Facts, Format, InputFile, Opened};
 use super::{Source, Symmetry, Tally};
 use warp::{Cell, Incidence, VisibleNormals};
 

@@ -5,7 +5,7 @@ use brdfc_gpu::{AdapterDescription, Decoding, Gpu, GpuError, LoadedScene, Render
 use brdfc_metrics::image::{LinearImage, auto_exposure, luminance};
 use brdfc_render::scene::{Camera, Frame, Scene};
 use brdfc_render::scenes::Builtin;
-use brdfc_render::surface_point::SurfacePoint;
+use brdfc_render::shading_point::ShadingPoint;
 use brdfc_render::trace::{Hit, trace};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -187,7 +187,7 @@ fn display_luminance(pixel: [f32; 3], exposure: f64) -> f64 {
 /// Whether a pixel of the first frame shows terrain that is [`FAR`] away.
 fn far_pixels(scene: &Scene) -> Vec<bool> {
     let is_far = |hit: &Option<Hit>| {
-        hit.as_ref().is_some_and(|hit| SurfacePoint::new(&scene.parts[0], hit, scene.camera.eye).distance >= FAR)
+        hit.as_ref().is_some_and(|hit| ShadingPoint::new(&scene.parts[0], hit, scene.camera.eye).distance >= FAR)
     };
     trace(scene, FRAME).0.iter().map(is_far).collect()
 }

@@ -70,7 +70,7 @@ impl Bandwidth {
     }
 
     /// `R`, equation 3: from the ray that arrives to the ray that leaves.
-    pub fn reflected(self, surface: Surface) -> Self {
+    pub fn reflected(self, surface: BandwidthSurface) -> Self {
         self.into_surface(surface.cos_incoming)
             .curvature(surface.curvature)
             .reflection(surface.lobe, surface.texture)
@@ -81,14 +81,14 @@ impl Bandwidth {
     /// Equation 4: from the light to the image plane, over one reflection. `light_distance` and `image_distance`, `d` and
     /// `d'`, are in metres. Of light from far away the spatial bandwidth is 0, so that its distance does not matter:
     /// give 0.
-    pub fn one_bounce(self, light_distance: f32, surface: Surface, image_distance: f32) -> Self {
+    pub fn one_bounce(self, light_distance: f32, surface: BandwidthSurface, image_distance: f32) -> Self {
         self.flight(light_distance).reflected(surface).flight(image_distance)
     }
 }
 
 /// What reflects a ray: the parameters of [`Bandwidth::reflected`].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Surface {
+pub struct BandwidthSurface {
     /// Cosine of the incoming direction to the normal, 0 to 1.
     pub cos_incoming: f32,
     /// Cosine of the outgoing direction to the normal, 0 to 1; see [`SMALLEST_COSINE`].
@@ -101,7 +101,7 @@ pub struct Surface {
     pub texture: f32,
 }
 
-impl Surface {
+impl BandwidthSurface {
     /// What the surface shows in light that does not vary: its albedo changes with the viewer's angle, [`ALBEDO`] or as fast as
     /// the lobe if that is less. From the surface to the image plane, as [`Bandwidth::one_bounce`]; not in the paper.
     pub fn albedo(self, image_distance: f32) -> Bandwidth {

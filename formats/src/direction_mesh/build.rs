@@ -1,9 +1,10 @@
 //! Triangles and segments, and which of them each cell of the grid has to try.
 
-use super::HEADER_WORDS;
 use crate::FormatError;
 use std::collections::BTreeSet;
 
+/// Words before the cells.
+pub(super) const HEADER_WORDS: usize = 4;
 /// Smallest distance of two directions; about twice that of their paraboloid coordinates at the normal.
 const SMALLEST_DISTANCE: f64 = 1e-4;
 /// Height over length below which a triangle is a line: a few times the rounding of f32 coordinates.

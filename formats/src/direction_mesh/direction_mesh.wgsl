@@ -1,6 +1,6 @@
 // Three samples of a direction set and their weights, for any direction.
 //
-// The words in the buffer are described in `direction_mesh.rs` of the crate `brdfc-formats`, whose
+// The words in the buffer are described in `direction_mesh/mod.rs` of the crate `brdfc-formats`, whose
 // `DirectionMesh::weights` does the same steps in the same order. `direction_mesh_wgsl` there puts names for the two
 // placeholders: the function, and the storage buffer that the shader declares for the words:
 //

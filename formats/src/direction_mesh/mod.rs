@@ -33,14 +33,12 @@ mod build;
 
 use crate::FormatError;
 use crate::direction_set::DirectionSet;
+use build::HEADER_WORDS;
 
 /// The look-up as WGSL, with the placeholders that [`direction_mesh_wgsl`] fills.
 const TEMPLATE: &str = include_str!("direction_mesh.wgsl");
 const FUNCTION: &str = "DIRECTION_MESH_FUNCTION";
 const BINDING: &str = "DIRECTION_MESH_BINDING";
-
-/// Words before the cells.
-const HEADER_WORDS: usize = 4;
 
 /// A triangulated set of directions.
 #[derive(Debug, Clone, PartialEq, Eq)]

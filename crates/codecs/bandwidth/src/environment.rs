@@ -32,7 +32,7 @@ const LEAST: [usize; 2] = [4, 2];
 /// # Panics
 /// When the number of pixels is no multiple of `width`, or there are none.
 pub fn environment_bandwidth(pixels: &[[f32; 3]], width: usize, epsilon: f64) -> BandwidthImage {
-    map_by(pixels, width, epsilon, on_sphere, f32::max)
+    map_by(pixels, width, epsilon, jacobian, f32::max)
 }
 
 /// Square roots of radiance, about what a display shows; negative values become 0.
@@ -88,8 +88,9 @@ fn map_by(
     map
 }
 
-/// `|J^T k|` at the angle `theta` to the nearer pole, of frequencies in cycles per radian of azimuth and of elevation.
-fn on_sphere(theta: f32, [u, v]: [f32; 2]) -> f32 {
+/// `|J^T k|`, cycles per radian on the sphere, at the angle `theta` to the nearer pole, of frequencies `k` in cycles per
+/// radian of azimuth and of elevation. `1 / sin θ` is taken a wavelength off the pole.
+fn jacobian(theta: f32, [u, v]: [f32; 2]) -> f32 {
     // A wavelength along the azimuth is 1 / u.
     let around = if u > 0.0 { u / (theta + 1.0 / u).min(FRAC_PI_2).sin() } else { 0.0 };
     let around = around.max(v * (1.0 - theta * v).max(0.0));
@@ -148,7 +149,7 @@ mod tests {
     #[test]
     fn a_spot_has_its_bandwidth_anywhere() {
         for sharpness in [50.0, 200.0] {
-            let found = spots(sharpness, on_sphere);
+            let found = spots(sharpness, jacobian);
             let peaks: Vec<f32> = found.iter().map(|(peak, _)| *peak).collect();
             assert!(spread(&peaks) < 1.65, "{sharpness}: {peaks:?}");
             assert!(found.iter().all(|(peak, centre)| centre / peak > 0.8), "{found:?}");
@@ -213,9 +214,9 @@ mod tests {
     #[test]
     fn the_jacobian_at_the_pole_itself_is_wrong() {
         let (u, theta) = (2.0, 0.01f32);
-        assert!(on_sphere(theta, [u, 0.0]) < 5.0 && u / theta.sin() > 100.0);
-        assert!((on_sphere(FRAC_PI_2, [u, 0.0]) - u).abs() < 1e-6);
-        assert!((on_sphere(1.0, [20.0, 5.0]) - (20.0 / 1.05f32.sin()).hypot(5.0)).abs() < 1e-5);
+        assert!(jacobian(theta, [u, 0.0]) < 5.0 && u / theta.sin() > 100.0);
+        assert!((jacobian(FRAC_PI_2, [u, 0.0]) - u).abs() < 1e-6);
+        assert!((jacobian(1.0, [20.0, 5.0]) - (20.0 / 1.05f32.sin()).hypot(5.0)).abs() < 1e-5);
     }
 
     /// Stripes in a dim room beside a bright window; the negative control takes radiance as it is.

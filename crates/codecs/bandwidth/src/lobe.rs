@@ -102,8 +102,8 @@ fn incoming([i, j]: [usize; 2]) -> Vector {
     from_polar((j as f64 + 0.5) * FRAC_PI_2 / CELLS as f64, (i as f64 + 0.5) * TAU / CELLS as f64)
 }
 
-/// Largest stretch of the map, in images per radian, at an angle to the normal.
-fn stretch(theta: f64) -> f64 {
+/// `σ_max(J)`: largest stretch of the map, in images per radian, at an angle to the normal.
+fn jacobian_norm(theta: f64) -> f64 {
     if theta < 1e-6 { 1.0 / PI } else { theta / (PI * theta.sin()) }
 }
 
@@ -216,7 +216,7 @@ impl LobeImage {
             return false;
         };
         let bright = inside().filter(|number| lobe[*number] >= 0.5 * lobe[peak]).count();
-        bright < HIGHLIGHT && f64::from(bandwidth[peak]) >= 0.25 * self.side as f64 * stretch(self.theta[peak])
+        bright < HIGHLIGHT && f64::from(bandwidth[peak]) >= 0.25 * self.side as f64 * jacobian_norm(self.theta[peak])
     }
 
     /// The images of a lobe, one per channel. With `halves`, the side below the plane of incidence mirrors the other.
@@ -262,7 +262,7 @@ impl LobeImage {
         let found = frequencies(lobe, [self.side; 2], self.side, Border::Bounded, epsilon);
         let at = |number: usize| (number / self.side / 2) * found.width + number % self.side / 2;
         let cycles = |number: usize| found.u[at(number)].hypot(found.v[at(number)]) * self.side as f32;
-        (0..lobe.len()).map(|number| cycles(number) * stretch(self.theta[number].min(FRAC_PI_2)) as f32).collect()
+        (0..lobe.len()).map(|number| cycles(number) * jacobian_norm(self.theta[number].min(FRAC_PI_2)) as f32).collect()
     }
 }
 

@@ -4,23 +4,10 @@
 //! tile it crosses, with its origin moved into the tile: coordinates stay near 1, where single precision is fine enough.
 
 use super::mesh::PeriodicMesh;
-use super::surface::SurfacePoint;
+use super::surface::{Hit, SurfacePoint};
 use super::triangle_tree::{Segment, TriangleTree};
-use brdfc_formats::direction::{Vector, add_scaled, cross, dot, normalize, subtract};
+use brdfc_formats::direction::{Vector, add_scaled, dot};
 use glam::Vec3A;
-
-/// Where a ray meets the surface.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hit {
-    /// Index of the triangle in the mesh.
-    pub triangle: u32,
-    /// The repetition of the tile that the triangle is hit in.
-    pub tile: [i32; 2],
-    /// Weights of the second and third corner.
-    pub barycentric: [f32; 2],
-    /// Distance from the origin, in tiles.
-    pub distance: f64,
-}
 
 /// A mesh made ready for rays.
 pub struct PeriodicCaster {
@@ -32,8 +19,6 @@ pub struct PeriodicCaster {
 
 /// How far into the next tile a ray is followed, so that none slips through between two tiles. In tiles.
 const OVERLAP: f64 = 1e-6;
-/// Rays that leave a surface start this far off it, in tiles: what single precision needs on tiles of 1.
-pub const LIFT: f64 = 1e-5;
 /// Most tiles that a ray crosses. Rays of [`STEEPEST_DEGREES`] over a relief of [`super::weld::TALLEST`] cross fewer.
 const MOST_TILES: usize = 4096;
 /// Largest polar angle of views and lights, degrees.
@@ -161,11 +146,6 @@ impl PeriodicCaster {
 
 fn single(v: Vector) -> Vec3A {
     Vec3A::from_array(v.map(|c| c as f32))
-}
-
-/// Unit normal of a triangle, on the side from which its corners go counter-clockwise.
-pub fn geometric_normal(corners: [Vector; 3]) -> Vector {
-    normalize(cross(subtract(corners[1], corners[0]), subtract(corners[2], corners[0])))
 }
 
 #[cfg(test)]

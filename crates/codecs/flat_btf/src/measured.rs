@@ -1,6 +1,6 @@
 //! Flat BTFs from measured images: an ordinary BTF, and a surface that explains its parallax.
 
-use super::flatten::LightField;
+use super::light_field::LightField;
 use super::texels::TexelMap;
 use super::tile_image::TileImage;
 use brdfc_formats::direction::Vector;
@@ -58,7 +58,7 @@ impl<I: ViewImages> LightField for MeasuredField<'_, I> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::flatten::{ComputedField, FlatView, Holes, visible};
+    use crate::light_field::{ComputedField, FlattenedView, Holes, visible};
     use crate::model::MesoModel;
     use crate::rebuild::ViewImage;
     use crate::surface::Appearance;
@@ -94,11 +94,11 @@ mod tests {
         let [mask, lit] = directions.map(|direction| visible(&texels, &model.caster, direction));
         let both = [mask.clone(), lit];
         let computed = ComputedField::new(&texels, &appearance, &directions, &directions, &both);
-        let Ok(truth) = FlatView::new(&computed, 0, &mask, Holes::PushPull).unwrap().image(1);
+        let Ok(truth) = FlattenedView::new(&computed, 0, &mask, Holes::PushPull).unwrap().image(1);
         let images = Rendered { model: &model, appearance: &appearance, directions: &directions, size: 256 };
         let error = |views: [Vector; 2]| {
             let measured = MeasuredField { images: &images, texels: &texels, views: &views };
-            let Ok(found) = FlatView::new(&measured, 0, &mask, Holes::PushPull).unwrap().image(1);
+            let Ok(found) = FlattenedView::new(&measured, 0, &mask, Holes::PushPull).unwrap().image(1);
             let off = |t: usize| f64::from((found[t][0] - truth[t][0]).abs());
             (0..64 * 64).filter(|t| mask[*t]).map(off).sum::<f64>() / (64.0 * 64.0)
         };

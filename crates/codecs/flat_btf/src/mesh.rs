@@ -147,6 +147,19 @@ impl PeriodicMesh {
     }
 }
 
+/// Parameters of the corners of a triangle.
+pub fn corner_coordinates(mesh: &PeriodicMesh, coordinates: &[[f64; 2]], triangle: usize) -> [[f64; 2]; 3] {
+    mesh.triangles[triangle].map(|corner| {
+        let c = coordinates[corner.vertex as usize];
+        [c[0] + f64::from(corner.tile[0]), c[1] + f64::from(corner.tile[1])]
+    })
+}
+
+/// Twice the signed area of a triangle of parameters; positive when its corners go counter-clockwise.
+pub fn twice_area([a, b, c]: [[f64; 2]; 3]) -> f64 {
+    (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,9 +1,10 @@
 //! A surface made ready for everything that is asked of it.
 
-use super::caster::{Hit, PeriodicCaster};
+use super::caster::PeriodicCaster;
 use super::mesh::PeriodicMesh;
-use super::parameterise::{Parameterisation, ParameteriseError, corner_coordinates, parameterise};
-use super::surface::SurfacePoint;
+use super::mesh::corner_coordinates;
+use super::parameterise::{ParameteriseError, SurfaceParameterisation, parameterise};
+use super::surface::{Hit, SurfacePoint};
 use super::texels::{TexelMap, texel_map};
 use brdfc_formats::direction::Vector;
 
@@ -12,7 +13,7 @@ pub struct MesoModel {
     /// The surface.
     pub mesh: PeriodicMesh,
     /// Its parameters.
-    pub parameterisation: Parameterisation,
+    pub parameterisation: SurfaceParameterisation,
     /// Rays against its repetition.
     pub caster: PeriodicCaster,
 }

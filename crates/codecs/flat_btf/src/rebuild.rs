@@ -91,7 +91,7 @@ pub fn periodic_bilinear(size: usize, [u, v]: [f32; 2], texel: impl Fn(usize) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::flatten::{ComputedField, FlatView, Holes, visible};
+    use crate::light_field::{ComputedField, FlattenedView, Holes, visible};
     use crate::testing::overhang;
     use brdfc_formats::direction::from_polar;
     use brdfc_source::address::parse_synth;
@@ -109,7 +109,7 @@ mod tests {
             let lit = [visible(&map, &model.caster, lights[0])];
             let field = ComputedField::new(&map, &appearance, &views, &lights, &lit);
             let mask = visible(&map, &model.caster, views[0]);
-            let Ok(flat) = FlatView::new(&field, 0, &mask, Holes::PushPull).unwrap().image(0);
+            let Ok(flat) = FlattenedView::new(&field, 0, &mask, Holes::PushPull).unwrap().image(0);
             let seen = ViewImage::new(&model, from_polar(0.8, 0.6 + turned), 48, 1);
             let rebuilt = seen.rebuilt(&flat);
             let off = rebuilt.iter().zip(&reference).map(|(a, b)| (a[0] - b[0]).abs()).sum::<f32>();

@@ -1,7 +1,6 @@
 //! How unevenly a parameterisation spends its texels (Sander et al. 2001, "Texture mapping progressive meshes").
 
-use super::mesh::PeriodicMesh;
-use super::parameterise::{corner_coordinates, twice_area};
+use super::mesh::{PeriodicMesh, corner_coordinates, twice_area};
 use brdfc_formats::direction::{Vector, cross, dot, subtract};
 
 /// Stretch of a whole surface. Lengths are relative to a map that keeps every area: 1 everywhere would be perfect.

@@ -1,11 +1,26 @@
 //! Points of a surface, and what they are made of.
 
-use super::caster::{Hit, LIFT, geometric_normal};
 use super::mesh::{PeriodicMesh, VertexMaterial};
 use super::tile_image::TileImage;
-use brdfc_formats::direction::{DirectionPair, Vector, add_scaled, dot, normalize, rotate_to_normal};
+use brdfc_formats::direction::{DirectionPair, Vector, add_scaled, cross, dot, normalize, rotate_to_normal, subtract};
 use brdfc_source::{Source, Tally};
 use std::f64::consts::PI;
+
+/// Rays that leave a surface start this far off it, in tiles: what single precision needs on tiles of 1.
+pub const LIFT: f64 = 1e-5;
+
+/// Where a ray meets the surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// Index of the triangle in the mesh.
+    pub triangle: u32,
+    /// The repetition of the tile that the triangle is hit in.
+    pub tile: [i32; 2],
+    /// Weights of the second and third corner.
+    pub barycentric: [f32; 2],
+    /// Distance from the origin, in tiles.
+    pub distance: f64,
+}
 
 /// A point of the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,6 +76,11 @@ impl SurfacePoint {
     pub fn of_hit(mesh: &PeriodicMesh, hit: &Hit) -> Self {
         Self::new(mesh, hit.triangle as usize, hit.barycentric.map(f64::from), hit.tile)
     }
+}
+
+/// Unit normal of a triangle, on the side from which its corners go counter-clockwise.
+pub fn geometric_normal(corners: [Vector; 3]) -> Vector {
+    normalize(cross(subtract(corners[1], corners[0]), subtract(corners[2], corners[0])))
 }
 
 /// The materials of a surface.

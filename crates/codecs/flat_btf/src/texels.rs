@@ -1,7 +1,6 @@
 //! Which surface point each texel of a flat BTF stands for: position and normal map (section 3.3 of Hadim et al. 2009).
 
-use super::mesh::PeriodicMesh;
-use super::parameterise::{corner_coordinates, twice_area};
+use super::mesh::{PeriodicMesh, corner_coordinates, twice_area};
 use super::surface::SurfacePoint;
 
 /// Surface points of a square of texels, row by row; texel `(column, row)` has parameters

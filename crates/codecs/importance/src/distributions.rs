@@ -1,5 +1,6 @@
 //! The distributions that samples are drawn from, for those who ask for any number of samples or for densities.
 
+use super::half_vector::{jacobian, reflected};
 use super::{Distribution, ImportanceRecipe, cell_probabilities};
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::{Vector, dot, normalize};
@@ -34,9 +35,9 @@ impl LobeDistributions {
         let [x, y, z, density] = self.row(outgoing).sample(point).map(f64::from);
         let half = self.turned(outgoing, [x, y, z], 1.0);
         let projection = dot(outgoing, half);
-        let incoming = [0, 1, 2].map(|k| 2.0 * projection * half[k] - outgoing[k]);
+        let incoming = reflected(outgoing, half, projection);
         let above = incoming[2] > 0.0 && outgoing[2] > 0.0;
-        (incoming, if above { 4.0 * projection / density } else { 0.0 })
+        (incoming, if above { jacobian(projection) / density } else { 0.0 })
     }
 
     /// Density per steradian of incoming directions.
@@ -46,7 +47,7 @@ impl LobeDistributions {
         }
         let half = normalize([0, 1, 2].map(|k| incoming[k] + outgoing[k]));
         let stored = self.turned(outgoing, half, -1.0);
-        self.row(outgoing).density_at(stored) / (4.0 * dot(outgoing, half))
+        self.row(outgoing).density_at(stored) / jacobian(dot(outgoing, half))
     }
 
     fn row(&self, outgoing: Vector) -> &Distribution {

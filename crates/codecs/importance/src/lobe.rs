@@ -1,6 +1,7 @@
 //! The probabilities that half vectors are drawn with.
 
-use super::ImportanceRecipe;
+use super::half_vector::{jacobian, reflected};
+use super::recipe::ImportanceRecipe;
 use brdfc_formats::direction::{DirectionPair, Vector, dot};
 use brdfc_formats::importance::ImportanceHeader;
 use brdfc_source::{Source, Tally};
@@ -17,9 +18,8 @@ const UNIFORM: f64 = 0.1;
 /// with the sum 1.
 ///
 /// Incoming directions are to be drawn in proportion to the luminance of `f_r cos θi`. Reflection of `wo` about `h` turns
-/// `4 (wo · h)` steradians of incoming directions into one of half vectors (Walter et al. 2007, "Microfacet models for
-/// refraction through rough surfaces", eq. 14), so the density of half vectors is in proportion to
-/// `f_r cos θi 4 (wo · h)`. Most of the defensive share is the same with a constant for `f_r`, the largest over the
+/// [`jacobian`] steradians of incoming directions into one of half vectors, so the density of half vectors is in proportion
+/// to `f_r cos θi 4 (wo · h)`. Most of the defensive share is the same with a constant for `f_r`, the largest over the
 /// outgoing directions of the row; a tenth of it is uniform. So all half vectors that any outgoing direction can have are
 /// drawn.
 pub fn cell_probabilities(
@@ -46,14 +46,12 @@ pub fn cell_probabilities(
                 continue;
             }
             let half = grid.centre(ring, cell);
-            let (incoming, jacobian) = reflected(outgoing, half);
-            let mut largest = incoming[2].max(0.0) * jacobian;
+            let (incoming, mut largest) = density(outgoing, half);
             if largest > 0.0 {
                 lobe[at] = luminance(source, DirectionPair::new(incoming, outgoing), tally) * largest * solid_angle;
             }
             for other in others {
-                let (incoming, jacobian) = reflected(other, half);
-                largest = largest.max(incoming[2].max(0.0) * jacobian);
+                largest = largest.max(density(other, half).1);
             }
             cosine[at] = largest * FRAC_1_PI * solid_angle;
         }
@@ -72,11 +70,12 @@ pub fn cell_probabilities(
     lobe
 }
 
-/// The incoming direction that a half vector stands for, and steradians of it per steradian of half vectors; 0 where the
-/// half vector is seen from behind.
-fn reflected(outgoing: Vector, half: Vector) -> (Vector, f64) {
+/// The incoming direction that a half vector stands for, and the density of half vectors per `f_r`, not normalised:
+/// `cos θi 4 (wo · h)`; 0 where light or viewer are behind.
+fn density(outgoing: Vector, half: Vector) -> (Vector, f64) {
     let projection = dot(outgoing, half);
-    (std::array::from_fn(|k| 2.0 * projection * half[k] - outgoing[k]), 4.0 * projection.max(0.0))
+    let incoming = reflected(outgoing, half, projection);
+    (incoming, incoming[2].max(0.0) * jacobian(projection.max(0.0)))
 }
 
 fn luminance(source: &dyn Source, pair: DirectionPair, tally: &mut Tally) -> f64 {

@@ -90,12 +90,12 @@ pub fn encode(source: &dyn Source, recipe: &Recipe, progress: &dyn Progress) -> 
     let start = |stage| progress.stage(stage, 1);
 
     start(Stage::Resample)?;
-    let (sampled, tally) = resample(source, grid);
+    let (table, tally) = resample(source, grid);
 
     start(Stage::LogEncode)?;
-    let encoding = LogEncoding::of(&sampled, recipe.bias);
-    let mut logarithms = log_encode(&sampled, encoding);
-    let mut reference = sampled;
+    let encoding = LogEncoding::of(&table, recipe.bias);
+    let mut logarithms = log_encode(&table, encoding);
+    let mut reference = table;
     if recipe.smooth {
         start(Stage::Smooth)?;
         logarithms = smooth(&logarithms);

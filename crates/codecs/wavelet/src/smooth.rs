@@ -60,12 +60,11 @@ impl Kernel {
         let last = (position + RADIUS).min(n - 1);
         let degree = DEGREE.min(last - first);
         let offsets: Vec<f64> = (first..=last).map(|tap| tap as f64 - position as f64).collect();
-        let compact = |t: f64| (1.0 - (t / (RADIUS as f64 + 1.0)).powi(2)).powi(2);
         let basis = nalgebra::DMatrix::from_fn(offsets.len(), degree + 1, |row, power| {
-            offsets[row].powi(power as i32) * compact(offsets[row]).sqrt()
+            offsets[row].powi(power as i32) * weight(offsets[row]).sqrt()
         });
         let inverse = basis.pseudo_inverse(1e-12).expect("a positive tolerance");
-        let weights = offsets.iter().enumerate().map(|(tap, t)| inverse[(0, tap)] * compact(*t).sqrt()).collect();
+        let weights = offsets.iter().enumerate().map(|(tap, t)| inverse[(0, tap)] * weight(*t).sqrt()).collect();
         Self { first, weights }
     }
 
@@ -76,6 +75,11 @@ impl Kernel {
     fn apply(&self, sample: impl Fn(usize) -> f32) -> f32 {
         self.taps().map(|(tap, weight)| weight * f64::from(sample(tap))).sum::<f64>() as f32
     }
+}
+
+/// Weight of a sample in the fit, by its offset in samples: `(1 - (t / (r + 1))²)²`, 0 outside the window.
+fn weight(offset: f64) -> f64 {
+    (1.0 - (offset / (RADIUS as f64 + 1.0)).powi(2)).powi(2)
 }
 
 fn map_rows(table: &Table, f: impl Fn(usize, usize, &mut [f32]) + Sync) -> Table {

@@ -22,7 +22,7 @@ impl AdaptiveRenderer<'_> {
     ) -> Result<LoadedGBuffer, GpuError> {
         let sub = 1usize.checked_shl(antialiasing_levels).unwrap_or(usize::MAX);
         let target = self.rasteriser.target(frame.width.saturating_mul(sub), frame.height.saturating_mul(sub))?;
-        let buffer = allocate(&self.kernels, &target, camera, frame, antialiasing_levels)?;
+        let buffer = allocate(self.kernels.gpu, &self.kernels.layouts, &target, camera, frame, antialiasing_levels)?;
         self.rasteriser.draw_sample(&loaded.scene, camera, &target, [0; 2], 1)?;
         Ok(buffer)
     }

@@ -1,15 +1,13 @@
-//! Layouts and pipelines of the steps, and how they are run.
+//! Pipelines of the steps, and how they are run.
 
-use super::super::compute::UNFILTERED;
 use super::super::device::{Gpu, GpuError};
-use super::super::pack;
-use super::super::raster::{buffer_type, entry};
+use super::layouts::Layouts;
 use super::material::LoadedMaterial;
 use super::storage::LoadedGBuffer;
 use std::borrow::Cow;
 use wgpu::{
-    BindGroupLayout, BindGroupLayoutDescriptor, BufferBindingType, ComputePassDescriptor, ComputePipeline,
-    ComputePipelineDescriptor, PipelineLayoutDescriptor, ShaderModuleDescriptor, ShaderSource, ShaderStages,
+    BindGroupLayout, ComputePassDescriptor, ComputePipeline, ComputePipelineDescriptor, PipelineLayoutDescriptor,
+    ShaderModuleDescriptor, ShaderSource,
 };
 
 /// Invocations of a workgroup.
@@ -17,16 +15,10 @@ const GROUP: u32 = 64;
 /// Workgroups of a row; more go to the next row.
 const ROW_OF_GROUPS: u32 = 1024;
 
-/// Buffers of [`LoadedGBuffer`] that the steps write.
-pub(super) const STORAGE_BUFFERS: u32 = 8;
-
 /// The compiled steps.
 pub(super) struct Kernels<'g> {
     pub(super) gpu: &'g Gpu,
-    pub(super) frame_layout: BindGroupLayout,
-    pub(super) storage_layout: BindGroupLayout,
-    pub(super) pack_layout: BindGroupLayout,
-    pub(super) material_layout: BindGroupLayout,
+    pub(super) layouts: Layouts,
     pub(super) read_back: ComputePipeline,
     pub(super) curvatures: ComputePipeline,
     pub(super) predict: ComputePipeline,
@@ -69,18 +61,7 @@ impl<'g> Kernels<'g> {
             source: ShaderSource::Wgsl(Cow::Borrowed(source)),
         });
         gpu.check()?;
-        let group = |label, types: &[wgpu::BindingType]| {
-            let entries: Vec<_> =
-                (0..).zip(types).map(|(binding, ty)| entry(binding, ShaderStages::COMPUTE, *ty)).collect();
-            gpu.device.create_bind_group_layout(&BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
-        };
-        let uniform = buffer_type(BufferBindingType::Uniform);
-        let storage = buffer_type(BufferBindingType::Storage { read_only: false });
-        let image = UNFILTERED;
-        let frame_layout = group("frame", &[uniform, uniform, uniform, image, image, image]);
-        let storage_layout = group("storage", &[storage; STORAGE_BUFFERS as usize]);
-        let pack_layout = pack::layout(gpu, ShaderStages::COMPUTE);
-        let material_layout = group("material", &[uniform, image, uniform, image, image, image, uniform, image, image]);
+        let layouts = Layouts::new(gpu);
         let layout = |groups: &[Option<&BindGroupLayout>]| {
             gpu.device.create_pipeline_layout(&PipelineLayoutDescriptor {
                 label: None,
@@ -88,9 +69,9 @@ impl<'g> Kernels<'g> {
                 immediate_size: 0,
             })
         };
-        let of_points = layout(&[Some(&frame_layout), Some(&storage_layout)]);
-        let of_materials =
-            layout(&[Some(&frame_layout), Some(&storage_layout), Some(&pack_layout), Some(&material_layout)]);
+        let Layouts { frame, storage, pack, material } = &layouts;
+        let of_points = layout(&[Some(frame), Some(storage)]);
+        let of_materials = layout(&[Some(frame), Some(storage), Some(pack), Some(material)]);
         let pipeline = |layout, name| {
             gpu.device.create_compute_pipeline(&ComputePipelineDescriptor {
                 label: Some(name),
@@ -114,10 +95,7 @@ impl<'g> Kernels<'g> {
             shade: pipeline(&of_materials, "shade"),
             gather: pipeline(&of_points, "gather"),
             resolve: pipeline(&of_points, "resolve"),
-            frame_layout,
-            storage_layout,
-            pack_layout,
-            material_layout,
+            layouts,
         };
         gpu.check()?;
         Ok(kernels)

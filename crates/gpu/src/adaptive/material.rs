@@ -4,7 +4,7 @@ use super::super::compute::texture;
 use super::super::device::{Gpu, GpuError};
 use super::super::draw::Decoding;
 use super::super::pack;
-use super::kernels::Kernels;
+use super::layouts::Layouts;
 use brdfc_formats::bandwidth::propagation::DirectedLight;
 use brdfc_formats::bandwidth::shader::BandwidthParameters;
 use brdfc_formats::bandwidth::{BandwidthKind, BandwidthMap};
@@ -33,14 +33,15 @@ pub(super) struct Surroundings<'a> {
 /// # Errors
 /// [`GpuError::TooLarge`] for textures beyond the adapter's limits; what the driver reports.
 pub(super) fn upload(
-    kernels: &Kernels<'_>,
+    gpu: &Gpu,
+    layouts: &Layouts,
     surroundings: &Surroundings<'_>,
     index: usize,
     material: &AdaptiveMaterial<'_>,
     pack: &WaveletPack,
 ) -> Result<LoadedMaterial, GpuError> {
-    let (gpu, decoding) = (kernels.gpu, surroundings.decoding);
-    let pack = pack::upload(gpu, &kernels.pack_layout, pack, decoding.filter, decoding.distance_scale)?;
+    let decoding = surroundings.decoding;
+    let pack = pack::upload(gpu, &layouts.pack, pack, decoding.filter, decoding.distance_scale)?;
     let header = material.samples.header();
     let importance = gpu.buffer(&header.uniform(), BufferUsages::UNIFORM);
     let texels = bytemuck::cast_slice(material.samples.texels());
@@ -67,7 +68,7 @@ pub(super) fn upload(
     ];
     let entries: Vec<_> =
         (0..).zip(resources).map(|(binding, resource)| BindGroupEntry { binding, resource }).collect();
-    let descriptor = BindGroupDescriptor { label: None, layout: &kernels.material_layout, entries: &entries };
+    let descriptor = BindGroupDescriptor { label: None, layout: &layouts.material, entries: &entries };
     let maps = gpu.device.create_bind_group(&descriptor);
     gpu.check()?;
     Ok(LoadedMaterial { pack, maps })

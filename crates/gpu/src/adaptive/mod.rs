@@ -5,6 +5,7 @@
 
 mod g_buffer;
 mod kernels;
+mod layouts;
 mod material;
 mod passes;
 mod predict;
@@ -97,8 +98,9 @@ impl<'g> AdaptiveRenderer<'g> {
         let groups = (0..).zip(parts).map(surface).collect();
         let (light, bandwidth) = (&material::light(self.gpu(), scene.light)?, scene.light.bandwidth());
         let surroundings = Surroundings { radiance: &radiance, light, bandwidth, decoding };
-        let material =
-            |(index, (material, pack))| material::upload(&self.kernels, &surroundings, index, material, pack);
+        let material = |(index, (material, pack))| {
+            material::upload(self.gpu(), &self.kernels.layouts, &surroundings, index, material, pack)
+        };
         let materials =
             materials.iter().zip(packs.iter().copied()).enumerate().map(material).collect::<Result<_, _>>()?;
         Ok(LoadedAdaptive { scene: self.rasteriser.load(scene.scene, groups, decoding.words())?, materials })

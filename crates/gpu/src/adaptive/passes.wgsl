@@ -19,7 +19,7 @@ fn decide(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     if node.wanted > i32(job.level) && job.level < picture.coarsest {
-        let value = taken(point, index, job.level);
+        let value = upsampled(point, index, job.level);
         if value.w > 0.0 {
             computed[picture.levels[job.level].z + index] = value;
             outcomes[index].x = TAKEN;

@@ -2,7 +2,7 @@
 
 use super::super::device::{Gpu, GpuError};
 use super::super::raster::Target;
-use super::kernels::{Kernels, STORAGE_BUFFERS};
+use super::layouts::{Layouts, STORAGE_BUFFERS};
 use brdfc_render::adaptive::coarsest_of;
 use brdfc_render::scene::{Camera, Frame};
 use wgpu::{BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferUsages};
@@ -70,13 +70,13 @@ impl LoadedGBuffer {
 /// # Errors
 /// [`GpuError::TooLarge`] for more than the adapter binds at once; what the driver reports.
 pub(super) fn allocate(
-    kernels: &Kernels<'_>,
+    gpu: &Gpu,
+    layouts: &Layouts,
     target: &Target,
     camera: &Camera,
     frame: Frame,
     antialiasing_levels: u32,
 ) -> Result<LoadedGBuffer, GpuError> {
-    let gpu = kernels.gpu;
     let size = [frame.width << antialiasing_levels, frame.height << antialiasing_levels];
     let levels = levels(size);
     let nodes = levels.iter().map(|[width, height, _]| (width * height) as u64).sum::<u64>();
@@ -104,7 +104,7 @@ pub(super) fn allocate(
     let (settings, job) = (uniform(SETTINGS_WORDS), uniform(4));
     let uniforms = [&picture, &settings, &job].map(Buffer::as_entire_binding);
     let frame_group =
-        group(gpu, &kernels.frame_layout, uniforms.into_iter().chain(target.views().map(BindingResource::TextureView)));
+        group(gpu, &layouts.frame, uniforms.into_iter().chain(target.views().map(BindingResource::TextureView)));
     let points = (size[0] * size[1]) as u64;
     let storage = Storage {
         predicted: storage(gpu, VECTOR * points),
@@ -126,7 +126,7 @@ pub(super) fn allocate(
         &storage.sums,
         &storage.image,
     ];
-    let storage_group = group(gpu, &kernels.storage_layout, all.into_iter().map(Buffer::as_entire_binding));
+    let storage_group = group(gpu, &layouts.storage, all.into_iter().map(Buffer::as_entire_binding));
     gpu.check()?;
     let camera = *camera;
     Ok(LoadedGBuffer {

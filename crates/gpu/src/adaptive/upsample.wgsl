@@ -1,5 +1,5 @@
 // What a node takes over from the coarser level. The CPU twin is `render/adaptive/upsample.rs`, with `standing_for` and
-// `taken` of `passes.rs`.
+// `upsampled` of `passes.rs`.
 
 // How far a parent may lie off the node's tangent plane, in units of how far apart both are.
 const DEPTH: f32 = 0.25;
@@ -33,7 +33,7 @@ fn stands_for(level: u32, index: u32) -> u32 {
 }
 
 // The weighted mean of what was computed around a node at the coarser level, and 1; 0 where nothing fits.
-fn taken(point: u32, index: u32, level: u32) -> vec4<f32> {
+fn upsampled(point: u32, index: u32, level: u32) -> vec4<f32> {
     let own = picture.levels[level];
     let coarser = picture.levels[level + 1u];
     let place = vec2<u32>(index % own.x, index / own.x);

@@ -139,10 +139,10 @@ fn the_drawn_g_buffer_is_the_traced_one() {
         let world = World::new(builtin, EXACT);
         let loaded = world.load(&renderer);
         for levels in [0, 1] {
-            let drawn = renderer.read(&drawn(&renderer, &loaded, &world, levels)).unwrap();
+            let rastered = renderer.read(&g_buffer(&renderer, &loaded, &world, levels)).unwrap();
             let same = |scene: &Scene| {
                 let traced = GBuffer::new(scene, Frame { samples: 1 << levels, ..FRAME });
-                let found = point_differences(&traced, &drawn);
+                let found = point_differences(&traced, &rastered);
                 println!("{builtin:?} {levels}: {found:?}");
                 found.parts < 0.01 && found.elsewhere < 0.01 && found.values < 0.005
             };
@@ -238,7 +238,7 @@ fn expected(world: &World, buffer: &GBuffer, settings: &Settings) -> Expected {
     })
 }
 
-fn drawn(renderer: &AdaptiveRenderer<'_>, loaded: &LoadedAdaptive, world: &World, levels: u32) -> LoadedGBuffer {
+fn g_buffer(renderer: &AdaptiveRenderer<'_>, loaded: &LoadedAdaptive, world: &World, levels: u32) -> LoadedGBuffer {
     renderer.g_buffer(loaded, &world.scene.camera, FRAME, levels).unwrap()
 }
 
@@ -249,7 +249,7 @@ fn differences(
     expected: &Expected,
 ) -> Differences {
     let loaded = world.load(renderer);
-    let buffer = drawn(renderer, &loaded, world, settings.antialiasing_levels);
+    let buffer = g_buffer(renderer, &loaded, world, settings.antialiasing_levels);
     let bits = |values: Vec<f32>| values.into_iter().map(f32::to_bits).collect::<Vec<_>>();
     let curved = bits(renderer.curvature(&buffer).unwrap());
     let prediction = renderer.predict(&loaded, &buffer, settings).unwrap();
@@ -305,7 +305,7 @@ fn each_step_does_what_its_twin_does() {
         let world = World::new(builtin, Decoding { filter, ..EXACT });
         let settings = Settings { antialiasing_levels, ..SETTINGS };
         let loaded = world.load(&renderer);
-        let buffer = renderer.read(&drawn(&renderer, &loaded, &world, antialiasing_levels)).unwrap();
+        let buffer = renderer.read(&g_buffer(&renderer, &loaded, &world, antialiasing_levels)).unwrap();
         let expected = expected(&world, &buffer, &settings);
         // Each kind of outcome is there.
         let levels = &expected.shaded.levels;
@@ -362,7 +362,7 @@ fn changed_shaders_are_noticed() {
     let shaders = AdaptiveShaders::default();
     let renderer = AdaptiveRenderer::with_shaders(&gpu, &shaders).unwrap();
     let loaded = world.load(&renderer);
-    let buffer = renderer.read(&drawn(&renderer, &loaded, &world, 1)).unwrap();
+    let buffer = renderer.read(&g_buffer(&renderer, &loaded, &world, 1)).unwrap();
     let expected = expected(&world, &buffer, &settings);
     for (from, to, what) in CHANGES {
         assert_eq!(shaders.steps.matches(from).count(), 1, "{from}");
@@ -380,7 +380,7 @@ fn whole_pictures_are_those_of_the_cpu() {
     let renderer = AdaptiveRenderer::new(&gpu).unwrap();
     let world = World::new(Builtin::Table, EXACT);
     let loaded = world.load(&renderer);
-    let buffer = drawn(&renderer, &loaded, &world, 0);
+    let buffer = g_buffer(&renderer, &loaded, &world, 0);
     let found = renderer.draw(&loaded, &buffer, &SETTINGS).unwrap();
     assert_eq!(found, renderer.draw(&loaded, &buffer, &SETTINGS).unwrap(), "two runs");
     let read = renderer.read(&buffer).unwrap();
@@ -401,7 +401,7 @@ fn the_sampler_filters_nearly_as_the_shader_does() {
     let pictures = [SliceFilter::Exact, SliceFilter::Hardware].map(|slices| {
         let world = World::new(Builtin::BumpyBall, Decoding { slices, level: Some(3.0), ..EXACT });
         let loaded = world.load(&renderer);
-        renderer.forward(&loaded, &drawn(&renderer, &loaded, &world, 0), 8).unwrap()
+        renderer.forward(&loaded, &g_buffer(&renderer, &loaded, &world, 0), 8).unwrap()
     });
     let [exact, hardware] = &pictures;
     let found = of_radiance(&exact.pixels, &hardware.pixels);
@@ -414,16 +414,16 @@ fn what_is_too_large_is_refused() {
     let renderer = AdaptiveRenderer::new(&gpu).unwrap();
     let world = World::new(Builtin::BumpyBall, EXACT);
     let loaded = world.load(&renderer);
-    let g_buffer = |width, height, levels| {
+    let sized = |width, height, levels| {
         let frame = Frame { width, height, samples: 1 };
         renderer.g_buffer(&loaded, &world.scene.camera, frame, levels).map(|buffer| buffer.size())
     };
-    assert_eq!(g_buffer(7, 5, 1), Ok([14, 10]));
+    assert_eq!(sized(7, 5, 1), Ok([14, 10]));
     for (width, height, levels) in [(100_000, 4, 0), (64, 64, 12), (64, 64, 200), (4000, 4000, 0)] {
-        let refused = g_buffer(width, height, levels);
+        let refused = sized(width, height, levels);
         assert!(matches!(refused, Err(GpuError::TooLarge(_))), "{width} {height} {levels}: {refused:?}");
     }
-    let buffer = drawn(&renderer, &loaded, &world, 0);
+    let buffer = g_buffer(&renderer, &loaded, &world, 0);
     let refused = renderer.forward(&loaded, &buffer, 1 << 25);
     assert!(matches!(refused, Err(GpuError::TooLarge(_))), "{refused:?}");
 }

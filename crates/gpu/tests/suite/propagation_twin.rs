@@ -1,8 +1,8 @@
 //! The shader of bandwidth propagation against its CPU twin, on whatever adapter there is.
 
 use brdfc_formats::bandwidth::propagation::{
-    Bandwidth, BandwidthAverage, DirectedLight, PROPAGATION_WGSL, Surface, VarianceEstimate, largest_pixel_bandwidth,
-    pixel_bandwidth, pyramid_level, sample_count, sample_scale,
+    Bandwidth, BandwidthAverage, BandwidthSurface, DirectedLight, PROPAGATION_WGSL, VarianceEstimate,
+    largest_pixel_bandwidth, pixel_bandwidth, pyramid_level, sample_count, sample_scale,
 };
 use brdfc_gpu::{Compute, Gpu};
 use brdfc_testing::packs::Numbers;
@@ -60,8 +60,14 @@ fn compute(at: u32) {
 }
 ";
 
-fn surface(words: &[f32]) -> Surface {
-    Surface { cos_incoming: words[0], cos_outgoing: words[1], curvature: words[2], lobe: words[3], texture: words[4] }
+fn surface(words: &[f32]) -> BandwidthSurface {
+    BandwidthSurface {
+        cos_incoming: words[0],
+        cos_outgoing: words[1],
+        curvature: words[2],
+        lobe: words[3],
+        texture: words[4],
+    }
 }
 
 fn expected(words: &[f32]) -> [f32; OUT] {

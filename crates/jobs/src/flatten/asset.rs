@@ -1,7 +1,7 @@
 //! What is written: the list of an asset's parts and what was measured.
 
 use super::recipe::Settings;
-use brdfc_flat_btf::parameterise::ParameterisationReport;
+use brdfc_flat_btf::parameterise::SurfaceParameterisationReport;
 use brdfc_flat_btf::probes::ColourErrors;
 use brdfc_flat_btf::weld::WeldReport;
 use serde::{Deserialize, Serialize};
@@ -47,9 +47,10 @@ pub struct PartFile {
 pub struct AssetReport {
     /// What was mended in a mesh.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub mended: Option<WeldReport>,
+    #[serde(rename = "mended")]
+    pub repairs: Option<WeldReport>,
     /// The parameterisation.
-    pub parameterisation: ParameterisationReport,
+    pub parameterisation: SurfaceParameterisationReport,
     /// Lowest and highest point of the surface, in tiles.
     pub heights: [f64; 2],
     /// Share of texels that a view sees, mean over the views.

@@ -3,7 +3,7 @@
 use super::recipe::{FlattenRecipe, Form};
 use brdfc_flat_btf::caster::STEEPEST_DEGREES;
 use brdfc_flat_btf::fill::FillMethod;
-use brdfc_flat_btf::indirect::Bounces;
+use brdfc_flat_btf::interreflection::Bounces;
 use brdfc_formats::FormatError;
 use brdfc_formats::direction_mesh::DirectionMesh;
 use brdfc_formats::direction_set::DirectionSet;

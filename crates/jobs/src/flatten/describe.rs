@@ -77,7 +77,8 @@ pub struct MeshFacts {
     pub tile: Option<f64>,
     /// What would be mended with this period.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub mended: Option<WeldReport>,
+    #[serde(rename = "mended")]
+    pub repairs: Option<WeldReport>,
     /// Why it does not close.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub problem: Option<String>,
@@ -130,7 +131,7 @@ fn describe_mesh(mesh: &TriangleMesh) -> MeshFacts {
         // The side may be a rounded one; its own error says less than the one with the hint.
         if square { closed(width).map_err(|_| error) } else { Err(error) }
     });
-    let (tile, mended, problem) = match outcome {
+    let (tile, repairs, problem) = match outcome {
         Ok((tile, report)) => (Some(tile), Some(report), None),
         Err(error) => (None, None, Some(error.to_string())),
     };
@@ -141,7 +142,7 @@ fn describe_mesh(mesh: &TriangleMesh) -> MeshFacts {
         colours: !mesh.colours.is_empty(),
         bounds,
         tile,
-        mended,
+        repairs,
         problem,
     }
 }

@@ -3,6 +3,7 @@
 mod asset;
 mod check;
 mod describe;
+mod error;
 mod input;
 mod parts;
 mod pass;
@@ -14,7 +15,8 @@ mod stack;
 
 pub use asset::{AssetErrors, AssetFile, AssetReport, PartFile};
 pub use describe::{MeshFacts, SurfaceFacts, describe_surface};
+pub use error::FlattenError;
 pub use input::{Geometry, MesoInputError, MesoOptions, PLANE, material_list, open_appearance, open_geometry};
 pub use read::open_asset;
 pub use recipe::{FlattenRecipe, Form, Settings};
-pub use run::{FlattenError, FlattenJob, Values, run};
+pub use run::{FlattenJob, Values, run};

@@ -1,7 +1,7 @@
 //! The files of an asset: written aside, and put in place when all are there.
 
 use super::asset::PartFile;
-use super::run::FlattenError;
+use super::error::FlattenError;
 use crate::write::write_atomic;
 use brdfc_formats::container::Extent;
 use brdfc_formats::flat_btf::gpu_bytes;

@@ -1,12 +1,12 @@
 //! The pass over all views, a few of which are in memory at a time.
 
+use super::error::FlattenError;
 use super::parts::Parts;
 use super::recipe::{FlattenRecipe, Form};
-use super::run::FlattenError;
 use crate::btf_stack::{StackFormat, write_image};
 use brdfc_flat_btf::diffuse::DiffuseFit;
 use brdfc_flat_btf::fill::{FillMethod, PushPull};
-use brdfc_flat_btf::flatten::{FlatView as Flattened, Guide, Holes, LightField, from_above};
+use brdfc_flat_btf::light_field::{FillGuide, FlattenedView, Holes, LightField, from_above};
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::probes::Probes;
 use brdfc_flat_btf::rebuild::ViewImage;
@@ -47,7 +47,7 @@ impl Pass<'_> {
         let guide = match self.recipe.fill {
             FillMethod::Poisson if full => {
                 progress.stage(Stage::Guide, 1)?;
-                Some(Guide::new(field, self.masks, &from_above(self.views), self.lights.len())?)
+                Some(FillGuide::new(field, self.masks, &from_above(self.views), self.lights.len())?)
             }
             _ => None,
         };
@@ -85,7 +85,7 @@ impl Pass<'_> {
     }
 
     /// One view with all its lights.
-    fn view<F: LightField>(&self, field: &F, view: usize, guide: Option<&Guide>) -> Result<FlatView, FlattenError>
+    fn view<F: LightField>(&self, field: &F, view: usize, guide: Option<&FillGuide>) -> Result<FlatView, FlattenError>
     where
         FlattenError: From<F::Error>,
     {
@@ -94,7 +94,7 @@ impl Pass<'_> {
             (Form::Full, Some(guide)) => Holes::Poisson(guide),
             (Form::Full, None) => Holes::PushPull,
         };
-        let flattened = Flattened::new(field, view, &self.masks[view], holes)?;
+        let flattened = FlattenedView::new(field, view, &self.masks[view], holes)?;
         let mut texels = vec![0; self.lights.len() * self.texels.points.len()];
         texels.par_chunks_mut(self.texels.points.len()).enumerate().try_for_each(|(light, layer)| {
             let image = flattened.image(light)?;

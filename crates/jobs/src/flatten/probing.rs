@@ -1,9 +1,9 @@
 //! Look-ups into the finished packs that errors are measured with.
 
 use super::asset::AssetErrors;
+use super::error::FlattenError;
 use super::pass::Pass;
 use super::recipe::Form;
-use super::run::FlattenError;
 use super::stack::StackImages;
 use brdfc_flat_btf::measured::ViewImages;
 use brdfc_flat_btf::probes::{ColourErrors, Directions, Probes, shown};

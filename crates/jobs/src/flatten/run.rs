@@ -1,6 +1,7 @@
 //! Makes the packs of a flat BTF.
 
 use super::asset::{AssetFile, AssetReport};
+use super::error::FlattenError;
 use super::input::Geometry;
 use super::parts::Parts;
 use super::pass::Pass;
@@ -8,68 +9,22 @@ use super::probing::{computed_probes, measured_probes};
 use super::recipe::FlattenRecipe;
 use super::stack::StackImages;
 use crate::btf_stack::StackFormat;
-use brdfc_flat_btf::flatten::{ComputedField, visible_from_each};
-use brdfc_flat_btf::indirect::Bounces;
 use brdfc_flat_btf::indirection::indirection;
+use brdfc_flat_btf::interreflection::Bounces;
+use brdfc_flat_btf::light_field::{ComputedField, visible_from_each};
 use brdfc_flat_btf::measured::MeasuredField;
 use brdfc_flat_btf::model::MesoModel;
-use brdfc_flat_btf::parameterise::{ParameteriseError, steps};
+use brdfc_flat_btf::parameterise::steps;
 use brdfc_flat_btf::surface::Appearance;
 use brdfc_flat_btf::texels::TexelMap;
-use brdfc_formats::FormatError;
 use brdfc_formats::container::Extent;
 use brdfc_formats::direction::Vector;
 use brdfc_formats::flat_btf::{
     DiffuseMap, FlatBtfDecoder, FlatBtfParts, IndirectionMap, NormalMap, PositionMap, ReferenceMap, VisibilityMask,
 };
-use brdfc_source::InputError;
 use brdfc_source::btf_stack::BtfStack;
 use brdfc_source::progress::{Cancelled, Progress, Stage};
-use std::convert::Infallible;
 use std::path::Path;
-
-/// Why a flat BTF cannot be made.
-#[derive(Debug, thiserror::Error)]
-pub enum FlattenError {
-    /// The surface cannot be laid flat.
-    #[error(transparent)]
-    Parameterise(ParameteriseError),
-    /// A pack cannot hold it.
-    #[error("{0}")]
-    Pack(#[from] FormatError),
-    /// An image cannot be read.
-    #[error(transparent)]
-    Input(#[from] InputError),
-    /// A file cannot be written.
-    #[error("{path}: cannot write: {error}")]
-    Write {
-        /// Which.
-        path: String,
-        /// What the system says.
-        error: std::io::Error,
-    },
-    /// The caller asked to stop.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-}
-
-impl FlattenError {
-    pub(super) fn write(path: &Path, error: std::io::Error) -> Self {
-        Self::Write { path: path.display().to_string(), error }
-    }
-}
-
-impl From<ParameteriseError> for FlattenError {
-    fn from(error: ParameteriseError) -> Self {
-        if error == ParameteriseError::Cancelled { Cancelled.into() } else { Self::Parameterise(error) }
-    }
-}
-
-impl From<Infallible> for FlattenError {
-    fn from(never: Infallible) -> Self {
-        match never {}
-    }
-}
 
 /// Where the values of texels come from.
 pub enum Values {
@@ -171,7 +126,7 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<AssetFile, Fl
     let seen = masks.iter().flatten().filter(|seen| **seen).count() as f64;
     let never_seen = (0..texels.points.len()).filter(|texel| !masks.iter().any(|mask| mask[*texel])).count();
     let report = AssetReport {
-        mended: job.geometry.weld,
+        repairs: job.geometry.weld,
         parameterisation: model.parameterisation.report,
         heights: model.mesh.height_range(),
         seen: seen / (views.len() * texels.points.len()) as f64,

@@ -130,8 +130,8 @@ impl Shading {
     }
 }
 
-/// What [`AdaptiveVerification::new`] is told beside the pictures.
-pub struct Drawn<'a> {
+/// The pictures that [`AdaptiveVerification::new`] compares, and what they show.
+pub struct AdaptivePictures<'a> {
     /// Which scene.
     pub scene: &'a str,
     /// Its size.
@@ -160,28 +160,28 @@ pub struct Drawn<'a> {
 
 impl AdaptiveVerification {
     /// Compares pictures.
-    pub fn new(drawn: Drawn<'_>) -> Self {
-        let (picture, [bandwidth_seconds, seconds]) = drawn.adaptive;
-        let (forward, count, forward_seconds) = drawn.forward;
-        let (truth, truth_samples, truth_seconds) = drawn.truth;
-        let (points, exposure) = (drawn.surface_points, drawn.exposure);
+    pub fn new(pictures: AdaptivePictures<'_>) -> Self {
+        let (picture, [bandwidth_seconds, seconds]) = pictures.adaptive;
+        let (forward, count, forward_seconds) = pictures.forward;
+        let (truth, truth_samples, truth_seconds) = pictures.truth;
+        let (points, exposure) = (pictures.surface_points, pictures.exposure);
         Self {
-            scene: drawn.scene.to_owned(),
-            width: drawn.frame.width,
-            height: drawn.frame.height,
-            points: 1 << (2 * drawn.settings.antialiasing_levels),
+            scene: pictures.scene.to_owned(),
+            width: pictures.frame.width,
+            height: pictures.frame.height,
+            points: 1 << (2 * pictures.settings.antialiasing_levels),
             surface_points: points,
             exposure,
-            adapter: drawn.adapter.clone(),
-            parts: drawn.parts,
-            environment: drawn.environment,
-            settings: drawn.settings.into(),
+            adapter: pictures.adapter.clone(),
+            parts: pictures.parts,
+            environment: pictures.environment,
+            settings: pictures.settings.into(),
             adaptive: Shading::adaptive(picture, points, seconds, truth, exposure),
             bandwidth_seconds,
             levels: picture.levels.clone(),
             forward: Shading::forward(forward, count, points, forward_seconds, truth, exposure),
             truth_samples,
-            truth_psnr: drawn.truth_psnr,
+            truth_psnr: pictures.truth_psnr,
             truth_seconds,
         }
     }

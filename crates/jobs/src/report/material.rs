@@ -45,7 +45,8 @@ pub struct MaterialReport {
     /// What a user sees: filtered pack against source.
     pub off_grid: Comparison,
     /// What had to be mended while the table was made.
-    pub mended: Tally,
+    #[serde(rename = "mended")]
+    pub repairs: Tally,
 }
 
 impl MaterialReport {
@@ -70,7 +71,7 @@ impl MaterialReport {
             mean: f64::from(header.mean),
             on_grid: encoded.on_grid,
             off_grid: encoded.off_grid.clone(),
-            mended: encoded.tally,
+            repairs: encoded.tally,
         }
     }
 }
@@ -86,7 +87,7 @@ pub struct StageTime {
 
 /// Lines that say in words what a reader of the table should know; empty for a clean source.
 pub fn remarks(report: &MaterialReport) -> Vec<String> {
-    let mut lines = mended_in_words(&report.mended);
+    let mut lines = repairs_in_words(&report.repairs);
     for (norms, place) in [(&report.on_grid.norms, "on"), (&report.off_grid.norms, "off")] {
         if 2 * norms.below_floor > norms.samples {
             let share = 100.0 * norms.below_floor as f64 / norms.samples as f64;
@@ -99,7 +100,7 @@ pub fn remarks(report: &MaterialReport) -> Vec<String> {
 }
 
 /// Lines that say in words what had to be mended; empty for a clean source.
-pub fn mended_in_words(tally: &Tally) -> Vec<String> {
+pub fn repairs_in_words(tally: &Tally) -> Vec<String> {
     let share = |count: u64| format!("{:.1} %", 100.0 * count as f64 / tally.evaluations.max(1) as f64);
     [
         (tally.partly_invalid, "interpolations left out invalid cells"),

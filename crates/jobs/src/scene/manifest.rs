@@ -1,13 +1,14 @@
 //! The scene manifest, `scene.toml`: materials, and the uses a scene makes of them.
 
-use super::needs::ENVIRONMENT;
+pub use super::place::{ManifestError, line_of, near_miss};
+
+use super::place::{Place, line_of_key};
 use super::render_section::{CAMERA_KEYS, LIGHT_KEYS, RENDER_KEYS, RenderSection};
-use super::scene_section::{SCENE_KEYS, Scene};
+use super::scene_section::{ENVIRONMENT, SCENE_KEYS, SceneSection};
 use crate::keys::keys_of;
 use brdfc_wavelet::options::{EncodeOptions, OptionError};
 use serde::Deserialize;
 use std::collections::BTreeMap;
-use std::ops::Range;
 use toml::Spanned;
 
 /// A manifest as it stands in the file. See `docs/scene.md` for the meaning of each key.
@@ -16,7 +17,7 @@ use toml::Spanned;
 pub struct Manifest {
     /// What holds for the whole scene.
     #[serde(default)]
-    pub scene: Scene,
+    pub scene: SceneSection,
     /// Options of materials that do not say otherwise.
     #[serde(default)]
     pub defaults: EncodeOptions,
@@ -51,22 +52,6 @@ pub struct Use {
     pub material: Spanned<String>,
     /// Nearest distance at which it is seen; finer levels of detail than that asks for are not stored. Absent: any.
     pub nearest: Option<Spanned<f64>>,
-}
-
-/// A manifest that is wrong.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("line {line}, {field}: found {found}; allowed {allowed}{}", suggestion.as_ref().map_or(String::new(), |s| format!(" (did you mean {s}?)")))]
-pub struct ManifestError {
-    /// Line, from 1.
-    pub line: usize,
-    /// Key, with the tables it is in.
-    pub field: String,
-    /// What stands there.
-    pub found: String,
-    /// What may stand there.
-    pub allowed: String,
-    /// A near miss.
-    pub suggestion: Option<String>,
 }
 
 const USE_KEYS: &[&str] = &["object", "material", "nearest"];
@@ -160,25 +145,6 @@ impl Manifest {
     }
 }
 
-/// Where keys of a manifest stand.
-pub(super) struct Place<'a> {
-    text: &'a str,
-    tree: &'a toml::de::DeTable<'a>,
-}
-
-impl Place<'_> {
-    /// An error at the deepest key of `path` that is there.
-    pub(super) fn error(&self, path: &[&str], found: String, allowed: &str) -> ManifestError {
-        ManifestError {
-            line: line_of_key(self.text, self.tree, path),
-            field: path.join("."),
-            found,
-            allowed: allowed.to_owned(),
-            suggestion: None,
-        }
-    }
-}
-
 fn check_keys(text: &str, tree: &toml::de::DeTable<'_>) -> Result<(), ManifestError> {
     let check = |table: &toml::de::DeTable<'_>, allowed: &[&str], prefix: &str| {
         for key in table.keys() {
@@ -225,32 +191,4 @@ fn check_keys(text: &str, tree: &toml::de::DeTable<'_>) -> Result<(), ManifestEr
         }
     }
     Ok(())
-}
-
-/// The known name that is most like `name`, if any is.
-pub fn near_miss(name: &str, known: &[&str]) -> Option<String> {
-    known
-        .iter()
-        .map(|k| (strsim::damerau_levenshtein(name, k), *k))
-        .filter(|(distance, k)| *distance <= 1 + k.len() / 4)
-        .min()
-        .map(|(_, k)| k.to_owned())
-}
-
-/// The line, from 1, where a span of a manifest starts.
-pub fn line_of(text: &str, span: Option<Range<usize>>) -> usize {
-    let end = span.map_or(0, |s| s.start.min(text.len()));
-    1 + text.as_bytes()[..end].iter().filter(|byte| **byte == b'\n').count()
-}
-
-/// Line of the deepest key of `path` that is there.
-fn line_of_key(text: &str, tree: &toml::de::DeTable<'_>, path: &[&str]) -> usize {
-    let mut line = 1;
-    let mut table = Some(tree);
-    for name in path {
-        let Some((key, value)) = table.and_then(|t| t.iter().find(|(k, _)| k.get_ref() == name)) else { break };
-        line = line_of(text, Some(key.span()));
-        table = value.get_ref().as_table();
-    }
-    line
 }

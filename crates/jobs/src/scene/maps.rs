@@ -1,6 +1,6 @@
 //! The maps of scenes that an environment lights: how fast lobes and light vary, and samples of the lobes.
 
-use super::run::JobError;
+use super::error::JobError;
 use brdfc_bandwidth::DEFAULT_EPSILON;
 use brdfc_bandwidth::facts::BandwidthFacts;
 use brdfc_bandwidth::map::{brdf_map, environment_map};
@@ -52,7 +52,8 @@ pub struct MapsReport {
     /// Samples of its lobes.
     pub samples: Packed<ImportanceFacts>,
     /// What had to be mended while they were made.
-    pub mended: Tally,
+    #[serde(rename = "mended")]
+    pub repairs: Tally,
 }
 
 /// The parts of a material that are maps, in the order in which [`material_maps`] gives their bytes.
@@ -73,15 +74,15 @@ pub fn material_maps(
     progress: &dyn Progress,
 ) -> Result<([Vec<u8>; 2], MapsReport), JobError> {
     progress.stage(Stage::BandwidthMap, 1)?;
-    let (map, mut mended) = brdf_map(source, recipe.resolution, recipe.epsilon).map_err(JobError::Map)?;
+    let (map, mut repairs) = brdf_map(source, recipe.resolution, recipe.epsilon).map_err(JobError::Map)?;
     progress.stage(Stage::ImportanceSamples, 1)?;
     let (pack, tally) = importance_samples(source, &recipe.samples).map_err(JobError::Map)?;
-    mended += tally;
+    repairs += tally;
     let (bandwidth, samples) = (map.to_bytes(true), pack.to_bytes(true));
     let report = MapsReport {
         bandwidth: Packed::new(&bandwidth, BandwidthFacts::new(&map)),
         samples: Packed::new(&samples, ImportanceFacts::new(&pack)),
-        mended,
+        repairs,
     };
     Ok(([bandwidth, samples], report))
 }

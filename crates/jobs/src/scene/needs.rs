@@ -23,9 +23,6 @@ impl Needs {
     }
 }
 
-/// Name of the files of the scene's environment. No material of a scene that has one may be called so.
-pub const ENVIRONMENT: &str = "environment";
-
 /// The environment whose map the scene needs: the one that lights it, if it lights anything.
 pub fn environment(manifest: &Manifest) -> Option<&str> {
     manifest.scene.environment.as_deref().filter(|_| !manifest.uses.is_empty())

@@ -1,7 +1,7 @@
 //! The `[render]` table of a manifest: what `brdfc render` shows. Names of scenes and parts are the renderer's and are
 //! checked there.
 
-use super::manifest::{ManifestError, Place};
+use super::place::{ManifestError, Place};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use toml::Spanned;

@@ -1,19 +1,21 @@
 //! Runs a build: one job per needed material, and one for the environment where it is needed.
 
+pub use super::error::JobError;
+
 use super::manifest::Manifest;
 use super::maps::{self, MapRecipe, MapsReport, Packed, environment_file, material_maps, part_name};
-use super::needs::{self, ENVIRONMENT, needs};
+use super::needs::{self, needs};
+use super::scene_section::ENVIRONMENT;
 use crate::cache::{self, Origin, Slot};
 use crate::report::material::{MaterialReport, StageTime};
 use crate::stage_clock::StageClock;
 use crate::write::write_atomic;
 use brdfc_bandwidth::facts::BandwidthFacts;
-use brdfc_formats::FormatError;
 use brdfc_formats::wavelet::DEFAULT_DISTANCE_SCALE;
+use brdfc_source::address;
 use brdfc_source::open::open;
-use brdfc_source::progress::{Cancelled, Progress, Stage};
-use brdfc_source::{InputError, address};
-use brdfc_wavelet::encode::{EncodeError, encode};
+use brdfc_source::progress::{Progress, Stage};
+use brdfc_wavelet::encode::encode;
 use brdfc_wavelet::recipe::Recipe;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -95,40 +97,6 @@ pub struct MadeEnvironment {
     pub report: Packed<BandwidthFacts>,
     /// Seconds per stage; `None` when the map of an earlier build still holds.
     pub times: Option<Vec<StageTime>>,
-}
-
-/// Why a material, or the environment, failed.
-#[derive(Debug, thiserror::Error)]
-pub enum JobError {
-    /// The source.
-    #[error(transparent)]
-    Input(#[from] InputError),
-    /// The encoder.
-    #[error(transparent)]
-    Encode(EncodeError),
-    /// The caller asked to stop.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-    /// A map that its own layout refuses: a fault of the program.
-    #[error("{0}")]
-    Map(FormatError),
-    /// A file that cannot be written.
-    #[error("{path}: cannot write: {error}")]
-    Write {
-        /// Which.
-        path: String,
-        /// What the system says.
-        error: std::io::Error,
-    },
-}
-
-impl From<EncodeError> for JobError {
-    fn from(error: EncodeError) -> Self {
-        match error {
-            EncodeError::Cancelled(cancelled) => Self::Cancelled(cancelled),
-            other => Self::Encode(other),
-        }
-    }
 }
 
 /// The parts of a material, as `<material>.json` lists them.

@@ -1,13 +1,16 @@
 //! The `[scene]` table of a manifest.
 
-use super::manifest::{ManifestError, Place};
+use super::place::{ManifestError, Place};
 use serde::Deserialize;
 use std::path::Path;
+
+/// Name of the files of the scene's environment. No material of a scene that has one may be called so.
+pub const ENVIRONMENT: &str = "environment";
 
 /// What holds for the whole scene.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Scene {
+pub struct SceneSection {
     /// A name for reports.
     pub name: Option<String>,
     /// `α` of the level of detail `l = N - clamp(log2(α d), 0, N)`, per unit of distance; 0.15 by default.
@@ -19,7 +22,7 @@ pub struct Scene {
 /// Keys of `[scene]`.
 pub(super) const SCENE_KEYS: &[&str] = &["name", "distance_scale", "environment"];
 
-impl Scene {
+impl SceneSection {
     /// Checks ranges.
     pub(super) fn check(&self, place: &Place<'_>) -> Result<(), ManifestError> {
         if let Some(scale) = self.distance_scale

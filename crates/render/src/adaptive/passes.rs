@@ -1,9 +1,20 @@
 //! The passes over the pyramid, from coarse to fine (section 3.2, figure 9 of Bagher et al. 2012).
 
-use super::upsample::{Guide, LEAST_WEIGHT, parents, weight};
-use super::{AdaptiveScene, LevelCount, Prediction, Pyramid, coarsest, shade_point};
+use super::upsample::{LEAST_WEIGHT, UpsamplingGuide, parents, weight};
+use super::{AdaptiveScene, Prediction, Pyramid, coarsest, shade_point};
 use crate::gbuffer::GBuffer;
 use rayon::prelude::*;
+
+/// What a level shaded.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
+pub struct LevelCount {
+    /// Pixels of the level that show a surface and are not left to finer levels.
+    pub pixels: u64,
+    /// Of these, pixels that were shaded; the others took over what the coarser level has.
+    pub shaded: u64,
+    /// Samples of incident light.
+    pub samples: u64,
+}
 
 /// What the passes leave.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,7 +36,7 @@ struct Computed {
 enum Made {
     /// Left to a finer level, or no surface.
     Nothing,
-    Taken([f32; 3]),
+    Upsampled([f32; 3]),
     Shaded([f32; 3], u32),
 }
 
@@ -53,9 +64,10 @@ pub fn shade(scene: &AdaptiveScene<'_>, buffer: &GBuffer, prediction: &Predictio
             }
             if wanted[at] > level
                 && let Some(coarser) = &coarser
-                && let Some(value) = taken(buffer, &stands, coarser, point, [at % width, at / width], level as usize)
+                && let Some(value) =
+                    upsampled(buffer, &stands, coarser, point, [at % width, at / width], level as usize)
             {
-                return Made::Taken(value);
+                return Made::Upsampled(value);
             }
             let count = samples.levels[level as usize].2[at].saturating_mul(1 << (level - 1).max(0)).min(most);
             Made::Shaded(shade_point(scene, buffer, point as usize, count), count)
@@ -66,7 +78,7 @@ pub fn shade(scene: &AdaptiveScene<'_>, buffer: &GBuffer, prediction: &Predictio
         for made in made {
             let (value, shaded) = match made {
                 Made::Nothing => (None, None),
-                Made::Taken(value) => (Some(value), None),
+                Made::Upsampled(value) => (Some(value), None),
                 Made::Shaded(value, samples) => (Some(value), Some(samples)),
             };
             count.pixels += u64::from(value.is_some());
@@ -104,7 +116,7 @@ fn standing_for(buffer: &GBuffer, coarsest: usize) -> Pyramid<u32> {
 }
 
 /// The weighted mean of what was computed around a pixel at the coarser level; `None` where nothing fits.
-fn taken(
+fn upsampled(
     buffer: &GBuffer,
     stands: &Pyramid<u32>,
     coarser: &Computed,
@@ -125,11 +137,11 @@ fn taken(
     (total > LEAST_WEIGHT).then(|| sum.map(|s| s / total))
 }
 
-fn guide(buffer: &GBuffer, point: usize) -> Guide {
+fn guide(buffer: &GBuffer, point: usize) -> UpsamplingGuide {
     let normal = buffer.normal[point];
     let to_viewer = buffer.to_viewer[point];
     let cosine = (0..3).map(|k| normal[k] * to_viewer[k]).sum::<f32>().clamp(0.0, 1.0);
-    Guide {
+    UpsamplingGuide {
         at: [(point % buffer.width) as f32, (point / buffer.width) as f32],
         position: buffer.position[point],
         normal,

@@ -1,8 +1,8 @@
 //! The bandwidth buffer: for each pixel, at which level of the pyramid it is shaded and by how many samples (sections 2.2,
 //! 2.3 and 3.1 of Bagher et al. 2012).
 
+use super::scene::{AdaptiveScene, Settings};
 use super::tile::bandwidth_and_deviation;
-use super::{AdaptiveScene, Settings};
 use crate::curvature::curvature;
 use crate::gbuffer::GBuffer;
 use crate::scene::{Camera, Frame};

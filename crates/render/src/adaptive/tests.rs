@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::scene::Environment;
+use crate::scene::Scene;
 use crate::scenes::Builtin;
 use crate::shade::SourceReflectance;
 use brdfc_bandwidth::DEFAULT_EPSILON;

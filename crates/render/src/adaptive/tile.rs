@@ -9,7 +9,9 @@
 use super::{AdaptiveScene, Settings};
 use crate::gbuffer::GBuffer;
 use brdfc_formats::bandwidth::brdf_cell;
-use brdfc_formats::bandwidth::propagation::{Bandwidth, BandwidthAverage, DirectedLight, Surface, VarianceEstimate};
+use brdfc_formats::bandwidth::propagation::{
+    Bandwidth, BandwidthAverage, BandwidthSurface, DirectedLight, VarianceEstimate,
+};
 use rayon::prelude::*;
 
 /// Points along each side of a tile.
@@ -121,10 +123,10 @@ impl Tile<'_> {
     /// All that counts for point `k` of a tile, given which points are like it.
     fn joined(&self, (k, point): (usize, usize), shares: &[Share; POINTS], alike: u16) -> Share {
         let is_alike = |other: &usize| alike >> other & 1 == 1;
-        let taken = (0..POINTS).filter(is_alike).fold(Share::default(), |all, other| all.join(shares[other]));
+        let joined = (0..POINTS).filter(is_alike).fold(Share::default(), |all, other| all.join(shares[other]));
         let missing = ENOUGH.saturating_sub(alike.count_ones() as usize);
         let next = (k + 1..k + POINTS).map(|other| other % POINTS).filter(|other| !is_alike(other)).take(missing);
-        next.fold(taken, |all, other| all.join(self.share(point, other)))
+        next.fold(joined, |all, other| all.join(self.share(point, other)))
     }
 
     /// What a point finds along a run of directions.
@@ -144,7 +146,7 @@ impl Tile<'_> {
             let map = self.scene.light.bandwidth();
             let (incoming_cell, texel) = map.cell_and_texel(incoming, frame.world(incoming));
             let light = self.scene.light.at(texel, inverse_density / (ENOUGH as u32 * self.run) as f32);
-            let surface = Surface {
+            let surface = BandwidthSurface {
                 cos_incoming: incoming[2],
                 cos_outgoing: outgoing[2],
                 curvature: self.curvature[point],

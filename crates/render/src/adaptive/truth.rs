@@ -22,7 +22,7 @@ impl LobeSampler for MeasuredLobe<'_> {
         self.distributions.sample(outgoing, low_discrepancy(index, self.shift))
     }
 
-    fn pdf(&self, outgoing: Vector, incoming: Vector) -> f64 {
+    fn density(&self, outgoing: Vector, incoming: Vector) -> f64 {
         self.distributions.density(outgoing, incoming)
     }
 }
@@ -73,7 +73,7 @@ pub fn ground_truth(
 ) -> GroundTruth {
     let environment = EnvironmentSampler::new(&scene.scene.environment);
     let one = |pixel: usize| -> ([f32; 3], [f32; 3]) {
-        let (Some(part), Some(point)) = (buffer.part_at(pixel), buffer.surface_point(pixel)) else {
+        let (Some(part), Some(point)) = (buffer.part_at(pixel), buffer.shading_point(pixel)) else {
             return Default::default();
         };
         let shift = shift_of(if start == Start::Scattered { pixel } else { 0 });

@@ -2,7 +2,7 @@
 
 /// The surface at the point that a pixel of a level stands for.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Guide {
+pub struct UpsamplingGuide {
     /// Where the point is in the finest buffer, in its pixels.
     pub at: [f32; 2],
     /// World space.
@@ -28,7 +28,7 @@ pub const LEAST_WEIGHT: f32 = 1e-3;
 /// compares along the normal, not along the view: a plane seen obliquely is one surface. `g_a` is `exp(-vᵀ M v)`,
 /// `v` in pixels of the coarser level, `M = R_φᵀ diag(1, cos θ) R_φ`: wider at right angles to the projected normal, where
 /// the surface turns less from pixel to pixel.
-pub fn weight(pixel: &Guide, parent: &Guide, spacing: f32) -> f32 {
+pub fn weight(pixel: &UpsamplingGuide, parent: &UpsamplingGuide, spacing: f32) -> f32 {
     if pixel.part != parent.part {
         return 0.0;
     }
@@ -62,11 +62,17 @@ pub fn parents([x, y]: [usize; 2], [width, height]: [usize; 2]) -> impl Iterator
 mod tests {
     use super::*;
 
-    const FLAT: Guide =
-        Guide { at: [8.0, 8.0], position: [0.0; 3], normal: [0.0, 0.0, 1.0], cosine: 1.0, across: [1.0, 0.0], part: 0 };
+    const FLAT: UpsamplingGuide = UpsamplingGuide {
+        at: [8.0, 8.0],
+        position: [0.0; 3],
+        normal: [0.0, 0.0, 1.0],
+        cosine: 1.0,
+        across: [1.0, 0.0],
+        part: 0,
+    };
 
-    fn moved(at: [f32; 2], position: [f32; 3]) -> Guide {
-        Guide { at, position, ..FLAT }
+    fn moved(at: [f32; 2], position: [f32; 3]) -> UpsamplingGuide {
+        UpsamplingGuide { at, position, ..FLAT }
     }
 
     #[test]
@@ -84,9 +90,9 @@ mod tests {
         assert!((beside - 0.5 * (-0.25f32).exp()).abs() < 1e-6);
         assert_eq!(weight(&FLAT, &moved([12.0, 8.0], [0.2, 0.0, 0.0]), 4.0), 0.0, "a spacing away");
         assert!(weight(&FLAT, &moved([10.0, 8.0], [0.1, 0.0, 0.1]), 4.0) < 0.01 * beside, "behind an edge");
-        assert_eq!(weight(&FLAT, &Guide { part: 1, ..FLAT }, 4.0), 0.0);
+        assert_eq!(weight(&FLAT, &UpsamplingGuide { part: 1, ..FLAT }, 4.0), 0.0);
         // Seen obliquely the kernel is wide at right angles to the projected normal.
-        let tilted = Guide { cosine: 0.2, ..FLAT };
+        let tilted = UpsamplingGuide { cosine: 0.2, ..FLAT };
         let along = weight(&tilted, &moved([10.0, 8.0], [0.1, 0.0, 0.0]), 4.0);
         let across = weight(&tilted, &moved([8.0, 10.0], [0.0, 0.1, 0.0]), 4.0);
         assert!(across > 1.2 * along, "{across} {along}");

@@ -7,14 +7,14 @@ use crate::trace::{Hit, trace};
 use brdfc_source::address::parse_synth;
 
 /// A point whose normal is between all axes.
-fn point() -> SurfacePoint {
+fn point() -> ShadingPoint {
     let mut scene = plain_scene(quad(2.0, 0.0), CAMERA);
     let up = 1.0 / 3f32.sqrt();
     for vertex in &mut scene.parts[0].mesh.vertices {
         vertex.normal = [up; 3];
         vertex.tangent = [0.5f32.sqrt(), -(0.5f32.sqrt()), 0.0];
     }
-    SurfacePoint::new(&scene.parts[0], &Hit { part: 0, triangle: 0, barycentric: [0.3, 0.3] }, CAMERA.eye)
+    ShadingPoint::new(&scene.parts[0], &Hit { part: 0, triangle: 0, barycentric: [0.3, 0.3] }, CAMERA.eye)
 }
 
 const CAMERA: Camera = Camera { eye: [2.0, 0.5, 3.0], target: [0.0; 3], up: [0.0, 1.0, 0.0], field_of_view: 20.0 };
@@ -50,7 +50,7 @@ fn lamps() -> Environment {
     Environment { width, height, pixels }
 }
 
-fn framed<'a>(environment: &'a EnvironmentSampler, point: &'a SurfacePoint) -> FramedEnvironmentSampler<'a> {
+fn framed<'a>(environment: &'a EnvironmentSampler, point: &'a ShadingPoint) -> FramedEnvironmentSampler<'a> {
     FramedEnvironmentSampler { environment, point, shift: [0.0; 2] }
 }
 

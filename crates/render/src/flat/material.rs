@@ -20,7 +20,7 @@ pub enum FlatForm {
 pub struct FlatMaterial {
     decoder: FlatBtfDecoder,
     repeat: u32,
-    sampled: Option<SampledDirections>,
+    directions: Option<SampledDirections>,
 }
 
 /// Between the sampled directions of the full form.
@@ -44,7 +44,7 @@ impl FlatMaterial {
         if repeat == 0 {
             return Err(FormatError::whole("repeat", "0", "1 or more tiles per unit of uv"));
         }
-        let sampled = match decoder.parts().views.first() {
+        let directions = match decoder.parts().views.first() {
             None => None,
             Some(view) => {
                 let header = view.header();
@@ -60,7 +60,7 @@ impl FlatMaterial {
                 })
             }
         };
-        Ok(Self { decoder, repeat, sampled })
+        Ok(Self { decoder, repeat, directions })
     }
 
     /// The parts.
@@ -75,7 +75,7 @@ impl FlatMaterial {
 
     /// Whether there are views: [`FlatForm::Full`] needs them.
     pub fn has_views(&self) -> bool {
-        self.sampled.is_some()
+        self.directions.is_some()
     }
 
     /// What blends sampled directions.
@@ -83,7 +83,7 @@ impl FlatMaterial {
     /// # Panics
     /// Without views.
     pub fn sampled_directions(&self) -> &SampledDirections {
-        self.sampled.as_ref().expect("the full form needs views")
+        self.directions.as_ref().expect("the full form needs views")
     }
 
     /// Relative radiance at the coordinates `uv` of a mesh. `view` and `light` are unit vectors in the local frame.
@@ -100,13 +100,13 @@ impl FlatMaterial {
         match form {
             FlatForm::Light => self.decoder.light_form(tile, view, light),
             FlatForm::Full => {
-                let sampled = self.sampled_directions();
+                let directions = self.sampled_directions();
                 let weights = |mesh: &DirectionMesh, direction| {
                     let (indices, weights) = mesh.weights(direction);
                     ViewWeights { indices, weights }
                 };
-                let (views, lights) = (weights(&sampled.views, view), weights(&sampled.lights, light));
-                let dimmed = (light[2] / sampled.lowest_light).min(1.0);
+                let (views, lights) = (weights(&directions.views, view), weights(&directions.lights, light));
+                let dimmed = (light[2] / directions.lowest_light).min(1.0);
                 self.decoder.full(tile, view, views, lights).map(|value| value * dimmed)
             }
         }

@@ -13,9 +13,9 @@ mod reference;
 pub use material::{FlatForm, FlatMaterial, SampledDirections};
 pub use reference::reference_plane;
 
-use super::sampled::sampled;
+use super::sample_means::sample_means;
 use super::scene::{Frame, Scene};
-use super::surface_point::SurfacePoint;
+use super::shading_point::ShadingPoint;
 use super::trace::trace;
 use super::vector::subtract;
 use brdfc_formats::direction::{Vector, dot};
@@ -28,15 +28,15 @@ use std::f64::consts::PI;
 /// For the full form of a material without views: see [`FlatMaterial::has_views`].
 pub fn draw_on_cpu(scene: &Scene, frame: Frame, material: &FlatMaterial, form: FlatForm) -> LinearImage {
     let hits = trace(scene, frame).0;
-    sampled(scene, frame, |pixel, sample| {
+    sample_means(scene, frame, |pixel, sample| {
         let hit = hits[pixel * frame.samples_per_pixel() + sample].as_ref()?;
-        let point = SurfacePoint::without_bump(&scene.parts[hit.part as usize], hit, scene.camera.eye);
+        let point = ShadingPoint::without_bump(&scene.parts[hit.part as usize], hit, scene.camera.eye);
         Some(reflected(scene, &point, material, form))
     })
 }
 
 /// Radiance towards the viewer.
-fn reflected(scene: &Scene, point: &SurfacePoint, material: &FlatMaterial, form: FlatForm) -> Vector {
+fn reflected(scene: &Scene, point: &ShadingPoint, material: &FlatMaterial, form: FlatForm) -> Vector {
     let mut radiance = [0.0; 3];
     for light in &scene.lights {
         let to_light = subtract(light.position, point.position);

@@ -1,6 +1,6 @@
 //! What a flat BTF on a plane is to look like: the displaced surface itself, ray cast.
 
-use crate::sampled::sampled;
+use crate::sample_means::sample_means;
 use crate::scene::{Frame, Mesh, Scene};
 use crate::vector::{add_scaled, cross, double, subtract};
 use brdfc_flat_btf::model::MesoModel;
@@ -72,7 +72,7 @@ pub fn reference_plane(
     let lights: Vec<(Vector, [f64; 3])> =
         scene.lights.iter().map(|light| (tiling.point(light.position), light.intensity)).collect();
     let last = f64::from(repeat);
-    sampled(scene, frame, |pixel, sample| {
+    sample_means(scene, frame, |pixel, sample| {
         let [x, y] = frame.sample_position(pixel, sample);
         let ray = normalize(tiling.direction(scene.camera.ray(frame, x, y)));
         if ray[2] >= 0.0 {

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::scene::{Frame, Mesh, Vertex};
-use crate::surface_point::SurfacePoint;
+use crate::shading_point::ShadingPoint;
 use crate::trace::trace;
 use crate::vector::{cross, double, subtract};
 use brdfc_formats::direction::{Vector, dot};
@@ -55,7 +55,7 @@ fn objects_are_near_enough_for_full_detail() {
         let hits = trace(&scene, frame);
         assert!(hits.0.iter().flatten().count() > 64 * 64 / 4, "{builtin:?} fills the picture");
         for hit in hits.0.iter().flatten() {
-            let point = SurfacePoint::new(&scene.parts[hit.part as usize], hit, scene.camera.eye);
+            let point = ShadingPoint::new(&scene.parts[hit.part as usize], hit, scene.camera.eye);
             assert!(point.distance < 6.5, "{builtin:?}: {}", point.distance);
         }
     }
@@ -75,7 +75,7 @@ fn shapes_for_environments_fill_half_the_picture() {
 fn the_terrain_spans_all_levels_of_detail() {
     let scene = Builtin::Terrain.scene();
     let hits = trace(&scene, Frame { width: 64, height: 36, samples: 1 });
-    let distance = |hit| SurfacePoint::new(&scene.parts[0], hit, scene.camera.eye).distance;
+    let distance = |hit| ShadingPoint::new(&scene.parts[0], hit, scene.camera.eye).distance;
     let distances: Vec<f64> = hits.0.iter().flatten().map(distance).collect();
     assert!(distances.iter().any(|d| *d < 20.0) && distances.iter().any(|d| *d > 180.0));
 }

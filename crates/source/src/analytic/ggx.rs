@@ -1,6 +1,6 @@
 //! Microfacets with the Trowbridge-Reitz distribution.
 
-use super::{Analytic, DIFFUSE, ModelInfo, Parameter, Shorthand, is_equal_in_all_channels, weighted_sum};
+use super::model::{Analytic, DIFFUSE, ModelInfo, Parameter, Shorthand, is_equal_in_all_channels, weighted_sum};
 use crate::{Source, Symmetry, Tally};
 use brdfc_formats::direction::{DirectionPair, Vector, half_vector};
 use std::f64::consts::{FRAC_1_PI, PI};

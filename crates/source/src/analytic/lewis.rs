@@ -1,6 +1,6 @@
 //! Phong's lobe, made reciprocal and energy conserving.
 
-use super::{Analytic, DIFFUSE, ModelInfo, Parameter, is_equal_in_all_channels, over_lambert};
+use super::model::{Analytic, DIFFUSE, ModelInfo, Parameter, is_equal_in_all_channels, over_lambert};
 use crate::{Source, Symmetry, Tally};
 use brdfc_formats::direction::DirectionPair;
 use std::f64::consts::TAU;

@@ -7,6 +7,7 @@
 mod ggx;
 mod lambert;
 mod lewis;
+mod model;
 mod poulin;
 mod quadrature;
 mod velvet;
@@ -15,112 +16,11 @@ mod ward;
 pub use ggx::Ggx;
 pub use lambert::Lambert;
 pub use lewis::Lewis;
+pub use model::{Analytic, ModelInfo, Parameter, ParameterKind, Shorthand};
 pub use poulin::Poulin;
 pub use velvet::Velvet;
 pub use ward::Ward;
 
-use super::Source;
-use std::f64::consts::FRAC_1_PI;
-
-/// A model with named parameters.
-pub trait Analytic: Source {
-    /// Name, parameters and ranges of the model.
-    fn info(&self) -> &'static ModelInfo;
-
-    /// The values of `info().parameters`, in that order; a number stands in all three channels.
-    fn values(&self) -> Vec<[f64; 3]>;
-}
-
-/// What a parameter holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ParameterKind {
-    /// One number.
-    Number,
-    /// One whole number.
-    Integer,
-    /// Linear RGB (Rec. 709 primaries): one number for all channels, or three.
-    Colour,
-}
-
-/// A parameter of a model.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Parameter {
-    /// The name in addresses.
-    pub name: &'static str,
-    /// What it holds.
-    pub kind: ParameterKind,
-    /// Lowest value allowed, itself included.
-    pub minimum: f64,
-    /// Highest value allowed, itself included.
-    pub maximum: f64,
-    /// The value where none is given, in all channels.
-    pub default: f64,
-    /// What it means, in few words.
-    pub meaning: &'static str,
-}
-
-impl Parameter {
-    /// A number in a range.
-    pub const fn number(name: &'static str, [minimum, maximum]: [f64; 2], default: f64, meaning: &'static str) -> Self {
-        Self { name, kind: ParameterKind::Number, minimum, maximum, default, meaning }
-    }
-
-    /// A whole number in a range.
-    pub const fn integer(
-        name: &'static str,
-        [minimum, maximum]: [f64; 2],
-        default: f64,
-        meaning: &'static str,
-    ) -> Self {
-        Self { name, kind: ParameterKind::Integer, minimum, maximum, default, meaning }
-    }
-
-    /// A colour in `[0, 1]` per channel.
-    pub const fn colour(name: &'static str, default: f64, meaning: &'static str) -> Self {
-        Self { name, kind: ParameterKind::Colour, minimum: 0.0, maximum: 1.0, default, meaning }
-    }
-}
-
-/// One name in addresses that sets several parameters to the same value.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Shorthand {
-    /// The name in addresses.
-    pub name: &'static str,
-    /// The parameters that it sets.
-    pub stands_for: &'static [&'static str],
-}
-
-/// A model: its name, parameters, and how to build it.
-#[derive(Debug, Clone, Copy)]
-pub struct ModelInfo {
-    /// The name in addresses.
-    pub name: &'static str,
-    /// What it is, in few words.
-    pub meaning: &'static str,
-    /// Its parameters, in the order of the canonical form.
-    pub parameters: &'static [Parameter],
-    /// Its shorthands.
-    pub shorthands: &'static [Shorthand],
-    /// Builds it from one value per parameter, in order, unchecked; a number is taken from the first channel.
-    pub build: fn(&[[f64; 3]]) -> Box<dyn Analytic>,
-}
-
 /// All models.
 pub const MODELS: [&ModelInfo; 6] =
     [&lambert::INFO, &lewis::INFO, &ward::INFO, &poulin::INFO, &ggx::INFO, &velvet::INFO];
-
-const DIFFUSE: &str = "diffuse albedo";
-
-fn is_equal_in_all_channels(colour: [f64; 3]) -> bool {
-    colour[0] == colour[1] && colour[1] == colour[2]
-}
-
-/// `kd diffuse + ks specular`, per channel.
-fn weighted_sum(kd: [f64; 3], diffuse: f64, ks: [f64; 3], specular: f64) -> [f64; 3] {
-    std::array::from_fn(|c| kd[c] * diffuse + ks[c] * specular)
-}
-
-/// `kd / π + ks specular`, per channel.
-fn over_lambert(kd: [f64; 3], ks: [f64; 3], specular: f64) -> [f64; 3] {
-    weighted_sum(kd, FRAC_1_PI, ks, specular)
-}

@@ -1,7 +1,7 @@
 //! Parallel cylinders: anisotropy from geometry.
 
+use super::model::{Analytic, DIFFUSE, ModelInfo, Parameter, is_equal_in_all_channels, weighted_sum};
 use super::quadrature::integrate;
-use super::{Analytic, DIFFUSE, ModelInfo, Parameter, is_equal_in_all_channels, weighted_sum};
 use crate::{Source, Symmetry, Tally};
 use brdfc_formats::direction::{DirectionPair, Vector, half_vector};
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};

@@ -1,6 +1,6 @@
 //! Velvet: fibres that stand up, and shine at their sides.
 
-use super::{Analytic, DIFFUSE, ModelInfo, Parameter, is_equal_in_all_channels, over_lambert};
+use super::model::{Analytic, DIFFUSE, ModelInfo, Parameter, is_equal_in_all_channels, over_lambert};
 use crate::{Source, Symmetry, Tally};
 use brdfc_formats::direction::{DirectionPair, half_vector};
 use std::f64::consts::PI;

@@ -1,4 +1,4 @@
-//! Moving least squares: a local polynomial through the neighbours of the asked point (DESIGN section 3, "Sources").
+//! Moving least squares: a local polynomial through the neighbours of the asked point (section 3 of Claustres et al. 2007).
 //!
 //! With offsets `p` from the asked point, in units of the distance to the first neighbour left out, a weight
 //! `(1 - |p|³)³` and the basis `1, p, p pᵀ`, the value of the fit at `p = 0` is its constant term. A second pass weighs down
@@ -53,7 +53,7 @@ impl<const D: usize> Neighbourhood<D> {
     pub fn push(&mut self, offset: [f64; D], distance: f64, value: [f64; 3]) {
         let distance = distance.min(1.0);
         self.offsets[self.count] = offset;
-        self.weights[self.count] = (1.0 - distance.powi(3)).powi(3);
+        self.weights[self.count] = weight(distance);
         self.values[self.count] = value;
         self.count += 1;
     }
@@ -149,10 +149,20 @@ impl<const D: usize> Neighbourhood<D> {
         let median = 0.5 * (sorted[(n - 1) / 2] + sorted[n / 2]);
         for k in 0..n {
             let u = (missed[k] / (OUTLIER * median + 1e-3)).min(1.0);
-            weights[k] *= (1.0 - u * u).powi(2) + 1e-4;
+            weights[k] *= biweight(u) + 1e-4;
         }
         normalise(&mut weights[..n]);
     }
+}
+
+/// Weight of a neighbour in the fit, by its distance in units of the support radius, 0 to 1: `(1 - d³)³`, tricube.
+fn weight(distance: f64) -> f64 {
+    (1.0 - distance.powi(3)).powi(3)
+}
+
+/// Weight of a neighbour in the second fit, by how far the first one missed it, 0 to 1: `(1 - u²)²`.
+fn biweight(missed: f64) -> f64 {
+    (1.0 - missed * missed).powi(2)
 }
 
 fn normalise(weights: &mut [f64]) {

@@ -4,9 +4,12 @@
 mod coordinates;
 mod fit;
 mod merge;
+mod summary;
+
+pub use summary::ScanSummary;
 
 use super::error::InputError;
-use super::open::{Facts, Format, InputFile, Opened};
+use super::format::{Facts, Format, InputFile, Opened};
 use super::{Source, Symmetry, Tally};
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::DirectionPair;
@@ -53,30 +56,6 @@ fn opened(scan: &Scan, left_out: usize) -> Result<Opened, FormatError> {
     let summary = ScanSummary { left_out, ..source.summary() };
     let facts = Facts::Scan { wavelengths: scan.wavelengths.clone(), summary };
     Ok(Opened { source: Box::new(source), facts })
-}
-
-/// What was found while a scan was taken in.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
-pub struct ScanSummary {
-    /// Rows of the file.
-    pub rows: usize,
-    /// Direction pairs after equal ones, mirror images included, were averaged.
-    pub distinct: usize,
-    /// Largest difference between rows of one direction pair, as a fraction of the larger value.
-    pub largest_disagreement: f64,
-    /// Rows with a negative channel (noise, or a colour outside the gamut), raised to 0.
-    pub negative: usize,
-    /// Rows that are 0 in all channels.
-    pub zero: usize,
-    /// Whether all rows have one azimuth of incidence, so that the material is taken as isotropic.
-    pub isotropic: bool,
-    /// Rows of the file that say nothing about reflectance: directions at or below the horizon.
-    #[serde(skip_serializing_if = "is_zero")]
-    pub left_out: usize,
-}
-
-fn is_zero(count: &usize) -> bool {
-    *count == 0
 }
 
 /// A scan that can be evaluated anywhere.

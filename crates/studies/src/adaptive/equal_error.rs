@@ -102,8 +102,8 @@ pub fn equal_error(
                 psnr: *psnr,
                 forward_samples: reference.map(|point| point.samples),
                 forward_seconds: reference.map(|point| point.seconds),
-                adaptive: at(0).map(|(caution, point)| drawn(case, caution, point.asked)),
-                best: best.map(|(caution, point)| drawn(case, caution, point.asked)),
+                adaptive: at(0).map(|(caution, point)| adaptive_point(case, caution, point.asked)),
+                best: best.map(|(caution, point)| adaptive_point(case, caution, point.asked)),
                 bandwidth_seconds,
             }
         };
@@ -151,7 +151,7 @@ fn attempt(case: &Case<'_>, caution: f32, asked: f64) -> (AdaptivePicture, Point
     (picture, point)
 }
 
-fn drawn(case: &Case<'_>, caution: f32, asked: f64) -> AdaptivePoint {
+fn adaptive_point(case: &Case<'_>, caution: f32, asked: f64) -> AdaptivePoint {
     let (picture, Point { samples, psnr, seconds, .. }) = attempt(case, caution, asked);
     let shaded_share = picture.shaded() as f64 / case.surface.max(1) as f64;
     let flip = flip(&picture.image, &case.truth, case.exposure, PIXELS_PER_DEGREE).mean_on_surfaces;

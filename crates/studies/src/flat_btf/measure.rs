@@ -1,10 +1,11 @@
 //! Tables 1, 2 and 3 in one pass over the views.
 
+use super::PAPER;
 use super::apparent::{Apparent, ApparentSizes, summary};
 use super::grids::{grid_errors, stored_map};
-use super::{ModelRow, PAPER, StudySettings};
+use super::rows::{CoherencyRow, ModelRow, ReconstructionRow, Spread, StudySettings};
 use brdfc_flat_btf::coherency::ViewVariance;
-use brdfc_flat_btf::flatten::{ComputedField, FlatView, Guide, Holes, from_above, visible};
+use brdfc_flat_btf::light_field::{ComputedField, FillGuide, FlattenedView, Holes, from_above, visible};
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::parameterise::ParameteriseError;
 use brdfc_flat_btf::rebuild::{ViewImage, looked_up, stored_parameters};
@@ -15,7 +16,6 @@ use brdfc_formats::direction::Vector;
 use brdfc_metrics::lab::{distance_squared, lab};
 use brdfc_source::address::{AddressError, parse_synth};
 use rayon::prelude::*;
-use serde::Serialize;
 
 /// Why a model cannot be studied.
 #[derive(Debug, thiserror::Error)]
@@ -26,46 +26,6 @@ pub enum StudyError {
     /// It cannot be laid flat.
     #[error(transparent)]
     Parameterise(#[from] ParameteriseError),
-}
-
-/// Table 1: difference in L*a*b* between BTF images computed directly and rebuilt by equation 1 from what packs hold, the
-/// indirection map and the packed values, at the sampled views.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct ReconstructionRow {
-    /// Mean over all texels of all images, holes filled by Poisson inpainting.
-    pub mean: f64,
-    /// The same with holes filled by push-pull.
-    pub mean_push_pull: f64,
-    /// The mean with exact indirections in place of the map: what the flat BTF alone loses.
-    pub mean_exact_indirection: f64,
-    /// Largest mean of an image.
-    pub largest_image: f64,
-    /// Variance of the means of images.
-    pub image_variance: f64,
-    /// Largest difference of a single texel.
-    pub largest_texel: f64,
-}
-
-/// Table 2: variance over the views, in L*a*b*, mean over lights.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct CoherencyRow {
-    /// Ordinary BTF.
-    pub btf: Spread,
-    /// Flat BTF with holes filled by push-pull.
-    pub push_pull: Spread,
-    /// Flat BTF with holes filled by Poisson inpainting.
-    pub poisson: Spread,
-    /// Flat BTF, only what is seen.
-    pub visible: Spread,
-}
-
-/// Mean and maximum over texels.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct Spread {
-    /// Mean.
-    pub mean: f64,
-    /// Maximum.
-    pub max: f64,
 }
 
 /// Sums of one image's differences.
@@ -102,7 +62,7 @@ pub fn study_model(
     let texels = model.texels(settings.flat_texels);
     let masks: Vec<Vec<bool>> = directions.iter().map(|view| visible(&texels, &model.caster, *view)).collect();
     let field = ComputedField::new(&texels, &appearance, directions, directions, &masks);
-    let Ok(guide) = Guide::new(&field, &masks, &from_above(directions), directions.len());
+    let Ok(guide) = FillGuide::new(&field, &masks, &from_above(directions), directions.len());
 
     let plane = settings.texels * settings.texels;
     let flat = settings.flat_texels * settings.flat_texels;
@@ -122,8 +82,8 @@ pub fn study_model(
     for (view, direction) in directions.iter().enumerate() {
         let seen = ViewImage::new(&model, *direction, settings.texels, settings.oversampling);
         let stored = stored_parameters(&map, *direction);
-        let Ok(push_pull) = FlatView::new(&field, view, &masks[view], Holes::PushPull);
-        let Ok(poisson) = FlatView::new(&field, view, &masks[view], Holes::Poisson(&guide));
+        let Ok(push_pull) = FlattenedView::new(&field, view, &masks[view], Holes::PushPull);
+        let Ok(poisson) = FlattenedView::new(&field, view, &masks[view], Holes::Poisson(&guide));
         let light = |(light, kept): (usize, &mut PerLight)| {
             let Ok(filled) = push_pull.image(light).map(packed);
             let Ok(inpainted) = poisson.image(light).map(packed);

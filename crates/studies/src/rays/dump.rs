@@ -1,6 +1,7 @@
 //! The rays of the study and the surface around them, for other programs.
 
-use super::{CHUNK, RayScene, StudyRay};
+use super::ray::{CHUNK, StudyRay};
+use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::triangle_tree::TriangleTree;
 use glam::Vec3A;
 use rayon::prelude::*;
@@ -28,14 +29,14 @@ pub struct Dump {
 #[error("triangles of the repeated mesh: found {0}; allowed {MOST_TRIANGLES}: lower the resolution")]
 pub struct DumpError(usize);
 
-impl RayScene {
+impl Dump {
     /// Repeats the surface as far as the rays go.
     ///
     /// # Errors
     /// When that takes too many triangles.
-    pub fn dump(&self) -> Result<Dump, DumpError> {
+    pub(super) fn new(model: &MesoModel, nearest: &[StudyRay], any: &[StudyRay]) -> Result<Self, DumpError> {
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for ray in self.nearest.iter().chain(&self.any) {
+        for ray in nearest.iter().chain(any) {
             let (origin, direction) = ray.vectors();
             for k in 0..2 {
                 let ends = [origin[k], origin[k] + f64::from(ray.end) * direction[k]];
@@ -43,7 +44,7 @@ impl RayScene {
                 high[k] = high[k].max(ends[0]).max(ends[1]);
             }
         }
-        let mesh = &self.model.mesh;
+        let mesh = &model.mesh;
         // Repetition `t` of a vertex stands at the vertex plus `t`; each is one vertex of the repeated mesh.
         let mut corners = Vec::new();
         for (index, triangle) in mesh.triangles.iter().enumerate() {
@@ -73,15 +74,13 @@ impl RayScene {
             [p[0] + f64::from(*x), p[1] + f64::from(*y), p[2]].map(|c| c as f32)
         };
         let vertices = distinct.iter().map(vertex).collect();
-        let caster = &self.model.caster;
-        let mut answers: Vec<f32> = self.nearest.par_iter().with_min_len(CHUNK).map(|r| r.nearest(caster)).collect();
+        let caster = &model.caster;
+        let mut answers: Vec<f32> = nearest.par_iter().with_min_len(CHUNK).map(|r| r.nearest(caster)).collect();
         let blocked = |ray: &StudyRay| f32::from(u8::from(ray.is_blocked(caster)));
-        answers.par_extend(self.any.par_iter().with_min_len(CHUNK).map(blocked));
-        Ok(Dump { vertices, triangles, nearest: self.nearest.clone(), any: self.any.clone(), answers })
+        answers.par_extend(any.par_iter().with_min_len(CHUNK).map(blocked));
+        Ok(Self { vertices, triangles, nearest: nearest.to_vec(), any: any.to_vec(), answers })
     }
-}
 
-impl Dump {
     /// A tree of the repeated mesh.
     pub(super) fn tree(&self) -> TriangleTree {
         let corner = |vertex: u32| Vec3A::from_array(self.vertices[vertex as usize]);

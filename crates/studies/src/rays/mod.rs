@@ -1,18 +1,19 @@
 //! Rays per second of the periodic caster, for the rays that making a flat BTF casts.
 
 mod dump;
+mod ray;
 
 pub use dump::{Dump, DumpError};
+pub use ray::StudyRay;
 
-use brdfc_flat_btf::caster::{LIFT, PeriodicCaster};
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::parameterise::ParameteriseError;
 use brdfc_flat_btf::structures::Structure;
-use brdfc_flat_btf::triangle_tree::Segment;
-use brdfc_formats::direction::{Vector, add_scaled, dot, from_polar};
+use brdfc_flat_btf::surface::LIFT;
+use brdfc_formats::direction::{add_scaled, dot, from_polar};
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_source::address::AddressError;
-use glam::Vec3A;
+use ray::CHUNK;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -25,12 +26,8 @@ const VIEWS: usize = 16;
 const STEEPEST: f64 = 80.0;
 /// Rounds of stretch-reducing reweighting: where texels are matters little here.
 const ROUNDS: usize = 2;
-/// Ends of rays are moved on by this much, in tiles: the lowest triangles lie on them.
-const MARGIN: f32 = 1e-4;
 /// Runs, of which the fastest counts.
 const RUNS: usize = 5;
-/// Rays that a thread takes at once.
-const CHUNK: usize = 1 << 12;
 
 /// Rates of one structure.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -80,51 +77,6 @@ pub enum RayStudyError {
     Parameterise(#[from] ParameteriseError),
 }
 
-/// A ray as other programs get it: numbers in single precision, which we cast too.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StudyRay {
-    /// Where it begins, in tiles.
-    pub origin: [f32; 3],
-    /// Unit vector.
-    pub direction: [f32; 3],
-    /// Distance at which it has left the heights of the surface, in tiles.
-    pub end: f32,
-}
-
-impl StudyRay {
-    fn new(origin: Vector, direction: Vector, [low, high]: [f64; 2]) -> Self {
-        let border = if direction[2] > 0.0 { high } else { low };
-        let end = (border - origin[2]) / direction[2];
-        let single = |v: Vector| v.map(|c| c as f32);
-        Self { origin: single(origin), direction: single(direction), end: end as f32 }
-    }
-
-    fn vectors(&self) -> (Vector, Vector) {
-        (self.origin.map(f64::from), self.direction.map(f64::from))
-    }
-
-    /// Distance to what it meets first; infinite where it meets nothing.
-    fn segment(&self) -> Segment {
-        let [origin, direction] = [self.origin, self.direction].map(Vec3A::from_array);
-        Segment { origin, direction, length: self.end + MARGIN }
-    }
-
-    fn nearest(&self, caster: &PeriodicCaster) -> f32 {
-        let (origin, direction) = self.vectors();
-        caster.nearest(origin, direction).map_or(f32::INFINITY, |hit| hit.distance as f32)
-    }
-
-    fn is_blocked(&self, caster: &PeriodicCaster) -> bool {
-        let (origin, direction) = self.vectors();
-        caster.is_blocked(origin, direction)
-    }
-
-    fn tiles(&self, caster: &PeriodicCaster) -> usize {
-        let (origin, direction) = self.vectors();
-        caster.tiles(origin, direction, f64::from(self.nearest(caster)))
-    }
-}
-
 /// A structure, and the rays that are cast against it.
 pub struct RayScene {
     address: String,
@@ -135,6 +87,14 @@ pub struct RayScene {
 }
 
 impl RayScene {
+    /// Surface and rays for other programs: the surface repeated as far as the rays go.
+    ///
+    /// # Errors
+    /// When that takes too many triangles.
+    pub fn dump(&self) -> Result<Dump, DumpError> {
+        Dump::new(&self.model, &self.nearest, &self.any)
+    }
+
     /// The structure at an address without its prefix, and rays of `texels` x `texels` texels.
     ///
     /// # Errors

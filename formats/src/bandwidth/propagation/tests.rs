@@ -6,7 +6,8 @@ const fn bandwidth(spatial: f32, angular: f32) -> Bandwidth {
     Bandwidth { spatial, angular }
 }
 
-const SURFACE: Surface = Surface { cos_incoming: 0.5, cos_outgoing: 0.5, curvature: 2.0, lobe: 4.0, texture: 3.0 };
+const SURFACE: BandwidthSurface =
+    BandwidthSurface { cos_incoming: 0.5, cos_outgoing: 0.5, curvature: 2.0, lobe: 4.0, texture: 3.0 };
 
 #[test]
 fn each_operator_by_hand() {
@@ -27,11 +28,11 @@ fn a_bounce_by_hand() {
     assert_eq!(bandwidth(1.0, 2.0).one_bounce(3.0, SURFACE, 2.0), bandwidth(43.0, 90.0));
     // Each parameter matters.
     for (changed, field) in [
-        (Surface { cos_incoming: 0.25, ..SURFACE }, "cos_incoming"),
-        (Surface { cos_outgoing: 0.25, ..SURFACE }, "cos_outgoing"),
-        (Surface { curvature: 1.0, ..SURFACE }, "curvature"),
-        (Surface { lobe: 3.0, ..SURFACE }, "lobe"),
-        (Surface { texture: 2.0, ..SURFACE }, "texture"),
+        (BandwidthSurface { cos_incoming: 0.25, ..SURFACE }, "cos_incoming"),
+        (BandwidthSurface { cos_outgoing: 0.25, ..SURFACE }, "cos_outgoing"),
+        (BandwidthSurface { curvature: 1.0, ..SURFACE }, "curvature"),
+        (BandwidthSurface { lobe: 3.0, ..SURFACE }, "lobe"),
+        (BandwidthSurface { texture: 2.0, ..SURFACE }, "texture"),
     ] {
         assert_ne!(bandwidth(1.0, 2.0).one_bounce(3.0, changed, 2.0), bandwidth(43.0, 90.0), "{field}");
     }
@@ -39,7 +40,7 @@ fn a_bounce_by_hand() {
 
 #[test]
 fn nothing_in_nothing_out() {
-    let surface = Surface { texture: 0.0, ..SURFACE };
+    let surface = BandwidthSurface { texture: 0.0, ..SURFACE };
     assert_eq!(Bandwidth::default().one_bounce(7.0, surface, 9.0), Bandwidth::default());
     assert_eq!(BandwidthAverage::default().mean(), Bandwidth::default());
     assert_eq!(BandwidthAverage::default().add(bandwidth(3.0, 4.0), 0.0).mean(), Bandwidth::default());
@@ -50,10 +51,10 @@ fn nothing_in_nothing_out() {
 /// Around a ball of radius ½ from 4 away, the viewer's angle to the normal turns by `1 + d' / (R cos θo)`.
 #[test]
 fn albedo_varies_with_the_viewers_angle() {
-    let ball = Surface { cos_outgoing: 0.5, curvature: 2.0, ..SURFACE };
+    let ball = BandwidthSurface { cos_outgoing: 0.5, curvature: 2.0, ..SURFACE };
     assert_eq!(ball.albedo(4.0).angular, 0.5 * (1.0 + 4.0 * 2.0 / 0.5));
-    assert_eq!(Surface { lobe: 0.0, ..ball }.albedo(4.0), Bandwidth::default());
-    assert_eq!(Surface { lobe: 0.25, ..ball }.albedo(4.0).angular, 0.25 * 17.0);
+    assert_eq!(BandwidthSurface { lobe: 0.0, ..ball }.albedo(4.0), Bandwidth::default());
+    assert_eq!(BandwidthSurface { lobe: 0.25, ..ball }.albedo(4.0).angular, 0.25 * 17.0);
 }
 
 #[test]
@@ -75,15 +76,15 @@ fn parts_of_sums_add_up() {
 
 #[test]
 fn a_plane_under_a_distant_light_varies_with_direction_alone() {
-    let plane = Surface { curvature: 0.0, texture: 0.0, ..SURFACE };
+    let plane = BandwidthSurface { curvature: 0.0, texture: 0.0, ..SURFACE };
     for (light, lobe) in [(10.0, 4.0), (3.0, 4.0)] {
-        let seen = Bandwidth::distant(light).one_bounce(0.0, Surface { lobe, ..plane }, 50.0);
+        let seen = Bandwidth::distant(light).one_bounce(0.0, BandwidthSurface { lobe, ..plane }, 50.0);
         assert_eq!(seen, bandwidth(0.0, lobe.min(light)));
     }
     // Not so a texture, a curved surface, or a light close by.
-    let textured = Surface { texture: 1.0, ..plane };
+    let textured = BandwidthSurface { texture: 1.0, ..plane };
     assert_eq!(Bandwidth::distant(3.0).one_bounce(0.0, textured, 50.0), bandwidth(2.0, 103.0));
-    assert!(Bandwidth::distant(3.0).one_bounce(0.0, Surface { curvature: 0.1, ..plane }, 50.0).spatial > 0.0);
+    assert!(Bandwidth::distant(3.0).one_bounce(0.0, BandwidthSurface { curvature: 0.1, ..plane }, 50.0).spatial > 0.0);
     assert!(bandwidth(1.0, 3.0).one_bounce(1.0, plane, 50.0).spatial > 0.0);
 }
 
@@ -92,7 +93,7 @@ fn a_plane_under_a_distant_light_varies_with_direction_alone() {
 #[test]
 fn a_mirror_ball_shows_what_geometry_says() {
     for (radius, distance, cosine, light) in [(0.5, 4.0, 1.0, 3.0), (0.1, 2.0, 0.5, 7.0), (2.0, 0.25, 0.25, 1.5)] {
-        let ball = Surface {
+        let ball = BandwidthSurface {
             cos_incoming: cosine,
             cos_outgoing: cosine,
             curvature: 1.0 / radius,
@@ -112,7 +113,7 @@ fn everything_stays_finite() {
         for angular in all {
             for texture in all {
                 for cosine in [0.0, 1e-30, 1.0] {
-                    let surface = Surface {
+                    let surface = BandwidthSurface {
                         cos_incoming: cosine,
                         cos_outgoing: cosine,
                         curvature: 1e9,

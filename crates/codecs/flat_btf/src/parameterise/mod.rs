@@ -11,27 +11,31 @@
 //! weights stay positive, which is all that it takes for a map without flipped triangles (Gortler, Gotsman and Thurston
 //! 2006, "Discrete one-forms on meshes and applications to 3D mesh parameterization").
 
+mod error;
 mod tilt;
 mod walk;
 mod weights;
 
-use super::mesh::PeriodicMesh;
+pub use error::{MAX_VERTICES, ParameteriseError, RESIDUAL_LIMIT};
+
+use super::mesh::{PeriodicMesh, corner_coordinates, twice_area};
 use super::stretch::{Stretch, measure, vertex_stretch};
-use tilt::{DRIFT_LIMIT, solve};
+use tilt::solve;
 use weights::mean_value_weights;
 
 /// Parameters of a mesh.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Parameterisation {
+pub struct SurfaceParameterisation {
     /// `(u, v)` of each vertex. A corner in another tile has these plus the tile.
     pub coordinates: Vec<[f64; 2]>,
     /// What was measured.
-    pub report: ParameterisationReport,
+    pub report: SurfaceParameterisationReport,
 }
 
 /// How good a parameterisation is.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-pub struct ParameterisationReport {
+#[schemars(rename = "ParameterisationReport")]
+pub struct SurfaceParameterisationReport {
     /// Largest difference of a vertex from the weighted mean of its neighbours, in tiles.
     pub residual: f64,
     /// Length of the tilt `θ`, per tile.
@@ -45,58 +49,6 @@ pub struct ParameterisationReport {
     /// Rounds of reweighting that lowered the stretch.
     pub rounds: usize,
 }
-
-/// Why a surface cannot be laid flat.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum ParameteriseError {
-    /// The linear system has no usable solution.
-    #[error("parameterisation: found a residual of {found:e} tiles; allowed at most {RESIDUAL_LIMIT:e}")]
-    Residual {
-        /// Residual.
-        found: f64,
-    },
-    /// The solver gave up.
-    #[error("parameterisation: the linear system cannot be solved: {reason}")]
-    Singular {
-        /// What the solver says.
-        reason: String,
-    },
-    /// No tilt was found that stops the drift.
-    #[error(
-        "parameterisation: found weights that drift by {found:e} tiles a step whatever their tilt; allowed at most \
-         {DRIFT_LIMIT:e} (angles may be too thin)"
-    )]
-    Drift {
-        /// The drift that is left.
-        found: f64,
-    },
-    /// More vertices than can be laid flat in a reasonable time.
-    #[error("vertices: found {found}; allowed at most {MAX_VERTICES}")]
-    TooLarge {
-        /// How many.
-        found: usize,
-    },
-    /// Stopped by the caller.
-    #[error("cancelled")]
-    Cancelled,
-    /// Triangles lie upside down: angles so thin that arithmetic fails.
-    #[error(
-        "parameterisation: found {count} flipped triangles, the first at ({:.4}, {:.4}, {:.4}); allowed none (its \
-         angles may be too thin)",
-        .at[0], .at[1], .at[2]
-    )]
-    Flipped {
-        /// How many.
-        count: usize,
-        /// A corner of the first, in tiles.
-        at: [f64; 3],
-    },
-}
-
-/// Largest residual of the linear system, in tiles.
-pub const RESIDUAL_LIMIT: f64 = 1e-9;
-/// Most vertices of a surface.
-pub const MAX_VERTICES: usize = 1 << 20;
 
 /// Most calls of its watcher that [`parameterise`] plans for: each of its solutions takes about [`tilt::STEPS`].
 pub fn steps(rounds: usize) -> usize {
@@ -116,7 +68,7 @@ pub fn parameterise(
     mesh: &PeriodicMesh,
     rounds: usize,
     go_on: &dyn Fn() -> bool,
-) -> Result<Parameterisation, ParameteriseError> {
+) -> Result<SurfaceParameterisation, ParameteriseError> {
     if mesh.positions.len() > MAX_VERTICES {
         return Err(ParameteriseError::TooLarge { found: mesh.positions.len() });
     }
@@ -144,22 +96,15 @@ pub fn parameterise(
     if count > 0 {
         return Err(ParameteriseError::Flipped { count, at });
     }
-    let report =
-        ParameterisationReport { residual: best.residual, tilt: best.tilt, flipped: 0, before, after, rounds: used };
-    Ok(Parameterisation { coordinates: best.coordinates, report })
-}
-
-/// Parameters of the corners of a triangle.
-pub fn corner_coordinates(mesh: &PeriodicMesh, coordinates: &[[f64; 2]], triangle: usize) -> [[f64; 2]; 3] {
-    mesh.triangles[triangle].map(|corner| {
-        let c = coordinates[corner.vertex as usize];
-        [c[0] + f64::from(corner.tile[0]), c[1] + f64::from(corner.tile[1])]
-    })
-}
-
-/// Twice the signed area of a triangle of parameters; positive when its corners go counter-clockwise.
-pub fn twice_area([a, b, c]: [[f64; 2]; 3]) -> f64 {
-    (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])
+    let report = SurfaceParameterisationReport {
+        residual: best.residual,
+        tilt: best.tilt,
+        flipped: 0,
+        before,
+        after,
+        rounds: used,
+    };
+    Ok(SurfaceParameterisation { coordinates: best.coordinates, report })
 }
 
 /// Number of triangles without positive area, and where the first is.
@@ -186,12 +131,12 @@ mod tests {
         mesh
     }
 
-    fn largest_move(mesh: &PeriodicMesh, found: &Parameterisation) -> f64 {
+    fn largest_move(mesh: &PeriodicMesh, found: &SurfaceParameterisation) -> f64 {
         let off = |(p, c): (&[f64; 3], &[f64; 2])| (p[0] - c[0]).abs().max((p[1] - c[1]).abs());
         mesh.positions.iter().zip(&found.coordinates).map(off).fold(0.0, f64::max)
     }
 
-    fn laid_flat(mesh: &PeriodicMesh, rounds: usize) -> Result<Parameterisation, ParameteriseError> {
+    fn laid_flat(mesh: &PeriodicMesh, rounds: usize) -> Result<SurfaceParameterisation, ParameteriseError> {
         parameterise(mesh, rounds, &|| true)
     }
 

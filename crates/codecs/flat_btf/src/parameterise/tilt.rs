@@ -12,14 +12,12 @@
 //! correction of `h`. The second derivative of `log ρ` is the variance of `t_ij + u_j - u_i - c`.
 
 use super::super::sparse::Symbolic;
+use super::error::{DRIFT_LIMIT, ParameteriseError, RESIDUAL_LIMIT};
 use super::walk::{Solver, Walk};
 use super::weights::Edge;
-use super::{ParameteriseError, RESIDUAL_LIMIT};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Drift at which the tilt is found, in tiles.
-pub(super) const DRIFT_LIMIT: f64 = 1e-12;
 /// How far the logarithms of the rows' sums may then be from one another.
 const UNEVENNESS_LIMIT: f64 = 1e-9;
 /// Newton's steps towards the tilt: four or five are usual.

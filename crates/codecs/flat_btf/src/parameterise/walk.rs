@@ -9,7 +9,7 @@
 //! of linear equations", ORTHOMIN).
 
 use super::super::sparse::{Cholesky, FactorError, Symbolic};
-use super::ParameteriseError;
+use super::error::ParameteriseError;
 use super::weights::Edge;
 use std::collections::VecDeque;
 use std::sync::Arc;

@@ -1,7 +1,7 @@
 //! Studs whose caps overhang their necks, on a gently curved base.
 
 use super::noise::{lattice, mix, periodic_fractal, smooth_step};
-use super::{HEIGHT, RESOLUTION, SEED, Sample, StructureInfo, Surface};
+use super::relief::{HEIGHT, RESOLUTION, Relief, SEED, Sample, StructureInfo};
 use crate::mesh::VertexMaterial;
 use brdfc_source::analytic::Parameter;
 use std::f64::consts::FRAC_PI_2;
@@ -81,7 +81,7 @@ impl Buttons {
     }
 }
 
-impl Surface for Buttons {
+impl Relief for Buttons {
     fn line(&self, v: f64) -> Box<dyn Fn(f64) -> Sample + '_> {
         Box::new(move |u| self.sample(u, v))
     }

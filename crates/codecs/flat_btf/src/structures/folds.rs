@@ -1,7 +1,7 @@
 //! Cloth in folds that lean over, woven of two yarns.
 
 use super::noise::{gradient_noise, lattice, mix, periodic_fractal, smooth_step};
-use super::{HEIGHT, RESOLUTION, SEED, Sample, StructureInfo, Surface};
+use super::relief::{HEIGHT, RESOLUTION, Relief, SEED, Sample, StructureInfo};
 use crate::mesh::VertexMaterial;
 use brdfc_formats::direction::Vector;
 use brdfc_source::analytic::Parameter;
@@ -84,7 +84,7 @@ impl Folds {
     }
 }
 
-impl Surface for Folds {
+impl Relief for Folds {
     /// Parameters of the cloth are lengths: along a line they are spent evenly, so that steep places get their share of
     /// vertices and stripes keep their width.
     fn line(&self, v: f64) -> Box<dyn Fn(f64) -> Sample + '_> {

@@ -1,7 +1,7 @@
 //! A knitted fabric: columns of V-shaped stitches of twisted yarn.
 
 use super::noise::{lattice, mix, periodic_fractal, smooth_step};
-use super::{HEIGHT, RESOLUTION, SEED, Sample, StructureInfo, Surface};
+use super::relief::{HEIGHT, RESOLUTION, Relief, SEED, Sample, StructureInfo};
 use crate::mesh::VertexMaterial;
 use brdfc_source::analytic::Parameter;
 use std::f64::consts::TAU;
@@ -102,7 +102,7 @@ impl Knit {
     }
 }
 
-impl Surface for Knit {
+impl Relief for Knit {
     fn line(&self, v: f64) -> Box<dyn Fn(f64) -> Sample + '_> {
         Box::new(move |u| self.sample(u, v))
     }

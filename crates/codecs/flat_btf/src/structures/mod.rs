@@ -8,59 +8,27 @@ mod button;
 mod folds;
 mod knit;
 pub mod noise;
+mod relief;
 mod sponge;
 #[cfg(test)]
 mod tests;
 
-use super::mesh::{PeriodicMesh, VertexMaterial};
-use brdfc_formats::direction::{Vector, subtract};
+pub use relief::StructureInfo;
+
+use super::mesh::PeriodicMesh;
+use brdfc_formats::direction::subtract;
 use brdfc_source::address::{AddressError, canonical_address, describe, find_named, parse_parameters, split_query};
-use brdfc_source::analytic::Parameter;
 use rayon::prelude::*;
-
-/// A point of a surface, and what the surface is made of there.
-type Sample = (Vector, VertexMaterial);
-
-/// A surface over the parameter plane. The point is near `(u, v, 0)`; z is not yet centred.
-trait Surface: Sync {
-    /// The line of the surface at `v`, as a function of `u`.
-    fn line(&self, v: f64) -> Box<dyn Fn(f64) -> Sample + '_>;
-}
-
-/// A procedural structure: its name, parameters and materials.
-#[derive(Debug, Clone, Copy)]
-pub struct StructureInfo {
-    /// The name in addresses.
-    pub name: &'static str,
-    /// What it is, in few words.
-    pub meaning: &'static str,
-    /// Its parameters, in the order of the canonical form; the first three are those of every structure.
-    pub parameters: &'static [Parameter],
-    /// Addresses of the materials that its weights blend, in their order; tints come on top.
-    pub materials: &'static [&'static str],
-    /// Builds the surface from one value per parameter, in order.
-    build: fn(&[f64]) -> Box<dyn Surface>,
-}
+use relief::Sample;
 
 /// All structures.
 pub const STRUCTURES: [&StructureInfo; 4] = [&button::INFO, &folds::INFO, &knit::INFO, &sponge::INFO];
-
-const RESOLUTION: Parameter =
-    Parameter::integer("resolution", [16.0, 1024.0], 192.0, "points of the mesh along either side of the tile");
-const HEIGHT: Parameter = Parameter::number("height", [0.0, 2.0], 1.0, "scale of the relief; 0: a flat plane");
-const SEED: Parameter = Parameter::integer("seed", [0.0, 999_999.0], 1.0, "of what is random");
 
 /// A structure with values for its parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Structure {
     info: &'static StructureInfo,
     values: Vec<f64>,
-}
-
-impl PartialEq for StructureInfo {
-    fn eq(&self, other: &Self) -> bool {
-        self.name == other.name
-    }
 }
 
 impl Structure {
@@ -87,7 +55,7 @@ impl Structure {
         canonical_address(self.info.name, self.info.parameters, &values)
     }
 
-    /// Addresses of the materials that [`VertexMaterial::weights`] of the mesh refer to, each with an albedo below 1.
+    /// Addresses of the materials that [`VertexMaterial::weights`](super::mesh::VertexMaterial::weights) of the mesh refer to, each with an albedo below 1.
     pub fn default_materials(&self) -> &'static [&'static str] {
         self.info.materials
     }

@@ -1,7 +1,7 @@
 //! A sponge: pores of several sizes in a rough surface.
 
 use super::noise::{gradient_noise, lattice, mix, periodic_fractal, smooth_step};
-use super::{HEIGHT, RESOLUTION, SEED, Sample, StructureInfo, Surface};
+use super::relief::{HEIGHT, RESOLUTION, Relief, SEED, Sample, StructureInfo};
 use crate::mesh::VertexMaterial;
 use brdfc_source::analytic::Parameter;
 
@@ -77,7 +77,7 @@ impl Sponge {
     }
 }
 
-impl Surface for Sponge {
+impl Relief for Sponge {
     fn line(&self, v: f64) -> Box<dyn Fn(f64) -> Sample + '_> {
         Box::new(move |u| self.sample(u, v))
     }

@@ -1,8 +1,9 @@
 //! What holds for all structures, and what sets each apart.
 
+use super::relief::Relief;
 use super::*;
 use crate::mesh::Corner;
-use brdfc_formats::direction::{DirectionPair, cross, dot, from_polar};
+use brdfc_formats::direction::{DirectionPair, Vector, cross, dot, from_polar};
 use brdfc_source::Tally;
 use brdfc_source::address::parse_synth;
 use brdfc_source::analytic::ParameterKind;
@@ -11,7 +12,7 @@ fn mesh(text: &str) -> PeriodicMesh {
     Structure::parse(text).unwrap().mesh()
 }
 
-fn surface(text: &str) -> Box<dyn Surface> {
+fn surface(text: &str) -> Box<dyn Relief> {
     let structure = Structure::parse(text).unwrap();
     (structure.info.build)(&structure.values)
 }

@@ -4,6 +4,11 @@ use brdfc_formats::FormatError;
 use brdfc_formats::direction::Vector;
 use std::fmt;
 
+/// Farthest that a surface rises above or falls below the reference plane, in tiles.
+pub const TALLEST: f64 = 16.0;
+/// Farthest that a triangle reaches along x or y, in tiles.
+pub const WIDEST: f64 = 64.0;
+
 /// Geometry that is no surface over the tile. Vertices and triangles are counted from 0, in the order of the mesh;
 /// lengths and places are in the file's unit.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -150,13 +155,10 @@ pub enum MesoError {
     #[error("materials: found {}: {}; allowed at most 4", .0.len(), .0.join(", "))]
     Materials(Vec<String>),
     /// A surface that rises or falls too far.
-    #[error("heights: found {} to {} tiles; allowed {} tiles above and below the reference plane at most", .0[0], .0[1], super::TALLEST)]
+    #[error("heights: found {} to {} tiles; allowed {} tiles above and below the reference plane at most", .0[0], .0[1], TALLEST)]
     Tall([f64; 2]),
     /// A triangle that reaches over too many tiles.
-    #[error(
-        "triangle {triangle}: found that it reaches over {found:.0} tiles; allowed {} along each axis",
-        super::WIDEST
-    )]
+    #[error("triangle {triangle}: found that it reaches over {found:.0} tiles; allowed {} along each axis", WIDEST)]
     Wide {
         /// Which.
         triangle: usize,

@@ -5,7 +5,7 @@ mod identify;
 mod sliver;
 mod topology;
 
-pub use error::MesoError;
+pub use error::{MesoError, TALLEST, WIDEST};
 pub use identify::TOLERANCE;
 
 use super::mesh::{Corner, MAX_MATERIALS, PeriodicMesh, VertexMaterial};
@@ -13,15 +13,12 @@ use brdfc_formats::direction::Vector;
 use brdfc_formats::meso::TriangleMesh;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use sliver::in_first_tile;
 use topology::EdgeError;
 
 /// Farthest coordinate along any axis, in tiles.
 const MAX_TILES: f64 = 1e6;
 
-/// Farthest that a surface rises above or falls below the reference plane, in tiles.
-pub const TALLEST: f64 = 16.0;
-/// Farthest that a triangle reaches along x or y, in tiles.
-pub const WIDEST: f64 = 64.0;
 /// Tiles that triangles may reach over, together: some for each triangle, and as many for all.
 const MOST_SPREAD: [u64; 2] = [16, 1 << 20];
 
@@ -299,12 +296,6 @@ fn duplicates(triangles: &[[Corner; 3]]) -> Vec<bool> {
     let pairs = keys.windows(2).filter(|pair| pair[0].0 == pair[1].0);
     pairs.for_each(|pair| duplicate[pair[1].1] = true);
     duplicate
-}
-
-/// Shifts a triangle by whole tiles so that its lowest corner along each axis is in the first.
-fn in_first_tile(corners: [Corner; 3]) -> [Corner; 3] {
-    let lowest = [0, 1].map(|axis| corners.iter().map(|corner| corner.tile[axis]).min().unwrap_or(0));
-    corners.map(|corner| Corner { tile: [0, 1].map(|axis| corner.tile[axis] - lowest[axis]), ..corner })
 }
 
 /// The surface through a height map, one vertex in the middle of each pixel.

@@ -1,6 +1,5 @@
 //! Triangles whose three corners lie in a line, as tools leave them where a vertex stands on an edge.
 
-use super::in_first_tile;
 use super::topology::{self, EdgeKey};
 use crate::mesh::{Corner, PeriodicMesh};
 use brdfc_formats::direction::{Vector, cross, dot, subtract};
@@ -71,4 +70,10 @@ fn mend_some(surface: &mut PeriodicMesh, flat: &[usize]) -> usize {
         exchanged += 1;
     }
     exchanged
+}
+
+/// Shifts a triangle by whole tiles so that its lowest corner along each axis is in the first.
+pub fn in_first_tile(corners: [Corner; 3]) -> [Corner; 3] {
+    let lowest = [0, 1].map(|axis| corners.iter().map(|corner| corner.tile[axis]).min().unwrap_or(0));
+    corners.map(|corner| Corner { tile: [0, 1].map(|axis| corner.tile[axis] - lowest[axis]), ..corner })
 }

@@ -23,7 +23,7 @@ fn integrand(source: &dyn Source, incoming: Vector, outgoing: Vector) -> f64 {
 }
 
 /// Incoming directions and inverse densities of a run of samples.
-fn drawn(pack: &ImportancePack, outgoing: Vector, first: u32, count: u32) -> Vec<(Vector, f64)> {
+fn samples_of(pack: &ImportancePack, outgoing: Vector, first: u32, count: u32) -> Vec<(Vector, f64)> {
     let narrow = outgoing.map(|c| c as f32);
     let sample = |k| {
         let (incoming, inverse) = pack.sample(narrow, first + k);
@@ -34,7 +34,7 @@ fn drawn(pack: &ImportancePack, outgoing: Vector, first: u32, count: u32) -> Vec
 
 /// The albedo from a run of samples.
 fn estimate(source: &dyn Source, pack: &ImportancePack, outgoing: Vector, first: u32, count: u32) -> f64 {
-    let sum: f64 = drawn(pack, outgoing, first, count)
+    let sum: f64 = samples_of(pack, outgoing, first, count)
         .into_iter()
         .map(|(incoming, inverse)| if inverse > 0.0 { integrand(source, incoming, outgoing) * inverse } else { 0.0 })
         .sum();
@@ -108,7 +108,7 @@ fn lambert_in_a_white_furnace_shows_its_albedo() {
 fn inverse_densities_sum_to_solid_angles() {
     let pack = pack(source("synth:ggx?kd=0.3&alpha=0.4").as_ref());
     for outgoing in directions() {
-        let samples = drawn(&pack, outgoing, 0, 1024);
+        let samples = samples_of(&pack, outgoing, 0, 1024);
         let mean = |value: &dyn Fn(&Vector) -> f64| {
             samples.iter().map(|(incoming, inverse)| value(incoming) * inverse).sum::<f64>() / 1024.0
         };
@@ -216,7 +216,7 @@ fn a_wrong_jacobian_is_noticed() {
         let wrong = quadrature(outgoing, |_| 1.0, |incoming| integrand(white.as_ref(), incoming, outgoing));
         assert!((wrong - 1.0).abs() > 0.1, "{outgoing:?}: {wrong}");
         // So for samples whose density is taken per steradian of half vectors.
-        let samples = drawn(&pack, outgoing, 0, 1024);
+        let samples = samples_of(&pack, outgoing, 0, 1024);
         let wrong: f64 = samples
             .iter()
             .filter(|(_, inverse)| *inverse > 0.0)
@@ -236,7 +236,7 @@ fn variances(source: &dyn Source, pack: &ImportancePack, references: &[(Vector, 
     let mut sums = [0.0; 2];
     for (outgoing, albedo) in references {
         let relative = |incoming| integrand(source, incoming, *outgoing) / albedo;
-        let ours: f64 = drawn(pack, *outgoing, 0, 1024)
+        let ours: f64 = samples_of(pack, *outgoing, 0, 1024)
             .into_iter()
             .map(|(incoming, inverse)| (if inverse > 0.0 { relative(incoming) * inverse } else { 0.0 } - 1.0).powi(2))
             .sum();

@@ -1,7 +1,7 @@
 //! Flat BTFs of procedural structures, built in memory.
 
-use brdfc_flat_btf::flatten::{ComputedField, FlatView as Flattened, Holes, visible};
 use brdfc_flat_btf::indirection::indirection;
+use brdfc_flat_btf::light_field::{ComputedField, FlattenedView, Holes, visible};
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::structures::Structure;
 use brdfc_flat_btf::surface::Appearance;
@@ -39,7 +39,7 @@ pub fn parts(
     let mut flat_views = Vec::new();
     for (view, towards) in towards.iter().enumerate() {
         let mask = visible(&map, &model.caster, *towards);
-        let flat = Flattened::new(&field, view, &mask, Holes::PushPull).unwrap();
+        let flat = FlattenedView::new(&field, view, &mask, Holes::PushPull).unwrap();
         let mut packed = Vec::with_capacity(texels * texels * from.len());
         for (light, from) in from.iter().enumerate() {
             let image = flat.image(light).unwrap();

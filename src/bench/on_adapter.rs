@@ -1,6 +1,7 @@
 //! Studies that need a graphics adapter.
 
-use super::{Arguments, Study, StudyResult};
+use super::arguments::Arguments;
+use super::studies::{Study, StudyResult};
 use crate::output::{make_folder, remark, write_file};
 use crate::table::plain;
 use crate::{CliError, Common, graphics_environment};
@@ -218,12 +219,12 @@ fn images_text(rows: &[ImageRow]) -> String {
             cells
         })
         .collect();
-    let drawn = rows.iter().find_map(|row| row.adapter.as_ref()).map_or(String::new(), adapter);
+    let adapter = rows.iter().find_map(|row| row.adapter.as_ref()).map_or(String::new(), adapter);
     plain(&header, &cells)
         + &format!(
             "\nCloth, 512 x 512 pixels of 4 samples, 4:1, 8 bits; mean and standard deviation of ΔE of CIE L*a*b* over\n\
              surfaces, against the source. '--ranking visible --bias 0.0003', but for 'by default'. Pack and table are drawn\n\
              on the CPU, the table whole and at 16 bits: what the grid alone loses.\n\
-             Met: at most {PAPER_MEAN} and {PAPER_SIGMA}, the paper's velvet. Shader: {drawn}.\n"
+             Met: at most {PAPER_MEAN} and {PAPER_SIGMA}, the paper's velvet. Shader: {adapter}.\n"
         )
 }

@@ -11,7 +11,7 @@ const LOWEST_VIEW: f64 = 0.02;
 
 /// A point on a surface, seen from somewhere.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SurfacePoint {
+pub struct ShadingPoint {
     /// World space.
     pub position: Vector,
     /// Unit vector.
@@ -30,7 +30,7 @@ pub struct SurfacePoint {
     pub uv: [f64; 2],
 }
 
-impl SurfacePoint {
+impl ShadingPoint {
     /// The point of a hit, seen from `eye`.
     pub fn new(part: &Part, hit: &Hit, eye: Vector) -> Self {
         Self::bumped(&part.mesh, part.surface.bump.as_ref(), hit, eye)
@@ -118,7 +118,7 @@ mod tests {
 
     #[test]
     fn the_frame_is_that_of_the_vertices() {
-        let point = SurfacePoint::new(&part(), &MIDDLE, [0.0, 3.0, 4.0]);
+        let point = ShadingPoint::new(&part(), &MIDDLE, [0.0, 3.0, 4.0]);
         assert_eq!(point.tangent, [1.0, 0.0, 0.0]);
         assert_eq!(point.bitangent, [0.0, 1.0, 0.0]);
         let to_eye = subtract([0.0, 3.0, 4.0], point.position);
@@ -130,7 +130,7 @@ mod tests {
     fn local_vectors_come_back() {
         let mut part = part();
         part.mesh.vertices.iter_mut().for_each(|vertex| vertex.normal = [0.36, 0.48, 0.8]);
-        let point = SurfacePoint::new(&part, &MIDDLE, [0.0, 3.0, 4.0]);
+        let point = ShadingPoint::new(&part, &MIDDLE, [0.0, 3.0, 4.0]);
         let back = point.world(point.local([0.2, -0.5, 0.7]));
         assert!((0..3).all(|k| (back[k] - [0.2, -0.5, 0.7][k]).abs() < 1e-12), "{back:?}");
         assert_ne!(point.local([0.2, -0.5, 0.7]), back);
@@ -138,7 +138,7 @@ mod tests {
 
     #[test]
     fn from_behind_the_normal_is_turned() {
-        let point = SurfacePoint::new(&part(), &MIDDLE, [0.0, 3.0, -4.0]);
+        let point = ShadingPoint::new(&part(), &MIDDLE, [0.0, 3.0, -4.0]);
         assert_eq!(point.normal, [0.0, 0.0, -1.0]);
         assert!(point.outgoing[2] > 0.0);
         assert_eq!(point.bitangent, cross(point.normal, point.tangent));
@@ -148,7 +148,7 @@ mod tests {
     #[test]
     fn coordinates_follow_the_frame_from_both_sides() {
         for height in [4.0, -4.0] {
-            let at = |barycentric| SurfacePoint::new(&part(), &Hit { barycentric, ..MIDDLE }, [0.0, 3.0, height]);
+            let at = |barycentric| ShadingPoint::new(&part(), &Hit { barycentric, ..MIDDLE }, [0.0, 3.0, height]);
             let [a, b] = [[0.25, 0.5], [0.35, 0.3]].map(at);
             let step = a.local(subtract(b.position, a.position));
             // The square has sides of 2 and coordinates of 0 to 1.
@@ -162,7 +162,7 @@ mod tests {
         for vertex in &mut part.mesh.vertices {
             vertex.normal = [0.99, 0.0, 0.141_067_4];
         }
-        let point = SurfacePoint::new(&part, &MIDDLE, [0.5 - 0.72, 0.0, 2.91]);
+        let point = ShadingPoint::new(&part, &MIDDLE, [0.5 - 0.72, 0.0, 2.91]);
         assert!(point.outgoing[2] > 0.9 * LOWEST_VIEW && point.outgoing[2] < 1.1 * LOWEST_VIEW, "{point:?}");
         assert!((dot(point.normal, point.normal) - 1.0).abs() < 1e-12);
         assert!(dot(point.normal, point.tangent).abs() < 1e-12);

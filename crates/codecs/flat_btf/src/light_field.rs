@@ -4,7 +4,7 @@
 
 use super::caster::PeriodicCaster;
 use super::fill::{Poisson, PushPull};
-use super::indirect::Bounces;
+use super::interreflection::Bounces;
 use super::surface::{Appearance, SurfacePoint};
 use super::texels::TexelMap;
 use brdfc_formats::direction::{Vector, dot};
@@ -119,11 +119,11 @@ impl LightField for ComputedField<'_> {
 }
 
 /// For each light, the image that holes are filled after: every texel as the view that sees it most from above shows it.
-pub struct Guide {
+pub struct FillGuide {
     images: Vec<Vec<[f32; 3]>>,
 }
 
-impl Guide {
+impl FillGuide {
     /// Gathers the guide from the views in `order`, most from above first. Texels that no view sees are filled from
     /// those around them.
     ///
@@ -161,7 +161,7 @@ impl Guide {
 }
 
 /// One view of a flat BTF, ready to give its images.
-pub struct FlatView<'a, F: LightField> {
+pub struct FlattenedView<'a, F: LightField> {
     field: &'a F,
     view: F::View,
     seen: Vec<u32>,
@@ -172,7 +172,7 @@ pub struct FlatView<'a, F: LightField> {
 enum Fill<'a> {
     Black,
     PushPull(PushPull),
-    Poisson(Poisson, &'a Guide),
+    Poisson(Poisson, &'a FillGuide),
 }
 
 /// What becomes of texels that a view does not see.
@@ -183,10 +183,10 @@ pub enum Holes<'a> {
     /// Filled by push-pull.
     PushPull,
     /// Filled by Poisson inpainting after this guide.
-    Poisson(&'a Guide),
+    Poisson(&'a FillGuide),
 }
 
-impl<'a, F: LightField> FlatView<'a, F> {
+impl<'a, F: LightField> FlattenedView<'a, F> {
     /// A view with the texels that it sees.
     ///
     /// # Errors
@@ -275,7 +275,7 @@ mod tests {
             let field = field(&mesh, &texels, &caster, &material, [&views, &lights], (samples, &lit));
             let mask = visible(&texels, &caster, views[0]);
             assert!(mask.iter().all(|seen| *seen));
-            let flat = FlatView::new(&field, 0, &mask, Holes::PushPull).unwrap();
+            let flat = FlattenedView::new(&field, 0, &mask, Holes::PushPull).unwrap();
             for (light, direction) in lights.iter().enumerate() {
                 let Ok(image) = flat.image(light);
                 assert!(image.iter().all(|v| (f64::from(v[1]) - 0.5 * direction[2]).abs() < 1e-6));
@@ -293,7 +293,7 @@ mod tests {
         let lit = lit(&texels, &caster, &lights);
         let field = ComputedField::new(&texels, &material, &views, &lights, &lit);
         let Ok(image) =
-            FlatView::new(&field, 0, &visible(&texels, &caster, views[0]), Holes::PushPull).unwrap().image(0);
+            FlattenedView::new(&field, 0, &visible(&texels, &caster, views[0]), Holes::PushPull).unwrap().image(0);
         let dark = image.iter().filter(|v| v[0] == 0.0).count();
         let (mut turned_away, mut shadowed) = (0, 0);
         for (point, lit) in texels.points.iter().zip(&lit[0]) {
@@ -316,12 +316,12 @@ mod tests {
         let lit = lit(&texels, &caster, &lights);
         let field = ComputedField::new(&texels, &material, &views, &lights, &lit);
         let masks: Vec<Vec<bool>> = views.iter().map(|view| visible(&texels, &caster, *view)).collect();
-        let guide = Guide::new(&field, &masks, &from_above(&views), 1).unwrap();
+        let guide = FillGuide::new(&field, &masks, &from_above(&views), 1).unwrap();
         let known: Vec<bool> = (0..64 * 64).map(|t| masks.iter().any(|mask| mask[t])).collect();
         let all: Vec<u32> = (0..64 * 64).collect();
         let Ok(truth) = field.values(&field.view(0, all).unwrap(), 0);
         let error = |holes| {
-            let Ok(image) = FlatView::new(&field, 1, &masks[1], holes).unwrap().image(0);
+            let Ok(image) = FlattenedView::new(&field, 1, &masks[1], holes).unwrap().image(0);
             let off = |t: &usize| f64::from((image[*t][0] - truth[*t][0]).abs());
             let seen: f64 = (0..64 * 64).filter(|t| masks[1][*t]).map(|t| off(&t)).sum();
             assert_eq!(seen, 0.0, "what is seen stays");

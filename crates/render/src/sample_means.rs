@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 /// An image of means over the samples of each pixel. `radiance` has the linear RGB of sample `(pixel, sample)`, or
 /// `None` where no surface is; samples are added up in their order.
-pub(super) fn sampled(
+pub(super) fn sample_means(
     scene: &Scene,
     frame: Frame,
     radiance: impl Fn(usize, usize) -> Option<Vector> + Sync,

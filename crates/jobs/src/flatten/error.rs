@@ -1,0 +1,51 @@
+//! Why flattening fails.
+
+use brdfc_flat_btf::parameterise::ParameteriseError;
+use brdfc_formats::FormatError;
+use brdfc_source::InputError;
+use brdfc_source::progress::Cancelled;
+use std::convert::Infallible;
+use std::path::Path;
+
+/// Why a flat BTF cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum FlattenError {
+    /// The surface cannot be laid flat.
+    #[error(transparent)]
+    Parameterise(ParameteriseError),
+    /// A pack cannot hold it.
+    #[error("{0}")]
+    Pack(#[from] FormatError),
+    /// An image cannot be read.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// A file cannot be written.
+    #[error("{path}: cannot write: {error}")]
+    Write {
+        /// Which.
+        path: String,
+        /// What the system says.
+        error: std::io::Error,
+    },
+    /// The caller asked to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+impl FlattenError {
+    pub(super) fn write(path: &Path, error: std::io::Error) -> Self {
+        Self::Write { path: path.display().to_string(), error }
+    }
+}
+
+impl From<ParameteriseError> for FlattenError {
+    fn from(error: ParameteriseError) -> Self {
+        if error == ParameteriseError::Cancelled { Cancelled.into() } else { Self::Parameterise(error) }
+    }
+}
+
+impl From<Infallible> for FlattenError {
+    fn from(never: Infallible) -> Self {
+        match never {}
+    }
+}

@@ -1,0 +1,40 @@
+//! Why a job fails.
+
+use brdfc_formats::FormatError;
+use brdfc_source::InputError;
+use brdfc_source::progress::Cancelled;
+use brdfc_wavelet::encode::EncodeError;
+
+/// Why a material, or the environment, failed.
+#[derive(Debug, thiserror::Error)]
+pub enum JobError {
+    /// The source.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// The encoder.
+    #[error(transparent)]
+    Encode(EncodeError),
+    /// The caller asked to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// A map that its own layout refuses: a fault of the program.
+    #[error("{0}")]
+    Map(FormatError),
+    /// A file that cannot be written.
+    #[error("{path}: cannot write: {error}")]
+    Write {
+        /// Which.
+        path: String,
+        /// What the system says.
+        error: std::io::Error,
+    },
+}
+
+impl From<EncodeError> for JobError {
+    fn from(error: EncodeError) -> Self {
+        match error {
+            EncodeError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            other => Self::Encode(other),
+        }
+    }
+}

@@ -1,0 +1,213 @@
+//! What a kind of file that has reflectance is to the one who opens it.
+
+use super::Source;
+use super::error::InputError;
+use super::read::read_all;
+use super::scan::ScanSummary;
+use super::words::{bytes, percent};
+use brdfc_formats::FormatError;
+use brdfc_formats::direction::Parameterisation;
+use brdfc_formats::wavelet::ErrorSummary;
+use std::fs::File;
+use std::path::Path;
+
+/// What kind of input it is, with what is worth knowing about it.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum Facts {
+    /// An analytic model.
+    Synth {
+        /// The address with all parameters.
+        address: String,
+    },
+    /// A MERL table.
+    Merl {
+        /// Samples along theta_h, theta_d and phi_d.
+        dimensions: [usize; 3],
+        /// Cells with a measurement.
+        valid_cells: usize,
+        /// Cells without.
+        invalid_cells: usize,
+    },
+    /// A scattered scan.
+    Scan {
+        /// Wavelengths in nm; empty for RGB columns.
+        wavelengths: Vec<f64>,
+        /// Counts.
+        #[serde(flatten)]
+        summary: ScanSummary,
+    },
+    /// An RGL material.
+    Rgl {
+        /// What the file says of itself.
+        description: String,
+        /// Incoming azimuths measured.
+        azimuths: usize,
+        /// Incoming polar angles measured.
+        polar_angles: usize,
+        /// Rows and columns of the colour tensor per incoming direction.
+        resolution: [usize; 2],
+        /// Colour channels or wavelengths in the file.
+        channels: usize,
+    },
+    /// A wavelet pack.
+    WaveletPack {
+        /// What the two hemispheres are.
+        parameterisation: Parameterisation,
+        /// Cells per axis and hemisphere.
+        grid: usize,
+        /// Levels of detail.
+        levels: u32,
+        /// Finest level that holds slices.
+        stored_levels: u32,
+        /// 1 or 3.
+        channels: u32,
+        /// Bits per component.
+        bits: u32,
+        /// Slices kept, the zero slice not counted.
+        slices_kept: usize,
+        /// `μ`, 1/sr.
+        mean: f32,
+        /// `ε`.
+        bias: f32,
+        /// Bytes on a GPU.
+        gpu_bytes: u64,
+        /// Codec error: decoded samples against the table they were made from.
+        on_grid: ErrorSummary,
+        /// The filtered pack against its source at random direction pairs.
+        off_grid: ErrorSummary,
+    },
+}
+
+impl Facts {
+    /// Measured samples that came in; 0 for models.
+    pub fn samples(&self) -> u64 {
+        match self {
+            Self::Synth { .. } => 0,
+            Self::Merl { valid_cells, .. } => *valid_cells as u64,
+            Self::Scan { summary, .. } => summary.rows as u64,
+            Self::Rgl { azimuths, polar_angles, resolution, .. } => {
+                (azimuths * polar_angles * resolution[0] * resolution[1]) as u64
+            }
+            Self::WaveletPack { grid, slices_kept, .. } => (grid * grid * slices_kept) as u64,
+        }
+    }
+
+    /// Lines for people: names and values.
+    pub fn in_words(&self) -> Vec<(&'static str, String)> {
+        match self {
+            Self::Synth { address } => vec![("kind", "analytic model".to_owned()), ("address", address.clone())],
+            Self::Merl { dimensions: [h, d, p], valid_cells, invalid_cells } => vec![
+                ("kind", "MERL table".to_owned()),
+                ("samples (theta_h x theta_d x phi_d)", format!("{h} x {d} x {p}")),
+                ("azimuths cover", if *p == 4 * d { "a full turn" } else { "half a turn" }.to_owned()),
+                ("valid cells", format!("{valid_cells} of {}", valid_cells + invalid_cells)),
+            ],
+            Self::Scan { wavelengths, summary } => {
+                let s = summary;
+                let isotropic = if s.isotropic {
+                    "taken as isotropic: all rows have one azimuth of incidence"
+                } else {
+                    "anisotropic: several azimuths of incidence"
+                };
+                let spectrum = match (wavelengths.first(), wavelengths.last()) {
+                    (Some(first), Some(last)) => format!("{} wavelengths, {first} to {last} nm", wavelengths.len()),
+                    _ => "RGB columns".to_owned(),
+                };
+                let mut lines = vec![
+                    ("kind", "scattered scan".to_owned()),
+                    ("rows", format!("{} ({} distinct direction pairs)", s.rows, s.distinct)),
+                    ("material", isotropic.to_owned()),
+                    ("values", spectrum),
+                    ("largest difference of repeated rows", percent(s.largest_disagreement)),
+                    ("rows with negative channels, raised to 0", s.negative.to_string()),
+                    ("rows that are all 0", s.zero.to_string()),
+                ];
+                if s.left_out > 0 {
+                    lines.push(("rows left out, at or below the horizon", s.left_out.to_string()));
+                }
+                lines
+            }
+            Self::Rgl { description, azimuths, polar_angles, resolution: [rows, columns], channels } => vec![
+                ("kind", "RGL material".to_owned()),
+                ("description", description.clone()),
+                ("incoming directions", format!("{azimuths} azimuths x {polar_angles} polar angles")),
+                ("outgoing directions of each", format!("{rows} x {columns}")),
+                ("channels", if *channels == 3 { "RGB".to_owned() } else { format!("{channels} wavelengths") }),
+            ],
+            Self::WaveletPack {
+                parameterisation,
+                grid,
+                levels,
+                stored_levels,
+                channels,
+                bits,
+                slices_kept,
+                mean,
+                bias,
+                gpu_bytes,
+                on_grid,
+                off_grid,
+            } => vec![
+                ("kind", "wavelet pack".to_owned()),
+                ("grid", format!("{grid} x {grid} per hemisphere, {}", parameterisation.name())),
+                ("levels of detail", format!("{levels}, stored up to {stored_levels}")),
+                ("texels", format!("{channels} channels, {bits} bits")),
+                ("slices kept", format!("{slices_kept} of {}", grid * grid)),
+                ("mean μ, bias ε", format!("{mean} 1/sr, {bias}")),
+                ("bytes on a GPU", bytes(*gpu_bytes)),
+                ("error on the grid (codec)", errors_in_words(on_grid)),
+                ("error off the grid (against the source)", errors_in_words(off_grid)),
+            ],
+        }
+    }
+}
+
+fn errors_in_words(errors: &ErrorSummary) -> String {
+    let ratio = |value: f32| percent(f64::from(value));
+    format!(
+        "ε_r {} (95 %: {}, 99 %: {}, largest: {}), ε {:.3e} 1/sr, reciprocity {}",
+        ratio(errors.relative_mean),
+        ratio(errors.relative_p95),
+        ratio(errors.relative_p99),
+        ratio(errors.relative_max),
+        errors.rms,
+        ratio(errors.reciprocity)
+    )
+}
+
+/// An input, ready for evaluation.
+pub struct Opened {
+    /// Evaluates it.
+    pub source: Box<dyn Source>,
+    /// What it is.
+    pub facts: Facts,
+}
+
+/// A kind of file that has reflectance.
+pub struct Format {
+    /// What its files' names end with, in lower case.
+    pub extension: &'static str,
+    /// What people call it.
+    pub name: &'static str,
+    /// Reads it.
+    pub(crate) open: fn(InputFile<'_>) -> Result<Opened, InputError>,
+}
+
+/// A file that is open, and not read yet.
+pub(crate) struct InputFile<'a> {
+    pub(crate) path: &'a Path,
+    pub(crate) file: File,
+    /// 0 for pipes.
+    pub(crate) length: u64,
+    /// The level of detail that is asked for.
+    pub(crate) level: Option<f32>,
+}
+
+impl InputFile<'_> {
+    /// Reads the whole file, and what is in it.
+    pub(crate) fn parse<T>(self, parse: impl FnOnce(&[u8]) -> Result<T, FormatError>) -> Result<T, InputError> {
+        let bytes = read_all(self.path, self.file, self.length)?;
+        parse(&bytes).map_err(|error| InputError::format(self.path, error))
+    }
+}

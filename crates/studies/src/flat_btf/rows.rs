@@ -1,0 +1,100 @@
+//! Settings and figures of the study.
+
+use super::apparent::ApparentSizes;
+use super::grids::GridRow;
+use super::paper::PaperModel;
+use brdfc_formats::flat_btf::IndirectionHeader;
+use serde::Serialize;
+
+/// What the study computes.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct StudySettings {
+    /// Texels of ordinary BTF images per side.
+    pub texels: usize,
+    /// Texels of flat BTFs per side, a power of two.
+    pub flat_texels: usize,
+    /// Rays per texel and axis.
+    pub oversampling: usize,
+    /// Polar angles and azimuths of the indirection map; it has as many texels as the images.
+    pub indirection: [u32; 2],
+    /// Its largest polar angle, degrees.
+    pub largest_angle: f64,
+    /// Rounds of stretch-reducing reweighting at most.
+    pub rounds: usize,
+    /// Name of the set of directions, for views and lights.
+    pub directions: String,
+    /// How many these are.
+    pub count: usize,
+}
+
+impl StudySettings {
+    /// The header of the map.
+    pub(super) fn map_header(&self) -> IndirectionHeader {
+        let [zenith_samples, azimuth_samples] = self.indirection;
+        let largest_angle = self.largest_angle.to_radians() as f32;
+        IndirectionHeader { size: self.texels as u32, zenith_samples, azimuth_samples, largest_angle }
+    }
+}
+
+/// All figures of one model.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct ModelRow {
+    /// The structure's address.
+    pub model: String,
+    /// The paper's model that it stands for.
+    pub paper_model: &'static str,
+    /// Table 1.
+    pub reconstruction: ReconstructionRow,
+    /// Table 2.
+    pub coherency: CoherencyRow,
+    /// Table 3.
+    pub apparent: ApparentSizes,
+    /// Figure 10: both grids of views.
+    pub grids: Vec<GridRow>,
+    /// Stretch of the parameterisation.
+    pub parameterisation: brdfc_flat_btf::parameterise::SurfaceParameterisationReport,
+    /// Share of texels that a view sees, mean over the views.
+    pub seen: f64,
+    /// What the paper found.
+    pub paper: PaperModel,
+}
+
+/// Table 1: difference in L*a*b* between BTF images computed directly and rebuilt by equation 1 from what packs hold, the
+/// indirection map and the packed values, at the sampled views.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct ReconstructionRow {
+    /// Mean over all texels of all images, holes filled by Poisson inpainting.
+    pub mean: f64,
+    /// The same with holes filled by push-pull.
+    pub mean_push_pull: f64,
+    /// The mean with exact indirections in place of the map: what the flat BTF alone loses.
+    pub mean_exact_indirection: f64,
+    /// Largest mean of an image.
+    pub largest_image: f64,
+    /// Variance of the means of images.
+    pub image_variance: f64,
+    /// Largest difference of a single texel.
+    pub largest_texel: f64,
+}
+
+/// Table 2: variance over the views, in L*a*b*, mean over lights.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct CoherencyRow {
+    /// Ordinary BTF.
+    pub btf: Spread,
+    /// Flat BTF with holes filled by push-pull.
+    pub push_pull: Spread,
+    /// Flat BTF with holes filled by Poisson inpainting.
+    pub poisson: Spread,
+    /// Flat BTF, only what is seen.
+    pub visible: Spread,
+}
+
+/// Mean and maximum over texels.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct Spread {
+    /// Mean.
+    pub mean: f64,
+    /// Maximum.
+    pub max: f64,
+}

@@ -1,0 +1,57 @@
+//! Flags of `brdfc bench`.
+
+use super::studies::Study;
+use clap::Args;
+use std::path::PathBuf;
+
+/// Repeat a study of the papers, with the paper's own figures beside ours.
+///
+/// Timings of single stages are criterion benchmarks: 'cargo bench'.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  brdfc bench
+  brdfc bench --json > table-1.json
+  brdfc bench --study flat-btf synth:knit --texels 64 --flat-texels 128
+  brdfc bench --study rays synth:folds
+  brdfc bench --study throughput
+  brdfc bench --study level-of-detail --out frames
+  brdfc bench --study images paint.brdf metal.bsdf synth:velvet
+  brdfc bench --study adaptive red-plastic.binary paint.bsdf --environment museum.exr
+  brdfc bench --study pixel-bandwidth red-plastic.binary --environment museum.exr")]
+pub struct Arguments {
+    /// Materials of the studies that draw (default: synth:velvet, and a glossy metal for level-of-detail and those of
+    /// adaptive shading), or structures of flat-btf (default: all four) and of rays (default: synth:button).
+    #[arg(value_name = "INPUT")]
+    pub(super) inputs: Vec<String>,
+    /// Which study.
+    #[arg(long, value_enum, default_value = "wavelet-brdf")]
+    pub(super) study: Study,
+    /// Write the frames of level-of-detail into this folder, or the mesh and the rays of rays.
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
+    /// Texels of the reference plane per side, for flat-btf (default 128) and rays (default 64).
+    #[arg(long, value_name = "N")]
+    pub(super) texels: Option<usize>,
+    /// Texels of flat BTFs per side for flat-btf, a power of two (default: twice those of the plane).
+    #[arg(long, value_name = "N")]
+    pub(super) flat_texels: Option<usize>,
+    /// Views and lights of flat-btf, as for 'brdfc flatten --views' (default: ubo2003).
+    #[arg(long, value_name = "SET")]
+    pub(super) directions: Option<String>,
+    /// Latitude-longitude image, .exr or .hdr, that lights the studies of adaptive shading (default: a sky).
+    #[arg(long, value_name = "FILE")]
+    pub(super) environment: Option<String>,
+    /// Pixels per side of the studies of adaptive shading, 32 to 2048, for pixel-bandwidth 64 and more (default 512).
+    #[arg(long, value_name = "N")]
+    pub(super) pixels: Option<usize>,
+    /// Samples per pixel of their ground truth, 16 to 65536 (default 256).
+    #[arg(long, value_name = "N")]
+    pub(super) truth: Option<usize>,
+    /// Use the adapter whose name contains this (default: the fastest).
+    #[arg(long, value_name = "NAME")]
+    pub(super) adapter: Option<String>,
+    /// Print JSON (schema: 'brdfc schema bench').
+    #[arg(long)]
+    pub(super) json: bool,
+}

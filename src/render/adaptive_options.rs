@@ -1,0 +1,50 @@
+//! Flags of `brdfc render --adaptive`.
+
+use clap::Args;
+use std::path::PathBuf;
+
+/// Flags of `--adaptive`.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Adaptive shading")]
+pub(super) struct AdaptiveOptions {
+    /// Light by the environment alone, and shade only where, and as much as, predicted bandwidth asks for: beside forward
+    /// shading and a ground truth. Point lights, mirrors and shadows are not drawn.
+    #[arg(long)]
+    pub(super) adaptive: bool,
+    /// Latitude-longitude image, .exr or .hdr, that lights the scene (default: the manifest's, or the scene's sky).
+    #[arg(long, value_name = "FILE", requires = "adaptive")]
+    pub(super) environment: Option<PathBuf>,
+    /// Mean samples per pixel if all pixels were shaded (default 64);
+    /// a shaded pixel gets 1 to 1024, more where more shows.
+    #[arg(long, value_name = "X", requires = "adaptive", allow_negative_numbers = true)]
+    pub(super) budget: Option<f32>,
+    /// Factor on predicted bandwidths before levels are chosen: less is faster, more is sharper (default 0.5).
+    #[arg(long, value_name = "X", requires = "adaptive", allow_negative_numbers = true)]
+    pub(super) caution: Option<f32>,
+    /// Incident directions that bandwidth is averaged over, rounded up to a multiple of 4 (default 16).
+    #[arg(long, value_name = "N", requires = "adaptive")]
+    pub(super) bandwidth_directions: Option<u32>,
+    /// Points per pixel: 1 (default), 4 or 16.
+    #[arg(long, value_name = "N", requires = "adaptive")]
+    pub(super) antialias: Option<u32>,
+    /// Samples per point of forward shading (default 32).
+    #[arg(long, value_name = "N", requires = "adaptive")]
+    pub(super) forward: Option<u32>,
+    /// Samples per point of the ground truth, on the CPU (default: 256 per pixel, and twice those of forward shading).
+    #[arg(long, value_name = "N", requires = "adaptive")]
+    pub(super) truth: Option<usize>,
+    /// Bandwidth, levels and variance as it shows side by side, from dark to pale yellow: .png. Bandwidth over 8 octaves and
+    /// variance over 16, up to the largest of the picture; levels from the coarsest to the finest.
+    #[arg(long, value_name = "IMAGE.png", requires = "adaptive")]
+    pub(super) maps: Option<PathBuf>,
+    /// Fail with exit code 1 if the PSNR is below X dB.
+    #[arg(long, value_name = "X", requires = "adaptive", allow_negative_numbers = true)]
+    pub(super) min_psnr: Option<f64>,
+}
+
+impl AdaptiveOptions {
+    /// Points per pixel and axis.
+    pub(super) fn points_per_axis(&self) -> usize {
+        1 << (self.antialias.unwrap_or(1).max(1).ilog2() / 2)
+    }
+}

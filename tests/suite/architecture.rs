@@ -1,0 +1,129 @@
+//! What `docs/ARCHITECTURE.md` names is there.
+//!
+//! In backticks stand paths of files and folders, items as `brdfc_crate::module::item` or
+//! `brdfc_crate::module::Type::item`, and functions of shaders as `file.wgsl::function`. `NAME` and the like in a path are
+//! places to fill in.
+
+use crate::layers::code::{code_of, declares};
+use std::path::{Path, PathBuf};
+
+/// Files whose functions are shaders.
+const SHADER: &str = ".wgsl::";
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// What stands in backticks, line by line, code blocks left out.
+fn quoted(text: &str) -> Vec<Vec<&str>> {
+    let mut in_block = false;
+    let of_line = |line| -> Vec<&str> { str::split(line, '`').skip(1).step_by(2).collect() };
+    text.lines()
+        .map(|line| {
+            let fence = line.trim_start().starts_with("```");
+            in_block ^= fence;
+            if in_block || fence { Vec::new() } else { of_line(line) }
+        })
+        .collect()
+}
+
+/// The folder of a crate, by the name that code has for it.
+fn folder_of(name: &str) -> Option<PathBuf> {
+    let short = name.strip_prefix("brdfc_")?;
+    let folders = [short.to_owned(), format!("crates/{short}"), format!("crates/codecs/{short}")];
+    folders.into_iter().map(|folder| root().join(folder)).find(|folder| folder.join("Cargo.toml").is_file())
+}
+
+/// The file of the module that a path leads into, from the root of the repository, and the names that are left.
+fn module_file<'a>(path: &[&'a str]) -> Option<(PathBuf, Vec<&'a str>)> {
+    let src = folder_of(path.first()?)?.join("src");
+    let (mut file, mut folder, mut used) = (src.join("lib.rs"), src, 1);
+    for name in &path[1..] {
+        let (flat, nested) = (folder.join(format!("{name}.rs")), folder.join(name).join("mod.rs"));
+        let Some(next) = [flat, nested].into_iter().find(|file| file.is_file()) else { break };
+        (file, folder, used) = (next, folder.join(name), used + 1);
+    }
+    Some((file.strip_prefix(root()).unwrap().to_owned(), path[used..].to_vec()))
+}
+
+/// `NAME` and the like.
+fn is_place_to_fill_in(text: &str) -> bool {
+    let is_capital = |part: &str| ["NAME", "VERB", "STUDY"].contains(&part);
+    text.split(['/', '.', '_']).any(is_capital)
+}
+
+/// What is wrong with one quotation, and the file that it leads to.
+fn checked(text: &str) -> Result<Option<PathBuf>, String> {
+    if let Some((file, function)) = text.split_once(SHADER) {
+        let file = format!("{file}.wgsl");
+        let shader = std::fs::read_to_string(root().join(&file)).map_err(|error| format!("{file}: {error}"))?;
+        let found = shader.contains(&format!("fn {function}("));
+        return if found { Ok(Some(file.into())) } else { Err(format!("{file} has no fn {function}")) };
+    }
+    if text.starts_with("brdfc_") && text.contains("::") {
+        let path: Vec<&str> = text.split("::").collect();
+        let (file, items) = module_file(&path).ok_or_else(|| format!("{text}: no such crate"))?;
+        if items.is_empty() || items.len() > 2 {
+            return Err(format!("{text}: {} is a module, or has no module of that name", file.display()));
+        }
+        let code = code_of(&std::fs::read_to_string(root().join(&file)).unwrap());
+        let missing = items.iter().find(|item| !declares(&code, item) && !code.contains(&format!("impl {item} ")));
+        return missing.map_or(Ok(Some(file.clone())), |item| Err(format!("{text}: {} has no {item}", file.display())));
+    }
+    let is_path = text.contains('/') && !text.contains([' ', ':', '(', '=', '²']) && !text.starts_with(['/', '.']);
+    if is_path && !is_place_to_fill_in(text) && !root().join(text).exists() {
+        return Err(format!("{text}: no such file"));
+    }
+    Ok(if is_path { Some(text.into()) } else { None })
+}
+
+#[test]
+fn what_the_map_of_the_house_names_is_there() {
+    let text = std::fs::read_to_string(root().join("docs/ARCHITECTURE.md")).unwrap();
+    let (mut wrong, mut items, mut shaders) = (Vec::new(), 0, 0);
+    for line in quoted(&text) {
+        let files: Vec<_> = line.iter().filter_map(|text| checked(text).ok().flatten()).collect();
+        for text in line {
+            match checked(text) {
+                Err(problem) => wrong.push(problem),
+                // Beside a function stands the file that it is in.
+                Ok(Some(file)) if text.starts_with("brdfc_") => {
+                    items += 1;
+                    if files.iter().filter(|other| **other == file).count() < 2 {
+                        wrong.push(format!("{text} is in {}, which its line does not say", file.display()));
+                    }
+                }
+                Ok(_) => shaders += usize::from(text.contains(SHADER)),
+            }
+        }
+    }
+    assert!(items > 60 && shaders > 20, "{items} items, {shaders} functions of shaders");
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn what_is_not_there_is_seen() {
+    for text in [
+        "brdfc_wavelet::haar::transform",
+        "brdfc_metrics::image::flip::flip",
+        "brdfc_formats::bandwidth::propagation::Bandwidth::flight",
+        "formats/src/wavelet/decode.wgsl::wavelet_brdf_level",
+        "tests/suite/architecture.rs",
+        "formats/src/NAME/spec.md",
+        "cargo test --test suite",
+    ] {
+        assert!(checked(text).is_ok(), "{text}: {:?}", checked(text));
+    }
+    for text in [
+        "brdfc_wavelet::haar::transformed",
+        "brdfc_wavelets::haar::transform",
+        "brdfc_wavelet::hare::transform",
+        "brdfc_formats::bandwidth::propagation::Bandwidth::flown",
+        "formats/src/wavelet/decode.wgsl::wavelet_brdf_levels",
+        "formats/src/wavelet/decoder.wgsl::wavelet_brdf_level",
+        "tests/suite/architect.rs",
+    ] {
+        assert!(checked(text).is_err(), "{text}");
+    }
+    assert_eq!(quoted("a `b` c `d/e`\n```\n`f`\n```\n`g`"), [vec!["b", "d/e"], vec![], vec![], vec![], vec!["g"]]);
+}
