@@ -40,10 +40,10 @@ pub struct Arguments {
     /// What the input is, where its extension does not say.
     #[arg(long, value_enum)]
     kind: Option<Kind>,
-    /// Pixels per side at which each lobe of a material is transformed, a power of two from 32 to 1024 (default: 64, doubled
-    /// to at most 256 as long as a highlight is narrower than that shows).
-    #[arg(long, value_name = "N")]
-    resolution: Option<usize>,
+    /// Pixels per side at which each lobe of a material is transformed: a power of two from 32 to 1024 (default 64), or auto
+    /// to double it, to at most 256, as long as a highlight is narrower than that shows. A note says where it limits values.
+    #[arg(long, value_name = "N|auto")]
+    resolution: Option<String>,
     /// Coefficients whose sum is below this share of the largest one do not count, 0.0001 to 0.1.
     #[arg(long, value_name = "E", default_value_t = DEFAULT_EPSILON)]
     epsilon: f64,
@@ -178,12 +178,14 @@ fn recipe(arguments: &Arguments) -> Result<Recipe, CliError> {
     }
     Ok(match kind {
         Kind::Brdf => {
-            let [least, most] = RESOLUTIONS;
-            let allowed = |side: usize| side.is_power_of_two() && (least..=most).contains(&side);
-            if let Some(side) = arguments.resolution.filter(|side| !allowed(*side)) {
-                return usage(format!("--resolution: found {side}; allowed a power of two from {least} to {most}"));
-            }
-            Recipe::Brdf { resolution: arguments.resolution.map_or(Resolution::Automatic, Resolution::Fixed) }
+            let asked = arguments.resolution.as_deref();
+            let Some(resolution) = asked.map_or(Some(Resolution::default()), Resolution::parse) else {
+                let (found, [least, most]) = (asked.unwrap_or_default(), RESOLUTIONS);
+                return usage(format!(
+                    "--resolution: found {found}; allowed a power of two from {least} to {most}, or auto"
+                ));
+            };
+            Recipe::Brdf { resolution }
         }
         Kind::Environment => Recipe::Environment,
         Kind::Texture => Recipe::Texture(Placement { metres: metres(arguments)?, tiles: !arguments.no_tile }),

@@ -4,6 +4,7 @@
 
 pub mod checks;
 pub mod flat_btf;
+pub mod golden;
 pub mod packs;
 pub mod tensor;
 pub mod wrapped;

@@ -10,6 +10,7 @@ mod direction_weights;
 mod flat_btf;
 mod flat_btf_corrupt;
 mod flat_btf_memory;
+mod golden;
 mod importance;
 mod ktx2_rules;
 mod ktx_parse;

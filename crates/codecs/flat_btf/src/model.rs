@@ -1,8 +1,7 @@
 //! A surface made ready for everything that is asked of it.
 
 use super::caster::PeriodicCaster;
-use super::mesh::PeriodicMesh;
-use super::mesh::corner_coordinates;
+use super::mesh::{PeriodicMesh, corner_coordinates};
 use super::parameterise::{ParameteriseError, SurfaceParameterisation, parameterise};
 use super::surface::{Hit, SurfacePoint};
 use super::texels::{TexelMap, texel_map};

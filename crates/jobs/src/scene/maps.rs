@@ -25,7 +25,7 @@ pub struct MapRecipe {
 
 impl Default for MapRecipe {
     fn default() -> Self {
-        Self { resolution: Resolution::Automatic, epsilon: DEFAULT_EPSILON, samples: ImportanceRecipe::default() }
+        Self { resolution: Resolution::default(), epsilon: DEFAULT_EPSILON, samples: ImportanceRecipe::default() }
     }
 }
 

@@ -1,3 +1,4 @@
 //! Jobs on files.
 
 mod btf_stack;
+mod golden;

@@ -37,7 +37,7 @@ impl Lookups {
     /// # Errors
     /// What the layouts refuse, which the default recipes do not ask for.
     pub fn new(source: &dyn Source) -> Result<Self, FormatError> {
-        let (bandwidth, _) = brdf_map(source, Resolution::Automatic, DEFAULT_EPSILON)?;
+        let (bandwidth, _) = brdf_map(source, Resolution::default(), DEFAULT_EPSILON)?;
         let (samples, _) = importance_samples(source, &ImportanceRecipe::default())?;
         Self::of_packs(source, bandwidth, samples)
     }

@@ -1,8 +1,7 @@
 //! Known answers of adaptive shading, and what it saves.
 
 use super::*;
-use crate::scene::Environment;
-use crate::scene::Scene;
+use crate::scene::{Environment, Scene};
 use crate::scenes::Builtin;
 use crate::shade::SourceReflectance;
 use brdfc_bandwidth::DEFAULT_EPSILON;

@@ -1,0 +1,91 @@
+//! Committed packs that every version must read to the same values.
+
+use super::values::{bandwidth, flat_asset, flat_part, importance, wavelet};
+use super::{Entries, Hashes, changes, folder, hash, lists, tell};
+use brdfc_formats::FormatError;
+use std::collections::BTreeMap;
+
+const EXTENSION: &str = ".ktx2";
+/// What stands in place of a hash where a reader refused a pack.
+const REFUSED: &str = "refused: ";
+
+/// Whether a hash is none.
+pub fn is_refusal(hash: &str) -> bool {
+    hash.starts_with(REFUSED)
+}
+
+/// The committed packs of a codec by file name.
+pub fn packs(codec: &str) -> BTreeMap<String, Vec<u8>> {
+    let Ok(files) = std::fs::read_dir(folder(codec)) else { return BTreeMap::new() };
+    let paths = files.map(|file| file.expect("the corpus can be listed").path());
+    let read = |path: std::path::PathBuf| {
+        let name = path.file_name()?.to_str()?.strip_suffix(EXTENSION)?.to_owned() + EXTENSION;
+        let bytes = std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+        Some((name, bytes))
+    };
+    paths.filter_map(read).collect()
+}
+
+/// Puts a pack into the corpus. One that is there is left as it is: it stands for the version that wrote it.
+pub fn add(codec: &str, name: &str, bytes: &[u8]) {
+    let path = folder(codec).join(name.to_owned() + EXTENSION);
+    if path.exists() {
+        return;
+    }
+    std::fs::create_dir_all(folder(codec)).expect("the codec's folder can be made");
+    std::fs::write(&path, bytes).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    tell(&format!("{codec}/{name}{EXTENSION}: added, {} bytes", bytes.len()));
+}
+
+/// What the decoder of a codec makes of one file. Parts of flat BTFs are told by their names, `NAME.PART.ktx2`.
+pub fn decode(codec: &str, file: &str, bytes: &[u8]) -> Result<Hashes, FormatError> {
+    match codec {
+        "wavelet" => wavelet(bytes),
+        "bandwidth" => bandwidth(bytes),
+        "importance" => importance(bytes),
+        _ => flat_part(asset_and_part(file).1, bytes),
+    }
+}
+
+/// `NAME` and `PART` of `NAME.PART` or `NAME.PART.ktx2`.
+pub fn asset_and_part(file: &str) -> (&str, &str) {
+    let stem = file.strip_suffix(EXTENSION).unwrap_or(file);
+    stem.split_once('.').unwrap_or_else(|| panic!("{file}: a part of a flat BTF is named NAME.PART"))
+}
+
+/// Hashes of one file, or why it was refused.
+pub fn entry(codec: &str, file: &str, bytes: &[u8]) -> Hashes {
+    let mut hashes = decode(codec, file, bytes).unwrap_or_else(refused);
+    hashes.insert("file", hash(bytes));
+    hashes
+}
+
+fn refused(error: FormatError) -> Hashes {
+    Hashes::from([("values", format!("{REFUSED}{error}"))])
+}
+
+/// Hashes of packs by file name; of flat BTFs also those of each asset as a whole, by its name.
+pub fn entries(codec: &str, packs: &BTreeMap<String, Vec<u8>>) -> Entries {
+    let mut entries: Entries = packs.iter().map(|(file, bytes)| (file.clone(), entry(codec, file, bytes))).collect();
+    if codec == "flat_btf" {
+        let mut assets: BTreeMap<&str, BTreeMap<String, Vec<u8>>> = BTreeMap::new();
+        for (file, bytes) in packs {
+            let (asset, part) = asset_and_part(file);
+            assets.entry(asset).or_default().insert(part.to_owned(), bytes.clone());
+        }
+        for (asset, parts) in assets {
+            entries.insert(asset.to_owned(), flat_asset(&parts).unwrap_or_else(refused));
+        }
+    }
+    entries
+}
+
+/// How many of a codec's committed packs are read to other values than listed.
+pub fn moved(codec: &'static str) -> usize {
+    let list = lists::corpus(codec);
+    let found = list.wanted(&list.read(), entries(codec, &packs(codec)));
+    let mut names: Vec<String> =
+        changes(&list.read(), &found).into_iter().filter(|change| change.column != "file").map(|c| c.entry).collect();
+    names.dedup();
+    names.len()
+}

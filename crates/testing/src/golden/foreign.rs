@@ -1,0 +1,123 @@
+//! Other files of the same texture: what `formats/src/container/spec.md` lets a reader accept, and `Texture::to_bytes` never writes.
+
+use std::collections::BTreeMap;
+
+/// Names of the forms that [`form`] makes.
+pub const FORMS: [&str; 3] = ["entries", "sections", "zstandard"];
+
+/// The sections of a file, without its Zstandard frame.
+struct Sections {
+    header: Vec<u8>,
+    descriptor: Vec<u8>,
+    entries: BTreeMap<String, Vec<u8>>,
+    texels: Vec<u8>,
+}
+
+const ZSTANDARD: u32 = 2;
+/// Header and level index.
+const HEAD: usize = 80 + 24;
+
+fn u32_at(bytes: &[u8], at: usize) -> usize {
+    u32::from_le_bytes(bytes[at..at + 4].try_into().expect("four bytes")) as usize
+}
+
+impl Sections {
+    /// Takes a file of our own writer apart.
+    fn of(bytes: &[u8]) -> Self {
+        let section = |at: usize| &bytes[u32_at(bytes, at)..][..u32_at(bytes, at + 4)];
+        let level = &bytes[u32_at(bytes, 80)..][..u32_at(bytes, 88)];
+        let texels = match u32_at(bytes, 44) as u32 {
+            ZSTANDARD => zstd::decode_all(level).expect("our own frame"),
+            _ => level.to_vec(),
+        };
+        let mut entries = BTreeMap::new();
+        let mut rest = section(56);
+        while !rest.is_empty() {
+            let pair = &rest[4..][..u32_at(rest, 0)];
+            let nul = pair.iter().position(|byte| *byte == 0).expect("a key ends with NUL");
+            let key = String::from_utf8(pair[..nul].to_vec()).expect("a key is text");
+            entries.insert(key, pair[nul + 1..].to_vec());
+            rest = &rest[(4 + pair.len()).next_multiple_of(4)..];
+        }
+        Self { header: bytes[..48].to_vec(), descriptor: section(48).to_vec(), entries, texels }
+    }
+
+    /// Head of the file for sections at these places: offset and length of descriptor, entries, global data, level.
+    fn head(&self, scheme: u32, places: [[usize; 2]; 4]) -> Vec<u8> {
+        let [descriptor, entries, global, level] = places;
+        let mut head = self.header.clone();
+        head[44..].copy_from_slice(&scheme.to_le_bytes());
+        head.extend(descriptor.into_iter().chain(entries).flat_map(|n| (n as u32).to_le_bytes()));
+        head.extend(global.into_iter().chain(level).chain([self.texels.len()]).flat_map(|n| (n as u64).to_le_bytes()));
+        head
+    }
+}
+
+/// Entries in this order, with this byte in the padding.
+fn entry_bytes(entries: &[(String, Vec<u8>)], padding: u8) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    for (key, value) in entries {
+        bytes.extend(((key.len() + 1 + value.len()) as u32).to_le_bytes());
+        bytes.extend(key.as_bytes());
+        bytes.push(0);
+        bytes.extend(value);
+        bytes.resize(bytes.len().next_multiple_of(4), padding);
+    }
+    bytes
+}
+
+/// Writes sections in this order, each at the next free byte with that gap before it: 0 descriptor, 1 entries, 2 global
+/// data, 3 level.
+fn write(sections: &Sections, scheme: u32, parts: [&[u8]; 4], order: [(usize, usize); 4]) -> Vec<u8> {
+    let mut places = [[0; 2]; 4];
+    let mut body = Vec::new();
+    for (part, gap) in order {
+        body.resize(body.len() + gap, 0xa5);
+        // What is not there has no place.
+        places[part] = if parts[part].is_empty() { [0; 2] } else { [HEAD + body.len(), parts[part].len()] };
+        body.extend(parts[part]);
+    }
+    [sections.head(scheme, places), body].concat()
+}
+
+/// The file with entries of other writers, the last first, no orientation, padding that is not zero, and one that does not
+/// follow its layout.
+fn other_entries(sections: &Sections) -> Vec<u8> {
+    let mut entries = sections.entries.clone();
+    entries.remove("KTXorientation");
+    entries.insert("KTXwriter".to_owned(), b"another writer 2.1\0".to_vec());
+    entries.insert("KTXwriterScParams".to_owned(), b"--zcmp 19\0".to_vec());
+    entries.insert("org.example.note".to_owned(), b"not ours".to_vec());
+    entries.insert("brdfc.of.a.later.version".to_owned(), vec![1, 2, 3]);
+    let entries: Vec<(String, Vec<u8>)> = entries.into_iter().rev().collect();
+    // A key without an end.
+    let broken = [&7u32.to_le_bytes()[..], b"no end!", &[0xff]].concat();
+    let bytes = [entry_bytes(&entries[..2], 0xff), broken, entry_bytes(&entries[2..], 0xff)].concat();
+    write(sections, 0, [&sections.descriptor, &bytes, &[], &sections.texels], [(0, 0), (1, 0), (2, 0), (3, 5)])
+}
+
+/// The file with its level first at an odd byte, global data that mean nothing, gaps, and bytes behind the end.
+fn other_sections(sections: &Sections) -> Vec<u8> {
+    let entries: Vec<(String, Vec<u8>)> = sections.entries.clone().into_iter().collect();
+    let entries = entry_bytes(&entries, 0);
+    let order = [(3, 7), (1, 2), (2, 1), (0, 3)];
+    let mut bytes = write(sections, 0, [&sections.descriptor, &entries, b"global", &sections.texels], order);
+    bytes.extend([0x5a; 11]);
+    bytes
+}
+
+/// The file with a frame of another level and a checksum, after a gap.
+fn other_frame(sections: &Sections) -> Vec<u8> {
+    let entries: Vec<(String, Vec<u8>)> = sections.entries.clone().into_iter().collect();
+    let mut compressor = zstd::bulk::Compressor::new(19).expect("a level of Zstandard");
+    compressor.include_checksum(true).expect("frames may have checksums");
+    let frame = compressor.compress(&sections.texels).expect("compression into memory does not fail");
+    let parts: [&[u8]; 4] = [&sections.descriptor, &entry_bytes(&entries, 0), &[], &frame];
+    write(sections, ZSTANDARD, parts, [(0, 0), (1, 0), (2, 0), (3, 16)])
+}
+
+/// Another file of the same texture: form `k` of [`FORMS`], of a file that our own writer made.
+pub fn form(k: usize, bytes: &[u8]) -> Vec<u8> {
+    let sections = Sections::of(bytes);
+    [other_entries, other_sections, other_frame][k](&sections)
+}

@@ -1,0 +1,40 @@
+//! The two lists of every codec.
+
+use super::{Column, List};
+
+/// The codecs, each with a folder.
+pub const CODECS: [&str; 4] = ["bandwidth", "flat_btf", "importance", "wavelet"];
+
+/// Packs in the codec's folder, as decoders read them.
+pub fn corpus(codec: &'static str) -> List {
+    const ABOUT: &[&str] = &["Packs beside this file: hashes of the files and of what decoders make of them."];
+    const COLUMNS: &[Column] = &[Column::everywhere("file"), Column::everywhere("values")];
+    const WAVELET: &[Column] = &[
+        Column::everywhere("errors"),
+        Column::everywhere("file"),
+        // The exponential is the C library's.
+        Column::on_one_platform("reflectances"),
+        Column::everywhere("values"),
+    ];
+    let columns = if codec == "wavelet" { WAVELET } else { COLUMNS };
+    List { codec, file: "corpus.toml", about: ABOUT, columns }
+}
+
+/// What encoders make of committed inputs.
+pub fn encodes(codec: &'static str) -> List {
+    const ABOUT: &[&str] = &[
+        "What tests/golden.rs encodes: 'contents' are hashes of what an encoder stores, entries and texels; 'file' of",
+        "all bytes; the others of what decoders make of them. Encoders use ln, exp and trigonometry of the C library.",
+    ];
+    const COLUMNS: &[Column] =
+        &[Column::on_one_platform("contents"), Column::on_one_platform("file"), Column::on_one_platform("values")];
+    const WAVELET: &[Column] = &[
+        Column::on_one_platform("contents"),
+        Column::on_one_platform("errors"),
+        Column::on_one_platform("file"),
+        Column::on_one_platform("reflectances"),
+        Column::on_one_platform("values"),
+    ];
+    let columns = if codec == "wavelet" { WAVELET } else { COLUMNS };
+    List { codec, file: "encode.toml", about: ABOUT, columns }
+}

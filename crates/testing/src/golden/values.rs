@@ -1,0 +1,200 @@
+//! What decoders make of packs, as hashes: every stored value, and look-ups at fixed places.
+//!
+//! The places are found without mathematical functions, and all hashes but the `reflectances` of wavelet packs are of sums,
+//! products, quotients and square roots alone: they hold on every machine.
+
+use super::Hashes;
+use brdfc_formats::FormatError;
+use brdfc_formats::bandwidth::{BandwidthKind, BandwidthMap};
+use brdfc_formats::container::rgb9e5;
+use brdfc_formats::direction::DirectionPair;
+use brdfc_formats::flat_btf::{
+    DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatView, IndirectionMap, NormalMap, PositionMap, ReferenceMap,
+    ViewWeights, VisibilityMask,
+};
+use brdfc_formats::importance::ImportancePack;
+use brdfc_formats::wavelet::{Filter, RowScratch, WaveletDecoder, WaveletPack};
+use std::collections::BTreeMap;
+
+/// Collects numbers as little-endian words.
+#[derive(Default)]
+struct Numbers(blake3::Hasher);
+
+impl Numbers {
+    fn add(&mut self, values: impl IntoIterator<Item = f32>) {
+        self.words(values.into_iter().map(f32::to_bits));
+    }
+
+    fn words(&mut self, words: impl IntoIterator<Item = u32>) {
+        for word in words {
+            self.0.update(&word.to_le_bytes());
+        }
+    }
+
+    fn hash(&self) -> String {
+        self.0.finalize().to_hex().to_string()
+    }
+}
+
+fn values(numbers: &Numbers) -> Hashes {
+    Hashes::from([("values", numbers.hash())])
+}
+
+/// Unit vectors over the hemisphere and some below the horizon, by stereographic projection of a grid.
+fn directions() -> impl Iterator<Item = [f64; 3]> + Clone {
+    (-2..=2).flat_map(|row| {
+        (-2..=2).map(move |column| {
+            let [p, q] = [0.43 * f64::from(column) + 0.05, 0.41 * f64::from(row) - 0.03];
+            let square = p * p + q * q;
+            [2.0 * p, 2.0 * q, 1.0 - square].map(|c| c / (1.0 + square))
+        })
+    })
+}
+
+fn single(v: [f64; 3]) -> [f32; 3] {
+    v.map(|c| c as f32)
+}
+
+/// Points of a plane that repeats, inside the tile and outside.
+fn points() -> impl Iterator<Item = [f32; 2]> + Clone {
+    (0..40).map(|k| [0.173 * k as f32 - 1.3, 0.311 * k as f32 - 4.2])
+}
+
+/// A wavelet pack: `values` are log-encoded, all rows of the table and filtered ones; `reflectances` are what the
+/// exponential makes of them; `errors` are those that the pack says of itself.
+pub fn wavelet(bytes: &[u8]) -> Result<Hashes, FormatError> {
+    let pack = WaveletPack::from_bytes(bytes)?;
+    let decoder = WaveletDecoder::new(&pack);
+    let (mut values, mut reflectances, mut errors) = (Numbers::default(), Numbers::default(), Numbers::default());
+    let h = &pack.header;
+    values.words([h.parameterisation.code(), h.levels, h.stored_levels, h.channels, h.bits, pack.slices() as u32]);
+    values.add([h.mean, h.bias]);
+    let (mut row, mut scratch) = (vec![0.0; h.cells()], RowScratch::default());
+    for cell in 0..h.cells() {
+        for channel in 0..h.channels as usize {
+            decoder.decode_row(cell, channel, &mut row, &mut scratch);
+            values.add(row.iter().copied());
+        }
+    }
+    for pair in directions().flat_map(|i| directions().map(move |o| DirectionPair::new(i, o))) {
+        for (level, filter) in [(9.0, Filter::Nearest), (1.25, Filter::Slices), (0.5, Filter::Bilinear)] {
+            if pair.is_above_horizon() {
+                values.add(decoder.log_value(pair, level, filter));
+            }
+            reflectances.add(decoder.eval(pair, level, filter));
+        }
+    }
+    for e in [pack.on_grid, pack.off_grid] {
+        errors.words([e.samples]);
+        errors.add([e.rms, e.relative_mean, e.relative_p95, e.relative_p99, e.relative_max]);
+        errors.add([e.log_rms, e.cosine_log_rms, e.albedo_max_difference, e.reciprocity]);
+    }
+    let columns = [("values", values), ("reflectances", reflectances), ("errors", errors)];
+    Ok(columns.into_iter().map(|(name, numbers)| (name, numbers.hash())).collect())
+}
+
+/// A bandwidth map of any kind: all its values, and what the look-up of its kind finds.
+pub fn bandwidth(bytes: &[u8]) -> Result<Hashes, FormatError> {
+    let map = BandwidthMap::from_bytes(bytes)?;
+    let mut numbers = Numbers::default();
+    let header = map.header();
+    numbers.words(header.transformed.into_iter().chain(map.size()));
+    numbers.add([header.epsilon]);
+    if let BandwidthKind::Texture { metres, tiles } = header.kind {
+        numbers.add(metres);
+        numbers.words([u32::from(tiles)]);
+    }
+    numbers.add(map.values());
+    for incoming in directions().map(single) {
+        numbers.add([map.environment(incoming)]);
+        numbers.add(directions().map(single).map(|outgoing| map.brdf(incoming, outgoing)));
+    }
+    numbers.add(points().map(|uv| map.texture(uv)));
+    Ok(values(&numbers))
+}
+
+/// An importance-sample pack: all half vectors with their densities, and samples of fixed directions.
+pub fn importance(bytes: &[u8]) -> Result<Hashes, FormatError> {
+    let pack = ImportancePack::from_bytes(bytes)?;
+    let mut numbers = Numbers::default();
+    let header = pack.header();
+    numbers.words([header.polar, header.azimuths, header.samples]);
+    numbers.add(pack.texels().iter().flatten().copied());
+    for outgoing in directions().map(single) {
+        for index in 0..2 * header.samples.min(16) {
+            let (incoming, inverse) = pack.sample(outgoing, index);
+            numbers.add(incoming);
+            numbers.add([inverse]);
+        }
+    }
+    Ok(values(&numbers))
+}
+
+/// One part of a flat BTF by its name: all its values.
+pub fn flat_part(part: &str, bytes: &[u8]) -> Result<Hashes, FormatError> {
+    let mut numbers = Numbers::default();
+    let colours = |texels: &[u32]| texels.iter().flat_map(|texel| rgb9e5::decode(*texel)).collect::<Vec<f32>>();
+    match part {
+        "position" => numbers.add(PositionMap::from_bytes(bytes)?.points().iter().flatten().copied()),
+        "normal" => numbers.add(NormalMap::from_bytes(bytes)?.normals().iter().flatten().copied()),
+        "reference" => numbers.add(ReferenceMap::from_bytes(bytes)?.parameters().iter().flatten().copied()),
+        "diffuse" => numbers.add(colours(DiffuseMap::from_bytes(bytes)?.texels())),
+        "mask" => {
+            let mask = VisibilityMask::from_bytes(bytes)?;
+            let size = mask.size();
+            let texels = (0..mask.views() * size * size).map(|k| [k % size, k / size % size, k / size / size]);
+            numbers.words([size, mask.views()]);
+            numbers.words(texels.map(|[column, row, view]| u32::from(mask.is_seen(view, [column, row]))));
+        }
+        "indirection" => {
+            let map = IndirectionMap::from_bytes(bytes)?;
+            let header = *map.header();
+            numbers.words([header.size, header.zenith_samples, header.azimuth_samples]);
+            numbers.add([header.largest_angle]);
+            for k in 0..header.zenith_samples {
+                for a in 0..=header.azimuth_samples {
+                    let texels = (0..header.size * header.size).map(|t| [t % header.size, t / header.size]);
+                    numbers.add(texels.flat_map(|texel| map.sample(texel, k, a)));
+                }
+            }
+        }
+        _ => {
+            let view = FlatView::from_bytes(bytes)?;
+            let header = view.header();
+            numbers.words([header.size, header.view]);
+            numbers.add(header.views.iter().chain(&header.lights).flatten().copied());
+            numbers.add(colours(view.texels()));
+        }
+    }
+    Ok(values(&numbers))
+}
+
+/// A whole flat BTF from the bytes of its parts by name: what is seen, the light form, and the full form where there are
+/// views.
+pub fn flat_asset(parts: &BTreeMap<String, Vec<u8>>) -> Result<Hashes, FormatError> {
+    let views = parts.iter().filter(|(part, _)| part.starts_with("flat."));
+    let decoder = FlatBtfDecoder::new(FlatBtfParts {
+        reference: ReferenceMap::from_bytes(&parts["reference"])?,
+        indirection: IndirectionMap::from_bytes(&parts["indirection"])?,
+        normal: NormalMap::from_bytes(&parts["normal"])?,
+        diffuse: DiffuseMap::from_bytes(&parts["diffuse"])?,
+        views: views.map(|(_, bytes)| FlatView::from_bytes(bytes)).collect::<Result<_, _>>()?,
+    })?;
+    let count = decoder.parts().views.len() as u32;
+    let lights = decoder.atlas().lights;
+    let mut numbers = Numbers::default();
+    for view in directions().map(single) {
+        for (k, uv) in (0..).zip(points()) {
+            numbers.add(decoder.indirection(uv, view));
+            numbers.add(decoder.light_form(uv, view, view));
+            if count > 0 {
+                let weights = |count: u32| ViewWeights {
+                    indices: [k, k + 1, 2 * k + 1].map(|index| index % count),
+                    weights: if k % 4 == 0 { [1.0, 0.0, 0.0] } else { [0.5, 0.375, 0.125] },
+                };
+                numbers.add(decoder.full(uv, view, weights(count), weights(lights)));
+            }
+        }
+    }
+    Ok(values(&numbers))
+}
