@@ -157,7 +157,7 @@ fn a_changed_byte_of_any_pack_is_noticed() {
 /// What a message says, from which hashes moved.
 #[test]
 fn failures_name_the_half_that_moved() {
-    let said = |list: golden::List, moved: &[&str]| {
+    let said = |list: brdfc_testing::golden::List, moved: &[&str]| {
         let hash = |column: &str, then: bool| if then || !moved.contains(&column) { "old" } else { "new" }.to_owned();
         let hashes = |then| -> Hashes { list.columns.iter().map(|c| (c.name, hash(c.name, then))).collect() };
         let entries = |then| [("pack".to_owned(), hashes(then))].into();
