@@ -1,6 +1,6 @@
 //! Readers of measured data: bytes to typed and checked structs, one file per layout.
 //!
-//! Each layout has a normative page in `formats/spec`. Readers check every length against the data at hand before they
+//! Each layout has a normative page beside its code. Readers check every length against the data at hand before they
 //! ask for memory, and say where, what was found and what is allowed when a file does not follow its layout.
 
 pub mod btf_stack;

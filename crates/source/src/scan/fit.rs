@@ -1,4 +1,5 @@
-//! Moving least squares: a local polynomial through the neighbours of the asked point (DESIGN section 3, "Sources").
+//! Moving least squares: a local polynomial through the neighbours of the asked point
+//! (`docs/inputs.md`, "Tables and scans").
 //!
 //! With offsets `p` from the asked point, in units of the distance to the first neighbour left out, a weight
 //! `(1 - |p|³)³` and the basis `1, p, p pᵀ`, the value of the fit at `p = 0` is its constant term. A second pass weighs down
