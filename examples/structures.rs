@@ -1,6 +1,6 @@
 //! Draws meso-structures, 2 x 2 tiles from 45 degrees and from above, lit by the sun with shadows.
 //!
-//! `cargo run --release --no-default-features --example structures -- FOLDER [STRUCTURE...]`
+//! `cargo run --release --example structures -- FOLDER [STRUCTURE...]`
 //!
 //! A structure is an address without its prefix, such as `knit?count=8`; without any, all are drawn with defaults.
 //! Files are `FOLDER/0.png`, `FOLDER/1.png`, and so on.

@@ -33,7 +33,7 @@ pub enum CliError {
 }
 
 impl CliError {
-    /// The exit code, as the help lists them.
+    /// The exit code that `docs/command-line.md` promises.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::PipeClosed => 0,

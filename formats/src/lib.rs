@@ -1,6 +1,7 @@
 //! Every byte layout that `brdfc` reads or writes, and the CPU decoders of its packs.
 //!
-//! An engine that loads packs links this crate alone. The normative description of each layout is a page in `spec/`.
+//! An engine that loads packs links this crate alone. The normative description of each layout is the page beside its
+//! code: `src/*/spec.md`, and `src/measured/*.md` of measured files.
 //!
 //! Conventions: the local frame is x = tangent, y = bitangent, z = normal; directions are unit vectors that point away
 //! from the surface (`incoming` to the light, `outgoing` to the viewer); values are `f_r` in 1/sr, linear RGB with
@@ -23,3 +24,8 @@ pub mod wavelet;
 
 pub use error::{FormatError, Place};
 pub use kind::{Pack, PackKind};
+
+/// The example of the README compiles.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -1,4 +1,4 @@
-//! The error norms of a comparison, over any number of samples, in a form that merges in order.
+//! The error norms of `docs/accuracy.md`, over any number of samples, in a form that merges in order.
 
 use super::vector_math::ln_1p;
 use brdfc_formats::wavelet::ErrorSummary;
