@@ -5,6 +5,7 @@ use super::caster::STEEPEST_DEGREES;
 use super::model::MesoModel;
 use brdfc_formats::direction::{Vector, from_polar};
 use brdfc_formats::flat_btf::IndirectionHeader;
+use brdfc_source::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 
 /// What is seen through the texels of the reference plane, in the view along the normal and in all sampled views.
@@ -22,14 +23,17 @@ pub struct Indirection {
 /// Casts `oversampling²` rays for each texel and view.
 ///
 /// The value of a texel is the mean over the largest group of its rays that meet the surface close together: a mean over
-/// rays that meet on both sides of a silhouette would be a point that none of them sees. `row_done` is told of each
-/// finished row of texels; once it returns `false` the rest is left out, and there is no result.
+/// rays that meet on both sides of a silhouette would be a point that none of them sees. Each row of
+/// texels is a step.
+///
+/// # Errors
+/// When `progress` cancels.
 pub fn indirection(
     model: &MesoModel,
     header: IndirectionHeader,
     oversampling: usize,
-    row_done: &(dyn Fn() -> bool + Sync),
-) -> Option<Indirection> {
+    progress: &dyn Progress,
+) -> Result<Indirection, Cancelled> {
     let size = header.size as usize;
     let [zeniths, azimuths] = [header.zenith_samples as usize, header.azimuth_samples as usize];
     let views: Vec<Vector> = (0..azimuths)
@@ -57,15 +61,15 @@ pub fn indirection(
             }
         }
         let reference: Vec<[f32; 2]> = reference.iter().map(|(r, _)| r.map(|c| c as f32)).collect();
-        row_done().then_some((reference, displacements))
+        progress.step().map(|()| (reference, displacements))
     };
-    let rows = (0..size).into_par_iter().map(row).collect::<Option<Vec<_>>>()?;
+    let rows = (0..size).into_par_iter().map(row).collect::<Result<Vec<_>, _>>()?;
     let (mut reference, mut displacements) = (Vec::new(), Vec::with_capacity(size * size * views.len()));
     for (r, d) in rows {
         reference.extend(r);
         displacements.extend(d);
     }
-    Some(Indirection { header, reference, displacements })
+    Ok(Indirection { header, reference, displacements })
 }
 
 /// Rays that meet the surface within this many texels of each other belong together.
@@ -135,7 +139,7 @@ mod tests {
     #[test]
     fn a_plane_in_the_reference_plane_has_the_identity_and_no_displacement() {
         let model = MesoModel::new(height_field(6, |_, _| 0.0), 0).unwrap();
-        let found = indirection(&model, HEADER, 2, &|| true).unwrap();
+        let found = indirection(&model, HEADER, 2, &()).unwrap();
         for (index, r) in found.reference.iter().enumerate() {
             let expected = [index % 8, index / 8].map(|c| (c as f32 + 0.5) / 8.0);
             assert!((r[0] - expected[0]).abs() < 1e-6 && (r[1] - expected[1]).abs() < 1e-6);
@@ -147,7 +151,7 @@ mod tests {
     fn a_raised_plane_shifts_by_its_height_times_the_tangent() {
         let height = 0.11;
         let model = MesoModel::new(height_field(6, |_, _| height), 0).unwrap();
-        each(&indirection(&model, HEADER, 1, &|| true).unwrap(), |_, [polar, azimuth], d, z| {
+        each(&indirection(&model, HEADER, 1, &()).unwrap(), |_, [polar, azimuth], d, z| {
             let shift = height * polar.tan();
             let expected = [shift * azimuth.cos(), shift * azimuth.sin()];
             assert!((0..2).all(|k| (f64::from(d[k]) - expected[k]).abs() < 1e-5), "{d:?} {expected:?}");
@@ -161,7 +165,7 @@ mod tests {
         let slope = 0.4;
         let model = MesoModel::new(height_field(32, |x, _| slope * (0.25 - (x - 0.5).abs())), 0).unwrap();
         // Laid flat, the roof is the unit square again: u = x, v = y, by symmetry.
-        each(&indirection(&model, HEADER, 1, &|| true).unwrap(), |[i, j], [polar, azimuth], d, _| {
+        each(&indirection(&model, HEADER, 1, &()).unwrap(), |[i, j], [polar, azimuth], d, _| {
             let (x, y) = ((i as f64 + 0.5) / 8.0, (j as f64 + 0.5) / 8.0);
             if !(0.15..0.35).contains(&x) || polar > 0.7 {
                 return;
@@ -214,7 +218,7 @@ mod tests {
         // A wall: seen from the side, rays of one texel land on its top or far behind.
         let model = MesoModel::new(height_field(64, |x, _| if x > 0.5 { 0.3 } else { 0.0 }), 0).unwrap();
         let header = IndirectionHeader { size: 16, ..HEADER };
-        let found = indirection(&model, header, 4, &|| true).unwrap();
+        let found = indirection(&model, header, 4, &()).unwrap();
         let (mut top, mut ground) = (0, 0);
         each(&found, |[i, _], [polar, azimuth], _, z| {
             // From the right, the edge of the wall's top hides the ground from 0.295 on: inside texel 4.
@@ -231,7 +235,7 @@ mod tests {
         let model = MesoModel::new(bumps(16, 0.3), 0).unwrap();
         let run = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| indirection(&model, HEADER, 2, &|| true).unwrap())
+            pool.install(|| indirection(&model, HEADER, 2, &()).unwrap())
         };
         assert_eq!(run(1), run(4));
     }

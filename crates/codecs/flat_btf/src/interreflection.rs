@@ -9,6 +9,7 @@ use super::surface::{Appearance, SurfacePoint};
 use super::texels::TexelMap;
 use brdfc_formats::container::rgb9e5;
 use brdfc_formats::direction::{Vector, dot, rotate_from_normal};
+use brdfc_source::progress::{Cancelled, Progress};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -37,13 +38,15 @@ impl Bounces {
         (texels * samples) as u64 * (size_of::<Option<[f32; 3]>>() + size_of::<u32>() * lights) as u64
     }
 
-    /// How often `done` is told of so many texels.
+    /// Steps of so many texels.
     pub fn steps(texels: usize) -> usize {
         texels.div_ceil(STEP)
     }
 
-    /// Casts `samples` rays per texel, and shadow rays for every light where they end; `None` as soon as `done`, which is
-    /// told now and then, returns `false`.
+    /// Casts `samples` rays per texel, and shadow rays for every light where they end.
+    ///
+    /// # Errors
+    /// When `progress` cancels.
     pub fn new(
         mesh: &PeriodicMesh,
         texels: &TexelMap,
@@ -51,8 +54,8 @@ impl Bounces {
         appearance: &Appearance,
         lights: &[Vector],
         samples: usize,
-        done: &(dyn Fn() -> bool + Sync),
-    ) -> Option<Self> {
+        progress: &dyn Progress,
+    ) -> Result<Self, Cancelled> {
         let rays = texels.points.len() * samples;
         let (mut directions, mut arriving) = (vec![None; rays], vec![0; rays * lights.len()]);
         let each = directions.par_chunks_mut(samples).zip(arriving.par_chunks_mut(samples * lights.len()));
@@ -78,9 +81,9 @@ impl Bounces {
                     }
                 }
             }
-            (index % STEP != STEP - 1 && index + 1 != texels.points.len() || done()).then_some(())
+            if index % STEP == STEP - 1 || index + 1 == texels.points.len() { progress.step() } else { Ok(()) }
         })?;
-        Some(Self { samples, lights: lights.len(), directions, arriving })
+        Ok(Self { samples, lights: lights.len(), directions, arriving })
     }
 
     /// `π f_r(w_s, v) / S` for the rays of `texels`, one after the other.

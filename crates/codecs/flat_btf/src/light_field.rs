@@ -8,6 +8,7 @@ use super::interreflection::Bounces;
 use super::surface::{Appearance, SurfacePoint};
 use super::texels::TexelMap;
 use brdfc_formats::direction::{Vector, dot};
+use brdfc_source::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 
 /// Where the values of texels come from: a surface and its materials, or measured images.
@@ -30,16 +31,19 @@ pub trait LightField: Sync {
     fn values(&self, view: &Self::View, light: usize) -> Result<Vec<[f32; 3]>, Self::Error>;
 }
 
-/// [`visible`] for each of `directions`; `None` as soon as `done`, which is told of each, returns `false`.
+/// [`visible`] for each of `directions`, a step each.
+///
+/// # Errors
+/// When `progress` cancels.
 pub fn visible_from_each(
     texels: &TexelMap,
     caster: &PeriodicCaster,
     directions: &[Vector],
-    done: &dyn Fn() -> bool,
-) -> Option<Vec<Vec<bool>>> {
+    progress: &dyn Progress,
+) -> Result<Vec<Vec<bool>>, Cancelled> {
     let one = |direction: &Vector| {
         let mask = visible(texels, caster, *direction);
-        done().then_some(mask)
+        progress.step().map(|()| mask)
     };
     directions.iter().map(one).collect()
 }
@@ -240,7 +244,7 @@ mod tests {
     }
 
     fn lit(texels: &TexelMap, caster: &PeriodicCaster, lights: &[Vector]) -> Vec<Vec<bool>> {
-        visible_from_each(texels, caster, lights, &|| true).unwrap()
+        visible_from_each(texels, caster, lights, &()).unwrap()
     }
 
     fn field<'a>(
@@ -255,11 +259,11 @@ mod tests {
         if samples == 0 {
             return field;
         }
-        field.with_bounces(Bounces::new(mesh, texels, caster, material, lights, samples, &|| true).unwrap())
+        field.with_bounces(Bounces::new(mesh, texels, caster, material, lights, samples, &()).unwrap())
     }
 
     fn flat_texels(mesh: &PeriodicMesh, size: usize) -> TexelMap {
-        texel_map(mesh, &parameterise(mesh, 0, &|| true).unwrap().coordinates, size)
+        texel_map(mesh, &parameterise(mesh, 0, &()).unwrap().coordinates, size)
     }
 
     #[test]

@@ -6,6 +6,7 @@ use super::parameterise::{ParameteriseError, SurfaceParameterisation, parameteri
 use super::surface::{Hit, SurfacePoint};
 use super::texels::{TexelMap, texel_map};
 use brdfc_formats::direction::Vector;
+use brdfc_source::progress::Progress;
 
 /// A periodic surface with parameters, ready for rays.
 pub struct MesoModel {
@@ -32,17 +33,17 @@ impl MesoModel {
     /// # Errors
     /// As [`parameterise`].
     pub fn new(mesh: PeriodicMesh, rounds: usize) -> Result<Self, ParameteriseError> {
-        Self::watched(mesh, rounds, &|| true)
+        Self::watched(mesh, rounds, &())
     }
 
-    /// As [`MesoModel::new`]; `go_on` is called about [`steps`]`(rounds)` times, and cancels by returning `false`.
+    /// As [`MesoModel::new`]; `progress` hears of about [`steps`]`(rounds)` steps.
     ///
     /// [`steps`]: super::parameterise::steps
     ///
     /// # Errors
     /// As [`parameterise`].
-    pub fn watched(mesh: PeriodicMesh, rounds: usize, go_on: &dyn Fn() -> bool) -> Result<Self, ParameteriseError> {
-        let parameterisation = parameterise(&mesh, rounds, go_on)?;
+    pub fn watched(mesh: PeriodicMesh, rounds: usize, progress: &dyn Progress) -> Result<Self, ParameteriseError> {
+        let parameterisation = parameterise(&mesh, rounds, progress)?;
         let caster = PeriodicCaster::new(&mesh);
         Ok(Self { mesh, parameterisation, caster })
     }

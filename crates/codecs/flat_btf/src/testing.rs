@@ -1,6 +1,8 @@
 //! Small surfaces for tests.
 
 use super::mesh::{PeriodicMesh, VertexMaterial};
+use brdfc_source::progress::{Cancelled, Progress};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A height field of `n` x `n` vertices at `(column / n, row / n)`.
 pub(crate) fn height_field(n: usize, height: impl Fn(f64, f64) -> f64) -> PeriodicMesh {
@@ -26,4 +28,30 @@ pub(crate) fn overhang(n: usize) -> PeriodicMesh {
         [u + 0.22 * (tau * u).sin(), v, 0.12 * (tau * u).cos() + 0.02 * (tau * v).sin()]
     });
     PeriodicMesh::from_grid(n, n, points.collect(), vec![VertexMaterial::default(); n * n])
+}
+
+/// Stops the work at its `most`th step, and counts.
+pub(crate) struct Patience {
+    most: usize,
+    steps: AtomicUsize,
+}
+
+impl Patience {
+    pub(crate) fn new(most: usize) -> Self {
+        Self { most, steps: AtomicUsize::new(0) }
+    }
+
+    pub(crate) fn steps(&self) -> usize {
+        self.steps.load(Ordering::Relaxed)
+    }
+}
+
+impl Progress for Patience {
+    fn step(&self) -> Result<(), Cancelled> {
+        if 1 + self.steps.fetch_add(1, Ordering::Relaxed) < self.most { Ok(()) } else { Err(Cancelled) }
+    }
+
+    fn part<'a>(&'a self, _: &'a str) -> Box<dyn Progress + 'a> {
+        Box::new(())
+    }
 }

@@ -61,7 +61,7 @@ mod tests {
     #[test]
     fn texels_of_a_plane_are_where_they_are() {
         let mesh = height_field(7, |_, _| 0.25);
-        let found = parameterise(&mesh, 0, &|| true).unwrap();
+        let found = parameterise(&mesh, 0, &()).unwrap();
         let map = texel_map(&mesh, &found.coordinates, 16);
         for (index, point) in map.points.iter().enumerate() {
             let expected = [(index % 16) as f64 / 16.0 + 1.0 / 32.0, (index / 16) as f64 / 16.0 + 1.0 / 32.0, 0.25];
@@ -72,7 +72,7 @@ mod tests {
     #[test]
     fn neighbours_in_parameters_are_neighbours_in_space_across_borders_too() {
         let mesh = overhang(32);
-        let found = parameterise(&mesh, 0, &|| true).unwrap();
+        let found = parameterise(&mesh, 0, &()).unwrap();
         let n = 64;
         let map = texel_map(&mesh, &found.coordinates, n);
         let mut longest = 0.0f64;

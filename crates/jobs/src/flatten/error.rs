@@ -40,7 +40,10 @@ impl FlattenError {
 
 impl From<ParameteriseError> for FlattenError {
     fn from(error: ParameteriseError) -> Self {
-        if error == ParameteriseError::Cancelled { Cancelled.into() } else { Self::Parameterise(error) }
+        match error {
+            ParameteriseError::Cancelled(cancelled) => cancelled.into(),
+            other => Self::Parameterise(other),
+        }
     }
 }
 

@@ -23,7 +23,7 @@ use brdfc_formats::flat_btf::{
     DiffuseMap, FlatBtfDecoder, FlatBtfParts, IndirectionMap, NormalMap, PositionMap, ReferenceMap, VisibilityMask,
 };
 use brdfc_source::btf_stack::BtfStack;
-use brdfc_source::progress::{Cancelled, Progress, Stage};
+use brdfc_source::progress::{Progress, Stage};
 use std::path::Path;
 
 /// Where the values of texels come from.
@@ -64,7 +64,7 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<AssetFile, Fl
     let zip = recipe.supercompress;
 
     progress.stage(Stage::Parameterise, steps(recipe.rounds))?;
-    let model = MesoModel::watched(job.geometry.mesh, recipe.rounds, &|| progress.step().is_ok())?;
+    let model = MesoModel::watched(job.geometry.mesh, recipe.rounds, progress)?;
     let texels = model.texels(recipe.flat_texels);
     let size = recipe.flat_texels as u32;
     let flat = Extent::D2([size, size]);
@@ -76,7 +76,7 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<AssetFile, Fl
 
     let header = recipe.indirection;
     progress.stage(Stage::Indirection, header.size as usize)?;
-    let found = indirection(&model, header, recipe.oversampling, &|| progress.step().is_ok()).ok_or(Cancelled)?;
+    let found = indirection(&model, header, recipe.oversampling, progress)?;
     let reference = ReferenceMap::new(header.size, found.reference)?;
     let mut displacements = found.displacements.into_iter();
     let map = IndirectionMap::from_displacements(header, |_, _, _| displacements.next().expect("one for each view"))?;
@@ -101,9 +101,9 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<AssetFile, Fl
             let mut field = ComputedField::new(&texels, appearance, &views, &lights, &lit);
             if recipe.bounces > 0 {
                 progress.stage(Stage::Bounces, Bounces::steps(texels.points.len()))?;
-                let (mesh, caster, step) = (&model.mesh, &model.caster, || progress.step().is_ok());
-                let bounces = Bounces::new(mesh, &texels, caster, appearance, &lights, recipe.bounces, &step);
-                field = field.with_bounces(bounces.ok_or(Cancelled)?);
+                let (mesh, caster) = (&model.mesh, &model.caster);
+                let bounces = Bounces::new(mesh, &texels, caster, appearance, &lights, recipe.bounces, progress);
+                field = field.with_bounces(bounces?);
             }
             let mut probes = computed_probes(&pass, &decoder, appearance)?;
             let diffuse = pass.run(&field, &mut probes.each(), &mut parts, progress)?;
@@ -159,5 +159,5 @@ fn seen_from(
     progress: &dyn Progress,
 ) -> Result<Vec<Vec<bool>>, FlattenError> {
     progress.stage(stage, directions.len())?;
-    visible_from_each(texels, &model.caster, directions, &|| progress.step().is_ok()).ok_or(Cancelled.into())
+    Ok(visible_from_each(texels, &model.caster, directions, progress)?)
 }

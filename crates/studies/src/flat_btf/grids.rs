@@ -68,7 +68,7 @@ pub fn grid_errors(model: &MesoModel) -> Vec<GridRow> {
 
 /// The stored map of a model, ready to be asked for indirections and for nothing else.
 pub(super) fn stored_map(model: &MesoModel, header: IndirectionHeader) -> FlatBtfDecoder {
-    let found = indirection(model, header, 2, &|| true).expect("nobody stops it");
+    let found = indirection(model, header, 2, &()).expect("nobody stops it");
     let mut displacements = found.displacements.into_iter();
     let map = IndirectionMap::from_displacements(header, |_, _, _| displacements.next().expect("one for each view"));
     let parts = FlatBtfParts {

@@ -51,7 +51,7 @@ impl Poisson {
         let factor = (!holes.is_empty()).then(|| {
             let symbolic = Symbolic::new(holes.len(), &places).expect("no more rows than texels");
             // Weakly diagonally dominant, and every hole ends at a known texel: positive definite.
-            Cholesky::new(&Arc::new(symbolic), &values, &|| true).expect("the matrix is positive definite")
+            Cholesky::new(&Arc::new(symbolic), &values, &()).expect("the matrix is positive definite")
         });
         Self { holes, borders, factor }
     }

@@ -1,5 +1,6 @@
 //! Why a surface cannot be laid flat, and the limits that say so.
 
+use brdfc_source::progress::Cancelled;
 /// Drift at which the tilt is found, in tiles.
 pub(super) const DRIFT_LIMIT: f64 = 1e-12;
 /// Largest residual of the linear system, in tiles.
@@ -37,9 +38,9 @@ pub enum ParameteriseError {
         /// How many.
         found: usize,
     },
-    /// Stopped by the caller.
-    #[error("cancelled")]
-    Cancelled,
+    /// The caller asked to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
     /// Triangles lie upside down: angles so thin that arithmetic fails.
     #[error(
         "parameterisation: found {count} flipped triangles, the first at ({:.4}, {:.4}, {:.4}); allowed none (its \

@@ -20,6 +20,7 @@ pub use error::{MAX_VERTICES, ParameteriseError, RESIDUAL_LIMIT};
 
 use super::mesh::{PeriodicMesh, corner_coordinates, twice_area};
 use super::stretch::{Stretch, measure, vertex_stretch};
+use brdfc_source::progress::Progress;
 use tilt::solve;
 use weights::mean_value_weights;
 
@@ -59,7 +60,7 @@ pub fn steps(rounds: usize) -> usize {
 /// (Yoshizawa, Belyaev and Seidel 2004, "A fast and simple stretch-minimizing mesh parameterization"), as long as the
 /// stretch falls: texels go where the surface is.
 ///
-/// `go_on` is called about [`steps`]`(rounds)` times, and cancels by returning `false`.
+/// `progress` hears of about [`steps`]`(rounds)` steps.
 ///
 /// # Errors
 /// More than [`MAX_VERTICES`], a system that cannot be solved to [`RESIDUAL_LIMIT`], triangles that come out flipped,
@@ -67,7 +68,7 @@ pub fn steps(rounds: usize) -> usize {
 pub fn parameterise(
     mesh: &PeriodicMesh,
     rounds: usize,
-    go_on: &dyn Fn() -> bool,
+    progress: &dyn Progress,
 ) -> Result<SurfaceParameterisation, ParameteriseError> {
     if mesh.positions.len() > MAX_VERTICES {
         return Err(ParameteriseError::TooLarge { found: mesh.positions.len() });
@@ -75,15 +76,15 @@ pub fn parameterise(
     let mut edges = mean_value_weights(mesh);
     let mut symbolic = None;
     let above: Vec<[f64; 2]> = mesh.positions.iter().map(|p| [p[0], p[1]]).collect();
-    let mut best = solve(&edges, &above, &mut symbolic, go_on)?;
+    let mut best = solve(&edges, &above, &mut symbolic, progress)?;
     let before = measure(mesh, &best.coordinates);
     let (mut after, mut used) = (before, 0);
     for _ in 0..rounds {
         let stretch = vertex_stretch(mesh, &best.coordinates);
         edges.iter_mut().for_each(|edge| edge.weight /= stretch[edge.to.vertex as usize]);
-        let next = match solve(&edges, &best.coordinates, &mut symbolic, go_on) {
+        let next = match solve(&edges, &best.coordinates, &mut symbolic, progress) {
             Ok(next) => next,
-            Err(ParameteriseError::Cancelled) => return Err(ParameteriseError::Cancelled),
+            Err(error @ ParameteriseError::Cancelled(_)) => return Err(error),
             Err(_) => break,
         };
         let measured = measure(mesh, &next.coordinates);
@@ -119,7 +120,8 @@ fn flipped(mesh: &PeriodicMesh, coordinates: &[[f64; 2]]) -> (usize, [f64; 3]) {
 mod tests {
     use super::*;
     use crate::mesh::VertexMaterial;
-    use crate::testing::{bumps, height_field, overhang};
+    use crate::testing::{Patience, bumps, height_field, overhang};
+    use brdfc_source::progress::Cancelled;
 
     /// Moves the vertices of a plane about, so that its triangles are irregular.
     fn shaken(n: usize) -> PeriodicMesh {
@@ -137,7 +139,7 @@ mod tests {
     }
 
     fn laid_flat(mesh: &PeriodicMesh, rounds: usize) -> Result<SurfaceParameterisation, ParameteriseError> {
-        parameterise(mesh, rounds, &|| true)
+        parameterise(mesh, rounds, &())
     }
 
     /// A plane with one vertex that stands up and leans over by so many tiles along x and y.
@@ -179,20 +181,15 @@ mod tests {
     #[test]
     fn it_stops_when_told_and_counts_its_steps() {
         let mesh = overhang(16);
-        let calls = std::cell::Cell::new(0);
         let count = |most: usize| {
-            calls.set(0);
-            parameterise(&mesh, 1, &|| {
-                calls.set(calls.get() + 1);
-                calls.get() < most
-            })
+            let patience = Patience::new(most);
+            (parameterise(&mesh, 1, &patience), patience.steps())
         };
-        assert!(count(usize::MAX).is_ok());
-        let all = calls.get();
+        let (finished, all) = count(usize::MAX);
+        assert!(finished.is_ok());
         assert!((6..=2 * steps(1)).contains(&all), "{all}");
         for most in 1..=all {
-            assert_eq!(count(most), Err(ParameteriseError::Cancelled));
-            assert_eq!(calls.get(), most);
+            assert_eq!(count(most), (Err(ParameteriseError::Cancelled(Cancelled)), most));
         }
     }
 
@@ -200,7 +197,9 @@ mod tests {
     fn too_many_vertices_are_refused_before_any_work() {
         assert_eq!(MAX_VERTICES, brdfc_source::meso::HEIGHT_MAP_PIXELS);
         let mesh = PeriodicMesh { positions: vec![[0.0; 3]; MAX_VERTICES + 1], ..PeriodicMesh::default() };
-        let error = parameterise(&mesh, 0, &|| panic!("work")).unwrap_err();
+        let patience = Patience::new(usize::MAX);
+        let error = parameterise(&mesh, 0, &patience).unwrap_err();
+        assert_eq!(patience.steps(), 0);
         assert_eq!(error.to_string(), "vertices: found 1048577; allowed at most 1048576");
     }
 
@@ -219,7 +218,7 @@ mod tests {
         let mut edges = mean_value_weights(&mesh);
         edges.iter_mut().for_each(|edge| edge.weight = 1.0);
         let above: Vec<[f64; 2]> = mesh.positions.iter().map(|p| [p[0], p[1]]).collect();
-        let found = solve(&edges, &above, &mut None, &|| true).unwrap();
+        let found = solve(&edges, &above, &mut None, &()).unwrap();
         let off = mesh.positions.iter().zip(&found.coordinates).map(|(p, c)| (p[0] - c[0]).abs()).fold(0.0, f64::max);
         assert!(off > 1e-3, "{off}");
     }

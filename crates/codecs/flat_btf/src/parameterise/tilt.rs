@@ -15,6 +15,7 @@ use super::super::sparse::Symbolic;
 use super::error::{DRIFT_LIMIT, ParameteriseError, RESIDUAL_LIMIT};
 use super::walk::{Solver, Walk};
 use super::weights::Edge;
+use brdfc_source::progress::Progress;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -44,7 +45,7 @@ pub(super) struct Solution {
 }
 
 /// Solves `u_i = Σ_j λ_ij (u_j + tile_ij)` with the tilt that allows it, from a first guess, whose first vertex stays.
-/// `go_on` is asked about [`STEPS`] times.
+/// `progress` hears of about [`STEPS`] steps.
 ///
 /// # Errors
 /// Weights beyond arithmetic, a drift or a residual that stays, [`ParameteriseError::Cancelled`].
@@ -52,10 +53,9 @@ pub(super) fn solve(
     edges: &[Edge],
     guess: &[[f64; 2]],
     symbolic: &mut Option<Arc<Symbolic>>,
-    go_on: &dyn Fn() -> bool,
+    progress: &dyn Progress,
 ) -> Result<Solution, ParameteriseError> {
     let n = guess.len();
-    let ask = || if go_on() { Ok(()) } else { Err(ParameteriseError::Cancelled) };
     let mut tilt = [0.0f64; 2];
     let mut potential = vec![0.0; n];
     let mut u = [0, 1].map(|k| guess.iter().map(|c| c[k]).collect::<Vec<f64>>());
@@ -69,9 +69,9 @@ pub(super) fn solve(
                 stationary(made, &walk, &mut share)?;
                 made
             }
-            None => solver.insert(first_solver(&walk, &mut share, symbolic, &ask)?),
+            None => solver.insert(first_solver(&walk, &mut share, symbolic, progress)?),
         };
-        ask()?;
+        progress.step()?;
         let steps = mean_steps(&walk, n);
         drift = [0, 1].map(|k| share.iter().zip(&steps).map(|(s, d)| s * d[k]).sum());
         let mean_log: f64 = share.iter().zip(&log_sums).map(|(s, l)| s * l).sum();
@@ -87,7 +87,7 @@ pub(super) fn solve(
             let right: Vec<f64> = share.iter().zip(&steps).map(|(s, d)| s * (d[k] - drift[k])).collect();
             solver.forward(&walk, &share, &right, u, enough);
         });
-        ask()?;
+        progress.step()?;
         if found {
             return finish(&walk, u, guess[0], tilt);
         }
@@ -154,7 +154,7 @@ fn first_solver(
     walk: &Walk<'_>,
     share: &mut [f64],
     symbolic: &mut Option<Arc<Symbolic>>,
-    ask: &dyn Fn() -> Result<(), ParameteriseError>,
+    progress: &dyn Progress,
 ) -> Result<Solver, ParameteriseError> {
     let mut excess = vec![0.0; share.len()];
     let ones = vec![1.0; share.len()];
@@ -164,8 +164,8 @@ fn first_solver(
             walk.backward(share, &ones, &mut excess);
             share.iter_mut().zip(&excess).for_each(|(s, e)| *s -= 0.5 * e);
         }
-        let solver = Solver::new(walk, share, symbolic, &|| ask().is_ok())?;
-        ask()?;
+        let solver = Solver::new(walk, share, symbolic, progress)?;
+        progress.step()?;
         if stationary(&solver, walk, share)? < 2.0 {
             return Ok(solver);
         }
@@ -257,7 +257,7 @@ fn finish(walk: &Walk<'_>, u: [Vec<f64>; 2], first: [f64; 2], tilt: [f64; 2]) ->
 pub(super) fn drift_without_tilt(edges: &[Edge], n: usize) -> Result<[f64; 2], ParameteriseError> {
     let (walk, _) = tilted(edges, [0.0; 2], &vec![0.0; n]);
     let mut share = first_shares(edges, n)?;
-    first_solver(&walk, &mut share, &mut None, &|| Ok(()))?;
+    first_solver(&walk, &mut share, &mut None, &())?;
     let steps = mean_steps(&walk, n);
     Ok([0, 1].map(|k| share.iter().zip(&steps).map(|(s, d)| s * d[k]).sum()))
 }

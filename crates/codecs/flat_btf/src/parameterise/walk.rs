@@ -11,6 +11,7 @@
 use super::super::sparse::{Cholesky, FactorError, Symbolic};
 use super::error::ParameteriseError;
 use super::weights::Edge;
+use brdfc_source::progress::Progress;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -59,19 +60,19 @@ pub(super) struct Solver {
 
 impl Solver {
     /// `share` need not be the exact share of time at each vertex. All walks that have `symbolic` in common have the same
-    /// edges. `go_on` is asked a few times, and cancels by returning `false`.
+    /// edges. `progress` hears of a few steps.
     pub fn new(
         walk: &Walk<'_>,
         share: &[f64],
         symbolic: &mut Option<Arc<Symbolic>>,
-        go_on: &dyn Fn() -> bool,
+        progress: &dyn Progress,
     ) -> Result<Self, ParameteriseError> {
         let n = share.len();
         if n < 2 {
             return Ok(Self { factor: None });
         }
         let refused = |error: FactorError| match error {
-            FactorError::Cancelled => ParameteriseError::Cancelled,
+            FactorError::Cancelled(cancelled) => cancelled.into(),
             error => ParameteriseError::Singular { reason: error.to_string() },
         };
         let mut places = Vec::with_capacity(walk.edges.len() + n);
@@ -96,7 +97,7 @@ impl Solver {
             Some(known) => known,
             None => symbolic.insert(Arc::new(Symbolic::new(n - 1, &places).map_err(refused)?)),
         };
-        let factor = Cholesky::new(symbolic, &values, go_on).map_err(refused)?;
+        let factor = Cholesky::new(symbolic, &values, progress).map_err(refused)?;
         Ok(Self { factor: Some(factor) })
     }
 

@@ -3,6 +3,7 @@
 use super::front::{Remainder, factorise, subtract_products, zeros};
 use super::symbolic::Symbolic;
 use super::{FactorError, Lane, TILE};
+use brdfc_source::progress::Progress;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
@@ -15,15 +16,15 @@ pub struct Cholesky {
 }
 
 impl Cholesky {
-    /// Factorises the matrix with these `values`, in the order of the places that were analysed. `go_on` is asked a few
-    /// times, and cancels by returning `false`.
+    /// Factorises the matrix with these `values`, in the order of the places that were analysed. `progress` hears of
+    /// a few steps.
     ///
     /// # Errors
     /// [`FactorError::NotPositiveDefinite`], [`FactorError::Cancelled`]; [`FactorError::TooLarge`] without the memory.
     ///
     /// # Panics
     /// With another number of values than places.
-    pub fn new(symbolic: &Arc<Symbolic>, values: &[f64], go_on: &dyn Fn() -> bool) -> Result<Self, FactorError> {
+    pub fn new(symbolic: &Arc<Symbolic>, values: &[f64], progress: &dyn Progress) -> Result<Self, FactorError> {
         assert_eq!(values.len(), symbolic.places.len(), "one value for each place");
         let too_large = FactorError::TooLarge { rows: symbolic.rows };
         let mut lanes: Vec<Lane> = zeros(symbolic.nodes.lanes).ok_or(too_large)?;
@@ -32,9 +33,7 @@ impl Cholesky {
         let mut rest = lanes.as_mut_slice();
         let mut stack = Vec::new();
         for stage in &symbolic.stages {
-            if !go_on() {
-                return Err(FactorError::Cancelled);
-            }
+            progress.step()?;
             let mut parts = Vec::with_capacity(stage.len());
             for segment in stage {
                 let count = symbolic.nodes.nodes[segment.nodes.clone()].iter().map(|node| node.lane_count()).sum();

@@ -10,6 +10,7 @@
 //! Sums have one order whatever the number of threads, and no instruction is chosen by what the processor offers:
 //! results are the same everywhere.
 
+use brdfc_source::progress::Cancelled;
 mod elimination;
 mod factor;
 mod front;
@@ -37,9 +38,9 @@ pub enum FactorError {
         /// Rows of the matrix.
         rows: usize,
     },
-    /// Stopped by the caller.
-    #[error("cancelled")]
-    Cancelled,
+    /// The caller asked to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }
 
 /// Rows of a tile of the factor: a column of a tile is the unit of storage and arithmetic.

@@ -1,8 +1,9 @@
 use super::elimination::{Elimination, Graph};
 use super::*;
+use crate::testing::Patience;
+use brdfc_source::progress::Cancelled;
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
-use std::cell::Cell;
 use std::sync::Arc;
 
 /// A symmetric matrix as a caller has it.
@@ -76,7 +77,7 @@ impl Matrix {
     }
 
     fn factor(&self) -> Result<Cholesky, FactorError> {
-        Cholesky::new(&self.symbolic(), &self.values, &|| true)
+        Cholesky::new(&self.symbolic(), &self.values, &())
     }
 
     /// Largest difference of `A x` and `right`, over the largest sum of sizes of a row of `A` and of `x`.
@@ -239,7 +240,7 @@ fn one_analysis_serves_many_factors() {
     for scale in [1.0, 7.0] {
         matrix.values.iter_mut().for_each(|value| *value *= scale);
         let mut x: Vec<[f64; 1]> = right.iter().map(|v| [*v]).collect();
-        Cholesky::new(&symbolic, &matrix.values, &|| true).unwrap().solve(&mut x);
+        Cholesky::new(&symbolic, &matrix.values, &()).unwrap().solve(&mut x);
         assert!(matrix.error(x.as_flattened(), &right) < 1e-14);
     }
 }
@@ -264,21 +265,15 @@ fn threads_do_not_change_a_bit() {
 fn it_stops_when_told() {
     let matrix = Matrix::torus(40);
     let symbolic = matrix.symbolic();
-    let asked = Cell::new(0);
     let up_to = |most: usize| {
-        asked.set(0);
-        Cholesky::new(&symbolic, &matrix.values, &|| {
-            asked.set(asked.get() + 1);
-            asked.get() < most
-        })
-        .map(drop)
+        let patience = Patience::new(most);
+        (Cholesky::new(&symbolic, &matrix.values, &patience).map(drop), patience.steps())
     };
-    assert_eq!(up_to(usize::MAX), Ok(()));
-    let all = asked.get();
+    let (finished, all) = up_to(usize::MAX);
+    assert_eq!(finished, Ok(()));
     assert!((3..=4).contains(&all), "{all}");
     for most in 1..=all {
-        assert_eq!(up_to(most), Err(FactorError::Cancelled));
-        assert_eq!(asked.get(), most);
+        assert_eq!(up_to(most), (Err(FactorError::Cancelled(Cancelled)), most));
     }
 }
 

@@ -52,7 +52,7 @@ pub fn parts(
     }
     let colour = |([r, g, b], weight): &([f64; 3], f64)| [r, g, b].map(|c| (c / weight.max(1e-9)) as f32);
     let colours: Vec<[f32; 3]> = sums.iter().map(colour).collect();
-    let found = indirection(model, header, 2, &|| true).unwrap();
+    let found = indirection(model, header, 2, &()).unwrap();
     let [zeniths, azimuths, size] = [header.zenith_samples, header.azimuth_samples, header.size].map(|n| n as usize);
     let displacement = |[i, j]: [u32; 2], k: u32, a: u32| {
         let row = (j as usize * azimuths + a as usize % azimuths) * size + i as usize;
