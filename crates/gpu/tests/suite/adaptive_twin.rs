@@ -134,7 +134,7 @@ fn point_differences(a: &GBuffer, b: &GBuffer) -> PointDifferences {
 #[test]
 fn the_drawn_g_buffer_is_the_traced_one() {
     let Some(gpu) = crate::common::gpu() else { return };
-    let renderer = AdaptiveRenderer::new(&gpu).unwrap();
+    let renderer = AdaptiveRenderer::new(gpu).unwrap();
     for builtin in [Builtin::BumpyBall, Builtin::RibbedTorus, Builtin::Table] {
         let world = World::new(builtin, EXACT);
         let loaded = world.load(&renderer);
@@ -295,7 +295,7 @@ impl Differences {
 #[test]
 fn each_step_does_what_its_twin_does() {
     let Some(gpu) = crate::common::gpu() else { return };
-    let renderer = AdaptiveRenderer::new(&gpu).unwrap();
+    let renderer = AdaptiveRenderer::new(gpu).unwrap();
     for (builtin, filter, antialiasing_levels) in [
         (Builtin::BumpyBall, Filter::Slices, 0),
         (Builtin::BumpyBall, Filter::Nearest, 1),
@@ -360,14 +360,14 @@ fn changed_shaders_are_noticed() {
     world.scene.camera.field_of_view = Builtin::BumpyBall.scene().camera.field_of_view;
     let settings = Settings { antialiasing_levels: 1, caution: 0.4, ..SETTINGS };
     let shaders = AdaptiveShaders::default();
-    let renderer = AdaptiveRenderer::with_shaders(&gpu, &shaders).unwrap();
+    let renderer = AdaptiveRenderer::with_shaders(gpu, &shaders).unwrap();
     let loaded = world.load(&renderer);
     let buffer = renderer.read(&g_buffer(&renderer, &loaded, &world, 1)).unwrap();
     let expected = expected(&world, &buffer, &settings);
     for (from, to, what) in CHANGES {
         assert_eq!(shaders.steps.matches(from).count(), 1, "{from}");
         let changed = AdaptiveShaders { steps: shaders.steps.replace(from, to), ..shaders.clone() };
-        let renderer = AdaptiveRenderer::with_shaders(&gpu, &changed).unwrap();
+        let renderer = AdaptiveRenderer::with_shaders(gpu, &changed).unwrap();
         let found = differences(&renderer, &world, &settings, &expected);
         assert!(found.beyond().contains(&what), "{from} -> {to}: {found:?}");
     }
@@ -377,7 +377,7 @@ fn changed_shaders_are_noticed() {
 #[test]
 fn whole_pictures_are_those_of_the_cpu() {
     let Some(gpu) = crate::common::gpu() else { return };
-    let renderer = AdaptiveRenderer::new(&gpu).unwrap();
+    let renderer = AdaptiveRenderer::new(gpu).unwrap();
     let world = World::new(Builtin::Table, EXACT);
     let loaded = world.load(&renderer);
     let buffer = g_buffer(&renderer, &loaded, &world, 0);
@@ -397,7 +397,7 @@ fn whole_pictures_are_those_of_the_cpu() {
 #[test]
 fn the_sampler_filters_nearly_as_the_shader_does() {
     let Some(gpu) = crate::common::gpu() else { return };
-    let renderer = AdaptiveRenderer::new(&gpu).unwrap();
+    let renderer = AdaptiveRenderer::new(gpu).unwrap();
     let pictures = [SliceFilter::Exact, SliceFilter::Hardware].map(|slices| {
         let world = World::new(Builtin::BumpyBall, Decoding { slices, level: Some(3.0), ..EXACT });
         let loaded = world.load(&renderer);
@@ -411,7 +411,7 @@ fn the_sampler_filters_nearly_as_the_shader_does() {
 #[test]
 fn what_is_too_large_is_refused() {
     let Some(gpu) = crate::common::gpu() else { return };
-    let renderer = AdaptiveRenderer::new(&gpu).unwrap();
+    let renderer = AdaptiveRenderer::new(gpu).unwrap();
     let world = World::new(Builtin::BumpyBall, EXACT);
     let loaded = world.load(&renderer);
     let sized = |width, height, levels| {

@@ -121,9 +121,9 @@ fn the_shader_has_the_bits_of_the_cpu() {
     let Some(gpu) = crate::common::gpu() else { return };
     let queries = queries();
     for tiles in [true, false] {
-        assert_eq!(differences(&gpu, BANDWIDTH_WGSL, &maps(tiles), &queries), [0; 3], "{tiles}");
+        assert_eq!(differences(gpu, BANDWIDTH_WGSL, &maps(tiles), &queries), [0; 3], "{tiles}");
     }
-    let some = by_shader(&gpu, BANDWIDTH_WGSL, &maps(true)[1..2], &queries[..50]);
+    let some = by_shader(gpu, BANDWIDTH_WGSL, &maps(true)[1..2], &queries[..50]);
     assert!(some.iter().all(|[brdf, environment, texture]| *brdf == 0.0 && *environment > 0.0 && *texture == 0.0));
 }
 
@@ -152,7 +152,7 @@ fn a_changed_shader_is_noticed() {
     let Some(gpu) = crate::common::gpu() else { return };
     let queries = queries();
     let maps = maps(true);
-    let noticed = |source: &str| differences(&gpu, source, &maps, &queries) != [0; 3];
+    let noticed = |source: &str| differences(gpu, source, &maps, &queries) != [0; 3];
     assert!(!noticed(BANDWIDTH_WGSL));
     for (from, to) in CHANGES {
         assert_eq!(BANDWIDTH_WGSL.matches(from).count(), 1, "{from}");

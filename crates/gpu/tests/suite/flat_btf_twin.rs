@@ -62,7 +62,7 @@ fn differences(decoder: &FlatBtfDecoder, queries: &[FlatBtfQuery], found: &[Flat
 #[test]
 fn manual_filtering_gives_the_bits_of_the_cpu_decoder() {
     let Some(gpu) = crate::common::gpu() else { return };
-    let evaluator = FlatBtfEvaluator::new(&gpu).unwrap();
+    let evaluator = FlatBtfEvaluator::new(gpu).unwrap();
     for (k, sizes) in ASSETS.into_iter().enumerate() {
         let decoder = FlatBtfDecoder::new(flat_btf::parts(sizes, 10 + k as u64)).unwrap();
         let loaded = evaluator.load(&decoder, IndirectionFilter::Exact).unwrap();
@@ -137,7 +137,7 @@ fn beyond_bounds(decoder: &FlatBtfDecoder, queries: &[FlatBtfQuery], found: &[Fl
 #[test]
 fn the_sampler_is_within_its_precision() {
     let Some(gpu) = crate::common::gpu() else { return };
-    let evaluator = FlatBtfEvaluator::new(&gpu).unwrap();
+    let evaluator = FlatBtfEvaluator::new(gpu).unwrap();
     for sizes in &ASSETS[1..] {
         let decoder = FlatBtfDecoder::new(smooth(*sizes)).unwrap();
         let loaded = evaluator.load(&decoder, IndirectionFilter::Hardware).unwrap();
@@ -154,7 +154,7 @@ fn the_sampler_is_within_its_precision() {
 #[test]
 fn neither_path_leaves_its_block() {
     let Some(gpu) = crate::common::gpu() else { return };
-    let evaluator = FlatBtfEvaluator::new(&gpu).unwrap();
+    let evaluator = FlatBtfEvaluator::new(gpu).unwrap();
     let sizes = Sizes { reference: 63, zenith: 16, ..ASSETS[2] };
     let indirection = IndirectionMap::from_displacements(flat_btf::header(sizes), |texel, k, _| match texel {
         [61, 40] => ([0.01 * k as f32, 0.0], 0.25),
@@ -188,7 +188,7 @@ fn neither_path_leaves_its_block() {
 #[test]
 fn without_views_the_light_form_remains() {
     let Some(gpu) = crate::common::gpu() else { return };
-    let evaluator = FlatBtfEvaluator::new(&gpu).unwrap();
+    let evaluator = FlatBtfEvaluator::new(gpu).unwrap();
     let decoder = FlatBtfDecoder::new(FlatBtfParts { views: Vec::new(), ..flat_btf::parts(SMALL, 2) }).unwrap();
     let loaded = evaluator.load(&decoder, IndirectionFilter::Exact).unwrap();
     let mut queries = queries(SMALL, 300, 1);
@@ -231,10 +231,10 @@ const CHANGES: [(&str, &str); 22] = [
 #[test]
 fn a_changed_constant_is_noticed() {
     let Some(gpu) = crate::common::gpu() else { return };
-    assert!(!is_noticed(&gpu, FLAT_BTF_WGSL));
+    assert!(!is_noticed(gpu, FLAT_BTF_WGSL));
     for (from, to) in CHANGES {
         assert_eq!(FLAT_BTF_WGSL.matches(from).count(), 1, "{from}");
-        assert!(is_noticed(&gpu, &FLAT_BTF_WGSL.replace(from, to)), "{from} -> {to}");
+        assert!(is_noticed(gpu, &FLAT_BTF_WGSL.replace(from, to)), "{from} -> {to}");
     }
 }
 

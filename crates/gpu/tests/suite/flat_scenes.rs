@@ -59,7 +59,7 @@ fn shader_and_cpu_draw_the_same_pictures() {
     for builtin in [Builtin::Plane, Builtin::Vase, Builtin::Table] {
         let scene = builtin.scene();
         for form in [FlatForm::Full, FlatForm::Light] {
-            let shader = draw_flat_btf(&gpu, &scene, FRAME, &material, form).unwrap();
+            let shader = draw_flat_btf(gpu, &scene, FRAME, &material, form).unwrap();
             let cpu = draw_on_cpu(&scene, FRAME, &material, form);
             assert!(cpu.pixels.iter().filter(|p| p[0] > 0.01).count() > FRAME.width * FRAME.height / 8);
             same(&shader, &cpu, &format!("{}, {form:?}", builtin.name()));
@@ -85,7 +85,7 @@ fn a_change_of_the_scene_or_of_the_shader_is_a_difference() {
     for (what, change) in changes {
         let mut changed = scene.clone();
         change(&mut changed);
-        let (share, mean) = difference(&draw_flat_btf(&gpu, &changed, FRAME, &whole, FlatForm::Full).unwrap(), &cpu);
+        let (share, mean) = difference(&draw_flat_btf(gpu, &changed, FRAME, &whole, FlatForm::Full).unwrap(), &cpu);
         assert!(share > 0.1 && mean > 0.4, "{what}: {share} of the pixels, mean ΔE {mean}");
     }
     let mut below = scene.clone();
@@ -95,7 +95,7 @@ fn a_change_of_the_scene_or_of_the_shader_is_a_difference() {
     let from_below = draw_on_cpu(&below, FRAME, &whole, FlatForm::Full);
     assert!(from_below.pixels.iter().any(|p| p[0] > 0.0), "lit from below");
     let drawn = |source: String, scene: &Scene| {
-        let renderer = FlatRenderer::with_shader(&gpu, source).unwrap();
+        let renderer = FlatRenderer::with_shader(gpu, source).unwrap();
         let loaded = renderer.load(scene, &whole, FlatForm::Full).unwrap();
         renderer.draw(&loaded, &scene.camera, FRAME).unwrap()
     };
@@ -138,7 +138,7 @@ fn parallax_is_that_of_the_displaced_surface() {
     };
     check("CPU", &|material| draw_on_cpu(&scene, FRAME, material, FlatForm::Full));
     if let Some(gpu) = crate::common::gpu() {
-        check("GPU", &|material| draw_flat_btf(&gpu, &scene, FRAME, material, FlatForm::Full).unwrap());
+        check("GPU", &|material| draw_flat_btf(gpu, &scene, FRAME, material, FlatForm::Full).unwrap());
     }
 }
 
@@ -210,10 +210,10 @@ fn what_is_too_large_says_what_to_do() {
         })
         .collect();
     let (material, scene) = (material(&large), Builtin::Plane.scene());
-    let error = draw_flat_btf(&gpu, &scene, FRAME, &material, FlatForm::Full).unwrap_err();
+    let error = draw_flat_btf(gpu, &scene, FRAME, &material, FlatForm::Full).unwrap_err();
     let GpuError::TooLarge(text) = error else { panic!("{error}") };
     assert!(text.contains("301 views") && text.contains("draw the light form"), "{text}");
-    assert!(draw_flat_btf(&gpu, &scene, FRAME, &material, FlatForm::Light).is_ok());
+    assert!(draw_flat_btf(gpu, &scene, FRAME, &material, FlatForm::Light).is_ok());
 }
 
 #[test]

@@ -83,7 +83,7 @@ fn the_shader_gives_the_bits_of_the_cpu() {
     let Some(gpu) = crate::common::gpu() else { return };
     for (k, header) in HEADERS.into_iter().enumerate() {
         let (pack, inputs) = (pack(header, k as u64), inputs(20_000, 7 + k as u64));
-        assert_eq!(differences(&gpu, IMPORTANCE_WGSL, &pack, &inputs), [0; 2], "{header:?}");
+        assert_eq!(differences(gpu, IMPORTANCE_WGSL, &pack, &inputs), [0; 2], "{header:?}");
         let drawn = |w: &[f32]| pack.sample([w[0], w[1], w[2]], w[3].to_bits()).1 > 0.0;
         let used = inputs.chunks_exact(4).filter(|words| drawn(words)).count();
         assert!((2000..19_000).contains(&used), "{used} above the horizon");
@@ -127,7 +127,7 @@ fn a_changed_line_is_noticed() {
     for (from, to) in CHANGES {
         assert_eq!(IMPORTANCE_WGSL.matches(from).count(), 1, "{from}");
         let changed = IMPORTANCE_WGSL.replace(from, to);
-        let noticed = packs.iter().any(|pack| differences(&gpu, &changed, pack, &inputs) != [0; 2]);
+        let noticed = packs.iter().any(|pack| differences(gpu, &changed, pack, &inputs) != [0; 2]);
         assert!(noticed, "{from} -> {to}");
     }
 }

@@ -151,7 +151,7 @@ fn differences(gpu: &Gpu, source: &str, inputs: &[f32]) -> [usize; OUT] {
 fn the_shader_gives_the_bits_of_the_cpu() {
     let Some(gpu) = crate::common::gpu() else { return };
     let inputs = inputs(20_000, 1);
-    assert_eq!(differences(&gpu, PROPAGATION_WGSL, &inputs), [0; OUT]);
+    assert_eq!(differences(gpu, PROPAGATION_WGSL, &inputs), [0; OUT]);
     // The inputs are not all of one kind.
     let answers: Vec<_> = inputs.chunks_exact(IN).map(expected).collect();
     for level in -3..=9 {
@@ -222,7 +222,7 @@ fn a_changed_line_is_noticed() {
     let inputs = inputs(5000, 2);
     for (from, to) in CHANGES {
         assert_eq!(PROPAGATION_WGSL.matches(from).count(), 1, "{from}");
-        let found = differences(&gpu, &PROPAGATION_WGSL.replace(from, to), &inputs);
+        let found = differences(gpu, &PROPAGATION_WGSL.replace(from, to), &inputs);
         assert!(found != [0; OUT], "{from} -> {to}");
     }
 }

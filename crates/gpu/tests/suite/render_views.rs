@@ -60,7 +60,7 @@ fn shader_and_cpu_draw_the_same_pictures() {
         }
         for (filter, level) in [(Filter::Bilinear, None), (Filter::Slices, Some(2.5))] {
             let decoding = Decoding { filter, level, ..EXACT };
-            let shader = by_shader(&gpu, &scene, &pack, decoding, FRAME);
+            let shader = by_shader(gpu, &scene, &pack, decoding, FRAME);
             let cpu = by_cpu(&scene, &pack, decoding, FRAME);
             let (share, mean) = difference(&shader, &cpu);
             // Outlines, where a sample may fall on either side; with nearest inner cells, borders of cells.
@@ -79,7 +79,7 @@ fn a_change_of_the_scene_is_a_difference() {
     let Some(gpu) = crate::common::gpu() else { return };
     let pack = pack("synth:lewis?kd=0.3,0.1,0.05&ks=0.5&n=15");
     let scene = Builtin::Table.scene();
-    let shader = by_shader(&gpu, &scene, &pack, EXACT, FRAME);
+    let shader = by_shader(gpu, &scene, &pack, EXACT, FRAME);
     let changes: [(&str, Change); 7] = [
         ("light moved", |s| s.lights[0].position[0] += 0.4),
         ("light gone", |s| s.lights.truncate(s.lights.len() - 1)),
@@ -97,7 +97,7 @@ fn a_change_of_the_scene_is_a_difference() {
         let (share, mean) = difference(&shader, &by_cpu(&changed, &pack, EXACT, FRAME));
         assert!(share > 0.02 && mean > 0.05, "{what}: {share} of the pixels, mean ΔE {mean}");
         let (share, mean) =
-            difference(&by_shader(&gpu, &changed, &pack, EXACT, FRAME), &by_cpu(&changed, &pack, EXACT, FRAME));
+            difference(&by_shader(gpu, &changed, &pack, EXACT, FRAME), &by_cpu(&changed, &pack, EXACT, FRAME));
         assert!(share < 0.015 && mean < 0.05, "{what}, both changed: {share} of the pixels, mean ΔE {mean}");
     }
 }
@@ -109,8 +109,8 @@ fn two_runs_give_the_same_bits() {
     let scene = Builtin::Cloth.scene();
     let hardware = Decoding { slices: SliceFilter::Hardware, ..EXACT };
     let bits = |image: LinearImage| -> Vec<u32> { image.pixels.iter().flatten().map(|c| c.to_bits()).collect() };
-    let first = bits(by_shader(&gpu, &scene, &pack, hardware, FRAME));
-    assert_eq!(first, bits(by_shader(&gpu, &scene, &pack, hardware, FRAME)));
+    let first = bits(by_shader(gpu, &scene, &pack, hardware, FRAME));
+    assert_eq!(first, bits(by_shader(gpu, &scene, &pack, hardware, FRAME)));
     let other = Gpu::open(&Default::default()).unwrap();
     assert_eq!(first, bits(by_shader(&other, &scene, &pack, hardware, FRAME)));
 }
@@ -121,12 +121,12 @@ fn any_number_of_lights() {
     let pack = pack("synth:lambert?kd=0.5");
     let mut scene = Builtin::Sphere.scene();
     scene.lights.clear();
-    assert!(by_shader(&gpu, &scene, &pack, EXACT, FRAME).pixels.iter().all(|p| *p == [0.0; 3]));
+    assert!(by_shader(gpu, &scene, &pack, EXACT, FRAME).pixels.iter().all(|p| *p == [0.0; 3]));
     for k in 0..40 {
         let angle = f64::from(k) * 0.7;
         scene.lights.push(PointLight { position: [4.0 * angle.cos(), 0.1 * f64::from(k), 5.0], intensity: [1.0; 3] });
     }
-    let (share, mean) = difference(&by_shader(&gpu, &scene, &pack, EXACT, FRAME), &by_cpu(&scene, &pack, EXACT, FRAME));
+    let (share, mean) = difference(&by_shader(gpu, &scene, &pack, EXACT, FRAME), &by_cpu(&scene, &pack, EXACT, FRAME));
     assert!(share < 0.015 && mean < 0.05, "{share} {mean}");
 }
 
@@ -137,7 +137,7 @@ fn a_matte_ball_has_the_radiance_of_equation_1() {
     let pack = pack("synth:lambert?kd=0.6");
     let scene = Builtin::Sphere.scene();
     let frame = Frame { width: 65, height: 65, samples: 1 };
-    let image = by_shader(&gpu, &scene, &pack, EXACT, frame);
+    let image = by_shader(gpu, &scene, &pack, EXACT, frame);
     // The middle pixel sees the point (0, 0, 1), its normal towards the camera.
     let l = scene.lights[0].position;
     let r = [l[0], l[1], l[2] - 1.0];
@@ -155,11 +155,11 @@ fn odd_sizes_are_read_back_whole() {
     let scene = Builtin::Sphere.scene();
     for frame in [Frame { width: 1, height: 1, samples: 1 }, Frame { width: 37, height: 501, samples: 1 }] {
         let (share, _) =
-            difference(&by_shader(&gpu, &scene, &pack, EXACT, frame), &by_cpu(&scene, &pack, EXACT, frame));
+            difference(&by_shader(gpu, &scene, &pack, EXACT, frame), &by_cpu(&scene, &pack, EXACT, frame));
         assert!(share < 0.02, "{frame:?}: {share}");
     }
     let tall = Frame { width: 300, height: 8000, samples: 1 };
-    let image = by_shader(&gpu, &scene, &pack, EXACT, tall);
+    let image = by_shader(gpu, &scene, &pack, EXACT, tall);
     assert_eq!(image.pixels.len(), 300 * 8000);
     assert!(image.coverage[4000 * 300 + 150] == 1.0 && image.coverage[0] == 0.0);
 }
@@ -172,13 +172,13 @@ fn views_say_where_an_error_comes_from() {
     let coarse = encode(source.as_ref(), &recipe, &()).unwrap().pack;
     let scene = Builtin::Sphere.scene();
     let material = Material { pack: &coarse, source: Some(source.as_ref()), table: None };
-    let drawn = views(&gpu, &scene, FRAME, &[material], EXACT).unwrap();
+    let drawn = views(gpu, &scene, FRAME, &[material], EXACT).unwrap();
     let reference = drawn.source.as_ref().unwrap();
     let exposure = auto_exposure(reference);
     let shading = compare_images(&drawn.shader, &drawn.pack, exposure).delta_e.mean;
     let codec = compare_images(&drawn.pack, reference, exposure).delta_e.mean;
     assert!(shading < 0.02 && codec > 10.0 * shading, "{shading} {codec}");
     let alone = Material { source: None, ..material };
-    let drawn = views(&gpu, &scene, FRAME, &[alone], EXACT).unwrap();
+    let drawn = views(gpu, &scene, FRAME, &[alone], EXACT).unwrap();
     assert!(drawn.source.is_none() && std::ptr::eq(drawn.reference(), &drawn.pack));
 }

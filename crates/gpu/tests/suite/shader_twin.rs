@@ -82,7 +82,7 @@ fn exact_differences(
 #[test]
 fn manual_filtering_gives_the_bits_of_the_cpu_decoder() {
     let Some(gpu) = crate::common::gpu() else { return };
-    let evaluator = Evaluator::new(&gpu).unwrap();
+    let evaluator = Evaluator::new(gpu).unwrap();
     let pairs = all_kinds_of_pairs(700, 3);
     let mut compared = 0;
     for (name, pack) in packs().into_iter().step_by(5) {
@@ -106,7 +106,7 @@ fn manual_filtering_gives_the_bits_of_the_cpu_decoder() {
 #[test]
 fn absurd_scales_are_cut_off_as_on_the_cpu() {
     let Some(gpu) = crate::common::gpu() else { return };
-    let evaluator = Evaluator::new(&gpu).unwrap();
+    let evaluator = Evaluator::new(gpu).unwrap();
     let mut pack = pack(header(Parameterisation::TangentPole, 2, 3, 8), 4, 1);
     pack.scales[1] = SliceScale { scale: 2000.0, offset: -800.0 };
     let decoder = WaveletDecoder::new(&pack);
@@ -129,7 +129,7 @@ fn absurd_scales_are_cut_off_as_on_the_cpu() {
 #[test]
 fn hardware_filtering_is_within_its_precision() {
     let Some(gpu) = crate::common::gpu() else { return };
-    let evaluator = Evaluator::new(&gpu).unwrap();
+    let evaluator = Evaluator::new(gpu).unwrap();
     let pairs = all_kinds_of_pairs(2000, 4);
     for (name, pack) in packs().into_iter().step_by(5) {
         let decoder = WaveletDecoder::new(&pack);
@@ -153,7 +153,7 @@ fn hardware_filtering_is_within_its_precision() {
 #[test]
 fn hardware_filtering_is_not_exact() {
     let Some(gpu) = crate::common::gpu() else { return };
-    let evaluator = Evaluator::new(&gpu).unwrap();
+    let evaluator = Evaluator::new(gpu).unwrap();
     let pack = pack(header(Parameterisation::TangentPole, 4, 3, 8), 40, 2);
     let pairs = pairs(2000, 4);
     let loaded = evaluator.load(&pack, Filter::Bilinear).unwrap();
@@ -167,7 +167,7 @@ fn hardware_filtering_is_not_exact() {
 #[test]
 fn the_level_follows_the_distance() {
     let Some(gpu) = crate::common::gpu() else { return };
-    let evaluator = Evaluator::new(&gpu).unwrap();
+    let evaluator = Evaluator::new(gpu).unwrap();
     let pack = pack(header(Parameterisation::TangentPole, 5, 3, 8), 60, 2);
     let decoder = WaveletDecoder::new(&pack);
     let loaded = evaluator.load(&pack, Filter::Bilinear).unwrap();
@@ -208,7 +208,7 @@ fn a_reconstruction_costs_four_fetches_per_level_and_one() {
         .replace("fn fetches()", "var<private> log_fetches: u32 = 0u;\nfn fetches()")
         .replace(counted, &format!("{counted}\n log_fetches = fetch_count;"));
     assert!(entry.matches("log_fetches").count() == 3);
-    let evaluator = Evaluator::with_shaders(&gpu, &instrumented, &entry).unwrap();
+    let evaluator = Evaluator::with_shaders(gpu, &instrumented, &entry).unwrap();
     let pairs = pairs(50, 6);
     for levels in [1u32, 3, 5] {
         let pack = pack(header(Parameterisation::HalfDifference, levels, 3, 8), 1 << levels, 3);
@@ -300,7 +300,7 @@ fn a_changed_constant_is_noticed() {
         let line = WAVELET_BRDF_WGSL[..range.start].matches('\n').count();
         let before = WAVELET_BRDF_WGSL[..range.start].rsplit('\n').next().unwrap();
         let harmless = HARMLESS.iter().any(|(part, text, _)| changed == *text && before.ends_with(part));
-        if is_noticed(&gpu, &source) == harmless {
+        if is_noticed(gpu, &source) == harmless {
             missed.push(format!(
                 "line {}: {text} -> {changed}: {}",
                 line + 1,
