@@ -154,8 +154,7 @@ fn odd_sizes_are_read_back_whole() {
     let pack = pack("synth:lambert?kd=0.5");
     let scene = Builtin::Sphere.scene();
     for frame in [Frame { width: 1, height: 1, samples: 1 }, Frame { width: 37, height: 501, samples: 1 }] {
-        let (share, _) =
-            difference(&by_shader(gpu, &scene, &pack, EXACT, frame), &by_cpu(&scene, &pack, EXACT, frame));
+        let (share, _) = difference(&by_shader(gpu, &scene, &pack, EXACT, frame), &by_cpu(&scene, &pack, EXACT, frame));
         assert!(share < 0.02, "{frame:?}: {share}");
     }
     let tall = Frame { width: 300, height: 8000, samples: 1 };

@@ -1,18 +1,11 @@
 //! Committed packs that every version must read to the same values.
 
 use super::values::{bandwidth, flat_asset, flat_part, importance, wavelet};
-use super::{Entries, Hashes, changes, folder, hash, lists, tell};
+use super::{Entries, Hashes, REFUSED, changes, folder, hash, lists, tell};
 use brdfc_formats::FormatError;
 use std::collections::BTreeMap;
 
 const EXTENSION: &str = ".ktx2";
-/// What stands in place of a hash where a reader refused a pack.
-const REFUSED: &str = "refused: ";
-
-/// Whether a hash is none.
-pub fn is_refusal(hash: &str) -> bool {
-    hash.starts_with(REFUSED)
-}
 
 /// The committed packs of a codec by file name.
 pub fn packs(codec: &str) -> BTreeMap<String, Vec<u8>> {

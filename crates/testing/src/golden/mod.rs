@@ -19,6 +19,14 @@ pub const EVERYWHERE: &str = "every platform";
 /// Where hashes hold that pass through `ln`, `exp` or trigonometry: these are the C library's.
 pub const ONE_PLATFORM: &str = "x86_64-unknown-linux-gnu";
 
+/// What stands in place of a hash where a reader refused a pack.
+pub const REFUSED: &str = "refused: ";
+
+/// Whether a hash is none.
+pub fn is_refusal(hash: &str) -> bool {
+    hash.starts_with(REFUSED)
+}
+
 /// The folder of a codec's packs and lists. Nothing else knows where they are.
 pub fn folder(codec: &str) -> PathBuf {
     crate::repository().join("formats/src").join(codec).join("golden")
@@ -170,7 +178,7 @@ impl List {
 
     fn bless(&self, wanted: &Entries, changes: &[Change]) {
         let name = self.name();
-        if let Some(change) = changes.iter().find(|change| change.new.as_deref().is_some_and(corpus::is_refusal)) {
+        if let Some(change) = changes.iter().find(|change| change.new.as_deref().is_some_and(is_refusal)) {
             panic!("{name}: {} cannot be blessed: {}", change.entry, change.in_words());
         }
         let is_other = |change: &&Change| change.column == "file" && change.old.is_some() && change.new.is_some();
