@@ -123,8 +123,8 @@ impl Facts {
                     ("rows with negative channels, raised to 0", s.negative.to_string()),
                     ("rows that are all 0", s.zero.to_string()),
                 ];
-                if s.left_out > 0 {
-                    lines.push(("rows left out, at or below the horizon", s.left_out.to_string()));
+                if let Some(left_out) = s.left_out {
+                    lines.push(("rows left out, at or below the horizon", left_out.to_string()));
                 }
                 lines
             }

@@ -53,6 +53,7 @@ fn open_alta(input: InputFile<'_>) -> Result<Opened, InputError> {
 
 fn opened(scan: &Scan, left_out: usize) -> Result<Opened, FormatError> {
     let source = ScanSource::new(scan)?;
+    let left_out = (left_out > 0).then_some(left_out);
     let summary = ScanSummary { left_out, ..source.summary() };
     let facts = Facts::Scan { wavelengths: scan.wavelengths.clone(), summary };
     Ok(Opened { source: Box::new(source), facts })
@@ -123,7 +124,7 @@ impl ScanSource {
             negative: scan.rows.iter().filter(|r| r.value.iter().any(|v| *v < 0.0)).count(),
             zero: raised.iter().filter(|v| **v == [0.0; 3]).count(),
             isotropic,
-            left_out: 0,
+            left_out: None,
         };
         let grey = raised.iter().all(|[r, g, b]| {
             let tolerance = 1e-12 * r.max(*g).max(*b);

@@ -16,10 +16,7 @@ pub struct ScanSummary {
     /// Whether all rows have one azimuth of incidence, so that the material is taken as isotropic.
     pub isotropic: bool,
     /// Rows of the file that say nothing about reflectance: directions at or below the horizon.
-    #[serde(skip_serializing_if = "is_zero")]
-    pub left_out: usize,
-}
-
-fn is_zero(count: &usize) -> bool {
-    *count == 0
+    /// Absent where there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub left_out: Option<usize>,
 }

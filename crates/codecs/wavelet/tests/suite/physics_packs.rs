@@ -30,7 +30,9 @@ fn tangent_pole(levels: u32) -> Grid {
 }
 
 fn encoded(source: &dyn Source, grid: Grid, change: impl Fn(&mut Recipe)) -> Encoded {
-    let mut recipe = Recipe { off_grid_pairs: 2000, stored_levels: grid.levels, ..Recipe::default() };
+    let Grid { parameterisation, levels } = grid;
+    let mut recipe =
+        Recipe { parameterisation, levels, off_grid_pairs: 2000, stored_levels: levels, ..Recipe::default() };
     change(&mut recipe);
     encode(source, &recipe, &()).unwrap()
 }
