@@ -72,6 +72,7 @@ fn relative(norms: &Norms) -> String {
 }
 
 /// Three or four significant digits.
+#[cfg(feature = "render")]
 pub fn significant(value: f64) -> String {
     match value.abs() {
         0.0 => "0".to_owned(),
