@@ -29,8 +29,8 @@ use clap::{Parser, Subcommand};
 use common::Common;
 use std::process::ExitCode;
 
-/// Compiles measured appearance (MERL, gonioreflectometer scans, RGL) into packed GPU textures, each with its measured
-/// error.
+/// Compiles measured appearance (MERL, RGL, ALTA, gonioreflectometer scans) into packed GPU textures, each with its
+/// measured error.
 #[derive(Debug, Parser)]
 #[command(name = "brdfc", version, max_term_width = 110, after_help = after_help())]
 struct Cli {

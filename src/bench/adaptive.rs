@@ -2,7 +2,6 @@
 
 use super::arguments::Arguments;
 use super::on_adapter;
-use super::studies::{AntialiasingStudy, DirectionsStudy, Study, StudyResult};
 use crate::output::remark;
 use crate::table::{percent, plain, significant};
 use crate::{CliError, Common};
@@ -14,9 +13,10 @@ use brdfc_source::Source;
 use brdfc_source::open::open;
 use brdfc_source::radiance_image::open_radiance_image;
 use brdfc_studies::adaptive::{
-    Case, EqualErrorRow, FourierRow, Lighting, StudyMaterial, antialiasing_study, directions_study, equal_error,
-    exponents, fourier_check,
+    AntialiasingStudy, Case, DirectionsStudy, EqualErrorRow, FourierRow, Lighting, StudyMaterial, antialiasing_study,
+    directions_study, equal_error, exponents, fourier_check,
 };
+use brdfc_studies::{Study, StudyResult};
 use std::path::Path;
 use std::time::Instant;
 

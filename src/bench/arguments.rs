@@ -1,7 +1,8 @@
 //! Flags of `brdfc bench`.
 
-use super::studies::Study;
-use clap::Args;
+use crate::CliError;
+use brdfc_studies::Study;
+use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
 /// Repeat a study of the papers, with the paper's own figures beside ours.
@@ -54,4 +55,41 @@ pub struct Arguments {
     /// Print JSON (schema: 'brdfc schema bench').
     #[arg(long)]
     pub(super) json: bool,
+}
+
+/// Studies of adaptive shading.
+const ADAPTIVE: &[Study] = &[Study::Adaptive, Study::PixelBandwidth, Study::BandwidthDirections, Study::Antialiasing];
+
+impl Arguments {
+    /// Whether every flag that was given has an effect on the study.
+    pub(super) fn check(&self) -> Result<(), CliError> {
+        if self.study == Study::WaveletBrdf && !self.inputs.is_empty() {
+            let text = "INPUT: found with --study wavelet-brdf; allowed with the studies that draw (throughput, \
+                        level-of-detail and images: materials), and with flat-btf and rays (structures)";
+            return Err(CliError::Usage(text.into()));
+        }
+        if !matches!(self.study, Study::LevelOfDetail | Study::Rays) && self.out.is_some() {
+            let allowed = "allowed with --study level-of-detail and --study rays";
+            return Err(CliError::Usage(format!("--out: found with another study; {allowed}")));
+        }
+        for (given, option, studies) in [
+            (self.texels.is_some(), "texels", &[Study::FlatBtf, Study::Rays][..]),
+            (self.flat_texels.is_some(), "flat-texels", &[Study::FlatBtf]),
+            (self.directions.is_some(), "directions", &[Study::FlatBtf]),
+            (self.environment.is_some(), "environment", ADAPTIVE),
+            (self.pixels.is_some(), "pixels", ADAPTIVE),
+            (self.truth.is_some(), "truth", ADAPTIVE),
+            (self.adapter.is_some(), "adapter", &[Study::Throughput, Study::LevelOfDetail, Study::Images]),
+        ] {
+            if given && !studies.contains(&self.study) {
+                let names: Vec<String> =
+                    studies.iter().filter_map(|s| Some(s.to_possible_value()?.get_name().to_owned())).collect();
+                let allowed = names.join(", ");
+                return Err(CliError::Usage(format!(
+                    "--{option}: found with another study; allowed with --study {allowed}"
+                )));
+            }
+        }
+        Ok(())
+    }
 }

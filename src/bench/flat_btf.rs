@@ -1,7 +1,6 @@
 //! The error study of flat BTFs.
 
 use super::arguments::Arguments;
-use super::studies::StudyResult;
 use crate::flatten::{DEFAULT_SET, direction_set};
 use crate::output::remark;
 use crate::table::plain;
@@ -9,6 +8,7 @@ use crate::{CliError, Common};
 use brdfc_flat_btf::structures::STRUCTURES;
 use brdfc_formats::container::MAX_EXTENT_2D;
 use brdfc_source::address::SYNTH_PREFIX;
+use brdfc_studies::StudyResult;
 use brdfc_studies::flat_btf::{ModelRow, StudyError, StudySettings, study_model};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};

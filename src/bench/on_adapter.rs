@@ -1,7 +1,6 @@
 //! Studies that need a graphics adapter.
 
 use super::arguments::Arguments;
-use super::studies::{Study, StudyResult};
 use crate::output::{make_folder, remark, write_file};
 use crate::table::plain;
 use crate::{CliError, Common, graphics_environment};
@@ -13,6 +12,7 @@ use brdfc_source::pack::open_wavelet_pack;
 use brdfc_studies::images::{ImageRow, PAPER_MEAN, PAPER_SIGMA, StudyError, on_the_cloth};
 use brdfc_studies::level_of_detail::{Animation, LevelOfDetail, level_of_detail};
 use brdfc_studies::throughput::{Throughput, throughput};
+use brdfc_studies::{Study, StudyResult};
 use brdfc_wavelet::encode::encode;
 use brdfc_wavelet::recipe::Recipe;
 use std::path::Path;
@@ -110,21 +110,12 @@ fn write_frames(folder: &Path, animation: &Animation) -> Result<(), CliError> {
     Ok(())
 }
 
-pub(super) fn text(result: &StudyResult) -> String {
-    match result {
-        StudyResult::Throughput(result) => throughput_text(result),
-        StudyResult::LevelOfDetail(result) => level_of_detail_text(result),
-        StudyResult::Images { rows } => images_text(rows),
-        _ => String::new(),
-    }
-}
-
 fn adapter(description: &AdapterDescription) -> String {
     let kind = if description.software { ", a software driver" } else { "" };
     format!("{}, {}{kind}", description.name, description.driver)
 }
 
-fn throughput_text(result: &Throughput) -> String {
+pub(super) fn throughput_text(result: &Throughput) -> String {
     let all = format!("CPU, {} threads", result.threads);
     let header = ["filter", "level", "fetches", "shader", "shader, exact", "CPU, 1 thread", &all];
     let mega = |rate: f64| format!("{:.2}", rate / 1e6);
@@ -146,7 +137,7 @@ fn throughput_text(result: &Throughput) -> String {
         )
 }
 
-fn level_of_detail_text(result: &LevelOfDetail) -> String {
+pub(super) fn level_of_detail_text(result: &LevelOfDetail) -> String {
     let header = ["level", "fetches", "nearest", "speed-up", "bilinear", "speed-up", "paper"];
     let rows: Vec<Vec<String>> = result
         .levels
@@ -195,7 +186,7 @@ fn level_of_detail_text(result: &LevelOfDetail) -> String {
         )
 }
 
-fn images_text(rows: &[ImageRow]) -> String {
+pub(super) fn images_text(rows: &[ImageRow]) -> String {
     let header =
         ["material", "shader ΔE", "σ", "pack", "σ", "table", "σ", "by default", "σ", "ΔE2000", "PSNR", "verdict"];
     let cells: Vec<Vec<String>> = rows

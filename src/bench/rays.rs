@@ -1,10 +1,10 @@
 //! The study of rays.
 
 use super::arguments::Arguments;
-use super::studies::StudyResult;
 use crate::output::{make_folder, remark, write_file};
 use crate::table::{percent, plain};
 use crate::{CliError, Common};
+use brdfc_studies::StudyResult;
 use brdfc_studies::rays::{Dump, RayScene, RayStudy, RayStudyError};
 use std::path::Path;
 

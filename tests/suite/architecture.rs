@@ -101,13 +101,94 @@ fn what_the_map_of_the_house_names_is_there() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
+/// Functions of shaders without a twin of the same name: what merges two nodes and what decides on one are closures on the
+/// CPU, and the caller names the look-up between directions.
+const NAMED_OTHERWISE: [&str; 3] = ["merged", "decide", "DIRECTION_MESH_FUNCTION"];
+
+/// The last names of the functions of a row, and of its shaders' functions.
+fn names_of_row(line: &[&str]) -> [Vec<String>; 2] {
+    let last = |text: &str| text.rsplit("::").next().unwrap().to_owned();
+    let items = line.iter().filter(|text| text.starts_with("brdfc_")).map(|text| last(text));
+    [items.collect(), line.iter().filter(|text| text.contains(SHADER)).map(|text| last(text)).collect()]
+}
+
+/// The functions of shaders of rows in which none has the name of one on the CPU.
+fn rows_without_twins(text: &str) -> Vec<Vec<String>> {
+    let rows = quoted(text).into_iter().map(|line| names_of_row(&line));
+    let unlike = rows.filter(|[items, shaders]| {
+        let has_twin =
+            |shader: &String| items.iter().any(|item| shader == item || shader.ends_with(&format!("_{item}")));
+        let is_known = |shader: &String| NAMED_OTHERWISE.contains(&shader.as_str());
+        !items.is_empty() && !shaders.is_empty() && !shaders.iter().any(|shader| has_twin(shader) || is_known(shader))
+    });
+    unlike.map(|[_, shaders]| shaders).collect()
+}
+
+#[test]
+fn shaders_and_their_twins_have_one_name() {
+    let text = std::fs::read_to_string(root().join("docs/ARCHITECTURE.md")).unwrap();
+    let found = rows_without_twins(&text);
+    assert!(found.is_empty(), "{found:#?}");
+    let control = "| eq. 1 | `brdfc_render::shade::from_light` | `x/y.wgsl::shade` |\n\
+                   | eq. 2 | `brdfc_formats::a::B::flight` | `x/y.wgsl::bandwidth_flight` |";
+    assert_eq!(rows_without_twins(control), [["shade"]]);
+}
+
+/// Text files of the repository by their paths, those that only say what once was left out.
+fn texts() -> Vec<(PathBuf, String)> {
+    let mut folders = ["crates", "docs", "examples", "formats", "src", "tests"].map(PathBuf::from).to_vec();
+    let mut texts = vec![];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(root().join(&folder)).unwrap() {
+            let entry = entry.unwrap();
+            let path = folder.join(entry.file_name());
+            let is_text =
+                path.extension().is_some_and(|extension| ["rs", "wgsl", "md", "toml"].iter().any(|e| extension == *e));
+            if entry.file_type().unwrap().is_dir() {
+                if !["target", "node_modules", "corpus"].iter().any(|name| path.ends_with(name)) {
+                    folders.push(path);
+                }
+            } else if is_text {
+                texts.push((path.clone(), std::fs::read_to_string(root().join(&path)).unwrap()));
+            }
+        }
+    }
+    texts
+}
+
+/// Paths from the root of the repository that a text has in backticks.
+fn quoted_paths(text: &str) -> impl Iterator<Item = &str> {
+    let quotations = text.lines().flat_map(|line| line.split('`').skip(1).step_by(2));
+    quotations.filter(|text| {
+        let is_ours = ["crates/", "docs/", "formats/", "src/", "tests/"].iter().any(|folder| text.starts_with(folder));
+        let is_file = [".rs", ".wgsl", ".md"].iter().any(|extension| text.ends_with(extension));
+        is_ours && is_file && !is_place_to_fill_in(text) && !text.contains(['*', ' ', 'C'])
+    })
+}
+
+#[test]
+fn files_that_comments_and_pages_name_are_there() {
+    let (mut wrong, mut count) = (Vec::new(), 0);
+    for (path, text) in texts() {
+        for quoted in quoted_paths(&text) {
+            count += 1;
+            if !root().join(quoted).is_file() && !path.ends_with("architecture.rs") {
+                wrong.push(format!("{}: {quoted}", path.display()));
+            }
+        }
+    }
+    assert!(count > 100, "{count} paths");
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    assert_eq!(quoted_paths("see `src/nowhere.rs`, `src/NAME.rs` and `a.rs`").collect::<Vec<_>>(), ["src/nowhere.rs"]);
+}
+
 #[test]
 fn what_is_not_there_is_seen() {
     for text in [
         "brdfc_wavelet::haar::transform",
         "brdfc_metrics::image::flip::flip",
         "brdfc_formats::bandwidth::propagation::Bandwidth::flight",
-        "formats/src/wavelet/decode.wgsl::wavelet_brdf_level",
+        "formats/src/wavelet/decode.wgsl::wavelet_brdf_level_of_detail",
         "tests/suite/architecture.rs",
         "formats/src/NAME/spec.md",
         "cargo test --test suite",
@@ -120,7 +201,7 @@ fn what_is_not_there_is_seen() {
         "brdfc_wavelet::hare::transform",
         "brdfc_formats::bandwidth::propagation::Bandwidth::flown",
         "formats/src/wavelet/decode.wgsl::wavelet_brdf_levels",
-        "formats/src/wavelet/decoder.wgsl::wavelet_brdf_level",
+        "formats/src/wavelet/decoder.wgsl::wavelet_brdf_level_of_detail",
         "tests/suite/architect.rs",
     ] {
         assert!(checked(text).is_err(), "{text}");

@@ -5,7 +5,7 @@
 //! demo scene. A line may end in `# exit code N`. A `text` block right after a `sh` block is what the block's last line
 //! prints, and may stand nowhere else. In it `[..]` stands for what differs from run to run: times and adapters.
 //!
-//!     BRDFC_BLESS=1 cargo test --release --features render --test suite readme
+//!     ./scripts/bless readme
 //!
 //! writes these blocks anew instead of comparing them. A `sh` block behind the comment `<!-- not run: WHY -->` is not run;
 //! the flags of its `brdfc` commands are still checked, and no `text` block may follow.
@@ -16,14 +16,13 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 /// What other lines of a block that is not run start with.
-const SET_UP: [&str; 7] = [
+const SET_UP: [&str; 6] = [
     "./scripts/",
     "sudo apt-get install ",
     "cargo install ",
     "cargo bench",
     "cargo build",
     "cargo run --release --example ",
-    "BRDFC_BLESS=1 cargo test ",
 ];
 /// How the pages run the program.
 const PROGRAMS: [&str; 3] = ["cargo run --release --features render -- ", "cargo run --release -- ", "brdfc "];
@@ -308,7 +307,7 @@ fn masked(printed: &str) -> (String, Option<String>) {
 fn assert_same_words(page: &str, command: &str, expected: &str, found: &str) {
     let told = format!(
         "{command}\n{page} says:\n{expected}\nit prints:\n{found}\n\
-         If this is meant: BRDFC_BLESS=1 cargo test --release --features render --test suite readme"
+         If this is meant: ./scripts/bless readme"
     );
     let (a, b): (Vec<_>, Vec<_>) = (expected.split_whitespace().collect(), found.split_whitespace().collect());
     assert_eq!(a.len(), b.len(), "{told}");

@@ -1,4 +1,4 @@
-// Calls `compute(at)` for every item, one per invocation. Pasted behind a shader that defines it over `input` and
+// Calls `compute(at)` for every item, one per invocation. Appended to a shader that defines it over `input` and
 // `output`.
 
 struct Computation {

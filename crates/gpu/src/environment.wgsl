@@ -1,5 +1,5 @@
-// Looks up an environment, a texture `environment` that the shader declares. Pasted behind `wavelet/decode.wgsl` and
-// `periodic.wgsl`; the CPU twin is `render/environment.rs`.
+// Looks up an environment, a texture `environment` that the shader declares. Appended to
+// `formats/src/wavelet/decode.wgsl` and `periodic.wgsl`; the CPU twin is `crates/render/src/environment.rs`.
 
 // Latitude-longitude image: row 0 is up, columns go round by azimuth and wrap.
 fn environment_at(direction: vec3<f32>) -> vec3<f32> {

@@ -1,4 +1,4 @@
-// Evaluates a pack at a list of direction pairs, one per invocation. Pasted behind `wavelet/decode.wgsl`.
+// Evaluates a pack at a list of direction pairs, one per invocation. Appended to `formats/src/wavelet/decode.wgsl`.
 
 struct Evaluation {
     level: f32,      // level of detail; a negative one is minus the distance that it follows from
@@ -37,10 +37,10 @@ fn evaluate(@builtin(global_invocation_id) id: vec3<u32>) {
     var f_r = vec3<f32>(0.0);
     var level = evaluation.level;
     if level < 0.0 {
-        level = wavelet_brdf_level(-level);
+        level = wavelet_brdf_level_of_detail(-level);
     }
     if wi.z > 0.0 && wo.z > 0.0 {
-        log_value = wavelet_brdf_log(wi, wo, level, evaluation.hardware == 1u);
+        log_value = wavelet_brdf_log_value(wi, wo, level, evaluation.hardware == 1u);
     }
     if evaluation.hardware == 1u {
         f_r = wavelet_brdf(wi, wo, level);

@@ -1,4 +1,4 @@
-// Evaluates a flat BTF at a list of queries, one per invocation. Pasted behind `flat_btf/decoder.wgsl` of the formats.
+// Evaluates a flat BTF at a list of queries, one per invocation. Appended to `formats/src/flat_btf/decoder.wgsl`.
 
 struct Evaluation {
     count: u32,    // queries
@@ -39,6 +39,6 @@ fn evaluate(@builtin(global_invocation_id) id: vec3<u32>) {
     let lights = FlatBtfWeights(queries[at].light_indices.xyz, queries[at].light_weights.xyz);
     let seen = flat_btf_indirection(uv, view);
     let full = flat_btf_full(uv, view, views, lights);
-    let light = flat_btf_light(uv, view, queries[at].light.xyz);
+    let light = flat_btf_light_form(uv, view, queries[at].light.xyz);
     answers[at] = FlatBtfAnswer(vec4<f32>(seen, 0.0), vec4<f32>(full, 0.0), vec4<f32>(light, 0.0));
 }

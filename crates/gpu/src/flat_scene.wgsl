@@ -1,5 +1,6 @@
-// Draws a scene of one flat BTF under point lights. Pasted behind `flat_btf/decoder.wgsl`, the look-ups `sampled_views` and
-// `sampled_lights` of sampled directions, and `view.wgsl`; the CPU twin is `render/flat` with `shading_point.rs`.
+// Draws a scene of one flat BTF under point lights. Appended to `formats/src/flat_btf/decoder.wgsl`, the look-ups
+// `sampled_views` and `sampled_lights` of sampled directions, and `view.wgsl`; the CPU twin is
+// `crates/render/src/flat` with `shading_point.rs`.
 
 struct FlatMaterial {
     repeat: u32,        // tiles per unit of uv
@@ -39,7 +40,7 @@ fn shade(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4<f
 // Radiance divided by that of a white diffuser that faces the light.
 fn flat_value(uv: vec2<f32>, wo: vec3<f32>, wi: vec3<f32>) -> vec3<f32> {
     if material.full == 0u {
-        return flat_btf_light(uv, wo, wi);
+        return flat_btf_light_form(uv, wo, wi);
     }
     let v = sampled_views(wo);
     let l = sampled_lights(wi);

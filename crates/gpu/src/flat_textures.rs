@@ -1,4 +1,4 @@
-//! Flat BTFs on the device: the bind group that `flat_btf/decoder.wgsl` declares.
+//! Flat BTFs on the device: the bind group that `formats/src/flat_btf/decoder.wgsl` declares.
 
 use super::device::{Gpu, GpuError};
 use super::pack::texture_format;

@@ -1,4 +1,4 @@
-//! Packs on the device: the bind group that `wavelet/decode.wgsl` declares.
+//! Packs on the device: the bind group that `formats/src/wavelet/decode.wgsl` declares.
 
 use super::device::{Gpu, GpuError};
 use brdfc_formats::container::TexelFormat;

@@ -1,5 +1,6 @@
-// Draws a scene of materials under point lights. Pasted behind `wavelet/decode.wgsl`, `view.wgsl`, `periodic.wgsl`,
-// `surface.wgsl` and `environment.wgsl`; the CPU twin is `render/shade.rs`, step by step.
+// Draws a scene of materials under point lights. Appended to `formats/src/wavelet/decode.wgsl`, `view.wgsl`,
+// `periodic.wgsl`, `surface.wgsl` and `environment.wgsl`; the CPU twin is `crates/render/src/shade.rs`, step by
+// step.
 
 @group(2) @binding(2) var environment: texture_2d<f32>;
 
@@ -12,7 +13,7 @@ fn shade(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4<f
     let wo = vec3<f32>(dot(v, frame[0]), dot(v, frame[1]), dot(v, frame[2]));
     var level = view.level;
     if level < 0.0 {
-        level = wavelet_brdf_level(distance);
+        level = wavelet_brdf_level_of_detail(distance);
     }
 
     // Equation 1 of Claustres et al. 2007.

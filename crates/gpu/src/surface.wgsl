@@ -1,5 +1,5 @@
-// What a surface has besides its BRDF, and its local frame. Pasted behind `view.wgsl` and `periodic.wgsl`; the CPU twin is
-// `render/shading_point.rs` with `environment.rs`.
+// What a surface has besides its BRDF, and its local frame. Appended to `view.wgsl` and `periodic.wgsl`; the CPU
+// twin is `crates/render/src/shading_point.rs` with `environment.rs`.
 
 struct Surface {
     mirror: f32,      // reflectance of the mirrored environment at normal incidence

@@ -1,5 +1,5 @@
 // What the shaders of scenes have in common: the camera, point lights, and the way from corners to pixels. The CPU twin
-// is `render/camera.rs` with `shading_point.rs`.
+// is `crates/render/src/camera.rs` with `shading_point.rs`.
 
 struct View {
     eye: vec4<f32>,

@@ -21,9 +21,9 @@ pub struct Norms {
     pub samples: u64,
     /// Samples with `f < 1e-3 μ`, left out of the relative and log norms.
     pub below_floor: u64,
-    /// `ε`: RMS of `f' - f`, 1/sr.
+    /// `ε` of section 6.2 of Claustres et al. 2007: RMS of `f' - f`, 1/sr.
     pub rms: f64,
-    /// `ε_r`: mean of `|f' - f| / f`, a fraction.
+    /// `ε_r` of section 6.2 of Claustres et al. 2007: mean of `|f' - f| / f`, a fraction.
     pub relative_mean: f64,
     /// 95th percentile of `|f' - f| / f`, to 0.4 %.
     pub relative_p95: f64,
@@ -93,7 +93,7 @@ impl NormSums {
         }
     }
 
-    /// Adds a sample: reference `f`, approximation `g`, cosine of the incoming angle.
+    /// Adds a sample: reference `f`, approximation `f'` (here `g`), cosine of the incoming angle.
     pub fn add(&mut self, f: f64, g: f64, cos_theta_i: f64) {
         let difference = g - f;
         self.samples += 1;

@@ -20,10 +20,10 @@ const LARGEST_RISE_SQUARED: f32 = 0.0625;
 /// A direction of strongest curvature that lies between two neighbours is missed by up to 22.5° where the surface is seen
 /// head on (8 % less on a cylinder), and by more where it is foreshortened.
 pub fn curvature(buffer: &GBuffer) -> Vec<f32> {
-    (0..buffer.part.len()).into_par_iter().map(|pixel| at(buffer, pixel)).collect()
+    (0..buffer.part.len()).into_par_iter().map(|pixel| curvature_at(buffer, pixel)).collect()
 }
 
-fn at(buffer: &GBuffer, pixel: usize) -> f32 {
+fn curvature_at(buffer: &GBuffer, pixel: usize) -> f32 {
     if buffer.part[pixel] == BACKGROUND {
         return 0.0;
     }

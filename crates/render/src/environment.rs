@@ -1,4 +1,4 @@
-//! Looking up environments and height maps, as `scene.wgsl` does.
+//! Looking up environments and height maps, as `environment.wgsl` and `surface.wgsl` do.
 
 use super::scene::{Environment, HeightMap};
 use brdfc_formats::direction::{Vector, polynomial_atan2};

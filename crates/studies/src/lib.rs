@@ -13,3 +13,89 @@ pub mod throughput;
 mod wavelet;
 
 pub use wavelet::{StudyRow, wavelet_table_1};
+
+use serde::Serialize;
+
+/// Which studies there are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
+pub enum Study {
+    /// Table 1 of Claustres et al. 2007: errors of Lewis, Ward and Poulin-Fournier at 4:1, 16:1 and 32:1.
+    WaveletBrdf,
+    /// Section 4 of Hadim et al. 2009: reconstruction, coherency, sizes and interpolation of flat BTFs. Takes minutes for
+    /// each of synth:button, folds, knit and sponge, which are the default.
+    FlatBtf,
+    /// Rays per second against a repeated structure. With --out: mesh.ply and rays.bin for other programs.
+    Rays,
+    /// Section 6.3: evaluations per second, shader and CPU decoder.
+    Throughput,
+    /// Section 6.3, figure 10: a terrain with and without levels of detail, time per level, flicker.
+    LevelOfDetail,
+    /// Section 6.3, figure 9: colour differences on a cloth, shader against source, 4:1 and 8 bits.
+    Images,
+    /// Section 5 of Bagher et al. 2012: samples that adaptive and forward shading need for the same error, of every
+    /// material on two shapes, on the CPU. Minutes for each material.
+    Adaptive,
+    /// Figure 12 of Bagher et al. 2012: predicted pixel bandwidth against windowed Fourier transforms, on a sphere.
+    PixelBandwidth,
+    /// Figure 13 of Bagher et al. 2012: error with bandwidth averaged over 16 to 1024 directions.
+    BandwidthDirections,
+    /// Figure 10 of Bagher et al. 2012: cost of adaptive shading with 1, 4 and 16 points per pixel.
+    Antialiasing,
+}
+
+/// Figures of a study.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+#[serde(tag = "study", rename_all = "kebab-case")]
+pub enum StudyResult {
+    /// Table 1.
+    WaveletBrdf {
+        /// Rows of the table.
+        rows: Vec<StudyRow>,
+    },
+    /// Tables 1, 2 and 3 and figure 10 of Hadim et al. 2009.
+    FlatBtf {
+        /// What was computed.
+        settings: flat_btf::StudySettings,
+        /// One for each model.
+        rows: Vec<flat_btf::ModelRow>,
+    },
+    /// Rays per second.
+    Rays(rays::RayStudy),
+    /// Evaluations per second.
+    #[cfg(feature = "render")]
+    Throughput(throughput::Throughput),
+    /// The terrain.
+    #[cfg(feature = "render")]
+    LevelOfDetail(level_of_detail::LevelOfDetail),
+    /// Colour differences on the cloth.
+    #[cfg(feature = "render")]
+    Images {
+        /// One for each material.
+        rows: Vec<images::ImageRow>,
+    },
+    /// Adaptive and forward shading at equal error.
+    #[cfg(feature = "render")]
+    Adaptive {
+        /// One for each material, shape and error.
+        rows: Vec<adaptive::EqualErrorRow>,
+    },
+    /// Predicted bandwidth against Fourier transforms.
+    #[cfg(feature = "render")]
+    PixelBandwidth {
+        /// One for each material.
+        rows: Vec<adaptive::FourierRow>,
+    },
+    /// Numbers of incident directions.
+    #[cfg(feature = "render")]
+    BandwidthDirections {
+        /// One for each material.
+        rows: Vec<adaptive::DirectionsStudy>,
+    },
+    /// Points per pixel.
+    #[cfg(feature = "render")]
+    Antialiasing {
+        /// One for each material and shape.
+        rows: Vec<adaptive::AntialiasingStudy>,
+    },
+}

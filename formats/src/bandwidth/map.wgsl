@@ -1,8 +1,8 @@
 // Maps of local bandwidth on a GPU: how fast a BRDF lobe, an environment or a texture varies.
 //
-// After Bagher, Soler, Subr, Belcour and Holzschuch 2012, "Interactive rendering of acquired materials on dynamic geometry
-// using bandwidth prediction", section 2.4. The layout is described in `formats/src/bandwidth/spec.md`; the CPU look-ups with the same
-// steps in the same order are those of `BandwidthMap` of the crate `brdfc-formats`.
+// After Bagher, Soler, Subr, Belcour and Holzschuch 2012, "Interactive rendering of acquired materials on dynamic
+// geometry using bandwidth prediction", section 2.4. The layout is described in `formats/src/bandwidth/spec.md`; the
+// CPU look-ups with the same steps in the same order are those of `BandwidthMap` of the crate `brdfc-formats`.
 //
 // To use it: paste this file before your own shader, move the four bindings where they suit you, and call
 //
@@ -10,8 +10,8 @@
 //     let light = bandwidth_environment(d);     // cycles per radian of the direction
 //     let spatial = bandwidth_texture(uv);      // cycles per metre
 //
-// wi and wo are unit vectors in the frame x = tangent, y = bitangent, z = normal; d is any vector in the frame of the
-// environment. A map that is not there is a texture of one texel, with a scale of 0.
+// wi and wo are unit vectors in the frame x = tangent, y = bitangent, z = normal; d is any vector in the frame of
+// the environment. A map that is not there is a texture of one texel, with a scale of 0.
 
 // The same fields, in the same order, as `BandwidthParameters` of `brdfc-formats`. 16 bytes.
 struct BandwidthParameters {

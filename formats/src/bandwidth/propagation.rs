@@ -1,7 +1,8 @@
 //! How fast reflected light varies in a picture: propagation of local bandwidth from a light to a pixel, and the
 //! sampling rates that follow. Rules in words: `formats/src/bandwidth/propagation.md`.
 //!
-//! After "Interactive rendering of acquired materials on dynamic geometry using bandwidth prediction" (2012), sections
+//! After Bagher, Soler, Subr, Belcour and Holzschuch 2012, "Interactive rendering of acquired materials on dynamic
+//! geometry using bandwidth prediction", sections
 //! 2.1 to 2.3 and figure 5; equation numbers are theirs. Signs of shears are dropped, so that every result is an upper
 //! bound. [`PROPAGATION_WGSL`] has the same functions with the same steps: the bits are equal where additions,
 //! multiplications, divisions and square roots are rounded correctly and not fused.
@@ -281,15 +282,18 @@ impl VarianceEstimate {
     }
 }
 
-/// The factor from `V` to samples that spends `samples` per shaded pixel where the mean of `V` over them is
-/// `mean_variance`, before [`sample_count`] holds them to its range. 0 where nothing varies.
-pub fn sample_scale(mean_variance: f32, samples: f32) -> f32 {
-    if mean_variance > 0.0 { limited(samples / mean_variance) } else { 0.0 }
+/// The factor from `demand` to samples that spends `samples` per shaded pixel where the mean of `demand` over them is
+/// `mean_demand`, before [`sample_count`] holds them to its range. 0 where nothing varies.
+pub fn sample_scale(mean_demand: f32, samples: f32) -> f32 {
+    if mean_demand > 0.0 { limited(samples / mean_demand) } else { 0.0 }
 }
 
-/// Samples of a shaded pixel: `scale V`, rounded up, in the range `fewest..=most`. `most` is at most 2^24.
-pub fn sample_count(variance: f32, scale: f32, fewest: u32, most: u32) -> u32 {
-    let wanted = limited(scale * variance).ceil();
+/// Samples of a shaded pixel (equation 7): `scale demand`, rounded up, in the range `fewest..=most`. `most` is at most 2^24.
+///
+/// `demand` is `V` for the same relative error everywhere, as in the paper; its root, weighed by how errors show, for the
+/// least squared error of a picture (`propagation.md`, step 6).
+pub fn sample_count(demand: f32, scale: f32, fewest: u32, most: u32) -> u32 {
+    let wanted = limited(scale * demand).ceil();
     wanted.max(fewest as f32).min(most as f32) as u32
 }
 

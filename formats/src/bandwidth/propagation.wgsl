@@ -1,11 +1,12 @@
-// How fast reflected light varies in a picture: propagation of local bandwidth from a light to a pixel, and the sampling
-// rates that follow.
+// How fast reflected light varies in a picture: propagation of local bandwidth from a light to a pixel, and the
+// sampling rates that follow.
 //
-// After "Interactive rendering of acquired materials on dynamic geometry using bandwidth prediction" (2012), sections 2.1
-// to 2.3; equation numbers below are theirs. Rules in words: `formats/src/bandwidth/propagation.md`; the same functions with
-// the same steps in Rust: `bandwidth_propagation` of the crate `brdfc-formats`.
+// After "Interactive rendering of acquired materials on dynamic geometry using bandwidth prediction" (2012),
+// sections 2.1 to 2.3; equation numbers below are theirs. Rules in words: `formats/src/bandwidth/propagation.md`;
+// the same functions with the same steps in Rust: `bandwidth::propagation` of the crate `brdfc-formats`.
 //
-// To use it: paste this file before your own shader; it has no bindings. For each pixel, over a few incident directions:
+// To use it: paste this file before your own shader; it has no bindings. For each pixel, over a few incident
+// directions:
 //
 //     let seen = bandwidth_one_bounce(light, light_distance, surface, image_distance);
 //     average = bandwidth_average_add(average, seen, contribution);
@@ -13,7 +14,7 @@
 //
 // and then
 //
-//     let b = bandwidth_pixel(bandwidth_average_mean(average).angular, field_of_view, size, bandwidth_largest_pixel(0u));
+//     let b = pixel_bandwidth(bandwidth_average_mean(average).angular, field_of_view, size, largest_pixel_bandwidth(0u));
 //     let level = bandwidth_pyramid_level(b, coarsest);
 //     let samples = bandwidth_sample_count(bandwidth_variance_relative(variance, darkest), scale, fewest, most);
 //
@@ -103,7 +104,7 @@ fn bandwidth_one_bounce(
 }
 
 // What a surface shows in light that does not vary, at the image plane.
-fn bandwidth_of_albedo(surface: BandwidthSurface, image_distance: f32) -> Bandwidth {
+fn bandwidth_albedo(surface: BandwidthSurface, image_distance: f32) -> Bandwidth {
     let own = bandwidth_curvature(Bandwidth(0.0, min(surface.lobe, BANDWIDTH_ALBEDO)), surface.curvature);
     return bandwidth_flight(bandwidth_out_of_surface(own, surface.cos_outgoing), image_distance);
 }
@@ -133,13 +134,13 @@ fn bandwidth_average_mean(average: BandwidthAverage) -> Bandwidth {
 }
 
 // Equation 6, cycles per pixel. Field of view in radians and size in pixels, across and down.
-fn bandwidth_pixel(angular: f32, field_of_view: vec2<f32>, size: vec2<f32>, largest: f32) -> f32 {
+fn pixel_bandwidth(angular: f32, field_of_view: vec2<f32>, size: vec2<f32>, largest: f32) -> f32 {
     let pixel = max(field_of_view.x / size.x, field_of_view.y / size.y);
     return min(angular * pixel, largest);
 }
 
 // What pixels can show, with 4^levels samples per pixel.
-fn bandwidth_largest_pixel(antialiasing_levels: u32) -> f32 {
+fn largest_pixel_bandwidth(antialiasing_levels: u32) -> f32 {
     return 0.5 * f32(1u << min(antialiasing_levels, 16u));
 }
 
@@ -185,16 +186,16 @@ fn bandwidth_variance_relative(v: BandwidthVariance, darkest: f32) -> f32 {
 }
 
 // The factor that spends so many samples per shaded pixel.
-fn bandwidth_sample_scale(mean_variance: f32, samples: f32) -> f32 {
-    if mean_variance > 0.0 {
-        return bandwidth_limited(samples / mean_variance);
+fn bandwidth_sample_scale(mean_demand: f32, samples: f32) -> f32 {
+    if mean_demand > 0.0 {
+        return bandwidth_limited(samples / mean_demand);
     }
     return 0.0;
 }
 
 // Samples of a shaded pixel.
-fn bandwidth_sample_count(variance: f32, scale: f32, fewest: u32, most: u32) -> u32 {
-    let wanted = ceil(bandwidth_limited(scale * variance));
+fn bandwidth_sample_count(demand: f32, scale: f32, fewest: u32, most: u32) -> u32 {
+    let wanted = ceil(bandwidth_limited(scale * demand));
     return u32(min(max(wanted, f32(fewest)), f32(most)));
 }
 

@@ -1,4 +1,5 @@
-//! The CPU decoder of flat BTFs: the reference that shaders are held against.
+//! The CPU decoder of flat BTFs, the reference that shaders are held against. Equation and section numbers are those of
+//! Hadim et al. 2009; FBTF are the views, VDIM is the indirection map.
 //!
 //! Every step is f32 arithmetic in a fixed order without fused operations, so that a shader that follows it with
 //! manual filtering gives the same bits.
@@ -115,16 +116,18 @@ impl FlatBtfDecoder {
         Atlas::new(self.parts.diffuse.size(), lights as u32)
     }
 
-    /// Equation 3: the parameters, 0 to below 1, and the height in tiles of what is seen through a point of the reference
+    /// Equations 2 and 3, `VDIM_v = VDIM_n + d_v δ_v`: the parameters, 0 to below 1, and the height in tiles of what is seen through a point of the reference
     /// plane. `uv` is in tiles, of any size; `view` is a unit vector to the viewer.
     ///
-    /// The directions of four view samples are blended and brought back to length 1, their distances are blended
+    /// The directions of four view samples are blended and normalised, their distances are blended
     /// linearly. Directions below the horizon are seen from the largest polar angle.
     pub fn indirection(&self, uv: [f32; 2], view: [f32; 3]) -> [f32; 3] {
         let (map, reference) = (&self.parts.indirection, &self.parts.reference);
         let size = map.header().size;
         let texel = uv.map(|c| ((wrap(c) * size as f32) as u32).min(size - 1));
-        let [column, row] = view_taps(map.header(), view);
+        let position = view_position(map.header(), view);
+        let column = block_tap(position[0], map.header().zenith_samples - 1);
+        let row = block_tap(position[1], map.header().azimuth_samples);
         let mut blended = [0.0f32; 4];
         for ([k, a], weight) in footprint(column, row) {
             let sample = map.sample(texel, k, a);
@@ -139,7 +142,7 @@ impl FlatBtfDecoder {
         [wrap(u + scale * x), wrap(v + scale * y), height]
     }
 
-    /// Equation 1: the BTF, relative to a white diffuser that faces the light. Views and lights are blended by the
+    /// Equation 1, `BTF = FBTF(VDIM)`, relative to a white diffuser that faces the light. Views and lights are blended by the
     /// weights, texels bilinearly with period 1.
     ///
     /// # Panics
@@ -189,17 +192,20 @@ fn wrap(x: f32) -> f32 {
     if fraction < 1.0 { fraction } else { 0.0 }
 }
 
-/// The view samples around a direction, polar angle first.
-fn view_taps(header: &IndirectionHeader, [x, y, z]: [f32; 3]) -> [Tap; 2] {
+/// Where a view is among the samples of a block, polar angle first: what `u` and `v` of section 3.5 and figure 7 address,
+/// where a shader leaves the blending to the sampler.
+fn view_position(header: &IndirectionHeader, [x, y, z]: [f32; 3]) -> [f32; 2] {
     let polar = polynomial_atan2((x * x + y * y).sqrt(), z).min(header.largest_angle);
     let azimuth = polynomial_atan2(y.abs(), x);
     let azimuth = if y < 0.0 { TAU - azimuth } else { azimuth };
-    let tap = |position: f32, last: u32| {
-        let lower = (position as u32).min(last - 1);
-        Tap { samples: [lower, lower + 1], weight: position - lower as f32 }
-    };
-    let (zenith, turns) = (header.zenith_samples - 1, header.azimuth_samples);
-    [tap(polar / header.largest_angle * zenith as f32, zenith), tap(azimuth / TAU * turns as f32, turns)]
+    let column = polar / header.largest_angle * (header.zenith_samples - 1) as f32;
+    [column, azimuth / TAU * header.azimuth_samples as f32]
+}
+
+/// The samples around a position from 0 to `last`.
+fn block_tap(position: f32, last: u32) -> Tap {
+    let lower = (position as u32).min(last - 1);
+    Tap { samples: [lower, lower + 1], weight: position - lower as f32 }
 }
 
 /// The texels around a parameter, whose centres are at `(i + ½) / size`, with period 1.

@@ -1,20 +1,21 @@
 // Flat BTFs on a GPU: a BTF on the parameters of its meso-geometry, found through a view-dependent indirection.
 //
 // After Hadim, Pacanowski, Granier and Schlick 2009, "Flat bidirectional texture functions"; section and equation
-// numbers below are theirs. The layout of the files is described in `formats/src/flat_btf/spec.md`; the CPU decoder with the same
-// steps in the same order is `FlatBtfDecoder` of the crate `brdfc-formats`.
+// numbers below are theirs. The layout of the files is described in `formats/src/flat_btf/spec.md`; the CPU decoder
+// with the same steps in the same order is `FlatBtfDecoder` of the crate `brdfc-formats`.
 //
 // To use it: paste this file before your own shader, move the seven bindings where they suit you, and call
 //
 //     let seen = flat_btf_indirection(uv, view);        // parameters and height of the surface point that is seen
-//     let value = flat_btf_light(uv, view, light);      // normal map and diffuse colour
+//     let value = flat_btf_light_form(uv, view, light);      // normal map and diffuse colour
 //     let value = flat_btf_full(uv, view, views, lights); // every sampled view and light
 //
-// uv is in tiles, of any size. view (to the viewer) and light (to the light) are unit vectors in the frame x = tangent,
-// y = bitangent, z = normal. Values are linear RGB: radiance divided by that of a white diffuser that faces the light.
+// uv is in tiles, of any size. view (to the viewer) and light (to the light) are unit vectors in the frame x =
+// tangent, y = bitangent, z = normal. Values are linear RGB: radiance divided by that of a white diffuser that faces
+// the light.
 //
-// The indirection costs 5 fetches with manual filtering and 2 with the sampler; the light form 8 more; the full form 4
-// more for each pair of a view and a light whose weights are not 0.
+// The indirection costs 5 fetches with manual filtering and 2 with the sampler; the light form 8 more; the full form
+// 4 more for each pair of a view and a light whose weights are not 0.
 
 // The same fields, in the same order, as `FlatBtfParameters` of `brdfc-formats`. 32 bytes.
 struct FlatBtfParameters {
@@ -105,7 +106,7 @@ fn flat_btf_full(uv: vec2<f32>, view: vec3<f32>, views: FlatBtfWeights, lights: 
 }
 
 // Section 3.5: the light form, a diffuse colour lit under a normal map.
-fn flat_btf_light(uv: vec2<f32>, view: vec3<f32>, light: vec3<f32>) -> vec3<f32> {
+fn flat_btf_light_form(uv: vec2<f32>, view: vec3<f32>, light: vec3<f32>) -> vec3<f32> {
     let seen = flat_btf_indirection(uv, view);
     let column = flat_btf_periodic_tap(seen.x);
     let row = flat_btf_periodic_tap(seen.y);

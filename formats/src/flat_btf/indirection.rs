@@ -1,5 +1,5 @@
 //! The part `indirection`: for every texel of the reference plane a block of view samples, which a sampler can blend
-//! without reaching into the next block (section 3.5 of the paper).
+//! without reaching into the next block (section 3.5 of Hadim et al. 2009).
 
 use super::MAX_COORDINATE;
 use super::layout::{VERSION, check_format, half_bytes, halves, is_coordinate, word, wrong_extent};

@@ -1,7 +1,7 @@
 // Directions drawn in proportion to a material's lobe.
 //
-// The layout of the file is described in `formats/src/importance/spec.md`; the CPU decoder with the same steps in the same order is
-// `ImportancePack::sample` of the crate `brdfc-formats`.
+// The layout of the file is described in `formats/src/importance/spec.md`; the CPU decoder with the same steps in
+// the same order is `ImportancePack::sample` of the crate `brdfc-formats`.
 //
 // To use it: paste this file before your own shader, move the two bindings where they suit you, and sum over any N
 // consecutive indices:
@@ -9,8 +9,8 @@
 //     let drawn = importance_sample(outgoing, first + i);
 //     sum += drawn.inverse_density * radiance(drawn.incoming) * f_r(drawn.incoming, outgoing) * drawn.incoming.z;
 //
-// sum / N is the reflected radiance. outgoing (to the viewer) and incoming (to the light) are unit vectors in the frame
-// x = tangent, y = bitangent, z = normal. One fetch.
+// sum / N is the reflected radiance. outgoing (to the viewer) and incoming (to the light) are unit vectors in the
+// frame x = tangent, y = bitangent, z = normal. One fetch.
 
 // 16 bytes: `ImportanceHeader::uniform` of `brdfc-formats`.
 struct ImportanceParameters {

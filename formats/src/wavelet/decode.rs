@@ -131,7 +131,7 @@ impl WaveletDecoder {
         let level = level.clamp(0.0, levels as f32);
         let whole = level.floor() as u32;
         let fraction = level - level.floor();
-        let mut value = self.slice_value(0, footprint).map(|c| c * weight(levels));
+        let mut value = self.coefficient(0, footprint).map(|c| c * weight(levels));
         let last = whole + u32::from(fraction > 0.0);
         for j in 0..last {
             let (child_column, child_row) = (column >> (levels - j - 1), row >> (levels - j - 1));
@@ -141,7 +141,7 @@ impl WaveletDecoder {
             let latitude_sign = if child_row & 1 == 0 { scale } else { -scale };
             let longitude_scale = scale * SQRT_2;
             let longitude_sign = if child_column & 1 == 0 { longitude_scale } else { -longitude_scale };
-            let (a, b) = (self.slice_value(latitude, footprint), self.slice_value(longitude, footprint));
+            let (a, b) = (self.coefficient(latitude, footprint), self.coefficient(longitude, footprint));
             let part = if j == whole { fraction } else { 1.0 };
             for channel in 0..3 {
                 value[channel] += part * (latitude_sign * a[channel] + longitude_sign * b[channel]);
@@ -150,10 +150,15 @@ impl WaveletDecoder {
         value
     }
 
+    /// The slice of a coefficient, 0 where it has none.
+    fn entry(&self, coefficient: usize) -> usize {
+        usize::from(self.index[coefficient])
+    }
+
     /// One coefficient at the outer direction, through the index map.
-    fn slice_value(&self, coefficient: usize, footprint: &[(usize, f32)]) -> [f32; 3] {
+    fn coefficient(&self, coefficient: usize, footprint: &[(usize, f32)]) -> [f32; 3] {
         let channels = self.header.channels as usize;
-        let slice = usize::from(self.index[coefficient]) * self.header.cells();
+        let slice = self.entry(coefficient) * self.header.cells();
         let mut value = [0.0; 3];
         if slice == 0 {
             // The zero slice: a shader fetches it, here the fetch is saved. The value is the same.

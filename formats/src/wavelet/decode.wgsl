@@ -1,20 +1,20 @@
 // Wavelet BRDF packs on a GPU: f_r at a direction pair and a continuous level of detail.
 //
 // After Claustres, Barthe and Paulin 2007, "Wavelet encoding of BRDFs for real-time rendering"; section and equation
-// numbers below are theirs. The pack layout is described in `formats/src/wavelet/spec.md`; the CPU decoder with the same steps in
-// the same order is `WaveletDecoder` of the crate `brdfc-formats`.
+// numbers below are theirs. The pack layout is described in `formats/src/wavelet/spec.md`; the CPU decoder with the
+// same steps in the same order is `WaveletDecoder` of the crate `brdfc-formats`.
 //
 // To use it: paste this file before your own shader, move the four bindings where they suit you, and call
 //
-//     let level = wavelet_brdf_level(distance);
+//     let level = wavelet_brdf_level_of_detail(distance);
 //     let f_r = wavelet_brdf(wi, wo, level);         // hardware filtering of the outer direction
 //     let f_r = wavelet_brdf_exact(wi, wo, level);   // manual filtering: slower, the same bits as the CPU decoder
 //
 // wi (to the light) and wo (to the viewer) are unit vectors in the frame x = tangent, y = bitangent, z = normal. The
 // result is linear RGB in 1/sr, 0 where a direction is at or below the horizon.
 //
-// One reconstruction costs 4 l + 1 texture fetches at level l, blended levels count as the finer one: two details per
-// level, each through the index map, and the scaling coefficient, which always is slice 1. Filter modes:
+// One reconstruction costs 4 l + 1 texture fetches at level l, blended levels count as the finer one: two details
+// per level, each through the index map, and the scaling coefficient, which always is slice 1. Filter modes:
 //
 //     0 nearest    one reconstruction; the exact path takes the nearest cell of a slice, the hardware path filters it
 //     1 slices     one reconstruction, slices filtered bilinearly (section 5.2)
@@ -70,7 +70,7 @@ struct WaveletBrdfAxes {
 }
 
 // Section 5.4.1: l = N - clamp(log2(α d), 0, N) at distance d from the viewer. N is the finest level.
-fn wavelet_brdf_level(distance: f32) -> f32 {
+fn wavelet_brdf_level_of_detail(distance: f32) -> f32 {
     let levels = f32(wavelet_brdf_parameters.levels);
     return levels - clamp(log2(wavelet_brdf_parameters.distance_scale * distance), 0.0, levels);
 }
@@ -80,7 +80,7 @@ fn wavelet_brdf(wi: vec3<f32>, wo: vec3<f32>, level: f32) -> vec3<f32> {
     if !(wi.z > 0.0 && wo.z > 0.0) {
         return vec3<f32>(0.0);
     }
-    return wavelet_brdf_from_log(wavelet_brdf_log(wi, wo, level, true));
+    return wavelet_brdf_from_log(wavelet_brdf_log_value(wi, wo, level, true));
 }
 
 // f_r with manual weights.
@@ -88,7 +88,7 @@ fn wavelet_brdf_exact(wi: vec3<f32>, wo: vec3<f32>, level: f32) -> vec3<f32> {
     if !(wi.z > 0.0 && wo.z > 0.0) {
         return vec3<f32>(0.0);
     }
-    return wavelet_brdf_from_log(wavelet_brdf_log(wi, wo, level, false));
+    return wavelet_brdf_from_log(wavelet_brdf_log_value(wi, wo, level, false));
 }
 
 // Inverse of the log encoding of section 5.1: f = μ (exp(v) - ε), from 0 to the largest number.
@@ -98,7 +98,7 @@ fn wavelet_brdf_from_log(value: vec3<f32>) -> vec3<f32> {
 }
 
 // The log-encoded value ln(f / μ + ε). Both directions are above the horizon.
-fn wavelet_brdf_log(wi: vec3<f32>, wo: vec3<f32>, level: f32, hardware: bool) -> vec3<f32> {
+fn wavelet_brdf_log_value(wi: vec3<f32>, wo: vec3<f32>, level: f32, hardware: bool) -> vec3<f32> {
     let axes = wavelet_brdf_axes(wi, wo);
     let outer = wavelet_brdf_taps(axes.outer, wavelet_brdf_parameters.filter_mode > 0u);
     let inner = wavelet_brdf_taps(axes.inner, wavelet_brdf_parameters.filter_mode == 2u);

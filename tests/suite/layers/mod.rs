@@ -9,110 +9,115 @@ use code::{code_of, imports_and_paths, rust_files};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Every crate of the workspace, lowest first, with what it may use. A new crate needs a line here.
-const MAY_USE: &[(&str, &[&str])] = &[
-    ("brdfc-formats", &[]),
-    ("brdfc-source", &["brdfc-formats"]),
-    ("brdfc-metrics", &["brdfc-formats", "brdfc-source"]),
-    ("brdfc-bandwidth", BELOW_CODECS),
-    ("brdfc-flat-btf", BELOW_CODECS),
-    ("brdfc-importance", BELOW_CODECS),
-    ("brdfc-wavelet", BELOW_CODECS),
-    ("brdfc-render", BELOW_RENDER),
-    ("brdfc-gpu", &["brdfc-formats", "brdfc-source", "brdfc-metrics", "brdfc-render"]),
-    ("brdfc-jobs", BELOW_JOBS),
-    ("brdfc-studies", BELOW_STUDIES),
-    ("brdfc", BELOW_PROGRAM),
-    // Beside the layers: what tests share, and the benchmarks.
-    ("brdfc-testing", &["brdfc-formats", "brdfc-source"]),
-    ("brdfc-benchmarks", &[]),
+/// The layers, lowest first: folders of crates. A crate may use those of lower layers, and none of its own.
+const LAYERS: [&str; 9] = [
+    "formats",
+    "crates/source",
+    "crates/metrics",
+    "crates/codecs",
+    "crates/render",
+    "crates/gpu",
+    "crates/jobs",
+    "crates/studies",
+    ".",
 ];
-const BELOW_PROGRAM: &[&str] = &[
-    "brdfc-formats",
-    "brdfc-source",
-    "brdfc-metrics",
-    "brdfc-bandwidth",
-    "brdfc-flat-btf",
-    "brdfc-importance",
-    "brdfc-wavelet",
-    "brdfc-render",
-    "brdfc-gpu",
-    "brdfc-jobs",
-    "brdfc-studies",
-];
-const BELOW_STUDIES: &[&str] = BELOW_PROGRAM.split_at(10).0;
-const BELOW_JOBS: &[&str] = BELOW_PROGRAM.split_at(9).0;
-const BELOW_RENDER: &[&str] = BELOW_PROGRAM.split_at(7).0;
-const BELOW_CODECS: &[&str] = BELOW_PROGRAM.split_at(3).0;
+/// Crates beside the layers, with the highest layer that they may use: what tests share, and the benchmarks.
+const BESIDE: [(&str, Option<&str>); 2] = [("crates/testing", Some("crates/source")), ("crates/benchmarks", None)];
+/// What is not used although it is lower: shaders draw what packs hold, whoever made them.
+const KEPT_APART: (&str, &str) = ("crates/gpu", "crates/codecs");
+/// The layer of many crates, one for each codec. They are stages.
+const CODECS: &str = "crates/codecs";
 
 /// Who may use the graphics driver only where the feature `render` asks for it.
-const GPU_BY_FEATURE: [&str; 3] = ["brdfc-jobs", "brdfc-studies", "brdfc"];
+const GPU_BY_FEATURE: [&str; 3] = ["crates/jobs", "crates/studies", "."];
 
-/// Crates of stages: typed input to typed output.
-const STAGES: [&str; 6] =
-    ["brdfc-source", "brdfc-metrics", "brdfc-bandwidth", "brdfc-flat-btf", "brdfc-importance", "brdfc-wavelet"];
+/// Layers of stages: typed input to typed output.
+const STAGES: [&str; 3] = ["crates/source", "crates/metrics", CODECS];
 /// What a stage has no need of.
 const IMPURE: [&str; 7] = ["std::fs", "std::env", "std::time", "std::process", "std::net", "clap", "ctrlc"];
 /// Files of those crates that may: the readers of measured files, and options that can be flags of a command line.
 const MAY_TOUCH: &[(&str, &str, &str)] = &[
-    ("brdfc-source", "btf_stack.rs", "std::fs"),
-    ("brdfc-source", "flat_btf.rs", "std::fs"),
-    ("brdfc-source", "format.rs", "std::fs"),
-    ("brdfc-source", "read.rs", "std::fs"),
-    ("brdfc-wavelet", "options.rs", "clap"),
+    ("crates/source", "btf_stack.rs", "std::fs"),
+    ("crates/source", "flat_btf.rs", "std::fs"),
+    ("crates/source", "format.rs", "std::fs"),
+    ("crates/source", "read.rs", "std::fs"),
+    ("crates/codecs/wavelet", "options.rs", "clap"),
 ];
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
+fn manifest(folder: &str) -> toml::Table {
+    std::fs::read_to_string(root().join(folder).join("Cargo.toml")).unwrap().parse().unwrap()
+}
+
 /// The folders of the workspace's crates, with their manifests.
 fn members() -> Vec<(String, toml::Table)> {
-    let read = |folder: &str| -> toml::Table {
-        std::fs::read_to_string(root().join(folder).join("Cargo.toml")).unwrap().parse().unwrap()
-    };
-    let workspace = read(".");
+    let workspace = manifest(".");
     let members = workspace["workspace"]["members"].as_array().unwrap();
-    let folders = members.iter().map(|member| member.as_str().unwrap().to_owned());
-    folders.map(|folder| (folder.clone(), read(&folder))).collect()
+    let folders = members.iter().flat_map(|member| {
+        let member = member.as_str().unwrap();
+        let Some(parent) = member.strip_suffix("/*") else { return vec![member.to_owned()] };
+        let entries = std::fs::read_dir(root().join(parent)).unwrap();
+        let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        let mut folders: Vec<String> = names.map(|name| format!("{parent}/{name}")).collect();
+        folders.sort();
+        folders
+    });
+    folders.map(|folder| (folder.clone(), manifest(&folder))).collect()
 }
 
-fn name_of(manifest: &toml::Table) -> &str {
-    manifest["package"]["name"].as_str().unwrap()
+/// Which layer a crate's folder is in.
+fn layer(folder: &str) -> Option<usize> {
+    let in_layer = |layer: &str| folder == layer || (layer == CODECS && folder.starts_with(CODECS));
+    LAYERS.iter().position(|layer| in_layer(layer))
 }
 
-/// What breaks the rule of arrows in a crate's manifest. Dependencies of tests are free.
-fn wrong_arrows(manifest: &toml::Table) -> Vec<String> {
-    let name = name_of(manifest);
-    let Some((_, allowed)) = MAY_USE.iter().find(|(member, _)| *member == name) else {
-        return vec![format!("{name} is in no layer: add it to MAY_USE")];
-    };
+fn may_use(folder: &str, used: &str) -> bool {
+    let Some(used_layer) = layer(used) else { return false };
+    if (folder, LAYERS[used_layer]) == KEPT_APART {
+        return false;
+    }
+    match BESIDE.iter().find(|(beside, _)| *beside == folder) {
+        Some((_, highest)) => highest.is_some_and(|highest| Some(used_layer) <= layer(highest)),
+        None => layer(folder).is_some_and(|layer| used_layer < layer),
+    }
+}
+
+/// What breaks the rule of arrows in the manifest of the crate in a folder. Dependencies of tests are free.
+fn wrong_arrows(folder: &str, manifest: &toml::Table) -> Vec<String> {
+    let folders = self::manifest(".")["workspace"]["dependencies"].as_table().unwrap().clone();
+    let folder_of = |name: &str| folders.get(name).and_then(|how| Some(how.get("path")?.as_str()?.to_owned()));
+    if layer(folder).is_none() && !BESIDE.iter().any(|(beside, _)| *beside == folder) {
+        return vec![format!("{folder} is in no layer: add it to LAYERS")];
+    }
     let mut wrong = Vec::new();
     for section in ["dependencies", "build-dependencies"] {
         for (used, how) in manifest.get(section).and_then(toml::Value::as_table).into_iter().flatten() {
             if !used.starts_with("brdfc") {
                 continue;
             }
-            if !allowed.contains(&used.as_str()) {
-                wrong.push(format!("{name} uses {used}"));
+            if !folder_of(used).is_some_and(|used| may_use(folder, &used)) {
+                wrong.push(format!("{folder} uses {used}"));
             }
             let optional = how.get("optional").and_then(toml::Value::as_bool) == Some(true);
-            if used == "brdfc-gpu" && GPU_BY_FEATURE.contains(&name) && !optional {
-                wrong.push(format!("{name} always uses {used}"));
+            if used == "brdfc-gpu" && GPU_BY_FEATURE.contains(&folder) && !optional {
+                wrong.push(format!("{folder} always uses {used}"));
             }
         }
     }
     for (feature, parts) in manifest.get("features").and_then(toml::Value::as_table).into_iter().flatten() {
         let gpu = parts.as_array().unwrap().iter().any(|part| part.as_str() == Some("dep:brdfc-gpu"));
         if gpu && feature != "render" {
-            wrong.push(format!("{name} uses brdfc-gpu for the feature {feature}"));
+            wrong.push(format!("{folder} uses brdfc-gpu for the feature {feature}"));
         }
     }
     wrong
 }
 
 /// What a stage's code touches that it should not.
-fn impurities(name: &str, file: &str, text: &str) -> Vec<String> {
+fn impurities(folder: &str, file: &str, text: &str) -> Vec<String> {
     let (imports, paths) = imports_and_paths(&code_of(text));
     let named = imports.into_iter().map(|import| import.path).chain(paths).map(|path| path.join("::"));
     let mut wrong = Vec::new();
@@ -120,8 +125,8 @@ fn impurities(name: &str, file: &str, text: &str) -> Vec<String> {
         for impure in IMPURE {
             let touched = path == impure || path.starts_with(&format!("{impure}::"));
             // A feature has the name of the crate that it asks for.
-            if touched && path.contains("::") && !MAY_TOUCH.contains(&(name, file, impure)) {
-                wrong.push(format!("{name}/{file} uses {path}"));
+            if touched && path.contains("::") && !MAY_TOUCH.contains(&(folder, file, impure)) {
+                wrong.push(format!("{folder}/{file} uses {path}"));
             }
         }
     }
@@ -141,14 +146,11 @@ fn sources(folder: &str) -> Vec<(String, String)> {
 #[test]
 fn arrows_point_one_way() {
     let members = members();
-    let wrong: Vec<String> = members.iter().flat_map(|(_, manifest)| wrong_arrows(manifest)).collect();
+    assert!(members.len() >= LAYERS.len() + BESIDE.len(), "{}", members.len());
+    let wrong: Vec<String> = members.iter().flat_map(|(folder, manifest)| wrong_arrows(folder, manifest)).collect();
     assert!(wrong.is_empty(), "{wrong:#?}");
-    let gone = MAY_USE.iter().filter(|(name, _)| !members.iter().any(|(_, manifest)| name_of(manifest) == *name));
-    assert_eq!(gone.count(), 0, "a line of MAY_USE for a crate that is gone");
-    // The table itself: each crate uses only what stands above its own line.
-    for (at, (name, allowed)) in MAY_USE.iter().enumerate() {
-        let lower: Vec<&str> = MAY_USE[..at].iter().map(|(lower, _)| *lower).collect();
-        assert!(allowed.iter().all(|used| lower.contains(used)), "{name}: {allowed:?}");
+    for known in LAYERS.into_iter().chain(BESIDE.map(|(folder, _)| folder)) {
+        assert!(members.iter().any(|(folder, _)| folder.starts_with(known)), "{known}: a layer that is gone");
     }
 }
 
@@ -171,57 +173,56 @@ fn no_circles_between_files() {
 #[test]
 fn stages_are_pure() {
     let mut wrong = Vec::new();
-    for (folder, manifest) in members() {
-        let name = name_of(&manifest);
-        if STAGES.contains(&name) {
-            for (file, text) in sources(&folder) {
-                wrong.extend(impurities(name, &file, &text));
-            }
+    let mut files = 0;
+    let is_stage = |folder: &str| layer(folder).is_some_and(|layer| STAGES.contains(&LAYERS[layer]));
+    for (folder, _) in members().into_iter().filter(|(folder, _)| is_stage(folder)) {
+        for (file, text) in sources(&folder) {
+            files += 1;
+            wrong.extend(impurities(&folder, &file, &text));
         }
     }
+    assert!(files > 100, "{files} files");
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
 #[test]
 fn wrong_arrows_are_seen() {
-    for (manifest, expected) in [
-        ("[package]\nname = 'brdfc-new'", &["brdfc-new is in no layer: add it to MAY_USE"][..]),
+    for (folder, manifest, expected) in [
+        ("crates/new", "", &["crates/new is in no layer: add it to LAYERS"][..]),
+        ("formats", "dependencies.brdfc-source.workspace = true", &["formats uses brdfc-source"]),
         (
-            "package.name = 'brdfc-formats'\ndependencies.brdfc-source.workspace = true",
-            &["brdfc-formats uses brdfc-source"],
+            "crates/codecs/wavelet",
+            "dependencies.brdfc-bandwidth.workspace = true",
+            &["crates/codecs/wavelet uses brdfc-bandwidth"],
         ),
-        (
-            "package.name = 'brdfc-wavelet'\ndependencies.brdfc-bandwidth.workspace = true",
-            &["brdfc-wavelet uses brdfc-bandwidth"],
-        ),
-        (
-            "package.name = 'brdfc-jobs'\ndependencies.brdfc-studies.workspace = true",
-            &["brdfc-jobs uses brdfc-studies"],
-        ),
-        ("package.name = 'brdfc-jobs'\ndependencies.brdfc-gpu.workspace = true", &["brdfc-jobs always uses brdfc-gpu"]),
-        (
-            "package.name = 'brdfc'\nfeatures.default = ['dep:brdfc-gpu']",
-            &["brdfc uses brdfc-gpu for the feature default"],
-        ),
-        ("package.name = 'brdfc-jobs'\ndependencies.brdfc-gpu = { workspace = true, optional = true }", &[]),
-        ("package.name = 'brdfc-formats'\ndev-dependencies.brdfc-testing.workspace = true", &[]),
+        ("crates/codecs/new", "dependencies.brdfc-jobs.workspace = true", &["crates/codecs/new uses brdfc-jobs"]),
+        ("crates/codecs/new", "dependencies.brdfc-metrics.workspace = true", &[]),
+        ("crates/gpu", "dependencies.brdfc-wavelet.workspace = true", &["crates/gpu uses brdfc-wavelet"]),
+        ("crates/render", "dependencies.brdfc-wavelet.workspace = true", &[]),
+        ("crates/testing", "dependencies.brdfc-metrics.workspace = true", &["crates/testing uses brdfc-metrics"]),
+        ("crates/jobs", "dependencies.brdfc-studies.workspace = true", &["crates/jobs uses brdfc-studies"]),
+        ("crates/jobs", "dependencies.brdfc-testing.workspace = true", &["crates/jobs uses brdfc-testing"]),
+        ("crates/jobs", "dependencies.brdfc-gpu.workspace = true", &["crates/jobs always uses brdfc-gpu"]),
+        (".", "features.default = ['dep:brdfc-gpu']", &[". uses brdfc-gpu for the feature default"]),
+        ("crates/jobs", "dependencies.brdfc-gpu = { workspace = true, optional = true }", &[]),
+        ("formats", "dev-dependencies.brdfc-testing.workspace = true", &[]),
     ] {
-        assert_eq!(wrong_arrows(&manifest.parse().unwrap()), expected, "{manifest}");
+        assert_eq!(wrong_arrows(folder, &manifest.parse().unwrap()), expected, "{folder}: {manifest}");
     }
 }
 
 #[test]
 fn impure_stages_are_seen() {
     for (text, expected) in [
-        ("use std::{fmt, fs::File};", &["brdfc-metrics/norms.rs uses std::fs::File"][..]),
-        ("let t = std::time::Instant::now();", &["brdfc-metrics/norms.rs uses std::time::Instant::now"]),
-        ("#[derive(clap::Args)]", &["brdfc-metrics/norms.rs uses clap::Args"]),
+        ("use std::{fmt, fs::File};", &["crates/metrics/norms.rs uses std::fs::File"][..]),
+        ("let t = std::time::Instant::now();", &["crates/metrics/norms.rs uses std::time::Instant::now"]),
+        ("#[derive(clap::Args)]", &["crates/metrics/norms.rs uses clap::Args"]),
         ("use std::fmt; #[cfg(test)]\nmod tests { use std::fs::File; }", &[]),
         ("// std::fs::read\nlet s = \"std::env \\\" std::fs::read\"; let c = '\"'; f::<'a>();", &[]),
     ] {
-        assert_eq!(impurities("brdfc-metrics", "norms.rs", text), expected, "{text}");
+        assert_eq!(impurities("crates/metrics", "norms.rs", text), expected, "{text}");
     }
-    assert!(impurities("brdfc-source", "read.rs", "use std::fs::File;").is_empty());
+    assert!(impurities("crates/source", "read.rs", "use std::fs::File;").is_empty());
 }
 
 /// The circles of a made-up crate.

@@ -1,4 +1,4 @@
-//! Bandwidth of BRDF lobes over the outgoing direction, in cycles per radian.
+//! Bandwidth of BRDF lobes over the outgoing direction, in cycles per radian (section 2.4 of Bagher et al. 2012).
 //!
 //! Incoming and outgoing directions are on a grid of 16 x 16 cells about the normal: cell `(i, j)` has the azimuth
 //! `2π (i + ½) / 16` and the polar angle `(j + ½) 90° / 16`. Each lobe `f_r(wi, .)`, without a cosine, is transformed as an

@@ -1,4 +1,5 @@
-//! How much the appearance of texels changes with the view (section 4.3 of Hadim et al. 2009).
+//! View-dependent coherency: how much the appearance of texels changes with the view (section 4.3 and table 2 of Hadim
+//! et al. 2009).
 
 use brdfc_metrics::lab::{distance_squared, lab};
 

@@ -1,7 +1,8 @@
 //! Importance samples of a material's lobe: for each outgoing direction the density of half vectors is tabulated, its
 //! cumulative distribution inverted at the points of a low-discrepancy sequence. One step, one file; this one sequences.
 //!
-//! "Interactive rendering of acquired materials on dynamic geometry using bandwidth prediction" (2012), section 3.3.
+//! Section 3.3 of Bagher et al. 2012, "Interactive rendering of acquired materials on dynamic geometry using bandwidth
+//! prediction".
 //! Half vectors, and not incoming directions, are stored, because a lobe follows the mirror direction: the half vectors
 //! of one outgoing direction fit its neighbours, too.
 

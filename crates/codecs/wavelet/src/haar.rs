@@ -1,4 +1,4 @@
-//! The Haar transform (section 4.2), over the inner hemisphere.
+//! The Haar transform (section 4.2 and equation 2 of Claustres et al. 2007), over the inner hemisphere.
 //!
 //! One level splits along longitude, then splits the smooth half along latitude. Coefficient numbers are those of
 //! [`brdfc_formats::wavelet::haar`]: 0 is the scaling coefficient, level `j` starts at `4^j` with `2^j x 2^j` latitude
@@ -10,7 +10,7 @@ pub use brdfc_formats::wavelet::haar::inverse;
 use num_traits::Float;
 use rayon::prelude::*;
 
-/// Analysis of one image of `n` x `n` samples (row by row, `n` a power of two) into as many coefficients:
+/// Analysis (equation 2, left) of one image of `n` x `n` samples (row by row, `n` a power of two) into as many coefficients:
 /// `l = (a + b) / √2`, `h = (a - b) / √2`. `smooth` is scratch space.
 pub fn forward<T: Float>(samples: &[T], n: usize, coefficients: &mut [T], smooth: &mut Vec<T>) {
     let r = T::from(std::f64::consts::FRAC_1_SQRT_2).expect("every float holds 1/√2");

@@ -1,4 +1,5 @@
-//! Log encoding (section 5.1, after McCool et al. 2001): `f~ = ln(f / μ + ε)`.
+//! Log encoding (section 5.1 of Claustres et al. 2007, after McCool et al. 2001): `f~ = ln(f / μ + ε)`, printed there as
+//! `ln((f + ε μ) / μ)`.
 
 use super::table::Table;
 use brdfc_metrics::vector_math;

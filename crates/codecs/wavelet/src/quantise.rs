@@ -1,4 +1,5 @@
-//! Quantise: kept slices as unsigned integers with a scale and an offset per slice (section 5.1).
+//! Quantise: kept slices as unsigned integers with a scale and an offset per slice (section 5.1 of
+//! Claustres et al. 2007).
 
 use super::haar::flip_coefficient;
 use super::table::Table;

@@ -1,4 +1,4 @@
-//! Smooth: moving least squares on the dense grid, in the log domain (section 3: "a moving least square approximation
+//! Smooth: moving least squares on the dense grid, in the log domain (section 3 of Claustres et al. 2007: "a moving least square approximation
 //! is applied to smooth the resulting data").
 //!
 //! At each sample a polynomial is fitted to the `(2r + 1)^4` samples around it and evaluated there. With a basis and a

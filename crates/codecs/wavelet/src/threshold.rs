@@ -1,4 +1,4 @@
-//! Threshold (section 4.3): whole slices of weak coefficients are dropped.
+//! Threshold (section 4.3 of Claustres et al. 2007): whole slices of weak coefficients are dropped.
 
 use super::haar::flip_coefficient;
 use super::table::Table;

@@ -1,4 +1,4 @@
-// Curvature from neighbouring points. The CPU twin is `render/curvature.rs`.
+// Curvature from neighbouring points. The CPU twin is `crates/render/src/curvature.rs`.
 
 // Of points without a neighbour on the same surface.
 const UNKNOWN: f32 = 1e9;

@@ -1,5 +1,5 @@
-// Surface points by rasterising: where they are, and how they are turned. Pasted behind `view.wgsl`, `periodic.wgsl` and
-// `surface.wgsl`; the CPU twin is `render/gbuffer.rs`.
+// Surface points by rasterising: where they are, and how they are turned. Appended to `view.wgsl`, `periodic.wgsl` and
+// `surface.wgsl`; the CPU twin is `crates/render/src/gbuffer.rs`.
 //
 // A point is 48 bytes in three textures: what follows from them and the camera, `points.wgsl` finds again. Two passes,
 // since three colours are more than every adapter writes at once.

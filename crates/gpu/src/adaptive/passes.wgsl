@@ -1,4 +1,5 @@
-// What becomes of the nodes of a level. Pasted behind `upsample.wgsl`; the CPU twin is `render/adaptive/passes.rs`.
+// What becomes of the nodes of a level. Appended to `upsample.wgsl`; the CPU twin is
+// `crates/render/src/adaptive/passes.rs`.
 
 const LEFT_OUT: u32 = 0u;
 const TAKEN: u32 = 1u;

@@ -1,4 +1,5 @@
-// The points of a G-buffer, and what all steps of adaptive shading share. The CPU twin is `render/gbuffer.rs`.
+// The points of a G-buffer, and what all steps of adaptive shading share. The CPU twin is
+// `crates/render/src/gbuffer.rs`.
 
 // Of a frame and its camera. Levels of the pyramid are finest first.
 struct Picture {

@@ -1,5 +1,6 @@
-// Bandwidth and deviation of each point. Pasted behind `bandwidth/map.wgsl`, `bandwidth/propagation.wgsl` and
-// `importance/pack.wgsl`; the CPU twins are `render/adaptive/predict.rs` and `tile.rs`.
+// Bandwidth and deviation of each point. Appended to `formats/src/bandwidth/map.wgsl`,
+// `formats/src/bandwidth/propagation.wgsl` and `formats/src/importance/pack.wgsl`; the CPU twins are
+// `crates/render/src/adaptive/predict.rs` and `tile.rs`.
 
 // Points whose normals have at least this cosine are of the same piece of a surface.
 const SAME_PIECE: f32 = 0.95;
@@ -94,7 +95,7 @@ fn share_of(point: u32, number: u32) -> Share {
         let lobe = bandwidth_brdf_cells(bandwidth_cell(drawn.incoming), outgoing_cell);
         let surface = BandwidthSurface(drawn.incoming.z, outgoing.z, bend, lobe, 0.0);
         let arrives = bandwidth_one_bounce(Bandwidth(0.0, found.y), 0.0, surface, viewer.w);
-        let own = bandwidth_of_albedo(surface, viewer.w).angular;
+        let own = bandwidth_albedo(surface, viewer.w).angular;
         let shows = Bandwidth(arrives.spatial, max(arrives.angular, own));
         average = bandwidth_average_add(average, shows, found.x);
         variance = bandwidth_variance_add_range(variance, found.x, found.z, found.w, lobe);
@@ -125,7 +126,7 @@ fn joined(a: Share, b: Share) -> Share {
 
 // Cycles per pixel of the picture.
 fn picture_bandwidth(angular: f32) -> f32 {
-    return bandwidth_pixel(angular, settings.field_of_view, vec2<f32>(picture.pixels), settings.largest);
+    return pixel_bandwidth(angular, settings.field_of_view, vec2<f32>(picture.pixels), settings.largest);
 }
 
 // Standard deviation of one sample in units of the display's codes.

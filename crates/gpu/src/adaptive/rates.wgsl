@@ -1,4 +1,5 @@
-// From bandwidths and deviations to levels and samples: the finest nodes. The CPU twin is `render/adaptive/predict.rs`.
+// From bandwidths and deviations to levels and samples: the finest nodes. The CPU twin is
+// `crates/render/src/adaptive/predict.rs`.
 
 // Points that one invocation adds up.
 const STRETCH: u32 = 256u;

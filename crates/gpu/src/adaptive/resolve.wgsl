@@ -1,5 +1,5 @@
 // Means over the points of each pixel, and the share of them that shows a surface. The CPU twin is `resolve` of
-// `render/adaptive/resolve.rs`.
+// `crates/render/src/adaptive/resolve.rs`.
 
 @compute @workgroup_size(64)
 fn resolve(@builtin(global_invocation_id) id: vec3<u32>) {

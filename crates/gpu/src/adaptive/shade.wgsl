@@ -1,22 +1,23 @@
-// Equation 2: reflected radiance by importance samples, in slices of a node's samples that are added up in order. Pasted
-// behind `wavelet/decode.wgsl`, `importance/pack.wgsl` and `environment.wgsl`; the CPU twin is `render/adaptive/shading.rs`.
+// Equation 2: reflected radiance by importance samples, in slices of a node's samples that are added up in order.
+// Appended to `formats/src/wavelet/decode.wgsl`, `formats/src/importance/pack.wgsl` and `environment.wgsl`; the CPU
+// twin is `crates/render/src/adaptive/shading.rs`.
 
 @compute @workgroup_size(64)
 fn shade(@builtin(global_invocation_id) id: vec3<u32>) {
     let at = within_job(id);
     if at < job.count {
         let slice = slices[job.first + at];
-        sums[job.first + at] = vec4<f32>(reflected(slice.x, slice.y, slice.z), 0.0);
+        sums[job.first + at] = vec4<f32>(shade_point(slice.x, slice.y, slice.z), 0.0);
     }
 }
 
-fn reflected(point: u32, first: u32, count: u32) -> vec3<f32> {
+fn shade_point(point: u32, first: u32, count: u32) -> vec3<f32> {
     let frame = frame_of(point);
     let viewer = viewer_of(position_of(point));
     let outgoing = into_frame(frame, viewer.xyz);
     var level = material.level;
     if level < 0.0 {
-        level = wavelet_brdf_level(viewer.w);
+        level = wavelet_brdf_level_of_detail(viewer.w);
     }
     let start = scattered(point) + first;
     var sum = vec3<f32>(0.0);

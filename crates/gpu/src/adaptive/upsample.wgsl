@@ -1,5 +1,5 @@
-// What a node takes over from the coarser level. The CPU twin is `render/adaptive/upsample.rs`, with `standing_for` and
-// `upsampled` of `passes.rs`.
+// What a node takes over from the coarser level. The CPU twin is `crates/render/src/adaptive/upsample.rs`, with
+// `stands_for` and `upsampled` of `passes.rs`.
 
 // How far a parent may lie off the node's tangent plane, in units of how far apart both are.
 const DEPTH: f32 = 0.25;

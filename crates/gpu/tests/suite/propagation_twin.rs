@@ -29,7 +29,7 @@ fn compute(at: u32) {
         let light = Bandwidth(input[f], input[f + 1u]);
         let seen = bandwidth_one_bounce(light, input[f + 2u], surface(f + 3u), input[first + 18u]);
         average = bandwidth_average_add(average, seen, input[f + 8u]);
-        average = bandwidth_average_add(average, bandwidth_of_albedo(surface(f + 3u), input[first + 18u]), input[f + 2u]);
+        average = bandwidth_average_add(average, bandwidth_albedo(surface(f + 3u), input[first + 18u]), input[f + 2u]);
         variance = bandwidth_variance_add(variance, light.angular, input[f + 6u], input[f + 8u]);
         if k == 0u {
             average_of_first = average;
@@ -45,7 +45,7 @@ fn compute(at: u32) {
     let field = vec2<f32>(input[first + 19u], input[first + 20u]);
     let size = vec2<f32>(input[first + 21u], input[first + 22u]);
     let antialiasing = u32(input[first + 23u]);
-    let b = bandwidth_pixel(mean.angular, field, size, bandwidth_largest_pixel(antialiasing));
+    let b = pixel_bandwidth(mean.angular, field, size, largest_pixel_bandwidth(antialiasing));
     let relative = bandwidth_variance_relative(variance, input[first + 24u]);
     let scale = bandwidth_sample_scale(input[first + 25u], 32.0);
     output[at * 13u + 4u] = mean.spatial;
@@ -211,8 +211,8 @@ const CHANGES: [(&str, &str); 46] = [
     ("a.weighted.angular + b.weighted.angular", "a.weighted.angular"),
     ("a.weight + b.weight", "a.weight"),
     ("v.squares / directions / mean / mean", "v.squares / directions / mean"),
-    ("bandwidth_limited(samples / mean_variance)", "samples * mean_variance"),
-    ("ceil(bandwidth_limited(scale * variance))", "floor(bandwidth_limited(scale * variance))"),
+    ("bandwidth_limited(samples / mean_demand)", "samples * mean_demand"),
+    ("ceil(bandwidth_limited(scale * demand))", "floor(bandwidth_limited(scale * demand))"),
 ];
 
 /// The negative control: every change above is noticed, and changes nothing but one place.

@@ -52,7 +52,7 @@ pub fn shade(scene: &AdaptiveScene<'_>, buffer: &GBuffer, prediction: &Predictio
     let (width, height) = (buffer.width, buffer.height);
     let wanted = Pyramid::new(width, height, prediction.level.clone(), coarsest, i32::min);
     let samples = Pyramid::new(width, height, prediction.samples.clone(), coarsest, u32::max);
-    let stands = standing_for(buffer, coarsest);
+    let stands = stands_for(buffer, coarsest);
     let mut coarser: Option<Computed> = None;
     let mut levels = Vec::new();
     for level in (0..=coarsest).rev() {
@@ -69,7 +69,7 @@ pub fn shade(scene: &AdaptiveScene<'_>, buffer: &GBuffer, prediction: &Predictio
             {
                 return Made::Upsampled(value);
             }
-            let count = samples.levels[level as usize].2[at].saturating_mul(1 << (level - 1).max(0)).min(most);
+            let count = raised(samples.levels[level as usize].2[at], level, most);
             Made::Shaded(shade_point(scene, buffer, point as usize, count), count)
         };
         let made: Vec<Made> = (0..width * height).into_par_iter().map(pixel).collect();
@@ -94,12 +94,17 @@ pub fn shade(scene: &AdaptiveScene<'_>, buffer: &GBuffer, prediction: &Predictio
     ShadedLevels { radiance: finest.into_iter().map(Option::unwrap_or_default).collect(), levels }
 }
 
+/// `2^level / 2` times the samples above level 0, up to the most.
+fn raised(samples: u32, level: i32, most: u32) -> u32 {
+    samples.saturating_mul(1 << (level - 1).max(0)).min(most)
+}
+
 /// No surface.
 const NONE: u32 = u32::MAX;
 
 /// For each pixel of each level the point of the buffer that it stands for: that in the middle of its square or else the
 /// one of the finer level's pixels that comes first.
-fn standing_for(buffer: &GBuffer, coarsest: usize) -> Pyramid<u32> {
+fn stands_for(buffer: &GBuffer, coarsest: usize) -> Pyramid<u32> {
     let own = |pixel: usize| if buffer.part_at(pixel).is_some() { pixel as u32 } else { NONE };
     let finest = (0..buffer.part.len()).map(own).collect();
     let mut pyramid = Pyramid::new(buffer.width, buffer.height, finest, coarsest, |a: u32, b: u32| a.min(b));
@@ -125,19 +130,19 @@ fn upsampled(
     level: usize,
 ) -> Option<[f32; 3]> {
     let spacing = (1u32 << (level + 1)) as f32;
-    let pixel = guide(buffer, point as usize);
+    let pixel = guide_of(buffer, point as usize);
     let (mut sum, mut total) = ([0.0f32; 3], 0.0f32);
     for parent in parents(at, [coarser.width, coarser.height]) {
         let Some(value) = coarser.values[parent] else { continue };
         let stands_at = stands.levels[level + 1].2[parent];
-        let w = weight(&pixel, &guide(buffer, stands_at as usize), spacing);
+        let w = weight(&pixel, &guide_of(buffer, stands_at as usize), spacing);
         (0..3).for_each(|k| sum[k] += w * value[k]);
         total += w;
     }
     (total > LEAST_WEIGHT).then(|| sum.map(|s| s / total))
 }
 
-fn guide(buffer: &GBuffer, point: usize) -> UpsamplingGuide {
+fn guide_of(buffer: &GBuffer, point: usize) -> UpsamplingGuide {
     let normal = buffer.normal[point];
     let to_viewer = buffer.to_viewer[point];
     let cosine = (0..3).map(|k| normal[k] * to_viewer[k]).sum::<f32>().clamp(0.0, 1.0);

@@ -19,8 +19,9 @@ pub const ANY_LEVEL: i32 = i32::MAX;
 pub struct Prediction {
     /// Cycles per pixel of the picture, equation 6; 0 where no surface is.
     pub bandwidth: Vec<f32>,
-    /// Standard deviation of a sample as it shows: the root of `V` of equation 7, see [`brdfc_formats::bandwidth::propagation::VarianceEstimate`], times how much a
-    /// relative error changes the display; 0 where no surface is.
+    /// Standard deviation of a sample as it shows: the root of `V` of equation 7, see
+    /// [`brdfc_formats::bandwidth::propagation::VarianceEstimate`], times how much a relative error changes the display; 0
+    /// where no surface is.
     pub deviation: Vec<f32>,
     /// Level of the pyramid, 0 the G-buffer's own resolution; [`ANY_LEVEL`] where no surface is.
     pub level: Vec<i32>,

@@ -1,4 +1,4 @@
-//! Equation 2: reflected radiance at a pixel by importance samples.
+//! Equation 2 of Bagher et al. 2012: reflected radiance at a pixel by importance samples.
 
 use super::{AdaptiveScene, resolve};
 use crate::gbuffer::GBuffer;

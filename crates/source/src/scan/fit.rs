@@ -58,8 +58,8 @@ impl<const D: usize> Neighbourhood<D> {
         self.count += 1;
     }
 
-    /// Fitted log values, by a quadratic of `M` terms, at the asked point for the first `channels` channels, within reach of the neighbours' range.
-    /// At least one neighbour.
+    /// Fitted log values at the asked point for the first `channels` channels, within reach of the neighbours' range: as far
+    /// as they are trusted, a quadratic of `M` terms and a linear fit in equal shares. At least one neighbour.
     pub fn fit<const M: usize>(&self, channels: usize, tally: &mut Tally) -> [f64; 3] {
         let n = self.count;
         let mut weights = [0.0; MOST];

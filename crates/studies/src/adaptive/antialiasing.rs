@@ -74,3 +74,16 @@ pub fn antialiasing_study(
     };
     (0..3).map(one).collect()
 }
+
+/// Antialiasing of one material on one shape.
+#[derive(Debug, Clone, Serialize, schemars::JsonSchema)]
+pub struct AntialiasingStudy {
+    /// The input.
+    pub material: String,
+    /// The shape.
+    pub shape: String,
+    /// 1, 4 and 16 points per pixel.
+    pub rows: Vec<AntialiasingRow>,
+    /// How cost grows with points.
+    pub exponents: Option<Exponents>,
+}

@@ -55,3 +55,14 @@ pub fn directions_study(case: &Case<'_>, budget: f32) -> Vec<DirectionsRow> {
     };
     DIRECTIONS.iter().map(|directions| one(*directions)).collect()
 }
+
+/// Numbers of directions for one material.
+#[derive(Debug, Clone, Serialize, schemars::JsonSchema)]
+pub struct DirectionsStudy {
+    /// The input.
+    pub material: String,
+    /// The shape.
+    pub shape: String,
+    /// One for each number.
+    pub rows: Vec<DirectionsRow>,
+}

@@ -9,8 +9,8 @@ mod directions;
 mod equal_error;
 mod fourier;
 
-pub use antialiasing::{AntialiasingRow, Exponents, antialiasing_study, exponents};
+pub use antialiasing::{AntialiasingRow, AntialiasingStudy, Exponents, antialiasing_study, exponents};
 pub use case::{Case, Lighting, StudyMaterial};
-pub use directions::{DIRECTIONS, DirectionsRow, directions_study};
+pub use directions::{DIRECTIONS, DirectionsRow, DirectionsStudy, directions_study};
 pub use equal_error::{AdaptivePoint, EqualErrorRow, equal_error};
 pub use fourier::{FourierRow, Quantiles, fourier_check};

@@ -1,6 +1,6 @@
 //! Committed packs that every version must read to the same values.
 
-use super::values::{bandwidth, flat_asset, flat_part, importance, wavelet};
+use super::values::{flat_asset, of_pack};
 use super::{Entries, Hashes, REFUSED, changes, folder, hash, lists, tell};
 use brdfc_formats::FormatError;
 use std::collections::BTreeMap;
@@ -30,16 +30,6 @@ pub fn add(codec: &str, name: &str, bytes: &[u8]) {
     tell(&format!("{codec}/{name}{EXTENSION}: added, {} bytes", bytes.len()));
 }
 
-/// What the decoder of a codec makes of one file. Parts of flat BTFs are told by their names, `NAME.PART.ktx2`.
-pub fn decode(codec: &str, file: &str, bytes: &[u8]) -> Result<Hashes, FormatError> {
-    match codec {
-        "wavelet" => wavelet(bytes),
-        "bandwidth" => bandwidth(bytes),
-        "importance" => importance(bytes),
-        _ => flat_part(asset_and_part(file).1, bytes),
-    }
-}
-
 /// `NAME` and `PART` of `NAME.PART` or `NAME.PART.ktx2`.
 pub fn asset_and_part(file: &str) -> (&str, &str) {
     let stem = file.strip_suffix(EXTENSION).unwrap_or(file);
@@ -47,8 +37,8 @@ pub fn asset_and_part(file: &str) -> (&str, &str) {
 }
 
 /// Hashes of one file, or why it was refused.
-pub fn entry(codec: &str, file: &str, bytes: &[u8]) -> Hashes {
-    let mut hashes = decode(codec, file, bytes).unwrap_or_else(refused);
+pub fn entry(file: &str, bytes: &[u8]) -> Hashes {
+    let mut hashes = of_pack(file, bytes).unwrap_or_else(refused);
     hashes.insert("file", hash(bytes));
     hashes
 }
@@ -59,7 +49,7 @@ fn refused(error: FormatError) -> Hashes {
 
 /// Hashes of packs by file name; of flat BTFs also those of each asset as a whole, by its name.
 pub fn entries(codec: &str, packs: &BTreeMap<String, Vec<u8>>) -> Entries {
-    let mut entries: Entries = packs.iter().map(|(file, bytes)| (file.clone(), entry(codec, file, bytes))).collect();
+    let mut entries: Entries = packs.iter().map(|(file, bytes)| (file.clone(), entry(file, bytes))).collect();
     if codec == "flat_btf" {
         let mut assets: BTreeMap<&str, BTreeMap<String, Vec<u8>>> = BTreeMap::new();
         for (file, bytes) in packs {

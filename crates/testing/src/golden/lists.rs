@@ -1,9 +1,16 @@
 //! The two lists of every codec.
 
-use super::{Column, List};
+use super::{Column, List, folder};
 
-/// The codecs, each with a folder.
-pub const CODECS: [&str; 4] = ["bandwidth", "flat_btf", "importance", "wavelet"];
+/// The codecs: every folder of the formats that has goldens.
+pub fn codecs() -> Vec<&'static str> {
+    let folders = std::fs::read_dir(crate::repository().join("formats/src")).expect("the formats can be listed");
+    let name = |folder: std::fs::DirEntry| folder.file_name().into_string().ok();
+    let names = folders.filter_map(|folder| name(folder.ok()?));
+    let mut codecs: Vec<&str> = names.filter(|name| folder(name).is_dir()).map(|name| &*name.leak()).collect();
+    codecs.sort_unstable();
+    codecs
+}
 
 /// Packs in the codec's folder, as decoders read them.
 pub fn corpus(codec: &'static str) -> List {
@@ -23,7 +30,7 @@ pub fn corpus(codec: &'static str) -> List {
 /// What encoders make of committed inputs.
 pub fn encodes(codec: &'static str) -> List {
     const ABOUT: &[&str] = &[
-        "What tests/golden.rs encodes: 'contents' are hashes of what an encoder stores, entries and texels; 'file' of",
+        "What tests/suite/golden.rs of the encoder makes: 'contents' are hashes of what an encoder stores, entries and texels; 'file' of",
         "all bytes; the others of what decoders make of them. Encoders use ln, exp and trigonometry of the C library.",
     ];
     const COLUMNS: &[Column] =

@@ -1,7 +1,9 @@
 //! Lists of hashes that pin what is written and what is read. Tests compare; with `BRDFC_BLESS` in the environment they
-//! write the lists anew. The root package and the crate of the formats share these files.
+//! write the lists anew. The crates of the formats and of
+//! the encoders share this.
 
 pub mod corpus;
+pub mod encodes;
 pub mod foreign;
 pub mod lists;
 pub mod values;

@@ -5,12 +5,12 @@
 
 use super::Hashes;
 use brdfc_formats::FormatError;
+use brdfc_formats::Pack;
 use brdfc_formats::bandwidth::{BandwidthKind, BandwidthMap};
 use brdfc_formats::container::rgb9e5;
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::flat_btf::{
-    DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatView, IndirectionMap, NormalMap, PositionMap, ReferenceMap,
-    ViewWeights, VisibilityMask,
+    DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatView, IndirectionMap, NormalMap, ReferenceMap, ViewWeights,
 };
 use brdfc_formats::importance::ImportancePack;
 use brdfc_formats::wavelet::{Filter, RowScratch, WaveletDecoder, WaveletPack};
@@ -60,11 +60,21 @@ fn points() -> impl Iterator<Item = [f32; 2]> + Clone {
     (0..40).map(|k| [0.173 * k as f32 - 1.3, 0.311 * k as f32 - 4.2])
 }
 
+/// What the decoder of its kind makes of one file. Parts of flat BTFs without entries are told by their names,
+/// `NAME.PART.ktx2`.
+pub fn of_pack(file: &str, bytes: &[u8]) -> Result<Hashes, FormatError> {
+    Ok(match Pack::from_bytes(bytes, Some(file))? {
+        Pack::Wavelet(pack) => wavelet(&pack),
+        Pack::Bandwidth(map) => bandwidth(&map),
+        Pack::Importance(pack) => importance(&pack),
+        part => flat_part(part),
+    })
+}
+
 /// A wavelet pack: `values` are log-encoded, all rows of the table and filtered ones; `reflectances` are what the
 /// exponential makes of them; `errors` are those that the pack says of itself.
-pub fn wavelet(bytes: &[u8]) -> Result<Hashes, FormatError> {
-    let pack = WaveletPack::from_bytes(bytes)?;
-    let decoder = WaveletDecoder::new(&pack);
+fn wavelet(pack: &WaveletPack) -> Hashes {
+    let decoder = WaveletDecoder::new(pack);
     let (mut values, mut reflectances, mut errors) = (Numbers::default(), Numbers::default(), Numbers::default());
     let h = &pack.header;
     values.words([h.parameterisation.code(), h.levels, h.stored_levels, h.channels, h.bits, pack.slices() as u32]);
@@ -90,12 +100,11 @@ pub fn wavelet(bytes: &[u8]) -> Result<Hashes, FormatError> {
         errors.add([e.log_rms, e.cosine_log_rms, e.albedo_max_difference, e.reciprocity]);
     }
     let columns = [("values", values), ("reflectances", reflectances), ("errors", errors)];
-    Ok(columns.into_iter().map(|(name, numbers)| (name, numbers.hash())).collect())
+    columns.into_iter().map(|(name, numbers)| (name, numbers.hash())).collect()
 }
 
 /// A bandwidth map of any kind: all its values, and what the look-up of its kind finds.
-pub fn bandwidth(bytes: &[u8]) -> Result<Hashes, FormatError> {
-    let map = BandwidthMap::from_bytes(bytes)?;
+fn bandwidth(map: &BandwidthMap) -> Hashes {
     let mut numbers = Numbers::default();
     let header = map.header();
     numbers.words(header.transformed.into_iter().chain(map.size()));
@@ -110,12 +119,11 @@ pub fn bandwidth(bytes: &[u8]) -> Result<Hashes, FormatError> {
         numbers.add(directions().map(single).map(|outgoing| map.brdf(incoming, outgoing)));
     }
     numbers.add(points().map(|uv| map.texture(uv)));
-    Ok(values(&numbers))
+    values(&numbers)
 }
 
 /// An importance-sample pack: all half vectors with their densities, and samples of fixed directions.
-pub fn importance(bytes: &[u8]) -> Result<Hashes, FormatError> {
-    let pack = ImportancePack::from_bytes(bytes)?;
+fn importance(pack: &ImportancePack) -> Hashes {
     let mut numbers = Numbers::default();
     let header = pack.header();
     numbers.words([header.polar, header.azimuths, header.samples]);
@@ -127,27 +135,25 @@ pub fn importance(bytes: &[u8]) -> Result<Hashes, FormatError> {
             numbers.add([inverse]);
         }
     }
-    Ok(values(&numbers))
+    values(&numbers)
 }
 
-/// One part of a flat BTF by its name: all its values.
-pub fn flat_part(part: &str, bytes: &[u8]) -> Result<Hashes, FormatError> {
+/// One part of a flat BTF: all its values.
+fn flat_part(part: Pack) -> Hashes {
     let mut numbers = Numbers::default();
     let colours = |texels: &[u32]| texels.iter().flat_map(|texel| rgb9e5::decode(*texel)).collect::<Vec<f32>>();
     match part {
-        "position" => numbers.add(PositionMap::from_bytes(bytes)?.points().iter().flatten().copied()),
-        "normal" => numbers.add(NormalMap::from_bytes(bytes)?.normals().iter().flatten().copied()),
-        "reference" => numbers.add(ReferenceMap::from_bytes(bytes)?.parameters().iter().flatten().copied()),
-        "diffuse" => numbers.add(colours(DiffuseMap::from_bytes(bytes)?.texels())),
-        "mask" => {
-            let mask = VisibilityMask::from_bytes(bytes)?;
+        Pack::Position(map) => numbers.add(map.points().iter().flatten().copied()),
+        Pack::Normal(map) => numbers.add(map.normals().iter().flatten().copied()),
+        Pack::Reference(map) => numbers.add(map.parameters().iter().flatten().copied()),
+        Pack::Diffuse(map) => numbers.add(colours(map.texels())),
+        Pack::Mask(mask) => {
             let size = mask.size();
             let texels = (0..mask.views() * size * size).map(|k| [k % size, k / size % size, k / size / size]);
             numbers.words([size, mask.views()]);
             numbers.words(texels.map(|[column, row, view]| u32::from(mask.is_seen(view, [column, row]))));
         }
-        "indirection" => {
-            let map = IndirectionMap::from_bytes(bytes)?;
+        Pack::Indirection(map) => {
             let header = *map.header();
             numbers.words([header.size, header.zenith_samples, header.azimuth_samples]);
             numbers.add([header.largest_angle]);
@@ -158,15 +164,15 @@ pub fn flat_part(part: &str, bytes: &[u8]) -> Result<Hashes, FormatError> {
                 }
             }
         }
-        _ => {
-            let view = FlatView::from_bytes(bytes)?;
+        Pack::View(view) => {
             let header = view.header();
             numbers.words([header.size, header.view]);
             numbers.add(header.views.iter().chain(&header.lights).flatten().copied());
             numbers.add(colours(view.texels()));
         }
+        other => unreachable!("{:?} has an arm of its own", other.kind()),
     }
-    Ok(values(&numbers))
+    values(&numbers)
 }
 
 /// A whole flat BTF from the bytes of its parts by name: what is seen, the light form, and the full form where there are

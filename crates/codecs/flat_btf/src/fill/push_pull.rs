@@ -1,4 +1,4 @@
-//! Push-pull: holes filled from coarser and coarser means of what is known around them.
+//! Push-pull (section 3.3 of Hadim et al. 2009): holes filled from coarser and coarser means of what is known around them.
 
 /// A mask made ready to fill images of `size` x `size` texels that repeat at their borders.
 pub struct PushPull {

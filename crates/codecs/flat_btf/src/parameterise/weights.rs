@@ -11,7 +11,8 @@ pub(super) struct Edge {
     pub weight: f64,
 }
 
-/// Weights of all directed edges, by vertex, in a fixed order.
+/// `w_ij = (tan(α_(i-1) / 2) + tan(α_i / 2)) / |x_j - x_i|` (Floater 2003) of all directed edges, by vertex, in a fixed
+/// order. Not normalised: what uses them divides each row by its sum.
 pub(super) fn mean_value_weights(mesh: &PeriodicMesh) -> Vec<Edge> {
     let mut edges = Vec::with_capacity(6 * mesh.triangles.len());
     for (index, triangle) in mesh.triangles.iter().enumerate() {

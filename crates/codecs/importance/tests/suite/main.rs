@@ -1,3 +1,4 @@
 //! Importance samples against what they must estimate.
 
+mod golden;
 mod importance;

@@ -1,4 +1,5 @@
 //! Wavelet packs against known answers and the laws of reflectance.
 
+mod golden;
 mod known_answers;
 mod physics_packs;

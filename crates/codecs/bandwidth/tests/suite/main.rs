@@ -1,0 +1,3 @@
+//! Bandwidth maps from outside the crate.
+
+mod golden;

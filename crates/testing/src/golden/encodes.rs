@@ -1,0 +1,57 @@
+//! What encoders make of committed inputs, against the list of a codec.
+
+use super::corpus::{add, entries, moved};
+use super::{Change, blessing, hash, lists};
+use brdfc_formats::container::Texture;
+use std::collections::BTreeMap;
+
+/// Largest file that goes into the corpus of packs that later versions must read.
+const CORPUS_BYTES: usize = 12 << 10;
+
+/// Files by name, as `corpus` has them.
+pub type Packs = BTreeMap<String, Vec<u8>>;
+
+/// Entry of a wavelet pack that does not hold what the encoder stores, but what was measured of it.
+const MEASURED: &str = "brdfc.wavelet.errors";
+
+/// What an encoder stores, whatever the container puts around it: format and extent, entries, texels.
+fn contents(bytes: &[u8]) -> String {
+    let refused = |error| panic!("the container's reader refuses a pack that was just made: {error}");
+    let texture = Texture::from_bytes(bytes).unwrap_or_else(refused);
+    // vkFormat to layerCount.
+    let mut stored = bytes[12..36].to_vec();
+    for (key, value) in texture.entries.iter().filter(|(key, _)| *key != MEASURED) {
+        stored.extend(format!("{key} {} ", value.len()).into_bytes());
+        stored.extend(value);
+    }
+    stored.extend(&texture.texels);
+    hash(&stored)
+}
+
+/// Compares what was encoded with a codec's list. Blessing also adds small packs to the corpus, those in `kept`.
+pub fn check_encodes(codec: &'static str, packs: &Packs, kept: impl Fn(&str) -> bool) {
+    if blessing() {
+        for (file, bytes) in packs.iter().filter(|(file, bytes)| kept(file) && bytes.len() <= CORPUS_BYTES) {
+            add(codec, file.trim_end_matches(".ktx2"), bytes);
+        }
+    }
+    let mut found = entries(codec, packs);
+    for (name, hashes) in &mut found {
+        // The entry of a whole asset is of all its parts.
+        let parts = packs.iter().filter(|(file, _)| *file == name || file.starts_with(&format!("{name}.")));
+        let parts: String = parts.map(|(_, bytes)| contents(bytes)).collect();
+        hashes.insert("contents", if packs.contains_key(name) { parts } else { hash(parts.as_bytes()) });
+    }
+    lists::encodes(codec).check(found, |changes| inverse_in_words(codec, changes));
+}
+
+/// Where stored contents moved, their values say nothing about the decoder: committed packs do.
+fn inverse_in_words(codec: &'static str, changes: &[Change]) -> String {
+    if changes.iter().all(|change| change.column != "contents") {
+        return String::new();
+    }
+    match moved(codec) {
+        0 => format!("The inverse half holds: the committed packs of {codec} decode as before."),
+        count => format!("The inverse half moved, too: {count} committed packs of {codec} decode otherwise."),
+    }
+}
