@@ -203,7 +203,7 @@ fn metres(arguments: &Arguments) -> Result<[f64; 2], CliError> {
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     let recipe = recipe(arguments)?;
-    refuse_overwriting(&arguments.output, &[Path::new(&arguments.input)])?;
+    refuse_overwriting("--output", &arguments.output, &[Path::new(&arguments.input)])?;
     #[cfg(feature = "render")]
     check_picture(arguments)?;
     let epsilon = arguments.epsilon;
@@ -252,7 +252,7 @@ fn check_picture(arguments: &Arguments) -> Result<(), CliError> {
     if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
         return Err(CliError::Usage(format!("--picture: found {}; allowed a name in .png", path.display())));
     }
-    refuse_overwriting(path, &[Path::new(&arguments.input)])?;
+    refuse_overwriting("--picture", path, &[Path::new(&arguments.input)])?;
     refuse_same_outputs(&[("--output", Some(&arguments.output)), ("--picture", Some(path))])
 }
 

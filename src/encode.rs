@@ -54,7 +54,8 @@ pub struct Report {
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     let recipe = arguments.options.recipe()?;
-    refuse_overwriting(&arguments.output, &[Path::new(&arguments.input)])?;
+    refuse_overwriting("--output", &arguments.output, &[Path::new(&arguments.input)])?;
+    // An interrupt ends the process at once: there is one file, which is whole or not there.
     let cancelled = AtomicBool::new(false);
     let progress = Materials::new(1, false, common, &cancelled);
     let name = arguments.output.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());

@@ -104,7 +104,9 @@ impl From<Cancelled> for CliError {
 impl From<EncodeError> for CliError {
     fn from(error: EncodeError) -> Self {
         match error {
-            EncodeError::BudgetMissed { .. } | EncodeError::TooFewBytes { .. } => Self::Check(error.to_string()),
+            EncodeError::BudgetMissed { .. } | EncodeError::NothingMeasured | EncodeError::TooFewBytes { .. } => {
+                Self::Check(error.to_string())
+            }
             EncodeError::TooManySlices { .. } => Self::Usage(error.to_string()),
             EncodeError::Cancelled(_) => Self::Interrupted,
         }

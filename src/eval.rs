@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 /// Evaluate a source or pack at direction pairs.
 ///
 /// The CSV has a header with wi_x,wi_y,wi_z,wo_x,wo_y,wo_z (unit vectors in the frame x = tangent, y = bitangent,
-/// z = normal; other columns are kept); f_r,f_g,f_b (1/sr, linear RGB) are appended. Scans are smoothed at the asked
+/// z = normal; other columns are kept); f_r,f_g,f_b (1/sr, linear RGB) are appended, in place of columns of these names. Scans are smoothed at the asked
 /// directions themselves, packs are filtered bilinearly.
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -37,6 +37,8 @@ pub struct Arguments {
 }
 
 const CHUNK: usize = 256;
+/// Columns of values.
+const VALUES: [&str; 3] = ["f_r", "f_g", "f_b"];
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     if let Some(level) = arguments.lod
@@ -46,7 +48,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     }
     let path = &arguments.directions;
     if let Some(output) = &arguments.output {
-        refuse_overwriting(output, &[path, Path::new(&arguments.input)])?;
+        refuse_overwriting("--output", output, &[path, Path::new(&arguments.input)])?;
     }
     let bytes = read_file(path, MAX_FILE_BYTES)?;
     let in_file = |error| CliError::Input(format!("{}: {error}", path.display()));
@@ -88,11 +90,17 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
 fn appended<'a>(bytes: &[u8], values: impl Iterator<Item = &'a [f64; 3]>) -> Result<String, csv::Error> {
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(bytes);
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let mut header = reader.headers()?.clone();
-    ["f_r", "f_g", "f_b"].iter().for_each(|name| header.push_field(name));
+    let found = reader.headers()?.clone();
+    // Values that are there already are another source's: the first of two columns with one name counts.
+    let kept: Vec<bool> = found.iter().map(|name| !VALUES.contains(&name)).collect();
+    let others = |record: &csv::StringRecord| -> csv::StringRecord {
+        record.iter().zip(&kept).filter(|(_, kept)| **kept).map(|(field, _)| field).collect()
+    };
+    let mut header = others(&found);
+    VALUES.iter().for_each(|name| header.push_field(name));
     writer.write_record(&header)?;
     for (record, value) in reader.records().zip(values) {
-        let mut record = record?;
+        let mut record = others(&record?);
         value.iter().for_each(|channel| record.push_field(&channel.to_string()));
         writer.write_record(&record)?;
     }

@@ -12,6 +12,7 @@ mod flatten;
 #[cfg(feature = "render")]
 mod graphics_environment;
 mod info;
+mod interrupt;
 mod options;
 mod output;
 mod progress;
@@ -25,7 +26,7 @@ mod table;
 
 pub use error::CliError;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use common::Common;
 use std::process::ExitCode;
 
@@ -94,7 +95,11 @@ fn after_help() -> String {
 
 /// Runs the program: parses arguments, does the work, prints errors, gives the exit code.
 fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
+    // A negative number is a value, for which a check says what is allowed, and no flag.
+    let negatives = |argument: clap::Arg| argument.allow_negative_numbers(true);
+    let command = Cli::command().mut_args(negatives).mut_subcommands(|command| command.mut_args(negatives));
+    let parsed = command.try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches));
+    let cli = match parsed {
         Ok(cli) => cli,
         Err(error) => {
             let code = if error.use_stderr() { 2 } else { 0 };

@@ -39,11 +39,11 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), CliError> {
     })
 }
 
-/// An output that is one of the inputs would destroy a measurement.
-pub fn refuse_overwriting(output: &Path, inputs: &[&Path]) -> Result<(), CliError> {
+/// An output that is one of the inputs would destroy a measurement. `option` is what names the output.
+pub fn refuse_overwriting(option: &str, output: &Path, inputs: &[&Path]) -> Result<(), CliError> {
     let Ok(target) = output.canonicalize() else { return Ok(()) };
     if target.is_file() && inputs.iter().any(|input| input.canonicalize().is_ok_and(|path| path == target)) {
-        return Err(CliError::Usage(format!("--output: found {}, an input; allowed another file", output.display())));
+        return Err(CliError::Usage(format!("{option}: found {}, an input; allowed another file", output.display())));
     }
     Ok(())
 }

@@ -125,7 +125,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let recipe = recipe(arguments);
     // What the material does not decide is refused before it is read.
     recipe.check(true).map_err(wrong_flag)?;
-    refuse_overwriting(&arguments.output, &[Path::new(&arguments.input)])?;
+    refuse_overwriting("--output", &arguments.output, &[Path::new(&arguments.input)])?;
     let start = Instant::now();
     let source = open(&arguments.input, None)?.source;
     let read = start.elapsed().as_secs_f64();

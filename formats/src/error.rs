@@ -32,12 +32,21 @@ impl fmt::Display for Place {
 pub struct FormatError {
     /// Where.
     pub place: Place,
-    /// Which field of the layout, in the words of its page in `spec`.
+    /// Which field of the layout, in the words of its page.
     pub field: Cow<'static, str>,
     /// What stands there.
     pub found: String,
     /// What may stand there.
     pub allowed: String,
+}
+
+/// What a file says, as much of it as a message has room for.
+fn shortened(text: String) -> String {
+    const LONGEST: usize = 200;
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}... ({} characters)", &text[..end], text.chars().count()),
+        None => text,
+    }
 }
 
 impl FormatError {
@@ -72,6 +81,23 @@ impl FormatError {
         found: impl Into<String>,
         allowed: impl Into<String>,
     ) -> Self {
-        Self { place, field: field.into(), found: found.into(), allowed: allowed.into() }
+        Self {
+            place,
+            field: shortened(field.into().into_owned()).into(),
+            found: shortened(found.into()),
+            allowed: allowed.into(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_file_says_is_shortened() {
+        let error = FormatError::whole("name", "é".repeat(70_000), "UTF-8").to_string();
+        assert!(error.ends_with("é... (70000 characters); allowed UTF-8") && error.len() < 500, "{error}");
+        assert_eq!(FormatError::whole("name", "short", "x").found, "short");
     }
 }

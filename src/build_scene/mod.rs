@@ -4,9 +4,9 @@ mod report;
 
 pub use report::Report;
 
-use super::output::{make_folder, print, print_json, remark, tell, to_json, write_file};
+use super::output::{make_folder, print, print_json, refuse_overwriting, remark, tell, to_json, write_file};
 use super::progress::Materials;
-use super::{CliError, Common};
+use super::{CliError, Common, interrupt};
 use crate::table;
 use brdfc_jobs::report::material::remarks;
 use brdfc_jobs::scene::manifest::Manifest;
@@ -16,8 +16,6 @@ use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
 use brdfc_wavelet::recipe::Target;
 use clap::Args;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Make the packs that a scene needs.
 ///
@@ -25,7 +23,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// no use refers to is not even opened. Packs of an earlier build are kept where source, options and program are the
 /// same. One material that fails does not stop the others.
 ///
-/// Where the manifest names an environment that lights the scene ([scene] environment), the maps of adaptive shading are
+/// Where the manifest names an environment that lights the scene (the key `environment` of `scene`), the maps of adaptive shading are
 /// made too: how fast each material's lobes and the environment vary, and importance samples of the lobes.
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -51,6 +49,9 @@ pub struct Arguments {
     json: bool,
 }
 
+/// What a build says of itself, in the folder of its packs.
+const REPORT: &str = "report.json";
+
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     let path = &arguments.scene;
     let (_, manifest) = read_manifest(path)?;
@@ -60,24 +61,17 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         return dry_run(arguments, &plan, &scene);
     }
 
+    let inputs: Vec<&Path> = plan.sources().map(Path::new).chain([path.as_path()]).collect();
+    for file in plan.files().chain([REPORT.to_owned()]) {
+        refuse_overwriting("--out", &arguments.out.join(file), &inputs)?;
+    }
     make_folder(&arguments.out)?;
-    let cancelled = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&cancelled);
-    // The second interrupt ends the process at once; packs are renamed into place, so none is ever half written.
-    ctrlc::set_handler(move || {
-        if flag.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
-    })
-    .map_err(|error| CliError::Internal(format!("cannot watch for interrupts: {error}")))?;
-
+    let cancelled = interrupt::watch()?;
     let total = plan.jobs.len() + usize::from(plan.environment.is_some());
     let progress = Materials::new(total, plan.environment.is_some(), common, &cancelled);
     let outcomes = run_jobs(&plan, &arguments.out, !arguments.no_cache, &progress);
     drop(progress);
 
-    let lasting = to_json(&Report::new(&scene, &plan, &outcomes).lasting(&plan, &arguments.out));
-    write_file(&arguments.out.join("report.json"), lasting.as_bytes())?;
     for outcome in &outcomes.materials {
         match &outcome.result {
             Ok(made) => {
@@ -92,6 +86,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     if let Some(Err(error)) = &outcomes.environment {
         tell(&format!("brdfc: {ENVIRONMENT}: {error}"));
     }
+    let lasting = to_json(&Report::new(&scene, &plan, &outcomes).lasting(&plan, &arguments.out));
+    write_file(&arguments.out.join(REPORT), lasting.as_bytes())?;
     if arguments.json {
         print_json(&Report::new(&scene, &plan, &outcomes))?;
     } else {

@@ -11,7 +11,7 @@ pub(super) use text::{height, repairs_in_words, text};
 
 use super::output::{make_folder, print, print_json, remark};
 use super::steps::Steps;
-use super::{CliError, Common};
+use super::{CliError, Common, interrupt};
 use arguments::ImageFormat;
 use brdfc_jobs::btf_stack::StackFormat;
 use brdfc_jobs::flatten::{
@@ -22,8 +22,6 @@ use brdfc_source::btf_stack::BtfStack;
 use options::{asset_name, check_outputs, meso_options, recipe};
 use serde::Serialize;
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 use text::remarks;
 
@@ -62,7 +60,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     recipe.check().map_err(|error| CliError::Usage(error.to_string()))?;
     make_folder(&arguments.out)?;
     arguments.write_images.as_deref().map(make_folder).transpose()?;
-    let cancelled = watch_for_interrupts()?;
+    let cancelled = interrupt::watch()?;
     let steps = Steps::new(common, &cancelled);
     let format = match arguments.image_format {
         Some(ImageFormat::Exr) => StackFormat::Exr,
@@ -83,19 +81,6 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         return print_json(&Report { asset, seconds });
     }
     print(&text(&asset, Some(seconds)))
-}
-
-/// A flag that is set by the first interrupt; the second ends the process at once.
-fn watch_for_interrupts() -> Result<Arc<AtomicBool>, CliError> {
-    let cancelled = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&cancelled);
-    ctrlc::set_handler(move || {
-        if flag.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
-    })
-    .map_err(|error| CliError::Internal(format!("cannot watch for interrupts: {error}")))?;
-    Ok(cancelled)
 }
 
 fn without_folder(material: &str) -> String {

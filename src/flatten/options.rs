@@ -36,6 +36,7 @@ pub(super) fn asset_name(arguments: &Arguments) -> Result<String, CliError> {
 /// Outputs that cannot be written are found before any work.
 pub(super) fn check_outputs(arguments: &Arguments) -> Result<(), CliError> {
     check_folder(&arguments.out)?;
+    refuse_same_outputs(&[("MESO", Some(Path::new(&arguments.meso))), ("--out", Some(&arguments.out))])?;
     let Some(images) = arguments.write_images.as_deref() else {
         if arguments.image_format.is_some() {
             return Err(CliError::Usage("--image-format: found alone; allowed with --write-images".to_owned()));

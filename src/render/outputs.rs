@@ -42,7 +42,7 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
         let mut inputs = vec![Path::new(&arguments.input)];
         inputs.extend(arguments.source.as_deref().map(Path::new));
         inputs.extend(arguments.adaptive.environment.as_deref());
-        refuse_overwriting(path, &inputs)?;
+        refuse_overwriting(flag, path, &inputs)?;
     }
     Ok(())
 }

@@ -33,6 +33,9 @@ pub enum Facts {
     Scan {
         /// Wavelengths in nm; empty for RGB columns.
         wavelengths: Vec<f64>,
+        /// What the header of an ALTA table says; absent for other scans.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        alta: Option<AltaHeader>,
         /// Counts.
         #[serde(flatten)]
         summary: ScanSummary,
@@ -79,6 +82,17 @@ pub enum Facts {
     },
 }
 
+/// What the header of an ALTA table says, in its words.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
+pub struct AltaHeader {
+    /// How directions are written, `PARAM_IN`.
+    pub directions: String,
+    /// What values are, `PARAM_OUT`.
+    pub values: String,
+    /// Values of a row: 1 or 3.
+    pub channels: usize,
+}
+
 impl Facts {
     /// Measured samples that came in; 0 for models.
     pub fn samples(&self) -> u64 {
@@ -103,26 +117,31 @@ impl Facts {
                 ("azimuths cover", if *p == 4 * d { "a full turn" } else { "half a turn" }.to_owned()),
                 ("valid cells", format!("{valid_cells} of {}", valid_cells + invalid_cells)),
             ],
-            Self::Scan { wavelengths, summary } => {
+            Self::Scan { wavelengths, alta, summary } => {
                 let s = summary;
                 let isotropic = if s.isotropic {
-                    "taken as isotropic: all rows have one azimuth of incidence"
+                    "taken as isotropic: one azimuth of incidence"
                 } else {
                     "anisotropic: several azimuths of incidence"
                 };
-                let spectrum = match (wavelengths.first(), wavelengths.last()) {
-                    (Some(first), Some(last)) => format!("{} wavelengths, {first} to {last} nm", wavelengths.len()),
+                let spectrum = match (wavelengths.first(), wavelengths.last(), alta) {
+                    (Some(first), Some(last), _) => format!("{} wavelengths, {first} to {last} nm", wavelengths.len()),
+                    (.., Some(alta)) if alta.channels == 1 => format!("one column, {}", alta.values),
+                    (.., Some(alta)) => format!("RGB columns, {}", alta.values),
                     _ => "RGB columns".to_owned(),
                 };
                 let mut lines = vec![
-                    ("kind", "scattered scan".to_owned()),
+                    ("kind", if alta.is_some() { "scattered scan, ALTA table" } else { "scattered scan" }.to_owned()),
                     ("rows", format!("{} ({} distinct direction pairs)", s.rows, s.distinct)),
                     ("material", isotropic.to_owned()),
                     ("values", spectrum),
-                    ("largest difference of repeated rows", percent(s.largest_disagreement)),
+                    ("repeated or mirrored rows differ up to", percent(s.largest_disagreement)),
                     ("rows with negative channels, raised to 0", s.negative.to_string()),
                     ("rows that are all 0", s.zero.to_string()),
                 ];
+                if let Some(alta) = alta {
+                    lines.insert(2, ("directions", alta.directions.clone()));
+                }
                 if let Some(left_out) = s.left_out {
                     lines.push(("rows left out, at or below the horizon", left_out.to_string()));
                 }

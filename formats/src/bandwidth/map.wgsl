@@ -93,10 +93,7 @@ fn bandwidth_atan2(y: f32, x: f32) -> f32 {
     let steep = y > ax;
     let small = select(y, ax, steep);
     let large = select(ax, y, steep);
-    var t = 0.0;
-    if large > 0.0 {
-        t = small / large;
-    }
+    let t = select(0.0, small / large, large > 0.0);
     let t2 = t * t;
     var p = -4.0545664e-3;
     p = p * t2 + 2.1862958e-2;

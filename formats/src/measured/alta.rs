@@ -4,6 +4,7 @@
 use super::scan::{Scan, check_value, checked_row, number, quoted, utf8};
 use crate::FormatError;
 use crate::direction::Vector;
+use std::f64::consts::TAU;
 
 /// Rows whose outgoing direction has a smaller cosine to the normal say nothing about `f_r` where values hold that cosine.
 pub const SMALLEST_COSINE: f64 = 0.01;
@@ -15,6 +16,12 @@ pub struct AltaTable {
     pub scan: Scan,
     /// Rows that were left out: a direction below the horizon, or nearly at it where the value holds its cosine.
     pub left_out: usize,
+    /// How the file says directions, its `PARAM_IN`.
+    pub directions: &'static str,
+    /// What the file's values are, its `PARAM_OUT`.
+    pub values: &'static str,
+    /// Values of a row: 1 or 3.
+    pub channels: usize,
 }
 
 /// How a row says its two directions, ALTA's `PARAM_IN`.
@@ -23,6 +30,18 @@ struct Directions {
     numbers: usize,
     /// Light and view.
     vectors: fn(&[f64]) -> [Vector; 2],
+}
+
+impl Directions {
+    /// Whether a turn about the normal is left open, as only isotropic materials allow.
+    fn is_isotropic(&self) -> bool {
+        self.numbers < 4
+    }
+
+    /// Whether the numbers are angles; else they are components of vectors.
+    fn has_angles(&self) -> bool {
+        self.numbers < 6
+    }
 }
 
 /// What a row's values are, ALTA's `PARAM_OUT`.
@@ -67,16 +86,21 @@ impl AltaTable {
             if tokens.is_empty() {
                 continue;
             }
-            if tokens.len() != width {
-                let allowed = format!("{width}, as DIM says");
-                return Err(FormatError::at_line(line, "row", format!("{} numbers", tokens.len()), allowed));
-            }
             let numbers =
                 tokens.into_iter().map(|token| number(token, line, "value")).collect::<Result<Vec<_>, _>>()?;
+            if numbers.len() != width {
+                let allowed = format!("{width}, as DIM says");
+                return Err(FormatError::at_line(line, "row", format!("{} numbers", numbers.len()), allowed));
+            }
             let (directions, values) = numbers.split_at(header.directions.numbers);
+            let beyond = |angle: &&f64| angle.abs() > TAU + ROUNDING;
+            if let Some(angle) = directions.iter().find(beyond).filter(|_| header.directions.has_angles()) {
+                let found = format!("{angle} (this looks like degrees; angles are in radians)");
+                return Err(FormatError::at_line(line, "angle", found, "-6.2832 to 6.2832 radians"));
+            }
             let [incoming, outgoing] = (header.directions.vectors)(directions).map(unit);
             let (Some(incoming), Some(outgoing)) = (incoming, outgoing) else {
-                return Err(FormatError::at_line(line, "direction", "a vector of no length", "two directions"));
+                return Err(FormatError::at_line(line, "direction", "a vector of length 0", "two directions"));
             };
             let cosine = if header.values.cosine { outgoing[2] } else { 1.0 };
             if incoming[2] < -ROUNDING || outgoing[2] < -ROUNDING || cosine < SMALLEST_COSINE {
@@ -85,14 +109,19 @@ impl AltaTable {
             }
             let value = std::array::from_fn(|channel| values[channel.min(header.channels - 1)] / cosine);
             value.iter().try_for_each(|channel| check_value(*channel, line))?;
-            let ([theta_i, phi_i], [theta_o, phi_o]) = (angles(incoming), angles(outgoing));
+            let ([theta_i, mut phi_i], [theta_o, mut phi_o]) = (angles(incoming), angles(outgoing));
+            if header.directions.is_isotropic() {
+                (phi_i, phi_o) = (0.0, phi_o - phi_i);
+            }
             rows.push(checked_row([theta_i, phi_i, theta_o, phi_o], value, line)?);
         }
         if rows.is_empty() {
             let found = if left_out == 0 { "none".to_owned() } else { format!("{left_out}, none above the horizon") };
             return Err(FormatError::whole("rows", found, "at least one measurement"));
         }
-        Ok(Self { scan: Scan { wavelengths: Vec::new(), rows }, left_out })
+        let (directions, values) = (header.directions.name, header.values.name);
+        let scan = Scan { wavelengths: Vec::new(), rows };
+        Ok(Self { scan, left_out, directions, values, channels: header.channels })
     }
 }
 
@@ -110,8 +139,9 @@ impl Header {
     fn read(text: &str) -> Result<Self, FormatError> {
         let entry = |key: &str| {
             (1u64..).zip(text.lines()).find_map(|(line, content)| {
-                let mut words = content.trim_start().strip_prefix('#')?.split_ascii_whitespace();
-                (words.next()? == key).then(|| (line, words.collect::<Vec<_>>()))
+                let rest = content.trim_start().strip_prefix('#')?.strip_prefix(key)?;
+                let is_whole = rest.is_empty() || rest.starts_with(|c: char| c.is_ascii_whitespace());
+                is_whole.then(|| (line, rest.split_ascii_whitespace().collect::<Vec<_>>()))
             })
         };
         let needed = |key: &'static str| {
@@ -119,16 +149,15 @@ impl Header {
         };
         let named = |key: &'static str| {
             let (line, words) = needed(key)?;
-            let name = words.first().copied().unwrap_or("");
-            Ok((line, name))
+            Ok((line, words.join(" ")))
         };
         let (line, name) = named("PARAM_IN")?;
         let directions = DIRECTIONS.iter().find(|known| known.name == name).ok_or_else(|| {
-            FormatError::at_line(line, "#PARAM_IN", quoted(name), DIRECTIONS.map(|known| known.name).join(", "))
+            FormatError::at_line(line, "#PARAM_IN", quoted(&name), DIRECTIONS.map(|known| known.name).join(", "))
         })?;
         let (line, name) = named("PARAM_OUT")?;
         let values = VALUES.iter().find(|known| known.name == name).ok_or_else(|| {
-            FormatError::at_line(line, "#PARAM_OUT", quoted(name), VALUES.map(|known| known.name).join(", "))
+            FormatError::at_line(line, "#PARAM_OUT", quoted(&name), VALUES.map(|known| known.name).join(", "))
         })?;
         let (line, words) = needed("DIM")?;
         let counts: Vec<Option<usize>> = words.iter().map(|word| word.parse().ok()).collect();
@@ -137,14 +166,9 @@ impl Header {
                 channels
             }
             _ => {
-                let channels: Vec<String> = values.channels.iter().map(usize::to_string).collect();
-                let allowed = format!(
-                    "{} {}, as {} and {} have",
-                    directions.numbers,
-                    channels.join(" or "),
-                    directions.name,
-                    values.name
-                );
+                let dimensions = values.channels.iter().map(|count| format!("{} {count}", directions.numbers));
+                let dimensions = dimensions.collect::<Vec<_>>().join(" or ");
+                let allowed = format!("{dimensions}, as {} and {} have", directions.name, values.name);
                 return Err(FormatError::at_line(line, "#DIM", quoted(&words.join(" ")), allowed));
             }
         };
@@ -198,8 +222,11 @@ fn mirrored(v: Vector, axis: Vector) -> Vector {
 }
 
 fn unit(v: Vector) -> Option<Vector> {
+    let largest = v.into_iter().map(f64::abs).fold(0.0, f64::max);
+    // Squares of very short and very long vectors are no numbers.
+    let v = v.map(|c| c / largest);
     let length = crate::direction::dot(v, v).sqrt();
-    (length > 0.0 && length.is_finite()).then(|| v.map(|c| c / length))
+    length.is_finite().then(|| v.map(|c| c / length))
 }
 
 /// Polar angle and azimuth. Rounding below the horizon is taken for the horizon.
@@ -257,18 +284,19 @@ mod tests {
             assert!(close(found.incoming, light) && close(found.outgoing, view), "{name}: {found:?}");
             assert_eq!(row.value, [2.5; 3]);
         }
-        // Two that leave a turn about the normal open.
+        // Two that leave a turn about the normal open: isotropic, so rows are turned to the light's azimuth.
         for (name, numbers) in [
             ("ISOTROPIC_TV_TL_DPHI", "0.8 0.5 -1.1".to_owned()),
             ("RUSIN_TH_TD_PD", format!("{theta_h} {theta_d} {phi_d}")),
         ] {
             let row = table(name, "INV_STERADIAN", "3 1", &format!("{numbers} 1")).unwrap().scan.rows[0];
             assert!((row.theta_i - 0.5).abs() < 1e-12 && (row.theta_o - 0.8).abs() < 1e-12, "{name}");
-            let turn = (row.phi_o - row.phi_i).rem_euclid(std::f64::consts::TAU);
+            assert_eq!(row.phi_i, 0.0, "{name}");
+            let turn = row.phi_o.rem_euclid(TAU);
             assert!((turn - 1.1).abs() < 1e-12, "{name}: {turn}");
         }
         let row = table("ISOTROPIC_TV_PROJ_DPHI", "INV_STERADIAN", "2 1", "0 0.3 1").unwrap().scan.rows[0];
-        assert_eq!((row.theta_i, row.theta_o), (0.0, 0.3));
+        assert!(row.theta_i == 0.0 && (row.theta_o - 0.3).abs() < 1e-12, "{row:?}");
     }
 
     #[test]
@@ -301,14 +329,26 @@ mod tests {
             ),
             (
                 message(good, "INV_STERADIAN", "2 1", "0 0 1"),
-                "line 1, #DIM: found \"2 1\"; allowed 3 1 or 3, as ISOTROPIC_TL_TV_PROJ_DPHI and INV_STERADIAN have",
+                "line 1, #DIM: found \"2 1\"; allowed 3 1 or 3 3, as ISOTROPIC_TL_TV_PROJ_DPHI and INV_STERADIAN have",
+            ),
+            (
+                message(good, "INV_STERADIAN", "3 1", "30 0.1 0.2 1"),
+                "line 4, angle: found 30 (this looks like degrees; angles are in radians); allowed -6.2832 to 6.2832",
+            ),
+            (message(good, "INV_STERADIAN", "3 1", "0,0,0,1"), "line 4, value: found \"0,0,0,1\"; allowed a finite"),
+            (
+                message("RGB_COLOR extra", "INV_STERADIAN", "3 1", "0 0 0 1"),
+                "line 2, #PARAM_IN: found \"RGB_COLOR extra\"; allowed ISOTROPIC_TL",
             ),
             (message(good, "INV_STERADIAN", "3 1", "0 0 0"), "line 4, row: found 3 numbers; allowed 4, as DIM says"),
             (message(good, "INV_STERADIAN", "3 1", "0 0 x 1"), "line 4, value: found \"x\"; allowed a finite number"),
             (message(good, "INV_STERADIAN", "3 1", "0 0 0 1e13"), "line 4, value: found 10000000000000; allowed -1e12"),
             (message(good, "INV_STERADIAN", "3 1", ""), "rows: found none; allowed at least one measurement"),
             (message(good, "INV_STERADIAN", "3 1", "0 2 0 1"), "rows: found 1, none above the horizon; allowed"),
-            (message("CARTESIAN", "INV_STERADIAN", "6 1", "0 0 0 0 0 1 1"), "line 4, direction: found a vector of no"),
+            (
+                message("CARTESIAN", "INV_STERADIAN", "6 1", "0 0 0 0 0 1 1"),
+                "line 4, direction: found a vector of length 0",
+            ),
             (message(good, "INV_STERADIAN", "3 1", "#VS 2\n0 0 0 1"), "line 4, #VS: found \"2\"; allowed 0"),
             (
                 message(good, "INV_STERADIAN", "3 1", "#FORMAT BINARY"),

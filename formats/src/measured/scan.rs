@@ -182,12 +182,14 @@ fn read_wavelengths<'a>(
     ))
 }
 
+/// The text, without the byte order mark that some editors put before it.
 pub(crate) fn utf8(bytes: &[u8]) -> Result<&str, FormatError> {
-    std::str::from_utf8(bytes).map_err(|error| {
+    let text = std::str::from_utf8(bytes).map_err(|error| {
         let good = &bytes[..error.valid_up_to()];
         let line = 1 + good.iter().filter(|byte| **byte == b'\n').count() as u64;
         FormatError::at_line(line, "text", format!("byte {:#04x}", bytes[error.valid_up_to()]), "UTF-8")
-    })
+    })?;
+    Ok(text.strip_prefix('\u{feff}').unwrap_or(text))
 }
 
 pub(crate) fn quoted(token: &str) -> String {

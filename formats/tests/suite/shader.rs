@@ -1,6 +1,7 @@
 //! The shipped WGSL without a graphics adapter: it validates, its uniform block is the one that Rust writes, and it calls
 //! nothing that browsers refuse.
 
+use brdfc_formats::bandwidth::shader::BANDWIDTH_WGSL;
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::flat_btf::FlatBtfDecoder;
 use brdfc_formats::flat_btf::shader::{FLAT_BTF_WGSL, FlatBtfParameters, IndirectionFilter};
@@ -146,4 +147,19 @@ fn the_uniform_block_of_flat_btfs_is_the_one_that_rust_writes() {
     }
     let exact = FlatBtfParameters::new(&decoder, IndirectionFilter::Exact);
     assert_eq!(exact.to_bytes()[24..], [0; 8]);
+}
+
+/// Each shader is whole by itself, so the arctangent stands in each: with the same steps.
+#[test]
+fn the_arctangent_is_one() {
+    let of = |shader: &str, prefix: &str| {
+        let start = shader.find(&format!("fn {prefix}_atan2(")).unwrap_or_else(|| panic!("no {prefix}_atan2"));
+        let function = &shader[start..][..shader[start..].find("\n}\n").expect("an end")];
+        function.replace(&format!("{prefix}_"), "").replace(&format!("{}_", prefix.to_uppercase()), "")
+    };
+    let first = of(WAVELET_BRDF_WGSL, "wavelet_brdf");
+    assert!(first.lines().count() > 20, "{first}");
+    assert_eq!(of(FLAT_BTF_WGSL, "flat_btf"), first);
+    assert_eq!(of(BANDWIDTH_WGSL, "bandwidth"), first);
+    assert_ne!(of(&WAVELET_BRDF_WGSL.replace("9.642198e-2", "9.6e-2"), "wavelet_brdf"), first);
 }

@@ -1,12 +1,21 @@
-//! Any bytes, or a valid pack with edits: an error, or a pack whose values are numbers at every level and filter.
+//! Any bytes, or a valid pack with edits: an error, or a pack whose values are numbers at every level and filter. The
+//! committed packs of all kinds are among the valid ones.
 #![no_main]
 
 mod edits;
 
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::wavelet::WaveletPack;
+use brdfc_testing::golden::corpus;
+use brdfc_testing::golden::lists::codecs;
+use brdfc_testing::golden::values::of_pack;
 use brdfc_testing::packs;
 use libfuzzer_sys::fuzz_target;
+use std::sync::LazyLock;
+
+/// The committed packs with their names.
+static COMMITTED: LazyLock<Vec<(String, Vec<u8>)>> =
+    LazyLock::new(|| codecs().into_iter().flat_map(|codec| corpus::packs(codec)).collect());
 
 fn valid(choice: u8) -> Vec<u8> {
     let parameterisation = Parameterisation::NAMES[usize::from(choice & 1)].1;
@@ -18,6 +27,13 @@ fn valid(choice: u8) -> Vec<u8> {
 
 fuzz_target!(|data: &[u8]| {
     let Some((choice, rest)) = data.split_first() else { return };
+    if choice & 0xc0 == 0x40 {
+        let (name, bytes) = &COMMITTED[usize::from(choice & 0x3f) % COMMITTED.len()];
+        let mut bytes = bytes.clone();
+        edits::edit(&mut bytes, rest);
+        let _ = of_pack(name, &bytes);
+        return;
+    }
     let bytes = if choice & 0x80 == 0 {
         let mut bytes = valid(*choice);
         edits::edit(&mut bytes, rest);

@@ -202,3 +202,43 @@ fn images_of_a_stack_that_declare_too_much() {
     let told = refused(&folder, &["flatten", "s", "-o", "out"], 3, &["image size: found ", "allowed 1 to 4096"]);
     assert!(!told.contains("emory"), "{told}");
 }
+
+#[test]
+fn outputs_that_are_inputs() {
+    let folder = inputs();
+    std::fs::create_dir(folder.path().join("packs")).unwrap();
+    folder.run(&["encode", "synth:velvet", "--grid", "4", "-o", "packs/a.brdf.ktx2"]).succeeded();
+    let kept = folder.read("packs/a.brdf.ktx2");
+    folder.write("packs/s.toml", "[materials.a]\nsource = 'a.brdf.ktx2'\n[[uses]]\nmaterial = 'a'\n");
+    let ran = folder.run(&["build", "packs/s.toml", "--out", "packs"]);
+    assert_eq!(ran.code, 2, "{}", ran.stderr);
+    assert!(ran.stderr.contains("--out: found packs/a.brdf.ktx2, an input; allowed another file"), "{}", ran.stderr);
+    assert_eq!(folder.read("packs/a.brdf.ktx2"), kept);
+    folder.write("packs/report.json", "[materials.b]\nsource = 'synth:velvet'\n[[uses]]\nmaterial = 'b'\n");
+    let ran = folder.run(&["build", "packs/report.json", "--out", "packs"]);
+    assert!(ran.code == 2 && ran.stderr.contains("packs/report.json, an input"), "{}", ran.stderr);
+    folder.write("stack/views.csv", "");
+    let ran = folder.run(&["flatten", "stack", "--out", "stack/../stack"]);
+    assert!(ran.code == 2 && ran.stderr.contains("for both; allowed different places"), "{}", ran.stderr);
+}
+
+#[test]
+fn negative_numbers_are_values_and_not_flags() {
+    let folder = inputs();
+    for (arguments, expected) in [
+        (["encode", "synth:velvet", "-o", "a.ktx2", "--max-error", "-1"], "--max-error: found -1; allowed"),
+        (["eval", "synth:velvet", "--directions", "a.csv", "--lod", "-1"], "--lod: found -1; allowed 0"),
+    ] {
+        let ran = folder.run(&arguments);
+        assert!(ran.code == 2 && ran.stderr.contains(expected), "{}", ran.stderr);
+    }
+}
+
+/// A budget that nothing can miss is not met.
+#[test]
+fn an_error_budget_of_a_black_material_fails() {
+    let folder = inputs();
+    let ran = folder.run(&["encode", "synth:lambert?kd=0", "-o", "a.ktx2", "--grid", "4", "--max-error", "0.01"]);
+    assert!(ran.code == 1 && ran.stderr.contains("found a material that is black everywhere"), "{}", ran.stderr);
+    folder.run(&["encode", "synth:lambert?kd=0", "-o", "a.ktx2", "--grid", "4"]).succeeded();
+}

@@ -181,3 +181,32 @@ fn csv_columns_and_records() {
         &["line 2, theta_i: found 3.14"],
     );
 }
+
+fn alta(header: &str, row: &str) -> Vec<u8> {
+    let rows: String = (0..12).map(|k| format!("0.{} 0.{} 0.0 0.{}\n", 1 + k % 4, 5 + k / 4, 1 + k % 3)).collect();
+    format!("{header}#DIM 3 1\n#PARAM_IN ISOTROPIC_TL_TV_PROJ_DPHI\n#PARAM_OUT INV_STERADIAN\n{rows}{row}").into_bytes()
+}
+
+#[test]
+fn tables_of_alta() {
+    let info = accepted("a.dat", &alta("", ""));
+    assert_eq!((&info["rows"], &info["alta"]["directions"]), (&12.into(), &"ISOTROPIC_TL_TV_PROJ_DPHI".into()));
+    assert_eq!((&info["alta"]["values"], &info["alta"]["channels"]), (&"INV_STERADIAN".into(), &1.into()));
+    // What editors put before a text, and a comment that begins like a key.
+    assert_eq!(accepted("a.dat", &alta("\u{feff}", ""))["rows"], 12);
+    assert_eq!(accepted("a.dat", &alta("# DIM of this table: below\n#DIMENSIONS\n", ""))["rows"], 12);
+    bad_file("a.dat", &alta("", "15 30 0 0.5\n"), &["line 16, angle: found 15 (this looks like degrees"]);
+    bad_file(
+        "a.dat",
+        &alta("", "0.1,0.2,0,0.5\n"),
+        &["line 16, value: found \"0.1,0.2,0,0.5\"; allowed a finite number"],
+    );
+    bad_file("a.dat", &alta("#DIM 900000000 1\n", ""), &["line 1, #DIM: found \"900000000 1\"; allowed 3 1 or 3 3"]);
+}
+
+#[test]
+fn a_byte_order_mark_is_no_part_of_a_scan() {
+    let mut marked = b"\xef\xbb\xbf".to_vec();
+    marked.extend(text(""));
+    assert_eq!(accepted("a.brdf", &marked)["rows"], 12);
+}

@@ -109,3 +109,15 @@ fn broken_direction_lists_name_the_line() {
     assert_eq!(ran.stdout, "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z,f_r,f_g,f_b\n", "no pairs, no values");
     assert_eq!(folder.files(".").len(), 1);
 }
+
+#[test]
+fn values_that_are_there_already_are_replaced() {
+    let folder = folder();
+    let arguments = |input, output| ["eval", input, "--directions", "pairs.csv", "-o", output];
+    folder.run(&arguments("synth:lambert?kd=0.5", "once.csv")).succeeded();
+    folder.write("pairs.csv", folder.read("once.csv"));
+    folder.run(&arguments("synth:lambert?kd=1", "twice.csv")).succeeded();
+    folder.write("pairs.csv", PAIRS);
+    folder.run(&arguments("synth:lambert?kd=1", "new.csv")).succeeded();
+    assert_eq!(folder.text("twice.csv"), folder.text("new.csv"));
+}

@@ -66,7 +66,7 @@ fn wrong_usage_exits_with_2_and_says_what_is_allowed() {
         (&["encod", "a", "-o", "b"], "'encode'"),
         (&["encode", "synth:lewis"], "--output"),
         (&["encode", "synth:lewis", "-o", "p.ktx2", "--grid", "12"], "--grid: found 12; allowed 2, 4, 8, 16, 32 or 64"),
-        (&["encode", "synth:lewis", "-o", "p.ktx2", "--grid", "-1"], "unexpected argument"),
+        (&["encode", "synth:lewis", "-o", "p.ktx2", "--grid", "-1"], "invalid value '-1' for '--grid <N>'"),
         (&["encode", "synth:lewis", "-o", "p.ktx2", "--bits", "9"], "--bits: found 9; allowed 8, or 10 to 16"),
         (&["encode", "synth:lewis", "-o", "p.ktx2", "--ratio", "0.5"], "--ratio: found 0.5; allowed 1 to 4096"),
         (&["encode", "synth:lewis", "-o", "p.ktx2", "--ratio", "NaN"], "--ratio: found NaN; allowed 1 to 4096"),

@@ -32,9 +32,10 @@ const CODECS: &str = "crates/codecs";
 const GPU_BY_FEATURE: [&str; 3] = ["crates/jobs", "crates/studies", "."];
 
 /// Layers of stages: typed input to typed output.
-const STAGES: [&str; 3] = ["crates/source", "crates/metrics", CODECS];
+const STAGES: [&str; 5] = ["formats", "crates/source", "crates/metrics", CODECS, "crates/render"];
 /// What a stage has no need of.
-const IMPURE: [&str; 7] = ["std::fs", "std::env", "std::time", "std::process", "std::net", "clap", "ctrlc"];
+const IMPURE: [&str; 8] =
+    ["std::fs", "std::env", "std::time::Instant", "std::time::SystemTime", "std::process", "std::net", "clap", "ctrlc"];
 /// Files of those crates that may: the readers of measured files, and options that can be flags of a command line.
 const MAY_TOUCH: &[(&str, &str, &str)] = &[
     ("crates/source", "btf_stack.rs", "std::fs"),

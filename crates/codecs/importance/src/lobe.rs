@@ -18,7 +18,7 @@ const UNIFORM: f64 = 0.1;
 /// with the sum 1.
 ///
 /// Incoming directions are to be drawn in proportion to the luminance of `f_r cos θi`. Reflection of `wo` about `h` turns
-/// [`jacobian`] steradians of incoming directions into one of half vectors, so the density of half vectors is in proportion
+/// `jacobian` steradians of incoming directions into one of half vectors, so the density of half vectors is in proportion
 /// to `f_r cos θi 4 (wo · h)`. Most of the defensive share is the same with a constant for `f_r`, the largest over the
 /// outgoing directions of the row; a tenth of it is uniform. So all half vectors that any outgoing direction can have are
 /// drawn.

@@ -53,6 +53,12 @@ pub enum EncodeError {
         /// Bits per component.
         bits: u32,
     },
+    /// A black material has no relative error.
+    #[error(
+        "error budget: found a material that is black everywhere; allowed one with reflectance, or the budget says \
+         nothing"
+    )]
+    NothingMeasured,
     /// The byte budget does not hold even the scaling slice.
     #[error("byte budget: found {allowed} bytes; allowed at least {smallest}, which hold the scaling slice alone")]
     TooFewBytes {
@@ -162,6 +168,9 @@ fn choose(
             (1..=most).collect::<Vec<_>>().partition_point(|slices| fitting(*slices))
         }
         Target::MaxError(allowed) => {
+            if reference.values.iter().all(|value| *value <= 0.0) {
+                return Err(EncodeError::NothingMeasured);
+            }
             let error = |count: usize| {
                 let pack = assemble(coefficients, &threshold::keep(ranking, count), header);
                 grid_error(reference, &WaveletDecoder::new(&pack)).norms.relative_mean

@@ -16,7 +16,7 @@ const DARK: f64 = 0.01;
 const EXPONENTS: [f64; 2] = [1.35, 2.25];
 
 /// Weighted squared norm of each coefficient over all outer cells and channels: `E_k = Σ c_k² w_k`, with `w_k` the mean
-/// of [`weight`] over the inner cells that the coefficient changes.
+/// of `weight` over the inner cells that the coefficient changes.
 ///
 /// `coefficients` are those of the log-encoded `samples`.
 pub fn visible_energies(coefficients: &Table, samples: &Table, encoding: LogEncoding) -> Vec<f64> {

@@ -61,6 +61,29 @@ pub struct Plan {
     pub skipped: Vec<String>,
 }
 
+impl Plan {
+    /// Paths and addresses that are read.
+    pub fn sources(&self) -> impl Iterator<Item = &str> {
+        let environment = self.environment.iter().map(|job| job.source.as_str());
+        self.jobs.iter().map(|job| job.source.as_str()).chain(environment)
+    }
+
+    /// Names of the files that a build may write into its folder.
+    pub fn files(&self) -> impl Iterator<Item = String> {
+        let environment = self.environment.iter().map(|_| part_name(ENVIRONMENT, "bandwidth"));
+        let of_job = |job: &Job| {
+            let maps = maps::PARTS.iter().filter(|_| job.maps.is_some()).map(|part| part_name(&job.name, part));
+            [pack_name(&job.name), list_name(&job.name)].into_iter().chain(maps).collect::<Vec<_>>()
+        };
+        self.jobs.iter().flat_map(of_job).chain(environment)
+    }
+}
+
+/// The file that lists the parts of a material.
+fn list_name(material: &str) -> String {
+    format!("{material}.json")
+}
+
 /// What a build did.
 #[derive(Debug)]
 pub struct Outcomes {
@@ -282,7 +305,7 @@ impl<'a> Build<'a> {
         };
         let mut bytes = serde_json::to_vec_pretty(&file).expect("reports are plain data");
         bytes.push(b'\n');
-        write(&self.out.join(format!("{}.json", job.name)), &bytes)
+        write(&self.out.join(list_name(&job.name)), &bytes)
     }
 }
 

@@ -9,7 +9,7 @@ mod summary;
 pub use summary::ScanSummary;
 
 use super::error::InputError;
-use super::format::{Facts, Format, InputFile, Opened};
+use super::format::{AltaHeader, Facts, Format, InputFile, Opened};
 use super::{Source, Symmetry, Tally};
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::DirectionPair;
@@ -37,25 +37,30 @@ pub(crate) const CSV_FORMAT: Format = Format { extension: "csv", name: "scan", o
 pub(crate) const ALTA_FORMAT: Format = Format { extension: "dat", name: "ALTA", open: open_alta };
 
 fn open_text(input: InputFile<'_>) -> Result<Opened, InputError> {
-    input.parse(|bytes| opened(&Scan::from_bytes(bytes)?, 0))
+    input.parse(|bytes| opened(&Scan::from_bytes(bytes)?, None))
 }
 
 fn open_csv(input: InputFile<'_>) -> Result<Opened, InputError> {
-    input.parse(|bytes| opened(&scan_csv::from_bytes(bytes)?, 0))
+    input.parse(|bytes| opened(&scan_csv::from_bytes(bytes)?, None))
 }
 
 fn open_alta(input: InputFile<'_>) -> Result<Opened, InputError> {
     input.parse(|bytes| {
         let table = AltaTable::from_bytes(bytes)?;
-        opened(&table.scan, table.left_out)
+        opened(&table.scan, Some(&table))
     })
 }
 
-fn opened(scan: &Scan, left_out: usize) -> Result<Opened, FormatError> {
+fn opened(scan: &Scan, alta: Option<&AltaTable>) -> Result<Opened, FormatError> {
     let source = ScanSource::new(scan)?;
-    let left_out = (left_out > 0).then_some(left_out);
+    let left_out = alta.map(|table| table.left_out).filter(|count| *count > 0);
     let summary = ScanSummary { left_out, ..source.summary() };
-    let facts = Facts::Scan { wavelengths: scan.wavelengths.clone(), summary };
+    let alta = alta.map(|table| AltaHeader {
+        directions: table.directions.to_owned(),
+        values: table.values.to_owned(),
+        channels: table.channels,
+    });
+    let facts = Facts::Scan { wavelengths: scan.wavelengths.clone(), alta, summary };
     Ok(Opened { source: Box::new(source), facts })
 }
 

@@ -13,7 +13,7 @@ pub struct ScanSummary {
     pub negative: usize,
     /// Rows that are 0 in all channels.
     pub zero: usize,
-    /// Whether all rows have one azimuth of incidence, so that the material is taken as isotropic.
+    /// Whether all rows have one azimuth of incidence, or leave it open, so that the material is taken as isotropic.
     pub isotropic: bool,
     /// Rows of the file that say nothing about reflectance: directions at or below the horizon.
     /// Absent where there are none.

@@ -1,5 +1,6 @@
 //! Sources against known answers, oracles and broken files.
 
+mod alta;
 mod direction_set;
 mod flat_btf_files;
 mod gonio_held_out;

@@ -51,7 +51,7 @@ pub struct SurfaceParameterisationReport {
     pub rounds: usize,
 }
 
-/// Most calls of its watcher that [`parameterise`] plans for: each of its solutions takes about [`tilt::STEPS`].
+/// Most steps that [`parameterise`] plans for: each of its solutions takes about `tilt::STEPS`.
 pub fn steps(rounds: usize) -> usize {
     (1 + rounds) * tilt::STEPS
 }
