@@ -51,7 +51,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let opened = open(address, None)?;
         draw(&mut picture, [0, row], opened.source.as_ref());
         for (column, ratio) in (1..).zip(RATIOS) {
-            let recipe = Recipe { target: Target::Ratio(ratio), off_grid_pairs: 1, ..Recipe::default() };
+            let recipe = Recipe { target: Target::Ratio(ratio), measure_off_grid: false, ..Recipe::default() };
             let encoded = encode(opened.source.as_ref(), &recipe, &())?;
             draw(&mut picture, [column, row], &PackSource::new(&encoded.pack, None));
         }

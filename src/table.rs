@@ -33,17 +33,27 @@ pub fn material_row(report: &MaterialReport, seconds: Option<f64>) -> Vec<String
         bytes(report.bytes_on_gpu),
         relative(&report.on_grid.norms),
         relative(&report.off_grid.norms),
+        format!("{:.2}", report.off_grid.picture.delta_e.mean),
         seconds.map_or("cached".to_owned(), |s| format!("{s:.2} s")),
     ]
 }
 
 /// Header of the build table.
-pub const MATERIAL_HEADER: [&str; 9] =
-    ["material", "samples in", "slices", "ratio", "on disk", "on GPU", "ε_r on grid", "ε_r off grid", "time"];
+pub const MATERIAL_HEADER: [&str; 10] =
+    ["material", "samples in", "slices", "ratio", "on disk", "on GPU", "ε_r on grid", "ε_r off grid", "ΔE", "time"];
 
 /// All norms of a comparison, a line each.
 pub fn comparison(comparison: &Comparison) -> String {
     let mut rows = norms_rows(&comparison.norms);
+    let picture = &comparison.picture;
+    for (name, value) in [
+        ("ΔE of a ball, mean", picture.delta_e.mean),
+        ("ΔE of a ball, 95th percentile", picture.delta_e.p95),
+        ("ΔE of a ball, maximum", picture.delta_e.max),
+        ("ΔE2000 of a ball, mean", picture.delta_e_2000.mean),
+    ] {
+        rows.push(vec![name.to_owned(), format!("{value:.3}")]);
+    }
     rows.push(vec!["largest albedo difference".to_owned(), format!("{:.3e}", comparison.albedo_max_difference)]);
     rows.push(vec!["reciprocity error of B".to_owned(), percent(comparison.reciprocity)]);
     plain(&["norm", "value"], &rows)
@@ -55,6 +65,7 @@ fn norms_rows(norms: &Norms) -> Vec<Vec<String>> {
         ("below 0.1 % of the mean, left out of ratios", norms.below_floor.to_string()),
         ("ε, RMS difference (1/sr)", format!("{:.4e}", norms.rms)),
         ("ε_r, mean relative difference", relative(norms)),
+        ("standard error of ε_r", percent(norms.relative_standard_error)),
         ("relative difference, 95th percentile", percent(norms.relative_p95)),
         ("relative difference, 99th percentile", percent(norms.relative_p99)),
         ("relative difference, maximum", percent(norms.relative_max)),

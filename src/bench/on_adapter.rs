@@ -93,7 +93,7 @@ fn pack(input: &str) -> Result<WaveletPack, CliError> {
     if input.to_ascii_lowercase().ends_with(".ktx2") {
         return Ok(open_wavelet_pack(Path::new(input))?);
     }
-    let recipe = Recipe { off_grid_pairs: 1, ..Recipe::default() };
+    let recipe = Recipe { measure_off_grid: false, ..Recipe::default() };
     let opened = open(input, None)?;
     Ok(encode(opened.source.as_ref(), &recipe, &())?.pack)
 }

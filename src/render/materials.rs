@@ -169,6 +169,6 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<P
 
 /// Errors of the pack itself are not asked for here.
 fn encoded(source: &dyn Source, recipe: &Recipe) -> Result<WaveletPack, CliError> {
-    let recipe = Recipe { off_grid_pairs: 1, ..recipe.clone() };
+    let recipe = Recipe { measure_off_grid: false, ..recipe.clone() };
     Ok(encode(source, &recipe, &())?.pack)
 }

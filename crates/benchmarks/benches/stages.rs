@@ -10,7 +10,7 @@ use brdfc_formats::measured::scan::Scan;
 use brdfc_formats::wavelet::{Filter, RowScratch, WaveletDecoder, WaveletPack};
 use brdfc_importance::{ImportanceRecipe, importance_samples};
 use brdfc_metrics::compare::compare;
-use brdfc_metrics::sampling::random_pairs;
+use brdfc_metrics::sampling::{PairSet, random_pairs};
 use brdfc_source::address::parse_model;
 use brdfc_source::simulate::{ScanPlan, merl_file, scan};
 use brdfc_source::{MerlSource, PackSource, ScanSource, Source};
@@ -113,7 +113,7 @@ fn stages() -> Stages {
     let encoding = LogEncoding::of(&table, DEFAULT_BIAS);
     let logarithms = log_encode(&table, encoding);
     let coefficients = haar::transform(&logarithms);
-    let recipe = Recipe { target: Target::Ratio(RATIO), off_grid_pairs: 1, ..Recipe::default() };
+    let recipe = Recipe { target: Target::Ratio(RATIO), measure_off_grid: false, ..Recipe::default() };
     let pack = encode(&source, &recipe, &()).expect("a ratio is always met").pack;
     Stages { source, table, encoding, logarithms, coefficients, pack }
 }
@@ -160,11 +160,11 @@ fn decoding(criterion: &mut Criterion) {
 fn measuring(criterion: &mut Criterion) {
     let s = stages();
     let decoded = PackSource::new(&s.pack, None);
-    let pairs = random_pairs(Recipe::default().off_grid_pairs, SEED);
+    let set = PairSet::comparison();
     let mut group = criterion.benchmark_group("measure");
     group.bench_function("on the grid", |b| b.iter(|| grid_error(black_box(&s.table), decoded.decoder())));
-    group.throughput(Throughput::Elements(pairs.len() as u64));
-    group.bench_function("off the grid", |b| b.iter(|| compare(&s.source, &decoded, &pairs, s.encoding.mean)));
+    group.throughput(Throughput::Elements(set.pairs.len() as u64));
+    group.bench_function("off the grid", |b| b.iter(|| compare(&s.source, &decoded, &set)));
 }
 
 fn bandwidth(criterion: &mut Criterion) {

@@ -1,14 +1,14 @@
 //! Error of one source against another at chosen direction pairs: what a user of a pack sees.
 
 use super::norms::{NormSums, Norms};
-use super::sampling::{albedo_directions, cosine_directions};
+use super::picture::{PictureError, picture_error};
+use super::sampling::{PairSet, albedo_directions, cosine_directions};
+use super::values::{CHUNK, values_at};
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::wavelet::ErrorSummary;
 use brdfc_source::{Source, Tally};
 use rayon::prelude::*;
 
-/// Direction pairs per unit of parallel work: fixed, so that sums do not depend on threads.
-const CHUNK: usize = 1024;
 /// Outgoing directions per axis of an albedo.
 const ALBEDO_SIDE: usize = 16;
 /// Direction pairs, of those given, that reciprocity is measured at.
@@ -17,8 +17,12 @@ const RECIPROCITY_PAIRS: usize = 2048;
 /// Everything that is measured between a reference and an approximation.
 #[derive(Debug, Clone, PartialEq, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Comparison {
+    /// `μ`: mean of the reference over the uniform pairs and over channels, 1/sr.
+    pub mean: f64,
     /// Norms over all samples.
     pub norms: Norms,
+    /// How different pictures of both look.
+    pub picture: PictureError,
     /// Directional albedo at a few incoming directions.
     pub albedo: Vec<AlbedoPoint>,
     /// Largest difference of albedo over those directions and channels.
@@ -47,39 +51,25 @@ pub struct AlbedoPoint {
     pub approximation: [f64; 3],
 }
 
-/// Mean of `f_r` of a source over direction pairs and channels: the `μ` of a comparison that has no table.
-pub fn mean_value(source: &dyn Source, pairs: &[DirectionPair]) -> f64 {
-    let sums: Vec<f64> = pairs
-        .par_chunks(CHUNK)
-        .map(|chunk| {
-            let mut tally = Tally::default();
-            chunk.iter().flat_map(|pair| source.eval(*pair, &mut tally)).map(|f| f.max(0.0)).sum()
-        })
-        .collect();
-    if pairs.is_empty() { 0.0 } else { sums.iter().sum::<f64>() / (3 * pairs.len()) as f64 }
-}
-
-/// Compares `approximation` with `reference` at `pairs`; `mean` is the `μ` of the relative norms' floor.
+/// Compares `approximation` with `reference` at the pairs of a set, and pictures of both ([`picture_error`]).
 ///
-/// Negative reference values count as 0, as they do in a table.
-pub fn compare(
-    reference: &dyn Source,
-    approximation: &dyn Source,
-    pairs: &[DirectionPair],
-    mean: f64,
-) -> (Comparison, Tally) {
+/// The `μ` of the relative norms' floor is the reference's mean over pairs of the set: the figures depend on the two sources and on
+/// nothing else. Negative reference values count as 0, as they do in a table.
+pub fn compare(reference: &dyn Source, approximation: &dyn Source, set: &PairSet) -> (Comparison, Tally) {
+    let pairs = &set.pairs;
     let grey = reference.is_grey() && approximation.is_grey();
     let channels = if grey { 1 } else { 3 };
-    let parts: Vec<(NormSums, Reciprocity, Tally)> = pairs
+    let (values, mut tally) = values_at(reference, pairs);
+    let mean = mean_value(&values[..set.of_mean]);
+    let parts: Vec<(NormSums, Reciprocity)> = pairs
         .par_chunks(CHUNK)
         .enumerate()
         .map(|(chunk_number, chunk)| {
             let mut sums = NormSums::new(mean);
             let mut reciprocity = Reciprocity::default();
-            let mut tally = Tally::default();
             let mut other = Tally::default();
             for (k, pair) in chunk.iter().enumerate() {
-                let f = reference.eval(*pair, &mut tally);
+                let f = values[chunk_number * CHUNK + k];
                 let g = approximation.eval(*pair, &mut other);
                 for channel in 0..channels {
                     sums.add(f[channel].max(0.0), g[channel], pair.incoming[2].max(0.0));
@@ -91,23 +81,27 @@ pub fn compare(
                     }
                 }
             }
-            (sums, reciprocity, tally)
+            (sums, reciprocity)
         })
         .collect();
     let mut sums = NormSums::new(mean);
     let mut reciprocity = Reciprocity::default();
-    let mut tally = Tally::default();
-    for (part, exchange, counts) in &parts {
+    for (part, exchange) in &parts {
         sums.merge(part);
         reciprocity.merge(exchange);
-        tally += *counts;
     }
+    let (picture, counts) = picture_error(reference, approximation);
+    tally += counts;
     let albedo = albedo_curves(reference, approximation);
     let albedo_max_difference = albedo
         .iter()
         .flat_map(|point| (0..3).map(|c| (point.approximation[c] - point.reference[c]).abs()))
         .fold(0.0, f64::max);
-    let comparison = Comparison { norms: sums.norms(), albedo, albedo_max_difference, reciprocity: reciprocity.mean() };
+    let mut norms = sums.norms();
+    // The channels of one pair err together: they are one sample.
+    norms.relative_standard_error *= f64::from(channels as u32).sqrt();
+    let comparison =
+        Comparison { mean, norms, picture, albedo, albedo_max_difference, reciprocity: reciprocity.mean() };
     (comparison, tally)
 }
 
@@ -130,6 +124,12 @@ fn albedo_curves(reference: &dyn Source, approximation: &dyn Source) -> Vec<Albe
             AlbedoPoint { theta, phi, reference: albedo(reference), approximation: albedo(approximation) }
         })
         .collect()
+}
+
+/// Mean over values and channels; negative ones count as 0.
+fn mean_value(values: &[[f64; 3]]) -> f64 {
+    let sums = values.chunks(CHUNK).map(|chunk| chunk.iter().flatten().map(|f| f.max(0.0)).sum::<f64>());
+    if values.is_empty() { 0.0 } else { sums.sum::<f64>() / (3 * values.len()) as f64 }
 }
 
 /// Sum of `|f'(i, o) - f'(o, i)| / f` over samples above the floor.

@@ -4,5 +4,7 @@ pub mod compare;
 pub mod image;
 pub mod lab;
 pub mod norms;
+pub mod picture;
 pub mod sampling;
+mod values;
 pub mod vector_math;

@@ -25,6 +25,8 @@ pub struct Norms {
     pub rms: f64,
     /// `ε_r` of section 6.2 of Claustres et al. 2007: mean of `|f' - f| / f`, a fraction.
     pub relative_mean: f64,
+    /// Standard error of `ε_r`, as of as many independent samples.
+    pub relative_standard_error: f64,
     /// 95th percentile of `|f' - f| / f`, to 0.4 %.
     pub relative_p95: f64,
     /// 99th percentile of `|f' - f| / f`, to 0.4 %.
@@ -71,6 +73,7 @@ pub struct NormSums {
     below_floor: u64,
     square: f64,
     relative: f64,
+    relative_square: f64,
     relative_max: f64,
     log_square: f64,
     cosine_log_square: f64,
@@ -86,6 +89,7 @@ impl NormSums {
             below_floor: 0,
             square: 0.0,
             relative: 0.0,
+            relative_square: 0.0,
             relative_max: 0.0,
             log_square: 0.0,
             cosine_log_square: 0.0,
@@ -107,6 +111,7 @@ impl NormSums {
         }
         let relative = difference.abs() / f;
         self.relative += relative;
+        self.relative_square += relative * relative;
         self.relative_max = self.relative_max.max(relative);
         self.histogram[bin_of(relative as f32)] += 1;
         let log = (g.max(1e-6 * self.mean) / f).ln();
@@ -139,6 +144,8 @@ impl NormSums {
             self.log_square += sum(&log[..n]);
             self.cosine_log_square += sum(&cosine_log[..n]);
             self.relative += sum(&relative[..n]);
+            // Squares of large ratios are no numbers in single precision.
+            self.relative_square += relative[..n].iter().map(|ratio| f64::from(*ratio).powi(2)).sum::<f64>();
             for (k, ratio) in relative[..n].iter().enumerate() {
                 if f[k] >= floor {
                     self.relative_max = self.relative_max.max(f64::from(*ratio));
@@ -156,6 +163,7 @@ impl NormSums {
         self.below_floor += other.below_floor;
         self.square += other.square;
         self.relative += other.relative;
+        self.relative_square += other.relative_square;
         self.relative_max = self.relative_max.max(other.relative_max);
         self.log_square += other.log_square;
         self.cosine_log_square += other.cosine_log_square;
@@ -168,11 +176,14 @@ impl NormSums {
     pub fn norms(&self) -> Norms {
         let per = |sum: f64, count: u64| if count == 0 { 0.0 } else { sum / count as f64 };
         let counted = self.samples - self.below_floor;
+        let relative_mean = per(self.relative, counted);
+        let variance = (per(self.relative_square, counted) - relative_mean * relative_mean).max(0.0);
         Norms {
             samples: self.samples,
             below_floor: self.below_floor,
             rms: per(self.square, self.samples).sqrt(),
-            relative_mean: per(self.relative, counted),
+            relative_mean,
+            relative_standard_error: per(variance, counted).sqrt(),
             relative_p95: self.percentile(0.95, counted),
             relative_p99: self.percentile(0.99, counted),
             relative_max: self.relative_max,
@@ -232,6 +243,8 @@ mod tests {
         let rms = ((0.01 + 0.04 + (1.0f64 - 1e-4).powi(2)) / 3.0).sqrt();
         assert!((norms.rms - rms).abs() < 1e-12);
         assert!((norms.log_rms - ((1.1f64.ln().powi(2) + 0.9f64.ln().powi(2)) / 2.0).sqrt()).abs() < 1e-12);
+        let spread = of(&[(1.0, 1.1), (2.0, 2.6)]).relative_standard_error;
+        assert!((spread - 0.1 / 2.0f64.sqrt()).abs() < 1e-12, "{spread}");
         let cosine = of(&[(1.0, 3.0)]).cosine_log_rms;
         assert!((cosine - (2.5f64 / 1.5).ln()).abs() < 1e-12);
     }
@@ -253,6 +266,7 @@ mod tests {
             for (x, y) in [
                 (a.rms, b.rms),
                 (a.relative_mean, b.relative_mean),
+                (a.relative_standard_error, b.relative_standard_error),
                 (a.relative_max, b.relative_max),
                 (a.log_rms, b.log_rms),
                 (a.cosine_log_rms, b.cosine_log_rms),

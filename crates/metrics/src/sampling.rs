@@ -1,9 +1,71 @@
 //! Fixed sets of directions to compare at: the same on every run and machine.
 
-use brdfc_formats::direction::{DirectionPair, Vector, from_polar};
+use brdfc_formats::direction::{DirectionPair, Vector, dot, from_polar};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_4, TAU};
+
+/// Pairs of [`PairSet::comparison`] with both directions uniform over the hemisphere's solid angle.
+pub const UNIFORM_PAIRS: usize = 1 << 15;
+/// Pairs near the mirror direction: half vectors up to 45 degrees off the normal, denser by the square root towards it.
+pub const MIRROR_PAIRS: usize = 1 << 14;
+/// Pairs of which one direction is 75 to 88 degrees off the normal, the incoming and the outgoing in turn.
+pub const GRAZING_PAIRS: usize = 1 << 14;
+
+/// Direction pairs to compare at.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PairSet {
+    /// The pairs.
+    pub pairs: Vec<DirectionPair>,
+    /// How many of them, from the first on, are what the mean is of.
+    pub of_mean: usize,
+}
+
+impl PairSet {
+    /// Any pairs; the mean is of all.
+    pub fn new(pairs: Vec<DirectionPair>) -> Self {
+        Self { of_mean: pairs.len(), pairs }
+    }
+
+    /// The direction pairs at which sources are compared off any grid: 65,536, the same on every run, spread evenly in three
+    /// strata. They depend on no codec, so that errors at them compare between any two packs. The mean is of the uniform
+    /// ones: where light is mirrored at grazing angles few pairs would outweigh all others.
+    pub fn comparison() -> Self {
+        let steepest = 88f64.to_radians().cos();
+        let between = |low: f64, high: f64, share: f64, turn: f64| {
+            from_polar_cosine(low + (high - low) * (1.0 - share), TAU * turn)
+        };
+        let uniform = |share: f64, turn: f64| between(0.0, 1.0, share, turn);
+        let mut pairs: Vec<DirectionPair> =
+            points().take(UNIFORM_PAIRS).map(|[a, b, c, d]| DirectionPair::new(uniform(a, b), uniform(c, d))).collect();
+        let mirrored = points().map(|[a, b, c, d]| {
+            let incoming = between(steepest, 1.0, a, b);
+            let half = from_polar(FRAC_PI_4 * c * c, TAU * d);
+            let twice = 2.0 * dot(incoming, half);
+            DirectionPair::new(incoming, std::array::from_fn(|k| twice * half[k] - incoming[k]))
+        });
+        pairs.extend(mirrored.filter(|pair| pair.outgoing[2] > steepest).take(MIRROR_PAIRS));
+        pairs.extend(points().take(GRAZING_PAIRS).enumerate().map(|(k, [a, b, c, d])| {
+            let pair =
+                DirectionPair::new(between(steepest, 75f64.to_radians().cos(), a, b), between(steepest, 1.0, c, d));
+            if k % 2 == 0 { pair } else { pair.exchanged() }
+        }));
+        Self { pairs, of_mean: UNIFORM_PAIRS }
+    }
+}
+
+/// Points of the unit cube of four dimensions that fill it evenly: multiples of the powers of `1/g`, where `g` is the root
+/// of `g^5 = g + 1` (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences").
+fn points() -> impl Iterator<Item = [f64; 4]> {
+    const G: f64 = 1.167_303_978_261_418_7;
+    let steps = [1.0 / G, 1.0 / (G * G), 1.0 / (G * G * G), 1.0 / (G * G * G * G)];
+    (1u32..).map(move |k| steps.map(|step| (0.5 + f64::from(k) * step).fract()))
+}
+
+fn from_polar_cosine(z: f64, phi: f64) -> Vector {
+    let r = (1.0 - z * z).max(0.0).sqrt();
+    [r * phi.cos(), r * phi.sin(), z]
+}
 
 /// `count` direction pairs, both directions uniform over the hemisphere's solid angle, from a seeded generator.
 pub fn random_pairs(count: usize, seed: u64) -> Vec<DirectionPair> {
@@ -43,4 +105,45 @@ pub fn albedo_directions(isotropic: bool) -> Vec<([f64; 2], Vector)> {
         }
     }
     directions
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pairs_are_above_the_horizon_and_in_their_strata() {
+        let pairs = PairSet::comparison().pairs;
+        assert_eq!(pairs.len(), 65_536);
+        for pair in &pairs {
+            assert!(pair.is_above_horizon());
+            for v in [pair.incoming, pair.outgoing] {
+                assert!((dot(v, v) - 1.0).abs() < 1e-12);
+            }
+        }
+        let (uniform, rest) = pairs.split_at(UNIFORM_PAIRS);
+        let (mirror, grazing) = rest.split_at(MIRROR_PAIRS);
+        let off_mirror = |pair: &DirectionPair| {
+            let [x, y, z] = pair.incoming;
+            dot([-x, -y, z], pair.outgoing)
+        };
+        let near = |pairs: &[DirectionPair]| pairs.iter().filter(|pair| off_mirror(pair) > 0.99).count();
+        assert!(near(mirror) > MIRROR_PAIRS / 4 && near(uniform) < UNIFORM_PAIRS / 100);
+        let limit = 75f64.to_radians().cos() + 1e-12;
+        assert!(grazing.iter().all(|pair| pair.incoming[2].min(pair.outgoing[2]) <= limit));
+        assert!(grazing.iter().filter(|pair| pair.incoming[2] <= limit).count() > GRAZING_PAIRS / 2);
+    }
+
+    /// Means over the uniform pairs are integrals: far closer than as many random ones.
+    #[test]
+    fn uniform_pairs_integrate() {
+        let pairs = &PairSet::comparison().pairs[..UNIFORM_PAIRS];
+        let mean = |f: &dyn Fn(&DirectionPair) -> f64| pairs.iter().map(f).sum::<f64>() / pairs.len() as f64;
+        // Of random ones the standard error would be 1.6e-3.
+        assert!((mean(&|pair| pair.incoming[2]) - 0.5).abs() < 4e-4);
+        assert!((mean(&|pair| pair.outgoing[2].powi(2)) - 1.0 / 3.0).abs() < 4e-4);
+        assert!(mean(&|pair| pair.incoming[0] * pair.outgoing[0]).abs() < 1e-3);
+        let turned = |pair: &DirectionPair| pair.incoming[0] * pair.outgoing[1] - pair.incoming[1] * pair.outgoing[0];
+        assert!(mean(&turned).abs() < 1e-3);
+    }
 }

@@ -77,7 +77,7 @@ pub enum Facts {
         gpu_bytes: u64,
         /// Codec error: decoded samples against the table they were made from.
         on_grid: ErrorSummary,
-        /// The filtered pack against its source at random direction pairs.
+        /// The filtered pack against its source at direction pairs that depend on no grid.
         off_grid: ErrorSummary,
     },
 }

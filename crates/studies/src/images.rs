@@ -73,7 +73,7 @@ pub enum StudyError {
 /// # Errors
 /// What the driver reports.
 pub fn on_the_cloth(gpu: &Gpu, material: &str, source: &dyn Source) -> Result<ImageRow, StudyError> {
-    let by_energy = Recipe { off_grid_pairs: 1, ..Recipe::default() };
+    let by_energy = Recipe { measure_off_grid: false, ..Recipe::default() };
     let recipe = Recipe { ranking: Ranking::Visible, bias: BIAS, ..by_energy.clone() };
     let whole = Recipe { target: Target::Ratio(1.0), bits: 16, ..recipe.clone() };
     let pack = encode(source, &recipe, &())?.pack;

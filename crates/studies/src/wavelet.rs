@@ -79,7 +79,8 @@ pub fn wavelet_table_1() -> Result<Vec<StudyRow>, StudyError> {
         for (ratio, (paper_rms, paper_percent)) in RATIOS.into_iter().zip(paper) {
             let at = |bits| {
                 let target = Target::Ratio(ratio);
-                let recipe = Recipe { target, bits, off_grid_pairs: 1, supercompress: false, ..Recipe::default() };
+                let recipe =
+                    Recipe { target, bits, measure_off_grid: false, supercompress: false, ..Recipe::default() };
                 encode(source.as_ref(), &recipe, &())
             };
             let (fine, coarse) = (at(16)?, at(8)?);

@@ -97,7 +97,7 @@ pub struct WaveletPack {
     pub scales: Vec<SliceScale>,
     /// Codec error: decoded samples against the table they were made from.
     pub on_grid: ErrorSummary,
-    /// What a user sees: the filtered pack against the source at random direction pairs.
+    /// What a user sees: the filtered pack against the source at direction pairs that depend on no grid.
     pub off_grid: ErrorSummary,
     /// Texels `[slice][row][column][component]`, little-endian; column = longitude, row = colatitude of the outer
     /// direction. With 3 channels the fourth component is full.

@@ -31,7 +31,7 @@ fn a_known_difference_is_measured() {
         let found = report["norms"][key].as_f64().unwrap();
         assert!((found / expected - 1.0).abs() < 1e-9, "{key}: {found}");
     }
-    assert_eq!((&report["pairs"], &report["norms"]["samples"]), (&10_000.into(), &10_000.into()));
+    assert_eq!((&report["pairs"], &report["norms"]["samples"]), (&65_536.into(), &65_536.into()));
     assert!((report["albedo_max_difference"].as_f64().unwrap() - 0.1).abs() < 1e-9);
 }
 
@@ -75,4 +75,27 @@ fn an_output_never_replaces_an_input() {
     let before = folder.read("p.ktx2");
     assert_eq!(folder.run(&["encode", "p.ktx2", "-o", "./p.ktx2", "--grid", "8"]).code, 2);
     assert!(folder.read("p.ktx2") == before);
+}
+
+/// `encode`, `report.json`, `info` and `compare` answer the same question with the same number, whatever the grid.
+#[test]
+fn the_same_question_has_the_same_answer() {
+    let folder = Folder::new();
+    let [table, scan, ..] = inputs(&folder);
+    for (input, grid) in [(table, "8"), (scan, "4")] {
+        let encoded = folder.run(&["encode", input, "-o", "p.ktx2", "--grid", grid, "--json"]).succeeded().json();
+        let compared = folder.run(&["compare", input, "p.ktx2", "--json"]).succeeded().json();
+        for key in ["norms", "mean", "picture", "albedo_max_difference", "reciprocity"] {
+            assert_eq!(compared[key], encoded["off_grid"][key], "{input}, {key}");
+        }
+        assert_eq!(compared["pairs"], 65_536);
+        let info = folder.run(&["info", "p.ktx2", "--json"]).succeeded().json();
+        let [stored, measured] = [&info["off_grid"]["relative_mean"], &encoded["off_grid"]["norms"]["relative_mean"]];
+        let [stored, measured] = [stored, measured].map(|value| value.as_f64().unwrap());
+        assert!(measured > 0.0 && (stored - measured).abs() < 1e-6 * measured, "{stored} {measured}");
+        folder.write("s.toml", format!("[materials.a]\nsource = '{input}'\ngrid = {grid}\n[[uses]]\nmaterial = 'a'\n"));
+        folder.run(&["build", "s.toml"]).succeeded();
+        let report: serde_json::Value = serde_json::from_str(&folder.text("packs/report.json")).unwrap();
+        assert_eq!(report["materials"][0]["report"]["off_grid"], encoded["off_grid"], "{input}");
+    }
 }

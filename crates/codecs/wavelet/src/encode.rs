@@ -11,12 +11,9 @@ use super::visible::visible_energies;
 use super::{haar, threshold};
 use brdfc_formats::wavelet::{ErrorSummary, Header, MAX_SLICES, WaveletDecoder, WaveletPack, gpu_bytes};
 use brdfc_metrics::compare::{Comparison, compare};
-use brdfc_metrics::sampling::random_pairs;
+use brdfc_metrics::sampling::PairSet;
 use brdfc_source::progress::{Cancelled, Progress, Stage};
 use brdfc_source::{PackSource, Source, Tally};
-
-/// Seed of the direction pairs for the error off the grid.
-const OFF_GRID_SEED: u64 = 2007;
 
 /// A pack with what was measured while making it.
 #[derive(Debug, Clone)]
@@ -27,7 +24,7 @@ pub struct Encoded {
     pub bytes: Vec<u8>,
     /// Codec error.
     pub on_grid: GridError,
-    /// Error against the source at random direction pairs.
+    /// Error against the source, at pairs and in pictures that depend on no codec.
     pub off_grid: Comparison,
     /// What resampling had to mend.
     pub tally: Tally,
@@ -139,8 +136,10 @@ pub fn encode(source: &dyn Source, recipe: &Recipe, progress: &dyn Progress) -> 
 
     start(Stage::MeasureOffGrid)?;
     let decoded = PackSource::new(&pack, None);
-    let pairs = random_pairs(recipe.off_grid_pairs, OFF_GRID_SEED);
-    let (off_grid, _) = compare(source, &decoded, &pairs, encoding.mean);
+    let off_grid = match recipe.measure_off_grid {
+        true => compare(source, &decoded, &PairSet::comparison()).0,
+        false => Comparison::default(),
+    };
     pack.on_grid = on_grid.summary();
     pack.off_grid = off_grid.summary();
 

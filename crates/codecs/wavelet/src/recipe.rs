@@ -51,8 +51,8 @@ pub struct Recipe {
     pub target: Target,
     /// Which slices are kept.
     pub ranking: Ranking,
-    /// Direction pairs for the error off the grid.
-    pub off_grid_pairs: usize,
+    /// Whether the error off the grid is measured, too. Without, what the pack says of it is 0.
+    pub measure_off_grid: bool,
     /// Whether texels are compressed in the file.
     pub supercompress: bool,
 }
@@ -69,7 +69,7 @@ impl Default for Recipe {
             smooth: false,
             target: Target::Ratio(4.0),
             ranking: Ranking::Energy,
-            off_grid_pairs: 8192,
+            measure_off_grid: true,
             supercompress: true,
         }
     }

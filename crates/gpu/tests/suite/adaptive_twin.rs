@@ -45,7 +45,7 @@ fn header(kind: BandwidthKind) -> BandwidthHeader {
 
 fn material(address: &str) -> Material {
     let source = parse_synth(address).unwrap();
-    let recipe = Recipe { levels: 4, stored_levels: 4, off_grid_pairs: 1, ..Recipe::default() };
+    let recipe = Recipe { levels: 4, stored_levels: 4, measure_off_grid: false, ..Recipe::default() };
     let pack = encode(source.as_ref(), &recipe, &()).unwrap().pack;
     let recipe = ImportanceRecipe { samples: 256, ..ImportanceRecipe::default() };
     let (samples, _) = importance_samples(source.as_ref(), &recipe).unwrap();

@@ -21,7 +21,7 @@ const EXACT: Decoding = Decoding {
 };
 
 fn pack(address: &str) -> WaveletPack {
-    let recipe = Recipe { levels: 4, stored_levels: 4, off_grid_pairs: 1, ..Recipe::default() };
+    let recipe = Recipe { levels: 4, stored_levels: 4, measure_off_grid: false, ..Recipe::default() };
     encode(parse_synth(address).unwrap().as_ref(), &recipe, &()).unwrap().pack
 }
 
@@ -167,7 +167,7 @@ fn odd_sizes_are_read_back_whole() {
 fn views_say_where_an_error_comes_from() {
     let Some(gpu) = crate::common::gpu() else { return };
     let source = parse_synth("synth:ward?kd=0.3,0.1,0.05&ks=0.1&ax=0.2&ay=0.5").unwrap();
-    let recipe = Recipe { off_grid_pairs: 1, ..Recipe::default() };
+    let recipe = Recipe { measure_off_grid: false, ..Recipe::default() };
     let coarse = encode(source.as_ref(), &recipe, &()).unwrap().pack;
     let scene = Builtin::Sphere.scene();
     let material = Material { pack: &coarse, source: Some(source.as_ref()), table: None };

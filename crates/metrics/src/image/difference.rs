@@ -10,7 +10,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Mean, standard deviation and upper end of a measure over pixels.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, serde::Deserialize, JsonSchema)]
 pub struct Spread {
     /// Mean.
     pub mean: f64,

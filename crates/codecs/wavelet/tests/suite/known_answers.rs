@@ -37,7 +37,7 @@ fn source(known: &Known) -> Box<dyn Source> {
 
 fn encoded(source: &dyn Source, ratio: f64, bits: u32, bias: f64) -> Encoded {
     let target = Target::Ratio(ratio);
-    let recipe = Recipe { target, bits, bias, off_grid_pairs: 1, supercompress: false, ..Recipe::default() };
+    let recipe = Recipe { target, bits, bias, measure_off_grid: false, supercompress: false, ..Recipe::default() };
     encode(source, &recipe, &()).unwrap()
 }
 

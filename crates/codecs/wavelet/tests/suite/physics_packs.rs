@@ -3,7 +3,7 @@
 use brdfc_formats::direction::{DirectionPair, Parameterisation, cell_centre, from_polar};
 use brdfc_formats::wavelet::{WaveletDecoder, WaveletPack};
 use brdfc_metrics::compare::compare;
-use brdfc_metrics::sampling::random_pairs;
+use brdfc_metrics::sampling::{PairSet, random_pairs};
 use brdfc_source::address::parse_synth;
 use brdfc_source::{PackSource, Source, Symmetry};
 use brdfc_testing::checks::{albedo, value};
@@ -31,8 +31,7 @@ fn tangent_pole(levels: u32) -> Grid {
 
 fn encoded(source: &dyn Source, grid: Grid, change: impl Fn(&mut Recipe)) -> Encoded {
     let Grid { parameterisation, levels } = grid;
-    let mut recipe =
-        Recipe { parameterisation, levels, off_grid_pairs: 2000, stored_levels: levels, ..Recipe::default() };
+    let mut recipe = Recipe { parameterisation, levels, stored_levels: levels, ..Recipe::default() };
     change(&mut recipe);
     encode(source, &recipe, &()).unwrap()
 }
@@ -156,17 +155,17 @@ fn half_difference_suits_a_glossy_isotropic_source() {
     let glossy = source("synth:ggx?kd=0.1&f0=0.2&alpha=0.15");
     let [tangent, half] = Parameterisation::NAMES.map(|(_, p)| encoded(glossy.as_ref(), grid(p, 4), |_| ()));
     // The RMS is that of the highlight; ε_r counts the dark rest as much, and is no better.
-    let [a, b] = [&tangent, &half].map(|e| e.off_grid.norms.rms);
+    let uniform = PairSet::new(random_pairs(2000, 2007));
+    let [a, b] = [&tangent, &half].map(|e| compare(glossy.as_ref(), &decoded(e, None), &uniform).0.norms.rms);
     println!("RMS off the grid: tangent-pole {a:.4}, half-difference {b:.4}");
     assert!(b < 0.75 * a, "{a} {b}");
     // The file's bytes decode to the same as was measured.
-    let pairs = random_pairs(2000, 2007);
-    let (again, _) = compare(glossy.as_ref(), &decoded(&half, None), &pairs, f64::from(half.pack.header.mean));
-    assert_eq!(again.norms, half.off_grid.norms);
+    let (again, _) = compare(glossy.as_ref(), &decoded(&half, None), &PairSet::comparison());
+    assert_eq!(again, half.off_grid);
     // Negative control: the same texels read with the other meaning.
     let mut swapped = half.pack.clone();
     swapped.header.parameterisation = Parameterisation::TangentPole;
-    let (wrong, _) = compare(glossy.as_ref(), &PackSource::new(&swapped, None), &pairs, 0.1);
+    let (wrong, _) = compare(glossy.as_ref(), &PackSource::new(&swapped, None), &uniform);
     assert!(wrong.norms.rms > 2.0 * b, "{}", wrong.norms.rms);
 }
 
@@ -266,10 +265,10 @@ fn scaled_details_are_noticed() {
 fn smoothing_a_noisy_table_brings_it_nearer_to_the_truth() {
     let truth = source("synth:lewis?kd=0.5&ks=0.2&n=4");
     let noisy = Noisy { source: source("synth:lewis?kd=0.5&ks=0.2&n=4"), amplitude: 0.2, seed: 3 };
-    let pairs = random_pairs(4000, 11);
+    let pairs = PairSet::new(random_pairs(4000, 11));
     let error = |source: &dyn Source, smooth: bool| {
         let pack = encoded(source, tangent_pole(4), |r| (r.target, r.smooth) = (Target::Ratio(1.0), smooth));
-        compare(truth.as_ref(), &decoded(&pack, None), &pairs, f64::from(pack.pack.header.mean)).0.norms.relative_mean
+        compare(truth.as_ref(), &decoded(&pack, None), &pairs).0.norms.relative_mean
     };
     let (rough, smoothed) = (error(&noisy, false), error(&noisy, true));
     println!("against the truth: {rough:.4} as measured, {smoothed:.4} smoothed");

@@ -1,0 +1,120 @@
+//! How different two materials look on a ball, without drawing one.
+
+use super::image::{LinearImage, Spread, compare_images};
+use super::values::values_at;
+use brdfc_formats::direction::{DirectionPair, Vector, cross, dot};
+use brdfc_source::{Source, Tally};
+
+/// Pixels across the ball.
+const DIAMETER: usize = 160;
+/// Directions to the distant lights of the three pictures: from the side, from the viewer, and grazing.
+const LIGHTS: [Vector; 3] = [[-0.5, 0.6, 0.62], [0.2, 0.2, 0.96], [-0.9, 0.3, -0.1]];
+/// Pixels whose cosine to the light or to the viewer is not above this are left out.
+const LEAST_COSINE: f64 = 0.02;
+/// Share of pixels whose largest channel is no brighter than white.
+const WHITE: f64 = 0.98;
+
+/// Colour differences between pictures of two materials: a ball of 160 pixels under each of three distant lights, seen from
+/// afar. White is the 98th percentile of the largest channel of the reference's three pictures.
+#[derive(Debug, Clone, PartialEq, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+pub struct PictureError {
+    /// Pixels compared.
+    pub pixels: usize,
+    /// What radiance is multiplied by; 1 where all is black.
+    pub exposure: f64,
+    /// ΔE*ab (CIE 1976).
+    pub delta_e: Spread,
+    /// CIEDE2000.
+    pub delta_e_2000: Spread,
+}
+
+/// The direction pairs of the pixels of all three pictures. The tangent points along the ball's latitude.
+pub fn picture_pairs() -> Vec<DirectionPair> {
+    let mut pairs = Vec::new();
+    for light in LIGHTS {
+        let light = scaled(light, 1.0 / dot(light, light).sqrt());
+        for pixel in 0..DIAMETER * DIAMETER {
+            let place = |k: usize| 2.0 * (k as f64 + 0.5) / DIAMETER as f64 - 1.0;
+            let [x, y] = [place(pixel % DIAMETER), -place(pixel / DIAMETER)];
+            let square = x * x + y * y;
+            if square >= 1.0 {
+                continue;
+            }
+            let normal = [x, y, (1.0 - square).sqrt()];
+            let along = cross([0.0, 1.0, 0.0], normal);
+            let tangent = scaled(along, 1.0 / dot(along, along).sqrt());
+            let local = |v: Vector| [dot(v, tangent), dot(v, cross(normal, tangent)), dot(v, normal)];
+            let pair = DirectionPair::new(local(light), local([0.0, 0.0, 1.0]));
+            if pair.incoming[2] > LEAST_COSINE && pair.outgoing[2] > LEAST_COSINE {
+                pairs.push(pair);
+            }
+        }
+    }
+    pairs
+}
+
+/// Compares pictures of `approximation` with those of `reference`; the tally is the reference's.
+pub fn picture_error(reference: &dyn Source, approximation: &dyn Source) -> (PictureError, Tally) {
+    let pairs = picture_pairs();
+    let (expected, tally) = values_at(reference, &pairs);
+    let (found, _) = values_at(approximation, &pairs);
+    let picture = |values: &[[f64; 3]]| {
+        let shown = |(f, pair): (&[f64; 3], &DirectionPair)| f.map(|f| (f.max(0.0) * pair.incoming[2]) as f32);
+        let pixels: Vec<[f32; 3]> = values.iter().zip(&pairs).map(shown).collect();
+        LinearImage { coverage: vec![1.0; pixels.len()], pixels, ..LinearImage::black(pairs.len(), 1) }
+    };
+    let (expected, found) = (picture(&expected), picture(&found));
+    let exposure = exposure(&expected);
+    let difference = compare_images(&found, &expected, exposure);
+    let (delta_e, delta_e_2000) = (difference.delta_e, difference.delta_e_2000);
+    (PictureError { pixels: difference.pixels, exposure, delta_e, delta_e_2000 }, tally)
+}
+
+fn exposure(picture: &LinearImage) -> f64 {
+    let mut largest: Vec<f32> = picture.pixels.iter().map(|[r, g, b]| r.max(*g).max(*b)).collect();
+    let at = ((largest.len() - 1) as f64 * WHITE).round() as usize;
+    let white = *largest.select_nth_unstable_by(at, f32::total_cmp).1;
+    if white > 0.0 && white.is_finite() { 1.0 / f64::from(white) } else { 1.0 }
+}
+
+fn scaled(v: Vector, factor: f64) -> Vector {
+    v.map(|c| c * factor)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use brdfc_source::address::parse_synth;
+
+    fn error(reference: &str, approximation: &str) -> PictureError {
+        let [a, b] = [reference, approximation].map(|address| parse_synth(address).expect("an address"));
+        picture_error(a.as_ref(), b.as_ref()).0
+    }
+
+    #[test]
+    fn the_same_material_looks_the_same() {
+        let same = error("synth:ggx?alpha=0.2", "synth:ggx?alpha=0.2");
+        assert_eq!((same.delta_e.mean, same.delta_e.max, same.delta_e_2000.max), (0.0, 0.0, 0.0));
+        assert!(same.pixels > 40_000, "{}", same.pixels);
+    }
+
+    /// A matte ball shows `f cos θ` under white at the 98th percentile: L* of the mean is that of known numbers.
+    #[test]
+    fn a_darker_grey_has_a_known_difference() {
+        let half = error("synth:lambert?kd=0.8", "synth:lambert?kd=0.4");
+        // L* of c and of c / 2 differ by (116 (1 - 0.5^(1/3))) c^(1/3), 23.93 where c is 1, the largest.
+        let largest = 116.0 * (1.0 - 0.5f64.cbrt());
+        assert!((half.delta_e.max - largest).abs() < 0.05, "{half:?}");
+        assert!(half.delta_e.mean > 0.6 * largest && half.delta_e.mean < largest, "{half:?}");
+        // Brightness is exposed away, so that it does not matter how bright both are.
+        let darker = error("synth:lambert?kd=0.08", "synth:lambert?kd=0.04");
+        assert!((darker.delta_e.mean - half.delta_e.mean).abs() < 1e-3);
+    }
+
+    #[test]
+    fn black_materials_have_no_difference() {
+        let black = error("synth:lambert?kd=0", "synth:lambert?kd=0");
+        assert_eq!((black.exposure, black.delta_e.max), (1.0, 0.0));
+        assert!(error("synth:lambert?kd=0", "synth:lambert?kd=1").delta_e.mean > 10.0);
+    }
+}
