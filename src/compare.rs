@@ -6,6 +6,7 @@ use crate::table;
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::measured::scan_csv::directions_from_bytes;
 use brdfc_metrics::compare::{Comparison, compare};
+use brdfc_metrics::fraction::Fraction;
 use brdfc_metrics::sampling::{PairSet, random_pairs};
 use brdfc_source::open::{Facts, open};
 use brdfc_source::read::{MAX_FILE_BYTES, read_file};
@@ -30,9 +31,9 @@ pub struct Arguments {
     /// which 'encode' and 'build' measure, 65536 of three kinds).
     #[arg(long, value_name = "N|FILE.csv")]
     directions: Option<String>,
-    /// Largest mean relative difference ε_r that passes, a fraction.
+    /// Largest mean relative difference ε_r that passes: a fraction or a percentage, 0.05 or 5%.
     #[arg(long, value_name = "E")]
-    max_error: Option<f64>,
+    max_error: Option<Fraction>,
     /// Print JSON (schema: 'brdfc schema compare').
     #[arg(long)]
     json: bool,
@@ -58,11 +59,10 @@ const SEED: u64 = 2007;
 const MOST_PAIRS: usize = 100_000_000;
 
 pub(super) fn run(arguments: &Arguments, _: Common) -> Result<(), CliError> {
-    if let Some(limit) = arguments.max_error
-        && !(limit >= 0.0 && limit.is_finite())
-    {
-        return Err(CliError::Usage(format!("--max-error: found {limit}; allowed a fraction, 0 or more")));
-    }
+    let limit = arguments.max_error.map(|limit| {
+        limit.checked().map_err(|allowed| CliError::Usage(format!("--max-error: found {limit}; allowed {allowed}")))
+    });
+    let limit = limit.transpose()?;
     let set = arguments
         .directions
         .as_deref()
@@ -76,7 +76,7 @@ pub(super) fn run(arguments: &Arguments, _: Common) -> Result<(), CliError> {
     } else {
         print(&table::comparison(&comparison))?;
     }
-    match arguments.max_error {
+    match limit {
         Some(_) if !comparison_counts => Err(CliError::Check(
             "mean relative difference: found no sample above 0.1 % of the reference's mean; allowed at least one, or \
              the check says nothing"

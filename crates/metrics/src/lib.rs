@@ -1,6 +1,7 @@
 //! Error norms: how far one reflectance function is from another.
 
 pub mod compare;
+pub mod fraction;
 pub mod image;
 pub mod lab;
 pub mod norms;

@@ -114,7 +114,8 @@ fn values_out_of_range() {
         ("ratio = nan", "materials.paint.ratio: found NaN; allowed"),
         ("ratio = inf", "materials.paint.ratio: found inf; allowed"),
         ("max_error = 0", "materials.paint.max_error: found 0; allowed a positive fraction"),
-        ("max_error = -0.1", "materials.paint.max_error: found -0.1; allowed a positive fraction"),
+        ("max_error = -0.1", "materials.paint.max_error: found -0.1; allowed a fraction, such as 0.03"),
+        ("max_error = 3", "materials.paint.max_error: found 3; allowed a fraction or a percentage: write 0.03 or 3%"),
         (
             "parameterisation = 'polar'",
             "materials.paint.parameterisation: found \"polar\"; allowed tangent-pole or half-difference",

@@ -99,3 +99,16 @@ fn the_same_question_has_the_same_answer() {
         assert_eq!(report["materials"][0]["report"]["off_grid"], encoded["off_grid"], "{input}");
     }
 }
+
+#[test]
+fn limits_may_be_percentages() {
+    let folder = Folder::new();
+    let check = |limit: &str| {
+        let inputs = ["synth:lambert?kd=0.5", "synth:lambert?kd=0.6"];
+        folder.run(&["compare", inputs[0], inputs[1], "--directions", "100", "--max-error", limit])
+    };
+    assert_eq!(["21%", "0.21", "19%", "0.19", "21"].map(|limit| check(limit).code), [0, 0, 1, 1, 2]);
+    assert!(
+        check("21").stderr.contains("--max-error: found 21; allowed a fraction or a percentage: write 0.21 or 21%")
+    );
+}

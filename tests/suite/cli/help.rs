@@ -71,6 +71,10 @@ fn wrong_usage_exits_with_2_and_says_what_is_allowed() {
         (&["encode", "synth:lewis", "-o", "p.ktx2", "--ratio", "0.5"], "--ratio: found 0.5; allowed 1 to 4096"),
         (&["encode", "synth:lewis", "-o", "p.ktx2", "--ratio", "NaN"], "--ratio: found NaN; allowed 1 to 4096"),
         (&["encode", "synth:lewis", "-o", "p.ktx2", "--max-error", "0"], "--max-error: found 0; allowed a positive"),
+        (
+            &["encode", "synth:lewis", "-o", "p.ktx2", "--max-error", "3"],
+            "--max-error: found 3; allowed a fraction or a percentage: write 0.03 or 3%",
+        ),
         (&["encode", "synth:lewis", "-o", "p.ktx2", "--max-error", "inf"], "--max-error: found inf; allowed"),
         (&["encode", "synth:lewis", "-o", "p.ktx2", "--ratio", "4", "--max-error", "0.1"], "cannot be used with"),
         (&["encode", "synth:lewis", "-o", "p.ktx2", "--parameterisation", "polar"], "tangent-pole or half-difference"),

@@ -3,6 +3,7 @@
 use super::recipe::{Ranking, Recipe, Target};
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::wavelet::MAX_LEVELS;
+use brdfc_metrics::fraction::Fraction;
 
 /// Options of an encoding; what is absent is left open. Each field is a flag (`--max-error`) and a key (`max_error`), and
 /// its comment is the help of the flag; `docs/scene.md` describes the keys.
@@ -13,9 +14,9 @@ pub struct EncodeOptions {
     /// Keep one slice in R (default 4).
     #[cfg_attr(feature = "clap", arg(long, value_name = "R", conflicts_with_all = ["max_error", "max_bytes"]))]
     pub ratio: Option<f64>,
-    /// Keep the fewest slices whose mean relative error ε_r on the grid is at most E, a fraction: 0.02 is 2 %.
+    /// Keep the fewest slices whose mean relative error ε_r on the grid is at most E: a fraction or a percentage, 0.02 or 2%.
     #[cfg_attr(feature = "clap", arg(long, value_name = "E", conflicts_with = "max_bytes"))]
-    pub max_error: Option<f64>,
+    pub max_error: Option<Fraction>,
     /// Keep as many slices as fit into B bytes on a GPU: texture and index map, before any compression of the file.
     #[cfg_attr(feature = "clap", arg(long, value_name = "B"))]
     pub max_bytes: Option<u64>,
@@ -110,10 +111,12 @@ impl EncodeOptions {
             return Ok(Some(Target::Ratio(ratio)));
         }
         if let Some(error) = self.max_error {
-            if !(error > 0.0 && error.is_finite()) {
-                return Err(problem("max_error", error.to_string(), "a positive fraction, such as 0.02 for 2 %"));
+            let wrong = |allowed: &str| problem("max_error", error.to_string(), allowed);
+            let allowed = error.checked().map_err(|allowed| wrong(&allowed))?;
+            if allowed == 0.0 {
+                return Err(wrong("a positive fraction, such as 0.02 for 2 %"));
             }
-            return Ok(Some(Target::MaxError(error)));
+            return Ok(Some(Target::MaxError(allowed)));
         }
         if self.max_bytes == Some(0) {
             return Err(problem("max_bytes", "0".to_owned(), "1 or more"));

@@ -1,5 +1,6 @@
 //! Encodes of committed inputs are the bytes, and decode to the values, in the codec's list: see docs/goldens.md.
 
+use brdfc_metrics::fraction::Fraction;
 use brdfc_source::open::open;
 use brdfc_testing::golden::encodes::{Packs, check_encodes};
 use brdfc_testing::testdata;
@@ -38,7 +39,12 @@ fn wavelet_packs() {
     // What else decides which slices there are and what is in them.
     let twelve = options("tangent-pole", 12);
     let fabric = "synth:velvet?kd=0.1,0.2,0.4";
-    let visible = Options { ratio: None, max_error: Some(0.1), ranking: Some("visible".to_owned()), ..twelve.clone() };
+    let visible = Options {
+        ratio: None,
+        max_error: Some(Fraction::bare(0.1)),
+        ranking: Some("visible".to_owned()),
+        ..twelve.clone()
+    };
     packs.insert("visible-max-error-12-rgb.ktx2".to_owned(), wavelet(fabric, &visible, |_| {}));
     let smooth = Options { ratio: None, max_bytes: Some(4000), smooth: Some(true), bias: Some(0.001), ..twelve };
     packs.insert("smooth-max-bytes-12-rgb.ktx2".to_owned(), wavelet(fabric, &smooth, |_| {}));

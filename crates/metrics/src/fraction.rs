@@ -1,0 +1,121 @@
+//! Fractions as people write them.
+
+use serde::de::{Deserialize, Deserializer, Error, Visitor};
+use std::fmt;
+use std::str::FromStr;
+
+/// A share of something: `0.03` or `3%`. A bare number above 1 may be either, and is for [`Fraction::checked`] to refuse.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fraction {
+    value: f64,
+    is_percentage: bool,
+}
+
+/// What may stand in place of what is no fraction.
+const ALLOWED: &str = "a fraction, such as 0.03, or a percentage, such as 3%";
+
+impl Fraction {
+    /// A bare number.
+    pub fn bare(value: f64) -> Self {
+        Self { value, is_percentage: false }
+    }
+
+    /// The share as a number, 0 or more.
+    ///
+    /// # Errors
+    /// What is allowed instead of a negative number, of what is no number, and of a bare number above 1.
+    pub fn checked(self) -> Result<f64, String> {
+        let Self { value, is_percentage } = self;
+        if !(value >= 0.0 && value.is_finite()) {
+            return Err(ALLOWED.to_owned());
+        }
+        if value > 1.0 && !is_percentage {
+            return Err(format!("a fraction or a percentage: write {} or {value}%", value / 100.0));
+        }
+        Ok(value)
+    }
+}
+
+/// As it was written.
+impl fmt::Display for Fraction {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.is_percentage { write!(f, "{}%", 100.0 * self.value) } else { write!(f, "{}", self.value) }
+    }
+}
+
+impl FromStr for Fraction {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (number, is_percentage) = match text.strip_suffix('%') {
+            Some(number) => (number.trim_end(), true),
+            None => (text, false),
+        };
+        let number: f64 = number.trim_start().parse().map_err(|_| format!("allowed {ALLOWED}"))?;
+        Ok(Self { value: if is_percentage { number / 100.0 } else { number }, is_percentage })
+    }
+}
+
+impl<'de> Deserialize<'de> for Fraction {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct NumberOrText;
+        impl Visitor<'_> for NumberOrText {
+            type Value = Fraction;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str(ALLOWED)
+            }
+
+            fn visit_f64<E: Error>(self, value: f64) -> Result<Fraction, E> {
+                Ok(Fraction::bare(value))
+            }
+
+            fn visit_i64<E: Error>(self, value: i64) -> Result<Fraction, E> {
+                Ok(Fraction::bare(value as f64))
+            }
+
+            fn visit_u64<E: Error>(self, value: u64) -> Result<Fraction, E> {
+                Ok(Fraction::bare(value as f64))
+            }
+
+            fn visit_str<E: Error>(self, text: &str) -> Result<Fraction, E> {
+                text.parse().map_err(|_| E::invalid_value(serde::de::Unexpected::Str(text), &self))
+            }
+        }
+        deserializer.deserialize_any(NumberOrText)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn checked(text: &str) -> Result<f64, String> {
+        text.parse::<Fraction>().and_then(Fraction::checked)
+    }
+
+    #[test]
+    fn numbers_and_percentages() {
+        for (text, value) in [("0.03", 0.03), ("3%", 0.03), ("3 %", 0.03), ("150%", 1.5), ("1", 1.0), ("0", 0.0)] {
+            assert!((checked(text).unwrap() - value).abs() < 1e-15, "{text}");
+        }
+        assert_eq!("2.5%".parse::<Fraction>().unwrap().to_string(), "2.5%");
+    }
+
+    #[test]
+    fn what_may_mean_either_is_refused() {
+        assert_eq!(checked("3").unwrap_err(), "a fraction or a percentage: write 0.03 or 3%");
+        for text in ["-1", "-1%", "NaN", "inf", "x", "%", ""] {
+            assert!(checked(text).unwrap_err().contains("such as 0.03"), "{text}");
+        }
+    }
+
+    #[test]
+    fn of_files() {
+        let read = |text: &str| serde_json::from_str::<Fraction>(text).map(Fraction::checked);
+        assert_eq!(read("0.03").unwrap(), Ok(0.03));
+        assert_eq!(read("\"3%\"").unwrap(), Ok(0.03));
+        assert!(read("3").unwrap().is_err());
+        assert!(read("\"three\"").unwrap_err().to_string().contains("or a percentage, such as 3%"));
+    }
+}
