@@ -17,15 +17,26 @@ fn extension(path: &Path) -> String {
     path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase()
 }
 
-/// Names that cannot be written are found before the work.
-pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
-    let files: [(&str, &Option<PathBuf>, &[&str]); 5] = [
+/// Flags of pictures, what was given, and the extensions that a name may have.
+fn files(arguments: &Arguments) -> [(&'static str, &Option<PathBuf>, &'static [&'static str]); 5] {
+    [
         ("--output", &arguments.output, &["png", "exr"]),
         ("--reference", &arguments.reference, &["png", "exr"]),
         ("--difference", &arguments.difference, &["png"]),
         ("--sheet", &arguments.sheet, &["png"]),
         ("--maps", &arguments.adaptive.maps, &["png"]),
-    ];
+    ]
+}
+
+/// A picture that would be written over an image that a manifest names.
+pub(super) fn check_not_over(arguments: &Arguments, input: &Path) -> Result<(), CliError> {
+    let given = files(arguments).into_iter().filter_map(|(flag, path, _)| Some((flag, path.as_deref()?)));
+    given.into_iter().try_for_each(|(flag, path)| refuse_overwriting(flag, path, &[input]))
+}
+
+/// Names that cannot be written are found before the work.
+pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
+    let files = files(arguments);
     refuse_same_outputs(&files.each_ref().map(|(flag, path, _)| (*flag, path.as_deref())))?;
     for (flag, path, allowed) in files {
         let Some(path) = path else { continue };

@@ -2,6 +2,7 @@
 
 use super::arguments::Arguments;
 use super::materials::Subject;
+use super::outputs;
 use crate::CliError;
 use brdfc_jobs::scene::manifest::{ManifestError, line_of, near_miss};
 use brdfc_jobs::scene::render_section::{MAX_SAMPLES, MAX_SIDE, RenderSection};
@@ -54,6 +55,7 @@ pub(super) fn setup(arguments: &Arguments, subject: &Subject) -> Result<Setup, C
         scene.lights = lights.iter().map(light).collect();
     }
     if let Some(path) = environment_file(arguments, subject, section) {
+        outputs::check_not_over(arguments, &path)?;
         scene.environment = environment(&path)?;
     }
     let (width, height) = match &arguments.size {

@@ -217,6 +217,13 @@ fn outputs_that_are_inputs() {
     folder.write("packs/report.json", "[materials.b]\nsource = 'synth:velvet'\n[[uses]]\nmaterial = 'b'\n");
     let ran = folder.run(&["build", "packs/report.json", "--out", "packs"]);
     assert!(ran.code == 2 && ran.stderr.contains("packs/report.json, an input"), "{}", ran.stderr);
+    let sky = std::fs::read(brdfc_testing::testdata("golden/sky.hdr")).unwrap();
+    folder.write("sky.exr", &sky);
+    let lit = "[scene]\nenvironment = 'sky.exr'\n[materials.a]\nsource = 'synth:velvet'\n[[uses]]\nmaterial = 'a'\n";
+    folder.write("lit.toml", lit);
+    let ran = folder.run(&["render", "lit.toml", "-o", "sky.exr"]);
+    assert!(ran.code == 2 && ran.stderr.contains("--output: found sky.exr, an input"), "{}", ran.stderr);
+    assert_eq!(folder.read("sky.exr"), sky);
     folder.write("stack/views.csv", "");
     let ran = folder.run(&["flatten", "stack", "--out", "stack/../stack"]);
     assert!(ran.code == 2 && ran.stderr.contains("for both; allowed different places"), "{}", ran.stderr);
