@@ -1,9 +1,9 @@
 // How fast reflected light varies in a picture: propagation of local bandwidth from a light to a pixel, and the
 // sampling rates that follow.
 //
-// After "Interactive rendering of acquired materials on dynamic geometry using bandwidth prediction" (2012),
-// sections 2.1 to 2.3; equation numbers below are theirs. Rules in words: `formats/src/bandwidth/propagation.md`;
-// the same functions with the same steps in Rust: `bandwidth::propagation` of the crate `brdfc-formats`.
+// After Bagher, Soler, Subr, Belcour and Holzschuch 2012, "Interactive rendering of acquired materials on dynamic
+// geometry using bandwidth prediction", sections 2.1 to 2.3; equation numbers below are theirs. Rules in words:
+// `formats/src/bandwidth/propagation.md`; the same functions with the same steps in Rust: `bandwidth::propagation` of the crate `brdfc-formats`.
 //
 // To use it: paste this file before your own shader; it has no bindings. For each pixel, over a few incident
 // directions:

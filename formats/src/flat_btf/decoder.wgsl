@@ -7,7 +7,7 @@
 // To use it: paste this file before your own shader, move the seven bindings where they suit you, and call
 //
 //     let seen = flat_btf_indirection(uv, view);        // parameters and height of the surface point that is seen
-//     let value = flat_btf_light_form(uv, view, light);      // normal map and diffuse colour
+//     let value = flat_btf_light_form(uv, view, light);  // normal map and diffuse colour
 //     let value = flat_btf_full(uv, view, views, lights); // every sampled view and light
 //
 // uv is in tiles, of any size. view (to the viewer) and light (to the light) are unit vectors in the frame x =

@@ -1,7 +1,7 @@
 //! Local bandwidth: the rule of appendix A of Bagher et al. 2012, per pixel.
 //!
-//! `Λ_k` (`Λ_h` there) at a pixel is the largest coefficient of level k among the wavelets whose support holds it; level k has `2^k`
-//! wavelets per axis. The paper's local level is the smallest n with `T(n) = Σ_(k ≥ n) Λ_k < ε max_k Λ_k`, and its bandwidth
+//! `Λ_k` (`Λ_h` there) at a pixel is the largest coefficient of level k among the wavelets whose support holds it; level
+//! k has `2^k` wavelets per axis. The paper's local level is the smallest n with `T(n) = Σ_(k ≥ n) Λ_k < ε max_k Λ_k`, and its bandwidth
 //! `2^n`. Here n is a real number, and 2 octaves are taken off:
 //!
 //! - Whole levels would make bandwidths that jump by 2. T falls by about 32 per octave beyond a sinusoid, so `ln T` is

@@ -20,7 +20,8 @@ pub struct Indirection {
     pub displacements: Vec<([f32; 2], f32)>,
 }
 
-/// `VDIM_n` and, for each view, `d_v δ_v` of equation 2 of Hadim et al. 2009, by `oversampling²` rays for each texel and view.
+/// `VDIM_n` and, for each view, `d_v δ_v` of equation 2 of Hadim et al. 2009, by `oversampling²` rays for each texel and
+/// view.
 ///
 /// The value of a texel is the mean over the largest group of its rays that meet the surface close together: a mean over
 /// rays that meet on both sides of a silhouette would be a point that none of them sees. Each row of

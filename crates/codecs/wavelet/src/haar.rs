@@ -10,8 +10,8 @@ pub use brdfc_formats::wavelet::haar::inverse;
 use num_traits::Float;
 use rayon::prelude::*;
 
-/// Analysis (equation 2, left) of one image of `n` x `n` samples (row by row, `n` a power of two) into as many coefficients:
-/// `l = (a + b) / √2`, `h = (a - b) / √2`. `smooth` is scratch space.
+/// Analysis (equation 2, left) of one image of `n` x `n` samples (row by row, `n` a power of two) into as many
+/// coefficients: `l = (a + b) / √2`, `h = (a - b) / √2`. `smooth` is scratch space.
 pub fn forward<T: Float>(samples: &[T], n: usize, coefficients: &mut [T], smooth: &mut Vec<T>) {
     let r = T::from(std::f64::consts::FRAC_1_SQRT_2).expect("every float holds 1/√2");
     smooth.clear();

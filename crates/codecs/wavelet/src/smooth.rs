@@ -1,5 +1,5 @@
-//! Smooth: moving least squares on the dense grid, in the log domain (section 3 of Claustres et al. 2007: "a moving least square approximation
-//! is applied to smooth the resulting data").
+//! Smooth: moving least squares on the dense grid, in the log domain (section 3 of Claustres et al. 2007: "a moving
+//! least square approximation is applied to smooth the resulting data").
 //!
 //! At each sample a polynomial is fitted to the `(2r + 1)^4` samples around it and evaluated there. With a basis and a
 //! weight that are products over the four axes the normal equations split, so the fit is four passes of a small
