@@ -1,17 +1,21 @@
-//! Draws `docs/spheres.png`: the demo's materials on lit spheres, from the source and from packs of rising ratio.
+//! Draws `docs/packs.png` and `docs/spheres.png`: the demo's materials and a sharp one on lit spheres, from the source and
+//! from packs.
 //!
 //! `cargo run --release --example spheres`
 //!
-//! Rows: the materials of `testdata/demo/scene.toml` by name, then a sharp one. Columns: the source, then packs at 4:1,
-//! 16:1 and 32:1 with 8 bits. The camera is orthographic and looks along -z. One point light shines on each sphere;
-//! the colour of a pixel is equation 1 of Claustres et al. 2007, `f_r I cos θi / |x - x_light|²`.
+//! Of the first, columns are materials; rows are the source, the pack that `brdfc encode` makes without options, and the
+//! wavelet pack at 4:1. What they cost is printed. Of the second, rows are materials; columns are the source, then wavelet
+//! packs at 4:1, 16:1 and 32:1 with 8 bits. The camera is orthographic and looks along -z. One point light shines on each
+//! sphere; the colour of a pixel is equation 1 of Claustres et al. 2007, `f_r I cos θi / |x - x_light|²`.
 
 use brdfc_formats::direction::{DirectionPair, Vector, dot, normalize};
+use brdfc_jobs::encode::recipe::PackRecipe;
+use brdfc_jobs::encode::{EncodedPack, encode};
 use brdfc_jobs::scene::manifest::Manifest;
 use brdfc_jobs::scene::run::plan;
 use brdfc_source::open::open;
-use brdfc_source::{PackSource, Source, Tally};
-use brdfc_wavelet::encode::encode;
+use brdfc_source::pack::opened;
+use brdfc_source::{Source, Tally};
 use brdfc_wavelet::recipe::{Recipe, Target};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{Rgb, RgbImage};
@@ -44,26 +48,44 @@ fn main() -> Result<(), Box<dyn Error>> {
         plan(&manifest, &demo).jobs.into_iter().map(|job| (job.name, job.source)).collect();
     rows.push(("sharp".to_owned(), SHARP.to_owned()));
 
-    let width = TILE * (1 + RATIOS.len());
-    let mut picture = RgbImage::new(width as u32, (TILE * rows.len()) as u32);
+    let (count, tile) = (rows.len() as u32, TILE as u32);
+    let mut packs = RgbImage::new(tile * count, tile * 3);
+    let mut ratios = RgbImage::new(tile * (1 + RATIOS.len() as u32), tile * count);
     for (row, (name, address)) in rows.iter().enumerate() {
-        println!("row {}: {name}, {address}", row + 1);
-        let opened = open(address, None)?;
-        draw(&mut picture, [0, row], opened.source.as_ref());
+        let source = open(address, None)?.source;
+        draw(&mut packs, [row, 0], source.as_ref());
+        draw(&mut ratios, [0, row], source.as_ref());
+        let by_default = PackRecipe::default();
+        let wavelet = |ratio| PackRecipe::Wavelet(Recipe { target: Target::Ratio(ratio), ..Recipe::default() });
+        for (line, recipe) in (1..).zip([by_default, wavelet(RATIOS[0])]) {
+            let made = encode(source.as_ref(), &recipe, &())?;
+            println!("{name}, {}: {}", made.codec.name(), cost(&made));
+            draw(&mut packs, [row, line], opened(&made.pack, None).source.as_ref());
+        }
         for (column, ratio) in (1..).zip(RATIOS) {
-            let recipe = Recipe { target: Target::Ratio(ratio), measure_off_grid: false, ..Recipe::default() };
-            let encoded = encode(opened.source.as_ref(), &recipe, &())?;
-            draw(&mut picture, [column, row], &PackSource::new(&encoded.pack, None));
+            let made = encode(source.as_ref(), &wavelet(ratio).without_measuring(), &())?;
+            draw(&mut ratios, [column, row], opened(&made.pack, None).source.as_ref());
         }
     }
+    write(&packs, &root.join("docs/packs.png"))?;
+    write(&ratios, &root.join("docs/spheres.png"))
+}
+
+/// Bytes, fetches and how wrong it looks.
+fn cost(made: &EncodedPack) -> String {
+    let picture = &made.off_grid.picture.delta_e;
+    let (bytes, fetches) = (made.pack.gpu_bytes(), made.pack.fetches());
+    format!("{bytes} bytes, {fetches} fetches, ΔE {:.2}, 95 %: {:.2}", picture.mean, picture.p95)
+}
+
+fn write(picture: &RgbImage, path: &Path) -> Result<(), Box<dyn Error>> {
     let mut bytes = Vec::new();
     picture.write_with_encoder(PngEncoder::new_with_quality(
         &mut bytes,
         CompressionType::Best,
         FilterType::Adaptive,
     ))?;
-    std::fs::write(root.join("docs/spheres.png"), bytes)?;
-    Ok(())
+    Ok(std::fs::write(path, bytes)?)
 }
 
 /// Draws one sphere into the tile at `[column, row]`.

@@ -5,26 +5,28 @@ use super::output::{print, refuse_overwriting, remark, to_json, write_file};
 use super::progress::Materials;
 use super::{CliError, Common};
 use crate::table;
+use brdfc_jobs::encode::encode;
 use brdfc_jobs::report::material::{MaterialReport, StageTime, remarks};
 use brdfc_jobs::stage_clock::StageClock;
 use brdfc_jobs::write::is_standard_output;
 use brdfc_source::open::{Facts, open};
 use brdfc_source::progress::{Progress as _, Stage};
-use brdfc_wavelet::encode::encode;
 use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-/// Encode one material as a wavelet pack.
+/// Encode one material as a pack for GPUs.
 ///
-/// Prints slices, bytes and errors; the errors stand in the pack too.
+/// Without options: the smallest pack whose pictures look like those of its source (a mean ΔE of 0.5, 95 % below 2). Prints
+/// what was tried, and bytes, fetches and errors of what was kept; the errors stand in the pack too.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   brdfc encode red-plastic.binary -o red.ktx2
-  brdfc encode paint.brdf -o paint.ktx2 --max-error 0.02 --bits 12
-  brdfc encode 'synth:ggx?alpha=0.2' -o ggx.ktx2 --ratio 16 --json")]
+  brdfc encode paint.brdf -o paint.ktx2 --max-delta-e 0.3 --max-bytes 65536
+  brdfc encode paint.brdf -o paint.ktx2 --codec table --max-bytes 4096
+  brdfc encode 'synth:ggx?alpha=0.2' -o ggx.ktx2 --codec wavelet --ratio 16 --json")]
 pub struct Arguments {
     /// A path, or synth:MODEL?param=value&...
     input: String,
@@ -69,23 +71,28 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let stages = clock.finish();
     drop(part);
     drop(progress);
-    let report = MaterialReport::new(&encoded, &recipe, opened.facts.samples());
+    let report = MaterialReport::new(&encoded, opened.facts.samples());
+    let of_trials: Vec<f64> =
+        stages.iter().filter(|stage| stage.stage == Stage::Try.name()).map(|stage| stage.seconds).collect();
+    let missed = report.missed.clone().map(CliError::Check);
     for line in remarks(&report) {
         remark(common, &format!("note: {line}"));
     }
     let text = if arguments.json {
-        to_json(&Report { version: 1, input: opened.facts, report, stages })
+        to_json(&Report { version: 2, input: opened.facts, report, stages })
     } else {
         let mut row = vec![arguments.output.display().to_string()];
         row.extend(table::material_row(&report, Some(stages.iter().map(|s| s.seconds).sum())));
         let mut header = table::MATERIAL_HEADER;
         header[0] = "pack";
-        table::plain(&header, &[row])
+        let table = table::plain(&header, &[row]);
+        if report.tried.is_empty() { table } else { format!("{}\n{table}", table::trials(&report.tried, &of_trials)) }
     };
     if is_standard_output(&arguments.output) {
         // Behind a pack the report would be taken for a part of it.
         remark(common, text.trim_end());
-        return Ok(());
+    } else {
+        print(&text)?;
     }
-    print(&text)
+    missed.map_or(Ok(()), Err)
 }

@@ -2,13 +2,14 @@
 
 use brdfc_flat_btf::structures::Structure;
 use brdfc_formats::FormatError;
+use brdfc_jobs::encode::PackError;
+use brdfc_jobs::encode::options::OptionError;
 use brdfc_jobs::flatten::{FlattenError, MesoInputError};
 use brdfc_jobs::scene::run::JobError;
 use brdfc_source::InputError;
 use brdfc_source::address::SYNTH_PREFIX;
 use brdfc_source::progress::Cancelled;
 use brdfc_wavelet::encode::EncodeError;
-use brdfc_wavelet::options::OptionError;
 use std::path::Path;
 
 /// Why the program did not do what it was asked.
@@ -109,6 +110,20 @@ impl From<EncodeError> for CliError {
             }
             EncodeError::TooManySlices { .. } => Self::Usage(error.to_string()),
             EncodeError::Cancelled(_) => Self::Interrupted,
+        }
+    }
+}
+
+impl From<PackError> for CliError {
+    fn from(error: PackError) -> Self {
+        use brdfc_table::encode::EncodeError as TableError;
+        match error {
+            PackError::Wavelet(error) => error.into(),
+            PackError::Table(TableError::TooFewBytes { .. })
+            | PackError::NothingMeasured
+            | PackError::TooFewFetches { .. } => Self::Check(error.to_string()),
+            PackError::Table(TableError::Format(error)) => Self::own_layout(error),
+            PackError::Table(TableError::Cancelled(_)) | PackError::Cancelled(_) => Self::Interrupted,
         }
     }
 }

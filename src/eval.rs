@@ -59,7 +59,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
             return Err(CliError::Usage(format!("--lod: found {level}; allowed 0 to {levels}, the pack's levels")));
         }
         (Facts::WaveletPack { .. }, _) | (_, None) => {}
-        _ => return Err(CliError::Usage("--lod: only packs have levels of detail".to_owned())),
+        _ => return Err(CliError::Usage("--lod: only wavelet packs have levels of detail".to_owned())),
     }
 
     let chunks: Vec<(Vec<[f64; 3]>, Tally)> = pairs

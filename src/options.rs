@@ -1,8 +1,8 @@
 //! Flags that say how a pack is made.
 
 use super::CliError;
-use brdfc_wavelet::options::EncodeOptions;
-use brdfc_wavelet::recipe::Recipe;
+use brdfc_jobs::encode::options::EncodeOptions;
+use brdfc_jobs::encode::recipe::PackRecipe;
 use clap::Args;
 
 /// How a pack is made, and how it is stored.
@@ -23,8 +23,9 @@ impl PackOptions {
     }
 
     /// The recipe.
-    pub fn recipe(&self) -> Result<Recipe, CliError> {
-        let recipe = self.encode.resolve(&EncodeOptions::default())?;
-        Ok(Recipe { supercompress: !self.no_supercompression, ..recipe })
+    pub fn recipe(&self) -> Result<PackRecipe, CliError> {
+        let mut recipe = self.encode.resolve(&EncodeOptions::default())?;
+        recipe.set_supercompress(!self.no_supercompression);
+        Ok(recipe)
     }
 }

@@ -2,6 +2,7 @@
 
 pub use brdfc_source::words::{bytes, percent};
 
+use brdfc_jobs::encode::Trial;
 use brdfc_jobs::report::material::MaterialReport;
 use brdfc_metrics::compare::Comparison;
 use brdfc_metrics::norms::Norms;
@@ -25,22 +26,46 @@ pub fn plain(header: &[&str], rows: &[Vec<String>]) -> String {
 
 /// A row of the build table, without the material's name.
 pub fn material_row(report: &MaterialReport, seconds: Option<f64>) -> Vec<String> {
+    let picture = &report.off_grid.picture.delta_e;
     vec![
         if report.samples_in == 0 { "-".to_owned() } else { report.samples_in.to_string() },
-        format!("{}/{}", report.slices_kept, report.slices_in_all),
-        format!("{:.1}:1", report.ratio),
+        report.codec.name().to_owned(),
+        report.codec.size(),
+        report.fetches.to_string(),
         bytes(report.bytes_on_disk),
         bytes(report.bytes_on_gpu),
-        relative(&report.on_grid.norms),
         relative(&report.off_grid.norms),
-        format!("{:.2}", report.off_grid.picture.delta_e.mean),
+        format!("{:.2}", picture.mean),
+        format!("{:.2}", picture.p95),
         seconds.map_or("cached".to_owned(), |s| format!("{s:.2} s")),
     ]
 }
 
 /// Header of the build table.
-pub const MATERIAL_HEADER: [&str; 10] =
-    ["material", "samples in", "slices", "ratio", "on disk", "on GPU", "ε_r on grid", "ε_r off grid", "ΔE", "time"];
+pub const MATERIAL_HEADER: [&str; 11] =
+    ["material", "samples in", "codec", "size", "fetches", "on disk", "on GPU", "ε_r", "ΔE", "ΔE 95 %", "time"];
+
+/// What was tried for a pack, a line each; `seconds` are those of the trials.
+pub fn trials(tried: &[Trial], seconds: &[f64]) -> String {
+    let rows: Vec<Vec<String>> = tried
+        .iter()
+        .enumerate()
+        .map(|(k, trial)| {
+            vec![
+                trial.codec.clone(),
+                trial.size.clone(),
+                trial.fetches.to_string(),
+                bytes(trial.bytes_on_gpu),
+                percent(trial.relative_error),
+                format!("{:.2}", trial.delta_e),
+                format!("{:.2}", trial.delta_e_p95),
+                seconds.get(k).map_or("-".to_owned(), |s| format!("{s:.2} s")),
+                if trial.meets { "yes" } else { "no" }.to_owned(),
+            ]
+        })
+        .collect();
+    plain(&["tried", "size", "fetches", "on GPU", "ε_r", "ΔE", "ΔE 95 %", "time", "meets the budget"], &rows)
+}
 
 /// All norms of a comparison, a line each.
 pub fn comparison(comparison: &Comparison) -> String {

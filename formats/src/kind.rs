@@ -8,6 +8,7 @@ use crate::flat_btf::{
     ReferenceMap, VisibilityMask, split_part_name,
 };
 use crate::importance::{IMPORTANCE_ENTRY, ImportancePack};
+use crate::table::{TABLE_ENTRY, TablePack};
 use crate::wavelet::{WAVELET_ENTRY, WaveletPack};
 
 /// What a pack is.
@@ -15,6 +16,8 @@ use crate::wavelet::{WAVELET_ENTRY, WaveletPack};
 pub enum PackKind {
     /// A wavelet BRDF pack.
     Wavelet,
+    /// A table pack.
+    Table,
     /// A part of a flat BTF.
     FlatBtf(FlatPart),
     /// A bandwidth map.
@@ -29,6 +32,7 @@ impl PackKind {
     pub fn of(texture: &PackedTexture<'_>, file_name: Option<&str>) -> Option<Self> {
         [
             (WAVELET_ENTRY, Self::Wavelet),
+            (TABLE_ENTRY, Self::Table),
             (BANDWIDTH_ENTRY, Self::Bandwidth),
             (IMPORTANCE_ENTRY, Self::Importance),
             (FLAT_BTF_ENTRY, Self::FlatBtf(FlatPart::View)),
@@ -44,6 +48,7 @@ impl PackKind {
     pub fn name(self) -> &'static str {
         match self {
             Self::Wavelet => "a wavelet pack",
+            Self::Table => "a table pack",
             Self::FlatBtf(_) => "a part of a flat BTF",
             Self::Bandwidth => "a bandwidth map",
             Self::Importance => "an importance-sample pack",
@@ -55,7 +60,7 @@ impl PackKind {
         match self {
             Self::Wavelet => WaveletPack::MAX_TEXEL_BYTES,
             Self::Bandwidth => BandwidthMap::MAX_TEXEL_BYTES,
-            Self::FlatBtf(_) | Self::Importance => MAX_TEXEL_BYTES,
+            Self::Table | Self::FlatBtf(_) | Self::Importance => MAX_TEXEL_BYTES,
         }
     }
 }
@@ -66,6 +71,8 @@ impl PackKind {
 pub enum Pack {
     /// A wavelet BRDF pack.
     Wavelet(WaveletPack),
+    /// A table pack.
+    Table(TablePack),
     /// A bandwidth map.
     Bandwidth(BandwidthMap),
     /// Importance samples.
@@ -96,7 +103,7 @@ impl Pack {
         let Some(kind) = PackKind::of(&packed, file_name) else {
             let entries: Vec<&str> = packed.entries.keys().map(String::as_str).collect();
             let found = if entries.is_empty() { "none".to_owned() } else { format!("only {}", entries.join(", ")) };
-            let allowed = "those of a wavelet pack, a flat BTF, a bandwidth map or importance samples";
+            let allowed = "those of a table or wavelet pack, a flat BTF, a bandwidth map or importance samples";
             return Err(FormatError::whole("brdfc entries", found, allowed));
         };
         Self::of_kind(kind, packed)
@@ -110,6 +117,7 @@ impl Pack {
         let texture = packed.unpack(kind.most_texel_bytes())?;
         Ok(match kind {
             PackKind::Wavelet => Self::Wavelet(WaveletPack::from_texture(texture)?),
+            PackKind::Table => Self::Table(TablePack::from_texture(texture)?),
             PackKind::Bandwidth => Self::Bandwidth(BandwidthMap::from_texture(&texture)?),
             PackKind::Importance => Self::Importance(ImportancePack::from_texture(&texture)?),
             PackKind::FlatBtf(part) => match part {
@@ -128,6 +136,7 @@ impl Pack {
     pub fn kind(&self) -> PackKind {
         match self {
             Self::Wavelet(_) => PackKind::Wavelet,
+            Self::Table(_) => PackKind::Table,
             Self::Bandwidth(_) => PackKind::Bandwidth,
             Self::Importance(_) => PackKind::Importance,
             Self::Position(_) => PackKind::FlatBtf(FlatPart::Position),

@@ -8,6 +8,7 @@
 //! Rec. 709 primaries.
 
 pub mod bandwidth;
+mod brdf_pack;
 pub mod colour;
 pub mod container;
 pub mod cursor;
@@ -15,14 +16,18 @@ pub mod direction;
 pub mod direction_mesh;
 pub mod direction_set;
 mod error;
+mod error_summary;
 pub mod flat_btf;
 pub mod importance;
 mod kind;
 pub mod measured;
 pub mod meso;
+pub mod table;
 pub mod wavelet;
 
+pub use brdf_pack::{BrdfDecoder, BrdfPack};
 pub use error::{FormatError, Place};
+pub use error_summary::{ErrorSummary, PictureSummary};
 pub use kind::{Pack, PackKind};
 
 /// The example of the README compiles.

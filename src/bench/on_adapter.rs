@@ -2,17 +2,21 @@
 
 use super::arguments::Arguments;
 use crate::output::{make_folder, remark, write_file};
-use crate::table::plain;
+use crate::table::{bytes, plain};
 use crate::{CliError, Common, graphics_environment};
+use brdfc_formats::BrdfPack;
 use brdfc_formats::wavelet::WaveletPack;
 use brdfc_gpu::{AdapterChoice, AdapterDescription, Gpu};
+use brdfc_jobs::encode::encode as encode_pack;
+use brdfc_jobs::encode::recipe::PackRecipe;
 use brdfc_render::picture::to_png;
 use brdfc_source::open::open;
-use brdfc_source::pack::open_wavelet_pack;
+use brdfc_source::pack::open_brdf_pack;
 use brdfc_studies::images::{ImageRow, PAPER_MEAN, PAPER_SIGMA, StudyError, on_the_cloth};
 use brdfc_studies::level_of_detail::{Animation, LevelOfDetail, level_of_detail};
 use brdfc_studies::throughput::{Throughput, throughput};
 use brdfc_studies::{Study, StudyResult};
+use brdfc_table::recipe::TableRecipe;
 use brdfc_wavelet::encode::encode;
 use brdfc_wavelet::recipe::Recipe;
 use std::path::Path;
@@ -31,9 +35,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     let seconds = || started.elapsed().as_secs_f64();
     match arguments.study {
         Study::Throughput => {
-            let pack = pack(one(arguments, VELVET)?)?;
+            let packs = both_packs(one(arguments, VELVET)?)?;
             let progress = |done, all| remark(common, &format!("{done} of {all} rows, {:.1} s", seconds()));
-            Ok(StudyResult::Throughput(throughput(&gpu, &pack, progress)?))
+            Ok(StudyResult::Throughput(throughput(&gpu, &packs, progress)?))
         }
         Study::LevelOfDetail => {
             let pack = pack(one(arguments, GLOSSY)?)?;
@@ -88,14 +92,35 @@ fn one<'a>(arguments: &'a Arguments, default: &'a str) -> Result<&'a str, CliErr
     }
 }
 
-/// A pack as it is, or what a source becomes at 4:1 and 8 bits.
+/// A wavelet pack as it is, or what a source becomes at 4:1 and 8 bits.
 fn pack(input: &str) -> Result<WaveletPack, CliError> {
-    if input.to_ascii_lowercase().ends_with(".ktx2") {
-        return Ok(open_wavelet_pack(Path::new(input))?);
+    if is_pack(input) {
+        return match open_brdf_pack(Path::new(input))? {
+            BrdfPack::Wavelet(pack) => Ok(pack),
+            BrdfPack::Table(_) => Err(CliError::Input(format!(
+                "{input}: pack: found a table pack; allowed a wavelet pack, which has levels"
+            ))),
+        };
     }
     let recipe = Recipe { measure_off_grid: false, ..Recipe::default() };
     let opened = open(input, None)?;
     Ok(encode(opened.source.as_ref(), &recipe, &())?.pack)
+}
+
+/// A pack as it is, or what a source becomes as a table of 16 KiB, and as a wavelet pack at 4:1 and 8 bits.
+fn both_packs(input: &str) -> Result<Vec<BrdfPack>, CliError> {
+    if is_pack(input) {
+        return Ok(vec![open_brdf_pack(Path::new(input))?]);
+    }
+    let opened = open(input, None)?;
+    let table = PackRecipe::Table(TableRecipe::default()).without_measuring();
+    let wavelet = PackRecipe::Wavelet(Recipe::default()).without_measuring();
+    let packs = [table, wavelet].map(|recipe| Ok(encode_pack(opened.source.as_ref(), &recipe, &())?.pack));
+    packs.into_iter().collect()
+}
+
+fn is_pack(input: &str) -> bool {
+    input.to_ascii_lowercase().ends_with(".ktx2")
 }
 
 fn write_frames(folder: &Path, animation: &Animation) -> Result<(), CliError> {
@@ -117,13 +142,15 @@ fn adapter(description: &AdapterDescription) -> String {
 
 pub(super) fn throughput_text(result: &Throughput) -> String {
     let all = format!("CPU, {} threads", result.threads);
-    let header = ["filter", "level", "fetches", "shader", "shader, exact", "CPU, 1 thread", &all];
+    let header = ["codec", "filter", "level", "fetches", "on GPU", "shader", "shader, exact", "CPU, 1 thread", &all];
     let mega = |rate: f64| format!("{:.2}", rate / 1e6);
     let rows: Vec<Vec<String>> = result
         .rows
         .iter()
         .map(|row| {
-            let mut cells = vec![row.filter.clone(), row.level.to_string(), row.fetches.to_string()];
+            let level = if row.codec == "table" { "-".to_owned() } else { row.level.to_string() };
+            let mut cells = vec![row.codec.clone(), row.filter.clone(), level, row.fetches.to_string()];
+            cells.push(bytes(row.bytes_on_gpu));
             cells.extend([row.shader, row.shader_exact, row.cpu_one, row.cpu_all].map(mega));
             cells
         })
@@ -131,9 +158,8 @@ pub(super) fn throughput_text(result: &Throughput) -> String {
     let shaders = adapter(&result.adapter);
     plain(&header, &rows)
         + &format!(
-            "\nMillions of evaluations per second, {0} x {0} cells per hemisphere. Shaders: {shaders}.\n\
-             A fetch of the sampler filters four texels; exact weights and the CPU fetch each of them.\n",
-            result.grid
+            "\nMillions of evaluations per second. Shaders: {shaders}.\n\
+             A fetch of the sampler filters four texels, of a table eight; exact weights and the CPU fetch each of them.\n"
         )
 }
 

@@ -8,11 +8,13 @@ use super::output::{make_folder, print, print_json, refuse_overwriting, remark, 
 use super::progress::Materials;
 use super::{CliError, Common, interrupt};
 use crate::table;
+use brdfc_jobs::encode::recipe::{Budget, PackRecipe};
 use brdfc_jobs::report::material::remarks;
 use brdfc_jobs::scene::manifest::Manifest;
 use brdfc_jobs::scene::run::{Outcomes, Plan, pack_name, plan, run as run_jobs};
 use brdfc_jobs::scene::scene_section::ENVIRONMENT;
 use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
+use brdfc_table::recipe::Size;
 use brdfc_wavelet::recipe::Target;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -79,6 +81,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
                 for line in remarks(&made.report).into_iter().chain(of_map) {
                     remark(common, &format!("note: {}: {line}", outcome.name));
                 }
+                if let Some(missed) = &made.report.missed {
+                    tell(&format!("brdfc: {}: {missed}", outcome.name));
+                }
             }
             Err(error) => tell(&format!("brdfc: {}: {error}", outcome.name)),
         }
@@ -114,12 +119,17 @@ pub(super) fn read_manifest(path: &Path) -> Result<(String, Manifest), CliError>
 /// The failure with the highest exit code decides.
 fn worst(outcomes: Outcomes) -> Result<(), CliError> {
     let count = outcomes.materials.len();
+    let missed = outcomes.materials.iter().filter_map(|o| o.result.as_ref().ok()?.report.missed.as_ref()).count();
     let environment = outcomes.environment.and_then(Result::err);
     let failures = outcomes.materials.into_iter().filter_map(|o| o.result.err());
     let mut failures: Vec<CliError> = failures.map(CliError::from).collect();
     let mut failed = Vec::new();
     if !failures.is_empty() {
         failed.push(format!("{} of {count} materials failed", failures.len()));
+    }
+    if missed > 0 {
+        failed.push(format!("{missed} of {count} materials missed their budget"));
+        failures.push(CliError::Check(String::new()));
     }
     if let Some(error) = environment {
         failed.push("the environment failed".to_owned());
@@ -144,24 +154,17 @@ fn dry_run(arguments: &Arguments, plan: &Plan, scene: &str) -> Result<(), CliErr
         .jobs
         .iter()
         .map(|job| {
-            let r = &job.recipe;
             vec![
                 job.name.clone(),
                 job.uses.to_string(),
-                format!("{0} x {0}", 1u32 << r.levels),
-                format!("{} of {}", r.stored_levels, r.levels),
-                r.bits.to_string(),
-                match r.target {
-                    Target::Ratio(ratio) => format!("{ratio}:1"),
-                    Target::MaxError(error) => format!("ε_r at most {}", table::percent(error)),
-                    Target::MaxBytes(bytes) => format!("at most {}", table::bytes(bytes)),
-                },
+                codec(&job.recipe).to_owned(),
+                target(&job.recipe),
                 job.source.clone(),
                 arguments.out.join(pack_name(&job.name)).display().to_string(),
             ]
         })
         .collect();
-    let header = ["material", "uses", "grid", "levels", "bits", "target", "source", "pack"];
+    let header = ["material", "uses", "codec", "target", "source", "pack"];
     let mut text = table::plain(&header, &rows);
     if let Some(job) = &plan.environment {
         let map = arguments.out.join(report::environment_file()).display().to_string();
@@ -171,4 +174,42 @@ fn dry_run(arguments: &Arguments, plan: &Plan, scene: &str) -> Result<(), CliErr
         text += &format!("not used by the scene: {}\n", plan.skipped.join(", "));
     }
     print(&text)
+}
+
+fn codec(recipe: &PackRecipe) -> &'static str {
+    match recipe {
+        PackRecipe::Auto(_) => "auto",
+        PackRecipe::Table(_) => "table",
+        PackRecipe::Wavelet(_) => "wavelet",
+    }
+}
+
+/// What a pack is made to, in words.
+fn target(recipe: &PackRecipe) -> String {
+    match recipe {
+        PackRecipe::Auto(recipe) => budget(&recipe.budget),
+        PackRecipe::Table(recipe) => match recipe.size {
+            Size::Bytes(bytes) => format!("at most {}", table::bytes(bytes)),
+            Size::Nodes(axes) => format!("{} x {} x {} x {}", axes.half, axes.difference, axes.azimuth, axes.layers),
+        },
+        PackRecipe::Wavelet(recipe) => {
+            let target = match recipe.target {
+                Target::Ratio(ratio) => format!("{ratio}:1"),
+                Target::MaxError(error) => format!("ε_r at most {}", table::percent(error)),
+                Target::MaxBytes(bytes) => format!("at most {}", table::bytes(bytes)),
+            };
+            let (grid, stored, levels) = (1u32 << recipe.levels, recipe.stored_levels, recipe.levels);
+            format!("{target}, {grid} x {grid}, {stored} of {levels} levels, {} bits", recipe.bits)
+        }
+    }
+}
+
+fn budget(budget: &Budget) -> String {
+    let limits = [
+        budget.delta_e.map(|limit| format!("ΔE at most {limit}")),
+        budget.error.map(|limit| format!("ε_r at most {}", table::percent(limit))),
+        budget.bytes.map(|limit| format!("at most {}", table::bytes(limit))),
+        budget.fetches.map(|limit| format!("at most {limit} fetches")),
+    ];
+    limits.into_iter().flatten().collect::<Vec<_>>().join(", ")
 }

@@ -119,7 +119,7 @@ impl Report {
 
     fn empty(scene: &str, plan: &Plan) -> Self {
         let (scene, skipped) = (scene.to_owned(), plan.skipped.clone());
-        Self { version: 1, scene, materials: Vec::new(), environment: None, skipped }
+        Self { version: 2, scene, materials: Vec::new(), environment: None, skipped }
     }
 }
 

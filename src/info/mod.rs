@@ -6,7 +6,7 @@ use super::output::{print, print_json, printable};
 use super::{CliError, bandwidth, flatten};
 use crate::table::bytes;
 use brdfc_flat_btf::structures::STRUCTURES;
-use brdfc_formats::Pack;
+use brdfc_formats::{BrdfPack, Pack};
 use brdfc_importance::ImportanceFacts;
 use brdfc_jobs::flatten::{AssetFile, SurfaceFacts, describe_surface, open_asset};
 use brdfc_source::address::{SYNTH_PREFIX, is_synth, split_query};
@@ -92,7 +92,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let contents = match if is_pack { Some(open_pack(path)?) } else { None } {
         Some(Pack::Bandwidth(map)) => return bandwidth::info(&map, arguments.json),
         Some(Pack::Importance(pack)) => Some(Contents::Other(Other::ImportancePack(ImportanceFacts::new(&pack)))),
-        Some(Pack::Wavelet(pack)) => Some(reflectance(opened(&pack, None))),
+        Some(Pack::Wavelet(pack)) => Some(reflectance(opened(&BrdfPack::Wavelet(pack), None))),
+        Some(Pack::Table(pack)) => Some(reflectance(opened(&BrdfPack::Table(pack), None))),
         _ => None,
     };
     if contents.is_none()
@@ -196,7 +197,7 @@ fn contents_in_words(contents: &Contents) -> Vec<(&'static str, String)> {
     match contents {
         Contents::Reflectance { facts, symmetry, grey } => {
             let mut lines = facts.in_words();
-            if !matches!(facts, Facts::WaveletPack { .. }) {
+            if !matches!(facts, Facts::WaveletPack { .. } | Facts::TablePack { .. }) {
                 lines.push(("symmetry", symmetry_in_words(*symmetry)));
                 lines.push(("colour", if *grey { "grey (one channel)" } else { "RGB" }.to_owned()));
             }

@@ -10,9 +10,10 @@ use crate::{CliError, Common};
 use brdfc_bandwidth::DEFAULT_EPSILON;
 use brdfc_bandwidth::facts::BandwidthFacts;
 use brdfc_bandwidth::map::environment_map;
+use brdfc_formats::BrdfPack;
 use brdfc_formats::bandwidth::{BandwidthKind, BandwidthMap};
 use brdfc_formats::importance::ImportancePack;
-use brdfc_formats::wavelet::{DEFAULT_DISTANCE_SCALE, WaveletPack};
+use brdfc_formats::wavelet::DEFAULT_DISTANCE_SCALE;
 use brdfc_formats::{FormatError, Pack};
 use brdfc_gpu::verify::PackReflectance;
 use brdfc_gpu::{AdapterChoice, AdaptiveRenderer, Decoding, Gpu, SliceFilter};
@@ -27,8 +28,8 @@ use brdfc_render::adaptive::{
 };
 use brdfc_render::scene::Frame;
 use brdfc_render::shade::Reflectance;
-use brdfc_source::PackSource;
 use brdfc_source::pack::open_pack;
+use brdfc_source::pack::opened;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -78,7 +79,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let parts: Vec<usize> = setup.names.iter().map(index).collect();
     let materials: Vec<AdaptiveMaterial<'_>> =
         parts.iter().map(|part| lookups[*part].material(&reflectances[*part] as &dyn Reflectance)).collect();
-    let packs: Vec<&WaveletPack> = parts.iter().map(|part| &prepared[*part].pack).collect();
+    let packs: Vec<&BrdfPack> = parts.iter().map(|part| &prepared[*part].pack).collect();
     let adaptive_scene = AdaptiveScene { scene: &setup.scene, light: &light, materials: &materials };
 
     let renderer = AdaptiveRenderer::new(&gpu)?;
@@ -217,8 +218,8 @@ fn lookups(arguments: &Arguments, subject: &Subject, prepared: &Prepared) -> Res
     let source = match &prepared.source {
         Some(source) => source.as_ref(),
         None => {
-            unpacked = PackSource::new(&prepared.pack, None);
-            &unpacked
+            unpacked = opened(&prepared.pack, None).source;
+            unpacked.as_ref()
         }
     };
     match built(arguments, subject, &prepared.name)? {

@@ -3,13 +3,14 @@
 use super::arguments::Arguments;
 use crate::output::remark;
 use crate::{CliError, Common};
-use brdfc_formats::wavelet::WaveletPack;
+use brdfc_formats::BrdfPack;
+use brdfc_jobs::encode::encode;
+use brdfc_jobs::encode::recipe::PackRecipe;
 use brdfc_jobs::scene::manifest::Manifest;
 use brdfc_jobs::scene::run::{Job, pack_name, plan};
 use brdfc_source::Source;
 use brdfc_source::open::open;
-use brdfc_source::pack::open_wavelet_pack;
-use brdfc_wavelet::encode::encode;
+use brdfc_source::pack::open_brdf_pack;
 use brdfc_wavelet::recipe::{Recipe, Target};
 use std::path::{Path, PathBuf};
 
@@ -32,7 +33,7 @@ pub(super) enum Subject {
     /// A pack.
     Pack,
     /// Anything that can be encoded.
-    Source(Box<Recipe>),
+    Source(Box<PackRecipe>),
 }
 
 impl Subject {
@@ -51,9 +52,9 @@ impl Subject {
 /// A material that is ready to be drawn.
 pub(super) struct Prepared {
     pub(super) name: String,
-    pub(super) pack: WaveletPack,
+    pub(super) pack: BrdfPack,
     pub(super) source: Option<Box<dyn Source>>,
-    pub(super) table: Option<WaveletPack>,
+    pub(super) table: Option<BrdfPack>,
 }
 
 fn extension(path: &str) -> String {
@@ -131,7 +132,7 @@ pub(super) fn prepare(
 
 fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<Prepared, CliError> {
     let (source, recipe, pack_path) = match subject {
-        Subject::Pack => (arguments.source.clone(), Recipe::default(), Some(PathBuf::from(&arguments.input))),
+        Subject::Pack => (arguments.source.clone(), PackRecipe::default(), Some(PathBuf::from(&arguments.input))),
         Subject::Source(recipe) => (Some(arguments.input.clone()), (**recipe).clone(), None),
         Subject::Scene { jobs, .. } => {
             let job = jobs.iter().find(|job| job.name == name).expect("names are materials of the manifest");
@@ -141,34 +142,45 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<P
     };
     let source = source.map(|input| open(&input, None)).transpose()?.map(|opened| opened.source);
     let pack = match (&pack_path, &source) {
-        (Some(path), _) => open_wavelet_pack(path)?,
+        (Some(path), _) => open_brdf_pack(path)?,
         (None, Some(source)) => encoded(source.as_ref(), &recipe)?,
         (None, None) => return Err(CliError::Internal("nothing to draw".to_owned())),
     };
     let table = match &source {
         Some(source) if arguments.table => {
-            let levels = pack.header.levels;
+            let BrdfPack::Wavelet(wavelet) = &pack else {
+                let text = "--table: found a table pack; allowed wavelet packs, whose grid it shows the error of";
+                return Err(CliError::Usage(text.to_owned()));
+            };
+            let levels = wavelet.header.levels;
             if levels > MAX_TABLE_LEVELS {
                 let text = "--table: found a grid of 64; allowed up to 32, whose slices all fit into a texture";
                 return Err(CliError::Usage(text.to_owned()));
             }
             let whole = Recipe {
-                parameterisation: pack.header.parameterisation,
+                parameterisation: wavelet.header.parameterisation,
                 levels,
                 stored_levels: levels,
                 target: Target::Ratio(1.0),
                 bits: 16,
-                ..recipe
+                ..bias_and_smoothing(&recipe)
             };
-            Some(encoded(source.as_ref(), &whole)?)
+            Some(encoded(source.as_ref(), &PackRecipe::Wavelet(whole))?)
         }
         _ => None,
     };
     Ok(Prepared { name: name.to_owned(), pack, source, table })
 }
 
+/// What a whole table has in common with the pack.
+fn bias_and_smoothing(recipe: &PackRecipe) -> Recipe {
+    match recipe {
+        PackRecipe::Wavelet(recipe) => recipe.clone(),
+        PackRecipe::Auto(_) | PackRecipe::Table(_) => Recipe::default(),
+    }
+}
+
 /// Errors of the pack itself are not asked for here.
-fn encoded(source: &dyn Source, recipe: &Recipe) -> Result<WaveletPack, CliError> {
-    let recipe = Recipe { measure_off_grid: false, ..recipe.clone() };
-    Ok(encode(source, &recipe, &())?.pack)
+fn encoded(source: &dyn Source, recipe: &PackRecipe) -> Result<BrdfPack, CliError> {
+    Ok(encode(source, &recipe.clone().without_measuring(), &())?.pack)
 }

@@ -102,12 +102,14 @@ fn what_the_architecture_page_names_is_there() {
 }
 
 /// Functions of shaders without a twin of the same name.
-const NAMED_OTHERWISE: [&str; 8] = [
+const NAMED_OTHERWISE: [&str; 9] = [
     // Loops and closures on the CPU.
     "decide",
     "flat_btf_loaded_block",
     "merged",
     "shade",
+    // `Angles::of`.
+    "table_brdf_angles",
     "wavelet_brdf_tap",
     // What a sampler does.
     "flat_btf_sampled_block",

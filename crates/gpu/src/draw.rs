@@ -1,4 +1,4 @@
-//! Draws scenes whose parts have wavelet packs.
+//! Draws scenes whose parts have packs of either codec.
 
 use super::device::{Gpu, GpuError};
 use super::evaluate::SliceFilter;
@@ -6,8 +6,8 @@ use super::load::LoadedScene;
 use super::pack;
 use super::raster::{Rasteriser, Target, VIEW_WGSL};
 use super::surface::{self, ENVIRONMENT_WGSL, PERIODIC_WGSL, SURFACE_WGSL};
-use brdfc_formats::wavelet::shader::WAVELET_BRDF_WGSL;
-use brdfc_formats::wavelet::{Filter, WaveletPack};
+use brdfc_formats::BrdfPack;
+use brdfc_formats::wavelet::Filter;
 use brdfc_metrics::image::LinearImage;
 use brdfc_render::scene::{Camera, Frame, Scene};
 use wgpu::ShaderStages;
@@ -16,9 +16,9 @@ use wgpu::ShaderStages;
 /// [`ENVIRONMENT_WGSL`].
 pub const SCENE_WGSL: &str = include_str!("scene.wgsl");
 
-/// The whole shader: decoder, surfaces, environment, scene.
+/// The whole shader: decoders, surfaces, environment, scene.
 pub fn scene_source() -> String {
-    [WAVELET_BRDF_WGSL, VIEW_WGSL, PERIODIC_WGSL, SURFACE_WGSL, ENVIRONMENT_WGSL, SCENE_WGSL].join("\n")
+    [&pack::brdf_source(1), VIEW_WGSL, PERIODIC_WGSL, SURFACE_WGSL, ENVIRONMENT_WGSL, SCENE_WGSL].join("\n")
 }
 
 /// How packs are decoded in an image.
@@ -68,7 +68,7 @@ impl<'g> Renderer<'g> {
     ///
     /// # Errors
     /// What the driver reports.
-    pub fn load(&self, scene: &Scene, packs: &[&WaveletPack], decoding: Decoding) -> Result<LoadedScene, GpuError> {
+    pub fn load(&self, scene: &Scene, packs: &[&BrdfPack], decoding: Decoding) -> Result<LoadedScene, GpuError> {
         assert_eq!(packs.len(), scene.parts.len(), "one pack for each part");
         let gpu = self.rasteriser.gpu;
         let environment = surface::environment(gpu, &scene.environment)?;

@@ -3,9 +3,10 @@
 
 use super::device::{Gpu, GpuError};
 use super::pack;
+use brdfc_formats::BrdfPack;
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::wavelet::shader::WAVELET_BRDF_WGSL;
-use brdfc_formats::wavelet::{DEFAULT_DISTANCE_SCALE, Filter, WaveletPack};
+use brdfc_formats::wavelet::{DEFAULT_DISTANCE_SCALE, Filter};
 use std::borrow::Cow;
 use wgpu::util::DeviceExt;
 use wgpu::{
@@ -16,6 +17,9 @@ use wgpu::{
 
 /// The compute entry point over the decoder.
 pub const EVALUATE_WGSL: &str = include_str!("evaluate.wgsl");
+
+/// The same over the decoder of table packs.
+pub const EVALUATE_TABLE_WGSL: &str = include_str!("evaluate_table.wgsl");
 
 /// Invocations of a workgroup.
 const GROUP: u32 = 64;
@@ -65,12 +69,20 @@ pub struct LoadedPairs {
 }
 
 impl<'g> Evaluator<'g> {
-    /// Compiles the shipped shader.
+    /// Compiles the shipped shader of wavelet packs.
     ///
     /// # Errors
     /// What the driver reports.
     pub fn new(gpu: &'g Gpu) -> Result<Self, GpuError> {
         Self::with_shaders(gpu, WAVELET_BRDF_WGSL, EVALUATE_WGSL)
+    }
+
+    /// Compiles the shipped shader of table packs.
+    ///
+    /// # Errors
+    /// What the driver reports.
+    pub fn of_tables(gpu: &'g Gpu) -> Result<Self, GpuError> {
+        Self::with_shaders(gpu, &pack::table_source(1), EVALUATE_TABLE_WGSL)
     }
 
     /// Compiles other sources, such as instrumented ones. `entry` is pasted behind `decoder`.
@@ -115,11 +127,11 @@ impl<'g> Evaluator<'g> {
         Ok(Self { gpu, pipeline, pairs_layout, pack_layout })
     }
 
-    /// Uploads a pack.
+    /// Uploads a pack of the codec whose shader was compiled. `filter` is that of wavelet packs.
     ///
     /// # Errors
     /// What the driver reports.
-    pub fn load(&self, pack: &WaveletPack, filter: Filter) -> Result<LoadedPack, GpuError> {
+    pub fn load(&self, pack: &BrdfPack, filter: Filter) -> Result<LoadedPack, GpuError> {
         let group = pack::upload(self.gpu, &self.pack_layout, pack, filter, DEFAULT_DISTANCE_SCALE)?;
         Ok(LoadedPack { group })
     }

@@ -1,5 +1,5 @@
-// Draws a scene of materials under point lights. Appended to `formats/src/wavelet/decode.wgsl`, `view.wgsl`,
-// `periodic.wgsl`, `surface.wgsl` and `environment.wgsl`; the CPU twin is `crates/render/src/shade.rs`, step by
+// Draws a scene of materials under point lights. Appended to the decoders of packs, `brdf.wgsl`,
+// `view.wgsl`, `periodic.wgsl`, `surface.wgsl` and `environment.wgsl`; the CPU twin is `crates/render/src/shade.rs`, step by
 // step.
 
 @group(2) @binding(2) var environment: texture_2d<f32>;
@@ -13,7 +13,7 @@ fn shade(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4<f
     let wo = vec3<f32>(dot(v, frame[0]), dot(v, frame[1]), dot(v, frame[2]));
     var level = view.level;
     if level < 0.0 {
-        level = wavelet_brdf_level_of_detail(distance);
+        level = brdf_level_of_detail(distance);
     }
 
     // Equation 1 of Claustres et al. 2007.
@@ -24,12 +24,7 @@ fn shade(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4<f
         let l = to_light / sqrt(distance_squared);
         let wi = vec3<f32>(dot(l, frame[0]), dot(l, frame[1]), dot(l, frame[2]));
         if wi.z > 0.0 {
-            var f_r: vec3<f32>;
-            if view.hardware == 1u {
-                f_r = wavelet_brdf(wi, wo, level);
-            } else {
-                f_r = wavelet_brdf_exact(wi, wo, level);
-            }
+            let f_r = brdf(wi, wo, level, view.hardware == 1u);
             radiance += f_r * lights[k].intensity.rgb * (wi.z / distance_squared);
         }
     }

@@ -3,7 +3,8 @@
 
 use crate::{Decoding, Gpu, GpuError, Renderer};
 use brdfc_formats::direction::DirectionPair;
-use brdfc_formats::wavelet::{WaveletDecoder, WaveletPack, level_of_detail};
+use brdfc_formats::wavelet::level_of_detail;
+use brdfc_formats::{BrdfDecoder, BrdfPack};
 use brdfc_metrics::image::LinearImage;
 use brdfc_render::scene::{Frame, Scene};
 use brdfc_render::shade::{Reflectance, SourceReflectance, shade};
@@ -14,11 +15,11 @@ use brdfc_source::Source;
 #[derive(Clone, Copy)]
 pub struct Material<'a> {
     /// What engines get.
-    pub pack: &'a WaveletPack,
+    pub pack: &'a BrdfPack,
     /// What it was made from, if that is at hand.
     pub source: Option<&'a dyn Source>,
     /// All slices at 16 bits: what the grid alone loses.
-    pub table: Option<&'a WaveletPack>,
+    pub table: Option<&'a BrdfPack>,
 }
 
 /// The same view, drawn in different ways.
@@ -43,20 +44,20 @@ impl Views {
 
 /// A pack on the CPU, decoded as a shader with exact filters does.
 pub struct PackReflectance {
-    decoder: WaveletDecoder,
+    decoder: BrdfDecoder,
     decoding: Decoding,
 }
 
 impl PackReflectance {
     /// Unpacks a pack.
-    pub fn new(pack: &WaveletPack, decoding: Decoding) -> Self {
-        Self { decoder: WaveletDecoder::new(pack), decoding }
+    pub fn new(pack: &BrdfPack, decoding: Decoding) -> Self {
+        Self { decoder: BrdfDecoder::new(pack), decoding }
     }
 }
 
 impl Reflectance for PackReflectance {
     fn eval(&self, pair: DirectionPair, distance: f64) -> [f64; 3] {
-        let levels = self.decoder.header().levels;
+        let levels = self.decoder.levels();
         let level = self
             .decoding
             .level
@@ -79,18 +80,18 @@ pub fn views(
     decoding: Decoding,
 ) -> Result<Views, GpuError> {
     let renderer = Renderer::new(gpu)?;
-    let packs: Vec<&WaveletPack> = materials.iter().map(|material| material.pack).collect();
+    let packs: Vec<&BrdfPack> = materials.iter().map(|material| material.pack).collect();
     let loaded = renderer.load(scene, &packs, decoding)?;
     let shader = renderer.draw(&loaded, &scene.camera, frame)?;
 
     let hits = trace(scene, frame);
-    let from_packs = |packs: &[&WaveletPack], decoding: Decoding| {
+    let from_packs = |packs: &[&BrdfPack], decoding: Decoding| {
         let decoders: Vec<PackReflectance> = packs.iter().map(|pack| PackReflectance::new(pack, decoding)).collect();
         let all: Vec<&dyn Reflectance> = decoders.iter().map(|decoder| decoder as &dyn Reflectance).collect();
         shade(scene, frame, &hits, &all)
     };
     let pack = from_packs(&packs, decoding);
-    let tables: Option<Vec<&WaveletPack>> = materials.iter().map(|material| material.table).collect();
+    let tables: Option<Vec<&BrdfPack>> = materials.iter().map(|material| material.table).collect();
     let table = tables.map(|tables| {
         from_packs(
             &tables,

@@ -2,6 +2,7 @@
 
 pub mod btf_stack;
 pub mod cache;
+pub mod encode;
 pub mod flatten;
 mod keys;
 pub mod report;

@@ -1,11 +1,11 @@
 //! Error of one source against another at chosen direction pairs: what a user of a pack sees.
 
 use super::norms::{NormSums, Norms};
-use super::picture::{PictureError, picture_error};
+use super::picture::{PictureError, ReferencePicture};
 use super::sampling::{PairSet, albedo_directions, cosine_directions};
 use super::values::{CHUNK, values_at};
-use brdfc_formats::direction::DirectionPair;
-use brdfc_formats::wavelet::ErrorSummary;
+use brdfc_formats::ErrorSummary;
+use brdfc_formats::direction::{DirectionPair, Vector};
 use brdfc_source::{Source, Tally};
 use rayon::prelude::*;
 
@@ -51,79 +51,115 @@ pub struct AlbedoPoint {
     pub approximation: [f64; 3],
 }
 
-/// Compares `approximation` with `reference` at the pairs of a set, and pictures of both ([`picture_error`]).
-///
-/// The `μ` of the relative norms' floor is the reference's mean over pairs of the set: the figures depend on the two sources and on
-/// nothing else. Negative reference values count as 0, as they do in a table.
-pub fn compare(reference: &dyn Source, approximation: &dyn Source, set: &PairSet) -> (Comparison, Tally) {
-    let pairs = &set.pairs;
-    let grey = reference.is_grey() && approximation.is_grey();
-    let channels = if grey { 1 } else { 3 };
-    let (values, mut tally) = values_at(reference, pairs);
-    let mean = mean_value(&values[..set.of_mean]);
-    let parts: Vec<(NormSums, Reciprocity)> = pairs
-        .par_chunks(CHUNK)
-        .enumerate()
-        .map(|(chunk_number, chunk)| {
-            let mut sums = NormSums::new(mean);
-            let mut reciprocity = Reciprocity::default();
-            let mut other = Tally::default();
-            for (k, pair) in chunk.iter().enumerate() {
-                let f = values[chunk_number * CHUNK + k];
-                let g = approximation.eval(*pair, &mut other);
-                for channel in 0..channels {
-                    sums.add(f[channel].max(0.0), g[channel], pair.incoming[2].max(0.0));
-                }
-                if chunk_number * CHUNK + k < RECIPROCITY_PAIRS {
-                    let exchanged = approximation.eval(pair.exchanged(), &mut other);
-                    for channel in 0..channels {
-                        reciprocity.add(f[channel], g[channel], exchanged[channel], mean);
-                    }
-                }
-            }
-            (sums, reciprocity)
-        })
-        .collect();
-    let mut sums = NormSums::new(mean);
-    let mut reciprocity = Reciprocity::default();
-    for (part, exchange) in &parts {
-        sums.merge(part);
-        reciprocity.merge(exchange);
-    }
-    let (picture, counts) = picture_error(reference, approximation);
-    tally += counts;
-    let albedo = albedo_curves(reference, approximation);
-    let albedo_max_difference = albedo
-        .iter()
-        .flat_map(|point| (0..3).map(|c| (point.approximation[c] - point.reference[c]).abs()))
-        .fold(0.0, f64::max);
-    let mut norms = sums.norms();
-    // The channels of one pair err together: they are one sample.
-    norms.relative_standard_error *= f64::from(channels as u32).sqrt();
-    let comparison =
-        Comparison { mean, norms, picture, albedo, albedo_max_difference, reciprocity: reciprocity.mean() };
-    (comparison, tally)
+/// A source as others are compared with: its values at the pairs of a set, of pictures and of albedos, found once.
+pub struct Reference {
+    set: PairSet,
+    grey: bool,
+    values: Vec<[f64; 3]>,
+    mean: f64,
+    picture: ReferencePicture,
+    albedo: Vec<([f64; 2], Vector, [f64; 3])>,
+    tally: Tally,
 }
 
-fn albedo_curves(reference: &dyn Source, approximation: &dyn Source) -> Vec<AlbedoPoint> {
-    let outgoing = cosine_directions(ALBEDO_SIDE);
-    albedo_directions(reference.symmetry().isotropic)
-        .into_par_iter()
-        .map(|([theta, phi], incoming)| {
-            let mut tally = Tally::default();
-            let mut albedo = |source: &dyn Source| {
-                let mut sum = [0.0; 3];
-                for direction in &outgoing {
-                    let f = source.eval(DirectionPair::new(incoming, *direction), &mut tally);
-                    for channel in 0..3 {
-                        sum[channel] += f[channel].max(0.0);
+impl Reference {
+    /// Evaluates a source.
+    pub fn new(source: &dyn Source, set: PairSet) -> Self {
+        let (values, mut tally) = values_at(source, &set.pairs);
+        let (picture, counts) = ReferencePicture::new(source);
+        tally += counts;
+        let outgoing = cosine_directions(ALBEDO_SIDE);
+        let albedo = albedo_directions(source.symmetry().isotropic)
+            .into_par_iter()
+            .map(|(angles, incoming)| (angles, incoming, albedo(source, incoming, &outgoing)))
+            .collect();
+        Self { grey: source.is_grey(), mean: mean_value(&values[..set.of_mean]), set, values, picture, albedo, tally }
+    }
+
+    /// What the source had to mend.
+    pub fn tally(&self) -> Tally {
+        self.tally
+    }
+
+    /// Whether the source is black at all pairs.
+    pub fn is_black(&self) -> bool {
+        self.mean <= 0.0
+    }
+
+    /// Compares an approximation with the source, and pictures of both.
+    ///
+    /// The `μ` of the relative norms' floor is the source's mean over pairs of the set: the figures depend on the two sources and on
+    /// nothing else. Negative values of the source count as 0, as they do in a pack.
+    pub fn compare(&self, approximation: &dyn Source) -> Comparison {
+        let (pairs, mean) = (&self.set.pairs, self.mean);
+        let channels = if self.grey && approximation.is_grey() { 1 } else { 3 };
+        let parts: Vec<(NormSums, Reciprocity)> = pairs
+            .par_chunks(CHUNK)
+            .enumerate()
+            .map(|(chunk_number, chunk)| {
+                let mut sums = NormSums::new(mean);
+                let mut reciprocity = Reciprocity::default();
+                let mut other = Tally::default();
+                for (k, pair) in chunk.iter().enumerate() {
+                    let f = self.values[chunk_number * CHUNK + k];
+                    let g = approximation.eval(*pair, &mut other);
+                    for channel in 0..channels {
+                        sums.add(f[channel].max(0.0), g[channel], pair.incoming[2].max(0.0));
+                    }
+                    if chunk_number * CHUNK + k < RECIPROCITY_PAIRS {
+                        let exchanged = approximation.eval(pair.exchanged(), &mut other);
+                        for channel in 0..channels {
+                            reciprocity.add(f[channel], g[channel], exchanged[channel], mean);
+                        }
                     }
                 }
-                sum.map(|s| s * std::f64::consts::PI / outgoing.len() as f64)
-            };
-            AlbedoPoint { theta, phi, reference: albedo(reference), approximation: albedo(approximation) }
-        })
-        .collect()
+                (sums, reciprocity)
+            })
+            .collect();
+        let mut sums = NormSums::new(mean);
+        let mut reciprocity = Reciprocity::default();
+        for (part, exchange) in &parts {
+            sums.merge(part);
+            reciprocity.merge(exchange);
+        }
+        let outgoing = cosine_directions(ALBEDO_SIDE);
+        let albedo: Vec<AlbedoPoint> = self
+            .albedo
+            .par_iter()
+            .map(|([theta, phi], incoming, reference)| {
+                let approximation = albedo(approximation, *incoming, &outgoing);
+                AlbedoPoint { theta: *theta, phi: *phi, reference: *reference, approximation }
+            })
+            .collect();
+        let albedo_max_difference = albedo
+            .iter()
+            .flat_map(|point| (0..3).map(|c| (point.approximation[c] - point.reference[c]).abs()))
+            .fold(0.0, f64::max);
+        let mut norms = sums.norms();
+        // The channels of one pair err together: they are one sample.
+        norms.relative_standard_error *= f64::from(channels as u32).sqrt();
+        let picture = self.picture.compare(approximation);
+        Comparison { mean, norms, picture, albedo, albedo_max_difference, reciprocity: reciprocity.mean() }
+    }
+}
+
+/// Compares `approximation` with `reference` at the pairs of a set; the tally is the reference's.
+pub fn compare(reference: &dyn Source, approximation: &dyn Source, set: &PairSet) -> (Comparison, Tally) {
+    let reference = Reference::new(reference, set.clone());
+    (reference.compare(approximation), reference.tally())
+}
+
+/// `∫ f cos θo dωo` at an incoming direction.
+fn albedo(source: &dyn Source, incoming: Vector, outgoing: &[Vector]) -> [f64; 3] {
+    let mut tally = Tally::default();
+    let mut sum = [0.0; 3];
+    for direction in outgoing {
+        let f = source.eval(DirectionPair::new(incoming, *direction), &mut tally);
+        for channel in 0..3 {
+            sum[channel] += f[channel].max(0.0);
+        }
+    }
+    sum.map(|s| s * std::f64::consts::PI / outgoing.len() as f64)
 }
 
 /// Mean over values and channels; negative ones count as 0.

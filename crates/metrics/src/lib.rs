@@ -7,5 +7,5 @@ pub mod lab;
 pub mod norms;
 pub mod picture;
 pub mod sampling;
-mod values;
+pub mod values;
 pub mod vector_math;

@@ -2,6 +2,7 @@
 
 use super::image::{LinearImage, Spread, compare_images};
 use super::values::values_at;
+use brdfc_formats::PictureSummary;
 use brdfc_formats::direction::{DirectionPair, Vector, cross, dot};
 use brdfc_source::{Source, Tally};
 
@@ -26,6 +27,14 @@ pub struct PictureError {
     pub delta_e: Spread,
     /// CIEDE2000.
     pub delta_e_2000: Spread,
+}
+
+impl PictureError {
+    /// The form that a pack holds.
+    pub fn summary(&self) -> PictureSummary {
+        let [mean, p95, max] = [self.delta_e.mean, self.delta_e.p95, self.delta_e.max].map(|v| v as f32);
+        PictureSummary { mean, p95, max }
+    }
 }
 
 /// The direction pairs of the pixels of all three pictures. The tangent points along the ball's latitude.
@@ -53,21 +62,41 @@ pub fn picture_pairs() -> Vec<DirectionPair> {
     pairs
 }
 
+/// Pictures of a source, for others to be compared with.
+pub struct ReferencePicture {
+    pairs: Vec<DirectionPair>,
+    picture: LinearImage,
+    exposure: f64,
+}
+
+impl ReferencePicture {
+    /// Pictures of a source, and what it had to mend.
+    pub fn new(source: &dyn Source) -> (Self, Tally) {
+        let pairs = picture_pairs();
+        let (values, tally) = values_at(source, &pairs);
+        let picture = picture(&values, &pairs);
+        (Self { exposure: exposure(&picture), pairs, picture }, tally)
+    }
+
+    /// Compares pictures of an approximation with them.
+    pub fn compare(&self, approximation: &dyn Source) -> PictureError {
+        let (values, _) = values_at(approximation, &self.pairs);
+        let difference = compare_images(&picture(&values, &self.pairs), &self.picture, self.exposure);
+        let (delta_e, delta_e_2000) = (difference.delta_e, difference.delta_e_2000);
+        PictureError { pixels: difference.pixels, exposure: self.exposure, delta_e, delta_e_2000 }
+    }
+}
+
 /// Compares pictures of `approximation` with those of `reference`; the tally is the reference's.
 pub fn picture_error(reference: &dyn Source, approximation: &dyn Source) -> (PictureError, Tally) {
-    let pairs = picture_pairs();
-    let (expected, tally) = values_at(reference, &pairs);
-    let (found, _) = values_at(approximation, &pairs);
-    let picture = |values: &[[f64; 3]]| {
-        let shown = |(f, pair): (&[f64; 3], &DirectionPair)| f.map(|f| (f.max(0.0) * pair.incoming[2]) as f32);
-        let pixels: Vec<[f32; 3]> = values.iter().zip(&pairs).map(shown).collect();
-        LinearImage { coverage: vec![1.0; pixels.len()], pixels, ..LinearImage::black(pairs.len(), 1) }
-    };
-    let (expected, found) = (picture(&expected), picture(&found));
-    let exposure = exposure(&expected);
-    let difference = compare_images(&found, &expected, exposure);
-    let (delta_e, delta_e_2000) = (difference.delta_e, difference.delta_e_2000);
-    (PictureError { pixels: difference.pixels, exposure, delta_e, delta_e_2000 }, tally)
+    let (reference, tally) = ReferencePicture::new(reference);
+    (reference.compare(approximation), tally)
+}
+
+fn picture(values: &[[f64; 3]], pairs: &[DirectionPair]) -> LinearImage {
+    let shown = |(f, pair): (&[f64; 3], &DirectionPair)| f.map(|f| (f.max(0.0) * pair.incoming[2]) as f32);
+    let pixels: Vec<[f32; 3]> = values.iter().zip(pairs).map(shown).collect();
+    LinearImage { coverage: vec![1.0; pixels.len()], pixels, ..LinearImage::black(pairs.len(), 1) }
 }
 
 fn exposure(picture: &LinearImage) -> f64 {

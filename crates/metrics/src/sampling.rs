@@ -36,16 +36,18 @@ impl PairSet {
             from_polar_cosine(low + (high - low) * (1.0 - share), TAU * turn)
         };
         let uniform = |share: f64, turn: f64| between(0.0, 1.0, share, turn);
-        let mut pairs: Vec<DirectionPair> =
-            points().take(UNIFORM_PAIRS).map(|[a, b, c, d]| DirectionPair::new(uniform(a, b), uniform(c, d))).collect();
-        let mirrored = points().map(|[a, b, c, d]| {
+        let mut pairs: Vec<DirectionPair> = points(1)
+            .take(UNIFORM_PAIRS)
+            .map(|[a, b, c, d]| DirectionPair::new(uniform(a, b), uniform(c, d)))
+            .collect();
+        let mirrored = points(1).map(|[a, b, c, d]| {
             let incoming = between(steepest, 1.0, a, b);
             let half = from_polar(FRAC_PI_4 * c * c, TAU * d);
             let twice = 2.0 * dot(incoming, half);
             DirectionPair::new(incoming, std::array::from_fn(|k| twice * half[k] - incoming[k]))
         });
         pairs.extend(mirrored.filter(|pair| pair.outgoing[2] > steepest).take(MIRROR_PAIRS));
-        pairs.extend(points().take(GRAZING_PAIRS).enumerate().map(|(k, [a, b, c, d])| {
+        pairs.extend(points(1).take(GRAZING_PAIRS).enumerate().map(|(k, [a, b, c, d])| {
             let pair =
                 DirectionPair::new(between(steepest, 75f64.to_radians().cos(), a, b), between(steepest, 1.0, c, d));
             if k % 2 == 0 { pair } else { pair.exchanged() }
@@ -55,11 +57,12 @@ impl PairSet {
 }
 
 /// Points of the unit cube of four dimensions that fill it evenly: multiples of the powers of `1/g`, where `g` is the root
-/// of `g^5 = g + 1` (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences").
-fn points() -> impl Iterator<Item = [f64; 4]> {
+/// of `g^5 = g + 1` (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences"), from the one of this number
+/// on.
+pub fn points(first: u32) -> impl Iterator<Item = [f64; 4]> {
     const G: f64 = 1.167_303_978_261_418_7;
     let steps = [1.0 / G, 1.0 / (G * G), 1.0 / (G * G * G), 1.0 / (G * G * G * G)];
-    (1u32..).map(move |k| steps.map(|step| (0.5 + f64::from(k) * step).fract()))
+    (first..).map(move |k| steps.map(|step| (0.5 + f64::from(k) * step).fract()))
 }
 
 fn from_polar_cosine(z: f64, phi: f64) -> Vector {

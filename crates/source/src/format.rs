@@ -7,7 +7,8 @@ use super::scan::ScanSummary;
 use super::words::{bytes, percent};
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::Parameterisation;
-use brdfc_formats::wavelet::ErrorSummary;
+use brdfc_formats::table::{Axes, TableSymmetry};
+use brdfc_formats::{ErrorSummary, PictureSummary};
 use std::fs::File;
 use std::path::Path;
 
@@ -80,6 +81,27 @@ pub enum Facts {
         /// The filtered pack against its source at direction pairs that depend on no grid.
         off_grid: ErrorSummary,
     },
+    /// A table pack.
+    TablePack {
+        /// Nodes per axis.
+        axes: Axes,
+        /// What was folded.
+        symmetry: TableSymmetry,
+        /// 1 or 3.
+        channels: u32,
+        /// `μ`, 1/sr.
+        mean: f32,
+        /// `ε`.
+        bias: f32,
+        /// Filtered fetches of a look-up.
+        fetches: u32,
+        /// Bytes on a GPU.
+        gpu_bytes: u64,
+        /// The filtered pack against its source at direction pairs that depend on no grid.
+        off_grid: ErrorSummary,
+        /// Pictures of both: ΔE*ab.
+        picture: PictureSummary,
+    },
 }
 
 /// What the header of an ALTA table says, in its words.
@@ -104,6 +126,9 @@ impl Facts {
                 (azimuths * polar_angles * resolution[0] * resolution[1]) as u64
             }
             Self::WaveletPack { grid, slices_kept, .. } => (grid * grid * slices_kept) as u64,
+            Self::TablePack { axes, .. } => {
+                [axes.half, axes.difference, axes.azimuth, axes.layers].into_iter().map(u64::from).product()
+            }
         }
     }
 
@@ -178,8 +203,39 @@ impl Facts {
                 ("error on the grid (codec)", errors_in_words(on_grid)),
                 ("error off the grid (against the source)", errors_in_words(off_grid)),
             ],
+            Self::TablePack { axes, symmetry, channels, mean, bias, fetches, gpu_bytes, off_grid, picture } => vec![
+                ("kind", "table pack".to_owned()),
+                ("nodes", nodes_in_words(axes)),
+                ("symmetry", symmetry_in_words(*symmetry)),
+                ("texels", if *channels == 1 { "1 channel, halves" } else { "3 channels, 10 bits" }.to_owned()),
+                ("mean μ, bias ε", format!("{mean} 1/sr, {bias}")),
+                ("bytes on a GPU", bytes(*gpu_bytes)),
+                ("filtered fetches", fetches.to_string()),
+                ("error off the grid (against the source)", errors_in_words(off_grid)),
+                (
+                    "ΔE of pictures",
+                    format!("mean {:.2}, 95 %: {:.2}, largest: {:.1}", picture.mean, picture.p95, picture.max),
+                ),
+            ],
         }
     }
+}
+
+fn nodes_in_words(axes: &Axes) -> String {
+    let Axes { half, difference, azimuth, layers } = axes;
+    let layers = if *layers == 1 { String::new() } else { format!(" x {layers} (φ_h)") };
+    format!("{half} (θ_h) x {difference} (θ_d) x {azimuth} (φ_d){layers}")
+}
+
+fn symmetry_in_words(symmetry: TableSymmetry) -> String {
+    let flags = [
+        (symmetry.reciprocal, "reciprocal"),
+        (symmetry.mirror, "mirror"),
+        (symmetry.half_turn, "half turn"),
+        (symmetry.reflected, "reflected at the tangent"),
+    ];
+    let found: Vec<&str> = flags.into_iter().filter(|(holds, _)| *holds).map(|(_, name)| name).collect();
+    if found.is_empty() { "none".to_owned() } else { found.join(", ") }
 }
 
 fn errors_in_words(errors: &ErrorSummary) -> String {

@@ -23,7 +23,7 @@ pub mod words;
 
 pub use error::InputError;
 pub use merl::MerlSource;
-pub use pack::PackSource;
+pub use pack::{PackSource, TableSource};
 pub use rgl::RglSource;
 pub use scan::ScanSource;
 pub use symmetry::Symmetry;

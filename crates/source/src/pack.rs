@@ -5,8 +5,9 @@ use super::format::{Facts, Format, InputFile, Opened};
 use super::read::{MAX_FILE_BYTES, read_file};
 use super::{Source, Symmetry, Tally};
 use brdfc_formats::direction::DirectionPair;
+use brdfc_formats::table::{TableDecoder, TablePack};
 use brdfc_formats::wavelet::{Filter, WaveletDecoder, WaveletPack};
-use brdfc_formats::{FormatError, Pack, PackKind};
+use brdfc_formats::{BrdfPack, FormatError, Pack, PackKind};
 use std::path::Path;
 
 /// How packs are opened as sources.
@@ -14,11 +15,18 @@ pub(crate) const FORMAT: Format = Format { extension: "ktx2", name: "pack", open
 
 fn open(input: InputFile<'_>) -> Result<Opened, InputError> {
     let (name, level) = (file_name(input.path), input.level);
-    input.parse(|bytes| Ok(opened(&wavelet_pack(Pack::from_bytes(bytes, name)?)?, level)))
+    input.parse(|bytes| Ok(opened(&brdf_pack(Pack::from_bytes(bytes, name)?)?, level)))
 }
 
-/// A wavelet pack as an input, decoded at a level of detail; `None` is the finest.
-pub fn opened(pack: &WaveletPack, level: Option<f32>) -> Opened {
+/// A pack as an input, decoded at a level of detail if it has any; `None` is the finest.
+pub fn opened(pack: &BrdfPack, level: Option<f32>) -> Opened {
+    match pack {
+        BrdfPack::Wavelet(pack) => opened_wavelet(pack, level),
+        BrdfPack::Table(pack) => opened_table(pack),
+    }
+}
+
+fn opened_wavelet(pack: &WaveletPack, level: Option<f32>) -> Opened {
     let header = &pack.header;
     let facts = Facts::WaveletPack {
         parameterisation: header.parameterisation,
@@ -37,6 +45,22 @@ pub fn opened(pack: &WaveletPack, level: Option<f32>) -> Opened {
     Opened { source: Box::new(PackSource::new(pack, level)), facts }
 }
 
+fn opened_table(pack: &TablePack) -> Opened {
+    let header = pack.header();
+    let facts = Facts::TablePack {
+        axes: header.axes,
+        symmetry: header.symmetry,
+        channels: header.channels,
+        mean: header.mean,
+        bias: header.bias,
+        fetches: header.fetches(),
+        gpu_bytes: pack.gpu_bytes(),
+        off_grid: pack.off_grid,
+        picture: pack.picture,
+    };
+    Opened { source: Box::new(TableSource::new(pack)), facts }
+}
+
 /// Reads a pack of any kind.
 ///
 /// # Errors
@@ -46,22 +70,23 @@ pub fn open_pack(path: &Path) -> Result<Pack, InputError> {
     Pack::from_bytes(&bytes, file_name(path)).map_err(|error| InputError::format(path, error))
 }
 
-/// Reads a wavelet pack.
+/// Reads a pack of reflectances, of whichever codec.
 ///
 /// # Errors
 /// As [`open_pack`]; a pack of another kind, which is named.
-pub fn open_wavelet_pack(path: &Path) -> Result<WaveletPack, InputError> {
-    wavelet_pack(open_pack(path)?).map_err(|error| InputError::format(path, error))
+pub fn open_brdf_pack(path: &Path) -> Result<BrdfPack, InputError> {
+    brdf_pack(open_pack(path)?).map_err(|error| InputError::format(path, error))
 }
 
-fn wavelet_pack(pack: Pack) -> Result<WaveletPack, FormatError> {
+fn brdf_pack(pack: Pack) -> Result<BrdfPack, FormatError> {
     let kind = match pack {
-        Pack::Wavelet(pack) => return Ok(pack),
+        Pack::Wavelet(pack) => return Ok(BrdfPack::Wavelet(pack)),
+        Pack::Table(pack) => return Ok(BrdfPack::Table(pack)),
         other => other.kind(),
     };
     let allowed = match kind {
-        PackKind::FlatBtf(_) => "a wavelet pack; of a flat BTF, its folder or the NAME.json beside its parts",
-        _ => "a wavelet pack",
+        PackKind::FlatBtf(_) => "a table or wavelet pack; of a flat BTF, its folder or the NAME.json beside its parts",
+        _ => "a table or wavelet pack",
     };
     Err(FormatError::whole("pack", kind.name(), allowed))
 }
@@ -97,6 +122,37 @@ impl Source for PackSource {
 
     fn symmetry(&self) -> Symmetry {
         Symmetry::NONE
+    }
+
+    fn is_grey(&self) -> bool {
+        self.decoder.header().channels == 1
+    }
+}
+
+/// A table pack, filtered exactly.
+#[derive(Debug)]
+pub struct TableSource {
+    decoder: TableDecoder,
+}
+
+impl TableSource {
+    /// Unpacks a pack.
+    pub fn new(pack: &TablePack) -> Self {
+        Self { decoder: TableDecoder::new(pack) }
+    }
+}
+
+impl Source for TableSource {
+    fn eval(&self, pair: DirectionPair, tally: &mut Tally) -> [f64; 3] {
+        tally.evaluations += 1;
+        self.decoder.eval(pair).map(f64::from)
+    }
+
+    fn symmetry(&self) -> Symmetry {
+        let header = self.decoder.header();
+        let folds = header.symmetry;
+        let mirror = if header.isotropic() { folds.mirror } else { folds.half_turn && folds.reflected };
+        Symmetry { isotropic: header.isotropic(), mirror, reciprocal: folds.reciprocal }
     }
 
     fn is_grey(&self) -> bool {

@@ -5,7 +5,11 @@
 #[allow(missing_docs)]
 pub enum Stage {
     Read,
+    Symmetry,
     Resample,
+    Choose,
+    Try,
+    Fit,
     LogEncode,
     Smooth,
     Haar,
@@ -32,7 +36,11 @@ impl Stage {
     pub fn name(self) -> &'static str {
         match self {
             Self::Read => "read",
+            Self::Symmetry => "symmetry",
             Self::Resample => "resample",
+            Self::Choose => "choose nodes",
+            Self::Try => "try",
+            Self::Fit => "fit",
             Self::LogEncode => "log-encode",
             Self::Smooth => "smooth",
             Self::Haar => "haar",

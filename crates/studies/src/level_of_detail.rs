@@ -1,5 +1,6 @@
 //! The terrain with and without levels of detail (section 6.3 and figure 10 of Claustres et al. 2007).
 
+use brdfc_formats::BrdfPack;
 use brdfc_formats::wavelet::{DEFAULT_DISTANCE_SCALE, Filter, WaveletPack};
 use brdfc_gpu::{AdapterDescription, Decoding, Gpu, GpuError, LoadedScene, Renderer, SliceFilter};
 use brdfc_metrics::image::{LinearImage, auto_exposure, luminance};
@@ -103,6 +104,8 @@ pub fn level_of_detail(
     pack: &WaveletPack,
     progress: impl Fn(&str),
 ) -> Result<(LevelOfDetail, Animation), GpuError> {
+    let finest = pack.header.levels;
+    let pack = &BrdfPack::Wavelet(pack.clone());
     let renderer = Renderer::new(gpu)?;
     let scene = Builtin::Terrain.scene();
     let decoding = |filter, level| Decoding {
@@ -111,7 +114,6 @@ pub fn level_of_detail(
         level,
         distance_scale: DEFAULT_DISTANCE_SCALE,
     };
-    let finest = pack.header.levels;
     let load = |filter, level| renderer.load(&scene, &[pack], decoding(filter, level));
     let time_of = |loaded: &LoadedScene| -> Result<f64, GpuError> {
         let target = renderer.target(FRAME.width, FRAME.height)?;

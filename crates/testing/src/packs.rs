@@ -1,7 +1,9 @@
 //! What several tests of packs share. Each of them uses only a part.
+use brdfc_formats::ErrorSummary;
 use brdfc_formats::container::{Extent, TexelFormat, Texture};
 use brdfc_formats::direction::{DirectionPair, Parameterisation};
-use brdfc_formats::wavelet::{ErrorSummary, Filter, Header, SliceScale, WaveletDecoder, WaveletPack};
+use brdfc_formats::table::{Axes, KNOTS, TableHeader, TablePack, TableSymmetry};
+use brdfc_formats::wavelet::{Filter, Header, SliceScale, WaveletDecoder, WaveletPack};
 use std::collections::BTreeMap;
 
 /// Numbers that are the same on every run.
@@ -94,6 +96,44 @@ pub fn packs() -> Vec<(String, WaveletPack)> {
                     packs.push((format!("levels {levels}, channels {channels}, bits {bits}, kept {kept}"), made));
                 }
             }
+        }
+    }
+    packs
+}
+
+/// Tables of both formats and every symmetry, with random texels.
+pub fn tables() -> Vec<(String, TablePack)> {
+    let mut packs = Vec::new();
+    for bits in 0..16 {
+        let symmetry = TableSymmetry::from_bits(bits).expect("four bits");
+        for layers in [1, 3] {
+            if layers == 1 && bits > 3 {
+                continue;
+            }
+            let axes = Axes { half: 5 + bits, difference: 4, azimuth: 2 + bits % 3, layers };
+            let mut numbers = Numbers::new(u64::from(16 * bits + layers));
+            let mut knots = [0.0f32; KNOTS];
+            for k in 1..KNOTS {
+                knots[k] = knots[k - 1] + numbers.between(0.01, 0.1) as f32;
+            }
+            let last = knots[KNOTS - 1];
+            knots = knots.map(|knot| knot / last);
+            let header = TableHeader {
+                channels: if bits % 2 == 0 { 3 } else { 1 },
+                symmetry,
+                axes,
+                mean: 0.25,
+                bias: 1e-4,
+                low: [-3.0, -2.5, -2.0],
+                span: [5.0, 4.0, 4.5],
+                slope: numbers.between(-0.5, 0.6) as f32,
+                knots,
+            };
+            let count = axes.half * axes.difference * axes.azimuth * axes.layers;
+            let mut value = || std::array::from_fn(|_| numbers.unit() as f32);
+            let values: Vec<[f32; 3]> = (0..count).map(|_| value()).collect();
+            let pack = TablePack::new(header, &values).expect("in range");
+            packs.push((format!("symmetry {bits}, layers {layers}"), pack));
         }
     }
     packs

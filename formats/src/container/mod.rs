@@ -3,6 +3,7 @@
 
 pub(crate) mod entries;
 pub mod half;
+pub mod rgb10a2;
 pub mod rgb9e5;
 mod texel_format;
 mod texture;

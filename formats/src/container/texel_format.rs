@@ -23,11 +23,14 @@ pub enum TexelFormat {
     /// Three mantissas of 9 bits that share an exponent, in one word: `VK_FORMAT_E5B9G9R9_UFLOAT_PACK32`. See
     /// [`super::rgb9e5`].
     Rgb9E5,
+    /// Three components of 10 bits and one of 2 in one word, `VK_FORMAT_A2B10G10R10_UNORM_PACK32`: red is in the lowest
+    /// bits. See [`super::rgb10a2`].
+    Rgb10A2Unorm,
 }
 
 impl TexelFormat {
-    /// Every format, in the order of their Vulkan numbers.
-    pub const ALL: [Self; 9] = [
+    /// Every format.
+    pub const ALL: [Self; 10] = [
         Self::R8Unorm,
         Self::Rgba8Unorm,
         Self::R16Unorm,
@@ -37,12 +40,13 @@ impl TexelFormat {
         Self::Rg32Float,
         Self::Rgba32Float,
         Self::Rgb9E5,
+        Self::Rgb10A2Unorm,
     ];
 
     /// Words stored per texel: one per component, or a single one of packed components.
     pub fn components(self) -> usize {
         match self {
-            Self::R8Unorm | Self::R16Unorm | Self::R16Float | Self::Rgb9E5 => 1,
+            Self::R8Unorm | Self::R16Unorm | Self::R16Float | Self::Rgb9E5 | Self::Rgb10A2Unorm => 1,
             Self::Rg32Float => 2,
             Self::Rgba8Unorm | Self::Rgba16Unorm | Self::Rgba16Float | Self::Rgba32Float => 4,
         }
@@ -53,7 +57,7 @@ impl TexelFormat {
         match self {
             Self::R8Unorm | Self::Rgba8Unorm => 1,
             Self::R16Unorm | Self::R16Float | Self::Rgba16Unorm | Self::Rgba16Float => 2,
-            Self::Rg32Float | Self::Rgba32Float | Self::Rgb9E5 => 4,
+            Self::Rg32Float | Self::Rgba32Float | Self::Rgb9E5 | Self::Rgb10A2Unorm => 4,
         }
     }
 
@@ -73,6 +77,7 @@ impl TexelFormat {
             Self::Rg32Float => ktx2::Format::R32G32_SFLOAT,
             Self::Rgba32Float => ktx2::Format::R32G32B32A32_SFLOAT,
             Self::Rgb9E5 => ktx2::Format::E5B9G9R9_UFLOAT_PACK32,
+            Self::Rgb10A2Unorm => ktx2::Format::A2B10G10R10_UNORM_PACK32,
         }
     }
 

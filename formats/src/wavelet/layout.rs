@@ -1,11 +1,11 @@
 //! Bytes of the `brdfc.*` entries of a wavelet pack, and the rules a pack must keep. Normative text: `formats/src/wavelet/spec.md`.
 
-use crate::FormatError;
 use crate::container::entries::{self, sized};
 use crate::container::{Extent, Texture};
 use crate::cursor::Cursor;
 use crate::direction::Parameterisation;
-use crate::wavelet::{ErrorSummary, Header, MAX_LEVELS, MAX_SLICES, SliceScale, WaveletPack};
+use crate::wavelet::{Header, MAX_LEVELS, MAX_SLICES, SliceScale, WaveletPack};
+use crate::{ErrorSummary, FormatError};
 use std::collections::BTreeMap;
 
 const VERSION: u32 = 1;
@@ -67,32 +67,13 @@ fn entries_of(pack: &WaveletPack) -> BTreeMap<String, Vec<u8>> {
     }
     let index = pack.index.iter().flat_map(|i| i.to_le_bytes()).collect();
     let scales = pack.scales.iter().flat_map(|s| [s.scale.to_le_bytes(), s.offset.to_le_bytes()]).flatten().collect();
-    let errors = [pack.on_grid, pack.off_grid].iter().flat_map(error_words).flat_map(u32::to_le_bytes).collect();
+    let errors = [pack.on_grid, pack.off_grid].into_iter().flat_map(ErrorSummary::to_bytes).collect();
     BTreeMap::from([
         (HEADER.to_owned(), header),
         (INDEX.to_owned(), index),
         (SCALES.to_owned(), scales),
         (ERRORS.to_owned(), errors),
     ])
-}
-
-fn error_words(e: &ErrorSummary) -> [u32; 10] {
-    let ratios = [
-        e.rms,
-        e.relative_mean,
-        e.relative_p95,
-        e.relative_p99,
-        e.relative_max,
-        e.log_rms,
-        e.cosine_log_rms,
-        e.albedo_max_difference,
-        e.reciprocity,
-    ];
-    let mut words = [e.samples; 10];
-    for (word, ratio) in words[1..].iter_mut().zip(ratios) {
-        *word = ratio.to_bits();
-    }
-    words
 }
 
 fn from_texture(texture: Texture) -> Result<WaveletPack, FormatError> {
@@ -108,9 +89,9 @@ fn from_texture(texture: Texture) -> Result<WaveletPack, FormatError> {
     }
     let index = read_index(entry(&texture, INDEX)?, &header, slices)?;
     let scales = read_scales(entry(&texture, SCALES)?, slices)?;
-    let errors = sized(entry(&texture, ERRORS)?, ERRORS, 80)?;
-    let (on_grid, off_grid) = errors.split_at(40);
-    let (on_grid, off_grid) = (read_errors(on_grid)?, read_errors(off_grid)?);
+    let errors = sized(entry(&texture, ERRORS)?, ERRORS, 2 * ErrorSummary::BYTES)?;
+    let (on_grid, off_grid) = errors.split_at(ErrorSummary::BYTES);
+    let (on_grid, off_grid) = (ErrorSummary::from_bytes(on_grid, ERRORS)?, ErrorSummary::from_bytes(off_grid, ERRORS)?);
     let slice_bytes = header.cells() * header.texel_format().texel_bytes();
     if texture.texels[..slice_bytes].iter().any(|byte| *byte != 0) {
         return Err(FormatError::whole("slice 0", "a texel that is not zero", "the zero slice"));
@@ -201,39 +182,4 @@ fn read_scales(bytes: &[u8], slices: usize) -> Result<Vec<SliceScale>, FormatErr
         scales.push(SliceScale { scale, offset });
     }
     Ok(scales)
-}
-
-fn read_errors(bytes: &[u8]) -> Result<ErrorSummary, FormatError> {
-    let mut cursor = Cursor::new(bytes);
-    let samples = cursor.u32(ERRORS)?;
-    let mut ratios = [0.0; 9];
-    for ratio in &mut ratios {
-        *ratio = cursor.f32(ERRORS)?;
-        if !(0.0..=f32::MAX).contains(ratio) {
-            return Err(FormatError::whole(ERRORS, ratio.to_string(), "numbers that are not negative"));
-        }
-    }
-    let [
-        rms,
-        relative_mean,
-        relative_p95,
-        relative_p99,
-        relative_max,
-        log_rms,
-        cosine_log_rms,
-        albedo_max_difference,
-        reciprocity,
-    ] = ratios;
-    Ok(ErrorSummary {
-        samples,
-        rms,
-        relative_mean,
-        relative_p95,
-        relative_p99,
-        relative_max,
-        log_rms,
-        cosine_log_rms,
-        albedo_max_difference,
-        reciprocity,
-    })
 }

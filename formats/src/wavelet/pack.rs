@@ -1,6 +1,7 @@
 //! The wavelet BRDF pack (Claustres et al. 2007, section 5): kept coefficient slices as a 3D texture, and the map that
 //! finds them. Byte layout: `spec.md` and `layout.rs`.
 
+use crate::ErrorSummary;
 use crate::container::TexelFormat;
 use crate::direction::Parameterisation;
 
@@ -57,32 +58,6 @@ pub struct SliceScale {
     pub scale: f32,
     /// Value of texel 0.
     pub offset: f32,
-}
-
-/// Error norms of a pack against its source, as measured when it was made. Ratios are fractions, not per cent.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, schemars::JsonSchema))]
-pub struct ErrorSummary {
-    /// Samples compared.
-    pub samples: u32,
-    /// RMS of `f' - f`, 1/sr.
-    pub rms: f32,
-    /// `ε_r`, mean of `|f' - f| / f` over samples with `f >= 1e-3 μ`.
-    pub relative_mean: f32,
-    /// 95th percentile of the same ratio.
-    pub relative_p95: f32,
-    /// 99th percentile of the same ratio.
-    pub relative_p99: f32,
-    /// Its maximum.
-    pub relative_max: f32,
-    /// RMS of `ln f' - ln f` over the same samples.
-    pub log_rms: f32,
-    /// RMS of `ln(1 + f' cos θi) - ln(1 + f cos θi)` over all samples.
-    pub cosine_log_rms: f32,
-    /// Largest difference of directional albedo over incoming angles.
-    pub albedo_max_difference: f32,
-    /// Mean of `|f'(i, o) - f'(o, i)| / f` of the pack: how far it is from reciprocal.
-    pub reciprocity: f32,
 }
 
 /// A wavelet pack in memory.

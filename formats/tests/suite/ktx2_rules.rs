@@ -56,6 +56,13 @@ fn shared_exponent() -> Vec<Sample> {
     (0..3u8).flat_map(|k| [(9 * u32::from(k), 9, k, 0, 8448), (27, 5, k | EXPONENT, 15, 31)]).collect()
 }
 
+/// Three components of 10 bits and one of 2.
+fn ten_bits() -> Vec<Sample> {
+    (0..4)
+        .map(|k| (10 * k, if k == 3 { 2 } else { 10 }, CHANNELS[k as usize], 0, if k == 3 { 3 } else { 1023 }))
+        .collect()
+}
+
 fn expected(pack: &WaveletPack) -> Expected {
     let (components, vk_formats) = if pack.header.channels == 1 { (1, [9, 70]) } else { (4, [37, 91]) };
     let wide = usize::from(pack.header.bits > 8);
@@ -82,6 +89,7 @@ fn expected_texture(texture: &Texture) -> Expected {
         TexelFormat::Rg32Float => (103, 4, 8, float(2, 32)),
         TexelFormat::Rgba32Float => (109, 4, 16, float(4, 32)),
         TexelFormat::Rgb9E5 => (123, 4, 4, shared_exponent()),
+        TexelFormat::Rgb10A2Unorm => (64, 4, 4, ten_bits()),
     };
     let fields = match texture.extent {
         Extent::D2([width, height]) => [width, height, 0, 0],
@@ -212,7 +220,7 @@ fn files_keep_the_rules_of_the_validator() {
 #[test]
 fn every_kind_of_texture_keeps_the_rules_of_the_validator() {
     let textures = brdfc_testing::packs::textures();
-    assert_eq!(textures.len(), 9 * 5);
+    assert_eq!(textures.len(), 10 * 5);
     for (name, texture) in textures {
         for supercompress in [false, true] {
             println!("{name}, supercompress {supercompress}");

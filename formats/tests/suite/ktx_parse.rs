@@ -67,6 +67,7 @@ fn texture_expectation(texture: &Texture, supercompress: bool) -> String {
         TexelFormat::Rg32Float => (103, 4),
         TexelFormat::Rgba32Float => (109, 4),
         TexelFormat::Rgb9E5 => (123, 4),
+        TexelFormat::Rgb10A2Unorm => (64, 4),
     };
     let [width, height, depth, layers] = match texture.extent {
         Extent::D2([width, height]) => [width, height, 0, 0],

@@ -54,7 +54,7 @@ fn unknown_keys_at_every_level() {
         ),
         (2, "titel = 1", "line 3, key in [scene]: found \"titel\"; allowed name, distance_scale, environment"),
         (2, "distance-scale = 1", "(did you mean distance_scale?)"),
-        (4, "grit = 8", "line 5, key in [defaults]: found \"grit\"; allowed ratio, max_error,"),
+        (4, "grit = 8", "line 5, key in [defaults]: found \"grit\"; allowed codec, max_delta_e,"),
         (4, "grit = 8", "(did you mean grid?)"),
         (6, "max_eror = 0.1", "line 7, key in [materials.paint]: found \"max_eror\""),
         (6, "max_eror = 0.1", "(did you mean max_error?)"),

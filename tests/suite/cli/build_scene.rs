@@ -55,11 +55,11 @@ fn packs_lists_and_the_report_are_written() {
         let pack = format!("packs/{}", list["parts"]["brdf"].as_str().unwrap());
         assert_eq!(kept["report"]["bytes_on_disk"], folder.read(&pack).len());
         let info = folder.run(&["info", &pack, "--json"]).succeeded().json();
-        assert_eq!(info["slices_kept"], kept["report"]["slices_kept"]);
+        assert_eq!(info["slices_kept"], kept["report"]["codec"]["wavelet"]["slices_kept"]);
     }
     // At distance 30 a grid of 2 levels loses log2(4.5) levels: all that fit.
-    assert_eq!(report["materials"][0]["report"]["stored_levels"], 0);
-    assert_eq!(report["materials"][1]["report"]["stored_levels"], 2);
+    assert_eq!(report["materials"][0]["report"]["codec"]["wavelet"]["stored_levels"], 0);
+    assert_eq!(report["materials"][1]["report"]["codec"]["wavelet"]["stored_levels"], 2);
 }
 
 #[test]

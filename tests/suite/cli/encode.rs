@@ -17,7 +17,10 @@ fn every_kind_of_input_becomes_a_pack() {
     for input in inputs(&folder) {
         let report = encode(&folder, input, &["--grid", "4", "--ratio", "2"]);
         assert_eq!(
-            (&report["grid"], &report["slices_kept"], &report["slices_in_all"]),
+            {
+                let wavelet = &report["codec"]["wavelet"];
+                (&wavelet["grid"], &wavelet["slices_kept"], &wavelet["slices_in_all"])
+            },
             (&4.into(), &8.into(), &16.into())
         );
         let samples = report["samples_in"].as_u64().unwrap();
@@ -36,8 +39,9 @@ fn options_reach_the_pack() {
     let folder = Folder::new();
     let more = ["--grid", "8", "--bits", "12", "--parameterisation", "half-difference", "--smooth"];
     let report = encode(&folder, "synth:lewis", &more);
-    assert_eq!((&report["bits"], &report["smoothed"]), (&12.into(), &true.into()));
-    assert_eq!(report["parameterisation"], "half-difference");
+    let wavelet = &report["codec"]["wavelet"];
+    assert_eq!((&wavelet["bits"], &wavelet["smoothed"]), (&12.into(), &true.into()));
+    assert_eq!(wavelet["parameterisation"], "half-difference");
     let compressed = folder.read("pack.ktx2").len();
     encode(&folder, "synth:lewis", &[&more[..], &["--no-supercompression"]].concat());
     assert!(folder.read("pack.ktx2").len() > compressed);
@@ -49,12 +53,18 @@ fn options_reach_the_pack() {
 fn targets_are_met_and_tight() {
     let folder = Folder::new();
     let report = encode(&folder, "synth:lewis", &["--grid", "8", "--max-error", "0.05"]);
-    let kept = report["slices_kept"].as_u64().unwrap();
-    assert!(report["on_grid"]["norms"]["relative_mean"].as_f64().unwrap() <= 0.05 && kept < 64, "{report}");
+    let kept = report["codec"]["wavelet"]["slices_kept"].as_u64().unwrap();
+    assert!(
+        report["codec"]["wavelet"]["on_grid"]["norms"]["relative_mean"].as_f64().unwrap() <= 0.05 && kept < 64,
+        "{report}"
+    );
     let fewer = format!("{}", 64.0 / (kept - 1) as f64);
     let report = encode(&folder, "synth:lewis", &["--grid", "8", "--ratio", &fewer]);
-    assert_eq!(report["slices_kept"], kept - 1);
-    assert!(report["on_grid"]["norms"]["relative_mean"].as_f64().unwrap() > 0.05, "one slice fewer misses it");
+    assert_eq!(report["codec"]["wavelet"]["slices_kept"], kept - 1);
+    assert!(
+        report["codec"]["wavelet"]["on_grid"]["norms"]["relative_mean"].as_f64().unwrap() > 0.05,
+        "one slice fewer misses it"
+    );
 
     let report = encode(&folder, "synth:lewis", &["--grid", "8", "--max-bytes", "2000"]);
     let bytes = report["bytes_on_gpu"].as_u64().unwrap();
@@ -97,4 +107,99 @@ fn an_existing_pack_is_replaced_whole_or_kept() {
     folder.run(&["encode", "synth:lambert", "-o", "p.ktx2", "--grid", "2"]).succeeded();
     assert!(folder.run(&["info", "p.ktx2"]).succeeded().stdout.contains("wavelet pack"));
     assert_eq!(folder.files(".").len(), 1);
+}
+
+/// Without options: the smallest pack that meets the budget, and what was tried before it.
+#[test]
+fn without_options_the_smallest_pack_that_looks_right_is_kept() {
+    let folder = Folder::new();
+    let report = encode(&folder, "synth:ggx?kd=0.3,0.1,0.05&alpha=0.15", &[]);
+    let tried = report["tried"].as_array().unwrap();
+    let (last, before) = tried.split_last().unwrap();
+    assert!(before.iter().all(|trial| trial["meets"] == false) && last["meets"] == true, "{report}");
+    assert_eq!((&last["bytes_on_gpu"], &last["codec"]), (&report["bytes_on_gpu"], &"table".into()));
+    assert_eq!(last["delta_e"], report["off_grid"]["picture"]["delta_e"]["mean"]);
+    assert!(last["delta_e"].as_f64().unwrap() <= 0.5 && report["missed"].is_null(), "{report}");
+    assert_eq!((&report["fetches"], report["bytes_on_gpu"].as_u64().unwrap() <= 16 << 10), (&1.into(), true));
+    let trials = report["stages"].as_array().unwrap().iter().filter(|stage| stage["stage"] == "try").count();
+    assert_eq!(trials, tried.len(), "a time for each");
+    // A tighter budget takes more, a budget of bytes is filled, and text says what was tried.
+    let closer = encode(&folder, "synth:ggx?kd=0.3,0.1,0.05&alpha=0.15", &["--max-delta-e", "0.1"]);
+    assert!(closer["bytes_on_gpu"].as_u64() > report["bytes_on_gpu"].as_u64(), "{closer}");
+    let filled = encode(&folder, "synth:lewis", &["--max-bytes", "3000"]);
+    let bytes = filled["bytes_on_gpu"].as_u64().unwrap();
+    assert!((2500..=3000).contains(&bytes), "{bytes}");
+    let text = folder.run(&["encode", "synth:lewis", "-o", "p.ktx2"]).succeeded().stdout;
+    assert!(text.starts_with("tried") && text.contains("meets the budget"), "{text}");
+    // A named codec is not searched for.
+    let wavelet = encode(&folder, "synth:lewis", &["--codec", "wavelet", "--grid", "8"]);
+    assert!(wavelet["codec"]["wavelet"]["grid"] == 8 && wavelet["tried"].as_array().unwrap().is_empty());
+    let table = encode(&folder, "synth:lewis", &["--codec", "table", "--max-bytes", "1000", "--reciprocal"]);
+    assert!(table["codec"]["table"]["symmetry"]["reciprocal"] == true && table["bytes_on_gpu"].as_u64() <= Some(1000));
+}
+
+/// What nothing meets: the best is kept and named, and the exit code says so.
+#[test]
+fn a_budget_that_nothing_meets_keeps_the_best() {
+    let folder = Folder::new();
+    let input = "synth:ggx?kd=0.3,0.1,0.05&alpha=0.05";
+    let ran = folder.run(&["encode", input, "-o", "p.ktx2", "--max-delta-e", "0.05", "--max-bytes", "3000", "--json"]);
+    assert_eq!(ran.code, 1, "{}", ran.stderr);
+    assert!(
+        ran.stderr.contains("nothing that was tried meets the budget, the best is kept; ΔE: found"),
+        "{}",
+        ran.stderr
+    );
+    let report = ran.json();
+    conforms("encode", &report);
+    assert!(report["missed"].is_string() && report["bytes_on_disk"] == folder.read("p.ktx2").len(), "{report}");
+    assert!(report["tried"].as_array().unwrap().iter().all(|trial| trial["meets"] == false));
+}
+
+#[test]
+fn budgets_that_say_nothing_are_refused() {
+    let folder = Folder::new();
+    for (input, more, code, expected) in [
+        ("synth:lewis", &["--max-bytes", "150"][..], 1, "byte budget: found 150 bytes; allowed at least"),
+        ("synth:lewis", &["--max-bytes", "0"], 2, "--max-bytes: found 0; allowed 1 or more"),
+        ("synth:lewis", &["--max-fetches", "0"], 2, "--max-fetches: found 0; allowed 1 or more"),
+        ("synth:lewis", &["--max-delta-e", "0"], 2, "--max-delta-e: found 0; allowed above 0, up to 100"),
+        ("synth:lewis", &["--max-delta-e=-1"], 2, "--max-delta-e: found -1; allowed above 0"),
+        ("synth:lewis", &["--max-delta-e", "nan"], 2, "--max-delta-e: found NaN; allowed above 0"),
+        (
+            "synth:lewis",
+            &["--max-error", "3"],
+            2,
+            "--max-error: found 3; allowed a fraction or a percentage: write 0.03 or 3%",
+        ),
+        ("synth:ward?ax=0.1&ay=0.4", &["--max-fetches", "1"], 1, "fetch budget: found 1; allowed at least 2"),
+        ("synth:lambert?kd=0", &["--max-delta-e", "1"], 1, "black everywhere"),
+        ("synth:lewis", &["--codec", "jpeg"], 2, "--codec: found \"jpeg\"; allowed auto or table or wavelet"),
+        (
+            "synth:lewis",
+            &["--codec", "table", "--grid", "8"],
+            2,
+            "--grid: found 8; allowed the codec wavelet, not table",
+        ),
+        (
+            "synth:lewis",
+            &["--grid", "8", "--max-delta-e", "1"],
+            2,
+            "--max-delta-e: found 1; allowed the codec auto or table",
+        ),
+        (
+            "synth:lewis",
+            &["--ratio", "4", "--reciprocal"],
+            2,
+            "--reciprocal: found true; allowed the codec auto or table",
+        ),
+    ] {
+        let ran = folder.run(&[&["encode", input, "-o", "p.ktx2"], more].concat());
+        assert_eq!((ran.code, ran.stdout.as_str()), (code, ""), "{more:?}: {}", ran.stderr);
+        assert!(ran.stderr.contains(expected), "{more:?}: {}", ran.stderr);
+    }
+    assert!(folder.files(".").is_empty());
+    // Black without a word about errors is black.
+    let report = encode(&folder, "synth:lambert?kd=0", &[]);
+    assert_eq!(report["off_grid"]["norms"]["rms"], 0.0);
 }

@@ -83,7 +83,7 @@ fn levels_of_detail_belong_to_packs() {
         assert!(ran.code == 2 && ran.stderr.contains("--lod: found "), "{lod}: {}", ran.stderr);
     }
     let ran = folder.run(&["eval", "synth:lewis", "--directions", "pairs.csv", "--lod", "1"]);
-    assert!(ran.code == 2 && ran.stderr.contains("only packs have levels of detail"), "{}", ran.stderr);
+    assert!(ran.code == 2 && ran.stderr.contains("only wavelet packs have levels of detail"), "{}", ran.stderr);
 }
 
 #[test]

@@ -203,7 +203,8 @@ fn coarser_levels_of_detail_and_filters_change_the_picture() {
     }
     let folder = Folder::new();
     let error = |more: &[&str]| {
-        let arguments = ["render", "synth:ward?ax=0.2&ay=0.2", "--size", "60x60", "--samples", "1", "--json"];
+        let drawn = ["render", "synth:ward?ax=0.2&ay=0.2", "--size", "60x60", "--samples", "1", "--json"];
+        let arguments = [&drawn[..], &["--ratio", "4"]].concat();
         mean(&report(&folder.run(&[&arguments[..], more].concat()).succeeded()), "total")
     };
     let finest = error(&[]);

@@ -7,7 +7,6 @@ pub mod fold;
 pub mod haar;
 pub mod log_encode;
 pub mod measure;
-pub mod options;
 pub mod quantise;
 pub mod recipe;
 pub mod resample;

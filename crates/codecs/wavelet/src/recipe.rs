@@ -4,6 +4,9 @@ use super::log_encode::DEFAULT_BIAS;
 use super::table::Grid;
 use brdfc_formats::direction::Parameterisation;
 
+/// `ε` that goes with [`Ranking::Visible`]: pictures show values far below the mean of the table, which grazing angles raise.
+const VISIBLE_BIAS: f64 = 3e-4;
+
 /// How many slices are kept.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -76,6 +79,11 @@ impl Default for Recipe {
 }
 
 impl Recipe {
+    /// Slices ranked by what is seen, with the bias that goes with it: the same bytes look better.
+    pub fn visible() -> Self {
+        Self { ranking: Ranking::Visible, bias: VISIBLE_BIAS, ..Self::default() }
+    }
+
     /// The grid of the table.
     pub fn grid(&self) -> Grid {
         Grid { parameterisation: self.parameterisation, levels: self.levels }

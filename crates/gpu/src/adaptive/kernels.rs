@@ -117,7 +117,8 @@ impl<'g> Kernels<'g> {
         [first, count]: [usize; 2],
         level: u32,
     ) {
-        let words = [first as u32, count as u32, GROUP * ROW_OF_GROUPS, level];
+        let of_material = material.map_or([0; 4], |material| material.words);
+        let words = [[first as u32, count as u32, GROUP * ROW_OF_GROUPS, level], of_material];
         self.gpu.queue.write_buffer(&on.job, 0, bytemuck::cast_slice(&words));
         let groups = (count as u32).div_ceil(GROUP);
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());

@@ -31,7 +31,7 @@ impl Layouts {
         let frame = group("frame", &[uniform, uniform, uniform, image, image, image]);
         let written = group("storage", &[storage; STORAGE_BUFFERS as usize]);
         let pack = pack::layout(gpu, ShaderStages::COMPUTE);
-        let material = group("material", &[uniform, image, uniform, image, image, image, uniform, image, image]);
+        let material = group("material", &[uniform, image, uniform, image, image, image, image, image]);
         Self { frame, storage: written, pack, material }
     }
 }

@@ -5,11 +5,11 @@ use super::super::device::{Gpu, GpuError};
 use super::super::draw::Decoding;
 use super::super::pack;
 use super::layouts::Layouts;
+use brdfc_formats::BrdfPack;
 use brdfc_formats::bandwidth::propagation::DirectedLight;
 use brdfc_formats::bandwidth::shader::BandwidthParameters;
 use brdfc_formats::bandwidth::{BandwidthKind, BandwidthMap};
 use brdfc_formats::container::TexelFormat;
-use brdfc_formats::wavelet::WaveletPack;
 use brdfc_render::adaptive::{AdaptiveMaterial, DistantLight};
 use wgpu::{BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, BufferUsages, TextureView};
 
@@ -17,6 +17,8 @@ use wgpu::{BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Buff
 pub(super) struct LoadedMaterial {
     pub(super) pack: BindGroup,
     pub(super) maps: BindGroup,
+    /// The words of the shader's `Material`.
+    pub(super) words: [u32; 4],
 }
 
 /// What all materials of a scene share.
@@ -38,7 +40,7 @@ pub(super) fn upload(
     surroundings: &Surroundings<'_>,
     index: usize,
     material: &AdaptiveMaterial<'_>,
-    pack: &WaveletPack,
+    pack: &BrdfPack,
 ) -> Result<LoadedMaterial, GpuError> {
     let decoding = surroundings.decoding;
     let pack = pack::upload(gpu, &layouts.pack, pack, decoding.filter, decoding.distance_scale)?;
@@ -51,8 +53,7 @@ pub(super) fn upload(
     let parameters = BandwidthParameters { brdf_scale, environment_scale, ..BandwidthParameters::default() };
     let parameters = gpu.buffer(&parameters.to_bytes(), BufferUsages::UNIFORM);
     let [level, hardware] = decoding.words();
-    let own = [index as u32, material.albedo.to_bits(), level, hardware];
-    let own = gpu.buffer(bytemuck::cast_slice(&own), BufferUsages::UNIFORM);
+    let words = [index as u32, material.albedo.to_bits(), level, hardware];
     let view = BindingResource::TextureView;
     let resources = [
         importance.as_entire_binding(),
@@ -62,7 +63,6 @@ pub(super) fn upload(
         view(&light),
         // No texture has a map: the light's stands in its place.
         view(&light),
-        own.as_entire_binding(),
         view(surroundings.radiance),
         view(surroundings.light),
     ];
@@ -71,7 +71,7 @@ pub(super) fn upload(
     let descriptor = BindGroupDescriptor { label: None, layout: &layouts.material, entries: &entries };
     let maps = gpu.device.create_bind_group(&descriptor);
     gpu.check()?;
-    Ok(LoadedMaterial { pack, maps })
+    Ok(LoadedMaterial { pack, maps, words })
 }
 
 /// The levels of light, one below the other.

@@ -1,4 +1,4 @@
-//! Adaptive shading on the device: what [`brdfc_render::adaptive`] does on the CPU, from wavelet packs.
+//! Adaptive shading on the device: what [`brdfc_render::adaptive`] does on the CPU, from packs.
 //!
 //! Its functions have the names of their twins. Points and predictions stay on the device from step to step; what comes
 //! back are sums of deviations, one number for each stretch of points, and for each level what becomes of its pixels.
@@ -20,7 +20,7 @@ use super::draw::Decoding;
 use super::load::LoadedScene;
 use super::raster::Rasteriser;
 use super::surface;
-use brdfc_formats::wavelet::WaveletPack;
+use brdfc_formats::BrdfPack;
 use brdfc_render::adaptive::AdaptiveScene;
 use kernels::Kernels;
 use material::{LoadedMaterial, Surroundings};
@@ -88,7 +88,7 @@ impl<'g> AdaptiveRenderer<'g> {
     pub fn load(
         &self,
         scene: &AdaptiveScene<'_>,
-        packs: &[&WaveletPack],
+        packs: &[&BrdfPack],
         decoding: Decoding,
     ) -> Result<LoadedAdaptive, GpuError> {
         let (parts, materials) = (&scene.scene.parts, scene.materials);

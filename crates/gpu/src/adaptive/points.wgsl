@@ -30,12 +30,22 @@ struct Settings {
     reserved_1: u32,
 }
 
-// What one dispatch does: `count` things from `first` on, of a level where that matters.
+// A part and its material, besides its pack and maps.
+struct Material {
+    part: u32,                  // index
+    albedo: f32,
+    level: f32,                 // of detail of the pack; negative: follows the distance
+    hardware: u32,              // 1: the sampler filters the pack
+}
+
+// What one dispatch does: `count` things from `first` on, of a level or for a material where that matters. The material
+// is no uniform block of its own: with more than eight in a shader, llvmpipe of Mesa 22 corrupts memory.
 struct Job {
     first: u32,
     count: u32,
     stride: u32,                // invocations per row of workgroups
     level: u32,
+    material: Material,
 }
 
 // A pixel of a level.

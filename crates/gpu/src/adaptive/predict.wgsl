@@ -51,7 +51,7 @@ fn predict(@builtin(global_invocation_id) id: vec3<u32>) {
             }
         }
         let angular = bandwidth_average_mean(all.average).angular;
-        let shown = material.albedo * bandwidth_variance_mean(all.variance);
+        let shown = job.material.albedo * bandwidth_variance_mean(all.variance);
         let deviation = visible_deviation(bandwidth_variance_relative(all.variance, 0.0), shown);
         predicted[point] = vec4<f32>(picture_bandwidth(angular), deviation, predicted[point].z, angular);
     }
@@ -64,7 +64,7 @@ fn point_of_tile(corner: vec2<u32>, k: u32) -> u32 {
         return NONE;
     }
     let point = place.y * picture.points.x + place.x;
-    return select(NONE, point, part_of(point) == material.part);
+    return select(NONE, point, part_of(point) == job.material.part);
 }
 
 fn is_same_piece(point: u32, other: u32) -> bool {

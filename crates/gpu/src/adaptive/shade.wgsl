@@ -1,5 +1,5 @@
 // Equation 2: reflected radiance by importance samples, in slices of a node's samples that are added up in order.
-// Appended to `formats/src/wavelet/decode.wgsl`, `formats/src/importance/pack.wgsl` and `environment.wgsl`; the CPU
+// Appended to the decoders of packs, `brdf.wgsl`, `formats/src/importance/pack.wgsl` and `environment.wgsl`; the CPU
 // twin is `crates/render/src/adaptive/shading.rs`.
 
 @compute @workgroup_size(64)
@@ -15,9 +15,9 @@ fn shade_point(point: u32, first: u32, count: u32) -> vec3<f32> {
     let frame = frame_of(point);
     let viewer = viewer_of(position_of(point));
     let outgoing = into_frame(frame, viewer.xyz);
-    var level = material.level;
+    var level = job.material.level;
     if level < 0.0 {
-        level = wavelet_brdf_level_of_detail(viewer.w);
+        level = brdf_level_of_detail(viewer.w);
     }
     let start = scattered(point) + first;
     var sum = vec3<f32>(0.0);
@@ -26,12 +26,7 @@ fn shade_point(point: u32, first: u32, count: u32) -> vec3<f32> {
         if drawn.inverse_density <= 0.0 {
             continue;
         }
-        var f_r: vec3<f32>;
-        if material.hardware == 1u {
-            f_r = wavelet_brdf(drawn.incoming, outgoing, level);
-        } else {
-            f_r = wavelet_brdf_exact(drawn.incoming, outgoing, level);
-        }
+        let f_r = brdf(drawn.incoming, outgoing, level, job.material.hardware == 1u);
         let light = environment_at(into_world(frame, drawn.incoming));
         sum += (drawn.incoming.z * drawn.inverse_density) * (f_r * light);
     }

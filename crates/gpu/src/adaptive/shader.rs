@@ -1,11 +1,11 @@
 //! The shaders of adaptive shading, put together from their files.
 
+use super::super::pack::{brdf_source, moved};
 use super::super::raster::VIEW_WGSL;
 use super::super::surface::{ENVIRONMENT_WGSL, PERIODIC_WGSL, SURFACE_WGSL};
 use brdfc_formats::bandwidth::propagation::PROPAGATION_WGSL;
 use brdfc_formats::bandwidth::shader::BANDWIDTH_WGSL;
 use brdfc_formats::importance::IMPORTANCE_WGSL;
-use brdfc_formats::wavelet::shader::WAVELET_BRDF_WGSL;
 
 /// What [`super::AdaptiveRenderer`] compiles.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -36,7 +36,7 @@ impl Default for AdaptiveShaders {
         // Without a pack, surfaces are group 1.
         let surface = SURFACE_WGSL.replace("@group(2)", "@group(1)");
         let shared = [
-            moved(WAVELET_BRDF_WGSL, 2, 0),
+            brdf_source(2),
             moved(IMPORTANCE_WGSL, 3, 0),
             moved(BANDWIDTH_WGSL, 3, 2),
             PROPAGATION_WGSL.to_owned(),
@@ -48,13 +48,4 @@ impl Default for AdaptiveShaders {
             steps: [shared.join("\n"), STEPS.join("\n"), RESOLVE.to_owned()].join("\n"),
         }
     }
-}
-
-/// A decoder with the bindings of its group 1 in another group, from `first` on.
-fn moved(source: &str, group: u32, first: u32) -> String {
-    // From the last one, so that none is moved twice.
-    (0..4).rev().fold(source.to_owned(), |source, binding| {
-        let (from, to) = (binding, binding + first);
-        source.replace(&format!("@group(1) @binding({from})"), &format!("@group({group}) @binding({to})"))
-    })
 }

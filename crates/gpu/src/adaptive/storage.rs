@@ -101,7 +101,7 @@ pub(super) fn allocate(
     };
     let picture = picture_words(camera, frame, antialiasing_levels, size, &levels);
     let picture = gpu.buffer(bytemuck::cast_slice(&picture), BufferUsages::UNIFORM);
-    let (settings, job) = (uniform(SETTINGS_WORDS), uniform(4));
+    let (settings, job) = (uniform(SETTINGS_WORDS), uniform(8));
     let uniforms = [&picture, &settings, &job].map(Buffer::as_entire_binding);
     let frame_group =
         group(gpu, &layouts.frame, uniforms.into_iter().chain(target.views().map(BindingResource::TextureView)));

@@ -2,9 +2,10 @@
 
 use brdfc_bandwidth::environment::environment_bandwidth;
 use brdfc_bandwidth::lobe::lobe_bandwidth;
+use brdfc_formats::BrdfPack;
 use brdfc_formats::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
 use brdfc_formats::importance::ImportancePack;
-use brdfc_formats::wavelet::{DEFAULT_DISTANCE_SCALE, Filter, WaveletPack};
+use brdfc_formats::wavelet::{DEFAULT_DISTANCE_SCALE, Filter};
 use brdfc_gpu::verify::PackReflectance;
 use brdfc_gpu::{AdaptiveRenderer, AdaptiveShaders, Decoding, GpuError, LoadedAdaptive, LoadedGBuffer, SliceFilter};
 use brdfc_importance::{ImportanceRecipe, importance_samples};
@@ -16,7 +17,9 @@ use brdfc_render::curvature::curvature;
 use brdfc_render::gbuffer::{BACKGROUND, GBuffer};
 use brdfc_render::scene::{Frame, Scene};
 use brdfc_render::scenes::Builtin;
+use brdfc_source::Source;
 use brdfc_source::address::parse_synth;
+use brdfc_table::recipe::TableRecipe;
 use brdfc_wavelet::encode::encode;
 use brdfc_wavelet::recipe::Recipe;
 use std::sync::LazyLock;
@@ -34,7 +37,7 @@ const SETTINGS: Settings =
 const EPSILON: f64 = 0.01;
 
 struct Material {
-    pack: WaveletPack,
+    pack: BrdfPack,
     samples: ImportancePack,
     bandwidth: BandwidthMap,
 }
@@ -43,10 +46,19 @@ fn header(kind: BandwidthKind) -> BandwidthHeader {
     BandwidthHeader { kind, epsilon: EPSILON as f32, transformed: [64, 64] }
 }
 
-fn material(address: &str) -> Material {
-    let source = parse_synth(address).unwrap();
+fn wavelet(source: &dyn Source) -> BrdfPack {
     let recipe = Recipe { levels: 4, stored_levels: 4, measure_off_grid: false, ..Recipe::default() };
-    let pack = encode(source.as_ref(), &recipe, &()).unwrap().pack;
+    BrdfPack::Wavelet(encode(source, &recipe, &()).unwrap().pack)
+}
+
+fn table(source: &dyn Source) -> BrdfPack {
+    let recipe = TableRecipe { measure: false, ..TableRecipe::default() };
+    BrdfPack::Table(brdfc_table::encode::encode(source, &recipe, &()).unwrap().pack)
+}
+
+fn material(address: &str, pack: fn(&dyn Source) -> BrdfPack) -> Material {
+    let source = parse_synth(address).unwrap();
+    let pack = pack(source.as_ref());
     let recipe = ImportanceRecipe { samples: 256, ..ImportanceRecipe::default() };
     let (samples, _) = importance_samples(source.as_ref(), &recipe).unwrap();
     let lobes = lobe_bandwidth(source.as_ref(), 32, EPSILON);
@@ -54,9 +66,11 @@ fn material(address: &str) -> Material {
     Material { pack, samples, bandwidth }
 }
 
-/// A glossy and an anisotropic one: parts take turns.
-static MATERIALS: LazyLock<[Material; 2]> =
-    LazyLock::new(|| ["synth:ggx?alpha=0.25", "synth:ward?kd=0.3,0.1,0.05&ks=0.1&ax=0.2&ay=0.5"].map(material));
+/// A glossy and an anisotropic one, of either codec: parts take turns.
+static MATERIALS: LazyLock<[Material; 2]> = LazyLock::new(|| {
+    let anisotropic = "synth:ward?kd=0.3,0.1,0.05&ks=0.1&ax=0.2&ay=0.5";
+    [material("synth:ggx?alpha=0.25", wavelet), material(anisotropic, table)]
+});
 
 /// A scene with its maps and materials, decoded in some way.
 struct World {
@@ -329,7 +343,7 @@ const CHANGES: [(&str, &str, &str); 32] = [
     ("(number + 1u) * run", "(number + 1u) * run - 1u", "bandwidth"),
     ("own[k] = share_of(points[k], k)", "own[k] = share_of(points[k], 0u)", "bandwidth"),
     ("joined(all, share_of(point, next))", "all", "deviation"),
-    ("material.albedo *", "0.4 *", "deviation"),
+    ("job.material.albedo *", "0.4 *", "deviation"),
     ("picture_bandwidth(settings.caution * predicted[point].w)", "picture_bandwidth(predicted[point].w)", "levels"),
     ("picture_bandwidth(settings.caution * predicted[point].w)", "settings.caution * predicted[point].x", "levels"),
     ("level + i32(settings.antialiasing_levels)", "level", "levels"),

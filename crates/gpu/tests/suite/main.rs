@@ -10,5 +10,6 @@ mod importance_twin;
 mod propagation_twin;
 mod render_views;
 mod shader_twin;
+mod table_twin;
 mod texel_features;
 mod tint;

@@ -1,6 +1,7 @@
 //! The rasteriser against the CPU's ray caster: the same scenes, the same packs, the same pictures.
 
-use brdfc_formats::wavelet::{DEFAULT_DISTANCE_SCALE, Filter, WaveletPack};
+use brdfc_formats::BrdfPack;
+use brdfc_formats::wavelet::{DEFAULT_DISTANCE_SCALE, Filter};
 use brdfc_gpu::verify::{Material, PackReflectance, views};
 use brdfc_gpu::{Decoding, Gpu, Renderer, SliceFilter};
 use brdfc_metrics::image::{LinearImage, auto_exposure, compare_images};
@@ -20,19 +21,19 @@ const EXACT: Decoding = Decoding {
     distance_scale: DEFAULT_DISTANCE_SCALE,
 };
 
-fn pack(address: &str) -> WaveletPack {
+fn pack(address: &str) -> BrdfPack {
     let recipe = Recipe { levels: 4, stored_levels: 4, measure_off_grid: false, ..Recipe::default() };
-    encode(parse_synth(address).unwrap().as_ref(), &recipe, &()).unwrap().pack
+    BrdfPack::Wavelet(encode(parse_synth(address).unwrap().as_ref(), &recipe, &()).unwrap().pack)
 }
 
-fn by_shader(gpu: &Gpu, scene: &Scene, pack: &WaveletPack, decoding: Decoding, frame: Frame) -> LinearImage {
+fn by_shader(gpu: &Gpu, scene: &Scene, pack: &BrdfPack, decoding: Decoding, frame: Frame) -> LinearImage {
     let renderer = Renderer::new(gpu).unwrap();
     let packs = vec![pack; scene.parts.len()];
     let loaded = renderer.load(scene, &packs, decoding).unwrap();
     renderer.draw(&loaded, &scene.camera, frame).unwrap()
 }
 
-fn by_cpu(scene: &Scene, pack: &WaveletPack, decoding: Decoding, frame: Frame) -> LinearImage {
+fn by_cpu(scene: &Scene, pack: &BrdfPack, decoding: Decoding, frame: Frame) -> LinearImage {
     let reflectance = PackReflectance::new(pack, decoding);
     let materials: Vec<_> = scene.parts.iter().map(|_| &reflectance as _).collect();
     shade(scene, frame, &trace(scene, frame), &materials)
@@ -168,7 +169,7 @@ fn views_say_where_an_error_comes_from() {
     let Some(gpu) = crate::common::gpu() else { return };
     let source = parse_synth("synth:ward?kd=0.3,0.1,0.05&ks=0.1&ax=0.2&ay=0.5").unwrap();
     let recipe = Recipe { measure_off_grid: false, ..Recipe::default() };
-    let coarse = encode(source.as_ref(), &recipe, &()).unwrap().pack;
+    let coarse = BrdfPack::Wavelet(encode(source.as_ref(), &recipe, &()).unwrap().pack);
     let scene = Builtin::Sphere.scene();
     let material = Material { pack: &coarse, source: Some(source.as_ref()), table: None };
     let drawn = views(gpu, &scene, FRAME, &[material], EXACT).unwrap();

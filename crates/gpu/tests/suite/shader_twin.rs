@@ -1,5 +1,6 @@
 //! The shipped shader against the CPU decoder, on whatever adapter there is.
 
+use brdfc_formats::BrdfPack;
 use brdfc_formats::direction::{DirectionPair, Parameterisation};
 use brdfc_formats::wavelet::shader::{FILTER_PRECISION_8_BIT, FILTER_PRECISION_16_BIT, WAVELET_BRDF_WGSL};
 use brdfc_formats::wavelet::{
@@ -9,6 +10,10 @@ use brdfc_gpu::{EVALUATE_WGSL, Evaluated, Evaluator, Gpu, SliceFilter};
 use brdfc_testing::packs::{header, pack, packs, pairs};
 
 const FILTERS: [Filter; 3] = [Filter::Nearest, Filter::Slices, Filter::Bilinear];
+
+fn wavelet(pack: &WaveletPack) -> BrdfPack {
+    BrdfPack::Wavelet(pack.clone())
+}
 
 /// Random pairs, pairs below the horizon, and pairs at the borders of cells.
 fn all_kinds_of_pairs(count: usize, seed: u64) -> Vec<DirectionPair> {
@@ -89,7 +94,7 @@ fn manual_filtering_gives_the_bits_of_the_cpu_decoder() {
         let decoder = WaveletDecoder::new(&pack);
         let finest = pack.header.levels as f32;
         for filter in FILTERS {
-            let loaded = evaluator.load(&pack, filter).unwrap();
+            let loaded = evaluator.load(&wavelet(&pack), filter).unwrap();
             for level in [0.0, 0.37, finest - 0.5, finest, finest + 3.0] {
                 let found = evaluator.eval(&loaded, &pairs, level, SliceFilter::Exact).unwrap();
                 assert_eq!(found.len(), pairs.len());
@@ -110,7 +115,7 @@ fn absurd_scales_are_cut_off_as_on_the_cpu() {
     let mut pack = pack(header(Parameterisation::TangentPole, 2, 3, 8), 4, 1);
     pack.scales[1] = SliceScale { scale: 2000.0, offset: -800.0 };
     let decoder = WaveletDecoder::new(&pack);
-    let loaded = evaluator.load(&pack, Filter::Nearest).unwrap();
+    let loaded = evaluator.load(&wavelet(&pack), Filter::Nearest).unwrap();
     let pairs = pairs(500, 9);
     let found = evaluator.eval(&loaded, &pairs, 2.0, SliceFilter::Exact).unwrap();
     let mut seen = [0; 2];
@@ -135,7 +140,7 @@ fn hardware_filtering_is_within_its_precision() {
         let decoder = WaveletDecoder::new(&pack);
         let bound = filter_bound(&pack);
         for filter in [Filter::Slices, Filter::Bilinear] {
-            let loaded = evaluator.load(&pack, filter).unwrap();
+            let loaded = evaluator.load(&wavelet(&pack), filter).unwrap();
             let level = pack.header.levels as f32;
             let found = evaluator.eval(&loaded, &pairs, level, SliceFilter::Hardware).unwrap();
             for (pair, found) in pairs.iter().zip(&found).filter(|(pair, _)| pair.is_above_horizon()) {
@@ -156,7 +161,7 @@ fn hardware_filtering_is_not_exact() {
     let evaluator = Evaluator::new(gpu).unwrap();
     let pack = pack(header(Parameterisation::TangentPole, 4, 3, 8), 40, 2);
     let pairs = pairs(2000, 4);
-    let loaded = evaluator.load(&pack, Filter::Bilinear).unwrap();
+    let loaded = evaluator.load(&wavelet(&pack), Filter::Bilinear).unwrap();
     let exact = evaluator.eval(&loaded, &pairs, 4.0, SliceFilter::Exact).unwrap();
     let hardware = evaluator.eval(&loaded, &pairs, 4.0, SliceFilter::Hardware).unwrap();
     let largest = exact.iter().zip(&hardware).map(|(a, b)| (a.log_value[0] - b.log_value[0]).abs()).fold(0.0, f32::max);
@@ -170,7 +175,7 @@ fn the_level_follows_the_distance() {
     let evaluator = Evaluator::new(gpu).unwrap();
     let pack = pack(header(Parameterisation::TangentPole, 5, 3, 8), 60, 2);
     let decoder = WaveletDecoder::new(&pack);
-    let loaded = evaluator.load(&pack, Filter::Bilinear).unwrap();
+    let loaded = evaluator.load(&wavelet(&pack), Filter::Bilinear).unwrap();
     let pairs = pairs(200, 5);
     for distance in [0.01f32, 3.0, 6.6, 7.0, 20.0, 65.0, 200.0, 1e4] {
         let level = level_of_detail(5, f64::from(distance), DEFAULT_DISTANCE_SCALE) as f32;
@@ -220,7 +225,7 @@ fn a_reconstruction_costs_four_fetches_per_level_and_one() {
             (Filter::Slices, SliceFilter::Exact, 1, 4),
             (Filter::Bilinear, SliceFilter::Exact, 4, 4),
         ] {
-            let loaded = evaluator.load(&pack, filter).unwrap();
+            let loaded = evaluator.load(&wavelet(&pack), filter).unwrap();
             for level in 0..=levels {
                 // An index look-up per detail, and a coefficient of 1 or 4 texels.
                 let expected = reconstructions * (2 * level * (1 + texels) + texels);
@@ -324,7 +329,7 @@ fn is_noticed(gpu: &Gpu, source: &str) -> bool {
     ] {
         let decoder = WaveletDecoder::new(&pack);
         for filter in FILTERS {
-            let loaded = evaluator.load(&pack, filter).unwrap();
+            let loaded = evaluator.load(&wavelet(&pack), filter).unwrap();
             for level in [0.1, pack.header.levels as f32] {
                 let found = evaluator.eval(&loaded, &pairs, level, SliceFilter::Exact).unwrap();
                 let differences = exact_differences(&decoder, &pack, &pairs, level, filter, &found);

@@ -1,11 +1,9 @@
 //! The report of one encoded material.
 
-use brdfc_formats::direction::Parameterisation;
+use crate::encode::{CodecReport, EncodedPack, Trial};
+use brdfc_formats::BrdfPack;
 use brdfc_metrics::compare::Comparison;
 use brdfc_source::Tally;
-use brdfc_wavelet::encode::Encoded;
-use brdfc_wavelet::measure::GridError;
-use brdfc_wavelet::recipe::Recipe;
 use serde::{Deserialize, Serialize};
 
 /// One material, encoded. The same input, options and version give the same report: times stand apart in
@@ -14,64 +12,51 @@ use serde::{Deserialize, Serialize};
 pub struct MaterialReport {
     /// Measured samples in the input; 0 for analytic models.
     pub samples_in: u64,
-    /// Samples of the table that were evaluated; symmetry gives the others.
+    /// Values of the source that the pack was made from; symmetry gives the others.
     pub evaluated: u64,
-    /// What the two hemispheres of the table are.
-    pub parameterisation: Parameterisation,
-    /// Cells per axis and hemisphere.
-    pub grid: usize,
-    /// Finest level of detail that is stored.
-    pub stored_levels: u32,
     /// Colour channels, 1 or 3.
     pub channels: u32,
-    /// Bits per component.
-    pub bits: u32,
-    /// Whether the table was smoothed.
-    pub smoothed: bool,
-    /// Slices kept, the zero slice not counted.
-    pub slices_kept: usize,
-    /// Wavelet coefficients, of which a slice each would be kept at 1:1.
-    pub slices_in_all: usize,
-    /// `slices_in_all / slices_kept`.
-    pub ratio: f64,
+    /// What its codec says.
+    pub codec: CodecReport,
+    /// Texture fetches of a look-up.
+    pub fetches: u32,
     /// Bytes of the pack's file.
     pub bytes_on_disk: u64,
-    /// Bytes of texture and index map on a GPU.
+    /// Bytes on a GPU.
     pub bytes_on_gpu: u64,
     /// `μ`, 1/sr.
     pub mean: f64,
-    /// Codec error: decoded table against table.
-    pub on_grid: GridError,
     /// What a user sees: filtered pack against source.
     pub off_grid: Comparison,
-    /// What had to be mended while the table was made.
+    /// What had to be mended while the pack was made.
     #[serde(rename = "mended")]
     pub repairs: Tally,
+    /// What was tried, from coarse to fine; empty where the options say what to make.
+    pub tried: Vec<Trial>,
+    /// What nothing that was tried meets: then the pack is the best of them.
+    pub missed: Option<String>,
 }
 
 impl MaterialReport {
     /// The report of a pack.
-    pub fn new(encoded: &Encoded, recipe: &Recipe, samples_in: u64) -> Self {
-        let header = &encoded.pack.header;
-        let slices_kept = encoded.pack.slices() - 1;
+    pub fn new(encoded: &EncodedPack, samples_in: u64) -> Self {
+        let (channels, mean) = match &encoded.pack {
+            BrdfPack::Wavelet(pack) => (pack.header.channels, pack.header.mean),
+            BrdfPack::Table(pack) => (pack.header().channels, pack.header().mean),
+        };
         Self {
             samples_in,
             evaluated: encoded.evaluated,
-            parameterisation: header.parameterisation,
-            grid: header.grid(),
-            stored_levels: header.stored_levels,
-            channels: header.channels,
-            bits: header.bits,
-            smoothed: recipe.smooth,
-            slices_kept,
-            slices_in_all: header.cells(),
-            ratio: header.cells() as f64 / slices_kept as f64,
+            channels,
+            codec: encoded.codec.clone(),
+            fetches: encoded.pack.fetches(),
             bytes_on_disk: encoded.bytes.len() as u64,
             bytes_on_gpu: encoded.pack.gpu_bytes(),
-            mean: f64::from(header.mean),
-            on_grid: encoded.on_grid,
+            mean: f64::from(mean),
             off_grid: encoded.off_grid.clone(),
             repairs: encoded.tally,
+            tried: encoded.tried.clone(),
+            missed: encoded.missed.clone(),
         }
     }
 }
@@ -88,7 +73,11 @@ pub struct StageTime {
 /// Lines that say in words what a reader of the table should know; empty for a clean source.
 pub fn remarks(report: &MaterialReport) -> Vec<String> {
     let mut lines = repairs_in_words(&report.repairs);
-    for (norms, place) in [(&report.on_grid.norms, "on"), (&report.off_grid.norms, "off")] {
+    let on_grid = match &report.codec {
+        CodecReport::Wavelet(wavelet) => Some((&wavelet.on_grid.norms, "on")),
+        CodecReport::Table(_) => None,
+    };
+    for (norms, place) in on_grid.into_iter().chain([(&report.off_grid.norms, "off")]) {
         if 2 * norms.below_floor > norms.samples {
             let share = 100.0 * norms.below_floor as f64 / norms.samples as f64;
             lines.push(format!(

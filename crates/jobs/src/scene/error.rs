@@ -1,9 +1,9 @@
 //! Why a job fails.
 
+use crate::encode::PackError;
 use brdfc_formats::FormatError;
 use brdfc_source::InputError;
 use brdfc_source::progress::Cancelled;
-use brdfc_wavelet::encode::EncodeError;
 
 /// Why a material, or the environment, failed.
 #[derive(Debug, thiserror::Error)]
@@ -13,7 +13,7 @@ pub enum JobError {
     Input(#[from] InputError),
     /// The encoder.
     #[error(transparent)]
-    Encode(EncodeError),
+    Encode(PackError),
     /// The caller asked to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
@@ -30,10 +30,10 @@ pub enum JobError {
     },
 }
 
-impl From<EncodeError> for JobError {
-    fn from(error: EncodeError) -> Self {
+impl From<PackError> for JobError {
+    fn from(error: PackError) -> Self {
         match error {
-            EncodeError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            PackError::Cancelled(cancelled) => Self::Cancelled(cancelled),
             other => Self::Encode(other),
         }
     }

@@ -7,6 +7,8 @@ use super::maps::{self, MapRecipe, MapsReport, Packed, environment_file, materia
 use super::needs::{self, needs};
 use super::scene_section::ENVIRONMENT;
 use crate::cache::{self, Origin, Slot};
+use crate::encode::encode;
+use crate::encode::recipe::PackRecipe;
 use crate::report::material::{MaterialReport, StageTime};
 use crate::stage_clock::StageClock;
 use crate::write::write_atomic;
@@ -15,8 +17,6 @@ use brdfc_formats::wavelet::DEFAULT_DISTANCE_SCALE;
 use brdfc_source::address;
 use brdfc_source::open::open;
 use brdfc_source::progress::{Progress, Stage};
-use brdfc_wavelet::encode::encode;
-use brdfc_wavelet::recipe::Recipe;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -32,7 +32,7 @@ pub struct Job {
     /// Path or address, resolved against the manifest's folder.
     pub source: String,
     /// How it is encoded, needs included.
-    pub recipe: Recipe,
+    pub recipe: PackRecipe,
     /// How its maps are made, where it needs them.
     pub maps: Option<MapRecipe>,
     /// Uses that refer to it.
@@ -129,7 +129,7 @@ pub struct MaterialFile {
     pub version: u32,
     /// The material's name.
     pub material: String,
-    /// Files of the material, by part: `brdf` is the wavelet pack; where an environment lights the scene, `bandwidth` is
+    /// Files of the material, by part: `brdf` is the pack; where an environment lights the scene, `bandwidth` is
     /// the bandwidth map and `samples` are the importance samples.
     pub parts: BTreeMap<String, String>,
     /// What was measured.
@@ -155,7 +155,7 @@ pub fn plan(manifest: &Manifest, folder: &Path) -> Plan {
             continue;
         };
         let mut recipe = material.options.resolve(&manifest.defaults).expect("checked when the manifest was parsed");
-        recipe.stored_levels = need.stored_levels(recipe.levels, scale);
+        recipe.limit_levels(|levels| need.stored_levels(levels, scale));
         let source = if address::is_synth(&material.source) {
             material.source.clone()
         } else {
@@ -245,7 +245,7 @@ impl<'a> Build<'a> {
             Some(report) => (report, Vec::new()),
             None => {
                 let encoded = encode(opened.source.as_ref(), &job.recipe, &clock)?;
-                let report = MaterialReport::new(&encoded, &job.recipe, opened.facts.samples());
+                let report = MaterialReport::new(&encoded, opened.facts.samples());
                 (report, vec![encoded.bytes])
             }
         };

@@ -11,8 +11,8 @@ const CORPUS_BYTES: usize = 12 << 10;
 /// Files by name, as `corpus` has them.
 pub type Packs = BTreeMap<String, Vec<u8>>;
 
-/// Entry of a wavelet pack that does not hold what the encoder stores, but what was measured of it.
-const MEASURED: &str = "brdfc.wavelet.errors";
+/// Entries of packs that do not hold what the encoder stores, but what was measured of it.
+const MEASURED: [&str; 2] = ["brdfc.wavelet.errors", "brdfc.table.errors"];
 
 /// What an encoder stores, whatever the container puts around it: format and extent, entries, texels.
 fn contents(bytes: &[u8]) -> String {
@@ -20,7 +20,7 @@ fn contents(bytes: &[u8]) -> String {
     let texture = Texture::from_bytes(bytes).unwrap_or_else(refused);
     // vkFormat to layerCount.
     let mut stored = bytes[12..36].to_vec();
-    for (key, value) in texture.entries.iter().filter(|(key, _)| *key != MEASURED) {
+    for (key, value) in texture.entries.iter().filter(|(key, _)| !MEASURED.contains(&key.as_str())) {
         stored.extend(format!("{key} {} ", value.len()).into_bytes());
         stored.extend(value);
     }

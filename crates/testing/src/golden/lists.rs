@@ -12,18 +12,23 @@ pub fn codecs() -> Vec<&'static str> {
     codecs
 }
 
+/// Whether packs of a codec have reflectances, and say how wrong they are.
+fn of_reflectances(codec: &str) -> bool {
+    ["table", "wavelet"].contains(&codec)
+}
+
 /// Packs in the codec's folder, as decoders read them.
 pub fn corpus(codec: &'static str) -> List {
     const ABOUT: &[&str] = &["Packs beside this file: hashes of the files and of what decoders make of them."];
     const COLUMNS: &[Column] = &[Column::everywhere("file"), Column::everywhere("values")];
-    const WAVELET: &[Column] = &[
+    const OF_REFLECTANCES: &[Column] = &[
         Column::everywhere("errors"),
         Column::everywhere("file"),
         // The exponential is the C library's.
         Column::on_one_platform("reflectances"),
         Column::everywhere("values"),
     ];
-    let columns = if codec == "wavelet" { WAVELET } else { COLUMNS };
+    let columns = if of_reflectances(codec) { OF_REFLECTANCES } else { COLUMNS };
     List { codec, file: "corpus.toml", about: ABOUT, columns }
 }
 
@@ -35,13 +40,13 @@ pub fn encodes(codec: &'static str) -> List {
     ];
     const COLUMNS: &[Column] =
         &[Column::on_one_platform("contents"), Column::on_one_platform("file"), Column::on_one_platform("values")];
-    const WAVELET: &[Column] = &[
+    const OF_REFLECTANCES: &[Column] = &[
         Column::on_one_platform("contents"),
         Column::on_one_platform("errors"),
         Column::on_one_platform("file"),
         Column::on_one_platform("reflectances"),
         Column::on_one_platform("values"),
     ];
-    let columns = if codec == "wavelet" { WAVELET } else { COLUMNS };
+    let columns = if of_reflectances(codec) { OF_REFLECTANCES } else { COLUMNS };
     List { codec, file: "encode.toml", about: ABOUT, columns }
 }

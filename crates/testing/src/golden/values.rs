@@ -13,6 +13,7 @@ use brdfc_formats::flat_btf::{
     DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatView, IndirectionMap, NormalMap, ReferenceMap, ViewWeights,
 };
 use brdfc_formats::importance::ImportancePack;
+use brdfc_formats::table::{TableDecoder, TablePack};
 use brdfc_formats::wavelet::{Filter, RowScratch, WaveletDecoder, WaveletPack};
 use std::collections::BTreeMap;
 
@@ -65,6 +66,7 @@ fn points() -> impl Iterator<Item = [f32; 2]> + Clone {
 pub fn of_pack(file: &str, bytes: &[u8]) -> Result<Hashes, FormatError> {
     Ok(match Pack::from_bytes(bytes, Some(file))? {
         Pack::Wavelet(pack) => wavelet(&pack),
+        Pack::Table(pack) => table(&pack),
         Pack::Bandwidth(map) => bandwidth(&map),
         Pack::Importance(pack) => importance(&pack),
         part => flat_part(part),
@@ -99,6 +101,32 @@ fn wavelet(pack: &WaveletPack) -> Hashes {
         errors.add([e.rms, e.relative_mean, e.relative_p95, e.relative_p99, e.relative_max]);
         errors.add([e.log_rms, e.cosine_log_rms, e.albedo_max_difference, e.reciprocity]);
     }
+    let columns = [("values", values), ("reflectances", reflectances), ("errors", errors)];
+    columns.into_iter().map(|(name, numbers)| (name, numbers.hash())).collect()
+}
+
+/// A table pack: `values` are texels and filtered logarithms; `reflectances` are what the exponential makes of them;
+/// `errors` are those that the pack says of itself.
+fn table(pack: &TablePack) -> Hashes {
+    let decoder = TableDecoder::new(pack);
+    let (mut values, mut reflectances, mut errors) = (Numbers::default(), Numbers::default(), Numbers::default());
+    let header = pack.header();
+    let axes = header.axes;
+    values.words([header.channels, header.symmetry.bits(), axes.half, axes.difference, axes.azimuth, axes.layers]);
+    values.add([header.mean, header.bias, header.slope]);
+    values.add(header.low.into_iter().chain(header.span).chain(header.knots));
+    values.add(pack.values().into_iter().flatten());
+    for pair in directions().flat_map(|i| directions().map(move |o| DirectionPair::new(i, o))) {
+        if pair.is_above_horizon() {
+            values.add(decoder.log_value(pair));
+        }
+        reflectances.add(decoder.eval(pair));
+    }
+    let e = pack.off_grid;
+    errors.words([e.samples]);
+    errors.add([e.rms, e.relative_mean, e.relative_p95, e.relative_p99, e.relative_max]);
+    errors.add([e.log_rms, e.cosine_log_rms, e.albedo_max_difference, e.reciprocity]);
+    errors.add([pack.picture.mean, pack.picture.p95, pack.picture.max]);
     let columns = [("values", values), ("reflectances", reflectances), ("errors", errors)];
     columns.into_iter().map(|(name, numbers)| (name, numbers.hash())).collect()
 }

@@ -1,7 +1,8 @@
 //! Numbers that an independent prototype of the method gives on the full 32 x 32 x 32 x 32 table, one channel.
 
+use brdfc_formats::ErrorSummary;
 use brdfc_formats::direction::{DirectionPair, Parameterisation, Vector, from_tangent_pole, to_tangent_pole};
-use brdfc_formats::wavelet::{ErrorSummary, WaveletDecoder, WaveletPack};
+use brdfc_formats::wavelet::{WaveletDecoder, WaveletPack};
 use brdfc_source::address::parse_synth;
 use brdfc_source::{Source, Symmetry, Tally};
 use brdfc_wavelet::encode::{Encoded, encode};

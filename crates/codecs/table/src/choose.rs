@@ -1,0 +1,209 @@
+//! Where nodes stand: sizes and warps of a table, chosen by small trial fits.
+
+use super::fit::fit_roughly;
+use super::lattice::{Lattice, Taps};
+use super::samples::Samples;
+use super::targets::Targets;
+use brdfc_formats::table::{Axes, KNOTS, TableHeader, TableSymmetry};
+use brdfc_metrics::lab::distance_squared;
+use rayon::prelude::*;
+use std::f64::consts::FRAC_PI_2;
+
+/// Samples of a trial per node, and the fewest.
+const TRIAL_SAMPLES: usize = 4;
+const FEWEST_TRIAL_SAMPLES: usize = 16 << 10;
+/// Samples that judge a trial, at most.
+const JUDGES: usize = 24 << 10;
+/// Layers of anisotropic tables that are tried.
+const LAYERS: [u32; 7] = [4, 2, 3, 5, 6, 8, 12];
+
+/// How columns stand over `θ_h`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Warp {
+    /// Equal steps of the angle's power.
+    Power(f64),
+    /// Equal steps of `ln(1 + θ/a)`: from even to ever wider.
+    Logarithm(f64),
+    /// Equal steps of `ln(1 + (θ/a)²)`: densest around `a`, for lobes that are flat on top.
+    Lobe(f64),
+}
+
+const WARPS: [Warp; 10] = [
+    Warp::Lobe(0.1),
+    Warp::Power(0.5),
+    Warp::Logarithm(0.4),
+    Warp::Logarithm(0.1),
+    Warp::Lobe(0.04),
+    Warp::Lobe(0.2),
+    Warp::Lobe(0.4),
+    Warp::Logarithm(1.5),
+    Warp::Power(0.8),
+    Warp::Logarithm(0.25),
+];
+
+/// Shares of columns, rows and slices, as powers of two: their product is what the budget leaves.
+const SHAPES: [[f64; 3]; 11] = [
+    [0.6, -0.3, -0.3],
+    [0.9, 0.0, -0.9],
+    [0.9, -0.9, 0.0],
+    [1.2, -0.6, -0.6],
+    [1.8, -0.9, -0.9],
+    [0.3, 0.3, -0.6],
+    [0.3, 0.0, -0.3],
+    [0.0, 0.0, 0.0],
+    [0.0, -0.3, 0.3],
+    [0.45, -0.15, -0.3],
+    [0.75, -0.15, -0.6],
+];
+
+/// Slopes of the rows.
+const SLOPES: [f32; 3] = [0.3, 0.6, 0.0];
+
+impl Warp {
+    fn share(self, theta: f64) -> f64 {
+        match self {
+            Self::Power(power) => theta.powf(power),
+            Self::Logarithm(a) => (theta / a).ln_1p(),
+            Self::Lobe(a) => (theta / a).powi(2).ln_1p(),
+        }
+    }
+
+    fn knots(self) -> [f32; KNOTS] {
+        let last = self.share(FRAC_PI_2);
+        let mut knots = std::array::from_fn(|k| {
+            let root = k as f64 / (KNOTS - 1) as f64;
+            (self.share(root * root * FRAC_PI_2) / last) as f32
+        });
+        knots[KNOTS - 1] = 1.0;
+        knots
+    }
+}
+
+/// Largest tables that are tried, in texels: larger ones have the same warps, and axes in the same proportion.
+const MOST_TRIED: usize = 4096;
+const MOST_TRIED_ANISOTROPIC: usize = 8192;
+
+/// The table of at most so many texels whose small fit is closest to samples that it was not made from.
+///
+/// Warps, then shapes, then slopes, then warps again: what comes later is chosen for what was best before.
+pub fn choose(
+    samples: &Samples,
+    targets: &Targets,
+    symmetry: TableSymmetry,
+    texels: usize,
+    isotropic: bool,
+) -> TableHeader {
+    let trial = Trial { samples, targets };
+    let layers = if isotropic { 1 } else { LAYERS[0] };
+    let tried = texels.min(if isotropic { MOST_TRIED } else { MOST_TRIED_ANISOTROPIC });
+    let mut header = trial.warped(start(targets, symmetry, shaped(SHAPES[0], tried, layers, symmetry)));
+    header = trial.best(header, &SHAPES, |header, shape| header.axes = shaped(*shape, tried, layers, symmetry));
+    if !isotropic {
+        let shape = shape_of(header.axes, symmetry);
+        header = trial.best(header, &LAYERS, |header, layers| header.axes = shaped(shape, tried, *layers, symmetry));
+    }
+    header = trial.warped(trial.sloped(header));
+    if tried < texels {
+        let larger = (texels as f64 / tried as f64).powf(if isotropic { 0.0 } else { 0.25 });
+        let layers = (f64::from(header.axes.layers) * larger).round() as u32;
+        header.axes = shaped(shape_of(header.axes, symmetry), texels, layers, symmetry);
+    }
+    header
+}
+
+/// The table of these axes whose small fit is closest.
+pub fn choose_warps(samples: &Samples, targets: &Targets, symmetry: TableSymmetry, axes: Axes) -> TableHeader {
+    let trial = Trial { samples, targets };
+    trial.warped(trial.sloped(trial.warped(start(targets, symmetry, axes))))
+}
+
+fn start(targets: &Targets, symmetry: TableSymmetry, axes: Axes) -> TableHeader {
+    TableHeader {
+        channels: if targets.grey { 1 } else { 3 },
+        symmetry,
+        axes,
+        mean: targets.mean,
+        bias: targets.bias,
+        low: [0.0; 3],
+        span: [0.0; 3],
+        slope: SLOPES[0],
+        knots: WARPS[0].knots(),
+    }
+}
+
+/// Shares of columns, rows and slices, as powers of two.
+fn shape_of(axes: Axes, symmetry: TableSymmetry) -> [f64; 3] {
+    let slices = axes.azimuth + u32::from(!symmetry.mirror);
+    let counts = [axes.half, axes.difference, slices].map(f64::from);
+    let side = counts.iter().product::<f64>().cbrt();
+    counts.map(|count| (count / side).log2())
+}
+
+/// Axes of at most so many texels, the slice that stands twice included; fewer layers where the texels do not go round.
+fn shaped(shape: [f64; 3], texels: usize, layers: u32, symmetry: TableSymmetry) -> Axes {
+    let guard = u32::from(!symmetry.mirror);
+    let side = (texels as f64 / f64::from(layers)).cbrt();
+    let [_, difference, azimuth] = shape.map(|power| ((side * power.exp2()).round() as u32).clamp(2, 256));
+    let mut axes = Axes { half: 2, difference, azimuth: azimuth.saturating_sub(guard).max(2), layers };
+    let column = |axes: &Axes| axes.difference * (axes.azimuth + guard) * axes.layers;
+    while 2 * column(&axes) as usize > texels {
+        let largest = [axes.difference, axes.azimuth, axes.layers];
+        match largest {
+            [difference, azimuth, _] if difference >= azimuth && difference > 2 => axes.difference -= 1,
+            [_, azimuth, _] if azimuth > 2 => axes.azimuth -= 1,
+            [_, _, layers] if layers > 2 => axes.layers -= 1,
+            _ => break,
+        }
+    }
+    // Columns take what is left.
+    axes.half = ((texels as u32) / column(&axes)).clamp(2, 256);
+    axes
+}
+
+struct Trial<'a> {
+    samples: &'a Samples,
+    targets: &'a Targets,
+}
+
+impl Trial<'_> {
+    fn warped(&self, header: TableHeader) -> TableHeader {
+        self.best(header, &WARPS, |header, warp| header.knots = warp.knots())
+    }
+
+    fn sloped(&self, header: TableHeader) -> TableHeader {
+        self.best(header, &SLOPES, |header, slope| header.slope = *slope)
+    }
+
+    /// A table with the first of the choices that no other beats.
+    fn best<C: Sync>(
+        &self,
+        header: TableHeader,
+        choices: &[C],
+        set: impl Fn(&mut TableHeader, &C) + Sync,
+    ) -> TableHeader {
+        let with = |choice: &C| {
+            let mut header = header;
+            set(&mut header, choice);
+            header
+        };
+        let errors: Vec<f64> = choices.par_iter().map(|choice| self.error(&with(choice))).collect();
+        let first = |best: usize, k: usize| if errors[k] < errors[best] { k } else { best };
+        with(&choices[(1..choices.len()).fold(0, first)])
+    }
+
+    /// Sum of colour differences over samples that the fit did not get.
+    fn error(&self, header: &TableHeader) -> f64 {
+        let Self { samples, targets } = self;
+        let lattice = Lattice::new(header);
+        let fitted = (TRIAL_SAMPLES * lattice.len()).max(FEWEST_TRIAL_SAMPLES).min(2 * samples.len() / 3);
+        let count = (fitted + JUDGES).min(samples.len());
+        let taps: Vec<Taps> =
+            samples.angles[..count].iter().map(|angles| lattice.taps(&header.position_of(*angles))).collect();
+        let nodes = fit_roughly(lattice, &taps[..fitted], targets);
+        let difference = |k: usize| {
+            let found = targets.colour(lattice.value(&taps[k], &nodes), samples.cosines[k]);
+            f64::from(distance_squared(found, targets.colours[k]).sqrt())
+        };
+        (fitted..count).filter(|k| Samples::is_on_ball(*k)).map(difference).sum()
+    }
+}

@@ -1,0 +1,88 @@
+//! Values of the nodes: weighted least squares over samples, so that the filtered table is close, not the nodes alone.
+
+use super::lattice::{Equations, Lattice, Taps};
+use super::targets::{Targets, UNSEEN};
+use rayon::prelude::*;
+
+/// Steps of conjugate gradients, and of those of a trial.
+const STEPS: usize = 30;
+const TRIAL_STEPS: usize = 16;
+/// How strongly nodes are tied to their neighbours, of what samples tie them by in the mean.
+const SMOOTHNESS: f32 = 1e-4;
+/// Difference of lightness, of white's, from which on samples count less than by their square: a mean of differences is what is
+/// judged, not of squares.
+const LARGE: f32 = 0.01;
+/// How often weights follow the residuals.
+const REWEIGHTED: usize = 1;
+
+/// Fits logarithms `[node][channel]`; `taps` are those of the samples. Grey ones stand three times.
+///
+/// Least squares, then again with weights that fall with the residual (iteratively reweighted least squares).
+pub fn fit(lattice: Lattice, taps: &[Taps], targets: &Targets) -> Vec<[f32; 3]> {
+    let channels = if targets.grey { 1 } else { 3 };
+    let mut shares = vec![1.0; taps.len()];
+    let mut nodes = start(lattice, taps, &targets.logarithms);
+    for round in 0..=REWEIGHTED {
+        let solved: Vec<Vec<[f32; 1]>> =
+            (0..channels).into_par_iter().map(|c| channel(lattice, taps, targets, c, &shares, &nodes)).collect();
+        for (k, node) in nodes.iter_mut().enumerate() {
+            *node = std::array::from_fn(|c| solved[c.min(channels - 1)][k][0]);
+        }
+        if round < REWEIGHTED {
+            shares.par_iter_mut().enumerate().with_min_len(4096).for_each(|(k, share)| {
+                let found = lattice.value(&taps[k], &nodes);
+                let (expected, weights) = (targets.logarithms[k], targets.weights[k]);
+                let square: f32 = (0..channels).map(|c| (weights[c] * (expected[c] - found[c])).powi(2)).sum();
+                *share = LARGE / (square.sqrt() + LARGE);
+            });
+        }
+    }
+    nodes
+}
+
+/// All channels at once, with the mean of their weights and fewer steps: good enough to tell tables apart.
+pub fn fit_roughly(lattice: Lattice, taps: &[Taps], targets: &Targets) -> Vec<[f32; 3]> {
+    let mut equations = Equations::<3>::new(lattice);
+    for ((taps, logarithms), weights) in taps.iter().zip(&targets.logarithms).zip(&targets.weights) {
+        let seen = weights.iter().map(|w| w * w).sum::<f32>() / 3.0;
+        equations.add(taps, *logarithms, seen + UNSEEN * UNSEEN);
+    }
+    equations.smooth(SMOOTHNESS);
+    let mut nodes = start(lattice, taps, &targets.logarithms[..taps.len()]);
+    equations.solve(&mut nodes, TRIAL_STEPS);
+    nodes
+}
+
+fn channel(
+    lattice: Lattice,
+    taps: &[Taps],
+    targets: &Targets,
+    channel: usize,
+    shares: &[f32],
+    nodes: &[[f32; 3]],
+) -> Vec<[f32; 1]> {
+    let mut equations = Equations::<1>::new(lattice);
+    for (k, taps) in taps.iter().enumerate() {
+        let weight = targets.weights[k][channel].powi(2) * shares[k] + UNSEEN * UNSEEN;
+        equations.add(taps, [targets.logarithms[k][channel]], weight);
+    }
+    equations.smooth(SMOOTHNESS);
+    let mut solved: Vec<[f32; 1]> = nodes.iter().map(|node| [node[channel]]).collect();
+    equations.solve(&mut solved, STEPS);
+    solved
+}
+
+/// Means of the samples around each node; the mean of all where there are none.
+fn start(lattice: Lattice, taps: &[Taps], logarithms: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    let mut sums = vec![([0.0f32; 3], 0.0f32); lattice.len()];
+    let mut all = [0.0f64; 3];
+    for (taps, values) in taps.iter().zip(logarithms) {
+        for (node, weight) in lattice.touched(taps) {
+            (0..3).for_each(|c| sums[node].0[c] += weight * values[c]);
+            sums[node].1 += weight;
+        }
+        (0..3).for_each(|c| all[c] += f64::from(values[c]));
+    }
+    let mean = all.map(|sum| (sum / taps.len().max(1) as f64) as f32);
+    sums.into_iter().map(|(sum, weight)| if weight > 1e-6 { sum.map(|s| s / weight) } else { mean }).collect()
+}

@@ -1,0 +1,11 @@
+//! Table packs from sources: logarithms of `f_r` over half-difference angles, nodes where the material needs them, values
+//! fitted to what is seen. `formats/src/table` has the layout, the decoder and the shader.
+
+pub mod choose;
+pub mod encode;
+pub mod fit;
+pub mod lattice;
+pub mod recipe;
+pub mod samples;
+pub mod symmetry;
+pub mod targets;

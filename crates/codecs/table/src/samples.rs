@@ -1,0 +1,95 @@
+//! What a table is fitted to: values of the source at directions spread over everything that can be seen.
+
+use brdfc_formats::direction::{DirectionPair, Vector};
+use brdfc_formats::table::Angles;
+use brdfc_metrics::sampling::points;
+use brdfc_metrics::values::values_at;
+use brdfc_source::{Source, Tally};
+use std::f32::consts::{FRAC_PI_2, TAU};
+
+/// Where the sequence of points begins: the pairs that errors are measured at come before.
+const FIRST: u32 = 1 << 20;
+/// Of three samples, so many are as on a ball under light from anywhere.
+const ON_BALL: usize = 2;
+/// Lowest `z` of a direction.
+const LEAST_COSINE: f64 = 0.005;
+/// Largest value of a sample, 1/sr: far above any reflectance, far below the end of f32.
+const LARGEST: f64 = 1e30;
+
+/// Values of a source at direction pairs.
+#[derive(Debug, Clone)]
+pub struct Samples {
+    /// Half-difference angles of each pair.
+    pub angles: Vec<Angles>,
+    /// `cos θi` of each pair.
+    pub cosines: Vec<f32>,
+    /// `f_r` of each pair, not negative.
+    pub values: Vec<[f32; 3]>,
+    /// What had to be mended.
+    pub tally: Tally,
+}
+
+impl Samples {
+    /// Evaluates `source` at `count` pairs: two in three have the directions that the points of a ball have under distant
+    /// light from anywhere, so that common ones count most; the third is spread over the angles of the table, denser
+    /// towards the mirror direction. With `reciprocal` a value is the mean of both ways.
+    ///
+    /// Negative values, and any that are no number, are raised to 0 and counted.
+    pub fn draw(source: &dyn Source, count: usize, reciprocal: bool) -> Self {
+        let visible = |pair: &DirectionPair| pair.incoming[2] > LEAST_COSINE && pair.outgoing[2] > LEAST_COSINE;
+        let mut ball = points(FIRST).map(on_ball).filter(visible);
+        let mut angles = points(FIRST).map(over_angles).filter(visible);
+        let pairs: Vec<DirectionPair> =
+            (0..count).filter_map(|k| if Self::is_on_ball(k) { ball.next() } else { angles.next() }).collect();
+        let (mut values, mut tally) = values_at(source, &pairs);
+        if reciprocal {
+            let exchanged: Vec<DirectionPair> = pairs.iter().map(|pair| pair.exchanged()).collect();
+            let (others, more) = values_at(source, &exchanged);
+            tally += more;
+            for (value, other) in values.iter_mut().zip(&others) {
+                *value = std::array::from_fn(|k| 0.5 * (value[k] + other[k]));
+            }
+        }
+        let mut mended = |value: [f64; 3]| {
+            let raised = value.iter().any(|v| v.is_nan() || *v < 0.0);
+            tally.negative_raised += u64::from(raised);
+            value.map(|v| if v >= 0.0 { v.min(LARGEST) as f32 } else { 0.0 })
+        };
+        let values = values.into_iter().map(&mut mended).collect();
+        let angles = pairs.iter().map(|pair| Angles::of(*pair)).collect();
+        let cosines = pairs.iter().map(|pair| pair.incoming[2] as f32).collect();
+        Self { angles, cosines, values, tally }
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.angles.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.angles.is_empty()
+    }
+
+    /// Whether this one is as on a ball: uniform over light directions.
+    pub fn is_on_ball(index: usize) -> bool {
+        index % 3 < ON_BALL
+    }
+}
+
+/// The outgoing direction as over the disc that a ball shows, the incoming one uniform over the hemisphere.
+fn on_ball([a, b, c, d]: [f64; 4]) -> DirectionPair {
+    let turned = |radius: f64, z: f64, turn: f64| -> Vector {
+        let phi = std::f64::consts::TAU * turn;
+        [radius * phi.cos(), radius * phi.sin(), z]
+    };
+    let z = c;
+    DirectionPair::new(turned((1.0 - z * z).sqrt(), z, d), turned(a.sqrt(), (1.0 - a).sqrt(), b))
+}
+
+fn over_angles([a, b, c, d]: [f64; 4]) -> DirectionPair {
+    let [a, b, c, d] = [a, b, c, d].map(|x| x as f32);
+    let angles =
+        Angles { theta_half: a * a * 0.995 * FRAC_PI_2, phi_half: d * TAU, ratio: 0.999 * b, phi_difference: c * TAU };
+    angles.pair()
+}

@@ -1,0 +1,89 @@
+//! Which symmetry a material has, measured from its values: what a file says of itself need not be so.
+
+use brdfc_formats::direction::{DirectionPair, Vector, half_vector};
+use brdfc_formats::table::TableSymmetry;
+use brdfc_metrics::sampling::points;
+use brdfc_metrics::values::values_at;
+use brdfc_source::Source;
+
+/// Pairs that are compared with their images.
+const PAIRS: usize = 1024;
+/// Largest mean difference of a value and its image, of the mean value, that counts as symmetric. Folding a measured plastic
+/// that was off by 1.8 % trebled the difference of its picture.
+const TOLERANCE: f64 = 0.003;
+
+/// Mean difference between values and those of their images, weighed by `cos θi`, over the mean value: 0 where the
+/// symmetry holds, 0 for black materials.
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+pub struct Asymmetry {
+    /// Light and viewer exchanged.
+    pub reciprocal: f64,
+    /// Reflected at the plane of half vector and normal.
+    pub mirror: f64,
+    /// Turned by 180 degrees about the normal.
+    pub half_turn: f64,
+    /// Reflected at the plane of tangent and normal.
+    pub reflected: f64,
+}
+
+impl Asymmetry {
+    /// Measures a source.
+    pub fn of(source: &dyn Source) -> Self {
+        let pairs: Vec<DirectionPair> = points(1 << 19)
+            .map(|[a, b, c, d]| DirectionPair::new(direction(a, b), direction(c, d)))
+            .filter(|pair| pair.incoming[2] > 0.1 && pair.outgoing[2] > 0.1)
+            .take(PAIRS)
+            .collect();
+        let (values, _) = values_at(source, &pairs);
+        let against = |image: &dyn Fn(DirectionPair) -> DirectionPair| {
+            let images: Vec<DirectionPair> = pairs.iter().map(|pair| image(*pair)).collect();
+            let (others, _) = values_at(source, &images);
+            let (mut difference, mut sum) = (0.0, 0.0);
+            for ((pair, value), other) in pairs.iter().zip(&values).zip(&others) {
+                for channel in 0..3 {
+                    difference += (value[channel] - other[channel]).abs() * pair.incoming[2];
+                    sum += 0.5 * (value[channel].abs() + other[channel].abs()) * pair.incoming[2];
+                }
+            }
+            if sum > 0.0 { difference / sum } else { 0.0 }
+        };
+        let both =
+            |pair: DirectionPair, f: &dyn Fn(Vector) -> Vector| DirectionPair::new(f(pair.incoming), f(pair.outgoing));
+        Self {
+            reciprocal: against(&DirectionPair::exchanged),
+            mirror: against(&mirrored),
+            half_turn: against(&|pair| both(pair, &|[x, y, z]| [-x, -y, z])),
+            reflected: against(&|pair| both(pair, &|[x, y, z]| [x, -y, z])),
+        }
+    }
+
+    /// What may be folded. Of isotropic materials azimuths of the half vector do not matter.
+    pub fn folds(&self, isotropic: bool) -> TableSymmetry {
+        TableSymmetry {
+            reciprocal: self.reciprocal <= TOLERANCE,
+            mirror: self.mirror <= TOLERANCE,
+            half_turn: !isotropic && self.half_turn <= TOLERANCE,
+            reflected: !isotropic && self.reflected <= TOLERANCE,
+        }
+    }
+}
+
+fn direction(z: f64, turn: f64) -> Vector {
+    let (radius, phi) = ((1.0 - z * z).max(0.0).sqrt(), std::f64::consts::TAU * turn);
+    [radius * phi.cos(), radius * phi.sin(), z]
+}
+
+/// Reflected at the plane of half vector and normal.
+fn mirrored(pair: DirectionPair) -> DirectionPair {
+    let half = half_vector(pair);
+    let length = half[0].hypot(half[1]);
+    if length == 0.0 {
+        return pair;
+    }
+    let (tx, ty) = (-half[1] / length, half[0] / length);
+    let reflect = |v: Vector| {
+        let twice = 2.0 * (v[0] * tx + v[1] * ty);
+        [v[0] - twice * tx, v[1] - twice * ty, v[2]]
+    };
+    DirectionPair::new(reflect(pair.incoming), reflect(pair.outgoing))
+}

@@ -1,0 +1,75 @@
+//! What a fit aims at: logarithms, and how much each of them shows.
+
+use super::samples::Samples;
+use brdfc_metrics::lab::lab;
+use rayon::prelude::*;
+
+/// Share of the samples whose largest channel is no brighter than white.
+const WHITE: f32 = 0.98;
+/// What a relative error counts where nothing is seen, so that ratios stay right at grazing angles and in the dark.
+pub const UNSEEN: f32 = 0.03;
+
+/// Logarithms and weights of samples.
+#[derive(Debug, Clone)]
+pub struct Targets {
+    /// Whether all channels are the same.
+    pub grey: bool,
+    /// `μ`, mean over channels of the samples as on a ball; 1 for black materials.
+    pub mean: f32,
+    /// `ε`.
+    pub bias: f32,
+    /// What `f cos θi` is multiplied by to be shown: white is what few samples on the ball exceed.
+    pub exposure: f32,
+    /// `ln(f / μ + ε)`.
+    pub logarithms: Vec<[f32; 3]>,
+    /// What a small difference of the logarithm changes of the lightness, as a share of white's (L* over 116).
+    pub weights: Vec<[f32; 3]>,
+    /// L\*a\*b\* as it is shown.
+    pub colours: Vec<[f32; 3]>,
+}
+
+impl Targets {
+    /// Of samples.
+    pub fn new(samples: &Samples, bias: f32, grey: bool) -> Self {
+        let on_ball = || (0..samples.len()).filter(|k| Samples::is_on_ball(*k));
+        let sum: f64 = on_ball().map(|k| samples.values[k].iter().map(|v| f64::from(*v)).sum::<f64>()).sum();
+        let mean = (sum / (3 * on_ball().count().max(1)) as f64) as f32;
+        let mean = if mean.is_normal() { mean } else { 1.0 };
+        let mut shown: Vec<f32> =
+            on_ball().map(|k| samples.values[k].iter().fold(0.0f32, |a, b| a.max(*b)) * samples.cosines[k]).collect();
+        let at = ((shown.len().max(1) - 1) as f32 * WHITE) as usize;
+        let white = if shown.is_empty() { 0.0 } else { *shown.select_nth_unstable_by(at, f32::total_cmp).1 };
+        let exposure = if white > 0.0 { 1.0 / white } else { 1.0 };
+        let weight = |value: f32, cosine: f32| {
+            let shown = value * cosine * exposure;
+            // Beyond white nothing changes; near it less and less, so that peaks keep their shape.
+            let clipped = if shown < 1.0 { 1.0 } else { 1.0 / (shown * shown) };
+            lightness_slope(shown.min(1.0)) * (value + mean * bias) * cosine * exposure * clipped
+        };
+        let pairs = || samples.values.par_iter().zip(&samples.cosines).with_min_len(4096);
+        Self {
+            logarithms: samples
+                .values
+                .par_iter()
+                .with_min_len(4096)
+                .map(|v| v.map(|v| (v / mean + bias).ln()))
+                .collect(),
+            weights: pairs().map(|(v, cosine)| v.map(|v| weight(v, *cosine))).collect(),
+            colours: pairs().map(|(v, cosine)| lab(v.map(|v| v * cosine * exposure))).collect(),
+            grey,
+            mean,
+            bias,
+            exposure,
+        }
+    }
+
+    /// L\*a\*b\* of logarithms at an incoming cosine, as they are shown.
+    pub fn colour(&self, logarithms: [f32; 3], cosine: f32) -> [f32; 3] {
+        lab(logarithms.map(|v| self.mean * (v.exp() - self.bias) * cosine * self.exposure))
+    }
+}
+
+/// Derivative of CIELAB's `f`, lightness over 116.
+fn lightness_slope(t: f32) -> f32 {
+    if t > 216.0 / 24389.0 { 1.0 / (3.0 * t.cbrt().powi(2)) } else { 24389.0 / 27.0 / 116.0 }
+}

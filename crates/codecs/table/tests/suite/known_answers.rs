@@ -1,0 +1,179 @@
+//! Tables of materials whose answers are known.
+
+use brdfc_formats::table::{Axes, TableDecoder, TableHeader, TablePack, TableSymmetry};
+use brdfc_metrics::compare::compare;
+use brdfc_metrics::sampling::{PairSet, cosine_directions};
+use brdfc_source::address::parse_synth;
+use brdfc_source::open::open_file;
+use brdfc_source::{Source, TableSource, Tally};
+use brdfc_table::encode::{EncodeError, Encoded, encode};
+use brdfc_table::fit::fit;
+use brdfc_table::lattice::{Lattice, Taps};
+use brdfc_table::recipe::{Size, TableRecipe};
+use brdfc_table::samples::Samples;
+use brdfc_table::symmetry::Asymmetry;
+use brdfc_table::targets::Targets;
+use brdfc_testing::packs::{pairs, tables};
+use brdfc_testing::testdata;
+use std::path::Path;
+
+fn source(address: &str) -> Box<dyn Source> {
+    parse_synth(address).unwrap()
+}
+
+fn table(source: &dyn Source, bytes: u64) -> Encoded {
+    encode(source, &TableRecipe { size: Size::Bytes(bytes), ..TableRecipe::default() }, &()).unwrap()
+}
+
+/// A white furnace: what a matte white receives from everywhere it gives back, from the smallest table.
+#[test]
+fn lambert_is_flat() {
+    let lambert = source("synth:lambert?kd=1");
+    let encoded = table(lambert.as_ref(), 300);
+    assert!(encoded.pack.gpu_bytes() <= 300);
+    let decoder = TableDecoder::new(&encoded.pack);
+    for pair in pairs(2000, 1) {
+        let f = decoder.eval(pair)[0];
+        assert!((f * std::f32::consts::PI - 1.0).abs() < 1e-4, "{f}");
+    }
+    assert!(encoded.off_grid.norms.relative_max < 1e-4);
+    assert!(encoded.off_grid.picture.delta_e.max < 0.02);
+}
+
+/// Errors fall with the size, and what a pack says of itself is what comparing it with its source finds.
+#[test]
+fn larger_tables_are_closer_and_errors_are_true() {
+    let plastic = open_file(Path::new(&testdata("demo/red_plastic.binary")), None).unwrap().source;
+    let mut before = f64::INFINITY;
+    for bytes in [1 << 10, 4 << 10, 16 << 10] {
+        let encoded = table(plastic.as_ref(), bytes);
+        let pack = TablePack::from_bytes(&encoded.bytes).unwrap();
+        assert_eq!(pack, encoded.pack);
+        assert!(pack.gpu_bytes() <= bytes && pack.gpu_bytes() > bytes * 3 / 4, "{} of {bytes}", pack.gpu_bytes());
+        let (found, _) = compare(plastic.as_ref(), &TableSource::new(&pack), &PairSet::comparison());
+        assert_eq!(found, encoded.off_grid);
+        assert_eq!((pack.off_grid, pack.picture), (found.summary(), found.picture.summary()));
+        let error = found.picture.delta_e.mean;
+        assert!(error < 0.85 * before, "{error} after {before}");
+        before = error;
+    }
+    assert!(before < 0.1, "{before}");
+}
+
+/// Values that a table holds are found again by fitting one with the same nodes, whatever is folded.
+#[test]
+fn tables_of_tables_are_perfect() {
+    for (name, pack) in tables() {
+        let header = *pack.header();
+        let original = TableSource::new(&pack);
+        let samples = Samples::draw(&original, 60_000, false);
+        let targets = Targets::new(&samples, header.bias * header.mean / mean_of(&samples), header.channels == 1);
+        let lattice = Lattice::new(&header);
+        let taps: Vec<Taps> = samples.angles.iter().map(|a| lattice.taps(&header.position_of(*a))).collect();
+        let nodes = fit(lattice, &taps, &targets);
+        let off: Vec<f32> = taps
+            .iter()
+            .zip(&targets.logarithms)
+            .map(|(taps, expected)| (lattice.value(taps, &nodes)[0] - expected[0]).abs())
+            .collect();
+        let mean = off.iter().sum::<f32>() / off.len() as f32;
+        assert!(mean < 2e-3, "{name}: off by {mean} in the mean");
+        // Negative control: nodes that stand elsewhere do not hold the same values.
+        let bent = TableHeader { slope: header.slope - 0.4, ..header };
+        let taps: Vec<Taps> = samples.angles.iter().map(|a| lattice.taps(&bent.position_of(*a))).collect();
+        let nodes = fit(lattice, &taps, &targets);
+        let of = |(taps, expected): (&Taps, &[f32; 3])| (lattice.value(taps, &nodes)[0] - expected[0]).abs();
+        let other = taps.iter().zip(&targets.logarithms).map(of).sum::<f32>() / taps.len() as f32;
+        assert!(other > 4.0 * mean, "{name}: {other} against {mean}");
+    }
+}
+
+/// `μ` as [`Targets`] has it.
+fn mean_of(samples: &Samples) -> f32 {
+    Targets::new(samples, 1e-4, false).mean
+}
+
+#[test]
+fn symmetry_is_measured() {
+    let folds = |address: &str| {
+        let source = source(address);
+        Asymmetry::of(source.as_ref()).folds(source.symmetry().isotropic)
+    };
+    let all = TableSymmetry { reciprocal: true, mirror: true, half_turn: true, reflected: true };
+    assert_eq!(folds("synth:ward?ax=0.15&ay=0.5"), all);
+    let isotropic = TableSymmetry { half_turn: false, reflected: false, ..all };
+    assert_eq!(folds("synth:ggx?alpha=0.2"), isotropic);
+    // A model whose shadowing depends on the azimuth of light and viewer, not of the half vector alone.
+    assert_eq!(folds("synth:ggx?alpha_x=0.1&alpha_y=0.4"), TableSymmetry { mirror: false, ..all });
+    // What is not reciprocal is not folded.
+    assert!(!folds("synth:poulin?kd=0.1&ks=0.3&d=3&h=0.5&n=20").mirror);
+    let plastic = open_file(Path::new(&testdata("demo/red_plastic.binary")), None).unwrap().source;
+    let asymmetry = Asymmetry::of(plastic.as_ref());
+    assert!(asymmetry.reciprocal < 1e-6 && asymmetry.mirror >= 0.0, "{asymmetry:?}");
+}
+
+/// One-sided materials become reciprocal where that is asked for, at a cost that is told.
+#[test]
+fn reciprocal_tables_are_reciprocal() {
+    struct OneSided;
+    impl Source for OneSided {
+        fn eval(&self, pair: brdfc_formats::direction::DirectionPair, tally: &mut Tally) -> [f64; 3] {
+            tally.evaluations += 1;
+            [0.1 + 0.2 * pair.incoming[2]; 3]
+        }
+        fn symmetry(&self) -> brdfc_source::Symmetry {
+            brdfc_source::Symmetry { reciprocal: false, ..brdfc_source::Symmetry::FULL }
+        }
+        fn is_grey(&self) -> bool {
+            true
+        }
+    }
+    let of = |reciprocal| encode(&OneSided, &TableRecipe { reciprocal, ..TableRecipe::default() }, &()).unwrap();
+    let (plain, both) = (of(false), of(true));
+    assert!(plain.off_grid.reciprocity > 0.1 && plain.off_grid.norms.relative_mean < 0.005);
+    assert!(both.off_grid.reciprocity < 1e-4, "{}", both.off_grid.reciprocity);
+    assert!(both.off_grid.norms.relative_mean > 0.05, "the mean of both ways is off either");
+    assert!(both.pack.header().symmetry.reciprocal && !plain.pack.header().symmetry.reciprocal);
+}
+
+/// Light that comes back is no more than the source's, to what the format rounds.
+#[test]
+fn energy_is_kept() {
+    let metal = source("synth:ggx?kd=0&f0=1&alpha=0.3");
+    let encoded = table(metal.as_ref(), 16 << 10);
+    let decoder = TableDecoder::new(&encoded.pack);
+    for theta in [0.0f64, 0.6, 1.2] {
+        let incoming = [theta.sin(), 0.0, theta.cos()];
+        let outgoing = cosine_directions(64);
+        let albedo = |f: &dyn Fn([f64; 3]) -> f64| {
+            outgoing.iter().map(|o| f(*o)).sum::<f64>() * std::f64::consts::PI / outgoing.len() as f64
+        };
+        let pair = |o| brdfc_formats::direction::DirectionPair::new(incoming, o);
+        let exact = albedo(&|o| metal.eval(pair(o), &mut Tally::default())[0]);
+        let found = albedo(&|o| f64::from(decoder.eval(pair(o))[0]));
+        assert!((found / exact - 1.0).abs() < 0.01 && found < 1.01, "{theta}: {found} against {exact}");
+    }
+}
+
+#[test]
+fn bytes_do_not_depend_on_threads() {
+    let plastic = open_file(Path::new(&testdata("demo/red_plastic.binary")), None).unwrap().source;
+    let on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| table(plastic.as_ref(), 4 << 10).bytes)
+    };
+    assert_eq!(on(1), on(3));
+}
+
+#[test]
+fn sizes_are_checked() {
+    let lambert = source("synth:lambert");
+    let made = |size| encode(lambert.as_ref(), &TableRecipe { size, ..TableRecipe::default() }, &());
+    let error = made(Size::Bytes(100)).unwrap_err();
+    assert!(matches!(error, EncodeError::TooFewBytes { allowed: 100, smallest: 160 }), "{error}");
+    let axes = Axes { half: 1, difference: 4, azimuth: 4, layers: 1 };
+    let error = made(Size::Nodes(axes)).unwrap_err().to_string();
+    assert!(error.contains("θ_h nodes: found 1; allowed 2 to 256"), "{error}");
+    let axes = Axes { half: 7, difference: 3, azimuth: 5, layers: 2 };
+    assert_eq!(made(Size::Nodes(axes)).unwrap().pack.header().axes, axes);
+}

@@ -1,0 +1,62 @@
+//! Tables of sources that no material is: within their stated error, or counted.
+
+use brdfc_formats::direction::{DirectionPair, half_vector};
+use brdfc_source::{Source, Symmetry, Tally};
+use brdfc_table::encode::{Encoded, encode};
+use brdfc_table::recipe::TableRecipe;
+
+/// A function of a pair.
+struct Odd(fn(DirectionPair) -> f64);
+
+impl Source for Odd {
+    fn eval(&self, pair: DirectionPair, tally: &mut Tally) -> [f64; 3] {
+        tally.evaluations += 1;
+        [(self.0)(pair); 3]
+    }
+
+    fn symmetry(&self) -> Symmetry {
+        Symmetry::FULL
+    }
+
+    fn is_grey(&self) -> bool {
+        true
+    }
+}
+
+fn table(f: fn(DirectionPair) -> f64) -> Encoded {
+    encode(&Odd(f), &TableRecipe::default(), &()).unwrap()
+}
+
+#[test]
+fn black_is_black() {
+    let encoded = table(|_| 0.0);
+    assert_eq!(encoded.off_grid.norms.rms, 0.0);
+    assert_eq!(encoded.off_grid.picture.delta_e.max, 0.0);
+}
+
+#[test]
+fn negative_values_and_no_numbers_are_raised_and_counted() {
+    let encoded = table(|pair| if pair.incoming[0] > 0.5 { -1.0 } else { 0.2 });
+    assert!(encoded.tally.negative_raised > 1000, "{:?}", encoded.tally);
+    assert!(encoded.off_grid.norms.rms.is_finite());
+    let encoded = table(|pair| if pair.incoming[2] < 0.3 { f64::NAN } else { 0.2 });
+    assert!(encoded.tally.negative_raised > 1000, "{:?}", encoded.tally);
+    assert!(table(|_| 0.2).tally.negative_raised == 0);
+}
+
+/// A peak that no sample need hit: nothing panics, values are finite, the error is told.
+#[test]
+fn needles_are_told_of() {
+    let encoded = table(|pair| if half_vector(pair)[2] > 0.999_999 { 1e6 } else { 0.1 });
+    let norms = &encoded.off_grid.norms;
+    assert!(norms.rms.is_finite() && norms.relative_max > 0.5, "{norms:?}");
+}
+
+#[test]
+fn huge_and_tiny_values_are_held() {
+    for (f, value) in [((|_| 1e30) as fn(DirectionPair) -> f64, 1e30), (|_| 1e-30, 1e-30)] {
+        let encoded = table(f);
+        let norms = &encoded.off_grid.norms;
+        assert!(norms.rms <= 1e-4 * value && norms.relative_mean < 1e-4, "{value}: {norms:?}");
+    }
+}

@@ -1,0 +1,14 @@
+//! One source to one pack: which codec, how large, and what was tried.
+
+mod auto;
+mod error;
+pub mod options;
+mod pack;
+pub mod recipe;
+mod run;
+mod trial;
+
+pub use error::PackError;
+pub use pack::{CodecReport, EncodedPack, TableReport, WaveletReport};
+pub use run::encode;
+pub use trial::Trial;

@@ -1,0 +1,286 @@
+//! How a user asks for a pack: the flags of the command line and the keys of a manifest, which are the same.
+
+use super::recipe::{AutoRecipe, Budget, PackRecipe};
+use brdfc_formats::direction::Parameterisation;
+use brdfc_formats::wavelet::MAX_LEVELS;
+use brdfc_metrics::fraction::Fraction;
+use brdfc_table::recipe::{Size, TableRecipe};
+use brdfc_wavelet::recipe::{Ranking, Recipe, Target};
+
+/// Options of an encoding; what is absent is left open. Each field is a flag (`--max-error`) and a key (`max_error`), and
+/// its comment is the help of the flag; `docs/scene.md` describes the keys.
+#[derive(Debug, Clone, Default, PartialEq, serde::Deserialize)]
+#[cfg_attr(feature = "clap", derive(clap::Args))]
+#[serde(deny_unknown_fields)]
+pub struct EncodeOptions {
+    /// Which codec: auto (default: the smallest pack that meets the budget), table, or wavelet (the paper's, its slices
+    /// ranked by what is seen).
+    #[cfg_attr(feature = "clap", arg(long, value_name = "CODEC"))]
+    pub codec: Option<String>,
+    /// Largest mean ΔE of pictures of the pack and its source, with 95 % below four times that (default 0.5).
+    #[cfg_attr(feature = "clap", arg(long, value_name = "E", conflicts_with = "ratio"))]
+    pub max_delta_e: Option<f64>,
+    /// Largest mean relative error ε_r: a fraction or a percentage, 0.02 or 2%. Of wavelet packs on their grid.
+    #[cfg_attr(feature = "clap", arg(long, value_name = "E", conflicts_with = "ratio"))]
+    pub max_error: Option<Fraction>,
+    /// Most bytes on a GPU, before any compression of the file. Alone it is filled.
+    #[cfg_attr(feature = "clap", arg(long, value_name = "B", conflicts_with = "ratio"))]
+    pub max_bytes: Option<u64>,
+    /// Most texture fetches of a look-up: 1 is a table of an isotropic material, 2 of any, 84 a wavelet pack.
+    #[cfg_attr(feature = "clap", arg(long, value_name = "N", conflicts_with = "ratio"))]
+    pub max_fetches: Option<u32>,
+    /// Values that do not change when light and viewer do, as path tracers need them: the mean of both ways. Of table
+    /// packs.
+    #[cfg_attr(feature = "clap", arg(long, num_args = 0, default_missing_value = "true"))]
+    pub reciprocal: Option<bool>,
+    /// Wavelet: keep one slice in R (default 4).
+    #[cfg_attr(feature = "clap", arg(long, value_name = "R"))]
+    pub ratio: Option<f64>,
+    /// Wavelet: cells per axis and hemisphere, 2, 4, 8, 16, 32 or 64 (default 32).
+    #[cfg_attr(feature = "clap", arg(long, value_name = "N"))]
+    pub grid: Option<usize>,
+    /// Wavelet: what the two hemispheres are, tangent-pole (default, incoming and outgoing) or half-difference.
+    #[cfg_attr(feature = "clap", arg(long, value_name = "P"))]
+    pub parameterisation: Option<String>,
+    /// Wavelet: bits per component, 8 (default), or 10 to 16 in a texture of 16 bits.
+    #[cfg_attr(feature = "clap", arg(long, value_name = "N"))]
+    pub bits: Option<u32>,
+    /// Bias ε of the logarithm ln(f/μ + ε), 1e-6 to 1 (default 0.01 of wavelet packs, 0.0001 of tables): values far below
+    /// ε times the mean are lost. Without a codec it asks for a wavelet pack.
+    #[cfg_attr(feature = "clap", arg(long, value_name = "E"))]
+    pub bias: Option<f64>,
+    /// Wavelet: which slices are kept, energy (smallest error of the table; default unless the codec is named) or visible
+    /// (smallest error of pictures: what grazing angles and darkness hide counts less; goes with --bias 0.0003).
+    #[cfg_attr(feature = "clap", arg(long, value_name = "BY"))]
+    pub ranking: Option<String>,
+    /// Wavelet: smooth the table by moving least squares first, for noisy dense data. Scans are smoothed anyway.
+    #[cfg_attr(feature = "clap", arg(long, num_args = 0, default_missing_value = "true"))]
+    pub smooth: Option<bool>,
+}
+
+/// An option out of range.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{field}: found {found}; allowed {allowed}")]
+pub struct OptionError {
+    /// Which.
+    pub field: &'static str,
+    /// What it is.
+    pub found: String,
+    /// What it may be.
+    pub allowed: String,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Codec {
+    Auto,
+    Table,
+    Wavelet,
+}
+
+const CODECS: [(&str, Codec); 3] = [("auto", Codec::Auto), ("table", Codec::Table), ("wavelet", Codec::Wavelet)];
+
+impl EncodeOptions {
+    /// The recipe of these options; what they leave open comes from `defaults`, then from [`PackRecipe::default`].
+    ///
+    /// Limits are taken from one of both, all together. A codec that these options name makes defaults that do not go with it
+    /// none.
+    ///
+    /// # Errors
+    /// Values out of range; options that do not go together.
+    pub fn resolve(&self, defaults: &Self) -> Result<PackRecipe, OptionError> {
+        let named_here = self.codec.as_deref().map(codec).transpose()?;
+        let defaults = match named_here {
+            Some(Codec::Auto | Codec::Table) => defaults.without_wavelet(),
+            _ => defaults.clone(),
+        };
+        let all = self.over(&defaults);
+        all.check()?;
+        let explicit = all.codec.as_deref().map(codec).transpose()?;
+        let of_wavelet = all.of_wavelet();
+        match explicit {
+            Some(Codec::Wavelet) => Ok(PackRecipe::Wavelet(all.wavelet(Recipe::visible())?)),
+            None if of_wavelet.is_some() || all.bias.is_some() => {
+                Ok(PackRecipe::Wavelet(all.wavelet(Recipe::default())?))
+            }
+            _ => {
+                if let Some((field, found)) = of_wavelet {
+                    let name = all.codec.as_deref().unwrap_or("auto");
+                    return Err(problem(field, found, &format!("the codec wavelet, not {name}")));
+                }
+                Ok(all.search(explicit == Some(Codec::Table)))
+            }
+        }
+    }
+
+    fn without_wavelet(&self) -> Self {
+        let (ratio, grid, bits, smooth) = (None, None, None, None);
+        Self { ratio, grid, bits, smooth, parameterisation: None, ranking: None, codec: None, ..self.clone() }
+    }
+
+    fn over(&self, defaults: &Self) -> Self {
+        let limits = |options: &Self| {
+            options.ratio.is_some()
+                || options.max_delta_e.is_some()
+                || options.max_error.is_some()
+                || options.max_bytes.is_some()
+                || options.max_fetches.is_some()
+        };
+        let limited = if limits(self) { self } else { defaults };
+        Self {
+            codec: self.codec.clone().or_else(|| defaults.codec.clone()),
+            max_delta_e: limited.max_delta_e,
+            max_error: limited.max_error,
+            max_bytes: limited.max_bytes,
+            max_fetches: limited.max_fetches,
+            ratio: limited.ratio,
+            reciprocal: self.reciprocal.or(defaults.reciprocal),
+            grid: self.grid.or(defaults.grid),
+            parameterisation: self.parameterisation.clone().or_else(|| defaults.parameterisation.clone()),
+            bits: self.bits.or(defaults.bits),
+            bias: self.bias.or(defaults.bias),
+            ranking: self.ranking.clone().or_else(|| defaults.ranking.clone()),
+            smooth: self.smooth.or(defaults.smooth),
+        }
+    }
+
+    /// The first option that wavelet packs alone have.
+    fn of_wavelet(&self) -> Option<(&'static str, String)> {
+        let text = |value: &String| format!("\"{value}\"");
+        [
+            ("ratio", self.ratio.map(|v| v.to_string())),
+            ("grid", self.grid.map(|v| v.to_string())),
+            ("bits", self.bits.map(|v| v.to_string())),
+            ("parameterisation", self.parameterisation.as_ref().map(text)),
+            ("ranking", self.ranking.as_ref().map(text)),
+            ("smooth", self.smooth.filter(|on| *on).map(|v| v.to_string())),
+        ]
+        .into_iter()
+        .find_map(|(field, found)| Some((field, found?)))
+    }
+
+    /// Checks limits and what all codecs have.
+    fn check(&self) -> Result<(), OptionError> {
+        if let Some(limit) = self.max_delta_e
+            && !(limit > 0.0 && limit <= 100.0)
+        {
+            return Err(problem("max_delta_e", limit.to_string(), "above 0, up to 100"));
+        }
+        if let Some(error) = self.max_error {
+            let wrong = |allowed: &str| problem("max_error", error.to_string(), allowed);
+            if error.checked().map_err(|allowed| wrong(&allowed))? == 0.0 {
+                return Err(wrong("a positive fraction, such as 0.02 for 2 %"));
+            }
+        }
+        if self.max_bytes == Some(0) {
+            return Err(problem("max_bytes", "0", "1 or more"));
+        }
+        if self.max_fetches == Some(0) {
+            return Err(problem("max_fetches", "0", "1 or more"));
+        }
+        if let Some(bias) = self.bias
+            && !(1e-6..=1.0).contains(&bias)
+        {
+            return Err(problem("bias", bias.to_string(), "1e-6 to 1"));
+        }
+        Ok(())
+    }
+
+    fn search(&self, tables_alone: bool) -> PackRecipe {
+        let mut table = TableRecipe { reciprocal: self.reciprocal == Some(true), ..TableRecipe::default() };
+        if let Some(bias) = self.bias {
+            table.bias = bias;
+        }
+        let limited = self.max_delta_e.is_some() || self.max_error.is_some() || self.max_fetches.is_some();
+        if tables_alone && !limited {
+            if let Some(bytes) = self.max_bytes {
+                table.size = Size::Bytes(bytes);
+            }
+            return PackRecipe::Table(table);
+        }
+        let error = self.max_error.map(|error| error.checked().expect("checked before"));
+        let budget = Budget { delta_e: self.max_delta_e, error, bytes: self.max_bytes, fetches: self.max_fetches };
+        // Without a limit of error or bytes the default says how good is good enough.
+        let open = !budget.limits_error() && budget.bytes.is_none();
+        let delta_e = if open { Budget::default().delta_e } else { budget.delta_e };
+        let searched = AutoRecipe { budget: Budget { delta_e, ..budget }, table, ..AutoRecipe::default() };
+        // What is reciprocal is a table.
+        let tables_alone = tables_alone || self.reciprocal == Some(true);
+        PackRecipe::Auto(AutoRecipe { wavelet: searched.wavelet.filter(|_| !tables_alone), ..searched })
+    }
+
+    fn wavelet(&self, mut recipe: Recipe) -> Result<Recipe, OptionError> {
+        for (field, found) in [
+            ("max_delta_e", self.max_delta_e.map(|v| v.to_string())),
+            ("max_fetches", self.max_fetches.map(|v| v.to_string())),
+            ("reciprocal", self.reciprocal.filter(|on| *on).map(|v| v.to_string())),
+        ] {
+            if let Some(found) = found {
+                let with = match self.of_wavelet() {
+                    Some((other, _)) => format!("the codec auto or table, and no {other}"),
+                    None => "the codec auto or table".to_owned(),
+                };
+                return Err(problem(field, found, &with));
+            }
+        }
+        if let Some(grid) = self.grid {
+            if !grid.is_power_of_two() || !(2..=1 << MAX_LEVELS).contains(&grid) {
+                return Err(problem("grid", grid.to_string(), "2, 4, 8, 16, 32 or 64"));
+            }
+            recipe.levels = grid.ilog2();
+            recipe.stored_levels = recipe.levels;
+        }
+        if let Some(bits) = self.bits {
+            if bits != 8 && !(10..=16).contains(&bits) {
+                return Err(problem("bits", bits.to_string(), "8, or 10 to 16"));
+            }
+            recipe.bits = bits;
+        }
+        if let Some(name) = &self.parameterisation {
+            recipe.parameterisation = named("parameterisation", name, &Parameterisation::NAMES)?;
+        }
+        if let Some(name) = &self.ranking {
+            recipe.ranking = named("ranking", name, &Ranking::NAMES)?;
+        }
+        recipe.smooth = self.smooth.unwrap_or(recipe.smooth);
+        recipe.bias = self.bias.unwrap_or(recipe.bias);
+        if let Some(target) = self.target()? {
+            recipe.target = target;
+        }
+        Ok(recipe)
+    }
+
+    fn target(&self) -> Result<Option<Target>, OptionError> {
+        let given = [self.ratio.is_some(), self.max_error.is_some(), self.max_bytes.is_some()];
+        if given.iter().filter(|g| **g).count() > 1 {
+            return Err(problem(
+                if self.ratio.is_some() { "ratio" } else { "max_error" },
+                "more than one target",
+                "one of ratio, max_error and max_bytes",
+            ));
+        }
+        if let Some(ratio) = self.ratio {
+            if !(1.0..=4096.0).contains(&ratio) {
+                return Err(problem("ratio", ratio.to_string(), "1 to 4096"));
+            }
+            return Ok(Some(Target::Ratio(ratio)));
+        }
+        let error = self.max_error.map(|error| Target::MaxError(error.checked().expect("checked before")));
+        Ok(error.or(self.max_bytes.map(Target::MaxBytes)))
+    }
+}
+
+fn codec(name: &str) -> Result<Codec, OptionError> {
+    named("codec", name, &CODECS)
+}
+
+fn problem(field: &'static str, found: impl Into<String>, allowed: &str) -> OptionError {
+    OptionError { field, found: found.into(), allowed: allowed.to_owned() }
+}
+
+/// What `name` stands for among the names that are known.
+fn named<T: Copy>(field: &'static str, name: &str, known: &[(&'static str, T)]) -> Result<T, OptionError> {
+    known.iter().find(|(text, _)| *text == name).map(|(_, value)| *value).ok_or_else(|| {
+        let names: Vec<&str> = known.iter().map(|(text, _)| *text).collect();
+        problem(field, format!("\"{name}\""), &names.join(" or "))
+    })
+}

@@ -1,0 +1,106 @@
+//! What decides the bytes of a pack: a codec with its recipe, or a budget that codecs and sizes are tried against.
+
+use brdfc_table::recipe::TableRecipe;
+use brdfc_wavelet::recipe::Recipe;
+use serde::{Deserialize, Serialize};
+
+/// How a material becomes a pack.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum PackRecipe {
+    /// The smallest pack that meets a budget.
+    Auto(AutoRecipe),
+    /// A table of one size.
+    Table(TableRecipe),
+    /// A wavelet pack.
+    Wavelet(Recipe),
+}
+
+/// What a search is to meet, and among which packs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AutoRecipe {
+    /// What a pack has to meet.
+    pub budget: Budget,
+    /// What all tables that are tried have in common; its size is not looked at.
+    pub table: TableRecipe,
+    /// What all wavelet packs that are tried have in common, but for the target; none are tried where it is absent.
+    pub wavelet: Option<Recipe>,
+}
+
+/// Limits of a pack. Those that are absent are none.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Budget {
+    /// Largest mean ΔE*ab of pictures, and four times that for its 95th percentile.
+    pub delta_e: Option<f64>,
+    /// Largest `ε_r` off the grid, a fraction.
+    pub error: Option<f64>,
+    /// Most bytes on a GPU.
+    pub bytes: Option<u64>,
+    /// Most texture fetches of a look-up.
+    pub fetches: Option<u32>,
+}
+
+/// The 95th percentile of ΔE may be so many times the mean that is allowed.
+pub const TAIL: f64 = 4.0;
+
+impl Default for Budget {
+    /// A mean ΔE of 0.5 with 95 % below 2: differences that are hardly seen side by side.
+    fn default() -> Self {
+        Self { delta_e: Some(0.5), error: None, bytes: None, fetches: None }
+    }
+}
+
+impl Budget {
+    /// Whether it says how good a pack has to be.
+    pub fn limits_error(&self) -> bool {
+        self.delta_e.is_some() || self.error.is_some()
+    }
+}
+
+impl Default for AutoRecipe {
+    fn default() -> Self {
+        Self { budget: Budget::default(), table: TableRecipe::default(), wavelet: Some(Recipe::visible()) }
+    }
+}
+
+impl Default for PackRecipe {
+    fn default() -> Self {
+        Self::Auto(AutoRecipe::default())
+    }
+}
+
+impl PackRecipe {
+    /// Whether texels are compressed in the file.
+    pub fn set_supercompress(&mut self, supercompress: bool) {
+        match self {
+            Self::Auto(recipe) => {
+                recipe.table.supercompress = supercompress;
+                recipe.wavelet.iter_mut().for_each(|wavelet| wavelet.supercompress = supercompress);
+            }
+            Self::Table(recipe) => recipe.supercompress = supercompress,
+            Self::Wavelet(recipe) => recipe.supercompress = supercompress,
+        }
+    }
+
+    /// Leaves the error off the grid alone where nothing is chosen by it.
+    #[must_use]
+    pub fn without_measuring(mut self) -> Self {
+        match &mut self {
+            Self::Auto(_) => {}
+            Self::Table(recipe) => recipe.measure = false,
+            Self::Wavelet(recipe) => recipe.measure_off_grid = false,
+        }
+        self
+    }
+
+    /// Wavelet packs store no finer levels of detail than this gives for the number of levels.
+    pub fn limit_levels(&mut self, stored: impl Fn(u32) -> u32) {
+        let wavelet = match self {
+            Self::Auto(recipe) => recipe.wavelet.as_mut(),
+            Self::Table(_) => None,
+            Self::Wavelet(recipe) => Some(recipe),
+        };
+        if let Some(recipe) = wavelet {
+            recipe.stored_levels = stored(recipe.levels);
+        }
+    }
+}

@@ -1,0 +1,24 @@
+//! What is told of a pack that was tried.
+
+use serde::{Deserialize, Serialize};
+
+/// One pack that was tried.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Trial {
+    /// `table` or `wavelet`.
+    pub codec: String,
+    /// Nodes per axis, or slices.
+    pub size: String,
+    /// Bytes on a GPU.
+    pub bytes_on_gpu: u64,
+    /// Texture fetches of a look-up.
+    pub fetches: u32,
+    /// Mean ΔE*ab of pictures.
+    pub delta_e: f64,
+    /// Its 95th percentile.
+    pub delta_e_p95: f64,
+    /// `ε_r` off the grid, a fraction.
+    pub relative_error: f64,
+    /// Whether it meets the budget.
+    pub meets: bool,
+}

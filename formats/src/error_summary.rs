@@ -1,0 +1,126 @@
+//! What a pack says of its own error: norms against the source, as measured when it was made.
+
+use crate::FormatError;
+use crate::cursor::Cursor;
+
+/// Error norms of a pack against its source, as measured when it was made. Ratios are fractions, not per cent.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, schemars::JsonSchema))]
+pub struct ErrorSummary {
+    /// Samples compared.
+    pub samples: u32,
+    /// RMS of `f' - f`, 1/sr.
+    pub rms: f32,
+    /// `ε_r`, mean of `|f' - f| / f` over samples with `f >= 1e-3 μ`.
+    pub relative_mean: f32,
+    /// 95th percentile of the same ratio.
+    pub relative_p95: f32,
+    /// 99th percentile of the same ratio.
+    pub relative_p99: f32,
+    /// Its maximum.
+    pub relative_max: f32,
+    /// RMS of `ln f' - ln f` over the same samples.
+    pub log_rms: f32,
+    /// RMS of `ln(1 + f' cos θi) - ln(1 + f cos θi)` over all samples.
+    pub cosine_log_rms: f32,
+    /// Largest difference of directional albedo over incoming angles.
+    pub albedo_max_difference: f32,
+    /// Mean of `|f'(i, o) - f'(o, i)| / f` of the pack: how far it is from reciprocal.
+    pub reciprocity: f32,
+}
+
+impl ErrorSummary {
+    /// Bytes in an entry: `samples`, then the ratios in the order of the fields.
+    pub(crate) const BYTES: usize = 40;
+
+    pub(crate) fn to_bytes(self) -> [u8; Self::BYTES] {
+        let ratios = [
+            self.rms,
+            self.relative_mean,
+            self.relative_p95,
+            self.relative_p99,
+            self.relative_max,
+            self.log_rms,
+            self.cosine_log_rms,
+            self.albedo_max_difference,
+            self.reciprocity,
+        ];
+        let mut bytes = [0; Self::BYTES];
+        let words = std::iter::once(self.samples).chain(ratios.map(f32::to_bits));
+        for (target, word) in bytes.chunks_exact_mut(4).zip(words) {
+            target.copy_from_slice(&word.to_le_bytes());
+        }
+        bytes
+    }
+
+    /// Reads what [`Self::to_bytes`] wrote into the entry of this key.
+    pub(crate) fn from_bytes(bytes: &[u8], key: &'static str) -> Result<Self, FormatError> {
+        let mut cursor = Cursor::new(bytes);
+        let samples = cursor.u32(key)?;
+        let [
+            rms,
+            relative_mean,
+            relative_p95,
+            relative_p99,
+            relative_max,
+            log_rms,
+            cosine_log_rms,
+            albedo_max_difference,
+            reciprocity,
+        ] = not_negative(&mut cursor, key)?;
+        Ok(Self {
+            samples,
+            rms,
+            relative_mean,
+            relative_p95,
+            relative_p99,
+            relative_max,
+            log_rms,
+            cosine_log_rms,
+            albedo_max_difference,
+            reciprocity,
+        })
+    }
+}
+
+/// Colour differences between pictures of a pack and of its source, as measured when it was made: ΔE*ab (CIE 1976) over the
+/// pixels of balls under fixed lights.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, schemars::JsonSchema))]
+pub struct PictureSummary {
+    /// Mean.
+    pub mean: f32,
+    /// 95th percentile.
+    pub p95: f32,
+    /// Maximum.
+    pub max: f32,
+}
+
+impl PictureSummary {
+    /// Bytes in an entry.
+    pub(crate) const BYTES: usize = 12;
+
+    pub(crate) fn to_bytes(self) -> [u8; Self::BYTES] {
+        let mut bytes = [0; Self::BYTES];
+        for (target, value) in bytes.chunks_exact_mut(4).zip([self.mean, self.p95, self.max]) {
+            target.copy_from_slice(&value.to_le_bytes());
+        }
+        bytes
+    }
+
+    pub(crate) fn from_bytes(bytes: &[u8], key: &'static str) -> Result<Self, FormatError> {
+        let [mean, p95, max] = not_negative(&mut Cursor::new(bytes), key)?;
+        Ok(Self { mean, p95, max })
+    }
+}
+
+fn not_negative<const N: usize>(cursor: &mut Cursor<'_>, key: &'static str) -> Result<[f32; N], FormatError> {
+    let mut values = [0.0; N];
+    for value in &mut values {
+        *value = cursor.f32(key)?;
+        if !(0.0..=f32::MAX).contains(value) {
+            return Err(FormatError::whole(key, value.to_string(), "numbers that are not negative"));
+        }
+    }
+    Ok(values)
+}

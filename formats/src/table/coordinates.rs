@@ -1,0 +1,248 @@
+//! Where a direction pair is in a table: half-difference angles, folded by the symmetry of the material.
+
+use crate::direction::{DirectionPair, Vector, add_scaled, dot, polynomial_atan2};
+use std::f32::consts::{FRAC_PI_2, PI, TAU};
+
+/// Which pairs of directions have the same value, besides those that are turned about the normal where there is one layer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+pub struct TableSymmetry {
+    /// Light and viewer may be exchanged: `φ_d` and `φ_d + π` are the same.
+    pub reciprocal: bool,
+    /// `φ_d` and `-φ_d` are the same. Of isotropic materials: what is left of the plane of incidence is as what is right.
+    pub mirror: bool,
+    /// `φ_h` and `φ_h + π` are the same.
+    pub half_turn: bool,
+    /// `(φ_h, φ_d)` and `(-φ_h, -φ_d)` are the same: tangent and bitangent are axes of symmetry, or the tangent alone.
+    pub reflected: bool,
+}
+
+impl TableSymmetry {
+    /// As a pack has it: one bit each, in the order of the fields.
+    pub fn bits(self) -> u32 {
+        let flags = [self.reciprocal, self.mirror, self.half_turn, self.reflected];
+        flags.into_iter().rev().fold(0, |bits, flag| bits << 1 | u32::from(flag))
+    }
+
+    /// Inverse of [`Self::bits`].
+    pub fn from_bits(bits: u32) -> Option<Self> {
+        let flag = |k: u32| bits >> k & 1 == 1;
+        (bits < 16).then(|| Self { reciprocal: flag(0), mirror: flag(1), half_turn: flag(2), reflected: flag(3) })
+    }
+
+    /// Largest `φ_d` of a table, where it is folded or starts again.
+    pub fn difference_period(self) -> f32 {
+        (if self.mirror { PI } else { TAU }) / (if self.reciprocal { 2.0 } else { 1.0 })
+    }
+
+    /// Largest `φ_h` of a table, where it is folded or starts again.
+    pub fn half_period(self) -> f32 {
+        (if self.reflected { PI } else { TAU }) / (if self.half_turn { 2.0 } else { 1.0 })
+    }
+}
+
+/// Half-difference angles (Rusinkiewicz 1998), `θ_d` as a share of what it can be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Angles {
+    /// `θ_h`, of the half vector to the normal, `0..=π/2`.
+    pub theta_half: f32,
+    /// `φ_h`, its azimuth from the tangent, `-π..=π`.
+    pub phi_half: f32,
+    /// `θ_d / θ_d,max`, `0..=1`: the angle between half vector and light, over the largest with which both directions are
+    /// above the horizon, `θ_d,max = atan2(cos θ_h, sin θ_h |cos φ_d|)`.
+    pub ratio: f32,
+    /// `φ_d`, azimuth of the light about the half vector from the great circle away from the normal, `-π..=π`. With a
+    /// half vector at the normal it is the light's azimuth.
+    pub phi_difference: f32,
+}
+
+impl Angles {
+    /// The angles of a pair above the horizon. Arithmetic in f32 in a fixed order, for shaders to do the same.
+    pub fn of(pair: DirectionPair) -> Self {
+        let (angles, [x, y]) = Self::but_phi_half(pair);
+        Self { phi_half: azimuth(y, x), ..angles }
+    }
+
+    /// The angles with a `φ_h` of 0, and the half vector's part along tangent and bitangent, which tells it.
+    pub(super) fn but_phi_half(pair: DirectionPair) -> (Self, [f32; 2]) {
+        let (i, o) = (pair.incoming.map(|c| c as f32), pair.outgoing.map(|c| c as f32));
+        let sum = [i[0] + o[0], i[1] + o[1], i[2] + o[2]];
+        let apart = [i[0] - o[0], i[1] - o[1], i[2] - o[2]];
+        let sum_length = length(sum);
+        let h = [sum[0] / sum_length, sum[1] / sum_length, sum[2] / sum_length];
+        let sine = (h[0] * h[0] + h[1] * h[1]).sqrt();
+        let theta_half = polynomial_atan2(sine, h[2]);
+        let theta_difference = polynomial_atan2(length(apart), sum_length);
+        let along = i[0] * h[0] + i[1] * h[1] + i[2] * h[2];
+        // Both times sin θ_h: away from the normal, and to the left of that.
+        let (x, y) = if sine > 0.0 { (along * h[2] - i[2], i[1] * h[0] - i[0] * h[1]) } else { (i[0], i[1]) };
+        let across = (x * x + y * y).sqrt();
+        let cosine = if across > 0.0 { x.abs() / across } else { 1.0 };
+        let largest = polynomial_atan2(h[2], sine * cosine);
+        let ratio = if theta_difference < largest { theta_difference / largest } else { 1.0 };
+        (Self { theta_half, phi_half: 0.0, ratio, phi_difference: azimuth(y, x) }, [h[0], h[1]])
+    }
+
+    /// The pair of these angles, the inverse of [`Self::of`].
+    pub fn pair(self) -> DirectionPair {
+        let [theta_half, phi_half, ratio, phi_difference] =
+            [self.theta_half, self.phi_half, self.ratio, self.phi_difference].map(f64::from);
+        let (sine, cosine) = theta_half.sin_cos();
+        let largest = cosine.atan2(sine * phi_difference.cos().abs());
+        let theta_difference = ratio * largest;
+        let half = [sine * phi_half.cos(), sine * phi_half.sin(), cosine];
+        let away = [cosine * phi_half.cos(), cosine * phi_half.sin(), -sine];
+        let left = [-phi_half.sin(), phi_half.cos(), 0.0];
+        let across: Vector = add_scaled(away.map(|c| c * phi_difference.cos()), phi_difference.sin(), left);
+        let incoming = add_scaled(half.map(|c| c * theta_difference.cos()), theta_difference.sin(), across);
+        let outgoing = add_scaled(incoming.map(|c| -c), 2.0 * dot(incoming, half), half);
+        DirectionPair::new(incoming, outgoing)
+    }
+
+    /// `φ_h` as a share of its period, and `φ_d` as one of its, both folded by the symmetry: `0..=1`.
+    pub fn folded(self, symmetry: TableSymmetry) -> [f32; 2] {
+        let (mut half, mut difference) = (self.phi_half, self.phi_difference);
+        if symmetry.reflected {
+            if symmetry.half_turn {
+                if half < 0.0 {
+                    half += PI;
+                }
+                if half > FRAC_PI_2 {
+                    half = PI - half;
+                    difference = -difference;
+                }
+            } else if half < 0.0 {
+                half = -half;
+                difference = -difference;
+            }
+        }
+        if symmetry.mirror {
+            difference = difference.abs();
+            if symmetry.reciprocal && difference > FRAC_PI_2 {
+                difference = PI - difference;
+            }
+        }
+        let half = half / symmetry.half_period();
+        let difference = difference / symmetry.difference_period();
+        [
+            if symmetry.reflected { half.min(1.0) } else { half - half.floor() },
+            if symmetry.mirror { difference.min(1.0) } else { difference - difference.floor() },
+        ]
+    }
+}
+
+/// Where a value is in the texture: in units of nodes, from the first.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Position {
+    /// Along `θ_h`.
+    pub column: f32,
+    /// Along `θ_d`.
+    pub row: f32,
+    /// Along `φ_d`, within a layer.
+    pub slice: f32,
+    /// The layers on either side of `φ_h`.
+    pub layers: [u32; 2],
+    /// Weight of the second.
+    pub layer_weight: f32,
+}
+
+fn length(v: [f32; 3]) -> f32 {
+    (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
+}
+
+/// `atan2(y, x)`, `-π..=π`.
+fn azimuth(y: f32, x: f32) -> f32 {
+    let angle = polynomial_atan2(y.abs(), x);
+    if y < 0.0 { -angle } else { angle }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::direction::from_polar;
+    use proptest::prelude::*;
+
+    fn symmetry(bits: u32) -> TableSymmetry {
+        TableSymmetry::from_bits(bits).expect("four bits")
+    }
+
+    #[test]
+    fn flags_are_bits() {
+        for bits in 0..16 {
+            assert_eq!(symmetry(bits).bits(), bits);
+        }
+        assert_eq!(symmetry(1), TableSymmetry { reciprocal: true, ..TableSymmetry::default() });
+        assert_eq!(TableSymmetry::from_bits(16), None);
+    }
+
+    #[test]
+    fn known_pairs() {
+        let sixth = std::f64::consts::FRAC_PI_6;
+        // The mirror direction: the half vector is the normal.
+        let mirrored = Angles::of(DirectionPair::from_angles(sixth, 0.5, sixth, 0.5 + std::f64::consts::PI));
+        assert!(mirrored.theta_half < 1e-4 && (mirrored.ratio - 1.0 / 3.0).abs() < 1e-4, "{mirrored:?}");
+        // Light and viewer together: no difference.
+        let together = Angles::of(DirectionPair::from_angles(sixth, 0.5, sixth, 0.5));
+        assert!((together.theta_half - sixth as f32).abs() < 1e-6 && together.ratio < 1e-6, "{together:?}");
+        assert!((together.phi_half - 0.5).abs() < 1e-6);
+        // In the plane of incidence, the light lower than the viewer: away from the normal.
+        let steeper = Angles::of(DirectionPair::from_angles(2.0 * sixth, 0.0, 0.0, 0.0));
+        assert!(steeper.phi_difference.abs() < 1e-3, "{steeper:?}");
+        assert!((steeper.theta_half - sixth as f32).abs() < 1e-6);
+        // 30 of the 60 degrees that are between the half vector and the horizon.
+        assert!((steeper.ratio - 0.5).abs() < 1e-5);
+        let exchanged = Angles::of(DirectionPair::from_angles(0.0, 0.0, 2.0 * sixth, 0.0));
+        assert!((exchanged.phi_difference.abs() - PI).abs() < 1e-3, "{exchanged:?}");
+    }
+
+    #[test]
+    fn a_direction_at_the_horizon_has_the_largest_difference() {
+        for phi in [0.3, 1.0, 2.0, 3.0] {
+            let angles =
+                Angles::of(DirectionPair::new(from_polar(0.999_999 * f64::from(FRAC_PI_2), phi), from_polar(0.4, 0.0)));
+            assert!((angles.ratio - 1.0).abs() < 1e-5, "{angles:?}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn pairs_come_back(theta in 0.01f32..1.5, phi in -3.1f32..3.1, ratio in 0.02f32..0.99, turn in -3.1f32..3.1) {
+            let angles = Angles { theta_half: theta, phi_half: phi, ratio, phi_difference: turn };
+            let pair = angles.pair();
+            prop_assert!(pair.is_above_horizon());
+            let found = Angles::of(pair);
+            prop_assert!((found.theta_half - theta).abs() < 1e-5, "{found:?}");
+            prop_assert!((found.phi_half - phi).abs() < 1e-4, "{found:?}");
+            prop_assert!((found.ratio - ratio).abs() < 1e-4, "{found:?}");
+            prop_assert!((found.phi_difference - turn).abs() < 2e-3, "{found:?}");
+        }
+
+        /// Each symmetry maps a pair and its image to the same place, and no other pair.
+        #[test]
+        fn symmetric_pairs_fold_together(
+            theta in 0.1f64..1.4, phi in -3.0f64..3.0, other in 0.1f64..1.4, turn in -3.0f64..3.0,
+        ) {
+            let pair = DirectionPair::from_angles(theta, phi, other, turn);
+            let at = |pair, bits| Angles::of(pair).folded(symmetry(bits));
+            let near = |a: [f32; 2], b: [f32; 2]| {
+                // Where a period ends, it begins again.
+                let apart = |a: f32, b: f32| ((a - b).abs()).min(1.0 - (a - b).abs());
+                apart(a[0], b[0]) < 1e-3 && apart(a[1], b[1]) < 1e-3
+            };
+            let reflected = |v: Vector| [v[0], -v[1], v[2]];
+            let turned = |v: Vector| [-v[0], -v[1], v[2]];
+            let both = |f: &dyn Fn(Vector) -> Vector| DirectionPair::new(f(pair.incoming), f(pair.outgoing));
+            for (bits, image) in [(1, pair.exchanged()), (4, both(&turned)), (8, both(&reflected))] {
+                for others in 0..16 {
+                    let folded = near(at(pair, others), at(image, others));
+                    prop_assert!(folded || others & bits == 0, "{others:b} {bits}");
+                }
+            }
+            // The mirror of isotropic materials leaves `φ_h` open.
+            let mirrored = Angles::of(both(&reflected));
+            let of = Angles::of(pair);
+            prop_assert!((mirrored.folded(symmetry(2))[1] - of.folded(symmetry(2))[1]).abs() < 1e-3);
+            prop_assert!((mirrored.ratio - of.ratio).abs() < 1e-4);
+        }
+    }
+}

@@ -1,0 +1,266 @@
+// Table packs on a GPU: f_r at a direction pair, from one filtered fetch (two for anisotropic materials).
+//
+// The pack layout and the equations are described in `formats/src/table/spec.md`; the CPU decoder with the same steps in
+// the same order is `TableDecoder` of the crate `brdfc-formats`. Half-difference angles after Rusinkiewicz 1998.
+//
+// To use it: paste this file before your own shader, move the three bindings where they suit you, and call
+//
+//     let f_r = table_brdf(wi, wo);         // the sampler filters
+//     let f_r = table_brdf_exact(wi, wo);   // manual filtering: eight fetches, the same bits as the CPU decoder
+//
+// wi (to the light) and wo (to the viewer) are unit vectors in the frame x = tangent, y = bitangent, z = normal. The
+// result is linear RGB in 1/sr, 0 where a direction is at or below the horizon.
+
+// The same fields, in the same order, as `TableBrdfParameters` of `brdfc-formats`. 144 bytes.
+struct TableBrdfParameters {
+    half_nodes: u32,                // columns, along θ_h
+    difference_nodes: u32,          // rows, along θ_d
+    azimuth_nodes: u32,             // slices of a layer, along φ_d
+    layers: u32,                    // along φ_h, 1: isotropic
+    symmetry: u32,                  // 1 reciprocal, 2 mirror, 4 half turn, 8 reflected
+    channels: u32,                  // 1 grey, 3 RGB
+    mean: f32,                      // μ, 1/sr
+    bias: f32,                      // ε
+    low: vec3<f32>,                 // ln(f / μ + ε) of a texel of 0
+    slope: f32,                     // of the rows
+    span: vec3<f32>,                // from a texel of 0 to one of 1
+    reserved: f32,
+    knots: array<vec4<f32>, 5>,     // share of the columns below θ_h = (k / 16)² π/2, 17 of them
+}
+
+@group(1) @binding(0) var<uniform> table_brdf_parameters: TableBrdfParameters;
+// The pack's texture as it is in the KTX2 file.
+@group(1) @binding(1) var table_brdf_texels: texture_3d<f32>;
+// Linear filter, clamp to edge.
+@group(1) @binding(2) var table_brdf_sampler: sampler;
+
+const TABLE_BRDF_PI: f32 = 3.14159274;
+const TABLE_BRDF_HALF_PI: f32 = 1.57079637;
+const TABLE_BRDF_TAU: f32 = 6.28318548;
+const TABLE_BRDF_LARGEST: f32 = 3.4028234e38;
+
+// Half-difference angles of a pair, θ_d as a share of the largest with both directions above the horizon.
+struct TableBrdfAngles {
+    theta_half: f32,
+    phi_half: f32,
+    ratio: f32,
+    phi_difference: f32,
+}
+
+// Where a value is in the texture, in units of nodes.
+struct TableBrdfPosition {
+    at: vec3<f32>,         // column, row, slice of a layer
+    layers: vec2<u32>,     // on either side of φ_h
+    layer_weight: f32,     // of the second
+}
+
+// f_r with the sampler's trilinear filter.
+fn table_brdf(wi: vec3<f32>, wo: vec3<f32>) -> vec3<f32> {
+    if !(wi.z > 0.0 && wo.z > 0.0) {
+        return vec3<f32>(0.0);
+    }
+    return table_brdf_from_log(table_brdf_log_value(wi, wo, true));
+}
+
+// f_r with manual weights.
+fn table_brdf_exact(wi: vec3<f32>, wo: vec3<f32>) -> vec3<f32> {
+    if !(wi.z > 0.0 && wo.z > 0.0) {
+        return vec3<f32>(0.0);
+    }
+    return table_brdf_from_log(table_brdf_log_value(wi, wo, false));
+}
+
+// f = μ (exp(v) - ε), from 0 to the largest number.
+fn table_brdf_from_log(value: vec3<f32>) -> vec3<f32> {
+    let f = table_brdf_parameters.mean * (exp(value) - table_brdf_parameters.bias);
+    return select(vec3<f32>(0.0), min(f, vec3<f32>(TABLE_BRDF_LARGEST)), f > vec3<f32>(0.0));
+}
+
+// The logarithm ln(f / μ + ε). Both directions are above the horizon.
+fn table_brdf_log_value(wi: vec3<f32>, wo: vec3<f32>, hardware: bool) -> vec3<f32> {
+    let position = table_brdf_position(table_brdf_angles(wi, wo));
+    var value = table_brdf_sample(position.at, position.layers.x, hardware);
+    if table_brdf_parameters.layers > 1u {
+        let upper = table_brdf_sample(position.at, position.layers.y, hardware);
+        value = value + position.layer_weight * (upper - value);
+    }
+    return table_brdf_parameters.low + table_brdf_parameters.span * value;
+}
+
+// The texture at a position in a layer.
+fn table_brdf_sample(at: vec3<f32>, layer: u32, hardware: bool) -> vec3<f32> {
+    let size = vec3<u32>(
+        table_brdf_parameters.half_nodes,
+        table_brdf_parameters.difference_nodes,
+        table_brdf_slices(),
+    );
+    if hardware {
+        let texel = vec3<f32>(at.xy, f32(layer * size.z) + at.z) + 0.5;
+        let whole = vec3<f32>(vec2<f32>(size.xy), f32(table_brdf_parameters.layers * size.z));
+        return table_brdf_colour(textureSampleLevel(table_brdf_texels, table_brdf_sampler, texel / whole, 0.0));
+    }
+    let lower = min(vec3<u32>(at), size - 2u);
+    let weight = at - vec3<f32>(lower);
+    let first = vec3<u32>(lower.xy, layer * size.z + lower.z);
+    let near = table_brdf_slice(first, weight.xy);
+    let far = table_brdf_slice(first + vec3<u32>(0u, 0u, 1u), weight.xy);
+    return near + weight.z * (far - near);
+}
+
+// Bilinear filtering within a slice, columns first.
+fn table_brdf_slice(first: vec3<u32>, weight: vec2<f32>) -> vec3<f32> {
+    let upper = table_brdf_row(first, weight.x);
+    let lower = table_brdf_row(first + vec3<u32>(0u, 1u, 0u), weight.x);
+    return upper + weight.y * (lower - upper);
+}
+
+fn table_brdf_row(first: vec3<u32>, weight: f32) -> vec3<f32> {
+    let left = table_brdf_colour(textureLoad(table_brdf_texels, first, 0));
+    let right = table_brdf_colour(textureLoad(table_brdf_texels, first + vec3<u32>(1u, 0u, 0u), 0));
+    return left + weight * (right - left);
+}
+
+// A grey pack has its value in all channels.
+fn table_brdf_colour(texel: vec4<f32>) -> vec3<f32> {
+    return select(texel.rgb, texel.rrr, table_brdf_parameters.channels == 1u);
+}
+
+// Slices of a layer: where φ_d starts again, the first stands behind the last, too.
+fn table_brdf_slices() -> u32 {
+    return table_brdf_parameters.azimuth_nodes + select(1u, 0u, table_brdf_symmetric(2u));
+}
+
+fn table_brdf_symmetric(flag: u32) -> bool {
+    return (table_brdf_parameters.symmetry & flag) != 0u;
+}
+
+fn table_brdf_angles(i: vec3<f32>, o: vec3<f32>) -> TableBrdfAngles {
+    let sum = i + o;
+    let sum_length = table_brdf_length(sum);
+    let h = sum / sum_length;
+    let sine = sqrt(h.x * h.x + h.y * h.y);
+    let theta_half = table_brdf_atan2(sine, h.z);
+    let theta_difference = table_brdf_atan2(table_brdf_length(i - o), sum_length);
+    let along = i.x * h.x + i.y * h.y + i.z * h.z;
+    // Both times sin θ_h: away from the normal, and to the left of that.
+    var x = i.x;
+    var y = i.y;
+    if sine > 0.0 {
+        x = along * h.z - i.z;
+        y = i.y * h.x - i.x * h.y;
+    }
+    let across = sqrt(x * x + y * y);
+    let cosine = select(1.0, abs(x) / across, across > 0.0);
+    let largest = table_brdf_atan2(h.z, sine * cosine);
+    let ratio = select(1.0, theta_difference / largest, theta_difference < largest);
+    // Isotropic tables have no use for φ_h.
+    var phi_half = 0.0;
+    if table_brdf_parameters.layers > 1u {
+        phi_half = table_brdf_azimuth(h.y, h.x);
+    }
+    return TableBrdfAngles(theta_half, phi_half, ratio, table_brdf_azimuth(y, x));
+}
+
+fn table_brdf_position(angles: TableBrdfAngles) -> TableBrdfPosition {
+    let folded = table_brdf_folded(angles);
+    let mirror = table_brdf_symmetric(2u);
+    let reflected = table_brdf_symmetric(8u);
+    let slices = table_brdf_parameters.azimuth_nodes - select(0u, 1u, mirror);
+    let column = table_brdf_column_share(angles.theta_half) * f32(table_brdf_parameters.half_nodes - 1u);
+    let bent = angles.ratio * (1.0 + table_brdf_parameters.slope * (1.0 - angles.ratio));
+    let row = bent * f32(table_brdf_parameters.difference_nodes - 1u);
+    let at = vec3<f32>(column, row, folded.y * f32(slices));
+    let layers = table_brdf_parameters.layers;
+    if layers == 1u {
+        return TableBrdfPosition(at, vec2<u32>(0u, 0u), 0.0);
+    }
+    let steps = layers - select(0u, 1u, reflected);
+    let layer = folded.x * f32(steps);
+    let lower = min(u32(layer), steps - 1u);
+    return TableBrdfPosition(at, vec2<u32>(lower, (lower + 1u) % layers), layer - f32(lower));
+}
+
+// φ_h and φ_d as shares of their periods, folded by the symmetry.
+fn table_brdf_folded(angles: TableBrdfAngles) -> vec2<f32> {
+    let reciprocal = table_brdf_symmetric(1u);
+    let mirror = table_brdf_symmetric(2u);
+    let half_turn = table_brdf_symmetric(4u);
+    let reflected = table_brdf_symmetric(8u);
+    var half_azimuth = angles.phi_half;
+    var difference = angles.phi_difference;
+    if reflected && half_turn {
+        if half_azimuth < 0.0 {
+            half_azimuth = half_azimuth + TABLE_BRDF_PI;
+        }
+        if half_azimuth > TABLE_BRDF_HALF_PI {
+            half_azimuth = TABLE_BRDF_PI - half_azimuth;
+            difference = -difference;
+        }
+    } else if reflected && half_azimuth < 0.0 {
+        half_azimuth = -half_azimuth;
+        difference = -difference;
+    }
+    if mirror {
+        difference = abs(difference);
+        if reciprocal && difference > TABLE_BRDF_HALF_PI {
+            difference = TABLE_BRDF_PI - difference;
+        }
+    }
+    let half_period = select(TABLE_BRDF_TAU, TABLE_BRDF_PI, reflected) / select(1.0, 2.0, half_turn);
+    let difference_period = select(TABLE_BRDF_TAU, TABLE_BRDF_PI, mirror) / select(1.0, 2.0, reciprocal);
+    let half_share = half_azimuth / half_period;
+    let difference_share = difference / difference_period;
+    return vec2<f32>(
+        select(half_share - floor(half_share), min(half_share, 1.0), reflected),
+        select(difference_share - floor(difference_share), min(difference_share, 1.0), mirror),
+    );
+}
+
+// Share of the columns below θ_h: straight between knots that stand in equal steps of the angle's square root.
+fn table_brdf_column_share(theta_half: f32) -> f32 {
+    let at = sqrt(min(theta_half / TABLE_BRDF_HALF_PI, 1.0)) * 16.0;
+    let lower = min(u32(at), 15u);
+    let knot = table_brdf_knot(lower);
+    return knot + (at - f32(lower)) * (table_brdf_knot(lower + 1u) - knot);
+}
+
+fn table_brdf_knot(k: u32) -> f32 {
+    return table_brdf_parameters.knots[k >> 2u][k & 3u];
+}
+
+fn table_brdf_length(v: vec3<f32>) -> f32 {
+    return sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
+}
+
+// atan2(y, x), in [-π, π].
+fn table_brdf_azimuth(y: f32, x: f32) -> f32 {
+    let angle = table_brdf_atan2(abs(y), x);
+    return select(angle, -angle, y < 0.0);
+}
+
+// atan2(y, x) for y >= 0, in [0, π], within 2.5e-7 of the exact angle: an odd minimax polynomial on [0, 1]. The
+// built-in function of a GPU may be off by 1e-5 and more, which moves filter weights.
+fn table_brdf_atan2(y: f32, x: f32) -> f32 {
+    let ax = abs(x);
+    let steep = y > ax;
+    let small = select(y, ax, steep);
+    let large = select(ax, y, steep);
+    let t = select(0.0, small / large, large > 0.0);
+    let t2 = t * t;
+    var p = -4.0545664e-3;
+    p = p * t2 + 2.1862958e-2;
+    p = p * t2 - 5.5912327e-2;
+    p = p * t2 + 9.642198e-2;
+    p = p * t2 - 0.1390863;
+    p = p * t2 + 0.19946566;
+    p = p * t2 - 0.3332986;
+    p = p * t2 + 0.99999934;
+    var angle = p * t;
+    if steep {
+        angle = TABLE_BRDF_HALF_PI - angle;
+    }
+    if x < 0.0 {
+        angle = TABLE_BRDF_PI - angle;
+    }
+    return angle;
+}

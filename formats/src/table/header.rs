@@ -1,0 +1,238 @@
+//! What a table pack says of itself: sizes, symmetry, where nodes stand, what texels mean. Layout: `spec.md`.
+
+use super::coordinates::{Angles, Position, TableSymmetry};
+use crate::FormatError;
+use crate::container::entries::sized;
+use crate::container::{Extent, MAX_EXTENT, TexelFormat};
+use crate::cursor::Cursor;
+use crate::direction::DirectionPair;
+use std::f32::consts::FRAC_PI_2;
+
+/// The entry that makes a texture this kind of pack.
+pub(crate) const TABLE_ENTRY: &str = "brdfc.table";
+
+const VERSION: u32 = 1;
+
+/// Knots of the warp of `θ_h`: in equal steps of the angle's square root.
+pub const KNOTS: usize = 17;
+
+/// Numbers of nodes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+pub struct Axes {
+    /// Along `θ_h`, 2 to 256.
+    pub half: u32,
+    /// Along `θ_d`, 2 to 256.
+    pub difference: u32,
+    /// Along `φ_d`, 2 to 256.
+    pub azimuth: u32,
+    /// Along `φ_h`, 1 for isotropic materials, to 256.
+    pub layers: u32,
+}
+
+/// Sizes and constants of a table pack.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TableHeader {
+    /// 1 (grey) or 3 (linear RGB).
+    pub channels: u32,
+    /// Which pairs share a node.
+    pub symmetry: TableSymmetry,
+    /// Numbers of nodes.
+    pub axes: Axes,
+    /// `μ` of the logarithms, 1/sr, positive.
+    pub mean: f32,
+    /// `ε` of the logarithms, positive.
+    pub bias: f32,
+    /// `ln(f / μ + ε)` of a texel of 0.
+    pub low: [f32; 3],
+    /// What a texel of 1 is above that, not negative.
+    pub span: [f32; 3],
+    /// How much denser rows are at `θ_d = 0` than at its largest: `row ∝ t (1 + slope (1 - t))`, within -0.95 and 0.95.
+    pub slope: f32,
+    /// Where columns stand: their share at `θ_h = (k / 16)² π/2`, rising from 0 to 1.
+    pub knots: [f32; KNOTS],
+}
+
+impl TableHeader {
+    /// Slices of a layer. Where `φ_d` starts again, the first slice stands behind the last, too.
+    pub fn slices(&self) -> u32 {
+        self.axes.azimuth + u32::from(!self.symmetry.mirror)
+    }
+
+    /// Size of the texture.
+    pub fn extent(&self) -> [u32; 3] {
+        [self.axes.half, self.axes.difference, self.slices() * self.axes.layers]
+    }
+
+    /// Texels of the texture.
+    pub fn texels(&self) -> usize {
+        self.extent().into_iter().map(|n| n as usize).product()
+    }
+
+    /// How texels are stored: one half, or three components of 10 bits.
+    pub fn texel_format(&self) -> TexelFormat {
+        if self.channels == 1 { TexelFormat::R16Float } else { TexelFormat::Rgb10A2Unorm }
+    }
+
+    /// Whether the material looks the same when it is turned about the normal.
+    pub fn isotropic(&self) -> bool {
+        self.axes.layers == 1
+    }
+
+    /// Filtered fetches of a look-up.
+    pub fn fetches(&self) -> u32 {
+        if self.isotropic() { 1 } else { 2 }
+    }
+
+    /// Where a pair above the horizon is in the texture.
+    pub fn position(&self, pair: DirectionPair) -> Position {
+        // Isotropic tables have no use for `φ_h`.
+        self.position_of(if self.isotropic() { Angles::but_phi_half(pair).0 } else { Angles::of(pair) })
+    }
+
+    /// Where these angles are in the texture.
+    pub fn position_of(&self, angles: Angles) -> Position {
+        let [half, difference] = angles.folded(self.symmetry);
+        let Axes { azimuth, layers, .. } = self.axes;
+        let slices = if self.symmetry.mirror { azimuth - 1 } else { azimuth };
+        let mut position = Position {
+            column: self.column_share(angles.theta_half) * (self.axes.half - 1) as f32,
+            row: angles.ratio * (1.0 + self.slope * (1.0 - angles.ratio)) * (self.axes.difference - 1) as f32,
+            slice: difference * slices as f32,
+            layers: [0, 0],
+            layer_weight: 0.0,
+        };
+        if layers > 1 {
+            let steps = if self.symmetry.reflected { layers - 1 } else { layers };
+            let at = half * steps as f32;
+            let lower = (at as u32).min(steps - 1);
+            position.layers = [lower, (lower + 1) % layers];
+            position.layer_weight = at - lower as f32;
+        }
+        position
+    }
+
+    /// The angles of a node.
+    pub fn node(&self, [column, row, slice, layer]: [u32; 4]) -> Angles {
+        let share = |index: u32, count: u32| index as f32 / (count - 1).max(1) as f32;
+        let Axes { half, difference, azimuth, layers } = self.axes;
+        // Slightly inside: at the ends a direction is at the horizon, where no source says anything.
+        let v = share(row, difference);
+        let root = (1.0 + self.slope) * (1.0 + self.slope) - 4.0 * self.slope * v;
+        let ratio = 2.0 * v / ((1.0 + self.slope) + root.max(0.0).sqrt());
+        let folded = |index: u32, count: u32, open: bool, period: f32| {
+            index as f32 / if open { count } else { (count - 1).max(1) } as f32 * period
+        };
+        Angles {
+            theta_half: self.theta_half(share(column, half)).min(0.9999 * FRAC_PI_2),
+            phi_half: folded(layer, layers, !self.symmetry.reflected, self.symmetry.half_period()),
+            ratio: ratio.min(0.999),
+            phi_difference: folded(slice, azimuth, !self.symmetry.mirror, self.symmetry.difference_period()),
+        }
+    }
+
+    /// Share of the columns below `θ_h`.
+    fn column_share(&self, theta_half: f32) -> f32 {
+        let at = (theta_half / FRAC_PI_2).min(1.0).sqrt() * (KNOTS - 1) as f32;
+        let lower = (at as usize).min(KNOTS - 2);
+        self.knots[lower] + (at - lower as f32) * (self.knots[lower + 1] - self.knots[lower])
+    }
+
+    /// Inverse of [`Self::column_share`].
+    fn theta_half(&self, share: f32) -> f32 {
+        let upper = self.knots.partition_point(|knot| *knot <= share).clamp(1, KNOTS - 1);
+        let (low, high) = (self.knots[upper - 1], self.knots[upper]);
+        let root = ((upper - 1) as f32 + (share - low) / (high - low)) / (KNOTS - 1) as f32;
+        root * root * FRAC_PI_2
+    }
+
+    /// Checks ranges.
+    ///
+    /// # Errors
+    /// Names the field that is out of range.
+    pub fn check(&self) -> Result<(), FormatError> {
+        let refused = |field: &str, found: String, allowed: &str| {
+            Err(FormatError::whole(format!("{TABLE_ENTRY} {field}"), found, allowed))
+        };
+        if self.channels != 1 && self.channels != 3 {
+            return refused("channels", self.channels.to_string(), "1 or 3");
+        }
+        let Axes { half, difference, azimuth, layers } = self.axes;
+        for (count, field) in [(half, "θ_h nodes"), (difference, "θ_d nodes"), (azimuth, "φ_d nodes")] {
+            if !(2..=256).contains(&count) {
+                return refused(field, count.to_string(), "2 to 256");
+            }
+        }
+        if !(1..=256).contains(&layers) {
+            return refused("layers", layers.to_string(), "1 to 256");
+        }
+        if self.isotropic() && (self.symmetry.half_turn || self.symmetry.reflected) {
+            return refused("symmetry", self.symmetry.bits().to_string(), "0 to 3 with one layer");
+        }
+        if self.extent()[2] > MAX_EXTENT {
+            return refused("depth", self.extent()[2].to_string(), "1 to 2048, as 3D textures have");
+        }
+        for (value, field) in [(self.mean, "mean"), (self.bias, "bias")] {
+            if !value.is_normal() || value < 0.0 {
+                return refused(field, value.to_string(), "a positive number");
+            }
+        }
+        for (low, span) in self.low.into_iter().zip(self.span) {
+            if !low.is_finite() {
+                return refused("low", low.to_string(), "a number");
+            }
+            if !(0.0..=f32::MAX).contains(&span) {
+                return refused("span", span.to_string(), "a number that is not negative");
+            }
+        }
+        if !(-0.95..=0.95).contains(&self.slope) {
+            return refused("slope", self.slope.to_string(), "-0.95 to 0.95");
+        }
+        let rising = self.knots.windows(2).all(|pair| pair[0] < pair[1]);
+        if !rising || self.knots[0] != 0.0 || self.knots[KNOTS - 1] != 1.0 {
+            return refused("knots", format!("{:?}", self.knots), "numbers that rise from 0 to 1");
+        }
+        Ok(())
+    }
+
+    pub(super) fn to_bytes(self) -> Vec<u8> {
+        let Axes { half, difference, azimuth, layers } = self.axes;
+        let words = [VERSION, self.channels, self.symmetry.bits(), half, difference, azimuth, layers];
+        let numbers = [self.mean, self.bias].into_iter().chain(self.low).chain(self.span).chain([self.slope]);
+        let numbers = numbers.chain(self.knots).map(f32::to_bits);
+        words.into_iter().chain(numbers).flat_map(u32::to_le_bytes).collect()
+    }
+
+    pub(super) fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
+        let mut cursor = Cursor::new(sized(bytes, TABLE_ENTRY, 4 * (16 + KNOTS))?);
+        let refused = |field: &str, found: u32, allowed: &str| {
+            Err(FormatError::whole(format!("{TABLE_ENTRY} {field}"), found.to_string(), allowed))
+        };
+        let version = cursor.u32("version")?;
+        if version != VERSION {
+            return refused("version", version, "1");
+        }
+        let channels = cursor.u32("channels")?;
+        let bits = cursor.u32("symmetry")?;
+        let Some(symmetry) = TableSymmetry::from_bits(bits) else { return refused("symmetry", bits, "0 to 15") };
+        let axes = Axes {
+            half: cursor.u32("θ_h nodes")?,
+            difference: cursor.u32("θ_d nodes")?,
+            azimuth: cursor.u32("φ_d nodes")?,
+            layers: cursor.u32("layers")?,
+        };
+        let mut numbers = [0.0; 9 + KNOTS];
+        for number in &mut numbers {
+            *number = cursor.f32("constants")?;
+        }
+        let [mean, bias, low_r, low_g, low_b, span_r, span_g, span_b, slope, knots @ ..] = numbers;
+        let (low, span) = ([low_r, low_g, low_b], [span_r, span_g, span_b]);
+        let header = Self { channels, symmetry, axes, mean, bias, low, span, slope, knots };
+        header.check()?;
+        Ok(header)
+    }
+
+    pub(super) fn texture_extent(&self) -> Extent {
+        Extent::D3(self.extent())
+    }
+}

@@ -1,0 +1,14 @@
+//! Table packs: logarithms of `f_r` over half-difference angles, in one 3D texture that a sampler filters. Layout and
+//! equations: `spec.md` in this folder.
+
+mod coordinates;
+mod decode;
+mod header;
+mod pack;
+pub mod shader;
+
+pub use coordinates::{Angles, Position, TableSymmetry};
+pub use decode::TableDecoder;
+pub(crate) use header::TABLE_ENTRY;
+pub use header::{Axes, KNOTS, TableHeader};
+pub use pack::TablePack;

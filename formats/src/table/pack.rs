@@ -1,0 +1,151 @@
+//! The table pack: its texture and what it says of itself. Byte layout: `spec.md`.
+
+use super::header::{TABLE_ENTRY, TableHeader};
+use super::shader::TableBrdfParameters;
+use crate::container::entries::{entry, sized};
+use crate::container::{TexelFormat, Texture, half, rgb10a2};
+use crate::{ErrorSummary, FormatError, PictureSummary};
+use std::collections::BTreeMap;
+
+const ERRORS: &str = "brdfc.table.errors";
+
+/// A table pack in memory.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TablePack {
+    header: TableHeader,
+    texels: Vec<u8>,
+    /// What a user sees: the filtered pack against the source, at direction pairs that depend on no grid.
+    pub off_grid: ErrorSummary,
+    /// How different pictures of both look.
+    pub picture: PictureSummary,
+}
+
+impl TablePack {
+    /// A pack of values in `[0, 1]`, rounded to what texels hold: `[layer][slice][row][column]`, without the slice that
+    /// stands twice. Errors are 0 until they are measured.
+    ///
+    /// # Errors
+    /// A header out of range, another number of values.
+    pub fn new(header: TableHeader, values: &[[f32; 3]]) -> Result<Self, FormatError> {
+        header.check()?;
+        let slice = (header.axes.half * header.axes.difference) as usize;
+        let layer = slice * header.axes.azimuth as usize;
+        if values.len() != layer * header.axes.layers as usize {
+            let allowed = format!("{}, as the header says", layer * header.axes.layers as usize);
+            return Err(FormatError::whole("table values", values.len().to_string(), allowed));
+        }
+        let repeated = if header.symmetry.mirror { 0 } else { slice };
+        let all = values.chunks(layer).flat_map(|layer| layer.iter().chain(&layer[..repeated]));
+        let texels = match header.texel_format() {
+            TexelFormat::R16Float => {
+                all.flat_map(|value| half::encode(value[0].clamp(0.0, 1.0)).to_le_bytes()).collect()
+            }
+            _ => all.flat_map(|value| rgb10a2::encode(*value).to_le_bytes()).collect(),
+        };
+        Ok(Self { header, texels, off_grid: ErrorSummary::default(), picture: PictureSummary::default() })
+    }
+
+    /// Sizes and constants.
+    pub fn header(&self) -> &TableHeader {
+        &self.header
+    }
+
+    /// The texture's bytes, as in the file.
+    pub fn texels(&self) -> &[u8] {
+        &self.texels
+    }
+
+    /// Values in `[0, 1]` of all texels: `[layer][slice][row][column]`, grey ones three times.
+    pub fn values(&self) -> Vec<[f32; 3]> {
+        match self.header.texel_format() {
+            TexelFormat::R16Float => self
+                .texels
+                .as_chunks::<2>()
+                .0
+                .iter()
+                .map(|bytes| [half::decode(u16::from_le_bytes(*bytes)); 3])
+                .collect(),
+            _ => {
+                self.texels.as_chunks::<4>().0.iter().map(|bytes| rgb10a2::decode(u32::from_le_bytes(*bytes))).collect()
+            }
+        }
+    }
+
+    /// Bytes on a GPU: texture and uniform block.
+    pub fn gpu_bytes(&self) -> u64 {
+        gpu_bytes(&self.header)
+    }
+
+    /// The bytes of the KTX2 file.
+    pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
+        let errors = [&self.off_grid.to_bytes()[..], &self.picture.to_bytes()[..]].concat();
+        Texture {
+            format: self.header.texel_format(),
+            extent: self.header.texture_extent(),
+            entries: BTreeMap::from([(TABLE_ENTRY.to_owned(), self.header.to_bytes()), (ERRORS.to_owned(), errors)]),
+            texels: self.texels.clone(),
+        }
+        .to_bytes(supercompress)
+    }
+
+    /// Reads and checks a KTX2 file.
+    ///
+    /// # Errors
+    /// Whatever breaks the rules of `formats/src/table/spec.md`.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
+        Self::from_texture(Texture::from_bytes(bytes)?)
+    }
+
+    /// [`Self::from_bytes`] of a file whose container has been read.
+    ///
+    /// # Errors
+    /// As [`Self::from_bytes`].
+    pub fn from_texture(texture: Texture) -> Result<Self, FormatError> {
+        const WHAT: &str = "a table pack";
+        let header = TableHeader::from_bytes(entry(&texture, TABLE_ENTRY, WHAT)?)?;
+        let (extent, format) = (header.texture_extent(), header.texel_format());
+        if texture.extent != extent || texture.format != format {
+            return Err(FormatError::whole(
+                "texture",
+                format!("{} texels of {:?}", texture.extent, texture.format),
+                format!("{extent} texels of {format:?}, as {TABLE_ENTRY} says"),
+            ));
+        }
+        let errors = sized(entry(&texture, ERRORS, WHAT)?, ERRORS, ErrorSummary::BYTES + PictureSummary::BYTES)?;
+        let (off_grid, picture) = errors.split_at(ErrorSummary::BYTES);
+        let off_grid = ErrorSummary::from_bytes(off_grid, ERRORS)?;
+        let picture = PictureSummary::from_bytes(picture, ERRORS)?;
+        let pack = Self { header, texels: texture.texels, off_grid, picture };
+        pack.check_texels()?;
+        Ok(pack)
+    }
+
+    fn check_texels(&self) -> Result<(), FormatError> {
+        if self.header.channels == 1
+            && let Some([value, ..]) = self.values().iter().find(|value| !(0.0..=1.0).contains(&value[0]))
+        {
+            return Err(FormatError::whole("table texel", value.to_string(), "0 to 1"));
+        }
+        if self.header.symmetry.mirror {
+            return Ok(());
+        }
+        let slice =
+            (self.header.axes.half * self.header.axes.difference) as usize * self.header.texel_format().texel_bytes();
+        for layer in self.texels.chunks(slice * self.header.slices() as usize) {
+            if layer[..slice] != layer[layer.len() - slice..] {
+                let found = "a last slice of its own";
+                return Err(FormatError::whole(
+                    "table layer",
+                    found,
+                    "the first slice again, as φ_d starts again there",
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Bytes on a GPU of a pack of these sizes.
+pub(super) fn gpu_bytes(header: &TableHeader) -> u64 {
+    (header.texels() * header.texel_format().texel_bytes() + TableBrdfParameters::SIZE) as u64
+}
