@@ -72,7 +72,7 @@ enum Command {
 const EXAMPLES: &str = "\
 Examples:
   brdfc build scene.toml                              make the packs of a scene
-  brdfc encode red-plastic.binary -o red.ktx2         make one pack, 4:1, 8 bits
+  brdfc encode red-plastic.binary -o red.ktx2         make the smallest pack that looks right
   brdfc encode paint.brdf -o paint.ktx2 --max-error 0.02
   brdfc compare paint.brdf paint.ktx2                 how wrong is it?
   brdfc info paint.ktx2
@@ -98,6 +98,10 @@ fn main() -> ExitCode {
     // A negative number is a value, for which a check says what is allowed, and no flag.
     let negatives = |argument: clap::Arg| argument.allow_negative_numbers(true);
     let command = Cli::command().mut_args(negatives).mut_subcommands(|command| command.mut_args(negatives));
+    // There the flag of this name is a check of the picture.
+    #[cfg(feature = "render")]
+    let command = command
+        .mut_subcommand("render", |command| command.mut_arg("pack_delta_e", |argument| argument.long("pack-delta-e")));
     let parsed = command.try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches));
     let cli = match parsed {
         Ok(cli) => cli,

@@ -121,7 +121,10 @@ pub(super) fn prepare(
         .iter()
         .enumerate()
         .map(|(number, name)| {
-            let prepared = prepare_one(arguments, subject, name)?;
+            let (prepared, missed) = prepare_one(arguments, subject, name)?;
+            if let Some(missed) = missed {
+                remark(common, &format!("note: {name}: {missed}"));
+            }
             if wanted.len() > 1 {
                 remark(common, &format!("{} of {}: {name} ready", number + 1, wanted.len()));
             }
@@ -130,7 +133,8 @@ pub(super) fn prepare(
         .collect()
 }
 
-fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<Prepared, CliError> {
+/// A material, and what its pack misses of its budget.
+fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(Prepared, Option<String>), CliError> {
     let (source, recipe, pack_path) = match subject {
         Subject::Pack => (arguments.source.clone(), PackRecipe::default(), Some(PathBuf::from(&arguments.input))),
         Subject::Source(recipe) => (Some(arguments.input.clone()), (**recipe).clone(), None),
@@ -141,17 +145,20 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<P
         }
     };
     let source = source.map(|input| open(&input, None)).transpose()?.map(|opened| opened.source);
-    let pack = match (&pack_path, &source) {
-        (Some(path), _) => open_brdf_pack(path)?,
-        (None, Some(source)) => encoded(source.as_ref(), &recipe)?,
+    if arguments.table && pack_path.is_none() && !matches!(recipe, PackRecipe::Wavelet(_)) {
+        return Err(no_table());
+    }
+    let (pack, missed) = match (&pack_path, &source) {
+        (Some(path), _) => (open_brdf_pack(path)?, None),
+        (None, Some(source)) => {
+            let made = encode(source.as_ref(), &recipe.clone().without_measuring(), &())?;
+            (made.pack, made.missed)
+        }
         (None, None) => return Err(CliError::Internal("nothing to draw".to_owned())),
     };
     let table = match &source {
         Some(source) if arguments.table => {
-            let BrdfPack::Wavelet(wavelet) = &pack else {
-                let text = "--table: found a table pack; allowed wavelet packs, whose grid it shows the error of";
-                return Err(CliError::Usage(text.to_owned()));
-            };
+            let BrdfPack::Wavelet(wavelet) = &pack else { return Err(no_table()) };
             let levels = wavelet.header.levels;
             if levels > MAX_TABLE_LEVELS {
                 let text = "--table: found a grid of 64; allowed up to 32, whose slices all fit into a texture";
@@ -165,11 +172,15 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<P
                 bits: 16,
                 ..bias_and_smoothing(&recipe)
             };
-            Some(encoded(source.as_ref(), &PackRecipe::Wavelet(whole))?)
+            Some(encode(source.as_ref(), &PackRecipe::Wavelet(whole).without_measuring(), &())?.pack)
         }
         _ => None,
     };
-    Ok(Prepared { name: name.to_owned(), pack, source, table })
+    if arguments.lod.is_some() && matches!(pack, BrdfPack::Table(_)) {
+        let text = "--lod: found with a table pack; allowed with wavelet packs, which have levels of detail";
+        return Err(CliError::Usage(text.to_owned()));
+    }
+    Ok((Prepared { name: name.to_owned(), pack, source, table }, missed))
 }
 
 /// What a whole table has in common with the pack.
@@ -180,7 +191,7 @@ fn bias_and_smoothing(recipe: &PackRecipe) -> Recipe {
     }
 }
 
-/// Errors of the pack itself are not asked for here.
-fn encoded(source: &dyn Source, recipe: &PackRecipe) -> Result<BrdfPack, CliError> {
-    Ok(encode(source, &recipe.clone().without_measuring(), &())?.pack)
+fn no_table() -> CliError {
+    let text = "--table: found a table pack; allowed wavelet packs (--codec wavelet), whose grid it shows the error of";
+    CliError::Usage(text.to_owned())
 }

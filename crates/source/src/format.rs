@@ -85,8 +85,8 @@ pub enum Facts {
     TablePack {
         /// Nodes per axis.
         axes: Axes,
-        /// What was folded.
-        symmetry: TableSymmetry,
+        /// Symmetries that its nodes are folded by.
+        folded: TableSymmetry,
         /// 1 or 3.
         channels: u32,
         /// `μ`, 1/sr.
@@ -203,10 +203,10 @@ impl Facts {
                 ("error on the grid (codec)", errors_in_words(on_grid)),
                 ("error off the grid (against the source)", errors_in_words(off_grid)),
             ],
-            Self::TablePack { axes, symmetry, channels, mean, bias, fetches, gpu_bytes, off_grid, picture } => vec![
+            Self::TablePack { axes, folded, channels, mean, bias, fetches, gpu_bytes, off_grid, picture } => vec![
                 ("kind", "table pack".to_owned()),
                 ("nodes", nodes_in_words(axes)),
-                ("symmetry", symmetry_in_words(*symmetry)),
+                ("symmetry", symmetry_in_words(*folded)),
                 ("texels", if *channels == 1 { "1 channel, halves" } else { "3 channels, 10 bits" }.to_owned()),
                 ("mean μ, bias ε", format!("{mean} 1/sr, {bias}")),
                 ("bytes on a GPU", bytes(*gpu_bytes)),

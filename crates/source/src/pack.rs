@@ -49,7 +49,7 @@ fn opened_table(pack: &TablePack) -> Opened {
     let header = pack.header();
     let facts = Facts::TablePack {
         axes: header.axes,
-        symmetry: header.symmetry,
+        folded: header.symmetry,
         channels: header.channels,
         mean: header.mean,
         bias: header.bias,

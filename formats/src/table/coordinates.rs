@@ -70,12 +70,15 @@ impl Angles {
         let apart = [i[0] - o[0], i[1] - o[1], i[2] - o[2]];
         let sum_length = length(sum);
         let h = [sum[0] / sum_length, sum[1] / sum_length, sum[2] / sum_length];
-        let sine = (h[0] * h[0] + h[1] * h[1]).sqrt();
+        let square = h[0] * h[0] + h[1] * h[1];
+        let sine = square.sqrt();
         let theta_half = polynomial_atan2(sine, h[2]);
         let theta_difference = polynomial_atan2(length(apart), sum_length);
-        let along = i[0] * h[0] + i[1] * h[1] + i[2] * h[2];
-        // Both times sin θ_h: away from the normal, and to the left of that.
-        let (x, y) = if sine > 0.0 { (along * h[2] - i[2], i[1] * h[0] - i[0] * h[1]) } else { (i[0], i[1]) };
+        // Both times sin θ_h: away from the normal, and to the left of that. x is (i · h) h.z - i.z without the difference of
+        // nearly equal numbers.
+        let x = h[2] * (i[0] * h[0] + i[1] * h[1]) - i[2] * square;
+        let y = i[1] * h[0] - i[0] * h[1];
+        let (x, y) = if sine > 0.0 { (x, y) } else { (i[0], i[1]) };
         let across = (x * x + y * y).sqrt();
         let cosine = if across > 0.0 { x.abs() / across } else { 1.0 };
         let largest = polynomial_atan2(h[2], sine * cosine);
@@ -206,15 +209,15 @@ mod tests {
 
     proptest! {
         #[test]
-        fn pairs_come_back(theta in 0.01f32..1.5, phi in -3.1f32..3.1, ratio in 0.02f32..0.99, turn in -3.1f32..3.1) {
+        fn pairs_come_back(theta in 1e-3f32..1.5, phi in -3.1f32..3.1, ratio in 0.02f32..0.99, turn in -3.1f32..3.1) {
             let angles = Angles { theta_half: theta, phi_half: phi, ratio, phi_difference: turn };
             let pair = angles.pair();
             prop_assert!(pair.is_above_horizon());
             let found = Angles::of(pair);
             prop_assert!((found.theta_half - theta).abs() < 1e-5, "{found:?}");
-            prop_assert!((found.phi_half - phi).abs() < 1e-4, "{found:?}");
+            prop_assert!((found.phi_half - phi).abs() < 1e-4 / theta.min(1.0), "{found:?}");
             prop_assert!((found.ratio - ratio).abs() < 1e-4, "{found:?}");
-            prop_assert!((found.phi_difference - turn).abs() < 2e-3, "{found:?}");
+            prop_assert!((found.phi_difference - turn).abs() < 1e-5 / (ratio * theta.min(1.0)), "{found:?}");
         }
 
         /// Each symmetry maps a pair and its image to the same place, and no other pair.

@@ -138,15 +138,16 @@ fn table_brdf_angles(i: vec3<f32>, o: vec3<f32>) -> TableBrdfAngles {
     let sum = i + o;
     let sum_length = table_brdf_length(sum);
     let h = sum / sum_length;
-    let sine = sqrt(h.x * h.x + h.y * h.y);
+    let square = h.x * h.x + h.y * h.y;
+    let sine = sqrt(square);
     let theta_half = table_brdf_atan2(sine, h.z);
     let theta_difference = table_brdf_atan2(table_brdf_length(i - o), sum_length);
-    let along = i.x * h.x + i.y * h.y + i.z * h.z;
-    // Both times sin θ_h: away from the normal, and to the left of that.
+    // Both times sin θ_h: away from the normal, and to the left of that. x is (i · h) h.z - i.z without the difference
+    // of nearly equal numbers.
     var x = i.x;
     var y = i.y;
     if sine > 0.0 {
-        x = along * h.z - i.z;
+        x = h.z * (i.x * h.x + i.y * h.y) - i.z * square;
         y = i.y * h.x - i.x * h.y;
     }
     let across = sqrt(x * x + y * y);

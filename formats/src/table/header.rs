@@ -112,38 +112,11 @@ impl TableHeader {
         position
     }
 
-    /// The angles of a node.
-    pub fn node(&self, [column, row, slice, layer]: [u32; 4]) -> Angles {
-        let share = |index: u32, count: u32| index as f32 / (count - 1).max(1) as f32;
-        let Axes { half, difference, azimuth, layers } = self.axes;
-        // Slightly inside: at the ends a direction is at the horizon, where no source says anything.
-        let v = share(row, difference);
-        let root = (1.0 + self.slope) * (1.0 + self.slope) - 4.0 * self.slope * v;
-        let ratio = 2.0 * v / ((1.0 + self.slope) + root.max(0.0).sqrt());
-        let folded = |index: u32, count: u32, open: bool, period: f32| {
-            index as f32 / if open { count } else { (count - 1).max(1) } as f32 * period
-        };
-        Angles {
-            theta_half: self.theta_half(share(column, half)).min(0.9999 * FRAC_PI_2),
-            phi_half: folded(layer, layers, !self.symmetry.reflected, self.symmetry.half_period()),
-            ratio: ratio.min(0.999),
-            phi_difference: folded(slice, azimuth, !self.symmetry.mirror, self.symmetry.difference_period()),
-        }
-    }
-
     /// Share of the columns below `θ_h`.
     fn column_share(&self, theta_half: f32) -> f32 {
         let at = (theta_half / FRAC_PI_2).min(1.0).sqrt() * (KNOTS - 1) as f32;
         let lower = (at as usize).min(KNOTS - 2);
         self.knots[lower] + (at - lower as f32) * (self.knots[lower + 1] - self.knots[lower])
-    }
-
-    /// Inverse of [`Self::column_share`].
-    fn theta_half(&self, share: f32) -> f32 {
-        let upper = self.knots.partition_point(|knot| *knot <= share).clamp(1, KNOTS - 1);
-        let (low, high) = (self.knots[upper - 1], self.knots[upper]);
-        let root = ((upper - 1) as f32 + (share - low) / (high - low)) / (KNOTS - 1) as f32;
-        root * root * FRAC_PI_2
     }
 
     /// Checks ranges.
@@ -234,5 +207,75 @@ impl TableHeader {
 
     pub(super) fn texture_extent(&self) -> Extent {
         Extent::D3(self.extent())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn header(slope: f32, symmetry: u32, layers: u32) -> TableHeader {
+        let mut knots = std::array::from_fn(|k| (k as f32 / 16.0).powi(2));
+        knots[KNOTS - 1] = 1.0;
+        TableHeader {
+            channels: 3,
+            symmetry: TableSymmetry::from_bits(symmetry).unwrap(),
+            axes: Axes { half: 9, difference: 5, azimuth: 4, layers },
+            mean: 1.0,
+            bias: 1e-4,
+            low: [0.0; 3],
+            span: [1.0; 3],
+            slope,
+            knots,
+        }
+    }
+
+    /// Ends of axes are the first and the last node, and known places lie between.
+    #[test]
+    fn positions_are_known() {
+        let at = |header: TableHeader, theta_half: f32, ratio: f32, phi_difference: f32, phi_half: f32| {
+            header.position_of(Angles { theta_half, phi_half, ratio, phi_difference })
+        };
+        let mirror = header(0.0, 2, 1);
+        let first = at(mirror, 0.0, 0.0, 0.0, 0.0);
+        assert_eq!([first.column, first.row, first.slice], [0.0; 3]);
+        let last = at(mirror, FRAC_PI_2, 1.0, -std::f32::consts::PI, 0.0);
+        assert_eq!([last.column, last.row, last.slice], [8.0, 4.0, 3.0]);
+        // Knots that rise by squares take the square root of the angle back.
+        let middle = at(mirror, 0.25 * FRAC_PI_2, 0.5, FRAC_PI_2, 0.0);
+        assert!(
+            (middle.column - 2.0).abs() < 1e-4 && (middle.row - 2.0).abs() < 1e-5 && (middle.slice - 1.5).abs() < 1e-5
+        );
+        // A slope moves rows, but not the ends.
+        let sloped = at(header(0.5, 2, 1), 0.0, 0.5, 0.0, 0.0);
+        assert!((sloped.row - 0.5 * 1.25 * 4.0).abs() < 1e-5, "{sloped:?}");
+        assert_eq!(at(header(0.5, 2, 1), 0.0, 1.0, 0.0, 0.0).row, 4.0);
+        // Without a mirror the circle has four nodes, and the slice that stands twice.
+        let open = at(header(0.0, 0, 1), 0.0, 0.5, -FRAC_PI_2, 0.0);
+        assert!((open.slice - 3.0).abs() < 1e-5 && header(0.0, 0, 1).slices() == 5);
+        // Layers go around, or end where they are reflected.
+        let around = at(header(0.0, 0, 3), 0.3, 0.5, 0.0, -0.1);
+        assert!(around.layers == [2, 0] && around.layer_weight > 0.9, "{around:?}");
+        let reflected = at(header(0.0, 8, 3), 0.3, 0.5, 0.0, std::f32::consts::PI);
+        assert!(reflected.layers == [1, 2] && (reflected.layer_weight - 1.0).abs() < 1e-5, "{reflected:?}");
+    }
+
+    #[test]
+    fn ranges_are_checked() {
+        assert!(header(0.0, 15, 3).check().is_ok());
+        let changed = |change: &dyn Fn(&mut TableHeader)| {
+            let mut header = header(0.0, 3, 1);
+            change(&mut header);
+            header.check().unwrap_err().field
+        };
+        assert_eq!(changed(&|h| h.axes.half = 1), "brdfc.table θ_h nodes");
+        assert_eq!(changed(&|h| h.axes.azimuth = 257), "brdfc.table φ_d nodes");
+        assert_eq!(changed(&|h| h.axes.layers = 0), "brdfc.table layers");
+        assert_eq!(changed(&|h| h.axes = Axes { azimuth: 200, layers: 20, ..h.axes }), "brdfc.table depth");
+        assert_eq!(changed(&|h| h.symmetry.half_turn = true), "brdfc.table symmetry");
+        assert_eq!(changed(&|h| h.bias = 0.0), "brdfc.table bias");
+        assert_eq!(changed(&|h| h.span[1] = f32::NAN), "brdfc.table span");
+        assert_eq!(changed(&|h| h.slope = 1.0), "brdfc.table slope");
+        assert_eq!(changed(&|h| h.knots[3] = h.knots[2]), "brdfc.table knots");
     }
 }

@@ -4,6 +4,7 @@ use super::fit::fit_roughly;
 use super::lattice::{Lattice, Taps};
 use super::samples::Samples;
 use super::targets::Targets;
+use brdfc_formats::container::MAX_EXTENT;
 use brdfc_formats::table::{Axes, KNOTS, TableHeader, TableSymmetry};
 use brdfc_metrics::lab::distance_squared;
 use rayon::prelude::*;
@@ -117,7 +118,7 @@ pub fn choose_warps(samples: &Samples, targets: &Targets, symmetry: TableSymmetr
     trial.warped(trial.sloped(trial.warped(start(targets, symmetry, axes))))
 }
 
-fn start(targets: &Targets, symmetry: TableSymmetry, axes: Axes) -> TableHeader {
+pub(super) fn start(targets: &Targets, symmetry: TableSymmetry, axes: Axes) -> TableHeader {
     TableHeader {
         channels: if targets.grey { 1 } else { 3 },
         symmetry,
@@ -146,10 +147,11 @@ fn shaped(shape: [f64; 3], texels: usize, layers: u32, symmetry: TableSymmetry) 
     let [_, difference, azimuth] = shape.map(|power| ((side * power.exp2()).round() as u32).clamp(2, 256));
     let mut axes = Axes { half: 2, difference, azimuth: azimuth.saturating_sub(guard).max(2), layers };
     let column = |axes: &Axes| axes.difference * (axes.azimuth + guard) * axes.layers;
-    while 2 * column(&axes) as usize > texels {
+    let deep = |axes: &Axes| (axes.azimuth + guard) * axes.layers > MAX_EXTENT;
+    while 2 * column(&axes) as usize > texels || deep(&axes) {
         let largest = [axes.difference, axes.azimuth, axes.layers];
         match largest {
-            [difference, azimuth, _] if difference >= azimuth && difference > 2 => axes.difference -= 1,
+            [difference, azimuth, _] if difference >= azimuth && difference > 2 && !deep(&axes) => axes.difference -= 1,
             [_, azimuth, _] if azimuth > 2 => axes.azimuth -= 1,
             [_, _, layers] if layers > 2 => axes.layers -= 1,
             _ => break,
@@ -197,11 +199,10 @@ impl Trial<'_> {
         let lattice = Lattice::new(header);
         let fitted = (TRIAL_SAMPLES * lattice.len()).max(FEWEST_TRIAL_SAMPLES).min(2 * samples.len() / 3);
         let count = (fitted + JUDGES).min(samples.len());
-        let taps: Vec<Taps> =
-            samples.angles[..count].iter().map(|angles| lattice.taps(&header.position_of(*angles))).collect();
-        let nodes = fit_roughly(lattice, &taps[..fitted], targets);
+        let taps = |k: usize| lattice.taps(&header.position_of(samples.angles[k]));
+        let nodes = fit_roughly(lattice, &(0..fitted).map(taps).collect::<Vec<Taps>>(), targets);
         let difference = |k: usize| {
-            let found = targets.colour(lattice.value(&taps[k], &nodes), samples.cosines[k]);
+            let found = targets.colour(lattice.value(&taps(k), &nodes), samples.cosines[k]);
             f64::from(distance_squared(found, targets.colours[k]).sqrt())
         };
         (fitted..count).filter(|k| Samples::is_on_ball(*k)).map(difference).sum()

@@ -1,6 +1,6 @@
 //! The encoder: sequences the stages.
 
-use super::choose::{choose, choose_warps};
+use super::choose::{choose, choose_warps, start};
 use super::fit::fit;
 use super::lattice::{Lattice, Taps};
 use super::recipe::{Size, TableRecipe};
@@ -18,8 +18,10 @@ use brdfc_source::{Source, TableSource, Tally};
 /// Samples that a table is fitted to, per node.
 const SAMPLES: u64 = 16;
 /// Fewest and most samples.
-const FEWEST: u64 = 40 << 10;
+const FEWEST: u64 = 1 << 16;
 const MOST: u64 = 1 << 18;
+/// Texels of the largest table that a budget of bytes becomes: beyond, there are not as many samples as nodes.
+pub const MOST_TEXELS: u64 = 1 << 18;
 
 /// A pack with what was measured while making it.
 #[derive(Debug, Clone)]
@@ -139,7 +141,10 @@ impl Prepared {
         progress.stage(Stage::Choose, 1)?;
         let (samples, targets) = (&self.samples, &self.targets);
         let header = match size {
-            Size::Nodes(axes) => choose_warps(samples, targets, self.symmetry, axes),
+            Size::Nodes(axes) => {
+                start(targets, self.symmetry, axes).check()?;
+                choose_warps(samples, targets, self.symmetry, axes)
+            }
             Size::Bytes(allowed) => {
                 choose(samples, targets, self.symmetry, self.texels_within(allowed)?, self.isotropic)
             }
@@ -164,7 +169,7 @@ impl Prepared {
         if most < fewest {
             return Err(EncodeError::TooFewBytes { allowed, smallest: block + texel_bytes(self.grey) * fewest });
         }
-        Ok(most.min(1 << 24) as usize)
+        Ok(most.min(MOST_TEXELS) as usize)
     }
 }
 

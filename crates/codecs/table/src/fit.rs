@@ -42,15 +42,18 @@ pub fn fit(lattice: Lattice, taps: &[Taps], targets: &Targets) -> Vec<[f32; 3]> 
 
 /// All channels at once, with the mean of their weights and fewer steps: good enough to tell tables apart.
 pub fn fit_roughly(lattice: Lattice, taps: &[Taps], targets: &Targets) -> Vec<[f32; 3]> {
-    let mut equations = Equations::<3>::new(lattice);
+    // Four numbers at once are what there are instructions for.
+    let four = |v: [f32; 3]| [v[0], v[1], v[2], 0.0];
+    let mut equations = Equations::<4>::new(lattice);
     for ((taps, logarithms), weights) in taps.iter().zip(&targets.logarithms).zip(&targets.weights) {
         let seen = weights.iter().map(|w| w * w).sum::<f32>() / 3.0;
-        equations.add(taps, *logarithms, seen + UNSEEN * UNSEEN);
+        equations.add(taps, four(*logarithms), seen + UNSEEN * UNSEEN);
     }
     equations.smooth(SMOOTHNESS);
-    let mut nodes = start(lattice, taps, &targets.logarithms[..taps.len()]);
+    let mut nodes: Vec<[f32; 4]> =
+        start(lattice, taps, &targets.logarithms[..taps.len()]).into_iter().map(four).collect();
     equations.solve(&mut nodes, TRIAL_STEPS);
-    nodes
+    nodes.into_iter().map(|[r, g, b, _]| [r, g, b]).collect()
 }
 
 fn channel(

@@ -95,23 +95,36 @@ impl Lattice {
 
     /// For each node and each offset of -1, 0 or 1 along the axes the node there; beyond a border the node itself.
     fn neighbours(&self) -> Vec<u32> {
-        let offsets = self.offsets();
+        // Of each place along an axis the places around it, as indices of nodes.
         let strides = self.strides();
-        let mut all = Vec::with_capacity(self.len() * offsets);
-        for node in 0..self.len() {
-            for offset in 0..offsets {
-                let mut code = offset;
-                let mut at = Some(0usize);
-                for axis in 0..self.axes() {
-                    let place = node / strides[axis] % self.sizes[axis];
-                    let step = (code % 3) as isize - 1;
-                    code /= 3;
-                    let size = self.sizes[axis] as isize;
-                    let moved = place as isize + step;
-                    let moved = if self.around[axis] { moved.rem_euclid(size) } else { moved };
-                    at = at.filter(|_| (0..size).contains(&moved)).map(|at| at + moved as usize * strides[axis]);
+        let along: [Vec<[Option<u32>; 3]>; 4] = std::array::from_fn(|axis| {
+            let size = self.sizes[axis] as isize;
+            let moved = |place: isize, step: isize| {
+                let at = place + step;
+                let at = if self.around[axis] { at.rem_euclid(size) } else { at };
+                (0..size).contains(&at).then_some((at as usize * strides[axis]) as u32)
+            };
+            (0..size).map(|place| [-1, 0, 1].map(|step| moved(place, step))).collect()
+        });
+        let layers: &[usize] = if self.axes() == 3 { &[1] } else { &[0, 1, 2] };
+        let mut all = Vec::with_capacity(self.len() * self.offsets());
+        for layer in &along[3] {
+            for slice in &along[2] {
+                for row in &along[1] {
+                    for column in &along[0] {
+                        let place = [column, row, slice, layer].map(|places| places[1].unwrap_or(0));
+                        let node: u32 = place.into_iter().sum();
+                        for l in layers {
+                            for (s, r) in (0..9).map(|code| (code / 3, code % 3)) {
+                                for c in column {
+                                    let parts = [*c, row[r], slice[s], layer[*l]];
+                                    let at = parts.into_iter().try_fold(0, |sum, part| Some(sum + part?));
+                                    all.push(at.unwrap_or(node));
+                                }
+                            }
+                        }
+                    }
                 }
-                all.push(at.unwrap_or(node) as u32);
             }
         }
         all
@@ -129,6 +142,8 @@ pub struct Equations<const C: usize> {
     lattice: Lattice,
     neighbours: Vec<u32>,
     offsets: usize,
+    /// Where the node of the second tap is from that of the first, as an offset.
+    between: [[u8; MOST_TAPS]; MOST_TAPS],
     /// `[node][offset]`; 0 where there is no neighbour.
     matrix: Vec<f32>,
     right: Vec<[f32; C]>,
@@ -139,7 +154,10 @@ impl<const C: usize> Equations<C> {
     pub fn new(lattice: Lattice) -> Self {
         let (offsets, nodes) = (lattice.offsets(), lattice.len());
         let (matrix, right) = (vec![0.0; nodes * offsets], vec![[0.0; C]; nodes]);
-        Self { lattice, neighbours: lattice.neighbours(), offsets, matrix, right }
+        let step = |axis: usize, a: usize, b: usize| 3usize.pow(axis as u32) * (1 + (b >> axis & 1) - (a >> axis & 1));
+        let code = |a: usize, b: usize| (0..lattice.axes()).map(|axis| step(axis, a, b)).sum::<usize>() as u8;
+        let between = std::array::from_fn(|a| std::array::from_fn(|b| code(a, b)));
+        Self { lattice, neighbours: lattice.neighbours(), offsets, between, matrix, right }
     }
 
     /// Adds a sample of these values and a weight (the square of what its residual is multiplied by).
@@ -151,8 +169,8 @@ impl<const C: usize> Equations<C> {
             let right = &mut self.right[node];
             (0..C).for_each(|c| right[c] += scaled * values[c]);
             let row = &mut self.matrix[node * self.offsets..][..self.offsets];
-            for b in 0..count {
-                row[OFFSET[a][b] as usize % self.offsets] += scaled * taps.weights[b];
+            for (code, weight) in self.between[a][..count].iter().zip(&taps.weights) {
+                row[usize::from(*code)] += scaled * weight;
             }
         }
     }
@@ -237,26 +255,3 @@ impl<const C: usize> Equations<C> {
         }
     }
 }
-
-/// Where the node of tap `b` is from that of tap `a`, as an offset of [`Lattice::neighbours`].
-///
-/// Taps of tables with one layer are the first eight, whose last digit is 1: `% 27` takes it off.
-static OFFSET: [[u8; MOST_TAPS]; MOST_TAPS] = {
-    let mut table = [[0; MOST_TAPS]; MOST_TAPS];
-    let mut a = 0;
-    while a < MOST_TAPS {
-        let mut b = 0;
-        while b < MOST_TAPS {
-            let (mut axis, mut unit, mut code) = (0, 1, 0);
-            while axis < 4 {
-                code += (1 + (b >> axis & 1) - (a >> axis & 1)) * unit;
-                unit *= 3;
-                axis += 1;
-            }
-            table[a][b] = code as u8;
-            b += 1;
-        }
-        a += 1;
-    }
-    table
-};

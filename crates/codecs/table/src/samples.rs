@@ -34,28 +34,24 @@ impl Samples {
     /// light from anywhere, so that common ones count most; the third is spread over the angles of the table, denser
     /// towards the mirror direction. With `reciprocal` a value is the mean of both ways.
     ///
-    /// Negative values, and any that are no number, are raised to 0 and counted.
+    /// Values are [`mended`].
     pub fn draw(source: &dyn Source, count: usize, reciprocal: bool) -> Self {
         let visible = |pair: &DirectionPair| pair.incoming[2] > LEAST_COSINE && pair.outgoing[2] > LEAST_COSINE;
         let mut ball = points(FIRST).map(on_ball).filter(visible);
         let mut angles = points(FIRST).map(over_angles).filter(visible);
         let pairs: Vec<DirectionPair> =
             (0..count).filter_map(|k| if Self::is_on_ball(k) { ball.next() } else { angles.next() }).collect();
-        let (mut values, mut tally) = values_at(source, &pairs);
+        let (values, mut tally) = values_at(source, &pairs);
+        let mut values = mended(values, &mut tally);
         if reciprocal {
             let exchanged: Vec<DirectionPair> = pairs.iter().map(|pair| pair.exchanged()).collect();
             let (others, more) = values_at(source, &exchanged);
             tally += more;
-            for (value, other) in values.iter_mut().zip(&others) {
+            for (value, other) in values.iter_mut().zip(mended(others, &mut tally)) {
                 *value = std::array::from_fn(|k| 0.5 * (value[k] + other[k]));
             }
         }
-        let mut mended = |value: [f64; 3]| {
-            let raised = value.iter().any(|v| v.is_nan() || *v < 0.0);
-            tally.negative_raised += u64::from(raised);
-            value.map(|v| if v >= 0.0 { v.min(LARGEST) as f32 } else { 0.0 })
-        };
-        let values = values.into_iter().map(&mut mended).collect();
+        let values = values.into_iter().map(|value| value.map(|v| v as f32)).collect();
         let angles = pairs.iter().map(|pair| Angles::of(*pair)).collect();
         let cosines = pairs.iter().map(|pair| pair.incoming[2] as f32).collect();
         Self { angles, cosines, values, tally }
@@ -77,6 +73,17 @@ impl Samples {
     }
 }
 
+/// Values with what is negative, no number or beyond [`LARGEST`] raised to 0 or lowered to that, and counted.
+pub(super) fn mended(mut values: Vec<[f64; 3]>, tally: &mut Tally) -> Vec<[f64; 3]> {
+    for value in &mut values {
+        let usable = value.iter().all(|v| (0.0..=LARGEST).contains(v));
+        tally.negative_raised += u64::from(!usable);
+        // NaN is raised, too.
+        *value = value.map(|v| if v >= 0.0 { v.min(LARGEST) } else { 0.0 });
+    }
+    values
+}
+
 /// The outgoing direction as over the disc that a ball shows, the incoming one uniform over the hemisphere.
 fn on_ball([a, b, c, d]: [f64; 4]) -> DirectionPair {
     let turned = |radius: f64, z: f64, turn: f64| -> Vector {
@@ -87,7 +94,7 @@ fn on_ball([a, b, c, d]: [f64; 4]) -> DirectionPair {
     DirectionPair::new(turned((1.0 - z * z).sqrt(), z, d), turned(a.sqrt(), (1.0 - a).sqrt(), b))
 }
 
-fn over_angles([a, b, c, d]: [f64; 4]) -> DirectionPair {
+pub(super) fn over_angles([a, b, c, d]: [f64; 4]) -> DirectionPair {
     let [a, b, c, d] = [a, b, c, d].map(|x| x as f32);
     let angles =
         Angles { theta_half: a * a * 0.995 * FRAC_PI_2, phi_half: d * TAU, ratio: 0.999 * b, phi_difference: c * TAU };

@@ -1,10 +1,11 @@
 //! Which symmetry a material has, measured from its values: what a file says of itself need not be so.
 
+use super::samples::{mended, over_angles};
 use brdfc_formats::direction::{DirectionPair, Vector, half_vector};
 use brdfc_formats::table::TableSymmetry;
 use brdfc_metrics::sampling::points;
 use brdfc_metrics::values::values_at;
-use brdfc_source::Source;
+use brdfc_source::{Source, Tally};
 
 /// Pairs that are compared with their images.
 const PAIRS: usize = 1024;
@@ -27,22 +28,34 @@ pub struct Asymmetry {
 }
 
 impl Asymmetry {
-    /// Measures a source.
+    /// Measures a source: over all directions, and near the mirror direction, where a narrow lobe would else go unseen. The
+    /// larger counts.
     pub fn of(source: &dyn Source) -> Self {
+        let even = |[a, b, c, d]: [f64; 4]| DirectionPair::new(direction(a, b), direction(c, d));
+        let [even, near] = [Self::over(source, even), Self::over(source, over_angles)];
+        Self {
+            reciprocal: even.reciprocal.max(near.reciprocal),
+            mirror: even.mirror.max(near.mirror),
+            half_turn: even.half_turn.max(near.half_turn),
+            reflected: even.reflected.max(near.reflected),
+        }
+    }
+
+    fn over(source: &dyn Source, pair: impl Fn([f64; 4]) -> DirectionPair) -> Self {
         let pairs: Vec<DirectionPair> = points(1 << 19)
-            .map(|[a, b, c, d]| DirectionPair::new(direction(a, b), direction(c, d)))
+            .map(pair)
             .filter(|pair| pair.incoming[2] > 0.1 && pair.outgoing[2] > 0.1)
             .take(PAIRS)
             .collect();
-        let (values, _) = values_at(source, &pairs);
+        let values = |pairs: &[DirectionPair]| mended(values_at(source, pairs).0, &mut Tally::default());
+        let expected = values(&pairs);
         let against = |image: &dyn Fn(DirectionPair) -> DirectionPair| {
             let images: Vec<DirectionPair> = pairs.iter().map(|pair| image(*pair)).collect();
-            let (others, _) = values_at(source, &images);
             let (mut difference, mut sum) = (0.0, 0.0);
-            for ((pair, value), other) in pairs.iter().zip(&values).zip(&others) {
+            for ((pair, value), other) in pairs.iter().zip(&expected).zip(values(&images)) {
                 for channel in 0..3 {
                     difference += (value[channel] - other[channel]).abs() * pair.incoming[2];
-                    sum += 0.5 * (value[channel].abs() + other[channel].abs()) * pair.incoming[2];
+                    sum += 0.5 * (value[channel] + other[channel]) * pair.incoming[2];
                 }
             }
             if sum > 0.0 { difference / sum } else { 0.0 }

@@ -87,7 +87,7 @@ fn changed_shaders_are_noticed() {
         ("value = value + position.layer_weight * (upper - value);", ""),
         ("select(texel.rgb, texel.rrr, table_brdf_parameters.channels == 1u)", "texel.rgb"),
         ("select(1u, 0u, table_brdf_symmetric(2u))", "0u"),
-        ("x = along * h.z - i.z;", "x = i.z - along * h.z;"),
+        ("- i.z * square;", "+ i.z * square;"),
         ("y = i.y * h.x - i.x * h.y;", "y = i.x * h.y - i.y * h.x;"),
         ("let largest = table_brdf_atan2(h.z, sine * cosine);", "let largest = table_brdf_atan2(h.z, sine);"),
         ("table_brdf_parameters.slope * (1.0 - angles.ratio)", "0.0"),

@@ -6,28 +6,32 @@ use super::recipe::{AutoRecipe, Budget, TAIL};
 use super::trial::Trial;
 use brdfc_metrics::compare::{Comparison, Reference};
 use brdfc_metrics::sampling::PairSet;
-use brdfc_source::progress::{Progress, Stage};
+use brdfc_source::progress::{Cancelled, Progress, Stage};
 use brdfc_source::{PackSource, Source, TableSource};
 use brdfc_table::encode::{Encoded, Prepared, measured, samples_for};
 use brdfc_table::recipe::{Size, TableRecipe};
 use brdfc_wavelet::recipe::{Recipe, Target};
 
-/// Sizes of tables that are tried, bytes on a GPU.
-const TABLE_BYTES: [u64; 8] = [2 << 10, 4 << 10, 8 << 10, 16 << 10, 32 << 10, 64 << 10, 128 << 10, 256 << 10];
-/// Ratios of wavelet packs that are tried behind tables.
+/// Smallest and largest table that is tried, bytes on a GPU; each next one is twice as large. Few layers leave knobs on
+/// the outlines of anisotropic highlights, which hardly count in a mean: their smallest is larger.
+const SMALLEST: u64 = 1 << 10;
+const SMALLEST_ANISOTROPIC: u64 = 4 << 10;
+const LARGEST: u64 = 1 << 20;
+/// Ratios of wavelet packs that are tried where no table meets the budget.
 const RATIOS: [f64; 3] = [16.0, 8.0, 4.0];
-/// Materials with a mirror-like peak are no reason to make megabytes: samples are drawn for tables of this size first.
-const FIRST_SAMPLES: u64 = 16 << 10;
+/// Fewer bytes hold so few slices that no wavelet pack is worth a trial.
+const WAVELET_FROM: u64 = 128 << 10;
+/// Power of the size by which the error of tables is taken to fall at most; it is 2/3 where values are smooth.
+const FASTEST: f64 = 0.8;
+/// Tables of a budget of bytes alone: all of it, a half, a quarter. More nodes do not always bring more, where the format's ten
+/// bits or the samples are the limit.
+const FILLED: u32 = 3;
 
-/// A pack that may be made.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Candidate {
-    Table(u64),
-    Wavelet(Target),
-}
-
-/// Tries tables from small to large, then wavelet packs, and stops at the first that meets the budget. A budget of bytes alone is
-/// filled.
+/// Tries tables from small to large and keeps the first that meets the budget; where none does, wavelet packs. A budget of
+/// bytes alone gets the pack with the smallest colour differences that fits.
+///
+/// Sizes are left out where even an error that falls by the power [`FASTEST`] would miss the budget. When a larger one meets it,
+/// those that were left out since the last miss are tried after all; when none does, the largest is.
 ///
 /// # Errors
 /// Budgets that no pack can meet whatever its quality, error budgets for black materials, cancellation.
@@ -45,87 +49,137 @@ pub(super) fn search(
     }
     progress.stage(Stage::MeasureOffGrid, 1)?;
     let reference = Reference::new(source, PairSet::comparison());
-    if reference.is_black() && budget.limits_error() && budget != Budget::default() {
+    if reference.is_black() && budget.error.is_some() {
         return Err(PackError::NothingMeasured);
     }
-    let mut search = Search { source, recipe, reference, prepared: None, best: None, tried: Vec::new(), last: None };
-    for candidate in candidates(recipe) {
-        if search.is_hopeless(candidate) {
-            continue;
+    let mut search = Search { source, recipe, reference, progress, prepared: None, best: None, tried: Vec::new() };
+    let wavelet = recipe
+        .wavelet
+        .as_ref()
+        .filter(|wavelet| budget.fetches.is_none_or(|most| 4 * (4 * wavelet.levels + 1) <= most));
+    let room = budget.bytes.is_none_or(|bytes| bytes > WAVELET_FROM);
+    let wavelets: Vec<Target> = match (wavelet.filter(|_| room), budget.bytes) {
+        (None, _) => Vec::new(),
+        (Some(_), Some(bytes)) => vec![Target::MaxBytes(bytes)],
+        (Some(_), None) => RATIOS.map(Target::Ratio).to_vec(),
+    };
+    if budget.limits_error() {
+        if !search.tables()? {
+            for target in wavelets {
+                if search.wavelet(target)? {
+                    break;
+                }
+            }
         }
-        progress.stage(Stage::Try, 1)?;
-        if search.consider(candidate)? && budget.limits_error() {
-            break;
+    } else {
+        let most = budget.bytes.unwrap_or(LARGEST).min(LARGEST);
+        for half in (0..FILLED).rev() {
+            let bytes = most >> half;
+            if half == 0 || bytes >= SMALLEST {
+                search.table(bytes)?;
+            }
+        }
+        for target in wavelets {
+            search.wavelet(target)?;
         }
     }
-    search.finish()
+    Ok(search.finish())
 }
-
-/// What is tried, from small to large; a budget of bytes alone asks for as much as it holds.
-fn candidates(recipe: &AutoRecipe) -> Vec<Candidate> {
-    let Budget { bytes, fetches, .. } = recipe.budget;
-    let wavelet =
-        recipe.wavelet.as_ref().filter(|wavelet| fetches.is_none_or(|most| 4 * (4 * wavelet.levels + 1) <= most));
-    if let Some(bytes) = bytes.filter(|_| !recipe.budget.limits_error()) {
-        // More than the largest table helps nobody.
-        let table = Candidate::Table(bytes.min(TABLE_BYTES[TABLE_BYTES.len() - 1] * 4));
-        let wavelet = wavelet.map(|_| Candidate::Wavelet(Target::MaxBytes(bytes)));
-        return std::iter::once(table).chain(wavelet.filter(|_| bytes > WAVELET_FROM)).collect();
-    }
-    let within = |size: &u64| bytes.is_none_or(|most| *size <= most);
-    let mut tables: Vec<u64> = TABLE_BYTES.into_iter().filter(within).collect();
-    if let Some(bytes) = bytes.filter(|bytes| *bytes < TABLE_BYTES[TABLE_BYTES.len() - 1] && !tables.contains(bytes)) {
-        tables.push(bytes);
-    }
-    let wavelets = wavelet.into_iter().flat_map(|_| RATIOS.map(|ratio| Candidate::Wavelet(Target::Ratio(ratio))));
-    tables.into_iter().map(Candidate::Table).chain(wavelets).collect()
-}
-
-/// Power of the size by which the error of tables falls at most; it is 2/3 where values are smooth.
-const FASTEST: f64 = 0.8;
-/// Fewer bytes hold so few slices that no wavelet pack is worth a trial.
-const WAVELET_FROM: u64 = 128 << 10;
 
 struct Search<'a> {
     source: &'a dyn Source,
     recipe: &'a AutoRecipe,
     reference: Reference,
+    progress: &'a dyn Progress,
     prepared: Option<Prepared>,
     /// The best so far, with how far over the budget it is.
     best: Option<(f64, EncodedPack)>,
     tried: Vec<Trial>,
-    /// The last table that was tried: its size, and how far over the budget it is.
-    last: Option<(u64, f64)>,
+}
+
+/// Passes on whether to stop; stages within a trial are not told.
+struct Within<'a>(&'a dyn Progress);
+
+impl Progress for Within<'_> {
+    fn check(&self) -> Result<(), Cancelled> {
+        self.0.check()
+    }
+
+    fn part<'b>(&'b self, _: &'b str) -> Box<dyn Progress + 'b> {
+        Box::new(Within(self.0))
+    }
 }
 
 impl Search<'_> {
-    /// Whether a table is too small, going by those that were tried: its error falls no faster than by [`FASTEST`].
-    fn is_hopeless(&self, candidate: Candidate) -> bool {
-        let (Candidate::Table(bytes), Some((smaller, excess))) = (candidate, self.last) else { return false };
-        let largest =
-            self.recipe.budget.bytes.is_some_and(|most| TABLE_BYTES.iter().all(|size| *size <= bytes || *size > most));
-        !largest && excess * (bytes as f64 / smaller as f64).powf(-FASTEST) > 1.0
+    /// Tries tables; whether one meets the budget.
+    fn tables(&mut self) -> Result<bool, PackError> {
+        let smallest = if self.source.symmetry().isotropic { SMALLEST } else { SMALLEST_ANISOTROPIC };
+        let sizes = sizes(smallest, self.recipe.budget.bytes);
+        // Of each size how far over the budget its table is.
+        let mut excesses: Vec<Option<f64>> = vec![None; sizes.len()];
+        let mut next = Some(0);
+        let mut met = None;
+        while let Some(k) = next {
+            let excess = self.table(sizes[k])?;
+            excesses[k] = Some(excess);
+            if excess <= 1.0 {
+                met = Some(k);
+                break;
+            }
+            let hopeless = |larger: usize| {
+                let expected =
+                    |at: usize| Some(excesses[at]? * (sizes[larger] as f64 / sizes[at] as f64).powf(-FASTEST));
+                (0..=k).filter_map(expected).fold(f64::INFINITY, f64::min) > 1.0
+            };
+            let last = sizes.len() - 1;
+            next = (k + 1..sizes.len()).find(|larger| !hopeless(*larger)).or((k < last).then_some(last));
+        }
+        let Some(met) = met else { return Ok(false) };
+        let missed = (0..met).rev().find(|k| excesses[*k].is_some());
+        for skipped in missed.map_or(0, |k| k + 1)..met {
+            if self.table(sizes[skipped])? <= 1.0 {
+                break;
+            }
+        }
+        Ok(true)
     }
 
-    /// Makes a candidate; whether it meets the budget.
-    fn consider(&mut self, candidate: Candidate) -> Result<bool, PackError> {
-        let made = match candidate {
-            Candidate::Table(bytes) => self.table(bytes)?,
-            Candidate::Wavelet(target) => match self.wavelet(target)? {
-                Some(made) => made,
-                None => return Ok(false),
-            },
+    /// Makes a table; how far over the budget it is.
+    fn table(&mut self, bytes: u64) -> Result<f64, PackError> {
+        self.progress.stage(Stage::Try, 1)?;
+        let within = Within(self.progress);
+        let recipe = TableRecipe { size: Size::Bytes(bytes), ..self.recipe.table.clone() };
+        let wanted = samples_for(recipe.size, self.source.is_grey());
+        let prepared = match self.prepared.take().filter(|prepared| prepared.samples.len() == wanted) {
+            Some(prepared) => prepared,
+            None => Prepared::new(self.source, &recipe, wanted, &within)?,
         };
-        let bytes_on_gpu = made.pack.gpu_bytes();
-        if self.recipe.budget.bytes.is_some_and(|most| bytes_on_gpu > most) {
-            return Ok(false);
-        }
+        let mut pack = prepared.pack(recipe.size, &within)?;
+        let off_grid = self.reference.compare(&TableSource::new(&pack));
+        measured(&mut pack, &off_grid);
+        let bytes = pack.to_bytes(recipe.supercompress);
+        let (asymmetry, tally) = (prepared.asymmetry, prepared.samples.tally);
+        self.prepared = Some(prepared);
+        Ok(self.consider(of_table(Encoded { pack, bytes, asymmetry, off_grid, tally })))
+    }
+
+    /// Makes a wavelet pack; whether it meets the budget.
+    fn wavelet(&mut self, target: Target) -> Result<bool, PackError> {
+        let Some(wavelet) = &self.recipe.wavelet else { return Ok(false) };
+        self.progress.stage(Stage::Try, 1)?;
+        let recipe = Recipe { target, measure_off_grid: false, ..wavelet.clone() };
+        let mut encoded = brdfc_wavelet::encode::encode(self.source, &recipe, &Within(self.progress))?;
+        encoded.off_grid = self.reference.compare(&PackSource::new(&encoded.pack, None));
+        encoded.pack.off_grid = encoded.off_grid.summary();
+        encoded.bytes = encoded.pack.to_bytes(recipe.supercompress);
+        Ok(self.consider(of_wavelet(encoded, &recipe)) <= 1.0)
+    }
+
+    /// Notes a pack, and keeps the better one; how far over the budget it is.
+    fn consider(&mut self, made: EncodedPack) -> f64 {
         let excess = self.excess(&made.off_grid);
-        let meets = excess <= 1.0;
-        if let Candidate::Table(bytes) = candidate {
-            self.last = Some((bytes, excess));
-        }
         let picture = &made.off_grid.picture.delta_e;
+        let bytes_on_gpu = made.pack.gpu_bytes();
         self.tried.push(Trial {
             codec: made.codec.name().to_owned(),
             size: made.codec.size(),
@@ -134,19 +188,21 @@ impl Search<'_> {
             delta_e: picture.mean,
             delta_e_p95: picture.p95,
             relative_error: made.off_grid.norms.relative_mean,
-            meets,
+            meets: excess <= 1.0,
         });
         let limits_error = self.recipe.budget.limits_error();
-        let better = |best: &(f64, EncodedPack)| {
-            if limits_error { excess < best.0 } else { picture.mean < best.1.off_grid.picture.delta_e.mean }
+        let better = |(other, best): &(f64, EncodedPack)| match (excess <= 1.0, *other <= 1.0) {
+            _ if !limits_error => picture.mean < best.off_grid.picture.delta_e.mean,
+            (true, true) => bytes_on_gpu < best.pack.gpu_bytes(),
+            (meets, met) => meets || (!met && excess < *other),
         };
         if self.best.as_ref().is_none_or(better) {
             self.best = Some((excess, made));
         }
-        Ok(meets)
+        excess
     }
 
-    /// How many times over the tightest limit of error a pack is.
+    /// How many times over the tightest limit of error a pack is; infinite where its error is no number.
     fn excess(&self, error: &Comparison) -> f64 {
         let Budget { delta_e, error: relative, .. } = self.recipe.budget;
         let picture = &error.picture.delta_e;
@@ -155,46 +211,25 @@ impl Search<'_> {
             delta_e.map(|limit| picture.p95 / (TAIL * limit)),
             relative.map(|limit| error.norms.relative_mean / limit),
         ];
-        ratios.into_iter().flatten().fold(0.0, f64::max)
+        let number = |ratio: f64| if ratio.is_nan() { f64::INFINITY } else { ratio };
+        ratios.into_iter().flatten().map(number).fold(0.0, f64::max)
     }
 
-    fn table(&mut self, bytes: u64) -> Result<EncodedPack, PackError> {
-        let recipe = TableRecipe { size: Size::Bytes(bytes), ..self.recipe.table.clone() };
-        let wanted = samples_for(Size::Bytes(bytes.max(FIRST_SAMPLES)), self.source.is_grey());
-        let prepared = match self.prepared.take().filter(|prepared| prepared.samples.len() >= wanted) {
-            Some(prepared) => prepared,
-            None => Prepared::new(self.source, &recipe, wanted, &())?,
-        };
-        let mut pack = prepared.pack(recipe.size, &())?;
-        let off_grid = self.reference.compare(&TableSource::new(&pack));
-        measured(&mut pack, &off_grid);
-        let bytes = pack.to_bytes(recipe.supercompress);
-        let (asymmetry, tally) = (prepared.asymmetry, prepared.samples.tally);
-        self.prepared = Some(prepared);
-        Ok(of_table(Encoded { pack, bytes, asymmetry, off_grid, tally }))
-    }
-
-    fn wavelet(&self, target: Target) -> Result<Option<EncodedPack>, PackError> {
-        let Some(wavelet) = &self.recipe.wavelet else { return Ok(None) };
-        let recipe = Recipe { target, measure_off_grid: false, ..wavelet.clone() };
-        let mut encoded = brdfc_wavelet::encode::encode(self.source, &recipe, &())?;
-        encoded.off_grid = self.reference.compare(&PackSource::new(&encoded.pack, None));
-        encoded.pack.off_grid = encoded.off_grid.summary();
-        encoded.bytes = encoded.pack.to_bytes(recipe.supercompress);
-        Ok(Some(of_wavelet(encoded, &recipe)))
-    }
-
-    fn finish(self) -> Result<EncodedPack, PackError> {
-        let Some((excess, mut made)) = self.best else {
-            // No candidate fitted into the bytes.
-            let allowed = self.recipe.budget.bytes.unwrap_or(0);
-            let smallest = TABLE_BYTES[0];
-            return Err(brdfc_table::encode::EncodeError::TooFewBytes { allowed, smallest }.into());
-        };
+    fn finish(self) -> EncodedPack {
+        let (excess, mut made) = self.best.expect("a table was made, or why not was returned");
         made.missed = (excess > 1.0).then(|| missed(&self.recipe.budget, &made.off_grid));
         made.tried = self.tried;
-        Ok(made)
+        made
     }
+}
+
+/// Sizes of tables within a budget, from small to large; the last fills it.
+fn sizes(smallest: u64, most: Option<u64>) -> Vec<u64> {
+    let most = most.unwrap_or(LARGEST).min(LARGEST);
+    let mut sizes: Vec<u64> =
+        std::iter::successors(Some(smallest), |size| Some(2 * size)).take_while(|size| *size < most).collect();
+    sizes.push(most);
+    sizes
 }
 
 /// The sentence about a budget that nothing meets.
@@ -217,4 +252,55 @@ fn missed(budget: &Budget, best: &Comparison) -> String {
         parts.push(format!("ε_r: found {:.2} %; allowed {} %", 100.0 * best.norms.relative_mean, 100.0 * limit));
     }
     format!("nothing that was tried meets the budget, the best is kept; {}", parts.join("; "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use brdfc_source::address::parse_synth;
+
+    fn searched(address: &str, budget: Budget) -> EncodedPack {
+        let source = parse_synth(address).unwrap();
+        search(source.as_ref(), &AutoRecipe { budget, ..AutoRecipe::default() }, &()).unwrap()
+    }
+
+    const NONE: Budget = Budget { delta_e: None, error: None, bytes: None, fetches: None };
+
+    #[test]
+    fn sizes_double_up_to_the_budget() {
+        assert_eq!(sizes(1024, Some(5000)), [1024, 2048, 4096, 5000]);
+        assert_eq!(sizes(1024, Some(100)), [100]);
+        assert_eq!(sizes(4096, None).last(), Some(&LARGEST));
+        assert_eq!(sizes(4096, Some(1 << 40)), sizes(4096, None));
+    }
+
+    /// What is kept is the smallest that was tried and meets the budget, and none that was left out since the last miss does.
+    #[test]
+    fn the_smallest_that_meets_is_kept() {
+        for limit in [0.6, 0.3, 0.15] {
+            let made = searched("synth:ggx?kd=0.3,0.1,0.05&alpha=0.1", Budget { delta_e: Some(limit), ..NONE });
+            let meeting = made.tried.iter().filter(|trial| trial.meets);
+            assert_eq!(meeting.map(|trial| trial.bytes_on_gpu).min(), Some(made.pack.gpu_bytes()));
+            assert!(made.missed.is_none() && made.off_grid.picture.delta_e.mean <= limit);
+        }
+        assert!(searched("synth:lambert", Budget::default()).pack.gpu_bytes() <= SMALLEST);
+    }
+
+    /// Where nothing meets, the largest was tried, and the best is kept.
+    #[test]
+    fn the_best_is_kept_where_none_meets() {
+        let budget = Budget { error: Some(1e-7), bytes: Some(20_000), ..NONE };
+        let made = searched("synth:ggx?kd=0.3,0.1,0.05&alpha=0.1", budget);
+        let least = made.tried.iter().map(|trial| trial.relative_error).fold(f64::INFINITY, f64::min);
+        assert!(made.off_grid.norms.relative_mean == least && made.missed.is_some());
+        assert!(made.tried.iter().any(|trial| trial.bytes_on_gpu > 19_000), "{:?}", made.tried);
+    }
+
+    #[test]
+    fn bytes_alone_get_the_closest_that_fits() {
+        let made = searched("synth:ward?ax=0.15&ay=0.5", Budget { bytes: Some(16_384), ..NONE });
+        let least = made.tried.iter().map(|trial| trial.delta_e).fold(f64::INFINITY, f64::min);
+        assert!(made.tried.len() == 3 && made.off_grid.picture.delta_e.mean == least, "{:?}", made.tried);
+        assert!(made.tried.iter().all(|trial| trial.bytes_on_gpu <= 16_384));
+    }
 }

@@ -13,17 +13,21 @@ use brdfc_wavelet::recipe::{Ranking, Recipe, Target};
 #[cfg_attr(feature = "clap", derive(clap::Args))]
 #[serde(deny_unknown_fields)]
 pub struct EncodeOptions {
-    /// Which codec: auto (default: the smallest pack that meets the budget), table, or wavelet (the paper's, its slices
-    /// ranked by what is seen).
+    /// Which codec: auto (default: the smallest table that meets the budget, or else a wavelet pack), table (of 16 KiB
+    /// unless there is a budget), or wavelet (the paper's, its slices ranked by what is seen).
     #[cfg_attr(feature = "clap", arg(long, value_name = "CODEC"))]
     pub codec: Option<String>,
     /// Largest mean ΔE of pictures of the pack and its source, with 95 % below four times that (default 0.5).
-    #[cfg_attr(feature = "clap", arg(long, value_name = "E", conflicts_with = "ratio"))]
+    #[cfg_attr(
+        feature = "clap",
+        arg(id = "pack_delta_e", long = "max-delta-e", value_name = "E", conflicts_with = "ratio")
+    )]
     pub max_delta_e: Option<f64>,
     /// Largest mean relative error ε_r: a fraction or a percentage, 0.02 or 2%. Of wavelet packs on their grid.
     #[cfg_attr(feature = "clap", arg(long, value_name = "E", conflicts_with = "ratio"))]
     pub max_error: Option<Fraction>,
-    /// Most bytes on a GPU, before any compression of the file. Alone it is filled.
+    /// Most bytes on a GPU, before any compression of the file. Alone it asks for the best pack that fits; tables have
+    /// up to 1 MiB.
     #[cfg_attr(feature = "clap", arg(long, value_name = "B", conflicts_with = "ratio"))]
     pub max_bytes: Option<u64>,
     /// Most texture fetches of a look-up: 1 is a table of an isotropic material, 2 of any, 84 a wavelet pack.
@@ -82,16 +86,24 @@ const CODECS: [(&str, Codec); 3] = [("auto", Codec::Auto), ("table", Codec::Tabl
 impl EncodeOptions {
     /// The recipe of these options; what they leave open comes from `defaults`, then from [`PackRecipe::default`].
     ///
-    /// Limits are taken from one of both, all together. A codec that these options name makes defaults that do not go with it
-    /// none.
+    /// Limits are taken from one of both, all together. Defaults that do not go with the codec that these options name, or ask
+    /// for by what one codec alone has, are left out.
     ///
     /// # Errors
     /// Values out of range; options that do not go together.
     pub fn resolve(&self, defaults: &Self) -> Result<PackRecipe, OptionError> {
-        let named_here = self.codec.as_deref().map(codec).transpose()?;
-        let defaults = match named_here {
+        // Named here, or asked for by what stands here.
+        let asked = match self.codec.as_deref().map(codec).transpose()? {
+            None if self.of_wavelet().is_some() => Some(Codec::Wavelet),
+            None if self.max_delta_e.is_some() || self.max_fetches.is_some() || self.reciprocal == Some(true) => {
+                Some(Codec::Auto)
+            }
+            named => named,
+        };
+        let defaults = match asked {
             Some(Codec::Auto | Codec::Table) => defaults.without_wavelet(),
-            _ => defaults.clone(),
+            Some(Codec::Wavelet) => defaults.without_search(),
+            None => defaults.clone(),
         };
         let all = self.over(&defaults);
         all.check()?;
@@ -112,9 +124,19 @@ impl EncodeOptions {
         }
     }
 
+    /// Without what wavelet packs alone have, and a bias that was meant for them.
     fn without_wavelet(&self) -> Self {
         let (ratio, grid, bits, smooth) = (None, None, None, None);
-        Self { ratio, grid, bits, smooth, parameterisation: None, ranking: None, codec: None, ..self.clone() }
+        let for_table = self.codec.as_deref().is_some_and(|name| name != "wavelet");
+        let bias = self.bias.filter(|_| for_table);
+        Self { ratio, grid, bits, smooth, bias, parameterisation: None, ranking: None, codec: None, ..self.clone() }
+    }
+
+    /// Without what wavelet packs do not have.
+    fn without_search(&self) -> Self {
+        let for_wavelet = self.codec.as_deref().is_none_or(|name| name == "wavelet");
+        let bias = self.bias.filter(|_| for_wavelet);
+        Self { max_delta_e: None, max_fetches: None, reciprocal: None, bias, codec: None, ..self.clone() }
     }
 
     fn over(&self, defaults: &Self) -> Self {
@@ -203,9 +225,10 @@ impl EncodeOptions {
         let open = !budget.limits_error() && budget.bytes.is_none();
         let delta_e = if open { Budget::default().delta_e } else { budget.delta_e };
         let searched = AutoRecipe { budget: Budget { delta_e, ..budget }, table, ..AutoRecipe::default() };
+        let wavelet = searched.wavelet.map(|wavelet| Recipe { bias: self.bias.unwrap_or(wavelet.bias), ..wavelet });
         // What is reciprocal is a table.
         let tables_alone = tables_alone || self.reciprocal == Some(true);
-        PackRecipe::Auto(AutoRecipe { wavelet: searched.wavelet.filter(|_| !tables_alone), ..searched })
+        PackRecipe::Auto(AutoRecipe { wavelet: wavelet.filter(|_| !tables_alone), ..searched })
     }
 
     fn wavelet(&self, mut recipe: Recipe) -> Result<Recipe, OptionError> {
@@ -283,4 +306,62 @@ fn named<T: Copy>(field: &'static str, name: &str, known: &[(&'static str, T)]) 
         let names: Vec<&str> = known.iter().map(|(text, _)| *text).collect();
         problem(field, format!("\"{name}\""), &names.join(" or "))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn keys(text: &str) -> EncodeOptions {
+        toml::from_str(text).unwrap()
+    }
+
+    fn resolved(own: &str, defaults: &str) -> PackRecipe {
+        keys(own).resolve(&keys(defaults)).unwrap()
+    }
+
+    #[test]
+    fn the_codec_follows_from_the_options() {
+        assert_eq!(resolved("", ""), PackRecipe::default());
+        let PackRecipe::Wavelet(paper) = resolved("ratio = 4", "") else { panic!("a wavelet pack") };
+        assert_eq!(paper, Recipe::default());
+        let PackRecipe::Wavelet(named) = resolved("codec = 'wavelet'", "") else { panic!("a wavelet pack") };
+        assert_eq!(named, Recipe::visible());
+        for wavelet in
+            ["grid = 8", "bits = 12", "parameterisation = 'half-difference'", "ranking = 'energy'", "bias = 0.1"]
+        {
+            assert!(matches!(resolved(wavelet, ""), PackRecipe::Wavelet(_)), "{wavelet}");
+        }
+        let PackRecipe::Table(table) = resolved("codec = 'table'\nmax_bytes = 4096\nbias = 0.001", "") else {
+            panic!("a table")
+        };
+        assert_eq!((table.size, table.bias), (Size::Bytes(4096), 0.001));
+        let PackRecipe::Auto(tables) = resolved("codec = 'table'\nmax_delta_e = 0.2", "") else { panic!("a search") };
+        assert!(tables.wavelet.is_none() && tables.budget.delta_e == Some(0.2));
+        let PackRecipe::Auto(filled) = resolved("max_bytes = 4096", "") else { panic!("a search") };
+        assert_eq!(filled.budget, Budget { delta_e: None, error: None, bytes: Some(4096), fetches: None });
+        let PackRecipe::Auto(cheap) = resolved("max_fetches = 2", "") else { panic!("a search") };
+        assert_eq!(cheap.budget.delta_e, Some(0.5), "fetches alone say nothing of quality");
+    }
+
+    #[test]
+    fn defaults_that_do_not_go_with_the_codec_are_left_out() {
+        let PackRecipe::Table(table) = resolved("codec = 'table'", "codec = 'wavelet'\nbias = 0.5\ngrid = 8") else {
+            panic!("a table")
+        };
+        assert_eq!(table, TableRecipe::default());
+        let PackRecipe::Wavelet(wavelet) = resolved("codec = 'wavelet'", "max_delta_e = 0.3\nreciprocal = true") else {
+            panic!("a wavelet pack")
+        };
+        assert_eq!(wavelet, Recipe::visible());
+        // Limits are taken from one of both, all together.
+        let PackRecipe::Auto(own) = resolved("max_delta_e = 0.2", "max_bytes = 4096\nmax_error = '3%'") else {
+            panic!("a search")
+        };
+        assert_eq!(own.budget, Budget { delta_e: Some(0.2), error: None, bytes: None, fetches: None });
+        assert!(matches!(resolved("ratio = 16", "reciprocal = true\nmax_fetches = 1"), PackRecipe::Wavelet(_)));
+        assert!(matches!(resolved("max_delta_e = 0.5", "bias = 0.02\ngrid = 16"), PackRecipe::Auto(_)));
+        let PackRecipe::Auto(theirs) = resolved("reciprocal = true", "max_bytes = 4096") else { panic!("a search") };
+        assert!(theirs.table.reciprocal && theirs.wavelet.is_none() && theirs.budget.bytes == Some(4096));
+    }
 }

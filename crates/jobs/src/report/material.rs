@@ -70,9 +70,18 @@ pub struct StageTime {
     pub seconds: f64,
 }
 
+/// Difference of albedos from which on it is told.
+const ALBEDO: f64 = 0.05;
+
 /// Lines that say in words what a reader of the table should know; empty for a clean source.
 pub fn remarks(report: &MaterialReport) -> Vec<String> {
     let mut lines = repairs_in_words(&report.repairs);
+    if report.off_grid.albedo_max_difference > ALBEDO {
+        let most = report.off_grid.albedo_max_difference;
+        lines.push(format!(
+            "the albedo is off by up to {most:.3}: narrow or grazing light is missed by pictures of a ball"
+        ));
+    }
     let on_grid = match &report.codec {
         CodecReport::Wavelet(wavelet) => Some((&wavelet.on_grid.norms, "on")),
         CodecReport::Table(_) => None,

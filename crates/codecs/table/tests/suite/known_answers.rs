@@ -174,6 +174,15 @@ fn sizes_are_checked() {
     let axes = Axes { half: 1, difference: 4, azimuth: 4, layers: 1 };
     let error = made(Size::Nodes(axes)).unwrap_err().to_string();
     assert!(error.contains("θ_h nodes: found 1; allowed 2 to 256"), "{error}");
+    for axes in [Axes { half: 0, ..axes }, Axes { layers: 0, ..axes }, Axes { azimuth: 256, layers: 256, ..axes }] {
+        assert!(matches!(made(Size::Nodes(axes)), Err(EncodeError::Format(_))), "{axes:?}");
+    }
+    // No budget asks for more than there are samples for.
+    let ward = source("synth:ward?ax=0.15&ay=0.5");
+    let recipe = TableRecipe { size: Size::Bytes(1 << 40), measure: false, ..TableRecipe::default() };
+    assert!(
+        encode(ward.as_ref(), &recipe, &()).unwrap().pack.gpu_bytes() <= 2 * brdfc_table::encode::MOST_TEXELS + 144
+    );
     let axes = Axes { half: 7, difference: 3, azimuth: 5, layers: 2 };
     assert_eq!(made(Size::Nodes(axes)).unwrap().pack.header().axes, axes);
 }

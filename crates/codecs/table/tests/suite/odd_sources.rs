@@ -41,6 +41,8 @@ fn negative_values_and_no_numbers_are_raised_and_counted() {
     assert!(encoded.off_grid.norms.rms.is_finite());
     let encoded = table(|pair| if pair.incoming[2] < 0.3 { f64::NAN } else { 0.2 });
     assert!(encoded.tally.negative_raised > 1000, "{:?}", encoded.tally);
+    // What is no number on one side alone is not the same from both.
+    assert!(!encoded.pack.header().symmetry.reciprocal);
     assert!(table(|_| 0.2).tally.negative_raised == 0);
 }
 
