@@ -34,7 +34,7 @@ impl Samples {
     /// light from anywhere, so that common ones count most; the third is spread over the angles of the table, denser
     /// towards the mirror direction. With `reciprocal` a value is the mean of both ways.
     ///
-    /// Values are [`mended`].
+    /// Negative values, any that are no number, and those beyond 1e30 are raised or lowered, and counted.
     pub fn draw(source: &dyn Source, count: usize, reciprocal: bool) -> Self {
         let visible = |pair: &DirectionPair| pair.incoming[2] > LEAST_COSINE && pair.outgoing[2] > LEAST_COSINE;
         let mut ball = points(FIRST).map(on_ball).filter(visible);
