@@ -4,8 +4,8 @@
 //! `cargo run --release --example spheres`
 //!
 //! Of the first, columns are materials; rows are the source, the pack that `brdfc encode` makes without options, and the
-//! wavelet pack at 4:1. What they cost is printed. Of the second, rows are materials; columns are the source, then wavelet
-//! packs at 4:1, 16:1 and 32:1 with 8 bits. The camera is orthographic and looks along -z. One point light shines on each
+//! wavelet pack of `--codec wavelet`, 4:1. What they cost is printed. Of the second, rows are materials; columns are the
+//! source, then wavelet packs as the paper ranks slices, at 4:1, 16:1 and 32:1 with 8 bits. The camera is orthographic and looks along -z. One point light shines on each
 //! sphere; the colour of a pixel is equation 1 of Claustres et al. 2007, `f_r I cos θi / |x - x_light|²`.
 
 use brdfc_formats::direction::{DirectionPair, Vector, dot, normalize};
@@ -56,14 +56,15 @@ fn main() -> Result<(), Box<dyn Error>> {
         draw(&mut packs, [row, 0], source.as_ref());
         draw(&mut ratios, [0, row], source.as_ref());
         let by_default = PackRecipe::default();
-        let wavelet = |ratio| PackRecipe::Wavelet(Recipe { target: Target::Ratio(ratio), ..Recipe::default() });
-        for (line, recipe) in (1..).zip([by_default, wavelet(RATIOS[0])]) {
+        // What '--codec wavelet' makes, and below what the paper ranks by.
+        for (line, recipe) in (1..).zip([by_default, PackRecipe::Wavelet(Recipe::visible())]) {
             let made = encode(source.as_ref(), &recipe, &())?;
             println!("{name}, {}: {}", made.codec.name(), cost(&made));
             draw(&mut packs, [row, line], opened(&made.pack, None).source.as_ref());
         }
         for (column, ratio) in (1..).zip(RATIOS) {
-            let made = encode(source.as_ref(), &wavelet(ratio).without_measuring(), &())?;
+            let paper = PackRecipe::Wavelet(Recipe { target: Target::Ratio(ratio), ..Recipe::default() });
+            let made = encode(source.as_ref(), &paper.without_measuring(), &())?;
             draw(&mut ratios, [column, row], opened(&made.pack, None).source.as_ref());
         }
     }

@@ -45,12 +45,7 @@ impl ErrorSummary {
             self.albedo_max_difference,
             self.reciprocity,
         ];
-        let mut bytes = [0; Self::BYTES];
-        let words = std::iter::once(self.samples).chain(ratios.map(f32::to_bits));
-        for (target, word) in bytes.chunks_exact_mut(4).zip(words) {
-            target.copy_from_slice(&word.to_le_bytes());
-        }
-        bytes
+        in_bytes(std::iter::once(self.samples).chain(ratios.map(f32::to_bits)))
     }
 
     /// Reads what [`Self::to_bytes`] wrote into the entry of this key.
@@ -101,17 +96,22 @@ impl PictureSummary {
     pub(crate) const BYTES: usize = 12;
 
     pub(crate) fn to_bytes(self) -> [u8; Self::BYTES] {
-        let mut bytes = [0; Self::BYTES];
-        for (target, value) in bytes.chunks_exact_mut(4).zip([self.mean, self.p95, self.max]) {
-            target.copy_from_slice(&value.to_le_bytes());
-        }
-        bytes
+        in_bytes([self.mean, self.p95, self.max].map(f32::to_bits).into_iter())
     }
 
     pub(crate) fn from_bytes(bytes: &[u8], key: &'static str) -> Result<Self, FormatError> {
         let [mean, p95, max] = not_negative(&mut Cursor::new(bytes), key)?;
         Ok(Self { mean, p95, max })
     }
+}
+
+/// Little-endian words.
+fn in_bytes<const N: usize>(words: impl Iterator<Item = u32>) -> [u8; N] {
+    let mut bytes = [0; N];
+    for (target, word) in bytes.chunks_exact_mut(4).zip(words) {
+        target.copy_from_slice(&word.to_le_bytes());
+    }
+    bytes
 }
 
 fn not_negative<const N: usize>(cursor: &mut Cursor<'_>, key: &'static str) -> Result<[f32; N], FormatError> {

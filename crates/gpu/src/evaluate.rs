@@ -16,10 +16,10 @@ use wgpu::{
 };
 
 /// The compute entry point over the decoder.
-pub const EVALUATE_WGSL: &str = include_str!("evaluate.wgsl");
+pub const EVALUATE_WGSL: &str = concat!(include_str!("evaluate_wavelet.wgsl"), include_str!("evaluate.wgsl"));
 
 /// The same over the decoder of table packs.
-pub const EVALUATE_TABLE_WGSL: &str = include_str!("evaluate_table.wgsl");
+pub const EVALUATE_TABLE_WGSL: &str = concat!(include_str!("evaluate_table.wgsl"), include_str!("evaluate.wgsl"));
 
 /// Invocations of a workgroup.
 const GROUP: u32 = 64;

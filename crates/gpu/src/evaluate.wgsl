@@ -1,4 +1,5 @@
-// Evaluates a pack at a list of direction pairs, one per invocation. Appended to `formats/src/wavelet/decode.wgsl`.
+// Evaluates a pack at a list of direction pairs, one per invocation. Appended to the decoder of its codec and
+// `evaluate_wavelet.wgsl` or `evaluate_table.wgsl`.
 
 struct Evaluation {
     level: f32,      // level of detail; a negative one is minus the distance that it follows from
@@ -37,15 +38,11 @@ fn evaluate(@builtin(global_invocation_id) id: vec3<u32>) {
     var f_r = vec3<f32>(0.0);
     var level = evaluation.level;
     if level < 0.0 {
-        level = wavelet_brdf_level_of_detail(-level);
+        level = level_at(-level);
     }
     if wi.z > 0.0 && wo.z > 0.0 {
-        log_value = wavelet_brdf_log_value(wi, wo, level, evaluation.hardware == 1u);
+        log_value = log_value_of(wi, wo, level, evaluation.hardware == 1u);
     }
-    if evaluation.hardware == 1u {
-        f_r = wavelet_brdf(wi, wo, level);
-    } else {
-        f_r = wavelet_brdf_exact(wi, wo, level);
-    }
+    f_r = f_r_of(wi, wo, level, evaluation.hardware == 1u);
     values[at] = Values(vec4<f32>(log_value, fetches()), vec4<f32>(f_r, 0.0));
 }

@@ -1,43 +1,16 @@
-// Evaluates a table pack at a list of direction pairs, one per invocation. Appended to `formats/src/table/decode.wgsl`.
+// What `evaluate.wgsl` calls, of table packs, which have no levels of detail.
 
-struct Evaluation {
-    level: f32,      // not looked at
-    hardware: u32,   // 1: the sampler filters, 0: manual weights
-    count: u32,      // pairs
-    stride: u32,     // invocations per row of workgroups
+fn log_value_of(wi: vec3<f32>, wo: vec3<f32>, level: f32, hardware: bool) -> vec3<f32> {
+    return table_brdf_log_value(wi, wo, hardware);
 }
 
-struct Pair {
-    incoming: vec4<f32>,
-    outgoing: vec4<f32>,
+fn f_r_of(wi: vec3<f32>, wo: vec3<f32>, level: f32, hardware: bool) -> vec3<f32> {
+    if hardware {
+        return table_brdf(wi, wo);
+    }
+    return table_brdf_exact(wi, wo);
 }
 
-struct Values {
-    log_value: vec4<f32>, // ln(f / μ + ε), and the fetch count where the source was instrumented
-    f_r: vec4<f32>,
-}
-
-@group(0) @binding(0) var<uniform> evaluation: Evaluation;
-@group(0) @binding(1) var<storage, read> pairs: array<Pair>;
-@group(0) @binding(2) var<storage, read_write> values: array<Values>;
-
-fn fetches() -> f32 {
+fn level_at(distance: f32) -> f32 {
     return 0.0;
-}
-
-@compute @workgroup_size(64)
-fn evaluate(@builtin(global_invocation_id) id: vec3<u32>) {
-    let at = id.y * evaluation.stride + id.x;
-    if at >= evaluation.count {
-        return;
-    }
-    let wi = pairs[at].incoming.xyz;
-    let wo = pairs[at].outgoing.xyz;
-    var log_value = vec3<f32>(0.0);
-    var f_r = vec3<f32>(0.0);
-    if wi.z > 0.0 && wo.z > 0.0 {
-        log_value = table_brdf_log_value(wi, wo, evaluation.hardware == 1u);
-        f_r = table_brdf_from_log(log_value);
-    }
-    values[at] = Values(vec4<f32>(log_value, fetches()), vec4<f32>(f_r, 0.0));
 }

@@ -22,6 +22,5 @@ pub use evaluate::{EVALUATE_TABLE_WGSL, EVALUATE_WGSL, Evaluated, Evaluator, Loa
 pub use flat::{FLAT_SCENE_WGSL, FlatRenderer, draw_flat_btf, flat_scene_source};
 pub use flat_btf::{EVALUATE_FLAT_BTF_WGSL, FlatBtfAnswer, FlatBtfEvaluator, FlatBtfQuery, LoadedFlatBtf};
 pub use load::LoadedScene;
-pub use pack::BRDF_WGSL;
 pub use raster::{Target, VIEW_WGSL};
 pub use surface::{ENVIRONMENT_WGSL, PERIODIC_WGSL, SURFACE_WGSL};

@@ -18,7 +18,7 @@ use wgpu::{
 };
 
 /// Chooses the decoder of a pack, behind both.
-pub const BRDF_WGSL: &str = include_str!("brdf.wgsl");
+const BRDF_WGSL: &str = include_str!("brdf.wgsl");
 
 /// First binding of tables.
 const FIRST_OF_TABLE: u32 = 4;

@@ -39,7 +39,7 @@ struct Material {
 }
 
 // What one dispatch does: `count` things from `first` on, of a level or for a material where that matters. The material
-// is no uniform block of its own: with more than eight in a shader, llvmpipe of Mesa 22 corrupts memory.
+// is no uniform block of its own: with eight of them in a shader, llvmpipe of Mesa 22 corrupts memory.
 struct Job {
     first: u32,
     count: u32,
