@@ -15,6 +15,15 @@ pub enum BrdfPack {
 }
 
 impl BrdfPack {
+    /// What the codec is called.
+    pub fn codec(&self) -> &'static str {
+        match self {
+            Self::Wavelet(_) => "wavelet",
+            Self::Table(pack) if pack.curve().is_some() => "factored",
+            Self::Table(_) => "table",
+        }
+    }
+
     /// Bytes on a GPU.
     pub fn gpu_bytes(&self) -> u64 {
         match self {
@@ -28,7 +37,7 @@ impl BrdfPack {
     pub fn fetches(&self) -> u32 {
         match self {
             Self::Wavelet(pack) => 4 * (4 * pack.header.levels + 1),
-            Self::Table(pack) => pack.header().fetches(),
+            Self::Table(pack) => pack.fetches(),
         }
     }
 

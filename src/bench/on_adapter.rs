@@ -35,7 +35,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     let seconds = || started.elapsed().as_secs_f64();
     match arguments.study {
         Study::Throughput => {
-            let packs = both_packs(one(arguments, VELVET)?)?;
+            let packs = packs(one(arguments, VELVET)?)?;
             let progress = |done, all| remark(common, &format!("{done} of {all} rows, {:.1} s", seconds()));
             Ok(StudyResult::Throughput(throughput(&gpu, &packs, progress)?))
         }
@@ -107,15 +107,18 @@ fn pack(input: &str) -> Result<WaveletPack, CliError> {
     Ok(encode(opened.source.as_ref(), &recipe, &())?.pack)
 }
 
-/// A pack as it is, or what a source becomes as a table of 16 KiB, and as a wavelet pack at 4:1 and 8 bits.
-fn both_packs(input: &str) -> Result<Vec<BrdfPack>, CliError> {
+/// A pack as it is, or what a source becomes as a table of 16 KiB, plain and factored, and as a wavelet pack at 4:1 and 8
+/// bits.
+fn packs(input: &str) -> Result<Vec<BrdfPack>, CliError> {
     if is_pack(input) {
         return Ok(vec![open_brdf_pack(Path::new(input))?]);
     }
     let opened = open(input, None)?;
     let table = PackRecipe::Table(TableRecipe::default()).without_measuring();
+    let factored = TableRecipe { factored: true, ..TableRecipe::default() };
+    let factored = PackRecipe::Table(factored).without_measuring();
     let wavelet = PackRecipe::Wavelet(Recipe::default()).without_measuring();
-    let packs = [table, wavelet].map(|recipe| Ok(encode_pack(opened.source.as_ref(), &recipe, &())?.pack));
+    let packs = [table, factored, wavelet].map(|recipe| Ok(encode_pack(opened.source.as_ref(), &recipe, &())?.pack));
     packs.into_iter().collect()
 }
 
@@ -148,7 +151,7 @@ pub(super) fn throughput_text(result: &Throughput) -> String {
         .rows
         .iter()
         .map(|row| {
-            let level = if row.codec == "table" { "-".to_owned() } else { row.level.to_string() };
+            let level = if row.codec == "wavelet" { row.level.to_string() } else { "-".to_owned() };
             let mut cells = vec![row.codec.clone(), row.filter.clone(), level, row.fetches.to_string()];
             cells.push(bytes(row.bytes_on_gpu));
             cells.extend([row.shader, row.shader_exact, row.cpu_one, row.cpu_all].map(mega));

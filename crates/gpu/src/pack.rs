@@ -1,6 +1,6 @@
 //! Packs on the device: one bind group for either codec, so that one shader draws both.
 //!
-//! Bindings 0 to 3 are those of `formats/src/wavelet/decode.wgsl`, 4 to 6 those of `formats/src/table/decode.wgsl`; what the codec of a
+//! Bindings 0 to 3 are those of `formats/src/wavelet/decode.wgsl`, 4 to 7 those of `formats/src/table/decode.wgsl`; what the codec of a
 //! pack does not use is empty.
 
 use super::device::{Gpu, GpuError};
@@ -78,6 +78,7 @@ pub(super) fn layout(gpu: &Gpu, stages: ShaderStages) -> wgpu::BindGroupLayout {
             entry(FIRST_OF_TABLE, uniform),
             entry(FIRST_OF_TABLE + 1, texture(true, TextureViewDimension::D3)),
             entry(FIRST_OF_TABLE + 2, BindingType::Sampler(SamplerBindingType::Filtering)),
+            entry(FIRST_OF_TABLE + 3, texture(true, TextureViewDimension::D2)),
         ],
     })
 }
@@ -89,6 +90,7 @@ struct Contents<'a> {
     index: (u32, Vec<[f32; 4]>),
     table: [u8; TableBrdfParameters::SIZE],
     texels: (TexelFormat, [u32; 3], &'a [u8]),
+    curve: (TexelFormat, u32, &'a [u8]),
 }
 
 impl<'a> Contents<'a> {
@@ -99,6 +101,7 @@ impl<'a> Contents<'a> {
             index: (1, vec![[0.0; 4]]),
             table: [0; TableBrdfParameters::SIZE],
             texels: (TexelFormat::R8Unorm, [1; 3], &[0]),
+            curve: (TexelFormat::R8Unorm, 1, &[0]),
         };
         match pack {
             BrdfPack::Wavelet(pack) => {
@@ -109,8 +112,11 @@ impl<'a> Contents<'a> {
             }
             BrdfPack::Table(pack) => {
                 let header = pack.header();
-                contents.table = TableBrdfParameters::new(header).to_bytes();
+                contents.table = TableBrdfParameters::new(header, pack.curve()).to_bytes();
                 contents.texels = (header.texel_format(), header.extent(), pack.texels());
+                if let Some(curve) = pack.curve() {
+                    contents.curve = (header.texel_format(), curve.nodes() as u32, curve.texels());
+                }
             }
         }
         contents
@@ -144,6 +150,8 @@ pub(super) fn upload(
         texture(TextureDimension::D3, texture_format(format), size, bytes)
     };
     let (slices, texels) = (volume(contents.slices), volume(contents.texels));
+    let (format, nodes, bytes) = contents.curve;
+    let curve = texture(TextureDimension::D2, texture_format(format), [nodes, 1, 1], bytes);
     let (side, index) = contents.index;
     let index = bytemuck::cast_slice(&index);
     let index = texture(TextureDimension::D2, TextureFormat::Rgba32Float, [side, side, 1], index);
@@ -165,6 +173,7 @@ pub(super) fn upload(
         table.as_entire_binding(),
         BindingResource::TextureView(&texels),
         BindingResource::Sampler(&sampler),
+        BindingResource::TextureView(&curve),
     ];
     let entries: Vec<_> =
         (0..).zip(resources).map(|(binding, resource)| BindGroupEntry { binding, resource }).collect();

@@ -87,6 +87,8 @@ pub enum Facts {
         axes: Axes,
         /// Symmetries that its nodes are folded by.
         folded: TableSymmetry,
+        /// Nodes of the curve over `θ_h` that factored packs have, otherwise 0.
+        curve_nodes: usize,
         /// 1 or 3.
         channels: u32,
         /// `μ`, 1/sr.
@@ -203,9 +205,20 @@ impl Facts {
                 ("error on the grid (codec)", errors_in_words(on_grid)),
                 ("error off the grid (against the source)", errors_in_words(off_grid)),
             ],
-            Self::TablePack { axes, folded, channels, mean, bias, fetches, gpu_bytes, off_grid, picture } => vec![
-                ("kind", "table pack".to_owned()),
-                ("nodes", nodes_in_words(axes)),
+            Self::TablePack {
+                axes,
+                folded,
+                curve_nodes,
+                channels,
+                mean,
+                bias,
+                fetches,
+                gpu_bytes,
+                off_grid,
+                picture,
+            } => vec![
+                ("kind", if *curve_nodes > 0 { "factored table pack" } else { "table pack" }.to_owned()),
+                ("nodes", nodes_in_words(axes, *curve_nodes)),
                 ("symmetry", symmetry_in_words(*folded)),
                 ("texels", if *channels == 1 { "1 channel, halves" } else { "3 channels, 10 bits" }.to_owned()),
                 ("mean μ, bias ε", format!("{mean} 1/sr, {bias}")),
@@ -221,10 +234,11 @@ impl Facts {
     }
 }
 
-fn nodes_in_words(axes: &Axes) -> String {
+fn nodes_in_words(axes: &Axes, curve_nodes: usize) -> String {
     let Axes { half, difference, azimuth, layers } = axes;
     let layers = if *layers == 1 { String::new() } else { format!(" x {layers} (φ_h)") };
-    format!("{half} (θ_h) x {difference} (θ_d) x {azimuth} (φ_d){layers}")
+    let curve = if curve_nodes == 0 { String::new() } else { format!(", and {curve_nodes} of a curve over θ_h") };
+    format!("{half} (θ_h) x {difference} (θ_d) x {azimuth} (φ_d){layers}{curve}")
 }
 
 fn symmetry_in_words(symmetry: TableSymmetry) -> String {

@@ -33,7 +33,7 @@ pub struct Throughput {
 /// Evaluations per second of one pack.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Rate {
-    /// `table` or `wavelet`.
+    /// `table`, `factored` or `wavelet`.
     pub codec: String,
     /// Of wavelet packs `nearest` or `bilinear`, over the four inner cells; slices are filtered bilinearly by the sampler in
     /// both. Of tables `trilinear`.
@@ -73,9 +73,9 @@ pub fn throughput(gpu: &Gpu, packs: &[BrdfPack], progress: impl Fn(usize, usize)
     let cases: Vec<Case<'_>> = packs.iter().flat_map(cases).collect();
     let mut rows = Vec::new();
     for case in &cases {
-        let (codec, evaluator) = match case.pack {
-            BrdfPack::Table(_) => ("table", &of_tables),
-            BrdfPack::Wavelet(_) => ("wavelet", &of_wavelets),
+        let evaluator = match case.pack {
+            BrdfPack::Table(_) => &of_tables,
+            BrdfPack::Wavelet(_) => &of_wavelets,
         };
         let (level, decoder) = (case.level as f32, BrdfDecoder::new(case.pack));
         let loaded = evaluator.load(case.pack, case.filter)?;
@@ -97,7 +97,7 @@ pub fn throughput(gpu: &Gpu, packs: &[BrdfPack], progress: impl Fn(usize, usize)
             pairs.len() as f64 / best_of(run)
         };
         rows.push(Rate {
-            codec: codec.to_owned(),
+            codec: case.pack.codec().to_owned(),
             filter: case.name.to_owned(),
             level: case.level,
             fetches: case.fetches,

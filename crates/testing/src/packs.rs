@@ -2,7 +2,7 @@
 use brdfc_formats::ErrorSummary;
 use brdfc_formats::container::{Extent, TexelFormat, Texture};
 use brdfc_formats::direction::{DirectionPair, Parameterisation};
-use brdfc_formats::table::{Axes, KNOTS, TableHeader, TablePack, TableSymmetry};
+use brdfc_formats::table::{Axes, Curve, KNOTS, TableHeader, TablePack, TableSymmetry};
 use brdfc_formats::wavelet::{Filter, Header, SliceScale, WaveletDecoder, WaveletPack};
 use std::collections::BTreeMap;
 
@@ -101,7 +101,7 @@ pub fn packs() -> Vec<(String, WaveletPack)> {
     packs
 }
 
-/// Tables of both formats and every symmetry, with random texels.
+/// Tables of both formats and every symmetry, with random texels; then some with a curve.
 pub fn tables() -> Vec<(String, TablePack)> {
     let mut packs = Vec::new();
     for bits in 0..16 {
@@ -136,7 +136,16 @@ pub fn tables() -> Vec<(String, TablePack)> {
             packs.push((format!("symmetry {bits}, layers {layers}"), pack));
         }
     }
-    packs
+    let factored = |(name, pack): (String, TablePack)| {
+        let mut numbers = Numbers::new(packs.len() as u64);
+        let values: Vec<[f32; 3]> = (0..9).map(|_| std::array::from_fn(|_| numbers.unit() as f32)).collect();
+        let curve = Curve::new(pack.header().texel_format(), [3.0, 2.5, 2.0], &values).expect("in range");
+        (format!("{name}, curve"), pack.with_curve(curve).expect("of the same format"))
+    };
+    let names = ["symmetry 0, layers 1", "symmetry 3, layers 1", "symmetry 15, layers 3"];
+    let plain = packs.iter().filter(|(name, _)| names.contains(&name.as_str())).cloned();
+    let factored: Vec<_> = plain.map(factored).collect();
+    packs.into_iter().chain(factored).collect()
 }
 
 /// Textures of every format and kind, with random texels.

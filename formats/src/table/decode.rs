@@ -3,7 +3,8 @@
 //! Every step up to the last exponential is f32 arithmetic in a fixed order without fused operations, so that a shader that
 //! follows it with manual filtering gives the same bits.
 
-use super::coordinates::Position;
+use super::coordinates::{Angles, Position};
+use super::curve::Curve;
 use super::header::TableHeader;
 use super::pack::TablePack;
 use crate::direction::DirectionPair;
@@ -13,12 +14,15 @@ use crate::direction::DirectionPair;
 pub struct TableDecoder {
     header: TableHeader,
     values: Vec<[f32; 3]>,
+    /// Span and values.
+    curve: Option<([f32; 3], Vec<[f32; 3]>)>,
 }
 
 impl TableDecoder {
     /// Unpacks texels.
     pub fn new(pack: &TablePack) -> Self {
-        Self { header: *pack.header(), values: pack.values() }
+        let curve = pack.curve().map(|curve| (curve.span(), curve.values()));
+        Self { header: *pack.header(), values: pack.values(), curve }
     }
 
     /// Sizes and constants.
@@ -38,13 +42,17 @@ impl TableDecoder {
     /// `ln(f / μ + ε)` that [`Self::eval`] decodes, of directions above the horizon. A shader with manual filtering and
     /// correctly rounded arithmetic returns the same bits.
     pub fn log_value(&self, pair: DirectionPair) -> [f32; 3] {
-        let position = self.header.position(pair);
+        let angles = self.header.angles(pair);
+        let position = self.header.position_of(angles);
         let mut value = self.sample(&position, position.layers[0]);
         if !self.header.isotropic() {
             let upper = self.sample(&position, position.layers[1]);
             value = between(value, upper, position.layer_weight);
         }
-        std::array::from_fn(|k| self.header.low[k] + self.header.span[k] * value[k])
+        let table: [f32; 3] = std::array::from_fn(|k| self.header.low[k] + self.header.span[k] * value[k]);
+        let Some((span, curve)) = &self.curve else { return table };
+        let value = along(curve, angles);
+        std::array::from_fn(|k| table[k] + span[k] * value[k])
     }
 
     /// `f = μ (exp(v) - ε)`, raised to 0 where rounding made it negative, and lowered to the largest number.
@@ -69,6 +77,13 @@ impl TableDecoder {
         let of_slice = |slice: u32| between(texel(row, slice), texel(row + 1, slice), y);
         between(of_slice(slice), of_slice(slice + 1), z)
     }
+}
+
+/// A curve at `θ_h`, filtered linearly.
+fn along(curve: &[[f32; 3]], angles: Angles) -> [f32; 3] {
+    let at = Curve::position(curve.len(), angles.theta_half);
+    let lower = (at as usize).min(curve.len() - 2);
+    between(curve[lower], curve[lower + 1], at - lower as f32)
 }
 
 fn between(a: [f32; 3], b: [f32; 3], weight: f32) -> [f32; 3] {

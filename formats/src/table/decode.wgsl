@@ -1,9 +1,10 @@
-// Table packs on a GPU: f_r at a direction pair, from one filtered fetch (two for anisotropic materials).
+// Table packs on a GPU: f_r at a direction pair, from one filtered fetch (two for anisotropic materials), and one more of
+// a curve for factored packs.
 //
 // The pack layout and the equations are described in `formats/src/table/spec.md`; the CPU decoder with the same steps in
 // the same order is `TableDecoder` of the crate `brdfc-formats`. Half-difference angles after Rusinkiewicz 1998.
 //
-// To use it: paste this file before your own shader, move the three bindings where they suit you, and call
+// To use it: paste this file before your own shader, move the four bindings where they suit you, and call
 //
 //     let f_r = table_brdf(wi, wo);         // the sampler filters
 //     let f_r = table_brdf_exact(wi, wo);   // manual filtering: eight fetches, the same bits as the CPU decoder
@@ -24,8 +25,9 @@ struct TableBrdfParameters {
     low: vec3<f32>,                 // ln(f / μ + ε) of a texel of 0
     slope: f32,                     // of the rows
     span: vec3<f32>,                // from a texel of 0 to one of 1
-    reserved: f32,
-    knots: array<vec4<f32>, 5>,     // share of the columns below θ_h = (k / 16)² π/2, 17 of them
+    curve_nodes: u32,               // of factored packs, else 0
+    knots: array<vec4<f32>, 5>,     // share of the columns below θ_h = (k / 16)² π/2, 17 of them; then what a texel of 1
+                                    // of the curve adds, red, green, blue
 }
 
 @group(1) @binding(0) var<uniform> table_brdf_parameters: TableBrdfParameters;
@@ -33,6 +35,8 @@ struct TableBrdfParameters {
 @group(1) @binding(1) var table_brdf_texels: texture_3d<f32>;
 // Linear filter, clamp to edge.
 @group(1) @binding(2) var table_brdf_sampler: sampler;
+// The curve of a factored pack, one row; any texture where there is none.
+@group(1) @binding(3) var table_brdf_curve: texture_2d<f32>;
 
 const TABLE_BRDF_PI: f32 = 3.14159274;
 const TABLE_BRDF_HALF_PI: f32 = 1.57079637;
@@ -78,13 +82,32 @@ fn table_brdf_from_log(value: vec3<f32>) -> vec3<f32> {
 
 // The logarithm ln(f / μ + ε). Both directions are above the horizon.
 fn table_brdf_log_value(wi: vec3<f32>, wo: vec3<f32>, hardware: bool) -> vec3<f32> {
-    let position = table_brdf_position(table_brdf_angles(wi, wo));
+    let angles = table_brdf_angles(wi, wo);
+    let position = table_brdf_position(angles);
     var value = table_brdf_sample(position.at, position.layers.x, hardware);
     if table_brdf_parameters.layers > 1u {
         let upper = table_brdf_sample(position.at, position.layers.y, hardware);
         value = value + position.layer_weight * (upper - value);
     }
-    return table_brdf_parameters.low + table_brdf_parameters.span * value;
+    value = table_brdf_parameters.low + table_brdf_parameters.span * value;
+    if table_brdf_parameters.curve_nodes > 0u {
+        value = value + table_brdf_parameters.knots[4].yzw * table_brdf_along(angles.theta_half, hardware);
+    }
+    return value;
+}
+
+// The curve at θ_h.
+fn table_brdf_along(theta_half: f32, hardware: bool) -> vec3<f32> {
+    let nodes = table_brdf_parameters.curve_nodes;
+    let at = sqrt(min(theta_half / TABLE_BRDF_HALF_PI, 1.0)) * f32(nodes - 1u);
+    if hardware {
+        let texel = vec2<f32>((at + 0.5) / f32(nodes), 0.5);
+        return table_brdf_colour(textureSampleLevel(table_brdf_curve, table_brdf_sampler, texel, 0.0));
+    }
+    let lower = min(u32(at), nodes - 2u);
+    let left = table_brdf_colour(textureLoad(table_brdf_curve, vec2<u32>(lower, 0u), 0));
+    let right = table_brdf_colour(textureLoad(table_brdf_curve, vec2<u32>(lower + 1u, 0u), 0));
+    return left + (at - f32(lower)) * (right - left);
 }
 
 // The texture at a position in a layer.

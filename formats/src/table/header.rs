@@ -79,15 +79,19 @@ impl TableHeader {
         self.axes.layers == 1
     }
 
-    /// Filtered fetches of a look-up.
-    pub fn fetches(&self) -> u32 {
+    /// Filtered fetches of the table in a look-up.
+    pub(super) fn fetches(&self) -> u32 {
         if self.isotropic() { 1 } else { 2 }
+    }
+
+    /// Angles of a pair above the horizon; isotropic tables have no use for `φ_h`.
+    pub(super) fn angles(&self, pair: DirectionPair) -> Angles {
+        if self.isotropic() { Angles::but_phi_half(pair).0 } else { Angles::of(pair) }
     }
 
     /// Where a pair above the horizon is in the texture.
     pub fn position(&self, pair: DirectionPair) -> Position {
-        // Isotropic tables have no use for `φ_h`.
-        self.position_of(if self.isotropic() { Angles::but_phi_half(pair).0 } else { Angles::of(pair) })
+        self.position_of(self.angles(pair))
     }
 
     /// Where these angles are in the texture.

@@ -1,13 +1,15 @@
-//! Table packs: logarithms of `f_r` over half-difference angles, in one 3D texture that a sampler filters. Layout and
-//! equations: `spec.md` in this folder.
+//! Table packs: logarithms of `f_r` over half-difference angles, in one 3D texture that a sampler filters; of
+//! factored packs beside a curve over `θ_h`. Layout and equations: `spec.md` in this folder.
 
 mod coordinates;
+mod curve;
 mod decode;
 mod header;
 mod pack;
 pub mod shader;
 
 pub use coordinates::{Angles, Position, TableSymmetry};
+pub use curve::Curve;
 pub use decode::TableDecoder;
 pub(crate) use header::TABLE_ENTRY;
 pub use header::{Axes, KNOTS, TableHeader};

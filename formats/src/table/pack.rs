@@ -1,9 +1,10 @@
 //! The table pack: its texture and what it says of itself. Byte layout: `spec.md`.
 
+use super::curve::{CURVE_ENTRY, Curve, packed, unpacked};
 use super::header::{TABLE_ENTRY, TableHeader};
 use super::shader::TableBrdfParameters;
+use crate::container::Texture;
 use crate::container::entries::{entry, sized};
-use crate::container::{TexelFormat, Texture, half, rgb10a2};
 use crate::{ErrorSummary, FormatError, PictureSummary};
 use std::collections::BTreeMap;
 
@@ -14,6 +15,7 @@ const ERRORS: &str = "brdfc.table.errors";
 pub struct TablePack {
     header: TableHeader,
     texels: Vec<u8>,
+    curve: Option<Curve>,
     /// What a user sees: the filtered pack against the source, at direction pairs that depend on no grid.
     pub off_grid: ErrorSummary,
     /// How different pictures of both look.
@@ -36,13 +38,18 @@ impl TablePack {
         }
         let repeated = if header.symmetry.mirror { 0 } else { slice };
         let all = values.chunks(layer).flat_map(|layer| layer.iter().chain(&layer[..repeated]));
-        let texels = match header.texel_format() {
-            TexelFormat::R16Float => {
-                all.flat_map(|value| half::encode(value[0].clamp(0.0, 1.0)).to_le_bytes()).collect()
-            }
-            _ => all.flat_map(|value| rgb10a2::encode(*value).to_le_bytes()).collect(),
-        };
-        Ok(Self { header, texels, off_grid: ErrorSummary::default(), picture: PictureSummary::default() })
+        let texels = packed(header.texel_format(), all);
+        let (off_grid, picture) = (ErrorSummary::default(), PictureSummary::default());
+        Ok(Self { header, texels, curve: None, off_grid, picture })
+    }
+
+    /// The pack with a curve of its texel format added: a factored pack.
+    ///
+    /// # Errors
+    /// A curve of another texel format.
+    pub fn with_curve(self, curve: Curve) -> Result<Self, FormatError> {
+        curve.check_format(self.header.texel_format())?;
+        Ok(Self { curve: Some(curve), ..self })
     }
 
     /// Sizes and constants.
@@ -57,35 +64,35 @@ impl TablePack {
 
     /// Values in `[0, 1]` of all texels: `[layer][slice][row][column]`, grey ones three times.
     pub fn values(&self) -> Vec<[f32; 3]> {
-        match self.header.texel_format() {
-            TexelFormat::R16Float => self
-                .texels
-                .as_chunks::<2>()
-                .0
-                .iter()
-                .map(|bytes| [half::decode(u16::from_le_bytes(*bytes)); 3])
-                .collect(),
-            _ => {
-                self.texels.as_chunks::<4>().0.iter().map(|bytes| rgb10a2::decode(u32::from_le_bytes(*bytes))).collect()
-            }
-        }
+        unpacked(self.header.texel_format(), &self.texels)
     }
 
-    /// Bytes on a GPU: texture and uniform block.
+    /// The curve of factored packs.
+    pub fn curve(&self) -> Option<&Curve> {
+        self.curve.as_ref()
+    }
+
+    /// Filtered fetches of a look-up.
+    pub fn fetches(&self) -> u32 {
+        self.header.fetches() + u32::from(self.curve.is_some())
+    }
+
+    /// Bytes on a GPU: textures and uniform block.
     pub fn gpu_bytes(&self) -> u64 {
-        gpu_bytes(&self.header)
+        let table = self.header.texels() * self.header.texel_format().texel_bytes();
+        (table + self.curve.as_ref().map_or(0, |curve| curve.texels().len()) + TableBrdfParameters::SIZE) as u64
     }
 
     /// The bytes of the KTX2 file.
     pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
         let errors = [&self.off_grid.to_bytes()[..], &self.picture.to_bytes()[..]].concat();
-        Texture {
-            format: self.header.texel_format(),
-            extent: self.header.texture_extent(),
-            entries: BTreeMap::from([(TABLE_ENTRY.to_owned(), self.header.to_bytes()), (ERRORS.to_owned(), errors)]),
-            texels: self.texels.clone(),
+        let mut entries =
+            BTreeMap::from([(TABLE_ENTRY.to_owned(), self.header.to_bytes()), (ERRORS.to_owned(), errors)]);
+        if let Some(curve) = &self.curve {
+            entries.insert(CURVE_ENTRY.to_owned(), curve.to_bytes());
         }
-        .to_bytes(supercompress)
+        let (format, extent) = (self.header.texel_format(), self.header.texture_extent());
+        Texture { format, extent, entries, texels: self.texels.clone() }.to_bytes(supercompress)
     }
 
     /// Reads and checks a KTX2 file.
@@ -115,7 +122,8 @@ impl TablePack {
         let (off_grid, picture) = errors.split_at(ErrorSummary::BYTES);
         let off_grid = ErrorSummary::from_bytes(off_grid, ERRORS)?;
         let picture = PictureSummary::from_bytes(picture, ERRORS)?;
-        let pack = Self { header, texels: texture.texels, off_grid, picture };
+        let curve = texture.entries.get(CURVE_ENTRY).map(|bytes| Curve::from_bytes(bytes, format)).transpose()?;
+        let pack = Self { header, texels: texture.texels, curve, off_grid, picture };
         pack.check_texels()?;
         Ok(pack)
     }
@@ -143,9 +151,4 @@ impl TablePack {
         }
         Ok(())
     }
-}
-
-/// Bytes on a GPU of a pack of these sizes.
-pub(super) fn gpu_bytes(header: &TableHeader) -> u64 {
-    (header.texels() * header.texel_format().texel_bytes() + TableBrdfParameters::SIZE) as u64
 }

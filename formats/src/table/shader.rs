@@ -1,26 +1,33 @@
 //! What a shader needs besides a pack's texture: `formats/src/table/decode.wgsl` and its uniform block.
 
+use super::curve::Curve;
 use super::header::{KNOTS, TableHeader};
 
-/// The WGSL decoder. It declares a uniform block, a texture and a sampler in bind group 1; see the file.
+/// The WGSL decoder. It declares a uniform block, two textures and a sampler in bind group 1; see the file.
 pub const TABLE_BRDF_WGSL: &str = include_str!("decode.wgsl");
 
 /// The uniform block `TableBrdfParameters` of the shader.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TableBrdfParameters {
     header: TableHeader,
+    curve_nodes: u32,
+    curve_span: [f32; 3],
 }
 
 impl TableBrdfParameters {
     /// Bytes of the block.
     pub const SIZE: usize = 144;
 
-    /// The parameters of a pack.
-    pub fn new(header: &TableHeader) -> Self {
-        Self { header: *header }
+    /// The parameters of a pack with this header and curve.
+    pub fn new(header: &TableHeader, curve: Option<&Curve>) -> Self {
+        Self {
+            header: *header,
+            curve_nodes: curve.map_or(0, |curve| curve.nodes() as u32),
+            curve_span: curve.map_or([0.0; 3], |curve| curve.span()),
+        }
     }
 
-    /// The block as the shader reads it: little-endian, fields in order, zeros behind the last knot.
+    /// The block as the shader reads it: little-endian, fields in order.
     pub fn to_bytes(&self) -> [u8; Self::SIZE] {
         let TableHeader { channels, symmetry, axes, mean, bias, low, span, slope, knots } = self.header;
         let [red, green, blue] = low.map(f32::to_bits);
@@ -42,9 +49,10 @@ impl TableBrdfParameters {
             red_span,
             green_span,
             blue_span,
-            0,
+            self.curve_nodes,
         ]);
         words[16..16 + KNOTS].copy_from_slice(&knots.map(f32::to_bits));
+        words[16 + KNOTS..].copy_from_slice(&self.curve_span.map(f32::to_bits));
         let mut bytes = [0; Self::SIZE];
         for (target, word) in bytes.chunks_exact_mut(4).zip(words) {
             target.copy_from_slice(&word.to_le_bytes());

@@ -17,3 +17,4 @@ mod ktx_parse;
 mod pack_corrupt;
 mod shader;
 mod spec_dumps;
+mod table_corrupt;

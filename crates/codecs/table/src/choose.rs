@@ -202,7 +202,7 @@ impl Trial<'_> {
         let taps = |k: usize| lattice.taps(&header.position_of(samples.angles[k]));
         let nodes = fit_roughly(lattice, &(0..fitted).map(taps).collect::<Vec<Taps>>(), targets);
         let difference = |k: usize| {
-            let found = targets.colour(lattice.value(&taps(k), &nodes), samples.cosines[k]);
+            let found = targets.colour(k, lattice.value(&taps(k), &nodes), samples.cosines[k]);
             f64::from(distance_squared(found, targets.colours[k]).sqrt())
         };
         (fitted..count).filter(|k| Samples::is_on_ball(*k)).map(difference).sum()

@@ -1,6 +1,7 @@
 //! The encoder: sequences the stages.
 
 use super::choose::{choose, choose_warps, start};
+use super::curve;
 use super::fit::fit;
 use super::lattice::{Lattice, Taps};
 use super::recipe::{Size, TableRecipe};
@@ -63,7 +64,7 @@ pub enum EncodeError {
 /// A budget that cannot be met, sizes out of range, cancellation.
 pub fn encode(source: &dyn Source, recipe: &TableRecipe, progress: &dyn Progress) -> Result<Encoded, EncodeError> {
     let prepared = Prepared::new(source, recipe, samples_for(recipe.size, source.is_grey()), progress)?;
-    let mut pack = prepared.pack(recipe.size, progress)?;
+    let mut pack = prepared.pack(recipe.size, recipe.factored, progress)?;
 
     progress.stage(Stage::MeasureOffGrid, 1)?;
     let off_grid = match recipe.measure {
@@ -133,38 +134,58 @@ impl Prepared {
         Ok(Self { asymmetry, samples, symmetry, targets, isotropic, grey })
     }
 
-    /// A table of a size, its errors not yet measured.
+    /// A pack of a size, its errors not yet measured; `factored` with a curve.
     ///
     /// # Errors
     /// A budget that cannot be met, sizes out of range, cancellation.
-    pub fn pack(&self, size: Size, progress: &dyn Progress) -> Result<TablePack, EncodeError> {
+    pub fn pack(&self, size: Size, factored: bool, progress: &dyn Progress) -> Result<TablePack, EncodeError> {
         progress.stage(Stage::Choose, 1)?;
-        let (samples, targets) = (&self.samples, &self.targets);
-        let header = match size {
+        let texels = match size {
             Size::Nodes(axes) => {
-                start(targets, self.symmetry, axes).check()?;
-                choose_warps(samples, targets, self.symmetry, axes)
+                let header = start(&self.targets, self.symmetry, axes);
+                header.check()?;
+                header.texels()
             }
-            Size::Bytes(allowed) => {
-                choose(samples, targets, self.symmetry, self.texels_within(allowed)?, self.isotropic)
-            }
+            Size::Bytes(allowed) => self.texels_within(allowed, factored)?,
+        };
+        let nodes_of_curve = if factored { curve::nodes_within(texels) } else { 0 };
+        let (samples, symmetry) = (&self.samples, self.symmetry);
+        let header = match size {
+            Size::Nodes(axes) => choose_warps(samples, &self.targets, symmetry, axes),
+            Size::Bytes(_) => choose(samples, &self.targets, symmetry, texels - nodes_of_curve, self.isotropic),
         };
 
         progress.stage(Stage::Fit, 1)?;
         let lattice = Lattice::new(&header);
-        let taps: Vec<Taps> =
-            self.samples.angles.iter().map(|angles| lattice.taps(&header.position_of(*angles))).collect();
+        let taps: Vec<Taps> = samples.angles.iter().map(|angles| lattice.taps(&header.position_of(*angles))).collect();
         let nodes = fit(lattice, &taps, &self.targets);
+        if !factored {
+            progress.stage(Stage::Quantise, 1)?;
+            return Ok(quantise(header, &nodes, &self.targets)?);
+        }
+
+        // The curve has what the table's columns are too coarse for; then the table is fitted to what the curve, as it is
+        // stored, leaves. Doing both again changes nothing that can be seen.
+        let left = |taps: &Taps, all: &[f32; 3]| {
+            let found = lattice.value(taps, &nodes);
+            std::array::from_fn(|c| all[c] - found[c])
+        };
+        let left: Vec<[f32; 3]> =
+            taps.iter().zip(&self.targets.logarithms).map(|(taps, all)| left(taps, all)).collect();
+        let curve = curve::fit(samples, &self.targets, &left, nodes_of_curve, header.texel_format())?;
+        let rest = self.targets.without(curve::along(&curve, samples));
+        let nodes = fit(lattice, &taps, &rest);
 
         progress.stage(Stage::Quantise, 1)?;
-        Ok(quantise(header, &nodes, &self.targets)?)
+        Ok(quantise(header, &nodes, &rest)?.with_curve(curve)?)
     }
 
     /// Texels that a budget holds.
-    fn texels_within(&self, allowed: u64) -> Result<usize, EncodeError> {
+    fn texels_within(&self, allowed: u64, factored: bool) -> Result<usize, EncodeError> {
         let block = TableBrdfParameters::SIZE as u64;
         let layers = if self.isotropic { 1 } else { 2 };
-        let fewest = 2 * 2 * if self.symmetry.mirror { 2 } else { 3 } * layers;
+        let table = 2 * 2 * if self.symmetry.mirror { 2 } else { 3 } * layers;
+        let fewest = table + if factored { curve::nodes_within(table as usize) as u64 } else { 0 };
         let most = allowed.saturating_sub(block) / texel_bytes(self.grey);
         if most < fewest {
             return Err(EncodeError::TooFewBytes { allowed, smallest: block + texel_bytes(self.grey) * fewest });

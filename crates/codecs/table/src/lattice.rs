@@ -102,7 +102,7 @@ impl Lattice {
             let moved = |place: isize, step: isize| {
                 let at = place + step;
                 let at = if self.around[axis] { at.rem_euclid(size) } else { at };
-                (0..size).contains(&at).then_some((at as usize * strides[axis]) as u32)
+                (0..size).contains(&at).then(|| (at as usize * strides[axis]) as u32)
             };
             (0..size).map(|place| [-1, 0, 1].map(|step| moved(place, step))).collect()
         });

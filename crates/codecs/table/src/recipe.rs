@@ -8,7 +8,7 @@ use brdfc_formats::table::Axes;
 pub enum Size {
     /// At most so many bytes on a GPU; how they are shared among the axes is chosen from the data.
     Bytes(u64),
-    /// These nodes.
+    /// These nodes; a curve has as many as go with their number.
     Nodes(Axes),
 }
 
@@ -17,6 +17,8 @@ pub enum Size {
 pub struct TableRecipe {
     /// How large.
     pub size: Size,
+    /// Whether a curve over `θ_h` stands beside the table: one fetch more.
+    pub factored: bool,
     /// Whether values are the mean of both ways between light and viewer, as path tracers need it.
     pub reciprocal: bool,
     /// `ε` of the logarithm `ln(f / μ + ε)`.
@@ -30,6 +32,13 @@ pub struct TableRecipe {
 impl Default for TableRecipe {
     /// 16 KiB.
     fn default() -> Self {
-        Self { size: Size::Bytes(16 << 10), reciprocal: false, bias: 1e-4, measure: true, supercompress: true }
+        Self {
+            size: Size::Bytes(16 << 10),
+            factored: false,
+            reciprocal: false,
+            bias: 1e-4,
+            measure: true,
+            supercompress: true,
+        }
     }
 }

@@ -20,8 +20,10 @@ pub struct Targets {
     pub bias: f32,
     /// What `f cos θi` is multiplied by to be shown: white is what few samples on the ball exceed.
     pub exposure: f32,
-    /// `ln(f / μ + ε)`.
+    /// `ln(f / μ + ε)`, without what a curve has of it.
     pub logarithms: Vec<[f32; 3]>,
+    /// What a curve has of each logarithm; empty where there is none.
+    taken: Vec<[f32; 3]>,
     /// What a small difference of the logarithm changes of the lightness, as a share of white's (L* over 116).
     pub weights: Vec<[f32; 3]>,
     /// L\*a\*b\* as it is shown.
@@ -56,6 +58,7 @@ impl Targets {
                 .collect(),
             weights: pairs().map(|(v, cosine)| v.map(|v| weight(v, *cosine))).collect(),
             colours: pairs().map(|(v, cosine)| lab(v.map(|v| v * cosine * exposure))).collect(),
+            taken: Vec::new(),
             grey,
             mean,
             bias,
@@ -63,9 +66,18 @@ impl Targets {
         }
     }
 
-    /// L\*a\*b\* of logarithms at an incoming cosine, as they are shown.
-    pub fn colour(&self, logarithms: [f32; 3], cosine: f32) -> [f32; 3] {
-        lab(logarithms.map(|v| self.mean * (v.exp() - self.bias) * cosine * self.exposure))
+    /// What is left when a curve has these parts of the logarithms.
+    #[must_use]
+    pub fn without(&self, taken: Vec<[f32; 3]>) -> Self {
+        let less = |(all, taken): (&[f32; 3], &[f32; 3])| std::array::from_fn(|c| all[c] - taken[c]);
+        Self { logarithms: self.logarithms.iter().zip(&taken).map(less).collect(), taken, ..self.clone() }
+    }
+
+    /// L\*a\*b\* of sample `k`, seen at an incoming cosine, where its logarithms are these.
+    pub fn colour(&self, k: usize, logarithms: [f32; 3], cosine: f32) -> [f32; 3] {
+        let taken = self.taken.get(k).copied().unwrap_or_default();
+        let shown = |c: usize| self.mean * ((logarithms[c] + taken[c]).exp() - self.bias) * cosine * self.exposure;
+        lab(std::array::from_fn(shown))
     }
 }
 

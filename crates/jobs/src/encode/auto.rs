@@ -2,7 +2,7 @@
 
 use super::error::PackError;
 use super::pack::{EncodedPack, of_table, of_wavelet};
-use super::recipe::{AutoRecipe, Budget, TAIL};
+use super::recipe::{AutoRecipe, Budget, TAIL, Tables};
 use super::trial::Trial;
 use brdfc_metrics::compare::{Comparison, Reference};
 use brdfc_metrics::sampling::PairSet;
@@ -31,7 +31,8 @@ const FILLED: u32 = 3;
 /// bytes alone gets the pack with the smallest colour differences that fits.
 ///
 /// Sizes are left out where even an error that falls by the power [`FASTEST`] would miss the budget. When a larger one meets it,
-/// those that were left out since the last miss are tried after all; when none does, the largest is.
+/// those that were left out since the last miss are tried after all; when none does, the largest is. Below the smallest table
+/// that meets the budget factored ones are tried, too: with one fetch more they may be smaller.
 ///
 /// # Errors
 /// Budgets that no pack can meet whatever its quality, error budgets for black materials, cancellation.
@@ -41,7 +42,7 @@ pub(super) fn search(
     progress: &dyn Progress,
 ) -> Result<EncodedPack, PackError> {
     let budget = recipe.budget;
-    let fewest = if source.symmetry().isotropic { 1 } else { 2 };
+    let fewest = fewest_fetches(source) + u32::from(recipe.tables == Tables::Factored);
     if let Some(allowed) = budget.fetches
         && allowed < fewest
     {
@@ -76,14 +77,22 @@ pub(super) fn search(
         for half in (0..FILLED).rev() {
             let bytes = most >> half;
             if half == 0 || bytes >= SMALLEST {
-                search.table(bytes)?;
+                search.table(bytes, recipe.tables == Tables::Factored)?;
             }
+        }
+        if recipe.tables == Tables::Both && search.may_be_factored() {
+            search.table(most, true)?;
         }
         for target in wavelets {
             search.wavelet(target)?;
         }
     }
     Ok(search.finish())
+}
+
+/// Filtered fetches of a table alone.
+fn fewest_fetches(source: &dyn Source) -> u32 {
+    if source.symmetry().isotropic { 1 } else { 2 }
 }
 
 struct Search<'a> {
@@ -115,12 +124,33 @@ impl Search<'_> {
     fn tables(&mut self) -> Result<bool, PackError> {
         let smallest = if self.source.symmetry().isotropic { SMALLEST } else { SMALLEST_ANISOTROPIC };
         let sizes = sizes(smallest, self.recipe.budget.bytes);
+        let met = self.smallest(&sizes, self.recipe.tables == Tables::Factored)?;
+        if self.recipe.tables != Tables::Both || !self.may_be_factored() {
+            return Ok(met.is_some());
+        }
+        let mut found = met.is_some();
+        for size in sizes[..met.unwrap_or(sizes.len())].iter().rev() {
+            if self.table(*size, true)? > 1.0 {
+                break;
+            }
+            found = true;
+        }
+        Ok(found)
+    }
+
+    /// Whether the budget has a fetch for a curve.
+    fn may_be_factored(&self) -> bool {
+        self.recipe.budget.fetches.is_none_or(|most| most > fewest_fetches(self.source))
+    }
+
+    /// Tries tables of one kind; which size is the smallest that meets the budget.
+    fn smallest(&mut self, sizes: &[u64], factored: bool) -> Result<Option<usize>, PackError> {
         // Of each size how far over the budget its table is.
         let mut excesses: Vec<Option<f64>> = vec![None; sizes.len()];
         let mut next = Some(0);
         let mut met = None;
         while let Some(k) = next {
-            let excess = self.table(sizes[k])?;
+            let excess = self.table(sizes[k], factored)?;
             excesses[k] = Some(excess);
             if excess <= 1.0 {
                 met = Some(k);
@@ -134,27 +164,28 @@ impl Search<'_> {
             let last = sizes.len() - 1;
             next = (k + 1..sizes.len()).find(|larger| !hopeless(*larger)).or((k < last).then_some(last));
         }
-        let Some(met) = met else { return Ok(false) };
+        let Some(mut met) = met else { return Ok(None) };
         let missed = (0..met).rev().find(|k| excesses[*k].is_some());
         for skipped in missed.map_or(0, |k| k + 1)..met {
-            if self.table(sizes[skipped])? <= 1.0 {
+            if self.table(sizes[skipped], factored)? <= 1.0 {
+                met = skipped;
                 break;
             }
         }
-        Ok(true)
+        Ok(Some(met))
     }
 
     /// Makes a table; how far over the budget it is.
-    fn table(&mut self, bytes: u64) -> Result<f64, PackError> {
+    fn table(&mut self, bytes: u64, factored: bool) -> Result<f64, PackError> {
         self.progress.stage(Stage::Try, 1)?;
         let within = Within(self.progress);
-        let recipe = TableRecipe { size: Size::Bytes(bytes), ..self.recipe.table.clone() };
+        let recipe = TableRecipe { size: Size::Bytes(bytes), factored, ..self.recipe.table.clone() };
         let wanted = samples_for(recipe.size, self.source.is_grey());
         let prepared = match self.prepared.take().filter(|prepared| prepared.samples.len() == wanted) {
             Some(prepared) => prepared,
             None => Prepared::new(self.source, &recipe, wanted, &within)?,
         };
-        let mut pack = prepared.pack(recipe.size, &within)?;
+        let mut pack = prepared.pack(recipe.size, factored, &within)?;
         let off_grid = self.reference.compare(&TableSource::new(&pack));
         measured(&mut pack, &off_grid);
         let bytes = pack.to_bytes(recipe.supercompress);

@@ -18,7 +18,7 @@ pub enum PackError {
     )]
     NothingMeasured,
     /// No codec is that cheap to look up.
-    #[error("fetch budget: found {allowed}; allowed at least {fewest}, which a table of this material needs")]
+    #[error("fetch budget: found {allowed}; allowed at least {fewest}, which a table of this kind needs")]
     TooFewFetches {
         /// The budget.
         allowed: u32,

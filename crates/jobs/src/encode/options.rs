@@ -1,6 +1,6 @@
 //! How a user asks for a pack: the flags of the command line and the keys of a manifest, which are the same.
 
-use super::recipe::{AutoRecipe, Budget, PackRecipe};
+use super::recipe::{AutoRecipe, Budget, PackRecipe, Tables};
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::wavelet::MAX_LEVELS;
 use brdfc_metrics::fraction::Fraction;
@@ -13,8 +13,9 @@ use brdfc_wavelet::recipe::{Ranking, Recipe, Target};
 #[cfg_attr(feature = "clap", derive(clap::Args))]
 #[serde(deny_unknown_fields)]
 pub struct EncodeOptions {
-    /// Which codec: auto (default: the smallest table that meets the budget, or else a wavelet pack), table (of 16 KiB
-    /// unless there is a budget), or wavelet (the paper's, its slices ranked by what is seen).
+    /// Which codec: auto (default: the smallest table that meets the budget, plain or factored, or else a wavelet pack),
+    /// table (of 16 KiB unless there is a budget), factored (a table and a curve for narrow highlights, one fetch more),
+    /// or wavelet (the paper's, its slices ranked by what is seen).
     #[cfg_attr(feature = "clap", arg(long, value_name = "CODEC"))]
     pub codec: Option<String>,
     /// Largest mean ΔE of pictures of the pack and its source, with 95 % below four times that (default 0.5).
@@ -30,7 +31,8 @@ pub struct EncodeOptions {
     /// up to 1 MiB.
     #[cfg_attr(feature = "clap", arg(long, value_name = "B", conflicts_with = "ratio"))]
     pub max_bytes: Option<u64>,
-    /// Most texture fetches of a look-up: 1 is a table of an isotropic material, 2 of any, 84 a wavelet pack.
+    /// Most texture fetches of a look-up: 1 is a table of an isotropic material, 2 of any, one more is a factored pack,
+    /// 84 a wavelet pack.
     #[cfg_attr(feature = "clap", arg(long, value_name = "N", conflicts_with = "ratio"))]
     pub max_fetches: Option<u32>,
     /// Values that do not change when light and viewer do, as path tracers need them: the mean of both ways. Of table
@@ -78,10 +80,12 @@ pub struct OptionError {
 enum Codec {
     Auto,
     Table,
+    Factored,
     Wavelet,
 }
 
-const CODECS: [(&str, Codec); 3] = [("auto", Codec::Auto), ("table", Codec::Table), ("wavelet", Codec::Wavelet)];
+const CODECS: [(&str, Codec); 4] =
+    [("auto", Codec::Auto), ("table", Codec::Table), ("factored", Codec::Factored), ("wavelet", Codec::Wavelet)];
 
 impl EncodeOptions {
     /// The recipe of these options; what they leave open comes from `defaults`, then from [`PackRecipe::default`].
@@ -101,7 +105,7 @@ impl EncodeOptions {
             named => named,
         };
         let defaults = match asked {
-            Some(Codec::Auto | Codec::Table) => defaults.without_wavelet(),
+            Some(Codec::Auto | Codec::Table | Codec::Factored) => defaults.without_wavelet(),
             Some(Codec::Wavelet) => defaults.without_search(),
             None => defaults.clone(),
         };
@@ -119,7 +123,11 @@ impl EncodeOptions {
                     let name = all.codec.as_deref().unwrap_or("auto");
                     return Err(problem(field, found, &format!("the codec wavelet, not {name}")));
                 }
-                Ok(all.search(explicit == Some(Codec::Table)))
+                Ok(all.search(match explicit {
+                    Some(Codec::Table) => Some(Tables::Plain),
+                    Some(Codec::Factored) => Some(Tables::Factored),
+                    _ => None,
+                }))
             }
         }
     }
@@ -207,13 +215,15 @@ impl EncodeOptions {
         Ok(())
     }
 
-    fn search(&self, tables_alone: bool) -> PackRecipe {
-        let mut table = TableRecipe { reciprocal: self.reciprocal == Some(true), ..TableRecipe::default() };
+    /// The recipe of tables of one kind, or of what is best.
+    fn search(&self, tables: Option<Tables>) -> PackRecipe {
+        let factored = tables == Some(Tables::Factored);
+        let mut table = TableRecipe { factored, reciprocal: self.reciprocal == Some(true), ..TableRecipe::default() };
         if let Some(bias) = self.bias {
             table.bias = bias;
         }
         let limited = self.max_delta_e.is_some() || self.max_error.is_some() || self.max_fetches.is_some();
-        if tables_alone && !limited {
+        if tables.is_some() && !limited {
             if let Some(bytes) = self.max_bytes {
                 table.size = Size::Bytes(bytes);
             }
@@ -224,10 +234,15 @@ impl EncodeOptions {
         // Without a limit of error or bytes the default says how good is good enough.
         let open = !budget.limits_error() && budget.bytes.is_none();
         let delta_e = if open { Budget::default().delta_e } else { budget.delta_e };
-        let searched = AutoRecipe { budget: Budget { delta_e, ..budget }, table, ..AutoRecipe::default() };
+        let searched = AutoRecipe {
+            budget: Budget { delta_e, ..budget },
+            table,
+            tables: tables.unwrap_or(Tables::Both),
+            ..AutoRecipe::default()
+        };
         let wavelet = searched.wavelet.map(|wavelet| Recipe { bias: self.bias.unwrap_or(wavelet.bias), ..wavelet });
         // What is reciprocal is a table.
-        let tables_alone = tables_alone || self.reciprocal == Some(true);
+        let tables_alone = tables.is_some() || self.reciprocal == Some(true);
         PackRecipe::Auto(AutoRecipe { wavelet: wavelet.filter(|_| !tables_alone), ..searched })
     }
 
@@ -239,8 +254,8 @@ impl EncodeOptions {
         ] {
             if let Some(found) = found {
                 let with = match self.of_wavelet() {
-                    Some((other, _)) => format!("the codec auto or table, and no {other}"),
-                    None => "the codec auto or table".to_owned(),
+                    Some((other, _)) => format!("the codec auto, table or factored, and no {other}"),
+                    None => "the codec auto, table or factored".to_owned(),
                 };
                 return Err(problem(field, found, &with));
             }
@@ -338,6 +353,10 @@ mod tests {
         assert_eq!((table.size, table.bias), (Size::Bytes(4096), 0.001));
         let PackRecipe::Auto(tables) = resolved("codec = 'table'\nmax_delta_e = 0.2", "") else { panic!("a search") };
         assert!(tables.wavelet.is_none() && tables.budget.delta_e == Some(0.2));
+        let PackRecipe::Table(factored) = resolved("codec = 'factored'", "") else { panic!("a table") };
+        assert!(factored.factored);
+        let PackRecipe::Auto(tables) = resolved("codec = 'factored'\nmax_error = 0.1", "") else { panic!("a search") };
+        assert!(tables.wavelet.is_none() && tables.tables == Tables::Factored);
         let PackRecipe::Auto(filled) = resolved("max_bytes = 4096", "") else { panic!("a search") };
         assert_eq!(filled.budget, Budget { delta_e: None, error: None, bytes: Some(4096), fetches: None });
         let PackRecipe::Auto(cheap) = resolved("max_fetches = 2", "") else { panic!("a search") };

@@ -36,7 +36,7 @@ pub struct EncodedPack {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum CodecReport {
-    /// A table pack.
+    /// A table pack, plain or factored.
     Table(TableReport),
     /// A wavelet pack.
     Wavelet(WaveletReport),
@@ -47,6 +47,8 @@ pub enum CodecReport {
 pub struct TableReport {
     /// Nodes per axis.
     pub axes: Axes,
+    /// Nodes of the curve over `θ_h` of a factored pack, otherwise 0.
+    pub curve_nodes: usize,
     /// What was folded.
     pub symmetry: TableSymmetry,
     /// How far the source is from each symmetry.
@@ -80,6 +82,7 @@ impl CodecReport {
     /// What the codec is called.
     pub fn name(&self) -> &'static str {
         match self {
+            Self::Table(table) if table.curve_nodes > 0 => "factored",
             Self::Table(_) => "table",
             Self::Wavelet(_) => "wavelet",
         }
@@ -91,7 +94,8 @@ impl CodecReport {
             Self::Table(table) => {
                 let Axes { half, difference, azimuth, layers } = table.axes;
                 let layers = if layers == 1 { String::new() } else { format!("x{layers}") };
-                format!("{half}x{difference}x{azimuth}{layers}")
+                let curve = if table.curve_nodes == 0 { String::new() } else { format!(" + {}", table.curve_nodes) };
+                format!("{half}x{difference}x{azimuth}{layers}{curve}")
             }
             Self::Wavelet(wavelet) => format!("{}/{} slices", wavelet.slices_kept, wavelet.slices_in_all),
         }
@@ -100,7 +104,8 @@ impl CodecReport {
 
 pub(super) fn of_table(encoded: brdfc_table::encode::Encoded) -> EncodedPack {
     let header = encoded.pack.header();
-    let codec = TableReport { axes: header.axes, symmetry: header.symmetry, asymmetry: encoded.asymmetry };
+    let curve_nodes = encoded.pack.curve().map_or(0, |curve| curve.nodes());
+    let codec = TableReport { axes: header.axes, curve_nodes, symmetry: header.symmetry, asymmetry: encoded.asymmetry };
     EncodedPack {
         codec: CodecReport::Table(codec),
         pack: BrdfPack::Table(encoded.pack),

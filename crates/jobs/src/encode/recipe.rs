@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 pub enum PackRecipe {
     /// The smallest pack that meets a budget.
     Auto(AutoRecipe),
-    /// A table of one size.
+    /// A table of one size, plain or factored.
     Table(TableRecipe),
     /// A wavelet pack.
     Wavelet(Recipe),
@@ -20,10 +20,23 @@ pub enum PackRecipe {
 pub struct AutoRecipe {
     /// What a pack has to meet.
     pub budget: Budget,
-    /// What all tables that are tried have in common; its size is not looked at.
+    /// What all tables that are tried have in common; its size is not looked at, nor whether it is factored.
     pub table: TableRecipe,
+    /// Which tables are tried.
+    pub tables: Tables,
     /// What all wavelet packs that are tried have in common, but for the target; none are tried where it is absent.
     pub wavelet: Option<Recipe>,
+}
+
+/// Which tables a search tries.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Tables {
+    /// Tables alone.
+    Plain,
+    /// Tables with a curve.
+    Factored,
+    /// Tables alone, and those with a curve where they may be smaller or closer.
+    Both,
 }
 
 /// Limits of a pack. Those that are absent are none.
@@ -58,7 +71,12 @@ impl Budget {
 
 impl Default for AutoRecipe {
     fn default() -> Self {
-        Self { budget: Budget::default(), table: TableRecipe::default(), wavelet: Some(Recipe::visible()) }
+        Self {
+            budget: Budget::default(),
+            table: TableRecipe::default(),
+            tables: Tables::Both,
+            wavelet: Some(Recipe::visible()),
+        }
     }
 }
 

@@ -5,9 +5,9 @@ use serde::{Deserialize, Serialize};
 /// One pack that was tried.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Trial {
-    /// `table` or `wavelet`.
+    /// `table`, `factored` or `wavelet`.
     pub codec: String,
-    /// Nodes per axis, or slices.
+    /// Nodes per axis, with those of a curve, or slices.
     pub size: String,
     /// Bytes on a GPU.
     pub bytes_on_gpu: u64,
