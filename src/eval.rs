@@ -55,11 +55,13 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let pairs = directions_from_bytes(&bytes).map_err(in_file)?;
     let opened = open(&arguments.input, arguments.lod)?;
     match (&opened.facts, arguments.lod) {
-        (Facts::WaveletPack { levels, .. }, Some(level)) if level > *levels as f32 => {
+        (Facts::WaveletPack { levels, .. } | Facts::TablePack { levels, .. }, Some(level))
+            if level > *levels as f32 =>
+        {
             return Err(CliError::Usage(format!("--lod: found {level}; allowed 0 to {levels}, the pack's levels")));
         }
-        (Facts::WaveletPack { .. }, _) | (_, None) => {}
-        _ => return Err(CliError::Usage("--lod: only wavelet packs have levels of detail".to_owned())),
+        (Facts::WaveletPack { .. } | Facts::TablePack { .. }, _) | (_, None) => {}
+        _ => return Err(CliError::Usage("--lod: only packs have levels of detail".to_owned())),
     }
 
     let chunks: Vec<(Vec<[f64; 3]>, Tally)> = pairs

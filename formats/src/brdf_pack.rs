@@ -32,6 +32,14 @@ impl BrdfPack {
         }
     }
 
+    /// Levels of detail besides the coarsest: the finest is level `levels`.
+    pub fn levels(&self) -> u32 {
+        match self {
+            Self::Wavelet(pack) => pack.header.levels,
+            Self::Table(pack) => pack.levels(),
+        }
+    }
+
     /// Texture fetches of one look-up at the finest level of detail with the filter that errors are measured with: of
     /// wavelet packs four reconstructions.
     pub fn fetches(&self) -> u32 {
@@ -72,16 +80,16 @@ impl BrdfDecoder {
     pub fn levels(&self) -> u32 {
         match self {
             Self::Wavelet(decoder) => decoder.header().levels,
-            Self::Table(_) => 0,
+            Self::Table(decoder) => decoder.levels(),
         }
     }
 
-    /// `f_r` at a direction pair, linear RGB, 1/sr, not negative. `level` and `filter` are those of wavelet packs; tables
+    /// `f_r` at a direction pair, linear RGB, 1/sr, not negative. `filter` is that of wavelet packs; tables
     /// are filtered exactly.
     pub fn eval(&self, pair: DirectionPair, level: f32, filter: Filter) -> [f32; 3] {
         match self {
             Self::Wavelet(decoder) => decoder.eval(pair, level, filter),
-            Self::Table(decoder) => decoder.eval(pair),
+            Self::Table(decoder) => decoder.eval_at(pair, level),
         }
     }
 }

@@ -16,6 +16,7 @@ Examples:
   brdfc bench --study flat-btf synth:knit --texels 64 --flat-texels 128
   brdfc bench --study rays synth:folds
   brdfc bench --study throughput
+  brdfc bench --study codecs paint.brdf metal.binary --peers python3 --out figures
   brdfc bench --study level-of-detail --out frames
   brdfc bench --study images paint.brdf metal.bsdf synth:velvet
   brdfc bench --study adaptive red-plastic.binary paint.bsdf --environment museum.exr
@@ -28,7 +29,7 @@ pub struct Arguments {
     /// Which study.
     #[arg(long, value_enum, default_value = "wavelet-brdf")]
     pub(super) study: Study,
-    /// Write the frames of level-of-detail into this folder, or the mesh and the rays of rays.
+    /// Write the frames of level-of-detail into this folder, the figure of codecs, or the mesh and the rays of rays.
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
     /// Texels of the reference plane per side, for flat-btf (default 128) and rays (default 64).
@@ -52,6 +53,9 @@ pub struct Arguments {
     /// Use the adapter whose name contains this (default: the fastest).
     #[arg(long, value_name = "NAME")]
     pub(super) adapter: Option<String>,
+    /// Python with the packages of tests/peers/requirements.txt, by which codecs measures zfp and SZ3, too.
+    #[arg(long, value_name = "PYTHON")]
+    pub(super) peers: Option<String>,
     /// Print JSON (schema: 'brdfc schema bench').
     #[arg(long)]
     pub(super) json: bool,
@@ -65,11 +69,11 @@ impl Arguments {
     pub(super) fn check(&self) -> Result<(), CliError> {
         if self.study == Study::WaveletBrdf && !self.inputs.is_empty() {
             let text = "INPUT: found with --study wavelet-brdf; allowed with the studies that draw (throughput, \
-                        level-of-detail and images: materials), and with flat-btf and rays (structures)";
+                        codecs, level-of-detail and images: materials), and with flat-btf and rays (structures)";
             return Err(CliError::Usage(text.into()));
         }
-        if !matches!(self.study, Study::LevelOfDetail | Study::Rays) && self.out.is_some() {
-            let allowed = "allowed with --study level-of-detail and --study rays";
+        if !matches!(self.study, Study::LevelOfDetail | Study::Codecs | Study::Rays) && self.out.is_some() {
+            let allowed = "allowed with --study level-of-detail, --study codecs and --study rays";
             return Err(CliError::Usage(format!("--out: found with another study; {allowed}")));
         }
         for (given, option, studies) in [
@@ -79,7 +83,12 @@ impl Arguments {
             (self.environment.is_some(), "environment", ADAPTIVE),
             (self.pixels.is_some(), "pixels", ADAPTIVE),
             (self.truth.is_some(), "truth", ADAPTIVE),
-            (self.adapter.is_some(), "adapter", &[Study::Throughput, Study::LevelOfDetail, Study::Images]),
+            (
+                self.adapter.is_some(),
+                "adapter",
+                &[Study::Throughput, Study::Codecs, Study::LevelOfDetail, Study::Images],
+            ),
+            (self.peers.is_some(), "peers", &[Study::Codecs]),
         ] {
             if given && !studies.contains(&self.study) {
                 let names: Vec<String> =

@@ -3,6 +3,8 @@
 #[cfg(feature = "render")]
 mod adaptive;
 mod arguments;
+#[cfg(feature = "render")]
+mod codecs;
 mod flat_btf;
 #[cfg(feature = "render")]
 mod on_adapter;
@@ -40,9 +42,12 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
             adaptive::run(arguments, common)?
         }
         #[cfg(feature = "render")]
+        Study::Codecs => codecs::run(arguments, common)?,
+        #[cfg(feature = "render")]
         Study::Throughput | Study::LevelOfDetail | Study::Images => on_adapter::run(arguments, common)?,
         #[cfg(not(feature = "render"))]
         Study::Throughput
+        | Study::Codecs
         | Study::LevelOfDetail
         | Study::Images
         | Study::Adaptive
@@ -67,6 +72,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         StudyResult::Antialiasing { rows } => print(&adaptive::antialiasing_text(rows)),
         #[cfg(feature = "render")]
         StudyResult::Throughput(study) => print(&on_adapter::throughput_text(study)),
+        #[cfg(feature = "render")]
+        StudyResult::Codecs(study) => print(&codecs::text(study)),
         #[cfg(feature = "render")]
         StudyResult::LevelOfDetail(study) => print(&on_adapter::level_of_detail_text(study)),
         #[cfg(feature = "render")]

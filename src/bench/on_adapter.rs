@@ -5,7 +5,6 @@ use crate::output::{make_folder, remark, write_file};
 use crate::table::{bytes, plain};
 use crate::{CliError, Common, graphics_environment};
 use brdfc_formats::BrdfPack;
-use brdfc_formats::wavelet::WaveletPack;
 use brdfc_gpu::{AdapterChoice, AdapterDescription, Gpu};
 use brdfc_jobs::encode::encode as encode_pack;
 use brdfc_jobs::encode::recipe::PackRecipe;
@@ -17,20 +16,17 @@ use brdfc_studies::level_of_detail::{Animation, LevelOfDetail, level_of_detail};
 use brdfc_studies::throughput::{Throughput, throughput};
 use brdfc_studies::{Study, StudyResult};
 use brdfc_table::recipe::TableRecipe;
-use brdfc_wavelet::encode::encode;
 use brdfc_wavelet::recipe::Recipe;
 use std::path::Path;
 use std::time::Instant;
 
 /// Anisotropic, soft: the paper's velvet.
-const VELVET: &str = "synth:velvet?kd=0.1,0.01,0.02&ks=0.5,0.3,0.35";
+pub(super) const VELVET: &str = "synth:velvet?kd=0.1,0.01,0.02&ks=0.5,0.3,0.35";
 /// Sharp enough to glitter.
 pub(super) const GLOSSY: &str = "synth:ggx?kd=0.05,0.04,0.03&f0=0.9,0.8,0.6&alpha=0.1";
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, CliError> {
-    graphics_environment::prepare();
-    let choice = arguments.adapter.clone().map_or(AdapterChoice::Best, AdapterChoice::Named);
-    let gpu = Gpu::open(&choice)?;
+    let gpu = opened_adapter(arguments)?;
     let started = Instant::now();
     let seconds = || started.elapsed().as_secs_f64();
     match arguments.study {
@@ -69,6 +65,13 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     }
 }
 
+/// The adapter that is asked for.
+pub(super) fn opened_adapter(arguments: &Arguments) -> Result<Gpu, CliError> {
+    graphics_environment::prepare();
+    let choice = arguments.adapter.clone().map_or(AdapterChoice::Best, AdapterChoice::Named);
+    Ok(Gpu::open(&choice)?)
+}
+
 fn study_error(error: StudyError) -> CliError {
     match error {
         StudyError::Gpu(error) => error.into(),
@@ -92,19 +95,18 @@ fn one<'a>(arguments: &'a Arguments, default: &'a str) -> Result<&'a str, CliErr
     }
 }
 
-/// A wavelet pack as it is, or what a source becomes at 4:1 and 8 bits.
-fn pack(input: &str) -> Result<WaveletPack, CliError> {
+/// A pack with levels of detail as it is, or the wavelet pack that a source becomes at 4:1 and 8 bits.
+fn pack(input: &str) -> Result<BrdfPack, CliError> {
     if is_pack(input) {
-        return match open_brdf_pack(Path::new(input))? {
-            BrdfPack::Wavelet(pack) => Ok(pack),
-            BrdfPack::Table(_) => Err(CliError::Input(format!(
-                "{input}: pack: found a table pack; allowed a wavelet pack, which has levels"
-            ))),
-        };
+        let pack = open_brdf_pack(Path::new(input))?;
+        if pack.levels() == 0 {
+            let text = "found a table pack of one level of detail; allowed packs with more (encode --levels)";
+            return Err(CliError::Input(format!("{input}: pack: {text}")));
+        }
+        return Ok(pack);
     }
-    let recipe = Recipe { measure_off_grid: false, ..Recipe::default() };
     let opened = open(input, None)?;
-    Ok(encode(opened.source.as_ref(), &recipe, &())?.pack)
+    Ok(encode_pack(opened.source.as_ref(), &PackRecipe::Wavelet(Recipe::default()).without_measuring(), &())?.pack)
 }
 
 /// A pack as it is, or what a source becomes as a table of 16 KiB, plain and factored, and as a wavelet pack at 4:1 and 8
@@ -138,7 +140,7 @@ fn write_frames(folder: &Path, animation: &Animation) -> Result<(), CliError> {
     Ok(())
 }
 
-fn adapter(description: &AdapterDescription) -> String {
+pub(super) fn adapter(description: &AdapterDescription) -> String {
     let kind = if description.software { ", a software driver" } else { "" };
     format!("{}, {}{kind}", description.name, description.driver)
 }

@@ -176,9 +176,11 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(
         }
         _ => None,
     };
-    if arguments.lod.is_some() && matches!(pack, BrdfPack::Table(_)) {
-        let text = "--lod: found with a table pack; allowed with wavelet packs, which have levels of detail";
-        return Err(CliError::Usage(text.to_owned()));
+    if let (Some(_), BrdfPack::Table(table)) = (arguments.lod, &pack)
+        && table.levels() == 0
+    {
+        let text = "--lod: found with a table pack of one level; allowed with packs that have levels of detail";
+        return Err(CliError::Usage(format!("{text} (--levels)")));
     }
     Ok((Prepared { name: name.to_owned(), pack, source, table }, missed))
 }

@@ -26,7 +26,7 @@ source = 'material.bsdf'
 ratio = 8
 [materials.half]
 source = 'table.binary'
-parameterisation = 'half-difference'
+parameterisation = 'tangent-pole'
 smooth = true
 [materials.model]
 source = 'synth:ward?kd=0.2,0.1,0.1&ay=0.5'

@@ -1,13 +1,10 @@
 // Packs of either codec in one shader, by the bindings that are not empty. Appended to `formats/src/wavelet/decode.wgsl`
 // and `formats/src/table/decode.wgsl`; the CPU twin is `BrdfDecoder` of the crate `brdfc-formats`.
 
-// f_r at a level of detail, which table packs do not have; `hardware`: the sampler filters.
+// f_r at a level of detail; `hardware`: the sampler filters.
 fn brdf(wi: vec3<f32>, wo: vec3<f32>, level: f32, hardware: bool) -> vec3<f32> {
     if table_brdf_parameters.layers > 0u {
-        if hardware {
-            return table_brdf(wi, wo);
-        }
-        return table_brdf_exact(wi, wo);
+        return table_brdf_at(wi, wo, level, hardware);
     }
     if hardware {
         return wavelet_brdf(wi, wo, level);
@@ -18,7 +15,7 @@ fn brdf(wi: vec3<f32>, wo: vec3<f32>, level: f32, hardware: bool) -> vec3<f32> {
 // The level of detail at a distance from the viewer.
 fn brdf_level_of_detail(distance: f32) -> f32 {
     if table_brdf_parameters.layers > 0u {
-        return 0.0;
+        return table_brdf_level_of_detail(distance);
     }
     return wavelet_brdf_level_of_detail(distance);
 }

@@ -21,6 +21,9 @@ pub const EVALUATE_WGSL: &str = concat!(include_str!("evaluate_wavelet.wgsl"), i
 /// The same over the decoder of table packs.
 pub const EVALUATE_TABLE_WGSL: &str = concat!(include_str!("evaluate_table.wgsl"), include_str!("evaluate.wgsl"));
 
+/// The entry point alone, for a decoder that has the functions that it calls.
+pub const EVALUATE_ENTRY_WGSL: &str = include_str!("evaluate.wgsl");
+
 /// Invocations of a workgroup.
 const GROUP: u32 = 64;
 /// Workgroups of a row; more go to the next row.

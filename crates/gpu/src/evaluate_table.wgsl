@@ -1,16 +1,13 @@
-// What `evaluate.wgsl` calls, of table packs, which have no levels of detail.
+// What `evaluate.wgsl` calls, of table packs.
 
 fn log_value_of(wi: vec3<f32>, wo: vec3<f32>, level: f32, hardware: bool) -> vec3<f32> {
-    return table_brdf_log_value(wi, wo, hardware);
+    return table_brdf_log_value(wi, wo, level, hardware);
 }
 
 fn f_r_of(wi: vec3<f32>, wo: vec3<f32>, level: f32, hardware: bool) -> vec3<f32> {
-    if hardware {
-        return table_brdf(wi, wo);
-    }
-    return table_brdf_exact(wi, wo);
+    return table_brdf_at(wi, wo, level, hardware);
 }
 
 fn level_at(distance: f32) -> f32 {
-    return 0.0;
+    return table_brdf_level_of_detail(distance);
 }

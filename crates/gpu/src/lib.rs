@@ -18,7 +18,9 @@ pub use adaptive::{AdaptiveRenderer, AdaptiveShaders, LoadedAdaptive, LoadedGBuf
 pub use compute::{COMPUTE_WGSL, Compute, Resource};
 pub use device::{AdapterChoice, AdapterDescription, Gpu, GpuError};
 pub use draw::{Decoding, Renderer, SCENE_WGSL, scene_source};
-pub use evaluate::{EVALUATE_TABLE_WGSL, EVALUATE_WGSL, Evaluated, Evaluator, LoadedPack, LoadedPairs, SliceFilter};
+pub use evaluate::{
+    EVALUATE_ENTRY_WGSL, EVALUATE_TABLE_WGSL, EVALUATE_WGSL, Evaluated, Evaluator, LoadedPack, LoadedPairs, SliceFilter,
+};
 pub use flat::{FLAT_SCENE_WGSL, FlatRenderer, draw_flat_btf, flat_scene_source};
 pub use flat_btf::{EVALUATE_FLAT_BTF_WGSL, FlatBtfAnswer, FlatBtfEvaluator, FlatBtfQuery, LoadedFlatBtf};
 pub use load::LoadedScene;

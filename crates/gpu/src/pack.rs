@@ -90,7 +90,7 @@ struct Contents<'a> {
     index: (u32, Vec<[f32; 4]>),
     table: [u8; TableBrdfParameters::SIZE],
     texels: (TexelFormat, [u32; 3], &'a [u8]),
-    curve: (TexelFormat, u32, &'a [u8]),
+    curve: (TexelFormat, [u32; 2], &'a [u8]),
 }
 
 impl<'a> Contents<'a> {
@@ -101,7 +101,7 @@ impl<'a> Contents<'a> {
             index: (1, vec![[0.0; 4]]),
             table: [0; TableBrdfParameters::SIZE],
             texels: (TexelFormat::R8Unorm, [1; 3], &[0]),
-            curve: (TexelFormat::R8Unorm, 1, &[0]),
+            curve: (TexelFormat::R8Unorm, [1; 2], &[0]),
         };
         match pack {
             BrdfPack::Wavelet(pack) => {
@@ -112,10 +112,11 @@ impl<'a> Contents<'a> {
             }
             BrdfPack::Table(pack) => {
                 let header = pack.header();
-                contents.table = TableBrdfParameters::new(header, pack.curve()).to_bytes();
+                contents.table = TableBrdfParameters::new(header, pack.curve(), distance_scale as f32).to_bytes();
                 contents.texels = (header.texel_format(), header.extent(), pack.texels());
                 if let Some(curve) = pack.curve() {
-                    contents.curve = (header.texel_format(), curve.nodes() as u32, curve.texels());
+                    let size = [curve.nodes() as u32, curve.levels() + 1];
+                    contents.curve = (curve.texel_format(), size, curve.texels());
                 }
             }
         }
@@ -123,7 +124,7 @@ impl<'a> Contents<'a> {
     }
 }
 
-/// Uploads a pack. `filter` and `distance_scale` are those of wavelet packs.
+/// Uploads a pack. `filter` is that of wavelet packs.
 pub(super) fn upload(
     gpu: &Gpu,
     layout: &wgpu::BindGroupLayout,
@@ -150,8 +151,8 @@ pub(super) fn upload(
         texture(TextureDimension::D3, texture_format(format), size, bytes)
     };
     let (slices, texels) = (volume(contents.slices), volume(contents.texels));
-    let (format, nodes, bytes) = contents.curve;
-    let curve = texture(TextureDimension::D2, texture_format(format), [nodes, 1, 1], bytes);
+    let (format, [nodes, rows], bytes) = contents.curve;
+    let curve = texture(TextureDimension::D2, texture_format(format), [nodes, rows, 1], bytes);
     let (side, index) = contents.index;
     let index = bytemuck::cast_slice(&index);
     let index = texture(TextureDimension::D2, TextureFormat::Rgba32Float, [side, side, 1], index);

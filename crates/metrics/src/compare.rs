@@ -81,6 +81,11 @@ impl Reference {
         self.tally
     }
 
+    /// What radiance of the source's pictures is multiplied by.
+    pub fn exposure(&self) -> f64 {
+        self.picture.exposure()
+    }
+
     /// Whether the source is black at all pairs.
     pub fn is_black(&self) -> bool {
         self.mean <= 0.0

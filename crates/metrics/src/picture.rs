@@ -78,6 +78,11 @@ impl ReferencePicture {
         (Self { exposure: exposure(&picture), pairs, picture }, tally)
     }
 
+    /// What radiance is multiplied by to be shown.
+    pub fn exposure(&self) -> f64 {
+        self.exposure
+    }
+
     /// Compares pictures of an approximation with them.
     pub fn compare(&self, approximation: &dyn Source) -> PictureError {
         let (values, _) = values_at(approximation, &self.pairs);

@@ -89,6 +89,8 @@ pub enum Facts {
         folded: TableSymmetry,
         /// Nodes of the curve over `θ_h` that factored packs have, otherwise 0.
         curve_nodes: usize,
+        /// Levels of detail besides the finest.
+        levels: u32,
         /// 1 or 3.
         channels: u32,
         /// `μ`, 1/sr.
@@ -209,6 +211,7 @@ impl Facts {
                 axes,
                 folded,
                 curve_nodes,
+                levels,
                 channels,
                 mean,
                 bias,
@@ -220,6 +223,7 @@ impl Facts {
                 ("kind", if *curve_nodes > 0 { "factored table pack" } else { "table pack" }.to_owned()),
                 ("nodes", nodes_in_words(axes, *curve_nodes)),
                 ("symmetry", symmetry_in_words(*folded)),
+                ("levels of detail", levels_in_words(*levels)),
                 ("texels", if *channels == 1 { "1 channel, halves" } else { "3 channels, 10 bits" }.to_owned()),
                 ("mean μ, bias ε", format!("{mean} 1/sr, {bias}")),
                 ("bytes on a GPU", bytes(*gpu_bytes)),
@@ -239,6 +243,10 @@ fn nodes_in_words(axes: &Axes, curve_nodes: usize) -> String {
     let layers = if *layers == 1 { String::new() } else { format!(" x {layers} (φ_h)") };
     let curve = if curve_nodes == 0 { String::new() } else { format!(", and {curve_nodes} of a curve over θ_h") };
     format!("{half} (θ_h) x {difference} (θ_d) x {azimuth} (φ_d){layers}{curve}")
+}
+
+fn levels_in_words(levels: u32) -> String {
+    if levels == 0 { "one".to_owned() } else { format!("0 to {levels}, the finest") }
 }
 
 fn symmetry_in_words(symmetry: TableSymmetry) -> String {

@@ -22,7 +22,7 @@ fn open(input: InputFile<'_>) -> Result<Opened, InputError> {
 pub fn opened(pack: &BrdfPack, level: Option<f32>) -> Opened {
     match pack {
         BrdfPack::Wavelet(pack) => opened_wavelet(pack, level),
-        BrdfPack::Table(pack) => opened_table(pack),
+        BrdfPack::Table(pack) => opened_table(pack, level),
     }
 }
 
@@ -45,7 +45,7 @@ fn opened_wavelet(pack: &WaveletPack, level: Option<f32>) -> Opened {
     Opened { source: Box::new(PackSource::new(pack, level)), facts }
 }
 
-fn opened_table(pack: &TablePack) -> Opened {
+fn opened_table(pack: &TablePack, level: Option<f32>) -> Opened {
     let header = pack.header();
     let facts = Facts::TablePack {
         axes: header.axes,
@@ -54,12 +54,13 @@ fn opened_table(pack: &TablePack) -> Opened {
         mean: header.mean,
         bias: header.bias,
         curve_nodes: pack.curve().map_or(0, |curve| curve.nodes()),
+        levels: pack.levels(),
         fetches: pack.fetches(),
         gpu_bytes: pack.gpu_bytes(),
         off_grid: pack.off_grid,
         picture: pack.picture,
     };
-    Opened { source: Box::new(TableSource::new(pack)), facts }
+    Opened { source: Box::new(TableSource::at(pack, level)), facts }
 }
 
 /// Reads a pack of any kind.
@@ -134,19 +135,25 @@ impl Source for PackSource {
 #[derive(Debug)]
 pub struct TableSource {
     decoder: TableDecoder,
+    level: f32,
 }
 
 impl TableSource {
-    /// Unpacks a pack.
+    /// Unpacks a pack, to be evaluated at its finest level of detail.
     pub fn new(pack: &TablePack) -> Self {
-        Self { decoder: TableDecoder::new(pack) }
+        Self::at(pack, None)
+    }
+
+    /// `level` is the level of detail, from 0 to the pack's number of levels; `None` is the finest.
+    pub fn at(pack: &TablePack, level: Option<f32>) -> Self {
+        Self { decoder: TableDecoder::new(pack), level: level.unwrap_or(pack.levels() as f32) }
     }
 }
 
 impl Source for TableSource {
     fn eval(&self, pair: DirectionPair, tally: &mut Tally) -> [f64; 3] {
         tally.evaluations += 1;
-        self.decoder.eval(pair).map(f64::from)
+        self.decoder.eval_at(pair, self.level).map(f64::from)
     }
 
     fn symmetry(&self) -> Symmetry {

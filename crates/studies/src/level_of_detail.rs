@@ -1,7 +1,7 @@
 //! The terrain with and without levels of detail (section 6.3 and figure 10 of Claustres et al. 2007).
 
 use brdfc_formats::BrdfPack;
-use brdfc_formats::wavelet::{DEFAULT_DISTANCE_SCALE, Filter, WaveletPack};
+use brdfc_formats::wavelet::{DEFAULT_DISTANCE_SCALE, Filter};
 use brdfc_gpu::{AdapterDescription, Decoding, Gpu, GpuError, LoadedScene, Renderer, SliceFilter};
 use brdfc_metrics::image::{LinearImage, auto_exposure, luminance};
 use brdfc_render::scene::{Camera, Frame, Scene};
@@ -101,11 +101,10 @@ pub struct Animation {
 /// What the driver reports.
 pub fn level_of_detail(
     gpu: &Gpu,
-    pack: &WaveletPack,
+    pack: &BrdfPack,
     progress: impl Fn(&str),
 ) -> Result<(LevelOfDetail, Animation), GpuError> {
-    let finest = pack.header.levels;
-    let pack = &BrdfPack::Wavelet(pack.clone());
+    let finest = pack.levels();
     let renderer = Renderer::new(gpu)?;
     let scene = Builtin::Terrain.scene();
     let decoding = |filter, level| Decoding {
@@ -136,7 +135,7 @@ pub fn level_of_detail(
         let slowest = levels.first().map_or(seconds, |first| first.seconds);
         levels.push(LevelTime {
             level,
-            fetches: [4 * level + 1, 4 * (4 * level + 1)],
+            fetches: fetches(pack, level),
             seconds,
             speed_up: [0, 1].map(|k| (slowest[k] - seconds_without_light) / (seconds[k] - seconds_without_light)),
             paper: (finest - level).checked_sub(1).and_then(|below| PAPER.get(below as usize).copied()),
@@ -170,6 +169,14 @@ pub fn level_of_detail(
         smooth: flicker(&animation.smooth, &far, exposure),
     };
     Ok((result, animation))
+}
+
+/// Texture fetches of a look-up, nearest and bilinear; tables have one filter.
+fn fetches(pack: &BrdfPack, level: u32) -> [u32; 2] {
+    match pack {
+        BrdfPack::Wavelet(_) => [4 * level + 1, 4 * (4 * level + 1)],
+        BrdfPack::Table(pack) => [pack.fetches(); 2],
+    }
 }
 
 /// The camera of frame `k`: moved back along the horizontal part of its direction.

@@ -2,11 +2,15 @@
 
 #[cfg(feature = "render")]
 pub mod adaptive;
+#[cfg(feature = "render")]
+pub mod codecs;
 pub mod flat_btf;
 #[cfg(feature = "render")]
 pub mod images;
 #[cfg(feature = "render")]
 pub mod level_of_detail;
+#[cfg(feature = "render")]
+mod rates;
 pub mod rays;
 #[cfg(feature = "render")]
 pub mod throughput;
@@ -29,6 +33,9 @@ pub enum Study {
     Rays,
     /// Section 6.3: evaluations per second, shader and CPU decoder.
     Throughput,
+    /// Packs beside what could be used instead: zfp, SZ3, BC6H and BC7, a fitted GGX. Bytes, times, errors; with --out
+    /// codecs.svg. Takes minutes.
+    Codecs,
     /// Section 6.3, figure 10: a terrain with and without levels of detail, time per level, flicker.
     LevelOfDetail,
     /// Section 6.3, figure 9: colour differences on a cloth, shader against source, 4:1 and 8 bits.
@@ -65,6 +72,9 @@ pub enum StudyResult {
     /// Evaluations per second.
     #[cfg(feature = "render")]
     Throughput(throughput::Throughput),
+    /// Packs beside what could be used instead.
+    #[cfg(feature = "render")]
+    Codecs(codecs::CodecStudy),
     /// The terrain.
     #[cfg(feature = "render")]
     LevelOfDetail(level_of_detail::LevelOfDetail),

@@ -1,23 +1,11 @@
 //! BRDF evaluations per second, by the shader and by the CPU decoder (section 6.3 of Claustres et al. 2007).
 
-use brdfc_formats::direction::DirectionPair;
+use super::rates::Rates;
 use brdfc_formats::wavelet::Filter;
 use brdfc_formats::{BrdfDecoder, BrdfPack};
-use brdfc_gpu::{AdapterDescription, Evaluator, Gpu, GpuError, SliceFilter};
-use brdfc_metrics::sampling::random_pairs;
-use rayon::prelude::*;
+use brdfc_gpu::{AdapterDescription, Gpu, GpuError, SliceFilter};
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::hint::black_box;
-use std::time::Instant;
-
-/// Pairs per run of the shader.
-const SHADER_PAIRS: usize = 1 << 17;
-/// Pairs per run on the CPU.
-const CPU_PAIRS: usize = 1 << 15;
-/// Runs, of which the fastest counts.
-const RUNS: usize = 3;
-const SEED: u64 = 5;
 
 /// Rates of packs.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
@@ -68,44 +56,23 @@ struct Case<'a> {
 /// # Errors
 /// What the driver reports.
 pub fn throughput(gpu: &Gpu, packs: &[BrdfPack], progress: impl Fn(usize, usize)) -> Result<Throughput, GpuError> {
-    let (of_tables, of_wavelets) = (Evaluator::of_tables(gpu)?, Evaluator::new(gpu)?);
-    let pairs = random_pairs(SHADER_PAIRS, SEED);
+    let rates = Rates::new(gpu)?;
     let cases: Vec<Case<'_>> = packs.iter().flat_map(cases).collect();
     let mut rows = Vec::new();
     for case in &cases {
-        let evaluator = match case.pack {
-            BrdfPack::Table(_) => &of_tables,
-            BrdfPack::Wavelet(_) => &of_wavelets,
-        };
         let (level, decoder) = (case.level as f32, BrdfDecoder::new(case.pack));
-        let loaded = evaluator.load(case.pack, case.filter)?;
-        let rate = |slices| -> Result<f64, GpuError> {
-            let on_device = evaluator.load_pairs(&pairs, level, slices)?;
-            // The first run compiles and moves what is left to move.
-            evaluator.run(&loaded, &on_device)?;
-            let mut best = f64::INFINITY;
-            for _ in 0..RUNS {
-                let start = Instant::now();
-                evaluator.run(&loaded, &on_device)?;
-                best = best.min(start.elapsed().as_secs_f64());
-            }
-            Ok(pairs.len() as f64 / best)
-        };
-        let cpu = |pairs: &[DirectionPair], all: bool| {
-            let eval = |pair: &DirectionPair| decoder.eval(*pair, level, case.filter)[0];
-            let run = || -> f32 { if all { pairs.par_iter().map(eval).sum() } else { pairs.iter().map(eval).sum() } };
-            pairs.len() as f64 / best_of(run)
-        };
+        let cpu = |all| rates.cpu(all, |pair| decoder.eval(pair, level, case.filter)[0]);
+        let shader = |slices| rates.shader(case.pack, case.filter, level, slices);
         rows.push(Rate {
             codec: case.pack.codec().to_owned(),
             filter: case.name.to_owned(),
             level: case.level,
             fetches: case.fetches,
             bytes_on_gpu: case.pack.gpu_bytes(),
-            shader: rate(SliceFilter::Hardware)?,
-            shader_exact: rate(SliceFilter::Exact)?,
-            cpu_one: cpu(&pairs[..CPU_PAIRS], false),
-            cpu_all: cpu(&pairs[..CPU_PAIRS], true),
+            shader: shader(SliceFilter::Hardware)?,
+            shader_exact: shader(SliceFilter::Exact)?,
+            cpu_one: cpu(false),
+            cpu_all: cpu(true),
         });
         progress(rows.len(), cases.len());
     }
@@ -128,13 +95,4 @@ fn cases(pack: &BrdfPack) -> Vec<Case<'_>> {
             })
             .collect(),
     }
-}
-
-fn best_of<T>(run: impl Fn() -> T) -> f64 {
-    let time = |_| {
-        let start = Instant::now();
-        black_box(run());
-        start.elapsed().as_secs_f64()
-    };
-    (0..RUNS).map(time).fold(f64::INFINITY, f64::min)
 }

@@ -137,9 +137,12 @@ pub fn tables() -> Vec<(String, TablePack)> {
         }
     }
     let factored = |(name, pack): (String, TablePack)| {
+        let levels = if pack.header().symmetry.bits() == 3 { 0 } else { 3 };
         let mut numbers = Numbers::new(packs.len() as u64);
-        let values: Vec<[f32; 3]> = (0..9).map(|_| std::array::from_fn(|_| numbers.unit() as f32)).collect();
-        let curve = Curve::new(pack.header().texel_format(), [3.0, 2.5, 2.0], &values).expect("in range");
+        let count = 9 * (levels + 1);
+        let values: Vec<[f32; 3]> =
+            (0..count).map(|_| std::array::from_fn(|_| numbers.between(-1.0, 2.0) as f32)).collect();
+        let curve = Curve::new(pack.header().channels, levels, &values).expect("in range");
         (format!("{name}, curve"), pack.with_curve(curve).expect("of the same format"))
     };
     let names = ["symmetry 0, layers 1", "symmetry 3, layers 1", "symmetry 15, layers 3"];

@@ -2,7 +2,7 @@
 //! microfacet model does. Finer than the table's columns, it keeps narrow highlights. Layout: `spec.md`.
 
 use crate::FormatError;
-use crate::container::{TexelFormat, half, rgb10a2};
+use crate::container::{TexelFormat, half};
 use crate::cursor::Cursor;
 use std::f32::consts::FRAC_PI_2;
 
@@ -11,46 +11,65 @@ pub(super) const CURVE_ENTRY: &str = "brdfc.table.curve";
 
 /// Fewest and most nodes.
 const NODES: std::ops::RangeInclusive<usize> = 2..=256;
+/// Most levels of detail besides the finest.
+const MOST_LEVELS: u32 = 15;
 
-/// A curve over `θ_h` that is added to the table: nodes stand at `θ_h = (k / (n - 1))² π/2`.
+/// A curve over `θ_h` that is added to the table: logarithms at nodes that stand at `θ_h = (k / (n - 1))² π/2`. A row for
+/// each level of detail, the finest first. Halves are finest near 0, where a table's curve has what is seen most.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
-    span: [f32; 3],
+    levels: u32,
     format: TexelFormat,
     texels: Vec<u8>,
 }
 
 impl Curve {
-    /// A curve of values in `[0, 1]`, rounded to what texels of the table's format hold; `span` is what 1 adds to the
-    /// logarithm.
+    /// A curve for a pack of 1 or 3 channels, of finite values that are rounded to halves: `[row][node]`, a row for the
+    /// finest level of detail and for each of `levels` coarser ones.
     ///
     /// # Errors
-    /// Fewer than 2 or more than 256 values, spans out of range.
-    pub fn new(format: TexelFormat, span: [f32; 3], values: &[[f32; 3]]) -> Result<Self, FormatError> {
-        let texels = packed(format, values.iter());
-        let curve = Self { span, format, texels };
+    /// Fewer than 2 or more than 256 nodes, more than 15 levels, rows of different lengths, values that no half holds.
+    pub fn new(channels: u32, levels: u32, values: &[[f32; 3]]) -> Result<Self, FormatError> {
+        let half = |value: f32| half::encode(value).to_le_bytes();
+        let texels = match format(channels) {
+            TexelFormat::R16Float => values.iter().flat_map(|value| half(value[0])).collect(),
+            _ => values.iter().flat_map(|[r, g, b]| [*r, *g, *b, 1.0].map(half)).flatten().collect(),
+        };
+        let curve = Self { levels, format: format(channels), texels };
         curve.check()?;
         Ok(curve)
     }
 
-    /// How many nodes there are.
+    /// How texels are stored: one half, or four, of which the last is 1.
+    pub fn texel_format(&self) -> TexelFormat {
+        self.format
+    }
+
+    /// How many nodes a row has.
     pub fn nodes(&self) -> usize {
-        self.texels.len() / self.format.texel_bytes()
+        self.texels.len() / self.format.texel_bytes() / (self.levels as usize + 1)
     }
 
-    /// What a texel of 1 adds to the logarithm, not negative.
-    pub fn span(&self) -> [f32; 3] {
-        self.span
+    /// Levels of detail besides the finest; there is a row more.
+    pub fn levels(&self) -> u32 {
+        self.levels
     }
 
-    /// The texture's bytes: one row.
+    /// The texture's bytes: rows from the finest level on.
     pub fn texels(&self) -> &[u8] {
         &self.texels
     }
 
-    /// Values in `[0, 1]`, grey ones three times.
+    /// What is added to the logarithm, grey ones three times: `[row][node]`.
     pub fn values(&self) -> Vec<[f32; 3]> {
-        unpacked(self.format, &self.texels)
+        let half = |bytes: [u8; 2]| half::decode(u16::from_le_bytes(bytes));
+        match self.format {
+            TexelFormat::R16Float => self.texels.as_chunks::<2>().0.iter().map(|bytes| [half(*bytes); 3]).collect(),
+            _ => {
+                let colour = |[r, g, b, _]: &[[u8; 2]; 4]| [*r, *g, *b].map(half);
+                self.texels.as_chunks::<2>().0.as_chunks::<4>().0.iter().map(colour).collect()
+            }
+        }
     }
 
     /// Where `θ_h` is, in units of nodes.
@@ -58,68 +77,59 @@ impl Curve {
         (theta_half / FRAC_PI_2).min(1.0).sqrt() * (nodes - 1) as f32
     }
 
-    pub(super) fn check_format(&self, table: TexelFormat) -> Result<(), FormatError> {
-        if self.format == table {
+    pub(super) fn check_channels(&self, channels: u32) -> Result<(), FormatError> {
+        let of_table = format(channels);
+        if self.format == of_table {
             return Ok(());
         }
-        Err(FormatError::whole(CURVE_ENTRY, format!("{:?}", self.format), format!("{table:?}, as the table has")))
+        let allowed = format!("{of_table:?}, as a table of {channels} channels has");
+        Err(FormatError::whole(CURVE_ENTRY, format!("{:?}", self.format), allowed))
     }
 
     fn check(&self) -> Result<(), FormatError> {
         let refused = |field: &str, found: String, allowed: &str| {
             Err(FormatError::whole(format!("{CURVE_ENTRY} {field}"), found, allowed))
         };
+        if self.levels > MOST_LEVELS {
+            return refused("levels", self.levels.to_string(), "0 to 15");
+        }
+        let row = self.format.texel_bytes() * (self.levels as usize + 1);
+        if !self.texels.len().is_multiple_of(row) {
+            return refused("rows", format!("{} bytes", self.texels.len()), "rows of one length");
+        }
         if !NODES.contains(&self.nodes()) {
             return refused("nodes", self.nodes().to_string(), "2 to 256");
         }
-        if let Some(span) = self.span.into_iter().find(|span| !(0.0..=f32::MAX).contains(span)) {
-            return refused("span", span.to_string(), "a number that is not negative");
-        }
-        if let Some([value, ..]) = self.values().into_iter().find(|value| !(0.0..=1.0).contains(&value[0])) {
-            return refused("texel", value.to_string(), "0 to 1");
+        if let Some(value) = self.values().into_iter().flatten().find(|value| !value.is_finite()) {
+            return refused("texel", value.to_string(), "a number");
         }
         Ok(())
     }
 
     pub(super) fn to_bytes(&self) -> Vec<u8> {
-        let span = self.span.map(f32::to_le_bytes).concat();
-        [&(self.nodes() as u32).to_le_bytes()[..], &span, &self.texels].concat()
+        [&(self.nodes() as u32).to_le_bytes()[..], &self.levels.to_le_bytes(), &self.texels].concat()
     }
 
-    pub(super) fn from_bytes(bytes: &[u8], format: TexelFormat) -> Result<Self, FormatError> {
+    pub(super) fn from_bytes(bytes: &[u8], channels: u32) -> Result<Self, FormatError> {
+        let format = format(channels);
         let mut cursor = Cursor::new(bytes);
         let nodes = cursor.u32(CURVE_ENTRY)? as usize;
-        let mut span = [0.0; 3];
-        for span in &mut span {
-            *span = cursor.f32(CURVE_ENTRY)?;
+        let levels = cursor.u32(CURVE_ENTRY)?;
+        if levels > MOST_LEVELS {
+            return Err(FormatError::whole(format!("{CURVE_ENTRY} levels"), levels.to_string(), "0 to 15"));
         }
-        let texels = bytes[16..].to_vec();
-        if Some(texels.len()) != nodes.checked_mul(format.texel_bytes()) {
-            let allowed = format!("{nodes} nodes of {} bytes, as it says", format.texel_bytes());
+        let texels = bytes[8..].to_vec();
+        let node = format.texel_bytes() * (levels as usize + 1);
+        if Some(texels.len()) != nodes.checked_mul(node) {
+            let allowed = format!("{nodes} nodes of {node} bytes, as it says");
             return Err(FormatError::whole(CURVE_ENTRY, format!("{} bytes of texels", texels.len()), allowed));
         }
-        let curve = Self { span, format, texels };
+        let curve = Self { levels, format, texels };
         curve.check()?;
         Ok(curve)
     }
 }
 
-/// Texels of values in `[0, 1]`.
-pub(super) fn packed<'a>(format: TexelFormat, values: impl Iterator<Item = &'a [f32; 3]>) -> Vec<u8> {
-    match format {
-        TexelFormat::R16Float => {
-            values.flat_map(|value| half::encode(value[0].clamp(0.0, 1.0)).to_le_bytes()).collect()
-        }
-        _ => values.flat_map(|value| rgb10a2::encode(*value).to_le_bytes()).collect(),
-    }
-}
-
-/// Values of texels, grey ones three times.
-pub(super) fn unpacked(format: TexelFormat, texels: &[u8]) -> Vec<[f32; 3]> {
-    match format {
-        TexelFormat::R16Float => {
-            texels.as_chunks::<2>().0.iter().map(|bytes| [half::decode(u16::from_le_bytes(*bytes)); 3]).collect()
-        }
-        _ => texels.as_chunks::<4>().0.iter().map(|bytes| rgb10a2::decode(u32::from_le_bytes(*bytes))).collect(),
-    }
+fn format(channels: u32) -> TexelFormat {
+    if channels == 1 { TexelFormat::R16Float } else { TexelFormat::Rgba16Float }
 }

@@ -9,19 +9,26 @@ use super::header::TableHeader;
 use super::pack::TablePack;
 use crate::direction::DirectionPair;
 
+#[derive(Debug, Clone)]
+struct UnpackedCurve {
+    levels: u32,
+    /// `[row][node]`.
+    values: Vec<[f32; 3]>,
+}
+
 /// A pack made ready for random access.
 #[derive(Debug, Clone)]
 pub struct TableDecoder {
     header: TableHeader,
     values: Vec<[f32; 3]>,
-    /// Span and values.
-    curve: Option<([f32; 3], Vec<[f32; 3]>)>,
+    curve: Option<UnpackedCurve>,
 }
 
 impl TableDecoder {
     /// Unpacks texels.
     pub fn new(pack: &TablePack) -> Self {
-        let curve = pack.curve().map(|curve| (curve.span(), curve.values()));
+        let unpacked = |curve: &Curve| UnpackedCurve { levels: curve.levels(), values: curve.values() };
+        let curve = pack.curve().map(unpacked);
         Self { header: *pack.header(), values: pack.values(), curve }
     }
 
@@ -30,18 +37,28 @@ impl TableDecoder {
         &self.header
     }
 
-    /// `f_r` at a direction pair, linear RGB (grey packs repeat their channel), 1/sr, not negative. Zero where a direction
-    /// is at or below the horizon.
+    /// Levels of detail besides the finest, which is level `levels`; 0 is the coarsest.
+    pub fn levels(&self) -> u32 {
+        self.curve.as_ref().map_or(0, |curve| curve.levels)
+    }
+
+    /// `f_r` at a direction pair at the finest level of detail, linear RGB (grey packs repeat their channel), 1/sr, not
+    /// negative. Zero where a direction is at or below the horizon.
     pub fn eval(&self, pair: DirectionPair) -> [f32; 3] {
+        self.eval_at(pair, self.levels() as f32)
+    }
+
+    /// [`Self::eval`] at a level of detail, from 0 to [`Self::levels`]; what is outside is the nearest of them.
+    pub fn eval_at(&self, pair: DirectionPair, level: f32) -> [f32; 3] {
         if !pair.is_above_horizon() {
             return [0.0; 3];
         }
-        self.log_value(pair).map(|value| self.from_log(value))
+        self.log_value(pair, level).map(|value| self.from_log(value))
     }
 
-    /// `ln(f / μ + ε)` that [`Self::eval`] decodes, of directions above the horizon. A shader with manual filtering and
+    /// `ln(f / μ + ε)` that [`Self::eval_at`] decodes, of directions above the horizon. A shader with manual filtering and
     /// correctly rounded arithmetic returns the same bits.
-    pub fn log_value(&self, pair: DirectionPair) -> [f32; 3] {
+    pub fn log_value(&self, pair: DirectionPair, level: f32) -> [f32; 3] {
         let angles = self.header.angles(pair);
         let position = self.header.position_of(angles);
         let mut value = self.sample(&position, position.layers[0]);
@@ -50,9 +67,9 @@ impl TableDecoder {
             value = between(value, upper, position.layer_weight);
         }
         let table: [f32; 3] = std::array::from_fn(|k| self.header.low[k] + self.header.span[k] * value[k]);
-        let Some((span, curve)) = &self.curve else { return table };
-        let value = along(curve, angles);
-        std::array::from_fn(|k| table[k] + span[k] * value[k])
+        let Some(curve) = &self.curve else { return table };
+        let value = along(curve, angles, level);
+        std::array::from_fn(|k| table[k] + value[k])
     }
 
     /// `f = μ (exp(v) - ε)`, raised to 0 where rounding made it negative, and lowered to the largest number.
@@ -79,11 +96,19 @@ impl TableDecoder {
     }
 }
 
-/// A curve at `θ_h`, filtered linearly.
-fn along(curve: &[[f32; 3]], angles: Angles) -> [f32; 3] {
-    let at = Curve::position(curve.len(), angles.theta_half);
-    let lower = (at as usize).min(curve.len() - 2);
-    between(curve[lower], curve[lower + 1], at - lower as f32)
+/// A curve at `θ_h` and a level of detail, filtered linearly along both.
+fn along(curve: &UnpackedCurve, angles: Angles, level: f32) -> [f32; 3] {
+    let nodes = curve.values.len() / (curve.levels as usize + 1);
+    let at = Curve::position(nodes, angles.theta_half);
+    let lower = (at as usize).min(nodes - 2);
+    let of_row = |row: u32| {
+        let first = row as usize * nodes + lower;
+        between(curve.values[first], curve.values[first + 1], at - lower as f32)
+    };
+    // The finest level has the first row.
+    let down = (curve.levels as f32 - level).clamp(0.0, curve.levels as f32);
+    let upper = (down as u32).min(curve.levels.max(1) - 1);
+    between(of_row(upper), of_row((upper + 1).min(curve.levels)), down - upper as f32)
 }
 
 fn between(a: [f32; 3], b: [f32; 3], weight: f32) -> [f32; 3] {

@@ -6,8 +6,9 @@
 //
 // To use it: paste this file before your own shader, move the four bindings where they suit you, and call
 //
-//     let f_r = table_brdf(wi, wo);         // the sampler filters
-//     let f_r = table_brdf_exact(wi, wo);   // manual filtering: eight fetches, the same bits as the CPU decoder
+//     let f_r = table_brdf(wi, wo);                 // the sampler filters
+//     let f_r = table_brdf_exact(wi, wo);           // manual filtering: eight fetches, the same bits as the CPU decoder
+//     let f_r = table_brdf_at(wi, wo, level, true); // at a level of detail, such as table_brdf_level_of_detail(distance)
 //
 // wi (to the light) and wo (to the viewer) are unit vectors in the frame x = tangent, y = bitangent, z = normal. The
 // result is linear RGB in 1/sr, 0 where a direction is at or below the horizon.
@@ -18,16 +19,15 @@ struct TableBrdfParameters {
     difference_nodes: u32,          // rows, along θ_d
     azimuth_nodes: u32,             // slices of a layer, along φ_d
     layers: u32,                    // along φ_h, 1: isotropic
-    symmetry: u32,                  // 1 reciprocal, 2 mirror, 4 half turn, 8 reflected
-    channels: u32,                  // 1 grey, 3 RGB
+    symmetry: u32,                  // 1 reciprocal, 2 mirror, 4 half turn, 8 reflected; and 16 where it is grey
+    curve: u32,                     // of factored packs its nodes, and times 65536 the levels besides the finest; else 0
     mean: f32,                      // μ, 1/sr
     bias: f32,                      // ε
     low: vec3<f32>,                 // ln(f / μ + ε) of a texel of 0
     slope: f32,                     // of the rows
     span: vec3<f32>,                // from a texel of 0 to one of 1
-    curve_nodes: u32,               // of factored packs, else 0
-    knots: array<vec4<f32>, 5>,     // share of the columns below θ_h = (k / 16)² π/2, 17 of them; then what a texel of 1
-                                    // of the curve adds, red, green, blue
+    distance_scale: f32,            // α of the level of detail
+    knots: array<vec4<f32>, 5>,     // share of the columns below θ_h = (k / 16)² π/2, 17 of them
 }
 
 @group(1) @binding(0) var<uniform> table_brdf_parameters: TableBrdfParameters;
@@ -35,7 +35,7 @@ struct TableBrdfParameters {
 @group(1) @binding(1) var table_brdf_texels: texture_3d<f32>;
 // Linear filter, clamp to edge.
 @group(1) @binding(2) var table_brdf_sampler: sampler;
-// The curve of a factored pack, one row; any texture where there is none.
+// The curve of a factored pack, a row per level of detail; any texture where there is none.
 @group(1) @binding(3) var table_brdf_curve: texture_2d<f32>;
 
 const TABLE_BRDF_PI: f32 = 3.14159274;
@@ -60,18 +60,31 @@ struct TableBrdfPosition {
 
 // f_r with the sampler's trilinear filter.
 fn table_brdf(wi: vec3<f32>, wo: vec3<f32>) -> vec3<f32> {
-    if !(wi.z > 0.0 && wo.z > 0.0) {
-        return vec3<f32>(0.0);
-    }
-    return table_brdf_from_log(table_brdf_log_value(wi, wo, true));
+    return table_brdf_at(wi, wo, f32(table_brdf_levels()), true);
 }
 
 // f_r with manual weights.
 fn table_brdf_exact(wi: vec3<f32>, wo: vec3<f32>) -> vec3<f32> {
+    return table_brdf_at(wi, wo, f32(table_brdf_levels()), false);
+}
+
+// f_r at a level of detail, 0 to table_brdf_levels(), which is the finest; `hardware`: the sampler filters.
+fn table_brdf_at(wi: vec3<f32>, wo: vec3<f32>, level: f32, hardware: bool) -> vec3<f32> {
     if !(wi.z > 0.0 && wo.z > 0.0) {
         return vec3<f32>(0.0);
     }
-    return table_brdf_from_log(table_brdf_log_value(wi, wo, false));
+    return table_brdf_from_log(table_brdf_log_value(wi, wo, level, hardware));
+}
+
+// Levels of detail besides the finest.
+fn table_brdf_levels() -> u32 {
+    return table_brdf_parameters.curve >> 16u;
+}
+
+// The level of detail at a distance from the viewer: far is coarse.
+fn table_brdf_level_of_detail(distance: f32) -> f32 {
+    let finest = f32(table_brdf_levels());
+    return finest - clamp(log2(table_brdf_parameters.distance_scale * distance), 0.0, finest);
 }
 
 // f = μ (exp(v) - ε), from 0 to the largest number.
@@ -81,7 +94,7 @@ fn table_brdf_from_log(value: vec3<f32>) -> vec3<f32> {
 }
 
 // The logarithm ln(f / μ + ε). Both directions are above the horizon.
-fn table_brdf_log_value(wi: vec3<f32>, wo: vec3<f32>, hardware: bool) -> vec3<f32> {
+fn table_brdf_log_value(wi: vec3<f32>, wo: vec3<f32>, level: f32, hardware: bool) -> vec3<f32> {
     let angles = table_brdf_angles(wi, wo);
     let position = table_brdf_position(angles);
     var value = table_brdf_sample(position.at, position.layers.x, hardware);
@@ -90,23 +103,32 @@ fn table_brdf_log_value(wi: vec3<f32>, wo: vec3<f32>, hardware: bool) -> vec3<f3
         value = value + position.layer_weight * (upper - value);
     }
     value = table_brdf_parameters.low + table_brdf_parameters.span * value;
-    if table_brdf_parameters.curve_nodes > 0u {
-        value = value + table_brdf_parameters.knots[4].yzw * table_brdf_along(angles.theta_half, hardware);
+    if table_brdf_parameters.curve > 0u {
+        value = value + table_brdf_along(angles.theta_half, level, hardware);
     }
     return value;
 }
 
-// The curve at θ_h.
-fn table_brdf_along(theta_half: f32, hardware: bool) -> vec3<f32> {
-    let nodes = table_brdf_parameters.curve_nodes;
+// The curve at θ_h and a level of detail. The finest level has the first row.
+fn table_brdf_along(theta_half: f32, level: f32, hardware: bool) -> vec3<f32> {
+    let nodes = table_brdf_parameters.curve & 0xffffu;
+    let levels = table_brdf_levels();
+    let down = clamp(f32(levels) - level, 0.0, f32(levels));
     let at = sqrt(min(theta_half / TABLE_BRDF_HALF_PI, 1.0)) * f32(nodes - 1u);
     if hardware {
-        let texel = vec2<f32>((at + 0.5) / f32(nodes), 0.5);
+        let texel = vec2<f32>((at + 0.5) / f32(nodes), (down + 0.5) / f32(levels + 1u));
         return table_brdf_colour(textureSampleLevel(table_brdf_curve, table_brdf_sampler, texel, 0.0));
     }
+    let upper = min(u32(down), max(levels, 1u) - 1u);
+    let fine = table_brdf_along_row(at, nodes, upper);
+    let coarse = table_brdf_along_row(at, nodes, min(upper + 1u, levels));
+    return fine + (down - f32(upper)) * (coarse - fine);
+}
+
+fn table_brdf_along_row(at: f32, nodes: u32, row: u32) -> vec3<f32> {
     let lower = min(u32(at), nodes - 2u);
-    let left = table_brdf_colour(textureLoad(table_brdf_curve, vec2<u32>(lower, 0u), 0));
-    let right = table_brdf_colour(textureLoad(table_brdf_curve, vec2<u32>(lower + 1u, 0u), 0));
+    let left = table_brdf_colour(textureLoad(table_brdf_curve, vec2<u32>(lower, row), 0));
+    let right = table_brdf_colour(textureLoad(table_brdf_curve, vec2<u32>(lower + 1u, row), 0));
     return left + (at - f32(lower)) * (right - left);
 }
 
@@ -145,7 +167,7 @@ fn table_brdf_row(first: vec3<u32>, weight: f32) -> vec3<f32> {
 
 // A grey pack has its value in all channels.
 fn table_brdf_colour(texel: vec4<f32>) -> vec3<f32> {
-    return select(texel.rgb, texel.rrr, table_brdf_parameters.channels == 1u);
+    return select(texel.rgb, texel.rrr, table_brdf_symmetric(16u));
 }
 
 // Slices of a layer: where φ_d starts again, the first stands behind the last, too.

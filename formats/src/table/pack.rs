@@ -1,10 +1,10 @@
 //! The table pack: its texture and what it says of itself. Byte layout: `spec.md`.
 
-use super::curve::{CURVE_ENTRY, Curve, packed, unpacked};
+use super::curve::{CURVE_ENTRY, Curve};
 use super::header::{TABLE_ENTRY, TableHeader};
 use super::shader::TableBrdfParameters;
-use crate::container::Texture;
 use crate::container::entries::{entry, sized};
+use crate::container::{TexelFormat, Texture, half, rgb10a2};
 use crate::{ErrorSummary, FormatError, PictureSummary};
 use std::collections::BTreeMap;
 
@@ -38,17 +38,22 @@ impl TablePack {
         }
         let repeated = if header.symmetry.mirror { 0 } else { slice };
         let all = values.chunks(layer).flat_map(|layer| layer.iter().chain(&layer[..repeated]));
-        let texels = packed(header.texel_format(), all);
+        let texels = match header.texel_format() {
+            TexelFormat::R16Float => {
+                all.flat_map(|value| half::encode(value[0].clamp(0.0, 1.0)).to_le_bytes()).collect()
+            }
+            _ => all.flat_map(|value| rgb10a2::encode(*value).to_le_bytes()).collect(),
+        };
         let (off_grid, picture) = (ErrorSummary::default(), PictureSummary::default());
         Ok(Self { header, texels, curve: None, off_grid, picture })
     }
 
-    /// The pack with a curve of its texel format added: a factored pack.
+    /// The pack with a curve of as many channels added: a factored pack.
     ///
     /// # Errors
-    /// A curve of another texel format.
+    /// A curve of another number of channels.
     pub fn with_curve(self, curve: Curve) -> Result<Self, FormatError> {
-        curve.check_format(self.header.texel_format())?;
+        curve.check_channels(self.header.channels)?;
         Ok(Self { curve: Some(curve), ..self })
     }
 
@@ -64,12 +69,25 @@ impl TablePack {
 
     /// Values in `[0, 1]` of all texels: `[layer][slice][row][column]`, grey ones three times.
     pub fn values(&self) -> Vec<[f32; 3]> {
-        unpacked(self.header.texel_format(), &self.texels)
+        match self.header.texel_format() {
+            TexelFormat::R16Float => {
+                let value = |bytes: &[u8; 2]| [half::decode(u16::from_le_bytes(*bytes)); 3];
+                self.texels.as_chunks::<2>().0.iter().map(value).collect()
+            }
+            _ => {
+                self.texels.as_chunks::<4>().0.iter().map(|bytes| rgb10a2::decode(u32::from_le_bytes(*bytes))).collect()
+            }
+        }
     }
 
     /// The curve of factored packs.
     pub fn curve(&self) -> Option<&Curve> {
         self.curve.as_ref()
+    }
+
+    /// Levels of detail besides the finest.
+    pub fn levels(&self) -> u32 {
+        self.curve.as_ref().map_or(0, Curve::levels)
     }
 
     /// Filtered fetches of a look-up.
@@ -122,7 +140,8 @@ impl TablePack {
         let (off_grid, picture) = errors.split_at(ErrorSummary::BYTES);
         let off_grid = ErrorSummary::from_bytes(off_grid, ERRORS)?;
         let picture = PictureSummary::from_bytes(picture, ERRORS)?;
-        let curve = texture.entries.get(CURVE_ENTRY).map(|bytes| Curve::from_bytes(bytes, format)).transpose()?;
+        let curve =
+            texture.entries.get(CURVE_ENTRY).map(|bytes| Curve::from_bytes(bytes, header.channels)).transpose()?;
         let pack = Self { header, texels: texture.texels, curve, off_grid, picture };
         pack.check_texels()?;
         Ok(pack)

@@ -6,28 +6,34 @@ use super::header::{KNOTS, TableHeader};
 /// The WGSL decoder. It declares a uniform block, two textures and a sampler in bind group 1; see the file.
 pub const TABLE_BRDF_WGSL: &str = include_str!("decode.wgsl");
 
+/// Beside the bits of the symmetry.
+const GREY: u32 = 16;
+
 /// The uniform block `TableBrdfParameters` of the shader.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TableBrdfParameters {
     header: TableHeader,
     curve_nodes: u32,
-    curve_span: [f32; 3],
+    curve_levels: u32,
+    distance_scale: f32,
 }
 
 impl TableBrdfParameters {
     /// Bytes of the block.
     pub const SIZE: usize = 144;
 
-    /// The parameters of a pack with this header and curve.
-    pub fn new(header: &TableHeader, curve: Option<&Curve>) -> Self {
+    /// The parameters of a pack with this header and curve. `distance_scale` is `α` of
+    /// [`level_of_detail`](crate::wavelet::level_of_detail).
+    pub fn new(header: &TableHeader, curve: Option<&Curve>, distance_scale: f32) -> Self {
         Self {
             header: *header,
             curve_nodes: curve.map_or(0, |curve| curve.nodes() as u32),
-            curve_span: curve.map_or([0.0; 3], |curve| curve.span()),
+            curve_levels: curve.map_or(0, |curve| curve.levels()),
+            distance_scale,
         }
     }
 
-    /// The block as the shader reads it: little-endian, fields in order.
+    /// The block as the shader reads it: little-endian, fields in order, zeros behind the last knot.
     pub fn to_bytes(&self) -> [u8; Self::SIZE] {
         let TableHeader { channels, symmetry, axes, mean, bias, low, span, slope, knots } = self.header;
         let [red, green, blue] = low.map(f32::to_bits);
@@ -38,8 +44,8 @@ impl TableBrdfParameters {
             axes.difference,
             axes.azimuth,
             axes.layers,
-            symmetry.bits(),
-            channels,
+            symmetry.bits() | if channels == 1 { GREY } else { 0 },
+            self.curve_nodes | self.curve_levels << 16,
             mean.to_bits(),
             bias.to_bits(),
             red,
@@ -49,10 +55,9 @@ impl TableBrdfParameters {
             red_span,
             green_span,
             blue_span,
-            self.curve_nodes,
+            self.distance_scale.to_bits(),
         ]);
         words[16..16 + KNOTS].copy_from_slice(&knots.map(f32::to_bits));
-        words[16 + KNOTS..].copy_from_slice(&self.curve_span.map(f32::to_bits));
         let mut bytes = [0; Self::SIZE];
         for (target, word) in bytes.chunks_exact_mut(4).zip(words) {
             target.copy_from_slice(&word.to_le_bytes());

@@ -1,7 +1,7 @@
 //! Broken and hostile table packs: each is refused, or is a pack that decodes to numbers.
 
 use brdfc_formats::FormatError;
-use brdfc_formats::container::{TexelFormat, Texture};
+use brdfc_formats::container::Texture;
 use brdfc_formats::table::{Curve, TableDecoder, TablePack};
 use brdfc_testing::packs::{pairs, tables};
 
@@ -17,7 +17,7 @@ fn survives(bytes: &[u8]) -> bool {
     let Ok(pack) = TablePack::from_bytes(bytes) else { return false };
     let decoder = TableDecoder::new(&pack);
     for pair in pairs(4, 5) {
-        let value = decoder.eval(pair);
+        let value = decoder.eval_at(pair, 1.3);
         assert!(value.iter().all(|v| v.is_finite() && *v >= 0.0), "{value:?}");
     }
     true
@@ -66,17 +66,23 @@ fn curves_out_of_range_are_named() {
         assert_eq!(error.field, "brdfc.table.curve", "{error}");
         assert!(error.allowed.contains(&format!("{nodes} nodes")), "{error}");
     }
-    for span in [-1.0, f32::NAN, f32::INFINITY] {
-        assert_eq!(with_word(4, span.to_le_bytes()).field, "brdfc.table.curve span");
+    // Halves that are no numbers.
+    for halves in [0x7c00_7c00u32, 0xffff_ffff] {
+        assert_eq!(with_word(8, halves.to_le_bytes()).field, "brdfc.table.curve texel");
     }
+    for levels in [16, u32::MAX] {
+        assert_eq!(with_word(4, levels.to_le_bytes()).field, "brdfc.table.curve levels");
+    }
+    assert_eq!(with_word(4, 1u32.to_le_bytes()).field, "brdfc.table.curve");
     assert_eq!(curve_changed(|entry| entry.truncate(7)).field, "brdfc.table.curve");
     let one_node = curve_changed(|entry| {
         entry[..4].copy_from_slice(&1u32.to_le_bytes());
-        entry.truncate(20);
+        entry[4..8].copy_from_slice(&0u32.to_le_bytes());
+        entry.truncate(16);
     });
     assert_eq!(format!("{} {}", one_node.field, one_node.found), "brdfc.table.curve nodes 1");
-    // A curve of another texel format than the table's.
+    // A curve of fewer channels than the table has.
     let plain = small_packs().into_iter().find(|pack| pack.curve().is_none() && pack.header().channels == 3).unwrap();
-    let grey = Curve::new(TexelFormat::R16Float, [1.0; 3], &[[0.0; 3], [1.0; 3]]).unwrap();
+    let grey = Curve::new(1, 0, &[[0.0; 3], [1.0; 3]]).unwrap();
     assert_eq!(plain.with_curve(grey).unwrap_err().field, "brdfc.table.curve");
 }

@@ -117,8 +117,8 @@ fn values_out_of_range() {
         ("max_error = -0.1", "materials.paint.max_error: found -0.1; allowed a fraction, such as 0.03"),
         ("max_error = 3", "materials.paint.max_error: found 3; allowed a fraction or a percentage: write 0.03 or 3%"),
         (
-            "parameterisation = 'polar'",
-            "materials.paint.parameterisation: found \"polar\"; allowed tangent-pole or half-difference",
+            "parameterisation = 'half-difference'",
+            "materials.paint.parameterisation: found \"half-difference\"; allowed tangent-pole; half-difference angles are",
         ),
     ] {
         bad(with_line(6, line), &format!("line 7, {expected}"));

@@ -83,7 +83,14 @@ fn levels_of_detail_belong_to_packs() {
         assert!(ran.code == 2 && ran.stderr.contains("--lod: found "), "{lod}: {}", ran.stderr);
     }
     let ran = folder.run(&["eval", "synth:lewis", "--directions", "pairs.csv", "--lod", "1"]);
-    assert!(ran.code == 2 && ran.stderr.contains("only wavelet packs have levels of detail"), "{}", ran.stderr);
+    assert!(ran.code == 2 && ran.stderr.contains("only packs have levels of detail"), "{}", ran.stderr);
+    // Of tables those that were asked for.
+    folder.run(&["encode", "synth:lewis", "-o", "t.ktx2", "--codec", "factored", "--levels", "3"]).succeeded();
+    let at = |lod: &str| folder.run(&["eval", "t.ktx2", "--directions", "pairs.csv", "--lod", lod]);
+    let values = |lod: &str| at(lod).succeeded().stdout;
+    assert_eq!(values("3"), folder.run(&["eval", "t.ktx2", "--directions", "pairs.csv"]).succeeded().stdout);
+    assert!(values("0") != values("3") && values("2.5") != values("3"));
+    assert!(at("3.5").stderr.contains("--lod: found 3.5; allowed 0 to 3, the pack's levels"));
 }
 
 #[test]

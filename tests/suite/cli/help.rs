@@ -77,7 +77,10 @@ fn wrong_usage_exits_with_2_and_says_what_is_allowed() {
         ),
         (&["encode", "synth:lewis", "-o", "p.ktx2", "--max-error", "inf"], "--max-error: found inf; allowed"),
         (&["encode", "synth:lewis", "-o", "p.ktx2", "--ratio", "4", "--max-error", "0.1"], "cannot be used with"),
-        (&["encode", "synth:lewis", "-o", "p.ktx2", "--parameterisation", "polar"], "tangent-pole or half-difference"),
+        (
+            &["encode", "synth:lewis", "-o", "p.ktx2", "--parameterisation", "half-difference"],
+            "--parameterisation: found \"half-difference\"; allowed tangent-pole; half-difference angles are those of",
+        ),
         (&["encode", "synth:lambert", "-o", "p.ktx2", "--grid", "64", "--ratio", "1"], "slices: found"),
         (&["compare", "synth:lewis", "synth:lewis", "--directions", "0"], "--directions: found 0; allowed 1 to"),
         (&["compare", "synth:lewis", "synth:lewis", "--max-error=-1"], "--max-error: found -1; allowed"),

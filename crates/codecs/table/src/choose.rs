@@ -2,19 +2,19 @@
 
 use super::fit::fit_roughly;
 use super::lattice::{Lattice, Taps};
+use super::recipe::Aim;
 use super::samples::Samples;
 use super::targets::Targets;
 use brdfc_formats::container::MAX_EXTENT;
 use brdfc_formats::table::{Axes, KNOTS, TableHeader, TableSymmetry};
-use brdfc_metrics::lab::distance_squared;
 use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_2;
 
 /// Samples of a trial per node, and the fewest.
 const TRIAL_SAMPLES: usize = 4;
-const FEWEST_TRIAL_SAMPLES: usize = 16 << 10;
+const FEWEST_TRIAL_SAMPLES: usize = 8 << 10;
 /// Samples that judge a trial, at most.
-const JUDGES: usize = 24 << 10;
+const JUDGES: usize = 8 << 10;
 /// Layers of anisotropic tables that are tried.
 const LAYERS: [u32; 7] = [4, 2, 3, 5, 6, 8, 12];
 
@@ -193,7 +193,7 @@ impl Trial<'_> {
         with(&choices[(1..choices.len()).fold(0, first)])
     }
 
-    /// Sum of colour differences over samples that the fit did not get.
+    /// Sum of differences, of colours or ratios, over samples that the fit did not get.
     fn error(&self, header: &TableHeader) -> f64 {
         let Self { samples, targets } = self;
         let lattice = Lattice::new(header);
@@ -201,10 +201,9 @@ impl Trial<'_> {
         let count = (fitted + JUDGES).min(samples.len());
         let taps = |k: usize| lattice.taps(&header.position_of(samples.angles[k]));
         let nodes = fit_roughly(lattice, &(0..fitted).map(taps).collect::<Vec<Taps>>(), targets);
-        let difference = |k: usize| {
-            let found = targets.colour(k, lattice.value(&taps(k), &nodes), samples.cosines[k]);
-            f64::from(distance_squared(found, targets.colours[k]).sqrt())
-        };
-        (fitted..count).filter(|k| Samples::is_on_ball(*k)).map(difference).sum()
+        let difference = |k: usize| targets.difference(k, lattice.value(&taps(k), &nodes), samples.cosines[k]);
+        // Ratios count everywhere.
+        let judged = |k: &usize| targets.aim == Aim::Ratios || Samples::is_on_ball(*k);
+        (fitted..count).filter(judged).map(difference).sum()
     }
 }

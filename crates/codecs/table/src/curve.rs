@@ -4,13 +4,12 @@
 use super::samples::Samples;
 use super::targets::{Targets, UNSEEN};
 use brdfc_formats::FormatError;
-use brdfc_formats::container::TexelFormat;
 use brdfc_formats::table::Curve;
 
 /// A curve has one node for so many texels of a pack, and no more than this.
 const TEXELS_PER_NODE: usize = 32;
 const MOST_NODES: usize = 128;
-const FEWEST_NODES: usize = 16;
+pub(super) const FEWEST_NODES: usize = 16;
 /// How strongly nodes are tied to their neighbours, of what samples tie them by in the mean.
 const SMOOTHNESS: f64 = 1e-4;
 
@@ -19,41 +18,44 @@ pub fn nodes_within(texels: usize) -> usize {
     (texels / TEXELS_PER_NODE).clamp(FEWEST_NODES, MOST_NODES)
 }
 
-/// The curve closest to logarithms of the samples, by least squares with the weights of the targets. Its lowest value is
-/// left to the table.
+/// Nodes of the curve closest to logarithms of the samples, by least squares with the weights of the targets.
+pub fn fit(samples: &Samples, targets: &Targets, logarithms: &[[f32; 3]], nodes: usize) -> Vec<[f64; 3]> {
+    let [red, green, blue] = std::array::from_fn(|channel| solved(samples, targets, logarithms, nodes, channel));
+    (0..nodes).map(|k| [red[k], green[k], blue[k]]).collect()
+}
+
+/// Rows of nodes, the finest level of detail first, as they are stored. Where most of the finest is, is 0; the rest is left
+/// to the table.
 ///
 /// # Errors
 /// As [`Curve::new`].
-pub fn fit(
-    samples: &Samples,
-    targets: &Targets,
-    logarithms: &[[f32; 3]],
-    nodes: usize,
-    format: TexelFormat,
-) -> Result<Curve, FormatError> {
-    let [red, green, blue] = std::array::from_fn(|channel| solved(samples, targets, logarithms, nodes, channel));
-    let values: Vec<[f64; 3]> = (0..nodes).map(|k| [red[k], green[k], blue[k]]).collect();
-    let range = |channel: usize| {
-        let of_channel = || values.iter().map(|value| value[channel]);
-        (of_channel().fold(f64::INFINITY, f64::min), of_channel().fold(f64::NEG_INFINITY, f64::max))
-    };
-    let ranges: [(f64, f64); 3] = std::array::from_fn(range);
-    let share =
-        |value: f64, (low, high): (f64, f64)| if high > low { ((value - low) / (high - low)) as f32 } else { 0.0 };
-    let shares: Vec<[f32; 3]> =
-        values.iter().map(|value| std::array::from_fn(|c| share(value[c], ranges[c]))).collect();
-    Curve::new(format, ranges.map(|(low, high)| (high - low) as f32), &shares)
+pub fn stored(rows: &[Vec<[f64; 3]>], channels: u32) -> Result<Curve, FormatError> {
+    let middle: [f64; 3] = std::array::from_fn(|channel| {
+        let mut values: Vec<f64> = rows[0].iter().map(|value| value[channel]).collect();
+        let at = values.len() / 2;
+        *values.select_nth_unstable_by(at, f64::total_cmp).1
+    });
+    let values: Vec<[f32; 3]> =
+        rows.iter().flatten().map(|value| std::array::from_fn(|c| (value[c] - middle[c]) as f32)).collect();
+    Curve::new(channels, rows.len() as u32 - 1, &values)
 }
 
-/// What a curve adds at each sample.
+/// Nodes at `θ_h`.
+pub fn at(nodes: &[[f64; 3]], theta_half: f32) -> [f64; 3] {
+    let (lower, weight) = place(nodes.len(), theta_half);
+    std::array::from_fn(|c| nodes[lower][c] + f64::from(weight) * (nodes[lower + 1][c] - nodes[lower][c]))
+}
+
+/// What the finest level of a curve adds at each sample.
 pub fn along(curve: &Curve, samples: &Samples) -> Vec<[f32; 3]> {
-    let (values, span) = (curve.values(), curve.span());
+    let mut values = curve.values();
+    values.truncate(curve.nodes());
     samples
         .angles
         .iter()
         .map(|angles| {
             let (lower, weight) = place(values.len(), angles.theta_half);
-            std::array::from_fn(|c| span[c] * (values[lower][c] + weight * (values[lower + 1][c] - values[lower][c])))
+            std::array::from_fn(|c| values[lower][c] + weight * (values[lower + 1][c] - values[lower][c]))
         })
         .collect()
 }

@@ -1,16 +1,18 @@
 //! The encoder: sequences the stages.
 
 use super::choose::{choose, choose_warps, start};
-use super::curve;
-use super::fit::fit;
+use super::fit::{Solution, fit};
 use super::lattice::{Lattice, Taps};
+use super::quantise::quantise;
 use super::recipe::{Size, TableRecipe};
 use super::samples::Samples;
 use super::symmetry::Asymmetry;
 use super::targets::Targets;
+use super::{curve, levels};
 use brdfc_formats::FormatError;
+use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::table::shader::TableBrdfParameters;
-use brdfc_formats::table::{TableHeader, TablePack, TableSymmetry};
+use brdfc_formats::table::{Angles, TableHeader, TablePack, TableSymmetry};
 use brdfc_metrics::compare::{Comparison, Reference};
 use brdfc_metrics::sampling::PairSet;
 use brdfc_source::progress::{Cancelled, Progress, Stage};
@@ -19,7 +21,7 @@ use brdfc_source::{Source, TableSource, Tally};
 /// Samples that a table is fitted to, per node.
 const SAMPLES: u64 = 16;
 /// Fewest and most samples.
-const FEWEST: u64 = 1 << 16;
+const FEWEST: u64 = 1 << 15;
 const MOST: u64 = 1 << 18;
 /// Texels of the largest table that a budget of bytes becomes: beyond, there are not as many samples as nodes.
 pub const MOST_TEXELS: u64 = 1 << 18;
@@ -64,7 +66,7 @@ pub enum EncodeError {
 /// A budget that cannot be met, sizes out of range, cancellation.
 pub fn encode(source: &dyn Source, recipe: &TableRecipe, progress: &dyn Progress) -> Result<Encoded, EncodeError> {
     let prepared = Prepared::new(source, recipe, samples_for(recipe.size, source.is_grey()), progress)?;
-    let mut pack = prepared.pack(recipe.size, recipe.factored, progress)?;
+    let mut pack = prepared.pack(recipe, progress)?;
 
     progress.stage(Stage::MeasureOffGrid, 1)?;
     let off_grid = match recipe.measure {
@@ -99,6 +101,14 @@ fn texel_bytes(grey: bool) -> u64 {
     if grey { 2 } else { 4 }
 }
 
+/// A table before it is rounded.
+struct Fitted {
+    header: TableHeader,
+    lattice: Lattice,
+    taps: Vec<Taps>,
+    solution: Solution,
+}
+
 /// What tables of all sizes are made from: samples, and what they say of the material.
 #[derive(Debug, Clone)]
 pub struct Prepared {
@@ -130,62 +140,102 @@ impl Prepared {
         symmetry.reciprocal |= recipe.reciprocal;
         progress.stage(Stage::Resample, 1)?;
         let samples = Samples::draw(source, samples, recipe.reciprocal);
-        let targets = Targets::new(&samples, recipe.bias as f32, grey);
+        let targets = Targets::with_aim(&samples, recipe.bias as f32, grey, recipe.aim);
         Ok(Self { asymmetry, samples, symmetry, targets, isotropic, grey })
     }
 
-    /// A pack of a size, its errors not yet measured; `factored` with a curve.
+    /// The pack of a recipe, its errors not yet measured.
     ///
     /// # Errors
     /// A budget that cannot be met, sizes out of range, cancellation.
-    pub fn pack(&self, size: Size, factored: bool, progress: &dyn Progress) -> Result<TablePack, EncodeError> {
-        progress.stage(Stage::Choose, 1)?;
-        let texels = match size {
-            Size::Nodes(axes) => {
-                let header = start(&self.targets, self.symmetry, axes);
-                header.check()?;
-                header.texels()
-            }
-            Size::Bytes(allowed) => self.texels_within(allowed, factored)?,
-        };
-        let nodes_of_curve = if factored { curve::nodes_within(texels) } else { 0 };
-        let (samples, symmetry) = (&self.samples, self.symmetry);
-        let header = match size {
-            Size::Nodes(axes) => choose_warps(samples, &self.targets, symmetry, axes),
-            Size::Bytes(_) => choose(samples, &self.targets, symmetry, texels - nodes_of_curve, self.isotropic),
-        };
-
-        progress.stage(Stage::Fit, 1)?;
-        let lattice = Lattice::new(&header);
-        let taps: Vec<Taps> = samples.angles.iter().map(|angles| lattice.taps(&header.position_of(*angles))).collect();
-        let nodes = fit(lattice, &taps, &self.targets);
-        if !factored {
+    pub fn pack(&self, recipe: &TableRecipe, progress: &dyn Progress) -> Result<TablePack, EncodeError> {
+        let texels = self.texels(recipe)?;
+        let nodes_of_curve = curve::nodes_within(texels);
+        let of_curve = if recipe.has_curve() { self.texels_of_curve(nodes_of_curve, recipe) } else { 0 };
+        let Fitted { header, lattice, taps, solution } =
+            self.fit(recipe.size, texels.saturating_sub(of_curve), progress)?;
+        if !recipe.has_curve() {
             progress.stage(Stage::Quantise, 1)?;
-            return Ok(quantise(header, &nodes, &self.targets)?);
+            return Ok(quantise(header, &solution, &self.targets)?);
         }
 
-        // The curve has what the table's columns are too coarse for; then the table is fitted to what the curve, as it is
-        // stored, leaves. Doing both again changes nothing that can be seen.
+        // The curve has what columns have in common, so that the table's steps become finer, and what is too narrow for them;
+        // then the table is fitted to what the curve, as it is stored, leaves.
+        let nodes = without_column_means(solution.nodes, header.axes.half as usize);
         let left = |taps: &Taps, all: &[f32; 3]| {
             let found = lattice.value(taps, &nodes);
             std::array::from_fn(|c| all[c] - found[c])
         };
         let left: Vec<[f32; 3]> =
             taps.iter().zip(&self.targets.logarithms).map(|(taps, all)| left(taps, all)).collect();
-        let curve = curve::fit(samples, &self.targets, &left, nodes_of_curve, header.texel_format())?;
-        let rest = self.targets.without(curve::along(&curve, samples));
-        let nodes = fit(lattice, &taps, &rest);
+        let finest = curve::fit(&self.samples, &self.targets, &left, nodes_of_curve);
+        let value = |pair: DirectionPair| {
+            let angles = Angles::of(pair);
+            let table = lattice.value(&lattice.taps(&header.position_of(angles)), &nodes);
+            let curve = curve::at(&finest, angles.theta_half);
+            std::array::from_fn(|c| f64::from(header.mean) * (f64::from(table[c]) + curve[c]).exp())
+        };
+        let mut rows = levels::rows(value, recipe.levels, nodes_of_curve);
+        let add = |sum: &mut [f64; 3], more: &[f64; 3]| (0..3).for_each(|c| sum[c] += more[c]);
+        rows.iter_mut().for_each(|row| row.iter_mut().zip(&finest).for_each(|(sum, finest)| add(sum, finest)));
+        let curve = curve::stored(&rows, header.channels)?;
+        let rest = self.targets.without(curve::along(&curve, &self.samples));
+        let solution = fit(lattice, &taps, &rest);
 
         progress.stage(Stage::Quantise, 1)?;
-        Ok(quantise(header, &nodes, &rest)?.with_curve(curve)?)
+        Ok(quantise(header, &solution, &rest)?.with_curve(curve)?)
+    }
+
+    /// The nodes of a table of a size before they are rounded to texels: their header, whose `low` and `span` are 0, and
+    /// their logarithms, `[layer][slice][row][column]` without the slice that stands twice.
+    ///
+    /// # Errors
+    /// As [`Self::pack`].
+    pub fn nodes(&self, size: Size, progress: &dyn Progress) -> Result<(TableHeader, Vec<[f32; 3]>), EncodeError> {
+        let recipe = TableRecipe { size, ..TableRecipe::default() };
+        let fitted = self.fit(size, self.texels(&recipe)?, progress)?;
+        Ok((fitted.header, fitted.solution.nodes))
+    }
+
+    fn fit(&self, size: Size, texels: usize, progress: &dyn Progress) -> Result<Fitted, EncodeError> {
+        progress.stage(Stage::Choose, 1)?;
+        let (samples, targets) = (&self.samples, &self.targets);
+        let header = match size {
+            Size::Nodes(axes) => choose_warps(samples, targets, self.symmetry, axes),
+            Size::Bytes(_) => choose(samples, targets, self.symmetry, texels, self.isotropic),
+        };
+        progress.stage(Stage::Fit, 1)?;
+        let lattice = Lattice::new(&header);
+        let taps: Vec<Taps> = samples.angles.iter().map(|angles| lattice.taps(&header.position_of(*angles))).collect();
+        let solution = fit(lattice, &taps, targets);
+        Ok(Fitted { header, lattice, taps, solution })
+    }
+
+    /// Texels of a pack of this size, a curve included.
+    fn texels(&self, recipe: &TableRecipe) -> Result<usize, EncodeError> {
+        match recipe.size {
+            Size::Nodes(axes) => {
+                let header = start(&self.targets, self.symmetry, axes);
+                header.check()?;
+                Ok(header.texels())
+            }
+            Size::Bytes(allowed) => self.texels_within(allowed, recipe),
+        }
+    }
+
+    /// Texels of a table that have as many bytes as a curve.
+    fn texels_of_curve(&self, nodes: usize, recipe: &TableRecipe) -> usize {
+        // Of colours a curve has 8 bytes where the table has 4.
+        nodes * (recipe.levels as usize + 1) * if self.grey { 1 } else { 2 }
     }
 
     /// Texels that a budget holds.
-    fn texels_within(&self, allowed: u64, factored: bool) -> Result<usize, EncodeError> {
+    fn texels_within(&self, allowed: u64, recipe: &TableRecipe) -> Result<usize, EncodeError> {
         let block = TableBrdfParameters::SIZE as u64;
         let layers = if self.isotropic { 1 } else { 2 };
         let table = 2 * 2 * if self.symmetry.mirror { 2 } else { 3 } * layers;
-        let fewest = table + if factored { curve::nodes_within(table as usize) as u64 } else { 0 };
+        let curve = if recipe.has_curve() { self.texels_of_curve(curve::FEWEST_NODES, recipe) } else { 0 };
+        let fewest = table + curve as u64;
         let most = allowed.saturating_sub(block) / texel_bytes(self.grey);
         if most < fewest {
             return Err(EncodeError::TooFewBytes { allowed, smallest: block + texel_bytes(self.grey) * fewest });
@@ -194,22 +244,14 @@ impl Prepared {
     }
 }
 
-/// The pack of fitted logarithms: each channel from its lowest to its highest. Nodes that hardly any sample touches stay in
-/// the range of the samples.
-fn quantise(mut header: TableHeader, nodes: &[[f32; 3]], targets: &Targets) -> Result<TablePack, FormatError> {
-    let mut values = vec![[0.0f32; 3]; nodes.len()];
-    for channel in 0..3 {
-        let range = |values: &mut dyn Iterator<Item = f32>| {
-            values.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
-        };
-        let (least, most) = range(&mut targets.logarithms.iter().map(|v| v[channel]));
-        let (low, high) = range(&mut nodes.iter().map(|v| v[channel].clamp(least, most)));
-        let span = high - low;
-        (header.low[channel], header.span[channel]) = (low, span);
-        for (value, node) in values.iter_mut().zip(nodes) {
-            let above = node[channel].clamp(least, most) - low;
-            value[channel] = if span > 0.0 { above / span } else { 0.0 };
-        }
+/// Nodes less the mean of their column.
+fn without_column_means(mut nodes: Vec<[f32; 3]>, columns: usize) -> Vec<[f32; 3]> {
+    let rows = (nodes.len() / columns) as f32;
+    for column in 0..columns {
+        let mut sum = [0.0; 3];
+        nodes.iter().skip(column).step_by(columns).for_each(|node| (0..3).for_each(|c| sum[c] += node[c]));
+        let subtract = |node: &mut [f32; 3]| (0..3).for_each(|c| node[c] -= sum[c] / rows);
+        nodes.iter_mut().skip(column).step_by(columns).for_each(subtract);
     }
-    TablePack::new(header, &values)
+    nodes
 }

@@ -15,19 +15,29 @@ const LARGE: f32 = 0.01;
 /// How often weights follow the residuals.
 const REWEIGHTED: usize = 1;
 
-/// Fits logarithms `[node][channel]`; `taps` are those of the samples. Grey ones stand three times.
+/// Fitted nodes.
+pub struct Solution {
+    /// Logarithms, `[node][channel]`. Grey ones stand three times.
+    pub nodes: Vec<[f32; 3]>,
+    /// What was solved last, of each channel; of grey ones of one.
+    pub equations: Vec<Equations<1>>,
+}
+
+/// Fits logarithms; `taps` are those of the samples.
 ///
 /// Least squares, then again with weights that fall with the residual (iteratively reweighted least squares).
-pub fn fit(lattice: Lattice, taps: &[Taps], targets: &Targets) -> Vec<[f32; 3]> {
+pub fn fit(lattice: Lattice, taps: &[Taps], targets: &Targets) -> Solution {
     let channels = if targets.grey { 1 } else { 3 };
     let mut shares = vec![1.0; taps.len()];
     let mut nodes = start(lattice, taps, &targets.logarithms);
+    let mut equations = Vec::new();
     for round in 0..=REWEIGHTED {
-        let solved: Vec<Vec<[f32; 1]>> =
-            (0..channels).into_par_iter().map(|c| channel(lattice, taps, targets, c, &shares, &nodes)).collect();
+        let solved: (Vec<Equations<1>>, Vec<Vec<[f32; 1]>>) =
+            (0..channels).into_par_iter().map(|c| channel(lattice, taps, targets, c, &shares, &nodes)).unzip();
         for (k, node) in nodes.iter_mut().enumerate() {
-            *node = std::array::from_fn(|c| solved[c.min(channels - 1)][k][0]);
+            *node = std::array::from_fn(|c| solved.1[c.min(channels - 1)][k][0]);
         }
+        equations = solved.0;
         if round < REWEIGHTED {
             shares.par_iter_mut().enumerate().with_min_len(4096).for_each(|(k, share)| {
                 let found = lattice.value(&taps[k], &nodes);
@@ -37,7 +47,7 @@ pub fn fit(lattice: Lattice, taps: &[Taps], targets: &Targets) -> Vec<[f32; 3]> 
             });
         }
     }
-    nodes
+    Solution { nodes, equations }
 }
 
 /// All channels at once, with the mean of their weights and fewer steps: good enough to tell tables apart.
@@ -63,7 +73,7 @@ fn channel(
     channel: usize,
     shares: &[f32],
     nodes: &[[f32; 3]],
-) -> Vec<[f32; 1]> {
+) -> (Equations<1>, Vec<[f32; 1]>) {
     let mut equations = Equations::<1>::new(lattice);
     for (k, taps) in taps.iter().enumerate() {
         let weight = targets.weights[k][channel].powi(2) * shares[k] + UNSEEN * UNSEEN;
@@ -72,7 +82,7 @@ fn channel(
     equations.smooth(SMOOTHNESS);
     let mut solved: Vec<[f32; 1]> = nodes.iter().map(|node| [node[channel]]).collect();
     equations.solve(&mut solved, STEPS);
-    solved
+    (equations, solved)
 }
 
 /// Means of the samples around each node; the mean of all where there are none.

@@ -206,6 +206,18 @@ impl<const C: usize> Equations<C> {
         }
     }
 
+    /// How far errors of its neighbours move the best value of a node.
+    pub fn pull(&self, node: usize, errors: &[f32]) -> f32 {
+        let at = node * self.offsets;
+        let (row, places) = (&self.matrix[at..at + self.offsets], &self.neighbours[at..at + self.offsets]);
+        let centre = self.offsets / 2;
+        let of_others = |(offset, (a, place)): (usize, (&f32, &u32))| {
+            if offset == centre { 0.0 } else { a * errors[*place as usize] }
+        };
+        let sum: f32 = row.iter().zip(places).enumerate().map(of_others).sum();
+        if row[centre] > 0.0 { sum / row[centre] } else { 0.0 }
+    }
+
     /// Solves by conjugate gradients from a first guess, scaled by the diagonal; at most so many steps.
     pub fn solve(&self, x: &mut [[f32; C]], steps: usize) {
         let nodes = self.lattice.len();

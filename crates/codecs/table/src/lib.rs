@@ -6,6 +6,8 @@ pub mod curve;
 pub mod encode;
 pub mod fit;
 pub mod lattice;
+pub mod levels;
+pub mod quantise;
 pub mod recipe;
 pub mod samples;
 pub mod symmetry;

@@ -12,6 +12,17 @@ pub enum Size {
     Nodes(Axes),
 }
 
+/// What a table is to be close in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Aim {
+    /// What is seen: ΔE of pictures.
+    #[default]
+    Pictures,
+    /// Ratios, wherever they are: `ε_r`.
+    Ratios,
+}
+
 /// Everything that decides the bytes of a table pack, besides the source.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct TableRecipe {
@@ -19,6 +30,11 @@ pub struct TableRecipe {
     pub size: Size,
     /// Whether a curve over `θ_h` stands beside the table: one fetch more.
     pub factored: bool,
+    /// Levels of detail besides the finest, for surfaces whose bumps are smaller than a pixel: rows of the curve, which a
+    /// pack with levels has in any case. 0 to [`MOST_LEVELS`](super::levels::MOST_LEVELS).
+    pub levels: u32,
+    /// What it is to be close in.
+    pub aim: Aim,
     /// Whether values are the mean of both ways between light and viewer, as path tracers need it.
     pub reciprocal: bool,
     /// `ε` of the logarithm `ln(f / μ + ε)`.
@@ -35,10 +51,19 @@ impl Default for TableRecipe {
         Self {
             size: Size::Bytes(16 << 10),
             factored: false,
+            levels: 0,
+            aim: Aim::Pictures,
             reciprocal: false,
             bias: 1e-4,
             measure: true,
             supercompress: true,
         }
+    }
+}
+
+impl TableRecipe {
+    /// Whether a curve stands beside the table.
+    pub fn has_curve(&self) -> bool {
+        self.factored || self.levels > 0
     }
 }

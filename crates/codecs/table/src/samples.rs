@@ -5,6 +5,7 @@ use brdfc_formats::table::Angles;
 use brdfc_metrics::sampling::points;
 use brdfc_metrics::values::values_at;
 use brdfc_source::{Source, Tally};
+use rayon::prelude::*;
 use std::f32::consts::{FRAC_PI_2, TAU};
 
 /// Where the sequence of points begins: the pairs that errors are measured at come before.
@@ -13,6 +14,8 @@ const FIRST: u32 = 1 << 20;
 const ON_BALL: usize = 2;
 /// Lowest `z` of a direction.
 const LEAST_COSINE: f64 = 0.005;
+/// Pairs per unit of parallel work.
+const BLOCK: usize = 4096;
 /// Largest value of a sample, 1/sr: far above any reflectance, far below the end of f32.
 const LARGEST: f64 = 1e30;
 
@@ -36,9 +39,9 @@ impl Samples {
     ///
     /// Negative values, any that are no number, and those beyond 1e30 are raised or lowered, and counted.
     pub fn draw(source: &dyn Source, count: usize, reciprocal: bool) -> Self {
-        let visible = |pair: &DirectionPair| pair.incoming[2] > LEAST_COSINE && pair.outgoing[2] > LEAST_COSINE;
-        let mut ball = points(FIRST).map(on_ball).filter(visible);
-        let mut angles = points(FIRST).map(over_angles).filter(visible);
+        let on_balls = (0..count).filter(|k| Self::is_on_ball(*k)).count();
+        let mut ball = placed(on_balls, on_ball).into_iter();
+        let mut angles = placed(count - on_balls, over_angles).into_iter();
         let pairs: Vec<DirectionPair> =
             (0..count).filter_map(|k| if Self::is_on_ball(k) { ball.next() } else { angles.next() }).collect();
         let (values, mut tally) = values_at(source, &pairs);
@@ -52,7 +55,7 @@ impl Samples {
             }
         }
         let values = values.into_iter().map(|value| value.map(|v| v as f32)).collect();
-        let angles = pairs.iter().map(|pair| Angles::of(*pair)).collect();
+        let angles = pairs.par_iter().with_min_len(BLOCK).map(|pair| Angles::of(*pair)).collect();
         let cosines = pairs.iter().map(|pair| pair.incoming[2] as f32).collect();
         Self { angles, cosines, values, tally }
     }
@@ -71,6 +74,22 @@ impl Samples {
     pub fn is_on_ball(index: usize) -> bool {
         index % 3 < ON_BALL
     }
+}
+
+/// The first pairs of the sequence of points that are above the horizon by more than [`LEAST_COSINE`].
+fn placed(count: usize, place: impl Fn([f64; 4]) -> DirectionPair + Sync) -> Vec<DirectionPair> {
+    let visible = |pair: &DirectionPair| pair.incoming[2] > LEAST_COSINE && pair.outgoing[2] > LEAST_COSINE;
+    let mut pairs = Vec::with_capacity(count + BLOCK);
+    let mut first = FIRST;
+    while pairs.len() < count {
+        let blocks = (count - pairs.len()).div_ceil(BLOCK) as u32;
+        let block = |k: u32| points(first + k * BLOCK as u32).take(BLOCK).map(&place).filter(visible).collect();
+        let more: Vec<Vec<DirectionPair>> = (0..blocks).into_par_iter().map(block).collect();
+        pairs.extend(more.into_iter().flatten());
+        first += blocks * BLOCK as u32;
+    }
+    pairs.truncate(count);
+    pairs
 }
 
 /// Values with what is negative, no number or beyond [`LARGEST`] raised to 0 or lowered to that, and counted.

@@ -1,7 +1,8 @@
 //! What a fit aims at: logarithms, and how much each of them shows.
 
+use super::recipe::Aim;
 use super::samples::Samples;
-use brdfc_metrics::lab::lab;
+use brdfc_metrics::lab::{distance_squared, lab};
 use rayon::prelude::*;
 
 /// Share of the samples whose largest channel is no brighter than white.
@@ -12,6 +13,8 @@ pub const UNSEEN: f32 = 0.03;
 /// Logarithms and weights of samples.
 #[derive(Debug, Clone)]
 pub struct Targets {
+    /// What the fit is to be close in.
+    pub aim: Aim,
     /// Whether all channels are the same.
     pub grey: bool,
     /// `μ`, mean over channels of the samples as on a ball; 1 for black materials.
@@ -24,15 +27,21 @@ pub struct Targets {
     pub logarithms: Vec<[f32; 3]>,
     /// What a curve has of each logarithm; empty where there is none.
     taken: Vec<[f32; 3]>,
-    /// What a small difference of the logarithm changes of the lightness, as a share of white's (L* over 116).
+    /// What a small difference of the logarithm changes of the lightness, as a share of white's (L* over 116), or of the
+    /// value, as a share of it.
     pub weights: Vec<[f32; 3]>,
     /// L\*a\*b\* as it is shown.
     pub colours: Vec<[f32; 3]>,
 }
 
 impl Targets {
-    /// Of samples.
+    /// Of samples, seen as pictures are.
     pub fn new(samples: &Samples, bias: f32, grey: bool) -> Self {
+        Self::with_aim(samples, bias, grey, Aim::Pictures)
+    }
+
+    /// Of samples.
+    pub fn with_aim(samples: &Samples, bias: f32, grey: bool, aim: Aim) -> Self {
         let on_ball = || (0..samples.len()).filter(|k| Samples::is_on_ball(*k));
         let sum: f64 = on_ball().map(|k| samples.values[k].iter().map(|v| f64::from(*v)).sum::<f64>()).sum();
         let mean = (sum / (3 * on_ball().count().max(1)) as f64) as f32;
@@ -43,6 +52,9 @@ impl Targets {
         let white = if shown.is_empty() { 0.0 } else { *shown.select_nth_unstable_by(at, f32::total_cmp).1 };
         let exposure = if white > 0.0 { 1.0 / white } else { 1.0 };
         let weight = |value: f32, cosine: f32| {
+            if aim == Aim::Ratios {
+                return value / (value + mean * bias);
+            }
             let shown = value * cosine * exposure;
             // Beyond white nothing changes; near it less and less, so that peaks keep their shape.
             let clipped = if shown < 1.0 { 1.0 } else { 1.0 / (shown * shown) };
@@ -59,6 +71,7 @@ impl Targets {
             weights: pairs().map(|(v, cosine)| v.map(|v| weight(v, *cosine))).collect(),
             colours: pairs().map(|(v, cosine)| lab(v.map(|v| v * cosine * exposure))).collect(),
             taken: Vec::new(),
+            aim,
             grey,
             mean,
             bias,
@@ -73,8 +86,20 @@ impl Targets {
         Self { logarithms: self.logarithms.iter().zip(&taken).map(less).collect(), taken, ..self.clone() }
     }
 
+    /// How far logarithms of sample `k`, seen at an incoming cosine, are from what they should be: ΔE as they are shown, or
+    /// the mean ratio.
+    pub fn difference(&self, k: usize, logarithms: [f32; 3], cosine: f32) -> f64 {
+        match self.aim {
+            Aim::Pictures => f64::from(distance_squared(self.colour(k, logarithms, cosine), self.colours[k]).sqrt()),
+            Aim::Ratios => {
+                let of = |c: usize| self.weights[k][c] * (logarithms[c] - self.logarithms[k][c]).abs();
+                f64::from((0..3).map(of).sum::<f32>() / 3.0)
+            }
+        }
+    }
+
     /// L\*a\*b\* of sample `k`, seen at an incoming cosine, where its logarithms are these.
-    pub fn colour(&self, k: usize, logarithms: [f32; 3], cosine: f32) -> [f32; 3] {
+    fn colour(&self, k: usize, logarithms: [f32; 3], cosine: f32) -> [f32; 3] {
         let taken = self.taken.get(k).copied().unwrap_or_default();
         let shown = |c: usize| self.mean * ((logarithms[c] + taken[c]).exp() - self.bias) * cosine * self.exposure;
         lab(std::array::from_fn(shown))

@@ -1,10 +1,10 @@
 //! How a user asks for a pack: the flags of the command line and the keys of a manifest, which are the same.
 
 use super::recipe::{AutoRecipe, Budget, PackRecipe, Tables};
-use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::wavelet::MAX_LEVELS;
 use brdfc_metrics::fraction::Fraction;
-use brdfc_table::recipe::{Size, TableRecipe};
+use brdfc_table::levels::MOST_LEVELS;
+use brdfc_table::recipe::{Aim, Size, TableRecipe};
 use brdfc_wavelet::recipe::{Ranking, Recipe, Target};
 
 /// Options of an encoding; what is absent is left open. Each field is a flag (`--max-error`) and a key (`max_error`), and
@@ -39,13 +39,17 @@ pub struct EncodeOptions {
     /// packs.
     #[cfg_attr(feature = "clap", arg(long, num_args = 0, default_missing_value = "true"))]
     pub reciprocal: Option<bool>,
+    /// Table packs: levels of detail besides the finest, 0 (default) to 6, for surfaces whose bumps are seen from afar. They
+    /// keep the energy, and make a pack a factored one.
+    #[cfg_attr(feature = "clap", arg(long, value_name = "N"))]
+    pub levels: Option<u32>,
     /// Wavelet: keep one slice in R (default 4).
     #[cfg_attr(feature = "clap", arg(long, value_name = "R"))]
     pub ratio: Option<f64>,
     /// Wavelet: cells per axis and hemisphere, 2, 4, 8, 16, 32 or 64 (default 32).
     #[cfg_attr(feature = "clap", arg(long, value_name = "N"))]
     pub grid: Option<usize>,
-    /// Wavelet: what the two hemispheres are, tangent-pole (default, incoming and outgoing) or half-difference.
+    /// Wavelet: what the two hemispheres are: tangent-pole, incoming and outgoing.
     #[cfg_attr(feature = "clap", arg(long, value_name = "P"))]
     pub parameterisation: Option<String>,
     /// Wavelet: bits per component, 8 (default), or 10 to 16 in a texture of 16 bits.
@@ -63,6 +67,9 @@ pub struct EncodeOptions {
     #[cfg_attr(feature = "clap", arg(long, num_args = 0, default_missing_value = "true"))]
     pub smooth: Option<bool>,
 }
+
+/// The parameterisation of wavelet packs that are made; those over half-difference angles are read only.
+const TANGENT_POLE: &str = "tangent-pole";
 
 /// An option out of range.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -99,7 +106,11 @@ impl EncodeOptions {
         // Named here, or asked for by what stands here.
         let asked = match self.codec.as_deref().map(codec).transpose()? {
             None if self.of_wavelet().is_some() => Some(Codec::Wavelet),
-            None if self.max_delta_e.is_some() || self.max_fetches.is_some() || self.reciprocal == Some(true) => {
+            None if self.max_delta_e.is_some()
+                || self.max_fetches.is_some()
+                || self.reciprocal == Some(true)
+                || self.levels.is_some_and(|levels| levels > 0) =>
+            {
                 Some(Codec::Auto)
             }
             named => named,
@@ -123,6 +134,13 @@ impl EncodeOptions {
                     let name = all.codec.as_deref().unwrap_or("auto");
                     return Err(problem(field, found, &format!("the codec wavelet, not {name}")));
                 }
+                if let (Some(Codec::Table), Some(levels @ 1..)) = (explicit, all.levels) {
+                    return Err(problem(
+                        "levels",
+                        levels.to_string(),
+                        "0 with the codec table; levels are rows of a curve, which factored packs have",
+                    ));
+                }
                 Ok(all.search(match explicit {
                     Some(Codec::Table) => Some(Tables::Plain),
                     Some(Codec::Factored) => Some(Tables::Factored),
@@ -144,7 +162,7 @@ impl EncodeOptions {
     fn without_search(&self) -> Self {
         let for_wavelet = self.codec.as_deref().is_none_or(|name| name == "wavelet");
         let bias = self.bias.filter(|_| for_wavelet);
-        Self { max_delta_e: None, max_fetches: None, reciprocal: None, bias, codec: None, ..self.clone() }
+        Self { max_delta_e: None, max_fetches: None, reciprocal: None, levels: None, bias, codec: None, ..self.clone() }
     }
 
     fn over(&self, defaults: &Self) -> Self {
@@ -164,6 +182,7 @@ impl EncodeOptions {
             max_fetches: limited.max_fetches,
             ratio: limited.ratio,
             reciprocal: self.reciprocal.or(defaults.reciprocal),
+            levels: self.levels.or(defaults.levels),
             grid: self.grid.or(defaults.grid),
             parameterisation: self.parameterisation.clone().or_else(|| defaults.parameterisation.clone()),
             bits: self.bits.or(defaults.bits),
@@ -207,6 +226,11 @@ impl EncodeOptions {
         if self.max_fetches == Some(0) {
             return Err(problem("max_fetches", "0", "1 or more"));
         }
+        if let Some(levels) = self.levels
+            && levels > MOST_LEVELS
+        {
+            return Err(problem("levels", levels.to_string(), &format!("0 to {MOST_LEVELS}")));
+        }
         if let Some(bias) = self.bias
             && !(1e-6..=1.0).contains(&bias)
         {
@@ -215,15 +239,19 @@ impl EncodeOptions {
         Ok(())
     }
 
-    /// The recipe of tables of one kind, or of what is best.
-    fn search(&self, tables: Option<Tables>) -> PackRecipe {
-        let factored = tables == Some(Tables::Factored);
-        let mut table = TableRecipe { factored, reciprocal: self.reciprocal == Some(true), ..TableRecipe::default() };
+    /// The recipe of tables of the kind that is named, or of what is best.
+    fn search(&self, named: Option<Tables>) -> PackRecipe {
+        let factored = named == Some(Tables::Factored);
+        let (levels, reciprocal) = (self.levels.unwrap_or(0), self.reciprocal == Some(true));
+        // Where ratios alone are limited, they are what tables are made for.
+        let ratios = self.max_error.is_some() && self.max_delta_e.is_none();
+        let aim = if ratios { Aim::Ratios } else { Aim::Pictures };
+        let mut table = TableRecipe { factored, levels, aim, reciprocal, ..TableRecipe::default() };
         if let Some(bias) = self.bias {
             table.bias = bias;
         }
         let limited = self.max_delta_e.is_some() || self.max_error.is_some() || self.max_fetches.is_some();
-        if tables.is_some() && !limited {
+        if named.is_some() && !limited {
             if let Some(bytes) = self.max_bytes {
                 table.size = Size::Bytes(bytes);
             }
@@ -237,12 +265,13 @@ impl EncodeOptions {
         let searched = AutoRecipe {
             budget: Budget { delta_e, ..budget },
             table,
-            tables: tables.unwrap_or(Tables::Both),
+            // What has levels has a curve.
+            tables: named.unwrap_or(if levels > 0 { Tables::Factored } else { Tables::Both }),
             ..AutoRecipe::default()
         };
         let wavelet = searched.wavelet.map(|wavelet| Recipe { bias: self.bias.unwrap_or(wavelet.bias), ..wavelet });
-        // What is reciprocal is a table.
-        let tables_alone = tables.is_some() || self.reciprocal == Some(true);
+        // What is reciprocal is a table, and what keeps its energy from afar.
+        let tables_alone = named.is_some() || levels > 0 || self.reciprocal == Some(true);
         PackRecipe::Auto(AutoRecipe { wavelet: wavelet.filter(|_| !tables_alone), ..searched })
     }
 
@@ -251,6 +280,7 @@ impl EncodeOptions {
             ("max_delta_e", self.max_delta_e.map(|v| v.to_string())),
             ("max_fetches", self.max_fetches.map(|v| v.to_string())),
             ("reciprocal", self.reciprocal.filter(|on| *on).map(|v| v.to_string())),
+            ("levels", self.levels.filter(|levels| *levels > 0).map(|v| v.to_string())),
         ] {
             if let Some(found) = found {
                 let with = match self.of_wavelet() {
@@ -273,8 +303,11 @@ impl EncodeOptions {
             }
             recipe.bits = bits;
         }
-        if let Some(name) = &self.parameterisation {
-            recipe.parameterisation = named("parameterisation", name, &Parameterisation::NAMES)?;
+        if let Some(name) = &self.parameterisation
+            && name != TANGENT_POLE
+        {
+            let allowed = format!("{TANGENT_POLE}; half-difference angles are those of the codec table");
+            return Err(problem("parameterisation", format!("\"{name}\""), &allowed));
         }
         if let Some(name) = &self.ranking {
             recipe.ranking = named("ranking", name, &Ranking::NAMES)?;
@@ -343,7 +376,7 @@ mod tests {
         let PackRecipe::Wavelet(named) = resolved("codec = 'wavelet'", "") else { panic!("a wavelet pack") };
         assert_eq!(named, Recipe::visible());
         for wavelet in
-            ["grid = 8", "bits = 12", "parameterisation = 'half-difference'", "ranking = 'energy'", "bias = 0.1"]
+            ["grid = 8", "bits = 12", "parameterisation = 'tangent-pole'", "ranking = 'energy'", "bias = 0.1"]
         {
             assert!(matches!(resolved(wavelet, ""), PackRecipe::Wavelet(_)), "{wavelet}");
         }
@@ -357,8 +390,19 @@ mod tests {
         assert!(factored.factored);
         let PackRecipe::Auto(tables) = resolved("codec = 'factored'\nmax_error = 0.1", "") else { panic!("a search") };
         assert!(tables.wavelet.is_none() && tables.tables == Tables::Factored);
+        let PackRecipe::Auto(far) = resolved("levels = 3", "") else { panic!("a search") };
+        assert!(far.wavelet.is_none() && far.tables == Tables::Factored && far.table.levels == 3);
+        assert_eq!(far.budget, Budget::default());
+        for wrong in ["codec = 'table'\nlevels = 2", "codec = 'wavelet'\nlevels = 2", "levels = 7"] {
+            assert_eq!(keys(wrong).resolve(&EncodeOptions::default()).unwrap_err().field, "levels", "{wrong}");
+        }
         let PackRecipe::Auto(filled) = resolved("max_bytes = 4096", "") else { panic!("a search") };
         assert_eq!(filled.budget, Budget { delta_e: None, error: None, bytes: Some(4096), fetches: None });
+        assert_eq!(filled.table.aim, Aim::Pictures);
+        let PackRecipe::Auto(even) = resolved("max_error = 0.1", "") else { panic!("a search") };
+        assert_eq!(even.table.aim, Aim::Ratios);
+        let PackRecipe::Auto(both) = resolved("max_error = 0.1\nmax_delta_e = 1", "") else { panic!("a search") };
+        assert_eq!(both.table.aim, Aim::Pictures);
         let PackRecipe::Auto(cheap) = resolved("max_fetches = 2", "") else { panic!("a search") };
         assert_eq!(cheap.budget.delta_e, Some(0.5), "fetches alone say nothing of quality");
     }

@@ -117,13 +117,15 @@ fn table(pack: &TablePack) -> Hashes {
     values.add(header.low.into_iter().chain(header.span).chain(header.knots));
     values.add(pack.values().into_iter().flatten());
     if let Some(curve) = pack.curve() {
-        values.add(curve.span().into_iter().chain(curve.values().into_iter().flatten()));
+        values.add(curve.values().into_iter().flatten());
     }
     for pair in directions().flat_map(|i| directions().map(move |o| DirectionPair::new(i, o))) {
-        if pair.is_above_horizon() {
-            values.add(decoder.log_value(pair));
+        for level in 0..=decoder.levels() {
+            if pair.is_above_horizon() {
+                values.add(decoder.log_value(pair, level as f32));
+            }
+            reflectances.add(decoder.eval_at(pair, level as f32));
         }
-        reflectances.add(decoder.eval(pair));
     }
     let e = pack.off_grid;
     errors.words([e.samples]);

@@ -19,6 +19,9 @@ fn table_packs() {
     let factored = |input: &str, bytes: u64| {
         made(input, TableRecipe { size: Size::Bytes(bytes), factored: true, ..TableRecipe::default() })
     };
+    let levelled = |input: &str, bytes: u64| {
+        made(input, TableRecipe { size: Size::Bytes(bytes), levels: 4, ..TableRecipe::default() })
+    };
     let mut packs = Packs::from([
         ("isotropic-rgb.ktx2".to_owned(), pack(&testdata("demo/red_plastic.binary"), 4096, false)),
         ("isotropic-grey.ktx2".to_owned(), pack("synth:ggx?alpha=0.3", 2048, false)),
@@ -26,6 +29,7 @@ fn table_packs() {
         ("anisotropic-rgb.ktx2".to_owned(), pack("synth:velvet?kd=0.1,0.2,0.4", 4096, false)),
         ("reciprocal.ktx2".to_owned(), pack("synth:lewis?kd=0.3,0.1,0.05&ks=0.5&n=15", 2048, true)),
         ("factored-rgb.ktx2".to_owned(), factored("synth:ggx?kd=0.3,0.1,0.05&alpha=0.05", 4096)),
+        ("levels-rgb.ktx2".to_owned(), levelled("synth:ggx?kd=0.3,0.1,0.05&alpha=0.05", 4096)),
         ("factored-grey.ktx2".to_owned(), factored("synth:ward?ax=0.15&ay=0.5", 4096)),
     ]);
     // Every symmetry, of made-up texels.

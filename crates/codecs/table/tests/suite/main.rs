@@ -2,4 +2,5 @@
 
 mod golden;
 mod known_answers;
+mod levels;
 mod odd_sources;

@@ -1,0 +1,99 @@
+//! Bytes against colour differences, a line per codec and a panel per material.
+
+use super::{CodecMaterial, CodecStudy};
+use plotters::prelude::*;
+
+/// Pixels of a panel.
+const PANEL: (u32, u32) = (460, 340);
+const COLUMNS: usize = 3;
+/// Codecs in the order of the legend; a line of `bc6h` and `bc7` is their lower envelope, like those of zfp and SZ3.
+const CODECS: [(&str, RGBColor); 8] = [
+    ("table", RGBColor(0, 90, 181)),
+    ("factored", RGBColor(220, 50, 32)),
+    ("wavelet", RGBColor(120, 120, 120)),
+    ("zfp", RGBColor(0, 140, 90)),
+    ("sz3", RGBColor(150, 90, 200)),
+    ("bc6h", RGBColor(200, 150, 0)),
+    ("bc7", RGBColor(230, 120, 180)),
+    ("ggx", RGBColor(0, 0, 0)),
+];
+
+/// The figure as SVG: on the horizontal axis what a codec takes, of zfp and SZ3 on disk, of others on the GPU.
+///
+/// # Errors
+/// What the drawing library reports.
+pub fn drawing(study: &CodecStudy) -> Result<String, String> {
+    let rows = study.materials.len().div_ceil(COLUMNS).max(1);
+    let columns = study.materials.len().clamp(1, COLUMNS);
+    let size = (PANEL.0 * columns as u32, PANEL.1 * rows as u32);
+    let mut text = String::new();
+    {
+        let root = SVGBackend::with_string(&mut text, size).into_drawing_area();
+        root.fill(&WHITE).map_err(|error| error.to_string())?;
+        for (area, material) in root.split_evenly((rows, columns)).iter().zip(&study.materials) {
+            panel(area, material).map_err(|error| error.to_string())?;
+        }
+        root.present().map_err(|error| error.to_string())?;
+    }
+    Ok(text)
+}
+
+type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
+
+fn panel(area: &Area<'_>, material: &CodecMaterial) -> Result<(), DrawingAreaErrorKind<std::io::Error>> {
+    let mut chart = ChartBuilder::on(area)
+        .caption(&material.material, ("sans-serif", 15))
+        .margin(8)
+        .x_label_area_size(34)
+        .y_label_area_size(48)
+        .build_cartesian_2d((16.0..4.0e6f64).log_scale(), (0.02..40.0f64).log_scale())?;
+    chart
+        .configure_mesh()
+        .light_line_style(WHITE)
+        .x_desc("bytes")
+        .y_desc("mean ΔE")
+        .x_label_formatter(&|bytes| size(*bytes))
+        .y_label_formatter(&|error| format!("{error}"))
+        .draw()?;
+    for (codec, colour) in CODECS {
+        let points = envelope(material, codec);
+        if points.is_empty() {
+            continue;
+        }
+        let style = ShapeStyle { color: colour.to_rgba(), filled: true, stroke_width: 2 };
+        chart
+            .draw_series(LineSeries::new(points.iter().copied(), style))?
+            .label(codec)
+            .legend(move |(x, y)| PathElement::new([(x, y), (x + 14, y)], style));
+        chart.draw_series(points.iter().map(|point| Circle::new(*point, 2, style)))?;
+    }
+    chart
+        .configure_series_labels()
+        .position(SeriesLabelPosition::LowerLeft)
+        .background_style(WHITE.mix(0.8))
+        .label_font(("sans-serif", 11))
+        .draw()
+}
+
+fn size(bytes: f64) -> String {
+    match bytes {
+        b if b >= 1e6 => format!("{} MB", b / 1e6),
+        b if b >= 1e3 => format!("{} kB", b / 1e3),
+        b => format!("{b} B"),
+    }
+}
+
+/// Points of a codec that no smaller one of it beats.
+fn envelope(material: &CodecMaterial, codec: &str) -> Vec<(f64, f64)> {
+    let bytes = |row: &super::CodecRow| if row.sampled { row.bytes_on_gpu } else { row.bytes_on_disk } as f64;
+    let mut points: Vec<(f64, f64)> =
+        material.rows.iter().filter(|row| row.codec == codec).map(|row| (bytes(row), row.delta_e)).collect();
+    points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let mut least = f64::INFINITY;
+    points.retain(|(_, error)| {
+        let better = *error < least;
+        least = least.min(*error);
+        better
+    });
+    points
+}

@@ -1,0 +1,256 @@
+//! Measures every codec on one material.
+
+use super::blocks::{Blocks, whole_blocks};
+use super::fitted_ggx::fitted_ggx;
+use super::peers::{Compress, DenseTable};
+use super::volume::{Meaning, Volume};
+use super::{CodecMaterial, CodecRow};
+use crate::rates::Rates;
+use brdfc_formats::wavelet::Filter;
+use brdfc_formats::{BrdfDecoder, BrdfPack};
+use brdfc_gpu::{EVALUATE_ENTRY_WGSL, Evaluator, Gpu, GpuError, SliceFilter};
+use brdfc_jobs::encode::PackError;
+use brdfc_jobs::encode::encode;
+use brdfc_jobs::encode::recipe::PackRecipe;
+use brdfc_metrics::compare::{Comparison, Reference};
+use brdfc_metrics::sampling::PairSet;
+use brdfc_source::analytic::Ggx;
+use brdfc_source::pack::opened;
+use brdfc_source::{Source, Tally};
+use brdfc_table::encode::{EncodeError, Prepared, samples_for};
+use brdfc_table::recipe::{Size, TableRecipe};
+use brdfc_wavelet::recipe::{Recipe, Target};
+use std::time::Instant;
+
+/// Tables, plain and factored, in KiB on a GPU.
+const SIZES: [u64; 8] = [1, 2, 4, 8, 16, 32, 64, 128];
+/// Tables whose nodes are compressed, in KiB of ten bits a channel.
+const FOR_PEERS: [u64; 4] = [16, 64, 256, 1024];
+/// Tables whose slices become blocks, likewise; blocks take a quarter.
+const FOR_BLOCKS: [u64; 4] = [4, 16, 64, 256];
+const RATIOS: [f64; 3] = [64.0, 16.0, 4.0];
+const GGX_WGSL: &str = include_str!("ggx.wgsl");
+/// Two colours and two numbers.
+const GGX_BYTES: u64 = 32;
+
+/// Why a study was not finished.
+#[derive(Debug, thiserror::Error)]
+pub enum CodecStudyError {
+    /// What the driver reports.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    /// A pack could not be made.
+    #[error(transparent)]
+    Pack(#[from] PackError),
+    /// A table could not be made.
+    #[error(transparent)]
+    Table(#[from] EncodeError),
+    /// What a compressor reports.
+    #[error("{0}")]
+    Peer(String),
+}
+
+/// Every codec on one material; zfp and SZ3 where `compress` is given.
+///
+/// # Errors
+/// What drivers and compressors report; sources that no pack can be made of.
+pub fn codec_study(
+    gpu: &Gpu,
+    name: &str,
+    source: &dyn Source,
+    compress: Option<&Compress<'_>>,
+) -> Result<CodecMaterial, CodecStudyError> {
+    let mut study = Study {
+        gpu,
+        source,
+        rates: Rates::new(gpu)?,
+        reference: Reference::new(source, PairSet::comparison()),
+        rows: Vec::new(),
+    };
+    let first = study.packs()?;
+    study.blocks()?;
+    if let Some(compress) = compress {
+        study.peers(compress)?;
+    }
+    study.ggx(&first)?;
+    Ok(CodecMaterial { material: name.to_owned(), rows: study.rows })
+}
+
+struct Study<'a> {
+    gpu: &'a Gpu,
+    source: &'a dyn Source,
+    rates: Rates<'a>,
+    reference: Reference,
+    rows: Vec<CodecRow>,
+}
+
+impl Study<'_> {
+    /// Tables, factored tables and wavelets, as they are written; the first of them.
+    fn packs(&mut self) -> Result<BrdfPack, CodecStudyError> {
+        let table = |factored, kib: u64| {
+            PackRecipe::Table(TableRecipe { size: Size::Bytes(kib << 10), factored, ..TableRecipe::default() })
+        };
+        let tables = [false, true].into_iter().flat_map(|factored| SIZES.map(|kib| table(factored, kib)));
+        let wavelets =
+            RATIOS.map(|ratio| PackRecipe::Wavelet(Recipe { target: Target::Ratio(ratio), ..Recipe::visible() }));
+        let mut first = None;
+        for recipe in tables.chain(wavelets) {
+            let start = Instant::now();
+            let made = encode(self.source, &recipe.without_measuring(), &())?;
+            let encode_seconds = start.elapsed().as_secs_f64();
+            let error = self.reference.compare(opened(&made.pack, None).source.as_ref());
+            let decoder = BrdfDecoder::new(&made.pack);
+            let level = decoder.levels() as f32;
+            let cpu = self.rates.cpu(false, |pair| decoder.eval(pair, level, Filter::Bilinear)[0]);
+            let shader = self.rates.shader(&made.pack, Filter::Bilinear, level, SliceFilter::Hardware)?;
+            self.rows.push(CodecRow {
+                sampled: true,
+                bytes_on_gpu: made.pack.gpu_bytes(),
+                bytes_on_disk: made.bytes.len() as u64,
+                fetches: Some(made.pack.fetches()),
+                encode_seconds,
+                cpu: Some(cpu),
+                shader: Some(shader),
+                ..row(made.codec.name(), made.codec.size(), &error)
+            });
+            first.get_or_insert(made.pack);
+        }
+        Ok(first.expect("packs were made"))
+    }
+
+    /// The nodes of a table of a size, as they were fitted.
+    fn nodes(&self, size: Size) -> Result<(Volume, f64), CodecStudyError> {
+        let start = Instant::now();
+        let recipe = TableRecipe { size, ..TableRecipe::default() };
+        let samples = samples_for(size, self.source.is_grey());
+        let prepared = Prepared::new(self.source, &recipe, samples, &()).map_err(EncodeError::from)?;
+        let (header, nodes) = prepared.nodes(size, &())?;
+        Ok((Volume { header, nodes, meaning: Meaning::Logarithm }, start.elapsed().as_secs_f64()))
+    }
+
+    fn blocks(&mut self) -> Result<(), CodecStudyError> {
+        for kib in FOR_BLOCKS {
+            let (volume, _) = self.nodes(Size::Bytes(kib << 10))?;
+            let (volume, seconds) = self.nodes(Size::Nodes(whole_blocks(volume.header.axes)))?;
+            let size = size(&volume);
+            for blocks in Blocks::ALL {
+                let start = Instant::now();
+                let (bytes, coded) = blocks.coded(&volume);
+                let encode_seconds = seconds + start.elapsed().as_secs_f64();
+                let error = self.reference.compare(&coded);
+                let (name, of) = blocks.name();
+                self.rows.push(CodecRow {
+                    sampled: true,
+                    bytes_on_gpu: bytes,
+                    bytes_on_disk: bytes,
+                    fetches: Some(if volume.header.isotropic() { 1 } else { 2 }),
+                    encode_seconds,
+                    ..row(name, format!("{of}, {size}"), &error)
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn peers(&mut self, compress: &Compress<'_>) -> Result<(), CodecStudyError> {
+        let fitted = FOR_PEERS
+            .map(|kib| self.nodes(Size::Bytes(kib << 10)))
+            .into_iter()
+            .collect::<Result<Vec<_>, CodecStudyError>>()?;
+        let mut volumes: Vec<_> = fitted.into_iter().map(|(volume, seconds)| (volume, seconds, false)).collect();
+        if self.source.symmetry().isotropic {
+            let header = volumes[0].0.header;
+            let start = Instant::now();
+            let dense = Volume::dense(self.source, header.symmetry, header.mean, header.bias);
+            volumes.push((dense, start.elapsed().as_secs_f64(), true));
+        }
+        for (volume, seconds, dense) in volumes {
+            let axes = volume.header.axes;
+            let shape = [axes.layers, axes.azimuth, axes.difference, axes.half].map(|n| n as usize);
+            let shape = shape[usize::from(axes.layers == 1)..].to_vec();
+            let made = compress(&DenseTable::new(shape, &volume.nodes)).map_err(CodecStudyError::Peer)?;
+            for compressed in made {
+                let decoded = Volume { nodes: compressed.nodes(), ..volume.clone() };
+                let error = self.reference.compare(&decoded);
+                self.rows.push(CodecRow {
+                    dense,
+                    bytes_on_gpu: 8 * volume.header.texels() as u64,
+                    bytes_on_disk: compressed.bytes,
+                    encode_seconds: seconds + compressed.seconds,
+                    ..row(&compressed.codec, format!("{}, {}", size(&volume), compressed.tolerance), &error)
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// The fitted model. `any` is a pack for the bindings that its shader does not use.
+    fn ggx(&mut self, any: &BrdfPack) -> Result<(), CodecStudyError> {
+        let start = Instant::now();
+        let exposure = self.reference.exposure();
+        let ggx = fitted_ggx(self.source, exposure);
+        let encode_seconds = start.elapsed().as_secs_f64();
+        let error = self.reference.compare(&ggx);
+        let cpu = self.rates.cpu(false, |pair| ggx.eval(pair, &mut Tally::default())[0] as f32);
+        let evaluator = Evaluator::with_shaders(self.gpu, &ggx_source(&ggx), EVALUATE_ENTRY_WGSL)?;
+        let loaded = evaluator.load(any, Filter::Bilinear)?;
+        let shader = self.rates.shader_of(&evaluator, &loaded, 0.0, SliceFilter::Hardware)?;
+        self.rows.push(CodecRow {
+            sampled: true,
+            bytes_on_gpu: GGX_BYTES,
+            bytes_on_disk: GGX_BYTES,
+            fetches: Some(0),
+            encode_seconds,
+            cpu: Some(cpu),
+            shader: Some(shader),
+            ..row("ggx", parameters(&ggx), &error)
+        });
+        Ok(())
+    }
+}
+
+/// What all rows have; what they have not is absent.
+fn row(codec: &str, setting: String, error: &Comparison) -> CodecRow {
+    CodecRow {
+        codec: codec.to_owned(),
+        setting,
+        dense: false,
+        sampled: false,
+        bytes_on_gpu: 0,
+        bytes_on_disk: 0,
+        fetches: None,
+        encode_seconds: 0.0,
+        cpu: None,
+        shader: None,
+        relative_error: error.norms.relative_mean,
+        delta_e: error.picture.delta_e.mean,
+        delta_e_p95: error.picture.delta_e.p95,
+    }
+}
+
+fn size(volume: &Volume) -> String {
+    let axes = volume.header.axes;
+    let layers = if axes.layers == 1 { String::new() } else { format!("x{}", axes.layers) };
+    format!("{}x{}x{}{layers}", axes.half, axes.difference, axes.azimuth)
+}
+
+fn parameters(ggx: &Ggx) -> String {
+    let colour = |c: [f64; 3]| c.map(|v| format!("{v:.3}")).join(",");
+    let alpha = if ggx.alpha_x == ggx.alpha_y {
+        format!("alpha={:.3}", ggx.alpha_x)
+    } else {
+        format!("alpha_x={:.3}&alpha_y={:.3}", ggx.alpha_x, ggx.alpha_y)
+    };
+    format!("kd={}&f0={}&{alpha}", colour(ggx.kd), colour(ggx.f0))
+}
+
+fn ggx_source(ggx: &Ggx) -> String {
+    let vector = |c: [f64; 3]| format!("vec3<f32>({:.7}, {:.7}, {:.7})", c[0], c[1], c[2]);
+    format!(
+        "const KD = {};\nconst F0 = {};\nconst ALPHA = vec2<f32>({:.7}, {:.7});\n{GGX_WGSL}",
+        vector(ggx.kd),
+        vector(ggx.f0),
+        ggx.alpha_x,
+        ggx.alpha_y
+    )
+}

@@ -1,0 +1,129 @@
+//! Packs beside what a user could take instead: general compressors of dense tables, block compression, a fitted model.
+
+mod blocks;
+mod drawing;
+mod fitted_ggx;
+mod measure;
+mod peers;
+mod volume;
+
+pub use drawing::drawing;
+pub use measure::{CodecStudyError, codec_study};
+pub use peers::{Compress, Compressed, DenseTable};
+
+use brdfc_gpu::AdapterDescription;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// The study's figures.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+pub struct CodecStudy {
+    /// What ran the shaders.
+    pub adapter: AdapterDescription,
+    /// Why zfp and SZ3 are left out, if they are.
+    pub peers_left_out: Option<String>,
+    /// One for each material.
+    pub materials: Vec<CodecMaterial>,
+}
+
+/// One material.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+pub struct CodecMaterial {
+    /// What it is called.
+    pub material: String,
+    /// One for each codec and size.
+    pub rows: Vec<CodecRow>,
+}
+
+/// One codec at one size.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+pub struct CodecRow {
+    /// `table`, `factored`, `wavelet`, `zfp`, `sz3`, `bc6h`, `bc7` or `ggx`.
+    pub codec: String,
+    /// Nodes, ratio, tolerance or parameters.
+    pub setting: String,
+    /// Of zfp and SZ3: whether they compress a dense table, or else the nodes that were fitted for a pack.
+    pub dense: bool,
+    /// Whether a GPU can sample it as it is stored.
+    pub sampled: bool,
+    /// Bytes on a GPU: of what it cannot sample, once decompressed to halves.
+    pub bytes_on_gpu: u64,
+    /// Bytes of the file; of what has no file format here, of the compressed data alone.
+    pub bytes_on_disk: u64,
+    /// Filtered fetches of a look-up.
+    pub fetches: Option<u32>,
+    /// Seconds from the opened source to the bytes, errors not measured.
+    pub encode_seconds: f64,
+    /// Evaluations per second of one CPU thread.
+    pub cpu: Option<f64>,
+    /// Evaluations per second of the shader.
+    pub shader: Option<f64>,
+    /// `ε_r` off the grid, a fraction.
+    pub relative_error: f64,
+    /// Mean ΔE*ab of pictures.
+    pub delta_e: f64,
+    /// Its 95th percentile.
+    pub delta_e_p95: f64,
+}
+
+impl CodecMaterial {
+    /// The least bytes on disk with which a codec, of a dense table or not, has at most this ΔE, between its measured sizes on
+    /// straight lines of the logarithms; `None` where it never gets there.
+    pub fn bytes_at(&self, codec: &str, dense: bool, delta_e: f64) -> Option<f64> {
+        // The lower envelope: of each size the least error of this and all smaller ones.
+        let mut points: Vec<(f64, f64)> = self
+            .rows
+            .iter()
+            .filter(|row| row.codec == codec && row.dense == dense)
+            .map(|row| (row.bytes_on_disk as f64, row.delta_e))
+            .collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        let mut before: Option<(f64, f64)> = None;
+        for (bytes, error) in points {
+            if error <= delta_e {
+                return Some(match before {
+                    Some((smaller, larger_error)) if larger_error > error => {
+                        let share = (larger_error / delta_e).ln() / (larger_error / error).ln();
+                        smaller * (bytes / smaller).powf(share)
+                    }
+                    _ => bytes,
+                });
+            }
+            if before.is_none_or(|(_, least)| error < least) {
+                before = Some((bytes, error));
+            }
+        }
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_lie_between_sizes() {
+        let row = |codec: &str, bytes_on_disk: u64, delta_e: f64| CodecRow {
+            codec: codec.to_owned(),
+            setting: String::new(),
+            dense: false,
+            sampled: true,
+            bytes_on_gpu: 0,
+            bytes_on_disk,
+            fetches: None,
+            encode_seconds: 0.0,
+            cpu: None,
+            shader: None,
+            relative_error: 0.0,
+            delta_e,
+            delta_e_p95: 0.0,
+        };
+        let rows = vec![row("a", 100, 4.0), row("a", 400, 1.0), row("a", 300, 9.0), row("b", 10, 0.5)];
+        let material = CodecMaterial { material: String::new(), rows };
+        assert!((material.bytes_at("a", false, 2.0).unwrap() - 200.0).abs() < 1e-9);
+        assert_eq!(material.bytes_at("a", false, 5.0), Some(100.0));
+        assert_eq!(material.bytes_at("a", false, 0.9), None);
+        assert_eq!(material.bytes_at("b", false, 0.9), Some(10.0));
+        assert_eq!(material.bytes_at("b", true, 0.9), None);
+    }
+}

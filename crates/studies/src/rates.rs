@@ -1,0 +1,89 @@
+//! How many evaluations per second, by shaders and on the CPU.
+
+use brdfc_formats::BrdfPack;
+use brdfc_formats::direction::DirectionPair;
+use brdfc_formats::wavelet::Filter;
+use brdfc_gpu::{Evaluator, Gpu, GpuError, LoadedPack, SliceFilter};
+use brdfc_metrics::sampling::random_pairs;
+use rayon::prelude::*;
+use std::hint::black_box;
+use std::time::Instant;
+
+/// Pairs per run of the shader.
+const SHADER_PAIRS: usize = 1 << 17;
+/// Pairs per run on the CPU.
+const CPU_PAIRS: usize = 1 << 15;
+/// Runs, of which the fastest counts.
+const RUNS: usize = 3;
+const SEED: u64 = 5;
+
+/// Compiled shaders and the pairs that they are run on.
+pub(crate) struct Rates<'g> {
+    of_tables: Evaluator<'g>,
+    of_wavelets: Evaluator<'g>,
+    pairs: Vec<DirectionPair>,
+}
+
+impl<'g> Rates<'g> {
+    pub(crate) fn new(gpu: &'g Gpu) -> Result<Self, GpuError> {
+        let (of_tables, of_wavelets) = (Evaluator::of_tables(gpu)?, Evaluator::new(gpu)?);
+        Ok(Self { of_tables, of_wavelets, pairs: random_pairs(SHADER_PAIRS, SEED) })
+    }
+
+    /// Evaluations per second of a pack at a level of detail, with the sampler's weights or exact ones.
+    pub(crate) fn shader(
+        &self,
+        pack: &BrdfPack,
+        filter: Filter,
+        level: f32,
+        slices: SliceFilter,
+    ) -> Result<f64, GpuError> {
+        let evaluator = match pack {
+            BrdfPack::Table(_) => &self.of_tables,
+            BrdfPack::Wavelet(_) => &self.of_wavelets,
+        };
+        self.shader_of(evaluator, &evaluator.load(pack, filter)?, level, slices)
+    }
+
+    /// Evaluations per second of what is loaded.
+    pub(crate) fn shader_of(
+        &self,
+        evaluator: &Evaluator<'_>,
+        loaded: &LoadedPack,
+        level: f32,
+        slices: SliceFilter,
+    ) -> Result<f64, GpuError> {
+        let on_device = evaluator.load_pairs(&self.pairs, level, slices)?;
+        // The first run compiles and moves what is left to move.
+        evaluator.run(loaded, &on_device)?;
+        let mut best = f64::INFINITY;
+        for _ in 0..RUNS {
+            let start = Instant::now();
+            evaluator.run(loaded, &on_device)?;
+            best = best.min(start.elapsed().as_secs_f64());
+        }
+        Ok(self.pairs.len() as f64 / best)
+    }
+
+    /// Evaluations per second on the CPU, on one thread or on all.
+    pub(crate) fn cpu(&self, all: bool, eval: impl Fn(DirectionPair) -> f32 + Sync) -> f64 {
+        let pairs = &self.pairs[..CPU_PAIRS];
+        let run = || -> f32 {
+            if all {
+                pairs.par_iter().map(|pair| eval(*pair)).sum()
+            } else {
+                pairs.iter().map(|pair| eval(*pair)).sum()
+            }
+        };
+        pairs.len() as f64 / best_of(run)
+    }
+}
+
+fn best_of<T>(run: impl Fn() -> T) -> f64 {
+    let time = |_| {
+        let start = Instant::now();
+        black_box(run());
+        start.elapsed().as_secs_f64()
+    };
+    (0..RUNS).map(time).fold(f64::INFINITY, f64::min)
+}
