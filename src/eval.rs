@@ -31,7 +31,7 @@ pub struct Arguments {
     /// Where to write; stdout if absent.
     #[arg(long, short, value_name = "OUT.csv")]
     output: Option<PathBuf>,
-    /// Level of detail of a pack, 0 (a constant per incoming direction) to N (finest, the default).
+    /// Level of detail of a pack, 0 (coarsest) to its number of levels (finest, the default).
     #[arg(long, value_name = "L")]
     lod: Option<f32>,
 }

@@ -45,7 +45,9 @@ pub struct Encoded {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum EncodeError {
     /// The byte budget does not hold the smallest table.
-    #[error("byte budget: found {allowed} bytes; allowed at least {smallest}, which hold the smallest table")]
+    #[error(
+        "byte budget: found {allowed} bytes; allowed at least {smallest}, which hold the smallest table with what stands beside it"
+    )]
     TooFewBytes {
         /// The budget.
         allowed: u64,
@@ -149,6 +151,10 @@ impl Prepared {
     /// # Errors
     /// A budget that cannot be met, sizes out of range, cancellation.
     pub fn pack(&self, recipe: &TableRecipe, progress: &dyn Progress) -> Result<TablePack, EncodeError> {
+        if recipe.levels > levels::MOST_LEVELS {
+            let allowed = format!("0 to {}", levels::MOST_LEVELS);
+            return Err(FormatError::whole("levels", recipe.levels.to_string(), allowed).into());
+        }
         let texels = self.texels(recipe)?;
         let nodes_of_curve = curve::nodes_within(texels);
         let of_curve = if recipe.has_curve() { self.texels_of_curve(nodes_of_curve, recipe) } else { 0 };

@@ -52,13 +52,16 @@ fn rounded(equations: &Equations<1>, exact: &[f32]) -> Vec<f32> {
     let mut errors: Vec<f32> = shares.iter().zip(exact).map(|(share, exact)| share - exact).collect();
     for _ in 0..SWEEPS {
         for node in 0..exact.len() {
-            shares[node] = nearest(exact[node] - equations.pull(node, &errors));
+            let pull = equations.pull(node, &errors).clamp(-FARTHEST, FARTHEST);
+            shares[node] = nearest(exact[node] - pull);
             errors[node] = shares[node] - exact[node];
         }
     }
     shares
 }
 
+/// How far a node may move to make up for others: those that hardly any sample touches would else go far.
+const FARTHEST: f32 = 1.0 / STEPS;
 /// How often all nodes are looked at.
 const SWEEPS: usize = 3;
 

@@ -16,6 +16,8 @@ use brdfc_wavelet::recipe::{Recipe, Target};
 /// the outlines of anisotropic highlights, which hardly count in a mean: their smallest is larger.
 const SMALLEST: u64 = 1 << 10;
 const SMALLEST_ANISOTROPIC: u64 = 4 << 10;
+/// Likewise where there are levels of detail: with few nodes a row does not keep the light of a narrow highlight.
+const SMALLEST_WITH_LEVELS: u64 = 8 << 10;
 const LARGEST: u64 = 1 << 20;
 /// Ratios of wavelet packs that are tried where no table meets the budget.
 const RATIOS: [f64; 3] = [16.0, 8.0, 4.0];
@@ -74,9 +76,10 @@ pub(super) fn search(
         }
     } else {
         let most = budget.bytes.unwrap_or(LARGEST).min(LARGEST);
+        let smallest = search.smallest_tried();
         for half in (0..FILLED).rev() {
             let bytes = most >> half;
-            if half == 0 || bytes >= SMALLEST {
+            if half == 0 || bytes >= smallest {
                 search.table(bytes, recipe.tables == Tables::Factored)?;
             }
         }
@@ -122,8 +125,7 @@ impl Progress for Within<'_> {
 impl Search<'_> {
     /// Tries tables; whether one meets the budget.
     fn tables(&mut self) -> Result<bool, PackError> {
-        let smallest = if self.source.symmetry().isotropic { SMALLEST } else { SMALLEST_ANISOTROPIC };
-        let sizes = sizes(smallest, self.recipe.budget.bytes);
+        let sizes = sizes(self.smallest_tried(), self.recipe.budget.bytes);
         let met = self.smallest(&sizes, self.recipe.tables == Tables::Factored)?;
         if self.recipe.tables != Tables::Both || !self.may_be_factored() {
             return Ok(met.is_some());
@@ -136,6 +138,15 @@ impl Search<'_> {
             found = true;
         }
         Ok(found)
+    }
+
+    /// Bytes of the smallest table that is tried.
+    fn smallest_tried(&self) -> u64 {
+        match (self.recipe.table.levels, self.source.symmetry().isotropic) {
+            (1.., _) => SMALLEST_WITH_LEVELS,
+            (0, true) => SMALLEST,
+            (0, false) => SMALLEST_ANISOTROPIC,
+        }
     }
 
     /// Whether the budget has a fetch for a curve.
@@ -289,6 +300,7 @@ fn missed(budget: &Budget, best: &Comparison) -> String {
 mod tests {
     use super::*;
     use brdfc_source::address::parse_synth;
+    use brdfc_table::levels::MOST_LEVELS;
 
     fn searched(address: &str, budget: Budget) -> EncodedPack {
         let source = parse_synth(address).unwrap();
@@ -325,6 +337,23 @@ mod tests {
         let least = made.tried.iter().map(|trial| trial.relative_error).fold(f64::INFINITY, f64::min);
         assert!(made.off_grid.norms.relative_mean == least && made.missed.is_some());
         assert!(made.tried.iter().any(|trial| trial.bytes_on_gpu > 19_000), "{:?}", made.tried);
+    }
+
+    /// As many levels as there can be, of colours, which take most bytes.
+    #[test]
+    fn any_number_of_levels_is_searched() {
+        for address in
+            ["synth:ggx?kd=0.3,0.1,0.05&f0=0.5&alpha=0.1", "synth:velvet?kd=0.1,0.2,0.4", "synth:lambert?kd=0"]
+        {
+            let source = parse_synth(address).unwrap();
+            let table = TableRecipe { levels: MOST_LEVELS, ..TableRecipe::default() };
+            for bytes in [None, Some(2048)] {
+                let budget = Budget { bytes, ..Budget::default() };
+                let recipe = AutoRecipe { budget, table: table.clone(), tables: Tables::Factored, wavelet: None };
+                let made = search(source.as_ref(), &recipe, &()).unwrap();
+                assert!(made.pack.levels() == MOST_LEVELS && made.pack.gpu_bytes() <= bytes.unwrap_or(LARGEST));
+            }
+        }
     }
 
     #[test]

@@ -18,7 +18,9 @@ pub enum PackError {
     )]
     NothingMeasured,
     /// No codec is that cheap to look up.
-    #[error("fetch budget: found {allowed}; allowed at least {fewest}, which a table of this kind needs")]
+    #[error(
+        "fetch budget: found {allowed}; allowed at least {fewest}, which a table of this kind needs (one more with a curve or levels)"
+    )]
     TooFewFetches {
         /// The budget.
         allowed: u32,

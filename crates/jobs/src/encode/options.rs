@@ -116,7 +116,15 @@ impl EncodeOptions {
             named => named,
         };
         let defaults = match asked {
-            Some(Codec::Auto | Codec::Table | Codec::Factored) => defaults.without_wavelet(),
+            Some(Codec::Table) => Self { levels: None, ..defaults.without_wavelet() },
+            Some(Codec::Auto | Codec::Factored) => {
+                let mut defaults = defaults.without_wavelet();
+                // A table with levels is a factored one.
+                if self.levels.is_some_and(|levels| levels > 0) && defaults.codec.as_deref() == Some("table") {
+                    defaults.codec = Some("factored".to_owned());
+                }
+                defaults
+            }
             Some(Codec::Wavelet) => defaults.without_search(),
             None => defaults.clone(),
         };
@@ -155,7 +163,8 @@ impl EncodeOptions {
         let (ratio, grid, bits, smooth) = (None, None, None, None);
         let for_table = self.codec.as_deref().is_some_and(|name| name != "wavelet");
         let bias = self.bias.filter(|_| for_table);
-        Self { ratio, grid, bits, smooth, bias, parameterisation: None, ranking: None, codec: None, ..self.clone() }
+        let codec = self.codec.clone().filter(|name| name == "table" || name == "factored");
+        Self { ratio, grid, bits, smooth, bias, parameterisation: None, ranking: None, codec, ..self.clone() }
     }
 
     /// Without what wavelet packs do not have.
@@ -285,6 +294,9 @@ impl EncodeOptions {
             if let Some(found) = found {
                 let with = match self.of_wavelet() {
                     Some((other, _)) => format!("the codec auto, table or factored, and no {other}"),
+                    None if self.codec.is_none() => {
+                        "the codec auto, table or factored; bias alone asks for wavelet".to_owned()
+                    }
                     None => "the codec auto, table or factored".to_owned(),
                 };
                 return Err(problem(field, found, &with));
@@ -357,74 +369,4 @@ fn named<T: Copy>(field: &'static str, name: &str, known: &[(&'static str, T)]) 
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn keys(text: &str) -> EncodeOptions {
-        toml::from_str(text).unwrap()
-    }
-
-    fn resolved(own: &str, defaults: &str) -> PackRecipe {
-        keys(own).resolve(&keys(defaults)).unwrap()
-    }
-
-    #[test]
-    fn the_codec_follows_from_the_options() {
-        assert_eq!(resolved("", ""), PackRecipe::default());
-        let PackRecipe::Wavelet(paper) = resolved("ratio = 4", "") else { panic!("a wavelet pack") };
-        assert_eq!(paper, Recipe::default());
-        let PackRecipe::Wavelet(named) = resolved("codec = 'wavelet'", "") else { panic!("a wavelet pack") };
-        assert_eq!(named, Recipe::visible());
-        for wavelet in
-            ["grid = 8", "bits = 12", "parameterisation = 'tangent-pole'", "ranking = 'energy'", "bias = 0.1"]
-        {
-            assert!(matches!(resolved(wavelet, ""), PackRecipe::Wavelet(_)), "{wavelet}");
-        }
-        let PackRecipe::Table(table) = resolved("codec = 'table'\nmax_bytes = 4096\nbias = 0.001", "") else {
-            panic!("a table")
-        };
-        assert_eq!((table.size, table.bias), (Size::Bytes(4096), 0.001));
-        let PackRecipe::Auto(tables) = resolved("codec = 'table'\nmax_delta_e = 0.2", "") else { panic!("a search") };
-        assert!(tables.wavelet.is_none() && tables.budget.delta_e == Some(0.2));
-        let PackRecipe::Table(factored) = resolved("codec = 'factored'", "") else { panic!("a table") };
-        assert!(factored.factored);
-        let PackRecipe::Auto(tables) = resolved("codec = 'factored'\nmax_error = 0.1", "") else { panic!("a search") };
-        assert!(tables.wavelet.is_none() && tables.tables == Tables::Factored);
-        let PackRecipe::Auto(far) = resolved("levels = 3", "") else { panic!("a search") };
-        assert!(far.wavelet.is_none() && far.tables == Tables::Factored && far.table.levels == 3);
-        assert_eq!(far.budget, Budget::default());
-        for wrong in ["codec = 'table'\nlevels = 2", "codec = 'wavelet'\nlevels = 2", "levels = 7"] {
-            assert_eq!(keys(wrong).resolve(&EncodeOptions::default()).unwrap_err().field, "levels", "{wrong}");
-        }
-        let PackRecipe::Auto(filled) = resolved("max_bytes = 4096", "") else { panic!("a search") };
-        assert_eq!(filled.budget, Budget { delta_e: None, error: None, bytes: Some(4096), fetches: None });
-        assert_eq!(filled.table.aim, Aim::Pictures);
-        let PackRecipe::Auto(even) = resolved("max_error = 0.1", "") else { panic!("a search") };
-        assert_eq!(even.table.aim, Aim::Ratios);
-        let PackRecipe::Auto(both) = resolved("max_error = 0.1\nmax_delta_e = 1", "") else { panic!("a search") };
-        assert_eq!(both.table.aim, Aim::Pictures);
-        let PackRecipe::Auto(cheap) = resolved("max_fetches = 2", "") else { panic!("a search") };
-        assert_eq!(cheap.budget.delta_e, Some(0.5), "fetches alone say nothing of quality");
-    }
-
-    #[test]
-    fn defaults_that_do_not_go_with_the_codec_are_left_out() {
-        let PackRecipe::Table(table) = resolved("codec = 'table'", "codec = 'wavelet'\nbias = 0.5\ngrid = 8") else {
-            panic!("a table")
-        };
-        assert_eq!(table, TableRecipe::default());
-        let PackRecipe::Wavelet(wavelet) = resolved("codec = 'wavelet'", "max_delta_e = 0.3\nreciprocal = true") else {
-            panic!("a wavelet pack")
-        };
-        assert_eq!(wavelet, Recipe::visible());
-        // Limits are taken from one of both, all together.
-        let PackRecipe::Auto(own) = resolved("max_delta_e = 0.2", "max_bytes = 4096\nmax_error = '3%'") else {
-            panic!("a search")
-        };
-        assert_eq!(own.budget, Budget { delta_e: Some(0.2), error: None, bytes: None, fetches: None });
-        assert!(matches!(resolved("ratio = 16", "reciprocal = true\nmax_fetches = 1"), PackRecipe::Wavelet(_)));
-        assert!(matches!(resolved("max_delta_e = 0.5", "bias = 0.02\ngrid = 16"), PackRecipe::Auto(_)));
-        let PackRecipe::Auto(theirs) = resolved("reciprocal = true", "max_bytes = 4096") else { panic!("a search") };
-        assert!(theirs.table.reciprocal && theirs.wavelet.is_none() && theirs.budget.bytes == Some(4096));
-    }
-}
+mod tests;

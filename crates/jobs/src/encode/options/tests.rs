@@ -1,0 +1,81 @@
+//! Options become recipes.
+
+use super::*;
+
+fn keys(text: &str) -> EncodeOptions {
+    toml::from_str(text).unwrap()
+}
+
+fn resolved(own: &str, defaults: &str) -> PackRecipe {
+    keys(own).resolve(&keys(defaults)).unwrap()
+}
+
+#[test]
+fn the_codec_follows_from_the_options() {
+    assert_eq!(resolved("", ""), PackRecipe::default());
+    let PackRecipe::Wavelet(paper) = resolved("ratio = 4", "") else { panic!("a wavelet pack") };
+    assert_eq!(paper, Recipe::default());
+    let PackRecipe::Wavelet(named) = resolved("codec = 'wavelet'", "") else { panic!("a wavelet pack") };
+    assert_eq!(named, Recipe::visible());
+    for wavelet in ["grid = 8", "bits = 12", "parameterisation = 'tangent-pole'", "ranking = 'energy'", "bias = 0.1"] {
+        assert!(matches!(resolved(wavelet, ""), PackRecipe::Wavelet(_)), "{wavelet}");
+    }
+    let PackRecipe::Table(table) = resolved("codec = 'table'\nmax_bytes = 4096\nbias = 0.001", "") else {
+        panic!("a table")
+    };
+    assert_eq!((table.size, table.bias), (Size::Bytes(4096), 0.001));
+    let PackRecipe::Auto(tables) = resolved("codec = 'table'\nmax_delta_e = 0.2", "") else { panic!("a search") };
+    assert!(tables.wavelet.is_none() && tables.budget.delta_e == Some(0.2));
+    let PackRecipe::Table(factored) = resolved("codec = 'factored'", "") else { panic!("a table") };
+    assert!(factored.factored);
+    let PackRecipe::Auto(tables) = resolved("codec = 'factored'\nmax_error = 0.1", "") else { panic!("a search") };
+    assert!(tables.wavelet.is_none() && tables.tables == Tables::Factored);
+    let PackRecipe::Auto(far) = resolved("levels = 3", "") else { panic!("a search") };
+    assert!(far.wavelet.is_none() && far.tables == Tables::Factored && far.table.levels == 3);
+    assert_eq!(far.budget, Budget::default());
+    for wrong in ["codec = 'table'\nlevels = 2", "codec = 'wavelet'\nlevels = 2", "levels = 7"] {
+        assert_eq!(keys(wrong).resolve(&EncodeOptions::default()).unwrap_err().field, "levels", "{wrong}");
+    }
+    let PackRecipe::Auto(filled) = resolved("max_bytes = 4096", "") else { panic!("a search") };
+    assert_eq!(filled.budget, Budget { delta_e: None, error: None, bytes: Some(4096), fetches: None });
+    assert_eq!(filled.table.aim, Aim::Pictures);
+    let PackRecipe::Auto(even) = resolved("max_error = 0.1", "") else { panic!("a search") };
+    assert_eq!(even.table.aim, Aim::Ratios);
+    let PackRecipe::Auto(both) = resolved("max_error = 0.1\nmax_delta_e = 1", "") else { panic!("a search") };
+    assert_eq!(both.table.aim, Aim::Pictures);
+    let PackRecipe::Auto(cheap) = resolved("max_fetches = 2", "") else { panic!("a search") };
+    assert_eq!(cheap.budget.delta_e, Some(0.5), "fetches alone say nothing of quality");
+}
+
+#[test]
+fn defaults_that_do_not_go_with_the_codec_are_left_out() {
+    let PackRecipe::Table(table) = resolved("codec = 'table'", "codec = 'wavelet'\nbias = 0.5\ngrid = 8") else {
+        panic!("a table")
+    };
+    assert_eq!(table, TableRecipe::default());
+    let PackRecipe::Wavelet(wavelet) = resolved("codec = 'wavelet'", "max_delta_e = 0.3\nreciprocal = true") else {
+        panic!("a wavelet pack")
+    };
+    assert_eq!(wavelet, Recipe::visible());
+    // What a codec has not is left out of the defaults, too, and a codec stays where what is asked for goes with it.
+    assert!(matches!(resolved("codec = 'table'", "levels = 2"), PackRecipe::Table(_)));
+    let PackRecipe::Table(levels) = resolved("levels = 2", "codec = 'factored'\nbias = 0.001") else {
+        panic!("a table")
+    };
+    assert_eq!((levels.levels, levels.factored, levels.bias), (2, true, 0.001));
+    let PackRecipe::Table(levels) = resolved("levels = 2", "codec = 'table'") else { panic!("a table") };
+    assert!(levels.factored && levels.levels == 2);
+    let PackRecipe::Table(both) = resolved("reciprocal = true", "codec = 'table'\nbias = 0.001") else {
+        panic!("a table")
+    };
+    assert!(both.reciprocal && both.bias == 0.001);
+    // Limits are taken from one of both, all together.
+    let PackRecipe::Auto(own) = resolved("max_delta_e = 0.2", "max_bytes = 4096\nmax_error = '3%'") else {
+        panic!("a search")
+    };
+    assert_eq!(own.budget, Budget { delta_e: Some(0.2), error: None, bytes: None, fetches: None });
+    assert!(matches!(resolved("ratio = 16", "reciprocal = true\nmax_fetches = 1"), PackRecipe::Wavelet(_)));
+    assert!(matches!(resolved("max_delta_e = 0.5", "bias = 0.02\ngrid = 16"), PackRecipe::Auto(_)));
+    let PackRecipe::Auto(theirs) = resolved("reciprocal = true", "max_bytes = 4096") else { panic!("a search") };
+    assert!(theirs.table.reciprocal && theirs.wavelet.is_none() && theirs.budget.bytes == Some(4096));
+}
