@@ -100,17 +100,20 @@ fn compress(python: &str, table: &DenseTable) -> Result<Vec<Compressed>, String>
     }
     let length = table.shape.iter().product();
     let printed = String::from_utf8_lossy(&ran.stdout);
-    let parsed = printed.lines().map(|line| parse(line, length, folder.path()));
+    let parsed = printed.lines().map(|line| parse(line, [table.channels.len(), length], folder.path()));
     parsed.collect::<Option<Vec<_>>>().ok_or_else(|| wrong(format!("found {printed:?}; allowed lines of its script")))
 }
 
 /// "codec tolerance bytes seconds file".
-fn parse(line: &str, length: usize, folder: &Path) -> Option<Compressed> {
+fn parse(line: &str, [count, length]: [usize; 2], folder: &Path) -> Option<Compressed> {
     let [codec, tolerance, bytes, seconds, file] = line.split(' ').collect::<Vec<_>>().try_into().ok()?;
     let numbers = std::fs::read(folder.join(file)).ok()?;
     let numbers: Vec<f32> = numbers.as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect();
     let channels: Vec<Vec<f32>> = numbers.chunks(length).map(<[f32]>::to_vec).collect();
-    let channels: [Vec<f32>; 3] = channels.try_into().ok().filter(|c: &[Vec<f32>; 3]| c[2].len() == length)?;
+    let whole = channels.len() == count && channels.iter().all(|channel| channel.len() == length);
+    if !whole {
+        return None;
+    }
     let (tolerance, bytes, seconds) = (tolerance.parse().ok()?, bytes.parse().ok()?, seconds.parse().ok()?);
     Some(Compressed { codec: codec.to_owned(), tolerance, bytes, seconds, channels })
 }

@@ -14,6 +14,7 @@ mod rates;
 pub mod rays;
 #[cfg(feature = "render")]
 pub mod throughput;
+mod timing;
 mod wavelet;
 
 pub use wavelet::{StudyRow, wavelet_table_1};

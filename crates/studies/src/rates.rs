@@ -1,12 +1,12 @@
 //! How many evaluations per second, by shaders and on the CPU.
 
+use super::timing::best_of;
 use brdfc_formats::BrdfPack;
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::wavelet::Filter;
 use brdfc_gpu::{Evaluator, Gpu, GpuError, LoadedPack, SliceFilter};
 use brdfc_metrics::sampling::random_pairs;
 use rayon::prelude::*;
-use std::hint::black_box;
 use std::time::Instant;
 
 /// Pairs per run of the shader.
@@ -75,15 +75,6 @@ impl<'g> Rates<'g> {
                 pairs.iter().map(|pair| eval(*pair)).sum()
             }
         };
-        pairs.len() as f64 / best_of(run)
+        pairs.len() as f64 / best_of(RUNS, run)
     }
-}
-
-fn best_of<T>(run: impl Fn() -> T) -> f64 {
-    let time = |_| {
-        let start = Instant::now();
-        black_box(run());
-        start.elapsed().as_secs_f64()
-    };
-    (0..RUNS).map(time).fold(f64::INFINITY, f64::min)
 }

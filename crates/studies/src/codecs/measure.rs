@@ -168,13 +168,14 @@ impl Study<'_> {
             let axes = volume.header.axes;
             let shape = [axes.layers, axes.azimuth, axes.difference, axes.half].map(|n| n as usize);
             let shape = shape[usize::from(axes.layers == 1)..].to_vec();
-            let made = compress(&DenseTable::new(shape, &volume.nodes)).map_err(CodecStudyError::Peer)?;
+            let made = compress(&DenseTable::new(shape, &volume.nodes, self.source.is_grey()))
+                .map_err(CodecStudyError::Peer)?;
             for compressed in made {
                 let decoded = Volume { nodes: compressed.nodes(), ..volume.clone() };
                 let error = self.reference.compare(&decoded);
                 self.rows.push(CodecRow {
                     dense,
-                    bytes_on_gpu: 8 * volume.header.texels() as u64,
+                    bytes_on_gpu: volume.header.texels() as u64 * if self.source.is_grey() { 2 } else { 8 },
                     bytes_on_disk: compressed.bytes,
                     encode_seconds: seconds + compressed.seconds,
                     ..row(&compressed.codec, format!("{}, {}", size(&volume), compressed.tolerance), &error)

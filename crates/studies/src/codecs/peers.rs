@@ -5,8 +5,8 @@
 pub struct DenseTable {
     /// Numbers along each axis, the slowest first.
     pub shape: Vec<usize>,
-    /// Numbers of each channel.
-    pub channels: [Vec<f32>; 3],
+    /// Numbers of each channel: one of grey materials, otherwise three.
+    pub channels: Vec<Vec<f32>>,
 }
 
 /// What a compressor made of one, at one tolerance.
@@ -21,7 +21,7 @@ pub struct Compressed {
     /// Seconds that compressing took.
     pub seconds: f64,
     /// Numbers of each channel, decompressed.
-    pub channels: [Vec<f32>; 3],
+    pub channels: Vec<Vec<f32>>,
 }
 
 /// Compresses a table at several tolerances with every compressor there is.
@@ -29,15 +29,17 @@ pub type Compress<'a> = dyn Fn(&DenseTable) -> Result<Vec<Compressed>, String> +
 
 impl DenseTable {
     /// Of nodes in the order of a table.
-    pub(super) fn new(shape: Vec<usize>, nodes: &[[f32; 3]]) -> Self {
-        Self { shape, channels: std::array::from_fn(|c| nodes.iter().map(|node| node[c]).collect()) }
+    pub(super) fn new(shape: Vec<usize>, nodes: &[[f32; 3]], grey: bool) -> Self {
+        let channel = |c: usize| nodes.iter().map(|node| node[c]).collect();
+        Self { shape, channels: (0..if grey { 1 } else { 3 }).map(channel).collect() }
     }
 }
 
 impl Compressed {
     /// In the order of a table.
     pub(super) fn nodes(&self) -> Vec<[f32; 3]> {
-        let [red, green, blue] = &self.channels;
-        red.iter().zip(green).zip(blue).map(|((r, g), b)| [*r, *g, *b]).collect()
+        let last = self.channels.len() - 1;
+        let node = |k: usize| std::array::from_fn(|c| self.channels[c.min(last)][k]);
+        (0..self.channels[0].len()).map(node).collect()
     }
 }

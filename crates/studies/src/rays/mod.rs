@@ -6,6 +6,7 @@ mod ray;
 pub use dump::{Dump, DumpError};
 pub use ray::StudyRay;
 
+use crate::timing::best_of;
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::parameterise::ParameteriseError;
 use brdfc_flat_btf::structures::Structure;
@@ -17,8 +18,6 @@ use ray::CHUNK;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::hint::black_box;
-use std::time::Instant;
 
 /// Views per axis, polar angle and azimuth.
 const VIEWS: usize = 16;
@@ -141,10 +140,10 @@ impl RayScene {
             rays: rays.len(),
             hits: mean(count_all(rays, &cast)),
             tiles: mean(rays.par_chunks(CHUNK).map(tiles).sum()),
-            one: rays.len() as f64 / best_of(|| count(rays, &cast)),
-            all: rays.len() as f64 / best_of(|| count_all(rays, &cast)),
-            repeated_one: repeated.as_ref().map(|cast| rays.len() as f64 / best_of(|| count(rays, cast))),
-            repeated_all: repeated.as_ref().map(|cast| rays.len() as f64 / best_of(|| count_all(rays, cast))),
+            one: rays.len() as f64 / best_of(RUNS, || count(rays, &cast)),
+            all: rays.len() as f64 / best_of(RUNS, || count_all(rays, &cast)),
+            repeated_one: repeated.as_ref().map(|cast| rays.len() as f64 / best_of(RUNS, || count(rays, cast))),
+            repeated_all: repeated.as_ref().map(|cast| rays.len() as f64 / best_of(RUNS, || count_all(rays, cast))),
         }
     }
 }
@@ -198,15 +197,6 @@ fn sky_rays(model: &MesoModel, texels: usize) -> Vec<StudyRay> {
         }));
     }
     rays
-}
-
-fn best_of<T>(run: impl Fn() -> T) -> f64 {
-    let time = |_| {
-        let start = Instant::now();
-        black_box(run());
-        start.elapsed().as_secs_f64()
-    };
-    (0..RUNS).map(time).fold(f64::INFINITY, f64::min)
 }
 
 #[cfg(test)]
