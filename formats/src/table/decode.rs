@@ -105,10 +105,13 @@ fn along(curve: &UnpackedCurve, angles: Angles, level: f32) -> [f32; 3] {
         let first = row as usize * nodes + lower;
         between(curve.values[first], curve.values[first + 1], at - lower as f32)
     };
+    if curve.levels == 0 {
+        return of_row(0);
+    }
     // The finest level has the first row.
     let down = (curve.levels as f32 - level).clamp(0.0, curve.levels as f32);
-    let upper = (down as u32).min(curve.levels.max(1) - 1);
-    between(of_row(upper), of_row((upper + 1).min(curve.levels)), down - upper as f32)
+    let upper = (down as u32).min(curve.levels - 1);
+    between(of_row(upper), of_row(upper + 1), down - upper as f32)
 }
 
 fn between(a: [f32; 3], b: [f32; 3], weight: f32) -> [f32; 3] {

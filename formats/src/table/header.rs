@@ -30,6 +30,15 @@ pub struct Axes {
     pub layers: u32,
 }
 
+/// Columns, rows and slices, and layers where there are more than one: `24x13x12`.
+impl std::fmt::Display for Axes {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { half, difference, azimuth, layers } = self;
+        write!(f, "{half}x{difference}x{azimuth}")?;
+        if *layers == 1 { Ok(()) } else { write!(f, "x{layers}") }
+    }
+}
+
 /// Sizes and constants of a table pack.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TableHeader {

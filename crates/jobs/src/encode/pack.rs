@@ -92,10 +92,8 @@ impl CodecReport {
     pub fn size(&self) -> String {
         match self {
             Self::Table(table) => {
-                let Axes { half, difference, azimuth, layers } = table.axes;
-                let layers = if layers == 1 { String::new() } else { format!("x{layers}") };
                 let curve = if table.curve_nodes == 0 { String::new() } else { format!(" + {}", table.curve_nodes) };
-                format!("{half}x{difference}x{azimuth}{layers}{curve}")
+                format!("{}{curve}", table.axes)
             }
             Self::Wavelet(wavelet) => format!("{}/{} slices", wavelet.slices_kept, wavelet.slices_in_all),
         }

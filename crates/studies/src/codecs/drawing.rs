@@ -1,6 +1,6 @@
 //! Bytes against colour differences, a line per codec and a panel per material.
 
-use super::{CodecMaterial, CodecStudy};
+use super::{CodecMaterial, CodecRow, CodecStudy, envelope};
 use plotters::prelude::*;
 
 /// Pixels of a panel.
@@ -56,7 +56,7 @@ fn panel(area: &Area<'_>, material: &CodecMaterial) -> Result<(), DrawingAreaErr
         .y_label_formatter(&|error| format!("{error}"))
         .draw()?;
     for (codec, colour) in CODECS {
-        let points = envelope(material, codec);
+        let points = worth_drawing(material, codec);
         if points.is_empty() {
             continue;
         }
@@ -84,16 +84,8 @@ fn size(bytes: f64) -> String {
 }
 
 /// Points of a codec that no smaller one of it beats.
-fn envelope(material: &CodecMaterial, codec: &str) -> Vec<(f64, f64)> {
-    let bytes = |row: &super::CodecRow| if row.sampled { row.bytes_on_gpu } else { row.bytes_on_disk } as f64;
-    let mut points: Vec<(f64, f64)> =
-        material.rows.iter().filter(|row| row.codec == codec).map(|row| (bytes(row), row.delta_e)).collect();
-    points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    let mut least = f64::INFINITY;
-    points.retain(|(_, error)| {
-        let better = *error < least;
-        least = least.min(*error);
-        better
-    });
-    points
+fn worth_drawing(material: &CodecMaterial, codec: &str) -> Vec<(f64, f64)> {
+    let bytes = |row: &CodecRow| if row.sampled { row.bytes_on_gpu } else { row.bytes_on_disk } as f64;
+    let of_codec = material.rows.iter().filter(|row| row.codec == codec);
+    envelope(of_codec.map(|row| (bytes(row), row.delta_e)).collect())
 }

@@ -130,13 +130,13 @@ impl Study<'_> {
 
     fn blocks(&mut self) -> Result<(), CodecStudyError> {
         for kib in FOR_BLOCKS {
-            let (volume, _) = self.nodes(Size::Bytes(kib << 10))?;
+            let (volume, choosing) = self.nodes(Size::Bytes(kib << 10))?;
             let (volume, seconds) = self.nodes(Size::Nodes(whole_blocks(volume.header.axes)))?;
-            let size = size(&volume);
+            let size = volume.header.axes;
             for blocks in Blocks::ALL {
                 let start = Instant::now();
                 let (bytes, coded) = blocks.coded(&volume);
-                let encode_seconds = seconds + start.elapsed().as_secs_f64();
+                let encode_seconds = choosing + seconds + start.elapsed().as_secs_f64();
                 let error = self.reference.compare(&coded);
                 let (name, of) = blocks.name();
                 self.rows.push(CodecRow {
@@ -178,7 +178,7 @@ impl Study<'_> {
                     bytes_on_gpu: volume.header.texels() as u64 * if self.source.is_grey() { 2 } else { 8 },
                     bytes_on_disk: compressed.bytes,
                     encode_seconds: seconds + compressed.seconds,
-                    ..row(&compressed.codec, format!("{}, {}", size(&volume), compressed.tolerance), &error)
+                    ..row(&compressed.codec, format!("{axes}, {}", compressed.tolerance), &error)
                 });
             }
         }
@@ -227,12 +227,6 @@ fn row(codec: &str, setting: String, error: &Comparison) -> CodecRow {
         delta_e: error.picture.delta_e.mean,
         delta_e_p95: error.picture.delta_e.p95,
     }
-}
-
-fn size(volume: &Volume) -> String {
-    let axes = volume.header.axes;
-    let layers = if axes.layers == 1 { String::new() } else { format!("x{}", axes.layers) };
-    format!("{}x{}x{}{layers}", axes.half, axes.difference, axes.azimuth)
 }
 
 fn parameters(ggx: &Ggx) -> String {

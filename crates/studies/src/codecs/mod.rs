@@ -70,31 +70,28 @@ impl CodecMaterial {
     /// The least bytes on disk with which a codec, of a dense table or not, has at most this ΔE, between its measured sizes on
     /// straight lines of the logarithms; `None` where it never gets there.
     pub fn bytes_at(&self, codec: &str, dense: bool, delta_e: f64) -> Option<f64> {
-        // The lower envelope: of each size the least error of this and all smaller ones.
-        let mut points: Vec<(f64, f64)> = self
-            .rows
-            .iter()
-            .filter(|row| row.codec == codec && row.dense == dense)
-            .map(|row| (row.bytes_on_disk as f64, row.delta_e))
-            .collect();
-        points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-        let mut before: Option<(f64, f64)> = None;
-        for (bytes, error) in points {
-            if error <= delta_e {
-                return Some(match before {
-                    Some((smaller, larger_error)) if larger_error > error => {
-                        let share = (larger_error / delta_e).ln() / (larger_error / error).ln();
-                        smaller * (bytes / smaller).powf(share)
-                    }
-                    _ => bytes,
-                });
-            }
-            if before.is_none_or(|(_, least)| error < least) {
-                before = Some((bytes, error));
-            }
-        }
-        None
+        let of_codec = self.rows.iter().filter(|row| row.codec == codec && row.dense == dense);
+        let points = envelope(of_codec.map(|row| (row.bytes_on_disk as f64, row.delta_e)).collect());
+        let found = points.iter().position(|(_, error)| *error <= delta_e)?;
+        let (bytes, error) = points[found];
+        let Some((smaller, larger_error)) = found.checked_sub(1).map(|before| points[before]) else {
+            return Some(bytes);
+        };
+        let share = (larger_error / delta_e).ln() / (larger_error / error).ln();
+        Some(smaller * (bytes / smaller).powf(share))
     }
+}
+
+/// Of points of bytes and error, sorted by bytes, those that no smaller one beats.
+fn envelope(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let mut least = f64::INFINITY;
+    points.retain(|(_, error)| {
+        let better = *error < least;
+        least = least.min(*error);
+        better
+    });
+    points
 }
 
 #[cfg(test)]
