@@ -1,7 +1,8 @@
 // What `evaluate.wgsl` calls, of table packs.
 
 fn log_value_of(wi: vec3<f32>, wo: vec3<f32>, level: f32, hardware: bool) -> vec3<f32> {
-    return table_brdf_log_value(wi, wo, level, hardware);
+    let values = table_brdf_log_values(wi, wo, level, hardware);
+    return values.fine + values.coarse_weight * (values.coarse - values.fine);
 }
 
 fn f_r_of(wi: vec3<f32>, wo: vec3<f32>, level: f32, hardware: bool) -> vec3<f32> {

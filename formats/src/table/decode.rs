@@ -16,6 +16,33 @@ struct UnpackedCurve {
     values: Vec<[f32; 3]>,
 }
 
+impl UnpackedCurve {
+    /// How many rows a level of detail is below the finest, which has the first one.
+    fn rows_below_finest(&self, level: f32) -> f32 {
+        (self.levels as f32 - level).clamp(0.0, self.levels as f32)
+    }
+
+    /// A row at `θ_h`, filtered linearly.
+    fn along(&self, row: u32, angles: Angles) -> [f32; 3] {
+        let nodes = self.values.len() / (self.levels as usize + 1);
+        let at = Curve::position(nodes, angles.theta_half);
+        let lower = (at as usize).min(nodes - 2);
+        let first = row as usize * nodes + lower;
+        between(self.values[first], self.values[first + 1], at - lower as f32)
+    }
+}
+
+/// Logarithms `ln(f / μ + ε)` on either side of a level of detail.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LogValues {
+    /// Of the whole level that is asked for, or of the finer one beside it.
+    pub fine: [f32; 3],
+    /// Of the coarser one.
+    pub coarse: [f32; 3],
+    /// How much of the coarser one is wanted, `0.0..=1.0`.
+    pub coarse_weight: f32,
+}
+
 /// A pack made ready for random access.
 #[derive(Debug, Clone)]
 pub struct TableDecoder {
@@ -53,12 +80,15 @@ impl TableDecoder {
         if !pair.is_above_horizon() {
             return [0.0; 3];
         }
-        self.log_value(pair, level).map(|value| self.from_log(value))
+        let LogValues { fine, coarse, coarse_weight } = self.log_values(pair, level);
+        let fine = fine.map(|value| self.from_log(value));
+        if coarse_weight > 0.0 { between(fine, coarse.map(|value| self.from_log(value)), coarse_weight) } else { fine }
     }
 
-    /// `ln(f / μ + ε)` that [`Self::eval_at`] decodes, of directions above the horizon. A shader with manual filtering and
-    /// correctly rounded arithmetic returns the same bits.
-    pub fn log_value(&self, pair: DirectionPair, level: f32) -> [f32; 3] {
+    /// What [`Self::eval_at`] decodes, of directions above the horizon. A shader with manual filtering and correctly
+    /// rounded arithmetic returns the same bits. Values, not their logarithms, are mixed between levels: so that all of
+    /// the light is kept there, too.
+    pub fn log_values(&self, pair: DirectionPair, level: f32) -> LogValues {
         let angles = self.header.angles(pair);
         let position = self.header.position_of(angles);
         let mut value = self.sample(&position, position.layers[0]);
@@ -67,9 +97,15 @@ impl TableDecoder {
             value = between(value, upper, position.layer_weight);
         }
         let table: [f32; 3] = std::array::from_fn(|k| self.header.low[k] + self.header.span[k] * value[k]);
-        let Some(curve) = &self.curve else { return table };
-        let value = along(curve, angles, level);
-        std::array::from_fn(|k| table[k] + value[k])
+        let Some(curve) = &self.curve else { return LogValues { fine: table, coarse: table, coarse_weight: 0.0 } };
+        let down = curve.rows_below_finest(level);
+        let row = down as u32;
+        let on_row = |row: u32| {
+            let value = curve.along(row, angles);
+            std::array::from_fn(|k| table[k] + value[k])
+        };
+        let (fine, coarse_weight) = (on_row(row), down - row as f32);
+        LogValues { fine, coarse: if coarse_weight > 0.0 { on_row(row + 1) } else { fine }, coarse_weight }
     }
 
     /// `f = μ (exp(v) - ε)`, raised to 0 where rounding made it negative, and lowered to the largest number.
@@ -94,24 +130,6 @@ impl TableDecoder {
         let of_slice = |slice: u32| between(texel(row, slice), texel(row + 1, slice), y);
         between(of_slice(slice), of_slice(slice + 1), z)
     }
-}
-
-/// A curve at `θ_h` and a level of detail, filtered linearly along both.
-fn along(curve: &UnpackedCurve, angles: Angles, level: f32) -> [f32; 3] {
-    let nodes = curve.values.len() / (curve.levels as usize + 1);
-    let at = Curve::position(nodes, angles.theta_half);
-    let lower = (at as usize).min(nodes - 2);
-    let of_row = |row: u32| {
-        let first = row as usize * nodes + lower;
-        between(curve.values[first], curve.values[first + 1], at - lower as f32)
-    };
-    if curve.levels == 0 {
-        return of_row(0);
-    }
-    // The finest level has the first row.
-    let down = (curve.levels as f32 - level).clamp(0.0, curve.levels as f32);
-    let upper = (down as u32).min(curve.levels - 1);
-    between(of_row(upper), of_row(upper + 1), down - upper as f32)
 }
 
 fn between(a: [f32; 3], b: [f32; 3], weight: f32) -> [f32; 3] {

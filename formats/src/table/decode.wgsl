@@ -1,5 +1,5 @@
 // Table packs on a GPU: f_r at a direction pair, from one filtered fetch (two for anisotropic materials), and one more of
-// a curve for factored packs.
+// a curve for factored packs (two between levels of detail).
 //
 // The pack layout and the equations are described in `formats/src/table/spec.md`; the CPU decoder with the same steps in
 // the same order is `TableDecoder` of the crate `brdfc-formats`. Half-difference angles after Rusinkiewicz 1998.
@@ -7,7 +7,8 @@
 // To use it: paste this file before your own shader, move the four bindings where they suit you, and call
 //
 //     let f_r = table_brdf(wi, wo);                 // the sampler filters
-//     let f_r = table_brdf_exact(wi, wo);           // manual filtering: eight fetches, the same bits as the CPU decoder
+//     let f_r = table_brdf_exact(wi, wo);           // manual filtering: eight loads for one fetch (two of a curve), the
+//                                                   // same bits as the CPU decoder
 //     let f_r = table_brdf_at(wi, wo, level, true); // at a level of detail, such as table_brdf_level_of_detail(distance)
 //
 // wi (to the light) and wo (to the viewer) are unit vectors in the frame x = tangent, y = bitangent, z = normal. The
@@ -58,6 +59,13 @@ struct TableBrdfPosition {
     layer_weight: f32,     // of the second
 }
 
+// Logarithms ln(f / μ + ε) on either side of a level of detail.
+struct TableBrdfLogValues {
+    fine: vec3<f32>,       // of the whole level that is asked for, or of the finer one beside it
+    coarse: vec3<f32>,     // of the coarser one
+    coarse_weight: f32,    // how much of that is wanted
+}
+
 // f_r with the sampler's trilinear filter.
 fn table_brdf(wi: vec3<f32>, wo: vec3<f32>) -> vec3<f32> {
     return table_brdf_at(wi, wo, f32(table_brdf_levels()), true);
@@ -73,7 +81,12 @@ fn table_brdf_at(wi: vec3<f32>, wo: vec3<f32>, level: f32, hardware: bool) -> ve
     if !(wi.z > 0.0 && wo.z > 0.0) {
         return vec3<f32>(0.0);
     }
-    return table_brdf_from_log(table_brdf_log_value(wi, wo, level, hardware));
+    let values = table_brdf_log_values(wi, wo, level, hardware);
+    let fine = table_brdf_from_log(values.fine);
+    if values.coarse_weight > 0.0 {
+        return fine + values.coarse_weight * (table_brdf_from_log(values.coarse) - fine);
+    }
+    return fine;
 }
 
 // Levels of detail besides the finest.
@@ -93,8 +106,9 @@ fn table_brdf_from_log(value: vec3<f32>) -> vec3<f32> {
     return select(vec3<f32>(0.0), min(f, vec3<f32>(TABLE_BRDF_LARGEST)), f > vec3<f32>(0.0));
 }
 
-// The logarithm ln(f / μ + ε). Both directions are above the horizon.
-fn table_brdf_log_value(wi: vec3<f32>, wo: vec3<f32>, level: f32, hardware: bool) -> vec3<f32> {
+// Both directions are above the horizon. Values, not logarithms, are mixed between levels: so that all of the light is
+// kept there, too.
+fn table_brdf_log_values(wi: vec3<f32>, wo: vec3<f32>, level: f32, hardware: bool) -> TableBrdfLogValues {
     let angles = table_brdf_angles(wi, wo);
     let position = table_brdf_position(angles);
     var value = table_brdf_sample(position.at, position.layers.x, hardware);
@@ -102,30 +116,30 @@ fn table_brdf_log_value(wi: vec3<f32>, wo: vec3<f32>, level: f32, hardware: bool
         let upper = table_brdf_sample(position.at, position.layers.y, hardware);
         value = value + position.layer_weight * (upper - value);
     }
-    value = table_brdf_parameters.low + table_brdf_parameters.span * value;
-    if table_brdf_parameters.curve > 0u {
-        value = value + table_brdf_along(angles.theta_half, level, hardware);
+    let table = table_brdf_parameters.low + table_brdf_parameters.span * value;
+    if table_brdf_parameters.curve == 0u {
+        return TableBrdfLogValues(table, table, 0.0);
     }
-    return value;
-}
-
-// The curve at θ_h and a level of detail. The finest level has the first row.
-fn table_brdf_along(theta_half: f32, level: f32, hardware: bool) -> vec3<f32> {
-    let nodes = table_brdf_parameters.curve & 0xffffu;
     let levels = table_brdf_levels();
     let down = clamp(f32(levels) - level, 0.0, f32(levels));
-    let at = sqrt(min(theta_half / TABLE_BRDF_HALF_PI, 1.0)) * f32(nodes - 1u);
-    if hardware {
-        let texel = vec2<f32>((at + 0.5) / f32(nodes), (down + 0.5) / f32(levels + 1u));
-        return table_brdf_colour(textureSampleLevel(table_brdf_curve, table_brdf_sampler, texel, 0.0));
+    let row = u32(down);
+    let coarse_weight = down - f32(row);
+    let fine = table + table_brdf_along(angles.theta_half, row, hardware);
+    if coarse_weight > 0.0 {
+        let coarse = table + table_brdf_along(angles.theta_half, row + 1u, hardware);
+        return TableBrdfLogValues(fine, coarse, coarse_weight);
     }
-    let upper = min(u32(down), max(levels, 1u) - 1u);
-    let fine = table_brdf_along_row(at, nodes, upper);
-    let coarse = table_brdf_along_row(at, nodes, min(upper + 1u, levels));
-    return fine + (down - f32(upper)) * (coarse - fine);
+    return TableBrdfLogValues(fine, fine, 0.0);
 }
 
-fn table_brdf_along_row(at: f32, nodes: u32, row: u32) -> vec3<f32> {
+// A row of the curve at θ_h. The finest level has the first one.
+fn table_brdf_along(theta_half: f32, row: u32, hardware: bool) -> vec3<f32> {
+    let nodes = table_brdf_parameters.curve & 0xffffu;
+    let at = sqrt(min(theta_half / TABLE_BRDF_HALF_PI, 1.0)) * f32(nodes - 1u);
+    if hardware {
+        let texel = vec2<f32>((at + 0.5) / f32(nodes), (f32(row) + 0.5) / f32(table_brdf_levels() + 1u));
+        return table_brdf_colour(textureSampleLevel(table_brdf_curve, table_brdf_sampler, texel, 0.0));
+    }
     let lower = min(u32(at), nodes - 2u);
     let left = table_brdf_colour(textureLoad(table_brdf_curve, vec2<u32>(lower, row), 0));
     let right = table_brdf_colour(textureLoad(table_brdf_curve, vec2<u32>(lower + 1u, row), 0));

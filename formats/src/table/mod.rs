@@ -10,7 +10,7 @@ pub mod shader;
 
 pub use coordinates::{Angles, Position, TableSymmetry};
 pub use curve::Curve;
-pub use decode::TableDecoder;
+pub use decode::{LogValues, TableDecoder};
 pub(crate) use header::TABLE_ENTRY;
 pub use header::{Axes, KNOTS, TableHeader};
 pub use pack::TablePack;

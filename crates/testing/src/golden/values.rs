@@ -122,7 +122,7 @@ fn table(pack: &TablePack) -> Hashes {
     for pair in directions().flat_map(|i| directions().map(move |o| DirectionPair::new(i, o))) {
         for level in 0..=decoder.levels() {
             if pair.is_above_horizon() {
-                values.add(decoder.log_value(pair, level as f32));
+                values.add(decoder.log_values(pair, level as f32).fine);
             }
             reflectances.add(decoder.eval_at(pair, level as f32));
         }
