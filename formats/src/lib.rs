@@ -23,6 +23,7 @@ mod kind;
 pub mod measured;
 pub mod meso;
 pub mod table;
+pub mod vector_math;
 pub mod wavelet;
 
 pub use brdf_pack::{BrdfDecoder, BrdfPack};

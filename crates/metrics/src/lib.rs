@@ -8,4 +8,3 @@ pub mod norms;
 pub mod picture;
 pub mod sampling;
 pub mod values;
-pub mod vector_math;

@@ -1,7 +1,7 @@
 //! The error norms of `docs/accuracy.md`, over any number of samples, in a form that merges in order.
 
-use super::vector_math::ln_1p;
 use brdfc_formats::ErrorSummary;
+use brdfc_formats::vector_math::ln_1p;
 
 /// Samples with `f` below this fraction of the mean are left out of relative norms and counted apart.
 pub const RELATIVE_FLOOR: f64 = 1e-3;

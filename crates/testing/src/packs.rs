@@ -30,7 +30,12 @@ impl Numbers {
 }
 
 pub fn header(parameterisation: Parameterisation, levels: u32, channels: u32, bits: u32) -> Header {
-    Header { parameterisation, levels, stored_levels: levels, channels, bits, mean: 0.25, bias: 0.01 }
+    Header { parameterisation, levels, stored_levels: levels, channels, bits, mean: 0.25, bias: 0.01, lifted: false }
+}
+
+/// That of a pack whose coarser cells keep the light.
+pub fn lifted(levels: u32, channels: u32, bits: u32) -> Header {
+    Header { lifted: true, ..header(Parameterisation::TangentPole, levels, channels, bits) }
 }
 
 /// A pack with made-up slices: `kept` coefficients, spread over the tree, with random texels and scales that keep
@@ -97,6 +102,10 @@ pub fn packs() -> Vec<(String, WaveletPack)> {
                 }
             }
         }
+    }
+    for (levels, channels, bits) in [(1, 1, 16), (2, 3, 12), (4, 3, 8), (5, 1, 8), (6, 3, 16)] {
+        let made = pack(lifted(levels, channels, bits), 1 << levels, packs.len() as u64);
+        packs.push((format!("lifted, levels {levels}, channels {channels}, bits {bits}"), made));
     }
     packs
 }
@@ -184,6 +193,7 @@ pub fn example() -> WaveletPack {
         bits: 8,
         mean: 0.5,
         bias: 0.01,
+        lifted: false,
     };
     let summary = ErrorSummary { samples: 16, rms: 0.25, reciprocity: 0.125, ..ErrorSummary::default() };
     WaveletPack {

@@ -3,7 +3,8 @@
 //! Every step is f32 arithmetic in a fixed order without fused operations, so that a shader that follows it with
 //! manual filtering gives the same bits up to the last exponential.
 
-use super::haar::{self, detail_indices};
+use super::haar::{self, Plain, detail_indices};
+use super::lift::{Lift, rise};
 use crate::direction::{DirectionPair, Parameterisation, polynomial_atan2};
 use crate::wavelet::{Header, WaveletPack};
 use std::f32::consts::{PI, SQRT_2};
@@ -25,6 +26,8 @@ pub enum Filter {
 #[derive(Debug, Clone)]
 pub struct WaveletDecoder {
     header: Header,
+    /// Of lifted packs.
+    lift: Option<Lift>,
     index: Vec<u16>,
     /// Coefficients `[slice][cell][channel]`, slice 0 all zero.
     coefficients: Vec<f32>,
@@ -64,7 +67,8 @@ impl WaveletDecoder {
                 }
             }
         }
-        Self { header, index: pack.index.clone(), coefficients }
+        let lift = header.lifted.then(|| Lift::new(header.levels));
+        Self { header, lift, index: pack.index.clone(), coefficients }
     }
 
     /// Sizes and constants.
@@ -125,7 +129,8 @@ impl WaveletDecoder {
     /// Equation 2's synthesis along one path of the tree: the log-encoded value of one inner cell.
     ///
     /// A level adds the latitude detail, then the longitude detail, with the weights that repeated division by √2
-    /// gives: `2^-(N-j)` and `√2 2^-(N-j)`; the sign is that of the half the cell is in.
+    /// gives: `2^-(N-j)` and `√2 2^-(N-j)`; the sign is that of the half the cell is in. Of lifted packs each first takes
+    /// away what it raised the mean by.
     fn reconstruct(&self, footprint: &[(usize, f32)], column: usize, row: usize, level: f32) -> [f32; 3] {
         let levels = self.header.levels;
         let level = level.clamp(0.0, levels as f32);
@@ -143,6 +148,16 @@ impl WaveletDecoder {
             let longitude_sign = if child_column & 1 == 0 { longitude_scale } else { -longitude_scale };
             let (a, b) = (self.coefficient(latitude, footprint), self.coefficient(longitude, footprint));
             let part = if j == whole { fraction } else { 1.0 };
+            if let Some(lift) = &self.lift {
+                let (rows, columns) = (lift.latitude(j, parent_row), lift.longitude(j, parent_column));
+                for channel in 0..3 {
+                    let (a, b) = (part * latitude_sign * a[channel], part * longitude_sign * b[channel]);
+                    let (sign_a, sign_b) = (latitude_sign.signum(), longitude_sign.signum());
+                    value[channel] += a - rise(sign_a * a, rows);
+                    value[channel] += b - rise(sign_b * b, columns);
+                }
+                continue;
+            }
             for channel in 0..3 {
                 value[channel] += part * (latitude_sign * a[channel] + longitude_sign * b[channel]);
             }
@@ -204,7 +219,10 @@ impl WaveletDecoder {
                 scratch.coefficients[k] = self.coefficients[texel * channels + channel];
             }
         }
-        haar::inverse(&scratch.coefficients, n, output, &mut scratch.split);
+        match &self.lift {
+            Some(lift) => haar::inverse(&scratch.coefficients, n, lift, output, &mut scratch.split),
+            None => haar::inverse(&scratch.coefficients, n, &Plain, output, &mut scratch.split),
+        }
     }
 }
 

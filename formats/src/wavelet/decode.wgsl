@@ -32,14 +32,15 @@ struct WaveletBrdfParameters {
     scaling_offset: f32,     // of slice 1
     slices: f32,             // depth of the 3D texture
     distance_scale: f32,     // α of section 5.4.1, per unit of distance
-    reserved_0: u32,
-    reserved_1: u32,
+    lifted: u32,             // 1 where coarser cells are logarithms of means, 0 where they are means of logarithms
+    reserved: u32,
 }
 
 @group(1) @binding(0) var<uniform> wavelet_brdf_parameters: WaveletBrdfParameters;
 // The pack's texture as it is in the KTX2 file.
 @group(1) @binding(1) var wavelet_brdf_slices: texture_3d<f32>;
-// 2^N x 2^N texels of 32-bit floats, coefficient k at (k mod 2^N, k / 2^N): slice, its scale, its offset, 0.
+// 2^N x 2^N texels of 32-bit floats, coefficient k at (k mod 2^N, k / 2^N): slice, its scale, its offset, and of lifted
+// packs what the lower half counts of both.
 @group(1) @binding(2) var wavelet_brdf_index: texture_2d<f32>;
 // Linear filter, clamp to edge.
 @group(1) @binding(3) var wavelet_brdf_sampler: sampler;
@@ -130,7 +131,7 @@ fn wavelet_brdf_reconstruct(
     let whole = u32(floor(clamped));
     let fraction = clamped - floor(clamped);
     let last = whole + select(0u, 1u, fraction > 0.0);
-    let scaling = vec3<f32>(1.0, wavelet_brdf_parameters.scaling_scale, wavelet_brdf_parameters.scaling_offset);
+    let scaling = vec4<f32>(1.0, wavelet_brdf_parameters.scaling_scale, wavelet_brdf_parameters.scaling_offset, 0.0);
     var value = wavelet_brdf_coefficient(scaling, outer, hardware) * wavelet_brdf_weight(levels);
     for (var j = 0u; j < last; j += 1u) {
         let child_column = column >> (levels - j - 1u);
@@ -148,6 +149,13 @@ fn wavelet_brdf_reconstruct(
         let b = wavelet_brdf_coefficient(longitude, outer, hardware);
         // The coarser value is on the way to the finer one, so a blend of levels costs no second reconstruction.
         let part = select(1.0, fraction, j == whole);
+        if wavelet_brdf_parameters.lifted == 1u {
+            let of_rows = part * latitude_weight * a;
+            let of_columns = part * longitude_weight * b;
+            value += of_rows - wavelet_brdf_rise(sign(latitude_weight) * of_rows, latitude.w);
+            value += of_columns - wavelet_brdf_rise(sign(longitude_weight) * of_columns, longitude.w);
+            continue;
+        }
         value += part * (latitude_weight * a + longitude_weight * b);
     }
     return value;
@@ -158,16 +166,49 @@ fn wavelet_brdf_weight(n: u32) -> f32 {
     return bitcast<f32>((127u - n) << 23u);
 }
 
-// Figure 6: the compression map. Slice, scale and offset of a coefficient; all 0 where it was dropped.
-fn wavelet_brdf_entry(coefficient: u32) -> vec3<f32> {
+// How far the logarithm of the mean of two halves is above the mean of their logarithms, where these are h above and below
+// it and the lower half counts `lower` of both: ln(lower exp(h) + (1 - lower) exp(-h)).
+fn wavelet_brdf_rise(h: vec3<f32>, lower: f32) -> vec3<f32> {
+    let size = abs(h);
+    let upper = 1.0 - lower;
+    let brighter = select(vec3<f32>(lower), vec3<f32>(upper), h < vec3<f32>(0.0));
+    let darker = select(vec3<f32>(upper), vec3<f32>(lower), h < vec3<f32>(0.0));
+    return size + wavelet_brdf_ln(brighter + darker * wavelet_brdf_exp(-2.0 * size));
+}
+
+// exp(x) for x <= 0, within 2.5e-7 of the value down to -80. The built-in functions of GPUs differ; this one does not.
+fn wavelet_brdf_exp(value: vec3<f32>) -> vec3<f32> {
+    let x = max(value, vec3<f32>(-87.0));
+    let k = round(x * 1.442695);
+    let r = (x - k * 0.6933594) - k * -2.1219444e-4;
+    let p = 0.5 + r * (1.666652e-1 + r * (4.1666206e-2 + r * (8.368882e-3 + r * 1.3950478e-3)));
+    let scale = bitcast<vec3<f32>>((vec3<i32>(k) + 127) << vec3<u32>(23u));
+    // Drivers add constants in an order of their own; there is none here.
+    return scale + (r + r * r * p) * scale;
+}
+
+// ln(y) for numbers from 1/8 to 1, within 3e-7 of the value.
+fn wavelet_brdf_ln(y: vec3<f32>) -> vec3<f32> {
+    let bits = bitcast<vec3<i32>>(y);
+    let exponent = (bits - 0x3f3504f3) >> vec3<u32>(23u);
+    let z = bitcast<vec3<f32>>(bits - (exponent << vec3<u32>(23u))) - 1.0;
+    var p = 1.276156e-1 + z * -7.634455e-2;
+    p = 2.0001227e-1 + z * (-1.6623357e-1 + z * (1.420176e-1 + z * (-1.316019e-1 + z * p)));
+    p = 3.333333e-1 + z * (-2.500082e-1 + z * p);
+    return vec3<f32>(exponent) * 0.6931472 + (z + z * z * (z * p - 0.5));
+}
+
+// Figure 6: the compression map. Slice, scale and offset of a coefficient, all 0 where it was dropped; and what the
+// fourth number of the map is.
+fn wavelet_brdf_entry(coefficient: u32) -> vec4<f32> {
     let levels = wavelet_brdf_parameters.levels;
     let texel = vec2<u32>(coefficient & ((1u << levels) - 1u), coefficient >> levels);
     let entry = textureLoad(wavelet_brdf_index, texel, 0);
-    return entry.xyz;
+    return entry;
 }
 
 // One coefficient at the outer direction: offset + scale * texel. Slice 0 is all zero, so nothing branches on it.
-fn wavelet_brdf_coefficient(entry: vec3<f32>, outer: WaveletBrdfTaps, hardware: bool) -> vec3<f32> {
+fn wavelet_brdf_coefficient(entry: vec4<f32>, outer: WaveletBrdfTaps, hardware: bool) -> vec3<f32> {
     if hardware {
         let depth = (entry.x + 0.5) / wavelet_brdf_parameters.slices;
         let at = vec3<f32>(outer.column.position, outer.row.position, depth);

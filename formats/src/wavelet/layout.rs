@@ -61,7 +61,7 @@ fn entries_of(pack: &WaveletPack) -> BTreeMap<String, Vec<u8>> {
         pack.slices() as u32,
         h.mean.to_bits(),
         h.bias.to_bits(),
-        0,
+        u32::from(h.lifted),
     ] {
         header.extend_from_slice(&word.to_le_bytes());
     }
@@ -128,12 +128,14 @@ fn read_header(bytes: &[u8]) -> Result<(Header, usize), FormatError> {
             return Err(FormatError::whole(format!("{HEADER} {field}"), value.to_string(), "a positive number"));
         }
     }
-    let reserved = cursor.u32("reserved")?;
-    if reserved != 0 {
-        return Err(FormatError::whole(format!("{HEADER} reserved"), reserved.to_string(), "0"));
-    }
     let parameterisation = Parameterisation::from_code(code).expect("checked above");
-    Ok((Header { parameterisation, levels, stored_levels, channels, bits, mean, bias }, slices))
+    let lifted = cursor.u32("lifted")?;
+    if lifted > u32::from(parameterisation == Parameterisation::TangentPole) {
+        let allowed = "0, or 1 where the parameterisation is tangent-pole";
+        return Err(FormatError::whole(format!("{HEADER} lifted"), lifted.to_string(), allowed));
+    }
+    let lifted = lifted == 1;
+    Ok((Header { parameterisation, levels, stored_levels, channels, bits, mean, bias, lifted }, slices))
 }
 
 fn read_index(bytes: &[u8], header: &Header, slices: usize) -> Result<Vec<u16>, FormatError> {

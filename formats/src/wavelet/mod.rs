@@ -4,6 +4,7 @@
 mod decode;
 pub mod haar;
 mod layout;
+pub mod lift;
 mod pack;
 pub mod shader;
 

@@ -27,6 +27,8 @@ pub struct Header {
     pub mean: f32,
     /// `ε` of the log encoding `ln(f / μ + ε)`, positive.
     pub bias: f32,
+    /// Whether coarser cells are logarithms of means, see [`super::lift`], or means of logarithms, as in the paper.
+    pub lifted: bool,
 }
 
 impl Header {

@@ -1,6 +1,7 @@
 //! What a shader needs besides a pack's texture: `formats/src/wavelet/decode.wgsl`, its uniform block and its index map.
 
 use super::decode::Filter;
+use super::lift::Lift;
 use crate::wavelet::WaveletPack;
 
 /// The WGSL decoder. It declares a uniform block, two textures and a sampler in bind group 1; see the file.
@@ -37,6 +38,8 @@ pub struct WaveletBrdfParameters {
     pub slices: f32,
     /// `α` of the level of detail `N - clamp(log2(α d), 0, N)`, per unit of distance. Positive.
     pub distance_scale: f32,
+    /// 1 of lifted packs, else 0.
+    pub lifted: u32,
 }
 
 impl WaveletBrdfParameters {
@@ -61,10 +64,11 @@ impl WaveletBrdfParameters {
             scaling_offset: pack.scales[1].offset,
             slices: pack.slices() as f32,
             distance_scale,
+            lifted: u32::from(header.lifted),
         }
     }
 
-    /// The block as the shader reads it: little-endian, fields in order, 8 bytes of zero at the end.
+    /// The block as the shader reads it: little-endian, fields in order, 4 bytes of zero at the end.
     pub fn to_bytes(&self) -> [u8; Self::SIZE] {
         let words = [
             self.levels,
@@ -77,6 +81,7 @@ impl WaveletBrdfParameters {
             self.scaling_offset.to_bits(),
             self.slices.to_bits(),
             self.distance_scale.to_bits(),
+            self.lifted,
         ];
         let mut bytes = [0; Self::SIZE];
         for (target, word) in bytes.chunks_exact_mut(4).zip(words) {
@@ -87,11 +92,13 @@ impl WaveletBrdfParameters {
 }
 
 /// The index map as texels of four 32-bit floats, `2^N x 2^N` of them: coefficient `k` at `(k mod 2^N, k / 2^N)` has its
-/// slice, the slice's scale and offset, and 0.
+/// slice, the slice's scale and offset, and of lifted packs what the lower one of its halves counts, else 0.
 pub fn index_texels(pack: &WaveletPack) -> Vec<[f32; 4]> {
-    let entry = |slice: &u16| {
+    let lift = pack.header.lifted.then(|| Lift::new(pack.header.levels));
+    let entry = |(coefficient, slice): (usize, &u16)| {
         let scale = pack.scales[usize::from(*slice)];
-        [f32::from(*slice), scale.scale, scale.offset, 0.0]
+        let lower = lift.as_ref().map_or(0.0, |lift| lift.of_coefficient(coefficient));
+        [f32::from(*slice), scale.scale, scale.offset, lower]
     };
-    pack.index.iter().map(entry).collect()
+    pack.index.iter().enumerate().map(entry).collect()
 }

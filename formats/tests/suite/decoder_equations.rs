@@ -5,7 +5,7 @@ use std::f64::consts::{PI, SQRT_2};
 
 use brdfc_formats::direction::{DirectionPair, Parameterisation};
 use brdfc_formats::wavelet::{Filter, WaveletDecoder, WaveletPack};
-use brdfc_testing::packs::{header, pack, pairs};
+use brdfc_testing::packs::{header, lifted, pack, pairs};
 
 /// One wrong constant.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,6 +23,9 @@ enum Mistake {
     NoMean,
     TexelRange,
     CellEdges,
+    NoRise,
+    EvenHalves,
+    SwappedHalves,
 }
 
 struct Equations<'a> {
@@ -56,11 +59,33 @@ impl Equations<'_> {
         f64::from(scale.offset) + f64::from(scale.scale) * f64::from(stored) / full
     }
 
-    /// `v(c, r)` at level of detail `l`.
-    fn value(&self, cell: usize, column: usize, row: usize, level: f64, channel: usize) -> f64 {
+    /// How far the mean of two halves is above the mean of their logarithms. Halves meet at `angle`; each has `width`, and
+    /// counts by the integral of `sin^power`.
+    fn rise(&self, h: f64, angle: f64, width: f64, power: i32) -> f64 {
+        let mut counts = [-1.0, 1.0].map(|side| {
+            let steps = 200;
+            let at = |k: i32| angle + side * width * (f64::from(k) + 0.5) / f64::from(steps);
+            (0..steps).map(|k| at(k).sin().powi(power)).sum::<f64>()
+        });
+        if self.is(Mistake::EvenHalves) {
+            counts = [1.0; 2];
+        }
+        if self.is(Mistake::SwappedHalves) {
+            counts.reverse();
+        }
+        if self.is(Mistake::NoRise) {
+            return 0.0;
+        }
+        ((counts[0] * h.exp() + counts[1] * (-h).exp()) / (counts[0] + counts[1])).ln()
+    }
+
+    /// `v(c, r)` at level of detail `l`, of coefficients that are filtered over outer cells.
+    fn value(&self, outer: &[(usize, f64)], column: usize, row: usize, level: f64, channel: usize) -> f64 {
+        let coefficient =
+            |k| outer.iter().map(|(cell, weight)| weight * self.coefficient(k, *cell, channel)).sum::<f64>();
         let n = self.pack.header.levels as i32;
         let scaling = if self.is(Mistake::ScalingWeight) { 1 - n } else { -n };
-        let mut sum = 2f64.powi(scaling) * self.coefficient(0, cell, channel);
+        let mut sum = 2f64.powi(scaling) * coefficient(0);
         for j in 0..n {
             let part = (level - f64::from(j)).clamp(0.0, 1.0);
             let bit = |x: usize, k: i32| (x >> k) & 1;
@@ -75,15 +100,15 @@ impl Equations<'_> {
             let weight = 2f64.powi(j - n);
             let latitude_weight = weight * if self.is(Mistake::LatitudeWeight) { SQRT_2 } else { 1.0 };
             let longitude_weight = weight * if self.is(Mistake::LongitudeWeight) { 1.0 } else { SQRT_2 };
-            sum += part
-                * (latitude_weight
-                    * self.sign(Mistake::LatitudeSign)
-                    * plus_or_minus(bit(row, n - j - 1))
-                    * self.coefficient(latitude, cell, channel)
-                    + longitude_weight
-                        * self.sign(Mistake::LongitudeSign)
-                        * plus_or_minus(bit(column, n - j - 1))
-                        * self.coefficient(longitude, cell, channel));
+            let of_rows = part * latitude_weight * self.sign(Mistake::LatitudeSign) * coefficient(latitude);
+            let of_columns = part * longitude_weight * self.sign(Mistake::LongitudeSign) * coefficient(longitude);
+            sum += plus_or_minus(bit(row, n - j - 1)) * of_rows + plus_or_minus(bit(column, n - j - 1)) * of_columns;
+            if self.pack.header.lifted {
+                let width = PI / f64::from(2 << j);
+                let middle = |parent: usize| f64::from(2 * parent as u32 + 1) * width;
+                sum -= self.rise(of_rows, middle(above(row, n - j)), width, 2);
+                sum -= self.rise(of_columns, middle(above(column, n - j)), width, 1);
+            }
         }
         sum
     }
@@ -120,13 +145,10 @@ impl Equations<'_> {
             std::mem::swap(&mut outer, &mut inner);
         }
         let n = self.pack.header.grid();
-        let mut log = 0.0;
-        for (outer_column, outer_row, outer_weight) in self.footprint(outer) {
-            for (column, row, inner_weight) in self.footprint(inner) {
-                let cell = outer_row * n + outer_column;
-                log += outer_weight * inner_weight * self.value(cell, column, row, level, channel);
-            }
-        }
+        let outer: Vec<(usize, f64)> =
+            self.footprint(outer).into_iter().map(|(column, row, weight)| (row * n + column, weight)).collect();
+        let value = |(column, row, weight)| weight * self.value(&outer, column, row, level, channel);
+        let log: f64 = self.footprint(inner).into_iter().map(value).sum();
         let bias = if self.is(Mistake::NoBias) { 0.0 } else { f64::from(self.pack.header.bias) };
         let mean = if self.is(Mistake::NoMean) { 1.0 } else { f64::from(self.pack.header.mean) };
         (mean * (log.exp() - bias)).max(0.0)
@@ -179,6 +201,9 @@ fn cases() -> Vec<WaveletPack> {
             cases.push(pack(header(parameterisation, levels, channels, bits), 1 << (2 * levels - 1), 31));
         }
     }
+    for (levels, channels, bits) in [(1, 3, 8), (3, 1, 12), (3, 3, 8)] {
+        cases.push(pack(lifted(levels, channels, bits), 1 << (2 * levels - 1), 31));
+    }
     cases
 }
 
@@ -216,6 +241,14 @@ fn the_page_says_how_far_the_decoder_is_from_the_equations() {
         }
     }
     assert!(largest > 1e-4, "relative to f alone there is no such bound: {largest}");
+}
+
+#[test]
+fn mistakes_of_lifted_packs_are_noticed() {
+    for mistake in [Mistake::NoRise, Mistake::EvenHalves, Mistake::SwappedHalves, Mistake::LatitudeSign] {
+        let difference = difference(&pack(lifted(3, 3, 8), 64, 31), mistake);
+        assert!(difference > 1e-3, "{mistake:?}: {difference:e}");
+    }
 }
 
 #[test]

@@ -30,7 +30,7 @@ fn expectation(pack: &WaveletPack, supercompress: bool) -> String {
     {
         header.extend(word.to_le_bytes());
     }
-    header.extend([h.mean.to_le_bytes(), h.bias.to_le_bytes(), [0; 4]].concat());
+    header.extend([h.mean.to_le_bytes(), h.bias.to_le_bytes(), u32::from(h.lifted).to_le_bytes()].concat());
     let index: Vec<u8> = pack.index.iter().flat_map(|slice| slice.to_le_bytes()).collect();
     let scales: Vec<u8> =
         pack.scales.iter().flat_map(|s| [s.scale.to_le_bytes(), s.offset.to_le_bytes()].concat()).collect();

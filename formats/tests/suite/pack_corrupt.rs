@@ -109,7 +109,7 @@ fn header_fields_out_of_range_are_named() {
         (16, "channels", vec![0, 2, 4]),
         (20, "bits", vec![0, 7, 9, 17, u32::MAX]),
         (24, "slices", vec![0, 1, 2049, u32::MAX]),
-        (36, "reserved", vec![1]),
+        (36, "lifted", vec![2, u32::MAX]),
     ] {
         for value in values {
             let error = with_word("brdfc.wavelet", offset, value.to_le_bytes());

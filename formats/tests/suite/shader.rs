@@ -6,8 +6,9 @@ use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::flat_btf::FlatBtfDecoder;
 use brdfc_formats::flat_btf::shader::{FLAT_BTF_WGSL, FlatBtfParameters, IndirectionFilter};
 use brdfc_formats::wavelet::Filter;
+use brdfc_formats::wavelet::lift::Lift;
 use brdfc_formats::wavelet::shader::{WAVELET_BRDF_WGSL, WaveletBrdfParameters, index_texels};
-use brdfc_testing::packs::{header, pack};
+use brdfc_testing::packs::{header, lifted, pack};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 fn parsed() -> naga::Module {
@@ -67,13 +68,17 @@ fn the_uniform_block_is_the_one_that_rust_writes() {
             "scaling_offset" => pack.scales[1].offset.to_bits(),
             "slices" => (pack.slices() as f32).to_bits(),
             "distance_scale" => 0.15f32.to_bits(),
-            _ if name.starts_with("reserved") => 0,
+            "lifted" | "reserved" => 0,
             _ => panic!("no such field: {name}"),
         };
         assert_eq!(word, expected, "{name}");
         let float = ["mean", "bias", "scaling_scale", "scaling_offset", "slices", "distance_scale"].contains(&name);
         let kind = module.types[member.ty].inner.scalar_kind();
         assert_eq!(kind, Some(if float { naga::ScalarKind::Float } else { naga::ScalarKind::Uint }), "{name}");
+        if name == "lifted" {
+            let lifted = WaveletBrdfParameters::new(&self::pack(lifted(2, 1, 8), 3, 1), Filter::Bilinear, 0.15);
+            assert_eq!(lifted.to_bytes()[member.offset as usize..][..4], [1, 0, 0, 0]);
+        }
         seen += 1;
     }
     assert_eq!(seen, 12);
@@ -89,6 +94,10 @@ fn the_index_map_has_slice_scale_and_offset() {
         let scale = pack.scales[usize::from(*slice)];
         assert_eq!(*texel, [f32::from(*slice), scale.scale, scale.offset, 0.0]);
     }
+    let lift = Lift::new(2);
+    let found = index_texels(&self::pack(lifted(2, 1, 8), 5, 3));
+    assert!(found.iter().enumerate().all(|(coefficient, texel)| texel[3] == lift.of_coefficient(coefficient)));
+    assert!(found[1..].iter().any(|texel| texel[3] < 0.4) && found.iter().any(|texel| texel[3] > 0.6));
 }
 
 fn flat_btf() -> naga::Module {

@@ -107,7 +107,7 @@ pub fn encode(source: &dyn Source, recipe: &Recipe, progress: &dyn Progress) -> 
     }
 
     start(Stage::Haar)?;
-    let coefficients = haar::transform(&logarithms);
+    let coefficients = haar::transform(&logarithms, recipe.lift);
     drop(logarithms);
 
     start(Stage::Threshold)?;
@@ -124,6 +124,7 @@ pub fn encode(source: &dyn Source, recipe: &Recipe, progress: &dyn Progress) -> 
         bits: recipe.bits,
         mean: encoding.mean as f32,
         bias: encoding.bias as f32,
+        lifted: recipe.lift,
     };
     let kept = choose(&coefficients, &reference, &ranking, header, recipe.target)?;
 

@@ -2,7 +2,7 @@
 //! `ln((f + ε μ) / μ)`.
 
 use super::table::Table;
-use brdfc_metrics::vector_math;
+use brdfc_formats::vector_math;
 use rayon::prelude::*;
 
 /// The `ε` of the paper's equation in section 5.1 when none is asked for.

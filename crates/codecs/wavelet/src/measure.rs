@@ -2,10 +2,10 @@
 
 use super::table::Table;
 use brdfc_formats::direction::{Parameterisation, cell_centre};
+use brdfc_formats::vector_math::exp;
 use brdfc_formats::wavelet::{RowScratch, WaveletDecoder};
 use brdfc_metrics::compare::Reciprocity;
 use brdfc_metrics::norms::{NormSums, Norms};
-use brdfc_metrics::vector_math::exp;
 use rayon::prelude::*;
 
 /// Outer cells per unit of parallel work: fixed, so that sums do not depend on threads.

@@ -50,6 +50,8 @@ pub struct Recipe {
     pub bias: f64,
     /// Whether the table is smoothed.
     pub smooth: bool,
+    /// Whether levels of detail and dropped slices keep the light that is sent out; tangent-pole only.
+    pub lift: bool,
     /// How many slices are kept.
     pub target: Target,
     /// Which slices are kept.
@@ -70,6 +72,7 @@ impl Default for Recipe {
             bits: 8,
             bias: DEFAULT_BIAS,
             smooth: false,
+            lift: false,
             target: Target::Ratio(4.0),
             ranking: Ranking::Energy,
             measure_off_grid: true,

@@ -127,7 +127,10 @@ fn changed_shaders_are_noticed() {
         ("return left + (at - f32(lower)) * (right - left);", "return left;"),
         ("let coarse_weight = down - f32(row);", "let coarse_weight = 0.0;"),
         ("let down = clamp(f32(levels) - level, 0.0, f32(levels));", "let down = clamp(level, 0.0, f32(levels));"),
-        ("table_brdf_along(angles.theta_half, row + 1u, hardware)", "table_brdf_along(angles.theta_half, row, hardware)"),
+        (
+            "table_brdf_along(angles.theta_half, row + 1u, hardware)",
+            "table_brdf_along(angles.theta_half, row, hardware)",
+        ),
     ];
     for (line, change) in changes {
         assert_eq!(TABLE_BRDF_WGSL.matches(line).count(), 1, "{line}");

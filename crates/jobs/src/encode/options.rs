@@ -63,6 +63,10 @@ pub struct EncodeOptions {
     /// (smallest error of pictures: what grazing angles and darkness hide counts less; goes with --bias 0.0003).
     #[cfg_attr(feature = "clap", arg(long, value_name = "BY"))]
     pub ranking: Option<String>,
+    /// Wavelet: keep the light. Coarser levels of detail and slices that are left out do not darken what is seen; means are
+    /// those of reflectances, not of logarithms.
+    #[cfg_attr(feature = "clap", arg(long, num_args = 0, default_missing_value = "true"))]
+    pub lift: Option<bool>,
     /// Wavelet: smooth the table by moving least squares first, for noisy dense data. Scans are smoothed anyway.
     #[cfg_attr(feature = "clap", arg(long, num_args = 0, default_missing_value = "true"))]
     pub smooth: Option<bool>,
@@ -160,11 +164,11 @@ impl EncodeOptions {
 
     /// Without what wavelet packs alone have, and a bias that was meant for them.
     fn without_wavelet(&self) -> Self {
-        let (ratio, grid, bits, smooth) = (None, None, None, None);
+        let (ratio, grid, bits, lift, smooth) = (None, None, None, None, None);
         let for_table = self.codec.as_deref().is_some_and(|name| name != "wavelet");
         let bias = self.bias.filter(|_| for_table);
         let codec = self.codec.clone().filter(|name| name == "table" || name == "factored");
-        Self { ratio, grid, bits, smooth, bias, parameterisation: None, ranking: None, codec, ..self.clone() }
+        Self { ratio, grid, bits, lift, smooth, bias, parameterisation: None, ranking: None, codec, ..self.clone() }
     }
 
     /// Without what wavelet packs do not have.
@@ -197,6 +201,7 @@ impl EncodeOptions {
             bits: self.bits.or(defaults.bits),
             bias: self.bias.or(defaults.bias),
             ranking: self.ranking.clone().or_else(|| defaults.ranking.clone()),
+            lift: self.lift.or(defaults.lift),
             smooth: self.smooth.or(defaults.smooth),
         }
     }
@@ -210,6 +215,7 @@ impl EncodeOptions {
             ("bits", self.bits.map(|v| v.to_string())),
             ("parameterisation", self.parameterisation.as_ref().map(text)),
             ("ranking", self.ranking.as_ref().map(text)),
+            ("lift", self.lift.filter(|on| *on).map(|v| v.to_string())),
             ("smooth", self.smooth.filter(|on| *on).map(|v| v.to_string())),
         ]
         .into_iter()
@@ -324,6 +330,7 @@ impl EncodeOptions {
         if let Some(name) = &self.ranking {
             recipe.ranking = named("ranking", name, &Ranking::NAMES)?;
         }
+        recipe.lift = self.lift.unwrap_or(recipe.lift);
         recipe.smooth = self.smooth.unwrap_or(recipe.smooth);
         recipe.bias = self.bias.unwrap_or(recipe.bias);
         if let Some(target) = self.target()? {

@@ -41,5 +41,8 @@ fn wavelet_packs() {
     packs.insert("smooth-max-bytes-12-rgb.ktx2".to_owned(), wavelet(fabric, &smooth));
     let coarse = Recipe { stored_levels: 2, supercompress: false, ..recipe(Parameterisation::TangentPole, 8) };
     packs.insert("coarse-8-grey-uncompressed.ktx2".to_owned(), wavelet(&grey, &coarse));
+    let lifted = |bits| Recipe { lift: true, ..recipe(Parameterisation::TangentPole, bits) };
+    packs.insert("lifted-8-grey.ktx2".to_owned(), wavelet(&grey, &lifted(8)));
+    packs.insert("lifted-12-rgb.ktx2".to_owned(), wavelet(&rgb, &lifted(12)));
     check_encodes("wavelet", &packs, |_| true);
 }

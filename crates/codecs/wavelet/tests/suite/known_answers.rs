@@ -132,7 +132,7 @@ fn another_bias_is_noticed() {
 fn error_of_slices(known: &Known, choose: impl Fn(&[u32]) -> Vec<u32>) -> f64 {
     let (table, _) = resample(source(known).as_ref(), GRID);
     let encoding = LogEncoding::of(&table, DEFAULT_BIAS);
-    let coefficients = haar::transform(&log_encode(&table, encoding));
+    let coefficients = haar::transform(&log_encode(&table, encoding), false);
     let mut kept = choose(&threshold::ranking(&threshold::slice_energies(&coefficients), 5));
     kept.sort_unstable();
     let header = brdfc_formats::wavelet::Header {
@@ -143,6 +143,7 @@ fn error_of_slices(known: &Known, choose: impl Fn(&[u32]) -> Vec<u32>) -> f64 {
         bits: 16,
         mean: encoding.mean as f32,
         bias: encoding.bias as f32,
+        lifted: false,
     };
     let quantised = quantise(&coefficients, &kept, &header);
     let mut index = vec![0u16; header.cells()];

@@ -1,7 +1,7 @@
 //! Packs against the physics of their sources. Every check is shown to fail on a source or pack that breaks it.
 
-use brdfc_formats::direction::{DirectionPair, Parameterisation, cell_centre, from_polar};
-use brdfc_formats::wavelet::{WaveletDecoder, WaveletPack};
+use brdfc_formats::direction::{DirectionPair, Parameterisation, Vector, cell_centre, from_polar};
+use brdfc_formats::wavelet::{Filter, WaveletDecoder, WaveletPack};
 use brdfc_metrics::compare::compare;
 use brdfc_metrics::sampling::{PairSet, random_pairs};
 use brdfc_source::address::parse_synth;
@@ -15,7 +15,7 @@ use brdfc_wavelet::measure::grid_error;
 use brdfc_wavelet::recipe::{Recipe, Target};
 use brdfc_wavelet::resample::resample;
 use brdfc_wavelet::table::{Grid, Table};
-use std::f64::consts::{FRAC_1_PI, FRAC_1_SQRT_2};
+use std::f64::consts::{FRAC_1_PI, FRAC_1_SQRT_2, PI};
 
 fn source(address: &str) -> Box<dyn Source> {
     parse_synth(address).unwrap()
@@ -210,7 +210,7 @@ fn largest_coefficient_error(model: &dyn Source, reference_bias: f64) -> f64 {
     let n = grid.n();
     let (table, _) = resample(model, grid);
     let encoding = LogEncoding::of(&table, DEFAULT_BIAS);
-    let coefficients = haar::transform(&log_encode(&table, encoding));
+    let coefficients = haar::transform(&log_encode(&table, encoding), false);
 
     let centre = |cell: usize| cell_centre(cell % n, cell / n, n);
     let f = |outer: usize, inner: usize| value(model, DirectionPair::new(centre(outer), centre(inner)))[0];
@@ -241,7 +241,7 @@ fn single_precision_costs_less_than_a_step_of_16_bits() {
 #[test]
 fn the_transform_divides_by_the_square_root_of_two() {
     let mut coefficients = [0.0; 4];
-    haar::forward(&[1.0, 0.0, 0.0, 0.0], 2, &mut coefficients, &mut Vec::new());
+    haar::forward(&[1.0, 0.0, 0.0, 0.0], 2, &haar::Plain, &mut coefficients, &mut Vec::new());
     for (found, expected) in coefficients.into_iter().zip([0.5, 0.5, FRAC_1_SQRT_2, 0.0]) {
         assert!((found - expected).abs() < 1e-15, "{coefficients:?}");
     }
@@ -276,4 +276,45 @@ fn smoothing_a_noisy_table_brings_it_nearer_to_the_truth() {
     // Without noise there is nothing to gain, so the gain above is that of the noise.
     let (clean, needless) = (error(truth.as_ref(), false), error(truth.as_ref(), true));
     assert!(needless > 0.7 * clean, "{clean} {needless}");
+}
+
+/// Light that a pack sends out under light from `incoming`, over cells of the grid.
+fn cell_albedo(decoder: &WaveletDecoder, incoming: Vector, level: f32) -> f64 {
+    let n = decoder.header().grid();
+    let angle = |k: usize| -> f64 { PI * k as f64 / n as f64 };
+    let of_row =
+        |r: usize| 0.5 * (angle(r + 1) - angle(r)) - 0.25 * ((2.0 * angle(r + 1)).sin() - (2.0 * angle(r)).sin());
+    let of_cell = |cell: usize| {
+        let (column, row) = (cell % n, cell / n);
+        let weight = (angle(column).cos() - angle(column + 1).cos()) * of_row(row);
+        let pair = DirectionPair::new(incoming, cell_centre(column, row, n));
+        weight * f64::from(decoder.eval(pair, level, Filter::Slices)[1])
+    };
+    (0..n * n).map(of_cell).sum()
+}
+
+/// A white furnace at every level of detail, whole or not, of packs that keep few slices: a lifted pack sends out what all
+/// of its details send out. Without lifting it gets darker.
+#[test]
+fn lifted_levels_keep_the_albedo() {
+    for address in ["synth:lambert?kd=1", "synth:ggx?kd=0.05&f0=0.9&alpha=0.15", "synth:ward?ax=0.15&ay=0.5"] {
+        let packed = |lift: bool, ratio: f64| {
+            let set = |r: &mut Recipe| (r.lift, r.bits, r.target) = (lift, 16, Target::Ratio(ratio));
+            WaveletDecoder::new(&encoded(source(address).as_ref(), tangent_pole(4), set).pack)
+        };
+        let (whole, lifted, plain) = (packed(true, 1.0), packed(true, 16.0), packed(false, 16.0));
+        let mut lost: f64 = 0.0;
+        for incoming in [cell_centre(7, 8, 16), cell_centre(4, 6, 16), cell_centre(12, 12, 16)] {
+            let expected = cell_albedo(&whole, incoming, 4.0);
+            for level in [0.0, 0.4, 1.0, 2.0, 2.7, 3.0, 4.0] {
+                for decoder in [&whole, &lifted] {
+                    let found = cell_albedo(decoder, incoming, level);
+                    assert!((found / expected - 1.0).abs() < 2e-3, "{address}, level {level}: {found} of {expected}");
+                }
+                lost = lost.max(1.0 - cell_albedo(&plain, incoming, level) / expected);
+            }
+            assert!(!address.contains("lambert") || (expected - 1.0).abs() < 2e-3, "{expected}");
+        }
+        assert!(address.contains("lambert") || lost > 0.1, "{address}: {lost}");
+    }
 }

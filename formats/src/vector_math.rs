@@ -31,6 +31,14 @@ pub fn ln_1p(x: f32) -> f32 {
 /// `ln(y)` for positive normal numbers, within 3e-7 relative.
 #[inline]
 pub fn ln(y: f32) -> f32 {
+    let (exponent, z, bend) = ln_parts(y);
+    let small = bend + exponent * -2.121_944_4e-4;
+    z + small + exponent * 0.693_359_4
+}
+
+/// `y = 2^exponent (1 + z)` with a mantissa in `[√½, √2)`, and `ln(1 + z) - z`.
+#[inline]
+pub fn ln_parts(y: f32) -> (f32, f32, f32) {
     const C: [f32; 8] = [
         3.333_333e-1,
         -2.500_082e-1,
@@ -41,14 +49,11 @@ pub fn ln(y: f32) -> f32 {
         1.276_156e-1,
         -7.634_455e-2,
     ];
-    // Exponent so that the mantissa lies in [√½, √2).
     let bits = y.to_bits() as i32;
-    let e = (bits - 0x3f35_04f3) >> 23;
-    let z = f32::from_bits((bits - (e << 23)) as u32) - 1.0;
+    let exponent = (bits - 0x3f35_04f3) >> 23;
+    let z = f32::from_bits((bits - (exponent << 23)) as u32) - 1.0;
     let p = C[0] + z * (C[1] + z * (C[2] + z * (C[3] + z * (C[4] + z * (C[5] + z * (C[6] + z * C[7]))))));
-    let e = e as f32;
-    let small = z * z * (z * p - 0.5) + e * -2.121_944_4e-4;
-    z + small + e * 0.693_359_4
+    (exponent as f32, z, z * z * (z * p - 0.5))
 }
 
 #[cfg(test)]
