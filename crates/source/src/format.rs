@@ -64,6 +64,8 @@ pub enum Facts {
         levels: u32,
         /// Finest level that holds slices.
         stored_levels: u32,
+        /// Whether coarser levels and slices that are left out keep the light.
+        lifted: bool,
         /// 1 or 3.
         channels: u32,
         /// Bits per component.
@@ -188,6 +190,7 @@ impl Facts {
                 grid,
                 levels,
                 stored_levels,
+                lifted,
                 channels,
                 bits,
                 slices_kept,
@@ -199,7 +202,13 @@ impl Facts {
             } => vec![
                 ("kind", "wavelet pack".to_owned()),
                 ("grid", format!("{grid} x {grid} per hemisphere, {}", parameterisation.name())),
-                ("levels of detail", format!("{levels}, stored up to {stored_levels}")),
+                (
+                    "levels of detail",
+                    format!(
+                        "{levels}, stored up to {stored_levels}{}",
+                        if *lifted { ", which keep the light" } else { "" }
+                    ),
+                ),
                 ("texels", format!("{channels} channels, {bits} bits")),
                 ("slices kept", format!("{slices_kept} of {}", grid * grid)),
                 ("mean μ, bias ε", format!("{mean} 1/sr, {bias}")),

@@ -33,6 +33,7 @@ fn opened_wavelet(pack: &WaveletPack, level: Option<f32>) -> Opened {
         grid: header.grid(),
         levels: header.levels,
         stored_levels: header.stored_levels,
+        lifted: header.lifted,
         channels: header.channels,
         bits: header.bits,
         slices_kept: pack.slices() - 1,

@@ -66,6 +66,8 @@ pub struct WaveletReport {
     pub stored_levels: u32,
     /// Bits per component.
     pub bits: u32,
+    /// Whether coarser levels and slices that are left out keep the light.
+    pub lifted: bool,
     /// Whether the table was smoothed.
     pub smoothed: bool,
     /// Slices kept, the zero slice not counted.
@@ -124,6 +126,7 @@ pub(super) fn of_wavelet(encoded: brdfc_wavelet::encode::Encoded, recipe: &Recip
         grid: header.grid(),
         stored_levels: header.stored_levels,
         bits: header.bits,
+        lifted: header.lifted,
         smoothed: recipe.smooth,
         slices_kept,
         slices_in_all: header.cells(),
