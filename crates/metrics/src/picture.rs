@@ -1,10 +1,14 @@
 //! How different two materials look on a ball, without drawing one.
 
-use super::image::{LinearImage, Spread, compare_images};
+use super::image::{Spread, colour_difference, shown_colour, spread};
 use super::values::values_at;
 use brdfc_formats::PictureSummary;
 use brdfc_formats::direction::{DirectionPair, Vector, cross, dot};
 use brdfc_source::{Source, Tally};
+use palette::Lab;
+use palette::white_point::D65;
+use rayon::prelude::*;
+use std::sync::LazyLock;
 
 /// Pixels across the ball.
 const DIAMETER: usize = 160;
@@ -38,25 +42,29 @@ impl PictureError {
 }
 
 /// The direction pairs of the pixels of all three pictures. The tangent points along the ball's latitude.
-pub fn picture_pairs() -> Vec<DirectionPair> {
+pub fn picture_pairs() -> &'static [DirectionPair] {
+    static PAIRS: LazyLock<Vec<DirectionPair>> = LazyLock::new(|| LIGHTS.into_par_iter().flat_map(lit_by).collect());
+    &PAIRS
+}
+
+/// The direction pairs of the pixels of a picture.
+fn lit_by(light: Vector) -> Vec<DirectionPair> {
     let mut pairs = Vec::new();
-    for light in LIGHTS {
-        let light = scaled(light, 1.0 / dot(light, light).sqrt());
-        for pixel in 0..DIAMETER * DIAMETER {
-            let place = |k: usize| 2.0 * (k as f64 + 0.5) / DIAMETER as f64 - 1.0;
-            let [x, y] = [place(pixel % DIAMETER), -place(pixel / DIAMETER)];
-            let square = x * x + y * y;
-            if square >= 1.0 {
-                continue;
-            }
-            let normal = [x, y, (1.0 - square).sqrt()];
-            let along = cross([0.0, 1.0, 0.0], normal);
-            let tangent = scaled(along, 1.0 / dot(along, along).sqrt());
-            let local = |v: Vector| [dot(v, tangent), dot(v, cross(normal, tangent)), dot(v, normal)];
-            let pair = DirectionPair::new(local(light), local([0.0, 0.0, 1.0]));
-            if pair.incoming[2] > LEAST_COSINE && pair.outgoing[2] > LEAST_COSINE {
-                pairs.push(pair);
-            }
+    let light = scaled(light, 1.0 / dot(light, light).sqrt());
+    for pixel in 0..DIAMETER * DIAMETER {
+        let place = |k: usize| 2.0 * (k as f64 + 0.5) / DIAMETER as f64 - 1.0;
+        let [x, y] = [place(pixel % DIAMETER), -place(pixel / DIAMETER)];
+        let square = x * x + y * y;
+        if square >= 1.0 {
+            continue;
+        }
+        let normal = [x, y, (1.0 - square).sqrt()];
+        let along = cross([0.0, 1.0, 0.0], normal);
+        let tangent = scaled(along, 1.0 / dot(along, along).sqrt());
+        let local = |v: Vector| [dot(v, tangent), dot(v, cross(normal, tangent)), dot(v, normal)];
+        let pair = DirectionPair::new(local(light), local([0.0, 0.0, 1.0]));
+        if pair.incoming[2] > LEAST_COSINE && pair.outgoing[2] > LEAST_COSINE {
+            pairs.push(pair);
         }
     }
     pairs
@@ -64,18 +72,18 @@ pub fn picture_pairs() -> Vec<DirectionPair> {
 
 /// Pictures of a source, for others to be compared with.
 pub struct ReferencePicture {
-    pairs: Vec<DirectionPair>,
-    picture: LinearImage,
+    pixels: Vec<[f32; 3]>,
+    colours: Vec<Lab<D65, f64>>,
     exposure: f64,
 }
 
 impl ReferencePicture {
     /// Pictures of a source, and what it had to mend.
     pub fn new(source: &dyn Source) -> (Self, Tally) {
-        let pairs = picture_pairs();
-        let (values, tally) = values_at(source, &pairs);
-        let picture = picture(&values, &pairs);
-        (Self { exposure: exposure(&picture), pairs, picture }, tally)
+        let (pixels, tally) = pixels(source);
+        let exposure = exposure(&pixels);
+        let colours = pixels.par_iter().map(|pixel| shown_colour(*pixel, exposure)).collect();
+        (Self { pixels, colours, exposure }, tally)
     }
 
     /// What radiance is multiplied by to be shown.
@@ -83,12 +91,27 @@ impl ReferencePicture {
         self.exposure
     }
 
-    /// Compares pictures of an approximation with them.
+    /// Compares pictures of an approximation with them. Pixels that hold no number in either are left out.
     pub fn compare(&self, approximation: &dyn Source) -> PictureError {
-        let (values, _) = values_at(approximation, &self.pairs);
-        let difference = compare_images(&picture(&values, &self.pairs), &self.picture, self.exposure);
-        let (delta_e, delta_e_2000) = (difference.delta_e, difference.delta_e_2000);
-        PictureError { pixels: difference.pixels, exposure: self.exposure, delta_e, delta_e_2000 }
+        let (found, _) = pixels(approximation);
+        let difference = |(k, found): (usize, &[f32; 3])| {
+            let expected = &self.pixels[k];
+            if found.iter().chain(expected).any(|c| !c.is_finite()) {
+                return None;
+            }
+            if found == expected {
+                return Some((0.0, 0.0));
+            }
+            Some(colour_difference(shown_colour(*found, self.exposure), self.colours[k]))
+        };
+        let differences: Vec<Option<(f64, f64)>> = found.par_iter().enumerate().map(difference).collect();
+        let (delta_e, delta_e_2000) = differences.into_iter().flatten().unzip();
+        PictureError {
+            pixels: found.len(),
+            exposure: self.exposure,
+            delta_e: spread(delta_e),
+            delta_e_2000: spread(delta_e_2000),
+        }
     }
 }
 
@@ -98,14 +121,15 @@ pub fn picture_error(reference: &dyn Source, approximation: &dyn Source) -> (Pic
     (reference.compare(approximation), tally)
 }
 
-fn picture(values: &[[f64; 3]], pairs: &[DirectionPair]) -> LinearImage {
+/// Radiance of all pixels under lights of 1.
+fn pixels(source: &dyn Source) -> (Vec<[f32; 3]>, Tally) {
+    let (values, tally) = values_at(source, picture_pairs());
     let shown = |(f, pair): (&[f64; 3], &DirectionPair)| f.map(|f| (f.max(0.0) * pair.incoming[2]) as f32);
-    let pixels: Vec<[f32; 3]> = values.iter().zip(pairs).map(shown).collect();
-    LinearImage { coverage: vec![1.0; pixels.len()], pixels, ..LinearImage::black(pairs.len(), 1) }
+    (values.iter().zip(picture_pairs()).map(shown).collect(), tally)
 }
 
-fn exposure(picture: &LinearImage) -> f64 {
-    let mut largest: Vec<f32> = picture.pixels.iter().map(|[r, g, b]| r.max(*g).max(*b)).collect();
+fn exposure(pixels: &[[f32; 3]]) -> f64 {
+    let mut largest: Vec<f32> = pixels.iter().map(|[r, g, b]| r.max(*g).max(*b)).collect();
     let at = ((largest.len() - 1) as f64 * WHITE).round() as usize;
     let white = *largest.select_nth_unstable_by(at, f32::total_cmp).1;
     if white > 0.0 && white.is_finite() { 1.0 / f64::from(white) } else { 1.0 }

@@ -3,7 +3,9 @@
 use brdfc_formats::direction::{DirectionPair, Vector, dot, from_polar};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
+use std::borrow::Cow;
 use std::f64::consts::{FRAC_PI_4, TAU};
+use std::sync::LazyLock;
 
 /// Pairs of [`PairSet::comparison`] with both directions uniform over the hemisphere's solid angle.
 pub const UNIFORM_PAIRS: usize = 1 << 15;
@@ -16,7 +18,7 @@ pub const GRAZING_PAIRS: usize = 1 << 14;
 #[derive(Debug, Clone, PartialEq)]
 pub struct PairSet {
     /// The pairs.
-    pub pairs: Vec<DirectionPair>,
+    pub pairs: Cow<'static, [DirectionPair]>,
     /// How many of them, from the first on, are what the mean is of.
     pub of_mean: usize,
 }
@@ -24,36 +26,42 @@ pub struct PairSet {
 impl PairSet {
     /// Any pairs; the mean is of all.
     pub fn new(pairs: Vec<DirectionPair>) -> Self {
-        Self { of_mean: pairs.len(), pairs }
+        Self { of_mean: pairs.len(), pairs: Cow::Owned(pairs) }
     }
 
     /// The direction pairs at which sources are compared off any grid: 65,536, the same on every run, spread evenly in three
     /// strata. They depend on no codec, so that errors at them compare between any two packs. The mean is of the uniform
     /// ones: where light is mirrored at grazing angles few pairs would outweigh all others.
     pub fn comparison() -> Self {
-        let steepest = 88f64.to_radians().cos();
-        let between = |low: f64, high: f64, share: f64, turn: f64| {
-            from_polar_cosine(low + (high - low) * (1.0 - share), TAU * turn)
-        };
-        let uniform = |share: f64, turn: f64| between(0.0, 1.0, share, turn);
-        let mut pairs: Vec<DirectionPair> = points(1)
-            .take(UNIFORM_PAIRS)
-            .map(|[a, b, c, d]| DirectionPair::new(uniform(a, b), uniform(c, d)))
-            .collect();
-        let mirrored = points(1).map(|[a, b, c, d]| {
-            let incoming = between(steepest, 1.0, a, b);
-            let half = from_polar(FRAC_PI_4 * c * c, TAU * d);
-            let twice = 2.0 * dot(incoming, half);
-            DirectionPair::new(incoming, std::array::from_fn(|k| twice * half[k] - incoming[k]))
-        });
-        pairs.extend(mirrored.filter(|pair| pair.outgoing[2] > steepest).take(MIRROR_PAIRS));
-        pairs.extend(points(1).take(GRAZING_PAIRS).enumerate().map(|(k, [a, b, c, d])| {
-            let pair =
-                DirectionPair::new(between(steepest, 75f64.to_radians().cos(), a, b), between(steepest, 1.0, c, d));
-            if k % 2 == 0 { pair } else { pair.exchanged() }
-        }));
-        Self { pairs, of_mean: UNIFORM_PAIRS }
+        static PAIRS: LazyLock<Vec<DirectionPair>> = LazyLock::new(comparison_pairs);
+        Self { pairs: Cow::Borrowed(&PAIRS), of_mean: UNIFORM_PAIRS }
     }
+}
+
+fn comparison_pairs() -> Vec<DirectionPair> {
+    let steepest = 88f64.to_radians().cos();
+    let between =
+        |low: f64, high: f64, share: f64, turn: f64| from_polar_cosine(low + (high - low) * (1.0 - share), TAU * turn);
+    let uniform = |[a, b, c, d]: [f64; 4]| DirectionPair::new(between(0.0, 1.0, a, b), between(0.0, 1.0, c, d));
+    let mirrored = |[a, b, c, d]: [f64; 4]| {
+        let incoming = between(steepest, 1.0, a, b);
+        let half = from_polar(FRAC_PI_4 * c * c, TAU * d);
+        let twice = 2.0 * dot(incoming, half);
+        DirectionPair::new(incoming, std::array::from_fn(|k| twice * half[k] - incoming[k]))
+    };
+    let grazing = |(k, [a, b, c, d]): (usize, [f64; 4])| {
+        let pair = DirectionPair::new(between(steepest, 75f64.to_radians().cos(), a, b), between(steepest, 1.0, c, d));
+        if k % 2 == 0 { pair } else { pair.exchanged() }
+    };
+    let (mut pairs, rest) = rayon::join(
+        || points(1).map(uniform).take(UNIFORM_PAIRS).collect::<Vec<_>>(),
+        || {
+            let seen = points(1).map(mirrored).filter(|pair| pair.outgoing[2] > steepest).take(MIRROR_PAIRS);
+            seen.chain(points(1).take(GRAZING_PAIRS).enumerate().map(grazing)).collect::<Vec<_>>()
+        },
+    );
+    pairs.extend(rest);
+    pairs
 }
 
 /// Points of the unit cube of four dimensions that fill it evenly: multiples of the powers of `1/g`, where `g` is the root
@@ -118,7 +126,7 @@ mod tests {
     fn pairs_are_above_the_horizon_and_in_their_strata() {
         let pairs = PairSet::comparison().pairs;
         assert_eq!(pairs.len(), 65_536);
-        for pair in &pairs {
+        for pair in pairs.iter() {
             assert!(pair.is_above_horizon());
             for v in [pair.incoming, pair.outgoing] {
                 assert!((dot(v, v) - 1.0).abs() < 1e-12);

@@ -134,6 +134,28 @@ impl Angles {
     }
 }
 
+/// Angles as all tables of a symmetry see them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Folded {
+    /// Root of `θ_h` as a share of `π/2`, `0..=1`.
+    pub root: f32,
+    /// As of [`Angles`].
+    pub ratio: f32,
+    /// `φ_h` as a share of its period, `0..=1`.
+    pub half_share: f32,
+    /// `φ_d` as a share of its period, `0..=1`.
+    pub difference_share: f32,
+}
+
+impl Folded {
+    /// Folds angles by a symmetry.
+    pub fn new(angles: Angles, symmetry: TableSymmetry) -> Self {
+        let [half_share, difference_share] = angles.folded(symmetry);
+        let root = (angles.theta_half / FRAC_PI_2).min(1.0).sqrt();
+        Self { root, ratio: angles.ratio, half_share, difference_share }
+    }
+}
+
 /// Where a value is in the texture: in units of nodes, from the first.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Position {

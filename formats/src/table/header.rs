@@ -1,12 +1,11 @@
 //! What a table pack says of itself: sizes, symmetry, where nodes stand, what texels mean. Layout: `spec.md`.
 
-use super::coordinates::{Angles, Position, TableSymmetry};
+use super::coordinates::{Angles, Folded, Position, TableSymmetry};
 use crate::FormatError;
 use crate::container::entries::sized;
 use crate::container::{Extent, MAX_EXTENT, TexelFormat};
 use crate::cursor::Cursor;
 use crate::direction::DirectionPair;
-use std::f32::consts::FRAC_PI_2;
 
 /// The entry that makes a texture this kind of pack.
 pub(crate) const TABLE_ENTRY: &str = "brdfc.table";
@@ -105,19 +104,24 @@ impl TableHeader {
 
     /// Where these angles are in the texture.
     pub fn position_of(&self, angles: Angles) -> Position {
-        let [half, difference] = angles.folded(self.symmetry);
+        self.place(Folded::new(angles, self.symmetry))
+    }
+
+    /// Where these angles, folded by the table's symmetry, are in the texture.
+    pub fn place(&self, folded: Folded) -> Position {
+        let Folded { root, ratio, half_share, difference_share } = folded;
         let Axes { azimuth, layers, .. } = self.axes;
         let slices = if self.symmetry.mirror { azimuth - 1 } else { azimuth };
         let mut position = Position {
-            column: self.column_share(angles.theta_half) * (self.axes.half - 1) as f32,
-            row: angles.ratio * (1.0 + self.slope * (1.0 - angles.ratio)) * (self.axes.difference - 1) as f32,
-            slice: difference * slices as f32,
+            column: self.column_share(root) * (self.axes.half - 1) as f32,
+            row: ratio * (1.0 + self.slope * (1.0 - ratio)) * (self.axes.difference - 1) as f32,
+            slice: difference_share * slices as f32,
             layers: [0, 0],
             layer_weight: 0.0,
         };
         if layers > 1 {
             let steps = if self.symmetry.reflected { layers - 1 } else { layers };
-            let at = half * steps as f32;
+            let at = half_share * steps as f32;
             let lower = (at as u32).min(steps - 1);
             position.layers = [lower, (lower + 1) % layers];
             position.layer_weight = at - lower as f32;
@@ -125,9 +129,9 @@ impl TableHeader {
         position
     }
 
-    /// Share of the columns below `θ_h`.
-    fn column_share(&self, theta_half: f32) -> f32 {
-        let at = (theta_half / FRAC_PI_2).min(1.0).sqrt() * (KNOTS - 1) as f32;
+    /// Share of the columns below a `θ_h` with this root.
+    fn column_share(&self, root: f32) -> f32 {
+        let at = root * (KNOTS - 1) as f32;
         let lower = (at as usize).min(KNOTS - 2);
         self.knots[lower] + (at - lower as f32) * (self.knots[lower + 1] - self.knots[lower])
     }

@@ -8,7 +8,7 @@ mod header;
 mod pack;
 pub mod shader;
 
-pub use coordinates::{Angles, Position, TableSymmetry};
+pub use coordinates::{Angles, Folded, Position, TableSymmetry};
 pub use curve::Curve;
 pub use decode::{LogValues, TableDecoder};
 pub(crate) use header::TABLE_ENTRY;

@@ -6,7 +6,7 @@ use super::recipe::Aim;
 use super::samples::Samples;
 use super::targets::Targets;
 use brdfc_formats::container::MAX_EXTENT;
-use brdfc_formats::table::{Axes, KNOTS, TableHeader, TableSymmetry};
+use brdfc_formats::table::{Axes, Folded, KNOTS, TableHeader, TableSymmetry};
 use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_2;
 
@@ -87,14 +87,8 @@ const MOST_TRIED_ANISOTROPIC: usize = 8192;
 /// The table of at most so many texels whose small fit is closest to samples that it was not made from.
 ///
 /// Warps, then shapes, then slopes, then warps again: what comes later is chosen for what was best before.
-pub fn choose(
-    samples: &Samples,
-    targets: &Targets,
-    symmetry: TableSymmetry,
-    texels: usize,
-    isotropic: bool,
-) -> TableHeader {
-    let trial = Trial { samples, targets };
+pub fn choose(trial: &Trial<'_>, symmetry: TableSymmetry, texels: usize, isotropic: bool) -> TableHeader {
+    let targets = trial.targets;
     let layers = if isotropic { 1 } else { LAYERS[0] };
     let tried = texels.min(if isotropic { MOST_TRIED } else { MOST_TRIED_ANISOTROPIC });
     let mut header = trial.warped(start(targets, symmetry, shaped(SHAPES[0], tried, layers, symmetry)));
@@ -113,9 +107,8 @@ pub fn choose(
 }
 
 /// The table of these axes whose small fit is closest.
-pub fn choose_warps(samples: &Samples, targets: &Targets, symmetry: TableSymmetry, axes: Axes) -> TableHeader {
-    let trial = Trial { samples, targets };
-    trial.warped(trial.sloped(trial.warped(start(targets, symmetry, axes))))
+pub fn choose_warps(trial: &Trial<'_>, symmetry: TableSymmetry, axes: Axes) -> TableHeader {
+    trial.warped(trial.sloped(trial.warped(start(trial.targets, symmetry, axes))))
 }
 
 pub(super) fn start(targets: &Targets, symmetry: TableSymmetry, axes: Axes) -> TableHeader {
@@ -162,9 +155,14 @@ fn shaped(shape: [f64; 3], texels: usize, layers: u32, symmetry: TableSymmetry) 
     axes
 }
 
-struct Trial<'a> {
-    samples: &'a Samples,
-    targets: &'a Targets,
+/// What tables are tried with.
+pub struct Trial<'a> {
+    /// Samples.
+    pub samples: &'a Samples,
+    /// Their angles, folded.
+    pub folded: &'a [Folded],
+    /// What is aimed at.
+    pub targets: &'a Targets,
 }
 
 impl Trial<'_> {
@@ -195,11 +193,11 @@ impl Trial<'_> {
 
     /// Sum of differences, of colours or ratios, over samples that the fit did not get.
     fn error(&self, header: &TableHeader) -> f64 {
-        let Self { samples, targets } = self;
+        let Self { samples, folded, targets } = self;
         let lattice = Lattice::new(header);
         let fitted = (TRIAL_SAMPLES * lattice.len()).max(FEWEST_TRIAL_SAMPLES).min(2 * samples.len() / 3);
         let count = (fitted + JUDGES).min(samples.len());
-        let taps = |k: usize| lattice.taps(&header.position_of(samples.angles[k]));
+        let taps = |k: usize| lattice.taps(&header.place(folded[k]));
         let nodes = fit_roughly(lattice, &(0..fitted).map(taps).collect::<Vec<Taps>>(), targets);
         let difference = |k: usize| targets.difference(k, lattice.value(&taps(k), &nodes), samples.cosines[k]);
         // Ratios count everywhere.

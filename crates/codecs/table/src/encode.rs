@@ -1,6 +1,6 @@
 //! The encoder: sequences the stages.
 
-use super::choose::{choose, choose_warps, start};
+use super::choose::{Trial, choose, choose_warps, start};
 use super::fit::{Solution, fit};
 use super::lattice::{Lattice, Taps};
 use super::quantise::quantise;
@@ -12,7 +12,7 @@ use super::{curve, levels};
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::table::shader::TableBrdfParameters;
-use brdfc_formats::table::{Angles, TableHeader, TablePack, TableSymmetry};
+use brdfc_formats::table::{Angles, Folded, TableHeader, TablePack, TableSymmetry};
 use brdfc_metrics::compare::{Comparison, Reference};
 use brdfc_metrics::sampling::PairSet;
 use brdfc_source::progress::{Cancelled, Progress, Stage};
@@ -119,6 +119,8 @@ pub struct Prepared {
     /// What tables are fitted to.
     pub samples: Samples,
     symmetry: TableSymmetry,
+    /// Angles of the samples, folded by the symmetry.
+    folded: Vec<Folded>,
     targets: Targets,
     isotropic: bool,
     grey: bool,
@@ -143,7 +145,8 @@ impl Prepared {
         progress.stage(Stage::Resample, 1)?;
         let samples = Samples::draw(source, samples, recipe.reciprocal);
         let targets = Targets::with_aim(&samples, recipe.bias as f32, grey, recipe.aim);
-        Ok(Self { asymmetry, samples, symmetry, targets, isotropic, grey })
+        let folded = samples.angles.iter().map(|angles| Folded::new(*angles, symmetry)).collect();
+        Ok(Self { asymmetry, samples, symmetry, folded, targets, isotropic, grey })
     }
 
     /// The pack of a recipe, its errors not yet measured.
@@ -205,15 +208,15 @@ impl Prepared {
 
     fn fit(&self, size: Size, texels: usize, progress: &dyn Progress) -> Result<Fitted, EncodeError> {
         progress.stage(Stage::Choose, 1)?;
-        let (samples, targets) = (&self.samples, &self.targets);
+        let trial = Trial { samples: &self.samples, folded: &self.folded, targets: &self.targets };
         let header = match size {
-            Size::Nodes(axes) => choose_warps(samples, targets, self.symmetry, axes),
-            Size::Bytes(_) => choose(samples, targets, self.symmetry, texels, self.isotropic),
+            Size::Nodes(axes) => choose_warps(&trial, self.symmetry, axes),
+            Size::Bytes(_) => choose(&trial, self.symmetry, texels, self.isotropic),
         };
         progress.stage(Stage::Fit, 1)?;
         let lattice = Lattice::new(&header);
-        let taps: Vec<Taps> = samples.angles.iter().map(|angles| lattice.taps(&header.position_of(*angles))).collect();
-        let solution = fit(lattice, &taps, targets);
+        let taps: Vec<Taps> = self.folded.iter().map(|folded| lattice.taps(&header.place(*folded))).collect();
+        let solution = fit(lattice, &taps, &self.targets);
         Ok(Fitted { header, lattice, taps, solution })
     }
 

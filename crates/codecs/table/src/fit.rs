@@ -91,8 +91,9 @@ fn start(lattice: Lattice, taps: &[Taps], logarithms: &[[f32; 3]]) -> Vec<[f32; 
     let mut all = [0.0f64; 3];
     for (taps, values) in taps.iter().zip(logarithms) {
         for (node, weight) in lattice.touched(taps) {
-            (0..3).for_each(|c| sums[node].0[c] += weight * values[c]);
-            sums[node].1 += weight;
+            let (sum, weights) = &mut sums[node];
+            (0..3).for_each(|c| sum[c] += weight * values[c]);
+            *weights += weight;
         }
         (0..3).for_each(|c| all[c] += f64::from(values[c]));
     }

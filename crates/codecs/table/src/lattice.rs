@@ -5,11 +5,37 @@ use brdfc_formats::table::{Position, TableHeader};
 /// Nodes around a sample: two per axis. Isotropic tables use the first half.
 const MOST_TAPS: usize = 16;
 
+/// Offsets of the taps from the first one: a step along axis `k` is `3^k`.
+const STEPS_OF_TAPS: [usize; MOST_TAPS] = [0, 1, 3, 4, 9, 10, 12, 13, 27, 28, 30, 31, 36, 37, 39, 40];
+
 /// Nodes that a value is a mean of, with their weights.
 #[derive(Debug, Clone, Copy)]
 pub struct Taps {
     nodes: [u32; MOST_TAPS],
     weights: [f32; MOST_TAPS],
+}
+
+impl Taps {
+    /// Products of the weights along so many axes, whose pairs of nodes are these.
+    fn fill<const AXES: usize, const TAPS: usize>(&mut self, axes: [[(usize, f32); 2]; 4]) {
+        for k in 0..TAPS {
+            let mut tap = axes[0][k & 1];
+            for (axis, pair) in axes.iter().enumerate().take(AXES).skip(1) {
+                let (node, weight) = pair[k >> axis & 1];
+                tap = (tap.0 + node, tap.1 * weight);
+            }
+            (self.nodes[k], self.weights[k]) = (tap.0 as u32, tap.1);
+        }
+    }
+
+    fn sum<const TAPS: usize, const C: usize>(&self, nodes: &[[f32; C]]) -> [f32; C] {
+        let mut sums = [0.0; C];
+        for k in 0..TAPS {
+            let node = &nodes[self.nodes[k] as usize];
+            (0..C).for_each(|c| sums[c] += self.weights[k] * node[c]);
+        }
+        sums
+    }
 }
 
 /// Sizes of a table and which of its axes go around.
@@ -42,11 +68,6 @@ impl Lattice {
         if self.sizes[3] == 1 { 3 } else { 4 }
     }
 
-    /// Taps of a sample, two to the power of the number of axes.
-    fn count(&self) -> usize {
-        1 << self.axes()
-    }
-
     fn strides(&self) -> [usize; 4] {
         let [columns, rows, slices, _] = self.sizes;
         [1, columns, columns * rows, columns * rows * slices]
@@ -59,7 +80,7 @@ impl Lattice {
         let pair = |axis: usize, at: f32| {
             let last = if self.around[axis] { self.sizes[axis] - 1 } else { self.sizes[axis] - 2 };
             let lower = (at as usize).min(last);
-            let upper = (lower + 1) % self.sizes[axis];
+            let upper = if lower + 1 == self.sizes[axis] { 0 } else { lower + 1 };
             [(lower * strides[axis], 1.0 - (at - lower as f32)), (upper * strides[axis], at - lower as f32)]
         };
         let columns = pair(0, position.column);
@@ -69,28 +90,24 @@ impl Lattice {
             (position.layers[0] as usize * strides[3], 1.0 - position.layer_weight),
             (position.layers[1] as usize * strides[3], position.layer_weight),
         ];
-        for k in 0..self.count() {
-            let (column, row, slice, layer) = (columns[k & 1], rows[k >> 1 & 1], slices[k >> 2 & 1], layers[k >> 3]);
-            let layer = if self.axes() == 3 { (0, 1.0) } else { layer };
-            taps.nodes[k] = (column.0 + row.0 + slice.0 + layer.0) as u32;
-            taps.weights[k] = column.1 * row.1 * slice.1 * layer.1;
+        let axes = [columns, rows, slices, layers];
+        if self.axes() == 3 {
+            taps.fill::<3, 8>(axes)
+        } else {
+            taps.fill::<4, 16>(axes)
         }
         taps
     }
 
     /// The values of a sample.
     pub fn value<const C: usize>(&self, taps: &Taps, nodes: &[[f32; C]]) -> [f32; C] {
-        let mut sums = [0.0; C];
-        for k in 0..self.count() {
-            let node = &nodes[taps.nodes[k] as usize];
-            (0..C).for_each(|c| sums[c] += taps.weights[k] * node[c]);
-        }
-        sums
+        if self.axes() == 3 { taps.sum::<8, C>(nodes) } else { taps.sum::<16, C>(nodes) }
     }
 
     /// Nodes touched by a sample, with their weights.
     pub fn touched<'t>(&self, taps: &'t Taps) -> impl Iterator<Item = (usize, f32)> + 't {
-        (0..self.count()).map(|k| (taps.nodes[k] as usize, taps.weights[k]))
+        let count = if self.axes() == 3 { 8 } else { 16 };
+        taps.nodes[..count].iter().zip(&taps.weights).map(|(node, weight)| (*node as usize, *weight))
     }
 
     /// For each node and each offset of -1, 0 or 1 along the axes the node there; beyond a border the node itself.
@@ -142,8 +159,6 @@ pub struct Equations<const C: usize> {
     lattice: Lattice,
     neighbours: Vec<u32>,
     offsets: usize,
-    /// Where the node of the second tap is from that of the first, as an offset.
-    between: [[u8; MOST_TAPS]; MOST_TAPS],
     /// `[node][offset]`; 0 where there is no neighbour.
     matrix: Vec<f32>,
     right: Vec<[f32; C]>,
@@ -154,23 +169,31 @@ impl<const C: usize> Equations<C> {
     pub fn new(lattice: Lattice) -> Self {
         let (offsets, nodes) = (lattice.offsets(), lattice.len());
         let (matrix, right) = (vec![0.0; nodes * offsets], vec![[0.0; C]; nodes]);
-        let step = |axis: usize, a: usize, b: usize| 3usize.pow(axis as u32) * (1 + (b >> axis & 1) - (a >> axis & 1));
-        let code = |a: usize, b: usize| (0..lattice.axes()).map(|axis| step(axis, a, b)).sum::<usize>() as u8;
-        let between = std::array::from_fn(|a| std::array::from_fn(|b| code(a, b)));
-        Self { lattice, neighbours: lattice.neighbours(), offsets, between, matrix, right }
+        Self { lattice, neighbours: lattice.neighbours(), offsets, matrix, right }
     }
 
     /// Adds a sample of these values and a weight (the square of what its residual is multiplied by).
     pub fn add(&mut self, taps: &Taps, values: [f32; C], weight: f32) {
-        let count = self.lattice.count();
-        for a in 0..count {
-            let scaled = weight * taps.weights[a];
+        match self.lattice.axes() {
+            3 => self.add_all::<8, 14>(taps, values, weight),
+            _ => self.add_all::<16, 41>(taps, values, weight),
+        }
+    }
+
+    /// [`Self::add`] of so many taps, the last of which is `SPAN - 1` offsets from the first.
+    fn add_all<const TAPS: usize, const SPAN: usize>(&mut self, taps: &Taps, values: [f32; C], weight: f32) {
+        let weights: &[f32; TAPS] = taps.weights.first_chunk().expect("as many taps as there can be");
+        for a in 0..TAPS {
+            let scaled = weight * weights[a];
             let node = taps.nodes[a] as usize;
             let right = &mut self.right[node];
             (0..C).for_each(|c| right[c] += scaled * values[c]);
-            let row = &mut self.matrix[node * self.offsets..][..self.offsets];
-            for (code, weight) in self.between[a][..count].iter().zip(&taps.weights) {
-                row[usize::from(*code)] += scaled * weight;
+            // One step back from the node along each axis that its tap has stepped along is the first tap.
+            let first = node * self.offsets + self.offsets / 2 - STEPS_OF_TAPS[a];
+            let row: &mut [f32; SPAN] =
+                self.matrix[first..].first_chunk_mut().expect("a row goes on to its last offset");
+            for b in 0..TAPS {
+                row[STEPS_OF_TAPS[b]] += scaled * weights[b];
             }
         }
     }

@@ -99,16 +99,23 @@ fn pixel_difference(a: [f32; 3], b: [f32; 3], exposure: f64) -> Option<PixelDiff
     if a == b {
         return Some(PixelDifference { delta_e: 0.0, delta_e_2000: 0.0, squared: 0.0 });
     }
-    let display = |pixel: [f32; 3]| {
-        let [r, g, b] = pixel.map(|c| (f64::from(c) * exposure).clamp(0.0, 1.0));
-        LinSrgb::<f64>::new(r, g, b)
-    };
-    let (a, b) = (display(a), display(b));
-    let (a, b): (Lab<D65, f64>, Lab<D65, f64>) = (a.into_color(), b.into_color());
-    Some(PixelDifference { delta_e: a.distance(b), delta_e_2000: Ciede2000::difference(a, b), squared })
+    let (delta_e, delta_e_2000) = colour_difference(shown_colour(a, exposure), shown_colour(b, exposure));
+    Some(PixelDifference { delta_e, delta_e_2000, squared })
 }
 
-fn spread(mut values: Vec<f64>) -> Spread {
+/// What a display shows of a pixel.
+pub(crate) fn shown_colour(pixel: [f32; 3], exposure: f64) -> Lab<D65, f64> {
+    let [r, g, b] = pixel.map(|c| (f64::from(c) * exposure).clamp(0.0, 1.0));
+    LinSrgb::<f64>::new(r, g, b).into_color()
+}
+
+/// ΔE*ab and CIEDE2000 of two colours.
+pub(crate) fn colour_difference(a: Lab<D65, f64>, b: Lab<D65, f64>) -> (f64, f64) {
+    (a.distance(b), Ciede2000::difference(a, b))
+}
+
+/// Of values of pixels.
+pub(crate) fn spread(mut values: Vec<f64>) -> Spread {
     if values.is_empty() {
         return Spread::default();
     }

@@ -22,7 +22,7 @@ const STEPS: usize = 60;
 /// The model whose pictures are closest to those of `source` by the squares of ΔE*ab, by the method of Levenberg and
 /// Marquardt from several starts. `exposure` is that of the pictures.
 pub(super) fn fitted_ggx(source: &dyn Source, exposure: f64) -> Ggx {
-    let pairs: Vec<DirectionPair> = picture_pairs().into_iter().step_by(EVERY).collect();
+    let pairs: Vec<DirectionPair> = picture_pairs().iter().copied().step_by(EVERY).collect();
     let (values, _) = values_at(source, &pairs);
     let shown = |f: [f64; 3], pair: &DirectionPair| lab(f.map(|f| (f * pair.incoming[2] * exposure) as f32));
     let colours: Vec<[f32; 3]> = values.iter().zip(&pairs).map(|(f, pair)| shown(*f, pair)).collect();
