@@ -230,6 +230,7 @@ impl TableHeader {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f32::consts::FRAC_PI_2;
 
     fn header(slope: f32, symmetry: u32, layers: u32) -> TableHeader {
         let mut knots = std::array::from_fn(|k| (k as f32 / 16.0).powi(2));

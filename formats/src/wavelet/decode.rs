@@ -93,26 +93,36 @@ impl WaveletDecoder {
         let (outer, inner) = axes(self.header.parameterisation, pair);
         let [outer_column, outer_row] = self.taps(outer, filter != Filter::Nearest);
         let [inner_column, inner_row] = self.taps(inner, filter == Filter::Bilinear);
-        let n = self.header.grid();
-        let footprint = footprint(outer_column, outer_row, n);
+        let footprint = footprint(outer_column, outer_row, self.header.grid());
+        let outer = &footprint[..if filter == Filter::Nearest { 1 } else { 4 }];
+        let Filter::Bilinear = filter else {
+            return self.filtered(outer, inner_column.cells[0], inner_row.cells[0], level);
+        };
         let mut log_value = [0.0f32; 3];
-        match filter {
-            Filter::Nearest | Filter::Slices => {
-                let cells = if filter == Filter::Nearest { 1 } else { 4 };
-                log_value = self.reconstruct(&footprint[..cells], inner_column.cells[0], inner_row.cells[0], level);
-            }
-            Filter::Bilinear => {
-                // The same order as `footprint`: rows outside, columns inside.
-                for (row, row_weight) in [(0, 1.0 - inner_row.weight), (1, inner_row.weight)] {
-                    for (column, column_weight) in [(0, 1.0 - inner_column.weight), (1, inner_column.weight)] {
-                        let weight = row_weight * column_weight;
-                        let value =
-                            self.reconstruct(&footprint, inner_column.cells[column], inner_row.cells[row], level);
-                        for channel in 0..3 {
-                            log_value[channel] += weight * value[channel];
-                        }
-                    }
+        // The same order as `footprint`: rows outside, columns inside.
+        for (row, row_weight) in [(0, 1.0 - inner_row.weight), (1, inner_row.weight)] {
+            for (column, column_weight) in [(0, 1.0 - inner_column.weight), (1, inner_column.weight)] {
+                let weight = row_weight * column_weight;
+                let value = self.filtered(outer, inner_column.cells[column], inner_row.cells[row], level);
+                for channel in 0..3 {
+                    log_value[channel] += weight * value[channel];
                 }
+            }
+        }
+        log_value
+    }
+
+    /// The log-encoded value of one inner cell, filtered over outer cells: of coefficients, which is the same as of values
+    /// and what a sampler does. Not so of lifted packs, whose outer cells are reconstructed one by one.
+    fn filtered(&self, outer: &[(usize, f32)], column: usize, row: usize, level: f32) -> [f32; 3] {
+        if self.lift.is_none() {
+            return self.reconstruct(outer, column, row, level);
+        }
+        let mut log_value = [0.0f32; 3];
+        for (cell, weight) in outer {
+            let value = self.reconstruct(&[(*cell, 1.0)], column, row, level);
+            for channel in 0..3 {
+                log_value[channel] += weight * value[channel];
             }
         }
         log_value

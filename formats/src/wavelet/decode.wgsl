@@ -19,6 +19,8 @@
 //     0 nearest    one reconstruction; the exact path takes the nearest cell of a slice, the hardware path filters it
 //     1 slices     one reconstruction, slices filtered bilinearly (section 5.2)
 //     2 bilinear   four reconstructions around the inner direction, blended (section 5.4.2)
+//
+// Of lifted packs a sampler cannot filter the outer direction: both functions reconstruct its four cells one by one.
 
 // The same fields, in the same order, as `WaveletBrdfParameters` of `brdfc-formats`. 48 bytes.
 struct WaveletBrdfParameters {
@@ -104,16 +106,44 @@ fn wavelet_brdf_log_value(wi: vec3<f32>, wo: vec3<f32>, level: f32, hardware: bo
     let outer = wavelet_brdf_taps(axes.outer, wavelet_brdf_parameters.filter_mode > 0u);
     let inner = wavelet_brdf_taps(axes.inner, wavelet_brdf_parameters.filter_mode == 2u);
     if wavelet_brdf_parameters.filter_mode < 2u {
-        return wavelet_brdf_reconstruct(outer, inner.column.lower, inner.row.lower, level, hardware);
+        return wavelet_brdf_filtered(outer, inner.column.lower, inner.row.lower, level, hardware);
     }
     var value = vec3<f32>(0.0);
     for (var k = 0u; k < 4u; k += 1u) {
         let column = wavelet_brdf_cell(inner.column, k & 1u);
         let row = wavelet_brdf_cell(inner.row, k >> 1u);
         let weight = wavelet_brdf_cell_weight(inner.row, k >> 1u) * wavelet_brdf_cell_weight(inner.column, k & 1u);
-        value += weight * wavelet_brdf_reconstruct(outer, column, row, level, hardware);
+        value += weight * wavelet_brdf_filtered(outer, column, row, level, hardware);
     }
     return value;
+}
+
+// The value of one inner cell, filtered over outer cells: of coefficients, which is the same as of values and what a sampler
+// does. Not so of lifted packs, whose outer cells are reconstructed one by one.
+fn wavelet_brdf_filtered(
+    outer: WaveletBrdfTaps,
+    column: u32,
+    row: u32,
+    level: f32,
+    hardware: bool,
+) -> vec3<f32> {
+    let cells = select(4u, 1u, wavelet_brdf_parameters.filter_mode == 0u);
+    if wavelet_brdf_parameters.lifted == 0u {
+        return wavelet_brdf_reconstruct(outer, cells, column, row, level, hardware);
+    }
+    var value = vec3<f32>(0.0);
+    for (var k = 0u; k < cells; k += 1u) {
+        let at = WaveletBrdfTaps(wavelet_brdf_only(outer.column, k & 1u), wavelet_brdf_only(outer.row, k >> 1u));
+        let weight = wavelet_brdf_cell_weight(outer.row, k >> 1u) * wavelet_brdf_cell_weight(outer.column, k & 1u);
+        value += weight * wavelet_brdf_reconstruct(at, 1u, column, row, level, false);
+    }
+    return value;
+}
+
+// One of the two cells.
+fn wavelet_brdf_only(tap: WaveletBrdfTap, upper: u32) -> WaveletBrdfTap {
+    let cell = wavelet_brdf_cell(tap, upper);
+    return WaveletBrdfTap(cell, cell, 0.0, tap.position);
 }
 
 // Section 5.3, equation 2's synthesis along one path of the tree. Level j refines 2^j x 2^j cells to twice as many per
@@ -121,6 +151,7 @@ fn wavelet_brdf_log_value(wi: vec3<f32>, wo: vec3<f32>, level: f32, hardware: bo
 // the divisions by √2 of all levels taken together; the sign tells the halves apart.
 fn wavelet_brdf_reconstruct(
     outer: WaveletBrdfTaps,
+    cells: u32,
     column: u32,
     row: u32,
     level: f32,
@@ -132,7 +163,7 @@ fn wavelet_brdf_reconstruct(
     let fraction = clamped - floor(clamped);
     let last = whole + select(0u, 1u, fraction > 0.0);
     let scaling = vec4<f32>(1.0, wavelet_brdf_parameters.scaling_scale, wavelet_brdf_parameters.scaling_offset, 0.0);
-    var value = wavelet_brdf_coefficient(scaling, outer, hardware) * wavelet_brdf_weight(levels);
+    var value = wavelet_brdf_coefficient(scaling, outer, cells, hardware) * wavelet_brdf_weight(levels);
     for (var j = 0u; j < last; j += 1u) {
         let child_column = column >> (levels - j - 1u);
         let child_row = row >> (levels - j - 1u);
@@ -145,8 +176,8 @@ fn wavelet_brdf_reconstruct(
         let weight = wavelet_brdf_weight(levels - j);
         let latitude_weight = select(-weight, weight, (child_row & 1u) == 0u);
         let longitude_weight = select(-(weight * WAVELET_BRDF_SQRT_2), weight * WAVELET_BRDF_SQRT_2, (child_column & 1u) == 0u);
-        let a = wavelet_brdf_coefficient(latitude, outer, hardware);
-        let b = wavelet_brdf_coefficient(longitude, outer, hardware);
+        let a = wavelet_brdf_coefficient(latitude, outer, cells, hardware);
+        let b = wavelet_brdf_coefficient(longitude, outer, cells, hardware);
         // The coarser value is on the way to the finer one, so a blend of levels costs no second reconstruction.
         let part = select(1.0, fraction, j == whole);
         if wavelet_brdf_parameters.lifted == 1u {
@@ -203,19 +234,17 @@ fn wavelet_brdf_ln(y: vec3<f32>) -> vec3<f32> {
 fn wavelet_brdf_entry(coefficient: u32) -> vec4<f32> {
     let levels = wavelet_brdf_parameters.levels;
     let texel = vec2<u32>(coefficient & ((1u << levels) - 1u), coefficient >> levels);
-    let entry = textureLoad(wavelet_brdf_index, texel, 0);
-    return entry;
+    return textureLoad(wavelet_brdf_index, texel, 0);
 }
 
 // One coefficient at the outer direction: offset + scale * texel. Slice 0 is all zero, so nothing branches on it.
-fn wavelet_brdf_coefficient(entry: vec4<f32>, outer: WaveletBrdfTaps, hardware: bool) -> vec3<f32> {
+fn wavelet_brdf_coefficient(entry: vec4<f32>, outer: WaveletBrdfTaps, cells: u32, hardware: bool) -> vec3<f32> {
     if hardware {
         let depth = (entry.x + 0.5) / wavelet_brdf_parameters.slices;
         let at = vec3<f32>(outer.column.position, outer.row.position, depth);
         let texel = textureSampleLevel(wavelet_brdf_slices, wavelet_brdf_sampler, at, 0.0);
         return vec3<f32>(entry.z) + entry.y * wavelet_brdf_colour(texel);
     }
-    let cells = select(4u, 1u, wavelet_brdf_parameters.filter_mode == 0u);
     var value = vec3<f32>(0.0);
     for (var k = 0u; k < cells; k += 1u) {
         let column = wavelet_brdf_cell(outer.column, k & 1u);

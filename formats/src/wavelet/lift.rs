@@ -2,7 +2,7 @@
 //! means of logarithms, which are darker.
 //!
 //! Two halves whose logarithms are `p + h` and `p - h` have the mean `exp(p + rise)`, with `rise = ln cosh h` where both
-//! count alike. Half of it and the difference are kept, `m = p + rise` and `h`; synthesis takes `p = m - rise(h)` first.
+//! count alike. What is kept is `m = p + rise(h)` and `h`; synthesis takes `p = m - rise(h)` first.
 //! Whatever is done to `h`, scaled between levels of detail, rounded or dropped, the mean of both halves stays `exp(m)`.
 //!
 //! Halves count by the light that they send out, `cos θ_o dω`, so that what is kept is the albedo of each incoming

@@ -79,10 +79,9 @@ impl Equations<'_> {
         ((counts[0] * h.exp() + counts[1] * (-h).exp()) / (counts[0] + counts[1])).ln()
     }
 
-    /// `v(c, r)` at level of detail `l`, of coefficients that are filtered over outer cells.
-    fn value(&self, outer: &[(usize, f64)], column: usize, row: usize, level: f64, channel: usize) -> f64 {
-        let coefficient =
-            |k| outer.iter().map(|(cell, weight)| weight * self.coefficient(k, *cell, channel)).sum::<f64>();
+    /// `v(c, r)` at level of detail `l`.
+    fn value(&self, cell: usize, column: usize, row: usize, level: f64, channel: usize) -> f64 {
+        let coefficient = |k| self.coefficient(k, cell, channel);
         let n = self.pack.header.levels as i32;
         let scaling = if self.is(Mistake::ScalingWeight) { 1 - n } else { -n };
         let mut sum = 2f64.powi(scaling) * coefficient(0);
@@ -145,10 +144,13 @@ impl Equations<'_> {
             std::mem::swap(&mut outer, &mut inner);
         }
         let n = self.pack.header.grid();
-        let outer: Vec<(usize, f64)> =
-            self.footprint(outer).into_iter().map(|(column, row, weight)| (row * n + column, weight)).collect();
-        let value = |(column, row, weight)| weight * self.value(&outer, column, row, level, channel);
-        let log: f64 = self.footprint(inner).into_iter().map(value).sum();
+        let mut log = 0.0;
+        for (outer_column, outer_row, outer_weight) in self.footprint(outer) {
+            for (column, row, inner_weight) in self.footprint(inner) {
+                let cell = outer_row * n + outer_column;
+                log += outer_weight * inner_weight * self.value(cell, column, row, level, channel);
+            }
+        }
         let bias = if self.is(Mistake::NoBias) { 0.0 } else { f64::from(self.pack.header.bias) };
         let mean = if self.is(Mistake::NoMean) { 1.0 } else { f64::from(self.pack.header.mean) };
         (mean * (log.exp() - bias)).max(0.0)

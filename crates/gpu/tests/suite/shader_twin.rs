@@ -200,7 +200,7 @@ fn a_reconstruction_costs_four_fetches_per_level_and_one() {
     let mut instrumented = "var<private> fetch_count: u32 = 0u;\n".to_owned();
     for line in WAVELET_BRDF_WGSL.lines() {
         let code = line.split("//").next().unwrap();
-        let calls = code.matches("texture").filter(|_| code.contains("= texture")).count();
+        let calls = code.matches("= texture").count() + code.matches("return texture").count();
         if code.contains("textureLoad(") || code.contains("textureSampleLevel(") {
             assert_eq!(calls, 1, "one fetch per line: {line}");
             instrumented += "fetch_count += 1u;\n";
@@ -281,11 +281,12 @@ fn literals(source: &str) -> Vec<std::ops::Range<usize>> {
 }
 
 /// Changes that leave every value as it is, and why.
-const HARMLESS: [(&str, &str, &str); 7] = [
+const HARMLESS: [(&str, &str, &str); 8] = [
     ("let last = whole + select(", "1u", "one more level with weight 0; the count of fetches notices"),
     ("let cells = select(4u, ", "2u", "one more cell with weight 0; the count of fetches notices"),
     ("wavelet_brdf_sampler, at, ", "0.25", "there is one mip level"),
     ("let t = select(", "0.25", "only a zero vector has no angle"),
+    ("wavelet_brdf_reconstruct(at, ", "2u", "one more cell with weight 0, which a tap of one cell has"),
     ("wavelet_brdf_parameters.scaling_offset, ", "0.25", "no half of the scaling coefficient is asked for"),
     ("let k = round(x * ", "1.4412523050000001e0", "the remainder is a little larger, and as good"),
     ("let x = max(value, vec3<f32>(-", "8.6913e1", "as good as 0 below either"),

@@ -1,6 +1,6 @@
 //! Packs against the physics of their sources. Every check is shown to fail on a source or pack that breaks it.
 
-use brdfc_formats::direction::{DirectionPair, Parameterisation, Vector, cell_centre, from_polar};
+use brdfc_formats::direction::{DirectionPair, Parameterisation, Vector, cell_centre, from_polar, from_tangent_pole};
 use brdfc_formats::wavelet::{Filter, WaveletDecoder, WaveletPack};
 use brdfc_metrics::compare::compare;
 use brdfc_metrics::sampling::{PairSet, random_pairs};
@@ -314,6 +314,14 @@ fn lifted_levels_keep_the_albedo() {
                 lost = lost.max(1.0 - cell_albedo(&plain, incoming, level) / expected);
             }
             assert!(!address.contains("lambert") || (expected - 1.0).abs() < 2e-3, "{expected}");
+        }
+        // Between incoming cells logarithms are filtered: no light comes from nowhere.
+        let neighbours = [(7, 8), (8, 8), (7, 9), (8, 9)].map(|(column, row)| cell_centre(column, row, 16));
+        let most = neighbours.map(|incoming| cell_albedo(&whole, incoming, 4.0)).into_iter().fold(0.0, f64::max);
+        let middle = from_tangent_pole([PI * 8.0 / 16.0, PI * 9.0 / 16.0]);
+        for level in [0.0, 1.6, 4.0] {
+            let found = cell_albedo(&whole, middle, level);
+            assert!(found < 1.002 * most, "{address}, level {level}: {found} between cells of {most}");
         }
         assert!(address.contains("lambert") || lost > 0.1, "{address}: {lost}");
     }
