@@ -71,7 +71,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let stages = clock.finish();
     drop(part);
     drop(progress);
-    let report = MaterialReport::new(&encoded, opened.facts.samples());
+    let report = MaterialReport::new(&encoded, &opened.facts);
     let of_trials: Vec<f64> =
         stages.iter().filter(|stage| stage.stage == Stage::Try.name()).map(|stage| stage.seconds).collect();
     let missed = report.missed.clone().map(CliError::Check);

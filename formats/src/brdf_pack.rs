@@ -41,10 +41,10 @@ impl BrdfPack {
     }
 
     /// Texture fetches of one look-up at the finest level of detail with the filter that errors are measured with: of
-    /// wavelet packs four reconstructions.
+    /// wavelet packs four reconstructions, of lifted ones sixteen.
     pub fn fetches(&self) -> u32 {
         match self {
-            Self::Wavelet(pack) => 4 * (4 * pack.header.levels + 1),
+            Self::Wavelet(pack) => (if pack.header.lifted { 16 } else { 4 }) * (4 * pack.header.levels + 1),
             Self::Table(pack) => pack.fetches(),
         }
     }

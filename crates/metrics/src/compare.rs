@@ -2,15 +2,13 @@
 
 use super::norms::{NormSums, Norms};
 use super::picture::{PictureError, ReferencePicture};
-use super::sampling::{PairSet, albedo_directions, cosine_directions};
+use super::sampling::{PairSet, albedo_directions, albedo_samples};
 use super::values::{CHUNK, values_at};
 use brdfc_formats::ErrorSummary;
 use brdfc_formats::direction::{DirectionPair, Vector};
 use brdfc_source::{Source, Tally};
 use rayon::prelude::*;
 
-/// Outgoing directions per axis of an albedo.
-const ALBEDO_SIDE: usize = 16;
 /// Direction pairs, of those given, that reciprocity is measured at.
 const RECIPROCITY_PAIRS: usize = 2048;
 
@@ -68,10 +66,9 @@ impl Reference {
         let (values, mut tally) = values_at(source, &set.pairs);
         let (picture, counts) = ReferencePicture::new(source);
         tally += counts;
-        let outgoing = cosine_directions(ALBEDO_SIDE);
         let albedo = albedo_directions(source.symmetry().isotropic)
             .into_par_iter()
-            .map(|(angles, incoming)| (angles, incoming, albedo(source, incoming, &outgoing)))
+            .map(|(angles, incoming)| (angles, incoming, albedo(source, incoming)))
             .collect();
         Self { grey: source.is_grey(), mean: mean_value(&values[..set.of_mean]), set, values, picture, albedo, tally }
     }
@@ -127,12 +124,11 @@ impl Reference {
             sums.merge(part);
             reciprocity.merge(exchange);
         }
-        let outgoing = cosine_directions(ALBEDO_SIDE);
         let albedo: Vec<AlbedoPoint> = self
             .albedo
             .par_iter()
             .map(|([theta, phi], incoming, reference)| {
-                let approximation = albedo(approximation, *incoming, &outgoing);
+                let approximation = albedo(approximation, *incoming);
                 AlbedoPoint { theta: *theta, phi: *phi, reference: *reference, approximation }
             })
             .collect();
@@ -155,16 +151,14 @@ pub fn compare(reference: &dyn Source, approximation: &dyn Source, set: &PairSet
 }
 
 /// `∫ f cos θo dωo` at an incoming direction.
-fn albedo(source: &dyn Source, incoming: Vector, outgoing: &[Vector]) -> [f64; 3] {
+fn albedo(source: &dyn Source, incoming: Vector) -> [f64; 3] {
     let mut tally = Tally::default();
     let mut sum = [0.0; 3];
-    for direction in outgoing {
-        let f = source.eval(DirectionPair::new(incoming, *direction), &mut tally);
-        for channel in 0..3 {
-            sum[channel] += f[channel].max(0.0);
-        }
+    for (outgoing, counted) in albedo_samples(incoming) {
+        let f = source.eval(DirectionPair::new(incoming, outgoing), &mut tally);
+        (0..3).for_each(|channel| sum[channel] += f[channel].max(0.0) * counted);
     }
-    sum.map(|s| s * std::f64::consts::PI / outgoing.len() as f64)
+    sum
 }
 
 /// Mean over values and channels; negative ones count as 0.

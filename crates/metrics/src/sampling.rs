@@ -1,10 +1,10 @@
 //! Fixed sets of directions to compare at: the same on every run and machine.
 
-use brdfc_formats::direction::{DirectionPair, Vector, dot, from_polar};
+use brdfc_formats::direction::{DirectionPair, Vector, dot, from_polar, half_vector};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use std::borrow::Cow;
-use std::f64::consts::{FRAC_PI_4, TAU};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 use std::sync::LazyLock;
 
 /// Pairs of [`PairSet::comparison`] with both directions uniform over the hemisphere's solid angle.
@@ -104,6 +104,44 @@ pub fn cosine_directions(side: usize) -> Vec<Vector> {
     directions
 }
 
+/// Directions per axis of each half of [`albedo_samples`].
+const ALBEDO_SIDE: usize = 16;
+/// Smallest angle between half vector and normal that lobes are looked for at, radians.
+const NARROWEST: f64 = 1e-4;
+
+/// Outgoing directions and what each counts in `∫ f cos θo dωo` at an incoming direction, which is the sum of `f` times that.
+///
+/// Half of them have cosine density, half reflect the light at half vectors whose angle to the normal is spread over its
+/// logarithm, so that lobes of any width are met. Both are weighted by the balance heuristic (Veach and Guibas 1995). Those below the
+/// horizon are left out. A matte white has 1 exactly, narrow lobes are within a few percent.
+pub fn albedo_samples(incoming: Vector) -> Vec<(Vector, f64)> {
+    let cosine = cosine_directions(ALBEDO_SIDE);
+    let step = 1.0 / ALBEDO_SIDE as f64;
+    let widths = (FRAC_PI_2 / NARROWEST).ln();
+    let mirrored = (0..ALBEDO_SIDE * ALBEDO_SIDE).map(|k| {
+        let t = ((k / ALBEDO_SIDE) as f64 + 0.5) * step;
+        // Rings are turned against each other.
+        let phi = ((k % ALBEDO_SIDE) as f64 + 0.5 + 0.618 * (k / ALBEDO_SIDE) as f64) * step * TAU;
+        let half = from_polar(FRAC_PI_2 * ((t - 1.0) * widths).exp(), phi);
+        let twice = 2.0 * dot(incoming, half);
+        std::array::from_fn(|k| twice * half[k] - incoming[k])
+    });
+    let seen = |outgoing: &Vector| outgoing[2] > 0.0 && dot(incoming, *outgoing) > -1.0;
+    let counted = |outgoing: Vector| {
+        let half = half_vector(DirectionPair::new(incoming, outgoing));
+        let theta = half[0].hypot(half[1]).atan2(half[2]);
+        let of_angle = if theta >= NARROWEST { 1.0 / (theta * widths) } else { 0.0 };
+        let of_half = if of_angle > 0.0 { of_angle / (TAU * theta.sin()) } else { 0.0 };
+        let density = outgoing[2] / PI + of_half / (4.0 * dot(incoming, half));
+        (outgoing, outgoing[2] / (density * cosine.len() as f64))
+    };
+    let mut samples: Vec<(Vector, f64)> = cosine.iter().copied().chain(mirrored).filter(seen).map(counted).collect();
+    // Exact for what is matte.
+    let white: f64 = samples.iter().map(|(_, counted)| counted / PI).sum();
+    samples.iter_mut().for_each(|(_, counted)| *counted /= white);
+    samples
+}
+
 /// Incoming directions for albedo curves: 0 to 85 degrees in steps of 5, at the azimuths 0 and, for anisotropic
 /// materials, 90 degrees.
 pub fn albedo_directions(isotropic: bool) -> Vec<([f64; 2], Vector)> {
@@ -143,6 +181,33 @@ mod tests {
         let limit = 75f64.to_radians().cos() + 1e-12;
         assert!(grazing.iter().all(|pair| pair.incoming[2].min(pair.outgoing[2]) <= limit));
         assert!(grazing.iter().filter(|pair| pair.incoming[2] <= limit).count() > GRAZING_PAIRS / 2);
+    }
+
+    /// Known albedos: of a matte white, and of the part of a lobe around the mirror direction, however narrow: `f` is such that
+    /// what it sends out is the solid angle of half vectors within `width`.
+    #[test]
+    fn albedos_of_lobes_of_any_width() {
+        for theta in [0.0, 0.5, 1.2, 1.45] {
+            let incoming = from_polar(theta, 0.3);
+            let samples = albedo_samples(incoming);
+            let white: f64 = samples.iter().map(|(_, counted)| counted / PI).sum();
+            assert!((white - 1.0).abs() < 1e-12, "{theta}: {white}");
+            for width in [1e-3, 1e-2, 0.1] {
+                // dω_o = 4 (i · h) dω_h.
+                let f = |outgoing: Vector| {
+                    let half = half_vector(DirectionPair::new(incoming, outgoing));
+                    let off = half[0].hypot(half[1]).atan2(half[2]) / width;
+                    (-off * off).exp() / (4.0 * dot(incoming, half) * outgoing[2])
+                };
+                let found: f64 = samples.iter().map(|(outgoing, counted)| f(*outgoing) * counted).sum();
+                let expected = PI * width * width;
+                assert!(
+                    theta + 4.0 * width > FRAC_PI_2 || (found / expected - 1.0).abs() < 0.05,
+                    "{theta} {width}: {}",
+                    found / expected
+                );
+            }
+        }
     }
 
     /// Means over the uniform pairs are integrals: far closer than as many random ones.

@@ -122,6 +122,14 @@ pub struct AltaHeader {
 }
 
 impl Facts {
+    /// Rows with a negative channel, which was raised to 0.
+    pub fn rows_raised(&self) -> u64 {
+        match self {
+            Self::Scan { summary, .. } => summary.negative as u64,
+            _ => 0,
+        }
+    }
+
     /// Measured samples that came in; 0 for models.
     pub fn samples(&self) -> u64 {
         match self {

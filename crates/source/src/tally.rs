@@ -17,8 +17,10 @@ pub struct Tally {
     pub fell_to_constant: u64,
     /// Local fits whose value was clamped to the range of its neighbours.
     pub clamped_to_neighbours: u64,
-    /// Negative values (measurement noise, colours out of gamut) that were raised to zero on the grid.
+    /// Values that were negative (measurement noise, colours out of gamut) or no number, and were raised to zero.
     pub negative_raised: u64,
+    /// Values that were larger than a pack may hold, and were lowered to the largest.
+    pub largest_lowered: u64,
 }
 
 impl AddAssign for Tally {
@@ -30,5 +32,6 @@ impl AddAssign for Tally {
         self.fell_to_constant += other.fell_to_constant;
         self.clamped_to_neighbours += other.clamped_to_neighbours;
         self.negative_raised += other.negative_raised;
+        self.largest_lowered += other.largest_lowered;
     }
 }

@@ -174,7 +174,7 @@ pub fn level_of_detail(
 /// Texture fetches of a look-up, nearest and bilinear; tables have one filter.
 fn fetches(pack: &BrdfPack, level: u32) -> [u32; 2] {
     match pack {
-        BrdfPack::Wavelet(_) => [4 * level + 1, 4 * (4 * level + 1)],
+        BrdfPack::Wavelet(pack) => [1, if pack.header.lifted { 16 } else { 4 }].map(|cells| cells * (4 * level + 1)),
         BrdfPack::Table(pack) => [pack.fetches(); 2],
     }
 }

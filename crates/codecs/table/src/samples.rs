@@ -95,8 +95,8 @@ fn placed(count: usize, place: impl Fn([f64; 4]) -> DirectionPair + Sync) -> Vec
 /// Values with what is negative, no number or beyond [`LARGEST`] raised to 0 or lowered to that, and counted.
 pub(super) fn mended(mut values: Vec<[f64; 3]>, tally: &mut Tally) -> Vec<[f64; 3]> {
     for value in &mut values {
-        let usable = value.iter().all(|v| (0.0..=LARGEST).contains(v));
-        tally.negative_raised += u64::from(!usable);
+        tally.negative_raised += u64::from(value.iter().any(|v| v.is_nan() || *v < 0.0));
+        tally.largest_lowered += u64::from(value.iter().any(|v| *v > LARGEST));
         // NaN is raised, too.
         *value = value.map(|v| if v >= 0.0 { v.min(LARGEST) } else { 0.0 });
     }

@@ -45,12 +45,14 @@ impl Targets {
         let on_ball = || (0..samples.len()).filter(|k| Samples::is_on_ball(*k));
         let sum: f64 = on_ball().map(|k| samples.values[k].iter().map(|v| f64::from(*v)).sum::<f64>()).sum();
         let mean = (sum / (3 * on_ball().count().max(1)) as f64) as f32;
-        let mean = if mean.is_normal() { mean } else { 1.0 };
+        // Of what is next to nothing the smallest that a pack may have.
+        let mean = if sum > 0.0 { mean.max(f32::MIN_POSITIVE) } else { 1.0 };
         let mut shown: Vec<f32> =
             on_ball().map(|k| samples.values[k].iter().fold(0.0f32, |a, b| a.max(*b)) * samples.cosines[k]).collect();
         let at = ((shown.len().max(1) - 1) as f32 * WHITE) as usize;
         let white = if shown.is_empty() { 0.0 } else { *shown.select_nth_unstable_by(at, f32::total_cmp).1 };
-        let exposure = if white > 0.0 { 1.0 / white } else { 1.0 };
+        // As good as black where one over white is no number.
+        let exposure = if white.is_normal() && white > 0.0 { 1.0 / white } else { 1.0 };
         let weight = |value: f32, cosine: f32| {
             if aim == Aim::Ratios {
                 return value / (value + mean * bias);

@@ -58,7 +58,9 @@ pub enum EncodeError {
     )]
     NothingMeasured,
     /// The byte budget does not hold even the scaling slice.
-    #[error("byte budget: found {allowed} bytes; allowed at least {smallest}, which hold the scaling slice alone")]
+    #[error(
+        "byte budget of a wavelet pack: found {allowed} bytes; allowed at least {smallest}, which hold the scaling slice alone"
+    )]
     TooFewBytes {
         /// The budget.
         allowed: u64,

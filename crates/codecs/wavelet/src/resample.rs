@@ -38,14 +38,16 @@ pub fn resample(source: &dyn Source, grid: Grid) -> (Table, Tally) {
                 }
                 let pair = grid.parameterisation.from_axes(centres[*outer as usize], centres[inner]);
                 let value = source.eval(lifted(pair), &mut tally);
-                let mut raised = false;
+                let (mut raised, mut lowered) = (false, false);
                 for channel in 0..channels {
                     // NaN fails this comparison too.
                     let usable = value[channel] >= 0.0;
                     raised |= !usable;
+                    lowered |= value[channel] > LARGEST;
                     values[channel * cells + inner] = if usable { value[channel].min(LARGEST) as f32 } else { 0.0 };
                 }
                 tally.negative_raised += u64::from(raised);
+                tally.largest_lowered += u64::from(lowered);
             }
             (values, tally)
         })

@@ -8,7 +8,7 @@ use brdfc_metrics::compare::{Comparison, Reference};
 use brdfc_metrics::sampling::PairSet;
 use brdfc_source::progress::{Cancelled, Progress, Stage};
 use brdfc_source::{PackSource, Source, TableSource};
-use brdfc_table::encode::{Encoded, Prepared, measured, samples_for};
+use brdfc_table::encode::{EncodeError, Encoded, MOST_TEXELS, Prepared, measured, samples_for};
 use brdfc_table::recipe::{Size, TableRecipe};
 use brdfc_wavelet::recipe::{Recipe, Target};
 
@@ -25,6 +25,8 @@ const RATIOS: [f64; 3] = [16.0, 8.0, 4.0];
 const WAVELET_FROM: u64 = 128 << 10;
 /// Power of the size by which the error of tables is taken to fall at most; it is 2/3 where values are smooth.
 const FASTEST: f64 = 0.8;
+/// Tables do not become better by more nodes where two sizes in a row miss the budget by so much of what the one before did.
+const STALLED: f64 = 0.97;
 /// Tables of a budget of bytes alone: all of it, a half, a quarter. More nodes do not always bring more, where the format's ten
 /// bits or the samples are the limit.
 const FILLED: u32 = 3;
@@ -33,8 +35,8 @@ const FILLED: u32 = 3;
 /// bytes alone gets the pack with the smallest colour differences that fits.
 ///
 /// Sizes are left out where even an error that falls by the power [`FASTEST`] would miss the budget. When a larger one meets it,
-/// those that were left out since the last miss are tried after all; when none does, the largest is. Below the smallest table
-/// that meets the budget factored ones are tried, too: with one fetch more they may be smaller.
+/// those that were left out since the last miss are tried after all; when none does, the largest is, unless errors have stopped
+/// falling. Below the smallest table that meets the budget factored ones are tried, too: with one fetch more they may be smaller.
 ///
 /// # Errors
 /// Budgets that no pack can meet whatever its quality, error budgets for black materials, cancellation.
@@ -75,7 +77,7 @@ pub(super) fn search(
             }
         }
     } else {
-        let most = budget.bytes.unwrap_or(LARGEST).min(LARGEST);
+        let most = budget.bytes.unwrap_or(LARGEST).min(search.largest());
         let smallest = search.smallest_tried();
         for half in (0..FILLED).rev() {
             let bytes = most >> half;
@@ -125,7 +127,7 @@ impl Progress for Within<'_> {
 impl Search<'_> {
     /// Tries tables; whether one meets the budget.
     fn tables(&mut self) -> Result<bool, PackError> {
-        let sizes = sizes(self.smallest_tried(), self.recipe.budget.bytes);
+        let sizes = sizes(self.smallest_tried(), self.recipe.budget.bytes, self.largest());
         let met = self.smallest(&sizes, self.recipe.tables == Tables::Factored)?;
         if self.recipe.tables != Tables::Both || !self.may_be_factored() {
             return Ok(met.is_some());
@@ -147,6 +149,11 @@ impl Search<'_> {
             (0, true) => SMALLEST,
             (0, false) => SMALLEST_ANISOTROPIC,
         }
+    }
+
+    /// Bytes of the largest table that is tried: texels of grey ones are half as large.
+    fn largest(&self) -> u64 {
+        if self.source.is_grey() { LARGEST.min(2 * MOST_TEXELS) } else { LARGEST }
     }
 
     /// Whether the budget has a fetch for a curve.
@@ -172,6 +179,13 @@ impl Search<'_> {
                     |at: usize| Some(excesses[at]? * (sizes[larger] as f64 / sizes[at] as f64).powf(-FASTEST));
                 (0..=k).filter_map(expected).fold(f64::INFINITY, f64::min) > 1.0
             };
+            let tried: Vec<f64> = excesses[..=k].iter().flatten().copied().collect();
+            if let [.., a, b, c] = tried[..]
+                && b > STALLED * a
+                && c > STALLED * b
+            {
+                break;
+            }
             let last = sizes.len() - 1;
             next = (k + 1..sizes.len()).find(|larger| !hopeless(*larger)).or((k < last).then_some(last));
         }
@@ -196,7 +210,13 @@ impl Search<'_> {
             Some(prepared) => prepared,
             None => Prepared::new(self.source, &recipe, wanted, &within)?,
         };
-        let mut pack = prepared.pack(&recipe, &within)?;
+        let made = prepared.pack(&recipe, &within);
+        if let (Err(EncodeError::TooFewBytes { .. }), true, false) = (&made, factored, self.tried.is_empty()) {
+            // A curve does not fit; a table did.
+            self.prepared = Some(prepared);
+            return Ok(f64::INFINITY);
+        }
+        let mut pack = made?;
         let off_grid = self.reference.compare(&TableSource::new(&pack));
         measured(&mut pack, &off_grid);
         let bytes = pack.to_bytes(recipe.supercompress);
@@ -266,8 +286,8 @@ impl Search<'_> {
 }
 
 /// Sizes of tables within a budget, from small to large; the last fills it.
-fn sizes(smallest: u64, most: Option<u64>) -> Vec<u64> {
-    let most = most.unwrap_or(LARGEST).min(LARGEST);
+fn sizes(smallest: u64, most: Option<u64>, largest: u64) -> Vec<u64> {
+    let most = most.unwrap_or(largest).min(largest);
     let mut sizes: Vec<u64> =
         std::iter::successors(Some(smallest), |size| Some(2 * size)).take_while(|size| *size < most).collect();
     sizes.push(most);
@@ -311,10 +331,10 @@ mod tests {
 
     #[test]
     fn sizes_double_up_to_the_budget() {
-        assert_eq!(sizes(1024, Some(5000)), [1024, 2048, 4096, 5000]);
-        assert_eq!(sizes(1024, Some(100)), [100]);
-        assert_eq!(sizes(4096, None).last(), Some(&LARGEST));
-        assert_eq!(sizes(4096, Some(1 << 40)), sizes(4096, None));
+        assert_eq!(sizes(1024, Some(5000), LARGEST), [1024, 2048, 4096, 5000]);
+        assert_eq!(sizes(1024, Some(100), LARGEST), [100]);
+        assert_eq!(sizes(4096, None, 1 << 19).last(), Some(&(1 << 19)));
+        assert_eq!(sizes(4096, Some(1 << 40), LARGEST), sizes(4096, None, LARGEST));
     }
 
     /// What is kept is the smallest that was tried and meets the budget, and none that was left out since the last miss does.
@@ -354,6 +374,27 @@ mod tests {
                 assert!(made.pack.levels() == MOST_LEVELS && made.pack.gpu_bytes() <= bytes.unwrap_or(LARGEST));
             }
         }
+    }
+
+    /// A table fits where no curve does.
+    #[test]
+    fn few_bytes_hold_a_table() {
+        let made = searched("synth:ggx?kd=0.3,0.1,0.05&alpha=0.3", Budget { bytes: Some(200), ..NONE });
+        assert!(made.pack.gpu_bytes() <= 200 && made.tried.iter().all(|trial| trial.codec == "table"));
+        let none = Budget { bytes: Some(100), ..NONE };
+        let source = parse_synth("synth:ggx").unwrap();
+        let refused = search(source.as_ref(), &AutoRecipe { budget: none, ..AutoRecipe::default() }, &());
+        assert!(matches!(refused, Err(PackError::Table(EncodeError::TooFewBytes { .. }))), "{refused:?}");
+    }
+
+    /// Averaging both ways is what is wrong, and no number of nodes mends it.
+    #[test]
+    fn stalled_searches_stop() {
+        let one_way = brdfc_testing::wrapped::OneWay(parse_synth("synth:ggx?kd=0.3,0.1,0.05&alpha=0.3").unwrap());
+        let table = TableRecipe { reciprocal: true, ..TableRecipe::default() };
+        let recipe = AutoRecipe { table, wavelet: None, ..AutoRecipe::default() };
+        let made = search(&one_way, &recipe, &()).unwrap();
+        assert!(made.missed.is_some() && made.pack.gpu_bytes() < LARGEST / 4, "{:?}", made.tried);
     }
 
     #[test]

@@ -19,7 +19,7 @@ pub enum PackError {
     NothingMeasured,
     /// No codec is that cheap to look up.
     #[error(
-        "fetch budget: found {allowed}; allowed at least {fewest}, which a table of this kind needs (one more with a curve or levels)"
+        "fetch budget: found {allowed}; allowed at least {fewest}, which is what is asked for needs: 1 for an isotropic table, 2 for others, 1 more with a curve or levels"
     )]
     TooFewFetches {
         /// The budget.

@@ -1,6 +1,7 @@
 //! One source to one pack: which codec, how large, and what was tried.
 
 mod auto;
+mod averaged;
 mod error;
 pub mod options;
 mod pack;
@@ -8,6 +9,7 @@ pub mod recipe;
 mod run;
 mod trial;
 
+pub use averaged::AveragingCost;
 pub use error::PackError;
 pub use pack::{CodecReport, EncodedPack, TableReport, WaveletReport};
 pub use run::encode;

@@ -27,9 +27,9 @@ pub struct EncodeOptions {
     /// Largest mean relative error ε_r: a fraction or a percentage, 0.02 or 2%. Of wavelet packs on their grid.
     #[cfg_attr(feature = "clap", arg(long, value_name = "E", conflicts_with = "ratio"))]
     pub max_error: Option<Fraction>,
-    /// Most bytes on a GPU, before any compression of the file. Alone it asks for the best pack that fits; tables have
-    /// up to 1 MiB.
-    #[cfg_attr(feature = "clap", arg(long, value_name = "B", conflicts_with = "ratio"))]
+    /// Most bytes on a GPU, before any compression of the file: a number, or one with KiB or MiB, such as 16KiB. Alone it
+    /// asks for the best pack that fits; tables have up to 1 MiB.
+    #[cfg_attr(feature = "clap", arg(long, value_name = "B", value_parser = byte_count, conflicts_with = "ratio"))]
     pub max_bytes: Option<u64>,
     /// Most texture fetches of a look-up: 1 is a table of an isotropic material, 2 of any, one more is a factored pack,
     /// 84 a wavelet pack.
@@ -299,13 +299,15 @@ impl EncodeOptions {
         ] {
             if let Some(found) = found {
                 let with = match self.of_wavelet() {
-                    Some((other, _)) => format!("the codec auto, table or factored, and no {other}"),
-                    None if self.codec.is_none() => {
-                        "the codec auto, table or factored; bias alone asks for wavelet".to_owned()
-                    }
-                    None => "the codec auto, table or factored".to_owned(),
+                    Some((other, _)) => other,
+                    None if self.codec.is_none() => "bias alone, which asks for a wavelet pack",
+                    None => "the codec wavelet",
                 };
-                return Err(problem(field, found, &with));
+                return Err(problem(
+                    field,
+                    format!("{found} with {with}"),
+                    "it with the codec auto, table or factored",
+                ));
             }
         }
         if let Some(grid) = self.grid {
@@ -357,6 +359,20 @@ impl EncodeOptions {
         let error = self.max_error.map(|error| Target::MaxError(error.checked().expect("checked before")));
         Ok(error.or(self.max_bytes.map(Target::MaxBytes)))
     }
+}
+
+/// A number of bytes as people write it.
+#[cfg(feature = "clap")]
+fn byte_count(text: &str) -> Result<u64, String> {
+    let number = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    let unit = match text[number.len()..].to_ascii_lowercase().as_str() {
+        "" | "b" => Some(1),
+        "k" | "kib" => Some(1 << 10),
+        "m" | "mib" => Some(1 << 20),
+        _ => None,
+    };
+    let bytes = unit.and_then(|unit: u64| number.trim_end().parse::<u64>().ok()?.checked_mul(unit));
+    bytes.ok_or_else(|| "allowed a whole number of bytes, such as 16384, 16KiB or 1MiB".to_owned())
 }
 
 fn codec(name: &str) -> Result<Codec, OptionError> {

@@ -1,5 +1,6 @@
 //! A pack of either codec, with what was measured.
 
+use super::averaged::AveragingCost;
 use super::trial::Trial;
 use brdfc_formats::BrdfPack;
 use brdfc_formats::direction::Parameterisation;
@@ -26,6 +27,8 @@ pub struct EncodedPack {
     pub evaluated: u64,
     /// What had to be mended in them.
     pub tally: Tally,
+    /// What it costs that values are the same from both sides, where that was asked for.
+    pub averaging: Option<AveragingCost>,
     /// What was tried, from coarse to fine; empty where the recipe says what to make.
     pub tried: Vec<Trial>,
     /// What nothing that was tried meets: then this is the best of them.
@@ -113,6 +116,7 @@ pub(super) fn of_table(encoded: brdfc_table::encode::Encoded) -> EncodedPack {
         off_grid: encoded.off_grid,
         evaluated: encoded.tally.evaluations,
         tally: encoded.tally,
+        averaging: None,
         tried: Vec::new(),
         missed: None,
     }
@@ -140,6 +144,7 @@ pub(super) fn of_wavelet(encoded: brdfc_wavelet::encode::Encoded, recipe: &Recip
         off_grid: encoded.off_grid,
         evaluated: encoded.evaluated,
         tally: encoded.tally,
+        averaging: None,
         tried: Vec::new(),
         missed: None,
     }

@@ -1,6 +1,7 @@
 //! One source to one pack, as a recipe says.
 
 use super::auto::search;
+use super::averaged::AveragingCost;
 use super::error::PackError;
 use super::pack::{EncodedPack, of_table, of_wavelet};
 use super::recipe::PackRecipe;
@@ -12,9 +13,15 @@ use brdfc_source::progress::Progress;
 /// # Errors
 /// Recipes that cannot be followed, cancellation. A budget that nothing meets is none: see [`EncodedPack::missed`].
 pub fn encode(source: &dyn Source, recipe: &PackRecipe, progress: &dyn Progress) -> Result<EncodedPack, PackError> {
-    Ok(match recipe {
-        PackRecipe::Auto(recipe) => search(source, recipe, progress)?,
-        PackRecipe::Table(recipe) => of_table(brdfc_table::encode::encode(source, recipe, progress)?),
-        PackRecipe::Wavelet(recipe) => of_wavelet(brdfc_wavelet::encode::encode(source, recipe, progress)?, recipe),
-    })
+    let (mut made, averaged) = match recipe {
+        PackRecipe::Auto(recipe) => (search(source, recipe, progress)?, recipe.table.reciprocal),
+        PackRecipe::Table(recipe) => {
+            (of_table(brdfc_table::encode::encode(source, recipe, progress)?), recipe.reciprocal && recipe.measure)
+        }
+        PackRecipe::Wavelet(recipe) => {
+            (of_wavelet(brdfc_wavelet::encode::encode(source, recipe, progress)?, recipe), false)
+        }
+    };
+    made.averaging = averaged.then(|| AveragingCost::of(source));
+    Ok(made)
 }

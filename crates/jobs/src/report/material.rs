@@ -1,9 +1,10 @@
 //! The report of one encoded material.
 
-use crate::encode::{CodecReport, EncodedPack, Trial};
+use crate::encode::{AveragingCost, CodecReport, EncodedPack, Trial};
 use brdfc_formats::BrdfPack;
 use brdfc_metrics::compare::Comparison;
 use brdfc_source::Tally;
+use brdfc_source::open::Facts;
 use serde::{Deserialize, Serialize};
 
 /// One material, encoded. The same input, options and version give the same report: times stand apart in
@@ -28,9 +29,13 @@ pub struct MaterialReport {
     pub mean: f64,
     /// What a user sees: filtered pack against source.
     pub off_grid: Comparison,
+    /// Rows of the input with a negative channel, which was raised to 0 when it was read.
+    pub rows_raised: u64,
     /// What had to be mended while the pack was made.
     #[serde(rename = "mended")]
     pub repairs: Tally,
+    /// What it costs that values are the same from both sides, where that was asked for.
+    pub averaging: Option<AveragingCost>,
     /// What was tried, from coarse to fine; empty where the options say what to make.
     pub tried: Vec<Trial>,
     /// What nothing that was tried meets: then the pack is the best of them.
@@ -38,14 +43,15 @@ pub struct MaterialReport {
 }
 
 impl MaterialReport {
-    /// The report of a pack.
-    pub fn new(encoded: &EncodedPack, samples_in: u64) -> Self {
+    /// The report of a pack, and of what it was made from.
+    pub fn new(encoded: &EncodedPack, input: &Facts) -> Self {
         let (channels, mean) = match &encoded.pack {
             BrdfPack::Wavelet(pack) => (pack.header.channels, pack.header.mean),
             BrdfPack::Table(pack) => (pack.header().channels, pack.header().mean),
         };
         Self {
-            samples_in,
+            samples_in: input.samples(),
+            rows_raised: input.rows_raised(),
             evaluated: encoded.evaluated,
             channels,
             codec: encoded.codec.clone(),
@@ -55,6 +61,7 @@ impl MaterialReport {
             mean: f64::from(mean),
             off_grid: encoded.off_grid.clone(),
             repairs: encoded.tally,
+            averaging: encoded.averaging,
             tried: encoded.tried.clone(),
             missed: encoded.missed.clone(),
         }
@@ -75,11 +82,22 @@ const ALBEDO: f64 = 0.05;
 
 /// Lines that say in words what a reader of the table should know; empty for a clean source.
 pub fn remarks(report: &MaterialReport) -> Vec<String> {
-    let mut lines = repairs_in_words(&report.repairs);
+    let mut lines = Vec::new();
+    if report.rows_raised > 0 {
+        let share = 100.0 * report.rows_raised as f64 / report.samples_in.max(1) as f64;
+        let (raised, all) = (report.rows_raised, report.samples_in);
+        lines.push(format!("{raised} of {all} rows ({share:.1} %) had a negative channel, which was raised to 0"));
+    }
+    lines.extend(repairs_in_words(&report.repairs));
+    if let Some(AveragingCost { delta_e, relative_error }) = report.averaging {
+        let percent = 100.0 * relative_error;
+        lines.push(format!("the mean of both ways alone is off by a ΔE of {delta_e:.2} and ε_r of {percent:.2} %"));
+    }
     if report.off_grid.albedo_max_difference > ALBEDO {
         let most = report.off_grid.albedo_max_difference;
         lines.push(format!(
-            "the albedo is off by up to {most:.3}: narrow or grazing light is missed by pictures of a ball"
+            "the albedo is off by up to {}: narrow or grazing light is missed by pictures of a ball",
+            if most < 1000.0 { format!("{most:.3}") } else { format!("{most:.1e}") }
         ));
     }
     let on_grid = match &report.codec {
@@ -106,7 +124,8 @@ pub fn repairs_in_words(tally: &Tally) -> Vec<String> {
         (tally.fell_to_linear, "local fits fell back to linear degree"),
         (tally.fell_to_constant, "local fits fell back to a weighted mean"),
         (tally.clamped_to_neighbours, "local fits were clamped to the range of their neighbours"),
-        (tally.negative_raised, "negative values were raised to 0"),
+        (tally.negative_raised, "values, negative or no number, were raised to 0"),
+        (tally.largest_lowered, "values were lowered to the largest that a pack may hold"),
     ]
     .into_iter()
     .filter(|(count, _)| *count > 0)

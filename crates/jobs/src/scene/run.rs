@@ -245,7 +245,7 @@ impl<'a> Build<'a> {
             Some(report) => (report, Vec::new()),
             None => {
                 let encoded = encode(opened.source.as_ref(), &job.recipe, &clock)?;
-                let report = MaterialReport::new(&encoded, opened.facts.samples());
+                let report = MaterialReport::new(&encoded, &opened.facts);
                 (report, vec![encoded.bytes])
             }
         };

@@ -44,6 +44,8 @@ fn negative_values_and_no_numbers_are_raised_and_counted() {
     // What is no number on one side alone is not the same from both.
     assert!(!encoded.pack.header().symmetry.reciprocal);
     assert!(table(|_| 0.2).tally.negative_raised == 0);
+    let huge = table(|pair| if pair.incoming[2] < 0.3 { 1e31 } else { 0.2 });
+    assert!(huge.tally.largest_lowered > 1000 && huge.tally.negative_raised == 0, "{:?}", huge.tally);
 }
 
 /// A peak that no sample need hit: nothing panics, values are finite, the error is told.
@@ -52,6 +54,18 @@ fn needles_are_told_of() {
     let encoded = table(|pair| if half_vector(pair)[2] > 0.999_999 { 1e6 } else { 0.1 });
     let norms = &encoded.off_grid.norms;
     assert!(norms.rms.is_finite() && norms.relative_max > 0.5, "{norms:?}");
+}
+
+/// Below the normal numbers of f32 a material is as good as black; nothing is no number.
+#[test]
+fn values_next_to_nothing_are_black() {
+    for f in [(|_| 1e-42) as fn(DirectionPair) -> f64, |_| 1e-39, |pair| 1e-38 * (1.0 + pair.incoming[0])] {
+        for factored in [false, true] {
+            let encoded = encode(&Odd(f), &TableRecipe { factored, ..TableRecipe::default() }, &()).unwrap();
+            assert!(encoded.pack.values().iter().flatten().all(|v| v.is_finite()));
+            assert!(encoded.off_grid.norms.rms < 1e-37);
+        }
+    }
 }
 
 #[test]

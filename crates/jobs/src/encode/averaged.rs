@@ -1,0 +1,70 @@
+//! What it costs to make a material the same from both sides.
+
+use brdfc_formats::direction::DirectionPair;
+use brdfc_metrics::compare::compare;
+use brdfc_metrics::sampling::PairSet;
+use brdfc_source::{Source, Symmetry, Tally};
+use serde::{Deserialize, Serialize};
+
+/// How far the mean of both ways is from a source, before anything is packed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct AveragingCost {
+    /// Mean ΔE*ab of pictures.
+    pub delta_e: f64,
+    /// `ε_r`, a fraction.
+    pub relative_error: f64,
+}
+
+impl AveragingCost {
+    /// Of a source.
+    pub(super) fn of(source: &dyn Source) -> Self {
+        let (found, _) = compare(source, &Averaged(source), &PairSet::comparison());
+        Self { delta_e: found.picture.delta_e.mean, relative_error: found.norms.relative_mean }
+    }
+}
+
+/// The mean of both ways.
+struct Averaged<'a>(&'a dyn Source);
+
+impl Source for Averaged<'_> {
+    fn eval(&self, pair: DirectionPair, tally: &mut Tally) -> [f64; 3] {
+        let (there, back) = (self.0.eval(pair, tally), self.0.eval(pair.exchanged(), tally));
+        std::array::from_fn(|k| 0.5 * (there[k].max(0.0) + back[k].max(0.0)))
+    }
+
+    fn symmetry(&self) -> Symmetry {
+        Symmetry { reciprocal: true, ..self.0.symmetry() }
+    }
+
+    fn is_grey(&self) -> bool {
+        self.0.is_grey()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use brdfc_source::address::parse_synth;
+
+    /// A material whose value is the cosine to the light: the mean of both ways is off by half the difference of cosines.
+    struct OneWay;
+
+    impl Source for OneWay {
+        fn eval(&self, pair: DirectionPair, _: &mut Tally) -> [f64; 3] {
+            [pair.incoming[2]; 3]
+        }
+
+        fn symmetry(&self) -> Symmetry {
+            Symmetry::NONE
+        }
+    }
+
+    #[test]
+    fn what_is_the_same_from_both_sides_costs_nothing() {
+        let ggx = parse_synth("synth:ggx?alpha=0.3").expect("an address");
+        let none = AveragingCost::of(ggx.as_ref());
+        assert!(none.delta_e < 1e-6 && none.relative_error < 1e-9, "{none:?}");
+        let some = AveragingCost::of(&OneWay);
+        assert!(some.delta_e > 1.0 && some.relative_error > 0.1, "{some:?}");
+    }
+}
