@@ -57,7 +57,8 @@ pub(super) fn search(
     if reference.is_black() && budget.error.is_some() {
         return Err(PackError::NothingMeasured);
     }
-    let mut search = Search { source, recipe, reference, progress, prepared: None, best: None, tried: Vec::new() };
+    let mut search =
+        Search { source, recipe, reference, progress, prepared: None, best: None, tried: Vec::new(), stalled: false };
     let wavelet = recipe
         .wavelet
         .as_ref()
@@ -109,6 +110,8 @@ struct Search<'a> {
     /// The best so far, with how far over the budget it is.
     best: Option<(f64, EncodedPack)>,
     tried: Vec<Trial>,
+    /// Whether errors stopped falling.
+    stalled: bool,
 }
 
 /// Passes on whether to stop; stages within a trial are not told.
@@ -129,7 +132,7 @@ impl Search<'_> {
     fn tables(&mut self) -> Result<bool, PackError> {
         let sizes = sizes(self.smallest_tried(), self.recipe.budget.bytes, self.largest());
         let met = self.smallest(&sizes, self.recipe.tables == Tables::Factored)?;
-        if self.recipe.tables != Tables::Both || !self.may_be_factored() {
+        if self.recipe.tables != Tables::Both || !self.may_be_factored() || self.stalled {
             return Ok(met.is_some());
         }
         let mut found = met.is_some();
@@ -184,6 +187,7 @@ impl Search<'_> {
                 && b > STALLED * a
                 && c > STALLED * b
             {
+                self.stalled = true;
                 break;
             }
             let last = sizes.len() - 1;
