@@ -217,7 +217,7 @@ impl Facts {
                         if *lifted { ", which keep the light" } else { "" }
                     ),
                 ),
-                ("texels", format!("{channels} channels, {bits} bits")),
+                ("texels", format!("{channels} channel{}, {bits} bits", if *channels == 1 { "" } else { "s" })),
                 ("slices kept", format!("{slices_kept} of {}", grid * grid)),
                 ("mean μ, bias ε", format!("{mean} 1/sr, {bias}")),
                 ("bytes on a GPU", bytes(*gpu_bytes)),

@@ -77,7 +77,7 @@ fn fields_of_the_header() {
         (7, f32::NAN.to_bits(), "mean: found NaN; allowed a positive number"),
         (7, f32::INFINITY.to_bits(), "mean: found inf; allowed a positive number"),
         (8, (-1f32).to_bits(), "bias: found -1; allowed a positive number"),
-        (9, 1, "reserved: found 1; allowed 0"),
+        (9, 2, "lifted: found 2; allowed 0, or 1"),
     ] {
         bad_file("p.ktx2", &with_word(bytes.clone(), header + 4 * field, value), &[expected]);
     }

@@ -46,7 +46,7 @@ fn options_reach_the_pack() {
     encode(&folder, "synth:lewis", &[&more[..], &["--no-supercompression"]].concat());
     assert!(folder.read("pack.ktx2").len() > compressed);
     let info = folder.run(&["info", "pack.ktx2"]).succeeded().stdout;
-    assert!(info.contains("tangent-pole") && info.contains("1 channels, 12 bits"), "{info}");
+    assert!(info.contains("tangent-pole") && info.contains("1 channel, 12 bits"), "{info}");
 }
 
 #[test]
@@ -72,11 +72,56 @@ fn targets_are_met_and_tight() {
 }
 
 #[test]
+fn bytes_are_written_as_people_write_them() {
+    let folder = Folder::new();
+    for (text, most) in [("4096", 4096), ("4KiB", 4096), ("4k", 4096), ("100 KiB", 100 << 10)] {
+        let report = encode(&folder, "synth:lambert?kd=0.5", &["--codec", "table", "--max-bytes", text]);
+        let bytes = report["bytes_on_gpu"].as_u64().unwrap();
+        assert!(bytes <= most && bytes > most / 2, "{text}: {bytes}");
+    }
+}
+
+#[test]
+fn lifted_packs_say_so() {
+    let folder = Folder::new();
+    let report = encode(&folder, "synth:ggx?alpha=0.3", &["--grid", "8", "--lift"]);
+    assert_eq!((&report["codec"]["wavelet"]["lifted"], report["fetches"].as_u64()), (&true.into(), Some(16 * 13)));
+    let info = folder.run(&["info", "pack.ktx2"]).succeeded().stdout;
+    assert!(info.contains("3, stored up to 3, which keep the light"), "{info}");
+}
+
+/// What reading mended and what averaging costs is told.
+#[test]
+fn raised_rows_and_averaging_are_told() {
+    let folder = Folder::new();
+    let mut text = "theta_i,phi_i,theta_o,phi_o,r,g,b\n".to_owned();
+    for (k, angles) in [
+        "0,0,0,0",
+        "0.5,0,0.5,3",
+        "0.5,0,0.1,1.5",
+        "1,0,1,3",
+        "1,0,0.3,0.7",
+        "0.2,0,0.9,1",
+        "0.7,0,0.2,2",
+        "1.3,0,1.2,3",
+    ]
+    .iter()
+    .enumerate()
+    {
+        text += &format!("{angles},{},0.2,0.1\n", if k == 2 { -0.01 } else { 0.1 + 0.1 * k as f64 });
+    }
+    folder.write("scan.csv", text);
+    let ran = folder.run(&["encode", "scan.csv", "-o", "p.ktx2", "--codec", "table", "--reciprocal"]).succeeded();
+    assert!(ran.stderr.contains("1 of 8 rows (12.5 %) had a negative channel"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("the mean of both ways alone is off by a ΔE of "), "{}", ran.stderr);
+}
+
+#[test]
 fn targets_out_of_reach_exit_with_1_and_write_nothing() {
     let folder = Folder::new();
     for (more, expected) in [
         (["--max-error", "0.000001"], "error budget: found "),
-        (["--max-bytes", "10"], "byte budget: found 10 bytes; allowed at least "),
+        (["--max-bytes", "10"], "byte budget of a wavelet pack: found 10 bytes; allowed at least "),
     ] {
         let ran = folder.run(&[&["encode", "synth:lewis", "-o", "p.ktx2", "--grid", "4"][..], &more].concat());
         assert_eq!((ran.code, ran.stdout.as_str()), (1, ""), "{}", ran.stderr);
@@ -186,6 +231,8 @@ fn budgets_that_say_nothing_are_refused() {
             2,
             "--grid: found 8; allowed the codec wavelet, not table",
         ),
+        ("synth:lewis", &["--codec", "table", "--lift"], 2, "--lift: found true; allowed the codec wavelet, not table"),
+        ("synth:lewis", &["--max-bytes", "16XB"], 2, "allowed a whole number of bytes, such as 16384, 16KiB or 1MiB"),
         (
             "synth:lewis",
             &["--grid", "8", "--max-delta-e", "1"],

@@ -55,12 +55,12 @@ pub fn forward<T: Float, M: Mean<T>>(samples: &[T], n: usize, mean: &M, coeffici
 /// Transforms every row of a table in place of its samples; `lifted` keeps the light of coarser cells.
 pub fn transform(table: &Table, lifted: bool) -> Table {
     match lifted {
-        true => transformed(table, &Lift::new(table.grid.levels)),
-        false => transformed(table, &Plain),
+        true => transform_by(table, &Lift::new(table.grid.levels)),
+        false => transform_by(table, &Plain),
     }
 }
 
-fn transformed(table: &Table, mean: &(impl Mean<f32> + Sync)) -> Table {
+fn transform_by(table: &Table, mean: &(impl Mean<f32> + Sync)) -> Table {
     let (n, cells) = (table.grid.n(), table.grid.cells());
     let mut result = table.clone();
     let values = result.values.as_slice_mut().expect("tables are stored in standard layout");
