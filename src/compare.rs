@@ -99,6 +99,10 @@ fn pairs(directions: &str) -> Result<Vec<DirectionPair>, CliError> {
         return Ok(random_pairs(count, SEED));
     }
     let path = std::path::Path::new(directions);
+    if !path.exists() && path.extension().is_none() {
+        let allowed = "a number of directions, or a list of them in a .csv file";
+        return Err(CliError::Usage(format!("--directions: found {directions}; allowed {allowed}")));
+    }
     let bytes = read_file(path, MAX_FILE_BYTES)?;
     let pairs = directions_from_bytes(&bytes).map_err(|error| CliError::Input(format!("{directions}: {error}")))?;
     if pairs.is_empty() {

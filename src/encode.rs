@@ -1,7 +1,7 @@
 //! `brdfc encode`: one input to one pack.
 
 use super::options::PackOptions;
-use super::output::{print, refuse_overwriting, remark, to_json, write_file};
+use super::output::{print, refuse_overwriting, refuse_unfit_pack, remark, to_json, write_file};
 use super::progress::Materials;
 use super::{CliError, Common};
 use crate::table;
@@ -57,6 +57,7 @@ pub struct Report {
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     let recipe = arguments.options.recipe()?;
     refuse_overwriting("--output", &arguments.output, &[Path::new(&arguments.input)])?;
+    refuse_unfit_pack(&arguments.output)?;
     // An interrupt ends the process at once: there is one file, which is whole or not there.
     let cancelled = AtomicBool::new(false);
     let progress = Materials::new(1, false, common, &cancelled);

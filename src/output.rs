@@ -1,7 +1,7 @@
 //! Results to stdout, remarks to stderr.
 
 use super::{CliError, Common};
-use brdfc_jobs::write::write_atomic;
+use brdfc_jobs::write::{is_standard_output, write_atomic};
 use serde::Serialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -37,6 +37,26 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), CliError> {
             CliError::write(path, &error)
         }
     })
+}
+
+/// A pack that could not be written, or not be found again, is refused before it is made.
+pub fn refuse_unfit_pack(path: &Path) -> Result<(), CliError> {
+    // Devices are written to; a folder is refused by what writes.
+    if is_standard_output(path) || path.metadata().is_ok_and(|m| !m.is_file()) {
+        return Ok(());
+    }
+    if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("ktx2")) {
+        let found = path.display();
+        return Err(CliError::Usage(format!(
+            "--output: found {found}; allowed a name that ends in .ktx2, or /dev/stdout"
+        )));
+    }
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() && !folder.exists() => {
+            Err(CliError::write(path, &std::io::Error::other(format!("there is no folder {}", folder.display()))))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// An output that is one of the inputs would destroy a measurement. `option` is what names the output.

@@ -81,6 +81,21 @@ fn bytes_are_written_as_people_write_them() {
     }
 }
 
+/// Where a pack cannot go is seen before it is made.
+#[test]
+fn unfit_outputs_are_refused_at_once() {
+    let folder = Folder::new();
+    for (output, code, expected) in [
+        ("x.png", 2, "--output: found x.png; allowed a name that ends in .ktx2"),
+        ("-", 2, "--output: found -; allowed a name that ends in .ktx2, or /dev/stdout"),
+        ("nosuch/x.ktx2", 4, "nosuch/x.ktx2: cannot write: there is no folder nosuch"),
+    ] {
+        let ran = folder.run(&["encode", "no-such-input.brdf", "-o", output]);
+        assert!(ran.code == code && ran.stderr.contains(expected), "{output}: {} {}", ran.code, ran.stderr);
+    }
+    assert!(folder.files(".").is_empty());
+}
+
 #[test]
 fn lifted_packs_say_so() {
     let folder = Folder::new();
@@ -208,9 +223,9 @@ fn budgets_that_say_nothing_are_refused() {
         ("synth:lewis", &["--max-bytes", "150"][..], 1, "byte budget: found 150 bytes; allowed at least"),
         ("synth:lewis", &["--max-bytes", "0"], 2, "--max-bytes: found 0; allowed 1 or more"),
         ("synth:lewis", &["--max-fetches", "0"], 2, "--max-fetches: found 0; allowed 1 or more"),
-        ("synth:lewis", &["--max-delta-e", "0"], 2, "--max-delta-e: found 0; allowed above 0, up to 100"),
-        ("synth:lewis", &["--max-delta-e=-1"], 2, "--max-delta-e: found -1; allowed above 0"),
-        ("synth:lewis", &["--max-delta-e", "nan"], 2, "--max-delta-e: found NaN; allowed above 0"),
+        ("synth:lewis", &["--max-delta-e", "0"], 2, "--max-delta-e: found 0; allowed 1e-6 to 100"),
+        ("synth:lewis", &["--max-delta-e=-1"], 2, "--max-delta-e: found -1; allowed 1e-6 to 100"),
+        ("synth:lewis", &["--max-delta-e", "nan"], 2, "--max-delta-e: found NaN; allowed 1e-6 to 100"),
         (
             "synth:lewis",
             &["--max-error", "3"],

@@ -23,8 +23,10 @@ const SAMPLES: u64 = 16;
 /// Fewest and most samples.
 const FEWEST: u64 = 1 << 15;
 const MOST: u64 = 1 << 18;
-/// Texels of the largest table that a budget of bytes becomes: beyond, there are not as many samples as nodes.
-pub const MOST_TEXELS: u64 = 1 << 18;
+/// Texels of the largest table that a budget of bytes becomes: beyond, there are fewer than two samples per node.
+pub const MOST_TEXELS: u64 = 1 << 17;
+/// Larger logarithms than those of any material are a fit's beside a spike.
+const LARGEST_LOGARITHM: f64 = 80.0;
 
 /// A pack with what was measured while making it.
 #[derive(Debug, Clone)]
@@ -182,7 +184,8 @@ impl Prepared {
             let angles = Angles::of(pair);
             let table = lattice.value(&lattice.taps(&header.position_of(angles)), &nodes);
             let curve = curve::at(&finest, angles.theta_half);
-            std::array::from_fn(|c| f64::from(header.mean) * (f64::from(table[c]) + curve[c]).exp())
+            let logarithm = |c: usize| (f64::from(table[c]) + curve[c]).min(LARGEST_LOGARITHM);
+            std::array::from_fn(|c| f64::from(header.mean) * logarithm(c).exp())
         };
         let mut rows = levels::rows(value, recipe.levels, nodes_of_curve);
         let add = |sum: &mut [f64; 3], more: &[f64; 3]| (0..3).for_each(|c| sum[c] += more[c]);

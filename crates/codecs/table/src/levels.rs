@@ -37,7 +37,9 @@ pub fn rows(value: impl Fn(DirectionPair) -> [f64; 3] + Sync, levels: u32, nodes
             .iter()
             .zip(&rings.values)
             .map(|(after, before)| {
-                std::array::from_fn(|c| if before[c] > 0.0 { (after[c] / before[c]).ln() } else { 0.0 })
+                std::array::from_fn(
+                    |c| if before[c] > 0.0 && after[c] > 0.0 { (after[c] / before[c]).ln() } else { 0.0 },
+                )
             })
             .collect();
         rows.push((0..nodes).map(|node| along(&added, node as f64 / (nodes - 1) as f64)).collect());

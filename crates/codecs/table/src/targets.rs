@@ -10,6 +10,9 @@ const WHITE: f32 = 0.98;
 /// What a relative error counts where nothing is seen, so that ratios stay right at grazing angles and in the dark.
 pub const UNSEEN: f32 = 0.03;
 
+/// Weights of materials are about 1.
+const LARGEST_WEIGHT: f32 = 1e6;
+
 /// Logarithms and weights of samples.
 #[derive(Debug, Clone)]
 pub struct Targets {
@@ -60,7 +63,9 @@ impl Targets {
             let shown = value * cosine * exposure;
             // Beyond white nothing changes; near it less and less, so that peaks keep their shape.
             let clipped = if shown < 1.0 { 1.0 } else { 1.0 / (shown * shown) };
-            lightness_slope(shown.min(1.0)) * (value + mean * bias) * cosine * exposure * clipped
+            let weight = lightness_slope(shown.min(1.0)) * (value + mean * bias) * cosine * exposure * clipped;
+            // Beside a spike that raises the mean, where nothing is exact, squares stay numbers.
+            weight.min(LARGEST_WEIGHT)
         };
         let pairs = || samples.values.par_iter().zip(&samples.cosines).with_min_len(4096);
         Self {

@@ -2,6 +2,7 @@
 
 mod auto;
 mod averaged;
+mod byte_count;
 mod error;
 pub mod options;
 mod pack;

@@ -1,5 +1,8 @@
 //! How a user asks for a pack: the flags of the command line and the keys of a manifest, which are the same.
 
+use super::byte_count::bytes_from_manifest;
+#[cfg(feature = "clap")]
+use super::byte_count::bytes_from_text;
 use super::recipe::{AutoRecipe, Budget, PackRecipe, Tables};
 use brdfc_formats::wavelet::MAX_LEVELS;
 use brdfc_metrics::fraction::Fraction;
@@ -28,8 +31,9 @@ pub struct EncodeOptions {
     #[cfg_attr(feature = "clap", arg(long, value_name = "E", conflicts_with = "ratio"))]
     pub max_error: Option<Fraction>,
     /// Most bytes on a GPU, before any compression of the file: a number, or one with KiB or MiB, such as 16KiB. Alone it
-    /// asks for the best pack that fits; tables have up to 1 MiB.
-    #[cfg_attr(feature = "clap", arg(long, value_name = "B", value_parser = byte_count, conflicts_with = "ratio"))]
+    /// asks for the pack with the smallest mean ΔE that fits; tables have up to 512 KiB.
+    #[cfg_attr(feature = "clap", arg(long, value_name = "B", value_parser = bytes_from_text, conflicts_with = "ratio"))]
+    #[serde(default, deserialize_with = "bytes_from_manifest")]
     pub max_bytes: Option<u64>,
     /// Most texture fetches of a look-up: 1 is a table of an isotropic material, 2 of any, one more is a factored pack,
     /// 84 a wavelet pack.
@@ -225,14 +229,15 @@ impl EncodeOptions {
     /// Checks limits and what all codecs have.
     fn check(&self) -> Result<(), OptionError> {
         if let Some(limit) = self.max_delta_e
-            && !(limit > 0.0 && limit <= 100.0)
+            && !(1e-6..=100.0).contains(&limit)
         {
-            return Err(problem("max_delta_e", limit.to_string(), "above 0, up to 100"));
+            let found = if limit > 0.0 && limit < 1e-6 { format!("{limit:e}") } else { limit.to_string() };
+            return Err(problem("max_delta_e", found, "1e-6 to 100"));
         }
         if let Some(error) = self.max_error {
             let wrong = |allowed: &str| problem("max_error", error.to_string(), allowed);
-            if error.checked().map_err(|allowed| wrong(&allowed))? == 0.0 {
-                return Err(wrong("a positive fraction, such as 0.02 for 2 %"));
+            if error.checked().map_err(|allowed| wrong(&allowed))? < 1e-9 {
+                return Err(wrong("a positive fraction, such as 0.02 for 2 %, of 1e-9 or more"));
             }
         }
         if self.max_bytes == Some(0) {
@@ -359,20 +364,6 @@ impl EncodeOptions {
         let error = self.max_error.map(|error| Target::MaxError(error.checked().expect("checked before")));
         Ok(error.or(self.max_bytes.map(Target::MaxBytes)))
     }
-}
-
-/// A number of bytes as people write it.
-#[cfg(feature = "clap")]
-fn byte_count(text: &str) -> Result<u64, String> {
-    let number = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
-    let unit = match text[number.len()..].to_ascii_lowercase().as_str() {
-        "" | "b" => Some(1),
-        "k" | "kib" => Some(1 << 10),
-        "m" | "mib" => Some(1 << 20),
-        _ => None,
-    };
-    let bytes = unit.and_then(|unit: u64| number.trim_end().parse::<u64>().ok()?.checked_mul(unit));
-    bytes.ok_or_else(|| "allowed a whole number of bytes, such as 16384, 16KiB or 1MiB".to_owned())
 }
 
 fn codec(name: &str) -> Result<Codec, OptionError> {

@@ -89,11 +89,19 @@ pub fn remarks(report: &MaterialReport) -> Vec<String> {
         lines.push(format!("{raised} of {all} rows ({share:.1} %) had a negative channel, which was raised to 0"));
     }
     lines.extend(repairs_in_words(&report.repairs));
-    if let Some(AveragingCost { delta_e, relative_error }) = report.averaging {
+    if report.off_grid.norms.samples > 0 && report.off_grid.mean <= 0.0 {
+        lines.push("the material is black wherever it was looked at".to_owned());
+        return lines;
+    }
+    if let Some(AveragingCost { delta_e, relative_error }) = report.averaging
+        && (delta_e >= 0.005 || relative_error >= 5e-5)
+    {
         let percent = 100.0 * relative_error;
         lines.push(format!("the mean of both ways alone is off by a ΔE of {delta_e:.2} and ε_r of {percent:.2} %"));
     }
-    if report.off_grid.albedo_max_difference > ALBEDO {
+    // Of what reflects more than comes in, as a share of that.
+    let whole = report.off_grid.albedo.iter().flat_map(|point| point.reference).fold(1.0, f64::max);
+    if report.off_grid.albedo_max_difference > ALBEDO * whole {
         let most = report.off_grid.albedo_max_difference;
         lines.push(format!(
             "the albedo is off by up to {}: narrow or grazing light is missed by pictures of a ball",

@@ -54,6 +54,10 @@ fn needles_are_told_of() {
     let encoded = table(|pair| if half_vector(pair)[2] > 0.999_999 { 1e6 } else { 0.1 });
     let norms = &encoded.off_grid.norms;
     assert!(norms.rms.is_finite() && norms.relative_max > 0.5, "{norms:?}");
+    // As tall as values may be, with all levels of detail, which look at what a fit makes of it.
+    let spike = Odd(|pair| if half_vector(pair)[2] > 0.999 && pair.incoming[2] < 0.6 { 1e30 } else { 1.0 });
+    let encoded = encode(&spike, &TableRecipe { levels: 6, ..TableRecipe::default() }, &()).unwrap();
+    assert!(encoded.off_grid.norms.rms.is_finite());
 }
 
 /// Below the normal numbers of f32 a material is as good as black; nothing is no number.

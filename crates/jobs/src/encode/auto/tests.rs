@@ -1,0 +1,84 @@
+use super::*;
+use brdfc_source::address::parse_synth;
+use brdfc_table::levels::MOST_LEVELS;
+
+fn searched(address: &str, budget: Budget) -> EncodedPack {
+    let source = parse_synth(address).unwrap();
+    search(source.as_ref(), &AutoRecipe { budget, ..AutoRecipe::default() }, &()).unwrap()
+}
+
+const NONE: Budget = Budget { delta_e: None, error: None, bytes: None, fetches: None };
+
+#[test]
+fn sizes_double_up_to_the_budget() {
+    assert_eq!(sizes(1024, Some(5000), LARGEST), [1024, 2048, 4096, 5000]);
+    assert_eq!(sizes(1024, Some(100), LARGEST), [100]);
+    assert_eq!(sizes(4096, None, 1 << 19).last(), Some(&(1 << 19)));
+    assert_eq!(sizes(4096, Some(1 << 40), LARGEST), sizes(4096, None, LARGEST));
+}
+
+/// What is kept is the smallest that was tried and meets the budget, and none that was left out since the last miss does.
+#[test]
+fn the_smallest_that_meets_is_kept() {
+    for limit in [0.6, 0.3, 0.15] {
+        let made = searched("synth:ggx?kd=0.3,0.1,0.05&alpha=0.1", Budget { delta_e: Some(limit), ..NONE });
+        let meeting = made.tried.iter().filter(|trial| trial.meets);
+        assert_eq!(meeting.map(|trial| trial.bytes_on_gpu).min(), Some(made.pack.gpu_bytes()));
+        assert!(made.missed.is_none() && made.off_grid.picture.delta_e.mean <= limit);
+    }
+    assert!(searched("synth:lambert", Budget::default()).pack.gpu_bytes() <= SMALLEST);
+}
+
+/// Where nothing meets, the largest was tried, and the best is kept.
+#[test]
+fn the_best_is_kept_where_none_meets() {
+    let budget = Budget { error: Some(1e-7), bytes: Some(20_000), ..NONE };
+    let made = searched("synth:ggx?kd=0.3,0.1,0.05&alpha=0.1", budget);
+    let least = made.tried.iter().map(|trial| trial.relative_error).fold(f64::INFINITY, f64::min);
+    assert!(made.off_grid.norms.relative_mean == least && made.missed.is_some());
+    assert!(made.tried.iter().any(|trial| trial.bytes_on_gpu > 19_000), "{:?}", made.tried);
+}
+
+/// As many levels as there can be, of colours, which take most bytes.
+#[test]
+fn any_number_of_levels_is_searched() {
+    for address in ["synth:ggx?kd=0.3,0.1,0.05&f0=0.5&alpha=0.1", "synth:velvet?kd=0.1,0.2,0.4", "synth:lambert?kd=0"] {
+        let source = parse_synth(address).unwrap();
+        let table = TableRecipe { levels: MOST_LEVELS, ..TableRecipe::default() };
+        for bytes in [None, Some(2048)] {
+            let budget = Budget { bytes, ..Budget::default() };
+            let recipe = AutoRecipe { budget, table: table.clone(), tables: Tables::Factored, wavelet: None };
+            let made = search(source.as_ref(), &recipe, &()).unwrap();
+            assert!(made.pack.levels() == MOST_LEVELS && made.pack.gpu_bytes() <= bytes.unwrap_or(LARGEST));
+        }
+    }
+}
+
+/// A table fits where no curve does.
+#[test]
+fn few_bytes_hold_a_table() {
+    let made = searched("synth:ggx?kd=0.3,0.1,0.05&alpha=0.3", Budget { bytes: Some(200), ..NONE });
+    assert!(made.pack.gpu_bytes() <= 200 && made.tried.iter().all(|trial| trial.codec == "table"));
+    let none = Budget { bytes: Some(100), ..NONE };
+    let source = parse_synth("synth:ggx").unwrap();
+    let refused = search(source.as_ref(), &AutoRecipe { budget: none, ..AutoRecipe::default() }, &());
+    assert!(matches!(refused, Err(PackError::Table(EncodeError::TooFewBytes { .. }))), "{refused:?}");
+}
+
+/// Averaging both ways is what is wrong, and no number of nodes mends it.
+#[test]
+fn stalled_searches_stop() {
+    let one_way = brdfc_testing::wrapped::OneWay(parse_synth("synth:ggx?kd=0.3,0.1,0.05&alpha=0.3").unwrap());
+    let table = TableRecipe { reciprocal: true, ..TableRecipe::default() };
+    let recipe = AutoRecipe { table, wavelet: None, ..AutoRecipe::default() };
+    let made = search(&one_way, &recipe, &()).unwrap();
+    assert!(made.missed.is_some() && made.pack.gpu_bytes() < LARGEST / 4, "{:?}", made.tried);
+}
+
+#[test]
+fn bytes_alone_get_the_closest_that_fits() {
+    let made = searched("synth:ward?ax=0.15&ay=0.5", Budget { bytes: Some(16_384), ..NONE });
+    let least = made.tried.iter().map(|trial| trial.delta_e).fold(f64::INFINITY, f64::min);
+    assert!(made.tried.len() == 4 && made.off_grid.picture.delta_e.mean == least, "{:?}", made.tried);
+    assert!(made.tried.iter().all(|trial| trial.bytes_on_gpu <= 16_384));
+}
