@@ -49,6 +49,15 @@ pub struct AlbedoPoint {
     pub approximation: [f64; 3],
 }
 
+/// Where an albedo is found, and what the source has there.
+struct AlbedoReference {
+    angles: [f64; 2],
+    incoming: Vector,
+    /// Outgoing directions and what each counts.
+    samples: Vec<(Vector, f64)>,
+    value: [f64; 3],
+}
+
 /// A source as others are compared with: its values at the pairs of a set, of pictures and of albedos, found once.
 pub struct Reference {
     set: PairSet,
@@ -56,7 +65,7 @@ pub struct Reference {
     values: Vec<[f64; 3]>,
     mean: f64,
     picture: ReferencePicture,
-    albedo: Vec<([f64; 2], Vector, [f64; 3])>,
+    albedo: Vec<AlbedoReference>,
     tally: Tally,
 }
 
@@ -68,7 +77,10 @@ impl Reference {
         tally += counts;
         let albedo = albedo_directions(source.symmetry().isotropic)
             .into_par_iter()
-            .map(|(angles, incoming)| (angles, incoming, albedo(source, incoming)))
+            .map(|(angles, incoming)| {
+                let samples = albedo_samples(incoming);
+                AlbedoReference { angles, incoming, value: albedo(source, incoming, &samples), samples }
+            })
             .collect();
         Self { grey: source.is_grey(), mean: mean_value(&values[..set.of_mean]), set, values, picture, albedo, tally }
     }
@@ -127,9 +139,9 @@ impl Reference {
         let albedo: Vec<AlbedoPoint> = self
             .albedo
             .par_iter()
-            .map(|([theta, phi], incoming, reference)| {
-                let approximation = albedo(approximation, *incoming);
-                AlbedoPoint { theta: *theta, phi: *phi, reference: *reference, approximation }
+            .map(|AlbedoReference { angles: [theta, phi], incoming, samples, value }| {
+                let approximation = albedo(approximation, *incoming, samples);
+                AlbedoPoint { theta: *theta, phi: *phi, reference: *value, approximation }
             })
             .collect();
         let albedo_max_difference = albedo
@@ -151,11 +163,11 @@ pub fn compare(reference: &dyn Source, approximation: &dyn Source, set: &PairSet
 }
 
 /// `∫ f cos θo dωo` at an incoming direction.
-fn albedo(source: &dyn Source, incoming: Vector) -> [f64; 3] {
+fn albedo(source: &dyn Source, incoming: Vector, samples: &[(Vector, f64)]) -> [f64; 3] {
     let mut tally = Tally::default();
     let mut sum = [0.0; 3];
-    for (outgoing, counted) in albedo_samples(incoming) {
-        let f = source.eval(DirectionPair::new(incoming, outgoing), &mut tally);
+    for (outgoing, counted) in samples {
+        let f = source.eval(DirectionPair::new(incoming, *outgoing), &mut tally);
         (0..3).for_each(|channel| sum[channel] += f[channel].max(0.0) * counted);
     }
     sum

@@ -1,5 +1,6 @@
 //! The search for the smallest pack that meets a budget.
 
+use super::averaged::AveragingCost;
 use super::error::PackError;
 use super::pack::{EncodedPack, of_table, of_wavelet};
 use super::recipe::{AutoRecipe, Budget, TAIL, Tables};
@@ -18,7 +19,7 @@ const SMALLEST: u64 = 1 << 10;
 const SMALLEST_ANISOTROPIC: u64 = 4 << 10;
 /// Likewise where there are levels of detail: with few nodes a row does not keep the light of a narrow highlight.
 const SMALLEST_WITH_LEVELS: u64 = 8 << 10;
-const LARGEST: u64 = 1 << 19;
+const LARGEST: u64 = 4 * MOST_TEXELS;
 /// Ratios of wavelet packs that are tried where no table meets the budget.
 const RATIOS: [f64; 3] = [16.0, 8.0, 4.0];
 /// Fewer bytes hold so few slices that no wavelet pack is worth a trial.
@@ -156,7 +157,7 @@ impl Search<'_> {
 
     /// Bytes of the largest table that is tried: texels of grey ones are half as large.
     fn largest(&self) -> u64 {
-        if self.source.is_grey() { LARGEST.min(2 * MOST_TEXELS) } else { LARGEST }
+        if self.source.is_grey() { LARGEST / 2 } else { LARGEST }
     }
 
     /// Whether the budget has a fetch for a curve.
@@ -284,6 +285,9 @@ impl Search<'_> {
     fn finish(self) -> EncodedPack {
         let (excess, mut made) = self.best.expect("a table was made, or why not was returned");
         made.missed = (excess > 1.0).then(|| missed(&self.recipe.budget, &made.off_grid));
+        if self.recipe.table.reciprocal {
+            made.averaging = Some(AveragingCost::of(self.source, &self.reference));
+        }
         made.tried = self.tried;
         made
     }

@@ -1,8 +1,7 @@
 //! What it costs to make a material the same from both sides.
 
 use brdfc_formats::direction::DirectionPair;
-use brdfc_metrics::compare::compare;
-use brdfc_metrics::sampling::PairSet;
+use brdfc_metrics::compare::Reference;
 use brdfc_source::{Source, Symmetry, Tally};
 use serde::{Deserialize, Serialize};
 
@@ -16,9 +15,9 @@ pub struct AveragingCost {
 }
 
 impl AveragingCost {
-    /// Of a source.
-    pub(super) fn of(source: &dyn Source) -> Self {
-        let (found, _) = compare(source, &Averaged(source), &PairSet::comparison());
+    /// Of a source, and its values as others are compared with them.
+    pub(super) fn of(source: &dyn Source, reference: &Reference) -> Self {
+        let found = reference.compare(&Averaged(source));
         Self { delta_e: found.picture.delta_e.mean, relative_error: found.norms.relative_mean }
     }
 }
@@ -44,7 +43,12 @@ impl Source for Averaged<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use brdfc_metrics::sampling::PairSet;
     use brdfc_source::address::parse_synth;
+
+    fn cost(source: &dyn Source) -> AveragingCost {
+        AveragingCost::of(source, &Reference::new(source, PairSet::comparison()))
+    }
 
     /// A material whose value is the cosine to the light: the mean of both ways is off by half the difference of cosines.
     struct OneWay;
@@ -62,9 +66,9 @@ mod tests {
     #[test]
     fn what_is_the_same_from_both_sides_costs_nothing() {
         let ggx = parse_synth("synth:ggx?alpha=0.3").expect("an address");
-        let none = AveragingCost::of(ggx.as_ref());
+        let none = cost(ggx.as_ref());
         assert!(none.delta_e < 1e-6 && none.relative_error < 1e-9, "{none:?}");
-        let some = AveragingCost::of(&OneWay);
+        let some = cost(&OneWay);
         assert!(some.delta_e > 1.0 && some.relative_error > 0.1, "{some:?}");
     }
 }

@@ -5,6 +5,8 @@ use super::averaged::AveragingCost;
 use super::error::PackError;
 use super::pack::{EncodedPack, of_table, of_wavelet};
 use super::recipe::PackRecipe;
+use brdfc_metrics::compare::Reference;
+use brdfc_metrics::sampling::PairSet;
 use brdfc_source::Source;
 use brdfc_source::progress::Progress;
 
@@ -13,15 +15,16 @@ use brdfc_source::progress::Progress;
 /// # Errors
 /// Recipes that cannot be followed, cancellation. A budget that nothing meets is none: see [`EncodedPack::missed`].
 pub fn encode(source: &dyn Source, recipe: &PackRecipe, progress: &dyn Progress) -> Result<EncodedPack, PackError> {
-    let (mut made, averaged) = match recipe {
-        PackRecipe::Auto(recipe) => (search(source, recipe, progress)?, recipe.table.reciprocal),
+    Ok(match recipe {
+        PackRecipe::Auto(recipe) => search(source, recipe, progress)?,
         PackRecipe::Table(recipe) => {
-            (of_table(brdfc_table::encode::encode(source, recipe, progress)?), recipe.reciprocal && recipe.measure)
+            let mut made = of_table(brdfc_table::encode::encode(source, recipe, progress)?);
+            if recipe.reciprocal && recipe.measure {
+                let reference = Reference::new(source, PairSet::comparison());
+                made.averaging = Some(AveragingCost::of(source, &reference));
+            }
+            made
         }
-        PackRecipe::Wavelet(recipe) => {
-            (of_wavelet(brdfc_wavelet::encode::encode(source, recipe, progress)?, recipe), false)
-        }
-    };
-    made.averaging = averaged.then(|| AveragingCost::of(source));
-    Ok(made)
+        PackRecipe::Wavelet(recipe) => of_wavelet(brdfc_wavelet::encode::encode(source, recipe, progress)?, recipe),
+    })
 }
