@@ -2,14 +2,13 @@
 
 use super::Source;
 use super::error::InputError;
-use super::read::read_all;
+use super::read::{HeardFile, read_all};
 use super::scan::ScanSummary;
 use super::words::{bytes, percent};
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::table::{Axes, TableSymmetry};
 use brdfc_formats::{ErrorSummary, PictureSummary};
-use std::fs::File;
 use std::path::Path;
 
 /// What kind of input it is, with what is worth knowing about it.
@@ -311,7 +310,7 @@ pub struct Format {
 /// A file that is open, and not read yet.
 pub(crate) struct InputFile<'a> {
     pub(crate) path: &'a Path,
-    pub(crate) file: File,
+    pub(crate) file: HeardFile<'a>,
     /// 0 for pipes.
     pub(crate) length: u64,
     /// The level of detail that is asked for.

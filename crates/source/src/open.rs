@@ -4,7 +4,7 @@ pub use super::format::{Facts, Format, Opened};
 
 use super::error::InputError;
 use super::format::InputFile;
-use super::read::{extension_of, found_extension, open_path};
+use super::read::{ReadListener, extension_of, found_extension, open_heard};
 use super::{address, merl, pack, rgl, scan};
 use brdfc_formats::FormatError;
 use std::path::Path;
@@ -37,7 +37,15 @@ pub fn open(input: &str, level: Option<f32>) -> Result<Opened, InputError> {
 /// # Errors
 /// As [`open`].
 pub fn open_file(path: &Path, level: Option<f32>) -> Result<Opened, InputError> {
-    let (file, length) = open_path(path)?;
+    open_file_heard(path, level, &mut ())
+}
+
+/// [`open_file`], with somebody who hears of what is read.
+///
+/// # Errors
+/// As [`open`].
+pub fn open_file_heard(path: &Path, level: Option<f32>, listener: &mut dyn ReadListener) -> Result<Opened, InputError> {
+    let (file, length) = open_heard(path, listener)?;
     let extension = extension_of(path);
     // Before anything is read.
     let Some(format) = FORMATS.iter().find(|format| format.extension == extension) else {

@@ -1,7 +1,7 @@
 //! Images of radiance: OpenEXR and Radiance HDR.
 
 use crate::InputError;
-use crate::read::{MAX_FILE_BYTES, extension_of, read_file};
+use crate::read::{MAX_FILE_BYTES, ReadListener, extension_of, read_heard};
 use brdfc_formats::FormatError;
 use exr::prelude::{MetaData, ReadChannels, ReadLayers, read};
 use image::{ImageFormat, ImageReader, Limits};
@@ -27,8 +27,16 @@ pub struct RadianceImage {
 /// # Errors
 /// Files that cannot be read, or break the rules of [`from_exr`] and [`from_hdr`].
 pub fn open_radiance_image(path: &Path) -> Result<RadianceImage, InputError> {
+    open_radiance_image_heard(path, &mut ())
+}
+
+/// [`open_radiance_image`], with somebody who hears of what is read.
+///
+/// # Errors
+/// As [`open_radiance_image`].
+pub fn open_radiance_image_heard(path: &Path, listener: &mut dyn ReadListener) -> Result<RadianceImage, InputError> {
     let name = path.display().to_string();
-    let bytes = read_file(path, MAX_FILE_BYTES)?;
+    let bytes = read_heard(path, MAX_FILE_BYTES, listener)?;
     let read = if extension_of(path) == "hdr" { from_hdr(&bytes) } else { from_exr(&bytes) };
     read.map_err(|error| InputError::Format { name, error })
 }

@@ -3,13 +3,60 @@
 use super::error::InputError;
 use brdfc_formats::FormatError;
 use std::fs::File;
-use std::io::Read;
+use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
 /// Largest file that is read as a whole (everything but MERL tables, whose header is checked first).
 pub const MAX_FILE_BYTES: u64 = 2 << 30;
 /// Largest file of text that people write: manifests, lists of directions.
 pub const MAX_TEXT_BYTES: u64 = 16 << 20;
+
+/// Hears of a file that is read.
+pub trait ReadListener {
+    /// A file was opened; nothing of it was read yet. Its length in bytes is 0 for pipes.
+    ///
+    /// # Errors
+    /// A file that is not to be read, such as one that is too large.
+    fn opened(&mut self, _file: &File, _length: u64) -> Result<(), FormatError> {
+        Ok(())
+    }
+
+    /// Bytes of the file, in the order in which they are read: the same for each file of one kind and length.
+    fn bytes(&mut self, _bytes: &[u8]) {}
+}
+
+/// Ignores everything.
+impl ReadListener for () {}
+
+/// A file whose bytes a listener hears.
+pub(crate) struct HeardFile<'a> {
+    file: File,
+    listener: &'a mut dyn ReadListener,
+}
+
+impl Read for HeardFile<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let count = self.file.read(buffer)?;
+        self.listener.bytes(&buffer[..count]);
+        Ok(count)
+    }
+}
+
+impl Seek for HeardFile<'_> {
+    fn seek(&mut self, position: SeekFrom) -> std::io::Result<u64> {
+        self.file.seek(position)
+    }
+}
+
+/// [`open_path`], with somebody who hears of it.
+pub(crate) fn open_heard<'a>(
+    path: &Path,
+    listener: &'a mut dyn ReadListener,
+) -> Result<(HeardFile<'a>, u64), InputError> {
+    let (file, length) = open_path(path)?;
+    listener.opened(&file, length).map_err(|error| InputError::format(path, error))?;
+    Ok((HeardFile { file, listener }, length))
+}
 
 /// Opens what is no folder and no device; its length too, which is 0 for pipes.
 pub(crate) fn open_path(path: &Path) -> Result<(File, u64), InputError> {
@@ -36,16 +83,24 @@ pub(crate) fn open_path(path: &Path) -> Result<(File, u64), InputError> {
 /// # Errors
 /// What cannot be read; folders and devices; more bytes.
 pub fn read_file(path: &Path, limit: u64) -> Result<Vec<u8>, InputError> {
-    let (file, length) = open_path(path)?;
+    read_heard(path, limit, &mut ())
+}
+
+/// [`read_file`], with somebody who hears of it.
+///
+/// # Errors
+/// As [`read_file`].
+pub fn read_heard(path: &Path, limit: u64, listener: &mut dyn ReadListener) -> Result<Vec<u8>, InputError> {
+    let (file, length) = open_heard(path, listener)?;
     read_within(path, file, length, limit)
 }
 
 /// Reads a file to its end if it is not too large.
-pub(crate) fn read_all(path: &Path, file: File, length: u64) -> Result<Vec<u8>, InputError> {
+pub(crate) fn read_all(path: &Path, file: impl Read, length: u64) -> Result<Vec<u8>, InputError> {
     read_within(path, file, length, MAX_FILE_BYTES)
 }
 
-fn read_within(path: &Path, file: File, length: u64, limit: u64) -> Result<Vec<u8>, InputError> {
+fn read_within(path: &Path, file: impl Read, length: u64, limit: u64) -> Result<Vec<u8>, InputError> {
     let name = path.display().to_string();
     let too_long = |found: String| {
         let error = FormatError::whole("file length", found, format!("at most {limit} bytes"));
@@ -54,7 +109,11 @@ fn read_within(path: &Path, file: File, length: u64, limit: u64) -> Result<Vec<u
     if length > limit {
         return Err(too_long(format!("{length} bytes")));
     }
-    let mut bytes = Vec::with_capacity(length as usize);
+    let mut bytes = Vec::new();
+    bytes.try_reserve_exact(length as usize).map_err(|_| {
+        let allowed = format!("a file for which there is memory, {length} bytes");
+        InputError::format(path, FormatError::whole("file length", format!("{length} bytes"), allowed))
+    })?;
     // A pipe has no length, and a file may grow meanwhile.
     file.take(limit + 1).read_to_end(&mut bytes).map_err(|error| InputError::Io { name, error })?;
     if bytes.len() as u64 > limit {
