@@ -69,7 +69,7 @@ impl MaterialReport {
 }
 
 /// Wall-clock time of one stage.
-#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct StageTime {
     /// The stage's name.
     pub stage: String,
