@@ -360,4 +360,11 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn joined_lines_have_an_end() {
+        let text = format!("v 0 0 \\\n{}0\n", " \\\n".repeat(9 << 20));
+        let error = from_bytes(text.as_bytes()).unwrap_err().to_string();
+        assert_eq!(error, "line 1, text: found a line of more than 16.00 MiB; allowed at most 16777216 bytes");
+    }
 }
