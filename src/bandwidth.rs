@@ -15,7 +15,7 @@ use brdfc_jobs::write::is_standard_output;
 use brdfc_source::Tally;
 use brdfc_source::open::open;
 use brdfc_source::radiance_image::open_radiance_image;
-use brdfc_source::tile_image::open_tile_image;
+use brdfc_source::tile_image::open_colours;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -276,8 +276,8 @@ fn image(input: &str) -> Result<(Vec<[f32; 3]>, usize), CliError> {
         let image = open_radiance_image(path)?;
         return Ok((image.pixels, image.width));
     }
-    let image = open_tile_image(path)?;
-    Ok((image.colours(), image.width))
+    let image = open_colours(path)?;
+    Ok((image.pixels, image.width))
 }
 
 /// Eight octaves below the largest value, as a PNG.

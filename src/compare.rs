@@ -9,7 +9,7 @@ use brdfc_metrics::compare::{Comparison, compare};
 use brdfc_metrics::fraction::Fraction;
 use brdfc_metrics::sampling::{PairSet, random_pairs};
 use brdfc_source::open::{Facts, open};
-use brdfc_source::read::{MAX_FILE_BYTES, read_file};
+use brdfc_source::read::read_text;
 use clap::Args;
 use serde::Serialize;
 
@@ -103,7 +103,7 @@ fn pairs(directions: &str) -> Result<Vec<DirectionPair>, CliError> {
         let allowed = "a number of directions, or a list of them in a .csv file";
         return Err(CliError::Usage(format!("--directions: found {directions}; allowed {allowed}")));
     }
-    let bytes = read_file(path, MAX_FILE_BYTES)?;
+    let bytes = read_text(path)?;
     let pairs = directions_from_bytes(&bytes).map_err(|error| CliError::Input(format!("{directions}: {error}")))?;
     if pairs.is_empty() {
         return Err(CliError::Input(format!("{directions}: records: found none; allowed at least one")));

@@ -7,7 +7,7 @@ use brdfc_formats::measured::scan_csv::directions_from_bytes;
 use brdfc_jobs::report::material::repairs_in_words;
 use brdfc_source::Tally;
 use brdfc_source::open::{Facts, open};
-use brdfc_source::read::{MAX_FILE_BYTES, read_file};
+use brdfc_source::read::read_text;
 use clap::Args;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -50,7 +50,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     if let Some(output) = &arguments.output {
         refuse_overwriting("--output", output, &[path, Path::new(&arguments.input)])?;
     }
-    let bytes = read_file(path, MAX_FILE_BYTES)?;
+    let bytes = read_text(path)?;
     let in_file = |error| CliError::Input(format!("{}: {error}", path.display()));
     let pairs = directions_from_bytes(&bytes).map_err(in_file)?;
     let opened = open(&arguments.input, arguments.lod)?;

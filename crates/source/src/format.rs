@@ -2,8 +2,8 @@
 
 use super::Source;
 use super::error::InputError;
-use super::read::{HeardFile, read_all};
-use super::scan::ScanSummary;
+use super::read::{HeardFile, read_all, read_all_text};
+use super::scan::{ScanSummary, StrayRows};
 use super::words::{bytes, percent};
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::Parameterisation;
@@ -129,6 +129,14 @@ impl Facts {
         }
     }
 
+    /// Rows of a scan that stray from the azimuth of incidence of the others.
+    pub fn stray_rows(&self) -> Option<StrayRows> {
+        match self {
+            Self::Scan { summary, .. } => summary.strays,
+            _ => None,
+        }
+    }
+
     /// Measured samples that came in; 0 for models.
     pub fn samples(&self) -> u64 {
         match self {
@@ -157,7 +165,9 @@ impl Facts {
             ],
             Self::Scan { wavelengths, alta, summary } => {
                 let s = summary;
-                let isotropic = if s.isotropic {
+                let isotropic = if s.strays.is_some() {
+                    "taken as isotropic: one azimuth of incidence, but for a few rows"
+                } else if s.isotropic {
                     "taken as isotropic: one azimuth of incidence"
                 } else {
                     "anisotropic: several azimuths of incidence"
@@ -179,6 +189,9 @@ impl Facts {
                 ];
                 if let Some(alta) = alta {
                     lines.insert(2, ("directions", alta.directions.clone()));
+                }
+                if let Some(strays) = s.strays {
+                    lines.push(("rows of another azimuth", strays.in_words()));
                 }
                 if let Some(left_out) = s.left_out {
                     lines.push(("rows left out, at or below the horizon", left_out.to_string()));
@@ -321,6 +334,12 @@ impl InputFile<'_> {
     /// Reads the whole file, and what is in it.
     pub(crate) fn parse<T>(self, parse: impl FnOnce(&[u8]) -> Result<T, FormatError>) -> Result<T, InputError> {
         let bytes = read_all(self.path, self.file, self.length)?;
+        parse(&bytes).map_err(|error| InputError::format(self.path, error))
+    }
+
+    /// [`Self::parse`] of text, which is not read on where it has a NUL byte.
+    pub(crate) fn parse_text<T>(self, parse: impl FnOnce(&[u8]) -> Result<T, FormatError>) -> Result<T, InputError> {
+        let bytes = read_all_text(self.path, self.file, self.length)?;
         parse(&bytes).map_err(|error| InputError::format(self.path, error))
     }
 }

@@ -2,6 +2,7 @@
 
 use super::error::InputError;
 use super::format::{Facts, Format, InputFile, Opened};
+use super::read::{MAX_FILE_BYTES, check_length};
 use super::{Source, Symmetry, Tally};
 use brdfc_formats::direction::{DirectionPair, dot, half_vector};
 use brdfc_formats::measured::merl::{Merl, MerlError};
@@ -15,6 +16,7 @@ const SYMMETRY_TOLERANCE: f32 = 1e-5;
 pub(crate) const FORMAT: Format = Format { extension: "binary", name: "MERL", open };
 
 fn open(input: InputFile<'_>) -> Result<Opened, InputError> {
+    check_length(input.length, MAX_FILE_BYTES).map_err(|error| InputError::format(input.path, error))?;
     let table = Merl::read(input.file, input.length).map_err(|error| match error {
         MerlError::Format(error) => InputError::format(input.path, error),
         MerlError::Io(error) => InputError::io(input.path, error),

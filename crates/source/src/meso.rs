@@ -1,11 +1,12 @@
 //! Meso-geometry from files: meshes and height maps.
 
-use super::read::{found_extension, open_path, read_all};
+use super::read::{found_extension, open_path, read_all, read_all_text};
 use crate::InputError;
+use crate::exr_header::exr_headers;
 use crate::read::extension_of;
 use brdfc_formats::FormatError;
 use brdfc_formats::meso::{TriangleMesh, obj, ply};
-use exr::prelude::{MetaData, ReadChannels, ReadLayers, ReadSpecificChannel, Text, read};
+use exr::prelude::{ReadChannels, ReadLayers, ReadSpecificChannel, Text, read};
 use std::io::Cursor;
 use std::ops::RangeInclusive;
 use std::path::Path;
@@ -55,7 +56,8 @@ pub fn open_meso(path: &Path) -> Result<MesoInput, InputError> {
             return Err(format(FormatError::whole("file name", found_extension(&extension), allowed)));
         }
     };
-    parse(&read_all(path, file, length)?).map_err(format)
+    let bytes = if extension == "obj" { read_all_text(path, file, length)? } else { read_all(path, file, length)? };
+    parse(&bytes).map_err(format)
 }
 
 fn check_size(field: &'static str, width: usize, height: usize) -> Result<(), FormatError> {
@@ -118,11 +120,11 @@ pub fn heights_from_exr(bytes: &[u8]) -> Result<HeightMap, FormatError> {
     let allowed = "an EXR with a channel Y or R, or with one channel";
     let broken = |error: exr::error::Error| FormatError::whole("EXR", error.to_string(), "a whole EXR, not deep");
     // Sizes first: pixels are asked for only when they are few enough.
-    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(broken)?;
-    for header in &meta.headers {
+    let headers = exr_headers(Cursor::new(bytes), "a whole EXR, not deep")?;
+    for header in &headers {
         check_size("EXR", header.layer_size.x(), header.layer_size.y())?;
     }
-    let channels = meta.headers.first().map_or(&[][..], |header| &header.channels.list);
+    let channels = headers.first().map_or(&[][..], |header| &header.channels.list);
     let chosen = ["Y", "R"].iter().find_map(|name| channels.iter().find(|channel| channel.name == **name));
     let Some(channel) = chosen.or(if channels.len() == 1 { channels.first() } else { None }) else {
         let names: Vec<String> = channels.iter().take(8).map(|channel| channel.name.to_string()).collect();

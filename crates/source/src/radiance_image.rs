@@ -1,9 +1,10 @@
 //! Images of radiance: OpenEXR and Radiance HDR.
 
 use crate::InputError;
+use crate::exr_header::exr_headers;
 use crate::read::{MAX_FILE_BYTES, ReadListener, extension_of, read_heard};
 use brdfc_formats::FormatError;
-use exr::prelude::{MetaData, ReadChannels, ReadLayers, read};
+use exr::prelude::{ReadChannels, ReadLayers, read};
 use image::{ImageFormat, ImageReader, Limits};
 use std::io::Cursor;
 use std::path::Path;
@@ -48,8 +49,7 @@ pub fn open_radiance_image_heard(path: &Path, listener: &mut dyn ReadListener) -
 pub fn from_exr(bytes: &[u8]) -> Result<RadianceImage, FormatError> {
     let broken = |error: exr::error::Error| FormatError::whole("EXR", error.to_string(), "channels R, G and B");
     // Sizes first: pixels are asked for only when they are small enough.
-    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(broken)?;
-    for header in &meta.headers {
+    for header in exr_headers(Cursor::new(bytes), "channels R, G and B")? {
         check_size("EXR", header.layer_size.x(), header.layer_size.y())?;
     }
     let image = read()

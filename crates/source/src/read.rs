@@ -1,12 +1,14 @@
 //! Reads files, within limits that are checked before memory is asked for.
 
 use super::error::InputError;
+use crate::words::bytes;
 use brdfc_formats::FormatError;
+use brdfc_formats::memory::reserved;
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
-/// Largest file that is read as a whole (everything but MERL tables, whose header is checked first).
+/// Largest file that is read. What is made of it in memory is at most a few times as large.
 pub const MAX_FILE_BYTES: u64 = 2 << 30;
 /// Largest file of text that people write: manifests, lists of directions.
 pub const MAX_TEXT_BYTES: u64 = 16 << 20;
@@ -95,31 +97,60 @@ pub fn read_heard(path: &Path, limit: u64, listener: &mut dyn ReadListener) -> R
     read_within(path, file, length, limit)
 }
 
+/// Reads a file or a pipe of text to its end, or to the first NUL byte, which is the last one of what is returned: text has
+/// none, so that whoever parses it refuses it there.
+///
+/// # Errors
+/// As [`read_file`], of more than [`MAX_FILE_BYTES`].
+pub fn read_text(path: &Path) -> Result<Vec<u8>, InputError> {
+    let (file, length) = open_path(path)?;
+    read_all_text(path, file, length)
+}
+
 /// Reads a file to its end if it is not too large.
 pub(crate) fn read_all(path: &Path, file: impl Read, length: u64) -> Result<Vec<u8>, InputError> {
     read_within(path, file, length, MAX_FILE_BYTES)
 }
 
+/// [`read_text`] of a file that is open.
+pub(crate) fn read_all_text(path: &Path, file: impl Read, length: u64) -> Result<Vec<u8>, InputError> {
+    read_all(path, UpToNul { file, found: false }, length)
+}
+
+/// Ends behind the first NUL byte.
+struct UpToNul<R> {
+    file: R,
+    found: bool,
+}
+
+impl<R: Read> Read for UpToNul<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        if self.found {
+            return Ok(0);
+        }
+        let count = self.file.read(buffer)?;
+        let nul = buffer[..count].iter().position(|byte| *byte == 0);
+        self.found = nul.is_some();
+        Ok(nul.map_or(count, |at| at + 1))
+    }
+}
+
+/// Refuses files of more than `limit` bytes.
+pub(crate) fn check_length(length: u64, limit: u64) -> Result<(), FormatError> {
+    if length <= limit {
+        return Ok(());
+    }
+    Err(FormatError::whole("file length", bytes(length), format!("at most {}", bytes(limit))))
+}
+
 fn read_within(path: &Path, file: impl Read, length: u64, limit: u64) -> Result<Vec<u8>, InputError> {
-    let name = path.display().to_string();
-    let too_long = |found: String| {
-        let error = FormatError::whole("file length", found, format!("at most {limit} bytes"));
-        InputError::Format { name: path.display().to_string(), error }
-    };
-    if length > limit {
-        return Err(too_long(format!("{length} bytes")));
-    }
-    let mut bytes = Vec::new();
-    bytes.try_reserve_exact(length as usize).map_err(|_| {
-        let allowed = format!("a file for which there is memory, {length} bytes");
-        InputError::format(path, FormatError::whole("file length", format!("{length} bytes"), allowed))
-    })?;
+    let wrong = |error| InputError::format(path, error);
+    check_length(length, limit).map_err(wrong)?;
+    let mut contents = reserved("file length", length as usize).map_err(wrong)?;
     // A pipe has no length, and a file may grow meanwhile.
-    file.take(limit + 1).read_to_end(&mut bytes).map_err(|error| InputError::Io { name, error })?;
-    if bytes.len() as u64 > limit {
-        return Err(too_long(format!("more than {limit} bytes")));
-    }
-    Ok(bytes)
+    file.take(limit + 1).read_to_end(&mut contents).map_err(|error| InputError::io(path, error))?;
+    check_length(contents.len() as u64, limit).map_err(wrong)?;
+    Ok(contents)
 }
 
 /// The extension of a file's name in lower case, or nothing.
