@@ -3,9 +3,10 @@
 use crate::output::remark;
 use crate::{CliError, Common};
 use brdfc_jobs::encode::options::EncodeOptions;
-use brdfc_jobs::scene::batch::{BatchError, find, manifest_of};
+use brdfc_jobs::scene::batch::{BatchError, find, is_material, is_pattern, manifest_of};
 use brdfc_jobs::scene::manifest::Manifest;
 use brdfc_jobs::scene::plan::{Plan, PlanError, plan};
+use brdfc_source::address::is_synth;
 use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
 use std::path::{Path, PathBuf};
 
@@ -20,8 +21,13 @@ pub(super) struct Asked {
 const NAMED: usize = 5;
 
 pub(super) fn asked(inputs: &[String], options: &EncodeOptions, common: Common) -> Result<Asked, CliError> {
-    let is_manifest =
-        |input: &String| Path::new(input).extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
+    // One file that is no kind of material is taken for a manifest, whatever its name.
+    let alone = inputs.len() == 1;
+    let is_manifest = |input: &String| {
+        let path = Path::new(input);
+        let named = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
+        named || alone && !is_synth(input) && !path.is_dir() && !is_pattern(path) && !is_material(path)
+    };
     if let Some(input) = inputs.iter().find(|input| is_manifest(input)) {
         if inputs.len() > 1 {
             let found = inputs.join(", ");

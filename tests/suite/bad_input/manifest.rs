@@ -86,17 +86,22 @@ fn wrong_types() {
     ] {
         let folder = Folder::new();
         folder.write("scene.toml", GOOD.replace(from, to));
-        let told =
-            refused(&folder, &["build", "scene.toml"], 3, &["brdfc: scene.toml: line ", ": found invalid "]);
+        let told = refused(&folder, &["build", "scene.toml"], 3, &["brdfc: scene.toml: line ", ": found invalid "]);
         println!("{to}: {told}");
         let key = to.split(' ').next().unwrap();
         let place = told.split(": found").next().unwrap();
         assert!(place.contains(&format!("line {line}, ")) && place.ends_with(&format!(".{key}")), "{to}: {told}");
     }
     bad(with_line(6, "ratio = '4'"), "line 7, materials.paint.ratio: found invalid type: string \"4\"");
-    bad(with_line(6, "require = { max_bytes = 'x' }"), "line 7, materials.paint.require.max_bytes: found invalid value");
+    bad(
+        with_line(6, "require = { max_bytes = 'x' }"),
+        "line 7, materials.paint.require.max_bytes: found invalid value",
+    );
     bad(with_line(6, "require = { max_byte = 4 }"), "(did you mean max_bytes?)");
-    bad(with_line(3, "require = { max_error = 3 }"), "line 4, defaults.require.max_error: found 3; allowed a fraction or a");
+    bad(
+        with_line(3, "require = { max_error = 3 }"),
+        "line 4, defaults.require.max_error: found 3; allowed a fraction or a",
+    );
     bad(format!("{GOOD}[materials.paint]\nsource = 'synth:lewis'\n"), "duplicate key in \"[materials.paint]\"");
     bad("scene = 3\n", "line 1, ");
     bad("uses = 3\n", "line 1, ");

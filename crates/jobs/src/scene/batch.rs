@@ -94,10 +94,15 @@ pub fn is_pattern(path: &Path) -> bool {
     path.to_string_lossy().contains(['*', '?', '[']) && !path.exists()
 }
 
-/// Whether it is a file of a kind that is measured.
-fn is_measured(path: &Path) -> bool {
+/// Whether its name is that of a file that has reflectance.
+pub fn is_material(path: &Path) -> bool {
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
-    extension.is_some_and(|e| e != "ktx2" && FORMATS.iter().any(|format| format.extension == e))
+    extension.is_some_and(|extension| FORMATS.iter().any(|format| format.extension == extension))
+}
+
+/// Whether it is a material that is no pack yet.
+fn is_measured(path: &Path) -> bool {
+    is_material(path) && path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("ktx2"))
 }
 
 fn of_folder(folder: &Path) -> Result<(Vec<String>, Vec<PathBuf>), BatchError> {
