@@ -148,7 +148,7 @@ fn rows_of_another_azimuth_are_told() {
     let folder = crate::common::cli::Folder::new();
     let scan = |count: usize| {
         let strays = "0.3 0.2 0.25 1.5 0.2 0.3\n".repeat(count);
-        format!("{HEADER}{}{strays}{}", rows(12), rows(48)).into_bytes()
+        format!("{HEADER}{}{strays}{}", rows(12), rows(12).repeat(4)).into_bytes()
     };
     folder.write("a.brdf", scan(2));
     let info = folder.run(&["info", "a.brdf", "--json"]).succeeded().json();

@@ -32,8 +32,7 @@ pub struct MaterialReport {
     pub off_grid: Comparison,
     /// Rows of the input with a negative channel, which was raised to 0 when it was read.
     pub rows_raised: u64,
-    /// Rows of a scan of another azimuth of incidence than the others. Absent where there are none.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    /// Rows of a scan of another azimuth of incidence than the others, where there are any.
     pub stray_rows: Option<StrayRows>,
     /// What had to be mended while the pack was made.
     #[serde(rename = "mended")]

@@ -35,8 +35,7 @@ pub struct StrayRows {
     pub rows: usize,
     /// Rows of the scan.
     pub of: usize,
-    /// Line of the file that the first starts at; absent where there is no file.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    /// Line of the file that the first starts at, where there is a file.
     pub line: Option<u64>,
     /// Azimuth of incidence of the first, degrees.
     pub azimuth: f64,
