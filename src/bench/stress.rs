@@ -40,11 +40,10 @@ fn number(measure: Measure, value: f64) -> String {
 }
 
 pub(super) fn text(study: &StressStudy) -> String {
-    let header = ["stage", "fed", "cases", "error", "worst", "bound", "holds"];
+    let header = ["stage, and what it is fed", "cases", "error", "worst", "bound", "holds"];
     let cells = |row: &StressRow| {
         vec![
-            row.stage.clone(),
-            row.fed.clone(),
+            format!("{}: {}", row.stage, row.fed),
             row.cases.to_string(),
             row.measure.name().to_owned(),
             number(row.measure, row.error),
@@ -55,7 +54,7 @@ pub(super) fn text(study: &StressStudy) -> String {
     let mut text = plain(&header, &study.rows.iter().map(cells).collect::<Vec<_>>());
     text += "\nWhy these bounds (of its bound: a share of what is said here):\n";
     for row in &study.rows {
-        text += &format!("- {}, fed {}: {}\n", row.stage, row.fed, row.why);
+        text += &format!("- {}: {}: {}\n", row.stage, row.fed, row.why);
     }
     let broken = study.broken().count();
     text + &match broken {

@@ -20,14 +20,11 @@ pub(super) fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
     }
     let (mut half, mut angles) = (Worst::default(), Worst::default());
     for pair in pairs(small) {
-        let (outer, inner) = (stages.to_half_difference)(pair);
-        half.add(pairs_apart(Parameterisation::HalfDifference.from_axes(outer, inner), pair));
         let sum: Vector = std::array::from_fn(|k| pair.incoming[k] + pair.outgoing[k]);
-        let length = dot(sum, sum).sqrt();
-        // Shorter sums have no direction in f32.
-        if length > 1e-3 {
-            angles.add(pairs_apart((stages.angles)(pair).pair(), pair) * length);
-        }
+        let (outer, inner) = (stages.to_half_difference)(pair);
+        let back = Parameterisation::HalfDifference.from_axes(outer, inner);
+        half.add(pairs_apart(back, pair) * dot(sum, sum).sqrt());
+        angles.add(pairs_apart((stages.angles)(pair).pair(), pair) * sum[2]);
     }
     let mut atan2 = Worst::default();
     let sizes = [0.0, 1e-45, 1e-38, 1e-12, 1e-6, 0.3, 0.999_999, 1.0, 1.000_001, 3.0, 1e6, 1e38];
@@ -51,7 +48,7 @@ pub(super) fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
             ["half and difference vectors, f64", "all pairs of these, nearly equal and nearly opposite ones"],
             Measure::Absolute,
             32.0 * f64::EPSILON,
-            "two rotations about a half vector, whatever its error, undo each other but for their roundings",
+            "roundings over the length of wi + wo, which errors are multiplied by: nearly opposite directions have no half vector",
         ),
         atan2.row(
             ["angles of decoders, f32", "0 to 1e38 on both axes, denormals"],
@@ -63,7 +60,7 @@ pub(super) fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
             ["angles of tables, f32", "the same pairs"],
             Measure::Relative,
             64.0 * U,
-            "a half vector is off by a rounding over the length of wi + wo, which errors are multiplied by",
+            "roundings over the height of wi + wo, which errors are multiplied by: the angles end where a half vector lies flat",
         ),
     ]
 }

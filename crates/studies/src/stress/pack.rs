@@ -36,7 +36,7 @@ pub(super) fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
     let mut back = Worst::default();
     for levels in super::fed::levels(small) {
         let cells = 1usize << (2 * levels);
-        for kept in [1, 2, cells / 2, cells.min(MAX_SLICES - 1)] {
+        for kept in [1, 2, cells / 2, cells].map(|kept| kept.min(MAX_SLICES - 1)) {
             // The largest of 16 bits has 16 MiB.
             for bits in [8, 16] {
                 let pack = pack(levels, kept, bits, false, 9);

@@ -11,8 +11,10 @@ use brdfc_table::encode::Prepared;
 use brdfc_table::lattice::{Equations, Lattice};
 use brdfc_table::recipe::{Size, TableRecipe};
 use nalgebra::{DMatrix, DVector};
-use std::f64::consts::{FRAC_PI_2, PI};
 
+/// Where f32 folds.
+const PI: f64 = std::f32::consts::PI as f64;
+const FRAC_PI_2: f64 = std::f32::consts::FRAC_PI_2 as f64;
 /// Steps of texels of ten bits.
 const TEN_BITS: f64 = 1023.0;
 
@@ -110,7 +112,7 @@ impl ExactTable<'_> {
     fn log_value(&self, pair: DirectionPair) -> f64 {
         let angles = Angles::of(pair);
         let header = self.header;
-        let root = (f64::from(angles.theta_half) / f64::from(std::f32::consts::FRAC_PI_2)).min(1.0).sqrt();
+        let root = (f64::from(angles.theta_half) / FRAC_PI_2).min(1.0).sqrt();
         let along = root * (KNOTS - 1) as f64;
         let lower = (along as usize).min(KNOTS - 2);
         let [a, b] = [header.knots[lower], header.knots[lower + 1]].map(f64::from);
@@ -170,7 +172,7 @@ fn layers(header: &TableHeader, half_share: f64) -> [(u32, f64); 2] {
 fn folded(angles: Angles, symmetry: TableSymmetry) -> [f64; 2] {
     let (mut half, mut difference) = (f64::from(angles.phi_half), f64::from(angles.phi_difference));
     if symmetry.reflected && symmetry.half_turn {
-        half = half.rem_euclid(PI);
+        half += if half < 0.0 { PI } else { 0.0 };
     }
     let folds = symmetry.reflected && if symmetry.half_turn { half > FRAC_PI_2 } else { half < 0.0 };
     if folds {
