@@ -77,7 +77,7 @@ fn material_text(material: &ParetoMaterial) -> String {
             bytes(row.bytes_on_gpu),
             bytes(row.bytes_on_disk),
             row.fetches.to_string(),
-            format!("{:.3} s", row.encode_seconds),
+            format!("{:.1} ms", 1e3 * row.encode_seconds),
             format!("{:.2}", row.decode_rate / 1e6),
             percent(row.relative_error),
             format!("{:.3}", row.delta_e),

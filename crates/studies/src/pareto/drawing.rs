@@ -41,6 +41,8 @@ struct Cost {
     of: fn(&ParetoRow) -> f64,
     on_front: fn(&ParetoRow) -> bool,
     label: fn(f64) -> String,
+    /// Where there are no points.
+    legend: SeriesLabelPosition,
 }
 
 const BYTES: Cost = Cost {
@@ -52,6 +54,7 @@ const BYTES: Cost = Cost {
         b if b >= 1e3 => format!("{} kB", b / 1e3),
         b => format!("{b} B"),
     },
+    legend: SeriesLabelPosition::UpperRight,
 };
 
 const SECONDS: Cost = Cost {
@@ -59,6 +62,7 @@ const SECONDS: Cost = Cost {
     of: |row| row.encode_seconds,
     on_front: |row| row.on_seconds_front,
     label: |seconds| format!("{seconds}"),
+    legend: SeriesLabelPosition::LowerLeft,
 };
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
@@ -105,7 +109,7 @@ fn panel(area: &Area<'_>, material: &ParetoMaterial, cost: &Cost) -> Result<(), 
     }
     chart
         .configure_series_labels()
-        .position(SeriesLabelPosition::UpperRight)
+        .position(cost.legend.clone())
         .background_style(WHITE.mix(0.8))
         .label_font(("sans-serif", 11))
         .draw()

@@ -68,10 +68,11 @@ pub fn settings(small: bool) -> Vec<PackRecipe> {
     let sizes = if small { &SIZES[..2] } else { &SIZES };
     let mut all: Vec<PackRecipe> =
         [false, true].into_iter().flat_map(|factored| sizes.iter().map(move |kib| table(factored, *kib))).collect();
-    let (levels, ratios) = if small { (&LEVELS[..1], &RATIOS[1..]) } else { (&LEVELS[..], &RATIOS[..]) };
+    let (levels, ratios) = if small { (&LEVELS[..1], &RATIOS[1..2]) } else { (&LEVELS[..], &RATIOS[..]) };
+    let others = [(false, false), (true, true), (true, false), (false, true)];
     for levels in levels {
         for ranking in [Ranking::Visible, Ranking::Energy] {
-            for (lift, smooth) in [(false, false), (true, false), (false, true), (true, true)] {
+            for (lift, smooth) in others.into_iter().take(if small { 2 } else { 4 }) {
                 all.extend(wavelets(*levels, ratios, ranking, lift, smooth));
             }
         }

@@ -54,7 +54,7 @@ pub(super) fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
             ["angles of decoders, f32", "0 to 1e38 on both axes, denormals"],
             Measure::Absolute,
             3e-7,
-            "2.5e-7 of the polynomial, and the rounding of π",
+            "what callers are promised: the polynomial, and the rounding of π",
         ),
         angles.row(
             ["angles of tables, f32", "the same pairs"],

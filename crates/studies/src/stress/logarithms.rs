@@ -32,9 +32,9 @@ pub(super) fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
             ["ln, f32", "all normal numbers"],
             Measure::Relative,
             LN,
-            "what its polynomial was made for; beside 1, of 1e-5",
+            "what callers are promised; beside 1 it is of 1e-5",
         ),
-        exp.row(["exp, f32", "-80 to 80"], Measure::Relative, EXP, "what its polynomial was made for"),
+        exp.row(["exp, f32", "-80 to 80"], Measure::Relative, EXP, "what callers are promised"),
         rise.row(
             ["rise of lifted packs, f32", "halves e^60 apart, unequal weights"],
             Measure::Relative,

@@ -180,7 +180,7 @@ fn scans(stages: &Stages, small: bool) -> StressRow {
             "a ring at the horizon, a line, rows that stand twice, of one value, 0 and 1e-12 to 1e6",
         ],
         Measure::Relative,
-        64.0 * f64::EPSILON * 21.0,
-        "a logarithm and an exponential of ln(f + bias), bias 0.05 f",
+        64.0 * f64::EPSILON,
+        "the rounding of a logarithm of up to 28, which its exponential multiplies, twice",
     )
 }

@@ -158,6 +158,6 @@ fn smooth(stages: &Stages, small: bool) -> StressRow {
         ["smoothing, f32", "polynomials of its degree times 1e-12 to 1e6, up to the border"],
         Measure::Relative,
         64.0 * U,
-        "four passes that keep them, each rounded where weights have up to 4 times the sum; of the largest",
+        "four passes that keep them, each with some 5 roundings, of weights whose sizes add up to 1.3; of the largest value",
     )
 }
