@@ -1,6 +1,7 @@
 //! The studies of bandwidth maps and adaptive shading.
 
 use super::arguments::Arguments;
+use super::names::display_name;
 use super::on_adapter;
 use crate::output::remark;
 use crate::table::{percent, plain, significant};
@@ -60,7 +61,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     let (started, all) = (Instant::now(), inputs.len() * shapes.len());
     let mut result = empty(arguments.study);
     for (number, (index, shape)) in (0..inputs.len()).flat_map(|i| shapes.iter().map(move |s| (i, *s))).enumerate() {
-        let name = on_adapter::display_name(&inputs[index]);
+        let name = display_name(&inputs[index]);
         let material = StudyMaterial::new(name.to_owned(), sources[index].as_ref()).map_err(unpackable)?;
         add(&mut result, &material, shape, &lighting, frame, truth);
         let seconds = started.elapsed().as_secs_f64();

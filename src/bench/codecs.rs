@@ -1,7 +1,8 @@
 //! The study of codecs: zfp and SZ3 run in Python, everything else here.
 
 use super::arguments::Arguments;
-use super::on_adapter::{VELVET, adapter, display_name, opened_adapter};
+use super::names::display_name;
+use super::on_adapter::{VELVET, adapter, opened_adapter};
 use crate::output::{make_folder, remark, write_file};
 use crate::table::{bytes, percent, plain};
 use crate::{CliError, Common};

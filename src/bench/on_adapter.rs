@@ -1,6 +1,7 @@
 //! Studies that need a graphics adapter.
 
 use super::arguments::Arguments;
+use super::names::display_name;
 use crate::output::{make_folder, remark, write_file};
 use crate::table::{bytes, plain};
 use crate::{CliError, Common, graphics_environment};
@@ -77,14 +78,6 @@ fn study_error(error: StudyError) -> CliError {
         StudyError::Gpu(error) => error.into(),
         StudyError::Encode(error) => error.into(),
     }
-}
-
-/// What reports call an input: its address, or the name of its file.
-pub(super) fn display_name(input: &str) -> &str {
-    if input.starts_with("synth:") {
-        return input;
-    }
-    Path::new(input).file_name().and_then(|name| name.to_str()).unwrap_or(input)
 }
 
 fn one<'a>(arguments: &'a Arguments, default: &'a str) -> Result<&'a str, CliError> {

@@ -2,7 +2,7 @@
 //! direction pair itself.
 
 mod coordinates;
-mod fit;
+pub mod fit;
 mod incidence;
 mod merge;
 mod summary;
