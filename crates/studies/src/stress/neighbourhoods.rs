@@ -159,7 +159,8 @@ fn scans(stages: &Stages, small: bool) -> StressRow {
                 phi_o: *phi_o,
                 value: [value; 3],
             };
-            let scan = Scan { wavelengths: Vec::new(), rows: rows.iter().map(row).collect() };
+            let lines = (1..=rows.len() as u64).collect();
+            let scan = Scan { wavelengths: Vec::new(), rows: rows.iter().map(row).collect(), lines };
             let Ok(source) = ScanSource::new(&scan) else {
                 worst.add(f64::NAN);
                 continue;
