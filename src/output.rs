@@ -3,6 +3,7 @@
 use super::{CliError, Common};
 use brdfc_jobs::write::{is_standard_output, write_atomic};
 use serde::Serialize;
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -66,6 +67,20 @@ pub fn refuse_overwriting(option: &str, output: &Path, inputs: &[&Path]) -> Resu
         return Err(CliError::Usage(format!("{option}: found {}, an input; allowed another file", output.display())));
     }
     Ok(())
+}
+
+/// [`refuse_overwriting`] of many outputs.
+pub fn refuse_overwriting_any(
+    option: &str,
+    outputs: impl IntoIterator<Item = PathBuf>,
+    inputs: &[&Path],
+) -> Result<(), CliError> {
+    let targets: BTreeSet<PathBuf> = inputs.iter().filter_map(|input| input.canonicalize().ok()).collect();
+    let over = |output: &PathBuf| output.canonicalize().is_ok_and(|path| targets.contains(&path));
+    match outputs.into_iter().find(over) {
+        Some(output) => refuse_overwriting(option, &output, inputs),
+        None => Ok(()),
+    }
 }
 
 /// Outputs that are one file: the later would be written over the earlier.

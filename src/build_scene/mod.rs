@@ -6,7 +6,9 @@ mod text;
 
 pub(super) use inputs::read_manifest;
 
-use super::output::{make_folder, print, print_json, refuse_overwriting, remark, tell, write_file};
+use super::output::{
+    make_folder, print, print_json, refuse_overwriting, refuse_overwriting_any, remark, tell, write_file,
+};
 use super::progress::Materials;
 use super::{CliError, Common, interrupt};
 use brdfc_jobs::depfile::depfile;
@@ -111,9 +113,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     }
 
     let inputs: Vec<&Path> = plan.sources().map(Path::new).chain(asked.manifest.as_deref()).collect();
-    for file in plan.files() {
-        refuse_overwriting("--out", &out.join(file), &inputs)?;
-    }
+    refuse_overwriting_any("--out", plan.files().map(|file| out.join(file)), &inputs)?;
     if let Some(file) = &arguments.depfile {
         refuse_overwriting("--depfile", file, &inputs)?;
     }

@@ -192,6 +192,8 @@ fn refuse(arguments: &Arguments) -> Result<(), CliError> {
     let given = [
         ("--table", arguments.table, "without"),
         ("--max-delta-e", arguments.max_delta_e.is_some(), "without (--min-psnr is for it)"),
+        ("--max-delta-e-p95", arguments.max_delta_e_p95.is_some(), "without (--min-psnr is for it)"),
+        ("--max-flip", arguments.max_flip.is_some(), "without (--min-psnr is for it)"),
         ("--samples", arguments.samples.is_some(), "without (--antialias is for it)"),
         ("--form", arguments.form.is_some(), "without"),
         ("--repeat", arguments.repeat.is_some(), "without"),

@@ -73,9 +73,16 @@ pub struct Arguments {
     /// Compare whole tables too, all slices at 16 bits: what the grid alone loses.
     #[arg(long)]
     pub(super) table: bool,
-    /// Fail with exit code 1 if the mean ΔE is above X: against the sources, or the CPU's decoder without them.
+    /// Fail with exit code 1 if the mean ΔE is above X: against the sources, or the CPU's decoder without them. A picture
+    /// without a surface or without light fails, too; so it is of all limits.
     #[arg(long, value_name = "X")]
     pub(super) max_delta_e: Option<f64>,
+    /// Fail if the 95th percentile of ΔE is above X.
+    #[arg(long, value_name = "X")]
+    pub(super) max_delta_e_p95: Option<f64>,
+    /// Fail if the mean FLIP over surfaces is above X, 0 to 1.
+    #[arg(long, value_name = "X")]
+    pub(super) max_flip: Option<f64>,
     /// Use the adapter whose name contains this (default: the fastest).
     #[arg(long, value_name = "NAME")]
     pub(super) adapter: Option<String>,

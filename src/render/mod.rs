@@ -13,15 +13,15 @@ pub use arguments::Arguments;
 
 use super::output::{print, print_json, remark};
 use super::{CliError, Common, graphics_environment};
-use crate::table;
 use arguments::FilterName;
 use brdfc_formats::wavelet::DEFAULT_DISTANCE_SCALE;
 use brdfc_gpu::verify::{Material, Views, views};
 use brdfc_gpu::{AdapterChoice, Decoding, Gpu, SliceFilter};
-use brdfc_jobs::report::render::{PartMaterial, Verification};
+use brdfc_jobs::report::render::{PartMaterial, PictureGates, Verification};
 use brdfc_source::Source;
 use materials::Prepared;
 use serde::Serialize;
+use std::path::Path;
 use std::time::Instant;
 
 /// What `--json` prints.
@@ -40,11 +40,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     graphics_environment::prepare();
     let started = Instant::now();
     outputs::check(arguments)?;
-    if let Some(limit) = arguments.max_delta_e
-        && !(limit >= 0.0 && limit.is_finite())
-    {
-        return Err(CliError::Usage(format!("--max-delta-e: found {limit}; allowed a number, 0 or more")));
-    }
+    let gates = gates(arguments)?;
     if let Some(level) = arguments.lod
         && !(0.0..=6.0).contains(&level)
     {
@@ -58,21 +54,46 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     } else {
         of_brdfs(arguments, common)?
     };
-    if verification.checked().pixels == 0 {
-        remark(common, "note: no pixel shows a surface; look at render.camera");
-    } else if views.reference().pixels.iter().all(|pixel| *pixel == [0.0; 3]) {
-        remark(common, "note: all surfaces are black: no light reaches what is seen, or the materials reflect none");
+    let verification = verification.checked_by(&gates, &views);
+    if let Some(nothing) = verification.nothing_seen(&views) {
+        remark(common, &format!("note: {}: the picture shows {nothing}{}", arguments.input, hint(arguments)));
     }
     drop(views);
     let seconds = started.elapsed().as_secs_f64();
-    let checked = arguments.max_delta_e.map(|limit| check(&verification, limit));
+    let closed: Vec<String> = verification.gates.iter().filter(|gate| !gate.passed).map(ToString::to_string).collect();
     if arguments.json {
         print_json(&Report { version: 1, verification, seconds })?;
     } else {
         print(&outputs::text(&verification))?;
         remark(common, &format!("{seconds:.1} s"));
     }
-    checked.unwrap_or(Ok(()))
+    if closed.is_empty() { Ok(()) } else { Err(CliError::Check(closed.join("; "))) }
+}
+
+/// The limits of the picture.
+fn gates(arguments: &Arguments) -> Result<PictureGates, CliError> {
+    let given = [
+        ("--max-delta-e", arguments.max_delta_e),
+        ("--max-delta-e-p95", arguments.max_delta_e_p95),
+        ("--max-flip", arguments.max_flip),
+    ];
+    for (flag, limit) in given {
+        if let Some(limit) = limit.filter(|limit| !(*limit >= 0.0 && limit.is_finite())) {
+            return Err(CliError::Usage(format!("{flag}: found {limit}; allowed a number, 0 or more")));
+        }
+    }
+    let [(_, delta_e), (_, delta_e_p95), (_, flip)] = given;
+    Ok(PictureGates { delta_e, delta_e_p95, flip })
+}
+
+/// What may be the matter with a picture that shows nothing.
+fn hint(arguments: &Arguments) -> &'static str {
+    let of_manifest = Path::new(&arguments.input).extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
+    if of_manifest {
+        "; look at render.camera and render.lights, or draw by the light of an environment with --adaptive"
+    } else {
+        ""
+    }
 }
 
 /// Draws packs of BRDFs.
@@ -120,19 +141,4 @@ fn of_brdfs(arguments: &Arguments, common: Common) -> Result<(Verification, View
     );
     outputs::write(arguments, &views, verification.exposure)?;
     Ok((verification, views))
-}
-
-/// A check that rests on nothing fails too.
-fn check(verification: &Verification, limit: f64) -> Result<(), CliError> {
-    let difference = verification.checked();
-    let found = if difference.pixels == 0 {
-        "no pixel that shows a surface".to_owned()
-    } else if difference.invalid_pixels > 0 {
-        format!("{} pixels that hold no number", difference.invalid_pixels)
-    } else if difference.delta_e.mean > limit {
-        table::significant(difference.delta_e.mean)
-    } else {
-        return Ok(());
-    };
-    Err(CliError::Check(format!("mean ΔE: found {found}; allowed {limit}")))
 }

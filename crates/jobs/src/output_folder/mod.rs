@@ -95,6 +95,11 @@ impl OutputFolder {
         Journal::is_there(&path.join(crate::store::FOLDER))
     }
 
+    /// Whether nothing is known of earlier builds.
+    pub fn is_new(&self) -> bool {
+        self.placements == Placements::default()
+    }
+
     /// Files of earlier builds that are listed elsewhere, such as in a report, with their hashes: ours even where the store
     /// was deleted.
     pub fn also_placed(&mut self, listed: impl IntoIterator<Item = (String, Digest)>) {

@@ -1,7 +1,7 @@
 //! The report of a build.
 
+use super::gate::GateResult;
 use super::material::{MaterialReport, StageTime};
-use crate::scene::gates::GateResult;
 use crate::scene::maps::{MapsReport, PARTS, Packed, part_name};
 use crate::scene::plan::{Plan, pack_name};
 use crate::scene::run::{JobError, Made, MadeEnvironment, Outcome, Outcomes, file_of};

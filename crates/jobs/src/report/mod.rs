@@ -3,6 +3,7 @@
 #[cfg(feature = "render")]
 pub mod adaptive;
 pub mod build;
+pub mod gate;
 pub mod material;
 #[cfg(feature = "render")]
 pub mod render;

@@ -1,8 +1,10 @@
 //! What a verification reports: how wrong packs look, and where the error comes from.
 
+use super::gate::GateResult;
 use brdfc_gpu::AdapterDescription;
 use brdfc_gpu::verify::Views;
 use brdfc_metrics::image::{ImageDifference, LinearImage, auto_exposure, compare_images};
+use brdfc_metrics::image::{PIXELS_PER_DEGREE, flip};
 use brdfc_render::scene::Frame;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -35,6 +37,23 @@ pub struct Verification {
     pub grid: Option<ImageDifference>,
     /// Shading error: the shader's image against the CPU's, both from packs.
     pub shading: ImageDifference,
+    /// Mean FLIP over surfaces of the shader's image; only where a gate asks for it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flip: Option<f64>,
+    /// What the gates saw that were asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub gates: Vec<GateResult>,
+}
+
+/// Limits of a picture against its reference. Those that are absent are none.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct PictureGates {
+    /// Largest mean ΔE*ab over surfaces.
+    pub delta_e: Option<f64>,
+    /// Largest 95th percentile of ΔE*ab.
+    pub delta_e_p95: Option<f64>,
+    /// Largest mean FLIP over surfaces.
+    pub flip: Option<f64>,
 }
 
 /// Which material a part shows.
@@ -73,6 +92,49 @@ impl Verification {
             codec: against_source(&views.pack),
             grid: views.table.as_ref().and_then(against_source),
             shading: compare_images(&views.shader, &views.pack, exposure),
+            flip: None,
+            gates: Vec::new(),
+        }
+    }
+
+    /// Holds the picture against gates. None passes where no surface is seen, no light falls on any, or a pixel holds no
+    /// number.
+    #[must_use]
+    pub fn checked_by(mut self, gates: &PictureGates, views: &Views) -> Self {
+        let nothing = self.nothing_seen(views);
+        if gates.flip.is_some() {
+            let flip = flip(&views.shader, views.reference(), self.exposure, PIXELS_PER_DEGREE);
+            self.flip = Some(flip.mean_on_surfaces);
+        }
+        let delta_e = self.checked().delta_e;
+        let measured = [
+            ("mean ΔE", gates.delta_e, Some(delta_e.mean)),
+            ("95th percentile of ΔE", gates.delta_e_p95, Some(delta_e.p95)),
+            ("mean FLIP", gates.flip, self.flip),
+        ];
+        for (name, limit, found) in measured {
+            let (Some(limit), Some(found)) = (limit, found) else { continue };
+            self.gates.push(match &nothing {
+                Some(nothing) => GateResult::new(name, nothing, limit.to_string(), false),
+                None => GateResult::new(name, format!("{found:.4}"), limit.to_string(), found <= limit),
+            });
+        }
+        self
+    }
+
+    /// Why the picture says nothing, if that is so.
+    pub fn nothing_seen(&self, views: &Views) -> Option<String> {
+        let difference = self.checked();
+        let reference = views.reference();
+        let is_lit = |(pixel, covered): (&[f32; 3], &f32)| *covered > 0.0 && pixel.iter().any(|value| *value > 0.0);
+        if difference.pixels == 0 {
+            Some("no pixel that shows a surface".to_owned())
+        } else if difference.invalid_pixels > 0 {
+            Some(format!("{} pixels that hold no number", difference.invalid_pixels))
+        } else if !reference.pixels.iter().zip(&reference.coverage).any(is_lit) {
+            Some("no light: all surfaces are black".to_owned())
+        } else {
+            None
         }
     }
 

@@ -86,7 +86,9 @@ pub struct MaterialFile {
 pub fn build(plan: &Plan, settings: &BuildSettings<'_>, progress: &dyn Progress) -> Result<Built, BuildError> {
     let store = Store::open(settings.out, settings.looks_up)?;
     let mut folder = OutputFolder::open(settings.out, &store)?;
-    if let Some(report) = earlier_report(settings.out) {
+    if folder.is_new()
+        && let Some(report) = earlier_report(settings.out)
+    {
         folder.also_placed(report.files().map(|file| (file.file.clone(), file.blake3)));
     }
     let names: Vec<String> = plan.files().collect();

@@ -1,12 +1,12 @@
 //! What a scene needs of a folder of packs: taken from there where it is current, made where it is not.
 
 use super::error::JobError;
-use super::gates::GateResult;
 use super::memory::{self, Shared};
 use super::plan::{EnvironmentJob, Job};
 use super::run::{PACK, Workshop, file_of};
 use crate::output_folder::OutputFolder;
 use crate::report::build::environment_map;
+use crate::report::gate::GateResult;
 use crate::store::{Digest, Store, StoreError};
 use brdfc_formats::Pack;
 use brdfc_source::progress::Progress;

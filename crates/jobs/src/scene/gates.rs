@@ -3,9 +3,10 @@
 use crate::encode::byte_count::bytes_from_manifest;
 use crate::encode::options::{OptionError, checked_limits};
 use crate::encode::recipe::{Budget, TAIL};
+use crate::report::gate::GateResult;
 use crate::report::material::MaterialReport;
 use brdfc_metrics::fraction::Fraction;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
 /// The table `require` of a material or of the defaults.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
@@ -37,33 +38,10 @@ impl Require {
     }
 }
 
-/// What a gate saw.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
-pub struct GateResult {
-    /// Which, by its key.
-    pub gate: String,
-    /// What was found: a number, or why there is none.
-    pub found: String,
-    /// What is allowed.
-    pub allowed: String,
-    /// Whether it is open.
-    pub passed: bool,
-}
-
-impl std::fmt::Display for GateResult {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { gate, found, allowed, .. } = self;
-        write!(f, "require.{gate}: found {found}; allowed {allowed}")
-    }
-}
-
 /// Holds a material against its gates.
 pub fn check(gates: &Budget, report: &MaterialReport) -> Vec<GateResult> {
-    let of = |gate: &str, found: String, allowed: String, passed: bool| GateResult {
-        gate: gate.to_owned(),
-        found,
-        allowed,
-        passed,
+    let of = |gate: &str, found: String, allowed: String, passed: bool| {
+        GateResult::new(&format!("require.{gate}"), found, allowed, passed)
     };
     let (norms, picture) = (&report.off_grid.norms, &report.off_grid.picture.delta_e);
     let black = report.off_grid.mean <= 0.0;
@@ -96,4 +74,43 @@ pub fn check(gates: &Budget, report: &MaterialReport) -> Vec<GateResult> {
         results.push(of("max_fetches", report.fetches.to_string(), limit.to_string(), report.fetches <= limit));
     }
     results
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::encode::encode;
+    use crate::encode::recipe::PackRecipe;
+    use brdfc_source::open::open;
+
+    fn report(address: &str) -> MaterialReport {
+        let opened = open(address, None).unwrap();
+        MaterialReport::new(&encode(opened.source.as_ref(), &PackRecipe::default(), &()).unwrap(), &opened.facts)
+    }
+
+    fn passed(report: &MaterialReport, gates: Budget) -> Vec<bool> {
+        check(&gates, report).iter().map(|gate| gate.passed).collect()
+    }
+
+    #[test]
+    fn each_gate_opens_and_closes() {
+        let report = report("synth:ggx?alpha=0.4");
+        let none = Budget { delta_e: None, error: None, bytes: None, fetches: None };
+        assert!(check(&none, &report).is_empty());
+        let (error, bytes) = (report.off_grid.norms.relative_mean, report.bytes_on_gpu);
+        let loose = Budget { delta_e: Some(5.0), error: Some(2.0 * error), bytes: Some(bytes), fetches: Some(1) };
+        assert_eq!(passed(&report, loose), [true; 4]);
+        let tight = Budget { delta_e: Some(1e-6), error: Some(0.5 * error), bytes: Some(bytes - 1), fetches: None };
+        assert_eq!(passed(&report, tight), [false; 3]);
+    }
+
+    #[test]
+    fn nothing_seen_is_not_passed() {
+        let black = report("synth:lambert?kd=0");
+        let gates = Budget { delta_e: Some(100.0), error: Some(1000.0), bytes: None, fetches: None };
+        let results = check(&gates, &black);
+        assert!(results.iter().all(|gate| !gate.passed), "{results:?}");
+        assert!(results[0].to_string().starts_with("require.max_delta_e: found no light: the material is black"));
+        assert!(results[1].to_string().starts_with("require.max_error: found no sample above the floor"));
+    }
 }

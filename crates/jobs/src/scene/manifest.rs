@@ -94,7 +94,7 @@ impl Manifest {
         let manifest = Self::read(tree.clone()).map_err(|error| ManifestError {
             line: line_of(text, error.span()),
             field: key_at(tree.get_ref(), error.span()).unwrap_or_else(|| "manifest".to_owned()),
-            found: error.message().to_owned(),
+            found: in_words(error.message()),
             allowed: "what docs/scene.md describes".to_owned(),
             suggestion: None,
         })?;
@@ -190,6 +190,18 @@ impl Manifest {
         }
         Ok(())
     }
+}
+
+/// A message in which types have the names that people give them.
+fn in_words(message: &str) -> String {
+    let (found, expected) = message.rsplit_once(", expected ").unwrap_or((message, ""));
+    let expected = match expected {
+        "" => return message.to_owned(),
+        "f64" | "f32" => "a number",
+        "u32" | "u64" | "usize" => "a whole number, 0 or more",
+        other => other,
+    };
+    format!("{found}, expected {expected}")
 }
 
 /// A table of options with what else stands in it: `source` and the table `require`.

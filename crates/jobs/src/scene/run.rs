@@ -3,13 +3,14 @@
 
 pub use super::error::JobError;
 
-use super::gates::{self, GateResult};
+use super::gates;
 use super::maps::{MapRecipe, MapsReport, PARTS, Packed, environment_file, material_maps, part_name};
 use super::memory::{self, Shared};
 use super::plan::{EnvironmentJob, Job, Plan, pack_name};
 use super::scene_section::ENVIRONMENT;
 use crate::encode::encode;
 use crate::encode::recipe::PackRecipe;
+use crate::report::gate::GateResult;
 use crate::report::material::{MaterialReport, StageTime};
 use crate::stage_clock::StageClock;
 use crate::store::{Digest, HeardDigest, Kept, Key, Store};
