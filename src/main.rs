@@ -18,6 +18,7 @@ mod output;
 mod progress;
 #[cfg(feature = "render")]
 mod render;
+mod report;
 mod samples;
 mod schema;
 mod steps;
@@ -65,6 +66,7 @@ enum Command {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
         rest: Vec<String>,
     },
+    Report(report::Arguments),
     Bench(bench::Arguments),
     Schema(schema::Arguments),
 }
@@ -151,6 +153,7 @@ fn run(cli: Cli) -> Result<(), CliError> {
         Command::Render(arguments) => render::run(&arguments, common),
         #[cfg(not(feature = "render"))]
         Command::Render { .. } => Err(CliError::without_renderer()),
+        Command::Report(arguments) => report::run(&arguments, common),
         Command::Bench(arguments) => bench::run(&arguments, common),
         Command::Schema(arguments) => schema::run(&arguments),
     }

@@ -31,6 +31,11 @@ impl<'a> StageClock<'a> {
         Self { listener, times: Mutex::default() }
     }
 
+    /// Times of the stages that ended.
+    pub fn so_far(&self) -> Vec<StageTime> {
+        self.times.lock().unwrap_or_else(PoisonError::into_inner).ended.clone()
+    }
+
     /// Ends the last stage and gives all times.
     pub fn finish(self) -> Vec<StageTime> {
         let mut times = self.times.into_inner().unwrap_or_else(PoisonError::into_inner);

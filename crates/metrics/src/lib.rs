@@ -1,5 +1,6 @@
 //! Error norms: how far one reflectance function is from another.
 
+pub mod by_angle;
 pub mod compare;
 pub mod fraction;
 pub mod image;

@@ -76,6 +76,14 @@ pub struct MaterialEntry {
     pub stages: Option<Vec<StageTime>>,
 }
 
+impl MaterialEntry {
+    /// Whether it is what was asked for.
+    pub fn passed(&self) -> bool {
+        let met = self.report.as_ref().is_some_and(|report| report.missed.is_none());
+        met && self.gates.iter().all(|gate| gate.passed)
+    }
+}
+
 /// The environment of a build.
 #[derive(Debug, Clone, Default, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct EnvironmentEntry {
@@ -174,7 +182,7 @@ fn files(name: &str, declared: &str, maps: bool) -> MaterialEntry {
 fn material_entry(declared: &str, outcome: &Outcome) -> MaterialEntry {
     match &outcome.result {
         Ok(made) => {
-            let Made { report, maps, gates, files: made_files, times } = made;
+            let Made { report, maps, gates, files: made_files, times, .. } = made;
             let listed = made_files
                 .iter()
                 .map(|(part, blake3)| FileEntry { file: file_of(&outcome.name, part), blake3: *blake3 });

@@ -5,5 +5,6 @@ pub mod adaptive;
 pub mod build;
 pub mod gate;
 pub mod material;
+pub mod page;
 #[cfg(feature = "render")]
 pub mod render;

@@ -5,12 +5,13 @@ use super::plan::{Plan, REPORT, list_name};
 use super::run::{Made, Outcome, Outcomes, Workshop, file_of, run};
 use crate::output_folder::{Changes, Contents, FolderError, NewFile, OutputFolder};
 use crate::report::build::{BuildReport, environment_map};
-use crate::report::material::MaterialReport;
+use crate::report::material::{MaterialReport, StageTime};
 use crate::scene::maps::MapsReport;
-use crate::store::{Store, StoreError};
+use crate::store::{FOLDER, Store, StoreError, read_record, write_record};
+use brdfc_source::address::is_synth;
 use brdfc_source::progress::{Cancelled, Progress};
 use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Mutex;
@@ -110,8 +111,40 @@ pub fn build(plan: &Plan, settings: &BuildSettings<'_>, progress: &dyn Progress)
         progress.check()?;
         folder.place(&files, &store, settings.keep)?
     };
+    write_notes(&store, plan, &outcomes);
     store.prune();
     Ok(Built { outcomes, report, changes: Some(changes) })
+}
+
+/// What is known of a material besides its report, and differs between machines and runs.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct BuiltNote {
+    /// Path or address of its source.
+    pub source: String,
+    /// Seconds per stage when its pack was made.
+    pub stages: Vec<StageTime>,
+}
+
+const NOTES: &str = "built";
+
+/// Keeps notes for pages about the build. They are no part of it: where they cannot be kept nothing else is wrong.
+fn write_notes(store: &Store, plan: &Plan, outcomes: &Outcomes) {
+    let note = |(name, made): (&str, &Made)| {
+        let declared = &plan.jobs.iter().find(|job| job.name == name)?.source;
+        let source = if is_synth(declared) {
+            declared.clone()
+        } else {
+            std::path::absolute(declared).ok()?.display().to_string()
+        };
+        Some((name.to_owned(), BuiltNote { source, stages: made.pack_times.clone() }))
+    };
+    let notes: BTreeMap<String, BuiltNote> = outcomes.made().filter_map(note).collect();
+    let _ = crate::write::write_atomic(&store.root().join(NOTES), &write_record(&notes));
+}
+
+/// The notes of the build that filled a folder, by material; none where its store is gone.
+pub fn notes(out: &Path) -> BTreeMap<String, BuiltNote> {
+    read_record(&out.join(FOLDER).join(NOTES)).unwrap_or_default()
 }
 
 /// The report of the build before this one, if it can be read.

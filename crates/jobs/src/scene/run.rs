@@ -54,7 +54,12 @@ pub struct Made {
     pub files: Vec<(&'static str, Digest)>,
     /// Seconds per stage; `None` where nothing had to be made.
     pub times: Option<Vec<StageTime>>,
+    /// Seconds per stage when the pack was made, now or before.
+    pub pack_times: Vec<StageTime>,
 }
+
+/// What the store keeps of a pack.
+type PackNote = (MaterialReport, Vec<StageTime>);
 
 impl Made {
     /// Whether it is what was asked for.
@@ -167,7 +172,7 @@ fn in_turn(count: usize, work: impl Fn(usize) + Sync) {
 
 /// What stands in the store of one material.
 struct Shelf {
-    pack: Option<Kept<MaterialReport>>,
+    pack: Option<Kept<PackNote>>,
     maps: Option<Kept<MapsReport>>,
 }
 
@@ -262,13 +267,14 @@ impl Workshop<'_> {
         source: Digest,
         recipe: &PackRecipe,
         clock: &StageClock<'_>,
-    ) -> Result<Kept<MaterialReport>, JobError> {
+    ) -> Result<Kept<PackNote>, JobError> {
         let encoded = encode(opened.source.as_ref(), recipe, clock)?;
         let report = MaterialReport::new(&encoded, &opened.facts);
         // What is finished is kept, cancelled or not.
         let _ = clock.stage(Stage::Write, 1);
-        let files = self.store.keep(pack_key(source, recipe), &[encoded.bytes], &report)?;
-        Ok(Kept { report, files })
+        let note = (report, clock.so_far());
+        let files = self.store.keep(pack_key(source, recipe), &[encoded.bytes], &note)?;
+        Ok(Kept { report: note, files })
     }
 
     fn make_maps(
@@ -324,8 +330,9 @@ fn of_shelf(job: &Job, shelf: Shelf, times: Option<Vec<StageTime>>) -> Made {
         files.extend(PARTS.into_iter().zip(maps.files));
         maps.report
     });
-    let gates = gates::check(&job.gates, &pack.report);
-    Made { report: pack.report, maps, gates, files, times }
+    let (report, pack_times) = pack.report;
+    let gates = gates::check(&job.gates, &report);
+    Made { report, maps, gates, files, times, pack_times }
 }
 
 /// The file of a part of a material.

@@ -1,0 +1,168 @@
+//! A build against an earlier one: what got worse.
+
+use crate::report::build::{BuildReport, MaterialEntry};
+use crate::report::material::MaterialReport;
+use serde::{Deserialize, Serialize};
+
+/// A figure that got worse by more than is tolerated.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Regression {
+    /// Of which material.
+    pub material: String,
+    /// Which figure.
+    pub figure: String,
+    /// What it was.
+    pub before: String,
+    /// What it is.
+    pub now: String,
+    /// By what share it grew; absent where it is no number.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub growth: Option<f64>,
+}
+
+impl std::fmt::Display for Regression {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { material, figure, before, now, growth } = self;
+        write!(f, "{material}: {figure}: found {now}; before {before}")?;
+        growth.map_or(Ok(()), |growth| write!(f, " (+{:.1} %)", 100.0 * growth))
+    }
+}
+
+/// Differences of figures that are too small to be seen, whatever their share.
+const SMALLEST: [(&str, f64); 6] = [
+    ("mean ΔE", 1e-3),
+    ("ΔE, 95th percentile", 1e-2),
+    ("ε_r", 1e-5),
+    ("largest albedo difference", 1e-4),
+    ("bytes on the GPU", 0.0),
+    ("fetches", 0.0),
+];
+
+fn figures(report: &MaterialReport) -> [f64; 6] {
+    let off_grid = &report.off_grid;
+    [
+        off_grid.picture.delta_e.mean,
+        off_grid.picture.delta_e.p95,
+        off_grid.norms.relative_mean,
+        off_grid.albedo_max_difference,
+        report.bytes_on_gpu as f64,
+        f64::from(report.fetches),
+    ]
+}
+
+/// What is worse than in `old`: figures that grew by more than the share `tolerance`, materials that are gone or failed, gates
+/// that closed, limits that are missed. The worst come first.
+pub fn regressions(new: &BuildReport, old: &BuildReport, tolerance: f64) -> Vec<Regression> {
+    let mut found = Vec::new();
+    for before in &old.materials {
+        let now = new.materials.iter().find(|entry| entry.material == before.material);
+        match (before.report.as_ref(), now) {
+            (Some(_), None) => found.push(said(before, "material", "there", "gone")),
+            (Some(was), Some(now)) => match &now.report {
+                None => found.push(said(before, "material", "made", now.error.as_deref().unwrap_or("not made"))),
+                Some(is) => {
+                    closed(before, now, &mut found);
+                    grown(&before.material, was, is, tolerance, &mut found);
+                }
+            },
+            (None, _) => {}
+        }
+    }
+    found.sort_by(|a, b| {
+        let growth = |regression: &Regression| regression.growth.unwrap_or(f64::INFINITY);
+        growth(b).total_cmp(&growth(a)).then_with(|| a.material.cmp(&b.material))
+    });
+    found
+}
+
+fn said(entry: &MaterialEntry, figure: &str, before: &str, now: &str) -> Regression {
+    Regression {
+        material: entry.material.clone(),
+        figure: figure.to_owned(),
+        before: before.to_owned(),
+        now: now.to_owned(),
+        growth: None,
+    }
+}
+
+fn closed(before: &MaterialEntry, now: &MaterialEntry, found: &mut Vec<Regression>) {
+    for gate in now.gates.iter().filter(|gate| !gate.passed) {
+        let was_closed = before.gates.iter().any(|other| other.gate == gate.gate && !other.passed);
+        if !was_closed {
+            found.push(said(before, &gate.gate, "passed", &gate.found));
+        }
+    }
+    let missed = |entry: &MaterialEntry| entry.report.as_ref().and_then(|report| report.missed.clone());
+    if let (None, Some(text)) = (missed(before), missed(now)) {
+        found.push(said(before, "limits", "met", &text));
+    }
+}
+
+fn grown(material: &str, was: &MaterialReport, is: &MaterialReport, tolerance: f64, found: &mut Vec<Regression>) {
+    for (((figure, smallest), before), now) in SMALLEST.into_iter().zip(figures(was)).zip(figures(is)) {
+        // What is no number now is worse than any.
+        let within = now <= before * (1.0 + tolerance) || now - before <= smallest;
+        if !within && !(now.is_nan() && before.is_nan()) {
+            let growth = if before > 0.0 { now / before - 1.0 } else { f64::INFINITY };
+            found.push(Regression {
+                material: material.to_owned(),
+                figure: figure.to_owned(),
+                before: number(before),
+                now: number(now),
+                growth: Some(growth).filter(|growth| growth.is_finite()),
+            });
+        }
+    }
+}
+
+fn number(value: f64) -> String {
+    if value.fract() == 0.0 { value.to_string() } else { format!("{value:.4}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::encode::encode;
+    use crate::encode::recipe::PackRecipe;
+    use crate::report::gate::GateResult;
+    use brdfc_source::open::open;
+
+    fn build() -> BuildReport {
+        let opened = open("synth:ggx?alpha=0.4", None).unwrap();
+        let made = encode(opened.source.as_ref(), &PackRecipe::default(), &()).unwrap();
+        let report = Some(MaterialReport::new(&made, &opened.facts));
+        let entry =
+            |name: &str| MaterialEntry { material: name.to_owned(), report: report.clone(), ..Default::default() };
+        let materials = vec![entry("a"), entry("b")];
+        BuildReport { version: 3, scene: "s".into(), materials, environment: None, skipped: Vec::new() }
+    }
+
+    fn changed(change: impl Fn(&mut MaterialEntry)) -> Vec<String> {
+        let (old, mut new) = (build(), build());
+        change(&mut new.materials[1]);
+        regressions(&new, &old, 0.02).iter().map(ToString::to_string).collect()
+    }
+
+    #[test]
+    fn the_same_and_the_better_are_no_regressions() {
+        assert!(changed(|_| {}).is_empty());
+        assert!(changed(|entry| entry.report.as_mut().unwrap().bytes_on_gpu -= 1).is_empty());
+        assert!(changed(|entry| entry.report.as_mut().unwrap().off_grid.picture.delta_e.mean *= 1.019).is_empty());
+    }
+
+    #[test]
+    fn what_is_worse_is_told() {
+        let told = changed(|entry| entry.report.as_mut().unwrap().off_grid.picture.delta_e.mean += 0.5);
+        assert!(told.len() == 1 && told[0].starts_with("b: mean ΔE: found 0.") && told[0].contains("; before 0."));
+        let told = changed(|entry| entry.report.as_mut().unwrap().off_grid.norms.relative_mean = f64::NAN);
+        assert!(told.len() == 1 && told[0].contains("ε_r: found NaN"), "{told:?}");
+        let told = changed(|entry| (entry.report, entry.error) = (None, Some("it broke".into())));
+        assert_eq!(told, ["b: material: found it broke; before made"]);
+        let told = changed(|entry| entry.gates.push(GateResult::new("require.max_bytes", "9", "8", false)));
+        assert_eq!(told, ["b: require.max_bytes: found 9; before passed"]);
+        let told = changed(|entry| entry.report.as_mut().unwrap().missed = Some("nothing meets it".into()));
+        assert_eq!(told, ["b: limits: found nothing meets it; before met"]);
+        let told = changed(|entry| entry.material = "c".into());
+        assert_eq!(told, ["b: material: found gone; before there"]);
+    }
+}

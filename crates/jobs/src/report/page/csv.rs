@@ -1,0 +1,39 @@
+//! The table of a page, for spreadsheets.
+
+use super::gather::{Page, PageMaterial};
+
+const HEADER: &str = "material,source,codec,size,fetches,bytes_on_disk,bytes_on_gpu,delta_e_mean,delta_e_p95,relative_error,\
+                      albedo_max_difference,reciprocity,passed,error\n";
+
+/// A line per material behind a header.
+pub fn csv(page: &Page) -> String {
+    let mut text = HEADER.to_owned();
+    for PageMaterial { entry, .. } in &page.materials {
+        let mut fields = vec![quoted(&entry.material), quoted(&entry.source)];
+        match &entry.report {
+            Some(report) => {
+                let off_grid = &report.off_grid;
+                let numbers = [
+                    off_grid.picture.delta_e.mean,
+                    off_grid.picture.delta_e.p95,
+                    off_grid.norms.relative_mean,
+                    off_grid.albedo_max_difference,
+                    off_grid.reciprocity,
+                ];
+                fields.extend([report.codec.name().to_owned(), quoted(&report.codec.size())]);
+                fields.push(report.fetches.to_string());
+                fields.extend([report.bytes_on_disk, report.bytes_on_gpu].map(|bytes| bytes.to_string()));
+                fields.extend(numbers.map(|number| number.to_string()));
+            }
+            None => fields.extend(std::iter::repeat_n(String::new(), 10)),
+        }
+        fields.extend([entry.passed().to_string(), quoted(entry.error.as_deref().unwrap_or(""))]);
+        text += &(fields.join(",") + "\n");
+    }
+    text
+}
+
+/// As a field of RFC 4180.
+fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
+}

@@ -1,0 +1,130 @@
+//! What a page is made of: the report in a folder, its packs, and their sources where they still are.
+
+use super::against::{Regression, regressions};
+use super::evidence::{Evidence, evidence};
+use crate::report::build::{BuildReport, MaterialEntry};
+use crate::scene::build::{BuiltNote, notes};
+use crate::scene::plan::REPORT;
+use crate::store::Digest;
+use brdfc_formats::{BrdfPack, Pack};
+use brdfc_source::open::open;
+use brdfc_source::progress::{Cancelled, Progress};
+use brdfc_source::read::{MAX_FILE_BYTES, MAX_TEXT_BYTES, read_file};
+use brdfc_source::{InputError, Source};
+use rayon::prelude::*;
+use std::path::Path;
+
+/// A page, before it is written.
+#[derive(Debug)]
+pub struct Page {
+    /// The scene's name.
+    pub scene: String,
+    /// Materials, by name.
+    pub materials: Vec<PageMaterial>,
+    /// Materials that no use refers to.
+    pub skipped: Vec<String>,
+    /// Whether it was held against an earlier build.
+    pub is_held: bool,
+    /// What is worse than there.
+    pub regressions: Vec<Regression>,
+}
+
+/// One material of a page.
+#[derive(Debug)]
+pub struct PageMaterial {
+    /// What the build says.
+    pub entry: MaterialEntry,
+    /// Seconds per stage when the pack was made, where that is known.
+    pub note: BuiltNote,
+    /// Pictures and errors; absent where there is no pack.
+    pub evidence: Option<Evidence>,
+    /// Why the source was not compared, if so.
+    pub without_source: Option<String>,
+}
+
+/// Why there is no page.
+#[derive(Debug, thiserror::Error)]
+pub enum GatherError {
+    /// A file.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// A folder that is not what its report says, or no report.
+    #[error("{path}: found {found}; allowed {allowed}")]
+    Folder {
+        /// Which file.
+        path: String,
+        /// What is there.
+        found: String,
+        /// What may be there.
+        allowed: &'static str,
+    },
+    /// The caller asked to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// Reads the report of a folder and draws its packs and their sources. `against` is the `report.json` of an earlier build, of
+/// which figures may be worse by the share `tolerance`.
+///
+/// # Errors
+/// No report, packs that are not those of the report, an earlier report that cannot be read.
+pub fn gather(
+    folder: &Path,
+    against: Option<&Path>,
+    tolerance: f64,
+    progress: &dyn Progress,
+) -> Result<Page, GatherError> {
+    let old = against.map(read_report).transpose()?;
+    let report = read_report(&folder.join(REPORT))?;
+    let notes = notes(folder);
+    let regressions = old.as_ref().map_or(Vec::new(), |old| regressions(&report, old, tolerance));
+    let drawn = |entry: MaterialEntry| {
+        progress.check()?;
+        let note = notes.get(&entry.material).cloned().unwrap_or_default();
+        let name = entry.material.clone();
+        let part = progress.part(&name);
+        let material = material(folder, entry, note);
+        part.finished(material.is_ok());
+        material
+    };
+    let materials = report.materials.into_par_iter().map(drawn).collect::<Result<_, GatherError>>()?;
+    Ok(Page { scene: report.scene, materials, skipped: report.skipped, is_held: against.is_some(), regressions })
+}
+
+fn read_report(path: &Path) -> Result<BuildReport, GatherError> {
+    let bytes = read_file(path, MAX_TEXT_BYTES)?;
+    serde_json::from_slice(&bytes).map_err(|error| GatherError::Folder {
+        path: path.display().to_string(),
+        found: error.to_string(),
+        allowed: "the report.json of a build by this version of brdfc",
+    })
+}
+
+fn material(folder: &Path, entry: MaterialEntry, note: BuiltNote) -> Result<PageMaterial, GatherError> {
+    let Some(name) = entry.pack.as_ref().filter(|_| entry.report.is_some()) else {
+        return Ok(PageMaterial { entry, note, evidence: None, without_source: None });
+    };
+    let path = folder.join(name);
+    let bytes = read_file(&path, MAX_FILE_BYTES)?;
+    let wrong = |found: String| GatherError::Folder {
+        path: path.display().to_string(),
+        found,
+        allowed: "the pack that report.json names; run 'brdfc build'",
+    };
+    let listed = entry.files.iter().find(|file| file.file == *name);
+    if listed.is_some_and(|file| file.blake3 != Digest::of(&bytes)) {
+        return Err(wrong("another pack".to_owned()));
+    }
+    let pack = match Pack::from_bytes(&bytes, None).map_err(|error| wrong(error.to_string()))? {
+        Pack::Table(pack) => BrdfPack::Table(pack),
+        Pack::Wavelet(pack) => BrdfPack::Wavelet(pack),
+        other => return Err(wrong(other.kind().name().to_owned())),
+    };
+    let source = if note.source.is_empty() {
+        Err("where the source is was not noted: the folder has no store".to_owned())
+    } else {
+        open(&note.source, None).map(|opened| opened.source).map_err(|error| error.to_string())
+    };
+    let evidence = evidence(&pack, source.as_ref().ok().map(|source| source.as_ref() as &dyn Source));
+    Ok(PageMaterial { entry, note, evidence: Some(evidence), without_source: source.err() })
+}

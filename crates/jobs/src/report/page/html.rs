@@ -1,0 +1,250 @@
+//! The page.
+
+use super::evidence::{FULL_SCALE, Thumbnails};
+use super::figures::{albedos, error_over_bytes, errors_by_angle};
+use super::gather::{Page, PageMaterial};
+use super::style::{SCRIPT, STYLE};
+use crate::report::material::{MaterialReport, remarks};
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use brdfc_metrics::by_angle::WorstPair;
+use brdfc_source::words::{bytes, percent};
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+/// A whole file of HTML. The same page gives the same bytes.
+pub fn html(page: &Page) -> String {
+    let failed = page.materials.iter().filter(|material| !material.entry.passed()).count();
+    let count = page.materials.len();
+    let content = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { (page.scene) ": packs and their errors" }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                h1 { (page.scene) ": packs and their errors" }
+                p {
+                    @if count == 1 { "One material" } @else { (count) " materials" }
+                    @if failed > 0 { ", " span.bad { (failed) " of them failed or not what is required" } }
+                    ". ΔE is the mean colour difference between pictures of a ball, pack against source (CIE L*a*b*; about \
+                     1 is just visible), ε_r the mean relative error of values."
+                    @if !page.skipped.is_empty() { " Not used by the scene: " (page.skipped.join(", ")) "." }
+                }
+                (regressions(page))
+                (table(page))
+                (sheet(page))
+                @for material in &page.materials { (section(material)) }
+                script { (PreEscaped(SCRIPT)) }
+            }
+        }
+    };
+    content.into_string()
+}
+
+fn regressions(page: &Page) -> Markup {
+    html! {
+        @if !page.regressions.is_empty() {
+            div.regressions {
+                h2 { "Worse than before" }
+                div.scroll { table {
+                    thead { tr { th { "material" } th.left { "figure" } th { "before" } th { "now" } th { "growth" } } }
+                    tbody { @for worse in &page.regressions { tr {
+                        td { a href={ "#" (worse.material) } { (worse.material) } }
+                        td.left { (worse.figure) } td { (worse.before) } td.bad { (worse.now) }
+                        td { @if let Some(growth) = worse.growth { (percent(growth)) } @else { "-" } }
+                    } } }
+                } }
+            }
+        } @else if page.is_held {
+            p.good { "Nothing is worse than in the build before." }
+        }
+    }
+}
+
+/// A head by which a table is sorted.
+fn head(name: &str) -> Markup {
+    html! { th data-sorts="" { (name) } }
+}
+
+fn table(page: &Page) -> Markup {
+    let heads =
+        ["material", "codec", "size", "fetches", "on disk", "on GPU", "ΔE", "ΔE 95 %", "ε_r", "albedo off by", ""];
+    html! {
+        div.scroll { table {
+            thead { tr { @for name in heads { (head(name)) } } }
+            tbody { @for material in &page.materials {
+                @let entry = &material.entry;
+                tr {
+                    td { a href={ "#" (entry.material) } { (entry.material) } }
+                    @if let Some(report) = &entry.report {
+                        @let picture = &report.off_grid.picture.delta_e;
+                        td { (report.codec.name()) } td { (report.codec.size()) } td { (report.fetches) }
+                        td data-value=(report.bytes_on_disk) { (bytes(report.bytes_on_disk)) }
+                        td data-value=(report.bytes_on_gpu) { (bytes(report.bytes_on_gpu)) }
+                        td { (format!("{:.2}", picture.mean)) } td { (format!("{:.2}", picture.p95)) }
+                        (share(report.off_grid.norms.relative_mean))
+                        td { (format!("{:.3}", report.off_grid.albedo_max_difference)) }
+                    } @else {
+                        @for _ in 1..10 { td { "-" } }
+                    }
+                    td.left { @if entry.passed() { span.good { "passed" } } @else { span.bad { "failed" } } }
+                }
+            } }
+        } }
+    }
+}
+
+fn share(value: f64) -> Markup {
+    html! { td data-value=(value) { (percent(value)) } }
+}
+
+/// All materials at a glance: packs, and below each how far its picture is off.
+fn sheet(page: &Page) -> Markup {
+    html! {
+        h3 { "All packs" }
+        div.sheet { @for material in &page.materials {
+            @if let Some(thumbnails) = material.evidence.as_ref().and_then(|evidence| evidence.thumbnails.first()) {
+                figure {
+                    a href={ "#" (material.entry.material) } { (image(&thumbnails.pack, &material.entry.material)) }
+                    @if let Some((difference, mean)) = &thumbnails.difference {
+                        (image(difference, &format!("ΔE of {}", material.entry.material)))
+                        figcaption { (material.entry.material) br; "ΔE " (format!("{mean:.2}")) }
+                    } @else {
+                        figcaption { (material.entry.material) }
+                    }
+                }
+            }
+        } }
+        p.soft { "Differences: ΔE 0 " span.scale style="display:inline-block" {} " " (FULL_SCALE) }
+    }
+}
+
+fn image(png: &[u8], description: &str) -> Markup {
+    html! { img src={ "data:image/png;base64," (STANDARD.encode(png)) } alt=(description); }
+}
+
+fn section(material: &PageMaterial) -> Markup {
+    let entry = &material.entry;
+    html! {
+        section.material id=(entry.material) {
+            h2 { (entry.material) " " span.soft { (entry.source) } }
+            @if let Some(error) = &entry.error { p.bad { (error) } }
+            @if let Some(report) = &entry.report {
+                p {
+                    (report.codec.name()) " " (report.codec.size()) ", " (bytes(report.bytes_on_gpu)) " on the GPU, "
+                    (bytes(report.bytes_on_disk)) " on disk, "
+                    @if report.fetches == 1 { "one fetch" } @else { (report.fetches) " fetches" }
+                    @if let Some(missed) = &report.missed { ". " span.bad { (missed) } }
+                }
+                @for gate in &entry.gates {
+                    p class=(if gate.passed { "good" } else { "bad" }) {
+                        @if gate.passed { "passed " } @else { "closed " } (gate)
+                    }
+                }
+                (pictures(material))
+                (plots(material, report))
+                (worst(material))
+                (checks(report))
+                (times(material))
+            }
+        }
+    }
+}
+
+fn pictures(material: &PageMaterial) -> Markup {
+    let Some(evidence) = &material.evidence else { return html! {} };
+    let name = &material.entry.material;
+    html! {
+        @if let Some(reason) = &material.without_source { p.soft { "Not compared with its source: " (reason) } }
+        div.row { @for Thumbnails { scene, source, pack, difference } in &evidence.thumbnails {
+            @if let Some(source) = source {
+                figure { (image(source, &format!("{scene} of {name}, source"))) figcaption { "source" } }
+            }
+            figure { (image(pack, &format!("{scene} of {name}, pack"))) figcaption { "pack" } }
+            @if let Some((difference, mean)) = difference {
+                figure {
+                    (image(difference, &format!("{scene} of {name}, difference")))
+                    figcaption { "ΔE " (format!("{mean:.2}")) }
+                }
+            }
+        } }
+    }
+}
+
+fn plots(material: &PageMaterial, report: &MaterialReport) -> Markup {
+    let by_angle = material.evidence.as_ref().and_then(|evidence| evidence.by_angle.as_ref());
+    let plot = |title: &str, drawn: String| {
+        html! { div.plot { h3 { (title) } (PreEscaped(drawn)) } }
+    };
+    html! {
+        div.row {
+            @if let Some(by_angle) = by_angle { (plot("Error by incoming angle", errors_by_angle(&by_angle.angles))) }
+            @if report.tried.len() > 1 {
+                (plot("Error against bytes: tables blue, wavelets orange, ring: kept", error_over_bytes(report)))
+            }
+            (plot("Albedo: line source, dots pack", albedos(report)))
+        }
+    }
+}
+
+fn worst(material: &PageMaterial) -> Markup {
+    let Some(by_angle) = material.evidence.as_ref().and_then(|evidence| evidence.by_angle.as_ref()) else {
+        return html! {};
+    };
+    let colour = |f: [f64; 3]| f.map(|value| format!("{value:.4}")).join(" ");
+    html! {
+        @if !by_angle.worst.is_empty() {
+            h3 { "Worst direction pairs" }
+            div.scroll { table {
+                thead { tr {
+                    th { "θi" } th { "θo" } th { "φo - φi" } th { "source, 1/sr" } th { "pack, 1/sr" }
+                } }
+                tbody { @for pair in &by_angle.worst {
+                    @let [theta_i, theta_o, phi] = angles(pair);
+                    tr {
+                        td { (format!("{theta_i:.1}°")) } td { (format!("{theta_o:.1}°")) } td { (format!("{phi:.1}°")) }
+                        td { (colour(pair.reference)) } td { (colour(pair.approximation)) }
+                    }
+                } }
+            } }
+        }
+    }
+}
+
+/// Polar angles, and the azimuth between both, degrees.
+fn angles(pair: &WorstPair) -> [f64; 3] {
+    let theta = |v: [f64; 3]| v[2].clamp(-1.0, 1.0).acos().to_degrees();
+    let phi = |v: [f64; 3]| v[1].atan2(v[0]).to_degrees();
+    let between = (phi(pair.outgoing) - phi(pair.incoming)).rem_euclid(360.0);
+    [theta(pair.incoming), theta(pair.outgoing), between]
+}
+
+fn checks(report: &MaterialReport) -> Markup {
+    let off_grid = &report.off_grid;
+    let over = off_grid.albedo.iter().flat_map(|point| point.approximation).fold(0.0, f64::max);
+    html! {
+        h3 { "Checks" }
+        ul {
+            li { "largest albedo of the pack " (format!("{over:.3}")) @if over > 1.0 { span.bad { ", more than comes in" } } }
+            li { "albedo off by at most " (format!("{:.4}", off_grid.albedo_max_difference)) }
+            li { "values change by " (percent(off_grid.reciprocity)) " when light and viewer do" }
+            @for line in remarks(report) { li { (line) } }
+        }
+    }
+}
+
+fn times(material: &PageMaterial) -> Markup {
+    let stages = &material.note.stages;
+    let mut sums: Vec<(&str, f64)> = Vec::new();
+    for stage in stages {
+        match sums.iter_mut().find(|(name, _)| *name == stage.stage) {
+            Some((_, seconds)) => *seconds += stage.seconds,
+            None => sums.push((&stage.stage, stage.seconds)),
+        }
+    }
+    let listed: Vec<String> = sums.iter().map(|(name, seconds)| format!("{name} {seconds:.2} s")).collect();
+    html! { @if !listed.is_empty() { p.soft { "When it was made: " (listed.join(", ")) } } }
+}

@@ -1,0 +1,55 @@
+//! One page about a build: a file of HTML that needs no network and reads without scripts, and its figures as CSV and JSON.
+
+mod against;
+mod csv;
+mod evidence;
+mod figures;
+mod gather;
+mod html;
+mod style;
+
+pub use against::{Regression, regressions};
+pub use csv::csv;
+pub use evidence::{Evidence, FULL_SCALE, Thumbnails, evidence};
+pub use gather::{GatherError, Page, PageMaterial, gather};
+pub use html::html;
+
+use super::build::MaterialEntry;
+use brdfc_metrics::by_angle::ByAngle;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// The figures of a page, for scripts.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct PageReport<'a> {
+    /// Layout of this report.
+    pub version: u32,
+    /// The scene's name.
+    pub scene: &'a str,
+    /// What is worse than in the build that it was held against; the worst first.
+    pub regressions: &'a [Regression],
+    /// Materials, by name.
+    pub materials: Vec<PageEntry<'a>>,
+}
+
+/// One material.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct PageEntry<'a> {
+    /// What the build says.
+    #[serde(flatten)]
+    pub entry: &'a MaterialEntry,
+    /// Where the pack errs; absent where the source is not at hand, or there is no pack.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub by_angle: Option<&'a ByAngle>,
+}
+
+impl Page {
+    /// The figures.
+    pub fn report(&self) -> PageReport<'_> {
+        let materials = self.materials.iter().map(|material| PageEntry {
+            entry: &material.entry,
+            by_angle: material.evidence.as_ref().and_then(|evidence| evidence.by_angle.as_ref()),
+        });
+        PageReport { version: 1, scene: &self.scene, regressions: &self.regressions, materials: materials.collect() }
+    }
+}

@@ -1,0 +1,156 @@
+//! Where a pack errs: by the angle of incoming light, and at which pairs the most.
+
+use super::sampling::PairSet;
+use super::values::values_at;
+use brdfc_formats::direction::DirectionPair;
+use brdfc_source::Source;
+use serde::{Deserialize, Serialize};
+
+/// Degrees that are taken together.
+const BIN: f64 = 10.0;
+const BINS: usize = 9;
+/// Values below this share of the mean are left out of ratios, as they are of `ε_r`.
+const FLOOR: f64 = 1e-3;
+
+/// Error of the pairs whose incoming direction has a polar angle within ten degrees.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct AngleError {
+    /// The smallest polar angle of incoming light, degrees; the largest is ten more.
+    pub from: f64,
+    /// Samples above the floor.
+    pub samples: u64,
+    /// Mean of `|f' - f| / f` over them; 0 where there are none.
+    pub relative_mean: f64,
+}
+
+/// A pair at which both sides differ.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct WorstPair {
+    /// To the light.
+    pub incoming: [f64; 3],
+    /// To the viewer.
+    pub outgoing: [f64; 3],
+    /// `f_r` of the reference, 1/sr.
+    pub reference: [f64; 3],
+    /// `f_r` of the approximation, 1/sr.
+    pub approximation: [f64; 3],
+    /// Largest difference of `ln(1 + f cos θi)` of a channel.
+    pub difference: f64,
+}
+
+/// Errors by incoming angle, and pairs where they are largest.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct ByAngle {
+    /// From the normal to the horizon.
+    pub angles: Vec<AngleError>,
+    /// The largest first; of pairs that lie close together the first alone.
+    pub worst: Vec<WorstPair>,
+}
+
+/// Directions closer than this are close together: cosine.
+const CLOSE: f64 = 0.985;
+const WORST: usize = 5;
+
+/// Compares at the pairs of a set. Negative values of the reference count as 0.
+pub fn by_angle(reference: &dyn Source, approximation: &dyn Source, set: &PairSet) -> ByAngle {
+    let (expected, _) = values_at(reference, &set.pairs);
+    let (found, _) = values_at(approximation, &set.pairs);
+    let all = || expected.iter().flatten().map(|f| f.max(0.0));
+    let mean = all().sum::<f64>() / all().count().max(1) as f64;
+    let mut sums = [(0u64, 0.0); BINS];
+    let mut pairs: Vec<WorstPair> = Vec::new();
+    for ((pair, f), g) in set.pairs.iter().zip(&expected).zip(&found) {
+        let f = f.map(|value| value.max(0.0));
+        let theta = pair.incoming[2].clamp(-1.0, 1.0).acos().to_degrees();
+        let (count, sum) = &mut sums[((theta / BIN) as usize).min(BINS - 1)];
+        for channel in 0..3 {
+            if f[channel] > FLOOR * mean {
+                *count += 1;
+                *sum += (g[channel] - f[channel]).abs() / f[channel];
+            }
+        }
+        pairs.push(worst_pair(pair, f, *g));
+    }
+    // Of equal ones the first: an order that no thread changes.
+    pairs.sort_by(|a, b| b.difference.total_cmp(&a.difference));
+    let mut worst: Vec<WorstPair> = Vec::new();
+    for pair in pairs.iter().filter(|pair| pair.difference > 0.0) {
+        if !worst.iter().any(|other| is_close(other, pair)) {
+            worst.push(*pair);
+        }
+        if worst.len() == WORST {
+            break;
+        }
+    }
+    let angle = |(bin, (samples, sum)): (usize, &(u64, f64))| AngleError {
+        from: BIN * bin as f64,
+        samples: *samples,
+        relative_mean: sum / (*samples).max(1) as f64,
+    };
+    ByAngle { angles: sums.iter().enumerate().map(angle).collect(), worst }
+}
+
+fn worst_pair(pair: &DirectionPair, reference: [f64; 3], approximation: [f64; 3]) -> WorstPair {
+    let seen = |f: f64| (f.max(0.0) * pair.incoming[2].max(0.0)).ln_1p();
+    let differences = [0, 1, 2].map(|channel| (seen(approximation[channel]) - seen(reference[channel])).abs());
+    let difference = differences.into_iter().fold(0.0, f64::max);
+    WorstPair { incoming: pair.incoming, outgoing: pair.outgoing, reference, approximation, difference }
+}
+
+fn is_close(a: &WorstPair, b: &WorstPair) -> bool {
+    let cosine = |u: [f64; 3], v: [f64; 3]| u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+    cosine(a.incoming, b.incoming) > CLOSE && cosine(a.outgoing, b.outgoing) > CLOSE
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use brdfc_source::{Symmetry, Tally};
+
+    /// Right but for light from below 60 degrees, which is twice as bright; and far too bright at one place.
+    struct Wrong;
+
+    impl Source for Wrong {
+        fn eval(&self, pair: DirectionPair, _: &mut Tally) -> [f64; 3] {
+            if pair.incoming[2] > 0.999 && pair.outgoing[2] > 0.9 {
+                return [40.0; 3];
+            }
+            if pair.incoming[2] < 0.5 { [0.6; 3] } else { [0.3; 3] }
+        }
+
+        fn symmetry(&self) -> Symmetry {
+            Symmetry::NONE
+        }
+    }
+
+    struct Right;
+
+    impl Source for Right {
+        fn eval(&self, _: DirectionPair, _: &mut Tally) -> [f64; 3] {
+            [0.3; 3]
+        }
+
+        fn symmetry(&self) -> Symmetry {
+            Symmetry::NONE
+        }
+    }
+
+    #[test]
+    fn errors_are_found_where_they_are() {
+        let found = by_angle(&Right, &Wrong, &PairSet::comparison());
+        assert_eq!(found.angles.len(), BINS);
+        for angle in &found.angles[1..] {
+            let expected = if angle.from >= 60.0 { 1.0 } else { 0.0 };
+            assert!(angle.samples > 0 && (angle.relative_mean - expected).abs() < 1e-9, "{angle:?}");
+        }
+        let first = &found.worst[0];
+        assert!(first.incoming[2] > 0.999 && first.approximation[0] == 40.0, "{first:?}");
+        assert!(found.worst.windows(2).all(|two| two[0].difference >= two[1].difference));
+    }
+
+    #[test]
+    fn no_error_has_no_worst_pair() {
+        let found = by_angle(&Right, &Right, &PairSet::comparison());
+        assert!(found.worst.is_empty() && found.angles.iter().all(|angle| angle.relative_mean == 0.0));
+    }
+}

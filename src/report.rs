@@ -1,0 +1,88 @@
+//! `brdfc report`: a page about a build.
+
+use super::output::{print, print_json, refuse_overwriting, remark, to_json, write_file};
+use super::progress::Materials;
+use super::{CliError, Common};
+use brdfc_jobs::report::page::{GatherError, csv, gather, html};
+use brdfc_jobs::scene::plan::REPORT;
+use brdfc_metrics::fraction::Fraction;
+use clap::Args;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+
+/// Write a page about the packs in a folder: pictures, errors, checks.
+///
+/// One file of HTML that needs no network and reads without scripts; its figures stand beside it as .csv and .json. Pictures
+/// are drawn by the CPU's decoder. Sources are compared where they still are where the build found them.
+///
+/// With --against what got worse than in an earlier build is listed first, and is exit code 1.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  brdfc report packs -o report.html
+  brdfc report packs -o report.html --against last-week/report.json --tolerance 5%")]
+pub struct Arguments {
+    /// The folder that 'brdfc build' filled.
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+    /// The page to write.
+    #[arg(long, short, value_name = "REPORT.html")]
+    output: PathBuf,
+    /// The report.json of an earlier build, or its folder.
+    #[arg(long, value_name = "OLD")]
+    against: Option<PathBuf>,
+    /// How much worse a figure may be: a fraction or a percentage.
+    #[arg(long, value_name = "SHARE", default_value = "2%", requires = "against")]
+    tolerance: Fraction,
+    /// Print the figures as JSON (schema: 'brdfc schema report').
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
+    let output = arguments.output.as_path();
+    if !output.extension().is_some_and(|e| e.eq_ignore_ascii_case("html") || e.eq_ignore_ascii_case("htm")) {
+        let found = output.display();
+        return Err(CliError::Usage(format!("--output: found {found}; allowed a name that ends in .html")));
+    }
+    let tolerance = arguments
+        .tolerance
+        .checked()
+        .map_err(|allowed| CliError::Usage(format!("--tolerance: found {}; allowed {allowed}", arguments.tolerance)))?;
+    let against = arguments.against.as_ref().map(|path| if path.is_dir() { path.join(REPORT) } else { path.clone() });
+    let [csv_path, json_path] = ["csv", "json"].map(|extension| output.with_extension(extension));
+    let own = arguments.folder.join(REPORT);
+    let inputs: Vec<&Path> = [own.as_path()].into_iter().chain(against.as_deref()).collect();
+    for path in [output, &csv_path, &json_path] {
+        refuse_overwriting("--output", path, &inputs)?;
+    }
+    let never = AtomicBool::new(false);
+    let progress = Materials::new(1, false, Common { quiet: true, ..common }, &never);
+    let page = gather(&arguments.folder, against.as_deref(), tolerance, &progress)?;
+    drop(progress);
+    write_file(&csv_path, csv(&page).as_bytes())?;
+    write_file(&json_path, to_json(&page.report()).as_bytes())?;
+    write_file(output, html(&page).as_bytes())?;
+    if arguments.json {
+        print_json(&page.report())?;
+    } else {
+        let lines: String = page.regressions.iter().map(|worse| format!("{worse}\n")).collect();
+        print(&lines)?;
+    }
+    remark(common, &format!("{}: {} materials", output.display(), page.materials.len()));
+    match page.regressions.len() {
+        0 => Ok(()),
+        1 => Err(CliError::Check("one figure is worse than before".to_owned())),
+        count => Err(CliError::Check(format!("{count} figures are worse than before"))),
+    }
+}
+
+impl From<GatherError> for CliError {
+    fn from(error: GatherError) -> Self {
+        match error {
+            GatherError::Input(error) => error.into(),
+            GatherError::Folder { .. } => Self::Input(error.to_string()),
+            GatherError::Cancelled(_) => Self::Interrupted,
+        }
+    }
+}
