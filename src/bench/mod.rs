@@ -55,7 +55,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         | Study::BandwidthDirections
         | Study::Antialiasing => return Err(CliError::without_renderer()),
     };
-    if arguments.json {
+    if common.json {
         return print_json(&Report { version: 1, result });
     }
     match &result {

@@ -46,9 +46,6 @@ pub struct Arguments {
     /// Make every pack again.
     #[arg(long)]
     no_cache: bool,
-    /// Print the report as JSON (schema: 'brdfc schema build').
-    #[arg(long)]
-    json: bool,
 }
 
 /// What a build says of itself, in the folder of its packs.
@@ -60,7 +57,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let plan = plan(&manifest, path.parent().unwrap_or(Path::new("")));
     let scene = manifest.scene.name.clone().unwrap_or_else(|| "scene".to_owned());
     if arguments.dry_run {
-        return dry_run(arguments, &plan, &scene);
+        return dry_run(arguments, common, &plan, &scene);
     }
 
     let inputs: Vec<&Path> = plan.sources().map(Path::new).chain([path.as_path()]).collect();
@@ -93,7 +90,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     }
     let lasting = to_json(&Report::new(&scene, &plan, &outcomes).lasting(&plan, &arguments.out));
     write_file(&arguments.out.join(REPORT), lasting.as_bytes())?;
-    if arguments.json {
+    if common.json {
         print_json(&Report::new(&scene, &plan, &outcomes))?;
     } else {
         print(&report::text(&outcomes))?;
@@ -146,8 +143,8 @@ fn worst(outcomes: Outcomes) -> Result<(), CliError> {
     })
 }
 
-fn dry_run(arguments: &Arguments, plan: &Plan, scene: &str) -> Result<(), CliError> {
-    if arguments.json {
+fn dry_run(arguments: &Arguments, common: Common, plan: &Plan, scene: &str) -> Result<(), CliError> {
+    if common.json {
         return print_json(&Report::planned(scene, plan));
     }
     let rows: Vec<Vec<String>> = plan

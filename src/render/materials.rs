@@ -1,16 +1,17 @@
 //! Which materials are drawn, from where, and as which packs.
 
 use super::arguments::Arguments;
-use crate::output::remark;
+use crate::inputs::refuse_stdin_twice;
+use crate::output::{note, remark};
 use crate::{CliError, Common};
 use brdfc_formats::BrdfPack;
 use brdfc_jobs::encode::encode;
 use brdfc_jobs::encode::recipe::PackRecipe;
 use brdfc_jobs::scene::manifest::Manifest;
 use brdfc_jobs::scene::run::{Job, pack_name, plan};
-use brdfc_source::Source;
 use brdfc_source::open::open;
 use brdfc_source::pack::open_brdf_pack;
+use brdfc_source::{Input, Source};
 use brdfc_wavelet::recipe::{Recipe, Target};
 use std::path::{Path, PathBuf};
 
@@ -57,14 +58,11 @@ pub(super) struct Prepared {
     pub(super) table: Option<BrdfPack>,
 }
 
-fn extension(path: &str) -> String {
-    Path::new(path).extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase()
-}
-
 /// Reads the manifest, if the input is one, and checks which flags go with the input.
 pub(super) fn subject(arguments: &Arguments) -> Result<Subject, CliError> {
     let input = &arguments.input;
-    let kind = if input.starts_with("synth:") { String::new() } else { extension(input) };
+    let kind = input.extension()?;
+    refuse_stdin_twice(&[("INPUT", Some(input)), ("--source", arguments.source.as_ref())])?;
     let misplaced = |flag: &str, goes_with: &str| {
         Err(CliError::Usage(format!("{flag}: found with {input}; allowed with {goes_with}")))
     };
@@ -82,7 +80,10 @@ pub(super) fn subject(arguments: &Arguments) -> Result<Subject, CliError> {
     }
     match kind.as_str() {
         "toml" => {
-            let path = PathBuf::from(input);
+            let Some(path) = input.path().map(Path::to_owned) else {
+                let allowed = "a file: its paths start at its folder";
+                return Err(CliError::Usage(format!("SCENE.toml: found {input}; allowed {allowed}")));
+            };
             let (text, manifest) = crate::build_scene::read_manifest(&path)?;
             let folder = path.parent().unwrap_or(Path::new(""));
             let jobs = plan(&shown(&manifest), folder).jobs;
@@ -123,7 +124,7 @@ pub(super) fn prepare(
         .map(|(number, name)| {
             let (prepared, missed) = prepare_one(arguments, subject, name)?;
             if let Some(missed) = missed {
-                remark(common, &format!("note: {name}: {missed}"));
+                note(common, name, &missed);
             }
             if wanted.len() > 1 {
                 remark(common, &format!("{} of {}: {name} ready", number + 1, wanted.len()));
@@ -135,21 +136,21 @@ pub(super) fn prepare(
 
 /// A material, and what its pack misses of its budget.
 fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(Prepared, Option<String>), CliError> {
-    let (source, recipe, pack_path) = match subject {
-        Subject::Pack => (arguments.source.clone(), PackRecipe::default(), Some(PathBuf::from(&arguments.input))),
+    let (source, recipe, pack_file) = match subject {
+        Subject::Pack => (arguments.source.clone(), PackRecipe::default(), Some(arguments.input.clone())),
         Subject::Source(recipe) => (Some(arguments.input.clone()), (**recipe).clone(), None),
         Subject::Scene { jobs, .. } => {
             let job = jobs.iter().find(|job| job.name == name).expect("names are materials of the manifest");
-            let pack = arguments.packs.as_ref().map(|folder| folder.join(pack_name(name)));
-            (Some(job.source.clone()), job.recipe.clone(), pack)
+            let pack = arguments.packs.as_ref().map(|folder| Input::File(folder.join(pack_name(name))));
+            (Some(Input::from(&job.source)), job.recipe.clone(), pack)
         }
     };
     let source = source.map(|input| open(&input, None)).transpose()?.map(|opened| opened.source);
-    if arguments.table && pack_path.is_none() && !matches!(recipe, PackRecipe::Wavelet(_)) {
+    if arguments.table && pack_file.is_none() && !matches!(recipe, PackRecipe::Wavelet(_)) {
         return Err(no_table());
     }
-    let (pack, missed) = match (&pack_path, &source) {
-        (Some(path), _) => (open_brdf_pack(path)?, None),
+    let (pack, missed) = match (&pack_file, &source) {
+        (Some(file), _) => (open_brdf_pack(file)?, None),
         (None, Some(source)) => {
             let made = encode(source.as_ref(), &recipe.clone().without_measuring(), &())?;
             (made.pack, made.missed)

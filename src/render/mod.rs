@@ -11,7 +11,7 @@ mod scene;
 pub use adaptive::Report as AdaptiveReport;
 pub use arguments::Arguments;
 
-use super::output::{print, print_json, remark};
+use super::output::{note, print, print_json, remark};
 use super::{CliError, Common, graphics_environment};
 use crate::table;
 use arguments::FilterName;
@@ -59,14 +59,15 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         of_brdfs(arguments, common)?
     };
     if verification.checked().pixels == 0 {
-        remark(common, "note: no pixel shows a surface; look at render.camera");
+        note(common, &arguments.input, "no pixel shows a surface; look at render.camera");
     } else if views.reference().pixels.iter().all(|pixel| *pixel == [0.0; 3]) {
-        remark(common, "note: all surfaces are black: no light reaches what is seen, or the materials reflect none");
+        let line = "all surfaces are black: no light reaches what is seen, or the materials reflect none";
+        note(common, &arguments.input, line);
     }
     drop(views);
     let seconds = started.elapsed().as_secs_f64();
     let checked = arguments.max_delta_e.map(|limit| check(&verification, limit));
-    if arguments.json {
+    if common.json {
         print_json(&Report { version: 1, verification, seconds })?;
     } else {
         print(&outputs::text(&verification))?;

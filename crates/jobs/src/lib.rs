@@ -8,4 +8,5 @@ mod keys;
 pub mod report;
 pub mod scene;
 pub mod stage_clock;
+pub mod whole_number;
 pub mod write;

@@ -14,11 +14,12 @@ const SYMMETRY_TOLERANCE: f32 = 1e-5;
 /// How MERL tables are opened.
 pub(crate) const FORMAT: Format = Format { extension: "binary", name: "MERL", open };
 
-fn open(input: InputFile<'_>) -> Result<Opened, InputError> {
-    let table = Merl::read(input.file, input.length).map_err(|error| match error {
-        MerlError::Format(error) => InputError::format(input.path, error),
-        MerlError::Io(error) => InputError::io(input.path, error),
-    })?;
+fn open(mut input: InputFile<'_>) -> Result<Opened, InputError> {
+    let table = match Merl::read(&mut input.file, input.length) {
+        Ok(table) => table,
+        Err(MerlError::Format(error)) => return Err(input.wrong(error)),
+        Err(MerlError::Io(error)) => return Err(InputError::io(input.path, error)),
+    };
     let source = MerlSource::new(table);
     let (n, valid_cells) = (source.table().dimensions, source.table().valid_cells);
     let facts = Facts::Merl {

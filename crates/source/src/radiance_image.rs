@@ -1,12 +1,13 @@
 //! Images of radiance: OpenEXR and Radiance HDR.
 
 use crate::InputError;
-use crate::read::{MAX_FILE_BYTES, extension_of, read_file};
+use crate::input::Input;
+use crate::read::MAX_FILE_BYTES;
+use crate::recognise::wrong_contents;
 use brdfc_formats::FormatError;
 use exr::prelude::{MetaData, ReadChannels, ReadLayers, read};
 use image::{ImageFormat, ImageReader, Limits};
 use std::io::Cursor;
-use std::path::Path;
 
 /// Most pixels per row, and most rows.
 pub const MAX_SIDES: [usize; 2] = [8192, 4096];
@@ -26,11 +27,11 @@ pub struct RadianceImage {
 ///
 /// # Errors
 /// Files that cannot be read, or break the rules of [`from_exr`] and [`from_hdr`].
-pub fn open_radiance_image(path: &Path) -> Result<RadianceImage, InputError> {
-    let name = path.display().to_string();
-    let bytes = read_file(path, MAX_FILE_BYTES)?;
-    let read = if extension_of(path) == "hdr" { from_hdr(&bytes) } else { from_exr(&bytes) };
-    read.map_err(|error| InputError::Format { name, error })
+pub fn open_radiance_image(input: impl Into<Input>) -> Result<RadianceImage, InputError> {
+    let input = input.into();
+    let bytes = input.read(MAX_FILE_BYTES)?;
+    let read = if input.extension()? == "hdr" { from_hdr(&bytes) } else { from_exr(&bytes) };
+    read.map_err(|error| wrong_contents(input.named_path(), &bytes, bytes.len() as u64, error))
 }
 
 /// RGB of the first layer of an EXR that has them.

@@ -41,11 +41,12 @@ pub fn read_file(path: &Path, limit: u64) -> Result<Vec<u8>, InputError> {
 }
 
 /// Reads a file to its end if it is not too large.
-pub(crate) fn read_all(path: &Path, file: File, length: u64) -> Result<Vec<u8>, InputError> {
+pub(crate) fn read_all(path: &Path, file: impl Read, length: u64) -> Result<Vec<u8>, InputError> {
     read_within(path, file, length, MAX_FILE_BYTES)
 }
 
-fn read_within(path: &Path, file: File, length: u64, limit: u64) -> Result<Vec<u8>, InputError> {
+/// Reads to the end of what has at most `limit` bytes, `length` of them as far as is known. Errors name `path`.
+pub(crate) fn read_within(path: &Path, file: impl Read, length: u64, limit: u64) -> Result<Vec<u8>, InputError> {
     let name = path.display().to_string();
     let too_long = |found: String| {
         let error = FormatError::whole("file length", found, format!("at most {limit} bytes"));

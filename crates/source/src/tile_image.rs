@@ -1,12 +1,12 @@
 //! Images that colour a surface or say where its materials are.
 
 use crate::InputError;
-use crate::read::read_file;
+use crate::input::Input;
+use crate::recognise::wrong_contents;
 use brdfc_formats::FormatError;
 use brdfc_formats::colour::decode_srgb;
 use image::{ImageError, ImageFormat, ImageReader, Limits};
 use std::io::Cursor;
-use std::path::Path;
 
 /// Most pixels along a side.
 const MAX_SIZE: u32 = 8192;
@@ -45,18 +45,16 @@ impl FileImage {
 ///
 /// # Errors
 /// Files that cannot be read, are no such image, or are larger than 8192 pixels along a side.
-pub fn open_tile_image(path: &Path) -> Result<FileImage, InputError> {
-    let name = path.display().to_string();
-    let wrong = |found: String| InputError::Format {
-        name: name.clone(),
-        error: FormatError::whole("image", found, "a whole PNG or JPEG of at most 8192 pixels along a side"),
+pub fn open_tile_image(input: impl Into<Input>) -> Result<FileImage, InputError> {
+    let input = input.into();
+    let path = input.named_path();
+    let bytes = input.read(MAX_BYTES)?;
+    let wrong = |found: String| {
+        let error = FormatError::whole("image", found, "a whole PNG or JPEG of at most 8192 pixels along a side");
+        wrong_contents(path, &bytes, bytes.len() as u64, error)
     };
-    let bytes = read_file(path, MAX_BYTES)?;
-    let reader = || {
-        ImageReader::new(Cursor::new(&bytes))
-            .with_guessed_format()
-            .map_err(|error| InputError::Io { name: name.clone(), error })
-    };
+    let reader =
+        || ImageReader::new(Cursor::new(&bytes)).with_guessed_format().map_err(|error| InputError::io(path, error));
     let format = reader()?.format();
     if !matches!(format, Some(ImageFormat::Png | ImageFormat::Jpeg)) {
         return Err(wrong(format.map_or("some other layout".to_owned(), |format| format!("{format:?}"))));
