@@ -31,10 +31,10 @@ pub struct Arguments {
     b: Input,
     /// How many random direction pairs (uniform over both hemispheres, fixed seed), a CSV of pairs, or - for one from stdin (default: those at
     /// which 'encode' and 'build' measure, 65536 of three kinds).
-    #[arg(long, value_name = "N|FILE.csv")]
+    #[arg(long, value_name = "N|FILE.csv", allow_hyphen_values = true)]
     directions: Option<Input>,
     /// Largest mean relative difference ε_r that passes: a fraction or a percentage, 0.05 or 5%.
-    #[arg(long, value_name = "E", allow_hyphen_values = true)]
+    #[arg(long, value_name = "E")]
     max_error: Option<Fraction>,
 }
 
@@ -101,7 +101,8 @@ fn pairs(directions: &Input) -> Result<Vec<DirectionPair>, CliError> {
         }
         return Ok(random_pairs(count, SEED));
     }
-    let no_list = |path: &std::path::Path| !path.exists() && path.extension().is_none();
+    let is_number = |path: &std::path::Path| path.to_str().is_some_and(|text| text.parse::<f64>().is_ok());
+    let no_list = |path: &std::path::Path| !path.exists() && (path.extension().is_none() || is_number(path));
     if directions.path().is_none_or(no_list) && !directions.is_stdin() {
         let allowed = "a number of directions, or a list of them in a .csv file";
         return Err(CliError::Usage(format!("--directions: found {directions}; allowed {allowed}")));

@@ -65,7 +65,21 @@ fn pages(command: clap::Command) -> Result<Vec<(String, Vec<u8>)>, CliError> {
         let page = Man::new(command.clone());
         let mut bytes = Vec::new();
         page.render(&mut bytes).map_err(|error| CliError::Internal(format!("man page: {error}")))?;
-        Ok((page.get_filename(), bytes))
+        Ok((page.get_filename(), typeset(&String::from_utf8_lossy(&bytes)).into_bytes()))
     };
     std::iter::once(&command).chain(commands).map(page).collect()
+}
+
+/// A page as every formatter shows it: examples keep their lines, and what is no ASCII has its number.
+fn typeset(page: &str) -> String {
+    const EXTRA: &str = ".SH EXTRA\n";
+    let page = match page.split_once(EXTRA) {
+        Some((before, after)) => {
+            let (extra, rest) = after.split_at(after.find("\n.SH ").map_or(after.len(), |end| end + 1));
+            format!("{before}{EXTRA}.nf\n{extra}.fi\n{rest}")
+        }
+        None => page.to_owned(),
+    };
+    let escape = |c: char| if c.is_ascii() { c.to_string() } else { format!("\\[u{:04X}]", u32::from(c)) };
+    page.chars().map(escape).collect()
 }

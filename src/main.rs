@@ -119,9 +119,9 @@ fn after_help() -> String {
 
 /// The command line.
 fn command() -> clap::Command {
-    // A negative number is a value, for which a check says what is allowed, and no flag.
-    let negatives = |argument: clap::Arg| argument.allow_negative_numbers(true);
-    let command = Cli::command().mut_args(negatives).mut_subcommands(|command| command.mut_args(negatives));
+    let command = Cli::command()
+        .mut_args(usage::with_negatives)
+        .mut_subcommands(|command| command.mut_args(usage::with_negatives));
     // There the flag of this name is a check of the picture.
     #[cfg(feature = "render")]
     let command = command

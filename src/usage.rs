@@ -1,8 +1,26 @@
-//! Wrong values of flags in the words of all other errors: found, allowed.
+//! Values of flags: what looks like a flag and is a value, and wrong ones in the words of all other errors.
 
+use brdfc_metrics::fraction::Fraction;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
+use std::any::TypeId;
 use std::error::Error;
 use std::num::{ParseFloatError, ParseIntError};
+
+/// A flag that takes what begins with `-` for a value where it wants a number: a check says what is allowed, be it -1, -.5,
+/// -5% or the next flag.
+pub fn with_negatives(argument: clap::Arg) -> clap::Arg {
+    let numbers = [
+        TypeId::of::<f64>(),
+        TypeId::of::<f32>(),
+        TypeId::of::<usize>(),
+        TypeId::of::<u64>(),
+        TypeId::of::<u32>(),
+        TypeId::of::<Fraction>(),
+    ];
+    let wanted = argument.get_value_parser().type_id();
+    let number = argument.get_action().takes_values() && numbers.iter().any(|number| wanted == *number);
+    if number { argument.allow_hyphen_values(true) } else { argument }
+}
 
 /// What is wrong with a value that could not be parsed, where the parser says what is allowed.
 pub fn wrong_value(error: &clap::Error) -> Option<String> {

@@ -19,7 +19,7 @@ use brdfc_jobs::flatten::{
 };
 use brdfc_source::Input;
 use brdfc_source::btf_stack::BtfStack;
-use options::{asset_name, check_outputs, meso_options, recipe};
+use options::{asset_name, check_inputs, check_outputs, meso_options, recipe};
 use serde::Serialize;
 use std::path::Path;
 use std::time::Instant;
@@ -38,6 +38,7 @@ pub struct Report {
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     let started = Instant::now();
     let stack = arguments.meso.path().filter(|path| path.is_dir());
+    check_inputs(arguments)?;
     let name = asset_name(arguments)?;
     let mut recipe = recipe(arguments)?;
     let options = meso_options(arguments, stack.is_some())?;

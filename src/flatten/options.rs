@@ -59,6 +59,23 @@ pub(super) fn check_outputs(arguments: &Arguments) -> Result<(), CliError> {
     Ok(())
 }
 
+/// Standard input is one of the inputs at most.
+pub(super) fn check_inputs(arguments: &Arguments) -> Result<(), CliError> {
+    let materials: Vec<Input> = arguments.material.iter().map(|text| named_material(text).1).collect();
+    let mut inputs = vec![("MESO", Some(&arguments.meso))];
+    inputs.extend(materials.iter().map(|input| ("--material", Some(input))));
+    for (option, input) in [
+        ("--geometry", &arguments.geometry),
+        ("--views", &arguments.views),
+        ("--lights", &arguments.lights),
+        ("--colour", &arguments.colour),
+        ("--weights", &arguments.weights),
+    ] {
+        inputs.push((option, input.as_ref()));
+    }
+    refuse_stdin_twice(&inputs)
+}
+
 /// What a geometry is, by its name; which decides what options go with it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
@@ -109,13 +126,7 @@ pub(super) fn meso_options(arguments: &Arguments, is_stack: bool) -> Result<Meso
             return Err(CliError::Usage(format!("{option}: found with {}; allowed with {allowed}", kind.in_words())));
         }
     }
-    let materials: Vec<(Option<String>, Input)> = arguments.material.iter().map(|text| named_material(text)).collect();
-    let mut inputs = vec![("MESO", Some(&arguments.meso)), ("--geometry", arguments.geometry.as_ref())];
-    inputs.extend(materials.iter().map(|(_, input)| ("--material", Some(input))));
-    let sets = [("--views", &arguments.views), ("--lights", &arguments.lights)];
-    let images = [("--colour", &arguments.colour), ("--weights", &arguments.weights)];
-    inputs.extend(sets.into_iter().chain(images).map(|(option, input)| (option, input.as_ref())));
-    refuse_stdin_twice(&inputs)?;
+    let materials = arguments.material.iter().map(|text| named_material(text)).collect();
     Ok(MesoOptions {
         geometry,
         tile: arguments.tile.unwrap_or(1.0),

@@ -41,7 +41,8 @@ pub fn open(input: impl Into<Input>, level: Option<f32>) -> Result<Opened, Input
             match format_of(&input.extension()?) {
                 Some(format) => (format.open)(input_file),
                 None => {
-                    let error = FormatError::whole("contents", "no known layout", known_files());
+                    let found = if bytes.is_empty() { "nothing" } else { "no known layout" };
+                    let error = FormatError::whole("contents", found, known_files());
                     Err(input_file.wrong(error))
                 }
             }

@@ -30,20 +30,19 @@ pub struct EncodeOptions {
     )]
     pub max_delta_e: Option<f64>,
     /// Largest mean relative error ε_r: a fraction or a percentage, 0.02 or 2%. Of wavelet packs on their grid.
-    #[cfg_attr(feature = "clap", arg(long, value_name = "E", conflicts_with = "ratio", allow_hyphen_values = true))]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "E", conflicts_with = "ratio"))]
     pub max_error: Option<Fraction>,
     /// Most bytes on a GPU, before any compression of the file: a number, or one with KiB or MiB, such as 16KiB. Alone it
     /// asks for the pack with the smallest mean ΔE that fits; tables have up to 512 KiB.
-    #[cfg_attr(feature = "clap", arg(
-        long, value_name = "B", value_parser = bytes_from_text, conflicts_with = "ratio", allow_hyphen_values = true
-    ))]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "B", value_parser = bytes_from_text, conflicts_with = "ratio"))]
     #[serde(default, deserialize_with = "bytes_from_manifest")]
     pub max_bytes: Option<u64>,
     /// Most texture fetches of a look-up: 1 is a table of an isotropic material, 2 of any, one more is a factored pack,
     /// 84 a wavelet pack.
-    #[cfg_attr(feature = "clap", arg(
-        long, value_name = "N", value_parser = whole_number::<u32>(1..=u64::MAX), conflicts_with = "ratio"
-    ))]
+    #[cfg_attr(
+        feature = "clap",
+        arg(long, value_name = "N", value_parser = whole_number::<u32>(1..=u64::MAX), conflicts_with = "ratio")
+    )]
     pub max_fetches: Option<u32>,
     /// Values that do not change when light and viewer do, as path tracers need them: the mean of both ways. Of table
     /// packs.
