@@ -21,7 +21,7 @@ pub enum InputError {
         /// The input as it was named.
         name: String,
         /// What is wrong.
-        error: FormatError,
+        error: Box<FormatError>,
         /// What it looks like, with an article.
         looks_like: &'static str,
     },

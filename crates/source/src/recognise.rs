@@ -187,9 +187,11 @@ fn is_scan(line: &str) -> bool {
 /// The error of a file that breaks the layout that its name promises, with a hint where its bytes are of another one.
 pub(crate) fn wrong_contents(path: &Path, start: &[u8], length: u64, error: FormatError) -> InputError {
     match recognise(start, length) {
-        Some(kind) if !kind.extensions().contains(&extension_of(path).as_str()) => {
-            InputError::Misnamed { name: path.display().to_string(), error, looks_like: kind.in_words() }
-        }
+        Some(kind) if !kind.extensions().contains(&extension_of(path).as_str()) => InputError::Misnamed {
+            name: path.display().to_string(),
+            error: Box::new(error),
+            looks_like: kind.in_words(),
+        },
         _ => InputError::format(path, error),
     }
 }

@@ -18,6 +18,7 @@ fn flat_btf(name: &str, options: &MesoOptions, recipe: &FlattenRecipe) -> Packs 
     let materials = material_list(options, &geometry).unwrap_or_else(|error| panic!("{error}"));
     let appearance = open_appearance(options, &materials, &()).unwrap_or_else(|error| panic!("{error}"));
     let values = Values::Computed(appearance);
+    let materials = materials.iter().map(Input::to_string).collect();
     let job = FlattenJob { name, folder: folder.path(), recipe, geometry, materials, values, images: None };
     let asset = flatten(job, &()).unwrap_or_else(|error| panic!("{name}: {error}"));
     let read = |file: &str| std::fs::read(folder.path().join(file)).unwrap_or_else(|error| panic!("{file}: {error}"));
