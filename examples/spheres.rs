@@ -12,7 +12,7 @@ use brdfc_formats::direction::{DirectionPair, Vector, dot, normalize};
 use brdfc_jobs::encode::recipe::PackRecipe;
 use brdfc_jobs::encode::{EncodedPack, encode};
 use brdfc_jobs::scene::manifest::Manifest;
-use brdfc_jobs::scene::run::plan;
+use brdfc_jobs::scene::plan::plan;
 use brdfc_source::open::open;
 use brdfc_source::pack::opened;
 use brdfc_source::{Source, Tally};
@@ -45,7 +45,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let demo = root.join("testdata/demo");
     let manifest = Manifest::parse(&std::fs::read_to_string(demo.join("scene.toml"))?)?;
     let mut rows: Vec<(String, String)> =
-        plan(&manifest, &demo).jobs.into_iter().map(|job| (job.name, job.source)).collect();
+        plan(&manifest, &demo)?.jobs.into_iter().map(|job| (job.name, job.source)).collect();
     rows.push(("sharp".to_owned(), SHARP.to_owned()));
 
     let (count, tile) = (rows.len() as u32, TILE as u32);

@@ -15,7 +15,7 @@ use brdfc_formats::bandwidth::BandwidthMap;
 use brdfc_jobs::report::material::repairs_in_words;
 use brdfc_source::open::open;
 use brdfc_source::radiance_image::open_radiance_image;
-use brdfc_source::tile_image::open_tile_image;
+use brdfc_source::tile_image::open_colours;
 use brdfc_source::{Input, Tally};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
@@ -268,8 +268,8 @@ fn image(input: &Input) -> Result<(Vec<[f32; 3]>, usize), CliError> {
         let image = open_radiance_image(input)?;
         return Ok((image.pixels, image.width));
     }
-    let image = open_tile_image(input)?;
-    Ok((image.colours(), image.width))
+    let image = open_colours(input)?;
+    Ok((image.pixels, image.width))
 }
 
 /// Eight octaves below the largest value, as a PNG.

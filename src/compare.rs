@@ -11,7 +11,6 @@ use brdfc_metrics::fraction::Fraction;
 use brdfc_metrics::sampling::{PairSet, random_pairs};
 use brdfc_source::Input;
 use brdfc_source::open::{Facts, open};
-use brdfc_source::read::MAX_FILE_BYTES;
 use clap::Args;
 use serde::Serialize;
 
@@ -107,7 +106,7 @@ fn pairs(directions: &Input) -> Result<Vec<DirectionPair>, CliError> {
         let allowed = "a number of directions, or a list of them in a .csv file";
         return Err(CliError::Usage(format!("--directions: found {directions}; allowed {allowed}")));
     }
-    let bytes = directions.read(MAX_FILE_BYTES)?;
+    let bytes = directions.read_text()?;
     let pairs = directions_from_bytes(&bytes).map_err(|error| CliError::Input(format!("{directions}: {error}")))?;
     if pairs.is_empty() {
         return Err(CliError::Input(format!("{directions}: records: found none; allowed at least one")));

@@ -5,6 +5,7 @@ use brdfc_formats::FormatError;
 use brdfc_jobs::encode::PackError;
 use brdfc_jobs::encode::options::OptionError;
 use brdfc_jobs::flatten::{FlattenError, MesoInputError};
+use brdfc_jobs::scene::build::BuildError;
 use brdfc_jobs::scene::run::JobError;
 use brdfc_source::InputError;
 use brdfc_source::address::SYNTH_PREFIX;
@@ -54,7 +55,7 @@ impl CliError {
             Self::Check(m) | Self::Usage(m) | Self::Input(m) | Self::Io(m) | Self::NoAdapter(m) | Self::Internal(m) => {
                 Some(m)
             }
-            Self::Interrupted => Some("interrupted; files that were finished are whole"),
+            Self::Interrupted => Some("interrupted; the output folder is as it was"),
             Self::PipeClosed => None,
         }
     }
@@ -135,7 +136,16 @@ impl From<JobError> for CliError {
             JobError::Encode(error) => error.into(),
             JobError::Cancelled(_) => Self::Interrupted,
             JobError::Map(error) => Self::own_layout(error),
-            JobError::Write { .. } => Self::Io(error.to_string()),
+            JobError::Store(error) => Self::Io(error.to_string()),
+        }
+    }
+}
+
+impl From<BuildError> for CliError {
+    fn from(error: BuildError) -> Self {
+        match error {
+            BuildError::Folder(error) => Self::Io(error.to_string()),
+            BuildError::Cancelled(_) => Self::Interrupted,
         }
     }
 }

@@ -7,7 +7,6 @@ use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::measured::scan_csv::directions_from_bytes;
 use brdfc_jobs::report::material::repairs_in_words;
 use brdfc_source::open::{Facts, open};
-use brdfc_source::read::MAX_FILE_BYTES;
 use brdfc_source::{Input, Tally};
 use clap::Args;
 use rayon::prelude::*;
@@ -54,7 +53,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         refuse_overwriting("--output", output, &inputs)?;
         refuse_unfit_output(output, "csv")?;
     }
-    let bytes = directions.read(MAX_FILE_BYTES)?;
+    let bytes = directions.read_text()?;
     let in_file = |error| CliError::Input(format!("{directions}: {error}"));
     let pairs = directions_from_bytes(&bytes).map_err(in_file)?;
     let opened = open(&arguments.input, arguments.lod)?;

@@ -1,19 +1,45 @@
-//! Interrupts that stop long work between two steps.
+//! Interrupts that stop long work between two steps, and end the process where the next step is far.
 
 use crate::CliError;
-use std::sync::Arc;
+use crate::output::tell;
+use brdfc_jobs::store::Staging;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
 
-/// A flag that is set by the first interrupt. The second ends the process at once: files are renamed into place, so none is
-/// ever half written.
-pub fn watch() -> Result<Arc<AtomicBool>, CliError> {
-    let cancelled = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&cancelled);
-    ctrlc::set_handler(move || {
-        if flag.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
+/// Time for a step to end by itself; people wait half a second at most.
+const PATIENCE: Duration = Duration::from_millis(250);
+
+static ASKED: AtomicBool = AtomicBool::new(false);
+static PLACING: Mutex<()> = Mutex::new(());
+
+/// Whether somebody asked to stop.
+pub struct Interrupt(());
+
+impl Interrupt {
+    /// Set by the first interrupt.
+    pub fn flag(&self) -> &'static AtomicBool {
+        &ASKED
+    }
+
+    /// Held while finished files change places, which an interrupt waits for.
+    pub fn placing(&self) -> &'static Mutex<()> {
+        &PLACING
+    }
+}
+
+/// From now on an interrupt sets a flag, and soon after ends the process. Nothing is half written: finished files are put in
+/// place all together.
+pub fn watch() -> Result<Interrupt, CliError> {
+    ctrlc::set_handler(|| {
+        ASKED.store(true, Ordering::Relaxed);
+        std::thread::sleep(PATIENCE);
+        let _placing = PLACING.lock().unwrap_or_else(PoisonError::into_inner);
+        Staging::remove_all();
+        let error = CliError::Interrupted;
+        tell(&format!("brdfc: {}", error.message().unwrap_or_default()));
+        std::process::exit(i32::from(error.exit_code()));
     })
     .map_err(|error| CliError::Internal(format!("cannot watch for interrupts: {error}")))?;
-    Ok(cancelled)
+    Ok(Interrupt(()))
 }

@@ -50,8 +50,8 @@ enum Report {
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     print_json(&match arguments.report {
-        Report::Build => schema_for!(crate::build_scene::Report),
-        Report::Material => schema_for!(brdfc_jobs::scene::run::MaterialFile),
+        Report::Build => schema_for!(brdfc_jobs::report::build::BuildReport),
+        Report::Material => schema_for!(brdfc_jobs::scene::build::MaterialFile),
         Report::Encode => schema_for!(super::encode::Report),
         Report::Compare => schema_for!(super::compare::Report),
         Report::Info => schema_for!(super::info::Report),

@@ -173,7 +173,7 @@ pub fn rotate_from_normal(axis: Vector, v: Vector) -> Vector {
     [v[0] - x * (s - v[2]), v[1] - y * (s - v[2]), z * v[2] - (x * v[0] + y * v[1])]
 }
 
-/// `atan2(y, x)` for `y >= 0`, radians in `[0, π]`, within 2.5e-7 of the exact angle.
+/// `atan2(y, x)` for `y >= 0`, radians in `[0, π]`, within 3e-7 of the exact angle.
 ///
 /// A fixed polynomial in f32 (odd, minimax on [0, 1]), so that a shader that copies it gets the same bits: the
 /// built-in functions of GPUs are not precise enough to agree.

@@ -2,7 +2,6 @@
 
 use crate::FormatError;
 use crate::direction::{Vector, dot, from_polar, normalize, subtract};
-use crate::measured::scan;
 use crate::measured::scan_csv::Table;
 
 /// Most directions of one set: as many as a flat BTF has layers.
@@ -108,7 +107,6 @@ impl DirectionSet {
     /// # Errors
     /// As [`DirectionSet::new`], with the line; a wrong header or index, what is no number.
     pub fn from_csv(bytes: &[u8]) -> Result<Self, FormatError> {
-        scan::utf8(bytes)?;
         let mut table = Table::open(bytes)?;
         let columns = table.find(&COLUMNS)?;
         let mut angles = Vec::new();

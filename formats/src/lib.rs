@@ -21,8 +21,10 @@ pub mod flat_btf;
 pub mod importance;
 mod kind;
 pub mod measured;
+pub mod memory;
 pub mod meso;
 pub mod table;
+mod text;
 pub mod vector_math;
 pub mod wavelet;
 

@@ -19,6 +19,8 @@ Examples:
   brdfc bench --study flat-btf synth:knit --texels 64 --flat-texels 128
   brdfc bench --study rays synth:folds
   brdfc bench --study throughput
+  brdfc bench --study pareto paint.brdf metal.binary --out figures
+  brdfc bench --study stress --json > stress.json
   brdfc bench --study codecs paint.brdf metal.binary --peers python3 --out figures
   brdfc bench --study level-of-detail --out frames
   brdfc bench --study images paint.brdf metal.bsdf synth:velvet
@@ -26,13 +28,14 @@ Examples:
   brdfc bench --study pixel-bandwidth red-plastic.binary --environment museum.exr")]
 pub struct Arguments {
     /// Materials of the studies that draw (default: synth:velvet, and a glossy metal for level-of-detail and those of
-    /// adaptive shading), or structures of flat-btf (default: all four) and of rays (default: synth:button).
+    /// adaptive shading) and of pareto (default: three models), or structures of flat-btf (default: all four) and of rays (default: synth:button).
     #[arg(value_name = "INPUT")]
     pub(super) inputs: Vec<Input>,
     /// Which study.
     #[arg(long, value_enum, default_value = "wavelet-brdf")]
     pub(super) study: Study,
-    /// Write the frames of level-of-detail into this folder, the figure of codecs, or the mesh and the rays of rays.
+    /// Write the frames of level-of-detail into this folder, the figure of codecs or pareto, or the mesh and the rays of
+    /// rays.
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
     /// Texels of the reference plane per side, for flat-btf (default 128) and rays (default 64).
@@ -59,6 +62,9 @@ pub struct Arguments {
     /// Python with the packages of tests/peers/requirements.txt, by which codecs measures zfp and SZ3, too.
     #[arg(long, value_name = "PYTHON")]
     pub(super) peers: Option<PathBuf>,
+    /// Few settings of pareto, small grids and few cases of stress: seconds.
+    #[arg(long)]
+    pub(super) small: bool,
 }
 
 /// Studies of adaptive shading.
@@ -70,13 +76,16 @@ impl Arguments {
         let options = [("--directions", self.directions.as_ref()), ("--environment", self.environment.as_ref())];
         let inputs = self.inputs.iter().map(|input| ("INPUT", Some(input)));
         refuse_stdin_twice(&inputs.chain(options).collect::<Vec<_>>())?;
-        if self.study == Study::WaveletBrdf && !self.inputs.is_empty() {
-            let text = "INPUT: found with --study wavelet-brdf; allowed with the studies that draw (throughput, \
-                        codecs, level-of-detail and images: materials), and with flat-btf and rays (structures)";
-            return Err(CliError::Usage(text.into()));
+        if let (Study::WaveletBrdf | Study::Stress, Some(name)) = (self.study, self.study.to_possible_value())
+            && !self.inputs.is_empty()
+        {
+            let allowed = "allowed with the studies that draw (throughput, codecs, level-of-detail and images: materials), with \
+                           pareto (materials), and with flat-btf and rays (structures)";
+            return Err(CliError::Usage(format!("INPUT: found with --study {}; {allowed}", name.get_name())));
         }
-        if !matches!(self.study, Study::LevelOfDetail | Study::Codecs | Study::Rays) && self.out.is_some() {
-            let allowed = "allowed with --study level-of-detail, --study codecs and --study rays";
+        let writes = matches!(self.study, Study::LevelOfDetail | Study::Codecs | Study::Pareto | Study::Rays);
+        if !writes && self.out.is_some() {
+            let allowed = "allowed with --study level-of-detail, --study codecs, --study pareto and --study rays";
             return Err(CliError::Usage(format!("--out: found with another study; {allowed}")));
         }
         for (given, option, studies) in [
@@ -92,6 +101,7 @@ impl Arguments {
                 &[Study::Throughput, Study::Codecs, Study::LevelOfDetail, Study::Images],
             ),
             (self.peers.is_some(), "peers", &[Study::Codecs]),
+            (self.small, "small", &[Study::Pareto, Study::Stress]),
         ] {
             if given && !studies.contains(&self.study) {
                 let names: Vec<String> =

@@ -8,7 +8,9 @@ mod codecs;
 mod flat_btf;
 #[cfg(feature = "render")]
 mod on_adapter;
+mod pareto;
 mod rays;
+mod stress;
 mod wavelet;
 
 pub use arguments::Arguments;
@@ -37,6 +39,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         Study::WaveletBrdf => wavelet::run()?,
         Study::FlatBtf => flat_btf::run(arguments, common)?,
         Study::Rays => rays::run(arguments, common)?,
+        Study::Pareto => pareto::run(arguments, common)?,
+        Study::Stress => stress::run(arguments, common),
         #[cfg(feature = "render")]
         Study::Adaptive | Study::PixelBandwidth | Study::BandwidthDirections | Study::Antialiasing => {
             adaptive::run(arguments, common)?
@@ -55,13 +59,25 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         | Study::BandwidthDirections
         | Study::Antialiasing => return Err(CliError::without_renderer()),
     };
+    let broken = match &result {
+        StudyResult::Stress(study) => stress::broken(study),
+        _ => None,
+    };
     if common.json {
-        return print_json(&Report { version: 1, result });
+        print_json(&Report { version: 1, result })?;
+    } else {
+        print_text(&result)?;
     }
-    match &result {
+    broken.map_or(Ok(()), |text| Err(CliError::Check(text)))
+}
+
+fn print_text(result: &StudyResult) -> Result<(), CliError> {
+    match result {
         StudyResult::WaveletBrdf { rows } => print(&wavelet::text(rows)),
         StudyResult::FlatBtf { settings, rows } => print(&flat_btf::text(settings, rows)),
         StudyResult::Rays(study) => print(&rays::text(study)),
+        StudyResult::Pareto(study) => print(&pareto::text(study)),
+        StudyResult::Stress(study) => print(&stress::text(study)),
         #[cfg(feature = "render")]
         StudyResult::Adaptive { rows } => print(&adaptive::equal_error_text(rows)),
         #[cfg(feature = "render")]

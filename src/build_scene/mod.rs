@@ -1,29 +1,35 @@
 //! `brdfc build`: the main job.
 
-mod report;
+mod inputs;
+mod plan_text;
+mod text;
 
-pub use report::Report;
+pub(super) use inputs::read_manifest;
 
-use super::output::{make_folder, print, print_json, refuse_overwriting, remark, tell, to_json, write_file};
+use super::output::{make_folder, note, print, print_json, refuse_overwriting, remark, tell, write_file};
 use super::progress::Materials;
 use super::{CliError, Common, interrupt};
-use crate::table;
-use brdfc_jobs::encode::recipe::{Budget, PackRecipe};
+use brdfc_jobs::depfile::depfile;
+use brdfc_jobs::encode::bytes_from_text;
+use brdfc_jobs::encode::options::EncodeOptions;
+use brdfc_jobs::output_folder::Changes;
+use brdfc_jobs::report::build::BuildReport;
 use brdfc_jobs::report::material::remarks;
-use brdfc_jobs::scene::manifest::Manifest;
-use brdfc_jobs::scene::run::{Outcomes, Plan, pack_name, plan, run as run_jobs};
+use brdfc_jobs::scene::build::{BuildSettings, Built, build};
+use brdfc_jobs::scene::memory;
+use brdfc_jobs::scene::plan::REPORT;
 use brdfc_jobs::scene::scene_section::ENVIRONMENT;
-use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
-use brdfc_table::recipe::Size;
-use brdfc_wavelet::recipe::Target;
 use clap::Args;
 use std::path::{Path, PathBuf};
 
-/// Make the packs that a scene needs.
+/// Make the packs that a scene needs, or those of a folder of measured materials.
 ///
-/// The manifest names materials and the uses that a scene makes of them; docs/scene.md lists its keys. A material that
-/// no use refers to is not even opened. Packs of an earlier build are kept where source, options and program are the
-/// same. One material that fails does not stop the others.
+/// A manifest names materials and the uses that a scene makes of them; docs/scene.md lists its keys. A material that no
+/// use refers to is not even opened. Of folders, files and patterns each material is made, named after its file.
+///
+/// What was made before of the same source by the same options is kept. One material that fails does not stop the
+/// others. The output folder changes at the end, all at once, and then holds what report.json says, besides what
+/// others put there. An encoding option wins over the defaults of a manifest, not over what a material says of itself.
 ///
 /// Where the manifest names an environment that lights the scene (the key `environment` of `scene`), the maps of adaptive shading are
 /// made too: how fast each material's lobes and the environment vary, and importance samples of the lobes.
@@ -31,14 +37,16 @@ use std::path::{Path, PathBuf};
 #[command(after_help = "\
 Examples:
   brdfc build scene.toml
+  brdfc build scans --out packs
+  brdfc build scans/*.binary paint.brdf --max-delta-e 1
   brdfc build scene.toml --out assets/packs --jobs 4 --json > report.json
   brdfc build scene.toml --dry-run")]
 pub struct Arguments {
-    /// The scene manifest.
-    #[arg(value_name = "SCENE.toml")]
-    scene: PathBuf,
+    /// A scene manifest; or files, folders and patterns of measured materials, and synth: addresses.
+    #[arg(value_name = "SCENE.toml|DIR|FILE", required = true)]
+    inputs: Vec<String>,
     /// Folder for packs and reports.
-    #[arg(long, short, value_name = "DIR", default_value = "packs")]
+    #[arg(long, short, value_name = "DIR", default_value = DEFAULT_FOLDER)]
     out: PathBuf,
     /// Say what would be done, and do nothing.
     #[arg(long)]
@@ -46,167 +54,130 @@ pub struct Arguments {
     /// Make every pack again.
     #[arg(long)]
     no_cache: bool,
+    /// Leave files of earlier builds in the folder that this one does not need.
+    #[arg(long)]
+    keep: bool,
+    /// Replace files that no build wrote where packs have their names.
+    #[arg(long)]
+    force: bool,
+    /// Stop at the first material that fails or misses a limit, and leave the folder as it was.
+    #[arg(long)]
+    fail_fast: bool,
+    /// Memory that the materials which are worked on may take together, such as 2GiB (default: 300 MiB for each thread).
+    /// Fewer are worked on at a time where that is needed.
+    #[arg(long, value_name = "B", value_parser = bytes_from_text)]
+    memory: Option<u64>,
+    /// Write the files that the report depends on, as a rule for make or ninja.
+    #[arg(long, value_name = "FILE")]
+    depfile: Option<PathBuf>,
+    #[command(flatten, next_help_heading = "Encoding")]
+    options: EncodeOptions,
 }
 
-/// What a build says of itself, in the folder of its packs.
-const REPORT: &str = "report.json";
+/// Where packs go if nothing is said.
+pub(super) const DEFAULT_FOLDER: &str = "packs";
+/// Less is not enough for one material.
+const LEAST_MEMORY: u64 = 64 << 20;
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
-    let path = &arguments.scene;
-    let (_, manifest) = read_manifest(path)?;
-    let plan = plan(&manifest, path.parent().unwrap_or(Path::new("")));
-    let scene = manifest.scene.name.clone().unwrap_or_else(|| "scene".to_owned());
-    if arguments.dry_run {
-        return dry_run(arguments, common, &plan, &scene);
-    }
-
-    let inputs: Vec<&Path> = plan.sources().map(Path::new).chain([path.as_path()]).collect();
-    for file in plan.files().chain([REPORT.to_owned()]) {
-        refuse_overwriting("--out", &arguments.out.join(file), &inputs)?;
-    }
-    make_folder(&arguments.out)?;
-    let cancelled = interrupt::watch()?;
-    let total = plan.jobs.len() + usize::from(plan.environment.is_some());
-    let progress = Materials::new(total, plan.environment.is_some(), common, &cancelled);
-    let outcomes = run_jobs(&plan, &arguments.out, !arguments.no_cache, &progress);
-    drop(progress);
-
-    for outcome in &outcomes.materials {
-        match &outcome.result {
-            Ok(made) => {
-                let of_map = made.maps.as_ref().and_then(|maps| maps.bandwidth.facts.remark());
-                for line in remarks(&made.report).into_iter().chain(of_map) {
-                    remark(common, &format!("note: {}: {line}", outcome.name));
-                }
-                if let Some(missed) = &made.report.missed {
-                    tell(&format!("brdfc: {}: {missed}", outcome.name));
-                }
-            }
-            Err(error) => tell(&format!("brdfc: {}: {error}", outcome.name)),
+    let out = arguments.out.as_path();
+    let memory = match arguments.memory {
+        Some(bytes) if bytes < LEAST_MEMORY => {
+            return Err(CliError::Usage(format!("--memory: found {bytes} bytes; allowed 64MiB or more")));
         }
+        Some(bytes) => bytes,
+        None => memory::PER_THREAD * rayon::current_num_threads() as u64,
+    };
+    let asked = inputs::asked(&arguments.inputs, &arguments.options, common)?;
+    let plan = &asked.plan;
+    if plan.is_empty() {
+        return Err(CliError::Check(format!(
+            "nothing to build: found {}, and no use of any, in {}; allowed one or more ([[uses]], material = \"...\")",
+            match plan.skipped.len() {
+                1 => "one material".to_owned(),
+                count => format!("{count} materials"),
+            },
+            arguments.inputs.join(", "),
+        )));
     }
-    if let Some(Err(error)) = &outcomes.environment {
-        tell(&format!("brdfc: {ENVIRONMENT}: {error}"));
+    if arguments.dry_run {
+        if common.json {
+            return print_json(&BuildReport::planned(plan));
+        }
+        return print(&plan_text::text(plan, out));
     }
-    let lasting = to_json(&Report::new(&scene, &plan, &outcomes).lasting(&plan, &arguments.out));
-    write_file(&arguments.out.join(REPORT), lasting.as_bytes())?;
+
+    let inputs: Vec<&Path> = plan.sources().map(Path::new).chain(asked.manifest.as_deref()).collect();
+    for file in plan.files() {
+        refuse_overwriting("--out", &out.join(file), &inputs)?;
+    }
+    if let Some(file) = &arguments.depfile {
+        refuse_overwriting("--depfile", file, &inputs)?;
+    }
+    make_folder(out)?;
+    let interrupt = interrupt::watch()?;
+    let total = plan.jobs.len() + usize::from(plan.environment.is_some());
+    let progress = Materials::new(total, plan.environment.is_some(), common, interrupt.flag());
+    let settings = BuildSettings {
+        out,
+        looks_up: !arguments.no_cache,
+        keep: arguments.keep,
+        force: arguments.force,
+        fail_fast: arguments.fail_fast,
+        memory,
+        placing: interrupt.placing(),
+    };
+    let built = build(plan, &settings, &progress)?;
+    drop(progress);
+    tell_what_matters(&built, common);
+    if let Some(file) = &arguments.depfile {
+        write_file(file, depfile(&out.join(REPORT), &inputs).as_bytes())?;
+    }
     if common.json {
-        print_json(&Report::new(&scene, &plan, &outcomes))?;
+        print_json(&built.report)?;
     } else {
-        print(&report::text(&outcomes))?;
+        print(&text::text(&built.outcomes))?;
     }
     if !plan.skipped.is_empty() {
         remark(common, &format!("not used by the scene, not opened: {}", plan.skipped.join(", ")));
     }
-    worst(outcomes)
+    match &built.changes {
+        Some(changes) => tell_changes(changes, common),
+        None => tell(&format!("brdfc: {} is as it was before", out.display())),
+    }
+    text::verdict(built.outcomes)
 }
 
-/// A manifest with its text.
-pub(super) fn read_manifest(path: &Path) -> Result<(String, Manifest), CliError> {
-    let bytes = read_file(path, MAX_TEXT_BYTES)?;
-    let text = std::str::from_utf8(&bytes).map_err(|error| {
-        let line = 1 + bytes[..error.valid_up_to()].iter().filter(|b| **b == b'\n').count();
-        let byte = bytes[error.valid_up_to()];
-        CliError::Input(format!("{}: line {line}, text: found byte {byte:#04x}; allowed UTF-8", path.display()))
-    })?;
-    let manifest = Manifest::parse(text).map_err(|error| CliError::Input(format!("{}: {error}", path.display())))?;
-    Ok((text.to_owned(), manifest))
-}
-
-/// The failure with the highest exit code decides.
-fn worst(outcomes: Outcomes) -> Result<(), CliError> {
-    let count = outcomes.materials.len();
-    let missed = outcomes.materials.iter().filter_map(|o| o.result.as_ref().ok()?.report.missed.as_ref()).count();
-    let environment = outcomes.environment.and_then(Result::err);
-    let failures = outcomes.materials.into_iter().filter_map(|o| o.result.err());
-    let mut failures: Vec<CliError> = failures.map(CliError::from).collect();
-    let mut failed = Vec::new();
-    if !failures.is_empty() {
-        failed.push(format!("{} of {count} materials failed", failures.len()));
-    }
-    if missed > 0 {
-        failed.push(format!("{missed} of {count} materials missed their budget"));
-        failures.push(CliError::Check(String::new()));
-    }
-    if let Some(error) = environment {
-        failed.push("the environment failed".to_owned());
-        failures.push(error.into());
-    }
-    let Some(first) = failures.into_iter().max_by_key(|error| error.exit_code()) else { return Ok(()) };
-    let summary = failed.join(", ");
-    Err(match first {
-        CliError::Check(_) => CliError::Check(summary),
-        CliError::Usage(_) => CliError::Usage(summary),
-        CliError::Input(_) => CliError::Input(summary),
-        CliError::Io(_) => CliError::Io(summary),
-        other => other,
-    })
-}
-
-fn dry_run(arguments: &Arguments, common: Common, plan: &Plan, scene: &str) -> Result<(), CliError> {
-    if common.json {
-        return print_json(&Report::planned(scene, plan));
-    }
-    let rows: Vec<Vec<String>> = plan
-        .jobs
-        .iter()
-        .map(|job| {
-            vec![
-                job.name.clone(),
-                job.uses.to_string(),
-                codec(&job.recipe).to_owned(),
-                target(&job.recipe),
-                job.source.clone(),
-                arguments.out.join(pack_name(&job.name)).display().to_string(),
-            ]
-        })
-        .collect();
-    let header = ["material", "uses", "codec", "target", "source", "pack"];
-    let mut text = table::plain(&header, &rows);
-    if let Some(job) = &plan.environment {
-        let map = arguments.out.join(report::environment_file()).display().to_string();
-        text += &format!("lit by {}: {map}, and a bandwidth map and importance samples of each material\n", job.source);
-    }
-    if !plan.skipped.is_empty() {
-        text += &format!("not used by the scene: {}\n", plan.skipped.join(", "));
-    }
-    print(&text)
-}
-
-fn codec(recipe: &PackRecipe) -> &'static str {
-    match recipe {
-        PackRecipe::Auto(_) => "auto",
-        PackRecipe::Table(_) => "table",
-        PackRecipe::Wavelet(_) => "wavelet",
-    }
-}
-
-/// What a pack is made to, in words.
-fn target(recipe: &PackRecipe) -> String {
-    match recipe {
-        PackRecipe::Auto(recipe) => budget(&recipe.budget),
-        PackRecipe::Table(recipe) => match recipe.size {
-            Size::Bytes(bytes) => format!("at most {}", table::bytes(bytes)),
-            Size::Nodes(axes) => format!("{} x {} x {} x {}", axes.half, axes.difference, axes.azimuth, axes.layers),
-        },
-        PackRecipe::Wavelet(recipe) => {
-            let target = match recipe.target {
-                Target::Ratio(ratio) => format!("{ratio}:1"),
-                Target::MaxError(error) => format!("ε_r at most {}", table::percent(error)),
-                Target::MaxBytes(bytes) => format!("at most {}", table::bytes(bytes)),
-            };
-            let (grid, stored, levels) = (1u32 << recipe.levels, recipe.stored_levels, recipe.levels);
-            format!("{target}, {grid} x {grid}, {stored} of {levels} levels, {} bits", recipe.bits)
+/// Failures and misses, and notes on what was made.
+fn tell_what_matters(built: &Built, common: Common) {
+    for outcome in &built.outcomes.materials {
+        match &outcome.result {
+            Ok(made) => {
+                let of_map = made.maps.as_ref().and_then(|maps| maps.bandwidth.facts.remark());
+                for line in remarks(&made.report).into_iter().chain(of_map) {
+                    note(common, &outcome.name, &line);
+                }
+                let closed = made.gates.iter().filter(|gate| !gate.passed).map(ToString::to_string);
+                for line in made.report.missed.iter().cloned().chain(closed) {
+                    tell(&format!("brdfc: {}: {line}", outcome.name));
+                }
+            }
+            Err(error) if text::is_cancelled(error) => {}
+            Err(error) => tell(&format!("brdfc: {}: {error}", outcome.name)),
         }
     }
+    if let Some(Err(error)) = &built.outcomes.environment {
+        tell(&format!("brdfc: {ENVIRONMENT}: {error}"));
+    }
 }
 
-fn budget(budget: &Budget) -> String {
-    let limits = [
-        budget.delta_e.map(|limit| format!("ΔE at most {limit}")),
-        budget.error.map(|limit| format!("ε_r at most {}", table::percent(limit))),
-        budget.bytes.map(|limit| format!("at most {}", table::bytes(limit))),
-        budget.fetches.map(|limit| format!("at most {limit} fetches")),
-    ];
-    limits.into_iter().flatten().collect::<Vec<_>>().join(", ")
+fn tell_changes(changes: &Changes, common: Common) {
+    for (what, names) in [
+        ("removed, as this build does not need them", &changes.removed),
+        ("not needed, but changed by somebody since they were built, and left", &changes.left),
+    ] {
+        if !names.is_empty() {
+            remark(common, &format!("{what}: {}", names.join(", ")));
+        }
+    }
 }

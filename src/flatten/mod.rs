@@ -61,15 +61,24 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     recipe.check().map_err(|error| CliError::Usage(error.to_string()))?;
     make_folder(&arguments.out)?;
     arguments.write_images.as_deref().map(make_folder).transpose()?;
-    let cancelled = interrupt::watch()?;
-    let steps = Steps::new(common, &cancelled);
+    let interrupt = interrupt::watch()?;
+    let steps = Steps::new(common, interrupt.flag());
     let format = match arguments.image_format {
         Some(ImageFormat::Exr) => StackFormat::Exr,
         Some(ImageFormat::Png) | None => StackFormat::Png,
     };
     let images = arguments.write_images.as_deref().map(|folder| (folder, format));
     let relief = options.geometry.as_ref().map_or_else(|| PLANE.to_owned(), Input::to_string);
-    let job = FlattenJob { name: &name, folder: &arguments.out, recipe: &recipe, geometry, materials, values, images };
+    let job = FlattenJob {
+        name: &name,
+        folder: &arguments.out,
+        recipe: &recipe,
+        geometry,
+        materials,
+        values,
+        images,
+        placing: interrupt.placing(),
+    };
     let asset = flatten(job, &steps).map_err(|error| match error {
         FlattenError::Parameterise(error) => CliError::Input(format!("{relief}: {error}")),
         error => error.into(),

@@ -11,27 +11,21 @@ use brdfc_bandwidth::DEFAULT_EPSILON;
 use brdfc_bandwidth::facts::BandwidthFacts;
 use brdfc_bandwidth::map::environment_map;
 use brdfc_formats::BrdfPack;
-use brdfc_formats::bandwidth::{BandwidthKind, BandwidthMap};
-use brdfc_formats::importance::ImportancePack;
+use brdfc_formats::bandwidth::BandwidthMap;
 use brdfc_formats::wavelet::DEFAULT_DISTANCE_SCALE;
 use brdfc_formats::{FormatError, Pack};
 use brdfc_gpu::verify::PackReflectance;
 use brdfc_gpu::{AdapterChoice, AdaptiveRenderer, Decoding, Gpu, SliceFilter};
 use brdfc_jobs::report::adaptive::{AdaptivePictures, AdaptiveVerification};
 use brdfc_jobs::report::render::PartMaterial;
-use brdfc_jobs::scene::maps::part_name;
-use brdfc_jobs::scene::needs;
-use brdfc_jobs::scene::scene_section::ENVIRONMENT;
 use brdfc_metrics::image::{LinearImage, auto_exposure};
 use brdfc_render::adaptive::{
     AdaptiveMaterial, AdaptivePicture, AdaptiveScene, DistantLight, Lookups, Settings, Start, ground_truth,
 };
 use brdfc_render::scene::Frame;
 use brdfc_render::shade::Reflectance;
-use brdfc_source::pack::open_pack;
 use brdfc_source::pack::opened;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Samples per pixel of forward shading and of the ground truth where nothing is said.
@@ -60,7 +54,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let choice = arguments.adapter.clone().map_or(AdapterChoice::Best, AdapterChoice::Named);
     let gpu = Gpu::open(&choice)?;
     let prepared = materials::prepare(arguments, &subject, &setup.names, common)?;
-    let lookups = prepared.iter().map(|part| lookups(arguments, &subject, part)).collect::<Result<Vec<_>, _>>()?;
+    let lookups = prepared.iter().map(|part| lookups(part)).collect::<Result<Vec<_>, _>>()?;
     let map = environment(arguments, &subject, &setup.scene.environment)?;
     let light = DistantLight::new(&setup.scene.environment, map);
     let decoding = Decoding {
@@ -198,7 +192,7 @@ fn refuse(arguments: &Arguments) -> Result<(), CliError> {
 }
 
 /// What is looked up of a material: from the folder of a build where it is there, else from the source or the pack.
-fn lookups(arguments: &Arguments, subject: &Subject, prepared: &Prepared) -> Result<Lookups, CliError> {
+fn lookups(prepared: &Prepared) -> Result<Lookups, CliError> {
     let wrong = |error: FormatError| CliError::Internal(format!("{}: {error}", prepared.name));
     let unpacked;
     let source = match &prepared.source {
@@ -208,47 +202,12 @@ fn lookups(arguments: &Arguments, subject: &Subject, prepared: &Prepared) -> Res
             unpacked.as_ref()
         }
     };
-    match built(arguments, subject, &prepared.name)? {
-        Some((bandwidth, samples)) => Lookups::of_packs(source, bandwidth, samples).map_err(wrong),
-        None => Lookups::new(source).map_err(wrong),
+    match &prepared.maps[..] {
+        [Pack::Bandwidth(bandwidth), Pack::Importance(samples)] => {
+            Lookups::of_packs(source, bandwidth.clone(), samples.clone()).map_err(wrong)
+        }
+        _ => Lookups::new(source).map_err(wrong),
     }
-}
-
-/// Map and samples that a build wrote; neither where it wrote none.
-fn built(
-    arguments: &Arguments,
-    subject: &Subject,
-    name: &str,
-) -> Result<Option<(BandwidthMap, ImportancePack)>, CliError> {
-    let Some(folder) = maps_folder(arguments, subject) else { return Ok(None) };
-    let [map, samples] = ["bandwidth", "samples"].map(|part| folder.join(part_name(name, part)));
-    if !map.exists() && !samples.exists() {
-        return Ok(None);
-    }
-    let bandwidth = match open_pack(&map)? {
-        Pack::Bandwidth(bandwidth) if bandwidth.header().kind == BandwidthKind::Brdf => bandwidth,
-        other => return Err(no_such_pack(&map, &other, "the bandwidth map of a material")),
-    };
-    if let Some((missing, there)) =
-        [(&map, &samples), (&samples, &map)].into_iter().find(|(missing, _)| !missing.exists())
-    {
-        let text = format!("{}: found none beside {}; 'brdfc build' writes both", missing.display(), there.display());
-        return Err(CliError::Input(text));
-    }
-    match open_pack(&samples)? {
-        Pack::Importance(samples) => Ok(Some((bandwidth, samples))),
-        other => Err(no_such_pack(&samples, &other, "importance samples")),
-    }
-}
-
-fn no_such_pack(path: &Path, found: &Pack, allowed: &str) -> CliError {
-    CliError::Input(format!("{}: found {}; allowed {allowed}", path.display(), found.kind().name()))
-}
-
-/// The folder in which a build of this manifest left maps. Those of other scenes do not count: they may be old.
-fn maps_folder<'a>(arguments: &'a Arguments, subject: &Subject) -> Option<&'a PathBuf> {
-    subject.manifest().and_then(needs::environment)?;
-    arguments.packs.as_ref()
 }
 
 /// The environment's map: that of the build where the manifest's environment lights the scene, else made afresh.
@@ -257,14 +216,11 @@ fn environment(
     subject: &Subject,
     environment: &brdfc_render::scene::Environment,
 ) -> Result<BandwidthMap, CliError> {
-    if let (Some(folder), None) = (maps_folder(arguments, subject), &arguments.adaptive.environment) {
-        let path = folder.join(part_name(ENVIRONMENT, "bandwidth"));
-        if path.exists() {
-            return match open_pack(&path)? {
-                Pack::Bandwidth(map) if map.header().kind == BandwidthKind::Environment => Ok(map),
-                other => Err(no_such_pack(&path, &other, "the bandwidth map of an environment")),
-            };
-        }
+    if let (Subject::Scene { packs: Some(packs), environment: Some(job), .. }, None) =
+        (subject, &arguments.adaptive.environment)
+        && let Pack::Bandwidth(map) = packs.environment(job, &())?
+    {
+        return Ok(map);
     }
     environment_map(&environment.pixels, environment.width, DEFAULT_EPSILON)
         .map_err(|error| CliError::Internal(format!("environment: {error}")))

@@ -71,7 +71,8 @@ pub struct Arguments {
     /// What a pack was made from, to compare with; with --adaptive bandwidth and samples are those of its lobes.
     #[arg(long, value_name = "INPUT")]
     pub(super) source: Option<Input>,
-    /// Take the packs of a manifest from this folder, where 'brdfc build' put them, instead of encoding.
+    /// Draw the packs that 'brdfc build' put into this folder (default: packs, if one was built there). What was made of
+    /// something else than the manifest says now is made anew for the picture.
     #[arg(long, value_name = "DIR")]
     pub(super) packs: Option<PathBuf>,
     /// Compare whole tables too, all slices at 16 bits: what the grid alone loses.

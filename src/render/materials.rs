@@ -4,11 +4,12 @@ use super::arguments::Arguments;
 use crate::inputs::refuse_stdin_twice;
 use crate::output::{note, remark};
 use crate::{CliError, Common};
-use brdfc_formats::BrdfPack;
+use brdfc_formats::{BrdfPack, Pack};
 use brdfc_jobs::encode::encode;
 use brdfc_jobs::encode::recipe::PackRecipe;
+use brdfc_jobs::scene::current::PackFolder;
 use brdfc_jobs::scene::manifest::Manifest;
-use brdfc_jobs::scene::run::{Job, pack_name, plan};
+use brdfc_jobs::scene::plan::{EnvironmentJob, Job, plan};
 use brdfc_source::open::open;
 use brdfc_source::pack::open_brdf_pack;
 use brdfc_source::{Input, Source};
@@ -30,6 +31,10 @@ pub(super) enum Subject {
         manifest: Box<Manifest>,
         /// Its materials, all of them: a picture may show what no use refers to.
         jobs: Vec<Job>,
+        /// Its environment, if one lights it.
+        environment: Option<EnvironmentJob>,
+        /// Where its packs are, if they were built.
+        packs: Option<PackFolder>,
     },
     /// A pack.
     Pack,
@@ -56,6 +61,8 @@ pub(super) struct Prepared {
     pub(super) pack: BrdfPack,
     pub(super) source: Option<Box<dyn Source>>,
     pub(super) table: Option<BrdfPack>,
+    /// Bandwidth map and importance samples, where a folder of packs has them.
+    pub(super) maps: Vec<Pack>,
 }
 
 /// Reads the manifest, if the input is one, and checks which flags go with the input.
@@ -86,12 +93,28 @@ pub(super) fn subject(arguments: &Arguments) -> Result<Subject, CliError> {
             };
             let (text, manifest) = crate::build_scene::read_manifest(&path)?;
             let folder = path.parent().unwrap_or(Path::new(""));
-            let jobs = plan(&shown(&manifest), folder).jobs;
-            Ok(Subject::Scene { path, text, manifest: Box::new(manifest), jobs })
+            let plan = plan(&shown(&manifest), folder)?;
+            let (jobs, environment) = (plan.jobs, plan.environment);
+            let packs = pack_folder(arguments)?;
+            Ok(Subject::Scene { path, text, manifest: Box::new(manifest), jobs, environment, packs })
         }
         "ktx2" => Ok(Subject::Pack),
         _ => Ok(Subject::Source(Box::new(arguments.options.recipe()?))),
     }
+}
+
+/// The folder of packs that is named, or else that which a build without options fills.
+fn pack_folder(arguments: &Arguments) -> Result<Option<PackFolder>, CliError> {
+    let default = Path::new(crate::build_scene::DEFAULT_FOLDER);
+    let folder = match &arguments.packs {
+        Some(folder) if !folder.is_dir() => {
+            return Err(CliError::Io(format!("{}: cannot read: found no folder", folder.display())));
+        }
+        Some(folder) => folder,
+        None if PackFolder::is_one(default) => default,
+        None => return Ok(None),
+    };
+    PackFolder::open(folder).map(Some).map_err(|error| CliError::Io(error.to_string()))
 }
 
 /// The manifest with a use of each material, so that the plan has a job for it.
@@ -122,9 +145,9 @@ pub(super) fn prepare(
         .iter()
         .enumerate()
         .map(|(number, name)| {
-            let (prepared, missed) = prepare_one(arguments, subject, name)?;
-            if let Some(missed) = missed {
-                note(common, name, &missed);
+            let (prepared, notes) = prepare_one(arguments, subject, name)?;
+            for line in notes {
+                note(common, name, &line);
             }
             if wanted.len() > 1 {
                 remark(common, &format!("{} of {}: {name} ready", number + 1, wanted.len()));
@@ -134,28 +157,42 @@ pub(super) fn prepare(
         .collect()
 }
 
-/// A material, and what its pack misses of its budget.
-fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(Prepared, Option<String>), CliError> {
-    let (source, recipe, pack_file) = match subject {
-        Subject::Pack => (arguments.source.clone(), PackRecipe::default(), Some(arguments.input.clone())),
-        Subject::Source(recipe) => (Some(arguments.input.clone()), (**recipe).clone(), None),
+/// A material, and what there is to say of it.
+fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(Prepared, Vec<String>), CliError> {
+    let (input, recipe) = match subject {
+        Subject::Pack => (arguments.source.clone(), PackRecipe::default()),
+        Subject::Source(recipe) => (Some(arguments.input.clone()), (**recipe).clone()),
         Subject::Scene { jobs, .. } => {
-            let job = jobs.iter().find(|job| job.name == name).expect("names are materials of the manifest");
-            let pack = arguments.packs.as_ref().map(|folder| Input::File(folder.join(pack_name(name))));
-            (Some(Input::from(&job.source)), job.recipe.clone(), pack)
+            let job = job_of(jobs, name);
+            (Some(Input::from(&job.source)), job.recipe.clone())
         }
     };
-    let source = source.map(|input| open(&input, None)).transpose()?.map(|opened| opened.source);
-    if arguments.table && pack_file.is_none() && !matches!(recipe, PackRecipe::Wavelet(_)) {
+    let source = input.map(|input| open(&input, None)).transpose()?.map(|opened| opened.source);
+    if arguments.table && !matches!((subject, &recipe), (Subject::Pack, _) | (_, PackRecipe::Wavelet(_))) {
         return Err(no_table());
     }
-    let (pack, missed) = match (&pack_file, &source) {
-        (Some(file), _) => (open_brdf_pack(file)?, None),
-        (None, Some(source)) => {
-            let made = encode(source.as_ref(), &recipe.clone().without_measuring(), &())?;
-            (made.pack, made.missed)
+    let (pack, maps, notes) = match (subject, &source) {
+        (Subject::Scene { jobs, packs: Some(packs), .. }, _) => {
+            let current = packs.material(job_of(jobs, name), &())?;
+            let stale = current.stale.iter().map(|file| {
+                format!("{file} was made of something else: not drawn, but made anew; 'brdfc build' puts it in place")
+            });
+            let closed = current.gates.iter().filter(|gate| !gate.passed).map(ToString::to_string);
+            let notes = stale.chain(closed).chain(current.missed).collect();
+            let mut parts = current.parts.into_iter();
+            let pack = match parts.next() {
+                Some(Pack::Table(pack)) => BrdfPack::Table(pack),
+                Some(Pack::Wavelet(pack)) => BrdfPack::Wavelet(pack),
+                _ => return Err(CliError::Internal(format!("{name}: the store holds no pack"))),
+            };
+            (pack, parts.collect(), notes)
         }
-        (None, None) => return Err(CliError::Internal("nothing to draw".to_owned())),
+        (Subject::Pack, _) => (open_brdf_pack(&arguments.input)?, Vec::new(), Vec::new()),
+        (_, Some(source)) => {
+            let made = encode(source.as_ref(), &recipe.clone().without_measuring(), &())?;
+            (made.pack, Vec::new(), made.missed.into_iter().collect())
+        }
+        (_, None) => return Err(CliError::Internal("nothing to draw".to_owned())),
     };
     let table = match &source {
         Some(source) if arguments.table => {
@@ -183,7 +220,11 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(
         let text = "--lod: found with a table pack of one level; allowed with packs that have levels of detail";
         return Err(CliError::Usage(format!("{text} (--levels)")));
     }
-    Ok((Prepared { name: name.to_owned(), pack, source, table }, missed))
+    Ok((Prepared { name: name.to_owned(), pack, source, table, maps }, notes))
+}
+
+fn job_of<'a>(jobs: &'a [Job], name: &str) -> &'a Job {
+    jobs.iter().find(|job| job.name == name).expect("names are materials of the manifest")
 }
 
 /// What a whole table has in common with the pack.

@@ -132,9 +132,19 @@ fn the_cache_keeps_bytes_and_notices_every_change() {
     assert_same(&first, &folder.products("out"));
 
     folder.write("out/table.brdf.ktx2", b"broken");
-    assert_eq!(cached("table", &[]), (false, true), "a broken pack is made again");
-    folder.write("out/.brdfc-cache/table.bincode", b"broken");
-    assert_eq!(cached("table", &[]), (false, true), "and without its entry");
+    assert_eq!(cached("table", &[]), (true, true), "a broken pack is put in place again");
+    assert_same(&first, &folder.products("out"));
+    let kept = blake3::hash(&first["table.brdf.ktx2"]).to_hex();
+    folder.write("out/table.brdf.ktx2", b"broken");
+    folder.write(&format!("out/.brdfc-cache/objects/{kept}"), b"broken");
+    assert_eq!(cached("table", &[]), (false, true), "without a whole one it is made again");
+    for (name, bytes) in folder.files("out/.brdfc-cache/entries") {
+        let mut flipped = bytes;
+        let middle = flipped.len() / 2;
+        flipped[middle] ^= 4;
+        folder.write(&format!("out/.brdfc-cache/entries/{name}"), flipped);
+    }
+    assert_eq!(cached("table", &[]), (false, false), "nothing that an entry says is believed that was changed");
     std::fs::remove_file(folder.path().join("out/table.json")).unwrap();
     assert_eq!(cached("table", &[]), (true, true), "the list alone is cheap to write again");
     assert_same(&first, &folder.products("out"));

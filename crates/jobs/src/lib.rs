@@ -1,12 +1,14 @@
 //! The main job: a scene manifest becomes packs. What no use asks for is not opened, computed or written.
 
 pub mod btf_stack;
-pub mod cache;
+pub mod depfile;
 pub mod encode;
 pub mod flatten;
 mod keys;
+pub mod output_folder;
 pub mod report;
 pub mod scene;
 pub mod stage_clock;
+pub mod store;
 pub mod whole_number;
 pub mod write;

@@ -1,5 +1,6 @@
 //! Files that are whole or not there.
 
+use crate::store::{PREFIX, SUFFIX};
 use std::io::Write;
 use std::path::Path;
 
@@ -31,10 +32,12 @@ pub fn write_atomic(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
         return Err(std::io::Error::new(std::io::ErrorKind::NotFound, text));
     }
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".brdfc-").suffix(".tmp");
+    builder.prefix(PREFIX).suffix(SUFFIX);
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let mut file = builder.tempfile_in(folder).map_err(of_target)?;
+    // Whoever sweeps the folder sees that somebody works with it.
+    let _ = file.as_file().try_lock();
     file.write_all(bytes).map_err(of_target)?;
     file.flush().map_err(of_target)?;
     file.persist(path).map_err(|error| of_target(error.error))?;

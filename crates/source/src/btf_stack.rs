@@ -1,6 +1,7 @@
 //! Folders of images, one per view and light: a BTF as it was measured.
 
 use crate::InputError;
+use crate::exr_header::exr_headers;
 use brdfc_formats::FormatError;
 use brdfc_formats::colour::decode_srgb;
 use brdfc_formats::direction_set::DirectionSet;
@@ -93,6 +94,9 @@ impl BtfStack {
         }
         let path = self.folder.join(self.index.file(view, light));
         let mut reader = reader(&path)?;
+        if reader.format() == Some(ImageFormat::OpenExr) {
+            check_exr(&path)?;
+        }
         let mut limits = image::Limits::default();
         limits.max_image_width = Some(MAX_SIZE);
         limits.max_image_height = Some(MAX_SIZE);
@@ -195,6 +199,13 @@ fn reader(path: &Path) -> Result<ImageReader<std::io::BufReader<std::fs::File>>,
         Some(ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::OpenExr) => Ok(reader),
         _ => Err(format_error(path, FormatError::whole("image", "some other layout", "PNG, JPEG or EXR"))),
     }
+}
+
+/// The decoder has no limit of what it asks for to decode a block.
+fn check_exr(path: &Path) -> Result<(), InputError> {
+    let file = std::fs::File::open(path).map_err(|error| io_error(path, error))?;
+    let headers = exr_headers(std::io::BufReader::new(file), "a whole PNG, JPEG or EXR image");
+    headers.map(drop).map_err(|error| format_error(path, error))
 }
 
 fn image_size(path: &Path) -> Result<[u32; 2], InputError> {

@@ -2,17 +2,12 @@
 
 use super::Source;
 use super::error::InputError;
-use super::read::read_all;
-use super::recognise::{START_BYTES, wrong_contents};
-use super::scan::ScanSummary;
+use super::input::InputFile;
+use super::scan::{ScanSummary, StrayRows};
 use super::words::{bytes, percent};
-use brdfc_formats::FormatError;
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::table::{Axes, TableSymmetry};
 use brdfc_formats::{ErrorSummary, PictureSummary};
-use std::fs::File;
-use std::io::{Cursor, Read, Seek, SeekFrom};
-use std::path::Path;
 
 /// What kind of input it is, with what is worth knowing about it.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
@@ -132,6 +127,14 @@ impl Facts {
         }
     }
 
+    /// Rows of a scan that stray from the azimuth of incidence of the others.
+    pub fn stray_rows(&self) -> Option<StrayRows> {
+        match self {
+            Self::Scan { summary, .. } => summary.strays,
+            _ => None,
+        }
+    }
+
     /// Measured samples that came in; 0 for models.
     pub fn samples(&self) -> u64 {
         match self {
@@ -160,7 +163,9 @@ impl Facts {
             ],
             Self::Scan { wavelengths, alta, summary } => {
                 let s = summary;
-                let isotropic = if s.isotropic {
+                let isotropic = if s.strays.is_some() {
+                    "taken as isotropic: one azimuth of incidence, but for a few rows"
+                } else if s.isotropic {
                     "taken as isotropic: one azimuth of incidence"
                 } else {
                     "anisotropic: several azimuths of incidence"
@@ -182,6 +187,9 @@ impl Facts {
                 ];
                 if let Some(alta) = alta {
                     lines.insert(2, ("directions", alta.directions.clone()));
+                }
+                if let Some(strays) = s.strays {
+                    lines.push(("rows of another azimuth", strays.in_words()));
                 }
                 if let Some(left_out) = s.left_out {
                     lines.push(("rows left out, at or below the horizon", left_out.to_string()));
@@ -308,60 +316,4 @@ pub struct Format {
     pub name: &'static str,
     /// Reads it.
     pub(crate) open: fn(InputFile<'_>) -> Result<Opened, InputError>,
-}
-
-/// A file that is open, and not read yet.
-pub(crate) struct InputFile<'a> {
-    pub(crate) path: &'a Path,
-    pub(crate) file: Contents<'a>,
-    /// 0 for pipes.
-    pub(crate) length: u64,
-    /// The level of detail that is asked for.
-    pub(crate) level: Option<f32>,
-}
-
-impl InputFile<'_> {
-    /// Reads the whole file, and what is in it.
-    pub(crate) fn parse<T>(self, parse: impl FnOnce(&[u8]) -> Result<T, FormatError>) -> Result<T, InputError> {
-        let bytes = read_all(self.path, self.file, self.length)?;
-        parse(&bytes).map_err(|error| wrong_contents(self.path, &bytes, bytes.len() as u64, error))
-    }
-
-    /// The error of a layout that is not followed, with a hint where the file is of another kind than its name says.
-    pub(crate) fn wrong(mut self, error: FormatError) -> InputError {
-        let mut start = Vec::new();
-        let found = self.file.seek(SeekFrom::Start(0)).and_then(|_| {
-            let start_bytes = START_BYTES as u64;
-            self.file.take(start_bytes).read_to_end(&mut start)
-        });
-        // A pipe does not go back.
-        if found.is_err() {
-            start.clear();
-        }
-        wrong_contents(self.path, &start, self.length, error)
-    }
-}
-
-/// Bytes of an input: a file or a pipe, or what was read already.
-pub(crate) enum Contents<'a> {
-    File(File),
-    Memory(Cursor<&'a [u8]>),
-}
-
-impl Read for Contents<'_> {
-    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        match self {
-            Self::File(file) => file.read(buffer),
-            Self::Memory(bytes) => bytes.read(buffer),
-        }
-    }
-}
-
-impl Seek for Contents<'_> {
-    fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
-        match self {
-            Self::File(file) => file.seek(to),
-            Self::Memory(bytes) => bytes.seek(to),
-        }
-    }
 }

@@ -4,6 +4,7 @@ pub mod address;
 pub mod analytic;
 pub mod btf_stack;
 mod error;
+mod exr_header;
 pub mod flat_btf;
 mod format;
 mod input;

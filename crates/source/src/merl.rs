@@ -1,7 +1,9 @@
 //! MERL tables as a source.
 
 use super::error::InputError;
-use super::format::{Facts, Format, InputFile, Opened};
+use super::format::{Facts, Format, Opened};
+use super::input::InputFile;
+use super::read::{MAX_FILE_BYTES, check_length};
 use super::{Source, Symmetry, Tally};
 use brdfc_formats::direction::{DirectionPair, dot, half_vector};
 use brdfc_formats::measured::merl::{Merl, MerlError};
@@ -15,6 +17,7 @@ const SYMMETRY_TOLERANCE: f32 = 1e-5;
 pub(crate) const FORMAT: Format = Format { extension: "binary", name: "MERL", open };
 
 fn open(mut input: InputFile<'_>) -> Result<Opened, InputError> {
+    check_length(input.length, MAX_FILE_BYTES).map_err(|error| InputError::format(input.path, error))?;
     let table = match Merl::read(&mut input.file, input.length) {
         Ok(table) => table,
         Err(MerlError::Format(error)) => return Err(input.wrong(error)),

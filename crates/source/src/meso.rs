@@ -1,12 +1,12 @@
 //! Meso-geometry from files: meshes and height maps.
 
-use super::input::Input;
-use super::read::{MAX_FILE_BYTES, found_extension, open_path};
-use super::recognise::wrong_contents;
+use super::input::{Input, InputFile};
+use super::read::found_extension;
 use crate::InputError;
+use crate::exr_header::exr_headers;
 use brdfc_formats::FormatError;
 use brdfc_formats::meso::{TriangleMesh, obj, ply};
-use exr::prelude::{MetaData, ReadChannels, ReadLayers, ReadSpecificChannel, Text, read};
+use exr::prelude::{ReadChannels, ReadLayers, ReadSpecificChannel, Text, read};
 use std::io::Cursor;
 use std::ops::RangeInclusive;
 
@@ -51,16 +51,15 @@ pub fn open_meso(input: impl Into<Input>) -> Result<MesoInput, InputError> {
         "exr" => |bytes| heights_from_exr(bytes).map(MesoInput::Heights),
         _ => {
             // What is not there is told before what it is called.
-            if let Some(path) = input.path() {
-                open_path(path)?;
-            }
+            InputFile::of(&input, &mut ())?;
             let allowed = ".obj or .ply (mesh), .png or .exr (height map)";
             let error = FormatError::whole("file name", found_extension(&extension), allowed);
             return Err(InputError::format(input.named_path(), error));
         }
     };
-    let bytes = input.read(MAX_FILE_BYTES)?;
-    parse(&bytes).map_err(|error| wrong_contents(input.named_path(), &bytes, bytes.len() as u64, error))
+    let mut nobody = ();
+    let file = InputFile::of(&input, &mut nobody)?;
+    if extension == "obj" { file.parse_text(parse) } else { file.parse(parse) }
 }
 
 fn check_size(field: &'static str, width: usize, height: usize) -> Result<(), FormatError> {
@@ -123,11 +122,11 @@ pub fn heights_from_exr(bytes: &[u8]) -> Result<HeightMap, FormatError> {
     let allowed = "an EXR with a channel Y or R, or with one channel";
     let broken = |error: exr::error::Error| FormatError::whole("EXR", error.to_string(), "a whole EXR, not deep");
     // Sizes first: pixels are asked for only when they are few enough.
-    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(broken)?;
-    for header in &meta.headers {
+    let headers = exr_headers(Cursor::new(bytes), "a whole EXR, not deep")?;
+    for header in &headers {
         check_size("EXR", header.layer_size.x(), header.layer_size.y())?;
     }
-    let channels = meta.headers.first().map_or(&[][..], |header| &header.channels.list);
+    let channels = headers.first().map_or(&[][..], |header| &header.channels.list);
     let chosen = ["Y", "R"].iter().find_map(|name| channels.iter().find(|channel| channel.name == **name));
     let Some(channel) = chosen.or(if channels.len() == 1 { channels.first() } else { None }) else {
         let names: Vec<String> = channels.iter().take(8).map(|channel| channel.name.to_string()).collect();

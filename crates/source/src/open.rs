@@ -3,12 +3,10 @@
 pub use super::format::{Facts, Format, Opened};
 
 use super::error::InputError;
-use super::format::{Contents, InputFile};
-use super::input::Input;
-use super::read::{extension_of, found_extension, open_path};
+use super::input::{Input, InputFile};
+use super::read::{ReadListener, extension_of, found_extension};
 use super::{address, merl, pack, rgl, scan};
 use brdfc_formats::FormatError;
-use std::io::Cursor;
 use std::path::Path;
 
 /// Every kind of file that has reflectance.
@@ -34,14 +32,13 @@ pub fn open(input: impl Into<Input>, level: Option<f32>) -> Result<Opened, Input
             Ok(Opened { source: model, facts })
         }
         Input::File(path) => open_file(path, level),
-        Input::Stdin(stdin) => {
-            let bytes = stdin.bytes()?;
-            let file = Contents::Memory(Cursor::new(bytes));
-            let input_file = InputFile { path: input.named_path(), file, length: bytes.len() as u64, level };
+        Input::Stdin(_) => {
+            let mut nobody = ();
+            let input_file = InputFile { level, ..InputFile::of(&input, &mut nobody)? };
             match format_of(&input.extension()?) {
                 Some(format) => (format.open)(input_file),
                 None => {
-                    let found = if bytes.is_empty() { "nothing" } else { "no known layout" };
+                    let found = if input_file.length == 0 { "nothing" } else { "no known layout" };
                     let error = FormatError::whole("contents", found, known_files());
                     Err(input_file.wrong(error))
                 }
@@ -59,9 +56,16 @@ fn format_of(extension: &str) -> Option<&'static Format> {
 /// # Errors
 /// As [`open`].
 pub fn open_file(path: &Path, level: Option<f32>) -> Result<Opened, InputError> {
-    let (file, length) = open_path(path)?;
+    open_file_heard(path, level, &mut ())
+}
+
+/// [`open_file`], with somebody who hears of what is read.
+///
+/// # Errors
+/// As [`open`].
+pub fn open_file_heard(path: &Path, level: Option<f32>, listener: &mut dyn ReadListener) -> Result<Opened, InputError> {
+    let input_file = InputFile { level, ..InputFile::at(path, listener)? };
     let extension = extension_of(path);
-    let input_file = InputFile { path, file: Contents::File(file), length, level };
     // Before more than the start is read.
     let Some(format) = format_of(&extension) else {
         let allowed = format!("{}, or synth:MODEL", known_files());

@@ -1,10 +1,8 @@
 //! Packs as sources: what an engine would see.
 
 use super::error::InputError;
-use super::format::{Facts, Format, InputFile, Opened};
-use super::input::Input;
-use super::read::MAX_FILE_BYTES;
-use super::recognise::wrong_contents;
+use super::format::{Facts, Format, Opened};
+use super::input::{Input, InputFile};
 use super::{Source, Symmetry, Tally};
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::table::{TableDecoder, TablePack};
@@ -72,8 +70,7 @@ fn opened_table(pack: &TablePack, level: Option<f32>) -> Opened {
 /// Files that cannot be read; packs of no known kind, or that break the rules of their layout.
 pub fn open_pack(input: impl Into<Input>) -> Result<Pack, InputError> {
     let input = input.into();
-    let (path, bytes) = (input.named_path(), input.read(MAX_FILE_BYTES)?);
-    Pack::from_bytes(&bytes, file_name(path)).map_err(|error| wrong_contents(path, &bytes, bytes.len() as u64, error))
+    InputFile::of(&input, &mut ())?.parse(|bytes| Pack::from_bytes(bytes, file_name(input.named_path())))
 }
 
 /// Reads a pack of reflectances, of whichever codec.

@@ -1,13 +1,14 @@
 //! Images of radiance: OpenEXR and Radiance HDR.
 
 use crate::InputError;
-use crate::input::Input;
-use crate::read::MAX_FILE_BYTES;
-use crate::recognise::wrong_contents;
+use crate::exr_header::exr_headers;
+use crate::input::{Input, InputFile};
+use crate::read::{ReadListener, extension_of};
 use brdfc_formats::FormatError;
-use exr::prelude::{MetaData, ReadChannels, ReadLayers, read};
+use exr::prelude::{ReadChannels, ReadLayers, read};
 use image::{ImageFormat, ImageReader, Limits};
 use std::io::Cursor;
+use std::path::Path;
 
 /// Most pixels per row, and most rows.
 pub const MAX_SIDES: [usize; 2] = [8192, 4096];
@@ -29,9 +30,19 @@ pub struct RadianceImage {
 /// Files that cannot be read, or break the rules of [`from_exr`] and [`from_hdr`].
 pub fn open_radiance_image(input: impl Into<Input>) -> Result<RadianceImage, InputError> {
     let input = input.into();
-    let bytes = input.read(MAX_FILE_BYTES)?;
-    let read = if input.extension()? == "hdr" { from_hdr(&bytes) } else { from_exr(&bytes) };
-    read.map_err(|error| wrong_contents(input.named_path(), &bytes, bytes.len() as u64, error))
+    parse(InputFile::of(&input, &mut ())?, &input.extension()?)
+}
+
+/// [`open_radiance_image`] of a file, with somebody who hears of what is read.
+///
+/// # Errors
+/// As [`open_radiance_image`].
+pub fn open_radiance_image_heard(path: &Path, listener: &mut dyn ReadListener) -> Result<RadianceImage, InputError> {
+    parse(InputFile::at(path, listener)?, &extension_of(path))
+}
+
+fn parse(file: InputFile<'_>, extension: &str) -> Result<RadianceImage, InputError> {
+    file.parse(if extension == "hdr" { from_hdr } else { from_exr })
 }
 
 /// RGB of the first layer of an EXR that has them.
@@ -41,8 +52,7 @@ pub fn open_radiance_image(input: impl Into<Input>) -> Result<RadianceImage, Inp
 pub fn from_exr(bytes: &[u8]) -> Result<RadianceImage, FormatError> {
     let broken = |error: exr::error::Error| FormatError::whole("EXR", error.to_string(), "channels R, G and B");
     // Sizes first: pixels are asked for only when they are small enough.
-    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(broken)?;
-    for header in &meta.headers {
+    for header in exr_headers(Cursor::new(bytes), "channels R, G and B")? {
         check_size("EXR", header.layer_size.x(), header.layer_size.y())?;
     }
     let image = read()

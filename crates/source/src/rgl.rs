@@ -9,9 +9,11 @@ use brdfc_formats::FormatError;
 use brdfc_formats::colour::rgb_weights;
 use brdfc_formats::direction::{DirectionPair, Vector, half_vector};
 use brdfc_formats::measured::rgl::{Azimuths, Colour, Map, Rgl};
+use brdfc_formats::memory::reserved;
 
 use super::error::InputError;
-use super::format::{Facts, Format, InputFile, Opened};
+use super::format::{Facts, Format, Opened};
+use super::input::InputFile;
 use super::{Source, Symmetry, Tally};
 use warp::{Cell, Incidence, VisibleNormals};
 
@@ -79,11 +81,11 @@ impl RglSource {
             ));
         }
         let (Colour::Rgb(values) | Colour::Spectra { values, .. }) = &rgl.colour;
-        let colours = combine(values, &weights, rgl.colour_rows * rgl.colour_columns);
+        let colours = combine(values, &weights, rgl.colour_rows * rgl.colour_columns)?;
         if let Some(colour) = colours.iter().flatten().find(|v| !v.is_finite()) {
             return Err(FormatError::whole("linear RGB", colour.to_string(), "the range of single precision"));
         }
-        let visible = VisibleNormals::new(&rgl.vndf, rgl.vndf_rows, rgl.vndf_columns);
+        let visible = VisibleNormals::new(&rgl.vndf, rgl.vndf_rows, rgl.vndf_columns)?;
         let symmetry = symmetry(&rgl, &colours);
         let grey = colours.iter().all(|[r, g, b]| r == g && g == b);
         Ok(Self {
@@ -194,8 +196,8 @@ fn azimuth_to_unit(phi: f64) -> f64 {
 }
 
 /// Weighted sums over the channel axis: shape (incidence, channel, node) to (incidence, node) of RGB.
-fn combine(values: &[f32], weights: &[[f64; 3]], nodes: usize) -> Vec<[f32; 3]> {
-    let mut colours = Vec::with_capacity(values.len() / weights.len());
+fn combine(values: &[f32], weights: &[[f64; 3]], nodes: usize) -> Result<Vec<[f32; 3]>, FormatError> {
+    let mut colours = reserved("colours", values.len() / weights.len())?;
     for channels in values.chunks_exact(weights.len() * nodes) {
         for node in 0..nodes {
             let mut sum = [0.0; 3];
@@ -207,7 +209,7 @@ fn combine(values: &[f32], weights: &[[f64; 3]], nodes: usize) -> Vec<[f32; 3]> 
             colours.push(sum.map(|v| v as f32));
         }
     }
-    colours
+    Ok(colours)
 }
 
 /// Isotropic where the file says so and no table depends on the azimuth of incidence.

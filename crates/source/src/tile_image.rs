@@ -1,11 +1,11 @@
 //! Images that colour a surface or say where its materials are.
 
 use crate::InputError;
-use crate::input::Input;
-use crate::recognise::wrong_contents;
+use crate::input::{Input, InputFile};
 use brdfc_formats::FormatError;
 use brdfc_formats::colour::decode_srgb;
-use image::{ImageError, ImageFormat, ImageReader, Limits};
+use brdfc_formats::memory::reserved;
+use image::{DynamicImage, ImageBuffer, ImageError, ImageFormat, ImageReader, Limits, Pixel, Primitive};
 use std::io::Cursor;
 
 /// Most pixels along a side.
@@ -15,46 +15,69 @@ const MAX_BYTES: u64 = 1 << 30;
 /// Most memory that decoding may take: four channels of 16 bits for the most pixels.
 const MAX_DECODER_BYTES: u64 = 8 * (MAX_SIZE as u64).pow(2);
 
-/// An image of four channels, 0 to 1 as they stand in the file; row 0 is the top.
+/// An image of `N` channels; row 0 is the top.
 #[derive(Debug, Clone, PartialEq)]
-pub struct FileImage {
+pub struct FileImage<const N: usize> {
     /// Pixels per row.
     pub width: usize,
     /// Rows.
     pub height: usize,
-    channels: Vec<[f32; 4]>,
-    /// Whether the file has a fourth channel.
-    has_alpha: bool,
+    /// Row by row.
+    pub pixels: Vec<[f32; N]>,
 }
 
-impl FileImage {
-    /// Linear RGB of sRGB codes.
-    pub fn colours(&self) -> Vec<[f32; 3]> {
-        let linear = |c: f32| decode_srgb(f64::from(c)) as f32;
-        self.channels.iter().map(|[r, g, b, _]| [*r, *g, *b].map(linear)).collect()
-    }
-
-    /// The channels as they are; the fourth is 0 where the file has none.
-    pub fn shares(&self) -> Vec<[f32; 4]> {
-        let fourth = if self.has_alpha { 1.0 } else { 0.0 };
-        self.channels.iter().map(|[r, g, b, a]| [*r, *g, *b, fourth * a]).collect()
-    }
-}
-
-/// Reads a PNG or JPEG of 8 or 16 bits.
+/// Reads a PNG or JPEG of 8 or 16 bits: linear RGB of its sRGB codes.
 ///
 /// # Errors
 /// Files that cannot be read, are no such image, or are larger than 8192 pixels along a side.
-pub fn open_tile_image(input: impl Into<Input>) -> Result<FileImage, InputError> {
-    let input = input.into();
-    let path = input.named_path();
-    let bytes = input.read(MAX_BYTES)?;
-    let wrong = |found: String| {
-        let error = FormatError::whole("image", found, "a whole PNG or JPEG of at most 8192 pixels along a side");
-        wrong_contents(path, &bytes, bytes.len() as u64, error)
+pub fn open_colours(input: impl Into<Input>) -> Result<FileImage<3>, InputError> {
+    let linear = |c: f32| decode_srgb(f64::from(c)) as f32;
+    open(&input.into(), |[r, g, b, _], _| [r, g, b].map(linear))
+}
+
+/// Reads a PNG or JPEG of 8 or 16 bits: its channels as they stand in the file, 0 to 1; the fourth is 0 where it has none.
+///
+/// # Errors
+/// As [`open_colours`].
+pub fn open_shares(input: impl Into<Input>) -> Result<FileImage<4>, InputError> {
+    open(&input.into(), |[r, g, b, a], has_alpha| [r, g, b, if has_alpha { a } else { 0.0 }])
+}
+
+/// Reads an image; of each pixel what `of` makes of its RGBA, and of whether the file has a fourth channel.
+fn open<const N: usize>(input: &Input, of: impl Fn([f32; 4], bool) -> [f32; N]) -> Result<FileImage<N>, InputError> {
+    let decoded = InputFile::of(input, &mut ())?.parse_within(MAX_BYTES, decode)?;
+    let of = |pixel| of(pixel, decoded.color().has_alpha());
+    let pixels = match &decoded {
+        DynamicImage::ImageLuma8(image) => convert(image, of),
+        DynamicImage::ImageLumaA8(image) => convert(image, of),
+        DynamicImage::ImageRgb8(image) => convert(image, of),
+        DynamicImage::ImageRgba8(image) => convert(image, of),
+        DynamicImage::ImageLuma16(image) => convert(image, of),
+        DynamicImage::ImageLumaA16(image) => convert(image, of),
+        DynamicImage::ImageRgb16(image) => convert(image, of),
+        DynamicImage::ImageRgba16(image) => convert(image, of),
+        other => Err(FormatError::whole("image", format!("{:?}", other.color()), "8 or 16 bits")),
     };
+    let pixels = pixels.map_err(|error| InputError::format(input.named_path(), error))?;
+    Ok(FileImage { width: decoded.width() as usize, height: decoded.height() as usize, pixels })
+}
+
+/// Straight from what was decoded: a copy of four floats for each pixel is more than all the rest.
+fn convert<P: Pixel<Subpixel: Into<f32>>, const N: usize>(
+    image: &ImageBuffer<P, Vec<P::Subpixel>>,
+    of: impl Fn([f32; 4]) -> [f32; N],
+) -> Result<Vec<[f32; N]>, FormatError> {
+    let white: f32 = P::Subpixel::DEFAULT_MAX_VALUE.into();
+    let mut pixels = reserved("pixels", image.width() as usize * image.height() as usize)?;
+    pixels.extend(image.pixels().map(|pixel| of(pixel.to_rgba().0.map(|code| code.into() / white))));
+    Ok(pixels)
+}
+
+fn decode(bytes: &[u8]) -> Result<DynamicImage, FormatError> {
+    let wrong =
+        |found: String| FormatError::whole("image", found, "a whole PNG or JPEG of at most 8192 pixels along a side");
     let reader =
-        || ImageReader::new(Cursor::new(&bytes)).with_guessed_format().map_err(|error| InputError::io(path, error));
+        || ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| wrong(error.to_string()));
     let format = reader()?.format();
     if !matches!(format, Some(ImageFormat::Png | ImageFormat::Jpeg)) {
         return Err(wrong(format.map_or("some other layout".to_owned(), |format| format!("{format:?}"))));
@@ -69,12 +92,7 @@ pub fn open_tile_image(input: impl Into<Input>) -> Result<FileImage, InputError>
     (limits.max_image_width, limits.max_image_height) = (Some(MAX_SIZE), Some(MAX_SIZE));
     limits.max_alloc = Some(MAX_DECODER_BYTES);
     reader.limits(limits);
-    let decoded = reader.decode().map_err(|error| wrong(in_words(error)))?;
-    let has_alpha = decoded.color().has_alpha();
-    let image = decoded.into_rgba32f();
-    let (width, height) = (image.width() as usize, image.height() as usize);
-    let channels = image.pixels().map(|pixel| pixel.0).collect();
-    Ok(FileImage { width, height, channels, has_alpha })
+    reader.decode().map_err(|error| wrong(in_words(error)))
 }
 
 fn in_words(error: ImageError) -> String {
@@ -88,11 +106,11 @@ fn in_words(error: ImageError) -> String {
 mod tests {
     use super::*;
 
-    fn opened(name: &str, bytes: &[u8]) -> Result<FileImage, String> {
+    fn opened(name: &str, bytes: &[u8]) -> Result<FileImage<3>, String> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(name);
         std::fs::write(&path, bytes).unwrap();
-        open_tile_image(&path).map_err(|error| error.to_string())
+        open_colours(&path).map_err(|error| error.to_string())
     }
 
     fn encoded(image: image::DynamicImage, format: ImageFormat) -> Vec<u8> {
@@ -107,7 +125,7 @@ mod tests {
         for format in [ImageFormat::Png, ImageFormat::Jpeg] {
             let image = opened("a", &encoded(grey(255), format)).unwrap();
             assert_eq!((image.width, image.height), (9, 5));
-            assert!(image.colours().iter().flatten().all(|c| (c - 1.0).abs() < 0.02), "{format:?}");
+            assert!(image.pixels.iter().flatten().all(|c| (c - 1.0).abs() < 0.02), "{format:?}");
         }
         let exr = encoded(image::DynamicImage::from(grey(255).into_rgb32f()), ImageFormat::OpenExr);
         let error = opened("a.png", &exr).unwrap_err();

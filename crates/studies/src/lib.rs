@@ -9,9 +9,11 @@ pub mod flat_btf;
 pub mod images;
 #[cfg(feature = "render")]
 pub mod level_of_detail;
+pub mod pareto;
 #[cfg(feature = "render")]
 mod rates;
 pub mod rays;
+pub mod stress;
 #[cfg(feature = "render")]
 pub mod throughput;
 mod timing;
@@ -37,6 +39,12 @@ pub enum Study {
     /// Packs beside what could be used instead: zfp, SZ3, BC6H and BC7, a fitted GGX. Bytes, times, errors; with --out
     /// codecs.svg. Takes minutes.
     Codecs,
+    /// Run time against error: codecs, sizes, grids, bits and smoothing swept, and which settings no other beats. Takes minutes for
+    /// each material; with --out pareto.svg.
+    Pareto,
+    /// Every stage at the ends of its range, against double precision: the worst error, the bound that it must hold, and why. Exit
+    /// code 1 if one does not.
+    Stress,
     /// Section 6.3, figure 10: a terrain with and without levels of detail, time per level, flicker.
     LevelOfDetail,
     /// Section 6.3, figure 9: colour differences on a cloth, shader against source, 4:1 and 8 bits.
@@ -70,6 +78,10 @@ pub enum StudyResult {
     },
     /// Rays per second.
     Rays(rays::RayStudy),
+    /// Run time against error.
+    Pareto(pareto::ParetoStudy),
+    /// Errors at the ends of ranges.
+    Stress(stress::StressStudy),
     /// Evaluations per second.
     #[cfg(feature = "render")]
     Throughput(throughput::Throughput),

@@ -4,7 +4,7 @@
 //! the Khronos validator and holds incoming files to the few shapes that packs have.
 
 use super::texel_format::TexelFormat;
-use crate::FormatError;
+use crate::{FormatError, memory};
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -316,7 +316,10 @@ fn texels(level: &ktx2::Level<'_>, scheme: u32, size: u64) -> Result<Vec<u8>, Fo
             if size > (level.data.len() as u64 / 4 + 1) << 17 {
                 return Err(refused(format!("{} bytes, too few for that", level.data.len())));
             }
-            let texels = zstd::bulk::decompress(level.data, size as usize).map_err(|e| refused(e.to_string()))?;
+            let mut texels = memory::reserved("texels", size as usize)?;
+            zstd::bulk::Decompressor::new()
+                .and_then(|mut decompressor| decompressor.decompress_to_buffer(level.data, &mut texels))
+                .map_err(|error| refused(error.to_string()))?;
             if texels.len() as u64 == size { Ok(texels) } else { Err(refused(format!("{} bytes", texels.len()))) }
         }
         other => {

@@ -207,7 +207,7 @@ fn flat_btf_tap_weight(tap: FlatBtfTap, upper: u32) -> f32 {
     return select(1.0 - tap.weight, tap.weight, upper == 1u);
 }
 
-// atan2(y, x) for y >= 0, in [0, π], within 2.5e-7 of the exact angle: an odd minimax polynomial on [0, 1]. The
+// atan2(y, x) for y >= 0, in [0, π], within 3e-7 of the exact angle: an odd minimax polynomial on [0, 1]. The
 // built-in function of a GPU may be off by 1e-5 and more, which moves filter weights.
 fn flat_btf_atan2(y: f32, x: f32) -> f32 {
     let ax = abs(x);

@@ -1,9 +1,9 @@
 //! Tables of the library ALTA as text, `.dat`: scattered measurements whose header names how directions and values are
 //! written. Layout: `formats/src/measured/alta.md`.
 
-use super::scan::{Scan, check_value, checked_row, number, quoted, utf8};
-use crate::FormatError;
+use super::scan::{Scan, check_value, checked_row, number, quoted};
 use crate::direction::Vector;
+use crate::{FormatError, text};
 use std::f64::consts::TAU;
 
 /// Rows whose outgoing direction has a smaller cosine to the normal say nothing about `f_r` where values hold that cosine.
@@ -76,10 +76,10 @@ impl AltaTable {
     /// Text that is not UTF-8, a header that lacks `DIM`, `PARAM_IN` or `PARAM_OUT` or names what is not known, rows of
     /// another length, numbers that do not parse, values out of range, no rows above the horizon.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        let text = utf8(bytes)?;
+        let text = text::checked(bytes)?;
         let header = Header::read(text)?;
         let width = header.directions.numbers + header.channels;
-        let (mut rows, mut left_out) = (Vec::new(), 0);
+        let (mut scan, mut left_out) = (Scan::default(), 0);
         for (line, content) in (1u64..).zip(text.lines()).filter(|(_, content)| !content.trim_start().starts_with('#'))
         {
             let tokens: Vec<&str> = content.split_ascii_whitespace().collect();
@@ -113,14 +113,13 @@ impl AltaTable {
             if header.directions.is_isotropic() {
                 (phi_i, phi_o) = (0.0, phi_o - phi_i);
             }
-            rows.push(checked_row([theta_i, phi_i, theta_o, phi_o], value, line)?);
+            scan.push(checked_row([theta_i, phi_i, theta_o, phi_o], value, line)?, line)?;
         }
-        if rows.is_empty() {
+        if scan.rows.is_empty() {
             let found = if left_out == 0 { "none".to_owned() } else { format!("{left_out}, none above the horizon") };
             return Err(FormatError::whole("rows", found, "at least one measurement"));
         }
         let (directions, values) = (header.directions.name, header.values.name);
-        let scan = Scan { wavelengths: Vec::new(), rows };
         Ok(Self { scan, left_out, directions, values, channels: header.channels })
     }
 }

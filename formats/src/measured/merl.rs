@@ -1,6 +1,6 @@
 //! MERL `.binary`: a dense isotropic table over half and difference angles. Layout: `formats/src/measured/merl.md`.
 
-use crate::FormatError;
+use crate::{FormatError, memory};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::io::{Read, Seek, SeekFrom, Write};
 
@@ -108,8 +108,8 @@ impl Merl {
     /// Reads a file of known `length`, through small buffers that walk along the three colour planes side by side.
     ///
     /// # Errors
-    /// Dimensions out of range or not matching `length`, a read that ends early or fails, NaN, infinite or absurd
-    /// numbers, no valid cell at all.
+    /// Dimensions out of range or not matching `length`, more cells than there is memory for, a read that ends early or
+    /// fails, NaN, infinite or absurd numbers, no valid cell at all.
     pub fn read(mut input: impl Read + Seek, length: u64) -> Result<Self, MerlError> {
         const BLOCK: usize = 1 << 13;
         let mut header = [0u8; HEADER_BYTES as usize];
@@ -120,9 +120,11 @@ impl Merl {
         let dimensions = Dimensions::from_header(&header, length)?;
 
         let cells = dimensions.cells();
-        let mut values = vec![[0.0f32; 3]; cells];
+        let mut values: Vec<[f32; 3]> = memory::reserved("table", cells)?;
         let mut buffer = vec![0u8; 8 * BLOCK.min(cells)];
-        for (block, block_values) in values.chunks_mut(BLOCK).enumerate() {
+        for block in 0..cells.div_ceil(BLOCK) {
+            values.resize(cells.min((block + 1) * BLOCK), [0.0; 3]);
+            let block_values = &mut values[block * BLOCK..];
             for (channel, scale) in SCALES.into_iter().enumerate() {
                 let offset = HEADER_BYTES + 8 * (channel * cells + block * BLOCK) as u64;
                 let bytes = &mut buffer[..8 * block_values.len()];

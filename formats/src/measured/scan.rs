@@ -1,11 +1,13 @@
 //! Scattered gonioreflectometer scans as text, `.brdf`. Layout: `formats/src/measured/scan.md`.
 
-use crate::{FormatError, colour};
+use crate::{FormatError, colour, memory, text};
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::io::Write;
 
 /// Most wavelengths of a scan.
 pub const MAX_WAVELENGTHS: usize = 10_000;
+/// Most rows of a scan.
+pub const MAX_ROWS: usize = 1 << 22;
 /// Largest value a row may hold, 1/sr.
 pub const MAX_VALUE: f64 = 1e12;
 /// How far past the horizon a polar angle may lie and still count as rounding, radians; it is then set to π/2.
@@ -27,29 +29,37 @@ pub struct Row {
 }
 
 /// A scattered scan in memory, at least one row, in the order of the file.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Scan {
     /// Wavelengths in nm, strictly increasing; empty when the file held RGB.
     pub wavelengths: Vec<f64>,
-    /// Measurements.
+    /// Measurements, at most [`MAX_ROWS`].
     pub rows: Vec<Row>,
+    /// Line of the file that each row starts at; empty where there is no file.
+    pub lines: Vec<u64>,
 }
 
 impl Scan {
+    /// Takes in a row that starts at `line` of the file.
+    pub(super) fn push(&mut self, row: Row, line: u64) -> Result<(), FormatError> {
+        memory::push_within(&mut self.rows, row, MAX_ROWS, "rows")?;
+        memory::push_within(&mut self.lines, line, MAX_ROWS, "rows")
+    }
+
     /// Parses the text layout.
     ///
     /// # Errors
-    /// Text that is not UTF-8, counts and numbers that do not parse, angles out of range, rows of the wrong length,
-    /// no rows.
+    /// What is no text, counts and numbers that do not parse, angles out of range, rows of the wrong length, no rows,
+    /// more than [`MAX_ROWS`].
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        let text = utf8(bytes)?;
+        let text = text::checked(bytes)?;
         let mut lines = (1u64..).zip(text.lines().map(|line| line.split('#').next().unwrap_or("")));
         let (wavelengths, header_end) = read_wavelengths(&mut lines, text.len())?;
         let weights = colour::rgb_weights(&wavelengths)
             .map_err(|error| FormatError::at_line(header_end, error.field, error.found, error.allowed))?;
 
         let width = 4 + wavelengths.len();
-        let mut rows = Vec::new();
+        let mut scan = Self { wavelengths, ..Self::default() };
         let mut numbers = Vec::with_capacity(width);
         let mut start = 0;
         let mut last = header_end;
@@ -72,7 +82,7 @@ impl Scan {
                         value[channel] += weight[channel] * spectral;
                     }
                 }
-                rows.push(checked_row([numbers[0], numbers[1], numbers[2], numbers[3]], value, start)?);
+                scan.push(checked_row([numbers[0], numbers[1], numbers[2], numbers[3]], value, start)?, start)?;
                 numbers.clear();
             }
         }
@@ -81,13 +91,13 @@ impl Scan {
                 start,
                 "row",
                 format!("{} numbers up to line {last}", numbers.len()),
-                format!("{width} numbers: 4 angles and a spectrum of {}", wavelengths.len()),
+                format!("{width} numbers: 4 angles and a spectrum of {}", scan.wavelengths.len()),
             ));
         }
-        if rows.is_empty() {
+        if scan.rows.is_empty() {
             return Err(FormatError::at_line(last, "rows", "no measurements", "at least one row after the header"));
         }
-        Ok(Self { wavelengths, rows })
+        Ok(scan)
     }
 }
 
@@ -180,16 +190,6 @@ fn read_wavelengths<'a>(
         if count.is_none() { "end of data".to_owned() } else { format!("end of data after {}", wavelengths.len()) },
         count.map_or("a number".to_owned(), |n| format!("{n} wavelengths")),
     ))
-}
-
-/// The text, without the byte order mark that some editors put before it.
-pub(crate) fn utf8(bytes: &[u8]) -> Result<&str, FormatError> {
-    let text = std::str::from_utf8(bytes).map_err(|error| {
-        let good = &bytes[..error.valid_up_to()];
-        let line = 1 + good.iter().filter(|byte| **byte == b'\n').count() as u64;
-        FormatError::at_line(line, "text", format!("byte {:#04x}", bytes[error.valid_up_to()]), "UTF-8")
-    })?;
-    Ok(text.strip_prefix('\u{feff}').unwrap_or(text))
 }
 
 pub(crate) fn quoted(token: &str) -> String {

@@ -1,9 +1,9 @@
 //! Scattered scans as CSV with RGB columns. Layout: `formats/src/measured/scan_csv.md`.
 
 use super::scan::{self, Row, Scan, number};
-use crate::FormatError;
 use crate::direction::{Vector, dot};
-use std::io::Write;
+use crate::{FormatError, memory, text};
+use std::io::{Read, Write};
 
 /// Columns of a scan in angles, radians.
 pub const ANGLE_COLUMNS: [&str; 7] = ["theta_i", "phi_i", "theta_o", "phi_o", "r", "g", "b"];
@@ -11,17 +11,18 @@ pub const ANGLE_COLUMNS: [&str; 7] = ["theta_i", "phi_i", "theta_o", "phi_o", "r
 pub const VECTOR_COLUMNS: [&str; 9] = ["wi_x", "wi_y", "wi_z", "wo_x", "wo_y", "wo_z", "f_r", "f_g", "f_b"];
 /// Columns that make a list of direction pairs.
 pub const DIRECTION_COLUMNS: [&str; 6] = ["wi_x", "wi_y", "wi_z", "wo_x", "wo_y", "wo_z"];
+/// Most direction pairs of a list.
+pub const MAX_DIRECTION_PAIRS: usize = 1 << 24;
 
 /// Parses a CSV scan: a header of [`ANGLE_COLUMNS`] or [`VECTOR_COLUMNS`], then one measurement per record.
 pub fn from_bytes(bytes: &[u8]) -> Result<Scan, FormatError> {
-    scan::utf8(bytes)?;
     let mut table = Table::open(bytes)?;
     let columns = if table.header.iter().any(|name| name == "theta_i") {
         table.find(&ANGLE_COLUMNS)?
     } else {
         table.find(&VECTOR_COLUMNS)?
     };
-    let mut rows = Vec::new();
+    let mut scan = Scan::default();
     while let Some((line, n)) = table.next_numbers(&columns)? {
         let value = [n[n.len() - 3], n[n.len() - 2], n[n.len() - 1]];
         for channel in value {
@@ -35,24 +36,23 @@ pub fn from_bytes(bytes: &[u8]) -> Result<Scan, FormatError> {
             let [theta_o, phi_o] = to_polar(outgoing);
             [theta_i, phi_i, theta_o, phi_o]
         };
-        rows.push(scan::checked_row(angles, value, line)?);
+        scan.push(scan::checked_row(angles, value, line)?, line)?;
     }
-    if rows.is_empty() {
+    if scan.rows.is_empty() {
         return Err(FormatError::whole("rows", "no measurements", "at least one record after the header"));
     }
-    Ok(Scan { wavelengths: Vec::new(), rows })
+    Ok(scan)
 }
 
 /// Parses a list of direction pairs: a header that holds [`DIRECTION_COLUMNS`], in any order, other columns ignored.
 ///
 /// Directions below the horizon are allowed here: `f_r` is zero there.
 pub fn directions_from_bytes(bytes: &[u8]) -> Result<Vec<(Vector, Vector)>, FormatError> {
-    scan::utf8(bytes)?;
     let mut table = Table::open(bytes)?;
     let columns = table.find(&DIRECTION_COLUMNS)?;
     let mut pairs = Vec::new();
     while let Some((line, n)) = table.next_numbers(&columns)? {
-        pairs.push(unit_vectors(&n, line)?);
+        memory::push_within(&mut pairs, unit_vectors(&n, line)?, MAX_DIRECTION_PAIRS, "rows")?;
     }
     Ok(pairs)
 }
@@ -73,15 +73,36 @@ pub fn write(output: &mut impl Write, rows: &[Row]) -> std::io::Result<()> {
 
 /// A CSV file with named columns of numbers.
 pub(crate) struct Table<'a> {
-    reader: csv::Reader<&'a [u8]>,
+    reader: csv::Reader<Records<'a>>,
     header: Vec<String>,
+}
+
+/// The bytes of a table, so many at a time as a record may have: what is quoted could be as long as the file.
+struct Records<'a> {
+    bytes: &'a [u8],
+    left: usize,
+}
+
+impl Read for Records<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let count = buffer.len().min(self.left).min(self.bytes.len());
+        if count == 0 && !self.bytes.is_empty() {
+            return Err(std::io::Error::other(text::too_long("record")));
+        }
+        let (next, rest) = self.bytes.split_at(count);
+        buffer[..count].copy_from_slice(next);
+        (self.bytes, self.left) = (rest, self.left - count);
+        Ok(count)
+    }
 }
 
 impl<'a> Table<'a> {
     /// Reads the header.
     pub(crate) fn open(bytes: &'a [u8]) -> Result<Self, FormatError> {
-        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(bytes);
-        let header = reader.headers().map_err(|error| csv_error(&error))?;
+        text::checked(bytes)?;
+        let records = Records { bytes, left: text::MAX_LINE_BYTES };
+        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(records);
+        let header = reader.headers().map_err(|error| csv_error(&error, 1))?;
         let header: Vec<String> = header.iter().map(str::to_owned).collect();
         if header.is_empty() {
             return Err(FormatError::whole("header", "an empty file", "a line of column names"));
@@ -111,8 +132,10 @@ impl<'a> Table<'a> {
         &mut self,
         columns: &[(usize, &'static str)],
     ) -> Result<Option<(u64, Vec<f64>)>, FormatError> {
+        self.reader.get_mut().left = text::MAX_LINE_BYTES;
         let mut record = csv::StringRecord::new();
-        if !self.reader.read_record(&mut record).map_err(|error| csv_error(&error))? {
+        let start = self.reader.position().line();
+        if !self.reader.read_record(&mut record).map_err(|error| csv_error(&error, start))? {
             return Ok(None);
         }
         let line = record.position().map_or(0, csv::Position::line);
@@ -124,12 +147,14 @@ impl<'a> Table<'a> {
     }
 }
 
-fn csv_error(error: &csv::Error) -> FormatError {
-    let line = error.position().map_or(1, csv::Position::line);
+/// An error of the record that starts at `line`, where it does not know better.
+fn csv_error(error: &csv::Error, line: u64) -> FormatError {
+    let line = error.position().map_or(line, csv::Position::line);
     match error.kind() {
         csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
             FormatError::at_line(line, "record", format!("{len} fields"), format!("{expected_len}, as the header has"))
         }
+        csv::ErrorKind::Io(error) => FormatError::at_line(line, "record", error.to_string(), text::allowed_length()),
         _ => FormatError::at_line(line, "record", error.to_string(), "comma-separated numbers"),
     }
 }

@@ -4,8 +4,8 @@
 
 use std::collections::HashSet;
 
-use crate::FormatError;
 use crate::cursor::Cursor;
+use crate::{FormatError, memory};
 
 /// First 12 bytes of every container.
 pub const MAGIC: &[u8; 12] = b"tensor_file\0";
@@ -109,7 +109,7 @@ impl<'a> Tensor<'a> {
     pub fn floats(&self, minimum: f32, maximum: f32) -> Result<Vec<f32>, FormatError> {
         self.expect_kind(ElementKind::F32)?;
         let (chunks, _) = self.data.as_chunks::<4>();
-        let mut values = Vec::with_capacity(chunks.len());
+        let mut values = memory::reserved("tensor", chunks.len())?;
         for (index, chunk) in chunks.iter().enumerate() {
             let value = f32::from_le_bytes(*chunk);
             if !(value.is_finite() && value >= minimum && value <= maximum) {

@@ -7,6 +7,10 @@ use crate::FormatError;
 
 /// Largest magnitude of a coordinate, in the file's unit.
 pub const MAX_COORDINATE: f64 = 1e12;
+/// Most vertices of a mesh.
+pub const MAX_VERTICES: usize = 1 << 23;
+/// Most triangles of a mesh, of which polygons have two fewer than corners.
+pub const MAX_TRIANGLES: usize = 1 << 23;
 
 /// A mesh as a file holds it, not yet welded; lengths are in the file's own unit, z is up.
 #[derive(Debug, Clone, Default, PartialEq)]

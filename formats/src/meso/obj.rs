@@ -1,9 +1,11 @@
 //! Wavefront OBJ, the polygons of it. Layout: `formats/src/meso/spec.md`.
 
-use super::{MAX_COORDINATE, TriangleMesh, is_coordinate};
+use super::{MAX_COORDINATE, MAX_TRIANGLES, MAX_VERTICES, TriangleMesh, is_coordinate};
 use crate::FormatError;
 use crate::colour::{decode_srgb, encode_srgb};
-use crate::measured::scan::{number, quoted, utf8};
+use crate::measured::scan::{number, quoted};
+use crate::memory::push_within;
+use crate::text;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -37,11 +39,12 @@ const IGNORED: [&str; 19] = [
 /// Parses an OBJ.
 ///
 /// # Errors
-/// Text that is not UTF-8, unknown keywords (free-form surfaces are), numbers that do not parse or are out of range,
-/// indices of no vertex, faces of fewer than three corners, no faces, colours at some vertices only.
+/// What is no text, unknown keywords (free-form surfaces are), numbers that do not parse or are out of range, indices of
+/// no vertex, faces of fewer than three corners, no faces, colours at some vertices only, more than [`MAX_VERTICES`] or
+/// [`MAX_TRIANGLES`].
 pub fn from_bytes(bytes: &[u8]) -> Result<TriangleMesh, FormatError> {
     let mut reader = Reader::default();
-    let mut lines = (1u64..).zip(utf8(bytes)?.lines());
+    let mut lines = (1u64..).zip(text::checked(bytes)?.lines());
     while let Some((line, content)) = lines.next() {
         let mut content = Cow::Borrowed(content);
         // A backslash at its end joins a line to the next one.
@@ -50,6 +53,9 @@ pub fn from_bytes(bytes: &[u8]) -> Result<TriangleMesh, FormatError> {
             joined.pop();
             joined.push(' ');
             joined.push_str(lines.next().map_or("", |(_, next)| next));
+            if joined.len() > text::MAX_LINE_BYTES {
+                return Err(FormatError::at_line(line, "text", text::too_long("line"), text::allowed_length()));
+            }
         }
         reader.line(line, content.trim())?;
     }
@@ -120,8 +126,7 @@ impl Reader {
             }
             self.mesh.colours.push([r, g, b].map(|c| decode_srgb(c).clamp(0.0, 1.0) as f32));
         }
-        self.mesh.positions.push([x, y, z]);
-        Ok(())
+        push_within(&mut self.mesh.positions, [x, y, z], MAX_VERTICES, "vertices")
     }
 
     fn face(&mut self, line: u64, rest: &str) -> Result<(), FormatError> {
@@ -145,8 +150,8 @@ impl Reader {
             }
         };
         for pair in self.corners[1..].windows(2) {
-            self.mesh.triangles.push([self.corners[0], pair[0], pair[1]]);
-            self.mesh.triangle_materials.push(material);
+            push_within(&mut self.mesh.triangles, [self.corners[0], pair[0], pair[1]], MAX_TRIANGLES, "triangles")?;
+            push_within(&mut self.mesh.triangle_materials, material, MAX_TRIANGLES, "triangles")?;
         }
         Ok(())
     }
@@ -354,5 +359,12 @@ mod tests {
                 prop_assert!((read - written).abs() < 1e-6);
             }
         }
+    }
+
+    #[test]
+    fn joined_lines_have_an_end() {
+        let text = format!("v 0 0 \\\n{}0\n", " \\\n".repeat(9 << 20));
+        let error = from_bytes(text.as_bytes()).unwrap_err().to_string();
+        assert_eq!(error, "line 1, text: found a line of more than 16.00 MiB; allowed at most 16777216 bytes");
     }
 }

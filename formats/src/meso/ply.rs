@@ -2,11 +2,12 @@
 
 mod header;
 
-use super::{MAX_COORDINATE, TriangleMesh, is_coordinate};
+use super::{MAX_COORDINATE, MAX_TRIANGLES, MAX_VERTICES, TriangleMesh, is_coordinate};
 use crate::FormatError;
 use crate::colour::decode_srgb;
 use crate::cursor::Cursor;
 use crate::measured::scan::quoted;
+use crate::memory::{push_within, reserved};
 use header::{Element, Encoding, Header, Kind, Scalar};
 use std::io::Write;
 
@@ -14,7 +15,7 @@ use std::io::Write;
 ///
 /// # Errors
 /// Headers that do not follow the layout, no `vertex` with x, y and z, no `face` with a list of vertices, fewer or more
-/// data than the header says, numbers and indices out of range, no faces.
+/// data than the header says, numbers and indices out of range, no faces, more than [`MAX_VERTICES`] or [`MAX_TRIANGLES`].
 pub fn from_bytes(bytes: &[u8]) -> Result<TriangleMesh, FormatError> {
     let header = Header::from_bytes(bytes)?;
     let layout = VertexLayout::find(header.element("vertex")?)?;
@@ -95,7 +96,11 @@ fn read_vertices(
     most: usize,
     mesh: &mut TriangleMesh,
 ) -> Result<(), FormatError> {
-    mesh.positions.reserve_exact(most);
+    if most > MAX_VERTICES {
+        let allowed = format!("at most {MAX_VERTICES}");
+        return Err(FormatError::at_line(element.line, "vertices", most.to_string(), allowed));
+    }
+    mesh.positions = reserved("vertices", most)?;
     let mut row = vec![0.0; element.properties.len()];
     for _ in 0..element.count {
         for (slot, property) in row.iter_mut().zip(&element.properties) {
@@ -151,7 +156,7 @@ fn read_faces(
                     let (first, mut last) = (vertex()?, vertex()?);
                     for _ in 2..corners {
                         let next = vertex()?;
-                        mesh.triangles.push([first, last, next]);
+                        push_within(&mut mesh.triangles, [first, last, next], MAX_TRIANGLES, "triangles")?;
                         last = next;
                     }
                 }

@@ -305,7 +305,7 @@ fn wavelet_brdf_axes(i: vec3<f32>, o: vec3<f32>) -> WaveletBrdfAxes {
     return WaveletBrdfAxes(h, vec3<f32>(i.x - h.x * s, i.y - h.y * s, z));
 }
 
-// atan2(y, x) for y >= 0, in [0, π], within 2.5e-7 of the exact angle: an odd minimax polynomial on [0, 1]. The
+// atan2(y, x) for y >= 0, in [0, π], within 3e-7 of the exact angle: an odd minimax polynomial on [0, 1]. The
 // built-in function of a GPU may be off by 1e-5 and more, which moves filter weights.
 fn wavelet_brdf_atan2(y: f32, x: f32) -> f32 {
     let ax = abs(x);

@@ -4,6 +4,7 @@
 mod disk;
 mod files;
 mod interrupt;
+mod large;
 mod manifest;
 mod meso;
 mod options;

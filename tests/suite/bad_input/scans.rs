@@ -144,6 +144,31 @@ fn rows_that_disagree_are_accepted_and_told() {
 }
 
 #[test]
+fn rows_of_another_azimuth_are_told() {
+    let folder = crate::common::cli::Folder::new();
+    let scan = |count: usize| {
+        let strays = "0.3 0.2 0.25 1.5 0.2 0.3\n".repeat(count);
+        format!("{HEADER}{}{strays}{}", rows(12), rows(12).repeat(4)).into_bytes()
+    };
+    folder.write("a.brdf", scan(2));
+    let info = folder.run(&["info", "a.brdf", "--json"]).succeeded().json();
+    assert_eq!((&info["isotropic"], &info["symmetry"]["isotropic"]), (&true.into(), &true.into()), "{info}");
+    let strays = &info["strays"];
+    assert_eq!((&strays["rows"], &strays["of"], &strays["line"]), (&2.into(), &62.into(), &16.into()), "{info}");
+    let told = format!("2 of 62 rows have another azimuth of incidence (the first on line {NEXT}, 11.5°)");
+    assert!(folder.run(&["info", "a.brdf"]).succeeded().stdout.contains(&told));
+    let encoded = folder.run(&["encode", "a.brdf", "-o", "a.ktx2", "--grid", "2"]).succeeded();
+    assert!(
+        encoded.stderr.contains(&told) && encoded.stderr.contains("they differ from the others by "),
+        "{encoded:?}"
+    );
+    // Where they are a part of the measurement they count as one, and nothing is told.
+    folder.write("a.brdf", scan(12));
+    let info = folder.run(&["info", "a.brdf", "--json"]).succeeded().json();
+    assert_eq!((&info["isotropic"], info.get("strays")), (&false.into(), None), "{info}");
+}
+
+#[test]
 fn negative_and_black_rows_are_accepted_and_counted() {
     let info = accepted("a.brdf", &text("0.3 0.0 0.2 1.5 -0.4 -0.4\n0.3 0.0 0.25 1.5 0 0\n"));
     assert_eq!((&info["negative"], &info["zero"]), (&1.into(), &2.into()));

@@ -76,3 +76,58 @@ fn the_study_of_flat_btfs_has_the_papers_tables() {
     let wrong = folder.run(&["bench", "--study", "flat-btf", "synth:lambert"]);
     assert!(wrong.code == 3 && wrong.stderr.contains("button, folds, knit, sponge"), "{wrong:?}");
 }
+
+#[test]
+fn the_study_of_stress_holds_every_bound() {
+    let folder = Folder::new();
+    let report = folder.run(&["bench", "--study", "stress", "--small", "--json"]).succeeded().json();
+    conforms("bench", &report);
+    let rows = report["rows"].as_array().unwrap();
+    assert!(rows.len() > 40, "{}", rows.len());
+    for row in rows {
+        assert!(row["error"].as_f64() <= row["bound"].as_f64() && row["holds"] == true && row["why"] != "", "{row}");
+    }
+    let ran = folder.run(&["bench", "--study", "stress", "--small"]).succeeded();
+    assert!(ran.stdout.contains("bounds hold.") && ran.stderr.contains("kinds of stages"), "{ran:?}");
+    for (arguments, expected) in [
+        (&["--study", "stress", "synth:ggx"][..], "INPUT: found with --study stress; allowed with"),
+        (&["--study", "rays", "--small"], "--small: found with another study; allowed with --study pareto, stress"),
+        (&["--study", "stress", "--out", "x"], "--out: found with another study"),
+    ] {
+        let ran = folder.run(&[&["bench"][..], arguments].concat());
+        assert!(ran.code == 2 && ran.stderr.contains(expected), "{arguments:?}: {}", ran.stderr);
+    }
+}
+
+#[test]
+fn the_study_of_run_time_against_error_marks_the_front() {
+    let folder = Folder::new();
+    let study = ["bench", "--study", "pareto", "synth:ggx?alpha=0.3", "--small"];
+    let ran = folder.run(&[&study[..], &["--json", "--out", "figures"]].concat()).succeeded();
+    let report = ran.json();
+    conforms("bench", &report);
+    assert!(ran.stderr.contains("1 of 1: synth:ggx?alpha=0.3, 100 %"), "{}", ran.stderr);
+    let rows = report["materials"][0]["rows"].as_array().unwrap();
+    for front in ["bytes", "seconds"] {
+        let cost = |row: &serde_json::Value| {
+            row[if front == "bytes" { "bytes_on_gpu" } else { "encode_seconds" }].as_f64().unwrap()
+        };
+        let error = |row: &serde_json::Value| row["delta_e"].as_f64().unwrap();
+        for row in rows {
+            let beaten = rows.iter().any(|other| {
+                let no_worse = cost(other) <= cost(row) && error(other) <= error(row);
+                no_worse && (cost(other) < cost(row) || error(other) < error(row))
+            });
+            assert_eq!(row[format!("on_{front}_front")], !beaten, "{row}");
+        }
+    }
+    // Each codec, bits, lifting and smoothing are there.
+    let with = |key: &str, value: serde_json::Value| rows.iter().any(|row| row["wavelet"][key] == value);
+    assert!(["table", "factored", "wavelet"].iter().all(|codec| rows.iter().any(|row| row["codec"] == *codec)));
+    assert!(with("bits", 8.into()) && with("bits", 12.into()) && with("lifted", true.into()));
+    assert!(with("smoothed", true.into()) && with("visible", false.into()));
+    let drawn = std::fs::read_to_string(folder.path().join("figures/pareto.svg")).unwrap();
+    assert!(drawn.starts_with("<svg") && drawn.contains("seconds of encoding"));
+    let text = folder.run(&study).succeeded().stdout;
+    assert!(text.contains("front of") && text.contains(&format!("of {} settings", rows.len())), "{text}");
+}

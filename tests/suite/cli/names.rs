@@ -88,6 +88,12 @@ fn what_a_dash_cannot_be_is_refused() {
         ),
         (&["encode", "-", "-o", "p.ktx2"], b"some words", 3, "brdfc: stdin: "),
         (
+            &["eval", "synth:lewis", "--directions", "-"],
+            b"wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n0,0,1,\0\xff",
+            3,
+            "brdfc: stdin: line 2, text: found a NUL byte, ",
+        ),
+        (
             &["flatten", "synth:knit?resolution=16", "-o", "-"],
             b"",
             2,
@@ -196,6 +202,7 @@ fn an_extension_that_lies_is_told() {
         (scan, "a.binary", "a scan as text (.brdf)"),
         ("page.html", "a.binary", "a web page, perhaps what a server said in the place of the file"),
         (table, "a.brdf", "a MERL table (.binary)"),
+        (table, "a.obj", "a MERL table (.binary)"),
         (list, "a.brdf", "a scan or a list of directions (.csv)"),
         (material, "a.ktx2", "an RGL material (.bsdf)"),
         ("pack.ktx2", "a.bsdf", "a KTX2 texture (.ktx2)"),

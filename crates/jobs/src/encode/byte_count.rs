@@ -5,7 +5,7 @@ use std::fmt;
 
 const ALLOWED: &str = "a whole number of bytes, such as 16384, 16KiB or 1MiB";
 
-/// Of a text: a whole number, alone or with KiB or MiB, which may be shortened to their first letters.
+/// Of a text: a whole number, alone or with KiB, MiB or GiB, which may be shortened to their first letters.
 ///
 /// # Errors
 /// What is allowed instead.
@@ -15,6 +15,7 @@ pub fn bytes_from_text(text: &str) -> Result<u64, String> {
         "" | "b" => Some(1),
         "k" | "kib" => Some(1 << 10),
         "m" | "mib" => Some(1 << 20),
+        "g" | "gib" => Some(1 << 30),
         _ => None,
     };
     let bytes = unit.and_then(|unit: u64| number.trim_end().parse::<u64>().ok()?.checked_mul(unit));
@@ -22,7 +23,7 @@ pub fn bytes_from_text(text: &str) -> Result<u64, String> {
 }
 
 /// Of a key of a manifest: a number or a text.
-pub(super) fn bytes_from_manifest<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<u64>, D::Error> {
+pub(crate) fn bytes_from_manifest<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<u64>, D::Error> {
     struct NumberOrText;
     impl Visitor<'_> for NumberOrText {
         type Value = u64;
@@ -52,9 +53,15 @@ mod tests {
 
     #[test]
     fn units_are_known() {
-        for (text, bytes) in
-            [("0", 0), ("16384", 16384), ("16KiB", 16384), ("16 kib", 16384), ("2M", 2 << 20), ("7b", 7)]
-        {
+        for (text, bytes) in [
+            ("0", 0),
+            ("16384", 16384),
+            ("16KiB", 16384),
+            ("16 kib", 16384),
+            ("2M", 2 << 20),
+            ("3GiB", 3 << 30),
+            ("7b", 7),
+        ] {
             assert_eq!(bytes_from_text(text), Ok(bytes), "{text}");
         }
         for text in ["", "KiB", "-1", "1.5KiB", "16XB", "99999999999999999999", "99999999999999999MiB", "1 2"] {

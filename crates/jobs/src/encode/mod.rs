@@ -2,7 +2,7 @@
 
 mod auto;
 mod averaged;
-mod byte_count;
+pub(crate) mod byte_count;
 mod error;
 pub mod options;
 mod pack;
@@ -11,6 +11,7 @@ mod run;
 mod trial;
 
 pub use averaged::AveragingCost;
+pub use byte_count::bytes_from_text;
 pub use error::PackError;
 pub use pack::{CodecReport, EncodedPack, TableReport, WaveletReport};
 pub use run::encode;

@@ -191,7 +191,9 @@ impl EncodeOptions {
         Self { max_delta_e: None, max_fetches: None, reciprocal: None, levels: None, bias, codec: None, ..self.clone() }
     }
 
-    fn over(&self, defaults: &Self) -> Self {
+    /// These options, and where they leave something open `defaults`. Limits come from one of both, all together.
+    #[must_use]
+    pub fn over(&self, defaults: &Self) -> Self {
         let limits = |options: &Self| {
             options.ratio.is_some()
                 || options.max_delta_e.is_some()
@@ -237,24 +239,7 @@ impl EncodeOptions {
 
     /// Checks limits and what all codecs have.
     fn check(&self) -> Result<(), OptionError> {
-        if let Some(limit) = self.max_delta_e
-            && !(1e-6..=100.0).contains(&limit)
-        {
-            let found = if limit > 0.0 && limit < 1e-6 { format!("{limit:e}") } else { limit.to_string() };
-            return Err(problem("max_delta_e", found, "1e-6 to 100"));
-        }
-        if let Some(error) = self.max_error {
-            let wrong = |allowed: &str| problem("max_error", error.to_string(), allowed);
-            if error.checked().map_err(|allowed| wrong(&allowed))? < 1e-9 {
-                return Err(wrong("a positive fraction, such as 0.02 for 2 %, of 1e-9 or more"));
-            }
-        }
-        if self.max_bytes == Some(0) {
-            return Err(problem("max_bytes", "0", "1 or more"));
-        }
-        if self.max_fetches == Some(0) {
-            return Err(problem("max_fetches", "0", "1 or more"));
-        }
+        checked_limits(self.max_delta_e, self.max_error, self.max_bytes, self.max_fetches)?;
         if let Some(levels) = self.levels
             && levels > MOST_LEVELS
         {
@@ -286,8 +271,8 @@ impl EncodeOptions {
             }
             return PackRecipe::Table(table);
         }
-        let error = self.max_error.map(|error| error.checked().expect("checked before"));
-        let budget = Budget { delta_e: self.max_delta_e, error, bytes: self.max_bytes, fetches: self.max_fetches };
+        let budget =
+            checked_limits(self.max_delta_e, self.max_error, self.max_bytes, self.max_fetches).expect("checked before");
         // Without a limit of error or bytes the default says how good is good enough.
         let open = !budget.limits_error() && budget.bytes.is_none();
         let delta_e = if open { Budget::default().delta_e } else { budget.delta_e };
@@ -373,6 +358,38 @@ impl EncodeOptions {
         let error = self.max_error.map(|error| Target::MaxError(error.checked().expect("checked before")));
         Ok(error.or(self.max_bytes.map(Target::MaxBytes)))
     }
+}
+
+/// Limits that may be asked for.
+///
+/// # Errors
+/// The first that is out of range, under the name of its key.
+pub(crate) fn checked_limits(
+    delta_e: Option<f64>,
+    error: Option<Fraction>,
+    bytes: Option<u64>,
+    fetches: Option<u32>,
+) -> Result<Budget, OptionError> {
+    if let Some(limit) = delta_e
+        && !(1e-6..=100.0).contains(&limit)
+    {
+        let found = if limit > 0.0 && limit < 1e-6 { format!("{limit:e}") } else { limit.to_string() };
+        return Err(problem("max_delta_e", found, "1e-6 to 100"));
+    }
+    let share = |error: Fraction| {
+        let wrong = |allowed: &str| problem("max_error", error.to_string(), allowed);
+        let share = error.checked().map_err(|allowed| wrong(&allowed))?;
+        let positive = "a positive fraction, such as 0.02 for 2 %, of 1e-9 or more";
+        if share < 1e-9 { Err(wrong(positive)) } else { Ok(share) }
+    };
+    let error = error.map(share).transpose()?;
+    if bytes == Some(0) {
+        return Err(problem("max_bytes", "0", "1 or more"));
+    }
+    if fetches == Some(0) {
+        return Err(problem("max_fetches", "0", "1 or more"));
+    }
+    Ok(Budget { delta_e, error, bytes, fetches })
 }
 
 fn codec(name: &str) -> Result<Codec, OptionError> {

@@ -10,6 +10,7 @@ use brdfc_source::address::{AddressError, SYNTH_PREFIX};
 use brdfc_source::meso::{MesoInput, open_meso};
 use brdfc_source::open::{Facts, open};
 use brdfc_source::progress::Progress;
+use brdfc_source::tile_image::{FileImage, open_colours, open_shares};
 use brdfc_source::{Input, InputError, PackSource, Source};
 use brdfc_wavelet::encode::{EncodeError, encode};
 use brdfc_wavelet::recipe::{Recipe, Target};
@@ -213,18 +214,13 @@ pub fn open_appearance(
     progress: &dyn Progress,
 ) -> Result<Appearance, MesoInputError> {
     let sources = materials.iter().map(|material| open_material(material, progress)).collect::<Result<_, _>>()?;
-    let image = |input: &Input| brdfc_source::tile_image::open_tile_image(input);
-    let colour = options.colour.as_ref().map(image).transpose()?.map(|image| TileImage {
-        width: image.width,
-        height: image.height,
-        pixels: image.colours(),
-    });
-    let weights = options.weights.as_ref().map(image).transpose()?.map(|image| TileImage {
-        width: image.width,
-        height: image.height,
-        pixels: image.shares(),
-    });
-    Ok(Appearance { sources, colour, weights })
+    let colour = options.colour.as_ref().map(open_colours).transpose()?;
+    let weights = options.weights.as_ref().map(open_shares).transpose()?;
+    Ok(Appearance { sources, colour: colour.map(tile_image), weights: weights.map(tile_image) })
+}
+
+fn tile_image<const N: usize>(FileImage { width, height, pixels }: FileImage<N>) -> TileImage<N> {
+    TileImage { width, height, pixels }
 }
 
 fn open_material(material: &Input, progress: &dyn Progress) -> Result<Box<dyn Source>, MesoInputError> {

@@ -2,12 +2,12 @@
 
 use super::asset::PartFile;
 use super::error::FlattenError;
+use crate::store::Staging;
 use crate::write::write_atomic;
 use brdfc_formats::container::Extent;
 use brdfc_formats::flat_btf::gpu_bytes;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use tempfile::TempDir;
 
 /// What the names of parts' files end with.
 const EXTENSION: &str = ".ktx2";
@@ -17,7 +17,7 @@ const EXTENSION: &str = ".ktx2";
 pub(super) struct Parts<'a> {
     name: &'a str,
     folder: &'a Path,
-    aside: TempDir,
+    aside: Staging,
     files: BTreeMap<String, PartFile>,
 }
 
@@ -27,11 +27,7 @@ impl<'a> Parts<'a> {
     /// # Errors
     /// A folder that cannot be written to.
     pub(super) fn new(name: &'a str, folder: &'a Path) -> Result<Self, FlattenError> {
-        let aside = tempfile::Builder::new()
-            .prefix(".brdfc-")
-            .suffix(".tmp")
-            .tempdir_in(folder)
-            .map_err(|error| FlattenError::write(folder, error))?;
+        let aside = Staging::new(folder).map_err(|error| FlattenError::write(folder, error))?;
         Ok(Self { name, folder, aside, files: BTreeMap::new() })
     }
 

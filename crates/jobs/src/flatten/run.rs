@@ -25,6 +25,7 @@ use brdfc_formats::flat_btf::{
 use brdfc_source::btf_stack::BtfStack;
 use brdfc_source::progress::{Progress, Stage};
 use std::path::Path;
+use std::sync::{Mutex, PoisonError};
 
 /// Where the values of texels come from.
 pub enum Values {
@@ -50,6 +51,8 @@ pub struct FlattenJob<'a> {
     pub values: Values,
     /// Folder and kind of the images of an ordinary BTF to write besides, computed directly.
     pub images: Option<(&'a Path, StackFormat)>,
+    /// Held while finished files change places.
+    pub placing: &'a Mutex<()>,
 }
 
 /// Makes all parts and puts them in place, `NAME.json` last.
@@ -146,6 +149,8 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<AssetFile, Fl
         parts: parts.files().clone(),
         report,
     };
+    let _placing = job.placing.lock().unwrap_or_else(PoisonError::into_inner);
+    progress.check()?;
     parts.commit(&(serde_json::to_string_pretty(&asset).expect("plain data") + "\n"))?;
     Ok(asset)
 }

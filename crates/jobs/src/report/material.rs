@@ -5,6 +5,7 @@ use brdfc_formats::BrdfPack;
 use brdfc_metrics::compare::Comparison;
 use brdfc_source::Tally;
 use brdfc_source::open::Facts;
+use brdfc_source::scan::StrayRows;
 use serde::{Deserialize, Serialize};
 
 /// One material, encoded. The same input, options and version give the same report: times stand apart in
@@ -31,6 +32,8 @@ pub struct MaterialReport {
     pub off_grid: Comparison,
     /// Rows of the input with a negative channel, which was raised to 0 when it was read.
     pub rows_raised: u64,
+    /// Rows of a scan of another azimuth of incidence than the others, where there are any.
+    pub stray_rows: Option<StrayRows>,
     /// What had to be mended while the pack was made.
     #[serde(rename = "mended")]
     pub repairs: Tally,
@@ -52,6 +55,7 @@ impl MaterialReport {
         Self {
             samples_in: input.samples(),
             rows_raised: input.rows_raised(),
+            stray_rows: input.stray_rows(),
             evaluated: encoded.evaluated,
             channels,
             codec: encoded.codec.clone(),
@@ -69,7 +73,7 @@ impl MaterialReport {
 }
 
 /// Wall-clock time of one stage.
-#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct StageTime {
     /// The stage's name.
     pub stage: String,
@@ -88,6 +92,7 @@ pub fn remarks(report: &MaterialReport) -> Vec<String> {
         let (raised, all) = (report.rows_raised, report.samples_in);
         lines.push(format!("{raised} of {all} rows ({share:.1} %) had a negative channel, which was raised to 0"));
     }
+    lines.extend(report.stray_rows.map(|strays| strays.in_words()));
     lines.extend(repairs_in_words(&report.repairs));
     if report.off_grid.norms.samples > 0 && report.off_grid.mean <= 0.0 {
         lines.push("the material is black wherever it was looked at".to_owned());

@@ -2,6 +2,7 @@
 
 #[cfg(feature = "render")]
 pub mod adaptive;
+pub mod build;
 pub mod material;
 #[cfg(feature = "render")]
 pub mod render;

@@ -1,6 +1,7 @@
 //! Why a job fails.
 
 use crate::encode::PackError;
+use crate::store::StoreError;
 use brdfc_formats::FormatError;
 use brdfc_source::InputError;
 use brdfc_source::progress::Cancelled;
@@ -21,13 +22,8 @@ pub enum JobError {
     #[error("{0}")]
     Map(FormatError),
     /// A file that cannot be written.
-    #[error("{path}: cannot write: {error}")]
-    Write {
-        /// Which.
-        path: String,
-        /// What the system says.
-        error: std::io::Error,
-    },
+    #[error(transparent)]
+    Store(#[from] StoreError),
 }
 
 impl From<PackError> for JobError {

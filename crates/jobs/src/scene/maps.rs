@@ -7,7 +7,8 @@ use brdfc_bandwidth::map::{brdf_map, environment_map};
 use brdfc_bandwidth::resolution::Resolution;
 use brdfc_importance::{ImportanceFacts, ImportanceRecipe, importance_samples};
 use brdfc_source::progress::{Progress, Stage};
-use brdfc_source::radiance_image::open_radiance_image;
+use brdfc_source::radiance_image::open_radiance_image_heard;
+use brdfc_source::read::ReadListener;
 use brdfc_source::{Source, Tally};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -94,10 +95,11 @@ pub fn material_maps(
 pub fn environment_file(
     path: &Path,
     epsilon: f64,
+    listener: &mut dyn ReadListener,
     progress: &dyn Progress,
 ) -> Result<(Vec<u8>, Packed<BandwidthFacts>), JobError> {
     progress.stage(Stage::Read, 1)?;
-    let image = open_radiance_image(path)?;
+    let image = open_radiance_image_heard(path, listener)?;
     progress.stage(Stage::BandwidthMap, 1)?;
     let map = environment_map(&image.pixels, image.width, epsilon).map_err(JobError::Map)?;
     let bytes = map.to_bytes(true);

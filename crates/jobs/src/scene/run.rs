@@ -1,88 +1,26 @@
-//! Runs a build: one job per needed material, and one for the environment where it is needed.
+//! Makes what a plan asks for: one job per material, and one for the environment where it is needed. What was made before
+//! from the same is taken from the store.
 
 pub use super::error::JobError;
 
-use super::manifest::Manifest;
-use super::maps::{self, MapRecipe, MapsReport, Packed, environment_file, material_maps, part_name};
-use super::needs::{self, needs};
+use super::gates::{self, GateResult};
+use super::maps::{MapRecipe, MapsReport, PARTS, Packed, environment_file, material_maps, part_name};
+use super::memory::{self, Shared};
+use super::plan::{EnvironmentJob, Job, Plan, pack_name};
 use super::scene_section::ENVIRONMENT;
-use crate::cache::{self, Origin, Slot};
 use crate::encode::encode;
 use crate::encode::recipe::PackRecipe;
 use crate::report::material::{MaterialReport, StageTime};
 use crate::stage_clock::StageClock;
-use crate::write::write_atomic;
+use crate::store::{Digest, HeardDigest, Kept, Key, Store};
 use brdfc_bandwidth::facts::BandwidthFacts;
-use brdfc_formats::wavelet::DEFAULT_DISTANCE_SCALE;
-use brdfc_source::address;
-use brdfc_source::open::open;
-use brdfc_source::progress::{Progress, Stage};
-use rayon::prelude::*;
-use serde::Serialize;
-use std::collections::BTreeMap;
+use brdfc_source::open::{Opened, open, open_file_heard};
+use brdfc_source::progress::{Cancelled, Progress, Stage};
+use brdfc_source::{InputError, address};
+use std::collections::BTreeSet;
 use std::path::Path;
-
-/// One material to make.
-#[derive(Debug, Clone)]
-pub struct Job {
-    /// The material's name.
-    pub name: String,
-    /// Path or address as the manifest has it.
-    pub declared: String,
-    /// Path or address, resolved against the manifest's folder.
-    pub source: String,
-    /// How it is encoded, needs included.
-    pub recipe: PackRecipe,
-    /// How its maps are made, where it needs them.
-    pub maps: Option<MapRecipe>,
-    /// Uses that refer to it.
-    pub uses: usize,
-}
-
-/// The environment's map.
-#[derive(Debug, Clone)]
-pub struct EnvironmentJob {
-    /// Path as the manifest has it.
-    pub declared: String,
-    /// Path, resolved against the manifest's folder.
-    pub source: String,
-    /// `ε` of the bandwidth.
-    pub epsilon: f64,
-}
-
-/// What a build will do.
-#[derive(Debug, Clone)]
-pub struct Plan {
-    /// Materials to make, by name.
-    pub jobs: Vec<Job>,
-    /// The environment, where the scene needs its map.
-    pub environment: Option<EnvironmentJob>,
-    /// Materials that no use refers to: not even opened.
-    pub skipped: Vec<String>,
-}
-
-impl Plan {
-    /// Paths and addresses that are read.
-    pub fn sources(&self) -> impl Iterator<Item = &str> {
-        let environment = self.environment.iter().map(|job| job.source.as_str());
-        self.jobs.iter().map(|job| job.source.as_str()).chain(environment)
-    }
-
-    /// Names of the files that a build may write into its folder.
-    pub fn files(&self) -> impl Iterator<Item = String> {
-        let environment = self.environment.iter().map(|_| part_name(ENVIRONMENT, "bandwidth"));
-        let of_job = |job: &Job| {
-            let maps = maps::PARTS.iter().filter(|_| job.maps.is_some()).map(|part| part_name(&job.name, part));
-            [pack_name(&job.name), list_name(&job.name)].into_iter().chain(maps).collect::<Vec<_>>()
-        };
-        self.jobs.iter().flat_map(of_job).chain(environment)
-    }
-}
-
-/// The file that lists the parts of a material.
-fn list_name(material: &str) -> String {
-    format!("{material}.json")
-}
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// What a build did.
 #[derive(Debug)]
@@ -102,213 +40,306 @@ pub struct Outcome {
     pub result: Result<Made, JobError>,
 }
 
-/// A material that is there now.
+/// A material that is in the store now.
 #[derive(Debug, Clone)]
 pub struct Made {
     /// What was measured.
     pub report: MaterialReport,
     /// What its maps hold, where it needs them.
     pub maps: Option<MapsReport>,
-    /// Seconds per stage; `None` when all files of an earlier build still hold.
+    /// What its gates saw.
+    pub gates: Vec<GateResult>,
+    /// Its files, by part.
+    pub files: Vec<(&'static str, Digest)>,
+    /// Seconds per stage; `None` where nothing had to be made.
     pub times: Option<Vec<StageTime>>,
 }
 
-/// The environment's map, which is there now.
+impl Made {
+    /// Whether it is what was asked for.
+    pub fn passed(&self) -> bool {
+        self.report.missed.is_none() && self.gates.iter().all(|gate| gate.passed)
+    }
+}
+
+/// The environment's map, which is in the store now.
 #[derive(Debug, Clone)]
 pub struct MadeEnvironment {
     /// What it holds.
     pub report: Packed<BandwidthFacts>,
-    /// Seconds per stage; `None` when the map of an earlier build still holds.
+    /// The file.
+    pub file: Digest,
+    /// Seconds per stage; `None` where nothing had to be made.
     pub times: Option<Vec<StageTime>>,
 }
 
-/// The parts of a material, as `<material>.json` lists them.
-#[derive(Debug, Clone, Serialize, schemars::JsonSchema)]
-pub struct MaterialFile {
-    /// Layout of this file.
-    pub version: u32,
-    /// The material's name.
-    pub material: String,
-    /// Files of the material, by part: `brdf` is the pack; where an environment lights the scene, `bandwidth` is
-    /// the bandwidth map and `samples` are the importance samples.
-    pub parts: BTreeMap<String, String>,
-    /// What was measured.
-    pub report: MaterialReport,
-    /// What the maps hold.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub maps: Option<MapsReport>,
+/// The pack, as a part.
+pub const PACK: &str = "brdf";
+
+/// What all jobs share.
+pub struct Workshop<'a> {
+    /// What was made before, and where what is made is kept.
+    pub store: &'a Store,
+    /// Hashes of files of earlier builds that are in their places.
+    pub placed: &'a BTreeSet<Digest>,
+    /// Bytes that all may take together.
+    pub memory: u64,
+    /// Whether the first failure ends the work.
+    pub fail_fast: bool,
 }
 
-/// Plans a build: which materials, with which recipes.
-pub fn plan(manifest: &Manifest, folder: &Path) -> Plan {
-    let needed = needs(manifest);
-    let scale = manifest.scene.distance_scale.unwrap_or(DEFAULT_DISTANCE_SCALE);
-    let environment = needs::environment(manifest).map(|declared| EnvironmentJob {
-        declared: declared.to_owned(),
-        source: folder.join(declared).display().to_string(),
-        epsilon: MapRecipe::default().epsilon,
-    });
-    let mut plan = Plan { jobs: Vec::new(), environment, skipped: Vec::new() };
-    for (name, material) in &manifest.materials {
-        let Some(need) = needed.get(name.as_str()) else {
-            plan.skipped.push(name.clone());
-            continue;
+/// Runs all jobs; one that fails does not stop the others, unless the workshop says so.
+pub fn run(plan: &Plan, workshop: &Workshop<'_>, progress: &dyn Progress) -> Outcomes {
+    let shared = Shared::new(workshop.memory);
+    let stop = AtomicBool::new(false);
+    // The environment comes first: it has no part in what materials share, and others wait for none of it.
+    let first = usize::from(plan.environment.is_some());
+    // Two materials of one source and recipe are made once.
+    let same = |k: usize| plan.jobs[..k].iter().position(|job| job.is_same_work(&plan.jobs[k]));
+    let twins: Vec<Option<usize>> = (0..plan.jobs.len()).map(same).collect();
+    let (environment, materials) = (Mutex::new(None), Mutex::new(Vec::new()));
+    in_turn(first + plan.jobs.len(), |number| {
+        let Some(number) = number.checked_sub(first) else {
+            let Some(job) = &plan.environment else { return };
+            let part = progress.part(ENVIRONMENT);
+            let result = workshop.environment(job, &shared, part.as_ref());
+            part.finished(result.is_ok());
+            *environment.lock().expect("nobody panics with it") = Some(result);
+            return;
         };
-        let mut recipe = material.options.resolve(&manifest.defaults).expect("checked when the manifest was parsed");
-        recipe.limit_levels(|levels| need.stored_levels(levels, scale));
-        let source = if address::is_synth(&material.source) {
-            material.source.clone()
-        } else {
-            folder.join(&material.source).display().to_string()
-        };
-        let declared = material.source.clone();
-        let maps = need.maps.then(MapRecipe::default);
-        plan.jobs.push(Job { name: name.clone(), declared, source, recipe, maps, uses: need.uses });
-    }
-    plan
-}
-
-/// The pack's file of a material.
-pub fn pack_name(material: &str) -> String {
-    part_name(material, "brdf")
-}
-
-/// What all jobs of a build share.
-struct Build<'a> {
-    out: &'a Path,
-    /// Hash of the program, if the cache is used.
-    program: Option<[u8; 32]>,
-}
-
-/// Runs all jobs; one that fails does not stop the others.
-pub fn run(plan: &Plan, out: &Path, use_cache: bool, progress: &dyn Progress) -> Outcomes {
-    let program = if use_cache { cache::hash_program().ok() } else { None };
-    let build = Build { out, program };
-    let materials = || {
-        plan.jobs
-            .par_iter()
-            .map(|job| {
-                let part = progress.part(&job.name);
-                let result = build.material(job, part.as_ref());
-                part.finished(result.is_ok());
-                Outcome { name: job.name.clone(), result }
-            })
-            .collect()
-    };
-    let environment = || {
-        let part = progress.part(ENVIRONMENT);
-        let result = build.environment(plan.environment.as_ref()?, part.as_ref());
-        part.finished(result.is_ok());
-        Some(result)
-    };
-    let (environment, materials) = rayon::join(environment, materials);
-    Outcomes { materials, environment }
-}
-
-impl<'a> Build<'a> {
-    /// What a source is now, if that is to be compared with what it was.
-    fn origin(&self, source: &str) -> Option<Origin> {
-        let program = self.program?;
-        let source = if address::is_synth(source) {
-            cache::hash(source.as_bytes())
-        } else {
-            cache::hash_file(Path::new(source)).ok()?
-        };
-        Some(Origin { program, source })
-    }
-
-    fn slot<R>(&self, name: String, files: Vec<String>, origin: Option<Origin>, recipe: R) -> Slot<'a, R> {
-        Slot { out: self.out, name, files, origin, recipe }
-    }
-
-    fn material(&self, job: &Job, progress: &dyn Progress) -> Result<Made, JobError> {
-        progress.check()?;
-        let origin = self.origin(&job.source);
-        let pack_slot = self.slot(job.name.clone(), vec![pack_name(&job.name)], origin, job.recipe.clone());
-        let map_slot = job.maps.map(|recipe| {
-            let files = maps::PARTS.map(|part| part_name(&job.name, part)).to_vec();
-            self.slot(format!("{}.maps", job.name), files, origin, recipe)
-        });
-        let kept_pack: Option<MaterialReport> = pack_slot.look_up();
-        let kept_maps: Option<MapsReport> = map_slot.as_ref().and_then(Slot::look_up);
-        if let Some(report) = &kept_pack
-            && kept_maps.is_some() == map_slot.is_some()
-        {
-            self.list(job, report, kept_maps.as_ref())?;
-            return Ok(Made { report: report.clone(), maps: kept_maps, times: None });
+        if twins[number].is_some() {
+            return;
         }
+        let job = &plan.jobs[number];
+        let part = progress.part(&job.name);
+        let result = if stop.load(Ordering::Relaxed) {
+            Err(JobError::Cancelled(Cancelled))
+        } else {
+            let result = workshop.material(job, &shared, part.as_ref());
+            part.finished(result.is_ok());
+            result
+        };
+        if workshop.fail_fast && !result.as_ref().is_ok_and(Made::passed) {
+            stop.store(true, Ordering::Relaxed);
+        }
+        materials.lock().expect("nobody panics with it").push((number, result));
+    });
+    let mut made = materials.into_inner().expect("nobody panics with it");
+    for (number, twin) in twins.iter().enumerate() {
+        let Some(twin) = twin else { continue };
+        let job = &plan.jobs[number];
+        let part = progress.part(&job.name);
+        let first = made.iter().find_map(|(other, result)| if other == twin { result.as_ref().ok() } else { None });
+        let result = match first {
+            Some(made) => Ok(Made { gates: gates::check(&job.gates, &made.report), times: None, ..made.clone() }),
+            // What it fails by names the source as this material has it.
+            None => workshop.material(job, &shared, part.as_ref()),
+        };
+        part.finished(result.is_ok());
+        made.push((number, result));
+    }
+    made.sort_by_key(|(number, _)| *number);
+    let materials = made.into_iter().map(|(k, result)| Outcome { name: plan.jobs[k].name.clone(), result }).collect();
+    Outcomes { materials, environment: environment.into_inner().expect("nobody panics with it") }
+}
 
+/// Does all work in order, as many at a time as there are threads, each on a thread that may wait for memory. In a parallel
+/// loop, a thread that waits for a part of one would begin another: more of them would take memory, and one could wait for
+/// what another holds that cannot go on.
+fn in_turn(count: usize, work: impl Fn(usize) + Sync) {
+    let next = AtomicUsize::new(0);
+    let one_by_one = || {
+        loop {
+            let number = next.fetch_add(1, Ordering::Relaxed);
+            if number >= count {
+                return;
+            }
+            work(number);
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..rayon::current_num_threads().min(count) {
+            scope.spawn(one_by_one);
+        }
+    });
+}
+
+/// What stands in the store of one material.
+struct Shelf {
+    pack: Option<Kept<MaterialReport>>,
+    maps: Option<Kept<MapsReport>>,
+}
+
+impl Shelf {
+    fn is_complete(&self, job: &Job) -> bool {
+        self.pack.is_some() && (self.maps.is_some() || job.maps.is_none())
+    }
+}
+
+impl Workshop<'_> {
+    /// A material, from the store or made now.
+    ///
+    /// # Errors
+    /// Sources that cannot be read, recipes that cannot be followed, files that cannot be written, cancellation.
+    pub fn material(&self, job: &Job, shared: &Shared, progress: &dyn Progress) -> Result<Made, JobError> {
+        progress.check()?;
+        let known = if address::is_synth(&job.source) { None } else { self.store.known(Path::new(&job.source)) };
+        if let Some(source) = known {
+            let shelf = self.look_up(job, source);
+            if shelf.is_complete(job) {
+                return Ok(of_shelf(job, shelf, None));
+            }
+        }
         let clock = StageClock::new(progress);
         clock.stage(Stage::Read, 1)?;
-        let opened = open(&job.source, None)?;
-        let (report, packs) = match kept_pack {
-            Some(report) => (report, Vec::new()),
-            None => {
-                let encoded = encode(opened.source.as_ref(), &job.recipe, &clock)?;
-                let report = MaterialReport::new(&encoded, &opened.facts);
-                (report, vec![encoded.bytes])
-            }
-        };
-        let (maps, map_files) = match (&job.maps, kept_maps) {
-            (Some(recipe), None) => {
-                let (files, report) = material_maps(opened.source.as_ref(), recipe, &clock)?;
-                (Some(report), files.to_vec())
-            }
-            (_, kept) => (kept, Vec::new()),
-        };
-        // What is finished is written, cancelled or not.
-        let _ = clock.stage(Stage::Write, 1);
-        self.write_all(&pack_slot, &packs)?;
-        if let Some(slot) = &map_slot {
-            self.write_all(slot, &map_files)?;
-        }
-        self.list(job, &report, maps.as_ref())?;
-        if !packs.is_empty() {
-            pack_slot.store(&packs, &report);
-        }
-        if let (Some(slot), Some(maps), false) = (&map_slot, &maps, map_files.is_empty()) {
-            slot.store(&map_files, maps);
-        }
-        Ok(Made { report, maps, times: Some(clock.finish()) })
+        let length = std::fs::metadata(&job.source).map_or(0, |metadata| metadata.len());
+        let extension = extension_of(&job.source);
+        let wanted = memory::of_source(&extension, length).saturating_add(memory::of_recipe(&job.recipe));
+        let _share = shared.take(wanted);
+        progress.check()?;
+        // On the pool's threads, so that no more than those work.
+        let (shelf, all_kept) = rayon::scope(|_| self.fill(job, &extension, &clock))?;
+        Ok(of_shelf(job, shelf, if all_kept { None } else { Some(clock.finish()) }))
     }
 
-    fn environment(&self, job: &EnvironmentJob, progress: &dyn Progress) -> Result<MadeEnvironment, JobError> {
-        let file = part_name(ENVIRONMENT, "bandwidth");
-        let slot = self.slot(format!("{ENVIRONMENT}.bandwidth"), vec![file], self.origin(&job.source), job.epsilon);
-        if let Some(report) = slot.look_up() {
-            return Ok(MadeEnvironment { report, times: None });
+    /// Reads the source, and makes what is not in the store; whether nothing had to be made.
+    fn fill(&self, job: &Job, extension: &str, clock: &StageClock<'_>) -> Result<(Shelf, bool), JobError> {
+        let (opened, source) = self.read(&job.source, extension)?;
+        let mut shelf = self.look_up(job, source);
+        if shelf.is_complete(job) {
+            return Ok((shelf, true));
+        }
+        if shelf.pack.is_none() {
+            shelf.pack = Some(self.make_pack(&opened, source, &job.recipe, clock)?);
+        }
+        if let (Some(recipe), None) = (&job.maps, &shelf.maps) {
+            shelf.maps = Some(self.make_maps(&opened, source, recipe, clock)?);
+        }
+        Ok((shelf, false))
+    }
+
+    fn look_up(&self, job: &Job, source: Digest) -> Shelf {
+        let (store, placed) = (self.store, self.placed);
+        Shelf {
+            pack: store.look_up(&pack_key(source, &job.recipe), placed),
+            maps: job.maps.and_then(|recipe| store.look_up(&maps_key(source, &recipe), placed)),
+        }
+    }
+
+    /// Reads a source once: what it holds, and the hash of what was read.
+    fn read(&self, source: &str, extension: &str) -> Result<(Opened, Digest), JobError> {
+        if address::is_synth(source) {
+            let opened = open(source, None)?;
+            let brdfc_source::open::Facts::Synth { address } = &opened.facts else {
+                return Ok((opened, Digest::of(source.as_bytes())));
+            };
+            let digest = Digest::of(address.as_bytes());
+            return Ok((opened, digest));
+        }
+        let path = Path::new(source);
+        let mut heard = HeardDigest::new(extension, memory::longest_source(extension, self.memory));
+        let opened = open_file_heard(path, None, &mut heard)?;
+        let digest = self.noted(path, heard)?;
+        Ok((opened, digest))
+    }
+
+    fn noted(&self, path: &Path, heard: HeardDigest) -> Result<Digest, JobError> {
+        let changed = |_| {
+            let error = std::io::Error::other("it was written to meanwhile");
+            JobError::Input(InputError::io(path, error))
+        };
+        let (digest, stamp) = heard.finish().map_err(changed)?;
+        if let Some(stamp) = stamp {
+            self.store.remember(path, stamp, digest);
+        }
+        Ok(digest)
+    }
+
+    fn make_pack(
+        &self,
+        opened: &Opened,
+        source: Digest,
+        recipe: &PackRecipe,
+        clock: &StageClock<'_>,
+    ) -> Result<Kept<MaterialReport>, JobError> {
+        let encoded = encode(opened.source.as_ref(), recipe, clock)?;
+        let report = MaterialReport::new(&encoded, &opened.facts);
+        // What is finished is kept, cancelled or not.
+        let _ = clock.stage(Stage::Write, 1);
+        let files = self.store.keep(pack_key(source, recipe), &[encoded.bytes], &report)?;
+        Ok(Kept { report, files })
+    }
+
+    fn make_maps(
+        &self,
+        opened: &Opened,
+        source: Digest,
+        recipe: &MapRecipe,
+        clock: &StageClock<'_>,
+    ) -> Result<Kept<MapsReport>, JobError> {
+        let (files, report) = material_maps(opened.source.as_ref(), recipe, clock)?;
+        let _ = clock.stage(Stage::Write, 1);
+        let files = self.store.keep(maps_key(source, recipe), &files, &report)?;
+        Ok(Kept { report, files })
+    }
+
+    /// The environment's map, from the store or made now.
+    ///
+    /// # Errors
+    /// As [`Self::material`].
+    pub fn environment(
+        &self,
+        job: &EnvironmentJob,
+        shared: &Shared,
+        progress: &dyn Progress,
+    ) -> Result<MadeEnvironment, JobError> {
+        progress.check()?;
+        let path = Path::new(&job.source);
+        let key = |source| Key::new("environment", source, &job.epsilon);
+        let kept = |source| self.store.look_up(&key(source), self.placed);
+        let found = |Kept { report, files }, times| MadeEnvironment { report, file: files[0], times };
+        if let Some(kept) = self.store.known(path).and_then(kept) {
+            return Ok(found(kept, None));
         }
         let clock = StageClock::new(progress);
-        let (bytes, report) = environment_file(Path::new(&job.source), job.epsilon, &clock)?;
-        // What is finished is written, cancelled or not.
+        let _share = shared.take(self.memory / 2);
+        let extension = extension_of(&job.source);
+        let mut heard = HeardDigest::new(&extension, memory::longest_source(&extension, self.memory));
+        let (bytes, report) = rayon::scope(|_| environment_file(path, job.epsilon, &mut heard, &clock))?;
+        let source = self.noted(path, heard)?;
+        if let Some(kept) = kept(source) {
+            return Ok(found(kept, None));
+        }
         let _ = clock.stage(Stage::Write, 1);
-        let files = [bytes];
-        self.write_all(&slot, &files)?;
-        slot.store(&files, &report);
-        Ok(MadeEnvironment { report, times: Some(clock.finish()) })
-    }
-
-    /// Writes the files of a slot, or nothing where there are no bytes.
-    fn write_all<R>(&self, slot: &Slot<'_, R>, files: &[Vec<u8>]) -> Result<(), JobError> {
-        slot.files.iter().zip(files).try_for_each(|(file, bytes)| write(&self.out.join(file), bytes))
-    }
-
-    /// Writes the list of a material's files.
-    fn list(&self, job: &Job, report: &MaterialReport, maps: Option<&MapsReport>) -> Result<(), JobError> {
-        let parts = maps.is_some().then_some(maps::PARTS).into_iter().flatten().chain(["brdf"]);
-        let file = MaterialFile {
-            version: 1,
-            material: job.name.clone(),
-            parts: parts.map(|part| (part.to_owned(), part_name(&job.name, part))).collect(),
-            report: report.clone(),
-            maps: maps.cloned(),
-        };
-        let mut bytes = serde_json::to_vec_pretty(&file).expect("reports are plain data");
-        bytes.push(b'\n');
-        write(&self.out.join(list_name(&job.name)), &bytes)
+        let files = self.store.keep(key(source), &[bytes], &report)?;
+        Ok(found(Kept { report, files }, Some(clock.finish())))
     }
 }
 
-fn write(path: &Path, bytes: &[u8]) -> Result<(), JobError> {
-    write_atomic(path, bytes).map_err(|error| JobError::Write { path: path.display().to_string(), error })
+fn of_shelf(job: &Job, shelf: Shelf, times: Option<Vec<StageTime>>) -> Made {
+    let pack = shelf.pack.expect("the shelf is complete");
+    let mut files = vec![(PACK, pack.files[0])];
+    let maps = shelf.maps.map(|maps| {
+        files.extend(PARTS.into_iter().zip(maps.files));
+        maps.report
+    });
+    let gates = gates::check(&job.gates, &pack.report);
+    Made { report: pack.report, maps, gates, files, times }
+}
+
+/// The file of a part of a material.
+pub fn file_of(material: &str, part: &str) -> String {
+    if part == PACK { pack_name(material) } else { part_name(material, part) }
+}
+
+fn pack_key(source: Digest, recipe: &PackRecipe) -> Key {
+    Key::new(PACK, source, recipe)
+}
+
+fn maps_key(source: Digest, recipe: &MapRecipe) -> Key {
+    Key::new("maps", source, recipe)
+}
+
+fn extension_of(source: &str) -> String {
+    Path::new(source).extension().map_or(String::new(), |e| e.to_string_lossy().to_ascii_lowercase())
 }

@@ -19,7 +19,10 @@ fn flat_btf(name: &str, options: &MesoOptions, recipe: &FlattenRecipe) -> Packs 
     let appearance = open_appearance(options, &materials, &()).unwrap_or_else(|error| panic!("{error}"));
     let values = Values::Computed(appearance);
     let materials = materials.iter().map(Input::to_string).collect();
-    let job = FlattenJob { name, folder: folder.path(), recipe, geometry, materials, values, images: None };
+    let placing = std::sync::Mutex::new(());
+    let images = None;
+    let job =
+        FlattenJob { name, folder: folder.path(), recipe, geometry, materials, values, images, placing: &placing };
     let asset = flatten(job, &()).unwrap_or_else(|error| panic!("{name}: {error}"));
     let read = |file: &str| std::fs::read(folder.path().join(file)).unwrap_or_else(|error| panic!("{file}: {error}"));
     asset.parts.values().map(|part| (part.file.clone(), read(&part.file))).collect()

@@ -1,6 +1,8 @@
 //! Tables over the unit square and the map that makes the visible normals uniform.
 
+use brdfc_formats::FormatError;
 use brdfc_formats::measured::rgl::Map;
+use brdfc_formats::memory::{filled, reserved};
 
 /// Position between two nodes of a table.
 #[derive(Debug, Clone, Copy)]
@@ -89,14 +91,17 @@ pub struct VisibleNormals {
 
 impl VisibleNormals {
     /// From densities of shape (incidence, `rows`, `columns`).
-    pub fn new(densities: &[f32], rows: usize, columns: usize) -> Self {
+    ///
+    /// # Errors
+    /// More than there is memory for.
+    pub fn new(densities: &[f32], rows: usize, columns: usize) -> Result<Self, FormatError> {
         let mut this = Self {
             rows,
             columns,
-            nodes: Vec::with_capacity(densities.len()),
-            totals: Vec::with_capacity(densities.len() / columns),
+            nodes: reserved("vndf", densities.len())?,
+            totals: reserved("vndf", densities.len() / columns)?,
         };
-        let mut running = vec![0.0; rows * columns];
+        let mut running = filled("vndf", rows * columns, 0.0)?;
         let mut marginal = vec![0.0; rows];
         for slice in densities.chunks_exact(rows * columns) {
             for (line, sums) in slice.chunks_exact(columns).zip(running.chunks_exact_mut(columns)) {
@@ -113,7 +118,7 @@ impl VisibleNormals {
             this.nodes.extend(slice.iter().zip(&running).map(|(d, sum)| [scaled(f64::from(*d)), scaled(*sum)]));
             this.totals.extend((0..rows).map(|y| [scaled(total(y)), scaled(marginal[y])]));
         }
-        this
+        Ok(this)
     }
 
     /// Where the point `(u, v)` falls once the density is made uniform; both in `[0, 1]`.

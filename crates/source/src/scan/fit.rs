@@ -22,7 +22,7 @@ pub const TERMS_3D: usize = 10;
 /// Terms of a quadratic in 4 dimensions.
 pub const TERMS_4D: usize = 15;
 /// What keeps the normal matrix regular: added to the diagonal for constant, linear and quadratic terms.
-const RIDGE: [f64; 3] = [2e-9, 1.01e-7, 5e-4];
+pub const RIDGE: [f64; 3] = [2e-9, 1.01e-7, 5e-4];
 /// Residuals, in units of their median, from which a neighbour hardly counts.
 const OUTLIER: f64 = 5.0;
 /// Variance factors of full and of no trust.
@@ -175,10 +175,14 @@ fn normalise(weights: &mut [f64]) {
 }
 
 /// Coefficients of both fits, per channel, and variance factors of their values at the asked point.
-struct Solution<const M: usize> {
-    linear: [[f64; M]; 3],
-    quadratic: [[f64; M]; 3],
-    variance: [f64; 2],
+#[derive(Debug, Clone)]
+pub struct Solution<const M: usize> {
+    /// Of the linear fit; 0 beyond its terms.
+    pub linear: [[f64; M]; 3],
+    /// Of the quadratic fit.
+    pub quadratic: [[f64; M]; 3],
+    /// Of both values.
+    pub variance: [f64; 2],
 }
 
 /// Right sides that are carried along: one per channel, and the unit vector of the constant term.
@@ -186,7 +190,11 @@ const RIGHT: usize = 4;
 
 /// Solves `(BᵀWB + ridge) a = BᵀW e` for the quadratic basis of `M` terms and for its linear part, by elimination
 /// without pivoting: the matrix is symmetric and positive, and the linear system is its leading block.
-fn solve<const D: usize, const M: usize>(basis: &[[f64; M]], weights: &[f64], residuals: &[[f64; 3]]) -> Solution<M> {
+pub fn solve<const D: usize, const M: usize>(
+    basis: &[[f64; M]],
+    weights: &[f64],
+    residuals: &[[f64; 3]],
+) -> Solution<M> {
     let mut matrix = [[0.0; M]; M];
     let mut right = [[0.0; RIGHT]; M];
     for ((row, weight), residual) in basis.iter().zip(weights).zip(residuals) {

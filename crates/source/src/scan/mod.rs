@@ -2,22 +2,25 @@
 //! direction pair itself.
 
 mod coordinates;
-mod fit;
+pub mod fit;
+mod incidence;
 mod merge;
 mod summary;
 
-pub use summary::ScanSummary;
+pub use summary::{ScanSummary, StrayRows};
 
 use super::error::InputError;
-use super::format::{AltaHeader, Facts, Format, InputFile, Opened};
+use super::format::{AltaHeader, Facts, Format, Opened};
+use super::input::InputFile;
 use super::{Source, Symmetry, Tally};
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::measured::alta::AltaTable;
-use brdfc_formats::measured::scan::Scan;
+use brdfc_formats::measured::scan::{Row, Scan};
 use brdfc_formats::measured::scan_csv;
 use coordinates::{Anisotropic, Isotropic, Space};
 use fit::Neighbourhood;
+use incidence::Incidence;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use merge::{Group, merge};
 use std::num::NonZero;
@@ -26,8 +29,6 @@ use std::num::NonZero;
 pub const FEWEST_ROWS: usize = 8;
 /// Bias of the logarithm `ln(f + bias)`, in units of the scan's median: below it lies dark noise.
 const LOG_BIAS: f64 = 0.05;
-/// Azimuths of incidence closer than this are one azimuth, radians.
-const SAME_AZIMUTH: f64 = 1e-4;
 
 /// How scans as text are opened.
 pub(crate) const TEXT_FORMAT: Format = Format { extension: "brdf", name: "scan", open: open_text };
@@ -37,15 +38,15 @@ pub(crate) const CSV_FORMAT: Format = Format { extension: "csv", name: "scan", o
 pub(crate) const ALTA_FORMAT: Format = Format { extension: "dat", name: "ALTA", open: open_alta };
 
 fn open_text(input: InputFile<'_>) -> Result<Opened, InputError> {
-    input.parse(|bytes| opened(&Scan::from_bytes(bytes)?, None))
+    input.parse_text(|bytes| opened(&Scan::from_bytes(bytes)?, None))
 }
 
 fn open_csv(input: InputFile<'_>) -> Result<Opened, InputError> {
-    input.parse(|bytes| opened(&scan_csv::from_bytes(bytes)?, None))
+    input.parse_text(|bytes| opened(&scan_csv::from_bytes(bytes)?, None))
 }
 
 fn open_alta(input: InputFile<'_>) -> Result<Opened, InputError> {
-    input.parse(|bytes| {
+    input.parse_text(|bytes| {
         let table = AltaTable::from_bytes(bytes)?;
         opened(&table.scan, Some(&table))
     })
@@ -95,17 +96,40 @@ impl std::fmt::Debug for ScanSource {
 }
 
 impl ScanSource {
-    /// Builds the search tree.
+    /// Builds the search tree. Rows that stray from the one azimuth of incidence are taken as isotropic, and held against
+    /// the others.
     ///
     /// # Errors
     /// Fewer than [`FEWEST_ROWS`] distinct direction pairs.
     pub fn new(scan: &Scan) -> Result<Self, FormatError> {
-        let pairs: Vec<DirectionPair> =
-            scan.rows.iter().map(|r| DirectionPair::from_angles(r.theta_i, r.phi_i, r.theta_o, r.phi_o)).collect();
-        let first = scan.rows.iter().find(|r| r.theta_i >= SAME_AZIMUTH).map_or(0.0, |r| r.phi_i);
-        // At normal incidence there is no azimuth.
-        let isotropic = scan.rows.iter().all(|r| r.theta_i < SAME_AZIMUTH || same_azimuth(r.phi_i, first));
-        let raised: Vec<[f64; 3]> = scan.rows.iter().map(|r| r.value.map(|v| v.max(0.0))).collect();
+        let strays = match Incidence::of(&scan.rows) {
+            Incidence::Several => return Self::of_rows(&scan.rows, false),
+            Incidence::One(strays) => strays,
+        };
+        let Some(first) = strays.first().copied() else { return Self::of_rows(&scan.rows, true) };
+        let mut next = strays.iter().copied().peekable();
+        let others: Vec<Row> =
+            (0..scan.rows.len()).filter(|row| next.next_if_eq(row).is_none()).map(|row| scan.rows[row]).collect();
+        let Ok(others) = Self::of_rows(&others, true) else {
+            // Too few to hold anything against.
+            return Self::of_rows(&scan.rows, false);
+        };
+        let strays = StrayRows {
+            rows: strays.len(),
+            of: scan.rows.len(),
+            line: scan.lines.get(first).copied(),
+            azimuth: scan.rows[first].phi_i.to_degrees(),
+            difference: mean_difference(strays.iter().map(|row| &scan.rows[*row]), &others),
+        };
+        drop(others);
+        let mut source = Self::of_rows(&scan.rows, true)?;
+        source.summary.strays = Some(strays);
+        Ok(source)
+    }
+
+    fn of_rows(rows: &[Row], isotropic: bool) -> Result<Self, FormatError> {
+        let pairs: Vec<DirectionPair> = rows.iter().map(pair_of).collect();
+        let raised: Vec<[f64; 3]> = rows.iter().map(|r| r.value.map(|v| v.max(0.0))).collect();
 
         let (points, groups) = if isotropic {
             let (entries, groups) = entries::<3, 4, Isotropic>(&pairs, &raised);
@@ -117,18 +141,19 @@ impl ScanSource {
         if groups.len() < FEWEST_ROWS {
             return Err(FormatError::whole(
                 "rows",
-                format!("{} distinct direction pairs in {} rows", groups.len(), scan.rows.len()),
+                format!("{} distinct direction pairs in {} rows", groups.len(), rows.len()),
                 format!("at least {FEWEST_ROWS} distinct direction pairs, so that a surface can be fitted"),
             ));
         }
         let bias = log_bias(&raised);
         let summary = ScanSummary {
-            rows: scan.rows.len(),
+            rows: rows.len(),
             distinct: groups.len(),
             largest_disagreement: groups.iter().map(Group::disagreement).fold(0.0, f64::max),
-            negative: scan.rows.iter().filter(|r| r.value.iter().any(|v| *v < 0.0)).count(),
+            negative: rows.iter().filter(|r| r.value.iter().any(|v| *v < 0.0)).count(),
             zero: raised.iter().filter(|v| **v == [0.0; 3]).count(),
             isotropic,
+            strays: None,
             left_out: None,
         };
         let grey = raised.iter().all(|[r, g, b]| {
@@ -230,9 +255,20 @@ fn entries<const D: usize, const S: usize, P: Space<D, S>>(
     (entries, groups)
 }
 
-fn same_azimuth(a: f64, b: f64) -> bool {
-    let turns = (a - b) / std::f64::consts::TAU;
-    (turns - turns.round()).abs() * std::f64::consts::TAU < SAME_AZIMUTH
+fn pair_of(row: &Row) -> DirectionPair {
+    DirectionPair::from_angles(row.theta_i, row.phi_i, row.theta_o, row.phi_o)
+}
+
+/// Mean over rows of their difference to a source, as a fraction of the larger value.
+fn mean_difference<'a>(rows: impl ExactSizeIterator<Item = &'a Row>, source: &ScanSource) -> f64 {
+    let count = rows.len() as f64;
+    let difference = |row: &Row| {
+        let (raised, fitted) = (row.value.map(|v| v.max(0.0)), source.eval(pair_of(row), &mut Tally::default()));
+        let sum = |of: fn(f64, f64) -> f64| (0..3).map(|c| of(raised[c], fitted[c])).sum::<f64>();
+        let larger = sum(f64::max);
+        if larger > 0.0 { sum(|a, b| (a - b).abs()) / larger } else { 0.0 }
+    };
+    rows.map(difference).sum::<f64>() / count
 }
 
 /// A fraction of the median of all positive values; 1 for a black scan.

@@ -1,5 +1,7 @@
 //! What is worth knowing about a scan.
 
+use super::super::words::percent;
+
 /// What was found while a scan was taken in.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct ScanSummary {
@@ -13,10 +15,45 @@ pub struct ScanSummary {
     pub negative: usize,
     /// Rows that are 0 in all channels.
     pub zero: usize,
-    /// Whether all rows have one azimuth of incidence, or leave it open, so that the material is taken as isotropic.
+    /// Whether all rows have one azimuth of incidence, but for strays, or leave it open, so that the material is taken as
+    /// isotropic.
     pub isotropic: bool,
+    /// Rows that stray from the azimuth of incidence that the others have. Absent where there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub strays: Option<StrayRows>,
     /// Rows of the file that say nothing about reflectance: directions at or below the horizon.
     /// Absent where there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub left_out: Option<usize>,
+}
+
+/// Rows of another azimuth of incidence than the others of their scan, too few to be a measurement of anisotropy: they are
+/// taken as those of an isotropic material.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+pub struct StrayRows {
+    /// How many.
+    pub rows: usize,
+    /// Rows of the scan.
+    pub of: usize,
+    /// Line of the file that the first starts at, where there is a file.
+    pub line: Option<u64>,
+    /// Azimuth of incidence of the first, degrees.
+    pub azimuth: f64,
+    /// Mean difference to what is fitted to the other rows, as a fraction of the larger value.
+    pub difference: f64,
+}
+
+impl StrayRows {
+    /// A line for people.
+    pub fn in_words(&self) -> String {
+        let Self { rows, of, azimuth, .. } = self;
+        let (have, first) = if *rows == 1 { ("has", "") } else { ("have", "the first ") };
+        let line = self.line.map_or(String::new(), |line| format!("on line {line}, "));
+        let differ = if *rows == 1 { "it differs from the others" } else { "they differ from the others" };
+        let difference = percent(self.difference);
+        format!(
+            "{rows} of {of} rows {have} another azimuth of incidence ({first}{line}{azimuth:.1}°), taken as isotropic; \
+             {differ} by {difference}"
+        )
+    }
 }

@@ -61,7 +61,7 @@ fn held_out(rows: &[Row], estimate: impl Fn(&[Row], &[DirectionPair]) -> Vec<f64
 }
 
 fn moving_least_squares(kept: &[Row], pairs: &[DirectionPair]) -> Vec<f64> {
-    let source = ScanSource::new(&Scan { wavelengths: Vec::new(), rows: kept.to_vec() }).unwrap();
+    let source = ScanSource::new(&Scan { rows: kept.to_vec(), ..Scan::default() }).unwrap();
     assert!(source.summary().isotropic);
     let mut tally = Tally::default();
     pairs.iter().map(|pair| source.eval(*pair, &mut tally)[0]).collect()

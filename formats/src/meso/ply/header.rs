@@ -3,6 +3,10 @@
 use crate::FormatError;
 use crate::measured::scan::quoted;
 
+/// Largest header.
+const MAX_BYTES: usize = 1 << 20;
+/// Most properties of an element, and most elements.
+const MAX_COUNT: usize = 1024;
 const KEYWORDS: &str = "comment, obj_info, element, property, end_header";
 const TYPES: &str = "char, uchar, short, ushort, int, uint, float, double, or int8 to float64";
 
@@ -141,6 +145,10 @@ impl Header {
         let mut length = 0;
         for (line, content) in (1u64..).zip(bytes.split_inclusive(|byte| *byte == b'\n')) {
             length += content.len();
+            if length > MAX_BYTES {
+                let found = format!("no end_header in {MAX_BYTES} bytes");
+                return Err(FormatError::at_line(line, "header", found, "end_header before that"));
+            }
             let wrong = |field: &'static str, found: &str, allowed: &str| {
                 Err(FormatError::at_line(line, field, quoted(found), allowed))
             };
@@ -171,6 +179,9 @@ impl Header {
                     if elements.iter().any(|element| element.name == name) {
                         return wrong("element", name, "each name once");
                     }
+                    if elements.len() == MAX_COUNT {
+                        return wrong("element", name, &format!("at most {MAX_COUNT} elements"));
+                    }
                     elements.push(Element { name: name.to_owned(), count, properties: Vec::new(), line });
                 }
                 ["property", .., name] if words.len() == 3 || (words.len() == 5 && words[1] == "list") => {
@@ -186,6 +197,9 @@ impl Header {
                     };
                     if element.properties.iter().any(|property| property.name == name) {
                         return wrong("property", name, "each name once");
+                    }
+                    if element.properties.len() == MAX_COUNT {
+                        return wrong("property", name, &format!("at most {MAX_COUNT} properties of an element"));
                     }
                     element.properties.push(Property { name: name.to_owned(), kind, line });
                 }

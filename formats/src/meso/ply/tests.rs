@@ -178,3 +178,21 @@ proptest! {
         prop_assert_eq!(from_bytes(&bytes).unwrap(), mesh);
     }
 }
+
+#[test]
+fn headers_have_an_end() {
+    let message = |bytes: &[u8]| from_bytes(bytes).unwrap_err().to_string();
+    let start = "ply\nformat ascii 1.0\nelement vertex 1\n";
+    let properties: String = (0..1025).map(|k| format!("property float p{k}\n")).collect();
+    let expected = "line 1028, property: found \"p1024\"; allowed at most 1024 properties of an element";
+    assert_eq!(message(format!("{start}{properties}").as_bytes()), expected);
+    let expected = "line 1, header: found no end_header in 1048576 bytes; allowed end_header before that";
+    assert_eq!(message(&vec![0; 2 << 20]), expected);
+    let many = format!(
+        "{}element face 0\nproperty list uchar int vertex_indices\nend_header\n",
+        start.replace("vertex 1", "vertex 9000000")
+    );
+    let many = many.replace("element face", "property uchar x\nproperty uchar y\nproperty uchar z\nelement face");
+    let bytes = [many.replace("ascii", "binary_little_endian").as_bytes(), &vec![1; 27_000_000]].concat();
+    assert_eq!(message(&bytes), "line 3, vertices: found 9000000; allowed at most 8388608");
+}

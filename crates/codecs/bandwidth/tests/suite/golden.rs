@@ -6,7 +6,7 @@ use brdfc_bandwidth::resolution::Resolution;
 use brdfc_bandwidth::texture::Placement;
 use brdfc_source::open::open;
 use brdfc_source::radiance_image::open_radiance_image;
-use brdfc_source::tile_image::open_tile_image;
+use brdfc_source::tile_image::open_colours;
 use brdfc_testing::golden::encodes::{Packs, check_encodes};
 use brdfc_testing::testdata;
 use std::path::PathBuf;
@@ -18,9 +18,9 @@ fn bandwidth_maps() {
     let path = |relative| PathBuf::from(testdata(relative));
     let sky = open_radiance_image(&path("golden/sky.hdr")).unwrap_or_else(|error| panic!("{error}"));
     let environment = environment_map(&sky.pixels, sky.width, 0.02).expect("an epsilon in range");
-    let cloth = open_tile_image(&path("golden/cloth.png")).unwrap_or_else(|error| panic!("{error}"));
+    let cloth = open_colours(&path("golden/cloth.png")).unwrap_or_else(|error| panic!("{error}"));
     let texture = |metres, tiles| {
-        let map = texture_map(&cloth.colours(), cloth.width, Placement { metres, tiles }, DEFAULT_EPSILON);
+        let map = texture_map(&cloth.pixels, cloth.width, Placement { metres, tiles }, DEFAULT_EPSILON);
         map.expect("a placement in range").to_bytes(true)
     };
     let packs = Packs::from([

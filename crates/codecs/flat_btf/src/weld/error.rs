@@ -152,7 +152,7 @@ pub enum MesoError {
         corners: [Vector; 3],
     },
     /// More materials than a surface blends.
-    #[error("materials: found {}: {}; allowed at most 4", .0.len(), .0.join(", "))]
+    #[error("materials: found {}: {}; allowed at most 4", .0.len(), some(.0))]
     Materials(Vec<String>),
     /// A surface that rises or falls too far.
     #[error("heights: found {} to {} tiles; allowed {} tiles above and below the reference plane at most", .0[0], .0[1], TALLEST)]
@@ -214,4 +214,12 @@ impl fmt::Display for Hint {
         }
         write!(f, ")")
     }
+}
+
+/// Names, as many as a message has room for.
+fn some(names: &[String]) -> String {
+    const MOST: usize = 12;
+    let more = names.len().saturating_sub(MOST);
+    let more = if more == 0 { String::new() } else { format!(" and {more} more") };
+    format!("{}{more}", names[..names.len().min(MOST)].join(", "))
 }

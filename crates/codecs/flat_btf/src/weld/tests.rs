@@ -241,6 +241,8 @@ fn materials_are_shares_of_triangles() {
     assert_eq!(weights([0.0, 0.0]).tint, [0.0, 0.5, 1.0], "the first of the vertices that are one");
     mesh.materials.extend(["ink", "dust"].map(str::to_owned));
     assert_eq!(message(&mesh, 1.0), "materials: found 5: wool, silk, gold, ink, dust; allowed at most 4");
+    mesh.materials.extend((0..1000).map(|k| k.to_string()));
+    assert!(message(&mesh, 1.0).ends_with("dust, 0, 1, 2, 3, 4, 5, 6 and 993 more; allowed at most 4"));
 }
 
 #[test]

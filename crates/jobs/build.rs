@@ -1,0 +1,51 @@
+//! Finds what decides the bytes of packs: a hash of all sources that encode, and of the versions of what they use. A build
+//! whose encoders are the same keeps what an earlier one made, whatever else has changed in the program.
+
+use std::hash::{DefaultHasher, Hasher as _};
+use std::path::{Path, PathBuf};
+
+/// Relative to this crate. What prints, draws or manages files is not among them.
+const DECIDES: [&str; 8] = [
+    "../../formats/src",
+    "../source/src",
+    "../metrics/src",
+    "../codecs",
+    "src/encode",
+    "src/report/material.rs",
+    "src/scene/maps.rs",
+    "../../Cargo.lock",
+];
+
+fn main() {
+    let mut files = Vec::new();
+    for place in DECIDES {
+        println!("cargo:rerun-if-changed={place}");
+        gather(Path::new(place), &mut files);
+    }
+    files.sort();
+    let mut hasher = DefaultHasher::new();
+    for file in &files {
+        let bytes = std::fs::read(file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+        // Checked out with other line ends, it is the same source.
+        bytes.split(|byte| *byte == b'\r').for_each(|piece| hasher.write(piece));
+        hasher.write(file.to_string_lossy().replace('\\', "/").as_bytes());
+    }
+    // Logarithms may be rounded differently elsewhere.
+    hasher.write(std::env::var("TARGET").unwrap_or_default().as_bytes());
+    println!("cargo:rustc-env=BRDFC_ENCODERS={:016x}", hasher.finish());
+}
+
+fn gather(place: &Path, files: &mut Vec<PathBuf>) {
+    if place.is_file() {
+        files.push(place.to_owned());
+        return;
+    }
+    let entries = std::fs::read_dir(place).unwrap_or_else(|error| panic!("{}: {error}", place.display()));
+    for entry in entries.flatten() {
+        let path = entry.path();
+        let kept = path.is_dir() && !path.ends_with("tests") && !path.ends_with("testdata");
+        if kept || path.extension().is_some_and(|extension| extension == "rs" || extension == "wgsl") {
+            gather(&path, files);
+        }
+    }
+}

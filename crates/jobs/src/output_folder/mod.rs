@@ -1,0 +1,214 @@
+//! The folder that a build fills: what stands there is what its report says.
+//!
+//! Files are put in place all together, when all are made. What a build puts there it notes, so that the next one may
+//! replace or remove it; what anybody else puts there is never touched. A process that is killed while files change places
+//! leaves a journal, by which whoever opens the folder next finishes what was begun.
+
+mod journal;
+mod placed;
+
+use crate::store::{Digest, Store, StoreError, read_record, write_record};
+use journal::Journal;
+use placed::{Placed, Placements};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs::File;
+use std::path::{Path, PathBuf};
+
+/// Held while files change places.
+const LOCK: &str = "lock";
+const PLACED: &str = "placed";
+
+/// A file to put in place.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NewFile {
+    /// Its name in the folder.
+    pub name: String,
+    /// Its bytes.
+    pub contents: Contents,
+}
+
+/// The bytes of a file.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Contents {
+    /// A file of the store.
+    Kept(Digest),
+    /// These.
+    Bytes(Vec<u8>),
+}
+
+/// Why the folder cannot be what it should be.
+#[derive(Debug, thiserror::Error)]
+pub enum FolderError {
+    /// A file of somebody else has a name that a build needs.
+    #[error("{path}: found {found}; allowed nothing, or what an earlier build wrote there (--force replaces a file)")]
+    Foreign {
+        /// Which.
+        path: String,
+        /// What it is.
+        found: &'static str,
+    },
+    /// A file of the store that went away meanwhile.
+    #[error("{path}: cannot write: what was made for it is gone from the store")]
+    Lost {
+        /// Which was to be made of it.
+        path: String,
+    },
+    /// A file that cannot be written.
+    #[error(transparent)]
+    Write(#[from] StoreError),
+}
+
+/// What changed in the folder.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Changes {
+    /// Files that were written.
+    pub written: Vec<String>,
+    /// Files of earlier builds that were removed.
+    pub removed: Vec<String>,
+    /// Files of earlier builds that are no longer needed, but were changed by somebody since, and stay.
+    pub left: Vec<String>,
+}
+
+/// An output folder.
+#[derive(Debug)]
+pub struct OutputFolder {
+    path: PathBuf,
+    root: PathBuf,
+    placements: Placements,
+}
+
+impl OutputFolder {
+    /// Finishes what a killed build had begun, and reads what earlier builds put here.
+    ///
+    /// # Errors
+    /// A folder that cannot be written to.
+    pub fn open(path: &Path, store: &Store) -> Result<Self, StoreError> {
+        let root = store.root().to_owned();
+        let _lock = lock(&root)?;
+        Journal::finish(path, &root)?;
+        let placements = read_record(&root.join(PLACED)).unwrap_or_default();
+        Ok(Self { path: path.to_owned(), root, placements })
+    }
+
+    /// Whether a killed build left files between two places.
+    pub fn is_unfinished(path: &Path) -> bool {
+        Journal::is_there(&path.join(crate::store::FOLDER))
+    }
+
+    /// Files of earlier builds that are listed elsewhere, such as in a report, with their hashes: ours even where the store
+    /// was deleted.
+    pub fn also_placed(&mut self, listed: impl IntoIterator<Item = (String, Digest)>) {
+        self.placements.also(&self.path, listed);
+    }
+
+    /// Hashes of the files of earlier builds that are unchanged.
+    pub fn unchanged(&self) -> BTreeSet<Digest> {
+        self.placements.unchanged(&self.path)
+    }
+
+    /// The bytes of a file that a build put in place.
+    pub fn bytes(&self, digest: &Digest) -> Option<Vec<u8>> {
+        let (name, _) = self.placements.files.iter().find(|(_, placed)| placed.digest == *digest)?;
+        let bytes = std::fs::read(self.path.join(name)).ok()?;
+        (Digest::of(&bytes) == *digest).then_some(bytes)
+    }
+
+    /// Whether a file of this name is there that has other bytes.
+    pub fn holds_other(&self, name: &str, digest: &Digest) -> bool {
+        std::fs::read(self.path.join(name)).is_ok_and(|bytes| Digest::of(&bytes) != *digest)
+    }
+
+    /// Whether a build may write files of these names.
+    ///
+    /// # Errors
+    /// The first that is there and that no build wrote.
+    pub fn refuse_foreign<'a>(&self, names: impl IntoIterator<Item = &'a str>, force: bool) -> Result<(), FolderError> {
+        for name in names {
+            let path = self.path.join(name);
+            let Ok(metadata) = path.symlink_metadata() else { continue };
+            let found = match () {
+                () if metadata.is_dir() => "a folder",
+                () if force || self.placements.files.contains_key(name) => continue,
+                () if metadata.is_symlink() => "a link that no build made",
+                () => "a file that no build wrote",
+            };
+            return Err(FolderError::Foreign { path: path.display().to_string(), found });
+        }
+        Ok(())
+    }
+
+    /// Puts all files in place, and removes those of earlier builds that are not among them unless `keep` is set. Until
+    /// all are written aside the folder stays as it is.
+    ///
+    /// # Errors
+    /// A file that cannot be written: then nothing has changed.
+    pub fn place(&mut self, files: &[NewFile], store: &Store, keep: bool) -> Result<Changes, FolderError> {
+        let _lock = lock(&self.root)?;
+        // Another build may have been faster.
+        Journal::finish(&self.path, &self.root)?;
+        if let Some(placements) = read_record::<Placements>(&self.root.join(PLACED)) {
+            self.placements.merge(placements);
+        }
+        let unchanged: BTreeMap<String, Placed> = self.placements.verified(&self.path);
+        let mut journal = Journal::new(&self.root)?;
+        let mut changes = Changes::default();
+        let mut placements = Placements::default();
+        for file in files {
+            let digest = match &file.contents {
+                Contents::Kept(digest) => *digest,
+                Contents::Bytes(bytes) => Digest::of(bytes),
+            };
+            if let Some(placed) = unchanged.get(&file.name).filter(|placed| placed.digest == digest) {
+                placements.files.insert(file.name.clone(), placed.clone());
+                continue;
+            }
+            let target = self.path.join(&file.name);
+            let bytes = match &file.contents {
+                Contents::Bytes(bytes) => bytes.clone(),
+                Contents::Kept(digest) => {
+                    let found = store.object(digest).or_else(|| self.bytes(digest));
+                    found.ok_or_else(|| FolderError::Lost { path: target.display().to_string() })?
+                }
+            };
+            journal.write(&file.name, &bytes).map_err(|error| StoreError::new(&target, error))?;
+            placements.files.insert(file.name.clone(), Placed { digest, stamp: None });
+            changes.written.push(file.name.clone());
+        }
+        for (name, placed) in &self.placements.files {
+            if placements.files.contains_key(name) {
+                continue;
+            }
+            if keep {
+                placements.files.insert(name.clone(), placed.clone());
+            } else if unchanged.contains_key(name) {
+                journal.remove(name);
+                changes.removed.push(name.clone());
+            } else if self.path.join(name).exists() {
+                changes.left.push(name.clone());
+            }
+        }
+        if journal.is_empty() && placements == self.placements {
+            return Ok(changes);
+        }
+        journal.commit(&self.path, &self.root)?;
+        placements.stamp(&self.path);
+        let record = self.root.join(PLACED);
+        crate::write::write_atomic(&record, &write_record(&placements))
+            .map_err(|error| StoreError::new(&record, error))?;
+        self.placements = placements;
+        Ok(changes)
+    }
+}
+
+/// Waits until no other process moves files.
+fn lock(root: &Path) -> Result<File, StoreError> {
+    let path = root.join(LOCK);
+    let error = |error| StoreError::new(&path, error);
+    let file = File::options().create(true).truncate(false).write(true).open(&path).map_err(error)?;
+    // Where files cannot be locked, two builds at a time are the user's to avoid.
+    let _ = file.lock();
+    Ok(file)
+}
+
+#[cfg(test)]
+mod tests;

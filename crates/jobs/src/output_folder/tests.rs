@@ -1,0 +1,110 @@
+use super::*;
+use crate::store::FOLDER;
+
+fn bytes(name: &str, text: &str) -> NewFile {
+    NewFile { name: name.to_owned(), contents: Contents::Bytes(text.as_bytes().to_vec()) }
+}
+
+struct There {
+    folder: tempfile::TempDir,
+    store: Store,
+}
+
+impl There {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::open(folder.path(), true).unwrap();
+        Self { folder, store }
+    }
+
+    fn open(&self) -> OutputFolder {
+        OutputFolder::open(self.folder.path(), &self.store).unwrap()
+    }
+
+    fn place(&self, files: &[NewFile]) -> Changes {
+        self.open().place(files, &self.store, false).unwrap()
+    }
+
+    fn text(&self, name: &str) -> Option<String> {
+        std::fs::read_to_string(self.folder.path().join(name)).ok()
+    }
+
+    fn write(&self, name: &str, text: &str) {
+        std::fs::write(self.folder.path().join(name), text).unwrap();
+    }
+}
+
+#[test]
+fn the_folder_becomes_what_is_listed() {
+    let there = There::new();
+    there.write("notes.txt", "a person's");
+    let first = there.place(&[bytes("a", "1"), bytes("b", "2"), bytes("report.json", "ab")]);
+    assert_eq!(first.written, ["a", "b", "report.json"]);
+    assert_eq!(there.place(&[bytes("a", "1"), bytes("b", "2"), bytes("report.json", "ab")]), Changes::default());
+    let second = there.place(&[bytes("b", "2"), bytes("c", "3"), bytes("report.json", "bc")]);
+    assert_eq!((second.written, second.removed), (vec!["c".into(), "report.json".into()], vec!["a".into()]));
+    assert_eq!((there.text("a"), there.text("notes.txt").as_deref()), (None, Some("a person's")));
+    let kept = there.open().place(&[bytes("c", "3")], &there.store, true).unwrap();
+    assert_eq!((kept, there.text("b").as_deref()), (Changes::default(), Some("2")));
+    // What was kept is still ours.
+    assert_eq!(there.place(&[bytes("c", "3")]).removed, ["b", "report.json"]);
+}
+
+#[test]
+fn what_a_person_changed_is_left_and_what_broke_is_mended() {
+    let there = There::new();
+    there.place(&[bytes("a", "1"), bytes("b", "2")]);
+    there.write("a", "edited by a person");
+    there.write("b", "bro");
+    let changes = there.place(&[bytes("b", "2")]);
+    assert_eq!((changes.written, changes.left), (vec!["b".to_owned()], vec!["a".to_owned()]));
+    assert_eq!(there.text("a").as_deref(), Some("edited by a person"));
+    let error = there.open().refuse_foreign(["b", "a"], false).unwrap_err().to_string();
+    assert!(error.contains("a: found a file that no build wrote"), "a is a person's now: {error}");
+    there.open().refuse_foreign(["a"], true).unwrap();
+    std::fs::create_dir(there.folder.path().join("c")).unwrap();
+    assert!(there.open().refuse_foreign(["c"], true).is_err(), "no folder is replaced");
+}
+
+#[test]
+fn a_report_says_what_is_ours_where_the_store_was_deleted() {
+    let there = There::new();
+    there.place(&[bytes("a", "1")]);
+    std::fs::remove_file(there.folder.path().join(FOLDER).join(PLACED)).unwrap();
+    let mut folder = there.open();
+    assert!(folder.refuse_foreign(["a"], false).is_err());
+    let listed = [("a", "1"), ("../a", "1"), ("gone", "1")];
+    folder.also_placed(listed.map(|(name, text)| (name.to_owned(), Digest::of(text.as_bytes()))));
+    folder.refuse_foreign(["a"], false).unwrap();
+    assert_eq!(folder.unchanged().len(), 1);
+    there.write("a", "of a person");
+    let mut folder = there.open();
+    folder.also_placed([("a".to_owned(), Digest::of(b"1"))]);
+    assert!(folder.refuse_foreign(["a"], false).is_err());
+}
+
+/// Killed at any moment: before the list stands nothing has changed, after that everything will.
+#[test]
+fn what_was_listed_is_finished_by_the_next() {
+    let there = There::new();
+    there.place(&[bytes("a", "old"), bytes("b", "old"), bytes("report.json", "old")]);
+    let root = there.folder.path().join(FOLDER);
+    let mut begun = Journal::new(&root).unwrap();
+    begun.write("a", b"new").unwrap();
+    std::mem::forget(begun);
+    there.open();
+    assert_eq!(there.text("a").as_deref(), Some("old"), "no list");
+    assert!(!root.join("commit").exists());
+
+    // A list with its files, one of which was moved already.
+    std::fs::create_dir(root.join("commit")).unwrap();
+    std::fs::write(root.join("commit/1"), "new").unwrap();
+    std::fs::write(root.join("commit/2"), "new").unwrap();
+    let moves = (vec!["a", "report.json", "../outside"], vec!["b", "../../passwd"]);
+    std::fs::write(root.join("commit/list"), write_record(&moves)).unwrap();
+    assert!(OutputFolder::is_unfinished(there.folder.path()));
+    there.open();
+    let texts = ["a", "b", "report.json"].map(|name| there.text(name));
+    assert_eq!(texts, [Some("old".into()), None, Some("new".into())]);
+    assert!(!root.join("commit").exists() && !there.folder.path().parent().unwrap().join("outside").exists());
+}

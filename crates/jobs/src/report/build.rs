@@ -1,0 +1,214 @@
+//! The report of a build.
+
+use super::material::{MaterialReport, StageTime};
+use crate::scene::gates::GateResult;
+use crate::scene::maps::{MapsReport, PARTS, Packed, part_name};
+use crate::scene::plan::{Plan, pack_name};
+use crate::scene::run::{JobError, Made, MadeEnvironment, Outcome, Outcomes, file_of};
+use crate::scene::scene_section::ENVIRONMENT;
+use crate::store::Digest;
+use brdfc_bandwidth::facts::BandwidthFacts;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// What a build says of itself: printed by `--json`, and without times and paths the file `report.json` in its folder.
+#[derive(Debug, Clone, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct BuildReport {
+    /// Layout of this report.
+    pub version: u32,
+    /// The scene's name.
+    pub scene: String,
+    /// Materials that the scene uses, by name.
+    pub materials: Vec<MaterialEntry>,
+    /// The environment that lights the scene; absent if none does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub environment: Option<EnvironmentEntry>,
+    /// Materials that no use refers to.
+    pub skipped: Vec<String>,
+}
+
+/// A file of a build.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct FileEntry {
+    /// Its name in the output folder.
+    pub file: String,
+    /// BLAKE3 of its bytes.
+    pub blake3: Digest,
+}
+
+/// One material of a build.
+#[derive(Debug, Clone, Default, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct MaterialEntry {
+    /// Its name.
+    pub material: String,
+    /// Its source, as the manifest has it.
+    #[serde(default)]
+    pub source: String,
+    /// The pack, relative to the output folder; absent if there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pack: Option<String>,
+    /// The bandwidth map, likewise; only of scenes that an environment lights.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bandwidth: Option<String>,
+    /// The importance samples, likewise.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub samples: Option<String>,
+    /// Its files with their hashes; none if it failed, or was only planned.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub files: Vec<FileEntry>,
+    /// What was measured; absent if it failed, or was only planned.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub report: Option<MaterialReport>,
+    /// What the bandwidth map and the samples hold.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub maps: Option<MapsReport>,
+    /// What the gates saw that the manifest requires.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub gates: Vec<GateResult>,
+    /// Why it failed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error: Option<String>,
+    /// Whether nothing had to be made. Only in what is printed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cached: Option<bool>,
+    /// Seconds per stage. Only in what is printed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stages: Option<Vec<StageTime>>,
+}
+
+/// The environment of a build.
+#[derive(Debug, Clone, Default, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct EnvironmentEntry {
+    /// The image, as the manifest has it.
+    pub source: String,
+    /// Its bandwidth map, relative to the output folder; absent if there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bandwidth: Option<String>,
+    /// The map with its hash; absent if it failed, or was only planned.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub file: Option<FileEntry>,
+    /// What the map holds; absent if it failed, or was only planned.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub report: Option<Packed<BandwidthFacts>>,
+    /// Why it failed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error: Option<String>,
+    /// Whether nothing had to be made. Only in what is printed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cached: Option<bool>,
+    /// Seconds per stage. Only in what is printed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stages: Option<Vec<StageTime>>,
+}
+
+impl BuildReport {
+    /// Of a finished build.
+    pub fn new(plan: &Plan, outcomes: &Outcomes) -> Self {
+        let environment = plan.environment.as_ref().zip(outcomes.environment.as_ref());
+        let materials = outcomes.materials.iter().filter_map(|outcome| {
+            let job = plan.jobs.iter().find(|job| job.name == outcome.name)?;
+            Some(material_entry(&job.declared, outcome))
+        });
+        Self {
+            materials: materials.collect(),
+            environment: environment.map(|(job, result)| environment_entry(&job.declared, result)),
+            ..Self::empty(plan)
+        }
+    }
+
+    /// Of a build that is only planned.
+    pub fn planned(plan: &Plan) -> Self {
+        let materials = plan.jobs.iter().map(|job| files(&job.name, &job.declared, job.maps.is_some()));
+        let environment = plan.environment.as_ref().map(|job| EnvironmentEntry {
+            source: job.declared.clone(),
+            bandwidth: Some(environment_map()),
+            ..EnvironmentEntry::default()
+        });
+        Self { materials: materials.collect(), environment, ..Self::empty(plan) }
+    }
+
+    /// Without what differs between runs: times, and where manifest and packs are.
+    #[must_use]
+    pub fn lasting(mut self, plan: &Plan, out: &Path) -> Self {
+        let out = format!("{}/", out.display());
+        let plain = |error: &mut Option<String>, source: &str, declared: &str| {
+            *error = error.as_ref().map(|text| text.replace(source, declared).replace(&out, ""));
+        };
+        for entry in &mut self.materials {
+            (entry.cached, entry.stages) = (None, None);
+            if let Some(job) = plan.jobs.iter().find(|job| job.name == entry.material) {
+                plain(&mut entry.error, &job.source, &job.declared);
+            }
+        }
+        if let (Some(entry), Some(job)) = (&mut self.environment, &plan.environment) {
+            (entry.cached, entry.stages) = (None, None);
+            plain(&mut entry.error, &job.source, &job.declared);
+        }
+        self
+    }
+
+    /// All files with their hashes.
+    pub fn files(&self) -> impl Iterator<Item = &FileEntry> {
+        let of_environment = self.environment.iter().filter_map(|entry| entry.file.as_ref());
+        self.materials.iter().flat_map(|entry| &entry.files).chain(of_environment)
+    }
+
+    fn empty(plan: &Plan) -> Self {
+        let (scene, skipped) = (plan.scene.clone(), plan.skipped.clone());
+        Self { version: 3, scene, materials: Vec::new(), environment: None, skipped }
+    }
+}
+
+/// The file of the environment's map.
+pub fn environment_map() -> String {
+    part_name(ENVIRONMENT, PARTS[0])
+}
+
+/// A material and its files.
+fn files(name: &str, declared: &str, maps: bool) -> MaterialEntry {
+    let [bandwidth, samples] = PARTS.map(|part| maps.then(|| part_name(name, part)));
+    let (material, source) = (name.to_owned(), declared.to_owned());
+    MaterialEntry { material, source, pack: Some(pack_name(name)), bandwidth, samples, ..MaterialEntry::default() }
+}
+
+fn material_entry(declared: &str, outcome: &Outcome) -> MaterialEntry {
+    match &outcome.result {
+        Ok(made) => {
+            let Made { report, maps, gates, files: made_files, times } = made;
+            let listed = made_files
+                .iter()
+                .map(|(part, blake3)| FileEntry { file: file_of(&outcome.name, part), blake3: *blake3 });
+            MaterialEntry {
+                files: listed.collect(),
+                report: Some(report.clone()),
+                maps: maps.clone(),
+                gates: gates.clone(),
+                cached: Some(times.is_none()),
+                stages: times.clone(),
+                ..files(&outcome.name, declared, maps.is_some())
+            }
+        }
+        Err(error) => MaterialEntry {
+            material: outcome.name.clone(),
+            source: declared.to_owned(),
+            error: Some(error.to_string()),
+            ..MaterialEntry::default()
+        },
+    }
+}
+
+fn environment_entry(source: &str, result: &Result<MadeEnvironment, JobError>) -> EnvironmentEntry {
+    let source = source.to_owned();
+    match result {
+        Ok(MadeEnvironment { report, file, times }) => EnvironmentEntry {
+            source,
+            bandwidth: Some(environment_map()),
+            file: Some(FileEntry { file: environment_map(), blake3: *file }),
+            report: Some(report.clone()),
+            error: None,
+            cached: Some(times.is_none()),
+            stages: times.clone(),
+        },
+        Err(error) => EnvironmentEntry { source, error: Some(error.to_string()), ..EnvironmentEntry::default() },
+    }
+}

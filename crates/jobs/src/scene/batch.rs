@@ -1,0 +1,280 @@
+//! Materials by the files that they are in: folders, lists of files, and patterns.
+
+use super::manifest::{Manifest, Material, Use};
+use super::names;
+use brdfc_source::address;
+use brdfc_source::open::{FORMATS, known_files};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use toml::Spanned;
+
+/// Why files are no list of materials.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum BatchError {
+    /// Nothing that is a material.
+    #[error("{place}: found {found}; allowed {allowed}")]
+    Nothing {
+        /// Where it was looked for.
+        place: String,
+        /// What is there.
+        found: String,
+        /// What may be there.
+        allowed: String,
+    },
+    /// What cannot be listed.
+    #[error("{path}: cannot read: {error}")]
+    Io {
+        /// Which folder.
+        path: String,
+        /// What the system says.
+        error: String,
+    },
+    /// Two materials of one name.
+    #[error("{first} and {second}: found the name {name} for both; allowed one material of a name, whatever its case")]
+    SameName {
+        /// The name of the second.
+        name: String,
+        /// The earlier one's source.
+        first: String,
+        /// The later one's source.
+        second: String,
+    },
+    /// A name that no file can have.
+    #[error("{source_name}: found the name {name}; allowed {allowed}")]
+    Name {
+        /// Which source.
+        source_name: String,
+        /// Its name.
+        name: String,
+        /// What names may be.
+        allowed: String,
+    },
+}
+
+/// Sources that were found, and what was left out.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Found {
+    /// Paths and addresses, each file once; those of a folder or a pattern sorted.
+    pub sources: Vec<String>,
+    /// Files of folders that are no kind of material.
+    pub others: Vec<PathBuf>,
+}
+
+/// Sources by files, folders, patterns and addresses. Of a folder it is all files in it that are measured materials, not
+/// those in folders below, and no packs.
+///
+/// # Errors
+/// Folders that cannot be listed, or hold no material; patterns that nothing matches.
+pub fn find(inputs: &[String]) -> Result<Found, BatchError> {
+    let mut found = Found::default();
+    for input in inputs {
+        let path = Path::new(input);
+        let several = if address::is_synth(input) {
+            vec![input.clone()]
+        } else if path.is_dir() {
+            let (sources, others) = of_folder(path)?;
+            found.others.extend(others);
+            sources
+        } else if is_pattern(path) {
+            matching(input.clone())?
+        } else {
+            vec![input.clone()]
+        };
+        for source in several {
+            if !found.sources.contains(&source) {
+                found.sources.push(source);
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// Whether it is a pattern, and no file of that name.
+pub fn is_pattern(path: &Path) -> bool {
+    path.to_string_lossy().contains(['*', '?', '[']) && !path.exists()
+}
+
+/// Whether its name is that of a file that has reflectance.
+pub fn is_material(path: &Path) -> bool {
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
+    extension.is_some_and(|extension| FORMATS.iter().any(|format| format.extension == extension))
+}
+
+/// Whether it is a material that is no pack yet.
+fn is_measured(path: &Path) -> bool {
+    is_material(path) && path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("ktx2"))
+}
+
+fn of_folder(folder: &Path) -> Result<(Vec<String>, Vec<PathBuf>), BatchError> {
+    let io = |error: std::io::Error| BatchError::Io { path: folder.display().to_string(), error: error.to_string() };
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(io)? {
+        let path = entry.map_err(io)?.path();
+        let hidden = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
+        if !hidden && !path.is_dir() {
+            files.push(path);
+        }
+    }
+    files.sort();
+    let (measured, others): (Vec<_>, Vec<_>) = files.into_iter().partition(|path| is_measured(path));
+    if measured.is_empty() {
+        let found = match others.len() {
+            0 => "no file".to_owned(),
+            1 => "one file of another kind".to_owned(),
+            count => format!("{count} files of other kinds"),
+        };
+        let allowed = format!("a folder with files {}", known_files());
+        return Err(BatchError::Nothing { place: folder.display().to_string(), found, allowed });
+    }
+    Ok((measured.iter().map(|path| path.display().to_string()).collect(), others))
+}
+
+fn matching(place: String) -> Result<Vec<String>, BatchError> {
+    let nothing = |found: String| BatchError::Nothing {
+        place: place.clone(),
+        found,
+        allowed: "a file, or a pattern such as scans/*.binary that files match".to_owned(),
+    };
+    let options =
+        glob::MatchOptions { require_literal_separator: true, require_literal_leading_dot: true, ..Default::default() };
+    let paths = glob::glob_with(&place, options).map_err(|error| nothing(format!("a wrong pattern, {}", error.msg)))?;
+    let mut files: Vec<PathBuf> = paths.flatten().filter(|path| !path.is_dir()).collect();
+    files.sort();
+    if files.is_empty() {
+        return Err(nothing("no file that matches".to_owned()));
+    }
+    Ok(files.iter().map(|path| path.display().to_string()).collect())
+}
+
+/// A manifest of these sources, each used once, from anywhere. Names are those of the files.
+///
+/// # Errors
+/// Two sources of one name.
+pub fn manifest_of(sources: &[String]) -> Result<Manifest, BatchError> {
+    let mut manifest = Manifest::default();
+    let mut names = Names::default();
+    for source in sources {
+        let name = names.add(source)?;
+        let material = Material { source: source.clone(), ..Material::default() };
+        manifest.materials.insert(name.clone(), material);
+        manifest.uses.push(Use { object: None, material: Spanned::new(0..0, name), nearest: None });
+    }
+    Ok(manifest)
+}
+
+impl Manifest {
+    /// The manifest in which each material whose source is a pattern became the materials of the files that match; a use
+    /// of it is one of each. `folder` is the manifest's.
+    ///
+    /// # Errors
+    /// Patterns that nothing matches; two materials of one name.
+    pub fn expanded(mut self, folder: &Path) -> Result<Self, BatchError> {
+        let is_group =
+            |material: &Material| !address::is_synth(&material.source) && is_pattern(&folder.join(&material.source));
+        let groups: Vec<String> =
+            self.materials.iter().filter(|(_, material)| is_group(material)).map(|(name, _)| name.clone()).collect();
+        if groups.is_empty() {
+            return Ok(self);
+        }
+        let mut members: BTreeMap<String, Vec<String>> = BTreeMap::new();
+        let mut added = Vec::new();
+        for group in groups {
+            let material = self.materials.remove(&group).expect("it is one of them");
+            let pattern = Path::new(&glob::Pattern::escape(&folder.display().to_string())).join(&material.source);
+            for path in matching(pattern.display().to_string())? {
+                // As the manifest might have named it.
+                let declared = Path::new(&path).strip_prefix(folder).map_or(path.clone(), |p| p.display().to_string());
+                added.push((group.clone(), Material { source: declared, ..material.clone() }));
+            }
+        }
+        let mut names = Names::default();
+        self.materials.iter().for_each(|(name, material)| names.reserve(name, &material.source));
+        for (group, material) in added {
+            let name = names.add(&material.source)?;
+            members.entry(group).or_default().push(name.clone());
+            self.materials.insert(name, material);
+        }
+        let uses = std::mem::take(&mut self.uses);
+        self.uses = uses.into_iter().flat_map(|used| each_member(used, &members)).collect();
+        Ok(self)
+    }
+}
+
+fn each_member(used: Use, members: &BTreeMap<String, Vec<String>>) -> Vec<Use> {
+    let Some(names) = members.get(used.material.get_ref()) else { return vec![used] };
+    let of = |name: &String| Use { material: Spanned::new(used.material.span(), name.clone()), ..used.clone() };
+    names.iter().map(of).collect()
+}
+
+/// Names that are taken, in lower case, with the source that has each.
+#[derive(Default)]
+struct Names(BTreeMap<String, String>);
+
+impl Names {
+    fn reserve(&mut self, name: &str, source: &str) {
+        self.0.insert(name.to_ascii_lowercase(), source.to_owned());
+    }
+
+    /// The name of a source.
+    fn add(&mut self, source: &str) -> Result<String, BatchError> {
+        let name = match source.strip_prefix(address::SYNTH_PREFIX) {
+            Some(model) => model.split('?').next().unwrap_or_default().to_owned(),
+            None => names::of_file(Path::new(source)),
+        };
+        names::check_name(&name, true).map_err(|allowed| BatchError::Name {
+            source_name: source.to_owned(),
+            name: name.clone(),
+            allowed,
+        })?;
+        match self.0.insert(name.to_ascii_lowercase(), source.to_owned()) {
+            Some(first) => Err(BatchError::SameName { name, first, second: source.to_owned() }),
+            None => Ok(name),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn folder(files: &[&str]) -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        files.iter().for_each(|file| std::fs::write(folder.path().join(file), "").unwrap());
+        folder
+    }
+
+    #[test]
+    fn a_folder_is_its_measured_files() {
+        let there = folder(&["b.brdf", "a.binary", "notes.txt", "c.BSDF", "old.ktx2", ".d.csv"]);
+        let found = find(&[there.path().display().to_string()]).unwrap();
+        let names: Vec<_> = found.sources.iter().map(|source| names::of_file(Path::new(source))).collect();
+        assert_eq!((names, found.others.len()), (vec!["a".to_owned(), "b".to_owned(), "c".to_owned()], 2));
+        let empty = folder(&["notes.txt"]);
+        let error = find(&[empty.path().display().to_string()]).unwrap_err().to_string();
+        assert!(error.contains("found one file of another kind; allowed a folder with files .binary"), "{error}");
+    }
+
+    #[test]
+    fn patterns_in_manifests() {
+        let there = folder(&["b.brdf", "a.brdf", "c.csv"]);
+        let text = "[materials.all]\nsource='*.brdf'\nmax_delta_e=1\n[materials.one]\nsource='c.csv'\n\
+                    [[uses]]\nmaterial='all'\nnearest=4\n[[uses]]\nmaterial='one'\n";
+        let manifest = Manifest::parse(text).unwrap().expanded(there.path()).unwrap();
+        let of = |m: &Manifest| m.materials.iter().map(|(n, m)| format!("{n}={}", m.source)).collect::<Vec<_>>();
+        assert_eq!(of(&manifest), ["a=a.brdf", "b=b.brdf", "one=c.csv"]);
+        let uses: Vec<_> = manifest.uses.iter().map(|used| used.material.get_ref().as_str()).collect();
+        assert_eq!(uses, ["a", "b", "one"]);
+        assert_eq!(manifest.materials["b"].options.max_delta_e, Some(1.0));
+        let nothing = text.replace("*.brdf", "*.bsdf");
+        let error = Manifest::parse(&nothing).unwrap().expanded(there.path()).unwrap_err().to_string();
+        assert!(error.contains("found no file that matches"), "{error}");
+    }
+
+    #[test]
+    fn collisions_are_refused() {
+        let sources = ["x/red.brdf", "y/Red.binary"].map(str::to_owned);
+        let error = manifest_of(&sources).unwrap_err().to_string();
+        assert!(error.starts_with("x/red.brdf and y/Red.binary: found the name Red for both"), "{error}");
+        assert!(manifest_of(&["nul.brdf".to_owned()]).unwrap_err().to_string().contains("devices"));
+    }
+}

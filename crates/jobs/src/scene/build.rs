@@ -1,0 +1,163 @@
+//! A whole build: what a plan asks for is made, and then put in place together with its report.
+
+use super::error::JobError;
+use super::plan::{Plan, REPORT, list_name};
+use super::run::{Made, Outcome, Outcomes, Workshop, file_of, run};
+use crate::output_folder::{Changes, Contents, FolderError, NewFile, OutputFolder};
+use crate::report::build::{BuildReport, environment_map};
+use crate::report::material::MaterialReport;
+use crate::scene::maps::MapsReport;
+use crate::store::{Store, StoreError};
+use brdfc_source::progress::{Cancelled, Progress};
+use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Mutex;
+
+/// How a build is done. None of it decides the bytes of a pack.
+pub struct BuildSettings<'a> {
+    /// The output folder, which is there.
+    pub out: &'a Path,
+    /// Whether what was made before is used.
+    pub looks_up: bool,
+    /// Whether files of earlier builds that are no longer needed stay.
+    pub keep: bool,
+    /// Whether files may be replaced that no build wrote.
+    pub force: bool,
+    /// Whether the first failure ends the build, and leaves the folder as it was.
+    pub fail_fast: bool,
+    /// Bytes that all materials that are worked on may take together.
+    pub memory: u64,
+    /// Held while files change places: who ends the process takes it first.
+    pub placing: &'a Mutex<()>,
+}
+
+/// A build that came to its end.
+#[derive(Debug)]
+pub struct Built {
+    /// What became of each material.
+    pub outcomes: Outcomes,
+    /// All of it, times included.
+    pub report: BuildReport,
+    /// What changed in the folder; `None` where it was left as it was.
+    pub changes: Option<Changes>,
+}
+
+/// Why there is no build.
+#[derive(Debug, thiserror::Error)]
+pub enum BuildError {
+    /// The output folder.
+    #[error(transparent)]
+    Folder(#[from] FolderError),
+    /// The caller asked to stop. What was finished is kept for the next build.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+impl From<StoreError> for BuildError {
+    fn from(error: StoreError) -> Self {
+        Self::Folder(error.into())
+    }
+}
+
+/// The parts of a material, as `<material>.json` lists them.
+#[derive(Debug, Clone, Serialize, schemars::JsonSchema)]
+pub struct MaterialFile {
+    /// Layout of this file.
+    pub version: u32,
+    /// The material's name.
+    pub material: String,
+    /// Files of the material, by part: `brdf` is the pack; where an environment lights the scene, `bandwidth` is
+    /// the bandwidth map and `samples` are the importance samples.
+    pub parts: BTreeMap<String, String>,
+    /// What was measured.
+    pub report: MaterialReport,
+    /// What the maps hold.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub maps: Option<MapsReport>,
+}
+
+/// Makes what is not there yet, and makes the folder what the report says. A material that fails has no files there; where a
+/// file could not be written, or the build was to end at the first failure, the folder stays as it was.
+///
+/// # Errors
+/// A folder that cannot be written to, or holds files of somebody else; cancellation.
+pub fn build(plan: &Plan, settings: &BuildSettings<'_>, progress: &dyn Progress) -> Result<Built, BuildError> {
+    let store = Store::open(settings.out, settings.looks_up)?;
+    let mut folder = OutputFolder::open(settings.out, &store)?;
+    if let Some(report) = earlier_report(settings.out) {
+        folder.also_placed(report.files().map(|file| (file.file.clone(), file.blake3)));
+    }
+    let names: Vec<String> = plan.files().collect();
+    folder.refuse_foreign(names.iter().map(String::as_str), settings.force)?;
+    let placed = folder.unchanged();
+    let workshop = Workshop { store: &store, placed: &placed, memory: settings.memory, fail_fast: settings.fail_fast };
+    let outcomes = run(plan, &workshop, progress);
+    if outcomes.errors().any(|error| matches!(error, JobError::Cancelled(_))) {
+        progress.check()?;
+    }
+    let report = BuildReport::new(plan, &outcomes);
+    let failed = outcomes.errors().next().is_some() || !outcomes.materials.iter().all(Outcome::passed);
+    if settings.fail_fast && failed || outcomes.errors().any(|error| matches!(error, JobError::Store(_))) {
+        return Ok(Built { outcomes, report, changes: None });
+    }
+    let files = files(&outcomes, report.clone().lasting(plan, settings.out));
+    let changes = {
+        let _placing = settings.placing.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        progress.check()?;
+        folder.place(&files, &store, settings.keep)?
+    };
+    store.prune();
+    Ok(Built { outcomes, report, changes: Some(changes) })
+}
+
+/// The report of the build before this one, if it can be read.
+pub fn earlier_report(out: &Path) -> Option<BuildReport> {
+    serde_json::from_slice(&read_file(&out.join(REPORT), MAX_TEXT_BYTES).ok()?).ok()
+}
+
+/// Everything that stands in the folder, the report last.
+fn files(outcomes: &Outcomes, report: BuildReport) -> Vec<NewFile> {
+    let mut files = Vec::new();
+    for (name, made) in outcomes.made() {
+        for (part, digest) in &made.files {
+            files.push(NewFile { name: file_of(name, part), contents: Contents::Kept(*digest) });
+        }
+        let parts = made.files.iter().map(|(part, _)| ((*part).to_owned(), file_of(name, part))).collect();
+        let (material, report, maps) = (name.to_owned(), made.report.clone(), made.maps.clone());
+        let list = MaterialFile { version: 1, material, parts, report, maps };
+        files.push(NewFile { name: list_name(name), contents: Contents::Bytes(json(&list)) });
+    }
+    if let Some(Ok(made)) = &outcomes.environment {
+        files.push(NewFile { name: environment_map(), contents: Contents::Kept(made.file) });
+    }
+    files.push(NewFile { name: REPORT.to_owned(), contents: Contents::Bytes(json(&report)) });
+    files
+}
+
+fn json(value: &impl Serialize) -> Vec<u8> {
+    let mut bytes = serde_json::to_vec_pretty(value).expect("reports are plain data");
+    bytes.push(b'\n');
+    bytes
+}
+
+impl Outcome {
+    /// Whether it is what was asked for.
+    pub fn passed(&self) -> bool {
+        self.result.as_ref().is_ok_and(Made::passed)
+    }
+}
+
+impl Outcomes {
+    /// The materials that were made, by name.
+    pub fn made(&self) -> impl Iterator<Item = (&str, &Made)> {
+        self.materials.iter().filter_map(|outcome| Some((outcome.name.as_str(), outcome.result.as_ref().ok()?)))
+    }
+
+    /// Why materials or the environment failed.
+    pub fn errors(&self) -> impl Iterator<Item = &JobError> {
+        let environment = self.environment.iter().filter_map(|result| result.as_ref().err());
+        self.materials.iter().filter_map(|outcome| outcome.result.as_ref().err()).chain(environment)
+    }
+}

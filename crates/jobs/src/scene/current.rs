@@ -1,0 +1,92 @@
+//! What a scene needs of a folder of packs: taken from there where it is current, made where it is not.
+
+use super::error::JobError;
+use super::gates::GateResult;
+use super::memory::{self, Shared};
+use super::plan::{EnvironmentJob, Job};
+use super::run::{PACK, Workshop, file_of};
+use crate::output_folder::OutputFolder;
+use crate::report::build::environment_map;
+use crate::store::{Digest, Store, StoreError};
+use brdfc_formats::Pack;
+use brdfc_source::progress::Progress;
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// A folder that a build fills.
+pub struct PackFolder {
+    store: Store,
+    folder: OutputFolder,
+    placed: BTreeSet<Digest>,
+}
+
+/// A material of it, as its recipe and the bytes of its source now ask for.
+pub struct Current {
+    /// The pack, then the maps in the order of [`PARTS`](super::maps::PARTS) where the scene needs them.
+    pub parts: Vec<Pack>,
+    /// What nothing that was tried meets.
+    pub missed: Option<String>,
+    /// What its gates saw.
+    pub gates: Vec<GateResult>,
+    /// Files that stand in the folder but are others; they were made from something else.
+    pub stale: Vec<String>,
+}
+
+impl PackFolder {
+    /// A folder that is there.
+    ///
+    /// # Errors
+    /// A folder that cannot be written to.
+    pub fn open(path: &Path) -> Result<Self, StoreError> {
+        let store = Store::open(path, true)?;
+        let folder = OutputFolder::open(path, &store)?;
+        let placed = folder.unchanged();
+        Ok(Self { store, folder, placed })
+    }
+
+    /// Whether a build or an earlier call worked in this folder.
+    pub fn is_one(path: &Path) -> bool {
+        path.join(crate::store::FOLDER).is_dir()
+    }
+
+    fn workshop(&self) -> Workshop<'_> {
+        let memory = memory::PER_THREAD * rayon::current_num_threads() as u64;
+        Workshop { store: &self.store, placed: &self.placed, memory, fail_fast: false }
+    }
+
+    /// A material. What had to be made is kept in the store; the files in the folder stay as they are.
+    ///
+    /// # Errors
+    /// As of a build.
+    pub fn material(&self, job: &Job, progress: &dyn Progress) -> Result<Current, JobError> {
+        let workshop = self.workshop();
+        let made = workshop.material(job, &Shared::new(workshop.memory), progress)?;
+        let mut current =
+            Current { parts: Vec::new(), missed: made.report.missed, gates: made.gates, stale: Vec::new() };
+        for (part, digest) in &made.files {
+            let name = file_of(&job.name, part);
+            debug_assert!(*part != PACK || current.parts.is_empty());
+            current.parts.push(self.pack(&name, digest)?);
+            if self.folder.holds_other(&name, digest) {
+                current.stale.push(name);
+            }
+        }
+        Ok(current)
+    }
+
+    /// The map of the environment.
+    ///
+    /// # Errors
+    /// As of a build.
+    pub fn environment(&self, job: &EnvironmentJob, progress: &dyn Progress) -> Result<Pack, JobError> {
+        let workshop = self.workshop();
+        let made = workshop.environment(job, &Shared::new(workshop.memory), progress)?;
+        self.pack(&environment_map(), &made.file)
+    }
+
+    fn pack(&self, name: &str, digest: &Digest) -> Result<Pack, JobError> {
+        let gone = || StoreError::new(Path::new(name), std::io::Error::other("it is gone from the store"));
+        let bytes = self.store.object(digest).or_else(|| self.folder.bytes(digest)).ok_or_else(gone)?;
+        Pack::from_bytes(&bytes, None).map_err(JobError::Map)
+    }
+}

@@ -1,0 +1,114 @@
+//! How much memory the materials that are worked on may take together.
+
+use crate::encode::recipe::PackRecipe;
+use std::sync::{Condvar, Mutex, PoisonError};
+
+/// Of each thread, where nothing is said, bytes.
+pub const PER_THREAD: u64 = 300 << 20;
+/// What a search for the smallest pack takes at its largest table, besides the source, bytes; measured with a scan.
+const SEARCH: u64 = 128 << 20;
+/// What one table takes, likewise.
+const TABLE: u64 = 40 << 20;
+/// What maps take, and a wavelet pack besides its grid.
+const OTHER: u64 = 16 << 20;
+
+/// What an encoding takes at most, besides its source, bytes.
+pub fn of_recipe(recipe: &PackRecipe) -> u64 {
+    match recipe {
+        PackRecipe::Auto(_) => SEARCH,
+        PackRecipe::Table(_) => TABLE,
+        PackRecipe::Wavelet(recipe) => {
+            // The table and its coefficients, three channels of f32.
+            let samples = 1u64 << (4 * recipe.levels);
+            OTHER + 2 * 12 * samples
+        }
+    }
+}
+
+/// What a file of this kind takes while it is read and as long as it is evaluated, bytes.
+pub fn of_source(extension: &str, length: u64) -> u64 {
+    match extension {
+        // Doubles become floats as they are read, and a map of valid cells may come beside them.
+        "binary" => length / 2 + length / 6,
+        // Text with its rows, tensors with their sums.
+        _ => length.saturating_mul(4),
+    }
+}
+
+/// The longest file of this kind that fits, bytes.
+pub fn longest_source(extension: &str, memory: u64) -> u64 {
+    match extension {
+        "binary" => memory / 2 * 3,
+        _ => memory / 4,
+    }
+}
+
+/// Memory that several share.
+pub struct Shared {
+    all: u64,
+    free: Mutex<u64>,
+    freed: Condvar,
+}
+
+/// A share of it, given back at the end.
+pub struct Share<'a> {
+    of: &'a Shared,
+    bytes: u64,
+}
+
+impl Shared {
+    /// So many bytes.
+    pub fn new(all: u64) -> Self {
+        Self { all, free: Mutex::new(all), freed: Condvar::new() }
+    }
+
+    /// Waits until there are so many bytes; who wants more than there are works alone.
+    pub fn take(&self, bytes: u64) -> Share<'_> {
+        let bytes = bytes.min(self.all);
+        let free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut free = self.freed.wait_while(free, |free| *free < bytes).unwrap_or_else(PoisonError::into_inner);
+        *free -= bytes;
+        Share { of: self, bytes }
+    }
+}
+
+impl Drop for Share<'_> {
+    fn drop(&mut self) {
+        *self.of.free.lock().unwrap_or_else(PoisonError::into_inner) += self.bytes;
+        self.of.freed.notify_all();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::{AtomicU64, Ordering};
+
+    #[test]
+    fn no_more_is_taken_than_there_is() {
+        let shared = Shared::new(10);
+        let (taken, most) = (AtomicU64::new(0), AtomicU64::new(0));
+        std::thread::scope(|scope| {
+            for bytes in [4, 4, 4, 9, 100, 1, 3] {
+                let (shared, taken, most) = (&shared, &taken, &most);
+                scope.spawn(move || {
+                    let share = shared.take(bytes);
+                    most.fetch_max(taken.fetch_add(share.bytes, Ordering::SeqCst) + share.bytes, Ordering::SeqCst);
+                    std::thread::yield_now();
+                    taken.fetch_sub(share.bytes, Ordering::SeqCst);
+                });
+            }
+        });
+        assert!((9..=10).contains(&most.into_inner()));
+    }
+
+    #[test]
+    fn the_longest_source_fits() {
+        for extension in ["binary", "brdf"] {
+            let longest = longest_source(extension, 600 << 20);
+            assert!(of_source(extension, longest) <= 600 << 20);
+            assert!(of_source(extension, 2 * longest) > 600 << 20);
+        }
+        assert!(of_source("binary", 34_992_012) < 24 << 20);
+    }
+}

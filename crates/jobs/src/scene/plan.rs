@@ -1,0 +1,146 @@
+//! What a build will do: which materials, from where, by which recipes.
+
+use super::manifest::Manifest;
+use super::maps::{self, MapRecipe, part_name};
+use super::needs::{self, needs};
+use super::scene_section::ENVIRONMENT;
+use crate::encode::options::OptionError;
+use crate::encode::recipe::{Budget, PackRecipe};
+use brdfc_formats::wavelet::DEFAULT_DISTANCE_SCALE;
+use brdfc_source::address;
+use std::path::Path;
+
+/// One material to make.
+#[derive(Debug, Clone)]
+pub struct Job {
+    /// The material's name.
+    pub name: String,
+    /// Path or address as the manifest has it.
+    pub declared: String,
+    /// Path or address, resolved against the manifest's folder.
+    pub source: String,
+    /// How it is encoded, needs included.
+    pub recipe: PackRecipe,
+    /// How its maps are made, where it needs them.
+    pub maps: Option<MapRecipe>,
+    /// What its finished pack has to be.
+    pub gates: Budget,
+    /// Uses that refer to it.
+    pub uses: usize,
+}
+
+impl Job {
+    /// Whether both are the same work.
+    pub(super) fn is_same_work(&self, other: &Self) -> bool {
+        self.source == other.source && self.recipe == other.recipe && self.maps == other.maps
+    }
+}
+
+/// The environment's map.
+#[derive(Debug, Clone)]
+pub struct EnvironmentJob {
+    /// Path as the manifest has it.
+    pub declared: String,
+    /// Path, resolved against the manifest's folder.
+    pub source: String,
+    /// `ε` of the bandwidth.
+    pub epsilon: f64,
+}
+
+/// What a build will do.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// The scene's name.
+    pub scene: String,
+    /// Materials to make, by name.
+    pub jobs: Vec<Job>,
+    /// The environment, where the scene needs its map.
+    pub environment: Option<EnvironmentJob>,
+    /// Materials that no use refers to: not even opened.
+    pub skipped: Vec<String>,
+}
+
+impl Plan {
+    /// Whether there is nothing to make.
+    pub fn is_empty(&self) -> bool {
+        self.jobs.is_empty() && self.environment.is_none()
+    }
+
+    /// Paths and addresses that are read.
+    pub fn sources(&self) -> impl Iterator<Item = &str> {
+        let environment = self.environment.iter().map(|job| job.source.as_str());
+        self.jobs.iter().map(|job| job.source.as_str()).chain(environment)
+    }
+
+    /// Names of the files that a build writes into its folder.
+    pub fn files(&self) -> impl Iterator<Item = String> {
+        let environment = self.environment.iter().map(|_| part_name(ENVIRONMENT, "bandwidth"));
+        let of_job = |job: &Job| {
+            let maps = maps::PARTS.iter().filter(|_| job.maps.is_some()).map(|part| part_name(&job.name, part));
+            [pack_name(&job.name), list_name(&job.name)].into_iter().chain(maps).collect::<Vec<_>>()
+        };
+        self.jobs.iter().flat_map(of_job).chain(environment).chain([REPORT.to_owned()])
+    }
+}
+
+/// What a build says of itself, in the folder of its packs.
+pub const REPORT: &str = "report.json";
+
+/// The file that lists the parts of a material.
+pub fn list_name(material: &str) -> String {
+    format!("{material}.json")
+}
+
+/// The pack's file of a material.
+pub fn pack_name(material: &str) -> String {
+    part_name(material, "brdf")
+}
+
+/// Options of a material that do not go together with those of the whole build.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{material}: {}: found {}; allowed {}", error.field, error.found, error.allowed)]
+pub struct PlanError {
+    /// Which.
+    pub material: String,
+    /// What is wrong.
+    pub error: OptionError,
+}
+
+/// Plans a build: which materials, with which recipes. Patterns were expanded before.
+///
+/// # Errors
+/// Options of a material that do not go together with the defaults; of a manifest as it was parsed there are none.
+pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, PlanError> {
+    let needed = needs(manifest);
+    let scale = manifest.scene.distance_scale.unwrap_or(DEFAULT_DISTANCE_SCALE);
+    let environment = needs::environment(manifest).map(|declared| EnvironmentJob {
+        declared: declared.to_owned(),
+        source: folder.join(declared).display().to_string(),
+        epsilon: MapRecipe::default().epsilon,
+    });
+    let scene = manifest.scene.name.clone().unwrap_or_else(|| "scene".to_owned());
+    let mut plan = Plan { scene, jobs: Vec::new(), environment, skipped: Vec::new() };
+    let defaults = &manifest.defaults;
+    for (name, material) in &manifest.materials {
+        let Some(need) = needed.get(name.as_str()) else {
+            plan.skipped.push(name.clone());
+            continue;
+        };
+        let wrong = |error| PlanError { material: name.clone(), error };
+        let mut recipe = material.options.resolve(&defaults.options).map_err(wrong)?;
+        recipe.limit_levels(|levels| need.stored_levels(levels, scale));
+        let declared = material.source.clone();
+        let source =
+            if address::is_synth(&declared) { declared.clone() } else { folder.join(&declared).display().to_string() };
+        plan.jobs.push(Job {
+            name: name.clone(),
+            declared,
+            source,
+            recipe,
+            maps: need.maps.then(MapRecipe::default),
+            gates: material.require.resolve(&defaults.require).map_err(wrong)?,
+            uses: need.uses,
+        });
+    }
+    Ok(plan)
+}

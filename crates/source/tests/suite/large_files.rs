@@ -1,0 +1,77 @@
+//! Files that are larger than what may be read, or that would ask for more memory than there is. They are sparse: they take
+//! no room on the disk.
+
+use brdfc_formats::FormatError;
+use brdfc_formats::measured::scan::MAX_ROWS;
+use brdfc_source::open::open_file_heard;
+use brdfc_source::read::{MAX_FILE_BYTES, ReadListener};
+use std::fs::File;
+use std::io::Write;
+
+/// Counts what is read.
+#[derive(Default)]
+struct Count(u64);
+
+impl ReadListener for Count {
+    fn bytes(&mut self, bytes: &[u8]) {
+        self.0 += bytes.len() as u64;
+    }
+}
+
+/// What is said of a file that starts so, and how many bytes of it were read.
+fn refused(name: &str, start: &[u8], length: u64) -> (String, u64) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    let mut file = File::create(&path).unwrap();
+    file.write_all(start).unwrap();
+    file.set_len(length).unwrap();
+    let mut count = Count::default();
+    let error = open_file_heard(&path, None, &mut count).err().unwrap().to_string();
+    (error.split_once(&format!("{name}: ")).unwrap().1.to_owned(), count.0)
+}
+
+#[test]
+fn the_largest_merl_header_is_refused_by_its_length() {
+    let header = [4096i32; 3].map(i32::to_le_bytes).concat();
+    let (error, read) = refused("a.binary", &header, 12 + 24 * (1 << 36));
+    assert_eq!((&*error, read), ("file length: found 1.50 TiB; allowed at most 2.00 GiB", 0));
+}
+
+#[test]
+fn every_kind_has_a_largest_length() {
+    for name in ["a.binary", "a.brdf", "a.csv", "a.dat", "a.bsdf", "a.ktx2"] {
+        let (error, read) = refused(name, b"", MAX_FILE_BYTES + 1);
+        assert_eq!((&*error, read), ("file length: found 2.00 GiB; allowed at most 2.00 GiB", 0), "{name}");
+    }
+}
+
+#[test]
+fn text_ends_at_its_first_nul_byte() {
+    for name in ["a.csv", "a.brdf", "a.dat"] {
+        for (start, expected) in
+            [(&b""[..], "line 1, text: found a NUL byte, byte 0 "), (b"# a\n#\n#", "line 3, text: ")]
+        {
+            let (error, read) = refused(name, start, MAX_FILE_BYTES);
+            assert!(
+                error.starts_with(expected) && error.ends_with("of the file; allowed text, which has none"),
+                "{error}"
+            );
+            assert!(read < 1 << 20, "{name}: {read} bytes were read");
+        }
+    }
+}
+
+/// Unclosed quotes make the rest of a table one field.
+#[test]
+fn records_have_a_largest_length() {
+    let quoted = [&b"theta_i,phi_i,theta_o,phi_o,r,g,b\n\""[..], &b"a\n".repeat(9 << 20)].concat();
+    let (error, _) = refused("a.csv", &quoted, quoted.len() as u64);
+    assert_eq!(error, "line 2, record: found a record of more than 16.00 MiB; allowed at most 16777216 bytes");
+}
+
+#[test]
+fn scans_have_a_largest_number_of_rows() {
+    let rows = [&b"theta_i,phi_i,theta_o,phi_o,r,g,b\n"[..], &b"0,0,0,0,1,1,1\n".repeat(MAX_ROWS + 1)].concat();
+    let error: FormatError = brdfc_formats::measured::scan_csv::from_bytes(&rows).unwrap_err();
+    assert_eq!(error.to_string(), format!("rows: found more than {MAX_ROWS}; allowed at most {MAX_ROWS}"));
+}

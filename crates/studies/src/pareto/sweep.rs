@@ -1,0 +1,115 @@
+//! Measures every setting on one material.
+
+use super::settings::{WaveletSetting, cost};
+use super::{ParetoMaterial, ParetoRow};
+use crate::timing::best_of;
+use brdfc_formats::BrdfDecoder;
+use brdfc_formats::wavelet::Filter;
+use brdfc_jobs::encode::recipe::PackRecipe;
+use brdfc_jobs::encode::{EncodedPack, PackError, encode};
+use brdfc_metrics::compare::Reference;
+use brdfc_metrics::sampling::{PairSet, random_pairs};
+use brdfc_source::Source;
+use brdfc_source::pack::opened;
+use std::time::Instant;
+
+/// What takes less is run again, up to so many times.
+const SHORT: f64 = 0.5;
+const MOST_RUNS: usize = 3;
+/// Pairs that are decoded in a run, and how many runs.
+const PAIRS: usize = 1 << 13;
+const DECODE_RUNS: usize = 3;
+const SEED: u64 = 11;
+
+/// Every setting on one material; `done` is told what share of the material is.
+///
+/// # Errors
+/// Sources that no pack can be made of.
+pub fn pareto(
+    name: &str,
+    source: &dyn Source,
+    settings: &[PackRecipe],
+    done: &dyn Fn(f64),
+) -> Result<ParetoMaterial, PackError> {
+    let reference = Reference::new(source, PairSet::comparison());
+    let pairs = random_pairs(PAIRS, SEED);
+    let all: f64 = settings.iter().map(cost).sum();
+    let mut so_far = 0.0;
+    let mut rows = Vec::with_capacity(settings.len());
+    for recipe in settings {
+        let (made, encode_seconds, runs) = timed(source, &recipe.clone().without_measuring())?;
+        let decoder = BrdfDecoder::new(&made.pack);
+        let level = decoder.levels() as f32;
+        let decode = || pairs.iter().map(|pair| decoder.eval(*pair, level, Filter::Bilinear)[0]).sum::<f32>();
+        let error = reference.compare(opened(&made.pack, None).source.as_ref());
+        let wavelet = match recipe {
+            PackRecipe::Wavelet(recipe) => WaveletSetting::of(recipe),
+            _ => None,
+        };
+        rows.push(ParetoRow {
+            codec: made.codec.name().to_owned(),
+            setting: wavelet.map_or_else(|| made.codec.size(), |setting| setting.to_string()),
+            wavelet,
+            bytes_on_gpu: made.pack.gpu_bytes(),
+            bytes_on_disk: made.bytes.len() as u64,
+            fetches: made.pack.fetches(),
+            encode_seconds,
+            runs,
+            decode_rate: PAIRS as f64 / best_of(DECODE_RUNS, decode),
+            delta_e: error.picture.delta_e.mean,
+            delta_e_p95: error.picture.delta_e.p95,
+            relative_error: error.norms.relative_mean,
+            on_bytes_front: false,
+            on_seconds_front: false,
+        });
+        so_far += cost(recipe);
+        done(so_far / all);
+    }
+    Ok(ParetoMaterial::marked(name, rows))
+}
+
+/// A pack, the seconds of its shortest run, and how many there were.
+fn timed(source: &dyn Source, recipe: &PackRecipe) -> Result<(EncodedPack, f64, usize), PackError> {
+    let (mut shortest, mut all, mut runs) = (f64::INFINITY, 0.0, 0);
+    loop {
+        let start = Instant::now();
+        let made = encode(source, recipe, &())?;
+        let seconds = start.elapsed().as_secs_f64();
+        (shortest, all, runs) = (shortest.min(seconds), all + seconds, runs + 1);
+        if runs == MOST_RUNS || all >= SHORT {
+            return Ok((made, shortest, runs));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::settings::settings;
+    use super::*;
+    use brdfc_source::address::parse_synth;
+    use std::cell::Cell;
+
+    #[test]
+    fn larger_packs_are_closer_and_fronts_are_marked() {
+        let source = parse_synth("synth:ggx?alpha=0.3").unwrap();
+        let told = Cell::new(0.0);
+        let done = |share: f64| {
+            assert!(share > told.get() && share < 1.0 + 1e-9);
+            told.set(share);
+        };
+        let settings = settings(true);
+        let study = pareto("ggx", source.as_ref(), &settings, &done).unwrap();
+        assert!((told.get() - 1.0).abs() < 1e-9 && study.rows.len() == settings.len());
+        let tables: Vec<&ParetoRow> = study.rows.iter().filter(|row| row.codec == "table").collect();
+        assert!(
+            tables
+                .windows(2)
+                .all(|pair| { pair[0].bytes_on_gpu < pair[1].bytes_on_gpu && pair[0].delta_e > pair[1].delta_e })
+        );
+        assert!(study.rows.iter().all(|row| row.encode_seconds > 0.0 && row.decode_rate > 0.0 && row.runs > 0));
+        // 8 x 8 wavelets are larger than tables and farther off.
+        let wavelets = || study.rows.iter().filter(|row| row.codec == "wavelet");
+        assert!(wavelets().count() == 8 && wavelets().all(|row| !row.on_bytes_front), "{:?}", study.rows);
+        assert!(study.rows.iter().any(|row| row.on_bytes_front) && study.rows.iter().any(|row| row.on_seconds_front));
+    }
+}

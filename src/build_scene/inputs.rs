@@ -1,0 +1,86 @@
+//! What a build is asked for: a manifest, or a list of materials.
+
+use crate::output::remark;
+use crate::{CliError, Common};
+use brdfc_jobs::encode::options::EncodeOptions;
+use brdfc_jobs::scene::batch::{BatchError, find, is_material, is_pattern, manifest_of};
+use brdfc_jobs::scene::manifest::Manifest;
+use brdfc_jobs::scene::plan::{Plan, PlanError, plan};
+use brdfc_source::address::is_synth;
+use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
+use std::path::{Path, PathBuf};
+
+/// A plan, and where it comes from.
+pub(super) struct Asked {
+    pub(super) plan: Plan,
+    /// The manifest, if there is one.
+    pub(super) manifest: Option<PathBuf>,
+}
+
+/// So many names of files are told.
+const NAMED: usize = 5;
+
+pub(super) fn asked(inputs: &[String], options: &EncodeOptions, common: Common) -> Result<Asked, CliError> {
+    // One file that is no kind of material is taken for a manifest, whatever its name.
+    let alone = inputs.len() == 1;
+    let is_manifest = |input: &String| {
+        let path = Path::new(input);
+        let named = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
+        named || alone && !is_synth(input) && !path.is_dir() && !is_pattern(path) && !is_material(path)
+    };
+    if let Some(input) = inputs.iter().find(|input| is_manifest(input)) {
+        if inputs.len() > 1 {
+            let found = inputs.join(", ");
+            return Err(CliError::Usage(format!("inputs: found {found}; allowed one manifest, or files and folders")));
+        }
+        let path = PathBuf::from(input);
+        let (_, mut manifest) = read_manifest(&path)?;
+        manifest.defaults.options = options.over(&manifest.defaults.options);
+        let plan = plan(&manifest, path.parent().unwrap_or(Path::new("")))?;
+        return Ok(Asked { plan, manifest: Some(path) });
+    }
+    let found = find(inputs)?;
+    if !found.others.is_empty() {
+        let names = found.others.iter().take(NAMED).map(|path| path.display().to_string());
+        let more = if found.others.len() > NAMED { ", ..." } else { "" };
+        let names = names.collect::<Vec<_>>().join(", ") + more;
+        let files = if found.others.len() == 1 { "file" } else { "files" };
+        remark(common, &format!("left out, no measured materials: {} {files} ({names})", found.others.len()));
+    }
+    let mut manifest = manifest_of(&found.sources)?;
+    manifest.defaults.options = options.clone();
+    let mut plan = plan(&manifest, Path::new(""))?;
+    plan.scene = "materials".to_owned();
+    Ok(Asked { plan, manifest: None })
+}
+
+/// A manifest with its text. Patterns in it became the files that match.
+pub(crate) fn read_manifest(path: &Path) -> Result<(String, Manifest), CliError> {
+    let bytes = read_file(path, MAX_TEXT_BYTES)?;
+    let text = std::str::from_utf8(&bytes).map_err(|error| {
+        let line = 1 + bytes[..error.valid_up_to()].iter().filter(|b| **b == b'\n').count();
+        let byte = bytes[error.valid_up_to()];
+        CliError::Input(format!("{}: line {line}, text: found byte {byte:#04x}; allowed UTF-8", path.display()))
+    })?;
+    let in_file = |error: &dyn std::fmt::Display| CliError::Input(format!("{}: {error}", path.display()));
+    let manifest = Manifest::parse(text).map_err(|error| in_file(&error))?;
+    let manifest = manifest.expanded(path.parent().unwrap_or(Path::new(""))).map_err(|error| in_file(&error))?;
+    Ok((text.to_owned(), manifest))
+}
+
+impl From<BatchError> for CliError {
+    fn from(error: BatchError) -> Self {
+        let message = error.to_string();
+        match error {
+            BatchError::Io { .. } => Self::Io(message),
+            BatchError::Nothing { .. } => Self::Check(message),
+            BatchError::SameName { .. } | BatchError::Name { .. } => Self::Input(message),
+        }
+    }
+}
+
+impl From<PlanError> for CliError {
+    fn from(error: PlanError) -> Self {
+        Self::Usage(error.to_string())
+    }
+}

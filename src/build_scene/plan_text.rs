@@ -1,0 +1,75 @@
+//! What a build would do, in words.
+
+use crate::table;
+use brdfc_jobs::encode::recipe::{Budget, PackRecipe};
+use brdfc_jobs::report::build::environment_map;
+use brdfc_jobs::scene::plan::{Plan, pack_name};
+use brdfc_table::recipe::Size;
+use brdfc_wavelet::recipe::Target;
+use std::path::Path;
+
+/// A line for each material.
+pub(super) fn text(plan: &Plan, out: &Path) -> String {
+    let rows: Vec<Vec<String>> = plan
+        .jobs
+        .iter()
+        .map(|job| {
+            vec![
+                job.name.clone(),
+                job.uses.to_string(),
+                codec(&job.recipe).to_owned(),
+                target(&job.recipe),
+                job.source.clone(),
+                out.join(pack_name(&job.name)).display().to_string(),
+            ]
+        })
+        .collect();
+    let header = ["material", "uses", "codec", "target", "source", "pack"];
+    let mut text = table::plain(&header, &rows);
+    if let Some(job) = &plan.environment {
+        let map = out.join(environment_map()).display().to_string();
+        text += &format!("lit by {}: {map}, and a bandwidth map and importance samples of each material\n", job.source);
+    }
+    if !plan.skipped.is_empty() {
+        text += &format!("not used by the scene: {}\n", plan.skipped.join(", "));
+    }
+    text
+}
+
+fn codec(recipe: &PackRecipe) -> &'static str {
+    match recipe {
+        PackRecipe::Auto(_) => "auto",
+        PackRecipe::Table(_) => "table",
+        PackRecipe::Wavelet(_) => "wavelet",
+    }
+}
+
+/// What a pack is made to, in words.
+fn target(recipe: &PackRecipe) -> String {
+    match recipe {
+        PackRecipe::Auto(recipe) => budget(&recipe.budget),
+        PackRecipe::Table(recipe) => match recipe.size {
+            Size::Bytes(bytes) => format!("at most {}", table::bytes(bytes)),
+            Size::Nodes(axes) => format!("{} x {} x {} x {}", axes.half, axes.difference, axes.azimuth, axes.layers),
+        },
+        PackRecipe::Wavelet(recipe) => {
+            let target = match recipe.target {
+                Target::Ratio(ratio) => format!("{ratio}:1"),
+                Target::MaxError(error) => format!("ε_r at most {}", table::percent(error)),
+                Target::MaxBytes(bytes) => format!("at most {}", table::bytes(bytes)),
+            };
+            let (grid, stored, levels) = (1u32 << recipe.levels, recipe.stored_levels, recipe.levels);
+            format!("{target}, {grid} x {grid}, {stored} of {levels} levels, {} bits", recipe.bits)
+        }
+    }
+}
+
+fn budget(budget: &Budget) -> String {
+    let limits = [
+        budget.delta_e.map(|limit| format!("ΔE at most {limit}")),
+        budget.error.map(|limit| format!("ε_r at most {}", table::percent(limit))),
+        budget.bytes.map(|limit| format!("at most {}", table::bytes(limit))),
+        budget.fetches.map(|limit| format!("at most {limit} fetches")),
+    ];
+    limits.into_iter().flatten().collect::<Vec<_>>().join(", ")
+}

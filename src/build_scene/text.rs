@@ -1,0 +1,84 @@
+//! What a build did, in words.
+
+use crate::{CliError, table};
+use brdfc_bandwidth::facts::BandwidthFacts;
+use brdfc_jobs::report::build::environment_map;
+use brdfc_jobs::scene::maps::{PARTS, Packed, part_name};
+use brdfc_jobs::scene::run::{JobError, Outcomes};
+
+/// The packs, a line each; where there are maps, those too.
+pub(super) fn text(outcomes: &Outcomes) -> String {
+    let made = || outcomes.materials.iter().filter_map(|outcome| Some((&outcome.name, outcome.result.as_ref().ok()?)));
+    let packs = made().map(|(name, made)| {
+        let seconds = made.times.as_ref().map(|times| times.iter().map(|t| t.seconds).sum());
+        let mut row = vec![name.clone()];
+        row.extend(table::material_row(&made.report, seconds));
+        row
+    });
+    let packs = table::plain(&table::MATERIAL_HEADER, &packs.collect::<Vec<_>>());
+
+    let mut rows = Vec::new();
+    if let Some(Ok(made)) = &outcomes.environment {
+        rows.push(bandwidth_row(environment_map(), &made.report));
+    }
+    for (name, maps) in made().filter_map(|(name, made)| Some((name, made.maps.as_ref()?))) {
+        let [bandwidth, samples] = PARTS.map(|part| part_name(name, part));
+        rows.push(bandwidth_row(bandwidth, &maps.bandwidth));
+        let facts = &maps.samples.facts;
+        let size = format!("{} x {}", facts.samples, facts.polar * facts.azimuths);
+        rows.push(row(samples, size, "-".to_owned(), maps.samples.bytes_on_disk, facts.gpu_bytes));
+    }
+    if rows.is_empty() {
+        return packs;
+    }
+    let header = ["map", "texels", "largest bandwidth", "on disk", "on GPU"];
+    format!("{packs}\n{}", table::plain(&header, &rows))
+}
+
+fn bandwidth_row(file: String, map: &Packed<BandwidthFacts>) -> Vec<String> {
+    let facts = &map.facts;
+    let size = format!("{} x {}", facts.size[0], facts.size[1]);
+    row(file, size, format!("{:.2} {}", facts.largest, facts.unit), map.bytes_on_disk, facts.gpu_bytes)
+}
+
+fn row(file: String, size: String, largest: String, disk: u64, gpu: u64) -> Vec<String> {
+    vec![file, size, largest, table::bytes(disk), table::bytes(gpu)]
+}
+
+/// Whether it was not even begun, because another failed or somebody asked to stop.
+pub(super) fn is_cancelled(error: &JobError) -> bool {
+    matches!(error, JobError::Cancelled(_))
+}
+
+/// The failure with the highest exit code decides.
+pub(super) fn verdict(outcomes: Outcomes) -> Result<(), CliError> {
+    let count = outcomes.materials.len();
+    let missed = outcomes.made().filter(|(_, made)| made.report.missed.is_some()).count();
+    let closed = outcomes.made().filter(|(_, made)| made.gates.iter().any(|gate| !gate.passed)).count();
+    let environment = outcomes.environment.and_then(Result::err);
+    let failures = outcomes.materials.into_iter().filter_map(|o| o.result.err()).filter(|error| !is_cancelled(error));
+    let mut failures: Vec<CliError> = failures.map(CliError::from).collect();
+    let mut failed = Vec::new();
+    if !failures.is_empty() {
+        failed.push(format!("{} of {count} materials failed", failures.len()));
+    }
+    for (number, what) in [(missed, "missed their budget"), (closed, "are not what is required of them")] {
+        if number > 0 {
+            failed.push(format!("{number} of {count} materials {what}"));
+            failures.push(CliError::Check(String::new()));
+        }
+    }
+    if let Some(error) = environment {
+        failed.push("the environment failed".to_owned());
+        failures.push(error.into());
+    }
+    let Some(first) = failures.into_iter().max_by_key(|error| error.exit_code()) else { return Ok(()) };
+    let summary = failed.join(", ");
+    Err(match first {
+        CliError::Check(_) => CliError::Check(summary),
+        CliError::Usage(_) => CliError::Usage(summary),
+        CliError::Input(_) => CliError::Input(summary),
+        CliError::Io(_) => CliError::Io(summary),
+        other => other,
+    })
+}

@@ -1,0 +1,90 @@
+//! Files that ask for much memory: sparse ones, and images that are small on the disk alone.
+
+use super::refused;
+use crate::common::cli::Folder;
+use std::fs::File;
+use std::io::Write;
+
+#[test]
+fn sparse_files_are_refused_before_memory_is_asked_for() {
+    let folder = Folder::new();
+    for (name, start, length, expected) in [
+        (
+            "a.binary",
+            [4096i32; 3].map(i32::to_le_bytes).concat(),
+            12 + 24 * (1 << 36),
+            "file length: found 1.50 TiB; allowed at most 2.00 GiB",
+        ),
+        (
+            "a.csv",
+            Vec::new(),
+            2 << 30,
+            "line 1, text: found a NUL byte, byte 0 of the file; allowed text, which has none",
+        ),
+    ] {
+        let mut file = File::create(folder.path().join(name)).unwrap();
+        file.write_all(&start).unwrap();
+        file.set_len(length).unwrap();
+        drop(file);
+        // The folder is not read back, as the checks of other refusals would.
+        let ran = folder.run(&["info", name]);
+        assert_eq!((ran.code, ran.stderr), (3, format!("brdfc: {name}: {expected}\n")));
+    }
+}
+
+/// An image of one colour, 8192 pixels along each side, of 200 KB.
+fn plain() -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, 8192, 8192);
+    encoder.set_color(png::ColorType::Rgb);
+    let mut image = encoder.write_header().unwrap();
+    let mut writer = image.stream_writer().unwrap();
+    let row = vec![90u8; 3 * 8192];
+    (0..8192).for_each(|_| writer.write_all(&row).unwrap());
+    writer.finish().unwrap();
+    image.finish().unwrap();
+    bytes
+}
+
+/// Three floats for each pixel are 768 MiB, and what is decoded 192 MiB. It took 2 GiB.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_plain_image_takes_the_memory_of_its_pixels() {
+    let folder = Folder::new();
+    folder.write("a.png", plain());
+    let script = "ulimit -v \"$1\" && exec \"$0\" bandwidth a.png --size 1x1 -o a.ktx2";
+    let ran = |mebibytes: u32| {
+        std::process::Command::new("sh")
+            .args(["-c", script, env!("CARGO_BIN_EXE_brdfc"), &(mebibytes << 10).to_string()])
+            .envs([("RAYON_NUM_THREADS", "1"), ("MALLOC_ARENA_MAX", "1")])
+            .current_dir(folder.path())
+            .output()
+            .unwrap()
+    };
+    let output = ran(1600);
+    assert!(output.status.success(), "{output:?}");
+    // Where there is less than that, it is an error.
+    let output = ran(800);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(3), "{said}");
+    assert!(
+        said.contains("a.png: pixels: found 67108864, which take 768.00 MiB; allowed as much as there is"),
+        "{said}"
+    );
+    let wide = Folder::new();
+    let mut large = plain();
+    large[16..20].copy_from_slice(&9000u32.to_be_bytes());
+    let crc = crc(&large[12..29]);
+    large[29..33].copy_from_slice(&crc.to_be_bytes());
+    wide.write("a.png", large);
+    let expected =
+        ["a.png: image: found 9000 x 8192 pixels; allowed a whole PNG or JPEG of at most 8192 pixels along a side"];
+    refused(&wide, &["bandwidth", "a.png", "--size", "1x1", "-o", "a.ktx2"], 3, &expected);
+}
+
+/// Checksum of a PNG's chunk.
+fn crc(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(u32::MAX, |crc, byte| {
+        (0..8).fold(crc ^ u32::from(*byte), |crc, _| (crc >> 1) ^ (0xedb8_8320 * (crc & 1)))
+    })
+}
