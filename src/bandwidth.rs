@@ -1,6 +1,8 @@
 //! `brdfc bandwidth`: how fast a material, an environment or a texture varies, as a map.
 
-use super::output::{print, print_json, refuse_overwriting, remark, to_json, write_file};
+use super::output::{
+    note, output_parser, print, print_json, print_report, refuse_overwriting, refuse_unfit_output, to_json, write_file,
+};
 use super::{CliError, Common};
 use crate::table;
 use brdfc_bandwidth::facts::BandwidthFacts;
@@ -11,14 +13,13 @@ use brdfc_bandwidth::{DEFAULT_EPSILON, EPSILON_RANGE};
 use brdfc_formats::FormatError;
 use brdfc_formats::bandwidth::BandwidthMap;
 use brdfc_jobs::report::material::repairs_in_words;
-use brdfc_jobs::write::is_standard_output;
-use brdfc_source::Tally;
 use brdfc_source::open::open;
 use brdfc_source::radiance_image::open_radiance_image;
 use brdfc_source::tile_image::open_colours;
+use brdfc_source::{Input, Tally};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// Precompute how fast a material, an environment or a texture varies.
@@ -32,23 +33,23 @@ Examples:
   brdfc bandwidth museum.exr -o museum.bandwidth.ktx2 --picture museum.png
   brdfc bandwidth cloth.png -o cloth.bandwidth.ktx2 --size 0.3x0.2 --json")]
 pub struct Arguments {
-    /// A material (path, or synth:MODEL?param=value&...), an environment (.exr, .hdr) or a texture (.png, .jpg).
-    input: String,
-    /// The map to write.
-    #[arg(long, short, value_name = "MAP.ktx2")]
+    /// A material (path, or synth:MODEL?param=value&...), an environment (.exr, .hdr) or a texture (.png, .jpg); - for stdin.
+    input: Input,
+    /// The map to write, or - for stdout.
+    #[arg(long, short, value_name = "MAP.ktx2", value_parser = output_parser())]
     output: PathBuf,
     /// What the input is, where its extension does not say.
     #[arg(long, value_enum)]
     kind: Option<Kind>,
     /// Pixels per side at which each lobe of a material is transformed: a power of two from 32 to 1024 (default 64), or auto
     /// to double it, to at most 256, as long as a highlight is narrower than that shows. A note says where it limits values.
-    #[arg(long, value_name = "N|auto")]
+    #[arg(long, value_name = "N|auto", allow_hyphen_values = true)]
     resolution: Option<String>,
     /// Coefficients whose sum is below this share of the largest one do not count, 0.0001 to 0.1.
     #[arg(long, value_name = "E", default_value_t = DEFAULT_EPSILON)]
     epsilon: f64,
     /// Width and height of a texture in metres.
-    #[arg(long, value_name = "WxH")]
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
     size: Option<String>,
     /// The texture does not repeat: what lies beyond its border does not count.
     #[arg(long)]
@@ -57,9 +58,6 @@ pub struct Arguments {
     #[cfg(feature = "render")]
     #[arg(long, value_name = "MAP.png")]
     picture: Option<PathBuf>,
-    /// Print the report as JSON (schema: 'brdfc schema bandwidth').
-    #[arg(long)]
-    json: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -131,9 +129,9 @@ impl Report {
 }
 
 /// `brdfc info` of a map.
-pub(super) fn info(map: &BandwidthMap, json: bool) -> Result<(), CliError> {
+pub(super) fn info(map: &BandwidthMap, common: Common) -> Result<(), CliError> {
     let report = Report::new(map, None, None);
-    if json { print_json(&report) } else { print(&report.text()) }
+    if common.json { print_json(&report) } else { print(&report.text()) }
 }
 
 /// What is to be done, from the flags.
@@ -144,13 +142,12 @@ enum Recipe {
 }
 
 /// Of what an image file is by its extension, if it is one: whether of radiance.
-fn radiance(input: &str) -> Option<bool> {
-    let extension = Path::new(input).extension()?.to_str()?.to_ascii_lowercase();
-    match extension.as_str() {
+fn radiance(input: &Input) -> Result<Option<bool>, CliError> {
+    Ok(match input.extension()?.as_str() {
         "exr" | "hdr" => Some(true),
         "png" | "jpg" | "jpeg" => Some(false),
         _ => None,
-    }
+    })
 }
 
 fn recipe(arguments: &Arguments) -> Result<Recipe, CliError> {
@@ -159,7 +156,7 @@ fn recipe(arguments: &Arguments) -> Result<Recipe, CliError> {
     if !(least..=most).contains(&arguments.epsilon) {
         return usage(format!("--epsilon: found {}; allowed {least} to {most}", arguments.epsilon));
     }
-    let radiance = radiance(&arguments.input);
+    let radiance = radiance(&arguments.input)?;
     let kind = arguments.kind.unwrap_or(match radiance {
         None => Kind::Brdf,
         Some(true) => Kind::Environment,
@@ -202,8 +199,9 @@ fn metres(arguments: &Arguments) -> Result<[f64; 2], CliError> {
 }
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
+    refuse_overwriting("--output", &arguments.output, arguments.input.path().as_slice())?;
+    refuse_unfit_output(&arguments.output, "ktx2")?;
     let recipe = recipe(arguments)?;
-    refuse_overwriting("--output", &arguments.output, &[Path::new(&arguments.input)])?;
     #[cfg(feature = "render")]
     check_picture(arguments)?;
     let epsilon = arguments.epsilon;
@@ -229,19 +227,14 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         write_file(path, &picture(&map))?;
     }
     for line in repairs.iter().flat_map(repairs_in_words) {
-        remark(common, &format!("note: {line}"));
+        note(common, &arguments.input, &line);
     }
     let report = Report::new(&map, repairs, Some(seconds));
     if let Some(line) = report.facts.remark() {
-        remark(common, &format!("note: {line}"));
+        note(common, &arguments.input, &line);
     }
-    let text = if arguments.json { to_json(&report) } else { report.text() };
-    if is_standard_output(&arguments.output) {
-        // Behind a map the report would be taken for a part of it.
-        remark(common, text.trim_end());
-        return Ok(());
-    }
-    print(&text)
+    let text = if common.json { to_json(&report) } else { report.text() };
+    print_report(common, &arguments.output, &text)
 }
 
 /// The picture is another file than the input and the map, and a PNG.
@@ -252,7 +245,7 @@ fn check_picture(arguments: &Arguments) -> Result<(), CliError> {
     if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
         return Err(CliError::Usage(format!("--picture: found {}; allowed a name in .png", path.display())));
     }
-    refuse_overwriting("--picture", path, &[Path::new(&arguments.input)])?;
+    refuse_overwriting("--picture", path, arguments.input.path().as_slice())?;
     refuse_same_outputs(&[("--output", Some(&arguments.output)), ("--picture", Some(path))])
 }
 
@@ -270,13 +263,12 @@ fn timed<T, M>(
 }
 
 /// Pixels of an image, and how many there are per row.
-fn image(input: &str) -> Result<(Vec<[f32; 3]>, usize), CliError> {
-    let path = Path::new(input);
-    if radiance(input) == Some(true) {
-        let image = open_radiance_image(path)?;
+fn image(input: &Input) -> Result<(Vec<[f32; 3]>, usize), CliError> {
+    if radiance(input)? == Some(true) {
+        let image = open_radiance_image(input)?;
         return Ok((image.pixels, image.width));
     }
-    let image = open_colours(path)?;
+    let image = open_colours(input)?;
     Ok((image.pixels, image.width))
 }
 

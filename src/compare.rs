@@ -1,5 +1,6 @@
 //! `brdfc compare`: error of one input against another.
 
+use super::inputs::refuse_stdin_twice;
 use super::output::{print, print_json};
 use super::{CliError, Common};
 use crate::table;
@@ -8,8 +9,8 @@ use brdfc_formats::measured::scan_csv::directions_from_bytes;
 use brdfc_metrics::compare::{Comparison, compare};
 use brdfc_metrics::fraction::Fraction;
 use brdfc_metrics::sampling::{PairSet, random_pairs};
+use brdfc_source::Input;
 use brdfc_source::open::{Facts, open};
-use brdfc_source::read::read_text;
 use clap::Args;
 use serde::Serialize;
 
@@ -23,20 +24,17 @@ Examples:
   brdfc compare red.binary red.ktx2 --directions 100000 --max-error 0.05
   brdfc compare a.ktx2 b.ktx2 --directions pairs.csv --json")]
 pub struct Arguments {
-    /// The reference.
-    a: String,
-    /// The approximation.
-    b: String,
-    /// How many random direction pairs (uniform over both hemispheres, fixed seed), or a CSV of pairs (default: those at
+    /// The reference: a path, - for stdin, or synth:MODEL?param=value&...
+    a: Input,
+    /// The approximation, likewise.
+    b: Input,
+    /// How many random direction pairs (uniform over both hemispheres, fixed seed), a CSV of pairs, or - for one from stdin (default: those at
     /// which 'encode' and 'build' measure, 65536 of three kinds).
-    #[arg(long, value_name = "N|FILE.csv")]
-    directions: Option<String>,
+    #[arg(long, value_name = "N|FILE.csv", allow_hyphen_values = true)]
+    directions: Option<Input>,
     /// Largest mean relative difference ε_r that passes: a fraction or a percentage, 0.05 or 5%.
     #[arg(long, value_name = "E")]
     max_error: Option<Fraction>,
-    /// Print JSON (schema: 'brdfc schema compare').
-    #[arg(long)]
-    json: bool,
 }
 
 /// What `--json` prints.
@@ -58,20 +56,23 @@ pub struct Report {
 const SEED: u64 = 2007;
 const MOST_PAIRS: usize = 100_000_000;
 
-pub(super) fn run(arguments: &Arguments, _: Common) -> Result<(), CliError> {
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     let limit = arguments.max_error.map(|limit| {
         limit.checked().map_err(|allowed| CliError::Usage(format!("--max-error: found {limit}; allowed {allowed}")))
     });
     let limit = limit.transpose()?;
+    let inputs =
+        [("A", Some(&arguments.a)), ("B", Some(&arguments.b)), ("--directions", arguments.directions.as_ref())];
+    refuse_stdin_twice(&inputs)?;
     let set = arguments
         .directions
-        .as_deref()
+        .as_ref()
         .map_or_else(|| Ok(PairSet::comparison()), |directions| pairs(directions).map(PairSet::new))?;
     let (a, b) = (open(&arguments.a, None)?, open(&arguments.b, None)?);
     let (comparison, _) = compare(a.source.as_ref(), b.source.as_ref(), &set);
     let found = comparison.norms.relative_mean;
     let comparison_counts = comparison.norms.counted() > 0;
-    if arguments.json {
+    if common.json {
         print_json(&Report { version: 1, a: a.facts, b: b.facts, pairs: set.pairs.len(), comparison })?;
     } else {
         print(&table::comparison(&comparison))?;
@@ -91,19 +92,21 @@ pub(super) fn run(arguments: &Arguments, _: Common) -> Result<(), CliError> {
     }
 }
 
-fn pairs(directions: &str) -> Result<Vec<DirectionPair>, CliError> {
-    if let Ok(count) = directions.parse::<usize>() {
+fn pairs(directions: &Input) -> Result<Vec<DirectionPair>, CliError> {
+    let number = directions.path().and_then(|path| path.to_str()?.parse::<usize>().ok());
+    if let Some(count) = number {
         if !(1..=MOST_PAIRS).contains(&count) {
             return Err(CliError::Usage(format!("--directions: found {count}; allowed 1 to {MOST_PAIRS}")));
         }
         return Ok(random_pairs(count, SEED));
     }
-    let path = std::path::Path::new(directions);
-    if !path.exists() && path.extension().is_none() {
+    let is_number = |path: &std::path::Path| path.to_str().is_some_and(|text| text.parse::<f64>().is_ok());
+    let no_list = |path: &std::path::Path| !path.exists() && (path.extension().is_none() || is_number(path));
+    if directions.path().is_none_or(no_list) && !directions.is_stdin() {
         let allowed = "a number of directions, or a list of them in a .csv file";
         return Err(CliError::Usage(format!("--directions: found {directions}; allowed {allowed}")));
     }
-    let bytes = read_text(path)?;
+    let bytes = directions.read_text()?;
     let pairs = directions_from_bytes(&bytes).map_err(|error| CliError::Input(format!("{directions}: {error}")))?;
     if pairs.is_empty() {
         return Err(CliError::Input(format!("{directions}: records: found none; allowed at least one")));

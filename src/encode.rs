@@ -1,19 +1,19 @@
 //! `brdfc encode`: one input to one pack.
 
 use super::options::PackOptions;
-use super::output::{print, refuse_overwriting, refuse_unfit_pack, remark, to_json, write_file};
+use super::output::{note, output_parser, print_report, refuse_overwriting, refuse_unfit_output, to_json, write_file};
 use super::progress::Materials;
 use super::{CliError, Common};
 use crate::table;
 use brdfc_jobs::encode::encode;
 use brdfc_jobs::report::material::{MaterialReport, StageTime, remarks};
 use brdfc_jobs::stage_clock::StageClock;
-use brdfc_jobs::write::is_standard_output;
+use brdfc_source::Input;
 use brdfc_source::open::{Facts, open};
 use brdfc_source::progress::{Progress as _, Stage};
 use clap::Args;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
 /// Encode one material as a pack for GPUs.
@@ -26,18 +26,16 @@ Examples:
   brdfc encode red-plastic.binary -o red.ktx2
   brdfc encode paint.brdf -o paint.ktx2 --max-delta-e 0.3 --max-bytes 65536
   brdfc encode paint.brdf -o paint.ktx2 --codec table --max-bytes 4096
-  brdfc encode 'synth:ggx?alpha=0.2' -o ggx.ktx2 --codec wavelet --ratio 16 --json")]
+  brdfc encode 'synth:ggx?alpha=0.2' -o ggx.ktx2 --codec wavelet --ratio 16 --json
+  brdfc encode - -o - < paint.brdf > paint.ktx2")]
 pub struct Arguments {
-    /// A path, or synth:MODEL?param=value&...
-    input: String,
-    /// The pack to write.
-    #[arg(long, short, value_name = "PACK.ktx2")]
+    /// A path, - for stdin, or synth:MODEL?param=value&...
+    input: Input,
+    /// The pack to write, or - for stdout.
+    #[arg(long, short, value_name = "PACK.ktx2", value_parser = output_parser())]
     output: PathBuf,
     #[command(flatten)]
     options: PackOptions,
-    /// Print the report as JSON (schema: 'brdfc schema encode').
-    #[arg(long)]
-    json: bool,
 }
 
 /// What `--json` prints.
@@ -56,8 +54,8 @@ pub struct Report {
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     let recipe = arguments.options.recipe()?;
-    refuse_overwriting("--output", &arguments.output, &[Path::new(&arguments.input)])?;
-    refuse_unfit_pack(&arguments.output)?;
+    refuse_overwriting("--output", &arguments.output, arguments.input.path().as_slice())?;
+    refuse_unfit_output(&arguments.output, "ktx2")?;
     // An interrupt ends the process at once: there is one file, which is whole or not there.
     let cancelled = AtomicBool::new(false);
     let progress = Materials::new(1, false, common, &cancelled);
@@ -77,9 +75,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         stages.iter().filter(|stage| stage.stage == Stage::Try.name()).map(|stage| stage.seconds).collect();
     let missed = report.missed.clone().map(CliError::Check);
     for line in remarks(&report) {
-        remark(common, &format!("note: {line}"));
+        note(common, &arguments.input, &line);
     }
-    let text = if arguments.json {
+    let text = if common.json {
         to_json(&Report { version: 2, input: opened.facts, report, stages })
     } else {
         let mut row = vec![arguments.output.display().to_string()];
@@ -89,11 +87,6 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         let table = table::plain(&header, &[row]);
         if report.tried.is_empty() { table } else { format!("{}\n{table}", table::trials(&report.tried, &of_trials)) }
     };
-    if is_standard_output(&arguments.output) {
-        // Behind a pack the report would be taken for a part of it.
-        remark(common, text.trim_end());
-    } else {
-        print(&text)?;
-    }
+    print_report(common, &arguments.output, &text)?;
     missed.map_or(Ok(()), Err)
 }

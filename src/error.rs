@@ -87,7 +87,7 @@ impl From<InputError> for CliError {
         let message = error.to_string();
         match error {
             InputError::Io { .. } => Self::Io(message),
-            InputError::Format { .. } => Self::Input(message),
+            InputError::Format { .. } | InputError::Misnamed { .. } => Self::Input(message),
             InputError::Address { name, .. } => {
                 let structure = name.strip_prefix(SYNTH_PREFIX).is_some_and(|text| Structure::parse(text).is_ok());
                 let hint = if structure { "; this is a structure, for 'brdfc flatten'" } else { "" };

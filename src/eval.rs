@@ -1,13 +1,13 @@
 //! `brdfc eval`: values at given direction pairs.
 
-use super::output::{print, refuse_overwriting, remark, write_file};
+use super::inputs::refuse_stdin_twice;
+use super::output::{note, output_parser, print, refuse_overwriting, refuse_unfit_output, write_file};
 use super::{CliError, Common};
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::measured::scan_csv::directions_from_bytes;
 use brdfc_jobs::report::material::repairs_in_words;
-use brdfc_source::Tally;
 use brdfc_source::open::{Facts, open};
-use brdfc_source::read::read_text;
+use brdfc_source::{Input, Tally};
 use clap::Args;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -23,13 +23,13 @@ Examples:
   brdfc eval paint.brdf --directions pairs.csv
   brdfc eval paint.ktx2 --directions pairs.csv --lod 2.5 -o values.csv")]
 pub struct Arguments {
-    /// A path, or synth:MODEL?param=value&...
-    input: String,
-    /// Direction pairs.
+    /// A path, - for stdin, or synth:MODEL?param=value&...
+    input: Input,
+    /// Direction pairs, or - for stdin.
     #[arg(long, value_name = "IN.csv")]
-    directions: PathBuf,
-    /// Where to write; stdout if absent.
-    #[arg(long, short, value_name = "OUT.csv")]
+    directions: Input,
+    /// Where to write; stdout if absent, or -.
+    #[arg(long, short, value_name = "OUT.csv", value_parser = output_parser())]
     output: Option<PathBuf>,
     /// Level of detail of a pack, 0 (coarsest) to its number of levels (finest, the default).
     #[arg(long, value_name = "L")]
@@ -46,12 +46,15 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     {
         return Err(CliError::Usage(format!("--lod: found {level}; allowed 0 to the pack's number of levels")));
     }
-    let path = &arguments.directions;
+    let directions = &arguments.directions;
+    refuse_stdin_twice(&[("INPUT", Some(&arguments.input)), ("--directions", Some(directions))])?;
     if let Some(output) = &arguments.output {
-        refuse_overwriting("--output", output, &[path, Path::new(&arguments.input)])?;
+        let inputs: Vec<&Path> = [directions, &arguments.input].into_iter().filter_map(Input::path).collect();
+        refuse_overwriting("--output", output, &inputs)?;
+        refuse_unfit_output(output, "csv")?;
     }
-    let bytes = read_text(path)?;
-    let in_file = |error| CliError::Input(format!("{}: {error}", path.display()));
+    let bytes = directions.read_text()?;
+    let in_file = |error| CliError::Input(format!("{directions}: {error}"));
     let pairs = directions_from_bytes(&bytes).map_err(in_file)?;
     let opened = open(&arguments.input, arguments.lod)?;
     match (&opened.facts, arguments.lod) {
@@ -78,10 +81,10 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let mut tally = Tally::default();
     chunks.iter().for_each(|(_, counts)| tally += *counts);
     for line in repairs_in_words(&tally) {
-        remark(common, &format!("note: {line}"));
+        note(common, &arguments.input, &line);
     }
     let text = appended(&bytes, chunks.iter().flat_map(|(values, _)| values))
-        .map_err(|error| CliError::Input(format!("{}: {error}", path.display())))?;
+        .map_err(|error| CliError::Input(format!("{directions}: {error}")))?;
     match &arguments.output {
         Some(output) => write_file(output, text.as_bytes()),
         None => print(&text),

@@ -9,9 +9,11 @@ mod encode;
 mod error;
 mod eval;
 mod flatten;
+mod generate;
 #[cfg(feature = "render")]
 mod graphics_environment;
 mod info;
+mod inputs;
 mod interrupt;
 mod options;
 mod output;
@@ -24,9 +26,11 @@ mod schema;
 mod steps;
 mod synth;
 mod table;
+mod usage;
 
 pub use error::CliError;
 
+use brdfc_jobs::whole_number::whole_number;
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use common::Common;
 use std::process::ExitCode;
@@ -41,9 +45,12 @@ struct Cli {
     /// No progress and no remarks on stderr; errors are still told.
     #[arg(long, short, global = true)]
     quiet: bool,
-    /// Threads to work with; 0 is one per core. The result does not depend on it.
-    #[arg(long, short, global = true, value_name = "N", default_value_t = 0)]
+    /// Threads to work with, up to 1024; 0 is one per core. The result does not depend on it.
+    #[arg(long, short, global = true, value_name = "N", default_value_t = 0, value_parser = whole_number::<usize>(0..=1024))]
     jobs: usize,
+    /// Print the report as JSON; 'brdfc schema' prints the schemas of reports.
+    #[arg(long, global = true)]
+    json: bool,
 }
 
 #[derive(Debug, Subcommand)]
@@ -69,21 +76,40 @@ enum Command {
     Report(report::Arguments),
     Bench(bench::Arguments),
     Schema(schema::Arguments),
+    #[command(hide = true)]
+    Generate(generate::Arguments),
 }
+
+impl Command {
+    /// The name of a command that prints no report.
+    fn without_report(&self) -> Option<&'static str> {
+        match self {
+            Self::Eval(_) => Some("eval"),
+            Self::Synth(_) => Some("synth"),
+            Self::Generate(_) => Some("generate"),
+            _ => None,
+        }
+    }
+}
+
+/// Commands that print a report.
+const WITH_REPORT: &str = "bandwidth, bench, build, compare, encode, flatten, info, render, report and samples";
 
 const EXAMPLES: &str = "\
 Examples:
   brdfc build scene.toml                              make the packs of a scene
+  brdfc build scans --max-delta-e 1                   the smallest packs of a folder of scans
   brdfc encode red-plastic.binary -o red.ktx2         make the smallest pack that looks right
   brdfc encode paint.brdf -o paint.ktx2 --max-error 0.02
   brdfc compare paint.brdf paint.ktx2                 how wrong is it?
   brdfc info paint.ktx2
   brdfc render paint.ktx2 -o paint.png                what does it look like?
+  brdfc report packs -o report.html                   a page for others: pictures, errors, checks
   brdfc flatten synth:button -o button                flat BTF of a surface with relief
   brdfc bandwidth museum.exr -o museum.ktx2           how fast does it vary?
   brdfc samples red-plastic.binary -o red.samples.ktx2
 
-INPUT is a path or an analytic model such as synth:ward?kd=0.2&ks=0.1&ax=0.15&ay=0.5 ('brdfc synth --help' lists them).
+INPUT is a path, - for standard input, or an analytic model such as synth:ward?kd=0.2&ks=0.1&ax=0.15&ay=0.5 ('brdfc synth --help' lists them).
 ";
 
 const EXIT_CODES: &str = "\
@@ -95,22 +121,30 @@ fn after_help() -> String {
     format!("{EXAMPLES}\nFiles: {}.\n\n{EXIT_CODES}", brdfc_source::open::known_files())
 }
 
-/// Runs the program: parses arguments, does the work, prints errors, gives the exit code.
-fn main() -> ExitCode {
-    // A negative number is a value, for which a check says what is allowed, and no flag.
-    let negatives = |argument: clap::Arg| argument.allow_negative_numbers(true);
-    let command = Cli::command().mut_args(negatives).mut_subcommands(|command| command.mut_args(negatives));
+/// The command line.
+fn command() -> clap::Command {
+    let command = Cli::command()
+        .mut_args(usage::with_negatives)
+        .mut_subcommands(|command| command.mut_args(usage::with_negatives));
     // There the flag of this name is a check of the picture.
     #[cfg(feature = "render")]
     let command = command
         .mut_subcommand("render", |command| command.mut_arg("pack_delta_e", |argument| argument.long("pack-delta-e")));
-    let parsed = command.try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches));
+    command
+}
+
+/// Runs the program: parses arguments, does the work, prints errors, gives the exit code.
+fn main() -> ExitCode {
+    let parsed = command().try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches));
     let cli = match parsed {
         Ok(cli) => cli,
         Err(error) => {
             let code = if error.use_stderr() { 2 } else { 0 };
-            // A closed pipe is no reason to complain about help that nobody reads.
-            let _ = error.print();
+            match usage::wrong_value(&error) {
+                Some(message) => output::tell(&format!("brdfc: {message}")),
+                // A closed pipe is no reason to complain about help that nobody reads.
+                None => drop(error.print()),
+            }
             return ExitCode::from(code);
         }
     };
@@ -131,20 +165,20 @@ fn main() -> ExitCode {
 }
 
 fn run(cli: Cli) -> Result<(), CliError> {
-    if cli.jobs > 1024 {
-        return Err(CliError::Usage(format!("--jobs: found {}; allowed 0 to 1024", cli.jobs)));
+    if let (true, Some(name)) = (cli.json, cli.command.without_report()) {
+        return Err(CliError::Usage(format!("--json: found with {name}; allowed with {WITH_REPORT}")));
     }
     rayon::ThreadPoolBuilder::new()
         .num_threads(cli.jobs)
         .build_global()
         .map_err(|error| CliError::Internal(format!("cannot start threads: {error}")))?;
-    let common = Common { quiet: cli.quiet };
+    let common = Common { quiet: cli.quiet, json: cli.json };
     match cli.command {
         Command::Build(arguments) => build_scene::run(&arguments, common),
         Command::Encode(arguments) => encode::run(&arguments, common),
         Command::Eval(arguments) => eval::run(&arguments, common),
         Command::Compare(arguments) => compare::run(&arguments, common),
-        Command::Info(arguments) => info::run(&arguments),
+        Command::Info(arguments) => info::run(&arguments, common),
         Command::Synth(arguments) => synth::run(&arguments),
         Command::Bandwidth(arguments) => bandwidth::run(&arguments, common),
         Command::Samples(arguments) => samples::run(&arguments, common),
@@ -156,5 +190,6 @@ fn run(cli: Cli) -> Result<(), CliError> {
         Command::Report(arguments) => report::run(&arguments, common),
         Command::Bench(arguments) => bench::run(&arguments, common),
         Command::Schema(arguments) => schema::run(&arguments),
+        Command::Generate(arguments) => generate::run(&arguments, command()),
     }
 }

@@ -2,6 +2,7 @@
 
 use super::{CliError, Common};
 use brdfc_jobs::write::{is_standard_output, write_atomic};
+use clap::builder::{PathBufValueParser, TypedValueParser};
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::io::Write;
@@ -40,18 +41,35 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), CliError> {
     })
 }
 
-/// A pack that could not be written, or not be found again, is refused before it is made.
-pub fn refuse_unfit_pack(path: &Path) -> Result<(), CliError> {
-    // Devices are written to; a folder is refused by what writes.
-    if is_standard_output(path) || path.metadata().is_ok_and(|m| !m.is_file()) {
+/// Parses the one file that a command writes: `-` is standard output.
+pub fn output_parser() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().map(|path| if path == Path::new("-") { PathBuf::from(STANDARD_OUTPUT) } else { path })
+}
+
+/// What `-` is.
+const STANDARD_OUTPUT: &str = "/dev/stdout";
+
+/// Whether a path is a device, a pipe or standard output, whose name says nothing. A folder is refused by what writes.
+pub fn is_stream(path: &Path) -> bool {
+    is_standard_output(path) || path.metadata().is_ok_and(|m| !m.is_file())
+}
+
+/// A file that could not be written, or would be taken for another kind by its name, is refused before it is made.
+pub fn refuse_unfit_output(path: &Path, allowed: &str) -> Result<(), CliError> {
+    if is_stream(path) {
         return Ok(());
     }
-    if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("ktx2")) {
+    if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case(allowed)) {
         let found = path.display();
         return Err(CliError::Usage(format!(
-            "--output: found {found}; allowed a name that ends in .ktx2, or /dev/stdout"
+            "--output: found {found}; allowed a name that ends in .{allowed}, or - for stdout"
         )));
     }
+    refuse_missing_folder(path)
+}
+
+/// Nothing can be written into a folder that is not there.
+pub fn refuse_missing_folder(path: &Path) -> Result<(), CliError> {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() && !folder.exists() => {
             Err(CliError::write(path, &std::io::Error::other(format!("there is no folder {}", folder.display()))))
@@ -109,6 +127,10 @@ fn place(path: &Path) -> PathBuf {
 
 /// An output folder that is something else is found before the work.
 pub fn check_folder(path: &Path) -> Result<(), CliError> {
+    if path == Path::new("-") {
+        let text = "-: found in the place of a folder; allowed the name of one: there are several files to write";
+        return Err(CliError::Usage(text.to_owned()));
+    }
     if path.exists() && !path.is_dir() {
         return Err(CliError::Io(format!("{}: cannot write: found a file; allowed a folder", path.display())));
     }
@@ -137,4 +159,18 @@ pub fn remark(common: Common, text: &str) {
     if !common.quiet {
         tell(text);
     }
+}
+
+/// A remark about an input: what had to be mended, or what its figures do not show.
+pub fn note(common: Common, about: &impl std::fmt::Display, line: &str) {
+    remark(common, &format!("note: {about}: {line}"));
+}
+
+/// Prints a report. Behind a file that goes to standard output it would be taken for a part of it, so it is a remark then.
+pub fn print_report(common: Common, output: &Path, text: &str) -> Result<(), CliError> {
+    if is_standard_output(output) {
+        remark(common, text.trim_end());
+        return Ok(());
+    }
+    print(text)
 }

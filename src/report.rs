@@ -34,9 +34,6 @@ pub struct Arguments {
     /// How much worse a figure may be: a fraction or a percentage.
     #[arg(long, value_name = "SHARE", default_value = "2%", requires = "against")]
     tolerance: Fraction,
-    /// Print the figures as JSON (schema: 'brdfc schema report').
-    #[arg(long)]
-    json: bool,
 }
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
@@ -63,7 +60,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     write_file(&csv_path, csv(&page).as_bytes())?;
     write_file(&json_path, to_json(&page.report()).as_bytes())?;
     write_file(output, html(&page).as_bytes())?;
-    if arguments.json {
+    if common.json {
         print_json(&page.report())?;
     } else {
         let lines: String = page.regressions.iter().map(|worse| format!("{worse}\n")).collect();

@@ -1,18 +1,18 @@
 //! `brdfc samples`: directions drawn in proportion to a material's lobes, as a pack.
 
 use super::info::{importance_in_words, lines_of};
-use super::output::{print, refuse_overwriting, remark, to_json, write_file};
+use super::output::{note, output_parser, print_report, refuse_overwriting, refuse_unfit_output, to_json, write_file};
 use super::{CliError, Common};
 use crate::table;
 use brdfc_formats::FormatError;
 use brdfc_importance::{HalfGrid, ImportanceFacts, ImportanceRecipe, importance_samples};
 use brdfc_jobs::report::material::repairs_in_words;
-use brdfc_jobs::write::is_standard_output;
-use brdfc_source::Tally;
+use brdfc_jobs::whole_number::any_whole_number;
 use brdfc_source::open::open;
+use brdfc_source::{Input, Tally};
 use clap::Args;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// Precompute directions that follow a material's lobes, for rendering with few samples.
@@ -26,33 +26,30 @@ Examples:
   brdfc samples 'synth:ward?ax=0.1&ay=0.4' -o brushed.samples.ktx2 --polar 32 --azimuths 24
   brdfc samples chrome.binary -o chrome.samples.ktx2 --count 4096 --rings 512 --json")]
 pub struct Arguments {
-    /// A material: a path, or synth:MODEL?param=value&...
-    input: String,
-    /// The pack to write.
-    #[arg(long, short, value_name = "SAMPLES.ktx2")]
+    /// A material: a path, - for stdin, or synth:MODEL?param=value&...
+    input: Input,
+    /// The pack to write, or - for stdout.
+    #[arg(long, short, value_name = "SAMPLES.ktx2", value_parser = output_parser())]
     output: PathBuf,
     /// Samples of each outgoing direction, 1 to 8192.
-    #[arg(long, value_name = "M", default_value_t = ImportanceRecipe::default().samples)]
+    #[arg(long, value_name = "M", default_value_t = ImportanceRecipe::default().samples, value_parser = any_whole_number::<u32>("1 to 8192"))]
     count: u32,
     /// Polar angles of the outgoing direction, 1 to 1024 (default: 64 for isotropic materials, 32 for others).
-    #[arg(long, value_name = "P")]
+    #[arg(long, value_name = "P", value_parser = any_whole_number::<u32>("1 to 1024"))]
     polar: Option<u32>,
     /// Azimuths of the outgoing direction, a multiple of 4 up to 256 (default: 16). Isotropic materials have one.
-    #[arg(long, value_name = "A")]
+    #[arg(long, value_name = "A", value_parser = any_whole_number::<u32>("a multiple of 4 up to 256"))]
     azimuths: Option<u32>,
     /// Rings of the table of half vectors that is inverted, 1 to 4096: closer together near the normal.
-    #[arg(long, value_name = "N", default_value_t = HalfGrid::DEFAULT.polar)]
+    #[arg(long, value_name = "N", default_value_t = HalfGrid::DEFAULT.polar, value_parser = any_whole_number::<usize>("1 to 4096"))]
     rings: usize,
     /// Cells of each ring, an even number, 2 to 4096.
-    #[arg(long, value_name = "N", default_value_t = HalfGrid::DEFAULT.azimuths)]
+    #[arg(long, value_name = "N", default_value_t = HalfGrid::DEFAULT.azimuths, value_parser = any_whole_number::<usize>("an even number, 2 to 4096"))]
     cells: usize,
     /// Share of the samples that does not follow the lobe, above 0 up to 1: it bounds the error where the table misses
     /// something.
     #[arg(long, value_name = "S", default_value_t = ImportanceRecipe::default().defensive)]
     defensive: f64,
-    /// Print the report as JSON (schema: 'brdfc schema samples').
-    #[arg(long)]
-    json: bool,
 }
 
 /// What `--json` prints.
@@ -125,7 +122,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let recipe = recipe(arguments);
     // What the material does not decide is refused before it is read.
     recipe.check(true).map_err(wrong_flag)?;
-    refuse_overwriting("--output", &arguments.output, &[Path::new(&arguments.input)])?;
+    refuse_overwriting("--output", &arguments.output, arguments.input.path().as_slice())?;
+    refuse_unfit_output(&arguments.output, "ktx2")?;
     let start = Instant::now();
     let source = open(&arguments.input, None)?.source;
     let read = start.elapsed().as_secs_f64();
@@ -141,7 +139,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let bytes = pack.to_bytes(true);
     write_file(&arguments.output, &bytes)?;
     for line in repairs_in_words(&repairs) {
-        remark(common, &format!("note: {line}"));
+        note(common, &arguments.input, &line);
     }
     let report = Report {
         version: 1,
@@ -154,13 +152,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         repairs,
         seconds,
     };
-    let text = if arguments.json { to_json(&report) } else { report.text() };
-    if is_standard_output(&arguments.output) {
-        // Behind a pack the report would be taken for a part of it.
-        remark(common, text.trim_end());
-        return Ok(());
-    }
-    print(&text)
+    let text = if common.json { to_json(&report) } else { report.text() };
+    print_report(common, &arguments.output, &text)
 }
 
 impl Report {

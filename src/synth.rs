@@ -1,15 +1,16 @@
 //! `brdfc synth`: analytic models as files.
 
 use super::CliError;
-use super::output::write_file;
+use super::output::{is_stream, output_parser, refuse_missing_folder, write_file};
 use brdfc_flat_btf::structures::{STRUCTURES, Structure, describe_structures};
 use brdfc_formats::measured::merl::{Dimensions, MAX_DIMENSION};
 use brdfc_formats::measured::{scan as scan_text, scan_csv};
 use brdfc_formats::meso::{obj, ply};
+use brdfc_jobs::whole_number::whole_number;
 use brdfc_source::address::{self, AddressError, split_query};
 use brdfc_source::analytic::MODELS;
 use brdfc_source::simulate::{ScanPlan, merl_file, scan};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 
 /// Write an analytic model as a measured file, or a structure as a mesh.
@@ -22,20 +23,23 @@ use std::path::{Path, PathBuf};
 pub struct Arguments {
     /// MODEL or STRUCTURE, or MODEL?param=value&...
     model: String,
-    /// The file to write.
-    #[arg(long, short, value_name = "FILE")]
+    /// The file to write, or - for stdout.
+    #[arg(long, short, value_name = "FILE", value_parser = output_parser())]
     output: PathBuf,
+    /// What goes to stdout, whose name does not say.
+    #[arg(long, value_enum)]
+    kind: Option<Extension>,
     /// Samples of a MERL table along theta_h, theta_d and phi_d (default: 90x90x180).
-    #[arg(long, value_name = "HxDxP")]
+    #[arg(long, value_name = "HxDxP", allow_hyphen_values = true)]
     dimensions: Option<String>,
     /// Rows of a scan (default: 1440).
-    #[arg(long)]
+    #[arg(long, value_parser = whole_number::<usize>(1..=10_000_000))]
     rows: Option<usize>,
     /// Incoming polar angles of a scan, between 10 and 80 degrees (default: 8).
-    #[arg(long)]
+    #[arg(long, value_parser = whole_number::<usize>(1..=1000))]
     incidences: Option<usize>,
     /// Incoming azimuths of a scan; default 1 for isotropic models, 8 for others.
-    #[arg(long)]
+    #[arg(long, value_parser = whole_number::<usize>(1..=1000))]
     azimuths: Option<usize>,
     /// Standard deviation of a scan's noise, a fraction of the value (default: 0).
     #[arg(long)]
@@ -47,7 +51,7 @@ pub struct Arguments {
     #[arg(long)]
     duplicates: Option<f64>,
     /// Seed of a scan's noise, gaps and duplicates (default: 1).
-    #[arg(long)]
+    #[arg(long, value_parser = whole_number::<u64>(0..=u64::MAX))]
     seed: Option<u64>,
 }
 
@@ -55,15 +59,29 @@ fn models() -> String {
     format!(
         "Models:\n{}\nStructures (.obj, .ply):\n{}\nExamples:\n  brdfc synth lambert?kd=0.5 -o white.binary --dimensions 16x16x32\n  \
          brdfc synth 'ggx?kd=0.1,0.1,0.4&alpha=0.3' -o paint.brdf --noise 0.05 --gaps 0.1 --seed 7\n  \
-         brdfc synth 'folds?resolution=64' -o folds.ply",
+         brdfc synth 'folds?resolution=64' -o folds.ply\n  brdfc synth velvet -o - --kind brdf > velvet.brdf",
         address::describe_models(),
         describe_structures()
     )
 }
 
-const MOST_ROWS: usize = 10_000_000;
 /// Most cells of a table that is written: 6 GiB of file.
 const MOST_CELLS: usize = 1 << 28;
+
+/// What a file's name ends with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Extension {
+    /// A MERL table.
+    Binary,
+    /// A scan.
+    Brdf,
+    /// A scan.
+    Csv,
+    /// A mesh.
+    Obj,
+    /// A mesh.
+    Ply,
+}
 
 /// What an extension asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -75,7 +93,8 @@ enum Kind {
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let text = arguments.model.strip_prefix(address::SYNTH_PREFIX).unwrap_or(&arguments.model);
-    let kind = kind(&arguments.output, text)?;
+    let kind = kind(arguments, text)?;
+    refuse_missing_folder(&arguments.output)?;
     check_options(arguments, kind)?;
     if let Kind::Mesh { obj } = kind {
         return write_structure(arguments, text, obj);
@@ -104,21 +123,35 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
 }
 
 /// The kind of file, which has to fit what is written.
-fn kind(output: &Path, text: &str) -> Result<Kind, CliError> {
+fn kind(arguments: &Arguments, text: &str) -> Result<Kind, CliError> {
+    let output: &Path = &arguments.output;
     let name = split_query(text).0;
     let is_structure = STRUCTURES.iter().any(|info| info.name == name);
     let is_model = MODELS.iter().any(|info| info.name == name);
-    let extension = output.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
+    let extension = output.extension().and_then(|e| Extension::from_str(e.to_str()?, true).ok());
+    let stream = extension.is_none() && is_stream(output) && !output.is_dir();
+    if !stream && arguments.kind.is_some() {
+        let found = output.display();
+        return Err(CliError::Usage(format!("--kind: found with {found}; allowed with - for stdout")));
+    }
     let wrong = |allowed: &str| {
-        Err(CliError::Usage(format!("--output: found {}; allowed a name that ends in {allowed}", output.display())))
+        Err(CliError::Usage(if stream {
+            let found = arguments.kind.and_then(|kind| Some(kind.to_possible_value()?.get_name().to_owned()));
+            format!("--kind: found {}; allowed {}", found.as_deref().unwrap_or("none"), allowed.replace('.', ""))
+        } else {
+            format!("--output: found {}; allowed a name that ends in {allowed}", output.display())
+        }))
     };
-    match extension.as_str() {
-        "binary" | "brdf" | "csv" if is_structure => wrong(&format!(".obj or .ply, for the structure {name}")),
-        "obj" | "ply" if is_model => wrong(&format!(".binary, .brdf or .csv, for the model {name}")),
-        "binary" => Ok(Kind::Table),
-        "brdf" | "csv" => Ok(Kind::Scan { csv: extension == "csv" }),
-        "obj" | "ply" => Ok(Kind::Mesh { obj: extension == "obj" }),
-        _ => wrong(".binary, .brdf or .csv (models), .obj or .ply (structures)"),
+    use Extension::{Binary, Brdf, Csv, Obj, Ply};
+    match extension.or(arguments.kind) {
+        Some(Binary | Brdf | Csv) if is_structure => wrong(&format!(".obj or .ply, for the structure {name}")),
+        Some(Obj | Ply) if is_model => wrong(&format!(".binary, .brdf or .csv, for the model {name}")),
+        Some(Binary) => Ok(Kind::Table),
+        Some(Brdf) => Ok(Kind::Scan { csv: false }),
+        Some(Csv) => Ok(Kind::Scan { csv: true }),
+        Some(Obj) => Ok(Kind::Mesh { obj: true }),
+        Some(Ply) => Ok(Kind::Mesh { obj: false }),
+        None => wrong(".binary, .brdf or .csv (models), .obj or .ply (structures)"),
     }
 }
 
@@ -175,12 +208,6 @@ fn dimensions(text: &str) -> Result<Dimensions, CliError> {
 }
 
 fn plan(arguments: &Arguments, default_azimuths: usize) -> Result<ScanPlan, CliError> {
-    let count = |name: &str, value: usize, most: usize| {
-        if (1..=most).contains(&value) {
-            return Ok(value);
-        }
-        Err(CliError::Usage(format!("--{name}: found {value}; allowed 1 to {most}")))
-    };
     let fraction = |name: &str, value: f64, most: f64| {
         if (0.0..=most).contains(&value) {
             return Ok(value);
@@ -188,9 +215,9 @@ fn plan(arguments: &Arguments, default_azimuths: usize) -> Result<ScanPlan, CliE
         Err(CliError::Usage(format!("--{name}: found {value}; allowed 0 to {most}")))
     };
     Ok(ScanPlan {
-        rows: count("rows", arguments.rows.unwrap_or(1440), MOST_ROWS)?,
-        incidences: count("incidences", arguments.incidences.unwrap_or(8), 1000)?,
-        azimuths: count("azimuths", arguments.azimuths.unwrap_or(default_azimuths), 1000)?,
+        rows: arguments.rows.unwrap_or(1440),
+        incidences: arguments.incidences.unwrap_or(8),
+        azimuths: arguments.azimuths.unwrap_or(default_azimuths),
         noise: fraction("noise", arguments.noise.unwrap_or(0.0), 2.0)?,
         gaps: fraction("gaps", arguments.gaps.unwrap_or(0.0), 0.9)?,
         duplicates: fraction("duplicates", arguments.duplicates.unwrap_or(0.0), 0.9)?,

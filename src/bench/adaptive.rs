@@ -1,7 +1,6 @@
 //! The studies of bandwidth maps and adaptive shading.
 
 use super::arguments::Arguments;
-use super::names::display_name;
 use super::on_adapter;
 use crate::output::remark;
 use crate::table::{percent, plain, significant};
@@ -18,7 +17,6 @@ use brdfc_studies::adaptive::{
     directions_study, equal_error, exponents, fourier_check,
 };
 use brdfc_studies::{Study, StudyResult};
-use std::path::Path;
 use std::time::Instant;
 
 /// Errors at which costs are compared, dB of PSNR.
@@ -36,18 +34,15 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
         return Err(CliError::Usage(format!("--pixels: found {side}; allowed {least} to 2048")));
     }
     let truth = arguments.truth.unwrap_or(256);
-    if !(16..=65536).contains(&truth) {
-        return Err(CliError::Usage(format!("--truth: found {truth}; allowed 16 to 65536")));
-    }
     let environment = match &arguments.environment {
         Some(path) => {
-            let image = open_radiance_image(Path::new(path))?;
+            let image = open_radiance_image(path)?;
             Environment { width: image.width, height: image.height, pixels: image.pixels }
         }
         None => Builtin::BumpyBall.scene().environment,
     };
     let lighting = Lighting::new(environment).map_err(unpackable)?;
-    let default = [on_adapter::GLOSSY.to_owned()];
+    let default = [on_adapter::GLOSSY.into()];
     let inputs = if arguments.inputs.is_empty() { &default[..] } else { &arguments.inputs };
     // All of them before the work: a missing one is found at once.
     let sources: Vec<Box<dyn Source>> =
@@ -61,8 +56,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     let (started, all) = (Instant::now(), inputs.len() * shapes.len());
     let mut result = empty(arguments.study);
     for (number, (index, shape)) in (0..inputs.len()).flat_map(|i| shapes.iter().map(move |s| (i, *s))).enumerate() {
-        let name = display_name(&inputs[index]);
-        let material = StudyMaterial::new(name.to_owned(), sources[index].as_ref()).map_err(unpackable)?;
+        let name = inputs[index].short_name();
+        let material = StudyMaterial::new(name.clone(), sources[index].as_ref()).map_err(unpackable)?;
         add(&mut result, &material, shape, &lighting, frame, truth);
         let seconds = started.elapsed().as_secs_f64();
         let left = seconds / (number + 1) as f64 * (all - number - 1) as f64;

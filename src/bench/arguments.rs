@@ -1,6 +1,9 @@
 //! Flags of `brdfc bench`.
 
 use crate::CliError;
+use crate::inputs::refuse_stdin_twice;
+use brdfc_jobs::whole_number::{any_whole_number, whole_number};
+use brdfc_source::Input;
 use brdfc_studies::Study;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -27,7 +30,7 @@ pub struct Arguments {
     /// Materials of the studies that draw (default: synth:velvet, and a glossy metal for level-of-detail and those of
     /// adaptive shading) and of pareto (default: three models), or structures of flat-btf (default: all four) and of rays (default: synth:button).
     #[arg(value_name = "INPUT")]
-    pub(super) inputs: Vec<String>,
+    pub(super) inputs: Vec<Input>,
     /// Which study.
     #[arg(long, value_enum, default_value = "wavelet-brdf")]
     pub(super) study: Study,
@@ -36,35 +39,32 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
     /// Texels of the reference plane per side, for flat-btf (default 128) and rays (default 64).
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = any_whole_number::<usize>("a whole number, 8 or more"))]
     pub(super) texels: Option<usize>,
     /// Texels of flat BTFs per side for flat-btf, a power of two (default: twice those of the plane).
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = any_whole_number::<usize>("a power of two from 8 to 1024"))]
     pub(super) flat_texels: Option<usize>,
     /// Views and lights of flat-btf, as for 'brdfc flatten --views' (default: ubo2003).
     #[arg(long, value_name = "SET")]
-    pub(super) directions: Option<String>,
+    pub(super) directions: Option<Input>,
     /// Latitude-longitude image, .exr or .hdr, that lights the studies of adaptive shading (default: a sky).
     #[arg(long, value_name = "FILE")]
-    pub(super) environment: Option<String>,
+    pub(super) environment: Option<Input>,
     /// Pixels per side of the studies of adaptive shading, 32 to 2048, for pixel-bandwidth 64 and more (default 512).
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = any_whole_number::<usize>("32 to 2048"))]
     pub(super) pixels: Option<usize>,
     /// Samples per pixel of their ground truth, 16 to 65536 (default 256).
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole_number::<usize>(16..=65_536))]
     pub(super) truth: Option<usize>,
     /// Use the adapter whose name contains this (default: the fastest).
     #[arg(long, value_name = "NAME")]
     pub(super) adapter: Option<String>,
     /// Python with the packages of tests/peers/requirements.txt, by which codecs measures zfp and SZ3, too.
     #[arg(long, value_name = "PYTHON")]
-    pub(super) peers: Option<String>,
+    pub(super) peers: Option<PathBuf>,
     /// Few settings of pareto, small grids and few cases of stress: seconds.
     #[arg(long)]
     pub(super) small: bool,
-    /// Print JSON (schema: 'brdfc schema bench').
-    #[arg(long)]
-    pub(super) json: bool,
 }
 
 /// Studies of adaptive shading.
@@ -73,6 +73,9 @@ const ADAPTIVE: &[Study] = &[Study::Adaptive, Study::PixelBandwidth, Study::Band
 impl Arguments {
     /// Whether every flag that was given has an effect on the study.
     pub(super) fn check(&self) -> Result<(), CliError> {
+        let options = [("--directions", self.directions.as_ref()), ("--environment", self.environment.as_ref())];
+        let inputs = self.inputs.iter().map(|input| ("INPUT", Some(input)));
+        refuse_stdin_twice(&inputs.chain(options).collect::<Vec<_>>())?;
         if let (Study::WaveletBrdf | Study::Stress, Some(name)) = (self.study, self.study.to_possible_value())
             && !self.inputs.is_empty()
         {

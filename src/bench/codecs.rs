@@ -1,7 +1,6 @@
 //! The study of codecs: zfp and SZ3 run in Python, everything else here.
 
 use super::arguments::Arguments;
-use super::names::display_name;
 use super::on_adapter::{VELVET, adapter, opened_adapter};
 use crate::output::{make_folder, remark, write_file};
 use crate::table::{bytes, percent, plain};
@@ -23,7 +22,7 @@ const LEFT_OUT: &str = "no --peers PYTHON was given that has the packages of tes
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, CliError> {
     let gpu = opened_adapter(arguments)?;
-    let velvet = [VELVET.to_owned()];
+    let velvet = [VELVET.into()];
     let inputs = if arguments.inputs.is_empty() { &velvet[..] } else { &arguments.inputs };
     if let Some(folder) = &arguments.out {
         make_folder(folder)?;
@@ -37,8 +36,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     let mut materials = Vec::new();
     for (number, input) in inputs.iter().enumerate() {
         let opened = open(input, None)?;
-        let name = display_name(input);
-        materials.push(codec_study(&gpu, name, opened.source.as_ref(), compress).map_err(error)?);
+        let name = input.short_name();
+        materials.push(codec_study(&gpu, &name, opened.source.as_ref(), compress).map_err(error)?);
         let seconds = started.elapsed().as_secs_f64();
         let left = seconds / (number + 1) as f64 * (inputs.len() - number - 1) as f64;
         remark(common, &format!("{} of {}: {name}, {seconds:.1} s, about {left:.0} s left", number + 1, inputs.len()));
@@ -62,14 +61,15 @@ fn error(error: CodecStudyError) -> CliError {
 }
 
 /// Whether Python has what the script needs, before anything is measured.
-fn check(python: &str) -> Result<(), String> {
+fn check(python: &Path) -> Result<(), String> {
+    let name = python.display();
     let ran = Command::new(python).args(["-c", "import numpy, pysz, zfpy"]).output();
-    let ran = ran.map_err(|error| format!("--peers {python}: {error}"))?;
+    let ran = ran.map_err(|error| format!("--peers {name}: {error}"))?;
     if ran.status.success() {
         return Ok(());
     }
     let allowed = "allowed a Python with the packages of tests/peers/requirements.txt";
-    Err(format!("--peers {python}: found {}; {allowed}", last_line(&ran.stderr)))
+    Err(format!("--peers {name}: found {}; {allowed}", last_line(&ran.stderr)))
 }
 
 /// What a program said last.
@@ -79,8 +79,8 @@ fn last_line(text: &[u8]) -> String {
 }
 
 /// One run of the script, in a folder of its own.
-fn compress(python: &str, table: &DenseTable) -> Result<Vec<Compressed>, String> {
-    let wrong = |text: String| format!("--peers {python}: {text}");
+fn compress(python: &Path, table: &DenseTable) -> Result<Vec<Compressed>, String> {
+    let wrong = |text: String| format!("--peers {}: {text}", python.display());
     let folder = tempfile::tempdir().map_err(|error| wrong(error.to_string()))?;
     let path = |name: &str| folder.path().join(name);
     let numbers: Vec<u8> = table.channels.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();

@@ -1,12 +1,13 @@
 //! The error study of flat BTFs.
 
 use super::arguments::Arguments;
-use crate::flatten::{DEFAULT_SET, direction_set};
+use crate::flatten::{default_set, direction_set};
 use crate::output::remark;
 use crate::table::plain;
 use crate::{CliError, Common};
 use brdfc_flat_btf::structures::STRUCTURES;
 use brdfc_formats::container::MAX_EXTENT_2D;
+use brdfc_source::Input;
 use brdfc_source::address::SYNTH_PREFIX;
 use brdfc_studies::StudyResult;
 use brdfc_studies::flat_btf::{ModelRow, StudyError, StudySettings, study_model};
@@ -34,7 +35,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     if !flat_texels.is_power_of_two() {
         return Err(CliError::Usage(format!("--flat-texels: found {flat_texels}; allowed a power of two")));
     }
-    let directions = direction_set("directions", arguments.directions.as_deref().unwrap_or(DEFAULT_SET))?;
+    let directions = direction_set("directions", arguments.directions.as_ref().unwrap_or(&default_set()))?;
     let settings = StudySettings {
         texels,
         flat_texels,
@@ -46,7 +47,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
         count: directions.len(),
     };
     let directions = directions.directions();
-    let all: Vec<String> = STRUCTURES.iter().map(|info| format!("{SYNTH_PREFIX}{}", info.name)).collect();
+    let all: Vec<Input> =
+        STRUCTURES.iter().map(|info| Input::Address(format!("{SYNTH_PREFIX}{}", info.name))).collect();
     let inputs = if arguments.inputs.is_empty() { &all } else { &arguments.inputs };
     let steps = inputs.len() * directions.len();
     let started = Instant::now();
@@ -63,7 +65,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     };
     let mut rows = Vec::new();
     for input in inputs {
-        let address = input.strip_prefix(SYNTH_PREFIX).ok_or_else(|| {
+        let address = input.address().and_then(|address| address.strip_prefix(SYNTH_PREFIX)).ok_or_else(|| {
             let names: Vec<&str> = STRUCTURES.iter().map(|info| info.name).collect();
             CliError::Usage(format!("INPUT: found {input}; allowed synth: with one of {}", names.join(", ")))
         })?;

@@ -6,7 +6,6 @@ mod arguments;
 #[cfg(feature = "render")]
 mod codecs;
 mod flat_btf;
-mod names;
 #[cfg(feature = "render")]
 mod on_adapter;
 mod pareto;
@@ -64,7 +63,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         StudyResult::Stress(study) => stress::broken(study),
         _ => None,
     };
-    if arguments.json {
+    if common.json {
         print_json(&Report { version: 1, result })?;
     } else {
         print_text(&result)?;

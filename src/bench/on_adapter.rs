@@ -1,7 +1,6 @@
 //! Studies that need a graphics adapter.
 
 use super::arguments::Arguments;
-use super::names::display_name;
 use crate::output::{make_folder, remark, write_file};
 use crate::table::{bytes, plain};
 use crate::{CliError, Common, graphics_environment};
@@ -10,6 +9,7 @@ use brdfc_gpu::{AdapterChoice, AdapterDescription, Gpu};
 use brdfc_jobs::encode::encode as encode_pack;
 use brdfc_jobs::encode::recipe::PackRecipe;
 use brdfc_render::picture::to_png;
+use brdfc_source::Input;
 use brdfc_source::open::open;
 use brdfc_source::pack::open_brdf_pack;
 use brdfc_studies::images::{ImageRow, PAPER_MEAN, PAPER_SIGMA, StudyError, on_the_cloth};
@@ -32,12 +32,12 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     let seconds = || started.elapsed().as_secs_f64();
     match arguments.study {
         Study::Throughput => {
-            let packs = packs(one(arguments, VELVET)?)?;
+            let packs = packs(&one(arguments, VELVET)?)?;
             let progress = |done, all| remark(common, &format!("{done} of {all} rows, {:.1} s", seconds()));
             Ok(StudyResult::Throughput(throughput(&gpu, &packs, progress)?))
         }
         Study::LevelOfDetail => {
-            let pack = pack(one(arguments, GLOSSY)?)?;
+            let pack = pack(&one(arguments, GLOSSY)?)?;
             let progress = |what: &str| remark(common, &format!("{what}, {:.1} s", seconds()));
             if let Some(folder) = &arguments.out {
                 make_folder(folder)?;
@@ -49,13 +49,13 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
             Ok(StudyResult::LevelOfDetail(result))
         }
         _ => {
-            let velvet = [VELVET.to_owned()];
+            let velvet = [VELVET.into()];
             let inputs = if arguments.inputs.is_empty() { &velvet[..] } else { &arguments.inputs };
             let mut rows = Vec::new();
             for (number, input) in inputs.iter().enumerate() {
                 let opened = open(input, None)?;
-                let name = display_name(input);
-                rows.push(on_the_cloth(&gpu, name, opened.source.as_ref()).map_err(study_error)?);
+                let name = input.short_name();
+                rows.push(on_the_cloth(&gpu, &name, opened.source.as_ref()).map_err(study_error)?);
                 let left = seconds() / (number + 1) as f64 * (inputs.len() - number - 1) as f64;
                 let done =
                     format!("{} of {}: {name}, {:.1} s, about {left:.0} s left", number + 1, inputs.len(), seconds());
@@ -80,18 +80,18 @@ fn study_error(error: StudyError) -> CliError {
     }
 }
 
-fn one<'a>(arguments: &'a Arguments, default: &'a str) -> Result<&'a str, CliError> {
+fn one(arguments: &Arguments, default: &str) -> Result<Input, CliError> {
     match &arguments.inputs[..] {
-        [] => Ok(default),
-        [one] => Ok(one),
+        [] => Ok(default.into()),
+        [one] => Ok(one.clone()),
         more => Err(CliError::Usage(format!("INPUT: found {}; allowed one with this study", more.len()))),
     }
 }
 
 /// A pack with levels of detail as it is, or the wavelet pack that a source becomes at 4:1 and 8 bits.
-fn pack(input: &str) -> Result<BrdfPack, CliError> {
-    if is_pack(input) {
-        let pack = open_brdf_pack(Path::new(input))?;
+fn pack(input: &Input) -> Result<BrdfPack, CliError> {
+    if input.extension()? == "ktx2" {
+        let pack = open_brdf_pack(input)?;
         if pack.levels() == 0 {
             let text = "found a table pack of one level of detail; allowed packs with more (encode --levels)";
             return Err(CliError::Input(format!("{input}: pack: {text}")));
@@ -104,9 +104,9 @@ fn pack(input: &str) -> Result<BrdfPack, CliError> {
 
 /// A pack as it is, or what a source becomes as a table of 16 KiB, plain and factored, and as a wavelet pack at 4:1 and 8
 /// bits.
-fn packs(input: &str) -> Result<Vec<BrdfPack>, CliError> {
-    if is_pack(input) {
-        return Ok(vec![open_brdf_pack(Path::new(input))?]);
+fn packs(input: &Input) -> Result<Vec<BrdfPack>, CliError> {
+    if input.extension()? == "ktx2" {
+        return Ok(vec![open_brdf_pack(input)?]);
     }
     let opened = open(input, None)?;
     let table = PackRecipe::Table(TableRecipe::default()).without_measuring();
@@ -115,10 +115,6 @@ fn packs(input: &str) -> Result<Vec<BrdfPack>, CliError> {
     let wavelet = PackRecipe::Wavelet(Recipe::default()).without_measuring();
     let packs = [table, factored, wavelet].map(|recipe| Ok(encode_pack(opened.source.as_ref(), &recipe, &())?.pack));
     packs.into_iter().collect()
-}
-
-fn is_pack(input: &str) -> bool {
-    input.to_ascii_lowercase().ends_with(".ktx2")
 }
 
 fn write_frames(folder: &Path, animation: &Animation) -> Result<(), CliError> {

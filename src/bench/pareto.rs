@@ -1,10 +1,10 @@
 //! The study of run time against error.
 
 use super::arguments::Arguments;
-use super::names::display_name;
 use crate::output::{make_folder, remark, write_file};
 use crate::table::{bytes, percent, plain};
 use crate::{CliError, Common};
+use brdfc_source::Input;
 use brdfc_source::open::open;
 use brdfc_studies::StudyResult;
 use brdfc_studies::pareto::{ParetoMaterial, ParetoRow, ParetoStudy, drawing, pareto, settings};
@@ -17,7 +17,7 @@ const MODELS: [&str; 3] = ["synth:ggx?alpha=0.15", "synth:velvet", "synth:ward?a
 const BETWEEN_REMARKS: Duration = Duration::from_secs(5);
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, CliError> {
-    let models = MODELS.map(str::to_owned);
+    let models = MODELS.map(Input::from);
     let inputs = if arguments.inputs.is_empty() { &models[..] } else { &arguments.inputs };
     if let Some(folder) = &arguments.out {
         make_folder(folder)?;
@@ -28,7 +28,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     let mut materials = Vec::new();
     for (number, input) in inputs.iter().enumerate() {
         let opened = open(input, None)?;
-        let name = display_name(input);
+        let name = input.short_name();
         let done = |share: f64| {
             if told.get().elapsed() < BETWEEN_REMARKS && share < 1.0 {
                 return;
@@ -39,7 +39,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
             let (at, all, percent) = (number + 1, inputs.len(), 100.0 * share);
             remark(common, &format!("{at} of {all}: {name}, {percent:.0} %, {seconds:.0} s, about {left:.0} s left"));
         };
-        materials.push(pareto(name, opened.source.as_ref(), &settings, &done)?);
+        materials.push(pareto(&name, opened.source.as_ref(), &settings, &done)?);
     }
     let study = ParetoStudy { threads: rayon::current_num_threads(), materials };
     if let Some(folder) = &arguments.out {

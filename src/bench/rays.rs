@@ -4,6 +4,7 @@ use super::arguments::Arguments;
 use crate::output::{make_folder, remark, write_file};
 use crate::table::{percent, plain};
 use crate::{CliError, Common};
+use brdfc_source::address::SYNTH_PREFIX;
 use brdfc_studies::StudyResult;
 use brdfc_studies::rays::{Dump, RayScene, RayStudy, RayStudyError};
 use std::path::Path;
@@ -14,11 +15,11 @@ const TEXELS: std::ops::RangeInclusive<usize> = 1..=512;
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, CliError> {
     let input = match &arguments.inputs[..] {
-        [] => BUTTON,
+        [] => &BUTTON.into(),
         [one] => one,
         more => return Err(CliError::Usage(format!("INPUT: found {}; allowed one with this study", more.len()))),
     };
-    let Some(address) = input.strip_prefix("synth:") else {
+    let Some(address) = input.address().and_then(|address| address.strip_prefix(SYNTH_PREFIX)) else {
         return Err(CliError::Usage(format!("INPUT: found {input}; allowed synth: and a structure with --study rays")));
     };
     let texels = arguments.texels.unwrap_or(64);

@@ -7,7 +7,7 @@ mod text;
 pub(super) use inputs::read_manifest;
 
 use super::output::{
-    make_folder, print, print_json, refuse_overwriting, refuse_overwriting_any, remark, tell, write_file,
+    make_folder, note, print, print_json, refuse_overwriting, refuse_overwriting_any, remark, tell, write_file,
 };
 use super::progress::Materials;
 use super::{CliError, Common, interrupt};
@@ -74,9 +74,6 @@ pub struct Arguments {
     depfile: Option<PathBuf>,
     #[command(flatten, next_help_heading = "Encoding")]
     options: EncodeOptions,
-    /// Print the report as JSON (schema: 'brdfc schema build').
-    #[arg(long)]
-    json: bool,
 }
 
 /// Where packs go if nothing is said.
@@ -106,7 +103,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         )));
     }
     if arguments.dry_run {
-        if arguments.json {
+        if common.json {
             return print_json(&BuildReport::planned(plan));
         }
         return print(&plan_text::text(plan, out));
@@ -136,7 +133,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     if let Some(file) = &arguments.depfile {
         write_file(file, depfile(&out.join(REPORT), &inputs).as_bytes())?;
     }
-    if arguments.json {
+    if common.json {
         print_json(&built.report)?;
     } else {
         print(&text::text(&built.outcomes))?;
@@ -158,7 +155,7 @@ fn tell_what_matters(built: &Built, common: Common) {
             Ok(made) => {
                 let of_map = made.maps.as_ref().and_then(|maps| maps.bandwidth.facts.remark());
                 for line in remarks(&made.report).into_iter().chain(of_map) {
-                    remark(common, &format!("note: {}: {line}", outcome.name));
+                    note(common, &outcome.name, &line);
                 }
                 let closed = made.gates.iter().filter(|gate| !gate.passed).map(ToString::to_string);
                 for line in made.report.missed.iter().cloned().chain(closed) {

@@ -1,7 +1,10 @@
 //! The flags of `brdfc flatten`.
 
 use brdfc_flat_btf::structures::describe_structures;
+use brdfc_jobs::whole_number::{any_whole_number, whole_number};
+use brdfc_source::Input;
 use clap::{Args, ValueEnum};
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// Make the packs of a flat BTF: appearance on the surface itself, and maps of where each view sees it.
@@ -13,8 +16,8 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 #[command(after_help = after_help())]
 pub struct Arguments {
-    /// synth:STRUCTURE, a mesh, a height map, or a folder of BTF images.
-    pub(super) meso: String,
+    /// synth:STRUCTURE, a mesh, a height map, a folder of BTF images, or - for a mesh or a height map from stdin.
+    pub(super) meso: Input,
     /// Folder of the packs; made if there is none.
     #[arg(long, short, value_name = "DIR")]
     pub(super) out: PathBuf,
@@ -23,57 +26,57 @@ pub struct Arguments {
     pub(super) name: Option<String>,
     /// Relief of a folder of BTF images: mesh, height map or structure (default: the plane).
     #[arg(long, value_name = "MESO")]
-    pub(super) geometry: Option<String>,
+    pub(super) geometry: Option<Input>,
     /// Period of a mesh along x and y, in its unit (default: 1).
-    #[arg(long, value_name = "SIZE", allow_negative_numbers = true)]
+    #[arg(long, value_name = "SIZE")]
     pub(super) tile: Option<f64>,
     /// Tiles per unit of a height map, white of a PNG is 1 (default: 0.1).
-    #[arg(long, value_name = "TILES", allow_negative_numbers = true)]
+    #[arg(long, value_name = "TILES")]
     pub(super) height_scale: Option<f64>,
     /// Height of a height map's 0 above the reference plane, in tiles (default: 0).
-    #[arg(long, value_name = "TILES", allow_negative_numbers = true)]
+    #[arg(long, value_name = "TILES")]
     pub(super) height_offset: Option<f64>,
     /// Material: any INPUT of 'brdfc encode', or NAME=INPUT for the faces of that name in a mesh. Up to four; a structure
     /// blends its own by default.
     #[arg(long, value_name = "[NAME=]INPUT")]
-    pub(super) material: Vec<String>,
+    pub(super) material: Vec<OsString>,
     /// Image over the tile that multiplies the reflectance (PNG or JPEG, sRGB).
     #[arg(long, value_name = "IMAGE")]
-    pub(super) colour: Option<String>,
+    pub(super) colour: Option<Input>,
     /// Image over the tile whose red, green, blue and alpha are the shares of the materials, in their order.
     #[arg(long, value_name = "IMAGE")]
-    pub(super) weights: Option<String>,
+    pub(super) weights: Option<Input>,
     /// Texels of the reference plane and its indirection map, per side.
-    #[arg(long, value_name = "N", default_value_t = 256)]
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = whole_number::<u32>(4..=2048))]
     pub(super) texels: u32,
     /// Texels of the flat BTF per side, a power of two (default: the one from --texels on).
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = any_whole_number::<usize>(FLAT_TEXELS))]
     pub(super) flat_texels: Option<usize>,
     /// Views: ubo2003 (81), ubo2014 (151), grid:ZxA@DEGREES, or a .csv file with index,theta_deg,phi_deg (default: ubo2003).
     /// A grid has Z polar angles from the zenith, one direction, to DEGREES, with A azimuths at each of the others:
     /// grid:2x6@50 has 1 + 6 = 7 directions.
     #[arg(long, value_name = "SET")]
-    pub(super) views: Option<String>,
+    pub(super) views: Option<Input>,
     /// Lights (default: as the views).
     #[arg(long, value_name = "SET")]
-    pub(super) lights: Option<String>,
+    pub(super) lights: Option<Input>,
     /// Polar angles x azimuths of the indirection map.
-    #[arg(long, value_name = "ZxA", default_value = "16x16")]
+    #[arg(long, value_name = "ZxA", default_value = "16x16", allow_hyphen_values = true)]
     pub(super) indirection: String,
     /// Largest polar angle of the indirection map, degrees; steeper views see what it sees.
     #[arg(long, value_name = "DEGREES", default_value_t = 80.0)]
     pub(super) largest_angle: f64,
     /// Rays per texel and axis for the indirection map.
-    #[arg(long, value_name = "N", default_value_t = 2)]
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = whole_number::<usize>(1..=16))]
     pub(super) oversampling: usize,
     /// What texels of the full form get that a view does not see (default: poisson).
     #[arg(long, value_enum)]
     pub(super) fill: Option<Fill>,
     /// Rays per texel that gather the light of one bounce; 0: direct light and cast shadows only.
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole_number::<usize>(0..=1024))]
     pub(super) bounces: usize,
     /// Rounds of reweighting that spend texels where the surface is, as long as the stretch falls.
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole_number::<usize>(0..=100))]
     pub(super) stretch_rounds: usize,
     /// full: everything; light: normal map and diffuse colours instead of views x lights.
     #[arg(long, value_enum, default_value = "full")]
@@ -87,10 +90,10 @@ pub struct Arguments {
     /// Store texels as they are, without Zstandard.
     #[arg(long)]
     pub(super) no_supercompression: bool,
-    /// Print the report as JSON (schema: 'brdfc schema flatten').
-    #[arg(long)]
-    pub(super) json: bool,
 }
+
+/// What texels of a flat BTF may be, per side.
+pub(super) const FLAT_TEXELS: &str = "a power of two from 4 to 2048";
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum Fill {

@@ -2,11 +2,14 @@
 
 use crate::CliError;
 use brdfc_formats::direction_set::DirectionSet;
-use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
+use brdfc_source::Input;
+use brdfc_source::read::MAX_TEXT_BYTES;
 use std::path::Path;
 
 /// The set where none is named.
-pub(crate) const DEFAULT_SET: &str = "ubo2003";
+pub(crate) fn default_set() -> Input {
+    "ubo2003".into()
+}
 
 /// Two numbers with an `x` between them.
 pub(super) fn pair(text: &str) -> Option<[u32; 2]> {
@@ -15,7 +18,8 @@ pub(super) fn pair(text: &str) -> Option<[u32; 2]> {
 }
 
 /// A set of directions by its name, or from a file.
-pub(crate) fn direction_set(option: &str, text: &str) -> Result<DirectionSet, CliError> {
+pub(crate) fn direction_set(option: &str, input: &Input) -> Result<DirectionSet, CliError> {
+    let text = input.path().and_then(Path::to_str).unwrap_or_default();
     let named = |set: DirectionSet, name: &str| DirectionSet { name: name.to_owned(), ..set };
     match text {
         "ubo2003" => return Ok(DirectionSet::ubo2003()),
@@ -36,14 +40,12 @@ pub(crate) fn direction_set(option: &str, text: &str) -> Result<DirectionSet, Cl
             .map(|set| named(set, text))
             .map_err(|error| CliError::Usage(format!("--{option}: {error}")));
     }
-    if !text.to_ascii_lowercase().ends_with(".csv") {
-        let allowed = "ubo2003, ubo2014, grid:ZxA@DEGREES, or a .csv file";
-        return Err(CliError::Usage(format!("--{option}: found {text}; allowed {allowed}")));
+    if !input.is_stdin() && input.extension()? != "csv" {
+        let allowed = "ubo2003, ubo2014, grid:ZxA@DEGREES, a .csv file, or - for one from stdin";
+        return Err(CliError::Usage(format!("--{option}: found {input}; allowed {allowed}")));
     }
-    let path = Path::new(text);
-    let bytes = read_file(path, MAX_TEXT_BYTES)?;
-    let file = path.file_name().map_or_else(|| text.to_owned(), |name| name.to_string_lossy().into_owned());
+    let bytes = input.read(MAX_TEXT_BYTES)?;
     DirectionSet::from_csv(&bytes)
-        .map(|set| named(set, &file))
-        .map_err(|error| CliError::Input(format!("{text}: {error}")))
+        .map(|set| named(set, &input.short_name()))
+        .map_err(|error| CliError::Input(format!("{input}: {error}")))
 }

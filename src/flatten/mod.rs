@@ -6,20 +6,20 @@ mod options;
 mod text;
 
 pub use arguments::Arguments;
-pub(super) use directions::{DEFAULT_SET, direction_set};
+pub(super) use directions::{default_set, direction_set};
 pub(super) use text::{height, repairs_in_words, text};
 
-use super::output::{make_folder, print, print_json, remark};
+use super::output::{make_folder, note, print, print_json};
 use super::steps::Steps;
 use super::{CliError, Common, interrupt};
 use arguments::ImageFormat;
 use brdfc_jobs::btf_stack::StackFormat;
 use brdfc_jobs::flatten::{
-    AssetFile, FlattenError, FlattenJob, Values, material_list, open_appearance, open_geometry, run as flatten,
+    AssetFile, FlattenError, FlattenJob, PLANE, Values, material_list, open_appearance, open_geometry, run as flatten,
 };
-use brdfc_source::address::is_synth;
+use brdfc_source::Input;
 use brdfc_source::btf_stack::BtfStack;
-use options::{asset_name, check_outputs, meso_options, recipe};
+use options::{asset_name, check_inputs, check_outputs, meso_options, recipe};
 use serde::Serialize;
 use std::path::Path;
 use std::time::Instant;
@@ -37,16 +37,17 @@ pub struct Report {
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     let started = Instant::now();
-    let is_stack = Path::new(&arguments.meso).is_dir();
+    let stack = arguments.meso.path().filter(|path| path.is_dir());
+    check_inputs(arguments)?;
     let name = asset_name(arguments)?;
     let mut recipe = recipe(arguments)?;
-    let options = meso_options(arguments, is_stack)?;
+    let options = meso_options(arguments, stack.is_some())?;
     check_outputs(arguments)?;
-    let (geometry, materials, values) = if is_stack {
-        let stack = BtfStack::open(Path::new(&arguments.meso))?;
+    let (geometry, materials, values) = if let Some(path) = stack {
+        let stack = BtfStack::open(path)?;
         (recipe.views, recipe.lights) = (stack.views().clone(), stack.lights().clone());
         let mut geometry = open_geometry(&options)?;
-        let folder = Path::new(&arguments.meso).canonicalize().ok();
+        let folder = path.canonicalize().ok();
         let folder = folder.as_deref().and_then(Path::file_name).map(|n| n.to_string_lossy().into_owned());
         geometry.name = format!("{} over {}", folder.unwrap_or_else(|| "images".to_owned()), geometry.name);
         (geometry, Vec::new(), Values::Measured(stack))
@@ -54,7 +55,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         let geometry = open_geometry(&options)?;
         let materials = material_list(&options, &geometry)?;
         let appearance = open_appearance(&options, &materials, &())?;
-        let names = materials.iter().map(|material| without_folder(material)).collect();
+        let names = materials.iter().map(Input::short_name).collect();
         (geometry, names, Values::Computed(appearance))
     };
     recipe.check().map_err(|error| CliError::Usage(error.to_string()))?;
@@ -67,6 +68,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         Some(ImageFormat::Png) | None => StackFormat::Png,
     };
     let images = arguments.write_images.as_deref().map(|folder| (folder, format));
+    let relief = options.geometry.as_ref().map_or_else(|| PLANE.to_owned(), Input::to_string);
     let job = FlattenJob {
         name: &name,
         folder: &arguments.out,
@@ -78,23 +80,16 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         placing: interrupt.placing(),
     };
     let asset = flatten(job, &steps).map_err(|error| match error {
-        FlattenError::Parameterise(error) => CliError::Input(format!("{}: {error}", options.geometry)),
+        FlattenError::Parameterise(error) => CliError::Input(format!("{relief}: {error}")),
         error => error.into(),
     })?;
     drop(steps);
     for line in remarks(&asset) {
-        remark(common, &format!("note: {line}"));
+        note(common, &arguments.meso, &line);
     }
     let seconds = started.elapsed().as_secs_f64();
-    if arguments.json {
+    if common.json {
         return print_json(&Report { asset, seconds });
     }
     print(&text(&asset, Some(seconds)))
-}
-
-fn without_folder(material: &str) -> String {
-    if is_synth(material) {
-        return material.to_owned();
-    }
-    Path::new(material).file_name().map_or_else(|| material.to_owned(), |name| name.to_string_lossy().into_owned())
 }

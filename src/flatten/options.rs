@@ -1,15 +1,16 @@
 //! Flags to what is flattened and how: which of them go with which input, and their ranges.
 
-use super::arguments::{Arguments, Fill, FormArgument};
-use super::directions::{DEFAULT_SET, direction_set, pair};
+use super::arguments::{Arguments, FLAT_TEXELS, Fill, FormArgument};
+use super::directions::{default_set, direction_set, pair};
 use crate::CliError;
+use crate::inputs::refuse_stdin_twice;
 use crate::output::{check_folder, refuse_same_outputs};
 use brdfc_flat_btf::fill::FillMethod;
 use brdfc_formats::container::MAX_EXTENT_2D;
 use brdfc_formats::flat_btf::{IndirectionHeader, MAX_AZIMUTH_SAMPLES, MAX_ZENITH_SAMPLES};
-use brdfc_jobs::flatten::{FlattenRecipe, Form, MesoOptions, PLANE};
-use brdfc_source::address::is_synth;
-use std::path::Path;
+use brdfc_jobs::flatten::{FlattenRecipe, Form, MesoOptions};
+use brdfc_source::Input;
+use std::ffi::{OsStr, OsString};
 
 /// The asset's name: as given, or that of its folder.
 pub(super) fn asset_name(arguments: &Arguments) -> Result<String, CliError> {
@@ -36,7 +37,7 @@ pub(super) fn asset_name(arguments: &Arguments) -> Result<String, CliError> {
 /// Outputs that cannot be written are found before any work.
 pub(super) fn check_outputs(arguments: &Arguments) -> Result<(), CliError> {
     check_folder(&arguments.out)?;
-    refuse_same_outputs(&[("MESO", Some(Path::new(&arguments.meso))), ("--out", Some(&arguments.out))])?;
+    refuse_same_outputs(&[("MESO", arguments.meso.path()), ("--out", Some(&arguments.out))])?;
     let Some(images) = arguments.write_images.as_deref() else {
         if arguments.image_format.is_some() {
             return Err(CliError::Usage("--image-format: found alone; allowed with --write-images".to_owned()));
@@ -58,6 +59,23 @@ pub(super) fn check_outputs(arguments: &Arguments) -> Result<(), CliError> {
     Ok(())
 }
 
+/// Standard input is one of the inputs at most.
+pub(super) fn check_inputs(arguments: &Arguments) -> Result<(), CliError> {
+    let materials: Vec<Input> = arguments.material.iter().map(|text| named_material(text).1).collect();
+    let mut inputs = vec![("MESO", Some(&arguments.meso))];
+    inputs.extend(materials.iter().map(|input| ("--material", Some(input))));
+    for (option, input) in [
+        ("--geometry", &arguments.geometry),
+        ("--views", &arguments.views),
+        ("--lights", &arguments.lights),
+        ("--colour", &arguments.colour),
+        ("--weights", &arguments.weights),
+    ] {
+        inputs.push((option, input.as_ref()));
+    }
+    refuse_stdin_twice(&inputs)
+}
+
 /// What a geometry is, by its name; which decides what options go with it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
@@ -68,17 +86,13 @@ enum Kind {
 }
 
 impl Kind {
-    fn of(geometry: &str) -> Self {
-        let lower = geometry.to_ascii_lowercase();
-        if is_synth(geometry) {
-            Self::Structure
-        } else if geometry == PLANE {
-            Self::Plane
-        } else if [".png", ".exr"].iter().any(|extension| lower.ends_with(extension)) {
-            Self::HeightMap
-        } else {
-            Self::Mesh
-        }
+    fn of(geometry: Option<&Input>) -> Result<Self, CliError> {
+        Ok(match geometry {
+            None => Self::Plane,
+            Some(Input::Address(_)) => Self::Structure,
+            Some(file) if ["png", "exr"].contains(&file.extension()?.as_str()) => Self::HeightMap,
+            Some(_) => Self::Mesh,
+        })
     }
 
     fn in_words(self) -> &'static str {
@@ -94,11 +108,7 @@ impl Kind {
 /// The surface and its materials.
 pub(super) fn meso_options(arguments: &Arguments, is_stack: bool) -> Result<MesoOptions, CliError> {
     check_placement(arguments, is_stack)?;
-    let geometry = match (is_stack, &arguments.geometry) {
-        (true, Some(geometry)) => geometry.clone(),
-        (true, None) => PLANE.to_owned(),
-        (false, _) => arguments.meso.clone(),
-    };
+    let geometry = if is_stack { arguments.geometry.clone() } else { Some(arguments.meso.clone()) };
     for (option, value) in [("height-scale", arguments.height_scale), ("height-offset", arguments.height_offset)] {
         if let Some(value) = value
             && !(-10.0..=10.0).contains(&value)
@@ -106,7 +116,7 @@ pub(super) fn meso_options(arguments: &Arguments, is_stack: bool) -> Result<Meso
             return Err(CliError::Usage(format!("--{option}: found {value}; allowed -10 to 10 tiles")));
         }
     }
-    let kind = Kind::of(&geometry);
+    let kind = Kind::of(geometry.as_ref())?;
     for (given, option, goes_with, allowed) in [
         (arguments.tile.is_some(), "--tile", Kind::Mesh, "a mesh"),
         (arguments.height_scale.is_some(), "--height-scale", Kind::HeightMap, "a height map"),
@@ -157,13 +167,28 @@ fn check_placement(arguments: &Arguments, is_stack: bool) -> Result<(), CliError
 }
 
 /// `NAME=INPUT`, or an input alone; the `=` of an address is no name's.
-fn named_material(text: &str) -> (Option<String>, String) {
-    match text.split_once('=') {
-        Some((name, source)) if !is_synth(text) && !Path::new(text).exists() => {
-            (Some(name.to_owned()), source.to_owned())
-        }
-        _ => (None, text.to_owned()),
+fn named_material(text: &OsStr) -> (Option<String>, Input) {
+    let input = Input::from(text.to_owned());
+    match split_name(text) {
+        Some((name, source)) if input.path().is_some_and(|path| !path.exists()) => (Some(name), source.into()),
+        _ => (None, input),
     }
+}
+
+/// What stands before and behind the first `=`.
+#[cfg(unix)]
+fn split_name(text: &OsStr) -> Option<(String, OsString)> {
+    use std::os::unix::ffi::OsStrExt;
+    let bytes = text.as_bytes();
+    let (name, source) = bytes.split_at(bytes.iter().position(|byte| *byte == b'=')?);
+    Some((str::from_utf8(name).ok()?.to_owned(), OsStr::from_bytes(&source[1..]).to_owned()))
+}
+
+/// What stands before and behind the first `=`.
+#[cfg(not(unix))]
+fn split_name(text: &OsStr) -> Option<(String, OsString)> {
+    let (name, source) = text.to_str()?.split_once('=')?;
+    Some((name.to_owned(), source.into()))
 }
 
 /// How it is flattened.
@@ -171,24 +196,12 @@ pub(super) fn recipe(arguments: &Arguments) -> Result<FlattenRecipe, CliError> {
     let wrong = |option: &str, found: &dyn std::fmt::Display, allowed: &str| {
         CliError::Usage(format!("--{option}: found {found}; allowed {allowed}"))
     };
-    if !(4..=2048).contains(&arguments.texels) {
-        return Err(wrong("texels", &arguments.texels, "4 to 2048"));
-    }
     let flat_texels = arguments.flat_texels.unwrap_or((arguments.texels as usize).next_power_of_two());
     if !(4..=2048).contains(&flat_texels) || !flat_texels.is_power_of_two() {
-        return Err(wrong("flat-texels", &flat_texels, "a power of two from 4 to 2048"));
+        return Err(wrong("flat-texels", &flat_texels, FLAT_TEXELS));
     }
     if !(arguments.largest_angle > 0.0 && arguments.largest_angle <= 89.0) {
         return Err(wrong("largest-angle", &arguments.largest_angle, "above 0, up to 89 degrees"));
-    }
-    for (option, value, range) in [
-        ("oversampling", arguments.oversampling, 1..=16),
-        ("bounces", arguments.bounces, 0..=1024),
-        ("stretch-rounds", arguments.stretch_rounds, 0..=100),
-    ] {
-        if !range.contains(&value) {
-            return Err(wrong(option, &value, &format!("{} to {}", range.start(), range.end())));
-        }
     }
     let [zenith_samples, azimuth_samples] = pair(&arguments.indirection)
         .ok_or_else(|| wrong("indirection", &arguments.indirection, "polar angles x azimuths, such as 16x16"))?;
@@ -209,7 +222,7 @@ pub(super) fn recipe(arguments: &Arguments) -> Result<FlattenRecipe, CliError> {
         return Err(CliError::Usage(text));
     }
     indirection.check().map_err(|error| CliError::Usage(format!("--indirection, --texels: {error}")))?;
-    let views = direction_set("views", arguments.views.as_deref().unwrap_or(DEFAULT_SET))?;
+    let views = direction_set("views", arguments.views.as_ref().unwrap_or(&default_set()))?;
     let lights = arguments.lights.as_ref().map_or(Ok(views.clone()), |lights| direction_set("lights", lights))?;
     Ok(FlattenRecipe {
         flat_texels,

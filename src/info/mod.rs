@@ -3,18 +3,18 @@
 mod surface;
 
 use super::output::{print, print_json, printable};
-use super::{CliError, bandwidth, flatten};
+use super::{CliError, Common, bandwidth, flatten};
 use crate::table::bytes;
 use brdfc_flat_btf::structures::STRUCTURES;
 use brdfc_formats::{BrdfPack, Pack};
 use brdfc_importance::ImportanceFacts;
 use brdfc_jobs::flatten::{AssetFile, SurfaceFacts, describe_surface, open_asset};
-use brdfc_source::address::{SYNTH_PREFIX, is_synth, split_query};
+use brdfc_source::address::{SYNTH_PREFIX, split_query};
 use brdfc_source::btf_stack::has_images;
 use brdfc_source::flat_btf::{asset_of_part, check_flat_btf};
 use brdfc_source::open::{Facts, Opened, open};
 use brdfc_source::pack::{open_pack, opened};
-use brdfc_source::{InputError, Symmetry};
+use brdfc_source::{Input, InputError, Symmetry};
 use clap::Args;
 use serde::Serialize;
 use std::path::Path;
@@ -22,6 +22,9 @@ use std::path::Path;
 /// Say what an input is: layout, sizes, symmetries, measured errors of a pack.
 ///
 /// Of a mesh: whether it closes over the tile, and what would be mended. Of a folder of images: what is missing.
+///
+/// Schemas of --json: 'info'; of a flat BTF 'flat-btf'; of a part of one, a structure, a mesh, a height map or images
+/// 'info-surface'; of a bandwidth map 'bandwidth'.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -31,12 +34,8 @@ Examples:
   brdfc info button/button.json")]
 pub struct Arguments {
     /// A path, synth:MODEL?param=value&... or synth:STRUCTURE?...; of a flat BTF its folder, its .json, or any of its
-    /// parts; a mesh, a height map or a folder of images for 'brdfc flatten'.
-    input: String,
-    /// Print JSON (schemas: 'brdfc schema info'; of a flat BTF 'flat-btf'; of a part of one, a structure, a mesh, a height
-    /// map or images 'info-surface'; of a bandwidth map 'bandwidth').
-    #[arg(long)]
-    json: bool,
+    /// parts; a mesh, a height map or a folder of images for 'brdfc flatten'. - is stdin.
+    input: Input,
 }
 
 /// What `--json` prints.
@@ -83,32 +82,32 @@ pub struct SurfaceReport {
     facts: SurfaceFacts,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
-    if let Some(asset) = flat_btf(&arguments.input)? {
-        return if arguments.json { print_json(&asset) } else { print(&flatten::text(&asset, None)) };
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
+    let input = &arguments.input;
+    if let Some(asset) = input.path().map(flat_btf).transpose()?.flatten() {
+        return if common.json { print_json(&asset) } else { print(&flatten::text(&asset, None)) };
     }
-    let path = Path::new(&arguments.input);
-    let is_pack = !is_synth(&arguments.input) && path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ktx2"));
-    let contents = match if is_pack { Some(open_pack(path)?) } else { None } {
-        Some(Pack::Bandwidth(map)) => return bandwidth::info(&map, arguments.json),
+    let is_pack = input.extension()? == "ktx2";
+    let contents = match if is_pack { Some(open_pack(input)?) } else { None } {
+        Some(Pack::Bandwidth(map)) => return bandwidth::info(&map, common),
         Some(Pack::Importance(pack)) => Some(Contents::Other(Other::ImportancePack(ImportanceFacts::new(&pack)))),
         Some(Pack::Wavelet(pack)) => Some(reflectance(opened(&BrdfPack::Wavelet(pack), None))),
         Some(Pack::Table(pack)) => Some(reflectance(opened(&BrdfPack::Table(pack), None))),
         _ => None,
     };
     if contents.is_none()
-        && let Some(facts) = surface(&arguments.input)?
+        && let Some(facts) = surface(input)?
     {
-        if arguments.json {
+        if common.json {
             return print_json(&SurfaceReport { version: 1, facts });
         }
         return print_lines(&surface::in_words(&facts));
     }
     let contents = match contents {
         Some(contents) => contents,
-        None => reflectance(open(&arguments.input, None).map_err(with_structures)?),
+        None => reflectance(open(input, None).map_err(with_structures)?),
     };
-    if arguments.json {
+    if common.json {
         return print_json(&Report { version: 1, contents });
     }
     print_lines(&contents_in_words(&contents))
@@ -130,15 +129,15 @@ fn reflectance(opened: Opened) -> Contents {
 }
 
 /// The list of a flat BTF's parts, if the input is one: its folder, the list itself, or one of the parts beside it.
-fn flat_btf(input: &str) -> Result<Option<AssetFile>, CliError> {
-    let path = Path::new(input);
-    if is_synth(input) || (path.is_dir() && !has_parts(path) && has_images(path)) {
+fn flat_btf(path: &Path) -> Result<Option<AssetFile>, CliError> {
+    if path.is_dir() && !has_parts(path) && has_images(path) {
         return Ok(None);
     }
     if path.is_dir() || path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
         let missing = || {
             CliError::Input(format!(
-                "{input}: flat BTF: found no NAME.json; allowed a finished asset (or the path of one part)"
+                "{}: flat BTF: found no NAME.json; allowed a finished asset (or the path of one part)",
+                path.display()
             ))
         };
         let asset = open_asset(path)?.ok_or_else(missing)?;
@@ -163,8 +162,8 @@ fn has_parts(folder: &Path) -> bool {
 }
 
 /// What 'brdfc flatten' takes; nothing of models and BRDFs.
-fn surface(input: &str) -> Result<Option<SurfaceFacts>, CliError> {
-    if let Some(text) = input.strip_prefix(SYNTH_PREFIX)
+fn surface(input: &Input) -> Result<Option<SurfaceFacts>, CliError> {
+    if let Some(text) = input.address().and_then(|address| address.strip_prefix(SYNTH_PREFIX))
         && !STRUCTURES.iter().any(|info| info.name == split_query(text).0)
     {
         return Ok(None);

@@ -1,7 +1,13 @@
 //! Flags of `brdfc render --adaptive`.
 
+use brdfc_jobs::whole_number::{any_whole_number, whole_number};
 use clap::Args;
 use std::path::PathBuf;
+
+/// Most samples of forward shading, and mean samples that may be asked for: the lists of samples begin again after as many.
+pub(super) const MOST: u32 = 1024;
+/// Points per pixel that there may be.
+pub(super) const ANTIALIAS: &str = "1, 4 or 16";
 
 /// Flags of `--adaptive`.
 #[derive(Debug, Args)]
@@ -16,29 +22,29 @@ pub(super) struct AdaptiveOptions {
     pub(super) environment: Option<PathBuf>,
     /// Mean samples per pixel if all pixels were shaded (default 64);
     /// a shaded pixel gets 1 to 1024, more where more shows.
-    #[arg(long, value_name = "X", requires = "adaptive", allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", requires = "adaptive")]
     pub(super) budget: Option<f32>,
     /// Factor on predicted bandwidths before levels are chosen: less is faster, more is sharper (default 0.5).
-    #[arg(long, value_name = "X", requires = "adaptive", allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", requires = "adaptive")]
     pub(super) caution: Option<f32>,
     /// Incident directions that bandwidth is averaged over, rounded up to a multiple of 4 (default 16).
-    #[arg(long, value_name = "N", requires = "adaptive")]
+    #[arg(long, value_name = "N", requires = "adaptive", value_parser = whole_number::<u32>(1..=4096))]
     pub(super) bandwidth_directions: Option<u32>,
     /// Points per pixel: 1 (default), 4 or 16.
-    #[arg(long, value_name = "N", requires = "adaptive")]
+    #[arg(long, value_name = "N", requires = "adaptive", value_parser = any_whole_number::<u32>(ANTIALIAS))]
     pub(super) antialias: Option<u32>,
     /// Samples per point of forward shading (default 32).
-    #[arg(long, value_name = "N", requires = "adaptive")]
+    #[arg(long, value_name = "N", requires = "adaptive", value_parser = whole_number::<u32>(1..=MOST.into()))]
     pub(super) forward: Option<u32>,
     /// Samples per point of the ground truth, on the CPU (default: 256 per pixel, and twice those of forward shading).
-    #[arg(long, value_name = "N", requires = "adaptive")]
+    #[arg(long, value_name = "N", requires = "adaptive", value_parser = whole_number::<usize>(16..=65_536))]
     pub(super) truth: Option<usize>,
     /// Bandwidth, levels and variance as it shows side by side, from dark to pale yellow: .png. Bandwidth over 8 octaves and
     /// variance over 16, up to the largest of the picture; levels from the coarsest to the finest.
     #[arg(long, value_name = "IMAGE.png", requires = "adaptive")]
     pub(super) maps: Option<PathBuf>,
     /// Fail with exit code 1 if the PSNR is below X dB.
-    #[arg(long, value_name = "X", requires = "adaptive", allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", requires = "adaptive")]
     pub(super) min_psnr: Option<f64>,
 }
 

@@ -3,7 +3,10 @@
 use super::adaptive_options::AdaptiveOptions;
 use crate::options::PackOptions;
 use brdfc_formats::wavelet::Filter;
+use brdfc_jobs::scene::render_section::MAX_SAMPLES;
+use brdfc_jobs::whole_number::whole_number;
 use brdfc_render::scenes::Builtin;
+use brdfc_source::Input;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -12,6 +15,8 @@ use std::path::PathBuf;
 /// The scene is drawn by the graphics driver, a software driver if there is no other, without a display, and once more
 /// on the CPU: from the packs, and from their sources where those are at hand. Differences are colour differences ΔE of
 /// CIE L*a*b* per pixel that shows a surface; about 1 is just visible. Light comes from points and throws no shadows.
+///
+/// Schemas of --json: 'render', with --adaptive 'render-adaptive'.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -27,9 +32,9 @@ Examples:
 A manifest says what is shown in its [render] table, see docs/scene.md. Without a Vulkan driver the exit code is 5.")]
 pub struct Arguments {
     /// A scene manifest, a pack, the folder or the .json of a flat BTF, or anything that can be encoded: a path or
-    /// synth:MODEL?param=value&...
+    /// synth:MODEL?param=value&..., or - for a material or a pack from stdin.
     #[arg(value_name = "SCENE.toml|INPUT")]
-    pub(super) input: String,
+    pub(super) input: Input,
     /// The shader's image: .png (sRGB) or .exr (linear).
     #[arg(long, short, value_name = "IMAGE")]
     pub(super) output: Option<PathBuf>,
@@ -46,10 +51,10 @@ pub struct Arguments {
     #[arg(long, value_enum, value_name = "SCENE")]
     pub(super) scene: Option<SceneName>,
     /// Pixels, such as 800x600 (default 512x512).
-    #[arg(long, value_name = "WxH")]
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
     pub(super) size: Option<String>,
     /// Samples per pixel and axis: 2 is 4 per pixel (default 2).
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole_number::<usize>(1..=MAX_SAMPLES as u64))]
     pub(super) samples: Option<usize>,
     /// Factor from radiance to the display's range (default: the brightest 1 % of the surfaces clip).
     #[arg(long, value_name = "X")]
@@ -65,7 +70,7 @@ pub struct Arguments {
     pub(super) lod: Option<f32>,
     /// What a pack was made from, to compare with; with --adaptive bandwidth and samples are those of its lobes.
     #[arg(long, value_name = "INPUT")]
-    pub(super) source: Option<String>,
+    pub(super) source: Option<Input>,
     /// Draw the packs that 'brdfc build' put into this folder (default: packs, if one was built there). What was made of
     /// something else than the manifest says now is made anew for the picture.
     #[arg(long, value_name = "DIR")]
@@ -90,15 +95,12 @@ pub struct Arguments {
     #[arg(long, value_enum)]
     pub(super) form: Option<FormName>,
     /// Of a flat BTF: tiles per unit of the scene's uv (default: 4 on plane, bottle, vase and teapot, else 8).
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole_number::<u32>(1..=1024))]
     pub(super) repeat: Option<u32>,
     #[command(flatten)]
     pub(super) adaptive: AdaptiveOptions,
     #[command(flatten)]
     pub(super) options: PackOptions,
-    /// Print JSON (schema: 'brdfc schema render', with --adaptive 'brdfc schema render-adaptive').
-    #[arg(long)]
-    pub(super) json: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -3,7 +3,7 @@
 use super::arguments::{Arguments, FormName};
 use super::materials::Subject;
 use super::{outputs, scene};
-use crate::output::remark;
+use crate::output::note;
 use crate::{CliError, Common};
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::surface::Appearance;
@@ -14,19 +14,20 @@ use brdfc_jobs::flatten::{AssetFile, Form, MesoOptions, PLANE, open_appearance, 
 use brdfc_jobs::report::render::{PartMaterial, Verification};
 use brdfc_render::flat::{FlatForm, FlatMaterial, draw_on_cpu, reference_plane};
 use brdfc_render::scenes::Builtin;
+use brdfc_source::Input;
 use brdfc_source::address::is_synth;
 use brdfc_source::flat_btf::open_flat_btf;
 use std::path::Path;
 
 /// Why a plane has no picture of the surface itself.
-const NO_SURFACE: &str = "note: not compared with the surface itself, only shader with CPU: that takes an asset whose \
-                          surface and materials are all synth: addresses, without --bounces, --colour and --weights";
+const NO_SURFACE: &str = "not compared with the surface itself, only shader with CPU: that takes an asset whose surface and materials are all synth: addresses, without --bounces, --colour and --weights";
 /// Why other scenes have none.
-const CURVED: &str = "note: not compared with the surface itself, only shader with CPU: that is done on --scene plane";
+const CURVED: &str = "not compared with the surface itself, only shader with CPU: that is done on --scene plane";
 
 /// Whether an input is a flat BTF: a folder, or its list of parts.
-pub(super) fn is_flat(input: &str) -> bool {
-    !is_synth(input) && (Path::new(input).is_dir() || input.to_ascii_lowercase().ends_with(".json"))
+pub(super) fn is_flat(input: &Input) -> bool {
+    let is_list = |path: &Path| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
+    input.path().is_some_and(|path| path.is_dir() || is_list(path))
 }
 
 /// Draws the asset by the shader and on the CPU; on a plane, beside the surface itself where that can be computed again.
@@ -34,7 +35,7 @@ pub(super) fn verification(arguments: &Arguments, common: Common) -> Result<(Ver
     check_flags(arguments)?;
     let subject = Subject::Pack;
     let setup = scene::setup(arguments, &subject)?;
-    let path = Path::new(&arguments.input);
+    let path = arguments.input.path().expect("flat BTFs are files");
     let asset = open_asset(path)?;
     let choice = arguments.adapter.clone().map_or(AdapterChoice::Best, AdapterChoice::Named);
     let gpu = Gpu::open(&choice)?;
@@ -60,7 +61,7 @@ pub(super) fn verification(arguments: &Arguments, common: Common) -> Result<(Ver
     let source =
         surface.map(|(model, appearance)| reference_plane(&setup.scene, setup.frame, &model, &appearance, repeat));
     if source.is_none() {
-        remark(common, if setup.builtin == Builtin::Plane { NO_SURFACE } else { CURVED });
+        note(common, &arguments.input, if setup.builtin == Builtin::Plane { NO_SURFACE } else { CURVED });
     }
     let views = Views { shader, pack, table: None, source };
     let name = path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
@@ -96,12 +97,7 @@ fn check_flags(arguments: &Arguments) -> Result<(), CliError> {
             return Err(CliError::Usage(text));
         }
     }
-    match arguments.repeat {
-        Some(repeat) if !(1..=1024).contains(&repeat) => {
-            Err(CliError::Usage(format!("--repeat: found {repeat}; allowed 1 to 1024 tiles")))
-        }
-        _ => Ok(()),
-    }
+    Ok(())
 }
 
 /// Tiles per unit of uv that show a relief well.
@@ -121,7 +117,7 @@ fn surface_again(asset: &AssetFile) -> Result<Option<(MesoModel, Appearance)>, C
         return Ok(None);
     }
     let options = MesoOptions {
-        geometry: source.clone(),
+        geometry: is_synth(source).then(|| source.into()),
         tile: 1.0,
         height_scale: 1.0,
         height_offset: 0.0,
@@ -130,7 +126,8 @@ fn surface_again(asset: &AssetFile) -> Result<Option<(MesoModel, Appearance)>, C
         weights: None,
     };
     let geometry = open_geometry(&options)?;
-    let appearance = open_appearance(&options, materials, &())?;
+    let materials: Vec<Input> = materials.iter().map(Input::from).collect();
+    let appearance = open_appearance(&options, &materials, &())?;
     let model = MesoModel::new(geometry.mesh, 0).map_err(|error| CliError::Input(format!("{source}: {error}")))?;
     Ok(Some((model, appearance)))
 }

@@ -1,7 +1,8 @@
 //! Which materials are drawn, from where, and as which packs.
 
 use super::arguments::Arguments;
-use crate::output::remark;
+use crate::inputs::refuse_stdin_twice;
+use crate::output::{note, remark};
 use crate::{CliError, Common};
 use brdfc_formats::{BrdfPack, Pack};
 use brdfc_jobs::encode::encode;
@@ -9,9 +10,9 @@ use brdfc_jobs::encode::recipe::PackRecipe;
 use brdfc_jobs::scene::current::PackFolder;
 use brdfc_jobs::scene::manifest::Manifest;
 use brdfc_jobs::scene::plan::{EnvironmentJob, Job, plan};
-use brdfc_source::Source;
 use brdfc_source::open::open;
 use brdfc_source::pack::open_brdf_pack;
+use brdfc_source::{Input, Source};
 use brdfc_wavelet::recipe::{Recipe, Target};
 use std::path::{Path, PathBuf};
 
@@ -64,14 +65,11 @@ pub(super) struct Prepared {
     pub(super) maps: Vec<Pack>,
 }
 
-fn extension(path: &str) -> String {
-    Path::new(path).extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase()
-}
-
 /// Reads the manifest, if the input is one, and checks which flags go with the input.
 pub(super) fn subject(arguments: &Arguments) -> Result<Subject, CliError> {
     let input = &arguments.input;
-    let kind = if input.starts_with("synth:") { String::new() } else { extension(input) };
+    let kind = input.extension()?;
+    refuse_stdin_twice(&[("INPUT", Some(input)), ("--source", arguments.source.as_ref())])?;
     let misplaced = |flag: &str, goes_with: &str| {
         Err(CliError::Usage(format!("{flag}: found with {input}; allowed with {goes_with}")))
     };
@@ -89,7 +87,10 @@ pub(super) fn subject(arguments: &Arguments) -> Result<Subject, CliError> {
     }
     match kind.as_str() {
         "toml" => {
-            let path = PathBuf::from(input);
+            let Some(path) = input.path().map(Path::to_owned) else {
+                let allowed = "a file: its paths start at its folder";
+                return Err(CliError::Usage(format!("SCENE.toml: found {input}; allowed {allowed}")));
+            };
             let (text, manifest) = crate::build_scene::read_manifest(&path)?;
             let folder = path.parent().unwrap_or(Path::new(""));
             let plan = plan(&shown(&manifest), folder)?;
@@ -145,8 +146,8 @@ pub(super) fn prepare(
         .enumerate()
         .map(|(number, name)| {
             let (prepared, notes) = prepare_one(arguments, subject, name)?;
-            for note in notes {
-                remark(common, &format!("note: {name}: {note}"));
+            for line in notes {
+                note(common, name, &line);
             }
             if wanted.len() > 1 {
                 remark(common, &format!("{} of {}: {name} ready", number + 1, wanted.len()));
@@ -163,13 +164,10 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(
         Subject::Source(recipe) => (Some(arguments.input.clone()), (**recipe).clone()),
         Subject::Scene { jobs, .. } => {
             let job = job_of(jobs, name);
-            (Some(job.source.clone()), job.recipe.clone())
+            (Some(Input::from(&job.source)), job.recipe.clone())
         }
     };
-    let source = match input {
-        Some(input) => Some(open(&input, None)?.source),
-        None => None,
-    };
+    let source = input.map(|input| open(&input, None)).transpose()?.map(|opened| opened.source);
     if arguments.table && !matches!((subject, &recipe), (Subject::Pack, _) | (_, PackRecipe::Wavelet(_))) {
         return Err(no_table());
     }
@@ -189,7 +187,7 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(
             };
             (pack, parts.collect(), notes)
         }
-        (Subject::Pack, _) => (open_brdf_pack(Path::new(&arguments.input))?, Vec::new(), Vec::new()),
+        (Subject::Pack, _) => (open_brdf_pack(&arguments.input)?, Vec::new(), Vec::new()),
         (_, Some(source)) => {
             let made = encode(source.as_ref(), &recipe.clone().without_measuring(), &())?;
             (made.pack, Vec::new(), made.missed.into_iter().collect())

@@ -11,7 +11,7 @@ mod scene;
 pub use adaptive::Report as AdaptiveReport;
 pub use arguments::Arguments;
 
-use super::output::{print, print_json, remark};
+use super::output::{note, print, print_json, remark};
 use super::{CliError, Common, graphics_environment};
 use arguments::FilterName;
 use brdfc_formats::wavelet::DEFAULT_DISTANCE_SCALE;
@@ -56,12 +56,12 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     };
     let verification = verification.checked_by(&gates, &views);
     if let Some(nothing) = verification.nothing_seen(&views) {
-        remark(common, &format!("note: {}: the picture shows {nothing}{}", arguments.input, hint(arguments)));
+        note(common, &arguments.input, &format!("the picture shows {nothing}{}", hint(arguments)));
     }
     drop(views);
     let seconds = started.elapsed().as_secs_f64();
     let closed: Vec<String> = verification.gates.iter().filter(|gate| !gate.passed).map(ToString::to_string).collect();
-    if arguments.json {
+    if common.json {
         print_json(&Report { version: 1, verification, seconds })?;
     } else {
         print(&outputs::text(&verification))?;
@@ -88,7 +88,8 @@ fn gates(arguments: &Arguments) -> Result<PictureGates, CliError> {
 
 /// What may be the matter with a picture that shows nothing.
 fn hint(arguments: &Arguments) -> &'static str {
-    let of_manifest = Path::new(&arguments.input).extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
+    let extension = arguments.input.path().and_then(Path::extension);
+    let of_manifest = extension.is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
     if of_manifest {
         "; look at render.camera and render.lights, or draw by the light of an environment with --adaptive"
     } else {

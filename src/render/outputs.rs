@@ -8,6 +8,7 @@ use brdfc_jobs::report::render::Verification;
 use brdfc_metrics::image::{LinearImage, delta_e_map};
 use brdfc_render::adaptive::{ANY_LEVEL, Prediction};
 use brdfc_render::picture::{Panel, heat_map, octave_map, rgb_png, sheet, to_exr, to_panel, to_png};
+use brdfc_source::Input;
 use std::path::{Path, PathBuf};
 
 /// ΔE that a difference image shows as its lightest colour.
@@ -50,8 +51,8 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
         {
             return Err(CliError::Io(format!("{}: cannot write: no folder {}", path.display(), folder.display())));
         }
-        let mut inputs = vec![Path::new(&arguments.input)];
-        inputs.extend(arguments.source.as_deref().map(Path::new));
+        let given = [Some(&arguments.input), arguments.source.as_ref()];
+        let mut inputs: Vec<&Path> = given.into_iter().flatten().filter_map(Input::path).collect();
         inputs.extend(arguments.adaptive.environment.as_deref());
         refuse_overwriting(flag, path, &inputs)?;
     }

@@ -5,7 +5,7 @@ use super::materials::Subject;
 use super::outputs;
 use crate::CliError;
 use brdfc_jobs::scene::manifest::{ManifestError, line_of, near_miss};
-use brdfc_jobs::scene::render_section::{MAX_SAMPLES, MAX_SIDE, RenderSection};
+use brdfc_jobs::scene::render_section::{MAX_SIDE, RenderSection};
 use brdfc_render::scene::{Environment, Frame, PointLight, Scene};
 use brdfc_render::scenes::Builtin;
 use brdfc_source::radiance_image::open_radiance_image;
@@ -66,9 +66,6 @@ pub(super) fn setup(arguments: &Arguments, subject: &Subject) -> Result<Setup, C
         true => arguments.adaptive.points_per_axis(),
         false => arguments.samples.or(section.samples).unwrap_or(DEFAULT_SAMPLES),
     };
-    if !(1..=MAX_SAMPLES).contains(&samples) {
-        return Err(CliError::Usage(format!("--samples: found {samples}; allowed 1 to {MAX_SAMPLES}")));
-    }
     let count = width as u64 * height as u64 * (samples * samples) as u64;
     if count > MAX_ALL_SAMPLES {
         return Err(CliError::Usage(format!(
@@ -109,7 +106,7 @@ fn builtin(arguments: &Arguments, subject: &Subject, section: &RenderSection) ->
 /// The material of each part: as the manifest says, or else its materials in turn.
 fn names(arguments: &Arguments, subject: &Subject, builtin: Builtin) -> Result<Vec<String>, CliError> {
     let Subject::Scene { manifest, .. } = subject else {
-        return Ok(vec![arguments.input.clone(); builtin.parts().len()]);
+        return Ok(vec![arguments.input.to_string(); builtin.parts().len()]);
     };
     let materials: Vec<&str> = manifest.materials.keys().map(String::as_str).collect();
     if materials.is_empty() {

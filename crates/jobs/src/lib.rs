@@ -10,4 +10,5 @@ pub mod report;
 pub mod scene;
 pub mod stage_clock;
 pub mod store;
+pub mod whole_number;
 pub mod write;

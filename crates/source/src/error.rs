@@ -15,6 +15,16 @@ pub enum InputError {
         /// What is wrong.
         error: FormatError,
     },
+    /// The same, and the file is by its bytes another kind than its name says.
+    #[error("{name}: {error}; it looks like {looks_like}")]
+    Misnamed {
+        /// The input as it was named.
+        name: String,
+        /// What is wrong.
+        error: Box<FormatError>,
+        /// What it looks like, with an article.
+        looks_like: &'static str,
+    },
     /// The file cannot be read.
     #[error("{name}: cannot read: {error}")]
     Io {

@@ -2,14 +2,12 @@
 
 use super::Source;
 use super::error::InputError;
-use super::read::{HeardFile, read_all, read_all_text};
+use super::input::InputFile;
 use super::scan::{ScanSummary, StrayRows};
 use super::words::{bytes, percent};
-use brdfc_formats::FormatError;
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::table::{Axes, TableSymmetry};
 use brdfc_formats::{ErrorSummary, PictureSummary};
-use std::path::Path;
 
 /// What kind of input it is, with what is worth knowing about it.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
@@ -318,28 +316,4 @@ pub struct Format {
     pub name: &'static str,
     /// Reads it.
     pub(crate) open: fn(InputFile<'_>) -> Result<Opened, InputError>,
-}
-
-/// A file that is open, and not read yet.
-pub(crate) struct InputFile<'a> {
-    pub(crate) path: &'a Path,
-    pub(crate) file: HeardFile<'a>,
-    /// 0 for pipes.
-    pub(crate) length: u64,
-    /// The level of detail that is asked for.
-    pub(crate) level: Option<f32>,
-}
-
-impl InputFile<'_> {
-    /// Reads the whole file, and what is in it.
-    pub(crate) fn parse<T>(self, parse: impl FnOnce(&[u8]) -> Result<T, FormatError>) -> Result<T, InputError> {
-        let bytes = read_all(self.path, self.file, self.length)?;
-        parse(&bytes).map_err(|error| InputError::format(self.path, error))
-    }
-
-    /// [`Self::parse`] of text, which is not read on where it has a NUL byte.
-    pub(crate) fn parse_text<T>(self, parse: impl FnOnce(&[u8]) -> Result<T, FormatError>) -> Result<T, InputError> {
-        let bytes = read_all_text(self.path, self.file, self.length)?;
-        parse(&bytes).map_err(|error| InputError::format(self.path, error))
-    }
 }

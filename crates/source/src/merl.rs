@@ -1,7 +1,8 @@
 //! MERL tables as a source.
 
 use super::error::InputError;
-use super::format::{Facts, Format, InputFile, Opened};
+use super::format::{Facts, Format, Opened};
+use super::input::InputFile;
 use super::read::{MAX_FILE_BYTES, check_length};
 use super::{Source, Symmetry, Tally};
 use brdfc_formats::direction::{DirectionPair, dot, half_vector};
@@ -15,12 +16,13 @@ const SYMMETRY_TOLERANCE: f32 = 1e-5;
 /// How MERL tables are opened.
 pub(crate) const FORMAT: Format = Format { extension: "binary", name: "MERL", open };
 
-fn open(input: InputFile<'_>) -> Result<Opened, InputError> {
+fn open(mut input: InputFile<'_>) -> Result<Opened, InputError> {
     check_length(input.length, MAX_FILE_BYTES).map_err(|error| InputError::format(input.path, error))?;
-    let table = Merl::read(input.file, input.length).map_err(|error| match error {
-        MerlError::Format(error) => InputError::format(input.path, error),
-        MerlError::Io(error) => InputError::io(input.path, error),
-    })?;
+    let table = match Merl::read(&mut input.file, input.length) {
+        Ok(table) => table,
+        Err(MerlError::Format(error)) => return Err(input.wrong(error)),
+        Err(MerlError::Io(error)) => return Err(InputError::io(input.path, error)),
+    };
     let source = MerlSource::new(table);
     let (n, valid_cells) = (source.table().dimensions, source.table().valid_cells);
     let facts = Facts::Merl {

@@ -1,15 +1,14 @@
 //! Meso-geometry from files: meshes and height maps.
 
-use super::read::{found_extension, open_path, read_all, read_all_text};
+use super::input::{Input, InputFile};
+use super::read::found_extension;
 use crate::InputError;
 use crate::exr_header::exr_headers;
-use crate::read::extension_of;
 use brdfc_formats::FormatError;
 use brdfc_formats::meso::{TriangleMesh, obj, ply};
 use exr::prelude::{ReadChannels, ReadLayers, ReadSpecificChannel, Text, read};
 use std::io::Cursor;
 use std::ops::RangeInclusive;
-use std::path::Path;
 
 /// Columns and rows of a height map.
 pub const HEIGHT_MAP_SIDE: RangeInclusive<usize> = 4..=8192;
@@ -42,22 +41,25 @@ pub struct HeightMap {
 ///
 /// # Errors
 /// Files that cannot be read or do not follow their layout, other extensions.
-pub fn open_meso(path: &Path) -> Result<MesoInput, InputError> {
-    let format = |error| InputError::Format { name: path.display().to_string(), error };
-    let (file, length) = open_path(path)?;
-    let extension = extension_of(path);
+pub fn open_meso(input: impl Into<Input>) -> Result<MesoInput, InputError> {
+    let input = input.into();
+    let extension = input.extension()?;
     let parse: fn(&[u8]) -> Result<MesoInput, FormatError> = match extension.as_str() {
         "obj" => |bytes| obj::from_bytes(bytes).map(MesoInput::Mesh),
         "ply" => |bytes| ply::from_bytes(bytes).map(MesoInput::Mesh),
         "png" => |bytes| heights_from_png(bytes).map(MesoInput::Heights),
         "exr" => |bytes| heights_from_exr(bytes).map(MesoInput::Heights),
         _ => {
+            // What is not there is told before what it is called.
+            InputFile::of(&input, &mut ())?;
             let allowed = ".obj or .ply (mesh), .png or .exr (height map)";
-            return Err(format(FormatError::whole("file name", found_extension(&extension), allowed)));
+            let error = FormatError::whole("file name", found_extension(&extension), allowed);
+            return Err(InputError::format(input.named_path(), error));
         }
     };
-    let bytes = if extension == "obj" { read_all_text(path, file, length)? } else { read_all(path, file, length)? };
-    parse(&bytes).map_err(format)
+    let mut nobody = ();
+    let file = InputFile::of(&input, &mut nobody)?;
+    if extension == "obj" { file.parse_text(parse) } else { file.parse(parse) }
 }
 
 fn check_size(field: &'static str, width: usize, height: usize) -> Result<(), FormatError> {

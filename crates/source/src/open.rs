@@ -1,16 +1,16 @@
-//! Opens any input: a path or a `synth:` address. [`FORMATS`] is the one table of files that have reflectance.
+//! Opens any input: a path, a `synth:` address or standard input. [`FORMATS`] is the one table of files that have reflectance.
 
 pub use super::format::{Facts, Format, Opened};
 
 use super::error::InputError;
-use super::format::InputFile;
-use super::read::{ReadListener, extension_of, found_extension, open_heard};
+use super::input::{Input, InputFile};
+use super::read::{ReadListener, extension_of, found_extension};
 use super::{address, merl, pack, rgl, scan};
 use brdfc_formats::FormatError;
 use std::path::Path;
 
 /// Every kind of file that has reflectance.
-pub const FORMATS: [Format; 6] =
+pub static FORMATS: [Format; 6] =
     [merl::FORMAT, scan::TEXT_FORMAT, scan::CSV_FORMAT, scan::ALTA_FORMAT, rgl::FORMAT, pack::FORMAT];
 
 /// The files that can be opened, for messages: `.binary (MERL), .brdf (scan) ...`.
@@ -22,14 +22,33 @@ pub fn known_files() -> String {
 ///
 /// # Errors
 /// Files that cannot be read or do not follow their layout, unknown kinds, wrong addresses.
-pub fn open(input: &str, level: Option<f32>) -> Result<Opened, InputError> {
-    if address::is_synth(input) {
-        let model = address::parse_model(&input[address::SYNTH_PREFIX.len()..])
-            .map_err(|error| InputError::Address { name: input.to_owned(), error })?;
-        let facts = Facts::Synth { address: address::canonical(model.as_ref()) };
-        return Ok(Opened { source: model, facts });
+pub fn open(input: impl Into<Input>, level: Option<f32>) -> Result<Opened, InputError> {
+    let input = input.into();
+    match &input {
+        Input::Address(name) => {
+            let model = address::parse_model(name.strip_prefix(address::SYNTH_PREFIX).unwrap_or(name))
+                .map_err(|error| InputError::Address { name: name.clone(), error })?;
+            let facts = Facts::Synth { address: address::canonical(model.as_ref()) };
+            Ok(Opened { source: model, facts })
+        }
+        Input::File(path) => open_file(path, level),
+        Input::Stdin(_) => {
+            let mut nobody = ();
+            let input_file = InputFile { level, ..InputFile::of(&input, &mut nobody)? };
+            match format_of(&input.extension()?) {
+                Some(format) => (format.open)(input_file),
+                None => {
+                    let found = if input_file.length == 0 { "nothing" } else { "no known layout" };
+                    let error = FormatError::whole("contents", found, known_files());
+                    Err(input_file.wrong(error))
+                }
+            }
+        }
     }
-    open_file(Path::new(input), level)
+}
+
+fn format_of(extension: &str) -> Option<&'static Format> {
+    FORMATS.iter().find(|format| format.extension == extension)
 }
 
 /// Opens a file.
@@ -45,13 +64,13 @@ pub fn open_file(path: &Path, level: Option<f32>) -> Result<Opened, InputError> 
 /// # Errors
 /// As [`open`].
 pub fn open_file_heard(path: &Path, level: Option<f32>, listener: &mut dyn ReadListener) -> Result<Opened, InputError> {
-    let (file, length) = open_heard(path, listener)?;
+    let input_file = InputFile { level, ..InputFile::at(path, listener)? };
     let extension = extension_of(path);
-    // Before anything is read.
-    let Some(format) = FORMATS.iter().find(|format| format.extension == extension) else {
+    // Before more than the start is read.
+    let Some(format) = format_of(&extension) else {
         let allowed = format!("{}, or synth:MODEL", known_files());
         let error = FormatError::whole("file name", found_extension(&extension), allowed);
-        return Err(InputError::format(path, error));
+        return Err(input_file.wrong(error));
     };
-    (format.open)(InputFile { path, file, length, level })
+    (format.open)(input_file)
 }

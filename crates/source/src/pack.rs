@@ -1,8 +1,8 @@
 //! Packs as sources: what an engine would see.
 
 use super::error::InputError;
-use super::format::{Facts, Format, InputFile, Opened};
-use super::read::{MAX_FILE_BYTES, read_file};
+use super::format::{Facts, Format, Opened};
+use super::input::{Input, InputFile};
 use super::{Source, Symmetry, Tally};
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::table::{TableDecoder, TablePack};
@@ -68,17 +68,18 @@ fn opened_table(pack: &TablePack, level: Option<f32>) -> Opened {
 ///
 /// # Errors
 /// Files that cannot be read; packs of no known kind, or that break the rules of their layout.
-pub fn open_pack(path: &Path) -> Result<Pack, InputError> {
-    let bytes = read_file(path, MAX_FILE_BYTES)?;
-    Pack::from_bytes(&bytes, file_name(path)).map_err(|error| InputError::format(path, error))
+pub fn open_pack(input: impl Into<Input>) -> Result<Pack, InputError> {
+    let input = input.into();
+    InputFile::of(&input, &mut ())?.parse(|bytes| Pack::from_bytes(bytes, file_name(input.named_path())))
 }
 
 /// Reads a pack of reflectances, of whichever codec.
 ///
 /// # Errors
 /// As [`open_pack`]; a pack of another kind, which is named.
-pub fn open_brdf_pack(path: &Path) -> Result<BrdfPack, InputError> {
-    brdf_pack(open_pack(path)?).map_err(|error| InputError::format(path, error))
+pub fn open_brdf_pack(input: impl Into<Input>) -> Result<BrdfPack, InputError> {
+    let input = input.into();
+    brdf_pack(open_pack(&input)?).map_err(|error| InputError::format(input.named_path(), error))
 }
 
 fn brdf_pack(pack: Pack) -> Result<BrdfPack, FormatError> {

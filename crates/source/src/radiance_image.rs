@@ -2,7 +2,8 @@
 
 use crate::InputError;
 use crate::exr_header::exr_headers;
-use crate::read::{MAX_FILE_BYTES, ReadListener, extension_of, read_heard};
+use crate::input::{Input, InputFile};
+use crate::read::{ReadListener, extension_of};
 use brdfc_formats::FormatError;
 use exr::prelude::{ReadChannels, ReadLayers, read};
 use image::{ImageFormat, ImageReader, Limits};
@@ -27,19 +28,21 @@ pub struct RadianceImage {
 ///
 /// # Errors
 /// Files that cannot be read, or break the rules of [`from_exr`] and [`from_hdr`].
-pub fn open_radiance_image(path: &Path) -> Result<RadianceImage, InputError> {
-    open_radiance_image_heard(path, &mut ())
+pub fn open_radiance_image(input: impl Into<Input>) -> Result<RadianceImage, InputError> {
+    let input = input.into();
+    parse(InputFile::of(&input, &mut ())?, &input.extension()?)
 }
 
-/// [`open_radiance_image`], with somebody who hears of what is read.
+/// [`open_radiance_image`] of a file, with somebody who hears of what is read.
 ///
 /// # Errors
 /// As [`open_radiance_image`].
 pub fn open_radiance_image_heard(path: &Path, listener: &mut dyn ReadListener) -> Result<RadianceImage, InputError> {
-    let name = path.display().to_string();
-    let bytes = read_heard(path, MAX_FILE_BYTES, listener)?;
-    let read = if extension_of(path) == "hdr" { from_hdr(&bytes) } else { from_exr(&bytes) };
-    read.map_err(|error| InputError::Format { name, error })
+    parse(InputFile::at(path, listener)?, &extension_of(path))
+}
+
+fn parse(file: InputFile<'_>, extension: &str) -> Result<RadianceImage, InputError> {
+    file.parse(if extension == "hdr" { from_hdr } else { from_exr })
 }
 
 /// RGB of the first layer of an EXR that has them.

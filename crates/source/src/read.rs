@@ -107,14 +107,9 @@ pub fn read_text(path: &Path) -> Result<Vec<u8>, InputError> {
     read_all_text(path, file, length)
 }
 
-/// Reads a file to its end if it is not too large.
-pub(crate) fn read_all(path: &Path, file: impl Read, length: u64) -> Result<Vec<u8>, InputError> {
-    read_within(path, file, length, MAX_FILE_BYTES)
-}
-
 /// [`read_text`] of a file that is open.
 pub(crate) fn read_all_text(path: &Path, file: impl Read, length: u64) -> Result<Vec<u8>, InputError> {
-    read_all(path, UpToNul { file, found: false }, length)
+    read_within(path, UpToNul { file, found: false }, length, MAX_FILE_BYTES)
 }
 
 /// Ends behind the first NUL byte.
@@ -129,10 +124,16 @@ impl<R: Read> Read for UpToNul<R> {
             return Ok(0);
         }
         let count = self.file.read(buffer)?;
-        let nul = buffer[..count].iter().position(|byte| *byte == 0);
-        self.found = nul.is_some();
-        Ok(nul.map_or(count, |at| at + 1))
+        let text = up_to_nul(&buffer[..count]);
+        self.found = text.ends_with(&[0]);
+        Ok(text.len())
     }
+}
+
+/// What [`read_text`] reads of a file with these bytes.
+pub(crate) fn up_to_nul(bytes: &[u8]) -> &[u8] {
+    let nul = bytes.iter().position(|byte| *byte == 0);
+    &bytes[..nul.map_or(bytes.len(), |at| at + 1)]
 }
 
 /// Refuses files of more than `limit` bytes.
@@ -143,7 +144,8 @@ pub(crate) fn check_length(length: u64, limit: u64) -> Result<(), FormatError> {
     Err(FormatError::whole("file length", bytes(length), format!("at most {}", bytes(limit))))
 }
 
-fn read_within(path: &Path, file: impl Read, length: u64, limit: u64) -> Result<Vec<u8>, InputError> {
+/// Reads to the end of what has at most `limit` bytes, `length` of them as far as is known. Errors name `path`.
+pub(crate) fn read_within(path: &Path, file: impl Read, length: u64, limit: u64) -> Result<Vec<u8>, InputError> {
     let wrong = |error| InputError::format(path, error);
     check_length(length, limit).map_err(wrong)?;
     let mut contents = reserved("file length", length as usize).map_err(wrong)?;

@@ -12,7 +12,8 @@ use brdfc_formats::measured::rgl::{Azimuths, Colour, Map, Rgl};
 use brdfc_formats::memory::reserved;
 
 use super::error::InputError;
-use super::format::{Facts, Format, InputFile, Opened};
+use super::format::{Facts, Format, Opened};
+use super::input::InputFile;
 use super::{Source, Symmetry, Tally};
 use warp::{Cell, Incidence, VisibleNormals};
 

@@ -1,13 +1,12 @@
 //! Images that colour a surface or say where its materials are.
 
 use crate::InputError;
-use crate::read::read_file;
+use crate::input::{Input, InputFile};
 use brdfc_formats::FormatError;
 use brdfc_formats::colour::decode_srgb;
 use brdfc_formats::memory::reserved;
 use image::{DynamicImage, ImageBuffer, ImageError, ImageFormat, ImageReader, Limits, Pixel, Primitive};
 use std::io::Cursor;
-use std::path::Path;
 
 /// Most pixels along a side.
 const MAX_SIZE: u32 = 8192;
@@ -31,22 +30,22 @@ pub struct FileImage<const N: usize> {
 ///
 /// # Errors
 /// Files that cannot be read, are no such image, or are larger than 8192 pixels along a side.
-pub fn open_colours(path: &Path) -> Result<FileImage<3>, InputError> {
+pub fn open_colours(input: impl Into<Input>) -> Result<FileImage<3>, InputError> {
     let linear = |c: f32| decode_srgb(f64::from(c)) as f32;
-    open(path, |[r, g, b, _], _| [r, g, b].map(linear))
+    open(&input.into(), |[r, g, b, _], _| [r, g, b].map(linear))
 }
 
 /// Reads a PNG or JPEG of 8 or 16 bits: its channels as they stand in the file, 0 to 1; the fourth is 0 where it has none.
 ///
 /// # Errors
 /// As [`open_colours`].
-pub fn open_shares(path: &Path) -> Result<FileImage<4>, InputError> {
-    open(path, |[r, g, b, a], has_alpha| [r, g, b, if has_alpha { a } else { 0.0 }])
+pub fn open_shares(input: impl Into<Input>) -> Result<FileImage<4>, InputError> {
+    open(&input.into(), |[r, g, b, a], has_alpha| [r, g, b, if has_alpha { a } else { 0.0 }])
 }
 
 /// Reads an image; of each pixel what `of` makes of its RGBA, and of whether the file has a fourth channel.
-fn open<const N: usize>(path: &Path, of: impl Fn([f32; 4], bool) -> [f32; N]) -> Result<FileImage<N>, InputError> {
-    let decoded = decode(path)?;
+fn open<const N: usize>(input: &Input, of: impl Fn([f32; 4], bool) -> [f32; N]) -> Result<FileImage<N>, InputError> {
+    let decoded = InputFile::of(input, &mut ())?.parse_within(MAX_BYTES, decode)?;
     let of = |pixel| of(pixel, decoded.color().has_alpha());
     let pixels = match &decoded {
         DynamicImage::ImageLuma8(image) => convert(image, of),
@@ -59,7 +58,7 @@ fn open<const N: usize>(path: &Path, of: impl Fn([f32; 4], bool) -> [f32; N]) ->
         DynamicImage::ImageRgba16(image) => convert(image, of),
         other => Err(FormatError::whole("image", format!("{:?}", other.color()), "8 or 16 bits")),
     };
-    let pixels = pixels.map_err(|error| InputError::format(path, error))?;
+    let pixels = pixels.map_err(|error| InputError::format(input.named_path(), error))?;
     Ok(FileImage { width: decoded.width() as usize, height: decoded.height() as usize, pixels })
 }
 
@@ -74,14 +73,11 @@ fn convert<P: Pixel<Subpixel: Into<f32>>, const N: usize>(
     Ok(pixels)
 }
 
-fn decode(path: &Path) -> Result<DynamicImage, InputError> {
-    let wrong = |found: String| {
-        let error = FormatError::whole("image", found, "a whole PNG or JPEG of at most 8192 pixels along a side");
-        InputError::format(path, error)
-    };
-    let bytes = read_file(path, MAX_BYTES)?;
+fn decode(bytes: &[u8]) -> Result<DynamicImage, FormatError> {
+    let wrong =
+        |found: String| FormatError::whole("image", found, "a whole PNG or JPEG of at most 8192 pixels along a side");
     let reader =
-        || ImageReader::new(Cursor::new(&bytes)).with_guessed_format().map_err(|error| InputError::io(path, error));
+        || ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| wrong(error.to_string()));
     let format = reader()?.format();
     if !matches!(format, Some(ImageFormat::Png | ImageFormat::Jpeg)) {
         return Err(wrong(format.map_or("some other layout".to_owned(), |format| format!("{format:?}"))));

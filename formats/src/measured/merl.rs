@@ -56,6 +56,16 @@ impl Dimensions {
         ]
     }
 
+    /// Reads the header that `start` begins with, of a file of `length` bytes.
+    ///
+    /// # Errors
+    /// A header that is cut; dimensions out of range or not matching `length`.
+    pub fn from_header(start: &[u8], length: u64) -> Result<Self, FormatError> {
+        let fields = start.as_chunks::<4>().0;
+        let [a, b, c] = *fields.first_chunk::<3>().ok_or_else(|| too_short(start.len() as u64))?;
+        Self::check([a, b, c].map(i32::from_le_bytes), length)
+    }
+
     fn check(raw: [i32; 3], length: u64) -> Result<Self, FormatError> {
         const NAMES: [&str; 3] = ["theta_h count", "theta_d count", "phi_d count"];
         for (axis, value) in raw.into_iter().enumerate() {
@@ -104,11 +114,10 @@ impl Merl {
         const BLOCK: usize = 1 << 13;
         let mut header = [0u8; HEADER_BYTES as usize];
         if length < HEADER_BYTES {
-            return Err(FormatError::whole("file length", format!("{length} bytes"), "at least 12 bytes").into());
+            return Err(too_short(length).into());
         }
         read_exact(&mut input, &mut header, 0)?;
-        let field = |k: usize| i32::from_le_bytes([header[k], header[k + 1], header[k + 2], header[k + 3]]);
-        let dimensions = Dimensions::check([field(0), field(4), field(8)], length)?;
+        let dimensions = Dimensions::from_header(&header, length)?;
 
         let cells = dimensions.cells();
         let mut values: Vec<[f32; 3]> = memory::reserved("table", cells)?;
@@ -219,6 +228,10 @@ pub enum MerlError {
     /// The input could not be read.
     #[error(transparent)]
     Io(std::io::Error),
+}
+
+fn too_short(length: u64) -> FormatError {
+    FormatError::whole("file length", format!("{length} bytes"), "at least 12 bytes")
 }
 
 fn read_exact(input: &mut impl Read, buffer: &mut [u8], offset: u64) -> Result<(), MerlError> {

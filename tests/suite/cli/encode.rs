@@ -87,7 +87,6 @@ fn unfit_outputs_are_refused_at_once() {
     let folder = Folder::new();
     for (output, code, expected) in [
         ("x.png", 2, "--output: found x.png; allowed a name that ends in .ktx2"),
-        ("-", 2, "--output: found -; allowed a name that ends in .ktx2, or /dev/stdout"),
         ("nosuch/x.ktx2", 4, "nosuch/x.ktx2: cannot write: there is no folder nosuch"),
     ] {
         let ran = folder.run(&["encode", "no-such-input.brdf", "-o", output]);

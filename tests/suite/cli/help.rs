@@ -42,7 +42,7 @@ fn the_examples_in_the_help_parse() {
     for command in commands(&folder).iter().filter(|command| !["bench", "flatten"].contains(&command.as_str())) {
         let help = folder.run(&[command, "--help"]).stdout;
         for line in help.lines().filter(|line| line.trim_start().starts_with("brdfc ")) {
-            let words = line.split(" > ").next().unwrap().split_whitespace().skip(1);
+            let words = line.split(['<', '>']).next().unwrap().split_whitespace().skip(1);
             let arguments: Vec<&str> = words.map(|word| word.trim_matches('\'')).collect();
             // The files of the examples are not there, so the worst that may happen is code 3 or 4.
             let ran = folder.run(&arguments);
@@ -66,7 +66,7 @@ fn wrong_usage_exits_with_2_and_says_what_is_allowed() {
         (&["encod", "a", "-o", "b"], "'encode'"),
         (&["encode", "synth:lewis"], "--output"),
         (&["encode", "synth:lewis", "-o", "p.ktx2", "--grid", "12"], "--grid: found 12; allowed 2, 4, 8, 16, 32 or 64"),
-        (&["encode", "synth:lewis", "-o", "p.ktx2", "--grid", "-1"], "invalid value '-1' for '--grid <N>'"),
+        (&["encode", "synth:lewis", "-o", "p.ktx2", "--grid", "-1"], "--grid: found -1; allowed 2, 4, 8, 16, 32 or 64"),
         (&["encode", "synth:lewis", "-o", "p.ktx2", "--bits", "9"], "--bits: found 9; allowed 8, or 10 to 16"),
         (&["encode", "synth:lewis", "-o", "p.ktx2", "--ratio", "0.5"], "--ratio: found 0.5; allowed 1 to 4096"),
         (&["encode", "synth:lewis", "-o", "p.ktx2", "--ratio", "NaN"], "--ratio: found NaN; allowed 1 to 4096"),
@@ -97,4 +97,124 @@ fn wrong_usage_exits_with_2_and_says_what_is_allowed() {
         assert!(ran.stderr.contains(expected) && ran.stdout.is_empty(), "{arguments:?}: {}", ran.stderr);
     }
     assert!(folder.files(".").is_empty());
+}
+
+/// The numbers that flags of a command take, by its help: long names with what stands for their values.
+fn numbers(folder: &Folder, command: &str) -> Vec<String> {
+    const VALUES: [&str; 18] = [
+        "<N>",
+        "<E>",
+        "<B>",
+        "<R>",
+        "<L>",
+        "<M>",
+        "<P>",
+        "<A>",
+        "<S>",
+        "<X>",
+        "<TILES>",
+        "<SIZE>",
+        "<DEGREES>",
+        "<WxH>",
+        "<HxDxP>",
+        "<ZxA>",
+        "<N|auto>",
+        "<N|FILE.csv>",
+    ];
+    let help = folder.run(&[command, "--help"]).succeeded().stdout;
+    let mut found = Vec::new();
+    for line in help.lines().filter(|line| line.trim_start().starts_with('-')) {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let Some(at) = words.iter().position(|word| word.starts_with("--")) else { continue };
+        let value = words.get(at + 1).copied().unwrap_or_default();
+        let unnamed = value == format!("<{}>", words[at][2..].to_uppercase().replace('-', "_"));
+        if VALUES.contains(&value) || (unnamed && command == "synth" && value != "<KIND>") {
+            found.push(words[at].to_owned());
+        }
+    }
+    found
+}
+
+/// A number below zero is a value wherever a number is wanted, and is refused with what is allowed.
+#[test]
+fn negative_numbers_are_values() {
+    let folder = Folder::new();
+    folder.write("pairs.csv", "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n0,0,1,0,0,1\n");
+    folder.write("h.png", "no image");
+    folder.run(&["encode", "synth:lewis", "-o", "p.ktx2", "--grid", "2"]).succeeded();
+    let before = folder.files(".");
+    let mut tried = 0;
+    for (command, arguments) in [
+        ("encode", &["synth:lewis", "-o", "x.ktx2"][..]),
+        ("eval", &["p.ktx2", "--directions", "pairs.csv"]),
+        ("compare", &["p.ktx2", "p.ktx2"]),
+        ("synth", &["lewis", "-o", "x.brdf"]),
+        ("bandwidth", &["synth:lewis", "-o", "x.ktx2"]),
+        ("samples", &["synth:lewis", "-o", "x.ktx2"]),
+        ("flatten", &["h.png", "-o", "x"]),
+        ("bench", &["--study", "flat-btf"]),
+        #[cfg(feature = "render")]
+        ("render", &["p.ktx2"]),
+    ] {
+        for flag in numbers(&folder, command) {
+            // These may be negative, or are no numbers.
+            if ["--min-psnr", "--height-scale", "--height-offset", "--parameterisation"].contains(&flag.as_str()) {
+                continue;
+            }
+            // Some go only with others.
+            let more: &[&str] = match (command, flag.as_str()) {
+                ("bandwidth", "--size") => &["--kind", "texture"],
+                ("bench", "--pixels" | "--truth") => &["--study", "adaptive"],
+                (
+                    "render",
+                    "--budget" | "--caution" | "--bandwidth-directions" | "--antialias" | "--forward" | "--truth",
+                ) => &["--adaptive"],
+                _ => &[],
+            };
+            for value in ["-1", "-.5", "-1e3", "-5%", "-1x2"] {
+                let arguments = if more.first() == Some(&"--study") { &[][..] } else { arguments };
+                let ran = folder.run(&[&[command], arguments, more, &[&flag, value]].concat());
+                assert_eq!((ran.code, ran.stdout.as_str()), (2, ""), "{command} {flag} {value}: {}", ran.stderr);
+                assert!(ran.stderr.starts_with("brdfc: "), "{command} {flag} {value}: {}", ran.stderr);
+                assert!(ran.stderr.contains(": found ") && ran.stderr.contains("; allowed "), "{flag}: {}", ran.stderr);
+                tried += 1;
+            }
+        }
+    }
+    assert!(tried > 200, "{tried}");
+    assert!(folder.files(".") == before);
+}
+
+#[test]
+fn json_is_a_flag_of_the_program() {
+    let folder = Folder::new();
+    folder.write("pairs.csv", "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n0,0,1,0,0,1\n");
+    folder.write("s.toml", "[materials.a]\nsource = 'synth:lambert'\n[[uses]]\nmaterial = 'a'\n");
+    for arguments in [
+        &["info", "synth:lewis"][..],
+        &["compare", "synth:lewis", "synth:ward", "--directions", "10"],
+        &["build", "s.toml", "--dry-run"],
+        &["schema", "info"],
+    ] {
+        let before = folder.run(&[&["--json"], arguments].concat()).succeeded();
+        let behind = folder.run(&[arguments, &["--json"]].concat()).succeeded();
+        assert!(before.json().is_object() && before.stdout == behind.stdout, "{arguments:?}");
+    }
+    for arguments in [
+        &["eval", "synth:lewis", "--directions", "pairs.csv"][..],
+        &["synth", "lewis", "-o", "a.binary"],
+        &["generate", "man", "--out", "man"],
+    ] {
+        let name = arguments[0];
+        let allowed = "bandwidth, bench, build, compare, encode, flatten, info, render and samples";
+        for ran in [folder.run(&[&["--json"], arguments].concat()), folder.run(&[arguments, &["--json"]].concat())] {
+            assert_eq!((ran.code, ran.stdout.as_str()), (2, ""), "{arguments:?}");
+            assert_eq!(ran.stderr, format!("brdfc: --json: found with {name}; allowed with {allowed}\n"));
+        }
+    }
+    assert_eq!(folder.files(".").len(), 2);
+    // What is listed as refusing is what has no report: every other command takes the flag.
+    for command in commands(&folder).iter().filter(|name| !["eval", "synth", "schema"].contains(&name.as_str())) {
+        assert!(folder.run(&[command, "--help"]).stdout.contains("--json"), "{command}");
+    }
 }

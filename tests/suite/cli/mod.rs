@@ -7,8 +7,10 @@ mod compare;
 mod encode;
 mod eval;
 mod flatten;
+mod generate;
 mod help;
 mod info;
+mod names;
 mod output;
 #[cfg(feature = "render")]
 mod render;

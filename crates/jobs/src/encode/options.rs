@@ -4,6 +4,8 @@ use super::byte_count::bytes_from_manifest;
 #[cfg(feature = "clap")]
 use super::byte_count::bytes_from_text;
 use super::recipe::{AutoRecipe, Budget, PackRecipe, Tables};
+#[cfg(feature = "clap")]
+use crate::whole_number::{any_whole_number, whole_number};
 use brdfc_formats::wavelet::MAX_LEVELS;
 use brdfc_metrics::fraction::Fraction;
 use brdfc_table::levels::MOST_LEVELS;
@@ -37,7 +39,10 @@ pub struct EncodeOptions {
     pub max_bytes: Option<u64>,
     /// Most texture fetches of a look-up: 1 is a table of an isotropic material, 2 of any, one more is a factored pack,
     /// 84 a wavelet pack.
-    #[cfg_attr(feature = "clap", arg(long, value_name = "N", conflicts_with = "ratio"))]
+    #[cfg_attr(
+        feature = "clap",
+        arg(long, value_name = "N", value_parser = whole_number::<u32>(1..=u64::MAX), conflicts_with = "ratio")
+    )]
     pub max_fetches: Option<u32>,
     /// Values that do not change when light and viewer do, as path tracers need them: the mean of both ways. Of table
     /// packs.
@@ -45,19 +50,19 @@ pub struct EncodeOptions {
     pub reciprocal: Option<bool>,
     /// Table packs: levels of detail besides the finest, 0 (default) to 6, for surfaces whose bumps are seen from afar. They
     /// keep the energy, and make a pack a factored one.
-    #[cfg_attr(feature = "clap", arg(long, value_name = "N"))]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "N", value_parser = whole_number::<u32>(0..=MOST_LEVELS.into())))]
     pub levels: Option<u32>,
     /// Wavelet: keep one slice in R (default 4).
     #[cfg_attr(feature = "clap", arg(long, value_name = "R"))]
     pub ratio: Option<f64>,
     /// Wavelet: cells per axis and hemisphere, 2, 4, 8, 16, 32 or 64 (default 32).
-    #[cfg_attr(feature = "clap", arg(long, value_name = "N"))]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "N", value_parser = any_whole_number::<usize>(GRIDS)))]
     pub grid: Option<usize>,
     /// Wavelet: what the two hemispheres are: tangent-pole, incoming and outgoing.
     #[cfg_attr(feature = "clap", arg(long, value_name = "P"))]
     pub parameterisation: Option<String>,
     /// Wavelet: bits per component, 8 (default), or 10 to 16 in a texture of 16 bits.
-    #[cfg_attr(feature = "clap", arg(long, value_name = "N"))]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "N", value_parser = any_whole_number::<u32>(BITS)))]
     pub bits: Option<u32>,
     /// Bias ε of the logarithm ln(f/μ + ε), 1e-6 to 1 (default 0.01 of wavelet packs, 0.0001 of tables): values far below
     /// ε times the mean are lost. Without a codec it asks for a wavelet pack.
@@ -76,6 +81,10 @@ pub struct EncodeOptions {
     pub smooth: Option<bool>,
 }
 
+/// Grids that there may be.
+const GRIDS: &str = "2, 4, 8, 16, 32 or 64";
+/// Bits per component that there may be.
+const BITS: &str = "8, or 10 to 16";
 /// The parameterisation of wavelet packs that are made; those over half-difference angles are read only.
 const TANGENT_POLE: &str = "tangent-pole";
 
@@ -302,14 +311,14 @@ impl EncodeOptions {
         }
         if let Some(grid) = self.grid {
             if !grid.is_power_of_two() || !(2..=1 << MAX_LEVELS).contains(&grid) {
-                return Err(problem("grid", grid.to_string(), "2, 4, 8, 16, 32 or 64"));
+                return Err(problem("grid", grid.to_string(), GRIDS));
             }
             recipe.levels = grid.ilog2();
             recipe.stored_levels = recipe.levels;
         }
         if let Some(bits) = self.bits {
             if bits != 8 && !(10..=16).contains(&bits) {
-                return Err(problem("bits", bits.to_string(), "8, or 10 to 16"));
+                return Err(problem("bits", bits.to_string(), BITS));
             }
             recipe.bits = bits;
         }

@@ -1,16 +1,15 @@
 //! What inputs of flattening are, before they are flattened.
 
-use super::input::MesoInputError;
+use super::input::{MesoInputError, structure};
 use brdfc_flat_btf::part_facts::PartFacts;
 use brdfc_flat_btf::structures::Structure;
 use brdfc_flat_btf::weld::{MesoError, WeldReport, weld};
 use brdfc_formats::flat_btf::split_part_name;
 use brdfc_formats::meso::TriangleMesh;
-use brdfc_source::InputError;
-use brdfc_source::address::{SYNTH_PREFIX, is_synth};
 use brdfc_source::btf_stack::survey;
 use brdfc_source::meso::{HeightMap, MesoInput, open_meso};
 use brdfc_source::read::{MAX_FILE_BYTES, read_file};
+use brdfc_source::{Input, InputError};
 use serde::Serialize;
 use std::path::Path;
 
@@ -89,37 +88,32 @@ pub struct MeshFacts {
 ///
 /// # Errors
 /// Files that cannot be read or do not follow their layout, wrong addresses. A mesh that does not close is none.
-pub fn describe_surface(input: &str) -> Result<Option<SurfaceFacts>, MesoInputError> {
-    if is_synth(input) {
-        return describe_structure(&input[SYNTH_PREFIX.len()..])
-            .map(Some)
-            .map_err(|error| MesoInputError::Address { name: input.to_owned(), error });
+pub fn describe_surface(input: &Input) -> Result<Option<SurfaceFacts>, MesoInputError> {
+    if let Some(structure) = structure(input)? {
+        return Ok(Some(describe_structure(&structure)));
     }
-    let path = Path::new(input);
-    if path.is_dir() {
-        return Ok(Some(describe_images(path)?));
+    if let Some(folder) = input.path().filter(|path| path.is_dir()) {
+        return Ok(Some(describe_images(folder)?));
     }
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
-    Ok(match extension.as_str() {
-        "obj" | "ply" | "png" | "exr" => Some(match open_meso(path)? {
+    Ok(match input.extension()?.as_str() {
+        "obj" | "ply" | "png" | "exr" => Some(match open_meso(input)? {
             MesoInput::Mesh(mesh) => SurfaceFacts::Mesh(describe_mesh(&mesh)),
             MesoInput::Heights(map) => describe_heights(&map),
         }),
-        "ktx2" => part_of_flat_btf(path)?.map(SurfaceFacts::FlatBtfPart),
+        "ktx2" => input.path().map(part_of_flat_btf).transpose()?.flatten().map(SurfaceFacts::FlatBtfPart),
         _ => None,
     })
 }
 
-fn describe_structure(text: &str) -> Result<SurfaceFacts, brdfc_source::address::AddressError> {
-    let structure = Structure::parse(text)?;
+fn describe_structure(structure: &Structure) -> SurfaceFacts {
     let mesh = structure.mesh();
-    Ok(SurfaceFacts::Structure {
+    SurfaceFacts::Structure {
         address: structure.canonical(),
         vertices: mesh.positions.len(),
         triangles: mesh.triangles.len(),
         heights: mesh.height_range(),
         materials: structure.default_materials().iter().map(|material| (*material).to_owned()).collect(),
-    })
+    }
 }
 
 fn describe_mesh(mesh: &TriangleMesh) -> MeshFacts {

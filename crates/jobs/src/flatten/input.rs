@@ -6,17 +6,16 @@ use brdfc_flat_btf::surface::Appearance;
 use brdfc_flat_btf::tile_image::TileImage;
 use brdfc_flat_btf::weld::{MesoError, WeldReport, from_heights, weld};
 use brdfc_formats::wavelet::WaveletPack;
-use brdfc_source::address::{AddressError, SYNTH_PREFIX, is_synth};
+use brdfc_source::address::{AddressError, SYNTH_PREFIX};
 use brdfc_source::meso::{MesoInput, open_meso};
 use brdfc_source::open::{Facts, open};
 use brdfc_source::progress::Progress;
 use brdfc_source::tile_image::{FileImage, open_colours, open_shares};
-use brdfc_source::{InputError, PackSource, Source};
+use brdfc_source::{Input, InputError, PackSource, Source};
 use brdfc_wavelet::encode::{EncodeError, encode};
 use brdfc_wavelet::recipe::{Recipe, Target};
-use std::path::Path;
 
-/// The reference plane itself, as an input: what images show where no relief is given.
+/// What reports call the reference plane itself.
 pub const PLANE: &str = "the plane";
 /// A structure without relief.
 const FLAT: &str = "sponge?height=0&resolution=16";
@@ -24,8 +23,8 @@ const FLAT: &str = "sponge?height=0&resolution=16";
 /// What is flattened.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MesoOptions {
-    /// `synth:STRUCTURE`, a mesh, a height map, or [`PLANE`].
-    pub geometry: String,
+    /// A structure, a mesh or a height map; without one the reference plane, which images show where no relief is given.
+    pub geometry: Option<Input>,
     /// The period of a mesh along x and y, in its unit.
     pub tile: f64,
     /// Tiles per unit of a height map.
@@ -33,11 +32,11 @@ pub struct MesoOptions {
     /// Height of a height map's 0, in tiles.
     pub height_offset: f64,
     /// Materials: name in the mesh, if one is meant, and source.
-    pub materials: Vec<(Option<String>, String)>,
+    pub materials: Vec<(Option<String>, Input)>,
     /// Image that multiplies the reflectance.
-    pub colour: Option<String>,
+    pub colour: Option<Input>,
     /// Image whose channels are shares of the materials.
-    pub weights: Option<String>,
+    pub weights: Option<Input>,
 }
 
 /// Geometry that was read.
@@ -94,21 +93,9 @@ pub enum MesoInputError {
 /// # Errors
 /// Files that cannot be read, wrong addresses, geometry that does not close.
 pub fn open_geometry(options: &MesoOptions) -> Result<Geometry, MesoInputError> {
-    let input = &options.geometry;
-    if is_synth(input) {
-        let structure = Structure::parse(&input[SYNTH_PREFIX.len()..])
-            .map_err(|error| MesoInputError::Address { name: input.clone(), error })?;
-        return Ok(Geometry {
-            mesh: structure.mesh(),
-            weld: None,
-            material_names: Vec::new(),
-            default_materials: structure.default_materials().iter().map(|m| (*m).to_owned()).collect(),
-            name: structure.canonical(),
-        });
-    }
-    if input == PLANE {
+    let Some(input) = &options.geometry else {
         let structure =
-            Structure::parse(FLAT).map_err(|error| MesoInputError::Address { name: input.clone(), error })?;
+            Structure::parse(FLAT).map_err(|error| MesoInputError::Address { name: PLANE.to_owned(), error })?;
         let mut mesh = structure.mesh();
         // Rounding of the mean height.
         mesh.positions.iter_mut().for_each(|point| point[2] = 0.0);
@@ -119,11 +106,19 @@ pub fn open_geometry(options: &MesoOptions) -> Result<Geometry, MesoInputError> 
             default_materials: Vec::new(),
             name: PLANE.to_owned(),
         });
+    };
+    if let Some(structure) = structure(input)? {
+        return Ok(Geometry {
+            mesh: structure.mesh(),
+            weld: None,
+            material_names: Vec::new(),
+            default_materials: structure.default_materials().iter().map(|m| (*m).to_owned()).collect(),
+            name: structure.canonical(),
+        });
     }
-    let path = Path::new(input);
-    let name = path.file_name().map_or_else(|| input.clone(), |name| name.to_string_lossy().into_owned());
-    let wrong = |error| MesoInputError::Geometry { name: input.clone(), error: Box::new(error) };
-    let (mesh, weld, material_names) = match open_meso(path)? {
+    let name = input.short_name();
+    let wrong = |error| MesoInputError::Geometry { name: input.to_string(), error: Box::new(error) };
+    let (mesh, weld, material_names) = match open_meso(input)? {
         MesoInput::Mesh(mesh) => {
             let (welded, report) = weld(&mesh, options.tile).map_err(wrong)?;
             (welded, Some(report), mesh.materials)
@@ -136,6 +131,13 @@ pub fn open_geometry(options: &MesoOptions) -> Result<Geometry, MesoInputError> 
     Ok(Geometry { mesh, weld, material_names, default_materials: Vec::new(), name })
 }
 
+/// The structure at an address; nothing of files.
+pub(super) fn structure(input: &Input) -> Result<Option<Structure>, MesoInputError> {
+    let Some(address) = input.address() else { return Ok(None) };
+    let text = address.strip_prefix(SYNTH_PREFIX).unwrap_or(address);
+    Structure::parse(text).map(Some).map_err(|error| MesoInputError::Address { name: address.to_owned(), error })
+}
+
 /// What a surface without a material is made of.
 const DEFAULT_MATERIAL: &str = "synth:lambert?kd=0.5";
 
@@ -143,7 +145,7 @@ const DEFAULT_MATERIAL: &str = "synth:lambert?kd=0.5";
 ///
 /// # Errors
 /// Names that the mesh does not have, and materials without a source.
-pub fn material_list(options: &MesoOptions, geometry: &Geometry) -> Result<Vec<String>, MesoInputError> {
+pub fn material_list(options: &MesoOptions, geometry: &Geometry) -> Result<Vec<Input>, MesoInputError> {
     let materials = listed(options, geometry)?;
     if options.weights.is_some() && materials.len() < 2 {
         let text = "--weights: found one material; allowed two or more, whose shares the image gives";
@@ -152,9 +154,9 @@ pub fn material_list(options: &MesoOptions, geometry: &Geometry) -> Result<Vec<S
     Ok(materials)
 }
 
-fn listed(options: &MesoOptions, geometry: &Geometry) -> Result<Vec<String>, MesoInputError> {
+fn listed(options: &MesoOptions, geometry: &Geometry) -> Result<Vec<Input>, MesoInputError> {
     let names = &geometry.material_names;
-    let unnamed: Vec<&String> = options.materials.iter().filter(|(n, _)| n.is_none()).map(|(_, s)| s).collect();
+    let unnamed: Vec<&Input> = options.materials.iter().filter(|(n, _)| n.is_none()).map(|(_, s)| s).collect();
     let named: Vec<&String> = options.materials.iter().filter_map(|(name, _)| name.as_ref()).collect();
     for (at, name) in named.iter().enumerate() {
         if named[..at].contains(name) {
@@ -180,9 +182,9 @@ fn listed(options: &MesoOptions, geometry: &Geometry) -> Result<Vec<String>, Mes
             return Err(MesoInputError::Options(text));
         }
         // Of a mesh with names: its own source, or the one without a name.
-        let rest = unnamed.last().map_or(DEFAULT_MATERIAL, |s| s.as_str());
+        let rest = unnamed.last().map_or_else(|| DEFAULT_MATERIAL.into(), |input| (*input).clone());
         let own = |name: &String| options.materials.iter().rev().find(|(n, _)| n.as_ref() == Some(name));
-        return Ok(names.iter().map(|name| own(name).map_or(rest, |(_, s)| s).to_owned()).collect());
+        return Ok(names.iter().map(|name| own(name).map_or(&rest, |(_, input)| input).clone()).collect());
     }
     let defaults = &geometry.default_materials;
     let wanted = if options.weights.is_some() { unnamed.len().max(1) } else { defaults.len().max(1) };
@@ -196,7 +198,8 @@ fn listed(options: &MesoOptions, geometry: &Geometry) -> Result<Vec<String>, Mes
     let source = |k: usize| {
         // One material alone is that of the whole surface.
         let given = unnamed.get(k).or(if unnamed.len() == 1 { unnamed.first() } else { None });
-        given.map(|s| (*s).clone()).or(defaults.get(k).cloned()).unwrap_or(DEFAULT_MATERIAL.to_owned())
+        let default = || defaults.get(k).map_or(DEFAULT_MATERIAL, String::as_str).into();
+        given.map_or_else(default, |input| (*input).clone())
     };
     Ok((0..wanted).map(source).collect())
 }
@@ -207,12 +210,12 @@ fn listed(options: &MesoOptions, geometry: &Geometry) -> Result<Vec<String>, Mes
 /// Files that cannot be read.
 pub fn open_appearance(
     options: &MesoOptions,
-    materials: &[String],
+    materials: &[Input],
     progress: &dyn Progress,
 ) -> Result<Appearance, MesoInputError> {
     let sources = materials.iter().map(|material| open_material(material, progress)).collect::<Result<_, _>>()?;
-    let colour = options.colour.as_ref().map(|path| open_colours(Path::new(path))).transpose()?;
-    let weights = options.weights.as_ref().map(|path| open_shares(Path::new(path))).transpose()?;
+    let colour = options.colour.as_ref().map(open_colours).transpose()?;
+    let weights = options.weights.as_ref().map(open_shares).transpose()?;
     Ok(Appearance { sources, colour: colour.map(tile_image), weights: weights.map(tile_image) })
 }
 
@@ -220,14 +223,14 @@ fn tile_image<const N: usize>(FileImage { width, height, pixels }: FileImage<N>)
     TileImage { width, height, pixels }
 }
 
-fn open_material(material: &str, progress: &dyn Progress) -> Result<Box<dyn Source>, MesoInputError> {
+fn open_material(material: &Input, progress: &dyn Progress) -> Result<Box<dyn Source>, MesoInputError> {
     let opened = open(material, None)?;
     if !matches!(opened.facts, Facts::Scan { .. }) {
         return Ok(opened.source);
     }
     let recipe = Recipe { target: Target::Ratio(1.0), bits: 16, supercompress: false, ..Recipe::default() };
     let encoded = encode(opened.source.as_ref(), &recipe, progress)
-        .map_err(|error| MesoInputError::Tabulate { name: material.to_owned(), error })?;
+        .map_err(|error| MesoInputError::Tabulate { name: material.to_string(), error })?;
     let pack = WaveletPack::from_bytes(&encoded.bytes).expect("our own pack");
     Ok(Box::new(PackSource::new(&pack, None)))
 }

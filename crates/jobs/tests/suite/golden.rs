@@ -6,6 +6,7 @@ use brdfc_formats::flat_btf::IndirectionHeader;
 use brdfc_jobs::flatten::{
     FlattenJob, FlattenRecipe, Form, MesoOptions, Values, material_list, open_appearance, open_geometry, run as flatten,
 };
+use brdfc_source::Input;
 use brdfc_testing::golden::corpus::asset_and_part;
 use brdfc_testing::golden::encodes::{Packs, check_encodes};
 use brdfc_testing::testdata;
@@ -17,6 +18,7 @@ fn flat_btf(name: &str, options: &MesoOptions, recipe: &FlattenRecipe) -> Packs 
     let materials = material_list(options, &geometry).unwrap_or_else(|error| panic!("{error}"));
     let appearance = open_appearance(options, &materials, &()).unwrap_or_else(|error| panic!("{error}"));
     let values = Values::Computed(appearance);
+    let materials = materials.iter().map(Input::to_string).collect();
     let placing = std::sync::Mutex::new(());
     let images = None;
     let job =
@@ -27,9 +29,9 @@ fn flat_btf(name: &str, options: &MesoOptions, recipe: &FlattenRecipe) -> Packs 
 }
 
 fn meso(geometry: String, materials: &[(Option<&str>, &str)]) -> MesoOptions {
-    let material = |(name, source): &(Option<&str>, &str)| (name.map(str::to_owned), (*source).to_owned());
+    let material = |(name, source): &(Option<&str>, &str)| (name.map(str::to_owned), Input::from(*source));
     MesoOptions {
-        geometry,
+        geometry: Some(Input::from(&geometry)),
         tile: 1.0,
         height_scale: 0.5,
         height_offset: 0.0,
@@ -59,7 +61,7 @@ fn flat_btfs() {
     let mut packs = flat_btf("button", &button, &recipe);
     // A height map whose colours are an image, with holes filled the other way, one bounce and no Zstandard.
     let mut relief = meso(testdata("golden/relief.png"), &[(None, "synth:lewis?kd=0.5&ks=0.2&n=12")]);
-    relief.colour = Some(testdata("golden/cloth.png"));
+    relief.colour = Some(Input::from(&testdata("golden/cloth.png")));
     let pushed =
         FlattenRecipe { fill: FillMethod::PushPull, bounces: 4, rounds: 2, supercompress: false, ..recipe.clone() };
     packs.extend(flat_btf("relief", &relief, &pushed));

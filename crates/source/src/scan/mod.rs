@@ -10,7 +10,8 @@ mod summary;
 pub use summary::{ScanSummary, StrayRows};
 
 use super::error::InputError;
-use super::format::{AltaHeader, Facts, Format, InputFile, Opened};
+use super::format::{AltaHeader, Facts, Format, Opened};
+use super::input::InputFile;
 use super::{Source, Symmetry, Tally};
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::DirectionPair;

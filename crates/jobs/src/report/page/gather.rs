@@ -123,7 +123,7 @@ fn material(folder: &Path, entry: MaterialEntry, note: BuiltNote) -> Result<Page
     let source = if note.source.is_empty() {
         Err("where the source is was not noted: the folder has no store".to_owned())
     } else {
-        open(&note.source, None).map(|opened| opened.source).map_err(|error| error.to_string())
+        open(note.source.as_str(), None).map(|opened| opened.source).map_err(|error| error.to_string())
     };
     let evidence = evidence(&pack, source.as_ref().ok().map(|source| source.as_ref() as &dyn Source));
     Ok(PageMaterial { entry, note, evidence: Some(evidence), without_source: source.err() })

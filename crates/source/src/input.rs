@@ -1,0 +1,340 @@
+//! What a user names as an input: an address, a file, or standard input; and its bytes.
+
+use super::address::is_synth;
+use super::error::InputError;
+use super::read::{
+    HeardFile, MAX_FILE_BYTES, ReadListener, check_length, extension_of, open_heard, read_all_text, read_file,
+    read_text, read_within, up_to_nul,
+};
+use super::recognise::{FileKind, START_BYTES, recognise, wrong_contents};
+use brdfc_formats::FormatError;
+use std::borrow::Cow;
+use std::ffi::OsString;
+use std::fmt;
+use std::io::{Cursor, Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, OnceLock};
+
+/// What standard input is called in messages.
+pub const STANDARD_INPUT: &str = "stdin";
+
+/// An input as it was named. Paths may be any that the system has, UTF-8 or not.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Input {
+    /// `synth:NAME?param=value&...`
+    Address(String),
+    /// A file or a folder.
+    File(PathBuf),
+    /// Standard input.
+    Stdin(StandardInput),
+}
+
+/// Standard input, which is read when its bytes are first asked for. Its clones share them.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct StandardInput(Arc<OnceLock<Vec<u8>>>);
+
+impl StandardInput {
+    /// All bytes.
+    ///
+    /// # Errors
+    /// What cannot be read; more than [`MAX_FILE_BYTES`].
+    pub fn bytes(&self) -> Result<&[u8], InputError> {
+        if let Some(bytes) = self.0.get() {
+            return Ok(bytes);
+        }
+        let bytes = read_within(Path::new(STANDARD_INPUT), std::io::stdin().lock(), 0, MAX_FILE_BYTES)?;
+        Ok(self.0.get_or_init(|| bytes))
+    }
+}
+
+impl Input {
+    /// The address, if it is one.
+    pub fn address(&self) -> Option<&str> {
+        match self {
+            Self::Address(address) => Some(address),
+            _ => None,
+        }
+    }
+
+    /// The path, if it is one.
+    pub fn path(&self) -> Option<&Path> {
+        match self {
+            Self::File(path) => Some(path),
+            _ => None,
+        }
+    }
+
+    /// Whether it is standard input.
+    pub fn is_stdin(&self) -> bool {
+        matches!(self, Self::Stdin(_))
+    }
+
+    /// As reports name it: an address, or a file's name without its folder.
+    pub fn short_name(&self) -> String {
+        match self.path().and_then(Path::file_name) {
+            Some(name) => name.to_string_lossy().into_owned(),
+            None => self.to_string(),
+        }
+    }
+
+    /// What says which kind of file it is, in lower case: the extension, or for standard input the one of such files as
+    /// its bytes are of. Nothing of addresses, and where nothing says.
+    ///
+    /// # Errors
+    /// Standard input that cannot be read.
+    pub fn extension(&self) -> Result<String, InputError> {
+        Ok(match self {
+            Self::Address(_) => String::new(),
+            Self::File(path) => extension_of(path),
+            Self::Stdin(stdin) => {
+                let bytes = stdin.bytes()?;
+                let kind = recognise(bytes, bytes.len() as u64);
+                kind.and_then(|kind: FileKind| kind.extensions().first()).map_or("", |extension| extension).to_owned()
+            }
+        })
+    }
+
+    /// Reads it whole.
+    ///
+    /// # Errors
+    /// What cannot be read, has more than `limit` bytes, or is an address.
+    pub fn read(&self, limit: u64) -> Result<Cow<'_, [u8]>, InputError> {
+        match self {
+            Self::File(path) => Ok(read_file(path, limit)?.into()),
+            Self::Stdin(stdin) => Ok(within(self.named_path(), stdin.bytes()?, limit)?.into()),
+            Self::Address(address) => Err(no_file(address)),
+        }
+    }
+
+    /// Reads text: to its end, or to the first NUL byte, which is the last one of what is returned.
+    ///
+    /// # Errors
+    /// As [`Self::read`], of more than [`MAX_FILE_BYTES`].
+    pub fn read_text(&self) -> Result<Cow<'_, [u8]>, InputError> {
+        match self {
+            Self::File(path) => Ok(read_text(path)?.into()),
+            Self::Stdin(stdin) => Ok(up_to_nul(stdin.bytes()?).into()),
+            Self::Address(address) => Err(no_file(address)),
+        }
+    }
+
+    /// A path that messages name it by.
+    pub(crate) fn named_path(&self) -> &Path {
+        match self {
+            Self::Address(address) => Path::new(address),
+            Self::File(path) => path,
+            Self::Stdin(_) => Path::new(STANDARD_INPUT),
+        }
+    }
+}
+
+impl fmt::Display for Input {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.named_path().display().fmt(f)
+    }
+}
+
+fn no_file(address: &str) -> InputError {
+    let error = FormatError::whole("input", "the address of a model", "a file");
+    InputError::Format { name: address.to_owned(), error }
+}
+
+/// Bytes, if there are at most `limit` of them.
+fn within<'a>(path: &Path, bytes: &'a [u8], limit: u64) -> Result<&'a [u8], InputError> {
+    check_length(bytes.len() as u64, limit).map_err(|error| InputError::format(path, error))?;
+    Ok(bytes)
+}
+
+/// An input that is open, and not read yet, or is in memory.
+pub(crate) struct InputFile<'a> {
+    pub(crate) path: &'a Path,
+    pub(crate) file: Contents<'a>,
+    /// 0 for pipes.
+    pub(crate) length: u64,
+    /// The level of detail that is asked for.
+    pub(crate) level: Option<f32>,
+}
+
+impl<'a> InputFile<'a> {
+    /// Opens a file or standard input. `listener` hears of files.
+    pub(crate) fn of(input: &'a Input, listener: &'a mut dyn ReadListener) -> Result<Self, InputError> {
+        match input {
+            Input::File(path) => Self::at(path, listener),
+            Input::Stdin(stdin) => {
+                let (path, bytes) = (input.named_path(), stdin.bytes()?);
+                let file = Contents::Memory(Cursor::new(bytes));
+                Ok(Self { path, file, length: bytes.len() as u64, level: None })
+            }
+            Input::Address(address) => Err(no_file(address)),
+        }
+    }
+
+    /// Opens a file.
+    pub(crate) fn at(path: &'a Path, listener: &'a mut dyn ReadListener) -> Result<Self, InputError> {
+        let (file, length) = open_heard(path, listener)?;
+        Ok(Self { path, file: Contents::File(file), length, level: None })
+    }
+
+    /// Reads the whole file, and what is in it.
+    pub(crate) fn parse<T>(self, parse: impl FnOnce(&[u8]) -> Result<T, FormatError>) -> Result<T, InputError> {
+        self.parse_within(MAX_FILE_BYTES, parse)
+    }
+
+    /// [`Self::parse`] of at most `limit` bytes.
+    pub(crate) fn parse_within<T>(
+        self,
+        limit: u64,
+        parse: impl FnOnce(&[u8]) -> Result<T, FormatError>,
+    ) -> Result<T, InputError> {
+        let bytes: Cow<'_, [u8]> = match self.file {
+            Contents::File(file) => read_within(self.path, file, self.length, limit)?.into(),
+            Contents::Memory(bytes) => within(self.path, bytes.into_inner(), limit)?.into(),
+        };
+        parse(&bytes).map_err(|error| wrong_contents(self.path, &bytes, bytes.len() as u64, error))
+    }
+
+    /// [`Self::parse`] of text, which is not read on where it has a NUL byte.
+    pub(crate) fn parse_text<T>(
+        mut self,
+        parse: impl FnOnce(&[u8]) -> Result<T, FormatError>,
+    ) -> Result<T, InputError> {
+        let bytes = read_all_text(self.path, &mut self.file, self.length)?;
+        parse(&bytes).map_err(|error| {
+            // Behind a NUL byte there is more, by which it is recognised.
+            if bytes.ends_with(&[0]) {
+                return self.wrong(error);
+            }
+            wrong_contents(self.path, &bytes, bytes.len() as u64, error)
+        })
+    }
+
+    /// The error of a layout that is not followed, with a hint where the file is of another kind than its name says.
+    pub(crate) fn wrong(mut self, error: FormatError) -> InputError {
+        let mut start = Vec::new();
+        let found = self.file.seek(SeekFrom::Start(0)).and_then(|_| {
+            let start_bytes = START_BYTES as u64;
+            self.file.take(start_bytes).read_to_end(&mut start)
+        });
+        // A pipe does not go back.
+        if found.is_err() {
+            start.clear();
+        }
+        wrong_contents(self.path, &start, self.length, error)
+    }
+}
+
+/// Bytes of an input: a file or a pipe, or what was read already.
+pub(crate) enum Contents<'a> {
+    File(HeardFile<'a>),
+    Memory(Cursor<&'a [u8]>),
+}
+
+impl Read for Contents<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        match self {
+            Self::File(file) => file.read(buffer),
+            Self::Memory(bytes) => bytes.read(buffer),
+        }
+    }
+}
+
+impl Seek for Contents<'_> {
+    fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
+        match self {
+            Self::File(file) => file.seek(to),
+            Self::Memory(bytes) => bytes.seek(to),
+        }
+    }
+}
+
+/// As a command line has it: `-` is standard input.
+impl From<OsString> for Input {
+    fn from(text: OsString) -> Self {
+        match text.to_str() {
+            Some("-" | "/dev/stdin") => Self::Stdin(StandardInput::default()),
+            Some(address) if is_synth(address) => Self::Address(address.to_owned()),
+            _ => Self::File(text.into()),
+        }
+    }
+}
+
+/// As a manifest or a program has it: an address or a path.
+impl From<&str> for Input {
+    fn from(text: &str) -> Self {
+        if is_synth(text) { Self::Address(text.to_owned()) } else { Self::File(text.into()) }
+    }
+}
+
+impl From<&String> for Input {
+    fn from(text: &String) -> Self {
+        text.as_str().into()
+    }
+}
+
+impl From<&Path> for Input {
+    fn from(path: &Path) -> Self {
+        Self::File(path.to_owned())
+    }
+}
+
+impl From<&PathBuf> for Input {
+    fn from(path: &PathBuf) -> Self {
+        Self::File(path.clone())
+    }
+}
+
+impl From<&Input> for Input {
+    fn from(input: &Input) -> Self {
+        input.clone()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_dash_is_standard_input_on_command_lines_alone() {
+        let of_command_line = |text: &str| Input::from(OsString::from(text));
+        assert!(of_command_line("-").is_stdin() && of_command_line("/dev/stdin").is_stdin());
+        assert!(!of_command_line("./-").is_stdin());
+        assert_eq!(Input::from("-").path(), Some(Path::new("-")));
+        assert_eq!(of_command_line("synth:lewis").address(), Some("synth:lewis"));
+        assert_eq!(of_command_line("-").to_string(), "stdin");
+    }
+
+    #[test]
+    fn limits_hold_for_standard_input_too() {
+        let input = |bytes: &[u8]| Input::Stdin(StandardInput(Arc::new(OnceLock::from(bytes.to_vec()))));
+        let five = input(b"a\0b\0c");
+        assert_eq!(five.read(5).unwrap(), &b"a\0b\0c"[..]);
+        let told = five.read(4).unwrap_err().to_string();
+        assert_eq!(told, "stdin: file length: found 5 bytes; allowed at most 4 bytes");
+        assert_eq!(five.read_text().unwrap(), &b"a\0"[..]);
+        assert_eq!(input(b"abc").read_text().unwrap(), &b"abc"[..]);
+        let opened = |limit| {
+            let mut nobody = ();
+            InputFile::of(&five, &mut nobody).unwrap().parse_within(limit, |bytes| Ok(bytes.len()))
+        };
+        assert_eq!(opened(5).unwrap(), 5);
+        assert_eq!(opened(4).unwrap_err().to_string(), told);
+        let text = InputFile::of(&five, &mut ()).unwrap().parse_text(|bytes| Ok(bytes.to_vec()));
+        assert_eq!(text.unwrap(), b"a\0");
+    }
+
+    #[test]
+    fn names_without_folders() {
+        for (text, expected) in [("a/b.brdf", "b.brdf"), ("synth:ggx?alpha=0.1", "synth:ggx?alpha=0.1"), ("..", "..")] {
+            assert_eq!(Input::from(text).short_name(), expected);
+        }
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn paths_need_not_be_utf_8() {
+        use std::os::unix::ffi::OsStringExt;
+        let input = Input::from(OsString::from_vec(b"m\xe9tal.BINARY".to_vec()));
+        assert_eq!(input.to_string(), "m\u{fffd}tal.BINARY");
+        assert_eq!(input.extension().unwrap(), "binary");
+    }
+}

@@ -1,0 +1,47 @@
+//! Values of flags: what looks like a flag and is a value, and wrong ones in the words of all other errors.
+
+use brdfc_metrics::fraction::Fraction;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+use std::any::TypeId;
+use std::error::Error;
+use std::num::{ParseFloatError, ParseIntError};
+
+/// A flag that takes what begins with `-` for a value where it wants a number: a check says what is allowed, be it -1, -.5,
+/// -5% or the next flag.
+pub fn with_negatives(argument: clap::Arg) -> clap::Arg {
+    let numbers = [
+        TypeId::of::<f64>(),
+        TypeId::of::<f32>(),
+        TypeId::of::<usize>(),
+        TypeId::of::<u64>(),
+        TypeId::of::<u32>(),
+        TypeId::of::<Fraction>(),
+    ];
+    let wanted = argument.get_value_parser().type_id();
+    let number = argument.get_action().takes_values() && numbers.iter().any(|number| wanted == *number);
+    if number { argument.allow_hyphen_values(true) } else { argument }
+}
+
+/// What is wrong with a value that could not be parsed, where the parser says what is allowed.
+pub fn wrong_value(error: &clap::Error) -> Option<String> {
+    if error.kind() != ErrorKind::ValueValidation {
+        return None;
+    }
+    let context = |kind| match error.get(kind) {
+        Some(ContextValue::String(text)) => Some(text.as_str()),
+        _ => None,
+    };
+    // `--grid <N>`
+    let flag = context(ContextKind::InvalidArg)?.split(' ').next()?;
+    let found = context(ContextKind::InvalidValue)?;
+    let cause = error.source()?;
+    let allowed = if cause.is::<ParseIntError>() {
+        "allowed a whole number".to_owned()
+    } else if cause.is::<ParseFloatError>() {
+        "allowed a number".to_owned()
+    } else {
+        cause.to_string()
+    };
+    let found = if found.is_empty() { "nothing" } else { found };
+    allowed.starts_with("allowed ").then(|| format!("{flag}: found {found}; {allowed}"))
+}

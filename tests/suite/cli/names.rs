@@ -1,0 +1,250 @@
+//! What files are called: `-`, names that are no UTF-8, names that lie.
+
+use crate::common::cli::{Folder, Ran, inputs};
+
+/// A run with standard input.
+fn with_stdin(folder: &Folder, arguments: &[&str], stdin: &[u8]) -> Ran {
+    let output = folder.command(arguments).write_stdin(stdin).output().unwrap();
+    let text = |bytes| String::from_utf8_lossy(bytes).into_owned();
+    Ran { code: output.status.code().unwrap(), stdout: text(&output.stdout), stderr: text(&output.stderr) }
+}
+
+const PAIRS: &str = "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n0,0,1,0,0,1\n0.6,0,0.8,0,0.6,0.8\n";
+
+#[test]
+fn a_dash_reads_what_the_file_holds() {
+    let folder = Folder::new();
+    folder.write("pairs.csv", PAIRS);
+    folder.run(&["encode", "synth:lewis", "-o", "p.ktx2", "--grid", "4"]).succeeded();
+    let files = inputs(&folder).into_iter().filter(|input| !input.starts_with("synth:")).chain(["p.ktx2"]);
+    for file in files {
+        let bytes = folder.read(file);
+        for arguments in [
+            &["info", "INPUT", "--json"][..],
+            &["eval", "INPUT", "--directions", "pairs.csv"],
+            &["compare", "INPUT", "synth:lewis", "--directions", "100"],
+            &["compare", "synth:lewis", "INPUT", "--directions", "100"],
+        ] {
+            let named = |name: &'static str| -> Vec<&str> {
+                arguments.iter().map(|word| if *word == "INPUT" { name } else { word }).collect()
+            };
+            let expected = folder.run(&named(file)).succeeded();
+            let ran = with_stdin(&folder, &named("-"), &bytes).succeeded();
+            assert_eq!(ran.stdout, expected.stdout, "{file}: {arguments:?}");
+            assert_eq!(ran.stderr, expected.stderr.replace(file, "stdin"), "{file}: {arguments:?}");
+        }
+        let encode = |input, output| ["encode", input, "-o", output, "--grid", "2"];
+        folder.run(&encode(file, "named.ktx2")).succeeded();
+        with_stdin(&folder, &encode("-", "piped.ktx2"), &bytes).succeeded();
+        assert!(folder.read("named.ktx2") == folder.read("piped.ktx2"), "{file}");
+    }
+}
+
+#[test]
+fn a_dash_reads_lists_of_directions_images_and_meshes_too() {
+    let folder = Folder::new();
+    folder.write("pairs.csv", PAIRS);
+    let expected = folder.run(&["eval", "synth:ward", "--directions", "pairs.csv"]).succeeded().stdout;
+    let ran = with_stdin(&folder, &["eval", "synth:ward", "--directions", "-"], PAIRS.as_bytes()).succeeded();
+    assert_eq!(ran.stdout, expected);
+    let ran =
+        with_stdin(&folder, &["compare", "synth:ward", "synth:ggx", "--directions", "-", "--json"], PAIRS.as_bytes());
+    assert_eq!(ran.succeeded().json()["pairs"], 2);
+
+    let mut png = std::io::Cursor::new(Vec::new());
+    image::GrayImage::from_fn(16, 16, |x, y| image::Luma([(x * y) as u8]))
+        .write_to(&mut png, image::ImageFormat::Png)
+        .unwrap();
+    folder.write("cloth.png", png.get_ref());
+    let map = |input, output| ["bandwidth", input, "-o", output, "--size", "1x1"];
+    folder.run(&map("cloth.png", "named.ktx2")).succeeded();
+    with_stdin(&folder, &map("-", "piped.ktx2"), png.get_ref()).succeeded();
+    assert!(folder.read("named.ktx2") == folder.read("piped.ktx2"));
+
+    for file in ["folds.obj", "folds.ply"] {
+        folder.run(&["synth", "folds?resolution=16", "-o", file]).succeeded();
+        let expected = folder.run(&["info", file]).succeeded().stdout;
+        assert_eq!(with_stdin(&folder, &["info", "-"], &folder.read(file)).succeeded().stdout, expected);
+    }
+    let flat = ["flatten", "-", "-o", "flat", "--texels", "8", "--views", "grid:2x3@40", "--indirection", "4x6"];
+    with_stdin(&folder, &flat, &folder.read("folds.ply")).succeeded();
+    let asset: serde_json::Value = serde_json::from_slice(&folder.read("flat/flat.json")).unwrap();
+    assert_eq!(asset["source"], "stdin");
+}
+
+#[test]
+fn what_a_dash_cannot_be_is_refused() {
+    let folder = Folder::new();
+    for (arguments, stdin, code, expected) in [
+        (&["compare", "-", "-"][..], &b""[..], 2, "brdfc: A and B: found - for both; allowed for one of them\n"),
+        (&["eval", "-", "--directions", "-"], b"", 2, "INPUT and --directions: found - for both; allowed"),
+        (&["info", "-"], b"", 3, "brdfc: stdin: contents: found nothing; allowed .binary (MERL), "),
+        (&["info", "-"], b"\0\0\0\0\0", 3, "stdin: contents: found no known layout; allowed .binary (MERL), "),
+        (
+            &["encode", "-", "-o", "p.ktx2"],
+            b"\x1f\x8b\x08\0",
+            3,
+            "; it looks like a file compressed by gzip, to be unpacked",
+        ),
+        (&["encode", "-", "-o", "p.ktx2"], b"some words", 3, "brdfc: stdin: "),
+        (
+            &["eval", "synth:lewis", "--directions", "-"],
+            b"wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n0,0,1,\0\xff",
+            3,
+            "brdfc: stdin: line 2, text: found a NUL byte, ",
+        ),
+        (
+            &["flatten", "synth:knit?resolution=16", "-o", "-"],
+            b"",
+            2,
+            "-: found in the place of a folder; allowed the name",
+        ),
+        (
+            &["flatten", "m.obj", "-o", "x", "--views", "-", "--colour", "-"],
+            b"",
+            2,
+            "--views and --colour: found - for both",
+        ),
+        (
+            &["synth", "lewis", "-o", "-"],
+            b"",
+            2,
+            "--kind: found none; allowed binary, brdf or csv (models), obj or ply",
+        ),
+        (
+            &["synth", "lewis", "-o", "-", "--kind", "ply"],
+            b"",
+            2,
+            "--kind: found ply; allowed binary, brdf or csv, for",
+        ),
+        (&["synth", "lewis", "-o", "a.brdf", "--kind", "csv"], b"", 2, "--kind: found with a.brdf; allowed with - for"),
+    ] {
+        let ran = with_stdin(&folder, arguments, stdin);
+        assert_eq!((ran.code, ran.stdout.as_str()), (code, ""), "{arguments:?}: {}", ran.stderr);
+        assert!(ran.stderr.contains(expected), "{arguments:?}: {}", ran.stderr);
+    }
+    assert!(folder.files(".").is_empty());
+}
+
+#[test]
+fn a_dash_writes_what_the_file_would_hold() {
+    let folder = Folder::new();
+    folder.write("pairs.csv", PAIRS);
+    for (arguments, file) in [
+        (&["encode", "synth:lewis", "--grid", "4"][..], "p.ktx2"),
+        (&["samples", "synth:lewis", "--count", "4", "--polar", "4"], "s.ktx2"),
+        (&["bandwidth", "synth:lewis", "--resolution", "32"], "b.ktx2"),
+        (&["eval", "synth:lewis", "--directions", "pairs.csv"], "v.csv"),
+        (&["synth", "lewis", "--rows", "20"], "a.brdf"),
+        (&["synth", "folds?resolution=16"], "a.ply"),
+    ] {
+        folder.run(&[arguments, &["-o", file]].concat()).succeeded();
+        let kind: &[&str] = if arguments[0] == "synth" { &["--kind", &file[2..]] } else { &[] };
+        let output = folder.command(&[arguments, &["-o", "-"], kind].concat()).output().unwrap();
+        assert!(output.status.success() && output.stdout == folder.read(file), "{arguments:?}");
+        assert!(!folder.path().join("-").exists());
+    }
+    // The report goes where the pack does not.
+    let ran =
+        with_stdin(&folder, &["samples", "synth:lewis", "--count", "4", "--polar", "4", "-o", "-", "--json"], b"");
+    assert!(ran.stderr.contains("\"kind\": \"importance-pack\""), "{}", ran.stderr);
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn names_need_not_be_utf_8() {
+    use std::ffi::OsString;
+    use std::os::unix::ffi::OsStringExt;
+    let folder = Folder::new();
+    let named = |extension: &str| OsString::from_vec([b"m\xe9tal.", extension.as_bytes()].concat());
+    let [table, scan, ..] = inputs(&folder);
+    for (file, extension) in [(table, "binary"), (scan, "brdf")] {
+        folder.write("pairs.csv", PAIRS);
+        std::fs::rename(folder.path().join(file), folder.path().join(named(extension))).unwrap();
+        std::fs::rename(folder.path().join("pairs.csv"), folder.path().join(named("csv"))).unwrap();
+        let run = |arguments: &[&str], paths: &[(usize, &str)]| {
+            let mut words: Vec<OsString> = arguments.iter().map(OsString::from).collect();
+            paths.iter().for_each(|(at, extension)| words[*at] = named(extension));
+            let output = folder.command(&[]).args(words).output().unwrap();
+            let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+            assert!(output.status.success(), "{arguments:?}: {stderr}");
+            (String::from_utf8_lossy(&output.stdout).into_owned(), stderr)
+        };
+        assert!(run(&["info", "INPUT"], &[(1, extension)]).0.contains("kind"));
+        let encode = ["encode", "INPUT", "--codec", "table", "--max-bytes", "500", "-o", "OUTPUT"];
+        let (told, notes) = run(&encode, &[(1, extension), (7, "ktx2")]);
+        assert!(told.contains("m\u{fffd}tal.ktx2"), "{told}");
+        let start = format!("note: m\u{fffd}tal.{extension}: ");
+        assert!(notes.lines().all(|line| line.starts_with(&start)) && !notes.is_empty(), "{notes}");
+        run(&["compare", "A", "B", "--directions", "100"], &[(1, extension), (2, "ktx2")]);
+        let (values, _) = run(&["eval", "INPUT", "--directions", "PAIRS"], &[(1, extension), (3, "csv")]);
+        assert_eq!(values.lines().count(), 3);
+        let (map, _) =
+            run(&["bandwidth", "INPUT", "--resolution", "32", "-o", "OUTPUT"], &[(1, extension), (5, "ktx2")]);
+        assert!(map.contains("bandwidth map"), "{map}");
+    }
+    let gone = folder.command(&["info"]).arg(named("gone")).output().unwrap();
+    let told = String::from_utf8(gone.stderr).unwrap();
+    assert!(gone.status.code() == Some(4) && told.starts_with("brdfc: m\u{fffd}tal.gone: cannot read: "), "{told}");
+}
+
+#[test]
+fn an_extension_that_lies_is_told() {
+    let folder = Folder::new();
+    let [table, scan, list, material, _] = inputs(&folder);
+    let mut png = std::io::Cursor::new(Vec::new());
+    image::GrayImage::new(8, 8).write_to(&mut png, image::ImageFormat::Png).unwrap();
+    folder.write("picture.png", png.get_ref());
+    folder.write("page.html", "<!DOCTYPE html>\n<title>404</title>\n");
+    folder.run(&["encode", "synth:lewis", "-o", "pack.ktx2", "--grid", "2"]).succeeded();
+    for (file, name, expected) in [
+        ("picture.png", "a.binary", "a PNG image (.png)"),
+        (scan, "a.binary", "a scan as text (.brdf)"),
+        ("page.html", "a.binary", "a web page, perhaps what a server said in the place of the file"),
+        (table, "a.brdf", "a MERL table (.binary)"),
+        (table, "a.obj", "a MERL table (.binary)"),
+        (list, "a.brdf", "a scan or a list of directions (.csv)"),
+        (material, "a.ktx2", "an RGL material (.bsdf)"),
+        ("pack.ktx2", "a.bsdf", "a KTX2 texture (.ktx2)"),
+        (scan, "a.txt", "a scan as text (.brdf)"),
+        (table, "a", "a MERL table (.binary)"),
+        ("pack.ktx2", "a.png", "a KTX2 texture (.ktx2)"),
+    ] {
+        folder.write(name, folder.read(file));
+        let ran = folder.run(&["info", name]);
+        let told = &ran.stderr;
+        assert_eq!(ran.code, 3, "{name}: {told}");
+        assert!(told.starts_with(&format!("brdfc: {name}: ")) && told.contains(": found "), "{told}");
+        assert!(told.ends_with(&format!("; it looks like {expected}\n")), "{told}");
+    }
+    // No hint where the name is right and something else is wrong.
+    folder.write("cut.binary", &folder.read(table)[..100]);
+    assert!(!folder.run(&["info", "cut.binary"]).stderr.contains("looks like"));
+    folder.write("cut.ktx2", &folder.read("pack.ktx2")[..100]);
+    assert!(!folder.run(&["info", "cut.ktx2"]).stderr.contains("looks like"));
+}
+
+#[test]
+fn outputs_that_would_be_taken_for_another_kind_are_refused_before_the_work() {
+    let folder = Folder::new();
+    folder.write("pairs.csv", PAIRS);
+    for (arguments, extension) in [
+        (&["encode", "gone.binary"][..], "ktx2"),
+        (&["bandwidth", "gone.binary"], "ktx2"),
+        (&["samples", "gone.binary"], "ktx2"),
+        (&["eval", "gone.binary", "--directions", "pairs.csv"], "csv"),
+    ] {
+        for name in ["x.png", "x", "x.ktx2.gz"] {
+            let ran = folder.run(&[arguments, &["-o", name]].concat());
+            let allowed = format!("allowed a name that ends in .{extension}, or - for stdout\n");
+            assert_eq!(
+                (ran.code, ran.stderr),
+                (2, format!("brdfc: --output: found {name}; {allowed}")),
+                "{arguments:?}"
+            );
+        }
+        let ran = folder.run(&[arguments, &["-o", &format!("no/x.{extension}")]].concat());
+        assert!(ran.code == 4 && ran.stderr.contains("there is no folder no"), "{}", ran.stderr);
+    }
+    assert_eq!(folder.files(".").len(), 1);
+}
