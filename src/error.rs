@@ -49,6 +49,17 @@ impl CliError {
         }
     }
 
+    /// The same kind of failure, told otherwise.
+    pub fn with_message(self, message: String) -> Self {
+        match self {
+            Self::Check(_) => Self::Check(message),
+            Self::Usage(_) => Self::Usage(message),
+            Self::Input(_) => Self::Input(message),
+            Self::Io(_) => Self::Io(message),
+            other => other,
+        }
+    }
+
     /// What to tell, if anything.
     pub fn message(&self) -> Option<&str> {
         match self {

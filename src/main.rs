@@ -17,6 +17,7 @@ mod inputs;
 mod interrupt;
 mod options;
 mod output;
+mod plan;
 mod progress;
 #[cfg(feature = "render")]
 mod render;
@@ -74,6 +75,7 @@ enum Command {
         rest: Vec<String>,
     },
     Report(report::Arguments),
+    Plan(plan::Arguments),
     Bench(bench::Arguments),
     Schema(schema::Arguments),
     #[command(hide = true)]
@@ -93,7 +95,7 @@ impl Command {
 }
 
 /// Commands that print a report.
-const WITH_REPORT: &str = "bandwidth, bench, build, compare, encode, flatten, info, render, report and samples";
+const WITH_REPORT: &str = "bandwidth, bench, build, compare, encode, flatten, info, plan, render, report and samples";
 
 const EXAMPLES: &str = "\
 Examples:
@@ -187,6 +189,7 @@ fn run(cli: Cli) -> Result<(), CliError> {
         Command::Render(arguments) => render::run(&arguments, common),
         #[cfg(not(feature = "render"))]
         Command::Render { .. } => Err(CliError::without_renderer()),
+        Command::Plan(arguments) => plan::run(&arguments, common),
         Command::Report(arguments) => report::run(&arguments, common),
         Command::Bench(arguments) => bench::run(&arguments, common),
         Command::Schema(arguments) => schema::run(&arguments),

@@ -38,6 +38,8 @@ enum Report {
     Flatten,
     /// NAME.json in the folder of a flat BTF, and 'brdfc info --json' of one.
     FlatBtf,
+    /// 'brdfc plan --format json'.
+    Plan,
     /// 'brdfc report --json', and the .json beside a page.
     Report,
     /// 'brdfc bench --json'.
@@ -62,6 +64,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         Report::InfoSurface => schema_for!(super::info::SurfaceReport),
         Report::Flatten => schema_for!(super::flatten::Report),
         Report::FlatBtf => schema_for!(brdfc_jobs::flatten::AssetFile),
+        Report::Plan => schema_for!(brdfc_jobs::scene::graph::Graph),
         Report::Report => schema_for!(brdfc_jobs::report::page::PageReport<'static>),
         Report::Bench => schema_for!(super::bench::Report),
         #[cfg(feature = "render")]

@@ -11,16 +11,16 @@ use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
 use std::path::{Path, PathBuf};
 
 /// A plan, and where it comes from.
-pub(super) struct Asked {
-    pub(super) plan: Plan,
+pub(crate) struct Asked {
+    pub(crate) plan: Plan,
     /// The manifest, if there is one.
-    pub(super) manifest: Option<PathBuf>,
+    pub(crate) manifest: Option<PathBuf>,
 }
 
 /// So many names of files are told.
 const NAMED: usize = 5;
 
-pub(super) fn asked(inputs: &[String], options: &EncodeOptions, common: Common) -> Result<Asked, CliError> {
+pub(crate) fn asked(inputs: &[String], options: &EncodeOptions, common: Common) -> Result<Asked, CliError> {
     // One file that is no kind of material is taken for a manifest, whatever its name.
     let alone = inputs.len() == 1;
     let is_manifest = |input: &String| {

@@ -1,10 +1,14 @@
 //! `brdfc build`: the main job.
 
+mod arguments;
 mod inputs;
+mod pieces;
 mod plan_text;
 mod text;
 
-pub(super) use inputs::read_manifest;
+pub use arguments::Arguments;
+pub(super) use arguments::DEFAULT_FOLDER;
+pub(super) use inputs::{asked, read_manifest};
 
 use super::output::{
     make_folder, note, print, print_json, refuse_overwriting, refuse_overwriting_any, remark, tell, write_file,
@@ -12,72 +16,15 @@ use super::output::{
 use super::progress::Materials;
 use super::{CliError, Common, interrupt};
 use brdfc_jobs::depfile::depfile;
-use brdfc_jobs::encode::bytes_from_text;
-use brdfc_jobs::encode::options::EncodeOptions;
 use brdfc_jobs::output_folder::Changes;
 use brdfc_jobs::report::build::BuildReport;
 use brdfc_jobs::report::material::remarks;
-use brdfc_jobs::scene::build::{BuildSettings, Built, build};
+use brdfc_jobs::scene::build::{Built, build};
 use brdfc_jobs::scene::memory;
 use brdfc_jobs::scene::plan::REPORT;
 use brdfc_jobs::scene::scene_section::ENVIRONMENT;
-use clap::Args;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-/// Make the packs that a scene needs, or those of a folder of measured materials.
-///
-/// A manifest names materials and the uses that a scene makes of them; docs/scene.md lists its keys. A material that no
-/// use refers to is not even opened. Of folders, files and patterns each material is made, named after its file.
-///
-/// What was made before of the same source by the same options is kept. One material that fails does not stop the
-/// others. The output folder changes at the end, all at once, and then holds what report.json says, besides what
-/// others put there. An encoding option wins over the defaults of a manifest, not over what a material says of itself.
-///
-/// Where the manifest names an environment that lights the scene (the key `environment` of `scene`), the maps of adaptive shading are
-/// made too: how fast each material's lobes and the environment vary, and importance samples of the lobes.
-#[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  brdfc build scene.toml
-  brdfc build scans --out packs
-  brdfc build scans/*.binary paint.brdf --max-delta-e 1
-  brdfc build scene.toml --out assets/packs --jobs 4 --json > report.json
-  brdfc build scene.toml --dry-run")]
-pub struct Arguments {
-    /// A scene manifest; or files, folders and patterns of measured materials, and synth: addresses.
-    #[arg(value_name = "SCENE.toml|DIR|FILE", required = true)]
-    inputs: Vec<String>,
-    /// Folder for packs and reports.
-    #[arg(long, short, value_name = "DIR", default_value = DEFAULT_FOLDER)]
-    out: PathBuf,
-    /// Say what would be done, and do nothing.
-    #[arg(long)]
-    dry_run: bool,
-    /// Make every pack again.
-    #[arg(long)]
-    no_cache: bool,
-    /// Leave files of earlier builds in the folder that this one does not need.
-    #[arg(long)]
-    keep: bool,
-    /// Replace files that no build wrote where packs have their names.
-    #[arg(long)]
-    force: bool,
-    /// Stop at the first material that fails or misses a limit, and leave the folder as it was.
-    #[arg(long)]
-    fail_fast: bool,
-    /// Memory that the materials which are worked on may take together, such as 2GiB (default: 300 MiB for each thread).
-    /// Fewer are worked on at a time where that is needed.
-    #[arg(long, value_name = "B", value_parser = bytes_from_text)]
-    memory: Option<u64>,
-    /// Write the files that the report depends on, as a rule for make or ninja.
-    #[arg(long, value_name = "FILE")]
-    depfile: Option<PathBuf>,
-    #[command(flatten, next_help_heading = "Encoding")]
-    options: EncodeOptions,
-}
-
-/// Where packs go if nothing is said.
-pub(super) const DEFAULT_FOLDER: &str = "packs";
 /// Less is not enough for one material.
 const LEAST_MEMORY: u64 = 64 << 20;
 
@@ -90,7 +37,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         Some(bytes) => bytes,
         None => memory::PER_THREAD * rayon::current_num_threads() as u64,
     };
-    let asked = inputs::asked(&arguments.inputs, &arguments.options, common)?;
+    let asked = asked(&arguments.inputs, &arguments.options, common)?;
     let plan = &asked.plan;
     if plan.is_empty() {
         return Err(CliError::Check(format!(
@@ -116,17 +63,12 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     }
     make_folder(out)?;
     let interrupt = interrupt::watch()?;
+    if arguments.shard.is_some() || !arguments.only.is_empty() {
+        return pieces::run(arguments, plan, memory, common, &interrupt);
+    }
     let total = plan.jobs.len() + usize::from(plan.environment.is_some());
     let progress = Materials::new(total, plan.environment.is_some(), common, interrupt.flag());
-    let settings = BuildSettings {
-        out,
-        looks_up: !arguments.no_cache,
-        keep: arguments.keep,
-        force: arguments.force,
-        fail_fast: arguments.fail_fast,
-        memory,
-        placing: interrupt.placing(),
-    };
+    let settings = arguments.settings(memory, &interrupt);
     let built = build(plan, &settings, &progress)?;
     drop(progress);
     tell_what_matters(&built, common);
@@ -145,7 +87,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         Some(changes) => tell_changes(changes, common),
         None => tell(&format!("brdfc: {} is as it was before", out.display())),
     }
-    text::verdict(built.outcomes)
+    text::verdict(built.outcomes)?;
+    arguments.write_stamp()
 }
 
 /// Failures and misses, and notes on what was made.

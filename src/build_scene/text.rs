@@ -74,11 +74,5 @@ pub(super) fn verdict(outcomes: Outcomes) -> Result<(), CliError> {
     }
     let Some(first) = failures.into_iter().max_by_key(|error| error.exit_code()) else { return Ok(()) };
     let summary = failed.join(", ");
-    Err(match first {
-        CliError::Check(_) => CliError::Check(summary),
-        CliError::Usage(_) => CliError::Usage(summary),
-        CliError::Input(_) => CliError::Input(summary),
-        CliError::Io(_) => CliError::Io(summary),
-        other => other,
-    })
+    Err(first.with_message(summary))
 }

@@ -10,12 +10,14 @@ mod flatten;
 mod generate;
 mod help;
 mod info;
+mod many_machines;
 mod names;
 mod output;
 #[cfg(feature = "render")]
 mod render;
 #[cfg(feature = "render")]
 mod render_adaptive;
+mod report;
 mod samples;
 mod schemas;
 mod synth;

@@ -164,7 +164,16 @@ fn packs_of_a_build_are_drawn_as_they_are() {
     assert_eq!(folder.read("a.png"), folder.read("b.png"));
     let missing = folder.run(&["render", "scene.toml", "--packs", "nowhere"]);
     assert_eq!(missing.code, 4, "{}", missing.stderr);
-    assert!(missing.stderr.contains("red.brdf.ktx2"), "{}", missing.stderr);
+    assert!(missing.stderr.contains("nowhere: cannot read: found no folder"), "{}", missing.stderr);
+    // What was made otherwise is not drawn as if it were current, and stays where it is.
+    let old = folder.products("packs");
+    folder.write("scene.toml", folder.text("scene.toml").replace("grid = 8", "grid = 4"));
+    let changed = folder.run(&["render", "scene.toml", "-o", "c.png"]).succeeded();
+    assert!(changed.stderr.contains("red.brdf.ktx2 was made of something else: not drawn"), "{}", changed.stderr);
+    assert!(folder.read("c.png") != folder.read("a.png") && folder.products("packs") == old);
+    folder.run(&["build", "scene.toml", "--out", "packs"]).succeeded();
+    let current = folder.run(&["render", "scene.toml", "-o", "d.png"]).succeeded();
+    assert!(!current.stderr.contains("made of something else") && folder.read("c.png") == folder.read("d.png"));
 }
 
 #[test]
@@ -193,7 +202,26 @@ fn a_limit_is_a_check() {
     assert_eq!(nothing.code, 1);
     assert!(nothing.stderr.contains("no pixel"), "{}", nothing.stderr);
     let dark = folder.run(&["render", "synth:lambert?kd=0", "--grid", "4", "--size", "16x16"]).succeeded();
-    assert!(dark.stderr.starts_with("note: synth:lambert?kd=0: all surfaces are black"), "{}", dark.stderr);
+    for gate in ["--max-delta-e", "--max-delta-e-p95", "--max-flip"] {
+        let closed = folder.run(&["render", "synth:lambert?kd=0", "--size", "16x16", "--quiet", gate, "100"]);
+        assert!(
+            closed.code == 1 && closed.stderr.contains("found no light: all surfaces are black; allowed 100"),
+            "{gate}: {}",
+            closed.stderr
+        );
+    }
+    let all = run("50", &["--max-delta-e-p95", "0.001", "--max-flip", "0.0001", "--json"]);
+    assert!(
+        all.code == 1
+            && all.stderr.contains("95th percentile of ΔE: found")
+            && all.stderr.contains("; mean FLIP: found")
+    );
+    assert_eq!(report(&all)["gates"].as_array().unwrap().len(), 3);
+    assert!(
+        dark.stderr.starts_with("note: synth:lambert?kd=0: the picture shows no light: all surfaces are black"),
+        "{}",
+        dark.stderr
+    );
 }
 
 #[test]

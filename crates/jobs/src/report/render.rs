@@ -41,7 +41,6 @@ pub struct Verification {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flip: Option<f64>,
     /// What the gates saw that were asked for.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub gates: Vec<GateResult>,
 }
 

@@ -3,6 +3,7 @@
 use super::error::JobError;
 use super::plan::{Plan, REPORT, list_name};
 use super::run::{Made, Outcome, Outcomes, Workshop, file_of, run};
+use super::works::{Work, WorkResult, make};
 use crate::output_folder::{Changes, Contents, FolderError, NewFile, OutputFolder};
 use crate::report::build::{BuildReport, environment_map};
 use crate::report::material::{MaterialReport, StageTime};
@@ -13,7 +14,7 @@ use brdfc_source::progress::{Cancelled, Progress};
 use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 /// How a build is done. None of it decides the bytes of a pack.
@@ -22,6 +23,8 @@ pub struct BuildSettings<'a> {
     pub out: &'a Path,
     /// Whether what was made before is used.
     pub looks_up: bool,
+    /// Other output folders, of whose stores what is needed is taken.
+    pub from: &'a [PathBuf],
     /// Whether files of earlier builds that are no longer needed stay.
     pub keep: bool,
     /// Whether files may be replaced that no build wrote.
@@ -85,8 +88,7 @@ pub struct MaterialFile {
 /// # Errors
 /// A folder that cannot be written to, or holds files of somebody else; cancellation.
 pub fn build(plan: &Plan, settings: &BuildSettings<'_>, progress: &dyn Progress) -> Result<Built, BuildError> {
-    let store = Store::open(settings.out, settings.looks_up)?;
-    let mut folder = OutputFolder::open(settings.out, &store)?;
+    let (store, mut folder) = opened(settings)?;
     if folder.is_new()
         && let Some(report) = earlier_report(settings.out)
     {
@@ -145,6 +147,29 @@ fn write_notes(store: &Store, plan: &Plan, outcomes: &Outcomes) {
 /// The notes of the build that filled a folder, by material; none where its store is gone.
 pub fn notes(out: &Path) -> BTreeMap<String, BuiltNote> {
     read_record(&out.join(FOLDER).join(NOTES)).unwrap_or_default()
+}
+
+/// Makes some pieces of a build and keeps them in the store of its folder, which stays as it is otherwise.
+///
+/// # Errors
+/// A folder that cannot be written to.
+pub fn build_works(
+    works: &[Work<'_>],
+    settings: &BuildSettings<'_>,
+    progress: &dyn Progress,
+) -> Result<Vec<WorkResult>, BuildError> {
+    let (store, folder) = opened(settings)?;
+    let placed = folder.unchanged();
+    let workshop = Workshop { store: &store, placed: &placed, memory: settings.memory, fail_fast: false };
+    Ok(make(works, &workshop, progress))
+}
+
+/// The store and the folder, with what was brought from elsewhere.
+fn opened(settings: &BuildSettings<'_>) -> Result<(Store, OutputFolder), BuildError> {
+    let store = Store::open(settings.out, settings.looks_up)?;
+    settings.from.iter().try_for_each(|other| store.take_from(other))?;
+    let folder = OutputFolder::open(settings.out, &store)?;
+    Ok((store, folder))
 }
 
 /// The report of the build before this one, if it can be read.

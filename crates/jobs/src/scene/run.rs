@@ -152,7 +152,7 @@ pub fn run(plan: &Plan, workshop: &Workshop<'_>, progress: &dyn Progress) -> Out
 /// Does all work in order, as many at a time as there are threads, each on a thread that may wait for memory. In a parallel
 /// loop, a thread that waits for a part of one would begin another: more of them would take memory, and one could wait for
 /// what another holds that cannot go on.
-fn in_turn(count: usize, work: impl Fn(usize) + Sync) {
+pub(super) fn in_turn(count: usize, work: impl Fn(usize) + Sync) {
     let next = AtomicUsize::new(0);
     let one_by_one = || {
         loop {
@@ -176,9 +176,23 @@ struct Shelf {
     maps: Option<Kept<MapsReport>>,
 }
 
+/// Which parts of a material are asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Wanted {
+    pack: bool,
+    maps: bool,
+}
+
+impl Wanted {
+    pub(super) const PACK: Self = Self { pack: true, maps: false };
+    pub(super) const MAPS: Self = Self { pack: false, maps: true };
+    const ALL: Self = Self { pack: true, maps: true };
+}
+
 impl Shelf {
-    fn is_complete(&self, job: &Job) -> bool {
-        self.pack.is_some() && (self.maps.is_some() || job.maps.is_none())
+    fn has(&self, job: &Job, wanted: Wanted) -> bool {
+        let maps = self.maps.is_some() || job.maps.is_none();
+        (self.pack.is_some() || !wanted.pack) && (maps || !wanted.maps)
     }
 }
 
@@ -188,37 +202,66 @@ impl Workshop<'_> {
     /// # Errors
     /// Sources that cannot be read, recipes that cannot be followed, files that cannot be written, cancellation.
     pub fn material(&self, job: &Job, shared: &Shared, progress: &dyn Progress) -> Result<Made, JobError> {
+        let (shelf, times) = self.shelf(job, Wanted::ALL, shared, progress)?;
+        Ok(of_shelf(job, shelf, times))
+    }
+
+    /// Some parts of a material; whether anything had to be made.
+    pub(super) fn made_part(
+        &self,
+        job: &Job,
+        wanted: Wanted,
+        shared: &Shared,
+        progress: &dyn Progress,
+    ) -> Result<bool, JobError> {
+        Ok(self.shelf(job, wanted, shared, progress)?.1.is_some())
+    }
+
+    /// What is wanted of a material, and seconds per stage where something had to be made.
+    fn shelf(
+        &self,
+        job: &Job,
+        wanted: Wanted,
+        shared: &Shared,
+        progress: &dyn Progress,
+    ) -> Result<(Shelf, Option<Vec<StageTime>>), JobError> {
         progress.check()?;
         let known = if address::is_synth(&job.source) { None } else { self.store.known(Path::new(&job.source)) };
         if let Some(source) = known {
             let shelf = self.look_up(job, source);
-            if shelf.is_complete(job) {
-                return Ok(of_shelf(job, shelf, None));
+            if shelf.has(job, wanted) {
+                return Ok((shelf, None));
             }
         }
         let clock = StageClock::new(progress);
         clock.stage(Stage::Read, 1)?;
         let length = std::fs::metadata(&job.source).map_or(0, |metadata| metadata.len());
         let extension = extension_of(&job.source);
-        let wanted = memory::of_source(&extension, length).saturating_add(memory::of_recipe(&job.recipe));
-        let _share = shared.take(wanted);
+        let bytes = memory::of_source(&extension, length).saturating_add(memory::of_recipe(&job.recipe));
+        let _share = shared.take(bytes);
         progress.check()?;
         // On the pool's threads, so that no more than those work.
-        let (shelf, all_kept) = rayon::scope(|_| self.fill(job, &extension, &clock))?;
-        Ok(of_shelf(job, shelf, if all_kept { None } else { Some(clock.finish()) }))
+        let (shelf, all_kept) = rayon::scope(|_| self.fill(job, wanted, &extension, &clock))?;
+        Ok((shelf, if all_kept { None } else { Some(clock.finish()) }))
     }
 
     /// Reads the source, and makes what is not in the store; whether nothing had to be made.
-    fn fill(&self, job: &Job, extension: &str, clock: &StageClock<'_>) -> Result<(Shelf, bool), JobError> {
+    fn fill(
+        &self,
+        job: &Job,
+        wanted: Wanted,
+        extension: &str,
+        clock: &StageClock<'_>,
+    ) -> Result<(Shelf, bool), JobError> {
         let (opened, source) = self.read(&job.source, extension)?;
         let mut shelf = self.look_up(job, source);
-        if shelf.is_complete(job) {
+        if shelf.has(job, wanted) {
             return Ok((shelf, true));
         }
-        if shelf.pack.is_none() {
+        if wanted.pack && shelf.pack.is_none() {
             shelf.pack = Some(self.make_pack(&opened, source, &job.recipe, clock)?);
         }
-        if let (Some(recipe), None) = (&job.maps, &shelf.maps) {
+        if let (true, Some(recipe), None) = (wanted.maps, &job.maps, &shelf.maps) {
             shelf.maps = Some(self.make_maps(&opened, source, recipe, clock)?);
         }
         Ok((shelf, false))

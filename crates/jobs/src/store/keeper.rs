@@ -27,19 +27,25 @@ const KEPT_FOR: Duration = Duration::from_secs(30 * 24 * 3600);
 /// Times of use are noted this coarsely.
 const NOTED: Duration = Duration::from_secs(24 * 3600);
 
-/// A file of the store that cannot be written.
+/// A file of the store that cannot be read or written.
 #[derive(Debug, thiserror::Error)]
-#[error("{path}: cannot write: {error}")]
+#[error("{path}: cannot {what}: {error}")]
 pub struct StoreError {
     /// Which.
     pub path: String,
+    /// What was to be done.
+    pub what: &'static str,
     /// What the system says.
     pub error: std::io::Error,
 }
 
 impl StoreError {
     pub(crate) fn new(path: &Path, error: std::io::Error) -> Self {
-        Self { path: path.display().to_string(), error }
+        Self { path: path.display().to_string(), what: "write", error }
+    }
+
+    fn read(path: &Path, error: std::io::Error) -> Self {
+        Self { path: path.display().to_string(), what: "read", error }
     }
 }
 
@@ -152,6 +158,26 @@ impl Store {
     pub fn object(&self, digest: &Digest) -> Option<Vec<u8>> {
         let bytes = std::fs::read(self.object_path(digest)).ok()?;
         (Digest::of(&bytes) == *digest).then_some(bytes)
+    }
+
+    /// Takes what another store holds and this one does not, such as that of another machine. What is broken there is never
+    /// believed: it is checked when it is looked up.
+    ///
+    /// # Errors
+    /// A folder without a store; what cannot be read or written.
+    pub fn take_from(&self, folder: &Path) -> Result<(), StoreError> {
+        for kind in [OBJECTS, ENTRIES] {
+            let other = folder.join(FOLDER).join(kind);
+            let error = |error| StoreError::read(&other, error);
+            for file in std::fs::read_dir(&other).map_err(error)? {
+                let from = file.map_err(error)?.path();
+                let to = self.root.join(kind).join(from.file_name().unwrap_or_default());
+                if !to.exists() {
+                    self.write(&to, &std::fs::read(&from).map_err(|error| StoreError::read(&from, error))?)?;
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Removes what no build has asked for in a month.

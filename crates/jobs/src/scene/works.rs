@@ -1,0 +1,165 @@
+//! A build in pieces: each part of each material is made by itself, on whichever machine, and kept in a store. A build that has
+//! all of them in its store only puts them in place.
+
+use super::error::JobError;
+use super::memory::Shared;
+use super::plan::{EnvironmentJob, Job, Plan};
+use super::run::{PACK, Wanted, Workshop, in_turn};
+use super::scene_section::ENVIRONMENT;
+use brdfc_source::progress::Progress;
+use std::str::FromStr;
+use std::sync::Mutex;
+
+/// The maps of a material, as a part.
+const MAPS: &str = "maps";
+
+/// One piece of work.
+#[derive(Debug, Clone, Copy)]
+pub enum Work<'a> {
+    /// A pack.
+    Pack(&'a Job),
+    /// The maps of a material.
+    Maps(&'a Job),
+    /// The map of the environment.
+    Environment(&'a EnvironmentJob),
+}
+
+impl Work<'_> {
+    /// What it is called: `MATERIAL.brdf`, `MATERIAL.maps` or `environment.maps`.
+    pub fn name(&self) -> String {
+        match self {
+            Self::Pack(job) => format!("{}.{PACK}", job.name),
+            Self::Maps(job) => format!("{}.{MAPS}", job.name),
+            Self::Environment(_) => format!("{ENVIRONMENT}.{MAPS}"),
+        }
+    }
+
+    /// Path or address that it reads.
+    pub fn source(&self) -> &str {
+        match self {
+            Self::Pack(job) | Self::Maps(job) => &job.source,
+            Self::Environment(job) => &job.source,
+        }
+    }
+
+    /// The material; none of the environment.
+    pub fn material(&self) -> Option<&str> {
+        match self {
+            Self::Pack(job) | Self::Maps(job) => Some(&job.name),
+            Self::Environment(_) => None,
+        }
+    }
+
+    /// Which part of it.
+    pub fn part(&self) -> &'static str {
+        match self {
+            Self::Pack(_) => PACK,
+            Self::Maps(_) | Self::Environment(_) => MAPS,
+        }
+    }
+}
+
+impl Plan {
+    /// All pieces, in an order that depends on the plan alone. Two that are the same work are there once.
+    pub fn works(&self) -> Vec<Work<'_>> {
+        let mut works: Vec<Work<'_>> = self.environment.iter().map(Work::Environment).collect();
+        for (number, job) in self.jobs.iter().enumerate() {
+            if self.jobs[..number].iter().any(|other| other.is_same_work(job)) {
+                continue;
+            }
+            works.push(Work::Pack(job));
+            works.extend(job.maps.map(|_| Work::Maps(job)));
+        }
+        works
+    }
+}
+
+/// One of several equal shares of the pieces of a build.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shard {
+    /// Which, from 1.
+    pub number: usize,
+    /// Of how many.
+    pub count: usize,
+}
+
+impl Shard {
+    /// Its pieces: every `count`-th.
+    pub fn of<'a>(self, works: Vec<Work<'a>>) -> Vec<Work<'a>> {
+        works.into_iter().skip(self.number - 1).step_by(self.count).collect()
+    }
+}
+
+impl FromStr for Shard {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parsed = text.split_once('/').and_then(|(number, count)| {
+            let shard = Self { number: number.parse().ok()?, count: count.parse().ok()? };
+            (1 <= shard.number && shard.number <= shard.count).then_some(shard)
+        });
+        parsed.ok_or_else(|| "allowed a number from 1 on and how many there are, such as 2/8".to_owned())
+    }
+}
+
+/// What became of a piece: whether it had to be made.
+pub type WorkResult = Result<bool, JobError>;
+
+/// Makes pieces and keeps them in the store. One that fails does not stop the others.
+pub fn make(works: &[Work<'_>], workshop: &Workshop<'_>, progress: &dyn Progress) -> Vec<WorkResult> {
+    let shared = Shared::new(workshop.memory);
+    let results: Mutex<Vec<Option<WorkResult>>> = Mutex::new(works.iter().map(|_| None).collect());
+    in_turn(works.len(), |number| {
+        let work = works[number];
+        let name = work.name();
+        let part = progress.part(&name);
+        let result = match work {
+            Work::Pack(job) => workshop.made_part(job, Wanted::PACK, &shared, part.as_ref()),
+            Work::Maps(job) => workshop.made_part(job, Wanted::MAPS, &shared, part.as_ref()),
+            Work::Environment(job) => {
+                workshop.environment(job, &shared, part.as_ref()).map(|made| made.times.is_some())
+            }
+        };
+        part.finished(result.is_ok());
+        results.lock().expect("nobody panics with it")[number] = Some(result);
+    });
+    let results = results.into_inner().expect("nobody panics with it");
+    results.into_iter().map(|result| result.expect("each was done")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::manifest::Manifest;
+    use crate::scene::plan::plan;
+    use std::path::Path;
+
+    fn planned() -> Plan {
+        let text = "[scene]\nenvironment='sky.exr'\n[materials.a]\nsource='a.brdf'\n[materials.b]\nsource='b.brdf'\n\
+                    [materials.twin]\nsource='a.brdf'\n[[uses]]\nmaterial='a'\n[[uses]]\nmaterial='b'\n\
+                    [[uses]]\nmaterial='twin'\n";
+        plan(&Manifest::parse(text).unwrap(), Path::new("")).unwrap()
+    }
+
+    #[test]
+    fn every_piece_is_in_one_shard() {
+        let plan = planned();
+        let names = |works: Vec<Work<'_>>| works.iter().map(Work::name).collect::<Vec<_>>();
+        let all = names(plan.works());
+        assert_eq!(all, ["environment.maps", "a.brdf", "a.maps", "b.brdf", "b.maps"]);
+        for count in 1..8 {
+            let mut shared: Vec<String> =
+                (1..=count).flat_map(|number| names(Shard { number, count }.of(plan.works()))).collect();
+            shared.sort_by_key(|name| all.iter().position(|other| other == name));
+            assert_eq!(shared, all, "{count} shards");
+        }
+    }
+
+    #[test]
+    fn shards_as_people_write_them() {
+        assert_eq!("2/8".parse(), Ok(Shard { number: 2, count: 8 }));
+        for text in ["0/2", "3/2", "1/0", "1", "a/b", "-1/2", ""] {
+            assert!(text.parse::<Shard>().is_err(), "{text}");
+        }
+    }
+}

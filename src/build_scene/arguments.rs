@@ -1,0 +1,102 @@
+//! Flags of `brdfc build`.
+
+use crate::CliError;
+use crate::interrupt::Interrupt;
+use crate::output::{make_folder, write_file};
+use brdfc_jobs::encode::bytes_from_text;
+use brdfc_jobs::encode::options::EncodeOptions;
+use brdfc_jobs::scene::build::BuildSettings;
+use brdfc_jobs::scene::works::Shard;
+use clap::Args;
+use std::path::PathBuf;
+
+/// Where packs go if nothing is said.
+pub(crate) const DEFAULT_FOLDER: &str = "packs";
+/// Make the packs that a scene needs, or those of a folder of measured materials.
+///
+/// A manifest names materials and the uses that a scene makes of them; docs/scene.md lists its keys. A material that no
+/// use refers to is not even opened. Of folders, files and patterns each material is made, named after its file.
+///
+/// What was made before of the same source by the same options is kept. One material that fails does not stop the
+/// others. The output folder changes at the end, all at once, and then holds what report.json says, besides what
+/// others put there. An encoding option wins over the defaults of a manifest, not over what a material says of itself.
+///
+/// Where the manifest names an environment that lights the scene (the key `environment` of `scene`), the maps of adaptive shading are
+/// made too: how fast each material's lobes and the environment vary, and importance samples of the lobes.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  brdfc build scene.toml
+  brdfc build scans --out packs
+  brdfc build scans/*.binary paint.brdf --max-delta-e 1
+  brdfc build scene.toml --out assets/packs --jobs 4 --json > report.json
+  brdfc build scene.toml --shard 2/8 --out part-2
+  brdfc build scene.toml --from part-1 --from part-2
+  brdfc build scene.toml --dry-run")]
+pub struct Arguments {
+    /// A scene manifest; or files, folders and patterns of measured materials, and synth: addresses.
+    #[arg(value_name = "SCENE.toml|DIR|FILE", required = true)]
+    pub(super) inputs: Vec<String>,
+    /// Folder for packs and reports.
+    #[arg(long, short, value_name = "DIR", default_value = DEFAULT_FOLDER)]
+    pub(super) out: PathBuf,
+    /// Say what would be done, and do nothing.
+    #[arg(long)]
+    pub(super) dry_run: bool,
+    /// Make every pack again.
+    #[arg(long)]
+    pub(super) no_cache: bool,
+    /// Leave files of earlier builds in the folder that this one does not need.
+    #[arg(long)]
+    pub(super) keep: bool,
+    /// Replace files that no build wrote where packs have their names.
+    #[arg(long)]
+    pub(super) force: bool,
+    /// Stop at the first material that fails or misses a limit, and leave the folder as it was.
+    #[arg(long)]
+    pub(super) fail_fast: bool,
+    /// Memory that the materials which are worked on may take together, such as 2GiB (default: 300 MiB for each thread).
+    /// Fewer are worked on at a time where that is needed.
+    #[arg(long, value_name = "B", value_parser = bytes_from_text)]
+    pub(super) memory: Option<u64>,
+    /// Make share I of N of the parts alone, and keep it in the store of the output folder, for a build that puts all in place.
+    #[arg(long, value_name = "I/N", conflicts_with_all = ["only", "dry_run"])]
+    pub(super) shard: Option<Shard>,
+    /// Make one part alone, likewise: MATERIAL.brdf, MATERIAL.maps or environment.maps ('brdfc plan' lists them).
+    #[arg(long, value_name = "PART", conflicts_with = "dry_run")]
+    pub(super) only: Vec<String>,
+    /// Take what was made by another build from its folder, such as that of another machine.
+    #[arg(long, value_name = "DIR")]
+    pub(super) from: Vec<PathBuf>,
+    /// Write this empty file when all is done and well.
+    #[arg(long, value_name = "FILE")]
+    pub(super) stamp: Option<PathBuf>,
+    /// Write the files that the report depends on, as a rule for make or ninja.
+    #[arg(long, value_name = "FILE")]
+    pub(super) depfile: Option<PathBuf>,
+    #[command(flatten, next_help_heading = "Encoding")]
+    pub(super) options: EncodeOptions,
+}
+
+impl Arguments {
+    /// How a build is done.
+    pub(super) fn settings<'a>(&'a self, memory: u64, interrupt: &'a Interrupt) -> BuildSettings<'a> {
+        BuildSettings {
+            out: &self.out,
+            looks_up: !self.no_cache,
+            from: &self.from,
+            keep: self.keep,
+            force: self.force,
+            fail_fast: self.fail_fast,
+            memory,
+            placing: interrupt.placing(),
+        }
+    }
+
+    /// The file that says that all is done.
+    pub(super) fn write_stamp(&self) -> Result<(), CliError> {
+        let Some(file) = &self.stamp else { return Ok(()) };
+        file.parent().map_or(Ok(()), make_folder)?;
+        write_file(file, b"")
+    }
+}

@@ -1,0 +1,119 @@
+//! Builds in pieces, by engines that exist.
+
+use super::schemas::conforms;
+use crate::common::cli::{Folder, inputs};
+use std::process::Command;
+
+/// Four materials, two of which are the same work, with a map each.
+fn folder() -> Folder {
+    let folder = Folder::new();
+    inputs(&folder);
+    let wave = image::Rgb32FImage::from_fn(32, 16, |x, _| image::Rgb([0.5 + 0.01 * x as f32, 1.0, 1.0]));
+    image::DynamicImage::ImageRgb32F(wave).save(folder.path().join("sky.hdr")).unwrap();
+    folder.write(
+        "my scene.toml",
+        "[scene]\nenvironment = 'sky.hdr'\n[defaults]\ncodec = 'table'\nmax_bytes = 2000\n\
+         [materials.table]\nsource = 'table.binary'\n[materials.twin]\nsource = 'table.binary'\n\
+         [materials.round]\nsource = 'round.brdf'\n[materials.ward]\nsource = 'synth:ward'\n\
+         [[uses]]\nmaterial = 'table'\n[[uses]]\nmaterial = 'twin'\n[[uses]]\nmaterial = 'round'\n[[uses]]\nmaterial = 'ward'\n",
+    );
+    folder.run(&["build", "my scene.toml", "--out", "whole"]).succeeded();
+    folder
+}
+
+#[test]
+fn shards_make_the_whole() {
+    let folder = folder();
+    let whole = folder.products("whole");
+    for number in 1..=3 {
+        let (shard, out) = (format!("{number}/3"), format!("part-{number}"));
+        let ran = folder.run(&["build", "my scene.toml", "--shard", &shard, "--out", &out]).succeeded();
+        assert!(ran.stdout.lines().all(|line| line.ends_with(": made")), "{}", ran.stdout);
+        assert!(folder.products(&out).is_empty(), "nothing is put in place");
+    }
+    let from = ["--from", "part-1", "--from", "part-2", "--from", "part-3"];
+    let merged = folder.run(&[&["build", "my scene.toml", "--json"][..], &from].concat()).succeeded().json();
+    assert!(merged["materials"].as_array().unwrap().iter().all(|m| m["cached"] == true), "all was made before");
+    assert!(folder.products("packs") == whole);
+    for (arguments, words) in [
+        (&["--shard", "4/3"][..], "--shard"),
+        (&["--shard", "1/3", "--only", "table.brdf"], "--shard"),
+        (&["--only", "table"], "--only: found table; allowed environment.maps, round.brdf, round.maps, table.brdf"),
+        (&["--shard", "1/3", "--json"], "--json: found with --shard or --only"),
+    ] {
+        let ran = folder.run(&[&["build", "my scene.toml"], arguments].concat());
+        assert!(ran.code == 2 && ran.stderr.contains(words), "{}", ran.stderr);
+    }
+    let ran = folder.run(&["build", "my scene.toml", "--from", "nowhere"]);
+    assert!(ran.code == 4 && ran.stderr.contains("nowhere/.brdfc-cache/objects: cannot read"), "{}", ran.stderr);
+}
+
+#[test]
+fn the_graph_is_one_job_per_material_and_part() {
+    let folder = folder();
+    let graph = folder.run(&["plan", "my scene.toml", "--format", "json"]).succeeded().json();
+    conforms("plan", &graph);
+    let names: Vec<_> = graph["jobs"].as_array().unwrap().iter().map(|job| job["name"].as_str().unwrap()).collect();
+    let parts = ["environment.maps", "round.brdf", "round.maps", "table.brdf", "table.maps", "ward.brdf", "ward.maps"];
+    assert_eq!(names, parts);
+    for job in graph["jobs"].as_array().unwrap().iter().chain([&graph["merge"]]) {
+        let command: Vec<&str> = job["command"].as_array().unwrap().iter().map(|word| word.as_str().unwrap()).collect();
+        assert_eq!(command[0], "brdfc");
+        folder.run(&command[1..]).succeeded();
+        assert!(folder.path().join(job["stamp"].as_str().unwrap()).is_file());
+    }
+    assert!(folder.products("packs") == folder.products("whole"));
+}
+
+#[test]
+fn ninja_runs_the_graph() {
+    let Ok(version) = Command::new("ninja").arg("--version").output() else {
+        println!("skipped: no ninja (Debian: ninja-build)");
+        return;
+    };
+    assert!(version.status.success());
+    let folder = folder();
+    let program = env!("CARGO_BIN_EXE_brdfc");
+    let ran = folder.run(&["plan", "my scene.toml", "--format", "ninja", "--program", program]).succeeded();
+    folder.write("build.ninja", ran.stdout);
+    let ninja = || {
+        let output = Command::new("ninja").args(["-j", "2"]).current_dir(folder.path()).output().unwrap();
+        let text = String::from_utf8(output.stdout).unwrap() + &String::from_utf8(output.stderr).unwrap();
+        (output.status.success(), text)
+    };
+    let (built, told) = ninja();
+    assert!(built && told.contains("[8/8] merge"), "{told}");
+    assert!(folder.products("packs") == folder.products("whole"));
+    assert!(ninja().1.contains("no work to do"));
+    // A source that changed is made again, and nothing else.
+    folder.run(&["synth", "ggx?alpha=0.5", "-o", "round.brdf", "--rows", "300"]).succeeded();
+    let (built, told) = ninja();
+    assert!(built && told.contains("[3/3] merge"), "{told}");
+    // A failed job stops the build before anything changes places.
+    let before = folder.products("packs");
+    folder.write("round.brdf", "no scan");
+    let (built, told) = ninja();
+    assert!(!built && told.contains("round.brdf: "), "{told}");
+    assert!(folder.products("packs") == before);
+}
+
+#[test]
+fn slurm_runs_shards_as_a_job_array() {
+    let folder = folder();
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/engines/slurm.sh");
+    let program = env!("CARGO_BIN_EXE_brdfc");
+    let ran = Command::new("timeout")
+        .arg("100")
+        .arg(script)
+        .arg(folder.path())
+        .args([program, "my scene.toml", "3"])
+        .output();
+    let ran = ran.unwrap();
+    let told = String::from_utf8_lossy(&ran.stdout).into_owned() + &String::from_utf8_lossy(&ran.stderr);
+    if ran.status.code() == Some(77) {
+        println!("skipped: {}", told.lines().find(|line| line.starts_with("skipped")).unwrap_or("Slurm"));
+        return;
+    }
+    assert!(ran.status.success(), "{told}");
+    assert!(folder.products("packs") == folder.products("whole"), "{told}");
+}
