@@ -16,13 +16,14 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 /// What other lines of a block that is not run start with.
-const SET_UP: [&str; 6] = [
+const SET_UP: [&str; 7] = [
     "./scripts/",
     "sudo apt-get install ",
     "cargo install ",
     "cargo bench",
     "cargo build",
     "cargo run --release --example ",
+    "ninja",
 ];
 /// How the pages run the program.
 const PROGRAMS: [&str; 3] = ["cargo run --release --features render -- ", "cargo run --release -- ", "brdfc "];

@@ -101,6 +101,13 @@ fn ninja_runs_the_graph() {
 fn slurm_runs_shards_as_a_job_array() {
     let folder = folder();
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/engines/slurm.sh");
+    let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/many-machines.md")).unwrap();
+    let run = std::fs::read_to_string(script).unwrap();
+    for shown in
+        ["sbatch --parsable --array=", "sbatch --wait --dependency=\"afterok:$array\" --kill-on-invalid-dep=yes"]
+    {
+        assert!(page.contains(shown) && run.contains(shown), "{shown}");
+    }
     let program = env!("CARGO_BIN_EXE_brdfc");
     let ran = Command::new("timeout")
         .arg("100")
