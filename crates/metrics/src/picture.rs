@@ -43,7 +43,8 @@ impl PictureError {
 
 /// The direction pairs of the pixels of all three pictures. The tangent points along the ball's latitude.
 pub fn picture_pairs() -> &'static [DirectionPair] {
-    static PAIRS: LazyLock<Vec<DirectionPair>> = LazyLock::new(|| LIGHTS.into_par_iter().flat_map(lit_by).collect());
+    // On one thread, as in `PairSet::comparison`.
+    static PAIRS: LazyLock<Vec<DirectionPair>> = LazyLock::new(|| LIGHTS.into_iter().flat_map(lit_by).collect());
     &PAIRS
 }
 

@@ -33,6 +33,8 @@ impl PairSet {
     /// strata. They depend on no codec, so that errors at them compare between any two packs. The mean is of the uniform
     /// ones: where light is mirrored at grazing angles few pairs would outweigh all others.
     pub fn comparison() -> Self {
+        // On one thread: one that waited for another's part could begin other work of the pool, which wants these pairs, too,
+        // and would wait for itself.
         static PAIRS: LazyLock<Vec<DirectionPair>> = LazyLock::new(comparison_pairs);
         Self { pairs: Cow::Borrowed(&PAIRS), of_mean: UNIFORM_PAIRS }
     }
@@ -53,15 +55,9 @@ fn comparison_pairs() -> Vec<DirectionPair> {
         let pair = DirectionPair::new(between(steepest, 75f64.to_radians().cos(), a, b), between(steepest, 1.0, c, d));
         if k % 2 == 0 { pair } else { pair.exchanged() }
     };
-    let (mut pairs, rest) = rayon::join(
-        || points(1).map(uniform).take(UNIFORM_PAIRS).collect::<Vec<_>>(),
-        || {
-            let seen = points(1).map(mirrored).filter(|pair| pair.outgoing[2] > steepest).take(MIRROR_PAIRS);
-            seen.chain(points(1).take(GRAZING_PAIRS).enumerate().map(grazing)).collect::<Vec<_>>()
-        },
-    );
-    pairs.extend(rest);
-    pairs
+    let seen = points(1).map(mirrored).filter(|pair| pair.outgoing[2] > steepest).take(MIRROR_PAIRS);
+    let grazing = points(1).take(GRAZING_PAIRS).enumerate().map(grazing);
+    points(1).map(uniform).take(UNIFORM_PAIRS).chain(seen).chain(grazing).collect()
 }
 
 /// Points of the unit cube of four dimensions that fill it evenly: multiples of the powers of `1/g`, where `g` is the root
