@@ -41,7 +41,8 @@ enum Report {
     /// 'brdfc plan --format json'.
     Plan,
     /// 'brdfc report --json', and the .json beside a page.
-    Report,
+    #[value(name = "report")]
+    Page,
     /// 'brdfc bench --json'.
     Bench,
     /// 'brdfc render --json'.
@@ -65,7 +66,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         Report::Flatten => schema_for!(super::flatten::Report),
         Report::FlatBtf => schema_for!(brdfc_jobs::flatten::AssetFile),
         Report::Plan => schema_for!(brdfc_jobs::scene::graph::Graph),
-        Report::Report => schema_for!(brdfc_jobs::report::page::PageReport<'static>),
+        Report::Page => schema_for!(brdfc_jobs::report::page::PageReport<'static>),
         Report::Bench => schema_for!(super::bench::Report),
         #[cfg(feature = "render")]
         Report::Render => schema_for!(super::render::Report),

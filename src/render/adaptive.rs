@@ -54,7 +54,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let choice = arguments.adapter.clone().map_or(AdapterChoice::Best, AdapterChoice::Named);
     let gpu = Gpu::open(&choice)?;
     let prepared = materials::prepare(arguments, &subject, &setup.names, common)?;
-    let lookups = prepared.iter().map(|part| lookups(part)).collect::<Result<Vec<_>, _>>()?;
+    let lookups = prepared.iter().map(lookups).collect::<Result<Vec<_>, _>>()?;
     let map = environment(arguments, &subject, &setup.scene.environment)?;
     let light = DistantLight::new(&setup.scene.environment, map);
     let decoding = Decoding {

@@ -34,7 +34,7 @@ pub(super) enum Subject {
         /// Its environment, if one lights it.
         environment: Option<EnvironmentJob>,
         /// Where its packs are, if they were built.
-        packs: Option<PackFolder>,
+        packs: Option<Box<PackFolder>>,
     },
     /// A pack.
     Pack,
@@ -95,7 +95,7 @@ pub(super) fn subject(arguments: &Arguments) -> Result<Subject, CliError> {
             let folder = path.parent().unwrap_or(Path::new(""));
             let plan = plan(&shown(&manifest), folder)?;
             let (jobs, environment) = (plan.jobs, plan.environment);
-            let packs = pack_folder(arguments)?;
+            let packs = pack_folder(arguments)?.map(Box::new);
             Ok(Subject::Scene { path, text, manifest: Box::new(manifest), jobs, environment, packs })
         }
         "ktx2" => Ok(Subject::Pack),

@@ -102,7 +102,7 @@ fn grown(material: &str, was: &MaterialReport, is: &MaterialReport, tolerance: f
     for (((figure, smallest), before), now) in SMALLEST.into_iter().zip(figures(was)).zip(figures(is)) {
         // What is no number now is worse than any.
         let within = now <= before * (1.0 + tolerance) || now - before <= smallest;
-        if !within && !(now.is_nan() && before.is_nan()) {
+        if !(within || now.is_nan() && before.is_nan()) {
             let growth = if before > 0.0 { now / before - 1.0 } else { f64::INFINITY };
             found.push(Regression {
                 material: material.to_owned(),
