@@ -3,7 +3,7 @@
 use super::output::{print, print_json, refuse_overwriting, remark, to_json, write_file};
 use super::progress::Materials;
 use super::{CliError, Common};
-use brdfc_jobs::report::page::{GatherError, csv, gather, html};
+use brdfc_jobs::report::page::{GatherError, Reports, csv, gather, html};
 use brdfc_jobs::scene::plan::REPORT;
 use brdfc_metrics::fraction::Fraction;
 use clap::Args;
@@ -53,9 +53,11 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     for path in [output, &csv_path, &json_path] {
         refuse_overwriting("--output", path, &inputs)?;
     }
-    let never = AtomicBool::new(false);
-    let progress = Materials::new(1, false, Common { quiet: true, ..common }, &never);
-    let page = gather(&arguments.folder, against.as_deref(), tolerance, &progress)?;
+    let reports = Reports::open(&arguments.folder, against.as_deref())?;
+    // An interrupt ends the process at once: files are whole or not there.
+    let cancelled = AtomicBool::new(false);
+    let progress = Materials::new(reports.count(), false, common, &cancelled);
+    let page = gather(reports, tolerance, &progress)?;
     drop(progress);
     write_file(&csv_path, csv(&page).as_bytes())?;
     write_file(&json_path, to_json(&page.report()).as_bytes())?;

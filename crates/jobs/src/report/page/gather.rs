@@ -12,7 +12,7 @@ use brdfc_source::progress::{Cancelled, Progress};
 use brdfc_source::read::{MAX_FILE_BYTES, MAX_TEXT_BYTES, read_file};
 use brdfc_source::{InputError, Source};
 use rayon::prelude::*;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A page, before it is written.
 #[derive(Debug)]
@@ -63,21 +63,40 @@ pub enum GatherError {
     Cancelled(#[from] Cancelled),
 }
 
-/// Reads the report of a folder and draws its packs and their sources. `against` is the `report.json` of an earlier build, of
-/// which figures may be worse by the share `tolerance`.
+/// The report of a folder, and that of an earlier build.
+#[derive(Debug)]
+pub struct Reports {
+    folder: PathBuf,
+    new: BuildReport,
+    old: Option<BuildReport>,
+}
+
+impl Reports {
+    /// Reads them. `against` is the `report.json` of the earlier build.
+    ///
+    /// # Errors
+    /// What cannot be read, or is no report.
+    pub fn open(folder: &Path, against: Option<&Path>) -> Result<Self, GatherError> {
+        let new = read_report(&folder.join(REPORT))?;
+        Ok(Self { folder: folder.to_owned(), new, old: against.map(read_report).transpose()? })
+    }
+
+    /// Materials that will be drawn or listed.
+    pub fn count(&self) -> usize {
+        self.new.materials.len()
+    }
+}
+
+/// Draws the packs of a folder and their sources. Figures may be worse than before by the share `tolerance`.
 ///
 /// # Errors
-/// No report, packs that are not those of the report, an earlier report that cannot be read.
-pub fn gather(
-    folder: &Path,
-    against: Option<&Path>,
-    tolerance: f64,
-    progress: &dyn Progress,
-) -> Result<Page, GatherError> {
-    let old = against.map(read_report).transpose()?;
-    let report = read_report(&folder.join(REPORT))?;
+/// Packs that are not those of the report.
+pub fn gather(reports: Reports, tolerance: f64, progress: &dyn Progress) -> Result<Page, GatherError> {
+    let Reports { folder, new: report, old } = reports;
+    let folder = folder.as_path();
     let notes = notes(folder);
-    let regressions = old.as_ref().map_or(Vec::new(), |old| regressions(&report, old, tolerance));
+    let is_held = old.is_some();
+    let regressions = old.map_or(Vec::new(), |old| regressions(&report, &old, tolerance));
     let drawn = |entry: MaterialEntry| {
         progress.check()?;
         let note = notes.get(&entry.material).cloned().unwrap_or_default();
@@ -88,7 +107,7 @@ pub fn gather(
         material
     };
     let materials = report.materials.into_par_iter().map(drawn).collect::<Result<_, GatherError>>()?;
-    Ok(Page { scene: report.scene, materials, skipped: report.skipped, is_held: against.is_some(), regressions })
+    Ok(Page { scene: report.scene, materials, skipped: report.skipped, is_held, regressions })
 }
 
 fn read_report(path: &Path) -> Result<BuildReport, GatherError> {

@@ -11,7 +11,7 @@ mod style;
 pub use against::{Regression, regressions};
 pub use csv::csv;
 pub use evidence::{Evidence, FULL_SCALE, Thumbnails, evidence};
-pub use gather::{GatherError, Page, PageMaterial, gather};
+pub use gather::{GatherError, Page, PageMaterial, Reports, gather};
 pub use html::html;
 
 use super::build::MaterialEntry;
