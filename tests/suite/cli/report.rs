@@ -106,6 +106,9 @@ fn folders_that_are_not_what_their_report_says() {
     refused(4, "nowhere/report.json: cannot read", &["nowhere", "-o", "page.html"]);
     refused(2, "--output: found page.pdf; allowed a name that ends in .html", &["packs", "-o", "page.pdf"]);
     refused(2, "packs/report.json, an input", &["packs", "-o", "packs/report.html"]);
+    let list = folder.write("packs/.brdfc-cache/commit/list", "begun");
+    refused(3, "packs: found a build that was killed while files changed places", &["packs", "-o", "page.html"]);
+    std::fs::remove_file(list).unwrap();
     std::fs::copy(folder.path().join("packs/lambert.brdf.ktx2"), folder.path().join("packs/velvet.brdf.ktx2")).unwrap();
     refused(
         3,

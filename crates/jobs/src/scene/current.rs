@@ -3,7 +3,7 @@
 use super::error::JobError;
 use super::memory::{self, Shared};
 use super::plan::{EnvironmentJob, Job};
-use super::run::{PACK, Workshop, file_of};
+use super::run::{Workshop, file_of};
 use crate::output_folder::OutputFolder;
 use crate::report::build::environment_map;
 use crate::report::gate::GateResult;
@@ -65,7 +65,6 @@ impl PackFolder {
             Current { parts: Vec::new(), missed: made.report.missed, gates: made.gates, stale: Vec::new() };
         for (part, digest) in &made.files {
             let name = file_of(&job.name, part);
-            debug_assert!(*part != PACK || current.parts.is_empty());
             current.parts.push(self.pack(&name, digest)?);
             if self.folder.holds_other(&name, digest) {
                 current.stale.push(name);

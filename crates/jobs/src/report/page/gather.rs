@@ -2,6 +2,7 @@
 
 use super::against::{Regression, regressions};
 use super::evidence::{Evidence, evidence};
+use crate::output_folder::OutputFolder;
 use crate::report::build::{BuildReport, MaterialEntry};
 use crate::scene::build::{BuiltNote, notes};
 use crate::scene::plan::REPORT;
@@ -77,6 +78,13 @@ impl Reports {
     /// # Errors
     /// What cannot be read, or is no report.
     pub fn open(folder: &Path, against: Option<&Path>) -> Result<Self, GatherError> {
+        if OutputFolder::is_unfinished(folder) {
+            return Err(GatherError::Folder {
+                path: folder.display().to_string(),
+                found: "a build that was killed while files changed places".to_owned(),
+                allowed: "a folder that is whole; 'brdfc build' finishes it",
+            });
+        }
         let new = read_report(&folder.join(REPORT))?;
         Ok(Self { folder: folder.to_owned(), new, old: against.map(read_report).transpose()? })
     }
