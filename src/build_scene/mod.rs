@@ -8,7 +8,9 @@ mod text;
 
 pub use arguments::Arguments;
 pub(super) use arguments::DEFAULT_FOLDER;
-pub(super) use inputs::{asked, read_manifest};
+pub(super) use inputs::asked;
+#[cfg(feature = "render")]
+pub(super) use inputs::read_manifest;
 
 use super::output::{
     make_folder, note, print, print_json, refuse_overwriting, refuse_overwriting_any, remark, tell, write_file,
