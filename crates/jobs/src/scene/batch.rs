@@ -2,9 +2,11 @@
 
 use super::manifest::{Manifest, Material, Use};
 use super::names;
+use brdfc_formats::measured::scan_csv::{ANGLE_COLUMNS, VECTOR_COLUMNS};
 use brdfc_source::address;
 use brdfc_source::open::{FORMATS, known_files};
 use std::collections::BTreeMap;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 
@@ -100,9 +102,19 @@ pub fn is_material(path: &Path) -> bool {
     extension.is_some_and(|extension| FORMATS.iter().any(|format| format.extension == extension))
 }
 
-/// Whether it is a material that is no pack yet.
+/// Whether it is a material that is no pack yet. Tables of all kinds are called .csv: one that is a scan has columns of values.
 fn is_measured(path: &Path) -> bool {
-    is_material(path) && path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("ktx2"))
+    let called = |name: &str| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(name));
+    is_material(path) && !called("ktx2") && (!called("csv") || has_values(path))
+}
+
+/// Whether the start names a column that scans alone have. What cannot be read is for the reader to tell.
+fn has_values(path: &Path) -> bool {
+    const START: u64 = 4096;
+    let mut start = Vec::new();
+    let read = std::fs::File::open(path).and_then(|file| file.take(START).read_to_end(&mut start));
+    let text = String::from_utf8_lossy(&start);
+    read.is_err() || [ANGLE_COLUMNS[0], VECTOR_COLUMNS[6]].iter().any(|column| text.contains(column))
 }
 
 fn of_folder(folder: &Path) -> Result<(Vec<String>, Vec<PathBuf>), BatchError> {
@@ -246,9 +258,13 @@ mod tests {
     #[test]
     fn a_folder_is_its_measured_files() {
         let there = folder(&["b.brdf", "a.binary", "notes.txt", "c.BSDF", "old.ktx2", ".d.csv"]);
+        let write = |name: &str, text: &str| std::fs::write(there.path().join(name), text).unwrap();
+        write("pairs.csv", "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n0,0,1,0,0,1\n");
+        write("e.csv", "# angles\ntheta_i,phi_i,theta_o,phi_o,r,g,b\n0,0,0,0,1,1,1\n");
+        write("d.csv", "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z,f_r,f_g,f_b\n0,0,1,0,0,1,1,1,1\n");
         let found = find(&[there.path().display().to_string()]).unwrap();
         let names: Vec<_> = found.sources.iter().map(|source| names::of_file(Path::new(source))).collect();
-        assert_eq!((names, found.others.len()), (vec!["a".to_owned(), "b".to_owned(), "c".to_owned()], 2));
+        assert_eq!((names, found.others.len()), (["a", "b", "c", "d", "e"].map(str::to_owned).to_vec(), 3));
         let empty = folder(&["notes.txt"]);
         let error = find(&[empty.path().display().to_string()]).unwrap_err().to_string();
         assert!(error.contains("found one file of another kind; allowed a folder with files .binary"), "{error}");
