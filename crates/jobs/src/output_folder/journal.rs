@@ -53,14 +53,12 @@ impl Journal {
         self.moves == Moves::default()
     }
 
-    /// Does it all.
-    pub(super) fn commit(self, folder: &Path, root: &Path) -> Result<(), StoreError> {
-        if self.is_empty() {
-            return Ok(());
-        }
+    /// Does it all, and puts the record of what is placed then in place with it: whoever finishes it knows what is ours.
+    pub(super) fn commit(self, folder: &Path, root: &Path, placed: &[u8]) -> Result<(), StoreError> {
         let list = self.folder.join(LIST);
         let error = |error| StoreError::new(&list, error);
         std::fs::create_dir_all(&self.folder).map_err(error)?;
+        std::fs::write(self.folder.join(super::PLACED), placed).map_err(error)?;
         let aside = self.folder.join("list.new");
         std::fs::write(&aside, write_record(&self.moves)).map_err(error)?;
         std::fs::rename(&aside, &list).map_err(error)?;
@@ -88,6 +86,10 @@ impl Journal {
                 }
                 _ => {}
             }
+        }
+        let (from, to) = (aside.join(super::PLACED), root.join(super::PLACED));
+        if moves != Moves::default() && from.exists() {
+            std::fs::rename(&from, &to).map_err(|error| StoreError::new(&to, error))?;
         }
         match std::fs::remove_dir_all(&aside) {
             Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(StoreError::new(&aside, error)),

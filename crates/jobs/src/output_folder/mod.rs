@@ -195,7 +195,9 @@ impl OutputFolder {
         if journal.is_empty() && placements == self.placements {
             return Ok(changes);
         }
-        journal.commit(&self.path, &self.root)?;
+        if !journal.is_empty() {
+            journal.commit(&self.path, &self.root, &write_record(&placements))?;
+        }
         placements.stamp(&self.path);
         let record = self.root.join(PLACED);
         crate::write::write_atomic(&record, &write_record(&placements))

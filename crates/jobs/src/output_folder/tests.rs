@@ -102,8 +102,14 @@ fn what_was_listed_is_finished_by_the_next() {
     std::fs::write(root.join("commit/2"), "new").unwrap();
     let moves = (vec!["a", "report.json", "../outside"], vec!["b", "../../passwd"]);
     std::fs::write(root.join("commit/list"), write_record(&moves)).unwrap();
+    let mut placements = Placements::default();
+    placements.files.insert("a".to_owned(), Placed { digest: Digest::of(b"new"), stamp: None });
+    placements.files.insert("c".to_owned(), Placed { digest: Digest::of(b"c"), stamp: None });
+    std::fs::write(root.join("commit").join(PLACED), write_record(&placements)).unwrap();
+    there.write("c", "c");
     assert!(OutputFolder::is_unfinished(there.folder.path()));
-    there.open();
+    // What was just placed is ours: the next build may replace it.
+    there.open().refuse_foreign(["a", "c"], false).unwrap();
     let texts = ["a", "b", "report.json"].map(|name| there.text(name));
     assert_eq!(texts, [Some("old".into()), None, Some("new".into())]);
     assert!(!root.join("commit").exists() && !there.folder.path().parent().unwrap().join("outside").exists());
