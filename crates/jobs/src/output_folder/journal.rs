@@ -1,9 +1,10 @@
 //! Many files that change places as one: written aside, listed, then moved. Who is killed before the list stands has changed
 //! nothing; what is listed is moved by whoever comes next.
 
+use super::placed::{PLACED, is_plain};
 use crate::store::{StoreError, read_record, write_record};
 use serde::{Deserialize, Serialize};
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 const FOLDER: &str = "commit";
 const LIST: &str = "list";
@@ -58,7 +59,7 @@ impl Journal {
         let list = self.folder.join(LIST);
         let error = |error| StoreError::new(&list, error);
         std::fs::create_dir_all(&self.folder).map_err(error)?;
-        std::fs::write(self.folder.join(super::PLACED), placed).map_err(error)?;
+        std::fs::write(self.folder.join(PLACED), placed).map_err(error)?;
         let aside = self.folder.join("list.new");
         std::fs::write(&aside, write_record(&self.moves)).map_err(error)?;
         std::fs::rename(&aside, &list).map_err(error)?;
@@ -87,7 +88,7 @@ impl Journal {
                 _ => {}
             }
         }
-        let (from, to) = (aside.join(super::PLACED), root.join(super::PLACED));
+        let (from, to) = (aside.join(PLACED), root.join(PLACED));
         if moves != Moves::default() && from.exists() {
             std::fs::rename(&from, &to).map_err(|error| StoreError::new(&to, error))?;
         }
@@ -105,10 +106,4 @@ impl Drop for Journal {
             let _ = std::fs::remove_dir_all(&self.folder);
         }
     }
-}
-
-/// Whether it is the name of a file in a folder, and of nothing elsewhere.
-pub(super) fn is_plain(name: &str) -> bool {
-    let mut components = Path::new(name).components();
-    matches!((components.next(), components.next()), (Some(Component::Normal(_)), None))
 }

@@ -9,14 +9,13 @@ mod placed;
 
 use crate::store::{Digest, Store, StoreError, read_record, write_record};
 use journal::Journal;
-use placed::{Placed, Placements};
+use placed::{PLACED, Placed, Placements};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
 /// Held while files change places.
 const LOCK: &str = "lock";
-const PLACED: &str = "placed";
 
 /// A file to put in place.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,8 +3,11 @@
 use crate::store::{Digest, Stamp};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Component, Path};
 use std::time::SystemTime;
+
+/// The record of them, beside the store.
+pub(super) const PLACED: &str = "placed";
 
 /// A file that a build put in place.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -25,7 +28,7 @@ impl Placements {
     /// Adds files that are not known yet and have these hashes.
     pub(super) fn also(&mut self, folder: &Path, listed: impl IntoIterator<Item = (String, Digest)>) {
         for (name, digest) in listed {
-            if super::journal::is_plain(&name) && !self.files.contains_key(&name) {
+            if is_plain(&name) && !self.files.contains_key(&name) {
                 let placed = Placed { digest, stamp: None };
                 if stamp_if_unchanged(folder, &name, &placed).is_some() {
                     self.files.insert(name, placed);
@@ -74,4 +77,10 @@ fn stamp_if_unchanged(folder: &Path, name: &str, placed: &Placed) -> Option<Stam
     let unchanged =
         placed.stamp == Some(stamp) || std::fs::read(&path).is_ok_and(|bytes| Digest::of(&bytes) == placed.digest);
     unchanged.then_some(stamp)
+}
+
+/// Whether it is the name of a file in a folder, and of nothing elsewhere.
+pub(super) fn is_plain(name: &str) -> bool {
+    let mut components = Path::new(name).components();
+    matches!((components.next(), components.next()), (Some(Component::Normal(_)), None))
 }
