@@ -1,7 +1,7 @@
 //! `brdfc compare`: error of one input against another.
 
 use super::inputs::refuse_stdin_twice;
-use super::output::{print, print_json};
+use super::output::{print, print_json, remark};
 use super::{CliError, Common};
 use crate::table;
 use brdfc_formats::direction::DirectionPair;
@@ -64,11 +64,22 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let inputs =
         [("A", Some(&arguments.a)), ("B", Some(&arguments.b)), ("--directions", arguments.directions.as_ref())];
     refuse_stdin_twice(&inputs)?;
-    let set = arguments
-        .directions
-        .as_ref()
-        .map_or_else(|| Ok(PairSet::comparison()), |directions| pairs(directions).map(PairSet::new))?;
     let (a, b) = (open(&arguments.a, None)?, open(&arguments.b, None)?);
+    // A pack that is for some directions only is no worse for what it does not hold.
+    let both = a.facts.directions().common(b.facts.directions()).ok_or_else(|| {
+        CliError::Check(format!(
+            "directions: found a pack for {}, and one for {}; allowed packs that have some in common",
+            a.facts.directions(),
+            b.facts.directions()
+        ))
+    })?;
+    let set = match &arguments.directions {
+        Some(directions) => PairSet::new(pairs(directions)?),
+        None => PairSet::within(both),
+    };
+    if !both.is_all() && arguments.directions.is_none() {
+        remark(common, &format!("compared where both are: {both}"));
+    }
     let (comparison, _) = compare(a.source.as_ref(), b.source.as_ref(), &set);
     let found = comparison.norms.relative_mean;
     let comparison_counts = comparison.norms.counted() > 0;

@@ -10,6 +10,15 @@ use comfy_table::{CellAlignment, Table, presets};
 
 /// Rows with a header, numbers to the right, no frame: copies well into a terminal, a mail or a diff.
 pub fn plain(header: &[&str], rows: &[Vec<String>]) -> String {
+    aligned(header, rows, |column| column > 0)
+}
+
+/// A table of words, aligned to the left.
+pub fn words(header: &[&str], rows: &[Vec<String>]) -> String {
+    aligned(header, rows, |_| false)
+}
+
+fn aligned(header: &[&str], rows: &[Vec<String>], right: impl Fn(usize) -> bool) -> String {
     let mut table = Table::new();
     table.load_style(presets::NOTHING).set_header(header.iter().copied());
     for row in rows {
@@ -17,7 +26,7 @@ pub fn plain(header: &[&str], rows: &[Vec<String>]) -> String {
     }
     for (index, column) in table.column_iter_mut().enumerate() {
         column.set_padding((0, 2));
-        if index > 0 {
+        if right(index) {
             column.set_cell_alignment(CellAlignment::Right);
         }
     }

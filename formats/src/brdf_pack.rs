@@ -1,5 +1,6 @@
 //! Packs of reflectances: what engines draw materials from, of whichever codec.
 
+use crate::crop::DirectionRange;
 use crate::direction::DirectionPair;
 use crate::table::{TableDecoder, TablePack};
 use crate::wavelet::{Filter, WaveletDecoder, WaveletPack};
@@ -29,6 +30,14 @@ impl BrdfPack {
         match self {
             Self::Wavelet(pack) => pack.gpu_bytes(),
             Self::Table(pack) => pack.gpu_bytes(),
+        }
+    }
+
+    /// Directions that it is for.
+    pub fn directions(&self) -> DirectionRange {
+        match self {
+            Self::Wavelet(pack) => pack.directions(),
+            Self::Table(pack) => pack.directions(),
         }
     }
 

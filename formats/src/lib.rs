@@ -11,6 +11,7 @@ pub mod bandwidth;
 mod brdf_pack;
 pub mod colour;
 pub mod container;
+pub mod crop;
 pub mod cursor;
 pub mod direction;
 pub mod direction_mesh;

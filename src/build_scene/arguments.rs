@@ -32,7 +32,7 @@ Examples:
   brdfc build scene.toml --out assets/packs --jobs 4 --json > report.json
   brdfc build scene.toml --shard 2/8 --out part-2
   brdfc build scene.toml --from part-1 --from part-2
-  brdfc build scene.toml --dry-run")]
+  brdfc build scene.toml --dry-run --explain")]
 pub struct Arguments {
     /// A scene manifest; or files, folders and patterns of measured materials, and synth: addresses.
     #[arg(value_name = "SCENE.toml|DIR|FILE", required = true)]
@@ -40,9 +40,12 @@ pub struct Arguments {
     /// Folder for packs and reports.
     #[arg(long, short, value_name = "DIR", default_value = DEFAULT_FOLDER)]
     pub(super) out: PathBuf,
-    /// Say what would be done, and do nothing.
+    /// Say what would be done and how large packs would be, and do nothing.
     #[arg(long)]
     pub(super) dry_run: bool,
+    /// Say what is needed of each material, which uses ask for it, and what that saves.
+    #[arg(long)]
+    pub(super) explain: bool,
     /// Make every pack again.
     #[arg(long)]
     pub(super) no_cache: bool,

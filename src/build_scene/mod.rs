@@ -22,9 +22,13 @@ use brdfc_jobs::output_folder::Changes;
 use brdfc_jobs::report::build::BuildReport;
 use brdfc_jobs::report::material::remarks;
 use brdfc_jobs::scene::build::{Built, build};
+use brdfc_jobs::scene::current::PackFolder;
+use brdfc_jobs::scene::explain::explain;
 use brdfc_jobs::scene::memory;
-use brdfc_jobs::scene::plan::REPORT;
+use brdfc_jobs::scene::plan::{Job, Plan, REPORT};
+use brdfc_jobs::scene::run::Made;
 use brdfc_jobs::scene::scene_section::ENVIRONMENT;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Less is not enough for one material.
@@ -52,10 +56,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         )));
     }
     if arguments.dry_run {
-        if common.json {
-            return print_json(&BuildReport::planned(plan));
-        }
-        return print(&plan_text::text(plan, out));
+        return dry_run(arguments, plan, common);
     }
 
     let inputs: Vec<&Path> = plan.sources().map(Path::new).chain(asked.manifest.as_deref()).collect();
@@ -71,16 +72,19 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let total = plan.jobs.len() + usize::from(plan.environment.is_some());
     let progress = Materials::new(total, plan.environment.is_some(), common, interrupt.flag());
     let settings = arguments.settings(memory, &interrupt);
-    let built = build(plan, &settings, &progress)?;
+    let mut built = build(plan, &settings, &progress)?;
     drop(progress);
     tell_what_matters(&built, common);
     if let Some(file) = &arguments.depfile {
         write_file(file, depfile(&out.join(REPORT), &inputs).as_bytes())?;
     }
+    if arguments.explain {
+        built.report.needs = explain(plan, &built.outcomes.made().collect());
+    }
     if common.json {
         print_json(&built.report)?;
     } else {
-        print(&text::text(&built.outcomes))?;
+        print(&(text::text(&built.outcomes) + &plan_text::needs(&built.report.needs)))?;
     }
     if !plan.skipped.is_empty() {
         remark(common, &format!("not used by the scene, not opened: {}", plan.skipped.join(", ")));
@@ -93,12 +97,28 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     arguments.write_stamp()
 }
 
+/// Says what would be done.
+fn dry_run(arguments: &Arguments, plan: &Plan, common: Common) -> Result<(), CliError> {
+    let folder = PackFolder::looked_at(&arguments.out).filter(|_| !arguments.no_cache);
+    let known = |job: &Job| folder.as_ref()?.known(job);
+    let known: BTreeMap<&str, Made> =
+        plan.jobs.iter().filter_map(|job| Some((job.name.as_str(), known(job)?))).collect();
+    let mut report = BuildReport::planned(plan, &known);
+    if arguments.explain {
+        report.needs = explain(plan, &known.iter().map(|(name, made)| (*name, made)).collect());
+    }
+    if common.json {
+        return print_json(&report);
+    }
+    print(&plan_text::text(plan, &report, &arguments.out))
+}
+
 /// Failures and misses, and notes on what was made.
 fn tell_what_matters(built: &Built, common: Common) {
     for outcome in &built.outcomes.materials {
         match &outcome.result {
             Ok(made) => {
-                let of_map = made.maps.as_ref().and_then(|maps| maps.bandwidth.facts.remark());
+                let of_map = made.maps.as_ref().and_then(|maps| maps.bandwidth.as_ref()?.facts.remark());
                 for line in remarks(&made.report).into_iter().chain(of_map) {
                     note(common, &outcome.name, &line);
                 }

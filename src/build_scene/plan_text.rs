@@ -2,29 +2,33 @@
 
 use crate::table;
 use brdfc_jobs::encode::recipe::{Budget, PackRecipe};
-use brdfc_jobs::report::build::environment_map;
+use brdfc_jobs::report::build::{BuildReport, MaterialEntry, environment_map};
+use brdfc_jobs::scene::explain::Explained;
 use brdfc_jobs::scene::plan::{Plan, pack_name};
+use brdfc_jobs::scene::predict::Predicted;
 use brdfc_table::recipe::Size;
 use brdfc_wavelet::recipe::Target;
 use std::path::Path;
 
 /// A line for each material.
-pub(super) fn text(plan: &Plan, out: &Path) -> String {
+pub(super) fn text(plan: &Plan, report: &BuildReport, out: &Path) -> String {
     let rows: Vec<Vec<String>> = plan
         .jobs
         .iter()
-        .map(|job| {
+        .zip(&report.materials)
+        .map(|(job, planned)| {
             vec![
                 job.name.clone(),
-                job.uses.to_string(),
+                job.needs.uses.to_string(),
                 codec(&job.recipe).to_owned(),
                 target(&job.recipe),
+                predicted(planned),
                 job.source.clone(),
                 out.join(pack_name(&job.name)).display().to_string(),
             ]
         })
         .collect();
-    let header = ["material", "uses", "codec", "target", "source", "pack"];
+    let header = ["material", "uses", "codec", "target", "on GPU", "source", "pack"];
     let mut text = table::plain(&header, &rows);
     if let Some(job) = &plan.environment {
         let map = out.join(environment_map()).display().to_string();
@@ -33,7 +37,34 @@ pub(super) fn text(plan: &Plan, out: &Path) -> String {
     if !plan.skipped.is_empty() {
         text += &format!("not used by the scene: {}\n", plan.skipped.join(", "));
     }
-    text
+    text + &needs(&report.needs)
+}
+
+/// What is needed of each material, and why.
+pub(super) fn needs(explained: &[Explained]) -> String {
+    if explained.is_empty() {
+        return String::new();
+    }
+    let row = |explained: &Explained| {
+        let about = if explained.need == "nothing" { "about " } else { "" };
+        let bytes = explained.saved_bytes.map(|bytes| format!("{about}{}", table::bytes(bytes)));
+        let seconds = explained.saved_seconds.map(|seconds| format!("about {seconds:.2} s"));
+        let saved: Vec<String> = bytes.into_iter().chain(seconds).collect();
+        let saved = if saved.is_empty() { "-".to_owned() } else { saved.join(", ") };
+        vec![explained.material.clone(), explained.need.clone(), explained.why.clone(), saved]
+    };
+    let rows: Vec<_> = explained.iter().map(row).collect();
+    format!("\n{}", table::words(&["material", "needed", "because of", "saves"], &rows))
+}
+
+/// Bytes on a GPU: those of the pack that is there, or between which they will be.
+fn predicted(planned: &MaterialEntry) -> String {
+    let Some(Predicted { least, most }) = planned.predicted else { return "-".to_owned() };
+    match least {
+        _ if planned.cached == Some(true) => format!("{}, made before", table::bytes(most)),
+        0 => format!("up to {}", table::bytes(most)),
+        _ => format!("{} to {}", table::bytes(least), table::bytes(most)),
+    }
 }
 
 fn codec(recipe: &PackRecipe) -> &'static str {

@@ -23,10 +23,12 @@ pub(super) fn text(outcomes: &Outcomes) -> String {
     }
     for (name, maps) in made().filter_map(|(name, made)| Some((name, made.maps.as_ref()?))) {
         let [bandwidth, samples] = PARTS.map(|part| part_name(name, part));
-        rows.push(bandwidth_row(bandwidth, &maps.bandwidth));
-        let facts = &maps.samples.facts;
-        let size = format!("{} x {}", facts.samples, facts.polar * facts.azimuths);
-        rows.push(row(samples, size, "-".to_owned(), maps.samples.bytes_on_disk, facts.gpu_bytes));
+        rows.extend(maps.bandwidth.as_ref().map(|map| bandwidth_row(bandwidth, map)));
+        rows.extend(maps.samples.as_ref().map(|packed| {
+            let facts = &packed.facts;
+            let size = format!("{} x {}", facts.samples, facts.polar * facts.azimuths);
+            row(samples, size, "-".to_owned(), packed.bytes_on_disk, facts.gpu_bytes)
+        }));
     }
     if rows.is_empty() {
         return packs;

@@ -63,7 +63,7 @@ pub(super) fn verification(arguments: &Arguments, common: Common) -> Result<(Ver
     if source.is_none() {
         note(common, &arguments.input, if setup.builtin == Builtin::Plane { NO_SURFACE } else { CURVED });
     }
-    let views = Views { shader, pack, table: None, source };
+    let views = Views { shader, pack, table: None, source, left_out: 0.0 };
     let name = path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let listed = setup.scene.parts.iter().map(|part| PartMaterial {
         part: part.name.to_owned(),

@@ -123,7 +123,7 @@ fn shown(manifest: &Manifest) -> Manifest {
     let used: Vec<String> = all.uses.iter().map(|used| used.material.get_ref().clone()).collect();
     for name in manifest.materials.keys().filter(|name| !used.contains(name)) {
         let material = toml::Spanned::new(0..0, name.clone());
-        all.uses.push(brdfc_jobs::scene::manifest::Use { object: None, material, nearest: None });
+        all.uses.push(brdfc_jobs::scene::manifest::Use::of(material));
     }
     all
 }

@@ -13,6 +13,7 @@ pub use arguments::Arguments;
 
 use super::output::{note, print, print_json, remark};
 use super::{CliError, Common, graphics_environment};
+use crate::table;
 use arguments::FilterName;
 use brdfc_formats::wavelet::DEFAULT_DISTANCE_SCALE;
 use brdfc_gpu::verify::{Material, Views, views};
@@ -57,6 +58,11 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let verification = verification.checked_by(&gates, &views);
     if let Some(nothing) = verification.nothing_seen(&views) {
         note(common, &arguments.input, &format!("the picture shows {nothing}{}", hint(arguments)));
+    }
+    if verification.left_out > 0.0 {
+        let share = table::percent(verification.left_out);
+        let why = "seen or lit from where packs were not made for (view_elevation, light_elevation)";
+        remark(common, &format!("{share} of the surfaces are left out: {why}"));
     }
     drop(views);
     let seconds = started.elapsed().as_secs_f64();

@@ -107,13 +107,14 @@ impl<'a> Contents<'a> {
             BrdfPack::Wavelet(pack) => {
                 let grid = pack.header.grid() as u32;
                 contents.wavelet = WaveletBrdfParameters::new(pack, filter, distance_scale as f32).to_bytes();
-                contents.slices = (pack.header.texel_format(), [grid, grid, pack.slices() as u32], &pack.texels);
+                contents.slices = (pack.header.texel_format(), pack.extent(), &pack.texels);
                 contents.index = (grid, index_texels(pack));
             }
             BrdfPack::Table(pack) => {
                 let header = pack.header();
-                contents.table = TableBrdfParameters::new(header, pack.curve(), distance_scale as f32).to_bytes();
-                contents.texels = (header.texel_format(), header.extent(), pack.texels());
+                contents.table =
+                    TableBrdfParameters::new(header, pack.window(), pack.curve(), distance_scale as f32).to_bytes();
+                contents.texels = (header.texel_format(), pack.extent(), pack.texels());
                 if let Some(curve) = pack.curve() {
                     let size = [curve.nodes() as u32, curve.levels() + 1];
                     contents.curve = (curve.texel_format(), size, curve.texels());

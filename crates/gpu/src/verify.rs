@@ -2,6 +2,7 @@
 //! from whole tables and from sources.
 
 use crate::{Decoding, Gpu, GpuError, Renderer};
+use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::wavelet::level_of_detail;
 use brdfc_formats::{BrdfDecoder, BrdfPack};
@@ -9,6 +10,7 @@ use brdfc_metrics::image::LinearImage;
 use brdfc_render::scene::{Frame, Scene};
 use brdfc_render::shade::{Reflectance, SourceReflectance, shade};
 use brdfc_render::trace::trace;
+use brdfc_render::within::{outside, without};
 use brdfc_source::Source;
 
 /// One material of a scene's part.
@@ -33,6 +35,9 @@ pub struct Views {
     pub table: Option<LinearImage>,
     /// Ray cast on the CPU from sources, where every part has one.
     pub source: Option<LinearImage>,
+    /// Share of the pixels that show a surface which are left out of all views, as they ask packs for directions that they
+    /// were not made for.
+    pub left_out: f64,
 }
 
 impl Views {
@@ -66,7 +71,8 @@ impl Reflectance for PackReflectance {
     }
 }
 
-/// Draws a scene in every way that its materials allow. One material per part.
+/// Draws a scene in every way that its materials allow. One material per part. Pixels that ask a pack for directions that
+/// it was not made for are left out.
 ///
 /// All views share the positions of their samples, so that differences are of shading, not of outlines.
 ///
@@ -104,5 +110,10 @@ pub fn views(
         let all: Vec<&dyn Reflectance> = sources.iter().map(|source| source as &dyn Reflectance).collect();
         shade(scene, frame, &hits, &all)
     });
-    Ok(Views { shader, pack, table, source })
+    let ranges: Vec<DirectionRange> = materials.iter().map(|material| material.pack.directions()).collect();
+    let outside = outside(scene, frame, &hits, &ranges);
+    let surfaces = shader.coverage.iter().filter(|covered| **covered > 0.0).count();
+    let left_out = outside.iter().filter(|out| **out).count() as f64 / surfaces.max(1) as f64;
+    let kept = |image: LinearImage| without(image, &outside);
+    Ok(Views { shader: kept(shader), pack: kept(pack), table: table.map(kept), source: source.map(kept), left_out })
 }

@@ -5,6 +5,7 @@ use super::picture::{PictureError, ReferencePicture};
 use super::sampling::{PairSet, albedo_directions, albedo_samples};
 use super::values::{CHUNK, values_at};
 use brdfc_formats::ErrorSummary;
+use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::{DirectionPair, Vector};
 use brdfc_source::{Source, Tally};
 use rayon::prelude::*;
@@ -43,7 +44,7 @@ pub struct AlbedoPoint {
     pub theta: f64,
     /// Incoming azimuth, degrees.
     pub phi: f64,
-    /// `∫ f cos θo dωo` of the reference, linear RGB.
+    /// `∫ f cos θo dωo` of the reference, linear RGB; over the directions that are compared.
     pub reference: [f64; 3],
     /// The same of the approximation.
     pub approximation: [f64; 3],
@@ -73,12 +74,15 @@ impl Reference {
     /// Evaluates a source.
     pub fn new(source: &dyn Source, set: PairSet) -> Self {
         let (values, mut tally) = values_at(source, &set.pairs);
-        let (picture, counts) = ReferencePicture::new(source);
+        let (picture, counts) = ReferencePicture::new(source, set.directions);
         tally += counts;
+        let DirectionRange { light, view } = set.directions;
         let albedo = albedo_directions(source.symmetry().isotropic)
             .into_par_iter()
+            .filter(|(_, incoming)| light.contain(*incoming))
             .map(|(angles, incoming)| {
-                let samples = albedo_samples(incoming);
+                let mut samples = albedo_samples(incoming);
+                samples.retain(|(outgoing, _)| view.contain(*outgoing));
                 AlbedoReference { angles, incoming, value: albedo(source, incoming, &samples), samples }
             })
             .collect();
@@ -120,7 +124,8 @@ impl Reference {
                     for channel in 0..channels {
                         sums.add(f[channel].max(0.0), g[channel], pair.incoming[2].max(0.0));
                     }
-                    if chunk_number * CHUNK + k < RECIPROCITY_PAIRS {
+                    let known_both_ways = self.set.directions.contains(pair.exchanged());
+                    if chunk_number * CHUNK + k < RECIPROCITY_PAIRS && known_both_ways {
                         let exchanged = approximation.eval(pair.exchanged(), &mut other);
                         for channel in 0..channels {
                             reciprocity.add(f[channel], g[channel], exchanged[channel], mean);

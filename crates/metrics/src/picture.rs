@@ -1,13 +1,17 @@
 //! How different two materials look on a ball, without drawing one.
 
 use super::image::{Spread, colour_difference, shown_colour, spread};
+use super::sampling::points;
 use super::values::values_at;
 use brdfc_formats::PictureSummary;
+use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::{DirectionPair, Vector, cross, dot};
 use brdfc_source::{Source, Tally};
 use palette::Lab;
 use palette::white_point::D65;
 use rayon::prelude::*;
+use std::borrow::Cow;
+use std::f64::consts::TAU;
 use std::sync::LazyLock;
 
 /// Pixels across the ball.
@@ -48,6 +52,22 @@ pub fn picture_pairs() -> &'static [DirectionPair] {
     &PAIRS
 }
 
+/// Direction pairs of pixels that show a range of directions: viewers as a ball from afar has them, which is by projected
+/// area, and lights from everywhere, by solid angle.
+fn pairs_within(directions: DirectionRange) -> Vec<DirectionPair> {
+    let ([light_low, light_high], [view_low, view_high]) = (directions.light.sines(), directions.view.sines());
+    let direction = |z: f64, turn: f64| {
+        let radius = (1.0 - z * z).max(0.0).sqrt();
+        [radius * (TAU * turn).cos(), radius * (TAU * turn).sin(), z]
+    };
+    let pair = |[a, b, c, d]: [f64; 4]| {
+        let view = (view_low.powi(2) + (view_high.powi(2) - view_low.powi(2)) * c).sqrt();
+        DirectionPair::new(direction(light_low + (light_high - light_low) * a, b), direction(view, d))
+    };
+    let shown = |pair: &DirectionPair| pair.incoming[2] > LEAST_COSINE && pair.outgoing[2] > LEAST_COSINE;
+    points(1).take(picture_pairs().len()).map(pair).filter(shown).collect()
+}
+
 /// The direction pairs of the pixels of a picture.
 fn lit_by(light: Vector) -> Vec<DirectionPair> {
     let mut pairs = Vec::new();
@@ -73,18 +93,22 @@ fn lit_by(light: Vector) -> Vec<DirectionPair> {
 
 /// Pictures of a source, for others to be compared with.
 pub struct ReferencePicture {
+    pairs: Cow<'static, [DirectionPair]>,
     pixels: Vec<[f32; 3]>,
     colours: Vec<Lab<D65, f64>>,
     exposure: f64,
 }
 
 impl ReferencePicture {
-    /// Pictures of a source, and what it had to mend.
-    pub fn new(source: &dyn Source) -> (Self, Tally) {
-        let (pixels, tally) = pixels(source);
+    /// Pictures of a source, and what it had to mend. Within a range of directions they are not of a ball, of which little
+    /// may be left, but of as many pixels that are spread over it, see [`pairs_within`].
+    pub fn new(source: &dyn Source, directions: DirectionRange) -> (Self, Tally) {
+        let pairs =
+            if directions.is_all() { Cow::Borrowed(picture_pairs()) } else { Cow::Owned(pairs_within(directions)) };
+        let (pixels, tally) = pixels(source, &pairs);
         let exposure = exposure(&pixels);
         let colours = pixels.par_iter().map(|pixel| shown_colour(*pixel, exposure)).collect();
-        (Self { pixels, colours, exposure }, tally)
+        (Self { pairs, pixels, colours, exposure }, tally)
     }
 
     /// What radiance is multiplied by to be shown.
@@ -94,7 +118,7 @@ impl ReferencePicture {
 
     /// Compares pictures of an approximation with them. Pixels that hold no number in either are left out.
     pub fn compare(&self, approximation: &dyn Source) -> PictureError {
-        let (found, _) = pixels(approximation);
+        let (found, _) = pixels(approximation, &self.pairs);
         let difference = |(k, found): (usize, &[f32; 3])| {
             let expected = &self.pixels[k];
             if found.iter().chain(expected).any(|c| !c.is_finite()) {
@@ -118,15 +142,15 @@ impl ReferencePicture {
 
 /// Compares pictures of `approximation` with those of `reference`; the tally is the reference's.
 pub fn picture_error(reference: &dyn Source, approximation: &dyn Source) -> (PictureError, Tally) {
-    let (reference, tally) = ReferencePicture::new(reference);
+    let (reference, tally) = ReferencePicture::new(reference, DirectionRange::ALL);
     (reference.compare(approximation), tally)
 }
 
 /// Radiance of all pixels under lights of 1.
-fn pixels(source: &dyn Source) -> (Vec<[f32; 3]>, Tally) {
-    let (values, tally) = values_at(source, picture_pairs());
+fn pixels(source: &dyn Source, pairs: &[DirectionPair]) -> (Vec<[f32; 3]>, Tally) {
+    let (values, tally) = values_at(source, pairs);
     let shown = |(f, pair): (&[f64; 3], &DirectionPair)| f.map(|f| (f.max(0.0) * pair.incoming[2]) as f32);
-    (values.iter().zip(picture_pairs()).map(shown).collect(), tally)
+    (values.iter().zip(pairs).map(shown).collect(), tally)
 }
 
 fn exposure(pixels: &[[f32; 3]]) -> f64 {
@@ -143,6 +167,7 @@ fn scaled(v: Vector, factor: f64) -> Vector {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use brdfc_formats::crop::Elevations;
     use brdfc_source::address::parse_synth;
 
     fn error(reference: &str, approximation: &str) -> PictureError {
@@ -168,6 +193,23 @@ mod tests {
         // Brightness is exposed away, so that it does not matter how bright both are.
         let darker = error("synth:lambert?kd=0.08", "synth:lambert?kd=0.04");
         assert!((darker.delta_e.mean - half.delta_e.mean).abs() < 1e-3);
+    }
+
+    /// Over the whole range they are as different as on a ball, which is lit by three lights alone; and of a narrow one
+    /// there are as many pixels.
+    #[test]
+    fn a_range_of_directions_is_as_a_ball_where_it_is_wide() {
+        let [a, b] = ["synth:ggx?alpha=0.3", "synth:ggx?alpha=0.34"].map(|address| parse_synth(address).unwrap());
+        let within = |from: f32, to: f32| {
+            let range = Elevations { from, to };
+            let directions = DirectionRange { light: range, view: range };
+            ReferencePicture::new(a.as_ref(), directions).0.compare(b.as_ref())
+        };
+        let (ball, nearly_all) = (picture_error(a.as_ref(), b.as_ref()).0, within(0.0, 89.9));
+        let ratio = nearly_all.delta_e.mean / ball.delta_e.mean;
+        assert!((0.5..2.0).contains(&ratio), "{nearly_all:?} {ball:?}");
+        let steep = within(85.0, 90.0);
+        assert!(steep.pixels == ball.pixels && steep.delta_e.mean > 0.0, "{steep:?}");
     }
 
     #[test]

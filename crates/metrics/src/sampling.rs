@@ -1,5 +1,6 @@
 //! Fixed sets of directions to compare at: the same on every run and machine.
 
+use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::{DirectionPair, Vector, dot, from_polar, half_vector};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -21,12 +22,14 @@ pub struct PairSet {
     pub pairs: Cow<'static, [DirectionPair]>,
     /// How many of them, from the first on, are what the mean is of.
     pub of_mean: usize,
+    /// Where pictures and albedos are compared.
+    pub directions: DirectionRange,
 }
 
 impl PairSet {
     /// Any pairs; the mean is of all.
     pub fn new(pairs: Vec<DirectionPair>) -> Self {
-        Self { of_mean: pairs.len(), pairs: Cow::Owned(pairs) }
+        Self { of_mean: pairs.len(), pairs: Cow::Owned(pairs), directions: DirectionRange::ALL }
     }
 
     /// The direction pairs at which sources are compared off any grid: 65,536, the same on every run, spread evenly in three
@@ -36,7 +39,25 @@ impl PairSet {
         // On one thread: one that waited for another's part could begin other work of the pool, which wants these pairs, too,
         // and would wait for itself.
         static PAIRS: LazyLock<Vec<DirectionPair>> = LazyLock::new(comparison_pairs);
-        Self { pairs: Cow::Borrowed(&PAIRS), of_mean: UNIFORM_PAIRS }
+        Self { pairs: Cow::Borrowed(&PAIRS), of_mean: UNIFORM_PAIRS, directions: DirectionRange::ALL }
+    }
+
+    /// Those of a pack that is for a range of directions: as many uniform ones, all within it; of the other strata, those
+    /// that are.
+    pub fn within(directions: DirectionRange) -> Self {
+        let all = Self::comparison();
+        if directions.is_all() {
+            return all;
+        }
+        let ([light_low, light_high], [view_low, view_high]) = (directions.light.sines(), directions.view.sines());
+        let between = |low: f64, high: f64, share: f64, turn: f64| {
+            from_polar_cosine(low + (high - low) * (1.0 - share), TAU * turn)
+        };
+        let uniform = points(1).take(UNIFORM_PAIRS).map(|[a, b, c, d]| {
+            DirectionPair::new(between(light_low, light_high, a, b), between(view_low, view_high, c, d))
+        });
+        let others = all.pairs[UNIFORM_PAIRS..].iter().copied().filter(|pair| directions.contains(*pair));
+        Self { pairs: uniform.chain(others).collect(), of_mean: UNIFORM_PAIRS, directions }
     }
 }
 
@@ -155,6 +176,7 @@ pub fn albedo_directions(isotropic: bool) -> Vec<([f64; 2], Vector)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use brdfc_formats::crop::Elevations;
 
     #[test]
     fn pairs_are_above_the_horizon_and_in_their_strata() {
@@ -177,6 +199,19 @@ mod tests {
         let limit = 75f64.to_radians().cos() + 1e-12;
         assert!(grazing.iter().all(|pair| pair.incoming[2].min(pair.outgoing[2]) <= limit));
         assert!(grazing.iter().filter(|pair| pair.incoming[2] <= limit).count() > GRAZING_PAIRS / 2);
+    }
+
+    #[test]
+    fn pairs_within_a_range_are_within() {
+        let directions =
+            DirectionRange { light: Elevations { from: 0.0, to: 30.0 }, view: Elevations { from: 60.0, to: 90.0 } };
+        let set = PairSet::within(directions);
+        assert!(set.pairs.iter().all(|pair| directions.contains(*pair) && pair.is_above_horizon()));
+        assert!(set.pairs.len() >= UNIFORM_PAIRS && set.pairs.len() < 65_536, "{}", set.pairs.len());
+        // Uniform over the solid angle: the mean of z is the middle of both sines.
+        let mean = set.pairs[..UNIFORM_PAIRS].iter().map(|pair| pair.incoming[2]).sum::<f64>() / UNIFORM_PAIRS as f64;
+        assert!((mean - 0.25).abs() < 1e-3, "{mean}");
+        assert_eq!(PairSet::within(DirectionRange::ALL), PairSet::comparison());
     }
 
     /// Known albedos: of a matte white, and of the part of a lobe around the mirror direction, however narrow: `f` is such that

@@ -19,3 +19,4 @@ pub mod shading_point;
 mod testing;
 pub mod trace;
 mod vector;
+pub mod within;

@@ -5,6 +5,7 @@ use super::error::InputError;
 use super::input::InputFile;
 use super::scan::{ScanSummary, StrayRows};
 use super::words::{bytes, percent};
+use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::table::{Axes, TableSymmetry};
 use brdfc_formats::{ErrorSummary, PictureSummary};
@@ -73,6 +74,8 @@ pub enum Facts {
         mean: f32,
         /// `ε`.
         bias: f32,
+        /// Directions that it is for, and that its errors are of.
+        directions: DirectionRange,
         /// Bytes on a GPU.
         gpu_bytes: u64,
         /// Codec error: decoded samples against the table they were made from.
@@ -98,6 +101,8 @@ pub enum Facts {
         bias: f32,
         /// Filtered fetches of a look-up.
         fetches: u32,
+        /// Directions that it is for, and that its errors are of.
+        directions: DirectionRange,
         /// Bytes on a GPU.
         gpu_bytes: u64,
         /// The filtered pack against its source at direction pairs that depend on no grid.
@@ -119,6 +124,14 @@ pub struct AltaHeader {
 }
 
 impl Facts {
+    /// Directions that a pack is for.
+    pub fn directions(&self) -> DirectionRange {
+        match self {
+            Self::WaveletPack { directions, .. } | Self::TablePack { directions, .. } => *directions,
+            _ => DirectionRange::ALL,
+        }
+    }
+
     /// Rows with a negative channel, which was raised to 0.
     pub fn rows_raised(&self) -> u64 {
         match self {
@@ -214,6 +227,7 @@ impl Facts {
                 slices_kept,
                 mean,
                 bias,
+                directions,
                 gpu_bytes,
                 on_grid,
                 off_grid,
@@ -230,6 +244,7 @@ impl Facts {
                 ("texels", format!("{channels} channel{}, {bits} bits", if *channels == 1 { "" } else { "s" })),
                 ("slices kept", format!("{slices_kept} of {}", grid * grid)),
                 ("mean μ, bias ε", format!("{mean} 1/sr, {bias}")),
+                ("directions", directions_in_words(*directions)),
                 ("bytes on a GPU", bytes(*gpu_bytes)),
                 ("error on the grid (codec)", errors_in_words(on_grid)),
                 ("error off the grid (against the source)", errors_in_words(off_grid)),
@@ -243,6 +258,7 @@ impl Facts {
                 mean,
                 bias,
                 fetches,
+                directions,
                 gpu_bytes,
                 off_grid,
                 picture,
@@ -253,6 +269,7 @@ impl Facts {
                 ("levels of detail", levels_in_words(*levels)),
                 ("texels", if *channels == 1 { "1 channel, halves" } else { "3 channels, 10 bits" }.to_owned()),
                 ("mean μ, bias ε", format!("{mean} 1/sr, {bias}")),
+                ("directions", directions_in_words(*directions)),
                 ("bytes on a GPU", bytes(*gpu_bytes)),
                 ("filtered fetches", fetches.to_string()),
                 ("error off the grid (against the source)", errors_in_words(off_grid)),
@@ -285,6 +302,10 @@ fn symmetry_in_words(symmetry: TableSymmetry) -> String {
     ];
     let found: Vec<&str> = flags.into_iter().filter(|(holds, _)| *holds).map(|(_, name)| name).collect();
     if found.is_empty() { "none".to_owned() } else { found.join(", ") }
+}
+
+fn directions_in_words(directions: DirectionRange) -> String {
+    if directions.is_all() { "all".to_owned() } else { format!("{directions}; errors are of these") }
 }
 
 fn errors_in_words(errors: &ErrorSummary) -> String {

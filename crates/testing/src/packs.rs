@@ -1,6 +1,7 @@
 //! What several tests of packs share. Each of them uses only a part.
 use brdfc_formats::ErrorSummary;
 use brdfc_formats::container::{Extent, TexelFormat, Texture};
+use brdfc_formats::crop::{Crop, DirectionRange, Elevations, Window};
 use brdfc_formats::direction::{DirectionPair, Parameterisation};
 use brdfc_formats::table::{Axes, Curve, KNOTS, TableHeader, TablePack, TableSymmetry};
 use brdfc_formats::wavelet::{Filter, Header, SliceScale, WaveletDecoder, WaveletPack};
@@ -85,7 +86,7 @@ pub fn pack(header: Header, kept: usize, seed: u64) -> WaveletPack {
         texel[colours..].fill(0xff);
         texel[..colours].fill_with(|| numbers.bits() as u8);
     }
-    WaveletPack { header, index, scales, on_grid, off_grid, texels }
+    WaveletPack { header, index, scales, on_grid, off_grid, crop: None, texels }
 }
 
 /// Packs of every texel format, both parameterisations, several sizes, down to two slices.
@@ -107,7 +108,22 @@ pub fn packs() -> Vec<(String, WaveletPack)> {
         let made = pack(lifted(levels, channels, bits), 1 << levels, packs.len() as u64);
         packs.push((format!("lifted, levels {levels}, channels {channels}, bits {bits}"), made));
     }
+    let cropped = packs.iter().enumerate().filter(|(k, _)| k % 9 == 5).map(|(k, (name, pack))| {
+        let grid = pack.header.grid() as u32;
+        let first = [k as u32 % grid, k as u32 / 3 % grid];
+        let size = [0, 1].map(|axis| 1 + (k as u32 + axis as u32) % (grid - first[axis]));
+        (format!("{name}, cropped"), pack.cropped(crop(Window { first, size })).expect("within the grid"))
+    });
+    let cropped: Vec<_> = cropped.collect();
+    packs.extend(cropped);
     packs
+}
+
+/// A crop of made-up directions.
+fn crop(window: Window) -> Crop {
+    let directions =
+        DirectionRange { light: Elevations { from: 10.0, to: 80.0 }, view: Elevations { from: 0.0, to: 45.0 } };
+    Crop { directions, window }
 }
 
 /// Tables of both formats and every symmetry, with random texels; then some with a curve.
@@ -157,7 +173,14 @@ pub fn tables() -> Vec<(String, TablePack)> {
     let names = ["symmetry 0, layers 1", "symmetry 3, layers 1", "symmetry 15, layers 3"];
     let plain = packs.iter().filter(|(name, _)| names.contains(&name.as_str())).cloned();
     let factored: Vec<_> = plain.map(factored).collect();
-    packs.into_iter().chain(factored).collect()
+    packs.extend(factored);
+    let cropped = packs.iter().enumerate().filter(|(k, _)| k % 4 == 1).map(|(k, (name, pack))| {
+        let [columns, rows, _] = pack.extent();
+        let window = Window { first: [k as u32 % (columns - 1), k as u32 % 3], size: [2, rows - k as u32 % 3] };
+        (format!("{name}, cropped"), pack.cropped(crop(window)).expect("within the texture"))
+    });
+    let cropped: Vec<_> = cropped.collect();
+    packs.into_iter().chain(cropped).collect()
 }
 
 /// Textures of every format and kind, with random texels.
@@ -206,6 +229,7 @@ pub fn example() -> WaveletPack {
         ],
         on_grid: summary,
         off_grid: summary,
+        crop: None,
         texels: vec![0, 0, 0, 0, 0, 85, 170, 255, 255, 170, 85, 0],
     }
 }

@@ -7,6 +7,7 @@ use super::coordinates::{Angles, Position};
 use super::curve::Curve;
 use super::header::TableHeader;
 use super::pack::TablePack;
+use crate::crop::Window;
 use crate::direction::DirectionPair;
 
 #[derive(Debug, Clone)]
@@ -47,6 +48,7 @@ pub struct LogValues {
 #[derive(Debug, Clone)]
 pub struct TableDecoder {
     header: TableHeader,
+    window: Window,
     values: Vec<[f32; 3]>,
     curve: Option<UnpackedCurve>,
 }
@@ -56,7 +58,7 @@ impl TableDecoder {
     pub fn new(pack: &TablePack) -> Self {
         let unpacked = |curve: &Curve| UnpackedCurve { levels: curve.levels(), values: curve.values() };
         let curve = pack.curve().map(unpacked);
-        Self { header: *pack.header(), values: pack.values(), curve }
+        Self { header: *pack.header(), window: pack.window(), values: pack.values(), curve }
     }
 
     /// Sizes and constants.
@@ -114,12 +116,15 @@ impl TableDecoder {
         if f > 0.0 { f.min(f32::MAX) } else { 0.0 }
     }
 
-    /// Trilinear filtering of the eight texels around a position, columns first.
+    /// Trilinear filtering of the eight texels around a position, columns first; of cropped packs at the nearest position
+    /// of the window.
     fn sample(&self, position: &Position, layer: u32) -> [f32; 3] {
-        let [columns, rows, _] = self.header.extent();
+        let Window { first, size: [columns, rows] } = self.window;
         let slices = self.header.slices();
+        let [column, row] = [position.column - first[0] as f32, position.row - first[1] as f32];
         let [(column, x), (row, y), (slice, z)] =
-            [(position.column, columns), (position.row, rows), (position.slice, slices)].map(|(at, count)| {
+            [(column, columns), (row, rows), (position.slice, slices)].map(|(at, count)| {
+                let at = at.clamp(0.0, (count - 1) as f32);
                 let lower = (at as u32).min(count - 2);
                 (lower, at - lower as f32)
             });

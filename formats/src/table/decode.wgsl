@@ -16,8 +16,8 @@
 
 // The same fields, in the same order, as `TableBrdfParameters` of `brdfc-formats`. 144 bytes.
 struct TableBrdfParameters {
-    half_nodes: u32,                // columns, along θ_h
-    difference_nodes: u32,          // rows, along θ_d
+    half_nodes: u32,                // columns, along θ_h; see below
+    difference_nodes: u32,          // rows, along θ_d; see below
     azimuth_nodes: u32,             // slices of a layer, along φ_d
     layers: u32,                    // along φ_h, 1: isotropic
     symmetry: u32,                  // 1 reciprocal, 2 mirror, 4 half turn, 8 reflected; and 16 where it is grey
@@ -30,6 +30,9 @@ struct TableBrdfParameters {
     distance_scale: f32,            // α of the level of detail
     knots: array<vec4<f32>, 5>,     // share of the columns below θ_h = (k / 16)² π/2, 17 of them
 }
+
+// Columns and rows: how many there are, times 1024 the first one that the texture has, times 1048576 how many it has. A
+// cropped pack has not all of them.
 
 @group(1) @binding(0) var<uniform> table_brdf_parameters: TableBrdfParameters;
 // The pack's texture as it is in the KTX2 file.
@@ -147,12 +150,12 @@ fn table_brdf_along(theta_half: f32, row: u32, hardware: bool) -> vec3<f32> {
 }
 
 // The texture at a position in a layer.
-fn table_brdf_sample(at: vec3<f32>, layer: u32, hardware: bool) -> vec3<f32> {
-    let size = vec3<u32>(
-        table_brdf_parameters.half_nodes,
-        table_brdf_parameters.difference_nodes,
-        table_brdf_slices(),
-    );
+fn table_brdf_sample(position: vec3<f32>, layer: u32, hardware: bool) -> vec3<f32> {
+    let axes = vec2<u32>(table_brdf_parameters.half_nodes, table_brdf_parameters.difference_nodes);
+    let size = vec3<u32>(axes >> vec2<u32>(20u), table_brdf_slices());
+    // Beyond the window of a cropped pack the nearest position is taken.
+    let within = vec3<f32>(position.xy - vec2<f32>((axes >> vec2<u32>(10u)) & vec2<u32>(1023u)), position.z);
+    let at = clamp(within, vec3<f32>(0.0), vec3<f32>(size - 1u));
     if hardware {
         let texel = vec3<f32>(at.xy, f32(layer * size.z) + at.z) + 0.5;
         let whole = vec3<f32>(vec2<f32>(size.xy), f32(table_brdf_parameters.layers * size.z));
@@ -182,6 +185,11 @@ fn table_brdf_row(first: vec3<u32>, weight: f32) -> vec3<f32> {
 // A grey pack has its value in all channels.
 fn table_brdf_colour(texel: vec4<f32>) -> vec3<f32> {
     return select(texel.rgb, texel.rrr, table_brdf_symmetric(16u));
+}
+
+// Columns or rows of a whole pack.
+fn table_brdf_nodes(axis: u32) -> u32 {
+    return axis & 1023u;
 }
 
 // Slices of a layer: where φ_d starts again, the first stands behind the last, too.
@@ -226,9 +234,9 @@ fn table_brdf_position(angles: TableBrdfAngles) -> TableBrdfPosition {
     let mirror = table_brdf_symmetric(2u);
     let reflected = table_brdf_symmetric(8u);
     let slices = table_brdf_parameters.azimuth_nodes - select(0u, 1u, mirror);
-    let column = table_brdf_column_share(angles.theta_half) * f32(table_brdf_parameters.half_nodes - 1u);
+    let column = table_brdf_column_share(angles.theta_half) * f32(table_brdf_nodes(table_brdf_parameters.half_nodes) - 1u);
     let bent = angles.ratio * (1.0 + table_brdf_parameters.slope * (1.0 - angles.ratio));
-    let row = bent * f32(table_brdf_parameters.difference_nodes - 1u);
+    let row = bent * f32(table_brdf_nodes(table_brdf_parameters.difference_nodes) - 1u);
     let at = vec3<f32>(column, row, folded.y * f32(slices));
     let layers = table_brdf_parameters.layers;
     if layers == 1u {

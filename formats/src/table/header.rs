@@ -3,7 +3,7 @@
 use super::coordinates::{Angles, Folded, Position, TableSymmetry};
 use crate::FormatError;
 use crate::container::entries::sized;
-use crate::container::{Extent, MAX_EXTENT, TexelFormat};
+use crate::container::{MAX_EXTENT, TexelFormat};
 use crate::cursor::Cursor;
 use crate::direction::DirectionPair;
 
@@ -67,12 +67,12 @@ impl TableHeader {
         self.axes.azimuth + u32::from(!self.symmetry.mirror)
     }
 
-    /// Size of the texture.
+    /// Size of the texture of a whole pack.
     pub fn extent(&self) -> [u32; 3] {
         [self.axes.half, self.axes.difference, self.slices() * self.axes.layers]
     }
 
-    /// Texels of the texture.
+    /// Texels of that texture.
     pub fn texels(&self) -> usize {
         self.extent().into_iter().map(|n| n as usize).product()
     }
@@ -220,10 +220,6 @@ impl TableHeader {
         let header = Self { channels, symmetry, axes, mean, bias, low, span, slope, knots };
         header.check()?;
         Ok(header)
-    }
-
-    pub(super) fn texture_extent(&self) -> Extent {
-        Extent::D3(self.extent())
     }
 }
 

@@ -4,11 +4,14 @@ use super::curve::{CURVE_ENTRY, Curve};
 use super::header::{TABLE_ENTRY, TableHeader};
 use super::shader::TableBrdfParameters;
 use crate::container::entries::{entry, sized};
-use crate::container::{TexelFormat, Texture, half, rgb10a2};
+use crate::container::{Extent, TexelFormat, Texture, half, rgb10a2};
+use crate::crop::{Crop, DirectionRange, Window};
 use crate::{ErrorSummary, FormatError, PictureSummary};
 use std::collections::BTreeMap;
 
 const ERRORS: &str = "brdfc.table.errors";
+/// Columns and rows that filtering takes.
+const FEWEST: u32 = 2;
 
 /// A table pack in memory.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,6 +19,7 @@ pub struct TablePack {
     header: TableHeader,
     texels: Vec<u8>,
     curve: Option<Curve>,
+    crop: Option<Crop>,
     /// What a user sees: the filtered pack against the source, at direction pairs that depend on no grid.
     pub off_grid: ErrorSummary,
     /// How different pictures of both look.
@@ -45,7 +49,7 @@ impl TablePack {
             _ => all.flat_map(|value| rgb10a2::encode(*value).to_le_bytes()).collect(),
         };
         let (off_grid, picture) = (ErrorSummary::default(), PictureSummary::default());
-        Ok(Self { header, texels, curve: None, off_grid, picture })
+        Ok(Self { header, texels, curve: None, crop: None, off_grid, picture })
     }
 
     /// The pack with a curve of as many channels added: a factored pack.
@@ -55,6 +59,44 @@ impl TablePack {
     pub fn with_curve(self, curve: Curve) -> Result<Self, FormatError> {
         curve.check_channels(self.header.channels)?;
         Ok(Self { curve: Some(curve), ..self })
+    }
+
+    /// The pack without the texels outside a window.
+    ///
+    /// # Errors
+    /// A window that is not within the texture, or has less than two columns or rows; a pack that was cropped before.
+    pub fn cropped(&self, crop: Crop) -> Result<Self, FormatError> {
+        if self.crop.is_some() {
+            return Err(FormatError::whole("table pack", "one that is cropped", "a whole one"));
+        }
+        let [columns, rows, _] = self.header.extent();
+        crop.check([columns, rows], FEWEST)?;
+        let texel_bytes = self.header.texel_format().texel_bytes();
+        let slices = self.texels.chunks((columns * rows) as usize * texel_bytes);
+        let texels = slices.flat_map(|slice| crop.window.cut(slice, columns, texel_bytes)).flatten().copied();
+        Ok(Self { texels: texels.collect(), crop: Some(crop), ..self.clone() })
+    }
+
+    /// What it leaves out.
+    pub fn crop(&self) -> Option<&Crop> {
+        self.crop.as_ref()
+    }
+
+    /// Columns and rows that it has, of those that the header counts.
+    pub fn window(&self) -> Window {
+        let [columns, rows, _] = self.header.extent();
+        self.crop.map_or(Window::whole([columns, rows]), |crop| crop.window)
+    }
+
+    /// Directions that it is for.
+    pub fn directions(&self) -> DirectionRange {
+        self.crop.map_or(DirectionRange::ALL, |crop| crop.directions)
+    }
+
+    /// Size of the texture.
+    pub fn extent(&self) -> [u32; 3] {
+        let [columns, rows] = self.window().size;
+        [columns, rows, self.header.extent()[2]]
     }
 
     /// Sizes and constants.
@@ -95,10 +137,15 @@ impl TablePack {
         self.header.fetches() + u32::from(self.curve.is_some())
     }
 
+    /// Bytes on a GPU of texels that a crop took away.
+    pub fn cropped_bytes(&self) -> u64 {
+        (self.header.texels() * self.header.texel_format().texel_bytes() - self.texels.len()) as u64
+    }
+
     /// Bytes on a GPU: textures and uniform block.
     pub fn gpu_bytes(&self) -> u64 {
-        let table = self.header.texels() * self.header.texel_format().texel_bytes();
-        (table + self.curve.as_ref().map_or(0, |curve| curve.texels().len()) + TableBrdfParameters::SIZE) as u64
+        (self.texels.len() + self.curve.as_ref().map_or(0, |curve| curve.texels().len()) + TableBrdfParameters::SIZE)
+            as u64
     }
 
     /// The bytes of the KTX2 file.
@@ -109,7 +156,8 @@ impl TablePack {
         if let Some(curve) = &self.curve {
             entries.insert(CURVE_ENTRY.to_owned(), curve.to_bytes());
         }
-        let (format, extent) = (self.header.texel_format(), self.header.texture_extent());
+        entries.extend(self.crop.as_ref().map(Crop::entry));
+        let (format, extent) = (self.header.texel_format(), Extent::D3(self.extent()));
         Texture { format, extent, entries, texels: self.texels.clone() }.to_bytes(supercompress)
     }
 
@@ -128,7 +176,10 @@ impl TablePack {
     pub fn from_texture(texture: Texture) -> Result<Self, FormatError> {
         const WHAT: &str = "a table pack";
         let header = TableHeader::from_bytes(entry(&texture, TABLE_ENTRY, WHAT)?)?;
-        let (extent, format) = (header.texture_extent(), header.texel_format());
+        let [columns, rows, slices] = header.extent();
+        let crop = Crop::of(&texture, [columns, rows], FEWEST)?;
+        let [width, height] = crop.map_or([columns, rows], |crop| crop.window.size);
+        let (extent, format) = (Extent::D3([width, height, slices]), header.texel_format());
         if texture.extent != extent || texture.format != format {
             return Err(FormatError::whole(
                 "texture",
@@ -142,7 +193,7 @@ impl TablePack {
         let picture = PictureSummary::from_bytes(picture, ERRORS)?;
         let curve =
             texture.entries.get(CURVE_ENTRY).map(|bytes| Curve::from_bytes(bytes, header.channels)).transpose()?;
-        let pack = Self { header, texels: texture.texels, curve, off_grid, picture };
+        let pack = Self { header, texels: texture.texels, curve, crop, off_grid, picture };
         pack.check_texels()?;
         Ok(pack)
     }
@@ -156,8 +207,8 @@ impl TablePack {
         if self.header.symmetry.mirror {
             return Ok(());
         }
-        let slice =
-            (self.header.axes.half * self.header.axes.difference) as usize * self.header.texel_format().texel_bytes();
+        let [columns, rows, _] = self.extent();
+        let slice = (columns * rows) as usize * self.header.texel_format().texel_bytes();
         for layer in self.texels.chunks(slice * self.header.slices() as usize) {
             if layer[..slice] != layer[layer.len() - slice..] {
                 let found = "a last slice of its own";

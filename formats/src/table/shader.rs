@@ -2,6 +2,7 @@
 
 use super::curve::Curve;
 use super::header::{KNOTS, TableHeader};
+use crate::crop::Window;
 
 /// The WGSL decoder. It declares a uniform block, two textures and a sampler in bind group 1; see the file.
 pub const TABLE_BRDF_WGSL: &str = include_str!("decode.wgsl");
@@ -13,6 +14,7 @@ const GREY: u32 = 16;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TableBrdfParameters {
     header: TableHeader,
+    window: Window,
     curve_nodes: u32,
     curve_levels: u32,
     distance_scale: f32,
@@ -22,13 +24,13 @@ impl TableBrdfParameters {
     /// Bytes of the block.
     pub const SIZE: usize = 144;
 
-    /// The parameters of a pack with this header and curve. `distance_scale` is `α` of
-    /// [`level_of_detail`](crate::wavelet::level_of_detail).
-    pub fn new(header: &TableHeader, curve: Option<&Curve>, distance_scale: f32) -> Self {
+    /// The parameters of a pack with this header and curve, whose texture has this window. `distance_scale` is `α` of [`level_of_detail`](crate::wavelet::level_of_detail).
+    pub fn new(header: &TableHeader, window: Window, curve: Option<&Curve>, distance_scale: f32) -> Self {
         Self {
             header: *header,
+            window,
             curve_nodes: curve.map_or(0, |curve| curve.nodes() as u32),
-            curve_levels: curve.map_or(0, |curve| curve.levels()),
+            curve_levels: curve.map_or(0, Curve::levels),
             distance_scale,
         }
     }
@@ -36,12 +38,13 @@ impl TableBrdfParameters {
     /// The block as the shader reads it: little-endian, fields in order, zeros behind the last knot.
     pub fn to_bytes(&self) -> [u8; Self::SIZE] {
         let TableHeader { channels, symmetry, axes, mean, bias, low, span, slope, knots } = self.header;
+        let axis = |nodes: u32, k: usize| nodes | self.window.first[k] << 10 | self.window.size[k] << 20;
         let [red, green, blue] = low.map(f32::to_bits);
         let [red_span, green_span, blue_span] = span.map(f32::to_bits);
         let mut words = [0; Self::SIZE / 4];
         words[..16].copy_from_slice(&[
-            axes.half,
-            axes.difference,
+            axis(axes.half, 0),
+            axis(axes.difference, 1),
             axes.azimuth,
             axes.layers,
             symmetry.bits() | if channels == 1 { GREY } else { 0 },

@@ -5,6 +5,7 @@
 
 use super::haar::{self, Plain, detail_indices};
 use super::lift::{Lift, rise};
+use crate::crop::Window;
 use crate::direction::{DirectionPair, Parameterisation, polynomial_atan2};
 use crate::wavelet::{Header, WaveletPack};
 use std::f32::consts::{PI, SQRT_2};
@@ -26,6 +27,8 @@ pub enum Filter {
 #[derive(Debug, Clone)]
 pub struct WaveletDecoder {
     header: Header,
+    /// Outer cells that slices have.
+    window: Window,
     /// Of lifted packs.
     lift: Option<Lift>,
     index: Vec<u16>,
@@ -54,7 +57,8 @@ impl WaveletDecoder {
     /// Unpacks texels to coefficients: `offset + scale * texel`.
     pub fn new(pack: &WaveletPack) -> Self {
         let header = pack.header;
-        let (cells, channels) = (header.cells(), header.channels as usize);
+        let (window, channels) = (pack.window(), header.channels as usize);
+        let cells = cells_of(window);
         let format = header.texel_format();
         let stride = format.components();
         let mut coefficients = Vec::with_capacity(pack.slices() * cells * channels);
@@ -68,7 +72,7 @@ impl WaveletDecoder {
             }
         }
         let lift = header.lifted.then(|| Lift::new(header.levels));
-        Self { header, lift, index: pack.index.clone(), coefficients }
+        Self { header, window, lift, index: pack.index.clone(), coefficients }
     }
 
     /// Sizes and constants.
@@ -93,7 +97,7 @@ impl WaveletDecoder {
         let (outer, inner) = axes(self.header.parameterisation, pair);
         let [outer_column, outer_row] = self.taps(outer, filter != Filter::Nearest);
         let [inner_column, inner_row] = self.taps(inner, filter == Filter::Bilinear);
-        let footprint = footprint(outer_column, outer_row, self.header.grid());
+        let footprint = footprint(outer_column, outer_row, self.window);
         let outer = &footprint[..if filter == Filter::Nearest { 1 } else { 4 }];
         let Filter::Bilinear = filter else {
             return self.filtered(outer, inner_column.cells[0], inner_row.cells[0], level);
@@ -183,7 +187,7 @@ impl WaveletDecoder {
     /// One coefficient at the outer direction, through the index map.
     fn coefficient(&self, coefficient: usize, footprint: &[(usize, f32)]) -> [f32; 3] {
         let channels = self.header.channels as usize;
-        let slice = self.entry(coefficient) * self.header.cells();
+        let slice = self.entry(coefficient) * cells_of(self.window);
         let mut value = [0.0; 3];
         if slice == 0 {
             // The zero slice: a shader fetches it, here the fetch is saved. The value is the same.
@@ -218,14 +222,16 @@ impl WaveletDecoder {
     }
 
     /// Log-encoded values of a whole row of the table at the finest level: all inner cells of one outer cell, for one
-    /// channel, by the inverse transform. `output` has `cells` entries, longitude fastest.
+    /// channel, by the inverse transform. Of a cropped pack, one outside the window is the nearest within. `output` has `cells` entries, longitude fastest.
     pub fn decode_row(&self, outer_cell: usize, channel: usize, output: &mut [f32], scratch: &mut RowScratch) {
         let (n, cells, channels) = (self.header.grid(), self.header.cells(), self.header.channels as usize);
+        let stored = cells_of(self.window);
+        let outer_cell = stored_cell(self.window, outer_cell % n, outer_cell / n);
         scratch.coefficients.resize(cells, 0.0);
         scratch.coefficients.fill(0.0);
         for (k, slice) in self.index.iter().enumerate() {
             if *slice != 0 {
-                let texel = usize::from(*slice) * cells + outer_cell;
+                let texel = usize::from(*slice) * stored + outer_cell;
                 scratch.coefficients[k] = self.coefficients[texel * channels + channel];
             }
         }
@@ -258,12 +264,26 @@ fn component(texels: &[u8], index: usize, bytes: usize) -> f32 {
     }
 }
 
-fn footprint(column: Tap, row: Tap, n: usize) -> Footprint {
+/// Cells of a slice.
+fn cells_of(window: Window) -> usize {
+    window.size.into_iter().map(|n| n as usize).product()
+}
+
+/// Where a cell of the grid is in a slice, or the nearest one that the slice has.
+fn stored_cell(window: Window, column: usize, row: usize) -> usize {
+    let within = |cell: usize, axis: usize| {
+        let (first, size) = (window.first[axis] as usize, window.size[axis] as usize);
+        cell.clamp(first, first + size - 1) - first
+    };
+    within(row, 1) * window.size[0] as usize + within(column, 0)
+}
+
+fn footprint(column: Tap, row: Tap, window: Window) -> Footprint {
     let mut cells = [(0, 0.0); 4];
     let mut k = 0;
     for (r, row_weight) in [(0, 1.0 - row.weight), (1, row.weight)] {
         for (c, column_weight) in [(0, 1.0 - column.weight), (1, column.weight)] {
-            cells[k] = (row.cells[r] * n + column.cells[c], row_weight * column_weight);
+            cells[k] = (stored_cell(window, column.cells[c], row.cells[r]), row_weight * column_weight);
             k += 1;
         }
     }

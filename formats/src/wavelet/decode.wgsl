@@ -35,7 +35,7 @@ struct WaveletBrdfParameters {
     slices: f32,             // depth of the 3D texture
     distance_scale: f32,     // α of section 5.4.1, per unit of distance
     lifted: u32,             // 1 where coarser cells are logarithms of means, 0 where they are means of logarithms
-    reserved: u32,
+    window: u32,             // outer cells that slices have: first column, first row, columns, rows, 8 bits each
 }
 
 @group(1) @binding(0) var<uniform> wavelet_brdf_parameters: WaveletBrdfParameters;
@@ -239,21 +239,30 @@ fn wavelet_brdf_entry(coefficient: u32) -> vec4<f32> {
 
 // One coefficient at the outer direction: offset + scale * texel. Slice 0 is all zero, so nothing branches on it.
 fn wavelet_brdf_coefficient(entry: vec4<f32>, outer: WaveletBrdfTaps, cells: u32, hardware: bool) -> vec3<f32> {
+    let window = wavelet_brdf_window();
     if hardware {
         let depth = (entry.x + 0.5) / wavelet_brdf_parameters.slices;
-        let at = vec3<f32>(outer.column.position, outer.row.position, depth);
+        let n = f32(1u << wavelet_brdf_parameters.levels);
+        let position = vec2<f32>(outer.column.position, outer.row.position) * n - vec2<f32>(window.xy);
+        let at = vec3<f32>(position / vec2<f32>(window.zw), depth);
         let texel = textureSampleLevel(wavelet_brdf_slices, wavelet_brdf_sampler, at, 0.0);
         return vec3<f32>(entry.z) + entry.y * wavelet_brdf_colour(texel);
     }
     var value = vec3<f32>(0.0);
     for (var k = 0u; k < cells; k += 1u) {
-        let column = wavelet_brdf_cell(outer.column, k & 1u);
-        let row = wavelet_brdf_cell(outer.row, k >> 1u);
+        let cell = vec2<u32>(wavelet_brdf_cell(outer.column, k & 1u), wavelet_brdf_cell(outer.row, k >> 1u));
+        let stored = clamp(cell, window.xy, window.xy + window.zw - 1u) - window.xy;
         let weight = wavelet_brdf_cell_weight(outer.row, k >> 1u) * wavelet_brdf_cell_weight(outer.column, k & 1u);
-        let texel = textureLoad(wavelet_brdf_slices, vec3<u32>(column, row, u32(entry.x)), 0);
+        let texel = textureLoad(wavelet_brdf_slices, vec3<u32>(stored, u32(entry.x)), 0);
         value += weight * (vec3<f32>(entry.z) + entry.y * wavelet_brdf_colour(texel));
     }
     return value;
+}
+
+// Outer cells that slices have, of those of the grid: first column, first row, columns, rows. A cropped pack has not all of
+// them; beyond, the nearest are taken.
+fn wavelet_brdf_window() -> vec4<u32> {
+    return (vec4<u32>(wavelet_brdf_parameters.window) >> vec4<u32>(0u, 8u, 16u, 24u)) & vec4<u32>(255u);
 }
 
 // A grey pack has its value in all channels.

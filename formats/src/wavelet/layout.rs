@@ -2,6 +2,7 @@
 
 use crate::container::entries::{self, sized};
 use crate::container::{Extent, Texture};
+use crate::crop::Crop;
 use crate::cursor::Cursor;
 use crate::direction::Parameterisation;
 use crate::wavelet::{Header, MAX_LEVELS, MAX_SLICES, SliceScale, WaveletPack};
@@ -18,10 +19,9 @@ const ERRORS: &str = "brdfc.wavelet.errors";
 impl WaveletPack {
     /// The bytes of the KTX2 file.
     pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
-        let grid = self.header.grid() as u32;
         Texture {
             format: self.header.texel_format(),
-            extent: Extent::D3([grid, grid, self.slices() as u32]),
+            extent: Extent::D3(self.extent()),
             entries: entries_of(self),
             texels: self.texels.clone(),
         }
@@ -68,18 +68,17 @@ fn entries_of(pack: &WaveletPack) -> BTreeMap<String, Vec<u8>> {
     let index = pack.index.iter().flat_map(|i| i.to_le_bytes()).collect();
     let scales = pack.scales.iter().flat_map(|s| [s.scale.to_le_bytes(), s.offset.to_le_bytes()]).flatten().collect();
     let errors = [pack.on_grid, pack.off_grid].into_iter().flat_map(ErrorSummary::to_bytes).collect();
-    BTreeMap::from([
-        (HEADER.to_owned(), header),
-        (INDEX.to_owned(), index),
-        (SCALES.to_owned(), scales),
-        (ERRORS.to_owned(), errors),
-    ])
+    let own = [(HEADER, header), (INDEX, index), (SCALES, scales), (ERRORS, errors)];
+    let own = own.map(|(key, value)| (key.to_owned(), value));
+    own.into_iter().chain(pack.crop.as_ref().map(Crop::entry)).collect()
 }
 
 fn from_texture(texture: Texture) -> Result<WaveletPack, FormatError> {
     let (header, slices) = read_header(entry(&texture, HEADER)?)?;
     let grid = header.grid() as u32;
-    let extent = Extent::D3([grid, grid, slices as u32]);
+    let crop = Crop::of(&texture, [grid, grid], 1)?;
+    let [columns, rows] = crop.map_or([grid, grid], |crop| crop.window.size);
+    let extent = Extent::D3([columns, rows, slices as u32]);
     if texture.extent != extent || texture.format != header.texel_format() {
         return Err(FormatError::whole(
             "texture",
@@ -92,11 +91,11 @@ fn from_texture(texture: Texture) -> Result<WaveletPack, FormatError> {
     let errors = sized(entry(&texture, ERRORS)?, ERRORS, 2 * ErrorSummary::BYTES)?;
     let (on_grid, off_grid) = errors.split_at(ErrorSummary::BYTES);
     let (on_grid, off_grid) = (ErrorSummary::from_bytes(on_grid, ERRORS)?, ErrorSummary::from_bytes(off_grid, ERRORS)?);
-    let slice_bytes = header.cells() * header.texel_format().texel_bytes();
+    let slice_bytes = (columns * rows) as usize * header.texel_format().texel_bytes();
     if texture.texels[..slice_bytes].iter().any(|byte| *byte != 0) {
         return Err(FormatError::whole("slice 0", "a texel that is not zero", "the zero slice"));
     }
-    Ok(WaveletPack { header, index, scales, on_grid, off_grid, texels: texture.texels })
+    Ok(WaveletPack { header, index, scales, on_grid, off_grid, crop, texels: texture.texels })
 }
 
 fn entry<'a>(texture: &'a Texture, key: &'static str) -> Result<&'a [u8], FormatError> {

@@ -1,14 +1,18 @@
 //! The wavelet BRDF pack (Claustres et al. 2007, section 5): kept coefficient slices as a 3D texture, and the map that
 //! finds them. Byte layout: `spec.md` and `layout.rs`.
 
-use crate::ErrorSummary;
 use crate::container::TexelFormat;
+use crate::crop::{Crop, DirectionRange, Window};
 use crate::direction::Parameterisation;
+use crate::{ErrorSummary, FormatError};
 
 /// Most levels: 6 is a 64 x 64 grid per hemisphere.
 pub const MAX_LEVELS: u32 = 6;
 /// Most slices of a pack, the zero slice included: the depth limit of a 3D texture.
 pub const MAX_SLICES: usize = crate::container::MAX_EXTENT as usize;
+
+/// Bytes of the index map on a GPU per coefficient.
+const INDEX_BYTES: usize = 16;
 
 /// What a pack says of itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,12 +80,46 @@ pub struct WaveletPack {
     pub on_grid: ErrorSummary,
     /// What a user sees: the filtered pack against the source at direction pairs that depend on no grid.
     pub off_grid: ErrorSummary,
+    /// What it leaves out.
+    pub crop: Option<Crop>,
     /// Texels `[slice][row][column][component]`, little-endian; column = longitude, row = colatitude of the outer
     /// direction. With 3 channels the fourth component is full.
     pub texels: Vec<u8>,
 }
 
 impl WaveletPack {
+    /// The pack without the outer cells outside a window.
+    ///
+    /// # Errors
+    /// A window that is not within the grid, or is empty; a pack that was cropped before.
+    pub fn cropped(&self, crop: Crop) -> Result<Self, FormatError> {
+        if self.crop.is_some() {
+            return Err(FormatError::whole("wavelet pack", "one that is cropped", "a whole one"));
+        }
+        let (grid, texel_bytes) = (self.header.grid() as u32, self.header.texel_format().texel_bytes());
+        crop.check([grid, grid], 1)?;
+        let slices = self.texels.chunks(self.header.cells() * texel_bytes);
+        let texels = slices.flat_map(|slice| crop.window.cut(slice, grid, texel_bytes)).flatten().copied();
+        Ok(Self { texels: texels.collect(), crop: Some(crop), ..self.clone() })
+    }
+
+    /// Outer cells that slices have, of those of the grid.
+    pub fn window(&self) -> Window {
+        let grid = self.header.grid() as u32;
+        self.crop.map_or(Window::whole([grid, grid]), |crop| crop.window)
+    }
+
+    /// Directions that it is for.
+    pub fn directions(&self) -> DirectionRange {
+        self.crop.map_or(DirectionRange::ALL, |crop| crop.directions)
+    }
+
+    /// Size of the texture.
+    pub fn extent(&self) -> [u32; 3] {
+        let [columns, rows] = self.window().size;
+        [columns, rows, self.slices() as u32]
+    }
+
     /// Slices of the texture, the zero slice included.
     pub fn slices(&self) -> usize {
         self.scales.len()
@@ -90,12 +128,12 @@ impl WaveletPack {
     /// Bytes on a GPU: the texture, and the index map with one slice number, scale and offset per coefficient
     /// (16 bytes, see [`crate::wavelet::shader`]).
     pub fn gpu_bytes(&self) -> u64 {
-        gpu_bytes(&self.header, self.slices())
+        gpu_bytes(&self.header, self.window(), self.slices())
     }
 }
 
-/// Bytes on a GPU of a pack with this many slices, the zero slice included.
-pub fn gpu_bytes(header: &Header, slices: usize) -> u64 {
-    let texture = header.cells() * slices * header.texel_format().texel_bytes();
-    (texture + 16 * header.cells()) as u64
+/// Bytes on a GPU of a pack with this many slices of such a window, the zero slice included.
+pub fn gpu_bytes(header: &Header, window: Window, slices: usize) -> u64 {
+    let texture = (window.size[0] * window.size[1]) as usize * slices * header.texel_format().texel_bytes();
+    (texture + INDEX_BYTES * header.cells()) as u64
 }

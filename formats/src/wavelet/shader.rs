@@ -2,6 +2,7 @@
 
 use super::decode::Filter;
 use super::lift::Lift;
+use crate::crop::Window;
 use crate::wavelet::WaveletPack;
 
 /// The WGSL decoder. It declares a uniform block, two textures and a sampler in bind group 1; see the file.
@@ -40,6 +41,8 @@ pub struct WaveletBrdfParameters {
     pub distance_scale: f32,
     /// 1 of lifted packs, else 0.
     pub lifted: u32,
+    /// The outer cells that slices have.
+    pub window: Window,
 }
 
 impl WaveletBrdfParameters {
@@ -65,11 +68,14 @@ impl WaveletBrdfParameters {
             slices: pack.slices() as f32,
             distance_scale,
             lifted: u32::from(header.lifted),
+            window: pack.window(),
         }
     }
 
-    /// The block as the shader reads it: little-endian, fields in order, 4 bytes of zero at the end.
+    /// The block as the shader reads it: little-endian, fields in order.
     pub fn to_bytes(&self) -> [u8; Self::SIZE] {
+        let Window { first: [column, row], size: [columns, rows] } = self.window;
+        let window = column | row << 8 | columns << 16 | rows << 24;
         let words = [
             self.levels,
             self.parameterisation,
@@ -82,6 +88,7 @@ impl WaveletBrdfParameters {
             self.slices.to_bits(),
             self.distance_scale.to_bits(),
             self.lifted,
+            window,
         ];
         let mut bytes = [0; Self::SIZE];
         for (target, word) in bytes.chunks_exact_mut(4).zip(words) {

@@ -6,6 +6,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use brdfc_formats::container::{Extent, TexelFormat, Texture};
+use brdfc_formats::crop::{Crop, DirectionRange};
 use brdfc_formats::wavelet::WaveletPack;
 
 fn hex(bytes: &[u8]) -> String {
@@ -24,7 +25,7 @@ fn expectation(pack: &WaveletPack, supercompress: bool) -> String {
         (_, 8) => 37,
         _ => 91,
     };
-    let size = 1 << h.levels;
+    let mut size = [1 << h.levels; 2];
     let mut header: Vec<u8> = Vec::new();
     for word in [1, h.parameterisation.code(), h.levels, h.stored_levels, h.channels, h.bits, pack.scales.len() as u32]
     {
@@ -51,8 +52,15 @@ fn expectation(pack: &WaveletPack, supercompress: bool) -> String {
         ("brdfc.wavelet.index", index),
         ("brdfc.wavelet.scales", scales),
     ];
-    let entries = entries.map(|(name, value)| (name.to_owned(), value)).into();
-    json([vk_format, component, size, size, pack.scales.len() as u32, 0], &entries, supercompress)
+    let mut entries: BTreeMap<String, Vec<u8>> = entries.map(|(name, value)| (name.to_owned(), value)).into();
+    if let Some(Crop { directions: DirectionRange { light, view }, window }) = pack.crop {
+        size = window.size;
+        let words = [window.first, window.size].concat().into_iter().map(u32::to_le_bytes);
+        let angles = [light.from, light.to, view.from, view.to].map(f32::to_le_bytes);
+        entries.insert("brdfc.crop".to_owned(), words.chain(angles).flatten().collect());
+    }
+    let [width, height] = size;
+    json([vk_format, component, width, height, pack.scales.len() as u32, 0], &entries, supercompress)
 }
 
 /// The same of any texture.

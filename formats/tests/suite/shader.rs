@@ -2,6 +2,7 @@
 //! nothing that browsers refuse.
 
 use brdfc_formats::bandwidth::shader::BANDWIDTH_WGSL;
+use brdfc_formats::crop::{Crop, DirectionRange, Window};
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::flat_btf::FlatBtfDecoder;
 use brdfc_formats::flat_btf::shader::{FLAT_BTF_WGSL, FlatBtfParameters, IndirectionFilter};
@@ -50,7 +51,9 @@ fn the_uniform_block_is_the_one_that_rust_writes() {
         .expect("the block has its name");
     let naga::TypeInner::Struct { members, span } = &block.inner else { panic!("not a struct") };
     assert_eq!(*span as usize, WaveletBrdfParameters::SIZE);
-    let pack = pack(header(Parameterisation::HalfDifference, 3, 3, 8), 9, 1);
+    let whole = pack(header(Parameterisation::HalfDifference, 3, 3, 8), 9, 1);
+    let window = Window { first: [1, 2], size: [3, 5] };
+    let pack = whole.cropped(Crop { directions: DirectionRange::ALL, window }).expect("within the grid");
     let parameters = WaveletBrdfParameters::new(&pack, Filter::Bilinear, 0.15);
     let bytes = parameters.to_bytes();
     let mut seen = 0;
@@ -68,7 +71,8 @@ fn the_uniform_block_is_the_one_that_rust_writes() {
             "scaling_offset" => pack.scales[1].offset.to_bits(),
             "slices" => (pack.slices() as f32).to_bits(),
             "distance_scale" => 0.15f32.to_bits(),
-            "lifted" | "reserved" => 0,
+            "lifted" => 0,
+            "window" => 0x0503_0201,
             _ => panic!("no such field: {name}"),
         };
         assert_eq!(word, expected, "{name}");

@@ -12,6 +12,7 @@ mod help;
 mod info;
 mod many_machines;
 mod names;
+mod needs;
 mod output;
 #[cfg(feature = "render")]
 mod render;

@@ -106,6 +106,12 @@ pub fn choose(trial: &Trial<'_>, symmetry: TableSymmetry, texels: usize, isotrop
     header
 }
 
+/// The same table with at most so many texels, its axes in the same proportion.
+pub fn scaled(header: TableHeader, texels: usize) -> TableHeader {
+    let symmetry = header.symmetry;
+    TableHeader { axes: shaped(shape_of(header.axes, symmetry), texels, header.axes.layers, symmetry), ..header }
+}
+
 /// The table of these axes whose small fit is closest.
 pub fn choose_warps(trial: &Trial<'_>, symmetry: TableSymmetry, axes: Axes) -> TableHeader {
     trial.warped(trial.sloped(trial.warped(start(trial.targets, symmetry, axes))))

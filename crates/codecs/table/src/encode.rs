@@ -1,6 +1,7 @@
 //! The encoder: sequences the stages.
 
-use super::choose::{Trial, choose, choose_warps, start};
+use super::choose::{Trial, choose, choose_warps, scaled, start};
+use super::crop::{self, window};
 use super::fit::{Solution, fit};
 use super::lattice::{Lattice, Taps};
 use super::quantise::quantise;
@@ -10,6 +11,7 @@ use super::symmetry::Asymmetry;
 use super::targets::Targets;
 use super::{curve, levels};
 use brdfc_formats::FormatError;
+use brdfc_formats::crop::{Crop, DirectionRange};
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::table::shader::TableBrdfParameters;
 use brdfc_formats::table::{Angles, Folded, TableHeader, TablePack, TableSymmetry};
@@ -74,7 +76,7 @@ pub fn encode(source: &dyn Source, recipe: &TableRecipe, progress: &dyn Progress
 
     progress.stage(Stage::MeasureOffGrid, 1)?;
     let off_grid = match recipe.measure {
-        true => Reference::new(source, PairSet::comparison()).compare(&TableSource::new(&pack)),
+        true => Reference::new(source, PairSet::within(recipe.directions)).compare(&TableSource::new(&pack)),
         false => Comparison::default(),
     };
     measured(&mut pack, &off_grid);
@@ -164,10 +166,10 @@ impl Prepared {
         let nodes_of_curve = curve::nodes_within(texels);
         let of_curve = if recipe.has_curve() { self.texels_of_curve(nodes_of_curve, recipe) } else { 0 };
         let Fitted { header, lattice, taps, solution } =
-            self.fit(recipe.size, texels.saturating_sub(of_curve), progress)?;
+            self.fit(recipe.size, recipe.directions, texels.saturating_sub(of_curve), progress)?;
         if !recipe.has_curve() {
             progress.stage(Stage::Quantise, 1)?;
-            return Ok(quantise(header, &solution, &self.targets)?);
+            return Ok(cropped(quantise(header, &solution, &self.targets)?, recipe.directions)?);
         }
 
         // The curve has what columns have in common, so that the table's steps become finer, and what is too narrow for them;
@@ -195,7 +197,7 @@ impl Prepared {
         let solution = fit(lattice, &taps, &rest);
 
         progress.stage(Stage::Quantise, 1)?;
-        Ok(quantise(header, &solution, &rest)?.with_curve(curve)?)
+        Ok(cropped(quantise(header, &solution, &rest)?.with_curve(curve)?, recipe.directions)?)
     }
 
     /// The nodes of a table of a size before they are rounded to texels: their header, whose `low` and `span` are 0, and
@@ -205,16 +207,22 @@ impl Prepared {
     /// As [`Self::pack`].
     pub fn nodes(&self, size: Size, progress: &dyn Progress) -> Result<(TableHeader, Vec<[f32; 3]>), EncodeError> {
         let recipe = TableRecipe { size, ..TableRecipe::default() };
-        let fitted = self.fit(size, self.texels(&recipe)?, progress)?;
+        let fitted = self.fit(size, DirectionRange::ALL, self.texels(&recipe)?, progress)?;
         Ok((fitted.header, fitted.solution.nodes))
     }
 
-    fn fit(&self, size: Size, texels: usize, progress: &dyn Progress) -> Result<Fitted, EncodeError> {
+    fn fit(
+        &self,
+        size: Size,
+        directions: DirectionRange,
+        texels: usize,
+        progress: &dyn Progress,
+    ) -> Result<Fitted, EncodeError> {
         progress.stage(Stage::Choose, 1)?;
         let trial = Trial { samples: &self.samples, folded: &self.folded, targets: &self.targets };
         let header = match size {
             Size::Nodes(axes) => choose_warps(&trial, self.symmetry, axes),
-            Size::Bytes(_) => choose(&trial, self.symmetry, texels, self.isotropic),
+            Size::Bytes(_) => filling(choose(&trial, self.symmetry, texels, self.isotropic), directions, texels),
         };
         progress.stage(Stage::Fit, 1)?;
         let lattice = Lattice::new(&header);
@@ -254,6 +262,29 @@ impl Prepared {
         }
         Ok(most.min(MOST_TEXELS) as usize)
     }
+}
+
+/// A budget counts what is written: where directions are cropped there is room for more nodes.
+fn filling(header: TableHeader, directions: DirectionRange, texels: usize) -> TableHeader {
+    if directions.is_all() {
+        return header;
+    }
+    let share = |header: &TableHeader| crop::texels(header, directions) as f64 / header.texels() as f64;
+    let mut whole = (texels as f64 / share(&header)).min(MOST_TEXELS as f64);
+    while whole > texels as f64 {
+        let larger = scaled(header, whole as usize);
+        if crop::texels(&larger, directions) <= texels {
+            return larger;
+        }
+        whole *= 0.95;
+    }
+    header
+}
+
+/// The pack without what look-ups within a range of directions do not touch.
+fn cropped(pack: TablePack, directions: DirectionRange) -> Result<TablePack, FormatError> {
+    let window = window(pack.header(), directions);
+    if directions.is_all() { Ok(pack) } else { pack.cropped(Crop { directions, window }) }
 }
 
 /// Nodes less the mean of their column.

@@ -2,6 +2,7 @@
 //! fitted to what is seen. `formats/src/table` has the layout, the decoder and the shader.
 
 pub mod choose;
+pub mod crop;
 pub mod curve;
 pub mod encode;
 pub mod fit;

@@ -1,12 +1,13 @@
 //! What decides the bytes of a table pack.
 
+use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::table::Axes;
 
 /// How large a table is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Size {
-    /// At most so many bytes on a GPU; how they are shared among the axes is chosen from the data.
+    /// At most so many bytes on a GPU, of what is left where directions are cropped; how they are shared among the axes is chosen from the data.
     Bytes(u64),
     /// These nodes; a curve has as many as go with their number.
     Nodes(Axes),
@@ -39,6 +40,8 @@ pub struct TableRecipe {
     pub reciprocal: bool,
     /// `ε` of the logarithm `ln(f / μ + ε)`.
     pub bias: f64,
+    /// Directions that are needed: what no look-up within them touches is cropped, and errors are those within.
+    pub directions: DirectionRange,
     /// Whether the error is measured. Without, what the pack says of it is 0.
     pub measure: bool,
     /// Whether texels are compressed in the file.
@@ -55,6 +58,7 @@ impl Default for TableRecipe {
             aim: Aim::Pictures,
             reciprocal: false,
             bias: 1e-4,
+            directions: DirectionRange::ALL,
             measure: true,
             supercompress: true,
         }

@@ -1,5 +1,6 @@
 //! The encoder: sequences the stages.
 
+use super::crop::{crop, needed_coefficients, window};
 use super::log_encode::{LogEncoding, log_decode, log_encode};
 use super::measure::{GridError, grid_error};
 use super::quantise::quantise;
@@ -10,6 +11,7 @@ use super::table::Table;
 use super::visible::visible_energies;
 use super::{haar, threshold};
 use brdfc_formats::ErrorSummary;
+use brdfc_formats::crop::{DirectionRange, Window};
 use brdfc_formats::wavelet::{Header, MAX_SLICES, WaveletDecoder, WaveletPack, gpu_bytes};
 use brdfc_metrics::compare::{Comparison, compare};
 use brdfc_metrics::sampling::PairSet;
@@ -21,6 +23,8 @@ use brdfc_source::{PackSource, Source, Tally};
 pub struct Encoded {
     /// The pack.
     pub pack: WaveletPack,
+    /// Bytes on a GPU that it has less than one for all directions.
+    pub cropped_bytes: u64,
     /// The file.
     pub bytes: Vec<u8>,
     /// Codec error.
@@ -128,7 +132,8 @@ pub fn encode(source: &dyn Source, recipe: &Recipe, progress: &dyn Progress) -> 
         bias: encoding.bias as f32,
         lifted: recipe.lift,
     };
-    let kept = choose(&coefficients, &reference, &ranking, header, recipe.target)?;
+    let needs = Needs::new(&header, recipe);
+    let kept = choose(&coefficients, &reference, &ranking, header, &needs, recipe.target)?;
 
     start(Stage::Quantise)?;
     let mut pack = assemble(&coefficients, &kept, header);
@@ -138,10 +143,14 @@ pub fn encode(source: &dyn Source, recipe: &Recipe, progress: &dyn Progress) -> 
     let on_grid = grid_error(&reference, &WaveletDecoder::new(&pack));
     drop(reference);
 
+    let whole = pack.gpu_bytes();
+    pack = crop(pack, recipe.directions);
+    let cropped_bytes = whole - pack.gpu_bytes();
+
     start(Stage::MeasureOffGrid)?;
     let decoded = PackSource::new(&pack, None);
     let off_grid = match recipe.measure_off_grid {
-        true => compare(source, &decoded, &PairSet::comparison()).0,
+        true => compare(source, &decoded, &PairSet::within(recipe.directions)).0,
         false => Comparison::default(),
     };
     pack.on_grid = on_grid.summary();
@@ -149,7 +158,20 @@ pub fn encode(source: &dyn Source, recipe: &Recipe, progress: &dyn Progress) -> 
 
     start(Stage::Pack)?;
     let bytes = pack.to_bytes(recipe.supercompress);
-    Ok(Encoded { pack, bytes, on_grid, off_grid, evaluated: tally.evaluations, tally })
+    Ok(Encoded { pack, cropped_bytes, bytes, on_grid, off_grid, evaluated: tally.evaluations, tally })
+}
+
+/// What is left of a pack where directions are cropped.
+struct Needs {
+    window: Window,
+    coefficients: Vec<bool>,
+}
+
+impl Needs {
+    fn new(header: &Header, recipe: &Recipe) -> Self {
+        let DirectionRange { light, view } = recipe.directions;
+        Self { window: window(header, light), coefficients: needed_coefficients(header, view) }
+    }
 }
 
 /// The slices that the target keeps.
@@ -158,17 +180,20 @@ fn choose(
     reference: &Table,
     ranking: &[u32],
     header: Header,
+    needs: &Needs,
     target: Target,
 ) -> Result<Vec<u32>, EncodeError> {
     let count = match target {
         Target::Ratio(ratio) => ratio_count(header.cells(), ratio, ranking.len()),
         Target::MaxBytes(bytes) => {
-            let fitting = |slices: usize| gpu_bytes(&header, slices + 1) <= bytes;
-            if !fitting(1) {
-                return Err(EncodeError::TooFewBytes { allowed: bytes, smallest: gpu_bytes(&header, 2) });
+            let bytes_of = |slices: usize| gpu_bytes(&header, needs.window, slices + 1);
+            if bytes_of(1) > bytes {
+                return Err(EncodeError::TooFewBytes { allowed: bytes, smallest: bytes_of(1) });
             }
-            let most = ranking.len().min(MAX_SLICES - 1);
-            (1..=most).collect::<Vec<_>>().partition_point(|slices| fitting(*slices))
+            let needed: Vec<u32> = ranking.iter().copied().filter(|k| needs.coefficients[*k as usize]).collect();
+            let most = needed.len().min(MAX_SLICES - 1);
+            let count = (1..=most).collect::<Vec<_>>().partition_point(|slices| bytes_of(*slices) <= bytes);
+            return Ok(threshold::keep(&needed, count));
         }
         Target::MaxError(allowed) => {
             if reference.values.iter().all(|value| *value <= 0.0) {
@@ -226,6 +251,7 @@ fn assemble(coefficients: &Table, kept: &[u32], header: Header) -> WaveletPack {
         scales: quantised.scales,
         on_grid: ErrorSummary::default(),
         off_grid: ErrorSummary::default(),
+        crop: None,
         texels: quantised.texels,
     }
 }

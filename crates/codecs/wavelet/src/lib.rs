@@ -2,6 +2,7 @@
 //! [`encode`] sequences them. Paper: Claustres, Barthe, Paulin, "Wavelet Encoding of BRDFs for Real-Time Rendering",
 //! Graphics Interface 2007.
 
+pub mod crop;
 pub mod encode;
 pub mod fold;
 pub mod haar;

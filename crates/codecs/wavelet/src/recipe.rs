@@ -2,6 +2,7 @@
 
 use super::log_encode::DEFAULT_BIAS;
 use super::table::Grid;
+use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::Parameterisation;
 
 /// `ε` that goes with [`Ranking::Visible`]: pictures show values far below the mean of the table, which grazing angles raise.
@@ -15,7 +16,7 @@ pub enum Target {
     Ratio(f64),
     /// The fewest whose `ε_r` on the grid, after quantisation, is at most this fraction.
     MaxError(f64),
-    /// As many as fit into this many bytes on a GPU.
+    /// As many as fit into this many bytes on a GPU, of what is left where directions are cropped.
     MaxBytes(u64),
 }
 
@@ -56,6 +57,8 @@ pub struct Recipe {
     pub target: Target,
     /// Which slices are kept.
     pub ranking: Ranking,
+    /// Directions that are needed: what no look-up within them touches is cropped, and errors off the grid are those within.
+    pub directions: DirectionRange,
     /// Whether the error off the grid is measured, too. Without, what the pack says of it is 0.
     pub measure_off_grid: bool,
     /// Whether texels are compressed in the file.
@@ -75,6 +78,7 @@ impl Default for Recipe {
             lift: false,
             target: Target::Ratio(4.0),
             ranking: Ranking::Energy,
+            directions: DirectionRange::ALL,
             measure_off_grid: true,
             supercompress: true,
         }

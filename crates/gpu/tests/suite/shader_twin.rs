@@ -1,6 +1,7 @@
 //! The shipped shader against the CPU decoder, on whatever adapter there is.
 
 use brdfc_formats::BrdfPack;
+use brdfc_formats::crop::{Crop, DirectionRange, Window};
 use brdfc_formats::direction::{DirectionPair, Parameterisation};
 use brdfc_formats::wavelet::shader::{FILTER_PRECISION_8_BIT, FILTER_PRECISION_16_BIT, WAVELET_BRDF_WGSL};
 use brdfc_formats::wavelet::{
@@ -329,6 +330,7 @@ fn a_changed_constant_is_noticed() {
 fn is_noticed(gpu: &Gpu, source: &str) -> bool {
     let Ok(evaluator) = Evaluator::with_shaders(gpu, source, EVALUATE_WGSL) else { return true };
     let pairs = all_kinds_of_pairs(400, 8);
+    let crop = Crop { directions: DirectionRange::ALL, window: Window { first: [1, 2], size: [5, 3] } };
     let mut absurd = pack(header(Parameterisation::TangentPole, 2, 3, 8), 4, 1);
     absurd.scales[1] = SliceScale { scale: 2000.0, offset: -800.0 };
     let mut steep = pack(lifted(3, 3, 8), 40, 2);
@@ -336,6 +338,7 @@ fn is_noticed(gpu: &Gpu, source: &str) -> bool {
     for pack in [
         pack(header(Parameterisation::HalfDifference, 3, 3, 16), 40, 2),
         pack(header(Parameterisation::TangentPole, 2, 1, 8), 12, 5),
+        pack(header(Parameterisation::TangentPole, 3, 3, 16), 30, 3).cropped(crop).expect("within the grid"),
         steep,
         absurd,
     ] {

@@ -15,13 +15,13 @@ use brdfc_wavelet::recipe::{Recipe, Target};
 
 /// Smallest and largest table that is tried, bytes on a GPU; each next one is twice as large. Few layers leave knobs on
 /// the outlines of anisotropic highlights, which hardly count in a mean: their smallest is larger.
-const SMALLEST: u64 = 1 << 10;
+pub(crate) const SMALLEST: u64 = 1 << 10;
 const SMALLEST_ANISOTROPIC: u64 = 4 << 10;
 /// Likewise where there are levels of detail: with few nodes a row does not keep the light of a narrow highlight.
 const SMALLEST_WITH_LEVELS: u64 = 8 << 10;
-const LARGEST: u64 = 4 * MOST_TEXELS;
+pub(crate) const LARGEST: u64 = 4 * MOST_TEXELS;
 /// Ratios of wavelet packs that are tried where no table meets the budget.
-const RATIOS: [f64; 3] = [16.0, 8.0, 4.0];
+pub(crate) const RATIOS: [f64; 3] = [16.0, 8.0, 4.0];
 /// Fewer bytes hold so few slices that no wavelet pack is worth a trial.
 const WAVELET_FROM: u64 = 128 << 10;
 /// Power of the size by which the error of tables is taken to fall at most; it is 2/3 where values are smooth.
@@ -54,7 +54,7 @@ pub(super) fn search(
         return Err(PackError::TooFewFetches { allowed, fewest });
     }
     progress.stage(Stage::MeasureOffGrid, 1)?;
-    let reference = Reference::new(source, PairSet::comparison());
+    let reference = Reference::new(source, PairSet::within(recipe.table.directions));
     if reference.is_black() && budget.error.is_some() {
         return Err(PackError::NothingMeasured);
     }

@@ -1,6 +1,6 @@
 //! One source to one pack: which codec, how large, and what was tried.
 
-mod auto;
+pub(crate) mod auto;
 mod averaged;
 pub(crate) mod byte_count;
 mod error;

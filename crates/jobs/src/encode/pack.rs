@@ -17,6 +17,8 @@ use serde::{Deserialize, Serialize};
 pub struct EncodedPack {
     /// The pack.
     pub pack: BrdfPack,
+    /// Bytes on a GPU that it has less than one for all directions.
+    pub cropped_bytes: u64,
     /// The file.
     pub bytes: Vec<u8>,
     /// What its codec says.
@@ -111,6 +113,7 @@ pub(super) fn of_table(encoded: brdfc_table::encode::Encoded) -> EncodedPack {
     let codec = TableReport { axes: header.axes, curve_nodes, symmetry: header.symmetry, asymmetry: encoded.asymmetry };
     EncodedPack {
         codec: CodecReport::Table(codec),
+        cropped_bytes: encoded.pack.cropped_bytes(),
         pack: BrdfPack::Table(encoded.pack),
         bytes: encoded.bytes,
         off_grid: encoded.off_grid,
@@ -139,6 +142,7 @@ pub(super) fn of_wavelet(encoded: brdfc_wavelet::encode::Encoded, recipe: &Recip
     };
     EncodedPack {
         codec: CodecReport::Wavelet(codec),
+        cropped_bytes: encoded.cropped_bytes,
         pack: BrdfPack::Wavelet(encoded.pack),
         bytes: encoded.bytes,
         off_grid: encoded.off_grid,

@@ -1,5 +1,6 @@
 //! What decides the bytes of a pack: a codec with its recipe, or a budget that codecs and sizes are tried against.
 
+use brdfc_formats::crop::DirectionRange;
 use brdfc_table::recipe::TableRecipe;
 use brdfc_wavelet::recipe::Recipe;
 use serde::{Deserialize, Serialize};
@@ -108,6 +109,37 @@ impl PackRecipe {
             Self::Wavelet(recipe) => recipe.measure_off_grid = false,
         }
         self
+    }
+
+    /// Packs hold what look-ups within a range of directions touch.
+    pub fn limit_directions(&mut self, directions: DirectionRange) {
+        match self {
+            Self::Auto(recipe) => {
+                recipe.table.directions = directions;
+                recipe.wavelet.iter_mut().for_each(|wavelet| wavelet.directions = directions);
+            }
+            Self::Table(recipe) => recipe.directions = directions,
+            Self::Wavelet(recipe) => recipe.directions = directions,
+        }
+    }
+
+    /// Directions that packs are for.
+    pub fn directions(&self) -> DirectionRange {
+        match self {
+            Self::Auto(recipe) => recipe.table.directions,
+            Self::Table(recipe) => recipe.directions,
+            Self::Wavelet(recipe) => recipe.directions,
+        }
+    }
+
+    /// Table packs have no coarser levels of detail than this many.
+    pub fn limit_coarser_levels(&mut self, most: u32) {
+        let table = match self {
+            Self::Auto(recipe) => &mut recipe.table,
+            Self::Table(recipe) => recipe,
+            Self::Wavelet(_) => return,
+        };
+        table.levels = table.levels.min(most);
     }
 
     /// Wavelet packs store no finer levels of detail than this gives for the number of levels.

@@ -20,7 +20,7 @@ pub fn encode(source: &dyn Source, recipe: &PackRecipe, progress: &dyn Progress)
         PackRecipe::Table(recipe) => {
             let mut made = of_table(brdfc_table::encode::encode(source, recipe, progress)?);
             if recipe.reciprocal && recipe.measure {
-                let reference = Reference::new(source, PairSet::comparison());
+                let reference = Reference::new(source, PairSet::within(recipe.directions));
                 made.averaging = Some(AveragingCost::of(source, &reference));
             }
             made

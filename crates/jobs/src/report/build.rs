@@ -2,13 +2,16 @@
 
 use super::gate::GateResult;
 use super::material::{MaterialReport, StageTime};
+use crate::scene::explain::Explained;
 use crate::scene::maps::{MapsReport, PARTS, Packed, part_name};
 use crate::scene::plan::{Plan, pack_name};
+use crate::scene::predict::{Predicted, predict};
 use crate::scene::run::{JobError, Made, MadeEnvironment, Outcome, Outcomes, file_of};
 use crate::scene::scene_section::ENVIRONMENT;
 use crate::store::Digest;
 use brdfc_bandwidth::facts::BandwidthFacts;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// What a build says of itself: printed by `--json`, and without times and paths the file `report.json` in its folder.
@@ -25,6 +28,9 @@ pub struct BuildReport {
     pub environment: Option<EnvironmentEntry>,
     /// Materials that no use refers to.
     pub skipped: Vec<String>,
+    /// What is needed of each material, why, and what that saves. Only in what is printed, where it was asked for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub needs: Vec<Explained>,
 }
 
 /// A file of a build.
@@ -65,6 +71,9 @@ pub struct MaterialEntry {
     /// What the gates saw that the manifest requires.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub gates: Vec<GateResult>,
+    /// Bytes on a GPU that its pack will have. Only where it was planned.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub predicted: Option<Predicted>,
     /// Why it failed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
@@ -124,9 +133,16 @@ impl BuildReport {
         }
     }
 
-    /// Of a build that is only planned.
-    pub fn planned(plan: &Plan) -> Self {
-        let materials = plan.jobs.iter().map(|job| files(&job.name, &job.declared, job.maps.is_some()));
+    /// Of a build that is only planned, with the materials that need not be made again.
+    pub fn planned(plan: &Plan, known: &BTreeMap<&str, Made>) -> Self {
+        let materials = plan.jobs.iter().map(|job| {
+            let maps = job.maps.map_or([false; 2], |recipe| recipe.wanted);
+            let (predicted, cached) = match known.get(job.name.as_str()) {
+                Some(made) => (Predicted::exactly(made.report.bytes_on_gpu), Some(true)),
+                None => (predict(&job.recipe), None),
+            };
+            MaterialEntry { predicted: Some(predicted), cached, ..files(&job.name, &job.declared, maps) }
+        });
         let environment = plan.environment.as_ref().map(|job| EnvironmentEntry {
             source: job.declared.clone(),
             bandwidth: Some(environment_map()),
@@ -163,7 +179,7 @@ impl BuildReport {
 
     fn empty(plan: &Plan) -> Self {
         let (scene, skipped) = (plan.scene.clone(), plan.skipped.clone());
-        Self { version: 3, scene, materials: Vec::new(), environment: None, skipped }
+        Self { version: 3, scene, materials: Vec::new(), environment: None, skipped, needs: Vec::new() }
     }
 }
 
@@ -173,8 +189,8 @@ pub fn environment_map() -> String {
 }
 
 /// A material and its files.
-fn files(name: &str, declared: &str, maps: bool) -> MaterialEntry {
-    let [bandwidth, samples] = PARTS.map(|part| maps.then(|| part_name(name, part)));
+fn files(name: &str, declared: &str, maps: [bool; 2]) -> MaterialEntry {
+    let [bandwidth, samples] = [0, 1].map(|k| maps[k].then(|| part_name(name, PARTS[k])));
     let (material, source) = (name.to_owned(), declared.to_owned());
     MaterialEntry { material, source, pack: Some(pack_name(name)), bandwidth, samples, ..MaterialEntry::default() }
 }
@@ -186,6 +202,8 @@ fn material_entry(declared: &str, outcome: &Outcome) -> MaterialEntry {
             let listed = made_files
                 .iter()
                 .map(|(part, blake3)| FileEntry { file: file_of(&outcome.name, part), blake3: *blake3 });
+            let made = |maps: &MapsReport| [maps.bandwidth.is_some(), maps.samples.is_some()];
+            let of_maps = maps.as_ref().map_or([false; 2], made);
             MaterialEntry {
                 files: listed.collect(),
                 report: Some(report.clone()),
@@ -193,7 +211,7 @@ fn material_entry(declared: &str, outcome: &Outcome) -> MaterialEntry {
                 gates: gates.clone(),
                 cached: Some(times.is_none()),
                 stages: times.clone(),
-                ..files(&outcome.name, declared, maps.is_some())
+                ..files(&outcome.name, declared, of_maps)
             }
         }
         Err(error) => MaterialEntry {

@@ -2,6 +2,7 @@
 
 use crate::encode::{AveragingCost, CodecReport, EncodedPack, Trial};
 use brdfc_formats::BrdfPack;
+use brdfc_formats::crop::DirectionRange;
 use brdfc_metrics::compare::Comparison;
 use brdfc_source::Tally;
 use brdfc_source::open::Facts;
@@ -26,6 +27,10 @@ pub struct MaterialReport {
     pub bytes_on_disk: u64,
     /// Bytes on a GPU.
     pub bytes_on_gpu: u64,
+    /// Directions that it is for: errors are those within.
+    pub directions: DirectionRange,
+    /// Bytes on a GPU that it has less than one for all directions.
+    pub cropped_bytes: u64,
     /// `μ`, 1/sr.
     pub mean: f64,
     /// What a user sees: filtered pack against source.
@@ -62,6 +67,8 @@ impl MaterialReport {
             fetches: encoded.pack.fetches(),
             bytes_on_disk: encoded.bytes.len() as u64,
             bytes_on_gpu: encoded.pack.gpu_bytes(),
+            directions: encoded.pack.directions(),
+            cropped_bytes: encoded.cropped_bytes,
             mean: f64::from(mean),
             off_grid: encoded.off_grid.clone(),
             repairs: encoded.tally,

@@ -26,6 +26,8 @@ pub struct Verification {
     pub adapter: AdapterDescription,
     /// Parts of the scene with their materials.
     pub parts: Vec<PartMaterial>,
+    /// Share of the surfaces that is left out, as packs were not made for the directions from which it is lit or seen.
+    pub left_out: f64,
     /// What a user sees: the shader's image against the CPU's from the sources. Absent without sources.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub total: Option<ImageDifference>,
@@ -87,6 +89,7 @@ impl Verification {
             exposure,
             adapter: adapter.clone(),
             parts,
+            left_out: views.left_out,
             total: against_source(&views.shader),
             codec: against_source(&views.pack),
             grid: views.table.as_ref().and_then(against_source),
@@ -127,7 +130,8 @@ impl Verification {
         let reference = views.reference();
         let is_lit = |(pixel, covered): (&[f32; 3], &f32)| *covered > 0.0 && pixel.iter().any(|value| *value > 0.0);
         if difference.pixels == 0 {
-            Some("no pixel that shows a surface".to_owned())
+            let why = if views.left_out > 0.0 { ", of those that packs were made for" } else { "" };
+            Some(format!("no pixel that shows a surface{why}"))
         } else if difference.invalid_pixels > 0 {
             Some(format!("{} pixels that hold no number", difference.invalid_pixels))
         } else if !reference.pixels.iter().zip(&reference.coverage).any(is_lit) {

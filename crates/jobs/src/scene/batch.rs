@@ -169,7 +169,7 @@ pub fn manifest_of(sources: &[String]) -> Result<Manifest, BatchError> {
         let name = names.add(source)?;
         let material = Material { source: source.clone(), ..Material::default() };
         manifest.materials.insert(name.clone(), material);
-        manifest.uses.push(Use { object: None, material: Spanned::new(0..0, name), nearest: None });
+        manifest.uses.push(Use::of(Spanned::new(0..0, name)));
     }
     Ok(manifest)
 }

@@ -3,7 +3,7 @@
 use super::error::JobError;
 use super::memory::{self, Shared};
 use super::plan::{EnvironmentJob, Job};
-use super::run::{Workshop, file_of};
+use super::run::{Made, Workshop, file_of};
 use crate::output_folder::OutputFolder;
 use crate::report::build::environment_map;
 use crate::report::gate::GateResult;
@@ -44,6 +44,12 @@ impl PackFolder {
         Ok(Self { store, folder, placed })
     }
 
+    /// A folder that a build filled, if there is one and nothing is to be finished there: nothing is written.
+    pub fn looked_at(path: &Path) -> Option<Self> {
+        let is_settled = Self::is_one(path) && !OutputFolder::is_unfinished(path);
+        is_settled.then(|| Self::open(path).ok()).flatten()
+    }
+
     /// Whether a build or an earlier call worked in this folder.
     pub fn is_one(path: &Path) -> bool {
         path.join(crate::store::FOLDER).is_dir()
@@ -52,6 +58,11 @@ impl PackFolder {
     fn workshop(&self) -> Workshop<'_> {
         let memory = memory::PER_THREAD * rayon::current_num_threads() as u64;
         Workshop { store: &self.store, placed: &self.placed, memory, fail_fast: false }
+    }
+
+    /// A material that needs not be made again.
+    pub fn known(&self, job: &Job) -> Option<Made> {
+        self.workshop().known(job)
     }
 
     /// A material. What had to be made is kept in the store; the files in the folder stay as they are.

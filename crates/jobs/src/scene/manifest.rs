@@ -1,12 +1,14 @@
 //! The scene manifest, `scene.toml`: materials, and the uses a scene makes of them.
 
 pub use super::place::{ManifestError, line_of, near_miss};
+pub use super::uses::Use;
 
 use super::gates::Require;
 use super::names::{check_name, same_but_for_case};
 use super::place::{Place, key_at, line_of_key, snippet};
 use super::render_section::{CAMERA_KEYS, LIGHT_KEYS, RENDER_KEYS, RenderSection};
 use super::scene_section::{SCENE_KEYS, SceneSection};
+use super::uses::USE_KEYS;
 use crate::encode::options::{EncodeOptions, OptionError};
 use crate::keys::keys_of;
 use serde::Deserialize;
@@ -61,19 +63,6 @@ struct PlainTables {
     render: RenderSection,
 }
 
-/// One object that shows a material.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Use {
-    /// A name for people.
-    pub object: Option<String>,
-    /// Which material.
-    pub material: Spanned<String>,
-    /// Nearest distance at which it is seen; finer levels of detail than that asks for are not stored. Absent: any.
-    pub nearest: Option<Spanned<f64>>,
-}
-
-const USE_KEYS: &[&str] = &["object", "material", "nearest"];
 const TOP_KEYS: &[&str] = &["scene", "defaults", "materials", "uses", "render"];
 
 impl Manifest {
@@ -176,17 +165,7 @@ impl Manifest {
                     suggestion: near_miss(name, &known),
                 });
             }
-            if let Some(nearest) = &used.nearest
-                && !(nearest.get_ref().is_finite() && *nearest.get_ref() >= 0.0)
-            {
-                return Err(ManifestError {
-                    line: line_of(text, Some(nearest.span())),
-                    field: format!("uses[{number}].nearest"),
-                    found: nearest.get_ref().to_string(),
-                    allowed: "a distance, 0 or more".to_owned(),
-                    suggestion: None,
-                });
-            }
+            used.check(number, text, self.scene.environment.is_some())?;
         }
         Ok(())
     }

@@ -22,11 +22,18 @@ pub struct MapRecipe {
     pub epsilon: f64,
     /// Sizes of the importance samples.
     pub samples: ImportanceRecipe,
+    /// Which of [`PARTS`] are made, at least one.
+    pub wanted: [bool; 2],
 }
 
 impl Default for MapRecipe {
     fn default() -> Self {
-        Self { resolution: Resolution::default(), epsilon: DEFAULT_EPSILON, samples: ImportanceRecipe::default() }
+        Self {
+            resolution: Resolution::default(),
+            epsilon: DEFAULT_EPSILON,
+            samples: ImportanceRecipe::default(),
+            wanted: [true; 2],
+        }
     }
 }
 
@@ -48,16 +55,16 @@ impl<T> Packed<T> {
 /// The maps of one material.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct MapsReport {
-    /// How fast its lobes vary.
-    pub bandwidth: Packed<BandwidthFacts>,
-    /// Samples of its lobes.
-    pub samples: Packed<ImportanceFacts>,
+    /// How fast its lobes vary; where the scene needs it.
+    pub bandwidth: Option<Packed<BandwidthFacts>>,
+    /// Samples of its lobes; likewise.
+    pub samples: Option<Packed<ImportanceFacts>>,
     /// What had to be mended while they were made.
     #[serde(rename = "mended")]
     pub repairs: Tally,
 }
 
-/// The parts of a material that are maps, in the order in which [`material_maps`] gives their bytes.
+/// The parts of a material that are maps.
 pub const PARTS: [&str; 2] = ["bandwidth", "samples"];
 
 /// The file of a part.
@@ -65,7 +72,19 @@ pub fn part_name(material: &str, part: &str) -> String {
     format!("{material}.{part}.ktx2")
 }
 
-/// The bytes of the files of [`PARTS`].
+impl MapRecipe {
+    /// The maps that are wanted, if any.
+    pub fn wanted(bandwidth: bool, samples: bool) -> Option<Self> {
+        (bandwidth || samples).then(|| Self { wanted: [bandwidth, samples], ..Self::default() })
+    }
+
+    /// Which of [`PARTS`] are made, in the order in which [`material_maps`] gives their bytes.
+    pub fn parts(&self) -> impl Iterator<Item = &'static str> {
+        PARTS.into_iter().zip(self.wanted).filter_map(|(part, wanted)| wanted.then_some(part))
+    }
+}
+
+/// The bytes of the files that are wanted.
 ///
 /// # Errors
 /// When the work is cancelled.
@@ -73,19 +92,25 @@ pub fn material_maps(
     source: &dyn Source,
     recipe: &MapRecipe,
     progress: &dyn Progress,
-) -> Result<([Vec<u8>; 2], MapsReport), JobError> {
-    progress.stage(Stage::BandwidthMap, 1)?;
-    let (map, mut repairs) = brdf_map(source, recipe.resolution, recipe.epsilon).map_err(JobError::Map)?;
-    progress.stage(Stage::ImportanceSamples, 1)?;
-    let (pack, tally) = importance_samples(source, &recipe.samples).map_err(JobError::Map)?;
-    repairs += tally;
-    let (bandwidth, samples) = (map.to_bytes(true), pack.to_bytes(true));
-    let report = MapsReport {
-        bandwidth: Packed::new(&bandwidth, BandwidthFacts::new(&map)),
-        samples: Packed::new(&samples, ImportanceFacts::new(&pack)),
-        repairs,
-    };
-    Ok(([bandwidth, samples], report))
+) -> Result<(Vec<Vec<u8>>, MapsReport), JobError> {
+    let [wants_bandwidth, wants_samples] = recipe.wanted;
+    let mut files = Vec::new();
+    let mut report = MapsReport { bandwidth: None, samples: None, repairs: Tally::default() };
+    if wants_bandwidth {
+        progress.stage(Stage::BandwidthMap, 1)?;
+        let (map, tally) = brdf_map(source, recipe.resolution, recipe.epsilon).map_err(JobError::Map)?;
+        report.repairs += tally;
+        files.push(map.to_bytes(true));
+        report.bandwidth = files.last().map(|bytes| Packed::new(bytes, BandwidthFacts::new(&map)));
+    }
+    if wants_samples {
+        progress.stage(Stage::ImportanceSamples, 1)?;
+        let (pack, tally) = importance_samples(source, &recipe.samples).map_err(JobError::Map)?;
+        report.repairs += tally;
+        files.push(pack.to_bytes(true));
+        report.samples = files.last().map(|bytes| Packed::new(bytes, ImportanceFacts::new(&pack)));
+    }
+    Ok((files, report))
 }
 
 /// The bytes of the file of an environment's map.

@@ -1,6 +1,8 @@
 //! Needs: what the scene asks of each material. Everything outside is not computed and not written.
 
 use super::manifest::Manifest;
+use super::uses::Use;
+use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::wavelet::level_of_detail;
 use std::collections::BTreeMap;
 
@@ -11,9 +13,16 @@ pub struct Needs {
     pub uses: usize,
     /// Nearest distance at which any of them is seen, 0 or more.
     pub nearest: f64,
-    /// Whether an environment lights it: then how fast its lobes vary, and samples of them, are needed too. Point lights
-    /// need neither.
-    pub maps: bool,
+    /// Farthest distance, infinite where one may be seen from anywhere.
+    pub farthest: f64,
+    /// The smallest range that holds the directions of all.
+    pub directions: DirectionRange,
+    /// Whether an environment lights it. Point lights need no maps.
+    pub lit_by_environment: bool,
+    /// Whether it is needed how fast its lobes vary.
+    pub bandwidth: bool,
+    /// Whether samples of its lobes are needed.
+    pub samples: bool,
 }
 
 impl Needs {
@@ -21,22 +30,55 @@ impl Needs {
     pub fn stored_levels(&self, levels: u32, distance_scale: f64) -> u32 {
         level_of_detail(levels, self.nearest, distance_scale).ceil() as u32
     }
+
+    /// How many levels below the finest are ever asked for: `log2(α d)` at the farthest use, rounded up.
+    pub fn coarser_levels(&self, distance_scale: f64) -> u32 {
+        let below = (distance_scale * self.farthest).log2().max(0.0).ceil();
+        if below < f64::from(u32::MAX) { below as u32 } else { u32::MAX }
+    }
+
+    fn of(used: &Use, has_environment: bool) -> Self {
+        let distance = |distance: &Option<toml::Spanned<f64>>| distance.as_ref().map(|distance| *distance.get_ref());
+        let lit_by_environment = has_environment && used.is_lit_by_environment();
+        let [bandwidth, samples] = used.wants_maps().map(|wanted| wanted && lit_by_environment);
+        Self {
+            uses: 1,
+            nearest: distance(&used.nearest).unwrap_or(0.0),
+            farthest: distance(&used.farthest).unwrap_or(f64::INFINITY),
+            directions: DirectionRange { light: used.light(), view: used.view() },
+            lit_by_environment,
+            bandwidth,
+            samples,
+        }
+    }
+
+    /// What both need.
+    fn with(self, other: Self) -> Self {
+        Self {
+            uses: self.uses + other.uses,
+            nearest: self.nearest.min(other.nearest),
+            farthest: self.farthest.max(other.farthest),
+            directions: self.directions.with(other.directions),
+            lit_by_environment: self.lit_by_environment || other.lit_by_environment,
+            bandwidth: self.bandwidth || other.bandwidth,
+            samples: self.samples || other.samples,
+        }
+    }
 }
 
-/// The environment whose map the scene needs: the one that lights it, if it lights anything.
+/// The environment whose map the scene needs: the one that lights it, if any use wants to know how fast light varies.
 pub fn environment(manifest: &Manifest) -> Option<&str> {
-    manifest.scene.environment.as_deref().filter(|_| !manifest.uses.is_empty())
+    let environment = manifest.scene.environment.as_deref()?;
+    needs(manifest).values().any(|needs| needs.bandwidth).then_some(environment)
 }
 
 /// The needs of every material that is used, by name.
 pub fn needs(manifest: &Manifest) -> BTreeMap<&str, Needs> {
-    let maps = environment(manifest).is_some();
+    let has_environment = manifest.scene.environment.is_some();
     let mut all: BTreeMap<&str, Needs> = BTreeMap::new();
     for used in &manifest.uses {
-        let nearest = used.nearest.as_ref().map_or(0.0, |distance| *distance.get_ref());
-        let entry = all.entry(used.material.get_ref()).or_insert(Needs { uses: 0, nearest, maps });
-        entry.uses += 1;
-        entry.nearest = entry.nearest.min(nearest);
+        let needs = Needs::of(used, has_environment);
+        all.entry(used.material.get_ref()).and_modify(|entry| *entry = entry.with(needs)).or_insert(needs);
     }
     all
 }
@@ -44,43 +86,107 @@ pub fn needs(manifest: &Manifest) -> BTreeMap<&str, Needs> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use brdfc_formats::crop::Elevations;
+
+    fn parse(text: &str) -> Manifest {
+        Manifest::parse(text).unwrap_or_else(|error| panic!("{error}"))
+    }
 
     #[test]
     fn distance_takes_levels_away() {
-        let stored = |nearest| Needs { uses: 1, nearest, maps: false }.stored_levels(5, 0.15);
+        let at = |nearest: f64, farthest: f64| {
+            let text = format!(
+                "[materials.a]\nsource='x'\n[[uses]]\nmaterial='a'\nnearest={nearest:?}\nfarthest={farthest:?}\n"
+            );
+            needs(&parse(&text))["a"]
+        };
+        let stored = |nearest| at(nearest, 1e12).stored_levels(5, 0.15);
         assert_eq!(stored(0.0), 5);
         assert_eq!(stored(6.0), 5, "log2(0.9) is clamped at 0");
         assert_eq!(stored(14.0), 4, "2.1 is just over one level");
         assert_eq!(stored(13.0), 5, "1.95 is not");
         assert_eq!(stored(1e9), 0);
+        let coarser = |farthest| at(0.0, farthest).coarser_levels(0.15);
+        assert_eq!(coarser(6.0), 0);
+        assert_eq!(coarser(13.0), 1);
+        assert_eq!(coarser(14.0), 2);
+        assert_eq!(
+            needs(&parse("[materials.a]\nsource='x'\n[[uses]]\nmaterial='a'\n"))["a"].coarser_levels(0.15),
+            u32::MAX
+        );
     }
 
     #[test]
     fn the_nearest_use_counts_and_unused_materials_have_no_needs() {
-        let manifest = Manifest::parse(
+        let manifest = parse(
             "[materials.a]\nsource='x'\n[materials.b]\nsource='y'\n\
-             [[uses]]\nmaterial='a'\nnearest=20\n[[uses]]\nmaterial='a'\nnearest=7\n",
-        )
-        .unwrap();
+             [[uses]]\nmaterial='a'\nnearest=20\nfarthest=30\nview_elevation=[10,30]\n\
+             [[uses]]\nmaterial='a'\nnearest=7\nfarthest=9\nview_elevation=[50,60]\nlight_elevation=[0,45]\n",
+        );
         let all = needs(&manifest);
         assert_eq!(all.len(), 1);
-        assert_eq!(all["a"], Needs { uses: 2, nearest: 7.0, maps: false });
+        let needs = all["a"];
+        assert_eq!((needs.uses, needs.nearest, needs.farthest), (2, 7.0, 30.0));
+        let directions = DirectionRange { light: Elevations::ALL, view: Elevations { from: 10.0, to: 60.0 } };
+        assert_eq!(needs.directions, directions, "a use that says nothing of lights has all");
     }
 
     #[test]
     fn maps_are_needed_where_an_environment_lights_something() {
         let materials = "[materials.a]\nsource='x'\n[materials.b]\nsource='y'\n";
-        let parse = |text: &str| Manifest::parse(text).unwrap();
         let used = format!("{materials}[[uses]]\nmaterial='a'\n");
         let lit = parse(&format!("[scene]\nenvironment='sky.exr'\n{used}"));
         assert_eq!(environment(&lit), Some("sky.exr"));
-        assert!(needs(&lit).len() == 1 && needs(&lit)["a"].maps);
+        assert!(needs(&lit).len() == 1 && needs(&lit)["a"].bandwidth && needs(&lit)["a"].samples);
         // What mirrors show is no light.
         for other in [used.clone(), format!("{used}[render]\nenvironment='sky.exr'\n")] {
             let manifest = parse(&other);
-            assert!(environment(&manifest).is_none() && !needs(&manifest)["a"].maps, "{other}");
+            assert!(environment(&manifest).is_none() && !needs(&manifest)["a"].bandwidth, "{other}");
         }
         let empty = parse(&format!("[scene]\nenvironment='sky.exr'\n{materials}"));
         assert!(environment(&empty).is_none() && needs(&empty).is_empty());
+    }
+
+    #[test]
+    fn uses_say_what_lights_them_and_which_maps_they_want() {
+        let lit = |rest: &str| {
+            let text =
+                format!("[scene]\nenvironment='sky.exr'\n[materials.a]\nsource='x'\n[[uses]]\nmaterial='a'\n{rest}");
+            let manifest = parse(&text);
+            let needs = needs(&manifest)["a"];
+            ([needs.lit_by_environment, needs.bandwidth, needs.samples], environment(&manifest).is_some())
+        };
+        assert_eq!(lit("lighting=['points']\n"), ([false; 3], false));
+        assert_eq!(lit("lighting=['points','environment']\n"), ([true; 3], true));
+        assert_eq!(lit("maps=['samples']\n"), ([true, false, true], false), "samples alone need no environment's map");
+        assert_eq!(lit("maps=[]\n"), ([true, false, false], false));
+        let both = "lighting=['points']\n[[uses]]\nmaterial='a'\nmaps=['bandwidth']\n";
+        assert_eq!(lit(both), ([true, true, false], true));
+    }
+
+    #[test]
+    fn needs_that_make_no_sense_are_refused() {
+        let error = |rest: &str| {
+            let text = format!("[materials.a]\nsource='x'\n[[uses]]\nmaterial='a'\n{rest}\n");
+            Manifest::parse(&text).expect_err(rest).to_string()
+        };
+        for (rest, expected) in [
+            ("nearest=-1", "line 5, uses[0].nearest: found -1; allowed a distance, 0 or more"),
+            ("nearest=4\nfarthest=3", "line 6, uses[0].farthest: found 3; allowed 4 or more, which is the nearest"),
+            ("view_elevation=[30, 20]", "uses[0].view_elevation: found [30, 20]; allowed [from, to], 0 to 90"),
+            ("light_elevation=[0, 91]", "uses[0].light_elevation: found [0, 91]"),
+            ("light_elevation=[10, 12]", "5 apart or more"),
+            ("light_elevation=[10]", "uses[0].light_elevation"),
+            ("lighting=['sun']", "uses[0].lighting: found \"sun\"; allowed points, environment"),
+            ("lighting=[]", "uses[0].lighting: found []; allowed one or both"),
+            ("lighting=['environment']", "the scene has no environment"),
+            ("maps=['samples']", "uses[0].maps: found [\"samples\"] without an environment"),
+        ] {
+            let found = error(rest);
+            assert!(found.contains(expected), "{found}");
+        }
+        let text = "[scene]\nenvironment='sky.exr'\n[materials.a]\nsource='x'\n[[uses]]\nmaterial='a'\nlight_elevation=[0,30]\n";
+        let found = Manifest::parse(text).expect_err("an environment").to_string();
+        assert!(found.contains("an environment lights from everywhere"), "{found}");
     }
 }

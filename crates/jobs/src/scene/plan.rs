@@ -1,9 +1,10 @@
 //! What a build will do: which materials, from where, by which recipes.
 
 use super::manifest::Manifest;
-use super::maps::{self, MapRecipe, part_name};
-use super::needs::{self, needs};
+use super::maps::{MapRecipe, part_name};
+use super::needs::{self, Needs, needs};
 use super::scene_section::ENVIRONMENT;
+use super::uses::Use;
 use crate::encode::options::OptionError;
 use crate::encode::recipe::{Budget, PackRecipe};
 use brdfc_formats::wavelet::DEFAULT_DISTANCE_SCALE;
@@ -19,14 +20,18 @@ pub struct Job {
     pub declared: String,
     /// Path or address, resolved against the manifest's folder.
     pub source: String,
+    /// How it is to be encoded, without a look at needs.
+    pub asked: PackRecipe,
     /// How it is encoded, needs included.
     pub recipe: PackRecipe,
     /// How its maps are made, where it needs them.
     pub maps: Option<MapRecipe>,
     /// What its finished pack has to be.
     pub gates: Budget,
-    /// Uses that refer to it.
-    pub uses: usize,
+    /// What the scene asks of it.
+    pub needs: Needs,
+    /// The uses that refer to it, with their names.
+    pub uses: Vec<(String, Use)>,
 }
 
 impl Job {
@@ -56,6 +61,8 @@ pub struct Plan {
     pub jobs: Vec<Job>,
     /// The environment, where the scene needs its map.
     pub environment: Option<EnvironmentJob>,
+    /// Whether the scene has an environment, needed or not.
+    pub has_environment: bool,
     /// Materials that no use refers to: not even opened.
     pub skipped: Vec<String>,
 }
@@ -76,7 +83,7 @@ impl Plan {
     pub fn files(&self) -> impl Iterator<Item = String> {
         let environment = self.environment.iter().map(|_| part_name(ENVIRONMENT, "bandwidth"));
         let of_job = |job: &Job| {
-            let maps = maps::PARTS.iter().filter(|_| job.maps.is_some()).map(|part| part_name(&job.name, part));
+            let maps = job.maps.iter().flat_map(MapRecipe::parts).map(|part| part_name(&job.name, part));
             [pack_name(&job.name), list_name(&job.name)].into_iter().chain(maps).collect::<Vec<_>>()
         };
         self.jobs.iter().flat_map(of_job).chain(environment).chain([REPORT.to_owned()])
@@ -106,6 +113,11 @@ pub struct PlanError {
     pub error: OptionError,
 }
 
+fn uses_of(manifest: &Manifest, material: &str) -> Vec<(String, Use)> {
+    let all = manifest.uses.iter().enumerate().filter(|(_, used)| used.material.get_ref() == material);
+    all.map(|(number, used)| (used.name(number), used.clone())).collect()
+}
+
 /// Plans a build: which materials, with which recipes. Patterns were expanded before.
 ///
 /// # Errors
@@ -119,7 +131,13 @@ pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, PlanError> {
         epsilon: MapRecipe::default().epsilon,
     });
     let scene = manifest.scene.name.clone().unwrap_or_else(|| "scene".to_owned());
-    let mut plan = Plan { scene, jobs: Vec::new(), environment, skipped: Vec::new() };
+    let mut plan = Plan {
+        scene,
+        jobs: Vec::new(),
+        environment,
+        has_environment: manifest.scene.environment.is_some(),
+        skipped: Vec::new(),
+    };
     let defaults = &manifest.defaults;
     for (name, material) in &manifest.materials {
         let Some(need) = needed.get(name.as_str()) else {
@@ -128,7 +146,10 @@ pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, PlanError> {
         };
         let wrong = |error| PlanError { material: name.clone(), error };
         let mut recipe = material.options.resolve(&defaults.options).map_err(wrong)?;
+        let asked = recipe.clone();
         recipe.limit_levels(|levels| need.stored_levels(levels, scale));
+        recipe.limit_coarser_levels(need.coarser_levels(scale));
+        recipe.limit_directions(need.directions);
         let declared = material.source.clone();
         let source =
             if address::is_synth(&declared) { declared.clone() } else { folder.join(&declared).display().to_string() };
@@ -136,10 +157,12 @@ pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, PlanError> {
             name: name.clone(),
             declared,
             source,
+            asked,
             recipe,
-            maps: need.maps.then(MapRecipe::default),
+            maps: MapRecipe::wanted(need.bandwidth, need.samples),
             gates: material.require.resolve(&defaults.require).map_err(wrong)?,
-            uses: need.uses,
+            needs: *need,
+            uses: uses_of(manifest, name),
         });
     }
     Ok(plan)

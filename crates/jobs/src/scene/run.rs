@@ -4,7 +4,7 @@
 pub use super::error::JobError;
 
 use super::gates;
-use super::maps::{MapRecipe, MapsReport, PARTS, Packed, environment_file, material_maps, part_name};
+use super::maps::{MapRecipe, MapsReport, Packed, environment_file, material_maps, part_name};
 use super::memory::{self, Shared};
 use super::plan::{EnvironmentJob, Job, Plan, pack_name};
 use super::scene_section::ENVIRONMENT;
@@ -206,6 +206,14 @@ impl Workshop<'_> {
         Ok(of_shelf(job, shelf, times))
     }
 
+    /// A material that is in the store, made of what its source is now.
+    pub fn known(&self, job: &Job) -> Option<Made> {
+        let known = if address::is_synth(&job.source) { None } else { self.store.known(Path::new(&job.source)) };
+        let source = known.or_else(|| Some(self.read(&job.source, &extension_of(&job.source)).ok()?.1))?;
+        let shelf = self.look_up(job, source);
+        shelf.has(job, Wanted::ALL).then(|| of_shelf(job, shelf, None))
+    }
+
     /// Some parts of a material; whether anything had to be made.
     pub(super) fn made_part(
         &self,
@@ -370,7 +378,7 @@ fn of_shelf(job: &Job, shelf: Shelf, times: Option<Vec<StageTime>>) -> Made {
     let pack = shelf.pack.expect("the shelf is complete");
     let mut files = vec![(PACK, pack.files[0])];
     let maps = shelf.maps.map(|maps| {
-        files.extend(PARTS.into_iter().zip(maps.files));
+        files.extend(job.maps.iter().flat_map(MapRecipe::parts).zip(maps.files));
         maps.report
     });
     let (report, pack_times) = pack.report;

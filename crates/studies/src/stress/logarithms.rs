@@ -82,6 +82,7 @@ fn decoder(mean: f32, bias: f32) -> WaveletDecoder {
         scales: vec![SliceScale::default(); 2],
         on_grid: Default::default(),
         off_grid: Default::default(),
+        crop: None,
         texels: vec![0; 8],
     })
 }

@@ -29,7 +29,7 @@ pub(super) fn pack(levels: u32, kept: usize, bits: u32, lift: bool, seed: u64) -
     let mut texels = vec![0; slice];
     texels.extend((0..kept * slice).map(|_| numbers.below(256) as u8));
     let (on_grid, off_grid) = (ErrorSummary::default(), ErrorSummary::default());
-    WaveletPack { header, index, scales, on_grid, off_grid, texels }
+    WaveletPack { header, index, scales, on_grid, off_grid, crop: None, texels }
 }
 
 pub(super) fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {

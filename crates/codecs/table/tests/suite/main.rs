@@ -1,5 +1,6 @@
 //! Tables against what they must hold.
 
+mod crop;
 mod golden;
 mod known_answers;
 mod levels;

@@ -156,6 +156,7 @@ fn error_of_slices(known: &Known, choose: impl Fn(&[u32]) -> Vec<u32>) -> f64 {
         scales: quantised.scales,
         on_grid: ErrorSummary::default(),
         off_grid: ErrorSummary::default(),
+        crop: None,
         texels: quantised.texels,
     };
     grid_error(&table, &WaveletDecoder::new(&pack)).norms.relative_mean

@@ -1,0 +1,184 @@
+//! What a scene needs of each material, why, and what that saves.
+
+use super::plan::{Job, Plan};
+use super::run::Made;
+use super::uses::Use;
+use crate::encode::CodecReport;
+use crate::encode::recipe::PackRecipe;
+use crate::report::material::StageTime;
+use brdfc_formats::crop::{DirectionRange, Elevations};
+use brdfc_source::progress::Stage;
+use brdfc_wavelet::recipe::Target;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// One need.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Explained {
+    /// Whose.
+    pub material: String,
+    /// What is needed.
+    pub need: String,
+    /// Which uses ask for that.
+    pub why: String,
+    /// Bytes on a GPU that are left out for it, where that is known: of what was made, or the mean of other materials of this build.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub saved_bytes: Option<u64>,
+    /// Seconds of work that are saved, likewise.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub saved_seconds: Option<f64>,
+}
+
+/// The needs of all materials of a plan; what is saved where there are packs.
+pub fn explain(plan: &Plan, made: &BTreeMap<&str, &Made>) -> Vec<Explained> {
+    let maps = Mean::of(made.values().filter_map(|made| of_maps(made)));
+    let packs = Mean::of(made.values().map(|made| (made.report.bytes_on_gpu, seconds(&made.pack_times, |_| true))));
+    let mut all = Vec::new();
+    for job in &plan.jobs {
+        let made = made.get(job.name.as_str()).copied();
+        let before = all.len();
+        all.extend(levels(job, made));
+        all.extend(coarser_levels(job));
+        all.extend(directions(job, made));
+        all.extend(without_maps(job, plan, maps));
+        if all.len() == before {
+            let names = names(&job.uses, |used| {
+                used.nearest.is_none() && used.light() == Elevations::ALL && used.view() == Elevations::ALL
+            });
+            all.push(said(
+                job,
+                "all levels of detail and directions",
+                &names.unwrap_or_else(|| "any distance".to_owned()),
+            ));
+        }
+    }
+    for name in &plan.skipped {
+        let none = Explained {
+            material: name.clone(),
+            need: "nothing".to_owned(),
+            why: "no use refers to it".to_owned(),
+            saved_bytes: packs.map(|mean| mean.bytes),
+            saved_seconds: packs.map(|mean| mean.seconds),
+        };
+        all.push(none);
+    }
+    all
+}
+
+/// Mean bytes on a GPU, and seconds.
+#[derive(Clone, Copy)]
+struct Mean {
+    bytes: u64,
+    seconds: f64,
+}
+
+impl Mean {
+    fn of(all: impl Iterator<Item = (u64, f64)>) -> Option<Self> {
+        let all: Vec<(u64, f64)> = all.collect();
+        let count = all.len();
+        let (bytes, seconds) = all.into_iter().fold((0, 0.0), |(bytes, sum), (b, s)| (bytes + b, sum + s));
+        (count > 0).then(|| Self { bytes: bytes / count as u64, seconds: seconds / count as f64 })
+    }
+}
+
+fn said(job: &Job, need: &str, why: &str) -> Explained {
+    let (material, need, why) = (job.name.clone(), need.to_owned(), why.to_owned());
+    Explained { material, need, why, saved_bytes: None, saved_seconds: None }
+}
+
+/// Finer levels of detail that are not stored.
+fn levels(job: &Job, made: Option<&Made>) -> Option<Explained> {
+    let recipe = match &job.recipe {
+        PackRecipe::Wavelet(recipe) => recipe,
+        // Among tables there may be none whose levels the distance takes away.
+        PackRecipe::Auto(_) | PackRecipe::Table(_) => return None,
+    };
+    if recipe.stored_levels == recipe.levels {
+        return None;
+    }
+    let need = format!("levels of detail 0 to {} of {}", recipe.stored_levels, recipe.levels);
+    let nearest = |used: &Use| used.nearest.as_ref().is_some_and(|at| *at.get_ref() <= job.needs.nearest);
+    let why = format!("nearest at {}: {}", job.needs.nearest, names(&job.uses, nearest).unwrap_or_default());
+    let saved_bytes = made.and_then(|made| match (&made.report.codec, recipe.target) {
+        (CodecReport::Wavelet(report), Target::Ratio(ratio)) => {
+            let all = (report.slices_in_all as f64 / ratio).round() as u64;
+            let texels = made.report.bytes_on_gpu.saturating_sub(16 * report.slices_in_all as u64);
+            Some(all.saturating_sub(report.slices_kept as u64) * texels / (report.slices_kept as u64 + 1))
+        }
+        _ => None,
+    });
+    Some(Explained { saved_bytes, ..said(job, &need, &why) })
+}
+
+/// Coarser levels of detail of tables that are not stored.
+fn coarser_levels(job: &Job) -> Option<Explained> {
+    let levels = |recipe: &PackRecipe| match recipe {
+        PackRecipe::Auto(recipe) => recipe.table.levels,
+        PackRecipe::Table(recipe) => recipe.levels,
+        PackRecipe::Wavelet(_) => 0,
+    };
+    let (asked, stored) = (levels(&job.asked), levels(&job.recipe));
+    if stored == asked {
+        return None;
+    }
+    let need = format!("{stored} of {asked} coarser levels of detail");
+    let farthest = |used: &Use| used.farthest.as_ref().is_some_and(|at| *at.get_ref() >= job.needs.farthest);
+    let why = format!("farthest at {}: {}", job.needs.farthest, names(&job.uses, farthest).unwrap_or_default());
+    Some(said(job, &need, &why))
+}
+
+/// Directions that are cropped.
+fn directions(job: &Job, made: Option<&Made>) -> Option<Explained> {
+    let DirectionRange { light, view } = job.needs.directions;
+    if job.needs.directions.is_all() {
+        return None;
+    }
+    let narrows = |used: &Use| used.light() != Elevations::ALL || used.view() != Elevations::ALL;
+    let why = names(&job.uses, narrows).unwrap_or_default();
+    let of = |what: &str, range: Elevations| {
+        if range == Elevations::ALL { String::new() } else { format!("{what} from {range}") }
+    };
+    let parts: Vec<String> =
+        [of("light", light), of("seen", view)].into_iter().filter(|part| !part.is_empty()).collect();
+    let saved_bytes = made.map(|made| made.report.cropped_bytes);
+    Some(Explained { saved_bytes, ..said(job, &parts.join(", "), &why) })
+}
+
+/// Maps that are not made of a scene that has an environment.
+fn without_maps(job: &Job, plan: &Plan, maps: Option<Mean>) -> Option<Explained> {
+    let wanted = job.maps.map_or([false; 2], |recipe| recipe.wanted);
+    if !plan.has_environment || wanted == [true; 2] {
+        return None;
+    }
+    let need = match wanted {
+        [false, false] => "no maps",
+        [true, false] => "a bandwidth map, no samples",
+        _ => "samples, no bandwidth map",
+    };
+    let why = if job.needs.lit_by_environment { "what uses want" } else { "points alone light it" };
+    let none = wanted == [false; 2];
+    let (saved_bytes, saved_seconds) =
+        if none { (maps.map(|mean| mean.bytes), maps.map(|mean| mean.seconds)) } else { (None, None) };
+    let names = names(&job.uses, |_| true).unwrap_or_default();
+    Some(Explained { saved_bytes, saved_seconds, ..said(job, need, &format!("{why}: {names}")) })
+}
+
+/// Bytes and seconds of both maps of a material, where it has them and they were made now.
+fn of_maps(made: &Made) -> Option<(u64, f64)> {
+    let maps = made.maps.as_ref()?;
+    let bytes = maps.bandwidth.as_ref()?.facts.gpu_bytes + maps.samples.as_ref()?.facts.gpu_bytes;
+    let is_map = |stage: &str| [Stage::BandwidthMap, Stage::ImportanceSamples].iter().any(|map| map.name() == stage);
+    Some((bytes, seconds(made.times.as_ref()?, is_map)))
+}
+
+fn seconds(times: &[StageTime], counts: impl Fn(&str) -> bool) -> f64 {
+    times.iter().filter(|time| counts(&time.stage)).map(|time| time.seconds).sum()
+}
+
+/// Names of uses, a few at most.
+fn names(uses: &[(String, Use)], which: impl Fn(&Use) -> bool) -> Option<String> {
+    const NAMED: usize = 3;
+    let all: Vec<&str> = uses.iter().filter(|(_, used)| which(used)).map(|(name, _)| name.as_str()).collect();
+    let more = if all.len() > NAMED { format!(" and {} more", all.len() - NAMED) } else { String::new() };
+    (!all.is_empty()).then(|| all[..all.len().min(NAMED)].join(", ") + &more)
+}

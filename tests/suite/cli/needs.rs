@@ -1,0 +1,99 @@
+//! What a scene needs of its materials: `build --explain` and `--dry-run`, and what packs of such scenes are for.
+
+use super::schemas::conforms;
+use crate::common::cli::{Folder, inputs};
+
+const SCENE: &str = "\
+[materials.floor]\nsource = 'synth:ggx?kd=0.2&f0=0.04&alpha=0.3'\ncodec = 'wavelet'\ngrid = 16\nratio = 2\n\
+[materials.wall]\nsource = 'table.binary'\n\
+[materials.spare]\nsource = 'none.binary'\n\
+[[uses]]\nobject = 'courtyard'\nmaterial = 'floor'\nnearest = 20\nview_elevation = [35, 90]\nlight_elevation = [30, 90]\n\
+[[uses]]\nmaterial = 'wall'\n";
+
+fn folder() -> Folder {
+    let folder = Folder::new();
+    inputs(&folder);
+    folder.write("scene.toml", SCENE);
+    folder
+}
+
+#[test]
+fn each_need_is_told_with_its_reason_and_what_it_saves() {
+    let folder = folder();
+    let planned = folder.run(&["build", "scene.toml", "--dry-run", "--explain", "--json"]).succeeded().json();
+    conforms("build", &planned);
+    assert!(!folder.path().join("packs").exists(), "nothing is done");
+    let built = folder.run(&["build", "scene.toml", "--explain", "--json"]).succeeded().json();
+    conforms("build", &built);
+    let of = |report: &serde_json::Value, need: &str| {
+        let all = report["needs"].as_array().expect("needs").clone();
+        all.into_iter().find(|entry| entry["need"].as_str().is_some_and(|text| text.contains(need))).expect(need)
+    };
+    for report in [&planned, &built] {
+        let levels = of(report, "levels of detail 0 to 3 of 4");
+        assert!(levels["material"] == "floor" && levels["why"] == "nearest at 20: courtyard", "{levels}");
+        assert_eq!(of(report, "light from 30° to 90°, seen from 35° to 90°")["why"], "courtyard");
+        assert_eq!(of(report, "all levels of detail and directions")["why"], "uses[1]");
+        assert_eq!(of(report, "nothing")["material"], "spare");
+    }
+    // What was saved is known when it was made.
+    assert!(of(&planned, "seen from")["saved_bytes"].is_null());
+    let saved = of(&built, "seen from")["saved_bytes"].as_u64().expect("bytes");
+    let floor = &built["materials"][0]["report"];
+    assert!(saved > 0 && floor["cropped_bytes"] == saved && floor["directions"]["view"]["from"] == 35.0, "{floor}");
+    assert!(of(&built, "nothing")["saved_seconds"].as_f64().is_some_and(|seconds| seconds > 0.0));
+    // The report that stays says nothing of it.
+    assert!(
+        !folder.text("packs/report.json").contains("because") && !folder.text("packs/report.json").contains("needs")
+    );
+
+    let text = folder.run(&["build", "scene.toml", "--explain"]).succeeded().stdout;
+    assert!(text.contains("because of") && text.contains("about"), "{text}");
+}
+
+#[test]
+fn sizes_are_predicted_and_then_known() {
+    let folder = folder();
+    let report = || folder.run(&["build", "scene.toml", "--dry-run", "--json"]).succeeded().json();
+    let predicted = |report: &serde_json::Value, k: usize| {
+        let found = &report["materials"][k]["predicted"];
+        [&found["least"], &found["most"]].map(|bytes| bytes.as_u64().expect("bytes"))
+    };
+    let before = report();
+    folder.run(&["build", "scene.toml"]).succeeded();
+    let built = folder.run(&["build", "scene.toml", "--json"]).succeeded().json();
+    let after = report();
+    for k in 0..2 {
+        let made = built["materials"][k]["report"]["bytes_on_gpu"].as_u64().expect("bytes");
+        let [least, most] = predicted(&before, k);
+        assert!(least <= made && made <= most && least < most, "{least} {made} {most}");
+        assert_eq!(predicted(&after, k), [made; 2]);
+        assert!(before["materials"][k]["cached"].is_null() && after["materials"][k]["cached"] == true);
+    }
+    let text = folder.run(&["build", "scene.toml", "--dry-run"]).succeeded().stdout;
+    assert!(text.contains("made before"), "{text}");
+    // A dry run leaves the folder as it is, and believes nothing when everything is to be made again.
+    let text = folder.run(&["build", "scene.toml", "--dry-run", "--no-cache"]).succeeded().stdout;
+    assert!(!text.contains("made before"), "{text}");
+}
+
+#[test]
+fn a_pack_says_what_it_is_for_and_is_compared_there() {
+    let folder = folder();
+    folder.run(&["build", "scene.toml"]).succeeded();
+    let info = folder.run(&["info", "packs/floor.brdf.ktx2"]).succeeded().stdout;
+    assert!(info.contains("light from 30° to 90°, seen from 35° to 90°; errors are of these"), "{info}");
+    let address = "synth:ggx?kd=0.2&f0=0.04&alpha=0.3";
+    let ran = folder.run(&["compare", address, "packs/floor.brdf.ktx2", "--json"]).succeeded();
+    assert!(ran.stderr.contains("compared where both are: light from 30°"), "{}", ran.stderr);
+    let within = ran.json()["norms"]["relative_mean"].as_f64().expect("a number");
+    let list =
+        folder.run(&["compare", address, "packs/floor.brdf.ktx2", "--directions", "20000", "--json"]).succeeded();
+    let everywhere = list.json()["norms"]["relative_mean"].as_f64().expect("a number");
+    assert!(within < 0.7 * everywhere, "{within} {everywhere}");
+
+    folder.write("above.toml", &SCENE.replace("view_elevation = [35, 90]", "view_elevation = [0, 30]"));
+    folder.run(&["build", "above.toml", "--out", "above"]).succeeded();
+    let apart = folder.run(&["compare", "above/floor.brdf.ktx2", "packs/floor.brdf.ktx2"]);
+    assert!(apart.code == 1 && apart.stderr.contains("allowed packs that have some in common"), "{}", apart.stderr);
+}
