@@ -5,9 +5,9 @@ use super::log_encode::{LogEncoding, log_decode, log_encode};
 use super::measure::{GridError, grid_error};
 use super::quantise::quantise;
 use super::recipe::{Ranking, Recipe, Target};
-use super::resample::resample;
 use super::smooth::smooth;
 use super::table::Table;
+use super::tabulated::Tabulated;
 use super::visible::visible_energies;
 use super::{haar, threshold};
 use brdfc_formats::ErrorSummary;
@@ -17,6 +17,7 @@ use brdfc_metrics::compare::{Comparison, compare};
 use brdfc_metrics::sampling::PairSet;
 use brdfc_source::progress::{Cancelled, Progress, Stage};
 use brdfc_source::{PackSource, Source, Tally};
+use std::borrow::Cow;
 
 /// A pack with what was measured while making it.
 #[derive(Debug, Clone)]
@@ -89,27 +90,45 @@ pub enum EncodeError {
 /// # Errors
 /// A budget that cannot be met, or cancellation.
 pub fn encode(source: &dyn Source, recipe: &Recipe, progress: &dyn Progress) -> Result<Encoded, EncodeError> {
-    let grid = recipe.grid();
+    check(recipe)?;
+    progress.stage(Stage::Resample, 1)?;
+    encode_tabulated(&Tabulated::new(source, recipe.grid()), source, recipe, progress)
+}
+
+fn check(recipe: &Recipe) -> Result<(), EncodeError> {
     let most = 1usize << (2 * recipe.stored_levels);
     if let Target::Ratio(ratio) = recipe.target {
-        let found = ratio_count(grid.cells(), ratio, most) + 1;
+        let found = ratio_count(recipe.grid().cells(), ratio, most) + 1;
         if found > MAX_SLICES {
             return Err(EncodeError::TooManySlices { found });
         }
     }
+    Ok(())
+}
+
+/// Runs all stages but the first: `tabulated` is the source on the grid of the recipe.
+///
+/// # Errors
+/// As [`encode`].
+pub fn encode_tabulated(
+    tabulated: &Tabulated,
+    source: &dyn Source,
+    recipe: &Recipe,
+    progress: &dyn Progress,
+) -> Result<Encoded, EncodeError> {
+    check(recipe)?;
+    let Tabulated { table, tally } = tabulated;
+    let grid = table.grid;
     let start = |stage| progress.stage(stage, 1);
 
-    start(Stage::Resample)?;
-    let (table, tally) = resample(source, grid);
-
     start(Stage::LogEncode)?;
-    let encoding = LogEncoding::of(&table, recipe.bias);
-    let mut logarithms = log_encode(&table, encoding);
-    let mut reference = table;
+    let encoding = LogEncoding::of(table, recipe.bias);
+    let mut logarithms = log_encode(table, encoding);
+    let mut reference = Cow::Borrowed(table);
     if recipe.smooth {
         start(Stage::Smooth)?;
         logarithms = smooth(&logarithms);
-        reference = log_decode(&logarithms, encoding);
+        reference = Cow::Owned(log_decode(&logarithms, encoding));
     }
 
     start(Stage::Haar)?;
@@ -158,7 +177,7 @@ pub fn encode(source: &dyn Source, recipe: &Recipe, progress: &dyn Progress) -> 
 
     start(Stage::Pack)?;
     let bytes = pack.to_bytes(recipe.supercompress);
-    Ok(Encoded { pack, cropped_bytes, bytes, on_grid, off_grid, evaluated: tally.evaluations, tally })
+    Ok(Encoded { pack, cropped_bytes, bytes, on_grid, off_grid, evaluated: tally.evaluations, tally: *tally })
 }
 
 /// What is left of a pack where directions are cropped.

@@ -13,5 +13,6 @@ pub mod recipe;
 pub mod resample;
 pub mod smooth;
 pub mod table;
+pub mod tabulated;
 pub mod threshold;
 pub mod visible;

@@ -4,6 +4,7 @@ use super::averaged::AveragingCost;
 use super::error::PackError;
 use super::pack::{EncodedPack, of_table, of_wavelet};
 use super::recipe::{AutoRecipe, Budget, TAIL, Tables};
+use super::tables::{TableShelf, tabulated};
 use super::trial::Trial;
 use brdfc_metrics::compare::{Comparison, Reference};
 use brdfc_metrics::sampling::PairSet;
@@ -11,7 +12,9 @@ use brdfc_source::progress::{Cancelled, Progress, Stage};
 use brdfc_source::{PackSource, Source, TableSource};
 use brdfc_table::encode::{EncodeError, Encoded, MOST_TEXELS, Prepared, measured, samples_for};
 use brdfc_table::recipe::{Size, TableRecipe};
+use brdfc_wavelet::encode::encode_tabulated;
 use brdfc_wavelet::recipe::{Recipe, Target};
+use brdfc_wavelet::tabulated::Tabulated;
 
 /// Smallest and largest table that is tried, bytes on a GPU; each next one is twice as large. Few layers leave knobs on
 /// the outlines of anisotropic highlights, which hardly count in a mean: their smallest is larger.
@@ -44,6 +47,7 @@ const FILLED: u32 = 3;
 pub(super) fn search(
     source: &dyn Source,
     recipe: &AutoRecipe,
+    shelf: &dyn TableShelf,
     progress: &dyn Progress,
 ) -> Result<EncodedPack, PackError> {
     let budget = recipe.budget;
@@ -58,8 +62,18 @@ pub(super) fn search(
     if reference.is_black() && budget.error.is_some() {
         return Err(PackError::NothingMeasured);
     }
-    let mut search =
-        Search { source, recipe, reference, progress, prepared: None, best: None, tried: Vec::new(), stalled: false };
+    let mut search = Search {
+        source,
+        recipe,
+        reference,
+        shelf,
+        progress,
+        prepared: None,
+        tabulated: None,
+        best: None,
+        tried: Vec::new(),
+        stalled: false,
+    };
     let wavelet = recipe
         .wavelet
         .as_ref()
@@ -106,8 +120,10 @@ struct Search<'a> {
     source: &'a dyn Source,
     recipe: &'a AutoRecipe,
     reference: Reference,
+    shelf: &'a dyn TableShelf,
     progress: &'a dyn Progress,
     prepared: Option<Prepared>,
+    tabulated: Option<Tabulated>,
     /// The best so far, with how far over the budget it is.
     best: Option<(f64, EncodedPack)>,
     tried: Vec<Trial>,
@@ -235,7 +251,8 @@ impl Search<'_> {
         let Some(wavelet) = &self.recipe.wavelet else { return Ok(false) };
         self.progress.stage(Stage::Try, 1)?;
         let recipe = Recipe { target, measure_off_grid: false, ..wavelet.clone() };
-        let mut encoded = brdfc_wavelet::encode::encode(self.source, &recipe, &Within(self.progress))?;
+        let tabulated = self.tabulated.get_or_insert_with(|| tabulated(self.source, recipe.grid(), self.shelf));
+        let mut encoded = encode_tabulated(tabulated, self.source, &recipe, &Within(self.progress))?;
         encoded.off_grid = self.reference.compare(&PackSource::new(&encoded.pack, None));
         encoded.pack.off_grid = encoded.off_grid.summary();
         encoded.bytes = encoded.pack.to_bytes(recipe.supercompress);

@@ -8,11 +8,13 @@ pub mod options;
 mod pack;
 pub mod recipe;
 mod run;
+mod tables;
 mod trial;
 
 pub use averaged::AveragingCost;
 pub use byte_count::bytes_from_text;
 pub use error::PackError;
 pub use pack::{CodecReport, EncodedPack, TableReport, WaveletReport};
-pub use run::encode;
+pub use run::{encode, encode_with};
+pub use tables::TableShelf;
 pub use trial::Trial;

@@ -5,18 +5,33 @@ use super::averaged::AveragingCost;
 use super::error::PackError;
 use super::pack::{EncodedPack, of_table, of_wavelet};
 use super::recipe::PackRecipe;
+use super::tables::{TableShelf, tabulated};
 use brdfc_metrics::compare::Reference;
 use brdfc_metrics::sampling::PairSet;
 use brdfc_source::Source;
-use brdfc_source::progress::Progress;
+use brdfc_source::progress::{Progress, Stage};
+use brdfc_wavelet::encode::encode_tabulated;
 
 /// Makes a pack.
 ///
 /// # Errors
 /// Recipes that cannot be followed, cancellation. A budget that nothing meets is none: see [`EncodedPack::missed`].
 pub fn encode(source: &dyn Source, recipe: &PackRecipe, progress: &dyn Progress) -> Result<EncodedPack, PackError> {
+    encode_with(source, recipe, &(), progress)
+}
+
+/// The same; tables of the source come from a shelf where it has them, and are kept there where it has not.
+///
+/// # Errors
+/// As [`encode`].
+pub fn encode_with(
+    source: &dyn Source,
+    recipe: &PackRecipe,
+    shelf: &dyn TableShelf,
+    progress: &dyn Progress,
+) -> Result<EncodedPack, PackError> {
     Ok(match recipe {
-        PackRecipe::Auto(recipe) => search(source, recipe, progress)?,
+        PackRecipe::Auto(recipe) => search(source, recipe, shelf, progress)?,
         PackRecipe::Table(recipe) => {
             let mut made = of_table(brdfc_table::encode::encode(source, recipe, progress)?);
             if recipe.reciprocal && recipe.measure {
@@ -25,6 +40,10 @@ pub fn encode(source: &dyn Source, recipe: &PackRecipe, progress: &dyn Progress)
             }
             made
         }
-        PackRecipe::Wavelet(recipe) => of_wavelet(brdfc_wavelet::encode::encode(source, recipe, progress)?, recipe),
+        PackRecipe::Wavelet(recipe) => {
+            progress.stage(Stage::Resample, 1)?;
+            let table = tabulated(source, recipe.grid(), shelf);
+            of_wavelet(encode_tabulated(&table, source, recipe, progress)?, recipe)
+        }
     })
 }

@@ -7,6 +7,7 @@ mod error;
 pub mod explain;
 pub mod gates;
 pub mod graph;
+mod kept_tables;
 pub mod manifest;
 pub mod maps;
 pub mod memory;

@@ -4,11 +4,12 @@
 pub use super::error::JobError;
 
 use super::gates;
+use super::kept_tables::KeptTables;
 use super::maps::{MapRecipe, MapsReport, Packed, environment_file, material_maps, part_name};
 use super::memory::{self, Shared};
 use super::plan::{EnvironmentJob, Job, Plan, pack_name};
 use super::scene_section::ENVIRONMENT;
-use crate::encode::encode;
+use crate::encode::encode_with;
 use crate::encode::recipe::PackRecipe;
 use crate::report::gate::GateResult;
 use crate::report::material::{MaterialReport, StageTime};
@@ -319,7 +320,8 @@ impl Workshop<'_> {
         recipe: &PackRecipe,
         clock: &StageClock<'_>,
     ) -> Result<Kept<PackNote>, JobError> {
-        let encoded = encode(opened.source.as_ref(), recipe, clock)?;
+        let tables = KeptTables { store: self.store, source };
+        let encoded = encode_with(opened.source.as_ref(), recipe, &tables, clock)?;
         let report = MaterialReport::new(&encoded, &opened.facts);
         // What is finished is kept, cancelled or not.
         let _ = clock.stage(Stage::Write, 1);
