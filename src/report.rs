@@ -1,11 +1,12 @@
 //! `brdfc report`: a page about a build.
 
-use super::output::{print, print_json, refuse_overwriting, remark, to_json, write_file};
+use super::output::{print, print_json, refuse_missing_folder, refuse_overwriting, remark, to_json, write_file};
 use super::progress::Materials;
 use super::{CliError, Common};
-use brdfc_jobs::report::page::{GatherError, Reports, csv, gather, html};
+use brdfc_jobs::report::page::{GatherError, Reports, csv, gather, html, sheet};
 use brdfc_jobs::scene::plan::REPORT;
 use brdfc_metrics::fraction::Fraction;
+use brdfc_render::picture::rgb_png;
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -19,7 +20,7 @@ use std::sync::atomic::AtomicBool;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  brdfc report packs -o report.html
+  brdfc report packs -o report.html --sheet sheet.png
   brdfc report packs -o report.html --against last-week/report.json --tolerance 5%")]
 pub struct Arguments {
     /// The folder that 'brdfc build' filled.
@@ -28,6 +29,9 @@ pub struct Arguments {
     /// The page to write.
     #[arg(long, short, value_name = "REPORT.html")]
     output: PathBuf,
+    /// All materials in one picture, with labels and the colour scale of differences: source, pack and ΔE.
+    #[arg(long, value_name = "IMAGE.png")]
+    sheet: Option<PathBuf>,
     /// The report.json of an earlier build, or its folder.
     #[arg(long, value_name = "OLD")]
     against: Option<PathBuf>,
@@ -42,6 +46,12 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         let found = output.display();
         return Err(CliError::Usage(format!("--output: found {found}; allowed a name that ends in .html")));
     }
+    if let Some(sheet) = &arguments.sheet
+        && !sheet.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"))
+    {
+        let found = sheet.display();
+        return Err(CliError::Usage(format!("--sheet: found {found}; allowed a name that ends in .png")));
+    }
     let tolerance = arguments
         .tolerance
         .checked()
@@ -52,6 +62,11 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let inputs: Vec<&Path> = [own.as_path()].into_iter().chain(against.as_deref()).collect();
     for path in [output, &csv_path, &json_path] {
         refuse_overwriting("--output", path, &inputs)?;
+        refuse_missing_folder(path)?;
+    }
+    if let Some(path) = &arguments.sheet {
+        refuse_overwriting("--sheet", path, &inputs)?;
+        refuse_missing_folder(path)?;
     }
     let reports = Reports::open(&arguments.folder, against.as_deref())?;
     // An interrupt ends the process at once: files are whole or not there.
@@ -61,6 +76,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     drop(progress);
     write_file(&csv_path, csv(&page).as_bytes())?;
     write_file(&json_path, to_json(&page.report()).as_bytes())?;
+    if let Some(path) = &arguments.sheet {
+        write_file(path, &rgb_png(&sheet(&page)))?;
+    }
     write_file(output, html(&page).as_bytes())?;
     if common.json {
         print_json(&page.report())?;

@@ -2,7 +2,7 @@
 
 use brdfc_formats::FormatError;
 use brdfc_formats::colour::encode_srgb_byte;
-use brdfc_metrics::image::LinearImage;
+use brdfc_metrics::image::{LinearImage, delta_e_map};
 use brdfc_source::radiance_image;
 use exr::prelude::{
     Blocks, Compression, Encoding, Image, Layer, LayerAttributes, LineOrder, SpecificChannels, Vec2, WritableImage,
@@ -90,9 +90,17 @@ pub fn from_exr(bytes: &[u8]) -> Result<LinearImage, FormatError> {
 const RAMP: [[f64; 3]; 5] =
     [[6.0, 6.0, 14.0], [74.0, 18.0, 110.0], [186.0, 50.0, 84.0], [247.0, 140.0, 28.0], [252.0, 250.0, 180.0]];
 
+/// ΔE at the light end of the colour scale of pictures of differences.
+pub const DELTA_E_FULL_SCALE: f64 = 10.0;
+
 /// Values as colours from dark (0) to pale yellow (`full_scale` and more).
 pub fn heat_map(values: &[f32], width: usize, height: usize, full_scale: f64) -> Panel {
     Panel { width, height, rgb: values.iter().flat_map(|value| ramp(f64::from(*value) / full_scale)).collect() }
+}
+
+/// ΔE per pixel of an image against its reference as [`heat_map`] up to [`DELTA_E_FULL_SCALE`].
+pub fn difference_panel(image: &LinearImage, reference: &LinearImage, exposure: f64) -> Panel {
+    heat_map(&delta_e_map(image, reference, exposure), image.width, image.height, DELTA_E_FULL_SCALE)
 }
 
 /// Logarithms of values as colours from dark (`octaves` octaves below the largest, and less) to pale yellow (the largest).

@@ -65,6 +65,33 @@ fn the_page_stands_alone_and_says_what_the_build_says() {
 }
 
 #[test]
+fn a_contact_sheet_shows_every_material_on_any_number_of_threads() {
+    let folder = folder();
+    let sheet = |jobs: &str, build: &str| {
+        folder.run(&["report", build, "-o", "page.html", "--sheet", "sheet.png", "--jobs", jobs]).succeeded();
+        folder.read("sheet.png")
+    };
+    let bytes = sheet("1", "packs");
+    assert!(bytes == sheet("2", "packs"));
+    let image = image::load_from_memory(&bytes).unwrap().into_rgb8();
+    // Three cells in two columns: each with a row of balls and one of cloths.
+    assert!(image.width() > 2 * 3 * 96 && image.height() > 2 * 2 * 96, "{} x {}", image.width(), image.height());
+    // Red is what failed or misses what is required.
+    let failed = |image: &image::RgbImage| image.pixels().filter(|pixel| pixel.0 == [179, 38, 30]).count();
+    assert!(failed(&image) > 200, "{}", failed(&image));
+    folder.run(&["build", "synth:lambert", "--codec", "table", "--out", "white"]).succeeded();
+    let one = image::load_from_memory(&sheet("1", "white")).unwrap().into_rgb8();
+    assert!(failed(&one) == 0 && one.height() < image.height());
+
+    let refused = |code: i32, words: &str, sheet: &str| {
+        let ran = folder.run(&["report", "packs", "-o", "page.html", "--sheet", sheet]);
+        assert!(ran.code == code && ran.stderr.contains(words), "{} {}", ran.code, ran.stderr);
+    };
+    refused(2, "--sheet: found sheet.jpg; allowed a name that ends in .png", "sheet.jpg");
+    refused(4, "there is no folder no", "no/sheet.png");
+}
+
+#[test]
 fn what_got_worse_is_exit_code_1() {
     let folder = Folder::new();
     inputs(&folder);

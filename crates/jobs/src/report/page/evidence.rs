@@ -2,9 +2,9 @@
 
 use brdfc_formats::BrdfPack;
 use brdfc_metrics::by_angle::{ByAngle, by_angle};
-use brdfc_metrics::image::{LinearImage, auto_exposure, compare_images, delta_e_map};
+use brdfc_metrics::image::{LinearImage, auto_exposure, compare_images};
 use brdfc_metrics::sampling::PairSet;
-use brdfc_render::picture::{heat_map, rgb_png, to_panel};
+use brdfc_render::picture::{Panel, difference_panel, to_panel};
 use brdfc_render::scene::Frame;
 use brdfc_render::scenes::Builtin;
 use brdfc_render::shade::{SourceReflectance, shade};
@@ -14,22 +14,20 @@ use brdfc_source::pack::opened;
 
 /// Pixels of a thumbnail, per side.
 pub const SIDE: usize = 96;
-/// ΔE at the light end of the colour scale of differences.
-pub const FULL_SCALE: f64 = 10.0;
 const FRAME: Frame = Frame { width: SIDE, height: SIDE, samples: 1 };
 const SCENES: [Builtin; 2] = [Builtin::Sphere, Builtin::Cloth];
 
-/// Pictures of one scene, drawn by the decoder of the CPU: PNG files.
+/// Pictures of one scene, drawn by the decoder of the CPU.
 #[derive(Debug, Clone)]
 pub struct Thumbnails {
     /// Which scene.
     pub scene: &'static str,
     /// The source, where it is at hand.
-    pub source: Option<Vec<u8>>,
+    pub source: Option<Panel>,
     /// The pack.
-    pub pack: Vec<u8>,
-    /// ΔE of both, dark 0 to light [`FULL_SCALE`]; its mean over surfaces.
-    pub difference: Option<(Vec<u8>, f64)>,
+    pub pack: Panel,
+    /// ΔE of both, dark 0 to light 10; its mean over surfaces.
+    pub difference: Option<(Panel, f64)>,
 }
 
 /// Everything that is made from a pack and its source.
@@ -54,12 +52,11 @@ pub fn evidence(pack: &BrdfPack, source: Option<&dyn Source>) -> Evidence {
         let pack = draw(decoded.as_ref(), builtin);
         let source = source.map(|source| draw(source, builtin));
         let exposure = auto_exposure(source.as_ref().unwrap_or(&pack));
-        let png = |image: &LinearImage| rgb_png(&to_panel(image, exposure));
+        let panel = |image: &LinearImage| to_panel(image, exposure);
         let difference = source.as_ref().map(|source| {
-            let map = heat_map(&delta_e_map(&pack, source, exposure), SIDE, SIDE, FULL_SCALE);
-            (rgb_png(&map), compare_images(&pack, source, exposure).delta_e.mean)
+            (difference_panel(&pack, source, exposure), compare_images(&pack, source, exposure).delta_e.mean)
         });
-        Thumbnails { scene: builtin.name(), source: source.as_ref().map(png), pack: png(&pack), difference }
+        Thumbnails { scene: builtin.name(), source: source.as_ref().map(panel), pack: panel(&pack), difference }
     });
     let thumbnails = thumbnails.collect();
     let by_angle = source.map(|source| by_angle(source, decoded.as_ref(), &PairSet::comparison()));

@@ -1,6 +1,6 @@
 //! The page.
 
-use super::evidence::{FULL_SCALE, Thumbnails};
+use super::evidence::Thumbnails;
 use super::figures::{albedos, error_over_bytes, errors_by_angle};
 use super::gather::{Page, PageMaterial};
 use super::style::{SCRIPT, STYLE};
@@ -8,6 +8,7 @@ use crate::report::material::{MaterialReport, remarks};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use brdfc_metrics::by_angle::WorstPair;
+use brdfc_render::picture::{DELTA_E_FULL_SCALE, Panel, rgb_png};
 use brdfc_source::words::{bytes, percent};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
@@ -118,12 +119,12 @@ fn sheet(page: &Page) -> Markup {
                 }
             }
         } }
-        p.soft { "Differences: ΔE 0 " span.scale style="display:inline-block" {} " " (FULL_SCALE) }
+        p.soft { "Differences: ΔE 0 " span.scale style="display:inline-block" {} " " (DELTA_E_FULL_SCALE) }
     }
 }
 
-fn image(png: &[u8], description: &str) -> Markup {
-    html! { img src={ "data:image/png;base64," (STANDARD.encode(png)) } alt=(description); }
+fn image(panel: &Panel, description: &str) -> Markup {
+    html! { img src={ "data:image/png;base64," (STANDARD.encode(rgb_png(panel))) } alt=(description); }
 }
 
 fn section(material: &PageMaterial) -> Markup {

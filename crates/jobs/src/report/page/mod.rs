@@ -6,13 +6,15 @@ mod evidence;
 mod figures;
 mod gather;
 mod html;
+mod sheet;
 mod style;
 
 pub use against::{Regression, regressions};
 pub use csv::csv;
-pub use evidence::{Evidence, FULL_SCALE, Thumbnails, evidence};
+pub use evidence::{Evidence, Thumbnails, evidence};
 pub use gather::{GatherError, Page, PageMaterial, Reports, gather};
 pub use html::html;
+pub use sheet::sheet;
 
 use super::build::MaterialEntry;
 use brdfc_metrics::by_angle::ByAngle;
