@@ -1,6 +1,7 @@
 //! Images as bytes: PNG for eyes, EXR for numbers.
 
 use brdfc_formats::FormatError;
+use brdfc_formats::bandwidth::BandwidthMap;
 use brdfc_formats::colour::encode_srgb_byte;
 use brdfc_metrics::image::{LinearImage, delta_e_map};
 use brdfc_source::radiance_image;
@@ -108,6 +109,12 @@ pub fn octave_map(values: &[f32], width: usize, height: usize, octaves: f32) -> 
     let largest = values.iter().copied().fold(f32::MIN_POSITIVE, f32::max);
     let shares: Vec<f32> = values.iter().map(|value| 1.0 + (value / largest).log2() / octaves).collect();
     heat_map(&shares, width, height, 1.0)
+}
+
+/// A bandwidth map, eight octaves below its largest value: of lobes a block per incoming direction, else an image.
+pub fn bandwidth_panel(map: &BandwidthMap) -> Panel {
+    let [width, height] = map.size().map(|side| side as usize);
+    octave_map(&map.values(), width, height, 8.0)
 }
 
 fn ramp(share: f64) -> [u8; 3] {

@@ -24,6 +24,16 @@ impl Reflectance for SourceReflectance<'_> {
     }
 }
 
+/// A material whose tangent is turned by 90 degrees. It looks the same where the material is isotropic, and only there.
+pub struct Turned<'a>(pub &'a dyn Reflectance);
+
+impl Reflectance for Turned<'_> {
+    fn eval(&self, DirectionPair { incoming, outgoing }: DirectionPair, distance: f64) -> [f64; 3] {
+        let turned = |[x, y, z]: Vector| [y, -x, z];
+        self.0.eval(DirectionPair::new(turned(incoming), turned(outgoing)), distance)
+    }
+}
+
 /// Shades what was hit, with one material for each part. Values of a pixel are the mean over its samples.
 ///
 /// # Panics

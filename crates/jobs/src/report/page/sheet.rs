@@ -20,7 +20,7 @@ fn cell(PageMaterial { entry, evidence, .. }: &PageMaterial) -> Cell {
         }
         None => "failed: no pack".to_owned(),
     };
-    let thumbnails = evidence.iter().flat_map(|evidence| &evidence.thumbnails);
+    let thumbnails = evidence.iter().flat_map(|evidence| &evidence.thumbnails).filter(|drawn| !drawn.turned);
     let rows = thumbnails.map(|drawn| {
         let difference = drawn.difference.as_ref().map(|(panel, _)| panel.clone());
         [drawn.source.clone(), Some(drawn.pack.clone()), difference]
