@@ -106,6 +106,25 @@ mod tests {
         }
     }
 
+    /// Reflects only along the tangent.
+    struct Brushed;
+
+    impl Reflectance for Brushed {
+        fn eval(&self, pair: DirectionPair, _: f64) -> [f64; 3] {
+            [pair.incoming[0].powi(2), pair.outgoing[0].powi(2), pair.incoming[0] * pair.outgoing[0]]
+        }
+    }
+
+    #[test]
+    fn a_turned_tangent_lies_across() {
+        let pair = DirectionPair::new([0.6, 0.0, 0.8], [0.28, 0.96, 0.0]);
+        assert_eq!(Turned(&Brushed).eval(pair, 1.0), [0.0, 0.96 * 0.96, 0.0]);
+        assert_eq!(Turned(&Turned(&Brushed)).eval(pair, 1.0), Brushed.eval(pair, 1.0));
+        let plain = Lambert([0.5; 3]);
+        assert_eq!(image(&lit(), &Turned(&plain)).pixels, image(&lit(), &plain).pixels);
+        assert_ne!(image(&lit(), &Turned(&Brushed)).pixels, image(&lit(), &Brushed).pixels);
+    }
+
     fn lit() -> Scene {
         let light = PointLight { position: [0.5, 1.0, 2.0], intensity: [3.0, 2.0, 1.0] };
         Scene { lights: vec![light], ..plain_scene(quad(4.0, 0.0), CAMERA) }

@@ -176,3 +176,57 @@ fn scaled(values: &[f32], full_scale: f64) -> Panel {
 fn ends(values: &[f32]) -> [f32; 2] {
     values.iter().fold([f32::MAX, f32::MIN], |[low, high], v| [low.min(*v), high.max(*v)])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use brdfc_formats::flat_btf::{DiffuseMap, FlatBtfDecoder, FlatBtfParts};
+    use brdfc_testing::flat_btf::{SMALL, parts};
+
+    const SEEN: [u8; 16] = [255, 255, 0, 0, 255, 255, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0];
+
+    /// A light form whose texels left of the middle are red, the others blue.
+    fn pictures() -> FlatPictures {
+        let half = |k: usize| if k % 4 < 2 { [0.8, 0.0, 0.0] } else { [0.0, 0.0, 0.8] };
+        let colours: Vec<[f32; 3]> = (0..16).map(half).collect();
+        let diffuse = DiffuseMap::from_colours(4, &colours).unwrap();
+        let parts = FlatBtfParts { diffuse, views: Vec::new(), ..parts(SMALL, 3) };
+        let material = FlatMaterial::new(FlatBtfDecoder::new(parts).unwrap(), 4).unwrap();
+        let mask = VisibilityMask::new(4, 2, [SEEN, [0; 16]].concat()).unwrap();
+        flat_pictures(&material, Some(&mask))
+    }
+
+    fn pixel(panel: &Panel, [x, y]: [usize; 2]) -> [u8; 3] {
+        let start = 3 * (y * panel.width + x);
+        panel.rgb[start..start + 3].try_into().unwrap()
+    }
+
+    #[test]
+    fn texels_stand_where_their_parameters_are() {
+        let pictures = pictures();
+        let [_, diffuse, seen] = pictures.texels.as_slice() else { panic!("{}", pictures.texels.len()) };
+        let [red, blue] = [[SIDE / 4, SIDE / 2], [3 * SIDE / 4, SIDE / 2]].map(|at| pixel(&diffuse.panel, at));
+        assert!(red[0] > 200 && red[2] == 0 && blue[2] > 200 && blue[0] == 0, "{red:?} {blue:?}");
+        // One of two views sees the upper left quarter, none the rest.
+        let scale = heat_map(&[0.0, 0.5], 2, 1, 1.0).rgb;
+        assert_eq!(pixel(&seen.panel, [SIDE / 4, SIDE / 4]), scale[3..]);
+        for at in [[3 * SIDE / 4, SIDE / 4], [SIDE / 4, 3 * SIDE / 4]] {
+            assert_eq!(pixel(&seen.panel, at), scale[..3]);
+        }
+    }
+
+    #[test]
+    fn every_picture_has_its_size_and_offsets_reach_both_ends_of_their_scale() {
+        let pictures = pictures();
+        assert_eq!([pictures.tile.len(), pictures.texels.len(), pictures.scenes.len()], [5, 3, 2]);
+        for picture in pictures.tile.iter().chain(&pictures.texels).chain(&pictures.scenes) {
+            let Panel { width, height, rgb } = &picture.panel;
+            assert_eq!([*width, *height, rgb.len()], [SIDE, SIDE, 3 * SIDE * SIDE], "{}", picture.caption);
+            assert!(rgb.iter().any(|byte| *byte != rgb[0]), "{} is of one colour", picture.caption);
+        }
+        let lightest = heat_map(&[1.0], 1, 1, 1.0).rgb;
+        let offsets = &pictures.tile[3];
+        assert!(offsets.caption.starts_with("offsets at 60°: dark 0 to light 0."), "{}", offsets.caption);
+        assert!(offsets.panel.rgb.chunks_exact(3).any(|rgb| rgb == lightest));
+    }
+}

@@ -12,7 +12,7 @@ body { margin: 0 auto; max-width: 76rem; padding: 1rem; background: var(--paper)
 h1 { font-size: 1.5rem; margin: 0.5rem 0; } h2 { font-size: 1.15rem; margin: 0 0 0.4rem; } h3 { font-size: 0.9rem;
   margin: 0.8rem 0 0.2rem; color: var(--soft); font-weight: 600; } h1, h2, p, li { overflow-wrap: anywhere; }
 a { color: inherit; }
-.scroll { overflow-x: auto; }
+.scroll { overflow-x: auto; } .all wbr { display: none; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
 th, td { padding: 0.25rem 0.7rem; text-align: right; border-bottom: 1px solid var(--faint); white-space: nowrap; }
 th:first-child, td:first-child, .left { text-align: left; }
@@ -38,7 +38,8 @@ ul { margin: 0.2rem 0; padding-left: 1.2rem; }
   @page { margin: 14mm 12mm; }
   body { max-width: none; padding: 0; font-size: 9pt; -webkit-print-color-adjust: exact; print-color-adjust: exact; }
   .scroll { overflow: visible; } th, td { padding: 0.15rem 0.35rem; font-size: 8pt; }
-  .all th, .all td:first-child { white-space: normal; } td.words { min-width: 0; }
+  .all th, .all td:first-child { white-space: normal; } .all wbr { display: inline; }
+  td.words { min-width: 0; }
   section.material { break-inside: auto; padding: 0.6rem; } section.material table { break-inside: avoid; }
   h1, h2, h3, h2 + p, p:has(+ .row) { break-after: avoid; } .plot h3 { font-size: 7.5pt; min-height: 2.6em; }
   tr, ul, p, figure, .plot, .triple { break-inside: avoid; }
