@@ -27,7 +27,7 @@ use std::sync::atomic::AtomicBool;
 Examples:
   brdfc report packs -o report.html --sheet sheet.png
   brdfc report packs -o report.html --against last-week/report.json --tolerance 5%
-  brdfc report button -o button.html                     a flat BTF of 'brdfc flatten'")]
+  brdfc report button -o button.html")]
 pub struct Arguments {
     /// The folder that 'brdfc build' or 'brdfc flatten' filled; of a flat BTF also its NAME.json.
     #[arg(value_name = "DIR")]
