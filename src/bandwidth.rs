@@ -224,7 +224,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     write_file(&arguments.output, &map.to_bytes(true))?;
     #[cfg(feature = "render")]
     if let Some(path) = &arguments.picture {
-        write_file(path, &picture(&map))?;
+        use brdfc_render::picture::{bandwidth_panel, rgb_png};
+        write_file(path, &rgb_png(&bandwidth_panel(&map)))?;
     }
     for line in repairs.iter().flat_map(repairs_in_words) {
         note(common, &arguments.input, &line);
@@ -270,12 +271,4 @@ fn image(input: &Input) -> Result<(Vec<[f32; 3]>, usize), CliError> {
     }
     let image = open_colours(input)?;
     Ok((image.pixels, image.width))
-}
-
-/// Eight octaves below the largest value, as a PNG.
-#[cfg(feature = "render")]
-fn picture(map: &BandwidthMap) -> Vec<u8> {
-    use brdfc_render::picture::{octave_map, rgb_png};
-    let [width, height] = map.size().map(|side| side as usize);
-    rgb_png(&octave_map(&map.values(), width, height, 8.0))
 }

@@ -1,33 +1,43 @@
 //! `brdfc report`: a page about a build.
 
-use super::output::{print, print_json, refuse_overwriting, remark, to_json, write_file};
+use super::output::{print, print_json, refuse_missing_folder, refuse_overwriting, remark, to_json, write_file};
 use super::progress::Materials;
 use super::{CliError, Common};
-use brdfc_jobs::report::page::{GatherError, Reports, csv, gather, html};
+use brdfc_jobs::report::page::{
+    FlatPage, GatherError, Reports, csv, flat_csv, flat_html, gather, html, is_flat_btf, sheet,
+};
 use brdfc_jobs::scene::plan::REPORT;
 use brdfc_metrics::fraction::Fraction;
+use brdfc_render::picture::rgb_png;
+use brdfc_source::flat_btf::asset_list;
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-/// Write a page about the packs in a folder: pictures, errors, checks.
+/// Write a page about the packs in a folder, or about a flat BTF: pictures, errors, checks.
 ///
 /// One file of HTML that needs no network and reads without scripts; its figures stand beside it as .csv and .json. Pictures
 /// are drawn by the CPU's decoder. Sources are compared where they still are where the build found them.
+///
+/// Schemas of --json: 'report', of a flat BTF 'flat-btf'.
 ///
 /// With --against what got worse than in an earlier build is listed first, and is exit code 1.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  brdfc report packs -o report.html
-  brdfc report packs -o report.html --against last-week/report.json --tolerance 5%")]
+  brdfc report packs -o report.html --sheet sheet.png
+  brdfc report packs -o report.html --against last-week/report.json --tolerance 5%
+  brdfc report button -o button.html")]
 pub struct Arguments {
-    /// The folder that 'brdfc build' filled.
+    /// The folder that 'brdfc build' or 'brdfc flatten' filled; of a flat BTF also its NAME.json.
     #[arg(value_name = "DIR")]
     folder: PathBuf,
     /// The page to write.
     #[arg(long, short, value_name = "REPORT.html")]
     output: PathBuf,
+    /// All materials in one picture, with labels and the colour scale of differences: source, pack and ΔE.
+    #[arg(long, value_name = "IMAGE.png")]
+    sheet: Option<PathBuf>,
     /// The report.json of an earlier build, or its folder.
     #[arg(long, value_name = "OLD")]
     against: Option<PathBuf>,
@@ -42,6 +52,15 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         let found = output.display();
         return Err(CliError::Usage(format!("--output: found {found}; allowed a name that ends in .html")));
     }
+    if let Some(sheet) = &arguments.sheet
+        && !sheet.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"))
+    {
+        let found = sheet.display();
+        return Err(CliError::Usage(format!("--sheet: found {found}; allowed a name that ends in .png")));
+    }
+    if is_flat_btf(&arguments.folder) {
+        return of_flat_btf(arguments, common);
+    }
     let tolerance = arguments
         .tolerance
         .checked()
@@ -52,6 +71,11 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let inputs: Vec<&Path> = [own.as_path()].into_iter().chain(against.as_deref()).collect();
     for path in [output, &csv_path, &json_path] {
         refuse_overwriting("--output", path, &inputs)?;
+        refuse_missing_folder(path)?;
+    }
+    if let Some(path) = &arguments.sheet {
+        refuse_overwriting("--sheet", path, &inputs)?;
+        refuse_missing_folder(path)?;
     }
     let reports = Reports::open(&arguments.folder, against.as_deref())?;
     // An interrupt ends the process at once: files are whole or not there.
@@ -61,6 +85,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     drop(progress);
     write_file(&csv_path, csv(&page).as_bytes())?;
     write_file(&json_path, to_json(&page.report()).as_bytes())?;
+    if let Some(path) = &arguments.sheet {
+        write_file(path, &rgb_png(&sheet(&page)))?;
+    }
     write_file(output, html(&page).as_bytes())?;
     if common.json {
         print_json(&page.report())?;
@@ -74,6 +101,32 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         1 => Err(CliError::Check("one figure is worse than before".to_owned())),
         count => Err(CliError::Check(format!("{count} figures are worse than before"))),
     }
+}
+
+/// The page of a flat BTF.
+fn of_flat_btf(arguments: &Arguments, common: Common) -> Result<(), CliError> {
+    let (folder, output) = (arguments.folder.as_path(), arguments.output.as_path());
+    for (given, flag) in [(arguments.against.is_some(), "--against"), (arguments.sheet.is_some(), "--sheet")] {
+        if given {
+            let text = format!("{flag}: found with {}, a flat BTF; allowed with a build", folder.display());
+            return Err(CliError::Usage(text));
+        }
+    }
+    let list = asset_list(folder)?.map(|(path, _)| path);
+    let [csv_path, json_path] = ["csv", "json"].map(|extension| output.with_extension(extension));
+    for path in [output, &csv_path, &json_path] {
+        refuse_overwriting("--output", path, list.as_deref().as_slice())?;
+        refuse_missing_folder(path)?;
+    }
+    let page = FlatPage::open(folder)?;
+    write_file(&csv_path, flat_csv(&page.asset).as_bytes())?;
+    write_file(&json_path, to_json(&page.asset).as_bytes())?;
+    write_file(output, flat_html(&page).as_bytes())?;
+    if common.json {
+        print_json(&page.asset)?;
+    }
+    remark(common, &format!("{}: {} parts", output.display(), page.asset.parts.len()));
+    Ok(())
 }
 
 impl From<GatherError> for CliError {

@@ -51,6 +51,9 @@ enum Report {
     /// 'brdfc render --adaptive --json'.
     #[cfg(feature = "render")]
     RenderAdaptive,
+    /// 'brdfc render --contact --json'.
+    #[cfg(feature = "render")]
+    RenderContact,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
@@ -72,5 +75,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         Report::Render => schema_for!(super::render::Report),
         #[cfg(feature = "render")]
         Report::RenderAdaptive => schema_for!(super::render::AdaptiveReport),
+        #[cfg(feature = "render")]
+        Report::RenderContact => schema_for!(super::render::ContactReport),
     })
 }

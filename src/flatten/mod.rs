@@ -7,13 +7,14 @@ mod text;
 
 pub use arguments::Arguments;
 pub(super) use directions::{default_set, direction_set};
-pub(super) use text::{height, repairs_in_words, text};
+pub(super) use text::text;
 
 use super::output::{make_folder, note, print, print_json};
 use super::steps::Steps;
 use super::{CliError, Common, interrupt};
 use arguments::ImageFormat;
 use brdfc_jobs::btf_stack::StackFormat;
+use brdfc_jobs::flatten::words::remarks;
 use brdfc_jobs::flatten::{
     AssetFile, FlattenError, FlattenJob, PLANE, Values, material_list, open_appearance, open_geometry, run as flatten,
 };
@@ -23,7 +24,6 @@ use options::{asset_name, check_inputs, check_outputs, meso_options, recipe};
 use serde::Serialize;
 use std::path::Path;
 use std::time::Instant;
-use text::remarks;
 
 /// What `--json` prints.
 #[derive(Debug, Serialize, schemars::JsonSchema)]

@@ -1,7 +1,7 @@
 //! What people read of an input of `brdfc flatten`, and of a part of a flat BTF.
 
-use crate::flatten::{height, repairs_in_words};
 use crate::table::bytes;
+use brdfc_jobs::flatten::words::{height, repairs_in_words};
 use brdfc_jobs::flatten::{MeshFacts, SurfaceFacts};
 
 /// Lines of name and value.

@@ -16,11 +16,12 @@ use std::path::PathBuf;
 /// on the CPU: from the packs, and from their sources where those are at hand. Differences are colour differences ΔE of
 /// CIE L*a*b* per pixel that shows a surface; about 1 is just visible. Light comes from points and throws no shadows.
 ///
-/// Schemas of --json: 'render', with --adaptive 'render-adaptive'.
+/// Schemas of --json: 'render', with --adaptive 'render-adaptive', with --contact 'render-contact'.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   brdfc render scene.toml -o scene.png
+  brdfc render scene.toml --contact all.png --max-delta-e 2            every material, labelled
   brdfc render red.ktx2 -o red.png --scene cloth
   brdfc render red.ktx2 --source red-plastic.binary -o red.exr
   brdfc render red-plastic.binary --ratio 16 --sheet red.png          encodes it first
@@ -47,10 +48,19 @@ pub struct Arguments {
     /// The shader's image, the reference and their difference side by side: .png.
     #[arg(long, value_name = "IMAGE.png")]
     pub(super) sheet: Option<PathBuf>,
+    /// A contact sheet: every material that the manifest's uses refer to (all where there are no uses), each alone on a
+    /// sphere or --scene, with name, bytes, ΔE and the colour scale: .png. Of the manifest's [render] table nothing counts.
+    /// Limits hold for each material.
+    #[arg(
+        long,
+        value_name = "IMAGE.png",
+        conflicts_with_all = ["output", "reference", "difference", "sheet", "adaptive", "maps"]
+    )]
+    pub(super) contact: Option<PathBuf>,
     /// Which scene (default: the manifest's, or sphere).
     #[arg(long, value_enum, value_name = "SCENE")]
     pub(super) scene: Option<SceneName>,
-    /// Pixels, such as 800x600 (default 512x512).
+    /// Pixels, such as 800x600 (default 512x512, with --contact 160x160).
     #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
     pub(super) size: Option<String>,
     /// Samples per pixel and axis: 2 is 4 per pixel (default 2).

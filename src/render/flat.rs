@@ -2,14 +2,14 @@
 
 use super::arguments::{Arguments, FormName};
 use super::materials::Subject;
-use super::{outputs, scene};
+use super::{gpu, outputs, scene};
 use crate::output::note;
 use crate::{CliError, Common};
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::surface::Appearance;
 use brdfc_formats::flat_btf::FlatBtfDecoder;
+use brdfc_gpu::draw_flat_btf;
 use brdfc_gpu::verify::Views;
-use brdfc_gpu::{AdapterChoice, Gpu, draw_flat_btf};
 use brdfc_jobs::flatten::{AssetFile, Form, MesoOptions, PLANE, open_appearance, open_asset, open_geometry};
 use brdfc_jobs::report::render::{PartMaterial, Verification};
 use brdfc_render::flat::{FlatForm, FlatMaterial, draw_on_cpu, reference_plane};
@@ -37,8 +37,7 @@ pub(super) fn verification(arguments: &Arguments, common: Common) -> Result<(Ver
     let setup = scene::setup(arguments, &subject)?;
     let path = arguments.input.path().expect("flat BTFs are files");
     let asset = open_asset(path)?;
-    let choice = arguments.adapter.clone().map_or(AdapterChoice::Best, AdapterChoice::Named);
-    let gpu = Gpu::open(&choice)?;
+    let gpu = gpu::open(arguments)?;
     let has_views = asset.as_ref().is_none_or(|asset| asset.settings.form == Form::Full);
     let form = match arguments.form {
         Some(FormName::Full) => FlatForm::Full,
@@ -132,10 +131,10 @@ fn surface_again(asset: &AssetFile) -> Result<Option<(MesoModel, Appearance)>, C
     Ok(Some((model, appearance)))
 }
 
-/// Whether there is anything that only flat BTFs have among the flags.
-pub(super) fn flag_of_flat(arguments: &Arguments) -> Option<&'static str> {
-    if arguments.form.is_some() {
-        return Some("--form");
-    }
-    arguments.repeat.is_some().then_some("--repeat")
+/// Of BRDFs: there is nothing among the flags that only flat BTFs have.
+pub(super) fn refuse_flags(arguments: &Arguments) -> Result<(), CliError> {
+    let form = arguments.form.map(|_| "--form");
+    let Some(flag) = form.or(arguments.repeat.map(|_| "--repeat")) else { return Ok(()) };
+    let text = format!("{flag}: found with {}; allowed with the folder of a flat BTF", arguments.input);
+    Err(CliError::Usage(text))
 }

@@ -5,6 +5,7 @@ use crate::inputs::refuse_stdin_twice;
 use crate::output::{note, remark};
 use crate::{CliError, Common};
 use brdfc_formats::{BrdfPack, Pack};
+use brdfc_gpu::verify::Material;
 use brdfc_jobs::encode::encode;
 use brdfc_jobs::encode::recipe::PackRecipe;
 use brdfc_jobs::scene::current::PackFolder;
@@ -63,6 +64,13 @@ pub(super) struct Prepared {
     pub(super) table: Option<BrdfPack>,
     /// Bandwidth map and importance samples, where a folder of packs has them.
     pub(super) maps: Vec<Pack>,
+}
+
+impl Prepared {
+    pub(super) fn material(&self) -> Material<'_> {
+        let source = self.source.as_deref().map(|source| source as &dyn Source);
+        Material { pack: &self.pack, source, table: self.table.as_ref() }
+    }
 }
 
 /// Reads the manifest, if the input is one, and checks which flags go with the input.

@@ -3,27 +3,29 @@
 mod adaptive;
 mod adaptive_options;
 mod arguments;
+mod contact;
 mod flat;
+mod gpu;
 mod materials;
 mod outputs;
 mod scene;
 
 pub use adaptive::Report as AdaptiveReport;
 pub use arguments::Arguments;
+pub use contact::Report as ContactReport;
 
 use super::output::{note, print, print_json, remark};
 use super::{CliError, Common, graphics_environment};
 use crate::table;
-use arguments::FilterName;
-use brdfc_formats::wavelet::DEFAULT_DISTANCE_SCALE;
 use brdfc_gpu::verify::{Material, Views, views};
-use brdfc_gpu::{AdapterChoice, Decoding, Gpu, SliceFilter};
 use brdfc_jobs::report::render::{PartMaterial, PictureGates, Verification};
-use brdfc_source::Source;
 use materials::Prepared;
 use serde::Serialize;
 use std::path::Path;
 use std::time::Instant;
+
+/// Most materials that a remark lists.
+const MOST_LISTED: usize = 6;
 
 /// What `--json` prints.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
@@ -49,6 +51,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     }
     if arguments.adaptive.adaptive {
         return adaptive::run(arguments, common);
+    }
+    if let Some(path) = &arguments.contact {
+        return contact::run(arguments, path, &gates, started, common);
     }
     let (verification, views) = if flat::is_flat(&arguments.input) {
         flat::verification(arguments, common)?
@@ -105,33 +110,17 @@ fn hint(arguments: &Arguments) -> &'static str {
 
 /// Draws packs of BRDFs.
 fn of_brdfs(arguments: &Arguments, common: Common) -> Result<(Verification, Views), CliError> {
-    if let Some(flag) = flat::flag_of_flat(arguments) {
-        let text = format!("{flag}: found with {}; allowed with the folder of a flat BTF", arguments.input);
-        return Err(CliError::Usage(text));
-    }
+    flat::refuse_flags(arguments)?;
     let subject = materials::subject(arguments)?;
     let setup = scene::setup(arguments, &subject)?;
     // Before the work: without an adapter there is nothing to wait for.
-    let choice = arguments.adapter.clone().map_or(AdapterChoice::Best, AdapterChoice::Named);
-    let gpu = Gpu::open(&choice)?;
+    let gpu = gpu::open(arguments)?;
     let prepared = materials::prepare(arguments, &subject, &setup.names, common)?;
 
     let of_part = |name: &String| prepared.iter().find(|p| p.name == *name).expect("every name was prepared");
     let parts: Vec<&Prepared> = setup.names.iter().map(of_part).collect();
-    let materials: Vec<Material<'_>> = parts
-        .iter()
-        .map(|part| Material {
-            pack: &part.pack,
-            source: part.source.as_deref().map(|source| source as &dyn Source),
-            table: part.table.as_ref(),
-        })
-        .collect();
-    let decoding = Decoding {
-        filter: arguments.filter.unwrap_or(FilterName::Bilinear).into(),
-        slices: if arguments.exact { SliceFilter::Exact } else { SliceFilter::Hardware },
-        level: arguments.lod,
-        distance_scale: subject.distance_scale().unwrap_or(DEFAULT_DISTANCE_SCALE),
-    };
+    let materials: Vec<Material<'_>> = parts.iter().map(|part| part.material()).collect();
+    let decoding = gpu::decoding(arguments, &subject);
     let views = views(&gpu, &setup.scene, setup.frame, &materials, decoding)?;
     let listed = setup.scene.parts.iter().zip(&parts).map(|(part, material)| PartMaterial {
         part: part.name.to_owned(),
@@ -147,5 +136,19 @@ fn of_brdfs(arguments: &Arguments, common: Common) -> Result<(Verification, View
         listed.collect(),
     );
     outputs::write(arguments, &views, verification.exposure)?;
+    tell_of_others(arguments, &scene::materials_in_turn(arguments, &subject)?, &setup.names, common);
     Ok((verification, views))
+}
+
+/// Says which materials of a scene its picture does not show.
+fn tell_of_others(arguments: &Arguments, all: &[String], shown: &[String], common: Common) {
+    let others: Vec<&str> = all.iter().filter(|name| !shown.contains(name)).map(String::as_str).collect();
+    if !others.is_empty() {
+        let more = match others.len().saturating_sub(MOST_LISTED) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        let listed = others[..others.len().min(MOST_LISTED)].join(", ");
+        note(common, &arguments.input, &format!("not shown: {listed}{more}; --contact draws every material"));
+    }
 }

@@ -4,27 +4,26 @@ use super::arguments::Arguments;
 use crate::output::{refuse_overwriting, refuse_same_outputs, write_file};
 use crate::{CliError, table};
 use brdfc_gpu::verify::Views;
+use brdfc_jobs::report::contact::MaterialVerification;
 use brdfc_jobs::report::render::Verification;
-use brdfc_metrics::image::{LinearImage, delta_e_map};
+use brdfc_metrics::image::LinearImage;
 use brdfc_render::adaptive::{ANY_LEVEL, Prediction};
-use brdfc_render::picture::{Panel, heat_map, octave_map, rgb_png, sheet, to_exr, to_panel, to_png};
+use brdfc_render::picture::{difference_panel, heat_map, octave_map, rgb_png, sheet, to_exr, to_panel, to_png};
 use brdfc_source::Input;
 use std::path::{Path, PathBuf};
-
-/// ΔE that a difference image shows as its lightest colour.
-const FULL_SCALE: f64 = 10.0;
 
 fn extension(path: &Path) -> String {
     path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase()
 }
 
 /// Flags of pictures, what was given, and the extensions that a name may have.
-fn files(arguments: &Arguments) -> [(&'static str, &Option<PathBuf>, &'static [&'static str]); 5] {
+fn files(arguments: &Arguments) -> [(&'static str, &Option<PathBuf>, &'static [&'static str]); 6] {
     [
         ("--output", &arguments.output, &["png", "exr"]),
         ("--reference", &arguments.reference, &["png", "exr"]),
         ("--difference", &arguments.difference, &["png"]),
         ("--sheet", &arguments.sheet, &["png"]),
+        ("--contact", &arguments.contact, &["png"]),
         ("--maps", &arguments.adaptive.maps, &["png"]),
     ]
 }
@@ -108,23 +107,10 @@ pub(super) fn maps_png(prediction: &Prediction, [width, height]: [usize; 2]) -> 
     ]))
 }
 
-fn difference_panel(image: &LinearImage, reference: &LinearImage, exposure: f64) -> Panel {
-    heat_map(&delta_e_map(image, reference, exposure), image.width, image.height, FULL_SCALE)
-}
-
 /// What people read.
 pub(super) fn text(verification: &Verification) -> String {
     let v = verification;
-    let mut text = format!(
-        "{}, {} x {} pixels, {} samples each, exposure {}\ndrawn by {}{}\n",
-        v.scene,
-        v.width,
-        v.height,
-        v.samples,
-        table::significant(v.exposure),
-        v.adapter.name,
-        if v.adapter.software { ", a software driver" } else { "" },
-    );
+    let mut text = head(v, &format!(", exposure {}", table::significant(v.exposure)));
     for part in &v.parts {
         text += &format!("{}: {}, {}\n", part.part, part.material, table::bytes(part.bytes_on_gpu));
     }
@@ -141,4 +127,30 @@ pub(super) fn text(verification: &Verification) -> String {
     let mut header = vec!["ΔE of CIE L*a*b* over surfaces"];
     header.extend(table::IMAGE_HEADER);
     text + &table::plain(&header, &rows)
+}
+
+/// What drew what; `more` stands behind the number of samples.
+fn head(v: &Verification, more: &str) -> String {
+    let Verification { scene, width, height, samples, adapter, .. } = v;
+    let software = if adapter.software { ", a software driver" } else { "" };
+    format!("{scene}, {width} x {height} pixels, {samples} samples each{more}\ndrawn by {}{software}\n", adapter.name)
+}
+
+/// What people read of many materials.
+pub(super) fn contact_text(materials: &[MaterialVerification]) -> String {
+    let rows: Vec<Vec<String>> = materials
+        .iter()
+        .map(|material| {
+            let v = &material.verification;
+            let total = v.total.as_ref().map(|total| &total.delta_e);
+            let figures = [total.map(|e| e.mean), total.map(|e| e.p95), total.map(|e| e.max)];
+            let parts = [v.codec.as_ref().map(|codec| codec.delta_e.mean), Some(v.shading.delta_e.mean)];
+            let mut row = vec![material.material.clone(), table::bytes(material.bytes_on_gpu)];
+            row.extend(figures.into_iter().chain(parts).map(|e| e.map_or("-".to_owned(), |e| format!("{e:.3}"))));
+            row
+        })
+        .collect();
+    let header = ["material", "on GPU", "ΔE", "95 %", "max", "of the codec", "of the shader"];
+    let head = materials.first().map_or_else(String::new, |first| head(&first.verification, ""));
+    format!("{head}\n{}", table::plain(&header, &rows))
 }

@@ -14,6 +14,8 @@ use toml::Spanned;
 
 /// Pixels per side where nothing is said.
 const DEFAULT_SIDE: usize = 512;
+/// The same of each picture of a contact sheet.
+const CONTACT_SIDE: usize = 160;
 /// Samples of an image: each takes some 50 bytes of memory.
 const MAX_ALL_SAMPLES: u64 = 1 << 25;
 /// Samples per pixel and axis where nothing is said.
@@ -32,7 +34,10 @@ pub(super) struct Setup {
 /// Decides everything but the materials' values.
 pub(super) fn setup(arguments: &Arguments, subject: &Subject) -> Result<Setup, CliError> {
     let absent = RenderSection::default();
-    let section = subject.manifest().map_or(&absent, |manifest| &manifest.render);
+    // What a manifest shows is made for its own scene.
+    let shown = subject.manifest().filter(|_| arguments.contact.is_none());
+    let section = shown.map_or(&absent, |manifest| &manifest.render);
+    let side = if arguments.contact.is_some() { CONTACT_SIDE } else { DEFAULT_SIDE };
     let builtin = builtin(arguments, subject, section)?;
     let mut scene = builtin.scene();
     let camera = &section.camera;
@@ -60,7 +65,7 @@ pub(super) fn setup(arguments: &Arguments, subject: &Subject) -> Result<Setup, C
     }
     let (width, height) = match &arguments.size {
         Some(text) => size(text)?,
-        None => (section.width.unwrap_or(DEFAULT_SIDE), section.height.unwrap_or(DEFAULT_SIDE)),
+        None => (section.width.unwrap_or(side), section.height.unwrap_or(side)),
     };
     let samples = match arguments.adaptive.adaptive {
         true => arguments.adaptive.points_per_axis(),
@@ -105,14 +110,11 @@ fn builtin(arguments: &Arguments, subject: &Subject, section: &RenderSection) ->
 
 /// The material of each part: as the manifest says, or else its materials in turn.
 fn names(arguments: &Arguments, subject: &Subject, builtin: Builtin) -> Result<Vec<String>, CliError> {
+    let turn = materials_in_turn(arguments, subject)?;
     let Subject::Scene { manifest, .. } = subject else {
-        return Ok(vec![arguments.input.to_string(); builtin.parts().len()]);
+        return Ok(vec![turn[0].clone(); builtin.parts().len()]);
     };
     let materials: Vec<&str> = manifest.materials.keys().map(String::as_str).collect();
-    if materials.is_empty() {
-        let text = format!("{}: materials: found none; allowed one or more", arguments.input);
-        return Err(CliError::Input(text));
-    }
     let given = &manifest.render.materials;
     for (part, material) in given {
         // The manifest may name the parts of another scene than the one that --scene asks for.
@@ -124,18 +126,25 @@ fn names(arguments: &Arguments, subject: &Subject, builtin: Builtin) -> Result<V
             return Err(at(subject, material, &format!("render.materials.{}", part.get_ref()), &materials));
         }
     }
-    // What the scene uses comes first; the rest is shown only where nothing else is left.
-    let used = |name: &&&str| manifest.uses.iter().any(|u| u.material.get_ref() == **name);
-    let mut turn: Vec<&str> = materials.iter().filter(used).copied().collect();
-    if turn.is_empty() {
-        turn = materials;
-    }
     let mut next = turn.iter().cycle();
     let of_part = |part: &&str| match given.iter().find(|(name, _)| name.get_ref() == part) {
         Some((_, material)) => material.get_ref().clone(),
-        None => (*next.next().expect("there are materials")).to_owned(),
+        None => next.next().expect("there are materials").clone(),
     };
     Ok(builtin.parts().iter().map(of_part).collect())
+}
+
+/// The materials that the scene uses, or all where it says of none that it does; without a manifest the input.
+pub(super) fn materials_in_turn(arguments: &Arguments, subject: &Subject) -> Result<Vec<String>, CliError> {
+    let Some(manifest) = subject.manifest() else { return Ok(vec![arguments.input.to_string()]) };
+    let is_used = |name: &&String| manifest.uses.iter().any(|used| used.material.get_ref() == *name);
+    let used: Vec<String> = manifest.materials.keys().filter(is_used).cloned().collect();
+    let all = if used.is_empty() { manifest.materials.keys().cloned().collect() } else { used };
+    if all.is_empty() {
+        let text = format!("{}: materials: found none; allowed one or more", arguments.input);
+        return Err(CliError::Input(text));
+    }
+    Ok(all)
 }
 
 fn at(subject: &Subject, name: &Spanned<String>, field: &str, known: &[&str]) -> CliError {

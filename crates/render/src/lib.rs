@@ -2,6 +2,7 @@
 
 pub mod adaptive;
 pub mod camera;
+pub mod contact_sheet;
 pub mod curvature;
 pub mod environment;
 pub mod environment_light;

@@ -1,8 +1,9 @@
 //! Images as bytes: PNG for eyes, EXR for numbers.
 
 use brdfc_formats::FormatError;
+use brdfc_formats::bandwidth::BandwidthMap;
 use brdfc_formats::colour::encode_srgb_byte;
-use brdfc_metrics::image::LinearImage;
+use brdfc_metrics::image::{LinearImage, delta_e_map};
 use brdfc_source::radiance_image;
 use exr::prelude::{
     Blocks, Compression, Encoding, Image, Layer, LayerAttributes, LineOrder, SpecificChannels, Vec2, WritableImage,
@@ -90,9 +91,17 @@ pub fn from_exr(bytes: &[u8]) -> Result<LinearImage, FormatError> {
 const RAMP: [[f64; 3]; 5] =
     [[6.0, 6.0, 14.0], [74.0, 18.0, 110.0], [186.0, 50.0, 84.0], [247.0, 140.0, 28.0], [252.0, 250.0, 180.0]];
 
+/// ΔE at the light end of the colour scale of pictures of differences.
+pub const DELTA_E_FULL_SCALE: f64 = 10.0;
+
 /// Values as colours from dark (0) to pale yellow (`full_scale` and more).
 pub fn heat_map(values: &[f32], width: usize, height: usize, full_scale: f64) -> Panel {
     Panel { width, height, rgb: values.iter().flat_map(|value| ramp(f64::from(*value) / full_scale)).collect() }
+}
+
+/// ΔE per pixel of an image against its reference as [`heat_map`] up to [`DELTA_E_FULL_SCALE`].
+pub fn difference_panel(image: &LinearImage, reference: &LinearImage, exposure: f64) -> Panel {
+    heat_map(&delta_e_map(image, reference, exposure), image.width, image.height, DELTA_E_FULL_SCALE)
 }
 
 /// Logarithms of values as colours from dark (`octaves` octaves below the largest, and less) to pale yellow (the largest).
@@ -100,6 +109,12 @@ pub fn octave_map(values: &[f32], width: usize, height: usize, octaves: f32) -> 
     let largest = values.iter().copied().fold(f32::MIN_POSITIVE, f32::max);
     let shares: Vec<f32> = values.iter().map(|value| 1.0 + (value / largest).log2() / octaves).collect();
     heat_map(&shares, width, height, 1.0)
+}
+
+/// A bandwidth map, eight octaves below its largest value: of lobes a block per incoming direction, else an image.
+pub fn bandwidth_panel(map: &BandwidthMap) -> Panel {
+    let [width, height] = map.size().map(|side| side as usize);
+    octave_map(&map.values(), width, height, 8.0)
 }
 
 fn ramp(share: f64) -> [u8; 3] {

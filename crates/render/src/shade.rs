@@ -24,6 +24,16 @@ impl Reflectance for SourceReflectance<'_> {
     }
 }
 
+/// A material whose tangent is turned by 90 degrees. It looks the same where the material is isotropic, and only there.
+pub struct Turned<'a>(pub &'a dyn Reflectance);
+
+impl Reflectance for Turned<'_> {
+    fn eval(&self, DirectionPair { incoming, outgoing }: DirectionPair, distance: f64) -> [f64; 3] {
+        let turned = |[x, y, z]: Vector| [y, -x, z];
+        self.0.eval(DirectionPair::new(turned(incoming), turned(outgoing)), distance)
+    }
+}
+
 /// Shades what was hit, with one material for each part. Values of a pixel are the mean over its samples.
 ///
 /// # Panics
@@ -94,6 +104,25 @@ mod tests {
         fn eval(&self, _: DirectionPair, _: f64) -> [f64; 3] {
             self.0.map(|albedo| albedo / PI)
         }
+    }
+
+    /// Reflects only along the tangent.
+    struct Brushed;
+
+    impl Reflectance for Brushed {
+        fn eval(&self, pair: DirectionPair, _: f64) -> [f64; 3] {
+            [pair.incoming[0].powi(2), pair.outgoing[0].powi(2), pair.incoming[0] * pair.outgoing[0]]
+        }
+    }
+
+    #[test]
+    fn a_turned_tangent_lies_across() {
+        let pair = DirectionPair::new([0.6, 0.0, 0.8], [0.28, 0.96, 0.0]);
+        assert_eq!(Turned(&Brushed).eval(pair, 1.0), [0.0, 0.96 * 0.96, 0.0]);
+        assert_eq!(Turned(&Turned(&Brushed)).eval(pair, 1.0), Brushed.eval(pair, 1.0));
+        let plain = Lambert([0.5; 3]);
+        assert_eq!(image(&lit(), &Turned(&plain)).pixels, image(&lit(), &plain).pixels);
+        assert_ne!(image(&lit(), &Turned(&Brushed)).pixels, image(&lit(), &Brushed).pixels);
     }
 
     fn lit() -> Scene {

@@ -151,6 +151,61 @@ fn a_manifest_says_what_is_shown() {
 }
 
 #[test]
+fn a_contact_sheet_shows_every_material_and_gates_hold_for_each() {
+    if !has_adapter() {
+        return;
+    }
+    let folder = Folder::new();
+    // A scene of three materials, whose picture shows the first.
+    let material = |name: &str, more: &str| {
+        let source = format!("source = 'synth:lewis?kd=0.5&ks=0.2&n=30'\n{more}[[uses]]\nmaterial = '{name}'\n");
+        format!("[materials.{name}]\n{source}\n")
+    };
+    let [fine, coarse, third] =
+        [material("fine", ""), material("coarse", "codec = 'wavelet'\ngrid = 4\n"), material("third", "")];
+    folder.write("scene.toml", [&fine[..], &coarse, &third, "[materials.spare]\nsource = 'gone.brdf'\n"].concat());
+    let alone = folder.run(&["render", "scene.toml", "-o", "a.png", "--size", "32x32"]).succeeded();
+    assert!(
+        alone.stderr.contains("note: scene.toml: not shown: fine, third; --contact draws every material"),
+        "{}",
+        alone.stderr
+    );
+    let contact = |more: &[&str]| {
+        let arguments = ["render", "scene.toml", "--contact", "all.png", "--size", "48x40", "--samples", "1"];
+        folder.run(&[&arguments[..], more].concat())
+    };
+    let ran = contact(&["--json", "--jobs", "1"]).succeeded();
+    conforms("render-contact", &ran.json());
+    let names = |report: &Value| -> Vec<String> {
+        let materials = report["materials"].as_array().unwrap();
+        materials.iter().map(|material| material["material"].as_str().unwrap().to_owned()).collect()
+    };
+    assert_eq!(names(&ran.json()), ["coarse", "fine", "third"]);
+    let [of_coarse, of_fine] = [0, 1].map(|k| mean(&ran.json()["materials"][k], "total"));
+    assert!(of_coarse > 2.0 * of_fine, "{of_coarse} {of_fine}");
+    let first = folder.read("all.png");
+    let image = image::load_from_memory(&first).unwrap();
+    assert!(image.width() > 3 * 48 && image.height() > 2 * 40);
+    let again = contact(&["--jobs", "2"]).succeeded();
+    assert!(first == folder.read("all.png") && !again.stderr.contains("not shown"));
+    assert!(["coarse", "fine", "third", "of the shader"].iter().all(|words| again.stdout.contains(words)));
+
+    // A limit between both: one fails by its name, and the sheet is there to look at.
+    let limit = (0.5 * (of_coarse + of_fine)).to_string();
+    let missed = contact(&["--json", "--max-delta-e", &limit]);
+    assert!(missed.code == 1 && missed.stderr.contains("coarse: mean ΔE: found"), "{} {}", missed.code, missed.stderr);
+    assert!(!missed.stderr.contains("fine: mean"), "{}", missed.stderr);
+    let passed = |k: usize| missed.json()["materials"][k]["gates"][0]["passed"].clone();
+    assert_eq!([passed(0), passed(1), passed(2)], [false, true, true]);
+    assert!(folder.read("all.png") != first, "what failed stands out");
+    // Another name is another label.
+    folder.write("scene.toml", folder.text("scene.toml").replace("third", "other"));
+    contact(&[]).succeeded();
+    assert!(folder.read("all.png") != first);
+    folder.run(&["render", "synth:ward", "--contact", "one.png", "--size", "32x32"]).succeeded();
+}
+
+#[test]
 fn packs_of_a_build_are_drawn_as_they_are() {
     if !has_adapter() {
         return;
@@ -298,6 +353,10 @@ fn wrong_arguments() {
         (&["render", "p.ktx2", "--ratio", "8"], 2, "encoding options"),
         (&["render", "p.ktx2", "--table"], 2, "--source"),
         (&["render", "p.ktx2", "--packs", "packs"], 2, "--packs: found with p.ktx2; allowed with a manifest"),
+        (&["render", "p.ktx2", "--contact", "c.jpg"], 2, "--contact: found c.jpg; allowed a name in .png"),
+        (&["render", "p.ktx2", "--contact", "c.png", "-o", "i.png"], 2, "cannot be used with"),
+        (&["render", "p.ktx2", "--contact", "c.png", "--repeat", "3"], 2, "--repeat: found with p.ktx2"),
+        (&["render", ".", "--contact", "c.png"], 2, "--contact: found with ., a flat BTF; allowed with BRDFs"),
         (&["render", "synth:lewis", "--source", "p.ktx2"], 2, "--source: found with synth:lewis"),
         (&["render", "synth:lewis", "--ranking", "loud"], 2, "allowed energy or visible"),
         (&["bench", "synth:lewis"], 2, "allowed with the studies that draw"),

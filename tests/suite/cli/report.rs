@@ -35,8 +35,11 @@ fn the_page_stands_alone_and_says_what_the_build_says() {
     ] {
         assert!(page.contains(words), "{words}");
     }
-    // Ball and cloth of two materials: source, pack and difference; and both balls at a glance.
-    assert_eq!(page.matches("<img src=\"data:image/png;base64,").count(), 2 * 6 + 2 * 2);
+    // Ball and cloth of two materials, and the turned ball of the anisotropic one: source, pack and difference; and both
+    // balls at a glance.
+    assert_eq!(page.matches("<img src=\"data:image/png;base64,").count(), 2 * 6 + 3 + 2 * 2);
+    assert_eq!(page.matches("sphere of ward, pack, turned by 90°").count(), 1);
+    assert!(!page.contains("of table, pack, turned"), "it looks the same from all sides");
     assert!(
         !page.contains("http") || page.matches("http").count() == page.matches("http://www.w3.org/2000/svg").count()
     );
@@ -58,10 +61,37 @@ fn the_page_stands_alone_and_says_what_the_build_says() {
     folder.run(&["report", "packs", "-o", "bare.html"]).succeeded();
     let bare = folder.text("bare.html");
     assert!(
-        bare.contains("Not compared with its source") && bare.matches("<img").count() == 2 * 2 + 2,
+        bare.contains("Not compared with its source") && bare.matches("<img").count() == 2 * 2 + 1 + 2,
         "{}",
         bare.len()
     );
+}
+
+#[test]
+fn a_contact_sheet_shows_every_material_on_any_number_of_threads() {
+    let folder = folder();
+    let sheet = |jobs: &str, build: &str| {
+        folder.run(&["report", build, "-o", "page.html", "--sheet", "sheet.png", "--jobs", jobs]).succeeded();
+        folder.read("sheet.png")
+    };
+    let bytes = sheet("1", "packs");
+    assert!(bytes == sheet("2", "packs"));
+    let image = image::load_from_memory(&bytes).unwrap().into_rgb8();
+    // Three cells in two columns: each with a row of balls and one of cloths.
+    assert!(image.width() > 2 * 3 * 96 && image.height() > 2 * 2 * 96, "{} x {}", image.width(), image.height());
+    // Red is what failed or misses what is required.
+    let failed = |image: &image::RgbImage| image.pixels().filter(|pixel| pixel.0 == [179, 38, 30]).count();
+    assert!(failed(&image) > 200, "{}", failed(&image));
+    folder.run(&["build", "synth:lambert", "--codec", "table", "--out", "white"]).succeeded();
+    let one = image::load_from_memory(&sheet("1", "white")).unwrap().into_rgb8();
+    assert!(failed(&one) == 0 && one.height() < image.height());
+
+    let refused = |code: i32, words: &str, sheet: &str| {
+        let ran = folder.run(&["report", "packs", "-o", "page.html", "--sheet", sheet]);
+        assert!(ran.code == code && ran.stderr.contains(words), "{} {}", ran.code, ran.stderr);
+    };
+    refused(2, "--sheet: found sheet.jpg; allowed a name that ends in .png", "sheet.jpg");
+    refused(4, "there is no folder no", "no/sheet.png");
 }
 
 #[test]
@@ -92,6 +122,97 @@ fn what_got_worse_is_exit_code_1() {
         let ran = report(arguments);
         assert!(ran.code == code && ran.stderr.contains(words), "{arguments:?}: {} {}", ran.code, ran.stderr);
     }
+}
+
+#[test]
+fn maps_of_a_lit_scene_have_pictures_and_bytes() {
+    let folder = Folder::new();
+    let sky = brdfc_metrics::image::LinearImage {
+        pixels: (0..16 * 8).map(|i| [0.1 + (i % 16) as f32 / 8.0; 3]).collect(),
+        coverage: vec![1.0; 16 * 8],
+        ..brdfc_metrics::image::LinearImage::black(16, 8)
+    };
+    folder.write("sky.exr", brdfc_render::picture::to_exr(&sky));
+    folder.write(
+        "scene.toml",
+        "[scene]\nenvironment = 'sky.exr'\n[materials.paint]\nsource = 'synth:ggx?alpha=0.4'\n\
+         [[uses]]\nmaterial = 'paint'\n",
+    );
+    folder.run(&["build", "scene.toml"]).succeeded();
+    folder.run(&["report", "packs", "-o", "page.html"]).succeeded();
+    let page = folder.text("page.html");
+    for words in [
+        "paint.bandwidth.ktx2",
+        "paint.samples.ktx2",
+        "environment.bandwidth.ktx2",
+        "importance samples: 1024 for each of",
+        "alt=\"bandwidth of paint\"",
+        "alt=\"bandwidth of the environment\"",
+        "id=\"environment\"",
+    ] {
+        assert!(page.contains(words), "{words}");
+    }
+    let samples = folder.path().join("packs/paint.samples.ktx2");
+    std::fs::copy(folder.path().join("packs/paint.bandwidth.ktx2"), samples).unwrap();
+    let ran = folder.run(&["report", "packs", "-o", "other.html"]);
+    let words = "packs/paint.samples.ktx2: found another pack; allowed the pack that report.json names";
+    assert!(ran.code == 3 && ran.stderr.contains(words), "{} {}", ran.code, ran.stderr);
+}
+
+#[test]
+fn a_flat_btf_has_a_page_of_its_own() {
+    let folder = Folder::new();
+    let flatten = |name: &str, more: &[&str]| {
+        let sizes = ["--texels", "16", "--flat-texels", "16", "--views", "grid:2x4@60", "--indirection", "4x4"];
+        folder.run(&[&["flatten", "synth:button", "-o", name][..], &sizes, more].concat()).succeeded();
+    };
+    flatten("button", &[]);
+    let ran = folder.run(&["report", "button", "-o", "page.html", "--json"]).succeeded();
+    conforms("flat-btf", &ran.json());
+    assert!(folder.text("page.json") == folder.text("button/button.json"));
+    let parts = ran.json()["parts"].as_object().unwrap().len();
+    assert_eq!(folder.text("page.csv").lines().count(), 1 + parts);
+    let page = folder.text("page.html");
+    for words in
+        ["button: a flat BTF and its errors", "ΔE between them", "flat.000 to flat.004, 5 views", "synth:lewis"]
+    {
+        assert!(page.contains(words), "{words}");
+    }
+    for caption in [
+        "seen and lit along the normal",
+        "seen from 60°",
+        "offsets at 60°",
+        "normals",
+        "views that see a texel",
+        "vase",
+    ] {
+        assert!(page.contains(&format!("alt=\"{caption}")), "{caption}");
+    }
+    let pictures = |page: &str| page.matches("<img src=\"data:image/png;base64,").count();
+    assert_eq!(pictures(&page), 5 + 3 + 4);
+    assert!(!page.contains("http") && page.matches("<script").count() == 1);
+    // The list of parts serves as well, and gives the same page on any number of threads.
+    folder.run(&["report", "button/button.json", "-o", "again.html", "--jobs", "1"]).succeeded();
+    assert!(folder.text("again.html") == page);
+    // Without views there is nothing to hold the light form against.
+    flatten("light", &["--form", "light"]);
+    folder.run(&["report", "light", "-o", "light.html"]).succeeded();
+    assert_eq!(pictures(&folder.text("light.html")), 5 + 3 + 2);
+
+    let refused = |code: i32, words: &str, arguments: &[&str]| {
+        let ran = folder.run(&[&["report"], arguments].concat());
+        assert!(ran.code == code && ran.stderr.contains(words), "{} {}", ran.code, ran.stderr);
+    };
+    let build_only = "found with button, a flat BTF; allowed with a build";
+    refused(2, &format!("--against: {build_only}"), &["button", "-o", "p.html", "--against", "x"]);
+    refused(2, &format!("--sheet: {build_only}"), &["button", "-o", "p.html", "--sheet", "x.png"]);
+    refused(2, "button/button.json, an input", &["button", "-o", "button/button.html"]);
+    std::fs::copy(folder.path().join("light/light.normal.ktx2"), folder.path().join("button/button.mask.ktx2"))
+        .unwrap();
+    refused(3, "button/button.mask.ktx2: part of a flat BTF: found ", &["button", "-o", "p.html"]);
+    std::fs::remove_file(folder.path().join("button/button.json")).unwrap();
+    refused(3, "no list of parts", &["button", "-o", "p.html"]);
+    assert!(!folder.path().join("p.html").exists());
 }
 
 #[test]

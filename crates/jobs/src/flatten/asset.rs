@@ -86,4 +86,9 @@ impl AssetFile {
     pub fn gpu_bytes(&self) -> u64 {
         self.parts.values().map(|part| part.gpu_bytes).sum()
     }
+
+    /// Share of the texels that no view sees.
+    pub fn unseen(&self) -> f64 {
+        self.report.never_seen as f64 / (self.settings.flat_texels as f64).powi(2)
+    }
 }

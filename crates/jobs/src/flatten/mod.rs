@@ -12,6 +12,7 @@ mod read;
 mod recipe;
 mod run;
 mod stack;
+pub mod words;
 
 pub use asset::{AssetErrors, AssetFile, AssetReport, PartFile};
 pub use describe::{MeshFacts, SurfaceFacts, describe_surface};

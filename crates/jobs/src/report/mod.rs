@@ -3,6 +3,8 @@
 #[cfg(feature = "render")]
 pub mod adaptive;
 pub mod build;
+#[cfg(feature = "render")]
+pub mod contact;
 pub mod gate;
 pub mod material;
 pub mod page;

@@ -9,9 +9,11 @@
 
 mod material;
 mod reference;
+mod thumbnails;
 
 pub use material::{FlatForm, FlatMaterial, SampledDirections};
 pub use reference::reference_plane;
+pub use thumbnails::{FlatPicture, FlatPictures, flat_pictures};
 
 use super::sample_means::sample_means;
 use super::scene::{Frame, Scene};

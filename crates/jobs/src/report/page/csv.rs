@@ -1,6 +1,7 @@
-//! The table of a page, for spreadsheets.
+//! The tables of pages, for spreadsheets.
 
 use super::gather::{Page, PageMaterial};
+use crate::flatten::AssetFile;
 
 const HEADER: &str = "material,source,codec,size,fetches,bytes_on_disk,bytes_on_gpu,delta_e_mean,delta_e_p95,relative_error,\
                       albedo_max_difference,reciprocity,passed,error\n";
@@ -29,6 +30,15 @@ pub fn csv(page: &Page) -> String {
         }
         fields.extend([entry.passed().to_string(), quoted(entry.error.as_deref().unwrap_or(""))]);
         text += &(fields.join(",") + "\n");
+    }
+    text
+}
+
+/// A line per part of a flat BTF behind a header.
+pub fn flat_csv(asset: &AssetFile) -> String {
+    let mut text = "part,file,bytes,gpu_bytes\n".to_owned();
+    for (name, part) in &asset.parts {
+        text += &format!("{name},{},{},{}\n", quoted(&part.file), part.bytes, part.gpu_bytes);
     }
     text
 }

@@ -2,66 +2,76 @@
 
 use brdfc_formats::BrdfPack;
 use brdfc_metrics::by_angle::{ByAngle, by_angle};
-use brdfc_metrics::image::{LinearImage, auto_exposure, compare_images, delta_e_map};
+use brdfc_metrics::image::{LinearImage, auto_exposure, compare_images};
 use brdfc_metrics::sampling::PairSet;
-use brdfc_render::picture::{heat_map, rgb_png, to_panel};
+use brdfc_render::picture::{Panel, difference_panel, to_panel};
 use brdfc_render::scene::Frame;
 use brdfc_render::scenes::Builtin;
-use brdfc_render::shade::{SourceReflectance, shade};
+use brdfc_render::shade::{Reflectance, SourceReflectance, Turned, shade};
 use brdfc_render::trace::trace;
+use brdfc_render::within::{outside, without};
 use brdfc_source::Source;
 use brdfc_source::pack::opened;
 
 /// Pixels of a thumbnail, per side.
 pub const SIDE: usize = 96;
-/// ΔE at the light end of the colour scale of differences.
-pub const FULL_SCALE: f64 = 10.0;
 const FRAME: Frame = Frame { width: SIDE, height: SIDE, samples: 1 };
-const SCENES: [Builtin; 2] = [Builtin::Sphere, Builtin::Cloth];
+/// What every material is drawn on: as it is.
+const SCENES: [(Builtin, bool); 2] = [(Builtin::Sphere, false), (Builtin::Cloth, false)];
+/// What anisotropic ones are drawn on besides: turned, so that what lay along the highlight lies across.
+const TURNED: (Builtin, bool) = (Builtin::Sphere, true);
 
-/// Pictures of one scene, drawn by the decoder of the CPU: PNG files.
+/// Pictures of one scene, drawn by the decoder of the CPU.
 #[derive(Debug, Clone)]
 pub struct Thumbnails {
     /// Which scene.
     pub scene: &'static str,
+    /// Whether the tangent is turned by 90 degrees.
+    pub turned: bool,
     /// The source, where it is at hand.
-    pub source: Option<Vec<u8>>,
+    pub source: Option<Panel>,
     /// The pack.
-    pub pack: Vec<u8>,
-    /// ΔE of both, dark 0 to light [`FULL_SCALE`]; its mean over surfaces.
-    pub difference: Option<(Vec<u8>, f64)>,
+    pub pack: Panel,
+    /// ΔE of both, dark 0 to light 10; its mean over surfaces.
+    pub difference: Option<(Panel, f64)>,
 }
 
 /// Everything that is made from a pack and its source.
 #[derive(Debug, Clone)]
 pub struct Evidence {
-    /// A ball and a cloth.
+    /// A ball and a cloth; of anisotropic materials the ball once more, turned.
     pub thumbnails: Vec<Thumbnails>,
     /// Where both differ; absent without the source.
     pub by_angle: Option<ByAngle>,
 }
 
-/// Draws and compares. Both pictures of a scene have the exposure of the source's.
+/// Draws and compares, where the pack is for the directions that are asked for: the rest is left out. Both pictures of a scene have the exposure of the source's.
 pub fn evidence(pack: &BrdfPack, source: Option<&dyn Source>) -> Evidence {
     let decoded = opened(pack, None).source;
-    let draw = |source: &dyn Source, builtin: Builtin| -> LinearImage {
+    let draw = |source: &dyn Source, (builtin, turned): (Builtin, bool)| -> LinearImage {
         let scene = builtin.scene();
         let reflectance = SourceReflectance(source);
-        let materials = vec![&reflectance as _; scene.parts.len()];
-        shade(&scene, FRAME, &trace(&scene, FRAME), &materials)
+        let turned = turned.then_some(Turned(&reflectance));
+        let reflectance: &dyn Reflectance = turned.as_ref().map_or(&reflectance, |turned| turned);
+        let materials = vec![reflectance; scene.parts.len()];
+        let hits = trace(&scene, FRAME);
+        let outside = outside(&scene, FRAME, &hits, &vec![pack.directions(); scene.parts.len()]);
+        without(shade(&scene, FRAME, &hits, &materials), &outside)
     };
-    let thumbnails = SCENES.into_iter().map(|builtin| {
-        let pack = draw(decoded.as_ref(), builtin);
-        let source = source.map(|source| draw(source, builtin));
+    let isotropic = source.unwrap_or(decoded.as_ref()).symmetry().isotropic;
+    let scenes = SCENES.into_iter().chain((!isotropic).then_some(TURNED));
+    let thumbnails = scenes.map(|scene| {
+        let pack = draw(decoded.as_ref(), scene);
+        let source = source.map(|source| draw(source, scene));
         let exposure = auto_exposure(source.as_ref().unwrap_or(&pack));
-        let png = |image: &LinearImage| rgb_png(&to_panel(image, exposure));
+        let panel = |image: &LinearImage| to_panel(image, exposure);
         let difference = source.as_ref().map(|source| {
-            let map = heat_map(&delta_e_map(&pack, source, exposure), SIDE, SIDE, FULL_SCALE);
-            (rgb_png(&map), compare_images(&pack, source, exposure).delta_e.mean)
+            (difference_panel(&pack, source, exposure), compare_images(&pack, source, exposure).delta_e.mean)
         });
-        Thumbnails { scene: builtin.name(), source: source.as_ref().map(png), pack: png(&pack), difference }
+        let (name, turned) = (scene.0.name(), scene.1);
+        Thumbnails { scene: name, turned, source: source.as_ref().map(panel), pack: panel(&pack), difference }
     });
     let thumbnails = thumbnails.collect();
-    let by_angle = source.map(|source| by_angle(source, decoded.as_ref(), &PairSet::comparison()));
+    let by_angle = source.map(|source| by_angle(source, decoded.as_ref(), &PairSet::within(pack.directions())));
     Evidence { thumbnails, by_angle }
 }

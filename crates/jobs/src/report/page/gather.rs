@@ -1,17 +1,18 @@
 //! What a page is made of: the report in a folder, its packs, and their sources where they still are.
 
 use super::against::{Regression, regressions};
+use super::error::GatherError;
 use super::evidence::{Evidence, evidence};
+use super::parts::{PagePart, listed_file, map_part, wrong_file};
 use crate::output_folder::OutputFolder;
-use crate::report::build::{BuildReport, MaterialEntry};
+use crate::report::build::{BuildReport, EnvironmentEntry, MaterialEntry};
 use crate::scene::build::{BuiltNote, notes};
 use crate::scene::plan::REPORT;
-use crate::store::Digest;
 use brdfc_formats::{BrdfPack, Pack};
+use brdfc_source::Source;
 use brdfc_source::open::open;
-use brdfc_source::progress::{Cancelled, Progress};
-use brdfc_source::read::{MAX_FILE_BYTES, MAX_TEXT_BYTES, read_file};
-use brdfc_source::{InputError, Source};
+use brdfc_source::progress::Progress;
+use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
@@ -22,6 +23,8 @@ pub struct Page {
     pub scene: String,
     /// Materials, by name.
     pub materials: Vec<PageMaterial>,
+    /// The environment that lights the scene, with its map where there is one.
+    pub environment: Option<(EnvironmentEntry, Option<PagePart>)>,
     /// Materials that no use refers to.
     pub skipped: Vec<String>,
     /// Whether it was held against an earlier build.
@@ -39,29 +42,10 @@ pub struct PageMaterial {
     pub note: BuiltNote,
     /// Pictures and errors; absent where there is no pack.
     pub evidence: Option<Evidence>,
+    /// Its bandwidth map and its importance samples, where the scene has them.
+    pub maps: Vec<PagePart>,
     /// Why the source was not compared, if so.
     pub without_source: Option<String>,
-}
-
-/// Why there is no page.
-#[derive(Debug, thiserror::Error)]
-pub enum GatherError {
-    /// A file.
-    #[error(transparent)]
-    Input(#[from] InputError),
-    /// A folder that is not what its report says, or no report.
-    #[error("{path}: found {found}; allowed {allowed}")]
-    Folder {
-        /// Which file.
-        path: String,
-        /// What is there.
-        found: String,
-        /// What may be there.
-        allowed: &'static str,
-    },
-    /// The caller asked to stop.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
 }
 
 /// The report of a folder, and that of an earlier build.
@@ -115,7 +99,8 @@ pub fn gather(reports: Reports, tolerance: f64, progress: &dyn Progress) -> Resu
         material
     };
     let materials = report.materials.into_par_iter().map(drawn).collect::<Result<_, GatherError>>()?;
-    Ok(Page { scene: report.scene, materials, skipped: report.skipped, is_held, regressions })
+    let environment = report.environment.map(|entry| environment(folder, entry)).transpose()?;
+    Ok(Page { scene: report.scene, materials, environment, skipped: report.skipped, is_held, regressions })
 }
 
 fn read_report(path: &Path) -> Result<BuildReport, GatherError> {
@@ -129,29 +114,28 @@ fn read_report(path: &Path) -> Result<BuildReport, GatherError> {
 
 fn material(folder: &Path, entry: MaterialEntry, note: BuiltNote) -> Result<PageMaterial, GatherError> {
     let Some(name) = entry.pack.as_ref().filter(|_| entry.report.is_some()) else {
-        return Ok(PageMaterial { entry, note, evidence: None, without_source: None });
+        return Ok(PageMaterial { entry, note, evidence: None, maps: Vec::new(), without_source: None });
     };
     let path = folder.join(name);
-    let bytes = read_file(&path, MAX_FILE_BYTES)?;
-    let wrong = |found: String| GatherError::Folder {
-        path: path.display().to_string(),
-        found,
-        allowed: "the pack that report.json names; run 'brdfc build'",
-    };
-    let listed = entry.files.iter().find(|file| file.file == *name);
-    if listed.is_some_and(|file| file.blake3 != Digest::of(&bytes)) {
-        return Err(wrong("another pack".to_owned()));
-    }
-    let pack = match Pack::from_bytes(&bytes, None).map_err(|error| wrong(error.to_string()))? {
+    let bytes = listed_file(folder, &entry.files, name)?;
+    let pack = match Pack::from_bytes(&bytes, None).map_err(|error| wrong_file(&path, error.to_string()))? {
         Pack::Table(pack) => BrdfPack::Table(pack),
         Pack::Wavelet(pack) => BrdfPack::Wavelet(pack),
-        other => return Err(wrong(other.kind().name().to_owned())),
+        other => return Err(wrong_file(&path, other.kind().name().to_owned())),
     };
     let source = if note.source.is_empty() {
         Err("where the source is was not noted: the folder has no store".to_owned())
     } else {
         open(note.source.as_str(), None).map(|opened| opened.source).map_err(|error| error.to_string())
     };
+    let maps = [&entry.bandwidth, &entry.samples].into_iter().flatten();
+    let maps = maps.map(|name| map_part(folder, &entry.files, name)).collect::<Result<_, _>>()?;
     let evidence = evidence(&pack, source.as_ref().ok().map(|source| source.as_ref() as &dyn Source));
-    Ok(PageMaterial { entry, note, evidence: Some(evidence), without_source: source.err() })
+    Ok(PageMaterial { entry, note, evidence: Some(evidence), maps, without_source: source.err() })
+}
+
+fn environment(folder: &Path, entry: EnvironmentEntry) -> Result<(EnvironmentEntry, Option<PagePart>), GatherError> {
+    let listed = entry.file.as_slice();
+    let part = listed.first().map(|file| map_part(folder, listed, &file.file)).transpose()?;
+    Ok((entry, part))
 }

@@ -1,47 +1,34 @@
 //! The page.
 
-use super::evidence::{FULL_SCALE, Thumbnails};
+use super::evidence::Thumbnails;
 use super::figures::{albedos, error_over_bytes, errors_by_angle};
 use super::gather::{Page, PageMaterial};
-use super::style::{SCRIPT, STYLE};
+use super::markup::{colour_scale, document, image};
+use super::parts::PagePart;
 use crate::report::material::{MaterialReport, remarks};
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
 use brdfc_metrics::by_angle::WorstPair;
 use brdfc_source::words::{bytes, percent};
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, PreEscaped, html};
 
 /// A whole file of HTML. The same page gives the same bytes.
 pub fn html(page: &Page) -> String {
     let failed = page.materials.iter().filter(|material| !material.entry.passed()).count();
     let count = page.materials.len();
     let content = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { (page.scene) ": packs and their errors" }
-                style { (PreEscaped(STYLE)) }
-            }
-            body {
-                h1 { (page.scene) ": packs and their errors" }
-                p {
-                    @if count == 1 { "One material" } @else { (count) " materials" }
-                    @if failed > 0 { ", " span.bad { (failed) " of them failed or not what is required" } }
-                    ". ΔE is the mean colour difference between pictures of a ball, pack against source (CIE L*a*b*; about \
-                     1 is just visible), ε_r the mean relative error of values."
-                    @if !page.skipped.is_empty() { " Not used by the scene: " (page.skipped.join(", ")) "." }
-                }
-                (regressions(page))
-                (table(page))
-                (sheet(page))
-                @for material in &page.materials { (section(material)) }
-                script { (PreEscaped(SCRIPT)) }
-            }
+        p {
+            @if count == 1 { "One material" } @else { (count) " materials" }
+            @if failed > 0 { ", " span.bad { (failed) " of them failed or not what is required" } }
+            ". ΔE is the mean colour difference between pictures of a ball, pack against source (CIE L*a*b*; about \
+             1 is just visible), ε_r the mean relative error of values."
+            @if !page.skipped.is_empty() { " Not used by the scene: " (page.skipped.join(", ")) "." }
         }
+        (regressions(page))
+        (table(page))
+        (sheet(page))
+        @for material in &page.materials { (section(material)) }
+        (environment(page))
     };
-    content.into_string()
+    document(&format!("{}: packs and their errors", page.scene), &content)
 }
 
 fn regressions(page: &Page) -> Markup {
@@ -73,12 +60,12 @@ fn table(page: &Page) -> Markup {
     let heads =
         ["material", "codec", "size", "fetches", "on disk", "on GPU", "ΔE", "ΔE 95 %", "ε_r", "albedo off by", ""];
     html! {
-        div.scroll { table {
+        div.scroll { table.all {
             thead { tr { @for name in heads { (head(name)) } } }
             tbody { @for material in &page.materials {
                 @let entry = &material.entry;
                 tr {
-                    td { a href={ "#" (entry.material) } { (entry.material) } }
+                    td { a href={ "#" (entry.material) } { (breakable(&entry.material)) } }
                     @if let Some(report) = &entry.report {
                         @let picture = &report.off_grid.picture.delta_e;
                         td { (report.codec.name()) } td { (report.codec.size()) } td { (report.fetches) }
@@ -111,19 +98,20 @@ fn sheet(page: &Page) -> Markup {
                     a href={ "#" (material.entry.material) } { (image(&thumbnails.pack, &material.entry.material)) }
                     @if let Some((difference, mean)) = &thumbnails.difference {
                         (image(difference, &format!("ΔE of {}", material.entry.material)))
-                        figcaption { (material.entry.material) br; "ΔE " (format!("{mean:.2}")) }
+                        figcaption { (breakable(&material.entry.material)) br; "ΔE " (format!("{mean:.2}")) }
                     } @else {
-                        figcaption { (material.entry.material) }
+                        figcaption { (breakable(&material.entry.material)) }
                     }
                 }
             }
         } }
-        p.soft { "Differences: ΔE 0 " span.scale style="display:inline-block" {} " " (FULL_SCALE) }
+        (colour_scale())
     }
 }
 
-fn image(png: &[u8], description: &str) -> Markup {
-    html! { img src={ "data:image/png;base64," (STANDARD.encode(png)) } alt=(description); }
+/// A name that lines may break behind its marks.
+fn breakable(name: &str) -> Markup {
+    html! { @for part in name.split_inclusive(['_', '-', '.']) { (part) wbr; } }
 }
 
 fn section(material: &PageMaterial) -> Markup {
@@ -139,6 +127,9 @@ fn section(material: &PageMaterial) -> Markup {
                     @if report.fetches == 1 { "one fetch" } @else { (report.fetches) " fetches" }
                     @if let Some(missed) = &report.missed { ". " span.bad { (missed) } }
                 }
+                @if !report.directions.is_all() {
+                    p.soft { "For " (report.directions) " alone: errors are of these, and pictures leave the rest out." }
+                }
                 @for gate in &entry.gates {
                     p class=(if gate.passed { "good" } else { "bad" }) {
                         @if gate.passed { "passed " } @else { "closed " } (gate)
@@ -147,6 +138,7 @@ fn section(material: &PageMaterial) -> Markup {
                 (pictures(material))
                 (plots(material, report))
                 (worst(material))
+                (maps(&entry.material, &material.maps))
                 (checks(report))
                 (times(material))
             }
@@ -159,15 +151,18 @@ fn pictures(material: &PageMaterial) -> Markup {
     let name = &material.entry.material;
     html! {
         @if let Some(reason) = &material.without_source { p.soft { "Not compared with its source: " (reason) } }
-        div.row { @for Thumbnails { scene, source, pack, difference } in &evidence.thumbnails {
-            @if let Some(source) = source {
-                figure { (image(source, &format!("{scene} of {name}, source"))) figcaption { "source" } }
-            }
-            figure { (image(pack, &format!("{scene} of {name}, pack"))) figcaption { "pack" } }
-            @if let Some((difference, mean)) = difference {
-                figure {
-                    (image(difference, &format!("{scene} of {name}, difference")))
-                    figcaption { "ΔE " (format!("{mean:.2}")) }
+        div.row { @for Thumbnails { scene, turned, source, pack, difference } in &evidence.thumbnails {
+            @let how = if *turned { ", turned by 90°" } else { "" };
+            div.triple {
+                @if let Some(source) = source {
+                    figure { (image(source, &format!("{scene} of {name}, source{how}"))) figcaption { "source" (how) } }
+                }
+                figure { (image(pack, &format!("{scene} of {name}, pack{how}"))) figcaption { "pack" } }
+                @if let Some((difference, mean)) = difference {
+                    figure {
+                        (image(difference, &format!("{scene} of {name}, difference{how}")))
+                        figcaption { "ΔE " (format!("{mean:.2}")) }
+                    }
                 }
             }
         } }
@@ -220,6 +215,41 @@ fn angles(pair: &WorstPair) -> [f64; 3] {
     let phi = |v: [f64; 3]| v[1].atan2(v[0]).to_degrees();
     let between = (phi(pair.outgoing) - phi(pair.incoming)).rem_euclid(360.0);
     [theta(pair.incoming), theta(pair.outgoing), between]
+}
+
+/// Maps with their bytes and pictures.
+fn maps(name: &str, parts: &[PagePart]) -> Markup {
+    html! {
+        @if !parts.is_empty() {
+            h3 { "Maps" }
+            div.scroll { table {
+                thead { tr { th { "file" } th { "on disk" } th { "on GPU" } th.left { "what it holds" } } }
+                tbody { @for part in parts { tr {
+                    td { (part.file) } td { (bytes(part.bytes_on_disk)) } td { (bytes(part.bytes_on_gpu)) }
+                    td.left.words { (part.words) }
+                } } }
+            } }
+            div.row.large { @for part in parts {
+                @if let Some(picture) = &part.picture {
+                    figure {
+                        (image(picture, &format!("bandwidth of {name}")))
+                        figcaption { "bandwidth, dark 1/256 of the largest to light" }
+                    }
+                }
+            } }
+        }
+    }
+}
+
+fn environment(page: &Page) -> Markup {
+    let Some((entry, part)) = &page.environment else { return html! {} };
+    html! {
+        section.material id="environment" {
+            h2 { "environment " span.soft { (entry.source) } }
+            @if let Some(error) = &entry.error { p.bad { (error) } }
+            (maps("the environment", part.as_slice()))
+        }
+    }
 }
 
 fn checks(report: &MaterialReport) -> Markup {

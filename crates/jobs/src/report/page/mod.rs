@@ -1,18 +1,29 @@
-//! One page about a build: a file of HTML that needs no network and reads without scripts, and its figures as CSV and JSON.
+//! One page about a build or about a flat BTF: a file of HTML that needs no network and reads without scripts, and its figures as CSV and JSON.
 
 mod against;
 mod csv;
+mod error;
 mod evidence;
 mod figures;
+mod flat;
+mod flat_html;
 mod gather;
 mod html;
+mod markup;
+mod parts;
+mod sheet;
 mod style;
 
 pub use against::{Regression, regressions};
-pub use csv::csv;
-pub use evidence::{Evidence, FULL_SCALE, Thumbnails, evidence};
-pub use gather::{GatherError, Page, PageMaterial, Reports, gather};
+pub use csv::{csv, flat_csv};
+pub use error::GatherError;
+pub use evidence::{Evidence, Thumbnails, evidence};
+pub use flat::{FlatPage, is_flat_btf};
+pub use flat_html::flat_html;
+pub use gather::{Page, PageMaterial, Reports, gather};
 pub use html::html;
+pub use parts::PagePart;
+pub use sheet::sheet;
 
 use super::build::MaterialEntry;
 use brdfc_metrics::by_angle::ByAngle;

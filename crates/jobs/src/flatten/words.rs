@@ -1,0 +1,65 @@
+//! What is said of an asset besides figures.
+
+use super::asset::AssetFile;
+use brdfc_flat_btf::probes::ColourErrors;
+use brdfc_flat_btf::weld::WeldReport;
+use brdfc_source::words::{bytes, percent};
+
+/// What a user should know of an asset: what was mended, and what no view sees.
+pub fn remarks(asset: &AssetFile) -> Vec<String> {
+    let mut lines = asset.report.repairs.as_ref().map(repairs_in_words).unwrap_or_default();
+    if asset.report.never_seen > 0 {
+        lines.push(format!("{} of the texels are seen by none of the views", percent(asset.unseen())));
+    }
+    lines
+}
+
+/// What was mended in a mesh; nothing where it was whole.
+pub fn repairs_in_words(repairs: &WeldReport) -> Vec<String> {
+    [
+        (repairs.unreferenced_vertices, "vertices that no triangle has were left out"),
+        (repairs.degenerate_triangles, "triangles with two equal corners were left out"),
+        (repairs.duplicate_triangles, "triangles that were there twice were left out"),
+        (repairs.turned_triangles, "triangles were turned over, so that outside is up"),
+        (repairs.exchanged_edges, "triangles without area were mended"),
+    ]
+    .into_iter()
+    .filter(|(count, _)| *count > 0)
+    .map(|(count, what)| format!("{count} {what}"))
+    .collect()
+}
+
+/// Four decimals, and no negative zero.
+pub fn height(value: f64) -> String {
+    format!("{:.4}", (value * 1e4).round() / 1e4 + 0.0)
+}
+
+/// What people read of an asset: names and values. Its errors stand apart.
+pub fn facts(asset: &AssetFile) -> Vec<(&'static str, String)> {
+    let (report, settings) = (&asset.report, &asset.settings);
+    let (views, lights) = (&settings.views, &settings.lights);
+    let stretch = &report.parameterisation.after;
+    vec![
+        ("source", asset.source.clone()),
+        ("texels", format!("{0} x {0} flat, {1} x {1} on the plane", settings.flat_texels, settings.texels)),
+        ("views x lights", format!("{} ({}) x {} ({})", views.1, views.0, lights.1, lights.0)),
+        ("heights", format!("{} to {} tiles", height(report.heights[0]), height(report.heights[1]))),
+        ("stretch", format!("{:.3} (1 is even), largest {:.2}", stretch.l2, stretch.largest)),
+        ("texels seen by one view", format!("{}, mean over the views", percent(report.seen))),
+        ("texels seen by any view", percent(1.0 - asset.unseen())),
+        ("files", format!("{} in {}, {} on a GPU", bytes(asset.bytes()), asset.parts.len(), bytes(asset.gpu_bytes()))),
+    ]
+}
+
+/// Its errors that are known, and what they are called.
+pub fn errors(asset: &AssetFile) -> Vec<(&'static str, ColourErrors)> {
+    let errors = &asset.report.errors;
+    [
+        ("ΔE at sampled directions", errors.at_samples),
+        ("ΔE between them", errors.between_samples),
+        ("ΔE of the light form", errors.light_form),
+    ]
+    .into_iter()
+    .filter_map(|(name, error)| Some((name, error?)))
+    .collect()
+}

@@ -1,0 +1,46 @@
+//! A contact sheet of materials that the engines' shaders drew, each held against its source.
+
+use super::render::Verification;
+use brdfc_gpu::verify::Views;
+use brdfc_render::contact_sheet::Cell;
+use brdfc_render::picture::{difference_panel, to_panel};
+use brdfc_source::words::bytes;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// One material of a sheet.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+pub struct MaterialVerification {
+    /// Its name, or the input.
+    pub material: String,
+    /// Bytes of its pack on a GPU.
+    pub bytes_on_gpu: u64,
+    /// How wrong its picture is. Every material has the exposure of its own picture.
+    #[serde(flatten)]
+    pub verification: Verification,
+}
+
+impl MaterialVerification {
+    /// Its pictures with a label: source, shader and their difference.
+    pub fn cell(&self, views: &Views) -> Cell {
+        let exposure = self.verification.exposure;
+        let reference = views.reference();
+        let row = [
+            views.source.as_ref().map(|source| to_panel(source, exposure)),
+            Some(to_panel(&views.shader, exposure)),
+            Some(difference_panel(&views.shader, reference, exposure)),
+        ];
+        let mean = self.verification.checked().delta_e.mean;
+        Cell {
+            name: self.material.clone(),
+            details: format!("{}  mean ΔE {mean:.2}", bytes(self.bytes_on_gpu)),
+            failed: self.closed().next().is_some(),
+            rows: vec![row],
+        }
+    }
+
+    /// The gates that closed, in words.
+    pub fn closed(&self) -> impl Iterator<Item = String> {
+        self.verification.gates.iter().filter(|gate| !gate.passed).map(|gate| format!("{}: {gate}", self.material))
+    }
+}

@@ -1,0 +1,40 @@
+//! What pages have in common.
+
+use super::style::{SCRIPT, STYLE};
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use brdfc_render::picture::{DELTA_E_FULL_SCALE, Panel, rgb_png};
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+/// A whole file of HTML.
+pub(super) fn document(title: &str, content: &Markup) -> String {
+    let document = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { (title) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                h1 { (title) }
+                (content)
+                script { (PreEscaped(SCRIPT)) }
+            }
+        }
+    };
+    document.into_string()
+}
+
+/// A picture inside the page.
+pub(super) fn image(panel: &Panel, description: &str) -> Markup {
+    html! { img src={ "data:image/png;base64," (STANDARD.encode(rgb_png(panel))) } alt=(description); }
+}
+
+/// The colours of pictures of differences.
+pub(super) fn colour_scale() -> Markup {
+    html! {
+        p.soft { "Differences: ΔE 0 " span.scale style="display:inline-block" {} " " (DELTA_E_FULL_SCALE) }
+    }
+}

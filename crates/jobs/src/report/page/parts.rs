@@ -1,0 +1,83 @@
+//! The files of a build besides packs: what they hold, and a picture of it.
+
+use super::error::GatherError;
+use crate::report::build::FileEntry;
+use crate::store::Digest;
+use brdfc_bandwidth::facts::BandwidthFacts;
+use brdfc_formats::Pack;
+use brdfc_importance::ImportanceFacts;
+use brdfc_render::picture::{Panel, bandwidth_panel};
+use brdfc_source::read::{MAX_FILE_BYTES, read_file};
+use std::path::Path;
+
+/// A map of a page.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PagePart {
+    /// Its file.
+    pub file: String,
+    /// Bytes of the file.
+    pub bytes_on_disk: u64,
+    /// Bytes on a GPU.
+    pub bytes_on_gpu: u64,
+    /// What it holds, in words.
+    pub words: String,
+    /// Of a bandwidth map, dark 1/256 of its largest value and less to light the largest.
+    pub picture: Option<Panel>,
+}
+
+/// The bytes of a file that a report lists.
+///
+/// # Errors
+/// What cannot be read, and another file than the listed one.
+pub(super) fn listed_file(folder: &Path, listed: &[FileEntry], name: &str) -> Result<Vec<u8>, GatherError> {
+    let path = folder.join(name);
+    let bytes = read_file(&path, MAX_FILE_BYTES)?;
+    let entry = listed.iter().find(|file| file.file == name);
+    if entry.is_some_and(|file| file.blake3 != Digest::of(&bytes)) {
+        return Err(wrong_file(&path, "another pack".to_owned()));
+    }
+    Ok(bytes)
+}
+
+/// A file that is not what the report says.
+pub(super) fn wrong_file(path: &Path, found: String) -> GatherError {
+    GatherError::Folder {
+        path: path.display().to_string(),
+        found,
+        allowed: "the pack that report.json names; run 'brdfc build'",
+    }
+}
+
+/// A bandwidth map or importance samples.
+///
+/// # Errors
+/// As [`listed_file`], and files of other kinds.
+pub(super) fn map_part(folder: &Path, listed: &[FileEntry], name: &str) -> Result<PagePart, GatherError> {
+    let bytes = listed_file(folder, listed, name)?;
+    let path = folder.join(name);
+    let (bytes_on_gpu, words, picture) =
+        match Pack::from_bytes(&bytes, None).map_err(|error| wrong_file(&path, error.to_string()))? {
+            Pack::Bandwidth(map) => {
+                let facts = BandwidthFacts::new(&map);
+                (facts.gpu_bytes, bandwidth_in_words(&facts), Some(bandwidth_panel(&map)))
+            }
+            Pack::Importance(pack) => {
+                let facts = ImportanceFacts::new(&pack);
+                (facts.gpu_bytes, samples_in_words(&facts), None)
+            }
+            other => return Err(wrong_file(&path, other.kind().name().to_owned())),
+        };
+    Ok(PagePart { file: name.to_owned(), bytes_on_disk: bytes.len() as u64, bytes_on_gpu, words, picture })
+}
+
+fn bandwidth_in_words(facts: &BandwidthFacts) -> String {
+    let [width, height] = facts.size;
+    let (largest, mean, unit) = (facts.largest, facts.mean, &facts.unit);
+    let what = format!("bandwidth, {width} x {height} values: mean {mean:.2}, largest {largest:.1} {unit}");
+    facts.remark().map_or(what.clone(), |remark| format!("{what}. {remark}"))
+}
+
+fn samples_in_words(facts: &ImportanceFacts) -> String {
+    let ImportanceFacts { polar, azimuths, samples, .. } = facts;
+    format!("importance samples: {samples} for each of {polar} x {azimuths} outgoing directions")
+}

@@ -1,0 +1,29 @@
+//! The materials of a page as one picture.
+
+use super::gather::{Page, PageMaterial};
+use brdfc_render::contact_sheet::{Cell, contact_sheet};
+use brdfc_render::picture::Panel;
+use brdfc_source::words::bytes;
+
+/// A contact sheet of all materials, ball and cloth, with bytes and the mean ΔE of the page's table.
+pub fn sheet(page: &Page) -> Panel {
+    let cells: Vec<Cell> = page.materials.iter().map(cell).collect();
+    contact_sheet(&cells)
+}
+
+fn cell(PageMaterial { entry, evidence, .. }: &PageMaterial) -> Cell {
+    let details = match &entry.report {
+        Some(report) => {
+            let size = bytes(report.bytes_on_gpu);
+            let limits = if entry.passed() { "" } else { ": not what is required" };
+            format!("{size}  mean ΔE {:.2}{limits}", report.off_grid.picture.delta_e.mean)
+        }
+        None => "failed: no pack".to_owned(),
+    };
+    let thumbnails = evidence.iter().flat_map(|evidence| &evidence.thumbnails).filter(|drawn| !drawn.turned);
+    let rows = thumbnails.map(|drawn| {
+        let difference = drawn.difference.as_ref().map(|(panel, _)| panel.clone());
+        [drawn.source.clone(), Some(drawn.pack.clone()), difference]
+    });
+    Cell { name: entry.material.clone(), details, failed: !entry.passed(), rows: rows.collect() }
+}

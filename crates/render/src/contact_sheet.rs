@@ -1,0 +1,317 @@
+//! A contact sheet: small pictures of many materials with labels, and the colour scale of their differences.
+
+use crate::picture::{DELTA_E_FULL_SCALE, Panel, heat_map};
+use embedded_graphics::Drawable;
+use embedded_graphics::draw_target::DrawTarget;
+use embedded_graphics::geometry::{OriginDimensions, Point, Size};
+use embedded_graphics::mono_font::iso_8859_7::{FONT_7X13, FONT_7X13_BOLD};
+use embedded_graphics::mono_font::{MonoFont, MonoTextStyle};
+use embedded_graphics::pixelcolor::{Rgb888, RgbColor};
+use embedded_graphics::text::{Alignment, Baseline, Text, TextStyleBuilder};
+use std::convert::Infallible;
+
+/// What the columns of a cell are.
+pub const HEADS: [&str; 3] = ["source", "pack", "ΔE"];
+
+/// Columns and rows of the margin, and between cells.
+const MARGIN: usize = 14;
+/// Between the pictures of a cell.
+const GAP: usize = 2;
+/// Rows of a line of text. Its fonts hold Latin and Greek letters.
+const LINE: usize = 16;
+/// Columns of a letter.
+const LETTER: usize = 7;
+/// What stands for the middle of a name that is too long.
+const ELLIPSIS: &str = "...";
+/// Columns and rows of the bar of the colour scale.
+const BAR: [usize; 2] = [200, 12];
+/// Ticks of the scale, besides that at 0.
+const TICKS: usize = 5;
+/// Columns beside the bar, for the first and the last number.
+const BESIDE: usize = 3 * LETTER;
+/// Width by height that many cells come close to.
+const ASPECT: f64 = 4.0 / 3.0;
+const PAPER: u8 = 250;
+const INK: Rgb888 = Rgb888::new(28, 30, 33);
+const SOFT: Rgb888 = Rgb888::new(95, 98, 103);
+const BAD: Rgb888 = Rgb888::new(179, 38, 30);
+
+/// One material of a sheet.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Cell {
+    /// Its name, which is shortened in the middle where it is too long.
+    pub name: String,
+    /// What stands below the name: bytes, errors.
+    pub details: String,
+    /// Whether it failed: then `details` stand out.
+    pub failed: bool,
+    /// A row per scene of source, pack and their difference; what there is none of stays blank.
+    pub rows: Vec<[Option<Panel>; 3]>,
+}
+
+/// Draws the cells in as many columns as make the sheet about 4:3, left to right and down, above the colour scale. The same
+/// cells give the same bytes.
+pub fn contact_sheet(cells: &[Cell]) -> Panel {
+    let grid = Grid::of(cells);
+    let [width, height] = grid.size();
+    let mut canvas = Canvas(Panel { width, height, rgb: vec![PAPER; 3 * width * height] });
+    for column in 0..grid.columns {
+        for (number, head) in HEADS.into_iter().enumerate() {
+            let x = grid.left(column) + grid.across(number) + grid.picture[0] / 2;
+            canvas.text(head, [x, MARGIN], &FONT_7X13, SOFT, Alignment::Center);
+        }
+    }
+    for (number, cell) in cells.iter().enumerate() {
+        let left = grid.left(number % grid.columns);
+        let mut top = grid.top(number / grid.columns);
+        for row in &cell.rows {
+            for (across, panel) in row.iter().enumerate() {
+                if let Some(panel) = panel {
+                    canvas.paste(panel, [left + grid.across(across), top]);
+                }
+            }
+            top += grid.picture[1] + GAP;
+        }
+        let text = grid.top(number / grid.columns) + grid.rows * (grid.picture[1] + GAP);
+        let letters = grid.cell[0] / LETTER;
+        canvas.text(&shortened(&cell.name, letters), [left, text], &FONT_7X13_BOLD, INK, Alignment::Left);
+        let colour = if cell.failed { BAD } else { SOFT };
+        canvas.text(&shortened(&cell.details, letters), [left, text + LINE], &FONT_7X13, colour, Alignment::Left);
+    }
+    scale(&mut canvas, [MARGIN + BESIDE, height - MARGIN - BAR[1] - LINE]);
+    canvas.0
+}
+
+/// Where cells stand.
+struct Grid {
+    /// Of the sheet.
+    columns: usize,
+    /// Of the sheet.
+    lines: usize,
+    /// Rows of pictures in a cell.
+    rows: usize,
+    /// Columns and rows of the largest picture.
+    picture: [usize; 2],
+    /// Columns and rows of a cell with its text.
+    cell: [usize; 2],
+}
+
+impl Grid {
+    fn of(cells: &[Cell]) -> Self {
+        let pictures = || cells.iter().flat_map(|cell| cell.rows.iter().flatten().flatten());
+        // Wide enough for the words above.
+        let width = pictures().map(|panel| panel.width).max().unwrap_or(0).max(8 * LETTER);
+        let height = pictures().map(|panel| panel.height).max().unwrap_or(0);
+        let rows = cells.iter().map(|cell| cell.rows.len()).max().unwrap_or(0);
+        let cell = [HEADS.len() * (width + GAP) - GAP, rows * (height + GAP) + 2 * LINE];
+        let with = |columns: usize| {
+            let lines = cells.len().div_ceil(columns).max(1);
+            Self { columns, lines, rows, picture: [width, height], cell }
+        };
+        let off = |grid: &Self| {
+            let [width, height] = grid.size();
+            (width as f64 / height as f64 / ASPECT).ln().abs()
+        };
+        (1..=cells.len()).map(with).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or_else(|| with(1))
+    }
+
+    fn size(&self) -> [usize; 2] {
+        let narrowest = 2 * MARGIN + BAR[0] + 2 * BESIDE;
+        let width = (MARGIN + self.columns * (self.cell[0] + MARGIN)).max(narrowest);
+        [width, self.top(self.lines) + BAR[1] + LINE + MARGIN]
+    }
+
+    fn left(&self, column: usize) -> usize {
+        MARGIN + column * (self.cell[0] + MARGIN)
+    }
+
+    fn top(&self, line: usize) -> usize {
+        MARGIN + LINE + line * (self.cell[1] + MARGIN)
+    }
+
+    /// From the left of a cell to its picture of this number.
+    fn across(&self, number: usize) -> usize {
+        number * (self.picture[0] + GAP)
+    }
+}
+
+/// The colours of differences with numbers below, its bar's left upper corner at `left`, `top`.
+fn scale(canvas: &mut Canvas, [left, top]: [usize; 2]) {
+    let [width, height] = BAR;
+    let shares: Vec<f32> = (0..width).map(|x| x as f32 / (width - 1) as f32).collect();
+    let row = heat_map(&shares, width, 1, 1.0).rgb;
+    canvas.paste(&Panel { width, height, rgb: row.repeat(height) }, [left, top]);
+    canvas.text("ΔE", [left - LETTER, top], &FONT_7X13, SOFT, Alignment::Right);
+    for tick in 0..=TICKS {
+        let x = left + tick * (width - 1) / TICKS;
+        canvas.paste(&Panel { width: 1, height: 3, rgb: [INK.r(), INK.g(), INK.b()].repeat(3) }, [x, top + height]);
+        let value = DELTA_E_FULL_SCALE * tick as f64 / TICKS as f64;
+        canvas.text(&value.to_string(), [x, top + height + 3], &FONT_7X13, SOFT, Alignment::Center);
+    }
+}
+
+/// A text of at most `most` letters: where it has more, the middle is left out.
+fn shortened(text: &str, most: usize) -> String {
+    let letters: Vec<char> = text.chars().collect();
+    if letters.len() <= most {
+        return text.to_owned();
+    }
+    let kept = most.saturating_sub(ELLIPSIS.len());
+    let (first, last) = (kept.div_ceil(2), kept / 2);
+    let part = |letters: &[char]| letters.iter().collect::<String>();
+    part(&letters[..first]) + ELLIPSIS + &part(&letters[letters.len() - last..])
+}
+
+/// A panel that is drawn on. What stands outside is left out.
+struct Canvas(Panel);
+
+impl Canvas {
+    fn paste(&mut self, panel: &Panel, [left, top]: [usize; 2]) {
+        for row in 0..panel.height {
+            let start = 3 * ((top + row) * self.0.width + left);
+            let line = &panel.rgb[3 * panel.width * row..3 * panel.width * (row + 1)];
+            self.0.rgb[start..start + line.len()].copy_from_slice(line);
+        }
+    }
+
+    fn text(&mut self, text: &str, [x, y]: [usize; 2], font: &MonoFont<'_>, colour: Rgb888, alignment: Alignment) {
+        let style = TextStyleBuilder::new().alignment(alignment).baseline(Baseline::Top).build();
+        let at = Point::new(x as i32, y as i32);
+        let text = Text::with_text_style(text, at, MonoTextStyle::new(font, colour), style);
+        match text.draw(self) {
+            Ok(_) => {}
+            Err(never) => match never {},
+        }
+    }
+}
+
+impl OriginDimensions for Canvas {
+    fn size(&self) -> Size {
+        Size::new(self.0.width as u32, self.0.height as u32)
+    }
+}
+
+impl DrawTarget for Canvas {
+    type Color = Rgb888;
+    type Error = Infallible;
+
+    fn draw_iter<I: IntoIterator<Item = embedded_graphics::Pixel<Rgb888>>>(
+        &mut self,
+        pixels: I,
+    ) -> Result<(), Infallible> {
+        for embedded_graphics::Pixel(Point { x, y }, colour) in pixels {
+            let (Ok(x), Ok(y)) = (usize::try_from(x), usize::try_from(y)) else { continue };
+            if x < self.0.width && y < self.0.height {
+                let start = 3 * (y * self.0.width + x);
+                self.0.rgb[start..start + 3].copy_from_slice(&[colour.r(), colour.g(), colour.b()]);
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIDE: usize = 96;
+
+    fn cell(name: &str) -> Cell {
+        let panel = |value: u8| Some(Panel { width: SIDE, height: SIDE, rgb: vec![value; 3 * SIDE * SIDE] });
+        let row = [panel(11), panel(22), panel(33)];
+        Cell {
+            name: name.to_owned(),
+            details: "1.9 KiB  ΔE 0.47".to_owned(),
+            failed: false,
+            rows: vec![row.clone(), row],
+        }
+    }
+
+    fn pixel(panel: &Panel, [x, y]: [usize; 2]) -> [u8; 3] {
+        let start = 3 * (y * panel.width + x);
+        panel.rgb[start..start + 3].try_into().unwrap()
+    }
+
+    /// How many pixels of a rectangle are not paper.
+    fn drawn(panel: &Panel, [left, top]: [usize; 2], [width, height]: [usize; 2]) -> usize {
+        let points = (0..height).flat_map(|y| (0..width).map(move |x| [left + x, top + y]));
+        points.filter(|at| pixel(panel, *at) != [PAPER; 3]).count()
+    }
+
+    #[test]
+    fn pictures_stand_side_by_side_above_their_label() {
+        let sheet = contact_sheet(&[cell("red_plastic")]);
+        let top = MARGIN + LINE;
+        for (number, value) in [11, 22, 33].into_iter().enumerate() {
+            let left = MARGIN + number * (SIDE + GAP);
+            assert_eq!(pixel(&sheet, [left, top]), [value; 3]);
+            assert_eq!(pixel(&sheet, [left + SIDE - 1, top + 2 * SIDE + GAP - 1]), [value; 3]);
+        }
+        let label = top + 2 * (SIDE + GAP);
+        assert!(drawn(&sheet, [MARGIN, label], [11 * LETTER, LINE]) > 100);
+        assert_eq!(drawn(&sheet, [MARGIN + 11 * LETTER, label], [3 * SIDE - 11 * LETTER, LINE]), 0);
+        assert!(drawn(&sheet, [MARGIN, MARGIN], [3 * SIDE, LINE]) > 100, "what the columns are");
+    }
+
+    #[test]
+    fn labels_are_read_from_the_cell() {
+        let one = contact_sheet(&[cell("red_plastic")]);
+        assert!(one == contact_sheet(&[cell("red_plastic")]));
+        assert!(one != contact_sheet(&[cell("red_plastik")]));
+        assert!(one != contact_sheet(&[Cell { details: "1.9 KiB  ΔE 0.48".into(), ..cell("red_plastic") }]));
+        assert!(one != contact_sheet(&[Cell { failed: true, ..cell("red_plastic") }]));
+        // A letter that the font lacks is drawn as "?": that Δ is not shows that it is there.
+        let details = |text: &str| contact_sheet(&[Cell { details: text.into(), ..cell("a") }]);
+        assert!(details("Δ") != details("?") && details("漢") == details("?"));
+    }
+
+    #[test]
+    fn the_colour_scale_has_the_colours_of_differences_at_its_ends() {
+        for count in [0, 1, 9] {
+            let sheet = contact_sheet(&vec![cell("a"); count]);
+            let top = sheet.height - MARGIN - BAR[1] - LINE;
+            let ends = heat_map(&[0.0, DELTA_E_FULL_SCALE as f32], 2, 1, DELTA_E_FULL_SCALE).rgb;
+            let left = MARGIN + BESIDE;
+            for y in [top, top + BAR[1] - 1] {
+                assert_eq!(pixel(&sheet, [left, y]), ends[..3]);
+                assert_eq!(pixel(&sheet, [left + BAR[0] - 1, y]), ends[3..]);
+            }
+            for tick in 0..=TICKS {
+                let x = left + tick * (BAR[0] - 1) / TICKS;
+                assert_eq!(pixel(&sheet, [x, top + BAR[1]]), [INK.r(), INK.g(), INK.b()]);
+                assert!(drawn(&sheet, [x - LETTER, top + BAR[1] + 3], [2 * LETTER, 13]) > 10, "{tick}");
+            }
+        }
+    }
+
+    #[test]
+    fn many_cells_are_about_four_by_three() {
+        for count in [5, 9, 20, 100, 1000] {
+            let sheet = contact_sheet(&vec![Cell { rows: vec![[None, None, None]; 2], ..cell("a") }; count]);
+            let pictures = contact_sheet(&vec![cell("a"); count]);
+            for panel in [&sheet, &pictures] {
+                let aspect = panel.width as f64 / panel.height as f64;
+                assert!((0.9..1.9).contains(&aspect), "{count}: {} x {}", panel.width, panel.height);
+            }
+        }
+    }
+
+    #[test]
+    fn cells_may_lack_pictures_or_be_smaller() {
+        let blank = Cell { rows: Vec::new(), ..cell("failed") };
+        let small = Panel { width: 3, height: 2, rgb: vec![7; 18] };
+        let partly = Cell { rows: vec![[None, Some(small), None]], ..cell("partly") };
+        let sheet = contact_sheet(&[cell("whole"), blank, partly]);
+        assert!(sheet.rgb.chunks_exact(3).filter(|rgb| **rgb == [7; 3]).count() == 6);
+        let alone = contact_sheet(&[Cell { rows: Vec::new(), ..cell("failed") }]);
+        assert!(alone.rgb.len() == 3 * alone.width * alone.height);
+    }
+
+    #[test]
+    fn long_names_lose_their_middle() {
+        assert_eq!(shortened("as_it_is", 8), "as_it_is");
+        assert_eq!(shortened("cc_ibiza_sunset_rgb", 11), "cc_i..._rgb");
+        assert_eq!(shortened("cc_ibiza_sunset_rgb", 12).chars().count(), 12);
+        assert_eq!(shortened("ΔΔΔΔΔΔ", 5), "Δ...Δ");
+    }
+}
