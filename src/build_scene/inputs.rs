@@ -17,23 +17,36 @@ pub(crate) struct Asked {
     pub(crate) manifest: Option<PathBuf>,
 }
 
+impl Asked {
+    /// The files that are read, whether they are there or not.
+    pub(crate) fn files(&self) -> Vec<&Path> {
+        self.plan.sources().map(Path::new).chain(self.manifest.as_deref()).collect()
+    }
+}
+
 /// So many names of files are told.
 const NAMED: usize = 5;
 
-pub(crate) fn asked(inputs: &[String], options: &EncodeOptions, common: Common) -> Result<Asked, CliError> {
-    // One file that is no kind of material is taken for a manifest, whatever its name.
+/// The manifest, if that is what is given: one file that is no kind of material is taken for one, whatever its name.
+pub(crate) fn manifest_among(inputs: &[String]) -> Result<Option<PathBuf>, CliError> {
     let alone = inputs.len() == 1;
     let is_manifest = |input: &String| {
         let path = Path::new(input);
         let named = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
         named || alone && !is_synth(input) && !path.is_dir() && !is_pattern(path) && !is_material(path)
     };
-    if let Some(input) = inputs.iter().find(|input| is_manifest(input)) {
-        if inputs.len() > 1 {
+    match inputs.iter().find(|input| is_manifest(input)) {
+        Some(_) if !alone => {
             let found = inputs.join(", ");
-            return Err(CliError::Usage(format!("inputs: found {found}; allowed one manifest, or files and folders")));
+            Err(CliError::Usage(format!("inputs: found {found}; allowed one manifest, or files and folders")))
         }
-        let path = PathBuf::from(input);
+        manifest => Ok(manifest.map(PathBuf::from)),
+    }
+}
+
+/// The plan of what is given.
+pub(crate) fn asked(inputs: &[String], options: &EncodeOptions, common: Common) -> Result<Asked, CliError> {
+    if let Some(path) = manifest_among(inputs)? {
         let (_, mut manifest) = read_manifest(&path)?;
         manifest.defaults.options = options.over(&manifest.defaults.options);
         let plan = plan(&manifest, path.parent().unwrap_or(Path::new("")))?;

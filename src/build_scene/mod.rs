@@ -7,13 +7,15 @@ mod plan_text;
 mod text;
 
 pub use arguments::Arguments;
-pub(super) use arguments::DEFAULT_FOLDER;
-pub(super) use inputs::asked;
+pub(super) use arguments::{BuildArguments, DEFAULT_FOLDER};
 #[cfg(feature = "render")]
 pub(super) use inputs::read_manifest;
+pub(super) use inputs::{Asked, asked, manifest_among};
+pub(super) use text::verdict;
 
 use super::output::{
-    make_folder, note, print, print_json, refuse_overwriting, refuse_overwriting_any, remark, tell, write_file,
+    check_folder, make_folder, note, print, print_json, refuse_overwriting, refuse_overwriting_any, remark, tell,
+    write_file,
 };
 use super::progress::Materials;
 use super::{CliError, Common, interrupt};
@@ -22,35 +24,16 @@ use brdfc_jobs::output_folder::Changes;
 use brdfc_jobs::report::build::BuildReport;
 use brdfc_jobs::report::material::remarks;
 use brdfc_jobs::scene::build::{Built, build};
-use brdfc_jobs::scene::memory;
 use brdfc_jobs::scene::plan::REPORT;
 use brdfc_jobs::scene::scene_section::ENVIRONMENT;
 use std::path::Path;
 
-/// Less is not enough for one material.
-const LEAST_MEMORY: u64 = 64 << 20;
-
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
-    let out = arguments.out.as_path();
-    let memory = match arguments.memory {
-        Some(bytes) if bytes < LEAST_MEMORY => {
-            return Err(CliError::Usage(format!("--memory: found {bytes} bytes; allowed 64MiB or more")));
-        }
-        Some(bytes) => bytes,
-        None => memory::PER_THREAD * rayon::current_num_threads() as u64,
-    };
-    let asked = asked(&arguments.inputs, &arguments.options, common)?;
+    let out = arguments.build.out.as_path();
+    arguments.build.memory()?;
+    check_folder(out)?;
+    let asked = asked_to_build(&arguments.build, common)?;
     let plan = &asked.plan;
-    if plan.is_empty() {
-        return Err(CliError::Check(format!(
-            "nothing to build: found {}, and no use of any, in {}; allowed one or more ([[uses]], material = \"...\")",
-            match plan.skipped.len() {
-                1 => "one material".to_owned(),
-                count => format!("{count} materials"),
-            },
-            arguments.inputs.join(", "),
-        )));
-    }
     if arguments.dry_run {
         if common.json {
             return print_json(&BuildReport::planned(plan));
@@ -58,20 +41,17 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         return print(&plan_text::text(plan, out));
     }
 
-    let inputs: Vec<&Path> = plan.sources().map(Path::new).chain(asked.manifest.as_deref()).collect();
-    refuse_overwriting_any("--out", plan.files().map(|file| out.join(file)), &inputs)?;
+    let inputs = asked.files();
     if let Some(file) = &arguments.depfile {
         refuse_overwriting("--depfile", file, &inputs)?;
     }
-    make_folder(out)?;
+    prepare(&asked, out)?;
     let interrupt = interrupt::watch()?;
     if arguments.shard.is_some() || !arguments.only.is_empty() {
-        return pieces::run(arguments, plan, memory, common, &interrupt);
+        return pieces::run(arguments, plan, common, &interrupt);
     }
-    let total = plan.jobs.len() + usize::from(plan.environment.is_some());
-    let progress = Materials::new(total, plan.environment.is_some(), common, interrupt.flag());
-    let settings = arguments.settings(memory, &interrupt);
-    let built = build(plan, &settings, &progress)?;
+    let progress = Materials::of(plan, common, interrupt.flag());
+    let built = build(plan, &arguments.settings(&interrupt)?, &progress)?;
     drop(progress);
     tell_what_matters(&built, common);
     if let Some(file) = &arguments.depfile {
@@ -89,12 +69,34 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         Some(changes) => tell_changes(changes, common),
         None => tell(&format!("brdfc: {} is as it was before", out.display())),
     }
-    text::verdict(built.outcomes)?;
+    verdict(built.outcomes)?;
     arguments.write_stamp()
 }
 
+/// What is asked for, which is something.
+pub(super) fn asked_to_build(arguments: &BuildArguments, common: Common) -> Result<Asked, CliError> {
+    let asked = asked(&arguments.inputs, &arguments.options, common)?;
+    if asked.plan.is_empty() {
+        return Err(CliError::Check(format!(
+            "nothing to build: found {}, and no use of any, in {}; allowed one or more ([[uses]], material = \"...\")",
+            match asked.plan.skipped.len() {
+                1 => "one material".to_owned(),
+                count => format!("{count} materials"),
+            },
+            arguments.inputs.join(", "),
+        )));
+    }
+    Ok(asked)
+}
+
+/// Makes the output folder, unless what goes there would be written over what is read.
+pub(super) fn prepare(asked: &Asked, out: &Path) -> Result<(), CliError> {
+    refuse_overwriting_any("--out", asked.plan.files().map(|file| out.join(file)), &asked.files())?;
+    make_folder(out)
+}
+
 /// Failures and misses, and notes on what was made.
-fn tell_what_matters(built: &Built, common: Common) {
+pub(super) fn tell_what_matters(built: &Built, common: Common) {
     for outcome in &built.outcomes.materials {
         match &outcome.result {
             Ok(made) => {

@@ -21,3 +21,5 @@ mod report;
 mod samples;
 mod schemas;
 mod synth;
+#[cfg(unix)]
+mod watch;

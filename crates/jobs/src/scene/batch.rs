@@ -93,7 +93,25 @@ pub fn find(inputs: &[String]) -> Result<Found, BatchError> {
 
 /// Whether it is a pattern, and no file of that name.
 pub fn is_pattern(path: &Path) -> bool {
-    path.to_string_lossy().contains(['*', '?', '[']) && !path.exists()
+    has_wildcards(path) && !path.exists()
+}
+
+fn has_wildcards(path: &Path) -> bool {
+    path.to_string_lossy().contains(['*', '?', '['])
+}
+
+/// The folder below which files match a pattern of [`find`] or, with the manifest's folder, of [`Manifest::inputs`]; whether
+/// they may be in folders below it.
+pub fn base_of(pattern: &str, folder: &Path) -> (PathBuf, bool) {
+    let escaped = glob::Pattern::escape(&folder.display().to_string());
+    let (mut base, rest) = match Path::new(pattern).strip_prefix(&escaped) {
+        Ok(rest) => (folder.to_owned(), rest),
+        Err(_) => (PathBuf::new(), Path::new(pattern)),
+    };
+    let parts: Vec<&Path> = rest.iter().map(Path::new).collect();
+    let plain = parts.iter().take_while(|part| !has_wildcards(part)).count();
+    base.extend(&parts[..plain]);
+    (base, parts.len() > plain + 1)
 }
 
 /// Whether its name is that of a file that has reflectance.
@@ -158,6 +176,11 @@ fn matching(place: String) -> Result<Vec<String>, BatchError> {
     Ok(files.iter().map(|path| path.display().to_string()).collect())
 }
 
+/// A pattern of a manifest; characters of its folder's name stand for themselves.
+fn pattern_in(folder: &Path, pattern: &str) -> String {
+    Path::new(&glob::Pattern::escape(&folder.display().to_string())).join(pattern).display().to_string()
+}
+
 /// A manifest of these sources, each used once, from anywhere. Names are those of the files.
 ///
 /// # Errors
@@ -175,6 +198,17 @@ pub fn manifest_of(sources: &[String]) -> Result<Manifest, BatchError> {
 }
 
 impl Manifest {
+    /// Paths and patterns of what its uses need, and of its environment, as [`find`] takes them. `folder` is the manifest's.
+    pub fn inputs(&self, folder: &Path) -> Vec<String> {
+        let used = self.uses.iter().filter_map(|used| self.materials.get(used.material.get_ref()));
+        let sources = used.map(|material| &material.source).filter(|source| !address::is_synth(source));
+        let plain = |source: &String| folder.join(source).display().to_string();
+        let input = |source: &String| {
+            if is_pattern(&folder.join(source)) { pattern_in(folder, source) } else { plain(source) }
+        };
+        sources.map(input).chain(self.scene.environment.as_ref().map(plain)).collect()
+    }
+
     /// The manifest in which each material whose source is a pattern became the materials of the files that match; a use
     /// of it is one of each. `folder` is the manifest's.
     ///
@@ -192,8 +226,7 @@ impl Manifest {
         let mut added = Vec::new();
         for group in groups {
             let material = self.materials.remove(&group).expect("it is one of them");
-            let pattern = Path::new(&glob::Pattern::escape(&folder.display().to_string())).join(&material.source);
-            for path in matching(pattern.display().to_string())? {
+            for path in matching(pattern_in(folder, &material.source))? {
                 // As the manifest might have named it.
                 let declared = Path::new(&path).strip_prefix(folder).map_or(path.clone(), |p| p.display().to_string());
                 added.push((group.clone(), Material { source: declared, ..material.clone() }));

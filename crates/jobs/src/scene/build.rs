@@ -31,6 +31,8 @@ pub struct BuildSettings<'a> {
     pub force: bool,
     /// Whether the first failure ends the build, and leaves the folder as it was.
     pub fail_fast: bool,
+    /// Whether a failure leaves the folder as it was, after all others were made.
+    pub whole: bool,
     /// Bytes that all materials that are worked on may take together.
     pub memory: u64,
     /// Held while files change places: who ends the process takes it first.
@@ -103,8 +105,10 @@ pub fn build(plan: &Plan, settings: &BuildSettings<'_>, progress: &dyn Progress)
         progress.check()?;
     }
     let report = BuildReport::new(plan, &outcomes);
-    let failed = outcomes.errors().next().is_some() || !outcomes.materials.iter().all(Outcome::passed);
-    if settings.fail_fast && failed || outcomes.errors().any(|error| matches!(error, JobError::Store(_))) {
+    let broken = outcomes.errors().next().is_some();
+    let failed = broken || !outcomes.materials.iter().all(Outcome::passed);
+    let unwritten = outcomes.errors().any(|error| matches!(error, JobError::Store(_)));
+    if settings.fail_fast && failed || settings.whole && broken || unwritten {
         return Ok(Built { outcomes, report, changes: None });
     }
     let files = files(&outcomes, report.clone().lasting(plan, settings.out));

@@ -16,4 +16,5 @@ pub mod plan;
 pub mod render_section;
 pub mod run;
 pub mod scene_section;
+pub mod watch;
 pub mod works;
