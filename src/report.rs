@@ -1,6 +1,6 @@
 //! `brdfc report`: a page about a build.
 
-use super::output::{print, print_json, refuse_overwriting, remark, to_json, write_file};
+use super::output::{print, print_json, refuse_dash, refuse_overwriting, remark, to_json, write_file};
 use super::progress::Materials;
 use super::{CliError, Common};
 use brdfc_jobs::report::page::{GatherError, Reports, csv, gather, html};
@@ -42,6 +42,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         let found = output.display();
         return Err(CliError::Usage(format!("--output: found {found}; allowed a name that ends in .html")));
     }
+    refuse_dash(&arguments.folder)?;
     let tolerance = arguments
         .tolerance
         .checked()

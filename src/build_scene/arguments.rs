@@ -9,6 +9,7 @@ use brdfc_jobs::scene::build::BuildSettings;
 use brdfc_jobs::scene::memory;
 use brdfc_jobs::scene::works::Shard;
 use clap::Args;
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// Where packs go if nothing is said.
@@ -71,7 +72,7 @@ pub struct Arguments {
 pub(crate) struct BuildArguments {
     /// A scene manifest; or files, folders and patterns of measured materials, and synth: addresses.
     #[arg(value_name = "SCENE.toml|DIR|FILE", required = true)]
-    pub(crate) inputs: Vec<String>,
+    pub(crate) inputs: Vec<OsString>,
     /// Folder for packs and reports.
     #[arg(long, short, value_name = "DIR", default_value = DEFAULT_FOLDER)]
     pub(crate) out: PathBuf,

@@ -10,12 +10,12 @@ pub use arguments::Arguments;
 pub(super) use arguments::{BuildArguments, DEFAULT_FOLDER};
 #[cfg(feature = "render")]
 pub(super) use inputs::read_manifest;
-pub(super) use inputs::{Asked, asked, manifest_among};
+pub(super) use inputs::{Asked, asked, listed, manifest_among};
 pub(super) use text::verdict;
 
 use super::output::{
-    check_folder, make_folder, note, print, print_json, refuse_overwriting, refuse_overwriting_any, remark, tell,
-    write_file,
+    check_folder, make_folder, note, print, print_json, refuse_dash, refuse_overwriting, refuse_overwriting_any,
+    remark, tell, write_file,
 };
 use super::progress::Materials;
 use super::{CliError, Common, interrupt};
@@ -32,6 +32,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let out = arguments.build.out.as_path();
     arguments.build.memory()?;
     check_folder(out)?;
+    arguments.from.iter().try_for_each(|folder| refuse_dash(folder))?;
     let asked = asked_to_build(&arguments.build, common)?;
     let plan = &asked.plan;
     if arguments.dry_run {
@@ -55,7 +56,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     drop(progress);
     tell_what_matters(&built, common);
     if let Some(file) = &arguments.depfile {
-        write_file(file, depfile(&out.join(REPORT), &inputs).as_bytes())?;
+        write_file(file, &depfile(&out.join(REPORT), &inputs))?;
     }
     if common.json {
         print_json(&built.report)?;
@@ -83,7 +84,7 @@ pub(super) fn asked_to_build(arguments: &BuildArguments, common: Common) -> Resu
                 1 => "one material".to_owned(),
                 count => format!("{count} materials"),
             },
-            arguments.inputs.join(", "),
+            listed(&arguments.inputs),
         )));
     }
     Ok(asked)

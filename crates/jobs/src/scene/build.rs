@@ -9,7 +9,6 @@ use crate::report::build::{BuildReport, environment_map};
 use crate::report::material::{MaterialReport, StageTime};
 use crate::scene::maps::MapsReport;
 use crate::store::{FOLDER, Store, StoreError, read_record, write_record};
-use brdfc_source::address::is_synth;
 use brdfc_source::progress::{Cancelled, Progress};
 use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
 use serde::{Deserialize, Serialize};
@@ -136,11 +135,10 @@ const NOTES: &str = "built";
 /// Keeps notes for pages about the build. They are no part of it: where they cannot be kept nothing else is wrong.
 fn write_notes(store: &Store, plan: &Plan, outcomes: &Outcomes) {
     let note = |(name, made): (&str, &Made)| {
-        let declared = &plan.jobs.iter().find(|job| job.name == name)?.source;
-        let source = if is_synth(declared) {
-            declared.clone()
-        } else {
-            std::path::absolute(declared).ok()?.display().to_string()
+        let input = &plan.jobs.iter().find(|job| job.name == name)?.input;
+        let source = match input.path() {
+            Some(path) => std::path::absolute(path).ok()?.display().to_string(),
+            None => input.to_string(),
         };
         Some((name.to_owned(), BuiltNote { source, stages: made.pack_times.clone() }))
     };

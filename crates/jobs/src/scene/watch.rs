@@ -1,13 +1,13 @@
 //! What a build reads, looked at again and again: which of the files changed, came or went, and when nobody writes to them
 //! any more.
 
-use super::batch::{base_of, find, is_pattern};
+use super::batch::{address_of, base_of, find, is_pattern};
 use super::manifest::Manifest;
 use crate::file_events::{FileEvents, Folders, Waker};
 use crate::store::Stamp;
-use brdfc_source::address::is_synth;
 use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
 use std::collections::{BTreeMap, BTreeSet};
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -74,7 +74,7 @@ pub struct Watched {
     /// With the stamp that it had when it was read last.
     manifest: Option<(PathBuf, Option<Stamp>)>,
     /// Paths and patterns.
-    named: Vec<String>,
+    named: Vec<OsString>,
     /// The output folder.
     out: PathBuf,
 }
@@ -86,7 +86,7 @@ impl Watched {
     }
 
     /// Files, folders, patterns and addresses.
-    pub fn of_inputs(inputs: &[String], out: &Path) -> Self {
+    pub fn of_inputs(inputs: &[OsString], out: &Path) -> Self {
         Self { manifest: None, named: inputs.to_vec(), out: out.to_owned() }
     }
 
@@ -113,7 +113,7 @@ impl Watched {
             // What is wrong with one is for the build to tell.
             let Ok(found) = find(std::slice::from_ref(input)) else { continue };
             let matched = is_pattern(Path::new(input));
-            let paths = found.sources.iter().filter(|source| !is_synth(source)).map(PathBuf::from);
+            let paths = found.sources.iter().filter(|source| address_of(source).is_none()).map(PathBuf::from);
             for path in paths.filter(|path| !(matched && self.is_own(path))) {
                 let stamp = stamp(&path);
                 files.insert(path, stamp);
@@ -216,7 +216,7 @@ impl Drop for End<'_> {
 }
 
 /// What a manifest names that can be read.
-fn named_in(manifest: &Path) -> Option<Vec<String>> {
+fn named_in(manifest: &Path) -> Option<Vec<OsString>> {
     let bytes = read_file(manifest, MAX_TEXT_BYTES).ok()?;
     let manifest_text = std::str::from_utf8(&bytes).ok()?;
     Some(Manifest::parse(manifest_text).ok()?.inputs(parent(manifest)))
@@ -279,11 +279,11 @@ mod tests {
             std::fs::create_dir_all(folder.join(name).parent().unwrap()).unwrap();
             std::fs::write(folder.join(name), "").unwrap();
         }
-        let pattern = folder.join("*/*.*[f2]").display().to_string();
-        let count = |inputs: &[String], out: &str| Watched::of_inputs(inputs, &folder.join(out)).look().count();
+        let pattern = OsString::from(folder.join("*/*.*[f2]"));
+        let count = |inputs: &[OsString], out: &str| Watched::of_inputs(inputs, &folder.join(out)).look().count();
         assert_eq!(count(&[pattern.clone()], "packs/."), 2);
         assert_eq!(count(&[pattern], "elsewhere"), 3);
-        assert_eq!(count(&[folder.join("packs/a.brdf.ktx2").display().to_string()], "packs"), 1, "it was asked for");
+        assert_eq!(count(&[folder.join("packs/a.brdf.ktx2").into()], "packs"), 1, "it was asked for");
     }
 
     #[test]
