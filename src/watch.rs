@@ -5,6 +5,7 @@ use super::interrupt::{self, Interrupt};
 use super::output::{print, remark, tell};
 use super::progress::Materials;
 use super::{CliError, Common};
+use brdfc_jobs::encode::options::EncodeOptions;
 use brdfc_jobs::file_events::FileEvents;
 use brdfc_jobs::output_folder::Changes;
 use brdfc_jobs::report::build::BuildReport;
@@ -36,12 +37,14 @@ Examples:
   brdfc watch scans --out packs --max-delta-e 1
   brdfc watch /mnt/server/scene.toml --poll 5")]
 pub struct Arguments {
+    #[command(flatten)]
+    build: BuildArguments,
     /// Look at the files every S seconds, and do not wait for the system to tell of changes: where others write to a
     /// network drive it does not tell.
     #[arg(long, value_name = "S")]
     poll: Option<f64>,
-    #[command(flatten)]
-    build: BuildArguments,
+    #[command(flatten, next_help_heading = "Encoding")]
+    options: EncodeOptions,
 }
 
 /// What `--json` prints of each build.
@@ -85,7 +88,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         // What never changes is told once.
         let told = Common { quiet: common.quiet || !is_first, ..common };
         let (built, meanwhile) = watched.during(&mut events, &look, |cancelled| {
-            let built = one_build(&arguments.build, told, &interrupt, cancelled);
+            let built = one_build(arguments, told, &interrupt, cancelled);
             interrupt.at_work(false);
             built
         });
@@ -103,6 +106,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
             }
             (before, is_first) = (look.clone(), false);
         }
+        if let Some(problem) = events.problem() {
+            remark(common, &format!("note: {problem}"));
+        }
         look = match meanwhile {
             Some(look) => look,
             None => match watched.next(&mut events, &look, &AtomicBool::new(false)) {
@@ -110,9 +116,6 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
                 None => return Ok(()),
             },
         };
-        if let Some(problem) = events.problem() {
-            remark(common, &format!("note: {problem}"));
-        }
         changed = look.changes_since(&before);
     }
 }
@@ -133,16 +136,16 @@ struct Ended {
 }
 
 fn one_build(
-    arguments: &BuildArguments,
+    arguments: &Arguments,
     common: Common,
     interrupt: &Interrupt,
     cancelled: &AtomicBool,
 ) -> Result<Ended, CliError> {
-    let asked = asked_to_build(arguments, common)?;
-    prepare(&asked, &arguments.out)?;
+    let asked = asked_to_build(&arguments.build, &arguments.options, common)?;
+    prepare(&asked, &arguments.build.out)?;
     let plan: &Plan = &asked.plan;
     let progress = Materials::of(plan, common, cancelled).without_lines();
-    let settings = BuildSettings { whole: true, ..arguments.settings(interrupt)? };
+    let settings = BuildSettings { whole: true, ..arguments.build.settings(interrupt)? };
     let built = build(plan, &settings, &progress)?;
     drop(progress);
     tell_what_matters(&built, common);

@@ -65,6 +65,8 @@ pub struct Arguments {
     /// Write the files that the report depends on, as a rule for make or ninja.
     #[arg(long, value_name = "FILE")]
     pub(super) depfile: Option<PathBuf>,
+    #[command(flatten, next_help_heading = "Encoding")]
+    pub(super) options: EncodeOptions,
 }
 
 /// What every command asks for that builds.
@@ -86,8 +88,6 @@ pub(crate) struct BuildArguments {
     /// Fewer are worked on at a time where that is needed.
     #[arg(long, value_name = "B", value_parser = bytes_from_text)]
     memory: Option<u64>,
-    #[command(flatten, next_help_heading = "Encoding")]
-    pub(crate) options: EncodeOptions,
 }
 
 impl BuildArguments {

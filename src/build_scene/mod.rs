@@ -20,6 +20,7 @@ use super::output::{
 use super::progress::Materials;
 use super::{CliError, Common, interrupt};
 use brdfc_jobs::depfile::depfile;
+use brdfc_jobs::encode::options::EncodeOptions;
 use brdfc_jobs::output_folder::Changes;
 use brdfc_jobs::report::build::BuildReport;
 use brdfc_jobs::report::material::remarks;
@@ -33,7 +34,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     arguments.build.memory()?;
     check_folder(out)?;
     arguments.from.iter().try_for_each(|folder| refuse_dash(folder))?;
-    let asked = asked_to_build(&arguments.build, common)?;
+    let asked = asked_to_build(&arguments.build, &arguments.options, common)?;
     let plan = &asked.plan;
     if arguments.dry_run {
         if common.json {
@@ -75,8 +76,12 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
 }
 
 /// What is asked for, which is something.
-pub(super) fn asked_to_build(arguments: &BuildArguments, common: Common) -> Result<Asked, CliError> {
-    let asked = asked(&arguments.inputs, &arguments.options, common)?;
+pub(super) fn asked_to_build(
+    arguments: &BuildArguments,
+    options: &EncodeOptions,
+    common: Common,
+) -> Result<Asked, CliError> {
+    let asked = asked(&arguments.inputs, options, common)?;
     if asked.plan.is_empty() {
         return Err(CliError::Check(format!(
             "nothing to build: found {}, and no use of any, in {}; allowed one or more ([[uses]], material = \"...\")",

@@ -40,7 +40,9 @@ fn scan(folder: &Folder, file: &str, model: &str) {
 
 fn sky(folder: &Folder, brightness: f32) {
     let image = image::Rgb32FImage::from_fn(32, 16, |x, _| image::Rgb([0.1 + 0.01 * x as f32, 1.0, brightness]));
-    image::DynamicImage::ImageRgb32F(image).save(folder.path().join("sky.hdr")).unwrap();
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    image::DynamicImage::ImageRgb32F(image).write_to(&mut bytes, image::ImageFormat::Hdr).unwrap();
+    replace(folder, "sky.hdr", bytes.get_ref());
 }
 
 fn folder() -> Folder {
@@ -138,7 +140,7 @@ impl Drop for Watch<'_> {
     }
 }
 
-/// Puts a file where another is, as editors do.
+/// Puts a file where another is, as editors do; never seen half written.
 fn replace(folder: &Folder, file: &str, bytes: impl AsRef<[u8]>) {
     let aside = folder.write("aside.tmp", bytes);
     std::fs::rename(aside, folder.path().join(file)).unwrap();
@@ -222,7 +224,7 @@ fn a_scene_that_is_wrong_at_first_is_waited_for_and_wrong_usage_is_not() {
     let watch = Watch::new(&folder, &["scene.toml"]);
     let lines = watch.until("watching ");
     assert!(lines[0].contains("\"used\"") && lines[1].starts_with("first build: failed"), "{lines:?}");
-    folder.write("scene.toml", SCENE);
+    replace(&folder, "scene.toml", SCENE);
     watch.built("scene.toml changed: ");
     drop(watch);
     for (arguments, code, words) in [
@@ -252,11 +254,11 @@ fn reports_are_lines_of_json() {
     let first = report();
     conforms("build", &first["build"]);
     assert!(first["changed"].as_array().unwrap().is_empty() && first["written"].as_array().unwrap().len() == 14);
-    folder.write("scene.toml", "[materials");
+    replace(&folder, "scene.toml", "[materials");
     let broken = report();
     assert_eq!(broken["changed"], serde_json::json!([{ "file": "scene.toml", "what": "changed" }]));
     assert!(broken["error"].as_str().unwrap().contains("scene.toml: line 1") && broken.get("build").is_none());
-    folder.write("scene.toml", SCENE);
+    replace(&folder, "scene.toml", SCENE);
     assert!(report().get("error").is_none());
 }
 

@@ -126,7 +126,7 @@ impl Watched {
     fn folders(&self, look: &Look) -> Folders {
         let mut folders = Folders::new();
         let mut add = |path: &Path, deep: bool| {
-            let there = path.ancestors().map(|folder| or_here(folder)).find(|folder| folder.is_dir());
+            let there = path.ancestors().map(or_here).find(|folder| folder.is_dir());
             if let Some(folder) = there {
                 let deep = deep && folder == or_here(path);
                 folders.entry(folder.to_owned()).and_modify(|other| *other |= deep).or_insert(deep);
@@ -281,8 +281,8 @@ mod tests {
         }
         let pattern = OsString::from(folder.join("*/*.*[f2]"));
         let count = |inputs: &[OsString], out: &str| Watched::of_inputs(inputs, &folder.join(out)).look().count();
-        assert_eq!(count(&[pattern.clone()], "packs/."), 2);
-        assert_eq!(count(&[pattern], "elsewhere"), 3);
+        assert_eq!(count(std::slice::from_ref(&pattern), "packs/."), 2);
+        assert_eq!(count(std::slice::from_ref(&pattern), "elsewhere"), 3);
         assert_eq!(count(&[folder.join("packs/a.brdf.ktx2").into()], "packs"), 1, "it was asked for");
     }
 
