@@ -10,6 +10,7 @@ use std::time::Duration;
 /// Time for a step to end by itself; people wait half a second at most.
 const PATIENCE: Duration = Duration::from_millis(250);
 
+static AT_WORK: AtomicBool = AtomicBool::new(true);
 static ASKED: AtomicBool = AtomicBool::new(false);
 static PLACING: Mutex<()> = Mutex::new(());
 
@@ -20,6 +21,12 @@ impl Interrupt {
     /// Set by the first interrupt.
     pub fn flag(&self) -> &'static AtomicBool {
         &ASKED
+    }
+
+    /// Whether there is work that an interrupt breaks off, as there is at first. Where there is none it ends the program as it
+    /// was meant to end, with exit code 0.
+    pub fn at_work(&self, at_work: bool) {
+        AT_WORK.store(at_work, Ordering::Relaxed);
     }
 
     /// Held while finished files change places, which an interrupt waits for.
@@ -33,6 +40,9 @@ impl Interrupt {
 pub fn watch() -> Result<Interrupt, CliError> {
     ctrlc::set_handler(|| {
         ASKED.store(true, Ordering::Relaxed);
+        if !AT_WORK.load(Ordering::Relaxed) {
+            std::process::exit(0);
+        }
         std::thread::sleep(PATIENCE);
         let _placing = PLACING.lock().unwrap_or_else(PoisonError::into_inner);
         Staging::remove_all();

@@ -28,6 +28,7 @@ mod steps;
 mod synth;
 mod table;
 mod usage;
+mod watch;
 
 pub use error::CliError;
 
@@ -57,6 +58,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Build(build_scene::Arguments),
+    Watch(watch::Arguments),
     Encode(encode::Arguments),
     Eval(eval::Arguments),
     Compare(compare::Arguments),
@@ -95,12 +97,14 @@ impl Command {
 }
 
 /// Commands that print a report.
-const WITH_REPORT: &str = "bandwidth, bench, build, compare, encode, flatten, info, plan, render, report and samples";
+const WITH_REPORT: &str =
+    "bandwidth, bench, build, compare, encode, flatten, info, plan, render, report, samples and watch";
 
 const EXAMPLES: &str = "\
 Examples:
   brdfc build scene.toml                              make the packs of a scene
   brdfc build scans --max-delta-e 1                   the smallest packs of a folder of scans
+  brdfc watch scene.toml                              make them again whenever something changes
   brdfc encode red-plastic.binary -o red.ktx2         make the smallest pack that looks right
   brdfc encode paint.brdf -o paint.ktx2 --max-error 0.02
   brdfc compare paint.brdf paint.ktx2                 how wrong is it?
@@ -177,6 +181,7 @@ fn run(cli: Cli) -> Result<(), CliError> {
     let common = Common { quiet: cli.quiet, json: cli.json };
     match cli.command {
         Command::Build(arguments) => build_scene::run(&arguments, common),
+        Command::Watch(arguments) => watch::run(&arguments, common),
         Command::Encode(arguments) => encode::run(&arguments, common),
         Command::Eval(arguments) => eval::run(&arguments, common),
         Command::Compare(arguments) => compare::run(&arguments, common),

@@ -127,14 +127,20 @@ fn place(path: &Path) -> PathBuf {
 
 /// An output folder that is something else is found before the work.
 pub fn check_folder(path: &Path) -> Result<(), CliError> {
-    if path == Path::new("-") {
-        let text = "-: found in the place of a folder; allowed the name of one: there are several files to write";
-        return Err(CliError::Usage(text.to_owned()));
-    }
+    refuse_dash(path)?;
     if path.exists() && !path.is_dir() {
         return Err(CliError::Io(format!("{}: cannot write: found a file; allowed a folder", path.display())));
     }
     Ok(())
+}
+
+/// A folder is no stream: it has several files.
+pub fn refuse_dash(path: &Path) -> Result<(), CliError> {
+    if path != Path::new("-") {
+        return Ok(());
+    }
+    let text = "-: found in the place of a folder; allowed the name of one: it has several files";
+    Err(CliError::Usage(text.to_owned()))
 }
 
 /// Makes an output folder where there is none.

@@ -1,11 +1,12 @@
 //! `brdfc plan`: a build as a graph of jobs.
 
 use super::build_scene::{DEFAULT_FOLDER, asked};
-use super::output::{print, print_json};
+use super::output::{check_folder, print, print_json};
 use super::{CliError, Common};
 use brdfc_jobs::encode::options::EncodeOptions;
 use brdfc_jobs::scene::graph::{Graph, Places};
 use clap::{Args, ValueEnum};
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// Print a build as a graph of jobs, for engines that run such graphs on many machines.
@@ -41,7 +42,13 @@ enum Format {
 }
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
-    let asked = asked(&arguments.inputs, &EncodeOptions::default(), common)?;
+    check_folder(&arguments.out)?;
+    if arguments.out.to_str().is_none() {
+        let found = arguments.out.display();
+        return Err(CliError::Usage(format!("--out: found {found}; allowed UTF-8: the name is a part of commands")));
+    }
+    let inputs: Vec<OsString> = arguments.inputs.iter().map(OsString::from).collect();
+    let asked = asked(&inputs, &EncodeOptions::default(), common)?;
     if asked.plan.is_empty() {
         return Err(CliError::Check(format!(
             "nothing to build: found no use of any material in {}",

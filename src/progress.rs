@@ -2,6 +2,7 @@
 
 use super::Common;
 use super::output::tell;
+use brdfc_jobs::scene::plan::Plan;
 use brdfc_source::progress::{Cancelled, Progress, Stage};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
@@ -42,6 +43,18 @@ pub(super) struct Materials<'a> {
 }
 
 impl<'a> Materials<'a> {
+    /// Of all that a plan has.
+    pub(super) fn of(plan: &Plan, common: Common, cancelled: &'a AtomicBool) -> Self {
+        let maps = plan.environment.is_some();
+        Self::new(plan.jobs.len() + usize::from(maps), maps, common, cancelled)
+    }
+
+    /// No plain lines where there is no terminal.
+    pub(super) fn without_lines(mut self) -> Self {
+        self.lines = false;
+        self
+    }
+
     /// Of `total` materials, with maps or without.
     pub(super) fn new(total: usize, maps: bool, common: Common, cancelled: &'a AtomicBool) -> Self {
         let shares: Vec<_> = SHARES.into_iter().filter(|(stage, _)| maps || !OF_MAPS.contains(stage)).collect();

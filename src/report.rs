@@ -1,6 +1,8 @@
 //! `brdfc report`: a page about a build.
 
-use super::output::{print, print_json, refuse_missing_folder, refuse_overwriting, remark, to_json, write_file};
+use super::output::{
+    print, print_json, refuse_dash, refuse_missing_folder, refuse_overwriting, remark, to_json, write_file,
+};
 use super::progress::Materials;
 use super::{CliError, Common};
 use brdfc_jobs::report::page::{
@@ -52,6 +54,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         let found = output.display();
         return Err(CliError::Usage(format!("--output: found {found}; allowed a name that ends in .html")));
     }
+    refuse_dash(&arguments.folder)?;
     if let Some(sheet) = &arguments.sheet
         && !sheet.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"))
     {

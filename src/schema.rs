@@ -22,6 +22,8 @@ enum Report {
     Build,
     /// MATERIAL.json in the output folder.
     Material,
+    /// Each line of 'brdfc watch --json'.
+    Watch,
     /// 'brdfc encode --json'.
     Encode,
     /// 'brdfc compare --json'.
@@ -60,6 +62,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     print_json(&match arguments.report {
         Report::Build => schema_for!(brdfc_jobs::report::build::BuildReport),
         Report::Material => schema_for!(brdfc_jobs::scene::build::MaterialFile),
+        Report::Watch => schema_for!(super::watch::Report),
         Report::Encode => schema_for!(super::encode::Report),
         Report::Compare => schema_for!(super::compare::Report),
         Report::Info => schema_for!(super::info::Report),

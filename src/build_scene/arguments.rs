@@ -6,12 +6,17 @@ use crate::output::{make_folder, write_file};
 use brdfc_jobs::encode::bytes_from_text;
 use brdfc_jobs::encode::options::EncodeOptions;
 use brdfc_jobs::scene::build::BuildSettings;
+use brdfc_jobs::scene::memory;
 use brdfc_jobs::scene::works::Shard;
 use clap::Args;
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// Where packs go if nothing is said.
 pub(crate) const DEFAULT_FOLDER: &str = "packs";
+/// Less is not enough for one material.
+const LEAST_MEMORY: u64 = 64 << 20;
+
 /// Make the packs that a scene needs, or those of a folder of measured materials.
 ///
 /// A manifest names materials and the uses that a scene makes of them; docs/scene.md lists its keys. A material that no
@@ -34,12 +39,8 @@ Examples:
   brdfc build scene.toml --from part-1 --from part-2
   brdfc build scene.toml --dry-run --explain")]
 pub struct Arguments {
-    /// A scene manifest; or files, folders and patterns of measured materials, and synth: addresses.
-    #[arg(value_name = "SCENE.toml|DIR|FILE", required = true)]
-    pub(super) inputs: Vec<String>,
-    /// Folder for packs and reports.
-    #[arg(long, short, value_name = "DIR", default_value = DEFAULT_FOLDER)]
-    pub(super) out: PathBuf,
+    #[command(flatten)]
+    pub(super) build: BuildArguments,
     /// Say what would be done and how large packs would be, and do nothing.
     #[arg(long)]
     pub(super) dry_run: bool,
@@ -49,19 +50,9 @@ pub struct Arguments {
     /// Make every pack again.
     #[arg(long)]
     pub(super) no_cache: bool,
-    /// Leave files of earlier builds in the folder that this one does not need.
-    #[arg(long)]
-    pub(super) keep: bool,
-    /// Replace files that no build wrote where packs have their names.
-    #[arg(long)]
-    pub(super) force: bool,
     /// Stop at the first material that fails or misses a limit, and leave the folder as it was.
     #[arg(long)]
     pub(super) fail_fast: bool,
-    /// Memory that the materials which are worked on may take together, such as 2GiB (default: 300 MiB for each thread).
-    /// Fewer are worked on at a time where that is needed.
-    #[arg(long, value_name = "B", value_parser = bytes_from_text)]
-    pub(super) memory: Option<u64>,
     /// Make share I of N of the parts alone, and keep it in the store of the output folder, for a build that puts all in place.
     #[arg(long, value_name = "I/N", conflicts_with_all = ["only", "dry_run"])]
     pub(super) shard: Option<Shard>,
@@ -81,19 +72,60 @@ pub struct Arguments {
     pub(super) options: EncodeOptions,
 }
 
-impl Arguments {
-    /// How a build is done.
-    pub(super) fn settings<'a>(&'a self, memory: u64, interrupt: &'a Interrupt) -> BuildSettings<'a> {
-        BuildSettings {
+/// What every command asks for that builds.
+#[derive(Debug, Args)]
+pub(crate) struct BuildArguments {
+    /// A scene manifest; or files, folders and patterns of measured materials, and synth: addresses.
+    #[arg(value_name = "SCENE.toml|DIR|FILE", required = true)]
+    pub(crate) inputs: Vec<OsString>,
+    /// Folder for packs and reports.
+    #[arg(long, short, value_name = "DIR", default_value = DEFAULT_FOLDER)]
+    pub(crate) out: PathBuf,
+    /// Leave files of earlier builds in the folder that this one does not need.
+    #[arg(long)]
+    keep: bool,
+    /// Replace files that no build wrote where packs have their names.
+    #[arg(long)]
+    force: bool,
+    /// Memory that the materials which are worked on may take together, such as 2GiB (default: 300 MiB for each thread).
+    /// Fewer are worked on at a time where that is needed.
+    #[arg(long, value_name = "B", value_parser = bytes_from_text)]
+    memory: Option<u64>,
+}
+
+impl BuildArguments {
+    /// How a build is done, where nothing else is said.
+    pub(crate) fn settings<'a>(&'a self, interrupt: &'a Interrupt) -> Result<BuildSettings<'a>, CliError> {
+        Ok(BuildSettings {
             out: &self.out,
-            looks_up: !self.no_cache,
-            from: &self.from,
+            looks_up: true,
+            from: &[],
             keep: self.keep,
             force: self.force,
-            fail_fast: self.fail_fast,
-            memory,
+            fail_fast: false,
+            whole: false,
+            memory: self.memory()?,
             placing: interrupt.placing(),
+        })
+    }
+
+    /// Bytes that all materials that are worked on may take together.
+    pub(crate) fn memory(&self) -> Result<u64, CliError> {
+        match self.memory {
+            Some(bytes) if bytes < LEAST_MEMORY => {
+                Err(CliError::Usage(format!("--memory: found {bytes} bytes; allowed 64MiB or more")))
+            }
+            Some(bytes) => Ok(bytes),
+            None => Ok(memory::PER_THREAD * rayon::current_num_threads() as u64),
         }
+    }
+}
+
+impl Arguments {
+    /// How a build is done.
+    pub(super) fn settings<'a>(&'a self, interrupt: &'a Interrupt) -> Result<BuildSettings<'a>, CliError> {
+        let settings = self.build.settings(interrupt)?;
+        Ok(BuildSettings { looks_up: !self.no_cache, from: &self.from, fail_fast: self.fail_fast, ..settings })
     }
 
     /// The file that says that all is done.

@@ -3,11 +3,11 @@
 use crate::output::remark;
 use crate::{CliError, Common};
 use brdfc_jobs::encode::options::EncodeOptions;
-use brdfc_jobs::scene::batch::{BatchError, find, is_material, is_pattern, manifest_of};
+use brdfc_jobs::scene::batch::{BatchError, address_of, find, is_material, is_pattern, manifest_of};
 use brdfc_jobs::scene::manifest::Manifest;
 use brdfc_jobs::scene::plan::{Plan, PlanError, plan};
-use brdfc_source::address::is_synth;
 use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 /// A plan, and where it comes from.
@@ -17,23 +17,41 @@ pub(crate) struct Asked {
     pub(crate) manifest: Option<PathBuf>,
 }
 
+impl Asked {
+    /// The files that are read, whether they are there or not.
+    pub(crate) fn files(&self) -> Vec<&Path> {
+        self.plan.sources().chain(self.manifest.as_deref()).collect()
+    }
+}
+
 /// So many names of files are told.
 const NAMED: usize = 5;
 
-pub(crate) fn asked(inputs: &[String], options: &EncodeOptions, common: Common) -> Result<Asked, CliError> {
-    // One file that is no kind of material is taken for a manifest, whatever its name.
+/// The manifest, if that is what is given: one file that is no kind of material is taken for one, whatever its name.
+pub(crate) fn manifest_among(inputs: &[OsString]) -> Result<Option<PathBuf>, CliError> {
     let alone = inputs.len() == 1;
-    let is_manifest = |input: &String| {
+    let is_manifest = |input: &OsString| {
         let path = Path::new(input);
         let named = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
-        named || alone && !is_synth(input) && !path.is_dir() && !is_pattern(path) && !is_material(path)
+        named || alone && address_of(input).is_none() && !path.is_dir() && !is_pattern(path) && !is_material(path)
     };
-    if let Some(input) = inputs.iter().find(|input| is_manifest(input)) {
-        if inputs.len() > 1 {
-            let found = inputs.join(", ");
-            return Err(CliError::Usage(format!("inputs: found {found}; allowed one manifest, or files and folders")));
+    match inputs.iter().find(|input| is_manifest(input)) {
+        Some(_) if !alone => {
+            let found = listed(inputs);
+            Err(CliError::Usage(format!("inputs: found {found}; allowed one manifest, or files and folders")))
         }
-        let path = PathBuf::from(input);
+        manifest => Ok(manifest.map(PathBuf::from)),
+    }
+}
+
+/// Inputs in one line.
+pub(crate) fn listed(inputs: &[OsString]) -> String {
+    inputs.iter().map(|input| input.display().to_string()).collect::<Vec<_>>().join(", ")
+}
+
+/// The plan of what is given.
+pub(crate) fn asked(inputs: &[OsString], options: &EncodeOptions, common: Common) -> Result<Asked, CliError> {
+    if let Some(path) = manifest_among(inputs)? {
         let (_, mut manifest) = read_manifest(&path)?;
         manifest.defaults.options = options.over(&manifest.defaults.options);
         let plan = plan(&manifest, path.parent().unwrap_or(Path::new("")))?;
@@ -74,6 +92,7 @@ impl From<BatchError> for CliError {
         match error {
             BatchError::Io { .. } => Self::Io(message),
             BatchError::Nothing { .. } => Self::Check(message),
+            BatchError::Pattern { .. } => Self::Usage(message),
             BatchError::SameName { .. } | BatchError::Name { .. } => Self::Input(message),
         }
     }

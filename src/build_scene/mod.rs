@@ -7,76 +7,58 @@ mod plan_text;
 mod text;
 
 pub use arguments::Arguments;
-pub(super) use arguments::DEFAULT_FOLDER;
-pub(super) use inputs::asked;
+pub(super) use arguments::{BuildArguments, DEFAULT_FOLDER};
 #[cfg(feature = "render")]
 pub(super) use inputs::read_manifest;
+pub(super) use inputs::{Asked, asked, listed, manifest_among};
+pub(super) use text::verdict;
 
 use super::output::{
-    make_folder, note, print, print_json, refuse_overwriting, refuse_overwriting_any, remark, tell, write_file,
+    check_folder, make_folder, note, print, print_json, refuse_dash, refuse_overwriting, refuse_overwriting_any,
+    remark, tell, write_file,
 };
 use super::progress::Materials;
 use super::{CliError, Common, interrupt};
 use brdfc_jobs::depfile::depfile;
+use brdfc_jobs::encode::options::EncodeOptions;
 use brdfc_jobs::output_folder::Changes;
 use brdfc_jobs::report::build::BuildReport;
 use brdfc_jobs::report::material::remarks;
 use brdfc_jobs::scene::build::{Built, build};
 use brdfc_jobs::scene::current::PackFolder;
 use brdfc_jobs::scene::explain::explain;
-use brdfc_jobs::scene::memory;
 use brdfc_jobs::scene::plan::{Job, Plan, REPORT};
 use brdfc_jobs::scene::run::Made;
 use brdfc_jobs::scene::scene_section::ENVIRONMENT;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Less is not enough for one material.
-const LEAST_MEMORY: u64 = 64 << 20;
-
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
-    let out = arguments.out.as_path();
-    let memory = match arguments.memory {
-        Some(bytes) if bytes < LEAST_MEMORY => {
-            return Err(CliError::Usage(format!("--memory: found {bytes} bytes; allowed 64MiB or more")));
-        }
-        Some(bytes) => bytes,
-        None => memory::PER_THREAD * rayon::current_num_threads() as u64,
-    };
-    let asked = asked(&arguments.inputs, &arguments.options, common)?;
+    let out = arguments.build.out.as_path();
+    arguments.build.memory()?;
+    check_folder(out)?;
+    arguments.from.iter().try_for_each(|folder| refuse_dash(folder))?;
+    let asked = asked_to_build(&arguments.build, &arguments.options, common)?;
     let plan = &asked.plan;
-    if plan.is_empty() {
-        return Err(CliError::Check(format!(
-            "nothing to build: found {}, and no use of any, in {}; allowed one or more ([[uses]], material = \"...\")",
-            match plan.skipped.len() {
-                1 => "one material".to_owned(),
-                count => format!("{count} materials"),
-            },
-            arguments.inputs.join(", "),
-        )));
-    }
     if arguments.dry_run {
         return dry_run(arguments, plan, common);
     }
 
-    let inputs: Vec<&Path> = plan.sources().map(Path::new).chain(asked.manifest.as_deref()).collect();
-    refuse_overwriting_any("--out", plan.files().map(|file| out.join(file)), &inputs)?;
+    let inputs = asked.files();
     if let Some(file) = &arguments.depfile {
         refuse_overwriting("--depfile", file, &inputs)?;
     }
-    make_folder(out)?;
+    prepare(&asked, out)?;
     let interrupt = interrupt::watch()?;
     if arguments.shard.is_some() || !arguments.only.is_empty() {
-        return pieces::run(arguments, plan, memory, common, &interrupt);
+        return pieces::run(arguments, plan, common, &interrupt);
     }
-    let total = plan.jobs.len() + usize::from(plan.environment.is_some());
-    let progress = Materials::new(total, plan.environment.is_some(), common, interrupt.flag());
-    let settings = arguments.settings(memory, &interrupt);
-    let mut built = build(plan, &settings, &progress)?;
+    let progress = Materials::of(plan, common, interrupt.flag());
+    let mut built = build(plan, &arguments.settings(&interrupt)?, &progress)?;
     drop(progress);
     tell_what_matters(&built, common);
     if let Some(file) = &arguments.depfile {
-        write_file(file, depfile(&out.join(REPORT), &inputs).as_bytes())?;
+        write_file(file, &depfile(&out.join(REPORT), &inputs))?;
     }
     if arguments.explain {
         built.report.needs = explain(plan, &built.outcomes.made().collect());
@@ -93,13 +75,13 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         Some(changes) => tell_changes(changes, common),
         None => tell(&format!("brdfc: {} is as it was before", out.display())),
     }
-    text::verdict(built.outcomes)?;
+    verdict(built.outcomes)?;
     arguments.write_stamp()
 }
 
 /// Says what would be done.
 fn dry_run(arguments: &Arguments, plan: &Plan, common: Common) -> Result<(), CliError> {
-    let folder = PackFolder::looked_at(&arguments.out).filter(|_| !arguments.no_cache);
+    let folder = PackFolder::looked_at(&arguments.build.out).filter(|_| !arguments.no_cache);
     let known = |job: &Job| folder.as_ref()?.known(job);
     let known: BTreeMap<&str, Made> =
         plan.jobs.iter().filter_map(|job| Some((job.name.as_str(), known(job)?))).collect();
@@ -110,11 +92,37 @@ fn dry_run(arguments: &Arguments, plan: &Plan, common: Common) -> Result<(), Cli
     if common.json {
         return print_json(&report);
     }
-    print(&plan_text::text(plan, &report, &arguments.out))
+    print(&plan_text::text(plan, &report, &arguments.build.out))
+}
+
+/// What is asked for, which is something.
+pub(super) fn asked_to_build(
+    arguments: &BuildArguments,
+    options: &EncodeOptions,
+    common: Common,
+) -> Result<Asked, CliError> {
+    let asked = asked(&arguments.inputs, options, common)?;
+    if asked.plan.is_empty() {
+        return Err(CliError::Check(format!(
+            "nothing to build: found {}, and no use of any, in {}; allowed one or more ([[uses]], material = \"...\")",
+            match asked.plan.skipped.len() {
+                1 => "one material".to_owned(),
+                count => format!("{count} materials"),
+            },
+            listed(&arguments.inputs),
+        )));
+    }
+    Ok(asked)
+}
+
+/// Makes the output folder, unless what goes there would be written over what is read.
+pub(super) fn prepare(asked: &Asked, out: &Path) -> Result<(), CliError> {
+    refuse_overwriting_any("--out", asked.plan.files().map(|file| out.join(file)), &asked.files())?;
+    make_folder(out)
 }
 
 /// Failures and misses, and notes on what was made.
-fn tell_what_matters(built: &Built, common: Common) {
+pub(super) fn tell_what_matters(built: &Built, common: Common) {
     for outcome in &built.outcomes.materials {
         match &outcome.result {
             Ok(made) => {

@@ -9,19 +9,13 @@ use brdfc_jobs::scene::build::build_works;
 use brdfc_jobs::scene::plan::Plan;
 use brdfc_jobs::scene::works::Work;
 
-pub(super) fn run(
-    arguments: &Arguments,
-    plan: &Plan,
-    memory: u64,
-    common: Common,
-    interrupt: &Interrupt,
-) -> Result<(), CliError> {
+pub(super) fn run(arguments: &Arguments, plan: &Plan, common: Common, interrupt: &Interrupt) -> Result<(), CliError> {
     if common.json {
         return Err(CliError::Usage("--json: found with --shard or --only; allowed with a whole build".to_owned()));
     }
     let works = chosen(arguments, plan)?;
     let progress = Materials::new(works.len(), plan.environment.is_some(), common, interrupt.flag());
-    let results = build_works(&works, &arguments.settings(memory, interrupt), &progress)?;
+    let results = build_works(&works, &arguments.settings(interrupt)?, &progress)?;
     drop(progress);
     let count = works.len();
     let mut text = String::new();

@@ -53,7 +53,7 @@ pub(super) fn is_cancelled(error: &JobError) -> bool {
 }
 
 /// The failure with the highest exit code decides.
-pub(super) fn verdict(outcomes: Outcomes) -> Result<(), CliError> {
+pub(crate) fn verdict(outcomes: Outcomes) -> Result<(), CliError> {
     let count = outcomes.materials.len();
     let missed = outcomes.made().filter(|(_, made)| made.report.missed.is_some()).count();
     let closed = outcomes.made().filter(|(_, made)| made.gates.iter().any(|gate| !gate.passed)).count();

@@ -172,7 +172,7 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(
         Subject::Source(recipe) => (Some(arguments.input.clone()), (**recipe).clone()),
         Subject::Scene { jobs, .. } => {
             let job = job_of(jobs, name);
-            (Some(Input::from(&job.source)), job.recipe.clone())
+            (Some(job.input.clone()), job.recipe.clone())
         }
     };
     let source = input.map(|input| open(&input, None)).transpose()?.map(|opened| opened.source);

@@ -3,13 +3,29 @@
 use std::path::Path;
 
 /// A rule for make and ninja: `target` depends on files that are there. Addresses are none.
-pub fn depfile(target: &Path, inputs: &[&Path]) -> String {
-    let inputs = inputs.iter().filter(|path| path.exists()).map(|path| format!(" \\\n  {}", escaped(path)));
-    format!("{}:{}\n", escaped(target), inputs.collect::<String>())
+pub fn depfile(target: &Path, inputs: &[&Path]) -> Vec<u8> {
+    let mut rule = escaped(target);
+    rule.push(b':');
+    for path in inputs.iter().filter(|path| path.exists()) {
+        rule.extend(b" \\\n  ");
+        rule.extend(escaped(path));
+    }
+    rule.push(b'\n');
+    rule
 }
 
-fn escaped(path: &Path) -> String {
-    path.display().to_string().replace('$', "$$").replace('#', "\\#").replace(' ', "\\ ")
+/// Names need not be UTF-8.
+fn escaped(path: &Path) -> Vec<u8> {
+    let mut text = Vec::new();
+    for byte in path.as_os_str().as_encoded_bytes() {
+        match byte {
+            b'$' => text.push(b'$'),
+            b'#' | b' ' => text.push(b'\\'),
+            _ => {}
+        }
+        text.push(*byte);
+    }
+    text
 }
 
 #[cfg(test)]
@@ -22,6 +38,7 @@ mod tests {
         let path = folder.path().join("red #1 $.brdf");
         std::fs::write(&path, "").unwrap();
         let rule = depfile(Path::new("out/report.json"), &[&path, Path::new("synth:lambert")]);
+        let rule = String::from_utf8(rule).unwrap();
         assert!(rule.starts_with("out/report.json: \\\n  ") && rule.ends_with("/red\\ \\#1\\ $$.brdf\n"), "{rule}");
         assert!(!rule.contains("synth"));
     }

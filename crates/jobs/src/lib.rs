@@ -3,6 +3,7 @@
 pub mod btf_stack;
 pub mod depfile;
 pub mod encode;
+pub mod file_events;
 pub mod flatten;
 mod keys;
 pub mod output_folder;

@@ -2,11 +2,17 @@
 
 use crate::store::{PREFIX, SUFFIX};
 use std::io::Write;
-use std::path::Path;
+use std::path::{Component, Path};
 
 /// Whether a path is a name of standard output.
 pub fn is_standard_output(path: &Path) -> bool {
     ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].into_iter().any(|name| path == Path::new(name))
+}
+
+/// Whether it is the name of a file in a folder, and of nothing elsewhere.
+pub fn is_plain(name: &str) -> bool {
+    let mut components = Path::new(name).components();
+    matches!((components.next(), components.next()), (Some(Component::Normal(_)), None))
 }
 
 /// Writes `bytes` to a temporary file beside `path`, then renames it. A device or pipe is written to directly; a link

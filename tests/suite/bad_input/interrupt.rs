@@ -128,6 +128,77 @@ fn killed_builds_leave_the_folder_whole() {
     }
 }
 
+const SURFACES: [[&str; 2]; 2] =
+    [["synth:button?resolution=16", "grid:2x4@50"], ["synth:folds?resolution=16", "grid:2x3@50"]];
+
+/// A coarse flat BTF in a folder.
+fn flatten<'a>([surface, views]: [&'a str; 2], out: &'a str) -> Vec<&'a str> {
+    let coarse = ["--texels", "8", "--indirection", "4x6", "--name", "a", "--quiet"];
+    [&["flatten", surface, "--views", views, "--out", out][..], &coarse].concat()
+}
+
+#[test]
+#[cfg(unix)]
+fn killed_flattenings_leave_the_folder_whole() {
+    let folder = Folder::new();
+    let whole = [0, 1].map(|k| {
+        let out = ["even", "odd"][k];
+        folder.run(&flatten(SURFACES[k], out)).succeeded();
+        folder.files(out)
+    });
+    assert!(whole[0].len() > whole[1].len() && whole[0].keys().any(|name| !whole[1].contains_key(name)));
+    folder.run(&flatten(SURFACES[1], "asset")).succeeded();
+    let list = folder.path().join("asset/a.json");
+    let (mut standing, mut between) = (1, 0);
+    for number in 0..kills() {
+        let next = (number % 2) as usize;
+        let mut child = started(&folder, &flatten(SURFACES[next], "asset"));
+        match number % 4 {
+            // While files change places, if this is as fast.
+            0 | 1 => {
+                while list.exists() && child.try_wait().unwrap().is_none() {}
+                std::thread::sleep(Duration::from_micros(number * 7919 % 300));
+                let _ = child.kill();
+            }
+            // From before the first stage to after the last.
+            2 => {
+                std::thread::sleep(Duration::from_micros(number * 7919 * 31 % 700_000));
+                let _ = child.kill();
+            }
+            _ => {
+                std::thread::sleep(Duration::from_micros(number * 7919 * 31 % 700_000));
+                signal(&child, "-INT");
+            }
+        }
+        let _ = child.wait();
+        if !list.exists() {
+            assert!(number % 4 != 3, "kill {number}: an interrupt waits until files have changed places");
+            between += 1;
+            // No mixture passes for an asset, and whatever is made there next finishes what was begun.
+            let other = flatten(SURFACES[1], "asset").into_iter().map(|word| if word == "a" { "b" } else { word });
+            folder.run(&other.collect::<Vec<_>>()).succeeded();
+            let files = folder.files("asset").into_keys().filter(|name| name.starts_with("b."));
+            files.for_each(|name| std::fs::remove_file(folder.path().join("asset").join(name)).unwrap());
+            assert!(folder.files("asset") == whole[next], "kill {number}: {:?}", folder.files("asset").keys());
+        }
+        let products = without_unfinished(folder.files("asset"));
+        standing = if products == whole[next] { next } else { standing };
+        assert!(products == whole[standing], "kill {number}: the old or the new: {:?}", products.keys());
+        // The next run is as if nothing had been.
+        if number % 5 == 4 {
+            folder.run(&flatten(SURFACES[next], "asset")).succeeded();
+            assert!(folder.files("asset") == whole[next], "after kill {number}: {:?}", folder.files("asset").keys());
+            standing = next;
+        }
+    }
+    println!("{} kills, {between} while files changed places", kills());
+}
+
+fn without_unfinished(mut files: BTreeMap<String, Vec<u8>>) -> BTreeMap<String, Vec<u8>> {
+    files.retain(|name, _| !name.starts_with(".brdfc-"));
+    files
+}
+
 #[test]
 fn two_builds_at_a_time_give_one_or_the_other() {
     let folder = Folder::new();

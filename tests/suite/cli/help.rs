@@ -152,6 +152,7 @@ fn negative_numbers_are_values() {
         ("bandwidth", &["synth:lewis", "-o", "x.ktx2"]),
         ("samples", &["synth:lewis", "-o", "x.ktx2"]),
         ("flatten", &["h.png", "-o", "x"]),
+        ("watch", &["p.ktx2"]),
         ("bench", &["--study", "flat-btf"]),
         #[cfg(feature = "render")]
         ("render", &["p.ktx2"]),
@@ -206,7 +207,8 @@ fn json_is_a_flag_of_the_program() {
         &["generate", "man", "--out", "man"],
     ] {
         let name = arguments[0];
-        let allowed = "bandwidth, bench, build, compare, encode, flatten, info, plan, render, report and samples";
+        let allowed =
+            "bandwidth, bench, build, compare, encode, flatten, info, plan, render, report, samples and watch";
         for ran in [folder.run(&[&["--json"], arguments].concat()), folder.run(&[arguments, &["--json"]].concat())] {
             assert_eq!((ran.code, ran.stdout.as_str()), (2, ""), "{arguments:?}");
             assert_eq!(ran.stderr, format!("brdfc: --json: found with {name}; allowed with {allowed}\n"));

@@ -22,3 +22,5 @@ mod report;
 mod samples;
 mod schemas;
 mod synth;
+#[cfg(unix)]
+mod watch;

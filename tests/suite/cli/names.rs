@@ -99,6 +99,11 @@ fn what_a_dash_cannot_be_is_refused() {
             2,
             "-: found in the place of a folder; allowed the name",
         ),
+        (&["build", "synth:lewis", "--out", "-", "--dry-run"], b"", 2, "-: found in the place of a folder; allowed"),
+        (&["build", "synth:lewis", "--out", "-"], b"", 2, "-: found in the place of a folder; allowed the name"),
+        (&["build", "synth:lewis", "--from", "-"], b"", 2, "-: found in the place of a folder; allowed the name"),
+        (&["plan", "synth:lewis", "--format", "json", "--out", "-"], b"", 2, "-: found in the place of a folder"),
+        (&["report", "-", "-o", "page.html"], b"", 2, "-: found in the place of a folder; allowed the name"),
         (
             &["flatten", "m.obj", "-o", "x", "--views", "-", "--colour", "-"],
             b"",
@@ -186,6 +191,68 @@ fn names_need_not_be_utf_8() {
     let gone = folder.command(&["info"]).arg(named("gone")).output().unwrap();
     let told = String::from_utf8(gone.stderr).unwrap();
     assert!(gone.status.code() == Some(4) && told.starts_with("brdfc: m\u{fffd}tal.gone: cannot read: "), "{told}");
+}
+
+/// Folders, manifests in them, files and outputs; names of materials hold `_` for what is none of their characters.
+#[test]
+#[cfg(target_os = "linux")]
+fn builds_read_and_write_where_names_are_not_utf_8() {
+    use std::ffi::OsString;
+    use std::os::unix::ffi::OsStringExt;
+    let folder = Folder::new();
+    let odd = |text: &[u8]| OsString::from_vec(text.to_owned());
+    let [table, ..] = inputs(&folder);
+    let scans = folder.path().join(odd(b"sc\xe4ns"));
+    for place in [&scans, &folder.path().join("scans")] {
+        std::fs::create_dir(place).unwrap();
+        std::fs::copy(folder.path().join(table), place.join("a.binary")).unwrap();
+        std::fs::copy(folder.path().join(table), place.join(odd(b"m\xe9tal.binary"))).unwrap();
+        let scene = "[materials.a]\nsource = 'a.binary'\n[[uses]]\nmaterial = 'a'\n";
+        std::fs::write(place.join("scene.toml"), scene).unwrap();
+        std::fs::write(place.join("all.toml"), scene.replace("a.binary", "*.binary")).unwrap();
+    }
+    let run = |words: &[&[u8]]| {
+        let words = words.iter().map(|word| odd(word));
+        let output = folder.command(&["build"]).args(words).args(["--codec", "table", "--max-bytes", "1KiB"]).output();
+        let output = output.unwrap();
+        (output.status.code().unwrap(), String::from_utf8(output.stderr).unwrap())
+    };
+    let succeeded = |words: &[&[u8]]| {
+        let (code, told) = run(words);
+        assert_eq!(code, 0, "{told}");
+        told
+    };
+    let file = |out: &[u8], name: &str| std::fs::read(folder.path().join(odd(out)).join(name)).unwrap();
+    let told = succeeded(&[b"sc\xe4ns", b"--out", b"p\xe4cks", b"--depfile", b"rule.d"]);
+    assert!(told.contains("left out, no measured materials: 2 files (sc\u{fffd}ns/all.toml, "), "{told}");
+    let rule = folder.read("rule.d");
+    assert!(rule.starts_with(b"p\xe4cks/report.json:") && rule.ends_with(b" sc\xe4ns/m\xe9tal.binary\n"));
+    let report = String::from_utf8(file(b"p\xe4cks", "report.json")).unwrap();
+    assert!(
+        report.contains("\"material\": \"m_tal\"") && report.contains("sc\u{fffd}ns/m\u{fffd}tal.binary"),
+        "{report}"
+    );
+    // The second time nothing is read again, and names do not decide bytes.
+    succeeded(&[b"sc\xe4ns", b"--out", b"p\xe4cks"]);
+    succeeded(&[b"scans", b"--out", b"packs"]);
+    for name in ["a.brdf.ktx2", "m_tal.brdf.ktx2"] {
+        assert!(file(b"p\xe4cks", name) == file(b"packs", name), "{name}");
+    }
+    for out in [&b"x\xe4"[..], b"x"] {
+        let scene = if out == b"x" { &b"scans/scene.toml"[..] } else { b"sc\xe4ns/scene.toml" };
+        succeeded(&[scene, b"--out", out]);
+    }
+    assert!(file(b"x\xe4", "report.json") == file(b"x", "report.json"));
+    succeeded(&[b"scans/m\xe9tal.binary", b"--out", b"one"]);
+    assert!(file(b"one", "m_tal.brdf.ktx2") == file(b"packs", "m_tal.brdf.ktx2"));
+    for (input, code) in [(&b"sc\xe4ns/*.binary"[..], 2), (b"sc\xe4ns/all.toml", 3)] {
+        let (found, told) = run(&[input]);
+        assert!(found == code && told.contains("sc\u{fffd}ns/*.binary: found a pattern with a name that"), "{told}");
+    }
+    let plan =
+        folder.command(&["plan", "synth:ward", "--format", "json", "--out"]).arg(odd(b"p\xe4")).output().unwrap();
+    let told = String::from_utf8(plan.stderr).unwrap();
+    assert!(plan.status.code() == Some(2) && told.contains("--out: found p\u{fffd}; allowed UTF-8"), "{told}");
 }
 
 #[test]

@@ -2,10 +2,11 @@
 
 use super::asset::PartFile;
 use super::error::FlattenError;
-use crate::store::Staging;
-use crate::write::write_atomic;
+use crate::store::{Staging, abandoned, read_record, write_record};
+use crate::write::{is_plain, write_atomic};
 use brdfc_formats::container::Extent;
 use brdfc_formats::flat_btf::gpu_bytes;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -22,11 +23,12 @@ pub(super) struct Parts<'a> {
 }
 
 impl<'a> Parts<'a> {
-    /// An asset of this name in this folder, which is there.
+    /// An asset of this name in this folder, which is there. What a killed process had begun to put in place is finished.
     ///
     /// # Errors
     /// A folder that cannot be written to.
     pub(super) fn new(name: &'a str, folder: &'a Path) -> Result<Self, FlattenError> {
+        Moves::finish_abandoned(folder)?;
         let aside = Staging::new(folder).map_err(|error| FlattenError::write(folder, error))?;
         Ok(Self { name, folder, aside, files: BTreeMap::new() })
     }
@@ -51,36 +53,81 @@ impl<'a> Parts<'a> {
     }
 
     /// Puts everything in place, and the list of parts last. While files change places there is no list, so that no
-    /// mixture passes for an asset.
+    /// mixture passes for an asset; who is killed then leaves the rest for the next who makes something in the folder.
     ///
     /// # Errors
     /// What the system says.
     pub(super) fn commit(self, list: &str) -> Result<(), FlattenError> {
-        let listing = self.folder.join(format!("{}.json", self.name));
+        let aside = self.aside.path();
+        let files = self.files.into_values().map(|part| part.file).collect();
+        let moves = Moves { name: self.name.to_owned(), files };
+        std::fs::write(aside.join(moves.list()), list)
+            .and_then(|()| write_atomic(&aside.join(MOVES), &write_record(&moves)))
+            .map_err(|error| FlattenError::write(&self.folder.join(moves.list()), error))?;
+        moves.finish(aside, self.folder)
+    }
+}
+
+/// In the folder aside, when all is there: what is to be moved out of it.
+const MOVES: &str = "moves";
+
+/// The files of a finished asset that change places.
+#[derive(Debug, Serialize, Deserialize)]
+struct Moves {
+    /// The asset's.
+    name: String,
+    /// All but the list.
+    files: Vec<String>,
+}
+
+impl Moves {
+    fn list(&self) -> String {
+        format!("{}.json", self.name)
+    }
+
+    /// Finishes what killed processes had begun in a folder.
+    fn finish_abandoned(folder: &Path) -> Result<(), FlattenError> {
+        for aside in abandoned(folder) {
+            let moves = read_record::<Self>(&aside.join(MOVES));
+            if let Some(moves) = moves.filter(|moves| moves.files.iter().chain([&moves.list()]).all(|n| is_plain(n))) {
+                moves.finish(&aside, folder)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Moves what was not moved before.
+    fn finish(&self, aside: &Path, folder: &Path) -> Result<(), FlattenError> {
+        let (list, listing) = (aside.join(self.list()), folder.join(self.list()));
+        if !list.exists() {
+            return Ok(());
+        }
         match std::fs::remove_file(&listing) {
             Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
                 return Err(FlattenError::write(&listing, error));
             }
             _ => {}
         }
-        for part in self.files.values() {
-            let target = self.folder.join(&part.file);
-            std::fs::rename(self.aside.path().join(&part.file), &target)
-                .map_err(|error| FlattenError::write(&target, error))?;
+        for file in &self.files {
+            let (from, to) = (aside.join(file), folder.join(file));
+            match std::fs::rename(&from, &to) {
+                Err(error) if error.kind() == std::io::ErrorKind::NotFound && !from.exists() => {}
+                moved => moved.map_err(|error| FlattenError::write(&to, error))?,
+            }
         }
-        self.remove_stale();
-        write_atomic(&listing, list.as_bytes()).map_err(|error| FlattenError::write(&listing, error))
+        self.remove_stale(folder);
+        std::fs::rename(&list, &listing).map_err(|error| FlattenError::write(&listing, error))
     }
 
     /// Views of an earlier asset of the same name that had more of them.
-    fn remove_stale(&self) {
+    fn remove_stale(&self, folder: &Path) {
         let prefix = format!("{}.flat.", self.name);
-        let Ok(entries) = std::fs::read_dir(self.folder) else { return };
+        let Ok(entries) = std::fs::read_dir(folder) else { return };
         let is_view = |name: &str| {
             let number = name.strip_prefix(&prefix).and_then(|rest| rest.strip_suffix(EXTENSION));
             number.is_some_and(|n| (3..=4).contains(&n.len()) && n.bytes().all(|byte| byte.is_ascii_digit()))
         };
-        let listed = |name: &str| self.files.values().any(|part| part.file == name);
+        let listed = |name: &str| self.files.iter().any(|file| file == name);
         let stale: Vec<PathBuf> = entries
             .flatten()
             .filter(|entry| entry.file_name().to_str().is_some_and(|name| is_view(name) && !listed(name)))
@@ -129,5 +176,40 @@ mod tests {
         third.commit("third list").unwrap();
         assert_eq!(names(path), ["a.flat.000.ktx2", "a.json", "a.normal.ktx2"]);
         assert_eq!(std::fs::read(path.join("a.normal.ktx2")).unwrap(), b"third");
+    }
+    #[test]
+    fn the_next_finishes_what_a_killed_process_had_begun_to_move() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path();
+        let mut old = Parts::new("a", path).unwrap();
+        ["normal", "flat.000", "flat.001"].iter().for_each(|part| old.add(part, b"old", EXTENT).unwrap());
+        old.commit("old list").unwrap();
+        // One that had moved a file, and one that was killed before all was there.
+        let aside = |name: &str| {
+            let aside = path.join(format!(".brdfc-{name}.tmp"));
+            std::fs::create_dir(&aside).unwrap();
+            std::fs::write(aside.join("lock"), "").unwrap();
+            aside
+        };
+        let (dead, early) = (aside("dead"), aside("early"));
+        std::fs::write(early.join("a.normal.ktx2"), "never finished").unwrap();
+        std::fs::write(path.join("a.normal.ktx2"), "new").unwrap();
+        std::fs::write(dead.join("a.flat.000.ktx2"), "new").unwrap();
+        std::fs::write(dead.join("a.json"), "new list").unwrap();
+        let moves = |files: &[&str]| {
+            let files = files.iter().map(|file| (*file).to_owned()).collect();
+            std::fs::write(dead.join(MOVES), write_record(&Moves { name: "a".to_owned(), files })).unwrap();
+        };
+        std::fs::remove_file(path.join("a.json")).unwrap();
+        // Nothing outside the folder is anybody's to move.
+        moves(&["a.normal.ktx2", "../a.flat.000.ktx2"]);
+        Moves::finish_abandoned(path).unwrap();
+        assert!(!path.join("a.json").exists());
+        moves(&["a.normal.ktx2", "a.flat.000.ktx2"]);
+        drop(Parts::new("b", path).unwrap());
+        assert_eq!(names(path), ["a.flat.000.ktx2", "a.json", "a.normal.ktx2"]);
+        for (file, text) in [("a.json", "new list"), ("a.normal.ktx2", "new"), ("a.flat.000.ktx2", "new")] {
+            assert_eq!(std::fs::read_to_string(path.join(file)).unwrap(), text, "{file}");
+        }
     }
 }

@@ -1,8 +1,9 @@
 //! Many files that change places as one: written aside, listed, then moved. Who is killed before the list stands has changed
 //! nothing; what is listed is moved by whoever comes next.
 
-use super::placed::{PLACED, is_plain};
+use super::placed::PLACED;
 use crate::store::{StoreError, read_record, write_record};
+use crate::write::is_plain;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 

@@ -1,9 +1,10 @@
 //! What builds put into a folder.
 
 use crate::store::{Digest, Stamp};
+use crate::write::is_plain;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Component, Path};
+use std::path::Path;
 use std::time::SystemTime;
 
 /// The record of them, beside the store.
@@ -77,10 +78,4 @@ fn stamp_if_unchanged(folder: &Path, name: &str, placed: &Placed) -> Option<Stam
     let unchanged =
         placed.stamp == Some(stamp) || std::fs::read(&path).is_ok_and(|bytes| Digest::of(&bytes) == placed.digest);
     unchanged.then_some(stamp)
-}
-
-/// Whether it is the name of a file in a folder, and of nothing elsewhere.
-pub(super) fn is_plain(name: &str) -> bool {
-    let mut components = Path::new(name).components();
-    matches!((components.next(), components.next()), (Some(Component::Normal(_)), None))
 }

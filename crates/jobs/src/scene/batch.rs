@@ -6,6 +6,7 @@ use brdfc_formats::measured::scan_csv::{ANGLE_COLUMNS, VECTOR_COLUMNS};
 use brdfc_source::address;
 use brdfc_source::open::{FORMATS, known_files};
 use std::collections::BTreeMap;
+use std::ffi::{OsStr, OsString};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
@@ -22,6 +23,12 @@ pub enum BatchError {
         found: String,
         /// What may be there.
         allowed: String,
+    },
+    /// What cannot be matched.
+    #[error("{pattern}: found a pattern with a name that is no UTF-8; allowed its folder, or the names of files")]
+    Pattern {
+        /// Which pattern.
+        pattern: String,
     },
     /// What cannot be listed.
     #[error("{path}: cannot read: {error}")]
@@ -57,7 +64,7 @@ pub enum BatchError {
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Found {
     /// Paths and addresses, each file once; those of a folder or a pattern sorted.
-    pub sources: Vec<String>,
+    pub sources: Vec<OsString>,
     /// Files of folders that are no kind of material.
     pub others: Vec<PathBuf>,
 }
@@ -67,18 +74,18 @@ pub struct Found {
 ///
 /// # Errors
 /// Folders that cannot be listed, or hold no material; patterns that nothing matches.
-pub fn find(inputs: &[String]) -> Result<Found, BatchError> {
+pub fn find(inputs: &[OsString]) -> Result<Found, BatchError> {
     let mut found = Found::default();
     for input in inputs {
         let path = Path::new(input);
-        let several = if address::is_synth(input) {
+        let several = if address_of(input).is_some() {
             vec![input.clone()]
         } else if path.is_dir() {
             let (sources, others) = of_folder(path)?;
             found.others.extend(others);
             sources
         } else if is_pattern(path) {
-            matching(input.clone())?
+            matching(input)?
         } else {
             vec![input.clone()]
         };
@@ -91,9 +98,31 @@ pub fn find(inputs: &[String]) -> Result<Found, BatchError> {
     Ok(found)
 }
 
+/// The address of a source that is one.
+pub fn address_of(source: &OsStr) -> Option<&str> {
+    source.to_str().filter(|text| address::is_synth(text))
+}
+
 /// Whether it is a pattern, and no file of that name.
 pub fn is_pattern(path: &Path) -> bool {
-    path.to_string_lossy().contains(['*', '?', '[']) && !path.exists()
+    has_wildcards(path) && !path.exists()
+}
+
+fn has_wildcards(path: &Path) -> bool {
+    path.to_string_lossy().contains(['*', '?', '['])
+}
+
+/// The folder below which files match a pattern of [`find`] or, with the manifest's folder, of [`Manifest::inputs`]; whether
+/// they may be in folders below it.
+pub fn base_of(pattern: &OsStr, folder: &Path) -> (PathBuf, bool) {
+    let (mut base, rest) = match Path::new(pattern).strip_prefix(pattern_in(folder, "")) {
+        Ok(rest) => (folder.to_owned(), rest),
+        Err(_) => (PathBuf::new(), Path::new(pattern)),
+    };
+    let parts: Vec<&Path> = rest.iter().map(Path::new).collect();
+    let plain = parts.iter().take_while(|part| !has_wildcards(part)).count();
+    base.extend(&parts[..plain]);
+    (base, parts.len() > plain + 1)
 }
 
 /// Whether its name is that of a file that has reflectance.
@@ -117,7 +146,7 @@ fn has_values(path: &Path) -> bool {
     read.is_err() || [ANGLE_COLUMNS[0], VECTOR_COLUMNS[6]].iter().any(|column| text.contains(column))
 }
 
-fn of_folder(folder: &Path) -> Result<(Vec<String>, Vec<PathBuf>), BatchError> {
+fn of_folder(folder: &Path) -> Result<(Vec<OsString>, Vec<PathBuf>), BatchError> {
     let io = |error: std::io::Error| BatchError::Io { path: folder.display().to_string(), error: error.to_string() };
     let mut files = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(io)? {
@@ -138,31 +167,40 @@ fn of_folder(folder: &Path) -> Result<(Vec<String>, Vec<PathBuf>), BatchError> {
         let allowed = format!("a folder with files {}", known_files());
         return Err(BatchError::Nothing { place: folder.display().to_string(), found, allowed });
     }
-    Ok((measured.iter().map(|path| path.display().to_string()).collect(), others))
+    Ok((measured.into_iter().map(OsString::from).collect(), others))
 }
 
-fn matching(place: String) -> Result<Vec<String>, BatchError> {
+fn matching(pattern: &OsStr) -> Result<Vec<OsString>, BatchError> {
     let nothing = |found: String| BatchError::Nothing {
-        place: place.clone(),
+        place: pattern.display().to_string(),
         found,
         allowed: "a file, or a pattern such as scans/*.binary that files match".to_owned(),
     };
+    let Some(text) = pattern.to_str() else {
+        return Err(BatchError::Pattern { pattern: pattern.display().to_string() });
+    };
     let options =
         glob::MatchOptions { require_literal_separator: true, require_literal_leading_dot: true, ..Default::default() };
-    let paths = glob::glob_with(&place, options).map_err(|error| nothing(format!("a wrong pattern, {}", error.msg)))?;
+    let paths = glob::glob_with(text, options).map_err(|error| nothing(format!("a wrong pattern, {}", error.msg)))?;
     let mut files: Vec<PathBuf> = paths.flatten().filter(|path| !path.is_dir()).collect();
     files.sort();
     if files.is_empty() {
         return Err(nothing("no file that matches".to_owned()));
     }
-    Ok(files.iter().map(|path| path.display().to_string()).collect())
+    Ok(files.into_iter().map(OsString::from).collect())
+}
+
+/// A pattern of a manifest; characters of its folder's name stand for themselves.
+fn pattern_in(folder: &Path, pattern: impl AsRef<Path>) -> OsString {
+    let folder = folder.to_str().map_or_else(|| folder.to_owned(), |text| glob::Pattern::escape(text).into());
+    folder.join(pattern).into()
 }
 
 /// A manifest of these sources, each used once, from anywhere. Names are those of the files.
 ///
 /// # Errors
 /// Two sources of one name.
-pub fn manifest_of(sources: &[String]) -> Result<Manifest, BatchError> {
+pub fn manifest_of(sources: &[OsString]) -> Result<Manifest, BatchError> {
     let mut manifest = Manifest::default();
     let mut names = Names::default();
     for source in sources {
@@ -175,6 +213,17 @@ pub fn manifest_of(sources: &[String]) -> Result<Manifest, BatchError> {
 }
 
 impl Manifest {
+    /// Paths and patterns of what its uses need, and of its environment, as [`find`] takes them. `folder` is the manifest's.
+    pub fn inputs(&self, folder: &Path) -> Vec<OsString> {
+        let used = self.uses.iter().filter_map(|used| self.materials.get(used.material.get_ref()));
+        let sources = used.map(|material| &material.source).filter(|source| address_of(source).is_none());
+        let plain = |source: &Path| OsString::from(folder.join(source));
+        let input = |source: &OsString| {
+            if is_pattern(&folder.join(source)) { pattern_in(folder, source) } else { plain(source.as_ref()) }
+        };
+        sources.map(input).chain(self.scene.environment.iter().map(|file| plain(file.as_ref()))).collect()
+    }
+
     /// The manifest in which each material whose source is a pattern became the materials of the files that match; a use
     /// of it is one of each. `folder` is the manifest's.
     ///
@@ -182,7 +231,7 @@ impl Manifest {
     /// Patterns that nothing matches; two materials of one name.
     pub fn expanded(mut self, folder: &Path) -> Result<Self, BatchError> {
         let is_group =
-            |material: &Material| !address::is_synth(&material.source) && is_pattern(&folder.join(&material.source));
+            |material: &Material| address_of(&material.source).is_none() && is_pattern(&folder.join(&material.source));
         let groups: Vec<String> =
             self.materials.iter().filter(|(_, material)| is_group(material)).map(|(name, _)| name.clone()).collect();
         if groups.is_empty() {
@@ -192,10 +241,9 @@ impl Manifest {
         let mut added = Vec::new();
         for group in groups {
             let material = self.materials.remove(&group).expect("it is one of them");
-            let pattern = Path::new(&glob::Pattern::escape(&folder.display().to_string())).join(&material.source);
-            for path in matching(pattern.display().to_string())? {
+            for path in matching(&pattern_in(folder, &material.source))? {
                 // As the manifest might have named it.
-                let declared = Path::new(&path).strip_prefix(folder).map_or(path.clone(), |p| p.display().to_string());
+                let declared = Path::new(&path).strip_prefix(folder).map_or(path.clone(), OsString::from);
                 added.push((group.clone(), Material { source: declared, ..material.clone() }));
             }
         }
@@ -223,23 +271,24 @@ fn each_member(used: Use, members: &BTreeMap<String, Vec<String>>) -> Vec<Use> {
 struct Names(BTreeMap<String, String>);
 
 impl Names {
-    fn reserve(&mut self, name: &str, source: &str) {
-        self.0.insert(name.to_ascii_lowercase(), source.to_owned());
+    fn reserve(&mut self, name: &str, source: &OsStr) {
+        self.0.insert(name.to_ascii_lowercase(), source.display().to_string());
     }
 
     /// The name of a source.
-    fn add(&mut self, source: &str) -> Result<String, BatchError> {
-        let name = match source.strip_prefix(address::SYNTH_PREFIX) {
+    fn add(&mut self, source: &OsStr) -> Result<String, BatchError> {
+        let told = source.display().to_string();
+        let name = match address_of(source).and_then(|address| address.strip_prefix(address::SYNTH_PREFIX)) {
             Some(model) => model.split('?').next().unwrap_or_default().to_owned(),
             None => names::of_file(Path::new(source)),
         };
         names::check_name(&name, true).map_err(|allowed| BatchError::Name {
-            source_name: source.to_owned(),
+            source_name: told.clone(),
             name: name.clone(),
             allowed,
         })?;
-        match self.0.insert(name.to_ascii_lowercase(), source.to_owned()) {
-            Some(first) => Err(BatchError::SameName { name, first, second: source.to_owned() }),
+        match self.0.insert(name.to_ascii_lowercase(), told.clone()) {
+            Some(first) => Err(BatchError::SameName { name, first, second: told }),
             None => Ok(name),
         }
     }
@@ -262,11 +311,11 @@ mod tests {
         write("pairs.csv", "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n0,0,1,0,0,1\n");
         write("e.csv", "# angles\ntheta_i,phi_i,theta_o,phi_o,r,g,b\n0,0,0,0,1,1,1\n");
         write("d.csv", "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z,f_r,f_g,f_b\n0,0,1,0,0,1,1,1,1\n");
-        let found = find(&[there.path().display().to_string()]).unwrap();
+        let found = find(&[there.path().into()]).unwrap();
         let names: Vec<_> = found.sources.iter().map(|source| names::of_file(Path::new(source))).collect();
         assert_eq!((names, found.others.len()), (["a", "b", "c", "d", "e"].map(str::to_owned).to_vec(), 3));
         let empty = folder(&["notes.txt"]);
-        let error = find(&[empty.path().display().to_string()]).unwrap_err().to_string();
+        let error = find(&[empty.path().into()]).unwrap_err().to_string();
         assert!(error.contains("found one file of another kind; allowed a folder with files .binary"), "{error}");
     }
 
@@ -276,7 +325,8 @@ mod tests {
         let text = "[materials.all]\nsource='*.brdf'\nmax_delta_e=1\n[materials.one]\nsource='c.csv'\n\
                     [[uses]]\nmaterial='all'\nnearest=4\n[[uses]]\nmaterial='one'\n";
         let manifest = Manifest::parse(text).unwrap().expanded(there.path()).unwrap();
-        let of = |m: &Manifest| m.materials.iter().map(|(n, m)| format!("{n}={}", m.source)).collect::<Vec<_>>();
+        let of =
+            |m: &Manifest| m.materials.iter().map(|(n, m)| format!("{n}={}", m.source.display())).collect::<Vec<_>>();
         assert_eq!(of(&manifest), ["a=a.brdf", "b=b.brdf", "one=c.csv"]);
         let uses: Vec<_> = manifest.uses.iter().map(|used| used.material.get_ref().as_str()).collect();
         assert_eq!(uses, ["a", "b", "one"]);
@@ -288,9 +338,9 @@ mod tests {
 
     #[test]
     fn collisions_are_refused() {
-        let sources = ["x/red.brdf", "y/Red.binary"].map(str::to_owned);
+        let sources = ["x/red.brdf", "y/Red.binary"].map(OsString::from);
         let error = manifest_of(&sources).unwrap_err().to_string();
         assert!(error.starts_with("x/red.brdf and y/Red.binary: found the name Red for both"), "{error}");
-        assert!(manifest_of(&["nul.brdf".to_owned()]).unwrap_err().to_string().contains("devices"));
+        assert!(manifest_of(&["nul.brdf".into()]).unwrap_err().to_string().contains("devices"));
     }
 }

@@ -9,7 +9,6 @@ use crate::report::build::{BuildReport, environment_map};
 use crate::report::material::{MaterialReport, StageTime};
 use crate::scene::maps::MapsReport;
 use crate::store::{FOLDER, Store, StoreError, read_record, write_record};
-use brdfc_source::address::is_synth;
 use brdfc_source::progress::{Cancelled, Progress};
 use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
 use serde::{Deserialize, Serialize};
@@ -31,6 +30,8 @@ pub struct BuildSettings<'a> {
     pub force: bool,
     /// Whether the first failure ends the build, and leaves the folder as it was.
     pub fail_fast: bool,
+    /// Whether a failure leaves the folder as it was, after all others were made.
+    pub whole: bool,
     /// Bytes that all materials that are worked on may take together.
     pub memory: u64,
     /// Held while files change places: who ends the process takes it first.
@@ -103,8 +104,10 @@ pub fn build(plan: &Plan, settings: &BuildSettings<'_>, progress: &dyn Progress)
         progress.check()?;
     }
     let report = BuildReport::new(plan, &outcomes);
-    let failed = outcomes.errors().next().is_some() || !outcomes.materials.iter().all(Outcome::passed);
-    if settings.fail_fast && failed || outcomes.errors().any(|error| matches!(error, JobError::Store(_))) {
+    let broken = outcomes.errors().next().is_some();
+    let failed = broken || !outcomes.materials.iter().all(Outcome::passed);
+    let unwritten = outcomes.errors().any(|error| matches!(error, JobError::Store(_)));
+    if settings.fail_fast && failed || settings.whole && broken || unwritten {
         return Ok(Built { outcomes, report, changes: None });
     }
     let files = files(&outcomes, report.clone().lasting(plan, settings.out));
@@ -132,11 +135,10 @@ const NOTES: &str = "built";
 /// Keeps notes for pages about the build. They are no part of it: where they cannot be kept nothing else is wrong.
 fn write_notes(store: &Store, plan: &Plan, outcomes: &Outcomes) {
     let note = |(name, made): (&str, &Made)| {
-        let declared = &plan.jobs.iter().find(|job| job.name == name)?.source;
-        let source = if is_synth(declared) {
-            declared.clone()
-        } else {
-            std::path::absolute(declared).ok()?.display().to_string()
+        let input = &plan.jobs.iter().find(|job| job.name == name)?.input;
+        let source = match input.path() {
+            Some(path) => std::path::absolute(path).ok()?.display().to_string(),
+            None => input.to_string(),
         };
         Some((name.to_owned(), BuiltNote { source, stages: made.pack_times.clone() }))
     };

@@ -14,6 +14,7 @@ use crate::keys::keys_of;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
+use std::ffi::OsString;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, Deserializer};
 
@@ -45,7 +46,7 @@ pub struct Defaults {
 #[derive(Debug, Clone, Default)]
 pub struct Material {
     /// A path or a pattern, relative to the manifest, or a `synth:` address.
-    pub source: String,
+    pub source: OsString,
     /// How it is encoded.
     pub options: EncodeOptions,
     /// What its finished pack has to be.
@@ -108,7 +109,7 @@ impl Manifest {
             };
             for (name, table) in tables {
                 let (source, options, require) = with_options(table)?;
-                manifest.materials.insert(name, Material { source, options, require });
+                manifest.materials.insert(name, Material { source: source.into(), options, require });
             }
         }
         let PlainTables { scene, uses, render } = PlainTables::deserialize(Deserializer::from(tree))?;

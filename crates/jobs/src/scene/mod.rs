@@ -20,4 +20,5 @@ pub mod render_section;
 pub mod run;
 pub mod scene_section;
 pub mod uses;
+pub mod watch;
 pub mod works;

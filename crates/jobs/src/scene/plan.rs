@@ -1,5 +1,6 @@
 //! What a build will do: which materials, from where, by which recipes.
 
+use super::batch::address_of;
 use super::manifest::Manifest;
 use super::maps::{MapRecipe, part_name};
 use super::needs::{self, Needs, needs};
@@ -8,8 +9,8 @@ use super::uses::Use;
 use crate::encode::options::OptionError;
 use crate::encode::recipe::{Budget, PackRecipe};
 use brdfc_formats::wavelet::DEFAULT_DISTANCE_SCALE;
-use brdfc_source::address;
-use std::path::Path;
+use brdfc_source::Input;
+use std::path::{Path, PathBuf};
 
 /// One material to make.
 #[derive(Debug, Clone)]
@@ -18,8 +19,10 @@ pub struct Job {
     pub name: String,
     /// Path or address as the manifest has it.
     pub declared: String,
-    /// Path or address, resolved against the manifest's folder.
+    /// Path or address, resolved against the manifest's folder, as messages show it.
     pub source: String,
+    /// Likewise, as it is opened: paths need not be UTF-8.
+    pub input: Input,
     /// How it is to be encoded, without a look at needs.
     pub asked: PackRecipe,
     /// How it is encoded, needs included.
@@ -37,7 +40,7 @@ pub struct Job {
 impl Job {
     /// Whether both are the same work.
     pub(super) fn is_same_work(&self, other: &Self) -> bool {
-        self.source == other.source && self.recipe == other.recipe && self.maps == other.maps
+        self.input == other.input && self.recipe == other.recipe && self.maps == other.maps
     }
 }
 
@@ -46,8 +49,10 @@ impl Job {
 pub struct EnvironmentJob {
     /// Path as the manifest has it.
     pub declared: String,
-    /// Path, resolved against the manifest's folder.
+    /// Path, resolved against the manifest's folder, as messages show it.
     pub source: String,
+    /// Likewise, as it is opened.
+    pub path: PathBuf,
     /// `ε` of the bandwidth.
     pub epsilon: f64,
 }
@@ -73,10 +78,10 @@ impl Plan {
         self.jobs.is_empty() && self.environment.is_none()
     }
 
-    /// Paths and addresses that are read.
-    pub fn sources(&self) -> impl Iterator<Item = &str> {
-        let environment = self.environment.iter().map(|job| job.source.as_str());
-        self.jobs.iter().map(|job| job.source.as_str()).chain(environment)
+    /// Files that are read.
+    pub fn sources(&self) -> impl Iterator<Item = &Path> {
+        let environment = self.environment.iter().map(|job| job.path.as_path());
+        self.jobs.iter().filter_map(|job| job.input.path()).chain(environment)
     }
 
     /// Names of the files that a build writes into its folder.
@@ -128,6 +133,7 @@ pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, PlanError> {
     let environment = needs::environment(manifest).map(|declared| EnvironmentJob {
         declared: declared.to_owned(),
         source: folder.join(declared).display().to_string(),
+        path: folder.join(declared),
         epsilon: MapRecipe::default().epsilon,
     });
     let scene = manifest.scene.name.clone().unwrap_or_else(|| "scene".to_owned());
@@ -150,13 +156,15 @@ pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, PlanError> {
         recipe.limit_levels(|levels| need.stored_levels(levels, scale));
         recipe.limit_coarser_levels(need.coarser_levels(scale));
         recipe.limit_directions(need.directions);
-        let declared = material.source.clone();
-        let source =
-            if address::is_synth(&declared) { declared.clone() } else { folder.join(&declared).display().to_string() };
+        let input = match address_of(&material.source) {
+            Some(address) => Input::Address(address.to_owned()),
+            None => Input::File(folder.join(&material.source)),
+        };
         plan.jobs.push(Job {
             name: name.clone(),
-            declared,
-            source,
+            declared: material.source.display().to_string(),
+            source: input.to_string(),
+            input,
             asked,
             recipe,
             maps: MapRecipe::wanted(need.bandwidth, need.samples),

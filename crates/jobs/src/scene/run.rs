@@ -18,7 +18,7 @@ use crate::store::{Digest, HeardDigest, Kept, Key, Store};
 use brdfc_bandwidth::facts::BandwidthFacts;
 use brdfc_source::open::{Opened, open, open_file_heard};
 use brdfc_source::progress::{Cancelled, Progress, Stage};
-use brdfc_source::{InputError, address};
+use brdfc_source::{Input, InputError};
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Mutex;
@@ -209,8 +209,9 @@ impl Workshop<'_> {
 
     /// A material that is in the store, made of what its source is now.
     pub fn known(&self, job: &Job) -> Option<Made> {
-        let known = if address::is_synth(&job.source) { None } else { self.store.known(Path::new(&job.source)) };
-        let source = known.or_else(|| Some(self.read(&job.source, &extension_of(&job.source)).ok()?.1))?;
+        let known = job.input.path().and_then(|path| self.store.known(path));
+        let extension = job.input.path().map_or(String::new(), extension_of);
+        let source = known.or_else(|| Some(self.read(&job.input, &extension).ok()?.1))?;
         let shelf = self.look_up(job, source);
         shelf.has(job, Wanted::ALL).then(|| of_shelf(job, shelf, None))
     }
@@ -235,7 +236,7 @@ impl Workshop<'_> {
         progress: &dyn Progress,
     ) -> Result<(Shelf, Option<Vec<StageTime>>), JobError> {
         progress.check()?;
-        let known = if address::is_synth(&job.source) { None } else { self.store.known(Path::new(&job.source)) };
+        let known = job.input.path().and_then(|path| self.store.known(path));
         if let Some(source) = known {
             let shelf = self.look_up(job, source);
             if shelf.has(job, wanted) {
@@ -244,8 +245,8 @@ impl Workshop<'_> {
         }
         let clock = StageClock::new(progress);
         clock.stage(Stage::Read, 1)?;
-        let length = std::fs::metadata(&job.source).map_or(0, |metadata| metadata.len());
-        let extension = extension_of(&job.source);
+        let length = job.input.path().and_then(|path| path.metadata().ok()).map_or(0, |metadata| metadata.len());
+        let extension = job.input.path().map_or(String::new(), extension_of);
         let bytes = memory::of_source(&extension, length).saturating_add(memory::of_recipe(&job.recipe));
         let _share = shared.take(bytes);
         progress.check()?;
@@ -262,7 +263,7 @@ impl Workshop<'_> {
         extension: &str,
         clock: &StageClock<'_>,
     ) -> Result<(Shelf, bool), JobError> {
-        let (opened, source) = self.read(&job.source, extension)?;
+        let (opened, source) = self.read(&job.input, extension)?;
         let mut shelf = self.look_up(job, source);
         if shelf.has(job, wanted) {
             return Ok((shelf, true));
@@ -285,16 +286,15 @@ impl Workshop<'_> {
     }
 
     /// Reads a source once: what it holds, and the hash of what was read.
-    fn read(&self, source: &str, extension: &str) -> Result<(Opened, Digest), JobError> {
-        if address::is_synth(source) {
+    fn read(&self, source: &Input, extension: &str) -> Result<(Opened, Digest), JobError> {
+        let Some(path) = source.path() else {
             let opened = open(source, None)?;
             let brdfc_source::open::Facts::Synth { address } = &opened.facts else {
-                return Ok((opened, Digest::of(source.as_bytes())));
+                return Ok((opened, Digest::of(source.to_string().as_bytes())));
             };
             let digest = Digest::of(address.as_bytes());
             return Ok((opened, digest));
-        }
-        let path = Path::new(source);
+        };
         let mut heard = HeardDigest::new(extension, memory::longest_source(extension, self.memory));
         let opened = open_file_heard(path, None, &mut heard)?;
         let digest = self.noted(path, heard)?;
@@ -354,7 +354,7 @@ impl Workshop<'_> {
         progress: &dyn Progress,
     ) -> Result<MadeEnvironment, JobError> {
         progress.check()?;
-        let path = Path::new(&job.source);
+        let path = job.path.as_path();
         let key = |source| Key::new("environment", source, &job.epsilon);
         let kept = |source| self.store.look_up(&key(source), self.placed);
         let found = |Kept { report, files }, times| MadeEnvironment { report, file: files[0], times };
@@ -363,7 +363,7 @@ impl Workshop<'_> {
         }
         let clock = StageClock::new(progress);
         let _share = shared.take(self.memory / 2);
-        let extension = extension_of(&job.source);
+        let extension = extension_of(path);
         let mut heard = HeardDigest::new(&extension, memory::longest_source(&extension, self.memory));
         let (bytes, report) = rayon::scope(|_| environment_file(path, job.epsilon, &mut heard, &clock))?;
         let source = self.noted(path, heard)?;
@@ -401,6 +401,6 @@ fn maps_key(source: Digest, recipe: &MapRecipe) -> Key {
     Key::new("maps", source, recipe)
 }
 
-fn extension_of(source: &str) -> String {
-    Path::new(source).extension().map_or(String::new(), |e| e.to_string_lossy().to_ascii_lowercase())
+fn extension_of(path: &Path) -> String {
+    path.extension().map_or(String::new(), |e| e.to_string_lossy().to_ascii_lowercase())
 }

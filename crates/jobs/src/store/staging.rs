@@ -64,15 +64,19 @@ fn all() -> MutexGuard<'static, Vec<PathBuf>> {
 
 /// Removes what processes left unfinished in `parent` that are no longer there.
 pub fn sweep(parent: &Path) {
-    let Ok(entries) = std::fs::read_dir(parent) else { return };
-    for entry in entries.flatten() {
-        let name = entry.file_name();
-        let ours = name.to_str().is_some_and(|name| name.starts_with(PREFIX) && name.ends_with(SUFFIX));
-        if ours && is_abandoned(&entry.path()) {
-            let path = entry.path();
-            let _ = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
-        }
+    for path in abandoned(parent) {
+        let _ = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
     }
+}
+
+/// What processes left unfinished in `parent` that are no longer there: files and folders.
+pub fn abandoned(parent: &Path) -> Vec<PathBuf> {
+    let Ok(entries) = std::fs::read_dir(parent) else { return Vec::new() };
+    let is_ours = |entry: &std::fs::DirEntry| {
+        let name = entry.file_name();
+        name.to_str().is_some_and(|name| name.starts_with(PREFIX) && name.ends_with(SUFFIX))
+    };
+    entries.flatten().filter(is_ours).map(|entry| entry.path()).filter(|path| is_abandoned(path)).collect()
 }
 
 fn is_abandoned(path: &Path) -> bool {

@@ -1,0 +1,312 @@
+//! What a build reads, looked at again and again: which of the files changed, came or went, and when nobody writes to them
+//! any more.
+
+use super::batch::{address_of, base_of, find, is_pattern};
+use super::manifest::Manifest;
+use crate::file_events::{FileEvents, Folders, Waker};
+use crate::store::Stamp;
+use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
+use std::collections::{BTreeMap, BTreeSet};
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+/// Files that are the same at both ends of this time are finished: editors write in several steps.
+const QUIET: Duration = Duration::from_millis(200);
+
+/// The files that were there at one moment, by what the system says of them; `None` where a file that is named is missing.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Look {
+    manifest: Option<PathBuf>,
+    files: BTreeMap<PathBuf, Option<Stamp>>,
+}
+
+/// What became of a file between two looks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum What {
+    /// Other contents, or another file of that name.
+    Changed,
+    /// It was not there, or not asked for.
+    New,
+    /// It is not there any more, or not asked for.
+    Gone,
+}
+
+/// A file that is not as it was.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
+pub struct Change {
+    /// Which, as it was asked for.
+    pub file: String,
+    /// What became of it.
+    pub what: What,
+}
+
+impl Look {
+    /// How many files are there.
+    pub fn count(&self) -> usize {
+        self.files.values().flatten().count()
+    }
+
+    /// What is other than it was earlier, by name. Files that another manifest names or does not name are no news.
+    pub fn changes_since(&self, earlier: &Self) -> Vec<Change> {
+        let paths: BTreeSet<&PathBuf> = self.files.keys().chain(earlier.files.keys()).collect();
+        let stamps = |path: &PathBuf| [earlier, self].map(|look| look.files.get(path).copied().flatten());
+        let same_manifest = self.manifest.as_ref().is_none_or(|path| stamps(path)[0] == stamps(path)[1]);
+        let change = |path: &&PathBuf| {
+            let is_news = same_manifest || self.manifest.as_ref() == Some(*path);
+            let what = match stamps(path).into() {
+                (None, Some(_)) if is_news => What::New,
+                (Some(_), None) if is_news => What::Gone,
+                (Some(before), Some(now)) if before != now => What::Changed,
+                _ => return None,
+            };
+            Some(Change { file: path.display().to_string(), what })
+        };
+        paths.iter().filter_map(change).collect()
+    }
+}
+
+/// The files that decide what a build makes.
+#[derive(Debug)]
+pub struct Watched {
+    /// With the stamp that it had when it was read last.
+    manifest: Option<(PathBuf, Option<Stamp>)>,
+    /// Paths and patterns.
+    named: Vec<OsString>,
+    /// The output folder.
+    out: PathBuf,
+}
+
+impl Watched {
+    /// Those of a manifest. It need not be there, nor follow the rules: what it named last counts.
+    pub fn of_manifest(manifest: &Path, out: &Path) -> Self {
+        Self { manifest: Some((manifest.to_owned(), None)), named: Vec::new(), out: out.to_owned() }
+    }
+
+    /// Files, folders, patterns and addresses.
+    pub fn of_inputs(inputs: &[OsString], out: &Path) -> Self {
+        Self { manifest: None, named: inputs.to_vec(), out: out.to_owned() }
+    }
+
+    /// Whether it is a pack in the output folder: a build that is begun again by what it wrote would have no end.
+    fn is_own(&self, path: &Path) -> bool {
+        let there = |folder: &Path| or_here(folder).canonicalize().ok();
+        path.extension().is_some_and(|extension| extension == "ktx2") && there(parent(path)) == there(&self.out)
+    }
+
+    /// What is there now.
+    pub fn look(&mut self) -> Look {
+        let mut files = BTreeMap::new();
+        if let Some((manifest, known)) = &mut self.manifest {
+            let stamp = stamp(manifest);
+            if stamp != *known {
+                *known = stamp;
+                if let Some(named) = named_in(manifest) {
+                    self.named = named;
+                }
+            }
+            files.insert(manifest.clone(), stamp);
+        }
+        for input in &self.named {
+            // What is wrong with one is for the build to tell.
+            let Ok(found) = find(std::slice::from_ref(input)) else { continue };
+            let matched = is_pattern(Path::new(input));
+            let paths = found.sources.iter().filter(|source| address_of(source).is_none()).map(PathBuf::from);
+            for path in paths.filter(|path| !(matched && self.is_own(path))) {
+                let stamp = stamp(&path);
+                files.insert(path, stamp);
+            }
+        }
+        Look { manifest: self.manifest.as_ref().map(|(path, _)| path.clone()), files }
+    }
+
+    /// The folders in which a change can make the next look another one. Files are replaced, so it is their folders.
+    fn folders(&self, look: &Look) -> Folders {
+        let mut folders = Folders::new();
+        let mut add = |path: &Path, deep: bool| {
+            let there = path.ancestors().map(or_here).find(|folder| folder.is_dir());
+            if let Some(folder) = there {
+                let deep = deep && folder == or_here(path);
+                folders.entry(folder.to_owned()).and_modify(|other| *other |= deep).or_insert(deep);
+            }
+        };
+        for path in look.files.keys() {
+            add(parent(path), false);
+            if let (true, Ok(target)) = (path.is_symlink(), path.canonicalize()) {
+                add(parent(&target), false);
+            }
+        }
+        let of_manifest = self.manifest.as_ref().map_or(Path::new(""), |(manifest, _)| parent(manifest));
+        for input in &self.named {
+            if is_pattern(Path::new(input)) {
+                let (base, deep) = base_of(input, of_manifest);
+                add(&base, deep);
+            } else if Path::new(input).is_dir() {
+                add(Path::new(input), false);
+            }
+        }
+        folders
+    }
+
+    /// Waits until what is there is other than `before`, and nobody writes to it; nothing where `ended` is set, which a
+    /// [`Waker`] makes known.
+    pub fn next(&mut self, events: &mut FileEvents, before: &Look, ended: &AtomicBool) -> Option<Look> {
+        while !ended.load(Ordering::Relaxed) {
+            let mut now = self.look();
+            if events.follow(&self.folders(&now)) {
+                continue;
+            }
+            if now == *before {
+                events.wait();
+                continue;
+            }
+            loop {
+                std::thread::sleep(QUIET);
+                let later = self.look();
+                if later == now {
+                    break;
+                }
+                now = later;
+            }
+            events.forget();
+            if now != *before {
+                return Some(now);
+            }
+        }
+        None
+    }
+
+    /// Does some work that began after `before` was seen, and gives its result with what is there instead, if that changed
+    /// meanwhile. Then the flag is set that the work is given: its result is of no use any more.
+    pub fn during<T>(
+        &mut self,
+        events: &mut FileEvents,
+        before: &Look,
+        work: impl FnOnce(&AtomicBool) -> T,
+    ) -> (T, Option<Look>) {
+        let (cancelled, ended) = (AtomicBool::new(false), AtomicBool::new(false));
+        let waker = events.waker();
+        std::thread::scope(|scope| {
+            // After a panic, too, or the scope would wait for ever.
+            let end = End { ended: &ended, waker };
+            let helper = scope.spawn(|| {
+                let next = self.next(events, before, &ended);
+                cancelled.store(next.is_some(), Ordering::Relaxed);
+                next
+            });
+            let result = work(&cancelled);
+            drop(end);
+            (result, helper.join().ok().flatten())
+        })
+    }
+}
+
+struct End<'a> {
+    ended: &'a AtomicBool,
+    waker: Waker,
+}
+
+impl Drop for End<'_> {
+    fn drop(&mut self) {
+        self.ended.store(true, Ordering::Relaxed);
+        self.waker.wake();
+    }
+}
+
+/// What a manifest names that can be read.
+fn named_in(manifest: &Path) -> Option<Vec<OsString>> {
+    let bytes = read_file(manifest, MAX_TEXT_BYTES).ok()?;
+    let manifest_text = std::str::from_utf8(&bytes).ok()?;
+    Some(Manifest::parse(manifest_text).ok()?.inputs(parent(manifest)))
+}
+
+fn stamp(path: &Path) -> Option<Stamp> {
+    Stamp::of(&std::fs::metadata(path).ok()?)
+}
+
+fn parent(path: &Path) -> &Path {
+    path.parent().unwrap_or(Path::new(""))
+}
+
+fn or_here(path: &Path) -> &Path {
+    if path.as_os_str().is_empty() { Path::new(".") } else { path }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn told(now: &Look, earlier: &Look, folder: &Path) -> Vec<String> {
+        let name = |file: &str| Path::new(file).strip_prefix(folder).unwrap().display().to_string();
+        now.changes_since(earlier).iter().map(|change| format!("{} {:?}", name(&change.file), change.what)).collect()
+    }
+
+    #[test]
+    fn a_manifest_says_what_is_looked_at() {
+        let there = tempfile::tempdir().unwrap();
+        let (folder, manifest) = (there.path(), there.path().join("[scene].toml"));
+        let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
+        let text = "[materials.all]\nsource='*.brdf'\n[materials.spare]\nsource='spare.csv'\n[materials.model]\n\
+                    source='synth:ward'\n[[uses]]\nmaterial='all'\n[[uses]]\nmaterial='model'\n";
+        write("[scene].toml", text);
+        write("a.brdf", "a");
+        write("spare.csv", "not used");
+        let mut watched = Watched::of_manifest(&manifest, Path::new("packs"));
+        let first = watched.look();
+        assert_eq!(first.count(), 2);
+        assert_eq!(watched.look(), first);
+        write("spare.csv", "still not used");
+        write("b.brdf", "b");
+        let second = watched.look();
+        assert_eq!(told(&second, &first, folder), ["b.brdf New"]);
+        // A manifest that cannot be read names what it named before.
+        write("[scene].toml", "[materials");
+        let third = watched.look();
+        assert_eq!((told(&third, &second, folder), third.count()), (vec!["[scene].toml Changed".to_owned()], 3));
+        std::fs::remove_file(&manifest).unwrap();
+        assert_eq!(told(&watched.look(), &third, folder), ["[scene].toml Gone"]);
+        write("[scene].toml", &text.replace("*.brdf", "spare.csv"));
+        assert_eq!(told(&watched.look(), &third, folder), ["[scene].toml Changed"], "what else it names is no news");
+    }
+
+    #[test]
+    fn packs_that_a_build_writes_are_no_news_and_those_elsewhere_are() {
+        let there = tempfile::tempdir().unwrap();
+        let folder = there.path();
+        for name in ["packs/a.brdf.ktx2", "packs/a.json", "packs/b.brdf", "old/c.brdf.ktx2"] {
+            std::fs::create_dir_all(folder.join(name).parent().unwrap()).unwrap();
+            std::fs::write(folder.join(name), "").unwrap();
+        }
+        let pattern = OsString::from(folder.join("*/*.*[f2]"));
+        let count = |inputs: &[OsString], out: &str| Watched::of_inputs(inputs, &folder.join(out)).look().count();
+        assert_eq!(count(std::slice::from_ref(&pattern), "packs/."), 2);
+        assert_eq!(count(std::slice::from_ref(&pattern), "elsewhere"), 3);
+        assert_eq!(count(&[folder.join("packs/a.brdf.ktx2").into()], "packs"), 1, "it was asked for");
+    }
+
+    #[test]
+    fn folders_are_followed_in_place_of_files() {
+        let there = tempfile::tempdir().unwrap();
+        let folder = there.path().join("[a]");
+        std::fs::create_dir_all(folder.join("scans/deep")).unwrap();
+        let followed = |source: &str| {
+            let manifest = folder.join("scene.toml");
+            let text = format!("[materials.all]\nsource='{source}'\n[[uses]]\nmaterial='all'\n");
+            std::fs::write(&manifest, text).unwrap();
+            let mut watched = Watched::of_manifest(&manifest, Path::new("packs"));
+            let look = watched.look();
+            let name = |path: &Path| path.strip_prefix(&folder).unwrap().display().to_string();
+            watched.folders(&look).iter().map(|(path, deep)| (name(path), *deep)).collect::<Vec<_>>()
+        };
+        let (here, scans) = (|deep| (String::new(), deep), |deep| ("scans".to_owned(), deep));
+        assert_eq!(followed("scans/a.brdf"), [here(false), scans(false)]);
+        assert_eq!(followed("scans/*.brdf"), [here(false), scans(false)]);
+        assert_eq!(followed("scans/*/*.brdf"), [here(false), scans(true)]);
+        assert_eq!(followed("**/*.brdf"), [here(true)]);
+        // What is not there yet is awaited in what is.
+        assert_eq!(followed("gone/below/a.brdf"), [here(false)]);
+        assert_eq!(followed("gone/*/a.brdf"), [here(false)]);
+    }
+}
