@@ -11,9 +11,9 @@ use brdfc_jobs::encode::recipe::PackRecipe;
 use brdfc_jobs::scene::current::PackFolder;
 use brdfc_jobs::scene::manifest::Manifest;
 use brdfc_jobs::scene::plan::{EnvironmentJob, Job, plan};
+use brdfc_source::Source;
 use brdfc_source::open::open;
 use brdfc_source::pack::open_brdf_pack;
-use brdfc_source::{Input, Source};
 use brdfc_wavelet::recipe::{Recipe, Target};
 use std::path::{Path, PathBuf};
 

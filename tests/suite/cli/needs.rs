@@ -92,7 +92,7 @@ fn a_pack_says_what_it_is_for_and_is_compared_there() {
     let everywhere = list.json()["norms"]["relative_mean"].as_f64().expect("a number");
     assert!(within < 0.7 * everywhere, "{within} {everywhere}");
 
-    folder.write("above.toml", &SCENE.replace("view_elevation = [35, 90]", "view_elevation = [0, 30]"));
+    folder.write("above.toml", SCENE.replace("view_elevation = [35, 90]", "view_elevation = [0, 30]"));
     folder.run(&["build", "above.toml", "--out", "above"]).succeeded();
     let apart = folder.run(&["compare", "above/floor.brdf.ktx2", "packs/floor.brdf.ktx2"]);
     assert!(apart.code == 1 && apart.stderr.contains("allowed packs that have some in common"), "{}", apart.stderr);

@@ -85,10 +85,10 @@ fn cropped_packs_draw_the_scene_as_whole_ones_do() {
         // The control: where directions are left out, it shows.
         assert!(largest_difference(&by_cpu(&low, cropped), &by_cpu(&low, whole)) > 1e-3, "{number}");
         let Some(gpu) = crate::common::gpu() else { continue };
-        let exact = |pack: &BrdfPack| by_shader(&gpu, &scene, pack, SliceFilter::Exact);
+        let exact = |pack: &BrdfPack| by_shader(gpu, &scene, pack, SliceFilter::Exact);
         assert_eq!(exact(cropped), exact(whole), "{number}");
         // A sampler's weights are rounded from other texture coordinates.
-        let filtered = |pack: &BrdfPack| by_shader(&gpu, &scene, pack, SliceFilter::Hardware);
+        let filtered = |pack: &BrdfPack| by_shader(gpu, &scene, pack, SliceFilter::Hardware);
         let difference = largest_difference(&filtered(cropped), &filtered(whole));
         assert!(difference < 2e-2, "{number}: {difference}");
     }
@@ -101,7 +101,7 @@ fn what_packs_were_not_made_for_is_left_out_of_comparisons() {
     let (_, cropped) = &packs()[2];
     let draw = |scene: &Scene| {
         let material = Material { pack: cropped, source: Some(source.as_ref()), table: None };
-        views(&gpu, scene, FRAME, &vec![material; scene.parts.len()], decoding(SliceFilter::Exact)).expect("drawn")
+        views(gpu, scene, FRAME, &vec![material; scene.parts.len()], decoding(SliceFilter::Exact)).expect("drawn")
     };
     assert_eq!(draw(&floor([0.0, 9.0, 5.0])).left_out, 0.0);
     let low = draw(&floor([0.0, 1.0, 9.0]));

@@ -43,8 +43,9 @@ pub fn predict(recipe: &PackRecipe) -> Predicted {
                 most.into_iter().fold(LARGEST, u64::max)
             };
             let most = recipe.wavelet.as_ref().map_or(LARGEST, packs);
+            // The smallest that is tried does not fill its bytes.
             let most = recipe.budget.bytes.map_or(most, |bytes| bytes.min(most));
-            Predicted { least: if recipe.budget.limits_error() { SMALLEST.min(most) } else { 0 }, most }
+            Predicted { least: if recipe.budget.limits_error() { (SMALLEST / 2).min(most) } else { 0 }, most }
         }
     }
 }

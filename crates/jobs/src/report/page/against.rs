@@ -134,7 +134,14 @@ mod tests {
         let entry =
             |name: &str| MaterialEntry { material: name.to_owned(), report: report.clone(), ..Default::default() };
         let materials = vec![entry("a"), entry("b")];
-        BuildReport { version: 3, scene: "s".into(), materials, environment: None, skipped: Vec::new() }
+        BuildReport {
+            version: 3,
+            scene: "s".into(),
+            materials,
+            environment: None,
+            skipped: Vec::new(),
+            needs: Vec::new(),
+        }
     }
 
     fn changed(change: impl Fn(&mut MaterialEntry)) -> Vec<String> {
