@@ -112,8 +112,7 @@ impl<'a> Contents<'a> {
             }
             BrdfPack::Table(pack) => {
                 let header = pack.header();
-                contents.table =
-                    TableBrdfParameters::new(header, pack.window(), pack.curve(), distance_scale as f32).to_bytes();
+                contents.table = TableBrdfParameters::new(pack, distance_scale as f32).to_bytes();
                 contents.texels = (header.texel_format(), pack.extent(), pack.texels());
                 if let Some(curve) = pack.curve() {
                     let size = [curve.nodes() as u32, curve.levels() + 1];

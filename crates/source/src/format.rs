@@ -166,6 +166,15 @@ impl Facts {
 
     /// Lines for people: names and values.
     pub fn in_words(&self) -> Vec<(&'static str, String)> {
+        let mut lines = self.lines();
+        let directions = self.directions();
+        if !directions.is_all() {
+            lines.push(("directions", format!("{directions}; errors are of these")));
+        }
+        lines
+    }
+
+    fn lines(&self) -> Vec<(&'static str, String)> {
         match self {
             Self::Synth { address } => vec![("kind", "analytic model".to_owned()), ("address", address.clone())],
             Self::Merl { dimensions: [h, d, p], valid_cells, invalid_cells } => vec![
@@ -227,7 +236,7 @@ impl Facts {
                 slices_kept,
                 mean,
                 bias,
-                directions,
+                directions: _,
                 gpu_bytes,
                 on_grid,
                 off_grid,
@@ -244,7 +253,6 @@ impl Facts {
                 ("texels", format!("{channels} channel{}, {bits} bits", if *channels == 1 { "" } else { "s" })),
                 ("slices kept", format!("{slices_kept} of {}", grid * grid)),
                 ("mean μ, bias ε", format!("{mean} 1/sr, {bias}")),
-                ("directions", directions_in_words(*directions)),
                 ("bytes on a GPU", bytes(*gpu_bytes)),
                 ("error on the grid (codec)", errors_in_words(on_grid)),
                 ("error off the grid (against the source)", errors_in_words(off_grid)),
@@ -258,7 +266,7 @@ impl Facts {
                 mean,
                 bias,
                 fetches,
-                directions,
+                directions: _,
                 gpu_bytes,
                 off_grid,
                 picture,
@@ -269,7 +277,6 @@ impl Facts {
                 ("levels of detail", levels_in_words(*levels)),
                 ("texels", if *channels == 1 { "1 channel, halves" } else { "3 channels, 10 bits" }.to_owned()),
                 ("mean μ, bias ε", format!("{mean} 1/sr, {bias}")),
-                ("directions", directions_in_words(*directions)),
                 ("bytes on a GPU", bytes(*gpu_bytes)),
                 ("filtered fetches", fetches.to_string()),
                 ("error off the grid (against the source)", errors_in_words(off_grid)),
@@ -302,10 +309,6 @@ fn symmetry_in_words(symmetry: TableSymmetry) -> String {
     ];
     let found: Vec<&str> = flags.into_iter().filter(|(holds, _)| *holds).map(|(_, name)| name).collect();
     if found.is_empty() { "none".to_owned() } else { found.join(", ") }
-}
-
-fn directions_in_words(directions: DirectionRange) -> String {
-    if directions.is_all() { "all".to_owned() } else { format!("{directions}; errors are of these") }
 }
 
 fn errors_in_words(errors: &ErrorSummary) -> String {

@@ -15,6 +15,9 @@ const VERSION: u32 = 1;
 /// Knots of the warp of `θ_h`: in equal steps of the angle's square root.
 pub const KNOTS: usize = 17;
 
+/// Bytes of what a shader gets of a header, the curve's sizes included.
+pub(super) const UNIFORM_BYTES: usize = 144;
+
 /// Numbers of nodes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]

@@ -1,8 +1,7 @@
 //! The table pack: its texture and what it says of itself. Byte layout: `spec.md`.
 
 use super::curve::{CURVE_ENTRY, Curve};
-use super::header::{TABLE_ENTRY, TableHeader};
-use super::shader::TableBrdfParameters;
+use super::header::{TABLE_ENTRY, TableHeader, UNIFORM_BYTES};
 use crate::container::entries::{entry, sized};
 use crate::container::{Extent, TexelFormat, Texture, half, rgb10a2};
 use crate::crop::{Crop, DirectionRange, Window};
@@ -144,8 +143,7 @@ impl TablePack {
 
     /// Bytes on a GPU: textures and uniform block.
     pub fn gpu_bytes(&self) -> u64 {
-        (self.texels.len() + self.curve.as_ref().map_or(0, |curve| curve.texels().len()) + TableBrdfParameters::SIZE)
-            as u64
+        (self.texels.len() + self.curve.as_ref().map_or(0, |curve| curve.texels().len()) + UNIFORM_BYTES) as u64
     }
 
     /// The bytes of the KTX2 file.

@@ -1,7 +1,8 @@
 //! What a shader needs besides a pack's texture: `formats/src/table/decode.wgsl` and its uniform block.
 
 use super::curve::Curve;
-use super::header::{KNOTS, TableHeader};
+use super::header::{KNOTS, TableHeader, UNIFORM_BYTES};
+use super::pack::TablePack;
 use crate::crop::Window;
 
 /// The WGSL decoder. It declares a uniform block, two textures and a sampler in bind group 1; see the file.
@@ -22,13 +23,14 @@ pub struct TableBrdfParameters {
 
 impl TableBrdfParameters {
     /// Bytes of the block.
-    pub const SIZE: usize = 144;
+    pub const SIZE: usize = UNIFORM_BYTES;
 
-    /// The parameters of a pack with this header and curve, whose texture has this window. `distance_scale` is `α` of [`level_of_detail`](crate::wavelet::level_of_detail).
-    pub fn new(header: &TableHeader, window: Window, curve: Option<&Curve>, distance_scale: f32) -> Self {
+    /// The parameters of a pack. `distance_scale` is `α` of [`level_of_detail`](crate::wavelet::level_of_detail).
+    pub fn new(pack: &TablePack, distance_scale: f32) -> Self {
+        let curve = pack.curve();
         Self {
-            header: *header,
-            window,
+            header: *pack.header(),
+            window: pack.window(),
             curve_nodes: curve.map_or(0, |curve| curve.nodes() as u32),
             curve_levels: curve.map_or(0, Curve::levels),
             distance_scale,

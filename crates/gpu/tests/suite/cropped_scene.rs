@@ -83,7 +83,7 @@ fn cropped_packs_draw_the_scene_as_whole_ones_do() {
         assert!(10 * cropped.gpu_bytes() < 9 * whole.gpu_bytes(), "{number}: something is left out");
         assert_eq!(by_cpu(&scene, cropped), by_cpu(&scene, whole), "{number}");
         // The control: where directions are left out, it shows.
-        assert!(largest_difference(&by_cpu(&low, cropped), &by_cpu(&low, whole)) > 1e-3, "{number}");
+        assert_ne!(by_cpu(&low, cropped), by_cpu(&low, whole), "{number}");
         let Some(gpu) = crate::common::gpu() else { continue };
         let exact = |pack: &BrdfPack| by_shader(gpu, &scene, pack, SliceFilter::Exact);
         assert_eq!(exact(cropped), exact(whole), "{number}");
