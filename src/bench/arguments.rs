@@ -62,7 +62,7 @@ pub struct Arguments {
     /// Python with the packages of tests/peers/requirements.txt, by which codecs measures zfp and SZ3, too.
     #[arg(long, value_name = "PYTHON")]
     pub(super) peers: Option<PathBuf>,
-    /// Few settings of pareto, small grids and few cases of stress: seconds.
+    /// Few settings of pareto, small grids and few cases of stress, few pixels of level-of-detail: seconds.
     #[arg(long)]
     pub(super) small: bool,
 }
@@ -101,7 +101,7 @@ impl Arguments {
                 &[Study::Throughput, Study::Codecs, Study::LevelOfDetail, Study::Images],
             ),
             (self.peers.is_some(), "peers", &[Study::Codecs]),
-            (self.small, "small", &[Study::Pareto, Study::Stress]),
+            (self.small, "small", &[Study::Pareto, Study::Stress, Study::LevelOfDetail]),
         ] {
             if given && !studies.contains(&self.study) {
                 let names: Vec<String> =

@@ -42,7 +42,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
             if let Some(folder) = &arguments.out {
                 make_folder(folder)?;
             }
-            let (result, animation) = level_of_detail(&gpu, &pack, progress)?;
+            let (result, animation) = level_of_detail(&gpu, &pack, arguments.small, progress)?;
             if let Some(folder) = &arguments.out {
                 write_frames(folder, &animation)?;
             }

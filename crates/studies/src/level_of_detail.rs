@@ -19,8 +19,9 @@ const STEP: f64 = 0.3;
 /// Flicker is measured where the terrain is at least this far away: a step of the camera moves it by less than a pixel,
 /// so that smooth pictures hardly change.
 const FAR: f64 = 60.0;
-/// Pixels of a frame.
+/// Pixels of a frame, and of a small one.
 const FRAME: Frame = Frame { width: 512, height: 288, samples: 1 };
+const SMALL: Frame = Frame { width: 128, height: 72, samples: 1 };
 /// Samples per pixel and axis of the frames that flicker as little as a picture can.
 const SMOOTH_SAMPLES: usize = 4;
 /// Runs of a timing, of which the fastest counts.
@@ -95,15 +96,17 @@ pub struct Animation {
     pub exposure: f64,
 }
 
-/// Measures a pack on the terrain. `progress` hears what is done.
+/// Measures a pack on the terrain, on few pixels if it is to be `small`. `progress` hears what is done.
 ///
 /// # Errors
 /// What the driver reports.
 pub fn level_of_detail(
     gpu: &Gpu,
     pack: &BrdfPack,
+    small: bool,
     progress: impl Fn(&str),
 ) -> Result<(LevelOfDetail, Animation), GpuError> {
+    let frame = if small { SMALL } else { FRAME };
     let finest = pack.levels();
     let renderer = Renderer::new(gpu)?;
     let scene = Builtin::Terrain.scene();
@@ -115,7 +118,7 @@ pub fn level_of_detail(
     };
     let load = |filter, level| renderer.load(&scene, &[pack], decoding(filter, level));
     let time_of = |loaded: &LoadedScene| -> Result<f64, GpuError> {
-        let target = renderer.target(FRAME.width, FRAME.height)?;
+        let target = renderer.target(frame.width, frame.height)?;
         let mut best = f64::INFINITY;
         for run in 0..=RUNS {
             let start = Instant::now();
@@ -146,7 +149,7 @@ pub fn level_of_detail(
 
     let animate = |level, samples| -> Result<Vec<LinearImage>, GpuError> {
         let loaded = load(Filter::Bilinear, level)?;
-        let frame = Frame { samples, ..FRAME };
+        let frame = Frame { samples, ..frame };
         (0..FRAMES).map(|k| renderer.draw(&loaded, &moved(&scene, k), frame)).collect()
     };
     let finest_level = Some(finest as f32);
@@ -154,10 +157,10 @@ pub fn level_of_detail(
     progress("smooth frames drawn");
     let exposure = auto_exposure(&smooth[0]);
     let animation = Animation { finest: animate(finest_level, 1)?, by_distance: animate(None, 1)?, smooth, exposure };
-    let far = far_pixels(&scene);
+    let far = far_pixels(&scene, frame);
     let result = LevelOfDetail {
         adapter: gpu.description().clone(),
-        size: [FRAME.width, FRAME.height],
+        size: [frame.width, frame.height],
         shaded: animation.finest[0].coverage.iter().filter(|c| **c > 0.0).count(),
         triangles: scene.parts.iter().map(|part| part.mesh.triangles.len()).sum(),
         lights: scene.lights.len(),
@@ -194,11 +197,11 @@ fn display_luminance(pixel: [f32; 3], exposure: f64) -> f64 {
 }
 
 /// Whether a pixel of the first frame shows terrain that is [`FAR`] away.
-fn far_pixels(scene: &Scene) -> Vec<bool> {
+fn far_pixels(scene: &Scene, frame: Frame) -> Vec<bool> {
     let is_far = |hit: &Option<Hit>| {
         hit.as_ref().is_some_and(|hit| ShadingPoint::new(&scene.parts[0], hit, scene.camera.eye).distance >= FAR)
     };
-    trace(scene, FRAME).0.iter().map(is_far).collect()
+    trace(scene, frame).0.iter().map(is_far).collect()
 }
 
 /// Temporal variance of luminance over frames, of those of the chosen pixels that show a surface in all of them.

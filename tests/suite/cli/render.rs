@@ -427,7 +427,7 @@ fn the_studies_that_draw() {
     let row = &images["rows"][0];
     let mean = |key: &str| row[key][0].as_f64().unwrap();
     assert!(mean("table") < mean("shader") && mean("shader") < 1.3, "{row}");
-    let detail = study(&["level-of-detail", "small.ktx2", "--out", "frames"]);
+    let detail = study(&["level-of-detail", "small.ktx2", "--small", "--out", "frames"]);
     assert_eq!(detail["levels"].as_array().unwrap().len(), 3);
     let variance = |key: &str| detail[key]["variance"].as_f64().unwrap();
     assert!(variance("by_distance") < variance("finest"), "{detail}");
