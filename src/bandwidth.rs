@@ -1,7 +1,8 @@
 //! `brdfc bandwidth`: how fast a material, an environment or a texture varies, as a map.
 
 use super::output::{
-    note, output_parser, print, print_json, print_report, refuse_overwriting, refuse_unfit_output, to_json, write_file,
+    note, note_directions, output_parser, print, print_json, print_report, refuse_overwriting, refuse_unfit_output,
+    to_json, write_file,
 };
 use super::{CliError, Common};
 use crate::table;
@@ -209,6 +210,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         Recipe::Brdf { resolution } => {
             let material = || Ok(open(&arguments.input, None)?.source);
             timed(material, |source| {
+                note_directions(common, &arguments.input, source.as_ref());
                 let (map, tally) = brdf_map(source.as_ref(), resolution, epsilon)?;
                 Ok((map, Some(tally)))
             })?

@@ -133,6 +133,7 @@ impl From<PackError> for CliError {
             PackError::Wavelet(error) => error.into(),
             PackError::Table(TableError::TooFewBytes { .. })
             | PackError::NothingMeasured
+            | PackError::OtherDirections { .. }
             | PackError::TooFewFetches { .. } => Self::Check(error.to_string()),
             PackError::Table(TableError::Format(error)) => Self::own_layout(error),
             PackError::Table(TableError::Cancelled(_)) | PackError::Cancelled(_) => Self::Interrupted,

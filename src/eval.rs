@@ -1,7 +1,7 @@
 //! `brdfc eval`: values at given direction pairs.
 
 use super::inputs::refuse_stdin_twice;
-use super::output::{note, output_parser, print, refuse_overwriting, refuse_unfit_output, write_file};
+use super::output::{note, note_directions, output_parser, print, refuse_overwriting, refuse_unfit_output, write_file};
 use super::{CliError, Common};
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::measured::scan_csv::directions_from_bytes;
@@ -57,6 +57,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let in_file = |error| CliError::Input(format!("{directions}: {error}"));
     let pairs = directions_from_bytes(&bytes).map_err(in_file)?;
     let opened = open(&arguments.input, arguments.lod)?;
+    note_directions(common, &arguments.input, opened.source.as_ref());
     match (&opened.facts, arguments.lod) {
         (Facts::WaveletPack { levels, .. } | Facts::TablePack { levels, .. }, Some(level))
             if level > *levels as f32 =>

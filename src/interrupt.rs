@@ -35,6 +35,11 @@ impl Interrupt {
     }
 }
 
+/// Whether an interrupt came.
+pub fn is_asked() -> bool {
+    ASKED.load(Ordering::Relaxed)
+}
+
 /// From now on an interrupt sets a flag, and soon after ends the process. Nothing is half written: finished files are put in
 /// place all together.
 pub fn watch() -> Result<Interrupt, CliError> {

@@ -2,6 +2,7 @@
 
 use super::{CliError, Common};
 use brdfc_jobs::write::{is_standard_output, write_atomic};
+use brdfc_source::Source;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -170,6 +171,14 @@ pub fn remark(common: Common, text: &str) {
 /// A remark about an input: what had to be mended, or what its figures do not show.
 pub fn note(common: Common, about: &impl std::fmt::Display, line: &str) {
     remark(common, &format!("note: {about}: {line}"));
+}
+
+/// Says what a source is for, if it does not hold all directions.
+pub fn note_directions(common: Common, input: &impl std::fmt::Display, source: &dyn Source) {
+    let directions = source.directions();
+    if !directions.is_all() {
+        note(common, input, &format!("the pack is for {directions}; elsewhere it has the nearest that it holds"));
+    }
 }
 
 /// Prints a report. Behind a file that goes to standard output it would be taken for a part of it, so it is a remark then.

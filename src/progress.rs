@@ -1,6 +1,7 @@
 //! Progress on stderr: a bar with the time left on a terminal, plain lines elsewhere.
 
 use super::Common;
+use super::interrupt;
 use super::output::tell;
 use brdfc_jobs::scene::plan::Plan;
 use brdfc_source::progress::{Cancelled, Progress, Stage};
@@ -92,7 +93,8 @@ impl Drop for Materials<'_> {
 
 impl Progress for Materials<'_> {
     fn check(&self) -> Result<(), Cancelled> {
-        if self.cancelled.load(Ordering::Relaxed) { Err(Cancelled) } else { Ok(()) }
+        let is_over = self.cancelled.load(Ordering::Relaxed) || interrupt::is_asked();
+        if is_over { Err(Cancelled) } else { Ok(()) }
     }
 
     fn part<'a>(&'a self, name: &'a str) -> Box<dyn Progress + 'a> {

@@ -1,7 +1,9 @@
 //! `brdfc samples`: directions drawn in proportion to a material's lobes, as a pack.
 
 use super::info::{importance_in_words, lines_of};
-use super::output::{note, output_parser, print_report, refuse_overwriting, refuse_unfit_output, to_json, write_file};
+use super::output::{
+    note, note_directions, output_parser, print_report, refuse_overwriting, refuse_unfit_output, to_json, write_file,
+};
 use super::{CliError, Common};
 use crate::table;
 use brdfc_formats::FormatError;
@@ -126,6 +128,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     refuse_unfit_output(&arguments.output, "ktx2")?;
     let start = Instant::now();
     let source = open(&arguments.input, None)?.source;
+    note_directions(common, &arguments.input, source.as_ref());
     let read = start.elapsed().as_secs_f64();
     let isotropic = source.symmetry().isotropic;
     if let (Some(azimuths), true) = (arguments.azimuths, isotropic) {

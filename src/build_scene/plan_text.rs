@@ -4,6 +4,7 @@ use crate::table;
 use brdfc_jobs::encode::recipe::{Budget, PackRecipe};
 use brdfc_jobs::report::build::{BuildReport, MaterialEntry, environment_map};
 use brdfc_jobs::scene::explain::Explained;
+use brdfc_jobs::scene::maps::PARTS;
 use brdfc_jobs::scene::plan::{Plan, pack_name};
 use brdfc_jobs::scene::predict::Predicted;
 use brdfc_table::recipe::Size;
@@ -22,7 +23,11 @@ pub(super) fn text(plan: &Plan, report: &BuildReport, out: &Path) -> String {
                 job.needs.uses.to_string(),
                 codec(&job.recipe).to_owned(),
                 target(&job.recipe),
-                predicted(planned),
+                if job.input.path().is_some_and(|path| !path.exists()) {
+                    "no such file".to_owned()
+                } else {
+                    predicted(planned)
+                },
                 job.source.clone(),
                 out.join(pack_name(&job.name)).display().to_string(),
             ]
@@ -32,7 +37,18 @@ pub(super) fn text(plan: &Plan, report: &BuildReport, out: &Path) -> String {
     let mut text = table::plain(&header, &rows);
     if let Some(job) = &plan.environment {
         let map = out.join(environment_map()).display().to_string();
-        text += &format!("lit by {}: {map}, and a bandwidth map and importance samples of each material\n", job.source);
+        text += &format!("lit by {}: {map}\n", job.source);
+    }
+    for (part, words) in PARTS.into_iter().zip(["bandwidth maps", "importance samples"]) {
+        let of: Vec<&str> = plan
+            .jobs
+            .iter()
+            .filter(|job| job.maps.is_some_and(|recipe| recipe.parts().any(|wanted| wanted == part)))
+            .map(|job| job.name.as_str())
+            .collect();
+        if !of.is_empty() {
+            text += &format!("{words} of {}\n", of.join(", "));
+        }
     }
     if !plan.skipped.is_empty() {
         text += &format!("not used by the scene: {}\n", plan.skipped.join(", "));
@@ -48,7 +64,10 @@ pub(super) fn needs(explained: &[Explained]) -> String {
     let row = |explained: &Explained| {
         let about = if explained.need == "nothing" { "about " } else { "" };
         let bytes = explained.saved_bytes.map(|bytes| format!("{about}{}", table::bytes(bytes)));
-        let seconds = explained.saved_seconds.map(|seconds| format!("about {seconds:.2} s"));
+        let seconds = explained.saved_seconds.map(|seconds| match seconds {
+            0.0 => "no time".to_owned(),
+            _ => format!("about {seconds:.2} s"),
+        });
         let saved: Vec<String> = bytes.into_iter().chain(seconds).collect();
         let saved = if saved.is_empty() { "-".to_owned() } else { saved.join(", ") };
         vec![explained.material.clone(), explained.need.clone(), explained.why.clone(), saved]

@@ -70,6 +70,10 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let materials: Vec<AdaptiveMaterial<'_>> =
         parts.iter().map(|part| lookups[*part].material(&reflectances[*part] as &dyn Reflectance)).collect();
     let packs: Vec<&BrdfPack> = parts.iter().map(|part| &prepared[*part].pack).collect();
+    for part in prepared.iter().filter(|part| !part.pack.directions().is_all()) {
+        let text = format!("the pack is for {}; elsewhere the nearest that it holds is shown", part.pack.directions());
+        note(common, &part.name, &text);
+    }
     let adaptive_scene = AdaptiveScene { scene: &setup.scene, light: &light, materials: &materials };
 
     let renderer = AdaptiveRenderer::new(&gpu)?;

@@ -4,6 +4,7 @@
 
 use brdfc_bandwidth::environment::environment_bandwidth;
 use brdfc_bandwidth::lobe::lobe_bandwidth;
+use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::measured::merl::{Dimensions, Merl};
 use brdfc_formats::measured::scan::Scan;
@@ -162,7 +163,9 @@ fn measuring(criterion: &mut Criterion) {
     let decoded = PackSource::new(&s.pack, None);
     let set = PairSet::comparison();
     let mut group = criterion.benchmark_group("measure");
-    group.bench_function("on the grid", |b| b.iter(|| grid_error(black_box(&s.table), decoded.decoder())));
+    group.bench_function("on the grid", |b| {
+        b.iter(|| grid_error(black_box(&s.table), decoded.decoder(), DirectionRange::ALL))
+    });
     group.throughput(Throughput::Elements(set.pairs.len() as u64));
     group.bench_function("off the grid", |b| b.iter(|| compare(&s.source, &decoded, &set)));
 }

@@ -9,7 +9,7 @@ use brdfc_formats::direction::{DirectionPair, dot};
 use brdfc_metrics::image::LinearImage;
 use rayon::prelude::*;
 
-/// Of each pixel, whether a sample of it sees a part that is lit or seen from outside the range of its material; `directions`
+/// Of each pixel, whether a sample of it sees a part that is lit or seen from outside the range of its material, lit or not; `directions`
 /// has one range for each part.
 ///
 /// # Panics
@@ -24,6 +24,9 @@ pub fn outside(scene: &Scene, frame: Frame, hits: &Hits, directions: &[Direction
             return false;
         }
         let point = ShadingPoint::new(part, hit, scene.camera.eye);
+        if !range.view.contain(point.outgoing) {
+            return true;
+        }
         scene.lights.iter().any(|light| {
             let to_light = subtract(light.position, point.position);
             let incoming = point.local(to_light.map(|c| c / dot(to_light, to_light).sqrt()));

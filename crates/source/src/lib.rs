@@ -33,6 +33,7 @@ pub use scan::ScanSource;
 pub use symmetry::Symmetry;
 pub use tally::Tally;
 
+use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::DirectionPair;
 
 /// A reflectance function that can be asked for `f_r` anywhere.
@@ -49,5 +50,11 @@ pub trait Source: Send + Sync {
     /// Whether all three channels are equal everywhere, so that one is enough.
     fn is_grey(&self) -> bool {
         false
+    }
+
+    /// Directions at which values are known: of a pack that was made for some only, these. Elsewhere `eval` gives the nearest
+    /// that there are.
+    fn directions(&self) -> DirectionRange {
+        DirectionRange::ALL
     }
 }

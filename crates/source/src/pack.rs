@@ -4,6 +4,7 @@ use super::error::InputError;
 use super::format::{Facts, Format, Opened};
 use super::input::{Input, InputFile};
 use super::{Source, Symmetry, Tally};
+use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::table::{TableDecoder, TablePack};
 use brdfc_formats::wavelet::{Filter, WaveletDecoder, WaveletPack};
@@ -105,13 +106,15 @@ fn file_name(path: &Path) -> Option<&str> {
 #[derive(Debug)]
 pub struct PackSource {
     decoder: WaveletDecoder,
+    directions: DirectionRange,
     level: f32,
 }
 
 impl PackSource {
     /// `level` is the level of detail, `0.0..=N`; `None` is the finest.
     pub fn new(pack: &WaveletPack, level: Option<f32>) -> Self {
-        Self { decoder: WaveletDecoder::new(pack), level: level.unwrap_or(pack.header.levels as f32) }
+        let level = level.unwrap_or(pack.header.levels as f32);
+        Self { decoder: WaveletDecoder::new(pack), directions: pack.directions(), level }
     }
 
     /// The decoder.
@@ -133,12 +136,17 @@ impl Source for PackSource {
     fn is_grey(&self) -> bool {
         self.decoder.header().channels == 1
     }
+
+    fn directions(&self) -> DirectionRange {
+        self.directions
+    }
 }
 
 /// A table pack, filtered exactly.
 #[derive(Debug)]
 pub struct TableSource {
     decoder: TableDecoder,
+    directions: DirectionRange,
     level: f32,
 }
 
@@ -150,7 +158,8 @@ impl TableSource {
 
     /// `level` is the level of detail, from 0 to the pack's number of levels; `None` is the finest.
     pub fn at(pack: &TablePack, level: Option<f32>) -> Self {
-        Self { decoder: TableDecoder::new(pack), level: level.unwrap_or(pack.levels() as f32) }
+        let level = level.unwrap_or(pack.levels() as f32);
+        Self { decoder: TableDecoder::new(pack), directions: pack.directions(), level }
     }
 }
 
@@ -169,5 +178,9 @@ impl Source for TableSource {
 
     fn is_grey(&self) -> bool {
         self.decoder.header().channels == 1
+    }
+
+    fn directions(&self) -> DirectionRange {
+        self.directions
     }
 }

@@ -91,7 +91,10 @@ fn the_study_of_stress_holds_every_bound() {
     assert!(ran.stdout.contains("bounds hold.") && ran.stderr.contains("kinds of stages"), "{ran:?}");
     for (arguments, expected) in [
         (&["--study", "stress", "synth:ggx"][..], "INPUT: found with --study stress; allowed with"),
-        (&["--study", "rays", "--small"], "--small: found with another study; allowed with --study pareto, stress, level-of-detail"),
+        (
+            &["--study", "rays", "--small"],
+            "--small: found with another study; allowed with --study pareto, stress, level-of-detail",
+        ),
         (&["--study", "stress", "--out", "x"], "--out: found with another study"),
     ] {
         let ran = folder.run(&[&["bench"][..], arguments].concat());

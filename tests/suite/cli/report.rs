@@ -239,3 +239,20 @@ fn folders_that_are_not_what_their_report_says() {
     std::fs::remove_file(folder.path().join("packs/velvet.brdf.ktx2")).unwrap();
     refused(4, "packs/velvet.brdf.ktx2: cannot read", &["packs", "-o", "page.html"]);
 }
+
+/// A page does not compare a pack with a file that is another one now.
+#[test]
+fn a_source_that_changed_since_the_build_is_not_compared() {
+    let folder = Folder::new();
+    inputs(&folder);
+    folder.run(&["build", "table.binary", "--out", "p"]).succeeded();
+    folder.run(&["report", "p", "-o", "before.html"]).succeeded();
+    assert!(folder.text("before.html").contains("ΔE"));
+    let mut bytes = std::fs::read(folder.path().join("table.binary")).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle..middle + 4000].fill(63);
+    std::fs::write(folder.path().join("table.binary"), bytes).unwrap();
+    folder.run(&["report", "p", "-o", "after.html"]).succeeded();
+    let page = folder.text("after.html");
+    assert!(page.contains("it has changed since the build"), "{}", &page[page.len() - 3000..]);
+}

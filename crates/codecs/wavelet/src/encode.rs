@@ -159,7 +159,7 @@ pub fn encode_tabulated(
     drop(coefficients);
 
     start(Stage::MeasureOnGrid)?;
-    let on_grid = grid_error(&reference, &WaveletDecoder::new(&pack));
+    let on_grid = grid_error(&reference, &WaveletDecoder::new(&pack), recipe.directions);
     drop(reference);
 
     let whole = pack.gpu_bytes();
@@ -182,6 +182,7 @@ pub fn encode_tabulated(
 
 /// What is left of a pack where directions are cropped.
 struct Needs {
+    directions: DirectionRange,
     window: Window,
     coefficients: Vec<bool>,
 }
@@ -189,7 +190,11 @@ struct Needs {
 impl Needs {
     fn new(header: &Header, recipe: &Recipe) -> Self {
         let DirectionRange { light, view } = recipe.directions;
-        Self { window: window(header, light), coefficients: needed_coefficients(header, view) }
+        Self {
+            directions: recipe.directions,
+            window: window(header, light),
+            coefficients: needed_coefficients(header, view),
+        }
     }
 }
 
@@ -220,7 +225,7 @@ fn choose(
             }
             let error = |count: usize| {
                 let pack = assemble(coefficients, &threshold::keep(ranking, count), header);
-                grid_error(reference, &WaveletDecoder::new(&pack)).norms.relative_mean
+                grid_error(reference, &WaveletDecoder::new(&pack), needs.directions).norms.relative_mean
             };
             fewest_within(allowed, ranking.len().min(MAX_SLICES - 1), error)
                 .map_err(|(found, slices)| EncodeError::BudgetMissed { found, allowed, slices, bits: header.bits })?

@@ -1,6 +1,7 @@
 //! Codec error: a decoded pack against the table it was made from, at every sample of the grid.
 
 use super::table::Table;
+use brdfc_formats::crop::{DirectionRange, Elevations};
 use brdfc_formats::direction::{Parameterisation, cell_centre};
 use brdfc_formats::vector_math::exp;
 use brdfc_formats::wavelet::{RowScratch, WaveletDecoder};
@@ -25,16 +26,21 @@ pub struct GridError {
     pub reciprocity: f64,
 }
 
-/// Decodes the whole table and compares it with `reference` (values of `f`, not logarithms).
-pub fn grid_error(reference: &Table, decoder: &WaveletDecoder) -> GridError {
+/// Decodes the whole table and compares it with `reference` (values of `f`, not logarithms), at the samples of a range of
+/// directions. Reciprocity is that of a whole pack.
+pub fn grid_error(reference: &Table, decoder: &WaveletDecoder, directions: DirectionRange) -> GridError {
     let grid = reference.grid;
     let (n, cells, channels) = (grid.n(), grid.cells(), reference.channels());
     let mean = f64::from(decoder.header().mean);
     let centre = |cell: usize| cell_centre(cell % n, cell / n, n);
     let tangent_pole = grid.parameterisation == Parameterisation::TangentPole;
+    let seen: Vec<bool> = (0..cells).map(|cell| directions.view.contain(centre(cell))).collect();
     // Solid angle of a cell times the outgoing cosine.
     let albedo_weight: Vec<f64> = (0..cells)
         .map(|cell| {
+            if !seen[cell] {
+                return 0.0;
+            }
             let [x, _, z] = centre(cell);
             (std::f64::consts::PI / n as f64).powi(2) * x.hypot(z) * z
         })
@@ -50,6 +56,9 @@ pub fn grid_error(reference: &Table, decoder: &WaveletDecoder) -> GridError {
             let mut kept = Vec::new();
             let mut scratch = RowScratch::default();
             for outer in chunk * CHUNK..((chunk + 1) * CHUNK).min(cells) {
+                if tangent_pole && !directions.light.contain(centre(outer)) {
+                    continue;
+                }
                 let (row, flip) = reference.fold.locate(outer);
                 for channel in 0..channels {
                     decoder.decode_row(outer, channel, &mut decoded, &mut scratch);
@@ -58,12 +67,21 @@ pub fn grid_error(reference: &Table, decoder: &WaveletDecoder) -> GridError {
                     let samples = reference.row(channel, row);
                     flip.unfold(samples, n, &mut unfolded);
                     if tangent_pole {
-                        sums.add_row(&unfolded, &decoded, centre(outer)[2] as f32);
+                        if directions.view == Elevations::ALL {
+                            sums.add_row(&unfolded, &decoded, centre(outer)[2] as f32);
+                        } else {
+                            let only = |all: &[f32]| -> Vec<f32> {
+                                all.iter().zip(&seen).filter(|(_, seen)| **seen).map(|(value, _)| *value).collect()
+                            };
+                            sums.add_row(&only(&unfolded), &only(&decoded), centre(outer)[2] as f32);
+                        }
                         let albedo: f64 = (0..cells)
                             .map(|inner| f64::from(decoded[inner] - unfolded[inner]) * albedo_weight[inner])
                             .sum();
                         albedo_max = albedo_max.max(albedo.abs());
-                        kept.extend_from_slice(&decoded);
+                        if directions.is_all() {
+                            kept.extend_from_slice(&decoded);
+                        }
                         continue;
                     }
                     for inner in 0..cells {
@@ -87,7 +105,9 @@ pub fn grid_error(reference: &Table, decoder: &WaveletDecoder) -> GridError {
     let mut error = GridError { norms: sums.norms(), ..GridError::default() };
     if tangent_pole {
         error.albedo_max_difference = albedo_max;
-        error.reciprocity = reciprocity(reference, &parts, mean);
+        if directions.is_all() {
+            error.reciprocity = reciprocity(reference, &parts, mean);
+        }
     }
     error
 }

@@ -18,7 +18,7 @@ use brdfc_wavelet::tabulated::Tabulated;
 
 /// Smallest and largest table that is tried, bytes on a GPU; each next one is twice as large. Few layers leave knobs on
 /// the outlines of anisotropic highlights, which hardly count in a mean: their smallest is larger.
-pub(crate) const SMALLEST: u64 = 1 << 10;
+const SMALLEST: u64 = 1 << 10;
 const SMALLEST_ANISOTROPIC: u64 = 4 << 10;
 /// Likewise where there are levels of detail: with few nodes a row does not keep the light of a narrow highlight.
 const SMALLEST_WITH_LEVELS: u64 = 8 << 10;

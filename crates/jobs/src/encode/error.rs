@@ -1,5 +1,6 @@
 //! Why there is no pack.
 
+use brdfc_formats::crop::DirectionRange;
 use brdfc_source::progress::Cancelled;
 
 /// Why there is no pack.
@@ -26,6 +27,16 @@ pub enum PackError {
         allowed: u32,
         /// Fewest that any codec has.
         fewest: u32,
+    },
+    /// A pack that is for other directions.
+    #[error(
+        "directions: found a pack for {has}, as a source; allowed one that has some of those that are needed: {needed}"
+    )]
+    OtherDirections {
+        /// What the source is for.
+        has: DirectionRange,
+        /// What is needed.
+        needed: DirectionRange,
     },
     /// The caller asked to stop.
     #[error(transparent)]

@@ -30,7 +30,12 @@ pub fn encode_with(
     shelf: &dyn TableShelf,
     progress: &dyn Progress,
 ) -> Result<EncodedPack, PackError> {
-    Ok(match recipe {
+    // A pack that was made for some directions only says nothing of others.
+    let (has, needed) = (source.directions(), recipe.directions());
+    let common = has.common(needed).ok_or(PackError::OtherDirections { has, needed })?;
+    let mut recipe = recipe.clone();
+    recipe.limit_directions(common);
+    Ok(match &recipe {
         PackRecipe::Auto(recipe) => search(source, recipe, shelf, progress)?,
         PackRecipe::Table(recipe) => {
             let mut made = of_table(brdfc_table::encode::encode(source, recipe, progress)?);

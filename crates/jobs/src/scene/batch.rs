@@ -134,7 +134,8 @@ pub fn is_material(path: &Path) -> bool {
 /// Whether it is a material that is no pack yet. Tables of all kinds are called .csv: one that is a scan has columns of values.
 fn is_measured(path: &Path) -> bool {
     let called = |name: &str| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(name));
-    is_material(path) && !called("ktx2") && (!called("csv") || has_values(path))
+    // What is no plain file, such as a pipe, may have nothing to read for ever.
+    path.is_file() && is_material(path) && !called("ktx2") && (!called("csv") || has_values(path))
 }
 
 /// Whether the start names a column that scans alone have. What cannot be read is for the reader to tell.
@@ -182,12 +183,18 @@ fn matching(pattern: &OsStr) -> Result<Vec<OsString>, BatchError> {
     let options =
         glob::MatchOptions { require_literal_separator: true, require_literal_leading_dot: true, ..Default::default() };
     let paths = glob::glob_with(text, options).map_err(|error| nothing(format!("a wrong pattern, {}", error.msg)))?;
-    let mut files: Vec<PathBuf> = paths.flatten().filter(|path| !path.is_dir()).collect();
+    let mut files: Vec<PathBuf> = paths.flatten().filter(|path| path.is_file() && !is_built(path)).collect();
     files.sort();
     if files.is_empty() {
         return Err(nothing("no file that matches".to_owned()));
     }
     Ok(files.into_iter().map(OsString::from).collect())
+}
+
+/// Whether it is a pack in the output folder of a build: a pattern that is wide means none of them.
+fn is_built(path: &Path) -> bool {
+    let is_pack = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ktx2"));
+    is_pack && path.parent().is_some_and(|folder| folder.join(crate::store::FOLDER).is_dir())
 }
 
 /// A pattern of a manifest; characters of its folder's name stand for themselves.

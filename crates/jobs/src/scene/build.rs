@@ -8,6 +8,7 @@ use crate::output_folder::{Changes, Contents, FolderError, NewFile, OutputFolder
 use crate::report::build::{BuildReport, environment_map};
 use crate::report::material::{MaterialReport, StageTime};
 use crate::scene::maps::MapsReport;
+use crate::store::Digest;
 use crate::store::{FOLDER, Store, StoreError, read_record, write_record};
 use brdfc_source::progress::{Cancelled, Progress};
 use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
@@ -126,6 +127,8 @@ pub fn build(plan: &Plan, settings: &BuildSettings<'_>, progress: &dyn Progress)
 pub struct BuiltNote {
     /// Path or address of its source.
     pub source: String,
+    /// Hash of what was read of it.
+    pub digest: Option<Digest>,
     /// Seconds per stage when its pack was made.
     pub stages: Vec<StageTime>,
 }
@@ -140,7 +143,7 @@ fn write_notes(store: &Store, plan: &Plan, outcomes: &Outcomes) {
             Some(path) => std::path::absolute(path).ok()?.display().to_string(),
             None => input.to_string(),
         };
-        Some((name.to_owned(), BuiltNote { source, stages: made.pack_times.clone() }))
+        Some((name.to_owned(), BuiltNote { source, digest: Some(made.source), stages: made.pack_times.clone() }))
     };
     let notes: BTreeMap<String, BuiltNote> = outcomes.made().filter_map(note).collect();
     let _ = crate::write::write_atomic(&store.root().join(NOTES), &write_record(&notes));

@@ -8,6 +8,7 @@ use crate::encode::recipe::PackRecipe;
 use crate::report::material::StageTime;
 use brdfc_formats::crop::{DirectionRange, Elevations};
 use brdfc_source::progress::Stage;
+use brdfc_table::recipe::Size;
 use brdfc_wavelet::recipe::Target;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -31,7 +32,7 @@ pub struct Explained {
 
 /// The needs of all materials of a plan; what is saved where there are packs.
 pub fn explain(plan: &Plan, made: &BTreeMap<&str, &Made>) -> Vec<Explained> {
-    let maps = Mean::of(made.values().filter_map(|made| of_maps(made)));
+    let maps = [0, 1].map(|k| Mean::of(made.values().filter_map(|made| of_map(made, k))));
     let packs = Mean::of(made.values().map(|made| (made.report.bytes_on_gpu, seconds(&made.pack_times, |_| true))));
     let mut all = Vec::new();
     for job in &plan.jobs {
@@ -101,13 +102,17 @@ fn levels(job: &Job, made: Option<&Made>) -> Option<Explained> {
     let why = format!("nearest at {}: {}", job.needs.nearest, names(&job.uses, nearest).unwrap_or_default());
     let saved_bytes = made.and_then(|made| match (&made.report.codec, recipe.target) {
         (CodecReport::Wavelet(report), Target::Ratio(ratio)) => {
+            // Slices of all directions; what these leave out counts by itself.
             let all = (report.slices_in_all as f64 / ratio).round() as u64;
-            let texels = made.report.bytes_on_gpu.saturating_sub(16 * report.slices_in_all as u64);
-            Some(all.saturating_sub(report.slices_kept as u64) * texels / (report.slices_kept as u64 + 1))
+            let stored = all.min(1 << (2 * recipe.stored_levels));
+            let components = if made.report.channels == 1 { 1 } else { 4 };
+            let texel = components * if recipe.bits == 8 { 1 } else { 2 };
+            Some((all - stored) * report.slices_in_all as u64 * texel)
         }
         _ => None,
     });
-    Some(Explained { saved_bytes, ..said(job, &need, &why) })
+    let saved_seconds = made.map(|_| 0.0);
+    Some(Explained { saved_bytes, saved_seconds, ..said(job, &need, &why) })
 }
 
 /// Coarser levels of detail of tables that are not stored.
@@ -140,12 +145,18 @@ fn directions(job: &Job, made: Option<&Made>) -> Option<Explained> {
     };
     let parts: Vec<String> =
         [of("light", light), of("seen", view)].into_iter().filter(|part| !part.is_empty()).collect();
-    let saved_bytes = made.map(|made| made.report.cropped_bytes);
-    Some(Explained { saved_bytes, ..said(job, &parts.join(", "), &why) })
+    // Where bytes are given, what is cropped is room for more nodes and slices.
+    let fills = match &job.recipe {
+        PackRecipe::Auto(recipe) => !recipe.budget.limits_error(),
+        PackRecipe::Table(recipe) => matches!(recipe.size, Size::Bytes(_)),
+        PackRecipe::Wavelet(recipe) => matches!(recipe.target, Target::MaxBytes(_)),
+    };
+    let saved_bytes = made.filter(|_| !fills).map(|made| made.report.cropped_bytes);
+    Some(Explained { saved_bytes, saved_seconds: made.map(|_| 0.0), ..said(job, &parts.join(", "), &why) })
 }
 
 /// Maps that are not made of a scene that has an environment.
-fn without_maps(job: &Job, plan: &Plan, maps: Option<Mean>) -> Option<Explained> {
+fn without_maps(job: &Job, plan: &Plan, maps: [Option<Mean>; 2]) -> Option<Explained> {
     let wanted = job.maps.map_or([false; 2], |recipe| recipe.wanted);
     if !plan.has_environment || wanted == [true; 2] {
         return None;
@@ -156,19 +167,22 @@ fn without_maps(job: &Job, plan: &Plan, maps: Option<Mean>) -> Option<Explained>
         _ => "samples, no bandwidth map",
     };
     let why = if job.needs.lit_by_environment { "what uses want" } else { "points alone light it" };
-    let none = wanted == [false; 2];
-    let (saved_bytes, saved_seconds) =
-        if none { (maps.map(|mean| mean.bytes), maps.map(|mean| mean.seconds)) } else { (None, None) };
+    let missing = [0, 1].into_iter().filter(|k| !wanted[*k]);
+    let means: Option<Vec<Mean>> = missing.map(|k| maps[k]).collect();
+    let saved_bytes = means.as_ref().map(|means| means.iter().map(|mean| mean.bytes).sum());
+    let saved_seconds = means.map(|means| means.iter().map(|mean| mean.seconds).sum()).filter(|seconds| *seconds > 0.0);
     let names = names(&job.uses, |_| true).unwrap_or_default();
     Some(Explained { saved_bytes, saved_seconds, ..said(job, need, &format!("{why}: {names}")) })
 }
 
-/// Bytes and seconds of both maps of a material, where it has them and they were made now.
-fn of_maps(made: &Made) -> Option<(u64, f64)> {
+/// Bytes of a map of a material that has it, and seconds where it was made now.
+fn of_map(made: &Made, k: usize) -> Option<(u64, f64)> {
     let maps = made.maps.as_ref()?;
-    let bytes = maps.bandwidth.as_ref()?.facts.gpu_bytes + maps.samples.as_ref()?.facts.gpu_bytes;
-    let is_map = |stage: &str| [Stage::BandwidthMap, Stage::ImportanceSamples].iter().any(|map| map.name() == stage);
-    Some((bytes, seconds(made.times.as_ref()?, is_map)))
+    let (bytes, stage) = match k {
+        0 => (maps.bandwidth.as_ref()?.facts.gpu_bytes, Stage::BandwidthMap),
+        _ => (maps.samples.as_ref()?.facts.gpu_bytes, Stage::ImportanceSamples),
+    };
+    Some((bytes, made.times.as_ref().map_or(0.0, |times| seconds(times, |name| name == stage.name()))))
 }
 
 fn seconds(times: &[StageTime], counts: impl Fn(&str) -> bool) -> f64 {

@@ -1,6 +1,6 @@
 //! How large a pack will be, before it is made.
 
-use crate::encode::auto::{LARGEST, RATIOS, SMALLEST};
+use crate::encode::auto::{LARGEST, RATIOS};
 use crate::encode::recipe::PackRecipe;
 use brdfc_formats::wavelet::{Header, gpu_bytes};
 use brdfc_table::recipe::Size;
@@ -43,9 +43,8 @@ pub fn predict(recipe: &PackRecipe) -> Predicted {
                 most.into_iter().fold(LARGEST, u64::max)
             };
             let most = recipe.wavelet.as_ref().map_or(LARGEST, packs);
-            // The smallest that is tried does not fill its bytes.
             let most = recipe.budget.bytes.map_or(most, |bytes| bytes.min(most));
-            Predicted { least: if recipe.budget.limits_error() { (SMALLEST / 2).min(most) } else { 0 }, most }
+            Predicted { least: 0, most }
         }
     }
 }

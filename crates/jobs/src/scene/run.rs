@@ -49,6 +49,8 @@ pub struct Made {
     pub report: MaterialReport,
     /// What its maps hold, where it needs them.
     pub maps: Option<MapsReport>,
+    /// Hash of what it was made of.
+    pub source: Digest,
     /// What its gates saw.
     pub gates: Vec<GateResult>,
     /// Its files, by part.
@@ -173,6 +175,7 @@ pub(super) fn in_turn(count: usize, work: impl Fn(usize) + Sync) {
 
 /// What stands in the store of one material.
 struct Shelf {
+    source: Digest,
     pack: Option<Kept<PackNote>>,
     maps: Option<Kept<MapsReport>>,
 }
@@ -211,7 +214,7 @@ impl Workshop<'_> {
     pub fn known(&self, job: &Job) -> Option<Made> {
         let known = job.input.path().and_then(|path| self.store.known(path));
         let extension = job.input.path().map_or(String::new(), extension_of);
-        let source = known.or_else(|| Some(self.read(&job.input, &extension).ok()?.1))?;
+        let source = known.or_else(|| digest_of(&job.input, &extension))?;
         let shelf = self.look_up(job, source);
         shelf.has(job, Wanted::ALL).then(|| of_shelf(job, shelf, None))
     }
@@ -280,6 +283,7 @@ impl Workshop<'_> {
     fn look_up(&self, job: &Job, source: Digest) -> Shelf {
         let (store, placed) = (self.store, self.placed);
         Shelf {
+            source,
             pack: store.look_up(&pack_key(source, &job.recipe), placed),
             maps: job.maps.and_then(|recipe| store.look_up(&maps_key(source, &recipe), placed)),
         }
@@ -287,14 +291,7 @@ impl Workshop<'_> {
 
     /// Reads a source once: what it holds, and the hash of what was read.
     fn read(&self, source: &Input, extension: &str) -> Result<(Opened, Digest), JobError> {
-        let Some(path) = source.path() else {
-            let opened = open(source, None)?;
-            let brdfc_source::open::Facts::Synth { address } = &opened.facts else {
-                return Ok((opened, Digest::of(source.to_string().as_bytes())));
-            };
-            let digest = Digest::of(address.as_bytes());
-            return Ok((opened, digest));
-        };
+        let Some(path) = source.path() else { return Ok(opened_with_digest(source, extension)?) };
         let mut heard = HeardDigest::new(extension, memory::longest_source(extension, self.memory));
         let opened = open_file_heard(path, None, &mut heard)?;
         let digest = self.noted(path, heard)?;
@@ -376,6 +373,35 @@ impl Workshop<'_> {
     }
 }
 
+/// The hash of a source that can be read; nothing is noted.
+pub(crate) fn digest_of(source: &Input, extension: &str) -> Option<Digest> {
+    opened_with_digest(source, extension).ok().map(|(_, digest)| digest)
+}
+
+/// A source, and the hash of what was read of it.
+///
+/// # Errors
+/// What cannot be read, or changes meanwhile.
+pub(crate) fn opened_with_digest(source: &Input, extension: &str) -> Result<(Opened, Digest), InputError> {
+    let Some(path) = source.path() else {
+        let opened = open(source, None)?;
+        let digest = match &opened.facts {
+            brdfc_source::open::Facts::Synth { address } => Digest::of(address.as_bytes()),
+            _ => Digest::of(source.to_string().as_bytes()),
+        };
+        return Ok((opened, digest));
+    };
+    let mut heard = HeardDigest::new(extension, u64::MAX);
+    let opened = open_file_heard(path, None, &mut heard)?;
+    let changed = |_| InputError::io(path, std::io::Error::other("it was written to meanwhile"));
+    Ok((opened, heard.finish().map_err(changed)?.0))
+}
+
+/// The ending of a file's name, by which its kind is told.
+pub(crate) fn kind_of(source: &Input) -> String {
+    source.path().map_or(String::new(), extension_of)
+}
+
 fn of_shelf(job: &Job, shelf: Shelf, times: Option<Vec<StageTime>>) -> Made {
     let pack = shelf.pack.expect("the shelf is complete");
     let mut files = vec![(PACK, pack.files[0])];
@@ -385,7 +411,7 @@ fn of_shelf(job: &Job, shelf: Shelf, times: Option<Vec<StageTime>>) -> Made {
     });
     let (report, pack_times) = pack.report;
     let gates = gates::check(&job.gates, &report);
-    Made { report, maps, gates, files, times, pack_times }
+    Made { report, maps, source: shelf.source, gates, files, times, pack_times }
 }
 
 /// The file of a part of a material.

@@ -159,7 +159,7 @@ fn error_of_slices(known: &Known, choose: impl Fn(&[u32]) -> Vec<u32>) -> f64 {
         crop: None,
         texels: quantised.texels,
     };
-    grid_error(&table, &WaveletDecoder::new(&pack)).norms.relative_mean
+    grid_error(&table, &WaveletDecoder::new(&pack), brdfc_formats::crop::DirectionRange::ALL).norms.relative_mean
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use crate::report::build::{BuildReport, MaterialEntry};
 use crate::report::material::MaterialReport;
+use crate::scene::scene_section::ENVIRONMENT;
 use serde::{Deserialize, Serialize};
 
 /// A figure that got worse by more than is tolerated.
@@ -51,9 +52,28 @@ fn figures(report: &MaterialReport) -> [f64; 6] {
 }
 
 /// What is worse than in `old`: figures that grew by more than the share `tolerance`, materials that are gone or failed, gates
-/// that closed, limits that are missed. The worst come first.
+/// that closed, limits that are missed, also of materials that are new, the environment's map where it is gone. Where the
+/// directions are others figures do not compare: that is told. So is an earlier build that made nothing. The worst come first.
 pub fn regressions(new: &BuildReport, old: &BuildReport, tolerance: f64) -> Vec<Regression> {
     let mut found = Vec::new();
+    // A build that made nothing is nothing to be held against.
+    if old.materials.iter().all(|entry| entry.report.is_none()) {
+        found.push(only("all materials", "earlier build", "nothing was made", "nothing to compare with"));
+    }
+    for now in &new.materials {
+        let was = old.materials.iter().find(|entry| entry.material == now.material);
+        if was.is_none_or(|was| was.report.is_none()) {
+            match &now.error {
+                Some(error) => found.push(said(now, "material", "not there", error)),
+                None => closed(&MaterialEntry::default(), now, &mut found),
+            }
+        }
+    }
+    let map = |report: &BuildReport| report.environment.as_ref().map(|entry| entry.report.is_some());
+    if let (Some(true), now @ (None | Some(false))) = (map(old), map(new)) {
+        let error = new.environment.as_ref().and_then(|entry| entry.error.as_deref()).unwrap_or("not made");
+        found.push(only(ENVIRONMENT, "map", "made", if now.is_none() { "gone" } else { error }));
+    }
     for before in &old.materials {
         let now = new.materials.iter().find(|entry| entry.material == before.material);
         match (before.report.as_ref(), now) {
@@ -62,6 +82,12 @@ pub fn regressions(new: &BuildReport, old: &BuildReport, tolerance: f64) -> Vec<
                 None => found.push(said(before, "material", "made", now.error.as_deref().unwrap_or("not made"))),
                 Some(is) => {
                     closed(before, now, &mut found);
+                    // Errors at other directions are other figures.
+                    if was.directions != is.directions {
+                        let [before, after] = [was, is].map(directions);
+                        found.push(said(now, "directions", &before, &after));
+                        continue;
+                    }
                     grown(&before.material, was, is, tolerance, &mut found);
                 }
             },
@@ -73,6 +99,14 @@ pub fn regressions(new: &BuildReport, old: &BuildReport, tolerance: f64) -> Vec<
         growth(b).total_cmp(&growth(a)).then_with(|| a.material.cmp(&b.material))
     });
     found
+}
+
+fn directions(report: &MaterialReport) -> String {
+    if report.directions.is_all() { "all".to_owned() } else { report.directions.to_string() }
+}
+
+fn only(material: &str, figure: &str, before: &str, now: &str) -> Regression {
+    said(&MaterialEntry { material: material.to_owned(), ..MaterialEntry::default() }, figure, before, now)
 }
 
 fn said(entry: &MaterialEntry, figure: &str, before: &str, now: &str) -> Regression {
@@ -89,12 +123,12 @@ fn closed(before: &MaterialEntry, now: &MaterialEntry, found: &mut Vec<Regressio
     for gate in now.gates.iter().filter(|gate| !gate.passed) {
         let was_closed = before.gates.iter().any(|other| other.gate == gate.gate && !other.passed);
         if !was_closed {
-            found.push(said(before, &gate.gate, "passed", &gate.found));
+            found.push(said(now, &gate.gate, "passed", &gate.found));
         }
     }
     let missed = |entry: &MaterialEntry| entry.report.as_ref().and_then(|report| report.missed.clone());
     if let (None, Some(text)) = (missed(before), missed(now)) {
-        found.push(said(before, "limits", "met", &text));
+        found.push(said(now, "limits", "met", &text));
     }
 }
 
@@ -171,5 +205,35 @@ mod tests {
         assert_eq!(told, ["b: limits: found nothing meets it; before met"]);
         let told = changed(|entry| entry.material = "c".into());
         assert_eq!(told, ["b: material: found gone; before there"]);
+    }
+
+    /// What is new and broken is told, too; and a build that made nothing is nothing to be held against.
+    #[test]
+    fn nothing_passes_by_not_being_there() {
+        let (new, old) = (build(), build());
+        let nothing = BuildReport { materials: Vec::new(), ..build() };
+        let found = regressions(&new, &nothing, 0.02);
+        assert!(found.iter().any(|worse| worse.now == "nothing to compare with"), "{found:?}");
+        let mut failed = old.clone();
+        failed.materials.iter_mut().for_each(|entry| entry.report = None);
+        assert!(!regressions(&new, &failed, 0.02).is_empty());
+
+        let mut more = new.clone();
+        let broken = MaterialEntry { material: "zzz".into(), error: Some("gone".into()), ..MaterialEntry::default() };
+        more.materials.push(broken);
+        let found = regressions(&more, &old, 0.02);
+        assert!(found.len() == 1 && found[0].material == "zzz" && found[0].now == "gone", "{found:?}");
+        let mut closed = new.clone();
+        let mut entry = closed.materials[0].clone();
+        entry.material = "zzz".into();
+        entry.gates = vec![GateResult::new("require.max_bytes", "2".to_owned(), "1".to_owned(), false)];
+        closed.materials.push(entry);
+        assert_eq!(regressions(&closed, &old, 0.02)[0].material, "zzz");
+
+        // Errors of other directions do not compare.
+        let mut narrow = new.clone();
+        narrow.materials[0].report.as_mut().unwrap().directions.view.from = 45.0;
+        let found = regressions(&narrow, &old, 0.02);
+        assert!(found.len() == 1 && found[0].figure == "directions" && found[0].before == "all", "{found:?}");
     }
 }

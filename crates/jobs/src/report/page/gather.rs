@@ -8,11 +8,11 @@ use crate::output_folder::OutputFolder;
 use crate::report::build::{BuildReport, EnvironmentEntry, MaterialEntry};
 use crate::scene::build::{BuiltNote, notes};
 use crate::scene::plan::REPORT;
+use crate::scene::run::{kind_of, opened_with_digest};
 use brdfc_formats::{BrdfPack, Pack};
-use brdfc_source::Source;
-use brdfc_source::open::open;
 use brdfc_source::progress::Progress;
 use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
+use brdfc_source::{Input, Source};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
@@ -126,7 +126,12 @@ fn material(folder: &Path, entry: MaterialEntry, note: BuiltNote) -> Result<Page
     let source = if note.source.is_empty() {
         Err("where the source is was not noted: the folder has no store".to_owned())
     } else {
-        open(note.source.as_str(), None).map(|opened| opened.source).map_err(|error| error.to_string())
+        let input = Input::from(note.source.as_str());
+        let opened = opened_with_digest(&input, &kind_of(&input)).map_err(|error| error.to_string());
+        opened.and_then(|(opened, digest)| match note.digest {
+            Some(built) if built != digest => Err(format!("{}: it has changed since the build", note.source)),
+            _ => Ok(opened.source),
+        })
     };
     let maps = [&entry.bandwidth, &entry.samples].into_iter().flatten();
     let maps = maps.map(|name| map_part(folder, &entry.files, name)).collect::<Result<_, _>>()?;
