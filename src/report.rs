@@ -31,7 +31,7 @@ Examples:
   brdfc report packs -o report.html --against last-week/report.json --tolerance 5%
   brdfc report button -o button.html")]
 pub struct Arguments {
-    /// The folder that 'brdfc build' or 'brdfc flatten' filled; of a flat BTF also its NAME.json.
+    /// The folder that 'brdfc build' or 'brdfc flatten' filled; also its report.json, or the NAME.json of a flat BTF.
     #[arg(value_name = "DIR")]
     folder: PathBuf,
     /// The page to write.
@@ -55,13 +55,14 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         return Err(CliError::Usage(format!("--output: found {found}; allowed a name that ends in .html")));
     }
     refuse_dash(&arguments.folder)?;
+    let folder = folder_of(&arguments.folder);
     if let Some(sheet) = &arguments.sheet
         && !sheet.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"))
     {
         let found = sheet.display();
         return Err(CliError::Usage(format!("--sheet: found {found}; allowed a name that ends in .png")));
     }
-    if is_flat_btf(&arguments.folder) {
+    if is_flat_btf(folder) {
         return of_flat_btf(arguments, common);
     }
     let tolerance = arguments
@@ -70,7 +71,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         .map_err(|allowed| CliError::Usage(format!("--tolerance: found {}; allowed {allowed}", arguments.tolerance)))?;
     let against = arguments.against.as_ref().map(|path| if path.is_dir() { path.join(REPORT) } else { path.clone() });
     let [csv_path, json_path] = ["csv", "json"].map(|extension| output.with_extension(extension));
-    let own = arguments.folder.join(REPORT);
+    let own = folder.join(REPORT);
     let inputs: Vec<&Path> = [own.as_path()].into_iter().chain(against.as_deref()).collect();
     for path in [output, &csv_path, &json_path] {
         refuse_overwriting("--output", path, &inputs)?;
@@ -80,7 +81,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         refuse_overwriting("--sheet", path, &inputs)?;
         refuse_missing_folder(path)?;
     }
-    let reports = Reports::open(&arguments.folder, against.as_deref())?;
+    let reports = Reports::open(folder, against.as_deref())?;
     // An interrupt ends the process at once: files are whole or not there.
     let cancelled = AtomicBool::new(false);
     let progress = Materials::new(reports.count(), false, common, &cancelled);
@@ -104,6 +105,15 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         1 => Err(CliError::Check("one figure is worse than before".to_owned())),
         count => Err(CliError::Check(format!("{count} figures are worse than before"))),
     }
+}
+
+/// The folder of a build; its report may be named as well.
+fn folder_of(path: &Path) -> &Path {
+    if path.file_name().is_some_and(|name| name == REPORT) {
+        // Without a folder in its name it is in this one.
+        return path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    }
+    path
 }
 
 /// The page of a flat BTF.

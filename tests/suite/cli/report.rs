@@ -246,7 +246,7 @@ fn a_source_that_changed_since_the_build_is_not_compared() {
     let folder = Folder::new();
     inputs(&folder);
     folder.run(&["build", "table.binary", "--out", "p"]).succeeded();
-    folder.run(&["report", "p", "-o", "before.html"]).succeeded();
+    folder.run(&["report", "p/report.json", "-o", "before.html"]).succeeded();
     assert!(folder.text("before.html").contains("ΔE"));
     let mut bytes = std::fs::read(folder.path().join("table.binary")).unwrap();
     let middle = bytes.len() / 2;
