@@ -101,7 +101,7 @@ pub struct ReferencePicture {
 
 impl ReferencePicture {
     /// Pictures of a source, and what it had to mend. Within a range of directions they are not of a ball, of which little
-    /// may be left, but of as many pixels that are spread over it, see [`pairs_within`].
+    /// may be left, but of as many pixels that are spread over it: viewers by projected area, lights by solid angle.
     pub fn new(source: &dyn Source, directions: DirectionRange) -> (Self, Tally) {
         let pairs =
             if directions.is_all() { Cow::Borrowed(picture_pairs()) } else { Cow::Owned(pairs_within(directions)) };

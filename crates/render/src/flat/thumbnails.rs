@@ -24,7 +24,7 @@ const FRAME: Frame = Frame { width: SIDE, height: SIDE, samples: SAMPLES };
 pub struct FlatPicture {
     /// What it shows, in words for people.
     pub caption: String,
-    /// The picture, [`SIDE`] pixels per side.
+    /// The picture, 160 pixels per side.
     pub panel: Panel,
 }
 
