@@ -64,10 +64,7 @@ pub(super) fn needs(explained: &[Explained]) -> String {
     let row = |explained: &Explained| {
         let about = if explained.need == "nothing" { "about " } else { "" };
         let bytes = explained.saved_bytes.map(|bytes| format!("{about}{}", table::bytes(bytes)));
-        let seconds = explained.saved_seconds.map(|seconds| match seconds {
-            0.0 => "no time".to_owned(),
-            _ => format!("about {seconds:.2} s"),
-        });
+        let seconds = explained.saved_seconds.map(|seconds| format!("about {seconds:.2} s"));
         let saved: Vec<String> = bytes.into_iter().chain(seconds).collect();
         let saved = if saved.is_empty() { "-".to_owned() } else { saved.join(", ") };
         vec![explained.material.clone(), explained.need.clone(), explained.why.clone(), saved]

@@ -1,9 +1,9 @@
 //! `brdfc render --adaptive`: environment light, shaded where and as much as predicted bandwidth asks for.
 
 use super::adaptive_options::{ANTIALIAS, AdaptiveOptions, MOST};
-use super::arguments::{Arguments, FilterName};
+use super::arguments::Arguments;
 use super::materials::{self, Prepared, Subject};
-use super::{outputs, scene};
+use super::{gpu, outputs, scene};
 use crate::output::{note, print, print_json, remark, write_file};
 use crate::table::{percent, plain, significant};
 use crate::{CliError, Common};
@@ -12,10 +12,9 @@ use brdfc_bandwidth::facts::BandwidthFacts;
 use brdfc_bandwidth::map::environment_map;
 use brdfc_formats::BrdfPack;
 use brdfc_formats::bandwidth::BandwidthMap;
-use brdfc_formats::wavelet::DEFAULT_DISTANCE_SCALE;
 use brdfc_formats::{FormatError, Pack};
+use brdfc_gpu::AdaptiveRenderer;
 use brdfc_gpu::verify::PackReflectance;
-use brdfc_gpu::{AdapterChoice, AdaptiveRenderer, Decoding, Gpu, SliceFilter};
 use brdfc_jobs::report::adaptive::{AdaptivePictures, AdaptiveVerification};
 use brdfc_jobs::report::render::PartMaterial;
 use brdfc_metrics::image::{LinearImage, auto_exposure};
@@ -51,18 +50,12 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let subject = materials::subject(arguments)?;
     let setup = scene::setup(arguments, &subject)?;
     let frame = Frame { samples: 1, ..setup.frame };
-    let choice = arguments.adapter.clone().map_or(AdapterChoice::Best, AdapterChoice::Named);
-    let gpu = Gpu::open(&choice)?;
+    let gpu = gpu::open(arguments)?;
     let prepared = materials::prepare(arguments, &subject, &setup.names, common)?;
     let lookups = prepared.iter().map(lookups).collect::<Result<Vec<_>, _>>()?;
     let map = environment(arguments, &subject, &setup.scene.environment)?;
     let light = DistantLight::new(&setup.scene.environment, map);
-    let decoding = Decoding {
-        filter: arguments.filter.unwrap_or(FilterName::Bilinear).into(),
-        slices: if arguments.exact { SliceFilter::Exact } else { SliceFilter::Hardware },
-        level: arguments.lod,
-        distance_scale: subject.distance_scale().unwrap_or(DEFAULT_DISTANCE_SCALE),
-    };
+    let decoding = gpu::decoding(arguments, &subject);
     let reflectances: Vec<PackReflectance> =
         prepared.iter().map(|part| PackReflectance::new(&part.pack, decoding)).collect();
     let index = |name: &String| prepared.iter().position(|part| part.name == *name).expect("every name was prepared");

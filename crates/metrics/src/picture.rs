@@ -1,7 +1,7 @@
 //! How different two materials look on a ball, without drawing one.
 
 use super::image::{Spread, colour_difference, shown_colour, spread};
-use super::sampling::points;
+use super::sampling::{from_polar_cosine, points};
 use super::values::values_at;
 use brdfc_formats::PictureSummary;
 use brdfc_formats::crop::DirectionRange;
@@ -56,10 +56,7 @@ pub fn picture_pairs() -> &'static [DirectionPair] {
 /// area, and lights from everywhere, by solid angle.
 fn pairs_within(directions: DirectionRange) -> Vec<DirectionPair> {
     let ([light_low, light_high], [view_low, view_high]) = (directions.light.sines(), directions.view.sines());
-    let direction = |z: f64, turn: f64| {
-        let radius = (1.0 - z * z).max(0.0).sqrt();
-        [radius * (TAU * turn).cos(), radius * (TAU * turn).sin(), z]
-    };
+    let direction = |z: f64, turn: f64| from_polar_cosine(z, TAU * turn);
     let pair = |[a, b, c, d]: [f64; 4]| {
         let view = (view_low.powi(2) + (view_high.powi(2) - view_low.powi(2)) * c).sqrt();
         DirectionPair::new(direction(light_low + (light_high - light_low) * a, b), direction(view, d))

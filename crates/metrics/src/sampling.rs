@@ -90,7 +90,8 @@ pub fn points(first: u32) -> impl Iterator<Item = [f64; 4]> {
     (first..).map(move |k| steps.map(|step| (0.5 + f64::from(k) * step).fract()))
 }
 
-fn from_polar_cosine(z: f64, phi: f64) -> Vector {
+/// The unit vector of this z and azimuth, radians.
+pub(super) fn from_polar_cosine(z: f64, phi: f64) -> Vector {
     let r = (1.0 - z * z).max(0.0).sqrt();
     [r * phi.cos(), r * phi.sin(), z]
 }

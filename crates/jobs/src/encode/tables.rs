@@ -8,8 +8,8 @@ use brdfc_wavelet::tabulated::Tabulated;
 pub trait TableShelf {
     /// The values of a table, and what was mended in it.
     fn take(&self, grid: Grid) -> Option<(Vec<u8>, Tally)>;
-    /// Keeps them.
-    fn put(&self, grid: Grid, values: Vec<u8>, tally: &Tally);
+    /// Keeps a table.
+    fn put(&self, table: &Tabulated);
 }
 
 /// Keeps none.
@@ -18,7 +18,7 @@ impl TableShelf for () {
         None
     }
 
-    fn put(&self, _: Grid, _: Vec<u8>, _: &Tally) {}
+    fn put(&self, _: &Tabulated) {}
 }
 
 /// The table of a source: from the shelf, or made and kept there.
@@ -26,7 +26,7 @@ pub(super) fn tabulated(source: &dyn Source, grid: Grid, shelf: &dyn TableShelf)
     let kept = shelf.take(grid).and_then(|(values, tally)| Tabulated::from_bytes(source, grid, &values, tally));
     kept.unwrap_or_else(|| {
         let made = Tabulated::new(source, grid);
-        shelf.put(grid, made.to_bytes(), &made.tally);
+        shelf.put(&made);
         made
     })
 }
@@ -70,8 +70,8 @@ mod tests {
             all.iter().find(|(of, ..)| *of == grid).map(|(_, values, tally)| (values.clone(), *tally))
         }
 
-        fn put(&self, grid: Grid, values: Vec<u8>, tally: &Tally) {
-            self.0.borrow_mut().push((grid, values, *tally));
+        fn put(&self, table: &Tabulated) {
+            self.0.borrow_mut().push((table.table.grid, table.to_bytes(), table.tally));
         }
     }
 

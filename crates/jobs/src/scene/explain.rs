@@ -111,8 +111,7 @@ fn levels(job: &Job, made: Option<&Made>) -> Option<Explained> {
         }
         _ => None,
     });
-    let saved_seconds = made.map(|_| 0.0);
-    Some(Explained { saved_bytes, saved_seconds, ..said(job, &need, &why) })
+    Some(Explained { saved_bytes, ..said(job, &need, &why) })
 }
 
 /// Coarser levels of detail of tables that are not stored.
@@ -152,7 +151,7 @@ fn directions(job: &Job, made: Option<&Made>) -> Option<Explained> {
         PackRecipe::Wavelet(recipe) => matches!(recipe.target, Target::MaxBytes(_)),
     };
     let saved_bytes = made.filter(|_| !fills).map(|made| made.report.cropped_bytes);
-    Some(Explained { saved_bytes, saved_seconds: made.map(|_| 0.0), ..said(job, &parts.join(", "), &why) })
+    Some(Explained { saved_bytes, ..said(job, &parts.join(", "), &why) })
 }
 
 /// Maps that are not made of a scene that has an environment.

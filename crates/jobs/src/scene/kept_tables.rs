@@ -4,6 +4,7 @@ use crate::encode::TableShelf;
 use crate::store::{Digest, Kept, Key, Store};
 use brdfc_source::Tally;
 use brdfc_wavelet::table::Grid;
+use brdfc_wavelet::tabulated::Tabulated;
 use std::collections::BTreeSet;
 
 /// The tables of a source, in the store.
@@ -24,8 +25,8 @@ impl TableShelf for KeptTables<'_> {
         Some((self.store.object(files.first()?)?, report))
     }
 
-    fn put(&self, grid: Grid, values: Vec<u8>, tally: &Tally) {
+    fn put(&self, table: &Tabulated) {
         // Where it cannot be kept it is made again.
-        let _ = self.store.keep(self.key(grid), &[values], tally);
+        let _ = self.store.keep(self.key(table.table.grid), &[table.to_bytes()], &table.tally);
     }
 }

@@ -67,9 +67,9 @@ impl Needs {
 }
 
 /// The environment whose map the scene needs: the one that lights it, if any use wants to know how fast light varies.
-pub fn environment(manifest: &Manifest) -> Option<&str> {
+pub fn environment<'a>(manifest: &'a Manifest, needs: &BTreeMap<&str, Needs>) -> Option<&'a str> {
     let environment = manifest.scene.environment.as_deref()?;
-    needs(manifest).values().any(|needs| needs.bandwidth).then_some(environment)
+    needs.values().any(|needs| needs.bandwidth).then_some(environment)
 }
 
 /// The needs of every material that is used, by name.
@@ -136,15 +136,15 @@ mod tests {
         let materials = "[materials.a]\nsource='x'\n[materials.b]\nsource='y'\n";
         let used = format!("{materials}[[uses]]\nmaterial='a'\n");
         let lit = parse(&format!("[scene]\nenvironment='sky.exr'\n{used}"));
-        assert_eq!(environment(&lit), Some("sky.exr"));
+        assert_eq!(environment(&lit, &needs(&lit)), Some("sky.exr"));
         assert!(needs(&lit).len() == 1 && needs(&lit)["a"].bandwidth && needs(&lit)["a"].samples);
         // What mirrors show is no light.
         for other in [used.clone(), format!("{used}[render]\nenvironment='sky.exr'\n")] {
             let manifest = parse(&other);
-            assert!(environment(&manifest).is_none() && !needs(&manifest)["a"].bandwidth, "{other}");
+            assert!(environment(&manifest, &needs(&manifest)).is_none() && !needs(&manifest)["a"].bandwidth, "{other}");
         }
         let empty = parse(&format!("[scene]\nenvironment='sky.exr'\n{materials}"));
-        assert!(environment(&empty).is_none() && needs(&empty).is_empty());
+        assert!(environment(&empty, &needs(&empty)).is_none() && needs(&empty).is_empty());
     }
 
     #[test]
@@ -153,8 +153,9 @@ mod tests {
             let text =
                 format!("[scene]\nenvironment='sky.exr'\n[materials.a]\nsource='x'\n[[uses]]\nmaterial='a'\n{rest}");
             let manifest = parse(&text);
-            let needs = needs(&manifest)["a"];
-            ([needs.lit_by_environment, needs.bandwidth, needs.samples], environment(&manifest).is_some())
+            let all = needs(&manifest);
+            let Needs { lit_by_environment, bandwidth, samples, .. } = all["a"];
+            ([lit_by_environment, bandwidth, samples], environment(&manifest, &all).is_some())
         };
         assert_eq!(lit("lighting=['points']\n"), ([false; 3], false));
         assert_eq!(lit("lighting=['points','environment']\n"), ([true; 3], true));

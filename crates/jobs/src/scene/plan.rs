@@ -10,6 +10,7 @@ use crate::encode::options::OptionError;
 use crate::encode::recipe::{Budget, PackRecipe};
 use brdfc_formats::wavelet::DEFAULT_DISTANCE_SCALE;
 use brdfc_source::Input;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// One material to make.
@@ -118,9 +119,12 @@ pub struct PlanError {
     pub error: OptionError,
 }
 
-fn uses_of(manifest: &Manifest, material: &str) -> Vec<(String, Use)> {
-    let all = manifest.uses.iter().enumerate().filter(|(_, used)| used.material.get_ref() == material);
-    all.map(|(number, used)| (used.name(number), used.clone())).collect()
+fn uses_by_material(manifest: &Manifest) -> BTreeMap<&str, Vec<(String, Use)>> {
+    let mut all: BTreeMap<&str, Vec<(String, Use)>> = BTreeMap::new();
+    for (number, used) in manifest.uses.iter().enumerate() {
+        all.entry(used.material.get_ref()).or_default().push((used.name(number), used.clone()));
+    }
+    all
 }
 
 /// Plans a build: which materials, with which recipes. Patterns were expanded before.
@@ -129,8 +133,9 @@ fn uses_of(manifest: &Manifest, material: &str) -> Vec<(String, Use)> {
 /// Options of a material that do not go together with the defaults; of a manifest as it was parsed there are none.
 pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, PlanError> {
     let needed = needs(manifest);
+    let mut uses = uses_by_material(manifest);
     let scale = manifest.scene.distance_scale.unwrap_or(DEFAULT_DISTANCE_SCALE);
-    let environment = needs::environment(manifest).map(|declared| EnvironmentJob {
+    let environment = needs::environment(manifest, &needed).map(|declared| EnvironmentJob {
         declared: declared.to_owned(),
         source: folder.join(declared).display().to_string(),
         path: folder.join(declared),
@@ -170,7 +175,7 @@ pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, PlanError> {
             maps: MapRecipe::wanted(need.bandwidth, need.samples),
             gates: material.require.resolve(&defaults.require).map_err(wrong)?,
             needs: *need,
-            uses: uses_of(manifest, name),
+            uses: uses.remove(name.as_str()).unwrap_or_default(),
         });
     }
     Ok(plan)

@@ -213,7 +213,7 @@ impl Workshop<'_> {
     /// A material that is in the store, made of what its source is now.
     pub fn known(&self, job: &Job) -> Option<Made> {
         let known = job.input.path().and_then(|path| self.store.known(path));
-        let extension = job.input.path().map_or(String::new(), extension_of);
+        let extension = kind_of(&job.input);
         let source = known.or_else(|| digest_of(&job.input, &extension))?;
         let shelf = self.look_up(job, source);
         shelf.has(job, Wanted::ALL).then(|| of_shelf(job, shelf, None))
@@ -249,7 +249,7 @@ impl Workshop<'_> {
         let clock = StageClock::new(progress);
         clock.stage(Stage::Read, 1)?;
         let length = job.input.path().and_then(|path| path.metadata().ok()).map_or(0, |metadata| metadata.len());
-        let extension = job.input.path().map_or(String::new(), extension_of);
+        let extension = kind_of(&job.input);
         let bytes = memory::of_source(&extension, length).saturating_add(memory::of_recipe(&job.recipe));
         let _share = shared.take(bytes);
         progress.check()?;
