@@ -5,6 +5,7 @@ use brdfc_formats::FormatError;
 use brdfc_jobs::encode::PackError;
 use brdfc_jobs::encode::options::OptionError;
 use brdfc_jobs::flatten::{FlattenError, MesoInputError};
+use brdfc_jobs::output_folder::FolderError;
 use brdfc_jobs::scene::build::BuildError;
 use brdfc_jobs::scene::run::JobError;
 use brdfc_source::InputError;
@@ -156,6 +157,7 @@ impl From<JobError> for CliError {
 impl From<BuildError> for CliError {
     fn from(error: BuildError) -> Self {
         match error {
+            BuildError::Folder(error @ FolderError::Input { .. }) => Self::Usage(error.to_string()),
             BuildError::Folder(error) => Self::Io(error.to_string()),
             BuildError::Cancelled(_) => Self::Interrupted,
         }

@@ -47,7 +47,8 @@ struct Cli {
     /// No progress and no remarks on stderr; errors are still told.
     #[arg(long, short, global = true)]
     quiet: bool,
-    /// Threads to work with, up to 1024; 0 is one per core. The result does not depend on it.
+    /// Threads to work with, up to 1024; 0 is one per core, and no more than four per core are made. The result does not
+    /// depend on it.
     #[arg(long, short, global = true, value_name = "N", default_value_t = 0, value_parser = whole_number::<usize>(0..=1024))]
     jobs: usize,
     /// Print the report as JSON; 'brdfc schema' prints the schemas of reports.
@@ -170,12 +171,18 @@ fn main() -> ExitCode {
     }
 }
 
+/// Hundreds of threads that wait for each other would do nothing else.
+fn threads(asked: usize) -> usize {
+    const PER_CORE: usize = 4;
+    asked.min(PER_CORE * std::thread::available_parallelism().map_or(1, usize::from))
+}
+
 fn run(cli: Cli) -> Result<(), CliError> {
     if let (true, Some(name)) = (cli.json, cli.command.without_report()) {
         return Err(CliError::Usage(format!("--json: found with {name}; allowed with {WITH_REPORT}")));
     }
     rayon::ThreadPoolBuilder::new()
-        .num_threads(cli.jobs)
+        .num_threads(threads(cli.jobs))
         .build_global()
         .map_err(|error| CliError::Internal(format!("cannot start threads: {error}")))?;
     let common = Common { quiet: cli.quiet, json: cli.json };

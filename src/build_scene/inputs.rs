@@ -3,8 +3,9 @@
 use crate::output::remark;
 use crate::{CliError, Common};
 use brdfc_jobs::encode::options::EncodeOptions;
-use brdfc_jobs::scene::batch::{BatchError, address_of, find, is_material, is_pattern, manifest_of};
+use brdfc_jobs::scene::batch::{BatchError, address_of, find, given, is_material, manifest_of};
 use brdfc_jobs::scene::manifest::Manifest;
+use brdfc_jobs::scene::patterns::{Named, PatternError};
 use brdfc_jobs::scene::plan::{Plan, PlanError, plan};
 use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
 use std::ffi::OsString;
@@ -33,7 +34,8 @@ pub(crate) fn manifest_among(inputs: &[OsString]) -> Result<Option<PathBuf>, Cli
     let is_manifest = |input: &OsString| {
         let path = Path::new(input);
         let named = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
-        named || alone && address_of(input).is_none() && !path.is_dir() && !is_pattern(path) && !is_material(path)
+        let is_pattern = Named::new("", input).is_pattern();
+        named || alone && address_of(input).is_none() && !path.is_dir() && !is_pattern && !is_material(path)
     };
     match inputs.iter().find(|input| is_manifest(input)) {
         Some(_) if !alone => {
@@ -57,7 +59,7 @@ pub(crate) fn asked(inputs: &[OsString], options: &EncodeOptions, common: Common
         let plan = plan(&manifest, path.parent().unwrap_or(Path::new("")))?;
         return Ok(Asked { plan, manifest: Some(path) });
     }
-    let found = find(inputs)?;
+    let found = find(&given(inputs))?;
     if !found.others.is_empty() {
         let names = found.others.iter().take(NAMED).map(|path| path.display().to_string());
         let more = if found.others.len() > NAMED { ", ..." } else { "" };
@@ -90,9 +92,9 @@ impl From<BatchError> for CliError {
     fn from(error: BatchError) -> Self {
         let message = error.to_string();
         match error {
-            BatchError::Io { .. } => Self::Io(message),
+            BatchError::Io { .. } | BatchError::Pattern(PatternError::Io { .. }) => Self::Io(message),
             BatchError::Nothing { .. } => Self::Check(message),
-            BatchError::Pattern { .. } => Self::Usage(message),
+            BatchError::Pattern(_) => Self::Usage(message),
             BatchError::SameName { .. } | BatchError::Name { .. } => Self::Input(message),
         }
     }

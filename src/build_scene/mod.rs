@@ -72,7 +72,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         remark(common, &format!("not used by the scene, not opened: {}", plan.skipped.join(", ")));
     }
     match &built.changes {
-        Some(changes) => tell_changes(changes, common),
+        Some(changes) => tell_changes(changes, &built.report, common),
         None => tell(&format!("brdfc: {} is as it was before", out.display())),
     }
     verdict(built.outcomes)?;
@@ -144,8 +144,10 @@ pub(super) fn tell_what_matters(built: &Built, common: Common) {
     }
 }
 
-fn tell_changes(changes: &Changes, common: Common) {
+fn tell_changes(changes: &Changes, report: &BuildReport, common: Common) {
+    let kept = report.materials.iter().filter(|entry| entry.kept).map(|entry| entry.material.clone()).collect();
     for (what, names) in [
+        ("kept of earlier builds", &kept),
         ("removed, as this build does not need them", &changes.removed),
         ("not needed, but changed by somebody since they were built, and left", &changes.left),
     ] {

@@ -14,6 +14,7 @@ mod many_machines;
 mod names;
 mod needs;
 mod output;
+mod output_folder;
 #[cfg(feature = "render")]
 mod render;
 #[cfg(feature = "render")]

@@ -38,6 +38,15 @@ pub enum Contents {
 /// Why the folder cannot be what it should be.
 #[derive(Debug, thiserror::Error)]
 pub enum FolderError {
+    /// What is read would be removed.
+    #[error(
+        "{path}: found an input, which this build would remove as it names no such output; allowed another output folder, \
+         or --keep"
+    )]
+    Input {
+        /// Which.
+        path: String,
+    },
     /// A file of somebody else has a name that a build needs.
     #[error("{path}: found {found}; allowed nothing, or what an earlier build wrote there (--force replaces a file)")]
     Foreign {
@@ -139,6 +148,19 @@ impl OutputFolder {
             return Err(FolderError::Foreign { path: path.display().to_string(), found });
         }
         Ok(())
+    }
+
+    /// Whether none of these inputs is a file of an earlier build that is removed when files of these names are put in place.
+    ///
+    /// # Errors
+    /// The first that is.
+    pub fn refuse_removing(&self, inputs: &[&Path], names: &[String]) -> Result<(), FolderError> {
+        let read: BTreeSet<PathBuf> = inputs.iter().filter_map(|input| input.canonicalize().ok()).collect();
+        let is_read = |name: &&String| self.path.join(name).canonicalize().is_ok_and(|path| read.contains(&path));
+        match self.placements.files.keys().filter(|name| !names.contains(name)).find(is_read) {
+            Some(name) => Err(FolderError::Input { path: self.path.join(name).display().to_string() }),
+            None => Ok(()),
+        }
     }
 
     /// Puts all files in place, and removes those of earlier builds that are not among them unless `keep` is set. Until

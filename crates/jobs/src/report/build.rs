@@ -77,6 +77,9 @@ pub struct MaterialEntry {
     /// Why it failed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
+    /// Whether an earlier build made it, and this one did not ask for it but kept it.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub kept: bool,
     /// Whether nothing had to be made. Only in what is printed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cached: Option<bool>,
@@ -168,6 +171,21 @@ impl BuildReport {
             (entry.cached, entry.stages) = (None, None);
             plain(&mut entry.error, &job.source, &job.declared);
         }
+        self
+    }
+
+    /// With what an earlier build made that this one did not ask for, as far as its files are still there.
+    #[must_use]
+    pub fn with_kept(mut self, earlier: Self, is_there: impl Fn(&FileEntry) -> bool) -> Self {
+        for entry in earlier.materials {
+            let is_asked_for = self.materials.iter().any(|other| other.material.eq_ignore_ascii_case(&entry.material));
+            if !is_asked_for && !entry.files.is_empty() && entry.files.iter().all(&is_there) {
+                self.materials.push(MaterialEntry { kept: true, ..entry });
+            }
+        }
+        self.materials.sort_by(|a, b| a.material.cmp(&b.material));
+        let is_kept = |entry: &EnvironmentEntry| entry.file.as_ref().is_some_and(&is_there);
+        self.environment = self.environment.or(earlier.environment.filter(is_kept));
         self
     }
 

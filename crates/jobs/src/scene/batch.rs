@@ -2,6 +2,7 @@
 
 use super::manifest::{Manifest, Material, Use};
 use super::names;
+use super::patterns::{Named, PatternError};
 use brdfc_formats::measured::scan_csv::{ANGLE_COLUMNS, VECTOR_COLUMNS};
 use brdfc_source::address;
 use brdfc_source::open::{FORMATS, known_files};
@@ -24,12 +25,9 @@ pub enum BatchError {
         /// What may be there.
         allowed: String,
     },
-    /// What cannot be matched.
-    #[error("{pattern}: found a pattern with a name that is no UTF-8; allowed its folder, or the names of files")]
-    Pattern {
-        /// Which pattern.
-        pattern: String,
-    },
+    /// A pattern that cannot be followed.
+    #[error(transparent)]
+    Pattern(#[from] PatternError),
     /// What cannot be listed.
     #[error("{path}: cannot read: {error}")]
     Io {
@@ -74,20 +72,20 @@ pub struct Found {
 ///
 /// # Errors
 /// Folders that cannot be listed, or hold no material; patterns that nothing matches.
-pub fn find(inputs: &[OsString]) -> Result<Found, BatchError> {
+pub fn find(inputs: &[Named]) -> Result<Found, BatchError> {
     let mut found = Found::default();
     for input in inputs {
-        let path = Path::new(input);
-        let several = if address_of(input).is_some() {
-            vec![input.clone()]
+        let path = input.path();
+        let several = if address_of(path.as_os_str()).is_some() {
+            vec![path.into()]
         } else if path.is_dir() {
-            let (sources, others) = of_folder(path)?;
+            let (sources, others) = of_folder(&path)?;
             found.others.extend(others);
             sources
-        } else if is_pattern(path) {
+        } else if input.is_pattern() {
             matching(input)?
         } else {
-            vec![input.clone()]
+            vec![path.into()]
         };
         for source in several {
             if !found.sources.contains(&source) {
@@ -98,31 +96,14 @@ pub fn find(inputs: &[OsString]) -> Result<Found, BatchError> {
     Ok(found)
 }
 
+/// What was given at the command line.
+pub fn given(inputs: &[OsString]) -> Vec<Named> {
+    inputs.iter().map(|input| Named::new("", input)).collect()
+}
+
 /// The address of a source that is one.
 pub fn address_of(source: &OsStr) -> Option<&str> {
     source.to_str().filter(|text| address::is_synth(text))
-}
-
-/// Whether it is a pattern, and no file of that name.
-pub fn is_pattern(path: &Path) -> bool {
-    has_wildcards(path) && !path.exists()
-}
-
-fn has_wildcards(path: &Path) -> bool {
-    path.to_string_lossy().contains(['*', '?', '['])
-}
-
-/// The folder below which files match a pattern of [`find`] or, with the manifest's folder, of [`Manifest::inputs`]; whether
-/// they may be in folders below it.
-pub fn base_of(pattern: &OsStr, folder: &Path) -> (PathBuf, bool) {
-    let (mut base, rest) = match Path::new(pattern).strip_prefix(pattern_in(folder, "")) {
-        Ok(rest) => (folder.to_owned(), rest),
-        Err(_) => (PathBuf::new(), Path::new(pattern)),
-    };
-    let parts: Vec<&Path> = rest.iter().map(Path::new).collect();
-    let plain = parts.iter().take_while(|part| !has_wildcards(part)).count();
-    base.extend(&parts[..plain]);
-    (base, parts.len() > plain + 1)
 }
 
 /// Whether its name is that of a file that has reflectance.
@@ -171,22 +152,13 @@ fn of_folder(folder: &Path) -> Result<(Vec<OsString>, Vec<PathBuf>), BatchError>
     Ok((measured.into_iter().map(OsString::from).collect(), others))
 }
 
-fn matching(pattern: &OsStr) -> Result<Vec<OsString>, BatchError> {
-    let nothing = |found: String| BatchError::Nothing {
-        place: pattern.display().to_string(),
-        found,
-        allowed: "a file, or a pattern such as scans/*.binary that files match".to_owned(),
-    };
-    let Some(text) = pattern.to_str() else {
-        return Err(BatchError::Pattern { pattern: pattern.display().to_string() });
-    };
-    let options =
-        glob::MatchOptions { require_literal_separator: true, require_literal_leading_dot: true, ..Default::default() };
-    let paths = glob::glob_with(text, options).map_err(|error| nothing(format!("a wrong pattern, {}", error.msg)))?;
-    let mut files: Vec<PathBuf> = paths.flatten().filter(|path| path.is_file() && !is_built(path)).collect();
-    files.sort();
+fn matching(pattern: &Named) -> Result<Vec<OsString>, BatchError> {
+    let mut files = pattern.files()?;
+    files.retain(|path| !is_built(path));
     if files.is_empty() {
-        return Err(nothing("no file that matches".to_owned()));
+        let allowed = "a file, or a pattern such as scans/*.binary that files match".to_owned();
+        let (place, found) = (pattern.path().display().to_string(), "no file that matches".to_owned());
+        return Err(BatchError::Nothing { place, found, allowed });
     }
     Ok(files.into_iter().map(OsString::from).collect())
 }
@@ -195,12 +167,6 @@ fn matching(pattern: &OsStr) -> Result<Vec<OsString>, BatchError> {
 fn is_built(path: &Path) -> bool {
     let is_pack = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ktx2"));
     is_pack && path.parent().is_some_and(|folder| folder.join(crate::store::FOLDER).is_dir())
-}
-
-/// A pattern of a manifest; characters of its folder's name stand for themselves.
-fn pattern_in(folder: &Path, pattern: impl AsRef<Path>) -> OsString {
-    let folder = folder.to_str().map_or_else(|| folder.to_owned(), |text| glob::Pattern::escape(text).into());
-    folder.join(pattern).into()
 }
 
 /// A manifest of these sources, each used once, from anywhere. Names are those of the files.
@@ -220,15 +186,13 @@ pub fn manifest_of(sources: &[OsString]) -> Result<Manifest, BatchError> {
 }
 
 impl Manifest {
-    /// Paths and patterns of what its uses need, and of its environment, as [`find`] takes them. `folder` is the manifest's.
-    pub fn inputs(&self, folder: &Path) -> Vec<OsString> {
+    /// Paths and patterns of what its uses need, and of its environment. `folder` is the manifest's.
+    pub fn inputs(&self, folder: &Path) -> Vec<Named> {
         let used = self.uses.iter().filter_map(|used| self.materials.get(used.material.get_ref()));
         let sources = used.map(|material| &material.source).filter(|source| address_of(source).is_none());
-        let plain = |source: &Path| OsString::from(folder.join(source));
-        let input = |source: &OsString| {
-            if is_pattern(&folder.join(source)) { pattern_in(folder, source) } else { plain(source.as_ref()) }
-        };
-        sources.map(input).chain(self.scene.environment.iter().map(|file| plain(file.as_ref()))).collect()
+        // The environment is a file, whatever its name.
+        let environment = self.scene.environment.iter().map(|file| Named::new(folder.join(file), ""));
+        sources.map(|source| Named::new(folder, source)).chain(environment).collect()
     }
 
     /// The manifest in which each material whose source is a pattern became the materials of the files that match; a use
@@ -237,8 +201,8 @@ impl Manifest {
     /// # Errors
     /// Patterns that nothing matches; two materials of one name.
     pub fn expanded(mut self, folder: &Path) -> Result<Self, BatchError> {
-        let is_group =
-            |material: &Material| address_of(&material.source).is_none() && is_pattern(&folder.join(&material.source));
+        let named = |material: &Material| Named::new(folder, &material.source);
+        let is_group = |material: &Material| address_of(&material.source).is_none() && named(material).is_pattern();
         let groups: Vec<String> =
             self.materials.iter().filter(|(_, material)| is_group(material)).map(|(name, _)| name.clone()).collect();
         if groups.is_empty() {
@@ -248,7 +212,7 @@ impl Manifest {
         let mut added = Vec::new();
         for group in groups {
             let material = self.materials.remove(&group).expect("it is one of them");
-            for path in matching(&pattern_in(folder, &material.source))? {
+            for path in matching(&named(&material))? {
                 // As the manifest might have named it.
                 let declared = Path::new(&path).strip_prefix(folder).map_or(path.clone(), OsString::from);
                 added.push((group.clone(), Material { source: declared, ..material.clone() }));
@@ -318,11 +282,11 @@ mod tests {
         write("pairs.csv", "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n0,0,1,0,0,1\n");
         write("e.csv", "# angles\ntheta_i,phi_i,theta_o,phi_o,r,g,b\n0,0,0,0,1,1,1\n");
         write("d.csv", "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z,f_r,f_g,f_b\n0,0,1,0,0,1,1,1,1\n");
-        let found = find(&[there.path().into()]).unwrap();
+        let found = find(&given(&[there.path().into()])).unwrap();
         let names: Vec<_> = found.sources.iter().map(|source| names::of_file(Path::new(source))).collect();
         assert_eq!((names, found.others.len()), (["a", "b", "c", "d", "e"].map(str::to_owned).to_vec(), 3));
         let empty = folder(&["notes.txt"]);
-        let error = find(&[empty.path().into()]).unwrap_err().to_string();
+        let error = find(&given(&[empty.path().into()])).unwrap_err().to_string();
         assert!(error.contains("found one file of another kind; allowed a folder with files .binary"), "{error}");
     }
 
@@ -348,6 +312,7 @@ mod tests {
         let sources = ["x/red.brdf", "y/Red.binary"].map(OsString::from);
         let error = manifest_of(&sources).unwrap_err().to_string();
         assert!(error.starts_with("x/red.brdf and y/Red.binary: found the name Red for both"), "{error}");
-        assert!(manifest_of(&["nul.brdf".into()]).unwrap_err().to_string().contains("devices"));
+        let names: Vec<_> = manifest_of(&["nul.brdf".into()]).unwrap().materials.into_keys().collect();
+        assert_eq!(names, ["nul_"], "no such file can be on Windows");
     }
 }

@@ -91,12 +91,14 @@ pub struct MaterialFile {
 /// A folder that cannot be written to, or holds files of somebody else; cancellation.
 pub fn build(plan: &Plan, settings: &BuildSettings<'_>, progress: &dyn Progress) -> Result<Built, BuildError> {
     let (store, mut folder) = opened(settings)?;
-    if folder.is_new()
-        && let Some(report) = earlier_report(settings.out)
-    {
+    let earlier = if folder.is_new() || settings.keep { earlier_report(settings.out) } else { None };
+    if let (true, Some(report)) = (folder.is_new(), &earlier) {
         folder.also_placed(report.files().map(|file| (file.file.clone(), file.blake3)));
     }
     let names: Vec<String> = plan.files().collect();
+    if !settings.keep {
+        folder.refuse_removing(&plan.sources().collect::<Vec<_>>(), &names)?;
+    }
     folder.refuse_foreign(names.iter().map(String::as_str), settings.force)?;
     let placed = folder.unchanged();
     let workshop = Workshop { store: &store, placed: &placed, memory: settings.memory, fail_fast: settings.fail_fast };
@@ -104,7 +106,11 @@ pub fn build(plan: &Plan, settings: &BuildSettings<'_>, progress: &dyn Progress)
     if outcomes.errors().any(|error| matches!(error, JobError::Cancelled(_))) {
         progress.check()?;
     }
-    let report = BuildReport::new(plan, &outcomes);
+    let mut report = BuildReport::new(plan, &outcomes);
+    if let (true, Some(earlier)) = (settings.keep, earlier) {
+        report =
+            report.with_kept(earlier, |file| placed.contains(&file.blake3) && settings.out.join(&file.file).exists());
+    }
     let broken = outcomes.errors().next().is_some();
     let failed = broken || !outcomes.materials.iter().all(Outcome::passed);
     let unwritten = outcomes.errors().any(|error| matches!(error, JobError::Store(_)));
@@ -117,7 +123,8 @@ pub fn build(plan: &Plan, settings: &BuildSettings<'_>, progress: &dyn Progress)
         progress.check()?;
         folder.place(&files, &store, settings.keep)?
     };
-    write_notes(&store, plan, &outcomes);
+    let kept = report.materials.iter().filter(|entry| entry.kept).map(|entry| entry.material.as_str());
+    write_notes(&store, plan, &outcomes, &kept.collect::<Vec<_>>());
     store.prune();
     Ok(Built { outcomes, report, changes: Some(changes) })
 }
@@ -136,7 +143,7 @@ pub struct BuiltNote {
 const NOTES: &str = "built";
 
 /// Keeps notes for pages about the build. They are no part of it: where they cannot be kept nothing else is wrong.
-fn write_notes(store: &Store, plan: &Plan, outcomes: &Outcomes) {
+fn write_notes(store: &Store, plan: &Plan, outcomes: &Outcomes, kept: &[&str]) {
     let note = |(name, made): (&str, &Made)| {
         let input = &plan.jobs.iter().find(|job| job.name == name)?.input;
         let source = match input.path() {
@@ -145,13 +152,20 @@ fn write_notes(store: &Store, plan: &Plan, outcomes: &Outcomes) {
         };
         Some((name.to_owned(), BuiltNote { source, digest: Some(made.source), stages: made.pack_times.clone() }))
     };
-    let notes: BTreeMap<String, BuiltNote> = outcomes.made().filter_map(note).collect();
-    let _ = crate::write::write_atomic(&store.root().join(NOTES), &write_record(&notes));
+    let path = store.root().join(NOTES);
+    let mut notes: BTreeMap<String, BuiltNote> = if kept.is_empty() { BTreeMap::new() } else { notes_in(&path) };
+    notes.retain(|name, _| kept.contains(&name.as_str()));
+    notes.extend(outcomes.made().filter_map(note));
+    let _ = crate::write::write_atomic(&path, &write_record(&notes));
 }
 
 /// The notes of the build that filled a folder, by material; none where its store is gone.
 pub fn notes(out: &Path) -> BTreeMap<String, BuiltNote> {
-    read_record(&out.join(FOLDER).join(NOTES)).unwrap_or_default()
+    notes_in(&out.join(FOLDER).join(NOTES))
+}
+
+fn notes_in(path: &Path) -> BTreeMap<String, BuiltNote> {
+    read_record(path).unwrap_or_default()
 }
 
 /// Makes some pieces of a build and keeps them in the store of its folder, which stays as it is otherwise.

@@ -13,6 +13,7 @@ pub mod maps;
 pub mod memory;
 pub mod names;
 pub mod needs;
+pub mod patterns;
 mod place;
 pub mod plan;
 pub mod predict;

@@ -32,10 +32,14 @@ pub fn same_but_for_case<'a>(names: impl IntoIterator<Item = &'a str>) -> Option
     names.into_iter().find_map(|name| Some((seen.insert(name.to_ascii_lowercase(), name)?, name)))
 }
 
-/// The name of a material from that of its file: what no name may hold becomes `_`.
+/// The name of a material from that of its file: what no name may hold becomes `_`, and a name that none may be ends in one.
 pub fn of_file(path: &Path) -> String {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    stem.chars().map(|c| if is_allowed(c) { c } else { '_' }).collect()
+    let mut name: String = stem.chars().map(|c| if is_allowed(c) { c } else { '_' }).collect();
+    if check_name(&name, true).is_err() {
+        name.push('_');
+    }
+    name
 }
 
 fn is_allowed(c: char) -> bool {
@@ -81,5 +85,8 @@ mod tests {
     fn names_of_files() {
         assert_eq!(of_file(Path::new("scans/red plastic (2).binary")), "red_plastic__2_");
         assert_eq!(of_file(Path::new("x/y.v2.brdf")), "y_v2");
+        for (file, name) in [("con.bsdf", "con_"), ("Report.brdf", "Report_"), ("environment.brdf", "environment_")] {
+            assert_eq!(of_file(Path::new(file)), name);
+        }
     }
 }

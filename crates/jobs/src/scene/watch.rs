@@ -1,8 +1,9 @@
 //! What a build reads, looked at again and again: which of the files changed, came or went, and when nobody writes to them
 //! any more.
 
-use super::batch::{address_of, base_of, find, is_pattern};
+use super::batch::{address_of, find, given};
 use super::manifest::Manifest;
+use super::patterns::Named;
 use crate::file_events::{FileEvents, Folders, Waker};
 use crate::store::Stamp;
 use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
@@ -74,7 +75,7 @@ pub struct Watched {
     /// With the stamp that it had when it was read last.
     manifest: Option<(PathBuf, Option<Stamp>)>,
     /// Paths and patterns.
-    named: Vec<OsString>,
+    named: Vec<Named>,
     /// The output folder.
     out: PathBuf,
 }
@@ -87,7 +88,7 @@ impl Watched {
 
     /// Files, folders, patterns and addresses.
     pub fn of_inputs(inputs: &[OsString], out: &Path) -> Self {
-        Self { manifest: None, named: inputs.to_vec(), out: out.to_owned() }
+        Self { manifest: None, named: given(inputs), out: out.to_owned() }
     }
 
     /// Whether it is a pack in the output folder: a build that is begun again by what it wrote would have no end.
@@ -112,7 +113,7 @@ impl Watched {
         for input in &self.named {
             // What is wrong with one is for the build to tell.
             let Ok(found) = find(std::slice::from_ref(input)) else { continue };
-            let matched = is_pattern(Path::new(input));
+            let matched = input.is_pattern();
             let paths = found.sources.iter().filter(|source| address_of(source).is_none()).map(PathBuf::from);
             for path in paths.filter(|path| !(matched && self.is_own(path))) {
                 let stamp = stamp(&path);
@@ -138,13 +139,12 @@ impl Watched {
                 add(parent(&target), false);
             }
         }
-        let of_manifest = self.manifest.as_ref().map_or(Path::new(""), |(manifest, _)| parent(manifest));
         for input in &self.named {
-            if is_pattern(Path::new(input)) {
-                let (base, deep) = base_of(input, of_manifest);
+            if input.is_pattern() {
+                let (base, deep) = input.base();
                 add(&base, deep);
-            } else if Path::new(input).is_dir() {
-                add(Path::new(input), false);
+            } else if input.path().is_dir() {
+                add(&input.path(), false);
             }
         }
         folders
@@ -216,7 +216,7 @@ impl Drop for End<'_> {
 }
 
 /// What a manifest names that can be read.
-fn named_in(manifest: &Path) -> Option<Vec<OsString>> {
+fn named_in(manifest: &Path) -> Option<Vec<Named>> {
     let bytes = read_file(manifest, MAX_TEXT_BYTES).ok()?;
     let manifest_text = std::str::from_utf8(&bytes).ok()?;
     Some(Manifest::parse(manifest_text).ok()?.inputs(parent(manifest)))

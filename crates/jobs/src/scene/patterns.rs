@@ -1,0 +1,216 @@
+//! Paths and patterns as people write them.
+
+use globset::{GlobBuilder, GlobMatcher};
+use std::ffi::{OsStr, OsString};
+use std::path::{Path, PathBuf};
+use walkdir::{DirEntry, WalkDir};
+
+/// Why a pattern matches nothing that could be told.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum PatternError {
+    /// What cannot be matched.
+    #[error("{pattern}: found a pattern with a name that is no UTF-8; allowed its folder, or the names of files")]
+    Text {
+        /// Which pattern.
+        pattern: String,
+    },
+    /// No pattern.
+    #[error("{pattern}: found a wrong pattern, {problem}; allowed a pattern such as scans/*.binary")]
+    Wrong {
+        /// Which pattern.
+        pattern: String,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// A folder that cannot be listed.
+    #[error("{path}: cannot read: {error}")]
+    Io {
+        /// Which folder.
+        path: String,
+        /// What the system says.
+        error: String,
+    },
+}
+
+/// A path or a pattern that somebody wrote, relative to a folder. What stands in the name of the folder stands for itself.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Named {
+    folder: PathBuf,
+    name: OsString,
+}
+
+impl Named {
+    /// As it was written.
+    pub fn new(folder: impl Into<PathBuf>, name: impl Into<OsString>) -> Self {
+        Self { folder: folder.into(), name: name.into() }
+    }
+
+    /// As a path.
+    pub fn path(&self) -> PathBuf {
+        // Behind an empty name a file would be asked for as a folder.
+        if self.name.is_empty() { self.folder.clone() } else { self.folder.join(&self.name) }
+    }
+
+    /// Whether it is a pattern, and no file of that name.
+    pub fn is_pattern(&self) -> bool {
+        has_wildcards(&self.name) && !self.path().exists()
+    }
+
+    /// The folder below which files match; whether they may be in folders below it.
+    pub fn base(&self) -> (PathBuf, bool) {
+        let (base, rest) = self.split();
+        (base, rest.len() > 1)
+    }
+
+    /// The parts before the first wildcard, and the others.
+    fn split(&self) -> (PathBuf, Vec<&OsStr>) {
+        let parts: Vec<&OsStr> = Path::new(&self.name).iter().collect();
+        let plain = parts.iter().take_while(|part| !has_wildcards(part)).count();
+        let mut base = self.folder.clone();
+        base.extend(&parts[..plain]);
+        (base, parts[plain..].to_vec())
+    }
+
+    /// The files that match, sorted. `*` and `?` match no `/` and no dot that a name begins with, `**` any folders that
+    /// are not hidden.
+    ///
+    /// # Errors
+    /// Patterns that are none, folders that cannot be read.
+    pub fn files(&self) -> Result<Vec<PathBuf>, PatternError> {
+        let (base, rest) = self.split();
+        let pattern = Pattern::new(&rest, &self.path())?;
+        let root = if base.as_os_str().is_empty() { Path::new(".") } else { &base };
+        let walk = WalkDir::new(root).min_depth(1).max_depth(pattern.depth()).follow_links(true);
+        let mut files = Vec::new();
+        for entry in walk.into_iter().filter_entry(|entry| pattern.may_lead_on(entry)) {
+            let entry = match entry {
+                Ok(entry) => entry,
+                // A link to nothing or to a folder above, or no folder at all.
+                Err(error) if is_nothing(&error) => continue,
+                Err(error) => return Err(unreadable(error.path().unwrap_or(root), &error)),
+            };
+            let below = entry.path().strip_prefix(root).unwrap_or(entry.path());
+            if entry.file_type().is_file() && pattern.whole.is_match(below) {
+                files.push(base.join(below));
+            }
+        }
+        files.sort();
+        Ok(files)
+    }
+}
+
+fn unreadable(path: &Path, error: &walkdir::Error) -> PatternError {
+    let told = error.io_error().map_or_else(|| error.to_string(), ToString::to_string);
+    PatternError::Io { path: path.display().to_string(), error: told }
+}
+
+fn is_nothing(error: &walkdir::Error) -> bool {
+    use std::io::ErrorKind::{NotADirectory, NotFound};
+    let kind = error.io_error().map(std::io::Error::kind);
+    error.loop_ancestor().is_some() || matches!(kind, Some(NotFound | NotADirectory))
+}
+
+fn has_wildcards(name: &OsStr) -> bool {
+    name.to_string_lossy().contains(['*', '?', '['])
+}
+
+/// What is to be matched below a folder.
+struct Pattern {
+    whole: GlobMatcher,
+    /// Of each level before the first `**`: what a name may be, and whether it may begin with a dot.
+    levels: Vec<(GlobMatcher, bool)>,
+    is_deep: bool,
+}
+
+impl Pattern {
+    fn new(parts: &[&OsStr], told: &Path) -> Result<Self, PatternError> {
+        let texts: Option<Vec<&str>> = parts.iter().map(|part| part.to_str()).collect();
+        let texts = texts.ok_or_else(|| PatternError::Text { pattern: told.display().to_string() })?;
+        let matcher = |text: &str| {
+            let glob = GlobBuilder::new(text).literal_separator(true).build();
+            let wrong = |error: globset::Error| PatternError::Wrong {
+                pattern: told.display().to_string(),
+                problem: error.kind().to_string(),
+            };
+            glob.map(|glob| glob.compile_matcher()).map_err(wrong)
+        };
+        let plain = texts.iter().take_while(|text| **text != "**");
+        let levels: Vec<_> =
+            plain.map(|text| Ok((matcher(text)?, text.starts_with('.')))).collect::<Result<_, PatternError>>()?;
+        Ok(Self { whole: matcher(&texts.join("/"))?, is_deep: levels.len() < texts.len(), levels })
+    }
+
+    fn depth(&self) -> usize {
+        if self.is_deep { usize::MAX } else { self.levels.len() }
+    }
+
+    /// Whether it, or something below it, may match.
+    fn may_lead_on(&self, entry: &DirEntry) -> bool {
+        let is_hidden = entry.file_name().as_encoded_bytes().starts_with(b".");
+        match entry.depth().checked_sub(1).map(|level| self.levels.get(level)) {
+            None => true,
+            Some(None) => !is_hidden,
+            Some(Some((matcher, dotted))) => matcher.is_match(entry.file_name()) && (*dotted || !is_hidden),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn folder(files: &[&str]) -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        for file in files {
+            let path = folder.path().join(file);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, "").unwrap();
+        }
+        folder
+    }
+
+    fn matched(folder: &Path, pattern: &str) -> Vec<String> {
+        let files = Named::new(folder, pattern).files().unwrap();
+        files.iter().map(|file| file.strip_prefix(folder).unwrap().display().to_string()).collect()
+    }
+
+    #[test]
+    fn what_a_shell_would_match() {
+        let there =
+            folder(&["a.brdf", "b.brdf", ".c.brdf", "x/d.brdf", "x/y/e.brdf", ".z/f.brdf", "x/.git/g.brdf", "n.txt"]);
+        let matched = |pattern| matched(there.path(), pattern);
+        assert_eq!(matched("*.brdf"), ["a.brdf", "b.brdf"]);
+        assert_eq!(matched("[!a].brdf"), ["b.brdf"]);
+        assert_eq!(matched("./?.brdf"), ["a.brdf", "b.brdf"]);
+        assert_eq!(matched(".*.brdf"), [".c.brdf"]);
+        assert_eq!(matched("*/*.brdf"), ["x/d.brdf"]);
+        assert_eq!(matched(".?/*.brdf"), [".z/f.brdf"]);
+        assert_eq!(matched("x/*/*.brdf"), ["x/y/e.brdf"]);
+        assert_eq!(matched("**/*.brdf"), ["a.brdf", "b.brdf", "x/d.brdf", "x/y/e.brdf"]);
+        assert_eq!(matched("x/**/e.*"), ["x/y/e.brdf"]);
+        assert_eq!(matched("{a,n}.*"), ["a.brdf", "n.txt"]);
+        assert!(matched("gone/*.brdf").is_empty() && matched("a.brdf/*").is_empty() && matched("x*").is_empty());
+        let error = Named::new(there.path(), "[a").files().unwrap_err().to_string();
+        assert!(error.contains("found a wrong pattern, "), "{error}");
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn names_that_are_no_text_and_links_that_lead_nowhere() {
+        use std::os::unix::ffi::OsStrExt;
+        let there = folder(&["a.brdf", "[b]/c.brdf"]);
+        let odd = there.path().join(OsStr::from_bytes(b"\xff.brdf"));
+        std::fs::write(&odd, "").unwrap();
+        std::os::unix::fs::symlink("gone", there.path().join("dead.brdf")).unwrap();
+        std::os::unix::fs::symlink(there.path(), there.path().join("round")).unwrap();
+        std::os::unix::fs::symlink("a.brdf", there.path().join("link.brdf")).unwrap();
+        let files = Named::new(there.path(), "*.brdf").files().unwrap();
+        assert_eq!(files, [there.path().join("a.brdf"), there.path().join("link.brdf"), odd]);
+        assert_eq!(Named::new(there.path(), "**/*.brdf").files().unwrap().len(), 4);
+        assert_eq!(Named::new(there.path().join("[b]"), "*.brdf").files().unwrap().len(), 1);
+        let below = there.path().join(OsStr::from_bytes(b"\xfe"));
+        std::fs::create_dir(&below).unwrap();
+        std::fs::write(below.join("d.brdf"), "").unwrap();
+        assert_eq!(Named::new("", below.join("*.brdf")).files().unwrap(), [below.join("d.brdf")]);
+    }
+}

@@ -1,0 +1,85 @@
+//! What a build does to a folder that has files already.
+
+use crate::common::cli::{Folder, Ran};
+
+fn build(folder: &Folder, inputs: &[&str], options: &[&str]) -> Ran {
+    let fast = ["--codec", "table", "--max-bytes", "1KiB", "--quiet"];
+    folder.run(&[&["build"], inputs, options, &fast].concat())
+}
+
+fn packs(folder: &Folder, name: &str) -> Vec<String> {
+    folder.files(name).into_keys().filter(|file| file.ends_with(".ktx2") && !file.starts_with('.')).collect()
+}
+
+#[test]
+fn an_input_is_not_removed() {
+    let folder = Folder::new();
+    build(&folder, &["synth:ggx", "synth:ward"], &["--out", "lastweek"]).succeeded();
+    let before = folder.files("lastweek");
+    let scene = "[materials.again]\nsource='lastweek/ggx.brdf.ktx2'\n[[uses]]\nmaterial='again'\n";
+    folder.write("scene.toml", scene);
+    #[cfg(unix)]
+    std::os::unix::fs::symlink("lastweek/ggx.brdf.ktx2", folder.path().join("link.ktx2")).unwrap();
+    for input in ["lastweek/ggx.brdf.ktx2", "scene.toml", "link.ktx2"].into_iter().take(if cfg!(unix) { 3 } else { 2 })
+    {
+        let ran = build(&folder, &[input], &["--out", "lastweek"]);
+        let expected = "lastweek/ggx.brdf.ktx2: found an input, which this build would remove";
+        assert!(ran.code == 2 && ran.stderr.contains(expected), "{input}: {ran:?}");
+        assert_eq!(packs(&folder, "lastweek"), ["ggx.brdf.ktx2", "ward.brdf.ktx2"]);
+        assert!(
+            before
+                .iter()
+                .filter(|(name, _)| name.ends_with(".ktx2"))
+                .all(|(name, bytes)| { folder.read(&format!("lastweek/{name}")) == *bytes })
+        );
+    }
+    build(&folder, &["scene.toml"], &["--out", "lastweek", "--keep"]).succeeded();
+    assert_eq!(packs(&folder, "lastweek"), ["again.brdf.ktx2", "ggx.brdf.ktx2", "ward.brdf.ktx2"]);
+    // Elsewhere it may be read, and what somebody else put there is not removed anyway.
+    build(&folder, &["lastweek/ggx.brdf.ktx2"], &["--out", "today"]).succeeded();
+    std::fs::copy(folder.path().join("lastweek/ggx.brdf.ktx2"), folder.path().join("today/mine.ktx2")).unwrap();
+    build(&folder, &["today/mine.ktx2"], &["--out", "today"]).succeeded();
+    assert_eq!(packs(&folder, "today"), ["mine.brdf.ktx2", "mine.ktx2"]);
+}
+
+#[test]
+fn what_is_kept_stays_in_the_report() {
+    let folder = Folder::new();
+    build(&folder, &["synth:ggx", "synth:ward"], &["--out", "packs"]).succeeded();
+    let reported = |folder: &Folder| -> Vec<(String, bool)> {
+        let report: serde_json::Value = serde_json::from_slice(&folder.read("packs/report.json")).unwrap();
+        let entry = |entry: &serde_json::Value| {
+            (entry["material"].as_str().unwrap().to_owned(), entry["kept"].as_bool().unwrap_or(false))
+        };
+        report["materials"].as_array().unwrap().iter().map(entry).collect()
+    };
+    let old = folder.read("packs/report.json");
+    folder.write("old.json", &old);
+    build(&folder, &["synth:lambert"], &["--out", "packs", "--keep"]).succeeded();
+    let expected = [("ggx", true), ("lambert", false), ("ward", true)];
+    assert_eq!(reported(&folder), expected.map(|(name, kept)| (name.to_owned(), kept)));
+    // Sources of what was kept are still known, and nothing is gone.
+    let page = folder.run(&["report", "packs", "-o", "page.html", "--against", "old.json"]);
+    assert!(page.code == 0 && !page.stderr.contains("gone"), "{page:?}");
+    // What a person removed is no more.
+    std::fs::remove_file(folder.path().join("packs/ward.brdf.ktx2")).unwrap();
+    build(&folder, &["synth:lambert"], &["--out", "packs", "--keep"]).succeeded();
+    assert_eq!(reported(&folder).len(), 2);
+    build(&folder, &["synth:lambert"], &["--out", "packs"]).succeeded();
+    assert_eq!(reported(&folder), [("lambert".to_owned(), false)]);
+    assert_eq!(packs(&folder, "packs"), ["lambert.brdf.ktx2"]);
+}
+
+#[test]
+fn one_reserved_name_stops_no_other() {
+    let folder = Folder::new();
+    for name in ["red.brdf", "con.brdf", "report.brdf"] {
+        folder.write(&format!("scans/{name}"), "broken");
+    }
+    folder.run(&["synth", "synth:lambert", "-o", "scans/blue.csv"]).succeeded();
+    let ran = build(&folder, &["scans"], &["--out", "packs"]);
+    assert_eq!((ran.code, packs(&folder, "packs")), (3, vec!["blue.brdf.ktx2".to_owned()]), "{ran:?}");
+    for name in ["con_", "report_", "red"] {
+        assert!(ran.stderr.contains(&format!("brdfc: {name}: scans/")), "{ran:?}");
+    }
+}
