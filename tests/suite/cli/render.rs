@@ -339,9 +339,17 @@ fn wrong_arguments() {
     folder.run(&["encode", "synth:lewis", "-o", "p.ktx2", "--grid", "4"]).succeeded();
     folder.write("scene.toml", MANIFEST);
     for (arguments, code, expected) in [
-        (&["render", "p.ktx2", "-o", "image.jpg"][..], 2, "--output: found image.jpg; allowed a name in .png or .exr"),
-        (&["render", "p.ktx2", "--difference", "d.exr"], 2, "--difference: found d.exr; allowed a name in .png"),
-        (&["render", "p.ktx2", "-o", "no/image.png"], 4, "no folder no"),
+        (
+            &["render", "p.ktx2", "-o", "image.jpg"][..],
+            2,
+            "--output: found image.jpg; allowed a name that ends in .png or .exr",
+        ),
+        (
+            &["render", "p.ktx2", "--difference", "d.exr"],
+            2,
+            "--difference: found d.exr; allowed a name that ends in .png",
+        ),
+        (&["render", "p.ktx2", "-o", "no/image.png"], 4, "there is no folder no"),
         (&["render", "p.ktx2", "--size", "800"], 2, "--size: found 800; allowed WIDTHxHEIGHT"),
         (&["render", "p.ktx2", "--size", "0x5"], 2, "each 1 to 8192"),
         (&["render", "p.ktx2", "--size", "99999x5"], 2, "each 1 to 8192"),
@@ -353,7 +361,7 @@ fn wrong_arguments() {
         (&["render", "p.ktx2", "--ratio", "8"], 2, "encoding options"),
         (&["render", "p.ktx2", "--table"], 2, "--source"),
         (&["render", "p.ktx2", "--packs", "packs"], 2, "--packs: found with p.ktx2; allowed with a manifest"),
-        (&["render", "p.ktx2", "--contact", "c.jpg"], 2, "--contact: found c.jpg; allowed a name in .png"),
+        (&["render", "p.ktx2", "--contact", "c.jpg"], 2, "--contact: found c.jpg; allowed a name that ends in .png"),
         (&["render", "p.ktx2", "--contact", "c.png", "-o", "i.png"], 2, "cannot be used with"),
         (&["render", "p.ktx2", "--contact", "c.png", "--repeat", "3"], 2, "--repeat: found with p.ktx2"),
         (&["render", ".", "--contact", "c.png"], 2, "--contact: found with ., a flat BTF; allowed with BRDFs"),
