@@ -197,7 +197,10 @@ fn huge_numbers() {
     for (line, allowed) in [
         ("ratio = 99999999999999999999999", "a number: 1 to 4096"),
         ("max_fetches = 99999999999", "a whole number: 1 or more (up to 4294967295)"),
-        ("max_bytes = 99999999999999999999", "16KiB or 1MiB (up to 9223372036854775807)"),
+        (
+            "max_bytes = 99999999999999999999",
+            "a whole number of bytes, such as 16384, 16KiB or 1MiB (up to 9223372036854775807)",
+        ),
         ("bias = 1e999", "a number: 1e-6 to 1"),
         ("max_delta_e = 1e99", "1e-6 to 100"),
         ("max_delta_e = 1e-99", "1e-6 to 100"),

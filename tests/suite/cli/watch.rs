@@ -267,8 +267,8 @@ fn notes_of_what_was_kept_are_counted() {
     folder.run(&["synth", "lambert?kd=0", "-o", "new.binary", "--dimensions", "6x6x14"]).succeeded();
     replace(&folder, "dark.binary", folder.read("new.binary"));
     let lines = second.until("dark.binary changed: ");
-    assert_eq!(lines.iter().filter(|line| line.starts_with("note: ")).count(), 1, "{lines:?}");
-    assert!(lines.iter().any(|line| line.starts_with("note: dark: ")), "{lines:?}");
+    let notes: Vec<&String> = lines.iter().filter(|line| line.starts_with("note: ")).collect();
+    assert!(!notes.is_empty() && notes.iter().all(|note| note.starts_with("note: dark: ")), "{lines:?}");
 }
 
 #[test]
