@@ -34,9 +34,6 @@ use brdfc_source::words::{counted, few};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// So many names of materials are told in one line.
-const MOST_NAMED: usize = 6;
-
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     let out = arguments.build.out.as_path();
     check_folder(out)?;
@@ -76,7 +73,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         print(&(text::text(&built.outcomes) + &plan_text::needs(&built.report.needs)))?;
     }
     if !plan.skipped.is_empty() {
-        remark(common, &format!("not used by the scene, not opened: {}", few(&plan.skipped, MOST_NAMED)));
+        remark(common, &format!("not used by the scene, not opened: {}", few(&plan.skipped, plan_text::MOST_NAMED)));
     }
     match &built.changes {
         Some(changes) => tell_changes(changes, common),

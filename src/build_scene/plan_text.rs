@@ -1,6 +1,5 @@
 //! What a build would do, in words.
 
-use super::MOST_NAMED;
 use crate::table;
 use brdfc_jobs::encode::recipe::{Budget, PackRecipe};
 use brdfc_jobs::report::build::{BuildReport, MaterialEntry, environment_map};
@@ -13,6 +12,8 @@ use brdfc_table::recipe::Size;
 use brdfc_wavelet::recipe::Target;
 use std::path::Path;
 
+/// So many names of materials are told in one line.
+pub(super) const MOST_NAMED: usize = 6;
 /// What is needed of a material that no use refers to.
 const NOTHING: &str = "nothing";
 

@@ -88,7 +88,8 @@ mod tests {
     fn errors_have_the_words_of_the_system() {
         let full = || std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
         let plain = full().write_all(b"x").unwrap_err();
-        let mut named = tempfile::NamedTempFile::from_parts(full(), tempfile::TempPath::from_path("/nowhere/x.tmp"));
+        let mut named =
+            tempfile::NamedTempFile::from_parts(full(), tempfile::TempPath::try_from_path("/nowhere/x.tmp").unwrap());
         let named = named.write_all(b"x").unwrap_err();
         assert!(named.to_string().contains("x.tmp"), "{named}");
         assert_eq!(of_target(named).to_string(), plain.to_string());
