@@ -17,6 +17,7 @@ use brdfc_jobs::report::material::repairs_in_words;
 use brdfc_source::open::open;
 use brdfc_source::radiance_image::open_radiance_image;
 use brdfc_source::tile_image::open_colours;
+use brdfc_source::words::shown;
 use brdfc_source::{Input, Tally};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
@@ -155,7 +156,7 @@ fn recipe(arguments: &Arguments) -> Result<Recipe, CliError> {
     let usage = |text: String| Err(CliError::Usage(text));
     let [least, most] = EPSILON_RANGE;
     if !(least..=most).contains(&arguments.epsilon) {
-        return usage(format!("--epsilon: found {}; allowed {least} to {most}", arguments.epsilon));
+        return usage(format!("--epsilon: found {}; allowed {least} to {most}", shown(arguments.epsilon)));
     }
     let radiance = radiance(&arguments.input)?;
     let kind = arguments.kind.unwrap_or(match radiance {
@@ -246,7 +247,7 @@ fn check_picture(arguments: &Arguments) -> Result<(), CliError> {
     use super::output::refuse_same_outputs;
     let Some(path) = &arguments.picture else { return Ok(()) };
     if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
-        return Err(CliError::Usage(format!("--picture: found {}; allowed a name in .png", path.display())));
+        return Err(CliError::Usage(format!("--picture: found {}; allowed a name that ends in .png", path.display())));
     }
     refuse_overwriting("--picture", path, arguments.input.path().as_slice())?;
     refuse_same_outputs(&[("--output", Some(&arguments.output)), ("--picture", Some(path))])

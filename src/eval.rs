@@ -7,6 +7,7 @@ use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::measured::scan_csv::directions_from_bytes;
 use brdfc_jobs::report::material::repairs_in_words;
 use brdfc_source::open::{Facts, open};
+use brdfc_source::words::shown;
 use brdfc_source::{Input, Tally};
 use clap::Args;
 use rayon::prelude::*;
@@ -44,7 +45,10 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     if let Some(level) = arguments.lod
         && !(0.0..=64.0).contains(&level)
     {
-        return Err(CliError::Usage(format!("--lod: found {level}; allowed 0 to the pack's number of levels")));
+        return Err(CliError::Usage(format!(
+            "--lod: found {}; allowed 0 to the pack's number of levels",
+            shown(level)
+        )));
     }
     let directions = &arguments.directions;
     refuse_stdin_twice(&[("INPUT", Some(&arguments.input)), ("--directions", Some(directions))])?;
@@ -62,7 +66,10 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         (Facts::WaveletPack { levels, .. } | Facts::TablePack { levels, .. }, Some(level))
             if level > *levels as f32 =>
         {
-            return Err(CliError::Usage(format!("--lod: found {level}; allowed 0 to {levels}, the pack's levels")));
+            return Err(CliError::Usage(format!(
+                "--lod: found {}; allowed 0 to {levels}, the pack's levels",
+                shown(level)
+            )));
         }
         (Facts::WaveletPack { .. } | Facts::TablePack { .. }, _) | (_, None) => {}
         _ => return Err(CliError::Usage("--lod: only packs have levels of detail".to_owned())),

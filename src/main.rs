@@ -51,7 +51,7 @@ struct Cli {
     /// depend on it.
     #[arg(long, short, global = true, value_name = "N", default_value_t = 0, value_parser = whole_number::<usize>(0..=1024))]
     jobs: usize,
-    /// Print the report as JSON; 'brdfc schema' prints the schemas of reports.
+    /// Print the report as JSON, where there is one; 'brdfc schema' prints the schemas of reports.
     #[arg(long, global = true)]
     json: bool,
 }

@@ -6,31 +6,33 @@ use super::{CliError, Common};
 use brdfc_jobs::encode::options::EncodeOptions;
 use brdfc_jobs::scene::graph::{Graph, Places};
 use clap::{Args, ValueEnum};
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::path::PathBuf;
 
 /// Print a build as a graph of jobs, for engines that run such graphs on many machines.
 ///
-/// One job per material and part, which keeps what it makes in the store of the output folder, and one at the end that puts
-/// all in place. The result has the bytes of one 'brdfc build'.
+/// There is a job for each material and part, which keeps what it makes in the store of the output folder (.brdfc-cache), and
+/// one at the end that puts all in place. The result has the bytes of one 'brdfc build'. Paths are those of the folder in
+/// which this is run, and have to be UTF-8.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   brdfc plan scene.toml --format ninja > build.ninja && ninja
   brdfc plan scene.toml --format json")]
 pub struct Arguments {
-    /// What 'brdfc build' takes: a manifest, or files, folders and patterns.
+    /// What 'brdfc build' takes, but for its options: a manifest, or files, folders and patterns of measured materials, and
+    /// synth: addresses.
     #[arg(value_name = "SCENE.toml|DIR|FILE", required = true)]
-    inputs: Vec<String>,
+    inputs: Vec<OsString>,
     /// Folder for packs and reports.
     #[arg(long, short, value_name = "DIR", default_value = DEFAULT_FOLDER)]
     out: PathBuf,
-    /// What is printed.
+    /// What is printed; --json goes with json alone.
     #[arg(long, value_enum)]
     format: Format,
-    /// The program that jobs call.
+    /// How jobs call this program, where it is not in the PATH.
     #[arg(long, value_name = "PATH", default_value = "brdfc")]
-    program: String,
+    program: OsString,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -41,27 +43,29 @@ enum Format {
     Json,
 }
 
+/// A name as the commands of jobs have it.
+fn in_commands(what: &str, name: &OsStr) -> Result<String, CliError> {
+    name.to_str().map(str::to_owned).ok_or_else(|| {
+        let found = name.display();
+        CliError::Usage(format!(
+            "{what}: found {found}; allowed UTF-8: the name is a part of commands ('brdfc build' takes any name)"
+        ))
+    })
+}
+
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     check_folder(&arguments.out)?;
-    if arguments.out.to_str().is_none() {
-        let found = arguments.out.display();
-        return Err(CliError::Usage(format!("--out: found {found}; allowed UTF-8: the name is a part of commands")));
-    }
-    let inputs: Vec<OsString> = arguments.inputs.iter().map(OsString::from).collect();
-    let asked = asked(&inputs, &EncodeOptions::default(), common)?;
+    let inputs = arguments.inputs.iter().map(|input| in_commands("inputs", input)).collect::<Result<Vec<_>, _>>()?;
+    let program = in_commands("--program", &arguments.program)?;
+    in_commands("--out", arguments.out.as_os_str())?;
+    let asked = asked(&arguments.inputs, &EncodeOptions::default(), common)?;
     if asked.plan.is_empty() {
         return Err(CliError::Check(format!(
             "nothing to build: found no use of any material in {}",
-            arguments.inputs.join(", ")
+            inputs.join(", ")
         )));
     }
-    let places = Places {
-        program: arguments.program.clone(),
-        inputs: arguments.inputs.clone(),
-        manifest: asked.manifest,
-        options: Vec::new(),
-        out: arguments.out.clone(),
-    };
+    let places = Places { program, inputs, manifest: asked.manifest, options: Vec::new(), out: arguments.out.clone() };
     let graph = Graph::new(&asked.plan, &places);
     match arguments.format {
         Format::Json => print_json(&graph),

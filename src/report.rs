@@ -12,18 +12,20 @@ use brdfc_jobs::scene::plan::REPORT;
 use brdfc_metrics::fraction::Fraction;
 use brdfc_render::picture::rgb_png;
 use brdfc_source::flat_btf::asset_list;
+use brdfc_source::words::counted;
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 /// Write a page about the packs in a folder, or about a flat BTF: pictures, errors, checks.
 ///
-/// One file of HTML that needs no network and reads without scripts; its figures stand beside it as .csv and .json. Pictures
-/// are drawn by the CPU's decoder. Sources are compared where they still are where the build found them.
+/// One file of HTML that needs no network and reads without scripts; its figures are written beside it, under its name with
+/// .csv and .json. Pictures are drawn by the CPU's decoder. Packs are compared with their sources where these still are
+/// where the build found them.
+///
+/// With --against the page begins with what got worse than in an earlier build, and that is exit code 1.
 ///
 /// Schemas of --json: 'report', of a flat BTF 'flat-btf'.
-///
-/// With --against what got worse than in an earlier build is listed first, and is exit code 1.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -31,19 +33,21 @@ Examples:
   brdfc report packs -o report.html --against last-week/report.json --tolerance 5%
   brdfc report button -o button.html")]
 pub struct Arguments {
-    /// The folder that 'brdfc build' or 'brdfc flatten' filled; also its report.json, or the NAME.json of a flat BTF.
+    /// The folder that 'brdfc build' or 'brdfc flatten' filled, or in it the report.json of a build, the NAME.json of a flat
+    /// BTF.
     #[arg(value_name = "DIR")]
     folder: PathBuf,
-    /// The page to write.
+    /// The page to write: .html.
     #[arg(long, short, value_name = "REPORT.html")]
     output: PathBuf,
-    /// All materials in one picture, with labels and the colour scale of differences: source, pack and ΔE.
+    /// Of a build: write all materials as one picture, too, with labels and the colour scale of differences: source, pack
+    /// and ΔE.
     #[arg(long, value_name = "IMAGE.png")]
     sheet: Option<PathBuf>,
-    /// The report.json of an earlier build, or its folder.
+    /// Of a build: the report.json of an earlier one, or its folder.
     #[arg(long, value_name = "OLD")]
     against: Option<PathBuf>,
-    /// How much worse a figure may be: a fraction or a percentage.
+    /// By what share a figure may be worse than before: a fraction or a percentage, 0.05 or 5%.
     #[arg(long, value_name = "SHARE", default_value = "2%", requires = "against")]
     tolerance: Fraction,
 }
@@ -73,10 +77,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let [csv_path, json_path] = ["csv", "json"].map(|extension| output.with_extension(extension));
     let own = folder.join(REPORT);
     let inputs: Vec<&Path> = [own.as_path()].into_iter().chain(against.as_deref()).collect();
-    for path in [output, &csv_path, &json_path] {
-        refuse_overwriting("--output", path, &inputs)?;
-        refuse_missing_folder(path)?;
-    }
+    refuse_pages_over(output, [&csv_path, &json_path], &inputs)?;
     if let Some(path) = &arguments.sheet {
         refuse_overwriting("--sheet", path, &inputs)?;
         refuse_missing_folder(path)?;
@@ -99,12 +100,27 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         let lines: String = page.regressions.iter().map(|worse| format!("{worse}\n")).collect();
         print(&lines)?;
     }
-    remark(common, &format!("{}: {} materials", output.display(), page.materials.len()));
+    remark(common, &format!("{}: {}", output.display(), counted(page.materials.len(), "material")));
     match page.regressions.len() {
         0 => Ok(()),
         1 => Err(CliError::Check("one figure is worse than before".to_owned())),
         count => Err(CliError::Check(format!("{count} figures are worse than before"))),
     }
+}
+
+/// A page and its figures are files of their own, in a folder that is there.
+fn refuse_pages_over(output: &Path, beside: [&PathBuf; 2], inputs: &[&Path]) -> Result<(), CliError> {
+    refuse_overwriting("--output", output, inputs)?;
+    for path in beside {
+        refuse_overwriting("--output", path, inputs).map_err(|_| {
+            CliError::Usage(format!(
+                "--output: found {}, whose figures would be written over {}, an input; allowed another name or folder",
+                output.display(),
+                path.display()
+            ))
+        })?;
+    }
+    refuse_missing_folder(output)
 }
 
 /// The folder of a build; its report may be named as well.
@@ -127,10 +143,7 @@ fn of_flat_btf(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     }
     let list = asset_list(folder)?.map(|(path, _)| path);
     let [csv_path, json_path] = ["csv", "json"].map(|extension| output.with_extension(extension));
-    for path in [output, &csv_path, &json_path] {
-        refuse_overwriting("--output", path, list.as_deref().as_slice())?;
-        refuse_missing_folder(path)?;
-    }
+    refuse_pages_over(output, [&csv_path, &json_path], list.as_deref().as_slice())?;
     let page = FlatPage::open(folder)?;
     write_file(&csv_path, flat_csv(&page.asset).as_bytes())?;
     write_file(&json_path, to_json(&page.asset).as_bytes())?;
@@ -138,7 +151,7 @@ fn of_flat_btf(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     if common.json {
         print_json(&page.asset)?;
     }
-    remark(common, &format!("{}: {} parts", output.display(), page.asset.parts.len()));
+    remark(common, &format!("{}: {}", output.display(), counted(page.asset.parts.len(), "part")));
     Ok(())
 }
 

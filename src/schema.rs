@@ -28,9 +28,9 @@ enum Report {
     Encode,
     /// 'brdfc compare --json'.
     Compare,
-    /// 'brdfc info --json'.
+    /// 'brdfc info --json' of a material, a pack that is drawn, or importance samples.
     Info,
-    /// 'brdfc bandwidth --json'.
+    /// 'brdfc bandwidth --json', and 'brdfc info --json' of a bandwidth map.
     Bandwidth,
     /// 'brdfc samples --json'.
     Samples,
@@ -38,11 +38,11 @@ enum Report {
     InfoSurface,
     /// 'brdfc flatten --json'.
     Flatten,
-    /// NAME.json in the folder of a flat BTF, and 'brdfc info --json' of one.
+    /// NAME.json in the folder of a flat BTF, and 'brdfc info --json' and 'brdfc report --json' of one.
     FlatBtf,
     /// 'brdfc plan --format json'.
     Plan,
-    /// 'brdfc report --json', and the .json beside a page.
+    /// 'brdfc report --json' of a build, and the .json beside its page.
     #[value(name = "report")]
     Page,
     /// 'brdfc bench --json'.

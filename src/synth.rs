@@ -10,6 +10,7 @@ use brdfc_jobs::whole_number::whole_number;
 use brdfc_source::address::{self, AddressError, split_query};
 use brdfc_source::analytic::MODELS;
 use brdfc_source::simulate::{ScanPlan, merl_file, scan};
+use brdfc_source::words::shown;
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 
@@ -212,7 +213,7 @@ fn plan(arguments: &Arguments, default_azimuths: usize) -> Result<ScanPlan, CliE
         if (0.0..=most).contains(&value) {
             return Ok(value);
         }
-        Err(CliError::Usage(format!("--{name}: found {value}; allowed 0 to {most}")))
+        Err(CliError::Usage(format!("--{name}: found {}; allowed 0 to {most}", shown(value))))
     };
     Ok(ScanPlan {
         rows: arguments.rows.unwrap_or(1440),

@@ -24,8 +24,13 @@ pub fn with_negatives(argument: clap::Arg) -> clap::Arg {
 
 /// What is wrong with a value that could not be parsed, where the parser says what is allowed.
 pub fn wrong_value(error: &clap::Error) -> Option<String> {
-    if error.kind() != ErrorKind::ValueValidation {
-        return None;
+    match error.kind() {
+        ErrorKind::ValueValidation => {}
+        ErrorKind::InvalidUtf8 => {
+            let wrong = std::env::args_os().find(|argument| argument.to_str().is_none())?;
+            return Some(format!("arguments: found {}; allowed UTF-8", wrong.display()));
+        }
+        _ => return None,
     }
     let context = |kind| match error.get(kind) {
         Some(ContextValue::String(text)) => Some(text.as_str()),

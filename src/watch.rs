@@ -1,6 +1,6 @@
 //! `brdfc watch`: a build that is made again whenever what it reads changes.
 
-use super::build_scene::{BuildArguments, asked_to_build, manifest_among, prepare, tell_what_matters, verdict};
+use super::build_scene::{BuildArguments, Notes, asked_to_build, manifest_among, prepare, tell_what_matters, verdict};
 use super::interrupt::{self, Interrupt};
 use super::output::{print, remark, tell};
 use super::progress::Materials;
@@ -12,6 +12,7 @@ use brdfc_jobs::report::build::BuildReport;
 use brdfc_jobs::scene::build::{BuildSettings, build};
 use brdfc_jobs::scene::plan::Plan;
 use brdfc_jobs::scene::watch::{Change, Watched, What};
+use brdfc_source::words::{counted, few, shown};
 use clap::Args;
 use serde::Serialize;
 use std::sync::atomic::AtomicBool;
@@ -24,12 +25,13 @@ const NAMED: usize = 3;
 
 /// Build, and build again whenever the manifest or what it names changes.
 ///
-/// Until Ctrl-C: the manifest, the sources of materials that the scene uses, new files that match a pattern, and the
-/// environment are watched. What a change does not touch is taken from the store. A change in the middle of a build ends it,
-/// and it begins again. A build that fails is told, and leaves the output folder as the last good one made it.
+/// It takes what 'brdfc build' takes. Until Ctrl-C it watches the manifest, the sources of materials that the scene uses, the
+/// environment, and whether other files match a pattern or stand in a folder that is given. What a change does not touch is
+/// taken from the store of the output folder (.brdfc-cache). A change in the middle of a build ends it, and it begins
+/// again. A build that fails is told, and leaves the output folder as the last good one made it.
 ///
-/// One line on stderr says of each build what changed, what was made and how long it took; with --json a report of each
-/// goes to stdout, on one line (schema: 'brdfc schema watch').
+/// One line on stderr says of each build what changed, what was made and how long it took, and notes are those of what it
+/// made. With --json a report of each build goes to stdout, on one line (schema: 'brdfc schema watch').
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -39,8 +41,8 @@ Examples:
 pub struct Arguments {
     #[command(flatten)]
     build: BuildArguments,
-    /// Look at the files every S seconds, and do not wait for the system to tell of changes: where others write to a
-    /// network drive it does not tell.
+    /// Look at the files every S seconds, 0.1 to 3600, and do not wait for the system to tell of changes: where others write
+    /// to a network drive it does not tell.
     #[arg(long, value_name = "S")]
     poll: Option<f64>,
     #[command(flatten, next_help_heading = "Encoding")]
@@ -70,7 +72,6 @@ pub struct Report {
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     let poll = arguments.poll.map(seconds).transpose()?;
-    arguments.build.memory()?;
     let BuildArguments { inputs, out, .. } = &arguments.build;
     let mut watched = match manifest_among(inputs)? {
         Some(manifest) => Watched::of_manifest(&manifest, out),
@@ -85,10 +86,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     loop {
         let started = Instant::now();
         interrupt.at_work(true);
-        // What never changes is told once.
-        let told = Common { quiet: common.quiet || !is_first, ..common };
         let (built, meanwhile) = watched.during(&mut events, &look, |cancelled| {
-            let built = one_build(arguments, told, &interrupt, cancelled);
+            let built = one_build(arguments, common, is_first, &interrupt, cancelled);
             interrupt.at_work(false);
             built
         });
@@ -125,7 +124,7 @@ fn seconds(seconds: f64) -> Result<Duration, CliError> {
         return Ok(Duration::from_secs_f64(seconds));
     }
     let (least, most) = (POLL_SECONDS.start(), POLL_SECONDS.end());
-    Err(CliError::Usage(format!("--poll: found {seconds}; allowed {least} to {most} seconds")))
+    Err(CliError::Usage(format!("--poll: found {}; allowed {least} to {most} seconds", shown(seconds))))
 }
 
 /// A build that came to its end, well or not.
@@ -138,17 +137,24 @@ struct Ended {
 fn one_build(
     arguments: &Arguments,
     common: Common,
+    is_first: bool,
     interrupt: &Interrupt,
     cancelled: &AtomicBool,
 ) -> Result<Ended, CliError> {
-    let asked = asked_to_build(&arguments.build, &arguments.options, common)?;
+    // What never changes is told once.
+    let once = Common { quiet: common.quiet || !is_first, ..common };
+    let asked = asked_to_build(&arguments.build, &arguments.options, once)?;
     prepare(&asked, &arguments.build.out)?;
     let plan: &Plan = &asked.plan;
-    let progress = Materials::of(plan, common, cancelled).without_lines();
-    let settings = BuildSettings { whole: true, ..arguments.build.settings(interrupt)? };
+    let progress = Materials::of(plan, once, cancelled).without_lines();
+    let settings = BuildSettings { whole: true, ..arguments.build.settings(interrupt) };
     let built = build(plan, &settings, &progress)?;
     drop(progress);
-    tell_what_matters(&built, common);
+    let kept = tell_what_matters(&built, common, Notes::OfMade);
+    if kept > 0 {
+        let which = format!("{} kept as {}", counted(kept, "material"), if kept == 1 { "it was" } else { "they were" });
+        remark(once, &format!("note: {which} with notes, which 'brdfc build' tells"));
+    }
     Ok(Ended { report: built.report, changes: built.changes, verdict: verdict(built.outcomes) })
 }
 
@@ -195,7 +201,7 @@ fn result(report: &Report) -> String {
 }
 
 fn files(count: usize) -> String {
-    format!("{count} {}", if count == 1 { "file" } else { "files" })
+    counted(count, "file")
 }
 
 /// What changed, in words.
@@ -205,10 +211,7 @@ fn changes(changed: &[Change]) -> String {
         What::New => "new",
         What::Gone => "gone",
     };
-    let named = changed.iter().take(NAMED).map(|change| format!("{} {}", change.file, word(change.what)));
-    let mut text = named.collect::<Vec<_>>().join(", ");
-    if changed.len() > NAMED {
-        text += &format!(" and {} more", changed.len() - NAMED);
-    }
+    let named = changed.iter().map(|change| format!("{} {}", change.file, word(change.what)));
+    let text = few(&named.collect::<Vec<_>>(), NAMED);
     if text.is_empty() { "changed and back".to_owned() } else { text }
 }

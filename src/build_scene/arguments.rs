@@ -17,16 +17,24 @@ pub(crate) const DEFAULT_FOLDER: &str = "packs";
 /// Less is not enough for one material.
 const LEAST_MEMORY: u64 = 64 << 20;
 
+/// Parses an amount of memory.
+fn memory_from_text(text: &str) -> Result<u64, String> {
+    let bytes = bytes_from_text(text).ok().filter(|bytes| *bytes >= LEAST_MEMORY);
+    bytes.ok_or_else(|| "allowed 64MiB or more, such as 512MiB, 2GiB or 2147483648 (bytes)".to_owned())
+}
+
 /// Make the packs that a scene needs, or those of a folder of measured materials.
 ///
 /// A manifest names materials and the uses that a scene makes of them; docs/scene.md lists its keys. A material that no
-/// use refers to is not even opened. Of folders, files and patterns each material is made, named after its file.
+/// use refers to is not even opened. Without a manifest each material of the folders, files and patterns is made, and its
+/// pack is named after its file; of folders that is what stands in them directly, packs left out.
 ///
 /// What was made before of the same source by the same options is kept. One material that fails does not stop the
-/// others. The output folder changes at the end, all at once, and then holds what report.json says, besides what
-/// others put there. An encoding option wins over the defaults of a manifest, not over what a material says of itself.
+/// others. The output folder changes at the end, all at once: report.json lists what was built into it, and files that
+/// others put there stay. An encoding option wins over the table [defaults] of a manifest, not over what a material says
+/// of itself. A limit that is missed, and a gate of the manifest that stays closed, are exit code 1.
 ///
-/// Where the manifest names an environment that lights the scene (the key `environment` of `scene`), the maps of adaptive shading are
+/// Where the manifest names an environment that lights the scene (environment in [scene]), maps for adaptive shading are
 /// made too: how fast each material's lobes and the environment vary, and importance samples of the lobes.
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -41,31 +49,32 @@ Examples:
 pub struct Arguments {
     #[command(flatten)]
     pub(super) build: BuildArguments,
-    /// Say what would be done and how large packs would be, and do nothing.
+    /// Say what would be made and between which sizes packs will be, and make nothing.
     #[arg(long)]
     pub(super) dry_run: bool,
-    /// Say what is needed of each material, which uses ask for it, and what that saves.
+    /// Say what is needed of each material, which uses ask for it, and what is saved by leaving out the rest.
     #[arg(long)]
     pub(super) explain: bool,
-    /// Make every pack again.
+    /// Make every pack again, also what was made before.
     #[arg(long)]
     pub(super) no_cache: bool,
     /// Stop at the first material that fails or misses a limit, and leave the folder as it was.
     #[arg(long)]
     pub(super) fail_fast: bool,
-    /// Make share I of N of the parts alone, and keep it in the store of the output folder, for a build that puts all in place.
+    /// Make share I of N alone, I from 1 to N, and keep it in the store of the output folder (.brdfc-cache); a build without
+    /// this option puts all in place. It has no report, so no --json.
     #[arg(long, value_name = "I/N", conflicts_with_all = ["only", "dry_run"])]
     pub(super) shard: Option<Shard>,
-    /// Make one part alone, likewise: MATERIAL.brdf, MATERIAL.maps or environment.maps ('brdfc plan' lists them).
+    /// Make one part alone, likewise; may be given several times: MATERIAL.brdf, MATERIAL.maps or environment.maps ('brdfc plan' lists them).
     #[arg(long, value_name = "PART", conflicts_with = "dry_run")]
     pub(super) only: Vec<String>,
-    /// Take what was made by another build from its folder, such as that of another machine.
+    /// Take what another build made from its output folder, such as that of another machine; may be given several times.
     #[arg(long, value_name = "DIR")]
     pub(super) from: Vec<PathBuf>,
     /// Write this empty file when all is done and well.
     #[arg(long, value_name = "FILE")]
     pub(super) stamp: Option<PathBuf>,
-    /// Write the files that the report depends on, as a rule for make or ninja.
+    /// Write the files that report.json depends on to FILE, as a rule for make or ninja.
     #[arg(long, value_name = "FILE")]
     pub(super) depfile: Option<PathBuf>,
     #[command(flatten, next_help_heading = "Encoding")]
@@ -81,22 +90,22 @@ pub(crate) struct BuildArguments {
     /// Folder for packs and reports.
     #[arg(long, short, value_name = "DIR", default_value = DEFAULT_FOLDER)]
     pub(crate) out: PathBuf,
-    /// Leave files of earlier builds in the folder that this one does not need.
+    /// Leave files of earlier builds that this one does not need in the folder; without it they are removed.
     #[arg(long)]
     keep: bool,
-    /// Replace files that no build wrote where packs have their names.
+    /// Replace files that no build wrote, where they have names that packs or reports get; without it they are an error.
     #[arg(long)]
     force: bool,
-    /// Memory that the materials which are worked on may take together, such as 2GiB (default: 300 MiB for each thread).
-    /// Fewer are worked on at a time where that is needed.
-    #[arg(long, value_name = "B", value_parser = bytes_from_text)]
+    /// Memory that the materials which are worked on may take together: 64MiB or more, in bytes or with KiB, MiB or GiB
+    /// (default: 300MiB for each thread). Fewer are worked on at a time where that is needed.
+    #[arg(long, value_name = "B", value_parser = memory_from_text)]
     memory: Option<u64>,
 }
 
 impl BuildArguments {
     /// How a build is done, where nothing else is said.
-    pub(crate) fn settings<'a>(&'a self, interrupt: &'a Interrupt) -> Result<BuildSettings<'a>, CliError> {
-        Ok(BuildSettings {
+    pub(crate) fn settings<'a>(&'a self, interrupt: &'a Interrupt) -> BuildSettings<'a> {
+        BuildSettings {
             out: &self.out,
             looks_up: true,
             from: &[],
@@ -104,28 +113,22 @@ impl BuildArguments {
             force: self.force,
             fail_fast: false,
             whole: false,
-            memory: self.memory()?,
+            memory: self.memory(),
             placing: interrupt.placing(),
-        })
+        }
     }
 
     /// Bytes that all materials that are worked on may take together.
-    pub(crate) fn memory(&self) -> Result<u64, CliError> {
-        match self.memory {
-            Some(bytes) if bytes < LEAST_MEMORY => {
-                Err(CliError::Usage(format!("--memory: found {bytes} bytes; allowed 64MiB or more")))
-            }
-            Some(bytes) => Ok(bytes),
-            None => Ok(memory::PER_THREAD * rayon::current_num_threads() as u64),
-        }
+    fn memory(&self) -> u64 {
+        self.memory.unwrap_or_else(|| memory::PER_THREAD * rayon::current_num_threads() as u64)
     }
 }
 
 impl Arguments {
     /// How a build is done.
-    pub(super) fn settings<'a>(&'a self, interrupt: &'a Interrupt) -> Result<BuildSettings<'a>, CliError> {
-        let settings = self.build.settings(interrupt)?;
-        Ok(BuildSettings { looks_up: !self.no_cache, from: &self.from, fail_fast: self.fail_fast, ..settings })
+    pub(super) fn settings<'a>(&'a self, interrupt: &'a Interrupt) -> BuildSettings<'a> {
+        let settings = self.build.settings(interrupt);
+        BuildSettings { looks_up: !self.no_cache, from: &self.from, fail_fast: self.fail_fast, ..settings }
     }
 
     /// The file that says that all is done.

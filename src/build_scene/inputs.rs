@@ -31,6 +31,13 @@ const NAMED: usize = 5;
 /// The manifest, if that is what is given: one file that is no kind of material is taken for one, whatever its name.
 pub(crate) fn manifest_among(inputs: &[OsString]) -> Result<Option<PathBuf>, CliError> {
     let alone = inputs.len() == 1;
+    if inputs.iter().any(|input| input == "-") {
+        return Err(CliError::Usage(
+            "inputs: found -; allowed a manifest, or files, folders, patterns and synth: addresses: standard input is for \
+             commands of one file, such as 'brdfc encode -' (a file of this name is ./-)"
+                .to_owned(),
+        ));
+    }
     let is_manifest = |input: &OsString| {
         let path = Path::new(input);
         let named = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));

@@ -14,8 +14,8 @@ pub(super) use inputs::{Asked, asked, listed, manifest_among};
 pub(super) use text::verdict;
 
 use super::output::{
-    check_folder, make_folder, note, print, print_json, refuse_dash, refuse_overwriting, refuse_overwriting_any,
-    remark, tell, write_file,
+    check_folder, make_folder, note, print, print_json, refuse_dash, refuse_missing_folder, refuse_overwriting,
+    refuse_overwriting_any, refuse_same_outputs, remark, tell, write_file,
 };
 use super::progress::Materials;
 use super::{CliError, Common, interrupt};
@@ -30,14 +30,20 @@ use brdfc_jobs::scene::explain::explain;
 use brdfc_jobs::scene::plan::{Job, Plan, REPORT};
 use brdfc_jobs::scene::run::Made;
 use brdfc_jobs::scene::scene_section::ENVIRONMENT;
+use brdfc_source::words::{counted, few};
 use std::collections::BTreeMap;
 use std::path::Path;
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     let out = arguments.build.out.as_path();
-    arguments.build.memory()?;
     check_folder(out)?;
-    arguments.from.iter().try_for_each(|folder| refuse_dash(folder))?;
+    for folder in &arguments.from {
+        refuse_dash(folder)?;
+        if !PackFolder::is_one(folder) {
+            let found = folder.display();
+            return Err(CliError::Io(format!("--from: found {found}; allowed a folder that 'brdfc build' filled")));
+        }
+    }
     let asked = asked_to_build(&arguments.build, &arguments.options, common)?;
     let plan = &asked.plan;
     if arguments.dry_run {
@@ -45,18 +51,16 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     }
 
     let inputs = asked.files();
-    if let Some(file) = &arguments.depfile {
-        refuse_overwriting("--depfile", file, &inputs)?;
-    }
+    check_beside(arguments, plan, &inputs)?;
     prepare(&asked, out)?;
     let interrupt = interrupt::watch()?;
     if arguments.shard.is_some() || !arguments.only.is_empty() {
         return pieces::run(arguments, plan, common, &interrupt);
     }
     let progress = Materials::of(plan, common, interrupt.flag());
-    let mut built = build(plan, &arguments.settings(&interrupt)?, &progress)?;
+    let mut built = build(plan, &arguments.settings(&interrupt), &progress)?;
     drop(progress);
-    tell_what_matters(&built, common);
+    tell_what_matters(&built, common, Notes::All);
     if let Some(file) = &arguments.depfile {
         write_file(file, &depfile(&out.join(REPORT), &inputs))?;
     }
@@ -69,7 +73,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         print(&(text::text(&built.outcomes) + &plan_text::needs(&built.report.needs)))?;
     }
     if !plan.skipped.is_empty() {
-        remark(common, &format!("not used by the scene, not opened: {}", plan.skipped.join(", ")));
+        remark(common, &format!("not used by the scene, not opened: {}", few(&plan.skipped, plan_text::MOST_NAMED)));
     }
     match &built.changes {
         Some(changes) => tell_changes(changes, &built.report, common),
@@ -77,6 +81,19 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     }
     verdict(built.outcomes)?;
     arguments.write_stamp()
+}
+
+/// Files that are written beside the packs: neither over what is read nor over what else is written.
+fn check_beside(arguments: &Arguments, plan: &Plan, inputs: &[&Path]) -> Result<(), CliError> {
+    let files = [("--depfile", arguments.depfile.as_deref()), ("--stamp", arguments.stamp.as_deref())];
+    refuse_same_outputs(&files)?;
+    for (option, file) in files.into_iter().filter_map(|(option, file)| Some((option, file?))) {
+        refuse_overwriting(option, file, inputs)?;
+        for placed in plan.files() {
+            refuse_same_outputs(&[(option, Some(file)), ("--out", Some(&arguments.build.out.join(placed)))])?;
+        }
+    }
+    arguments.depfile.as_deref().map_or(Ok(()), refuse_missing_folder)
 }
 
 /// Says what would be done.
@@ -105,10 +122,7 @@ pub(super) fn asked_to_build(
     if asked.plan.is_empty() {
         return Err(CliError::Check(format!(
             "nothing to build: found {}, and no use of any, in {}; allowed one or more ([[uses]], material = \"...\")",
-            match asked.plan.skipped.len() {
-                1 => "one material".to_owned(),
-                count => format!("{count} materials"),
-            },
+            counted(asked.plan.skipped.len(), "material"),
             listed(&arguments.inputs),
         )));
     }
@@ -121,14 +135,27 @@ pub(super) fn prepare(asked: &Asked, out: &Path) -> Result<(), CliError> {
     make_folder(out)
 }
 
-/// Failures and misses, and notes on what was made.
-pub(super) fn tell_what_matters(built: &Built, common: Common) {
+/// Whose notes are told.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Notes {
+    /// Those of all materials.
+    All,
+    /// Those of materials that were made now.
+    OfMade,
+}
+
+/// Failures and misses, and notes on what was made. Gives the number of materials whose notes were not told.
+pub(super) fn tell_what_matters(built: &Built, common: Common, notes: Notes) -> usize {
+    let mut untold = 0;
     for outcome in &built.outcomes.materials {
         match &outcome.result {
             Ok(made) => {
                 let of_map = made.maps.as_ref().and_then(|maps| maps.bandwidth.as_ref()?.facts.remark());
-                for line in remarks(&made.report).into_iter().chain(of_map) {
-                    note(common, &outcome.name, &line);
+                let lines: Vec<String> = remarks(&made.report).into_iter().chain(of_map).collect();
+                if notes == Notes::OfMade && made.times.is_none() {
+                    untold += usize::from(!lines.is_empty());
+                } else {
+                    lines.iter().for_each(|line| note(common, &outcome.name, line));
                 }
                 let closed = made.gates.iter().filter(|gate| !gate.passed).map(ToString::to_string);
                 for line in made.report.missed.iter().cloned().chain(closed) {
@@ -142,6 +169,7 @@ pub(super) fn tell_what_matters(built: &Built, common: Common) {
     if let Some(Err(error)) = &built.outcomes.environment {
         tell(&format!("brdfc: {ENVIRONMENT}: {error}"));
     }
+    untold
 }
 
 fn tell_changes(changes: &Changes, report: &BuildReport, common: Common) {

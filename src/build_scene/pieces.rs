@@ -8,6 +8,7 @@ use crate::{CliError, Common};
 use brdfc_jobs::scene::build::build_works;
 use brdfc_jobs::scene::plan::Plan;
 use brdfc_jobs::scene::works::Work;
+use brdfc_source::words::counted;
 
 pub(super) fn run(arguments: &Arguments, plan: &Plan, common: Common, interrupt: &Interrupt) -> Result<(), CliError> {
     if common.json {
@@ -15,7 +16,7 @@ pub(super) fn run(arguments: &Arguments, plan: &Plan, common: Common, interrupt:
     }
     let works = chosen(arguments, plan)?;
     let progress = Materials::new(works.len(), plan.environment.is_some(), common, interrupt.flag());
-    let results = build_works(&works, &arguments.settings(interrupt)?, &progress)?;
+    let results = build_works(&works, &arguments.settings(interrupt), &progress)?;
     drop(progress);
     let count = works.len();
     let mut text = String::new();
@@ -30,7 +31,7 @@ pub(super) fn run(arguments: &Arguments, plan: &Plan, common: Common, interrupt:
         }
     }
     print(&text)?;
-    let failed = format!("{} of {count} parts failed", failures.len());
+    let failed = format!("{} of {} failed", failures.len(), counted(count, "part"));
     match failures.into_iter().max_by_key(CliError::exit_code) {
         None => arguments.write_stamp(),
         Some(worst) => Err(worst.with_message(failed)),

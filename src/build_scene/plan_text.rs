@@ -7,9 +7,15 @@ use brdfc_jobs::scene::explain::Explained;
 use brdfc_jobs::scene::maps::PARTS;
 use brdfc_jobs::scene::plan::{Plan, pack_name};
 use brdfc_jobs::scene::predict::Predicted;
+use brdfc_source::words::few;
 use brdfc_table::recipe::Size;
 use brdfc_wavelet::recipe::Target;
 use std::path::Path;
+
+/// So many names of materials are told in one line.
+pub(super) const MOST_NAMED: usize = 6;
+/// What is needed of a material that no use refers to.
+const NOTHING: &str = "nothing";
 
 /// A line for each material.
 pub(super) fn text(plan: &Plan, report: &BuildReport, out: &Path) -> String {
@@ -51,7 +57,7 @@ pub(super) fn text(plan: &Plan, report: &BuildReport, out: &Path) -> String {
         }
     }
     if !plan.skipped.is_empty() {
-        text += &format!("not used by the scene: {}\n", plan.skipped.join(", "));
+        text += &format!("not used by the scene: {}\n", few(&plan.skipped, MOST_NAMED));
     }
     text + &needs(&report.needs)
 }
@@ -62,15 +68,34 @@ pub(super) fn needs(explained: &[Explained]) -> String {
         return String::new();
     }
     let row = |explained: &Explained| {
-        let about = if explained.need == "nothing" { "about " } else { "" };
+        let about = if explained.need == NOTHING { "about " } else { "" };
         let bytes = explained.saved_bytes.map(|bytes| format!("{about}{}", table::bytes(bytes)));
         let seconds = explained.saved_seconds.map(|seconds| format!("about {seconds:.2} s"));
         let saved: Vec<String> = bytes.into_iter().chain(seconds).collect();
         let saved = if saved.is_empty() { "-".to_owned() } else { saved.join(", ") };
         vec![explained.material.clone(), explained.need.clone(), explained.why.clone(), saved]
     };
-    let rows: Vec<_> = explained.iter().map(row).collect();
+    let (unused, needed): (Vec<&Explained>, Vec<&Explained>) =
+        explained.iter().partition(|explained| explained.need == NOTHING);
+    let mut rows: Vec<_> = needed.into_iter().map(row).collect();
+    match unused[..] {
+        [first, _, ..] => rows.push(row(&all_unused(first, &unused))),
+        _ => rows.extend(unused.into_iter().map(row)),
+    }
     format!("\n{}", table::words(&["material", "needed", "because of", "saves"], &rows))
+}
+
+/// All materials that nothing is needed of, as one; of each the same is saved.
+fn all_unused(first: &Explained, unused: &[&Explained]) -> Explained {
+    let names: Vec<&str> = unused.iter().map(|explained| explained.material.as_str()).collect();
+    let count = unused.len();
+    Explained {
+        material: few(&names, MOST_NAMED),
+        why: format!("no use refers to these {count}"),
+        saved_bytes: first.saved_bytes.map(|bytes| bytes * count as u64),
+        saved_seconds: first.saved_seconds.map(|seconds| seconds * count as f64),
+        ..first.clone()
+    }
 }
 
 /// Bytes on a GPU: those of the pack that is there, or between which they will be.
@@ -116,7 +141,7 @@ fn budget(budget: &Budget) -> String {
         budget.delta_e.map(|limit| format!("ΔE at most {limit}")),
         budget.error.map(|limit| format!("ε_r at most {}", table::percent(limit))),
         budget.bytes.map(|limit| format!("at most {}", table::bytes(limit))),
-        budget.fetches.map(|limit| format!("at most {limit} fetches")),
+        budget.fetches.map(|limit| format!("at most {limit} {}", if limit == 1 { "fetch" } else { "fetches" })),
     ];
     limits.into_iter().flatten().collect::<Vec<_>>().join(", ")
 }

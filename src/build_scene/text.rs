@@ -5,6 +5,7 @@ use brdfc_bandwidth::facts::BandwidthFacts;
 use brdfc_jobs::report::build::environment_map;
 use brdfc_jobs::scene::maps::{PARTS, Packed, part_name};
 use brdfc_jobs::scene::run::{JobError, Outcomes};
+use brdfc_source::words::counted;
 
 /// The packs, a line each; where there are maps, those too.
 pub(super) fn text(outcomes: &Outcomes) -> String {
@@ -62,11 +63,15 @@ pub(crate) fn verdict(outcomes: Outcomes) -> Result<(), CliError> {
     let mut failures: Vec<CliError> = failures.map(CliError::from).collect();
     let mut failed = Vec::new();
     if !failures.is_empty() {
-        failed.push(format!("{} of {count} materials failed", failures.len()));
+        failed.push(format!("{} of {} failed", failures.len(), counted(count, "material")));
     }
-    for (number, what) in [(missed, "missed their budget"), (closed, "are not what is required of them")] {
+    for (number, one, more) in [
+        (missed, "missed its budget", "missed their budget"),
+        (closed, "is not what is required of it", "are not what is required of them"),
+    ] {
         if number > 0 {
-            failed.push(format!("{number} of {count} materials {what}"));
+            let what = if number == 1 { one } else { more };
+            failed.push(format!("{number} of {} {what}", counted(count, "material")));
             failures.push(CliError::Check(String::new()));
         }
     }

@@ -10,6 +10,7 @@ use brdfc_formats::container::MAX_EXTENT_2D;
 use brdfc_formats::flat_btf::{IndirectionHeader, MAX_AZIMUTH_SAMPLES, MAX_ZENITH_SAMPLES};
 use brdfc_jobs::flatten::{FlattenRecipe, Form, MesoOptions};
 use brdfc_source::Input;
+use brdfc_source::words::shown;
 use std::ffi::{OsStr, OsString};
 
 /// The asset's name: as given, or that of its folder.
@@ -113,7 +114,7 @@ pub(super) fn meso_options(arguments: &Arguments, is_stack: bool) -> Result<Meso
         if let Some(value) = value
             && !(-10.0..=10.0).contains(&value)
         {
-            return Err(CliError::Usage(format!("--{option}: found {value}; allowed -10 to 10 tiles")));
+            return Err(CliError::Usage(format!("--{option}: found {}; allowed -10 to 10 tiles", shown(value))));
         }
     }
     let kind = Kind::of(geometry.as_ref())?;
@@ -201,7 +202,7 @@ pub(super) fn recipe(arguments: &Arguments) -> Result<FlattenRecipe, CliError> {
         return Err(wrong("flat-texels", &flat_texels, FLAT_TEXELS));
     }
     if !(arguments.largest_angle > 0.0 && arguments.largest_angle <= 89.0) {
-        return Err(wrong("largest-angle", &arguments.largest_angle, "above 0, up to 89 degrees"));
+        return Err(wrong("largest-angle", &shown(arguments.largest_angle), "above 0, up to 89 degrees"));
     }
     let [zenith_samples, azimuth_samples] = pair(&arguments.indirection)
         .ok_or_else(|| wrong("indirection", &arguments.indirection, "polar angles x azimuths, such as 16x16"))?;

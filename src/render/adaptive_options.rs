@@ -20,23 +20,24 @@ pub(super) struct AdaptiveOptions {
     /// Latitude-longitude image, .exr or .hdr, that lights the scene (default: the manifest's, or the scene's sky).
     #[arg(long, value_name = "FILE", requires = "adaptive")]
     pub(super) environment: Option<PathBuf>,
-    /// Mean samples per pixel if all pixels were shaded (default 64);
+    /// Mean samples per pixel if all pixels were shaded, 0.01 to 1024 (default 64);
     /// a shaded pixel gets 1 to 1024, more where more shows.
     #[arg(long, value_name = "X", requires = "adaptive")]
     pub(super) budget: Option<f32>,
-    /// Factor on predicted bandwidths before levels are chosen: less is faster, more is sharper (default 0.5).
+    /// Factor on predicted bandwidths before levels are chosen, 0.001 to 1000: less is faster, more is sharper
+    /// (default 0.5).
     #[arg(long, value_name = "X", requires = "adaptive")]
     pub(super) caution: Option<f32>,
-    /// Incident directions that bandwidth is averaged over, rounded up to a multiple of 4 (default 16).
+    /// Incident directions that bandwidth is averaged over, 1 to 4096, rounded up to a multiple of 4 (default 16).
     #[arg(long, value_name = "N", requires = "adaptive", value_parser = whole_number::<u32>(1..=4096))]
     pub(super) bandwidth_directions: Option<u32>,
     /// Points per pixel: 1 (default), 4 or 16.
     #[arg(long, value_name = "N", requires = "adaptive", value_parser = any_whole_number::<u32>(ANTIALIAS))]
     pub(super) antialias: Option<u32>,
-    /// Samples per point of forward shading (default 32).
+    /// Samples per point of forward shading, 1 to 1024 (default 32).
     #[arg(long, value_name = "N", requires = "adaptive", value_parser = whole_number::<u32>(1..=MOST.into()))]
     pub(super) forward: Option<u32>,
-    /// Samples per point of the ground truth, on the CPU (default: 256 per pixel, and twice those of forward shading).
+    /// Samples per point of the ground truth, 16 to 65536, on the CPU (default: 256 per pixel, and twice those of forward shading).
     #[arg(long, value_name = "N", requires = "adaptive", value_parser = whole_number::<usize>(16..=65_536))]
     pub(super) truth: Option<usize>,
     /// Bandwidth, levels and variance as it shows side by side, from dark to pale yellow: .png. Bandwidth over 8 octaves and

@@ -49,8 +49,8 @@ pub struct Arguments {
     #[arg(long, value_name = "IMAGE.png")]
     pub(super) sheet: Option<PathBuf>,
     /// A contact sheet: every material that the manifest's uses refer to (all where there are no uses), each alone on a
-    /// sphere or --scene, with name, bytes, ΔE and the colour scale: .png. Of the manifest's table 'render' nothing counts.
-    /// Limits hold for each material.
+    /// sphere or --scene, with name, bytes, ΔE and the colour scale: .png. The manifest's table [render] is not read. Limits
+    /// hold for each material.
     #[arg(
         long,
         value_name = "IMAGE.png",
@@ -60,13 +60,13 @@ pub struct Arguments {
     /// Which scene (default: the manifest's, or sphere).
     #[arg(long, value_enum, value_name = "SCENE")]
     pub(super) scene: Option<SceneName>,
-    /// Pixels, such as 800x600 (default 512x512, with --contact 160x160).
+    /// Pixels, such as 800x600, each 1 to 8192 (default 512x512, with --contact 160x160).
     #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
     pub(super) size: Option<String>,
-    /// Samples per pixel and axis: 2 is 4 per pixel (default 2).
+    /// Samples per pixel and axis, 1 to 16: 2 is 4 per pixel (default 2).
     #[arg(long, value_name = "N", value_parser = whole_number::<usize>(1..=MAX_SAMPLES as u64))]
     pub(super) samples: Option<usize>,
-    /// Factor from radiance to the display's range (default: the brightest 1 % of the surfaces clip).
+    /// Factor from radiance to the display's range, above 0 (default: the brightest 1 % of the surfaces clip).
     #[arg(long, value_name = "X")]
     pub(super) exposure: Option<f64>,
     /// How values between cells are found (default: bilinear).
@@ -75,7 +75,7 @@ pub struct Arguments {
     /// Filter slices in the shader with exact weights instead of the sampler.
     #[arg(long)]
     pub(super) exact: bool,
-    /// A level of detail for all pixels (default: it follows the distance).
+    /// A level of detail for all pixels, 0 to 6, coarse to fine (default: it follows the distance).
     #[arg(long, value_name = "L")]
     pub(super) lod: Option<f32>,
     /// What a pack was made from, to compare with; with --adaptive bandwidth and samples are those of its lobes.
@@ -89,7 +89,7 @@ pub struct Arguments {
     #[arg(long)]
     pub(super) table: bool,
     /// Fail with exit code 1 if the mean ΔE is above X: against the sources, or the CPU's decoder without them. A picture
-    /// without a surface or without light fails, too; so it is of all limits.
+    /// without a surface or without light fails, too, whichever limit is given.
     #[arg(long, value_name = "X")]
     pub(super) max_delta_e: Option<f64>,
     /// Fail if the 95th percentile of ΔE is above X.
@@ -104,12 +104,12 @@ pub struct Arguments {
     /// Of a flat BTF: every view and light, or normal map and diffuse colours (default: full where the folder has views).
     #[arg(long, value_enum)]
     pub(super) form: Option<FormName>,
-    /// Of a flat BTF: tiles per unit of the scene's uv (default: 4 on plane, bottle, vase and teapot, else 8).
+    /// Of a flat BTF: tiles per unit of the scene's uv, 1 to 1024 (default: 4 on plane, bottle, vase and teapot, else 8).
     #[arg(long, value_name = "N", value_parser = whole_number::<u32>(1..=1024))]
     pub(super) repeat: Option<u32>,
     #[command(flatten)]
     pub(super) adaptive: AdaptiveOptions,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Encoding of what is no pack")]
     pub(super) options: PackOptions,
 }
 

@@ -19,6 +19,7 @@ use super::{CliError, Common, graphics_environment};
 use crate::table;
 use brdfc_gpu::verify::{Material, Views, views};
 use brdfc_jobs::report::render::{PartMaterial, PictureGates, Verification};
+use brdfc_source::words::{few, shown};
 use materials::Prepared;
 use serde::Serialize;
 use std::path::Path;
@@ -47,7 +48,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     if let Some(level) = arguments.lod
         && !(0.0..=6.0).contains(&level)
     {
-        return Err(CliError::Usage(format!("--lod: found {level}; allowed 0 to 6")));
+        return Err(CliError::Usage(format!("--lod: found {}; allowed 0 to 6", shown(level))));
     }
     if arguments.adaptive.adaptive {
         return adaptive::run(arguments, common);
@@ -84,16 +85,16 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
 /// The limits of the picture.
 fn gates(arguments: &Arguments) -> Result<PictureGates, CliError> {
     let given = [
-        ("--max-delta-e", arguments.max_delta_e),
-        ("--max-delta-e-p95", arguments.max_delta_e_p95),
-        ("--max-flip", arguments.max_flip),
+        ("--max-delta-e", arguments.max_delta_e, f64::MAX, "a number, 0 or more"),
+        ("--max-delta-e-p95", arguments.max_delta_e_p95, f64::MAX, "a number, 0 or more"),
+        ("--max-flip", arguments.max_flip, 1.0, "0 to 1"),
     ];
-    for (flag, limit) in given {
-        if let Some(limit) = limit.filter(|limit| !(*limit >= 0.0 && limit.is_finite())) {
-            return Err(CliError::Usage(format!("{flag}: found {limit}; allowed a number, 0 or more")));
+    for (flag, limit, most, allowed) in given {
+        if let Some(limit) = limit.filter(|limit| !(0.0..=most).contains(limit)) {
+            return Err(CliError::Usage(format!("{flag}: found {}; allowed {allowed}", shown(limit))));
         }
     }
-    let [(_, delta_e), (_, delta_e_p95), (_, flip)] = given;
+    let [delta_e, delta_e_p95, flip] = given.map(|(_, limit, ..)| limit);
     Ok(PictureGates { delta_e, delta_e_p95, flip })
 }
 
@@ -144,11 +145,7 @@ fn of_brdfs(arguments: &Arguments, common: Common) -> Result<(Verification, View
 fn tell_of_others(arguments: &Arguments, all: &[String], shown: &[String], common: Common) {
     let others: Vec<&str> = all.iter().filter(|name| !shown.contains(name)).map(String::as_str).collect();
     if !others.is_empty() {
-        let more = match others.len().saturating_sub(MOST_LISTED) {
-            0 => String::new(),
-            more => format!(" and {more} more"),
-        };
-        let listed = others[..others.len().min(MOST_LISTED)].join(", ");
-        note(common, &arguments.input, &format!("not shown: {listed}{more}; --contact draws every material"));
+        let listed = few(&others, MOST_LISTED);
+        note(common, &arguments.input, &format!("not shown: {listed}; --contact draws every material"));
     }
 }

@@ -1,7 +1,7 @@
 //! Pictures and text of a verification.
 
 use super::arguments::Arguments;
-use crate::output::{refuse_overwriting, refuse_same_outputs, write_file};
+use crate::output::{refuse_missing_folder, refuse_overwriting, refuse_same_outputs, write_file};
 use crate::{CliError, table};
 use brdfc_gpu::verify::Views;
 use brdfc_jobs::report::contact::MaterialVerification;
@@ -42,14 +42,12 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
         let Some(path) = path else { continue };
         if !allowed.contains(&extension(path).as_str()) {
             let allowed = allowed.join(" or .");
-            return Err(CliError::Usage(format!("{flag}: found {}; allowed a name in .{allowed}", path.display())));
+            return Err(CliError::Usage(format!(
+                "{flag}: found {}; allowed a name that ends in .{allowed}",
+                path.display()
+            )));
         }
-        if let Some(folder) = path.parent()
-            && !folder.as_os_str().is_empty()
-            && !folder.is_dir()
-        {
-            return Err(CliError::Io(format!("{}: cannot write: no folder {}", path.display(), folder.display())));
-        }
+        refuse_missing_folder(path)?;
         let given = [Some(&arguments.input), arguments.source.as_ref()];
         let mut inputs: Vec<&Path> = given.into_iter().flatten().filter_map(Input::path).collect();
         inputs.extend(arguments.adaptive.environment.as_deref());

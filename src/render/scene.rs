@@ -9,6 +9,7 @@ use brdfc_jobs::scene::render_section::{MAX_SIDE, RenderSection};
 use brdfc_render::scene::{Environment, Frame, PointLight, Scene};
 use brdfc_render::scenes::Builtin;
 use brdfc_source::radiance_image::open_radiance_image;
+use brdfc_source::words;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 
@@ -81,7 +82,10 @@ pub(super) fn setup(arguments: &Arguments, subject: &Subject) -> Result<Setup, C
     if let Some(exposure) = arguments.exposure
         && !(exposure > 0.0 && exposure.is_finite())
     {
-        return Err(CliError::Usage(format!("--exposure: found {exposure}; allowed a positive number")));
+        return Err(CliError::Usage(format!(
+            "--exposure: found {}; allowed a positive number",
+            words::shown(exposure)
+        )));
     }
     let exposure = arguments.exposure.or(section.exposure);
     let names = names(arguments, subject, builtin)?;

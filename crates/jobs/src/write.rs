@@ -52,7 +52,12 @@ pub fn write_atomic(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
 
 /// The error without the name of the temporary file, which says nothing to anybody.
 fn of_target(error: std::io::Error) -> std::io::Error {
-    if error.raw_os_error().is_some() { error } else { std::io::Error::from(error.kind()) }
+    if error.raw_os_error().is_some() {
+        return error;
+    }
+    // The system's words stand in front of the name.
+    let text = error.to_string();
+    std::io::Error::new(error.kind(), text.split(" at path ").next().unwrap_or_default())
 }
 
 #[cfg(test)]
@@ -75,6 +80,19 @@ mod tests {
     fn errors_name_no_temporary_file() {
         let error = std::io::Error::new(std::io::ErrorKind::StorageFull, "full at path \"/x/.brdfc-1.tmp\"");
         assert!(!of_target(error).to_string().contains(".tmp"));
+    }
+
+    /// `/dev/full` through a temporary file that names itself in its errors.
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn errors_have_the_words_of_the_system() {
+        let full = || std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+        let plain = full().write_all(b"x").unwrap_err();
+        let mut named =
+            tempfile::NamedTempFile::from_parts(full(), tempfile::TempPath::try_from_path("/nowhere/x.tmp").unwrap());
+        let named = named.write_all(b"x").unwrap_err();
+        assert!(named.to_string().contains("x.tmp"), "{named}");
+        assert_eq!(of_target(named).to_string(), plain.to_string());
     }
 
     #[test]

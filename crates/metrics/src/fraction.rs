@@ -1,5 +1,6 @@
 //! Fractions as people write them.
 
+use brdfc_source::words::shown;
 use serde::de::{Deserialize, Deserializer, Error, Visitor};
 use std::fmt;
 use std::str::FromStr;
@@ -12,7 +13,7 @@ pub struct Fraction {
 }
 
 /// What may stand in place of what is no fraction.
-const ALLOWED: &str = "a fraction, such as 0.03, or a percentage, such as 3%";
+pub const ALLOWED: &str = "a fraction, such as 0.03, or a percentage, such as 3%";
 
 impl Fraction {
     /// A bare number.
@@ -31,7 +32,7 @@ impl Fraction {
             return Err(ALLOWED.to_owned());
         }
         if value > 1.0 && !is_percentage {
-            return Err(format!("a fraction or a percentage: write {} or {value}%", value / 100.0));
+            return Err(format!("a fraction or a percentage: write {} or {}%", shown(value / 100.0), shown(value)));
         }
         Ok(value)
     }
@@ -40,7 +41,7 @@ impl Fraction {
 /// As it was written.
 impl fmt::Display for Fraction {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.is_percentage { write!(f, "{}%", 100.0 * self.value) } else { write!(f, "{}", self.value) }
+        if self.is_percentage { write!(f, "{}%", shown(100.0 * self.value)) } else { f.write_str(&shown(self.value)) }
     }
 }
 

@@ -51,6 +51,7 @@ impl InputError {
 
     /// A file that cannot be read.
     pub fn io(path: &Path, error: std::io::Error) -> Self {
-        Self::Io { name: path.display().to_string(), error }
+        let name = if path.as_os_str().is_empty() { "an empty name".to_owned() } else { path.display().to_string() };
+        Self::Io { name, error }
     }
 }

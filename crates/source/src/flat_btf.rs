@@ -3,6 +3,7 @@
 use super::read::open_path;
 use crate::InputError;
 use crate::read::{MAX_FILE_BYTES, MAX_TEXT_BYTES, read_file};
+use crate::words::{few, json_problem};
 use brdfc_formats::FormatError;
 use brdfc_formats::flat_btf::{
     DiffuseMap, FlatBtfParts, FlatPart, FlatView, IndirectionMap, NormalMap, PART_EXTENSION, ReferenceMap,
@@ -95,7 +96,7 @@ impl Asset {
             return Err(format_error(&folder, FormatError::whole("flat BTF", found, "a finished asset")));
         }
         let wrong = |error: serde_json::Error| {
-            format_error(&file, FormatError::whole("list of parts", error.to_string(), "what 'brdfc flatten' wrote"))
+            format_error(&file, FormatError::whole("list of parts", json_problem(&error), "what 'brdfc flatten' wrote"))
         };
         let listing = serde_json::from_slice(&read_file(&file, MAX_TEXT_BYTES)?).map_err(wrong)?;
         Ok(Self { folder, name, listing })
@@ -115,11 +116,7 @@ impl Asset {
         if missing.is_empty() {
             return Ok(());
         }
-        let more = match missing.len().saturating_sub(MOST_LISTED) {
-            0 => String::new(),
-            more => format!(" and {more} more"),
-        };
-        let found = format!("no {}{more}", missing[..missing.len().min(MOST_LISTED)].join(", "));
+        let found = format!("no {}", few(&missing, MOST_LISTED));
         Err(format_error(&self.folder, FormatError::whole("flat BTF", found, "all of its files")))
     }
 

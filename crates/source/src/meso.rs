@@ -51,9 +51,14 @@ pub fn open_meso(input: impl Into<Input>) -> Result<MesoInput, InputError> {
         "exr" => |bytes| heights_from_exr(bytes).map(MesoInput::Heights),
         _ => {
             // What is not there is told before what it is called.
-            InputFile::of(&input, &mut ())?;
-            let allowed = ".obj or .ply (mesh), .png or .exr (height map)";
-            let error = FormatError::whole("file name", found_extension(&extension), allowed);
+            let length = InputFile::of(&input, &mut ())?.length;
+            let (field, found) = match input.is_stdin() {
+                true if length == 0 => ("contents", "nothing".to_owned()),
+                true if extension.is_empty() => ("contents", "no known layout".to_owned()),
+                true => ("contents", format!("those of a file .{extension}")),
+                false => ("file name", found_extension(&extension)),
+            };
+            let error = FormatError::whole(field, found, ".obj or .ply (mesh), .png or .exr (height map)");
             return Err(InputError::format(input.named_path(), error));
         }
     };

@@ -15,7 +15,13 @@ pub static FORMATS: [Format; 6] =
 
 /// The files that can be opened, for messages: `.binary (MERL), .brdf (scan) ...`.
 pub fn known_files() -> String {
-    FORMATS.iter().map(|format| format!(".{} ({})", format.extension, format.name)).collect::<Vec<_>>().join(", ")
+    files_but_for("")
+}
+
+/// Those of them that have another extension.
+pub fn files_but_for(extension: &str) -> String {
+    let others = FORMATS.iter().filter(|format| format.extension != extension);
+    others.map(|format| format!(".{} ({})", format.extension, format.name)).collect::<Vec<_>>().join(", ")
 }
 
 /// Opens `input`. `level` is the level of detail that packs are decoded at; other inputs have none.

@@ -46,6 +46,37 @@ fn a_read_only_folder() {
     assert!(folder.files("packs").is_empty());
 }
 
+/// What a build writes beside its packs never takes the place of a measurement, nor of what else is written.
+#[test]
+fn stamps_and_rules_are_files_of_their_own() {
+    let folder = Folder::new();
+    folder.run(&["synth", "lewis", "-o", "a.binary", "--dimensions", "6x6x12"]).succeeded();
+    folder.write("scene.toml", "[materials.a]\nsource = 'a.binary'\ngrid = 2\n[[uses]]\nmaterial = 'a'\n");
+    for (arguments, code, expected) in [
+        (&["--stamp", "a.binary"][..], 2, "--stamp: found a.binary, an input; allowed another file"),
+        (&["--stamp", "scene.toml"], 2, "--stamp: found scene.toml, an input; allowed another file"),
+        (&["--depfile", "a.binary"], 2, "--depfile: found a.binary, an input; allowed another file"),
+        (
+            &["--depfile", "x", "--stamp", "./x"],
+            2,
+            "--depfile and --stamp: found ./x for both; allowed different places",
+        ),
+        (
+            &["--stamp", "packs/report.json"],
+            2,
+            "--stamp and --out: found packs/report.json for both; allowed different",
+        ),
+        (&["--depfile", "packs/a.brdf.ktx2"], 2, "--depfile and --out: found packs/a.brdf.ktx2 for both"),
+        (&["--depfile", "no/x"], 4, "no/x: cannot write: there is no folder no"),
+        (&["--from", "nowhere"], 4, "--from: found nowhere; allowed a folder that 'brdfc build' filled"),
+        (&["--shard", "1/1", "--stamp", "a.binary"], 2, "--stamp: found a.binary, an input; allowed another file"),
+    ] {
+        std::fs::create_dir_all(folder.path().join("packs")).unwrap();
+        refused(&folder, &[&["build", "scene.toml"], arguments].concat(), code, &[expected]);
+    }
+    folder.run(&["build", "scene.toml", "--stamp", "done", "--depfile", "packs/rule.d"]).succeeded();
+}
+
 #[test]
 #[cfg(target_os = "linux")]
 fn a_full_disk() {
@@ -75,6 +106,10 @@ fn a_full_disk() {
     );
     assert!(stderr.contains("brdfc: small/p.ktx2: cannot write: ") && !stderr.contains("panicked"), "{stderr}");
     assert!(stderr.contains("brdfc: small/a.binary: cannot write: "), "{stderr}");
+    // Whichever command it is, in the words of the system.
+    for line in stderr.lines().filter(|line| line.contains("cannot write")) {
+        assert!(line.ends_with(": cannot write: No space left on device (os error 28)"), "{line}");
+    }
     for left in lines.iter().filter(|line| line.starts_with("small")) {
         assert!(!left.contains(".tmp") && !left.contains("p.ktx2") && !left.contains("a.binary"), "{left} is left");
     }

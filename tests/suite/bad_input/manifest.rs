@@ -74,7 +74,15 @@ fn unknown_keys_at_every_level() {
 fn wrong_types() {
     for (from, to, line) in [
         ("name = 'x'", "name = 3", 2),
+        ("name = 'x'", "name = 1979-05-27", 2),
         ("grid = 4", "grid = 'four'", 4),
+        ("grid = 4", "grid = 99999999999999999999999", 4),
+        ("grid = 4", "ratio = 99999999999999999999999", 4),
+        ("grid = 4", "ratio = 1e999", 4),
+        ("grid = 4", "max_bytes = -3", 4),
+        ("grid = 4", "max_error = true", 4),
+        ("grid = 4", "require = 3", 4),
+        ("nearest = 2.0", "nearest = [1]", 10),
         ("grid = 4", "grid = 4.5", 4),
         ("grid = 4", "grid = -4", 4),
         ("grid = 4", "smooth = 1", 4),
@@ -86,16 +94,17 @@ fn wrong_types() {
     ] {
         let folder = Folder::new();
         folder.write("scene.toml", GOOD.replace(from, to));
-        let told = refused(&folder, &["build", "scene.toml"], 3, &["brdfc: scene.toml: line ", ": found invalid "]);
-        println!("{to}: {told}");
+        let value = to.split(" = ").nth(1).unwrap();
+        let told = refused(&folder, &["build", "scene.toml"], 3, &[&format!(": found {value}; allowed ")]);
+        names_no_type(&told);
         let key = to.split(' ').next().unwrap();
         let place = told.split(": found").next().unwrap();
         assert!(place.contains(&format!("line {line}, ")) && place.ends_with(&format!(".{key}")), "{to}: {told}");
     }
-    bad(with_line(6, "ratio = '4'"), "line 7, materials.paint.ratio: found invalid type: string \"4\"");
+    bad(with_line(6, "ratio = '4'"), "line 7, materials.paint.ratio: found '4'; allowed a number: 1 to 4096");
     bad(
         with_line(6, "require = { max_bytes = 'x' }"),
-        "line 7, materials.paint.require.max_bytes: found invalid value",
+        "line 7, materials.paint.require.max_bytes: found 'x'; allowed a whole number of bytes, such as 16384, 16KiB or",
     );
     bad(with_line(6, "require = { max_byte = 4 }"), "(did you mean max_bytes?)");
     bad(
@@ -103,12 +112,128 @@ fn wrong_types() {
         "line 4, defaults.require.max_error: found 3; allowed a fraction or a",
     );
     bad(format!("{GOOD}[materials.paint]\nsource = 'synth:lewis'\n"), "duplicate key in \"[materials.paint]\"");
-    bad("scene = 3\n", "line 1, ");
-    bad("uses = 3\n", "line 1, ");
-    bad("materials = [1]\n", "line 1, ");
-    bad("[materials]\npaint = 'file.brdf'\n", "line 2, ");
     bad("[materials.paint]\ngrid = 4\n", "line 1, materials.paint: found no source; allowed source = ");
-    bad("[materials.paint]\nsource = 'synth:lewis'\n[[uses]]\nobject = 'x'\n", "missing field `material`");
+    bad(
+        "[materials.paint]\nsource = 'synth:lewis'\n[[uses]]\nobject = 'x'\n",
+        "uses[0]: found no material; allowed material = ",
+    );
+}
+
+/// Words that are the program's, not its users'.
+#[track_caller]
+fn names_no_type(told: &str) {
+    for word in ["struct", "enum", "i128", "f64", "u32", "sequence", " map", "expected", "invalid", "length", "`"] {
+        assert!(!told.contains(word), "{word}: {told}");
+    }
+}
+
+#[test]
+fn what_is_no_table_or_no_list_is_told_what_it_should_be() {
+    let elevations = "two numbers: [from, to], 0 to 90 degrees above the surface, 5 apart or more";
+    let (sides, eye) = ("a whole number: 1 to 8192", "three numbers: [x, y, z]");
+    for (line, place, found, allowed) in [
+        ("scene = 3", "line 1, scene", "3", "a table, [scene]"),
+        ("defaults = 'x'", "line 1, defaults", "'x'", "a table, [defaults]"),
+        ("render = 3", "line 1, render", "3", "a table, [render]"),
+        ("uses = 3", "line 1, uses", "3", "tables, each [[uses]]"),
+        ("uses = [3]", "line 1, uses", "[3]", "tables, each [[uses]]"),
+        ("[uses]\nmaterial = 'x'", "line 1, uses", "a table", "tables, each [[uses]]"),
+        ("materials = [1]", "line 1, materials", "[1]", "tables, each [materials.NAME]"),
+        ("[[materials]]\nsource = 'a'", "line 1, materials", "a list with tables", "tables, each [materials.NAME]"),
+        ("[materials]\na = 'a.brdf'", "line 2, materials.a", "'a.brdf'", "a table, [materials.a]"),
+        ("[materials.a]\nrequire = 3", "line 2, materials.a.require", "3", "a table, [materials.a.require]"),
+        ("[[scene]]", "line 1, scene", "a list with tables", "a table, [scene]"),
+        ("[[render]]", "line 1, render", "a list with tables", "a table, [render]"),
+        ("[render]\ncamera = 1", "line 2, render.camera", "1", "a table, [render.camera]"),
+        ("[render]\nlights = 1", "line 2, render.lights", "1", "tables, each [[render.lights]]"),
+        (
+            "[render]\nmaterials = ['X']",
+            "line 2, render.materials",
+            "['X']",
+            "a table, [render.materials]: part = \"mat",
+        ),
+        ("[render]\nmaterials = { ball = 3 }", "line 2, render.materials.ball", "3", "a string"),
+        ("[render]\nwidth = -1", "line 2, render.width", "-1", sides),
+        ("[render]\nwidth = 1.5", "line 2, render.width", "1.5", sides),
+        ("[render.camera]\neye = [1, 2]", "line 2, render.camera.eye", "[1, 2]", eye),
+        ("[render.camera]\neye = [1, 2, 3, 4]", "line 2, render.camera.eye", "[1, 2, 3, 4]", eye),
+        ("[render.camera]\nup = [1, 'a', 3]", "line 2, render.camera.up", "[1, 'a', 3]", eye),
+        (
+            "[[render.lights]]\nintensity = 3",
+            "line 1, render.lights[0]",
+            "no position",
+            "position = three numbers: [x, y, z]",
+        ),
+        (
+            "[[render.lights]]\nposition = [1, 2, 3]\nintensity = [1, 2]",
+            "line 3, render.lights[0].intensity",
+            "[1, 2]",
+            "a number or three: W/sr, grey or [r, g, b], 0 or more",
+        ),
+        ("[[uses]]\nview_elevation = [35]", "line 2, uses[0].view_elevation", "[35]", elevations),
+        ("[[uses]]\nview_elevation = 35", "line 2, uses[0].view_elevation", "35", elevations),
+        ("[[uses]]\nlight_elevation = ['a', 'b']", "line 2, uses[0].light_elevation", "['a', 'b']", elevations),
+        ("[[uses]]\nlight_elevation = [-5, 5, 9]", "line 2, uses[0].light_elevation", "[-5, 5, 9]", elevations),
+        ("[[uses]]\nlight_elevation = [10, 40, 9]", "line 2, uses[0].light_elevation", "[10, 40, 9]", elevations),
+        (
+            "[[uses]]\nlighting = 'points'",
+            "line 2, uses[0].lighting",
+            "'points'",
+            "a list of strings: points, environment",
+        ),
+        ("[[uses]]\nmaps = [3]", "line 2, uses[0].maps", "[3]", "a list of strings: bandwidth, samples"),
+    ] {
+        let folder = Folder::new();
+        folder.write("scene.toml", line);
+        let words = format!("brdfc: scene.toml: {place}: found {found}; allowed {allowed}");
+        names_no_type(&refused(&folder, &["build", "scene.toml"], 3, &[&words]));
+    }
+}
+
+/// A number that is too large for its kind is told as it was written.
+#[test]
+fn huge_numbers() {
+    let digits = "9".repeat(60);
+    for (line, allowed) in [
+        ("ratio = 99999999999999999999999", "a number: 1 to 4096"),
+        ("max_fetches = 99999999999", "a whole number: 1 or more (up to 4294967295)"),
+        (
+            "max_bytes = 99999999999999999999",
+            "a whole number of bytes, such as 16384, 16KiB or 1MiB (up to 9223372036854775807)",
+        ),
+        ("bias = 1e999", "a number: 1e-6 to 1"),
+        ("max_delta_e = 1e99", "1e-6 to 100"),
+        ("max_delta_e = 1e-99", "1e-6 to 100"),
+    ] {
+        let (key, value) = line.split_once(" = ").unwrap();
+        bad(with_line(6, line), &format!("line 7, materials.paint.{key}: found {value}; allowed {allowed}"));
+    }
+    for (value, most) in [
+        ("99999999999999999999", "9223372036854775807; larger ones have an exponent"),
+        ("1e999", "1.7976931348623157e308"),
+    ] {
+        let expected = format!("uses[0].nearest: found {value}; allowed a number: a distance, 0 or more (up to {most}");
+        bad(GOOD.replace("nearest = 2.0", &format!("nearest = {value}")), &expected);
+    }
+    bad(with_line(6, &format!("bits = {digits}")), &format!("found {}...; allowed a whole number: 8", &digits[..40]));
+}
+
+/// What concerns files names the key that they stand under, too.
+#[test]
+fn sources_are_told_with_their_line() {
+    for (source, expected) in [
+        (
+            "nothing*.binary",
+            "line 6, materials.paint.source, nothing*.binary: found no file that matches; allowed a file",
+        ),
+        ("[.binary", "line 6, materials.paint.source, [.binary: found a wrong pattern"),
+        (
+            "-",
+            "line 6, materials.paint.source: found \"-\"; allowed a file, a pattern or a synth: address; standard input is for",
+        ),
+    ] {
+        bad(GOOD.replace("synth:lewis", source), expected);
+    }
 }
 
 #[test]
@@ -188,7 +313,7 @@ fn text_that_is_no_manifest() {
     bad("[scene]\n[scene]\n", "line 2, manifest: found ");
     bad(GOOD.replace("grid = 4", "grid = 4\ngrid = 8"), "line 5, manifest: found ");
     bad("{\"scene\": {}}", "line 1, manifest: found ");
-    bad([0u8; 64], "line 1, ");
+    bad([0u8; 64], "line 1, manifest: found ");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Help, versions, wrong usage.
 
 use crate::common::cli::Folder;
+use std::collections::BTreeSet;
 
 /// The commands that the help lists, but for clap's own and for what this program may be built without.
 fn commands(folder: &Folder) -> Vec<String> {
@@ -215,8 +216,55 @@ fn json_is_a_flag_of_the_program() {
         }
     }
     assert_eq!(folder.files(".").len(), 2);
-    // What is listed as refusing is what has no report: every other command takes the flag.
-    for command in commands(&folder).iter().filter(|name| !["eval", "synth", "schema"].contains(&name.as_str())) {
-        assert!(folder.run(&[command, "--help"]).stdout.contains("--json"), "{command}");
+}
+
+/// Every command, and those of its options that decide what is printed: what refuses `--json` is what the page lists.
+#[test]
+fn what_refuses_json_is_what_the_page_says() {
+    let folder = Folder::new();
+    let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/command-line.md")).unwrap();
+    let list = page.split("refuse\nit with exit code 2: ").nth(1).unwrap().split(". ").next().unwrap();
+    let listed: BTreeSet<String> = list.split('`').skip(1).step_by(2).map(str::to_owned).collect();
+    let mut tried = BTreeSet::new();
+    let mut refusing = BTreeSet::new();
+    for (name, arguments) in [
+        ("build", &["build", "gone"][..]),
+        ("build --shard", &["build", "synth:lambert", "--shard", "1/2"]),
+        ("build --only", &["build", "synth:lambert", "--only", "lambert.brdf"]),
+        ("build --dry-run", &["build", "gone", "--dry-run", "--explain"]),
+        ("watch", &["watch", "gone"]),
+        ("encode", &["encode", "gone.binary", "-o", "x.ktx2"]),
+        ("encode to stdout", &["encode", "gone.binary", "-o", "-"]),
+        ("eval", &["eval", "gone.binary", "--directions", "pairs.csv"]),
+        ("compare", &["compare", "gone.binary", "synth:lambert"]),
+        ("info", &["info", "gone.binary"]),
+        ("synth", &["synth", "lewis", "-o", "a.binary"]),
+        ("synth of a structure", &["synth", "button", "-o", "a.obj"]),
+        ("bandwidth", &["bandwidth", "gone.binary", "-o", "x.ktx2"]),
+        ("samples", &["samples", "gone.binary", "-o", "x.ktx2"]),
+        ("flatten", &["flatten", "gone.obj", "-o", "flat"]),
+        ("report", &["report", "gone", "-o", "page.html"]),
+        ("plan --format ninja", &["plan", "synth:lambert", "--format", "ninja"]),
+        ("plan --format json", &["plan", "synth:lambert", "--format", "json"]),
+        ("bench", &["bench", "gone.binary"]),
+        ("schema", &["schema", "info"]),
+        ("generate", &["generate", "man", "--out", "man"]),
+        ("render", &["render", "gone.binary", "-o", "x.png"]),
+        ("render --adaptive", &["render", "gone.binary", "--adaptive", "-o", "x.png"]),
+        ("render --contact", &["render", "gone.toml", "--contact", "x.png"]),
+    ] {
+        let ran = folder.run(&[arguments, &["--json"]].concat());
+        tried.insert(arguments[0].to_owned());
+        if ran.stderr.starts_with("brdfc: --json: found with ") {
+            assert_eq!(ran.code, 2, "{name}: {}", ran.stderr);
+            // However it is written, it refuses the flag alone.
+            refusing.insert(name.split(" of ").next().unwrap().to_owned());
+        } else {
+            assert!(!ran.stderr.contains("--json"), "{name}: {}", ran.stderr);
+        }
+    }
+    assert_eq!(refusing, listed);
+    for command in commands(&folder) {
+        assert!(tried.contains(&command), "{command} is not tried");
     }
 }

@@ -45,7 +45,7 @@ fn shards_make_the_whole() {
         assert!(ran.code == 2 && ran.stderr.contains(words), "{}", ran.stderr);
     }
     let ran = folder.run(&["build", "my scene.toml", "--from", "nowhere"]);
-    assert!(ran.code == 4 && ran.stderr.contains("nowhere/.brdfc-cache/objects: cannot read"), "{}", ran.stderr);
+    assert!(ran.code == 4 && ran.stderr.contains("--from: found nowhere; allowed a folder that"), "{}", ran.stderr);
 }
 
 #[test]

@@ -255,6 +255,64 @@ fn builds_read_and_write_where_names_are_not_utf_8() {
         folder.command(&["plan", "synth:ward", "--format", "json", "--out"]).arg(odd(b"p\xe4")).output().unwrap();
     let told = String::from_utf8(plan.stderr).unwrap();
     assert!(plan.status.code() == Some(2) && told.contains("--out: found p\u{fffd}; allowed UTF-8"), "{told}");
+    // What goes into commands is text, whichever argument it is.
+    for (place, arguments) in [
+        ("inputs", [&b"sc\xe4ns"[..], b"--format", b"ninja"]),
+        ("--program", [b"synth:ward", b"--format=json", b"--program=sc\xe4ns"]),
+    ] {
+        let output = folder.command(&["plan"]).args(arguments.map(odd)).output().unwrap();
+        let told = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{told}");
+        let words = format!("brdfc: {place}: found {}; allowed UTF-8: the name", "sc\u{fffd}ns");
+        assert!(told.starts_with(&words), "{told}");
+    }
+    let output =
+        folder.command(&["encode", "synth:ward", "-o", "x.ktx2", "--codec"]).arg(odd(b"t\xe4")).output().unwrap();
+    let told = String::from_utf8(output.stderr).unwrap();
+    assert_eq!((output.status.code(), told.as_str()), (Some(2), "brdfc: arguments: found t\u{fffd}; allowed UTF-8\n"));
+}
+
+/// Nothing is what it is told to be, wherever a stream may go in.
+#[test]
+fn an_empty_stream_is_told() {
+    let folder = Folder::new();
+    folder.write("pairs.csv", PAIRS);
+    for arguments in [
+        &["encode", "-", "-o", "x.ktx2"][..],
+        &["eval", "-", "--directions", "pairs.csv"],
+        &["eval", "synth:ward", "--directions", "-"],
+        &["info", "-"],
+        &["bandwidth", "-", "-o", "x.ktx2"],
+        &["samples", "-", "-o", "x.ktx2"],
+        &["compare", "-", "synth:ward"],
+        &["compare", "synth:ward", "-"],
+        &["flatten", "-", "-o", "flat"],
+        &["flatten", "synth:button", "-o", "flat", "--views", "-"],
+        #[cfg(feature = "render")]
+        &["render", "-", "-o", "x.png"],
+    ] {
+        let ran = with_stdin(&folder, arguments, b"");
+        let told = ran.stderr.starts_with("brdfc: stdin: contents: found nothing; allowed .")
+            || ran.stderr.starts_with("brdfc: stdin: header: found an empty file; allowed a line of column names");
+        assert!(ran.code == 3 && told, "{arguments:?}: {} {}", ran.code, ran.stderr);
+    }
+    assert_eq!(folder.files(".").len(), 1);
+}
+
+/// Many files are no stream, and neither is a manifest.
+#[test]
+fn a_dash_is_no_list_of_materials() {
+    let folder = Folder::new();
+    let words = "brdfc: inputs: found -; allowed a manifest, or files, folders, patterns and synth: addresses: standard \
+                 input is for commands of one file, such as 'brdfc encode -' (a file of this name is ./-)\n";
+    for arguments in
+        [&["build", "-"][..], &["build", "synth:ward", "-"], &["watch", "-"], &["plan", "-", "--format", "json"]]
+    {
+        let ran = with_stdin(&folder, arguments, b"");
+        assert_eq!((ran.code, ran.stderr.as_str()), (2, words), "{arguments:?}");
+    }
+    folder.write("-", "");
+    assert_eq!(folder.run(&["build", "./-"]).code, 1, "an empty manifest");
 }
 
 #[test]

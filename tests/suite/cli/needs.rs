@@ -17,6 +17,26 @@ fn folder() -> Folder {
     folder
 }
 
+/// Hundreds of materials that nothing uses are one line.
+#[test]
+fn what_is_not_used_is_one_line() {
+    let folder = Folder::new();
+    let spare = |k: usize| format!("[materials.spare-{k:03}]\nsource = 'none.binary'\n");
+    let used = "[materials.wall]\nsource = 'synth:lambert'\n[[uses]]\nmaterial = 'wall'\n";
+    folder.write("scene.toml", (0..300).map(spare).collect::<String>() + used);
+    let ran = folder.run(&["build", "scene.toml", "--dry-run", "--explain"]).succeeded();
+    let all: Vec<&str> = ran.stdout.lines().collect();
+    assert!(all.len() < 12, "{}", ran.stdout);
+    let told = ran.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
+    for words in ["spare-000, spare-001", "and 294 more", "no use refers to these 300", "wall"] {
+        assert!(told.contains(words), "{words}: {}", ran.stdout);
+    }
+    assert!(!told.contains("spare-010"), "{}", ran.stdout);
+    // Scripts have each of them.
+    let report = folder.run(&["build", "scene.toml", "--dry-run", "--explain", "--json"]).succeeded().json();
+    assert_eq!(report["needs"].as_array().unwrap().len(), 301);
+}
+
 #[test]
 fn each_need_is_told_with_its_reason_and_what_it_saves() {
     let folder = folder();

@@ -257,13 +257,10 @@ fn a_limit_is_a_check() {
     assert_eq!(nothing.code, 1);
     assert!(nothing.stderr.contains("no pixel"), "{}", nothing.stderr);
     let dark = folder.run(&["render", "synth:lambert?kd=0", "--grid", "4", "--size", "16x16"]).succeeded();
-    for gate in ["--max-delta-e", "--max-delta-e-p95", "--max-flip"] {
-        let closed = folder.run(&["render", "synth:lambert?kd=0", "--size", "16x16", "--quiet", gate, "100"]);
-        assert!(
-            closed.code == 1 && closed.stderr.contains("found no light: all surfaces are black; allowed 100"),
-            "{gate}: {}",
-            closed.stderr
-        );
+    for (gate, limit) in [("--max-delta-e", "100"), ("--max-delta-e-p95", "100"), ("--max-flip", "1")] {
+        let closed = folder.run(&["render", "synth:lambert?kd=0", "--size", "16x16", "--quiet", gate, limit]);
+        let words = format!("found no light: all surfaces are black; allowed {limit}");
+        assert!(closed.code == 1 && closed.stderr.contains(&words), "{gate}: {}", closed.stderr);
     }
     let all = run("50", &["--max-delta-e-p95", "0.001", "--max-flip", "0.0001", "--json"]);
     assert!(
@@ -339,9 +336,17 @@ fn wrong_arguments() {
     folder.run(&["encode", "synth:lewis", "-o", "p.ktx2", "--grid", "4"]).succeeded();
     folder.write("scene.toml", MANIFEST);
     for (arguments, code, expected) in [
-        (&["render", "p.ktx2", "-o", "image.jpg"][..], 2, "--output: found image.jpg; allowed a name in .png or .exr"),
-        (&["render", "p.ktx2", "--difference", "d.exr"], 2, "--difference: found d.exr; allowed a name in .png"),
-        (&["render", "p.ktx2", "-o", "no/image.png"], 4, "no folder no"),
+        (
+            &["render", "p.ktx2", "-o", "image.jpg"][..],
+            2,
+            "--output: found image.jpg; allowed a name that ends in .png or .exr",
+        ),
+        (
+            &["render", "p.ktx2", "--difference", "d.exr"],
+            2,
+            "--difference: found d.exr; allowed a name that ends in .png",
+        ),
+        (&["render", "p.ktx2", "-o", "no/image.png"], 4, "there is no folder no"),
         (&["render", "p.ktx2", "--size", "800"], 2, "--size: found 800; allowed WIDTHxHEIGHT"),
         (&["render", "p.ktx2", "--size", "0x5"], 2, "each 1 to 8192"),
         (&["render", "p.ktx2", "--size", "99999x5"], 2, "each 1 to 8192"),
@@ -350,10 +355,16 @@ fn wrong_arguments() {
         (&["render", "p.ktx2", "--exposure", "0"], 2, "--exposure: found 0"),
         (&["render", "p.ktx2", "--lod", "7"], 2, "--lod: found 7; allowed 0 to 6"),
         (&["render", "p.ktx2", "--max-delta-e", "nan"], 2, "--max-delta-e: found NaN"),
+        (
+            &["render", "p.ktx2", "--max-delta-e-p95", "-1e99"],
+            2,
+            "--max-delta-e-p95: found -1e99; allowed a number, 0 or",
+        ),
+        (&["render", "p.ktx2", "--max-flip", "1.5"], 2, "--max-flip: found 1.5; allowed 0 to 1"),
         (&["render", "p.ktx2", "--ratio", "8"], 2, "encoding options"),
         (&["render", "p.ktx2", "--table"], 2, "--source"),
         (&["render", "p.ktx2", "--packs", "packs"], 2, "--packs: found with p.ktx2; allowed with a manifest"),
-        (&["render", "p.ktx2", "--contact", "c.jpg"], 2, "--contact: found c.jpg; allowed a name in .png"),
+        (&["render", "p.ktx2", "--contact", "c.jpg"], 2, "--contact: found c.jpg; allowed a name that ends in .png"),
         (&["render", "p.ktx2", "--contact", "c.png", "-o", "i.png"], 2, "cannot be used with"),
         (&["render", "p.ktx2", "--contact", "c.png", "--repeat", "3"], 2, "--repeat: found with p.ktx2"),
         (&["render", ".", "--contact", "c.png"], 2, "--contact: found with ., a flat BTF; allowed with BRDFs"),

@@ -113,7 +113,7 @@ fn wrong_flags_are_named() {
         (&["--adaptive", "--samples", "2"], "--samples: found with --adaptive"),
         (&["--adaptive", "--bandwidth-directions", "0"], "--bandwidth-directions: found 0; allowed 1 to 4096"),
         (&["--budget", "4"], "--adaptive"),
-        (&["--adaptive", "--maps", "maps.exr"], "--maps: found maps.exr; allowed a name in .png"),
+        (&["--adaptive", "--maps", "maps.exr"], "--maps: found maps.exr; allowed a name that ends in .png"),
     ] {
         let ran = folder.run(&[&lambert[..], more].concat());
         assert_eq!(ran.code, 2, "{more:?}: {}", ran.stderr);

@@ -83,6 +83,8 @@ fn a_contact_sheet_shows_every_material_on_any_number_of_threads() {
     let failed = |image: &image::RgbImage| image.pixels().filter(|pixel| pixel.0 == [179, 38, 30]).count();
     assert!(failed(&image) > 200, "{}", failed(&image));
     folder.run(&["build", "synth:lambert", "--codec", "table", "--out", "white"]).succeeded();
+    let told = folder.run(&["report", "white", "-o", "white.html"]).succeeded().stderr;
+    assert!(told.ends_with("white.html: 1 material\n"), "{told}");
     let one = image::load_from_memory(&sheet("1", "white")).unwrap().into_rgb8();
     assert!(failed(&one) == 0 && one.height() < image.height());
 
@@ -206,7 +208,11 @@ fn a_flat_btf_has_a_page_of_its_own() {
     let build_only = "found with button, a flat BTF; allowed with a build";
     refused(2, &format!("--against: {build_only}"), &["button", "-o", "p.html", "--against", "x"]);
     refused(2, &format!("--sheet: {build_only}"), &["button", "-o", "p.html", "--sheet", "x.png"]);
-    refused(2, "button/button.json, an input", &["button", "-o", "button/button.html"]);
+    refused(
+        2,
+        "--output: found button/button.html, whose figures would be written over button/button.json, an input",
+        &["button", "-o", "button/button.html"],
+    );
     std::fs::copy(folder.path().join("light/light.normal.ktx2"), folder.path().join("button/button.mask.ktx2"))
         .unwrap();
     refused(3, "button/button.mask.ktx2: part of a flat BTF: found ", &["button", "-o", "p.html"]);
@@ -226,7 +232,35 @@ fn folders_that_are_not_what_their_report_says() {
     };
     refused(4, "nowhere/report.json: cannot read", &["nowhere", "-o", "page.html"]);
     refused(2, "--output: found page.pdf; allowed a name that ends in .html", &["packs", "-o", "page.pdf"]);
-    refused(2, "packs/report.json, an input", &["packs", "-o", "packs/report.html"]);
+    refused(
+        2,
+        "--output: found packs/report.html, whose figures would be written over packs/report.json, an input; allowed another",
+        &["packs", "-o", "packs/report.html"],
+    );
+    // Of a report that is damaged, or of another version, no names of the program's types.
+    let whole = folder.text("packs/report.json");
+    let other = whole.replacen("\"version\": 3", "\"version\": 1", 1);
+    let typed = whole.replacen("\"scene\": \"materials\"", "\"scene\": 3", 1);
+    assert!(other != whole && typed != whole);
+    std::fs::create_dir(folder.path().join("old")).unwrap();
+    for (text, found) in [
+        ("", "an empty file"),
+        (&whole[..300], "JSON that ends too early, in line "),
+        ("[]", "JSON of another layout, in line 1, column 2"),
+        (&typed, "JSON of another layout, in line 3, column 12: invalid type: integer `3`"),
+        (&other, "version 1 of the layout, which is 3 now"),
+        ("\0\0\0", "text that is no JSON, in line 1, column 1"),
+    ] {
+        folder.write("old/report.json", text);
+        for arguments in [&["old", "-o", "page.html"][..], &["packs", "-o", "page.html", "--against", "old"]] {
+            let words = format!("brdfc: old/report.json: found {found}");
+            refused(3, &words, arguments);
+            let ran = folder.run(&[&["report"], arguments].concat());
+            assert!(
+                !ran.stderr.contains("struct") && ran.stderr.contains("; allowed the report.json of a build by this")
+            );
+        }
+    }
     let list = folder.write("packs/.brdfc-cache/commit/list", "begun");
     refused(3, "packs: found a build that was killed while files changed places", &["packs", "-o", "page.html"]);
     std::fs::remove_file(list).unwrap();

@@ -232,13 +232,43 @@ fn a_scene_that_is_wrong_at_first_is_waited_for_and_wrong_usage_is_not() {
         (&["scene.toml", "--out", "-"], 2, "-: found in the place of a folder"),
         (&["scene.toml", "--out", "scene.toml"], 4, "scene.toml: cannot write: found a file; allowed a folder"),
         (&["scene.toml", "--poll", "0"], 2, "--poll: found 0; allowed 0.1 to 3600 seconds"),
-        (&["scene.toml", "--memory", "1MiB"], 2, "--memory: found 1048576 bytes"),
+        (&["scene.toml", "--poll", "1e99"], 2, "--poll: found 1e99; allowed 0.1 to 3600 seconds"),
+        (&["scene.toml", "--memory", "1MiB"], 2, "--memory: found 1MiB; allowed 64MiB or more, such as 512MiB"),
+        (
+            &["-"],
+            2,
+            "inputs: found -; allowed a manifest, or files, folders, patterns and synth: addresses: standard input",
+        ),
         (&["scene.toml", "scene.toml"], 2, "allowed one manifest"),
     ] {
         let ran = folder.run(&[&["watch"], arguments].concat());
         assert_eq!(ran.code, code, "{}", ran.stderr);
         assert!(ran.stderr.contains(words), "{}", ran.stderr);
     }
+}
+
+/// Notes are those of what was made; of what was kept there is a count, once.
+#[test]
+fn notes_of_what_was_kept_are_counted() {
+    let folder = Folder::new();
+    scan(&folder, "dark.binary", "lambert?kd=0");
+    scan(&folder, "black.binary", "lambert?kd=0");
+    let black = "the material is black wherever it was looked at";
+    let first = Watch::new(&folder, &["dark.binary", "black.binary", "--codec", "table"]);
+    let lines = first.until("watching ");
+    assert_eq!(lines.iter().filter(|line| line.contains(black)).count(), 2, "{lines:?}");
+    drop(first);
+    let second = Watch::new(&folder, &["dark.binary", "black.binary", "--codec", "table"]);
+    let lines = second.until("watching ");
+    assert!(!lines.iter().any(|line| line.contains(black)), "{lines:?}");
+    let count = "note: 2 materials kept as they were with notes, which 'brdfc build' tells";
+    assert!(lines.iter().any(|line| line == count), "{lines:?}");
+    // Another black.
+    folder.run(&["synth", "lambert?kd=0", "-o", "new.binary", "--dimensions", "6x6x14"]).succeeded();
+    replace(&folder, "dark.binary", folder.read("new.binary"));
+    let lines = second.until("dark.binary changed: ");
+    let notes: Vec<&String> = lines.iter().filter(|line| line.starts_with("note: ")).collect();
+    assert!(!notes.is_empty() && notes.iter().all(|note| note.starts_with("note: dark: ")), "{lines:?}");
 }
 
 #[test]

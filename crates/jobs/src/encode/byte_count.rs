@@ -3,7 +3,8 @@
 use serde::de::{Deserializer, Error, Unexpected, Visitor};
 use std::fmt;
 
-const ALLOWED: &str = "a whole number of bytes, such as 16384, 16KiB or 1MiB";
+/// What may stand in place of what is no number of bytes.
+pub(crate) const ALLOWED: &str = "a whole number of bytes, such as 16384, 16KiB or 1MiB";
 
 /// Of a text: a whole number, alone or with KiB, MiB or GiB, which may be shortened to their first letters.
 ///

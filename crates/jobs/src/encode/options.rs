@@ -8,6 +8,7 @@ use super::recipe::{AutoRecipe, Budget, PackRecipe, Tables};
 use crate::whole_number::{any_whole_number, whole_number};
 use brdfc_formats::wavelet::MAX_LEVELS;
 use brdfc_metrics::fraction::Fraction;
+use brdfc_source::words::shown;
 use brdfc_table::levels::MOST_LEVELS;
 use brdfc_table::recipe::{Aim, Size, TableRecipe};
 use brdfc_wavelet::recipe::{Ranking, Recipe, Target};
@@ -23,16 +24,18 @@ pub struct EncodeOptions {
     /// or wavelet (the paper's, its slices ranked by what is seen).
     #[cfg_attr(feature = "clap", arg(long, value_name = "CODEC"))]
     pub codec: Option<String>,
-    /// Largest mean ΔE of pictures of the pack and its source, with 95 % below four times that (default 0.5).
+    /// Largest mean ΔE of pictures of the pack and its source, 1e-6 to 100, with 95 % below four times that (default 0.5).
+    /// Sizes are tried in steps of two: the pack that is kept may be almost twice as large as the smallest that would do.
     #[cfg_attr(
         feature = "clap",
         arg(id = "pack_delta_e", long = "max-delta-e", value_name = "E", conflicts_with = "ratio")
     )]
     pub max_delta_e: Option<f64>,
-    /// Largest mean relative error ε_r: a fraction or a percentage, 0.02 or 2%. Of wavelet packs on their grid.
+    /// Largest mean relative error ε_r: a fraction or a percentage, 0.02 or 2%. Of wavelet packs on their grid. Sizes are
+    /// tried as for --max-delta-e.
     #[cfg_attr(feature = "clap", arg(long, value_name = "E", conflicts_with = "ratio"))]
     pub max_error: Option<Fraction>,
-    /// Most bytes on a GPU, before any compression of the file: a number, or one with KiB or MiB, such as 16KiB. Alone it
+    /// Most bytes on a GPU, before any compression of the file: a number, or one with KiB, MiB or GiB, such as 16KiB. Alone it
     /// asks for the pack with the smallest mean ΔE that fits; tables have up to 512 KiB.
     #[cfg_attr(feature = "clap", arg(long, value_name = "B", value_parser = bytes_from_text, conflicts_with = "ratio"))]
     #[serde(default, deserialize_with = "bytes_from_manifest")]
@@ -52,7 +55,7 @@ pub struct EncodeOptions {
     /// keep the energy, and make a pack a factored one.
     #[cfg_attr(feature = "clap", arg(long, value_name = "N", value_parser = whole_number::<u32>(0..=MOST_LEVELS.into())))]
     pub levels: Option<u32>,
-    /// Wavelet: keep one slice in R (default 4).
+    /// Wavelet: keep one slice in R, 1 to 4096 (default 4).
     #[cfg_attr(feature = "clap", arg(long, value_name = "R"))]
     pub ratio: Option<f64>,
     /// Wavelet: cells per axis and hemisphere, 2, 4, 8, 16, 32 or 64 (default 32).
@@ -85,6 +88,24 @@ pub struct EncodeOptions {
 const GRIDS: &str = "2, 4, 8, 16, 32 or 64";
 /// Bits per component that there may be.
 const BITS: &str = "8, or 10 to 16";
+
+/// Which values an option may have, in words; empty where its kind says all.
+pub(crate) fn range_of(field: &str) -> &'static str {
+    match field {
+        "codec" => "auto, table, factored or wavelet",
+        "max_delta_e" => "1e-6 to 100",
+        "max_fetches" => "1 or more",
+        "levels" => "0 to 6",
+        "ratio" => "1 to 4096",
+        "grid" => GRIDS,
+        "bits" => BITS,
+        "parameterisation" => TANGENT_POLE,
+        "ranking" => "energy or visible",
+        "bias" => "1e-6 to 1",
+        _ => "",
+    }
+}
+
 /// The parameterisation of wavelet packs that are made; those over half-difference angles are read only.
 const TANGENT_POLE: &str = "tangent-pole";
 
@@ -225,7 +246,7 @@ impl EncodeOptions {
     fn of_wavelet(&self) -> Option<(&'static str, String)> {
         let text = |value: &String| format!("\"{value}\"");
         [
-            ("ratio", self.ratio.map(|v| v.to_string())),
+            ("ratio", self.ratio.map(shown)),
             ("grid", self.grid.map(|v| v.to_string())),
             ("bits", self.bits.map(|v| v.to_string())),
             ("parameterisation", self.parameterisation.as_ref().map(text)),
@@ -243,12 +264,12 @@ impl EncodeOptions {
         if let Some(levels) = self.levels
             && levels > MOST_LEVELS
         {
-            return Err(problem("levels", levels.to_string(), &format!("0 to {MOST_LEVELS}")));
+            return Err(problem("levels", levels.to_string(), range_of("levels")));
         }
         if let Some(bias) = self.bias
             && !(1e-6..=1.0).contains(&bias)
         {
-            return Err(problem("bias", bias.to_string(), "1e-6 to 1"));
+            return Err(problem("bias", shown(bias), range_of("bias")));
         }
         Ok(())
     }
@@ -291,7 +312,7 @@ impl EncodeOptions {
 
     fn wavelet(&self, mut recipe: Recipe) -> Result<Recipe, OptionError> {
         for (field, found) in [
-            ("max_delta_e", self.max_delta_e.map(|v| v.to_string())),
+            ("max_delta_e", self.max_delta_e.map(shown)),
             ("max_fetches", self.max_fetches.map(|v| v.to_string())),
             ("reciprocal", self.reciprocal.filter(|on| *on).map(|v| v.to_string())),
             ("levels", self.levels.filter(|levels| *levels > 0).map(|v| v.to_string())),
@@ -351,7 +372,7 @@ impl EncodeOptions {
         }
         if let Some(ratio) = self.ratio {
             if !(1.0..=4096.0).contains(&ratio) {
-                return Err(problem("ratio", ratio.to_string(), "1 to 4096"));
+                return Err(problem("ratio", shown(ratio), range_of("ratio")));
             }
             return Ok(Some(Target::Ratio(ratio)));
         }
@@ -373,8 +394,7 @@ pub(crate) fn checked_limits(
     if let Some(limit) = delta_e
         && !(1e-6..=100.0).contains(&limit)
     {
-        let found = if limit > 0.0 && limit < 1e-6 { format!("{limit:e}") } else { limit.to_string() };
-        return Err(problem("max_delta_e", found, "1e-6 to 100"));
+        return Err(problem("max_delta_e", shown(limit), range_of("max_delta_e")));
     }
     let share = |error: Fraction| {
         let wrong = |allowed: &str| problem("max_error", error.to_string(), allowed);
@@ -387,7 +407,7 @@ pub(crate) fn checked_limits(
         return Err(problem("max_bytes", "0", "1 or more"));
     }
     if fetches == Some(0) {
-        return Err(problem("max_fetches", "0", "1 or more"));
+        return Err(problem("max_fetches", "0", range_of("max_fetches")));
     }
     Ok(Budget { delta_e, error, bytes, fetches })
 }

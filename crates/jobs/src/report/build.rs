@@ -14,6 +14,9 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 
+/// Layout of the report of a build.
+pub const BUILD_VERSION: u32 = 3;
+
 /// What a build says of itself: printed by `--json`, and without times and paths the file `report.json` in its folder.
 #[derive(Debug, Clone, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct BuildReport {
@@ -197,7 +200,7 @@ impl BuildReport {
 
     fn empty(plan: &Plan) -> Self {
         let (scene, skipped) = (plan.scene.clone(), plan.skipped.clone());
-        Self { version: 3, scene, materials: Vec::new(), environment: None, skipped, needs: Vec::new() }
+        Self { version: BUILD_VERSION, scene, materials: Vec::new(), environment: None, skipped, needs: Vec::new() }
     }
 }
 

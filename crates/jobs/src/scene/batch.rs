@@ -5,7 +5,7 @@ use super::names;
 use super::patterns::{Named, PatternError};
 use brdfc_formats::measured::scan_csv::{ANGLE_COLUMNS, VECTOR_COLUMNS};
 use brdfc_source::address;
-use brdfc_source::open::{FORMATS, known_files};
+use brdfc_source::open::{FORMATS, files_but_for};
 use std::collections::BTreeMap;
 use std::ffi::{OsStr, OsString};
 use std::io::Read as _;
@@ -57,6 +57,9 @@ pub enum BatchError {
         allowed: String,
     },
 }
+
+/// What files of packs end in.
+const PACKS: &str = "ktx2";
 
 /// Sources that were found, and what was left out.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -116,7 +119,7 @@ pub fn is_material(path: &Path) -> bool {
 fn is_measured(path: &Path) -> bool {
     let called = |name: &str| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(name));
     // What is no plain file, such as a pipe, may have nothing to read for ever.
-    path.is_file() && is_material(path) && !called("ktx2") && (!called("csv") || has_values(path))
+    path.is_file() && is_material(path) && !called(PACKS) && (!called("csv") || has_values(path))
 }
 
 /// Whether the start names a column that scans alone have. What cannot be read is for the reader to tell.
@@ -146,7 +149,7 @@ fn of_folder(folder: &Path) -> Result<(Vec<OsString>, Vec<PathBuf>), BatchError>
             1 => "one file of another kind".to_owned(),
             count => format!("{count} files of other kinds"),
         };
-        let allowed = format!("a folder with files {}", known_files());
+        let allowed = format!("a folder with files {}; packs are taken by name alone", files_but_for(PACKS));
         return Err(BatchError::Nothing { place: folder.display().to_string(), found, allowed });
     }
     Ok((measured.into_iter().map(OsString::from).collect(), others))
@@ -165,7 +168,7 @@ fn matching(pattern: &Named) -> Result<Vec<OsString>, BatchError> {
 
 /// Whether it is a pack in the output folder of a build: a pattern that is wide means none of them.
 fn is_built(path: &Path) -> bool {
-    let is_pack = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ktx2"));
+    let is_pack = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(PACKS));
     is_pack && path.parent().is_some_and(|folder| folder.join(crate::store::FOLDER).is_dir())
 }
 
@@ -212,7 +215,8 @@ impl Manifest {
         let mut added = Vec::new();
         for group in groups {
             let material = self.materials.remove(&group).expect("it is one of them");
-            for path in matching(&named(&material))? {
+let at_key = |error| in_manifest(error, &group, &material);
+            for path in matching(&named(&material)).map_err(at_key)? {
                 // As the manifest might have named it.
                 let declared = Path::new(&path).strip_prefix(folder).map_or(path.clone(), OsString::from);
                 added.push((group.clone(), Material { source: declared, ..material.clone() }));
@@ -221,13 +225,32 @@ impl Manifest {
         let mut names = Names::default();
         self.materials.iter().for_each(|(name, material)| names.reserve(name, &material.source));
         for (group, material) in added {
-            let name = names.add(&material.source)?;
+            let name = names.add(&material.source).map_err(|error| in_manifest(error, &group, &material))?;
             members.entry(group).or_default().push(name.clone());
             self.materials.insert(name, material);
         }
         let uses = std::mem::take(&mut self.uses);
         self.uses = uses.into_iter().flat_map(|used| each_member(used, &members)).collect();
         Ok(self)
+    }
+}
+
+/// The error of a material's source, with its place in the manifest.
+fn in_manifest(error: BatchError, name: &str, material: &Material) -> BatchError {
+    let at = |rest: String| format!("line {}, materials.{name}.source, {rest}", material.line);
+    match error {
+        BatchError::Nothing { found, allowed, .. } => {
+            BatchError::Nothing { place: at(material.source.display().to_string()), found, allowed }
+        }
+        BatchError::Pattern(PatternError::Text { pattern }) => PatternError::Text { pattern: at(pattern) }.into(),
+        BatchError::Pattern(PatternError::Wrong { pattern, problem }) => {
+            PatternError::Wrong { pattern: at(pattern), problem }.into()
+        }
+        BatchError::SameName { name, first, second } => BatchError::SameName { name, first: at(first), second },
+        BatchError::Name { source_name, name, allowed } => {
+            BatchError::Name { source_name: at(source_name), name, allowed }
+        }
+        other => other,
     }
 }
 

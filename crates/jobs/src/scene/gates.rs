@@ -6,6 +6,7 @@ use crate::encode::recipe::{Budget, TAIL};
 use crate::report::gate::GateResult;
 use crate::report::material::MaterialReport;
 use brdfc_metrics::fraction::Fraction;
+use brdfc_source::words::counted;
 use serde::Deserialize;
 
 /// The table `require` of a material or of the defaults.
@@ -68,7 +69,12 @@ pub fn check(gates: &Budget, report: &MaterialReport) -> Vec<GateResult> {
     }
     if let Some(limit) = gates.bytes {
         let passed = report.bytes_on_gpu <= limit;
-        results.push(of("max_bytes", format!("{} bytes", report.bytes_on_gpu), format!("{limit} bytes"), passed));
+        results.push(of(
+            "max_bytes",
+            format!("{} bytes", report.bytes_on_gpu),
+            counted(limit as usize, "byte"),
+            passed,
+        ));
     }
     if let Some(limit) = gates.fetches {
         results.push(of("max_fetches", report.fetches.to_string(), limit.to_string(), report.fetches <= limit));

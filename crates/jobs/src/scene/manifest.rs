@@ -5,11 +5,12 @@ pub use super::uses::Use;
 
 use super::gates::Require;
 use super::names::{check_name, same_but_for_case};
-use super::place::{Place, key_at, line_of_key, snippet};
-use super::render_section::{CAMERA_KEYS, LIGHT_KEYS, RENDER_KEYS, RenderSection};
+use super::place::{Place, line_of_key, snippet};
+use super::render_section::{RENDER_KEYS, RenderSection};
 use super::scene_section::{SCENE_KEYS, SceneSection};
+use super::shapes::{self, Key, Shape, key};
 use super::uses::USE_KEYS;
-use crate::encode::options::{EncodeOptions, OptionError};
+use crate::encode::options::{EncodeOptions, OptionError, range_of};
 use crate::keys::keys_of;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -47,6 +48,8 @@ pub struct Defaults {
 pub struct Material {
     /// A path or a pattern, relative to the manifest, or a `synth:` address.
     pub source: OsString,
+    /// Line of the manifest, from 1, on which that stands; 0 without a manifest.
+    pub line: usize,
     /// How it is encoded.
     pub options: EncodeOptions,
     /// What its finished pack has to be.
@@ -64,7 +67,7 @@ struct PlainTables {
     render: RenderSection,
 }
 
-const TOP_KEYS: &[&str] = &["scene", "defaults", "materials", "uses", "render"];
+const SOURCES: &str = "a file, a pattern or a synth: address";
 
 impl Manifest {
     /// Parses and checks a manifest.
@@ -80,11 +83,11 @@ impl Manifest {
             allowed: "TOML as docs/scene.md describes it".to_owned(),
             suggestion: None,
         })?;
-        check_keys(text, tree.get_ref())?;
-        let manifest = Self::read(tree.clone()).map_err(|error| ManifestError {
+        shapes::check(text, tree.get_ref(), &all_keys())?;
+        let manifest = Self::read(text, tree.clone()).map_err(|error| ManifestError {
             line: line_of(text, error.span()),
-            field: key_at(tree.get_ref(), error.span()).unwrap_or_else(|| "manifest".to_owned()),
-            found: in_words(error.message()),
+            field: "manifest".to_owned(),
+            found: error.message().to_owned(),
             allowed: "what docs/scene.md describes".to_owned(),
             suggestion: None,
         })?;
@@ -92,8 +95,9 @@ impl Manifest {
         Ok(manifest)
     }
 
-    /// Table by table, so that errors know where they are.
-    fn read(mut tree: Spanned<DeTable<'_>>) -> Result<Self, toml::de::Error> {
+    /// Reads what has the right kinds.
+    fn read(text: &str, mut tree: Spanned<DeTable<'_>>) -> Result<Self, toml::de::Error> {
+        let ends: Vec<usize> = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at).collect();
         let root = tree.get_mut();
         let (defaults, materials) = (root.remove("defaults"), root.remove("materials"));
         let mut manifest = Self::default();
@@ -102,14 +106,15 @@ impl Manifest {
             manifest.defaults = Defaults { options, require };
         }
         if let Some(tables) = materials {
-            let span = tables.span();
             let tables: BTreeMap<String, Spanned<DeValue<'_>>> = match tables.into_inner() {
                 DeValue::Table(tables) => tables.into_iter().map(|(k, v)| (k.into_inner().into_owned(), v)).collect(),
-                other => return Err(wrong_type(Spanned::new(span, other))),
+                _ => BTreeMap::new(),
             };
             for (name, table) in tables {
                 let (source, options, require) = with_options(table)?;
-                manifest.materials.insert(name, Material { source: source.into(), options, require });
+                let line = 1 + ends.partition_point(|end| *end < source.span().start);
+                let source = source.into_inner().into();
+                manifest.materials.insert(name, Material { source, line, options, require });
             }
         }
         let PlainTables { scene, uses, render } = PlainTables::deserialize(Deserializer::from(tree))?;
@@ -144,8 +149,13 @@ impl Manifest {
                 return Err(place.error(&["materials", name], format!("the name \"{name}\""), &allowed));
             }
             if material.source.is_empty() {
-                let allowed = "source = \"...\", a file, a pattern or a synth: address";
-                return Err(place.error(&["materials", name], "no source".to_owned(), allowed));
+                let allowed = format!("source = \"...\", {SOURCES}");
+                return Err(place.error(&["materials", name], "no source".to_owned(), &allowed));
+            }
+            if material.source == "-" {
+                let allowed =
+                    format!("{SOURCES}; standard input is for commands of one file, such as 'brdfc encode -'");
+                return Err(place.error(&["materials", name, "source"], "\"-\"".to_owned(), &allowed));
             }
             material.options.resolve(options).map_err(|p| error(line(&["materials", name, p.field]), &prefix, p))?;
             let in_require = format!("{prefix}.require");
@@ -172,26 +182,15 @@ impl Manifest {
     }
 }
 
-/// A message in which types have the names that people give them.
-fn in_words(message: &str) -> String {
-    let (found, expected) = message.rsplit_once(", expected ").unwrap_or((message, ""));
-    let expected = match expected {
-        "" => return message.to_owned(),
-        "f64" | "f32" => "a number",
-        "u32" | "u64" | "usize" => "a whole number, 0 or more",
-        other => other,
-    };
-    format!("{found}, expected {expected}")
-}
-
 /// A table of options with what else stands in it: `source` and the table `require`.
-fn with_options(table: Spanned<DeValue<'_>>) -> Result<(String, EncodeOptions, Require), toml::de::Error> {
+fn with_options(table: Spanned<DeValue<'_>>) -> Result<(Spanned<String>, EncodeOptions, Require), toml::de::Error> {
     let span = table.span();
     let mut table = match table.into_inner() {
         DeValue::Table(table) => table,
-        other => return Err(wrong_type(Spanned::new(span, other))),
+        _ => DeTable::new(),
     };
-    let source = table.remove("source").map(one::<String>).transpose()?.unwrap_or_default();
+    let source = table.remove("source").map(one::<Spanned<String>>).transpose()?;
+    let source = source.unwrap_or_else(|| Spanned::new(span.clone(), String::new()));
     let require = table.remove("require").map(one::<Require>).transpose()?.unwrap_or_default();
     let options = EncodeOptions::deserialize(Deserializer::from(Spanned::new(span, table)))?;
     Ok((source, options, require))
@@ -201,66 +200,30 @@ fn one<T: DeserializeOwned>(value: Spanned<DeValue<'_>>) -> Result<T, toml::de::
     T::deserialize(toml::de::ValueDeserializer::from(value))
 }
 
-/// The error of a value that should be a table.
-fn wrong_type(value: Spanned<DeValue<'_>>) -> toml::de::Error {
-    one::<BTreeMap<String, toml::Value>>(value).expect_err("it is no table")
+/// All keys of a manifest.
+fn all_keys() -> Vec<Key> {
+    let require: Vec<Key> = keys_of::<Require>().iter().map(|name| option_key(name)).collect();
+    let options = keys_of::<EncodeOptions>().iter().map(|name| option_key(name));
+    let defaults: Vec<Key> = options.chain([key("require", Shape::Table(require.into()), "")]).collect();
+    let material = [vec![key("source", Shape::Text, SOURCES)], defaults.clone()].concat();
+    vec![
+        key("scene", Shape::Table(SCENE_KEYS.into()), ""),
+        key("defaults", Shape::Table(defaults.into()), ""),
+        key("materials", Shape::NamedTables(material.into()), ""),
+        key("uses", Shape::Tables(USE_KEYS), ""),
+        key("render", Shape::Table(RENDER_KEYS.into()), ""),
+    ]
 }
 
-fn check_keys(text: &str, tree: &toml::de::DeTable<'_>) -> Result<(), ManifestError> {
-    let check = |table: &toml::de::DeTable<'_>, allowed: &[&str], prefix: &str| {
-        for key in table.keys() {
-            let name: &str = key.get_ref();
-            if !allowed.contains(&name) {
-                return Err(ManifestError {
-                    line: line_of(text, Some(key.span())),
-                    field: if prefix.is_empty() { "key".to_owned() } else { format!("key in {prefix}") },
-                    found: format!("\"{name}\""),
-                    allowed: allowed.join(", "),
-                    suggestion: near_miss(name, allowed),
-                });
-            }
-        }
-        Ok(())
+/// What an option of an encoding is.
+fn option_key(name: &'static str) -> Key {
+    let shape = match name {
+        "codec" | "parameterisation" | "ranking" => Shape::Text,
+        "reciprocal" | "lift" | "smooth" => Shape::Truth,
+        "max_error" => Shape::Share,
+        "max_bytes" => Shape::Bytes,
+        "max_fetches" | "levels" | "grid" | "bits" => Shape::WholeNumber,
+        _ => Shape::Number,
     };
-    let option_keys = keys_of::<EncodeOptions>();
-    let default_keys = [option_keys, &["require"]].concat();
-    let material_keys = [&["source"], &default_keys[..]].concat();
-    let require_keys = keys_of::<Require>();
-    check(tree, TOP_KEYS, "")?;
-    for (key, allowed) in [("scene", SCENE_KEYS), ("defaults", &default_keys), ("render", RENDER_KEYS)] {
-        if let Some(table) = tree.get(key).and_then(|v| v.get_ref().as_table()) {
-            check(table, allowed, &format!("[{key}]"))?;
-        }
-    }
-    let check_require = |table: &toml::de::DeTable<'_>, prefix: &str| {
-        let require = table.get("require").and_then(|v| v.get_ref().as_table());
-        require.map_or(Ok(()), |table| check(table, require_keys, &format!("[{prefix}.require]")))
-    };
-    if let Some(table) = tree.get("defaults").and_then(|v| v.get_ref().as_table()) {
-        check_require(table, "defaults")?;
-    }
-    if let Some(materials) = tree.get("materials").and_then(|v| v.get_ref().as_table()) {
-        for (name, material) in materials.iter() {
-            if let Some(table) = material.get_ref().as_table() {
-                let prefix = format!("materials.{}", name.get_ref());
-                check(table, &material_keys, &format!("[{prefix}]"))?;
-                check_require(table, &prefix)?;
-            }
-        }
-    }
-    let render = tree.get("render").and_then(|v| v.get_ref().as_table());
-    if let Some(camera) = render.and_then(|r| r.get("camera")).and_then(|v| v.get_ref().as_table()) {
-        check(camera, CAMERA_KEYS, "[render.camera]")?;
-    }
-    for (array, allowed, prefix) in [
-        (tree.get("uses"), USE_KEYS, "[[uses]]"),
-        (render.and_then(|r| r.get("lights")), LIGHT_KEYS, "[[render.lights]]"),
-    ] {
-        for entry in array.and_then(|v| v.get_ref().as_array()).into_iter().flat_map(|a| a.iter()) {
-            if let Some(table) = entry.get_ref().as_table() {
-                check(table, allowed, prefix)?;
-            }
-        }
-    }
-    Ok(())
+    key(name, shape, range_of(name))
 }

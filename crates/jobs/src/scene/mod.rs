@@ -20,6 +20,7 @@ pub mod predict;
 pub mod render_section;
 pub mod run;
 pub mod scene_section;
+mod shapes;
 pub mod uses;
 pub mod watch;
 pub mod works;

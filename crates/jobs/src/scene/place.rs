@@ -65,39 +65,12 @@ pub(super) fn line_of_key(text: &str, tree: &toml::de::DeTable<'_>, path: &[&str
     line
 }
 
-/// The key, with the tables that it is in, whose value holds the start of a span.
-pub(super) fn key_at(tree: &toml::de::DeTable<'_>, span: Option<Range<usize>>) -> Option<String> {
-    let at = span?.start;
-    let (key, value) = tree.iter().find(|(key, value)| {
-        let in_value = value.span().contains(&at) || value.span().start == at;
-        // Of a table that is written in several places the span is that of one of them.
-        key.span().contains(&at) || in_value || holds(value.get_ref(), at)
-    })?;
-    let name = key.get_ref().to_string();
-    let within = match value.get_ref() {
-        toml::de::DeValue::Table(table) => key_at(table, Some(at..at)).map(|inner| format!(".{inner}")),
-        toml::de::DeValue::Array(array) => array.iter().enumerate().find_map(|(number, entry)| {
-            let inner = entry.get_ref().as_table().and_then(|table| key_at(table, Some(at..at)));
-            let here = entry.span().contains(&at) || inner.is_some();
-            here.then(|| format!("[{number}]{}", inner.map_or(String::new(), |inner| format!(".{inner}"))))
-        }),
-        _ => None,
-    };
-    Some(name + &within.unwrap_or_default())
-}
-
-fn holds(value: &toml::de::DeValue<'_>, at: usize) -> bool {
-    match value {
-        toml::de::DeValue::Table(table) => key_at(table, Some(at..at)).is_some(),
-        toml::de::DeValue::Array(array) => array.iter().any(|entry| holds(entry.get_ref(), at)),
-        _ => false,
-    }
-}
-
 /// The line on which a span starts, shortened.
 pub(super) fn snippet(text: &str, span: Option<Range<usize>>) -> String {
     const LONGEST: usize = 60;
     let line = text.lines().nth(line_of(text, span) - 1).unwrap_or_default().trim();
+    // As it will be told.
+    let line: String = line.chars().take(LONGEST + 1).map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect();
     let short: String = line.chars().take(LONGEST).collect();
     if short.len() < line.len() { format!("{short}...") } else { short }
 }

@@ -2,7 +2,10 @@
 //! checked there.
 
 use super::place::{ManifestError, Place};
+use super::shapes::{Key, Shape, key, required};
+use brdfc_source::words::shown;
 use serde::Deserialize;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use toml::Spanned;
 
@@ -63,7 +66,7 @@ pub struct LightSection {
 
 /// One number for all channels, or three.
 #[derive(Debug, Clone, Copy, Deserialize)]
-#[serde(untagged, expecting = "a number or three numbers")]
+#[serde(untagged)]
 pub enum Intensity {
     /// The same in all channels.
     Grey(f64),
@@ -82,30 +85,51 @@ impl Intensity {
 }
 
 /// Keys of `[render]`.
-pub(super) const RENDER_KEYS: &[&str] =
-    &["scene", "width", "height", "samples", "exposure", "environment", "camera", "lights", "materials"];
-/// Keys of `[render.camera]`.
-pub(super) const CAMERA_KEYS: &[&str] = &["eye", "target", "up", "field_of_view"];
-/// Keys of `[[render.lights]]`.
-pub(super) const LIGHT_KEYS: &[&str] = &["position", "intensity"];
+pub(super) const RENDER_KEYS: &[Key] = &[
+    key("scene", Shape::Text, "the name of a built-in scene"),
+    key("width", Shape::WholeNumber, SIDES),
+    key("height", Shape::WholeNumber, SIDES),
+    key("samples", Shape::WholeNumber, SAMPLES),
+    key("exposure", Shape::Number, "above 0"),
+    key("environment", Shape::Text, "a file .exr or .hdr"),
+    key("camera", Shape::Table(Cow::Borrowed(CAMERA_KEYS)), ""),
+    key("lights", Shape::Tables(LIGHT_KEYS), ""),
+    key("materials", Shape::NamedTexts, "part = \"material\""),
+];
+const CAMERA_KEYS: &[Key] = &[
+    key("eye", Shape::Numbers(3), "[x, y, z]"),
+    key("target", Shape::Numbers(3), "[x, y, z]"),
+    key("up", Shape::Numbers(3), "[x, y, z]"),
+    key("field_of_view", Shape::Number, ANGLES),
+];
+const LIGHT_KEYS: &[Key] = &[
+    required("position", Shape::Numbers(3), "[x, y, z]"),
+    required("intensity", Shape::NumberOrThree, "W/sr, grey or [r, g, b], 0 or more"),
+];
+/// What is allowed, in words.
+const SIDES: &str = "1 to 8192";
+const SAMPLES: &str = "1 to 16";
+const ANGLES: &str = "1 to 170 degrees";
 
 impl RenderSection {
     /// Checks ranges.
     pub(super) fn check(&self, place: &Place<'_>) -> Result<(), ManifestError> {
         let wrong = |path: &[&str], found: String, allowed: &str| Err(place.error(path, found, allowed));
-        for (key, value, most) in
-            [("width", self.width, MAX_SIDE), ("height", self.height, MAX_SIDE), ("samples", self.samples, MAX_SAMPLES)]
-        {
+        for (key, value, most, allowed) in [
+            ("width", self.width, MAX_SIDE, SIDES),
+            ("height", self.height, MAX_SIDE, SIDES),
+            ("samples", self.samples, MAX_SAMPLES, SAMPLES),
+        ] {
             if let Some(value) = value
                 && !(1..=most).contains(&value)
             {
-                return wrong(&["render", key], value.to_string(), &format!("1 to {most}"));
+                return wrong(&["render", key], value.to_string(), allowed);
             }
         }
         if let Some(exposure) = self.exposure
             && !(exposure.is_finite() && exposure > 0.0)
         {
-            return wrong(&["render", "exposure"], exposure.to_string(), "a positive number");
+            return wrong(&["render", "exposure"], shown(exposure), "a positive number");
         }
         let camera = &self.camera;
         for (key, vector) in [("eye", camera.eye), ("target", camera.target), ("up", camera.up)] {
@@ -118,7 +142,7 @@ impl RenderSection {
         if let Some(angle) = camera.field_of_view
             && !(1.0..=170.0).contains(&angle)
         {
-            return wrong(&["render", "camera", "field_of_view"], angle.to_string(), "1 to 170 degrees");
+            return wrong(&["render", "camera", "field_of_view"], shown(angle), ANGLES);
         }
         for light in self.lights.iter().flatten() {
             let intensity = light.intensity.colour();
@@ -128,5 +152,15 @@ impl RenderSection {
             }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_are_the_bounds() {
+        assert_eq!((SIDES, SAMPLES), (format!("1 to {MAX_SIDE}").as_str(), format!("1 to {MAX_SAMPLES}").as_str()));
     }
 }

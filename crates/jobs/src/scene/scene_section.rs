@@ -1,6 +1,8 @@
 //! The `[scene]` table of a manifest.
 
 use super::place::{ManifestError, Place};
+use super::shapes::{Key, Shape, key};
+use brdfc_source::words::shown;
 use serde::Deserialize;
 use std::path::Path;
 
@@ -20,7 +22,11 @@ pub struct SceneSection {
 }
 
 /// Keys of `[scene]`.
-pub(super) const SCENE_KEYS: &[&str] = &["name", "distance_scale", "environment"];
+pub(super) const SCENE_KEYS: &[Key] = &[
+    key("name", Shape::Text, ""),
+    key("distance_scale", Shape::Number, "above 0"),
+    key("environment", Shape::Text, "a file .exr or .hdr"),
+];
 
 impl SceneSection {
     /// Checks ranges.
@@ -28,7 +34,7 @@ impl SceneSection {
         if let Some(scale) = self.distance_scale
             && !(scale.is_finite() && scale > 0.0)
         {
-            return Err(place.error(&["scene", "distance_scale"], scale.to_string(), "a positive number"));
+            return Err(place.error(&["scene", "distance_scale"], shown(scale), "a positive number"));
         }
         if let Some(file) = &self.environment {
             let extension = Path::new(file).extension().and_then(|e| e.to_str()).unwrap_or("");

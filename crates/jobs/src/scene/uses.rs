@@ -1,7 +1,9 @@
 //! `[[uses]]` of a manifest: what shows a material, from where and how lit.
 
 use super::place::{ManifestError, line_of};
+use super::shapes::{Key, Shape, key, required};
 use brdfc_formats::crop::Elevations;
+use brdfc_source::words::shown;
 use serde::Deserialize;
 use std::ops::Range;
 use toml::Spanned;
@@ -29,8 +31,19 @@ pub struct Use {
 }
 
 /// Keys of `[[uses]]`.
-pub(super) const USE_KEYS: &[&str] =
-    &["object", "material", "nearest", "farthest", "light_elevation", "view_elevation", "lighting", "maps"];
+pub(super) const USE_KEYS: &[Key] = &[
+    key("object", Shape::Text, ""),
+    required("material", Shape::Text, "the name of a material"),
+    key("nearest", Shape::Number, DISTANCES),
+    key("farthest", Shape::Number, DISTANCES),
+    key("light_elevation", Shape::Numbers(2), ELEVATIONS),
+    key("view_elevation", Shape::Numbers(2), ELEVATIONS),
+    key("lighting", Shape::Texts, "points, environment"),
+    key("maps", Shape::Texts, "bandwidth, samples"),
+];
+/// What is allowed, in words.
+const DISTANCES: &str = "a distance, 0 or more";
+const ELEVATIONS: &str = "[from, to], 0 to 90 degrees above the surface, 5 apart or more";
 const LIGHTING: [&str; 2] = ["points", "environment"];
 const MAPS: [&str; 2] = ["bandwidth", "samples"];
 /// Elevations of a range are so far apart at least, degrees.
@@ -89,22 +102,26 @@ impl Use {
             if let Some(distance) = distance
                 && !(distance.get_ref().is_finite() && *distance.get_ref() >= 0.0)
             {
-                let found = distance.get_ref().to_string();
-                return Err(wrong(key, distance.span(), found, "a distance, 0 or more".to_owned()));
+                let found = shown(*distance.get_ref());
+                return Err(wrong(key, distance.span(), found, DISTANCES.to_owned()));
             }
         }
         if let (Some(nearest), Some(farthest)) = (&self.nearest, &self.farthest)
             && farthest.get_ref() < nearest.get_ref()
         {
-            let allowed = format!("{} or more, which is the nearest", nearest.get_ref());
-            return Err(wrong("farthest", farthest.span(), farthest.get_ref().to_string(), allowed));
+            let allowed = format!("{} or more, which is the nearest", shown(*nearest.get_ref()));
+            return Err(wrong("farthest", farthest.span(), shown(*farthest.get_ref()), allowed));
         }
         for (key, range) in [("light_elevation", &self.light_elevation), ("view_elevation", &self.view_elevation)] {
             let Some(range) = range else { continue };
             let [from, to] = *range.get_ref();
             if !(0.0 <= from && from + NARROWEST <= to && to <= 90.0) {
-                let allowed = format!("[from, to], 0 to 90 degrees above the surface, {NARROWEST} apart or more");
-                return Err(wrong(key, range.span(), format!("[{from}, {to}]"), allowed));
+                return Err(wrong(
+                    key,
+                    range.span(),
+                    format!("[{}, {}]", shown(from), shown(to)),
+                    ELEVATIONS.to_owned(),
+                ));
             }
         }
         for (key, list, known) in [("lighting", &self.lighting, LIGHTING), ("maps", &self.maps, MAPS)] {
@@ -148,4 +165,16 @@ fn elevations(range: Option<&Spanned<[f32; 2]>>) -> Elevations {
         let [from, to] = *range.get_ref();
         Elevations { from, to }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_are_the_bounds() {
+        assert!(ELEVATIONS.ends_with(&format!(", {NARROWEST} apart or more")));
+        let range = |name: &str| USE_KEYS.iter().find(|key| key.name == name).unwrap().range;
+        assert_eq!((range("lighting"), range("maps")), (LIGHTING.join(", ").as_str(), MAPS.join(", ").as_str()));
+    }
 }

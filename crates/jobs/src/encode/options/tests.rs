@@ -79,3 +79,14 @@ fn defaults_that_do_not_go_with_the_codec_are_left_out() {
     let PackRecipe::Auto(theirs) = resolved("reciprocal = true", "max_bytes = 4096") else { panic!("a search") };
     assert!(theirs.table.reciprocal && theirs.wavelet.is_none() && theirs.budget.bytes == Some(4096));
 }
+
+#[test]
+fn ranges_in_words_are_the_bounds() {
+    assert_eq!(range_of("levels"), format!("0 to {MOST_LEVELS}"));
+    for (name, _) in CODECS {
+        assert!(range_of("codec").contains(name), "{name}");
+    }
+    for (name, _) in Ranking::NAMES {
+        assert!(range_of("ranking").contains(name), "{name}");
+    }
+}

@@ -169,7 +169,7 @@ mod tests {
             |name: &str| MaterialEntry { material: name.to_owned(), report: report.clone(), ..Default::default() };
         let materials = vec![entry("a"), entry("b")];
         BuildReport {
-            version: 3,
+            version: crate::report::build::BUILD_VERSION,
             scene: "s".into(),
             materials,
             environment: None,

@@ -5,13 +5,14 @@ use super::error::GatherError;
 use super::evidence::{Evidence, evidence};
 use super::parts::{PagePart, listed_file, map_part, wrong_file};
 use crate::output_folder::OutputFolder;
-use crate::report::build::{BuildReport, EnvironmentEntry, MaterialEntry};
+use crate::report::build::{BUILD_VERSION, BuildReport, EnvironmentEntry, MaterialEntry};
 use crate::scene::build::{BuiltNote, notes};
 use crate::scene::plan::REPORT;
 use crate::scene::run::{kind_of, opened_with_digest};
 use brdfc_formats::{BrdfPack, Pack};
 use brdfc_source::progress::Progress;
 use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
+use brdfc_source::words::json_problem;
 use brdfc_source::{Input, Source};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -105,11 +106,16 @@ pub fn gather(reports: Reports, tolerance: f64, progress: &dyn Progress) -> Resu
 
 fn read_report(path: &Path) -> Result<BuildReport, GatherError> {
     let bytes = read_file(path, MAX_TEXT_BYTES)?;
-    serde_json::from_slice(&bytes).map_err(|error| GatherError::Folder {
+    let wrong = |found: String| GatherError::Folder {
         path: path.display().to_string(),
-        found: error.to_string(),
-        allowed: "the report.json of a build by this version of brdfc",
-    })
+        found,
+        allowed: "the report.json of a build by this version of brdfc, which 'brdfc build' writes anew",
+    };
+    let report: BuildReport = serde_json::from_slice(&bytes).map_err(|error| wrong(json_problem(&error)))?;
+    match report.version {
+        BUILD_VERSION => Ok(report),
+        version => Err(wrong(format!("version {version} of the layout, which is {BUILD_VERSION} now"))),
+    }
 }
 
 fn material(folder: &Path, entry: MaterialEntry, note: BuiltNote) -> Result<PageMaterial, GatherError> {
