@@ -18,6 +18,8 @@ mod output;
 mod render;
 #[cfg(feature = "render")]
 mod render_adaptive;
+#[cfg(feature = "render")]
+mod render_studies;
 mod report;
 mod samples;
 mod schemas;

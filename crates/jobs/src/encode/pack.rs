@@ -35,6 +35,9 @@ pub struct EncodedPack {
     pub tried: Vec<Trial>,
     /// What nothing that was tried meets: then this is the best of them.
     pub missed: Option<String>,
+    /// Where a search was within a range of directions: bytes on a GPU of what meets the same limits over all directions, if
+    /// that was looked for and found.
+    pub of_all_directions: Option<u64>,
 }
 
 /// What is worth knowing of a pack, by its codec.
@@ -122,6 +125,7 @@ pub(super) fn of_table(encoded: brdfc_table::encode::Encoded) -> EncodedPack {
         averaging: None,
         tried: Vec::new(),
         missed: None,
+        of_all_directions: None,
     }
 }
 
@@ -151,5 +155,6 @@ pub(super) fn of_wavelet(encoded: brdfc_wavelet::encode::Encoded, recipe: &Recip
         averaging: None,
         tried: Vec::new(),
         missed: None,
+        of_all_directions: None,
     }
 }
