@@ -85,6 +85,8 @@ fn sizes_are_predicted_and_then_known() {
         [&found["least"], &found["most"]].map(|bytes| bytes.as_u64().expect("bytes"))
     };
     let before = report();
+    let text = folder.run(&["build", "scene.toml", "--dry-run"]).succeeded().stdout;
+    assert!(text.contains("searched, up to "), "{text}");
     folder.run(&["build", "scene.toml"]).succeeded();
     let built = folder.run(&["build", "scene.toml", "--json"]).succeeded().json();
     let after = report();
