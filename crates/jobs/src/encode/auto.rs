@@ -263,7 +263,7 @@ impl Search<'_> {
     fn consider(&mut self, made: EncodedPack) -> f64 {
         let excess = excess(&self.recipe.budget, &made.off_grid);
         let (picture, bytes_on_gpu) = (&made.off_grid.picture.delta_e, made.pack.gpu_bytes());
-        self.tried.push(Trial::of(&made, excess <= 1.0));
+        self.tried.push(made.trial(excess <= 1.0));
         let limits_error = self.recipe.budget.limits_error();
         let better = |(other, best): &(f64, EncodedPack)| match (excess <= 1.0, *other <= 1.0) {
             _ if !limits_error => picture.mean < best.off_grid.picture.delta_e.mean,

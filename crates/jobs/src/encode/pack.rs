@@ -40,6 +40,23 @@ pub struct EncodedPack {
     pub of_all_directions: Option<u64>,
 }
 
+impl EncodedPack {
+    /// What is told of it where it was tried.
+    pub(super) fn trial(&self, meets: bool) -> Trial {
+        let picture = &self.off_grid.picture.delta_e;
+        Trial {
+            codec: self.codec.name().to_owned(),
+            size: self.codec.size(),
+            bytes_on_gpu: self.pack.gpu_bytes(),
+            fetches: self.pack.fetches(),
+            delta_e: picture.mean,
+            delta_e_p95: picture.p95,
+            relative_error: self.off_grid.norms.relative_mean,
+            meets,
+        }
+    }
+}
+
 /// What is worth knowing of a pack, by its codec.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]

@@ -5,7 +5,6 @@ use super::error::PackError;
 use super::pack::{CodecReport, EncodedPack, TableReport, of_table};
 use super::recipe::AutoRecipe;
 use super::tables::TableShelf;
-use super::trial::Trial;
 use brdfc_formats::BrdfPack;
 use brdfc_formats::crop::{Crop, DirectionRange};
 use brdfc_metrics::compare::Reference;
@@ -61,7 +60,7 @@ fn smaller(source: &dyn Source, recipe: &AutoRecipe, mut made: EncodedPack, whol
     let over = excess(&recipe.budget, &off_grid);
     let bytes = pack.to_bytes(recipe.table.supercompress);
     let cropped = of_table(Encoded { pack, bytes, asymmetry: *asymmetry, off_grid, tally: whole.tally });
-    made.tried.push(Trial::of(&cropped, over <= 1.0));
+    made.tried.push(cropped.trial(over <= 1.0));
     if over > 1.0 {
         return made;
     }
