@@ -4,6 +4,7 @@ use super::inputs::refuse_stdin_twice;
 use super::output::{print, print_json, remark};
 use super::{CliError, Common};
 use crate::table;
+use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::measured::scan_csv::directions_from_bytes;
 use brdfc_metrics::compare::{Comparison, compare};
@@ -48,6 +49,8 @@ pub struct Report {
     b: Facts,
     /// Direction pairs.
     pairs: usize,
+    /// Directions that are compared: those that both are for, or all where pairs are given.
+    directions: DirectionRange,
     /// What was measured.
     #[serde(flatten)]
     comparison: Comparison,
@@ -84,9 +87,10 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let found = comparison.norms.relative_mean;
     let comparison_counts = comparison.norms.counted() > 0;
     if common.json {
-        print_json(&Report { version: 1, a: a.facts, b: b.facts, pairs: set.pairs.len(), comparison })?;
+        let (pairs, directions) = (set.pairs.len(), set.directions);
+        print_json(&Report { version: 1, a: a.facts, b: b.facts, pairs, directions, comparison })?;
     } else {
-        print(&table::comparison(&comparison))?;
+        print(&table::comparison(&comparison, set.directions))?;
     }
     match limit {
         Some(_) if !comparison_counts => Err(CliError::Check(

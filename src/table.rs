@@ -2,6 +2,7 @@
 
 pub use brdfc_source::words::{bytes, percent};
 
+use brdfc_formats::crop::DirectionRange;
 use brdfc_jobs::encode::Trial;
 use brdfc_jobs::report::material::MaterialReport;
 use brdfc_metrics::compare::Comparison;
@@ -76,21 +77,24 @@ pub fn trials(tried: &[Trial], seconds: &[f64]) -> String {
     plain(&["tried", "size", "fetches", "on GPU", "ε_r", "ΔE", "ΔE 95 %", "time", "meets the budget"], &rows)
 }
 
-/// All norms of a comparison, a line each.
-pub fn comparison(comparison: &Comparison) -> String {
+/// All norms of a comparison within a range of directions, a line each.
+pub fn comparison(comparison: &Comparison, directions: DirectionRange) -> String {
     let mut rows = norms_rows(&comparison.norms);
+    // Of a ball little may be within: pixels are spread over the range instead.
+    let of = if directions.is_all() { "of a ball" } else { "within the directions" };
     let picture = &comparison.picture;
     for (name, value) in [
-        ("ΔE of a ball, mean", picture.delta_e.mean),
-        ("ΔE of a ball, 95th percentile", picture.delta_e.p95),
-        ("ΔE of a ball, maximum", picture.delta_e.max),
-        ("ΔE2000 of a ball, mean", picture.delta_e_2000.mean),
+        (format!("ΔE {of}, mean"), picture.delta_e.mean),
+        (format!("ΔE {of}, 95th percentile"), picture.delta_e.p95),
+        (format!("ΔE {of}, maximum"), picture.delta_e.max),
+        (format!("ΔE2000 {of}, mean"), picture.delta_e_2000.mean),
     ] {
-        rows.push(vec![name.to_owned(), format!("{value:.3}")]);
+        rows.push(vec![name, format!("{value:.3}")]);
     }
     rows.push(vec!["largest albedo difference".to_owned(), format!("{:.3e}", comparison.albedo_max_difference)]);
     rows.push(vec!["reciprocity error of B".to_owned(), percent(comparison.reciprocity)]);
-    plain(&["norm", "value"], &rows)
+    let table = plain(&["norm", "value"], &rows);
+    if directions.is_all() { table } else { format!("directions: {directions}\n{table}") }
 }
 
 fn norms_rows(norms: &Norms) -> Vec<Vec<String>> {

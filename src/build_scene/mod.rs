@@ -65,7 +65,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         write_file(file, &depfile(&out.join(REPORT), &inputs))?;
     }
     if arguments.explain {
-        built.report.needs = explain(plan, &built.outcomes.made().collect());
+        let folder = PackFolder::looked_at(out);
+        let kept = |job: &Job| folder.as_ref()?.known(job);
+        built.report.needs = explain(plan, &built.outcomes.made().collect(), &kept);
     }
     if common.json {
         print_json(&built.report)?;
@@ -104,7 +106,8 @@ fn dry_run(arguments: &Arguments, plan: &Plan, common: Common) -> Result<(), Cli
         plan.jobs.iter().filter_map(|job| Some((job.name.as_str(), known(job)?))).collect();
     let mut report = BuildReport::planned(plan, &known);
     if arguments.explain {
-        report.needs = explain(plan, &known.iter().map(|(name, made)| (*name, made)).collect());
+        let made = known.iter().map(|(name, made)| (*name, made)).collect();
+        report.needs = explain(plan, &made, &|job| folder.as_ref()?.known(job));
     }
     if common.json {
         return print_json(&report);

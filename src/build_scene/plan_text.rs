@@ -32,7 +32,7 @@ pub(super) fn text(plan: &Plan, report: &BuildReport, out: &Path) -> String {
                 if job.input.path().is_some_and(|path| !path.exists()) {
                     "no such file".to_owned()
                 } else {
-                    predicted(planned)
+                    predicted(&job.recipe, planned)
                 },
                 job.source.clone(),
                 out.join(pack_name(&job.name)).display().to_string(),
@@ -99,10 +99,11 @@ fn all_unused(first: &Explained, unused: &[&Explained]) -> Explained {
 }
 
 /// Bytes on a GPU: those of the pack that is there, or between which they will be.
-fn predicted(planned: &MaterialEntry) -> String {
+fn predicted(recipe: &PackRecipe, planned: &MaterialEntry) -> String {
     let Some(Predicted { least, most }) = planned.predicted else { return "-".to_owned() };
     match least {
         _ if planned.cached == Some(true) => format!("{}, made before", table::bytes(most)),
+        0 if matches!(recipe, PackRecipe::Auto(_)) => format!("searched, up to {}", table::bytes(most)),
         0 => format!("up to {}", table::bytes(most)),
         _ => format!("{} to {}", table::bytes(least), table::bytes(most)),
     }

@@ -10,7 +10,7 @@ use brdfc_metrics::image::LinearImage;
 use brdfc_render::scene::{Frame, Scene};
 use brdfc_render::shade::{Reflectance, SourceReflectance, shade};
 use brdfc_render::trace::trace;
-use brdfc_render::within::{outside, without};
+use brdfc_render::within::{outside, share_left_out, without};
 use brdfc_source::Source;
 
 /// One material of a scene's part.
@@ -112,8 +112,7 @@ pub fn views(
     });
     let ranges: Vec<DirectionRange> = materials.iter().map(|material| material.pack.directions()).collect();
     let outside = outside(scene, frame, &hits, &ranges);
-    let surfaces = shader.coverage.iter().filter(|covered| **covered > 0.0).count();
-    let left_out = outside.iter().filter(|out| **out).count() as f64 / surfaces.max(1) as f64;
+    let left_out = share_left_out(&hits, frame, &outside);
     let kept = |image: LinearImage| without(image, &outside);
     Ok(Views { shader: kept(shader), pack: kept(pack), table: table.map(kept), source: source.map(kept), left_out })
 }

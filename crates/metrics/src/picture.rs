@@ -61,7 +61,9 @@ fn pairs_within(directions: DirectionRange) -> Vec<DirectionPair> {
         let view = (view_low.powi(2) + (view_high.powi(2) - view_low.powi(2)) * c).sqrt();
         DirectionPair::new(direction(light_low + (light_high - light_low) * a, b), direction(view, d))
     };
-    let shown = |pair: &DirectionPair| pair.incoming[2] > LEAST_COSINE && pair.outgoing[2] > LEAST_COSINE;
+    // Of a range along the horizon half is enough.
+    let [light_least, view_least] = [light_high, view_high].map(|highest| LEAST_COSINE.min(highest / 2.0));
+    let shown = |pair: &DirectionPair| pair.incoming[2] > light_least && pair.outgoing[2] > view_least;
     points(1).take(picture_pairs().len()).map(pair).filter(shown).collect()
 }
 
@@ -207,6 +209,8 @@ mod tests {
         assert!((0.5..2.0).contains(&ratio), "{nearly_all:?} {ball:?}");
         let steep = within(85.0, 90.0);
         assert!(steep.pixels == ball.pixels && steep.delta_e.mean > 0.0, "{steep:?}");
+        let grazing = within(0.0, 0.5);
+        assert!(grazing.pixels > ball.pixels / 8, "{grazing:?}");
     }
 
     #[test]

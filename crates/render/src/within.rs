@@ -45,3 +45,14 @@ pub fn without(mut image: LinearImage, left_out: &[bool]) -> LinearImage {
     }
     image
 }
+
+/// Share of the pixels that show a surface which are left out.
+pub fn share_left_out(hits: &Hits, frame: Frame, left_out: &[bool]) -> f64 {
+    let surfaces = hits.0.chunks(frame.samples_per_pixel()).filter(|pixel| pixel.iter().any(Option::is_some)).count();
+    left_out.iter().filter(|out| **out).count() as f64 / surfaces.max(1) as f64
+}
+
+/// What a label says of it; nothing where nothing is left out.
+pub fn left_out_in_words(share: f64) -> String {
+    if share > 0.0 { format!(", {:.1} % left out", 100.0 * share) } else { String::new() }
+}

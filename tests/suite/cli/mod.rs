@@ -19,6 +19,8 @@ mod output_folder;
 mod render;
 #[cfg(feature = "render")]
 mod render_adaptive;
+#[cfg(feature = "render")]
+mod render_studies;
 mod report;
 mod samples;
 mod schemas;

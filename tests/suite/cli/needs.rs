@@ -71,6 +71,31 @@ fn each_need_is_told_with_its_reason_and_what_it_saves() {
     assert!(text.contains("because of") && text.contains("about"), "{text}");
 }
 
+/// What a need saves of a search is known where the pack without it was made as well, and is not claimed otherwise.
+#[test]
+fn savings_are_against_what_was_made_without_the_need() {
+    let folder = Folder::new();
+    let material = "[materials.a]\nsource = 'synth:ggx?kd=0.3,0.2,0.1&f0=0.04&alpha=0.1'\nmax_bytes = '4KiB'\n";
+    let explained = |limit: &str, range: &str| {
+        let text = format!("{}[[uses]]\nmaterial = 'a'\n{range}", material.replace("max_bytes = '4KiB'", limit));
+        folder.write("scene.toml", text);
+        let report = folder.run(&["build", "scene.toml", "--explain", "--json"]).succeeded().json();
+        conforms("build", &report);
+        let bytes = report["materials"][0]["report"]["bytes_on_gpu"].as_u64().expect("bytes");
+        (bytes, report["needs"][0]["saved_bytes"].as_u64())
+    };
+    let narrow = "view_elevation = [40, 90]\nlight_elevation = [40, 90]\n";
+    let (_, before) = explained("max_delta_e = 0.3\nlevels = 1", narrow);
+    let (whole, none) = explained("max_delta_e = 0.3\nlevels = 1", "");
+    let (cropped, after) = explained("max_delta_e = 0.3\nlevels = 1", narrow);
+    let saved = whole.checked_sub(cropped).filter(|bytes| *bytes > 0);
+    assert!(none.is_none() && after == saved, "{whole} {cropped} {after:?}");
+    assert!(before.is_none() || before == saved, "{before:?}");
+    // What is cropped is room for more nodes where bytes are given.
+    let (_, filled) = explained("max_bytes = '4KiB'", narrow);
+    assert_eq!(filled, None);
+}
+
 #[test]
 fn sizes_are_predicted_and_then_known() {
     let folder = folder();
@@ -80,6 +105,8 @@ fn sizes_are_predicted_and_then_known() {
         [&found["least"], &found["most"]].map(|bytes| bytes.as_u64().expect("bytes"))
     };
     let before = report();
+    let text = folder.run(&["build", "scene.toml", "--dry-run"]).succeeded().stdout;
+    assert!(text.contains("searched, up to "), "{text}");
     folder.run(&["build", "scene.toml"]).succeeded();
     let built = folder.run(&["build", "scene.toml", "--json"]).succeeded().json();
     let after = report();
@@ -106,6 +133,14 @@ fn a_pack_says_what_it_is_for_and_is_compared_there() {
     let address = "synth:ggx?kd=0.2&f0=0.04&alpha=0.3";
     let ran = folder.run(&["compare", address, "packs/floor.brdf.ktx2", "--json"]).succeeded();
     assert!(ran.stderr.contains("compared where both are: light from 30°"), "{}", ran.stderr);
+    assert!(ran.json()["directions"]["light"]["from"] == 30.0, "{}", ran.stdout);
+    let text = folder.run(&["compare", address, "packs/floor.brdf.ktx2"]).succeeded().stdout;
+    assert!(
+        text.starts_with("directions: light from 30°") && text.contains("ΔE within the directions, mean"),
+        "{text}"
+    );
+    let text = folder.run(&["compare", address, "table.binary"]).succeeded().stdout;
+    assert!(text.starts_with("norm") && text.contains("ΔE of a ball, mean"), "{text}");
     let within = ran.json()["norms"]["relative_mean"].as_f64().expect("a number");
     let list =
         folder.run(&["compare", address, "packs/floor.brdf.ktx2", "--directions", "20000", "--json"]).succeeded();

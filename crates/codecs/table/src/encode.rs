@@ -147,7 +147,9 @@ impl Prepared {
         let mut symmetry = asymmetry.folds(isotropic);
         symmetry.reciprocal |= recipe.reciprocal;
         progress.stage(Stage::Resample, 1)?;
-        let samples = Samples::draw(source, samples, recipe.reciprocal);
+        // Coarser levels of detail show mean of all directions.
+        let directions = if recipe.levels == 0 { recipe.directions } else { DirectionRange::ALL };
+        let samples = Samples::within(source, samples, recipe.reciprocal, directions);
         let targets = Targets::with_aim(&samples, recipe.bias as f32, grey, recipe.aim);
         let folded = samples.angles.iter().map(|angles| Folded::new(*angles, symmetry)).collect();
         Ok(Self { asymmetry, samples, symmetry, folded, targets, isotropic, grey })

@@ -1,5 +1,6 @@
 //! What a table is fitted to: values of the source at directions spread over everything that can be seen.
 
+use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::{DirectionPair, Vector};
 use brdfc_formats::table::Angles;
 use brdfc_metrics::sampling::points;
@@ -14,6 +15,8 @@ const FIRST: u32 = 1 << 20;
 const ON_BALL: usize = 2;
 /// Lowest `z` of a direction.
 const LEAST_COSINE: f64 = 0.005;
+/// Of so many pairs that are spread over the angles at least one is to be within a range of directions.
+const MOST_REFUSED: usize = 32;
 /// Pairs per unit of parallel work.
 const BLOCK: usize = 4096;
 /// Largest value of a sample, 1/sr: far above any reflectance, far below the end of f32.
@@ -39,9 +42,18 @@ impl Samples {
     ///
     /// Negative values, any that are no number, and those beyond 1e30 are raised or lowered, and counted.
     pub fn draw(source: &dyn Source, count: usize, reciprocal: bool) -> Self {
+        Self::within(source, count, reciprocal, DirectionRange::ALL)
+    }
+
+    /// The same of a range of directions alone. Where it is so narrow that hardly any pair over the angles is within, the
+    /// rest of the third is as on a ball.
+    pub fn within(source: &dyn Source, count: usize, reciprocal: bool, directions: DirectionRange) -> Self {
         let on_balls = (0..count).filter(|k| Self::is_on_ball(*k)).count();
-        let mut ball = placed(on_balls, on_ball).into_iter();
-        let mut angles = placed(count - on_balls, over_angles).into_iter();
+        let of_angles = count - on_balls;
+        let mut angles = placed(of_angles, MOST_REFUSED, directions, over_angles);
+        let ball = placed(count - angles.len(), usize::MAX, directions, |point| on_ball(point, directions));
+        angles.extend(&ball[on_balls..]);
+        let (mut ball, mut angles) = (ball.into_iter(), angles.into_iter());
         let pairs: Vec<DirectionPair> =
             (0..count).filter_map(|k| if Self::is_on_ball(k) { ball.next() } else { angles.next() }).collect();
         let (values, mut tally) = values_at(source, &pairs);
@@ -76,12 +88,22 @@ impl Samples {
     }
 }
 
-/// The first pairs of the sequence of points that are above the horizon by more than [`LEAST_COSINE`].
-fn placed(count: usize, place: impl Fn([f64; 4]) -> DirectionPair + Sync) -> Vec<DirectionPair> {
-    let visible = |pair: &DirectionPair| pair.incoming[2] > LEAST_COSINE && pair.outgoing[2] > LEAST_COSINE;
+/// The first pairs of the sequence of points that are within a range, and above the horizon by more than [`LEAST_COSINE`];
+/// fewer where that takes more than so many points for each.
+fn placed(
+    count: usize,
+    most_refused: usize,
+    directions: DirectionRange,
+    place: impl Fn([f64; 4]) -> DirectionPair + Sync,
+) -> Vec<DirectionPair> {
+    // Of a range along the horizon, which a pack may be for, half is enough.
+    let [light, view] = [directions.light, directions.view].map(|range| LEAST_COSINE.min(range.sines()[1] / 2.0));
+    let above = |pair: &DirectionPair| pair.incoming[2] > light && pair.outgoing[2] > view;
+    let visible = |pair: &DirectionPair| above(pair) && (directions.is_all() || directions.contains(*pair));
     let mut pairs = Vec::with_capacity(count + BLOCK);
     let mut first = FIRST;
-    while pairs.len() < count {
+    let last = (count + BLOCK).saturating_mul(most_refused);
+    while pairs.len() < count && ((first - FIRST) as usize) < last {
         let blocks = (count - pairs.len()).div_ceil(BLOCK) as u32;
         let block = |k: u32| points(first + k * BLOCK as u32).take(BLOCK).map(&place).filter(visible).collect();
         let more: Vec<Vec<DirectionPair>> = (0..blocks).into_par_iter().map(block).collect();
@@ -103,13 +125,17 @@ pub(super) fn mended(mut values: Vec<[f64; 3]>, tally: &mut Tally) -> Vec<[f64; 
     values
 }
 
-/// The outgoing direction as over the disc that a ball shows, the incoming one uniform over the hemisphere.
-fn on_ball([a, b, c, d]: [f64; 4]) -> DirectionPair {
+/// The outgoing direction as over the disc that a ball shows, the incoming one uniform over the hemisphere, both within a
+/// range.
+fn on_ball([a, b, c, d]: [f64; 4], directions: DirectionRange) -> DirectionPair {
+    let ([light_low, light_high], [view_low, view_high]) = (directions.light.sines(), directions.view.sines());
     let turned = |radius: f64, z: f64, turn: f64| -> Vector {
         let phi = std::f64::consts::TAU * turn;
         [radius * phi.cos(), radius * phi.sin(), z]
     };
-    let z = c;
+    let z = light_low + (light_high - light_low) * c;
+    // Squares of the sine of the polar angle, which areas are even in.
+    let a = 1.0 - view_high.powi(2) + (view_high.powi(2) - view_low.powi(2)) * a;
     DirectionPair::new(turned((1.0 - z * z).sqrt(), z, d), turned(a.sqrt(), (1.0 - a).sqrt(), b))
 }
 

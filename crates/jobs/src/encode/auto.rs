@@ -94,7 +94,7 @@ pub(super) fn search(
         }
     } else {
         let most = budget.bytes.unwrap_or(LARGEST).min(search.largest());
-        let smallest = search.smallest_tried();
+        let smallest = smallest_tried(source, recipe);
         for half in (0..FILLED).rev() {
             let bytes = most >> half;
             if half == 0 || bytes >= smallest {
@@ -116,6 +116,15 @@ fn fewest_fetches(source: &dyn Source) -> u32 {
     if source.symmetry().isotropic { 1 } else { 2 }
 }
 
+/// Bytes of the smallest table that is tried.
+pub(super) fn smallest_tried(source: &dyn Source, recipe: &AutoRecipe) -> u64 {
+    match (recipe.table.levels, source.symmetry().isotropic) {
+        (1.., _) => SMALLEST_WITH_LEVELS,
+        (0, true) => SMALLEST,
+        (0, false) => SMALLEST_ANISOTROPIC,
+    }
+}
+
 struct Search<'a> {
     source: &'a dyn Source,
     recipe: &'a AutoRecipe,
@@ -132,7 +141,7 @@ struct Search<'a> {
 }
 
 /// Passes on whether to stop; stages within a trial are not told.
-struct Within<'a>(&'a dyn Progress);
+pub(super) struct Within<'a>(pub(super) &'a dyn Progress);
 
 impl Progress for Within<'_> {
     fn check(&self) -> Result<(), Cancelled> {
@@ -147,7 +156,7 @@ impl Progress for Within<'_> {
 impl Search<'_> {
     /// Tries tables; whether one meets the budget.
     fn tables(&mut self) -> Result<bool, PackError> {
-        let sizes = sizes(self.smallest_tried(), self.recipe.budget.bytes, self.largest());
+        let sizes = sizes(smallest_tried(self.source, self.recipe), self.recipe.budget.bytes, self.largest());
         let met = self.smallest(&sizes, self.recipe.tables == Tables::Factored)?;
         if self.recipe.tables != Tables::Both || !self.may_be_factored() || self.stalled {
             return Ok(met.is_some());
@@ -160,15 +169,6 @@ impl Search<'_> {
             found = true;
         }
         Ok(found)
-    }
-
-    /// Bytes of the smallest table that is tried.
-    fn smallest_tried(&self) -> u64 {
-        match (self.recipe.table.levels, self.source.symmetry().isotropic) {
-            (1.., _) => SMALLEST_WITH_LEVELS,
-            (0, true) => SMALLEST,
-            (0, false) => SMALLEST_ANISOTROPIC,
-        }
     }
 
     /// Bytes of the largest table that is tried: texels of grey ones are half as large.
@@ -261,19 +261,9 @@ impl Search<'_> {
 
     /// Notes a pack, and keeps the better one; how far over the budget it is.
     fn consider(&mut self, made: EncodedPack) -> f64 {
-        let excess = self.excess(&made.off_grid);
-        let picture = &made.off_grid.picture.delta_e;
-        let bytes_on_gpu = made.pack.gpu_bytes();
-        self.tried.push(Trial {
-            codec: made.codec.name().to_owned(),
-            size: made.codec.size(),
-            bytes_on_gpu,
-            fetches: made.pack.fetches(),
-            delta_e: picture.mean,
-            delta_e_p95: picture.p95,
-            relative_error: made.off_grid.norms.relative_mean,
-            meets: excess <= 1.0,
-        });
+        let excess = excess(&self.recipe.budget, &made.off_grid);
+        let (picture, bytes_on_gpu) = (&made.off_grid.picture.delta_e, made.pack.gpu_bytes());
+        self.tried.push(made.trial(excess <= 1.0));
         let limits_error = self.recipe.budget.limits_error();
         let better = |(other, best): &(f64, EncodedPack)| match (excess <= 1.0, *other <= 1.0) {
             _ if !limits_error => picture.mean < best.off_grid.picture.delta_e.mean,
@@ -286,19 +276,6 @@ impl Search<'_> {
         excess
     }
 
-    /// How many times over the tightest limit of error a pack is; infinite where its error is no number.
-    fn excess(&self, error: &Comparison) -> f64 {
-        let Budget { delta_e, error: relative, .. } = self.recipe.budget;
-        let picture = &error.picture.delta_e;
-        let ratios = [
-            delta_e.map(|limit| picture.mean / limit),
-            delta_e.map(|limit| picture.p95 / (TAIL * limit)),
-            relative.map(|limit| error.norms.relative_mean / limit),
-        ];
-        let number = |ratio: f64| if ratio.is_nan() { f64::INFINITY } else { ratio };
-        ratios.into_iter().flatten().map(number).fold(0.0, f64::max)
-    }
-
     fn finish(self) -> EncodedPack {
         let (excess, mut made) = self.best.expect("a table was made, or why not was returned");
         made.missed = (excess > 1.0).then(|| missed(&self.recipe.budget, &made.off_grid));
@@ -308,6 +285,19 @@ impl Search<'_> {
         made.tried = self.tried;
         made
     }
+}
+
+/// How many times over the tightest limit of error a pack is; infinite where its error is no number.
+pub(super) fn excess(budget: &Budget, error: &Comparison) -> f64 {
+    let Budget { delta_e, error: relative, .. } = *budget;
+    let picture = &error.picture.delta_e;
+    let ratios = [
+        delta_e.map(|limit| picture.mean / limit),
+        delta_e.map(|limit| picture.p95 / (TAIL * limit)),
+        relative.map(|limit| error.norms.relative_mean / limit),
+    ];
+    let number = |ratio: f64| if ratio.is_nan() { f64::INFINITY } else { ratio };
+    ratios.into_iter().flatten().map(number).fold(0.0, f64::max)
 }
 
 /// Sizes of tables within a budget, from small to large; the last fills it.

@@ -10,6 +10,7 @@ pub mod recipe;
 mod run;
 mod tables;
 mod trial;
+mod within;
 
 pub use averaged::AveragingCost;
 pub use byte_count::bytes_from_text;

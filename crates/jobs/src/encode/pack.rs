@@ -35,6 +35,26 @@ pub struct EncodedPack {
     pub tried: Vec<Trial>,
     /// What nothing that was tried meets: then this is the best of them.
     pub missed: Option<String>,
+    /// Where a search was within a range of directions: bytes on a GPU of what meets the same limits over all directions, if
+    /// that was looked for and found.
+    pub of_all_directions: Option<u64>,
+}
+
+impl EncodedPack {
+    /// What is told of it where it was tried.
+    pub(super) fn trial(&self, meets: bool) -> Trial {
+        let picture = &self.off_grid.picture.delta_e;
+        Trial {
+            codec: self.codec.name().to_owned(),
+            size: self.codec.size(),
+            bytes_on_gpu: self.pack.gpu_bytes(),
+            fetches: self.pack.fetches(),
+            delta_e: picture.mean,
+            delta_e_p95: picture.p95,
+            relative_error: self.off_grid.norms.relative_mean,
+            meets,
+        }
+    }
 }
 
 /// What is worth knowing of a pack, by its codec.
@@ -122,6 +142,7 @@ pub(super) fn of_table(encoded: brdfc_table::encode::Encoded) -> EncodedPack {
         averaging: None,
         tried: Vec::new(),
         missed: None,
+        of_all_directions: None,
     }
 }
 
@@ -151,5 +172,6 @@ pub(super) fn of_wavelet(encoded: brdfc_wavelet::encode::Encoded, recipe: &Recip
         averaging: None,
         tried: Vec::new(),
         missed: None,
+        of_all_directions: None,
     }
 }

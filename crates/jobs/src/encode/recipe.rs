@@ -2,7 +2,7 @@
 
 use brdfc_formats::crop::DirectionRange;
 use brdfc_table::recipe::TableRecipe;
-use brdfc_wavelet::recipe::Recipe;
+use brdfc_wavelet::recipe::{Recipe, Target};
 use serde::{Deserialize, Serialize};
 
 /// How a material becomes a pack.
@@ -97,6 +97,15 @@ impl PackRecipe {
             }
             Self::Table(recipe) => recipe.supercompress = supercompress,
             Self::Wavelet(recipe) => recipe.supercompress = supercompress,
+        }
+    }
+
+    /// Whether a limit of error decides how large the pack becomes.
+    pub fn limits_error(&self) -> bool {
+        match self {
+            Self::Auto(recipe) => recipe.budget.limits_error(),
+            Self::Table(_) => false,
+            Self::Wavelet(recipe) => matches!(recipe.target, Target::MaxError(_)),
         }
     }
 

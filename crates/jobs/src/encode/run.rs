@@ -1,11 +1,11 @@
 //! One source to one pack, as a recipe says.
 
-use super::auto::search;
 use super::averaged::AveragingCost;
 use super::error::PackError;
 use super::pack::{EncodedPack, of_table, of_wavelet};
 use super::recipe::PackRecipe;
 use super::tables::{TableShelf, tabulated};
+use super::within::search_within;
 use brdfc_metrics::compare::Reference;
 use brdfc_metrics::sampling::PairSet;
 use brdfc_source::Source;
@@ -36,7 +36,7 @@ pub fn encode_with(
     let mut recipe = recipe.clone();
     recipe.limit_directions(common);
     Ok(match &recipe {
-        PackRecipe::Auto(recipe) => search(source, recipe, shelf, progress)?,
+        PackRecipe::Auto(recipe) => search_within(source, recipe, shelf, progress)?,
         PackRecipe::Table(recipe) => {
             let mut made = of_table(brdfc_table::encode::encode(source, recipe, progress)?);
             if recipe.reciprocal && recipe.measure {

@@ -4,6 +4,7 @@ use super::render::Verification;
 use brdfc_gpu::verify::Views;
 use brdfc_render::contact_sheet::Cell;
 use brdfc_render::picture::{difference_panel, to_panel};
+use brdfc_render::within::left_out_in_words;
 use brdfc_source::words::bytes;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -31,9 +32,10 @@ impl MaterialVerification {
             Some(difference_panel(&views.shader, reference, exposure)),
         ];
         let mean = self.verification.checked().delta_e.mean;
+        let left_out = left_out_in_words(self.verification.left_out);
         Cell {
             name: self.material.clone(),
-            details: format!("{}  mean ΔE {mean:.2}", bytes(self.bytes_on_gpu)),
+            details: format!("{}  mean ΔE {mean:.2}{left_out}", bytes(self.bytes_on_gpu)),
             failed: self.closed().next().is_some(),
             rows: vec![row],
         }

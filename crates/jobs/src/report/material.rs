@@ -7,6 +7,7 @@ use brdfc_metrics::compare::Comparison;
 use brdfc_source::Tally;
 use brdfc_source::open::Facts;
 use brdfc_source::scan::StrayRows;
+use brdfc_source::words::bytes;
 use serde::{Deserialize, Serialize};
 
 /// One material, encoded. The same input, options and version give the same report: times stand apart in
@@ -31,6 +32,10 @@ pub struct MaterialReport {
     pub directions: DirectionRange,
     /// Bytes on a GPU that it has less than one for all directions.
     pub cropped_bytes: u64,
+    /// Bytes on a GPU of what the same limits ask for over all directions, where a search within a range looked for it and found
+    /// it.
+    #[serde(default)]
+    pub of_all_directions: Option<u64>,
     /// `μ`, 1/sr.
     pub mean: f64,
     /// What a user sees: filtered pack against source.
@@ -69,6 +74,7 @@ impl MaterialReport {
             bytes_on_gpu: encoded.pack.gpu_bytes(),
             directions: encoded.pack.directions(),
             cropped_bytes: encoded.cropped_bytes,
+            of_all_directions: encoded.of_all_directions,
             mean: f64::from(mean),
             off_grid: encoded.off_grid.clone(),
             repairs: encoded.tally,
@@ -118,6 +124,13 @@ pub fn remarks(report: &MaterialReport) -> Vec<String> {
         lines.push(format!(
             "the albedo is off by up to {}: narrow or grazing light is missed by pictures of a ball",
             if most < 1000.0 { format!("{most:.3}") } else { format!("{most:.1e}") }
+        ));
+    }
+    if let Some(all) = report.of_all_directions.filter(|all| *all < report.bytes_on_gpu) {
+        lines.push(format!(
+            "the limit is held over the directions that occur, which is harder than over all: {}, of all directions {}",
+            bytes(report.bytes_on_gpu),
+            bytes(all)
         ));
     }
     let on_grid = match &report.codec {

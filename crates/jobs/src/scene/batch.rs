@@ -215,7 +215,7 @@ impl Manifest {
         let mut added = Vec::new();
         for group in groups {
             let material = self.materials.remove(&group).expect("it is one of them");
-let at_key = |error| in_manifest(error, &group, &material);
+            let at_key = |error| in_manifest(error, &group, &material);
             for path in matching(&named(&material)).map_err(at_key)? {
                 // As the manifest might have named it.
                 let declared = Path::new(&path).strip_prefix(folder).map_or(path.clone(), OsString::from);

@@ -8,8 +8,8 @@ use crate::encode::recipe::PackRecipe;
 use crate::report::material::StageTime;
 use brdfc_formats::crop::{DirectionRange, Elevations};
 use brdfc_source::progress::Stage;
-use brdfc_table::recipe::Size;
-use brdfc_wavelet::recipe::Target;
+use brdfc_table::recipe::{Size, TableRecipe};
+use brdfc_wavelet::recipe::{Recipe, Target};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -22,7 +22,8 @@ pub struct Explained {
     pub need: String,
     /// Which uses ask for that.
     pub why: String,
-    /// Bytes on a GPU that are left out for it, where that is known: of what was made, or the mean of other materials of this build.
+    /// Bytes on a GPU that are left out for it, where that is known: of what was made and of what would have been made without
+    /// it, or the mean of other materials of this build.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub saved_bytes: Option<u64>,
     /// Seconds of work that are saved, likewise.
@@ -30,17 +31,18 @@ pub struct Explained {
     pub saved_seconds: Option<f64>,
 }
 
-/// The needs of all materials of a plan; what is saved where there are packs.
-pub fn explain(plan: &Plan, made: &BTreeMap<&str, &Made>) -> Vec<Explained> {
+/// The needs of all materials of a plan; what is saved where there are packs. `kept` finds what was made before of a job,
+/// which may be one that no plan has: what a material would be without one of its needs.
+pub fn explain(plan: &Plan, made: &BTreeMap<&str, &Made>, kept: &dyn Fn(&Job) -> Option<Made>) -> Vec<Explained> {
     let maps = [0, 1].map(|k| Mean::of(made.values().filter_map(|made| of_map(made, k))));
     let packs = Mean::of(made.values().map(|made| (made.report.bytes_on_gpu, seconds(&made.pack_times, |_| true))));
     let mut all = Vec::new();
     for job in &plan.jobs {
         let made = made.get(job.name.as_str()).copied();
         let before = all.len();
-        all.extend(levels(job, made));
-        all.extend(coarser_levels(job));
-        all.extend(directions(job, made));
+        all.extend(levels(job, made, kept));
+        all.extend(coarser_levels(job, made, kept));
+        all.extend(directions(job, made, kept));
         all.extend(without_maps(job, plan, maps));
         if all.len() == before {
             let names = names(&job.uses, |used| {
@@ -87,8 +89,28 @@ fn said(job: &Job, need: &str, why: &str) -> Explained {
     Explained { material, need, why, saved_bytes: None, saved_seconds: None }
 }
 
+/// What a pack has less than what was made before by another recipe: bytes, and seconds.
+fn less_than_kept(
+    job: &Job,
+    recipe: PackRecipe,
+    made: Option<&Made>,
+    kept: &dyn Fn(&Job) -> Option<Made>,
+) -> (Option<u64>, Option<f64>) {
+    let Some((made, other)) = made.zip(kept(&Job { recipe, maps: None, ..job.clone() })) else { return (None, None) };
+    let bytes = other.report.bytes_on_gpu.checked_sub(made.report.bytes_on_gpu);
+    let [before, now] = [&other, made].map(|made| seconds(&made.pack_times, |_| true));
+    (bytes, Some(before - now).filter(|saved| *saved > 0.0))
+}
+
+/// The recipe of a material with all levels of detail that were asked for.
+fn with_all_levels(job: &Job) -> PackRecipe {
+    let mut recipe = job.asked.clone();
+    recipe.limit_directions(job.needs.directions);
+    recipe
+}
+
 /// Finer levels of detail that are not stored.
-fn levels(job: &Job, made: Option<&Made>) -> Option<Explained> {
+fn levels(job: &Job, made: Option<&Made>, kept: &dyn Fn(&Job) -> Option<Made>) -> Option<Explained> {
     let recipe = match &job.recipe {
         PackRecipe::Wavelet(recipe) => recipe,
         // Among tables there may be none whose levels the distance takes away.
@@ -111,11 +133,12 @@ fn levels(job: &Job, made: Option<&Made>) -> Option<Explained> {
         }
         _ => None,
     });
-    Some(Explained { saved_bytes, ..said(job, &need, &why) })
+    let (of_kept, saved_seconds) = less_than_kept(job, with_all_levels(job), made, kept);
+    Some(Explained { saved_bytes: saved_bytes.or(of_kept), saved_seconds, ..said(job, &need, &why) })
 }
 
 /// Coarser levels of detail of tables that are not stored.
-fn coarser_levels(job: &Job) -> Option<Explained> {
+fn coarser_levels(job: &Job, made: Option<&Made>, kept: &dyn Fn(&Job) -> Option<Made>) -> Option<Explained> {
     let levels = |recipe: &PackRecipe| match recipe {
         PackRecipe::Auto(recipe) => recipe.table.levels,
         PackRecipe::Table(recipe) => recipe.levels,
@@ -128,11 +151,12 @@ fn coarser_levels(job: &Job) -> Option<Explained> {
     let need = format!("{stored} of {asked} coarser levels of detail");
     let farthest = |used: &Use| used.farthest.as_ref().is_some_and(|at| *at.get_ref() >= job.needs.farthest);
     let why = format!("farthest at {}: {}", job.needs.farthest, names(&job.uses, farthest).unwrap_or_default());
-    Some(said(job, &need, &why))
+    let (saved_bytes, saved_seconds) = less_than_kept(job, with_all_levels(job), made, kept);
+    Some(Explained { saved_bytes, saved_seconds, ..said(job, &need, &why) })
 }
 
-/// Directions that are cropped.
-fn directions(job: &Job, made: Option<&Made>) -> Option<Explained> {
+/// Directions that are cropped. A search makes another pack than without them.
+fn directions(job: &Job, made: Option<&Made>, kept: &dyn Fn(&Job) -> Option<Made>) -> Option<Explained> {
     let DirectionRange { light, view } = job.needs.directions;
     if job.needs.directions.is_all() {
         return None;
@@ -144,14 +168,18 @@ fn directions(job: &Job, made: Option<&Made>) -> Option<Explained> {
     };
     let parts: Vec<String> =
         [of("light", light), of("seen", view)].into_iter().filter(|part| !part.is_empty()).collect();
-    // Where bytes are given, what is cropped is room for more nodes and slices.
-    let fills = match &job.recipe {
-        PackRecipe::Auto(recipe) => !recipe.budget.limits_error(),
-        PackRecipe::Table(recipe) => matches!(recipe.size, Size::Bytes(_)),
-        PackRecipe::Wavelet(recipe) => matches!(recipe.target, Target::MaxBytes(_)),
-    };
-    let saved_bytes = made.filter(|_| !fills).map(|made| made.report.cropped_bytes);
-    Some(Explained { saved_bytes, ..said(job, &parts.join(", "), &why) })
+    let mut whole = job.recipe.clone();
+    whole.limit_directions(DirectionRange::ALL);
+    let (of_kept, saved_seconds) = less_than_kept(job, whole, made, kept);
+    let found = |made: &Made| made.report.of_all_directions?.checked_sub(made.report.bytes_on_gpu);
+    let saved_bytes = made.and_then(|made| match &job.recipe {
+        PackRecipe::Table(TableRecipe { size: Size::Nodes(_), .. })
+        | PackRecipe::Wavelet(Recipe { target: Target::Ratio(_), .. }) => Some(made.report.cropped_bytes),
+        // What is cropped is room for more nodes and slices.
+        recipe if !recipe.limits_error() => None,
+        _ => found(made).or(of_kept).filter(|bytes| *bytes > 0),
+    });
+    Some(Explained { saved_bytes, saved_seconds, ..said(job, &parts.join(", "), &why) })
 }
 
 /// Maps that are not made of a scene that has an environment.

@@ -1,11 +1,15 @@
 //! What is cropped is what no look-up within the range of directions touches.
 
 use brdfc_formats::crop::{Crop, DirectionRange, Elevations, Window};
-use brdfc_formats::table::{TableDecoder, TablePack};
+use brdfc_formats::table::{Angles, TableDecoder, TablePack};
+use brdfc_metrics::compare::Reference;
+use brdfc_metrics::sampling::PairSet;
+use brdfc_source::TableSource;
 use brdfc_source::address::parse_synth;
 use brdfc_table::crop::window;
 use brdfc_table::encode::encode;
 use brdfc_table::recipe::{Size, TableRecipe};
+use brdfc_table::samples::Samples;
 use brdfc_testing::packs::{pairs, tables};
 
 fn range(light: [f32; 2], view: [f32; 2]) -> DirectionRange {
@@ -74,4 +78,45 @@ fn a_budget_is_of_what_is_left() {
         let [found, most] = [cropped, whole].map(|made| made.off_grid.norms.relative_mean);
         assert!(found < 0.5 * most, "{found} {most}");
     }
+}
+
+/// Where a highlight is all that is left, a table that is fitted to the range is closer there than one of as many nodes for
+/// all directions, which is cropped; and farther elsewhere, as nothing was fitted to what cannot occur.
+#[test]
+fn tables_are_fitted_to_the_range() {
+    let source = parse_synth("synth:ggx?kd=0.3,0.2,0.1&f0=0.04&alpha=0.12").expect("an address");
+    for directions in [range([85.0, 90.0], [0.0, 90.0]), range([0.0, 90.0], [0.0, 20.0])] {
+        let whole = TableRecipe { size: Size::Bytes(4 << 10), ..TableRecipe::default() };
+        let fitted = TableRecipe { directions, ..whole.clone() };
+        let [whole, fitted] =
+            [&whole, &fitted].map(|recipe| encode(source.as_ref(), recipe, &()).expect("a pack").pack);
+        let crop = Crop { directions, window: window(whole.header(), directions) };
+        let cropped = whole.cropped(crop).expect("within the texture");
+        let within = Reference::new(source.as_ref(), PairSet::within(directions));
+        let delta_e = |reference: &Reference, pack| reference.compare(&TableSource::new(pack)).picture.delta_e.mean;
+        let [found, before] = [&fitted, &cropped].map(|pack| delta_e(&within, pack));
+        assert!(found < 0.8 * before, "{directions}: {found} after {before}");
+        let everywhere = Reference::new(source.as_ref(), PairSet::comparison());
+        let [found, before] = [&fitted, &whole].map(|pack| delta_e(&everywhere, pack));
+        assert!(found > 1.2 * before, "{directions}: {found} elsewhere, {before}");
+    }
+}
+
+/// Ranges are as narrow as packs may have them; samples are within, as many as were asked for.
+#[test]
+fn samples_are_within_the_range() {
+    let source = parse_synth("synth:lambert").expect("an address");
+    let narrow = [([0.0, 0.1], [0.0, 0.1]), ([89.9, 90.0], [40.0, 40.1]), ([20.0, 25.0], [60.0, 65.0])];
+    for (light, view) in narrow.into_iter().chain(RANGES) {
+        let directions = range(light, view);
+        let samples = Samples::within(source.as_ref(), 3000, false, directions);
+        assert_eq!(samples.len(), 3000, "{directions}");
+        let is_within = |angles: &Angles| directions.contains(angles.pair());
+        let within = samples.angles.iter().filter(|angles| is_within(angles)).count();
+        // Angles are rounded to f32.
+        assert!(within > 2900 || light[1] < 1.0, "{directions}: {within}");
+    }
+    let all = Samples::draw(source.as_ref(), 3000, false);
+    let outside = all.angles.iter().filter(|angles| !range([85.0, 90.0], [0.0, 90.0]).contains(angles.pair())).count();
+    assert!(outside > 2500, "without a range they are everywhere");
 }

@@ -9,7 +9,7 @@ use brdfc_render::scene::Frame;
 use brdfc_render::scenes::Builtin;
 use brdfc_render::shade::{Reflectance, SourceReflectance, Turned, shade};
 use brdfc_render::trace::trace;
-use brdfc_render::within::{outside, without};
+use brdfc_render::within::{outside, share_left_out, without};
 use brdfc_source::Source;
 use brdfc_source::pack::opened;
 
@@ -34,6 +34,8 @@ pub struct Thumbnails {
     pub pack: Panel,
     /// ΔE of both, dark 0 to light 10; its mean over surfaces.
     pub difference: Option<(Panel, f64)>,
+    /// Share of the surface's pixels that are left out, as the pack is for other directions.
+    pub left_out: f64,
 }
 
 /// Everything that is made from a pack and its source.
@@ -48,7 +50,7 @@ pub struct Evidence {
 /// Draws and compares, where the pack is for the directions that are asked for: the rest is left out. Both pictures of a scene have the exposure of the source's.
 pub fn evidence(pack: &BrdfPack, source: Option<&dyn Source>) -> Evidence {
     let decoded = opened(pack, None).source;
-    let draw = |source: &dyn Source, (builtin, turned): (Builtin, bool)| -> LinearImage {
+    let draw = |source: &dyn Source, (builtin, turned): (Builtin, bool)| -> (LinearImage, f64) {
         let scene = builtin.scene();
         let reflectance = SourceReflectance(source);
         let turned = turned.then_some(Turned(&reflectance));
@@ -56,20 +58,22 @@ pub fn evidence(pack: &BrdfPack, source: Option<&dyn Source>) -> Evidence {
         let materials = vec![reflectance; scene.parts.len()];
         let hits = trace(&scene, FRAME);
         let outside = outside(&scene, FRAME, &hits, &vec![pack.directions(); scene.parts.len()]);
-        without(shade(&scene, FRAME, &hits, &materials), &outside)
+        let image = without(shade(&scene, FRAME, &hits, &materials), &outside);
+        (image, share_left_out(&hits, FRAME, &outside))
     };
     let isotropic = source.unwrap_or(decoded.as_ref()).symmetry().isotropic;
     let scenes = SCENES.into_iter().chain((!isotropic).then_some(TURNED));
     let thumbnails = scenes.map(|scene| {
-        let pack = draw(decoded.as_ref(), scene);
-        let source = source.map(|source| draw(source, scene));
+        let (pack, left_out) = draw(decoded.as_ref(), scene);
+        let source = source.map(|source| draw(source, scene).0);
         let exposure = auto_exposure(source.as_ref().unwrap_or(&pack));
         let panel = |image: &LinearImage| to_panel(image, exposure);
         let difference = source.as_ref().map(|source| {
             (difference_panel(&pack, source, exposure), compare_images(&pack, source, exposure).delta_e.mean)
         });
         let (name, turned) = (scene.0.name(), scene.1);
-        Thumbnails { scene: name, turned, source: source.as_ref().map(panel), pack: panel(&pack), difference }
+        let (source, pack) = (source.as_ref().map(panel), panel(&pack));
+        Thumbnails { scene: name, turned, source, pack, difference, left_out }
     });
     let thumbnails = thumbnails.collect();
     let by_angle = source.map(|source| by_angle(source, decoded.as_ref(), &PairSet::within(pack.directions())));

@@ -7,6 +7,7 @@ use super::markup::{colour_scale, document, image};
 use super::parts::PagePart;
 use crate::report::material::{MaterialReport, remarks};
 use brdfc_metrics::by_angle::WorstPair;
+use brdfc_render::within::left_out_in_words;
 use brdfc_source::words::{bytes, percent};
 use maud::{Markup, PreEscaped, html};
 
@@ -20,6 +21,9 @@ pub fn html(page: &Page) -> String {
             @if failed > 0 { ", " span.bad { (failed) " of them failed or not what is required" } }
             ". ΔE is the mean colour difference between pictures of a ball, pack against source (CIE L*a*b*; about \
              1 is just visible), ε_r the mean relative error of values."
+            @if page.materials.iter().any(is_of_a_range) {
+                " Of packs that are for some directions alone, errors are of these; * marks them."
+            }
             @if !page.skipped.is_empty() { " Not used by the scene: " (page.skipped.join(", ")) "." }
         }
         (regressions(page))
@@ -51,6 +55,11 @@ fn regressions(page: &Page) -> Markup {
     }
 }
 
+/// Whether a pack is for some directions alone.
+fn is_of_a_range(material: &PageMaterial) -> bool {
+    material.entry.report.as_ref().is_some_and(|report| !report.directions.is_all())
+}
+
 /// A head by which a table is sorted.
 fn head(name: &str) -> Markup {
     html! { th data-sorts="" { (name) } }
@@ -71,7 +80,8 @@ fn table(page: &Page) -> Markup {
                         td { (report.codec.name()) } td { (report.codec.size()) } td { (report.fetches) }
                         td data-value=(report.bytes_on_disk) { (bytes(report.bytes_on_disk)) }
                         td data-value=(report.bytes_on_gpu) { (bytes(report.bytes_on_gpu)) }
-                        td { (format!("{:.2}", picture.mean)) } td { (format!("{:.2}", picture.p95)) }
+                        td { (format!("{:.2}", picture.mean)) @if !report.directions.is_all() { "*" } }
+                        td { (format!("{:.2}", picture.p95)) }
                         (share(report.off_grid.norms.relative_mean))
                         td { (format!("{:.3}", report.off_grid.albedo_max_difference)) }
                     } @else {
@@ -98,7 +108,10 @@ fn sheet(page: &Page) -> Markup {
                     a href={ "#" (material.entry.material) } { (image(&thumbnails.pack, &material.entry.material)) }
                     @if let Some((difference, mean)) = &thumbnails.difference {
                         (image(difference, &format!("ΔE of {}", material.entry.material)))
-                        figcaption { (breakable(&material.entry.material)) br; "ΔE " (format!("{mean:.2}")) }
+                        figcaption {
+                            (breakable(&material.entry.material)) br; "ΔE " (format!("{mean:.2}"))
+                            (left_out_in_words(thumbnails.left_out))
+                        }
                     } @else {
                         figcaption { (breakable(&material.entry.material)) }
                     }
@@ -128,7 +141,10 @@ fn section(material: &PageMaterial) -> Markup {
                     @if let Some(missed) = &report.missed { ". " span.bad { (missed) } }
                 }
                 @if !report.directions.is_all() {
-                    p.soft { "For " (report.directions) " alone: errors are of these, and pictures leave the rest out." }
+                    p.soft {
+                        "For " (report.directions) " alone: errors are of these, ΔE in the table of pixels that are spread over \
+                         them instead of a ball, and pictures leave the rest out."
+                    }
                 }
                 @for gate in &entry.gates {
                     p class=(if gate.passed { "good" } else { "bad" }) {
@@ -151,13 +167,13 @@ fn pictures(material: &PageMaterial) -> Markup {
     let name = &material.entry.material;
     html! {
         @if let Some(reason) = &material.without_source { p.soft { "Not compared with its source: " (reason) } }
-        div.row { @for Thumbnails { scene, turned, source, pack, difference } in &evidence.thumbnails {
+        div.row { @for Thumbnails { scene, turned, source, pack, difference, left_out } in &evidence.thumbnails {
             @let how = if *turned { ", turned by 90°" } else { "" };
             div.triple {
                 @if let Some(source) = source {
                     figure { (image(source, &format!("{scene} of {name}, source{how}"))) figcaption { "source" (how) } }
                 }
-                figure { (image(pack, &format!("{scene} of {name}, pack{how}"))) figcaption { "pack" } }
+                figure { (image(pack, &format!("{scene} of {name}, pack{how}"))) figcaption { "pack" (left_out_in_words(*left_out)) } }
                 @if let Some((difference, mean)) = difference {
                     figure {
                         (image(difference, &format!("{scene} of {name}, difference{how}")))

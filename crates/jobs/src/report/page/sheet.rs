@@ -3,6 +3,7 @@
 use super::gather::{Page, PageMaterial};
 use brdfc_render::contact_sheet::{Cell, contact_sheet};
 use brdfc_render::picture::Panel;
+use brdfc_render::within::left_out_in_words;
 use brdfc_source::words::bytes;
 
 /// A contact sheet of all materials, ball and cloth, with bytes and the mean ΔE of the page's table.
@@ -12,16 +13,18 @@ pub fn sheet(page: &Page) -> Panel {
 }
 
 fn cell(PageMaterial { entry, evidence, .. }: &PageMaterial) -> Cell {
+    let thumbnails = || evidence.iter().flat_map(|evidence| &evidence.thumbnails).filter(|drawn| !drawn.turned);
+    let left_out = thumbnails().map(|drawn| drawn.left_out).sum::<f64>() / thumbnails().count().max(1) as f64;
     let details = match &entry.report {
         Some(report) => {
             let size = bytes(report.bytes_on_gpu);
             let limits = if entry.passed() { "" } else { ": not what is required" };
-            format!("{size}  mean ΔE {:.2}{limits}", report.off_grid.picture.delta_e.mean)
+            let left_out = left_out_in_words(left_out);
+            format!("{size}  mean ΔE {:.2}{left_out}{limits}", report.off_grid.picture.delta_e.mean)
         }
         None => "failed: no pack".to_owned(),
     };
-    let thumbnails = evidence.iter().flat_map(|evidence| &evidence.thumbnails).filter(|drawn| !drawn.turned);
-    let rows = thumbnails.map(|drawn| {
+    let rows = thumbnails().map(|drawn| {
         let difference = drawn.difference.as_ref().map(|(panel, _)| panel.clone());
         [drawn.source.clone(), Some(drawn.pack.clone()), difference]
     });

@@ -1,0 +1,194 @@
+//! The search within a range of directions: it looks at the pack of all directions, too, which may do.
+
+use super::auto::{Within, excess, search, smallest_tried};
+use super::error::PackError;
+use super::pack::{CodecReport, EncodedPack, TableReport, of_table};
+use super::recipe::AutoRecipe;
+use super::tables::TableShelf;
+use brdfc_formats::BrdfPack;
+use brdfc_formats::crop::{Crop, DirectionRange};
+use brdfc_metrics::compare::Reference;
+use brdfc_metrics::sampling::PairSet;
+use brdfc_source::progress::{Progress, Stage};
+use brdfc_source::{Source, TableSource};
+use brdfc_table::crop::window;
+use brdfc_table::encode::{Encoded, measured};
+
+/// The smallest pack that meets a budget within the range of the recipe's directions.
+///
+/// Tables are fitted to the range and measured in it, so that a limit may be harder to meet than over all directions: a
+/// highlight may be all that is left. Unless what meets it is as small as tables come, the search is done without the range as
+/// well, up to as many nodes as were found. What that makes, cropped, is kept where it meets the limit within the range and
+/// is smaller. So above the smallest tables a range costs no bytes where that of all directions would do.
+///
+/// # Errors
+/// As [`search`].
+pub(super) fn search_within(
+    source: &dyn Source,
+    recipe: &AutoRecipe,
+    shelf: &dyn TableShelf,
+    progress: &dyn Progress,
+) -> Result<EncodedPack, PackError> {
+    let directions = recipe.table.directions;
+    let made = search(source, recipe, shelf, progress)?;
+    if directions.is_all() || !source.directions().is_all() || !recipe.budget.limits_error() {
+        return Ok(made);
+    }
+    if made.missed.is_none() && uncropped(&made) <= smallest_tried(source, recipe) {
+        return Ok(made);
+    }
+    match of_all_directions(source, recipe, &made, progress)? {
+        Some(whole) => Ok(smaller(source, recipe, made, &whole)),
+        None => Ok(made),
+    }
+}
+
+/// What was made within a range, or what was made of all directions, cropped, where that meets the limits there and is smaller.
+fn smaller(source: &dyn Source, recipe: &AutoRecipe, mut made: EncodedPack, whole: &EncodedPack) -> EncodedPack {
+    let directions = recipe.table.directions;
+    made.of_all_directions = Some(whole.pack.gpu_bytes());
+    let (BrdfPack::Table(pack), CodecReport::Table(TableReport { asymmetry, .. })) = (&whole.pack, &whole.codec) else {
+        return made;
+    };
+    let crop = Crop { directions, window: window(pack.header(), directions) };
+    let mut pack = pack.cropped(crop).expect("a window is within the table that it was found for");
+    if made.missed.is_none() && pack.gpu_bytes() >= made.pack.gpu_bytes() {
+        return made;
+    }
+    let off_grid = Reference::new(source, PairSet::within(directions)).compare(&TableSource::new(&pack));
+    measured(&mut pack, &off_grid);
+    let over = excess(&recipe.budget, &off_grid);
+    let bytes = pack.to_bytes(recipe.table.supercompress);
+    let cropped = of_table(Encoded { pack, bytes, asymmetry: *asymmetry, off_grid, tally: whole.tally });
+    made.tried.push(cropped.trial(over <= 1.0));
+    if over > 1.0 {
+        return made;
+    }
+    let EncodedPack { of_all_directions, averaging, tried, .. } = made;
+    EncodedPack { of_all_directions, averaging, tried, ..cropped }
+}
+
+/// What the same limits ask for over all directions, among tables that would be no larger than what was made, were it not
+/// cropped; none where no such table meets them.
+fn of_all_directions(
+    source: &dyn Source,
+    recipe: &AutoRecipe,
+    made: &EncodedPack,
+    progress: &dyn Progress,
+) -> Result<Option<EncodedPack>, PackError> {
+    let mut recipe = AutoRecipe { wavelet: None, ..recipe.clone() };
+    recipe.table.directions = DirectionRange::ALL;
+    if made.missed.is_none() {
+        // A step of the search, so that what is tried is what would be tried without a range.
+        let most = uncropped(made).next_power_of_two();
+        recipe.budget.bytes = Some(recipe.budget.bytes.map_or(most, |bytes| bytes.min(most)));
+    }
+    progress.stage(Stage::Try, 1)?;
+    match search(source, &recipe, &(), &Within(progress)) {
+        Ok(whole) => Ok(Some(whole).filter(|whole| whole.missed.is_none())),
+        // Limits may have no meaning over all directions; the range has its pack all the same.
+        Err(PackError::Cancelled(cancelled)) => Err(PackError::Cancelled(cancelled)),
+        Err(_) => Ok(None),
+    }
+}
+
+/// Bytes on a GPU with what was cropped.
+fn uncropped(made: &EncodedPack) -> u64 {
+    made.pack.gpu_bytes() + made.cropped_bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::encode::recipe::Budget;
+    use crate::report::material::{MaterialReport, remarks};
+    use brdfc_formats::crop::Elevations;
+    use brdfc_source::address::parse_synth;
+    use brdfc_source::open::open;
+
+    fn recipe(directions: DirectionRange, delta_e: f64) -> AutoRecipe {
+        let budget = Budget { delta_e: Some(delta_e), ..Budget::default() };
+        let mut recipe = AutoRecipe { budget, wavelet: None, ..AutoRecipe::default() };
+        recipe.table.directions = directions;
+        recipe
+    }
+
+    fn range(light: [f32; 2], view: [f32; 2]) -> DirectionRange {
+        let [light, view] = [light, view].map(|[from, to]| Elevations { from, to });
+        DirectionRange { light, view }
+    }
+
+    const RANGES: [([f32; 2], [f32; 2]); 5] = [
+        ([85.0, 90.0], [0.0, 90.0]),
+        ([0.0, 10.0], [0.0, 90.0]),
+        ([0.0, 90.0], [0.0, 20.0]),
+        ([60.0, 90.0], [60.0, 90.0]),
+        ([20.0, 90.0], [35.0, 90.0]),
+    ];
+
+    /// The pack of all directions, cropped, and how far over the budget it is within the range.
+    fn whole_within(source: &dyn Source, recipe: &AutoRecipe) -> (u64, f64) {
+        let directions = recipe.table.directions;
+        let mut everywhere = recipe.clone();
+        everywhere.table.directions = DirectionRange::ALL;
+        let whole = search(source, &everywhere, &(), &()).expect("a pack").pack;
+        let BrdfPack::Table(pack) = whole else { panic!("only tables are tried") };
+        let window = window(pack.header(), directions);
+        let pack = pack.cropped(Crop { directions, window }).expect("within the table");
+        let error = Reference::new(source, PairSet::within(directions)).compare(&TableSource::new(&pack));
+        (pack.gpu_bytes(), excess(&recipe.budget, &error))
+    }
+
+    #[test]
+    fn a_range_costs_no_bytes_where_the_pack_of_all_directions_would_do() {
+        let mut did = 0;
+        for address in ["synth:ggx?kd=0.3,0.2,0.1&f0=0.04&alpha=0.15", "synth:ggx?kd=0.1,0.2,0.3&f0=0.04&alpha=0.4"] {
+            let source = parse_synth(address).expect("an address");
+            for (light, view) in RANGES {
+                let recipe = recipe(range(light, view), 0.5);
+                let made = search_within(source.as_ref(), &recipe, &(), &()).expect("a pack");
+                let (bytes, over) = whole_within(source.as_ref(), &recipe);
+                // The smallest that are tried differ by what is left of 1 KiB.
+                let bytes = bytes.max(smallest_tried(source.as_ref(), &recipe));
+                assert!(over > 1.0 || made.pack.gpu_bytes() <= bytes, "{address} {light:?} {view:?}: {:?}", made.tried);
+                did += usize::from(over <= 1.0);
+                assert!(made.missed.is_some() || excess(&recipe.budget, &made.off_grid) <= 1.0);
+            }
+        }
+        assert!(did >= 2, "{did}");
+    }
+
+    /// A pack that is larger than it needs to be gives way to that of all directions, but only where that meets the limits.
+    #[test]
+    fn the_pack_of_all_directions_is_taken_where_it_does() {
+        let source = parse_synth("synth:ggx?kd=0.3,0.2,0.1&f0=0.04&alpha=0.3").expect("an address");
+        let directions = range([20.0, 90.0], [35.0, 90.0]);
+        let large = || search(source.as_ref(), &recipe(directions, 0.05), &(), &()).expect("a pack");
+        let whole = search(source.as_ref(), &recipe(DirectionRange::ALL, 0.5), &(), &()).expect("a pack");
+        let of_limit = |delta_e: f64| smaller(source.as_ref(), &recipe(directions, delta_e), large(), &whole);
+        let (taken, kept, before) = (of_limit(2.0), of_limit(0.05), large());
+        assert!(taken.pack.gpu_bytes() < before.pack.gpu_bytes() && taken.pack.directions() == directions);
+        assert!(taken.off_grid.picture.delta_e.mean <= 2.0 && taken.tried.len() == before.tried.len() + 1);
+        let [bytes, _] = [&taken, &kept].map(|made| made.of_all_directions);
+        assert_eq!(bytes, Some(whole.pack.gpu_bytes()));
+        assert!(kept.bytes == before.bytes && kept.tried.last().is_some_and(|trial| !trial.meets));
+    }
+
+    /// A scan whose highlight is nearly all that is left took 126.7 KiB within the range, and 1.9 KiB over all directions.
+    #[test]
+    fn a_harder_range_is_told() {
+        let Some(path) = brdfc_testing::shared_data("rgl/vch_golden_yellow_rgb.bsdf") else { return };
+        let opened = open(&path, None).expect("a source");
+        let source = opened.source.as_ref();
+        let told = |directions: DirectionRange| {
+            let made = search_within(source, &recipe(directions, 0.5), &(), &()).expect("a pack");
+            let words = remarks(&MaterialReport::new(&made, &opened.facts));
+            (made.pack.gpu_bytes(), words.iter().any(|line| line.contains("harder than over all")))
+        };
+        let (bytes, harder) = told(range([85.0, 90.0], [0.0, 90.0]));
+        assert!(bytes < 40 << 10 && harder, "{bytes}");
+        let (bytes, harder) = told(range([20.0, 90.0], [35.0, 90.0]));
+        assert!(bytes <= 1 << 10 && !harder, "{bytes}");
+        assert!(!told(DirectionRange::ALL).1);
+    }
+}
