@@ -3,11 +3,15 @@
 use brdfc_formats::direction::{DirectionPair, Vector};
 use brdfc_formats::table::Angles;
 use brdfc_metrics::sampling::points;
-use brdfc_metrics::values::values_at;
+use brdfc_metrics::values::{values_at, values_of_list};
+use brdfc_source::pair_list::PairList;
 use brdfc_source::{Source, Tally};
 use rayon::prelude::*;
 use std::f32::consts::{FRAC_PI_2, TAU};
+use std::sync::{Arc, OnceLock};
 
+/// Fewest samples that a table is fitted to.
+pub const FEWEST_SAMPLES: usize = 1 << 15;
 /// Where the sequence of points begins: the pairs that errors are measured at come before.
 const FIRST: u32 = 1 << 20;
 /// Of three samples, so many are as on a ball under light from anywhere.
@@ -39,12 +43,8 @@ impl Samples {
     ///
     /// Negative values, any that are no number, and those beyond 1e30 are raised or lowered, and counted.
     pub fn draw(source: &dyn Source, count: usize, reciprocal: bool) -> Self {
-        let on_balls = (0..count).filter(|k| Self::is_on_ball(*k)).count();
-        let mut ball = placed(on_balls, on_ball).into_iter();
-        let mut angles = placed(count - on_balls, over_angles).into_iter();
-        let pairs: Vec<DirectionPair> =
-            (0..count).filter_map(|k| if Self::is_on_ball(k) { ball.next() } else { angles.next() }).collect();
-        let (values, mut tally) = values_at(source, &pairs);
+        let pairs = Self::pairs(count);
+        let (values, mut tally) = values_of_list(source, &pairs);
         let mut values = mended(values, &mut tally);
         if reciprocal {
             let exchanged: Vec<DirectionPair> = pairs.iter().map(|pair| pair.exchanged()).collect();
@@ -55,9 +55,20 @@ impl Samples {
             }
         }
         let values = values.into_iter().map(|value| value.map(|v| v as f32)).collect();
-        let angles = pairs.par_iter().with_min_len(BLOCK).map(|pair| Angles::of(*pair)).collect();
+        let blocks: Vec<&[Angles]> = (0..pairs.block_count()).into_par_iter().map(|k| pairs.block(k).of_tables()).collect();
+        let angles = blocks.concat();
         let cosines = pairs.iter().map(|pair| pair.incoming[2] as f32).collect();
         Self { angles, cosines, values, tally }
+    }
+
+    fn pairs(count: usize) -> Arc<PairList> {
+        // What most tables are fitted to is kept for the next source.
+        static FEWEST: OnceLock<Arc<PairList>> = OnceLock::new();
+        if count == FEWEST_SAMPLES {
+            PairList::kept(&FEWEST, || drawn(count))
+        } else {
+            Arc::new(PairList::new(drawn(count)))
+        }
     }
 
     /// How many there are.
@@ -74,6 +85,13 @@ impl Samples {
     pub fn is_on_ball(index: usize) -> bool {
         index % 3 < ON_BALL
     }
+}
+
+fn drawn(count: usize) -> Vec<DirectionPair> {
+    let on_balls = (0..count).filter(|k| Samples::is_on_ball(*k)).count();
+    let mut ball = placed(on_balls, on_ball).into_iter();
+    let mut angles = placed(count - on_balls, over_angles).into_iter();
+    (0..count).filter_map(|k| if Samples::is_on_ball(k) { ball.next() } else { angles.next() }).collect()
 }
 
 /// The first pairs of the sequence of points that are above the horizon by more than [`LEAST_COSINE`].
