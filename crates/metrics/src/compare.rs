@@ -78,8 +78,7 @@ impl Reference {
             .into_par_iter()
             .filter(|all| light.contain(all.incoming))
             .map(|all| {
-                let at =
-                    if set.directions.is_all() { Cow::Borrowed(all) } else { Cow::Owned(all.within(view)) };
+                let at = if set.directions.is_all() { Cow::Borrowed(all) } else { Cow::Owned(all.within(view)) };
                 AlbedoReference { value: albedo(source, &at), at }
             })
             .collect();
@@ -108,17 +107,16 @@ impl Reference {
     pub fn compare(&self, approximation: &dyn Source) -> Comparison {
         let (pairs, mean) = (&self.set.pairs, self.mean);
         let channels = if self.grey && approximation.is_grey() { 1 } else { 3 };
+        let (found, _) = values_of_list(approximation, pairs);
         let parts: Vec<(NormSums, Reciprocity)> = pairs
             .par_chunks(CHUNK)
             .enumerate()
-            .map_init(Vec::new, |found, (chunk_number, chunk)| {
+            .map(|(chunk_number, chunk)| {
                 let mut sums = NormSums::new(mean);
                 let mut reciprocity = Reciprocity::default();
                 let mut other = Tally::default();
-                found.resize(chunk.len(), [0.0; 3]);
-                approximation.eval_block(pairs.block(chunk_number), &mut other, found);
                 for (k, pair) in chunk.iter().enumerate() {
-                    let (f, g) = (self.values[chunk_number * CHUNK + k], found[k]);
+                    let (f, g) = (self.values[chunk_number * CHUNK + k], found[chunk_number * CHUNK + k]);
                     for channel in 0..channels {
                         sums.add(f[channel].max(0.0), g[channel], pair.incoming[2].max(0.0));
                     }
@@ -167,13 +165,8 @@ pub fn compare(reference: &dyn Source, approximation: &dyn Source, set: &PairSet
 
 /// `∫ f cos θo dωo` at an incoming direction.
 fn albedo(source: &dyn Source, at: &AlbedoPairs) -> [f64; 3] {
-    let mut tally = Tally::default();
     let mut sum = [0.0; 3];
-    let mut values = vec![[0.0; 3]; at.pairs.len()];
-    for (number, values) in values.chunks_mut(CHUNK).enumerate() {
-        source.eval_block(at.pairs.block(number), &mut tally, values);
-    }
-    for (f, counted) in values.iter().zip(&at.counted) {
+    for (f, counted) in values_of_list(source, &at.pairs).0.iter().zip(&at.counted) {
         (0..3).for_each(|channel| sum[channel] += f[channel].max(0.0) * counted);
     }
     sum

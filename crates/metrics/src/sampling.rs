@@ -183,8 +183,10 @@ pub struct AlbedoPairs {
 impl AlbedoPairs {
     fn new([theta, phi]: [f64; 2]) -> Self {
         let incoming = from_polar(theta.to_radians(), phi.to_radians());
-        let (pairs, counted) =
-            albedo_samples(incoming).into_iter().map(|(out, counted)| (DirectionPair::new(incoming, out), counted)).unzip();
+        let (pairs, counted) = albedo_samples(incoming)
+            .into_iter()
+            .map(|(out, counted)| (DirectionPair::new(incoming, out), counted))
+            .unzip();
         Self { angles: [theta, phi], incoming, pairs: PairList::new(pairs), counted }
     }
 

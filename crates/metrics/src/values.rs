@@ -19,7 +19,10 @@ pub fn values_at(source: &dyn Source, pairs: &[DirectionPair]) -> (Vec<[f64; 3]>
 
 /// The same of a list that other sources are evaluated at, too.
 pub fn values_of_list(source: &dyn Source, list: &PairList) -> (Vec<[f64; 3]>, Tally) {
-    each_chunk(list.len(), |number, values, tally| source.eval_block(list.block(number), tally, values))
+    let fill =
+        |number, values: &mut [[f64; 3]], tally: &mut Tally| source.eval_block(list.block(number), tally, values);
+    let (values, tally) = each_chunk(list.len(), fill);
+    (list.in_order(values), tally)
 }
 
 fn each_chunk(count: usize, fill: impl Fn(usize, &mut [[f64; 3]], &mut Tally) + Sync) -> (Vec<[f64; 3]>, Tally) {

@@ -55,8 +55,9 @@ impl Samples {
             }
         }
         let values = values.into_iter().map(|value| value.map(|v| v as f32)).collect();
-        let blocks: Vec<&[Angles]> = (0..pairs.block_count()).into_par_iter().map(|k| pairs.block(k).of_tables()).collect();
-        let angles = blocks.concat();
+        let blocks: Vec<&[Angles]> =
+            (0..pairs.block_count()).into_par_iter().map(|k| pairs.block(k).of_tables()).collect();
+        let angles = pairs.in_order(blocks.concat());
         let cosines = pairs.iter().map(|pair| pair.incoming[2] as f32).collect();
         Self { angles, cosines, values, tally }
     }
