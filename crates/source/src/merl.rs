@@ -197,6 +197,7 @@ mod tests {
     use crate::half_difference::half_difference_angles;
     use brdfc_formats::direction::{from_polar, rotate_from_normal};
     use brdfc_formats::measured::merl::{Dimensions, write};
+    use std::f64::consts::FRAC_PI_2;
 
     /// A pair with these half and difference angles; half vector in the tangent's azimuth.
     fn pair_at([theta_h, theta_d, phi_d]: [f64; 3]) -> DirectionPair {
