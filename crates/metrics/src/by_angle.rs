@@ -1,7 +1,7 @@
 //! Where a pack errs: by the angle of incoming light, and at which pairs the most.
 
 use super::sampling::PairSet;
-use super::values::values_at;
+use super::values::values_of_list;
 use brdfc_formats::direction::DirectionPair;
 use brdfc_source::Source;
 use serde::{Deserialize, Serialize};
@@ -53,8 +53,8 @@ const WORST: usize = 5;
 
 /// Compares at the pairs of a set. Negative values of the reference count as 0.
 pub fn by_angle(reference: &dyn Source, approximation: &dyn Source, set: &PairSet) -> ByAngle {
-    let (expected, _) = values_at(reference, &set.pairs);
-    let (found, _) = values_at(approximation, &set.pairs);
+    let (expected, _) = values_of_list(reference, &set.pairs);
+    let (found, _) = values_of_list(approximation, &set.pairs);
     let all = || expected.iter().flatten().map(|f| f.max(0.0));
     let mean = all().sum::<f64>() / all().count().max(1) as f64;
     let mut sums = [(0u64, 0.0); BINS];

@@ -2,13 +2,13 @@
 
 use super::norms::{NormSums, Norms};
 use super::picture::{PictureError, ReferencePicture};
-use super::sampling::{PairSet, albedo_directions, albedo_samples};
-use super::values::{CHUNK, values_at};
+use super::sampling::{AlbedoPairs, PairSet};
+use super::values::{CHUNK, values_of_list};
 use brdfc_formats::ErrorSummary;
 use brdfc_formats::crop::DirectionRange;
-use brdfc_formats::direction::{DirectionPair, Vector};
 use brdfc_source::{Source, Tally};
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// Direction pairs, of those given, that reciprocity is measured at.
 const RECIPROCITY_PAIRS: usize = 2048;
@@ -52,10 +52,7 @@ pub struct AlbedoPoint {
 
 /// Where an albedo is found, and what the source has there.
 struct AlbedoReference {
-    angles: [f64; 2],
-    incoming: Vector,
-    /// Outgoing directions and what each counts.
-    samples: Vec<(Vector, f64)>,
+    at: Cow<'static, AlbedoPairs>,
     value: [f64; 3],
 }
 
@@ -73,17 +70,16 @@ pub struct Reference {
 impl Reference {
     /// Evaluates a source.
     pub fn new(source: &dyn Source, set: PairSet) -> Self {
-        let (values, mut tally) = values_at(source, &set.pairs);
+        let (values, mut tally) = values_of_list(source, &set.pairs);
         let (picture, counts) = ReferencePicture::new(source, set.directions);
         tally += counts;
         let DirectionRange { light, view } = set.directions;
-        let albedo = albedo_directions(source.symmetry().isotropic)
+        let albedo = AlbedoPairs::of_curves(source.symmetry().isotropic)
             .into_par_iter()
-            .filter(|(_, incoming)| light.contain(*incoming))
-            .map(|(angles, incoming)| {
-                let mut samples = albedo_samples(incoming);
-                samples.retain(|(outgoing, _)| view.contain(*outgoing));
-                AlbedoReference { angles, incoming, value: albedo(source, incoming, &samples), samples }
+            .filter(|all| light.contain(all.incoming))
+            .map(|all| {
+                let at = if set.directions.is_all() { Cow::Borrowed(all) } else { Cow::Owned(all.within(view)) };
+                AlbedoReference { value: albedo(source, &at), at }
             })
             .collect();
         Self { grey: source.is_grey(), mean: mean_value(&values[..set.of_mean]), set, values, picture, albedo, tally }
@@ -111,6 +107,7 @@ impl Reference {
     pub fn compare(&self, approximation: &dyn Source) -> Comparison {
         let (pairs, mean) = (&self.set.pairs, self.mean);
         let channels = if self.grey && approximation.is_grey() { 1 } else { 3 };
+        let (found, _) = values_of_list(approximation, pairs);
         let parts: Vec<(NormSums, Reciprocity)> = pairs
             .par_chunks(CHUNK)
             .enumerate()
@@ -119,8 +116,7 @@ impl Reference {
                 let mut reciprocity = Reciprocity::default();
                 let mut other = Tally::default();
                 for (k, pair) in chunk.iter().enumerate() {
-                    let f = self.values[chunk_number * CHUNK + k];
-                    let g = approximation.eval(*pair, &mut other);
+                    let (f, g) = (self.values[chunk_number * CHUNK + k], found[chunk_number * CHUNK + k]);
                     for channel in 0..channels {
                         sums.add(f[channel].max(0.0), g[channel], pair.incoming[2].max(0.0));
                     }
@@ -144,9 +140,9 @@ impl Reference {
         let albedo: Vec<AlbedoPoint> = self
             .albedo
             .par_iter()
-            .map(|AlbedoReference { angles: [theta, phi], incoming, samples, value }| {
-                let approximation = albedo(approximation, *incoming, samples);
-                AlbedoPoint { theta: *theta, phi: *phi, reference: *value, approximation }
+            .map(|AlbedoReference { at, value }| {
+                let [theta, phi] = at.angles;
+                AlbedoPoint { theta, phi, reference: *value, approximation: albedo(approximation, at) }
             })
             .collect();
         let albedo_max_difference = albedo
@@ -168,11 +164,9 @@ pub fn compare(reference: &dyn Source, approximation: &dyn Source, set: &PairSet
 }
 
 /// `∫ f cos θo dωo` at an incoming direction.
-fn albedo(source: &dyn Source, incoming: Vector, samples: &[(Vector, f64)]) -> [f64; 3] {
-    let mut tally = Tally::default();
+fn albedo(source: &dyn Source, at: &AlbedoPairs) -> [f64; 3] {
     let mut sum = [0.0; 3];
-    for (outgoing, counted) in samples {
-        let f = source.eval(DirectionPair::new(incoming, *outgoing), &mut tally);
+    for (f, counted) in values_of_list(source, &at.pairs).0.iter().zip(&at.counted) {
         (0..3).for_each(|channel| sum[channel] += f[channel].max(0.0) * counted);
     }
     sum

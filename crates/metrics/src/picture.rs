@@ -2,17 +2,17 @@
 
 use super::image::{Spread, colour_difference, shown_colour, spread};
 use super::sampling::{from_polar_cosine, points};
-use super::values::values_at;
+use super::values::values_of_list;
 use brdfc_formats::PictureSummary;
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::{DirectionPair, Vector, cross, dot};
+use brdfc_source::pair_list::PairList;
 use brdfc_source::{Source, Tally};
 use palette::Lab;
 use palette::white_point::D65;
 use rayon::prelude::*;
-use std::borrow::Cow;
 use std::f64::consts::TAU;
-use std::sync::LazyLock;
+use std::sync::{Arc, OnceLock};
 
 /// Pixels across the ball.
 const DIAMETER: usize = 160;
@@ -46,10 +46,9 @@ impl PictureError {
 }
 
 /// The direction pairs of the pixels of all three pictures. The tangent points along the ball's latitude.
-pub fn picture_pairs() -> &'static [DirectionPair] {
-    // On one thread, as in `PairSet::comparison`.
-    static PAIRS: LazyLock<Vec<DirectionPair>> = LazyLock::new(|| LIGHTS.into_iter().flat_map(lit_by).collect());
-    &PAIRS
+pub fn picture_pairs() -> Arc<PairList> {
+    static PAIRS: OnceLock<Arc<PairList>> = OnceLock::new();
+    PairList::kept(&PAIRS, || LIGHTS.into_par_iter().flat_map_iter(lit_by).collect())
 }
 
 /// Direction pairs of pixels that show a range of directions: viewers as a ball from afar has them, which is by projected
@@ -92,7 +91,7 @@ fn lit_by(light: Vector) -> Vec<DirectionPair> {
 
 /// Pictures of a source, for others to be compared with.
 pub struct ReferencePicture {
-    pairs: Cow<'static, [DirectionPair]>,
+    pairs: Arc<PairList>,
     pixels: Vec<[f32; 3]>,
     colours: Vec<Lab<D65, f64>>,
     exposure: f64,
@@ -103,7 +102,7 @@ impl ReferencePicture {
     /// may be left, but of as many pixels that are spread over it: viewers by projected area, lights by solid angle.
     pub fn new(source: &dyn Source, directions: DirectionRange) -> (Self, Tally) {
         let pairs =
-            if directions.is_all() { Cow::Borrowed(picture_pairs()) } else { Cow::Owned(pairs_within(directions)) };
+            if directions.is_all() { picture_pairs() } else { Arc::new(PairList::new(pairs_within(directions))) };
         let (pixels, tally) = pixels(source, &pairs);
         let exposure = exposure(&pixels);
         let colours = pixels.par_iter().map(|pixel| shown_colour(*pixel, exposure)).collect();
@@ -146,10 +145,10 @@ pub fn picture_error(reference: &dyn Source, approximation: &dyn Source) -> (Pic
 }
 
 /// Radiance of all pixels under lights of 1.
-fn pixels(source: &dyn Source, pairs: &[DirectionPair]) -> (Vec<[f32; 3]>, Tally) {
-    let (values, tally) = values_at(source, pairs);
+fn pixels(source: &dyn Source, pairs: &PairList) -> (Vec<[f32; 3]>, Tally) {
+    let (values, tally) = values_of_list(source, pairs);
     let shown = |(f, pair): (&[f64; 3], &DirectionPair)| f.map(|f| (f.max(0.0) * pair.incoming[2]) as f32);
-    (values.iter().zip(pairs).map(shown).collect(), tally)
+    (values.iter().zip(pairs.iter()).map(shown).collect(), tally)
 }
 
 fn exposure(pixels: &[[f32; 3]]) -> f64 {

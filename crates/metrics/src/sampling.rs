@@ -1,12 +1,13 @@
 //! Fixed sets of directions to compare at: the same on every run and machine.
 
-use brdfc_formats::crop::DirectionRange;
+use brdfc_formats::crop::{DirectionRange, Elevations};
 use brdfc_formats::direction::{DirectionPair, Vector, dot, from_polar, half_vector};
+use brdfc_source::pair_list::PairList;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use std::borrow::Cow;
+use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
-use std::sync::LazyLock;
+use std::sync::{Arc, OnceLock};
 
 /// Pairs of [`PairSet::comparison`] with both directions uniform over the hemisphere's solid angle.
 pub const UNIFORM_PAIRS: usize = 1 << 15;
@@ -19,7 +20,7 @@ pub const GRAZING_PAIRS: usize = 1 << 14;
 #[derive(Debug, Clone, PartialEq)]
 pub struct PairSet {
     /// The pairs.
-    pub pairs: Cow<'static, [DirectionPair]>,
+    pub pairs: Arc<PairList>,
     /// How many of them, from the first on, are what the mean is of.
     pub of_mean: usize,
     /// Where pictures and albedos are compared.
@@ -29,17 +30,16 @@ pub struct PairSet {
 impl PairSet {
     /// Any pairs; the mean is of all.
     pub fn new(pairs: Vec<DirectionPair>) -> Self {
-        Self { of_mean: pairs.len(), pairs: Cow::Owned(pairs), directions: DirectionRange::ALL }
+        Self { of_mean: pairs.len(), pairs: Arc::new(PairList::new(pairs)), directions: DirectionRange::ALL }
     }
 
     /// The direction pairs at which sources are compared off any grid: 65,536, the same on every run, spread evenly in three
     /// strata. They depend on no codec, so that errors at them compare between any two packs. The mean is of the uniform
     /// ones: where light is mirrored at grazing angles few pairs would outweigh all others.
     pub fn comparison() -> Self {
-        // On one thread: one that waited for another's part could begin other work of the pool, which wants these pairs, too,
-        // and would wait for itself.
-        static PAIRS: LazyLock<Vec<DirectionPair>> = LazyLock::new(comparison_pairs);
-        Self { pairs: Cow::Borrowed(&PAIRS), of_mean: UNIFORM_PAIRS, directions: DirectionRange::ALL }
+        static PAIRS: OnceLock<Arc<PairList>> = OnceLock::new();
+        let pairs = PairList::kept(&PAIRS, comparison_pairs);
+        Self { pairs, of_mean: UNIFORM_PAIRS, directions: DirectionRange::ALL }
     }
 
     /// Those of a pack that is for a range of directions: as many uniform ones, all within it; of the other strata, those
@@ -57,7 +57,8 @@ impl PairSet {
             DirectionPair::new(between(light_low, light_high, a, b), between(view_low, view_high, c, d))
         });
         let others = all.pairs[UNIFORM_PAIRS..].iter().copied().filter(|pair| directions.contains(*pair));
-        Self { pairs: uniform.chain(others).collect(), of_mean: UNIFORM_PAIRS, directions }
+        let pairs = Arc::new(PairList::new(uniform.chain(others).collect()));
+        Self { pairs, of_mean: UNIFORM_PAIRS, directions }
     }
 }
 
@@ -78,7 +79,10 @@ fn comparison_pairs() -> Vec<DirectionPair> {
     };
     let seen = points(1).map(mirrored).filter(|pair| pair.outgoing[2] > steepest).take(MIRROR_PAIRS);
     let grazing = points(1).take(GRAZING_PAIRS).enumerate().map(grazing);
-    points(1).map(uniform).take(UNIFORM_PAIRS).chain(seen).chain(grazing).collect()
+    let (mut pairs, others): (Vec<DirectionPair>, Vec<DirectionPair>) =
+        rayon::join(|| points(1).map(uniform).take(UNIFORM_PAIRS).collect(), || seen.chain(grazing).collect());
+    pairs.extend(others);
+    pairs
 }
 
 /// Points of the unit cube of four dimensions that fill it evenly: multiples of the powers of `1/g`, where `g` is the root
@@ -160,24 +164,52 @@ pub fn albedo_samples(incoming: Vector) -> Vec<(Vector, f64)> {
     samples
 }
 
-/// Incoming directions for albedo curves: 0 to 85 degrees in steps of 5, at the azimuths 0 and, for anisotropic
-/// materials, 90 degrees.
-pub fn albedo_directions(isotropic: bool) -> Vec<([f64; 2], Vector)> {
-    let azimuths: &[f64] = if isotropic { &[0.0] } else { &[0.0, 90.0] };
-    let mut directions = Vec::new();
-    for phi in azimuths {
-        for step in 0..18 {
-            let theta = 5.0 * f64::from(step);
-            directions.push(([theta, *phi], from_polar(theta.to_radians(), phi.to_radians())));
-        }
+/// Polar angles that albedos are found at, in steps of 5 degrees.
+const ALBEDO_STEPS: usize = 18;
+
+/// Where an albedo is found.
+#[derive(Debug, Clone)]
+pub struct AlbedoPairs {
+    /// Polar angle and azimuth of the incoming direction, degrees.
+    pub angles: [f64; 2],
+    /// The incoming direction.
+    pub incoming: Vector,
+    /// It and each outgoing one of [`albedo_samples`].
+    pub pairs: PairList,
+    /// What each counts.
+    pub counted: Vec<f64>,
+}
+
+impl AlbedoPairs {
+    fn new([theta, phi]: [f64; 2]) -> Self {
+        let incoming = from_polar(theta.to_radians(), phi.to_radians());
+        let (pairs, counted) = albedo_samples(incoming)
+            .into_iter()
+            .map(|(out, counted)| (DirectionPair::new(incoming, out), counted))
+            .unzip();
+        Self { angles: [theta, phi], incoming, pairs: PairList::new(pairs), counted }
     }
-    directions
+
+    /// Those for albedo curves: incoming directions from 0 to 85 degrees in steps of 5, at the azimuths 0 and, for anisotropic
+    /// materials, 90 degrees.
+    pub fn of_curves(isotropic: bool) -> Vec<&'static Self> {
+        static ALL: [OnceLock<AlbedoPairs>; 2 * ALBEDO_STEPS] = [const { OnceLock::new() }; 2 * ALBEDO_STEPS];
+        let count = if isotropic { ALBEDO_STEPS } else { 2 * ALBEDO_STEPS };
+        let angles = |k: usize| [5.0 * (k % ALBEDO_STEPS) as f64, 90.0 * (k / ALBEDO_STEPS) as f64];
+        ALL[..count].par_iter().enumerate().map(|(k, cell)| cell.get_or_init(|| Self::new(angles(k)))).collect()
+    }
+
+    /// Those of them that are within a range of outgoing directions.
+    pub fn within(&self, view: Elevations) -> Self {
+        let inside = self.pairs.iter().zip(&self.counted).filter(|(pair, _)| view.contain(pair.outgoing));
+        let (pairs, counted) = inside.map(|(pair, counted)| (*pair, *counted)).unzip();
+        Self { pairs: PairList::new(pairs), counted, ..*self }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use brdfc_formats::crop::Elevations;
 
     #[test]
     fn pairs_are_above_the_horizon_and_in_their_strata() {

@@ -7,11 +7,13 @@ mod error;
 mod exr_header;
 pub mod flat_btf;
 mod format;
+pub mod half_difference;
 mod input;
 mod merl;
 pub mod meso;
 pub mod open;
 pub mod pack;
+pub mod pair_list;
 pub mod progress;
 pub mod radiance_image;
 pub mod read;
@@ -35,6 +37,7 @@ pub use tally::Tally;
 
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::DirectionPair;
+use pair_list::PairBlock;
 
 /// A reflectance function that can be asked for `f_r` anywhere.
 pub trait Source: Send + Sync {
@@ -43,6 +46,14 @@ pub trait Source: Send + Sync {
     /// Values are what the data says: interpolated measurements may be slightly negative. Zero where either direction
     /// is at or below the horizon (`z <= 0`). What had to be mended on the way is counted in `tally`.
     fn eval(&self, pair: DirectionPair, tally: &mut Tally) -> [f64; 3];
+
+    /// Values at the pairs of a block, which has as many: the same bits as those of [`Self::eval`]. Sources that look up angles
+    /// first take the block's, which are found once for all sources.
+    fn eval_block(&self, block: PairBlock<'_>, tally: &mut Tally, values: &mut [[f64; 3]]) {
+        for (value, pair) in values.iter_mut().zip(block.pairs()) {
+            *value = self.eval(*pair, tally);
+        }
+    }
 
     /// The symmetries that `eval` obeys exactly, up to rounding.
     fn symmetry(&self) -> Symmetry;

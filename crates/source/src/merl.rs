@@ -2,12 +2,13 @@
 
 use super::error::InputError;
 use super::format::{Facts, Format, Opened};
+use super::half_difference::HalfDifference;
 use super::input::InputFile;
+use super::pair_list::PairBlock;
 use super::read::{MAX_FILE_BYTES, check_length};
 use super::{Source, Symmetry, Tally};
-use brdfc_formats::direction::{DirectionPair, dot, half_vector};
+use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::measured::merl::{Merl, MerlError};
-use std::f64::consts::FRAC_PI_2;
 use std::sync::OnceLock;
 
 /// Largest relative difference between a cell and its image that still counts as the rounding of a symmetric file.
@@ -59,69 +60,19 @@ impl MerlSource {
     pub fn table(&self) -> &Merl {
         &self.table
     }
-
-    /// Angles `(theta_h, theta_d, phi_d)` of a pair, radians: half vector's polar angle, and the difference vector in
-    /// the half vector's frame (Rusinkiewicz 1998). `phi_d` is in `[-π, π]`.
-    pub fn half_difference_angles(pair: DirectionPair) -> [f64; 3] {
-        let (i, o) = (pair.incoming, pair.outgoing);
-        let h = half_vector(pair);
-        let sum = [i[0] + o[0], i[1] + o[1], i[2] + o[2]];
-        let difference = [i[0] - o[0], i[1] - o[1], i[2] - o[2]];
-        let theta_h = (h[0] * h[0] + h[1] * h[1]).sqrt().atan2(h[2]);
-        let theta_d = (dot(difference, difference) / dot(sum, sum)).sqrt().atan();
-        let x = dot(i, h) * h[2] - i[2];
-        let y = i[1] * h[0] - i[0] * h[1];
-        [theta_h, theta_d, y.atan2(x)]
-    }
 }
 
 impl Source for MerlSource {
     fn eval(&self, pair: DirectionPair, tally: &mut Tally) -> [f64; 3] {
         tally.evaluations += 1;
-        if !pair.is_above_horizon() {
-            return [0.0; 3];
-        }
-        let n = self.table.dimensions;
-        let [theta_h, theta_d, phi_d] = Self::half_difference_angles(pair);
-        let h = edge_position((theta_h / FRAC_PI_2).sqrt() * n.theta_half as f64, n.theta_half);
-        let d = edge_position(theta_d / FRAC_PI_2 * n.theta_difference as f64, n.theta_difference);
-        let period = n.azimuth_period();
-        let turns = phi_d / period;
-        let azimuth = (turns - turns.floor()) * n.phi_difference as f64;
-        let k0 = (azimuth as usize).min(n.phi_difference - 1);
-        let fraction = azimuth - k0 as f64;
-        let k1 = if k0 + 1 == n.phi_difference { 0 } else { k0 + 1 };
+        if pair.is_above_horizon() { self.at(HalfDifference::of(pair), tally) } else { [0.0; 3] }
+    }
 
-        let mut sum = [0.0; 3];
-        let mut valid = 0.0;
-        let mut corners = 0;
-        for (i, wi) in [(h.0, 1.0 - h.2), (h.1, h.2)] {
-            for (j, wj) in [(d.0, 1.0 - d.2), (d.1, d.2)] {
-                let ring = (i * n.theta_difference + j) * n.phi_difference;
-                for (k, wk) in [(k0, 1.0 - fraction), (k1, fraction)] {
-                    let weight = wi * wj * wk;
-                    let cell = self.table.values[ring + k];
-                    if weight > 0.0 && !cell[0].is_nan() {
-                        valid += weight;
-                        corners += 1;
-                        for channel in 0..3 {
-                            sum[channel] += weight * f64::from(cell[channel]);
-                        }
-                    } else if weight == 0.0 {
-                        corners += 1;
-                    }
-                }
-            }
+    fn eval_block(&self, block: PairBlock<'_>, tally: &mut Tally, values: &mut [[f64; 3]]) {
+        tally.evaluations += values.len() as u64;
+        for ((value, pair), place) in values.iter_mut().zip(block.pairs()).zip(block.half_difference()) {
+            *value = if pair.is_above_horizon() { self.at(*place, tally) } else { [0.0; 3] };
         }
-        if corners == 8 {
-            return sum;
-        }
-        if valid > 0.0 {
-            tally.partly_invalid += 1;
-            return sum.map(|s| s / valid);
-        }
-        tally.nearest_valid += 1;
-        self.nearest_valid(h.0, d.0, k0)
     }
 
     fn symmetry(&self) -> Symmetry {
@@ -130,12 +81,71 @@ impl Source for MerlSource {
 }
 
 impl MerlSource {
-    /// The valid cell nearest to cell `(i, j, k)` in steps along the axes; ties go to the cell reached first. For pairs
-    /// above the horizon whose eight cells are all invalid: rare, so the map is made when the first one comes.
-    fn nearest_valid(&self, i: usize, j: usize, k: usize) -> [f64; 3] {
+    fn at(&self, place: HalfDifference, tally: &mut Tally) -> [f64; 3] {
         let n = self.table.dimensions;
+        let HalfDifference { half_root, difference_share, phi_difference } = place;
+        let h = edge_position(half_root * n.theta_half as f64, n.theta_half);
+        let d = edge_position(difference_share * n.theta_difference as f64, n.theta_difference);
+        let turns = phi_difference / n.azimuth_period();
+        let azimuth = (turns - turns.floor()) * n.phi_difference as f64;
+        let k0 = (azimuth as usize).min(n.phi_difference - 1);
+        let k = (k0, if k0 + 1 == n.phi_difference { 0 } else { k0 + 1 }, azimuth - k0 as f64);
+
+        let corners = self.corners(h, d, k);
+        let mut sum = [0.0; 3];
+        for (cell, weight) in corners {
+            let value = self.table.values[cell];
+            (0..3).for_each(|channel| sum[channel] += weight * f64::from(value[channel]));
+        }
+        // One that is no number leaves none.
+        if sum[0].is_nan() { self.mended(&corners, tally) } else { sum }
+    }
+
+    /// The eight cells around a place, with their weights.
+    #[inline]
+    fn corners(&self, h: Edge, d: Edge, k: Edge) -> [(usize, f64); 8] {
+        let n = self.table.dimensions;
+        let mut corners = [(0, 0.0); 8];
+        for (a, (i, wi)) in [(h.0, 1.0 - h.2), (h.1, h.2)].into_iter().enumerate() {
+            for (b, (j, wj)) in [(d.0, 1.0 - d.2), (d.1, d.2)].into_iter().enumerate() {
+                let ring = (i * n.theta_difference + j) * n.phi_difference;
+                for (c, (k, wk)) in [(k.0, 1.0 - k.2), (k.1, k.2)].into_iter().enumerate() {
+                    corners[4 * a + 2 * b + c] = (ring + k, wi * wj * wk);
+                }
+            }
+        }
+        corners
+    }
+
+    /// The mean of the cells that are valid, or the valid one that is nearest. Cells without weight are not missed.
+    #[cold]
+    fn mended(&self, corners: &[(usize, f64); 8], tally: &mut Tally) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        let (mut valid, mut missed) = (0.0, false);
+        for (cell, weight) in corners.iter().filter(|(_, weight)| *weight != 0.0) {
+            let value = self.table.values[*cell];
+            if value[0].is_nan() || weight.is_nan() {
+                missed = true;
+                continue;
+            }
+            valid += weight;
+            (0..3).for_each(|channel| sum[channel] += weight * f64::from(value[channel]));
+        }
+        if !missed {
+            return sum;
+        }
+        if valid > 0.0 {
+            tally.partly_invalid += 1;
+            return sum.map(|s| s / valid);
+        }
+        tally.nearest_valid += 1;
+        self.nearest_valid(corners[0].0)
+    }
+
+    /// The valid cell nearest to a cell in steps along the axes; ties go to the cell reached first. For pairs
+    /// above the horizon whose eight cells are all invalid: rare, so the map is made when the first one comes.
+    fn nearest_valid(&self, cell: usize) -> [f64; 3] {
         let nearest = self.nearest.get_or_init(|| nearest_valid_cells(&self.table));
-        let cell = (i * n.theta_difference + j) * n.phi_difference + k;
         self.table.values[nearest[cell] as usize].map(f64::from)
     }
 }
@@ -172,8 +182,11 @@ fn nearest_valid_cells(table: &Merl) -> Vec<u32> {
     nearest
 }
 
-/// Lower and upper sample and the fraction between them, for samples at integer positions; clamped at the last.
-fn edge_position(position: f64, count: usize) -> (usize, usize, f64) {
+/// Lower and upper sample along an axis, and the fraction between them.
+type Edge = (usize, usize, f64);
+
+/// For samples at integer positions; clamped at the last.
+fn edge_position(position: f64, count: usize) -> Edge {
     let lower = (position as usize).min(count - 1);
     if lower + 1 == count { (lower, lower, 0.0) } else { (lower, lower + 1, position - lower as f64) }
 }
@@ -181,8 +194,10 @@ fn edge_position(position: f64, count: usize) -> (usize, usize, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::half_difference::half_difference_angles;
     use brdfc_formats::direction::{from_polar, rotate_from_normal};
     use brdfc_formats::measured::merl::{Dimensions, write};
+    use std::f64::consts::FRAC_PI_2;
 
     /// A pair with these half and difference angles; half vector in the tangent's azimuth.
     fn pair_at([theta_h, theta_d, phi_d]: [f64; 3]) -> DirectionPair {
@@ -201,7 +216,7 @@ mod tests {
     #[test]
     fn angles_of_a_pair_built_from_angles() {
         for angles in [[0.3, 0.5, 1.0], [0.1, 0.2, -2.0], [0.6, 0.1, 3.0]] {
-            let found = MerlSource::half_difference_angles(pair_at(angles));
+            let found = half_difference_angles(pair_at(angles));
             for (a, b) in found.into_iter().zip(angles) {
                 assert!((a - b).abs() < 1e-12, "{found:?} {angles:?}");
             }

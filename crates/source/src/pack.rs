@@ -3,6 +3,7 @@
 use super::error::InputError;
 use super::format::{Facts, Format, Opened};
 use super::input::{Input, InputFile};
+use super::pair_list::PairBlock;
 use super::{Source, Symmetry, Tally};
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::DirectionPair;
@@ -167,6 +168,14 @@ impl Source for TableSource {
     fn eval(&self, pair: DirectionPair, tally: &mut Tally) -> [f64; 3] {
         tally.evaluations += 1;
         self.decoder.eval_at(pair, self.level).map(f64::from)
+    }
+
+    fn eval_block(&self, block: PairBlock<'_>, tally: &mut Tally, values: &mut [[f64; 3]]) {
+        tally.evaluations += values.len() as u64;
+        for ((value, pair), angles) in values.iter_mut().zip(block.pairs()).zip(block.of_tables()) {
+            let found = if pair.is_above_horizon() { self.decoder.eval_angles(*angles, self.level) } else { [0.0; 3] };
+            *value = found.map(f64::from);
+        }
     }
 
     fn symmetry(&self) -> Symmetry {

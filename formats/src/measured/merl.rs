@@ -122,6 +122,7 @@ impl Merl {
         let cells = dimensions.cells();
         let mut values: Vec<[f32; 3]> = memory::reserved("table", cells)?;
         let mut buffer = vec![0u8; 8 * BLOCK.min(cells)];
+        let mut valid_cells = 0;
         for block in 0..cells.div_ceil(BLOCK) {
             values.resize(cells.min((block + 1) * BLOCK), [0.0; 3]);
             let block_values = &mut values[block * BLOCK..];
@@ -140,14 +141,12 @@ impl Merl {
                     return Err(bad_number(bytes, offset).into());
                 }
             }
-        }
-
-        let mut valid_cells = 0;
-        for value in &mut values {
-            if value.iter().any(|v| v.is_nan()) {
-                *value = [f32::NAN; 3];
-            } else {
-                valid_cells += 1;
+            for value in block_values {
+                if value.iter().any(|v| v.is_nan()) {
+                    *value = [f32::NAN; 3];
+                } else {
+                    valid_cells += 1;
+                }
             }
         }
         if valid_cells == 0 {
@@ -168,23 +167,25 @@ impl Merl {
 
     /// Whether every cell equals its mirror image (`phi_d` to `-phi_d`) to within a fraction `tolerance`.
     pub fn is_mirror_symmetric(&self, tolerance: f32) -> bool {
-        self.is_unchanged_by(|k, n| (n - k) % n, tolerance)
+        self.is_unchanged_by(|k, n| if k == 0 { 0 } else { n - k }, tolerance)
     }
 
     /// Whether every cell equals its reciprocal (`phi_d` to `phi_d + π`) to within a fraction `tolerance`. True by
     /// layout where the azimuths cover half a turn.
     pub fn is_reciprocal(&self, tolerance: f32) -> bool {
-        !self.dimensions.is_full_turn() || self.is_unchanged_by(|k, n| (k + n / 2) % n, tolerance)
+        !self.dimensions.is_full_turn()
+            || self.is_unchanged_by(|k, n| if k + n / 2 < n { k + n / 2 } else { k + n / 2 - n }, tolerance)
     }
 
-    /// Stops at the first difference, which measured data has early.
+    /// Stops at the first ring with a difference, which measured data has early.
     fn is_unchanged_by(&self, partner: impl Fn(usize, usize) -> usize, tolerance: f32) -> bool {
         let n = self.dimensions.phi_difference;
         self.values.chunks_exact(n).all(|ring| {
-            (0..=n / 2).all(|k| {
-                let (value, other) = (ring[k % n], ring[partner(k % n, n)]);
-                let both_invalid = value[0].is_nan() && other[0].is_nan();
-                both_invalid || (0..3).all(|c| (value[c] - other[c]).abs() <= tolerance * value[c].max(other[c]))
+            (0..=n / 2).fold(true, |all, k| {
+                let (value, other) = (ring[k], ring[partner(k, n)]);
+                let both_invalid = value[0].is_nan() & other[0].is_nan();
+                let close = |c: usize| (value[c] - other[c]).abs() <= tolerance * value[c].max(other[c]);
+                all & (both_invalid | (close(0) & close(1) & close(2)))
             })
         })
     }

@@ -82,7 +82,12 @@ impl TableDecoder {
         if !pair.is_above_horizon() {
             return [0.0; 3];
         }
-        let LogValues { fine, coarse, coarse_weight } = self.log_values(pair, level);
+        self.eval_angles(self.header.angles(pair), level)
+    }
+
+    /// [`Self::eval_at`] of a pair above the horizon with these angles.
+    pub fn eval_angles(&self, angles: Angles, level: f32) -> [f32; 3] {
+        let LogValues { fine, coarse, coarse_weight } = self.log_values_of(angles, level);
         let fine = fine.map(|value| self.from_log(value));
         if coarse_weight > 0.0 { between(fine, coarse.map(|value| self.from_log(value)), coarse_weight) } else { fine }
     }
@@ -91,7 +96,10 @@ impl TableDecoder {
     /// rounded arithmetic returns the same bits. Values, not their logarithms, are mixed between levels: so that all of
     /// the light is kept there, too.
     pub fn log_values(&self, pair: DirectionPair, level: f32) -> LogValues {
-        let angles = self.header.angles(pair);
+        self.log_values_of(self.header.angles(pair), level)
+    }
+
+    fn log_values_of(&self, angles: Angles, level: f32) -> LogValues {
         let position = self.header.position_of(angles);
         let mut value = self.sample(&position, position.layers[0]);
         if !self.header.isotropic() {

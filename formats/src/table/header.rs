@@ -111,6 +111,7 @@ impl TableHeader {
     }
 
     /// Where these angles, folded by the table's symmetry, are in the texture.
+    #[inline]
     pub fn place(&self, folded: Folded) -> Position {
         let Folded { root, ratio, half_share, difference_share } = folded;
         let Axes { azimuth, layers, .. } = self.axes;
@@ -133,6 +134,7 @@ impl TableHeader {
     }
 
     /// Share of the columns below a `θ_h` with this root.
+    #[inline]
     fn column_share(&self, root: f32) -> f32 {
         let at = root * (KNOTS - 1) as f32;
         let lower = (at as usize).min(KNOTS - 2);

@@ -1,7 +1,7 @@
 //! Where nodes stand: sizes and warps of a table, chosen by small trial fits.
 
 use super::fit::fit_roughly;
-use super::lattice::{Lattice, Taps};
+use super::lattice::Lattice;
 use super::recipe::Aim;
 use super::samples::Samples;
 use super::targets::Targets;
@@ -88,16 +88,17 @@ const MOST_TRIED_ANISOTROPIC: usize = 8192;
 ///
 /// Warps, then shapes, then slopes, then warps again: what comes later is chosen for what was best before.
 pub fn choose(trial: &Trial<'_>, symmetry: TableSymmetry, texels: usize, isotropic: bool) -> TableHeader {
-    let targets = trial.targets;
+    let (targets, mut trials) = (trial.targets, Trials::of(trial));
     let layers = if isotropic { 1 } else { LAYERS[0] };
     let tried = texels.min(if isotropic { MOST_TRIED } else { MOST_TRIED_ANISOTROPIC });
-    let mut header = trial.warped(start(targets, symmetry, shaped(SHAPES[0], tried, layers, symmetry)));
-    header = trial.best(header, &SHAPES, |header, shape| header.axes = shaped(*shape, tried, layers, symmetry));
+    let mut header = trials.warped(start(targets, symmetry, shaped(SHAPES[0], tried, layers, symmetry)));
+    header = trials.best(header, &SHAPES, |header, shape| header.axes = shaped(*shape, tried, layers, symmetry));
     if !isotropic {
         let shape = shape_of(header.axes, symmetry);
-        header = trial.best(header, &LAYERS, |header, layers| header.axes = shaped(shape, tried, *layers, symmetry));
+        header = trials.best(header, &LAYERS, |header, layers| header.axes = shaped(shape, tried, *layers, symmetry));
     }
-    header = trial.warped(trial.sloped(header));
+    header = trials.sloped(header);
+    header = trials.warped(header);
     if tried < texels {
         let larger = (texels as f64 / tried as f64).powf(if isotropic { 0.0 } else { 0.25 });
         let layers = (f64::from(header.axes.layers) * larger).round() as u32;
@@ -114,7 +115,10 @@ pub fn scaled(header: TableHeader, texels: usize) -> TableHeader {
 
 /// The table of these axes whose small fit is closest.
 pub fn choose_warps(trial: &Trial<'_>, symmetry: TableSymmetry, axes: Axes) -> TableHeader {
-    trial.warped(trial.sloped(trial.warped(start(trial.targets, symmetry, axes))))
+    let mut trials = Trials::of(trial);
+    let mut header = trials.warped(start(trial.targets, symmetry, axes));
+    header = trials.sloped(header);
+    trials.warped(header)
 }
 
 pub(super) fn start(targets: &Targets, symmetry: TableSymmetry, axes: Axes) -> TableHeader {
@@ -171,32 +175,52 @@ pub struct Trial<'a> {
     pub targets: &'a Targets,
 }
 
-impl Trial<'_> {
-    fn warped(&self, header: TableHeader) -> TableHeader {
+/// Trials that were made: what comes round again is not tried again.
+struct Trials<'a> {
+    trial: &'a Trial<'a>,
+    errors: Vec<(TableHeader, f64)>,
+}
+
+impl<'a> Trials<'a> {
+    fn of(trial: &'a Trial<'a>) -> Self {
+        Self { trial, errors: Vec::new() }
+    }
+
+    fn warped(&mut self, header: TableHeader) -> TableHeader {
         self.best(header, &WARPS, |header, warp| header.knots = warp.knots())
     }
 
-    fn sloped(&self, header: TableHeader) -> TableHeader {
+    fn sloped(&mut self, header: TableHeader) -> TableHeader {
         self.best(header, &SLOPES, |header, slope| header.slope = *slope)
     }
 
     /// A table with the first of the choices that no other beats.
-    fn best<C: Sync>(
-        &self,
-        header: TableHeader,
-        choices: &[C],
-        set: impl Fn(&mut TableHeader, &C) + Sync,
-    ) -> TableHeader {
+    fn best<C>(&mut self, header: TableHeader, choices: &[C], set: impl Fn(&mut TableHeader, &C)) -> TableHeader {
         let with = |choice: &C| {
             let mut header = header;
             set(&mut header, choice);
             header
         };
-        let errors: Vec<f64> = choices.par_iter().map(|choice| self.error(&with(choice))).collect();
+        let headers: Vec<TableHeader> = choices.iter().map(with).collect();
+        let mut new: Vec<TableHeader> = Vec::new();
+        for header in &headers {
+            if self.error(header).is_none() && !new.contains(header) {
+                new.push(*header);
+            }
+        }
+        let errors: Vec<f64> = new.par_iter().map(|header| self.trial.error(header)).collect();
+        self.errors.extend(new.into_iter().zip(errors));
+        let errors: Vec<Option<f64>> = headers.iter().map(|header| self.error(header)).collect();
         let first = |best: usize, k: usize| if errors[k] < errors[best] { k } else { best };
-        with(&choices[(1..choices.len()).fold(0, first)])
+        headers[(1..headers.len()).fold(0, first)]
     }
 
+    fn error(&self, header: &TableHeader) -> Option<f64> {
+        self.errors.iter().find(|(tried, _)| tried == header).map(|(_, error)| *error)
+    }
+}
+
+impl Trial<'_> {
     /// Sum of differences, of colours or ratios, over samples that the fit did not get.
     fn error(&self, header: &TableHeader) -> f64 {
         let Self { samples, folded, targets } = self;
@@ -204,10 +228,10 @@ impl Trial<'_> {
         let fitted = (TRIAL_SAMPLES * lattice.len()).max(FEWEST_TRIAL_SAMPLES).min(2 * samples.len() / 3);
         let count = (fitted + JUDGES).min(samples.len());
         let taps = |k: usize| lattice.taps(&header.place(folded[k]));
-        let nodes = fit_roughly(lattice, &(0..fitted).map(taps).collect::<Vec<Taps>>(), targets);
-        let difference = |k: usize| targets.difference(k, lattice.value(&taps(k), &nodes), samples.cosines[k]);
+        let nodes = fit_roughly(lattice, (0..fitted).map(taps), targets);
         // Ratios count everywhere.
         let judged = |k: &usize| targets.aim == Aim::Ratios || Samples::is_on_ball(*k);
-        (fitted..count).filter(judged).map(difference).sum()
+        let found = |k: usize| (k, lattice.value(&taps(k), &nodes), samples.cosines[k]);
+        targets.sum_of_differences((fitted..count).filter(judged).map(found))
     }
 }

@@ -6,7 +6,7 @@ use super::fit::{Solution, fit};
 use super::lattice::{Lattice, Taps};
 use super::quantise::quantise;
 use super::recipe::{Size, TableRecipe};
-use super::samples::Samples;
+use super::samples::{FEWEST_SAMPLES, Samples};
 use super::symmetry::Asymmetry;
 use super::targets::Targets;
 use super::{curve, levels};
@@ -22,9 +22,8 @@ use brdfc_source::{Source, TableSource, Tally};
 
 /// Samples that a table is fitted to, per node.
 const SAMPLES: u64 = 16;
-/// Fewest and most samples.
-const FEWEST: u64 = 1 << 15;
-const MOST: u64 = 1 << 18;
+/// Most samples.
+const MOST_SAMPLES: u64 = 1 << 18;
 /// Texels of the largest table that a budget of bytes becomes: beyond, there are fewer than two samples per node.
 pub const MOST_TEXELS: u64 = 1 << 17;
 /// Larger logarithms than those of any material are a fit's beside a spike.
@@ -100,7 +99,7 @@ pub fn samples_for(size: Size, grey: bool) -> usize {
         }
         Size::Bytes(bytes) => bytes / texel_bytes(grey),
     };
-    (SAMPLES.saturating_mul(nodes)).clamp(FEWEST, MOST) as usize
+    (SAMPLES.saturating_mul(nodes)).clamp(FEWEST_SAMPLES as u64, MOST_SAMPLES) as usize
 }
 
 fn texel_bytes(grey: bool) -> u64 {

@@ -1,6 +1,6 @@
 //! Values of the nodes: weighted least squares over samples, so that the filtered table is close, not the nodes alone.
 
-use super::lattice::{Equations, Lattice, Taps};
+use super::lattice::{Equations, Lattice, Means, Taps};
 use super::targets::{Targets, UNSEEN};
 use rayon::prelude::*;
 
@@ -29,7 +29,9 @@ pub struct Solution {
 pub fn fit(lattice: Lattice, taps: &[Taps], targets: &Targets) -> Solution {
     let channels = if targets.grey { 1 } else { 3 };
     let mut shares = vec![1.0; taps.len()];
-    let mut nodes = start(lattice, taps, &targets.logarithms);
+    let mut means = Means::new(lattice);
+    taps.iter().zip(&targets.logarithms).for_each(|(taps, values)| means.add(taps, *values));
+    let mut nodes = means.of_nodes();
     let mut equations = Vec::new();
     for round in 0..=REWEIGHTED {
         let solved: (Vec<Equations<1>>, Vec<Vec<[f32; 1]>>) =
@@ -50,18 +52,20 @@ pub fn fit(lattice: Lattice, taps: &[Taps], targets: &Targets) -> Solution {
     Solution { nodes, equations }
 }
 
-/// All channels at once, with the mean of their weights and fewer steps: good enough to tell tables apart.
-pub fn fit_roughly(lattice: Lattice, taps: &[Taps], targets: &Targets) -> Vec<[f32; 3]> {
+/// All channels at once, with the mean of their weights and fewer steps: good enough to tell tables apart. The first samples
+/// are those of the taps.
+pub fn fit_roughly(lattice: Lattice, taps: impl Iterator<Item = Taps>, targets: &Targets) -> Vec<[f32; 3]> {
     // Four numbers at once are what there are instructions for.
     let four = |v: [f32; 3]| [v[0], v[1], v[2], 0.0];
     let mut equations = Equations::<4>::new(lattice);
-    for ((taps, logarithms), weights) in taps.iter().zip(&targets.logarithms).zip(&targets.weights) {
+    let mut means = Means::new(lattice);
+    for ((taps, logarithms), weights) in taps.zip(&targets.logarithms).zip(&targets.weights) {
         let seen = weights.iter().map(|w| w * w).sum::<f32>() / 3.0;
-        equations.add(taps, four(*logarithms), seen + UNSEEN * UNSEEN);
+        equations.add(&taps, four(*logarithms), seen + UNSEEN * UNSEEN);
+        means.add(&taps, *logarithms);
     }
     equations.smooth(SMOOTHNESS);
-    let mut nodes: Vec<[f32; 4]> =
-        start(lattice, taps, &targets.logarithms[..taps.len()]).into_iter().map(four).collect();
+    let mut nodes: Vec<[f32; 4]> = means.of_nodes().into_iter().map(four).collect();
     equations.solve(&mut nodes, TRIAL_STEPS);
     nodes.into_iter().map(|[r, g, b, _]| [r, g, b]).collect()
 }
@@ -83,20 +87,4 @@ fn channel(
     let mut solved: Vec<[f32; 1]> = nodes.iter().map(|node| [node[channel]]).collect();
     equations.solve(&mut solved, STEPS);
     (equations, solved)
-}
-
-/// Means of the samples around each node; the mean of all where there are none.
-fn start(lattice: Lattice, taps: &[Taps], logarithms: &[[f32; 3]]) -> Vec<[f32; 3]> {
-    let mut sums = vec![([0.0f32; 3], 0.0f32); lattice.len()];
-    let mut all = [0.0f64; 3];
-    for (taps, values) in taps.iter().zip(logarithms) {
-        for (node, weight) in lattice.touched(taps) {
-            let (sum, weights) = &mut sums[node];
-            (0..3).for_each(|c| sum[c] += weight * values[c]);
-            *weights += weight;
-        }
-        (0..3).for_each(|c| all[c] += f64::from(values[c]));
-    }
-    let mean = all.map(|sum| (sum / taps.len().max(1) as f64) as f32);
-    sums.into_iter().map(|(sum, weight)| if weight > 1e-6 { sum.map(|s| s / weight) } else { mean }).collect()
 }

@@ -8,33 +8,79 @@ const MOST_TAPS: usize = 16;
 /// Offsets of the taps from the first one: a step along axis `k` is `3^k`.
 const STEPS_OF_TAPS: [usize; MOST_TAPS] = [0, 1, 3, 4, 9, 10, 12, 13, 27, 28, 30, 31, 36, 37, 39, 40];
 
-/// Nodes that a value is a mean of, with their weights.
+/// Nodes that a value is a mean of, with their weights: those on either side along each axis.
 #[derive(Debug, Clone, Copy)]
 pub struct Taps {
-    nodes: [u32; MOST_TAPS],
-    weights: [f32; MOST_TAPS],
+    nodes: [[u32; 2]; 4],
+    weights: [[f32; 2]; 4],
 }
 
 impl Taps {
-    /// Products of the weights along so many axes, whose pairs of nodes are these.
-    fn fill<const AXES: usize, const TAPS: usize>(&mut self, axes: [[(usize, f32); 2]; 4]) {
+    /// Sums of nodes and products of weights along so many axes, whose pairs these are.
+    #[inline]
+    fn all<const AXES: usize, const TAPS: usize>(&self) -> ([u32; TAPS], [f32; TAPS]) {
+        let (mut nodes, mut weights) = ([0; TAPS], [0.0; TAPS]);
         for k in 0..TAPS {
-            let mut tap = axes[0][k & 1];
-            for (axis, pair) in axes.iter().enumerate().take(AXES).skip(1) {
-                let (node, weight) = pair[k >> axis & 1];
-                tap = (tap.0 + node, tap.1 * weight);
+            (nodes[k], weights[k]) = (self.nodes[0][k & 1], self.weights[0][k & 1]);
+            for axis in 1..AXES {
+                nodes[k] += self.nodes[axis][k >> axis & 1];
+                weights[k] *= self.weights[axis][k >> axis & 1];
             }
-            (self.nodes[k], self.weights[k]) = (tap.0 as u32, tap.1);
+        }
+        (nodes, weights)
+    }
+
+    #[inline]
+    fn sum<const AXES: usize, const TAPS: usize, const C: usize>(&self, values: &[[f32; C]]) -> [f32; C] {
+        let (nodes, weights) = self.all::<AXES, TAPS>();
+        let mut sums = [0.0; C];
+        for k in 0..TAPS {
+            let node = &values[nodes[k] as usize];
+            (0..C).for_each(|c| sums[c] += weights[k] * node[c]);
+        }
+        sums
+    }
+}
+
+/// Sums of values around each node.
+pub struct Means {
+    lattice: Lattice,
+    /// Of three channels, and of the weights.
+    sums: Vec<[f32; 4]>,
+    all: [f64; 3],
+    count: usize,
+}
+
+impl Means {
+    /// No samples yet.
+    pub fn new(lattice: Lattice) -> Self {
+        Self { lattice, sums: vec![[0.0; 4]; lattice.len()], all: [0.0; 3], count: 0 }
+    }
+
+    /// Adds a sample.
+    #[inline]
+    pub fn add(&mut self, taps: &Taps, values: [f32; 3]) {
+        match self.lattice.axes() {
+            3 => self.add_all(taps.all::<3, 8>(), values),
+            _ => self.add_all(taps.all::<4, 16>(), values),
+        }
+        (0..3).for_each(|c| self.all[c] += f64::from(values[c]));
+        self.count += 1;
+    }
+
+    #[inline]
+    fn add_all<const TAPS: usize>(&mut self, (nodes, weights): ([u32; TAPS], [f32; TAPS]), [r, g, b]: [f32; 3]) {
+        for k in 0..TAPS {
+            let sum = &mut self.sums[nodes[k] as usize];
+            (0..4).for_each(|c| sum[c] += weights[k] * [r, g, b, 1.0][c]);
         }
     }
 
-    fn sum<const TAPS: usize, const C: usize>(&self, nodes: &[[f32; C]]) -> [f32; C] {
-        let mut sums = [0.0; C];
-        for k in 0..TAPS {
-            let node = &nodes[self.nodes[k] as usize];
-            (0..C).for_each(|c| sums[c] += self.weights[k] * node[c]);
-        }
-        sums
+    /// The mean around each node; that of all where there is nothing.
+    pub fn of_nodes(self) -> Vec<[f32; 3]> {
+        let mean = self.all.map(|sum| (sum / self.count.max(1) as f64) as f32);
+        let of = |[r, g, b, weight]: [f32; 4]| if weight > 1e-6 { [r, g, b].map(|s| s / weight) } else { mean };
+        self.sums.into_iter().map(of).collect()
     }
 }
 
@@ -74,40 +120,34 @@ impl Lattice {
     }
 
     /// What the sample at this position is a mean of.
+    #[inline]
     pub fn taps(&self, position: &Position) -> Taps {
-        let mut taps = Taps { nodes: [0; MOST_TAPS], weights: [0.0; MOST_TAPS] };
         let strides = self.strides();
-        let pair = |axis: usize, at: f32| {
+        let mut taps = Taps { nodes: [[0; 2]; 4], weights: [[0.0; 2]; 4] };
+        for (axis, at) in [position.column, position.row, position.slice].into_iter().enumerate() {
             let last = if self.around[axis] { self.sizes[axis] - 1 } else { self.sizes[axis] - 2 };
             let lower = (at as usize).min(last);
             let upper = if lower + 1 == self.sizes[axis] { 0 } else { lower + 1 };
-            [(lower * strides[axis], 1.0 - (at - lower as f32)), (upper * strides[axis], at - lower as f32)]
-        };
-        let columns = pair(0, position.column);
-        let rows = pair(1, position.row);
-        let slices = pair(2, position.slice);
-        let layers = [
-            (position.layers[0] as usize * strides[3], 1.0 - position.layer_weight),
-            (position.layers[1] as usize * strides[3], position.layer_weight),
-        ];
-        let axes = [columns, rows, slices, layers];
-        if self.axes() == 3 {
-            taps.fill::<3, 8>(axes)
-        } else {
-            taps.fill::<4, 16>(axes)
+            taps.nodes[axis] = [lower, upper].map(|node| (node * strides[axis]) as u32);
+            taps.weights[axis] = [1.0 - (at - lower as f32), at - lower as f32];
         }
+        taps.nodes[3] = position.layers.map(|layer| layer * strides[3] as u32);
+        taps.weights[3] = [1.0 - position.layer_weight, position.layer_weight];
         taps
     }
 
     /// The values of a sample.
+    #[inline]
     pub fn value<const C: usize>(&self, taps: &Taps, nodes: &[[f32; C]]) -> [f32; C] {
-        if self.axes() == 3 { taps.sum::<8, C>(nodes) } else { taps.sum::<16, C>(nodes) }
+        if self.axes() == 3 { taps.sum::<3, 8, C>(nodes) } else { taps.sum::<4, 16, C>(nodes) }
     }
 
     /// Nodes touched by a sample, with their weights.
-    pub fn touched<'t>(&self, taps: &'t Taps) -> impl Iterator<Item = (usize, f32)> + 't {
+    pub fn touched(&self, taps: &Taps) -> impl Iterator<Item = (usize, f32)> + use<> {
+        // Of one layer the first half, with a weight of 1 along that axis.
+        let (nodes, weights) = taps.all::<4, 16>();
         let count = if self.axes() == 3 { 8 } else { 16 };
-        taps.nodes[..count].iter().zip(&taps.weights).map(|(node, weight)| (*node as usize, *weight))
+        nodes.into_iter().zip(weights).take(count).map(|(node, weight)| (node as usize, weight))
     }
 
     /// For each node and each offset of -1, 0 or 1 along the axes the node there; beyond a border the node itself.
@@ -173,19 +213,25 @@ impl<const C: usize> Equations<C> {
     }
 
     /// Adds a sample of these values and a weight (the square of what its residual is multiplied by).
+    #[inline]
     pub fn add(&mut self, taps: &Taps, values: [f32; C], weight: f32) {
         match self.lattice.axes() {
-            3 => self.add_all::<8, 14>(taps, values, weight),
-            _ => self.add_all::<16, 41>(taps, values, weight),
+            3 => self.add_all::<8, 14>(taps.all::<3, 8>(), values, weight),
+            _ => self.add_all::<16, 41>(taps.all::<4, 16>(), values, weight),
         }
     }
 
     /// [`Self::add`] of so many taps, the last of which is `SPAN - 1` offsets from the first.
-    fn add_all<const TAPS: usize, const SPAN: usize>(&mut self, taps: &Taps, values: [f32; C], weight: f32) {
-        let weights: &[f32; TAPS] = taps.weights.first_chunk().expect("as many taps as there can be");
+    #[inline]
+    fn add_all<const TAPS: usize, const SPAN: usize>(
+        &mut self,
+        (nodes, weights): ([u32; TAPS], [f32; TAPS]),
+        values: [f32; C],
+        weight: f32,
+    ) {
         for a in 0..TAPS {
             let scaled = weight * weights[a];
-            let node = taps.nodes[a] as usize;
+            let node = nodes[a] as usize;
             let right = &mut self.right[node];
             (0..C).for_each(|c| right[c] += scaled * values[c]);
             // One step back from the node along each axis that its tap has stepped along is the first tap.

@@ -4,11 +4,15 @@ use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::{DirectionPair, Vector};
 use brdfc_formats::table::Angles;
 use brdfc_metrics::sampling::points;
-use brdfc_metrics::values::values_at;
+use brdfc_metrics::values::{values_at, values_of_list};
+use brdfc_source::pair_list::PairList;
 use brdfc_source::{Source, Tally};
 use rayon::prelude::*;
 use std::f32::consts::{FRAC_PI_2, TAU};
+use std::sync::{Arc, OnceLock};
 
+/// Fewest samples that a table is fitted to.
+pub const FEWEST_SAMPLES: usize = 1 << 15;
 /// Where the sequence of points begins: the pairs that errors are measured at come before.
 const FIRST: u32 = 1 << 20;
 /// Of three samples, so many are as on a ball under light from anywhere.
@@ -48,15 +52,8 @@ impl Samples {
     /// The same of a range of directions alone. Where it is so narrow that hardly any pair over the angles is within, the
     /// rest of the third is as on a ball.
     pub fn within(source: &dyn Source, count: usize, reciprocal: bool, directions: DirectionRange) -> Self {
-        let on_balls = (0..count).filter(|k| Self::is_on_ball(*k)).count();
-        let of_angles = count - on_balls;
-        let mut angles = placed(of_angles, MOST_REFUSED, directions, over_angles);
-        let ball = placed(count - angles.len(), usize::MAX, directions, |point| on_ball(point, directions));
-        angles.extend(&ball[on_balls..]);
-        let (mut ball, mut angles) = (ball.into_iter(), angles.into_iter());
-        let pairs: Vec<DirectionPair> =
-            (0..count).filter_map(|k| if Self::is_on_ball(k) { ball.next() } else { angles.next() }).collect();
-        let (values, mut tally) = values_at(source, &pairs);
+        let pairs = Self::pairs(count, directions);
+        let (values, mut tally) = values_of_list(source, &pairs);
         let mut values = mended(values, &mut tally);
         if reciprocal {
             let exchanged: Vec<DirectionPair> = pairs.iter().map(|pair| pair.exchanged()).collect();
@@ -67,9 +64,21 @@ impl Samples {
             }
         }
         let values = values.into_iter().map(|value| value.map(|v| v as f32)).collect();
-        let angles = pairs.par_iter().with_min_len(BLOCK).map(|pair| Angles::of(*pair)).collect();
+        let blocks: Vec<&[Angles]> =
+            (0..pairs.block_count()).into_par_iter().map(|k| pairs.block(k).of_tables()).collect();
+        let angles = pairs.in_order(blocks.concat());
         let cosines = pairs.iter().map(|pair| pair.incoming[2] as f32).collect();
         Self { angles, cosines, values, tally }
+    }
+
+    fn pairs(count: usize, directions: DirectionRange) -> Arc<PairList> {
+        // What most tables are fitted to is kept for the next source.
+        static FEWEST: OnceLock<Arc<PairList>> = OnceLock::new();
+        if count == FEWEST_SAMPLES && directions.is_all() {
+            PairList::kept(&FEWEST, || drawn(count, directions))
+        } else {
+            Arc::new(PairList::new(drawn(count, directions)))
+        }
     }
 
     /// How many there are.
@@ -86,6 +95,15 @@ impl Samples {
     pub fn is_on_ball(index: usize) -> bool {
         index % 3 < ON_BALL
     }
+}
+
+fn drawn(count: usize, directions: DirectionRange) -> Vec<DirectionPair> {
+    let on_balls = (0..count).filter(|k| Samples::is_on_ball(*k)).count();
+    let mut angles = placed(count - on_balls, MOST_REFUSED, directions, over_angles);
+    let ball = placed(count - angles.len(), usize::MAX, directions, |point| on_ball(point, directions));
+    angles.extend(&ball[on_balls..]);
+    let (mut ball, mut angles) = (ball.into_iter(), angles.into_iter());
+    (0..count).filter_map(|k| if Samples::is_on_ball(k) { ball.next() } else { angles.next() }).collect()
 }
 
 /// The first pairs of the sequence of points that are within a range, and above the horizon by more than [`LEAST_COSINE`];

@@ -4,10 +4,12 @@ use super::samples::{mended, over_angles};
 use brdfc_formats::direction::{DirectionPair, Vector, half_vector};
 use brdfc_formats::table::TableSymmetry;
 use brdfc_metrics::sampling::points;
-use brdfc_metrics::values::values_at;
+use brdfc_metrics::values::values_of_list;
+use brdfc_source::pair_list::PairList;
 use brdfc_source::{Source, Tally};
+use std::sync::LazyLock;
 
-/// Pairs that are compared with their images.
+/// How many pairs are compared with their images.
 const PAIRS: usize = 1024;
 /// Largest mean difference of a value and its image, of the mean value, that counts as symmetric. Folding a measured plastic
 /// that was off by 1.8 % trebled the difference of its picture.
@@ -31,8 +33,11 @@ impl Asymmetry {
     /// Measures a source: over all directions, and near the mirror direction, where a narrow lobe would else go unseen. The
     /// larger counts.
     pub fn of(source: &dyn Source) -> Self {
-        let even = |[a, b, c, d]: [f64; 4]| DirectionPair::new(direction(a, b), direction(c, d));
-        let [even, near] = [Self::over(source, even), Self::over(source, over_angles)];
+        static PROBES: LazyLock<[Probes; 2]> = LazyLock::new(|| {
+            let even = |[a, b, c, d]: [f64; 4]| DirectionPair::new(direction(a, b), direction(c, d));
+            [Probes::new(even), Probes::new(over_angles)]
+        });
+        let [even, near] = PROBES.each_ref().map(|probes| Self::over(source, probes));
         Self {
             reciprocal: even.reciprocal.max(near.reciprocal),
             mirror: even.mirror.max(near.mirror),
@@ -41,18 +46,12 @@ impl Asymmetry {
         }
     }
 
-    fn over(source: &dyn Source, pair: impl Fn([f64; 4]) -> DirectionPair) -> Self {
-        let pairs: Vec<DirectionPair> = points(1 << 19)
-            .map(pair)
-            .filter(|pair| pair.incoming[2] > 0.1 && pair.outgoing[2] > 0.1)
-            .take(PAIRS)
-            .collect();
-        let values = |pairs: &[DirectionPair]| mended(values_at(source, pairs).0, &mut Tally::default());
-        let expected = values(&pairs);
-        let against = |image: &dyn Fn(DirectionPair) -> DirectionPair| {
-            let images: Vec<DirectionPair> = pairs.iter().map(|pair| image(*pair)).collect();
+    fn over(source: &dyn Source, probes: &Probes) -> Self {
+        let values = |pairs: &PairList| mended(values_of_list(source, pairs).0, &mut Tally::default());
+        let expected = values(&probes.pairs);
+        let against = |images: &PairList| {
             let (mut difference, mut sum) = (0.0, 0.0);
-            for ((pair, value), other) in pairs.iter().zip(&expected).zip(values(&images)) {
+            for ((pair, value), other) in probes.pairs.iter().zip(&expected).zip(values(images)) {
                 for channel in 0..3 {
                     difference += (value[channel] - other[channel]).abs() * pair.incoming[2];
                     sum += 0.5 * (value[channel] + other[channel]) * pair.incoming[2];
@@ -60,13 +59,11 @@ impl Asymmetry {
             }
             if sum > 0.0 { difference / sum } else { 0.0 }
         };
-        let both =
-            |pair: DirectionPair, f: &dyn Fn(Vector) -> Vector| DirectionPair::new(f(pair.incoming), f(pair.outgoing));
         Self {
-            reciprocal: against(&DirectionPair::exchanged),
-            mirror: against(&mirrored),
-            half_turn: against(&|pair| both(pair, &|[x, y, z]| [-x, -y, z])),
-            reflected: against(&|pair| both(pair, &|[x, y, z]| [x, -y, z])),
+            reciprocal: against(&probes.exchanged),
+            mirror: against(&probes.mirrored),
+            half_turn: against(&probes.turned),
+            reflected: against(&probes.reflected),
         }
     }
 
@@ -77,6 +74,37 @@ impl Asymmetry {
             mirror: self.mirror <= TOLERANCE,
             half_turn: !isotropic && self.half_turn <= TOLERANCE,
             reflected: !isotropic && self.reflected <= TOLERANCE,
+        }
+    }
+}
+
+/// Pairs that are compared with their images.
+struct Probes {
+    pairs: PairList,
+    exchanged: PairList,
+    mirrored: PairList,
+    turned: PairList,
+    reflected: PairList,
+}
+
+impl Probes {
+    fn new(pair: impl Fn([f64; 4]) -> DirectionPair) -> Self {
+        let pairs: Vec<DirectionPair> = points(1 << 19)
+            .map(pair)
+            .filter(|pair| pair.incoming[2] > 0.1 && pair.outgoing[2] > 0.1)
+            .take(PAIRS)
+            .collect();
+        let images = |image: &dyn Fn(DirectionPair) -> DirectionPair| {
+            PairList::new(pairs.iter().map(|pair| image(*pair)).collect())
+        };
+        let both =
+            |pair: DirectionPair, f: &dyn Fn(Vector) -> Vector| DirectionPair::new(f(pair.incoming), f(pair.outgoing));
+        Self {
+            exchanged: images(&DirectionPair::exchanged),
+            mirrored: images(&mirrored),
+            turned: images(&|pair| both(pair, &|[x, y, z]| [-x, -y, z])),
+            reflected: images(&|pair| both(pair, &|[x, y, z]| [x, -y, z])),
+            pairs: PairList::new(pairs),
         }
     }
 }

@@ -2,13 +2,16 @@
 
 use super::recipe::Aim;
 use super::samples::Samples;
-use brdfc_metrics::lab::{distance_squared, lab};
+use brdfc_metrics::lab::{distance_squared, lab, lab_each};
 use rayon::prelude::*;
 
 /// Share of the samples whose largest channel is no brighter than white.
 const WHITE: f32 = 0.98;
 /// What a relative error counts where nothing is seen, so that ratios stay right at grazing angles and in the dark.
 pub const UNSEEN: f32 = 0.03;
+
+/// Samples whose colours are found at once.
+const LANES: usize = 32;
 
 /// Weights of materials are about 1.
 const LARGEST_WEIGHT: f32 = 1e6;
@@ -93,23 +96,40 @@ impl Targets {
         Self { logarithms: self.logarithms.iter().zip(&taken).map(less).collect(), taken, ..self.clone() }
     }
 
-    /// How far logarithms of sample `k`, seen at an incoming cosine, are from what they should be: ΔE as they are shown, or
-    /// the mean ratio.
-    pub fn difference(&self, k: usize, logarithms: [f32; 3], cosine: f32) -> f64 {
-        match self.aim {
-            Aim::Pictures => f64::from(distance_squared(self.colour(k, logarithms, cosine), self.colours[k]).sqrt()),
-            Aim::Ratios => {
+    /// How far logarithms of samples, seen at an incoming cosine, are from what they should be: the sum, in their order, of ΔE as
+    /// they are shown, or of the mean ratio. Samples are told by their numbers.
+    pub fn sum_of_differences(&self, mut samples: impl Iterator<Item = (usize, [f32; 3], f32)>) -> f64 {
+        let mut sum = 0.0;
+        if self.aim == Aim::Ratios {
+            for (k, logarithms, _) in samples {
                 let of = |c: usize| self.weights[k][c] * (logarithms[c] - self.logarithms[k][c]).abs();
-                f64::from((0..3).map(of).sum::<f32>() / 3.0)
+                sum += f64::from((0..3).map(of).sum::<f32>() / 3.0);
+            }
+            return sum;
+        }
+        let (mut numbers, mut shown) = ([0; LANES], [[0.0; LANES]; 3]);
+        loop {
+            let mut count = 0;
+            for (lane, (k, logarithms, cosine)) in samples.by_ref().take(LANES).enumerate() {
+                numbers[lane] = k;
+                (0..3).for_each(|c| shown[c][lane] = self.shown(k, c, logarithms[c], cosine));
+                count += 1;
+            }
+            let [l, a, b] = lab_each(&shown);
+            for lane in 0..count {
+                let colour = [l[lane], a[lane], b[lane]];
+                sum += f64::from(distance_squared(colour, self.colours[numbers[lane]]).sqrt());
+            }
+            if count < LANES {
+                return sum;
             }
         }
     }
 
-    /// L\*a\*b\* of sample `k`, seen at an incoming cosine, where its logarithms are these.
-    fn colour(&self, k: usize, logarithms: [f32; 3], cosine: f32) -> [f32; 3] {
-        let taken = self.taken.get(k).copied().unwrap_or_default();
-        let shown = |c: usize| self.mean * ((logarithms[c] + taken[c]).exp() - self.bias) * cosine * self.exposure;
-        lab(std::array::from_fn(shown))
+    /// A channel of sample `k`, seen at an incoming cosine, where its logarithm is this.
+    fn shown(&self, k: usize, channel: usize, logarithm: f32, cosine: f32) -> f32 {
+        let taken = self.taken.get(k).map_or(0.0, |taken| taken[channel]);
+        self.mean * ((logarithm + taken).exp() - self.bias) * cosine * self.exposure
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::encode::recipe::PackRecipe;
 use std::sync::{Condvar, Mutex, PoisonError};
+use std::time::Duration;
 
 /// Of each thread, where nothing is said, bytes.
 pub const PER_THREAD: u64 = 300 << 20;
@@ -43,6 +44,9 @@ pub fn longest_source(extension: &str, memory: u64) -> u64 {
     }
 }
 
+/// How long a thread waits before it looks for parts of loops again.
+const MOMENT: Duration = Duration::from_millis(1);
+
 /// Memory that several share.
 pub struct Shared {
     all: u64,
@@ -62,13 +66,22 @@ impl Shared {
         Self { all, free: Mutex::new(all), freed: Condvar::new() }
     }
 
-    /// Waits until there are so many bytes; who wants more than there are works alone.
+    /// Waits until there are so many bytes; who wants more than there are works alone. A thread of a pool does parts of the
+    /// pool's loops meanwhile.
     pub fn take(&self, bytes: u64) -> Share<'_> {
         let bytes = bytes.min(self.all);
-        let free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut free = self.freed.wait_while(free, |free| *free < bytes).unwrap_or_else(PoisonError::into_inner);
-        *free -= bytes;
-        Share { of: self, bytes }
+        loop {
+            let mut free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
+            if *free >= bytes {
+                *free -= bytes;
+                return Share { of: self, bytes };
+            }
+            drop(free);
+            if rayon::yield_now() != Some(rayon::Yield::Executed) {
+                let free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
+                drop(self.freed.wait_timeout_while(free, MOMENT, |free| *free < bytes));
+            }
+        }
     }
 }
 
@@ -100,6 +113,24 @@ mod tests {
             }
         });
         assert!((9..=10).contains(&most.into_inner()));
+    }
+
+    /// On the threads of a pool, too, where who waits does parts of the loop of who works.
+    #[test]
+    fn who_waits_in_a_pool_goes_on_when_there_is_enough() {
+        use rayon::prelude::*;
+        let shared = Shared::new(10);
+        let done = AtomicU64::new(0);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
+        pool.broadcast(|_| {
+            for _ in 0..20 {
+                let _share = shared.take(10);
+                (0..64).into_par_iter().for_each(|_| {
+                    done.fetch_add(1, Ordering::SeqCst);
+                });
+            }
+        });
+        assert_eq!(done.into_inner(), 3 * 20 * 64);
     }
 
     #[test]

@@ -152,9 +152,11 @@ pub fn run(plan: &Plan, workshop: &Workshop<'_>, progress: &dyn Progress) -> Out
     Outcomes { materials, environment: environment.into_inner().expect("nobody panics with it") }
 }
 
-/// Does all work in order, as many at a time as there are threads, each on a thread that may wait for memory. In a parallel
-/// loop, a thread that waits for a part of one would begin another: more of them would take memory, and one could wait for
-/// what another holds that cannot go on.
+/// Does all work in order, as many at a time as there are threads.
+///
+/// Each thread of a pool of its own does whole pieces of work, one after the other; a thread that waits does parts of others'
+/// loops. As tasks of the common pool they would be begun by a thread that waits for a part of a loop, too: more of them would
+/// take memory, and the one below would stand still until the one above is done, or for ever, where that waits for its memory.
 pub(super) fn in_turn(count: usize, work: impl Fn(usize) + Sync) {
     let next = AtomicUsize::new(0);
     let one_by_one = || {
@@ -166,11 +168,12 @@ pub(super) fn in_turn(count: usize, work: impl Fn(usize) + Sync) {
             work(number);
         }
     };
-    std::thread::scope(|scope| {
-        for _ in 0..rayon::current_num_threads().min(count) {
-            scope.spawn(one_by_one);
+    match rayon::ThreadPoolBuilder::new().num_threads(rayon::current_num_threads()).build() {
+        Ok(pool) => {
+            pool.broadcast(|_| one_by_one());
         }
-    });
+        Err(_) => one_by_one(),
+    }
 }
 
 /// What stands in the store of one material.

@@ -2,6 +2,7 @@
 
 mod crop;
 mod golden;
+mod kept_angles;
 mod known_answers;
 mod levels;
 mod odd_sources;
