@@ -211,7 +211,8 @@ fn changes(changed: &[Change]) -> String {
         What::New => "new",
         What::Gone => "gone",
     };
-    let named = changed.iter().map(|change| format!("{} {}", change.file, word(change.what)));
+    // A line is one, whatever the names.
+    let named = changed.iter().map(|change| format!("{} {}", change.file.replace('\n', "\\n"), word(change.what)));
     let text = few(&named.collect::<Vec<_>>(), NAMED);
     if text.is_empty() { "changed and back".to_owned() } else { text }
 }

@@ -2,7 +2,7 @@
 
 use crate::CliError;
 use crate::interrupt::Interrupt;
-use crate::output::{make_folder, write_file};
+use crate::output::{make_folder, refuse_own, write_file};
 use brdfc_jobs::encode::bytes_from_text;
 use brdfc_jobs::encode::options::EncodeOptions;
 use brdfc_jobs::scene::build::BuildSettings;
@@ -63,19 +63,20 @@ pub struct Arguments {
     pub(super) fail_fast: bool,
     /// Make share I of N alone, I from 1 to N, and keep it in the store of the output folder (.brdfc-cache); a build without
     /// this option puts all in place. It has no report, so no --json.
-    #[arg(long, value_name = "I/N", conflicts_with_all = ["only", "dry_run"])]
+    #[arg(long, value_name = "I/N", conflicts_with_all = ["only", "dry_run", "explain"])]
     pub(super) shard: Option<Shard>,
-    /// Make one part alone, likewise; may be given several times: MATERIAL.brdf, MATERIAL.maps or environment.maps ('brdfc plan' lists them).
-    #[arg(long, value_name = "PART", conflicts_with = "dry_run")]
+    /// Make one part alone, likewise; may be given several times: MATERIAL.brdf, MATERIAL.maps or environment.maps
+    /// ('brdfc plan' lists them).
+    #[arg(long, value_name = "PART", conflicts_with_all = ["dry_run", "explain"])]
     pub(super) only: Vec<String>,
     /// Take what another build made from its output folder, such as that of another machine; may be given several times.
     #[arg(long, value_name = "DIR")]
     pub(super) from: Vec<PathBuf>,
     /// Write this empty file when all is done and well.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with = "dry_run")]
     pub(super) stamp: Option<PathBuf>,
     /// Write the files that report.json depends on to FILE, as a rule for make or ninja.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with = "dry_run")]
     pub(super) depfile: Option<PathBuf>,
     #[command(flatten, next_help_heading = "Encoding")]
     pub(super) options: EncodeOptions,
@@ -90,7 +91,7 @@ pub(crate) struct BuildArguments {
     /// Folder for packs and reports.
     #[arg(long, short, value_name = "DIR", default_value = DEFAULT_FOLDER)]
     pub(crate) out: PathBuf,
-    /// Leave files of earlier builds that this one does not need in the folder; without it they are removed.
+    /// Leave materials of earlier builds in the folder and in the report that this one does not ask for.
     #[arg(long)]
     keep: bool,
     /// Replace files that no build wrote, where they have names that packs or reports get; without it they are an error.
@@ -135,6 +136,8 @@ impl Arguments {
     pub(super) fn write_stamp(&self) -> Result<(), CliError> {
         let Some(file) = &self.stamp else { return Ok(()) };
         file.parent().map_or(Ok(()), make_folder)?;
+        // Folders that were not there before may lead elsewhere than it seemed.
+        refuse_own("--stamp", file, &self.build.out)?;
         write_file(file, b"")
     }
 }

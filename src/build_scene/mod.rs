@@ -15,7 +15,7 @@ pub(super) use text::verdict;
 
 use super::output::{
     check_folder, make_folder, note, print, print_json, refuse_dash, refuse_missing_folder, refuse_overwriting,
-    refuse_overwriting_any, refuse_same_outputs, remark, tell, write_file,
+    refuse_overwriting_any, refuse_own, refuse_same_outputs, remark, tell, write_file,
 };
 use super::progress::Materials;
 use super::{CliError, Common, interrupt};
@@ -51,8 +51,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     }
 
     let inputs = asked.files();
-    check_beside(arguments, plan, &inputs)?;
     prepare(&asked, out)?;
+    check_beside(arguments, plan, &inputs)?;
     let interrupt = interrupt::watch()?;
     if arguments.shard.is_some() || !arguments.only.is_empty() {
         return pieces::run(arguments, plan, common, &interrupt);
@@ -66,7 +66,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     }
     if arguments.explain {
         let folder = PackFolder::looked_at(out);
-        let kept = |job: &Job| folder.as_ref()?.known(job);
+        let kept = |job: &Job, source| folder.as_ref()?.known_of(job, source);
         built.report.needs = explain(plan, &built.outcomes.made().collect(), &kept);
     }
     if common.json {
@@ -87,13 +87,18 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
 
 /// Files that are written beside the packs: neither over what is read nor over what else is written.
 fn check_beside(arguments: &Arguments, plan: &Plan, inputs: &[&Path]) -> Result<(), CliError> {
+    let out = arguments.build.out.as_path();
     let files = [("--depfile", arguments.depfile.as_deref()), ("--stamp", arguments.stamp.as_deref())];
     refuse_same_outputs(&files)?;
     for (option, file) in files.into_iter().filter_map(|(option, file)| Some((option, file?))) {
+        if file == Path::new("-") {
+            return Err(CliError::Usage(format!("{option}: found -; allowed a file (one of this name is ./-)")));
+        }
         refuse_overwriting(option, file, inputs)?;
         for placed in plan.files() {
-            refuse_same_outputs(&[(option, Some(file)), ("--out", Some(&arguments.build.out.join(placed)))])?;
+            refuse_same_outputs(&[(option, Some(file)), ("--out", Some(&out.join(placed)))])?;
         }
+        refuse_own(option, file, out)?;
     }
     arguments.depfile.as_deref().map_or(Ok(()), refuse_missing_folder)
 }
@@ -107,7 +112,7 @@ fn dry_run(arguments: &Arguments, plan: &Plan, common: Common) -> Result<(), Cli
     let mut report = BuildReport::planned(plan, &known);
     if arguments.explain {
         let made = known.iter().map(|(name, made)| (*name, made)).collect();
-        report.needs = explain(plan, &made, &|job| folder.as_ref()?.known(job));
+        report.needs = explain(plan, &made, &|job, source| folder.as_ref()?.known_of(job, source));
     }
     if common.json {
         return print_json(&report);

@@ -70,7 +70,11 @@ pub(super) fn needs(explained: &[Explained]) -> String {
     let row = |explained: &Explained| {
         let about = if explained.need == NOTHING { "about " } else { "" };
         let bytes = explained.saved_bytes.map(|bytes| format!("{about}{}", table::bytes(bytes)));
-        let seconds = explained.saved_seconds.map(|seconds| format!("about {seconds:.2} s"));
+        let in_words = |seconds: f64| match seconds {
+            ..0.0 => format!("takes about {:.2} s more", -seconds),
+            _ => format!("about {seconds:.2} s"),
+        };
+        let seconds = explained.saved_seconds.map(in_words);
         let saved: Vec<String> = bytes.into_iter().chain(seconds).collect();
         let saved = if saved.is_empty() { "-".to_owned() } else { saved.join(", ") };
         vec![explained.material.clone(), explained.need.clone(), explained.why.clone(), saved]

@@ -49,7 +49,7 @@ pub struct Arguments {
     #[arg(long, value_name = "IMAGE.png")]
     pub(super) sheet: Option<PathBuf>,
     /// A contact sheet: every material that the manifest's uses refer to (all where there are no uses), each alone on a
-    /// sphere or --scene, with name, bytes, ΔE and the colour scale: .png. The manifest's table [render] is not read. Limits
+    /// sphere or --scene, with name, bytes, ΔE and the colour scale: .png. The manifest's table 'render' is not read. Limits
     /// hold for each material.
     #[arg(
         long,

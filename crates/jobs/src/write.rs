@@ -55,7 +55,7 @@ fn of_target(error: std::io::Error) -> std::io::Error {
     if error.raw_os_error().is_some() {
         return error;
     }
-    // The system's words stand in front of the name.
+    // The library has no other way to the system's words, which stand in front of the name.
     let text = error.to_string();
     std::io::Error::new(error.kind(), text.split(" at path ").next().unwrap_or_default())
 }

@@ -83,3 +83,49 @@ fn one_reserved_name_stops_no_other() {
         assert!(ran.stderr.contains(&format!("brdfc: {name}: scans/")), "{ran:?}");
     }
 }
+
+/// What is kept is whole materials: a file that was changed, parts that are not asked for any more, and names that differ in
+/// case alone do not stay beside a report that says otherwise.
+#[test]
+fn what_is_kept_is_what_the_report_says() {
+    let folder = Folder::new();
+    let sources = "[materials.a]\nsource='synth:ggx'\n[materials.b]\nsource='synth:ggx'\n";
+    folder.write("both.toml", format!("{sources}[[uses]]\nmaterial='a'\n[[uses]]\nmaterial='b'\n"));
+    let reported = || -> Vec<String> {
+        let report: serde_json::Value = serde_json::from_slice(&folder.read("packs/report.json")).unwrap();
+        let names = report["materials"].as_array().unwrap().iter();
+        names.map(|entry| entry["material"].as_str().unwrap().to_owned()).collect()
+    };
+    build(&folder, &["both.toml"], &["--out", "packs"]).succeeded();
+    folder.write("packs/b.brdf.ktx2", "garbage");
+    build(&folder, &["synth:ward"], &["--out", "packs", "--keep"]).succeeded();
+    assert_eq!(reported(), ["a", "ward"]);
+    folder.run(&["report", "packs", "-o", "page.html"]).succeeded();
+    folder.write("upper.toml", "[materials.A]\nsource='synth:lambert'\n[[uses]]\nmaterial='A'\n");
+    build(&folder, &["upper.toml"], &["--out", "packs", "--keep"]).succeeded();
+    assert_eq!((reported(), packs(&folder, "packs").len()), (vec!["A".to_owned(), "ward".to_owned()], 3));
+    assert!(!folder.path().join("packs/a.brdf.ktx2").exists() || cfg!(not(target_os = "linux")));
+    // A material that fails now has no pack of before.
+    folder.write("broken.toml", "[materials.ward]\nsource='gone.brdf'\n[[uses]]\nmaterial='ward'\n");
+    assert_eq!(build(&folder, &["broken.toml"], &["--out", "packs", "--keep"]).code, 4);
+    assert_eq!(
+        (reported(), packs(&folder, "packs")),
+        (vec!["A".to_owned(), "ward".to_owned()], vec!["A.brdf.ktx2".to_owned(), "b.brdf.ktx2".to_owned()],)
+    );
+}
+
+#[test]
+fn marks_and_rules_are_not_written_over_the_builds_own_files() {
+    let folder = Folder::new();
+    let refused = |inputs: &[&str], options: &[&str]| {
+        let ran = build(&folder, inputs, options);
+        assert!(ran.code == 2 && ran.stderr.contains("allowed"), "{options:?}: {ran:?}");
+    };
+    for stamp in ["k/../k/ggx.brdf.ktx2", "k/../k/report.json", "k/.brdfc-cache/placed", "-"] {
+        refused(&["synth:ggx"], &["--out", "k", "--stamp", stamp]);
+        refused(&["synth:ggx"], &["--out", "k", "--depfile", stamp]);
+    }
+    build(&folder, &["synth:ggx"], &["--out", "k", "--stamp", "k/done", "--depfile", "k/rule.d"]).succeeded();
+    refused(&["synth:ward"], &["--out", "k", "--keep", "--stamp", "k/ggx.brdf.ktx2"]);
+    assert!(!folder.read("k/ggx.brdf.ktx2").is_empty() && folder.files("k").contains_key("rule.d"));
+}

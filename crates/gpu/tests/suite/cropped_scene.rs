@@ -91,8 +91,9 @@ fn cropped_packs_draw_the_scene_as_whole_ones_do() {
         // A sampler's weights are rounded from other texture coordinates.
         let filtered = |pack: &BrdfPack| by_shader(gpu, &scene, pack, SliceFilter::Hardware);
         let difference = largest_difference(&filtered(cropped), &filtered(whole));
-        // 1.8e-5, 0 and 6e-8 were measured with Mesa's software driver; no other driver was.
-        assert!(difference < 1e-4, "{number}: {difference}");
+        // 1.8e-5, 0 and 6e-8 were measured with Mesa's software driver. Others may round weights to 1/256 of a texel.
+        let bound = if gpu.description().software { 1e-4 } else { 2e-2 };
+        assert!(difference < bound, "{number}: {difference}");
     }
     assert!(shown >= 2, "{shown}");
 }

@@ -38,7 +38,10 @@ pub(super) fn search_within(
         return Ok(made);
     }
     match of_all_directions(source, recipe, &made, progress)? {
-        Some(whole) => Ok(smaller(source, recipe, made, &whole)),
+        Some(whole) => {
+            progress.check()?;
+            Ok(smaller(source, recipe, made, &whole))
+        }
         None => Ok(made),
     }
 }

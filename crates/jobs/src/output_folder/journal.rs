@@ -72,21 +72,28 @@ impl Journal {
     pub(super) fn finish(folder: &Path, root: &Path) -> Result<(), StoreError> {
         let aside = root.join(FOLDER);
         let moves: Moves = read_record(&aside.join(LIST)).unwrap_or_default();
-        for (number, name) in moves.write.iter().enumerate().filter(|(_, name)| is_plain(name)) {
-            let (from, to) = (aside.join(number.to_string()), folder.join(name));
-            match std::fs::rename(&from, &to) {
-                // It was moved before.
-                Err(error) if error.kind() == std::io::ErrorKind::NotFound && !from.exists() => {}
-                moved => moved.map_err(|error| StoreError::new(&to, error))?,
-            }
-        }
-        for name in moves.remove.iter().filter(|name| is_plain(name)) {
+        // Where two names that differ in case alone are one file, the old one is to go before the new one comes; where that was
+        // done before, the new one is there.
+        let moved = |number: &usize| !aside.join(number.to_string()).exists();
+        let is_new = |name: &str| {
+            let same = |(_, new): &(usize, &String)| new.eq_ignore_ascii_case(name);
+            moves.write.iter().enumerate().filter(same).any(|(number, _)| moved(&number))
+        };
+        for name in moves.remove.iter().filter(|name| is_plain(name) && !is_new(name)) {
             let path = folder.join(name);
             match std::fs::remove_file(&path) {
                 Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
                     return Err(StoreError::new(&path, error));
                 }
                 _ => {}
+            }
+        }
+        for (number, name) in moves.write.iter().enumerate().filter(|(_, name)| is_plain(name)) {
+            let (from, to) = (aside.join(number.to_string()), folder.join(name));
+            match std::fs::rename(&from, &to) {
+                // It was moved before.
+                Err(error) if error.kind() == std::io::ErrorKind::NotFound && !from.exists() => {}
+                moved => moved.map_err(|error| StoreError::new(&to, error))?,
             }
         }
         let (from, to) = (aside.join(PLACED), root.join(PLACED));

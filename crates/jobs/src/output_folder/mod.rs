@@ -40,8 +40,8 @@ pub enum Contents {
 pub enum FolderError {
     /// What is read would be removed.
     #[error(
-        "{path}: found an input, which this build would remove as it names no such output; allowed another output folder, \
-         or --keep"
+        "{path}: found an input, which this build would remove, as it makes no file of that name; allowed another output \
+         folder, or --keep"
     )]
     Input {
         /// Which.
@@ -150,6 +150,12 @@ impl OutputFolder {
         Ok(())
     }
 
+    /// Files of earlier builds that are there and unchanged.
+    pub fn there(&self) -> BTreeMap<String, Digest> {
+        let verified = self.placements.verified(&self.path).into_iter();
+        verified.map(|(name, placed)| (name, placed.digest)).collect()
+    }
+
     /// Whether none of these inputs is a file of an earlier build that is removed when files of these names are put in place.
     ///
     /// # Errors
@@ -163,12 +169,17 @@ impl OutputFolder {
         }
     }
 
-    /// Puts all files in place, and removes those of earlier builds that are not among them unless `keep` is set. Until
-    /// all are written aside the folder stays as it is.
+    /// Puts all files in place, and removes those of earlier builds that are not among them. Until all are written aside the
+    /// folder stays as it is. `files` is given those of earlier builds that are there and unchanged, while no other build can
+    /// change them: what of them is to stay is to be among what it returns.
     ///
     /// # Errors
     /// A file that cannot be written: then nothing has changed.
-    pub fn place(&mut self, files: &[NewFile], store: &Store, keep: bool) -> Result<Changes, FolderError> {
+    pub fn place(
+        &mut self,
+        store: &Store,
+        files: impl FnOnce(&BTreeMap<String, Digest>) -> Vec<NewFile>,
+    ) -> Result<Changes, FolderError> {
         let _lock = lock(&self.root)?;
         // Another build may have been faster.
         Journal::finish(&self.path, &self.root)?;
@@ -176,10 +187,11 @@ impl OutputFolder {
             self.placements.merge(placements);
         }
         let unchanged: BTreeMap<String, Placed> = self.placements.verified(&self.path);
+        let files = files(&unchanged.iter().map(|(name, placed)| (name.clone(), placed.digest)).collect());
         let mut journal = Journal::new(&self.root)?;
         let mut changes = Changes::default();
         let mut placements = Placements::default();
-        for file in files {
+        for file in &files {
             let digest = match &file.contents {
                 Contents::Kept(digest) => *digest,
                 Contents::Bytes(bytes) => Digest::of(bytes),
@@ -200,13 +212,8 @@ impl OutputFolder {
             placements.files.insert(file.name.clone(), Placed { digest, stamp: None });
             changes.written.push(file.name.clone());
         }
-        for (name, placed) in &self.placements.files {
-            if placements.files.contains_key(name) {
-                continue;
-            }
-            if keep {
-                placements.files.insert(name.clone(), placed.clone());
-            } else if unchanged.contains_key(name) {
+        for name in self.placements.files.keys().filter(|name| !placements.files.contains_key(*name)) {
+            if unchanged.contains_key(name) {
                 journal.remove(name);
                 changes.removed.push(name.clone());
             } else if self.path.join(name).exists() {

@@ -116,6 +116,9 @@ pub struct EnvironmentEntry {
     /// Why it failed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
+    /// Whether an earlier build made it, and this one did not ask for it but kept it.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub kept: bool,
     /// Whether nothing had to be made. Only in what is printed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cached: Option<bool>,
@@ -177,18 +180,28 @@ impl BuildReport {
         self
     }
 
-    /// With what an earlier build made that this one did not ask for, as far as its files are still there.
+    /// What of this report stays beside materials of these names: those that are called otherwise, whatever the case, and
+    /// whose files are all there; the environment, where there is none beside it.
     #[must_use]
-    pub fn with_kept(mut self, earlier: Self, is_there: impl Fn(&FileEntry) -> bool) -> Self {
-        for entry in earlier.materials {
-            let is_asked_for = self.materials.iter().any(|other| other.material.eq_ignore_ascii_case(&entry.material));
-            if !is_asked_for && !entry.files.is_empty() && entry.files.iter().all(&is_there) {
-                self.materials.push(MaterialEntry { kept: true, ..entry });
-            }
-        }
+    pub fn kept_beside(mut self, asked: &[&str], environment: bool, there: &BTreeMap<String, Digest>) -> Self {
+        let is_there = |file: &FileEntry| there.get(&file.file) == Some(&file.blake3);
+        let is_kept = |entry: &MaterialEntry| {
+            let is_asked_for = asked.iter().any(|name| name.eq_ignore_ascii_case(&entry.material));
+            !is_asked_for && !entry.files.is_empty() && entry.files.iter().all(is_there)
+        };
+        self.materials.retain(is_kept);
+        self.materials.iter_mut().for_each(|entry| entry.kept = true);
+        self.environment = self.environment.filter(|entry| !environment && entry.file.as_ref().is_some_and(is_there));
+        self.environment.iter_mut().for_each(|entry| entry.kept = true);
+        self
+    }
+
+    /// With what is kept of an earlier build.
+    #[must_use]
+    pub fn with_kept(mut self, kept: Self) -> Self {
+        self.materials.extend(kept.materials);
         self.materials.sort_by(|a, b| a.material.cmp(&b.material));
-        let is_kept = |entry: &EnvironmentEntry| entry.file.as_ref().is_some_and(&is_there);
-        self.environment = self.environment.or(earlier.environment.filter(is_kept));
+        self.environment = self.environment.or(kept.environment);
         self
     }
 
@@ -253,6 +266,7 @@ fn environment_entry(source: &str, result: &Result<MadeEnvironment, JobError>) -
             file: Some(FileEntry { file: environment_map(), blake3: *file }),
             report: Some(report.clone()),
             error: None,
+            kept: false,
             cached: Some(times.is_none()),
             stages: times.clone(),
         },

@@ -91,7 +91,10 @@ pub fn find(inputs: &[Named]) -> Result<Found, BatchError> {
             vec![path.into()]
         };
         for source in several {
-            if !found.sources.contains(&source) {
+            // `./a` is `a`.
+            let plain =
+                |source: &OsString| Path::new(source).strip_prefix("./").map(Path::to_owned).unwrap_or(source.into());
+            if !found.sources.iter().any(|other| plain(other) == plain(&source)) {
                 found.sources.push(source);
             }
         }
@@ -156,11 +159,16 @@ fn of_folder(folder: &Path) -> Result<(Vec<OsString>, Vec<PathBuf>), BatchError>
 }
 
 fn matching(pattern: &Named) -> Result<Vec<OsString>, BatchError> {
-    let mut files = pattern.files()?;
-    files.retain(|path| !is_built(path));
+    let (built, files): (Vec<PathBuf>, Vec<PathBuf>) = pattern.files()?.into_iter().partition(|path| is_built(path));
     if files.is_empty() {
         let allowed = "a file, or a pattern such as scans/*.binary that files match".to_owned();
-        let (place, found) = (pattern.path().display().to_string(), "no file that matches".to_owned());
+        let (place, found) = (
+            pattern.path().display().to_string(),
+            match built.len() {
+                0 => "no file that matches".to_owned(),
+                _ => "packs of a build alone, which are taken by name".to_owned(),
+            },
+        );
         return Err(BatchError::Nothing { place, found, allowed });
     }
     Ok(files.into_iter().map(OsString::from).collect())

@@ -25,7 +25,7 @@ pub struct BuildSettings<'a> {
     pub looks_up: bool,
     /// Other output folders, of whose stores what is needed is taken.
     pub from: &'a [PathBuf],
-    /// Whether files of earlier builds that are no longer needed stay.
+    /// Whether materials of earlier builds stay that this one does not ask for.
     pub keep: bool,
     /// Whether files may be replaced that no build wrote.
     pub force: bool,
@@ -91,14 +91,15 @@ pub struct MaterialFile {
 /// A folder that cannot be written to, or holds files of somebody else; cancellation.
 pub fn build(plan: &Plan, settings: &BuildSettings<'_>, progress: &dyn Progress) -> Result<Built, BuildError> {
     let (store, mut folder) = opened(settings)?;
-    let earlier = if folder.is_new() || settings.keep { earlier_report(settings.out) } else { None };
-    if let (true, Some(report)) = (folder.is_new(), &earlier) {
+    if folder.is_new()
+        && let Some(report) = earlier_report(settings.out)
+    {
         folder.also_placed(report.files().map(|file| (file.file.clone(), file.blake3)));
     }
     let names: Vec<String> = plan.files().collect();
-    if !settings.keep {
-        folder.refuse_removing(&plan.sources().collect::<Vec<_>>(), &names)?;
-    }
+    let stays = kept(plan, settings, &folder.there()).map_or(Vec::new(), |kept| files_of(&kept));
+    let named: Vec<String> = names.iter().cloned().chain(stays).collect();
+    folder.refuse_removing(&plan.sources().collect::<Vec<_>>(), &named)?;
     folder.refuse_foreign(names.iter().map(String::as_str), settings.force)?;
     let placed = folder.unchanged();
     let workshop = Workshop { store: &store, placed: &placed, memory: settings.memory, fail_fast: settings.fail_fast };
@@ -107,26 +108,43 @@ pub fn build(plan: &Plan, settings: &BuildSettings<'_>, progress: &dyn Progress)
         progress.check()?;
     }
     let mut report = BuildReport::new(plan, &outcomes);
-    if let (true, Some(earlier)) = (settings.keep, earlier) {
-        report =
-            report.with_kept(earlier, |file| placed.contains(&file.blake3) && settings.out.join(&file.file).exists());
-    }
     let broken = outcomes.errors().next().is_some();
     let failed = broken || !outcomes.materials.iter().all(Outcome::passed);
     let unwritten = outcomes.errors().any(|error| matches!(error, JobError::Store(_)));
     if settings.fail_fast && failed || settings.whole && broken || unwritten {
         return Ok(Built { outcomes, report, changes: None });
     }
-    let files = files(&outcomes, report.clone().lasting(plan, settings.out));
     let changes = {
         let _placing = settings.placing.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         progress.check()?;
-        folder.place(&files, &store, settings.keep)?
+        folder.place(&store, |there| {
+            let mut stays = Vec::new();
+            if let Some(kept) = kept(plan, settings, there) {
+                let file = |name: String| Some(NewFile { contents: Contents::Kept(*there.get(&name)?), name });
+                stays = files_of(&kept).into_iter().filter_map(file).collect();
+                report = report.clone().with_kept(kept);
+            }
+            stays.extend(files(&outcomes, report.clone().lasting(plan, settings.out)));
+            stays
+        })?
     };
     let kept = report.materials.iter().filter(|entry| entry.kept).map(|entry| entry.material.as_str());
     write_notes(&store, plan, &outcomes, &kept.collect::<Vec<_>>());
     store.prune();
     Ok(Built { outcomes, report, changes: Some(changes) })
+}
+
+/// What stays of the build before, where that was asked for.
+fn kept(plan: &Plan, settings: &BuildSettings<'_>, there: &BTreeMap<String, Digest>) -> Option<BuildReport> {
+    let earlier = if settings.keep { earlier_report(settings.out) } else { None };
+    let asked: Vec<&str> = plan.jobs.iter().map(|job| job.name.as_str()).collect();
+    Some(earlier?.kept_beside(&asked, plan.environment.is_some(), there))
+}
+
+/// The files that a report names, and the lists of its materials.
+fn files_of(report: &BuildReport) -> Vec<String> {
+    let lists = report.materials.iter().map(|entry| list_name(&entry.material));
+    report.files().map(|file| file.file.clone()).chain(lists).collect()
 }
 
 /// What is known of a material besides its report, and differs between machines and runs.

@@ -65,6 +65,11 @@ impl PackFolder {
         self.workshop().known(job)
     }
 
+    /// A material, made before of the source with this hash.
+    pub fn known_of(&self, job: &Job, source: Digest) -> Option<Made> {
+        self.workshop().known_of(job, source)
+    }
+
     /// A material. What had to be made is kept in the store; the files in the folder stay as they are.
     ///
     /// # Errors

@@ -6,8 +6,10 @@ use super::uses::Use;
 use crate::encode::CodecReport;
 use crate::encode::recipe::PackRecipe;
 use crate::report::material::StageTime;
+use crate::store::Digest;
 use brdfc_formats::crop::{DirectionRange, Elevations};
 use brdfc_source::progress::Stage;
+use brdfc_source::words::few;
 use brdfc_table::recipe::{Size, TableRecipe};
 use brdfc_wavelet::recipe::{Recipe, Target};
 use serde::{Deserialize, Serialize};
@@ -26,14 +28,14 @@ pub struct Explained {
     /// it, or the mean of other materials of this build.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub saved_bytes: Option<u64>,
-    /// Seconds of work that are saved, likewise.
+    /// Seconds of work that are saved, likewise; below zero where the need costs some. Of two runs only what they differ by for sure.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub saved_seconds: Option<f64>,
 }
 
 /// The needs of all materials of a plan; what is saved where there are packs. `kept` finds what was made before of a job,
 /// which may be one that no plan has: what a material would be without one of its needs.
-pub fn explain(plan: &Plan, made: &BTreeMap<&str, &Made>, kept: &dyn Fn(&Job) -> Option<Made>) -> Vec<Explained> {
+pub fn explain(plan: &Plan, made: &BTreeMap<&str, &Made>, kept: &Kept<'_>) -> Vec<Explained> {
     let maps = [0, 1].map(|k| Mean::of(made.values().filter_map(|made| of_map(made, k))));
     let packs = Mean::of(made.values().map(|made| (made.report.bytes_on_gpu, seconds(&made.pack_times, |_| true))));
     let mut all = Vec::new();
@@ -89,18 +91,20 @@ fn said(job: &Job, need: &str, why: &str) -> Explained {
     Explained { material, need, why, saved_bytes: None, saved_seconds: None }
 }
 
-/// What a pack has less than what was made before by another recipe: bytes, and seconds.
-fn less_than_kept(
-    job: &Job,
-    recipe: PackRecipe,
-    made: Option<&Made>,
-    kept: &dyn Fn(&Job) -> Option<Made>,
-) -> (Option<u64>, Option<f64>) {
-    let Some((made, other)) = made.zip(kept(&Job { recipe, maps: None, ..job.clone() })) else { return (None, None) };
+/// A material of another recipe, made of the source with this hash, if it was made before.
+pub type Kept<'a> = dyn Fn(&Job, Digest) -> Option<Made> + 'a;
+
+/// What a pack has less than what was made before by another recipe: bytes, and seconds where they differ by more than runs do.
+fn less_than_kept(job: &Job, recipe: PackRecipe, made: Option<&Made>, kept: &Kept<'_>) -> (Option<u64>, Option<f64>) {
+    let other = made.and_then(|made| kept(&Job { recipe, maps: None, ..job.clone() }, made.source));
+    let Some((made, other)) = made.zip(other) else { return (None, None) };
     let bytes = other.report.bytes_on_gpu.checked_sub(made.report.bytes_on_gpu);
     let [before, now] = [&other, made].map(|made| seconds(&made.pack_times, |_| true));
-    (bytes, Some(before - now).filter(|saved| *saved > 0.0))
+    (bytes, Some(before - now).filter(|saved| saved.abs() > LEAST_SHARE * before.max(now)))
 }
+
+/// Two runs of the same work may differ by so much of the longer one.
+const LEAST_SHARE: f64 = 0.5;
 
 /// The recipe of a material with all levels of detail that were asked for.
 fn with_all_levels(job: &Job) -> PackRecipe {
@@ -110,7 +114,7 @@ fn with_all_levels(job: &Job) -> PackRecipe {
 }
 
 /// Finer levels of detail that are not stored.
-fn levels(job: &Job, made: Option<&Made>, kept: &dyn Fn(&Job) -> Option<Made>) -> Option<Explained> {
+fn levels(job: &Job, made: Option<&Made>, kept: &Kept<'_>) -> Option<Explained> {
     let recipe = match &job.recipe {
         PackRecipe::Wavelet(recipe) => recipe,
         // Among tables there may be none whose levels the distance takes away.
@@ -138,7 +142,7 @@ fn levels(job: &Job, made: Option<&Made>, kept: &dyn Fn(&Job) -> Option<Made>) -
 }
 
 /// Coarser levels of detail of tables that are not stored.
-fn coarser_levels(job: &Job, made: Option<&Made>, kept: &dyn Fn(&Job) -> Option<Made>) -> Option<Explained> {
+fn coarser_levels(job: &Job, made: Option<&Made>, kept: &Kept<'_>) -> Option<Explained> {
     let levels = |recipe: &PackRecipe| match recipe {
         PackRecipe::Auto(recipe) => recipe.table.levels,
         PackRecipe::Table(recipe) => recipe.levels,
@@ -156,7 +160,7 @@ fn coarser_levels(job: &Job, made: Option<&Made>, kept: &dyn Fn(&Job) -> Option<
 }
 
 /// Directions that are cropped. A search makes another pack than without them.
-fn directions(job: &Job, made: Option<&Made>, kept: &dyn Fn(&Job) -> Option<Made>) -> Option<Explained> {
+fn directions(job: &Job, made: Option<&Made>, kept: &Kept<'_>) -> Option<Explained> {
     let DirectionRange { light, view } = job.needs.directions;
     if job.needs.directions.is_all() {
         return None;
@@ -220,6 +224,5 @@ fn seconds(times: &[StageTime], counts: impl Fn(&str) -> bool) -> f64 {
 fn names(uses: &[(String, Use)], which: impl Fn(&Use) -> bool) -> Option<String> {
     const NAMED: usize = 3;
     let all: Vec<&str> = uses.iter().filter(|(_, used)| which(used)).map(|(name, _)| name.as_str()).collect();
-    let more = if all.len() > NAMED { format!(" and {} more", all.len() - NAMED) } else { String::new() };
-    (!all.is_empty()).then(|| all[..all.len().min(NAMED)].join(", ") + &more)
+    (!all.is_empty()).then(|| few(&all, NAMED))
 }

@@ -59,8 +59,8 @@ pub struct Places {
     pub out: PathBuf,
 }
 
-/// Inside the store: what is done.
-const DONE: &str = "done";
+/// Inside the store: marks of what is done.
+pub const DONE: &str = "done";
 
 impl Graph {
     /// Of a plan.

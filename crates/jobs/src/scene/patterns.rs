@@ -72,7 +72,7 @@ impl Named {
     }
 
     /// The files that match, sorted. `*` and `?` match no `/` and no dot that a name begins with, `**` any folders that
-    /// are not hidden.
+    /// are neither hidden nor links.
     ///
     /// # Errors
     /// Patterns that are none, folders that cannot be read.
@@ -80,17 +80,20 @@ impl Named {
         let (base, rest) = self.split();
         let pattern = Pattern::new(&rest, &self.path())?;
         let root = if base.as_os_str().is_empty() { Path::new(".") } else { &base };
-        let walk = WalkDir::new(root).min_depth(1).max_depth(pattern.depth()).follow_links(true);
+        // Links to folders are followed as far as the pattern says how far: one upwards would lead to all files once more.
+        let walk = WalkDir::new(root).min_depth(1).max_depth(pattern.depth()).follow_links(!pattern.is_deep);
         let mut files = Vec::new();
         for entry in walk.into_iter().filter_entry(|entry| pattern.may_lead_on(entry)) {
             let entry = match entry {
                 Ok(entry) => entry,
-                // A link to nothing or to a folder above, or no folder at all.
-                Err(error) if is_nothing(&error) => continue,
-                Err(error) => return Err(unreadable(error.path().unwrap_or(root), &error)),
+                Err(error) if error.path().is_some_and(|path| path.is_dir() && error.loop_ancestor().is_none()) => {
+                    return Err(unreadable(error.path().unwrap_or(root), &error));
+                }
+                // A link that leads nowhere or round, or no folder at all.
+                Err(_) => continue,
             };
             let below = entry.path().strip_prefix(root).unwrap_or(entry.path());
-            if entry.file_type().is_file() && pattern.whole.is_match(below) {
+            if pattern.whole.is_match(below) && entry.path().is_file() {
                 files.push(base.join(below));
             }
         }
@@ -104,14 +107,8 @@ fn unreadable(path: &Path, error: &walkdir::Error) -> PatternError {
     PatternError::Io { path: path.display().to_string(), error: told }
 }
 
-fn is_nothing(error: &walkdir::Error) -> bool {
-    use std::io::ErrorKind::{NotADirectory, NotFound};
-    let kind = error.io_error().map(std::io::Error::kind);
-    error.loop_ancestor().is_some() || matches!(kind, Some(NotFound | NotADirectory))
-}
-
 fn has_wildcards(name: &OsStr) -> bool {
-    name.to_string_lossy().contains(['*', '?', '['])
+    name.to_string_lossy().contains(['*', '?', '[', '{'])
 }
 
 /// What is to be matched below a folder.
@@ -126,6 +123,10 @@ impl Pattern {
     fn new(parts: &[&OsStr], told: &Path) -> Result<Self, PatternError> {
         let texts: Option<Vec<&str>> = parts.iter().map(|part| part.to_str()).collect();
         let texts = texts.ok_or_else(|| PatternError::Text { pattern: told.display().to_string() })?;
+        if texts.contains(&"..") {
+            let problem = "with .. behind the first wildcard".to_owned();
+            return Err(PatternError::Wrong { pattern: told.display().to_string(), problem });
+        }
         let matcher = |text: &str| {
             let glob = GlobBuilder::new(text).literal_separator(true).build();
             let wrong = |error: globset::Error| PatternError::Wrong {
@@ -190,6 +191,10 @@ mod tests {
         assert_eq!(matched("x/**/e.*"), ["x/y/e.brdf"]);
         assert_eq!(matched("{a,n}.*"), ["a.brdf", "n.txt"]);
         assert!(matched("gone/*.brdf").is_empty() && matched("a.brdf/*").is_empty() && matched("x*").is_empty());
+        assert!(
+            Named::new(there.path(), "{a,x}.brdf").is_pattern() && !Named::new(there.path(), "a.brdf").is_pattern()
+        );
+        assert!(Named::new(there.path(), "*/../a.brdf").files().is_err());
         let error = Named::new(there.path(), "[a").files().unwrap_err().to_string();
         assert!(error.contains("found a wrong pattern, "), "{error}");
     }
@@ -204,6 +209,7 @@ mod tests {
         std::os::unix::fs::symlink("gone", there.path().join("dead.brdf")).unwrap();
         std::os::unix::fs::symlink(there.path(), there.path().join("round")).unwrap();
         std::os::unix::fs::symlink("a.brdf", there.path().join("link.brdf")).unwrap();
+        std::os::unix::fs::symlink("ring.brdf", there.path().join("ring.brdf")).unwrap();
         let files = Named::new(there.path(), "*.brdf").files().unwrap();
         assert_eq!(files, [there.path().join("a.brdf"), there.path().join("link.brdf"), odd]);
         assert_eq!(Named::new(there.path(), "**/*.brdf").files().unwrap().len(), 4);

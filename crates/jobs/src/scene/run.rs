@@ -217,7 +217,11 @@ impl Workshop<'_> {
     pub fn known(&self, job: &Job) -> Option<Made> {
         let known = job.input.path().and_then(|path| self.store.known(path));
         let extension = kind_of(&job.input);
-        let source = known.or_else(|| digest_of(&job.input, &extension))?;
+        self.known_of(job, known.or_else(|| digest_of(&job.input, &extension))?)
+    }
+
+    /// A material that is in the store, made of the source with this hash.
+    pub fn known_of(&self, job: &Job, source: Digest) -> Option<Made> {
         let shelf = self.look_up(job, source);
         shelf.has(job, Wanted::ALL).then(|| of_shelf(job, shelf, None))
     }

@@ -4,7 +4,7 @@ use super::gather::{Page, PageMaterial};
 use crate::flatten::AssetFile;
 
 const HEADER: &str = "material,source,codec,size,fetches,bytes_on_disk,bytes_on_gpu,delta_e_mean,delta_e_p95,relative_error,\
-                      albedo_max_difference,reciprocity,passed,error\n";
+                      albedo_max_difference,reciprocity,passed,kept,error\n";
 
 /// A line per material behind a header.
 pub fn csv(page: &Page) -> String {
@@ -28,7 +28,11 @@ pub fn csv(page: &Page) -> String {
             }
             None => fields.extend(std::iter::repeat_n(String::new(), 10)),
         }
-        fields.extend([entry.passed().to_string(), quoted(entry.error.as_deref().unwrap_or(""))]);
+        fields.extend([
+            entry.passed().to_string(),
+            entry.kept.to_string(),
+            quoted(entry.error.as_deref().unwrap_or("")),
+        ]);
         text += &(fields.join(",") + "\n");
     }
     text

@@ -74,7 +74,10 @@ fn table(page: &Page) -> Markup {
             tbody { @for material in &page.materials {
                 @let entry = &material.entry;
                 tr {
-                    td { a href={ "#" (entry.material) } { (breakable(&entry.material)) } }
+                    td {
+                        a href={ "#" (entry.material) } { (breakable(&entry.material)) }
+                        @if entry.kept { " " span.soft { "kept" } }
+                    }
                     @if let Some(report) = &entry.report {
                         @let picture = &report.off_grid.picture.delta_e;
                         td { (report.codec.name()) } td { (report.codec.size()) } td { (report.fetches) }
@@ -102,6 +105,7 @@ fn share(value: f64) -> Markup {
 fn sheet(page: &Page) -> Markup {
     html! {
         h3 { "All packs" }
+        p.soft { "ΔE of each picture; that of the table is the mean of many pairs of directions over a ball lit from everywhere." }
         div.sheet { @for material in &page.materials {
             @if let Some(thumbnails) = material.evidence.as_ref().and_then(|evidence| evidence.thumbnails.first()) {
                 figure {
@@ -132,6 +136,7 @@ fn section(material: &PageMaterial) -> Markup {
     html! {
         section.material id=(entry.material) {
             h2 { (entry.material) " " span.soft { (entry.source) } }
+            @if entry.kept { p.soft { "Made by an earlier build, and kept: the last build did not ask for it." } }
             @if let Some(error) = &entry.error { p.bad { (error) } }
             @if let Some(report) = &entry.report {
                 p {
@@ -276,7 +281,7 @@ fn checks(report: &MaterialReport) -> Markup {
         ul {
             li { "largest albedo of the pack " (format!("{over:.3}")) @if over > 1.0 { span.bad { ", more than comes in" } } }
             li { "albedo off by at most " (format!("{:.4}", off_grid.albedo_max_difference)) }
-            li { "values change by " (percent(off_grid.reciprocity)) " when light and viewer do" }
+            li { "values change by " (percent(off_grid.reciprocity)) " when light and viewer change places" }
             @for line in remarks(report) { li { (line) } }
         }
     }

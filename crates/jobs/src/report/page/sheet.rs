@@ -18,7 +18,7 @@ fn cell(PageMaterial { entry, evidence, .. }: &PageMaterial) -> Cell {
     let details = match &entry.report {
         Some(report) => {
             let size = bytes(report.bytes_on_gpu);
-            let limits = if entry.passed() { "" } else { ": not what is required" };
+            let limits = if entry.passed() { "" } else { ", missed" };
             let left_out = left_out_in_words(left_out);
             format!("{size}  mean ΔE {:.2}{left_out}{limits}", report.off_grid.picture.delta_e.mean)
         }
