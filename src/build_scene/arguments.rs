@@ -31,11 +31,11 @@ fn memory_from_text(text: &str) -> Result<u64, String> {
 ///
 /// What was made before of the same source by the same options is kept. One material that fails does not stop the
 /// others. The output folder changes at the end, all at once: report.json lists what was built into it, and files that
-/// others put there stay. An encoding option wins over the table [defaults] of a manifest, not over what a material says
+/// others put there stay. An encoding option wins over the table defaults of a manifest, not over what a material says
 /// of itself. A limit that is missed, and a gate of the manifest that stays closed, are exit code 1.
 ///
-/// Where the manifest names an environment that lights the scene (environment in [scene]), maps for adaptive shading are
-/// made too: how fast each material's lobes and the environment vary, and importance samples of the lobes.
+/// Where the manifest names an environment that lights the scene (environment in the table scene), maps for adaptive
+/// shading are made too: how fast each material's lobes and the environment vary, and importance samples of the lobes.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
