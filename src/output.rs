@@ -1,14 +1,12 @@
 //! Results to stdout, remarks to stderr.
 
 use super::{CliError, Common};
-use brdfc_jobs::scene::graph::DONE;
-use brdfc_jobs::store::FOLDER;
+use brdfc_jobs::output_folder::is_own;
 use brdfc_jobs::write::{is_standard_output, write_atomic};
 use brdfc_source::Source;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use serde::Serialize;
 use std::collections::BTreeSet;
-use std::ffi::OsStr;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -119,13 +117,9 @@ pub fn refuse_same_outputs(outputs: &[(&str, Option<&Path>)]) -> Result<(), CliE
     Ok(())
 }
 
-/// A file that is put into an output folder is called as no file of any build is, and is not in the store but where `done` marks are.
+/// A file beside a build is none of the build's own.
 pub fn refuse_own(option: &str, file: &Path, out: &Path) -> Result<(), CliError> {
-    let (place, out) = (place(file), place(out));
-    let store = out.join(FOLDER);
-    let is_builds = |extension: &OsStr| ["ktx2", "json"].iter().any(|own| extension.eq_ignore_ascii_case(own));
-    let in_store = place.starts_with(&store) && !place.starts_with(store.join(DONE));
-    if in_store || place.parent() == Some(out.as_path()) && place.extension().is_some_and(is_builds) {
+    if is_own(&place(file), &place(out)) {
         let found = file.display();
         return Err(CliError::Usage(format!(
             "{option}: found {found}, a place of the build's own files; allowed another name or folder"

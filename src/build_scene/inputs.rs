@@ -8,6 +8,7 @@ use brdfc_jobs::scene::manifest::Manifest;
 use brdfc_jobs::scene::patterns::{Named, PatternError};
 use brdfc_jobs::scene::plan::{Plan, PlanError, plan};
 use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
+use brdfc_source::words::{counted, few};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
@@ -68,11 +69,9 @@ pub(crate) fn asked(inputs: &[OsString], options: &EncodeOptions, common: Common
     }
     let found = find(&given(inputs))?;
     if !found.others.is_empty() {
-        let names = found.others.iter().take(NAMED).map(|path| path.display().to_string());
-        let more = if found.others.len() > NAMED { ", ..." } else { "" };
-        let names = names.collect::<Vec<_>>().join(", ") + more;
-        let files = if found.others.len() == 1 { "file" } else { "files" };
-        remark(common, &format!("left out, no measured materials: {} {files} ({names})", found.others.len()));
+        let names: Vec<String> = found.others.iter().map(|path| path.display().to_string()).collect();
+        let (count, names) = (counted(names.len(), "file"), few(&names, NAMED));
+        remark(common, &format!("left out, no measured materials: {count} ({names})"));
     }
     let mut manifest = manifest_of(&found.sources)?;
     manifest.defaults.options = options.clone();

@@ -52,7 +52,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
 
     let inputs = asked.files();
     prepare(&asked, out)?;
-    check_beside(arguments, plan, &inputs)?;
+    check_beside(arguments, &inputs)?;
     let interrupt = interrupt::watch()?;
     if arguments.shard.is_some() || !arguments.only.is_empty() {
         return pieces::run(arguments, plan, common, &interrupt);
@@ -86,7 +86,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
 }
 
 /// Files that are written beside the packs: neither over what is read nor over what else is written.
-fn check_beside(arguments: &Arguments, plan: &Plan, inputs: &[&Path]) -> Result<(), CliError> {
+fn check_beside(arguments: &Arguments, inputs: &[&Path]) -> Result<(), CliError> {
     let out = arguments.build.out.as_path();
     let files = [("--depfile", arguments.depfile.as_deref()), ("--stamp", arguments.stamp.as_deref())];
     refuse_same_outputs(&files)?;
@@ -95,9 +95,6 @@ fn check_beside(arguments: &Arguments, plan: &Plan, inputs: &[&Path]) -> Result<
             return Err(CliError::Usage(format!("{option}: found -; allowed a file (one of this name is ./-)")));
         }
         refuse_overwriting(option, file, inputs)?;
-        for placed in plan.files() {
-            refuse_same_outputs(&[(option, Some(file)), ("--out", Some(&out.join(placed)))])?;
-        }
         refuse_own(option, file, out)?;
     }
     arguments.depfile.as_deref().map_or(Ok(()), refuse_missing_folder)

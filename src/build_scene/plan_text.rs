@@ -3,7 +3,7 @@
 use crate::table;
 use brdfc_jobs::encode::recipe::{Budget, PackRecipe};
 use brdfc_jobs::report::build::{BuildReport, MaterialEntry, environment_map};
-use brdfc_jobs::scene::explain::Explained;
+use brdfc_jobs::scene::explain::{Explained, NOTHING};
 use brdfc_jobs::scene::maps::PARTS;
 use brdfc_jobs::scene::plan::{Plan, pack_name};
 use brdfc_jobs::scene::predict::Predicted;
@@ -14,8 +14,6 @@ use std::path::Path;
 
 /// So many names of materials are told in one line.
 pub(super) const MOST_NAMED: usize = 6;
-/// What is needed of a material that no use refers to.
-const NOTHING: &str = "nothing";
 
 /// A line for each material.
 pub(super) fn text(plan: &Plan, report: &BuildReport, out: &Path) -> String {

@@ -9,8 +9,8 @@ use brdfc_formats::direction::{DirectionPair, dot};
 use brdfc_metrics::image::LinearImage;
 use rayon::prelude::*;
 
-/// Of each pixel, whether a sample of it sees a part that is lit or seen from outside the range of its material, lit or not; `directions`
-/// has one range for each part.
+/// Of each pixel, whether a sample of it sees a part that is seen from outside the range of its material, be it lit or not, or
+/// lit from there; `directions` has one range for each part.
 ///
 /// # Panics
 /// If there are fewer ranges than parts, or hits of another frame.

@@ -64,9 +64,13 @@ fn stamps_and_rules_are_files_of_their_own() {
         (
             &["--stamp", "packs/report.json"],
             2,
-            "--stamp and --out: found packs/report.json for both; allowed different",
+            "--stamp: found packs/report.json, a place of the build's own files; allowed another",
         ),
-        (&["--depfile", "packs/a.brdf.ktx2"], 2, "--depfile and --out: found packs/a.brdf.ktx2 for both"),
+        (
+            &["--depfile", "packs/a.brdf.ktx2"],
+            2,
+            "--depfile: found packs/a.brdf.ktx2, a place of the build's own files",
+        ),
         (&["--depfile", "no/x"], 4, "no/x: cannot write: there is no folder no"),
         (&["--from", "nowhere"], 4, "--from: found nowhere; allowed a folder that 'brdfc build' filled"),
         (&["--shard", "1/1", "--stamp", "a.binary"], 2, "--stamp: found a.binary, an input; allowed another file"),

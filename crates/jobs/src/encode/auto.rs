@@ -49,7 +49,7 @@ pub(super) fn search(
     recipe: &AutoRecipe,
     shelf: &dyn TableShelf,
     progress: &dyn Progress,
-) -> Result<EncodedPack, PackError> {
+) -> Result<(EncodedPack, Reference), PackError> {
     let budget = recipe.budget;
     let fewest = fewest_fetches(source) + u32::from(recipe.tables == Tables::Factored);
     if let Some(allowed) = budget.fetches
@@ -276,14 +276,14 @@ impl Search<'_> {
         excess
     }
 
-    fn finish(self) -> EncodedPack {
+    fn finish(self) -> (EncodedPack, Reference) {
         let (excess, mut made) = self.best.expect("a table was made, or why not was returned");
         made.missed = (excess > 1.0).then(|| missed(&self.recipe.budget, &made.off_grid));
         if self.recipe.table.reciprocal {
             made.averaging = Some(AveragingCost::of(self.source, &self.reference));
         }
         made.tried = self.tried;
-        made
+        (made, self.reference)
     }
 }
 

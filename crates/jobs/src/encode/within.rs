@@ -8,7 +8,6 @@ use super::tables::TableShelf;
 use brdfc_formats::BrdfPack;
 use brdfc_formats::crop::{Crop, DirectionRange};
 use brdfc_metrics::compare::Reference;
-use brdfc_metrics::sampling::PairSet;
 use brdfc_source::progress::{Progress, Stage};
 use brdfc_source::{Source, TableSource};
 use brdfc_table::crop::window;
@@ -30,7 +29,7 @@ pub(super) fn search_within(
     progress: &dyn Progress,
 ) -> Result<EncodedPack, PackError> {
     let directions = recipe.table.directions;
-    let made = search(source, recipe, shelf, progress)?;
+    let (made, reference) = search(source, recipe, shelf, progress)?;
     if directions.is_all() || !source.directions().is_all() || !recipe.budget.limits_error() {
         return Ok(made);
     }
@@ -40,14 +39,15 @@ pub(super) fn search_within(
     match of_all_directions(source, recipe, &made, progress)? {
         Some(whole) => {
             progress.check()?;
-            Ok(smaller(source, recipe, made, &whole))
+            Ok(smaller(&reference, recipe, made, &whole))
         }
         None => Ok(made),
     }
 }
 
 /// What was made within a range, or what was made of all directions, cropped, where that meets the limits there and is smaller.
-fn smaller(source: &dyn Source, recipe: &AutoRecipe, mut made: EncodedPack, whole: &EncodedPack) -> EncodedPack {
+/// The reference is that of the range.
+fn smaller(reference: &Reference, recipe: &AutoRecipe, mut made: EncodedPack, whole: &EncodedPack) -> EncodedPack {
     let directions = recipe.table.directions;
     made.of_all_directions = Some(whole.pack.gpu_bytes());
     let (BrdfPack::Table(pack), CodecReport::Table(TableReport { asymmetry, .. })) = (&whole.pack, &whole.codec) else {
@@ -58,7 +58,7 @@ fn smaller(source: &dyn Source, recipe: &AutoRecipe, mut made: EncodedPack, whol
     if made.missed.is_none() && pack.gpu_bytes() >= made.pack.gpu_bytes() {
         return made;
     }
-    let off_grid = Reference::new(source, PairSet::within(directions)).compare(&TableSource::new(&pack));
+    let off_grid = reference.compare(&TableSource::new(&pack));
     measured(&mut pack, &off_grid);
     let over = excess(&recipe.budget, &off_grid);
     let bytes = pack.to_bytes(recipe.table.supercompress);
@@ -88,7 +88,7 @@ fn of_all_directions(
     }
     progress.stage(Stage::Try, 1)?;
     match search(source, &recipe, &(), &Within(progress)) {
-        Ok(whole) => Ok(Some(whole).filter(|whole| whole.missed.is_none())),
+        Ok((whole, _)) => Ok(Some(whole).filter(|whole| whole.missed.is_none())),
         // Limits may have no meaning over all directions; the range has its pack all the same.
         Err(PackError::Cancelled(cancelled)) => Err(PackError::Cancelled(cancelled)),
         Err(_) => Ok(None),
@@ -106,6 +106,7 @@ mod tests {
     use crate::encode::recipe::Budget;
     use crate::report::material::{MaterialReport, remarks};
     use brdfc_formats::crop::Elevations;
+    use brdfc_metrics::sampling::PairSet;
     use brdfc_source::address::parse_synth;
     use brdfc_source::open::open;
 
@@ -134,7 +135,7 @@ mod tests {
         let directions = recipe.table.directions;
         let mut everywhere = recipe.clone();
         everywhere.table.directions = DirectionRange::ALL;
-        let whole = search(source, &everywhere, &(), &()).expect("a pack").pack;
+        let whole = search(source, &everywhere, &(), &()).expect("a pack").0.pack;
         let BrdfPack::Table(pack) = whole else { panic!("only tables are tried") };
         let window = window(pack.header(), directions);
         let pack = pack.cropped(Crop { directions, window }).expect("within the table");
@@ -167,9 +168,12 @@ mod tests {
         let source = parse_synth("synth:ggx?kd=0.3,0.2,0.1&f0=0.04&alpha=0.3").expect("an address");
         let directions = range([20.0, 90.0], [35.0, 90.0]);
         let large = || search(source.as_ref(), &recipe(directions, 0.05), &(), &()).expect("a pack");
-        let whole = search(source.as_ref(), &recipe(DirectionRange::ALL, 0.5), &(), &()).expect("a pack");
-        let of_limit = |delta_e: f64| smaller(source.as_ref(), &recipe(directions, delta_e), large(), &whole);
-        let (taken, kept, before) = (of_limit(2.0), of_limit(0.05), large());
+        let (whole, _) = search(source.as_ref(), &recipe(DirectionRange::ALL, 0.5), &(), &()).expect("a pack");
+        let of_limit = |delta_e: f64| {
+            let (made, reference) = large();
+            smaller(&reference, &recipe(directions, delta_e), made, &whole)
+        };
+        let (taken, kept, before) = (of_limit(2.0), of_limit(0.05), large().0);
         assert!(taken.pack.gpu_bytes() < before.pack.gpu_bytes() && taken.pack.directions() == directions);
         assert!(taken.off_grid.picture.delta_e.mean <= 2.0 && taken.tried.len() == before.tried.len() + 1);
         let [bytes, _] = [&taken, &kept].map(|made| made.of_all_directions);

@@ -7,7 +7,7 @@
 mod journal;
 mod placed;
 
-use crate::store::{Digest, Store, StoreError, read_record, write_record};
+use crate::store::{DONE, Digest, FOLDER, Store, StoreError, read_record, write_record};
 use journal::Journal;
 use placed::{PLACED, Placed, Placements};
 use std::collections::{BTreeMap, BTreeSet};
@@ -160,10 +160,17 @@ impl OutputFolder {
     ///
     /// # Errors
     /// The first that is.
-    pub fn refuse_removing(&self, inputs: &[&Path], names: &[String]) -> Result<(), FolderError> {
-        let read: BTreeSet<PathBuf> = inputs.iter().filter_map(|input| input.canonicalize().ok()).collect();
-        let is_read = |name: &&String| self.path.join(name).canonicalize().is_ok_and(|path| read.contains(&path));
-        match self.placements.files.keys().filter(|name| !names.contains(name)).find(is_read) {
+    pub fn refuse_removing<'a>(
+        &self,
+        inputs: impl Iterator<Item = &'a Path>,
+        names: &BTreeSet<&str>,
+    ) -> Result<(), FolderError> {
+        let mut removed = self.placements.files.keys().filter(|name| !names.contains(name.as_str())).peekable();
+        if removed.peek().is_none() {
+            return Ok(());
+        }
+        let read: BTreeSet<PathBuf> = inputs.filter_map(|input| input.canonicalize().ok()).collect();
+        match removed.find(|name| self.path.join(name).canonicalize().is_ok_and(|path| read.contains(&path))) {
             Some(name) => Err(FolderError::Input { path: self.path.join(name).display().to_string() }),
             None => Ok(()),
         }
@@ -233,6 +240,15 @@ impl OutputFolder {
         self.placements = placements;
         Ok(changes)
     }
+}
+
+/// Whether a place is one of a build's own in an output folder, both without links: it is called as packs and reports are, or is
+/// in the store, but where marks of what is done are.
+pub fn is_own(place: &Path, out: &Path) -> bool {
+    const OWN: [&str; 2] = ["ktx2", "json"];
+    let store = out.join(FOLDER);
+    let is_called_so = place.extension().is_some_and(|found| OWN.iter().any(|own| found.eq_ignore_ascii_case(own)));
+    place.parent() == Some(out) && is_called_so || place.starts_with(&store) && !place.starts_with(store.join(DONE))
 }
 
 /// Waits until no other process moves files.

@@ -1,5 +1,4 @@
 use super::*;
-use crate::store::FOLDER;
 
 fn bytes(name: &str, text: &str) -> NewFile {
     NewFile { name: name.to_owned(), contents: Contents::Bytes(text.as_bytes().to_vec()) }

@@ -11,7 +11,7 @@ use crate::scene::scene_section::ENVIRONMENT;
 use crate::store::Digest;
 use brdfc_bandwidth::facts::BandwidthFacts;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Layout of the report of a build.
@@ -180,13 +180,18 @@ impl BuildReport {
         self
     }
 
-    /// What of this report stays beside materials of these names: those that are called otherwise, whatever the case, and
-    /// whose files are all there; the environment, where there is none beside it.
+    /// What of this report stays beside materials of these names, which are in lower case: those that are called otherwise,
+    /// whatever the case, and whose files are all there; the environment, where there is none beside it.
     #[must_use]
-    pub fn kept_beside(mut self, asked: &[&str], environment: bool, there: &BTreeMap<String, Digest>) -> Self {
+    pub fn kept_beside(
+        mut self,
+        asked: &BTreeSet<String>,
+        environment: bool,
+        there: &BTreeMap<String, Digest>,
+    ) -> Self {
         let is_there = |file: &FileEntry| there.get(&file.file) == Some(&file.blake3);
         let is_kept = |entry: &MaterialEntry| {
-            let is_asked_for = asked.iter().any(|name| name.eq_ignore_ascii_case(&entry.material));
+            let is_asked_for = asked.contains(&entry.material.to_ascii_lowercase());
             !is_asked_for && !entry.files.is_empty() && entry.files.iter().all(is_there)
         };
         self.materials.retain(is_kept);

@@ -128,7 +128,7 @@ pub fn remarks(report: &MaterialReport) -> Vec<String> {
     }
     if let Some(all) = report.of_all_directions.filter(|all| *all < report.bytes_on_gpu) {
         lines.push(format!(
-            "the limit is held over the directions that occur, which is harder than over all: {}, of all directions {}",
+            "the limit is held over the directions that occur, which is harder than over all: it takes {} instead of {}",
             bytes(report.bytes_on_gpu),
             bytes(all)
         ));

@@ -6,7 +6,7 @@ use super::patterns::{Named, PatternError};
 use brdfc_formats::measured::scan_csv::{ANGLE_COLUMNS, VECTOR_COLUMNS};
 use brdfc_source::address;
 use brdfc_source::open::{FORMATS, files_but_for};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::{OsStr, OsString};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -77,6 +77,7 @@ pub struct Found {
 /// Folders that cannot be listed, or hold no material; patterns that nothing matches.
 pub fn find(inputs: &[Named]) -> Result<Found, BatchError> {
     let mut found = Found::default();
+    let mut seen = BTreeSet::new();
     for input in inputs {
         let path = input.path();
         let several = if address_of(path.as_os_str()).is_some() {
@@ -92,9 +93,8 @@ pub fn find(inputs: &[Named]) -> Result<Found, BatchError> {
         };
         for source in several {
             // `./a` is `a`.
-            let plain =
-                |source: &OsString| Path::new(source).strip_prefix("./").map(Path::to_owned).unwrap_or(source.into());
-            if !found.sources.iter().any(|other| plain(other) == plain(&source)) {
+            let path = Path::new(&source);
+            if seen.insert(path.strip_prefix("./").unwrap_or(path).to_owned()) {
                 found.sources.push(source);
             }
         }
@@ -162,14 +162,10 @@ fn matching(pattern: &Named) -> Result<Vec<OsString>, BatchError> {
     let (built, files): (Vec<PathBuf>, Vec<PathBuf>) = pattern.files()?.into_iter().partition(|path| is_built(path));
     if files.is_empty() {
         let allowed = "a file, or a pattern such as scans/*.binary that files match".to_owned();
-        let (place, found) = (
-            pattern.path().display().to_string(),
-            match built.len() {
-                0 => "no file that matches".to_owned(),
-                _ => "packs of a build alone, which are taken by name".to_owned(),
-            },
-        );
-        return Err(BatchError::Nothing { place, found, allowed });
+        let found =
+            if built.is_empty() { "no file that matches" } else { "packs of a build alone, which are taken by name" };
+        let place = pattern.path().display().to_string();
+        return Err(BatchError::Nothing { place, found: found.to_owned(), allowed });
     }
     Ok(files.into_iter().map(OsString::from).collect())
 }

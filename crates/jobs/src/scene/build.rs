@@ -8,12 +8,11 @@ use crate::output_folder::{Changes, Contents, FolderError, NewFile, OutputFolder
 use crate::report::build::{BuildReport, environment_map};
 use crate::report::material::{MaterialReport, StageTime};
 use crate::scene::maps::MapsReport;
-use crate::store::Digest;
-use crate::store::{FOLDER, Store, StoreError, read_record, write_record};
+use crate::store::{Digest, FOLDER, Store, StoreError, read_record, write_record};
 use brdfc_source::progress::{Cancelled, Progress};
 use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
@@ -97,11 +96,12 @@ pub fn build(plan: &Plan, settings: &BuildSettings<'_>, progress: &dyn Progress)
         folder.also_placed(report.files().map(|file| (file.file.clone(), file.blake3)));
     }
     let names: Vec<String> = plan.files().collect();
-    let stays = kept(plan, settings, &folder.there()).map_or(Vec::new(), |kept| files_of(&kept));
-    let named: Vec<String> = names.iter().cloned().chain(stays).collect();
-    folder.refuse_removing(&plan.sources().collect::<Vec<_>>(), &named)?;
+    let there = folder.there();
+    let stays = kept(plan, settings, &there).map_or(Vec::new(), |kept| files_of(&kept));
+    let named: BTreeSet<&str> = names.iter().chain(&stays).map(String::as_str).collect();
+    folder.refuse_removing(plan.sources(), &named)?;
     folder.refuse_foreign(names.iter().map(String::as_str), settings.force)?;
-    let placed = folder.unchanged();
+    let placed: BTreeSet<Digest> = there.into_values().collect();
     let workshop = Workshop { store: &store, placed: &placed, memory: settings.memory, fail_fast: settings.fail_fast };
     let outcomes = run(plan, &workshop, progress);
     if outcomes.errors().any(|error| matches!(error, JobError::Cancelled(_))) {
@@ -137,7 +137,7 @@ pub fn build(plan: &Plan, settings: &BuildSettings<'_>, progress: &dyn Progress)
 /// What stays of the build before, where that was asked for.
 fn kept(plan: &Plan, settings: &BuildSettings<'_>, there: &BTreeMap<String, Digest>) -> Option<BuildReport> {
     let earlier = if settings.keep { earlier_report(settings.out) } else { None };
-    let asked: Vec<&str> = plan.jobs.iter().map(|job| job.name.as_str()).collect();
+    let asked: BTreeSet<String> = plan.jobs.iter().map(|job| job.name.to_ascii_lowercase()).collect();
     Some(earlier?.kept_beside(&asked, plan.environment.is_some(), there))
 }
 

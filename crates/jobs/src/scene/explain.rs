@@ -28,7 +28,8 @@ pub struct Explained {
     /// it, or the mean of other materials of this build.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub saved_bytes: Option<u64>,
-    /// Seconds of work that are saved, likewise; below zero where the need costs some. Of two runs only what they differ by for sure.
+    /// Seconds of work that are saved, likewise; below zero where the need costs some. Of two runs only where they differ for
+    /// sure.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub saved_seconds: Option<f64>,
 }
@@ -60,7 +61,7 @@ pub fn explain(plan: &Plan, made: &BTreeMap<&str, &Made>, kept: &Kept<'_>) -> Ve
     for name in &plan.skipped {
         let none = Explained {
             material: name.clone(),
-            need: "nothing".to_owned(),
+            need: NOTHING.to_owned(),
             why: "no use refers to it".to_owned(),
             saved_bytes: packs.map(|mean| mean.bytes),
             saved_seconds: packs.map(|mean| mean.seconds),
@@ -90,6 +91,9 @@ fn said(job: &Job, need: &str, why: &str) -> Explained {
     let (material, need, why) = (job.name.clone(), need.to_owned(), why.to_owned());
     Explained { material, need, why, saved_bytes: None, saved_seconds: None }
 }
+
+/// What is needed of a material that no use refers to.
+pub const NOTHING: &str = "nothing";
 
 /// A material of another recipe, made of the source with this hash, if it was made before.
 pub type Kept<'a> = dyn Fn(&Job, Digest) -> Option<Made> + 'a;

@@ -2,6 +2,7 @@
 //! all in place.
 
 use super::plan::Plan;
+use crate::store::{DONE, FOLDER};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -59,13 +60,10 @@ pub struct Places {
     pub out: PathBuf,
 }
 
-/// Inside the store: marks of what is done.
-pub const DONE: &str = "done";
-
 impl Graph {
     /// Of a plan.
     pub fn new(plan: &Plan, places: &Places) -> Self {
-        let stamp = |name: &str| places.out.join(crate::store::FOLDER).join(DONE).join(name).display().to_string();
+        let stamp = |name: &str| places.out.join(FOLDER).join(DONE).join(name).display().to_string();
         let build = |more: &[&str]| {
             let mut command = vec![places.program.clone(), "build".to_owned()];
             command.extend(places.inputs.iter().cloned());

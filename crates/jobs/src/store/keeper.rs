@@ -14,6 +14,8 @@ use std::time::{Duration, SystemTime};
 
 /// The store's folder, inside the output folder. It may be deleted at any time.
 pub const FOLDER: &str = ".brdfc-cache";
+/// Inside it: marks of what is done.
+pub const DONE: &str = "done";
 const ENTRIES: &str = "entries";
 const OBJECTS: &str = "objects";
 const SOURCES: &str = "sources";

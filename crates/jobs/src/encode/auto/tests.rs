@@ -4,7 +4,7 @@ use brdfc_table::levels::MOST_LEVELS;
 
 fn searched(address: &str, budget: Budget) -> EncodedPack {
     let source = parse_synth(address).unwrap();
-    search(source.as_ref(), &AutoRecipe { budget, ..AutoRecipe::default() }, &(), &()).unwrap()
+    search(source.as_ref(), &AutoRecipe { budget, ..AutoRecipe::default() }, &(), &()).unwrap().0
 }
 
 const NONE: Budget = Budget { delta_e: None, error: None, bytes: None, fetches: None };
@@ -48,7 +48,7 @@ fn any_number_of_levels_is_searched() {
         for bytes in [None, Some(2048)] {
             let budget = Budget { bytes, ..Budget::default() };
             let recipe = AutoRecipe { budget, table: table.clone(), tables: Tables::Factored, wavelet: None };
-            let made = search(source.as_ref(), &recipe, &(), &()).unwrap();
+            let (made, _) = search(source.as_ref(), &recipe, &(), &()).unwrap();
             assert!(made.pack.levels() == MOST_LEVELS && made.pack.gpu_bytes() <= bytes.unwrap_or(LARGEST));
         }
     }
@@ -61,7 +61,8 @@ fn few_bytes_hold_a_table() {
     assert!(made.pack.gpu_bytes() <= 200 && made.tried.iter().all(|trial| trial.codec == "table"));
     let none = Budget { bytes: Some(100), ..NONE };
     let source = parse_synth("synth:ggx").unwrap();
-    let refused = search(source.as_ref(), &AutoRecipe { budget: none, ..AutoRecipe::default() }, &(), &());
+    let refused =
+        search(source.as_ref(), &AutoRecipe { budget: none, ..AutoRecipe::default() }, &(), &()).map(|(made, _)| made);
     assert!(matches!(refused, Err(PackError::Table(EncodeError::TooFewBytes { .. }))), "{refused:?}");
 }
 
@@ -71,7 +72,7 @@ fn stalled_searches_stop() {
     let one_way = brdfc_testing::wrapped::OneWay(parse_synth("synth:ggx?kd=0.3,0.1,0.05&alpha=0.3").unwrap());
     let table = TableRecipe { reciprocal: true, ..TableRecipe::default() };
     let recipe = AutoRecipe { table, wavelet: None, ..AutoRecipe::default() };
-    let made = search(&one_way, &recipe, &(), &()).unwrap();
+    let (made, _) = search(&one_way, &recipe, &(), &()).unwrap();
     assert!(made.missed.is_some() && made.pack.gpu_bytes() < LARGEST / 4, "{:?}", made.tried);
 }
 

@@ -105,7 +105,7 @@ fn share(value: f64) -> Markup {
 fn sheet(page: &Page) -> Markup {
     html! {
         h3 { "All packs" }
-        p.soft { "ΔE of each picture; that of the table is the mean of many pairs of directions over a ball lit from everywhere." }
+        p.soft { "ΔE of each picture; that of the table is of a ball under each of three distant lights." }
         div.sheet { @for material in &page.materials {
             @if let Some(thumbnails) = material.evidence.as_ref().and_then(|evidence| evidence.thumbnails.first()) {
                 figure {
