@@ -46,6 +46,7 @@ pub(super) fn moved(source: &str, group: u32, first: u32) -> String {
 pub(super) fn texture_format(format: TexelFormat) -> TextureFormat {
     match format {
         TexelFormat::R8Unorm => TextureFormat::R8Unorm,
+        TexelFormat::Rg8Unorm => TextureFormat::Rg8Unorm,
         TexelFormat::Rgba8Unorm => TextureFormat::Rgba8Unorm,
         TexelFormat::R16Unorm => TextureFormat::R16Unorm,
         TexelFormat::R16Float => TextureFormat::R16Float,

@@ -200,7 +200,7 @@ pub fn textures() -> Vec<(String, Texture)> {
             texels.fill_with(|| numbers.bits() as u8);
             let note = vec![7; textures.len() % 5];
             let entries = BTreeMap::from([("brdfc.note".to_owned(), note), ("brdfc.other".to_owned(), vec![1, 0])]);
-            textures.push((format!("{format:?}, {extent}"), Texture { format, extent, entries, texels }));
+            textures.push((format!("{format:?}, {extent}"), Texture { format, extent, entries, levels: 1, texels }));
         }
     }
     textures

@@ -226,7 +226,8 @@ impl BandwidthMap {
         ];
         let header = words.into_iter().flat_map(u32::to_le_bytes).collect();
         let (extent, entries) = (Extent::D2(self.size), BTreeMap::from([(BANDWIDTH_ENTRY.to_owned(), header)]));
-        Texture { format: TexelFormat::R16Float, extent, entries, texels: self.texel_bytes() }.to_bytes(supercompress)
+        Texture { format: TexelFormat::R16Float, extent, entries, levels: 1, texels: self.texel_bytes() }
+            .to_bytes(supercompress)
     }
 
     /// Reads and checks a KTX2 file.

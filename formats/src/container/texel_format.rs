@@ -6,6 +6,8 @@
 pub enum TexelFormat {
     /// One component of 8 bits, `VK_FORMAT_R8_UNORM`.
     R8Unorm,
+    /// Two components of 8 bits, `VK_FORMAT_R8G8_UNORM`.
+    Rg8Unorm,
     /// Four components of 8 bits, `VK_FORMAT_R8G8B8A8_UNORM`.
     Rgba8Unorm,
     /// One component of 16 bits, `VK_FORMAT_R16_UNORM`.
@@ -30,8 +32,9 @@ pub enum TexelFormat {
 
 impl TexelFormat {
     /// Every format.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::R8Unorm,
+        Self::Rg8Unorm,
         Self::Rgba8Unorm,
         Self::R16Unorm,
         Self::R16Float,
@@ -47,7 +50,7 @@ impl TexelFormat {
     pub fn components(self) -> usize {
         match self {
             Self::R8Unorm | Self::R16Unorm | Self::R16Float | Self::Rgb9E5 | Self::Rgb10A2Unorm => 1,
-            Self::Rg32Float => 2,
+            Self::Rg8Unorm | Self::Rg32Float => 2,
             Self::Rgba8Unorm | Self::Rgba16Unorm | Self::Rgba16Float | Self::Rgba32Float => 4,
         }
     }
@@ -55,7 +58,7 @@ impl TexelFormat {
     /// Bytes per word: 1, 2 or 4.
     pub fn component_bytes(self) -> usize {
         match self {
-            Self::R8Unorm | Self::Rgba8Unorm => 1,
+            Self::R8Unorm | Self::Rg8Unorm | Self::Rgba8Unorm => 1,
             Self::R16Unorm | Self::R16Float | Self::Rgba16Unorm | Self::Rgba16Float => 2,
             Self::Rg32Float | Self::Rgba32Float | Self::Rgb9E5 | Self::Rgb10A2Unorm => 4,
         }
@@ -69,6 +72,7 @@ impl TexelFormat {
     pub(super) fn vulkan(self) -> ktx2::Format {
         match self {
             Self::R8Unorm => ktx2::Format::R8_UNORM,
+            Self::Rg8Unorm => ktx2::Format::R8G8_UNORM,
             Self::Rgba8Unorm => ktx2::Format::R8G8B8A8_UNORM,
             Self::R16Unorm => ktx2::Format::R16_UNORM,
             Self::R16Float => ktx2::Format::R16_SFLOAT,

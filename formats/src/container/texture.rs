@@ -5,6 +5,7 @@
 
 use super::texel_format::TexelFormat;
 use crate::{FormatError, memory};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -43,6 +44,31 @@ impl Extent {
             Self::D2(sides) => sides.into_iter().map(u64::from).product(),
             Self::D2Array(sides) | Self::D3(sides) => sides.into_iter().map(u64::from).product(),
         }
+    }
+
+    /// The extent of a mipmap level, 0 the finest: each side halved as often, rounded down, 1 at least.
+    pub fn level(self, level: u32) -> Self {
+        let side = |side: u32| side.checked_shr(level).unwrap_or(0).max(1);
+        match self {
+            Self::D2(sides) => Self::D2(sides.map(side)),
+            Self::D2Array([width, height, layers]) => Self::D2Array([side(width), side(height), layers]),
+            Self::D3(sides) => Self::D3(sides.map(side)),
+        }
+    }
+
+    /// Mipmap levels down to the one of a single texel.
+    pub fn most_levels(self) -> u32 {
+        let largest = match self {
+            Self::D2(sides) => sides.into_iter().max(),
+            Self::D2Array([width, height, _]) => Some(width.max(height)),
+            Self::D3(sides) => sides.into_iter().max(),
+        };
+        largest.unwrap_or(1).max(1).ilog2() + 1
+    }
+
+    /// Texels of the finest `levels` levels together.
+    pub fn texels_of_levels(self, levels: u32) -> u64 {
+        (0..levels).map(|level| self.level(level).texels()).sum()
     }
 
     /// Width, height, depth and layer count of the header; 0 is the depth and the layer count of what has none.
@@ -98,7 +124,7 @@ impl fmt::Display for Extent {
     }
 }
 
-/// A texture of one level, and its entries.
+/// A texture, and its entries.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Texture {
     /// How a texel is stored.
@@ -107,7 +133,9 @@ pub struct Texture {
     pub extent: Extent,
     /// Key/value entries named `brdfc.*`; the container adds its own `KTX*` entries.
     pub entries: BTreeMap<String, Vec<u8>>,
-    /// Texels, x fastest, then y, then z or the layer; little-endian components.
+    /// Mipmap levels, 1 to as many as [`Extent::most_levels`] allows.
+    pub levels: u32,
+    /// Texels, x fastest, then y, then z or the layer, then the level from the finest; little-endian components.
     pub texels: Vec<u8>,
 }
 
@@ -115,24 +143,52 @@ impl Texture {
     /// The bytes of the file.
     ///
     /// # Panics
-    /// When `texels` does not have the length that format and extent call for: a mistake of the caller.
+    /// When `texels` does not have the length that format, extent and levels call for: a mistake of the caller.
     pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
         let [width, height, depth, layers] = self.extent.fields();
         let texel_bytes = self.format.texel_bytes();
-        let length = self.extent.texels() * texel_bytes as u64;
+        assert!((1..=self.extent.most_levels()).contains(&self.levels), "{} levels", self.levels);
+        let length = self.extent.texels_of_levels(self.levels) * texel_bytes as u64;
         assert_eq!(self.texels.len() as u64, length, "texel data has the wrong length");
 
-        let compressed = supercompress
-            .then(|| zstd::bulk::compress(&self.texels, ZSTD_LEVEL).expect("compression into memory does not fail"));
-        let level: &[u8] = compressed.as_deref().unwrap_or(&self.texels);
+        let mut rest = &self.texels[..];
+        let levels: Vec<(Cow<'_, [u8]>, usize)> = (0..self.levels)
+            .map(|level| {
+                let length = (self.extent.level(level).texels() * texel_bytes as u64) as usize;
+                let (texels, coarser) = rest.split_at(length);
+                rest = coarser;
+                let stored = if supercompress {
+                    let frame = zstd::bulk::compress(texels, ZSTD_LEVEL);
+                    Cow::Owned(frame.expect("compression into memory does not fail"))
+                } else {
+                    Cow::Borrowed(texels)
+                };
+                (stored, length)
+            })
+            .collect();
         let descriptor = self.format.descriptor();
         let entries = self.entry_bytes();
 
-        let descriptor_offset = ktx2::Header::LENGTH + ktx2::LevelIndex::LENGTH;
+        let descriptor_offset = ktx2::Header::LENGTH + levels.len() * ktx2::LevelIndex::LENGTH;
         let entries_offset = descriptor_offset + descriptor.len();
         // Levels are aligned to whole texels and 4 bytes, unless supercompressed; all our texel sizes are powers of two.
         let alignment = if supercompress { 1 } else { texel_bytes.max(4) };
-        let level_offset = (entries_offset + entries.len()).next_multiple_of(alignment);
+        let mut end = entries_offset + entries.len();
+        // The coarsest level comes first.
+        let mut index: Vec<ktx2::LevelIndex> = levels
+            .iter()
+            .rev()
+            .map(|(stored, length)| {
+                let offset = end.next_multiple_of(alignment);
+                end = offset + stored.len();
+                ktx2::LevelIndex {
+                    byte_offset: offset as u64,
+                    byte_length: stored.len() as u64,
+                    uncompressed_byte_length: *length as u64,
+                }
+            })
+            .collect();
+        index.reverse();
 
         let header = ktx2::Header {
             format: Some(self.format.vulkan()),
@@ -142,7 +198,7 @@ impl Texture {
             pixel_depth: depth,
             layer_count: layers,
             face_count: 1,
-            level_count: 1,
+            level_count: self.levels,
             supercompression_scheme: supercompress.then_some(ktx2::SupercompressionScheme::Zstandard),
             index: ktx2::Index {
                 dfd_byte_offset: descriptor_offset as u32,
@@ -153,18 +209,15 @@ impl Texture {
                 sgd_byte_length: 0,
             },
         };
-        let index = ktx2::LevelIndex {
-            byte_offset: level_offset as u64,
-            byte_length: level.len() as u64,
-            uncompressed_byte_length: self.texels.len() as u64,
-        };
-        let mut bytes = Vec::with_capacity(level_offset + level.len());
+        let mut bytes = Vec::with_capacity(end);
         bytes.extend_from_slice(&header.as_bytes());
-        bytes.extend_from_slice(&index.as_bytes());
+        index.iter().for_each(|level| bytes.extend_from_slice(&level.as_bytes()));
         bytes.extend_from_slice(&descriptor);
         bytes.extend_from_slice(&entries);
-        bytes.resize(level_offset, 0);
-        bytes.extend_from_slice(level);
+        for ((stored, _), place) in levels.iter().zip(&index).rev() {
+            bytes.resize(place.byte_offset as usize, 0);
+            bytes.extend_from_slice(stored);
+        }
         bytes
     }
 
@@ -189,7 +242,7 @@ impl Texture {
     ///
     /// # Errors
     /// Anything that is not a 2D texture, 2D array or 3D texture of one level in one of the [`TexelFormat`]s,
-    /// uncompressed or with Zstandard.
+    /// uncompressed or with Zstandard. Mipmaps are for [`PackedTexture::unpack_levels`].
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
         Self::from_bytes_within(bytes, MAX_TEXEL_BYTES)
     }
@@ -216,6 +269,8 @@ pub struct PackedTexture<'a> {
     pub extent: Extent,
     /// Key/value entries named `brdfc.*`.
     pub entries: BTreeMap<String, Vec<u8>>,
+    /// Mipmap levels.
+    pub levels: u32,
     scheme: u32,
     reader: ktx2::Reader<&'a [u8]>,
 }
@@ -243,7 +298,7 @@ impl<'a> PackedTexture<'a> {
                 12,
                 "vkFormat",
                 header.format.map_or("undefined or unknown".to_owned(), |f| f.value().to_string()),
-                "9, 37, 70, 76, 91, 97, 103, 109 or 123",
+                "9, 16, 37, 64, 70, 76, 91, 97, 103, 109 or 123",
             )
         })?;
         check_descriptor(bytes, &header.index, format)?;
@@ -253,11 +308,15 @@ impl<'a> PackedTexture<'a> {
         for (offset, field, found, allowed) in [
             (16, "typeSize", header.type_size, format.component_bytes() as u32),
             (36, "faceCount", header.face_count, 1),
-            (40, "levelCount", header.level_count, 1),
         ] {
             if found != allowed {
                 return Err(FormatError::at_byte(offset, field, found.to_string(), allowed.to_string()));
             }
+        }
+        let most = extent.most_levels();
+        if !(1..=most).contains(&header.level_count) {
+            let allowed = if most == 1 { "1".to_owned() } else { format!("1 to {most}") };
+            return Err(FormatError::at_byte(40, "levelCount", header.level_count.to_string(), allowed));
         }
         let mut entries = BTreeMap::new();
         for (key, value) in reader.key_value_data().filter(|(key, _)| key.starts_with("brdfc.")) {
@@ -266,66 +325,109 @@ impl<'a> PackedTexture<'a> {
             }
         }
         let scheme = u32::from_le_bytes([bytes[44], bytes[45], bytes[46], bytes[47]]);
-        Ok(Self { format, extent, entries, scheme, reader })
+        Ok(Self { format, extent, entries, levels: header.level_count, scheme, reader })
     }
 
-    /// Bytes of texels on a GPU.
+    /// Bytes of texels on a GPU, of all levels.
     pub fn texel_bytes(&self) -> u64 {
-        self.extent.texels() * self.format.texel_bytes() as u64
+        self.extent.texels_of_levels(self.levels) * self.format.texel_bytes() as u64
     }
 
     /// Unpacks texels of at most `limit` bytes: known before.
     ///
     /// # Errors
-    /// More texels; texels that are not as the rest says.
+    /// More than one level; more texels; texels that are not as the rest says.
     pub fn unpack(self, limit: u64) -> Result<Texture, FormatError> {
+        if self.levels != 1 {
+            return Err(FormatError::at_byte(40, "levelCount", self.levels.to_string(), "1"));
+        }
+        self.unpack_levels(limit)
+    }
+
+    /// [`Self::unpack`] of all mipmap levels.
+    ///
+    /// # Errors
+    /// More texels; texels that are not as the rest says.
+    pub fn unpack_levels(self, limit: u64) -> Result<Texture, FormatError> {
         let size = self.texel_bytes();
         let limit = limit.min(MAX_TEXEL_BYTES);
         if size > limit {
             let allowed = format!("at most {limit}");
             return Err(FormatError::at_byte(20, "texture", format!("{size} bytes of texels"), allowed));
         }
-        let level = self.reader.levels().next().expect("levelCount is 1");
-        let texels = texels(&level, self.scheme, size)?;
-        Ok(Texture { format: self.format, extent: self.extent, entries: self.entries, texels })
+        let level_bytes = |number: usize| self.extent.level(number as u32).texels() * self.format.texel_bytes() as u64;
+        for (number, level) in self.reader.levels().enumerate() {
+            check_level(&level, number, self.scheme, level_bytes(number))?;
+        }
+        let mut texels = memory::reserved("texels", size as usize)?;
+        for (number, level) in self.reader.levels().enumerate() {
+            unpack_level(&level, number, self.scheme, level_bytes(number), &mut texels)?;
+        }
+        let Self { format, extent, entries, levels, .. } = self;
+        Ok(Texture { format, extent, entries, levels, texels })
     }
 }
 
-fn texels(level: &ktx2::Level<'_>, scheme: u32, size: u64) -> Result<Vec<u8>, FormatError> {
+/// What a level with wrong Zstandard data is told as.
+fn wrong_frame(number: usize, found: String, size: u64) -> FormatError {
+    FormatError::whole(format!("level {number}"), found, format!("Zstandard data of {size} bytes"))
+}
+
+/// Whether a level of `size` bytes of texels may be in its data, before memory for them is asked for.
+fn check_level(level: &ktx2::Level<'_>, number: usize, scheme: u32, size: u64) -> Result<(), FormatError> {
     const LEVEL_INDEX: u64 = 80;
+    let index = LEVEL_INDEX + (number * ktx2::LevelIndex::LENGTH) as u64;
     let wrong_size = |offset, field, found: u64| {
         FormatError::at_byte(offset, field, found.to_string(), format!("{size}, as format and extent say"))
     };
     if level.uncompressed_byte_length != size {
-        return Err(wrong_size(LEVEL_INDEX + 16, "uncompressedByteLength", level.uncompressed_byte_length));
+        return Err(wrong_size(index + 16, "uncompressedByteLength", level.uncompressed_byte_length));
     }
     match scheme {
-        0 if level.data.len() as u64 == size => Ok(level.data.to_vec()),
-        0 => Err(wrong_size(LEVEL_INDEX + 8, "byteLength", level.data.len() as u64)),
+        0 if level.data.len() as u64 == size => Ok(()),
+        0 => Err(wrong_size(index + 8, "byteLength", level.data.len() as u64)),
         2 => {
-            let refused =
-                |found: String| FormatError::whole("level 0", found, format!("Zstandard data of {size} bytes"));
-            // A frame says how long its contents are: believe that before asking for memory.
+            // A frame says how long its contents are.
             let declared = zstd::zstd_safe::get_frame_content_size(level.data).ok().flatten();
             if declared != Some(size) {
-                return Err(refused(
-                    declared.map_or("no content size".to_owned(), |n| format!("a frame of {n} bytes")),
-                ));
+                let found = declared.map_or("no content size".to_owned(), |n| format!("a frame of {n} bytes"));
+                return Err(wrong_frame(number, found, size));
             }
             // A block of 128 KiB takes 4 bytes at least.
             if size > (level.data.len() as u64 / 4 + 1) << 17 {
-                return Err(refused(format!("{} bytes, too few for that", level.data.len())));
+                return Err(wrong_frame(number, format!("{} bytes, too few for that", level.data.len()), size));
             }
-            let mut texels = memory::reserved("texels", size as usize)?;
-            zstd::bulk::Decompressor::new()
-                .and_then(|mut decompressor| decompressor.decompress_to_buffer(level.data, &mut texels))
-                .map_err(|error| refused(error.to_string()))?;
-            if texels.len() as u64 == size { Ok(texels) } else { Err(refused(format!("{} bytes", texels.len()))) }
+            Ok(())
         }
         other => {
             Err(FormatError::at_byte(44, "supercompressionScheme", other.to_string(), "0 (none) or 2 (Zstandard)"))
         }
     }
+}
+
+/// Appends the texels of a level that was checked.
+fn unpack_level(
+    level: &ktx2::Level<'_>,
+    number: usize,
+    scheme: u32,
+    size: u64,
+    texels: &mut Vec<u8>,
+) -> Result<(), FormatError> {
+    if scheme == 0 {
+        texels.extend_from_slice(level.data);
+        return Ok(());
+    }
+    let before = texels.len();
+    let mut own = Vec::new();
+    // The first level, or the only one, is unpacked in place.
+    let target = if before == 0 { &mut *texels } else { &mut own };
+    target.try_reserve_exact(size as usize).map_err(|_| wrong_frame(number, "too little memory".to_owned(), size))?;
+    zstd::bulk::Decompressor::new()
+        .and_then(|mut decompressor| decompressor.decompress_to_buffer(level.data, target))
+        .map_err(|error| wrong_frame(number, error.to_string(), size))?;
+    texels.extend_from_slice(&own);
+    let found = (texels.len() - before) as u64;
+    if found == size { Ok(()) } else { Err(wrong_frame(number, format!("{found} bytes"), size)) }
 }
 
 /// Compares bytes, before the `ktx2` crate parses them: it panics at a block dimension of 256.

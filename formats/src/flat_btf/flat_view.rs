@@ -134,6 +134,7 @@ impl FlatView {
             format: TexelFormat::Rgb9E5,
             extent: Extent::D2Array([size, size, self.header.lights.len() as u32]),
             entries: self.header.entries(),
+            levels: 1,
             texels: self.texels.iter().flat_map(|texel| texel.to_le_bytes()).collect(),
         }
         .to_bytes(supercompress)
@@ -213,6 +214,7 @@ impl VisibilityMask {
             format: TexelFormat::R8Unorm,
             extent: Extent::D2Array([self.size, self.size, self.views]),
             entries: BTreeMap::new(),
+            levels: 1,
             texels: self.texels.clone(),
         }
         .to_bytes(supercompress)

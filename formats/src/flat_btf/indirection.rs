@@ -189,6 +189,7 @@ impl IndirectionMap {
             format: TexelFormat::Rgba16Float,
             extent: Extent::D2(self.header.extent()),
             entries: BTreeMap::from([(HEADER.to_owned(), self.header.to_bytes())]),
+            levels: 1,
             texels: self.texel_bytes(),
         }
         .to_bytes(supercompress)

@@ -16,7 +16,7 @@ pub(super) fn is_unit(v: &[f32]) -> bool {
 }
 
 fn texture(format: TexelFormat, size: u32, texels: Vec<u8>) -> Texture {
-    Texture { format, extent: Extent::D2([size, size]), entries: BTreeMap::new(), texels }
+    Texture { format, extent: Extent::D2([size, size]), entries: BTreeMap::new(), levels: 1, texels }
 }
 
 /// The part `position`: the surface point that each texel of the flat BTF stands for.

@@ -229,6 +229,7 @@ impl ImportancePack {
             format: TexelFormat::Rgba32Float,
             extent: Extent::D2([self.header.samples, self.header.rows()]),
             entries: BTreeMap::from([(IMPORTANCE_ENTRY.to_owned(), self.header.to_bytes())]),
+            levels: 1,
             texels: self.texels.iter().flatten().flat_map(|c| c.to_le_bytes()).collect(),
         }
         .to_bytes(supercompress)

@@ -156,7 +156,7 @@ impl TablePack {
         }
         entries.extend(self.crop.as_ref().map(Crop::entry));
         let (format, extent) = (self.header.texel_format(), Extent::D3(self.extent()));
-        Texture { format, extent, entries, texels: self.texels.clone() }.to_bytes(supercompress)
+        Texture { format, extent, entries, levels: 1, texels: self.texels.clone() }.to_bytes(supercompress)
     }
 
     /// Reads and checks a KTX2 file.

@@ -23,6 +23,7 @@ impl WaveletPack {
             format: self.header.texel_format(),
             extent: Extent::D3(self.extent()),
             entries: entries_of(self),
+            levels: 1,
             texels: self.texels.clone(),
         }
         .to_bytes(supercompress)

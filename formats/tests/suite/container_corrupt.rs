@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 fn kinds_and_limits_of_textures() {
     let texture = |format, extent: Extent| {
         let texels = vec![0; extent.texels() as usize * TexelFormat::texel_bytes(format)];
-        Texture { format, extent, entries: BTreeMap::new(), texels }
+        Texture { format, extent, entries: BTreeMap::new(), levels: 1, texels }
     };
     for extent in [
         Extent::D2([8192, 1]),

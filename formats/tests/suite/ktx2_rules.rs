@@ -82,6 +82,7 @@ fn expected(pack: &WaveletPack) -> Expected {
 fn expected_texture(texture: &Texture) -> Expected {
     let (vk_format, type_size, texel_bytes, samples) = match texture.format {
         TexelFormat::R8Unorm => (9, 1, 1, unorm(1, 8)),
+        TexelFormat::Rg8Unorm => (16, 1, 2, unorm(2, 8)),
         TexelFormat::Rgba8Unorm => (37, 1, 4, unorm(4, 8)),
         TexelFormat::R16Unorm => (70, 2, 2, unorm(1, 16)),
         TexelFormat::R16Float => (76, 2, 2, float(1, 16)),

@@ -67,6 +67,7 @@ fn expectation(pack: &WaveletPack, supercompress: bool) -> String {
 fn texture_expectation(texture: &Texture, supercompress: bool) -> String {
     let (vk_format, word) = match texture.format {
         TexelFormat::R8Unorm => (9, 1),
+        TexelFormat::Rg8Unorm => (16, 1),
         TexelFormat::Rgba8Unorm => (37, 1),
         TexelFormat::R16Unorm => (70, 2),
         TexelFormat::R16Float => (76, 2),

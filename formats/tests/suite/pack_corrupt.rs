@@ -309,6 +309,7 @@ fn a_large_texture_of_one_value_is_read() {
         format: TexelFormat::R8Unorm,
         extent: Extent::D3([256, 256, 1024]),
         entries: BTreeMap::new(),
+        levels: 1,
         texels,
     };
     assert!(Texture::from_bytes(&texture.to_bytes(true)).unwrap() == texture);
@@ -363,6 +364,7 @@ fn a_texture_that_is_no_pack_is_refused() {
         format: TexelFormat::Rgba16Unorm,
         extent: Extent::D3([3, 1, 2]),
         entries: BTreeMap::from([("brdfc.other".to_owned(), vec![7])]),
+        levels: 1,
         texels: (0..48).collect(),
     };
     for supercompress in [false, true] {
