@@ -8,6 +8,7 @@ use crate::flat_btf::{
     ReferenceMap, VisibilityMask, split_part_name,
 };
 use crate::importance::{IMPORTANCE_ENTRY, ImportancePack};
+use crate::pwt::{PWT_ENTRY, PwtPack};
 use crate::table::{TABLE_ENTRY, TablePack};
 use crate::wavelet::{WAVELET_ENTRY, WaveletPack};
 
@@ -24,6 +25,8 @@ pub enum PackKind {
     Bandwidth,
     /// Importance samples.
     Importance,
+    /// A polynomial wavelet tree.
+    Pwt,
 }
 
 impl PackKind {
@@ -35,6 +38,7 @@ impl PackKind {
             (TABLE_ENTRY, Self::Table),
             (BANDWIDTH_ENTRY, Self::Bandwidth),
             (IMPORTANCE_ENTRY, Self::Importance),
+            (PWT_ENTRY, Self::Pwt),
             (FLAT_BTF_ENTRY, Self::FlatBtf(FlatPart::View)),
             (INDIRECTION_ENTRY, Self::FlatBtf(FlatPart::Indirection)),
         ]
@@ -52,6 +56,7 @@ impl PackKind {
             Self::FlatBtf(_) => "a part of a flat BTF",
             Self::Bandwidth => "a bandwidth map",
             Self::Importance => "an importance-sample pack",
+            Self::Pwt => "a polynomial wavelet tree",
         }
     }
 
@@ -60,7 +65,7 @@ impl PackKind {
         match self {
             Self::Wavelet => WaveletPack::MAX_TEXEL_BYTES,
             Self::Bandwidth => BandwidthMap::MAX_TEXEL_BYTES,
-            Self::Table | Self::FlatBtf(_) | Self::Importance => MAX_TEXEL_BYTES,
+            Self::Table | Self::FlatBtf(_) | Self::Importance | Self::Pwt => MAX_TEXEL_BYTES,
         }
     }
 }
@@ -77,6 +82,8 @@ pub enum Pack {
     Bandwidth(BandwidthMap),
     /// Importance samples.
     Importance(ImportancePack),
+    /// A polynomial wavelet tree.
+    Pwt(PwtPack),
     /// The part `position` of a flat BTF.
     Position(PositionMap),
     /// The part `normal`.
@@ -103,7 +110,7 @@ impl Pack {
         let Some(kind) = PackKind::of(&packed, file_name) else {
             let entries: Vec<&str> = packed.entries.keys().map(String::as_str).collect();
             let found = if entries.is_empty() { "none".to_owned() } else { format!("only {}", entries.join(", ")) };
-            let allowed = "those of a table or wavelet pack, a flat BTF, a bandwidth map or importance samples";
+            let allowed = "those of a table or wavelet pack, a flat BTF, a polynomial wavelet tree, a bandwidth map or importance samples";
             return Err(FormatError::whole("brdfc entries", found, allowed));
         };
         Self::of_kind(kind, packed)
@@ -114,12 +121,15 @@ impl Pack {
     /// # Errors
     /// What breaks the rules of the kind.
     pub fn of_kind(kind: PackKind, packed: PackedTexture<'_>) -> Result<Self, FormatError> {
-        let texture = packed.unpack(kind.most_texel_bytes())?;
+        let limit = kind.most_texel_bytes();
+        // No other kind has mipmaps.
+        let texture = if kind == PackKind::Pwt { packed.unpack_levels(limit)? } else { packed.unpack(limit)? };
         Ok(match kind {
             PackKind::Wavelet => Self::Wavelet(WaveletPack::from_texture(texture)?),
             PackKind::Table => Self::Table(TablePack::from_texture(texture)?),
             PackKind::Bandwidth => Self::Bandwidth(BandwidthMap::from_texture(&texture)?),
             PackKind::Importance => Self::Importance(ImportancePack::from_texture(&texture)?),
+            PackKind::Pwt => Self::Pwt(PwtPack::from_texture(texture)?),
             PackKind::FlatBtf(part) => match part {
                 FlatPart::Position => Self::Position(PositionMap::from_texture(&texture)?),
                 FlatPart::Normal => Self::Normal(NormalMap::from_texture(&texture)?),
@@ -139,6 +149,7 @@ impl Pack {
             Self::Table(_) => PackKind::Table,
             Self::Bandwidth(_) => PackKind::Bandwidth,
             Self::Importance(_) => PackKind::Importance,
+            Self::Pwt(_) => PackKind::Pwt,
             Self::Position(_) => PackKind::FlatBtf(FlatPart::Position),
             Self::Normal(_) => PackKind::FlatBtf(FlatPart::Normal),
             Self::Reference(_) => PackKind::FlatBtf(FlatPart::Reference),

@@ -24,6 +24,7 @@ mod kind;
 pub mod measured;
 pub mod memory;
 pub mod meso;
+pub mod pwt;
 pub mod table;
 mod text;
 pub mod vector_math;

@@ -1,0 +1,179 @@
+//! Functions of the light's direction whose weighted sum a texel is: polynomials of a degree from 0 to 5.
+//!
+//! Every step is f32 arithmetic in a fixed order; `formats/src/pwt/pwt.wgsl` takes the same ones.
+
+/// In what the polynomials are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub enum LightCoordinates {
+    /// `(x, y) / (1 + z)`, the paraboloid of section 2 of the paper (Heidrich and Seidel 1998).
+    Paraboloid,
+    /// `(x, y)`, those of polynomial texture maps (Malzbender, Gelb and Wolters 2001).
+    Projected,
+    /// Hemispherical harmonics (Gautron, Křivánek, Pattanaik and Bouatouch 2004).
+    Hemisphere,
+}
+
+impl LightCoordinates {
+    /// All of them, by the number that files have.
+    pub const ALL: [Self; 3] = [Self::Paraboloid, Self::Projected, Self::Hemisphere];
+
+    /// The name that scripts use.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Paraboloid => "paraboloid",
+            Self::Projected => "projected",
+            Self::Hemisphere => "hemisphere",
+        }
+    }
+}
+
+/// Highest degree of any pack.
+pub const MAX_DEGREE: u32 = 5;
+/// Most terms: those of hemispherical harmonics up to [`MAX_DEGREE`].
+pub const MAX_TERMS: usize = 36;
+
+/// All terms up to a degree. Terms of lower degree come first, so that fewer degrees are a shorter list.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct LightBasis {
+    /// In what the polynomials are.
+    pub coordinates: LightCoordinates,
+    /// Highest degree, 0 to [`MAX_DEGREE`].
+    pub degree: u32,
+}
+
+impl LightBasis {
+    /// Terms of all degrees.
+    pub fn terms(self) -> usize {
+        let n = self.degree as usize + 1;
+        if self.coordinates == LightCoordinates::Hemisphere { n * n } else { n * (n + 1) / 2 }
+    }
+
+    /// The degree of a term.
+    pub fn degree_of(self, term: usize) -> u32 {
+        (0..self.degree).find(|degree| term < Self { degree: *degree, ..self }.terms()).unwrap_or(self.degree)
+    }
+
+    /// Every term at a unit vector to the light, above the horizon; 0 behind the last one.
+    ///
+    /// Of degree `d`: `u^d, u^(d-1) v, …, v^d`; or the harmonics `l = d`, `m = -d` to `d`, without their norms:
+    /// `P_d^|m|(2z - 1)` times `cos(mφ)` or, where m is negative, `sin(|m|φ)`.
+    pub fn evaluate(self, light: [f32; 3]) -> [f32; MAX_TERMS] {
+        let [x, y, z] = light;
+        let mut terms = [0.0; MAX_TERMS];
+        match self.coordinates {
+            LightCoordinates::Hemisphere => self.harmonics(x, y, z.max(0.0), &mut terms),
+            LightCoordinates::Paraboloid => self.powers(x / (1.0 + z), y / (1.0 + z), &mut terms),
+            LightCoordinates::Projected => self.powers(x, y, &mut terms),
+        }
+        terms
+    }
+
+    /// Each degree is the one before times u, and its last term times v.
+    fn powers(self, u: f32, v: f32, terms: &mut [f32; MAX_TERMS]) {
+        terms[0] = 1.0;
+        let mut before = 0;
+        for degree in 1..=self.degree as usize {
+            let first = before + degree;
+            for k in 0..degree {
+                terms[first + k] = terms[before + k] * u;
+            }
+            terms[first + degree] = terms[first - 1] * v;
+            before = first;
+        }
+    }
+
+    /// `sin θ' e^(iφ)`, with `cos θ' = 2z - 1`, is `2 sqrt(z / (1 + z)) (x + iy)`: nothing is divided by 0 at the pole.
+    fn harmonics(self, x: f32, y: f32, z: f32, terms: &mut [f32; MAX_TERMS]) {
+        let shifted = 2.0 * z - 1.0;
+        let scale = 2.0 * (z / (1.0 + z)).sqrt();
+        let (a, b) = (scale * x, scale * y);
+        // (a + ib)^m, and P_m^m without the power of the sine.
+        let (mut cosine, mut sine, mut diagonal) = (1.0f32, 0.0f32, 1.0f32);
+        for m in 0..=self.degree {
+            let order = m as f32;
+            if m > 0 {
+                (cosine, sine) = (cosine * a - sine * b, cosine * b + sine * a);
+                diagonal *= 2.0 * order - 1.0;
+            }
+            let (mut before, mut legendre) = (0.0f32, diagonal);
+            for l in m..=self.degree {
+                let middle = (l * l + l) as usize;
+                terms[middle + m as usize] = legendre * cosine;
+                if m > 0 {
+                    terms[middle - m as usize] = legendre * sine;
+                }
+                let degree = l as f32;
+                let next = (2.0 * degree + 1.0) * shifted * legendre - (degree + order) * before;
+                (before, legendre) = (legendre, next / (degree - order + 1.0));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Midpoints of equal areas of the hemisphere.
+    fn directions() -> impl Iterator<Item = [f32; 3]> {
+        const N: usize = 60;
+        (0..N * 4 * N).map(|k| {
+            let z = (k / (4 * N)) as f32 / N as f32 + 0.5 / N as f32;
+            let phi = (k % (4 * N)) as f32 / (4 * N) as f32 * std::f32::consts::TAU;
+            let r = (1.0 - z * z).sqrt();
+            [r * phi.cos(), r * phi.sin(), z]
+        })
+    }
+
+    #[test]
+    fn terms_are_ordered_by_degree() {
+        for coordinates in LightCoordinates::ALL {
+            let full = LightBasis { coordinates, degree: MAX_DEGREE };
+            assert!(full.terms() <= MAX_TERMS);
+            for degree in 0..=MAX_DEGREE {
+                let basis = LightBasis { degree, ..full };
+                assert!((0..basis.terms()).all(|term| full.degree_of(term) <= degree));
+                assert!((basis.terms()..full.terms()).all(|term| full.degree_of(term) > degree));
+                for light in directions().step_by(97) {
+                    let [few, all] = [basis.evaluate(light), full.evaluate(light)];
+                    assert_eq!(few[..basis.terms()], all[..basis.terms()]);
+                    assert!(few[basis.terms()..].iter().all(|term| *term == 0.0));
+                }
+            }
+        }
+        assert_eq!(LightBasis { coordinates: LightCoordinates::Hemisphere, degree: 5 }.terms(), 36);
+        assert_eq!(LightBasis { coordinates: LightCoordinates::Projected, degree: 2 }.terms(), 6);
+    }
+
+    #[test]
+    fn polynomials_of_known_points() {
+        let basis = LightBasis { coordinates: LightCoordinates::Projected, degree: 2 };
+        assert_eq!(basis.evaluate([0.6, -0.5, 0.3])[..6], [1.0, 0.6, -0.5, 0.6 * 0.6, 0.6 * -0.5, -0.5 * -0.5]);
+        let basis = LightBasis { coordinates: LightCoordinates::Paraboloid, degree: 1 };
+        assert_eq!(basis.evaluate([0.6, 0.0, 0.8])[..3], [1.0, 0.6 / 1.8, 0.0]);
+    }
+
+    /// Known answer: harmonics of unlike order or degree are orthogonal over the hemisphere; those of the paraboloid are
+    /// not.
+    #[test]
+    fn harmonics_are_orthogonal() {
+        let worst = |coordinates| {
+            let basis = LightBasis { coordinates, degree: 3 };
+            let n = basis.terms();
+            let mut sums = vec![0.0f64; n * n];
+            for light in directions() {
+                let terms = basis.evaluate(light);
+                for (i, j) in (0..n * n).map(|k| (k / n, k % n)) {
+                    sums[i * n + j] += f64::from(terms[i]) * f64::from(terms[j]);
+                }
+            }
+            let share = |i: usize, j: usize| sums[i * n + j].abs() / (sums[i * n + i] * sums[j * n + j]).sqrt();
+            (0..n).flat_map(|i| (0..i).map(move |j| (i, j))).map(|(i, j)| share(i, j)).fold(0.0, f64::max)
+        };
+        let harmonics = worst(LightCoordinates::Hemisphere);
+        assert!(harmonics < 2e-3, "{harmonics}");
+        assert!(worst(LightCoordinates::Paraboloid) > 0.1);
+    }
+}

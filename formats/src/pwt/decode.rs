@@ -1,0 +1,179 @@
+//! The CPU decoder, the reference that shaders are held against: f32 arithmetic in a fixed order without fused
+//! operations.
+
+use super::basis::MAX_TERMS;
+use super::pack::PwtPack;
+use std::ops::Range;
+
+/// A pack ready for random access.
+#[derive(Debug, Clone)]
+pub struct PwtDecoder {
+    pack: PwtPack,
+}
+
+/// The texels around a position along one axis, and the weight of the second.
+#[derive(Debug, Clone, Copy)]
+struct Tap {
+    texels: [u32; 2],
+    weight: f32,
+}
+
+impl Tap {
+    /// `position` in texels from the border of the first one; their centres are at halves.
+    fn new(position: f32, side: u32, repeats: bool) -> Self {
+        let at = position - 0.5;
+        let lower = at.floor();
+        let weight = at - lower;
+        let first = lower as i32;
+        let texel = |k: i32| {
+            if repeats { k.rem_euclid(side as i32) as u32 } else { k.clamp(0, side as i32 - 1) as u32 }
+        };
+        Self { texels: [texel(first), texel(first + 1)], weight }
+    }
+}
+
+impl PwtDecoder {
+    /// The decoder of a pack.
+    pub fn new(pack: PwtPack) -> Self {
+        Self { pack }
+    }
+
+    /// What it decodes.
+    pub fn pack(&self) -> &PwtPack {
+        &self.pack
+    }
+
+    /// Linear RGB at a point of the picture under a light, 0 or more; black where the light is not above the horizon.
+    ///
+    /// `uv` is 0 to 1 across the picture, down from its top; beyond that a tile repeats and other pictures go on as at
+    /// their border. `level` is the mipmap level, 0 at the picture's own resolution; between whole ones two are blended.
+    /// `light` is a unit vector.
+    pub fn value(&self, uv: [f32; 2], level: f32, light: [f32; 3]) -> [f32; 3] {
+        if light[2] <= 0.0 {
+            return [0.0; 3];
+        }
+        self.linear(self.channels(uv, level, &self.pack.header().weights(light)))
+    }
+
+    /// The channels at a point, in the domain of the pack: sums over terms, whose weights
+    /// [`super::PwtHeader::weights`] gives.
+    pub fn channels(&self, uv: [f32; 2], level: f32, weights: &[f32; MAX_TERMS]) -> [f32; 3] {
+        let header = self.pack.header();
+        let mut uv = uv;
+        for axis in 0..2 {
+            uv[axis] = if header.repeats { uv[axis] - uv[axis].floor() } else { uv[axis].clamp(0.0, 1.0) };
+            uv[axis] *= header.size[axis] as f32 / header.extent[axis] as f32;
+        }
+        let mut channels = [0.0f32; 3];
+        for (index, texture) in header.textures.iter().enumerate() {
+            let last = (self.pack.levels_of(index) - 1) as f32;
+            let own = (level - texture.level as f32).clamp(0.0, last);
+            let finer = own.floor();
+            let blend = own - finer;
+            let fine = self.taps(index, finer as u32, uv);
+            let coarse = (blend > 0.0).then(|| self.taps(index, finer as u32 + 1, uv));
+            for (k, component) in texture.components.iter().enumerate() {
+                let mut texel = self.sample(index, k, finer as u32, fine);
+                if let Some(coarse) = coarse {
+                    texel += blend * (self.sample(index, k, finer as u32 + 1, coarse) - texel);
+                }
+                let value = component.low + component.scale * texel;
+                channels[component.channel as usize] += weights[component.term as usize] * value;
+            }
+        }
+        channels
+    }
+
+    /// Linear RGB of channels.
+    pub fn linear(&self, channels: [f32; 3]) -> [f32; 3] {
+        let header = self.pack.header();
+        let [a, b, c] = header.colour;
+        std::array::from_fn(|k| header.domain.decode(channels[0] * a[k] + channels[1] * b[k] + channels[2] * c[k]))
+    }
+
+    /// A mipmap level of the picture, 0 to [`super::PwtHeader::levels`], with every term at its resolution: for whole
+    /// pictures. Values are those of [`Self::channels`] at the centres of texels.
+    pub fn unpacked(&self, level: u32) -> UnpackedLevel<'_> {
+        let header = self.pack.header();
+        let extent = header.extent.map(|side| side >> level);
+        let size = header.size.map(|side| side.div_ceil(1 << level));
+        let mut planes = Vec::new();
+        for (index, texture) in header.textures.iter().enumerate() {
+            let own = level.saturating_sub(texture.level).min(self.pack.levels_of(index) - 1);
+            let (_, sides) = self.pack.level_of(index, own);
+            let axis = |axis: usize| -> Vec<Tap> {
+                let scale = sides[axis] as f32 / extent[axis] as f32;
+                (0..size[axis]).map(|k| Tap::new((k as f32 + 0.5) * scale, sides[axis], header.repeats)).collect()
+            };
+            let (columns, rows) = (axis(0), axis(1));
+            for (k, component) in texture.components.iter().enumerate() {
+                let mut values = Vec::with_capacity(columns.len() * rows.len());
+                for row in &rows {
+                    let sample =
+                        |column: &Tap| component.low + component.scale * self.sample(index, k, own, [*column, *row]);
+                    values.extend(columns.iter().map(sample));
+                }
+                planes.push((component.channel as usize, component.term as usize, values));
+            }
+        }
+        UnpackedLevel { decoder: self, size: size.map(|side| side as usize), planes }
+    }
+
+    fn taps(&self, texture: usize, level: u32, uv: [f32; 2]) -> [Tap; 2] {
+        let (_, sides) = self.pack.level_of(texture, level);
+        [0, 1].map(|axis| Tap::new(uv[axis] * sides[axis] as f32, sides[axis], self.pack.header().repeats))
+    }
+
+    /// A number of the texels of a level, 0 to 1: filtered along columns first.
+    fn sample(&self, texture: usize, component: usize, level: u32, [column, row]: [Tap; 2]) -> f32 {
+        let channels = self.pack.header().textures[texture].channels as usize;
+        let (first, [width, height]) = self.pack.level_of(texture, level);
+        let layer = component / channels * (width * height) as usize;
+        let texels = &self.pack.texels(texture)[first..];
+        let at = |x: u32, y: u32| {
+            let index = (layer + (y * width + x) as usize) * channels + component % channels;
+            f32::from(texels[index]) * (1.0 / 255.0)
+        };
+        let along = |y: u32| {
+            let [left, right] = column.texels.map(|x| at(x, y));
+            left + column.weight * (right - left)
+        };
+        let [upper, lower] = row.texels.map(along);
+        upper + row.weight * (lower - upper)
+    }
+}
+
+/// A mipmap level of a picture, ready for many lights.
+#[derive(Debug, Clone)]
+pub struct UnpackedLevel<'a> {
+    decoder: &'a PwtDecoder,
+    size: [usize; 2],
+    /// Channel, term, and a value per texel of the picture.
+    planes: Vec<(usize, usize, Vec<f32>)>,
+}
+
+impl UnpackedLevel<'_> {
+    /// Columns and rows.
+    pub fn size(&self) -> [usize; 2] {
+        self.size
+    }
+
+    /// Linear RGB of some rows under the light of these weights.
+    pub fn rows(&self, rows: Range<usize>, weights: &[f32; MAX_TERMS]) -> Vec<[f32; 3]> {
+        let width = self.size[0];
+        let mut picture = Vec::with_capacity(rows.len() * width);
+        let mut channels = [vec![0.0f32; width], vec![0.0; width], vec![0.0; width]];
+        for row in rows {
+            channels.iter_mut().for_each(|channel| channel.fill(0.0));
+            for (channel, term, values) in &self.planes {
+                let weight = weights[*term];
+                for (sum, value) in channels[*channel].iter_mut().zip(&values[row * width..][..width]) {
+                    *sum += weight * value;
+                }
+            }
+            let [a, b, c] = &channels;
+            picture.extend((0..width).map(|x| self.decoder.linear([a[x], b[x], c[x]])));
+        }
+        picture
+    }
+}

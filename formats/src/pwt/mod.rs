@@ -1,0 +1,20 @@
+//! Packs of polynomial wavelet trees (Baril, Boubekeur, Gioia and Schlick 2008, "Polynomial wavelet trees for
+//! bidirectional texture functions"): a picture under any light from above. Byte layout: `spec.md` in this folder.
+//!
+//! Each texel is a polynomial of the light's direction. Its coefficients are textures with mipmaps, and one that needs no
+//! fine detail has no fine levels.
+
+mod basis;
+mod decode;
+mod domain;
+mod header;
+mod pack;
+pub mod shader;
+
+pub use basis::{LightBasis, LightCoordinates, MAX_DEGREE, MAX_TERMS};
+pub use decode::{PwtDecoder, UnpackedLevel};
+pub use domain::{Domain, LARGEST};
+pub use header::{
+    Component, MAX_COMPONENTS, MAX_LEVEL, MAX_SIDE, MAX_TEXTURES, PWT_ENTRY, PwtErrors, PwtHeader, TextureHeader,
+};
+pub use pack::PwtPack;

@@ -1,0 +1,215 @@
+// Decoder of polynomial wavelet trees. Layout: formats/src/pwt/spec.md. Bindings are in group 1; textures that a pack does
+// not have are any others. Every function has a twin in formats/src/pwt.
+
+struct PwtParameters {
+    size: vec2<f32>,          // columns and rows of the picture
+    extent: vec2<f32>,        // and of its texels
+    repeats: u32,             // 1: a tile
+    coordinates: u32,         // of the light: 0 paraboloid, 1 projected, 2 hemisphere
+    degree: u32,
+    domain: u32,              // 0 linear, 1 display, 2 cube root, 3 logarithm
+    epsilon: f32,
+    textures: u32,
+    levels: u32,              // coarsest mipmap level
+    hardware: u32,            // 1: the sampler filters, 0: the shader, with exact weights
+    first_level: vec4<u32>,   // of each texture, how often the picture's sides were halved
+    layers: vec4<u32>,        // of each texture
+    channels: vec4<u32>,      // of each texture
+    colour: array<vec4<f32>, 3>,
+    triangle: array<vec4<f32>, 167>,
+    components: array<vec4<f32>, 128>, // channel, term, scale, low
+}
+
+@group(1) @binding(0) var<uniform> pwt: PwtParameters;
+@group(1) @binding(1) var pwt_texture_0: texture_2d_array<f32>;
+@group(1) @binding(2) var pwt_texture_1: texture_2d_array<f32>;
+@group(1) @binding(3) var pwt_texture_2: texture_2d_array<f32>;
+@group(1) @binding(4) var pwt_texture_3: texture_2d_array<f32>;
+@group(1) @binding(5) var pwt_sampler: sampler; // linear, linear between levels; repeats for tiles, else clamps
+
+const PWT_LARGEST: f32 = 65504.0;
+
+// Linear RGB at a point of the picture, 0 to 1 across it and down from its top. Level 0 is the picture's own resolution.
+// `wi` is a unit vector to the light.
+fn pwt_value(uv: vec2<f32>, level: f32, wi: vec3<f32>) -> vec3<f32> {
+    if wi.z <= 0.0 {
+        return vec3<f32>(0.0);
+    }
+    var weights = pwt_weights(wi);
+    return pwt_linear(pwt_channels(uv, level, &weights));
+}
+
+// The mipmap level of a pixel, from how uv changes to its neighbours.
+fn pwt_level(right: vec2<f32>, below: vec2<f32>) -> f32 {
+    let across = right * pwt.size;
+    let down = below * pwt.size;
+    return max(0.5 * log2(max(max(dot(across, across), dot(down, down)), 1e-20)), 0.0);
+}
+
+// What each term counts for under a light. For distant lights it is the same everywhere: once per light is enough.
+fn pwt_weights(wi: vec3<f32>) -> array<f32, 36> {
+    var terms = pwt_evaluate(wi);
+    var weights: array<f32, 36>;
+    let n = pwt.degree + 1u;
+    let count = select(n * (n + 1u) / 2u, n * n, pwt.coordinates == 2u);
+    var at = 0u;
+    for (var k = 0u; k < count; k++) {
+        var weight = 0.0;
+        for (var j = 0u; j <= k; j++) {
+            weight += pwt.triangle[at / 4u][at % 4u] * terms[j];
+            at++;
+        }
+        weights[k] = weight;
+    }
+    return weights;
+}
+
+// Every term of the light.
+fn pwt_evaluate(wi: vec3<f32>) -> array<f32, 36> {
+    if pwt.coordinates == 2u {
+        return pwt_harmonics(wi.x, wi.y, max(wi.z, 0.0));
+    }
+    let scale = 1.0 + wi.z;
+    if pwt.coordinates == 0u {
+        return pwt_powers(wi.x / scale, wi.y / scale);
+    }
+    return pwt_powers(wi.x, wi.y);
+}
+
+fn pwt_powers(u: f32, v: f32) -> array<f32, 36> {
+    var terms: array<f32, 36>;
+    terms[0] = 1.0;
+    var before = 0u;
+    for (var degree = 1u; degree <= pwt.degree; degree++) {
+        let first = before + degree;
+        for (var k = 0u; k < degree; k++) {
+            terms[first + k] = terms[before + k] * u;
+        }
+        terms[first + degree] = terms[first - 1u] * v;
+        before = first;
+    }
+    return terms;
+}
+
+fn pwt_harmonics(x: f32, y: f32, z: f32) -> array<f32, 36> {
+    var terms: array<f32, 36>;
+    let shifted = 2.0 * z - 1.0;
+    let scale = 2.0 * sqrt(z / (1.0 + z));
+    let a = scale * x;
+    let b = scale * y;
+    var cosine = 1.0;
+    var sine = 0.0;
+    var diagonal = 1.0;
+    for (var m = 0u; m <= pwt.degree; m++) {
+        let order = f32(m);
+        if m > 0u {
+            let turned = cosine * a - sine * b;
+            sine = cosine * b + sine * a;
+            cosine = turned;
+            diagonal *= 2.0 * order - 1.0;
+        }
+        var before = 0.0;
+        var legendre = diagonal;
+        for (var l = m; l <= pwt.degree; l++) {
+            let middle = l * l + l;
+            terms[middle + m] = legendre * cosine;
+            if m > 0u {
+                terms[middle - m] = legendre * sine;
+            }
+            let degree = f32(l);
+            let next = (2.0 * degree + 1.0) * shifted * legendre - (degree + order) * before;
+            before = legendre;
+            legendre = next / (degree - order + 1.0);
+        }
+    }
+    return terms;
+}
+
+// The channels at a point, in the domain of the pack: one fetch per layer where the sampler filters.
+fn pwt_channels(uv: vec2<f32>, level: f32, weights: ptr<function, array<f32, 36>>) -> vec3<f32> {
+    let within = select(clamp(uv, vec2<f32>(0.0), vec2<f32>(1.0)), uv - floor(uv), pwt.repeats == 1u);
+    let at = within * (pwt.size / pwt.extent);
+    var channels = vec3<f32>(0.0);
+    var first = 0u;
+    for (var index = 0u; index < pwt.textures; index++) {
+        let base = pwt.first_level[index];
+        let own = clamp(level - f32(base), 0.0, f32(pwt.levels - base));
+        for (var layer = 0u; layer < pwt.layers[index]; layer++) {
+            let texel = pwt_sample(index, layer, at, own);
+            for (var k = 0u; k < pwt.channels[index]; k++) {
+                let component = pwt.components[first];
+                let value = component.w + component.z * texel[k];
+                channels[u32(component.x)] += (*weights)[u32(component.y)] * value;
+                first++;
+            }
+        }
+    }
+    return channels;
+}
+
+fn pwt_sample(index: u32, layer: u32, at: vec2<f32>, own: f32) -> vec4<f32> {
+    if pwt.hardware == 1u {
+        switch index {
+            case 0u: { return textureSampleLevel(pwt_texture_0, pwt_sampler, at, layer, own); }
+            case 1u: { return textureSampleLevel(pwt_texture_1, pwt_sampler, at, layer, own); }
+            case 2u: { return textureSampleLevel(pwt_texture_2, pwt_sampler, at, layer, own); }
+            default: { return textureSampleLevel(pwt_texture_3, pwt_sampler, at, layer, own); }
+        }
+    }
+    let finer = u32(own);
+    let blend = own - f32(finer);
+    let fine = pwt_filtered(index, layer, at, finer);
+    if blend > 0.0 {
+        return fine + blend * (pwt_filtered(index, layer, at, finer + 1u) - fine);
+    }
+    return fine;
+}
+
+// A level, filtered along columns first.
+fn pwt_filtered(index: u32, layer: u32, at: vec2<f32>, level: u32) -> vec4<f32> {
+    let side = vec2<u32>(pwt.extent) >> vec2<u32>(pwt.first_level[index] + level);
+    let position = at * vec2<f32>(side) - 0.5;
+    let lower = floor(position);
+    let weight = position - lower;
+    let first = pwt_texel_at(vec2<i32>(lower), vec2<i32>(side));
+    let last = pwt_texel_at(vec2<i32>(lower) + 1, vec2<i32>(side));
+    let a = pwt_load(index, layer, first, level);
+    let b = pwt_load(index, layer, vec2<i32>(last.x, first.y), level);
+    let c = pwt_load(index, layer, vec2<i32>(first.x, last.y), level);
+    let d = pwt_load(index, layer, last, level);
+    let upper = a + weight.x * (b - a);
+    let under = c + weight.x * (d - c);
+    return upper + weight.y * (under - upper);
+}
+
+fn pwt_texel_at(texel: vec2<i32>, side: vec2<i32>) -> vec2<i32> {
+    if pwt.repeats == 1u {
+        return ((texel % side) + side) % side;
+    }
+    return clamp(texel, vec2<i32>(0), side - 1);
+}
+
+fn pwt_load(index: u32, layer: u32, texel: vec2<i32>, level: u32) -> vec4<f32> {
+    switch index {
+        case 0u: { return textureLoad(pwt_texture_0, texel, layer, level); }
+        case 1u: { return textureLoad(pwt_texture_1, texel, layer, level); }
+        case 2u: { return textureLoad(pwt_texture_2, texel, layer, level); }
+        default: { return textureLoad(pwt_texture_3, texel, layer, level); }
+    }
+}
+
+// Linear RGB of channels.
+fn pwt_linear(channels: vec3<f32>) -> vec3<f32> {
+    let value = channels.x * pwt.colour[0].rgb + channels.y * pwt.colour[1].rgb + channels.z * pwt.colour[2].rgb;
+    var linear = value;
+    switch pwt.domain {
+        case 0u: {}
+        case 1u: {
+            let high = pow(max((value + 0.055) / 1.055, vec3<f32>(0.0)), vec3<f32>(2.4));
+            linear = select(high, value / 12.92, value <= vec3<f32>(0.04045));
+        }
+        case 2u: { linear = value * value * value; }
+        default: { linear = exp(min(value, vec3<f32>(80.0))) - pwt.epsilon; }
+    }
+    return clamp(linear, vec3<f32>(0.0), vec3<f32>(PWT_LARGEST));
+}
