@@ -84,8 +84,7 @@ impl Domain {
             Self::CubeRoot => value * value * value,
             Self::Logarithm { epsilon } => exp(value) - epsilon,
         };
-        // Also where it is no number.
-        if linear > 0.0 { linear.min(LARGEST) } else { 0.0 }
+        if linear > 0.0 && !value.is_nan() { linear.min(LARGEST) } else { 0.0 }
     }
 }
 

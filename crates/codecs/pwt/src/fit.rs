@@ -1,0 +1,59 @@
+//! Coefficients of all texels at once: one matrix product, in strips on all cores.
+
+use crate::design::Design;
+use rayon::prelude::*;
+
+/// Values of a strip: fixed, so that sums do not depend on the number of threads.
+const STRIP: usize = 1 << 14;
+
+/// Coefficients of the terms of a design, term by term: `c_k = Σ_i w_k(l_i) v_i` for values that stand light by light.
+pub fn coefficients(design: &Design, values: &[Vec<f32>]) -> Vec<Vec<f32>> {
+    let (terms, lights) = (design.terms(), design.lights());
+    let count = values.first().map_or(0, Vec::len);
+    assert_eq!(values.len(), lights, "values of every light");
+    // Row by row: terms x lights.
+    let weights: Vec<f32> = (0..terms).flat_map(|k| (0..lights).map(move |i| design.row(i)[k] as f32)).collect();
+    let strips: Vec<Vec<f32>> = (0..count.div_ceil(STRIP))
+        .into_par_iter()
+        .map(|strip| {
+            let range = strip * STRIP..((strip + 1) * STRIP).min(count);
+            let mut product = vec![0.0; terms * range.len()];
+            let gathered: Vec<f32> = values.iter().flat_map(|light| &light[range.clone()]).copied().collect();
+            multiply(terms, lights, range.len(), &weights, &gathered, &mut product);
+            product
+        })
+        .collect();
+    (0..terms)
+        .into_par_iter()
+        .map(|k| {
+            strips
+                .iter()
+                .flat_map(|strip| {
+                    let n = strip.len() / terms;
+                    &strip[k * n..][..n]
+                })
+                .copied()
+                .collect()
+        })
+        .collect()
+}
+
+/// `c = a b` of row-major matrices: `m x k` by `k x n`.
+pub fn multiply(m: usize, k: usize, n: usize, a: &[f32], b: &[f32], c: &mut [f32]) {
+    let view = |rows, columns, data| nalgebra::DMatrixView::from_slice(data, columns, rows);
+    // Column-major, the transposes stand there: c^T = b^T a^T.
+    let mut out = nalgebra::DMatrixViewMut::from_slice(c, n, m);
+    out.gemm(1.0, &view(k, n, b), &view(m, k, a), 0.0);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn products_of_known_matrices() {
+        let mut c = [0.0; 6];
+        multiply(2, 2, 3, &[1.0, 2.0, 3.0, 4.0], &[1.0, 0.0, 2.0, 0.0, 1.0, 3.0], &mut c);
+        assert_eq!(c, [1.0, 2.0, 8.0, 3.0, 4.0, 18.0]);
+    }
+}

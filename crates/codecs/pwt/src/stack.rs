@@ -1,0 +1,66 @@
+//! What is encoded: pictures of one view under known lights.
+
+use brdfc_formats::FormatError;
+
+/// Fewest and most lights.
+pub const LIGHTS: std::ops::RangeInclusive<usize> = 1..=4096;
+
+/// Pictures of one view, each under a distant light.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LightSamples {
+    /// Columns and rows of every picture.
+    pub size: [usize; 2],
+    /// Unit vectors to the lights, above the horizon.
+    pub lights: Vec<[f32; 3]>,
+    /// Linear RGB of each picture, row by row from the top; 1 is white.
+    pub pictures: Vec<Vec<[f32; 3]>>,
+    /// Whether they are tiles that repeat.
+    pub repeats: bool,
+}
+
+impl LightSamples {
+    /// Whether everything is in range.
+    ///
+    /// # Errors
+    /// No lights or too many; sides of 0 or beyond what packs hold; pictures of another size than the first, or another
+    /// number of them than of lights; lights that are not above the horizon; values that are no finite numbers.
+    pub fn check(&self) -> Result<(), FormatError> {
+        let refused = |field: String, found: String, allowed: String| Err(FormatError::whole(field, found, allowed));
+        if !LIGHTS.contains(&self.lights.len()) {
+            let allowed = format!("{} to {}", LIGHTS.start(), LIGHTS.end());
+            return refused("lights".to_owned(), self.lights.len().to_string(), allowed);
+        }
+        let [width, height] = self.size;
+        let most = brdfc_formats::pwt::MAX_SIDE as usize;
+        if !(1..=most).contains(&width) || !(1..=most).contains(&height) {
+            return refused("size".to_owned(), format!("{width} x {height}"), format!("1 to {most} along each side"));
+        }
+        if self.pictures.len() != self.lights.len() {
+            let allowed = format!("{}, one for each light", self.lights.len());
+            return refused("pictures".to_owned(), self.pictures.len().to_string(), allowed);
+        }
+        for (k, (picture, light)) in self.pictures.iter().zip(&self.lights).enumerate() {
+            if picture.len() != width * height {
+                let found = format!("{} pixels", picture.len());
+                return refused(format!("picture {k}"), found, format!("{width} x {height}"));
+            }
+            let length: f32 = light.iter().map(|c| c * c).sum();
+            if !((length - 1.0).abs() <= 1e-4 && light[2] > 0.0) {
+                let allowed = "a unit vector above the horizon".to_owned();
+                return refused(format!("light {k}"), format!("{light:?}"), allowed);
+            }
+            if let Some(at) = picture.iter().position(|pixel| !pixel.iter().all(|c| c.is_finite())) {
+                let found = format!("{:?} at ({}, {})", picture[at], at % width, at / width);
+                return refused(format!("picture {k}"), found, "finite values".to_owned());
+            }
+        }
+        Ok(())
+    }
+
+    /// Without some of the lights.
+    pub fn without(&self, left_out: &[usize]) -> Self {
+        let kept = (0..self.lights.len()).filter(|k| !left_out.contains(k));
+        let (lights, pictures) = kept.map(|k| (self.lights[k], self.pictures[k].clone())).unzip();
+        Self { size: self.size, lights, pictures, repeats: self.repeats }
+    }
+}
