@@ -43,6 +43,11 @@ impl PwtDecoder {
         &self.pack
     }
 
+    /// The pack again.
+    pub fn into_pack(self) -> PwtPack {
+        self.pack
+    }
+
     /// Linear RGB at a point of the picture under a light, 0 or more; black where the light is not above the horizon.
     ///
     /// `uv` is 0 to 1 across the picture, down from its top; beyond that a tile repeats and other pictures go on as at

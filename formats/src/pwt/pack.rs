@@ -1,6 +1,6 @@
 //! A pack in memory, and its file: one KTX2 file whose further textures are KTX2 files in entries.
 
-use super::header::{PWT_ENTRY, PwtHeader, TextureHeader};
+use super::header::{PWT_ENTRY, PwtErrors, PwtHeader, TextureHeader};
 use crate::FormatError;
 use crate::container::entries::entry;
 use crate::container::{Extent, MAX_TEXEL_BYTES, PackedTexture, TexelFormat, Texture};
@@ -50,6 +50,13 @@ impl PwtPack {
             }
         }
         Ok(pack)
+    }
+
+    /// The same with other errors.
+    #[must_use]
+    pub fn with_errors(mut self, errors: PwtErrors) -> Self {
+        self.header.errors = errors;
+        self
     }
 
     /// What it says of itself.

@@ -100,6 +100,11 @@ impl Plane {
         &mut self.values[(rectangle.first[1] + row) * self.size[0] + rectangle.first[0]..][..rectangle.size[0]]
     }
 
+    /// Sets a rectangle to 0.
+    pub fn clear(&mut self, rectangle: Rectangle) {
+        (0..rectangle.size[1]).for_each(|y| self.row_mut(rectangle, y).fill(0.0));
+    }
+
     /// One level of analysis: a rectangle of even sides becomes its four quarters.
     pub fn split(&mut self, rectangle: Rectangle, wavelet: Wavelet, border: Border) {
         let [width, height] = rectangle.size;

@@ -1,8 +1,23 @@
-//! Polynomial wavelet trees.
+//! Polynomial wavelet trees: from photographs of one view under known lights to a pack (`formats/src/pwt`). One step, one
+//! file; `encode.rs` sequences.
+//!
+//! Baril, Boubekeur, Gioia and Schlick 2008, "Polynomial wavelet trees for bidirectional texture functions".
 
+pub mod assemble;
+pub mod choose;
+pub mod degrees;
 pub mod design;
+mod encode;
 pub mod fit;
 pub mod image;
-pub mod lifting;
-pub mod stack;
+pub mod levels;
+mod lifting;
+pub mod measure;
+mod recipe;
+mod stack;
 pub mod tree;
+
+pub use encode::{PwtEncoded, encode};
+pub use lifting::{Border, Wavelet};
+pub use recipe::{DomainName, PwtRecipe, Target};
+pub use stack::{LIGHTS, LightSamples};

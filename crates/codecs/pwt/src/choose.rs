@@ -1,0 +1,214 @@
+//! Which domain, coordinates, degree and ridge: by the error at lights that the fit has not seen, each left out in turn, on
+//! texels spread over the picture.
+
+use crate::design::{Design, RIDGES};
+use crate::recipe::{DomainName, PwtRecipe};
+use crate::stack::LightSamples;
+use brdfc_formats::pwt::{Domain, LightBasis, LightCoordinates, MAX_DEGREE};
+use rayon::prelude::*;
+
+/// Texels that are looked at.
+const TEXELS: usize = 512;
+/// `ε` of logarithms that are tried, as shares of the mean value.
+const EPSILONS: [f64; 4] = [0.01, 0.03, 0.1, 0.3];
+
+/// What was tried, and how it did.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+pub struct Candidate {
+    /// The scale of values.
+    pub domain: DomainName,
+    /// `ε` of logarithms, else 0.
+    pub epsilon: f32,
+    /// In what the terms are polynomials.
+    pub coordinates: LightCoordinates,
+    /// Highest degree.
+    pub degree: u32,
+    /// `λ`.
+    pub ridge: f64,
+    /// Signal-to-noise ratio of sRGB codes at the lights that were fitted, dB.
+    pub psnr: f64,
+    /// The same at lights left out, each in turn.
+    pub held_out_psnr: f64,
+}
+
+/// The best of each pair of domain and coordinates, the best of all first.
+pub fn choose(samples: &LightSamples, recipe: &PwtRecipe) -> Vec<Candidate> {
+    let texels = Texels::new(samples);
+    let few: Vec<LightCoordinates> = recipe.coordinates.map_or(LightCoordinates::ALL.to_vec(), |one| vec![one]);
+    let ridges: Vec<f64> = recipe.ridge.map_or(RIDGES.to_vec(), |one| vec![one]);
+    let first = recipe.domain.unwrap_or(DomainName::Display);
+    // Coordinates and ridge in one domain; then all domains, with ridges about the best one.
+    let mut found = texels.tried(samples, recipe, &[first], &few, &ridges);
+    let Some(best) = best(&found) else { return found };
+    if recipe.domain.is_none() {
+        let near = |ridge: &f64| (0.01..=100.0).contains(&(ridge / best.ridge));
+        let ridges: Vec<f64> = ridges.into_iter().filter(near).collect();
+        let others: Vec<DomainName> = DomainName::ALL.into_iter().filter(|domain| *domain != first).collect();
+        found.extend(texels.tried(samples, recipe, &others, &[best.coordinates], &ridges));
+    }
+    let mut kept: Vec<Candidate> = Vec::new();
+    found.sort_by(|a, b| b.held_out_psnr.total_cmp(&a.held_out_psnr));
+    for candidate in found {
+        if !kept.iter().any(|k| (k.domain, k.coordinates) == (candidate.domain, candidate.coordinates)) {
+            kept.push(candidate);
+        }
+    }
+    kept
+}
+
+fn best(candidates: &[Candidate]) -> Option<Candidate> {
+    candidates.iter().copied().max_by(|a, b| a.held_out_psnr.total_cmp(&b.held_out_psnr))
+}
+
+impl Candidate {
+    /// Its domain.
+    pub fn domain(&self) -> Domain {
+        match self.domain {
+            DomainName::Linear => Domain::Linear,
+            DomainName::Display => Domain::Display,
+            DomainName::CubeRoot => Domain::CubeRoot,
+            DomainName::Log => Domain::Logarithm { epsilon: self.epsilon },
+        }
+    }
+
+    /// Its terms.
+    pub fn basis(&self) -> LightBasis {
+        LightBasis { coordinates: self.coordinates, degree: self.degree }
+    }
+}
+
+/// Some texels under all lights.
+struct Texels {
+    /// Linear values of each light: red, green and blue of each texel.
+    values: Vec<Vec<f32>>,
+    /// Their codes, 0 to 1.
+    codes: Vec<Vec<f32>>,
+    mean: f64,
+}
+
+impl Texels {
+    fn new(samples: &LightSamples) -> Self {
+        let count = samples.size[0] * samples.size[1];
+        // Multiples of the golden ratio: no column or row is missed.
+        let texel = |k: usize| ((k as f64 * 0.618_033_988_749_894_9).fract() * count as f64) as usize;
+        let at: Vec<usize> = (0..TEXELS.min(count)).map(|k| if count <= TEXELS { k } else { texel(k) }).collect();
+        let of_light = |picture: &Vec<[f32; 3]>| -> Vec<f32> {
+            at.iter().flat_map(|texel| picture[*texel]).map(|value| value.max(0.0)).collect()
+        };
+        let values: Vec<Vec<f32>> = samples.pictures.par_iter().map(of_light).collect();
+        let code = |value: &f32| Domain::Display.encode(value.min(1.0));
+        let codes = values.iter().map(|values| values.iter().map(code).collect()).collect();
+        let numbers = values.iter().map(Vec::len).sum::<usize>().max(1);
+        let mean = values.iter().flatten().map(|v| f64::from(*v)).sum::<f64>() / numbers as f64;
+        Self { values, codes, mean }
+    }
+
+    fn domains(&self, name: DomainName) -> Vec<Domain> {
+        match name {
+            DomainName::Linear => vec![Domain::Linear],
+            DomainName::Display => vec![Domain::Display],
+            DomainName::CubeRoot => vec![Domain::CubeRoot],
+            DomainName::Log => {
+                let epsilon = |share: f64| (share * self.mean).max(1e-6) as f32;
+                EPSILONS.iter().map(|share| Domain::Logarithm { epsilon: epsilon(*share) }).collect()
+            }
+        }
+    }
+
+    fn tried(
+        &self,
+        samples: &LightSamples,
+        recipe: &PwtRecipe,
+        names: &[DomainName],
+        coordinates: &[LightCoordinates],
+        ridges: &[f64],
+    ) -> Vec<Candidate> {
+        let mut trials = Vec::new();
+        for name in names {
+            for domain in self.domains(*name) {
+                let encoded: Vec<Vec<f32>> =
+                    self.values.iter().map(|values| values.iter().map(|v| domain.encode(*v)).collect()).collect();
+                let encoded = std::sync::Arc::new(encoded);
+                for coordinates in coordinates {
+                    for ridge in ridges {
+                        trials.push((*name, domain, encoded.clone(), *coordinates, *ridge));
+                    }
+                }
+            }
+        }
+        let one = |(name, domain, encoded, coordinates, ridge): &(_, Domain, std::sync::Arc<Vec<Vec<f32>>>, _, _)| {
+            let highest = recipe.degree.unwrap_or(MAX_DEGREE);
+            let design =
+                Design::new(LightBasis { coordinates: *coordinates, degree: highest }, &samples.lights, *ridge);
+            // A degree that was asked for is taken, whatever it does.
+            let lowest = recipe.degree.unwrap_or(0);
+            let candidate = |(degree, [psnr, held_out_psnr]): (u32, [f64; 2])| Candidate {
+                domain: *name,
+                epsilon: domain.code().1,
+                coordinates: *coordinates,
+                degree,
+                ridge: *ridge,
+                psnr,
+                held_out_psnr,
+            };
+            self.by_degree(&design, *domain, encoded, lowest).into_iter().map(candidate).collect::<Vec<_>>()
+        };
+        let found: Vec<Vec<Candidate>> = trials.par_iter().map(one).collect();
+        found.into_iter().flatten().collect()
+    }
+
+    /// Signal-to-noise ratios of every degree from the lowest, fitted and left out.
+    fn by_degree(&self, design: &Design, domain: Domain, encoded: &[Vec<f32>], lowest: u32) -> Vec<(u32, [f64; 2])> {
+        let (terms, numbers) = (design.terms(), encoded.first().map_or(0, Vec::len));
+        let mut coefficients = vec![vec![0.0f32; numbers]; terms];
+        for (light, values) in encoded.iter().enumerate() {
+            for (row, weight) in coefficients.iter_mut().zip(design.row(light)) {
+                let weight = *weight as f32;
+                row.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
+            }
+        }
+        let mut predictions = vec![vec![0.0f32; numbers]; encoded.len()];
+        let mut found = Vec::new();
+        let mut first = 0;
+        for degree in 0..=design.basis.degree {
+            let last = LightBasis { degree, ..design.basis }.terms();
+            let leverages = design.leverages(degree);
+            let mut errors = [0.0f64; 2];
+            for (light, prediction) in predictions.iter_mut().enumerate() {
+                for (row, weight) in coefficients[first..last].iter().zip(&design.row(light)[first..last]) {
+                    let weight = *weight as f32;
+                    prediction.iter_mut().zip(row).for_each(|(sum, c)| *sum += weight * c);
+                }
+                if degree < lowest {
+                    continue;
+                }
+                let share = (1.0 / (1.0 - leverages[light])) as f32;
+                for ((predicted, value), code) in prediction.iter().zip(&encoded[light]).zip(&self.codes[light]) {
+                    let unseen = value - (value - predicted) * share;
+                    for (sum, value) in errors.iter_mut().zip([*predicted, unseen]) {
+                        *sum += f64::from(shown(domain, value) - code).powi(2);
+                    }
+                }
+            }
+            first = last;
+            if degree >= lowest {
+                let count = (numbers * encoded.len()).max(1) as f64;
+                found.push((degree, errors.map(|error| decibels(error / count))));
+            }
+        }
+        found
+    }
+}
+
+/// The sRGB code, 0 to 1, of a value in a domain.
+pub(crate) fn shown(domain: Domain, value: f32) -> f32 {
+    if domain == Domain::Display {
+        return value.clamp(0.0, 1.0);
+    }
+    Domain::Display.encode(domain.decode(value).min(1.0))
+}
+
+/// Signal-to-noise ratio of a mean squared error of codes from 0 to 1. No error counts as rounding to 16 bits.
+pub fn decibels(mean_square: f64) -> f64 {
+    -10.0 * mean_square.max(1.0 / 65536.0 / 65536.0).log10()
+}

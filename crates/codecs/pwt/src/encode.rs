@@ -1,0 +1,298 @@
+//! From pictures under known lights to a pack. Each step is a file of its own; this one sequences.
+
+use crate::assemble::{Arrangement, arrange};
+use crate::choose::{Candidate, choose};
+use crate::degrees::{SubbandDegree, degrees};
+use crate::design::Design;
+use crate::fit;
+use crate::image::Plane;
+use crate::levels::{StepUp, TermImages, steps, term_images};
+use crate::lifting::Border;
+use crate::measure::{StackErrors, stack_errors};
+use crate::recipe::{PwtRecipe, Target};
+use crate::stack::LightSamples;
+use crate::tree::{PacketTree, Transform};
+use brdfc_formats::FormatError;
+use brdfc_formats::pwt::{Domain, PwtDecoder, PwtErrors, PwtHeader, PwtPack};
+use nalgebra::Matrix3;
+use rayon::prelude::*;
+
+/// Levels of a tree where none are asked for and the sides allow them.
+const DEPTH: u32 = 5;
+/// About how many texels of all photographs are compared at the end.
+const COMPARED: usize = 1 << 21;
+/// Planes, of lower terms, by which packets are chosen.
+const GUIDES: usize = 4;
+/// Most packs that a search for a measured target makes.
+const TRIALS: usize = 8;
+
+/// A pack, and what was found on the way.
+#[derive(Debug, Clone)]
+pub struct PwtEncoded {
+    /// The pack.
+    pub pack: PwtPack,
+    /// The best of each pair of domain and coordinates, the one that was taken first.
+    pub candidates: Vec<Candidate>,
+    /// Condition number of the normal equations.
+    pub condition: f64,
+    /// Degrees of the subbands of each channel.
+    pub subbands: [Vec<SubbandDegree>; 3],
+    /// Errors of the pack.
+    pub errors: StackErrors,
+    /// Whether it meets its target.
+    pub met: bool,
+}
+
+/// Encodes pictures of one view.
+///
+/// # Errors
+/// Pictures or a recipe out of range; a tile whose sides cannot be halved as often as asked.
+pub fn encode(samples: &LightSamples, recipe: &PwtRecipe) -> Result<PwtEncoded, FormatError> {
+    samples.check()?;
+    recipe.check()?;
+    let depth = depth(samples, recipe)?;
+    let candidates = choose(samples, recipe);
+    let candidate = candidates[0];
+    let domain = candidate.domain();
+    let design = Design::new(candidate.basis(), &samples.lights, candidate.ridge);
+
+    let extent = samples.size.map(|side| if samples.repeats { side } else { side.next_multiple_of(1 << depth) });
+    let colour = colour_axes(samples, domain);
+    let channels = channels(samples, domain, &colour, extent);
+    let weights = texel_weights(samples, domain, extent);
+    let coefficients = channels.each_ref().map(|values| fit::coefficients(&design, values));
+    let plane = |values: Vec<f32>| Plane { size: extent, values };
+    let mut coefficients = coefficients.map(|terms| terms.into_iter().map(plane).collect::<Vec<_>>());
+
+    let border = if samples.repeats { Border::Periodic } else { Border::Mirrored };
+    let transform = Transform { wavelet: recipe.wavelet, border, depth };
+    let guides = &coefficients[0][..GUIDES.min(coefficients[0].len())];
+    let tree = PacketTree::best(transform, guides, guide_step(guides), recipe.packets);
+    let subbands = channels.map(|values| degrees(&design, &tree, values.into_iter().map(plane).collect()));
+    for (terms, subbands) in coefficients.iter_mut().zip(&subbands) {
+        terms.par_iter_mut().enumerate().for_each(|(term, plane)| {
+            tree.analyse(plane);
+            let needed = design.basis.degree_of(term);
+            for subband in subbands.iter().filter(|s| s.degree.is_none_or(|degree| degree < needed)) {
+                plane.clear(subband.subband.rectangle);
+            }
+        });
+    }
+    let images = term_images(&tree, &coefficients, &weights, samples.repeats);
+    drop(coefficients);
+
+    let header = PwtHeader {
+        size: samples.size.map(|side| side as u32),
+        extent: extent.map(|side| side as u32),
+        repeats: samples.repeats,
+        levels: depth,
+        basis: design.basis,
+        domain,
+        colour,
+        triangle: design.triangle.iter().map(|c| *c as f32).collect(),
+        textures: Vec::new(),
+        errors: PwtErrors { lights: 0, psnr: 0.0, held_out_psnr: 0.0, delta_e: 0.0 },
+    };
+    let search = Search { samples, images: &images, steps: steps(&images), header, candidate };
+    let (pack, errors, met) = search.run(recipe.target)?;
+    Ok(PwtEncoded { pack, candidates, condition: design.condition, subbands, errors, met })
+}
+
+fn depth(samples: &LightSamples, recipe: &PwtRecipe) -> Result<u32, FormatError> {
+    let [width, height] = samples.size;
+    let most =
+        if samples.repeats { width.trailing_zeros().min(height.trailing_zeros()) } else { width.min(height).ilog2() };
+    match recipe.depth {
+        Some(depth) if depth > most => {
+            let why = if samples.repeats { "sides of a tile are halved exactly" } else { "of a side" };
+            let allowed = format!("0 to {most} for {width} x {height}: {why}");
+            Err(FormatError::whole("levels", depth.to_string(), allowed))
+        }
+        Some(depth) => Ok(depth),
+        None => Ok(most.min(DEPTH)),
+    }
+}
+
+/// Some texels of some photographs, in a domain.
+fn some_values(samples: &LightSamples, domain: Domain) -> impl Iterator<Item = [f32; 3]> {
+    let stride = (samples.size[0] * samples.size[1] * samples.lights.len()).div_ceil(1 << 16);
+    samples.pictures.iter().flatten().step_by(stride).map(move |value| value.map(|c| domain.encode(c)))
+}
+
+/// Red, green and blue of three channels that vary independently, the strongest first: principal axes.
+fn colour_axes(samples: &LightSamples, domain: Domain) -> [[f32; 3]; 3] {
+    let mut moments = Matrix3::<f64>::zeros();
+    let mut sum = nalgebra::Vector3::<f64>::zeros();
+    let mut count = 0.0;
+    for value in some_values(samples, domain) {
+        let v = nalgebra::Vector3::from(value.map(f64::from));
+        moments += v * v.transpose();
+        sum += v;
+        count += 1.0;
+    }
+    let covariance = moments / count - (sum / count) * (sum / count).transpose();
+    // Grey, where nothing varies.
+    let grey = nalgebra::Vector3::repeat(1.0 / 3.0f64.sqrt());
+    let eigen = (covariance + grey * grey.transpose() * 1e-12).symmetric_eigen();
+    let mut order = [0, 1, 2];
+    order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
+    order.map(|k| {
+        let axis = eigen.eigenvectors.column(k);
+        let sign = if axis[axis.iamax()] < 0.0 { -1.0 } else { 1.0 };
+        [0, 1, 2].map(|c| (sign * axis[c]) as f32)
+    })
+}
+
+/// Channels of every photograph, as far as the texels of the pack go: mirrored behind the picture.
+fn channels(samples: &LightSamples, domain: Domain, colour: &[[f32; 3]; 3], extent: [usize; 2]) -> [Vec<Vec<f32>>; 3] {
+    let [width, height] = samples.size;
+    let mirrored = |k: usize, side: usize| {
+        let at = k % (2 * side);
+        if at < side { at } else { 2 * side - 1 - at }
+    };
+    let of_picture = |picture: &Vec<[f32; 3]>| -> [Vec<f32>; 3] {
+        let mut planes = [0, 1, 2].map(|_| Vec::with_capacity(extent[0] * extent[1]));
+        for y in 0..extent[1] {
+            let row = &picture[mirrored(y, height) * width..][..width];
+            let encoded: Vec<[f32; 3]> = row.iter().map(|value| value.map(|c| domain.encode(c))).collect();
+            for (plane, axis) in planes.iter_mut().zip(colour) {
+                let project = |v: &[f32; 3]| v[0] * axis[0] + v[1] * axis[1] + v[2] * axis[2];
+                plane.extend((0..extent[0]).map(|x| project(&encoded[mirrored(x, width)])));
+            }
+        }
+        planes
+    };
+    let all: Vec<[Vec<f32>; 3]> = samples.pictures.par_iter().map(of_picture).collect();
+    let mut channels = [Vec::new(), Vec::new(), Vec::new()];
+    for planes in all {
+        channels.iter_mut().zip(planes).for_each(|(channel, plane)| channel.push(plane));
+    }
+    channels
+}
+
+/// How much an error of each texel shows: the mean square of how codes change with values of the domain.
+fn texel_weights(samples: &LightSamples, domain: Domain, extent: [usize; 2]) -> Plane {
+    const STEP: f32 = 1e-3;
+    const PICTURES: usize = 12;
+    let [width, height] = samples.size;
+    let stride = samples.pictures.len().div_ceil(PICTURES);
+    let some: Vec<&Vec<[f32; 3]>> = samples.pictures.iter().step_by(stride).collect();
+    let slope = |value: [f32; 3]| {
+        // Of the middle channel, nearly luminance.
+        let encoded = domain.encode(value[1].min(1.0));
+        let shown = |v| Domain::Display.encode(domain.decode(v));
+        ((shown(encoded + STEP) - shown(encoded)) / STEP).powi(2)
+    };
+    let mut weights = Plane::zeros(extent);
+    weights.values.par_chunks_exact_mut(extent[0]).take(height).enumerate().for_each(|(y, row)| {
+        for (x, weight) in row.iter_mut().enumerate().take(width) {
+            *weight = some.iter().map(|picture| slope(picture[y * width + x])).sum::<f32>() / some.len() as f32;
+        }
+    });
+    weights
+}
+
+/// What packets are chosen by: a hundredth of the spread of the first term.
+fn guide_step(guides: &[Plane]) -> f32 {
+    let Some(first) = guides.first() else { return 1.0 };
+    let mean = first.values.iter().sum::<f32>() / first.values.len() as f32;
+    let variance = first.values.iter().map(|v| (v - mean).powi(2)).sum::<f32>() / first.values.len() as f32;
+    (0.01 * variance.sqrt()).max(1e-9)
+}
+
+/// The smallest pack that meets a target.
+struct Search<'a> {
+    samples: &'a LightSamples,
+    images: &'a [TermImages],
+    steps: Vec<StepUp>,
+    header: PwtHeader,
+    candidate: Candidate,
+}
+
+impl Search<'_> {
+    fn run(self, target: Target) -> Result<(PwtPack, StackErrors, bool), FormatError> {
+        let last = self.steps.len();
+        match target {
+            Target::Bytes(bytes) => {
+                let fits = |count: usize| self.bytes(&self.arranged(count)) <= bytes;
+                // Bytes need not grow with every step: filling up moves terms.
+                let count = (0..=last).rev().find(|count| fits(*count)).unwrap_or(0);
+                let (pack, errors) = self.made(count)?;
+                let met = pack.gpu_bytes() <= bytes;
+                Ok((pack, errors, met))
+            }
+            Target::Energy(share) => {
+                let none = self.left(0);
+                let count = (0..=last).find(|count| self.left(*count) <= (1.0 - share) * none).unwrap_or(last);
+                let (pack, errors) = self.made(count)?;
+                Ok((pack, errors, true))
+            }
+            Target::Loss(loss) => {
+                // What steps leave adds to what the fit leaves.
+                let fitted = 10f64.powf(-self.candidate.psnr / 10.0);
+                let [width, height] = self.samples.size;
+                let numbers = (3 * width * height * self.samples.lights.len()) as f64;
+                let allowed = (10f64.powf(loss / 10.0) - 1.0) * fitted * numbers + self.left(last);
+                let count = (0..=last).find(|count| self.left(*count) <= allowed).unwrap_or(last);
+                let (pack, errors) = self.made(count)?;
+                Ok((pack, errors, true))
+            }
+            Target::Quality(psnr) => self.measured(|errors| errors.psnr >= psnr),
+            Target::DeltaE(delta_e) => self.measured(|errors| errors.delta_e <= delta_e),
+        }
+    }
+
+    /// The fewest steps whose pack passes, by bisection: or the last, if none does.
+    fn measured(&self, passes: impl Fn(&StackErrors) -> bool) -> Result<(PwtPack, StackErrors, bool), FormatError> {
+        let (mut low, mut high) = (0, self.steps.len());
+        let mut best = self.made(high)?;
+        if !passes(&best.1) {
+            return Ok((best.0, best.1, false));
+        }
+        for _ in 0..TRIALS {
+            if high - low <= 1 {
+                break;
+            }
+            // Most steps are of coarse levels, and small.
+            let middle = low + (high - low).div_ceil(2).min(high - low - 1).max(1);
+            let made = self.made(middle)?;
+            if passes(&made.1) {
+                (high, best) = (middle, made);
+            } else {
+                low = middle;
+            }
+        }
+        Ok((best.0, best.1, true))
+    }
+
+    /// The weighted error that some steps leave.
+    fn left(&self, count: usize) -> f64 {
+        match count.checked_sub(1) {
+            Some(step) => self.steps[step].error,
+            None => self.images.iter().map(|image| image.errors[image.errors.len() - 1]).sum(),
+        }
+    }
+
+    fn arranged(&self, count: usize) -> Arrangement {
+        arrange(self.images, &self.steps, count)
+    }
+
+    fn bytes(&self, arrangement: &Arrangement) -> u64 {
+        arrangement.bytes(self.header.extent, self.header.levels)
+    }
+
+    /// The pack of some steps, measured.
+    fn made(&self, count: usize) -> Result<(PwtPack, StackErrors), FormatError> {
+        let pack = self.arranged(count).pack(self.images, self.header.clone())?;
+        let decoder = PwtDecoder::new(pack);
+        let all = self.samples.size[0] * self.samples.size[1] * self.samples.lights.len();
+        let errors = stack_errors(&decoder, self.samples, all.div_ceil(COMPARED));
+        let measured = PwtErrors {
+            lights: errors.lights as u32,
+            psnr: errors.psnr as f32,
+            held_out_psnr: self.candidate.held_out_psnr as f32,
+            delta_e: errors.delta_e as f32,
+        };
+        Ok((decoder.into_pack().with_errors(measured), errors))
+    }
+}

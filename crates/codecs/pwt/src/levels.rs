@@ -1,0 +1,151 @@
+//! Section 2, "Rendering": the inverse transform ahead of time. Each coefficient of the light's polynomial becomes a
+//! mipmap, from the finest level that it needs: by what a level takes from the error per byte.
+
+use crate::image::Plane;
+use crate::tree::PacketTree;
+use rayon::prelude::*;
+
+/// Finest levels that a term may begin at: one texture each.
+pub const BASES: u32 = brdfc_formats::pwt::MAX_TEXTURES as u32;
+
+/// A term of a channel, and what it costs and brings from each level on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TermImages {
+    /// Which channel.
+    pub channel: usize,
+    /// Which term.
+    pub term: usize,
+    /// Texels of all mipmap levels from the finest.
+    pub levels: Vec<Plane>,
+    /// Weighted squared error of the picture, summed over texels, where the term begins at level 0, 1, …; last where
+    /// it is left out.
+    pub errors: Vec<f64>,
+}
+
+impl TermImages {
+    /// Of the term's coefficients in the tree. `weights` are those of texels in the error.
+    pub fn new(
+        (channel, term): (usize, usize),
+        tree: &PacketTree,
+        coefficients: &Plane,
+        weights: &Plane,
+        repeats: bool,
+    ) -> Self {
+        let depth = tree.transform().depth;
+        let levels: Vec<Plane> = (0..=depth).map(|level| tree.truncated(coefficients, level)).collect();
+        let whole = &levels[0];
+        let squares = |other: &[f32]| -> f64 {
+            let pairs = whole.values.iter().zip(other).zip(&weights.values);
+            pairs.map(|((a, b), w)| f64::from((a - b) * (a - b) * w)).sum()
+        };
+        let bases = BASES.min(depth + 1);
+        let mut errors: Vec<f64> = (0..bases)
+            .map(|base| {
+                let texels = rounded(&levels[base as usize]);
+                squares(&magnified(&texels, base, repeats).values)
+            })
+            .collect();
+        errors.push(squares(&vec![0.0; whole.values.len()]));
+        Self { channel, term, levels, errors }
+    }
+}
+
+/// All terms of all channels.
+pub fn term_images(
+    tree: &PacketTree,
+    coefficients: &[Vec<Plane>; 3],
+    weights: &Plane,
+    repeats: bool,
+) -> Vec<TermImages> {
+    let all: Vec<(usize, usize)> =
+        (0..3).flat_map(|channel| (0..coefficients[channel].len()).map(move |term| (channel, term))).collect();
+    let image = |at: &(usize, usize)| TermImages::new(*at, tree, &coefficients[at.0][at.1], weights, repeats);
+    all.par_iter().map(image).collect()
+}
+
+/// As 8 bits hold it.
+fn rounded(plane: &Plane) -> Plane {
+    let (low, high) = range(std::slice::from_ref(plane));
+    let scale = (high - low) / 255.0;
+    if scale <= 0.0 {
+        return plane.clone();
+    }
+    let inverse = 1.0 / scale;
+    let values = plane.values.iter().map(|v| low + scale * ((v - low) * inverse).round()).collect();
+    Plane { size: plane.size, values }
+}
+
+/// Least and largest value of all levels.
+pub fn range(levels: &[Plane]) -> (f32, f32) {
+    let values = levels.iter().flat_map(|level| &level.values);
+    values.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)))
+}
+
+/// What a sampler makes of texels `level` levels finer: bilinear, their centres at halves.
+pub fn magnified(plane: &Plane, level: u32, repeats: bool) -> Plane {
+    if level == 0 {
+        return plane.clone();
+    }
+    let [width, height] = plane.size;
+    let size = [width << level, height << level];
+    let taps = |side: usize| -> Vec<(usize, usize, f32)> {
+        let index = |k: i64| {
+            if repeats { k.rem_euclid(side as i64) as usize } else { k.clamp(0, side as i64 - 1) as usize }
+        };
+        let tap = |k: usize| {
+            let at = (k as f32 + 0.5) / (1u32 << level) as f32 - 0.5;
+            (index(at.floor() as i64), index(at.floor() as i64 + 1), at - at.floor())
+        };
+        (0..side << level).map(tap).collect()
+    };
+    let (columns, rows) = (taps(width), taps(height));
+    let mut values = vec![0.0; size[0] * size[1]];
+    let mut line = vec![0.0f32; width];
+    for ((upper, lower, weight), target) in rows.iter().zip(values.chunks_exact_mut(size[0])) {
+        let (a, b) = (&plane.values[upper * width..][..width], &plane.values[lower * width..][..width]);
+        for ((value, a), b) in line.iter_mut().zip(a).zip(b) {
+            *value = a + weight * (b - a);
+        }
+        for (value, (left, right, weight)) in target.iter_mut().zip(&columns) {
+            *value = line[*left] + weight * (line[*right] - line[*left]);
+        }
+    }
+    Plane { size, values }
+}
+
+/// One step of the search: a term that begins at another level.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepUp {
+    /// Which of the terms.
+    pub image: usize,
+    /// At which level it begins now.
+    pub base: u32,
+    /// What the steps so far leave of the error: weighted squares.
+    pub error: f64,
+}
+
+/// All steps that gain something, the one that gains most per byte first.
+pub fn steps(images: &[TermImages]) -> Vec<StepUp> {
+    let mut error: f64 = images.iter().map(|image| image.errors[image.errors.len() - 1]).sum();
+    let mut queue: Vec<(f64, usize, u32, f64)> = Vec::new();
+    for (index, image) in images.iter().enumerate() {
+        // The convex hull of error over bytes: each further step gains less per byte than the one before.
+        let none = image.errors.len() - 1;
+        let bytes = |base: usize| if base == none { 0.0 } else { 0.25f64.powi(base as i32) };
+        let mut at = none;
+        while at > 0 {
+            let gain = |to: &usize| (image.errors[at] - image.errors[*to]) / (bytes(*to) - bytes(at));
+            let Some(to) = (0..at).max_by(|a, b| gain(a).total_cmp(&gain(b))).filter(|to| gain(to) > 0.0) else {
+                break;
+            };
+            queue.push((gain(&to), index, to as u32, image.errors[at] - image.errors[to]));
+            at = to;
+        }
+    }
+    queue.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)).then(b.2.cmp(&a.2)));
+    let step = |(_, image, base, gain): (f64, usize, u32, f64)| {
+        error -= gain;
+        StepUp { image, base, error: error.max(0.0) }
+    };
+    queue.into_iter().map(step).collect()
+}

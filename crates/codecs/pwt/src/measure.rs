@@ -1,0 +1,51 @@
+//! How wrong a pack is: decoded as shaders do, against the photographs.
+
+use crate::choose::decibels;
+use crate::stack::LightSamples;
+use brdfc_formats::pwt::{Domain, PwtDecoder};
+use brdfc_metrics::lab::{distance_squared, lab};
+use rayon::prelude::*;
+
+/// Errors at some lights.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+pub struct StackErrors {
+    /// Photographs.
+    pub lights: usize,
+    /// Texels of each that were compared.
+    pub texels: usize,
+    /// Peak signal-to-noise ratio of sRGB codes, dB.
+    pub psnr: f64,
+    /// Mean ΔE (CIE76).
+    pub delta_e: f64,
+}
+
+/// Errors of a pack at its finest level against photographs, be they those that it was made of or others. Every
+/// `stride`-th row is compared.
+pub fn stack_errors(decoder: &PwtDecoder, samples: &LightSamples, stride: usize) -> StackErrors {
+    let unpacked = decoder.unpacked(0);
+    let [width, height] = samples.size;
+    let rows: Vec<usize> = (0..height).step_by(stride.max(1)).collect();
+    let of_light = |k: usize| -> [f64; 2] {
+        let weights = decoder.pack().header().weights(samples.lights[k]);
+        let mut sums = [0.0; 2];
+        for row in &rows {
+            let decoded = unpacked.rows(*row..row + 1, &weights);
+            for (found, wanted) in decoded.iter().zip(&samples.pictures[k][row * width..][..width]) {
+                sums[0] += squared_codes(*found, *wanted);
+                sums[1] += f64::from(distance_squared(lab(*found), lab(*wanted)).sqrt());
+            }
+        }
+        sums
+    };
+    let sums: Vec<[f64; 2]> = (0..samples.lights.len()).into_par_iter().map(of_light).collect();
+    let texels = rows.len() * width;
+    let count = (texels * sums.len()).max(1) as f64;
+    let [squares, distances] = sums.iter().fold([0.0; 2], |sum, of| [sum[0] + of[0], sum[1] + of[1]]);
+    StackErrors { lights: sums.len(), texels, psnr: decibels(squares / (3.0 * count)), delta_e: distances / count }
+}
+
+/// Sum of squared differences of sRGB codes from 0 to 1.
+pub fn squared_codes(found: [f32; 3], wanted: [f32; 3]) -> f64 {
+    let code = |value: f32| Domain::Display.encode(value.min(1.0));
+    (0..3).map(|k| f64::from(code(found[k]) - code(wanted[k])).powi(2)).sum()
+}

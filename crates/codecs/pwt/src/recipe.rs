@@ -1,0 +1,125 @@
+//! What decides a pack besides its pictures.
+
+use crate::lifting::Wavelet;
+use brdfc_formats::FormatError;
+use brdfc_formats::pwt::{LightCoordinates, MAX_DEGREE};
+
+/// The name of a domain, without what is found for it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum DomainName {
+    /// Linear values.
+    Linear,
+    /// Codes of sRGB.
+    Display,
+    /// Cube roots.
+    CubeRoot,
+    /// Logarithms of what is a little larger.
+    Log,
+}
+
+impl DomainName {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Linear, Self::Display, Self::CubeRoot, Self::Log];
+
+    /// The name that scripts use.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Linear => "linear",
+            Self::Display => "display",
+            Self::CubeRoot => "cube-root",
+            Self::Log => "log",
+        }
+    }
+}
+
+/// What a pack is to meet. The smallest one that does is made.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Target {
+    /// At most so many dB below the fit before anything was left out.
+    Loss(f64),
+    /// Signal-to-noise ratio of sRGB codes, dB.
+    Quality(f64),
+    /// Mean ΔE (CIE76).
+    DeltaE(f64),
+    /// Share of the squared error that terms and details take away, 0 to 1.
+    Energy(f64),
+    /// Most bytes on a GPU, mipmaps included.
+    Bytes(u64),
+}
+
+/// Everything that decides a pack besides its pictures. What is `None` is chosen by measurement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PwtRecipe {
+    /// In what the terms are polynomials.
+    pub coordinates: Option<LightCoordinates>,
+    /// Highest degree.
+    pub degree: Option<u32>,
+    /// `λ` of the penalty on roughness.
+    pub ridge: Option<f64>,
+    /// The scale of values that are fitted.
+    pub domain: Option<DomainName>,
+    /// The wavelet.
+    pub wavelet: Wavelet,
+    /// Levels of the tree; `None` for as many as 5 and the sides allow.
+    pub depth: Option<u32>,
+    /// How often details are split further.
+    pub packets: u32,
+    /// What to meet.
+    pub target: Target,
+}
+
+impl Default for PwtRecipe {
+    fn default() -> Self {
+        Self {
+            coordinates: None,
+            degree: None,
+            ridge: None,
+            domain: None,
+            wavelet: Wavelet::Haar,
+            depth: None,
+            packets: 1,
+            target: Target::Loss(0.2),
+        }
+    }
+}
+
+impl PwtRecipe {
+    /// Deepest tree.
+    pub const MAX_DEPTH: u32 = 8;
+    /// Most further splits.
+    pub const MAX_PACKETS: u32 = 4;
+
+    /// Whether everything is in range.
+    ///
+    /// # Errors
+    /// Names what is not.
+    pub fn check(&self) -> Result<(), FormatError> {
+        let refused =
+            |field: &'static str, found: String, allowed: String| Err(FormatError::whole(field, found, allowed));
+        if let Some(degree) = self.degree.filter(|degree| *degree > MAX_DEGREE) {
+            return refused("degree", degree.to_string(), format!("0 to {MAX_DEGREE}"));
+        }
+        if let Some(ridge) = self.ridge.filter(|ridge| !(0.0..=1e6).contains(ridge)) {
+            return refused("ridge", ridge.to_string(), "0 to 1000000".to_owned());
+        }
+        if let Some(depth) = self.depth.filter(|depth| *depth > Self::MAX_DEPTH) {
+            return refused("levels", depth.to_string(), format!("0 to {}", Self::MAX_DEPTH));
+        }
+        if self.packets > Self::MAX_PACKETS {
+            return refused("packets", self.packets.to_string(), format!("0 to {}", Self::MAX_PACKETS));
+        }
+        let (field, number, range) = match self.target {
+            Target::Loss(loss) => ("loss", loss, 0.0..=100.0),
+            Target::Quality(decibels) => ("quality", decibels, 0.0..=200.0),
+            Target::DeltaE(delta_e) => ("delta E", delta_e, 0.0..=1000.0),
+            Target::Energy(share) => ("energy", share, 0.0..=1.0),
+            Target::Bytes(bytes) => ("bytes", bytes as f64, 1.0..=1e12),
+        };
+        if range.contains(&number) {
+            return Ok(());
+        }
+        refused(field, number.to_string(), format!("{} to {}", range.start(), range.end()))
+    }
+}
