@@ -37,9 +37,10 @@ impl UboBtfFile {
                 let again = file.seek(SeekFrom::Start(0));
                 let read = again.and_then(|_| file.take(START_BYTES as u64).read_to_end(&mut start));
                 // The layout's error says more than that the start cannot be read again.
-                read.map_or_else(|_| InputError::format(path, error.clone()), |_| {
-                    wrong_contents(path, &start, length, error.clone())
-                })
+                read.map_or_else(
+                    |_| InputError::format(path, error.clone()),
+                    |_| wrong_contents(path, &start, length, error.clone()),
+                )
             }
         })?;
         let description = btf.description();
@@ -78,8 +79,7 @@ impl UboBtfFile {
     /// # Errors
     /// Indices that [`Self::views`] and [`Self::lights`] have not.
     pub fn image(&self, view: usize, light: usize) -> Result<Image, InputError> {
-        let mut pixels =
-            self.btf.image(view, light).map_err(|error| InputError::format(&self.path, error))?;
+        let mut pixels = self.btf.image(view, light).map_err(|error| InputError::format(&self.path, error))?;
         // The light is one of the file's, or there is no image.
         let factor = self.factors[light];
         pixels.iter_mut().flatten().for_each(|value| *value *= factor);
