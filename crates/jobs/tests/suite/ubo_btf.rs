@@ -65,14 +65,14 @@ fn files_are_described_and_refused_where_they_do_not_belong() {
     let folder = tempfile::tempdir().unwrap();
     let bytes = example(false).to_bytes(Scalar::Single);
     let path = write(folder.path(), "felt.btf", &bytes);
-    let facts = describe_surface(&Input::from(path.clone())).unwrap().unwrap();
+    let facts = describe_surface(&Input::from(path.clone().into_os_string())).unwrap().unwrap();
     let SurfaceFacts::UboBtf { views, lights, size, components, devices, memory_bytes, .. } = facts else {
         panic!("{facts:?}")
     };
     assert_eq!((views, lights, size, components), (1, 2, [2, 3], vec![1, 1, 1]));
     assert_eq!((devices, memory_bytes), (vec!["dome".to_owned(), "LED".to_owned()], 3 * 8 * 4));
 
-    let told = |path: &Path| open(path.to_owned(), None).err().expect("an error").to_string();
+    let told = |path: &Path| open(path.as_os_str().to_owned(), None).err().expect("an error").to_string();
     assert!(told(&path).ends_with("; a BTF is for 'brdfc flatten'"), "{}", told(&path));
     let lies = told(&write(folder.path(), "felt.binary", &bytes));
     assert!(lies.contains("it looks like a BTF of the Bonn database of 2014 (.btf)"), "{lies}");
