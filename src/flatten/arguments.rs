@@ -10,13 +10,13 @@ use std::path::PathBuf;
 /// Make the packs of a flat BTF: appearance on the surface itself, and maps of where each view sees it.
 ///
 /// MESO is one tile of a surface that repeats: synth:STRUCTURE, a mesh (.obj, .ply), a height map (.png of 8 or 16 bits
-/// grey, .exr), or a folder of images of an ordinary BTF, whose relief --geometry gives. Every mesh is closed over the
+/// grey, .exr), or an ordinary BTF, a folder of images or a .btf file, whose relief --geometry gives. Every mesh is closed over the
 /// tile's borders first; what was mended is reported. A surface has at most 1048576 vertices, and so many pixels a height
 /// map: 1024 x 1024.
 #[derive(Debug, Args)]
 #[command(after_help = after_help())]
 pub struct Arguments {
-    /// synth:STRUCTURE, a mesh, a height map, a folder of BTF images, or - for a mesh or a height map from stdin.
+    /// synth:STRUCTURE, a mesh, a height map, a folder of BTF images, a .btf file, or - for a mesh or a height map from stdin.
     pub(super) meso: Input,
     /// Folder of the packs; made if there is none.
     #[arg(long, short, value_name = "DIR")]
@@ -24,7 +24,7 @@ pub struct Arguments {
     /// Name of the asset's files (default: the folder's).
     #[arg(long)]
     pub(super) name: Option<String>,
-    /// Relief of a folder of BTF images: mesh, height map or structure (default: the plane).
+    /// Relief of a folder of BTF images or a .btf file: mesh, height map or structure (default: the plane).
     #[arg(long, value_name = "MESO")]
     pub(super) geometry: Option<Input>,
     /// Period of a mesh along x and y, in its unit (default: 1).

@@ -19,7 +19,7 @@ use brdfc_jobs::flatten::{
     AssetFile, FlattenError, FlattenJob, PLANE, Values, material_list, open_appearance, open_geometry, run as flatten,
 };
 use brdfc_source::Input;
-use brdfc_source::btf_stack::BtfStack;
+use brdfc_source::ordinary_btf::OrdinaryBtf;
 use options::{asset_name, check_inputs, check_outputs, meso_options, recipe};
 use serde::Serialize;
 use std::path::Path;
@@ -37,14 +37,14 @@ pub struct Report {
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     let started = Instant::now();
-    let stack = arguments.meso.path().filter(|path| path.is_dir());
+    let stack = arguments.meso.path().filter(|path| OrdinaryBtf::is_one(path));
     check_inputs(arguments)?;
     let name = asset_name(arguments)?;
     let mut recipe = recipe(arguments)?;
     let options = meso_options(arguments, stack.is_some())?;
     check_outputs(arguments)?;
     let (geometry, materials, values) = if let Some(path) = stack {
-        let stack = BtfStack::open(path)?;
+        let stack = OrdinaryBtf::open(path)?;
         (recipe.views, recipe.lights) = (stack.views().clone(), stack.lights().clone());
         let mut geometry = open_geometry(&options)?;
         let folder = path.canonicalize().ok();

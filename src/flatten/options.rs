@@ -154,9 +154,9 @@ fn check_placement(arguments: &Arguments, is_stack: bool) -> Result<(), CliError
     let wrong: &[(bool, &str)] = if is_stack { &for_surfaces } else { &for_stacks };
     if let Some((_, option)) = wrong.iter().find(|(given, _)| *given) {
         let (found, allowed) = if is_stack {
-            ("a folder of images, which has its own views and lights", "with a surface, whose appearance is computed")
+            ("an ordinary BTF, which has its own views and lights", "with a surface, whose appearance is computed")
         } else {
-            ("a surface", "with a folder of images")
+            ("a surface", "with an ordinary BTF: a folder of images or a .btf file")
         };
         return Err(CliError::Usage(format!("{option}: found with {found}; allowed {allowed}")));
     }

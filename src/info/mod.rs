@@ -34,7 +34,7 @@ Examples:
   brdfc info button/button.json")]
 pub struct Arguments {
     /// A path, synth:MODEL?param=value&... or synth:STRUCTURE?...; of a flat BTF its folder, its .json, or any of its
-    /// parts; a mesh, a height map or a folder of images for 'brdfc flatten'. - is stdin.
+    /// parts; a mesh, a height map, a folder of images or a .btf file for 'brdfc flatten'. - is stdin.
     input: Input,
 }
 

@@ -12,6 +12,7 @@ mod input;
 mod merl;
 pub mod meso;
 pub mod open;
+pub mod ordinary_btf;
 pub mod pack;
 pub mod pair_list;
 pub mod progress;
@@ -24,6 +25,7 @@ pub mod simulate;
 mod symmetry;
 mod tally;
 pub mod tile_image;
+pub mod ubo_btf;
 pub mod words;
 
 pub use error::InputError;

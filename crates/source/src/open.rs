@@ -5,6 +5,7 @@ pub use super::format::{Facts, Format, Opened};
 use super::error::InputError;
 use super::input::{Input, InputFile};
 use super::read::{ReadListener, extension_of, found_extension};
+use super::ubo_btf::is_ubo_btf;
 use super::{address, merl, pack, rgl, scan};
 use brdfc_formats::FormatError;
 use std::path::Path;
@@ -74,7 +75,10 @@ pub fn open_file_heard(path: &Path, level: Option<f32>, listener: &mut dyn ReadL
     let extension = extension_of(path);
     // Before more than the start is read.
     let Some(format) = format_of(&extension) else {
-        let allowed = format!("{}, or synth:MODEL", known_files());
+        let mut allowed = format!("{}, or synth:MODEL", known_files());
+        if is_ubo_btf(path) {
+            allowed += "; a BTF is for 'brdfc flatten'";
+        }
         let error = FormatError::whole("file name", found_extension(&extension), allowed);
         return Err(input_file.wrong(error));
     };

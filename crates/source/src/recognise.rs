@@ -3,7 +3,7 @@
 use super::error::InputError;
 use super::read::extension_of;
 use brdfc_formats::FormatError;
-use brdfc_formats::measured::merl;
+use brdfc_formats::measured::{merl, ubo_btf};
 use std::path::Path;
 
 /// How many bytes from the start of a file are enough to recognise it.
@@ -16,6 +16,8 @@ pub enum FileKind {
     Merl,
     /// A material of the RGL database.
     Rgl,
+    /// A BTF of the Bonn database of 2014.
+    UboBtf,
     /// KTX2.
     Ktx2,
     /// Portable Network Graphics.
@@ -59,9 +61,10 @@ pub enum FileKind {
 }
 
 /// What files of one kind begin with.
-const SIGNATURES: [(&[u8], FileKind); 18] = [
+const SIGNATURES: [(&[u8], FileKind); 19] = [
     (b"\xabKTX 20\xbb\r\n\x1a\n", FileKind::Ktx2),
     (b"tensor_file\0", FileKind::Rgl),
+    (ubo_btf::SIGNATURE, FileKind::UboBtf),
     (b"\x89PNG\r\n\x1a\n", FileKind::Png),
     (b"\xff\xd8\xff", FileKind::Jpeg),
     (b"\x76\x2f\x31\x01", FileKind::Exr),
@@ -86,6 +89,7 @@ impl FileKind {
         match self {
             Self::Merl => "a MERL table (.binary)",
             Self::Rgl => "an RGL material (.bsdf)",
+            Self::UboBtf => "a BTF of the Bonn database of 2014 (.btf), for 'brdfc flatten'",
             Self::Ktx2 => "a KTX2 texture (.ktx2)",
             Self::Png => "a PNG image (.png)",
             Self::Jpeg => "a JPEG image (.jpg)",
@@ -114,6 +118,7 @@ impl FileKind {
         match self {
             Self::Merl => &["binary"],
             Self::Rgl => &["bsdf"],
+            Self::UboBtf => &["btf"],
             Self::Ktx2 => &["ktx2"],
             Self::Png => &["png"],
             Self::Jpeg => &["jpg", "jpeg"],
@@ -217,6 +222,7 @@ mod tests {
             (b"II*\0\x08\0\0\0", FileKind::Tiff),
             (b"\xabKTX 20\xbb\r\n\x1a\n\0", FileKind::Ktx2),
             (b"tensor_file\0\x01\0", FileKind::Rgl),
+            (b"!DFMF08FCR\x23\x01\0\0", FileKind::UboBtf),
             (b"PK\x03\x04\x14\0", FileKind::Zip),
             (b"\x1f\x8b\x08\0", FileKind::Gzip),
             (b"\x28\xb5\x2f\xfd\0", FileKind::Zstandard),

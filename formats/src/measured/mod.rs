@@ -10,3 +10,4 @@ pub mod rgl;
 pub mod scan;
 pub mod scan_csv;
 pub mod tensor;
+pub mod ubo_btf;

@@ -9,12 +9,14 @@ use brdfc_formats::measured::alta::AltaTable;
 use brdfc_formats::measured::merl::{self, Merl};
 use brdfc_formats::measured::rgl::Rgl;
 use brdfc_formats::measured::scan::Scan;
+use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::measured::scan_csv;
+use brdfc_formats::measured::ubo_btf::{Channel, ColourModel, Description, Scalar, UboBtf};
 use brdfc_source::{MerlSource, RglSource, ScanSource, Source, Tally};
 use brdfc_testing::tensor;
 use libfuzzer_sys::fuzz_target;
 
-const READERS: u8 = 7;
+const READERS: u8 = 8;
 
 fn valid(reader: u8) -> Vec<u8> {
     match reader {
@@ -39,6 +41,23 @@ fn valid(reader: u8) -> Vec<u8> {
             format!("#DIM 3 1\n#PARAM_IN ISOTROPIC_TL_TV_PROJ_DPHI\n#PARAM_OUT INV_STERADIAN\n{rows}").into_bytes()
         }
         5 => tensor::Material { phi_i: vec![0.0, 0.8, 1.5707], ..Default::default() }.container().build(),
+        6 => {
+            let set = DirectionSet::grid(2, 2, 60.0).expect("a small set");
+            let description = Description {
+                version: 4,
+                devices: [const { String::new() }; 3],
+                texels_per_millimetre: 1.0,
+                rgb_factors: [1.0; 3],
+                has_cosine: false,
+                xml_bytes: 0,
+                views: set.clone(),
+                lights: set,
+                size: [2, 3],
+                colour_model: ColourModel::LogYRatioUv,
+            };
+            let channel = |k| Channel::new(k, &vec![0.25; 9 * k], &vec![-0.5; 6 * k], Scalar::Half).expect("whole rows");
+            UboBtf::new(description, [2, 1, 1].map(channel)).expect("as many rows").to_bytes(Scalar::Half)
+        }
         _ => tensor::Material { wavelengths: Some(vec![450.0, 650.0]), colour: |at| at.s, ..Default::default() }
             .container()
             .build(),
@@ -65,6 +84,10 @@ fn read(reader: u8, bytes: &[u8]) -> bool {
         4 => AltaTable::from_bytes(bytes)
             .and_then(|table| ScanSource::new(&table.scan))
             .map(|source| evaluate(&source))
+            .is_ok(),
+        6 => UboBtf::from_bytes(bytes)
+            .and_then(|btf| btf.image(0, 0))
+            .map(|image| assert!(image.iter().flatten().all(|v| v.is_finite())))
             .is_ok(),
         _ => Rgl::from_bytes(bytes)
             .and_then(|rgl| RglSource::new(rgl, rgb_weights))

@@ -37,8 +37,8 @@ fn options_that_go_with_another_input() {
     let folder = inputs();
     let structure = "synth:knit?resolution=16";
     for (input, options, expected) in [
-        ("s", &["--views", "ubo2003"][..], "--views: found with a folder of images"),
-        ("s", &["--lights", "ubo2003"], "--lights: found with a folder of images"),
+        ("s", &["--views", "ubo2003"][..], "--views: found with an ordinary BTF"),
+        ("s", &["--lights", "ubo2003"], "--lights: found with an ordinary BTF"),
         ("s", &["--tile", "2"], "--tile: found with the plane; allowed with a mesh"),
         ("s", &["--height-scale", "0.1"], "--height-scale: found with the plane; allowed with a height map"),
         ("s", &["--height-offset", "0"], "--height-offset: found with the plane"),

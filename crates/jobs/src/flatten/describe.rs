@@ -9,6 +9,7 @@ use brdfc_formats::meso::TriangleMesh;
 use brdfc_source::btf_stack::survey;
 use brdfc_source::meso::{HeightMap, MesoInput, open_meso};
 use brdfc_source::read::{MAX_FILE_BYTES, read_file};
+use brdfc_source::ubo_btf::{UboBtfFile, is_ubo_btf};
 use brdfc_source::{Input, InputError};
 use serde::Serialize;
 use std::path::Path;
@@ -38,6 +39,25 @@ pub enum SurfaceFacts {
         size: [usize; 2],
         /// Lowest and highest value: 0 to 1 from PNG, as stored from EXR.
         values: [f64; 2],
+    },
+    /// A BTF of the Bonn database of 2014 in one file.
+    UboBtf {
+        /// Directions to the viewer.
+        views: usize,
+        /// Directions to the light.
+        lights: usize,
+        /// Texels per row, and rows.
+        size: [usize; 2],
+        /// Code of the colour model: 0 RGB, 11 the logarithm of Y with U and V as shares of it.
+        colour_model: i32,
+        /// Columns of the matrices of each of the three channels.
+        components: Vec<usize>,
+        /// Whether values have the cosine of the light's polar angle in them.
+        has_cosine: bool,
+        /// Names of the measurement setup, the image sensor and the light source; those that the file has.
+        devices: Vec<String>,
+        /// Bytes that its matrices take in memory.
+        memory_bytes: u64,
     },
     /// Images of an ordinary BTF.
     ImageStack {
@@ -83,8 +103,8 @@ pub struct MeshFacts {
     pub problem: Option<String>,
 }
 
-/// Describes a structure, a mesh, a height map, a folder of images or a part of a flat BTF; nothing where the input is
-/// none of these by its name.
+/// Describes a structure, a mesh, a height map, an ordinary BTF or a part of a flat BTF; nothing where the input is none of
+/// these by its name.
 ///
 /// # Errors
 /// Files that cannot be read or do not follow their layout, wrong addresses. A mesh that does not close is none.
@@ -94,6 +114,9 @@ pub fn describe_surface(input: &Input) -> Result<Option<SurfaceFacts>, MesoInput
     }
     if let Some(folder) = input.path().filter(|path| path.is_dir()) {
         return Ok(Some(describe_images(folder)?));
+    }
+    if let Some(file) = input.path().filter(|path| is_ubo_btf(path)) {
+        return Ok(Some(describe_ubo_btf(file)?));
     }
     Ok(match input.extension()?.as_str() {
         "obj" | "ply" | "png" | "exr" => Some(match open_meso(input)? {
@@ -157,6 +180,21 @@ fn describe_images(folder: &Path) -> Result<SurfaceFacts, InputError> {
         missing: contents.missing,
         size,
         extensions: extensions.into_iter().collect(),
+    })
+}
+
+fn describe_ubo_btf(path: &Path) -> Result<SurfaceFacts, InputError> {
+    let file = UboBtfFile::open(path)?;
+    let (btf, description) = (file.btf(), file.description());
+    Ok(SurfaceFacts::UboBtf {
+        views: description.views.len(),
+        lights: description.lights.len(),
+        size: description.size,
+        colour_model: description.colour_model.code(),
+        components: btf.channels().iter().map(|channel| channel.components()).collect(),
+        has_cosine: description.has_cosine,
+        devices: description.devices.iter().filter(|name| !name.is_empty()).cloned().collect(),
+        memory_bytes: btf.memory_bytes(),
     })
 }
 

@@ -22,7 +22,7 @@ use brdfc_formats::direction::Vector;
 use brdfc_formats::flat_btf::{
     DiffuseMap, FlatBtfDecoder, FlatBtfParts, IndirectionMap, NormalMap, PositionMap, ReferenceMap, VisibilityMask,
 };
-use brdfc_source::btf_stack::BtfStack;
+use brdfc_source::ordinary_btf::OrdinaryBtf;
 use brdfc_source::progress::{Progress, Stage};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
@@ -32,7 +32,7 @@ pub enum Values {
     /// Materials of the surface.
     Computed(Appearance),
     /// Images of an ordinary BTF.
-    Measured(BtfStack),
+    Measured(OrdinaryBtf),
 }
 
 /// What is made, and where.

@@ -2,3 +2,4 @@
 
 mod btf_stack;
 mod golden;
+mod ubo_btf;

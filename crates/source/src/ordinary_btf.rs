@@ -1,0 +1,66 @@
+//! Ordinary BTFs, whichever way they are stored: images of a tile for all pairs of a view and a light.
+
+use crate::InputError;
+use crate::btf_stack::{BtfStack, Image};
+use crate::ubo_btf::{UboBtfFile, is_ubo_btf};
+use brdfc_formats::direction_set::DirectionSet;
+use std::path::Path;
+
+/// An ordinary BTF.
+pub enum OrdinaryBtf {
+    /// A folder of images.
+    Stack(BtfStack),
+    /// A file of the Bonn database of 2014.
+    Ubo(UboBtfFile),
+}
+
+impl OrdinaryBtf {
+    /// Whether a path is that of an ordinary BTF: a folder, or a file whose extension is `btf`.
+    pub fn is_one(path: &Path) -> bool {
+        path.is_dir() || is_ubo_btf(path)
+    }
+
+    /// Opens a folder or a file.
+    ///
+    /// # Errors
+    /// As [`BtfStack::open`] and [`UboBtfFile::open`].
+    pub fn open(path: &Path) -> Result<Self, InputError> {
+        Ok(if path.is_dir() { Self::Stack(BtfStack::open(path)?) } else { Self::Ubo(UboBtfFile::open(path)?) })
+    }
+
+    /// Directions to the viewer.
+    pub fn views(&self) -> &DirectionSet {
+        match self {
+            Self::Stack(stack) => stack.views(),
+            Self::Ubo(file) => file.views(),
+        }
+    }
+
+    /// Directions to the light.
+    pub fn lights(&self) -> &DirectionSet {
+        match self {
+            Self::Stack(stack) => stack.lights(),
+            Self::Ubo(file) => file.lights(),
+        }
+    }
+
+    /// Pixels per row, and rows, of every image.
+    pub fn size(&self) -> [usize; 2] {
+        match self {
+            Self::Stack(stack) => stack.size(),
+            Self::Ubo(file) => file.size(),
+        }
+    }
+
+    /// One image, read or computed, by its indices in [`Self::views`] and [`Self::lights`]: radiance divided by that of a
+    /// white diffuser that faces the light.
+    ///
+    /// # Errors
+    /// As [`BtfStack::view`] and [`UboBtfFile::image`].
+    pub fn image(&self, view: usize, light: usize) -> Result<Image, InputError> {
+        match self {
+            Self::Stack(stack) => stack.view(view, light),
+            Self::Ubo(file) => file.image(view, light),
+        }
+    }
+}
