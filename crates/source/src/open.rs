@@ -5,7 +5,8 @@ pub use super::format::{Facts, Format, Opened};
 use super::error::InputError;
 use super::input::{Input, InputFile};
 use super::read::{ReadListener, extension_of, found_extension};
-use super::{address, merl, pack, rgl, scan};
+use super::light_stack::is_light_stack;
+use super::{address, merl, pack, ptm, rgl, scan};
 use brdfc_formats::FormatError;
 use std::path::Path;
 
@@ -70,8 +71,11 @@ pub fn open_file(path: &Path, level: Option<f32>) -> Result<Opened, InputError> 
 /// # Errors
 /// As [`open`].
 pub fn open_file_heard(path: &Path, level: Option<f32>, listener: &mut dyn ReadListener) -> Result<Opened, InputError> {
-    let input_file = InputFile { level, ..InputFile::at(path, listener)? };
     let extension = extension_of(path);
+    if is_light_stack(path) || extension == ptm::EXTENSION {
+        return Err(InputError::format(path, without_brdf(extension == ptm::EXTENSION)));
+    }
+    let input_file = InputFile { level, ..InputFile::at(path, listener)? };
     // Before more than the start is read.
     let Some(format) = format_of(&extension) else {
         let allowed = format!("{}, or synth:MODEL", known_files());
@@ -79,4 +83,11 @@ pub fn open_file_heard(path: &Path, level: Option<f32>, listener: &mut dyn ReadL
         return Err(input_file.wrong(error));
     };
     (format.open)(input_file)
+}
+
+/// How a surface is refused that was measured from one direction of view.
+fn without_brdf(is_ptm: bool) -> FormatError {
+    let found = if is_ptm { "a polynomial texture map" } else { "a light stack" };
+    let found = format!("{found}: pictures of one view under many lights, which hold no BRDF");
+    FormatError::whole("input", found, format!("{}, or synth:MODEL; 'brdfc info' describes it", known_files()))
 }
