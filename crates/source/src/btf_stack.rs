@@ -108,7 +108,10 @@ fn list(
         *entries += 1;
         if *entries > MAX_ENTRIES {
             let found = format!("more than {MAX_ENTRIES}");
-            return Err(InputError::format(folder, FormatError::whole("files and folders", found, "a stack of images")));
+            return Err(InputError::format(
+                folder,
+                FormatError::whole("files and folders", found, "a stack of images"),
+            ));
         }
         let name = format!("{prefix}{}", entry.file_name().to_string_lossy());
         // The kind of a link is that of the link itself: no loops.

@@ -4,8 +4,8 @@ pub use super::format::{Facts, Format, Opened};
 
 use super::error::InputError;
 use super::input::{Input, InputFile};
-use super::read::{ReadListener, extension_of, found_extension};
 use super::light_stack::is_light_stack;
+use super::read::{ReadListener, extension_of, found_extension};
 use super::{address, merl, pack, ptm, rgl, scan};
 use brdfc_formats::FormatError;
 use std::path::Path;

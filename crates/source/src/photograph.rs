@@ -154,7 +154,9 @@ fn image_error(path: &Path, error: ImageError) -> InputError {
             let allowed = format!("1 to {MAX_SIZE} along each side");
             InputError::format(path, FormatError::whole("image size", "more pixels than a decoder takes", allowed))
         }
-        error => InputError::format(path, FormatError::whole("image", error.to_string(), "a whole PNG, JPEG or EXR image")),
+        error => {
+            InputError::format(path, FormatError::whole("image", error.to_string(), "a whole PNG, JPEG or EXR image"))
+        }
     }
 }
 

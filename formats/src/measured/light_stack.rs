@@ -89,7 +89,12 @@ fn light(content: &str, line: u64) -> Result<(&str, [f32; 3]), FormatError> {
     let mut words = [""; 3];
     for word in words.iter_mut().rev() {
         let Some((before, last)) = rest.rsplit_once(|c: char| c.is_whitespace()) else {
-            return Err(FormatError::at_line(line, "light", quoted(content.trim()), "the name of an image, then x y z"));
+            return Err(FormatError::at_line(
+                line,
+                "light",
+                quoted(content.trim()),
+                "the name of an image, then x y z",
+            ));
         };
         (rest, *word) = (before.trim_end(), last);
     }

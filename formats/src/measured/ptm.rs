@@ -60,12 +60,7 @@ impl Ptm {
     ///
     /// # Errors
     /// Sides of 0 or more than [`MAX_SIZE`]; another number of pixels; scales that are 0 or not finite.
-    pub fn new(
-        size: [u32; 2],
-        scale: [f32; TERMS],
-        bias: [i32; TERMS],
-        model: PtmModel,
-    ) -> Result<Self, FormatError> {
+    pub fn new(size: [u32; 2], scale: [f32; TERMS], bias: [i32; TERMS], model: PtmModel) -> Result<Self, FormatError> {
         let count = pixel_count(size)?;
         let lengths = match &model {
             PtmModel::Rgb(pixels) => [pixels.len(); 2],
@@ -132,9 +127,7 @@ impl Ptm {
 
     /// Coefficients that bytes mean.
     pub fn coefficients(&self, bytes: [u8; TERMS]) -> [f64; TERMS] {
-        std::array::from_fn(|term| {
-            (f64::from(bytes[term]) - f64::from(self.bias[term])) * f64::from(self.scale[term])
-        })
+        std::array::from_fn(|term| (f64::from(bytes[term]) - f64::from(self.bias[term])) * f64::from(self.scale[term]))
     }
 
     /// What a pixel is under a light whose unit vector has these x and y: RGB in codes, clamped to 0 to 255. `pixel` is

@@ -6,7 +6,9 @@ mod edits;
 use brdfc_formats::colour::rgb_weights;
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::measured::alta::AltaTable;
+use brdfc_formats::measured::light_stack::LightPositions;
 use brdfc_formats::measured::merl::{self, Merl};
+use brdfc_formats::measured::ptm::Ptm;
 use brdfc_formats::measured::rgl::Rgl;
 use brdfc_formats::measured::scan::Scan;
 use brdfc_formats::measured::scan_csv;
@@ -14,7 +16,7 @@ use brdfc_source::{MerlSource, RglSource, ScanSource, Source, Tally};
 use brdfc_testing::tensor;
 use libfuzzer_sys::fuzz_target;
 
-const READERS: u8 = 7;
+const READERS: u8 = 9;
 
 fn valid(reader: u8) -> Vec<u8> {
     match reader {
@@ -39,9 +41,15 @@ fn valid(reader: u8) -> Vec<u8> {
             format!("#DIM 3 1\n#PARAM_IN ISOTROPIC_TL_TV_PROJ_DPHI\n#PARAM_OUT INV_STERADIAN\n{rows}").into_bytes()
         }
         5 => tensor::Material { phi_i: vec![0.0, 0.8, 1.5707], ..Default::default() }.container().build(),
-        _ => tensor::Material { wavelengths: Some(vec![450.0, 650.0]), colour: |at| at.s, ..Default::default() }
+        6 => tensor::Material { wavelengths: Some(vec![450.0, 650.0]), colour: |at| at.s, ..Default::default() }
             .container()
             .build(),
+        7 => b"3\r\na 1.png 0 0 2\nb/c.jpg -1e-1 0.5 1\nd\\e.exr 3 0 4\n".to_vec(),
+        _ => {
+            let luminance: Vec<_> = (0..6).map(|k| [k as f32, -0.5, 3.0, 1.0, 0.0, 200.0 - k as f32]).collect();
+            let map = Ptm::from_coefficients_lrgb([2, 3], &luminance, &[[9, 90, 255]; 6]);
+            map.expect("coefficients are finite").to_bytes()
+        }
     }
 }
 
@@ -53,7 +61,18 @@ fn evaluate(source: &dyn Source) {
     }
 }
 
-/// Whether the bytes are a file of that reader, from which a source can be built.
+fn check_light(direction: &[f32; 3]) {
+    let length = direction.iter().map(|c| c * c).sum::<f32>();
+    assert!((length - 1.0).abs() < 1e-5 && direction[2] > 0.0, "{direction:?}");
+}
+
+fn check_map(map: &Ptm) {
+    let value = map.value(0, [0.3, -0.6]);
+    assert!(value.iter().all(|v| (0.0..=255.0).contains(v)), "{value:?}");
+    assert_eq!(Ptm::from_bytes(&map.to_bytes()).as_ref(), Ok(map));
+}
+
+/// Whether the bytes are a file of that reader, from which a source can be built where it has reflectance.
 fn read(reader: u8, bytes: &[u8]) -> bool {
     match reader {
         0 => Merl::from_bytes(bytes).map(|table| evaluate(&MerlSource::new(table))).is_ok(),
@@ -66,6 +85,8 @@ fn read(reader: u8, bytes: &[u8]) -> bool {
             .and_then(|table| ScanSource::new(&table.scan))
             .map(|source| evaluate(&source))
             .is_ok(),
+        7 => LightPositions::from_bytes(bytes).map(|lights| lights.directions.iter().for_each(check_light)).is_ok(),
+        8 => Ptm::from_bytes(bytes).map(|map| check_map(&map)).is_ok(),
         _ => Rgl::from_bytes(bytes)
             .and_then(|rgl| RglSource::new(rgl, rgb_weights))
             .map(|source| evaluate(&source))

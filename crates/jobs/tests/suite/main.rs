@@ -2,3 +2,4 @@
 
 mod btf_stack;
 mod golden;
+mod light_stack;

@@ -74,7 +74,9 @@ fn headers_have_line_ends_where_they_like() {
         assert_eq!(Ptm::from_bytes(&lrgb(header)).as_ref(), Ok(&expected), "{header}");
     }
     // One line end is the header's, more are pixels.
-    assert!(message(&lrgb(&format!("{HEADER}\n"))).starts_with("file length: found 37 bytes after the header; allowed 36"));
+    assert!(
+        message(&lrgb(&format!("{HEADER}\n"))).starts_with("file length: found 37 bytes after the header; allowed 36")
+    );
     assert_eq!(expected.to_bytes(), lrgb(HEADER));
 }
 
@@ -199,4 +201,20 @@ proptest! {
             prop_assert!(value.iter().all(|v| (0.0..=255.0).contains(v)), "{:?}", value);
         }
     }
+}
+
+/// The example of the page.
+#[test]
+fn the_page_is_right() {
+    let page = include_str!("../ptm.md");
+    let rows = page.split("```text\n").last().unwrap().split("```").next().unwrap();
+    let hex = rows.lines().flat_map(|row| row[10..58].split_whitespace());
+    let bytes: Vec<u8> = hex.map(|byte| u8::from_str_radix(byte, 16).unwrap()).collect();
+    let ptm = Ptm::from_bytes(&bytes).unwrap();
+    let close = |at, expected: [f32; 3]| {
+        let value = ptm.value(at, [0.1, 0.2]);
+        value.iter().zip(expected).all(|(value, expected)| (value - expected).abs() < 0.05)
+    };
+    assert!(close(1, [100.0, 50.2, 0.0]) && close(0, [100.4; 3]), "{ptm:?}");
+    assert_eq!(ptm.to_bytes(), bytes);
 }
