@@ -15,6 +15,7 @@ pub const EXTENSION: &str = "lp";
 const MAX_ENTRIES: usize = 1 << 20;
 
 /// Photographs of one view, of one size, each under one distant light.
+#[derive(Debug, Clone)]
 pub struct LightStack {
     directions: Vec<[f32; 3]>,
     files: Vec<PathBuf>,

@@ -4,7 +4,7 @@ pub use super::format::{Facts, Format, Opened};
 
 use super::error::InputError;
 use super::input::{Input, InputFile};
-use super::light_stack::is_light_stack;
+use super::light_stack::{self, is_light_stack};
 use super::read::{ReadListener, extension_of, found_extension};
 use super::{address, merl, pack, ptm, rgl, scan};
 use brdfc_formats::FormatError;
@@ -71,11 +71,16 @@ pub fn open_file(path: &Path, level: Option<f32>) -> Result<Opened, InputError> 
 /// # Errors
 /// As [`open`].
 pub fn open_file_heard(path: &Path, level: Option<f32>, listener: &mut dyn ReadListener) -> Result<Opened, InputError> {
-    let extension = extension_of(path);
-    if is_light_stack(path) || extension == ptm::EXTENSION {
-        return Err(InputError::format(path, without_brdf(extension == ptm::EXTENSION)));
+    if path.is_dir() && is_light_stack(path) {
+        return Err(InputError::format(path, without_brdf("a light stack")));
     }
     let input_file = InputFile { level, ..InputFile::at(path, listener)? };
+    let extension = extension_of(path);
+    match extension.as_str() {
+        light_stack::EXTENSION => return Err(input_file.wrong(without_brdf("a light stack"))),
+        ptm::EXTENSION => return Err(input_file.wrong(without_brdf("a polynomial texture map"))),
+        _ => {}
+    }
     // Before more than the start is read.
     let Some(format) = format_of(&extension) else {
         let allowed = format!("{}, or synth:MODEL", known_files());
@@ -86,8 +91,7 @@ pub fn open_file_heard(path: &Path, level: Option<f32>, listener: &mut dyn ReadL
 }
 
 /// How a surface is refused that was measured from one direction of view.
-fn without_brdf(is_ptm: bool) -> FormatError {
-    let found = if is_ptm { "a polynomial texture map" } else { "a light stack" };
-    let found = format!("{found}: pictures of one view under many lights, which hold no BRDF");
+fn without_brdf(what: &str) -> FormatError {
+    let found = format!("{what}: pictures of one view under many lights, which hold no BRDF");
     FormatError::whole("input", found, format!("{}, or synth:MODEL; 'brdfc info' describes it", known_files()))
 }

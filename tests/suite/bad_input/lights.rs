@@ -77,6 +77,9 @@ fn neither_is_a_brdf() {
         );
         refused(&folder, &["encode", input, "-o", "p.ktx2"], 3, &[found.as_str(), ".binary (MERL)", "'brdfc info'"]);
     }
+    refused(&folder, &["encode", "gone.lp", "-o", "p.ktx2"], 4, &["gone.lp: cannot read"]);
+    folder.write("lies.ptm", png(4));
+    refused(&folder, &["encode", "lies.ptm", "-o", "p.ktx2"], 3, &["it looks like a PNG image (.png)"]);
     let command = |list: &str| {
         let output = folder.command(&["info", "-"]).write_stdin(list.to_owned()).output().unwrap();
         (output.status.code(), String::from_utf8(output.stderr).unwrap())
