@@ -6,14 +6,16 @@ use super::output::{print, print_json, printable};
 use super::{CliError, Common, bandwidth, flatten};
 use crate::table::bytes;
 use brdfc_flat_btf::structures::STRUCTURES;
-use brdfc_formats::{BrdfPack, Pack};
+use brdfc_formats::{BrdfPack, FormatError, Pack};
 use brdfc_importance::ImportanceFacts;
 use brdfc_jobs::flatten::{AssetFile, SurfaceFacts, describe_surface, open_asset};
 use brdfc_source::address::{SYNTH_PREFIX, split_query};
 use brdfc_source::btf_stack::has_images;
 use brdfc_source::flat_btf::{asset_of_part, check_flat_btf};
+use brdfc_source::light_stack::{self, LightStack, LightStackFacts, is_light_stack};
 use brdfc_source::open::{Facts, Opened, open};
 use brdfc_source::pack::{open_pack, opened};
+use brdfc_source::ptm::{self, PtmFacts, open_ptm};
 use brdfc_source::{Input, InputError, Symmetry};
 use clap::Args;
 use serde::Serialize;
@@ -21,7 +23,8 @@ use std::path::Path;
 
 /// Say what an input is: layout, sizes, symmetries, measured errors of a pack.
 ///
-/// Of a mesh: whether it closes over the tile, and what would be mended. Of a folder of images: what is missing.
+/// Of a mesh: whether it closes over the tile, and what would be mended. Of a folder of images: what is missing. Of
+/// photographs under known lights, and of polynomial texture maps: lights and sizes.
 ///
 /// Schemas of --json: 'info'; of a flat BTF 'flat-btf'; of a part of one, a structure, a mesh, a height map or images
 /// 'info-surface'; of a bandwidth map 'bandwidth'.
@@ -34,7 +37,8 @@ Examples:
   brdfc info button/button.json")]
 pub struct Arguments {
     /// A path, synth:MODEL?param=value&... or synth:STRUCTURE?...; of a flat BTF its folder, its .json, or any of its
-    /// parts; a mesh, a height map, a folder of images or a .btf file for 'brdfc flatten'. - is stdin.
+    /// parts; a mesh, a height map, a folder of images or a .btf file for 'brdfc flatten'; a light stack, as its .lp or its
+    /// folder; a .ptm. - is stdin.
     input: Input,
 }
 
@@ -64,12 +68,16 @@ enum Contents {
     Other(Other),
 }
 
-/// A pack that has no reflectance of its own.
+/// What has no reflectance of its own, or none for all views.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 enum Other {
     /// An importance-sample pack.
     ImportancePack(ImportanceFacts),
+    /// Photographs of one view under known lights.
+    LightStack(LightStackFacts),
+    /// A polynomial texture map.
+    Ptm(PtmFacts),
 }
 
 /// What `--json` prints of what 'brdfc flatten' takes, and of a part of a flat BTF.
@@ -84,6 +92,14 @@ pub struct SurfaceReport {
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     let input = &arguments.input;
+    if let Some(facts) = relightable(input)? {
+        let contents = Contents::Other(facts);
+        return if common.json {
+            print_json(&Report { version: 1, contents })
+        } else {
+            print_lines(&contents_in_words(&contents))
+        };
+    }
     if let Some(asset) = input.path().map(flat_btf).transpose()?.flatten() {
         return if common.json { print_json(&asset) } else { print(&flatten::text(&asset, None)) };
     }
@@ -155,6 +171,21 @@ fn flat_btf(path: &Path) -> Result<Option<AssetFile>, CliError> {
     Ok(asset)
 }
 
+/// What is measured of one view under many lights: a light stack or a polynomial texture map, by its name.
+fn relightable(input: &Input) -> Result<Option<Other>, InputError> {
+    if let Some(path) = input.path().filter(|path| is_light_stack(path) && !has_parts(path)) {
+        return Ok(Some(Other::LightStack(LightStack::open(path)?.facts())));
+    }
+    match input.extension()?.as_str() {
+        ptm::EXTENSION => Ok(Some(Other::Ptm(PtmFacts::new(&open_ptm(input)?)))),
+        light_stack::EXTENSION if input.is_stdin() => {
+            let error = FormatError::whole("input", "the lights of a light stack", "its path: images stand beside it");
+            Err(InputError::Format { name: input.to_string(), error })
+        }
+        _ => Ok(None),
+    }
+}
+
 fn has_parts(folder: &Path) -> bool {
     let is_part =
         |entry: std::fs::DirEntry| entry.file_name().to_str().is_some_and(|file| asset_of_part(file).is_some());
@@ -203,6 +234,8 @@ fn contents_in_words(contents: &Contents) -> Vec<(&'static str, String)> {
             lines
         }
         Contents::Other(Other::ImportancePack(facts)) => importance_in_words(facts),
+        Contents::Other(Other::LightStack(facts)) => facts.in_words(),
+        Contents::Other(Other::Ptm(facts)) => facts.in_words(),
     }
 }
 

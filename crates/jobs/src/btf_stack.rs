@@ -32,18 +32,33 @@ impl StackFormat {
 /// where there are none; the file is whole or not there.
 ///
 /// `number` is `light index * views + view index`. `pixels` are linear RGB (Rec. 709 primaries), 1 = a white diffuser
-/// that faces the light, row by row from the top (y = 1), left to right.
+/// that faces the light, row by row from the top (y = 1), left to right. `size` is pixels per row, and rows.
 ///
 /// # Errors
-/// What cannot be written; a number of pixels other than `width * height`, or 0; values that are NaN or infinite.
+/// What cannot be written; a number of pixels other than `size` says, or 0; values that are NaN or infinite.
 pub fn write_image(
     folder: &Path,
     number: usize,
     angles: ImageAngles,
     pixels: &[[f32; 3]],
-    [width, height]: [usize; 2],
+    size: [usize; 2],
     format: StackFormat,
 ) -> std::io::Result<PathBuf> {
+    let path = folder.join(image_name(number, angles, format.extension()));
+    write_pixels(&path, pixels, size, format)?;
+    Ok(path)
+}
+
+/// Writes an image of any stack, and the folders above it where there are none; it is whole or not there.
+///
+/// # Errors
+/// As [`write_image`].
+pub(crate) fn write_pixels(
+    path: &Path,
+    pixels: &[[f32; 3]],
+    [width, height]: [usize; 2],
+    format: StackFormat,
+) -> std::io::Result<()> {
     let wrong = |text: String| Error::new(ErrorKind::InvalidInput, text);
     let sides = [width, height].map(u32::try_from);
     let [Ok(columns), Ok(rows)] = sides else { return Err(wrong(format!("an image of {width} x {height} pixels"))) };
@@ -57,12 +72,10 @@ pub fn write_image(
         StackFormat::Png => to_png(pixels, columns, rows).map_err(Error::other)?,
         StackFormat::Exr => to_exr(pixels, width, height).map_err(Error::other)?,
     };
-    let path = folder.join(image_name(number, angles, format.extension()));
     if let Some(parent) = path.parent() {
         std::fs::create_dir_all(parent)?;
     }
-    write_atomic(&path, &bytes)?;
-    Ok(path)
+    write_atomic(path, &bytes)
 }
 
 fn to_png(pixels: &[[f32; 3]], width: u32, height: u32) -> Result<Vec<u8>, png::EncodingError> {

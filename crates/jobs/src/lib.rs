@@ -6,6 +6,7 @@ pub mod encode;
 pub mod file_events;
 pub mod flatten;
 mod keys;
+pub mod light_stack;
 pub mod output_folder;
 pub mod report;
 pub mod scene;

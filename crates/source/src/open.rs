@@ -4,9 +4,10 @@ pub use super::format::{Facts, Format, Opened};
 
 use super::error::InputError;
 use super::input::{Input, InputFile};
+use super::light_stack::{self, is_light_stack};
 use super::read::{ReadListener, extension_of, found_extension};
 use super::ubo_btf::is_ubo_btf;
-use super::{address, merl, pack, rgl, scan};
+use super::{address, merl, pack, ptm, rgl, scan};
 use brdfc_formats::FormatError;
 use std::path::Path;
 
@@ -71,8 +72,16 @@ pub fn open_file(path: &Path, level: Option<f32>) -> Result<Opened, InputError> 
 /// # Errors
 /// As [`open`].
 pub fn open_file_heard(path: &Path, level: Option<f32>, listener: &mut dyn ReadListener) -> Result<Opened, InputError> {
+    if path.is_dir() && is_light_stack(path) {
+        return Err(InputError::format(path, without_brdf("a light stack")));
+    }
     let input_file = InputFile { level, ..InputFile::at(path, listener)? };
     let extension = extension_of(path);
+    match extension.as_str() {
+        light_stack::EXTENSION => return Err(input_file.wrong(without_brdf("a light stack"))),
+        ptm::EXTENSION => return Err(input_file.wrong(without_brdf("a polynomial texture map"))),
+        _ => {}
+    }
     // Before more than the start is read.
     let Some(format) = format_of(&extension) else {
         let mut allowed = format!("{}, or synth:MODEL", known_files());
@@ -83,4 +92,10 @@ pub fn open_file_heard(path: &Path, level: Option<f32>, listener: &mut dyn ReadL
         return Err(input_file.wrong(error));
     };
     (format.open)(input_file)
+}
+
+/// How a surface is refused that was measured from one direction of view.
+fn without_brdf(what: &str) -> FormatError {
+    let found = format!("{what}: pictures of one view under many lights, which hold no BRDF");
+    FormatError::whole("input", found, format!("{}, or synth:MODEL; 'brdfc info' describes it", known_files()))
 }

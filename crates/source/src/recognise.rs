@@ -40,6 +40,10 @@ pub enum FileKind {
     Csv,
     /// A table of ALTA.
     Alta,
+    /// The lights of a light stack.
+    Lights,
+    /// A polynomial texture map.
+    Ptm,
     /// A scene manifest.
     Manifest,
     /// A report, or the list of a flat BTF's parts.
@@ -80,6 +84,7 @@ const SIGNATURES: [(&[u8], FileKind); 19] = [
     (b"\x28\xb5\x2f\xfd", FileKind::Zstandard),
     (b"%PDF-", FileKind::Pdf),
     (b"version https://git-lfs", FileKind::LfsPointer),
+    (b"PTM_1.", FileKind::Ptm),
     (b"{", FileKind::Json),
 ];
 
@@ -101,6 +106,8 @@ impl FileKind {
             Self::Scan => "a scan as text (.brdf)",
             Self::Csv => "a scan or a list of directions (.csv)",
             Self::Alta => "a table of ALTA (.dat)",
+            Self::Lights => "the lights of a light stack (.lp)",
+            Self::Ptm => "a polynomial texture map (.ptm)",
             Self::Manifest => "a scene manifest (.toml)",
             Self::Json => "JSON",
             Self::Html => "a web page, perhaps what a server said in the place of the file",
@@ -129,9 +136,11 @@ impl FileKind {
             Self::Scan => &["brdf"],
             Self::Csv => &["csv"],
             Self::Alta => &["dat"],
+            Self::Lights => &["lp"],
+            Self::Ptm => &["ptm"],
             Self::Manifest => &["toml"],
             Self::Json => &["json"],
-            Self::Text => &["brdf", "csv", "dat", "obj", "toml", "json", "ply"],
+            Self::Text => &["brdf", "csv", "dat", "lp", "obj", "toml", "json", "ply"],
             Self::Tiff | Self::Html | Self::LfsPointer | Self::Zip | Self::Gzip | Self::Zstandard | Self::Pdf => &[],
         }
     }
@@ -175,11 +184,21 @@ fn of_text(text: &str) -> FileKind {
         FileKind::Csv
     } else if begins(first, &["v ", "vn ", "vt ", "o ", "g ", "mtllib ", "usemtl "]) {
         FileKind::Obj
+    } else if is_light_list(text) {
+        FileKind::Lights
     } else if is_scan(first) {
         FileKind::Scan
     } else {
         FileKind::Text
     }
+}
+
+/// Whether text begins as a list of lights does: a number alone, then a name and three numbers.
+fn is_light_list(text: &str) -> bool {
+    let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+    let (first, second) = (lines.next().unwrap_or(""), lines.next().unwrap_or(""));
+    let words: Vec<bool> = second.split_whitespace().map(|word| word.parse::<f64>().is_ok()).collect();
+    first.parse::<u32>().is_ok() && words.len() > 3 && !words[0] && words.ends_with(&[true; 3])
 }
 
 /// Whether a line can be the first of a scan: how many wavelengths, and perhaps the first of them.
@@ -237,6 +256,9 @@ mod tests {
             (b"# pairs\nname,wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n", FileKind::Csv),
             (b"theta_i,phi_i,theta_o,phi_o,r,g,b\n", FileKind::Csv),
             (b"#DIM 3 1\n#PARAM_IN RUSIN_TH_TD_PD\n0 0 0 1\n", FileKind::Alta),
+            (b"PTM_1.2\nPTM_FORMAT_RGB\n\xff", FileKind::Ptm),
+            (b"\n2\r\nphoto 1.jpg 0 0.5 1\r\n", FileKind::Lights),
+            (b"2\n1 0 0.5 1\n", FileKind::Scan),
             (b"[materials.a]\nsource = 'a.binary'\n", FileKind::Manifest),
             (b"{\"version\": 1}", FileKind::Json),
             ("Füße\n".as_bytes(), FileKind::Text),

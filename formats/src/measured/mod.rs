@@ -5,7 +5,9 @@
 
 pub mod alta;
 pub mod btf_stack;
+pub mod light_stack;
 pub mod merl;
+pub mod ptm;
 pub mod rgl;
 pub mod scan;
 pub mod scan_csv;

@@ -6,7 +6,9 @@ mod edits;
 use brdfc_formats::colour::rgb_weights;
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::measured::alta::AltaTable;
+use brdfc_formats::measured::light_stack::LightPositions;
 use brdfc_formats::measured::merl::{self, Merl};
+use brdfc_formats::measured::ptm::Ptm;
 use brdfc_formats::measured::rgl::Rgl;
 use brdfc_formats::measured::scan::Scan;
 use brdfc_formats::direction_set::DirectionSet;
@@ -16,7 +18,7 @@ use brdfc_source::{MerlSource, RglSource, ScanSource, Source, Tally};
 use brdfc_testing::tensor;
 use libfuzzer_sys::fuzz_target;
 
-const READERS: u8 = 8;
+const READERS: u8 = 10;
 
 fn valid(reader: u8) -> Vec<u8> {
     match reader {
@@ -41,7 +43,11 @@ fn valid(reader: u8) -> Vec<u8> {
             format!("#DIM 3 1\n#PARAM_IN ISOTROPIC_TL_TV_PROJ_DPHI\n#PARAM_OUT INV_STERADIAN\n{rows}").into_bytes()
         }
         5 => tensor::Material { phi_i: vec![0.0, 0.8, 1.5707], ..Default::default() }.container().build(),
-        6 => {
+        6 => tensor::Material { wavelengths: Some(vec![450.0, 650.0]), colour: |at| at.s, ..Default::default() }
+            .container()
+            .build(),
+        7 => b"3\r\na 1.png 0 0 2\nb/c.jpg -1e-1 0.5 1\nd\\e.exr 3 0 4\n".to_vec(),
+        9 => {
             let set = DirectionSet::grid(2, 2, 60.0).expect("a small set");
             let description = Description {
                 version: 4,
@@ -58,9 +64,11 @@ fn valid(reader: u8) -> Vec<u8> {
             let channel = |k| Channel::new(k, &vec![0.25; 9 * k], &vec![-0.5; 6 * k], Scalar::Half).expect("whole rows");
             UboBtf::new(description, [2, 1, 1].map(channel)).expect("as many rows").to_bytes(Scalar::Half)
         }
-        _ => tensor::Material { wavelengths: Some(vec![450.0, 650.0]), colour: |at| at.s, ..Default::default() }
-            .container()
-            .build(),
+        _ => {
+            let luminance: Vec<_> = (0..6).map(|k| [k as f32, -0.5, 3.0, 1.0, 0.0, 200.0 - k as f32]).collect();
+            let map = Ptm::from_coefficients_lrgb([2, 3], &luminance, &[[9, 90, 255]; 6]);
+            map.expect("coefficients are finite").to_bytes()
+        }
     }
 }
 
@@ -72,7 +80,18 @@ fn evaluate(source: &dyn Source) {
     }
 }
 
-/// Whether the bytes are a file of that reader, from which a source can be built.
+fn check_light(direction: &[f32; 3]) {
+    let length = direction.iter().map(|c| c * c).sum::<f32>();
+    assert!((length - 1.0).abs() < 1e-5 && direction[2] > 0.0, "{direction:?}");
+}
+
+fn check_map(map: &Ptm) {
+    let value = map.value(0, [0.3, -0.6]);
+    assert!(value.iter().all(|v| (0.0..=255.0).contains(v)), "{value:?}");
+    assert_eq!(Ptm::from_bytes(&map.to_bytes()).as_ref(), Ok(map));
+}
+
+/// Whether the bytes are a file of that reader, from which a source can be built where it has reflectance.
 fn read(reader: u8, bytes: &[u8]) -> bool {
     match reader {
         0 => Merl::from_bytes(bytes).map(|table| evaluate(&MerlSource::new(table))).is_ok(),
@@ -85,7 +104,9 @@ fn read(reader: u8, bytes: &[u8]) -> bool {
             .and_then(|table| ScanSource::new(&table.scan))
             .map(|source| evaluate(&source))
             .is_ok(),
-        6 => UboBtf::from_bytes(bytes)
+        7 => LightPositions::from_bytes(bytes).map(|lights| lights.directions.iter().for_each(check_light)).is_ok(),
+        8 => Ptm::from_bytes(bytes).map(|map| check_map(&map)).is_ok(),
+        9 => UboBtf::from_bytes(bytes)
             .and_then(|btf| btf.image(0, 0))
             .map(|image| assert!(image.iter().flatten().all(|v| v.is_finite())))
             .is_ok(),

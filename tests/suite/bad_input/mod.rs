@@ -5,6 +5,7 @@ mod disk;
 mod files;
 mod interrupt;
 mod large;
+mod lights;
 mod manifest;
 mod meso;
 mod options;

@@ -200,3 +200,35 @@ fn the_plane_has_a_name_and_no_negative_heights() {
     assert!(ran.stdout.contains("s over the plane") && ran.stdout.contains("0.0000 to 0.0000 tiles"), "{}", ran.stdout);
     assert!(!ran.stdout.contains("-0.0"), "{}", ran.stdout);
 }
+
+/// A light stack of two images, one of them in a folder, and a polynomial texture map.
+#[test]
+fn pictures_under_many_lights_are_described() {
+    let folder = Folder::new();
+    for name in ["s/a 1.png", "s/in/b.png"] {
+        let mut png = std::io::Cursor::new(Vec::new());
+        image::GrayImage::new(8, 6).write_to(&mut png, image::ImageFormat::Png).unwrap();
+        folder.write(name, png.get_ref());
+    }
+    folder.write("s/lights.lp", "2\r\na 1.png 0 0 3\r\nin\\b.png 1 0 1\r\n");
+    let header = "PTM_1.2\nPTM_FORMAT_LRGB\n1 1\n2 2 2 2 2 0.5 160 160 160 127 127 0\n";
+    let ptm = [header.as_bytes(), &[255; 9]].concat();
+    folder.write("icon.ptm", &ptm);
+    let info = |input: &str| {
+        let report = folder.run(&["info", input, "--json"]).succeeded().json();
+        conforms("info", &report);
+        (report, folder.run(&["info", input]).succeeded().stdout)
+    };
+    for input in ["s", "s/lights.lp"] {
+        let (report, text) = info(input);
+        assert_eq!((&report["kind"], &report["lights"]), (&"light-stack".into(), &2.into()));
+        assert_eq!((&report["size"][0], &report["polar_angles"][1]), (&8.into(), &45.0.into()));
+        assert!(text.contains("0 to 45 degrees") && text.contains("8 x 6") && text.contains(".png"), "{text}");
+    }
+    let (report, text) = info("icon.ptm");
+    assert_eq!((&report["kind"], &report["format"]), (&"ptm".into(), &"PTM_FORMAT_LRGB".into()));
+    assert_eq!((&report["scale"][5], &report["bias"][0]), (&0.5.into(), &160.into()));
+    assert!(text.contains("polynomial texture map") && text.contains("2 2 2 2 2 0.5"), "{text}");
+    let piped = folder.command(&["info", "-", "--json"]).write_stdin(ptm).output().unwrap();
+    assert_eq!(serde_json::from_slice::<serde_json::Value>(&piped.stdout).unwrap(), report);
+}

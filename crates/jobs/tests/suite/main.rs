@@ -2,4 +2,5 @@
 
 mod btf_stack;
 mod golden;
+mod light_stack;
 mod ubo_btf;

@@ -1,0 +1,238 @@
+//! Light stacks: what is written is read, and what is wrong is said.
+
+use brdfc_jobs::btf_stack::StackFormat;
+use brdfc_jobs::light_stack::write_light_stack;
+use brdfc_source::InputError;
+use brdfc_source::light_stack::LightStack;
+use brdfc_testing::shared_data;
+use std::path::Path;
+
+const SIZE: [usize; 2] = [5, 3];
+/// They lie in a plane, and the last is not of length 1.
+const LIGHTS: [[f32; 3]; 4] = [[0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [-0.6, 0.0, 0.8], [3.0, 0.0, 3.0]];
+
+/// Multiples of 1/1024 from 0 to 2, which 16-bit floats hold exactly; others in every image.
+fn pixels(light: usize) -> Vec<[f32; 3]> {
+    let value = |at: usize, k: usize| ((at * 131 + k * 37 + light * 71) % 2048) as f32 / 1024.0;
+    (0..SIZE[0] * SIZE[1]).map(|at| [0, 1, 2].map(|k| value(at, k))).collect()
+}
+
+fn write_stack(folder: &Path, format: StackFormat) {
+    let list = write_light_stack(folder, &LIGHTS, SIZE, format, pixels).unwrap();
+    assert!(list.ends_with("dirs.lp"));
+}
+
+fn error(path: &Path) -> String {
+    LightStack::open(path).err().expect("an error").to_string()
+}
+
+/// A stack whose images are whatever `save` makes of their names, under lights at different heights.
+fn stack_of(folder: &Path, names: &[&str], save: impl Fn(&Path, usize)) {
+    let mut list = format!("{}\r\n", names.len());
+    for (k, name) in names.iter().enumerate() {
+        list += &format!("{name} {k} 0 2\r\n\r\n");
+        save(&folder.join(name), k);
+    }
+    std::fs::write(folder.join("Lights.LP"), list).unwrap();
+}
+
+fn grey(path: &Path) {
+    image::GrayImage::new(4, 2).save_with_format(path, image::ImageFormat::Png).unwrap();
+}
+
+#[test]
+fn exr_stacks_come_back_to_the_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    write_stack(folder.path(), StackFormat::Exr);
+    for path in [folder.path().to_owned(), folder.path().join("dirs.lp")] {
+        let stack = LightStack::open(&path).unwrap();
+        assert_eq!((stack.len(), stack.size()), (4, SIZE));
+        assert_eq!(stack.lights()[..3], LIGHTS[..3]);
+        let diagonal = stack.lights()[3];
+        assert!((diagonal[0] - 0.5f32.sqrt()).abs() < 1e-7 && diagonal[0] == diagonal[2], "{diagonal:?}");
+        for light in 0..4 {
+            let image = stack.image(light).unwrap();
+            assert_eq!(([image.width, image.height], image.pixels), (SIZE, pixels(light)));
+            assert!(stack.file(light).ends_with(format!("000{light}.exr")));
+        }
+        assert!(stack.image(4).unwrap_err().to_string().ends_with("light: found 4; allowed less than 4"));
+        let facts = stack.facts();
+        assert_eq!(
+            (facts.lights, facts.polar_angles, &facts.extensions[..]),
+            (4, [0.0, 45.0], &["exr".to_owned()][..])
+        );
+    }
+    assert_ne!(pixels(1), pixels(2), "the test can tell images apart");
+}
+
+#[test]
+fn png_stacks_are_clipped_srgb_and_the_same_every_time() {
+    let folders = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
+    folders.iter().for_each(|folder| write_stack(folder.path(), StackFormat::Png));
+    let image = LightStack::open(folders[0].path()).unwrap().image(3).unwrap();
+    for (found, written) in image.pixels.iter().flatten().zip(pixels(3).iter().flatten()) {
+        // Half a code is at most this much of linear light.
+        assert!((found - written.min(1.0)).abs() < 0.0046, "{found} {written}");
+    }
+    for name in ["dirs.lp", "0000.png", "0003.png"] {
+        let [a, b] = folders.each_ref().map(|folder| std::fs::read(folder.path().join(name)).unwrap());
+        assert_eq!(a, b, "{name}");
+    }
+}
+
+#[test]
+fn what_is_no_stack_is_not_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |lights: &[[f32; 3]], pixels: usize| {
+        let write = write_light_stack(folder.path(), lights, [2, 2], StackFormat::Png, |_| vec![[0.5; 3]; pixels]);
+        write.unwrap_err().to_string()
+    };
+    assert!(write(&[], 4).contains("number of lights: found 0"));
+    assert!(write(&[[0.0, 1.0, 0.0]], 4).contains("at or below the horizon"));
+    assert!(write(&[[0.0, f32::NAN, 1.0]], 4).contains("found \"NaN\""));
+    assert_eq!(write(&LIGHTS, 3), "3 pixels for an image of 2 x 2");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+/// Codes of every kind of image mean the same light.
+#[test]
+fn eight_and_sixteen_bits_and_grey_and_jpeg() {
+    let folder = tempfile::tempdir().unwrap();
+    let names = ["a 8.png", "16.png", "grey.png", "grey16.png", "alpha.png", "rgb.jpg", "grey.jpeg"];
+    stack_of(folder.path(), &names, |path, k| {
+        let image: image::DynamicImage = match k {
+            0 => image::RgbImage::from_pixel(8, 8, image::Rgb([255, 188, 10])).into(),
+            1 => image::ImageBuffer::from_pixel(8, 8, image::Rgb([65535u16, 188 * 257, 10 * 257])).into(),
+            2 => image::GrayImage::from_pixel(8, 8, image::Luma([188])).into(),
+            3 => image::ImageBuffer::from_pixel(8, 8, image::Luma([188u16 * 257])).into(),
+            4 => image::ImageBuffer::from_pixel(8, 8, image::LumaA([188u8, 3])).into(),
+            5 => image::RgbImage::from_pixel(8, 8, image::Rgb([188; 3])).into(),
+            _ => image::GrayImage::from_pixel(8, 8, image::Luma([188])).into(),
+        };
+        image.save(path).unwrap();
+    });
+    let stack = LightStack::open(folder.path()).unwrap();
+    for (light, name) in names.iter().enumerate() {
+        let expected = if light < 2 { [1.0, 0.502_886_5, 0.003_035_27] } else { [0.502_886_5; 3] };
+        let image = stack.image(light).unwrap();
+        assert_eq!(image.pixels.len(), 64);
+        let within = if light < 5 { 1e-6 } else { 0.02 };
+        for (found, expected) in image.pixels.iter().flat_map(|pixel| pixel.iter().zip(expected)) {
+            assert!((found - expected).abs() < within, "{name}: {found} {expected}");
+        }
+    }
+}
+
+#[test]
+fn names_may_have_folders_that_are_there_or_not() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("in")).unwrap();
+    for file in ["in/a.png", "b.png", "c.png", "d.png"] {
+        grey(&folder.path().join(file));
+    }
+    let list = folder.path().join("x.lp");
+    std::fs::write(&list, "4\nin\\a.png 0 0 1\nC:\\b.png 0 1 1\n/photos/c.png 1 0 1\ngone/d.png 1 1 1\n").unwrap();
+    let stack = LightStack::open(&list).unwrap();
+    for (light, end) in ["in/a.png", "b.png", "c.png", "d.png"].into_iter().enumerate() {
+        assert_eq!(stack.file(light), folder.path().join(end));
+    }
+    std::fs::write(&list, "2\n\nb.png 0 0 1\ngone/b.png 1 1 1\n").unwrap();
+    assert!(
+        error(&list)
+            .ends_with("x.lp: line 4, image: found \"gone/b.png\", the file of line 3; allowed each image once")
+    );
+    std::fs::write(&list, "2\nb.png 0 0 1\nin/b.jpg 1 1 1\n").unwrap();
+    let expected = "x.lp: line 3, image: found \"in/b.jpg\", which is not there; allowed a file, relative to this one or beside it";
+    assert!(error(&list).ends_with(expected), "{}", error(&list));
+}
+
+#[test]
+fn images_of_two_sizes_too_large_or_broken() {
+    let folder = tempfile::tempdir().unwrap();
+    let save = |width: u32, height: u32| image::RgbImage::new(width, height).save(folder.path().join("b.jpg")).unwrap();
+    stack_of(folder.path(), &["a.png", "b.jpg"], |path, _| grey(path));
+    save(2, 4);
+    assert!(error(folder.path()).ends_with("b.jpg: image size: found 2 x 4; allowed 4 x 2, as a.png has"));
+    save(4097, 1);
+    assert!(error(folder.path()).ends_with("b.jpg: image size: found 4097 x 1; allowed 1 to 4096 along each side"));
+    std::fs::write(folder.path().join("b.jpg"), "no image").unwrap();
+    let told = error(folder.path());
+    assert!(
+        told.contains("b.jpg: image: found ") && told.ends_with("allowed a whole PNG, JPEG or EXR image"),
+        "{told}"
+    );
+    std::fs::write(folder.path().join("b.jpg"), b"GIF89a\x01\x00\x01\x00").unwrap();
+    assert!(error(folder.path()).ends_with("b.jpg: image: found some other layout; allowed PNG, JPEG or EXR"));
+    // Every cut of a JPEG is an error or an image, when it is opened or when it is read.
+    let noise = image::RgbImage::from_fn(4, 2, |x, y| image::Rgb([(x * 60) as u8, (y * 99) as u8, 7]));
+    noise.save(folder.path().join("b.jpg")).unwrap();
+    let whole = std::fs::read(folder.path().join("b.jpg")).unwrap();
+    assert!(LightStack::open(folder.path()).unwrap().image(1).is_ok());
+    let mut refused = [0; 2];
+    for length in 0..whole.len() {
+        std::fs::write(folder.path().join("b.jpg"), &whole[..length]).unwrap();
+        let opened = LightStack::open(folder.path());
+        refused[0] += usize::from(opened.is_err());
+        let read = opened.and_then(|stack| stack.image(1));
+        assert!(matches!(read, Ok(_) | Err(InputError::Format { .. })), "{length}");
+        refused[1] += usize::from(read.is_err());
+    }
+    assert!(refused[0] > 100 && refused[1] > refused[0], "{refused:?} of {}", whole.len());
+}
+
+#[test]
+fn lists_that_are_none_or_several() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(
+        error(folder.path())
+            .ends_with("lists of lights: found none; allowed one file .lp in a folder, or the path of one")
+    );
+    grey(&folder.path().join("a.png"));
+    let list = folder.path().join("b.lp");
+    let told = |bytes: &[u8]| {
+        std::fs::write(&list, bytes).unwrap();
+        error(folder.path())
+    };
+    assert!(
+        told(b"1\na.png 0 0 0")
+            .ends_with("b.lp: line 2, direction: found a vector of length 0; allowed any other length")
+    );
+    assert!(told(b"2\na.png 0 0 1").contains("b.lp: line 1, number of lights: found 2; allowed 1"));
+    assert!(
+        told(b"\x89PNG\r\n\x1a\n\0").ends_with("UTF-8; it looks like a PNG image (.png)")
+            || told(b"\0").contains("NUL")
+    );
+    assert!(told(&[7, 0, 255]).contains("b.lp: line 1, text: found a NUL byte"));
+    assert!(told(b"").contains("number of lights: found an empty file"));
+    std::fs::write(&list, "1\na.png 0 0 1").unwrap();
+    assert!(LightStack::open(folder.path()).is_ok());
+    std::fs::write(folder.path().join("a.LP"), "").unwrap();
+    assert!(error(folder.path()).contains("lists of lights: found a.LP, b.lp; allowed one file .lp"));
+    assert!(LightStack::open(&list).is_ok());
+    let io = LightStack::open(&folder.path().join("none.lp"));
+    assert!(matches!(io, Err(InputError::Io { .. })));
+}
+
+/// 72 photographs of an icon.
+#[test]
+fn a_real_stack() {
+    let Some(folder) = shared_data("rti/icon") else { return };
+    let stack = LightStack::open(&folder).unwrap();
+    assert_eq!((stack.len(), stack.size()), (72, [402, 395]));
+    assert!(stack.file(0).ends_with("image01.jpg"));
+    for (found, stated) in stack.lights()[0].iter().zip([0.205_158_6, -0.237_020_6, 0.949_595_3]) {
+        assert!((found - stated).abs() < 1e-6, "{:?}", stack.lights()[0]);
+    }
+    // The image as the library decodes it to 16 bits, and its codes one by one.
+    let image = stack.image(5).unwrap();
+    let other = image::open(stack.file(5)).unwrap().into_rgb16();
+    for (found, code) in image.pixels.iter().flatten().zip(other.as_raw()) {
+        assert_eq!(*found, brdfc_formats::colour::decode_srgb(f64::from(*code) / 65535.0) as f32);
+    }
+    let mean = |light: usize| stack.image(light).unwrap().pixels.iter().flatten().sum::<f32>() / (3.0 * 402.0 * 395.0);
+    assert!((0.01..0.9).contains(&mean(0)) && mean(0) != mean(1));
+    let start = std::time::Instant::now();
+    let count = (0..stack.len()).map(|light| stack.image(light).unwrap().pixels.len()).sum::<usize>();
+    println!("{:.2} ms per image", start.elapsed().as_secs_f64() * 1e3 / stack.len() as f64);
+    assert_eq!(count, 72 * 402 * 395);
+}

@@ -1,0 +1,192 @@
+//! Light stacks: photographs of one view under known lights. Layout: `formats/src/measured/light_stack.md`.
+
+use crate::InputError;
+use crate::photograph::{Image, common_size};
+use crate::read::{MAX_TEXT_BYTES, extension_of, read_file};
+use crate::recognise::wrong_contents;
+use brdfc_formats::FormatError;
+use brdfc_formats::measured::light_stack::LightPositions;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+/// Extension of the lists of lights.
+pub const EXTENSION: &str = "lp";
+/// Most files of a folder that are looked at.
+const MAX_ENTRIES: usize = 1 << 20;
+
+/// Photographs of one view, of one size, each under one distant light.
+#[derive(Debug, Clone)]
+pub struct LightStack {
+    directions: Vec<[f32; 3]>,
+    files: Vec<PathBuf>,
+    size: [usize; 2],
+}
+
+impl LightStack {
+    /// Opens an `.lp` file, or a folder that has exactly one.
+    ///
+    /// Reads the header of every image, and no pixels.
+    ///
+    /// # Errors
+    /// What cannot be read; what [`LightPositions::from_bytes`] refuses; no list or several; images that are not there, the
+    /// same file twice; what is no PNG, JPEG or EXR; images of different sizes or of more than
+    /// [`MAX_SIZE`](crate::photograph::MAX_SIZE) pixels along a side.
+    pub fn open(path: &Path) -> Result<Self, InputError> {
+        let list = if path.is_dir() { the_list(path)? } else { path.to_owned() };
+        let bytes = read_file(&list, MAX_TEXT_BYTES)?;
+        let lights = LightPositions::from_bytes(&bytes)
+            .map_err(|error| wrong_contents(&list, &bytes, bytes.len() as u64, error))?;
+        let files = files(&list, &lights)?;
+        let size = common_size(&files, &lights.names[0])?;
+        Ok(Self { directions: lights.directions, files, size: size.map(|n| n as usize) })
+    }
+
+    /// Unit vectors to the lights, z > 0: x to the right of the images, y up, z to the viewer.
+    pub fn lights(&self) -> &[[f32; 3]] {
+        &self.directions
+    }
+
+    /// Pixels per row, and rows, of every image.
+    pub fn size(&self) -> [usize; 2] {
+        self.size
+    }
+
+    /// Number of lights and images: at least one.
+    #[allow(clippy::len_without_is_empty)]
+    pub fn len(&self) -> usize {
+        self.files.len()
+    }
+
+    /// The image of a light.
+    ///
+    /// # Panics
+    /// If there is no such light.
+    pub fn file(&self, light: usize) -> &Path {
+        &self.files[light]
+    }
+
+    /// Reads the image of a light. Nothing is kept.
+    ///
+    /// PNG and JPEG hold sRGB codes whatever their colour profile says, EXR linear values; alpha is ignored.
+    ///
+    /// # Errors
+    /// A light that the stack has not; a file that cannot be read or decoded, or is no longer of the size that it had;
+    /// values that are no finite numbers.
+    pub fn image(&self, light: usize) -> Result<Image, InputError> {
+        let Some(file) = self.files.get(light) else {
+            let error = FormatError::whole("light", light.to_string(), format!("less than {}", self.len()));
+            return Err(InputError::format(self.files[0].parent().unwrap_or(Path::new("")), error));
+        };
+        Image::read(file, self.size)
+    }
+
+    /// What is worth knowing of it.
+    pub fn facts(&self) -> LightStackFacts {
+        let polar = |direction: &[f32; 3]| {
+            let [x, y, z] = direction.map(f64::from);
+            x.hypot(y).atan2(z).to_degrees()
+        };
+        let angles = self.directions.iter().map(polar);
+        let (least, most) = angles.fold((90.0f64, 0.0f64), |(least, most), angle| (least.min(angle), most.max(angle)));
+        let extensions: BTreeSet<String> = self.files.iter().map(|file| extension_of(file)).collect();
+        LightStackFacts {
+            lights: self.len(),
+            // Directions are no better than 32-bit floats.
+            polar_angles: [least, most].map(|angle| (angle * 1e3).round() / 1e3),
+            size: self.size,
+            extensions: extensions.into_iter().collect(),
+        }
+    }
+}
+
+/// What is worth knowing of a light stack.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
+pub struct LightStackFacts {
+    /// Lights, each with one image.
+    pub lights: usize,
+    /// Least and largest angle of a light to the direction of view, degrees.
+    pub polar_angles: [f64; 2],
+    /// Pixels per row, and rows.
+    pub size: [usize; 2],
+    /// Extensions of the images, lower case, each once.
+    pub extensions: Vec<String>,
+}
+
+impl LightStackFacts {
+    /// Lines for people: names and values.
+    pub fn in_words(&self) -> Vec<(&'static str, String)> {
+        let Self { lights, polar_angles: [least, most], size: [width, height], extensions } = self;
+        vec![
+            ("kind", "light stack: photographs of one view under known lights".to_owned()),
+            ("lights", lights.to_string()),
+            ("angles to the view", format!("{least} to {most} degrees")),
+            ("images", format!(".{}", extensions.join(", ."))),
+            ("pixels", format!("{width} x {height}")),
+        ]
+    }
+}
+
+/// Whether a path is a list of lights, or a folder that has one, by names.
+pub fn is_light_stack(path: &Path) -> bool {
+    if path.is_dir() { lists(path).is_ok_and(|lists| !lists.is_empty()) } else { extension_of(path) == EXTENSION }
+}
+
+/// The lists of lights in a folder, sorted.
+fn lists(folder: &Path) -> Result<Vec<PathBuf>, InputError> {
+    let mut found = Vec::new();
+    let io = |error| InputError::io(folder, error);
+    for (number, entry) in std::fs::read_dir(folder).map_err(io)?.enumerate() {
+        if number == MAX_ENTRIES {
+            let error = FormatError::whole("files", format!("more than {MAX_ENTRIES}"), "those of one light stack");
+            return Err(InputError::format(folder, error));
+        }
+        let path = entry.map_err(io)?.path();
+        if extension_of(&path) == EXTENSION && path.is_file() {
+            found.push(path);
+        }
+    }
+    found.sort_unstable();
+    Ok(found)
+}
+
+fn the_list(folder: &Path) -> Result<PathBuf, InputError> {
+    let mut found = lists(folder)?;
+    if let (Some(list), true) = (found.pop(), found.is_empty()) {
+        return Ok(list);
+    }
+    let all = lists(folder)?;
+    let names: Vec<String> =
+        all.iter().filter_map(|path| path.file_name()).map(|name| name.to_string_lossy().into_owned()).collect();
+    let found = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+    let allowed = "one file .lp in a folder, or the path of one";
+    Err(InputError::format(folder, FormatError::whole("lists of lights", found, allowed)))
+}
+
+/// The image of each light.
+fn files(list: &Path, lights: &LightPositions) -> Result<Vec<PathBuf>, InputError> {
+    let folder = list.parent().unwrap_or(Path::new(""));
+    let mut files = Vec::new();
+    let mut seen = BTreeMap::new();
+    for (name, line) in lights.names.iter().zip(&lights.lines) {
+        let wrong = |found: String, allowed: &str| {
+            InputError::format(list, FormatError::at_line(*line, "image", found, allowed))
+        };
+        let Some(file) = find(folder, name) else {
+            return Err(wrong(format!("{name:?}, which is not there"), "a file, relative to this one or beside it"));
+        };
+        let whole = file.canonicalize().map_err(|error| InputError::io(&file, error))?;
+        if let Some(before) = seen.insert(whole, line) {
+            return Err(wrong(format!("{name:?}, the file of line {before}"), "each image once"));
+        }
+        files.push(file);
+    }
+    Ok(files)
+}
+
+/// The file of a name: relative to `folder`, or else the last part of it alone.
+fn find(folder: &Path, name: &str) -> Option<PathBuf> {
+    let slashes = name.replace('\\', "/");
+    let last = slashes.rsplit('/').next().unwrap_or("");
+    let candidates = [name, &*slashes, last].map(Path::new);
+    candidates.into_iter().filter(|name| name.is_relative()).map(|name| folder.join(name)).find(|path| path.is_file())
+}
