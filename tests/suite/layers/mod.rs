@@ -41,6 +41,8 @@ const MAY_TOUCH: &[(&str, &str, &str)] = &[
     ("crates/source", "btf_stack.rs", "std::fs"),
     ("crates/source", "flat_btf.rs", "std::fs"),
     ("crates/source", "format.rs", "std::fs"),
+    ("crates/source", "light_stack.rs", "std::fs"),
+    ("crates/source", "photograph.rs", "std::fs"),
     ("crates/source", "read.rs", "std::fs"),
     ("crates/codecs/wavelet", "options.rs", "clap"),
 ];
