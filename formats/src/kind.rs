@@ -164,6 +164,7 @@ impl Pack {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::container::Texture;
     use crate::importance::ImportanceHeader;
 
     #[test]
@@ -185,6 +186,35 @@ mod tests {
         other[entry + 15] = b'x';
         let error = Pack::from_bytes(&other, None).unwrap_err().to_string();
         assert!(error.starts_with("brdfc entries: found only brdfc.importancx; allowed"), "{error}");
+    }
+
+    #[test]
+    fn packs_without_mipmaps_refuse_them() {
+        let map = ReferenceMap::new(2, vec![[0.25, 0.5]; 4]).unwrap();
+        let mut texture = Texture::from_bytes(&map.to_bytes(false)).unwrap();
+        assert_eq!(ReferenceMap::from_texture(&texture).unwrap(), map);
+        texture.levels = 2;
+        texture.texels.extend_from_within(..8);
+        for supercompress in [false, true] {
+            let bytes = texture.to_bytes(supercompress);
+            let packed = PackedTexture::from_bytes(&bytes).unwrap();
+            let unpacked = packed.unpack_levels(MAX_TEXEL_BYTES).unwrap();
+            let refused = [
+                Pack::from_bytes(&bytes, Some("knit.reference.ktx2")).map(|_| ()),
+                ReferenceMap::from_texture(&unpacked).map(|_| ()),
+            ];
+            for result in refused {
+                assert_eq!(result.unwrap_err().to_string(), "byte 40, levelCount: found 2; allowed 1");
+            }
+        }
+        // Packs that an entry tells likewise.
+        let header = ImportanceHeader { polar: 2, azimuths: 1, samples: 2 };
+        let pack = ImportancePack::new(header, vec![[0.0, 0.0, 1.0, 1.0]; 4]).unwrap();
+        let mut texture = Texture::from_bytes(&pack.to_bytes(false)).unwrap();
+        texture.levels = 2;
+        texture.texels.extend_from_within(..16);
+        assert_eq!(ImportancePack::from_texture(&texture).unwrap_err().field, "levelCount");
+        assert_eq!(Pack::from_bytes(&texture.to_bytes(false), None).unwrap_err().field, "levelCount");
     }
 
     #[test]

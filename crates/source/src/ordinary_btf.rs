@@ -1,7 +1,8 @@
 //! Ordinary BTFs, whichever way they are stored: images of a tile for all pairs of a view and a light.
 
 use crate::InputError;
-use crate::btf_stack::{BtfStack, Image};
+use crate::btf_stack::BtfStack;
+use crate::photograph::Image;
 use crate::ubo_btf::{UboBtfFile, is_ubo_btf};
 use brdfc_formats::direction_set::DirectionSet;
 use std::path::Path;

@@ -65,7 +65,7 @@ pub enum FileKind {
 }
 
 /// What files of one kind begin with.
-const SIGNATURES: [(&[u8], FileKind); 19] = [
+const SIGNATURES: [(&[u8], FileKind); 20] = [
     (b"\xabKTX 20\xbb\r\n\x1a\n", FileKind::Ktx2),
     (b"tensor_file\0", FileKind::Rgl),
     (ubo_btf::SIGNATURE, FileKind::UboBtf),

@@ -1,7 +1,7 @@
 //! BTFs of the Bonn database of 2014, as images of an ordinary BTF. Layout: `formats/src/measured/ubo_btf.md`.
 
 use crate::InputError;
-use crate::btf_stack::Image;
+use crate::photograph::Image;
 use crate::read::{check_length, open_path};
 use crate::recognise::{START_BYTES, wrong_contents};
 use brdfc_formats::direction_set::DirectionSet;

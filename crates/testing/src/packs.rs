@@ -1,10 +1,10 @@
 //! What several tests of packs share. Each of them uses only a part.
-use brdfc_formats::ErrorSummary;
-use brdfc_formats::container::{Extent, TexelFormat, Texture};
+use brdfc_formats::container::{Extent, MAX_TEXEL_BYTES, PackedTexture, TexelFormat, Texture};
 use brdfc_formats::crop::{Crop, DirectionRange, Elevations, Window};
 use brdfc_formats::direction::{DirectionPair, Parameterisation};
 use brdfc_formats::table::{Axes, Curve, KNOTS, TableHeader, TablePack, TableSymmetry};
 use brdfc_formats::wavelet::{Filter, Header, SliceScale, WaveletDecoder, WaveletPack};
+use brdfc_formats::{ErrorSummary, FormatError};
 use std::collections::BTreeMap;
 
 /// Numbers that are the same on every run.
@@ -183,27 +183,43 @@ pub fn tables() -> Vec<(String, TablePack)> {
     packs.into_iter().chain(cropped).collect()
 }
 
-/// Textures of every format and kind, with random texels.
+/// Textures of every format and kind, some with mipmap levels, with random texels.
 pub fn textures() -> Vec<(String, Texture)> {
     let mut textures = Vec::new();
     for format in TexelFormat::ALL {
         let extents = [
-            Extent::D2([1, 1]),
-            Extent::D2([5, 3]),
-            Extent::D2Array([2, 3, 1]),
-            Extent::D2Array([3, 2, 4]),
-            Extent::D3([3, 2, 5]),
+            (Extent::D2([1, 1]), 1),
+            (Extent::D2([5, 3]), 1),
+            (Extent::D2Array([2, 3, 1]), 1),
+            (Extent::D2Array([3, 2, 4]), 1),
+            (Extent::D3([3, 2, 5]), 1),
+            // Down to a single texel, or not; sides that are odd, that are halved to 1 long before the other is.
+            (Extent::D2([5, 3]), 3),
+            (Extent::D2([4, 4]), 2),
+            (Extent::D2([1, 9]), 4),
+            (Extent::D2Array([7, 3, 3]), 3),
+            (Extent::D2Array([2, 2, 1]), 2),
+            (Extent::D3([3, 2, 5]), 3),
         ];
-        for extent in extents {
+        for (extent, levels) in extents {
             let mut numbers = Numbers::new(textures.len() as u64);
-            let mut texels = vec![0; extent.texels() as usize * format.texel_bytes()];
+            let mut texels = vec![0; extent.texels_of_levels(levels) as usize * format.texel_bytes()];
             texels.fill_with(|| numbers.bits() as u8);
             let note = vec![7; textures.len() % 5];
             let entries = BTreeMap::from([("brdfc.note".to_owned(), note), ("brdfc.other".to_owned(), vec![1, 0])]);
-            textures.push((format!("{format:?}, {extent}"), Texture { format, extent, entries, levels: 1, texels }));
+            let name = format!("{format:?}, {extent}, levels {levels}");
+            textures.push((name, Texture { format, extent, entries, levels, texels }));
         }
     }
     textures
+}
+
+/// A texture with as many levels as its file has.
+///
+/// # Errors
+/// Those of the container.
+pub fn read_texture(bytes: &[u8]) -> Result<Texture, FormatError> {
+    PackedTexture::from_bytes(bytes)?.unpack_levels(MAX_TEXEL_BYTES)
 }
 
 /// The pack whose bytes stand in `formats/src/container/spec.md` and `formats/src/wavelet/spec.md`.

@@ -246,6 +246,7 @@ impl BandwidthMap {
     /// # Errors
     /// As [`Self::from_bytes`].
     pub fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
+        texture.check_one_level()?;
         let (header, scale) = read_header(entry(texture, BANDWIDTH_ENTRY, "a bandwidth map")?)?;
         if texture.format != TexelFormat::R16Float {
             return Err(FormatError::whole("texels of a bandwidth map", format!("{:?}", texture.format), "R16Float"));

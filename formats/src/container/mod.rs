@@ -2,14 +2,14 @@
 //! one page per kind of pack.
 
 pub(crate) mod entries;
+mod extent;
 pub mod half;
+mod levels;
 pub mod rgb10a2;
 pub mod rgb9e5;
 mod texel_format;
 mod texture;
 
+pub use extent::{Extent, MAX_EXTENT, MAX_EXTENT_2D, MAX_LAYERS, ORIENTATION_2D, ORIENTATION_3D};
 pub use texel_format::TexelFormat;
-pub use texture::{
-    Extent, MAX_EXTENT, MAX_EXTENT_2D, MAX_LAYERS, MAX_TEXEL_BYTES, ORIENTATION_2D, ORIENTATION_3D, PackedTexture,
-    Texture, WRITER,
-};
+pub use texture::{MAX_TEXEL_BYTES, PackedTexture, Texture, WRITER};

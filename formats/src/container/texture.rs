@@ -3,126 +3,21 @@
 //! Headers, level index and data format descriptor are the `ktx2` crate's; this file sequences them by the rules of
 //! the Khronos validator and holds incoming files to the few shapes that packs have.
 
+use super::extent::Extent;
+use super::levels;
 use super::texel_format::TexelFormat;
-use crate::{FormatError, memory};
+use crate::FormatError;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::fmt;
 
 /// Who wrote the file, in the `KTXwriter` entry. Holds no version, so that bytes change with contents alone.
 pub const WRITER: &str = "brdfc";
-/// Orientation of a 3D texture, in the `KTXorientation` entry: x right, y down, z inwards.
-pub const ORIENTATION_3D: &str = "rdi";
-/// Orientation of 2D textures and their arrays: x right, y down.
-pub const ORIENTATION_2D: &str = "rd";
-/// Most texels along one axis of a 3D texture: the limit of WebGPU.
-pub const MAX_EXTENT: u32 = 2048;
-/// Most texels along one axis of a 2D texture: the limit of WebGPU.
-pub const MAX_EXTENT_2D: u32 = 8192;
-/// Most layers of a 2D array, as desktop drivers have them. WebGPU promises 256.
-pub const MAX_LAYERS: u32 = 2048;
 /// Most bytes of texels in one pack, after decompression.
 pub const MAX_TEXEL_BYTES: u64 = 1 << 30;
 /// Zstandard level: past this the files hardly shrink, and time grows.
 const ZSTD_LEVEL: i32 = 3;
-
-/// What kind of texture a pack is, and how large.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Extent {
-    /// A 2D texture: width and height, each 1 to [`MAX_EXTENT_2D`].
-    D2([u32; 2]),
-    /// An array of 2D textures: width and height, each 1 to [`MAX_EXTENT_2D`], and 1 to [`MAX_LAYERS`] layers.
-    D2Array([u32; 3]),
-    /// A 3D texture: width, height and depth, each 1 to [`MAX_EXTENT`].
-    D3([u32; 3]),
-}
-
-impl Extent {
-    /// Texels.
-    pub fn texels(self) -> u64 {
-        match self {
-            Self::D2(sides) => sides.into_iter().map(u64::from).product(),
-            Self::D2Array(sides) | Self::D3(sides) => sides.into_iter().map(u64::from).product(),
-        }
-    }
-
-    /// The extent of a mipmap level, 0 the finest: each side halved as often, rounded down, 1 at least.
-    pub fn level(self, level: u32) -> Self {
-        let side = |side: u32| side.checked_shr(level).unwrap_or(0).max(1);
-        match self {
-            Self::D2(sides) => Self::D2(sides.map(side)),
-            Self::D2Array([width, height, layers]) => Self::D2Array([side(width), side(height), layers]),
-            Self::D3(sides) => Self::D3(sides.map(side)),
-        }
-    }
-
-    /// Mipmap levels down to the one of a single texel.
-    pub fn most_levels(self) -> u32 {
-        let largest = match self {
-            Self::D2(sides) => sides.into_iter().max(),
-            Self::D2Array([width, height, _]) => Some(width.max(height)),
-            Self::D3(sides) => sides.into_iter().max(),
-        };
-        largest.unwrap_or(1).max(1).ilog2() + 1
-    }
-
-    /// Texels of the finest `levels` levels together.
-    pub fn texels_of_levels(self, levels: u32) -> u64 {
-        (0..levels).map(|level| self.level(level).texels()).sum()
-    }
-
-    /// Width, height, depth and layer count of the header; 0 is the depth and the layer count of what has none.
-    fn fields(self) -> [u32; 4] {
-        match self {
-            Self::D2([width, height]) => [width, height, 0, 0],
-            Self::D2Array([width, height, layers]) => [width, height, 0, layers],
-            Self::D3([width, height, depth]) => [width, height, depth, 0],
-        }
-    }
-
-    fn from_fields(fields: [u32; 4]) -> Result<Self, FormatError> {
-        let [width, height, depth, layers] = fields;
-        let side = if depth == 0 { MAX_EXTENT_2D } else { MAX_EXTENT };
-        for (axis, (field, range)) in [
-            ("pixelWidth", 1..=side),
-            ("pixelHeight", 1..=side),
-            ("pixelDepth", 0..=MAX_EXTENT),
-            // Arrays of 3D textures are in the format, but hardly anything reads them.
-            ("layerCount", 0..=if depth == 0 { MAX_LAYERS } else { 0 }),
-        ]
-        .into_iter()
-        .enumerate()
-        {
-            if !range.contains(&fields[axis]) {
-                let (first, last) = (range.start(), range.end());
-                let allowed = if first == last { first.to_string() } else { format!("{first} to {last}") };
-                return Err(FormatError::at_byte(20 + 4 * axis as u64, field, fields[axis].to_string(), allowed));
-            }
-        }
-        Ok(match (depth, layers) {
-            (0, 0) => Self::D2([width, height]),
-            (0, _) => Self::D2Array([width, height, layers]),
-            _ => Self::D3([width, height, depth]),
-        })
-    }
-
-    fn orientation(self) -> &'static str {
-        match self {
-            Self::D2(_) | Self::D2Array(_) => ORIENTATION_2D,
-            Self::D3(_) => ORIENTATION_3D,
-        }
-    }
-}
-
-impl fmt::Display for Extent {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::D2([width, height]) => write!(f, "{width} x {height}"),
-            Self::D2Array([width, height, layers]) => write!(f, "{layers} layers of {width} x {height}"),
-            Self::D3([width, height, depth]) => write!(f, "{width} x {height} x {depth}"),
-        }
-    }
-}
+/// Where the header has `levelCount`.
+const LEVEL_COUNT: u64 = 40;
 
 /// A texture, and its entries.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -143,7 +38,8 @@ impl Texture {
     /// The bytes of the file.
     ///
     /// # Panics
-    /// When `texels` does not have the length that format, extent and levels call for: a mistake of the caller.
+    /// When there are no levels or more than the extent has, or `texels` does not have the length that format, extent and
+    /// levels call for: mistakes of the caller.
     pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
         let [width, height, depth, layers] = self.extent.fields();
         let texel_bytes = self.format.texel_bytes();
@@ -238,11 +134,11 @@ impl Texture {
         bytes
     }
 
-    /// Reads a file that [`Self::to_bytes`] could have written; other KTX2 files are refused with the reason.
+    /// Reads a file of one level that [`Self::to_bytes`] could have written; other KTX2 files are refused with the reason.
     ///
     /// # Errors
     /// Anything that is not a 2D texture, 2D array or 3D texture of one level in one of the [`TexelFormat`]s,
-    /// uncompressed or with Zstandard. Mipmaps are for [`PackedTexture::unpack_levels`].
+    /// uncompressed or with Zstandard. [`PackedTexture::unpack_levels`] takes several.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
         Self::from_bytes_within(bytes, MAX_TEXEL_BYTES)
     }
@@ -255,9 +151,14 @@ impl Texture {
         PackedTexture::from_bytes(bytes)?.unpack(limit)
     }
 
-    /// Bytes of texels on a GPU.
+    /// Bytes of texels on a GPU, of all levels.
     pub fn texel_bytes(&self) -> u64 {
         self.texels.len() as u64
+    }
+
+    /// Refuses mipmaps: for packs whose layout has none.
+    pub(crate) fn check_one_level(&self) -> Result<(), FormatError> {
+        if self.levels == 1 { Ok(()) } else { Err(several_levels(self.levels)) }
     }
 }
 
@@ -269,7 +170,7 @@ pub struct PackedTexture<'a> {
     pub extent: Extent,
     /// Key/value entries named `brdfc.*`.
     pub entries: BTreeMap<String, Vec<u8>>,
-    /// Mipmap levels.
+    /// Mipmap levels, 1 to as many as [`Extent::most_levels`] allows.
     pub levels: u32,
     scheme: u32,
     reader: ktx2::Reader<&'a [u8]>,
@@ -279,7 +180,7 @@ impl<'a> PackedTexture<'a> {
     /// Reads everything but the texels.
     ///
     /// # Errors
-    /// As [`Texture::from_bytes`].
+    /// As [`Texture::from_bytes`], but for several levels, which are taken; levels that share bytes of the file.
     pub fn from_bytes(bytes: &'a [u8]) -> Result<Self, FormatError> {
         let refused = |error| {
             let allowed = "a whole KTX2 file";
@@ -302,7 +203,6 @@ impl<'a> PackedTexture<'a> {
             )
         })?;
         check_descriptor(bytes, &header.index, format)?;
-        let reader = ktx2::Reader::new(bytes).map_err(refused)?;
         let extent =
             Extent::from_fields([header.pixel_width, header.pixel_height, header.pixel_depth, header.layer_count])?;
         for (offset, field, found, allowed) in [
@@ -316,8 +216,10 @@ impl<'a> PackedTexture<'a> {
         let most = extent.most_levels();
         if !(1..=most).contains(&header.level_count) {
             let allowed = if most == 1 { "1".to_owned() } else { format!("1 to {most}") };
-            return Err(FormatError::at_byte(40, "levelCount", header.level_count.to_string(), allowed));
+            return Err(FormatError::at_byte(LEVEL_COUNT, "levelCount", header.level_count.to_string(), allowed));
         }
+        let reader = ktx2::Reader::new(bytes).map_err(refused)?;
+        levels::check_places(bytes, header.level_count)?;
         let mut entries = BTreeMap::new();
         for (key, value) in reader.key_value_data().filter(|(key, _)| key.starts_with("brdfc.")) {
             if entries.insert(key.to_owned(), value.to_owned()).is_some() {
@@ -339,12 +241,12 @@ impl<'a> PackedTexture<'a> {
     /// More than one level; more texels; texels that are not as the rest says.
     pub fn unpack(self, limit: u64) -> Result<Texture, FormatError> {
         if self.levels != 1 {
-            return Err(FormatError::at_byte(40, "levelCount", self.levels.to_string(), "1"));
+            return Err(several_levels(self.levels));
         }
         self.unpack_levels(limit)
     }
 
-    /// [`Self::unpack`] of all mipmap levels.
+    /// [`Self::unpack`] of all mipmap levels, which together take at most `limit` bytes.
     ///
     /// # Errors
     /// More texels; texels that are not as the rest says.
@@ -355,79 +257,16 @@ impl<'a> PackedTexture<'a> {
             let allowed = format!("at most {limit}");
             return Err(FormatError::at_byte(20, "texture", format!("{size} bytes of texels"), allowed));
         }
-        let level_bytes = |number: usize| self.extent.level(number as u32).texels() * self.format.texel_bytes() as u64;
-        for (number, level) in self.reader.levels().enumerate() {
-            check_level(&level, number, self.scheme, level_bytes(number))?;
-        }
-        let mut texels = memory::reserved("texels", size as usize)?;
-        for (number, level) in self.reader.levels().enumerate() {
-            unpack_level(&level, number, self.scheme, level_bytes(number), &mut texels)?;
-        }
+        let texel_bytes = self.format.texel_bytes() as u64;
+        let sizes: Vec<u64> = (0..self.levels).map(|level| self.extent.level(level).texels() * texel_bytes).collect();
+        let texels = levels::unpack(&self.reader, self.scheme, &sizes)?;
         let Self { format, extent, entries, levels, .. } = self;
         Ok(Texture { format, extent, entries, levels, texels })
     }
 }
 
-/// What a level with wrong Zstandard data is told as.
-fn wrong_frame(number: usize, found: String, size: u64) -> FormatError {
-    FormatError::whole(format!("level {number}"), found, format!("Zstandard data of {size} bytes"))
-}
-
-/// Whether a level of `size` bytes of texels may be in its data, before memory for them is asked for.
-fn check_level(level: &ktx2::Level<'_>, number: usize, scheme: u32, size: u64) -> Result<(), FormatError> {
-    const LEVEL_INDEX: u64 = 80;
-    let index = LEVEL_INDEX + (number * ktx2::LevelIndex::LENGTH) as u64;
-    let wrong_size = |offset, field, found: u64| {
-        FormatError::at_byte(offset, field, found.to_string(), format!("{size}, as format and extent say"))
-    };
-    if level.uncompressed_byte_length != size {
-        return Err(wrong_size(index + 16, "uncompressedByteLength", level.uncompressed_byte_length));
-    }
-    match scheme {
-        0 if level.data.len() as u64 == size => Ok(()),
-        0 => Err(wrong_size(index + 8, "byteLength", level.data.len() as u64)),
-        2 => {
-            // A frame says how long its contents are.
-            let declared = zstd::zstd_safe::get_frame_content_size(level.data).ok().flatten();
-            if declared != Some(size) {
-                let found = declared.map_or("no content size".to_owned(), |n| format!("a frame of {n} bytes"));
-                return Err(wrong_frame(number, found, size));
-            }
-            // A block of 128 KiB takes 4 bytes at least.
-            if size > (level.data.len() as u64 / 4 + 1) << 17 {
-                return Err(wrong_frame(number, format!("{} bytes, too few for that", level.data.len()), size));
-            }
-            Ok(())
-        }
-        other => {
-            Err(FormatError::at_byte(44, "supercompressionScheme", other.to_string(), "0 (none) or 2 (Zstandard)"))
-        }
-    }
-}
-
-/// Appends the texels of a level that was checked.
-fn unpack_level(
-    level: &ktx2::Level<'_>,
-    number: usize,
-    scheme: u32,
-    size: u64,
-    texels: &mut Vec<u8>,
-) -> Result<(), FormatError> {
-    if scheme == 0 {
-        texels.extend_from_slice(level.data);
-        return Ok(());
-    }
-    let before = texels.len();
-    let mut own = Vec::new();
-    // The first level, or the only one, is unpacked in place.
-    let target = if before == 0 { &mut *texels } else { &mut own };
-    target.try_reserve_exact(size as usize).map_err(|_| wrong_frame(number, "too little memory".to_owned(), size))?;
-    zstd::bulk::Decompressor::new()
-        .and_then(|mut decompressor| decompressor.decompress_to_buffer(level.data, target))
-        .map_err(|error| wrong_frame(number, error.to_string(), size))?;
-    texels.extend_from_slice(&own);
-    let found = (texels.len() - before) as u64;
-    if found == size { Ok(()) } else { Err(wrong_frame(number, format!("{found} bytes"), size)) }
+fn several_levels(found: u32) -> FormatError {
+    FormatError::at_byte(LEVEL_COUNT, "levelCount", found.to_string(), "1")
 }
 
 /// Compares bytes, before the `ktx2` crate parses them: it panics at a block dimension of 256.

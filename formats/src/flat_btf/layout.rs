@@ -31,6 +31,7 @@ pub(super) fn square_layers(
 }
 
 pub(super) fn check_format(texture: &Texture, part: &'static str, format: TexelFormat) -> Result<(), FormatError> {
+    texture.check_one_level()?;
     if texture.format == format {
         return Ok(());
     }

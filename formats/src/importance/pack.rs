@@ -248,6 +248,7 @@ impl ImportancePack {
     /// # Errors
     /// As [`Self::from_bytes`].
     pub fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
+        texture.check_one_level()?;
         let header = ImportanceHeader::from_bytes(entry(texture, IMPORTANCE_ENTRY, "an importance-sample pack")?)?;
         let extent = Extent::D2([header.samples, header.rows()]);
         if texture.extent != extent || texture.format != TexelFormat::Rgba32Float {

@@ -173,6 +173,7 @@ impl TablePack {
     /// As [`Self::from_bytes`].
     pub fn from_texture(texture: Texture) -> Result<Self, FormatError> {
         const WHAT: &str = "a table pack";
+        texture.check_one_level()?;
         let header = TableHeader::from_bytes(entry(&texture, TABLE_ENTRY, WHAT)?)?;
         let [columns, rows, slices] = header.extent();
         let crop = Crop::of(&texture, [columns, rows], FEWEST)?;

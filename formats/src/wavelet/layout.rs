@@ -75,6 +75,7 @@ fn entries_of(pack: &WaveletPack) -> BTreeMap<String, Vec<u8>> {
 }
 
 fn from_texture(texture: Texture) -> Result<WaveletPack, FormatError> {
+    texture.check_one_level()?;
     let (header, slices) = read_header(entry(&texture, HEADER)?)?;
     let grid = header.grid() as u32;
     let crop = Crop::of(&texture, [grid, grid], 1)?;

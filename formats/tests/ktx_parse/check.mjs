@@ -16,11 +16,14 @@ function check(folder, name) {
     assert.equal(container[field], value, field);
   }
   assert.equal(container.globalData, null);
-  assert.equal(container.levels.length, 1);
-  const [level] = container.levels;
-  assert.equal(level.uncompressedByteLength, texels.length);
-  const data = container.supercompressionScheme === 2 ? decompress(level.levelData) : level.levelData;
-  assert.ok(texels.equals(data), 'texels');
+  assert.equal(container.levels.length, expected.header.levelCount);
+  // The finest level first.
+  const levels = container.levels.map((level) => {
+    const data = container.supercompressionScheme === 2 ? decompress(level.levelData) : level.levelData;
+    assert.equal(level.uncompressedByteLength, data.length);
+    return data;
+  });
+  assert.ok(texels.equals(Buffer.concat(levels)), 'texels');
 
   const entries = Object.fromEntries(
     Object.entries(container.keyValue).map(([key, value]) => [

@@ -28,6 +28,7 @@ struct Expected {
     /// Width, height, depth and layer count of the header.
     fields: [u32; 4],
     texel_bytes: u32,
+    levels: u32,
     samples: Vec<Sample>,
 }
 
@@ -74,6 +75,7 @@ fn expected(pack: &WaveletPack) -> Expected {
         type_size: component_bytes,
         fields: [width, height, pack.scales.len() as u32, 0],
         texel_bytes: components * component_bytes,
+        levels: 1,
         samples: unorm(components, 8 * component_bytes),
     }
 }
@@ -98,7 +100,7 @@ fn expected_texture(texture: &Texture) -> Expected {
         Extent::D2Array([width, height, layers]) => [width, height, 0, layers],
         Extent::D3([width, height, depth]) => [width, height, depth, 0],
     };
-    Expected { vk_format, type_size, fields, texel_bytes, samples }
+    Expected { vk_format, type_size, fields, texel_bytes, levels: texture.levels, samples }
 }
 
 fn check_header(file: &Bytes<'_>, expected: &Expected, supercompressed: bool) {
@@ -112,7 +114,7 @@ fn check_header(file: &Bytes<'_>, expected: &Expected, supercompressed: bool) {
         (28, "pixelDepth", depth),
         (32, "layerCount", layers),
         (36, "faceCount", 1),
-        (40, "levelCount", 1),
+        (40, "levelCount", expected.levels),
         (44, "supercompressionScheme", if supercompressed { 2 } else { 0 }),
     ];
     for (at, field, value) in fields {
@@ -125,7 +127,7 @@ fn check_descriptor(file: &Bytes<'_>, expected: &Expected) {
     let samples = &expected.samples;
     let start = file.u32(48) as usize;
     let length = file.u32(52);
-    assert_eq!(start, 80 + 24, "the descriptor follows the level index");
+    assert_eq!(start, 80 + 24 * expected.levels as usize, "the descriptor follows the level index");
     assert_eq!(file.u32(start), length, "dfdTotalSize");
     assert_eq!(length, 4 + 24 + 16 * samples.len() as u32, "one basic block");
     let block = start + 4;
@@ -176,21 +178,29 @@ fn entries(file: &Bytes<'_>) -> Vec<(String, Vec<u8>)> {
     entries
 }
 
-fn check_level(file: &Bytes<'_>, expected: &Expected, supercompressed: bool) {
-    let (offset, length, uncompressed) = (file.u64(80), file.u64(88), file.u64(96));
+/// The index begins with level 0, the finest; in the file the coarsest comes first.
+fn check_levels(file: &Bytes<'_>, expected: &Expected, supercompressed: bool) {
+    let [width, height, depth, layers] = expected.fields.map(|n| n.max(1));
+    assert!(1 << (expected.levels - 1) <= width.max(height).max(depth), "levelCount: halved below one texel");
     let texel = u64::from(expected.texel_bytes);
-    let texels: u64 = expected.fields.into_iter().map(|n| u64::from(n.max(1))).product();
-    assert_eq!(uncompressed, texels * texel, "uncompressedByteLength");
-    let entries_end = u64::from(file.u32(56) + file.u32(60));
-    if supercompressed {
-        assert_eq!(offset, entries_end, "no alignment under supercompression");
-    } else {
-        let alignment = (1..).map(|k| k * texel).find(|n| n % 4 == 0).unwrap();
-        assert_eq!(offset, entries_end.next_multiple_of(alignment), "aligned to lcm(texel size, 4)");
-        assert!(file.0[entries_end as usize..offset as usize].iter().all(|byte| *byte == 0), "alignment padding");
-        assert_eq!(length, uncompressed, "byteLength");
+    let alignment = if supercompressed { 1 } else { (1..).map(|k| k * texel).find(|n| n % 4 == 0).unwrap() };
+    let mut end = u64::from(file.u32(56) + file.u32(60));
+    for level in (0..expected.levels).rev() {
+        let entry = 80 + 24 * level as usize;
+        let (offset, length, uncompressed) = (file.u64(entry), file.u64(entry + 8), file.u64(entry + 16));
+        let sides = [width, height, depth].map(|side| u64::from((side >> level).max(1)));
+        let size = sides.into_iter().product::<u64>() * u64::from(layers) * texel;
+        assert_eq!(uncompressed, size, "uncompressedByteLength of level {level}");
+        assert_eq!(
+            offset,
+            end.next_multiple_of(alignment),
+            "level {level}: aligned to lcm(texel size, 4), or to nothing"
+        );
+        assert!(file.0[end as usize..offset as usize].iter().all(|byte| *byte == 0), "padding before level {level}");
+        assert!(supercompressed || length == uncompressed, "byteLength of level {level}");
+        end = offset + length;
     }
-    assert_eq!(offset + length, file.0.len() as u64, "the file ends with the level");
+    assert_eq!(end, file.0.len() as u64, "the file ends with level 0");
 }
 
 /// All checks; returns the entries.
@@ -199,7 +209,7 @@ fn check(bytes: &[u8], expected: &Expected, supercompressed: bool) -> Vec<(Strin
     check_header(&file, expected, supercompressed);
     check_descriptor(&file, expected);
     let entries = entries(&file);
-    check_level(&file, expected, supercompressed);
+    check_levels(&file, expected, supercompressed);
     let flat = expected.fields[2] == 0;
     assert_eq!(entries[0], ("KTXorientation".to_owned(), if flat { b"rd\0".to_vec() } else { b"rdi\0".to_vec() }));
     assert_eq!(entries[1], ("KTXwriter".to_owned(), b"brdfc\0".to_vec()));
@@ -224,19 +234,20 @@ fn files_keep_the_rules_of_the_validator() {
 #[test]
 fn every_kind_of_texture_keeps_the_rules_of_the_validator() {
     let textures = brdfc_testing::packs::textures();
-    assert_eq!(textures.len(), 10 * 5);
+    assert_eq!(textures.len(), 11 * 11);
     for (name, texture) in textures {
         for supercompress in [false, true] {
             println!("{name}, supercompress {supercompress}");
             let bytes = texture.to_bytes(supercompress);
             let entries = check(&bytes, &expected_texture(&texture), supercompress);
             assert_eq!(entries.into_iter().skip(2).collect::<BTreeMap<_, _>>(), texture.entries);
-            assert!(Texture::from_bytes(&bytes).unwrap() == texture);
+            assert!(brdfc_testing::packs::read_texture(&bytes).unwrap() == texture);
             // Another reader.
             let reader = ktx2::Reader::new(&bytes[..]).unwrap();
-            let level = reader.levels().next().unwrap();
-            let texels = if supercompress { zstd::decode_all(level.data).unwrap() } else { level.data.to_vec() };
-            assert!(texels == texture.texels);
+            let levels = reader
+                .levels()
+                .map(|level| if supercompress { zstd::decode_all(level.data).unwrap() } else { level.data.to_vec() });
+            assert!(levels.collect::<Vec<_>>().concat() == texture.texels);
         }
     }
 }
@@ -329,18 +340,45 @@ fn reading_gives_back_what_was_written() {
 #[test]
 fn the_checks_notice_broken_files() {
     let pack = brdfc_testing::packs::example();
-    let good = pack.to_bytes(false);
-    let noticed = |bytes: &[u8]| {
-        let (bytes, expected) = (bytes.to_vec(), expected(&pack));
-        std::panic::catch_unwind(move || check(&bytes, &expected, false)).is_err()
+    // One sample, like the pack, and three levels with padding between them.
+    let texture = Texture {
+        format: TexelFormat::R8Unorm,
+        extent: Extent::D2([5, 3]),
+        entries: BTreeMap::new(),
+        levels: 3,
+        texels: (0..18).collect(),
     };
-    assert!(!noticed(&good));
-    for offset in 0..104 + 44 {
-        let mut broken = good.clone();
-        broken[offset] ^= 1;
-        assert!(noticed(&broken), "byte {offset}");
+    for (good, expected) in
+        [(pack.to_bytes(false), expected(&pack)), (texture.to_bytes(false), expected_texture(&texture))]
+    {
+        let noticed = |bytes: &[u8]| {
+            let (bytes, expected) = (bytes.to_vec(), expected.clone());
+            std::panic::catch_unwind(move || check(&bytes, &expected, false)).is_err()
+        };
+        assert!(!noticed(&good));
+        for offset in 0..80 + 24 * expected.levels as usize + 44 {
+            let mut broken = good.clone();
+            broken[offset] ^= 1;
+            assert!(noticed(&broken), "byte {offset}");
+        }
+        let mut longer = good;
+        longer.push(0);
+        assert!(noticed(&longer));
     }
-    let mut longer = good;
-    longer.push(0);
-    assert!(noticed(&longer));
+    // Levels in the other order: the finest first in the file, or the coarsest first in the index.
+    let good = texture.to_bytes(false);
+    let texels = good.len() - 23;
+    assert_eq!(good[texels..texels + 8], [17, 0, 0, 0, 15, 16, 0, 0], "the two coarse levels and their padding");
+    let entry = |level: usize| 80 + 24 * level..104 + 24 * level;
+    let swapped = [&good[..80], &good[entry(2)], &good[entry(1)], &good[entry(0)], &good[152..]].concat();
+    let coarse = &good[texels..texels + 6];
+    let mut finest_first = [&good[..texels], &good[texels + 8..], &[0], coarse].concat();
+    for (level, place) in [(0, 0), (1, 20), (2, 16)] {
+        let offset = (texels + place) as u64;
+        finest_first[80 + 24 * level..88 + 24 * level].copy_from_slice(&offset.to_le_bytes());
+    }
+    for broken in [swapped, finest_first] {
+        let expected = expected_texture(&texture);
+        assert!(std::panic::catch_unwind(move || check(&broken, &expected, false)).is_err());
+    }
 }

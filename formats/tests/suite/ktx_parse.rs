@@ -60,7 +60,7 @@ fn expectation(pack: &WaveletPack, supercompress: bool) -> String {
         entries.insert("brdfc.crop".to_owned(), words.chain(angles).flatten().collect());
     }
     let [width, height] = size;
-    json([vk_format, component, width, height, pack.scales.len() as u32, 0], &entries, supercompress)
+    json([vk_format, component, width, height, pack.scales.len() as u32, 0, 1], &entries, supercompress)
 }
 
 /// The same of any texture.
@@ -83,12 +83,12 @@ fn texture_expectation(texture: &Texture, supercompress: bool) -> String {
         Extent::D2Array([width, height, layers]) => [width, height, 0, layers],
         Extent::D3([width, height, depth]) => [width, height, depth, 0],
     };
-    json([vk_format, word, width, height, depth, layers], &texture.entries, supercompress)
+    json([vk_format, word, width, height, depth, layers, texture.levels], &texture.entries, supercompress)
 }
 
-/// Format, size of a word, width, height, depth, layers.
-fn json(fields: [u32; 6], entries: &BTreeMap<String, Vec<u8>>, supercompress: bool) -> String {
-    let [vk_format, type_size, width, height, depth, layers] = fields;
+/// Format, size of a word, width, height, depth, layers, levels.
+fn json(fields: [u32; 7], entries: &BTreeMap<String, Vec<u8>>, supercompress: bool) -> String {
+    let [vk_format, type_size, width, height, depth, layers, levels] = fields;
     let fields = [
         ("vkFormat", vk_format),
         ("typeSize", type_size),
@@ -97,7 +97,7 @@ fn json(fields: [u32; 6], entries: &BTreeMap<String, Vec<u8>>, supercompress: bo
         ("pixelDepth", depth),
         ("layerCount", layers),
         ("faceCount", 1),
-        ("levelCount", 1),
+        ("levelCount", levels),
         ("supercompressionScheme", if supercompress { 2 } else { 0 }),
     ]
     .map(|(name, value)| format!("\"{name}\": {value}"));

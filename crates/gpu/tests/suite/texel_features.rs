@@ -2,9 +2,11 @@
 
 use wgpu::{Features, TextureFormat};
 
-const FORMATS: [(&str, TextureFormat); 9] = [
+const FORMATS: [(&str, TextureFormat); 11] = [
     ("R8_UNORM", TextureFormat::R8Unorm),
+    ("R8G8_UNORM", TextureFormat::Rg8Unorm),
     ("R8G8B8A8_UNORM", TextureFormat::Rgba8Unorm),
+    ("A2B10G10R10_UNORM_PACK32", TextureFormat::Rgb10a2Unorm),
     ("R16_UNORM", TextureFormat::R16Unorm),
     ("R16_SFLOAT", TextureFormat::R16Float),
     ("R16G16B16A16_UNORM", TextureFormat::Rgba16Unorm),

@@ -1,0 +1,155 @@
+//! What kind of texture a pack is, how large, and how large its mipmap levels are.
+
+use crate::FormatError;
+use std::fmt;
+
+/// Orientation of a 3D texture, in the `KTXorientation` entry: x right, y down, z inwards.
+pub const ORIENTATION_3D: &str = "rdi";
+/// Orientation of 2D textures and their arrays: x right, y down.
+pub const ORIENTATION_2D: &str = "rd";
+/// Most texels along one axis of a 3D texture: the limit of WebGPU.
+pub const MAX_EXTENT: u32 = 2048;
+/// Most texels along one axis of a 2D texture: the limit of WebGPU.
+pub const MAX_EXTENT_2D: u32 = 8192;
+/// Most layers of a 2D array, as desktop drivers have them. WebGPU promises 256.
+pub const MAX_LAYERS: u32 = 2048;
+/// What kind of texture a pack is, and how large.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Extent {
+    /// A 2D texture: width and height, each 1 to [`MAX_EXTENT_2D`].
+    D2([u32; 2]),
+    /// An array of 2D textures: width and height, each 1 to [`MAX_EXTENT_2D`], and 1 to [`MAX_LAYERS`] layers.
+    D2Array([u32; 3]),
+    /// A 3D texture: width, height and depth, each 1 to [`MAX_EXTENT`].
+    D3([u32; 3]),
+}
+
+impl Extent {
+    /// Texels.
+    pub fn texels(self) -> u64 {
+        match self {
+            Self::D2(sides) => sides.into_iter().map(u64::from).product(),
+            Self::D2Array(sides) | Self::D3(sides) => sides.into_iter().map(u64::from).product(),
+        }
+    }
+
+    /// The extent of a mipmap level, 0 the finest: each side halved as often, rounded down, 1 at least.
+    pub fn level(self, level: u32) -> Self {
+        let side = |side: u32| side.checked_shr(level).unwrap_or(0).max(1);
+        match self {
+            Self::D2(sides) => Self::D2(sides.map(side)),
+            Self::D2Array([width, height, layers]) => Self::D2Array([side(width), side(height), layers]),
+            Self::D3(sides) => Self::D3(sides.map(side)),
+        }
+    }
+
+    /// Mipmap levels down to the one of a single texel.
+    pub fn most_levels(self) -> u32 {
+        let largest = match self {
+            Self::D2(sides) => sides.into_iter().max(),
+            Self::D2Array([width, height, _]) => Some(width.max(height)),
+            Self::D3(sides) => sides.into_iter().max(),
+        };
+        largest.unwrap_or(1).max(1).ilog2() + 1
+    }
+
+    /// Texels of the finest `levels` levels together.
+    pub fn texels_of_levels(self, levels: u32) -> u64 {
+        (0..levels).map(|level| self.level(level).texels()).sum()
+    }
+
+    /// Width, height, depth and layer count of the header; 0 is the depth and the layer count of what has none.
+    pub(super) fn fields(self) -> [u32; 4] {
+        match self {
+            Self::D2([width, height]) => [width, height, 0, 0],
+            Self::D2Array([width, height, layers]) => [width, height, 0, layers],
+            Self::D3([width, height, depth]) => [width, height, depth, 0],
+        }
+    }
+
+    pub(super) fn from_fields(fields: [u32; 4]) -> Result<Self, FormatError> {
+        let [width, height, depth, layers] = fields;
+        let side = if depth == 0 { MAX_EXTENT_2D } else { MAX_EXTENT };
+        for (axis, (field, range)) in [
+            ("pixelWidth", 1..=side),
+            ("pixelHeight", 1..=side),
+            ("pixelDepth", 0..=MAX_EXTENT),
+            // Arrays of 3D textures are in the format, but hardly anything reads them.
+            ("layerCount", 0..=if depth == 0 { MAX_LAYERS } else { 0 }),
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            if !range.contains(&fields[axis]) {
+                let (first, last) = (range.start(), range.end());
+                let allowed = if first == last { first.to_string() } else { format!("{first} to {last}") };
+                return Err(FormatError::at_byte(20 + 4 * axis as u64, field, fields[axis].to_string(), allowed));
+            }
+        }
+        Ok(match (depth, layers) {
+            (0, 0) => Self::D2([width, height]),
+            (0, _) => Self::D2Array([width, height, layers]),
+            _ => Self::D3([width, height, depth]),
+        })
+    }
+
+    pub(super) fn orientation(self) -> &'static str {
+        match self {
+            Self::D2(_) | Self::D2Array(_) => ORIENTATION_2D,
+            Self::D3(_) => ORIENTATION_3D,
+        }
+    }
+}
+
+impl fmt::Display for Extent {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::D2([width, height]) => write!(f, "{width} x {height}"),
+            Self::D2Array([width, height, layers]) => write!(f, "{layers} layers of {width} x {height}"),
+            Self::D3([width, height, depth]) => write!(f, "{width} x {height} x {depth}"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sides_are_halved_and_rounded_down() {
+        let chain = |extent: Extent| -> Vec<Extent> { (0..extent.most_levels()).map(|n| extent.level(n)).collect() };
+        let flat = [[7, 5], [3, 2], [1, 1]];
+        assert_eq!(chain(Extent::D2([7, 5])), flat.map(Extent::D2));
+        // Layers are as many on every level.
+        assert_eq!(chain(Extent::D2Array([7, 5, 9])), flat.map(|[width, height]| Extent::D2Array([width, height, 9])));
+        // Depth is halved, and may be the largest side.
+        assert_eq!(chain(Extent::D3([2, 1, 8])), [[2, 1, 8], [1, 1, 4], [1, 1, 2], [1, 1, 1]].map(Extent::D3));
+        assert_eq!(chain(Extent::D2([1, 4])), [[1, 4], [1, 2], [1, 1]].map(Extent::D2));
+        assert_eq!(chain(Extent::D2Array([1, 1, 5])), [Extent::D2Array([1, 1, 5])]);
+    }
+
+    #[test]
+    fn levels_end_at_a_single_texel() {
+        for (side, levels) in [(1, 1), (2, 2), (3, 2), (4, 3), (255, 8), (256, 9), (8191, 13), (8192, 14)] {
+            for extent in [Extent::D2([side, 1]), Extent::D2([1, side]), Extent::D2Array([side, 1, 64])] {
+                assert_eq!(extent.most_levels(), levels, "{extent}");
+            }
+            assert_eq!(Extent::D3([1, 1, side]).most_levels(), levels);
+        }
+        // Past the last, and past the bits of a side, it stays there.
+        for level in [3, 31, 32, u32::MAX] {
+            assert_eq!(Extent::D3([7, 5, 4]).level(level), Extent::D3([1, 1, 1]), "{level}");
+        }
+    }
+
+    #[test]
+    fn texels_of_levels_are_added() {
+        assert_eq!(Extent::D2([7, 5]).texels_of_levels(1), 35);
+        assert_eq!(Extent::D2([7, 5]).texels_of_levels(3), 35 + 6 + 1);
+        assert_eq!(Extent::D2Array([7, 5, 9]).texels_of_levels(3), 9 * (35 + 6 + 1));
+        assert_eq!(Extent::D3([4, 4, 4]).texels_of_levels(3), 64 + 8 + 1);
+        // The largest of all fits.
+        let largest = Extent::D2Array([MAX_EXTENT_2D, MAX_EXTENT_2D, MAX_LAYERS]);
+        assert_eq!(largest.texels_of_levels(14), u64::from(MAX_LAYERS) * ((1 << 28) - 1) / 3);
+    }
+}
