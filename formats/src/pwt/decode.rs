@@ -91,9 +91,19 @@ impl PwtDecoder {
 
     /// Linear RGB of channels.
     pub fn linear(&self, channels: [f32; 3]) -> [f32; 3] {
+        self.linear_each(&channels.map(|channel| vec![channel])).map(|colour| colour[0])
+    }
+
+    fn linear_each(&self, channels: &[Vec<f32>; 3]) -> [Vec<f32>; 3] {
         let header = self.pack.header();
-        let [a, b, c] = header.colour;
-        std::array::from_fn(|k| header.domain.decode(channels[0] * a[k] + channels[1] * b[k] + channels[2] * c[k]))
+        let [a, b, c] = channels;
+        [0, 1, 2].map(|k| {
+            let [red, green, blue] = header.colour.map(|axis| axis[k]);
+            let sum = |((a, b), c): ((&f32, &f32), &f32)| a * red + b * green + c * blue;
+            let mut values: Vec<f32> = a.iter().zip(b).zip(c).map(sum).collect();
+            header.domain.decode_each(&mut values);
+            values
+        })
     }
 
     /// A mipmap level of the picture, 0 to [`super::PwtHeader::levels`], with every term at its resolution: for whole
@@ -112,16 +122,45 @@ impl PwtDecoder {
             };
             let (columns, rows) = (axis(0), axis(1));
             for (k, component) in texture.components.iter().enumerate() {
-                let mut values = Vec::with_capacity(columns.len() * rows.len());
-                for row in &rows {
-                    let sample =
-                        |column: &Tap| component.low + component.scale * self.sample(index, k, own, [*column, *row]);
-                    values.extend(columns.iter().map(sample));
-                }
+                let filtered = self.filtered(index, k, own, &columns, &rows);
+                let values = filtered.into_iter().map(|texel| component.low + component.scale * texel).collect();
                 planes.push((component.channel as usize, component.term as usize, values));
             }
         }
         UnpackedLevel { decoder: self, size: size.map(|side| side as usize), planes }
+    }
+
+    /// [`Self::sample`] of all rows and columns, each row of texels filtered once.
+    fn filtered(&self, texture: usize, component: usize, level: u32, columns: &[Tap], rows: &[Tap]) -> Vec<f32> {
+        let channels = self.pack.header().textures[texture].channels as usize;
+        let (first, sides) = self.pack.level_of(texture, level);
+        let [width, height] = sides.map(|side| side as usize);
+        let layer = &self.pack.texels(texture)[first..][component / channels * width * height * channels..];
+        let along = |row: u32| -> Vec<f32> {
+            let texels = layer[row as usize * width * channels..][..width * channels].iter();
+            let texels: Vec<f32> =
+                texels.skip(component % channels).step_by(channels).map(|t| f32::from(*t) * (1.0 / 255.0)).collect();
+            let filter = |tap: &Tap| {
+                let [left, right] = tap.texels.map(|x| texels[x as usize]);
+                left + tap.weight * (right - left)
+            };
+            columns.iter().map(filter).collect()
+        };
+        let mut kept: [(u32, Vec<f32>); 2] = [(u32::MAX, Vec::new()), (u32::MAX, Vec::new())];
+        let mut values = Vec::with_capacity(columns.len() * rows.len());
+        for tap in rows {
+            for (slot, row) in tap.texels.into_iter().enumerate() {
+                if kept[slot].0 != row {
+                    // The lower row of the rows before is the upper one now.
+                    let other = 1 - slot;
+                    let line = if kept[other].0 == row { kept[other].1.clone() } else { along(row) };
+                    kept[slot] = (row, line);
+                }
+            }
+            let [(_, upper), (_, lower)] = &kept;
+            values.extend(upper.iter().zip(lower).map(|(upper, lower)| upper + tap.weight * (lower - upper)));
+        }
+        values
     }
 
     fn taps(&self, texture: usize, level: u32, uv: [f32; 2]) -> [Tap; 2] {
@@ -176,8 +215,8 @@ impl UnpackedLevel<'_> {
                     *sum += weight * value;
                 }
             }
-            let [a, b, c] = &channels;
-            picture.extend((0..width).map(|x| self.decoder.linear([a[x], b[x], c[x]])));
+            let colours = self.decoder.linear_each(&channels);
+            picture.extend((0..width).map(|x| [colours[0][x], colours[1][x], colours[2][x]]));
         }
         picture
     }

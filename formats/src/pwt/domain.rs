@@ -55,37 +55,60 @@ impl Domain {
 
     /// A linear value on this scale; what is negative counts as 0.
     pub fn encode(self, value: f32) -> f32 {
-        let value = value.max(0.0);
+        let mut values = [value];
+        self.encode_each(&mut values);
+        values[0]
+    }
+
+    /// [`Self::encode`] of many values: the same bits, for which there are wide instructions.
+    pub fn encode_each(self, values: &mut [f32]) {
         match self {
-            Self::Linear => value,
-            Self::Display => {
-                if value <= 0.003_130_8 {
-                    12.92 * value
-                } else {
-                    1.055 * exp(ln(value) / 2.4) - 0.055
-                }
-            }
-            Self::CubeRoot => value.cbrt(),
-            Self::Logarithm { epsilon } => ln(value + epsilon),
+            Self::Linear => values.iter_mut().for_each(|v| *v = v.max(0.0)),
+            Self::Display => values.iter_mut().for_each(|v| *v = display_code(v.max(0.0))),
+            Self::CubeRoot => values.iter_mut().for_each(|v| *v = cube_root(v.max(0.0))),
+            Self::Logarithm { epsilon } => values.iter_mut().for_each(|v| *v = ln(v.max(0.0) + epsilon)),
         }
     }
 
     /// The linear value, 0 to [`LARGEST`].
     pub fn decode(self, value: f32) -> f32 {
-        let linear = match self {
-            Self::Linear => value,
-            Self::Display => {
-                if value <= 0.040_45 {
-                    value / 12.92
-                } else {
-                    exp(2.4 * ln((value + 0.055) / 1.055))
-                }
-            }
-            Self::CubeRoot => value * value * value,
-            Self::Logarithm { epsilon } => exp(value) - epsilon,
-        };
-        if linear > 0.0 && !value.is_nan() { linear.min(LARGEST) } else { 0.0 }
+        let mut values = [value];
+        self.decode_each(&mut values);
+        values[0]
     }
+
+    /// [`Self::decode`] of many values: the same bits.
+    pub fn decode_each(self, values: &mut [f32]) {
+        // What is no number is 0.
+        let within = |linear: f32, value: f32| if linear > 0.0 && !value.is_nan() { linear.min(LARGEST) } else { 0.0 };
+        match self {
+            Self::Linear => values.iter_mut().for_each(|v| *v = within(*v, *v)),
+            Self::Display => values.iter_mut().for_each(|v| *v = within(of_display_code(*v), *v)),
+            Self::CubeRoot => values.iter_mut().for_each(|v| *v = within(*v * *v * *v, *v)),
+            Self::Logarithm { epsilon } => values.iter_mut().for_each(|v| *v = within(exp(*v) - epsilon, *v)),
+        }
+    }
+}
+
+/// Smallest number whose logarithm is taken.
+const TINY: f32 = 1e-30;
+
+#[inline]
+fn display_code(value: f32) -> f32 {
+    let high = 1.055 * exp(ln(value.max(TINY)) * (1.0 / 2.4)) - 0.055;
+    if value <= 0.003_130_8 { 12.92 * value } else { high }
+}
+
+#[inline]
+fn of_display_code(code: f32) -> f32 {
+    let high = exp(2.4 * ln(((code + 0.055) * (1.0 / 1.055)).max(TINY)));
+    if code <= 0.040_45 { code * (1.0 / 12.92) } else { high }
+}
+
+#[inline]
+fn cube_root(value: f32) -> f32 {
+    let root = exp(ln(value.max(TINY)) * (1.0 / 3.0));
+    if value > TINY { root } else { 0.0 }
 }
 
 #[cfg(test)]

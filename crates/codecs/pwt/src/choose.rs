@@ -6,6 +6,7 @@ use crate::recipe::{DomainName, PwtRecipe};
 use crate::stack::LightSamples;
 use brdfc_formats::pwt::{Domain, LightBasis, LightCoordinates, MAX_DEGREE};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Texels that are looked at.
 const TEXELS: usize = 512;
@@ -96,8 +97,7 @@ impl Texels {
             at.iter().flat_map(|texel| picture[*texel]).map(|value| value.max(0.0)).collect()
         };
         let values: Vec<Vec<f32>> = samples.pictures.par_iter().map(of_light).collect();
-        let code = |value: &f32| Domain::Display.encode(value.min(1.0));
-        let codes = values.iter().map(|values| values.iter().map(code).collect()).collect();
+        let codes = values.iter().map(|values| shown(Domain::Linear, values.clone())).collect();
         let numbers = values.iter().map(Vec::len).sum::<usize>().max(1);
         let mean = values.iter().flatten().map(|v| f64::from(*v)).sum::<f64>() / numbers as f64;
         Self { values, codes, mean }
@@ -126,9 +126,9 @@ impl Texels {
         let mut trials = Vec::new();
         for name in names {
             for domain in self.domains(*name) {
-                let encoded: Vec<Vec<f32>> =
-                    self.values.iter().map(|values| values.iter().map(|v| domain.encode(*v)).collect()).collect();
-                let encoded = std::sync::Arc::new(encoded);
+                let mut encoded = self.values.clone();
+                encoded.iter_mut().for_each(|values| domain.encode_each(values));
+                let encoded = Arc::new(encoded);
                 for coordinates in coordinates {
                     for ridge in ridges {
                         trials.push((*name, domain, encoded.clone(), *coordinates, *ridge));
@@ -136,7 +136,7 @@ impl Texels {
                 }
             }
         }
-        let one = |(name, domain, encoded, coordinates, ridge): &(_, Domain, std::sync::Arc<Vec<Vec<f32>>>, _, _)| {
+        let one = |(name, domain, encoded, coordinates, ridge): &(_, Domain, Arc<Vec<Vec<f32>>>, _, _)| {
             let highest = recipe.degree.unwrap_or(MAX_DEGREE);
             let design =
                 Design::new(LightBasis { coordinates: *coordinates, degree: highest }, &samples.lights, *ridge);
@@ -183,11 +183,10 @@ impl Texels {
                     continue;
                 }
                 let share = (1.0 / (1.0 - leverages[light])) as f32;
-                for ((predicted, value), code) in prediction.iter().zip(&encoded[light]).zip(&self.codes[light]) {
-                    let unseen = value - (value - predicted) * share;
-                    for (sum, value) in errors.iter_mut().zip([*predicted, unseen]) {
-                        *sum += f64::from(shown(domain, value) - code).powi(2);
-                    }
+                let unseen = |(predicted, value): (&f32, &f32)| value - (value - predicted) * share;
+                let unseen = prediction.iter().zip(&encoded[light]).map(unseen).collect();
+                for (sum, values) in errors.iter_mut().zip([prediction.clone(), unseen]) {
+                    *sum += squares(&shown(domain, values), &self.codes[light]);
                 }
             }
             first = last;
@@ -200,12 +199,21 @@ impl Texels {
     }
 }
 
-/// The sRGB code, 0 to 1, of a value in a domain.
-pub(crate) fn shown(domain: Domain, value: f32) -> f32 {
+/// sRGB codes, 0 to 1, of values in a domain.
+pub(crate) fn shown(domain: Domain, mut values: Vec<f32>) -> Vec<f32> {
     if domain == Domain::Display {
-        return value.clamp(0.0, 1.0);
+        values.iter_mut().for_each(|value| *value = value.clamp(0.0, 1.0));
+        return values;
     }
-    Domain::Display.encode(domain.decode(value).min(1.0))
+    domain.decode_each(&mut values);
+    values.iter_mut().for_each(|value| *value = value.min(1.0));
+    Domain::Display.encode_each(&mut values);
+    values
+}
+
+/// Sum of squared differences.
+pub(crate) fn squares(a: &[f32], b: &[f32]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| f64::from((a - b) * (a - b))).sum()
 }
 
 /// Signal-to-noise ratio of a mean squared error of codes from 0 to 1. No error counts as rounding to 16 bits.

@@ -1,7 +1,7 @@
 //! From pictures under known lights to a pack. Each step is a file of its own; this one sequences.
 
 use crate::assemble::{Arrangement, arrange};
-use crate::choose::{Candidate, choose};
+use crate::choose::{Candidate, choose, shown};
 use crate::degrees::{SubbandDegree, degrees};
 use crate::design::Design;
 use crate::fit;
@@ -154,7 +154,8 @@ fn channels(samples: &LightSamples, domain: Domain, colour: &[[f32; 3]; 3], exte
         let mut planes = [0, 1, 2].map(|_| Vec::with_capacity(extent[0] * extent[1]));
         for y in 0..extent[1] {
             let row = &picture[mirrored(y, height) * width..][..width];
-            let encoded: Vec<[f32; 3]> = row.iter().map(|value| value.map(|c| domain.encode(c))).collect();
+            let mut encoded = row.to_vec();
+            domain.encode_each(encoded.as_flattened_mut());
             for (plane, axis) in planes.iter_mut().zip(colour) {
                 let project = |v: &[f32; 3]| v[0] * axis[0] + v[1] * axis[1] + v[2] * axis[2];
                 plane.extend((0..extent[0]).map(|x| project(&encoded[mirrored(x, width)])));
@@ -173,20 +174,21 @@ fn channels(samples: &LightSamples, domain: Domain, colour: &[[f32; 3]; 3], exte
 /// How much an error of each texel shows: the mean square of how codes change with values of the domain.
 fn texel_weights(samples: &LightSamples, domain: Domain, extent: [usize; 2]) -> Plane {
     const STEP: f32 = 1e-3;
-    const PICTURES: usize = 12;
+    const PICTURES: usize = 8;
     let [width, height] = samples.size;
     let stride = samples.pictures.len().div_ceil(PICTURES);
     let some: Vec<&Vec<[f32; 3]>> = samples.pictures.iter().step_by(stride).collect();
-    let slope = |value: [f32; 3]| {
-        // Of the middle channel, nearly luminance.
-        let encoded = domain.encode(value[1].min(1.0));
-        let shown = |v| Domain::Display.encode(domain.decode(v));
-        ((shown(encoded + STEP) - shown(encoded)) / STEP).powi(2)
-    };
     let mut weights = Plane::zeros(extent);
-    weights.values.par_chunks_exact_mut(extent[0]).take(height).enumerate().for_each(|(y, row)| {
-        for (x, weight) in row.iter_mut().enumerate().take(width) {
-            *weight = some.iter().map(|picture| slope(picture[y * width + x])).sum::<f32>() / some.len() as f32;
+    weights.values.par_chunks_exact_mut(extent[0]).take(height).enumerate().for_each(|(y, weights)| {
+        for picture in &some {
+            // Of the middle channel, nearly luminance.
+            let row = &picture[y * width..][..width];
+            let mut encoded: Vec<f32> = row.iter().map(|value| value[1].min(1.0)).collect();
+            domain.encode_each(&mut encoded);
+            let stepped = encoded.iter().map(|value| value + STEP).collect();
+            for ((weight, a), b) in weights.iter_mut().zip(shown(domain, encoded)).zip(shown(domain, stepped)) {
+                *weight += ((b - a) / STEP).powi(2) / some.len() as f32;
+            }
         }
     });
     weights
@@ -215,8 +217,13 @@ impl Search<'_> {
         match target {
             Target::Bytes(bytes) => {
                 let fits = |count: usize| self.bytes(&self.arranged(count)) <= bytes;
-                // Bytes need not grow with every step: filling up moves terms.
-                let count = (0..=last).rev().find(|count| fits(*count)).unwrap_or(0);
+                let (mut low, mut high) = (0, last + 1);
+                while high - low > 1 {
+                    let middle = low.midpoint(high);
+                    if fits(middle) { low = middle } else { high = middle }
+                }
+                // Bytes need not grow with every step, as filling up moves terms.
+                let count = (0..=low).rev().find(|count| fits(*count)).unwrap_or(0);
                 let (pack, errors) = self.made(count)?;
                 let met = pack.gpu_bytes() <= bytes;
                 Ok((pack, errors, met))
@@ -228,11 +235,11 @@ impl Search<'_> {
                 Ok((pack, errors, true))
             }
             Target::Loss(loss) => {
-                // What steps leave adds to what the fit leaves.
-                let fitted = 10f64.powf(-self.candidate.psnr / 10.0);
+                // What steps leave adds to what is wrong at lights that the fit has not seen.
+                let unseen = 10f64.powf(-self.candidate.held_out_psnr / 10.0);
                 let [width, height] = self.samples.size;
                 let numbers = (3 * width * height * self.samples.lights.len()) as f64;
-                let allowed = (10f64.powf(loss / 10.0) - 1.0) * fitted * numbers + self.left(last);
+                let allowed = (10f64.powf(loss / 10.0) - 1.0) * unseen * numbers + self.left(last);
                 let count = (0..=last).find(|count| self.left(*count) <= allowed).unwrap_or(last);
                 let (pack, errors) = self.made(count)?;
                 Ok((pack, errors, true))

@@ -1,6 +1,6 @@
 //! How wrong a pack is: decoded as shaders do, against the photographs.
 
-use crate::choose::decibels;
+use crate::choose::{decibels, shown, squares};
 use crate::stack::LightSamples;
 use brdfc_formats::pwt::{Domain, PwtDecoder};
 use brdfc_metrics::lab::{distance_squared, lab};
@@ -30,10 +30,11 @@ pub fn stack_errors(decoder: &PwtDecoder, samples: &LightSamples, stride: usize)
         let mut sums = [0.0; 2];
         for row in &rows {
             let decoded = unpacked.rows(*row..row + 1, &weights);
-            for (found, wanted) in decoded.iter().zip(&samples.pictures[k][row * width..][..width]) {
-                sums[0] += squared_codes(*found, *wanted);
-                sums[1] += f64::from(distance_squared(lab(*found), lab(*wanted)).sqrt());
-            }
+            let wanted = &samples.pictures[k][row * width..][..width];
+            let codes = |colours: &[[f32; 3]]| shown(Domain::Linear, colours.as_flattened().to_vec());
+            sums[0] += squares(&codes(&decoded), &codes(wanted));
+            let distance = |(found, wanted): (&[f32; 3], &[f32; 3])| distance_squared(lab(*found), lab(*wanted)).sqrt();
+            sums[1] += decoded.iter().zip(wanted).map(distance).map(f64::from).sum::<f64>();
         }
         sums
     };
@@ -42,10 +43,4 @@ pub fn stack_errors(decoder: &PwtDecoder, samples: &LightSamples, stride: usize)
     let count = (texels * sums.len()).max(1) as f64;
     let [squares, distances] = sums.iter().fold([0.0; 2], |sum, of| [sum[0] + of[0], sum[1] + of[1]]);
     StackErrors { lights: sums.len(), texels, psnr: decibels(squares / (3.0 * count)), delta_e: distances / count }
-}
-
-/// Sum of squared differences of sRGB codes from 0 to 1.
-pub fn squared_codes(found: [f32; 3], wanted: [f32; 3]) -> f64 {
-    let code = |value: f32| Domain::Display.encode(value.min(1.0));
-    (0..3).map(|k| f64::from(code(found[k]) - code(wanted[k])).powi(2)).sum()
 }

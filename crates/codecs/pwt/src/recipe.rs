@@ -37,7 +37,7 @@ impl DomainName {
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Target {
-    /// At most so many dB below the fit before anything was left out.
+    /// At most so many dB below what is reached at unseen lights before anything is left out.
     Loss(f64),
     /// Signal-to-noise ratio of sRGB codes, dB.
     Quality(f64),
