@@ -8,6 +8,7 @@ pub mod flatten;
 mod keys;
 pub mod light_stack;
 pub mod output_folder;
+pub mod pwt;
 pub mod report;
 pub mod scene;
 pub mod stage_clock;

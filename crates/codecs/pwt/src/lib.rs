@@ -13,6 +13,7 @@ pub mod image;
 pub mod levels;
 mod lifting;
 pub mod measure;
+pub mod ptm;
 mod recipe;
 mod stack;
 pub mod tree;

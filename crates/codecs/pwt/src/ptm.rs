@@ -1,0 +1,138 @@
+//! Polynomial texture maps (Malzbender, Gelb and Wolters 2001): what viewers of reflectance transformation imaging read,
+//! and the peer that trees are held against.
+
+use crate::stack::LightSamples;
+use brdfc_formats::FormatError;
+use brdfc_formats::colour::decode_srgb;
+use brdfc_formats::measured::ptm::{Ptm, TERMS, terms};
+use brdfc_formats::pwt::Domain;
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+/// Singular values below this share of the largest count as 0: what the lights do not tell stays small.
+const SINGULAR: f64 = 1e-6;
+
+/// Unit vectors above the horizon, spread evenly: a spiral (Vogel 1979) from the pole to a polar angle of 84 degrees.
+pub fn spread_lights(count: usize) -> Vec<[f32; 3]> {
+    let golden = std::f64::consts::PI * (3.0 - 5.0f64.sqrt());
+    let light = |k: usize| {
+        let z = 1.0 - 0.9 * (k as f64 + 0.5) / count as f64;
+        let (r, azimuth) = ((1.0 - z * z).sqrt(), golden * k as f64);
+        [r * azimuth.cos(), r * azimuth.sin(), z].map(|c| c as f32)
+    };
+    (0..count).map(light).collect()
+}
+
+/// What a map shows under some lights.
+pub fn pictures_of(map: &Ptm, lights: Vec<[f32; 3]>) -> LightSamples {
+    let size = map.size().map(|side| side as usize);
+    let linear = |code: f32| decode_srgb(f64::from(code) / 255.0) as f32;
+    let picture = |[x, y, _]: &[f32; 3]| -> Vec<[f32; 3]> {
+        (0..size[0] * size[1]).map(|pixel| map.value(pixel, [*x, *y]).map(linear)).collect()
+    };
+    let pictures = lights.par_iter().map(picture).collect();
+    LightSamples { size, lights, pictures, repeats: false }
+}
+
+/// Which of the two layouts a map has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum MapModel {
+    /// A polynomial for each channel.
+    Rgb,
+    /// One polynomial, and a colour that it multiplies.
+    Lrgb,
+}
+
+/// The map that fits photographs best, by least squares of sRGB codes.
+///
+/// # Errors
+/// Pictures out of range; a size that the format does not have.
+pub fn fit_map(samples: &LightSamples, model: MapModel) -> Result<Ptm, FormatError> {
+    samples.check()?;
+    let count = samples.size[0] * samples.size[1];
+    let size = samples.size.map(|side| side as u32);
+    let matrix = DMatrix::from_fn(samples.lights.len(), TERMS, |light, term| {
+        let [x, y, _] = samples.lights[light];
+        terms([x, y])[term]
+    });
+    let singular = SINGULAR * matrix.singular_values().max();
+    let inverse = matrix.pseudo_inverse(singular).expect("the bound is positive");
+    let codes: Vec<Vec<[f32; 3]>> = samples.pictures.par_iter().map(|picture| codes(picture)).collect();
+    let fitted = |values: &dyn Fn(usize) -> f64| -> [f32; TERMS] {
+        let mut coefficients = [0.0f64; TERMS];
+        for light in 0..codes.len() {
+            let value = values(light);
+            coefficients.iter_mut().enumerate().for_each(|(term, sum)| *sum += inverse[(term, light)] * value);
+        }
+        coefficients.map(|c| c as f32)
+    };
+    match model {
+        MapModel::Rgb => {
+            let pixel = |at: usize| [0, 1, 2].map(|c| fitted(&|light| 255.0 * f64::from(codes[light][at][c])));
+            let pixels: Vec<_> = (0..count).into_par_iter().map(pixel).collect();
+            Ptm::from_coefficients_rgb(size, &pixels)
+        }
+        MapModel::Lrgb => {
+            let pixel = |at: usize| {
+                let mut sum = [0.0f64; 3];
+                for picture in &codes {
+                    sum.iter_mut().zip(picture[at]).for_each(|(sum, code)| *sum += f64::from(code));
+                }
+                let most = sum.into_iter().fold(0.0, f64::max);
+                let colour = sum.map(|s| if most > 0.0 { (255.0 * s / most).round() } else { 255.0 });
+                let square: f64 = colour.iter().map(|c| c * c).sum();
+                // Of light and colour the product is what is seen: the factor that comes nearest to a code.
+                let luminance = |light: usize| {
+                    let code = codes[light][at].map(f64::from);
+                    255.0 * 255.0 * colour.iter().zip(code).map(|(a, b)| a * b).sum::<f64>() / square
+                };
+                (fitted(&luminance), colour.map(|c| c as u8))
+            };
+            let (luminance, colour): (Vec<_>, Vec<_>) = (0..count).into_par_iter().map(pixel).unzip();
+            Ptm::from_coefficients_lrgb(size, &luminance, &colour)
+        }
+    }
+}
+
+/// sRGB codes, 0 to 1.
+fn codes(picture: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    let mut codes = picture.to_vec();
+    codes.as_flattened_mut().iter_mut().for_each(|value| *value = value.min(1.0));
+    Domain::Display.encode_each(codes.as_flattened_mut());
+    codes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Known answer: a map that is shown under many lights comes back; other lights are a negative control.
+    #[test]
+    fn a_map_comes_back() {
+        let coefficients = [[-30.0, -20.0, 10.0, 40.0, -25.0, 140.0], [5.0; 6], [0.0, 0.0, 0.0, 0.0, 0.0, 200.0]];
+        let map =
+            Ptm::from_coefficients_rgb([2, 1], &[coefficients, coefficients.map(|c| c.map(|c| 0.5 * c))]).unwrap();
+        let samples = pictures_of(&map, spread_lights(60));
+        let found = fit_map(&samples, MapModel::Rgb).unwrap();
+        let wrong = LightSamples { lights: samples.lights.iter().map(|[x, y, z]| [-x, -y, *z]).collect(), ..samples };
+        let wrong = fit_map(&wrong, MapModel::Rgb).unwrap();
+        for (pixel, light) in [(0, [0.3, 0.2]), (1, [-0.5, 0.4]), (0, [0.0, 0.0])] {
+            let [a, b, c] = [&map, &found, &wrong].map(|map| map.value(pixel, light));
+            assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 2.0), "{a:?} {b:?}");
+            assert!(light == [0.0; 2] || (a[0] - c[0]).abs() > 5.0, "{a:?} {c:?}");
+        }
+    }
+
+    #[test]
+    fn luminance_and_colour_of_one_hue() {
+        let coefficients = [[-30.0, -20.0, 0.0, 40.0, -25.0, 140.0]];
+        let map = Ptm::from_coefficients_lrgb([1, 1], &coefficients, &[[255, 128, 64]]).unwrap();
+        let samples = pictures_of(&map, spread_lights(60));
+        let found = fit_map(&samples, MapModel::Lrgb).unwrap();
+        for light in [[0.3, 0.2], [-0.5, 0.4]] {
+            let [a, b] = [&map, &found].map(|map| map.value(0, light));
+            assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 2.0), "{a:?} {b:?}");
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! What becomes a polynomial wavelet tree: photographs under known lights, one view of a BTF, a polynomial texture map, or a
+//! tree that is there already.
+
+use super::PwtError;
+use brdfc_formats::{FormatError, Pack};
+use brdfc_formats::direction_set::DirectionSet;
+use brdfc_formats::flat_btf::FlatPart;
+use brdfc_formats::measured::ptm::Ptm;
+use brdfc_formats::pwt::{PwtDecoder, PwtPack};
+use brdfc_pwt::LightSamples;
+use brdfc_pwt::ptm::{pictures_of, spread_lights};
+use brdfc_source::light_stack::{LightStack, is_light_stack};
+use brdfc_source::ordinary_btf::OrdinaryBtf;
+use brdfc_source::{Input, InputError, ptm};
+use rayon::prelude::*;
+use std::path::Path;
+
+/// Lights at which a map or a pack is looked at to be fitted again.
+const SPREAD: usize = 96;
+/// Most numbers of all photographs together: 6 GiB of them.
+const MOST_NUMBERS: u64 = 3 << 29;
+
+/// What was read.
+pub enum LightInput {
+    /// Photographs.
+    Pictures {
+        /// What they are called in reports: `light-stack`, `btf` or `flat-btf`.
+        kind: &'static str,
+        /// The photographs.
+        samples: LightSamples,
+    },
+    /// A polynomial texture map.
+    Map(Ptm),
+    /// A pack.
+    Pack(PwtPack),
+}
+
+impl LightInput {
+    /// Reads an input. Of BTFs the view of this index is taken, the first one if there is none.
+    ///
+    /// # Errors
+    /// What cannot be read, or is none of these; a view that is not there; more photographs than memory should hold.
+    pub fn open(input: &Input, view: Option<usize>) -> Result<Self, PwtError> {
+        let extension = input.extension()?;
+        if view.is_some() && (["ktx2", ptm::EXTENSION].contains(&extension.as_str())) {
+            return Err(PwtError::Usage("--view: found with one view; allowed with BTFs".to_owned()));
+        }
+        if extension == ptm::EXTENSION {
+            return Ok(Self::Map(ptm::open_ptm(input)?));
+        }
+        if extension == "ktx2" {
+            return match brdfc_source::pack::open_pack(input)? {
+                Pack::Pwt(pack) => Ok(Self::Pack(pack)),
+                other => Err(refused(input, "pack", other.kind().name(), "a polynomial wavelet tree")),
+            };
+        }
+        let Some(path) = input.path() else {
+            return Err(refused(input, "input", "no file", "a light stack, a BTF, a .ptm or a pack"));
+        };
+        if is_light_stack(path) {
+            if view.is_some() {
+                return Err(PwtError::Usage(
+                    "--view: found with a light stack, which has one; allowed with BTFs".to_owned(),
+                ));
+            }
+            return Ok(Self::Pictures { kind: "light-stack", samples: photographs(path)? });
+        }
+        if let Some(samples) = flat_view(path, view.unwrap_or(0))? {
+            return Ok(Self::Pictures { kind: "flat-btf", samples });
+        }
+        if OrdinaryBtf::is_one(path) {
+            return Ok(Self::Pictures { kind: "btf", samples: one_view(path, view.unwrap_or(0))? });
+        }
+        let allowed = "a folder with a list of lights (.lp), the list, a BTF, a flat BTF, a .ptm or a pack (.ktx2)";
+        Err(refused(input, "input", "none of these", allowed))
+    }
+
+    /// Photographs, or what a map or pack shows under many lights.
+    pub fn into_samples(self) -> LightSamples {
+        match self {
+            Self::Pictures { samples, .. } => samples,
+            Self::Map(map) => pictures_of(&map, spread_lights(SPREAD)),
+            Self::Pack(pack) => {
+                let decoder = PwtDecoder::new(pack);
+                let lights = spread_lights(SPREAD);
+                let unpacked = decoder.unpacked(0);
+                let rows = 0..unpacked.size()[1];
+                let picture = |light: &[f32; 3]| unpacked.rows(rows.clone(), &decoder.pack().header().weights(*light));
+                let pictures = lights.par_iter().map(picture).collect();
+                LightSamples { size: unpacked.size(), pictures, lights, repeats: decoder.pack().header().repeats }
+            }
+        }
+    }
+}
+
+fn refused(input: &impl std::fmt::Display, field: &'static str, found: &str, allowed: &str) -> PwtError {
+    let error = FormatError::whole(field, found.to_owned(), allowed);
+    PwtError::Input(InputError::Format { name: input.to_string(), error })
+}
+
+fn check_amount(path: &Path, size: [usize; 2], lights: usize) -> Result<(), PwtError> {
+    let numbers = size.map(|side| side as u64).into_iter().product::<u64>() * 3 * lights as u64;
+    if numbers <= MOST_NUMBERS {
+        return Ok(());
+    }
+    let found = format!("{lights} of {} x {} pixels", size[0], size[1]);
+    let allowed = format!("{} million pixels in all", MOST_NUMBERS / 3_000_000);
+    Err(refused(&path.display(), "photographs", &found, &allowed))
+}
+
+/// All photographs of a light stack, decoded side by side.
+///
+/// # Errors
+/// What cannot be read.
+pub fn photographs(path: &Path) -> Result<LightSamples, PwtError> {
+    let stack = LightStack::open(path)?;
+    check_amount(path, stack.size(), stack.len())?;
+    let images: Vec<Result<_, InputError>> = (0..stack.len()).into_par_iter().map(|light| stack.image(light)).collect();
+    let pictures = images.into_iter().map(|image| image.map(|image| image.pixels)).collect::<Result<_, _>>()?;
+    Ok(LightSamples { size: stack.size(), lights: stack.lights().to_vec(), pictures, repeats: false })
+}
+
+/// Unit vectors of a set of directions.
+fn unit_vectors(set: &DirectionSet) -> Vec<[f32; 3]> {
+    set.angles.iter().map(|angles| direction(angles.map(f64::to_radians))).collect()
+}
+
+fn direction([polar, azimuth]: [f64; 2]) -> [f32; 3] {
+    [polar.sin() * azimuth.cos(), polar.sin() * azimuth.sin(), polar.cos()].map(|c| c as f32)
+}
+
+fn one_view(path: &Path, view: usize) -> Result<LightSamples, PwtError> {
+    let btf = OrdinaryBtf::open(path)?;
+    check_view(view, btf.views().len())?;
+    let lights = unit_vectors(btf.lights());
+    check_amount(path, btf.size(), lights.len())?;
+    let images: Vec<Result<_, InputError>> =
+        (0..lights.len()).into_par_iter().map(|light| btf.image(view, light)).collect();
+    let pictures = images.into_iter().map(|image| image.map(|image| image.pixels)).collect::<Result<_, _>>()?;
+    Ok(LightSamples { size: btf.size(), lights, pictures, repeats: true })
+}
+
+/// A view of a flat BTF; nothing if there is none.
+fn flat_view(path: &Path, view: usize) -> Result<Option<LightSamples>, PwtError> {
+    let Some(asset) = crate::flatten::open_asset(path)? else { return Ok(None) };
+    let is_view = |part: &&String| FlatPart::from_name(part) == Some(FlatPart::View);
+    let views = asset.parts.keys().filter(is_view).count();
+    check_view(view, views)?;
+    let parts = brdfc_source::flat_btf::open_flat_btf(path, true)?;
+    let view = &parts.views[view];
+    let header = view.header();
+    let side = header.size as usize;
+    let lights = header.lights.iter().map(|angles| direction(angles.map(f64::from))).collect();
+    check_amount(path, [side, side], header.lights.len())?;
+    let decoded = |light: usize| {
+        view.light(light as u32).iter().map(|texel| brdfc_formats::container::rgb9e5::decode(*texel)).collect()
+    };
+    let pictures = (0..header.lights.len()).into_par_iter().map(decoded).collect();
+    Ok(Some(LightSamples { size: [side, side], lights, pictures, repeats: true }))
+}
+
+fn check_view(view: usize, views: usize) -> Result<(), PwtError> {
+    if view < views {
+        return Ok(());
+    }
+    Err(PwtError::Usage(format!("--view: found {view}; allowed 0 to {}", views.saturating_sub(1))))
+}

@@ -1,0 +1,134 @@
+//! What `brdfc pwt` says.
+
+use super::PwtMade;
+use brdfc_formats::pwt::LightCoordinates;
+use brdfc_pwt::choose::Candidate;
+use serde::Serialize;
+
+/// Errors at lights that the fit has not seen.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct HeldOut {
+    /// Which lights, by their place in the list.
+    pub lights: Vec<usize>,
+    /// Peak signal-to-noise ratio of sRGB codes, dB.
+    pub psnr: f64,
+    /// Mean ΔE (CIE76).
+    pub delta_e: f64,
+}
+
+/// What is worth knowing of a level of detail.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct LevelReport {
+    /// 0 is the finest; the last one is what remains of the picture.
+    pub level: u32,
+    /// Subbands of its first channel.
+    pub subbands: usize,
+    /// Share of the picture's energy that they have, all channels together.
+    pub energy: f64,
+    /// Highest degree of any of them; none where all are pruned.
+    pub degree: Option<u32>,
+}
+
+/// One texture of a pack.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct TextureReport {
+    /// How often the picture's sides were halved for it.
+    pub level: u32,
+    /// Columns and rows.
+    pub extent: [u32; 2],
+    /// Layers: a fetch each.
+    pub layers: u32,
+    /// Numbers of a texel.
+    pub channels: u32,
+}
+
+/// What `--json` prints of a pack that was made.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct PwtReport {
+    /// Columns and rows of the picture.
+    pub size: [u32; 2],
+    /// Lights that were fitted.
+    pub lights: usize,
+    /// In what the terms are polynomials.
+    pub coordinates: LightCoordinates,
+    /// Highest degree.
+    pub degree: u32,
+    /// Ridge that keeps the fit smooth where no light is.
+    pub ridge: f64,
+    /// The scale of values that were fitted.
+    pub domain: &'static str,
+    /// Condition number of the normal equations.
+    pub condition: f64,
+    /// The best of each domain and coordinates that were tried, the one taken first.
+    pub tried: Vec<Candidate>,
+    /// Levels of detail, the finest first.
+    pub levels: Vec<LevelReport>,
+    /// Textures, the finest first.
+    pub textures: Vec<TextureReport>,
+    /// Fetches of a pixel.
+    pub fetches: u32,
+    /// Bytes on a GPU, mipmaps included.
+    pub bytes_on_gpu: u64,
+    /// Bytes of the file.
+    pub bytes_on_disk: usize,
+    /// Peak signal-to-noise ratio of sRGB codes at the lights that were fitted, dB.
+    pub psnr: f64,
+    /// Mean ΔE (CIE76) there.
+    pub delta_e: f64,
+    /// Signal-to-noise ratio at each light left out in turn, before pruning and rounding.
+    pub left_out_psnr: f64,
+    /// Errors at lights that were held out.
+    pub held_out: Option<HeldOut>,
+    /// Whether it meets what was asked for.
+    pub met: bool,
+}
+
+impl PwtReport {
+    /// Of what was made, and the bytes of its file.
+    pub fn new(made: &PwtMade, bytes_on_disk: usize) -> Self {
+        let encoded = &made.encoded;
+        let header = encoded.pack.header();
+        let taken = encoded.candidates[0];
+        let all = || encoded.subbands.iter().flatten();
+        let energy = |level: Option<u32>| -> f64 {
+            let of = all().filter(|s| level.is_none_or(|level| s.subband.level == level));
+            of.map(|s| s.energy * s.subband.rectangle.size.iter().product::<usize>() as f64).sum()
+        };
+        let whole = energy(None);
+        let level = |level: u32| LevelReport {
+            level,
+            subbands: encoded.subbands[0].iter().filter(|s| s.subband.level == level).count(),
+            energy: if whole > 0.0 { energy(Some(level)) / whole } else { 0.0 },
+            degree: all().filter(|s| s.subband.level == level).filter_map(|s| s.degree).max(),
+        };
+        let texture = |index: usize| {
+            let texture = &header.textures[index];
+            TextureReport {
+                level: texture.level,
+                extent: header.texture_extent(index),
+                layers: texture.layers(),
+                channels: texture.channels,
+            }
+        };
+        Self {
+            size: header.size,
+            lights: made.lights,
+            coordinates: header.basis.coordinates,
+            degree: header.basis.degree,
+            ridge: taken.ridge,
+            domain: header.domain.name(),
+            condition: encoded.condition,
+            tried: encoded.candidates.clone(),
+            levels: (0..=header.levels).map(level).collect(),
+            textures: (0..header.textures.len()).map(texture).collect(),
+            fetches: header.fetches(),
+            bytes_on_gpu: encoded.pack.gpu_bytes(),
+            bytes_on_disk,
+            psnr: encoded.errors.psnr,
+            delta_e: encoded.errors.delta_e,
+            left_out_psnr: taken.held_out_psnr,
+            held_out: made.held_out.clone(),
+            met: encoded.met,
+        }
+    }
+}
