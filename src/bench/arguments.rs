@@ -47,6 +47,12 @@ pub struct Arguments {
     /// Views and lights of flat-btf, as for 'brdfc flatten --views' (default: ubo2003).
     #[arg(long, value_name = "SET")]
     pub(super) directions: Option<Input>,
+    /// Polar angles x azimuths of the indirection map of flat-btf (default: 16x16).
+    #[arg(long, value_name = "ZxA", allow_hyphen_values = true)]
+    pub(super) indirection: Option<String>,
+    /// Largest polar angle of the indirection map of flat-btf, degrees (default 80).
+    #[arg(long, value_name = "DEGREES")]
+    pub(super) largest_angle: Option<f64>,
     /// Latitude-longitude image, .exr or .hdr, that lights the studies of adaptive shading (default: a sky).
     #[arg(long, value_name = "FILE")]
     pub(super) environment: Option<Input>,
@@ -92,6 +98,8 @@ impl Arguments {
             (self.texels.is_some(), "texels", &[Study::FlatBtf, Study::Rays][..]),
             (self.flat_texels.is_some(), "flat-texels", &[Study::FlatBtf]),
             (self.directions.is_some(), "directions", &[Study::FlatBtf]),
+            (self.indirection.is_some(), "indirection", &[Study::FlatBtf]),
+            (self.largest_angle.is_some(), "largest-angle", &[Study::FlatBtf]),
             (self.environment.is_some(), "environment", ADAPTIVE),
             (self.pixels.is_some(), "pixels", ADAPTIVE),
             (self.truth.is_some(), "truth", ADAPTIVE),

@@ -1,7 +1,7 @@
 //! The error study of flat BTFs.
 
 use super::arguments::Arguments;
-use crate::flatten::{default_set, direction_set};
+use crate::flatten::{default_set, direction_set, map_header};
 use crate::output::remark;
 use crate::table::plain;
 use crate::{CliError, Common};
@@ -17,10 +17,10 @@ use std::time::{Duration, Instant};
 /// Of the plane; the flat BTF has twice as many per side, the paper's 256.
 const TEXELS: usize = 128;
 /// Views of the indirection map, as `brdfc flatten` takes them where nothing is said.
-const INDIRECTION: [u32; 2] = [16, 16];
+const INDIRECTION: &str = "16x16";
 const LARGEST_ANGLE: f64 = 80.0;
 /// Most texels of the plane: with these views, of the indirection map.
-const MOST_TEXELS: usize = (MAX_EXTENT_2D / (INDIRECTION[1] + 1)) as usize;
+const MOST_TEXELS: usize = (MAX_EXTENT_2D / 17) as usize;
 /// Remarks come at least this far apart.
 const BETWEEN_REMARKS: Duration = Duration::from_secs(5);
 
@@ -35,13 +35,15 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     if !flat_texels.is_power_of_two() {
         return Err(CliError::Usage(format!("--flat-texels: found {flat_texels}; allowed a power of two")));
     }
+    let largest_angle = arguments.largest_angle.unwrap_or(LARGEST_ANGLE);
+    let map = map_header(texels as u32, arguments.indirection.as_deref().unwrap_or(INDIRECTION), largest_angle)?;
     let directions = direction_set("directions", arguments.directions.as_ref().unwrap_or(&default_set()))?;
     let settings = StudySettings {
         texels,
         flat_texels,
         oversampling: 1,
-        indirection: INDIRECTION,
-        largest_angle: LARGEST_ANGLE,
+        indirection: [map.zenith_samples, map.azimuth_samples],
+        largest_angle,
         rounds: 0,
         directions: directions.name.clone(),
         count: directions.len(),
@@ -81,22 +83,44 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
 pub(super) fn text(settings: &StudySettings, rows: &[ModelRow]) -> String {
     let mut text = format!(
         "{0} views and lights ({1}), {2} x {2} texels of the plane, {3} x {3} of the flat BTF, {4} x {5} views \
-         of the indirection map.\n\n",
+         of the indirection map up to {6}°.\n\n",
         settings.count,
         settings.directions,
         settings.texels,
         settings.flat_texels,
         settings.indirection[0],
-        settings.indirection[1]
+        settings.indirection[1],
+        settings.largest_angle
     );
-    text += "Table 1: colour difference (L*a*b*) of BTFs rebuilt by equation 1; maximum and variance of means of images; exact: \
-         without the indirection map\n";
-    let header = ["model", "mean", "push-pull", "exact", "max", "variance", "paper", "mean", "max", "variance"];
+    text += "Table 1: colour difference (L*a*b*) of BTFs rebuilt by equation 1; maximum and variance of means of images. Through \
+         the map: by the stored indirection map, what a renderer shows; exact rays: in place of the map, what the flat BTF alone \
+         loses\n";
+    let header = ["model", "through the map", "max", "variance", "exact rays", "max", "variance"];
+    let header = [&header[..], &["paper", "mean", "max", "variance"]].concat();
     text += &table(&header, rows, |row| {
         let (r, p) = (&row.reconstruction, &row.paper.reconstruction);
-        let ours = [r.mean, r.mean_push_pull, r.mean_exact_indirection, r.largest_image, r.image_variance].map(two);
-        let paper = [p[0], p[1], p[2]].map(two);
-        [name(row)].into_iter().chain(ours).chain([row.paper_model.to_owned()]).chain(paper).collect()
+        let ours = [r.through_map, r.exact_rays].map(|e| [e.mean, e.largest_image, e.image_variance].map(two));
+        let paper = p.map(two);
+        [name(row)]
+            .into_iter()
+            .chain(ours.into_iter().flatten())
+            .chain([row.paper_model.to_owned()])
+            .chain(paper)
+            .collect()
+    });
+    text += "\nTable 1, means by polar angle of the view. Unblended: through a map that has each view itself\n";
+    let header = ["model", "polar angle", "views", "through the map", "unblended", "exact rays"];
+    let cells = rows.iter().flat_map(|row| {
+        row.reconstruction.angles.iter().map(|a| {
+            let means = [a.through_map, a.unblended, a.exact_rays].map(two);
+            [name(row), format!("{:.0}°", a.polar_angle), a.views.to_string()].into_iter().chain(means).collect()
+        })
+    });
+    text += &plain(&header, &cells.collect::<Vec<Vec<String>>>());
+    text += "\nTable 1, means through the map by how holes are filled, and unblended\n";
+    text += &table(&["model", "poisson", "push-pull", "unblended"], rows, |row| {
+        let r = &row.reconstruction;
+        [name(row)].into_iter().chain([r.through_map.mean, r.mean_push_pull, r.mean_unblended].map(two)).collect()
     });
     text += "\nTable 2: variance over the views (L*a*b*), mean over texels; in brackets how many times lower than the BTF's\n";
     let header = ["model", "BTF", "push-pull", "poisson", "visible", "paper: BTF", "filled", "visible"];

@@ -7,6 +7,7 @@ mod text;
 
 pub use arguments::Arguments;
 pub(super) use directions::{default_set, direction_set};
+pub(super) use options::map_header;
 pub(super) use text::text;
 
 use super::output::{make_folder, note, print, print_json};

@@ -192,37 +192,40 @@ fn split_name(text: &OsStr) -> Option<(String, OsString)> {
     Some((name.to_owned(), source.into()))
 }
 
-/// How it is flattened.
-pub(super) fn recipe(arguments: &Arguments) -> Result<FlattenRecipe, CliError> {
-    let wrong = |option: &str, found: &dyn std::fmt::Display, allowed: &str| {
-        CliError::Usage(format!("--{option}: found {found}; allowed {allowed}"))
-    };
-    let flat_texels = arguments.flat_texels.unwrap_or((arguments.texels as usize).next_power_of_two());
-    if !(4..=2048).contains(&flat_texels) || !flat_texels.is_power_of_two() {
-        return Err(wrong("flat-texels", &flat_texels, FLAT_TEXELS));
+fn wrong(option: &str, found: &dyn std::fmt::Display, allowed: &str) -> CliError {
+    CliError::Usage(format!("--{option}: found {found}; allowed {allowed}"))
+}
+
+/// The indirection map that `--texels`, `--indirection` and `--largest-angle`, in degrees, ask for.
+pub fn map_header(texels: u32, indirection: &str, largest_angle: f64) -> Result<IndirectionHeader, CliError> {
+    if !(largest_angle > 0.0 && largest_angle <= 89.0) {
+        return Err(wrong("largest-angle", &shown(largest_angle), "above 0, up to 89 degrees"));
     }
-    if !(arguments.largest_angle > 0.0 && arguments.largest_angle <= 89.0) {
-        return Err(wrong("largest-angle", &shown(arguments.largest_angle), "above 0, up to 89 degrees"));
-    }
-    let [zenith_samples, azimuth_samples] = pair(&arguments.indirection)
-        .ok_or_else(|| wrong("indirection", &arguments.indirection, "polar angles x azimuths, such as 16x16"))?;
-    let indirection = IndirectionHeader {
-        size: arguments.texels,
-        zenith_samples,
-        azimuth_samples,
-        largest_angle: arguments.largest_angle.to_radians() as f32,
-    };
+    let [zenith_samples, azimuth_samples] = pair(indirection)
+        .ok_or_else(|| wrong("indirection", &indirection, "polar angles x azimuths, such as 16x16"))?;
+    let largest_angle = largest_angle.to_radians() as f32;
+    let header = IndirectionHeader { size: texels, zenith_samples, azimuth_samples, largest_angle };
     if !(2..=MAX_ZENITH_SAMPLES).contains(&zenith_samples) || !(3..=MAX_AZIMUTH_SAMPLES).contains(&azimuth_samples) {
         let allowed = format!("2 to {MAX_ZENITH_SAMPLES} polar angles x 3 to {MAX_AZIMUTH_SAMPLES} azimuths");
-        return Err(wrong("indirection", &arguments.indirection, &allowed));
+        return Err(wrong("indirection", &indirection, &allowed));
     }
-    let [width, height] = indirection.extent();
+    let [width, height] = header.extent();
     if width.max(height) > MAX_EXTENT_2D {
         let allowed = format!("at most {MAX_EXTENT_2D} on each side: lower --texels or --indirection");
         let text = format!("--texels x --indirection: found a map of {width} x {height} texels; allowed {allowed}");
         return Err(CliError::Usage(text));
     }
-    indirection.check().map_err(|error| CliError::Usage(format!("--indirection, --texels: {error}")))?;
+    header.check().map_err(|error| CliError::Usage(format!("--indirection, --texels: {error}")))?;
+    Ok(header)
+}
+
+/// How it is flattened.
+pub(super) fn recipe(arguments: &Arguments) -> Result<FlattenRecipe, CliError> {
+    let flat_texels = arguments.flat_texels.unwrap_or((arguments.texels as usize).next_power_of_two());
+    if !(4..=2048).contains(&flat_texels) || !flat_texels.is_power_of_two() {
+        return Err(wrong("flat-texels", &flat_texels, FLAT_TEXELS));
+    }
+    let indirection = map_header(arguments.texels, &arguments.indirection, arguments.largest_angle)?;
     let views = direction_set("views", arguments.views.as_ref().unwrap_or(&default_set()))?;
     let lights = arguments.lights.as_ref().map_or(Ok(views.clone()), |lights| direction_set("lights", lights))?;
     Ok(FlattenRecipe {

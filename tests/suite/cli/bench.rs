@@ -62,16 +62,38 @@ fn the_study_of_flat_btfs_has_the_papers_tables() {
         assert!(variance("btf") > filled * variance("push_pull"), "{row}");
         assert!(variance("btf") > seen * variance("visible"), "{row}");
         // At so few texels; the paper's own are 3 and more. The map costs about as much as the rest.
-        let [mean, exact] = ["mean", "mean_exact_indirection"].map(|kind| number(&row["reconstruction"][kind]));
+        let rebuilt = &row["reconstruction"];
+        let [mean, exact] = ["through_map", "exact_rays"].map(|kind| number(&rebuilt[kind]["mean"]));
         assert!((0.1..4.5).contains(&exact) && mean > 1.2 * exact && mean < 8.0, "{row}");
+        // Polar angles 0, 35 and 70: from above nothing is blended, and both see about the same; from the side they do not.
+        let angles = rebuilt["angles"].as_array().unwrap();
+        let of = |kind: &str| angles.iter().map(|angle| number(&angle[kind])).collect::<Vec<_>>();
+        assert_eq!((of("polar_angle"), of("views")), (vec![0.0, 35.0, 70.0], vec![1.0, 6.0, 6.0]));
+        let (map, unblended, exact) = (of("through_map"), of("unblended"), of("exact_rays"));
+        assert!((map[0] - unblended[0]).abs() < 0.01 && (map[0] - exact[0]).abs() < 1.5, "{row}");
+        assert!(map[2] > 1.4 * exact[2] && map[2] > 1.4 * map[1], "{row}");
+        let weighted = |means: &[f64]| (means[0] + 6.0 * (means[1] + means[2])) / 13.0;
+        assert!((weighted(&map) - mean).abs() < 1e-6, "{row}");
         // 16 x 16 views against 8 x 32.
         let [coarse, fine] = row["grids"].as_array().unwrap().as_slice() else { panic!("{row}") };
         assert_eq!([&coarse["zenith_samples"], &fine["zenith_samples"]], [8, 16]);
         assert!(number(&fine["mean"]) < number(&coarse["mean"]), "{row}");
     }
     let text = folder.run(&[&both[..4], &["synth:knit?resolution=32&height=0"], &small].concat()).succeeded().stdout;
-    for words in ["Table 1", "Table 2", "Table 3", "Figure 10", "Isba", "16 x 16", "knit"] {
+    for words in ["through the map", "exact rays", "Table 2", "Table 3", "Figure 10", "Isba", "16 x 16", "knit", "70°"]
+    {
         assert!(text.contains(words), "no {words} in {text}");
+    }
+    // Of a plane, at the texels of the flat BTF, nothing is lost either way.
+    let plane =
+        ["bench", "--study", "flat-btf", "synth:knit?resolution=32&height=0", "--texels", "16", "--flat-texels", "16"];
+    let finer = ["--directions", "grid:2x4@60", "--indirection", "4x8", "--largest-angle", "70", "--json"];
+    let report = folder.run(&[&plane[..], &finer].concat()).succeeded().json();
+    assert_eq!(report["settings"]["indirection"], serde_json::json!([4, 8]));
+    for kind in ["through_map", "exact_rays"] {
+        let largest = report["rows"][0]["reconstruction"][kind]["largest_image"].as_f64().unwrap();
+        // Values are rounded to 9 bits.
+        assert!(largest < 0.3, "{kind} {largest}");
     }
     let wrong = folder.run(&["bench", "--study", "flat-btf", "synth:lambert"]);
     assert!(wrong.code == 3 && wrong.stderr.contains("button, folds, knit, sponge"), "{wrong:?}");

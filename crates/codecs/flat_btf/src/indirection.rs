@@ -73,6 +73,16 @@ pub fn indirection(
     Ok(Indirection { header, reference, displacements })
 }
 
+/// Parameters of what one view sees through each of `size` x `size` texels of the reference plane, row by row: what a map
+/// would hold that has this view itself, with as many rays as [`indirection`] takes. Not wrapped.
+pub fn seen_through_texels(model: &MesoModel, view: Vector, size: usize, oversampling: usize) -> Vec<[f32; 2]> {
+    let seen = |texel: usize| {
+        let (parameters, _) = through_texel(model, [texel % size, texel / size], size, oversampling, view);
+        parameters.map(|c| c as f32)
+    };
+    (0..size * size).into_par_iter().map(seen).collect()
+}
+
 /// Rays that meet the surface within this many texels of each other belong together.
 const GROUP: f64 = 2.0;
 

@@ -39,6 +39,9 @@ const VIEWS: usize = 24;
 const FLAT_TEXELS: f64 = 256.0;
 const SEED: u64 = 10;
 
+/// Rays per texel and axis of stored maps, as `brdfc flatten` takes them where nothing is said.
+pub(super) const MAP_OVERSAMPLING: usize = 2;
+
 /// Errors of both grids. Oversampled: four rays for each texel and view.
 pub fn grid_errors(model: &MesoModel) -> Vec<GridRow> {
     GRIDS
@@ -68,7 +71,7 @@ pub fn grid_errors(model: &MesoModel) -> Vec<GridRow> {
 
 /// The stored map of a model, ready to be asked for indirections and for nothing else.
 pub(super) fn stored_map(model: &MesoModel, header: IndirectionHeader) -> FlatBtfDecoder {
-    let found = indirection(model, header, 2, &()).expect("nobody stops it");
+    let found = indirection(model, header, MAP_OVERSAMPLING, &()).expect("nobody stops it");
     let mut displacements = found.displacements.into_iter();
     let map = IndirectionMap::from_displacements(header, |_, _, _| displacements.next().expect("one for each view"));
     let parts = FlatBtfParts {

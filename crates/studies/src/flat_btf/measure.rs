@@ -3,17 +3,16 @@
 use super::PAPER;
 use super::apparent::{Apparent, ApparentSizes, summary};
 use super::grids::{grid_errors, stored_map};
-use super::rows::{CoherencyRow, ModelRow, ReconstructionRow, Spread, StudySettings};
+use super::reconstruction::{LookUps, row};
+use super::rows::{CoherencyRow, ModelRow, Spread, StudySettings};
 use brdfc_flat_btf::coherency::ViewVariance;
 use brdfc_flat_btf::light_field::{ComputedField, FillGuide, FlattenedView, Holes, from_above, visible};
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::parameterise::ParameteriseError;
-use brdfc_flat_btf::rebuild::{ViewImage, looked_up, stored_parameters};
 use brdfc_flat_btf::structures::Structure;
 use brdfc_flat_btf::surface::Appearance;
 use brdfc_formats::container::rgb9e5;
 use brdfc_formats::direction::Vector;
-use brdfc_metrics::lab::{distance_squared, lab};
 use brdfc_source::address::{AddressError, parse_synth};
 use rayon::prelude::*;
 
@@ -26,15 +25,6 @@ pub enum StudyError {
     /// It cannot be laid flat.
     #[error(transparent)]
     Parameterise(#[from] ParameteriseError),
-}
-
-/// Sums of one image's differences.
-#[derive(Clone, Copy, Default)]
-struct Differences {
-    sum: f64,
-    push_pull: f64,
-    exact: f64,
-    max: f32,
 }
 
 /// What is kept for one light.
@@ -80,16 +70,14 @@ pub fn study_model(
     let mut images = Vec::new();
     let map = stored_map(&model, settings.map_header());
     for (view, direction) in directions.iter().enumerate() {
-        let seen = ViewImage::new(&model, *direction, settings.texels, settings.oversampling);
-        let stored = stored_parameters(&map, *direction);
+        let look_ups = LookUps::new(&model, &map, *direction, settings);
         let Ok(push_pull) = FlattenedView::new(&field, view, &masks[view], Holes::PushPull);
         let Ok(poisson) = FlattenedView::new(&field, view, &masks[view], Holes::Poisson(&guide));
         let light = |(light, kept): (usize, &mut PerLight)| {
             let Ok(filled) = push_pull.image(light).map(packed);
             let Ok(inpainted) = poisson.image(light).map(packed);
-            let direct = seen.direct(&model, &appearance, directions[light]);
-            let rebuilt = [looked_up(&inpainted, &stored), looked_up(&filled, &stored), seen.rebuilt(&inpainted)];
-            let differences = differences(&direct, &rebuilt);
+            let direct = look_ups.seen.direct(&model, &appearance, directions[light]);
+            let differences = look_ups.differences(&direct, &inpainted, &filled);
             kept.btf.add(&direct, None);
             kept.push_pull.add(&filled, None);
             kept.poisson.add(&inpainted, None);
@@ -113,7 +101,7 @@ pub fn study_model(
     Ok(ModelRow {
         model: structure.canonical(),
         paper_model,
-        reconstruction: reconstruction(&images, plane),
+        reconstruction: row(&images, directions),
         coherency: CoherencyRow {
             btf: spread(|l| &l.btf),
             push_pull: spread(|l| &l.push_pull),
@@ -151,35 +139,6 @@ fn picks(model: &MesoModel, settings: &StudySettings) -> (usize, Vec<usize>, Vec
 /// Values as packs hold them.
 fn packed(image: Vec<[f32; 3]>) -> Vec<[f32; 3]> {
     image.into_iter().map(|value| rgb9e5::decode(rgb9e5::encode(value))).collect()
-}
-
-/// Of an image that was rebuilt, with holes filled by push-pull, and with exact indirections.
-fn differences(direct: &[[f32; 3]], [rebuilt, filled, exact]: &[Vec<[f32; 3]>; 3]) -> Differences {
-    let mut all = Differences::default();
-    for (texel, direct) in direct.iter().enumerate() {
-        let direct = lab(*direct);
-        let off = |image: &[[f32; 3]]| distance_squared(direct, lab(image[texel])).sqrt();
-        let difference = off(rebuilt);
-        all.sum += f64::from(difference);
-        all.push_pull += f64::from(off(filled));
-        all.exact += f64::from(off(exact));
-        all.max = all.max.max(difference);
-    }
-    all
-}
-
-fn reconstruction(images: &[Differences], texels: usize) -> ReconstructionRow {
-    let means: Vec<f64> = images.iter().map(|image| image.sum / texels as f64).collect();
-    let count = means.len() as f64;
-    let mean = means.iter().sum::<f64>() / count;
-    ReconstructionRow {
-        mean,
-        mean_push_pull: images.iter().map(|image| image.push_pull / texels as f64).sum::<f64>() / count,
-        mean_exact_indirection: images.iter().map(|image| image.exact / texels as f64).sum::<f64>() / count,
-        largest_image: means.iter().copied().fold(0.0, f64::max),
-        image_variance: means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / count,
-        largest_texel: images.iter().map(|image| f64::from(image.max)).fold(0.0, f64::max),
-    }
 }
 
 /// Mean and maximum over texels of the mean over lights. Texels that fewer than two views show are left out.

@@ -4,10 +4,11 @@ mod apparent;
 mod grids;
 mod measure;
 mod paper;
+mod reconstruction;
 mod rows;
 
 pub use apparent::{ApparentSizes, TexelSizes};
 pub use grids::{GridRow, grid_errors};
 pub use measure::{StudyError, study_model};
 pub use paper::{PAPER, PaperModel};
-pub use rows::{CoherencyRow, ModelRow, ReconstructionRow, Spread, StudySettings};
+pub use rows::{AngleErrors, CoherencyRow, ImageErrors, ModelRow, ReconstructionRow, Spread, StudySettings};

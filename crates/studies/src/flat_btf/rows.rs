@@ -59,22 +59,49 @@ pub struct ModelRow {
     pub paper: PaperModel,
 }
 
-/// Table 1: difference in L*a*b* between BTF images computed directly and rebuilt by equation 1 from what packs hold, the
-/// indirection map and the packed values, at the sampled views.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
+/// Table 1: difference in L*a*b* between BTF images computed directly and rebuilt by equation 1 from what packs hold, at
+/// the sampled views and lights. Holes are filled by Poisson inpainting unless said otherwise.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct ReconstructionRow {
-    /// Mean over all texels of all images, holes filled by Poisson inpainting.
-    pub mean: f64,
-    /// The same with holes filled by push-pull.
+    /// Through the stored indirection map, as a shader reads it: what a renderer shows.
+    pub through_map: ImageErrors,
+    /// With exact rays in place of the map: what the flat BTF alone loses.
+    pub exact_rays: ImageErrors,
+    /// Mean through the stored map, holes filled by push-pull.
     pub mean_push_pull: f64,
-    /// The mean with exact indirections in place of the map: what the flat BTF alone loses.
-    pub mean_exact_indirection: f64,
+    /// Mean with a map that has each view itself: what stored views that are blended do not lose.
+    pub mean_unblended: f64,
+    /// By polar angle of the view, from above to the side.
+    pub angles: Vec<AngleErrors>,
+}
+
+/// Differences of rebuilt images, in L*a*b*.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct ImageErrors {
+    /// Mean over all texels of all images.
+    pub mean: f64,
     /// Largest mean of an image.
     pub largest_image: f64,
     /// Variance of the means of images.
     pub image_variance: f64,
     /// Largest difference of a single texel.
     pub largest_texel: f64,
+}
+
+/// Mean differences in L*a*b* over all lights and all views of about one polar angle, within 2.5 degrees of a multiple of
+/// five.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct AngleErrors {
+    /// Mean polar angle of these views, degrees.
+    pub polar_angle: f64,
+    /// How many they are.
+    pub views: usize,
+    /// Through the stored indirection map.
+    pub through_map: f64,
+    /// With a map that has each view itself: no stored views are blended.
+    pub unblended: f64,
+    /// With exact rays in place of the map.
+    pub exact_rays: f64,
 }
 
 /// Table 2: variance over the views, in L*a*b*, mean over lights.

@@ -1,0 +1,274 @@
+//! Table 1: images that equation 1 rebuilds, beside those that the surface shows.
+
+use super::grids::MAP_OVERSAMPLING;
+use super::rows::{AngleErrors, ImageErrors, ReconstructionRow, StudySettings};
+use brdfc_flat_btf::indirection::seen_through_texels;
+use brdfc_flat_btf::model::MesoModel;
+use brdfc_flat_btf::rebuild::{ViewImage, looked_up, stored_parameters};
+use brdfc_formats::direction::Vector;
+use brdfc_formats::flat_btf::FlatBtfDecoder;
+use brdfc_metrics::lab::{distance_squared, lab};
+use std::collections::BTreeMap;
+
+/// What one view sees through the texels of the plane, and where the flat BTF is looked up for it.
+pub(super) struct LookUps {
+    pub(super) seen: ViewImage,
+    stored: Vec<[f32; 2]>,
+    unblended: Vec<[f32; 2]>,
+}
+
+impl LookUps {
+    /// For one view; `map` is the stored one.
+    pub(super) fn new(model: &MesoModel, map: &FlatBtfDecoder, view: Vector, settings: &StudySettings) -> Self {
+        Self {
+            seen: ViewImage::new(model, view, settings.texels, settings.oversampling),
+            stored: stored_parameters(map, view),
+            unblended: seen_through_texels(model, view, settings.texels, MAP_OVERSAMPLING),
+        }
+    }
+
+    /// Differences of the images of the view under one light: `direct` is what the surface shows, `inpainted` and `filled`
+    /// are the flat images with holes filled by Poisson inpainting and by push-pull.
+    pub(super) fn differences(
+        &self,
+        direct: &[[f32; 3]],
+        inpainted: &[[f32; 3]],
+        filled: &[[f32; 3]],
+    ) -> ImageDifferences {
+        let direct: Vec<[f32; 3]> = direct.iter().map(|value| lab(*value)).collect();
+        let of = |rebuilt: Vec<[f32; 3]>| Difference::new(&direct, &rebuilt);
+        ImageDifferences {
+            through_map: of(looked_up(inpainted, &self.stored)),
+            push_pull: of(looked_up(filled, &self.stored)),
+            unblended: of(looked_up(inpainted, &self.unblended)),
+            exact_rays: of(self.seen.rebuilt(inpainted)),
+        }
+    }
+}
+
+/// Of one image.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Difference {
+    pub(super) mean: f64,
+    max: f64,
+}
+
+impl Difference {
+    /// `direct` is in L\*a\*b\*.
+    fn new(direct: &[[f32; 3]], rebuilt: &[[f32; 3]]) -> Self {
+        let (mut sum, mut max) = (0.0, 0.0f32);
+        for (direct, rebuilt) in direct.iter().zip(rebuilt) {
+            let difference = distance_squared(*direct, lab(*rebuilt)).sqrt();
+            sum += f64::from(difference);
+            max = max.max(difference);
+        }
+        Self { mean: sum / direct.len() as f64, max: f64::from(max) }
+    }
+}
+
+/// Of one image, by what says where the flat BTF is looked up and how its holes are filled.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct ImageDifferences {
+    pub(super) through_map: Difference,
+    push_pull: Difference,
+    unblended: Difference,
+    pub(super) exact_rays: Difference,
+}
+
+/// The row of images that come view by view, as many for each view.
+pub(super) fn row(images: &[ImageDifferences], views: &[Vector]) -> ReconstructionRow {
+    let per_view = images.len() / views.len();
+    let mut rings: BTreeMap<i32, Vec<usize>> = BTreeMap::new();
+    for (view, direction) in views.iter().enumerate() {
+        rings.entry((polar(*direction) / RING).round() as i32).or_default().push(view);
+    }
+    let ring = |views_of_ring: &Vec<usize>| {
+        let of_views = |of: fn(&ImageDifferences) -> f64| {
+            let images = views_of_ring.iter().flat_map(|view| &images[view * per_view..][..per_view]);
+            mean(images.map(of))
+        };
+        AngleErrors {
+            polar_angle: (mean(views_of_ring.iter().map(|view| polar(views[*view]))) * 1e3).round() / 1e3,
+            views: views_of_ring.len(),
+            through_map: of_views(|image| image.through_map.mean),
+            unblended: of_views(|image| image.unblended.mean),
+            exact_rays: of_views(|image| image.exact_rays.mean),
+        }
+    };
+    ReconstructionRow {
+        through_map: errors(images.iter().map(|image| image.through_map)),
+        exact_rays: errors(images.iter().map(|image| image.exact_rays)),
+        mean_push_pull: mean(images.iter().map(|image| image.push_pull.mean)),
+        mean_unblended: mean(images.iter().map(|image| image.unblended.mean)),
+        angles: rings.values().map(ring).collect(),
+    }
+}
+
+/// Polar angles this many degrees apart are rows of their own.
+const RING: f64 = 5.0;
+
+fn polar(direction: Vector) -> f64 {
+    direction[0].hypot(direction[1]).atan2(direction[2]).to_degrees()
+}
+
+fn errors(images: impl Iterator<Item = Difference> + Clone) -> ImageErrors {
+    let all = mean(images.clone().map(|image| image.mean));
+    ImageErrors {
+        mean: all,
+        largest_image: images.clone().map(|image| image.mean).fold(0.0, f64::max),
+        image_variance: mean(images.clone().map(|image| (image.mean - all).powi(2))),
+        largest_texel: images.map(|image| image.max).fold(0.0, f64::max),
+    }
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0u32), |(sum, count), value| (sum + value, count + 1));
+    sum / f64::from(count.max(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::grids::stored_map;
+    use super::*;
+    use brdfc_flat_btf::light_field::{ComputedField, FlattenedView, Holes, visible};
+    use brdfc_flat_btf::structures::Structure;
+    use brdfc_flat_btf::surface::Appearance;
+    use brdfc_formats::direction::from_polar;
+    use brdfc_formats::flat_btf::{IndirectionMap, ReferenceMap};
+    use brdfc_source::address::parse_synth;
+
+    fn settings(texels: usize, flat_texels: usize) -> StudySettings {
+        StudySettings {
+            texels,
+            flat_texels,
+            oversampling: 1,
+            indirection: [8, 12],
+            largest_angle: 80.0,
+            rounds: 0,
+            directions: String::new(),
+            count: 1,
+        }
+    }
+
+    struct Case {
+        model: MesoModel,
+        appearance: Appearance,
+        settings: StudySettings,
+        map: FlatBtfDecoder,
+    }
+
+    impl Case {
+        fn new(address: &str, settings: StudySettings) -> Self {
+            let structure = Structure::parse(address).unwrap();
+            let sources = structure.default_materials().iter().map(|m| parse_synth(m).unwrap()).collect();
+            let model = MesoModel::new(structure.mesh(), 0).unwrap();
+            let map = stored_map(&model, settings.map_header());
+            Self { model, appearance: Appearance { sources, ..Default::default() }, settings, map }
+        }
+
+        /// Differences of one view and light through `map`.
+        fn differences(&self, map: &FlatBtfDecoder, view: Vector) -> ImageDifferences {
+            let (views, lights) = ([view], [from_polar(0.5, 2.0)]);
+            let texels = self.model.texels(self.settings.flat_texels);
+            let lit = [visible(&texels, &self.model.caster, lights[0])];
+            let field = ComputedField::new(&texels, &self.appearance, &views, &lights, &lit);
+            let mask = visible(&texels, &self.model.caster, view);
+            let Ok(flat) = FlattenedView::new(&field, 0, &mask, Holes::PushPull).unwrap().image(0);
+            let look_ups = LookUps::new(&self.model, map, view, &self.settings);
+            let direct = look_ups.seen.direct(&self.model, &self.appearance, lights[0]);
+            look_ups.differences(&direct, &flat, &flat)
+        }
+    }
+
+    /// Means through the map and by exact rays.
+    fn means(found: ImageDifferences) -> [f64; 2] {
+        [found.through_map.mean, found.exact_rays.mean]
+    }
+
+    #[test]
+    fn a_plane_is_rebuilt_by_rays_and_through_its_map() {
+        // As many texels here as there: each texel of the plane is one of the flat BTF.
+        let case = Case::new("knit?resolution=32&height=0", settings(16, 16));
+        for view in [from_polar(0.0, 0.0), from_polar(0.7, 1.0), from_polar(1.3, 4.0)] {
+            let found = means(case.differences(&case.map, view));
+            assert!(found.iter().all(|mean| *mean < 0.01), "{found:?}");
+        }
+        // Half as many texels: what stands between them is lost either way.
+        let coarse = Case::new("knit?resolution=32&height=0", settings(16, 8));
+        let found = means(coarse.differences(&coarse.map, from_polar(0.7, 1.0)));
+        assert!(found[0] > 0.1 && (found[0] - found[1]).abs() < 0.01, "{found:?}");
+    }
+
+    #[test]
+    fn a_map_that_is_shifted_or_has_no_distances_is_seen_through_it_alone() {
+        let case = Case::new("folds?resolution=48", settings(32, 64));
+        let view = from_polar(0.8, 0.6);
+        let good = case.differences(&case.map, view);
+        let header = *case.map.parts().indirection.header();
+        let shifted = {
+            let mut parts = case.map.parts().clone();
+            let moved = parts.reference.parameters().iter().map(|[u, v]| [u + 0.2, *v]).collect();
+            parts.reference = ReferenceMap::new(header.size, moved).unwrap();
+            FlatBtfDecoder::new(parts).unwrap()
+        };
+        let without_distances = {
+            let mut parts = case.map.parts().clone();
+            parts.indirection = IndirectionMap::from_displacements(header, |_, _, _| ([0.0; 2], 0.0)).unwrap();
+            FlatBtfDecoder::new(parts).unwrap()
+        };
+        for wrong in [shifted, without_distances] {
+            let bad = case.differences(&wrong, view);
+            assert!(bad.through_map.mean > 2.0 * good.through_map.mean, "{bad:?} {good:?}");
+            assert_eq!([bad.exact_rays, bad.unblended], [good.exact_rays, good.unblended]);
+        }
+    }
+
+    #[test]
+    fn from_above_the_map_sees_what_rays_see() {
+        let case = Case::new("knit?resolution=48", settings(32, 64));
+        // The share of texels for which less than a texel of the map lies between both; edges are the rest.
+        let close = |case: &Case, view: Vector, through: Vector| {
+            let size = case.settings.texels;
+            let stored = stored_parameters(&case.map, through);
+            let is_close = |texel: &usize| {
+                let at = [texel % size, texel / size].map(|c| (c as f64 + 0.5) / size as f64);
+                let real = case.model.seen(at, view).parameters;
+                let off = [0, 1].map(|k| real[k] - f64::from(stored[*texel][k]));
+                let off = off.map(|c| (c - c.round()) * size as f64);
+                off[0].hypot(off[1]) < 1.0
+            };
+            (0..size * size).filter(is_close).count() as f64 / (size * size) as f64
+        };
+        let (above, side) = (from_polar(0.0, 0.0), from_polar(1.3, 0.4));
+        assert!(close(&case, above, above) > 0.95, "{}", close(&case, above, above));
+        // The control, of a taller relief: the map is asked for another view.
+        let folds = Case::new("folds?resolution=48", settings(32, 64));
+        let shares = [close(&folds, above, above), close(&folds, above, side)];
+        assert!(shares[1] < 0.6 * shares[0], "{shares:?}");
+        let [through_map, exact] = means(case.differences(&case.map, above));
+        assert!((through_map - exact).abs() < 0.5, "{through_map} {exact}");
+        // From the side, blended views of a map lose what rays see.
+        let [through_map, exact] = means(folds.differences(&folds.map, side));
+        assert!(through_map > 2.0 * exact, "{through_map} {exact}");
+    }
+
+    #[test]
+    fn rows_are_of_views_with_about_the_same_polar_angle() {
+        let polar = [0.0f64, 14.8, 15.2, 75.0];
+        let views = polar.map(|p| from_polar(p.to_radians(), 1.0));
+        let of = |mean: f64| Difference { mean, max: 10.0 * mean };
+        let images: Vec<ImageDifferences> = (0..8)
+            .map(|k| {
+                let through_map = of(f64::from(k));
+                ImageDifferences { through_map, push_pull: of(2.0), unblended: of(1.0), exact_rays: of(0.5) }
+            })
+            .collect();
+        let row = row(&images, &views);
+        let expected = [(0.0, 1, 0.5), (15.0, 2, 3.5), (75.0, 1, 6.5)].map(|(polar_angle, views, through_map)| {
+            AngleErrors { polar_angle, views, through_map, unblended: 1.0, exact_rays: 0.5 }
+        });
+        assert_eq!(row.angles, expected);
+        let expected = ImageErrors { mean: 3.5, largest_image: 7.0, image_variance: 5.25, largest_texel: 70.0 };
+        assert_eq!((row.through_map, row.mean_push_pull, row.mean_unblended), (expected, 2.0, 1.0));
+    }
+}
