@@ -6,6 +6,7 @@ use brdfc_jobs::encode::PackError;
 use brdfc_jobs::encode::options::OptionError;
 use brdfc_jobs::flatten::{FlattenError, MesoInputError};
 use brdfc_jobs::output_folder::FolderError;
+use brdfc_jobs::pwt::PwtError;
 use brdfc_jobs::scene::build::BuildError;
 use brdfc_jobs::scene::run::JobError;
 use brdfc_source::InputError;
@@ -184,6 +185,17 @@ impl From<FlattenError> for CliError {
             FlattenError::Parameterise(_) | FlattenError::Pack(_) => Self::Input(message),
             FlattenError::Write { .. } => Self::Io(message),
             FlattenError::Cancelled(_) => Self::Interrupted,
+        }
+    }
+}
+
+impl From<PwtError> for CliError {
+    fn from(error: PwtError) -> Self {
+        match error {
+            PwtError::Input(error) => error.into(),
+            PwtError::Format(error) => Self::Input(error.to_string()),
+            PwtError::Usage(text) => Self::Usage(text),
+            PwtError::Flatten(error) => error.into(),
         }
     }
 }

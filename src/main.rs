@@ -19,6 +19,7 @@ mod options;
 mod output;
 mod plan;
 mod progress;
+mod pwt;
 #[cfg(feature = "render")]
 mod render;
 mod report;
@@ -67,6 +68,7 @@ enum Command {
     Synth(synth::Arguments),
     Bandwidth(bandwidth::Arguments),
     Samples(samples::Arguments),
+    Pwt(Box<pwt::Arguments>),
     Flatten(Box<flatten::Arguments>),
     #[cfg(feature = "render")]
     Render(Box<render::Arguments>),
@@ -99,7 +101,7 @@ impl Command {
 
 /// Commands that print a report.
 const WITH_REPORT: &str =
-    "bandwidth, bench, build, compare, encode, flatten, info, plan, render, report, samples and watch";
+    "bandwidth, bench, build, compare, encode, flatten, info, plan, pwt, render, report, samples and watch";
 
 const EXAMPLES: &str = "\
 Examples:
@@ -113,6 +115,7 @@ Examples:
   brdfc render paint.ktx2 -o paint.png                what does it look like?
   brdfc report packs -o report.html                   a page for others: pictures, errors, checks
   brdfc flatten synth:button -o button                flat BTF of a surface with relief
+  brdfc pwt icon -o icon.ktx2                         photographs under known lights, lit anew
   brdfc bandwidth museum.exr -o museum.ktx2           how fast does it vary?
   brdfc samples red-plastic.binary -o red.samples.ktx2
 
@@ -195,6 +198,7 @@ fn run(cli: Cli) -> Result<(), CliError> {
         Command::Info(arguments) => info::run(&arguments, common),
         Command::Synth(arguments) => synth::run(&arguments),
         Command::Bandwidth(arguments) => bandwidth::run(&arguments, common),
+        Command::Pwt(arguments) => pwt::run(&arguments, common),
         Command::Samples(arguments) => samples::run(&arguments, common),
         Command::Flatten(arguments) => flatten::run(&arguments, common),
         #[cfg(feature = "render")]

@@ -34,6 +34,8 @@ enum Report {
     Bandwidth,
     /// 'brdfc samples --json'.
     Samples,
+    /// 'brdfc pwt --json'.
+    Pwt,
     /// 'brdfc info --json' of a structure, a mesh, a height map, images, or a part of a flat BTF.
     InfoSurface,
     /// 'brdfc flatten --json'.
@@ -68,6 +70,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         Report::Info => schema_for!(super::info::Report),
         Report::Bandwidth => schema_for!(super::bandwidth::Report),
         Report::Samples => schema_for!(super::samples::Report),
+        Report::Pwt => schema_for!(super::pwt::Report),
         Report::InfoSurface => schema_for!(super::info::SurfaceReport),
         Report::Flatten => schema_for!(super::flatten::Report),
         Report::FlatBtf => schema_for!(brdfc_jobs::flatten::AssetFile),

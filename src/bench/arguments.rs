@@ -18,6 +18,7 @@ Examples:
   brdfc bench --json > table-1.json
   brdfc bench --study flat-btf synth:knit --texels 64 --flat-texels 128
   brdfc bench --study rays synth:folds
+  brdfc bench --study relighting icon --out figures
   brdfc bench --study throughput
   brdfc bench --study pareto paint.brdf metal.binary --out figures
   brdfc bench --study stress --json > stress.json
@@ -28,14 +29,14 @@ Examples:
   brdfc bench --study pixel-bandwidth red-plastic.binary --environment museum.exr")]
 pub struct Arguments {
     /// Materials of the studies that draw (default: synth:velvet, and a glossy metal for level-of-detail and those of
-    /// adaptive shading) and of pareto (default: three models), or structures of flat-btf (default: all four) and of rays (default: synth:button).
+    /// adaptive shading) and of pareto (default: three models), or structures of flat-btf (default: all four) and of rays (default: synth:button), or the photographs of relighting.
     #[arg(value_name = "INPUT")]
     pub(super) inputs: Vec<Input>,
     /// Which study.
     #[arg(long, value_enum, default_value = "wavelet-brdf")]
     pub(super) study: Study,
-    /// Write the frames of level-of-detail into this folder, the figure of codecs or pareto, or the mesh and the rays of
-    /// rays.
+    /// Write the frames of level-of-detail into this folder, the figure of codecs, pareto or relighting, or the mesh and the rays
+    /// of rays.
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
     /// Texels of the reference plane per side, for flat-btf (default 128) and rays (default 64).
@@ -86,12 +87,15 @@ impl Arguments {
             && !self.inputs.is_empty()
         {
             let allowed = "allowed with the studies that draw (throughput, codecs, level-of-detail and images: materials), with \
-                           pareto (materials), and with flat-btf and rays (structures)";
+                           pareto (materials), and with flat-btf and rays (structures), and with relighting (photographs)";
             return Err(CliError::Usage(format!("INPUT: found with --study {}; {allowed}", name.get_name())));
         }
-        let writes = matches!(self.study, Study::LevelOfDetail | Study::Codecs | Study::Pareto | Study::Rays);
+        let writes = matches!(
+            self.study,
+            Study::LevelOfDetail | Study::Codecs | Study::Pareto | Study::Rays | Study::Relighting
+        );
         if !writes && self.out.is_some() {
-            let allowed = "allowed with --study level-of-detail, --study codecs, --study pareto and --study rays";
+            let allowed = "allowed with --study level-of-detail, --study codecs, --study pareto, --study rays and --study relighting";
             return Err(CliError::Usage(format!("--out: found with another study; {allowed}")));
         }
         for (given, option, studies) in [

@@ -10,6 +10,7 @@ mod flat_btf;
 mod on_adapter;
 mod pareto;
 mod rays;
+mod relighting;
 mod stress;
 mod wavelet;
 
@@ -38,6 +39,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let result = match arguments.study {
         Study::WaveletBrdf => wavelet::run()?,
         Study::FlatBtf => flat_btf::run(arguments, common)?,
+        Study::Relighting => relighting::run(arguments, common)?,
         Study::Rays => rays::run(arguments, common)?,
         Study::Pareto => pareto::run(arguments, common)?,
         Study::Stress => stress::run(arguments, common),
@@ -75,6 +77,7 @@ fn print_text(result: &StudyResult) -> Result<(), CliError> {
     match result {
         StudyResult::WaveletBrdf { rows } => print(&wavelet::text(rows)),
         StudyResult::FlatBtf { settings, rows } => print(&flat_btf::text(settings, rows)),
+        StudyResult::Relighting(study) => print(&relighting::text(study)),
         StudyResult::Rays(study) => print(&rays::text(study)),
         StudyResult::Pareto(study) => print(&pareto::text(study)),
         StudyResult::Stress(study) => print(&stress::text(study)),

@@ -13,6 +13,7 @@ pub mod pareto;
 #[cfg(feature = "render")]
 mod rates;
 pub mod rays;
+pub mod relighting;
 pub mod stress;
 #[cfg(feature = "render")]
 pub mod throughput;
@@ -32,6 +33,9 @@ pub enum Study {
     /// Section 4 of Hadim et al. 2009: reconstruction, coherency, sizes and interpolation of flat BTFs. Takes minutes for
     /// each of synth:button, folds, knit and sponge, which are the default.
     FlatBtf,
+    /// Figure 1 (b) of Baril et al. 2008: photographs under known lights as polynomial texture maps, hemispherical harmonics and polynomial
+    /// wavelet trees, at fitted lights and at lights held out. With --out: relighting.png.
+    Relighting,
     /// Rays per second against a repeated structure. With --out: mesh.ply and rays.bin for other programs.
     Rays,
     /// Section 6.3: evaluations per second, shader and CPU decoder.
@@ -76,6 +80,8 @@ pub enum StudyResult {
         /// One for each model.
         rows: Vec<flat_btf::ModelRow>,
     },
+    /// Ways to store photographs under known lights.
+    Relighting(relighting::RelightingStudy),
     /// Rays per second.
     Rays(rays::RayStudy),
     /// Run time against error.

@@ -209,7 +209,7 @@ fn json_is_a_flag_of_the_program() {
     ] {
         let name = arguments[0];
         let allowed =
-            "bandwidth, bench, build, compare, encode, flatten, info, plan, render, report, samples and watch";
+            "bandwidth, bench, build, compare, encode, flatten, info, plan, pwt, render, report, samples and watch";
         for ran in [folder.run(&[&["--json"], arguments].concat()), folder.run(&[arguments, &["--json"]].concat())] {
             assert_eq!((ran.code, ran.stdout.as_str()), (2, ""), "{arguments:?}");
             assert_eq!(ran.stderr, format!("brdfc: --json: found with {name}; allowed with {allowed}\n"));

@@ -56,6 +56,13 @@ pub fn arrange(images: &[TermImages], steps: &[StepUp], count: usize) -> Arrange
 }
 
 impl Arrangement {
+    /// Every term from one level on, four to a texel.
+    pub fn all_from(images: &[TermImages], level: u32) -> Self {
+        let mut slots: Vec<Option<usize>> = (0..images.len()).map(Some).collect();
+        slots.resize(slots.len().next_multiple_of(4), None);
+        Self { textures: vec![(level, 4, slots)] }
+    }
+
     /// Bytes on a GPU of a picture of these sides, all levels included.
     pub fn bytes(&self, extent: [u32; 2], depth: u32) -> u64 {
         let texels = |level: u32| u64::from(extent[0] >> level) * u64::from(extent[1] >> level);

@@ -9,11 +9,11 @@ use crate::image::Plane;
 use crate::levels::{StepUp, TermImages, steps, term_images};
 use crate::lifting::Border;
 use crate::measure::{StackErrors, stack_errors};
-use crate::recipe::{PwtRecipe, Target};
+use crate::recipe::{DomainName, PwtRecipe, Target};
 use crate::stack::LightSamples;
 use crate::tree::{PacketTree, Transform};
 use brdfc_formats::FormatError;
-use brdfc_formats::pwt::{Domain, PwtDecoder, PwtErrors, PwtHeader, PwtPack};
+use brdfc_formats::pwt::{Domain, LightBasis, PwtDecoder, PwtErrors, PwtHeader, PwtPack};
 use nalgebra::Matrix3;
 use rayon::prelude::*;
 
@@ -81,7 +81,58 @@ pub fn encode(samples: &LightSamples, recipe: &PwtRecipe) -> Result<PwtEncoded, 
     let images = term_images(&tree, &coefficients, &weights, samples.repeats);
     drop(coefficients);
 
-    let header = PwtHeader {
+    let header = header(samples, &design, domain, colour, extent, depth);
+    let search = Search { samples, images: &images, steps: steps(&images), header, candidate };
+    let (pack, errors, met) = search.run(recipe.target)?;
+    Ok(PwtEncoded { pack, candidates, condition: design.condition, subbands, errors, met })
+}
+
+/// All terms of a basis for red, green and blue, from one level on, fitted to sRGB codes and rounded to 8 bits: what is
+/// made without trees, such as hemispherical harmonics of order 3. The ridge is chosen as [`encode`] does. For comparison.
+///
+/// # Errors
+/// Pictures out of range; a level that the sides do not have.
+pub fn plain(samples: &LightSamples, basis: LightBasis, level: u32) -> Result<PwtPack, FormatError> {
+    samples.check()?;
+    let recipe = PwtRecipe {
+        coordinates: Some(basis.coordinates),
+        degree: Some(basis.degree),
+        domain: Some(DomainName::Display),
+        depth: None,
+        packets: 0,
+        ..PwtRecipe::default()
+    };
+    let depth = depth(samples, &recipe)?;
+    if level > depth {
+        return Err(FormatError::whole("level", level.to_string(), format!("0 to {depth}")));
+    }
+    let candidate = choose(samples, &recipe)[0];
+    let design = Design::new(basis, &samples.lights, candidate.ridge);
+    let extent = samples.size.map(|side| if samples.repeats { side } else { side.next_multiple_of(1 << depth) });
+    let colour = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let border = if samples.repeats { Border::Periodic } else { Border::Mirrored };
+    let tree = PacketTree::pyramid(Transform { wavelet: recipe.wavelet, border, depth }, extent);
+    let coefficients = channels(samples, Domain::Display, &colour, extent).map(|values| {
+        let terms = fit::coefficients(&design, &values).into_iter();
+        let mut planes: Vec<Plane> = terms.map(|values| Plane { size: extent, values }).collect();
+        planes.par_iter_mut().for_each(|plane| tree.analyse(plane));
+        planes
+    });
+    let images = term_images(&tree, &coefficients, &Plane::zeros(extent), samples.repeats);
+    Arrangement::all_from(&images, level)
+        .pack(&images, header(samples, &design, Domain::Display, colour, extent, depth))
+}
+
+/// A header without textures and errors.
+fn header(
+    samples: &LightSamples,
+    design: &Design,
+    domain: Domain,
+    colour: [[f32; 3]; 3],
+    extent: [usize; 2],
+    depth: u32,
+) -> PwtHeader {
+    PwtHeader {
         size: samples.size.map(|side| side as u32),
         extent: extent.map(|side| side as u32),
         repeats: samples.repeats,
@@ -92,10 +143,7 @@ pub fn encode(samples: &LightSamples, recipe: &PwtRecipe) -> Result<PwtEncoded, 
         triangle: design.triangle.iter().map(|c| *c as f32).collect(),
         textures: Vec::new(),
         errors: PwtErrors { lights: 0, psnr: 0.0, held_out_psnr: 0.0, delta_e: 0.0 },
-    };
-    let search = Search { samples, images: &images, steps: steps(&images), header, candidate };
-    let (pack, errors, met) = search.run(recipe.target)?;
-    Ok(PwtEncoded { pack, candidates, condition: design.condition, subbands, errors, met })
+    }
 }
 
 fn depth(samples: &LightSamples, recipe: &PwtRecipe) -> Result<u32, FormatError> {

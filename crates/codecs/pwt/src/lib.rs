@@ -18,7 +18,7 @@ mod recipe;
 mod stack;
 pub mod tree;
 
-pub use encode::{PwtEncoded, encode};
+pub use encode::{PwtEncoded, encode, plain};
 pub use lifting::{Border, Wavelet};
 pub use recipe::{DomainName, PwtRecipe, Target};
 pub use stack::{LIGHTS, LightSamples};

@@ -80,7 +80,7 @@ impl Default for PwtRecipe {
             wavelet: Wavelet::Haar,
             depth: None,
             packets: 1,
-            target: Target::Loss(0.2),
+            target: Target::Loss(0.3),
         }
     }
 }

@@ -57,6 +57,19 @@ impl LightSamples {
         Ok(())
     }
 
+    /// The middle of every picture, with sides that are multiples of a number; as they are where a side is smaller.
+    pub fn cropped(&self, multiple: usize) -> Self {
+        let [width, height] = self.size;
+        let size = self.size.map(|side| if side < multiple { side } else { side - side % multiple });
+        let first = [(width - size[0]) / 2, (height - size[1]) / 2];
+        let rows = |picture: &Vec<[f32; 3]>| -> Vec<[f32; 3]> {
+            let row = |y: usize| &picture[(first[1] + y) * width + first[0]..][..size[0]];
+            (0..size[1]).flat_map(row).copied().collect()
+        };
+        let pictures = self.pictures.iter().map(rows).collect();
+        Self { size, lights: self.lights.clone(), pictures, repeats: self.repeats }
+    }
+
     /// Without some of the lights.
     pub fn without(&self, left_out: &[usize]) -> Self {
         let kept = (0..self.lights.len()).filter(|k| !left_out.contains(k));

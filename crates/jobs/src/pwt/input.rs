@@ -2,11 +2,11 @@
 //! tree that is there already.
 
 use super::PwtError;
-use brdfc_formats::{FormatError, Pack};
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::flat_btf::FlatPart;
 use brdfc_formats::measured::ptm::Ptm;
 use brdfc_formats::pwt::{PwtDecoder, PwtPack};
+use brdfc_formats::{FormatError, Pack};
 use brdfc_pwt::LightSamples;
 use brdfc_pwt::ptm::{pictures_of, spread_lights};
 use brdfc_source::light_stack::{LightStack, is_light_stack};
@@ -19,6 +19,9 @@ use std::path::Path;
 const SPREAD: usize = 96;
 /// Most numbers of all photographs together: 6 GiB of them.
 const MOST_NUMBERS: u64 = 3 << 29;
+
+/// What becomes a tree.
+const ALLOWED: &str = "a folder with a list of lights (.lp), the list, a BTF, a flat BTF, a .ptm or a pack (.ktx2)";
 
 /// What was read.
 pub enum LightInput {
@@ -65,14 +68,17 @@ impl LightInput {
             }
             return Ok(Self::Pictures { kind: "light-stack", samples: photographs(path)? });
         }
-        if let Some(samples) = flat_view(path, view.unwrap_or(0))? {
-            return Ok(Self::Pictures { kind: "flat-btf", samples });
+        if path.is_file() && extension != "json" && !OrdinaryBtf::is_one(path) {
+            let found = if extension.is_empty() { "no extension".to_owned() } else { format!(".{extension}") };
+            return Err(refused(input, "file name", &found, ALLOWED));
         }
         if OrdinaryBtf::is_one(path) {
             return Ok(Self::Pictures { kind: "btf", samples: one_view(path, view.unwrap_or(0))? });
         }
-        let allowed = "a folder with a list of lights (.lp), the list, a BTF, a flat BTF, a .ptm or a pack (.ktx2)";
-        Err(refused(input, "input", "none of these", allowed))
+        if let Some(samples) = flat_view(path, view.unwrap_or(0))? {
+            return Ok(Self::Pictures { kind: "flat-btf", samples });
+        }
+        Err(refused(input, "input", "none of these", ALLOWED))
     }
 
     /// Photographs, or what a map or pack shows under many lights.

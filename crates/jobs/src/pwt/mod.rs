@@ -99,3 +99,12 @@ pub fn make_map(samples: &LightSamples, model: MapModel) -> Result<(Ptm, StackEr
     let errors = brdfc_pwt::measure::picture_errors(&shown, samples);
     Ok((map, errors))
 }
+
+/// A picture of linear RGB as a PNG file of sRGB codes.
+///
+/// # Errors
+/// What the encoder says.
+pub fn to_png([width, height]: [usize; 2], pixels: &[[f32; 3]]) -> Result<Vec<u8>, String> {
+    let (width, height) = (width as u32, height as u32);
+    crate::btf_stack::to_png(pixels, width, height).map_err(|error| error.to_string())
+}

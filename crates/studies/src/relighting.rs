@@ -1,0 +1,195 @@
+//! Figure 1 (b) of Baril et al. 2008: polynomial wavelet trees beside what photographs under known lights are stored as
+//! today, at lights that were fitted and at lights that were held out.
+
+use brdfc_formats::FormatError;
+use brdfc_formats::measured::ptm::Ptm;
+use brdfc_formats::pwt::{LightBasis, LightCoordinates, PwtDecoder, PwtPack};
+use brdfc_jobs::pwt::permutation;
+use brdfc_pwt::measure::{StackErrors, picture_errors, stack_errors};
+use brdfc_pwt::ptm::{MapModel, fit_map, pictures_of};
+use brdfc_pwt::{LightSamples, PwtRecipe, Target, encode, plain};
+use serde::Serialize;
+use std::time::Instant;
+
+/// What a study of relighting computes.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct RelightingSettings {
+    /// Columns and rows: cropped to multiples of 32.
+    pub size: [usize; 2],
+    /// Lights.
+    pub lights: usize,
+    /// Lights that are held out.
+    pub held_out: usize,
+    /// Seeds of the permutations that say which.
+    pub seeds: Vec<u64>,
+}
+
+/// A way to store photographs under known lights; figures are means over the seeds.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct RelightingRow {
+    /// What it is.
+    pub method: String,
+    /// Bytes on a GPU, mipmaps included.
+    pub bytes: f64,
+    /// Of those of the polynomial texture map.
+    pub share: f64,
+    /// Fetches of a pixel.
+    pub fetches: f64,
+    /// Signal-to-noise ratio at the fitted lights, dB.
+    pub psnr: f64,
+    /// The same at the lights held out.
+    pub held_out_psnr: f64,
+    /// Mean ΔE at the fitted lights.
+    pub delta_e: f64,
+    /// The same at the lights held out.
+    pub held_out_delta_e: f64,
+    /// Seconds to make it.
+    pub seconds: f64,
+}
+
+/// A study of relighting.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct RelightingStudy {
+    /// What was computed.
+    pub settings: RelightingSettings,
+    /// One for each way.
+    pub rows: Vec<RelightingRow>,
+}
+
+/// The ways that are compared.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Method {
+    /// A polynomial texture map as the file has it.
+    Map(MapModel),
+    /// All terms from a level on.
+    Plain(LightBasis, u32),
+    /// A tree of at most so many bytes, as a share of the map's.
+    Share(f64),
+    /// A tree as it is made without options.
+    Default,
+}
+
+const HARMONICS: LightBasis = LightBasis { coordinates: LightCoordinates::Hemisphere, degree: 3 };
+const BIQUADRATIC: LightBasis = LightBasis { coordinates: LightCoordinates::Projected, degree: 2 };
+
+const METHODS: [(&str, Method); 10] = [
+    ("PTM, RGB", Method::Map(MapModel::Rgb)),
+    ("PTM, LRGB", Method::Map(MapModel::Lrgb)),
+    ("PTM at half size", Method::Plain(BIQUADRATIC, 1)),
+    ("HSH, order 3", Method::Plain(HARMONICS, 0)),
+    ("HSH, order 3, at half size", Method::Plain(HARMONICS, 1)),
+    ("HSH, order 3, at a quarter", Method::Plain(HARMONICS, 2)),
+    ("PWT, 30 % of PTM", Method::Share(0.3)),
+    ("PWT, 15 %", Method::Share(0.15)),
+    ("PWT, 5 %", Method::Share(0.05)),
+    ("PWT", Method::Default),
+];
+
+/// Bytes of a map's coefficients as textures with mipmaps.
+fn map_bytes(size: [usize; 2], model: MapModel) -> f64 {
+    let bytes = if model == MapModel::Rgb { 18.0 } else { 9.0 };
+    bytes * (size[0] * size[1]) as f64 * 4.0 / 3.0
+}
+
+enum Made {
+    Map(Ptm),
+    Pack(PwtPack),
+}
+
+fn made(method: Method, samples: &LightSamples) -> Result<(Made, f64, f64), FormatError> {
+    match method {
+        // Two or four coefficients of a channel to a texel of four.
+        Method::Map(model) => {
+            let fetches = if model == MapModel::Rgb { 5.0 } else { 3.0 };
+            Ok((Made::Map(fit_map(samples, model)?), map_bytes(samples.size, model), fetches))
+        }
+        Method::Plain(basis, level) => packed(plain(samples, basis, level)?),
+        Method::Share(share) => {
+            let bytes = (share * map_bytes(samples.size, MapModel::Rgb)) as u64;
+            packed(encode(samples, &PwtRecipe { target: Target::Bytes(bytes), ..PwtRecipe::default() })?.pack)
+        }
+        Method::Default => packed(encode(samples, &PwtRecipe::default())?.pack),
+    }
+}
+
+fn packed(pack: PwtPack) -> Result<(Made, f64, f64), FormatError> {
+    let (bytes, fetches) = (pack.gpu_bytes() as f64, f64::from(pack.header().fetches()));
+    Ok((Made::Pack(pack), bytes, fetches))
+}
+
+fn errors(made: &Made, samples: &LightSamples) -> StackErrors {
+    match made {
+        Made::Map(map) => picture_errors(&pictures_of(map, samples.lights.clone()), samples),
+        Made::Pack(pack) => stack_errors(&PwtDecoder::new(pack.clone()), samples, 1),
+    }
+}
+
+/// Compares all ways on some photographs. `done` is called after each.
+///
+/// # Errors
+/// Photographs out of range; no light left to fit.
+pub fn relighting(
+    samples: &LightSamples,
+    held_out: usize,
+    seeds: &[u64],
+    done: &dyn Fn(&str),
+) -> Result<RelightingStudy, FormatError> {
+    let samples = samples.cropped(32);
+    let lights = samples.lights.len();
+    if !(1..lights).contains(&held_out) {
+        let allowed = format!("1 to {}", lights.saturating_sub(1));
+        return Err(FormatError::whole("lights held out", held_out.to_string(), allowed));
+    }
+    let whole = map_bytes(samples.size, MapModel::Rgb);
+    let mut rows = Vec::new();
+    for (name, method) in METHODS {
+        let mut sums = [0.0; 7];
+        for seed in seeds {
+            let order = permutation(lights, *seed);
+            let (unseen, fitted) = order.split_at(held_out);
+            let (fitted, unseen) = (samples.without(unseen), samples.without(fitted));
+            let start = Instant::now();
+            let (made, bytes, fetches) = made(method, &fitted)?;
+            let seconds = start.elapsed().as_secs_f64();
+            let [fitted, unseen] = [errors(&made, &fitted), errors(&made, &unseen)];
+            let figures = [bytes, fetches, fitted.psnr, unseen.psnr, fitted.delta_e, unseen.delta_e, seconds];
+            sums.iter_mut().zip(figures).for_each(|(sum, figure)| *sum += figure / seeds.len() as f64);
+        }
+        let [bytes, fetches, psnr, held_out_psnr, delta_e, held_out_delta_e, seconds] = sums;
+        let (method, share) = (name.to_owned(), bytes / whole);
+        let row =
+            RelightingRow { method, bytes, share, fetches, psnr, held_out_psnr, delta_e, held_out_delta_e, seconds };
+        rows.push(row);
+        done(name);
+    }
+    let settings = RelightingSettings { size: samples.size, lights, held_out, seeds: seeds.to_vec() };
+    Ok(RelightingStudy { settings, rows })
+}
+
+/// A photograph that was held out, and what a polynomial texture map and a tree of at most 30 % of its bytes make of it:
+/// linear RGB, side by side.
+///
+/// # Errors
+/// As [`relighting`].
+pub fn relit(samples: &LightSamples, held_out: usize) -> Result<([usize; 2], Vec<[f32; 3]>), FormatError> {
+    let samples = samples.cropped(32);
+    let lights = samples.lights.len();
+    let order = permutation(lights, 0);
+    let unseen = &order[..held_out.clamp(1, lights.max(2) - 1)];
+    // Of those held out the one from the side.
+    let shown = unseen.iter().copied().min_by(|a, b| samples.lights[*a][2].total_cmp(&samples.lights[*b][2]));
+    let shown = shown.unwrap_or(0);
+    let rest: Vec<usize> = (0..lights).filter(|light| *light != shown).collect();
+    let photograph = samples.without(&rest);
+    let fitted = samples.without(unseen);
+    let map = pictures_of(&fit_map(&fitted, MapModel::Rgb)?, photograph.lights.clone());
+    let bytes = (0.3 * map_bytes(samples.size, MapModel::Rgb)) as u64;
+    let tree = encode(&fitted, &PwtRecipe { target: Target::Bytes(bytes), ..PwtRecipe::default() })?.pack;
+    let decoder = PwtDecoder::new(tree);
+    let weights = decoder.pack().header().weights(photograph.lights[0]);
+    let tree = decoder.unpacked(0).rows(0..samples.size[1], &weights);
+    let width = samples.size[0];
+    let rows = photograph.pictures[0].chunks(width).zip(map.pictures[0].chunks(width)).zip(tree.chunks(width));
+    let pixels = rows.flat_map(|((a, b), c)| [a, b, c].concat()).collect();
+    Ok(([3 * width, samples.size[1]], pixels))
+}
