@@ -7,10 +7,13 @@ use crate::table;
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::measured::scan_csv::directions_from_bytes;
+use brdfc_jobs::pwt::LightInput;
 use brdfc_metrics::compare::{Comparison, compare};
 use brdfc_metrics::fraction::Fraction;
 use brdfc_metrics::sampling::{PairSet, random_pairs};
+use brdfc_pwt::measure::StackErrors;
 use brdfc_source::Input;
+use brdfc_source::light_stack::is_light_stack;
 use brdfc_source::open::{Facts, open};
 use clap::Args;
 use serde::Serialize;
@@ -18,12 +21,16 @@ use serde::Serialize;
 /// Measure the error of B against A.
 ///
 /// A is the reference. Both may be any source or pack. Exits with 1 when --max-error is given and missed.
+///
+/// Where A is a light stack (a folder with an .lp, or the list), B is what 'brdfc pwt' made of it, a pack or a .ptm, or another stack of
+/// the same lights: they are compared photograph by photograph, as sRGB codes and by ΔE.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   brdfc compare paint.brdf paint.ktx2
   brdfc compare red.binary red.ktx2 --directions 100000 --max-error 0.05
-  brdfc compare a.ktx2 b.ktx2 --directions pairs.csv --json")]
+  brdfc compare a.ktx2 b.ktx2 --directions pairs.csv --json
+  brdfc compare icon icon.ktx2 --max-delta-e 3")]
 pub struct Arguments {
     /// The reference: a path, - for stdin, or synth:MODEL?param=value&...
     a: Input,
@@ -36,11 +43,50 @@ pub struct Arguments {
     /// Largest mean relative difference ε_r that passes: a fraction or a percentage, 0.05 or 5%.
     #[arg(long, value_name = "E")]
     max_error: Option<Fraction>,
+    /// Largest mean ΔE (CIE76) that passes, of light stacks.
+    #[arg(long, value_name = "E")]
+    max_delta_e: Option<f64>,
 }
 
 /// What `--json` prints.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
-pub struct Report {
+#[serde(untagged)]
+#[allow(clippy::large_enum_variant)]
+pub enum Report {
+    /// Of reflectances.
+    Reflectances(ReflectanceReport),
+    /// Of photographs under known lights.
+    Photographs(PhotographReport),
+}
+
+/// Photographs under known lights, against what was made of them.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub struct PhotographReport {
+    /// Layout of this report.
+    version: u32,
+    /// 'light-stack'.
+    kind: &'static str,
+    /// Errors over all photographs.
+    #[serde(flatten)]
+    errors: StackErrors,
+    /// Each photograph.
+    photographs: Vec<PhotographErrors>,
+}
+
+/// Errors of one photograph.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub struct PhotographErrors {
+    /// Unit vector to its light.
+    light: [f32; 3],
+    /// Peak signal-to-noise ratio of sRGB codes, dB.
+    psnr: f64,
+    /// Mean ΔE (CIE76).
+    delta_e: f64,
+}
+
+/// Error of one source or pack against another.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub struct ReflectanceReport {
     /// Layout of this report.
     version: u32,
     /// The reference.
@@ -67,6 +113,14 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let inputs =
         [("A", Some(&arguments.a)), ("B", Some(&arguments.b)), ("--directions", arguments.directions.as_ref())];
     refuse_stdin_twice(&inputs)?;
+    if arguments.a.path().is_some_and(is_light_stack) {
+        return photographs(arguments, common);
+    }
+    if arguments.max_delta_e.is_some() {
+        return Err(CliError::Usage(
+            "--max-delta-e: found with reflectances; allowed where A is a light stack".to_owned(),
+        ));
+    }
     let (a, b) = (open(&arguments.a, None)?, open(&arguments.b, None)?);
     // A pack that is for some directions only is no worse for what it does not hold.
     let both = a.facts.directions().common(b.facts.directions()).ok_or_else(|| {
@@ -88,7 +142,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let comparison_counts = comparison.norms.counted() > 0;
     if common.json {
         let (pairs, directions) = (set.pairs.len(), set.directions);
-        print_json(&Report { version: 1, a: a.facts, b: b.facts, pairs, directions, comparison })?;
+        let report = ReflectanceReport { version: 1, a: a.facts, b: b.facts, pairs, directions, comparison };
+        print_json(&Report::Reflectances(report))?;
     } else {
         print(&table::comparison(&comparison, set.directions))?;
     }
@@ -103,6 +158,49 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
             table::percent(found),
             table::percent(allowed)
         ))),
+        _ => Ok(()),
+    }
+}
+
+/// Photographs of a light stack against what was made of them.
+fn photographs(arguments: &Arguments, common: Common) -> Result<(), CliError> {
+    for (given, flag) in
+        [(arguments.directions.is_some(), "--directions"), (arguments.max_error.is_some(), "--max-error")]
+    {
+        if given {
+            return Err(CliError::Usage(format!("{flag}: found with a light stack; allowed with reflectances")));
+        }
+    }
+    if let Some(limit) = arguments.max_delta_e.filter(|limit| !(0.0..=1000.0).contains(limit)) {
+        return Err(CliError::Usage(format!("--max-delta-e: found {limit}; allowed 0 to 1000")));
+    }
+    let samples = LightInput::open(&arguments.a, None)?.into_samples();
+    let (errors, each) = LightInput::open(&arguments.b, None)?
+        .compared(&samples)
+        .map_err(|error| CliError::Input(format!("{}: {error}", arguments.b)))?;
+    let photographs: Vec<PhotographErrors> = samples
+        .lights
+        .iter()
+        .zip(each)
+        .map(|(light, errors)| PhotographErrors { light: *light, psnr: errors.psnr, delta_e: errors.delta_e })
+        .collect();
+    let found = errors.delta_e;
+    if common.json {
+        print_json(&Report::Photographs(PhotographReport { version: 1, kind: "light-stack", errors, photographs }))?;
+    } else {
+        let worst = photographs.iter().max_by(|a, b| a.delta_e.total_cmp(&b.delta_e));
+        let [x, y, z] = worst.map_or([0.0; 3], |worst| worst.light);
+        let row = vec![
+            errors.lights.to_string(),
+            format!("{:.2}", errors.psnr),
+            format!("{found:.2}"),
+            worst.map_or("-".to_owned(), |worst| format!("{:.2}", worst.delta_e)),
+            format!("({x:.2}, {y:.2}, {z:.2})"),
+        ];
+        print(&table::plain(&["photographs", "dB", "mean ΔE", "worst", "under the light"], &[row]))?;
+    }
+    match arguments.max_delta_e {
+        Some(limit) if found > limit => Err(CliError::Check(format!("mean ΔE: found {found:.2}; allowed {limit}"))),
         _ => Ok(()),
     }
 }

@@ -4,7 +4,8 @@ use super::inputs::refuse_stdin_twice;
 use super::output::{note, note_directions, output_parser, print, refuse_overwriting, refuse_unfit_output, write_file};
 use super::{CliError, Common};
 use brdfc_formats::direction::DirectionPair;
-use brdfc_formats::measured::scan_csv::directions_from_bytes;
+use brdfc_formats::measured::scan_csv::{directions_from_bytes, texels_from_bytes};
+use brdfc_jobs::pwt::Relightable;
 use brdfc_jobs::report::material::repairs_in_words;
 use brdfc_source::open::{Facts, open};
 use brdfc_source::words::shown;
@@ -18,15 +19,20 @@ use std::path::{Path, PathBuf};
 /// The CSV has a header with wi_x,wi_y,wi_z,wo_x,wo_y,wo_z (unit vectors in the frame x = tangent, y = bitangent,
 /// z = normal; other columns are kept); f_r,f_g,f_b (1/sr, linear RGB) are appended, in place of columns of these names. Scans are smoothed at the asked
 /// directions themselves, packs are filtered bilinearly.
+///
+/// Of a polynomial wavelet tree ('brdfc pwt') and of the folder of a flat BTF the CSV says where: u,v (0 to 1, across and
+/// down), wi_x,wi_y,wi_z, and for a flat BTF wo_x,wo_y,wo_z; r,g,b (linear, 1 is white) are appended.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   brdfc eval paint.brdf --directions pairs.csv
-  brdfc eval paint.ktx2 --directions pairs.csv --lod 2.5 -o values.csv")]
+  brdfc eval paint.ktx2 --directions pairs.csv --lod 2.5 -o values.csv
+  brdfc eval icon.ktx2 --directions texels.csv
+  brdfc eval button --directions texels.csv")]
 pub struct Arguments {
-    /// A path, - for stdin, or synth:MODEL?param=value&...
+    /// A path, - for stdin, or synth:MODEL?param=value&...; the folder of a flat BTF.
     input: Input,
-    /// Direction pairs, or - for stdin.
+    /// Direction pairs or texels, or - for stdin.
     #[arg(long, value_name = "IN.csv")]
     directions: Input,
     /// Where to write; stdout if absent, or -.
@@ -40,6 +46,8 @@ pub struct Arguments {
 const CHUNK: usize = 256;
 /// Columns of values.
 const VALUES: [&str; 3] = ["f_r", "f_g", "f_b"];
+/// Columns of values that are no reflectances.
+const COLOURS: [&str; 3] = ["r", "g", "b"];
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     if let Some(level) = arguments.lod
@@ -59,6 +67,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     }
     let bytes = directions.read_text()?;
     let in_file = |error| CliError::Input(format!("{directions}: {error}"));
+    if let Some(relightable) = Relightable::open(&arguments.input)? {
+        return texels(arguments, &relightable, &bytes);
+    }
     let pairs = directions_from_bytes(&bytes).map_err(in_file)?;
     let opened = open(&arguments.input, arguments.lod)?;
     note_directions(common, &arguments.input, opened.source.as_ref());
@@ -91,8 +102,32 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     for line in repairs_in_words(&tally) {
         note(common, &arguments.input, &line);
     }
-    let text = appended(&bytes, chunks.iter().flat_map(|(values, _)| values))
+    write(arguments, &bytes, VALUES, chunks.iter().flat_map(|(values, _)| values))
+}
+
+/// Values at places of a picture or a tile.
+fn texels(arguments: &Arguments, relightable: &Relightable, bytes: &[u8]) -> Result<(), CliError> {
+    let directions = &arguments.directions;
+    let queries = texels_from_bytes(bytes, relightable.has_views())
         .map_err(|error| CliError::Input(format!("{directions}: {error}")))?;
+    let finest = relightable.levels() as f32;
+    let level = arguments.lod.unwrap_or(finest);
+    if level > finest {
+        let allowed = format!("0 to {finest}, the levels that there are");
+        return Err(CliError::Usage(format!("--lod: found {}; allowed {allowed}", shown(level))));
+    }
+    let values: Vec<[f32; 3]> = queries.par_iter().map(|query| relightable.value(query, level)).collect();
+    write(arguments, bytes, COLOURS, values.iter())
+}
+
+fn write<'a, T: ToString + 'a>(
+    arguments: &Arguments,
+    bytes: &[u8],
+    columns: [&str; 3],
+    values: impl Iterator<Item = &'a [T; 3]>,
+) -> Result<(), CliError> {
+    let directions = &arguments.directions;
+    let text = appended(bytes, columns, values).map_err(|error| CliError::Input(format!("{directions}: {error}")))?;
     match &arguments.output {
         Some(output) => write_file(output, text.as_bytes()),
         None => print(&text),
@@ -100,17 +135,21 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
 }
 
 /// The records of the input, each with its value.
-fn appended<'a>(bytes: &[u8], values: impl Iterator<Item = &'a [f64; 3]>) -> Result<String, csv::Error> {
+fn appended<'a, T: ToString + 'a>(
+    bytes: &[u8],
+    columns: [&str; 3],
+    values: impl Iterator<Item = &'a [T; 3]>,
+) -> Result<String, csv::Error> {
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(bytes);
     let mut writer = csv::Writer::from_writer(Vec::new());
     let found = reader.headers()?.clone();
     // Values that are there already are another source's: the first of two columns with one name counts.
-    let kept: Vec<bool> = found.iter().map(|name| !VALUES.contains(&name)).collect();
+    let kept: Vec<bool> = found.iter().map(|name| !columns.contains(&name)).collect();
     let others = |record: &csv::StringRecord| -> csv::StringRecord {
         record.iter().zip(&kept).filter(|(_, kept)| **kept).map(|(field, _)| field).collect()
     };
     let mut header = others(&found);
-    VALUES.iter().for_each(|name| header.push_field(name));
+    columns.iter().for_each(|name| header.push_field(name));
     writer.write_record(&header)?;
     for (record, value) in reader.records().zip(values) {
         let mut record = others(&record?);

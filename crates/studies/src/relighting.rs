@@ -176,8 +176,9 @@ pub fn relit(samples: &LightSamples, held_out: usize) -> Result<([usize; 2], Vec
     let lights = samples.lights.len();
     let order = permutation(lights, 0);
     let unseen = &order[..held_out.clamp(1, lights.max(2) - 1)];
-    // Of those held out the one from the side.
-    let shown = unseen.iter().copied().min_by(|a, b| samples.lights[*a][2].total_cmp(&samples.lights[*b][2]));
+    // Of those held out the one nearest to halfway down.
+    let off = |light: &usize| (samples.lights[*light][2] - std::f32::consts::FRAC_1_SQRT_2).abs();
+    let shown = unseen.iter().copied().min_by(|a, b| off(a).total_cmp(&off(b)));
     let shown = shown.unwrap_or(0);
     let rest: Vec<usize> = (0..lights).filter(|light| *light != shown).collect();
     let photograph = samples.without(&rest);

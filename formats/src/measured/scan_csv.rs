@@ -11,6 +11,8 @@ pub const ANGLE_COLUMNS: [&str; 7] = ["theta_i", "phi_i", "theta_o", "phi_o", "r
 pub const VECTOR_COLUMNS: [&str; 9] = ["wi_x", "wi_y", "wi_z", "wo_x", "wo_y", "wo_z", "f_r", "f_g", "f_b"];
 /// Columns that make a list of direction pairs.
 pub const DIRECTION_COLUMNS: [&str; 6] = ["wi_x", "wi_y", "wi_z", "wo_x", "wo_y", "wo_z"];
+/// Columns that make a list of texels under lights; where they are seen from are the last of [`DIRECTION_COLUMNS`].
+pub const TEXEL_COLUMNS: [&str; 8] = ["u", "v", "wi_x", "wi_y", "wi_z", "wo_x", "wo_y", "wo_z"];
 /// Most direction pairs of a list.
 pub const MAX_DIRECTION_PAIRS: usize = 1 << 24;
 
@@ -55,6 +57,38 @@ pub fn directions_from_bytes(bytes: &[u8]) -> Result<Vec<(Vector, Vector)>, Form
         memory::push_within(&mut pairs, unit_vectors(&n, line)?, MAX_DIRECTION_PAIRS, "rows")?;
     }
     Ok(pairs)
+}
+
+/// A place on a picture or a tile, lit and seen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TexelQuery {
+    /// Across and down, 0 to 1; beyond that as the picture goes on.
+    pub uv: [f64; 2],
+    /// Unit vector to the light.
+    pub incoming: Vector,
+    /// Unit vector to the viewer; the normal where none is asked for.
+    pub outgoing: Vector,
+}
+
+/// Parses a list of texels: a header that holds [`TEXEL_COLUMNS`], without the last three if there is no view, in any
+/// order, other columns ignored.
+///
+/// # Errors
+/// Columns that are missing, and what is no number or unit vector, with its line.
+pub fn texels_from_bytes(bytes: &[u8], with_view: bool) -> Result<Vec<TexelQuery>, FormatError> {
+    let mut table = Table::open(bytes)?;
+    let columns = table.find(&TEXEL_COLUMNS[..if with_view { 8 } else { 5 }])?;
+    let mut queries = Vec::new();
+    while let Some((line, n)) = table.next_numbers(&columns)? {
+        let mut directions = n[2..].to_vec();
+        if !with_view {
+            directions.extend([0.0, 0.0, 1.0]);
+        }
+        let (incoming, outgoing) = unit_vectors(&directions, line)?;
+        let query = TexelQuery { uv: [n[0], n[1]], incoming, outgoing };
+        memory::push_within(&mut queries, query, MAX_DIRECTION_PAIRS, "rows")?;
+    }
+    Ok(queries)
 }
 
 /// Writes rows with [`ANGLE_COLUMNS`].
@@ -191,6 +225,17 @@ mod tests {
         let other = from_bytes(vectors.as_bytes()).unwrap().rows[0];
         assert!((row.theta_o - other.theta_o).abs() < 1e-12 && (row.phi_o - other.phi_o).abs() < 1e-12);
         assert_eq!(row.value, other.value);
+    }
+
+    #[test]
+    fn texels_with_and_without_a_view() {
+        let text = "name,wi_z,wi_x,wi_y,v,u\nx,1,0,0,0.25,-0.5\n";
+        let query = texels_from_bytes(text.as_bytes(), false).unwrap()[0];
+        assert_eq!(query, TexelQuery { uv: [-0.5, 0.25], incoming: [0.0, 0.0, 1.0], outgoing: [0.0, 0.0, 1.0] });
+        let error = texels_from_bytes(text.as_bytes(), true).unwrap_err().to_string();
+        assert!(error.starts_with("line 1, column wo_x: found only"), "{error}");
+        let error = texels_from_bytes(b"u,v,wi_x,wi_y,wi_z\n0,0,1,1,1\n", false).unwrap_err().to_string();
+        assert!(error.starts_with("line 2, wi: found a vector of length 1.7321"), "{error}");
     }
 
     #[test]

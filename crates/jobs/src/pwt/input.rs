@@ -8,7 +8,9 @@ use brdfc_formats::measured::ptm::Ptm;
 use brdfc_formats::pwt::{PwtDecoder, PwtPack};
 use brdfc_formats::{FormatError, Pack};
 use brdfc_pwt::LightSamples;
+use brdfc_pwt::measure::{StackErrors, picture_errors};
 use brdfc_pwt::ptm::{pictures_of, spread_lights};
+use brdfc_source::btf_stack::has_images;
 use brdfc_source::light_stack::{LightStack, is_light_stack};
 use brdfc_source::ordinary_btf::OrdinaryBtf;
 use brdfc_source::{Input, InputError, ptm};
@@ -72,13 +74,51 @@ impl LightInput {
             let found = if extension.is_empty() { "no extension".to_owned() } else { format!(".{extension}") };
             return Err(refused(input, "file name", &found, ALLOWED));
         }
-        if OrdinaryBtf::is_one(path) {
+        if OrdinaryBtf::is_one(path) && (path.is_file() || has_images(path)) {
             return Ok(Self::Pictures { kind: "btf", samples: one_view(path, view.unwrap_or(0))? });
         }
         if let Some(samples) = flat_view(path, view.unwrap_or(0))? {
             return Ok(Self::Pictures { kind: "flat-btf", samples });
         }
         Err(refused(input, "input", "none of these", ALLOWED))
+    }
+
+    /// Errors against photographs, of all together and of each: of a pack or a map what it shows under their lights.
+    ///
+    /// # Errors
+    /// Another size, or pictures under other lights.
+    pub fn compared(self, samples: &LightSamples) -> Result<(StackErrors, Vec<StackErrors>), FormatError> {
+        let shown = match self {
+            Self::Pack(pack) => {
+                let decoder = PwtDecoder::new(pack);
+                same_size(decoder.pack().header().size, samples)?;
+                let unpacked = decoder.unpacked(0);
+                let rows = 0..unpacked.size()[1];
+                let picture = |light: &[f32; 3]| unpacked.rows(rows.clone(), &decoder.pack().header().weights(*light));
+                let pictures = samples.lights.par_iter().map(picture).collect();
+                LightSamples { pictures, lights: samples.lights.clone(), ..*samples }
+            }
+            Self::Map(map) => {
+                same_size(map.size(), samples)?;
+                pictures_of(&map, samples.lights.clone())
+            }
+            Self::Pictures { samples: shown, .. } => {
+                same_size(shown.size.map(|side| side as u32), samples)?;
+                let near = |(a, b): (&[f32; 3], &[f32; 3])| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-4);
+                if shown.lights.len() != samples.lights.len() || !shown.lights.iter().zip(&samples.lights).all(near) {
+                    let found = format!("{} others", shown.lights.len());
+                    return Err(FormatError::whole("lights", found, "those of the reference, in its order"));
+                }
+                shown
+            }
+        };
+        let all: Vec<usize> = (0..samples.lights.len()).collect();
+        let of = |light: &usize| {
+            let others: Vec<usize> = all.iter().copied().filter(|other| other != light).collect();
+            picture_errors(&shown.without(&others), &samples.without(&others))
+        };
+        let each = all.par_iter().map(of).collect();
+        Ok((picture_errors(&shown, samples), each))
     }
 
     /// Photographs, or what a map or pack shows under many lights.
@@ -97,6 +137,15 @@ impl LightInput {
             }
         }
     }
+}
+
+fn same_size(found: [u32; 2], samples: &LightSamples) -> Result<(), FormatError> {
+    let wanted = samples.size.map(|side| side as u32);
+    if found == wanted {
+        return Ok(());
+    }
+    let allowed = format!("{} x {}, as the reference has", wanted[0], wanted[1]);
+    Err(FormatError::whole("size", format!("{} x {}", found[0], found[1]), allowed))
 }
 
 fn refused(input: &impl std::fmt::Display, field: &'static str, found: &str, allowed: &str) -> PwtError {

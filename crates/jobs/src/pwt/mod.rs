@@ -1,8 +1,10 @@
 //! `brdfc pwt`: photographs under known lights become a pack, or a polynomial texture map.
 
+mod evaluate;
 mod input;
 mod report;
 
+pub use evaluate::Relightable;
 pub use input::{LightInput, photographs};
 pub use report::{HeldOut, LevelReport, PwtReport, TextureReport};
 

@@ -1,0 +1,79 @@
+//! Values at places of pictures and tiles: of polynomial wavelet trees, and of flat BTFs.
+
+use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatPart};
+use brdfc_formats::measured::scan_csv::TexelQuery;
+use brdfc_formats::pwt::PwtDecoder;
+use brdfc_formats::{FormatError, Pack, PackKind};
+use brdfc_render::flat::{FlatForm, FlatMaterial};
+use brdfc_source::flat_btf::open_flat_btf;
+use brdfc_source::{Input, InputError};
+
+/// What has a value at a place of a picture.
+#[allow(clippy::large_enum_variant)]
+pub enum Relightable {
+    /// A polynomial wavelet tree: one view.
+    Pack(PwtDecoder),
+    /// A flat BTF, with its views.
+    Flat(FlatMaterial),
+}
+
+impl Relightable {
+    /// Reads an input; nothing if it is neither a tree nor a flat BTF.
+    ///
+    /// # Errors
+    /// One that cannot be read, or is broken.
+    pub fn open(input: &Input) -> Result<Option<Self>, InputError> {
+        let of_file = |error| InputError::Format { name: input.to_string(), error };
+        if let Some(path) = input.path().filter(|path| is_flat_btf(path)) {
+            let decoder = FlatBtfDecoder::new(open_flat_btf(path, true)?).map_err(of_file)?;
+            return Ok(Some(Self::Flat(FlatMaterial::new(decoder, 1).map_err(of_file)?)));
+        }
+        if input.extension()? != "ktx2" || input.is_stdin() {
+            return Ok(None);
+        }
+        match brdfc_source::pack::open_pack(input)? {
+            Pack::Pwt(pack) => Ok(Some(Self::Pack(PwtDecoder::new(pack)))),
+            pack if matches!(pack.kind(), PackKind::FlatBtf(FlatPart::View | FlatPart::Indirection)) => {
+                let found = pack.kind().name();
+                Err(of_file(FormatError::whole("pack", found, "the folder of the flat BTF, or its .json")))
+            }
+            _ => Ok(None),
+        }
+    }
+
+    /// Whether values depend on where they are seen from.
+    pub fn has_views(&self) -> bool {
+        matches!(self, Self::Flat(_))
+    }
+
+    /// Levels of detail besides the finest.
+    pub fn levels(&self) -> u32 {
+        match self {
+            Self::Pack(decoder) => decoder.pack().header().levels,
+            Self::Flat(_) => 0,
+        }
+    }
+
+    /// Linear RGB. `level` counts from the coarsest, 0; [`Self::levels`] is the finest.
+    pub fn value(&self, query: &TexelQuery, level: f32) -> [f32; 3] {
+        let single = |v: [f64; 3]| v.map(|c| c as f32);
+        match self {
+            Self::Pack(decoder) => {
+                let coarser = (self.levels() as f32 - level).max(0.0);
+                decoder.value(query.uv.map(|c| c as f32), coarser, single(query.incoming))
+            }
+            Self::Flat(material) => {
+                if query.incoming[2] <= 0.0 || query.outgoing[2] <= 0.0 {
+                    return [0.0; 3];
+                }
+                material.value(FlatForm::Full, query.uv, query.outgoing, query.incoming)
+            }
+        }
+    }
+}
+
+/// Whether a path is the folder of a flat BTF, or its list of parts.
+fn is_flat_btf(path: &std::path::Path) -> bool {
+    let is_list = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
+    (path.is_dir() || is_list) && matches!(crate::flatten::open_asset(path), Ok(Some(_)))
+}
