@@ -15,6 +15,7 @@ mod names;
 mod needs;
 mod output;
 mod output_folder;
+mod pwt;
 #[cfg(feature = "render")]
 mod render;
 #[cfg(feature = "render")]

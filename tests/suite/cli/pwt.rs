@@ -1,0 +1,209 @@
+//! `brdfc pwt`, and what is done with its packs.
+
+use super::schemas::conforms;
+use crate::common::cli::Folder;
+use brdfc_formats::pwt::PwtPack;
+use brdfc_jobs::btf_stack::StackFormat;
+use brdfc_jobs::light_stack::write_light_stack;
+use brdfc_pwt::ptm::spread_lights;
+
+const SIZE: [usize; 2] = [45, 38];
+
+/// A bumpy, glossy picture under 40 lights, in `stack`.
+fn stack() -> Folder {
+    let folder = Folder::new();
+    let lights = spread_lights(40);
+    let pixels = |light: usize| -> Vec<[f32; 3]> {
+        let pixel = |k: usize| {
+            let (x, y) = ((k % SIZE[0]) as f32, (k / SIZE[0]) as f32);
+            let normal = [0.3 * (0.5 * x).sin(), 0.3 * (0.4 * y).cos(), 0.9];
+            let cosine: f32 = normal.iter().zip(lights[light]).map(|(a, b)| a * b).sum();
+            let (diffuse, gloss) = (cosine.max(0.0), cosine.max(0.0).powi(12));
+            [0.7 * diffuse + 0.2 * gloss, 0.4 * diffuse + 0.2 * gloss, 0.2 * diffuse + 0.2 * gloss]
+        };
+        (0..SIZE[0] * SIZE[1]).map(pixel).collect()
+    };
+    write_light_stack(&folder.path().join("stack"), &lights, SIZE, StackFormat::Png, pixels).unwrap();
+    folder
+}
+
+#[test]
+fn photographs_become_a_pack_that_is_right_at_unseen_lights() {
+    let folder = stack();
+    let report = folder.run(&["pwt", "stack", "-o", "p.ktx2", "--hold-out", "5", "--json"]).succeeded().json();
+    conforms("pwt", &report);
+    let pack = PwtPack::from_bytes(&folder.read("p.ktx2")).unwrap();
+    assert_eq!(report["kind"], "pwt");
+    assert_eq!(report["lights"], 35);
+    assert_eq!(report["bytes_on_gpu"], pack.gpu_bytes());
+    assert_eq!(report["bytes_on_disk"], folder.read("p.ktx2").len());
+    assert_eq!(report["held_out"]["lights"].as_array().unwrap().len(), 5);
+    let [fitted, unseen] = [&report["psnr"], &report["held_out"]["psnr"]].map(|psnr| psnr.as_f64().unwrap());
+    assert!(fitted > 30.0 && unseen > 28.0, "{fitted} {unseen}");
+    // The list of lights is the same input; words say the same.
+    let ran = folder.run(&["pwt", "stack/dirs.lp", "-o", "q.ktx2", "--hold-out", "5"]).succeeded();
+    assert!(folder.read("q.ktx2") == folder.read("p.ktx2"));
+    assert!(ran.stdout.contains("dB held out") && ran.stdout.contains("hemisphere"), "{}", ran.stdout);
+    // Negative control: other lights.
+    let other = folder.run(&["pwt", "stack", "-o", "r.ktx2", "--hold-out", "5", "--seed", "1", "--json"]).succeeded().json();
+    assert_ne!(other["held_out"]["lights"], report["held_out"]["lights"]);
+}
+
+#[test]
+fn targets_are_met_or_told() {
+    let folder = stack();
+    let made = |more: &[&str]| folder.run(&[&["pwt", "stack", "-o", "p.ktx2", "--json"][..], more].concat());
+    let small = made(&["--max-bytes", "3KiB"]).succeeded().json();
+    assert!(small["bytes_on_gpu"].as_u64().unwrap() <= 3072);
+    let good = made(&["--quality", "33"]).succeeded().json();
+    assert!(good["psnr"].as_f64().unwrap() >= 33.0);
+    let seen = made(&["--max-delta-e", "2"]).succeeded().json();
+    assert!(seen["delta_e"].as_f64().unwrap() <= 2.0);
+    let energy = |share: &str| made(&["--energy", share]).succeeded().json()["bytes_on_gpu"].as_u64().unwrap();
+    assert!(energy("0.9") < energy("0.999"));
+    let loss = |loss: &str| made(&["--loss", loss]).succeeded().json()["bytes_on_gpu"].as_u64().unwrap();
+    assert!(loss("2") < loss("0.05"));
+    let missed = made(&["--quality", "90"]);
+    assert_eq!(missed.code, 1, "{missed:?}");
+    assert!(missed.stderr.contains("quality: found ") && missed.stderr.contains("allowed 90 dB or more"), "{missed:?}");
+    assert_eq!(missed.json()["met"], false);
+    assert!(PwtPack::from_bytes(&folder.read("p.ktx2")).is_ok());
+    let missed = made(&["--max-bytes", "1"]);
+    assert_eq!(missed.code, 1, "{missed:?}");
+}
+
+#[test]
+fn the_same_bytes_on_any_number_of_threads() {
+    let folder = stack();
+    let bytes = ["1", "3"].map(|jobs| {
+        folder.run(&["pwt", "stack", "-o", "p.ktx2", "--jobs", jobs]).succeeded();
+        folder.read("p.ktx2")
+    });
+    assert!(bytes[0] == bytes[1]);
+}
+
+#[test]
+fn what_is_asked_for_is_taken() {
+    let folder = stack();
+    let options = ["--coordinates", "paraboloid", "--degree", "3", "--domain", "cube-root", "--ridge", "1e-5"];
+    let more = ["--wavelet", "cdf97", "--levels", "3", "--packets", "0", "--tile"];
+    // Sides of a tile are halved exactly.
+    let refused = folder.run(&[&["pwt", "stack", "-o", "p.ktx2"][..], &options, &more].concat());
+    assert_eq!(refused.code, 3, "{refused:?}");
+    assert!(refused.stderr.contains("levels: found 3; allowed 0 to 0 for 45 x 38"), "{refused:?}");
+    let report = folder.run(&[&["pwt", "stack", "-o", "p.ktx2", "--json"][..], &options, &more[..6]].concat());
+    let report = report.succeeded().json();
+    assert_eq!((&report["coordinates"], &report["degree"]), (&"paraboloid".into(), &3.into()));
+    assert_eq!((&report["domain"], &report["ridge"]), (&"cube-root".into(), &1e-5.into()));
+    assert_eq!(report["levels"].as_array().unwrap().len(), 4);
+}
+
+#[test]
+fn maps_go_both_ways() {
+    let folder = stack();
+    for (model, format) in [("rgb", "PTM_FORMAT_RGB"), ("lrgb", "PTM_FORMAT_LRGB")] {
+        let report = folder.run(&["pwt", "stack", "-o", "m.ptm", "--model", model, "--json"]).succeeded().json();
+        conforms("pwt", &report);
+        assert_eq!((&report["kind"], &report["model"]), (&"ptm".into(), &model.into()));
+        let told = folder.run(&["info", "m.ptm", "--json"]).succeeded().json();
+        assert_eq!(told["format"], format);
+        // The map as a pack shows what the map shows.
+        let pack = folder.run(&["pwt", "m.ptm", "-o", "m.ktx2", "--json"]).succeeded().json();
+        assert_eq!((&pack["coordinates"], &pack["degree"]), (&"projected".into(), &2.into()));
+        assert!(pack["psnr"].as_f64().unwrap() > 40.0, "{pack}");
+    }
+    // A pack for viewers that know maps alone.
+    folder.run(&["pwt", "stack", "-o", "p.ktx2"]).succeeded();
+    folder.run(&["pwt", "p.ktx2", "-o", "back.ptm"]).succeeded();
+    let compared = folder.run(&["compare", "stack", "back.ptm", "--json"]).succeeded().json();
+    assert!(compared["psnr"].as_f64().unwrap() > 20.0, "{compared}");
+}
+
+#[test]
+fn packs_are_compared_and_evaluated() {
+    let folder = stack();
+    folder.run(&["pwt", "stack", "-o", "p.ktx2"]).succeeded();
+    let report = folder.run(&["compare", "stack", "p.ktx2", "--json"]).succeeded().json();
+    conforms("compare", &report);
+    assert_eq!(report["photographs"].as_array().unwrap().len(), 40);
+    assert!(report["psnr"].as_f64().unwrap() > 25.0, "{report}");
+    let same = folder.run(&["compare", "stack", "stack", "--json"]).succeeded().json();
+    assert_eq!(same["delta_e"], 0.0);
+    let missed = folder.run(&["compare", "stack", "p.ktx2", "--max-delta-e", "0.01"]);
+    assert_eq!(missed.code, 1, "{missed:?}");
+    folder.write("texels.csv", "name,u,v,wi_x,wi_y,wi_z,r\nmiddle,0.5,0.5,0,0,1,9\nbelow,0.5,0.5,0,0.6,-0.8,9\n");
+    let values = folder.run(&["eval", "p.ktx2", "--directions", "texels.csv"]).succeeded().stdout;
+    let lines: Vec<&str> = values.lines().collect();
+    assert_eq!(lines[0], "name,u,v,wi_x,wi_y,wi_z,r,g,b");
+    assert!(lines[1].starts_with("middle,0.5,0.5,0,0,1,0.") && lines[2].ends_with(",0,0,0"), "{values}");
+    let coarse = folder.run(&["eval", "p.ktx2", "--directions", "texels.csv", "--lod", "0"]).succeeded().stdout;
+    assert_ne!(coarse, values);
+}
+
+#[test]
+fn views_of_btfs_become_packs() {
+    let folder = Folder::new();
+    let small = ["--texels", "16", "--flat-texels", "16", "--views", "grid:2x3@40", "--lights", "grid:3x6@60"];
+    let flat = [&["flatten", "synth:folds", "-o", "folds", "--write-images", "images"][..], &small].concat();
+    folder.run(&flat).succeeded();
+    for input in ["folds", "images"] {
+        let first = folder.run(&["pwt", input, "-o", "v.ktx2", "--json"]).succeeded().json();
+        let other = folder.run(&["pwt", input, "-o", "w.ktx2", "--view", "3", "--json"]).succeeded().json();
+        assert_eq!((&first["lights"], &first["size"]), (&13.into(), &serde_json::json!([16, 16])));
+        assert_ne!(first["psnr"], other["psnr"]);
+        let refused = folder.run(&["pwt", input, "-o", "v.ktx2", "--view", "4"]);
+        assert_eq!(refused.code, 2, "{refused:?}");
+        assert!(refused.stderr.contains("--view: found 4; allowed 0 to 3"), "{refused:?}");
+    }
+    let list = "u,v,wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n0.5,0.5,0,0,1,0,0,1\n";
+    folder.write("texels.csv", list);
+    let values = folder.run(&["eval", "folds", "--directions", "texels.csv"]).succeeded().stdout;
+    assert!(values.lines().nth(1).is_some_and(|line| !line.ends_with(",0,0,0")), "{values}");
+}
+
+#[test]
+fn what_cannot_be_is_refused() {
+    let folder = stack();
+    folder.write("paint.brdf", "0 0 0 0 1");
+    folder.run(&["encode", "synth:lewis", "-o", "lewis.ktx2"]).succeeded();
+    folder.run(&["pwt", "stack", "-o", "p.ktx2"]).succeeded();
+    for (code, arguments, expected) in [
+        (2, &["stack", "-o", "x.png"][..], "x.png"),
+        (2, &["stack", "-o", "x.ktx2", "--quality", "-1"], "--quality: found -1; allowed 0 to 200"),
+        (2, &["stack", "-o", "x.ktx2", "--quality", "30", "--max-bytes", "4"], "cannot be used with"),
+        (2, &["stack", "-o", "x.ktx2", "--degree", "6"], "--degree: found 6; allowed 0 to 5"),
+        (2, &["stack", "-o", "x.ktx2", "--hold-out", "40"], "--hold-out: found 40; allowed 0 to 39"),
+        (2, &["stack", "-o", "x.ktx2", "--view", "1"], "--view: found with a light stack"),
+        (2, &["stack", "-o", "x.ktx2", "--model", "rgb"], "--model: found with a pack; allowed with an output .ptm"),
+        (2, &["p.ktx2", "-o", "x.ktx2"], "p.ktx2: found a pack; allowed with an output .ptm"),
+        (3, &["lewis.ktx2", "-o", "x.ptm"], "pack: found a table pack; allowed a polynomial wavelet tree"),
+        (3, &["paint.brdf", "-o", "x.ktx2"], "file name: found .brdf; allowed a folder with a list of lights"),
+        (4, &["nothing", "-o", "x.ktx2"], "nothing: cannot read"),
+    ] {
+        let ran = folder.run(&[&["pwt"][..], arguments].concat());
+        assert_eq!(ran.code, code, "{arguments:?}: {ran:?}");
+        assert!(ran.stderr.contains(expected), "{arguments:?}: {}", ran.stderr);
+        assert!(!folder.path().join("x.ktx2").exists() && !folder.path().join("x.ptm").exists());
+    }
+    let ran = folder.run(&["compare", "lewis.ktx2", "lewis.ktx2", "--max-delta-e", "1"]);
+    assert_eq!(ran.code, 2, "{ran:?}");
+}
+
+#[test]
+fn few_and_poor_lights_have_a_pack() {
+    let folder = stack();
+    let list = std::fs::read_to_string(folder.path().join("stack/dirs.lp")).unwrap();
+    let rows: Vec<&str> = list.lines().skip(1).collect();
+    let names: Vec<&str> = rows.iter().filter_map(|row| row.split_whitespace().next()).collect();
+    for (name, lines) in [
+        ("one", vec![rows[0].to_owned()]),
+        ("three", rows[..3].iter().map(|row| (*row).to_owned()).collect()),
+        ("equal", names[..9].iter().map(|name| format!("{name} 0 0 1")).collect()),
+        ("line", names[..9].iter().enumerate().map(|(k, name)| format!("{name} {} 0 1", 0.2 * k as f64)).collect()),
+    ] {
+        folder.write(&format!("stack/{name}.lp"), format!("{}\n{}\n", lines.len(), lines.join("\n")));
+        let report = folder.run(&["pwt", &format!("stack/{name}.lp"), "-o", "p.ktx2", "--json"]).succeeded().json();
+        assert_eq!(report["lights"], lines.len(), "{name}");
+        assert!(report["condition"].as_f64().unwrap() >= 1.0 && report["psnr"].as_f64().unwrap() > 10.0, "{report}");
+    }
+}
