@@ -225,6 +225,55 @@ fn packing(criterion: &mut Criterion) {
     }
 }
 
+/// The fit of a stack of 400 x 400 texels under 72 lights to 36 terms, the bare matrix product of that size, and the whole
+/// way to a pack.
+fn relighting(criterion: &mut Criterion) {
+    use brdfc_formats::pwt::{LightBasis, LightCoordinates};
+    use brdfc_pwt::design::Design;
+    use brdfc_pwt::ptm::spread_lights;
+    use brdfc_pwt::{LightSamples, PwtRecipe, fit};
+    const SIDE: usize = 400;
+    const LIGHTS: usize = 72;
+    let lights = spread_lights(LIGHTS);
+    let picture = |light: &[f32; 3]| -> Vec<[f32; 3]> {
+        let pixel = |k: usize| {
+            let (x, y) = ((k % SIDE) as f32, (k / SIDE) as f32);
+            let normal = [0.3 * (0.05 * x).sin(), 0.3 * (0.07 * y).cos(), 0.9];
+            let cosine: f32 = normal.iter().zip(light).map(|(a, b)| a * b).sum();
+            let value = cosine.max(0.0) + 0.3 * cosine.max(0.0).powi(20);
+            [0.6 * value, 0.4 * value, 0.3 * value]
+        };
+        (0..SIDE * SIDE).map(pixel).collect()
+    };
+    let pictures: Vec<Vec<[f32; 3]>> = lights.iter().map(picture).collect();
+    let values: Vec<Vec<f32>> = pictures.iter().map(|picture| picture.iter().map(|c| c[0]).collect()).collect();
+    let basis = LightBasis { coordinates: LightCoordinates::Hemisphere, degree: 5 };
+    let design = Design::new(basis, &lights, 1e-4);
+    let samples = LightSamples { size: [SIDE, SIDE], lights: lights.clone(), pictures, repeats: false };
+    let mut group = criterion.benchmark_group("relighting");
+    group.throughput(Throughput::Elements((SIDE * SIDE * LIGHTS) as u64));
+    group.bench_function("factorisation", |b| b.iter(|| Design::new(basis, black_box(&lights), 1e-4)));
+    group.bench_function("fit, one channel", |b| b.iter(|| fit::coefficients(&design, black_box(&values))));
+    let weights: Vec<f32> = (0..design.terms() * LIGHTS).map(|k| (k % 7) as f32).collect();
+    let flat: Vec<f32> = values.concat();
+    let mut product = vec![0.0; design.terms() * SIDE * SIDE];
+    // On two cores, a half each, the values of a half behind each other.
+    let half = SIDE * SIDE / 2;
+    group.bench_function("bare matrix product, two cores", |b| {
+        b.iter(|| {
+            let (left, right) = product.split_at_mut(design.terms() * half);
+            let (first, second) = flat.split_at(LIGHTS * half);
+            let bare = |values: &[f32], out: &mut [f32]| {
+                fit::multiply(design.terms(), LIGHTS, half, black_box(&weights), values, out);
+            };
+            rayon::join(|| bare(first, left), || bare(second, right));
+        });
+    });
+    group.bench_function("encode", |b| {
+        b.iter(|| brdfc_pwt::encode(black_box(&samples), &PwtRecipe::default()).expect("pictures in range"));
+    });
+}
+
 /// Few samples: stages differ by powers of ten, and a run should take about a minute.
 fn short() -> Criterion {
     Criterion::default()
@@ -239,6 +288,6 @@ fn short() -> Criterion {
 criterion_group! {
     name = benches;
     config = short();
-    targets = read, resampling, importance, encoding, decoding, measuring, bandwidth, adaptive, packing
+    targets = read, resampling, importance, encoding, decoding, measuring, bandwidth, adaptive, relighting, packing
 }
 criterion_main!(benches);

@@ -45,7 +45,8 @@ fn photographs_become_a_pack_that_is_right_at_unseen_lights() {
     assert!(folder.read("q.ktx2") == folder.read("p.ktx2"));
     assert!(ran.stdout.contains("dB held out") && ran.stdout.contains("hemisphere"), "{}", ran.stdout);
     // Negative control: other lights.
-    let other = folder.run(&["pwt", "stack", "-o", "r.ktx2", "--hold-out", "5", "--seed", "1", "--json"]).succeeded().json();
+    let other =
+        folder.run(&["pwt", "stack", "-o", "r.ktx2", "--hold-out", "5", "--seed", "1", "--json"]).succeeded().json();
     assert_ne!(other["held_out"]["lights"], report["held_out"]["lights"]);
 }
 

@@ -3,8 +3,9 @@
 use crate::design::Design;
 use rayon::prelude::*;
 
-/// Values of a strip: fixed, so that sums do not depend on the number of threads.
-const STRIP: usize = 1 << 14;
+/// Values of a strip: fixed, so that sums do not depend on the number of threads, and few, so that a strip stays in the
+/// cache.
+const STRIP: usize = 1 << 11;
 
 /// Coefficients of the terms of a design, term by term: `c_k = Σ_i w_k(l_i) v_i` for values that stand light by light.
 pub fn coefficients(design: &Design, values: &[Vec<f32>]) -> Vec<Vec<f32>> {
@@ -13,29 +14,25 @@ pub fn coefficients(design: &Design, values: &[Vec<f32>]) -> Vec<Vec<f32>> {
     assert_eq!(values.len(), lights, "values of every light");
     // Row by row: terms x lights.
     let weights: Vec<f32> = (0..terms).flat_map(|k| (0..lights).map(move |i| design.row(i)[k] as f32)).collect();
-    let strips: Vec<Vec<f32>> = (0..count.div_ceil(STRIP))
-        .into_par_iter()
-        .map(|strip| {
-            let range = strip * STRIP..((strip + 1) * STRIP).min(count);
-            let mut product = vec![0.0; terms * range.len()];
-            let gathered: Vec<f32> = values.iter().flat_map(|light| &light[range.clone()]).copied().collect();
-            multiply(terms, lights, range.len(), &weights, &gathered, &mut product);
-            product
-        })
-        .collect();
-    (0..terms)
-        .into_par_iter()
-        .map(|k| {
-            strips
-                .iter()
-                .flat_map(|strip| {
-                    let n = strip.len() / terms;
-                    &strip[k * n..][..n]
-                })
-                .copied()
-                .collect()
-        })
-        .collect()
+    let mut planes = vec![vec![0.0f32; count]; terms];
+    // Of each strip its part of every plane.
+    let mut strips: Vec<Vec<&mut [f32]>> = (0..count.div_ceil(STRIP)).map(|_| Vec::with_capacity(terms)).collect();
+    for plane in &mut planes {
+        strips.iter_mut().zip(plane.chunks_mut(STRIP)).for_each(|(strip, part)| strip.push(part));
+    }
+    let buffers = || (Vec::with_capacity(lights * STRIP), Vec::with_capacity(terms * STRIP));
+    strips.into_par_iter().enumerate().for_each_init(buffers, |(gathered, product), (strip, parts)| {
+        let range = strip * STRIP..((strip + 1) * STRIP).min(count);
+        gathered.clear();
+        values.iter().for_each(|light| gathered.extend_from_slice(&light[range.clone()]));
+        product.clear();
+        product.resize(terms * range.len(), 0.0);
+        multiply(terms, lights, range.len(), &weights, gathered, product);
+        for (part, row) in parts.into_iter().zip(product.chunks_exact(range.len())) {
+            part.copy_from_slice(row);
+        }
+    });
+    planes
 }
 
 /// `c = a b` of row-major matrices: `m x k` by `k x n`.
