@@ -109,7 +109,7 @@ fn composed() -> Vec<Module> {
     use brdfc_formats::wavelet::shader::WAVELET_BRDF_WGSL;
     use brdfc_gpu::{
         AdaptiveShaders, COMPUTE_WGSL, EVALUATE_FLAT_BTF_WGSL, EVALUATE_PWT_WGSL, EVALUATE_TABLE_WGSL, EVALUATE_WGSL,
-        flat_scene_source, scene_source,
+        flat_scene_source, pwt_scene_source, scene_source,
     };
     let adaptive = AdaptiveShaders::default();
     let compute = "fn compute(at: u32) { output[at] = input[at]; }\n";
@@ -121,6 +121,7 @@ fn composed() -> Vec<Module> {
         Module::new("evaluate", format!("{WAVELET_BRDF_WGSL}\n{EVALUATE_WGSL}")),
         Module::new("evaluate-table", format!("{TABLE_BRDF_WGSL}\n{EVALUATE_TABLE_WGSL}")),
         Module::new("evaluate flat BTFs", format!("{FLAT_BTF_WGSL}\n{EVALUATE_FLAT_BTF_WGSL}")),
+        Module::new("scene of polynomial wavelet trees", pwt_scene_source()),
         Module::new("evaluate polynomial wavelet trees", format!("{PWT_WGSL}\n{EVALUATE_PWT_WGSL}")),
         Module::new("compute", format!("{compute}{COMPUTE_WGSL}")),
     ]
