@@ -184,9 +184,6 @@ fn refuse(arguments: &Arguments) -> Result<(), CliError> {
     ];
     match given.iter().find(|(_, given, _)| *given) {
         Some((flag, _, allowed)) => Err(CliError::Usage(format!("{flag}: found with --adaptive; allowed {allowed}"))),
-        None if super::flat::is_flat(&arguments.input) => Err(CliError::Usage(
-            "--adaptive: found with a flat BTF; allowed with materials and packs of BRDFs".to_owned(),
-        )),
         None => Ok(()),
     }
 }

@@ -28,6 +28,7 @@ Examples:
   brdfc render paint.brdf --scene cloth --max-delta-e 1.3 --json      exit code 1 when missed
   brdfc render button --scene vase -o vase.png                        a flat BTF of 'brdfc flatten'
   brdfc render button --scene plane --sheet plane.png                 beside the surface itself
+  brdfc render coin.ktx2 --source coin --sheet coin.png                 a light stack's pack, beside its photographs
   brdfc render red.ktx2 --adaptive --environment museum.exr --scene bumpy-ball --sheet red.png --maps maps.png
 
 A manifest says what is shown in its [render] table, see docs/scene.md. Without a Vulkan driver the exit code is 5.")]
@@ -57,7 +58,7 @@ pub struct Arguments {
         conflicts_with_all = ["output", "reference", "difference", "sheet", "adaptive", "maps"]
     )]
     pub(super) contact: Option<PathBuf>,
-    /// Which scene (default: the manifest's, or sphere).
+    /// Which scene (default: the manifest's, or sphere; for a light stack's pack a plane, seen from above).
     #[arg(long, value_enum, value_name = "SCENE")]
     pub(super) scene: Option<SceneName>,
     /// Pixels, such as 800x600, each 1 to 8192 (default 512x512, with --contact 160x160).
@@ -72,13 +73,14 @@ pub struct Arguments {
     /// How values between cells are found (default: bilinear).
     #[arg(long, value_enum)]
     pub(super) filter: Option<FilterName>,
-    /// Filter slices in the shader with exact weights instead of the sampler.
+    /// Filter slices, or the texels of a light stack's pack, in the shader with exact weights instead of the sampler.
     #[arg(long)]
     pub(super) exact: bool,
     /// A level of detail for all pixels, 0 to 6, coarse to fine (default: it follows the distance).
     #[arg(long, value_name = "L")]
     pub(super) lod: Option<f32>,
-    /// What a pack was made from, to compare with; with --adaptive bandwidth and samples are those of its lobes.
+    /// What a pack was made from, to compare with; with --adaptive bandwidth and samples are those of its lobes. Of a light
+    /// stack's pack the photograph that is nearest to each light is shown; without lights of a manifest, under its own light.
     #[arg(long, value_name = "INPUT")]
     pub(super) source: Option<Input>,
     /// Draw the packs that 'brdfc build' put into this folder (default: packs, if one was built there). What was made of
@@ -104,7 +106,8 @@ pub struct Arguments {
     /// Of a flat BTF: every view and light, or normal map and diffuse colours (default: full where the folder has views).
     #[arg(long, value_enum)]
     pub(super) form: Option<FormName>,
-    /// Of a flat BTF: tiles per unit of the scene's uv, 1 to 1024 (default: 4 on plane, bottle, vase and teapot, else 8).
+    /// Of a flat BTF: tiles per unit of the scene's uv, 1 to 1024 (default: 4 on plane, bottle, vase and teapot, else 8); of a
+    /// light stack's pack that is a tile, likewise (default: 1).
     #[arg(long, value_name = "N", value_parser = whole_number::<u32>(1..=1024))]
     pub(super) repeat: Option<u32>,
     #[command(flatten)]

@@ -31,10 +31,6 @@ pub(super) fn run(
     started: Instant,
     common: Common,
 ) -> Result<(), CliError> {
-    if flat::is_flat(&arguments.input) {
-        let text = format!("--contact: found with {}, a flat BTF; allowed with BRDFs", arguments.input);
-        return Err(CliError::Usage(text));
-    }
     flat::refuse_flags(arguments)?;
     let subject = materials::subject(arguments)?;
     let setup = scene::setup(arguments, &subject)?;

@@ -31,11 +31,14 @@ pub(super) fn is_flat(input: &Input) -> bool {
 }
 
 /// Draws the asset by the shader and on the CPU; on a plane, beside the surface itself where that can be computed again.
-pub(super) fn verification(arguments: &Arguments, common: Common) -> Result<(Verification, Views), CliError> {
-    check_flags(arguments)?;
-    let subject = Subject::Pack;
-    let setup = scene::setup(arguments, &subject)?;
-    let path = arguments.input.path().expect("flat BTFs are files");
+pub(super) fn verification(
+    arguments: &Arguments,
+    common: Common,
+    input: &Input,
+    subject: &Subject,
+) -> Result<(Verification, Views), CliError> {
+    let setup = scene::setup(arguments, subject)?;
+    let path = input.path().expect("flat BTFs are files");
     let asset = open_asset(path)?;
     let gpu = gpu::open(arguments)?;
     let has_views = asset.as_ref().is_none_or(|asset| asset.settings.form == Form::Full);
@@ -47,7 +50,7 @@ pub(super) fn verification(arguments: &Arguments, common: Common) -> Result<(Ver
     };
     let parts = open_flat_btf(path, form == FlatForm::Full)?;
     let bytes_on_gpu = parts.gpu_bytes();
-    let wrong = |error: brdfc_formats::FormatError| CliError::Input(format!("{}: {error}", arguments.input));
+    let wrong = |error: brdfc_formats::FormatError| CliError::Input(format!("{input}: {error}"));
     let repeat = arguments.repeat.unwrap_or(default_repeat(setup.builtin));
     let material = FlatMaterial::new(FlatBtfDecoder::new(parts).map_err(wrong)?, repeat).map_err(wrong)?;
     let shader = draw_flat_btf(&gpu, &setup.scene, setup.frame, &material, form)?;
@@ -60,7 +63,7 @@ pub(super) fn verification(arguments: &Arguments, common: Common) -> Result<(Ver
     let source =
         surface.map(|(model, appearance)| reference_plane(&setup.scene, setup.frame, &model, &appearance, repeat));
     if source.is_none() {
-        note(common, &arguments.input, if setup.builtin == Builtin::Plane { NO_SURFACE } else { CURVED });
+        note(common, input, if setup.builtin == Builtin::Plane { NO_SURFACE } else { CURVED });
     }
     let views = Views { shader, pack, table: None, source, left_out: 0.0 };
     let name = path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
@@ -79,24 +82,6 @@ pub(super) fn verification(arguments: &Arguments, common: Common) -> Result<(Ver
     );
     outputs::write(arguments, &views, verification.exposure)?;
     Ok((verification, views))
-}
-
-fn check_flags(arguments: &Arguments) -> Result<(), CliError> {
-    for (given, flag) in [
-        (arguments.source.is_some(), "--source"),
-        (arguments.packs.is_some(), "--packs"),
-        (arguments.table, "--table"),
-        (arguments.lod.is_some(), "--lod"),
-        (arguments.exact, "--exact"),
-        (arguments.filter.is_some(), "--filter"),
-        (arguments.options.any(), "encoding options"),
-    ] {
-        if given {
-            let text = format!("{flag}: found with {}, a flat BTF; allowed with BRDFs", arguments.input);
-            return Err(CliError::Usage(text));
-        }
-    }
-    Ok(())
 }
 
 /// Tiles per unit of uv that show a relief well.

@@ -3,11 +3,13 @@
 mod adaptive;
 mod adaptive_options;
 mod arguments;
+mod asset;
 mod contact;
 mod flat;
 mod gpu;
 mod materials;
 mod outputs;
+mod pwt;
 mod scene;
 
 pub use adaptive::Report as AdaptiveReport;
@@ -17,6 +19,7 @@ pub use contact::Report as ContactReport;
 use super::output::{note, print, print_json, remark};
 use super::{CliError, Common, graphics_environment};
 use crate::table;
+use asset::{Asset, AssetKind};
 use brdfc_gpu::verify::{Material, Views, views};
 use brdfc_jobs::report::render::{PartMaterial, PictureGates, Verification};
 use brdfc_source::words::{few, shown};
@@ -50,16 +53,24 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     {
         return Err(CliError::Usage(format!("--lod: found {}; allowed 0 to 6", shown(level))));
     }
+    let asset = asset::asset(arguments)?;
+    if let Some(asset) = &asset {
+        asset::refuse_flags(arguments, asset)?;
+    }
     if arguments.adaptive.adaptive {
         return adaptive::run(arguments, common);
     }
     if let Some(path) = &arguments.contact {
         return contact::run(arguments, path, &gates, started, common);
     }
-    let (verification, views) = if flat::is_flat(&arguments.input) {
-        flat::verification(arguments, common)?
-    } else {
-        of_brdfs(arguments, common)?
+    let (verification, views) = match asset {
+        Some(Asset { input, subject, kind: AssetKind::Pwt(pack) }) => {
+            pwt::verification(arguments, common, &input, &subject, *pack)?
+        }
+        Some(Asset { input, subject, kind: AssetKind::Flat }) => {
+            flat::verification(arguments, common, &input, &subject)?
+        }
+        None => of_brdfs(arguments, common)?,
     };
     let verification = verification.checked_by(&gates, &views);
     if let Some(nothing) = verification.nothing_seen(&views) {

@@ -32,15 +32,37 @@ pub(super) struct Setup {
     pub(super) names: Vec<String>,
 }
 
+/// What is drawn where neither flags nor a manifest say otherwise.
+pub(super) struct Start<'a> {
+    pub(super) builtin: Builtin,
+    /// Pixels per row, and rows.
+    pub(super) size: [usize; 2],
+    /// A scene with its own camera and lights, for pictures of this size.
+    pub(super) scene: &'a dyn Fn(Builtin, [usize; 2]) -> Scene,
+}
+
 /// Decides everything but the materials' values.
 pub(super) fn setup(arguments: &Arguments, subject: &Subject) -> Result<Setup, CliError> {
+    let side = if arguments.contact.is_some() { CONTACT_SIDE } else { DEFAULT_SIDE };
+    setup_from(
+        arguments,
+        subject,
+        &Start { builtin: Builtin::Sphere, size: [side; 2], scene: &|builtin: Builtin, _| builtin.scene() },
+    )
+}
+
+/// The same with other defaults.
+pub(super) fn setup_from(arguments: &Arguments, subject: &Subject, start: &Start<'_>) -> Result<Setup, CliError> {
     let absent = RenderSection::default();
     // What a manifest shows is made for its own scene.
     let shown = subject.manifest().filter(|_| arguments.contact.is_none());
     let section = shown.map_or(&absent, |manifest| &manifest.render);
-    let side = if arguments.contact.is_some() { CONTACT_SIDE } else { DEFAULT_SIDE };
-    let builtin = builtin(arguments, subject, section)?;
-    let mut scene = builtin.scene();
+    let builtin = builtin(arguments, subject, section, start.builtin)?;
+    let (width, height) = match &arguments.size {
+        Some(text) => size(text)?,
+        None => (section.width.unwrap_or(start.size[0]), section.height.unwrap_or(start.size[1])),
+    };
+    let mut scene = (start.scene)(builtin, [width, height]);
     let camera = &section.camera;
     scene.camera.eye = camera.eye.unwrap_or(scene.camera.eye);
     scene.camera.target = camera.target.unwrap_or(scene.camera.target);
@@ -64,10 +86,6 @@ pub(super) fn setup(arguments: &Arguments, subject: &Subject) -> Result<Setup, C
         outputs::check_not_over(arguments, &path)?;
         scene.environment = environment(&path)?;
     }
-    let (width, height) = match &arguments.size {
-        Some(text) => size(text)?,
-        None => (section.width.unwrap_or(side), section.height.unwrap_or(side)),
-    };
     let samples = match arguments.adaptive.adaptive {
         true => arguments.adaptive.points_per_axis(),
         false => arguments.samples.or(section.samples).unwrap_or(DEFAULT_SAMPLES),
@@ -99,11 +117,16 @@ fn size(text: &str) -> Result<(usize, usize), CliError> {
         .ok_or_else(|| CliError::Usage(format!("--size: found {text}; allowed WIDTHxHEIGHT, each 1 to {MAX_SIDE}")))
 }
 
-fn builtin(arguments: &Arguments, subject: &Subject, section: &RenderSection) -> Result<Builtin, CliError> {
+fn builtin(
+    arguments: &Arguments,
+    subject: &Subject,
+    section: &RenderSection,
+    default: Builtin,
+) -> Result<Builtin, CliError> {
     if let Some(name) = arguments.scene {
         return Ok(name.into());
     }
-    let Some(name) = &section.scene else { return Ok(Builtin::Sphere) };
+    let Some(name) = &section.scene else { return Ok(default) };
     let known = Builtin::NAMES.map(|(name, _)| name);
     Builtin::NAMES
         .into_iter()
@@ -141,6 +164,9 @@ fn names(arguments: &Arguments, subject: &Subject, builtin: Builtin) -> Result<V
 /// The materials that the scene uses, or all where it says of none that it does; without a manifest the input.
 pub(super) fn materials_in_turn(arguments: &Arguments, subject: &Subject) -> Result<Vec<String>, CliError> {
     let Some(manifest) = subject.manifest() else { return Ok(vec![arguments.input.to_string()]) };
+    if let Some(asset) = &manifest.render.asset {
+        return Ok(vec![asset.clone()]);
+    }
     let is_used = |name: &&String| manifest.uses.iter().any(|used| used.material.get_ref() == *name);
     let used: Vec<String> = manifest.materials.keys().filter(is_used).cloned().collect();
     let all = if used.is_empty() { manifest.materials.keys().cloned().collect() } else { used };

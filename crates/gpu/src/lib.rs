@@ -10,6 +10,9 @@ mod flat_btf;
 mod flat_textures;
 mod load;
 mod pack;
+mod pwt;
+mod pwt_scene;
+mod pwt_textures;
 mod raster;
 mod surface;
 pub mod verify;
@@ -24,5 +27,7 @@ pub use evaluate::{
 pub use flat::{FLAT_SCENE_WGSL, FlatRenderer, draw_flat_btf, flat_scene_source};
 pub use flat_btf::{EVALUATE_FLAT_BTF_WGSL, FlatBtfAnswer, FlatBtfEvaluator, FlatBtfQuery, LoadedFlatBtf};
 pub use load::LoadedScene;
+pub use pwt::{EVALUATE_PWT_WGSL, LoadedPwt, PwtAnswer, PwtEvaluator, PwtQuery};
+pub use pwt_scene::{PWT_SCENE_WGSL, PwtRenderer, draw_pwt, pwt_scene_source};
 pub use raster::{Target, VIEW_WGSL};
 pub use surface::{ENVIRONMENT_WGSL, PERIODIC_WGSL, SURFACE_WGSL};

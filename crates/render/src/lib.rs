@@ -11,6 +11,7 @@ pub mod flat;
 pub mod gbuffer;
 pub mod lobe_sampler;
 pub mod picture;
+pub mod pwt;
 mod sample_means;
 pub mod scene;
 pub mod scenes;

@@ -21,6 +21,8 @@ mod render;
 #[cfg(feature = "render")]
 mod render_adaptive;
 #[cfg(feature = "render")]
+mod render_assets;
+#[cfg(feature = "render")]
 mod render_studies;
 mod report;
 mod samples;

@@ -9,6 +9,8 @@ mod flat_rebuild;
 mod flat_scenes;
 mod importance_twin;
 mod propagation_twin;
+mod pwt_scenes;
+mod pwt_twin;
 mod render_views;
 mod shader_twin;
 mod table_twin;

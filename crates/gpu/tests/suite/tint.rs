@@ -104,11 +104,12 @@ fn wgsl_files(folder: &Path, found: &mut Vec<PathBuf>) {
 /// The modules that the renderer compiles.
 fn composed() -> Vec<Module> {
     use brdfc_formats::flat_btf::shader::FLAT_BTF_WGSL;
+    use brdfc_formats::pwt::shader::PWT_WGSL;
     use brdfc_formats::table::shader::TABLE_BRDF_WGSL;
     use brdfc_formats::wavelet::shader::WAVELET_BRDF_WGSL;
     use brdfc_gpu::{
-        AdaptiveShaders, COMPUTE_WGSL, EVALUATE_FLAT_BTF_WGSL, EVALUATE_TABLE_WGSL, EVALUATE_WGSL, flat_scene_source,
-        scene_source,
+        AdaptiveShaders, COMPUTE_WGSL, EVALUATE_FLAT_BTF_WGSL, EVALUATE_PWT_WGSL, EVALUATE_TABLE_WGSL, EVALUATE_WGSL,
+        flat_scene_source, pwt_scene_source, scene_source,
     };
     let adaptive = AdaptiveShaders::default();
     let compute = "fn compute(at: u32) { output[at] = input[at]; }\n";
@@ -120,6 +121,8 @@ fn composed() -> Vec<Module> {
         Module::new("evaluate", format!("{WAVELET_BRDF_WGSL}\n{EVALUATE_WGSL}")),
         Module::new("evaluate-table", format!("{TABLE_BRDF_WGSL}\n{EVALUATE_TABLE_WGSL}")),
         Module::new("evaluate flat BTFs", format!("{FLAT_BTF_WGSL}\n{EVALUATE_FLAT_BTF_WGSL}")),
+        Module::new("scene of polynomial wavelet trees", pwt_scene_source()),
+        Module::new("evaluate polynomial wavelet trees", format!("{PWT_WGSL}\n{EVALUATE_PWT_WGSL}")),
         Module::new("compute", format!("{compute}{COMPUTE_WGSL}")),
     ]
 }

@@ -28,6 +28,8 @@ pub struct RenderSection {
     pub samples: Option<usize>,
     /// Factor from radiance to the display's range.
     pub exposure: Option<f64>,
+    /// What goes over all parts instead of materials, relative to the manifest: a flat BTF or the pack of a light stack.
+    pub asset: Option<String>,
     /// A latitude-longitude EXR file, relative to the manifest, that mirrors show.
     pub environment: Option<String>,
     /// From where.
@@ -91,6 +93,7 @@ pub(super) const RENDER_KEYS: &[Key] = &[
     key("height", Shape::WholeNumber, SIDES),
     key("samples", Shape::WholeNumber, SAMPLES),
     key("exposure", Shape::Number, "above 0"),
+    key("asset", Shape::Text, ASSETS),
     key("environment", Shape::Text, "a file .exr or .hdr"),
     key("camera", Shape::Table(Cow::Borrowed(CAMERA_KEYS)), ""),
     key("lights", Shape::Tables(LIGHT_KEYS), ""),
@@ -110,6 +113,7 @@ const LIGHT_KEYS: &[Key] = &[
 const SIDES: &str = "1 to 8192";
 const SAMPLES: &str = "1 to 16";
 const ANGLES: &str = "1 to 170 degrees";
+const ASSETS: &str = "the folder or the .json of a flat BTF, or the pack of a light stack";
 
 impl RenderSection {
     /// Checks ranges.
@@ -130,6 +134,13 @@ impl RenderSection {
             && !(exposure.is_finite() && exposure > 0.0)
         {
             return wrong(&["render", "exposure"], shown(exposure), "a positive number");
+        }
+        if self.asset.as_ref().is_some_and(String::is_empty) {
+            return wrong(&["render", "asset"], "\"\"".to_owned(), ASSETS);
+        }
+        if let Some((part, _)) = self.materials.first_key_value().filter(|_| self.asset.is_some()) {
+            let found = format!("a material of {}, beside render.asset", part.get_ref());
+            return wrong(&["render", "materials"], found, "one of the two: an asset goes over all parts");
         }
         let camera = &self.camera;
         for (key, vector) in [("eye", camera.eye), ("target", camera.target), ("up", camera.up)] {

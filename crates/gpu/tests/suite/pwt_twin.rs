@@ -1,0 +1,316 @@
+//! The shader of polynomial wavelet trees against the CPU decoder, on whatever adapter there is.
+
+use brdfc_formats::pwt::shader::{PWT_FILTER_PRECISION, PWT_WGSL, PwtFilter};
+use brdfc_formats::pwt::{
+    Component, Domain, LightBasis, LightCoordinates, PwtDecoder, PwtErrors, PwtHeader, PwtPack, TextureHeader,
+};
+use brdfc_gpu::{EVALUATE_PWT_WGSL, PwtAnswer, PwtEvaluator, PwtQuery};
+use brdfc_testing::packs::Numbers;
+
+const DOMAINS: [Domain; 4] = [Domain::Linear, Domain::Display, Domain::CubeRoot, Domain::Logarithm { epsilon: 0.0123 }];
+
+/// Relative error that linear values may have: `pow` and `exp` of a shader are not those of the CPU.
+const VALUE_ERROR: f32 = 1e-4;
+
+/// What a made-up pack is like.
+#[derive(Debug, Clone, Copy)]
+struct Shape {
+    size: [u32; 2],
+    extent: [u32; 2],
+    levels: u32,
+    repeats: bool,
+    /// Level, channels and layers of each texture.
+    textures: &'static [[u32; 3]],
+}
+
+const SHAPES: [Shape; 3] = [
+    // A tile of all four textures.
+    Shape {
+        size: [64, 32],
+        extent: [64, 32],
+        levels: 4,
+        repeats: true,
+        textures: &[[0, 4, 3], [1, 2, 4], [3, 1, 5], [4, 4, 2]],
+    },
+    // A picture that its texels go beyond; the first texture lacks fine levels.
+    Shape { size: [37, 61], extent: [40, 64], levels: 3, repeats: false, textures: &[[1, 4, 6], [3, 1, 3]] },
+    // One level, one layer.
+    Shape { size: [13, 7], extent: [13, 7], levels: 0, repeats: false, textures: &[[0, 4, 1]] },
+];
+
+/// A pack with random texels and colours, whose values stay in a sensible range.
+fn pack(shape: Shape, basis: LightBasis, domain: Domain, seed: u64) -> PwtPack {
+    let mut numbers = Numbers::new(seed);
+    let terms = basis.terms();
+    let mut triangle = Vec::new();
+    for k in 0..terms {
+        triangle.extend((0..=k).map(|j| if j == k { 1.0 } else { numbers.between(-0.1, 0.1) as f32 }));
+    }
+    let mut textures = Vec::new();
+    let mut next = 0;
+    for [level, channels, layers] in shape.textures {
+        let components = (0..channels * layers).map(|_| {
+            next += 1;
+            Component {
+                channel: next % 3,
+                term: next * 5 % terms as u32,
+                scale: numbers.between(0.02, 0.1) as f32,
+                low: numbers.between(-0.03, 0.03) as f32,
+            }
+        });
+        textures.push(TextureHeader { level: *level, channels: *channels, components: components.collect() });
+    }
+    let header = PwtHeader {
+        size: shape.size,
+        extent: shape.extent,
+        repeats: shape.repeats,
+        levels: shape.levels,
+        basis,
+        domain,
+        colour: [[0.6, 0.5, 0.4], [0.3, -0.1, -0.2], [0.05, -0.1, 0.1]],
+        triangle,
+        textures,
+        errors: PwtErrors { lights: 0, psnr: 0.0, held_out_psnr: 0.0, delta_e: 0.0 },
+    };
+    let texels = header.textures.iter().map(|texture| {
+        let levels = texture.level..=shape.levels;
+        let count = levels.map(|level| (shape.extent[0] >> level) * (shape.extent[1] >> level)).sum::<u32>();
+        (0..count * texture.components.len() as u32).map(|_| numbers.bits() as u8).collect()
+    });
+    let texels = texels.collect();
+    PwtPack::new(header, texels).unwrap()
+}
+
+/// Every coordinate with every domain; degree 5 and others; the shapes in turn.
+fn packs() -> Vec<PwtDecoder> {
+    let mut packs = Vec::new();
+    for coordinates in LightCoordinates::ALL {
+        for domain in DOMAINS {
+            let number = packs.len();
+            let basis = LightBasis { coordinates, degree: [5, 2, 3, 5, 0][number % 5] };
+            packs.push(PwtDecoder::new(pack(SHAPES[number % 3], basis, domain, 20 + number as u64)));
+        }
+    }
+    packs
+}
+
+/// A light above the horizon.
+fn light(numbers: &mut Numbers) -> [f32; 3] {
+    let (z, phi) = (numbers.between(0.02, 1.0), numbers.between(0.0, std::f64::consts::TAU));
+    let r = (1.0 - z * z).sqrt();
+    [r * phi.cos(), r * phi.sin(), z].map(|c| c as f32)
+}
+
+/// Places of one level: within the picture, beyond it, and on its borders.
+fn queries(level: f32, count: usize, seed: u64) -> Vec<PwtQuery> {
+    let mut numbers = Numbers::new(seed);
+    let edges = [0.0, 1.0, -1.0, 0.5, -1e-9, 0.999_999_94, 37.25];
+    let special = [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 0.6, -0.8]];
+    let query = |k| {
+        let uv = match k % 5 {
+            0 => [0; 2].map(|_| edges[numbers.bits() as usize % edges.len()]),
+            1 => [0; 2].map(|_| numbers.between(-2.0, 3.0) as f32),
+            _ => [0; 2].map(|_| numbers.unit() as f32),
+        };
+        let light = if k % 20 == 0 { special[k / 20 % 3] } else { light(&mut numbers) };
+        PwtQuery { uv, level, light }
+    };
+    (0..count).map(query).collect()
+}
+
+/// Levels to look at: whole ones, blends, and beyond both ends.
+const LEVELS: [f32; 10] = [0.0, 0.25, 1.0, 1.5, 2.0, 2.75, 3.0, 3.4, 4.0, 9.0];
+
+/// Answers at all levels, each in a dispatch of its own: what a driver makes of levels that differ between invocations
+/// is another test.
+fn answers(
+    evaluator: &PwtEvaluator<'_>,
+    decoder: &PwtDecoder,
+    filter: PwtFilter,
+    count: usize,
+) -> Vec<(PwtQuery, PwtAnswer)> {
+    let loaded = evaluator.load(decoder.pack(), filter).unwrap();
+    let of_level = |(k, level): (usize, &f32)| {
+        let queries = queries(*level, count, k as u64);
+        let found = evaluator.eval(&loaded, &queries).unwrap();
+        assert_eq!(found.len(), queries.len());
+        queries.into_iter().zip(found).collect::<Vec<_>>()
+    };
+    LEVELS.iter().enumerate().flat_map(of_level).collect()
+}
+
+/// How far answers are from the decoder's.
+#[derive(Debug, Default, Clone, Copy)]
+struct Difference {
+    /// Channels whose bits differ.
+    other_bits: usize,
+    /// Largest relative error of a linear value; what is below 1e-3 counts as that.
+    value: f32,
+}
+
+fn difference(decoder: &PwtDecoder, answers: &[(PwtQuery, PwtAnswer)]) -> Difference {
+    let mut found = Difference::default();
+    for (query, answer) in answers {
+        let weights = decoder.pack().header().weights(query.light);
+        let channels = decoder.channels(query.uv, query.level, &weights);
+        for (a, b) in channels.iter().zip(answer.channels) {
+            found.other_bits += usize::from(a.to_bits() != b.to_bits());
+        }
+        let value = decoder.value(query.uv, query.level, query.light);
+        for (a, b) in value.iter().zip(answer.value) {
+            found.value = found.value.max((a - b).abs() / a.abs().max(1e-3));
+        }
+    }
+    found
+}
+
+#[test]
+fn exact_filtering_gives_the_channels_of_the_cpu_decoder() {
+    let Some(gpu) = crate::common::gpu() else { return };
+    let evaluator = PwtEvaluator::new(gpu).unwrap();
+    for decoder in packs() {
+        let header = decoder.pack().header();
+        let answers = answers(&evaluator, &decoder, PwtFilter::Exact, 600);
+        let found = difference(&decoder, &answers);
+        let kind = (header.basis, header.domain.name(), header.size);
+        println!("{kind:?}: {found:?}");
+        assert_eq!(found.other_bits, 0, "{kind:?}: {found:?}");
+        assert!(found.value < VALUE_ERROR, "{kind:?}: {found:?}");
+        let lit = answers.iter().filter(|(_, answer)| answer.value != [0.0; 3]).count();
+        assert!(lit > answers.len() / 3, "{kind:?}: {lit} are lit");
+        assert!(answers.iter().all(|(query, answer)| query.light[2] > 0.0 || answer.value == [0.0; 3]));
+    }
+}
+
+/// How far the sampler may take each channel: of each number its weight, times the precision along both axes, and
+/// between levels. Neighbouring texels differ by up to 1.
+fn filter_bound(decoder: &PwtDecoder, query: &PwtQuery) -> [f32; 3] {
+    let header = decoder.pack().header();
+    let weights = header.weights(query.light);
+    let mut bounds = [1e-5; 3];
+    for component in header.components() {
+        let weight = (weights[component.term as usize] * component.scale).abs();
+        bounds[component.channel as usize] += 3.0 * PWT_FILTER_PRECISION * weight;
+    }
+    bounds
+}
+
+/// The largest share of its bound that a channel is off.
+fn share_of_bound(decoder: &PwtDecoder, answers: &[(PwtQuery, PwtAnswer)]) -> f32 {
+    let mut largest = 0.0f32;
+    for (query, answer) in answers {
+        let weights = decoder.pack().header().weights(query.light);
+        let channels = decoder.channels(query.uv, query.level, &weights);
+        let bounds = filter_bound(decoder, query);
+        for k in 0..3 {
+            largest = largest.max((channels[k] - answer.channels[k]).abs() / bounds[k]);
+        }
+    }
+    largest
+}
+
+#[test]
+fn the_sampler_is_within_its_precision() {
+    let Some(gpu) = crate::common::gpu() else { return };
+    let evaluator = PwtEvaluator::new(gpu).unwrap();
+    for decoder in packs() {
+        let answers = answers(&evaluator, &decoder, PwtFilter::Hardware, 300);
+        let share = share_of_bound(&decoder, &answers);
+        println!("{:?}: {share} of the bound", decoder.pack().header().size);
+        assert!(share <= 1.0, "{share}");
+        assert!(share > 0.01, "the sampler is not exact: {share}");
+    }
+}
+
+/// Levels that differ from one invocation to the next. Software drivers have been seen to fetch from other levels than
+/// `textureLoad` asks for there; with sides that halve exactly they do not.
+#[test]
+fn levels_may_differ_between_invocations() {
+    let Some(gpu) = crate::common::gpu() else { return };
+    let evaluator = PwtEvaluator::new(gpu).unwrap();
+    for decoder in &packs()[..3] {
+        let mut queries = queries(0.0, 3000, 8);
+        for (k, query) in queries.iter_mut().enumerate() {
+            query.level = LEVELS[k * 7 % LEVELS.len()];
+        }
+        let found = [PwtFilter::Exact, PwtFilter::Hardware].map(|filter| {
+            let loaded = evaluator.load(decoder.pack(), filter).unwrap();
+            let found = evaluator.eval(&loaded, &queries).unwrap();
+            queries.iter().copied().zip(found).collect::<Vec<_>>()
+        });
+        assert_eq!(difference(decoder, &found[0]).other_bits, 0);
+        assert!(share_of_bound(decoder, &found[1]) <= 1.0);
+    }
+}
+
+/// Fetches are counted by a counter that is put before every fetch.
+#[test]
+fn the_sampler_fetches_once_per_layer() {
+    let Some(gpu) = crate::common::gpu() else { return };
+    let counted = PWT_WGSL.replace("{ return texture", "{ fetch_count += 1u; return texture");
+    assert_eq!(counted.matches("fetch_count").count(), 8, "four textures, two ways");
+    assert_eq!(PWT_WGSL.matches("textureLoad(").count() + PWT_WGSL.matches("textureSampleLevel(").count(), 8);
+    let counted = format!("var<private> fetch_count: u32 = 0u;\n{counted}");
+    let entry_point = EVALUATE_PWT_WGSL.replace("return 0.0;", "return f32(fetch_count);");
+    assert_ne!(entry_point, EVALUATE_PWT_WGSL);
+    let evaluator = PwtEvaluator::with_shaders(gpu, &counted, &entry_point).unwrap();
+    for decoder in &packs()[..3] {
+        let header = decoder.pack().header();
+        for (query, answer) in answers(&evaluator, decoder, PwtFilter::Hardware, 30) {
+            assert_eq!(answer.fetches, header.fetches() as f32, "{query:?}");
+        }
+        for (query, answer) in answers(&evaluator, decoder, PwtFilter::Exact, 30) {
+            let own = |level: u32| (query.level - level as f32).clamp(0.0, (header.levels - level) as f32);
+            let texels = |level: u32| if own(level).fract() > 0.0 { 8 } else { 4 };
+            let expected: u32 = header.textures.iter().map(|texture| texture.layers() * texels(texture.level)).sum();
+            assert_eq!(answer.fetches, expected as f32, "{query:?}");
+        }
+    }
+}
+
+/// Steps of the shader and small changes of them, each of which has to be seen in one of the packs.
+const CHANGES: [(usize, &str, &str); 22] = [
+    (0, "if wi.z <= 0.0 {", "if wi.z <= -1.0 {"),
+    (10, "select(n * (n + 1u) / 2u, n * n,", "select(n * (n + 1u) / 2u, n * n - 1u,"),
+    (0, "pwt.triangle[at / 4u][at % 4u]", "pwt.triangle[at / 4u][at % 3u]"),
+    (10, "max(wi.z, 0.0)", "max(wi.z, 0.1)"),
+    (0, "let scale = 1.0 + wi.z;", "let scale = 1.001 + wi.z;"),
+    (0, "terms[first - 1u] * v", "terms[first - 1u] * u"),
+    (10, "2.0 * z - 1.0", "2.0 * z - 1.001"),
+    (10, "let scale = 2.0 * sqrt", "let scale = 2.001 * sqrt"),
+    (10, "2.0 * order - 1.0", "2.0 * order + 1.0"),
+    (10, "(degree - order + 1.0)", "(degree - order + 2.0)"),
+    (1, "at = within * (pwt.size / pwt.extent)", "at = within"),
+    (0, "uv - floor(uv), pwt.repeats == 1u", "uv - floor(uv), pwt.repeats == 2u"),
+    (0, "f32(pwt.levels - base)", "f32(pwt.levels)"),
+    (0, "let blend = own - f32(finer);", "let blend = 0.0;"),
+    (0, "pwt_filtered(index, layer, at, finer + 1u)", "pwt_filtered(index, layer, at, finer)"),
+    (0, "vec2<f32>(side) - 0.5", "vec2<f32>(side) - 0.4999"),
+    (0, "let d = pwt_load(index, layer, last, level);", "let d = c;"),
+    (0, "((texel % side) + side) % side", "clamp(texel, vec2<i32>(0), side - 1)"),
+    (0, "case 1u: { return textureLoad(pwt_texture_1,", "case 1u: { return textureLoad(pwt_texture_0,"),
+    (1, "vec3<f32>(2.4)", "vec3<f32>(2.41)"),
+    (1, "value <= vec3<f32>(0.04045)", "value <= vec3<f32>(0.06)"),
+    (3, "- pwt.epsilon;", "- 1.01 * pwt.epsilon;"),
+];
+
+/// The negative control: every change above is noticed.
+#[test]
+fn a_changed_step_is_noticed() {
+    let Some(gpu) = crate::common::gpu() else { return };
+    let packs = packs();
+    let missed = CHANGES.iter().filter(|(pack, from, to)| {
+        assert_eq!(PWT_WGSL.matches(from).count(), 1, "{from}");
+        let decoder = PWT_WGSL.replace(from, to);
+        let evaluator = PwtEvaluator::with_shaders(gpu, &decoder, EVALUATE_PWT_WGSL).unwrap();
+        let pack = &packs[*pack];
+        let found = difference(pack, &answers(&evaluator, pack, PwtFilter::Exact, 100));
+        found.other_bits == 0 && found.value <= VALUE_ERROR
+    });
+    let missed: Vec<_> = missed.collect();
+    assert!(missed.is_empty(), "{missed:?}");
+    let coarser = PWT_WGSL.replace("pwt_sampler, at, layer, own", "pwt_sampler, at, layer, own + 0.1");
+    let evaluator = PwtEvaluator::with_shaders(gpu, &coarser, EVALUATE_PWT_WGSL).unwrap();
+    let answers = answers(&evaluator, &packs[0], PwtFilter::Hardware, 100);
+    assert!(share_of_bound(&packs[0], &answers) > 1.0, "the bound of the sampler is tight enough");
+}

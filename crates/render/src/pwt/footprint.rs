@@ -1,0 +1,46 @@
+//! How far a pixel reaches in the coordinates of a surface.
+
+use crate::scene::{Frame, Mesh, Scene};
+use crate::trace::Hit;
+use crate::vector::{cross, double, subtract};
+use brdfc_formats::direction::{Vector, dot};
+
+/// How uv changes to the pixel on the right and to that below, on the plane of the triangle that is hit at `[x, y]`.
+/// Infinite where a neighbour does not see that plane.
+pub(super) fn footprint(scene: &Scene, frame: Frame, hit: &Hit, [x, y]: [f64; 2]) -> [[f64; 2]; 2] {
+    let mesh = &scene.parts[hit.part as usize].mesh;
+    let camera = &scene.camera;
+    let seen = |x: f64, y: f64| plane_coordinates(mesh, hit.triangle, camera.eye, camera.ray(frame, x, y));
+    let here = seen(x, y);
+    let step = |there: Option<[f64; 2]>| match (here, there) {
+        (Some([u, v]), Some([s, t])) => [s - u, t - v],
+        _ => [f64::INFINITY; 2],
+    };
+    [step(seen(x + 1.0, y)), step(seen(x, y + 1.0))]
+}
+
+/// The coordinates where a ray meets the plane of a triangle, as far as they go on beyond it.
+fn plane_coordinates(mesh: &Mesh, triangle: u32, eye: Vector, ray: Vector) -> Option<[f64; 2]> {
+    let corners = mesh.triangles[triangle as usize].map(|corner| &mesh.vertices[corner as usize]);
+    let [a, b, c] = corners.map(|corner| double(corner.position));
+    let (along, across) = (subtract(b, a), subtract(c, a));
+    let normal = cross(along, across);
+    let distance = dot(normal, subtract(a, eye)) / dot(normal, ray);
+    if !(distance > 0.0 && distance.is_finite()) {
+        return None;
+    }
+    let p = subtract([0, 1, 2].map(|k| eye[k] + distance * ray[k]), a);
+    let area = dot(normal, normal);
+    let weights = [dot(normal, cross(p, across)) / area, dot(normal, cross(along, p)) / area];
+    Some([0, 1].map(|k| {
+        let [first, second, third] = corners.map(|corner| f64::from(corner.uv[k]));
+        first + weights[0] * (second - first) + weights[1] * (third - first)
+    }))
+}
+
+/// Whether a triangle is seen from behind.
+pub(super) fn from_behind(mesh: &Mesh, triangle: u32, to_viewer: Vector) -> bool {
+    let corners = mesh.triangles[triangle as usize];
+    let [a, b, c] = corners.map(|corner| double(mesh.vertices[corner as usize].position));
+    dot(cross(subtract(b, a), subtract(c, a)), to_viewer) < 0.0
+}

@@ -1,0 +1,181 @@
+//! Pictures under any light, of packs of polynomial wavelet trees, on the surfaces of a scene.
+//!
+//! Each surface is the picture's plane, bent: the picture's right is the tangent, its top the bitangent, and the light
+//! that a texel is evaluated for is the direction to the scene's light in that frame, whatever the view. One material
+//! goes over all parts of a scene; their bump maps and mirrors are not looked at.
+//!
+//! Values are relative to what the photographs show of white, with the cosine inside: a point light of radiant intensity
+//! I at distance d gives the radiance `value I / (π d²)`.
+
+mod footprint;
+mod photograph;
+mod scene;
+
+pub use photograph::Photograph;
+pub use scene::{distant_light, picture_scene};
+
+use super::sample_means::sample_means;
+use super::scene::{Frame, Scene};
+use super::shading_point::ShadingPoint;
+use super::trace::trace;
+use super::vector::subtract;
+use brdfc_formats::FormatError;
+use brdfc_formats::direction::{Vector, dot};
+use brdfc_formats::pwt::PwtDecoder;
+use brdfc_metrics::image::LinearImage;
+use footprint::{footprint, from_behind};
+use std::f64::consts::PI;
+
+/// A pack as a material of surfaces.
+#[derive(Debug, Clone)]
+pub struct PwtMaterial {
+    decoder: PwtDecoder,
+    repeat: u32,
+}
+
+impl PwtMaterial {
+    /// A material that repeats `repeat` times per unit of a mesh's uv.
+    ///
+    /// # Errors
+    /// A repetition of 0, or of more than 1 where the picture is no tile.
+    pub fn new(decoder: PwtDecoder, repeat: u32) -> Result<Self, FormatError> {
+        let wrong = |allowed| Err(FormatError::whole("repeat", repeat.to_string(), allowed));
+        match (repeat, decoder.pack().header().repeats) {
+            (0, _) => wrong("1 or more per unit of uv"),
+            (2.., false) => wrong("1: the picture is no tile"),
+            _ => Ok(Self { decoder, repeat }),
+        }
+    }
+
+    /// What it decodes.
+    pub fn decoder(&self) -> &PwtDecoder {
+        &self.decoder
+    }
+
+    /// Pictures per unit of a mesh's uv.
+    pub fn repeat(&self) -> u32 {
+        self.repeat
+    }
+}
+
+/// Draws a scene whose parts are all of one pack, with exact filters: `pwt_scene.wgsl` does the same steps.
+pub fn draw_on_cpu(scene: &Scene, frame: Frame, material: &PwtMaterial) -> LinearImage {
+    let decoder = &material.decoder;
+    let size = decoder.pack().header().size.map(|side| side as usize);
+    draw(scene, frame, material.repeat, size, |_, uv, level, light| decoder.value(uv, level, light.map(|c| c as f32)))
+}
+
+/// The same of photographs, one for each light of the scene, whatever its direction.
+///
+/// # Panics
+/// If there is another number of photographs than of lights.
+pub fn draw_photographs(scene: &Scene, frame: Frame, photographs: &[Photograph], repeat: u32) -> LinearImage {
+    assert_eq!(photographs.len(), scene.lights.len(), "a photograph for each light");
+    let size = photographs.first().map_or([1; 2], Photograph::size);
+    draw(scene, frame, repeat, size, |light, uv, level, _| photographs[light].value(uv, level))
+}
+
+/// The mipmap level of a pixel, from how uv changes to its neighbours: the twin of `pwt_level`.
+pub fn mipmap_level(right: [f64; 2], below: [f64; 2], size: [usize; 2]) -> f32 {
+    let squared = |step: [f64; 2]| (0..2).map(|axis| (step[axis] * size[axis] as f64).powi(2)).sum::<f64>();
+    (0.5 * squared(right).max(squared(below)).max(1e-20).log2()).max(0.0) as f32
+}
+
+/// `value` is relative to white at a light's number, a place in the picture, a mipmap level and a direction.
+fn draw(
+    scene: &Scene,
+    frame: Frame,
+    repeat: u32,
+    size: [usize; 2],
+    value: impl Fn(usize, [f32; 2], f32, Vector) -> [f32; 3] + Sync,
+) -> LinearImage {
+    let hits = trace(scene, frame).0;
+    sample_means(scene, frame, |pixel, sample| {
+        let hit = hits[pixel * frame.samples_per_pixel() + sample].as_ref()?;
+        let part = &scene.parts[hit.part as usize];
+        let point = ShadingPoint::without_bump(part, hit, scene.camera.eye);
+        let [right, below] = footprint(scene, frame, hit, frame.sample_position(pixel, sample));
+        let times = |step: [f64; 2]| step.map(|c| c * f64::from(repeat));
+        let level = mipmap_level(times(right), times(below), size);
+        let from_behind = from_behind(&part.mesh, hit.triangle, point.to_viewer);
+        let uv = picture_coordinates(point.uv, from_behind, repeat);
+        let mut radiance = [0.0; 3];
+        for (number, light) in scene.lights.iter().enumerate() {
+            let to_light = subtract(light.position, point.position);
+            let squared = dot(to_light, to_light);
+            let incoming = point.local(to_light.map(|c| c / squared.sqrt()));
+            if incoming[2] <= 0.0 || incoming[2].is_nan() {
+                continue;
+            }
+            let value = value(number, uv, level, incoming);
+            (0..3).for_each(|k| radiance[k] += f64::from(value[k]) * light.intensity[k] / (PI * squared));
+        }
+        Some(radiance)
+    })
+}
+
+/// Where a point is in the picture: v goes down in it, and along the bitangent on the surface.
+fn picture_coordinates([u, v]: [f64; 2], from_behind: bool, repeat: u32) -> [f32; 2] {
+    // From behind the point's v is negated, and the bitangent goes the other way.
+    let down = if from_behind { -v } else { 1.0 - v };
+    [u, down].map(|c| (c * f64::from(repeat)) as f32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::PointLight;
+
+    const FRAME: Frame = Frame { width: 40, height: 20, samples: 1 };
+    const SIZE: [usize; 2] = [40, 20];
+
+    /// Every pixel of a photograph that is red at the top left, blue at the bottom right.
+    fn photograph() -> Photograph {
+        let pixel = |at: usize| [1.0 - (at % 40) as f32 / 80.0, 0.25, (at / 40) as f32 / 40.0];
+        Photograph::new(SIZE, (0..800).map(pixel).collect(), false)
+    }
+
+    fn scene() -> Scene {
+        picture_scene(SIZE, [FRAME.width, FRAME.height])
+    }
+
+    /// Known answer: seen from above, the picture is the photograph, upright.
+    #[test]
+    fn from_above_the_picture_is_the_photograph() {
+        let scene = scene();
+        let picture = draw_photographs(&scene, FRAME, &[photograph()], 1);
+        let at = |x: usize, y: usize| picture.pixels[y * 40 + x];
+        for (x, y) in [(3, 2), (36, 2), (3, 17), (36, 17)] {
+            let [red, green, blue] = at(x, y);
+            // Light falls off a little across the plane; colours do not.
+            let expected = [(1.0 - x as f32 / 80.0) / 0.25, y as f32 / 40.0 / 0.25];
+            assert!((red / green - expected[0]).abs() < 0.1 && (blue / green - expected[1]).abs() < 0.1, "{x} {y}");
+        }
+        assert!(at(3, 17)[2] > 3.0 * at(3, 2)[2]);
+    }
+
+    #[test]
+    fn level_0_is_a_texel_per_pixel() {
+        assert_eq!(mipmap_level([1.0 / 40.0, 0.0], [0.0, 1.0 / 20.0], SIZE), 0.0);
+        assert_eq!(mipmap_level([4.0 / 40.0, 0.0], [0.0, 1.0 / 20.0], SIZE), 2.0);
+        assert_eq!(mipmap_level([0.1 / 40.0, 0.0], [0.0, 0.1 / 20.0], SIZE), 0.0);
+        assert_eq!(mipmap_level([f64::INFINITY, 0.0], [0.0, 0.1], SIZE), f32::INFINITY);
+    }
+
+    /// The light that a photograph is made under: its top is up in the picture.
+    #[test]
+    fn directions_are_those_of_the_picture() {
+        let mut scene = scene();
+        let towards = |position| PointLight { position, intensity: [PI * 1e6; 3] };
+        scene.lights = vec![towards([1e3, 0.1, 0.0]), towards([0.0, 0.1, -1e3]), towards([0.0, 1e3, 0.0])];
+        let found = std::sync::Mutex::new(vec![[0.0; 3]; 3]);
+        draw(&scene, Frame { width: 1, height: 1, samples: 1 }, 1, SIZE, |light, _, _, direction| {
+            found.lock().unwrap()[light] = direction;
+            [0.0; 3]
+        });
+        let found = found.into_inner().unwrap();
+        for (axis, direction) in found.iter().enumerate() {
+            assert!(direction[axis] > 0.999, "{direction:?}");
+        }
+    }
+}

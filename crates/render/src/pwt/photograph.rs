@@ -1,0 +1,96 @@
+//! What a pack is to look like: a photograph, filtered as its texels are.
+
+/// A photograph with mipmaps: means of four pixels.
+#[derive(Debug, Clone)]
+pub struct Photograph {
+    /// Columns, rows and linear RGB, from the finest.
+    levels: Vec<([usize; 2], Vec<[f32; 3]>)>,
+    repeats: bool,
+}
+
+impl Photograph {
+    /// Of linear RGB, row by row from the top.
+    ///
+    /// # Panics
+    /// If a side is 0, or there is another number of pixels: a mistake of the caller.
+    pub fn new(size: [usize; 2], pixels: Vec<[f32; 3]>, repeats: bool) -> Self {
+        assert!(size[0] * size[1] > 0 && pixels.len() == size[0] * size[1], "{size:?} and {} pixels", pixels.len());
+        let mut levels = vec![(size, pixels)];
+        while let Some((size, pixels)) = levels.last().filter(|(size, _)| *size != [1, 1]) {
+            levels.push(halved(*size, pixels));
+        }
+        Self { levels, repeats }
+    }
+
+    /// Columns and rows.
+    pub fn size(&self) -> [usize; 2] {
+        self.levels[0].0
+    }
+
+    /// Linear RGB at a place, 0 to 1 across the picture and down from its top, at a mipmap level.
+    pub fn value(&self, uv: [f32; 2], level: f32) -> [f32; 3] {
+        let level = level.clamp(0.0, (self.levels.len() - 1) as f32);
+        let (finer, blend) = (level.floor(), level.fract());
+        let fine = self.bilinear(finer as usize, uv);
+        if blend == 0.0 {
+            return fine;
+        }
+        let coarse = self.bilinear(finer as usize + 1, uv);
+        [0, 1, 2].map(|k| fine[k] + blend * (coarse[k] - fine[k]))
+    }
+
+    fn bilinear(&self, level: usize, uv: [f32; 2]) -> [f32; 3] {
+        let ([width, height], pixels) = &self.levels[level];
+        let axis = |at: f32, side: usize| {
+            let within = if self.repeats { at - at.floor() } else { at.clamp(0.0, 1.0) };
+            let position = within * side as f32 - 0.5;
+            let lower = position.floor() as i64;
+            let index = |k: i64| {
+                if self.repeats { k.rem_euclid(side as i64) as usize } else { k.clamp(0, side as i64 - 1) as usize }
+            };
+            (index(lower), index(lower + 1), position - position.floor())
+        };
+        let ((left, right, x), (upper, lower, y)) = (axis(uv[0], *width), axis(uv[1], *height));
+        let along = |row: usize, k: usize| {
+            let [a, b] = [left, right].map(|column| pixels[row * width + column][k]);
+            a + x * (b - a)
+        };
+        [0, 1, 2].map(|k| {
+            let [a, b] = [upper, lower].map(|row| along(row, k));
+            a + y * (b - a)
+        })
+    }
+}
+
+/// Half of each side, at least 1; where a side is odd its last pixel counts for two.
+fn halved([width, height]: [usize; 2], pixels: &[[f32; 3]]) -> ([usize; 2], Vec<[f32; 3]>) {
+    let half = [width.div_ceil(2), height.div_ceil(2)];
+    let mean = |at: usize| {
+        let (x, y) = (2 * (at % half[0]), 2 * (at / half[0]));
+        let four = [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)];
+        let four = four.map(|(x, y)| pixels[y.min(height - 1) * width + x.min(width - 1)]);
+        [0, 1, 2].map(|k| four.iter().map(|pixel| pixel[k]).sum::<f32>() / 4.0)
+    };
+    (half, (0..half[0] * half[1]).map(mean).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pixels_and_their_means() {
+        let pixels: Vec<[f32; 3]> = (0..6).map(|k| [k as f32, 0.0, 1.0]).collect();
+        let photograph = Photograph::new([3, 2], pixels.clone(), false);
+        assert_eq!(photograph.value([0.5 / 3.0, 0.25], 0.0), [0.0, 0.0, 1.0]);
+        assert_eq!(photograph.value([2.5 / 3.0, 0.75], 0.0), [5.0, 0.0, 1.0]);
+        assert_eq!(photograph.value([1.0 / 3.0, 0.5], 0.0), [2.0, 0.0, 1.0]);
+        // 0, 1, 3, 4 and twice 2, 5; then both.
+        assert_eq!(photograph.value([0.25, 0.5], 1.0)[0], 2.0);
+        assert_eq!(photograph.value([0.75, 0.5], 1.0)[0], 3.5);
+        assert_eq!(photograph.value([0.1, 0.9], 9.0)[0], 2.75);
+        let tile = Photograph::new([3, 2], pixels, true);
+        assert_eq!(tile.value([1.0 + 0.5 / 3.0, -0.75], 0.0), [0.0, 0.0, 1.0]);
+        assert_eq!((photograph.value([0.0, 0.25], 0.0)[0], tile.value([0.0, 0.25], 0.0)[0]), (0.0, 1.0));
+    }
+}
