@@ -28,7 +28,8 @@ enum Report {
     Encode,
     /// 'brdfc compare --json'.
     Compare,
-    /// 'brdfc info --json' of a material, a pack that is drawn, or importance samples.
+    /// 'brdfc info --json' of a material, a pack that is drawn, importance samples, photographs under known lights, or a
+    /// polynomial wavelet tree or texture map.
     Info,
     /// 'brdfc bandwidth --json', and 'brdfc info --json' of a bandwidth map.
     Bandwidth,

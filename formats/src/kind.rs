@@ -122,23 +122,25 @@ impl Pack {
     /// What breaks the rules of the kind.
     pub fn of_kind(kind: PackKind, packed: PackedTexture<'_>) -> Result<Self, FormatError> {
         let limit = kind.most_texel_bytes();
-        // No other kind has mipmaps.
-        let texture = if kind == PackKind::Pwt { packed.unpack_levels(limit)? } else { packed.unpack(limit)? };
         Ok(match kind {
-            PackKind::Wavelet => Self::Wavelet(WaveletPack::from_texture(texture)?),
-            PackKind::Table => Self::Table(TablePack::from_texture(texture)?),
-            PackKind::Bandwidth => Self::Bandwidth(BandwidthMap::from_texture(&texture)?),
-            PackKind::Importance => Self::Importance(ImportancePack::from_texture(&texture)?),
-            PackKind::Pwt => Self::Pwt(PwtPack::from_texture(texture)?),
-            PackKind::FlatBtf(part) => match part {
-                FlatPart::Position => Self::Position(PositionMap::from_texture(&texture)?),
-                FlatPart::Normal => Self::Normal(NormalMap::from_texture(&texture)?),
-                FlatPart::Reference => Self::Reference(ReferenceMap::from_texture(&texture)?),
-                FlatPart::Diffuse => Self::Diffuse(DiffuseMap::from_texture(&texture)?),
-                FlatPart::Mask => Self::Mask(VisibilityMask::from_texture(&texture)?),
-                FlatPart::Indirection => Self::Indirection(IndirectionMap::from_texture(&texture)?),
-                FlatPart::View => Self::View(FlatView::from_texture(&texture)?),
-            },
+            PackKind::Wavelet => Self::Wavelet(WaveletPack::from_texture(packed.unpack(limit)?)?),
+            PackKind::Table => Self::Table(TablePack::from_texture(packed.unpack(limit)?)?),
+            PackKind::Bandwidth => Self::Bandwidth(BandwidthMap::from_texture(&packed.unpack(limit)?)?),
+            PackKind::Importance => Self::Importance(ImportancePack::from_texture(&packed.unpack(limit)?)?),
+            // The one kind of several textures, and of mipmaps.
+            PackKind::Pwt => Self::Pwt(PwtPack::from_packed(packed)?),
+            PackKind::FlatBtf(part) => {
+                let texture = packed.unpack(limit)?;
+                match part {
+                    FlatPart::Position => Self::Position(PositionMap::from_texture(&texture)?),
+                    FlatPart::Normal => Self::Normal(NormalMap::from_texture(&texture)?),
+                    FlatPart::Reference => Self::Reference(ReferenceMap::from_texture(&texture)?),
+                    FlatPart::Diffuse => Self::Diffuse(DiffuseMap::from_texture(&texture)?),
+                    FlatPart::Mask => Self::Mask(VisibilityMask::from_texture(&texture)?),
+                    FlatPart::Indirection => Self::Indirection(IndirectionMap::from_texture(&texture)?),
+                    FlatPart::View => Self::View(FlatView::from_texture(&texture)?),
+                }
+            }
         })
     }
 

@@ -9,6 +9,7 @@ use brdfc_flat_btf::structures::STRUCTURES;
 use brdfc_formats::{BrdfPack, FormatError, Pack};
 use brdfc_importance::ImportanceFacts;
 use brdfc_jobs::flatten::{AssetFile, SurfaceFacts, describe_surface, open_asset};
+use brdfc_pwt::PwtFacts;
 use brdfc_source::address::{SYNTH_PREFIX, split_query};
 use brdfc_source::btf_stack::has_images;
 use brdfc_source::flat_btf::{asset_of_part, check_flat_btf};
@@ -24,7 +25,7 @@ use std::path::Path;
 /// Say what an input is: layout, sizes, symmetries, measured errors of a pack.
 ///
 /// Of a mesh: whether it closes over the tile, and what would be mended. Of a folder of images: what is missing. Of
-/// photographs under known lights, and of polynomial texture maps: lights and sizes.
+/// photographs under known lights, of polynomial texture maps and polynomial wavelet trees: lights and sizes.
 ///
 /// Schemas of --json: 'info'; of a flat BTF 'flat-btf'; of a part of one, a structure, a mesh, a height map or images
 /// 'info-surface'; of a bandwidth map 'bandwidth'.
@@ -78,6 +79,8 @@ enum Other {
     LightStack(LightStackFacts),
     /// A polynomial texture map.
     Ptm(PtmFacts),
+    /// A polynomial wavelet tree.
+    PwtPack(PwtFacts),
 }
 
 /// What `--json` prints of what 'brdfc flatten' takes, and of a part of a flat BTF.
@@ -107,6 +110,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let contents = match if is_pack { Some(open_pack(input)?) } else { None } {
         Some(Pack::Bandwidth(map)) => return bandwidth::info(&map, common),
         Some(Pack::Importance(pack)) => Some(Contents::Other(Other::ImportancePack(ImportanceFacts::new(&pack)))),
+        Some(Pack::Pwt(pack)) => Some(Contents::Other(Other::PwtPack(PwtFacts::new(&pack)))),
         Some(Pack::Wavelet(pack)) => Some(reflectance(opened(&BrdfPack::Wavelet(pack), None))),
         Some(Pack::Table(pack)) => Some(reflectance(opened(&BrdfPack::Table(pack), None))),
         _ => None,
@@ -236,7 +240,15 @@ fn contents_in_words(contents: &Contents) -> Vec<(&'static str, String)> {
         Contents::Other(Other::ImportancePack(facts)) => importance_in_words(facts),
         Contents::Other(Other::LightStack(facts)) => facts.in_words(),
         Contents::Other(Other::Ptm(facts)) => facts.in_words(),
+        Contents::Other(Other::PwtPack(facts)) => pwt_in_words(facts),
     }
+}
+
+/// Lines about polynomial wavelet trees.
+pub(super) fn pwt_in_words(facts: &PwtFacts) -> Vec<(&'static str, String)> {
+    let mut lines = facts.in_words();
+    lines.push(("bytes on a GPU", bytes(facts.gpu_bytes)));
+    lines
 }
 
 /// Lines about importance samples.

@@ -12,7 +12,7 @@ pub enum OrdinaryBtf {
     /// A folder of images.
     Stack(BtfStack),
     /// A file of the Bonn database of 2014.
-    Ubo(UboBtfFile),
+    Ubo(Box<UboBtfFile>),
 }
 
 impl OrdinaryBtf {
@@ -26,7 +26,7 @@ impl OrdinaryBtf {
     /// # Errors
     /// As [`BtfStack::open`] and [`UboBtfFile::open`].
     pub fn open(path: &Path) -> Result<Self, InputError> {
-        Ok(if path.is_dir() { Self::Stack(BtfStack::open(path)?) } else { Self::Ubo(UboBtfFile::open(path)?) })
+        Ok(if path.is_dir() { Self::Stack(BtfStack::open(path)?) } else { Self::Ubo(Box::new(UboBtfFile::open(path)?)) })
     }
 
     /// Directions to the viewer.

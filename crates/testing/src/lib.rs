@@ -6,6 +6,7 @@ pub mod checks;
 pub mod flat_btf;
 pub mod golden;
 pub mod packs;
+pub mod pwt;
 pub mod tensor;
 pub mod wrapped;
 

@@ -2,11 +2,21 @@
 
 use crate::FormatError;
 use crate::container::Texture;
+use std::collections::BTreeMap;
 
 /// The value of an entry that `kind`, such as "a wavelet pack", has.
 pub(crate) fn entry<'a>(texture: &'a Texture, key: &'static str, kind: &str) -> Result<&'a [u8], FormatError> {
-    texture.entries.get(key).map(Vec::as_slice).ok_or_else(|| {
-        let keys: Vec<_> = texture.entries.keys().map(String::as_str).collect();
+    value_of(&texture.entries, key, kind)
+}
+
+/// [`entry`] of a file's entries.
+pub(crate) fn value_of<'a>(
+    entries: &'a BTreeMap<String, Vec<u8>>,
+    key: &'static str,
+    kind: &str,
+) -> Result<&'a [u8], FormatError> {
+    entries.get(key).map(Vec::as_slice).ok_or_else(|| {
+        let keys: Vec<_> = entries.keys().map(String::as_str).collect();
         let found = if keys.is_empty() { "no brdfc entries".to_owned() } else { format!("only {}", keys.join(", ")) };
         FormatError::whole(key, found, format!("the entries of {kind}"))
     })

@@ -106,10 +106,20 @@ impl PwtDecoder {
         })
     }
 
+    /// Bytes that [`Self::unpacked`] takes. A small file may ask for many: a picture of 8192 x 8192 texels whose only
+    /// texture is coarse.
+    pub fn unpacked_bytes(&self, level: u32) -> u64 {
+        let header = self.pack.header();
+        let texels: u64 =
+            header.size.map(|side| u64::from(side.div_ceil(1 << level.min(header.levels)))).iter().product();
+        4 * texels * header.components().count() as u64
+    }
+
     /// A mipmap level of the picture, 0 to [`super::PwtHeader::levels`], with every term at its resolution: for whole
-    /// pictures. Values are those of [`Self::channels`] at the centres of texels.
+    /// pictures. Beyond that it is the coarsest. Values are those of [`Self::channels`] at the centres of texels.
     pub fn unpacked(&self, level: u32) -> UnpackedLevel<'_> {
         let header = self.pack.header();
+        let level = level.min(header.levels);
         let extent = header.extent.map(|side| side >> level);
         let size = header.size.map(|side| side.div_ceil(1 << level));
         let mut planes = Vec::new();

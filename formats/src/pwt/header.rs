@@ -4,6 +4,7 @@ use super::basis::{LightBasis, LightCoordinates, MAX_DEGREE, MAX_TERMS};
 use super::domain::Domain;
 use crate::FormatError;
 use crate::cursor::Cursor;
+use crate::error::Place;
 
 /// The entry that makes a texture this kind of pack.
 pub const PWT_ENTRY: &str = "brdfc.pwt";
@@ -99,6 +100,13 @@ fn refused(field: &str, found: impl ToString, allowed: impl Into<String>) -> For
     FormatError::whole(format!("{PWT_ENTRY} {field}"), found.to_string(), allowed.into())
 }
 
+fn finite(field: &str, numbers: impl IntoIterator<Item = f32>) -> Result<(), FormatError> {
+    match numbers.into_iter().find(|number| !number.is_finite()) {
+        Some(found) => Err(refused(field, found, "finite numbers")),
+        None => Ok(()),
+    }
+}
+
 impl PwtHeader {
     /// Weights of all terms under a light: a unit vector to it.
     pub fn weights(&self, light: [f32; 3]) -> [f32; MAX_TERMS] {
@@ -134,17 +142,17 @@ impl PwtHeader {
     /// # Errors
     /// Names the field that is out of range.
     pub fn check(&self) -> Result<(), FormatError> {
+        if self.levels > MAX_LEVEL {
+            return Err(refused("levels", self.levels, format!("0 to {MAX_LEVEL}")));
+        }
         for (size, extent) in self.size.into_iter().zip(self.extent) {
             if !(1..=MAX_SIDE).contains(&size) {
                 return Err(refused("size", size, format!("1 to {MAX_SIDE}")));
             }
-            let most = if self.repeats { size } else { size.saturating_add(1 << self.levels.min(MAX_LEVEL)) - 1 };
-            if !(size..=most.min(MAX_SIDE)).contains(&extent) {
-                return Err(refused("extent", extent, format!("{size} to {}", most.min(MAX_SIDE))));
+            let most = if self.repeats { size } else { (size + (1 << self.levels) - 1).min(MAX_SIDE) };
+            if !(size..=most).contains(&extent) {
+                return Err(refused("extent", extent, format!("{size} to {most}")));
             }
-        }
-        if self.levels > MAX_LEVEL {
-            return Err(refused("levels", self.levels, format!("0 to {MAX_LEVEL}")));
         }
         if self.extent.iter().any(|side| side % (1 << self.levels) != 0) {
             let [width, height] = self.extent;
@@ -164,10 +172,13 @@ impl PwtHeader {
             let allowed = format!("{}, as the degree says", terms * (terms + 1) / 2);
             return Err(refused("triangle", format!("{} numbers", self.triangle.len()), allowed));
         }
-        let numbers = self.triangle.iter().chain(self.colour.iter().flatten()).copied();
-        let mut numbers = numbers.chain(self.components().flat_map(|component| [component.scale, component.low]));
-        if let Some(found) = numbers.find(|number| !number.is_finite()) {
-            return Err(refused("triangle, colours and components", found, "finite numbers"));
+        finite("triangle", self.triangle.iter().copied())?;
+        finite("colour", self.colour.iter().flatten().copied())?;
+        let PwtErrors { lights: _, psnr, held_out_psnr, delta_e } = self.errors;
+        finite("psnr", [psnr])?;
+        finite("held-out psnr", [held_out_psnr])?;
+        if !(delta_e.is_finite() && delta_e >= 0.0) {
+            return Err(refused("delta E", delta_e, "0 or more"));
         }
         if !(1..=MAX_TEXTURES).contains(&self.textures.len()) {
             return Err(refused("textures", self.textures.len(), format!("1 to {MAX_TEXTURES}")));
@@ -198,6 +209,8 @@ impl PwtHeader {
             if component.term as usize >= terms {
                 return Err(refused("component term", component.term, format!("less than {terms}")));
             }
+            finite("component scale", [component.scale])?;
+            finite("component low", [component.low])?;
         }
         Ok(())
     }
@@ -235,6 +248,17 @@ impl PwtHeader {
 
     /// Reads the value of the entry.
     pub(super) fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
+        // Offsets within an entry are none of the file.
+        let named = |error: FormatError| match error.place {
+            Place::Whole => error,
+            _ => refused(&error.field, error.found, error.allowed),
+        };
+        let header = Self::read(bytes).map_err(named)?;
+        header.check()?;
+        Ok(header)
+    }
+
+    fn read(bytes: &[u8]) -> Result<Self, FormatError> {
         if bytes.len() < FIXED_BYTES {
             return Err(refused("length", format!("{} bytes", bytes.len()), format!("{FIXED_BYTES} bytes or more")));
         }
@@ -267,6 +291,10 @@ impl PwtHeader {
         }
         let epsilon = cursor.f32("epsilon")?;
         let domain = Domain::from_code(domain, epsilon).ok_or_else(|| refused("domain", domain, "0 to 3"))?;
+        // What is not looked at is written as 0.
+        if domain.code().1.to_bits() != epsilon.to_bits() {
+            return Err(refused("epsilon", epsilon, format!("0, as the domain is {}", domain.name())));
+        }
         let mut colour = [[0.0; 3]; 3];
         for value in colour.iter_mut().flatten() {
             *value = cursor.f32("colour")?;
@@ -274,8 +302,8 @@ impl PwtHeader {
         let errors = PwtErrors {
             lights: cursor.u32("lights")?,
             psnr: cursor.f32("psnr")?,
-            held_out_psnr: cursor.f32("held out psnr")?,
-            delta_e: cursor.f32("delta e")?,
+            held_out_psnr: cursor.f32("held-out psnr")?,
+            delta_e: cursor.f32("delta E")?,
         };
         let terms = basis.terms();
         let triangle = (0..terms * (terms + 1) / 2).map(|_| cursor.f32("triangle")).collect::<Result<_, _>>()?;
@@ -284,23 +312,23 @@ impl PwtHeader {
             let allowed = format!("{} bytes, as its fields say", cursor.position());
             return Err(refused("length", format!("{} bytes", bytes.len()), allowed));
         }
-        let header = Self { size, extent, repeats, levels, basis, domain, colour, triangle, textures, errors };
-        header.check()?;
-        Ok(header)
+        Ok(Self { size, extent, repeats, levels, basis, domain, colour, triangle, textures, errors })
     }
 }
 
 fn read_texture(cursor: &mut Cursor<'_>) -> Result<TextureHeader, FormatError> {
-    let (level, channels, count) = (cursor.u32("level")?, cursor.u32("channels")?, cursor.u32("components")?);
+    let level = cursor.u32("texture level")?;
+    let channels = cursor.u32("texture channels")?;
+    let count = cursor.u32("components")?;
     if count as usize > MAX_COMPONENTS {
         return Err(refused("components", count, format!("at most {MAX_COMPONENTS}")));
     }
     let component = |_| {
         Ok(Component {
-            channel: cursor.u32("channel")?,
-            term: cursor.u32("term")?,
-            scale: cursor.f32("scale")?,
-            low: cursor.f32("low")?,
+            channel: cursor.u32("component channel")?,
+            term: cursor.u32("component term")?,
+            scale: cursor.f32("component scale")?,
+            low: cursor.f32("component low")?,
         })
     };
     let components = (0..count).map(component).collect::<Result<_, FormatError>>()?;

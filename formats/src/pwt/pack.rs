@@ -1,8 +1,8 @@
 //! A pack in memory, and its file: one KTX2 file whose further textures are KTX2 files in entries.
 
-use super::header::{PWT_ENTRY, PwtErrors, PwtHeader, TextureHeader};
+use super::header::{MAX_TEXTURES, PWT_ENTRY, PwtErrors, PwtHeader, TextureHeader};
 use crate::FormatError;
-use crate::container::entries::entry;
+use crate::container::entries::value_of;
 use crate::container::{Extent, MAX_TEXEL_BYTES, PackedTexture, TexelFormat, Texture};
 use std::collections::BTreeMap;
 
@@ -42,6 +42,7 @@ impl PwtPack {
             return Err(FormatError::whole("textures", texels.len().to_string(), allowed));
         }
         let pack = Self { header, texels };
+        pack.check_bytes()?;
         for texture in 0..pack.texels.len() {
             let (found, wanted) = (pack.texels[texture].len() as u64, pack.texture_bytes(texture));
             if found != wanted {
@@ -117,46 +118,74 @@ impl PwtPack {
     /// # Errors
     /// Whatever breaks the rules of `formats/src/pwt/spec.md`.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        Self::from_texture(PackedTexture::from_bytes(bytes)?.unpack_levels(MAX_TEXEL_BYTES)?)
+        Self::from_packed(PackedTexture::from_bytes(bytes)?)
     }
 
-    /// [`Self::from_bytes`] of a file whose container has been read.
+    /// [`Self::from_bytes`] of a file whose texels have not been unpacked. Nothing is, before all textures have been held
+    /// against the header.
     ///
     /// # Errors
     /// As [`Self::from_bytes`].
-    pub fn from_texture(mut texture: Texture) -> Result<Self, FormatError> {
-        const KIND: &str = "a polynomial wavelet tree";
-        let header = PwtHeader::from_bytes(entry(&texture, PWT_ENTRY, KIND)?)?;
-        let expected = Self { texels: vec![Vec::new(); header.textures.len()], header };
-        let mut texels = Vec::new();
-        for index in 0..expected.texels.len() {
-            if index > 0 {
-                let key = texture_entry(index);
-                let Some(bytes) = texture.entries.remove(&key) else {
-                    return Err(FormatError::whole(key, "no entry", format!("a KTX2 file, as {PWT_ENTRY} says")));
-                };
-                let inside =
-                    |error: FormatError| FormatError { field: format!("{key}, {}", error.field).into(), ..error };
-                let packed = PackedTexture::from_bytes(&bytes).map_err(inside)?;
-                expected.check_texture(index, packed.format, packed.extent, packed.levels).map_err(inside)?;
-                texels.push(packed.unpack_levels(MAX_TEXEL_BYTES).map_err(inside)?.texels);
-            } else {
-                expected.check_texture(0, texture.format, texture.extent, texture.levels)?;
-                texels.push(std::mem::take(&mut texture.texels));
-            }
+    pub fn from_packed(mut packed: PackedTexture<'_>) -> Result<Self, FormatError> {
+        let header = PwtHeader::from_bytes(value_of(&packed.entries, PWT_ENTRY, "a polynomial wavelet tree")?)?;
+        let expected = Self { texels: Vec::new(), header };
+        let count = expected.header.textures.len();
+        expected.check_bytes()?;
+        if let Some(index) = (count..=MAX_TEXTURES).find(|k| packed.entries.contains_key(&texture_entry(*k))) {
+            let allowed = format!("none of this name: {PWT_ENTRY} says {count} textures");
+            return Err(FormatError::whole(texture_entry(index), "an entry", allowed));
         }
+        let mut files = Vec::new();
+        for index in 1..count {
+            let key = texture_entry(index);
+            let allowed = || format!("a KTX2 file, as {PWT_ENTRY} says");
+            let file = packed.entries.remove(&key).ok_or_else(|| FormatError::whole(key, "no entry", allowed()))?;
+            files.push(file);
+        }
+        let mut textures = vec![packed];
+        for (k, file) in files.iter().enumerate() {
+            textures.push(PackedTexture::from_bytes(file).map_err(inside(k + 1))?);
+        }
+        for (index, texture) in textures.iter().enumerate() {
+            expected.check_texture(index, texture).map_err(inside(index))?;
+        }
+        let unpacked = |(index, texture): (usize, PackedTexture<'_>)| {
+            Ok(texture.unpack_levels(MAX_TEXEL_BYTES).map_err(inside(index))?.texels)
+        };
+        let texels = textures.into_iter().enumerate().map(unpacked).collect::<Result<_, _>>()?;
         Self::new(expected.header, texels)
     }
 
-    fn check_texture(&self, index: usize, format: TexelFormat, extent: Extent, levels: u32) -> Result<(), FormatError> {
+    /// Refuses more texels than any texture of the container has.
+    fn check_bytes(&self) -> Result<(), FormatError> {
+        let bytes: u64 = (0..self.header.textures.len()).map(|texture| self.texture_bytes(texture)).sum();
+        if bytes <= MAX_TEXEL_BYTES {
+            return Ok(());
+        }
+        let field = format!("{PWT_ENTRY} textures");
+        Err(FormatError::whole(field, format!("{bytes} bytes of texels"), format!("at most {MAX_TEXEL_BYTES}")))
+    }
+
+    fn check_texture(&self, index: usize, texture: &PackedTexture<'_>) -> Result<(), FormatError> {
+        if let Some(key) = texture.entries.keys().next().filter(|_| index > 0) {
+            return Err(FormatError::whole("entries", key.clone(), "none that begins with brdfc."));
+        }
+        let found = (texture.format, texture.extent, texture.levels);
         let wanted = (self.header.textures[index].texel_format(), self.texture_shape(index), self.levels_of(index));
-        if (format, extent, levels) == wanted {
+        if found == wanted {
             return Ok(());
         }
         let told = |(format, extent, levels): (TexelFormat, Extent, u32)| {
             format!("{levels} levels of {extent} texels of {format:?}")
         };
-        let allowed = format!("{}, as {PWT_ENTRY} says", told(wanted));
-        Err(FormatError::whole("texture", told((format, extent, levels)), allowed))
+        Err(FormatError::whole("texture", told(found), format!("{}, as {PWT_ENTRY} says", told(wanted))))
+    }
+}
+
+/// Says which texture an error is of, unless it is the file's own.
+fn inside(texture: usize) -> impl Fn(FormatError) -> FormatError {
+    move |error| match texture {
+        0 => error,
+        _ => FormatError { field: format!("{}, {}", texture_entry(texture), error.field).into(), ..error },
     }
 }

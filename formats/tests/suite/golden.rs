@@ -15,13 +15,14 @@ use brdfc_testing::packs::Numbers;
 /// Compares every codec's committed packs with their list. Blessing first adds those that are made here.
 #[test]
 fn committed_packs_are_read_to_the_same_values() {
-    assert!(codecs().len() >= 4, "{:?}", codecs());
+    assert!(codecs().len() >= 5, "{:?}", codecs());
     for codec in codecs() {
         let made = match codec {
             "wavelet" => wavelet_packs(),
             "flat_btf" => flat_btfs(),
             "bandwidth" => bandwidth_maps(),
             "importance" => importance_samples(),
+            "pwt" => polynomial_wavelet_trees(),
             _ => Vec::new(),
         };
         if blessing() {
@@ -113,6 +114,16 @@ fn importance_samples() -> Made {
     let bytes = ImportancePack::new(header, texels).expect("half vectors with densities").to_bytes(false);
     let mut made = vec![("any-samples".to_owned(), bytes.clone())];
     made.extend(foreign_forms("any-samples", &bytes));
+    made
+}
+
+fn polynomial_wavelet_trees() -> Made {
+    let packs = brdfc_testing::pwt::packs();
+    let mut made = vec![("page-example".to_owned(), brdfc_testing::pwt::example().to_bytes(false))];
+    made.extend(packs.iter().map(|(name, pack)| (format!("any-texels-{name}"), pack.to_bytes(false))));
+    let (name, pack) = &packs[0];
+    made.push((format!("any-texels-{name}-zstandard"), pack.to_bytes(true)));
+    made.extend(foreign_forms(&format!("any-texels-{name}"), &pack.to_bytes(false)));
     made
 }
 

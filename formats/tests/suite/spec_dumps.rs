@@ -10,6 +10,8 @@ use brdfc_formats::measured::merl::{self, Merl};
 use brdfc_formats::measured::scan::Scan;
 use brdfc_formats::measured::{btf_stack, scan_csv};
 use brdfc_formats::meso::{obj, ply};
+use brdfc_formats::pwt::shader::PwtParameters;
+use brdfc_formats::pwt::{PwtDecoder, PwtPack};
 use brdfc_formats::wavelet::{Filter, RowScratch, WaveletDecoder, WaveletPack};
 use brdfc_testing::packs::check_dump;
 
@@ -85,6 +87,23 @@ fn the_worked_values_of_the_wavelet_page() {
     decoder.decode_row(0, 0, &mut row, &mut RowScratch::default());
     let f = decoder.from_log(row[1]);
     assert!((row[1] + 0.676_777).abs() < 1e-6 && (f - 0.249_126).abs() < 1e-6, "{} {f}", row[1]);
+}
+
+#[test]
+fn polynomial_wavelet_trees() {
+    let page = include_str!("../../src/pwt/spec.md");
+    let example = brdfc_testing::pwt::example();
+    let bytes = example.to_bytes(false);
+    print(&bytes);
+    assert_eq!(PwtPack::from_bytes(&bytes).unwrap(), example);
+    assert_eq!(check_dump(page, &bytes), bytes.len().div_ceil(16));
+    assert!(page.contains(&format!("a uniform block of {} bytes", PwtParameters::SIZE)));
+    // The values at the foot of the page.
+    let decoder = PwtDecoder::new(example);
+    for (uv, expected) in [([0.25, 0.25], 0.09), ([0.5, 0.5], 0.49)] {
+        let [value, ..] = decoder.value(uv, 0.0, [0.6, 0.0, 0.8]);
+        assert!((value - expected).abs() < 1e-6 && page.contains(&format!("= {expected}`")), "{uv:?} {value}");
+    }
 }
 
 #[test]

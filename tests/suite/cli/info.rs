@@ -87,6 +87,41 @@ fn importance_samples_are_told_from_other_packs() {
     );
 }
 
+#[test]
+fn polynomial_wavelet_trees_are_told_from_other_packs() {
+    let folder = Folder::new();
+    let bytes = brdfc_testing::pwt::example().to_bytes(true);
+    folder.write("p.ktx2", &bytes);
+    let report = folder.run(&["info", "p.ktx2", "--json"]).succeeded().json();
+    conforms("info", &report);
+    assert_eq!((&report["kind"], &report["size"]), (&"pwt-pack".into(), &serde_json::json!([2, 2])));
+    assert_eq!((&report["coordinates"], &report["gpu_bytes"]), (&"projected".into(), &6.into()));
+    assert_eq!(report["textures"][1], serde_json::json!({ "level": 1, "size": [1, 1], "layers": 1, "channels": 1 }));
+    assert_eq!((&report["errors"]["lights"], &report["errors"]["psnr"]), (&3.into(), &40.0.into()));
+    let text = folder.run(&["info", "p.ktx2"]).succeeded().stdout;
+    for words in ["polynomial wavelet tree", "2 x 2, a tile", "level 1: 1 x 1", "PSNR 40.00 dB", "6 B"] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
+    // A broken one is told by its field, and commands that want a BRDF say what it is.
+    let at = bytes.windows(4).position(|word| word == 35.0f32.to_le_bytes()).unwrap();
+    folder.write("q.ktx2", [&bytes[..at], &f32::NAN.to_le_bytes(), &bytes[at + 4..]].concat());
+    let ran = folder.run(&["info", "q.ktx2"]);
+    assert_eq!(ran.code, 3);
+    assert!(ran.stderr.contains("q.ktx2: brdfc.pwt held-out psnr: found NaN"), "{}", ran.stderr);
+    for arguments in [
+        &["compare", "p.ktx2", "synth:ggx"][..],
+        &["encode", "p.ktx2", "-o", "o.ktx2"],
+        &["eval", "p.ktx2", "--wi", "0,0", "--wo", "0,0"],
+        &["samples", "p.ktx2", "-o", "o.ktx2"],
+        &["bandwidth", "p.ktx2", "-o", "o.ktx2"],
+    ] {
+        let ran = folder.run(arguments);
+        assert_eq!(ran.code, 3, "{arguments:?}: {}", ran.stderr);
+        let expected = "pack: found a polynomial wavelet tree; allowed a table or wavelet pack";
+        assert!(ran.stderr.contains(expected), "{arguments:?}: {}", ran.stderr);
+    }
+}
+
 /// Two triangles over a tile of side `side`.
 fn tile(side: &str) -> String {
     "v 0 0 0.1\nv S 0 0.1\nv S S 0.1\nv 0 S 0.1\nusemtl clay\nf 1 2 3\nf 1 3 4\n".replace('S', side)

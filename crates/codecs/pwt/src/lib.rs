@@ -8,6 +8,7 @@ pub mod choose;
 pub mod degrees;
 pub mod design;
 mod encode;
+mod facts;
 pub mod fit;
 pub mod image;
 pub mod levels;
@@ -19,6 +20,7 @@ mod stack;
 pub mod tree;
 
 pub use encode::{PwtEncoded, encode, plain};
+pub use facts::{PwtFacts, PwtTextureFacts};
 pub use lifting::{Border, Wavelet};
 pub use recipe::{DomainName, PwtRecipe, Target};
 pub use stack::{LIGHTS, LightSamples};

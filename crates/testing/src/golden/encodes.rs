@@ -2,7 +2,8 @@
 
 use super::corpus::{add, entries, moved};
 use super::{Change, blessing, hash, lists};
-use brdfc_formats::container::Texture;
+use brdfc_formats::container::{MAX_TEXEL_BYTES, PackedTexture};
+use brdfc_formats::pwt::PWT_ENTRY;
 use std::collections::BTreeMap;
 
 /// Largest file that goes into the corpus of packs that later versions must read.
@@ -14,13 +15,24 @@ pub type Packs = BTreeMap<String, Vec<u8>>;
 /// Entries of packs that do not hold what the encoder stores, but what was measured of it.
 const MEASURED: [&str; 2] = ["brdfc.wavelet.errors", "brdfc.table.errors"];
 
+/// Where measured errors stand in the entry of a polynomial wavelet tree.
+const PWT_ERRORS: std::ops::Range<usize> = 84..100;
+
 /// What an encoder stores, whatever the container puts around it: format and extent, entries, texels.
 fn contents(bytes: &[u8]) -> String {
-    let refused = |error| panic!("the container's reader refuses a pack that was just made: {error}");
-    let texture = Texture::from_bytes(bytes).unwrap_or_else(refused);
+    let texture = PackedTexture::from_bytes(bytes).and_then(|packed| packed.unpack_levels(MAX_TEXEL_BYTES));
+    let texture =
+        texture.unwrap_or_else(|error| panic!("the container's reader refuses a pack that was just made: {error}"));
     // vkFormat to layerCount.
     let mut stored = bytes[12..36].to_vec();
     for (key, value) in texture.entries.iter().filter(|(key, _)| !MEASURED.contains(&key.as_str())) {
+        let mut value = value.clone();
+        if key == PWT_ENTRY {
+            value.drain(PWT_ERRORS);
+        } else if key.starts_with(PWT_ENTRY) {
+            // A file in an entry.
+            value = contents(&value).into_bytes();
+        }
         stored.extend(format!("{key} {} ", value.len()).into_bytes());
         stored.extend(value);
     }

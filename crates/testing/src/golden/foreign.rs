@@ -10,12 +10,14 @@ struct Sections {
     header: Vec<u8>,
     descriptor: Vec<u8>,
     entries: BTreeMap<String, Vec<u8>>,
-    texels: Vec<u8>,
+    /// Texels of each level, from the finest.
+    levels: Vec<Vec<u8>>,
 }
 
 const ZSTANDARD: u32 = 2;
-/// Header and level index.
-const HEAD: usize = 80 + 24;
+/// Where the level index begins, and bytes of a level in it.
+const INDEX: usize = 80;
+const LEVEL: usize = 24;
 
 fn u32_at(bytes: &[u8], at: usize) -> usize {
     u32::from_le_bytes(bytes[at..at + 4].try_into().expect("four bytes")) as usize
@@ -25,11 +27,13 @@ impl Sections {
     /// Takes a file of our own writer apart.
     fn of(bytes: &[u8]) -> Self {
         let section = |at: usize| &bytes[u32_at(bytes, at)..][..u32_at(bytes, at + 4)];
-        let level = &bytes[u32_at(bytes, 80)..][..u32_at(bytes, 88)];
-        let texels = match u32_at(bytes, 44) as u32 {
-            ZSTANDARD => zstd::decode_all(level).expect("our own frame"),
-            _ => level.to_vec(),
+        let is_zstandard = u32_at(bytes, 44) as u32 == ZSTANDARD;
+        let level = |k: usize| {
+            let at = INDEX + k * LEVEL;
+            let level = &bytes[u32_at(bytes, at)..][..u32_at(bytes, at + 8)];
+            if is_zstandard { zstd::decode_all(level).expect("our own frame") } else { level.to_vec() }
         };
+        let levels = (0..u32_at(bytes, 40)).map(level).collect();
         let mut entries = BTreeMap::new();
         let mut rest = section(56);
         while !rest.is_empty() {
@@ -39,16 +43,25 @@ impl Sections {
             entries.insert(key, pair[nul + 1..].to_vec());
             rest = &rest[(4 + pair.len()).next_multiple_of(4)..];
         }
-        Self { header: bytes[..48].to_vec(), descriptor: section(48).to_vec(), entries, texels }
+        Self { header: bytes[..48].to_vec(), descriptor: section(48).to_vec(), entries, levels }
     }
 
-    /// Head of the file for sections at these places: offset and length of descriptor, entries, global data, level.
-    fn head(&self, scheme: u32, places: [[usize; 2]; 4]) -> Vec<u8> {
-        let [descriptor, entries, global, level] = places;
+    /// Bytes of header and level index.
+    fn head_bytes(&self) -> usize {
+        INDEX + self.levels.len() * LEVEL
+    }
+
+    /// Head of the file for sections at these places: offset and length of descriptor, entries, global data, and of
+    /// each level.
+    fn head(&self, scheme: u32, places: [[usize; 2]; 3], levels: &[[usize; 2]]) -> Vec<u8> {
+        let [descriptor, entries, global] = places;
         let mut head = self.header.clone();
         head[44..].copy_from_slice(&scheme.to_le_bytes());
         head.extend(descriptor.into_iter().chain(entries).flat_map(|n| (n as u32).to_le_bytes()));
-        head.extend(global.into_iter().chain(level).chain([self.texels.len()]).flat_map(|n| (n as u64).to_le_bytes()));
+        head.extend(global.into_iter().flat_map(|n| (n as u64).to_le_bytes()));
+        for (place, texels) in levels.iter().zip(&self.levels) {
+            head.extend(place.iter().chain([&texels.len()]).flat_map(|n| (*n as u64).to_le_bytes()));
+        }
         head
     }
 }
@@ -67,17 +80,32 @@ fn entry_bytes(entries: &[(String, Vec<u8>)], padding: u8) -> Vec<u8> {
 }
 
 /// Writes sections in this order, each at the next free byte with that gap before it: 0 descriptor, 1 entries, 2 global
-/// data, 3 level.
-fn write(sections: &Sections, scheme: u32, parts: [&[u8]; 4], order: [(usize, usize); 4]) -> Vec<u8> {
-    let mut places = [[0; 2]; 4];
+/// data, 3 levels, the coarsest first.
+fn write(
+    sections: &Sections,
+    scheme: u32,
+    parts: [&[u8]; 3],
+    stored: &[Vec<u8>],
+    order: [(usize, usize); 4],
+) -> Vec<u8> {
+    let mut places = [[0; 2]; 3];
+    let mut levels = vec![[0; 2]; stored.len()];
+    let start = sections.head_bytes();
     let mut body = Vec::new();
     for (part, gap) in order {
         body.resize(body.len() + gap, 0xa5);
+        if part == 3 {
+            for (level, texels) in stored.iter().enumerate().rev() {
+                levels[level] = [start + body.len(), texels.len()];
+                body.extend(texels);
+            }
+            continue;
+        }
         // What is not there has no place.
-        places[part] = if parts[part].is_empty() { [0; 2] } else { [HEAD + body.len(), parts[part].len()] };
+        places[part] = if parts[part].is_empty() { [0; 2] } else { [start + body.len(), parts[part].len()] };
         body.extend(parts[part]);
     }
-    [sections.head(scheme, places), body].concat()
+    [sections.head(scheme, places, &levels), body].concat()
 }
 
 /// The file with entries of other writers, the last first, no orientation, padding that is not zero, and one that does not
@@ -93,15 +121,15 @@ fn other_entries(sections: &Sections) -> Vec<u8> {
     // A key without an end.
     let broken = [&7u32.to_le_bytes()[..], b"no end!", &[0xff]].concat();
     let bytes = [entry_bytes(&entries[..2], 0xff), broken, entry_bytes(&entries[2..], 0xff)].concat();
-    write(sections, 0, [&sections.descriptor, &bytes, &[], &sections.texels], [(0, 0), (1, 0), (2, 0), (3, 5)])
+    write(sections, 0, [&sections.descriptor, &bytes, &[]], &sections.levels, [(0, 0), (1, 0), (2, 0), (3, 5)])
 }
 
-/// The file with its level first at an odd byte, global data that mean nothing, gaps, and bytes behind the end.
+/// The file with its levels first at an odd byte, global data that mean nothing, gaps, and bytes behind the end.
 fn other_sections(sections: &Sections) -> Vec<u8> {
     let entries: Vec<(String, Vec<u8>)> = sections.entries.clone().into_iter().collect();
     let entries = entry_bytes(&entries, 0);
     let order = [(3, 7), (1, 2), (2, 1), (0, 3)];
-    let mut bytes = write(sections, 0, [&sections.descriptor, &entries, b"global", &sections.texels], order);
+    let mut bytes = write(sections, 0, [&sections.descriptor, &entries, b"global"], &sections.levels, order);
     bytes.extend([0x5a; 11]);
     bytes
 }
@@ -111,9 +139,10 @@ fn other_frame(sections: &Sections) -> Vec<u8> {
     let entries: Vec<(String, Vec<u8>)> = sections.entries.clone().into_iter().collect();
     let mut compressor = zstd::bulk::Compressor::new(19).expect("a level of Zstandard");
     compressor.include_checksum(true).expect("frames may have checksums");
-    let frame = compressor.compress(&sections.texels).expect("compression into memory does not fail");
-    let parts: [&[u8]; 4] = [&sections.descriptor, &entry_bytes(&entries, 0), &[], &frame];
-    write(sections, ZSTANDARD, parts, [(0, 0), (1, 0), (2, 0), (3, 16)])
+    let mut frame = |texels: &Vec<u8>| compressor.compress(texels).expect("compression into memory does not fail");
+    let frames: Vec<Vec<u8>> = sections.levels.iter().map(&mut frame).collect();
+    let parts: [&[u8]; 3] = [&sections.descriptor, &entry_bytes(&entries, 0), &[]];
+    write(sections, ZSTANDARD, parts, &frames, [(0, 0), (1, 0), (2, 0), (3, 16)])
 }
 
 /// Another file of the same texture: form `k` of [`FORMS`], of a file that our own writer made.

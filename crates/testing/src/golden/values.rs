@@ -13,6 +13,7 @@ use brdfc_formats::flat_btf::{
     DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatView, IndirectionMap, NormalMap, ReferenceMap, ViewWeights,
 };
 use brdfc_formats::importance::ImportancePack;
+use brdfc_formats::pwt::{PwtDecoder, PwtErrors, PwtPack};
 use brdfc_formats::table::{TableDecoder, TablePack};
 use brdfc_formats::wavelet::{Filter, RowScratch, WaveletDecoder, WaveletPack};
 use std::collections::BTreeMap;
@@ -69,6 +70,7 @@ pub fn of_pack(file: &str, bytes: &[u8]) -> Result<Hashes, FormatError> {
         Pack::Table(pack) => table(&pack),
         Pack::Bandwidth(map) => bandwidth(&map),
         Pack::Importance(pack) => importance(&pack),
+        Pack::Pwt(pack) => pwt(pack),
         part => flat_part(part),
     })
 }
@@ -166,6 +168,32 @@ fn importance(pack: &ImportancePack) -> Hashes {
             let (incoming, inverse) = pack.sample(outgoing, index);
             numbers.add(incoming);
             numbers.add([inverse]);
+        }
+    }
+    values(&numbers)
+}
+
+/// A polynomial wavelet tree: what it says of itself, all texels, weights of all terms, and look-ups at and between all
+/// levels.
+fn pwt(pack: PwtPack) -> Hashes {
+    let mut numbers = Numbers::default();
+    let header = pack.header().clone();
+    let PwtErrors { lights, psnr, held_out_psnr, delta_e } = header.errors;
+    numbers.words(header.size.into_iter().chain(header.extent));
+    numbers.words([u32::from(header.repeats), header.levels, header.basis.degree, lights]);
+    numbers.add([psnr, held_out_psnr, delta_e]);
+    for texture in 0..header.textures.len() {
+        numbers.words(pack.texels(texture).iter().map(|texel| u32::from(*texel)));
+    }
+    let decoder = PwtDecoder::new(pack);
+    for light in directions().map(single) {
+        let weights = header.weights(light);
+        // Of those below the horizon, too: but for the pole, they are numbers.
+        numbers.add(weights);
+        for (k, uv) in points().enumerate().step_by(3) {
+            let level = 0.3 * (k % 12) as f32;
+            numbers.add(decoder.channels(uv, level, &weights));
+            numbers.add(decoder.value(uv, level, light));
         }
     }
     values(&numbers)

@@ -1,0 +1,189 @@
+//! Whole encodes: what is reached, kept and told.
+
+use super::stacks::{lambert, polynomial, spiral};
+use brdfc_formats::pwt::{LightCoordinates, PwtDecoder, PwtPack};
+use brdfc_pwt::measure::stack_errors;
+use brdfc_pwt::{DomainName, LightSamples, PwtEncoded, PwtRecipe, Target, Wavelet, encode};
+
+fn with(target: Target) -> PwtRecipe {
+    PwtRecipe { target, ..PwtRecipe::default() }
+}
+
+fn made(samples: &LightSamples, recipe: PwtRecipe) -> PwtEncoded {
+    let made = encode(samples, &recipe).unwrap_or_else(|error| panic!("{error}"));
+    assert!(made.errors.psnr.is_finite() && made.errors.delta_e.is_finite() && made.condition.is_finite());
+    let read = PwtPack::from_bytes(&made.pack.to_bytes(true)).unwrap();
+    assert_eq!(read, made.pack);
+    made
+}
+
+/// Known answer: a sum of terms comes back but for the rounding of its texels, also under lights that were not there.
+#[test]
+fn polynomials_come_back() {
+    let recipe = PwtRecipe {
+        coordinates: Some(LightCoordinates::Projected),
+        degree: Some(1),
+        ridge: Some(1e-8),
+        domain: Some(DomainName::Linear),
+        ..with(Target::Quality(45.0))
+    };
+    let unseen = polynomial([32, 16], spiral(11), true);
+    for wavelet in Wavelet::ALL {
+        let samples = polynomial([32, 16], spiral(24), true);
+        let made = made(&samples, PwtRecipe { wavelet, ..recipe });
+        assert!(made.met && made.errors.psnr >= 45.0, "{wavelet:?}: {:?}", made.errors);
+        let errors = stack_errors(&PwtDecoder::new(made.pack), &unseen, 1);
+        assert!(errors.psnr > 44.0, "{wavelet:?}: {errors:?}");
+    }
+    // Negative control: without the terms that depend on the light.
+    let flat = made(&polynomial([32, 16], spiral(24), true), PwtRecipe { degree: Some(0), ..recipe });
+    assert!(!flat.met && flat.errors.psnr < 30.0, "{:?}", flat.errors);
+}
+
+#[test]
+fn the_default_follows_a_lambertian_relief() {
+    let samples = lambert([32, 24], spiral(40), false);
+    let made = made(&samples, PwtRecipe::default());
+    assert!(made.errors.psnr > 30.0 && made.errors.delta_e < 3.0, "{:?}", made.errors);
+    let header = made.pack.header().errors;
+    assert_eq!((header.lights, f64::from(header.psnr)), (40, f64::from(made.errors.psnr as f32)));
+    let best = made.candidates[0];
+    assert!(made.candidates.iter().all(|candidate| candidate.held_out_psnr <= best.held_out_psnr));
+    assert_eq!(header.held_out_psnr, best.held_out_psnr as f32);
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bytes() {
+    let samples = lambert([21, 17], spiral(18), false);
+    let bytes = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| encode(&samples, &PwtRecipe::default()).unwrap().pack.to_bytes(true))
+    };
+    assert_eq!(bytes(1), bytes(4));
+}
+
+#[test]
+fn bytes_are_kept_and_more_are_not_worse() {
+    let samples = lambert([32, 32], spiral(30), true);
+    let mut before = 0.0f64;
+    let mut reached = Vec::new();
+    for bytes in [1, 100, 400, 1000, 3000, 10_000, 100_000] {
+        let made = made(&samples, with(Target::Bytes(bytes)));
+        assert!(made.met && made.pack.gpu_bytes() <= bytes, "{bytes}: {}", made.pack.gpu_bytes());
+        assert!(made.errors.psnr > before - 0.3, "{bytes}: {} after {before}", made.errors.psnr);
+        before = made.errors.psnr;
+        reached.push(before);
+    }
+    assert!(reached[6] > reached[1] + 5.0, "{reached:?}");
+}
+
+#[test]
+fn measured_targets_are_met_or_told() {
+    let samples = lambert([32, 32], spiral(30), true);
+    let small = made(&samples, with(Target::Quality(24.0)));
+    let large = made(&samples, with(Target::Quality(28.0)));
+    assert!(small.met && small.errors.psnr >= 24.0 && large.met && large.errors.psnr >= 28.0);
+    assert!(small.pack.gpu_bytes() < large.pack.gpu_bytes());
+    let seen = made(&samples, with(Target::DeltaE(4.0)));
+    assert!(seen.met && seen.errors.delta_e <= 4.0, "{:?}", seen.errors);
+    for target in [Target::Quality(200.0), Target::DeltaE(0.0)] {
+        let told = made(&samples, with(target));
+        assert!(!told.met && told.errors.psnr > large.errors.psnr, "{target:?}: {:?}", told.errors);
+    }
+    let [little, much] = [0.9, 0.999].map(|share| made(&samples, with(Target::Energy(share))));
+    assert!(little.pack.gpu_bytes() < much.pack.gpu_bytes() && little.errors.psnr < much.errors.psnr);
+    let [far, near] = [3.0, 0.05].map(|loss| made(&samples, with(Target::Loss(loss))));
+    assert!(far.pack.gpu_bytes() < near.pack.gpu_bytes() && far.errors.psnr < near.errors.psnr);
+}
+
+/// Fewer lights than terms, on a line, equal, one: what they do not tell is smooth, and what they tell is kept.
+#[test]
+fn poor_lights() {
+    let line = (1..10).map(|k| k as f32 / 10.0).map(|x| [x, 0.0, (1.0 - x * x).sqrt()]);
+    for (lights, least) in
+        [(spiral(4), 25.0), (line.collect(), 25.0), (vec![[0.0, 0.6, 0.8]; 6], 30.0), (vec![[0.0, 0.0, 1.0]], 30.0)]
+    {
+        let count = lights.len();
+        for degree in [None, Some(5)] {
+            let recipe = PwtRecipe { degree, ..with(Target::Quality(60.0)) };
+            let made = made(&polynomial([16, 16], lights.clone(), false), recipe);
+            assert!(made.errors.psnr > least, "{count} lights, {degree:?}: {:?}", made.errors);
+            // Under a light that is not there the picture is one.
+            let value = PwtDecoder::new(made.pack).value([0.3, 0.6], 0.0, [-0.6, 0.0, 0.8]);
+            assert!(value.iter().all(|c| (0.0..4.0).contains(c)), "{count} lights, {degree:?}: {value:?}");
+        }
+    }
+}
+
+#[test]
+fn sizes_of_all_kinds() {
+    for (size, repeats, levels, extent) in [
+        ([1, 1], false, 0, [1, 1]),
+        ([1, 1], true, 0, [1, 1]),
+        ([1, 9], false, 0, [1, 9]),
+        ([7, 5], false, 2, [8, 8]),
+        ([7, 5], true, 0, [7, 5]),
+        ([12, 8], true, 2, [12, 8]),
+        ([33, 40], false, 5, [64, 64]),
+    ] {
+        let samples = polynomial(size, spiral(12), repeats);
+        let made = made(&samples, with(Target::Quality(35.0)));
+        let header = made.pack.header();
+        assert_eq!((header.levels, header.extent, header.repeats), (levels, extent, repeats), "{size:?}");
+        assert!(made.met, "{size:?}: {:?}", made.errors);
+    }
+}
+
+/// A black stack, and one of a single colour.
+#[test]
+fn stacks_without_detail() {
+    for value in [0.0, 0.25] {
+        let mut samples = polynomial([8, 8], spiral(9), false);
+        samples.pictures.iter_mut().flatten().for_each(|pixel| *pixel = [value; 3]);
+        let made = made(&samples, with(Target::Quality(40.0)));
+        assert!(made.met && made.pack.gpu_bytes() <= 8 * 64, "{value}: {:?}", made.errors);
+    }
+    // Values beyond what is shown are no panic.
+    let mut samples = polynomial([4, 4], spiral(9), false);
+    samples.pictures[2][5] = [3e38, -3e38, 0.0];
+    for domain in DomainName::ALL {
+        let recipe = PwtRecipe { domain: Some(domain), ..PwtRecipe::default() };
+        match encode(&samples, &recipe) {
+            Ok(made) => assert!(made.errors.psnr.is_finite()),
+            Err(error) => assert!(error.field.starts_with("brdfc.pwt"), "{error}"),
+        }
+    }
+}
+
+#[test]
+fn what_is_out_of_range_is_named() {
+    let good = polynomial([4, 4], spiral(3), true);
+    let said = |samples: &LightSamples, recipe: PwtRecipe| encode(samples, &recipe).unwrap_err().to_string();
+    let default = PwtRecipe::default();
+    for (recipe, expected) in [
+        (PwtRecipe { degree: Some(6), ..default }, "degree: found 6; allowed 0 to 5"),
+        (PwtRecipe { ridge: Some(f64::NAN), ..default }, "ridge: found NaN; allowed 0 to 1000000"),
+        (PwtRecipe { depth: Some(9), ..default }, "levels: found 9; allowed 0 to 8"),
+        (
+            PwtRecipe { depth: Some(3), ..default },
+            "levels: found 3; allowed 0 to 2 for 4 x 4: sides of a tile are halved exactly",
+        ),
+        (PwtRecipe { packets: 5, ..default }, "packets: found 5; allowed 0 to 4"),
+        (with(Target::Bytes(0)), "bytes: found 0; allowed 1 to 1000000000000"),
+        (with(Target::Energy(1.5)), "energy: found 1.5; allowed 0 to 1"),
+        (with(Target::Quality(f64::NAN)), "quality: found NaN; allowed 0 to 200"),
+    ] {
+        assert_eq!(said(&good, recipe), expected);
+    }
+    let changed = |change: fn(&mut LightSamples)| {
+        let mut samples = good.clone();
+        change(&mut samples);
+        said(&samples, default)
+    };
+    assert_eq!(changed(|s| (s.lights, s.pictures) = Default::default()), "lights: found 0; allowed 1 to 4096");
+    assert_eq!(changed(|s| s.lights[1][2] = -0.5).split(':').next(), Some("light 1"));
+    assert_eq!(changed(|s| drop(s.pictures.pop())), "pictures: found 2; allowed 3, one for each light");
+    assert_eq!(changed(|s| drop(s.pictures[2].pop())), "picture 2: found 15 pixels; allowed 4 x 4");
+    assert!(changed(|s| s.pictures[0][6][1] = f32::NAN).starts_with("picture 0: found ["));
+    assert!(changed(|s| s.size = [0, 4]).starts_with("size: found 0 x 4"));
+}

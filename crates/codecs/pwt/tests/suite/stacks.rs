@@ -1,0 +1,57 @@
+//! Light stacks made on the spot.
+
+use brdfc_pwt::LightSamples;
+
+/// Lights on a spiral from the pole to near the horizon, found without trigonometry: a turn by 3-4-5 angles each.
+pub fn spiral(count: usize) -> Vec<[f32; 3]> {
+    let mut turn = [1.0f64, 0.0];
+    let light = |k: usize| {
+        let z = 1.0 - 0.9 * (k as f64 + 0.5) / count as f64;
+        let r = (1.0 - z * z).sqrt();
+        // (-0.8 + 0.6 i): about 143 degrees.
+        turn = [-0.8 * turn[0] - 0.6 * turn[1], 0.6 * turn[0] - 0.8 * turn[1]];
+        [r * turn[0], r * turn[1], z].map(|c| c as f32)
+    };
+    (0..count).map(light).collect()
+}
+
+/// Slopes of a relief at a pixel: smooth, periodic over the picture, -0.5 to 0.5.
+fn slopes([x, y]: [usize; 2], [width, height]: [usize; 2]) -> [f32; 2] {
+    // A parabola for each half period: continuous, as a sine is.
+    let wave = |k: usize, n: usize| {
+        let t = 2.0 * ((k as f32 + 0.5) / n as f32).fract() - 1.0;
+        2.0 * t * (1.0 - t.abs())
+    };
+    [wave(x, width), wave(3 * y + x, height)]
+}
+
+fn stack(
+    size: [usize; 2],
+    lights: Vec<[f32; 3]>,
+    repeats: bool,
+    value: impl Fn([usize; 2], [f32; 3]) -> [f32; 3],
+) -> LightSamples {
+    let at = |k: usize| [k % size[0], k / size[0]];
+    let picture = |light: &[f32; 3]| (0..size[0] * size[1]).map(|k| value(at(k), *light)).collect();
+    let pictures = lights.iter().map(picture).collect();
+    LightSamples { size, lights, pictures, repeats }
+}
+
+/// A relief whose values are polynomials of degree 1 of `x` and `y` of the light.
+pub fn polynomial(size: [usize; 2], lights: Vec<[f32; 3]>, repeats: bool) -> LightSamples {
+    stack(size, lights, repeats, |at, [x, y, _]| {
+        let [p, q] = slopes(at, size);
+        let shade = 0.5 + 0.4 * (p * x + q * y);
+        [shade, 0.8 * shade, 0.5 * shade]
+    })
+}
+
+/// A Lambertian relief with attached shadows and coloured stripes.
+pub fn lambert(size: [usize; 2], lights: Vec<[f32; 3]>, repeats: bool) -> LightSamples {
+    stack(size, lights, repeats, |at, [x, y, z]| {
+        let [p, q] = slopes(at, size).map(|slope| 2.0 * slope);
+        let shade = ((z - p * x - q * y) / (1.0 + p * p + q * q).sqrt()).max(0.0);
+        let red = if at[0] / 4 % 2 == 0 { 0.8 } else { 0.3 };
+        [red * shade, 0.5 * shade, 0.4 * shade]
+    })
+}
