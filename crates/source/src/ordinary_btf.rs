@@ -26,7 +26,11 @@ impl OrdinaryBtf {
     /// # Errors
     /// As [`BtfStack::open`] and [`UboBtfFile::open`].
     pub fn open(path: &Path) -> Result<Self, InputError> {
-        Ok(if path.is_dir() { Self::Stack(BtfStack::open(path)?) } else { Self::Ubo(Box::new(UboBtfFile::open(path)?)) })
+        Ok(if path.is_dir() {
+            Self::Stack(BtfStack::open(path)?)
+        } else {
+            Self::Ubo(Box::new(UboBtfFile::open(path)?))
+        })
     }
 
     /// Directions to the viewer.

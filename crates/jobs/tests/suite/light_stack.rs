@@ -23,7 +23,7 @@ fn write_stack(folder: &Path, format: StackFormat) {
 }
 
 fn error(path: &Path) -> String {
-    LightStack::open(path).err().expect("an error").to_string()
+    LightStack::open(path).expect_err("an error").to_string()
 }
 
 /// A stack whose images are whatever `save` makes of their names, under lights at different heights.
