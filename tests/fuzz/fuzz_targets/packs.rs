@@ -28,7 +28,9 @@ fn valid(choice: u8) -> Vec<u8> {
 fuzz_target!(|data: &[u8]| {
     let Some((choice, rest)) = data.split_first() else { return };
     if choice & 0xc0 == 0x40 {
-        let (name, bytes) = &COMMITTED[usize::from(choice & 0x3f) % COMMITTED.len()];
+        // There are more of them than one byte has room for.
+        let Some((more, rest)) = rest.split_first() else { return };
+        let (name, bytes) = &COMMITTED[usize::from(u16::from_le_bytes([*more, choice & 0x3f])) % COMMITTED.len()];
         let mut bytes = bytes.clone();
         edits::edit(&mut bytes, rest);
         let _ = of_pack(name, &bytes);

@@ -92,6 +92,7 @@ fn polynomial_wavelet_trees_are_told_from_other_packs() {
     let folder = Folder::new();
     let bytes = brdfc_testing::pwt::example().to_bytes(true);
     folder.write("p.ktx2", &bytes);
+    folder.write("pairs.csv", "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n0,0,1,0,0,1\n");
     let report = folder.run(&["info", "p.ktx2", "--json"]).succeeded().json();
     conforms("info", &report);
     assert_eq!((&report["kind"], &report["size"]), (&"pwt-pack".into(), &serde_json::json!([2, 2])));
@@ -111,7 +112,7 @@ fn polynomial_wavelet_trees_are_told_from_other_packs() {
     for arguments in [
         &["compare", "p.ktx2", "synth:ggx"][..],
         &["encode", "p.ktx2", "-o", "o.ktx2"],
-        &["eval", "p.ktx2", "--wi", "0,0", "--wo", "0,0"],
+        &["eval", "p.ktx2", "--directions", "pairs.csv"],
         &["samples", "p.ktx2", "-o", "o.ktx2"],
         &["bandwidth", "p.ktx2", "-o", "o.ktx2"],
     ] {
