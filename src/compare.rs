@@ -50,9 +50,19 @@ pub struct Arguments {
 
 /// What `--json` prints.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
+pub struct Report {
+    /// Layout of this report.
+    version: u32,
+    /// What was compared.
+    #[serde(flatten)]
+    compared: Compared,
+}
+
+/// What was compared.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
 #[serde(untagged)]
 #[allow(clippy::large_enum_variant)]
-pub enum Report {
+enum Compared {
     /// Of reflectances.
     Reflectances(ReflectanceReport),
     /// Of photographs under known lights.
@@ -61,9 +71,7 @@ pub enum Report {
 
 /// Photographs under known lights, against what was made of them.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
-pub struct PhotographReport {
-    /// Layout of this report.
-    version: u32,
+struct PhotographReport {
     /// 'light-stack'.
     kind: &'static str,
     /// Errors over all photographs.
@@ -75,7 +83,7 @@ pub struct PhotographReport {
 
 /// Errors of one photograph.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
-pub struct PhotographErrors {
+struct PhotographErrors {
     /// Unit vector to its light.
     light: [f32; 3],
     /// Peak signal-to-noise ratio of sRGB codes, dB.
@@ -86,9 +94,7 @@ pub struct PhotographErrors {
 
 /// Error of one source or pack against another.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
-pub struct ReflectanceReport {
-    /// Layout of this report.
-    version: u32,
+struct ReflectanceReport {
     /// The reference.
     a: Facts,
     /// The approximation.
@@ -116,12 +122,12 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     if arguments.a.path().is_some_and(is_light_stack) {
         return photographs(arguments, common);
     }
+    let (a, b) = (open(&arguments.a, None)?, open(&arguments.b, None)?);
     if arguments.max_delta_e.is_some() {
         return Err(CliError::Usage(
             "--max-delta-e: found with reflectances; allowed where A is a light stack".to_owned(),
         ));
     }
-    let (a, b) = (open(&arguments.a, None)?, open(&arguments.b, None)?);
     // A pack that is for some directions only is no worse for what it does not hold.
     let both = a.facts.directions().common(b.facts.directions()).ok_or_else(|| {
         CliError::Check(format!(
@@ -142,8 +148,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let comparison_counts = comparison.norms.counted() > 0;
     if common.json {
         let (pairs, directions) = (set.pairs.len(), set.directions);
-        let report = ReflectanceReport { version: 1, a: a.facts, b: b.facts, pairs, directions, comparison };
-        print_json(&Report::Reflectances(report))?;
+        let report = ReflectanceReport { a: a.facts, b: b.facts, pairs, directions, comparison };
+        print_json(&Report { version: 1, compared: Compared::Reflectances(report) })?;
     } else {
         print(&table::comparison(&comparison, set.directions))?;
     }
@@ -186,7 +192,8 @@ fn photographs(arguments: &Arguments, common: Common) -> Result<(), CliError> {
         .collect();
     let found = errors.delta_e;
     if common.json {
-        print_json(&Report::Photographs(PhotographReport { version: 1, kind: "light-stack", errors, photographs }))?;
+        let report = PhotographReport { kind: "light-stack", errors, photographs };
+        print_json(&Report { version: 1, compared: Compared::Photographs(report) })?;
     } else {
         let worst = photographs.iter().max_by(|a, b| a.delta_e.total_cmp(&b.delta_e));
         let [x, y, z] = worst.map_or([0.0; 3], |worst| worst.light);

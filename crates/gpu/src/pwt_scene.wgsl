@@ -17,7 +17,7 @@ fn shade(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4<f
     // v goes down in the picture, and along the bitangent on the surface.
     let down = select(in.uv.y, 1.0 - in.uv.y, front);
     let uv = vec2<f32>(in.uv.x, down) * f32(material.repeat);
-    let level = pwt_level(dpdx(uv), dpdy(uv));
+    let level = pwt_mipmap_level(dpdx(uv), dpdy(uv));
     let v = normalize(view.eye.xyz - in.position);
     let n = normalize(in.normal);
     let frame = turned_frame(select(-n, n, front), in.tangent, v);

@@ -40,7 +40,7 @@ fn pwt_value(uv: vec2<f32>, level: f32, wi: vec3<f32>) -> vec3<f32> {
 }
 
 // The mipmap level of a pixel, from how uv changes to its neighbours.
-fn pwt_level(right: vec2<f32>, below: vec2<f32>) -> f32 {
+fn pwt_mipmap_level(right: vec2<f32>, below: vec2<f32>) -> f32 {
     let across = right * pwt.size;
     let down = below * pwt.size;
     return max(0.5 * log2(max(max(dot(across, across), dot(down, down)), 1e-20)), 0.0);

@@ -241,6 +241,7 @@ fn what_refuses_json_is_what_the_page_says() {
         ("synth", &["synth", "lewis", "-o", "a.binary"]),
         ("synth of a structure", &["synth", "button", "-o", "a.obj"]),
         ("bandwidth", &["bandwidth", "gone.binary", "-o", "x.ktx2"]),
+        ("pwt", &["pwt", "gone", "-o", "x.ktx2"]),
         ("samples", &["samples", "gone.binary", "-o", "x.ktx2"]),
         ("flatten", &["flatten", "gone.obj", "-o", "flat"]),
         ("report", &["report", "gone", "-o", "page.html"]),

@@ -97,8 +97,10 @@ fn another_level_is_noticed() {
     let Some(gpu) = crate::common::gpu() else { return };
     let (material, [_, scene, _]) = (material(), scenes());
     let source = pwt_scene_source();
-    let broken = source
-        .replace("let level = pwt_level(dpdx(uv), dpdy(uv));", "let level = pwt_level(dpdx(uv), dpdy(uv)) + 1.0;");
+    let broken = source.replace(
+        "let level = pwt_mipmap_level(dpdx(uv), dpdy(uv));",
+        "let level = pwt_mipmap_level(dpdx(uv), dpdy(uv)) + 1.0;",
+    );
     assert_ne!(source, broken);
     let cpu = draw_on_cpu(&scene, FRAME, &material);
     let off = [source, broken].map(|source| {

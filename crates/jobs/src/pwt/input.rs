@@ -1,7 +1,7 @@
 //! What becomes a polynomial wavelet tree: photographs under known lights, one view of a BTF, a polynomial texture map, or a
 //! tree that is there already.
 
-use super::PwtError;
+use super::error::PwtError;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::flat_btf::FlatPart;
 use brdfc_formats::measured::ptm::Ptm;

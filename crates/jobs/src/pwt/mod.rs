@@ -1,112 +1,13 @@
 //! `brdfc pwt`: photographs under known lights become a pack, or a polynomial texture map.
 
+mod error;
 mod evaluate;
 mod input;
+mod make;
 mod report;
 
+pub use error::PwtError;
 pub use evaluate::Relightable;
 pub use input::{LightInput, photographs};
-pub use report::{HeldOut, LevelReport, PwtReport, TextureReport};
-
-use brdfc_formats::FormatError;
-use brdfc_formats::measured::ptm::Ptm;
-use brdfc_formats::pwt::{LightCoordinates, PwtDecoder, PwtPack};
-use brdfc_pwt::measure::{StackErrors, stack_errors};
-use brdfc_pwt::ptm::{MapModel, fit_map, pictures_of};
-use brdfc_pwt::{DomainName, LightSamples, PwtEncoded, PwtRecipe, encode};
-use brdfc_source::InputError;
-use rand::RngExt as _;
-use rand::SeedableRng as _;
-
-/// Why a tree was not made.
-#[derive(Debug, thiserror::Error)]
-pub enum PwtError {
-    /// What cannot be read, or is not as it should be.
-    #[error(transparent)]
-    Input(#[from] InputError),
-    /// Photographs or options out of range.
-    #[error(transparent)]
-    Format(#[from] FormatError),
-    /// Options that do not go together.
-    #[error("{0}")]
-    Usage(String),
-    /// A flat BTF that is not whole.
-    #[error(transparent)]
-    Flatten(#[from] crate::flatten::FlattenError),
-}
-
-/// What is made, and what was left out to measure it.
-pub struct PwtMade {
-    /// The pack and what was found on the way.
-    pub encoded: PwtEncoded,
-    /// Lights that the fit has not seen, and the errors there.
-    pub held_out: Option<HeldOut>,
-    /// Lights that were fitted.
-    pub lights: usize,
-}
-
-/// Encodes photographs, some of them left out by a seeded permutation: their errors are those of unseen lights.
-///
-/// # Errors
-/// Photographs or options out of range; more lights left out than there are to spare.
-pub fn make(samples: &LightSamples, recipe: &PwtRecipe, hold_out: usize, seed: u64) -> Result<PwtMade, PwtError> {
-    if hold_out == 0 {
-        return Ok(PwtMade { encoded: encode(samples, recipe)?, held_out: None, lights: samples.lights.len() });
-    }
-    if hold_out >= samples.lights.len() {
-        let allowed = format!("0 to {}: one light is fitted at least", samples.lights.len().saturating_sub(1));
-        return Err(PwtError::Usage(format!("--hold-out: found {hold_out}; allowed {allowed}")));
-    }
-    let left_out = &permutation(samples.lights.len(), seed)[..hold_out];
-    let encoded = encode(&samples.without(left_out), recipe)?;
-    let rest: Vec<usize> = (0..samples.lights.len()).filter(|light| !left_out.contains(light)).collect();
-    let errors = errors_of(&encoded.pack, &samples.without(&rest));
-    let held_out = HeldOut { lights: left_out.to_vec(), psnr: errors.psnr, delta_e: errors.delta_e };
-    Ok(PwtMade { encoded, held_out: Some(held_out), lights: rest.len() })
-}
-
-/// Errors of a pack at all texels of some photographs.
-pub fn errors_of(pack: &PwtPack, samples: &LightSamples) -> StackErrors {
-    stack_errors(&PwtDecoder::new(pack.clone()), samples, 1)
-}
-
-/// The numbers below `count` in an order that a seed decides (Fisher and Yates).
-pub fn permutation(count: usize, seed: u64) -> Vec<usize> {
-    let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
-    let mut order: Vec<usize> = (0..count).collect();
-    for last in (1..count).rev() {
-        order.swap(last, random.random_range(0..=last));
-    }
-    order
-}
-
-/// What of a recipe a polynomial texture map has by its nature: its own terms and scale, unless others are asked for.
-pub fn recipe_of_map(recipe: PwtRecipe) -> PwtRecipe {
-    PwtRecipe {
-        coordinates: recipe.coordinates.or(Some(LightCoordinates::Projected)),
-        degree: recipe.degree.or(Some(2)),
-        domain: recipe.domain.or(Some(DomainName::Display)),
-        ridge: recipe.ridge.or(Some(1e-9)),
-        ..recipe
-    }
-}
-
-/// A polynomial texture map of photographs, and its errors there.
-///
-/// # Errors
-/// Photographs out of range.
-pub fn make_map(samples: &LightSamples, model: MapModel) -> Result<(Ptm, StackErrors), PwtError> {
-    let map = fit_map(samples, model)?;
-    let shown = pictures_of(&map, samples.lights.clone());
-    let errors = brdfc_pwt::measure::picture_errors(&shown, samples);
-    Ok((map, errors))
-}
-
-/// A picture of linear RGB as a PNG file of sRGB codes.
-///
-/// # Errors
-/// What the encoder says.
-pub fn to_png([width, height]: [usize; 2], pixels: &[[f32; 3]]) -> Result<Vec<u8>, String> {
-    let (width, height) = (width as u32, height as u32);
-    crate::btf_stack::to_png(pixels, width, height).map_err(|error| error.to_string())
-}
+pub use make::{HeldOut, PwtMade, errors_of, make, make_map, permutation, recipe_of_map, to_png};
+pub use report::{LevelReport, PwtReport, TextureReport};

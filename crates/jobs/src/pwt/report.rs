@@ -1,20 +1,9 @@
 //! What `brdfc pwt` says.
 
-use super::PwtMade;
+use super::make::{HeldOut, PwtMade};
 use brdfc_formats::pwt::LightCoordinates;
 use brdfc_pwt::choose::Candidate;
 use serde::Serialize;
-
-/// Errors at lights that the fit has not seen.
-#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct HeldOut {
-    /// Which lights, by their place in the list.
-    pub lights: Vec<usize>,
-    /// Peak signal-to-noise ratio of sRGB codes, dB.
-    pub psnr: f64,
-    /// Mean ΔE (CIE76).
-    pub delta_e: f64,
-}
 
 /// What is worth knowing of a level of detail.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]

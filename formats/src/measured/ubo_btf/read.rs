@@ -1,8 +1,8 @@
 //! Reads the layout, no more than a block of the file at a time besides what is kept.
 
-use super::matrix::Matrix;
-use super::write::NAME_BYTES;
-use super::{CHANNELS, Channel, ColourModel, Description, MAX_SIZE, SIGNATURE, Scalar, UboBtf, VERSIONS};
+use super::btf::{CHANNELS, Description, MAX_SIZE, NAME_BYTES, SIGNATURE, UboBtf, VERSIONS, versions};
+use super::colour::ColourModel;
+use super::matrix::{Channel, Matrix, Scalar};
 use crate::direction::{Vector, dot, from_polar, subtract};
 use crate::direction_set::{DirectionSet, MAX_DIRECTIONS, SAME_DIRECTION, wrong_angle};
 use crate::{FormatError, memory};
@@ -52,10 +52,6 @@ impl UboBtf {
         file.seek(SeekFrom::Start(0))?;
         Reader { file, length, position: 0 }.btf()
     }
-}
-
-pub(super) fn versions() -> String {
-    format!("{} to {}", VERSIONS.start(), VERSIONS.end())
 }
 
 struct Reader<R> {

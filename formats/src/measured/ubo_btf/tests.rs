@@ -1,5 +1,7 @@
 use super::*;
+use crate::FormatError;
 use crate::container::half;
+use crate::direction_set::DirectionSet;
 
 const SIZE: [usize; 2] = [8, 4];
 const TEXELS: usize = 32;

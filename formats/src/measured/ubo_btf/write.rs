@@ -1,12 +1,11 @@
 //! Writes the layout.
 
-use super::matrix::Matrix;
-use super::{ColourModel, SIGNATURE, Scalar, UboBtf};
+use super::btf::{NAME_BYTES, SIGNATURE, UboBtf};
+use super::colour::ColourModel;
+use super::matrix::{Matrix, Scalar};
 use crate::container::half;
 use crate::direction_set::DirectionSet;
 
-/// Bytes of each name in the header.
-pub(super) const NAME_BYTES: usize = 80;
 /// Names of the channels, of versions that have them.
 const CHANNEL_NAMES: [&str; 3] = ["R", "G", "B"];
 
