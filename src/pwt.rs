@@ -28,12 +28,12 @@ use std::time::Instant;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  brdfc pwt icon -o icon.ktx2                            as small as it goes without a loss that counts
+  brdfc pwt icon -o icon.ktx2
   brdfc pwt icon -o icon.ktx2 --max-bytes 256KiB
   brdfc pwt icon/dirs.lp -o icon.ktx2 --quality 28 --hold-out 8
-  brdfc pwt icon -o icon.ptm --model lrgb                for viewers of polynomial texture maps
+  brdfc pwt icon -o icon.ptm --model lrgb
   brdfc pwt old.ptm -o old.ktx2
-  brdfc pwt button -o button-view.ktx2 --view 12         a view of a flat BTF")]
+  brdfc pwt button -o button-view.ktx2 --view 12")]
 pub struct Arguments {
     /// Photographs and lights, a BTF, a .ptm or a pack.
     input: Input,

@@ -112,7 +112,6 @@ fn polynomial_wavelet_trees_are_told_from_other_packs() {
     for arguments in [
         &["compare", "p.ktx2", "synth:ggx"][..],
         &["encode", "p.ktx2", "-o", "o.ktx2"],
-        &["eval", "p.ktx2", "--directions", "pairs.csv"],
         &["samples", "p.ktx2", "-o", "o.ktx2"],
         &["bandwidth", "p.ktx2", "-o", "o.ktx2"],
     ] {
