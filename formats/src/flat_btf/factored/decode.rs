@@ -32,6 +32,25 @@ struct Place {
     coarse: Option<([(usize, f32); 4], f32)>,
 }
 
+/// One texel of a factored flat BTF.
+#[derive(Debug, Clone)]
+pub struct FactoredTexel<'a> {
+    asset: &'a FactoredFlatBtf,
+    place: Place,
+    components: [f32; MAX_COMPONENTS],
+}
+
+impl FactoredTexel<'_> {
+    /// Its value in a view under a light.
+    ///
+    /// # Panics
+    /// Without such a view or light.
+    pub fn value(&self, view: u32, light: u32) -> [f32; 3] {
+        let shadow = self.asset.lit(&self.place, light);
+        self.asset.colour(&self.components, view, light).map(|channel| shadow * channel)
+    }
+}
+
 impl Place {
     fn new(uv: [f32; 2], level_of_detail: f32, size: u32, levels: u32) -> Self {
         let uv = uv.map(wrap);
@@ -154,17 +173,16 @@ impl FactoredFlatBtf {
         value
     }
 
-    /// The value of one texel `[column, row]` in a view under a light.
+    /// A texel `[column, row]` of the finest level, for all views and lights.
     ///
     /// # Panics
-    /// Without such a texel, view or light.
-    pub fn texel(&self, [column, row]: [u32; 2], view: u32, light: u32) -> [f32; 3] {
+    /// Without such a texel.
+    pub fn texel(&self, [column, row]: [u32; 2]) -> FactoredTexel<'_> {
         let size = self.header().size;
         assert!(column < size && row < size, "texel ({column}, {row}) of {size} x {size}");
         let at = (row * size + column) as usize;
         let place = Place { level: 0, fine: [(at, 1.0), (at, 0.0), (at, 0.0), (at, 0.0)], coarse: None };
-        let shadow = self.lit(&place, light);
-        self.colour(&self.components_at(&place), view, light).map(|channel| shadow * channel)
+        FactoredTexel { asset: self, place, components: self.components_at(&place) }
     }
 
     /// Weights of all components.

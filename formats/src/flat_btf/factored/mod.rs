@@ -11,7 +11,7 @@ mod maps;
 pub mod shader;
 
 pub use basis::BasisMap;
-pub use decode::FactoredFlatBtf;
+pub use decode::{FactoredFlatBtf, FactoredTexel};
 pub use domain::{from_opponent, to_opponent};
 pub(crate) use header::FACTORED as FACTORED_ENTRY;
 pub use header::{FactoredErrors, FactoredHeader, GROUP, MAX_GROUPS, ShadowFormat};
