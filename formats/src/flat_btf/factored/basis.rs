@@ -1,11 +1,9 @@
 //! The part `basis`: what each component is in each view under each light.
 
-use super::header::{FactoredErrors, FactoredHeader, GROUP};
+use super::header::{BASIS_PART, FactoredErrors, FactoredHeader, GROUP};
 use crate::FormatError;
 use crate::container::{Extent, TexelFormat, Texture};
 use crate::flat_btf::layout::{check_format, words, wrong_extent};
-
-pub(super) const BASIS_PART: &str = "basis";
 
 /// Components as integers: of each pair of a view and a light three opponent colours, of each of these all components.
 #[derive(Debug, Clone, PartialEq)]

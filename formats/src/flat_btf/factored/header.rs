@@ -1,6 +1,5 @@
 //! What a factored flat BTF says of itself, in the entry `brdfc.flat-btf.factored` of its basis.
 
-use super::basis::BASIS_PART;
 use crate::FormatError;
 use crate::container::entries::entry;
 use crate::container::{Extent, MAX_EXTENT_2D, TexelFormat, Texture};
@@ -16,6 +15,7 @@ pub const MAX_GROUPS: u32 = 16;
 /// Components of a group.
 pub const GROUP: usize = 4;
 
+pub(super) const BASIS_PART: &str = "basis";
 const VERSION: u32 = 1;
 const KIND: &str = "the basis of a factored flat BTF";
 /// Bytes before the steps.

@@ -2,14 +2,14 @@
 
 use super::accumulate::{Sums, ViewWords};
 use super::assemble::{self, Shape};
-use super::basis::{Basis, Squares};
 use super::local::solve_texels;
 use super::measure::errors;
+use super::rounded::Rounded;
 use super::sample::{Sample, Values};
 use super::train::{Fit, first_shadows};
 use brdfc_formats::FormatError;
 use brdfc_formats::flat_btf::FlatHeader;
-use brdfc_formats::flat_btf::factored::{BasisMap, FactoredErrors, GROUP};
+use brdfc_formats::flat_btf::factored::{FactoredErrors, GROUP};
 
 /// Views that are added to sums at once.
 pub(super) const VIEWS_AT_ONCE: usize = 8;
@@ -80,14 +80,4 @@ impl Candidate {
         let asset = assemble::asset(rounded.map, &texels)?;
         Ok(errors(&asset, held_out, count, |k| [(k % size) as u32, (k / size) as u32]))
     }
-}
-
-/// A basis as decoders see it, ready to be solved for texels.
-#[derive(Debug, Clone)]
-pub(super) struct Rounded {
-    pub(super) map: BasisMap,
-    pub(super) basis: Basis,
-    pub(super) squares: Squares,
-    pub(super) prior: Vec<f64>,
-    pub(super) shadowed: bool,
 }

@@ -2,8 +2,9 @@
 
 use super::assemble::{Shape, header};
 use super::candidate::Candidate;
+use super::recipe::FactoredTarget;
+use super::report::{FactorError, FactoredTrial};
 use super::sample::{Sample, Values};
-use super::{FactorError, FactoredTarget, FactoredTrial};
 use brdfc_formats::FormatError;
 use brdfc_formats::flat_btf::FlatHeader;
 use brdfc_formats::flat_btf::factored::{GROUP, MAX_GROUPS};

@@ -2,13 +2,15 @@
 
 use super::accumulate::{Sums, ViewWords};
 use super::assemble;
-use super::candidate::{Rounded, VIEWS_AT_ONCE};
+use super::candidate::VIEWS_AT_ONCE;
 use super::choose::Trials;
 use super::local::{Texels, solve_texels};
 use super::masks::Masks;
 use super::measure::errors;
+use super::recipe::FactoredRecipe;
+use super::report::{FactorError, Factored, FactoredFacts};
+use super::rounded::Rounded;
 use super::sample::{Sample, choose};
-use super::{FactorError, Factored, FactoredFacts, FactoredRecipe};
 use brdfc_formats::FormatError;
 use brdfc_formats::flat_btf::{FlatHeader, FlatView, VisibilityMask};
 use brdfc_source::progress::{Progress, Stage};

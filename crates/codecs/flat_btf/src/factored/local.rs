@@ -2,10 +2,10 @@
 
 use super::accumulate::Sums;
 use super::basis::{Basis, Squares};
-use super::candidate::Rounded;
 use super::masks::Masks;
 use super::matrix::{Rows, add_product, dot, quadratic_weights, solve};
 use super::quantise::{shadow_byte, shadow_of_byte};
+use super::rounded::Rounded;
 use super::train::{normalise, ridged_shadows, threshold};
 use rayon::prelude::*;
 
