@@ -3,6 +3,7 @@
 use crate::FormatError;
 use crate::bandwidth::{BANDWIDTH_ENTRY, BandwidthMap};
 use crate::container::{MAX_TEXEL_BYTES, PackedTexture};
+use crate::flat_btf::factored::{BasisMap, FACTORED_ENTRY, SHADOW_ENTRY, ShadowMap, WEIGHTS_ENTRY, WeightMap};
 use crate::flat_btf::{
     DiffuseMap, FLAT_BTF_ENTRY, FlatPart, FlatView, INDIRECTION_ENTRY, IndirectionMap, NormalMap, PositionMap,
     ReferenceMap, VisibilityMask, split_part_name,
@@ -41,6 +42,9 @@ impl PackKind {
             (PWT_ENTRY, Self::Pwt),
             (FLAT_BTF_ENTRY, Self::FlatBtf(FlatPart::View)),
             (INDIRECTION_ENTRY, Self::FlatBtf(FlatPart::Indirection)),
+            (FACTORED_ENTRY, Self::FlatBtf(FlatPart::Basis)),
+            (WEIGHTS_ENTRY, Self::FlatBtf(FlatPart::Weights)),
+            (SHADOW_ENTRY, Self::FlatBtf(FlatPart::Shadow)),
         ]
         .into_iter()
         .find(|(entry, _)| texture.entries.contains_key(*entry))
@@ -58,6 +62,11 @@ impl PackKind {
             Self::Importance => "an importance-sample pack",
             Self::Pwt => "a polynomial wavelet tree",
         }
+    }
+
+    /// Whether its textures may have several levels.
+    fn has_mipmaps(self) -> bool {
+        matches!(self, Self::Pwt | Self::FlatBtf(FlatPart::Weights | FlatPart::Shadow))
     }
 
     /// Most bytes of texels that a pack of this kind has.
@@ -98,6 +107,12 @@ pub enum Pack {
     Indirection(IndirectionMap),
     /// A view.
     View(FlatView),
+    /// The part `basis` of a factored flat BTF.
+    Basis(BasisMap),
+    /// The part `weights`.
+    Weights(WeightMap),
+    /// The part `shadow`.
+    Shadow(ShadowMap),
 }
 
 impl Pack {
@@ -127,10 +142,10 @@ impl Pack {
             PackKind::Table => Self::Table(TablePack::from_texture(packed.unpack(limit)?)?),
             PackKind::Bandwidth => Self::Bandwidth(BandwidthMap::from_texture(&packed.unpack(limit)?)?),
             PackKind::Importance => Self::Importance(ImportancePack::from_texture(&packed.unpack(limit)?)?),
-            // The one kind of several textures, and of mipmaps.
+            // The one kind of several textures.
             PackKind::Pwt => Self::Pwt(PwtPack::from_packed(packed)?),
             PackKind::FlatBtf(part) => {
-                let texture = packed.unpack(limit)?;
+                let texture = if kind.has_mipmaps() { packed.unpack_levels(limit)? } else { packed.unpack(limit)? };
                 match part {
                     FlatPart::Position => Self::Position(PositionMap::from_texture(&texture)?),
                     FlatPart::Normal => Self::Normal(NormalMap::from_texture(&texture)?),
@@ -139,6 +154,9 @@ impl Pack {
                     FlatPart::Mask => Self::Mask(VisibilityMask::from_texture(&texture)?),
                     FlatPart::Indirection => Self::Indirection(IndirectionMap::from_texture(&texture)?),
                     FlatPart::View => Self::View(FlatView::from_texture(&texture)?),
+                    FlatPart::Basis => Self::Basis(BasisMap::from_texture(&texture)?),
+                    FlatPart::Weights => Self::Weights(WeightMap::from_texture(texture)?),
+                    FlatPart::Shadow => Self::Shadow(ShadowMap::from_texture(texture)?),
                 }
             }
         })
@@ -159,6 +177,9 @@ impl Pack {
             Self::Mask(_) => PackKind::FlatBtf(FlatPart::Mask),
             Self::Indirection(_) => PackKind::FlatBtf(FlatPart::Indirection),
             Self::View(_) => PackKind::FlatBtf(FlatPart::View),
+            Self::Basis(_) => PackKind::FlatBtf(FlatPart::Basis),
+            Self::Weights(_) => PackKind::FlatBtf(FlatPart::Weights),
+            Self::Shadow(_) => PackKind::FlatBtf(FlatPart::Shadow),
         }
     }
 }

@@ -3,13 +3,13 @@
 use super::device::{Gpu, GpuError};
 use super::pack::texture_format;
 use super::raster::{buffer_type, entry};
-use brdfc_formats::container::TexelFormat;
+use brdfc_formats::container::{Extent, TexelFormat};
 use std::borrow::Cow;
 use wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor, BindingResource,
     BindingType, BufferBindingType, BufferUsages, ComputePassDescriptor, ComputePipelineDescriptor,
     PipelineLayoutDescriptor, ShaderModuleDescriptor, ShaderSource, ShaderStages, TextureSampleType,
-    TextureViewDimension,
+    TextureViewDimension, util::DeviceExt as _,
 };
 
 /// The compute entry point: it calls `fn compute(at: u32)`, which reads `input` and writes `output`.
@@ -31,6 +31,13 @@ pub enum Resource<'a> {
     Texture([u32; 2], &'a [[f32; 4]]),
     /// A 2D texture of one 16-bit float, which is not filtered: width, height and bytes of the texels, row by row.
     Halves([u32; 2], &'a [u8]),
+    /// A 2D texture of four 32-bit integers: width, height and words, row by row.
+    Integers([u32; 2], &'a [u32]),
+    /// A 2D array that may be filtered, with mipmaps: format, width, height, layers, levels, and texels level by level from
+    /// the finest, layer by layer.
+    Layers(TexelFormat, [u32; 3], u32, &'a [u8]),
+    /// A sampler: linear, also between levels, repeating.
+    Sampler,
 }
 
 /// A 2D texture that is not filtered.
@@ -136,6 +143,14 @@ impl<'g> Compute<'g> {
 
 fn upload(gpu: &Gpu, resources: &[Resource<'_>]) -> Result<(BindGroupLayout, BindGroup), GpuError> {
     let (mut buffers, mut views) = (Vec::new(), Vec::new());
+    let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+        address_mode_u: wgpu::AddressMode::Repeat,
+        address_mode_v: wgpu::AddressMode::Repeat,
+        mag_filter: wgpu::FilterMode::Linear,
+        min_filter: wgpu::FilterMode::Linear,
+        mipmap_filter: wgpu::MipmapFilterMode::Linear,
+        ..wgpu::SamplerDescriptor::default()
+    });
     let mut layout = Vec::new();
     for (binding, resource) in resources.iter().enumerate() {
         let ty = match resource {
@@ -151,6 +166,18 @@ fn upload(gpu: &Gpu, resources: &[Resource<'_>]) -> Result<(BindGroupLayout, Bin
                 views.push(texture(gpu, TexelFormat::R16Float, *size, texels)?);
                 UNFILTERED
             }
+            Resource::Integers(size, words) => {
+                views.push(texture(gpu, TexelFormat::Rgba32Uint, *size, bytemuck::cast_slice(words))?);
+                let sample_type = TextureSampleType::Uint;
+                BindingType::Texture { sample_type, view_dimension: TextureViewDimension::D2, multisampled: false }
+            }
+            Resource::Layers(format, sides, levels, texels) => {
+                views.push(layers(gpu, *format, *sides, *levels, texels)?);
+                let view_dimension = TextureViewDimension::D2Array;
+                let sample_type = TextureSampleType::Float { filterable: true };
+                BindingType::Texture { sample_type, view_dimension, multisampled: false }
+            }
+            Resource::Sampler => BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
         };
         layout.push(entry(binding as u32, ShaderStages::COMPUTE, ty));
     }
@@ -161,7 +188,8 @@ fn upload(gpu: &Gpu, resources: &[Resource<'_>]) -> Result<(BindGroupLayout, Bin
     for (binding, resource) in resources.iter().enumerate() {
         let resource = match resource {
             Resource::Uniform(_) => buffers.next().map(wgpu::Buffer::as_entire_binding),
-            Resource::Texture(..) | Resource::Halves(..) => views.next().map(BindingResource::TextureView),
+            Resource::Sampler => Some(BindingResource::Sampler(&sampler)),
+            _ => views.next().map(BindingResource::TextureView),
         };
         entries.extend(resource.map(|resource| BindGroupEntry { binding: binding as u32, resource }));
     }
@@ -172,6 +200,40 @@ fn upload(gpu: &Gpu, resources: &[Resource<'_>]) -> Result<(BindGroupLayout, Bin
     });
     gpu.check()?;
     Ok((layout, group))
+}
+
+/// Uploads a 2D array with mipmaps.
+fn layers(
+    gpu: &Gpu,
+    format: TexelFormat,
+    sides: [u32; 3],
+    levels: u32,
+    texels: &[u8],
+) -> Result<wgpu::TextureView, GpuError> {
+    let [width, height, depth_or_array_layers] = sides;
+    let (limits, extent) = (gpu.device.limits(), Extent::D2Array(sides));
+    let bytes = extent.texels_of_levels(levels) * format.texel_bytes() as u64;
+    let fits = width.max(height) <= limits.max_texture_dimension_2d
+        && depth_or_array_layers <= limits.max_texture_array_layers
+        && (1..=extent.most_levels()).contains(&levels);
+    if !fits || texels.len() as u64 != bytes {
+        let text = format!("{} bytes for {levels} levels of {extent}, of which there should be {bytes}", texels.len());
+        return Err(GpuError::TooLarge(text));
+    }
+    let descriptor = wgpu::TextureDescriptor {
+        label: None,
+        size: wgpu::Extent3d { width, height, depth_or_array_layers },
+        mip_level_count: levels,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: texture_format(format),
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    };
+    let order = wgpu::util::TextureDataOrder::MipMajor;
+    let texture = gpu.device.create_texture_with_data(&gpu.queue, &descriptor, order, texels);
+    let dimension = Some(TextureViewDimension::D2Array);
+    Ok(texture.create_view(&wgpu::TextureViewDescriptor { dimension, ..Default::default() }))
 }
 
 /// Uploads a 2D texture.

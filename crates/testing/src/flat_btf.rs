@@ -2,6 +2,9 @@
 
 use crate::packs::Numbers;
 use brdfc_formats::container::rgb9e5;
+use brdfc_formats::flat_btf::factored::{
+    BasisMap, FactoredErrors, FactoredFlatBtf, FactoredHeader, GROUP, ShadowFormat, ShadowMap, WeightMap, WeightRange,
+};
 use brdfc_formats::flat_btf::{
     DiffuseMap, FlatBtfParts, FlatHeader, FlatView, IndirectionHeader, IndirectionMap, NormalMap, PositionMap,
     ReferenceMap, ViewWeights, VisibilityMask,
@@ -90,6 +93,67 @@ pub fn mask(sizes: Sizes, seed: u64) -> VisibilityMask {
     let mut numbers = Numbers::new(seed);
     let texels = (0..sizes.flat * sizes.flat * sizes.views).map(|_| if numbers.bits() & 1 == 0 { 0 } else { 255 });
     VisibilityMask::new(sizes.flat, sizes.views, texels.collect()).unwrap()
+}
+
+/// Shape of a made-up factored asset, besides its sizes.
+#[derive(Debug, Clone, Copy)]
+pub struct Factors {
+    pub levels: u32,
+    pub groups: u32,
+    pub wide_groups: u32,
+    pub shadow: ShadowFormat,
+}
+
+/// A factored asset of random texels.
+pub fn factored(sizes: Sizes, factors: Factors, seed: u64) -> FactoredFlatBtf {
+    let mut numbers = Numbers::new(seed);
+    let Factors { levels, groups, wide_groups, shadow } = factors;
+    let components = groups as usize * GROUP;
+    let steps = [2e-3, 1e-3, 1e-3].map(|scale| {
+        (0..components)
+            .map(|k| {
+                let most = if k < wide_groups as usize * GROUP { 1.0 / 256.0 } else { 1.0 };
+                scale * most * numbers.between(0.5, 1.5) as f32
+            })
+            .collect()
+    });
+    let header = FactoredHeader {
+        size: sizes.flat,
+        levels,
+        groups,
+        wide_groups,
+        shadow,
+        views: directions(sizes.views, 1),
+        lights: directions(sizes.lights, 2),
+        steps,
+        errors: FactoredErrors {
+            texels: 3,
+            seen_mean: 0.5,
+            seen_p95: 1.0,
+            seen_max: 2.0,
+            all_mean: 0.75,
+            all_p95: 1.5,
+        },
+    };
+    let texels = |layers: u32| {
+        (0..levels).map(|level| (sizes.flat >> level).max(1).pow(2) as usize).sum::<usize>() * layers as usize
+    };
+    let mut bytes = |count: usize| (0..count).map(|_| numbers.bits() as u8).collect::<Vec<u8>>();
+    let weights = bytes(GROUP * texels(groups));
+    let shadows = bytes(texels(sizes.lights));
+    let range =
+        |k: usize| WeightRange { scale: if k == 0 { 200.0 } else { 60.0 }, low: if k == 0 { 1.0 } else { -25.0 } };
+    let ranges = (0..components).map(range).collect();
+    let basis = BasisMap::from_steps(header, |_, _, colour, component| {
+        let most = if component < wide_groups as usize * GROUP { 32767.0 } else { 127.0 };
+        // Lightness is mostly positive.
+        let low = if colour == 0 && component == 0 { 0.2 } else { -1.0 };
+        (most * numbers.between(low, 1.0)) as i32
+    });
+    let weights = WeightMap::new(sizes.flat, levels, ranges, weights).unwrap();
+    let shadow =
+        (shadow != ShadowFormat::None).then(|| ShadowMap::new(sizes.flat, levels, sizes.lights, shadows).unwrap());
+    FactoredFlatBtf::new(basis.unwrap(), weights, shadow).unwrap()
 }
 
 /// Three of `count` directions with weights, some of them 0.

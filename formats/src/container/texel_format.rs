@@ -1,7 +1,7 @@
 //! How texels of packs are stored, and how a KTX2 file describes that. Layout: `formats/src/container/spec.md`.
 
 /// Texel formats that packs use. The 16-bit unorm ones are optional everywhere; all others are core, and all but those of
-/// 32-bit floats can be filtered.
+/// 32-bit floats and integers can be filtered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TexelFormat {
     /// One component of 8 bits, `VK_FORMAT_R8_UNORM`.
@@ -22,6 +22,8 @@ pub enum TexelFormat {
     Rg32Float,
     /// Four 32-bit floats, `VK_FORMAT_R32G32B32A32_SFLOAT`.
     Rgba32Float,
+    /// Four unsigned integers of 32 bits, `VK_FORMAT_R32G32B32A32_UINT`.
+    Rgba32Uint,
     /// Three mantissas of 9 bits that share an exponent, in one word: `VK_FORMAT_E5B9G9R9_UFLOAT_PACK32`. See
     /// [`super::rgb9e5`].
     Rgb9E5,
@@ -32,7 +34,7 @@ pub enum TexelFormat {
 
 impl TexelFormat {
     /// Every format.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::R8Unorm,
         Self::Rg8Unorm,
         Self::Rgba8Unorm,
@@ -42,6 +44,7 @@ impl TexelFormat {
         Self::Rgba16Float,
         Self::Rg32Float,
         Self::Rgba32Float,
+        Self::Rgba32Uint,
         Self::Rgb9E5,
         Self::Rgb10A2Unorm,
     ];
@@ -51,7 +54,7 @@ impl TexelFormat {
         match self {
             Self::R8Unorm | Self::R16Unorm | Self::R16Float | Self::Rgb9E5 | Self::Rgb10A2Unorm => 1,
             Self::Rg8Unorm | Self::Rg32Float => 2,
-            Self::Rgba8Unorm | Self::Rgba16Unorm | Self::Rgba16Float | Self::Rgba32Float => 4,
+            Self::Rgba8Unorm | Self::Rgba16Unorm | Self::Rgba16Float | Self::Rgba32Float | Self::Rgba32Uint => 4,
         }
     }
 
@@ -60,7 +63,7 @@ impl TexelFormat {
         match self {
             Self::R8Unorm | Self::Rg8Unorm | Self::Rgba8Unorm => 1,
             Self::R16Unorm | Self::R16Float | Self::Rgba16Unorm | Self::Rgba16Float => 2,
-            Self::Rg32Float | Self::Rgba32Float | Self::Rgb9E5 | Self::Rgb10A2Unorm => 4,
+            Self::Rg32Float | Self::Rgba32Float | Self::Rgba32Uint | Self::Rgb9E5 | Self::Rgb10A2Unorm => 4,
         }
     }
 
@@ -80,6 +83,7 @@ impl TexelFormat {
             Self::Rgba16Float => ktx2::Format::R16G16B16A16_SFLOAT,
             Self::Rg32Float => ktx2::Format::R32G32_SFLOAT,
             Self::Rgba32Float => ktx2::Format::R32G32B32A32_SFLOAT,
+            Self::Rgba32Uint => ktx2::Format::R32G32B32A32_UINT,
             Self::Rgb9E5 => ktx2::Format::E5B9G9R9_UFLOAT_PACK32,
             Self::Rgb10A2Unorm => ktx2::Format::A2B10G10R10_UNORM_PACK32,
         }

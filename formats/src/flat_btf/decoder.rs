@@ -8,6 +8,7 @@ use super::atlas::Atlas;
 use super::flat_view::FlatView;
 use super::indirection::{IndirectionHeader, IndirectionMap};
 use super::maps::{DiffuseMap, NormalMap, ReferenceMap};
+use super::tap::{Tap, footprint, periodic_tap, wrap};
 use crate::FormatError;
 use crate::container::rgb9e5;
 use crate::direction::polynomial_atan2;
@@ -41,31 +42,6 @@ pub struct ViewWeights {
 #[derive(Debug, Clone)]
 pub struct FlatBtfDecoder {
     parts: FlatBtfParts,
-}
-
-/// Two neighbouring samples along one axis and the weight of the second.
-#[derive(Debug, Clone, Copy)]
-struct Tap {
-    samples: [u32; 2],
-    weight: f32,
-}
-
-impl Tap {
-    /// Samples with their weights.
-    fn weighted(self) -> [(u32, f32); 2] {
-        [(self.samples[0], 1.0 - self.weight), (self.samples[1], self.weight)]
-    }
-}
-
-/// Four samples with their weights: rows outside, columns inside.
-fn footprint(column: Tap, row: Tap) -> [([u32; 2], f32); 4] {
-    let mut samples = [([0; 2], 0.0); 4];
-    for (r, (row, row_weight)) in row.weighted().into_iter().enumerate() {
-        for (c, (column, column_weight)) in column.weighted().into_iter().enumerate() {
-            samples[2 * r + c] = ([column, row], row_weight * column_weight);
-        }
-    }
-    samples
 }
 
 impl FlatBtfDecoder {
@@ -185,13 +161,6 @@ impl FlatBtfDecoder {
     }
 }
 
-/// The fraction, 0 to below 1. Numbers that have none become 0.
-fn wrap(x: f32) -> f32 {
-    let fraction = x - x.floor();
-    // A tiny negative number has a fraction that rounds to 1.
-    if fraction < 1.0 { fraction } else { 0.0 }
-}
-
 /// Where a view is among the samples of a block, polar angle first: what `u` and `v` of section 3.5 and figure 7 address,
 /// where a shader leaves the blending to the sampler.
 fn view_position(header: &IndirectionHeader, [x, y, z]: [f32; 3]) -> [f32; 2] {
@@ -206,16 +175,6 @@ fn view_position(header: &IndirectionHeader, [x, y, z]: [f32; 3]) -> [f32; 2] {
 fn block_tap(position: f32, last: u32) -> Tap {
     let lower = (position as u32).min(last - 1);
     Tap { samples: [lower, lower + 1], weight: position - lower as f32 }
-}
-
-/// The texels around a parameter, whose centres are at `(i + ½) / size`, with period 1.
-fn periodic_tap(parameter: f32, size: u32) -> Tap {
-    let position = parameter * size as f32 - 0.5;
-    let lower = position.floor();
-    let weight = position - lower;
-    let lower = if lower < 0.0 { size - 1 } else { (lower as u32).min(size - 1) };
-    let upper = if lower + 1 == size { 0 } else { lower + 1 };
-    Tap { samples: [lower, upper], weight }
 }
 
 fn filtered(footprint: &[([u32; 2], f32); 4], size: u32, texel: impl Fn(usize) -> [f32; 3]) -> [f32; 3] {

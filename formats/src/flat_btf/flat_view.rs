@@ -1,6 +1,6 @@
 //! The parts `flat.VVV` and `mask`: values of the flat BTF for one view and all lights, and which of them were seen.
 
-use super::layout::{VERSION, check_square, square_layers, word, words, wrong_extent};
+use super::layout::{VERSION, check_square, floats, square_layers, word, words, wrong_extent};
 use crate::FormatError;
 use crate::container::entries::{entry, sized};
 use crate::container::{Extent, MAX_LAYERS, TexelFormat, Texture};
@@ -40,21 +40,7 @@ impl FlatHeader {
     /// # Errors
     /// Too many directions, or such that are out of range; a view that is none of them.
     pub fn check(&self) -> Result<(), FormatError> {
-        for (key, directions) in [(VIEWS, &self.views), (LIGHTS, &self.lights)] {
-            if !(1..=MAX_DIRECTIONS as usize).contains(&directions.len()) {
-                let found = format!("{} directions", directions.len());
-                return Err(FormatError::whole(key, found, format!("1 to {MAX_DIRECTIONS}")));
-            }
-            for (k, [polar, azimuth]) in directions.iter().enumerate() {
-                let good = (0.0..=std::f32::consts::FRAC_PI_2).contains(polar)
-                    && (0.0..std::f32::consts::TAU).contains(azimuth);
-                if !good {
-                    let (field, found) = (format!("{key} direction {k}"), format!("{polar}, {azimuth}"));
-                    let allowed = "a polar angle of 0 to π/2 and an azimuth of 0 to below 2π";
-                    return Err(FormatError::whole(field, found, allowed));
-                }
-            }
-        }
+        check_directions(&self.views, &self.lights)?;
         if self.view as usize >= self.views.len() {
             let (field, allowed) =
                 (format!("{HEADER} view"), format!("below {}, the number of views", self.views.len()));
@@ -65,29 +51,61 @@ impl FlatHeader {
 
     fn entries(&self) -> BTreeMap<String, Vec<u8>> {
         let header = [VERSION, self.size, self.view, self.views.len() as u32, self.lights.len() as u32];
-        let bytes = |directions: &[[f32; 2]]| directions.iter().flatten().flat_map(|c| c.to_le_bytes()).collect();
-        BTreeMap::from([
-            (HEADER.to_owned(), header.into_iter().flat_map(u32::to_le_bytes).collect()),
-            (VIEWS.to_owned(), bytes(&self.views)),
-            (LIGHTS.to_owned(), bytes(&self.lights)),
-        ])
+        let mut entries = direction_entries(&self.views, &self.lights);
+        entries.insert(HEADER.to_owned(), header.into_iter().flat_map(u32::to_le_bytes).collect());
+        entries
     }
 
     fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
-        let value = |key| entry(texture, key, "a view of a flat BTF");
-        let mut cursor = Cursor::new(sized(value(HEADER)?, HEADER, 20)?);
+        const KIND: &str = "a view of a flat BTF";
+        let mut cursor = Cursor::new(sized(entry(texture, HEADER, KIND)?, HEADER, 20)?);
         word(&mut cursor, HEADER, "version", VERSION..=VERSION)?;
         let (size, view) = (cursor.u32("size")?, cursor.u32("view")?);
         let views = word(&mut cursor, HEADER, "views", 1..=MAX_DIRECTIONS)?;
         let lights = word(&mut cursor, HEADER, "lights", 1..=MAX_DIRECTIONS)?;
-        let directions = |key, count: u32| {
-            let bytes = sized(value(key)?, key, 8 * count as usize)?;
-            Ok::<_, FormatError>(super::layout::floats::<2>(bytes))
-        };
-        let header = Self { size, view, views: directions(VIEWS, views)?, lights: directions(LIGHTS, lights)? };
+        let [views, lights] = read_directions(texture, KIND, [views, lights])?;
+        let header = Self { size, view, views, lights };
         header.check()?;
         Ok(header)
     }
+}
+
+/// Whether views and lights are as many as allowed, and angles in range.
+pub(super) fn check_directions(views: &[[f32; 2]], lights: &[[f32; 2]]) -> Result<(), FormatError> {
+    for (key, directions) in [(VIEWS, views), (LIGHTS, lights)] {
+        if !(1..=MAX_DIRECTIONS as usize).contains(&directions.len()) {
+            let found = format!("{} directions", directions.len());
+            return Err(FormatError::whole(key, found, format!("1 to {MAX_DIRECTIONS}")));
+        }
+        for (k, [polar, azimuth]) in directions.iter().enumerate() {
+            let good =
+                (0.0..=std::f32::consts::FRAC_PI_2).contains(polar) && (0.0..std::f32::consts::TAU).contains(azimuth);
+            if !good {
+                let (field, found) = (format!("{key} direction {k}"), format!("{polar}, {azimuth}"));
+                let allowed = "a polar angle of 0 to π/2 and an azimuth of 0 to below 2π";
+                return Err(FormatError::whole(field, found, allowed));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The entries that tell views and lights.
+pub(super) fn direction_entries(views: &[[f32; 2]], lights: &[[f32; 2]]) -> BTreeMap<String, Vec<u8>> {
+    let bytes = |directions: &[[f32; 2]]| directions.iter().flatten().flat_map(|c| c.to_le_bytes()).collect();
+    BTreeMap::from([(VIEWS.to_owned(), bytes(views)), (LIGHTS.to_owned(), bytes(lights))])
+}
+
+/// Views and lights, as many as a header of `kind` says.
+pub(super) fn read_directions(
+    texture: &Texture,
+    kind: &str,
+    [views, lights]: [u32; 2],
+) -> Result<[Vec<[f32; 2]>; 2], FormatError> {
+    let read = |key, count: u32| {
+        Ok::<_, FormatError>(floats::<2>(sized(entry(texture, key, kind)?, key, 8 * count as usize)?))
+    };
+    Ok([read(VIEWS, views)?, read(LIGHTS, lights)?])
 }
 
 /// Values of the flat BTF for one view: radiance divided by that of a white diffuser that faces the light.

@@ -4,14 +4,17 @@ use super::atlas::Atlas;
 use super::decoder::FlatBtfParts;
 use crate::container::{Extent, TexelFormat};
 
-/// Bytes of texels that the part of this name takes in graphics memory, by the extent of its file.
+/// Bytes of texels that the part of this name takes in graphics memory, by the extent and mipmap levels of its file.
 ///
 /// A view is a layer of the atlas, with the tiles of the layer that no light has. `position` and `mask` take nothing: no
 /// shader reads them.
-pub fn gpu_bytes(part: &str, extent: Extent) -> u64 {
+pub fn gpu_bytes(part: &str, extent: Extent, levels: u32) -> u64 {
     let (texels, format) = match (part, extent) {
         ("position" | "mask", _) => return 0,
         ("reference", _) => (extent.texels(), TexelFormat::Rg32Float),
+        ("basis", _) => (extent.texels(), TexelFormat::Rgba32Uint),
+        ("weights", _) => (extent.texels_of_levels(levels), TexelFormat::Rgba8Unorm),
+        ("shadow", _) => (extent.texels_of_levels(levels), TexelFormat::R8Unorm),
         ("indirection" | "normal", _) => (extent.texels(), TexelFormat::Rgba16Float),
         (_, Extent::D2Array([width, _, lights])) => (Atlas::new(width, lights).texels(), TexelFormat::Rgb9E5),
         _ => (extent.texels(), TexelFormat::Rgb9E5),
@@ -25,12 +28,12 @@ impl FlatBtfParts {
         let square = |size: u32| Extent::D2([size, size]);
         let view = self.views.first().map_or(0, |view| {
             let header = view.header();
-            gpu_bytes("flat", Extent::D2Array([header.size, header.size, header.lights.len() as u32]))
+            gpu_bytes("flat", Extent::D2Array([header.size, header.size, header.lights.len() as u32]), 1)
         });
-        gpu_bytes("reference", square(self.reference.size()))
-            + gpu_bytes("indirection", Extent::D2(self.indirection.header().extent()))
-            + gpu_bytes("normal", square(self.normal.size()))
-            + gpu_bytes("diffuse", square(self.diffuse.size()))
+        gpu_bytes("reference", square(self.reference.size()), 1)
+            + gpu_bytes("indirection", Extent::D2(self.indirection.header().extent()), 1)
+            + gpu_bytes("normal", square(self.normal.size()), 1)
+            + gpu_bytes("diffuse", square(self.diffuse.size()), 1)
             + view * self.views.len() as u64
     }
 }

@@ -6,6 +6,7 @@
 
 mod atlas;
 mod decoder;
+pub mod factored;
 mod flat_view;
 mod graphics_memory;
 mod indirection;
@@ -13,6 +14,7 @@ mod layout;
 mod maps;
 mod part;
 pub mod shader;
+mod tap;
 
 pub use atlas::Atlas;
 pub use decoder::{FlatBtfDecoder, FlatBtfParts, ViewWeights};

@@ -17,6 +17,12 @@ pub enum FlatPart {
     Indirection,
     /// The values of one view, for all lights.
     View,
+    /// Of a factored flat BTF: the components in each view under each light.
+    Basis,
+    /// The weights of the components.
+    Weights,
+    /// How much of each light arrives.
+    Shadow,
 }
 
 /// What the name of every part's file ends with.
@@ -26,8 +32,17 @@ const VIEW: &str = "flat";
 
 impl FlatPart {
     /// The parts that stand once in an asset.
-    pub const SINGLE: [Self; 6] =
-        [Self::Position, Self::Normal, Self::Reference, Self::Diffuse, Self::Mask, Self::Indirection];
+    pub const SINGLE: [Self; 9] = [
+        Self::Position,
+        Self::Normal,
+        Self::Reference,
+        Self::Diffuse,
+        Self::Mask,
+        Self::Indirection,
+        Self::Basis,
+        Self::Weights,
+        Self::Shadow,
+    ];
 
     /// The name of the part; of views what stands before their number.
     pub fn name(self) -> &'static str {
@@ -39,6 +54,9 @@ impl FlatPart {
             Self::Mask => "mask",
             Self::Indirection => "indirection",
             Self::View => VIEW,
+            Self::Basis => "basis",
+            Self::Weights => "weights",
+            Self::Shadow => "shadow",
         }
     }
 
@@ -79,6 +97,7 @@ mod tests {
         for (file, expected) in [
             ("knit.diffuse.ktx2", Some(("knit", FlatPart::Diffuse, "diffuse"))),
             ("knit.blue.flat.003.ktx2", Some(("knit.blue", FlatPart::View, "flat.003"))),
+            ("knit.shadow.ktx2", Some(("knit", FlatPart::Shadow, "shadow"))),
             ("a.flat.1000.ktx2", Some(("a", FlatPart::View, "flat.1000"))),
             ("knit.flat.03.ktx2", None),
             ("knit.flat.ktx2", None),

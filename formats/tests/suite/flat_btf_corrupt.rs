@@ -2,11 +2,12 @@
 
 use brdfc_formats::FormatError;
 use brdfc_formats::container::{Extent, TexelFormat, Texture, half};
+use brdfc_formats::flat_btf::factored::{BasisMap, ShadowFormat, ShadowMap, WeightMap};
 use brdfc_formats::flat_btf::{
     DiffuseMap, FlatHeader, FlatView, IndirectionHeader, IndirectionMap, NormalMap, PositionMap, ReferenceMap,
     VisibilityMask,
 };
-use brdfc_testing::flat_btf::{self, SMALL};
+use brdfc_testing::flat_btf::{self, Factors, SMALL};
 use std::collections::BTreeMap;
 
 /// Every kind of part: its name, a file, and its reader.
@@ -14,7 +15,13 @@ type Part = (&'static str, Vec<u8>, fn(&[u8]) -> Result<(), FormatError>);
 
 fn parts(supercompress: bool) -> Vec<Part> {
     let parts = flat_btf::parts(SMALL, 8);
+    let factors = Factors { levels: 2, groups: 1, wide_groups: 1, shadow: ShadowFormat::R8 };
+    let factored = flat_btf::factored(SMALL, factors, 8);
+    let shadow = factored.shadow().expect("it has shadows");
     vec![
+        ("basis", factored.basis().to_bytes(supercompress), |b| BasisMap::from_bytes(b).map(drop)),
+        ("weights", factored.weights().to_bytes(supercompress), |b| WeightMap::from_bytes(b).map(drop)),
+        ("shadow", shadow.to_bytes(supercompress), |b| ShadowMap::from_bytes(b).map(drop)),
         ("position", flat_btf::position(4, 1).to_bytes(supercompress), |b| PositionMap::from_bytes(b).map(drop)),
         ("normal", parts.normal.to_bytes(supercompress), |b| NormalMap::from_bytes(b).map(drop)),
         ("diffuse", parts.diffuse.to_bytes(supercompress), |b| DiffuseMap::from_bytes(b).map(drop)),

@@ -21,9 +21,9 @@ fn unused_tiles_of_the_atlas_count() {
         assert_eq!(parts.gpu_bytes(), uploaded(parts) as u64, "{lights}");
     }
     // Five columns and four rows.
-    assert_eq!(gpu_bytes("flat.003", Extent::D2Array([8, 8, 17])), 4 * 8 * 8 * 20);
+    assert_eq!(gpu_bytes("flat.003", Extent::D2Array([8, 8, 17]), 1), 4 * 8 * 8 * 20);
     assert_eq!(Atlas::new(8, 17).texels(), 8 * 8 * 20);
-    assert_eq!(gpu_bytes("flat.0003", Extent::D2Array([8, 8, 16])), 4 * 8 * 8 * 16);
+    assert_eq!(gpu_bytes("flat.0003", Extent::D2Array([8, 8, 16]), 1), 4 * 8 * 8 * 16);
     let light = FlatBtfParts { views: Vec::new(), ..parts(SMALL, 1) };
     assert_eq!(light.gpu_bytes(), uploaded(light) as u64);
 }
@@ -33,6 +33,6 @@ fn parts_that_no_shader_reads_take_nothing() {
     for (part, bytes) in [("position", position(4, 1).to_bytes(false)), ("mask", mask(SMALL, 1).to_bytes(false))] {
         let texture = Texture::from_bytes(&bytes).unwrap();
         assert!(texture.texel_bytes() > 0);
-        assert_eq!(gpu_bytes(part, texture.extent), 0, "{part}");
+        assert_eq!(gpu_bytes(part, texture.extent, texture.levels), 0, "{part}");
     }
 }

@@ -50,6 +50,10 @@ fn float(components: u32, bits: u32) -> Vec<Sample> {
     (0..components).map(|k| (k * bits, bits, CHANNELS[k as usize] | FLOAT, MINUS_ONE, ONE)).collect()
 }
 
+fn integers(components: u32) -> Vec<Sample> {
+    (0..components).map(|k| (32 * k, 32, CHANNELS[k as usize], 0, 1)).collect()
+}
+
 /// A mantissa and the shared exponent, biased by 15, for each channel. 8448 is 2^13 + 2^8: what the validator of the
 /// Khronos tools asks for.
 fn shared_exponent() -> Vec<Sample> {
@@ -92,6 +96,7 @@ fn expected_texture(texture: &Texture) -> Expected {
         TexelFormat::Rgba16Float => (97, 2, 8, float(4, 16)),
         TexelFormat::Rg32Float => (103, 4, 8, float(2, 32)),
         TexelFormat::Rgba32Float => (109, 4, 16, float(4, 32)),
+        TexelFormat::Rgba32Uint => (107, 4, 16, integers(4)),
         TexelFormat::Rgb9E5 => (123, 4, 4, shared_exponent()),
         TexelFormat::Rgb10A2Unorm => (64, 4, 4, ten_bits()),
     };
@@ -234,7 +239,7 @@ fn files_keep_the_rules_of_the_validator() {
 #[test]
 fn every_kind_of_texture_keeps_the_rules_of_the_validator() {
     let textures = brdfc_testing::packs::textures();
-    assert_eq!(textures.len(), 11 * 11);
+    assert_eq!(textures.len(), 12 * 11);
     for (name, texture) in textures {
         for supercompress in [false, true] {
             println!("{name}, supercompress {supercompress}");

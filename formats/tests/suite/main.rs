@@ -7,6 +7,7 @@ mod decoder;
 mod decoder_equations;
 mod direction_mesh_shader;
 mod direction_weights;
+mod factored;
 mod flat_btf;
 mod flat_btf_corrupt;
 mod flat_btf_memory;

@@ -46,7 +46,7 @@ impl PartFacts {
                 Extent::D2Array(sides) | Extent::D3(sides) => sides.to_vec(),
             },
             bytes: bytes.len() as u64,
-            gpu_bytes: gpu_bytes(part, packed.extent),
+            gpu_bytes: gpu_bytes(part, packed.extent, packed.levels),
             view_views_lights: None,
             polar_angles_azimuths: None,
         };

@@ -4,6 +4,7 @@ mod adaptive_twin;
 mod bandwidth_twin;
 mod common;
 mod cropped_scene;
+mod factored_twin;
 mod flat_btf_twin;
 mod flat_rebuild;
 mod flat_scenes;

@@ -42,7 +42,7 @@ impl<'a> Parts<'a> {
         std::fs::write(self.aside.path().join(&file), bytes)
             .map_err(|error| FlattenError::write(&self.folder.join(&file), error))?;
         let blake3 = blake3::hash(bytes).to_hex().to_string();
-        let listed = PartFile { file, bytes: bytes.len() as u64, gpu_bytes: gpu_bytes(part, extent), blake3 };
+        let listed = PartFile { file, bytes: bytes.len() as u64, gpu_bytes: gpu_bytes(part, extent, 1), blake3 };
         self.files.insert(part.to_owned(), listed);
         Ok(())
     }

@@ -231,6 +231,22 @@ fn flat_part(part: Pack) -> Hashes {
             numbers.add(header.views.iter().chain(&header.lights).flatten().copied());
             numbers.add(colours(view.texels()));
         }
+        Pack::Basis(map) => {
+            let header = map.header();
+            numbers.words([header.size, header.levels, header.groups, header.wide_groups, header.shadow as u32]);
+            numbers.add(header.views.iter().chain(&header.lights).flatten().copied());
+            numbers.add(header.steps.iter().flatten().copied());
+            numbers.words(map.words().iter().copied());
+        }
+        Pack::Weights(map) => {
+            numbers.words([map.size(), map.levels()]);
+            numbers.add(map.ranges().iter().flat_map(|range| [range.scale, range.low]));
+            numbers.words(map.texels().iter().map(|byte| u32::from(*byte)));
+        }
+        Pack::Shadow(map) => {
+            numbers.words([map.size(), map.levels(), map.lights()]);
+            numbers.words(map.texels().iter().map(|byte| u32::from(*byte)));
+        }
         other => unreachable!("{:?} has an arm of its own", other.kind()),
     }
     values(&numbers)

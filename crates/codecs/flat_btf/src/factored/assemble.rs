@@ -1,0 +1,71 @@
+//! Parts from what was solved for.
+
+use super::basis::Basis;
+use super::local::Texels;
+use super::mipmaps::with_mipmaps;
+use super::quantise::{integer, rounded, steps, weight_byte, weight_ranges, wide_groups};
+use brdfc_formats::FormatError;
+use brdfc_formats::container::Extent;
+use brdfc_formats::flat_btf::FlatHeader;
+use brdfc_formats::flat_btf::factored::{
+    BasisMap, FactoredErrors, FactoredFlatBtf, FactoredHeader, GROUP, ShadowFormat, ShadowMap, WeightMap,
+};
+
+/// Shape of an asset: what decides its bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Shape {
+    /// Groups of four components.
+    pub(super) groups: u32,
+    /// Whether there is a factor per texel and light.
+    pub(super) shadowed: bool,
+}
+
+/// The header of an asset of `size` texels per side, with all mipmap levels.
+pub(super) fn header(shape: Shape, size: u32, directions: &FlatHeader) -> FactoredHeader {
+    FactoredHeader {
+        size,
+        levels: Extent::D2([size; 2]).most_levels(),
+        groups: shape.groups,
+        wide_groups: wide_groups(shape.groups),
+        shadow: if shape.shadowed { ShadowFormat::R8 } else { ShadowFormat::None },
+        views: directions.views.clone(),
+        lights: directions.lights.clone(),
+        steps: [(); 3].map(|()| vec![0.0; shape.groups as usize * GROUP]),
+        errors: FactoredErrors::default(),
+    }
+}
+
+/// The part `basis`, and what a decoder makes of it.
+pub(super) fn basis(header: FactoredHeader, basis: &Basis) -> Result<(BasisMap, Basis), FormatError> {
+    let header = FactoredHeader { steps: steps(basis, header.wide_groups), ..header };
+    let all = header.steps.clone();
+    let step = |view: usize, light: usize, colour: usize, component: usize| {
+        integer(basis.pair(view, light)[colour * basis.components + component], all[colour][component])
+    };
+    Ok((BasisMap::from_steps(header, step)?, rounded(basis, &all)))
+}
+
+/// An asset of the texels of a basis, row by row.
+pub(super) fn asset(basis: BasisMap, texels: &Texels) -> Result<FactoredFlatBtf, FormatError> {
+    let header = basis.header();
+    let (size, levels, k) = (header.size as usize, header.levels, header.components());
+    let (lights, count) = (header.lights.len(), size * size);
+    let ranges = weight_ranges(&texels.weights, k);
+    let mut bytes = vec![0; count * k];
+    for (texel, weights) in texels.weights.chunks_exact(k).enumerate() {
+        for (component, weight) in weights.iter().enumerate() {
+            let at = (component / GROUP * count + texel) * GROUP + component % GROUP;
+            bytes[at] = weight_byte(*weight, ranges[component]);
+        }
+    }
+    let weights = WeightMap::new(header.size, levels, ranges, with_mipmaps(&bytes, size, GROUP, levels))?;
+    let shadow = match header.shadow {
+        ShadowFormat::None => None,
+        ShadowFormat::R8 => {
+            let by_lights = (0..lights * count).map(|at| texels.shadows[at % count * lights + at / count]);
+            let bytes = with_mipmaps(&by_lights.collect::<Vec<u8>>(), size, 1, levels);
+            Some(ShadowMap::new(header.size, levels, lights as u32, bytes)?)
+        }
+    };
+    FactoredFlatBtf::new(basis, weights, shadow)
+}

@@ -1,0 +1,83 @@
+//! A basis that might do: fitted to some texels, tried on others.
+
+use super::accumulate::{Sums, ViewWords};
+use super::assemble::{self, Shape};
+use super::local::solve_texels;
+use super::measure::errors;
+use super::rounded::Rounded;
+use super::sample::{Sample, Values};
+use super::train::{Fit, first_shadows};
+use brdfc_formats::FormatError;
+use brdfc_formats::flat_btf::FlatHeader;
+use brdfc_formats::flat_btf::factored::{FactoredErrors, GROUP};
+
+/// Views that are added to sums at once.
+pub(super) const VIEWS_AT_ONCE: usize = 8;
+/// Rounds of a fit from a first guess, and of one that goes on with more texels.
+const FIRST_ROUNDS: usize = 3;
+const MORE_ROUNDS: usize = 3;
+/// Error of a value that weights are not to follow: the square of a difference in opponent colours.
+const NOISE_VARIANCE: f64 = 30.0;
+
+/// A basis with its weights at the texels that it was fitted to.
+#[derive(Debug, Clone)]
+pub(super) struct Candidate {
+    pub(super) shape: Shape,
+    pub(super) fit: Fit,
+}
+
+impl Candidate {
+    /// Fits one to texels.
+    pub(super) fn new(values: &Values, shape: Shape) -> Self {
+        let mut shadows = first_shadows(values, shape.shadowed);
+        let mut fit = Fit::guess(values, &shadows, shape.groups as usize * GROUP);
+        (0..FIRST_ROUNDS).for_each(|_| fit.improve(values, &mut shadows, shape.shadowed));
+        Self { shape, fit }
+    }
+
+    /// Goes on with other texels.
+    pub(super) fn refine(&mut self, values: &Values) {
+        let mut shadows = first_shadows(values, self.shape.shadowed);
+        (0..MORE_ROUNDS).for_each(|_| self.fit.improve(values, &mut shadows, self.shape.shadowed));
+    }
+
+    /// The leading components alone: nearly the best of so many where there are no shadows.
+    pub(super) fn truncated(&self, groups: u32) -> Self {
+        let (all, k) = (self.fit.basis.components, groups as usize * GROUP);
+        let weights = self.fit.weights.chunks_exact(all).flat_map(|row| row[..k].iter().copied()).collect();
+        Self { shape: Shape { groups, ..self.shape }, fit: Fit { basis: self.fit.basis.truncated(k), weights } }
+    }
+
+    /// What it needs to be solved for texels.
+    pub(super) fn rounded(&self, size: u32, directions: &FlatHeader) -> Result<Rounded, FormatError> {
+        let header = assemble::header(self.shape, size, directions);
+        let (map, basis) = assemble::basis(header, &self.fit.basis)?;
+        let squares = basis.squares();
+        Ok(Rounded { map, basis, squares, prior: self.fit.prior(NOISE_VARIANCE), shadowed: self.shape.shadowed })
+    }
+
+    /// Its errors at texels that it was not fitted to.
+    pub(super) fn errors(&self, held_out: &Sample, directions: &FlatHeader) -> Result<FactoredErrors, FormatError> {
+        let size = held_out.texels.len().isqrt();
+        let count = size * size;
+        if count == 0 {
+            return Ok(FactoredErrors::default());
+        }
+        let rounded = self.rounded(size as u32, directions)?;
+        let mut sums = Sums::new(count, &rounded.basis);
+        let views: Vec<usize> = (0..held_out.views.len()).collect();
+        for views in views.chunks(VIEWS_AT_ONCE) {
+            let words = |view: &usize| ViewWords {
+                view: *view,
+                words: &held_out.views[*view],
+                first: 0,
+                stride: held_out.texels.len(),
+            };
+            sums.add(&rounded.basis, &held_out.masks, &views.iter().map(words).collect::<Vec<_>>());
+        }
+        let masks = held_out.masks.first(count);
+        let texels = solve_texels(&sums, &masks, &rounded);
+        let asset = assemble::asset(rounded.map, &texels)?;
+        Ok(errors(&asset, held_out, count, |k| [(k % size) as u32, (k / size) as u32]))
+    }
+}

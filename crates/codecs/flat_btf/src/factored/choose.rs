@@ -1,0 +1,114 @@
+//! How many components: the fewest bytes that meet a target, or the least error within bytes.
+
+use super::assemble::{Shape, header};
+use super::candidate::Candidate;
+use super::recipe::FactoredTarget;
+use super::report::{FactorError, FactoredTrial};
+use super::sample::{Sample, Values};
+use brdfc_formats::FormatError;
+use brdfc_formats::flat_btf::FlatHeader;
+use brdfc_formats::flat_btf::factored::{GROUP, MAX_GROUPS};
+use brdfc_source::progress::{Progress, Stage};
+
+/// Groups of components that are tried: 8, 12, 20, 28, 44, 60 components.
+const GROUPS: [u32; 6] = [2, 3, 5, 7, 11, 15];
+
+/// What candidates are fitted to and tried on.
+pub(super) struct Trials<'a> {
+    pub(super) values: &'a Values,
+    pub(super) held_out: &'a Sample,
+    pub(super) directions: &'a FlatHeader,
+    pub(super) progress: &'a dyn Progress,
+}
+
+impl Trials<'_> {
+    /// The candidate that a target asks for, and all that were tried.
+    pub(super) fn choose<E>(&self, target: FactoredTarget) -> Result<(Candidate, Vec<FactoredTrial>), FactorError<E>> {
+        let mut tried = Vec::new();
+        self.progress.stage(Stage::Try, 0)?;
+        let chosen = match target {
+            FactoredTarget::Components { components, shadowed } => {
+                let groups = components.div_ceil(GROUP as u32);
+                if !(1..=MAX_GROUPS).contains(&groups) {
+                    let allowed = format!("1 to {}", MAX_GROUPS * GROUP as u32);
+                    return Err(FormatError::whole("components", components.to_string(), allowed).into());
+                }
+                self.attempt(Candidate::new(self.values, Shape { groups, shadowed }), &mut tried)?
+            }
+            FactoredTarget::Error(most) => self.meet(most, &mut tried)?,
+            FactoredTarget::Bytes(most) => self.fit_into(most, &mut tried)?,
+        };
+        Ok((chosen, tried))
+    }
+
+    /// Measures a candidate.
+    fn attempt<E>(&self, candidate: Candidate, tried: &mut Vec<FactoredTrial>) -> Result<Candidate, FactorError<E>> {
+        let errors = candidate.errors(self.held_out, self.directions)?;
+        let Shape { groups, shadowed } = candidate.shape;
+        let (components, gpu_bytes) = (groups * GROUP as u32, self.bytes(candidate.shape));
+        tried.push(FactoredTrial { components, shadowed, gpu_bytes, errors });
+        self.progress.step()?;
+        Ok(candidate)
+    }
+
+    fn bytes(&self, shape: Shape) -> u64 {
+        header(shape, self.directions.size, self.directions).gpu_bytes()
+    }
+
+    /// The fewest bytes with a mean error of at most so much where texels are seen; the least error where nothing has.
+    fn meet<E>(&self, most: f64, tried: &mut Vec<FactoredTrial>) -> Result<Candidate, FactorError<E>> {
+        let met = |tried: &[FactoredTrial]| tried.last().is_some_and(|trial| f64::from(trial.errors.seen_mean) <= most);
+        // Without shadows one fit serves all numbers of components.
+        let last = GROUPS[GROUPS.len() - 1];
+        let plain = Candidate::new(self.values, Shape { groups: last, shadowed: false });
+        let mut best: Option<(u64, Candidate)> = None;
+        for groups in GROUPS {
+            let candidate = self.attempt(plain.truncated(groups), tried)?;
+            if met(tried) {
+                best = Some((self.bytes(candidate.shape), candidate));
+                break;
+            }
+        }
+        let mut least: Option<(f32, Candidate)> = None;
+        for groups in GROUPS {
+            let shape = Shape { groups, shadowed: true };
+            if best.as_ref().is_some_and(|(bytes, _)| self.bytes(shape) >= *bytes) {
+                break;
+            }
+            let candidate = self.attempt(Candidate::new(self.values, shape), tried)?;
+            if met(tried) {
+                return Ok(candidate);
+            }
+            let error = tried[tried.len() - 1].errors.seen_mean;
+            if least.as_ref().is_none_or(|(found, _)| error < *found) {
+                least = Some((error, candidate));
+            }
+        }
+        let plain_error = tried[..GROUPS.len().min(tried.len())].iter().map(|trial| trial.errors.seen_mean);
+        Ok(match (best, least) {
+            (Some((_, candidate)), _) => candidate,
+            (None, Some((error, candidate))) if plain_error.fold(f32::MAX, f32::min) >= error => candidate,
+            _ => plain,
+        })
+    }
+
+    /// The least error of what takes at most so many bytes.
+    fn fit_into<E>(&self, most: u64, tried: &mut Vec<FactoredTrial>) -> Result<Candidate, FactorError<E>> {
+        let largest = |shadowed: bool| {
+            let shapes = GROUPS.map(|groups| Shape { groups, shadowed });
+            shapes.into_iter().rev().find(|shape| self.bytes(*shape) <= most)
+        };
+        let mut best: Option<(f32, Candidate)> = None;
+        for shape in [false, true].into_iter().filter_map(largest) {
+            let candidate = self.attempt(Candidate::new(self.values, shape), tried)?;
+            let error = tried[tried.len() - 1].errors.seen_mean;
+            if best.as_ref().is_none_or(|(found, _)| error < *found) {
+                best = Some((error, candidate));
+            }
+        }
+        best.map(|(_, candidate)| candidate).ok_or_else(|| {
+            let least = self.bytes(Shape { groups: GROUPS[0], shadowed: false });
+            FormatError::whole("bytes of a factored flat BTF", most.to_string(), format!("{least} or more")).into()
+        })
+    }
+}

@@ -1,0 +1,157 @@
+//! Weights and shadows of each texel by itself, from its sums over the views: no values are needed any more.
+
+use super::accumulate::Sums;
+use super::basis::{Basis, Squares};
+use super::masks::Masks;
+use super::matrix::{Rows, add_product, dot, quadratic_weights, solve};
+use super::quantise::{shadow_byte, shadow_of_byte};
+use super::rounded::Rounded;
+use super::train::{normalise, ridged_shadows, threshold};
+use rayon::prelude::*;
+
+/// Rounds of weights and shadows; they converge in about four.
+const ROUNDS: usize = 4;
+/// Masks whose products are made at once.
+const MASKS: usize = 16;
+
+/// What is solved for of some texels.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Texels {
+    /// Texels x K, best for the rounded shadows.
+    pub(super) weights: Vec<f32>,
+    /// Texels x L, as stored; none without shadows.
+    pub(super) shadows: Vec<u8>,
+}
+
+/// A texel's place, weights and stored shadows.
+type SolvedTexel = (usize, Vec<f32>, Vec<u8>);
+
+/// Solves for all texels of the sums. The prior is added to the diagonal for weights.
+///
+/// Besides sums and results: `2 L K (K + 1)` bytes for each of the masks that are worked on at once, 16 per thread.
+pub(super) fn solve_texels(sums: &Sums, masks: &Masks, rounded: &Rounded) -> Texels {
+    let Rounded { basis, squares, prior, shadowed, .. } = rounded;
+    let shadowed = *shadowed;
+    let (k, lights) = (basis.components, basis.lights);
+    let groups = masks.groups();
+    let solved: Vec<Vec<SolvedTexel>> = groups
+        .par_chunks(MASKS)
+        .map(|groups| {
+            let products = mask_products(groups, masks, basis, squares);
+            let mut solver = Solver::new(k, lights, prior);
+            let mut solved = Vec::new();
+            for (group, products) in groups.iter().zip(products.chunks_exact(lights * squares.length)) {
+                for texel in group {
+                    let sums = (
+                        &sums.products[texel * lights * k..][..lights * k],
+                        &sums.lightness[texel * lights..][..lights],
+                    );
+                    let (weights, shadows) = solver.texel(sums, products, shadowed);
+                    solved.push((*texel, weights, shadows));
+                }
+            }
+            solved
+        })
+        .collect();
+    let texels = sums.lightness.len() / lights;
+    let mut result =
+        Texels { weights: vec![0.0; texels * k], shadows: vec![0; if shadowed { texels * lights } else { 0 }] };
+    for (texel, weights, shadows) in solved.into_iter().flatten() {
+        result.weights[texel * k..][..k].copy_from_slice(&weights);
+        if shadowed {
+            result.shadows[texel * lights..][..lights].copy_from_slice(&shadows);
+        }
+    }
+    result
+}
+
+/// `Σ_v m(v) Bᵀ B` of each light, packed, for each group of texels with one mask: `groups x L x length`.
+fn mask_products(groups: &[Vec<usize>], masks: &Masks, basis: &Basis, squares: &Squares) -> Vec<f32> {
+    let (views, lights) = (basis.views, basis.lights);
+    let weights: Vec<f32> =
+        groups.iter().flat_map(|group| (0..views).map(|view| masks.weight(group[0], view))).collect();
+    let stride = lights * squares.length;
+    let mut products = vec![0.0; groups.len() * stride];
+    for light in 0..lights {
+        let weights = Rows::new(&weights, groups.len(), views);
+        add_product(&mut products[light * squares.length..], stride, weights, squares.light(light, views));
+    }
+    products
+}
+
+/// Room for one texel after the other.
+struct Solver<'a> {
+    components: usize,
+    lights: usize,
+    prior: &'a [f64],
+    packed: Vec<f32>,
+    right: Vec<f64>,
+    room: Vec<f64>,
+    pairs: Vec<f32>,
+    fractions: Vec<[f32; 2]>,
+}
+
+impl<'a> Solver<'a> {
+    fn new(components: usize, lights: usize, prior: &'a [f64]) -> Self {
+        Self {
+            components,
+            lights,
+            prior,
+            packed: Vec::new(),
+            right: Vec::new(),
+            room: Vec::new(),
+            pairs: Vec::new(),
+            fractions: vec![[0.0; 2]; lights],
+        }
+    }
+
+    /// Weights and stored shadows.
+    fn texel(&mut self, sums: (&[f32], &[f32]), products: &[f32], shadowed: bool) -> (Vec<f32>, Vec<u8>) {
+        let (sums, lightness) = sums;
+        if !shadowed {
+            return (self.weights(sums, products, &vec![1.0; self.lights]), Vec::new());
+        }
+        let mut shadows = lightness.to_vec();
+        threshold(&mut shadows);
+        for _ in 0..ROUNDS {
+            let weights = self.weights(sums, products, &shadows);
+            self.shadows(sums, products, &weights, &mut shadows);
+        }
+        let bytes: Vec<u8> = shadows.iter().map(|shadow| shadow_byte(*shadow)).collect();
+        let rounded: Vec<f32> = bytes.iter().map(|byte| shadow_of_byte(*byte)).collect();
+        (self.weights(sums, products, &rounded), bytes)
+    }
+
+    fn weights(&mut self, sums: &[f32], products: &[f32], shadows: &[f32]) -> Vec<f32> {
+        let k = self.components;
+        let length = products.len() / self.lights;
+        self.packed.clear();
+        self.packed.resize(length, 0.0);
+        self.right.clear();
+        self.right.resize(k, 0.0);
+        for ((sums, packed), shadow) in sums.chunks_exact(k).zip(products.chunks_exact(length)).zip(shadows) {
+            if *shadow > 0.0 {
+                let square = shadow * shadow;
+                self.packed.iter_mut().zip(packed).for_each(|(sum, number)| *sum += square * number);
+                self.right.iter_mut().zip(sums).for_each(|(sum, number)| *sum += f64::from(shadow * number));
+            }
+        }
+        let (prior, mean) = (self.prior, super::train::trace(&self.packed, k) / k as f64);
+        solve(&self.packed, |row| prior[row] + 1e-7 * mean + 1e-9, &mut self.right, &mut self.room);
+        self.right.iter().map(|weight| *weight as f32).collect()
+    }
+
+    fn shadows(&mut self, sums: &[f32], products: &[f32], weights: &[f32], shadows: &mut [f32]) {
+        let k = self.components;
+        let length = products.len() / self.lights;
+        self.pairs.resize(length, 0.0);
+        quadratic_weights(weights, &mut self.pairs);
+        for ((fraction, sums), packed) in
+            self.fractions.iter_mut().zip(sums.chunks_exact(k)).zip(products.chunks_exact(length))
+        {
+            *fraction = [dot(sums, weights), dot(packed, &self.pairs)];
+        }
+        ridged_shadows(shadows, &self.fractions);
+        normalise(shadows);
+    }
+}

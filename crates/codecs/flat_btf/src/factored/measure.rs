@@ -1,0 +1,61 @@
+//! How far a factored flat BTF is from the values that it was made of: decoded as shaders do, at texels outside the fit.
+
+use super::sample::Sample;
+use brdfc_formats::container::rgb9e5;
+use brdfc_formats::flat_btf::factored::{FactoredErrors, FactoredFlatBtf};
+use brdfc_metrics::lab::{distance_squared, lab};
+use rayon::prelude::*;
+
+/// Errors at the texels of a sample: the k-th of them is the texel `place(k)` of the asset.
+pub(super) fn errors(
+    asset: &FactoredFlatBtf,
+    sample: &Sample,
+    count: usize,
+    place: impl Fn(usize) -> [u32; 2] + Sync,
+) -> FactoredErrors {
+    let (views, lights) = (sample.views.len(), sample.lights);
+    let of_texel = |k: usize| -> Vec<f32> {
+        let texel = asset.texel(place(k));
+        let difference = |pair: usize| {
+            let (view, light) = (pair / lights, pair % lights);
+            let wanted = rgb9e5::decode(sample.word(k, view, light));
+            distance_squared(lab(texel.value(view as u32, light as u32)), lab(wanted)).sqrt()
+        };
+        (0..views * lights).map(difference).collect()
+    };
+    let mut all: Vec<f32> = (0..count).into_par_iter().map(of_texel).collect::<Vec<_>>().concat();
+    let is_seen = |at: usize| sample.masks.is_seen(at / (views * lights), at / lights % views);
+    let mut seen: Vec<f32> = (0..all.len()).filter(|at| is_seen(*at)).map(|at| all[at]).collect();
+    let mean = |values: &[f32]| {
+        (values.iter().map(|value| f64::from(*value)).sum::<f64>() / values.len().max(1) as f64) as f32
+    };
+    let (seen_mean, all_mean) = (mean(&seen), mean(&all));
+    FactoredErrors {
+        texels: count as u32,
+        seen_mean,
+        seen_p95: quantile(&mut seen, 0.95),
+        seen_max: seen.iter().copied().fold(0.0, f32::max),
+        all_mean,
+        all_p95: quantile(&mut all, 0.95),
+    }
+}
+
+/// The value that a share of all is below; 0 of none.
+fn quantile(values: &mut [f32], share: f64) -> f32 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let at = ((values.len() as f64 * share) as usize).min(values.len() - 1);
+    *values.select_nth_unstable_by(at, f32::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles() {
+        let mut values: Vec<f32> = (0..100).map(|k| ((k * 37) % 100) as f32).collect();
+        assert_eq!((quantile(&mut values, 0.95), quantile(&mut values, 0.0), quantile(&mut [], 0.5)), (95.0, 0.0, 0.0));
+    }
+}

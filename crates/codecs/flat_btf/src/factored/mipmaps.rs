@@ -1,0 +1,72 @@
+//! Mipmaps of bytes: each texel of a level is the mean of the area that it covers.
+
+use rayon::prelude::*;
+
+/// All levels of square layers, the finest first; `finest` is layer by layer, row by row, `channels` bytes a texel.
+pub(super) fn with_mipmaps(finest: &[u8], size: usize, channels: usize, levels: u32) -> Vec<u8> {
+    let length = size * size * channels;
+    let mut all = finest.to_vec();
+    for level in 1..levels {
+        let side = (size >> level).max(1);
+        let shares = shares(size, side);
+        let layers = finest.par_chunks(length).map(|layer| reduced(layer, size, channels, &shares));
+        all.extend(layers.collect::<Vec<_>>().into_iter().flatten());
+    }
+    all
+}
+
+/// Of each of `side` texels the first of `size` that it covers, and how much of those it covers; 1 in all.
+fn shares(size: usize, side: usize) -> Vec<(usize, Vec<f32>)> {
+    let covered = |k: usize| {
+        // In units of 1 / (size side), in which all borders are whole.
+        let (from, to) = (k * size, (k + 1) * size);
+        let (first, end) = (from / side, to.div_ceil(side));
+        let share = |at: usize| ((to.min((at + 1) * side) - from.max(at * side)) as f32) / size as f32;
+        (first, (first..end).map(share).collect())
+    };
+    (0..side).map(covered).collect()
+}
+
+fn reduced(layer: &[u8], size: usize, channels: usize, shares: &[(usize, Vec<f32>)]) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(shares.len() * shares.len() * channels);
+    let mut row = vec![0.0f32; size * channels];
+    for (first, rows) in shares {
+        row.fill(0.0);
+        for (k, share) in rows.iter().enumerate() {
+            let source = &layer[(first + k) * size * channels..][..size * channels];
+            row.iter_mut().zip(source).for_each(|(sum, byte)| *sum += share * f32::from(*byte));
+        }
+        for (first, columns) in shares {
+            for channel in 0..channels {
+                let terms = columns.iter().enumerate().map(|(k, share)| share * row[(first + k) * channels + channel]);
+                bytes.push(terms.sum::<f32>().round() as u8);
+            }
+        }
+    }
+    bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn levels_are_means() {
+        let finest: Vec<u8> = vec![0, 100, 8, 8, 100, 200, 8, 8, 1, 1, 50, 60, 1, 1, 70, 80];
+        assert_eq!(with_mipmaps(&finest, 4, 1, 3)[16..], [100, 8, 1, 65, 44]);
+        // Layers, then levels; channels apart.
+        let two: Vec<u8> = finest.iter().flat_map(|byte| [*byte, 255]).collect();
+        let both = [two.clone(), two].concat();
+        let all = with_mipmaps(&both, 4, 2, 3);
+        assert_eq!(all.len(), 2 * 2 * 21);
+        assert_eq!(all[64..], [100, 255, 8, 255, 1, 255, 65, 255, 100, 255, 8, 255, 1, 255, 65, 255, 44, 255, 44, 255]);
+    }
+
+    #[test]
+    fn odd_sides_share_texels() {
+        // Of five columns the first of two covers two and a half.
+        let finest: Vec<u8> = (0..5).flat_map(|_| [10, 20, 30, 40, 50]).collect();
+        assert_eq!(with_mipmaps(&finest, 5, 1, 3)[25..], [18, 42, 18, 42, 30]);
+        assert!(shares(7, 3).iter().all(|(_, shares)| (shares.iter().sum::<f32>() - 1.0).abs() < 1e-6));
+    }
+}

@@ -1,0 +1,31 @@
+//! Flat BTFs as a product, `value = S(t, l)³ rgb(Σ_k w_k(t) b_k(v, l))` with texel t, view v, light l: shadows, weights and a
+//! basis, found by alternating least squares in the scale of `brdfc_formats::flat_btf::factored::to_opponent`. Layout:
+//! `formats/src/flat_btf/factored/spec.md`.
+//!
+//! Stages: texels are drawn (`sample`), bases of several sizes fitted to some of them (`train`) and tried on others
+//! (`candidate`, `choose`), the chosen one is fitted to more; one pass over the views gathers what every texel needs
+//! (`accumulate`), which is then solved by itself (`local`), rounded (`quantise`), and measured (`measure`).
+
+mod accumulate;
+mod assemble;
+mod basis;
+mod candidate;
+mod choose;
+mod encode;
+mod local;
+mod masks;
+mod matrix;
+mod measure;
+mod mipmaps;
+mod quantise;
+mod recipe;
+mod report;
+mod rounded;
+mod sample;
+#[cfg(test)]
+mod tests;
+mod train;
+
+pub use encode::factor;
+pub use recipe::{FactoredRecipe, FactoredTarget};
+pub use report::{FactorError, Factored, FactoredFacts, FactoredTrial};

@@ -1,0 +1,135 @@
+//! Texels that the basis is fitted to, and such that errors are measured at: with all their values.
+
+use super::masks::Masks;
+use brdfc_formats::container::rgb9e5;
+use brdfc_formats::flat_btf::FlatView;
+use brdfc_formats::flat_btf::factored::to_opponent;
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Seed of the choice.
+const SEED: u64 = 0xfac7;
+
+/// Texels to fit and texels to measure: apart, spread over the surface in random order. There are `held_out` of the latter,
+/// or a fifth of all if that is less, and `fitted` of the former, or the rest. Of fewer than 25 both are all.
+pub(super) fn choose(texels: usize, fitted: usize, held_out: usize) -> [Vec<usize>; 2] {
+    if texels < 25 {
+        return [(0..texels).collect(), (0..texels).collect()];
+    }
+    let held_out = held_out.min(texels / 5);
+    let fitted = fitted.min(texels - held_out);
+    // The first of a random order (Fisher and Yates).
+    let mut random = ChaCha8Rng::seed_from_u64(SEED);
+    let mut order: Vec<usize> = (0..texels).collect();
+    for k in 0..held_out + fitted {
+        order.swap(k, random.random_range(k..texels));
+    }
+    [order[held_out..held_out + fitted].to_vec(), order[..held_out].to_vec()]
+}
+
+/// Texels of the flat BTF with the words of all views and lights.
+#[derive(Debug, Clone)]
+pub(super) struct Sample {
+    /// Each at `row T + column`.
+    pub(super) texels: Vec<usize>,
+    pub(super) masks: Masks,
+    pub(super) lights: usize,
+    /// Of each view `L x texels` words, light by light.
+    pub(super) views: Vec<Vec<u32>>,
+}
+
+impl Sample {
+    pub(super) fn new(texels: Vec<usize>, masks: Masks) -> Self {
+        Self { texels, masks, lights: 0, views: Vec::new() }
+    }
+
+    /// Takes the next view.
+    pub(super) fn add_view(&mut self, view: &FlatView) {
+        self.lights = view.header().lights.len();
+        let light = |light: usize| {
+            let words = view.light(light as u32);
+            self.texels.iter().map(|texel| words[*texel])
+        };
+        self.views.push((0..self.lights).flat_map(light).collect());
+    }
+
+    /// The word of a texel in a view under a light.
+    pub(super) fn word(&self, texel: usize, view: usize, light: usize) -> u32 {
+        self.views[view][light * self.texels.len() + texel]
+    }
+
+    /// Some of the texels, from the first on, as numbers for a fit.
+    pub(super) fn values(&self, count: usize) -> Values {
+        let views = self.views.len();
+        let mut numbers = vec![0.0; views * count * self.lights * 3];
+        numbers.par_chunks_mut(self.lights * 3).enumerate().for_each(|(at, row)| {
+            let (view, texel) = (at / count, at % count);
+            for (light, colour) in row.chunks_exact_mut(3).enumerate() {
+                colour.copy_from_slice(&to_opponent(rgb9e5::decode(self.word(texel, view, light))));
+            }
+        });
+        let weights = (0..views).flat_map(|view| (0..count).map(move |texel| self.masks.weight(texel, view)));
+        Values { views, lights: self.lights, texels: count, weights: weights.collect(), numbers }
+    }
+}
+
+/// Opponent colours of texels in all views under all lights. Bytes: `12 V L` per texel.
+#[derive(Debug, Clone)]
+pub(super) struct Values {
+    pub(super) views: usize,
+    pub(super) lights: usize,
+    pub(super) texels: usize,
+    /// What a view of a texel counts: `V x texels`.
+    pub(super) weights: Vec<f32>,
+    /// `V x texels x L x 3`.
+    pub(super) numbers: Vec<f32>,
+}
+
+impl Values {
+    /// Colours of a texel in a view: three for each light.
+    pub(super) fn row(&self, view: usize, texel: usize) -> &[f32] {
+        let length = 3 * self.lights;
+        &self.numbers[(view * self.texels + texel) * length..][..length]
+    }
+
+    /// What a view of a texel counts.
+    pub(super) fn weight(&self, view: usize, texel: usize) -> f32 {
+        self.weights[view * self.texels + texel]
+    }
+
+    /// The rows of some texels in a view, times what they count and `shadows`, a row of L per texel of all:
+    /// `texels x 3 L`.
+    pub(super) fn scaled(&self, view: usize, texels: Range<usize>, shadows: &[f32], rows: &mut Vec<f32>) {
+        rows.clear();
+        for texel in texels {
+            let weight = self.weight(view, texel);
+            let shadows = &shadows[texel * self.lights..][..self.lights];
+            rows.extend(self.row(view, texel).chunks_exact(3).zip(shadows).flat_map(|(colour, shadow)| {
+                let factor = weight * shadow;
+                [factor * colour[0], factor * colour[1], factor * colour[2]]
+            }));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texels_are_chosen_once() {
+        let [fitted, held_out] = choose(1000, 300, 100);
+        assert_eq!((fitted.len(), held_out.len()), (300, 100));
+        let mut all = [fitted.clone(), held_out].concat();
+        all.sort_unstable();
+        all.dedup();
+        assert!(all.len() == 400 && all[399] < 1000);
+        // Spread over everything.
+        assert!((0..4).all(|k| (40..160).contains(&fitted.iter().filter(|at| *at / 250 == k).count())));
+        let [fitted, held_out] = choose(30, 300, 100);
+        assert_eq!((fitted.len(), held_out.len()), (24, 6));
+        assert_eq!(choose(2, 9, 9), [vec![0, 1], vec![0, 1]]);
+    }
+}

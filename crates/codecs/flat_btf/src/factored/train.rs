@@ -1,0 +1,280 @@
+//! The fit of basis, weights and shadows to some texels, by alternating least squares: each in turn, the others fixed.
+
+use super::basis::{Basis, Squares};
+use super::matrix::{
+    Rows, add_product, add_product_with_transposed, add_square, add_transposed_product, packed_length, solve,
+};
+use super::sample::Values;
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+/// Texels of a strip that is worked on at once.
+const STRIP: usize = 64;
+/// Share of the mean of the diagonal that is added to it: for weights, for the basis.
+const WEIGHT_RIDGE: f64 = 1e-4;
+const BASIS_RIDGE: f64 = 1e-5;
+/// Share of the mean of denominators that pulls a shadow to what it was.
+pub(super) const SHADOW_RIDGE: f32 = 1e-3;
+/// What is brighter than this share of a texel's brightest mean over the views is lit at first.
+const LIT_SHARE: f32 = 0.05;
+/// Columns that the first guess of a basis has more than asked for, and how often it is multiplied.
+const OVERSAMPLING: usize = 8;
+const GUESS_ROUNDS: usize = 2;
+const SEED: u64 = 0xb515;
+
+/// A basis, and what the texels of the fit have of it.
+#[derive(Debug, Clone)]
+pub(super) struct Fit {
+    pub(super) basis: Basis,
+    /// Texels x K.
+    pub(super) weights: Vec<f32>,
+}
+
+/// A factor of each texel and light, as far as there are any: texels x L, at most 1.
+pub(super) fn first_shadows(values: &Values, shadowed: bool) -> Vec<f32> {
+    let mut shadows = vec![1.0; values.texels * values.lights];
+    if shadowed {
+        shadows.par_chunks_mut(values.lights).enumerate().for_each(|(texel, shadows)| {
+            shadows.fill(0.0);
+            for view in 0..values.views {
+                let (weight, row) = (values.weight(view, texel), values.row(view, texel));
+                shadows.iter_mut().zip(row.iter().step_by(3)).for_each(|(sum, lightness)| *sum += weight * lightness);
+            }
+            threshold(shadows);
+        });
+    }
+    shadows
+}
+
+/// 1 where a sum of lightness is not far below the largest, 0 else.
+pub(super) fn threshold(sums: &mut [f32]) {
+    let least = LIT_SHARE * sums.iter().copied().fold(0.0, f32::max);
+    sums.iter_mut().for_each(|sum| *sum = f32::from(u8::from(*sum > least)));
+}
+
+/// Divides shadows by the largest of them, and says by what. A texel that no light reaches is left alone.
+pub(super) fn normalise(shadows: &mut [f32]) -> f32 {
+    let largest = shadows.iter().copied().fold(0.0, f32::max);
+    if largest < 1e-6 {
+        return 1.0;
+    }
+    shadows.iter_mut().for_each(|shadow| *shadow /= largest);
+    largest
+}
+
+impl Fit {
+    /// A first guess of `components`: the leading singular vectors of what is lit.
+    ///
+    /// Multiplies with the values `2 (GUESS_ROUNDS + 1)` times; besides them `4 K (3 V L + texels)` bytes.
+    pub(super) fn guess(values: &Values, shadows: &[f32], components: usize) -> Self {
+        let (views, lights, texels) = (values.views, values.lights, values.texels);
+        let columns = components + OVERSAMPLING;
+        let mut random = ChaCha8Rng::seed_from_u64(SEED);
+        let mut left: Vec<f32> = (0..texels * columns).map(|_| random.random::<f32>() - 0.5).collect();
+        let mut basis = Basis { views, lights, components: columns, values: Vec::new() };
+        for _ in 0..=GUESS_ROUNDS {
+            orthonormalise(&mut left, columns);
+            basis.values = right_side(values, shadows, &left, columns);
+            left = weighted_sums(values, shadows, &basis);
+        }
+        orthonormalise(&mut left, columns);
+        basis.values = right_side(values, shadows, &left, columns);
+        let sorted = basis.sorted(&mut left);
+        let weights = left.chunks_exact(columns).flat_map(|row| row[..components].iter().copied()).collect();
+        Self { basis: sorted.truncated(components), weights }
+    }
+
+    /// One round: weights, shadows if there are any, weights again, the basis.
+    pub(super) fn improve(&mut self, values: &Values, shadows: &mut [f32], shadowed: bool) {
+        let squares = self.basis.squares();
+        self.weights = solve_weights(values, shadows, &self.basis, &squares);
+        if shadowed {
+            solve_shadows(values, shadows, &self.basis, &mut self.weights);
+            self.weights = solve_weights(values, shadows, &self.basis, &squares);
+        }
+        drop(squares);
+        self.basis.values = solve_basis(values, shadows, &self.weights, &self.basis);
+        self.basis = self.basis.sorted(&mut self.weights);
+    }
+
+    /// What an error of `variance` per value makes of the weights: added to the diagonal of what is solved for them.
+    pub(super) fn prior(&self, variance: f64) -> Vec<f64> {
+        let k = self.basis.components;
+        let count = (self.weights.len() / k).max(1) as f64;
+        (0..k)
+            .map(|component| {
+                let energy = |row: &[f32]| f64::from(row[component]).powi(2);
+                variance / (self.weights.chunks_exact(k).map(energy).sum::<f64>() / count).max(1e-9)
+            })
+            .collect()
+    }
+}
+
+/// Gram and Schmidt, twice, on the columns of rows. Columns without a length of their own become 0.
+fn orthonormalise(rows: &mut [f32], columns: usize) {
+    let count = rows.len() / columns;
+    let mut by_columns: Vec<Vec<f64>> =
+        (0..columns).map(|k| (0..count).map(|row| f64::from(rows[row * columns + k])).collect()).collect();
+    for k in 0..columns {
+        let (done, rest) = by_columns.split_at_mut(k);
+        let own = &mut rest[0];
+        let before = own.iter().map(|x| x * x).sum::<f64>();
+        for _ in 0..2 {
+            for other in done.iter() {
+                let share: f64 = own.iter().zip(other).map(|(a, b)| a * b).sum();
+                own.iter_mut().zip(other).for_each(|(a, b)| *a -= share * b);
+            }
+        }
+        let length = own.iter().map(|x| x * x).sum::<f64>();
+        let scale = if length > 1e-14 * before { 1.0 / length.sqrt() } else { 0.0 };
+        own.iter_mut().for_each(|x| *x *= scale);
+    }
+    for (k, column) in by_columns.iter().enumerate() {
+        column.iter().enumerate().for_each(|(row, x)| rows[row * columns + k] = *x as f32);
+    }
+}
+
+/// `Xᵀ left`: rows of the values' columns.
+fn right_side(values: &Values, shadows: &[f32], left: &[f32], columns: usize) -> Vec<f32> {
+    let length = 3 * values.lights;
+    let mut result = vec![0.0; values.views * length * columns];
+    result.par_chunks_mut(length * columns).enumerate().for_each(|(view, target)| {
+        let mut rows = Vec::new();
+        values.scaled(view, 0..values.texels, shadows, &mut rows);
+        let left = Rows::new(left, values.texels, columns);
+        add_transposed_product(target, columns, Rows::new(&rows, values.texels, length), left);
+    });
+    result
+}
+
+/// `X basis`: a row of K per texel.
+fn weighted_sums(values: &Values, shadows: &[f32], basis: &Basis) -> Vec<f32> {
+    let k = basis.components;
+    let mut sums = vec![0.0; values.texels * k];
+    sums.par_chunks_mut(STRIP * k).enumerate().for_each(|(strip, sums)| {
+        let (first, count) = (strip * STRIP, sums.len() / k);
+        let mut rows = Vec::new();
+        for view in 0..values.views {
+            values.scaled(view, first..first + count, shadows, &mut rows);
+            add_product(sums, k, Rows::new(&rows, count, 3 * values.lights), basis.view(view));
+        }
+    });
+    sums
+}
+
+/// Weights of all texels that fit best, shadows and basis given.
+fn solve_weights(values: &Values, shadows: &[f32], basis: &Basis, squares: &Squares) -> Vec<f32> {
+    let (k, lights) = (basis.components, values.lights);
+    let mut weights = weighted_sums(values, shadows, basis);
+    weights.par_chunks_mut(STRIP * k).enumerate().for_each(|(strip, weights)| {
+        let (first, count) = (strip * STRIP, weights.len() / k);
+        let mut sums = vec![0.0; count * squares.length];
+        let mut factors = Vec::new();
+        for view in 0..values.views {
+            lit_squares(values, shadows, view, first..first + count, &mut factors);
+            add_product(&mut sums, squares.length, Rows::new(&factors, count, lights), squares.view(view));
+        }
+        let mut room = Vec::new();
+        for (weights, packed) in weights.chunks_exact_mut(k).zip(sums.chunks_exact(squares.length)) {
+            let ridge = WEIGHT_RIDGE * trace(packed, k).max(1e-6 * k as f64) / k as f64 + 1e-6;
+            let mut right: Vec<f64> = weights.iter().map(|sum| f64::from(*sum)).collect();
+            solve(packed, |_| ridge, &mut right, &mut room);
+            weights.iter_mut().zip(right).for_each(|(weight, solved)| *weight = solved as f32);
+        }
+    });
+    weights
+}
+
+/// What a view of each texel counts times the squares of its shadows: `texels x L`.
+fn lit_squares(values: &Values, shadows: &[f32], view: usize, texels: std::ops::Range<usize>, factors: &mut Vec<f32>) {
+    factors.clear();
+    for texel in texels {
+        let weight = values.weight(view, texel);
+        factors.extend(shadows[texel * values.lights..][..values.lights].iter().map(|s| weight * s * s));
+    }
+}
+
+pub(super) fn trace(packed: &[f32], side: usize) -> f64 {
+    let mut at = 0;
+    let mut sum = 0.0;
+    for row in 0..side {
+        sum += f64::from(packed[at]);
+        at += side - row;
+    }
+    sum
+}
+
+/// Shadows that fit best, brought to 1 at most; weights grow by as much.
+fn solve_shadows(values: &Values, shadows: &mut [f32], basis: &Basis, weights: &mut [f32]) {
+    let (k, lights) = (basis.components, values.lights);
+    shadows.par_chunks_mut(STRIP * lights).zip(weights.par_chunks_mut(STRIP * k)).enumerate().for_each(
+        |(strip, (shadows, weights))| {
+            let (first, count) = (strip * STRIP, weights.len() / k);
+            let mut sums = vec![[0.0f32; 2]; count * lights];
+            let mut product = vec![0.0; count * 3 * lights];
+            for view in 0..values.views {
+                product.fill(0.0);
+                add_product_with_transposed(&mut product, 3 * lights, Rows::new(weights, count, k), basis.view(view));
+                for (texel, (sums, made)) in
+                    sums.chunks_exact_mut(lights).zip(product.chunks_exact(3 * lights)).enumerate()
+                {
+                    let weight = values.weight(view, first + texel);
+                    let row = values.row(view, first + texel).as_chunks::<3>().0;
+                    for ((sums, [a, b, c]), [x, y, z]) in sums.iter_mut().zip(made.as_chunks::<3>().0).zip(row) {
+                        sums[0] += weight * (a * x + b * y + c * z);
+                        sums[1] += weight * (a * a + b * b + c * c);
+                    }
+                }
+            }
+            for ((shadows, weights), sums) in
+                shadows.chunks_exact_mut(lights).zip(weights.chunks_exact_mut(k)).zip(sums.chunks_exact(lights))
+            {
+                ridged_shadows(shadows, sums);
+                let scale = normalise(shadows);
+                weights.iter_mut().for_each(|weight| *weight *= scale);
+            }
+        },
+    );
+}
+
+/// Shadows from numerators and denominators, with a pull to what they were.
+pub(super) fn ridged_shadows(shadows: &mut [f32], sums: &[[f32; 2]]) {
+    let mean = sums.iter().map(|[_, below]| below).sum::<f32>() / sums.len() as f32;
+    let ridge = SHADOW_RIDGE * mean + 1e-6;
+    for (shadow, [above, below]) in shadows.iter_mut().zip(sums) {
+        *shadow = ((above + ridge * *shadow) / (below + ridge)).max(0.0);
+    }
+}
+
+/// The basis that fits best, with a pull to what it was.
+fn solve_basis(values: &Values, shadows: &[f32], weights: &[f32], before: &Basis) -> Vec<f32> {
+    let (k, lights, texels) = (before.components, values.lights, values.texels);
+    let length = packed_length(k);
+    let mut squares = vec![0.0; texels * length];
+    squares.par_chunks_mut(length).zip(weights.par_chunks(k)).for_each(|(packed, row)| add_square(packed, row));
+    let mut values_of_views = before.values.clone();
+    values_of_views.par_chunks_mut(3 * lights * k).enumerate().for_each(|(view, target)| {
+        let mut factors = Vec::new();
+        lit_squares(values, shadows, view, 0..texels, &mut factors);
+        let mut sums = vec![0.0; lights * length];
+        let factors = Rows::new(&factors, texels, lights);
+        add_transposed_product(&mut sums, length, factors, Rows::new(&squares, texels, length));
+        let mut rows = Vec::new();
+        values.scaled(view, 0..texels, shadows, &mut rows);
+        let mut right = vec![0.0; 3 * lights * k];
+        let weights = Rows::new(weights, texels, k);
+        add_transposed_product(&mut right, k, Rows::new(&rows, texels, 3 * lights), weights);
+        let mut room = Vec::new();
+        for ((target, packed), right) in
+            target.chunks_exact_mut(3 * k).zip(sums.chunks_exact(length)).zip(right.chunks_exact(3 * k))
+        {
+            let ridge = BASIS_RIDGE * trace(packed, k) / k as f64 + 1e-3;
+            let pulled = right.iter().zip(target.iter()).map(|(sum, old)| f64::from(*sum) + ridge * f64::from(*old));
+            let mut right: Vec<f64> = pulled.collect();
+            solve(packed, |_| ridge, &mut right, &mut room);
+            target.iter_mut().zip(right).for_each(|(number, solved)| *number = solved as f32);
+        }
+    });
+    values_of_views
+}

@@ -1,0 +1,197 @@
+//! The shader of factored flat BTFs against the CPU decoder, on whatever adapter there is.
+
+use brdfc_formats::container::TexelFormat;
+use brdfc_formats::flat_btf::ViewWeights;
+use brdfc_formats::flat_btf::factored::shader::{
+    FACTORED_FILTER_PRECISION, FACTORED_WGSL, FactoredFilter, FactoredParameters,
+};
+use brdfc_formats::flat_btf::factored::{
+    BasisMap, FactoredFlatBtf, FactoredHeader, ShadowFormat, ShadowMap, WeightMap, WeightRange,
+};
+use brdfc_formats::flat_btf::shader::FLAT_BTF_WGSL;
+use brdfc_gpu::{Compute, Gpu, Resource};
+use brdfc_testing::flat_btf::{Factors, SMALL, Sizes, factored, weights};
+use brdfc_testing::packs::Numbers;
+
+const ENTRY: &str = "
+fn three(first: u32) -> FlatBtfWeights {
+    let indices = vec3<u32>(u32(input[first]), u32(input[first + 1u]), u32(input[first + 2u]));
+    return FlatBtfWeights(indices, vec3<f32>(input[first + 3u], input[first + 4u], input[first + 5u]));
+}
+
+fn compute(at: u32) {
+    let first = at * 15u;
+    let uv = vec2<f32>(input[first], input[first + 1u]);
+    let value = factored_value(uv, input[first + 2u], three(first + 3u), three(first + 9u));
+    output[at * 3u] = value.x;
+    output[at * 3u + 1u] = value.y;
+    output[at * 3u + 2u] = value.z;
+}
+";
+
+/// Where, how coarsely, in which views and lights.
+type Query = ([f32; 2], f32, ViewWeights, ViewWeights);
+
+fn queries(sizes: Sizes, count: usize) -> Vec<Query> {
+    let mut numbers = Numbers::new(6);
+    let edges = [0.0, 1.0, -1.0, 0.5, -1e-9, 0.999_999_94, 37.25];
+    let details = [0.0, -2.0, 0.5, 1.0, 1.75, 2.0, 9.0];
+    (0..count)
+        .map(|_| {
+            let uv = match numbers.bits() % 5 {
+                0 => [0; 2].map(|_| edges[numbers.bits() as usize % edges.len()]),
+                _ => [0; 2].map(|_| numbers.between(-2.0, 3.0) as f32),
+            };
+            let detail = match numbers.bits() % 3 {
+                0 => details[numbers.bits() as usize % details.len()],
+                _ => numbers.between(0.0, 2.0) as f32,
+            };
+            (uv, detail, weights(&mut numbers, sizes.views), weights(&mut numbers, sizes.lights))
+        })
+        .collect()
+}
+
+fn shader(decoder: &str) -> String {
+    let mut decoder = decoder.to_owned();
+    for binding in 7..12 {
+        decoder = decoder.replace(&format!("@binding({binding})"), &format!("@binding({})", binding - 7));
+    }
+    // Nothing that is bound for the indirection is used.
+    format!("{}\n{decoder}\n{ENTRY}", FLAT_BTF_WGSL.replace("@group(1)", "@group(2)"))
+}
+
+fn found(
+    gpu: &Gpu,
+    decoder: &str,
+    asset: &FactoredFlatBtf,
+    filter: FactoredFilter,
+    queries: &[Query],
+) -> Vec<[f32; 3]> {
+    let header = asset.header();
+    let parameters = FactoredParameters::to_bytes(asset, filter);
+    let size = header.size;
+    let shadow = match asset.shadow() {
+        Some(map) => Resource::Layers(TexelFormat::R8Unorm, [size, size, map.lights()], map.levels(), map.texels()),
+        None => Resource::Layers(TexelFormat::R8Unorm, [1, 1, 1], 1, &[9]),
+    };
+    let resources = [
+        Resource::Uniform(&parameters),
+        Resource::Layers(TexelFormat::Rgba8Unorm, [size, size, header.groups], header.levels, asset.weights().texels()),
+        shadow,
+        Resource::Integers(header.basis_extent(), asset.basis().words()),
+        Resource::Sampler,
+    ];
+    let compute = Compute::new(gpu, &shader(decoder), &resources).unwrap();
+    let three = |three: &ViewWeights| -> Vec<f32> {
+        three.indices.iter().map(|index| *index as f32).chain(three.weights).collect()
+    };
+    let input: Vec<f32> = queries
+        .iter()
+        .flat_map(|(uv, detail, views, lights)| [&uv[..], &[*detail], &three(views), &three(lights)].concat())
+        .collect();
+    compute.run(&input, 15, 3).unwrap().as_chunks::<3>().0.to_vec()
+}
+
+fn assets() -> Vec<(Sizes, FactoredFlatBtf)> {
+    let factors = |levels, groups, wide_groups, shadow| Factors { levels, groups, wide_groups, shadow };
+    [
+        (SMALL, factors(3, 2, 2, ShadowFormat::R8)),
+        (Sizes { flat: 16, views: 7, lights: 12, ..SMALL }, factors(5, 7, 1, ShadowFormat::R8)),
+        (Sizes { flat: 5, views: 4, ..SMALL }, factors(3, 16, 4, ShadowFormat::None)),
+        (Sizes { flat: 9, views: 4, ..SMALL }, factors(1, 3, 0, ShadowFormat::R8)),
+    ]
+    .into_iter()
+    .map(|(sizes, factors)| (sizes, factored(sizes, factors, 8)))
+    .collect()
+}
+
+fn differing(asset: &FactoredFlatBtf, queries: &[Query], found: &[[f32; 3]]) -> usize {
+    assert_eq!(queries.len(), found.len());
+    let pairs = queries.iter().zip(found);
+    let same = |((uv, detail, views, lights), found): &(&Query, &[f32; 3])| {
+        asset.value(*uv, *detail, *views, *lights).map(f32::to_bits) == found.map(f32::to_bits)
+    };
+    pairs.filter(|pair| !same(pair)).count()
+}
+
+#[test]
+fn manual_filtering_gives_the_bits_of_the_cpu_decoder() {
+    let Some(gpu) = crate::common::gpu() else { return };
+    for (sizes, asset) in assets() {
+        let queries = queries(sizes, 3000);
+        let found = found(gpu, FACTORED_WGSL, &asset, FactoredFilter::Exact, &queries);
+        assert_eq!(differing(&asset, &queries, &found), 0, "{sizes:?}");
+        assert!(found.iter().filter(|value| value.iter().any(|c| *c > 1e-4)).count() > 1500, "most are not black");
+    }
+}
+
+/// One component of lightness, so that what the sampler makes of weights and shadows is seen apart.
+fn grey(size: u32, levels: u32, weight: impl Fn(u32) -> u8, shadow: impl Fn(u32) -> u8) -> FactoredFlatBtf {
+    let of = factored(SMALL, Factors { levels: 1, groups: 1, wide_groups: 1, shadow: ShadowFormat::R8 }, 1);
+    let header =
+        FactoredHeader { size, levels, steps: [vec![0.01; 4], vec![0.0; 4], vec![0.0; 4]], ..of.header().clone() };
+    let basis = BasisMap::from_steps(header, |_, _, colour, k| if colour + k == 0 { 10_000 } else { 0 }).unwrap();
+    let texels: u32 = (0..levels).map(|level| (size >> level).max(1).pow(2)).sum();
+    let weights = (0..texels).flat_map(|k| [weight(k), 0, 0, 0]).collect();
+    let weights = WeightMap::new(size, levels, vec![WeightRange { scale: 1.0, low: 0.0 }; 4], weights).unwrap();
+    let shadows = (0..5 * texels).map(shadow).collect();
+    FactoredFlatBtf::new(basis, weights, Some(ShadowMap::new(size, levels, 5, shadows).unwrap())).unwrap()
+}
+
+#[test]
+fn the_sampler_is_within_its_precision() {
+    let Some(gpu) = crate::common::gpu() else { return };
+    let byte = |k: u32| (k.wrapping_mul(0x9e37_79b9) >> 24) as u8;
+    // Lightness is 100 w at most, so that colours have a slope of 3 (100 / 116)² / 116 of it; three filters, one per axis.
+    let bound = 3.0 * FACTORED_FILTER_PRECISION;
+    let slope = 3.0 * (100.0f32 / 116.0).powi(3);
+    for (asset, bound) in [(grey(8, 4, byte, |_| 255), slope * bound), (grey(8, 4, |_| 255, byte), bound)] {
+        let queries = queries(SMALL, 3000);
+        let found = found(gpu, FACTORED_WGSL, &asset, FactoredFilter::Hardware, &queries);
+        let mut largest = 0.0f32;
+        for ((uv, detail, views, lights), found) in queries.iter().zip(&found) {
+            let expected = asset.value(*uv, *detail, *views, *lights);
+            largest = (0..3).map(|k| (expected[k] - found[k]).abs()).fold(largest, f32::max);
+        }
+        println!("largest difference {largest}, bound {bound}");
+        assert!(largest <= bound, "{largest} of {bound}");
+    }
+}
+
+/// Small changes of the shader, each of which has to be seen in the queries.
+const CHANGES: [(&str, &str); 17] = [
+    ("1.0 / 116.0", "1.0 / 116.1"),
+    ("1.0 / 500.0", "1.0 / 500.5"),
+    ("1.0 / 200.0", "1.0 / 200.5"),
+    ("3.0799556", "3.08"),
+    ("0.045232937", "0.0453"),
+    ("-0.20402668", "-0.205"),
+    ("f32(side) - 0.5", "f32(side) - 0.4999"),
+    ("select(lower + 1u, 0u, lower + 1u == side)", "select(lower + 1u, 1u, lower + 1u == side)"),
+    ("side - 1u, below < 0.0)", "0u, below < 0.0)"),
+    ("vec4<u32>(24u, 16u, 8u, 0u)", "vec4<u32>(24u, 16u, 0u, 8u)"),
+    ("vec2<u32>(16u, 0u)", "vec2<u32>(0u, 16u)"),
+    ("2u * factored_parameters.wide_groups", "factored_parameters.wide_groups"),
+    ("(words + 3u) / 4u", "(words + 4u) / 4u"),
+    ("light * 3u + colour", "light * 3u + 2u - colour"),
+    ("root * root * root", "root * root"),
+    ("min(max(level_of_detail, 0.0), last)", "min(max(level_of_detail, 0.1), last)"),
+    ("v < 3u", "v < 2u"),
+];
+
+/// The negative control: every change above is noticed.
+#[test]
+fn a_changed_shader_is_noticed() {
+    let Some(gpu) = crate::common::gpu() else { return };
+    let noticed = |source: &str| {
+        assets().into_iter().any(|(sizes, asset)| {
+            let queries = queries(sizes, 500);
+            differing(&asset, &queries, &found(gpu, source, &asset, FactoredFilter::Exact, &queries)) > 0
+        })
+    };
+    assert!(!noticed(FACTORED_WGSL));
+    for (from, to) in CHANGES {
+        assert_eq!(FACTORED_WGSL.matches(from).count(), 1, "{from}");
+        assert!(noticed(&FACTORED_WGSL.replace(from, to)), "{from} -> {to}");
+    }
+}

@@ -1,0 +1,127 @@
+//! The part `basis`: what each component is in each view under each light.
+
+use super::header::{BASIS_PART, FactoredErrors, FactoredHeader, GROUP};
+use crate::FormatError;
+use crate::container::{Extent, TexelFormat, Texture};
+use crate::flat_btf::layout::{check_format, words, wrong_extent};
+
+/// Components as integers: of each pair of a view and a light three opponent colours, of each of these all components.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BasisMap {
+    header: FactoredHeader,
+    words: Vec<u32>,
+}
+
+impl BasisMap {
+    /// A basis from the words of its texels, row by row.
+    ///
+    /// # Errors
+    /// A header out of range, another number of words.
+    pub fn new(header: FactoredHeader, words: Vec<u32>) -> Result<Self, FormatError> {
+        header.check()?;
+        let wanted = 4 * Extent::D2(header.basis_extent()).texels();
+        if words.len() as u64 != wanted {
+            let field = format!("words of the part {BASIS_PART}");
+            return Err(FormatError::whole(field, words.len().to_string(), format!("{wanted}, as the header says")));
+        }
+        Ok(Self { header, words })
+    }
+
+    /// A basis from integers: `steps(view, light, colour, component)`, called in order and clamped to -32767 to 32767 where they have 16 bits, and
+    /// to -127 to 127 else.
+    ///
+    /// # Errors
+    /// A header out of range.
+    pub fn from_steps(
+        header: FactoredHeader,
+        mut steps: impl FnMut(usize, usize, usize, usize) -> i32,
+    ) -> Result<Self, FormatError> {
+        header.check()?;
+        let wide = header.wide_groups as usize * GROUP;
+        let stride = 4 * header.texels_per_colour() as usize;
+        let lights = header.lights.len();
+        let mut words = vec![0; header.views.len() * lights * 3 * stride];
+        for (at, line) in words.chunks_exact_mut(stride).enumerate() {
+            let (view, light, colour) = (at / 3 / lights, at / 3 % lights, at % 3);
+            for component in 0..header.components() {
+                let step = steps(view, light, colour, component);
+                if component < wide {
+                    line[component / 2] |= (step.clamp(-32767, 32767) as u32 & 0xffff) << (16 * (component % 2));
+                } else {
+                    let byte = component - wide;
+                    let word = wide / 2 + byte / 4;
+                    line[word] |= (step.clamp(-127, 127) as u32 & 0xff) << (8 * (byte % 4));
+                }
+            }
+        }
+        Self::new(header, words)
+    }
+
+    /// What the asset says of itself.
+    pub fn header(&self) -> &FactoredHeader {
+        &self.header
+    }
+
+    /// The same with other errors.
+    #[must_use]
+    pub fn with_errors(mut self, errors: FactoredErrors) -> Self {
+        self.header.errors = errors;
+        self
+    }
+
+    /// Words of the texels, row by row.
+    pub fn words(&self) -> &[u32] {
+        &self.words
+    }
+
+    /// The integers of an opponent colour in a view under a light: all components, [`FactoredHeader::steps`] not applied.
+    ///
+    /// # Panics
+    /// Without such a view, light or colour.
+    pub fn integers(&self, view: u32, light: u32, colour: usize) -> impl Iterator<Item = f32> {
+        let header = &self.header;
+        let stride = 4 * header.texels_per_colour() as usize;
+        let pair = view as usize * header.lights.len() + light as usize;
+        assert!((light as usize) < header.lights.len() && colour < 3, "light {light}, colour {colour}");
+        let line = &self.words[(pair * 3 + colour) * stride..][..header.words() as usize];
+        let (wide, narrow) = line.split_at(2 * header.wide_groups as usize);
+        let half = |word: &u32| [(*word << 16) as i32 >> 16, *word as i32 >> 16];
+        let byte = |word: &u32| [24, 16, 8, 0].map(|shift| (*word << shift) as i32 >> 24);
+        wide.iter().flat_map(half).chain(narrow.iter().flat_map(byte)).map(|step| step as f32)
+    }
+
+    /// The bytes of the KTX2 file.
+    pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
+        Texture {
+            format: TexelFormat::Rgba32Uint,
+            extent: Extent::D2(self.header.basis_extent()),
+            entries: self.header.entries(),
+            levels: 1,
+            texels: self.words.iter().flat_map(|word| word.to_le_bytes()).collect(),
+        }
+        .to_bytes(supercompress)
+    }
+
+    /// Reads and checks a KTX2 file.
+    ///
+    /// # Errors
+    /// Whatever breaks the rules of `formats/src/flat_btf/factored/spec.md`.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
+        Self::from_texture(&Texture::from_bytes(bytes)?)
+    }
+
+    /// [`Self::from_bytes`] of a file whose container has been read.
+    ///
+    /// # Errors
+    /// As [`Self::from_bytes`].
+    pub fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
+        let header = FactoredHeader::from_texture(texture)?;
+        check_format(texture, BASIS_PART, TexelFormat::Rgba32Uint)?;
+        let extent = Extent::D2(header.basis_extent());
+        if texture.extent != extent {
+            let allowed = format!("a 2D texture of {extent}, as its entry says");
+            return Err(wrong_extent(BASIS_PART, texture.extent, allowed));
+        }
+        Self::new(header, words(&texture.texels))
+    }
+}

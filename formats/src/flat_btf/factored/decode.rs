@@ -1,0 +1,215 @@
+//! The CPU decoder, the reference that shaders are held against: f32 arithmetic in a fixed order without fused
+//! operations.
+
+use super::basis::BasisMap;
+use super::domain::from_opponent;
+use super::header::{FactoredErrors, FactoredHeader, GROUP, MAX_GROUPS, ShadowFormat};
+use super::maps::{ShadowMap, WeightMap};
+use crate::FormatError;
+use crate::flat_btf::decoder::ViewWeights;
+use crate::flat_btf::tap::{footprint, periodic_tap, wrap};
+
+const MAX_COMPONENTS: usize = MAX_GROUPS as usize * GROUP;
+/// What a byte of a texel counts.
+const UNIT: f32 = 1.0 / 255.0;
+
+/// A flat BTF as a product: shadows of each texel and light, times a sum of components of each view and light with weights
+/// of each texel. Beside the parts that find a texel ([`super::super::FlatBtfDecoder::indirection`]) it takes the place of all
+/// views.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FactoredFlatBtf {
+    basis: BasisMap,
+    weights: WeightMap,
+    shadow: Option<ShadowMap>,
+}
+
+/// Texels around a point on the two mipmap levels around a level of detail.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    level: u32,
+    fine: [(usize, f32); 4],
+    /// Where its share is not 0.
+    coarse: Option<([(usize, f32); 4], f32)>,
+}
+
+/// One texel of a factored flat BTF.
+#[derive(Debug, Clone)]
+pub struct FactoredTexel<'a> {
+    asset: &'a FactoredFlatBtf,
+    place: Place,
+    components: [f32; MAX_COMPONENTS],
+}
+
+impl FactoredTexel<'_> {
+    /// Its value in a view under a light.
+    ///
+    /// # Panics
+    /// Without such a view or light.
+    pub fn value(&self, view: u32, light: u32) -> [f32; 3] {
+        let shadow = self.asset.lit(&self.place, light);
+        self.asset.colour(&self.components, view, light).map(|channel| shadow * channel)
+    }
+}
+
+impl Place {
+    fn new(uv: [f32; 2], level_of_detail: f32, size: u32, levels: u32) -> Self {
+        let uv = uv.map(wrap);
+        let detail = level_of_detail.max(0.0).min((levels - 1) as f32);
+        let finer = detail.floor();
+        let blend = detail - finer;
+        let texels = |level: u32| {
+            let side = (size >> level).max(1);
+            let taps = footprint(periodic_tap(uv[0], side), periodic_tap(uv[1], side));
+            taps.map(|([column, row], weight)| ((row * side + column) as usize, weight))
+        };
+        let level = finer as u32;
+        Self { level, fine: texels(level), coarse: (blend > 0.0).then(|| (texels(level + 1), blend)) }
+    }
+
+    /// A filtered number: `texel(level, index)` is 0 to 255.
+    fn sample(&self, texel: impl Fn(u32, usize) -> u8) -> f32 {
+        let filtered = |level: u32, taps: [(usize, f32); 4]| {
+            taps.into_iter().fold(0.0f32, |sum, (at, weight)| sum + weight * (f32::from(texel(level, at)) * UNIT))
+        };
+        let fine = filtered(self.level, self.fine);
+        match self.coarse {
+            Some((taps, blend)) => fine + blend * (filtered(self.level + 1, taps) - fine),
+            None => fine,
+        }
+    }
+}
+
+impl FactoredFlatBtf {
+    /// Checks that the parts belong together.
+    ///
+    /// # Errors
+    /// Names the part whose size, levels, layers are not those that the basis says, or that is missing or too many.
+    pub fn new(basis: BasisMap, weights: WeightMap, shadow: Option<ShadowMap>) -> Result<Self, FormatError> {
+        let header = basis.header();
+        let told = |[size, levels, layers]: [u32; 3]| format!("{levels} levels of {layers} layers of {size} x {size}");
+        let same = |part: &str, found: [u32; 3], layers: u32| {
+            let wanted = [header.size, header.levels, layers];
+            if found == wanted {
+                return Ok(());
+            }
+            let (field, allowed) = (format!("size of the part {part}"), format!("{}, as the basis says", told(wanted)));
+            Err(FormatError::whole(field, told(found), allowed))
+        };
+        same("weights", [weights.size(), weights.levels(), weights.groups()], header.groups)?;
+        match (&shadow, header.shadow) {
+            (None, ShadowFormat::None) => {}
+            (Some(map), ShadowFormat::R8) => {
+                same("shadow", [map.size(), map.levels(), map.lights()], header.lights.len() as u32)?;
+            }
+            (None, ShadowFormat::R8) => {
+                return Err(FormatError::whole("part shadow", "none", "one, as the basis says"));
+            }
+            (Some(_), ShadowFormat::None) => {
+                return Err(FormatError::whole("part shadow", "one", "none, as the basis says"));
+            }
+        }
+        Ok(Self { basis, weights, shadow })
+    }
+
+    /// What the asset says of itself.
+    pub fn header(&self) -> &FactoredHeader {
+        self.basis.header()
+    }
+
+    /// The part `basis`.
+    pub fn basis(&self) -> &BasisMap {
+        &self.basis
+    }
+
+    /// The part `weights`.
+    pub fn weights(&self) -> &WeightMap {
+        &self.weights
+    }
+
+    /// The part `shadow`, where there is one.
+    pub fn shadow(&self) -> Option<&ShadowMap> {
+        self.shadow.as_ref()
+    }
+
+    /// The same with other errors.
+    #[must_use]
+    pub fn with_errors(self, errors: FactoredErrors) -> Self {
+        Self { basis: self.basis.with_errors(errors), ..self }
+    }
+
+    /// Bytes of texels in graphics memory, mipmaps included.
+    pub fn gpu_bytes(&self) -> u64 {
+        self.header().gpu_bytes()
+    }
+
+    /// Values at parameters of the flat BTF, relative to a white diffuser that faces the light: linear RGB, 0 or more. `uv` is
+    /// of any size, with period 1; `level_of_detail` is that of the texels, 0 the finest. Weights and shadows are filtered,
+    /// every pair of a view and a light is decoded, and then blended by the weights.
+    ///
+    /// # Panics
+    /// With weights for views or lights that are not there: a mistake of the caller.
+    pub fn value(&self, uv: [f32; 2], level_of_detail: f32, views: ViewWeights, lights: ViewWeights) -> [f32; 3] {
+        let place = Place::new(uv, level_of_detail, self.header().size, self.header().levels);
+        let components = self.components_at(&place);
+        let lit =
+            |index: usize| if lights.weights[index] == 0.0 { 0.0 } else { self.lit(&place, lights.indices[index]) };
+        let shadows = [lit(0), lit(1), lit(2)];
+        let mut value = [0.0f32; 3];
+        for (view, view_weight) in views.indices.into_iter().zip(views.weights) {
+            if view_weight == 0.0 {
+                continue;
+            }
+            for (k, light) in lights.indices.into_iter().enumerate() {
+                if lights.weights[k] == 0.0 {
+                    continue;
+                }
+                let weight = view_weight * lights.weights[k];
+                let colour = self.colour(&components, view, light);
+                for channel in 0..3 {
+                    value[channel] += weight * (shadows[k] * colour[channel]);
+                }
+            }
+        }
+        value
+    }
+
+    /// A texel `[column, row]` of the finest level, for all views and lights.
+    ///
+    /// # Panics
+    /// Without such a texel.
+    pub fn texel(&self, [column, row]: [u32; 2]) -> FactoredTexel<'_> {
+        let size = self.header().size;
+        assert!(column < size && row < size, "texel ({column}, {row}) of {size} x {size}");
+        let at = (row * size + column) as usize;
+        let place = Place { level: 0, fine: [(at, 1.0), (at, 0.0), (at, 0.0), (at, 0.0)], coarse: None };
+        FactoredTexel { asset: self, place, components: self.components_at(&place) }
+    }
+
+    /// Weights of all components.
+    fn components_at(&self, place: &Place) -> [f32; MAX_COMPONENTS] {
+        let mut components = [0.0; MAX_COMPONENTS];
+        for (k, range) in self.weights.ranges().iter().enumerate() {
+            let sample =
+                place.sample(|level, at| self.weights.layer(level, (k / GROUP) as u32)[at * GROUP + k % GROUP]);
+            components[k] = range.low + range.scale * sample;
+        }
+        components
+    }
+
+    /// How much of a light arrives.
+    fn lit(&self, place: &Place, light: u32) -> f32 {
+        match &self.shadow {
+            Some(shadow) => place.sample(|level, at| shadow.layer(level, light)[at]),
+            None => 1.0,
+        }
+    }
+
+    /// What these components show in a view under a light that arrives in full.
+    fn colour(&self, components: &[f32; MAX_COMPONENTS], view: u32, light: u32) -> [f32; 3] {
+        let steps = &self.header().steps;
+        from_opponent([0, 1, 2].map(|colour: usize| {
+            let terms = components.iter().zip(&steps[colour]).zip(self.basis.integers(view, light, colour));
+            terms.fold(0.0f32, |sum, ((weight, step), integer)| sum + (weight * step) * integer)
+        }))
+    }
+}

@@ -1,0 +1,80 @@
+//! The scale in which a factored flat BTF is a sum: cube roots of tristimulus values, apart in lightness and two opponent
+//! colours. Distances in it are nearly colour differences (ΔE of 1976), and a factor of the colour is a factor of all three.
+
+/// Rows of the sRGB matrix, divided by the white point: white is (1, 1, 1).
+const TO_XYZ: [[f32; 3]; 3] = [
+    [0.433_953, 0.376_219_4, 0.189_827_6],
+    [0.212_672_9, 0.715_152_2, 0.072_175],
+    [0.017_756_6, 0.109_467_96, 0.872_775_4],
+];
+
+/// Its inverse.
+const TO_RGB: [[f32; 3]; 3] = [
+    [3.079_955_6, -1.537_188, -0.542_767_4],
+    [-0.921_258_8, 1.876_025_7, 0.045_232_937],
+    [0.052_887_354, -0.204_026_68, 1.151_139_4],
+];
+
+/// Cube root of numbers that are not negative, within 1e-6 relative from 1e-18 on; 0 below.
+#[inline]
+fn cube_root(x: f32) -> f32 {
+    let guess = f32::from_bits(x.to_bits() / 3 + 0x2a51_37a0);
+    let step = |y: f32| {
+        let cube = y * y * y;
+        y * (cube + 2.0 * x) / (2.0 * cube + x)
+    };
+    if x > 1e-18 { step(step(guess)) } else { 0.0 }
+}
+
+/// Lightness and two opponent colours of linear RGB: `116 y`, `500 (x - y)`, `200 (y - z)` with `x`, `y`, `z` the cube roots
+/// of tristimulus values relative to white. Without the offset of L*a*b*, so that `to_opponent(s³ c) = s to_opponent(c)`.
+#[inline]
+pub fn to_opponent([r, g, b]: [f32; 3]) -> [f32; 3] {
+    let [x, y, z] = TO_XYZ.map(|[mr, mg, mb]| cube_root((mr * r + mg * g + mb * b).max(0.0)));
+    [116.0 * y, 500.0 * (x - y), 200.0 * (y - z)]
+}
+
+/// Linear RGB, not negative: the inverse of [`to_opponent`].
+#[inline]
+pub fn from_opponent([lightness, red_green, yellow_blue]: [f32; 3]) -> [f32; 3] {
+    let y = lightness * (1.0 / 116.0);
+    let x = y + red_green * (1.0 / 500.0);
+    let z = y - yellow_blue * (1.0 / 200.0);
+    let [x, y, z] = [x.max(0.0), y.max(0.0), z.max(0.0)];
+    let [x, y, z] = [x * x * x, y * y * y, z * z * z];
+    TO_RGB.map(|[mx, my, mz]| (mx * x + my * y + mz * z).max(0.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn known_colours() {
+        let near = |a: [f32; 3], b: [f32; 3]| (0..3).all(|k| (a[k] - b[k]).abs() < 2e-3);
+        assert!(near(to_opponent([1.0; 3]), [116.0, 0.0, 0.0]));
+        assert!(near(to_opponent([0.125; 3]), [58.0, 0.0, 0.0]));
+        assert_eq!(to_opponent([0.0; 3]), [0.0; 3]);
+        assert_eq!(from_opponent([0.0; 3]), [0.0; 3]);
+        // L*a*b* of pure red is (53.24, 80.09, 67.20); here lightness has no offset of 16.
+        let red = to_opponent([1.0, 0.0, 0.0]);
+        assert!(
+            (red[0] - 69.24).abs() < 0.01 && (red[1] - 80.09).abs() < 0.1 && (red[2] - 67.2).abs() < 0.1,
+            "{red:?}"
+        );
+    }
+
+    proptest! {
+        #[test]
+        fn colours_come_back(colour in prop::array::uniform3(0.01f32..4.0), shade in 0.05f32..1.0) {
+            let there = to_opponent(colour);
+            let back = from_opponent(there);
+            let scaled = to_opponent(colour.map(|c| c * shade * shade * shade));
+            for k in 0..3 {
+                prop_assert!((back[k] - colour[k]).abs() < 2e-5 * 4.0, "{colour:?} {back:?}");
+                prop_assert!((scaled[k] - shade * there[k]).abs() < 1e-3, "{scaled:?} {there:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,276 @@
+//! The parts `weights` and `shadow`: what a texel has of each component, and how much of each light reaches it. Both have
+//! mipmaps.
+
+use super::header::{GROUP, MAX_GROUPS};
+use crate::FormatError;
+use crate::container::entries::{entry, sized};
+use crate::container::{Extent, MAX_EXTENT_2D, MAX_LAYERS, MAX_TEXEL_BYTES, PackedTexture, TexelFormat, Texture};
+use crate::cursor::Cursor;
+use crate::flat_btf::layout::{word, wrong_extent};
+use std::collections::BTreeMap;
+
+/// The entry that makes a texture the weights of a factored flat BTF.
+pub(crate) const WEIGHTS: &str = "brdfc.flat-btf.weights";
+/// The entry that makes a texture the shadows of a factored flat BTF.
+pub(crate) const SHADOW: &str = "brdfc.flat-btf.shadow";
+const VERSION: u32 = 1;
+
+/// Layers of bytes with mipmaps.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Layers {
+    part: &'static str,
+    format: TexelFormat,
+    size: u32,
+    layers: u32,
+    levels: u32,
+    texels: Vec<u8>,
+}
+
+impl Layers {
+    fn check(self, most_layers: u32) -> Result<Self, FormatError> {
+        let Self { part, size, layers, levels, .. } = self;
+        let refused = |what: &str, found: u32, last: u32| {
+            Err(FormatError::whole(format!("{what} of the part {part}"), found.to_string(), format!("1 to {last}")))
+        };
+        if !(1..=MAX_EXTENT_2D).contains(&size) {
+            return refused("size", size, MAX_EXTENT_2D);
+        }
+        if !(1..=most_layers).contains(&layers) {
+            return refused("layers", layers, most_layers);
+        }
+        let most_levels = self.extent().most_levels();
+        if !(1..=most_levels).contains(&levels) {
+            return refused("levels", levels, most_levels);
+        }
+        let wanted = self.extent().texels_of_levels(levels) * self.format.texel_bytes() as u64;
+        if self.texels.len() as u64 != wanted {
+            let field = format!("bytes of the part {part}");
+            return Err(FormatError::whole(
+                field,
+                self.texels.len().to_string(),
+                format!("{wanted}, as its size says"),
+            ));
+        }
+        Ok(self)
+    }
+
+    fn extent(&self) -> Extent {
+        Extent::D2Array([self.size, self.size, self.layers])
+    }
+
+    /// A layer of a mipmap level.
+    fn layer(&self, level: u32, layer: u32) -> &[u8] {
+        let texel = self.format.texel_bytes();
+        let side = (self.size >> level).max(1) as usize;
+        let first = self.extent().texels_of_levels(level) as usize * texel;
+        let length = side * side * texel;
+        &self.texels[first + layer as usize * length..][..length]
+    }
+
+    fn to_bytes(&self, entries: BTreeMap<String, Vec<u8>>, supercompress: bool) -> Vec<u8> {
+        let (format, extent, levels) = (self.format, self.extent(), self.levels);
+        Texture { format, extent, entries, levels, texels: self.texels.clone() }.to_bytes(supercompress)
+    }
+
+    fn from_texture(
+        texture: Texture,
+        part: &'static str,
+        format: TexelFormat,
+        most_layers: u32,
+    ) -> Result<Self, FormatError> {
+        if texture.format != format {
+            let field = format!("texels of the part {part}");
+            return Err(FormatError::whole(field, format!("{:?}", texture.format), format!("{format:?}")));
+        }
+        match texture.extent {
+            Extent::D2Array([width, height, layers]) if width == height => {
+                Self { part, format, size: width, layers, levels: texture.levels, texels: texture.texels }
+                    .check(most_layers)
+            }
+            other => Err(wrong_extent(part, other, "a 2D array of equal sides")),
+        }
+    }
+}
+
+fn unpack(bytes: &[u8]) -> Result<Texture, FormatError> {
+    PackedTexture::from_bytes(bytes)?.unpack_levels(MAX_TEXEL_BYTES)
+}
+
+/// What a weight of 0 to 1 stands for: `low + scale texel`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WeightRange {
+    /// What texels are multiplied by.
+    pub scale: f32,
+    /// What is added to that.
+    pub low: f32,
+}
+
+/// Weights of all components: four to a texel, and to a layer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WeightMap {
+    layers: Layers,
+    ranges: Vec<WeightRange>,
+}
+
+impl WeightMap {
+    const PART: &'static str = "weights";
+
+    /// Weights from texels of four bytes: all mipmap levels from the finest, layer by layer, row by row. A range per component
+    /// says how many layers there are.
+    ///
+    /// # Errors
+    /// Sizes out of range, another number of bytes, ranges that are not four to a layer or not finite.
+    pub fn new(size: u32, levels: u32, ranges: Vec<WeightRange>, texels: Vec<u8>) -> Result<Self, FormatError> {
+        let field = || format!("components of the part {}", Self::PART);
+        if !ranges.len().is_multiple_of(GROUP) {
+            return Err(FormatError::whole(field(), ranges.len().to_string(), format!("a multiple of {GROUP}")));
+        }
+        if let Some(k) = ranges.iter().position(|range| !(range.scale.is_finite() && range.low.is_finite())) {
+            let (found, allowed) = (format!("{:?}", ranges[k]), "finite numbers");
+            return Err(FormatError::whole(format!("{WEIGHTS} component {k}"), found, allowed));
+        }
+        let (part, format, layers) = (Self::PART, TexelFormat::Rgba8Unorm, (ranges.len() / GROUP) as u32);
+        let layers = Layers { part, format, size, layers, levels, texels }.check(MAX_GROUPS)?;
+        Ok(Self { layers, ranges })
+    }
+
+    /// `T`, texels per side.
+    pub fn size(&self) -> u32 {
+        self.layers.size
+    }
+
+    /// Mipmap levels.
+    pub fn levels(&self) -> u32 {
+        self.layers.levels
+    }
+
+    /// Layers, each of four components.
+    pub fn groups(&self) -> u32 {
+        self.layers.layers
+    }
+
+    /// What weights of each component stand for.
+    pub fn ranges(&self) -> &[WeightRange] {
+        &self.ranges
+    }
+
+    /// All texels, as a GPU takes them.
+    pub fn texels(&self) -> &[u8] {
+        &self.layers.texels
+    }
+
+    /// Four bytes a texel, row by row.
+    ///
+    /// # Panics
+    /// Without such a level or group.
+    pub fn layer(&self, level: u32, group: u32) -> &[u8] {
+        self.layers.layer(level, group)
+    }
+
+    /// The bytes of the KTX2 file.
+    pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
+        let words = [VERSION, self.ranges.len() as u32].into_iter();
+        let words = words.chain(self.ranges.iter().flat_map(|range| [range.scale.to_bits(), range.low.to_bits()]));
+        let entries = BTreeMap::from([(WEIGHTS.to_owned(), words.flat_map(u32::to_le_bytes).collect())]);
+        self.layers.to_bytes(entries, supercompress)
+    }
+
+    /// Reads and checks a KTX2 file.
+    ///
+    /// # Errors
+    /// Whatever breaks the rules of `formats/src/flat_btf/factored/spec.md`.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
+        Self::from_texture(unpack(bytes)?)
+    }
+
+    /// [`Self::from_bytes`] of a file whose container has been read.
+    ///
+    /// # Errors
+    /// As [`Self::from_bytes`].
+    pub fn from_texture(texture: Texture) -> Result<Self, FormatError> {
+        let bytes = entry(&texture, WEIGHTS, "the weights of a factored flat BTF")?;
+        let mut cursor = Cursor::new(bytes);
+        word(&mut cursor, WEIGHTS, "version", VERSION..=VERSION)?;
+        let components = word(&mut cursor, WEIGHTS, "components", 1..=MAX_GROUPS * GROUP as u32)?;
+        sized(bytes, WEIGHTS, 8 + 8 * components as usize)?;
+        let range = |_| Ok(WeightRange { scale: cursor.f32("scale")?, low: cursor.f32("low")? });
+        let ranges = (0..components).map(range).collect::<Result<Vec<_>, FormatError>>()?;
+        let layers = Layers::from_texture(texture, Self::PART, TexelFormat::Rgba8Unorm, MAX_GROUPS)?;
+        if layers.layers as usize * GROUP != ranges.len() {
+            let allowed = format!("{} layers, as {WEIGHTS} says", ranges.len().div_ceil(GROUP));
+            return Err(wrong_extent(Self::PART, layers.extent(), allowed));
+        }
+        Self::new(layers.size, layers.levels, ranges, layers.texels)
+    }
+}
+
+/// How much of each light reaches a texel, averaged over views: a factor of linear RGB, a layer to each light.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ShadowMap {
+    layers: Layers,
+}
+
+impl ShadowMap {
+    const PART: &'static str = "shadow";
+
+    /// Shadows from bytes, 0 in shadow and 255 lit: all mipmap levels from the finest, light by light, row by row.
+    ///
+    /// # Errors
+    /// Sizes out of range, another number of bytes.
+    pub fn new(size: u32, levels: u32, lights: u32, texels: Vec<u8>) -> Result<Self, FormatError> {
+        let (part, format, layers) = (Self::PART, TexelFormat::R8Unorm, lights);
+        let layers = Layers { part, format, size, layers, levels, texels }.check(MAX_LAYERS)?;
+        Ok(Self { layers })
+    }
+
+    /// `T`, texels per side.
+    pub fn size(&self) -> u32 {
+        self.layers.size
+    }
+
+    /// Mipmap levels.
+    pub fn levels(&self) -> u32 {
+        self.layers.levels
+    }
+
+    /// Number of lights.
+    pub fn lights(&self) -> u32 {
+        self.layers.layers
+    }
+
+    /// All texels, as a GPU takes them.
+    pub fn texels(&self) -> &[u8] {
+        &self.layers.texels
+    }
+
+    /// A byte a texel, row by row.
+    ///
+    /// # Panics
+    /// Without such a level or light.
+    pub fn layer(&self, level: u32, light: u32) -> &[u8] {
+        self.layers.layer(level, light)
+    }
+
+    /// The bytes of the KTX2 file.
+    pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
+        self.layers.to_bytes(BTreeMap::from([(SHADOW.to_owned(), VERSION.to_le_bytes().to_vec())]), supercompress)
+    }
+
+    /// Reads and checks a KTX2 file.
+    ///
+    /// # Errors
+    /// Whatever breaks the rules of `formats/src/flat_btf/factored/spec.md`.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
+        Self::from_texture(unpack(bytes)?)
+    }
+
+    /// [`Self::from_bytes`] of a file whose container has been read.
+    ///
+    /// # Errors
+    /// As [`Self::from_bytes`].
+    pub fn from_texture(texture: Texture) -> Result<Self, FormatError> {
+        let bytes = sized(entry(&texture, SHADOW, "the shadows of a factored flat BTF")?, SHADOW, 4)?;
+        word(&mut Cursor::new(bytes), SHADOW, "version", VERSION..=VERSION)?;
+        Ok(Self { layers: Layers::from_texture(texture, Self::PART, TexelFormat::R8Unorm, MAX_LAYERS)? })
+    }
+}

@@ -1,0 +1,19 @@
+//! Flat BTFs as a product of small textures, some hundredths of what all views take. Byte layout: `spec.md` in this folder.
+//!
+//! A value is a shadow of its texel and light times a sum: weights of the texel, components of the view and the light. The
+//! sum is in cube roots of tristimulus values, shadows are in linear light, so that both may be filtered.
+
+mod basis;
+mod decode;
+mod domain;
+mod header;
+mod maps;
+pub mod shader;
+
+pub use basis::BasisMap;
+pub use decode::{FactoredFlatBtf, FactoredTexel};
+pub use domain::{from_opponent, to_opponent};
+pub(crate) use header::FACTORED as FACTORED_ENTRY;
+pub use header::{FactoredErrors, FactoredHeader, GROUP, MAX_GROUPS, ShadowFormat};
+pub(crate) use maps::{SHADOW as SHADOW_ENTRY, WEIGHTS as WEIGHTS_ENTRY};
+pub use maps::{ShadowMap, WeightMap, WeightRange};

@@ -1,0 +1,48 @@
+//! What a shader needs besides the textures of a factored flat BTF: `formats/src/flat_btf/factored/factored.wgsl` and its
+//! uniform block.
+
+use super::decode::FactoredFlatBtf;
+use super::header::{GROUP, MAX_GROUPS};
+
+/// The WGSL decoder, to be pasted behind [`crate::flat_btf::shader::FLAT_BTF_WGSL`]. It declares a uniform block, three
+/// textures and a sampler in bind group 1; see the file.
+pub const FACTORED_WGSL: &str = include_str!("factored.wgsl");
+
+/// How far a number that the sampler filters may be from exact weights, in units of the largest difference of neighbouring
+/// texels: samplers have weights of 8 bits or fewer.
+pub const FACTORED_FILTER_PRECISION: f32 = 1.0 / 128.0;
+
+/// Who filters texels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FactoredFilter {
+    /// The shader, with exact weights: the same bits as the CPU decoder where arithmetic is correctly rounded.
+    Exact,
+    /// The texture unit: one fetch per group of weights and per light.
+    Hardware,
+}
+
+/// The uniform block `FactoredParameters` of the shader.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FactoredParameters;
+
+impl FactoredParameters {
+    /// Bytes of the block.
+    pub const SIZE: usize = 32 + 5 * 4 * GROUP * MAX_GROUPS as usize;
+
+    /// The block of an asset as the shader reads it: little-endian, fields in order, zeros where nothing is.
+    pub fn to_bytes(asset: &FactoredFlatBtf, filter: FactoredFilter) -> Vec<u8> {
+        let header = asset.header();
+        let hardware = u32::from(filter == FactoredFilter::Hardware);
+        let shadowed = u32::from(asset.shadow().is_some());
+        let mut words = vec![header.size, header.levels, header.groups, header.wide_groups, shadowed, hardware, 0, 0];
+        let mut numbers = |numbers: Vec<f32>| {
+            let first = words.len();
+            words.extend(numbers.into_iter().map(f32::to_bits));
+            words.resize(first + GROUP * MAX_GROUPS as usize, 0);
+        };
+        header.steps.iter().for_each(|steps| numbers(steps.clone()));
+        numbers(asset.weights().ranges().iter().map(|range| range.scale).collect());
+        numbers(asset.weights().ranges().iter().map(|range| range.low).collect());
+        words.into_iter().flat_map(u32::to_le_bytes).collect()
+    }
+}

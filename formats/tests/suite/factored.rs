@@ -1,0 +1,316 @@
+//! Factored flat BTFs: known answers of the decoder, its filter, the shader's block, and files that come back or are refused.
+
+use brdfc_formats::container::{PackedTexture, Texture};
+use brdfc_formats::flat_btf::factored::shader::{FACTORED_WGSL, FactoredFilter, FactoredParameters};
+use brdfc_formats::flat_btf::factored::{
+    BasisMap, FactoredErrors, FactoredFlatBtf, FactoredHeader, ShadowFormat, ShadowMap, WeightMap, WeightRange,
+    from_opponent,
+};
+use brdfc_formats::flat_btf::shader::FLAT_BTF_WGSL;
+use brdfc_formats::flat_btf::{FlatPart, ViewWeights, gpu_bytes};
+use brdfc_formats::{FormatError, Pack, PackKind};
+use brdfc_testing::flat_btf::{Factors, SMALL, Sizes, directions, factored, only, weights};
+use brdfc_testing::packs::Numbers;
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+const TWO: Factors = Factors { levels: 3, groups: 2, wide_groups: 1, shadow: ShadowFormat::R8 };
+
+fn close(found: [f32; 3], expected: [f32; 3], tolerance: f32) {
+    let good = (0..3).all(|k| (found[k] - expected[k]).abs() <= tolerance * (1.0 + expected[k].abs()));
+    assert!(good, "{found:?} instead of {expected:?}");
+}
+
+/// An asset of one grey component whose value is known: lightness `100 w` in view 0, `50 w` in view 1, and shadows.
+fn grey(
+    size: u32,
+    levels: u32,
+    weight: impl Fn(u32, u32) -> u8,
+    shadow: impl Fn(u32, u32, u32) -> u8,
+) -> FactoredFlatBtf {
+    let header = FactoredHeader {
+        size,
+        levels,
+        groups: 1,
+        wide_groups: 1,
+        shadow: ShadowFormat::R8,
+        views: directions(2, 1),
+        lights: directions(3, 2),
+        steps: [vec![0.01; 4], vec![0.0; 4], vec![0.0; 4]],
+        errors: FactoredErrors::default(),
+    };
+    let basis =
+        BasisMap::from_steps(
+            header,
+            |view, _, colour, component| {
+                if colour == 0 && component == 0 { 10_000 / (1 + view as i32) } else { 0 }
+            },
+        );
+    let sides: Vec<u32> = (0..levels).map(|level| (size >> level).max(1)).collect();
+    let texels = |side: u32| (0..side * side).map(move |at| (at % side, at / side));
+    let weights = sides.iter().flat_map(|side| texels(*side).flat_map(|(x, y)| [weight(x, y), 0, 0, 0])).collect();
+    let one = |lit: &dyn Fn(u32, u32, u32) -> u8, side: u32| -> Vec<u8> {
+        (0..3).flat_map(|light| texels(side).map(move |(x, y)| (x, y, light))).map(|(x, y, l)| lit(x, y, l)).collect()
+    };
+    let shadows = sides.iter().flat_map(|side| one(&shadow, *side)).collect();
+    let range = WeightRange { scale: 1.0, low: 0.0 };
+    let weights = WeightMap::new(size, levels, vec![range; 4], weights).unwrap();
+    FactoredFlatBtf::new(basis.unwrap(), weights, Some(ShadowMap::new(size, levels, 3, shadows).unwrap())).unwrap()
+}
+
+fn lightness(value: f32) -> [f32; 3] {
+    from_opponent([value, 0.0, 0.0])
+}
+
+#[test]
+fn texels_are_shadow_times_sum() {
+    let asset = grey(4, 1, |x, _| [0, 51, 102, 255][x as usize], |_, _, light| [255, 0, 51][light as usize]);
+    for (x, weight) in [(0, 0.0), (1, 0.2), (2, 0.4), (3, 1.0)] {
+        close(asset.texel([x, 2]).value(0, 0), lightness(100.0 * weight), 1e-6);
+        close(asset.texel([x, 2]).value(1, 0), lightness(50.0 * weight), 1e-6);
+        close(asset.texel([x, 2]).value(1, 2), lightness(50.0 * weight).map(|c| 0.2 * c), 1e-6);
+        assert_eq!(asset.texel([x, 0]).value(0, 1), [0.0; 3]);
+        // At the centre of a texel the filter gives it.
+        let uv = [(x as f32 + 0.5) / 4.0, 0.625];
+        assert_eq!(asset.value(uv, 0.0, only(1), only(2)), asset.texel([x, 2]).value(1, 2));
+    }
+}
+
+/// Weights are filtered before, pairs blended after the sum is made a colour.
+#[test]
+fn filters_before_blends_after() {
+    let asset = grey(4, 1, |x, _| [0, 51, 102, 255][x as usize], |_, _, _| 255);
+    // Between texels 1 and 2, and across the border between 3 and 0.
+    for (u, weight) in [(0.5, 0.3), (0.4375, 0.25), (0.0, 0.5), (1.0, 0.5), (-3.0, 0.5), (0.9375, 0.75)] {
+        close(asset.value([u, 0.4], 0.0, only(0), only(0)), lightness(100.0 * weight), 1e-5);
+    }
+    let half = ViewWeights { indices: [0, 1, 0], weights: [0.5, 0.5, 0.0] };
+    let [full, dim] = [100.0, 50.0].map(|value| lightness(value)[0]);
+    let blended = asset.value([0.875, 0.1], 0.0, half, only(0))[0];
+    assert!((blended - 0.5 * (full + dim)).abs() < 1e-5, "{blended}");
+    // The colour of the mean would be another.
+    assert!((blended - lightness(75.0)[0]).abs() > 0.05);
+}
+
+/// The level of detail blends two mipmap levels, and ends at the coarsest.
+#[test]
+fn levels_of_detail() {
+    let levels = [[0, 51, 102, 255].to_vec(), vec![51, 204], vec![153]];
+    let asset = grey(4, 3, |_, _| 0, |_, _, _| 255);
+    let texels = levels.iter().flat_map(|row| {
+        let row = row.clone();
+        (0..row.len()).flat_map(move |_| row.clone().into_iter().flat_map(|byte| [byte, 0, 0, 0]))
+    });
+    let ranges = asset.weights().ranges().to_vec();
+    let weights = WeightMap::new(4, 3, ranges, texels.collect()).unwrap();
+    let asset = FactoredFlatBtf::new(asset.basis().clone(), weights, asset.shadow().cloned()).unwrap();
+    let at = |u: f32, detail: f32| asset.value([u, 0.3], detail, only(0), only(0));
+    for (u, detail, weight) in [
+        (0.375, 0.0, 0.2),
+        (0.375, -1.0, 0.2),
+        (0.25, 1.0, 0.2),
+        (0.5, 1.0, 0.5),
+        (0.25, 0.5, 0.5 * (0.1 + 0.2)),
+        (0.75, 1.25, 0.75 * 0.8 + 0.25 * 0.6),
+        (0.1, 2.0, 0.6),
+        (0.1, 9.0, 0.6),
+    ] {
+        close(at(u, detail), lightness(100.0 * weight), 2e-5);
+    }
+}
+
+/// Sides that are no powers of two, many components of both widths, no shadows: against a sum in double precision.
+#[test]
+fn sums_of_both_widths() {
+    let sizes = Sizes { flat: 5, ..SMALL };
+    for (groups, wide_groups, shadow) in
+        [(1, 0, ShadowFormat::None), (3, 1, ShadowFormat::R8), (16, 5, ShadowFormat::R8)]
+    {
+        let asset = factored(sizes, Factors { levels: 3, groups, wide_groups, shadow }, 4);
+        let header = asset.header();
+        for (k, [x, y]) in [[0u32, 0], [4, 1], [2, 3]].into_iter().enumerate() {
+            let (view, light) = (k as u32, (2 * k + 1) as u32 % 5);
+            let mut sums = [0.0f64; 3];
+            for colour in 0..3 {
+                for (component, integer) in asset.basis().integers(view, light, colour).enumerate() {
+                    let layer = asset.weights().layer(0, component as u32 / 4);
+                    let byte = layer[(y * 5 + x) as usize * 4 + component % 4];
+                    let WeightRange { scale, low } = asset.weights().ranges()[component];
+                    let weight = f64::from(low) + f64::from(scale) * f64::from(byte) / 255.0;
+                    sums[colour] += weight * f64::from(header.steps[colour][component]) * f64::from(integer);
+                }
+            }
+            let lit = asset.shadow().map_or(1.0, |map| f32::from(map.layer(0, light)[(y * 5 + x) as usize]) / 255.0);
+            close(asset.texel([x, y]).value(view, light), from_opponent(sums.map(|s| s as f32)).map(|c| lit * c), 1e-4);
+        }
+    }
+}
+
+#[test]
+fn integers_come_back() {
+    let asset = factored(SMALL, TWO, 1);
+    let most = |component: usize| if component < 4 { 32767 } else { 127 };
+    let step = |view: usize, light: usize, colour: usize, component: usize| {
+        let at = ((view * 5 + light) * 3 + colour) * 8 + component;
+        [0, 1, -1, 1 << 20, -(1 << 20), 77, -100][at % 7]
+    };
+    let basis = BasisMap::from_steps(asset.header().clone(), step).unwrap();
+    for (view, light, colour) in [(0, 0, 0), (2, 4, 2), (1, 3, 1)] {
+        let found: Vec<f32> = basis.integers(view, light, colour).collect();
+        let wanted = |k: usize| step(view as usize, light as usize, colour, k).clamp(-most(k), most(k)) as f32;
+        assert_eq!(found, (0..8).map(wanted).collect::<Vec<f32>>());
+    }
+}
+
+#[test]
+fn parts_come_back_and_tell_what_they_are() {
+    for shadow in [ShadowFormat::R8, ShadowFormat::None] {
+        let asset = factored(Sizes { flat: 6, ..SMALL }, Factors { shadow, ..TWO }, 3);
+        for supercompress in [false, true] {
+            let bytes = asset.basis().to_bytes(supercompress);
+            assert_eq!(&BasisMap::from_bytes(&bytes).unwrap(), asset.basis());
+            assert_eq!(Pack::from_bytes(&bytes, None).unwrap().kind(), PackKind::FlatBtf(FlatPart::Basis));
+            let bytes = asset.weights().to_bytes(supercompress);
+            assert_eq!(&WeightMap::from_bytes(&bytes).unwrap(), asset.weights());
+            assert_eq!(Pack::from_bytes(&bytes, None).unwrap(), Pack::Weights(asset.weights().clone()));
+            if let Some(map) = asset.shadow() {
+                let bytes = map.to_bytes(supercompress);
+                assert_eq!(&ShadowMap::from_bytes(&bytes).unwrap(), map);
+                assert_eq!(Pack::from_bytes(&bytes, None).unwrap(), Pack::Shadow(map.clone()));
+            }
+        }
+        let mut bytes = 0;
+        let mut count = |part: &str, file: Vec<u8>| {
+            let packed = PackedTexture::from_bytes(&file).unwrap();
+            bytes += gpu_bytes(part, packed.extent, packed.levels);
+        };
+        count("basis", asset.basis().to_bytes(true));
+        count("weights", asset.weights().to_bytes(true));
+        asset.shadow().into_iter().for_each(|map| count("shadow", map.to_bytes(true)));
+        assert_eq!(asset.gpu_bytes(), bytes);
+    }
+}
+
+#[test]
+fn parts_of_other_assets_are_refused() {
+    let asset = |sizes, factors| factored(sizes, factors, 3);
+    let first = asset(SMALL, TWO);
+    let refusal = |weights: &FactoredFlatBtf, shadow: Option<&FactoredFlatBtf>| {
+        let shadow = shadow.and_then(FactoredFlatBtf::shadow).cloned();
+        FactoredFlatBtf::new(first.basis().clone(), weights.weights().clone(), shadow).map(drop)
+    };
+    assert_eq!(refusal(&first, Some(&first)), Ok(()));
+    let field = |result: Result<(), FormatError>| result.unwrap_err().field.into_owned();
+    let sized = asset(Sizes { flat: 5, ..SMALL }, TWO);
+    let others =
+        [asset(SMALL, Factors { levels: 2, ..TWO }), sized.clone(), asset(SMALL, Factors { groups: 3, ..TWO })];
+    for other in &others {
+        assert_eq!(field(refusal(other, Some(&first))), "size of the part weights");
+    }
+    for other in [asset(Sizes { lights: 4, ..SMALL }, TWO), sized] {
+        assert_eq!(field(refusal(&first, Some(&other))), "size of the part shadow");
+    }
+    assert_eq!(field(refusal(&first, None)), "part shadow");
+}
+
+/// Every field of the entries out of its range.
+#[test]
+fn wrong_headers_are_refused() {
+    let asset = factored(SMALL, TWO, 3);
+    let refusal = |entry: &str, word: usize, value: u32| {
+        let mut texture = Texture::from_bytes(&asset.basis().to_bytes(false)).unwrap();
+        texture.entries.get_mut(entry).unwrap()[4 * word..][..4].copy_from_slice(&value.to_le_bytes());
+        BasisMap::from_texture(&texture).unwrap_err().to_string()
+    };
+    let nan = f32::NAN.to_bits();
+    for (word, value, expected) in [
+        (0, 2, "brdfc.flat-btf.factored version: found 2; allowed 1"),
+        (1, 0, "brdfc.flat-btf.factored size: found 0; allowed 1 to 8192"),
+        (2, 4, "brdfc.flat-btf.factored levels: found 4; allowed 1 to 3"),
+        (3, 17, "brdfc.flat-btf.factored groups: found 17; allowed 1 to 16"),
+        (3, 3, "brdfc.flat-btf.factored length: found 156 bytes; allowed 204 bytes, as groups says"),
+        (4, 3, "brdfc.flat-btf.factored wide groups: found 3; allowed 0 to 2, the groups"),
+        (5, 2, "brdfc.flat-btf.factored shadow format: found 2; allowed 0 to 1"),
+        (6, 0, "brdfc.flat-btf.factored views: found 0; allowed 1 to 2048"),
+        (6, 4, "brdfc.views: found 24 bytes; allowed 32 bytes"),
+        (7, 4, "brdfc.lights: found 40 bytes; allowed 32 bytes"),
+        (9, nan, "brdfc.flat-btf.factored error: found NaN; allowed a finite number that is not negative"),
+        (14, 1, "brdfc.flat-btf.factored reserved: found 1; allowed 0"),
+        (15, nan, "brdfc.flat-btf.factored step: found NaN; allowed a finite number that is not negative"),
+    ] {
+        assert_eq!(refusal("brdfc.flat-btf.factored", word, value), expected);
+    }
+    assert!(refusal("brdfc.lights", 0, nan).starts_with("brdfc.lights direction 0: found NaN"));
+    let weights = |word: usize, value: u32| {
+        let packed = asset.weights().to_bytes(false);
+        let mut texture = PackedTexture::from_bytes(&packed).unwrap().unpack_levels(1 << 20).unwrap();
+        let entry = texture.entries.get_mut("brdfc.flat-btf.weights").unwrap();
+        entry[4 * word..][..4].copy_from_slice(&value.to_le_bytes());
+        WeightMap::from_texture(texture).unwrap_err().to_string()
+    };
+    assert_eq!(weights(0, 0), "brdfc.flat-btf.weights version: found 0; allowed 1");
+    assert_eq!(weights(1, 4), "brdfc.flat-btf.weights: found 72 bytes; allowed 40 bytes");
+    assert!(weights(5, nan).starts_with("brdfc.flat-btf.weights component 1"));
+}
+
+#[test]
+fn the_shader_validates_behind_that_of_flat_btfs() {
+    let valid = |source: &str| {
+        let module = naga::front::wgsl::parse_str(source).map_err(|error| error.emit_to_string(source))?;
+        let checked = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module);
+        checked.map(|_| module).map_err(|error| error.emit_to_string(source))
+    };
+    let source = format!("{FLAT_BTF_WGSL}\n{FACTORED_WGSL}");
+    let module = valid(&source).unwrap_or_else(|error| panic!("{error}"));
+    assert!(valid(&source.replace("var sum = 0.0;", "var sum = 0u;")).is_err(), "a mistake");
+    assert!(!FACTORED_WGSL.contains("textureSample("));
+    let find = |ty: &&naga::Type| ty.name.as_deref() == Some("FactoredParameters");
+    let block = module.types.iter().map(|(_, ty)| ty).find(find).expect("the block has its name");
+    let naga::TypeInner::Struct { members, span } = &block.inner else { panic!("not a struct") };
+    assert_eq!(*span as usize, FactoredParameters::SIZE);
+    let asset = factored(SMALL, TWO, 5);
+    let bytes = FactoredParameters::to_bytes(&asset, FactoredFilter::Hardware);
+    assert_eq!(bytes.len(), FactoredParameters::SIZE);
+    let word = |at: usize| u32::from_le_bytes(bytes[at..][..4].try_into().unwrap());
+    let number = |at: usize| f32::from_bits(word(at));
+    for member in members {
+        let at = member.offset as usize;
+        match member.name.as_deref().unwrap() {
+            "size" => assert_eq!(word(at), 4),
+            "levels" => assert_eq!(word(at), 3),
+            "groups" => assert_eq!(word(at), 2),
+            "wide_groups" | "shadowed" | "hardware" => assert_eq!(word(at), 1),
+            "reserved" => assert_eq!(word(at) + word(at + 4), 0),
+            "steps" => {
+                let found = [0, 1, 2].map(|colour| number(at + 256 * colour + 4 * 7));
+                assert_eq!(found, [0, 1, 2].map(|colour| asset.header().steps[colour][7]));
+            }
+            "scales" => assert_eq!((number(at), number(at + 28), number(at + 32)), (200.0, 60.0, 0.0)),
+            "lows" => assert_eq!((number(at), number(at + 28), number(at + 32)), (1.0, -25.0, 0.0)),
+            other => panic!("no such field: {other}"),
+        }
+    }
+    let exact = FactoredParameters::to_bytes(&asset, FactoredFilter::Exact);
+    assert_eq!(exact[20..24], [0; 4]);
+}
+
+/// The same weights as the flat BTF's: nothing is decoded where a weight is 0, so that indices may be anything there.
+#[test]
+fn blends_of_views_and_lights_are_sums() {
+    let asset = factored(SMALL, TWO, 9);
+    let mut numbers = Numbers::new(2);
+    for _ in 0..50 {
+        let [views, lights] = [3, 5].map(|count| weights(&mut numbers, count));
+        let uv = [0; 2].map(|_| numbers.between(-2.0, 2.0) as f32);
+        let detail = numbers.between(0.0, 2.0) as f32;
+        let mut sum = [0.0; 3];
+        for (view, view_weight) in views.indices.into_iter().zip(views.weights) {
+            for (light, light_weight) in lights.indices.into_iter().zip(lights.weights) {
+                let value = asset.value(uv, detail, only(view), only(light));
+                (0..3).for_each(|k| sum[k] += view_weight * light_weight * value[k]);
+            }
+        }
+        close(asset.value(uv, detail, views, lights), sum, 1e-5);
+    }
+    let nowhere = ViewWeights { indices: [2, 99, 99], weights: [1.0, 0.0, 0.0] };
+    assert_eq!(asset.value([0.2; 2], 0.5, nowhere, nowhere), asset.value([0.2; 2], 0.5, only(2), only(2)));
+}
