@@ -168,8 +168,8 @@ fn factored_weight_sample(place: FactoredPlace, group: u32) -> vec4<f32> {
 }
 
 fn factored_shadow_level(uv: vec2<f32>, level: u32, light: u32) -> f32 {
-    let column = factored_tap(uv.x, level);
-    let row = factored_tap(uv.y, level);
+    let column = factored_periodic_tap(uv.x, level);
+    let row = factored_periodic_tap(uv.y, level);
     var value = 0.0;
     for (var k = 0u; k < 4u; k += 1u) {
         let at = vec2<u32>(flat_btf_tap_sample(column, k & 1u), flat_btf_tap_sample(row, k >> 1u));
@@ -180,8 +180,8 @@ fn factored_shadow_level(uv: vec2<f32>, level: u32, light: u32) -> f32 {
 }
 
 fn factored_weight_level(uv: vec2<f32>, level: u32, group: u32) -> vec4<f32> {
-    let column = factored_tap(uv.x, level);
-    let row = factored_tap(uv.y, level);
+    let column = factored_periodic_tap(uv.x, level);
+    let row = factored_periodic_tap(uv.y, level);
     var value = vec4<f32>(0.0);
     for (var k = 0u; k < 4u; k += 1u) {
         let at = vec2<u32>(flat_btf_tap_sample(column, k & 1u), flat_btf_tap_sample(row, k >> 1u));
@@ -192,7 +192,7 @@ fn factored_weight_level(uv: vec2<f32>, level: u32, group: u32) -> vec4<f32> {
 }
 
 // The texels of a mipmap level around a parameter, with period 1.
-fn factored_tap(parameter: f32, level: u32) -> FlatBtfTap {
+fn factored_periodic_tap(parameter: f32, level: u32) -> FlatBtfTap {
     let side = max(factored_parameters.size >> level, 1u);
     let position = parameter * f32(side) - 0.5;
     let below = floor(position);
