@@ -307,7 +307,7 @@ fn in_words(report: &PwtReport, seconds: Seconds) -> String {
             level.subbands.to_string(),
             table::percent(level.energy),
             level.degree.map_or("none".to_owned(), |degree| degree.to_string()),
-            textures.map_or("-".to_owned(), |t| format!("{} x {}", t.extent[0], t.extent[1])),
+            textures.map_or("-".to_owned(), |t| format!("{} x {}", t.size[0], t.size[1])),
             textures.map_or("-".to_owned(), |t| format!("{} of {}", t.layers, t.channels)),
         ]
     };

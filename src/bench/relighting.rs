@@ -4,7 +4,8 @@ use super::arguments::Arguments;
 use crate::output::{remark, write_file};
 use crate::table::{bytes, percent, plain};
 use crate::{CliError, Common};
-use brdfc_jobs::pwt::{LightInput, to_png};
+use brdfc_jobs::pwt::LightInput;
+use brdfc_render::picture::to_png;
 use brdfc_studies::StudyResult;
 use brdfc_studies::relighting::{RelightingStudy, relighting, relit};
 
@@ -23,9 +24,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     let study =
         relighting(&samples, HELD_OUT, &SEEDS, &|method| remark(common, &format!("{method}: done"))).map_err(told)?;
     if let Some(folder) = &arguments.out {
-        let (size, pixels) = relit(&samples, HELD_OUT).map_err(told)?;
-        let png = to_png(size, &pixels).map_err(CliError::Internal)?;
-        write_file(&folder.join("relighting.png"), &png)?;
+        let picture = relit(&samples, HELD_OUT).map_err(told)?;
+        write_file(&folder.join("relighting.png"), &to_png(&picture, 1.0))?;
     }
     Ok(StudyResult::Relighting(study))
 }

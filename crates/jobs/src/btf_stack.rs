@@ -78,7 +78,7 @@ pub(crate) fn write_pixels(
     write_atomic(path, &bytes)
 }
 
-pub(crate) fn to_png(pixels: &[[f32; 3]], width: u32, height: u32) -> Result<Vec<u8>, png::EncodingError> {
+fn to_png(pixels: &[[f32; 3]], width: u32, height: u32) -> Result<Vec<u8>, png::EncodingError> {
     let codes: Vec<u8> = pixels.iter().flatten().map(|value| encode_srgb_byte(f64::from(*value))).collect();
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, width, height);

@@ -48,8 +48,7 @@ struct Listed {
 pub fn open_flat_btf(path: &Path, views: bool) -> Result<FlatBtfParts, InputError> {
     let asset = Asset::open(path)?;
     let mut names: Vec<String> = PARTS.map(str::to_owned).to_vec();
-    let count =
-        asset.listing.parts.keys().filter(|part| FlatPart::from_name(part) == Some(FlatPart::View)).count() as u32;
+    let count = asset.views();
     if views {
         names.extend((0..count.max(1)).map(|view| view_part(view, count)));
     }
@@ -67,6 +66,21 @@ pub fn open_flat_btf(path: &Path, views: bool) -> Result<FlatBtfParts, InputErro
         parts.views = views.into_iter().collect::<Result<_, _>>()?;
     }
     Ok(parts)
+}
+
+/// Reads one view of a flat BTF and says how many there are; no view where the number is beyond them.
+///
+/// # Errors
+/// As [`open_flat_btf`], of this file alone.
+pub fn open_flat_view(path: &Path, view: u32) -> Result<(Option<FlatView>, u32), InputError> {
+    let asset = Asset::open(path)?;
+    let count = asset.views();
+    if view >= count {
+        return Ok((None, count));
+    }
+    let part = view_part(view, count);
+    asset.check_listed(std::slice::from_ref(&part))?;
+    Ok((Some(asset.part(&part, FlatView::from_bytes)?), count))
 }
 
 /// Holds every file of an asset against its list of parts.
@@ -100,6 +114,12 @@ impl Asset {
         };
         let listing = serde_json::from_slice(&read_file(&file, MAX_TEXT_BYTES)?).map_err(wrong)?;
         Ok(Self { folder, name, listing })
+    }
+
+    /// Views in the list.
+    fn views(&self) -> u32 {
+        let is_view = |part: &&String| FlatPart::from_name(part) == Some(FlatPart::View);
+        self.listing.parts.keys().filter(is_view).count() as u32
     }
 
     fn file(&self, part: &str) -> String {

@@ -5,7 +5,8 @@ use brdfc_formats::FormatError;
 use brdfc_formats::measured::ptm::Ptm;
 use brdfc_formats::pwt::{LightBasis, LightCoordinates, PwtDecoder, PwtPack};
 use brdfc_jobs::pwt::permutation;
-use brdfc_pwt::measure::{StackErrors, picture_errors, stack_errors};
+use brdfc_metrics::image::LinearImage;
+use brdfc_pwt::measure::{StackErrors, picture_errors, pictures_of_pack, stack_errors};
 use brdfc_pwt::ptm::{MapModel, fit_map, pictures_of};
 use brdfc_pwt::{LightSamples, PwtRecipe, Target, encode, plain};
 use serde::Serialize;
@@ -119,7 +120,7 @@ fn packed(pack: PwtPack) -> Result<(Made, f64, f64), FormatError> {
 
 fn errors(made: &Made, samples: &LightSamples) -> StackErrors {
     match made {
-        Made::Map(map) => picture_errors(&pictures_of(map, samples.lights.clone()), samples),
+        Made::Map(map) => picture_errors(&pictures_of(map, samples.lights.clone()), samples).0,
         Made::Pack(pack) => stack_errors(&PwtDecoder::new(pack.clone()), samples, 1),
     }
 }
@@ -171,7 +172,7 @@ pub fn relighting(
 ///
 /// # Errors
 /// As [`relighting`].
-pub fn relit(samples: &LightSamples, held_out: usize) -> Result<([usize; 2], Vec<[f32; 3]>), FormatError> {
+pub fn relit(samples: &LightSamples, held_out: usize) -> Result<LinearImage, FormatError> {
     let samples = samples.cropped(32);
     let lights = samples.lights.len();
     let order = permutation(lights, 0);
@@ -186,11 +187,11 @@ pub fn relit(samples: &LightSamples, held_out: usize) -> Result<([usize; 2], Vec
     let map = pictures_of(&fit_map(&fitted, MapModel::Rgb)?, photograph.lights.clone());
     let bytes = (0.3 * map_bytes(samples.size, MapModel::Rgb)) as u64;
     let tree = encode(&fitted, &PwtRecipe { target: Target::Bytes(bytes), ..PwtRecipe::default() })?.pack;
-    let decoder = PwtDecoder::new(tree);
-    let weights = decoder.pack().header().weights(photograph.lights[0]);
-    let tree = decoder.unpacked(0).rows(0..samples.size[1], &weights);
+    let tree = pictures_of_pack(&PwtDecoder::new(tree), photograph.lights.clone());
     let width = samples.size[0];
-    let rows = photograph.pictures[0].chunks(width).zip(map.pictures[0].chunks(width)).zip(tree.chunks(width));
-    let pixels = rows.flat_map(|((a, b), c)| [a, b, c].concat()).collect();
-    Ok(([3 * width, samples.size[1]], pixels))
+    let rows =
+        photograph.pictures[0].chunks(width).zip(map.pictures[0].chunks(width)).zip(tree.pictures[0].chunks(width));
+    let pixels: Vec<[f32; 3]> = rows.flat_map(|((a, b), c)| [a, b, c].concat()).collect();
+    let (width, height) = (3 * width, samples.size[1]);
+    Ok(LinearImage { pixels, coverage: vec![1.0; width * height], ..LinearImage::black(width, height) })
 }

@@ -56,7 +56,7 @@ impl TextureHeader {
     }
 }
 
-/// How wrong a pack is where it was measured: at its finest level, over all texels of all photographs.
+/// How wrong a pack is where it was measured: at its finest level, at rows spread over all photographs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 pub struct PwtErrors {
@@ -64,7 +64,8 @@ pub struct PwtErrors {
     pub lights: u32,
     /// Peak signal-to-noise ratio of sRGB codes against the photographs that were fitted, dB.
     pub psnr: f32,
-    /// The same of photographs that a fit did not see, dB: each left out in turn, before pruning and rounding.
+    /// The same of photographs that a fit did not see, dB: each left out in turn, at 512 texels, before pruning
+    /// and rounding.
     pub held_out_psnr: f32,
     /// Mean ΔE (CIE76) against the photographs that were fitted.
     pub delta_e: f32,

@@ -88,7 +88,7 @@ impl Arrangement {
                     Component { channel: image.channel as u32, term: image.term as u32, scale: high - low, low }
                 })
                 .collect();
-            texels.push(self.texels(images, *level, *channels as usize, slots, &components));
+            texels.push(texels_of(images, *level, *channels as usize, slots, &components));
             header.textures.push(TextureHeader { level: *level, channels: *channels, components });
         }
         if header.textures.is_empty() {
@@ -99,32 +99,32 @@ impl Arrangement {
         }
         PwtPack::new(header, texels)
     }
+}
 
-    fn texels(
-        &self,
-        images: &[TermImages],
-        level: u32,
-        channels: usize,
-        slots: &[Option<usize>],
-        components: &[Component],
-    ) -> Vec<u8> {
-        let depth = images.first().map_or(0, |image| image.levels.len());
-        let mut texels = Vec::new();
-        for own in level as usize..depth {
-            for (slots, components) in slots.chunks_exact(channels).zip(components.chunks_exact(channels)) {
-                let start = texels.len();
-                let count = images[0].levels[own].values.len();
-                texels.resize(start + count * channels, 0);
-                for (k, (slot, component)) in slots.iter().zip(components).enumerate() {
-                    let Some(image) = slot.map(|k| &images[k]) else { continue };
-                    let inverse = if component.scale > 0.0 { 255.0 / component.scale } else { 0.0 };
-                    let targets = texels[start + k..].iter_mut().step_by(channels);
-                    for (target, value) in targets.zip(&image.levels[own].values) {
-                        *target = ((value - component.low) * inverse).round() as u8;
-                    }
+/// Texels of a texture: all mipmap levels, layer by layer.
+fn texels_of(
+    images: &[TermImages],
+    level: u32,
+    channels: usize,
+    slots: &[Option<usize>],
+    components: &[Component],
+) -> Vec<u8> {
+    let depth = images.first().map_or(0, |image| image.levels.len());
+    let mut texels = Vec::new();
+    for own in level as usize..depth {
+        for (slots, components) in slots.chunks_exact(channels).zip(components.chunks_exact(channels)) {
+            let start = texels.len();
+            let count = images[0].levels[own].values.len();
+            texels.resize(start + count * channels, 0);
+            for (k, (slot, component)) in slots.iter().zip(components).enumerate() {
+                let Some(image) = slot.map(|k| &images[k]) else { continue };
+                let inverse = if component.scale > 0.0 { 255.0 / component.scale } else { 0.0 };
+                let targets = texels[start + k..].iter_mut().step_by(channels);
+                for (target, value) in targets.zip(&image.levels[own].values) {
+                    *target = ((value - component.low) * inverse).round() as u8;
                 }
             }
         }
-        texels
     }
+    texels
 }

@@ -6,7 +6,6 @@ use crate::recipe::{DomainName, PwtRecipe};
 use crate::stack::LightSamples;
 use brdfc_formats::pwt::{Domain, LightBasis, LightCoordinates, MAX_DEGREE};
 use rayon::prelude::*;
-use std::sync::Arc;
 
 /// Texels that are looked at.
 const TEXELS: usize = 512;
@@ -28,7 +27,7 @@ pub struct Candidate {
     pub ridge: f64,
     /// Signal-to-noise ratio of sRGB codes at the lights that were fitted, dB.
     pub psnr: f64,
-    /// The same at lights left out, each in turn.
+    /// The same at lights left out, each in turn. Both are of 512 texels, before pruning and rounding.
     pub held_out_psnr: f64,
 }
 
@@ -123,20 +122,16 @@ impl Texels {
         coordinates: &[LightCoordinates],
         ridges: &[f64],
     ) -> Vec<Candidate> {
-        let mut trials = Vec::new();
-        for name in names {
-            for domain in self.domains(*name) {
-                let mut encoded = self.values.clone();
-                encoded.iter_mut().for_each(|values| domain.encode_each(values));
-                let encoded = Arc::new(encoded);
-                for coordinates in coordinates {
-                    for ridge in ridges {
-                        trials.push((*name, domain, encoded.clone(), *coordinates, *ridge));
-                    }
-                }
-            }
-        }
-        let one = |(name, domain, encoded, coordinates, ridge): &(_, Domain, Arc<Vec<Vec<f32>>>, _, _)| {
+        let domains = names.iter().flat_map(|name| self.domains(*name).into_iter().map(|domain| (*name, domain)));
+        let encoded = |(name, domain): (DomainName, Domain)| {
+            let mut values = self.values.clone();
+            values.iter_mut().for_each(|values| domain.encode_each(values));
+            (name, domain, values)
+        };
+        let encoded: Vec<(DomainName, Domain, Vec<Vec<f32>>)> = domains.map(encoded).collect();
+        let designs = || coordinates.iter().flat_map(|c| ridges.iter().map(move |ridge| (*c, *ridge)));
+        let trials: Vec<_> = encoded.iter().flat_map(|values| designs().map(move |design| (values, design))).collect();
+        let one = |((name, domain, encoded), (coordinates, ridge)): &(&(DomainName, Domain, Vec<Vec<f32>>), _)| {
             let highest = recipe.degree.unwrap_or(MAX_DEGREE);
             let design =
                 Design::new(LightBasis { coordinates: *coordinates, degree: highest }, &samples.lights, *ridge);

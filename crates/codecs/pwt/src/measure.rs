@@ -24,26 +24,54 @@ pub struct StackErrors {
 /// `stride`-th row is compared.
 pub fn stack_errors(decoder: &PwtDecoder, samples: &LightSamples, stride: usize) -> StackErrors {
     let unpacked = decoder.unpacked(0);
-    compared(samples, stride, |light| {
+    let sums = sums(samples, stride, |light| {
         let weights = decoder.pack().header().weights(samples.lights[light]);
         let unpacked = &unpacked;
         move |row| Cow::Owned(unpacked.rows(row..row + 1, &weights))
-    })
+    });
+    StackErrors::of(&sums, compared(samples, stride).len() * samples.size[0])
 }
 
-/// Errors of pictures against photographs of the same size under the same lights.
-pub fn picture_errors(pictures: &LightSamples, samples: &LightSamples) -> StackErrors {
+/// Errors of pictures against photographs of the same size under the same lights: of all together, and of each.
+pub fn picture_errors(pictures: &LightSamples, samples: &LightSamples) -> (StackErrors, Vec<StackErrors>) {
     let width = samples.size[0];
-    compared(samples, 1, |light| move |row: usize| Cow::Borrowed(&pictures.pictures[light][row * width..][..width]))
+    let rows = |light: usize| move |row: usize| Cow::Borrowed(&pictures.pictures[light][row * width..][..width]);
+    let sums = sums(samples, 1, rows);
+    let texels = width * samples.size[1];
+    (StackErrors::of(&sums, texels), sums.iter().map(|sum| StackErrors::of(&[*sum], texels)).collect())
 }
 
-/// `rows` gives the rows of the picture of a light.
-fn compared<'a, R>(samples: &LightSamples, stride: usize, rows: impl Fn(usize) -> R + Sync) -> StackErrors
+/// What a pack shows at its finest level under some lights.
+pub fn pictures_of_pack(decoder: &PwtDecoder, lights: Vec<[f32; 3]>) -> LightSamples {
+    let unpacked = decoder.unpacked(0);
+    let header = decoder.pack().header();
+    let picture = |light: &[f32; 3]| unpacked.rows(0..unpacked.size()[1], &header.weights(*light));
+    let pictures = lights.par_iter().map(picture).collect();
+    LightSamples { size: unpacked.size(), pictures, lights, repeats: header.repeats }
+}
+
+impl StackErrors {
+    /// Of sums of each photograph: of squared differences of codes, and of ΔE.
+    fn of(sums: &[[f64; 2]], texels: usize) -> Self {
+        let count = (texels * sums.len()).max(1) as f64;
+        let [squares, distances] = sums.iter().fold([0.0; 2], |sum, of| [sum[0] + of[0], sum[1] + of[1]]);
+        let (psnr, delta_e) = (decibels(squares / (3.0 * count)), distances / count);
+        Self { lights: sums.len(), texels, psnr, delta_e }
+    }
+}
+
+/// Rows that are compared.
+fn compared(samples: &LightSamples, stride: usize) -> Vec<usize> {
+    (0..samples.size[1]).step_by(stride.max(1)).collect()
+}
+
+/// The sums of [`StackErrors::of`], a pair for each photograph. `rows` gives the rows of the picture of a light.
+fn sums<'a, R>(samples: &LightSamples, stride: usize, rows: impl Fn(usize) -> R + Sync) -> Vec<[f64; 2]>
 where
     R: Fn(usize) -> Cow<'a, [[f32; 3]]>,
 {
-    let [width, height] = samples.size;
-    let compared: Vec<usize> = (0..height).step_by(stride.max(1)).collect();
+    let width = samples.size[0];
+    let compared = compared(samples, stride);
     let of_light = |light: usize| -> [f64; 2] {
         let found = rows(light);
         let mut sums = [0.0; 2];
@@ -57,9 +85,5 @@ where
         }
         sums
     };
-    let sums: Vec<[f64; 2]> = (0..samples.lights.len()).into_par_iter().map(of_light).collect();
-    let texels = compared.len() * width;
-    let count = (texels * sums.len()).max(1) as f64;
-    let [squares, distances] = sums.iter().fold([0.0; 2], |sum, of| [sum[0] + of[0], sum[1] + of[1]]);
-    StackErrors { lights: sums.len(), texels, psnr: decibels(squares / (3.0 * count)), delta_e: distances / count }
+    (0..samples.lights.len()).into_par_iter().map(of_light).collect()
 }

@@ -2,15 +2,15 @@
 //! tree that is there already.
 
 use super::error::PwtError;
-use brdfc_formats::direction_set::DirectionSet;
-use brdfc_formats::flat_btf::FlatPart;
+use brdfc_formats::direction::{Vector, from_polar};
 use brdfc_formats::measured::ptm::Ptm;
 use brdfc_formats::pwt::{PwtDecoder, PwtPack};
 use brdfc_formats::{FormatError, Pack};
 use brdfc_pwt::LightSamples;
-use brdfc_pwt::measure::{StackErrors, picture_errors};
+use brdfc_pwt::measure::{StackErrors, picture_errors, pictures_of_pack};
 use brdfc_pwt::ptm::{pictures_of, spread_lights};
 use brdfc_source::btf_stack::has_images;
+use brdfc_source::flat_btf::open_flat_view;
 use brdfc_source::light_stack::{LightStack, is_light_stack};
 use brdfc_source::ordinary_btf::OrdinaryBtf;
 use brdfc_source::{Input, InputError, ptm};
@@ -28,12 +28,7 @@ const ALLOWED: &str = "a folder with a list of lights (.lp), the list, a BTF, a 
 /// What was read.
 pub enum LightInput {
     /// Photographs.
-    Pictures {
-        /// What they are called in reports: `light-stack`, `btf` or `flat-btf`.
-        kind: &'static str,
-        /// The photographs.
-        samples: LightSamples,
-    },
+    Pictures(LightSamples),
     /// A polynomial texture map.
     Map(Ptm),
     /// A pack.
@@ -51,11 +46,17 @@ impl LightInput {
             return Err(PwtError::Usage("--view: found with one view; allowed with BTFs".to_owned()));
         }
         if extension == ptm::EXTENSION {
-            return Ok(Self::Map(ptm::open_ptm(input)?));
+            let map = ptm::open_ptm(input)?;
+            check_amount(input, map.size().map(|side| side as usize), SPREAD)?;
+            return Ok(Self::Map(map));
         }
         if extension == "ktx2" {
             return match brdfc_source::pack::open_pack(input)? {
-                Pack::Pwt(pack) => Ok(Self::Pack(pack)),
+                Pack::Pwt(pack) => {
+                    // A small file may be a large picture.
+                    check_amount(input, pack.header().size.map(|side| side as usize), SPREAD)?;
+                    Ok(Self::Pack(pack))
+                }
                 other => Err(refused(input, "pack", other.kind().name(), "a polynomial wavelet tree")),
             };
         }
@@ -68,17 +69,17 @@ impl LightInput {
                     "--view: found with a light stack, which has one; allowed with BTFs".to_owned(),
                 ));
             }
-            return Ok(Self::Pictures { kind: "light-stack", samples: photographs(path)? });
+            return Ok(Self::Pictures(photographs(path)?));
         }
         if path.is_file() && extension != "json" && !OrdinaryBtf::is_one(path) {
             let found = if extension.is_empty() { "no extension".to_owned() } else { format!(".{extension}") };
             return Err(refused(input, "file name", &found, ALLOWED));
         }
         if OrdinaryBtf::is_one(path) && (path.is_file() || has_images(path)) {
-            return Ok(Self::Pictures { kind: "btf", samples: one_view(path, view.unwrap_or(0))? });
+            return Ok(Self::Pictures(one_view(path, view.unwrap_or(0))?));
         }
         if let Some(samples) = flat_view(path, view.unwrap_or(0))? {
-            return Ok(Self::Pictures { kind: "flat-btf", samples });
+            return Ok(Self::Pictures(samples));
         }
         Err(refused(input, "input", "none of these", ALLOWED))
     }
@@ -92,17 +93,13 @@ impl LightInput {
             Self::Pack(pack) => {
                 let decoder = PwtDecoder::new(pack);
                 same_size(decoder.pack().header().size, samples)?;
-                let unpacked = decoder.unpacked(0);
-                let rows = 0..unpacked.size()[1];
-                let picture = |light: &[f32; 3]| unpacked.rows(rows.clone(), &decoder.pack().header().weights(*light));
-                let pictures = samples.lights.par_iter().map(picture).collect();
-                LightSamples { pictures, lights: samples.lights.clone(), ..*samples }
+                pictures_of_pack(&decoder, samples.lights.clone())
             }
             Self::Map(map) => {
                 same_size(map.size(), samples)?;
                 pictures_of(&map, samples.lights.clone())
             }
-            Self::Pictures { samples: shown, .. } => {
+            Self::Pictures(shown) => {
                 same_size(shown.size.map(|side| side as u32), samples)?;
                 let near = |(a, b): (&[f32; 3], &[f32; 3])| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-4);
                 if shown.lights.len() != samples.lights.len() || !shown.lights.iter().zip(&samples.lights).all(near) {
@@ -112,29 +109,15 @@ impl LightInput {
                 shown
             }
         };
-        let all: Vec<usize> = (0..samples.lights.len()).collect();
-        let of = |light: &usize| {
-            let others: Vec<usize> = all.iter().copied().filter(|other| other != light).collect();
-            picture_errors(&shown.without(&others), &samples.without(&others))
-        };
-        let each = all.par_iter().map(of).collect();
-        Ok((picture_errors(&shown, samples), each))
+        Ok(picture_errors(&shown, samples))
     }
 
     /// Photographs, or what a map or pack shows under many lights.
     pub fn into_samples(self) -> LightSamples {
         match self {
-            Self::Pictures { samples, .. } => samples,
+            Self::Pictures(samples) => samples,
             Self::Map(map) => pictures_of(&map, spread_lights(SPREAD)),
-            Self::Pack(pack) => {
-                let decoder = PwtDecoder::new(pack);
-                let lights = spread_lights(SPREAD);
-                let unpacked = decoder.unpacked(0);
-                let rows = 0..unpacked.size()[1];
-                let picture = |light: &[f32; 3]| unpacked.rows(rows.clone(), &decoder.pack().header().weights(*light));
-                let pictures = lights.par_iter().map(picture).collect();
-                LightSamples { size: unpacked.size(), pictures, lights, repeats: decoder.pack().header().repeats }
-            }
+            Self::Pack(pack) => pictures_of_pack(&PwtDecoder::new(pack), spread_lights(SPREAD)),
         }
     }
 }
@@ -153,42 +136,33 @@ fn refused(input: &impl std::fmt::Display, field: &'static str, found: &str, all
     PwtError::Input(InputError::Format { name: input.to_string(), error })
 }
 
-fn check_amount(path: &Path, size: [usize; 2], lights: usize) -> Result<(), PwtError> {
+fn check_amount(input: &impl std::fmt::Display, size: [usize; 2], lights: usize) -> Result<(), PwtError> {
     let numbers = size.map(|side| side as u64).into_iter().product::<u64>() * 3 * lights as u64;
     if numbers <= MOST_NUMBERS {
         return Ok(());
     }
     let found = format!("{lights} of {} x {} pixels", size[0], size[1]);
     let allowed = format!("{} million pixels in all", MOST_NUMBERS / 3_000_000);
-    Err(refused(&path.display(), "photographs", &found, &allowed))
+    Err(refused(input, "photographs", &found, &allowed))
 }
 
 /// All photographs of a light stack, decoded side by side.
 ///
 /// # Errors
 /// What cannot be read.
-pub fn photographs(path: &Path) -> Result<LightSamples, PwtError> {
+fn photographs(path: &Path) -> Result<LightSamples, PwtError> {
     let stack = LightStack::open(path)?;
-    check_amount(path, stack.size(), stack.len())?;
+    check_amount(&path.display(), stack.size(), stack.len())?;
     let images: Vec<Result<_, InputError>> = (0..stack.len()).into_par_iter().map(|light| stack.image(light)).collect();
     let pictures = images.into_iter().map(|image| image.map(|image| image.pixels)).collect::<Result<_, _>>()?;
     Ok(LightSamples { size: stack.size(), lights: stack.lights().to_vec(), pictures, repeats: false })
 }
 
-/// Unit vectors of a set of directions.
-fn unit_vectors(set: &DirectionSet) -> Vec<[f32; 3]> {
-    set.angles.iter().map(|angles| direction(angles.map(f64::to_radians))).collect()
-}
-
-fn direction([polar, azimuth]: [f64; 2]) -> [f32; 3] {
-    [polar.sin() * azimuth.cos(), polar.sin() * azimuth.sin(), polar.cos()].map(|c| c as f32)
-}
-
 fn one_view(path: &Path, view: usize) -> Result<LightSamples, PwtError> {
     let btf = OrdinaryBtf::open(path)?;
     check_view(view, btf.views().len())?;
-    let lights = unit_vectors(btf.lights());
-    check_amount(path, btf.size(), lights.len())?;
+    let lights: Vec<[f32; 3]> = btf.lights().directions().into_iter().map(single).collect();
+    check_amount(&path.display(), btf.size(), lights.len())?;
     let images: Vec<Result<_, InputError>> =
         (0..lights.len()).into_par_iter().map(|light| btf.image(view, light)).collect();
     let pictures = images.into_iter().map(|image| image.map(|image| image.pixels)).collect::<Result<_, _>>()?;
@@ -197,21 +171,29 @@ fn one_view(path: &Path, view: usize) -> Result<LightSamples, PwtError> {
 
 /// A view of a flat BTF; nothing if there is none.
 fn flat_view(path: &Path, view: usize) -> Result<Option<LightSamples>, PwtError> {
-    let Some(asset) = crate::flatten::open_asset(path)? else { return Ok(None) };
-    let is_view = |part: &&String| FlatPart::from_name(part) == Some(FlatPart::View);
-    let views = asset.parts.keys().filter(is_view).count();
-    check_view(view, views)?;
-    let parts = brdfc_source::flat_btf::open_flat_btf(path, true)?;
-    let view = &parts.views[view];
+    if crate::flatten::open_asset(path)?.is_none() {
+        return Ok(None);
+    }
+    let (found, views) = open_flat_view(path, u32::try_from(view).unwrap_or(u32::MAX))?;
+    check_view(view, views as usize)?;
+    let Some(view) = found else { return Ok(None) };
     let header = view.header();
     let side = header.size as usize;
-    let lights = header.lights.iter().map(|angles| direction(angles.map(f64::from))).collect();
-    check_amount(path, [side, side], header.lights.len())?;
+    let lights = header
+        .lights
+        .iter()
+        .map(|[polar, azimuth]| single(from_polar(f64::from(*polar), f64::from(*azimuth))))
+        .collect();
+    check_amount(&path.display(), [side, side], header.lights.len())?;
     let decoded = |light: usize| {
         view.light(light as u32).iter().map(|texel| brdfc_formats::container::rgb9e5::decode(*texel)).collect()
     };
     let pictures = (0..header.lights.len()).into_par_iter().map(decoded).collect();
     Ok(Some(LightSamples { size: [side, side], lights, pictures, repeats: true }))
+}
+
+fn single(direction: Vector) -> [f32; 3] {
+    direction.map(|c| c as f32)
 }
 
 fn check_view(view: usize, views: usize) -> Result<(), PwtError> {

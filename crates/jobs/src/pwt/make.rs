@@ -2,8 +2,8 @@
 
 use super::error::PwtError;
 use brdfc_formats::measured::ptm::Ptm;
-use brdfc_formats::pwt::{LightCoordinates, PwtDecoder, PwtPack};
-use brdfc_pwt::measure::{StackErrors, stack_errors};
+use brdfc_formats::pwt::{LightCoordinates, PwtDecoder};
+use brdfc_pwt::measure::{StackErrors, picture_errors, stack_errors};
 use brdfc_pwt::ptm::{MapModel, fit_map, pictures_of};
 use brdfc_pwt::{DomainName, LightSamples, PwtEncoded, PwtRecipe, encode};
 use rand::RngExt as _;
@@ -46,14 +46,9 @@ pub fn make(samples: &LightSamples, recipe: &PwtRecipe, hold_out: usize, seed: u
     let left_out = &permutation(samples.lights.len(), seed)[..hold_out];
     let encoded = encode(&samples.without(left_out), recipe)?;
     let rest: Vec<usize> = (0..samples.lights.len()).filter(|light| !left_out.contains(light)).collect();
-    let errors = errors_of(&encoded.pack, &samples.without(&rest));
+    let errors = stack_errors(&PwtDecoder::new(encoded.pack.clone()), &samples.without(&rest), 1);
     let held_out = HeldOut { lights: left_out.to_vec(), psnr: errors.psnr, delta_e: errors.delta_e };
     Ok(PwtMade { encoded, held_out: Some(held_out), lights: rest.len() })
-}
-
-/// Errors of a pack at all texels of some photographs.
-pub fn errors_of(pack: &PwtPack, samples: &LightSamples) -> StackErrors {
-    stack_errors(&PwtDecoder::new(pack.clone()), samples, 1)
 }
 
 /// The numbers below `count` in an order that a seed decides (Fisher and Yates).
@@ -84,15 +79,6 @@ pub fn recipe_of_map(recipe: PwtRecipe) -> PwtRecipe {
 pub fn make_map(samples: &LightSamples, model: MapModel) -> Result<(Ptm, StackErrors), PwtError> {
     let map = fit_map(samples, model)?;
     let shown = pictures_of(&map, samples.lights.clone());
-    let errors = brdfc_pwt::measure::picture_errors(&shown, samples);
+    let (errors, _) = picture_errors(&shown, samples);
     Ok((map, errors))
-}
-
-/// A picture of linear RGB as a PNG file of sRGB codes.
-///
-/// # Errors
-/// What the encoder says.
-pub fn to_png([width, height]: [usize; 2], pixels: &[[f32; 3]]) -> Result<Vec<u8>, String> {
-    let (width, height) = (width as u32, height as u32);
-    crate::btf_stack::to_png(pixels, width, height).map_err(|error| error.to_string())
 }

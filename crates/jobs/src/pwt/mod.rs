@@ -8,6 +8,6 @@ mod report;
 
 pub use error::PwtError;
 pub use evaluate::Relightable;
-pub use input::{LightInput, photographs};
-pub use make::{HeldOut, PwtMade, errors_of, make, make_map, permutation, recipe_of_map, to_png};
-pub use report::{LevelReport, PwtReport, TextureReport};
+pub use input::LightInput;
+pub use make::{HeldOut, PwtMade, make, make_map, permutation, recipe_of_map};
+pub use report::{LevelReport, PwtReport};

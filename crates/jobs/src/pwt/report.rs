@@ -3,6 +3,7 @@
 use super::make::{HeldOut, PwtMade};
 use brdfc_formats::pwt::LightCoordinates;
 use brdfc_pwt::choose::Candidate;
+use brdfc_pwt::{PwtFacts, PwtTextureFacts};
 use serde::Serialize;
 
 /// What is worth knowing of a level of detail.
@@ -16,19 +17,6 @@ pub struct LevelReport {
     pub energy: f64,
     /// Highest degree of any of them; none where all are pruned.
     pub degree: Option<u32>,
-}
-
-/// One texture of a pack.
-#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct TextureReport {
-    /// How often the picture's sides were halved for it.
-    pub level: u32,
-    /// Columns and rows.
-    pub extent: [u32; 2],
-    /// Layers: a fetch each.
-    pub layers: u32,
-    /// Numbers of a texel.
-    pub channels: u32,
 }
 
 /// What `--json` prints of a pack that was made.
@@ -53,18 +41,19 @@ pub struct PwtReport {
     /// Levels of detail, the finest first.
     pub levels: Vec<LevelReport>,
     /// Textures, the finest first.
-    pub textures: Vec<TextureReport>,
+    pub textures: Vec<PwtTextureFacts>,
     /// Fetches of a pixel.
     pub fetches: u32,
     /// Bytes on a GPU, mipmaps included.
     pub bytes_on_gpu: u64,
     /// Bytes of the file.
     pub bytes_on_disk: usize,
-    /// Peak signal-to-noise ratio of sRGB codes at the lights that were fitted, dB.
+    /// Peak signal-to-noise ratio of sRGB codes at the lights that were fitted, dB; of rows spread over the photographs, about
+    /// two million texels in all.
     pub psnr: f64,
     /// Mean ΔE (CIE76) there.
     pub delta_e: f64,
-    /// Signal-to-noise ratio at each light left out in turn, before pruning and rounding.
+    /// Signal-to-noise ratio at each light left out in turn, of 512 texels, before pruning and rounding.
     pub left_out_psnr: f64,
     /// Errors at lights that were held out.
     pub held_out: Option<HeldOut>,
@@ -90,15 +79,7 @@ impl PwtReport {
             energy: if whole > 0.0 { energy(Some(level)) / whole } else { 0.0 },
             degree: all().filter(|s| s.subband.level == level).filter_map(|s| s.degree).max(),
         };
-        let texture = |index: usize| {
-            let texture = &header.textures[index];
-            TextureReport {
-                level: texture.level,
-                extent: header.texture_extent(index),
-                layers: texture.layers(),
-                channels: texture.channels,
-            }
-        };
+        let facts = PwtFacts::new(&encoded.pack);
         Self {
             size: header.size,
             lights: made.lights,
@@ -109,9 +90,9 @@ impl PwtReport {
             condition: encoded.condition,
             tried: encoded.candidates.clone(),
             levels: (0..=header.levels).map(level).collect(),
-            textures: (0..header.textures.len()).map(texture).collect(),
-            fetches: header.fetches(),
-            bytes_on_gpu: encoded.pack.gpu_bytes(),
+            textures: facts.textures,
+            fetches: facts.fetches,
+            bytes_on_gpu: facts.gpu_bytes,
             bytes_on_disk,
             psnr: encoded.errors.psnr,
             delta_e: encoded.errors.delta_e,
