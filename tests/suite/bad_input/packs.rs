@@ -45,7 +45,7 @@ fn packs_cut_at_every_boundary() {
 fn fields_of_the_container() {
     for (at, value, expected) in [
         (12, 0, "byte 12, vkFormat: found "),
-        (12, 43, "byte 12, vkFormat: found 43; allowed 9, 37"),
+        (12, 43, "byte 12, vkFormat: found 43; allowed 9, 16, 37, "),
         (20, 0, "container: found zero pixel width"),
         (20, u32::MAX, "byte 20, pixelWidth: found 4294967295; allowed 1 to 2048"),
         (20, 8, ""),

@@ -2,6 +2,7 @@
 //! package that `scripts/test` installs beside this file.
 
 use brdfc_formats::direction_mesh::direction_mesh_wgsl;
+use brdfc_formats::flat_btf::shader::FLAT_BTF_WGSL;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -84,7 +85,12 @@ fn shipped() -> Vec<Module> {
         let source = std::fs::read_to_string(&path).unwrap();
         // A template, which names the buffer that whoever pastes it declares.
         let words = "@group(0) @binding(0) var<storage, read> DIRECTION_MESH_BINDING: array<u32>;\n";
-        let source = if path.ends_with("direction_mesh.wgsl") { words.to_owned() + &source } else { source };
+        let source = match path.file_name().and_then(|name| name.to_str()) {
+            Some("direction_mesh.wgsl") => words.to_owned() + &source,
+            // It is pasted behind that of flat BTFs.
+            Some("factored.wgsl") => format!("{FLAT_BTF_WGSL}\n{source}"),
+            _ => source,
+        };
         Module::new(path.display().to_string(), source)
     };
     paths.into_iter().map(module).collect()
@@ -103,7 +109,6 @@ fn wgsl_files(folder: &Path, found: &mut Vec<PathBuf>) {
 
 /// The modules that the renderer compiles.
 fn composed() -> Vec<Module> {
-    use brdfc_formats::flat_btf::shader::FLAT_BTF_WGSL;
     use brdfc_formats::pwt::shader::PWT_WGSL;
     use brdfc_formats::table::shader::TABLE_BRDF_WGSL;
     use brdfc_formats::wavelet::shader::WAVELET_BRDF_WGSL;

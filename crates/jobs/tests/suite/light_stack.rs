@@ -177,7 +177,7 @@ fn images_of_two_sizes_too_large_or_broken() {
         assert!(matches!(read, Ok(_) | Err(InputError::Format { .. })), "{length}");
         refused[1] += usize::from(read.is_err());
     }
-    assert!(refused[0] > 100 && refused[1] > refused[0], "{refused:?} of {}", whole.len());
+    assert!(refused[0] > 100 && refused[1] >= refused[0], "{refused:?} of {}", whole.len());
 }
 
 #[test]

@@ -82,15 +82,24 @@ mod tests {
     fn pixels_and_their_means() {
         let pixels: Vec<[f32; 3]> = (0..6).map(|k| [k as f32, 0.0, 1.0]).collect();
         let photograph = Photograph::new([3, 2], pixels.clone(), false);
-        assert_eq!(photograph.value([0.5 / 3.0, 0.25], 0.0), [0.0, 0.0, 1.0]);
-        assert_eq!(photograph.value([2.5 / 3.0, 0.75], 0.0), [5.0, 0.0, 1.0]);
-        assert_eq!(photograph.value([1.0 / 3.0, 0.5], 0.0), [2.0, 0.0, 1.0]);
-        // 0, 1, 3, 4 and twice 2, 5; then both.
-        assert_eq!(photograph.value([0.25, 0.5], 1.0)[0], 2.0);
-        assert_eq!(photograph.value([0.75, 0.5], 1.0)[0], 3.5);
-        assert_eq!(photograph.value([0.1, 0.9], 9.0)[0], 2.75);
         let tile = Photograph::new([3, 2], pixels, true);
-        assert_eq!(tile.value([1.0 + 0.5 / 3.0, -0.75], 0.0), [0.0, 0.0, 1.0]);
-        assert_eq!((photograph.value([0.0, 0.25], 0.0)[0], tile.value([0.0, 0.25], 0.0)[0]), (0.0, 1.0));
+        // Of thirds, positions are exact up to rounding.
+        let expect = |photograph: &Photograph, uv, lod, first: f32| {
+            let value = photograph.value(uv, lod);
+            assert!(
+                (value[0] - first).abs() < 1e-5 && value[1..] == [0.0, 1.0],
+                "{uv:?} {lod}: {value:?}, not {first}"
+            );
+        };
+        expect(&photograph, [0.5 / 3.0, 0.25], 0.0, 0.0);
+        expect(&photograph, [2.5 / 3.0, 0.75], 0.0, 5.0);
+        expect(&photograph, [1.0 / 3.0, 0.5], 0.0, 2.0);
+        // 0, 1, 3, 4 and twice 2, 5; then both.
+        expect(&photograph, [0.25, 0.5], 1.0, 2.0);
+        expect(&photograph, [0.75, 0.5], 1.0, 3.5);
+        expect(&photograph, [0.1, 0.9], 9.0, 2.75);
+        expect(&tile, [1.0 + 0.5 / 3.0, -0.75], 0.0, 0.0);
+        expect(&photograph, [0.0, 0.25], 0.0, 0.0);
+        expect(&tile, [0.0, 0.25], 0.0, 1.0);
     }
 }
