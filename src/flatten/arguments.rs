@@ -1,6 +1,7 @@
 //! The flags of `brdfc flatten`.
 
 use brdfc_flat_btf::structures::describe_structures;
+use brdfc_jobs::encode::bytes_from_text;
 use brdfc_jobs::whole_number::{any_whole_number, whole_number};
 use brdfc_source::Input;
 use clap::{Args, ValueEnum};
@@ -78,9 +79,18 @@ pub struct Arguments {
     /// Rounds of reweighting that spend texels where the surface is, as long as the stretch falls.
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole_number::<usize>(0..=100))]
     pub(super) stretch_rounds: usize,
-    /// full: everything; light: normal map and diffuse colours instead of views x lights.
+    /// full: every view and light, as factors; light: normal map and diffuse colours instead.
     #[arg(long, value_enum, default_value = "full")]
     pub(super) form: FormArgument,
+    /// Full form: store every view as it is, in place of factors that take some hundredths of it on a GPU.
+    #[arg(long, conflicts_with_all = ["max_delta_e", "max_bytes"])]
+    pub(super) uncompressed: bool,
+    /// Mean ΔE (CIE76) of factors from the views, where texels are seen, to stay below (default: 0.7).
+    #[arg(long, value_name = "E")]
+    pub(super) max_delta_e: Option<f64>,
+    /// Most bytes of factors on a GPU, mipmaps included: a number with or without KiB or MiB.
+    #[arg(long, value_name = "BYTES", conflicts_with = "max_delta_e", value_parser = bytes_from_text)]
+    pub(super) max_bytes: Option<u64>,
     /// Also write the ordinary BTF, computed directly from direct light, as images into a new or empty folder.
     #[arg(long, value_name = "DIR")]
     pub(super) write_images: Option<PathBuf>,
@@ -120,6 +130,7 @@ pub(super) enum ImageFormat {
 fn after_help() -> String {
     format!(
         "Structures:\n{}\nExamples:\n  brdfc flatten synth:button -o button\n  \
+         brdfc flatten synth:button -o small --max-bytes 8MiB\n  \
          brdfc flatten 'synth:knit?count=6' -o wool --form light --texels 128\n  \
          brdfc flatten bricks.obj --tile 2 --material clay=clay.binary --material synth:lambert?kd=0.4 -o bricks\n  \
          brdfc flatten relief.png --height-scale 0.2 --colour relief-colour.png -o relief\n  \

@@ -5,6 +5,7 @@ use super::directions::{default_set, direction_set, pair};
 use crate::CliError;
 use crate::inputs::refuse_stdin_twice;
 use crate::output::{check_folder, refuse_same_outputs};
+use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::fill::FillMethod;
 use brdfc_formats::container::MAX_EXTENT_2D;
 use brdfc_formats::flat_btf::{IndirectionHeader, MAX_AZIMUTH_SAMPLES, MAX_ZENITH_SAMPLES};
@@ -244,6 +245,34 @@ pub(super) fn recipe(arguments: &Arguments) -> Result<FlattenRecipe, CliError> {
             FormArgument::Full => Form::Full,
             FormArgument::Light => Form::Light,
         },
+        factor: factor_target(arguments)?,
         supercompress: !arguments.no_supercompression,
     })
+}
+
+/// Mean ΔE of factors where texels are seen, if nothing is asked for: well below what is visible side by side.
+const MAX_DELTA_E: f64 = 0.7;
+
+/// What factors are to be like; nothing where views are kept as they are.
+fn factor_target(arguments: &Arguments) -> Result<Option<FactoredTarget>, CliError> {
+    if arguments.form == FormArgument::Light {
+        let given = [
+            (arguments.uncompressed, "uncompressed"),
+            (arguments.max_delta_e.is_some(), "max-delta-e"),
+            (arguments.max_bytes.is_some(), "max-bytes"),
+        ];
+        if let Some((_, option)) = given.iter().find(|(given, _)| *given) {
+            let text = format!("--{option}: found with --form light, which has no views; allowed with --form full");
+            return Err(CliError::Usage(text));
+        }
+        return Ok(None);
+    }
+    if let Some(found) = arguments.max_delta_e.filter(|e| !(*e > 0.0 && *e <= 100.0)) {
+        return Err(wrong("max-delta-e", &shown(found), "above 0, up to 100"));
+    }
+    let target = match arguments.max_bytes {
+        Some(bytes) => FactoredTarget::Bytes(bytes),
+        None => FactoredTarget::Error(arguments.max_delta_e.unwrap_or(MAX_DELTA_E)),
+    };
+    Ok((!arguments.uncompressed).then_some(target))
 }

@@ -50,6 +50,11 @@ pub(super) fn verification(
     };
     let parts = open_flat_btf(path, form == FlatForm::Full)?;
     let bytes_on_gpu = parts.gpu_bytes();
+    let stored = match (form, parts.values.factored()) {
+        (FlatForm::Light, _) => "light form",
+        (FlatForm::Full, Some(_)) => "full form, factored",
+        (FlatForm::Full, None) => "full form",
+    };
     let wrong = |error: brdfc_formats::FormatError| CliError::Input(format!("{input}: {error}"));
     let repeat = arguments.repeat.unwrap_or(default_repeat(setup.builtin));
     let material = FlatMaterial::new(FlatBtfDecoder::new(parts).map_err(wrong)?, repeat).map_err(wrong)?;
@@ -69,7 +74,7 @@ pub(super) fn verification(
     let name = path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let listed = setup.scene.parts.iter().map(|part| PartMaterial {
         part: part.name.to_owned(),
-        material: format!("{name} ({})", if form == FlatForm::Full { "full form" } else { "light form" }),
+        material: format!("{name} ({stored})"),
         bytes_on_gpu,
     });
     let verification = Verification::new(

@@ -5,6 +5,7 @@ use super::flat_textures;
 use super::load::LoadedScene;
 use super::raster::{Rasteriser, VIEW_WGSL, buffer_type, entry};
 use brdfc_formats::direction_mesh::direction_mesh_wgsl;
+use brdfc_formats::flat_btf::factored::shader::FACTORED_WGSL;
 use brdfc_formats::flat_btf::shader::{FLAT_BTF_WGSL, IndirectionFilter};
 use brdfc_metrics::image::LinearImage;
 use brdfc_render::flat::{FlatForm, FlatMaterial};
@@ -17,11 +18,11 @@ use wgpu::{
 /// The entry points over the decoder of flat BTFs, behind [`VIEW_WGSL`].
 pub const FLAT_SCENE_WGSL: &str = include_str!("flat_scene.wgsl");
 
-/// The whole shader: decoder, look-ups of views and lights, scene.
+/// The whole shader: decoders, look-ups of views and lights, scene.
 pub fn flat_scene_source() -> String {
     let (views, lights) =
         (direction_mesh_wgsl("sampled_views", "views"), direction_mesh_wgsl("sampled_lights", "lamps"));
-    [FLAT_BTF_WGSL, &views, &lights, VIEW_WGSL, FLAT_SCENE_WGSL].join("\n")
+    [FLAT_BTF_WGSL, FACTORED_WGSL, &views, &lights, VIEW_WGSL, FLAT_SCENE_WGSL].join("\n")
 }
 
 /// Draws a scene whose parts are all of one flat BTF, by the shader with exact filters.
@@ -30,7 +31,7 @@ pub fn flat_scene_source() -> String {
 /// [`GpuError::TooLarge`] where the adapter cannot hold the material or the image; what the driver reports.
 ///
 /// # Panics
-/// For the full form of a material without views: see [`FlatMaterial::has_views`].
+/// For the full form of a material without values of views: see [`FlatMaterial::has_views`].
 pub fn draw_flat_btf(
     gpu: &Gpu,
     scene: &Scene,
@@ -78,16 +79,17 @@ impl<'g> FlatRenderer<'g> {
         Ok(Self { rasteriser, texture_layout, material_layout })
     }
 
-    /// Uploads a scene with a material for all of its parts. Views go along only for the full form.
+    /// Uploads a scene with a material for all of its parts. Values of views go along only for the full form.
     ///
     /// # Errors
     /// [`GpuError::TooLarge`] for more than the adapter takes; what the driver reports.
     ///
     /// # Panics
-    /// For the full form of a material without views.
+    /// For the full form of a material without values of views.
     pub fn load(&self, scene: &Scene, material: &FlatMaterial, form: FlatForm) -> Result<LoadedScene, GpuError> {
         let gpu = self.rasteriser.gpu;
         let full = form == FlatForm::Full;
+        let factored = material.decoder().parts().values.factored().is_some();
         let (views, lights, lowest_light) = match form {
             FlatForm::Full => {
                 let directions = material.sampled_directions();
@@ -97,7 +99,8 @@ impl<'g> FlatRenderer<'g> {
         };
         let filter = IndirectionFilter::Exact;
         let textures = flat_textures::upload(gpu, &self.texture_layout, material.decoder(), filter, full)?;
-        let words = [material.repeat(), u32::from(full), lowest_light.to_bits(), 0];
+        let shader_form = if full { 1 + u32::from(factored) } else { 0 };
+        let words = [material.repeat(), shader_form, lowest_light.to_bits(), 0];
         let uniform = gpu.buffer(bytemuck::cast_slice(&words), BufferUsages::UNIFORM);
         let [views, lights] =
             [views, lights].map(|words| gpu.buffer(bytemuck::cast_slice(&words), BufferUsages::STORAGE));

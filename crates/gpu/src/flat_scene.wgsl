@@ -1,10 +1,10 @@
-// Draws a scene of one flat BTF under point lights. Appended to `formats/src/flat_btf/decoder.wgsl`, the look-ups
-// `sampled_views` and `sampled_lights` of sampled directions, and `view.wgsl`; the CPU twin is
+// Draws a scene of one flat BTF under point lights. Appended to `formats/src/flat_btf/decoder.wgsl`,
+// `formats/src/flat_btf/factored/factored.wgsl`, the look-ups `sampled_views` and `sampled_lights` of sampled directions, and `view.wgsl`; the CPU twin is
 // `crates/render/src/flat` with `shading_point.rs`.
 
 struct FlatMaterial {
     repeat: u32,        // tiles per unit of uv
-    full: u32,          // 1: every sampled view and light, 0: normal map and diffuse colour
+    form: u32,          // 0: normal map and diffuse colour, 1: every sampled view and light, 2: the same, factored
     lowest_light: f32,  // cosine of the largest polar angle of a sampled light
     reserved: u32,
 }
@@ -18,6 +18,7 @@ const PI: f32 = 3.14159274;
 
 @fragment
 fn shade(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+    let level = factored_mipmap_level(dpdx(in.uv) * f32(material.repeat), dpdy(in.uv) * f32(material.repeat));
     let v = normalize(view.eye.xyz - in.position);
     let n = normalize(in.normal);
     let frame = turned_frame(select(-n, n, front), in.tangent, v);
@@ -31,20 +32,27 @@ fn shade(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4<f
         let l = to_light / sqrt(distance_squared);
         let wi = vec3<f32>(dot(l, frame[0]), dot(l, frame[1]), dot(l, frame[2]));
         if wi.z > 0.0 {
-            radiance += flat_value(uv, wo, wi) * lights[k].intensity.rgb / (PI * distance_squared);
+            radiance += flat_value(uv, level, wo, wi) * lights[k].intensity.rgb / (PI * distance_squared);
         }
     }
     return vec4<f32>(radiance, 1.0);
 }
 
 // Radiance divided by that of a white diffuser that faces the light.
-fn flat_value(uv: vec2<f32>, wo: vec3<f32>, wi: vec3<f32>) -> vec3<f32> {
-    if material.full == 0u {
+fn flat_value(uv: vec2<f32>, level: f32, wo: vec3<f32>, wi: vec3<f32>) -> vec3<f32> {
+    if material.form == 0u {
         return flat_btf_light_form(uv, wo, wi);
     }
     let v = sampled_views(wo);
     let l = sampled_lights(wi);
-    let value = flat_btf_full(uv, wo, FlatBtfWeights(v.indices, v.weights), FlatBtfWeights(l.indices, l.weights));
+    let seen_from = FlatBtfWeights(v.indices, v.weights);
+    let lit_from = FlatBtfWeights(l.indices, l.weights);
+    var value: vec3<f32>;
+    if material.form == 2u {
+        value = factored_value(flat_btf_indirection(uv, wo).xy, level, seen_from, lit_from);
+    } else {
+        value = flat_btf_full(uv, wo, seen_from, lit_from);
+    }
     // Lights lower than all sampled ones are dimmed by the ratio of cosines.
     return value * min(wi.z / material.lowest_light, 1.0);
 }

@@ -1,9 +1,12 @@
-//! Flat BTFs on the device: the bind group that `formats/src/flat_btf/decoder.wgsl` declares.
+//! Flat BTFs on the device: the bind group that `formats/src/flat_btf/decoder.wgsl` declares, with what
+//! `formats/src/flat_btf/factored/factored.wgsl` adds.
 
 use super::device::{Gpu, GpuError};
+use super::factored_textures::{self, FactoredTextures};
 use super::pack::texture_format;
 use super::raster::{buffer_type, entry};
 use brdfc_formats::container::TexelFormat;
+use brdfc_formats::flat_btf::factored::shader::FactoredFilter;
 use brdfc_formats::flat_btf::shader::{FlatBtfParameters, IndirectionFilter};
 use brdfc_formats::flat_btf::{Atlas, FlatBtfDecoder};
 use wgpu::{
@@ -17,27 +20,29 @@ use wgpu::{
 /// What to do about views that are too large.
 const ADVICE: &str = "draw the light form, or make the flat BTF with fewer texels";
 
-/// The layout of group 1.
+/// The layout of group 1, those of [`factored_textures`] included.
 pub(super) fn layout(gpu: &Gpu, stages: ShaderStages) -> BindGroupLayout {
     let texture = |binding, filterable, view_dimension| {
         let sample_type = TextureSampleType::Float { filterable };
         entry(binding, stages, BindingType::Texture { sample_type, view_dimension, multisampled: false })
     };
+    let own = [
+        entry(0, stages, buffer_type(BufferBindingType::Uniform)),
+        texture(1, false, TextureViewDimension::D2),
+        texture(2, true, TextureViewDimension::D2),
+        entry(3, stages, BindingType::Sampler(SamplerBindingType::Filtering)),
+        texture(4, true, TextureViewDimension::D2),
+        texture(5, true, TextureViewDimension::D2),
+        texture(6, true, TextureViewDimension::D2Array),
+    ];
     gpu.device.create_bind_group_layout(&BindGroupLayoutDescriptor {
         label: Some("flat BTF"),
-        entries: &[
-            entry(0, stages, buffer_type(BufferBindingType::Uniform)),
-            texture(1, false, TextureViewDimension::D2),
-            texture(2, true, TextureViewDimension::D2),
-            entry(3, stages, BindingType::Sampler(SamplerBindingType::Filtering)),
-            texture(4, true, TextureViewDimension::D2),
-            texture(5, true, TextureViewDimension::D2),
-            texture(6, true, TextureViewDimension::D2Array),
-        ],
+        entries: &[&own[..], &factored_textures::entries(stages)].concat(),
     })
 }
 
-/// Uploads the parts; without `views`, or where there are none, the texture of the full form is one empty texel.
+/// Uploads the parts; without `values`, or where there are none, textures of the full form are one empty texel. The filter is
+/// that of the indirection and of what is factored.
 ///
 /// # Errors
 /// [`GpuError::TooLarge`] for more than the adapter takes; what the driver reports.
@@ -46,7 +51,7 @@ pub(super) fn upload(
     layout: &BindGroupLayout,
     decoder: &FlatBtfDecoder,
     filter: IndirectionFilter,
-    views: bool,
+    values: bool,
 ) -> Result<BindGroup, GpuError> {
     let parts = decoder.parts();
     let packed = parts.indirection.header().extent();
@@ -61,7 +66,13 @@ pub(super) fn upload(
             return Err(GpuError::TooLarge(text));
         }
     }
-    let atlas = atlas(gpu, decoder, views)?;
+    let atlas = atlas(gpu, decoder, values)?;
+    let factored_filter = match filter {
+        IndirectionFilter::Exact => FactoredFilter::Exact,
+        IndirectionFilter::Hardware => FactoredFilter::Hardware,
+    };
+    let factored = parts.values.factored().filter(|_| values);
+    let factored = FactoredTextures::upload(gpu, factored, factored_filter)?;
     let image = |format, size, bytes: &[u8]| gpu.image(texture_format(format), size, bytes);
     let size = [parts.diffuse.size(); 2];
     let parameters = bytemuck::cast_slice(parts.reference.parameters());
@@ -77,26 +88,24 @@ pub(super) fn upload(
         min_filter: FilterMode::Linear,
         ..SamplerDescriptor::default()
     });
-    let group = gpu.device.create_bind_group(&BindGroupDescriptor {
-        label: None,
-        layout,
-        entries: &[
-            BindGroupEntry { binding: 0, resource: parameters.as_entire_binding() },
-            BindGroupEntry { binding: 1, resource: BindingResource::TextureView(&reference) },
-            BindGroupEntry { binding: 2, resource: BindingResource::TextureView(&packed) },
-            BindGroupEntry { binding: 3, resource: BindingResource::Sampler(&sampler) },
-            BindGroupEntry { binding: 4, resource: BindingResource::TextureView(&normal) },
-            BindGroupEntry { binding: 5, resource: BindingResource::TextureView(&diffuse) },
-            BindGroupEntry { binding: 6, resource: BindingResource::TextureView(&atlas) },
-        ],
-    });
+    let own = [
+        BindGroupEntry { binding: 0, resource: parameters.as_entire_binding() },
+        BindGroupEntry { binding: 1, resource: BindingResource::TextureView(&reference) },
+        BindGroupEntry { binding: 2, resource: BindingResource::TextureView(&packed) },
+        BindGroupEntry { binding: 3, resource: BindingResource::Sampler(&sampler) },
+        BindGroupEntry { binding: 4, resource: BindingResource::TextureView(&normal) },
+        BindGroupEntry { binding: 5, resource: BindingResource::TextureView(&diffuse) },
+        BindGroupEntry { binding: 6, resource: BindingResource::TextureView(&atlas) },
+    ];
+    let entries = [&own[..], &factored.bindings()].concat();
+    let group = gpu.device.create_bind_group(&BindGroupDescriptor { label: None, layout, entries: &entries });
     gpu.check()?;
     Ok(group)
 }
 
 /// All views and lights in one 2D array.
 fn atlas(gpu: &Gpu, decoder: &FlatBtfDecoder, views: bool) -> Result<TextureView, GpuError> {
-    let count = if views { decoder.parts().views.len() as u32 } else { 0 };
+    let count = if views { decoder.parts().values.views().len() as u32 } else { 0 };
     let atlas = decoder.atlas();
     let [width, height] = atlas_extent(atlas, count, &gpu.device.limits())?;
     let size = Extent3d { width, height, depth_or_array_layers: 1 };
@@ -115,7 +124,7 @@ fn atlas(gpu: &Gpu, decoder: &FlatBtfDecoder, views: bool) -> Result<TextureView
         GpuError::TooLarge(format!("the views take {megabytes} MiB of graphics memory ({error}): {ADVICE}"))
     })?;
     // One layer at a time: no second copy of everything in memory.
-    for (layer, view) in (0..count).zip(&decoder.parts().views) {
+    for (layer, view) in (0..count).zip(decoder.parts().values.views()) {
         let origin = Origin3d { x: 0, y: 0, z: layer };
         let target = TexelCopyTextureInfo { texture: &texture, mip_level: 0, origin, aspect: TextureAspect::All };
         let rows = TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * width), rows_per_image: Some(height) };

@@ -5,6 +5,7 @@ mod compute;
 mod device;
 mod draw;
 mod evaluate;
+mod factored_textures;
 mod flat;
 mod flat_btf;
 mod flat_textures;

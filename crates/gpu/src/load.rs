@@ -117,6 +117,30 @@ impl Gpu {
         let texture = self.device.create_texture_with_data(&self.queue, &descriptor, order, bytes);
         texture.create_view(&wgpu::TextureViewDescriptor::default())
     }
+
+    /// A 2D array of columns, rows and layers, with mipmap levels: all layers of the finest first.
+    pub(super) fn layers(
+        &self,
+        format: TextureFormat,
+        [width, height, layers]: [u32; 3],
+        levels: u32,
+        bytes: &[u8],
+    ) -> wgpu::TextureView {
+        let descriptor = TextureDescriptor {
+            label: None,
+            size: Extent3d { width, height, depth_or_array_layers: layers },
+            mip_level_count: levels,
+            sample_count: 1,
+            dimension: TextureDimension::D2,
+            format,
+            usage: TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        };
+        let order = TextureDataOrder::MipMajor;
+        let texture = self.device.create_texture_with_data(&self.queue, &descriptor, order, bytes);
+        let dimension = Some(wgpu::TextureViewDimension::D2Array);
+        texture.create_view(&wgpu::TextureViewDescriptor { dimension, ..wgpu::TextureViewDescriptor::default() })
+    }
 }
 
 pub(super) fn view_words(

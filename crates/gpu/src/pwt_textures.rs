@@ -6,12 +6,10 @@ use super::raster::{buffer_type, entry};
 use brdfc_formats::container::TexelFormat;
 use brdfc_formats::pwt::shader::{PwtFilter, PwtParameters};
 use brdfc_formats::pwt::{MAX_TEXTURES, PwtPack};
-use wgpu::util::{DeviceExt, TextureDataOrder};
 use wgpu::{
     AddressMode, BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor,
-    BindingResource, BindingType, BufferBindingType, BufferUsages, Extent3d, FilterMode, MipmapFilterMode,
-    SamplerBindingType, SamplerDescriptor, ShaderStages, TextureDescriptor, TextureDimension, TextureSampleType,
-    TextureUsages, TextureView, TextureViewDescriptor, TextureViewDimension,
+    BindingResource, BindingType, BufferBindingType, BufferUsages, FilterMode, MipmapFilterMode, SamplerBindingType,
+    SamplerDescriptor, ShaderStages, TextureSampleType, TextureView, TextureViewDimension,
 };
 
 /// Binding of the first texture; the sampler is behind the last.
@@ -79,18 +77,5 @@ fn texture(gpu: &Gpu, pack: &PwtPack, index: usize) -> TextureView {
         }
         None => (TexelFormat::R8Unorm, [1; 2], 1, 1, &[0][..]),
     };
-    let descriptor = TextureDescriptor {
-        label: None,
-        size: Extent3d { width, height, depth_or_array_layers: layers },
-        mip_level_count: levels,
-        sample_count: 1,
-        dimension: TextureDimension::D2,
-        format: texture_format(format),
-        usage: TextureUsages::TEXTURE_BINDING,
-        view_formats: &[],
-    };
-    let order = TextureDataOrder::MipMajor;
-    let texture = gpu.device.create_texture_with_data(&gpu.queue, &descriptor, order, texels);
-    let dimension = Some(TextureViewDimension::D2Array);
-    texture.create_view(&TextureViewDescriptor { dimension, ..TextureViewDescriptor::default() })
+    gpu.layers(texture_format(format), [width, height, layers], levels, texels)
 }

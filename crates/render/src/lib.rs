@@ -8,6 +8,7 @@ pub mod environment;
 pub mod environment_light;
 pub mod environment_sampler;
 pub mod flat;
+mod footprint;
 pub mod gbuffer;
 pub mod lobe_sampler;
 pub mod picture;

@@ -5,8 +5,9 @@ use crate::InputError;
 use crate::read::{MAX_FILE_BYTES, MAX_TEXT_BYTES, read_file};
 use crate::words::{few, json_problem};
 use brdfc_formats::FormatError;
+use brdfc_formats::flat_btf::factored::{BasisMap, FactoredFlatBtf, ShadowFormat, ShadowMap, WeightMap};
 use brdfc_formats::flat_btf::{
-    DiffuseMap, FlatBtfParts, FlatPart, FlatView, IndirectionMap, NormalMap, PART_EXTENSION, ReferenceMap,
+    DiffuseMap, FlatBtfParts, FlatPart, FlatValues, FlatView, IndirectionMap, NormalMap, PART_EXTENSION, ReferenceMap,
     split_part_name, view_part,
 };
 use rayon::prelude::*;
@@ -39,41 +40,36 @@ struct Listed {
 
 /// Reads a flat BTF: from the only asset of a folder, or from the files beside `NAME.json`.
 ///
-/// With `views` the large files of the full form are read, too; without, [`FlatBtfParts::views`] is empty. Files are held
-/// against the list of parts, so that no part of another asset passes for one of this.
+/// With `values` the files of the full form are read, too: the factored ones, or all views. Files are held against the list
+/// of parts, so that no part of another asset passes for one of this.
 ///
 /// # Errors
 /// Folders without a flat BTF or with several, a missing or damaged list, files that are missing, cannot be read, are not
 /// those of the list or do not follow their layout. Whether sizes fit together is for `FlatBtfDecoder::new`.
-pub fn open_flat_btf(path: &Path, views: bool) -> Result<FlatBtfParts, InputError> {
+pub fn open_flat_btf(path: &Path, values: bool) -> Result<FlatBtfParts, InputError> {
     let asset = Asset::open(path)?;
-    let mut names: Vec<String> = PARTS.map(str::to_owned).to_vec();
-    let count = asset.views();
-    if views {
-        names.extend((0..count.max(1)).map(|view| view_part(view, count)));
-    }
-    asset.check_listed(&names)?;
-    let mut parts = FlatBtfParts {
+    asset.check_listed(&PARTS.map(str::to_owned))?;
+    Ok(FlatBtfParts {
         reference: asset.part("reference", ReferenceMap::from_bytes)?,
         indirection: asset.part("indirection", IndirectionMap::from_bytes)?,
         normal: asset.part("normal", NormalMap::from_bytes)?,
         diffuse: asset.part("diffuse", DiffuseMap::from_bytes)?,
-        views: Vec::new(),
-    };
-    if views {
-        let views: Vec<Result<FlatView, InputError>> =
-            names[PARTS.len()..].par_iter().map(|part| asset.part(part, FlatView::from_bytes)).collect();
-        parts.views = views.into_iter().collect::<Result<_, _>>()?;
-    }
-    Ok(parts)
+        values: if values { asset.values()? } else { FlatValues::None },
+    })
 }
 
-/// Reads one view of a flat BTF and says how many there are; no view where the number is beyond them.
+/// Reads one view of a flat BTF and says how many there are; no view where the number is beyond them. A factored one is
+/// decoded.
 ///
 /// # Errors
-/// As [`open_flat_btf`], of this file alone.
+/// As [`open_flat_btf`], of the files that it takes.
 pub fn open_flat_view(path: &Path, view: u32) -> Result<(Option<FlatView>, u32), InputError> {
     let asset = Asset::open(path)?;
+    if let Some(factored) = asset.factored()? {
+        let count = factored.header().views.len() as u32;
+        let decoded = (view < count).then(|| factored.view(view));
+        return Ok((decoded, count));
+    }
     let count = asset.views();
     if view >= count {
         return Ok((None, count));
@@ -114,6 +110,38 @@ impl Asset {
         };
         let listing = serde_json::from_slice(&read_file(&file, MAX_TEXT_BYTES)?).map_err(wrong)?;
         Ok(Self { folder, name, listing })
+    }
+
+    /// What the full form takes.
+    fn values(&self) -> Result<FlatValues, InputError> {
+        if let Some(factored) = self.factored()? {
+            return Ok(FlatValues::Factored(Box::new(factored)));
+        }
+        let count = self.views();
+        let names: Vec<String> = (0..count.max(1)).map(|view| view_part(view, count)).collect();
+        self.check_listed(&names)?;
+        let views: Vec<Result<FlatView, InputError>> =
+            names.par_iter().map(|part| self.part(part, FlatView::from_bytes)).collect();
+        Ok(FlatValues::Views(views.into_iter().collect::<Result<_, _>>()?))
+    }
+
+    /// Its values as a product, where the list has them so.
+    fn factored(&self) -> Result<Option<FactoredFlatBtf>, InputError> {
+        let [basis, weights, shadow] = [FlatPart::Basis, FlatPart::Weights, FlatPart::Shadow].map(FlatPart::name);
+        if !self.listing.parts.contains_key(basis) {
+            return Ok(None);
+        }
+        self.check_listed(&[basis, weights].map(str::to_owned))?;
+        let map = self.part(basis, BasisMap::from_bytes)?;
+        let shadow = match map.header().shadow {
+            ShadowFormat::None => None,
+            ShadowFormat::R8 => {
+                self.check_listed(&[shadow.to_owned()])?;
+                Some(self.part(shadow, ShadowMap::from_bytes)?)
+            }
+        };
+        let asset = FactoredFlatBtf::new(map, self.part(weights, WeightMap::from_bytes)?, shadow);
+        Ok(Some(asset.map_err(|error| format_error(&self.folder.join(self.file(basis)), error))?))
     }
 
     /// Views in the list.

@@ -6,8 +6,8 @@ use brdfc_formats::flat_btf::factored::{
     BasisMap, FactoredErrors, FactoredFlatBtf, FactoredHeader, GROUP, ShadowFormat, ShadowMap, WeightMap, WeightRange,
 };
 use brdfc_formats::flat_btf::{
-    DiffuseMap, FlatBtfParts, FlatHeader, FlatView, IndirectionHeader, IndirectionMap, NormalMap, PositionMap,
-    ReferenceMap, ViewWeights, VisibilityMask,
+    DiffuseMap, FlatBtfParts, FlatHeader, FlatValues, FlatView, IndirectionHeader, IndirectionMap, NormalMap,
+    PositionMap, ReferenceMap, ViewWeights, VisibilityMask,
 };
 use std::f32::consts::{FRAC_PI_2, TAU};
 
@@ -79,7 +79,7 @@ pub fn parts(sizes: Sizes, seed: u64) -> FlatBtfParts {
         indirection: indirection(sizes, seed + 1),
         normal: NormalMap::new(sizes.flat, normals).unwrap(),
         diffuse: DiffuseMap::from_colours(sizes.flat, &colours).unwrap(),
-        views: (0..sizes.views).map(|view| flat_view(sizes, view, seed + 2)).collect(),
+        values: FlatValues::Views((0..sizes.views).map(|view| flat_view(sizes, view, seed + 2)).collect()),
     }
 }
 

@@ -5,6 +5,7 @@
 //! manual filtering gives the same bits.
 
 use super::atlas::Atlas;
+use super::factored::FactoredFlatBtf;
 use super::flat_view::FlatView;
 use super::indirection::{IndirectionHeader, IndirectionMap};
 use super::maps::{DiffuseMap, NormalMap, ReferenceMap};
@@ -25,8 +26,51 @@ pub struct FlatBtfParts {
     pub normal: NormalMap,
     /// Reflectances for the light form.
     pub diffuse: DiffuseMap,
-    /// All views in order, or none where [`FlatBtfDecoder::full`] is not needed.
-    pub views: Vec<FlatView>,
+    /// What texels show in each view under each light.
+    pub values: FlatValues,
+}
+
+/// What texels show in each view under each light.
+#[derive(Debug, Clone, PartialEq)]
+pub enum FlatValues {
+    /// Nothing: the light form alone.
+    None,
+    /// All views in order, one at least.
+    Views(Vec<FlatView>),
+    /// Shadows and weights of texels, and components of views and lights.
+    Factored(Box<FactoredFlatBtf>),
+}
+
+impl FlatValues {
+    /// Views that are stored as they are: none of any other kind.
+    pub fn views(&self) -> &[FlatView] {
+        match self {
+            Self::Views(views) => views,
+            Self::None | Self::Factored(_) => &[],
+        }
+    }
+
+    /// The product, where they are one.
+    pub fn factored(&self) -> Option<&FactoredFlatBtf> {
+        match self {
+            Self::Factored(asset) => Some(asset),
+            Self::None | Self::Views(_) => None,
+        }
+    }
+
+    /// Polar angle and azimuth, radians, of all views and of all lights.
+    pub fn directions(&self) -> Option<[&[[f32; 2]]; 2]> {
+        match self {
+            Self::None => None,
+            Self::Views(views) => views.first().map(|view| [&view.header().views[..], &view.header().lights]),
+            Self::Factored(asset) => Some([&asset.header().views, &asset.header().lights]),
+        }
+    }
+
+    /// Mipmap levels of the texels.
+    pub fn levels(&self) -> u32 {
+        self.factored().map_or(1, |asset| asset.header().levels)
+    }
 }
 
 /// Three of the sampled directions and how much each of them counts.
@@ -60,12 +104,16 @@ impl FlatBtfDecoder {
         };
         same("indirection", parts.indirection.header().size, reference, "reference")?;
         same("normal", parts.normal.size(), size, "diffuse")?;
-        for (k, view) in parts.views.iter().enumerate() {
-            let (header, first) = (view.header(), parts.views[0].header());
+        if let Some(asset) = parts.values.factored() {
+            same("weights", asset.header().size, size, "diffuse")?;
+        }
+        let views = parts.values.views();
+        for (k, view) in views.iter().enumerate() {
+            let (header, first) = (view.header(), views[0].header());
             same("flat", header.size, size, "diffuse")?;
-            if header.view as usize != k || header.views.len() != parts.views.len() {
+            if header.view as usize != k || header.views.len() != views.len() {
                 let found = format!("view {} of {}", header.view, header.views.len());
-                let allowed = format!("view {k} of {}: all views in order", parts.views.len());
+                let allowed = format!("view {k} of {}: all views in order", views.len());
                 return Err(FormatError::whole("views of the part flat", found, allowed));
             }
             if (&header.views, &header.lights) != (&first.views, &first.lights) {
@@ -86,9 +134,9 @@ impl FlatBtfDecoder {
         self.parts
     }
 
-    /// How the flat values lie on a GPU; without any light where there are no views.
+    /// How stored views lie on a GPU; without any light where there are none.
     pub fn atlas(&self) -> Atlas {
-        let lights = self.parts.views.first().map_or(0, |view| view.header().lights.len());
+        let lights = self.parts.values.views().first().map_or(0, |view| view.header().lights.len());
         Atlas::new(self.parts.diffuse.size(), lights as u32)
     }
 
@@ -122,10 +170,10 @@ impl FlatBtfDecoder {
     /// weights, texels bilinearly with period 1.
     ///
     /// # Panics
-    /// Without views, or with weights for views or lights that are not there: a mistake of the caller.
+    /// Without stored views, or with weights for views or lights that are not there: a mistake of the caller.
     pub fn full(&self, uv: [f32; 2], view: [f32; 3], views: ViewWeights, lights: ViewWeights) -> [f32; 3] {
         let [u, v, _] = self.indirection(uv, view);
-        let size = self.parts.diffuse.size();
+        let (size, stored) = (self.parts.diffuse.size(), self.parts.values.views());
         let footprint = footprint(periodic_tap(u, size), periodic_tap(v, size));
         let mut value = [0.0f32; 3];
         for (view, view_weight) in views.indices.into_iter().zip(views.weights) {
@@ -137,7 +185,7 @@ impl FlatBtfDecoder {
                     continue;
                 }
                 let weight = view_weight * light_weight;
-                let texels = self.parts.views[view as usize].light(light);
+                let texels = stored[view as usize].light(light);
                 let sample = filtered(&footprint, size, |at| rgb9e5::decode(texels[at]));
                 for channel in 0..3 {
                     value[channel] += weight * sample[channel];
@@ -145,6 +193,28 @@ impl FlatBtfDecoder {
             }
         }
         value
+    }
+
+    /// Equation 1 of whatever values there are: [`Self::full`] of stored views, which have the finest level alone, or
+    /// [`FactoredFlatBtf::value`] at a level of detail, 0 the finest.
+    ///
+    /// # Panics
+    /// Without values, or with weights for views or lights that are not there: a mistake of the caller.
+    pub fn value(
+        &self,
+        uv: [f32; 2],
+        view: [f32; 3],
+        level_of_detail: f32,
+        views: ViewWeights,
+        lights: ViewWeights,
+    ) -> [f32; 3] {
+        match &self.parts.values {
+            FlatValues::Factored(asset) => {
+                let [u, v, _] = self.indirection(uv, view);
+                asset.value([u, v], level_of_detail, views, lights)
+            }
+            FlatValues::None | FlatValues::Views(_) => self.full(uv, view, views, lights),
+        }
     }
 
     /// The light form of section 3.5: a diffuse colour lit under a normal map. `light` is a unit vector to the light.

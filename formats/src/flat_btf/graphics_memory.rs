@@ -1,7 +1,8 @@
 //! What the parts take in graphics memory, as the bindings of `formats/src/flat_btf/spec.md` hold them.
 
 use super::atlas::Atlas;
-use super::decoder::FlatBtfParts;
+use super::decoder::{FlatBtfParts, FlatValues};
+use super::flat_view::FlatView;
 use crate::container::{Extent, TexelFormat};
 
 /// Bytes of texels that the part of this name takes in graphics memory, by the extent and mipmap levels of its file.
@@ -23,17 +24,24 @@ pub fn gpu_bytes(part: &str, extent: Extent, levels: u32) -> u64 {
 }
 
 impl FlatBtfParts {
-    /// Bytes of texels in graphics memory: [`gpu_bytes`] of all parts, views only where there are some.
+    /// Bytes of texels in graphics memory: [`gpu_bytes`] of all parts, those of values only where there are some.
     pub fn gpu_bytes(&self) -> u64 {
         let square = |size: u32| Extent::D2([size, size]);
-        let view = self.views.first().map_or(0, |view| {
-            let header = view.header();
-            gpu_bytes("flat", Extent::D2Array([header.size, header.size, header.lights.len() as u32]), 1)
-        });
+        let values = match &self.values {
+            FlatValues::None => 0,
+            FlatValues::Views(views) => {
+                let of_view = |view: &FlatView| {
+                    let header = view.header();
+                    gpu_bytes("flat", Extent::D2Array([header.size, header.size, header.lights.len() as u32]), 1)
+                };
+                views.iter().map(of_view).sum()
+            }
+            FlatValues::Factored(asset) => asset.gpu_bytes(),
+        };
         gpu_bytes("reference", square(self.reference.size()), 1)
             + gpu_bytes("indirection", Extent::D2(self.indirection.header().extent()), 1)
             + gpu_bytes("normal", square(self.normal.size()), 1)
             + gpu_bytes("diffuse", square(self.diffuse.size()), 1)
-            + view * self.views.len() as u64
+            + values
     }
 }

@@ -17,7 +17,7 @@ pub mod shader;
 mod tap;
 
 pub use atlas::Atlas;
-pub use decoder::{FlatBtfDecoder, FlatBtfParts, ViewWeights};
+pub use decoder::{FlatBtfDecoder, FlatBtfParts, FlatValues, ViewWeights};
 pub(crate) use flat_view::HEADER as FLAT_BTF_ENTRY;
 pub use flat_view::{FlatHeader, FlatView, MAX_DIRECTIONS, VisibilityMask, view_part};
 pub use graphics_memory::gpu_bytes;

@@ -2,8 +2,8 @@
 
 use brdfc_formats::container::{half, rgb9e5};
 use brdfc_formats::flat_btf::{
-    DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatHeader, FlatView, IndirectionHeader, IndirectionMap, NormalMap,
-    PositionMap, ReferenceMap, VisibilityMask, view_part,
+    DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatHeader, FlatValues, FlatView, IndirectionHeader, IndirectionMap,
+    NormalMap, PositionMap, ReferenceMap, VisibilityMask, view_part,
 };
 use brdfc_testing::flat_btf::{self, SMALL, Sizes, only};
 use brdfc_testing::packs::Numbers;
@@ -223,6 +223,13 @@ fn the_light_form_is_a_lambertian_surface() {
     }
 }
 
+fn views(parts: &mut FlatBtfParts) -> &mut Vec<FlatView> {
+    match &mut parts.values {
+        FlatValues::Views(views) => views,
+        other => panic!("{other:?}"),
+    }
+}
+
 #[test]
 fn parts_that_do_not_fit_together_are_refused() {
     let good = flat_btf::parts(SMALL, 1);
@@ -234,13 +241,14 @@ fn parts_that_do_not_fit_together_are_refused() {
     let larger = flat_btf::parts(Sizes { flat: 5, reference: 3, ..SMALL }, 1);
     assert_eq!(refusal(&|p| p.reference = larger.reference.clone()), "size of the part indirection");
     assert_eq!(refusal(&|p| p.normal = larger.normal.clone()), "size of the part normal");
-    assert_eq!(refusal(&|p| p.views = larger.views.clone()), "size of the part flat");
-    assert_eq!(refusal(&|p| drop(p.views.pop())), "views of the part flat");
-    assert_eq!(refusal(&|p| p.views.swap(0, 1)), "views of the part flat");
+    assert_eq!(refusal(&|p| p.values = larger.values.clone()), "size of the part flat");
+    assert_eq!(refusal(&|p| drop(views(p).pop())), "views of the part flat");
+    assert_eq!(refusal(&|p| views(p).swap(0, 1)), "views of the part flat");
     let changed = |p: &mut FlatBtfParts| {
-        let mut header = p.views[2].header().clone();
+        let view = &mut views(p)[2];
+        let mut header = view.header().clone();
         header.lights[1][0] += 0.01;
-        p.views[2] = FlatView::new(header, p.views[2].texels().to_vec()).unwrap();
+        *view = FlatView::new(header, view.texels().to_vec()).unwrap();
     };
     assert_eq!(refusal(&changed), "directions of view 2");
 }

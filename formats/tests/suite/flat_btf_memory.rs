@@ -1,14 +1,14 @@
 //! What flat BTFs are said to take in graphics memory is what is uploaded.
 
 use brdfc_formats::container::{Extent, Texture};
-use brdfc_formats::flat_btf::{Atlas, FlatBtfDecoder, FlatBtfParts, gpu_bytes};
+use brdfc_formats::flat_btf::{Atlas, FlatBtfDecoder, FlatBtfParts, FlatValues, gpu_bytes};
 use brdfc_testing::flat_btf::{SMALL, Sizes, mask, parts, position};
 
 /// As the bindings of a shader take them, part by part.
 fn uploaded(parts: FlatBtfParts) -> usize {
     let decoder = FlatBtfDecoder::new(parts).unwrap();
     let (atlas, parts) = (decoder.atlas(), decoder.parts());
-    let views: usize = parts.views.iter().map(|view| size_of_val(&atlas.layer(view)[..])).sum();
+    let views: usize = parts.values.views().iter().map(|view| size_of_val(&atlas.layer(view)[..])).sum();
     let maps = parts.normal.texel_bytes().len() + parts.indirection.texel_bytes().len();
     views + maps + size_of_val(parts.reference.parameters()) + size_of_val(parts.diffuse.texels())
 }
@@ -24,7 +24,7 @@ fn unused_tiles_of_the_atlas_count() {
     assert_eq!(gpu_bytes("flat.003", Extent::D2Array([8, 8, 17]), 1), 4 * 8 * 8 * 20);
     assert_eq!(Atlas::new(8, 17).texels(), 8 * 8 * 20);
     assert_eq!(gpu_bytes("flat.0003", Extent::D2Array([8, 8, 16]), 1), 4 * 8 * 8 * 16);
-    let light = FlatBtfParts { views: Vec::new(), ..parts(SMALL, 1) };
+    let light = FlatBtfParts { values: FlatValues::None, ..parts(SMALL, 1) };
     assert_eq!(light.gpu_bytes(), uploaded(light) as u64);
 }
 

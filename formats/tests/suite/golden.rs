@@ -3,7 +3,7 @@
 use brdfc_formats::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
 use brdfc_formats::container::Texture;
 use brdfc_formats::direction::Parameterisation;
-use brdfc_formats::flat_btf::{DiffuseMap, FlatBtfParts, FlatView, view_part};
+use brdfc_formats::flat_btf::{DiffuseMap, FlatBtfParts, FlatValues, FlatView, view_part};
 use brdfc_formats::importance::{ImportanceHeader, ImportancePack};
 use brdfc_testing::flat_btf::{SMALL, mask, parts, position};
 use brdfc_testing::golden::corpus::{add, entries, entry, packs};
@@ -63,8 +63,8 @@ fn flat_btfs() -> Made {
     let any = |view: &FlatView| {
         FlatView::new(view.header().clone(), words(texels * SMALL.lights as usize)).expect("any words")
     };
-    let views = made.views.iter().map(any).collect();
-    let made = FlatBtfParts { diffuse, views, ..made };
+    let views = made.values.views().iter().map(any).collect();
+    let made = FlatBtfParts { diffuse, values: FlatValues::Views(views), ..made };
     let mut files = vec![
         ("position".to_owned(), position(SMALL.flat, 9).to_bytes(false)),
         ("mask".to_owned(), mask(SMALL, 11).to_bytes(false)),
@@ -74,7 +74,7 @@ fn flat_btfs() -> Made {
         ("diffuse".to_owned(), made.diffuse.to_bytes(false)),
     ];
     let view = |view: &FlatView| (view_part(view.header().view, SMALL.views), view.to_bytes(false));
-    files.extend(made.views.iter().map(view));
+    files.extend(made.values.views().iter().map(view));
     // The asset once as it is, and once with every part in another form.
     let foreign = files.iter().enumerate().map(|(k, (part, bytes))| {
         let form = k % foreign::FORMS.len();

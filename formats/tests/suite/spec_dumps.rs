@@ -4,7 +4,7 @@ use brdfc_formats::container::Texture;
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::flat_btf::{
-    DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatView, IndirectionMap, NormalMap, ReferenceMap,
+    DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatValues, FlatView, IndirectionMap, NormalMap, ReferenceMap,
 };
 use brdfc_formats::measured::merl::{self, Merl};
 use brdfc_formats::measured::scan::Scan;
@@ -56,7 +56,7 @@ fn the_worked_value_of_the_flat_btf_page() {
         indirection: brdfc_testing::flat_btf::example_indirection(),
         normal: NormalMap::new(1, vec![[0.0, 0.0, 1.0]]).unwrap(),
         diffuse: DiffuseMap::new(1, vec![0]).unwrap(),
-        views: Vec::new(),
+        values: FlatValues::None,
     });
     let [u, v, z] = decoder.unwrap().indirection([0.2, 0.7], [0.5f32.sin(), 0.0, 0.5f32.cos()]);
     assert!((u - 0.025).abs() < 1e-6 && v == 0.5 && (z - 0.25).abs() < 1e-6, "{u} {v} {z}");

@@ -242,7 +242,7 @@ fn light_of_one_bounce_brightens_and_does_not_depend_on_threads() {
     assert!(listed["report"]["errors"].as_object().unwrap().is_empty(), "the comparison knows direct light only");
     let brightness = |out: &str| {
         let parts = open_flat_btf(&folder.path().join(out), true).unwrap();
-        let texels = || parts.views.iter().flat_map(|view| view.texels());
+        let texels = || parts.values.views().iter().flat_map(|view| view.texels());
         let sum: f64 = texels().map(|texel| f64::from(rgb9e5::decode(*texel)[1])).sum();
         sum / texels().count() as f64
     };

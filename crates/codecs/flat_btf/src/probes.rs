@@ -8,7 +8,8 @@ use super::surface::Appearance;
 use brdfc_formats::container::rgb9e5;
 use brdfc_formats::direction::{Vector, dot, from_polar};
 use brdfc_formats::direction_mesh::DirectionMesh;
-use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatView};
+use brdfc_formats::flat_btf::factored::FactoredFlatBtf;
+use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatView, ViewWeights};
 use brdfc_metrics::lab::{distance_squared, lab};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -148,6 +149,16 @@ impl Probes {
     /// Errors of equation 1, once all views were added.
     pub fn full(&self) -> ColourErrors {
         ColourErrors::new(self.0.iter().map(|probe| difference(probe.truth, probe.rebuilt)).collect())
+    }
+
+    /// The same of factors in place of all views, at the finest level.
+    pub fn factored(&self, asset: &FactoredFlatBtf) -> ColourErrors {
+        let error = |probe: &Probe| {
+            let [views, lights] =
+                [probe.views, probe.lights].map(|(indices, weights)| ViewWeights { indices, weights });
+            difference(probe.truth, asset.value(probe.parameters, 0.0, views, lights))
+        };
+        ColourErrors::new(self.0.par_iter().map(error).collect())
     }
 
     /// Errors of the light form: normal map and diffuse colour.

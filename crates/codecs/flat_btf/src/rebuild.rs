@@ -96,8 +96,8 @@ mod tests {
     use brdfc_formats::container::rgb9e5;
     use brdfc_formats::direction::from_polar;
     use brdfc_formats::flat_btf::{
-        DiffuseMap, FlatBtfParts, FlatHeader, FlatView, IndirectionHeader, IndirectionMap, NormalMap, ReferenceMap,
-        ViewWeights,
+        DiffuseMap, FlatBtfParts, FlatHeader, FlatValues, FlatView, IndirectionHeader, IndirectionMap, NormalMap,
+        ReferenceMap, ViewWeights,
     };
     use brdfc_source::address::parse_synth;
 
@@ -144,7 +144,7 @@ mod tests {
             indirection: map.unwrap(),
             normal: NormalMap::new(8, vec![[0.0, 0.0, 1.0]; 64]).unwrap(),
             diffuse: DiffuseMap::new(8, vec![0; 64]).unwrap(),
-            views: vec![FlatView::new(view, texels).unwrap()],
+            values: FlatValues::Views(vec![FlatView::new(view, texels).unwrap()]),
         };
         let decoder = FlatBtfDecoder::new(parts).unwrap();
         let one = ViewWeights { indices: [0; 3], weights: [1.0, 0.0, 0.0] };

@@ -1,7 +1,7 @@
 //! The shader of flat BTFs against the CPU decoder, on whatever adapter there is.
 
 use brdfc_formats::flat_btf::shader::{FLAT_BTF_FILTER_PRECISION, FLAT_BTF_WGSL, IndirectionFilter};
-use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts, IndirectionMap};
+use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts, FlatValues, IndirectionMap};
 use brdfc_gpu::{FlatBtfAnswer, FlatBtfEvaluator, FlatBtfQuery, Gpu};
 use brdfc_testing::flat_btf::{self, SMALL, Sizes};
 use brdfc_testing::packs::Numbers;
@@ -189,7 +189,7 @@ fn neither_path_leaves_its_block() {
 fn without_views_the_light_form_remains() {
     let Some(gpu) = crate::common::gpu() else { return };
     let evaluator = FlatBtfEvaluator::new(gpu).unwrap();
-    let decoder = FlatBtfDecoder::new(FlatBtfParts { views: Vec::new(), ..flat_btf::parts(SMALL, 2) }).unwrap();
+    let decoder = FlatBtfDecoder::new(FlatBtfParts { values: FlatValues::None, ..flat_btf::parts(SMALL, 2) }).unwrap();
     let loaded = evaluator.load(&decoder, IndirectionFilter::Exact).unwrap();
     let mut queries = queries(SMALL, 300, 1);
     for query in &mut queries {

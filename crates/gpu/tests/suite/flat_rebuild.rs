@@ -16,7 +16,8 @@ fn rebuilt_images_are_those_of_the_decoder() {
     let decoder = FlatBtfDecoder::new(flat::parts(&model, &appearance, 32, HEADER, [&set, &set])).unwrap();
     let still = FlatBtfDecoder::new(flat::with_displacements(decoder.parts(), 0.0)).unwrap();
     for (view, direction) in set.directions().iter().enumerate() {
-        let image: Vec<[f32; 3]> = decoder.parts().views[view].light(1).iter().map(|t| rgb9e5::decode(*t)).collect();
+        let image: Vec<[f32; 3]> =
+            decoder.parts().values.views()[view].light(1).iter().map(|t| rgb9e5::decode(*t)).collect();
         let rebuilt = looked_up(&image, &stored_parameters(&decoder, *direction));
         let only = |index: usize| ViewWeights { indices: [index as u32; 3], weights: [1.0, 0.0, 0.0] };
         for (texel, value) in rebuilt.iter().enumerate() {

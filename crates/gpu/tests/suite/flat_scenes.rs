@@ -4,7 +4,7 @@ use crate::common::flat::{parts, structure, with_displacements};
 use brdfc_formats::direction::add_scaled;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::flat_btf::{
-    DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatHeader, FlatView, IndirectionHeader, NormalMap,
+    DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatHeader, FlatValues, FlatView, IndirectionHeader, NormalMap,
 };
 use brdfc_gpu::{FlatRenderer, GpuError, draw_flat_btf, flat_scene_source};
 use brdfc_metrics::image::{LinearImage, auto_exposure, compare_images};
@@ -186,7 +186,8 @@ fn untint(parts: &mut FlatBtfParts, appearance: &brdfc_flat_btf::surface::Appear
         let f_r = appearance.sources[0].eval(DirectionPair::new(light, view), &mut Default::default());
         f_r.map(|f| (f * std::f64::consts::PI * light[2]) as f32)
     };
-    for (view, flat) in parts.views.iter_mut().enumerate() {
+    let FlatValues::Views(views) = &mut parts.values else { panic!("{:?}", parts.values) };
+    for (view, flat) in views.iter_mut().enumerate() {
         let values = all.iter().flat_map(|light| vec![rgb9e5::encode(value(all[view], *light)); texels]);
         *flat = FlatView::new(flat.header().clone(), values.collect()).unwrap();
     }
@@ -203,12 +204,11 @@ fn what_is_too_large_says_what_to_do() {
     let directions = DirectionSet::grid(4, 100, 60.0).unwrap();
     let views: Vec<[f32; 2]> = directions.angles.iter().map(|a| a.map(|degrees| degrees.to_radians() as f32)).collect();
     let texels = large.diffuse.texels();
-    large.views = (0..views.len() as u32)
-        .map(|view| {
-            let header = FlatHeader { size: 64, view, views: views.clone(), lights: vec![[0.0; 2]] };
-            FlatView::new(header, texels.to_vec()).unwrap()
-        })
-        .collect();
+    let flat = |view| {
+        let header = FlatHeader { size: 64, view, views: views.clone(), lights: vec![[0.0; 2]] };
+        FlatView::new(header, texels.to_vec()).unwrap()
+    };
+    large.values = FlatValues::Views((0..views.len() as u32).map(flat).collect());
     let (material, scene) = (material(&large), Builtin::Plane.scene());
     let error = draw_flat_btf(gpu, &scene, FRAME, &material, FlatForm::Full).unwrap_err();
     let GpuError::TooLarge(text) = error else { panic!("{error}") };
@@ -218,7 +218,7 @@ fn what_is_too_large_says_what_to_do() {
 
 #[test]
 fn materials_without_views_or_repetition() {
-    let alone = FlatBtfParts { views: Vec::new(), ..STUD.clone() };
+    let alone = FlatBtfParts { values: FlatValues::None, ..STUD.clone() };
     let decoder = FlatBtfDecoder::new(alone).unwrap();
     assert!(FlatMaterial::new(decoder.clone(), 0).unwrap_err().to_string().contains("repeat"));
     let material = FlatMaterial::new(decoder, 1).unwrap();

@@ -1,9 +1,12 @@
 //! What is written: the list of an asset's parts and what was measured.
 
-use super::recipe::Settings;
+use super::recipe::{Form, Settings};
+use brdfc_flat_btf::factored::FactoredFacts;
 use brdfc_flat_btf::parameterise::SurfaceParameterisationReport;
 use brdfc_flat_btf::probes::ColourErrors;
 use brdfc_flat_btf::weld::WeldReport;
+use brdfc_formats::container::Extent;
+use brdfc_formats::flat_btf::{FlatPart, gpu_bytes};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -59,6 +62,9 @@ pub struct AssetReport {
     pub never_seen: usize,
     /// Errors of what a shader sees.
     pub errors: AssetErrors,
+    /// Of factors in place of all views: how many there are, and how far they are from the views.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub factored: Option<FactoredFacts>,
 }
 
 /// Errors against what the surface shows, or the images that came in. Where light of one bounce was asked for there are
@@ -74,6 +80,12 @@ pub struct AssetErrors {
     /// The light form, normal map and diffuse colour, at the same views and lights.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub light_form: Option<ColourErrors>,
+    /// What `at_samples` would be with every view as it is, where factors stand for them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub views_at_samples: Option<ColourErrors>,
+    /// The same of `between_samples`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub views_between_samples: Option<ColourErrors>,
 }
 
 impl AssetFile {
@@ -85,6 +97,13 @@ impl AssetFile {
     /// Bytes of all texels on a GPU, in the full form where there are views.
     pub fn gpu_bytes(&self) -> u64 {
         self.parts.values().map(|part| part.gpu_bytes).sum()
+    }
+
+    /// Bytes that the values of all views would take on a GPU, stored as they are; 0 of the light form.
+    pub fn gpu_bytes_of_views(&self) -> u64 {
+        let Settings { flat_texels, views, lights, form, .. } = &self.settings;
+        let extent = Extent::D2Array([*flat_texels as u32, *flat_texels as u32, lights.1 as u32]);
+        if *form == Form::Full { gpu_bytes(FlatPart::View.name(), extent, 1) * views.1 as u64 } else { 0 }
     }
 
     /// Share of the texels that no view sees.

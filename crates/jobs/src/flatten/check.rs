@@ -2,6 +2,7 @@
 
 use super::recipe::{FlattenRecipe, Form};
 use brdfc_flat_btf::caster::STEEPEST_DEGREES;
+use brdfc_flat_btf::factored::FactoredRecipe;
 use brdfc_flat_btf::fill::FillMethod;
 use brdfc_flat_btf::interreflection::Bounces;
 use brdfc_formats::FormatError;
@@ -37,7 +38,11 @@ impl FlattenRecipe {
             // What the shader blends with.
             DirectionMesh::new(set).map_err(of_set)?;
         }
-        self.header(0).check()?;
+        let header = self.header(0);
+        header.check()?;
+        if let Some(target) = self.factor {
+            target.check(&header)?;
+        }
         let bytes = self.bytes(1);
         if bytes > MOST_BYTES {
             let gib = |bytes: u64| format!("{:.1} GiB", bytes as f64 / f64::from(1 << 30));
@@ -66,7 +71,10 @@ impl FlattenRecipe {
         let guide = u64::from(self.fill == FillMethod::Poisson && self.form == Form::Full);
         let per_light = VALUE_BYTES * (views_at_once as u64 + guide) + 1;
         let map: u64 = self.indirection.extent().into_iter().map(u64::from).product();
-        texels * (TEXEL_BYTES + views + lights * per_light)
+        // Factors are made when all views are.
+        let factors = self.factor.map_or(0, |target| FactoredRecipe::new(target).memory(&self.header(0)));
+        texels * (TEXEL_BYTES + views)
+            + (texels * lights * per_light).max(factors)
             + 20 * map
             + Bounces::bytes(texels as usize, self.bounces, self.lights.len())
     }
@@ -97,6 +105,7 @@ mod tests {
             bounces: 0,
             rounds: 0,
             form: Form::Full,
+            factor: None,
             supercompress: true,
         }
     }

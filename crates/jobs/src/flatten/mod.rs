@@ -4,6 +4,7 @@ mod asset;
 mod check;
 mod describe;
 mod error;
+mod factors;
 mod input;
 mod parts;
 mod pass;

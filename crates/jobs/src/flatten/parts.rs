@@ -5,13 +5,11 @@ use super::error::FlattenError;
 use crate::store::{Staging, abandoned, read_record, write_record};
 use crate::write::{is_plain, write_atomic};
 use brdfc_formats::container::Extent;
-use brdfc_formats::flat_btf::gpu_bytes;
+use brdfc_formats::flat_btf::{FlatPart, PART_EXTENSION, gpu_bytes, split_part_name};
+use brdfc_source::InputError;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-
-/// What the names of parts' files end with.
-const EXTENSION: &str = ".ktx2";
 
 /// Files that are being made. Until [`Self::commit`] an asset that stands in the folder stays as it is, and what was
 /// written goes away with this.
@@ -33,18 +31,41 @@ impl<'a> Parts<'a> {
         Ok(Self { name, folder, aside, files: BTreeMap::new() })
     }
 
-    /// Writes a part of this extent aside.
+    /// Writes a part of this extent and so many mipmap levels aside.
     ///
     /// # Errors
     /// What the system says.
-    pub(super) fn add(&mut self, part: &str, bytes: &[u8], extent: Extent) -> Result<(), FlattenError> {
-        let file = format!("{}.{part}{EXTENSION}", self.name);
-        std::fs::write(self.aside.path().join(&file), bytes)
-            .map_err(|error| FlattenError::write(&self.folder.join(&file), error))?;
+    pub(super) fn add(&mut self, part: &str, bytes: &[u8], extent: Extent, levels: u32) -> Result<(), FlattenError> {
+        self.keep(part, bytes)?;
         let blake3 = blake3::hash(bytes).to_hex().to_string();
-        let listed = PartFile { file, bytes: bytes.len() as u64, gpu_bytes: gpu_bytes(part, extent, 1), blake3 };
+        let (file, length) = (self.file(part), bytes.len() as u64);
+        let listed = PartFile { file, bytes: length, gpu_bytes: gpu_bytes(part, extent, levels), blake3 };
         self.files.insert(part.to_owned(), listed);
         Ok(())
+    }
+
+    /// Writes what is needed on the way and is no part of the asset.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub(super) fn keep(&self, part: &str, bytes: &[u8]) -> Result<(), FlattenError> {
+        let file = self.file(part);
+        std::fs::write(self.aside.path().join(&file), bytes)
+            .map_err(|error| FlattenError::write(&self.folder.join(file), error))
+    }
+
+    /// What was kept.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub(super) fn kept(&self, part: &str) -> Result<Vec<u8>, FlattenError> {
+        let file = self.file(part);
+        std::fs::read(self.aside.path().join(&file))
+            .map_err(|error| InputError::Io { name: self.folder.join(file).display().to_string(), error }.into())
+    }
+
+    fn file(&self, part: &str) -> String {
+        format!("{}.{part}{PART_EXTENSION}", self.name)
     }
 
     /// What was written so far, by part.
@@ -119,18 +140,17 @@ impl Moves {
         std::fs::rename(&list, &listing).map_err(|error| FlattenError::write(&listing, error))
     }
 
-    /// Views of an earlier asset of the same name that had more of them.
+    /// Values of an earlier asset of the same name: views or factors that this one has not.
     fn remove_stale(&self, folder: &Path) {
-        let prefix = format!("{}.flat.", self.name);
         let Ok(entries) = std::fs::read_dir(folder) else { return };
-        let is_view = |name: &str| {
-            let number = name.strip_prefix(&prefix).and_then(|rest| rest.strip_suffix(EXTENSION));
-            number.is_some_and(|n| (3..=4).contains(&n.len()) && n.bytes().all(|byte| byte.is_ascii_digit()))
-        };
+        let holds_values =
+            |part| matches!(part, FlatPart::View | FlatPart::Basis | FlatPart::Weights | FlatPart::Shadow);
+        let is_own =
+            |name: &str| split_part_name(name).is_some_and(|(asset, part, _)| asset == self.name && holds_values(part));
         let listed = |name: &str| self.files.iter().any(|file| file == name);
         let stale: Vec<PathBuf> = entries
             .flatten()
-            .filter(|entry| entry.file_name().to_str().is_some_and(|name| is_view(name) && !listed(name)))
+            .filter(|entry| entry.file_name().to_str().is_some_and(|name| is_own(name) && !listed(name)))
             .map(|entry| entry.path())
             .collect();
         stale.iter().for_each(|path| drop(std::fs::remove_file(path)));
@@ -156,7 +176,7 @@ mod tests {
         let path = folder.path();
         let mut first = Parts::new("a", path).unwrap();
         for part in ["normal", "flat.000", "flat.001"] {
-            first.add(part, b"first", EXTENT).unwrap();
+            first.add(part, b"first", EXTENT, 1).unwrap();
         }
         assert_eq!(names(path).len(), 1, "nothing but the folder aside");
         first.commit("first list").unwrap();
@@ -164,25 +184,43 @@ mod tests {
         assert_eq!(names(path), whole);
 
         let mut second = Parts::new("a", path).unwrap();
-        second.add("normal", b"second", EXTENT).unwrap();
+        second.add("normal", b"second", EXTENT, 1).unwrap();
         drop(second);
         assert_eq!(names(path), whole);
         assert_eq!(std::fs::read(path.join("a.normal.ktx2")).unwrap(), b"first");
         assert_eq!(std::fs::read(path.join("a.json")).unwrap(), b"first list");
 
         let mut third = Parts::new("a", path).unwrap();
-        third.add("normal", b"third", EXTENT).unwrap();
-        third.add("flat.000", b"third", EXTENT).unwrap();
+        third.add("normal", b"third", EXTENT, 1).unwrap();
+        third.add("flat.000", b"third", EXTENT, 1).unwrap();
         third.commit("third list").unwrap();
         assert_eq!(names(path), ["a.flat.000.ktx2", "a.json", "a.normal.ktx2"]);
         assert_eq!(std::fs::read(path.join("a.normal.ktx2")).unwrap(), b"third");
     }
+
+    #[test]
+    fn factors_take_the_place_of_views_and_views_that_of_factors() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path();
+        for parts in [&["flat.000", "flat.001"][..], &["basis", "shadow", "weights"], &["flat.000"]] {
+            let mut asset = Parts::new("a", path).unwrap();
+            asset.keep("flat.007", b"on the way").unwrap();
+            assert_eq!(asset.kept("flat.007").unwrap(), b"on the way");
+            parts.iter().for_each(|part| asset.add(part, b"some", EXTENT, 1).unwrap());
+            asset.commit("list").unwrap();
+            let mut expected: Vec<String> = parts.iter().map(|part| format!("a.{part}.ktx2")).collect();
+            expected.push("a.json".to_owned());
+            expected.sort();
+            assert_eq!(names(path), expected);
+        }
+    }
+
     #[test]
     fn the_next_finishes_what_a_killed_process_had_begun_to_move() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path();
         let mut old = Parts::new("a", path).unwrap();
-        ["normal", "flat.000", "flat.001"].iter().for_each(|part| old.add(part, b"old", EXTENT).unwrap());
+        ["normal", "flat.000", "flat.001"].iter().for_each(|part| old.add(part, b"old", EXTENT, 1).unwrap());
         old.commit("old list").unwrap();
         // One that had moved a file, and one that was killed before all was there.
         let aside = |name: &str| {

@@ -52,6 +52,8 @@ impl Pass<'_> {
             _ => None,
         };
         progress.stage(Stage::Views, self.views.len())?;
+        // On the way to factors they are always compressed.
+        let supercompress = self.recipe.supercompress || self.recipe.factor.is_some();
         let mut fit = DiffuseFit::new(self.texels.points.len());
         let at_once = self.recipe.views_at_once();
         let count = self.views.len() as u32;
@@ -62,7 +64,7 @@ impl Pass<'_> {
                 .par_iter()
                 .map(|view| {
                     let pack = self.view(field, *view, guide.as_ref())?;
-                    let bytes = full.then(|| pack.to_bytes(self.recipe.supercompress));
+                    let bytes = full.then(|| pack.to_bytes(supercompress));
                     Ok::<_, FlattenError>((pack, bytes))
                 })
                 .collect::<Result<_, _>>()?;
@@ -72,7 +74,11 @@ impl Pass<'_> {
                 fit.add_view(self.texels, &self.masks[*view], self.lights, lit, value);
                 if let Some(bytes) = bytes {
                     probes.iter_mut().for_each(|probes| probes.add_view(&pack));
-                    parts.add(&view_part(*view as u32, count), &bytes, extent)?;
+                    let part = view_part(*view as u32, count);
+                    match self.recipe.factor {
+                        Some(_) => parts.keep(&part, &bytes)?,
+                        None => parts.add(&part, &bytes, extent, 1)?,
+                    }
                 }
                 progress.step()?;
             }

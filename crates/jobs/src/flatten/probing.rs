@@ -10,6 +10,7 @@ use brdfc_flat_btf::probes::{ColourErrors, Directions, Probes, shown};
 use brdfc_flat_btf::surface::Appearance;
 use brdfc_formats::direction_mesh::DirectionMesh;
 use brdfc_formats::flat_btf::FlatBtfDecoder;
+use brdfc_formats::flat_btf::factored::FactoredFlatBtf;
 
 /// Look-ups of each kind; each of a measured BTF reads an image, and there are an eighth of them.
 const PROBES: usize = 4096;
@@ -25,15 +26,28 @@ impl AllProbes {
         self.at_samples.iter_mut().chain(self.between.iter_mut()).collect()
     }
 
-    pub(super) fn measure(&self, decoder: &FlatBtfDecoder, form: Form) -> AssetErrors {
-        let full = |probes: &Option<Probes>| -> Option<ColourErrors> {
-            probes.as_ref().filter(|_| form == Form::Full).map(Probes::full)
+    /// Errors of what a shader sees: of factors, where they stand for all views.
+    pub(super) fn measure(
+        &self,
+        decoder: &FlatBtfDecoder,
+        form: Form,
+        factored: Option<&FactoredFlatBtf>,
+    ) -> AssetErrors {
+        let of_full = |probes: &Option<Probes>, errors: &dyn Fn(&Probes) -> ColourErrors| {
+            probes.as_ref().filter(|_| form == Form::Full).map(errors)
+        };
+        let views = |probes: &Option<Probes>| of_full(probes, &Probes::full);
+        let stored = |probes: &Option<Probes>| match factored {
+            Some(asset) => of_full(probes, &|probes| probes.factored(asset)),
+            None => views(probes),
         };
         let light = self.between.as_ref().or(self.at_samples.as_ref());
         AssetErrors {
-            at_samples: full(&self.at_samples),
-            between_samples: full(&self.between),
+            at_samples: stored(&self.at_samples),
+            between_samples: stored(&self.between),
             light_form: light.map(|probes| probes.light_form(decoder)),
+            views_at_samples: factored.and_then(|_| views(&self.at_samples)),
+            views_between_samples: factored.and_then(|_| views(&self.between)),
         }
     }
 }

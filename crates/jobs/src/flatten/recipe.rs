@@ -1,5 +1,6 @@
 //! What is made of a meso-structure, resolved from flags before any work.
 
+use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::fill::FillMethod;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::flat_btf::IndirectionHeader;
@@ -41,6 +42,8 @@ pub struct FlattenRecipe {
     pub rounds: usize,
     /// Which parts are made.
     pub form: Form,
+    /// What factors of the full form are to be like; `None` keeps every view as it is.
+    pub factor: Option<FactoredTarget>,
     /// Whether files are compressed with Zstandard.
     pub supercompress: bool,
 }
@@ -70,6 +73,9 @@ pub struct Settings {
     pub stretch_rounds: usize,
     /// Which parts were made.
     pub form: Form,
+    /// What was asked of the factors that stand for all views; nothing where views are stored as they are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub factored: Option<FactoredTarget>,
     /// Whether files are compressed with Zstandard.
     pub supercompression: bool,
 }
@@ -90,6 +96,7 @@ impl FlattenRecipe {
             bounces: self.bounces,
             stretch_rounds: self.rounds,
             form: self.form,
+            factored: self.factor.filter(|_| self.form == Form::Full),
             supercompression: self.supercompress,
         }
     }

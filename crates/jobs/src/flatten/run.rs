@@ -2,11 +2,12 @@
 
 use super::asset::{AssetFile, AssetReport};
 use super::error::FlattenError;
+use super::factors::add_factors;
 use super::input::Geometry;
 use super::parts::Parts;
 use super::pass::Pass;
 use super::probing::{computed_probes, measured_probes};
-use super::recipe::FlattenRecipe;
+use super::recipe::{FlattenRecipe, Form};
 use super::stack::StackImages;
 use crate::btf_stack::StackFormat;
 use brdfc_flat_btf::indirection::indirection;
@@ -20,7 +21,8 @@ use brdfc_flat_btf::texels::TexelMap;
 use brdfc_formats::container::Extent;
 use brdfc_formats::direction::Vector;
 use brdfc_formats::flat_btf::{
-    DiffuseMap, FlatBtfDecoder, FlatBtfParts, IndirectionMap, NormalMap, PositionMap, ReferenceMap, VisibilityMask,
+    DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatValues, IndirectionMap, NormalMap, PositionMap, ReferenceMap,
+    VisibilityMask,
 };
 use brdfc_source::ordinary_btf::OrdinaryBtf;
 use brdfc_source::progress::{Progress, Stage};
@@ -73,9 +75,9 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<AssetFile, Fl
     let flat = Extent::D2([size, size]);
     let single = |v: Vector| v.map(|c| c as f32);
     let position = PositionMap::new(size, texels.points.iter().map(|p| single(p.position)).collect())?;
-    parts.add("position", &position.to_bytes(zip), flat)?;
+    parts.add("position", &position.to_bytes(zip), flat, 1)?;
     let normal = NormalMap::new(size, texels.points.iter().map(|p| single(p.normal)).collect())?;
-    parts.add("normal", &normal.to_bytes(zip), flat)?;
+    parts.add("normal", &normal.to_bytes(zip), flat, 1)?;
 
     let header = recipe.indirection;
     progress.stage(Stage::Indirection, header.size as usize)?;
@@ -83,18 +85,23 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<AssetFile, Fl
     let reference = ReferenceMap::new(header.size, found.reference)?;
     let mut displacements = found.displacements.into_iter();
     let map = IndirectionMap::from_displacements(header, |_, _, _| displacements.next().expect("one for each view"))?;
-    parts.add("reference", &reference.to_bytes(zip), Extent::D2([header.size, header.size]))?;
-    parts.add("indirection", &map.to_bytes(zip), Extent::D2(header.extent()))?;
+    parts.add("reference", &reference.to_bytes(zip), Extent::D2([header.size, header.size]), 1)?;
+    parts.add("indirection", &map.to_bytes(zip), Extent::D2(header.extent()), 1)?;
     // Colours come last; the decoder is asked for indirections before.
     let black = DiffuseMap::new(size, vec![0; texels.points.len()])?;
-    let decoder =
-        FlatBtfDecoder::new(FlatBtfParts { reference, indirection: map, normal, diffuse: black, views: Vec::new() })?;
+    let decoder = FlatBtfDecoder::new(FlatBtfParts {
+        reference,
+        indirection: map,
+        normal,
+        diffuse: black,
+        values: FlatValues::None,
+    })?;
 
     let (views, lights) = (recipe.views.directions(), recipe.lights.directions());
     let masks = seen_from(&texels, &model, &views, Stage::Visibility, progress)?;
     let bytes = masks.iter().flatten().map(|seen| if *seen { 255 } else { 0 }).collect();
-    let mask = VisibilityMask::new(size, views.len() as u32, bytes)?.to_bytes(zip);
-    parts.add("mask", &mask, Extent::D2Array([size, size, views.len() as u32]))?;
+    let mask = VisibilityMask::new(size, views.len() as u32, bytes)?;
+    parts.add("mask", &mask.to_bytes(zip), Extent::D2Array([size, size, views.len() as u32]), 1)?;
 
     let lit = seen_from(&texels, &model, &lights, Stage::Shadows, progress)?;
     let pass =
@@ -123,7 +130,11 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<AssetFile, Fl
             (diffuse, probes)
         }
     };
-    parts.add("diffuse", &diffuse.to_bytes(zip), flat)?;
+    parts.add("diffuse", &diffuse.to_bytes(zip), flat, 1)?;
+    let factored = match recipe.factor.filter(|_| recipe.form == Form::Full) {
+        Some(target) => Some(add_factors(target, &mask, &mut parts, zip, progress)?),
+        None => None,
+    };
     let decoder = FlatBtfDecoder::new(FlatBtfParts { diffuse, ..decoder.into_parts() })?;
 
     let seen = masks.iter().flatten().filter(|seen| **seen).count() as f64;
@@ -134,7 +145,8 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<AssetFile, Fl
         heights: model.mesh.height_range(),
         seen: seen / (views.len() * texels.points.len()) as f64,
         never_seen,
-        errors: errors.measure(&decoder, recipe.form),
+        errors: errors.measure(&decoder, recipe.form, factored.as_ref().map(|made| &made.asset)),
+        factored: factored.map(|made| made.facts),
     };
     let asset = AssetFile {
         version: 1,

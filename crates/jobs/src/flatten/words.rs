@@ -39,7 +39,7 @@ pub fn facts(asset: &AssetFile) -> Vec<(&'static str, String)> {
     let (report, settings) = (&asset.report, &asset.settings);
     let (views, lights) = (&settings.views, &settings.lights);
     let stretch = &report.parameterisation.after;
-    vec![
+    let mut facts = vec![
         ("source", asset.source.clone()),
         ("texels", format!("{0} x {0} flat, {1} x {1} on the plane", settings.flat_texels, settings.texels)),
         ("views x lights", format!("{} ({}) x {} ({})", views.1, views.0, lights.1, lights.0)),
@@ -47,17 +47,37 @@ pub fn facts(asset: &AssetFile) -> Vec<(&'static str, String)> {
         ("stretch", format!("{:.3} (1 is even), largest {:.2}", stretch.l2, stretch.largest)),
         ("texels seen by one view", format!("{}, mean over the views", percent(report.seen))),
         ("texels seen by any view", percent(1.0 - asset.unseen())),
-        ("files", format!("{} in {}, {} on a GPU", bytes(asset.bytes()), asset.parts.len(), bytes(asset.gpu_bytes()))),
-    ]
+    ];
+    if let Some(factored) = &report.factored {
+        let shadows = if factored.shadowed { ", a shadow per light" } else { "" };
+        let (stored, whole) = (factored.gpu_bytes, asset.gpu_bytes_of_views());
+        let share = whole as f64 / stored.max(1) as f64;
+        let text = format!("{} components{shadows}: {} on a GPU", factored.components, bytes(stored));
+        facts.push(("views", format!("{text}, {} as they are ({share:.0}:1)", bytes(whole))));
+    }
+    let files = format!("{} in {}, {} on a GPU", bytes(asset.bytes()), asset.parts.len(), bytes(asset.gpu_bytes()));
+    facts.push(("files", files));
+    facts
 }
 
 /// Its errors that are known, and what they are called.
 pub fn errors(asset: &AssetFile) -> Vec<(&'static str, ColourErrors)> {
     let errors = &asset.report.errors;
+    let factored = asset.report.factored.as_ref().map(|facts| facts.errors);
+    let pairs = asset.settings.views.1 * asset.settings.lights.1;
+    let samples = factored.map_or(0, |errors| errors.texels as usize * pairs);
+    let colour = |figures: [f32; 3]| {
+        let [mean, p95, max] = figures.map(f64::from);
+        ColourErrors { samples, mean, p95, max }
+    };
     [
         ("ΔE at sampled directions", errors.at_samples),
         ("ΔE between them", errors.between_samples),
         ("ΔE of the light form", errors.light_form),
+        (
+            "ΔE of factors, where seen",
+            factored.map(|errors| colour([errors.seen_mean, errors.seen_p95, errors.seen_max])),
+        ),
     ]
     .into_iter()
     .filter_map(|(name, error)| Some((name, error?)))

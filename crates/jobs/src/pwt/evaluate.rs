@@ -50,23 +50,21 @@ impl Relightable {
     pub fn levels(&self) -> u32 {
         match self {
             Self::Pack(decoder) => decoder.pack().header().levels,
-            Self::Flat(_) => 0,
+            Self::Flat(material) => material.decoder().parts().values.levels() - 1,
         }
     }
 
     /// Linear RGB. `level` counts from the coarsest, 0; [`Self::levels`] is the finest.
     pub fn value(&self, query: &TexelQuery, level: f32) -> [f32; 3] {
         let single = |v: [f64; 3]| v.map(|c| c as f32);
+        let coarser = (self.levels() as f32 - level).max(0.0);
         match self {
-            Self::Pack(decoder) => {
-                let coarser = (self.levels() as f32 - level).max(0.0);
-                decoder.value(query.uv.map(|c| c as f32), coarser, single(query.incoming))
-            }
+            Self::Pack(decoder) => decoder.value(query.uv.map(|c| c as f32), coarser, single(query.incoming)),
             Self::Flat(material) => {
                 if query.incoming[2] <= 0.0 || query.outgoing[2] <= 0.0 {
                     return [0.0; 3];
                 }
-                material.value(FlatForm::Full, query.uv, query.outgoing, query.incoming)
+                material.value(FlatForm::Full, query.uv, coarser, query.outgoing, query.incoming)
             }
         }
     }

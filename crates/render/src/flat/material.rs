@@ -44,18 +44,17 @@ impl FlatMaterial {
         if repeat == 0 {
             return Err(FormatError::whole("repeat", "0", "1 or more tiles per unit of uv"));
         }
-        let directions = match decoder.parts().views.first() {
+        let directions = match decoder.parts().values.directions() {
             None => None,
-            Some(view) => {
-                let header = view.header();
+            Some([views, lights]) => {
                 let mesh = |name: &str, angles: &[[f32; 2]]| {
                     let angles = angles.iter().map(|angles| angles.map(|angle| f64::from(angle).to_degrees()));
                     DirectionMesh::new(&DirectionSet::new(name, angles.collect())?)
                 };
-                let largest = header.lights.iter().map(|[polar, _]| *polar).fold(0.0, f32::max);
+                let largest = lights.iter().map(|[polar, _]| *polar).fold(0.0, f32::max);
                 Some(SampledDirections {
-                    views: mesh("views", &header.views)?,
-                    lights: mesh("lights", &header.lights)?,
+                    views: mesh("views", views)?,
+                    lights: mesh("lights", lights)?,
                     lowest_light: f64::from(largest).cos() as f32,
                 })
             }
@@ -73,7 +72,7 @@ impl FlatMaterial {
         self.repeat
     }
 
-    /// Whether there are views: [`FlatForm::Full`] needs them.
+    /// Whether there are values of views and lights: [`FlatForm::Full`] needs them.
     pub fn has_views(&self) -> bool {
         self.directions.is_some()
     }
@@ -81,19 +80,20 @@ impl FlatMaterial {
     /// What blends sampled directions.
     ///
     /// # Panics
-    /// Without views.
+    /// Without values of views.
     pub fn sampled_directions(&self) -> &SampledDirections {
         self.directions.as_ref().expect("the full form needs views")
     }
 
-    /// Relative radiance at the coordinates `uv` of a mesh. `view` and `light` are unit vectors in the local frame.
+    /// Relative radiance at the coordinates `uv` of a mesh. `view` and `light` are unit vectors in the local frame;
+    /// `level_of_detail` is that of the texels, 0 the finest, and makes a difference where they have mipmaps.
     ///
     /// Lights lower than all sampled ones have the value of the nearest sampled direction, times the ratio of cosines:
     /// a surface goes dark towards the horizon of its light without a step. The light form needs none of this.
     ///
     /// # Panics
     /// For the full form without views.
-    pub fn value(&self, form: FlatForm, uv: [f64; 2], view: Vector, light: Vector) -> [f32; 3] {
+    pub fn value(&self, form: FlatForm, uv: [f64; 2], level_of_detail: f32, view: Vector, light: Vector) -> [f32; 3] {
         let single = |v: Vector| v.map(|c| c as f32);
         let tile = uv.map(|c| c as f32 * self.repeat as f32);
         let (view, light) = (single(view), single(light));
@@ -107,7 +107,7 @@ impl FlatMaterial {
                 };
                 let (views, lights) = (weights(&directions.views, view), weights(&directions.lights, light));
                 let dimmed = (light[2] / directions.lowest_light).min(1.0);
-                self.decoder.full(tile, view, views, lights).map(|value| value * dimmed)
+                self.decoder.value(tile, view, level_of_detail, views, lights).map(|value| value * dimmed)
             }
         }
     }

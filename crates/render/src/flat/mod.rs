@@ -15,6 +15,7 @@ pub use material::{FlatForm, FlatMaterial, SampledDirections};
 pub use reference::reference_plane;
 pub use thumbnails::{FlatPicture, FlatPictures, flat_pictures};
 
+use super::footprint::{footprint, mipmap_level};
 use super::sample_means::sample_means;
 use super::scene::{Frame, Scene};
 use super::shading_point::ShadingPoint;
@@ -27,18 +28,21 @@ use std::f64::consts::PI;
 /// Draws a scene whose parts are all of one flat BTF: `flat_scene.wgsl` does the same steps.
 ///
 /// # Panics
-/// For the full form of a material without views: see [`FlatMaterial::has_views`].
+/// For the full form of a material without values of views: see [`FlatMaterial::has_views`].
 pub fn draw_on_cpu(scene: &Scene, frame: Frame, material: &FlatMaterial, form: FlatForm) -> LinearImage {
     let hits = trace(scene, frame).0;
+    let size = [material.decoder().parts().diffuse.size() as usize; 2];
     sample_means(scene, frame, |pixel, sample| {
         let hit = hits[pixel * frame.samples_per_pixel() + sample].as_ref()?;
         let point = ShadingPoint::without_bump(&scene.parts[hit.part as usize], hit, scene.camera.eye);
-        Some(reflected(scene, &point, material, form))
+        let steps = footprint(scene, frame, hit, frame.sample_position(pixel, sample));
+        let level = mipmap_level(steps, material.repeat(), size);
+        Some(reflected(scene, &point, material, form, level))
     })
 }
 
-/// Radiance towards the viewer.
-fn reflected(scene: &Scene, point: &ShadingPoint, material: &FlatMaterial, form: FlatForm) -> Vector {
+/// Radiance towards the viewer, of texels of a mipmap level.
+fn reflected(scene: &Scene, point: &ShadingPoint, material: &FlatMaterial, form: FlatForm, level: f32) -> Vector {
     let mut radiance = [0.0; 3];
     for light in &scene.lights {
         let to_light = subtract(light.position, point.position);
@@ -47,7 +51,7 @@ fn reflected(scene: &Scene, point: &ShadingPoint, material: &FlatMaterial, form:
         if incoming[2] <= 0.0 || incoming[2].is_nan() {
             continue;
         }
-        let value = material.value(form, point.uv, point.outgoing, incoming);
+        let value = material.value(form, point.uv, level, point.outgoing, incoming);
         (0..3).for_each(|k| radiance[k] += f64::from(value[k]) * light.intensity[k] / (PI * squared));
     }
     radiance

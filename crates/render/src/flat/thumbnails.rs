@@ -57,7 +57,7 @@ fn tile(material: &FlatMaterial) -> Vec<FlatPicture> {
     let lit = |view: Vector, light: Vector| {
         // A tile is a part of the unit of uv.
         let of_tile = |uv: [f64; 2]| uv.map(|c| c / f64::from(material.repeat()));
-        let image = colours(|uv| material.value(form(material), of_tile(uv), view, light).map(f64::from));
+        let image = colours(|uv| material.value(form(material), of_tile(uv), 0.0, view, light).map(f64::from));
         to_panel(&image, auto_exposure(&image))
     };
     let single = |v: Vector| v.map(|c| c as f32);
@@ -180,7 +180,7 @@ fn ends(values: &[f32]) -> [f32; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use brdfc_formats::flat_btf::{DiffuseMap, FlatBtfDecoder, FlatBtfParts};
+    use brdfc_formats::flat_btf::{DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatValues};
     use brdfc_testing::flat_btf::{SMALL, parts};
 
     const SEEN: [u8; 16] = [255, 255, 0, 0, 255, 255, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0];
@@ -190,7 +190,7 @@ mod tests {
         let half = |k: usize| if k % 4 < 2 { [0.8, 0.0, 0.0] } else { [0.0, 0.0, 0.8] };
         let colours: Vec<[f32; 3]> = (0..16).map(half).collect();
         let diffuse = DiffuseMap::from_colours(4, &colours).unwrap();
-        let parts = FlatBtfParts { diffuse, views: Vec::new(), ..parts(SMALL, 3) };
+        let parts = FlatBtfParts { diffuse, values: FlatValues::None, ..parts(SMALL, 3) };
         let material = FlatMaterial::new(FlatBtfDecoder::new(parts).unwrap(), 4).unwrap();
         let mask = VisibilityMask::new(4, 2, [SEEN, [0; 16]].concat()).unwrap();
         flat_pictures(&material, Some(&mask))

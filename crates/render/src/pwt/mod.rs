@@ -7,13 +7,13 @@
 //! Values are relative to what the photographs show of white, with the cosine inside: a point light of radiant intensity
 //! I at distance d gives the radiance `value I / (π d²)`.
 
-mod footprint;
 mod photograph;
 mod scene;
 
 pub use photograph::Photograph;
 pub use scene::{distant_light, picture_scene};
 
+use super::footprint::{footprint, from_behind, mipmap_level};
 use super::sample_means::sample_means;
 use super::scene::{Frame, Scene};
 use super::shading_point::ShadingPoint;
@@ -23,7 +23,6 @@ use brdfc_formats::FormatError;
 use brdfc_formats::direction::{Vector, dot};
 use brdfc_formats::pwt::PwtDecoder;
 use brdfc_metrics::image::LinearImage;
-use footprint::{footprint, from_behind};
 use std::f64::consts::PI;
 
 /// A pack as a material of surfaces.
@@ -75,12 +74,6 @@ pub fn draw_photographs(scene: &Scene, frame: Frame, photographs: &[Photograph],
     draw(scene, frame, repeat, size, |light, uv, level, _| photographs[light].value(uv, level))
 }
 
-/// The mipmap level of a pixel, from how uv changes to its neighbours: the twin of `pwt_level`.
-pub fn mipmap_level(right: [f64; 2], below: [f64; 2], size: [usize; 2]) -> f32 {
-    let squared = |step: [f64; 2]| (0..2).map(|axis| (step[axis] * size[axis] as f64).powi(2)).sum::<f64>();
-    (0.5 * squared(right).max(squared(below)).max(1e-20).log2()).max(0.0) as f32
-}
-
 /// `value` is relative to white at a light's number, a place in the picture, a mipmap level and a direction.
 fn draw(
     scene: &Scene,
@@ -94,9 +87,8 @@ fn draw(
         let hit = hits[pixel * frame.samples_per_pixel() + sample].as_ref()?;
         let part = &scene.parts[hit.part as usize];
         let point = ShadingPoint::without_bump(part, hit, scene.camera.eye);
-        let [right, below] = footprint(scene, frame, hit, frame.sample_position(pixel, sample));
-        let times = |step: [f64; 2]| step.map(|c| c * f64::from(repeat));
-        let level = mipmap_level(times(right), times(below), size);
+        let steps = footprint(scene, frame, hit, frame.sample_position(pixel, sample));
+        let level = mipmap_level(steps, repeat, size);
         let from_behind = from_behind(&part.mesh, hit.triangle, point.to_viewer);
         let uv = picture_coordinates(point.uv, from_behind, repeat);
         let mut radiance = [0.0; 3];
@@ -152,14 +144,6 @@ mod tests {
             assert!((red / green - expected[0]).abs() < 0.1 && (blue / green - expected[1]).abs() < 0.1, "{x} {y}");
         }
         assert!(at(3, 17)[2] > 3.0 * at(3, 2)[2]);
-    }
-
-    #[test]
-    fn level_0_is_a_texel_per_pixel() {
-        assert_eq!(mipmap_level([1.0 / 40.0, 0.0], [0.0, 1.0 / 20.0], SIZE), 0.0);
-        assert_eq!(mipmap_level([4.0 / 40.0, 0.0], [0.0, 1.0 / 20.0], SIZE), 2.0);
-        assert_eq!(mipmap_level([0.1 / 40.0, 0.0], [0.0, 0.1 / 20.0], SIZE), 0.0);
-        assert_eq!(mipmap_level([f64::INFINITY, 0.0], [0.0, 0.1], SIZE), f32::INFINITY);
     }
 
     /// The light that a photograph is made under: its top is up in the picture.

@@ -1,6 +1,6 @@
 //! Flat BTFs in folders: what is written is read, and what is missing is said.
 
-use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts, view_part};
+use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts, FlatValues, view_part};
 use brdfc_source::InputError;
 use brdfc_source::flat_btf::{check_flat_btf, open_flat_btf};
 use brdfc_testing::flat_btf::{SMALL, parts};
@@ -45,7 +45,7 @@ fn parts_come_back() {
     for view in 0..SMALL.views {
         std::fs::remove_file(folder.path().join(format!("knit.blue.{}.ktx2", view_part(view, SMALL.views)))).unwrap();
     }
-    let light = FlatBtfParts { views: Vec::new(), ..whole };
+    let light = FlatBtfParts { values: FlatValues::None, ..whole };
     assert_eq!(open_flat_btf(folder.path(), false).unwrap(), light);
     let text = error(folder.path(), true);
     assert!(text.contains("no knit.blue.flat.000.ktx2"), "{text}");

@@ -4,7 +4,7 @@ use brdfc_flat_btf::indirection::indirection;
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_formats::direction::from_polar;
 use brdfc_formats::flat_btf::{
-    DiffuseMap, FlatBtfDecoder, FlatBtfParts, IndirectionHeader, IndirectionMap, NormalMap, ReferenceMap,
+    DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatValues, IndirectionHeader, IndirectionMap, NormalMap, ReferenceMap,
 };
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -79,7 +79,7 @@ pub(super) fn stored_map(model: &MesoModel, header: IndirectionHeader) -> FlatBt
         indirection: map.expect("displacements are a few tiles"),
         normal: NormalMap::new(1, vec![[0.0, 0.0, 1.0]]).expect("a unit vector"),
         diffuse: DiffuseMap::new(1, vec![0]).expect("black"),
-        views: Vec::new(),
+        values: FlatValues::None,
     };
     FlatBtfDecoder::new(parts).expect("parts of one size")
 }

@@ -10,7 +10,8 @@ use brdfc_formats::bandwidth::{BandwidthKind, BandwidthMap};
 use brdfc_formats::container::rgb9e5;
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::flat_btf::{
-    DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatView, IndirectionMap, NormalMap, ReferenceMap, ViewWeights,
+    DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatValues, FlatView, IndirectionMap, NormalMap, ReferenceMap,
+    ViewWeights,
 };
 use brdfc_formats::importance::ImportancePack;
 use brdfc_formats::pwt::{PwtDecoder, PwtErrors, PwtPack};
@@ -261,9 +262,9 @@ pub fn flat_asset(parts: &BTreeMap<String, Vec<u8>>) -> Result<Hashes, FormatErr
         indirection: IndirectionMap::from_bytes(&parts["indirection"])?,
         normal: NormalMap::from_bytes(&parts["normal"])?,
         diffuse: DiffuseMap::from_bytes(&parts["diffuse"])?,
-        views: views.map(|(_, bytes)| FlatView::from_bytes(bytes)).collect::<Result<_, _>>()?,
+        values: FlatValues::Views(views.map(|(_, bytes)| FlatView::from_bytes(bytes)).collect::<Result<_, _>>()?),
     })?;
-    let count = decoder.parts().views.len() as u32;
+    let count = decoder.parts().values.views().len() as u32;
     let lights = decoder.atlas().lights;
     let mut numbers = Numbers::default();
     for view in directions().map(single) {

@@ -6,7 +6,9 @@ use super::domain::from_opponent;
 use super::header::{FactoredErrors, FactoredHeader, GROUP, MAX_GROUPS, ShadowFormat};
 use super::maps::{ShadowMap, WeightMap};
 use crate::FormatError;
+use crate::container::rgb9e5;
 use crate::flat_btf::decoder::ViewWeights;
+use crate::flat_btf::flat_view::{FlatHeader, FlatView};
 use crate::flat_btf::tap::{footprint, periodic_tap, wrap};
 
 const MAX_COMPONENTS: usize = MAX_GROUPS as usize * GROUP;
@@ -183,6 +185,24 @@ impl FactoredFlatBtf {
         let at = (row * size + column) as usize;
         let place = Place { level: 0, fine: [(at, 1.0), (at, 0.0), (at, 0.0), (at, 0.0)], coarse: None };
         FactoredTexel { asset: self, place, components: self.components_at(&place) }
+    }
+
+    /// A view as it would be stored without factors, of the finest level.
+    ///
+    /// # Panics
+    /// Without such a view.
+    pub fn view(&self, view: u32) -> FlatView {
+        let FactoredHeader { size, views, lights, .. } = self.header();
+        let (size, pixels) = (*size, (*size * *size) as usize);
+        let mut texels = vec![0; lights.len() * pixels];
+        for at in 0..pixels {
+            let texel = self.texel([at as u32 % size, at as u32 / size]);
+            for light in 0..lights.len() {
+                texels[light * pixels + at] = rgb9e5::encode(texel.value(view, light as u32));
+            }
+        }
+        let header = FlatHeader { size, view, views: views.clone(), lights: lights.clone() };
+        FlatView::new(header, texels).expect("the directions were checked, and values are not negative")
     }
 
     /// Weights of all components.

@@ -9,7 +9,8 @@
 //     let seen = flat_btf_indirection(uv, view);
 //     let value = factored_value(seen.xy, level_of_detail, views, lights);
 //
-// level_of_detail is that of the flat BTF's texels, 0 the finest. Values are those of flat_btf_full.
+// level_of_detail is that of the flat BTF's texels, 0 the finest; factored_mipmap_level finds it in a fragment shader, where
+// control flow is uniform. Values are those of flat_btf_full.
 //
 // With the sampler this costs a fetch per group of four components and one per light, and 3 ceil((groups + wide groups) / 4)
 // loads per pair of a view and a light. Manual filtering fetches 4 or 8 times for one.
@@ -49,6 +50,13 @@ struct FactoredPlace {
 
 // The weights of all components.
 var<private> factored_components: array<vec4<f32>, FACTORED_MAX_GROUPS>;
+
+// The level of detail of a pixel, from how uv changes to the pixels on the right and below: dpdx(uv) and dpdy(uv).
+fn factored_mipmap_level(right: vec2<f32>, below: vec2<f32>) -> f32 {
+    let across = right * f32(factored_parameters.size);
+    let down = below * f32(factored_parameters.size);
+    return max(0.5 * log2(max(max(dot(across, across), dot(down, down)), 1e-20)), 0.0);
+}
 
 fn factored_value(uv: vec2<f32>, level_of_detail: f32, views: FlatBtfWeights, lights: FlatBtfWeights) -> vec3<f32> {
     let last = f32(factored_parameters.levels - 1u);

@@ -1,7 +1,15 @@
-//! What is asked of a factored flat BTF.
+//! What is asked of a factored flat BTF, whether that can be met at all, and what it takes in memory.
+
+use super::assemble::{Shape, header};
+use brdfc_formats::FormatError;
+use brdfc_formats::flat_btf::FlatHeader;
+use brdfc_formats::flat_btf::factored::{GROUP, MAX_GROUPS};
+
+/// Groups of components that are tried: 8, 12, 20, 28, 44, 60 components.
+const GROUPS: [u32; 6] = [2, 3, 5, 7, 11, 15];
 
 /// What a factored flat BTF is to be like.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum FactoredTarget {
     /// The fewest bytes whose mean error, ΔE where texels are seen, is at most this.
@@ -15,6 +23,50 @@ pub enum FactoredTarget {
         /// Whether each texel and light has a factor of its own.
         shadowed: bool,
     },
+}
+
+impl FactoredTarget {
+    /// Whether any asset with these directions can meet it, as far as that is known without the values.
+    ///
+    /// # Errors
+    /// Numbers out of range, fewer bytes than the smallest asset takes, more lights than its parts can hold.
+    pub fn check(&self, directions: &FlatHeader) -> Result<(), FormatError> {
+        match self {
+            Self::Error(most) if !(*most > 0.0 && most.is_finite()) => {
+                Err(FormatError::whole("error of factors", most.to_string(), "a positive number"))
+            }
+            Self::Error(_) => shapes(directions, false).map(drop),
+            Self::Bytes(most) => {
+                let least = shapes(directions, false)?.iter().map(|shape| gpu_bytes(*shape, directions)).min();
+                match least {
+                    Some(least) if *most < least => {
+                        Err(FormatError::whole("bytes of factors", most.to_string(), format!("{least} or more")))
+                    }
+                    _ => Ok(()),
+                }
+            }
+            Self::Components { components, shadowed } => {
+                let groups = components.div_ceil(GROUP as u32);
+                if !(1..=MAX_GROUPS).contains(&groups) {
+                    let allowed = format!("1 to {}", MAX_GROUPS * GROUP as u32);
+                    return Err(FormatError::whole("components", components.to_string(), allowed));
+                }
+                header(Shape { groups, shadowed: *shadowed }, directions.size, directions).check()
+            }
+        }
+    }
+}
+
+/// The shapes that are tried, the smallest first: one at least.
+pub(super) fn shapes(directions: &FlatHeader, shadowed: bool) -> Result<Vec<Shape>, FormatError> {
+    let shapes = GROUPS.map(|groups| Shape { groups, shadowed });
+    header(shapes[0], directions.size, directions).check()?;
+    Ok(shapes.into_iter().filter(|shape| header(*shape, directions.size, directions).check().is_ok()).collect())
+}
+
+/// Bytes of a shape on a GPU.
+pub(super) fn gpu_bytes(shape: Shape, directions: &FlatHeader) -> u64 {
+    header(shape, directions.size, directions).gpu_bytes()
 }
 
 /// Everything that decides the asset besides the views.
@@ -34,5 +86,16 @@ impl FactoredRecipe {
     /// The usual settings: 2500 texels, 384 MiB, 768 MiB.
     pub fn new(target: FactoredTarget) -> Self {
         Self { target, training_texels: 2500, training_bytes: 384 << 20, slab_bytes: 768 << 20 }
+    }
+
+    /// Bytes in memory at most, roughly, on one thread: see [`super::factor`].
+    pub fn memory(&self, directions: &FlatHeader) -> u64 {
+        let [views, lights] = [&directions.views, &directions.lights].map(|angles| angles.len() as u64);
+        let texels = u64::from(directions.size).pow(2);
+        let most = u64::from(GROUPS[GROUPS.len() - 1]) * GROUP as u64;
+        let training = (12 * views * lights * self.training_texels as u64).min(self.training_bytes as u64);
+        let sums = (4 * texels * lights * (most + 1)).min(self.slab_bytes as u64);
+        let (products, masks) = (8 * views * lights * most * (most + 1), 32 * lights * most * (most + 1));
+        training + training / 3 + sums + products + masks + 4 * texels * (most + lights) + 8 * texels * lights
     }
 }

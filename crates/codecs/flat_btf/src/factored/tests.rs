@@ -151,7 +151,7 @@ fn fewest_bytes_that_meet_an_error() {
     assert!(small.facts.gpu_bytes <= chosen.asset.gpu_bytes());
     let view = |view: u32| Ok::<_, FormatError>(views[view as usize].clone());
     let refused = factor(&FactoredRecipe::new(FactoredTarget::Bytes(100)), &seen, view, &()).unwrap_err().to_string();
-    assert!(refused.starts_with("bytes of a factored flat BTF: found 100; allowed "), "{refused}");
+    assert!(refused.starts_with("bytes of factors: found 100; allowed "), "{refused}");
     let none = FactoredTarget::Components { components: 0, shadowed: true };
     let refused = factor(&FactoredRecipe::new(none), &seen, view, &()).unwrap_err().to_string();
     assert_eq!(refused, "components: found 0; allowed 1 to 64");

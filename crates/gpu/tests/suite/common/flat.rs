@@ -9,7 +9,8 @@ use brdfc_formats::container::rgb9e5;
 use brdfc_formats::direction::dot;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::flat_btf::{
-    DiffuseMap, FlatBtfParts, FlatHeader, FlatView, IndirectionHeader, IndirectionMap, NormalMap, ReferenceMap,
+    DiffuseMap, FlatBtfParts, FlatHeader, FlatValues, FlatView, IndirectionHeader, IndirectionMap, NormalMap,
+    ReferenceMap,
 };
 use brdfc_source::address::parse_synth;
 
@@ -64,7 +65,7 @@ pub fn parts(
         indirection: IndirectionMap::from_displacements(header, displacement).unwrap(),
         normal: NormalMap::new(texels as u32, normals).unwrap(),
         diffuse: DiffuseMap::from_colours(texels as u32, &colours).unwrap(),
-        views: flat_views,
+        values: FlatValues::Views(flat_views),
     }
 }
 

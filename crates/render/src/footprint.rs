@@ -7,7 +7,7 @@ use brdfc_formats::direction::{Vector, dot};
 
 /// How uv changes to the pixel on the right and to that below, on the plane of the triangle that is hit at `[x, y]`.
 /// Infinite where a neighbour does not see that plane.
-pub(super) fn footprint(scene: &Scene, frame: Frame, hit: &Hit, [x, y]: [f64; 2]) -> [[f64; 2]; 2] {
+pub(crate) fn footprint(scene: &Scene, frame: Frame, hit: &Hit, [x, y]: [f64; 2]) -> [[f64; 2]; 2] {
     let mesh = &scene.parts[hit.part as usize].mesh;
     let camera = &scene.camera;
     let seen = |x: f64, y: f64| plane_coordinates(mesh, hit.triangle, camera.eye, camera.ray(frame, x, y));
@@ -38,9 +38,32 @@ fn plane_coordinates(mesh: &Mesh, triangle: u32, eye: Vector, ray: Vector) -> Op
     }))
 }
 
+/// The mipmap level of a pixel, from how uv changes to its neighbours, on `size` texels that repeat `repeat` times per unit of
+/// uv: the twin of `pwt_mipmap_level`.
+pub(crate) fn mipmap_level([right, below]: [[f64; 2]; 2], repeat: u32, size: [usize; 2]) -> f32 {
+    let texels = |axis: usize| f64::from(repeat) * size[axis] as f64;
+    let squared = |step: [f64; 2]| (0..2).map(|axis| (step[axis] * texels(axis)).powi(2)).sum::<f64>();
+    (0.5 * squared(right).max(squared(below)).max(1e-20).log2()).max(0.0) as f32
+}
+
 /// Whether a triangle is seen from behind.
-pub(super) fn from_behind(mesh: &Mesh, triangle: u32, to_viewer: Vector) -> bool {
+pub(crate) fn from_behind(mesh: &Mesh, triangle: u32, to_viewer: Vector) -> bool {
     let corners = mesh.triangles[triangle as usize];
     let [a, b, c] = corners.map(|corner| double(mesh.vertices[corner as usize].position));
     dot(cross(subtract(b, a), subtract(c, a)), to_viewer) < 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn level_0_is_a_texel_per_pixel() {
+        let level = |right: [f64; 2], below: [f64; 2]| mipmap_level([right, below], 1, [40, 20]);
+        assert_eq!(level([1.0 / 40.0, 0.0], [0.0, 1.0 / 20.0]), 0.0);
+        assert_eq!(level([4.0 / 40.0, 0.0], [0.0, 1.0 / 20.0]), 2.0);
+        assert_eq!(level([0.1 / 40.0, 0.0], [0.0, 0.1 / 20.0]), 0.0);
+        assert_eq!(level([f64::INFINITY, 0.0], [0.0, 0.1]), f32::INFINITY);
+        assert_eq!(mipmap_level([[1.0 / 40.0, 0.0], [0.0, 1.0 / 20.0]], 2, [40, 20]), 1.0);
+    }
 }
