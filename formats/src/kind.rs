@@ -5,8 +5,8 @@ use crate::bandwidth::{BANDWIDTH_ENTRY, BandwidthMap};
 use crate::container::{MAX_TEXEL_BYTES, PackedTexture};
 use crate::flat_btf::factored::{BasisMap, FACTORED_ENTRY, SHADOW_ENTRY, ShadowMap, WEIGHTS_ENTRY, WeightMap};
 use crate::flat_btf::{
-    DiffuseMap, FLAT_BTF_ENTRY, FlatPart, FlatView, INDIRECTION_ENTRY, IndirectionMap, NormalMap, PositionMap,
-    ReferenceMap, VisibilityMask, split_part_name,
+    DISPLACEMENT_ENTRY, DiffuseMap, DisplacementMap, FLAT_BTF_ENTRY, FlatPart, FlatView, INDIRECTION_ENTRY,
+    IndirectionMap, NormalMap, PositionMap, ReferenceMap, VisibilityMask, split_part_name,
 };
 use crate::importance::{IMPORTANCE_ENTRY, ImportancePack};
 use crate::pwt::{PWT_ENTRY, PwtPack};
@@ -42,6 +42,7 @@ impl PackKind {
             (PWT_ENTRY, Self::Pwt),
             (FLAT_BTF_ENTRY, Self::FlatBtf(FlatPart::View)),
             (INDIRECTION_ENTRY, Self::FlatBtf(FlatPart::Indirection)),
+            (DISPLACEMENT_ENTRY, Self::FlatBtf(FlatPart::Displacement)),
             (FACTORED_ENTRY, Self::FlatBtf(FlatPart::Basis)),
             (WEIGHTS_ENTRY, Self::FlatBtf(FlatPart::Weights)),
             (SHADOW_ENTRY, Self::FlatBtf(FlatPart::Shadow)),
@@ -105,6 +106,8 @@ pub enum Pack {
     Mask(VisibilityMask),
     /// The part `indirection`.
     Indirection(IndirectionMap),
+    /// The part `displacement`.
+    Displacement(DisplacementMap),
     /// A view.
     View(FlatView),
     /// The part `basis` of a factored flat BTF.
@@ -153,6 +156,7 @@ impl Pack {
                     FlatPart::Diffuse => Self::Diffuse(DiffuseMap::from_texture(&texture)?),
                     FlatPart::Mask => Self::Mask(VisibilityMask::from_texture(&texture)?),
                     FlatPart::Indirection => Self::Indirection(IndirectionMap::from_texture(&texture)?),
+                    FlatPart::Displacement => Self::Displacement(DisplacementMap::from_texture(&texture)?),
                     FlatPart::View => Self::View(FlatView::from_texture(&texture)?),
                     FlatPart::Basis => Self::Basis(BasisMap::from_texture(&texture)?),
                     FlatPart::Weights => Self::Weights(WeightMap::from_texture(texture)?),
@@ -176,6 +180,7 @@ impl Pack {
             Self::Diffuse(_) => PackKind::FlatBtf(FlatPart::Diffuse),
             Self::Mask(_) => PackKind::FlatBtf(FlatPart::Mask),
             Self::Indirection(_) => PackKind::FlatBtf(FlatPart::Indirection),
+            Self::Displacement(_) => PackKind::FlatBtf(FlatPart::Displacement),
             Self::View(_) => PackKind::FlatBtf(FlatPart::View),
             Self::Basis(_) => PackKind::FlatBtf(FlatPart::Basis),
             Self::Weights(_) => PackKind::FlatBtf(FlatPart::Weights),

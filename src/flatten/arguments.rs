@@ -82,7 +82,8 @@ pub struct Arguments {
     /// full: every view and light, as factors; light: normal map and diffuse colours instead.
     #[arg(long, value_enum, default_value = "full")]
     pub(super) form: FormArgument,
-    /// Full form: store every view as it is, in place of factors that take some hundredths of it on a GPU.
+    /// Store every view as it is in place of factors, and the whole indirection map in place of displacements: some ninety times
+    /// as much on a GPU.
     #[arg(long, conflicts_with_all = ["max_delta_e", "max_bytes"])]
     pub(super) uncompressed: bool,
     /// Mean ΔE (CIE76) of factors from the views, where texels are seen, to stay below (default: 0.7).

@@ -246,6 +246,7 @@ pub(super) fn recipe(arguments: &Arguments) -> Result<FlattenRecipe, CliError> {
             FormArgument::Light => Form::Light,
         },
         factor: factor_target(arguments)?,
+        compact: !arguments.uncompressed,
         supercompress: !arguments.no_supercompression,
     })
 }
@@ -256,11 +257,7 @@ const MAX_DELTA_E: f64 = 0.7;
 /// What factors are to be like; nothing where views are kept as they are.
 fn factor_target(arguments: &Arguments) -> Result<Option<FactoredTarget>, CliError> {
     if arguments.form == FormArgument::Light {
-        let given = [
-            (arguments.uncompressed, "uncompressed"),
-            (arguments.max_delta_e.is_some(), "max-delta-e"),
-            (arguments.max_bytes.is_some(), "max-bytes"),
-        ];
+        let given = [(arguments.max_delta_e.is_some(), "max-delta-e"), (arguments.max_bytes.is_some(), "max-bytes")];
         if let Some((_, option)) = given.iter().find(|(given, _)| *given) {
             let text = format!("--{option}: found with --form light, which has no views; allowed with --form full");
             return Err(CliError::Usage(text));

@@ -1,4 +1,4 @@
-//! Factored flat BTFs on the device: bindings 7 to 11 of group 1, as `formats/src/flat_btf/factored/factored.wgsl` declares them.
+//! Factored flat BTFs on the device: bindings 8 to 12 of group 1, as `formats/src/flat_btf/factored/factored.wgsl` declares them.
 
 use super::device::{Gpu, GpuError};
 use super::pack::texture_format;
@@ -13,7 +13,7 @@ use wgpu::{
 };
 
 /// The first of the five bindings.
-const FIRST: u32 = 7;
+const FIRST: u32 = 8;
 
 /// Their layout.
 pub(super) fn entries(stages: ShaderStages) -> [BindGroupLayoutEntry; 5] {

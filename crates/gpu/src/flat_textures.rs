@@ -8,7 +8,7 @@ use super::raster::{buffer_type, entry};
 use brdfc_formats::container::TexelFormat;
 use brdfc_formats::flat_btf::factored::shader::FactoredFilter;
 use brdfc_formats::flat_btf::shader::{FlatBtfParameters, IndirectionFilter};
-use brdfc_formats::flat_btf::{Atlas, FlatBtfDecoder};
+use brdfc_formats::flat_btf::{Atlas, FlatBtfDecoder, Indirection};
 use wgpu::{
     AddressMode, BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor,
     BindingResource, BindingType, BufferBindingType, BufferUsages, Extent3d, FilterMode, Limits, Origin3d,
@@ -34,6 +34,7 @@ pub(super) fn layout(gpu: &Gpu, stages: ShaderStages) -> BindGroupLayout {
         texture(4, true, TextureViewDimension::D2),
         texture(5, true, TextureViewDimension::D2),
         texture(6, true, TextureViewDimension::D2Array),
+        texture(7, true, TextureViewDimension::D2),
     ];
     gpu.device.create_bind_group_layout(&BindGroupLayoutDescriptor {
         label: Some("flat BTF"),
@@ -77,7 +78,16 @@ pub(super) fn upload(
     let size = [parts.diffuse.size(); 2];
     let parameters = bytemuck::cast_slice(parts.reference.parameters());
     let reference = image(TexelFormat::Rg32Float, [parts.reference.size(); 2], parameters);
-    let packed = image(TexelFormat::Rgba16Float, packed, &parts.indirection.texel_bytes());
+    let (packed, ranges) = match &parts.indirection {
+        Indirection::Samples(map) => (
+            image(TexelFormat::Rgba16Float, packed, &map.texel_bytes()),
+            image(TexelFormat::Rgba16Float, [1; 2], &[0; 8]),
+        ),
+        Indirection::Compact(map) => (
+            image(TexelFormat::Rg8Unorm, packed, map.texel_bytes()),
+            image(TexelFormat::Rgba16Float, [map.header().blocks.size; 2], &map.range_bytes()),
+        ),
+    };
     let normal = image(TexelFormat::Rgba16Float, size, &parts.normal.texel_bytes());
     let diffuse = image(TexelFormat::Rgb9E5, size, bytemuck::cast_slice(parts.diffuse.texels()));
     let parameters = gpu.buffer(&FlatBtfParameters::new(decoder, filter).to_bytes(), BufferUsages::UNIFORM);
@@ -96,6 +106,7 @@ pub(super) fn upload(
         BindGroupEntry { binding: 4, resource: BindingResource::TextureView(&normal) },
         BindGroupEntry { binding: 5, resource: BindingResource::TextureView(&diffuse) },
         BindGroupEntry { binding: 6, resource: BindingResource::TextureView(&atlas) },
+        BindGroupEntry { binding: 7, resource: BindingResource::TextureView(&ranges) },
     ];
     let entries = [&own[..], &factored.bindings()].concat();
     let group = gpu.device.create_bind_group(&BindGroupDescriptor { label: None, layout, entries: &entries });

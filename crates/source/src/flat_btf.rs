@@ -5,10 +5,10 @@ use crate::InputError;
 use crate::read::{MAX_FILE_BYTES, MAX_TEXT_BYTES, read_file};
 use crate::words::{few, json_problem};
 use brdfc_formats::FormatError;
-use brdfc_formats::flat_btf::factored::{BasisMap, FactoredFlatBtf, ShadowFormat, ShadowMap, WeightMap};
+use brdfc_formats::flat_btf::factored::{BasisMap, FactoredFlatBtf, ShadowMap, WeightMap};
 use brdfc_formats::flat_btf::{
-    DiffuseMap, FlatBtfParts, FlatPart, FlatValues, FlatView, IndirectionMap, NormalMap, PART_EXTENSION, ReferenceMap,
-    split_part_name, view_part,
+    DiffuseMap, DisplacementMap, FlatBtfParts, FlatPart, FlatValues, FlatView, IndirectionMap, NormalMap,
+    PART_EXTENSION, ReferenceMap, split_part_name, view_part,
 };
 use rayon::prelude::*;
 use serde::Deserialize;
@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 /// What the name of the list of parts ends with.
 const LIST: &str = ".json";
 /// Parts that every asset has, of those that are drawn.
-const PARTS: [&str; 4] = ["reference", "indirection", "normal", "diffuse"];
+const PARTS: [&str; 3] = ["reference", "normal", "diffuse"];
 /// Most files that are looked at.
 const MAX_ENTRIES: usize = 1 << 16;
 /// Most missing files that an error lists.
@@ -48,10 +48,16 @@ struct Listed {
 /// those of the list or do not follow their layout. Whether sizes fit together is for `FlatBtfDecoder::new`.
 pub fn open_flat_btf(path: &Path, values: bool) -> Result<FlatBtfParts, InputError> {
     let asset = Asset::open(path)?;
-    asset.check_listed(&PARTS.map(str::to_owned))?;
+    let mut names: Vec<String> = PARTS.map(str::to_owned).to_vec();
+    names.push(asset.indirection_part().name().to_owned());
+    names.extend(values.then(|| asset.value_parts()).into_iter().flatten());
+    asset.check_listed(&names)?;
     Ok(FlatBtfParts {
         reference: asset.part("reference", ReferenceMap::from_bytes)?,
-        indirection: asset.part("indirection", IndirectionMap::from_bytes)?,
+        indirection: match asset.indirection_part() {
+            FlatPart::Displacement => asset.part("displacement", DisplacementMap::from_bytes)?.into(),
+            _ => asset.part("indirection", IndirectionMap::from_bytes)?.into(),
+        },
         normal: asset.part("normal", NormalMap::from_bytes)?,
         diffuse: asset.part("diffuse", DiffuseMap::from_bytes)?,
         values: if values { asset.values()? } else { FlatValues::None },
@@ -65,7 +71,9 @@ pub fn open_flat_btf(path: &Path, values: bool) -> Result<FlatBtfParts, InputErr
 /// As [`open_flat_btf`], of the files that it takes.
 pub fn open_flat_view(path: &Path, view: u32) -> Result<(Option<FlatView>, u32), InputError> {
     let asset = Asset::open(path)?;
-    if let Some(factored) = asset.factored()? {
+    if asset.is_factored() {
+        asset.check_listed(&asset.value_parts())?;
+        let factored = asset.factored()?;
         let count = factored.header().views.len() as u32;
         let decoded = (view < count).then(|| factored.view(view));
         return Ok((decoded, count));
@@ -112,36 +120,46 @@ impl Asset {
         Ok(Self { folder, name, listing })
     }
 
-    /// What the full form takes.
-    fn values(&self) -> Result<FlatValues, InputError> {
-        if let Some(factored) = self.factored()? {
-            return Ok(FlatValues::Factored(Box::new(factored)));
+    /// Which of the two parts says how what is seen moves with the view.
+    fn indirection_part(&self) -> FlatPart {
+        let compact = FlatPart::Displacement;
+        if self.listing.parts.contains_key(compact.name()) { compact } else { FlatPart::Indirection }
+    }
+
+    /// What the full form takes: factors, where the list has them, or all views.
+    fn value_parts(&self) -> Vec<String> {
+        if self.is_factored() {
+            let shadow = FlatPart::Shadow.name();
+            let shadow = self.listing.parts.contains_key(shadow).then_some(shadow);
+            let parts = [FlatPart::Basis.name(), FlatPart::Weights.name()].into_iter().chain(shadow);
+            return parts.map(str::to_owned).collect();
         }
         let count = self.views();
-        let names: Vec<String> = (0..count.max(1)).map(|view| view_part(view, count)).collect();
-        self.check_listed(&names)?;
+        (0..count.max(1)).map(|view| view_part(view, count)).collect()
+    }
+
+    fn is_factored(&self) -> bool {
+        self.listing.parts.contains_key(FlatPart::Basis.name())
+    }
+
+    /// The values, whose files are there.
+    fn values(&self) -> Result<FlatValues, InputError> {
+        if self.is_factored() {
+            return Ok(FlatValues::Factored(Box::new(self.factored()?)));
+        }
         let views: Vec<Result<FlatView, InputError>> =
-            names.par_iter().map(|part| self.part(part, FlatView::from_bytes)).collect();
+            self.value_parts().par_iter().map(|part| self.part(part, FlatView::from_bytes)).collect();
         Ok(FlatValues::Views(views.into_iter().collect::<Result<_, _>>()?))
     }
 
-    /// Its values as a product, where the list has them so.
-    fn factored(&self) -> Result<Option<FactoredFlatBtf>, InputError> {
+    /// The factors, whose files are there.
+    fn factored(&self) -> Result<FactoredFlatBtf, InputError> {
         let [basis, weights, shadow] = [FlatPart::Basis, FlatPart::Weights, FlatPart::Shadow].map(FlatPart::name);
-        if !self.listing.parts.contains_key(basis) {
-            return Ok(None);
-        }
-        self.check_listed(&[basis, weights].map(str::to_owned))?;
-        let map = self.part(basis, BasisMap::from_bytes)?;
-        let shadow = match map.header().shadow {
-            ShadowFormat::None => None,
-            ShadowFormat::R8 => {
-                self.check_listed(&[shadow.to_owned()])?;
-                Some(self.part(shadow, ShadowMap::from_bytes)?)
-            }
-        };
-        let asset = FactoredFlatBtf::new(map, self.part(weights, WeightMap::from_bytes)?, shadow);
-        Ok(Some(asset.map_err(|error| format_error(&self.folder.join(self.file(basis)), error))?))
+        let has_shadow = self.listing.parts.contains_key(shadow);
+        let shadow = has_shadow.then(|| self.part(shadow, ShadowMap::from_bytes)).transpose()?;
+        let weights = self.part(weights, WeightMap::from_bytes)?;
+        let asset = FactoredFlatBtf::new(self.part(basis, BasisMap::from_bytes)?, weights, shadow);
+        asset.map_err(|error| format_error(&self.folder.join(self.file(basis)), error))
     }
 
     /// Views in the list.

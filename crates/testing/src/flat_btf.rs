@@ -76,7 +76,7 @@ pub fn parts(sizes: Sizes, seed: u64) -> FlatBtfParts {
     let colours: Vec<[f32; 3]> = (0..texels).map(|_| [0; 3].map(|_| numbers.unit() as f32)).collect();
     FlatBtfParts {
         reference: ReferenceMap::new(sizes.reference, reference).unwrap(),
-        indirection: indirection(sizes, seed + 1),
+        indirection: indirection(sizes, seed + 1).into(),
         normal: NormalMap::new(sizes.flat, normals).unwrap(),
         diffuse: DiffuseMap::from_colours(sizes.flat, &colours).unwrap(),
         values: FlatValues::Views((0..sizes.views).map(|view| flat_view(sizes, view, seed + 2)).collect()),

@@ -5,6 +5,7 @@
 //! manual filtering gives the same bits.
 
 use super::atlas::Atlas;
+use super::displacement::DisplacementMap;
 use super::factored::FactoredFlatBtf;
 use super::flat_view::FlatView;
 use super::indirection::{IndirectionHeader, IndirectionMap};
@@ -21,13 +22,52 @@ pub struct FlatBtfParts {
     /// What a view along the normal sees.
     pub reference: ReferenceMap,
     /// How that moves with the view.
-    pub indirection: IndirectionMap,
+    pub indirection: Indirection,
     /// Normals for the light form.
     pub normal: NormalMap,
     /// Reflectances for the light form.
     pub diffuse: DiffuseMap,
     /// What texels show in each view under each light.
     pub values: FlatValues,
+}
+
+/// How what is seen through the reference plane moves with the view.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Indirection {
+    /// The part `indirection`: directions, distances and heights.
+    Samples(IndirectionMap),
+    /// The part `displacement`: less accurate, without heights, and a sixteenth of the bytes or less.
+    Compact(DisplacementMap),
+}
+
+impl Indirection {
+    /// The map of directions and distances, where it is one.
+    pub fn samples(&self) -> Option<&IndirectionMap> {
+        match self {
+            Self::Samples(map) => Some(map),
+            Self::Compact(_) => None,
+        }
+    }
+
+    /// Sizes and views; the size is that of the blocks.
+    pub fn header(&self) -> &IndirectionHeader {
+        match self {
+            Self::Samples(map) => map.header(),
+            Self::Compact(map) => &map.header().blocks,
+        }
+    }
+}
+
+impl From<DisplacementMap> for Indirection {
+    fn from(map: DisplacementMap) -> Self {
+        Self::Compact(map)
+    }
+}
+
+impl From<IndirectionMap> for Indirection {
+    fn from(map: IndirectionMap) -> Self {
+        Self::Samples(map)
+    }
 }
 
 /// What texels show in each view under each light.
@@ -102,7 +142,16 @@ impl FlatBtfDecoder {
             let field = format!("size of the part {part}");
             Err(FormatError::whole(field, found.to_string(), format!("{allowed}, the size of the part {of}")))
         };
-        same("indirection", parts.indirection.header().size, reference, "reference")?;
+        match &parts.indirection {
+            Indirection::Samples(map) => same("indirection", map.header().size, reference, "reference")?,
+            Indirection::Compact(map) => {
+                let blocks = map.header().blocks.size;
+                if !reference.is_multiple_of(blocks) {
+                    let allowed = format!("a divisor of {reference}, the size of the part reference");
+                    return Err(FormatError::whole("size of the part displacement", blocks.to_string(), allowed));
+                }
+            }
+        }
         same("normal", parts.normal.size(), size, "diffuse")?;
         if let Some(asset) = parts.values.factored() {
             same("weights", asset.header().size, size, "diffuse")?;
@@ -144,26 +193,30 @@ impl FlatBtfDecoder {
     /// plane. `uv` is in tiles, of any size; `view` is a unit vector to the viewer.
     ///
     /// The directions of four view samples are blended and normalised, their distances are blended
-    /// linearly. Directions below the horizon are seen from the largest polar angle.
+    /// linearly. Directions below the horizon are seen from the largest polar angle. Compact displacements are blended in the
+    /// view's own frame, and have no heights: theirs is 0.
     pub fn indirection(&self, uv: [f32; 2], view: [f32; 3]) -> [f32; 3] {
-        let (map, reference) = (&self.parts.indirection, &self.parts.reference);
-        let size = map.header().size;
+        let reference = &self.parts.reference;
+        let size = reference.size();
         let texel = uv.map(|c| ((wrap(c) * size as f32) as u32).min(size - 1));
-        let position = view_position(map.header(), view);
-        let column = block_tap(position[0], map.header().zenith_samples - 1);
-        let row = block_tap(position[1], map.header().azimuth_samples);
-        let mut blended = [0.0f32; 4];
-        for ([k, a], weight) in footprint(column, row) {
-            let sample = map.sample(texel, k, a);
-            for component in 0..4 {
-                blended[component] += weight * sample[component];
+        let [u, v] = reference.parameters()[(texel[1] * size + texel[0]) as usize];
+        let header = self.parts.indirection.header();
+        let position = view_position(header, view);
+        let column = block_tap(position[0], header.zenith_samples - 1);
+        let samples = footprint(column, block_tap(position[1], header.azimuth_samples));
+        match &self.parts.indirection {
+            Indirection::Samples(map) => {
+                let [x, y, distance, height] = blended(&samples, |k, a| map.sample(texel, k, a));
+                let length = (x * x + y * y).sqrt();
+                let scale = if length > 0.0 { distance / length } else { 0.0 };
+                [wrap(u + scale * x), wrap(v + scale * y), height]
+            }
+            Indirection::Compact(map) => {
+                let block = texel.map(|c| c / (size / header.size));
+                let [x, y] = map.displacement(block, blended(&samples, |k, a| map.sample(block, k, a)), view);
+                [wrap(u + x), wrap(v + y), 0.0]
             }
         }
-        let [x, y, distance, height] = blended;
-        let length = (x * x + y * y).sqrt();
-        let scale = if length > 0.0 { distance / length } else { 0.0 };
-        let [u, v] = reference.parameters()[(texel[1] * size + texel[0]) as usize];
-        [wrap(u + scale * x), wrap(v + scale * y), height]
     }
 
     /// Equation 1, `BTF = FBTF(VDIM)`, relative to a white diffuser that faces the light. Views and lights are blended by the
@@ -239,6 +292,18 @@ fn view_position(header: &IndirectionHeader, [x, y, z]: [f32; 3]) -> [f32; 2] {
     let azimuth = if y < 0.0 { TAU - azimuth } else { azimuth };
     let column = polar / header.largest_angle * (header.zenith_samples - 1) as f32;
     [column, azimuth / TAU * header.azimuth_samples as f32]
+}
+
+/// A sum of weighted samples `(k, a)`, in their order.
+fn blended<const N: usize>(samples: &[([u32; 2], f32); 4], sample: impl Fn(u32, u32) -> [f32; N]) -> [f32; N] {
+    let mut blended = [0.0f32; N];
+    for ([k, a], weight) in samples {
+        let sample = sample(*k, *a);
+        for component in 0..N {
+            blended[component] += weight * sample[component];
+        }
+    }
+    blended
 }
 
 /// The samples around a position from 0 to `last`.

@@ -4,7 +4,7 @@
 // numbers below are theirs. The layout of the files is described in `formats/src/flat_btf/spec.md`; the CPU decoder
 // with the same steps in the same order is `FlatBtfDecoder` of the crate `brdfc-formats`.
 //
-// To use it: paste this file before your own shader, move the seven bindings where they suit you, and call
+// To use it: paste this file before your own shader, move the eight bindings where they suit you, and call
 //
 //     let seen = flat_btf_indirection(uv, view);        // parameters and height of the surface point that is seen
 //     let value = flat_btf_light_form(uv, view, light);  // normal map and diffuse colour
@@ -14,10 +14,10 @@
 // tangent, y = bitangent, z = normal. Values are linear RGB: radiance divided by that of a white diffuser that faces
 // the light.
 //
-// The indirection costs 5 fetches with manual filtering and 2 with the sampler; the light form 8 more; the full form
+// The indirection costs 5 fetches with manual filtering and 2 with the sampler, one more of displacements; the light form 8 more; the full form
 // 4 more for each pair of a view and a light whose weights are not 0.
 
-// The same fields, in the same order, as `FlatBtfParameters` of `brdfc-formats`. 32 bytes.
+// The same fields, in the same order, as `FlatBtfParameters` of `brdfc-formats`. 48 bytes.
 struct FlatBtfParameters {
     size: u32,             // T: the flat BTF has T x T texels
     reference_size: u32,   // M: the reference plane has M x M texels
@@ -26,7 +26,11 @@ struct FlatBtfParameters {
     largest_angle: f32,    // φ_max, radians
     atlas_columns: u32,    // lights in a row of the atlas
     hardware: u32,         // 1: the sampler blends views of the indirection, 0: manual weights
-    reserved: u32,
+    blocks: u32,           // N: the file `displacement` has N x N blocks; 0: there is the file `indirection`
+    largest_tangent: f32,  // of a polar angle, of displacements
+    reserved_0: u32,
+    reserved_1: u32,
+    reserved_2: u32,
 }
 
 // Three sampled directions and their weights; what has a weight of 0 is not fetched.
@@ -38,7 +42,7 @@ struct FlatBtfWeights {
 @group(1) @binding(0) var<uniform> flat_btf_parameters: FlatBtfParameters;
 // M x M texels of two 32-bit floats, as in the file `reference`. Not filtered.
 @group(1) @binding(1) var flat_btf_reference: texture_2d<f32>;
-// The file `indirection`: direction, distance, height in halves.
+// The file `indirection`: direction, distance, height in halves. Or the file `displacement`: two bytes.
 @group(1) @binding(2) var flat_btf_packed_indirection: texture_2d<f32>;
 // Linear filter, clamp to edge.
 @group(1) @binding(3) var flat_btf_sampler: sampler;
@@ -48,6 +52,8 @@ struct FlatBtfWeights {
 @group(1) @binding(5) var flat_btf_diffuse: texture_2d<f32>;
 // One layer per view. Light l has the tile of T x T texels at column l mod atlas_columns, row l / atlas_columns.
 @group(1) @binding(6) var flat_btf_values: texture_2d_array<f32>;
+// N x N texels of four halves, the ranges of the file `displacement`; else any 2D texture.
+@group(1) @binding(7) var flat_btf_ranges: texture_2d<f32>;
 
 const FLAT_BTF_PI: f32 = 3.14159274;
 const FLAT_BTF_HALF_PI: f32 = 1.57079637;
@@ -69,19 +75,51 @@ fn flat_btf_indirection(uv: vec2<f32>, view: vec3<f32>) -> vec3<f32> {
     let i = min(u32(flat_btf_wrap(uv.x) * f32(size)), size - 1u);
     let j = min(u32(flat_btf_wrap(uv.y) * f32(size)), size - 1u);
     let position = flat_btf_view_position(view);
-    var blended = vec4<f32>(0.0);
-    if flat_btf_parameters.hardware == 1u {
-        blended = flat_btf_sampled_block(i, j, position);
-    } else {
-        blended = flat_btf_loaded_block(i, j, position);
+    let reference = textureLoad(flat_btf_reference, vec2<u32>(i, j), 0);
+    if flat_btf_parameters.blocks > 0u {
+        let coarser = size / flat_btf_parameters.blocks;
+        let moved = flat_btf_displacement(i / coarser, j / coarser, position, view);
+        return vec3<f32>(flat_btf_wrap(reference.x + moved.x), flat_btf_wrap(reference.y + moved.y), 0.0);
     }
+    let blended = flat_btf_block(i, j, size, position);
     // The blend of directions is brought back to length 1: directional in azimuth, linear in distance.
     let length = sqrt(blended.x * blended.x + blended.y * blended.y);
     let scale = select(0.0, blended.z / length, length > 0.0);
-    let reference = textureLoad(flat_btf_reference, vec2<u32>(i, j), 0);
     let u = flat_btf_wrap(reference.x + scale * blended.x);
     let v = flat_btf_wrap(reference.y + scale * blended.y);
     return vec3<f32>(u, v, blended.w);
+}
+
+// The displacement that a block stands for in a view, turned from the view's own frame.
+fn flat_btf_displacement(i: u32, j: u32, position: vec2<f32>, view: vec3<f32>) -> vec2<f32> {
+    let shares = flat_btf_block(i, j, flat_btf_parameters.blocks, position);
+    let range = textureLoad(flat_btf_ranges, vec2<u32>(i, j), 0);
+    let along = range.x + range.y * shares.x;
+    let across = range.z + range.w * shares.y;
+    let length = sqrt(view.x * view.x + view.y * view.y);
+    let most = flat_btf_parameters.largest_tangent;
+    var tangent = most;
+    if view.z > 0.0 {
+        tangent = min(length / view.z, most);
+    }
+    let scale = tangent + 0.25;
+    var cosine = 1.0;
+    var sine = 0.0;
+    if length > 0.0 {
+        cosine = view.x / length;
+        sine = view.y / length;
+    }
+    let x = scale * (along * cosine - across * sine);
+    let y = scale * (along * sine + across * cosine);
+    return vec2<f32>(x, y);
+}
+
+// A blend of the view samples of a block, of so many blocks per side.
+fn flat_btf_block(i: u32, j: u32, blocks: u32, position: vec2<f32>) -> vec4<f32> {
+    if flat_btf_parameters.hardware == 1u {
+        return flat_btf_sampled_block(i, j, blocks, position);
+    }
+    return flat_btf_loaded_block(i, j, position);
 }
 
 // Equation 1: the BTF from all sampled views and lights.
@@ -166,13 +204,13 @@ fn flat_btf_loaded_block(i: u32, j: u32, position: vec2<f32>) -> vec4<f32> {
     return value;
 }
 
-// The same by the sampler. With t = φ / φ_max and N = M this is the paper's u = (i + α t + β) / N with α = (Z - 1) / Z
+// The same by the sampler. With t = φ / φ_max and so many blocks as N this is the paper's u = (i + α t + β) / N with α = (Z - 1) / Z
 // and β = 1 / 2Z; for the azimuth α = A / (A + 1) and β = 1 / 2(A + 1).
-fn flat_btf_sampled_block(i: u32, j: u32, position: vec2<f32>) -> vec4<f32> {
+fn flat_btf_sampled_block(i: u32, j: u32, blocks: u32, position: vec2<f32>) -> vec4<f32> {
     let samples = vec2<f32>(f32(flat_btf_parameters.zenith_samples), f32(flat_btf_parameters.azimuth_samples + 1u));
     let inside = clamp(position, vec2<f32>(FLAT_BTF_GUARD), samples - (1.0 + FLAT_BTF_GUARD));
     let texels = vec2<f32>(f32(i), f32(j)) * samples + inside + 0.5;
-    let at = texels / (f32(flat_btf_parameters.reference_size) * samples);
+    let at = texels / (f32(blocks) * samples);
     let value = textureSampleLevel(flat_btf_packed_indirection, flat_btf_sampler, at, 0.0);
     return value;
 }

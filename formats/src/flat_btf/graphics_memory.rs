@@ -1,7 +1,7 @@
 //! What the parts take in graphics memory, as the bindings of `formats/src/flat_btf/spec.md` hold them.
 
 use super::atlas::Atlas;
-use super::decoder::{FlatBtfParts, FlatValues};
+use super::decoder::{FlatBtfParts, FlatValues, Indirection};
 use super::flat_view::FlatView;
 use crate::container::{Extent, TexelFormat};
 
@@ -16,6 +16,8 @@ pub fn gpu_bytes(part: &str, extent: Extent, levels: u32) -> u64 {
         ("basis", _) => (extent.texels(), TexelFormat::Rgba32Uint),
         ("weights", _) => (extent.texels_of_levels(levels), TexelFormat::Rgba8Unorm),
         ("shadow", _) => (extent.texels_of_levels(levels), TexelFormat::R8Unorm),
+        // Without the ranges of blocks, whose number the extent does not tell: see `DisplacementMap::gpu_bytes`.
+        ("displacement", _) => (extent.texels(), TexelFormat::Rg8Unorm),
         ("indirection" | "normal", _) => (extent.texels(), TexelFormat::Rgba16Float),
         (_, Extent::D2Array([width, _, lights])) => (Atlas::new(width, lights).texels(), TexelFormat::Rgb9E5),
         _ => (extent.texels(), TexelFormat::Rgb9E5),
@@ -39,7 +41,10 @@ impl FlatBtfParts {
             FlatValues::Factored(asset) => asset.gpu_bytes(),
         };
         gpu_bytes("reference", square(self.reference.size()), 1)
-            + gpu_bytes("indirection", Extent::D2(self.indirection.header().extent()), 1)
+            + match &self.indirection {
+                Indirection::Samples(map) => gpu_bytes("indirection", Extent::D2(map.header().extent()), 1),
+                Indirection::Compact(map) => map.gpu_bytes(),
+            }
             + gpu_bytes("normal", square(self.normal.size()), 1)
             + gpu_bytes("diffuse", square(self.diffuse.size()), 1)
             + values

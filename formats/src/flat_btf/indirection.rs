@@ -53,21 +53,26 @@ impl IndirectionHeader {
     /// # Errors
     /// Names the field that is out of range.
     pub fn check(&self) -> Result<(), FormatError> {
+        self.check_as(HEADER, PART)
+    }
+
+    /// The same, of an entry and a part of these names.
+    pub(super) fn check_as(&self, entry: &str, part: &'static str) -> Result<(), FormatError> {
         self.to_words()[..].iter().zip(FIELDS).try_for_each(|(value, (field, range))| {
             if range.contains(value) {
                 return Ok(());
             }
             let allowed = format!("{} to {}", range.start(), range.end());
-            Err(FormatError::whole(format!("{HEADER} {field}"), value.to_string(), allowed))
+            Err(FormatError::whole(format!("{entry} {field}"), value.to_string(), allowed))
         })?;
         if !(self.largest_angle > 0.0 && self.largest_angle <= std::f32::consts::FRAC_PI_2) {
-            let field = format!("{HEADER} largest angle");
+            let field = format!("{entry} largest angle");
             return Err(FormatError::whole(field, self.largest_angle.to_string(), "above 0, up to π/2 radians"));
         }
         let [width, height] = self.extent();
         if width.max(height) > MAX_EXTENT_2D {
             let allowed = format!("at most {MAX_EXTENT_2D} on each side");
-            return Err(wrong_extent(PART, Extent::D2([width, height]), allowed));
+            return Err(wrong_extent(part, Extent::D2([width, height]), allowed));
         }
         Ok(())
     }
@@ -95,7 +100,8 @@ impl IndirectionHeader {
     }
 }
 
-const FIELDS: [(&str, std::ops::RangeInclusive<u32>); 3] = [
+/// Sizes of a header, and their ranges.
+pub(super) const FIELDS: [(&'static str, std::ops::RangeInclusive<u32>); 3] = [
     ("size", 1..=MAX_EXTENT_2D / 2),
     ("zenith samples", 2..=MAX_ZENITH_SAMPLES),
     ("azimuth samples", 3..=MAX_AZIMUTH_SAMPLES),

@@ -6,6 +6,7 @@
 
 mod atlas;
 mod decoder;
+mod displacement;
 pub mod factored;
 mod flat_view;
 mod graphics_memory;
@@ -17,7 +18,9 @@ pub mod shader;
 mod tap;
 
 pub use atlas::Atlas;
-pub use decoder::{FlatBtfDecoder, FlatBtfParts, FlatValues, ViewWeights};
+pub use decoder::{FlatBtfDecoder, FlatBtfParts, FlatValues, Indirection, ViewWeights};
+pub(crate) use displacement::HEADER as DISPLACEMENT_ENTRY;
+pub use displacement::{DisplacementHeader, DisplacementMap, MAX_TANGENT, TANGENT_BIAS};
 pub(crate) use flat_view::HEADER as FLAT_BTF_ENTRY;
 pub use flat_view::{FlatHeader, FlatView, MAX_DIRECTIONS, VisibilityMask, view_part};
 pub use graphics_memory::gpu_bytes;

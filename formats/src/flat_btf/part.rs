@@ -15,6 +15,8 @@ pub enum FlatPart {
     Mask,
     /// The view-dependent indirection map.
     Indirection,
+    /// The same in fewer bytes.
+    Displacement,
     /// The values of one view, for all lights.
     View,
     /// Of a factored flat BTF: the components in each view under each light.
@@ -32,13 +34,14 @@ const VIEW: &str = "flat";
 
 impl FlatPart {
     /// The parts that stand once in an asset.
-    pub const SINGLE: [Self; 9] = [
+    pub const SINGLE: [Self; 10] = [
         Self::Position,
         Self::Normal,
         Self::Reference,
         Self::Diffuse,
         Self::Mask,
         Self::Indirection,
+        Self::Displacement,
         Self::Basis,
         Self::Weights,
         Self::Shadow,
@@ -53,6 +56,7 @@ impl FlatPart {
             Self::Diffuse => "diffuse",
             Self::Mask => "mask",
             Self::Indirection => "indirection",
+            Self::Displacement => "displacement",
             Self::View => VIEW,
             Self::Basis => "basis",
             Self::Weights => "weights",
@@ -64,6 +68,11 @@ impl FlatPart {
     pub fn from_name(name: &str) -> Option<Self> {
         let is_view = || name.split_once('.').is_some_and(|(view, number)| view == VIEW && is_view_number(number));
         Self::SINGLE.into_iter().find(|part| part.name() == name).or_else(|| is_view().then_some(Self::View))
+    }
+
+    /// Whether every asset has it, whatever its form.
+    pub fn is_in_every_asset(self) -> bool {
+        matches!(self, Self::Position | Self::Normal | Self::Reference | Self::Diffuse | Self::Mask)
     }
 
     /// Whether a shader reads it: the others are there for tools.

@@ -1,8 +1,8 @@
 //! What a shader needs besides the textures of a flat BTF: `formats/src/flat_btf/decoder.wgsl` and its uniform block.
 
-use crate::flat_btf::FlatBtfDecoder;
+use crate::flat_btf::{FlatBtfDecoder, Indirection};
 
-/// The WGSL decoder. It declares a uniform block, five textures and a sampler in bind group 1; see the file.
+/// The WGSL decoder. It declares a uniform block, six textures and a sampler in bind group 1; see the file.
 pub const FLAT_BTF_WGSL: &str = include_str!("decoder.wgsl");
 
 /// How far a sampler's blend of view samples may be from exact weights, along each of the two angles, in units of the
@@ -38,27 +38,37 @@ pub struct FlatBtfParameters {
     pub atlas_columns: u32,
     /// Who blends the indirection: 0 the shader, 1 the sampler.
     pub hardware: u32,
+    /// `N`, blocks of displacements per side; 0 where there is an indirection map.
+    pub blocks: u32,
+    /// Tangent of the largest polar angle of displacements.
+    pub largest_tangent: f32,
 }
 
 impl FlatBtfParameters {
     /// Bytes of the block.
-    pub const SIZE: usize = 32;
+    pub const SIZE: usize = 48;
 
     /// The parameters of an asset.
     pub fn new(decoder: &FlatBtfDecoder, filter: IndirectionFilter) -> Self {
         let header = decoder.parts().indirection.header();
+        let (blocks, largest_tangent) = match &decoder.parts().indirection {
+            Indirection::Samples(_) => (0, 0.0),
+            Indirection::Compact(map) => (header.size, map.header().largest_tangent),
+        };
         Self {
             size: decoder.parts().diffuse.size(),
-            reference_size: header.size,
+            reference_size: decoder.parts().reference.size(),
             zenith_samples: header.zenith_samples,
             azimuth_samples: header.azimuth_samples,
             largest_angle: header.largest_angle,
             atlas_columns: decoder.atlas().columns(),
             hardware: u32::from(filter == IndirectionFilter::Hardware),
+            blocks,
+            largest_tangent,
         }
     }
 
-    /// The block as the shader reads it: little-endian, fields in order, 4 bytes of zero at the end.
+    /// The block as the shader reads it: little-endian, fields in order, 12 bytes of zero at the end.
     pub fn to_bytes(&self) -> [u8; Self::SIZE] {
         let words = [
             self.size,
@@ -68,6 +78,8 @@ impl FlatBtfParameters {
             self.largest_angle.to_bits(),
             self.atlas_columns,
             self.hardware,
+            self.blocks,
+            self.largest_tangent.to_bits(),
         ];
         let mut bytes = [0; Self::SIZE];
         for (target, word) in bytes.chunks_exact_mut(4).zip(words) {

@@ -24,7 +24,11 @@ fn plane_reference(size: u32) -> ReferenceMap {
 /// An asset on the plane with this displacement and height for all texels of the reference.
 fn asset(sizes: Sizes, sample: impl Fn([u32; 2], u32, u32) -> ([f32; 2], f32)) -> FlatBtfParts {
     let indirection = IndirectionMap::from_displacements(flat_btf::header(sizes), sample).unwrap();
-    FlatBtfParts { reference: plane_reference(sizes.reference), indirection, ..flat_btf::parts(sizes, 3) }
+    FlatBtfParts {
+        reference: plane_reference(sizes.reference),
+        indirection: indirection.into(),
+        ..flat_btf::parts(sizes, 3)
+    }
 }
 
 const PLANE: Sizes =
@@ -50,12 +54,15 @@ fn a_plane_shows_the_flat_btf_as_it_is() {
     let decoder = FlatBtfDecoder::new(parts.clone()).unwrap();
     for (view, light, [i, j]) in [(0, 0, [0, 0]), (1, 4, [7, 3]), (2, 2, [2, 7])] {
         let uv = [i, j].map(|k: u32| (k as f32 + 0.5) / 8.0);
-        let texel = parts.views[view as usize].light(light)[(8 * j + i) as usize];
+        let texel = parts.values.views()[view as usize].light(light)[(8 * j + i) as usize];
         assert_eq!(decoder.full(uv, [0.0, 0.6, 0.8], only(view), only(light)), rgb9e5::decode(texel));
     }
     // Halfway between centres the reference is not filtered, so a texel of the plane is a step.
     let uv = [0.126, 0.0625];
-    assert_eq!(decoder.full(uv, [0.0, 0.0, 1.0], only(0), only(0)), rgb9e5::decode(parts.views[0].texels()[1]));
+    assert_eq!(
+        decoder.full(uv, [0.0, 0.0, 1.0], only(0), only(0)),
+        rgb9e5::decode(parts.values.views()[0].texels()[1])
+    );
 }
 
 /// The filter runs across the border of the tile: a reference at the parameter 0 blends the last texels with the first.
@@ -64,7 +71,7 @@ fn filtering_is_periodic() {
     let mut parts = asset(Sizes { reference: 1, ..PLANE }, |_, _, _| ([0.0; 2], 0.0));
     let colour = |k: u32| [k as f32, 1.0, 0.0];
     let texels: Vec<u32> = (0..64).map(|at| rgb9e5::encode(colour(at % 8))).collect();
-    parts.views = Vec::new();
+    parts.values = FlatValues::None;
     parts.diffuse = DiffuseMap::new(8, texels).unwrap();
     parts.normal = NormalMap::new(8, vec![[0.0, 0.0, 1.0]; 64]).unwrap();
     for (u, expected) in
@@ -210,7 +217,7 @@ fn views_and_lights_are_blended_by_their_weights() {
 #[test]
 fn the_light_form_is_a_lambertian_surface() {
     let mut parts = asset(PLANE, |_, _, _| ([0.0; 2], 0.0));
-    parts.views = Vec::new();
+    parts.values = FlatValues::None;
     let tilted = [0.6, 0.0, 0.8];
     parts.normal = NormalMap::new(8, vec![tilted; 64]).unwrap();
     parts.diffuse = DiffuseMap::from_colours(8, &[[0.5, 0.25, 0.125]; 64]).unwrap();
@@ -280,11 +287,11 @@ proptest! {
     fn files_come_back(sizes in sizes(), seed in 0u64..1000, supercompress in any::<bool>()) {
         let parts = flat_btf::parts(sizes, seed);
         prop_assert_eq!(&ReferenceMap::from_bytes(&parts.reference.to_bytes(supercompress)).unwrap(), &parts.reference);
-        let indirection = IndirectionMap::from_bytes(&parts.indirection.to_bytes(supercompress)).unwrap();
-        prop_assert_eq!(&indirection, &parts.indirection);
+        let indirection = IndirectionMap::from_bytes(&parts.indirection.samples().unwrap().to_bytes(supercompress)).unwrap();
+        prop_assert_eq!(&parts.indirection, &indirection.into());
         prop_assert_eq!(&NormalMap::from_bytes(&parts.normal.to_bytes(supercompress)).unwrap(), &parts.normal);
         prop_assert_eq!(&DiffuseMap::from_bytes(&parts.diffuse.to_bytes(supercompress)).unwrap(), &parts.diffuse);
-        for view in &parts.views {
+        for view in parts.values.views() {
             prop_assert_eq!(&FlatView::from_bytes(&view.to_bytes(supercompress)).unwrap(), view);
         }
         let position = flat_btf::position(sizes.flat, seed);

@@ -26,9 +26,11 @@ fn parts(supercompress: bool) -> Vec<Part> {
         ("normal", parts.normal.to_bytes(supercompress), |b| NormalMap::from_bytes(b).map(drop)),
         ("diffuse", parts.diffuse.to_bytes(supercompress), |b| DiffuseMap::from_bytes(b).map(drop)),
         ("reference", parts.reference.to_bytes(supercompress), |b| ReferenceMap::from_bytes(b).map(drop)),
-        ("indirection", parts.indirection.to_bytes(supercompress), |b| IndirectionMap::from_bytes(b).map(drop)),
+        ("indirection", parts.indirection.samples().unwrap().to_bytes(supercompress), |b| {
+            IndirectionMap::from_bytes(b).map(drop)
+        }),
         ("mask", flat_btf::mask(SMALL, 1).to_bytes(supercompress), |b| VisibilityMask::from_bytes(b).map(drop)),
-        ("flat", parts.views[1].to_bytes(supercompress), |b| FlatView::from_bytes(b).map(drop)),
+        ("flat", parts.values.views()[1].to_bytes(supercompress), |b| FlatView::from_bytes(b).map(drop)),
     ]
 }
 

@@ -9,7 +9,7 @@ fn uploaded(parts: FlatBtfParts) -> usize {
     let decoder = FlatBtfDecoder::new(parts).unwrap();
     let (atlas, parts) = (decoder.atlas(), decoder.parts());
     let views: usize = parts.values.views().iter().map(|view| size_of_val(&atlas.layer(view)[..])).sum();
-    let maps = parts.normal.texel_bytes().len() + parts.indirection.texel_bytes().len();
+    let maps = parts.normal.texel_bytes().len() + parts.indirection.samples().unwrap().texel_bytes().len();
     views + maps + size_of_val(parts.reference.parameters()) + size_of_val(parts.diffuse.texels())
 }
 

@@ -69,7 +69,7 @@ fn flat_btfs() -> Made {
         ("position".to_owned(), position(SMALL.flat, 9).to_bytes(false)),
         ("mask".to_owned(), mask(SMALL, 11).to_bytes(false)),
         ("reference".to_owned(), made.reference.to_bytes(false)),
-        ("indirection".to_owned(), made.indirection.to_bytes(false)),
+        ("indirection".to_owned(), made.indirection.samples().unwrap().to_bytes(false)),
         ("normal".to_owned(), made.normal.to_bytes(false)),
         ("diffuse".to_owned(), made.diffuse.to_bytes(false)),
     ];

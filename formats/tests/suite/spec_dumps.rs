@@ -53,7 +53,7 @@ fn flat_btfs() {
 fn the_worked_value_of_the_flat_btf_page() {
     let decoder = FlatBtfDecoder::new(FlatBtfParts {
         reference: ReferenceMap::new(1, vec![[0.9, 0.5]]).unwrap(),
-        indirection: brdfc_testing::flat_btf::example_indirection(),
+        indirection: brdfc_testing::flat_btf::example_indirection().into(),
         normal: NormalMap::new(1, vec![[0.0, 0.0, 1.0]]).unwrap(),
         diffuse: DiffuseMap::new(1, vec![0]).unwrap(),
         values: FlatValues::None,

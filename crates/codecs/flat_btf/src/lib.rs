@@ -6,6 +6,7 @@
 pub mod caster;
 pub mod coherency;
 pub mod diffuse;
+pub mod displacement;
 pub mod factored;
 pub mod fill;
 pub mod indirection;

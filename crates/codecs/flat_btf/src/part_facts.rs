@@ -23,7 +23,7 @@ pub struct PartFacts {
     /// Of a view: its number, how many views there are, and how many lights.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub view_views_lights: Option<[usize; 3]>,
-    /// Of an indirection map: polar angles and azimuths of its views.
+    /// Of an indirection map, or displacements: polar angles and azimuths of its views.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub polar_angles_azimuths: Option<[u32; 2]>,
 }
@@ -53,6 +53,11 @@ impl PartFacts {
         match Pack::of_kind(kind, packed)? {
             Pack::Indirection(map) => {
                 facts.polar_angles_azimuths = Some([map.header().zenith_samples, map.header().azimuth_samples]);
+            }
+            Pack::Displacement(map) => {
+                let blocks = map.header().blocks;
+                facts.gpu_bytes = map.gpu_bytes();
+                facts.polar_angles_azimuths = Some([blocks.zenith_samples, blocks.azimuth_samples]);
             }
             Pack::View(view) => {
                 let header = view.header();

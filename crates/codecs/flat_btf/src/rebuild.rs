@@ -141,7 +141,7 @@ mod tests {
         let view = FlatHeader { size: 8, view: 0, views: angles.clone(), lights: angles };
         let parts = FlatBtfParts {
             reference: ReferenceMap::new(6, (0..36).map(|k| [random(6, k), random(7, k)]).collect()).unwrap(),
-            indirection: map.unwrap(),
+            indirection: map.unwrap().into(),
             normal: NormalMap::new(8, vec![[0.0, 0.0, 1.0]; 64]).unwrap(),
             diffuse: DiffuseMap::new(8, vec![0; 64]).unwrap(),
             values: FlatValues::Views(vec![FlatView::new(view, texels).unwrap()]),

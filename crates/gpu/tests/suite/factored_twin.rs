@@ -53,8 +53,8 @@ fn queries(sizes: Sizes, count: usize) -> Vec<Query> {
 
 fn shader(decoder: &str) -> String {
     let mut decoder = decoder.to_owned();
-    for binding in 7..12 {
-        decoder = decoder.replace(&format!("@binding({binding})"), &format!("@binding({})", binding - 7));
+    for binding in 8..13 {
+        decoder = decoder.replace(&format!("@binding({binding})"), &format!("@binding({})", binding - 8));
     }
     // Nothing that is bound for the indirection is used.
     format!("{}\n{decoder}\n{ENTRY}", FLAT_BTF_WGSL.replace("@group(1)", "@group(2)"))

@@ -106,7 +106,7 @@ fn smooth(sizes: Sizes) -> FlatBtfParts {
         ([distance * turn.cos(), distance * turn.sin()], 0.3 * (azimuth + polar + i as f32).sin())
     })
     .unwrap();
-    FlatBtfParts { indirection, ..flat_btf::parts(sizes, 5) }
+    FlatBtfParts { indirection: indirection.into(), ..flat_btf::parts(sizes, 5) }
 }
 
 /// Bounds on the displacement, in parameters, and on the height of the sampler's blend.
@@ -119,7 +119,7 @@ fn bounds(map: &IndirectionMap) -> [f32; 2] {
 }
 
 fn beyond_bounds(decoder: &FlatBtfDecoder, queries: &[FlatBtfQuery], found: &[FlatBtfAnswer]) -> (usize, [f32; 2]) {
-    let [displacement, height] = bounds(&decoder.parts().indirection);
+    let [displacement, height] = bounds(decoder.parts().indirection.samples().unwrap());
     let (mut beyond, mut largest) = (0, [0.0f32; 2]);
     for (query, found) in queries.iter().zip(found) {
         let expected = decoder.indirection(query.uv, query.view);
@@ -144,7 +144,10 @@ fn the_sampler_is_within_its_precision() {
         let queries = queries(*sizes, 5000, 3);
         let found = evaluator.eval(&loaded, &queries).unwrap();
         let (beyond, largest) = beyond_bounds(&decoder, &queries, &found);
-        println!("largest differences {largest:?}, bounds {:?}", bounds(&decoder.parts().indirection));
+        println!(
+            "largest differences {largest:?}, bounds {:?}",
+            bounds(decoder.parts().indirection.samples().unwrap())
+        );
         assert_eq!(beyond, 0, "{largest:?}");
         assert!(largest.iter().all(|off| *off > 1e-7), "the sampler is not exact: {largest:?}");
     }
@@ -161,7 +164,8 @@ fn neither_path_leaves_its_block() {
         _ => ([1024.0, 0.0], 1024.0),
     })
     .unwrap();
-    let decoder = FlatBtfDecoder::new(FlatBtfParts { indirection, ..flat_btf::parts(sizes, 5) }).unwrap();
+    let decoder =
+        FlatBtfDecoder::new(FlatBtfParts { indirection: indirection.into(), ..flat_btf::parts(sizes, 5) }).unwrap();
     let mut queries = queries(sizes, 3000, 3);
     for k in 0..=64 {
         for a in 0..=64 {

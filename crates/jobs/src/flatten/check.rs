@@ -106,6 +106,7 @@ mod tests {
             rounds: 0,
             form: Form::Full,
             factor: None,
+            compact: false,
             supercompress: true,
         }
     }

@@ -5,7 +5,7 @@ use super::error::FlattenError;
 use crate::store::{Staging, abandoned, read_record, write_record};
 use crate::write::{is_plain, write_atomic};
 use brdfc_formats::container::Extent;
-use brdfc_formats::flat_btf::{FlatPart, PART_EXTENSION, gpu_bytes, split_part_name};
+use brdfc_formats::flat_btf::{PART_EXTENSION, gpu_bytes, split_part_name};
 use brdfc_source::InputError;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -36,10 +36,18 @@ impl<'a> Parts<'a> {
     /// # Errors
     /// What the system says.
     pub(super) fn add(&mut self, part: &str, bytes: &[u8], extent: Extent, levels: u32) -> Result<(), FlattenError> {
+        self.add_sized(part, bytes, gpu_bytes(part, extent, levels))
+    }
+
+    /// The same of a part that takes so many bytes on a GPU.
+    ///
+    /// # Errors
+    /// As [`Self::add`].
+    pub(super) fn add_sized(&mut self, part: &str, bytes: &[u8], gpu_bytes: u64) -> Result<(), FlattenError> {
         self.keep(part, bytes)?;
         let blake3 = blake3::hash(bytes).to_hex().to_string();
         let (file, length) = (self.file(part), bytes.len() as u64);
-        let listed = PartFile { file, bytes: length, gpu_bytes: gpu_bytes(part, extent, levels), blake3 };
+        let listed = PartFile { file, bytes: length, gpu_bytes, blake3 };
         self.files.insert(part.to_owned(), listed);
         Ok(())
     }
@@ -140,13 +148,13 @@ impl Moves {
         std::fs::rename(&list, &listing).map_err(|error| FlattenError::write(&listing, error))
     }
 
-    /// Values of an earlier asset of the same name: views or factors that this one has not.
+    /// Parts of an earlier asset of the same name that this one has not: views, factors, one of the two kinds of indirection.
     fn remove_stale(&self, folder: &Path) {
         let Ok(entries) = std::fs::read_dir(folder) else { return };
-        let holds_values =
-            |part| matches!(part, FlatPart::View | FlatPart::Basis | FlatPart::Weights | FlatPart::Shadow);
-        let is_own =
-            |name: &str| split_part_name(name).is_some_and(|(asset, part, _)| asset == self.name && holds_values(part));
+
+        let is_own = |name: &str| {
+            split_part_name(name).is_some_and(|(asset, part, _)| asset == self.name && !part.is_in_every_asset())
+        };
         let listed = |name: &str| self.files.iter().any(|file| file == name);
         let stale: Vec<PathBuf> = entries
             .flatten()

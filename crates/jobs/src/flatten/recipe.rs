@@ -44,6 +44,8 @@ pub struct FlattenRecipe {
     pub form: Form,
     /// What factors of the full form are to be like; `None` keeps every view as it is.
     pub factor: Option<FactoredTarget>,
+    /// Whether displacements stand for the indirection map.
+    pub compact: bool,
     /// Whether files are compressed with Zstandard.
     pub supercompress: bool,
 }
@@ -76,6 +78,9 @@ pub struct Settings {
     /// What was asked of the factors that stand for all views; nothing where views are stored as they are.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub factored: Option<FactoredTarget>,
+    /// Whether displacements of two bytes stand for the indirection map.
+    #[serde(default)]
+    pub compact: bool,
     /// Whether files are compressed with Zstandard.
     pub supercompression: bool,
 }
@@ -97,6 +102,7 @@ impl FlattenRecipe {
             stretch_rounds: self.rounds,
             form: self.form,
             factored: self.factor.filter(|_| self.form == Form::Full),
+            compact: self.compact,
             supercompression: self.supercompress,
         }
     }

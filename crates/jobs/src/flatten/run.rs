@@ -10,6 +10,7 @@ use super::probing::{computed_probes, measured_probes};
 use super::recipe::{FlattenRecipe, Form};
 use super::stack::StackImages;
 use crate::btf_stack::StackFormat;
+use brdfc_flat_btf::displacement::displacements;
 use brdfc_flat_btf::indirection::indirection;
 use brdfc_flat_btf::interreflection::Bounces;
 use brdfc_flat_btf::light_field::{ComputedField, visible_from_each};
@@ -21,8 +22,8 @@ use brdfc_flat_btf::texels::TexelMap;
 use brdfc_formats::container::Extent;
 use brdfc_formats::direction::Vector;
 use brdfc_formats::flat_btf::{
-    DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatValues, IndirectionMap, NormalMap, PositionMap, ReferenceMap,
-    VisibilityMask,
+    DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatPart, FlatValues, Indirection, IndirectionMap, NormalMap,
+    PositionMap, ReferenceMap, VisibilityMask,
 };
 use brdfc_source::ordinary_btf::OrdinaryBtf;
 use brdfc_source::progress::{Progress, Stage};
@@ -83,19 +84,22 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<AssetFile, Fl
     progress.stage(Stage::Indirection, header.size as usize)?;
     let found = indirection(&model, header, recipe.oversampling, progress)?;
     let reference = ReferenceMap::new(header.size, found.reference)?;
-    let mut displacements = found.displacements.into_iter();
-    let map = IndirectionMap::from_displacements(header, |_, _, _| displacements.next().expect("one for each view"))?;
+    let mut moved = found.displacements.into_iter();
+    let map = IndirectionMap::from_displacements(header, |_, _, _| moved.next().expect("one for each view"))?;
     parts.add("reference", &reference.to_bytes(zip), Extent::D2([header.size, header.size]), 1)?;
-    parts.add("indirection", &map.to_bytes(zip), Extent::D2(header.extent()), 1)?;
+    let factored = recipe.factor.filter(|_| recipe.form == Form::Full);
+    let indirection = if recipe.compact {
+        let compact = displacements(&map, coarser(header.size))?;
+        parts.add_sized(FlatPart::Displacement.name(), &compact.to_bytes(zip), compact.gpu_bytes())?;
+        Indirection::Compact(compact)
+    } else {
+        parts.add(FlatPart::Indirection.name(), &map.to_bytes(zip), Extent::D2(header.extent()), 1)?;
+        map.into()
+    };
     // Colours come last; the decoder is asked for indirections before.
     let black = DiffuseMap::new(size, vec![0; texels.points.len()])?;
-    let decoder = FlatBtfDecoder::new(FlatBtfParts {
-        reference,
-        indirection: map,
-        normal,
-        diffuse: black,
-        values: FlatValues::None,
-    })?;
+    let decoder =
+        FlatBtfDecoder::new(FlatBtfParts { reference, indirection, normal, diffuse: black, values: FlatValues::None })?;
 
     let (views, lights) = (recipe.views.directions(), recipe.lights.directions());
     let masks = seen_from(&texels, &model, &views, Stage::Visibility, progress)?;
@@ -131,7 +135,7 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<AssetFile, Fl
         }
     };
     parts.add("diffuse", &diffuse.to_bytes(zip), flat, 1)?;
-    let factored = match recipe.factor.filter(|_| recipe.form == Form::Full) {
+    let factored = match factored {
         Some(target) => Some(add_factors(target, &mask, &mut parts, zip, progress)?),
         None => None,
     };
@@ -165,6 +169,11 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<AssetFile, Fl
     progress.check()?;
     parts.commit(&(serde_json::to_string_pretty(&asset).expect("plain data") + "\n"))?;
     Ok(asset)
+}
+
+/// Texels of the reference plane, per side, that share a block of displacements.
+fn coarser(size: u32) -> u32 {
+    if size.is_multiple_of(2) { 2 } else { 1 }
 }
 
 /// Which texels each direction sees.

@@ -54,6 +54,8 @@ fn flat_btfs() {
         bounces: 0,
         rounds: 0,
         form: Form::Full,
+        factor: None,
+        compact: false,
         supercompress: true,
     };
     // Overhangs hide some of its texels from every view.

@@ -15,11 +15,11 @@ fn write(folder: &Path, name: &str, parts: &FlatBtfParts) {
         listed.insert(part.to_owned(), serde_json::json!({ "file": file, "bytes": bytes.len(), "blake3": hash }));
     };
     write("reference", parts.reference.to_bytes(true));
-    write("indirection", parts.indirection.to_bytes(true));
+    write("indirection", parts.indirection.samples().unwrap().to_bytes(true));
     write("normal", parts.normal.to_bytes(false));
     write("diffuse", parts.diffuse.to_bytes(true));
-    for (view, flat) in (0..).zip(&parts.views) {
-        write(&view_part(view, parts.views.len() as u32), flat.to_bytes(true));
+    for (view, flat) in (0..).zip(parts.values.views()) {
+        write(&view_part(view, parts.values.views().len() as u32), flat.to_bytes(true));
     }
     let list = serde_json::json!({ "parts": listed });
     std::fs::write(folder.join(format!("{name}.json")), list.to_string()).unwrap();

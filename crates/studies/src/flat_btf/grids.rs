@@ -76,7 +76,7 @@ pub(super) fn stored_map(model: &MesoModel, header: IndirectionHeader) -> FlatBt
     let map = IndirectionMap::from_displacements(header, |_, _, _| displacements.next().expect("one for each view"));
     let parts = FlatBtfParts {
         reference: ReferenceMap::new(header.size, found.reference).expect("parameters are near the tile"),
-        indirection: map.expect("displacements are a few tiles"),
+        indirection: map.expect("displacements are a few tiles").into(),
         normal: NormalMap::new(1, vec![[0.0, 0.0, 1.0]]).expect("a unit vector"),
         diffuse: DiffuseMap::new(1, vec![0]).expect("black"),
         values: FlatValues::None,

@@ -213,7 +213,7 @@ mod tests {
         };
         let without_distances = {
             let mut parts = case.map.parts().clone();
-            parts.indirection = IndirectionMap::from_displacements(header, |_, _, _| ([0.0; 2], 0.0)).unwrap();
+            parts.indirection = IndirectionMap::from_displacements(header, |_, _, _| ([0.0; 2], 0.0)).unwrap().into();
             FlatBtfDecoder::new(parts).unwrap()
         };
         for wrong in [shifted, without_distances] {

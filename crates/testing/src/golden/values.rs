@@ -226,6 +226,13 @@ fn flat_part(part: Pack) -> Hashes {
                 }
             }
         }
+        Pack::Displacement(map) => {
+            let header = map.header();
+            let blocks = header.blocks;
+            numbers.words([blocks.size, blocks.zenith_samples, blocks.azimuth_samples]);
+            numbers.add([blocks.largest_angle, header.largest_tangent]);
+            numbers.words(map.range_bytes().iter().chain(map.texel_bytes()).map(|byte| u32::from(*byte)));
+        }
         Pack::View(view) => {
             let header = view.header();
             numbers.words([header.size, header.view]);
@@ -259,7 +266,7 @@ pub fn flat_asset(parts: &BTreeMap<String, Vec<u8>>) -> Result<Hashes, FormatErr
     let views = parts.iter().filter(|(part, _)| part.starts_with("flat."));
     let decoder = FlatBtfDecoder::new(FlatBtfParts {
         reference: ReferenceMap::from_bytes(&parts["reference"])?,
-        indirection: IndirectionMap::from_bytes(&parts["indirection"])?,
+        indirection: IndirectionMap::from_bytes(&parts["indirection"])?.into(),
         normal: NormalMap::from_bytes(&parts["normal"])?,
         diffuse: DiffuseMap::from_bytes(&parts["diffuse"])?,
         values: FlatValues::Views(views.map(|(_, bytes)| FlatView::from_bytes(bytes)).collect::<Result<_, _>>()?),

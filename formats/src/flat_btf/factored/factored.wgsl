@@ -31,15 +31,15 @@ struct FactoredParameters {
     lows: array<vec4<f32>, 16>,
 }
 
-@group(1) @binding(7) var<uniform> factored_parameters: FactoredParameters;
+@group(1) @binding(8) var<uniform> factored_parameters: FactoredParameters;
 // The file `weights`, a layer per group, with mipmaps.
-@group(1) @binding(8) var factored_weights: texture_2d_array<f32>;
+@group(1) @binding(9) var factored_weights: texture_2d_array<f32>;
 // The file `shadow`, a layer per light, with mipmaps; without shadows any 2D array.
-@group(1) @binding(9) var factored_shadow: texture_2d_array<f32>;
+@group(1) @binding(10) var factored_shadow: texture_2d_array<f32>;
 // The file `basis`.
-@group(1) @binding(10) var factored_basis: texture_2d<u32>;
+@group(1) @binding(11) var factored_basis: texture_2d<u32>;
 // Linear filter, also between mipmap levels; repeats.
-@group(1) @binding(11) var factored_sampler: sampler;
+@group(1) @binding(12) var factored_sampler: sampler;
 
 // A point of the flat BTF and the mipmap levels around a level of detail.
 struct FactoredPlace {

@@ -62,7 +62,7 @@ pub fn parts(
     let normals = map.points.iter().map(|point| point.normal.map(|c| c as f32)).collect();
     FlatBtfParts {
         reference: ReferenceMap::new(header.size, found.reference.clone()).unwrap(),
-        indirection: IndirectionMap::from_displacements(header, displacement).unwrap(),
+        indirection: IndirectionMap::from_displacements(header, displacement).unwrap().into(),
         normal: NormalMap::new(texels as u32, normals).unwrap(),
         diffuse: DiffuseMap::from_colours(texels as u32, &colours).unwrap(),
         values: FlatValues::Views(flat_views),
@@ -86,10 +86,13 @@ fn add(sums: &mut [([f64; 3], f64)], image: &[[f32; 3]], seen: &[bool], lit: &[b
 
 /// The same parts with all displacements times `factor`: with 0 every view sees what the view along the normal does.
 pub fn with_displacements(parts: &FlatBtfParts, factor: f32) -> FlatBtfParts {
-    let map = &parts.indirection;
+    let map = parts.indirection.samples().unwrap();
     let scaled = |texel, k, a| {
         let [x, y, distance, height] = map.sample(texel, k, a);
         ([x, y].map(|c| factor * distance * c), height)
     };
-    FlatBtfParts { indirection: IndirectionMap::from_displacements(*map.header(), scaled).unwrap(), ..parts.clone() }
+    FlatBtfParts {
+        indirection: IndirectionMap::from_displacements(*map.header(), scaled).unwrap().into(),
+        ..parts.clone()
+    }
 }

@@ -1,0 +1,202 @@
+//! The part `displacement`: an indirection map in a sixteenth of its bytes. Displacements stand for the view's own frame,
+//! divided by what they grow with towards the horizon, so that bytes between two bounds for each block are enough.
+
+use super::indirection::{FIELDS, IndirectionHeader};
+use super::layout::{VERSION, check_format, half_bytes, halves, word, wrong_extent};
+use crate::FormatError;
+use crate::container::entries::{entry, sized};
+use crate::container::{Extent, TexelFormat, Texture, half};
+use crate::cursor::Cursor;
+use std::collections::BTreeMap;
+
+const PART: &str = "displacement";
+/// The entry that tells a map of displacements.
+pub(crate) const HEADER: &str = "brdfc.displacement";
+/// The entry of the bounds of all blocks.
+const RANGES: &str = "brdfc.displacement.ranges";
+/// Largest tangent of a polar angle that displacements are divided by.
+pub const MAX_TANGENT: f32 = 8.0;
+/// What is added to the tangent.
+pub const TANGENT_BIAS: f32 = 0.25;
+/// What a byte of a texel counts.
+const UNIT: f32 = 1.0 / 255.0;
+
+/// What is special to displacements.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DisplacementHeader {
+    /// Blocks, and which views their samples are; `size` is N, blocks per side, each for `(M / N)²` texels of the reference.
+    pub blocks: IndirectionHeader,
+    /// Tangent of the largest polar angle, [`MAX_TANGENT`] at most.
+    pub largest_tangent: f32,
+}
+
+impl DisplacementHeader {
+    /// A header of these blocks.
+    pub fn new(blocks: IndirectionHeader) -> Self {
+        let tangent = f64::from(blocks.largest_angle).tan() as f32;
+        let tangent = if tangent > 0.0 { tangent.min(MAX_TANGENT) } else { MAX_TANGENT };
+        Self { blocks, largest_tangent: tangent }
+    }
+
+    /// What displacements of the views in column `k` of a block are divided by.
+    pub fn divisor(&self, k: u32) -> f64 {
+        let [polar, _] = self.blocks.view_angles(k, 0);
+        let (tangent, most) = (polar.tan(), f64::from(self.largest_tangent));
+        f64::from(TANGENT_BIAS) + if (0.0..most).contains(&tangent) { tangent } else { most }
+    }
+
+    fn to_bytes(self) -> Vec<u8> {
+        let IndirectionHeader { size, zenith_samples, azimuth_samples, largest_angle } = self.blocks;
+        let angles = [largest_angle, self.largest_tangent].map(f32::to_bits);
+        [VERSION, size, zenith_samples, azimuth_samples, angles[0], angles[1]]
+            .into_iter()
+            .flat_map(u32::to_le_bytes)
+            .collect()
+    }
+
+    fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
+        let mut cursor = Cursor::new(sized(bytes, HEADER, 24)?);
+        word(&mut cursor, HEADER, "version", VERSION..=VERSION)?;
+        let mut field = |k: usize| word(&mut cursor, HEADER, FIELDS[k].0, FIELDS[k].1.clone());
+        let [size, zenith_samples, azimuth_samples] = [field(0)?, field(1)?, field(2)?];
+        let largest_angle = cursor.f32("largest angle")?;
+        let header = Self {
+            blocks: IndirectionHeader { size, zenith_samples, azimuth_samples, largest_angle },
+            largest_tangent: cursor.f32("largest tangent")?,
+        };
+        header.check()?;
+        Ok(header)
+    }
+
+    fn check(&self) -> Result<(), FormatError> {
+        self.blocks.check_as(HEADER, PART)?;
+        if !(self.largest_tangent > 0.0 && self.largest_tangent <= MAX_TANGENT) {
+            let field = format!("{HEADER} largest tangent");
+            let allowed = format!("above 0, up to {MAX_TANGENT}");
+            return Err(FormatError::whole(field, self.largest_tangent.to_string(), allowed));
+        }
+        Ok(())
+    }
+}
+
+/// Displacements of the parameters for all sampled views, as two bytes: along the view's azimuth, and across.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DisplacementMap {
+    header: DisplacementHeader,
+    /// Of each block, as halves: lowest and extent of what is along, lowest and extent of what is across.
+    ranges: Vec<[u16; 4]>,
+    /// Row by row of the texture.
+    texels: Vec<[u8; 2]>,
+}
+
+impl DisplacementMap {
+    /// A map of `N²` ranges, row by row of the blocks, and the texels of the texture.
+    ///
+    /// # Errors
+    /// A header or numbers of ranges or texels out of range; ranges beyond -1024 to 1024; a last row of a block that is not
+    /// its first.
+    pub fn new(header: DisplacementHeader, ranges: Vec<[u16; 4]>, texels: Vec<[u8; 2]>) -> Result<Self, FormatError> {
+        header.check()?;
+        let blocks = u64::from(header.blocks.size).pow(2);
+        for (what, found, wanted) in
+            [("ranges", ranges.len(), blocks), ("texels", texels.len(), Extent::D2(header.blocks.extent()).texels())]
+        {
+            if found as u64 != wanted {
+                let allowed = format!("{wanted}, as the header says");
+                return Err(FormatError::whole(format!("{what} of the part {PART}"), found.to_string(), allowed));
+            }
+        }
+        let good = |bits: &u16| half::decode(*bits).abs() <= super::MAX_COORDINATE;
+        if let Some(k) = ranges.iter().position(|range| !range.iter().all(good)) {
+            let found = format!("{:?}", ranges[k].map(half::decode));
+            return Err(FormatError::whole(format!("{RANGES} block {k}"), found, "numbers of -1024 to 1024"));
+        }
+        let width = header.blocks.extent()[0] as usize;
+        let rows = header.blocks.azimuth_samples as usize + 1;
+        for (block, lines) in texels.chunks_exact(width * rows).enumerate() {
+            if lines[..width] != lines[width * (rows - 1)..] {
+                let field = format!("{PART} row {}", (block + 1) * rows - 1);
+                return Err(FormatError::whole(field, "other texels", "those of the first row of the blocks"));
+            }
+        }
+        Ok(Self { header, ranges, texels })
+    }
+
+    /// Sizes and angles.
+    pub fn header(&self) -> &DisplacementHeader {
+        &self.header
+    }
+
+    /// The ranges as a GPU takes them: a texture of four halves per block.
+    pub fn range_bytes(&self) -> Vec<u8> {
+        half_bytes(&self.ranges)
+    }
+
+    /// The texels as a GPU takes them.
+    pub fn texel_bytes(&self) -> &[u8] {
+        self.texels.as_flattened()
+    }
+
+    /// Bytes of texels and ranges in graphics memory.
+    pub fn gpu_bytes(&self) -> u64 {
+        (self.texel_bytes().len() + size_of_val(&self.ranges[..])) as u64
+    }
+
+    /// Sample `(k, a)` of block `(i, j)`, `a` up to `A`: shares of the block's ranges.
+    pub(super) fn sample(&self, block: [u32; 2], k: u32, a: u32) -> [f32; 2] {
+        let [column, row] = self.header.blocks.texel(block, k, a);
+        self.texels[row as usize * self.header.blocks.extent()[0] as usize + column as usize]
+            .map(|byte| f32::from(byte) * UNIT)
+    }
+
+    /// The displacement that a blend of samples of block `(i, j)` stands for in a view.
+    pub(super) fn displacement(&self, [i, j]: [u32; 2], [along, across]: [f32; 2], [x, y, z]: [f32; 3]) -> [f32; 2] {
+        let range = self.ranges[(j * self.header.blocks.size + i) as usize].map(half::decode);
+        let along = range[0] + range[1] * along;
+        let across = range[2] + range[3] * across;
+        let length = (x * x + y * y).sqrt();
+        let most = self.header.largest_tangent;
+        let tangent = if z > 0.0 { (length / z).min(most) } else { most };
+        let scale = tangent + TANGENT_BIAS;
+        let [cosine, sine] = if length > 0.0 { [x / length, y / length] } else { [1.0, 0.0] };
+        [scale * (along * cosine - across * sine), scale * (along * sine + across * cosine)]
+    }
+
+    /// The bytes of the KTX2 file.
+    pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
+        let entries = [(HEADER, self.header.to_bytes()), (RANGES, self.range_bytes())];
+        Texture {
+            format: TexelFormat::Rg8Unorm,
+            extent: Extent::D2(self.header.blocks.extent()),
+            entries: BTreeMap::from(entries.map(|(key, bytes)| (key.to_owned(), bytes))),
+            levels: 1,
+            texels: self.texel_bytes().to_vec(),
+        }
+        .to_bytes(supercompress)
+    }
+
+    /// Reads and checks a KTX2 file.
+    ///
+    /// # Errors
+    /// Whatever breaks the rules of `formats/src/flat_btf/spec.md`.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
+        Self::from_texture(&Texture::from_bytes(bytes)?)
+    }
+
+    /// [`Self::from_bytes`] of a file whose container has been read.
+    ///
+    /// # Errors
+    /// As [`Self::from_bytes`].
+    pub fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
+        const KIND: &str = "a map of displacements";
+        let header = DisplacementHeader::from_bytes(entry(texture, HEADER, KIND)?)?;
+        check_format(texture, PART, TexelFormat::Rg8Unorm)?;
+        let extent = Extent::D2(header.blocks.extent());
+        if texture.extent != extent {
+            return Err(wrong_extent(PART, texture.extent, format!("a 2D texture of {extent}, as {HEADER} says")));
+        }
+        let size = header.blocks.size as usize;
+        let ranges = halves(sized(entry(texture, RANGES, KIND)?, RANGES, 8 * size * size)?);
+        Self::new(header, ranges, texture.texels.as_chunks::<2>().0.to_vec())
+    }
+}
