@@ -2,41 +2,62 @@
 
 use brdfc_formats::FormatError;
 use brdfc_formats::container::half;
-use brdfc_formats::flat_btf::{DisplacementHeader, DisplacementMap, IndirectionHeader, IndirectionMap};
+use brdfc_formats::flat_btf::{DisplacementHeader, DisplacementMap, IndirectionHeader, IndirectionMap, ReferenceMap};
 use rayon::prelude::*;
+
+/// How far the parameters of texels of one block may be apart, in texels of the map along each axis, to be on one side of a
+/// silhouette.
+const SAME_SIDE: f64 = 4.0;
 
 /// One block for each `coarser²` texels of the map. Of the displacements that these texels have in a view, the one stands for
 /// all that is nearest to the others: a mean over both sides of a silhouette would be a point that none of them sees.
 ///
+/// Texels of a block that see another side of a silhouette along the normal than the one in their middle get a reference from
+/// that one: with their own, the displacement of the others would lead nowhere. So the reference is another one, too.
+///
 /// # Errors
-/// A map whose sides are no multiple of `coarser`, or displacements that halves cannot hold.
-pub fn displacements(map: &IndirectionMap, coarser: u32) -> Result<DisplacementMap, FormatError> {
+/// A map whose sides are no multiple of `coarser` or not those of the reference, displacements that halves cannot hold.
+pub fn displacements(
+    map: &IndirectionMap,
+    reference: &ReferenceMap,
+    coarser: u32,
+) -> Result<(DisplacementMap, ReferenceMap), FormatError> {
     let IndirectionHeader { size, zenith_samples, azimuth_samples, .. } = *map.header();
     if coarser == 0 || !size.is_multiple_of(coarser) {
         let allowed = format!("a multiple of {coarser}");
         return Err(FormatError::whole("texels of the reference plane", size.to_string(), allowed));
     }
+    if reference.size() != size {
+        let found = reference.size().to_string();
+        return Err(FormatError::whole("size of the part reference", found, format!("{size}, that of the map")));
+    }
     let header = DisplacementHeader::new(IndirectionHeader { size: size / coarser, ..*map.header() });
     let blocks = header.blocks.size;
     let divisors: Vec<f64> = (0..zenith_samples).map(|k| header.divisor(k)).collect();
-    let shares_of_block = |at: u32| -> Block {
+    let of_block = |at: u32| -> Block {
         let corner = [at % blocks * coarser, at / blocks * coarser];
         let texels: Vec<[u32; 2]> =
             (0..coarser * coarser).map(|inside| [corner[0] + inside % coarser, corner[1] + inside / coarser]).collect();
+        let own = |[i, j]: &[u32; 2]| reference.parameters()[(j * size + i) as usize].map(f64::from);
+        let own: Vec<[f64; 2]> = texels.iter().map(own).collect();
+        let references = on_one_side(&own, &texels, size);
+        // What a displacement of each texel's own reference is from the one that it has now.
+        let moved: Vec<[f64; 2]> = own.iter().zip(&references).map(|(own, now)| apart(*own, *now)).collect();
         let views = (0..azimuth_samples).flat_map(|a| (0..zenith_samples).map(move |k| (k, a)));
         let values: Vec<[f64; 2]> = views
             .map(|(k, a)| {
                 let azimuth = header.blocks.view_angles(k, a)[1];
-                let seen: Vec<[f64; 2]> = texels
-                    .iter()
-                    .map(|texel| in_view(map.sample(*texel, k, a), azimuth, divisors[k as usize]))
-                    .collect();
-                nearest_to_all(&seen)
+                let seen = |(texel, moved): (&[u32; 2], &[f64; 2])| {
+                    let [x, y, distance, _] = map.sample(*texel, k, a).map(f64::from);
+                    in_view([x * distance + moved[0], y * distance + moved[1]], azimuth, divisors[k as usize])
+                };
+                let seen: Vec<[f64; 2]> = texels.iter().zip(&moved).map(seen).collect();
+                seen[nearest_to_all(&seen)]
             })
             .collect();
-        Block::new(&values)
+        Block::new(&values, references)
     };
-    let made: Vec<Block> = (0..blocks * blocks).into_par_iter().map(shares_of_block).collect();
+    let made: Vec<Block> = (0..blocks * blocks).into_par_iter().map(of_block).collect();
     let [width, height] = header.blocks.extent();
     let rows = azimuth_samples + 1;
     let texel = |at: u32| {
@@ -46,31 +67,69 @@ pub fn displacements(map: &IndirectionMap, coarser: u32) -> Result<DisplacementM
         samples[(j * blocks + i) as usize].bytes[(a * zenith_samples + k) as usize]
     };
     let texels = (0..width * height).map(texel).collect();
-    DisplacementMap::new(header, made.iter().map(|block| block.range).collect(), texels)
+    let displacements = DisplacementMap::new(header, made.iter().map(|block| block.range).collect(), texels)?;
+    let parameters = (0..size * size).map(|at| {
+        let [i, j] = [at % size, at / size];
+        let inside = j % coarser * coarser + i % coarser;
+        made[(j / coarser * blocks + i / coarser) as usize].references[inside as usize]
+    });
+    Ok((displacements, ReferenceMap::new(size, parameters.collect())?))
 }
 
-/// A sample of the map in the frame of its view, divided.
-fn in_view([x, y, distance, _]: [f32; 4], azimuth: f64, divisor: f64) -> [f64; 2] {
-    let [x, y] = [x, y].map(|c| f64::from(c) * f64::from(distance) / divisor);
+/// The parameters of the texels of a block: those on another side of a silhouette than the one in their middle, or on it,
+/// go on from that one as the reference plane does.
+fn on_one_side(own: &[[f64; 2]], texels: &[[u32; 2]], size: u32) -> Vec<[f64; 2]> {
+    let middle = nearest_to_all_by(own.len(), |a, b| {
+        let [x, y] = apart(own[a], own[b]);
+        x.hypot(y)
+    });
+    let texel = 1.0 / f64::from(size);
+    let of_texel = |k: usize| {
+        let [x, y] = apart(own[k], own[middle]);
+        if x.abs().max(y.abs()) <= SAME_SIDE * texel {
+            return own[k];
+        }
+        [0, 1].map(|axis| own[middle][axis] + (f64::from(texels[k][axis]) - f64::from(texels[middle][axis])) * texel)
+    };
+    (0..own.len()).map(of_texel).collect()
+}
+
+/// A difference of parameters, which have a period of 1.
+fn apart(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [0, 1].map(|axis| {
+        let difference = a[axis] - b[axis];
+        difference - difference.round()
+    })
+}
+
+/// A displacement in the frame of its view, divided.
+fn in_view(displacement: [f64; 2], azimuth: f64, divisor: f64) -> [f64; 2] {
+    let [x, y] = displacement.map(|c| c / divisor);
     let (sine, cosine) = azimuth.sin_cos();
     [x * cosine + y * sine, y * cosine - x * sine]
 }
 
-/// The one with the least sum of distances to all; of several the first.
-fn nearest_to_all(values: &[[f64; 2]]) -> [f64; 2] {
-    let cost = |a: &[f64; 2]| values.iter().map(|b| (a[0] - b[0]).hypot(a[1] - b[1])).sum::<f64>();
-    values.iter().copied().min_by(|a, b| cost(a).total_cmp(&cost(b))).unwrap_or_default()
+/// Which has the least sum of distances to all.
+fn nearest_to_all(values: &[[f64; 2]]) -> usize {
+    nearest_to_all_by(values.len(), |a, b| (values[a][0] - values[b][0]).hypot(values[a][1] - values[b][1]))
+}
+
+/// The same of what has these distances; of several the first.
+fn nearest_to_all_by(count: usize, distance: impl Fn(usize, usize) -> f64) -> usize {
+    let cost = |a: usize| (0..count).map(|b| distance(a, b)).sum::<f64>();
+    (0..count).min_by(|a, b| cost(*a).total_cmp(&cost(*b))).unwrap_or(0)
 }
 
 /// A block as it is stored.
 struct Block {
+    references: Vec<[f32; 2]>,
     range: [u16; 4],
     /// Azimuth by azimuth.
     bytes: Vec<[u8; 2]>,
 }
 
 impl Block {
-    fn new(values: &[[f64; 2]]) -> Self {
+    fn new(values: &[[f64; 2]], references: Vec<[f64; 2]>) -> Self {
         let bounds = [0, 1].map(|axis: usize| {
             let of_axis = || values.iter().map(|value| value[axis]);
             let low = half::encode(of_axis().fold(f64::MAX, f64::min) as f32);
@@ -83,7 +142,8 @@ impl Block {
             if extent > 0.0 { ((value - low) / extent * 255.0).round().clamp(0.0, 255.0) as u8 } else { 0 }
         };
         let bytes = values.iter().map(|value| [byte(value[0], 0), byte(value[1], 1)]).collect();
-        Self { range: [bounds[0].0, bounds[0].1, bounds[1].0, bounds[1].1], bytes }
+        let references = references.into_iter().map(|parameters| parameters.map(|c| c as f32)).collect();
+        Self { references, range: [bounds[0].0, bounds[0].1, bounds[1].0, bounds[1].1], bytes }
     }
 }
 
@@ -91,12 +151,10 @@ impl Block {
 mod tests {
     use super::*;
     use brdfc_formats::direction::from_polar;
-    use brdfc_formats::flat_btf::{
-        DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatValues, Indirection, NormalMap, ReferenceMap,
-    };
+    use brdfc_formats::flat_btf::{DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatValues, Indirection, NormalMap};
 
     const HEADER: IndirectionHeader =
-        IndirectionHeader { size: 8, zenith_samples: 16, azimuth_samples: 16, largest_angle: 1.3 };
+        IndirectionHeader { size: 16, zenith_samples: 16, azimuth_samples: 16, largest_angle: 1.3 };
 
     /// What is seen of a plane at a height, through texels of the reference plane.
     fn plane(height: impl Fn([u32; 2]) -> f64) -> IndirectionMap {
@@ -108,10 +166,16 @@ mod tests {
         .unwrap()
     }
 
-    fn decoder(indirection: Indirection) -> FlatBtfDecoder {
-        let centre = |k: u32| [(k % 8) as f32 / 8.0 + 1.0 / 16.0, (k / 8) as f32 / 8.0 + 1.0 / 16.0];
+    /// The plane's own parameters.
+    fn reference() -> ReferenceMap {
+        let centre = |k: u32| [(k % 16) as f32 / 16.0 + 1.0 / 32.0, (k / 16) as f32 / 16.0 + 1.0 / 32.0];
+        ReferenceMap::new(16, (0..256).map(centre).collect()).unwrap()
+    }
+
+    /// What is seen through the middle of texel `(7, 8)`.
+    fn decoder(reference: ReferenceMap, indirection: Indirection) -> FlatBtfDecoder {
         FlatBtfDecoder::new(FlatBtfParts {
-            reference: ReferenceMap::new(8, (0..64).map(centre).collect()).unwrap(),
+            reference,
             indirection,
             normal: NormalMap::new(1, vec![[0.0, 0.0, 1.0]]).unwrap(),
             diffuse: DiffuseMap::new(1, vec![0]).unwrap(),
@@ -120,16 +184,20 @@ mod tests {
         .unwrap()
     }
 
+    fn compact(map: &IndirectionMap, coarser: u32) -> FlatBtfDecoder {
+        let (made, reference) = displacements(map, &reference(), coarser).unwrap();
+        decoder(reference, made.into())
+    }
+
     /// Largest distance between what is seen and where a plane at this height is, over views between the samples.
-    fn off(indirection: Indirection, height: f64) -> f64 {
-        let decoder = decoder(indirection);
+    fn off(decoder: &FlatBtfDecoder, height: f64) -> f64 {
         let of_view = |step: u32| {
             let (polar, azimuth) = (1.25 * f64::from(step) / 200.0, 0.37 * f64::from(step));
             let view = from_polar(polar, azimuth);
-            let [u, v, _] = decoder.indirection([0.4375, 0.5625], view.map(|c| c as f32));
+            let [u, v, _] = decoder.indirection([0.46875, 0.53125], view.map(|c| c as f32));
             let distance = -height * polar.tan();
-            let wanted = [0.4375 + distance * azimuth.cos(), 0.5625 + distance * azimuth.sin()];
-            let [x, y] = [f64::from(u) - wanted[0], f64::from(v) - wanted[1]].map(|d| d - d.round());
+            let wanted = [0.46875 + distance * azimuth.cos(), 0.53125 + distance * azimuth.sin()];
+            let [x, y] = apart([u, v].map(f64::from), wanted);
             x.hypot(y)
         };
         (0..=200).map(of_view).fold(0.0, f64::max)
@@ -140,9 +208,9 @@ mod tests {
     fn a_plane_is_seen_where_it_is() {
         for (height, coarser) in [(0.05, 1), (0.05, 2), (-0.02, 4)] {
             let map = plane(|_| height);
-            let made = off(Indirection::Compact(displacements(&map, coarser).unwrap()), height);
+            let made = off(&compact(&map, coarser), height);
             assert!(made < 0.004, "{height} {coarser}: {made}");
-            assert!(made < off(Indirection::Samples(map), height), "{height}");
+            assert!(made < off(&decoder(reference(), map.into()), height), "{height}");
         }
     }
 
@@ -150,8 +218,27 @@ mod tests {
     fn one_of_the_texels_stands_for_all() {
         // Three of each four texels see a plane far below.
         let map = plane(|[i, j]| if i % 2 + j % 2 == 0 { 0.1 } else { -0.2 });
-        let made = displacements(&map, 2).unwrap();
-        assert!(off(Indirection::Compact(made), -0.2) < 0.02);
-        assert!(displacements(&map, 3).unwrap_err().to_string().contains("found 8; allowed a multiple of 3"));
+        assert!(off(&compact(&map, 2), -0.2) < 0.02);
+        let refused = displacements(&map, &reference(), 3).unwrap_err().to_string();
+        assert!(refused.contains("found 16; allowed a multiple of 3"), "{refused}");
+    }
+
+    /// Along the normal one of four texels sees another part of the parameters; from the side all see the same plane.
+    #[test]
+    fn texels_on_another_side_of_a_silhouette_follow_the_others() {
+        let map = plane(|_| 0.05);
+        let aside = |k: usize| if k % 2 == 1 && k / 16 % 2 == 0 { 0.4 } else { 0.0 };
+        let own: Vec<[f32; 2]> =
+            reference().parameters().iter().enumerate().map(|(k, [u, v])| [u + aside(k), *v]).collect();
+        let moved = IndirectionMap::from_displacements(HEADER, |[i, j], k, a| {
+            let [x, y, distance, height] = map.sample([i, j], k, a);
+            ([x * distance - aside((16 * j + i) as usize), y * distance], height)
+        });
+        let moved = moved.unwrap();
+        let (made, side) = displacements(&moved, &ReferenceMap::new(16, own.clone()).unwrap(), 2).unwrap();
+        assert_eq!(side, reference());
+        assert!(off(&decoder(side, made.clone().into()), 0.05) < 0.004);
+        // With their own reference they are led astray.
+        assert!(off(&decoder(ReferenceMap::new(16, own).unwrap(), made.into()), 0.05) > 0.3);
     }
 }

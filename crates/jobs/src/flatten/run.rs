@@ -86,16 +86,16 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<AssetFile, Fl
     let reference = ReferenceMap::new(header.size, found.reference)?;
     let mut moved = found.displacements.into_iter();
     let map = IndirectionMap::from_displacements(header, |_, _, _| moved.next().expect("one for each view"))?;
-    parts.add("reference", &reference.to_bytes(zip), Extent::D2([header.size, header.size]), 1)?;
     let factored = recipe.factor.filter(|_| recipe.form == Form::Full);
-    let indirection = if recipe.compact {
-        let compact = displacements(&map, coarser(header.size))?;
+    let (indirection, reference): (Indirection, _) = if recipe.compact {
+        let (compact, reference) = displacements(&map, &reference, coarser(header.size))?;
         parts.add_sized(FlatPart::Displacement.name(), &compact.to_bytes(zip), compact.gpu_bytes())?;
-        Indirection::Compact(compact)
+        (compact.into(), reference)
     } else {
         parts.add(FlatPart::Indirection.name(), &map.to_bytes(zip), Extent::D2(header.extent()), 1)?;
-        map.into()
+        (map.into(), reference)
     };
+    parts.add("reference", &reference.to_bytes(zip), Extent::D2([header.size, header.size]), 1)?;
     // Colours come last; the decoder is asked for indirections before.
     let black = DiffuseMap::new(size, vec![0; texels.points.len()])?;
     let decoder =
