@@ -15,6 +15,8 @@
 // loads per pair of a view and a light. Manual filtering fetches 4 or 8 times for one.
 
 const FACTORED_MAX_GROUPS: u32 = 16u;
+// Beyond the cube root of every value that a flat BTF stores.
+const FACTORED_LARGEST_ROOT: f32 = 41.0;
 
 // The same fields, in the same order, as `FactoredParameters` of `brdfc-formats`. 1312 bytes.
 struct FactoredParameters {
@@ -129,7 +131,7 @@ fn factored_from_opponent(opponent: vec3<f32>) -> vec3<f32> {
     let y = opponent.x * (1.0 / 116.0);
     let x = y + opponent.y * (1.0 / 500.0);
     let z = y - opponent.z * (1.0 / 200.0);
-    let root = max(vec3<f32>(x, y, z), vec3<f32>(0.0));
+    let root = min(max(vec3<f32>(x, y, z), vec3<f32>(0.0)), vec3<f32>(FACTORED_LARGEST_ROOT));
     let xyz = root * root * root;
     let rgb = vec3<f32>(
         3.0799556 * xyz.x + -1.537188 * xyz.y + -0.5427674 * xyz.z,
