@@ -7,7 +7,7 @@ use super::header::{FactoredErrors, FactoredHeader, GROUP, MAX_GROUPS, ShadowFor
 use super::maps::{ShadowMap, WeightMap};
 use crate::FormatError;
 use crate::flat_btf::decoder::ViewWeights;
-use crate::flat_btf::tap::{footprint, periodic_tap, wrap};
+use crate::tap::{footprint, periodic_tap, wrap};
 
 const MAX_COMPONENTS: usize = MAX_GROUPS as usize * GROUP;
 /// What a byte of a texel counts.

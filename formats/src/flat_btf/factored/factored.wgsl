@@ -170,8 +170,8 @@ fn factored_weight_sample(place: FactoredPlace, group: u32) -> vec4<f32> {
 }
 
 fn factored_shadow_level(uv: vec2<f32>, level: u32, light: u32) -> f32 {
-    let column = factored_periodic_tap(uv.x, level);
-    let row = factored_periodic_tap(uv.y, level);
+    let column = flat_btf_periodic_tap(uv.x, factored_side(level));
+    let row = flat_btf_periodic_tap(uv.y, factored_side(level));
     var value = 0.0;
     for (var k = 0u; k < 4u; k += 1u) {
         let at = vec2<u32>(flat_btf_tap_sample(column, k & 1u), flat_btf_tap_sample(row, k >> 1u));
@@ -182,8 +182,8 @@ fn factored_shadow_level(uv: vec2<f32>, level: u32, light: u32) -> f32 {
 }
 
 fn factored_weight_level(uv: vec2<f32>, level: u32, group: u32) -> vec4<f32> {
-    let column = factored_periodic_tap(uv.x, level);
-    let row = factored_periodic_tap(uv.y, level);
+    let column = flat_btf_periodic_tap(uv.x, factored_side(level));
+    let row = flat_btf_periodic_tap(uv.y, factored_side(level));
     var value = vec4<f32>(0.0);
     for (var k = 0u; k < 4u; k += 1u) {
         let at = vec2<u32>(flat_btf_tap_sample(column, k & 1u), flat_btf_tap_sample(row, k >> 1u));
@@ -193,12 +193,7 @@ fn factored_weight_level(uv: vec2<f32>, level: u32, group: u32) -> vec4<f32> {
     return value;
 }
 
-// The texels of a mipmap level around a parameter, with period 1.
-fn factored_periodic_tap(parameter: f32, level: u32) -> FlatBtfTap {
-    let side = max(factored_parameters.size >> level, 1u);
-    let position = parameter * f32(side) - 0.5;
-    let below = floor(position);
-    let lower = select(min(u32(below), side - 1u), side - 1u, below < 0.0);
-    let upper = select(lower + 1u, 0u, lower + 1u == side);
-    return FlatBtfTap(lower, upper, position - below);
+// Texels on a side of a mipmap level.
+fn factored_side(level: u32) -> u32 {
+    return max(factored_parameters.size >> level, 1u);
 }
