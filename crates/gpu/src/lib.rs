@@ -8,6 +8,7 @@ mod evaluate;
 mod flat;
 mod flat_btf;
 mod flat_textures;
+mod items;
 mod load;
 mod pack;
 mod pwt;
