@@ -26,6 +26,7 @@ pub mod memory;
 pub mod meso;
 pub mod pwt;
 pub mod table;
+mod tap;
 mod text;
 pub mod vector_math;
 pub mod wavelet;

@@ -1,24 +1,19 @@
 //! Any WGSL function over a list of numbers: what tests hold against its CPU twin.
 
 use super::device::{Gpu, GpuError};
+use super::items::ItemPipeline;
 use super::pack::texture_format;
 use super::raster::{buffer_type, entry};
 use brdfc_formats::container::{Extent, TexelFormat};
-use std::borrow::Cow;
 use wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor, BindingResource,
-    BindingType, BufferBindingType, BufferUsages, ComputePassDescriptor, ComputePipelineDescriptor,
-    PipelineLayoutDescriptor, ShaderModuleDescriptor, ShaderSource, ShaderStages, TextureSampleType,
-    TextureViewDimension, util::DeviceExt as _,
+    BindingType, BufferBindingType, BufferUsages, ShaderStages, TextureSampleType, TextureViewDimension,
+    util::DeviceExt as _,
 };
 
 /// The compute entry point: it calls `fn compute(at: u32)`, which reads `input` and writes `output`.
-pub const COMPUTE_WGSL: &str = include_str!("compute.wgsl");
+pub const COMPUTE_WGSL: &str = concat!(include_str!("compute.wgsl"), include_str!("items.wgsl"));
 
-/// Invocations of a workgroup.
-const GROUP: u32 = 64;
-/// Workgroups of a row; more go to the next row.
-const ROW_OF_GROUPS: u32 = 1024;
 /// Most numbers in or out at once, within what every adapter binds.
 const MOST_NUMBERS: usize = 1 << 24;
 
@@ -49,9 +44,7 @@ pub(super) const UNFILTERED: BindingType = BindingType::Texture {
 
 /// A compiled shader with its resources.
 pub struct Compute<'g> {
-    gpu: &'g Gpu,
-    pipeline: wgpu::ComputePipeline,
-    item_layout: BindGroupLayout,
+    pipeline: ItemPipeline<'g>,
     resources: BindGroup,
 }
 
@@ -61,36 +54,9 @@ impl<'g> Compute<'g> {
     /// # Errors
     /// A source that does not validate, with the compiler's message; resources that do not fit.
     pub fn new(gpu: &'g Gpu, source: &str, resources: &[Resource<'_>]) -> Result<Self, GpuError> {
-        let module = gpu.device.create_shader_module(ShaderModuleDescriptor {
-            label: Some("compute"),
-            source: ShaderSource::Wgsl(Cow::Owned(format!("{source}\n{COMPUTE_WGSL}"))),
-        });
-        gpu.check()?;
-        let buffer = |binding, ty| entry(binding, ShaderStages::COMPUTE, buffer_type(ty));
-        let item_layout = gpu.device.create_bind_group_layout(&BindGroupLayoutDescriptor {
-            label: Some("items"),
-            entries: &[
-                buffer(0, BufferBindingType::Uniform),
-                buffer(1, BufferBindingType::Storage { read_only: true }),
-                buffer(2, BufferBindingType::Storage { read_only: false }),
-            ],
-        });
-        let (resource_layout, resources) = upload(gpu, resources)?;
-        let layout = gpu.device.create_pipeline_layout(&PipelineLayoutDescriptor {
-            label: None,
-            bind_group_layouts: &[Some(&item_layout), Some(&resource_layout)],
-            immediate_size: 0,
-        });
-        let pipeline = gpu.device.create_compute_pipeline(&ComputePipelineDescriptor {
-            label: Some("compute"),
-            layout: Some(&layout),
-            module: &module,
-            entry_point: Some("main"),
-            compilation_options: Default::default(),
-            cache: None,
-        });
-        gpu.check()?;
-        Ok(Self { gpu, pipeline, item_layout, resources })
+        let (layout, resources) = upload(gpu, resources)?;
+        let pipeline = ItemPipeline::new(gpu, "compute", format!("{source}\n{COMPUTE_WGSL}"), &layout)?;
+        Ok(Self { pipeline, resources })
     }
 
     /// Runs over `count` items and reads back: `width` numbers of `input` belong to an item, and `width_out` numbers of
@@ -108,36 +74,8 @@ impl<'g> Compute<'g> {
         if count * width_out == 0 {
             return Ok(Vec::new());
         }
-        let computation = [count as u32, GROUP * ROW_OF_GROUPS, 0, 0];
-        let computation = self.gpu.buffer(bytemuck::cast_slice(&computation), BufferUsages::UNIFORM);
-        let items = self.gpu.buffer(bytemuck::cast_slice(input), BufferUsages::STORAGE);
-        let answers = self.gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size: 4 * (count * width_out) as u64,
-            usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
-        let group = self.gpu.device.create_bind_group(&BindGroupDescriptor {
-            label: None,
-            layout: &self.item_layout,
-            entries: &[
-                BindGroupEntry { binding: 0, resource: computation.as_entire_binding() },
-                BindGroupEntry { binding: 1, resource: items.as_entire_binding() },
-                BindGroupEntry { binding: 2, resource: answers.as_entire_binding() },
-            ],
-        });
-        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        let groups = (count as u32).div_ceil(GROUP);
-        let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor::default());
-        pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.set_bind_group(1, &self.resources, &[]);
-        pass.dispatch_workgroups(groups.min(ROW_OF_GROUPS), groups.div_ceil(ROW_OF_GROUPS), 1);
-        drop(pass);
-        let buffer = self.gpu.read_buffer(answers.size());
-        encoder.copy_buffer_to_buffer(&answers, 0, &buffer, 0, answers.size());
-        self.gpu.queue.submit([encoder.finish()]);
-        self.gpu.read(&buffer, |bytes| bytemuck::cast_slice(bytes).to_vec())
+        let items = self.pipeline.load(input, count, 4 * width_out, [0; 2])?;
+        self.pipeline.answers(&items, &self.resources)
     }
 }
 

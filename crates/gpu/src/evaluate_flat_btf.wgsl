@@ -1,11 +1,5 @@
-// Evaluates a flat BTF at a list of queries, one per invocation. Appended to `formats/src/flat_btf/decoder.wgsl`.
-
-struct Evaluation {
-    count: u32,    // queries
-    stride: u32,   // invocations per row of workgroups
-    reserved_0: u32,
-    reserved_1: u32,
-}
+// Evaluates a flat BTF at a list of queries, one per item. Stands between `formats/src/flat_btf/decoder.wgsl`
+// and `items.wgsl`.
 
 struct FlatBtfQuery {
     uv: vec4<f32>,
@@ -23,16 +17,10 @@ struct FlatBtfAnswer {
     light: vec4<f32>,
 }
 
-@group(0) @binding(0) var<uniform> evaluation: Evaluation;
 @group(0) @binding(1) var<storage, read> queries: array<FlatBtfQuery>;
 @group(0) @binding(2) var<storage, read_write> answers: array<FlatBtfAnswer>;
 
-@compute @workgroup_size(64)
-fn evaluate(@builtin(global_invocation_id) id: vec3<u32>) {
-    let at = id.y * evaluation.stride + id.x;
-    if at >= evaluation.count {
-        return;
-    }
+fn compute(at: u32) {
     let uv = queries[at].uv.xy;
     let view = queries[at].view.xyz;
     let views = FlatBtfWeights(queries[at].view_indices.xyz, queries[at].view_weights.xyz);
@@ -42,3 +30,4 @@ fn evaluate(@builtin(global_invocation_id) id: vec3<u32>) {
     let light = flat_btf_light_form(uv, view, queries[at].light.xyz);
     answers[at] = FlatBtfAnswer(vec4<f32>(seen, 0.0), vec4<f32>(full, 0.0), vec4<f32>(light, 0.0));
 }
+

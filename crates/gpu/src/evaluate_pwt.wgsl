@@ -1,11 +1,5 @@
-// Evaluates a polynomial wavelet tree at a list of queries, one per invocation. Appended to `formats/src/pwt/pwt.wgsl`.
-
-struct Evaluation {
-    count: u32,    // queries
-    stride: u32,   // invocations per row of workgroups
-    reserved_0: u32,
-    reserved_1: u32,
-}
+// Evaluates a polynomial wavelet tree at a list of queries, one per item. Stands between `formats/src/pwt/pwt.wgsl`
+// and `items.wgsl`.
 
 struct PwtQuery {
     place: vec4<f32>, // uv and level
@@ -17,7 +11,6 @@ struct PwtAnswer {
     value: vec4<f32>,
 }
 
-@group(0) @binding(0) var<uniform> evaluation: Evaluation;
 @group(0) @binding(1) var<storage, read> queries: array<PwtQuery>;
 @group(0) @binding(2) var<storage, read_write> answers: array<PwtAnswer>;
 
@@ -25,12 +18,7 @@ fn fetches() -> f32 {
     return 0.0;
 }
 
-@compute @workgroup_size(64)
-fn evaluate(@builtin(global_invocation_id) id: vec3<u32>) {
-    let at = id.y * evaluation.stride + id.x;
-    if at >= evaluation.count {
-        return;
-    }
+fn compute(at: u32) {
     let uv = queries[at].place.xy;
     let level = queries[at].place.z;
     let light = queries[at].light.xyz;
@@ -40,3 +28,4 @@ fn evaluate(@builtin(global_invocation_id) id: vec3<u32>) {
     let value = pwt_value(uv, level, light);
     answers[at] = PwtAnswer(vec4<f32>(channels, counted), vec4<f32>(value, 0.0));
 }
+

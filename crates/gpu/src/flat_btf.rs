@@ -2,23 +2,14 @@
 
 use super::device::{Gpu, GpuError};
 use super::flat_textures;
-use super::raster::{buffer_type, entry};
+use super::items::ItemPipeline;
 use brdfc_formats::flat_btf::shader::{FLAT_BTF_WGSL, IndirectionFilter};
 use brdfc_formats::flat_btf::{FlatBtfDecoder, ViewWeights};
-use std::borrow::Cow;
-use wgpu::{
-    BindGroupDescriptor, BindGroupEntry, BindGroupLayoutDescriptor, BufferBindingType, BufferUsages,
-    ComputePassDescriptor, ComputePipelineDescriptor, PipelineLayoutDescriptor, ShaderModuleDescriptor, ShaderSource,
-    ShaderStages,
-};
+use wgpu::{BindGroupLayout, ShaderStages};
 
 /// The compute entry point over the decoder.
-pub const EVALUATE_FLAT_BTF_WGSL: &str = include_str!("evaluate_flat_btf.wgsl");
+pub const EVALUATE_FLAT_BTF_WGSL: &str = concat!(include_str!("evaluate_flat_btf.wgsl"), include_str!("items.wgsl"));
 
-/// Invocations of a workgroup.
-const GROUP: u32 = 64;
-/// Workgroups of a row; more go to the next row.
-const ROW_OF_GROUPS: u32 = 1024;
 /// Most queries at once: 112 bytes each, within what every adapter binds.
 const MOST_QUERIES: usize = 1 << 20;
 
@@ -55,10 +46,8 @@ pub struct LoadedFlatBtf {
 
 /// A compiled compute pipeline.
 pub struct FlatBtfEvaluator<'g> {
-    gpu: &'g Gpu,
-    pipeline: wgpu::ComputePipeline,
-    query_layout: wgpu::BindGroupLayout,
-    texture_layout: wgpu::BindGroupLayout,
+    pipeline: ItemPipeline<'g>,
+    texture_layout: BindGroupLayout,
 }
 
 impl<'g> FlatBtfEvaluator<'g> {
@@ -75,36 +64,10 @@ impl<'g> FlatBtfEvaluator<'g> {
     /// # Errors
     /// A source that does not validate, with the compiler's message.
     pub fn with_shader(gpu: &'g Gpu, decoder: &str) -> Result<Self, GpuError> {
-        let module = gpu.device.create_shader_module(ShaderModuleDescriptor {
-            label: Some("flat BTF"),
-            source: ShaderSource::Wgsl(Cow::Owned(format!("{decoder}\n{EVALUATE_FLAT_BTF_WGSL}"))),
-        });
-        gpu.check()?;
-        let buffer = |binding, ty| entry(binding, ShaderStages::COMPUTE, buffer_type(ty));
-        let query_layout = gpu.device.create_bind_group_layout(&BindGroupLayoutDescriptor {
-            label: Some("queries"),
-            entries: &[
-                buffer(0, BufferBindingType::Uniform),
-                buffer(1, BufferBindingType::Storage { read_only: true }),
-                buffer(2, BufferBindingType::Storage { read_only: false }),
-            ],
-        });
         let texture_layout = flat_textures::layout(gpu, ShaderStages::COMPUTE);
-        let layout = gpu.device.create_pipeline_layout(&PipelineLayoutDescriptor {
-            label: None,
-            bind_group_layouts: &[Some(&query_layout), Some(&texture_layout)],
-            immediate_size: 0,
-        });
-        let pipeline = gpu.device.create_compute_pipeline(&ComputePipelineDescriptor {
-            label: Some("flat BTF"),
-            layout: Some(&layout),
-            module: &module,
-            entry_point: Some("evaluate"),
-            compilation_options: Default::default(),
-            cache: None,
-        });
-        gpu.check()?;
-        Ok(Self { gpu, pipeline, query_layout, texture_layout })
+        let source = format!("{decoder}\n{EVALUATE_FLAT_BTF_WGSL}");
+        let pipeline = ItemPipeline::new(gpu, "flat BTF", source, &texture_layout)?;
+        Ok(Self { pipeline, texture_layout })
     }
 
     /// Uploads the parts. Without views the texture of the full form is one empty texel.
@@ -112,7 +75,8 @@ impl<'g> FlatBtfEvaluator<'g> {
     /// # Errors
     /// More than the adapter takes; what the driver reports.
     pub fn load(&self, decoder: &FlatBtfDecoder, filter: IndirectionFilter) -> Result<LoadedFlatBtf, GpuError> {
-        Ok(LoadedFlatBtf { group: flat_textures::upload(self.gpu, &self.texture_layout, decoder, filter, true)? })
+        let gpu = self.pipeline.gpu();
+        Ok(LoadedFlatBtf { group: flat_textures::upload(gpu, &self.texture_layout, decoder, filter, true)? })
     }
 
     /// Evaluates and reads back, in the order of `queries`.
@@ -123,43 +87,13 @@ impl<'g> FlatBtfEvaluator<'g> {
         let mut all = Vec::with_capacity(queries.len());
         for chunk in queries.chunks(MOST_QUERIES) {
             let words: Vec<[u32; 28]> = chunk.iter().map(query_words).collect();
-            let evaluation = [chunk.len() as u32, GROUP * ROW_OF_GROUPS, 0, 0];
-            let evaluation = self.gpu.buffer(bytemuck::cast_slice(&evaluation), BufferUsages::UNIFORM);
-            let input = self.gpu.buffer(bytemuck::cast_slice(words.as_flattened()), BufferUsages::STORAGE);
-            let answers = self.gpu.device.create_buffer(&wgpu::BufferDescriptor {
-                label: None,
-                size: 48 * chunk.len() as u64,
-                usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC,
-                mapped_at_creation: false,
-            });
-            let group = self.gpu.device.create_bind_group(&BindGroupDescriptor {
-                label: None,
-                layout: &self.query_layout,
-                entries: &[
-                    BindGroupEntry { binding: 0, resource: evaluation.as_entire_binding() },
-                    BindGroupEntry { binding: 1, resource: input.as_entire_binding() },
-                    BindGroupEntry { binding: 2, resource: answers.as_entire_binding() },
-                ],
-            });
-            let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-            let groups = (chunk.len() as u32).div_ceil(GROUP);
-            let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor::default());
-            pass.set_pipeline(&self.pipeline);
-            pass.set_bind_group(0, &group, &[]);
-            pass.set_bind_group(1, &loaded.group, &[]);
-            pass.dispatch_workgroups(groups.min(ROW_OF_GROUPS), groups.div_ceil(ROW_OF_GROUPS), 1);
-            drop(pass);
-            let buffer = self.gpu.read_buffer(answers.size());
-            encoder.copy_buffer_to_buffer(&answers, 0, &buffer, 0, answers.size());
-            self.gpu.queue.submit([encoder.finish()]);
-            self.gpu.read(&buffer, |bytes| {
-                let words: &[f32] = bytemuck::cast_slice(bytes);
-                all.extend(words.chunks_exact(12).map(|w| FlatBtfAnswer {
-                    indirection: [w[0], w[1], w[2]],
-                    full: [w[4], w[5], w[6]],
-                    light: [w[8], w[9], w[10]],
-                }));
-            })?;
+            let items = self.pipeline.load(&words, chunk.len(), 48, [0; 2])?;
+            let answers: Vec<[f32; 12]> = self.pipeline.answers(&items, &loaded.group)?;
+            all.extend(answers.into_iter().map(|w| FlatBtfAnswer {
+                indirection: [w[0], w[1], w[2]],
+                full: [w[4], w[5], w[6]],
+                light: [w[8], w[9], w[10]],
+            }));
         }
         Ok(all)
     }

@@ -9,6 +9,7 @@ mod factored_textures;
 mod flat;
 mod flat_btf;
 mod flat_textures;
+mod items;
 mod load;
 mod pack;
 mod pwt;

@@ -1,6 +1,7 @@
 //! Flat BTFs for tests.
 
 use crate::packs::Numbers;
+use brdfc_formats::Pack;
 use brdfc_formats::container::rgb9e5;
 use brdfc_formats::flat_btf::factored::{
     BasisMap, FactoredErrors, FactoredFlatBtf, FactoredHeader, GROUP, ShadowFormat, ShadowMap, WeightMap, WeightRange,
@@ -154,6 +155,71 @@ pub fn factored(sizes: Sizes, factors: Factors, seed: u64) -> FactoredFlatBtf {
     let shadow =
         (shadow != ShadowFormat::None).then(|| ShadowMap::new(sizes.flat, levels, sizes.lights, shadows).unwrap());
     FactoredFlatBtf::new(basis.unwrap(), weights, shadow).unwrap()
+}
+
+/// A factored asset whose numbers follow rules, none of which is a mathematical function: lightness mostly from component 0,
+/// more under later lights and in later views; what is odd is small.
+pub fn factored_example() -> FactoredFlatBtf {
+    let (size, levels, groups, wide_groups) = (4u32, 3, 2, 1);
+    let (views, lights) = (vec![[0.0, 0.0], [0.5, 1.0], [1.25, 3.0]], vec![[0.0, 0.0], [0.75, 2.0], [1.0, 5.5]]);
+    let errors =
+        FactoredErrors { texels: 3, seen_mean: 0.5, seen_p95: 1.0, seen_max: 2.0, all_mean: 0.75, all_p95: 1.5 };
+    let steps = [1.0, 0.5, 0.25].map(|colour| {
+        (0..8u8).map(|k| colour * if k < 4 { 0.003_906_25 } else { 0.062_5 } * (1.0 + 0.125 * f32::from(k))).collect()
+    });
+    let shadow = ShadowFormat::R8;
+    let header = FactoredHeader { size, levels, groups, wide_groups, shadow, views, lights, steps, errors };
+    let basis = BasisMap::from_steps(header, |view, light, colour, component| {
+        let at = (((view * 3 + light) * 3 + colour) * 8 + component) as i32;
+        match component {
+            0 if colour == 0 => 256 * (40 + 10 * view as i32 + 5 * light as i32),
+            0..4 => at * 3701 % 2561 - 1280,
+            _ => at * 29 % 255 - 127,
+        }
+    });
+    let texels = (0..levels).map(|level| (size >> level).pow(2)).sum::<u32>();
+    let weights = (0..8 * texels).map(|k| (k * 83 + 17) as u8).collect();
+    let shadows = (0..3 * texels).map(|k| (k * 101 + 5).min(255 * (k % 7)) as u8).collect();
+    let range = |k| if k == 0 { WeightRange { scale: 1.0, low: 0.5 } } else { WeightRange { scale: 2.0, low: -1.0 } };
+    let weights = WeightMap::new(size, levels, (0..8).map(range).collect(), weights);
+    let shadow = ShadowMap::new(size, levels, 3, shadows);
+    FactoredFlatBtf::new(basis.unwrap(), weights.unwrap(), Some(shadow.unwrap())).unwrap()
+}
+
+/// The files of [`factored_example`] by part.
+pub fn factored_files(supercompress: bool) -> [(&'static str, Vec<u8>); 3] {
+    let asset = factored_example();
+    let shadow = asset.shadow().expect("it has shadows");
+    [
+        ("basis", asset.basis().to_bytes(supercompress)),
+        ("weights", asset.weights().to_bytes(supercompress)),
+        ("shadow", shadow.to_bytes(supercompress)),
+    ]
+}
+
+/// Reads bytes and, where they are a part of a factored flat BTF that belongs to the others of [`factored_example`], decodes
+/// the asset here and there: whatever a file holds, its values are numbers.
+pub fn factored_survives(bytes: &[u8]) -> bool {
+    let Ok(part) = Pack::from_bytes(bytes, None) else { return false };
+    let asset = factored_example();
+    let (mut basis, mut weights, mut shadow) =
+        (asset.basis().clone(), asset.weights().clone(), asset.shadow().cloned());
+    match part {
+        Pack::Basis(map) => basis = map,
+        Pack::Weights(map) => weights = map,
+        Pack::Shadow(map) => shadow = Some(map),
+        _ => return false,
+    }
+    // Without shadows it is still an asset.
+    let shadow = shadow.filter(|_| basis.header().shadow == ShadowFormat::R8);
+    let Ok(asset) = FactoredFlatBtf::new(basis, weights, shadow) else { return false };
+    let (views, lights) = (asset.header().views.len() as u32, asset.header().lights.len() as u32);
+    for (k, (uv, detail)) in (0..).zip([([0.1, 0.9], 0.0), ([1.3, -0.2], 0.6), ([0.5, 0.5], 7.0)]) {
+        let texel = asset.texel([k % asset.header().size, 0]).value(k % views, k % lights);
+        let value = asset.value(uv, detail, only(k % views), only(k % lights));
+        assert!(texel.iter().chain(&value).all(|c| (0.0..3e5).contains(c)), "{texel:?} {value:?}");
+    }
+    true
 }
 
 /// Three of `count` directions with weights, some of them 0.

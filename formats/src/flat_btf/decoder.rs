@@ -10,10 +10,10 @@ use super::factored::FactoredFlatBtf;
 use super::flat_view::FlatView;
 use super::indirection::{IndirectionHeader, IndirectionMap};
 use super::maps::{DiffuseMap, NormalMap, ReferenceMap};
-use super::tap::{Tap, footprint, periodic_tap, wrap};
 use crate::FormatError;
 use crate::container::rgb9e5;
 use crate::direction::polynomial_atan2;
+use crate::tap::{Tap, footprint, periodic_tap, wrap};
 use std::f32::consts::TAU;
 
 /// What a decoder reads: the parts of one asset.

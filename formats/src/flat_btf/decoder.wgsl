@@ -125,8 +125,8 @@ fn flat_btf_block(i: u32, j: u32, blocks: u32, position: vec2<f32>) -> vec4<f32>
 // Equation 1: the BTF from all sampled views and lights.
 fn flat_btf_full(uv: vec2<f32>, view: vec3<f32>, views: FlatBtfWeights, lights: FlatBtfWeights) -> vec3<f32> {
     let seen = flat_btf_indirection(uv, view);
-    let column = flat_btf_periodic_tap(seen.x);
-    let row = flat_btf_periodic_tap(seen.y);
+    let column = flat_btf_periodic_tap(seen.x, flat_btf_parameters.size);
+    let row = flat_btf_periodic_tap(seen.y, flat_btf_parameters.size);
     var value = vec3<f32>(0.0);
     for (var v = 0u; v < 3u; v += 1u) {
         if views.weights[v] == 0.0 {
@@ -146,8 +146,8 @@ fn flat_btf_full(uv: vec2<f32>, view: vec3<f32>, views: FlatBtfWeights, lights: 
 // Section 3.5: the light form, a diffuse colour lit under a normal map.
 fn flat_btf_light_form(uv: vec2<f32>, view: vec3<f32>, light: vec3<f32>) -> vec3<f32> {
     let seen = flat_btf_indirection(uv, view);
-    let column = flat_btf_periodic_tap(seen.x);
-    let row = flat_btf_periodic_tap(seen.y);
+    let column = flat_btf_periodic_tap(seen.x, flat_btf_parameters.size);
+    let row = flat_btf_periodic_tap(seen.y, flat_btf_parameters.size);
     var normal = vec3<f32>(0.0);
     var diffuse = vec3<f32>(0.0);
     for (var k = 0u; k < 4u; k += 1u) {
@@ -227,9 +227,8 @@ fn flat_btf_block_tap(position: f32, last: u32) -> FlatBtfTap {
     return FlatBtfTap(lower, lower + 1u, position - f32(lower));
 }
 
-// The texels of the flat BTF around a parameter, whose centres are at (i + 1/2) / T, with period 1.
-fn flat_btf_periodic_tap(parameter: f32) -> FlatBtfTap {
-    let size = flat_btf_parameters.size;
+// The texels around a parameter, whose centres are at (i + 1/2) / size, with period 1.
+fn flat_btf_periodic_tap(parameter: f32, size: u32) -> FlatBtfTap {
     let position = parameter * f32(size) - 0.5;
     let below = floor(position);
     let lower = select(min(u32(below), size - 1u), size - 1u, below < 0.0);

@@ -15,7 +15,6 @@ mod layout;
 mod maps;
 mod part;
 pub mod shader;
-mod tap;
 
 pub use atlas::Atlas;
 pub use decoder::{FlatBtfDecoder, FlatBtfParts, FlatValues, Indirection, ViewWeights};

@@ -3,33 +3,13 @@
 
 use super::basis::MAX_TERMS;
 use super::pack::PwtPack;
+use crate::tap::Tap;
 use std::ops::Range;
 
 /// A pack ready for random access.
 #[derive(Debug, Clone)]
 pub struct PwtDecoder {
     pack: PwtPack,
-}
-
-/// The texels around a position along one axis, and the weight of the second.
-#[derive(Debug, Clone, Copy)]
-struct Tap {
-    texels: [u32; 2],
-    weight: f32,
-}
-
-impl Tap {
-    /// `position` in texels from the border of the first one; their centres are at halves.
-    fn new(position: f32, side: u32, repeats: bool) -> Self {
-        let at = position - 0.5;
-        let lower = at.floor();
-        let weight = at - lower;
-        let first = lower as i32;
-        let texel = |k: i32| {
-            if repeats { k.rem_euclid(side as i32) as u32 } else { k.clamp(0, side as i32 - 1) as u32 }
-        };
-        Self { texels: [texel(first), texel(first + 1)], weight }
-    }
 }
 
 impl PwtDecoder {
@@ -151,7 +131,7 @@ impl PwtDecoder {
             let texels: Vec<f32> =
                 texels.skip(component % channels).step_by(channels).map(|t| f32::from(*t) * (1.0 / 255.0)).collect();
             let filter = |tap: &Tap| {
-                let [left, right] = tap.texels.map(|x| texels[x as usize]);
+                let [left, right] = tap.samples.map(|x| texels[x as usize]);
                 left + tap.weight * (right - left)
             };
             columns.iter().map(filter).collect()
@@ -159,7 +139,7 @@ impl PwtDecoder {
         let mut kept: [(u32, Vec<f32>); 2] = [(u32::MAX, Vec::new()), (u32::MAX, Vec::new())];
         let mut values = Vec::with_capacity(columns.len() * rows.len());
         for tap in rows {
-            for (slot, row) in tap.texels.into_iter().enumerate() {
+            for (slot, row) in tap.samples.into_iter().enumerate() {
                 if kept[slot].0 != row {
                     // The lower row of the rows before is the upper one now.
                     let other = 1 - slot;
@@ -189,10 +169,10 @@ impl PwtDecoder {
             f32::from(texels[index]) * (1.0 / 255.0)
         };
         let along = |y: u32| {
-            let [left, right] = column.texels.map(|x| at(x, y));
+            let [left, right] = column.samples.map(|x| at(x, y));
             left + column.weight * (right - left)
         };
-        let [upper, lower] = row.texels.map(along);
+        let [upper, lower] = row.samples.map(along);
         upper + row.weight * (lower - upper)
     }
 }

@@ -5,7 +5,7 @@ use brdfc_formats::container::Texture;
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::flat_btf::{DiffuseMap, FlatBtfParts, FlatValues, FlatView, view_part};
 use brdfc_formats::importance::{ImportanceHeader, ImportancePack};
-use brdfc_testing::flat_btf::{SMALL, mask, parts, position};
+use brdfc_testing::flat_btf::{SMALL, factored_files, mask, parts, position};
 use brdfc_testing::golden::corpus::{add, entries, entry, packs};
 use brdfc_testing::golden::lists::{codecs, corpus, encodes};
 use brdfc_testing::golden::values::of_pack;
@@ -76,12 +76,20 @@ fn flat_btfs() -> Made {
     let view = |view: &FlatView| (view_part(view.header().view, SMALL.views), view.to_bytes(false));
     files.extend(made.values.views().iter().map(view));
     // The asset once as it is, and once with every part in another form.
-    let foreign = files.iter().enumerate().map(|(k, (part, bytes))| {
-        let form = k % foreign::FORMS.len();
-        (format!("foreign.{part}"), foreign::form(form, bytes))
-    });
-    let plain = files.iter().map(|(part, bytes)| (format!("any-texels.{part}"), bytes.clone()));
-    plain.chain(foreign).collect()
+    let mut packs = in_other_forms("foreign", &files);
+    packs.extend(files.into_iter().map(|(part, bytes)| (format!("any-texels.{part}"), bytes)));
+    let factored = factored_files(false).map(|(part, bytes)| (part.to_owned(), bytes));
+    packs.extend(in_other_forms("foreign-factored", &factored));
+    packs.extend(factored.map(|(part, bytes)| (format!("factored.{part}"), bytes)));
+    packs
+}
+
+/// An asset with every part in another form of file.
+fn in_other_forms(asset: &str, parts: &[(String, Vec<u8>)]) -> Made {
+    let form = |(k, (part, bytes)): (usize, &(String, Vec<u8>))| {
+        (format!("{asset}.{part}"), foreign::form(k % foreign::FORMS.len(), bytes))
+    };
+    parts.iter().enumerate().map(form).collect()
 }
 
 fn bandwidth_maps() -> Made {

@@ -8,6 +8,7 @@ mod decoder_equations;
 mod direction_mesh_shader;
 mod direction_weights;
 mod factored;
+mod factored_corrupt;
 mod flat_btf;
 mod flat_btf_corrupt;
 mod flat_btf_memory;

@@ -1,5 +1,6 @@
 //! Any bytes, or a valid pack with edits: an error, or a pack whose values are numbers at every level and filter. The
-//! committed packs of all kinds are among the valid ones.
+//! committed packs of all kinds are among the valid ones; a part of a factored flat BTF is decoded with the others of its
+//! asset.
 #![no_main]
 
 mod edits;
@@ -9,7 +10,7 @@ use brdfc_formats::wavelet::WaveletPack;
 use brdfc_testing::golden::corpus;
 use brdfc_testing::golden::lists::codecs;
 use brdfc_testing::golden::values::of_pack;
-use brdfc_testing::packs;
+use brdfc_testing::{flat_btf, packs};
 use libfuzzer_sys::fuzz_target;
 use std::sync::LazyLock;
 
@@ -34,6 +35,7 @@ fuzz_target!(|data: &[u8]| {
         let mut bytes = bytes.clone();
         edits::edit(&mut bytes, rest);
         let _ = of_pack(name, &bytes);
+        flat_btf::factored_survives(&bytes);
         return;
     }
     let bytes = if choice & 0x80 == 0 {

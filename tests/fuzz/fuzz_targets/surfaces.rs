@@ -8,6 +8,7 @@ use brdfc_flat_btf::weld::weld;
 use brdfc_formats::FormatError;
 use brdfc_formats::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
 use brdfc_formats::direction_set::DirectionSet;
+use brdfc_formats::flat_btf::factored::{BasisMap, ShadowMap, WeightMap};
 use brdfc_formats::flat_btf::{DiffuseMap, FlatView, IndirectionMap, NormalMap, PositionMap, ReferenceMap, VisibilityMask};
 use brdfc_formats::importance::{ImportanceHeader, ImportancePack};
 use brdfc_formats::meso::{TriangleMesh, obj, ply};
@@ -16,7 +17,7 @@ use brdfc_source::radiance_image;
 use brdfc_testing::flat_btf as flat;
 use libfuzzer_sys::fuzz_target;
 
-const READERS: u8 = 16;
+const READERS: u8 = 19;
 const SIZES: flat::Sizes = flat::SMALL;
 
 /// Two triangles over the tile.
@@ -51,6 +52,10 @@ fn valid(reader: u8) -> Vec<u8> {
         10 => flat::mask(SIZES, 1).to_bytes(false),
         11 => environment().to_bytes(false),
         12 => samples().to_bytes(false),
+        13..16 => {
+            let [(_, basis), (_, weights), (_, shadow)] = flat::factored_files(false);
+            [basis, weights, shadow][usize::from(reader) - 13].clone()
+        }
         // Only as they come: compressed images hardly survive edits.
         _ => Vec::new(),
     }
@@ -88,8 +93,11 @@ fn read(reader: u8, bytes: &[u8]) -> bool {
         10 => again!(VisibilityMask, bytes),
         11 => again!(BandwidthMap, bytes),
         12 => again!(ImportancePack, bytes),
-        13 => heights_from_png(bytes).is_ok(),
-        14 => heights_from_exr(bytes).is_ok(),
+        13 => again!(BasisMap, bytes),
+        14 => again!(WeightMap, bytes),
+        15 => again!(ShadowMap, bytes),
+        16 => heights_from_png(bytes).is_ok(),
+        17 => heights_from_exr(bytes).is_ok(),
         _ => radiance_image::from_exr(bytes).is_ok(),
     }
 }

@@ -3,6 +3,7 @@
 mod adaptive_twin;
 mod bandwidth_twin;
 mod common;
+mod compute;
 mod cropped_scene;
 mod factored_twin;
 mod flat_btf_twin;

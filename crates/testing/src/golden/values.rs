@@ -9,6 +9,7 @@ use brdfc_formats::Pack;
 use brdfc_formats::bandwidth::{BandwidthKind, BandwidthMap};
 use brdfc_formats::container::rgb9e5;
 use brdfc_formats::direction::DirectionPair;
+use brdfc_formats::flat_btf::factored::{BasisMap, FactoredFlatBtf, ShadowMap, WeightMap};
 use brdfc_formats::flat_btf::{
     DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatValues, FlatView, IndirectionMap, NormalMap, ReferenceMap,
     ViewWeights,
@@ -261,8 +262,11 @@ fn flat_part(part: Pack) -> Hashes {
 }
 
 /// A whole flat BTF from the bytes of its parts by name: what is seen, the light form, and the full form where there are
-/// views.
+/// views. Of a factored one, its values.
 pub fn flat_asset(parts: &BTreeMap<String, Vec<u8>>) -> Result<Hashes, FormatError> {
+    if parts.contains_key("basis") {
+        return factored_asset(parts);
+    }
     let views = parts.iter().filter(|(part, _)| part.starts_with("flat."));
     let decoder = FlatBtfDecoder::new(FlatBtfParts {
         reference: ReferenceMap::from_bytes(&parts["reference"])?,
@@ -279,13 +283,38 @@ pub fn flat_asset(parts: &BTreeMap<String, Vec<u8>>) -> Result<Hashes, FormatErr
             numbers.add(decoder.indirection(uv, view));
             numbers.add(decoder.light_form(uv, view, view));
             if count > 0 {
-                let weights = |count: u32| ViewWeights {
-                    indices: [k, k + 1, 2 * k + 1].map(|index| index % count),
-                    weights: if k % 4 == 0 { [1.0, 0.0, 0.0] } else { [0.5, 0.375, 0.125] },
-                };
-                numbers.add(decoder.full(uv, view, weights(count), weights(lights)));
+                numbers.add(decoder.full(uv, view, weights(k, count), weights(k, lights)));
             }
         }
     }
     Ok(values(&numbers))
+}
+
+/// All texels in all views and lights, and look-ups at and between mipmap levels.
+fn factored_asset(parts: &BTreeMap<String, Vec<u8>>) -> Result<Hashes, FormatError> {
+    let shadow = parts.get("shadow").map(|bytes| ShadowMap::from_bytes(bytes)).transpose()?;
+    let weight_map = WeightMap::from_bytes(&parts["weights"])?;
+    let asset = FactoredFlatBtf::new(BasisMap::from_bytes(&parts["basis"])?, weight_map, shadow)?;
+    let mut numbers = Numbers::default();
+    let header = asset.header();
+    let (views, lights) = (header.views.len() as u32, header.lights.len() as u32);
+    for at in 0..header.size * header.size {
+        let texel = asset.texel([at % header.size, at / header.size]);
+        for pair in 0..views * lights {
+            numbers.add(texel.value(pair / lights, pair % lights));
+        }
+    }
+    for (k, uv) in (0..).zip(points()) {
+        let level = 0.3 * (k % 12) as f32 - 0.3;
+        numbers.add(asset.value(uv, level, weights(k, views), weights(k + 1, lights)));
+    }
+    Ok(values(&numbers))
+}
+
+/// Three of `count` directions.
+fn weights(k: u32, count: u32) -> ViewWeights {
+    ViewWeights {
+        indices: [k, k + 1, 2 * k + 1].map(|index| index % count),
+        weights: if k.is_multiple_of(4) { [1.0, 0.0, 0.0] } else { [0.5, 0.375, 0.125] },
+    }
 }

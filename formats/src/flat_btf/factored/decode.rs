@@ -9,7 +9,7 @@ use crate::FormatError;
 use crate::container::rgb9e5;
 use crate::flat_btf::decoder::ViewWeights;
 use crate::flat_btf::flat_view::{FlatHeader, FlatView};
-use crate::flat_btf::tap::{footprint, periodic_tap, wrap};
+use crate::tap::{footprint, periodic_tap, wrap};
 
 const MAX_COMPONENTS: usize = MAX_GROUPS as usize * GROUP;
 /// What a byte of a texel counts.

@@ -15,6 +15,10 @@ const TO_RGB: [[f32; 3]; 3] = [
     [0.052_887_354, -0.204_026_68, 1.151_139_4],
 ];
 
+/// Largest cube root of a tristimulus value that is made a colour: beyond the largest value of a view, so that whatever a
+/// file holds is a finite number.
+const LARGEST_ROOT: f32 = 41.0;
+
 /// Cube root of numbers that are not negative, within 1e-6 relative from 1e-18 on; 0 below.
 #[inline]
 fn cube_root(x: f32) -> f32 {
@@ -34,13 +38,14 @@ pub fn to_opponent([r, g, b]: [f32; 3]) -> [f32; 3] {
     [116.0 * y, 500.0 * (x - y), 200.0 * (y - z)]
 }
 
-/// Linear RGB, not negative: the inverse of [`to_opponent`].
+/// Linear RGB, not negative and finite: the inverse of [`to_opponent`].
 #[inline]
 pub fn from_opponent([lightness, red_green, yellow_blue]: [f32; 3]) -> [f32; 3] {
     let y = lightness * (1.0 / 116.0);
     let x = y + red_green * (1.0 / 500.0);
     let z = y - yellow_blue * (1.0 / 200.0);
-    let [x, y, z] = [x.max(0.0), y.max(0.0), z.max(0.0)];
+    // What is no number is 0.
+    let [x, y, z] = [x, y, z].map(|root| if root > 0.0 { root.min(LARGEST_ROOT) } else { 0.0 });
     let [x, y, z] = [x * x * x, y * y * y, z * z * z];
     TO_RGB.map(|[mx, my, mz]| (mx * x + my * y + mz * z).max(0.0))
 }
@@ -63,6 +68,21 @@ mod tests {
             (red[0] - 69.24).abs() < 0.01 && (red[1] - 80.09).abs() < 0.1 && (red[2] - 67.2).abs() < 0.1,
             "{red:?}"
         );
+    }
+
+    /// The largest value of a view comes back, and whatever a broken file asks for is a number.
+    #[test]
+    fn colours_are_finite() {
+        let largest = from_opponent(to_opponent([65_408.0; 3]));
+        assert!(largest.iter().all(|c| (c / 65_408.0 - 1.0).abs() < 1e-5), "{largest:?}");
+        for number in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX, f32::MIN, 1e30] {
+            for at in 0..3 {
+                let mut opponent = [50.0, 0.0, 0.0];
+                opponent[at] = number;
+                let colour = from_opponent(opponent);
+                assert!(colour.iter().all(|c| (0.0..3e5).contains(c)), "{opponent:?}: {colour:?}");
+            }
+        }
     }
 
     proptest! {

@@ -16,6 +16,8 @@
 // loads per pair of a view and a light. Manual filtering fetches 4 or 8 times for one.
 
 const FACTORED_MAX_GROUPS: u32 = 16u;
+// Beyond the cube root of every value that a flat BTF stores.
+const FACTORED_LARGEST_ROOT: f32 = 41.0;
 
 // The same fields, in the same order, as `FactoredParameters` of `brdfc-formats`. 1312 bytes.
 struct FactoredParameters {
@@ -137,7 +139,7 @@ fn factored_from_opponent(opponent: vec3<f32>) -> vec3<f32> {
     let y = opponent.x * (1.0 / 116.0);
     let x = y + opponent.y * (1.0 / 500.0);
     let z = y - opponent.z * (1.0 / 200.0);
-    let root = max(vec3<f32>(x, y, z), vec3<f32>(0.0));
+    let root = min(max(vec3<f32>(x, y, z), vec3<f32>(0.0)), vec3<f32>(FACTORED_LARGEST_ROOT));
     let xyz = root * root * root;
     let rgb = vec3<f32>(
         3.0799556 * xyz.x + -1.537188 * xyz.y + -0.5427674 * xyz.z,
@@ -176,8 +178,8 @@ fn factored_weight_sample(place: FactoredPlace, group: u32) -> vec4<f32> {
 }
 
 fn factored_shadow_level(uv: vec2<f32>, level: u32, light: u32) -> f32 {
-    let column = factored_periodic_tap(uv.x, level);
-    let row = factored_periodic_tap(uv.y, level);
+    let column = flat_btf_periodic_tap(uv.x, factored_side(level));
+    let row = flat_btf_periodic_tap(uv.y, factored_side(level));
     var value = 0.0;
     for (var k = 0u; k < 4u; k += 1u) {
         let at = vec2<u32>(flat_btf_tap_sample(column, k & 1u), flat_btf_tap_sample(row, k >> 1u));
@@ -188,8 +190,8 @@ fn factored_shadow_level(uv: vec2<f32>, level: u32, light: u32) -> f32 {
 }
 
 fn factored_weight_level(uv: vec2<f32>, level: u32, group: u32) -> vec4<f32> {
-    let column = factored_periodic_tap(uv.x, level);
-    let row = factored_periodic_tap(uv.y, level);
+    let column = flat_btf_periodic_tap(uv.x, factored_side(level));
+    let row = flat_btf_periodic_tap(uv.y, factored_side(level));
     var value = vec4<f32>(0.0);
     for (var k = 0u; k < 4u; k += 1u) {
         let at = vec2<u32>(flat_btf_tap_sample(column, k & 1u), flat_btf_tap_sample(row, k >> 1u));
@@ -199,12 +201,7 @@ fn factored_weight_level(uv: vec2<f32>, level: u32, group: u32) -> vec4<f32> {
     return value;
 }
 
-// The texels of a mipmap level around a parameter, with period 1.
-fn factored_periodic_tap(parameter: f32, level: u32) -> FlatBtfTap {
-    let side = max(factored_parameters.size >> level, 1u);
-    let position = parameter * f32(side) - 0.5;
-    let below = floor(position);
-    let lower = select(min(u32(below), side - 1u), side - 1u, below < 0.0);
-    let upper = select(lower + 1u, 0u, lower + 1u == side);
-    return FlatBtfTap(lower, upper, position - below);
+// Texels on a side of a mipmap level.
+fn factored_side(level: u32) -> u32 {
+    return max(factored_parameters.size >> level, 1u);
 }

@@ -189,6 +189,9 @@ impl WeightMap {
     /// As [`Self::from_bytes`].
     pub fn from_texture(texture: Texture) -> Result<Self, FormatError> {
         let bytes = entry(&texture, WEIGHTS, "the weights of a factored flat BTF")?;
+        if bytes.len() < 8 {
+            return Err(FormatError::whole(WEIGHTS, format!("{} bytes", bytes.len()), "8 bytes or more"));
+        }
         let mut cursor = Cursor::new(bytes);
         word(&mut cursor, WEIGHTS, "version", VERSION..=VERSION)?;
         let components = word(&mut cursor, WEIGHTS, "components", 1..=MAX_GROUPS * GROUP as u32)?;

@@ -1,0 +1,149 @@
+//! Shaders that go over a list of items, one per invocation: what evaluates packs at queries, and any function of numbers.
+
+use super::device::{Gpu, GpuError};
+use super::raster::{buffer_type, entry};
+use std::borrow::Cow;
+use wgpu::{
+    BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor, BufferBindingType,
+    BufferUsages, CommandEncoder, ComputePassDescriptor, ComputePipelineDescriptor, PipelineLayoutDescriptor,
+    ShaderModuleDescriptor, ShaderSource, ShaderStages,
+};
+
+/// Invocations of a workgroup.
+const GROUP: u32 = 64;
+/// Workgroups of a row; more go to the next row.
+const ROW_OF_GROUPS: u32 = 1024;
+/// Bytes that stand in for the items of an empty list, as no binding is empty: those of the largest item or more.
+const NO_ITEMS: [u8; 256] = [0; 256];
+
+/// A compiled shader.
+pub(super) struct ItemPipeline<'g> {
+    gpu: &'g Gpu,
+    pipeline: wgpu::ComputePipeline,
+    item_layout: BindGroupLayout,
+}
+
+/// Items on the device with room for their answers, ready for any number of runs.
+pub(super) struct Items {
+    group: BindGroup,
+    answers: wgpu::Buffer,
+    count: usize,
+}
+
+impl<'g> ItemPipeline<'g> {
+    /// Compiles a source that ends with `items.wgsl`. `resources` is the layout of its group 1.
+    ///
+    /// # Errors
+    /// A source that does not validate, with the compiler's message, which calls it by its label.
+    pub(super) fn new(
+        gpu: &'g Gpu,
+        label: &str,
+        source: String,
+        resources: &BindGroupLayout,
+    ) -> Result<Self, GpuError> {
+        let module = gpu.device.create_shader_module(ShaderModuleDescriptor {
+            label: Some(label),
+            source: ShaderSource::Wgsl(Cow::Owned(source)),
+        });
+        gpu.check()?;
+        let buffer = |binding, ty| entry(binding, ShaderStages::COMPUTE, buffer_type(ty));
+        let item_layout = gpu.device.create_bind_group_layout(&BindGroupLayoutDescriptor {
+            label: Some("items"),
+            entries: &[
+                buffer(0, BufferBindingType::Uniform),
+                buffer(1, BufferBindingType::Storage { read_only: true }),
+                buffer(2, BufferBindingType::Storage { read_only: false }),
+            ],
+        });
+        let layout = gpu.device.create_pipeline_layout(&PipelineLayoutDescriptor {
+            label: None,
+            bind_group_layouts: &[Some(&item_layout), Some(resources)],
+            immediate_size: 0,
+        });
+        let pipeline = gpu.device.create_compute_pipeline(&ComputePipelineDescriptor {
+            label: Some(label),
+            layout: Some(&layout),
+            module: &module,
+            entry_point: Some("main"),
+            compilation_options: Default::default(),
+            cache: None,
+        });
+        gpu.check()?;
+        Ok(Self { gpu, pipeline, item_layout })
+    }
+
+    /// What it was compiled for.
+    pub(super) fn gpu(&self) -> &'g Gpu {
+        self.gpu
+    }
+
+    /// Uploads items as the shader declares them, with two words that all of them see. An answer has `answer_bytes`.
+    ///
+    /// # Errors
+    /// What the driver reports.
+    pub(super) fn load<T: bytemuck::Pod>(
+        &self,
+        items: &[T],
+        count: usize,
+        answer_bytes: usize,
+        parameters: [u32; 2],
+    ) -> Result<Items, GpuError> {
+        let computation = [count as u32, GROUP * ROW_OF_GROUPS, parameters[0], parameters[1]];
+        let computation = self.gpu.buffer(bytemuck::cast_slice(&computation), BufferUsages::UNIFORM);
+        let contents: &[u8] = if count == 0 { &NO_ITEMS } else { bytemuck::cast_slice(items) };
+        let items = self.gpu.buffer(contents, BufferUsages::STORAGE);
+        let answers = self.gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: (count.max(1) * answer_bytes) as u64,
+            usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC,
+            mapped_at_creation: false,
+        });
+        let group = self.gpu.device.create_bind_group(&BindGroupDescriptor {
+            label: None,
+            layout: &self.item_layout,
+            entries: &[
+                BindGroupEntry { binding: 0, resource: computation.as_entire_binding() },
+                BindGroupEntry { binding: 1, resource: items.as_entire_binding() },
+                BindGroupEntry { binding: 2, resource: answers.as_entire_binding() },
+            ],
+        });
+        self.gpu.check()?;
+        Ok(Items { group, answers, count })
+    }
+
+    /// Runs once and waits for it, without reading back.
+    ///
+    /// # Errors
+    /// What the driver reports.
+    pub(super) fn run(&self, items: &Items, resources: &BindGroup) -> Result<(), GpuError> {
+        self.gpu.queue.submit([self.pass(items, resources).finish()]);
+        self.gpu.wait()
+    }
+
+    /// Runs once and reads back all answers, in the order of the items.
+    ///
+    /// # Errors
+    /// What the driver reports.
+    pub(super) fn answers<A: bytemuck::Pod>(&self, items: &Items, resources: &BindGroup) -> Result<Vec<A>, GpuError> {
+        if items.count == 0 {
+            return Ok(Vec::new());
+        }
+        let mut encoder = self.pass(items, resources);
+        let buffer = self.gpu.read_buffer(items.answers.size());
+        encoder.copy_buffer_to_buffer(&items.answers, 0, &buffer, 0, items.answers.size());
+        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.read(&buffer, bytemuck::pod_collect_to_vec)
+    }
+
+    fn pass(&self, items: &Items, resources: &BindGroup) -> CommandEncoder {
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        let groups = (items.count as u32).div_ceil(GROUP);
+        let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor::default());
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &items.group, &[]);
+        pass.set_bind_group(1, resources, &[]);
+        pass.dispatch_workgroups(groups.min(ROW_OF_GROUPS), groups.div_ceil(ROW_OF_GROUPS), 1);
+        drop(pass);
+        encoder
+    }
+}

@@ -1,0 +1,101 @@
+//! Samples around a position and their weights, as decoders of textures find them: f32 arithmetic in a fixed order.
+
+/// Two neighbouring samples along one axis and the weight of the second.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Tap {
+    pub(crate) samples: [u32; 2],
+    pub(crate) weight: f32,
+}
+
+impl Tap {
+    /// The samples around a position, counted from the border of the first of `count`; their centres are at halves. Beyond the
+    /// ends they repeat, or the last one goes on.
+    pub(crate) fn new(position: f32, count: u32, repeats: bool) -> Self {
+        let at = position - 0.5;
+        let lower = at.floor();
+        let weight = at - lower;
+        let first = lower as i32;
+        let sample = |k: i32| {
+            if repeats { k.rem_euclid(count as i32) as u32 } else { k.clamp(0, count as i32 - 1) as u32 }
+        };
+        Self { samples: [sample(first), sample(first.saturating_add(1))], weight }
+    }
+
+    /// Samples with their weights.
+    fn weighted(self) -> [(u32, f32); 2] {
+        [(self.samples[0], 1.0 - self.weight), (self.samples[1], self.weight)]
+    }
+}
+
+/// The texels around a parameter, whose centres are at `(i + ½) / size`, with period 1.
+pub(crate) fn periodic_tap(parameter: f32, size: u32) -> Tap {
+    Tap::new(parameter * size as f32, size, true)
+}
+
+/// Four samples with their weights: rows outside, columns inside.
+pub(crate) fn footprint(column: Tap, row: Tap) -> [([u32; 2], f32); 4] {
+    let mut samples = [([0; 2], 0.0); 4];
+    for (r, (row, row_weight)) in row.weighted().into_iter().enumerate() {
+        for (c, (column, column_weight)) in column.weighted().into_iter().enumerate() {
+            samples[2 * r + c] = ([column, row], row_weight * column_weight);
+        }
+    }
+    samples
+}
+
+/// The fraction, 0 to below 1. Numbers that have none become 0.
+pub(crate) fn wrap(x: f32) -> f32 {
+    let fraction = x - x.floor();
+    // A tiny negative number has a fraction that rounds to 1.
+    if fraction < 1.0 { fraction } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_around_positions() {
+        for (position, repeats, samples, weight) in [
+            (0.5, true, [0, 1], 0.0),
+            (1.75, true, [1, 2], 0.25),
+            (0.25, true, [3, 0], 0.75),
+            (4.0, true, [3, 0], 0.5),
+            (0.25, false, [0, 0], 0.75),
+            (3.75, false, [3, 3], 0.25),
+            (-2.0, false, [0, 0], 0.5),
+            (9.0, true, [0, 1], 0.5),
+        ] {
+            assert_eq!(Tap::new(position, 4, repeats), Tap { samples, weight }, "{position} {repeats}");
+        }
+        assert_eq!(periodic_tap(0.125, 4), Tap { samples: [0, 1], weight: 0.0 });
+        assert_eq!(periodic_tap(0.4, 1).samples, [0, 0]);
+        assert_eq!([-1e-9, 1.25, -0.25, f32::NAN].map(wrap), [0.0, 0.25, 0.75, 0.0]);
+    }
+
+    /// What the shaders do for parameters from 0 to below 1: they take the last texel, and the first, by comparisons.
+    #[test]
+    fn remainders_are_what_shaders_compare() {
+        let below_one = f32::from_bits(1.0f32.to_bits() - 1);
+        for size in [1, 2, 3, 5, 7, 64, 1000, 8192] {
+            for k in 0..4000 {
+                let parameter = if k == 0 { below_one } else { wrap(k as f32 * 0.618_034) };
+                let tap = periodic_tap(parameter, size);
+                let below = (parameter * size as f32 - 0.5).floor();
+                let lower = if below < 0.0 { size - 1 } else { (below as u32).min(size - 1) };
+                let upper = if lower + 1 == size { 0 } else { lower + 1 };
+                assert_eq!(tap.samples, [lower, upper], "{parameter} of {size}");
+            }
+        }
+    }
+
+    /// Whatever the position, there are such samples.
+    #[test]
+    fn positions_that_are_no_places() {
+        for position in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX, f32::MIN] {
+            for repeats in [false, true] {
+                assert!(Tap::new(position, 5, repeats).samples.iter().all(|k| *k < 5), "{position} {repeats}");
+            }
+        }
+    }
+}
