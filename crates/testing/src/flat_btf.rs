@@ -2,13 +2,13 @@
 
 use crate::packs::Numbers;
 use brdfc_formats::Pack;
-use brdfc_formats::container::rgb9e5;
+use brdfc_formats::container::{half, rgb9e5};
 use brdfc_formats::flat_btf::factored::{
     BasisMap, FactoredErrors, FactoredFlatBtf, FactoredHeader, GROUP, ShadowFormat, ShadowMap, WeightMap, WeightRange,
 };
 use brdfc_formats::flat_btf::{
-    DiffuseMap, FlatBtfParts, FlatHeader, FlatValues, FlatView, IndirectionHeader, IndirectionMap, NormalMap,
-    PositionMap, ReferenceMap, ViewWeights, VisibilityMask,
+    DiffuseMap, DisplacementHeader, DisplacementMap, FlatBtfParts, FlatHeader, FlatValues, FlatView, IndirectionHeader,
+    IndirectionMap, NormalMap, PositionMap, ReferenceMap, ViewWeights, VisibilityMask,
 };
 use std::f32::consts::{FRAC_PI_2, TAU};
 
@@ -66,6 +66,21 @@ pub fn indirection(sizes: Sizes, seed: u64) -> IndirectionMap {
         ([length * turn.cos(), length * turn.sin()], numbers.between(-0.3, 0.3) as f32)
     })
     .unwrap()
+}
+
+/// Displacements of random bytes between random bounds, of so many blocks per side.
+pub fn displacements(sizes: Sizes, blocks: u32, seed: u64) -> DisplacementMap {
+    let mut numbers = Numbers::new(seed);
+    let header = DisplacementHeader::new(IndirectionHeader { size: blocks, ..header(sizes) });
+    let [width, _] = header.blocks.extent();
+    let mut texels: Vec<[u8; 2]> = Vec::new();
+    for _ in 0..blocks {
+        let first = texels.len();
+        texels.extend((0..width * sizes.azimuth).map(|_| [0; 2].map(|_| numbers.bits() as u8)));
+        texels.extend_from_within(first..first + width as usize);
+    }
+    let bounds = |_| [-0.1, 0.2, -0.1, 0.2].map(|scale| half::encode((scale * numbers.between(0.2, 1.0)) as f32));
+    DisplacementMap::new(header, (0..blocks * blocks).map(bounds).collect(), texels).unwrap()
 }
 
 pub fn parts(sizes: Sizes, seed: u64) -> FlatBtfParts {

@@ -5,7 +5,7 @@
 //! manual filtering gives the same bits.
 
 use super::atlas::Atlas;
-use super::displacement::DisplacementMap;
+use super::displacement::{DisplacementMap, SAME_SIDE};
 use super::factored::FactoredFlatBtf;
 use super::flat_view::FlatView;
 use super::indirection::{IndirectionHeader, IndirectionMap};
@@ -194,7 +194,8 @@ impl FlatBtfDecoder {
     ///
     /// The directions of four view samples are blended and normalised, their distances are blended
     /// linearly. Directions below the horizon are seen from the largest polar angle. Compact displacements are blended in the
-    /// view's own frame, and have no heights: theirs is 0.
+    /// view's own frame, and have no heights: theirs is 0. They and their reference are interpolated between the centres of
+    /// texels.
     pub fn indirection(&self, uv: [f32; 2], view: [f32; 3]) -> [f32; 3] {
         let reference = &self.parts.reference;
         let size = reference.size();
@@ -212,11 +213,46 @@ impl FlatBtfDecoder {
                 [wrap(u + scale * x), wrap(v + scale * y), height]
             }
             Indirection::Compact(map) => {
+                let [u, v] = self.smooth_reference(uv, texel);
                 let block = texel.map(|c| c / (size / header.size));
-                let [x, y] = map.displacement(block, blended(&samples, |k, a| map.sample(block, k, a)), view);
+                let of_block = |block| map.in_view(block, blended(&samples, |k, a| map.sample(block, k, a)));
+                let scale = map.scale(view);
+                let here = of_block(block);
+                let mut smooth = here;
+                let [column, row] = uv.map(|c| periodic_tap(wrap(c), header.size));
+                for (block, weight) in footprint(column, row) {
+                    let there = of_block(block);
+                    let difference = [there[0] - here[0], there[1] - here[1]];
+                    if map.on_one_side(difference, scale) {
+                        smooth[0] += weight * difference[0];
+                        smooth[1] += weight * difference[1];
+                    }
+                }
+                let [along, across] = smooth;
+                let length = (view[0] * view[0] + view[1] * view[1]).sqrt();
+                let [cosine, sine] = if length > 0.0 { [view[0] / length, view[1] / length] } else { [1.0, 0.0] };
+                let [x, y] = [scale * (along * cosine - across * sine), scale * (along * sine + across * cosine)];
                 [wrap(u + x), wrap(v + y), 0.0]
             }
         }
+    }
+
+    /// The parameters that the view along the normal sees: between the centres of texels, as far as they are on one side of
+    /// a silhouette with the texel that `uv` is in.
+    fn smooth_reference(&self, uv: [f32; 2], [i, j]: [u32; 2]) -> [f32; 2] {
+        let (size, parameters) = (self.parts.reference.size(), self.parts.reference.parameters());
+        let here = parameters[(j * size + i) as usize];
+        let mut smooth = here;
+        let [column, row] = uv.map(|c| periodic_tap(wrap(c), size));
+        for ([i, j], weight) in footprint(column, row) {
+            let there = parameters[(j * size + i) as usize];
+            let apart = [there[0] - here[0], there[1] - here[1]].map(|c| c - (c + 0.5).floor());
+            if apart[0].abs().max(apart[1].abs()) <= SAME_SIDE / size as f32 {
+                smooth[0] += weight * apart[0];
+                smooth[1] += weight * apart[1];
+            }
+        }
+        smooth
     }
 
     /// Equation 1, `BTF = FBTF(VDIM)`, relative to a white diffuser that faces the light. Views and lights are blended by the

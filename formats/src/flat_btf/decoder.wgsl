@@ -14,7 +14,7 @@
 // tangent, y = bitangent, z = normal. Values are linear RGB: radiance divided by that of a white diffuser that faces
 // the light.
 //
-// The indirection costs 5 fetches with manual filtering and 2 with the sampler, one more of displacements; the light form 8 more; the full form
+// The indirection costs 5 fetches with manual filtering and 2 with the sampler, by displacements 30 and 15; the light form 8 more; the full form
 // 4 more for each pair of a view and a light whose weights are not 0.
 
 // The same fields, in the same order, as `FlatBtfParameters` of `brdfc-formats`. 48 bytes.
@@ -55,6 +55,8 @@ struct FlatBtfWeights {
 // N x N texels of four halves, the ranges of the file `displacement`; else any 2D texture.
 @group(1) @binding(7) var flat_btf_ranges: texture_2d<f32>;
 
+// How far neighbours may be apart, in units of their distance on the reference plane, to be on one side of a silhouette.
+const FLAT_BTF_SAME_SIDE: f32 = 4.0;
 const FLAT_BTF_PI: f32 = 3.14159274;
 const FLAT_BTF_HALF_PI: f32 = 1.57079637;
 const FLAT_BTF_TAU: f32 = 6.28318548;
@@ -78,8 +80,9 @@ fn flat_btf_indirection(uv: vec2<f32>, view: vec3<f32>) -> vec3<f32> {
     let reference = textureLoad(flat_btf_reference, vec2<u32>(i, j), 0);
     if flat_btf_parameters.blocks > 0u {
         let coarser = size / flat_btf_parameters.blocks;
-        let moved = flat_btf_displacement(i / coarser, j / coarser, position, view);
-        return vec3<f32>(flat_btf_wrap(reference.x + moved.x), flat_btf_wrap(reference.y + moved.y), 0.0);
+        let found = flat_btf_smooth_reference(uv, reference.xy);
+        let moved = flat_btf_displacement(uv, i / coarser, j / coarser, position, view);
+        return vec3<f32>(flat_btf_wrap(found.x + moved.x), flat_btf_wrap(found.y + moved.y), 0.0);
     }
     let blended = flat_btf_block(i, j, size, position);
     // The blend of directions is brought back to length 1: directional in azimuth, linear in distance.
@@ -90,12 +93,28 @@ fn flat_btf_indirection(uv: vec2<f32>, view: vec3<f32>) -> vec3<f32> {
     return vec3<f32>(u, v, blended.w);
 }
 
-// The displacement that a block stands for in a view, turned from the view's own frame.
-fn flat_btf_displacement(i: u32, j: u32, position: vec2<f32>, view: vec3<f32>) -> vec2<f32> {
-    let shares = flat_btf_block(i, j, flat_btf_parameters.blocks, position);
-    let range = textureLoad(flat_btf_ranges, vec2<u32>(i, j), 0);
-    let along = range.x + range.y * shares.x;
-    let across = range.z + range.w * shares.y;
+// The parameters that the view along the normal sees: between the centres of texels, as far as they are on one side of a
+// silhouette with the texel that uv is in.
+fn flat_btf_smooth_reference(uv: vec2<f32>, here: vec2<f32>) -> vec2<f32> {
+    let size = flat_btf_parameters.reference_size;
+    let column = flat_btf_periodic_tap(flat_btf_wrap(uv.x), size);
+    let row = flat_btf_periodic_tap(flat_btf_wrap(uv.y), size);
+    var found = here;
+    for (var k = 0u; k < 4u; k += 1u) {
+        let at = vec2<u32>(flat_btf_tap_sample(column, k & 1u), flat_btf_tap_sample(row, k >> 1u));
+        let weight = flat_btf_tap_weight(row, k >> 1u) * flat_btf_tap_weight(column, k & 1u);
+        let difference = textureLoad(flat_btf_reference, at, 0).xy - here;
+        let apart = difference - floor(difference + 0.5);
+        if max(abs(apart.x), abs(apart.y)) <= FLAT_BTF_SAME_SIDE / f32(size) {
+            found += weight * apart;
+        }
+    }
+    return found;
+}
+
+// The displacement of what is seen, interpolated like the reference, and turned from the view's own frame.
+fn flat_btf_displacement(uv: vec2<f32>, i: u32, j: u32, position: vec2<f32>, view: vec3<f32>) -> vec2<f32> {
+    let blocks = flat_btf_parameters.blocks;
     let length = sqrt(view.x * view.x + view.y * view.y);
     let most = flat_btf_parameters.largest_tangent;
     var tangent = most;
@@ -103,15 +122,34 @@ fn flat_btf_displacement(i: u32, j: u32, position: vec2<f32>, view: vec3<f32>) -
         tangent = min(length / view.z, most);
     }
     let scale = tangent + 0.25;
+    let here = flat_btf_in_view(i, j, position);
+    let column = flat_btf_periodic_tap(flat_btf_wrap(uv.x), blocks);
+    let row = flat_btf_periodic_tap(flat_btf_wrap(uv.y), blocks);
+    var found = here;
+    for (var k = 0u; k < 4u; k += 1u) {
+        let weight = flat_btf_tap_weight(row, k >> 1u) * flat_btf_tap_weight(column, k & 1u);
+        let there = flat_btf_in_view(flat_btf_tap_sample(column, k & 1u), flat_btf_tap_sample(row, k >> 1u), position);
+        let difference = there - here;
+        if max(abs(difference.x), abs(difference.y)) * scale <= FLAT_BTF_SAME_SIDE / f32(blocks) {
+            found += weight * difference;
+        }
+    }
     var cosine = 1.0;
     var sine = 0.0;
     if length > 0.0 {
         cosine = view.x / length;
         sine = view.y / length;
     }
-    let x = scale * (along * cosine - across * sine);
-    let y = scale * (along * sine + across * cosine);
+    let x = scale * (found.x * cosine - found.y * sine);
+    let y = scale * (found.x * sine + found.y * cosine);
     return vec2<f32>(x, y);
+}
+
+// What block (i, j) stands for in a view: along its azimuth, and across.
+fn flat_btf_in_view(i: u32, j: u32, position: vec2<f32>) -> vec2<f32> {
+    let shares = flat_btf_block(i, j, flat_btf_parameters.blocks, position);
+    let range = textureLoad(flat_btf_ranges, vec2<u32>(i, j), 0);
+    return vec2<f32>(range.x + range.y * shares.x, range.z + range.w * shares.y);
 }
 
 // A blend of the view samples of a block, of so many blocks per side.

@@ -18,6 +18,9 @@ const RANGES: &str = "brdfc.displacement.ranges";
 pub const MAX_TANGENT: f32 = 8.0;
 /// What is added to the tangent.
 pub const TANGENT_BIAS: f32 = 0.25;
+/// How far neighbours may be apart along each axis, in units of their distance on the reference plane, to be on one side of a
+/// silhouette: what lies between them is then interpolated.
+pub const SAME_SIDE: f32 = 4.0;
 /// What a byte of a texel counts.
 const UNIT: f32 = 1.0 / 255.0;
 
@@ -149,17 +152,23 @@ impl DisplacementMap {
             .map(|byte| f32::from(byte) * UNIT)
     }
 
-    /// The displacement that a blend of samples of block `(i, j)` stands for in a view.
-    pub(super) fn displacement(&self, [i, j]: [u32; 2], [along, across]: [f32; 2], [x, y, z]: [f32; 3]) -> [f32; 2] {
+    /// What a blend of samples of block `(i, j)` stands for: along the view's azimuth, and across, divided by [`Self::scale`].
+    pub(super) fn in_view(&self, [i, j]: [u32; 2], [along, across]: [f32; 2]) -> [f32; 2] {
         let range = self.ranges[(j * self.header.blocks.size + i) as usize].map(half::decode);
-        let along = range[0] + range[1] * along;
-        let across = range[2] + range[3] * across;
-        let length = (x * x + y * y).sqrt();
+        [range[0] + range[1] * along, range[2] + range[3] * across]
+    }
+
+    /// What displacements in a view were divided by.
+    pub(super) fn scale(&self, [x, y, z]: [f32; 3]) -> f32 {
         let most = self.header.largest_tangent;
-        let tangent = if z > 0.0 { (length / z).min(most) } else { most };
-        let scale = tangent + TANGENT_BIAS;
-        let [cosine, sine] = if length > 0.0 { [x / length, y / length] } else { [1.0, 0.0] };
-        [scale * (along * cosine - across * sine), scale * (along * sine + across * cosine)]
+        let tangent = if z > 0.0 { ((x * x + y * y).sqrt() / z).min(most) } else { most };
+        tangent + TANGENT_BIAS
+    }
+
+    /// Whether displacements of two blocks that are so far apart are on one side of a silhouette.
+    pub(super) fn on_one_side(&self, difference: [f32; 2], scale: f32) -> bool {
+        let most = difference[0].abs().max(difference[1].abs());
+        most * scale <= SAME_SIDE / self.header.blocks.size as f32
     }
 
     /// The bytes of the KTX2 file.

@@ -19,7 +19,7 @@ pub mod shader;
 pub use atlas::Atlas;
 pub use decoder::{FlatBtfDecoder, FlatBtfParts, FlatValues, Indirection, ViewWeights};
 pub(crate) use displacement::HEADER as DISPLACEMENT_ENTRY;
-pub use displacement::{DisplacementHeader, DisplacementMap, MAX_TANGENT, TANGENT_BIAS};
+pub use displacement::{DisplacementHeader, DisplacementMap, MAX_TANGENT, SAME_SIDE, TANGENT_BIAS};
 pub(crate) use flat_view::HEADER as FLAT_BTF_ENTRY;
 pub use flat_view::{FlatHeader, FlatView, MAX_DIRECTIONS, VisibilityMask, view_part};
 pub use graphics_memory::gpu_bytes;

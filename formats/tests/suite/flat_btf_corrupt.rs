@@ -4,8 +4,8 @@ use brdfc_formats::FormatError;
 use brdfc_formats::container::{Extent, TexelFormat, Texture, half};
 use brdfc_formats::flat_btf::factored::{BasisMap, ShadowFormat, ShadowMap, WeightMap};
 use brdfc_formats::flat_btf::{
-    DiffuseMap, FlatHeader, FlatView, IndirectionHeader, IndirectionMap, NormalMap, PositionMap, ReferenceMap,
-    VisibilityMask,
+    DiffuseMap, DisplacementMap, FlatBtfDecoder, FlatBtfParts, FlatHeader, FlatView, IndirectionHeader, IndirectionMap,
+    NormalMap, PositionMap, ReferenceMap, VisibilityMask,
 };
 use brdfc_testing::flat_btf::{self, Factors, SMALL};
 use std::collections::BTreeMap;
@@ -28,6 +28,9 @@ fn parts(supercompress: bool) -> Vec<Part> {
         ("reference", parts.reference.to_bytes(supercompress), |b| ReferenceMap::from_bytes(b).map(drop)),
         ("indirection", parts.indirection.samples().unwrap().to_bytes(supercompress), |b| {
             IndirectionMap::from_bytes(b).map(drop)
+        }),
+        ("displacement", flat_btf::displacements(SMALL, 1, 8).to_bytes(supercompress), |b| {
+            DisplacementMap::from_bytes(b).map(drop)
         }),
         ("mask", flat_btf::mask(SMALL, 1).to_bytes(supercompress), |b| VisibilityMask::from_bytes(b).map(drop)),
         ("flat", parts.values.views()[1].to_bytes(supercompress), |b| FlatView::from_bytes(b).map(drop)),
@@ -129,6 +132,45 @@ fn the_rules_of_a_block() {
         assert_eq!(refusal(0, bad), "at the pole a distance of 0 and the direction of the next sample");
     }
     assert_eq!(refusal(7, [1.0, 0.0, 0.3, 0.5]), "in the last row of a block the same as in its first");
+}
+
+#[test]
+fn displacements_out_of_range_are_named() {
+    let made = flat_btf::displacements(SMALL, 2, 3);
+    let texture = texture(&made.to_bytes(false));
+    let with = |key: &str, offset: usize, word: u32| {
+        let mut texture = texture.clone();
+        texture.entries.get_mut(key).unwrap()[offset..offset + 4].copy_from_slice(&word.to_le_bytes());
+        DisplacementMap::from_bytes(&texture.to_bytes(true)).unwrap_err()
+    };
+    for (offset, field, value) in [
+        (0, "version", 2),
+        (4, "size", 0),
+        (8, "zenith samples", 257),
+        (12, "azimuth samples", 2),
+        (16, "largest angle", f32::NAN.to_bits()),
+        (20, "largest tangent", 0),
+        (20, "largest tangent", 8.5f32.to_bits()),
+        (20, "largest tangent", f32::NAN.to_bits()),
+    ] {
+        assert_eq!(with("brdfc.displacement", offset, value).field, format!("brdfc.displacement {field}"), "{value}");
+    }
+    assert_eq!(with("brdfc.displacement", 4, 1).field, "size of the part displacement");
+    // A half that is no number, and one that is too large.
+    for bits in [0x7e00, 0x6401] {
+        assert_eq!(with("brdfc.displacement.ranges", 8, bits).field, "brdfc.displacement.ranges block 1");
+    }
+    let mut short = texture.clone();
+    short.entries.get_mut("brdfc.displacement.ranges").unwrap().pop();
+    assert_eq!(DisplacementMap::from_bytes(&short.to_bytes(false)).unwrap_err().field, "brdfc.displacement.ranges");
+    let mut unlike = texture.clone();
+    *unlike.texels.last_mut().unwrap() ^= 1;
+    let error = DisplacementMap::from_bytes(&unlike.to_bytes(false)).unwrap_err();
+    assert!(error.to_string().contains("found other texels; allowed those of the first row"), "{error}");
+    // Blocks have whole texels of the reference plane each.
+    let odd = FlatBtfParts { indirection: flat_btf::displacements(SMALL, 3, 1).into(), ..flat_btf::parts(SMALL, 1) };
+    let told = FlatBtfDecoder::new(odd).unwrap_err().to_string();
+    assert_eq!(told, "size of the part displacement: found 3; allowed a divisor of 2, the size of the part reference");
 }
 
 #[test]

@@ -2,12 +2,10 @@
 
 use brdfc_formats::FormatError;
 use brdfc_formats::container::half;
-use brdfc_formats::flat_btf::{DisplacementHeader, DisplacementMap, IndirectionHeader, IndirectionMap, ReferenceMap};
+use brdfc_formats::flat_btf::{
+    DisplacementHeader, DisplacementMap, IndirectionHeader, IndirectionMap, ReferenceMap, SAME_SIDE,
+};
 use rayon::prelude::*;
-
-/// How far the parameters of texels of one block may be apart, in texels of the map along each axis, to be on one side of a
-/// silhouette.
-const SAME_SIDE: f64 = 4.0;
 
 /// One block for each `coarser²` texels of the map. Of the displacements that these texels have in a view, the one stands for
 /// all that is nearest to the others: a mean over both sides of a silhouette would be a point that none of them sees.
@@ -86,7 +84,7 @@ fn on_one_side(own: &[[f64; 2]], texels: &[[u32; 2]], size: u32) -> Vec<[f64; 2]
     let texel = 1.0 / f64::from(size);
     let of_texel = |k: usize| {
         let [x, y] = apart(own[k], own[middle]);
-        if x.abs().max(y.abs()) <= SAME_SIDE * texel {
+        if x.abs().max(y.abs()) <= f64::from(SAME_SIDE) * texel {
             return own[k];
         }
         [0, 1].map(|axis| own[middle][axis] + (f64::from(texels[k][axis]) - f64::from(texels[middle][axis])) * texel)

@@ -1,7 +1,7 @@
 //! The shader of flat BTFs against the CPU decoder, on whatever adapter there is.
 
 use brdfc_formats::flat_btf::shader::{FLAT_BTF_FILTER_PRECISION, FLAT_BTF_WGSL, IndirectionFilter};
-use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts, FlatValues, IndirectionMap};
+use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts, FlatValues, IndirectionMap, MAX_TANGENT, TANGENT_BIAS};
 use brdfc_gpu::{FlatBtfAnswer, FlatBtfEvaluator, FlatBtfQuery, Gpu};
 use brdfc_testing::flat_btf::{self, SMALL, Sizes};
 use brdfc_testing::packs::Numbers;
@@ -71,6 +71,38 @@ fn manual_filtering_gives_the_bits_of_the_cpu_decoder() {
         assert_eq!(found.len(), queries.len());
         assert_eq!(differences(&decoder, &queries, &found), [0; 3], "{sizes:?}");
         assert!(found.iter().filter(|answer| answer.light != [0.0; 3]).count() > 2000, "most are lit");
+    }
+}
+
+/// An asset with displacements, a block for each four texels of the reference plane.
+fn compact(sizes: Sizes, seed: u64) -> FlatBtfDecoder {
+    let indirection = flat_btf::displacements(sizes, sizes.reference / 2, seed).into();
+    FlatBtfDecoder::new(FlatBtfParts { indirection, ..flat_btf::parts(sizes, seed) }).unwrap()
+}
+
+#[test]
+fn displacements_have_the_bits_of_the_cpu_decoder() {
+    let Some(gpu) = crate::common::gpu() else { return };
+    let evaluator = FlatBtfEvaluator::new(gpu).unwrap();
+    let changed = FLAT_BTF_WGSL.replace("tangent + 0.25", "tangent + 0.26");
+    assert!(changed != FLAT_BTF_WGSL);
+    let changed = FlatBtfEvaluator::with_shader(gpu, &changed).unwrap();
+    for sizes in [SMALL, Sizes { reference: 12, ..ASSETS[1] }, ASSETS[2]] {
+        let decoder = compact(sizes, 4);
+        let queries = queries(sizes, 5000, 4);
+        let answers = |evaluator: &FlatBtfEvaluator<'_>, filter| {
+            evaluator.eval(&evaluator.load(&decoder, filter).unwrap(), &queries).unwrap()
+        };
+        let found = answers(&evaluator, IndirectionFilter::Exact);
+        assert_eq!(differences(&decoder, &queries, &found), [0; 3], "{sizes:?}");
+        assert!(differences(&decoder, &queries, &answers(&changed, IndirectionFilter::Exact))[0] > 5000);
+        // Bytes are at most 1 apart, each counted with at most a fifth of a tile and the largest tangent.
+        let bound = 2.0 * 2.0 * FLAT_BTF_FILTER_PRECISION * 0.2 * (MAX_TANGENT + TANGENT_BIAS);
+        for (query, answer) in queries.iter().zip(answers(&evaluator, IndirectionFilter::Hardware)) {
+            let expected = decoder.indirection(query.uv, query.view);
+            let apart = [0, 1].map(|k| expected[k] - answer.indirection[k]).map(|d| d - d.round());
+            assert!(apart[0].hypot(apart[1]) < bound, "{query:?}: {expected:?} {answer:?}");
+        }
     }
 }
 

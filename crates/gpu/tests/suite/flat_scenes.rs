@@ -1,10 +1,14 @@
 //! Flat BTFs on scenes: the shader against the CPU, and both against the displaced surface itself.
 
 use crate::common::flat::{parts, structure, with_displacements};
+use brdfc_flat_btf::displacement::displacements;
+use brdfc_flat_btf::factored::{FactoredRecipe, FactoredTarget, factor};
 use brdfc_formats::direction::add_scaled;
 use brdfc_formats::direction_set::DirectionSet;
+use brdfc_formats::flat_btf::factored::{BasisMap, FactoredFlatBtf, FactoredHeader, ShadowMap, WeightMap};
 use brdfc_formats::flat_btf::{
     DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatHeader, FlatValues, FlatView, IndirectionHeader, NormalMap,
+    VisibilityMask,
 };
 use brdfc_gpu::{FlatRenderer, GpuError, draw_flat_btf, flat_scene_source};
 use brdfc_metrics::image::{LinearImage, auto_exposure, compare_images};
@@ -14,6 +18,7 @@ use brdfc_render::scenes::Builtin;
 use brdfc_render::shade::{SourceReflectance, shade};
 use brdfc_render::trace::trace;
 use brdfc_source::address::parse_synth;
+use std::convert::Infallible;
 use std::f32::consts::FRAC_PI_2;
 use std::sync::LazyLock;
 
@@ -49,6 +54,63 @@ fn same(a: &LinearImage, b: &LinearImage, what: &str) {
     assert!(share < 0.01 && mean < 0.05, "{what}: {share} of the pixels, mean ΔE {mean}");
     let covered = a.coverage.iter().zip(&b.coverage).filter(|(a, b)| a != b).count();
     assert!(covered < FRAME.width * FRAME.height / 100, "{what}: {covered} outlines");
+}
+
+/// The stud in fewer bytes: displacements, and factors with mipmaps.
+static SMALLER: LazyLock<FlatBtfParts> = LazyLock::new(|| {
+    let views = STUD.values.views();
+    let size = STUD.diffuse.size();
+    let seen = vec![255; (size * size) as usize * views.len()];
+    let mask = VisibilityMask::new(size, views.len() as u32, seen).unwrap();
+    let recipe = FactoredRecipe::new(FactoredTarget::Components { components: 24, shadowed: true });
+    let made = factor(&recipe, &mask, |view| Ok::<_, Infallible>(views[view as usize].clone()), &()).unwrap();
+    let (displacements, reference) = displacements(STUD.indirection.samples().unwrap(), &STUD.reference, 2).unwrap();
+    FlatBtfParts {
+        reference,
+        indirection: displacements.into(),
+        values: FlatValues::Factored(Box::new(made.asset)),
+        ..STUD.clone()
+    }
+});
+
+/// The terrain shows texels far away; the plane shows what takes few bytes beside what takes many.
+#[test]
+fn shader_and_cpu_draw_the_same_pictures_of_factors() {
+    let Some(gpu) = crate::common::gpu() else { return };
+    let (many, few) = (material(&STUD), material(&SMALLER));
+    for builtin in [Builtin::Plane, Builtin::Vase, Builtin::Terrain] {
+        let scene = builtin.scene();
+        let shader = draw_flat_btf(gpu, &scene, FRAME, &few, FlatForm::Full).unwrap();
+        let pack = draw_on_cpu(&scene, FRAME, &few, FlatForm::Full);
+        same(&shader, &pack, builtin.name());
+    }
+    let scene = Builtin::Plane.scene();
+    let [many, few] = [many, few].map(|material| draw_on_cpu(&scene, FRAME, &material, FlatForm::Full));
+    let (_, mean) = difference(&few, &many);
+    println!("factors against views: mean ΔE {mean}");
+    assert!((0.01..4.0).contains(&mean), "{mean}");
+    // Far away a texel stands for many.
+    let finest = FlatBtfParts { values: without_mipmaps(&SMALLER.values), ..SMALLER.clone() };
+    let scene = Builtin::Terrain.scene();
+    let [fine, mipmapped] =
+        [material(&finest), material(&SMALLER)].map(|m| draw_on_cpu(&scene, FRAME, &m, FlatForm::Full));
+    assert!(difference(&fine, &mipmapped).1 > 0.5);
+}
+
+/// The finest level alone.
+fn without_mipmaps(values: &FlatValues) -> FlatValues {
+    let asset = values.factored().unwrap();
+    let header = FactoredHeader { levels: 1, ..asset.header().clone() };
+    let texels = (header.size * header.size) as usize;
+    let basis = BasisMap::new(header.clone(), asset.basis().words().to_vec()).unwrap();
+    let groups = header.groups as usize;
+    let weights = asset.weights().texels()[..4 * groups * texels].to_vec();
+    let weights = WeightMap::new(header.size, 1, asset.weights().ranges().to_vec(), weights).unwrap();
+    let lights = header.lights.len();
+    let shadow = asset
+        .shadow()
+        .map(|map| ShadowMap::new(header.size, 1, lights as u32, map.texels()[..lights * texels].to_vec()).unwrap());
+    FlatValues::Factored(Box::new(FactoredFlatBtf::new(basis, weights, shadow).unwrap()))
 }
 
 #[test]
