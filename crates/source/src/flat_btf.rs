@@ -7,7 +7,7 @@ use crate::words::{few, json_problem};
 use brdfc_formats::FormatError;
 use brdfc_formats::flat_btf::{
     DiffuseMap, FlatBtfParts, FlatPart, FlatView, IndirectionMap, NormalMap, PART_EXTENSION, ReferenceMap,
-    split_part_name, view_part,
+    VisibilityMask, split_part_name, view_part,
 };
 use rayon::prelude::*;
 use serde::Deserialize;
@@ -18,6 +18,8 @@ use std::path::{Path, PathBuf};
 const LIST: &str = ".json";
 /// Parts that every asset has, of those that are drawn.
 const PARTS: [&str; 4] = ["reference", "indirection", "normal", "diffuse"];
+/// The part that says what is seen.
+const MASK: &str = "mask";
 /// Most files that are looked at.
 const MAX_ENTRIES: usize = 1 << 16;
 /// Most missing files that an error lists.
@@ -81,6 +83,19 @@ pub fn open_flat_view(path: &Path, view: u32) -> Result<(Option<FlatView>, u32),
     let part = view_part(view, count);
     asset.check_listed(std::slice::from_ref(&part))?;
     Ok((Some(asset.part(&part, FlatView::from_bytes)?), count))
+}
+
+/// Reads which texels of a flat BTF are seen in which view; nothing of an asset without that part.
+///
+/// # Errors
+/// As [`open_flat_btf`], of this file alone.
+pub fn open_flat_mask(path: &Path) -> Result<Option<VisibilityMask>, InputError> {
+    let asset = Asset::open(path)?;
+    if !asset.listing.parts.contains_key(MASK) {
+        return Ok(None);
+    }
+    asset.check_listed(&[MASK.to_owned()])?;
+    asset.part(MASK, VisibilityMask::from_bytes).map(Some)
 }
 
 /// Holds every file of an asset against its list of parts.

@@ -1,0 +1,166 @@
+//! All ways, on one structure.
+
+use super::assets::{Asset, Surface};
+use super::factored::factored;
+use super::joint::Joint;
+use super::lights::Lights;
+use super::per_view::{FIRST, View};
+use super::rows::{BtfAsset, BtfClaims, BtfModel, BtfRow, BtfSettings, Tally};
+use brdfc_flat_btf::factored::FactoredTarget;
+use brdfc_flat_btf::model::MesoModel;
+use brdfc_flat_btf::parameterise::ParameteriseError;
+use brdfc_flat_btf::structures::Structure;
+use brdfc_flat_btf::surface::Appearance;
+use brdfc_formats::FormatError;
+use brdfc_formats::direction_set::DirectionSet;
+use brdfc_jobs::pwt::permutation;
+use brdfc_pwt::choose::Candidate;
+use brdfc_source::address::{AddressError, parse_synth};
+
+/// Lights that are held out of sets that have enough of them, and the seed of the permutation that says which.
+const HELD_OUT: usize = 8;
+const SEED: u64 = 0;
+/// Components of a factored BTF of good quality.
+const COMPONENTS: u32 = 32;
+/// What polynomial wavelet trees are to take at most of what they are held against.
+const WANTED: f64 = 0.5;
+
+/// Parts of the work on one structure for each view: about as many as seconds are a part each.
+pub const PARTS: usize = 2 * (MAKE + FIRST_PASS + AT_ERROR + JOINT + 2 * JOINT_SHOWN + 2 * FACTORED);
+const MAKE: usize = 1;
+const FIRST_PASS: usize = 12;
+const AT_ERROR: usize = 4;
+const JOINT: usize = 1;
+const JOINT_SHOWN: usize = 1;
+const FACTORED: usize = 3;
+
+/// Why a structure cannot be studied.
+#[derive(Debug, thiserror::Error)]
+pub enum BtfStudyError {
+    /// Its address is wrong.
+    #[error(transparent)]
+    Address(#[from] AddressError),
+    /// It cannot be laid flat.
+    #[error(transparent)]
+    Parameterise(#[from] ParameteriseError),
+    /// A size or directions out of range.
+    #[error(transparent)]
+    Format(#[from] FormatError),
+}
+
+/// The lights of a set of so many that are held out, ascending: 8, or a fifth if that is less.
+///
+/// # Errors
+/// Fewer than five.
+pub fn held_out(count: usize) -> Result<Vec<usize>, FormatError> {
+    if count < 5 {
+        return Err(FormatError::whole("directions", count.to_string(), "5 or more"));
+    }
+    let mut lights = permutation(count, SEED);
+    lights.truncate(HELD_OUT.min(count / 5));
+    lights.sort_unstable();
+    Ok(lights)
+}
+
+/// Studies one structure. `done` is told of finished parts: [`PARTS`] for each direction in all.
+///
+/// # Errors
+/// A wrong address; a surface that cannot be laid flat; sizes or directions that a way cannot have.
+pub fn study_structure(
+    address: &str,
+    settings: &BtfSettings,
+    set: &DirectionSet,
+    done: &dyn Fn(usize),
+) -> Result<BtfModel, BtfStudyError> {
+    let structure = Structure::parse(address)?;
+    let sources = structure.default_materials().iter().map(|m| parse_synth(m)).collect::<Result<_, _>>()?;
+    let appearance = Appearance { sources, ..Default::default() };
+    let model = MesoModel::new(structure.mesh(), 0)?;
+    let directions = set.directions();
+    let lights = Lights::new(set, &settings.held_out)?;
+    let surface = Surface { model: &model, appearance: &appearance, directions: &directions, size: settings.texels };
+    let classic = ways(&surface.classic(&|| done(MAKE)), (set, &lights), done)?;
+    let flat = ways(&surface.flat(&|| done(MAKE)), (set, &lights), done)?;
+    let claims = BtfClaims::of(&classic, &flat);
+    Ok(BtfModel { model: structure.canonical(), classic, flat, claims })
+}
+
+const AT_MAP_ERROR: &str = "PWT at PTM's ΔE";
+
+/// Every way to store a BTF.
+fn ways(asset: &Asset, (set, lights): (&DirectionSet, &Lights), done: &dyn Fn(usize)) -> Result<BtfAsset, FormatError> {
+    let mut tallies = [Tally::default(); FIRST.len()];
+    let mut chosen: Vec<Candidate> = Vec::new();
+    for view in 0..asset.views() {
+        let found = View::new(asset, view, lights).first()?;
+        tallies.iter_mut().zip(found.tallies).for_each(|(sum, view)| sum.add(view));
+        chosen.push(found.chosen);
+        done(FIRST_PASS);
+    }
+    let [uncompressed, map, harmonics, tree] = [0, 1, 2, 3].map(|k: usize| tallies[k].row(FIRST[k]));
+    let wanted = map.delta_e;
+    let targeted = |row: BtfRow| BtfRow { met: Some(row.delta_e <= wanted), ..row };
+
+    let mut at_error = Tally::default();
+    for (view, chosen) in chosen.iter().enumerate() {
+        at_error.add(View::new(asset, view, lights).at_error(*chosen, wanted)?);
+        done(AT_ERROR);
+    }
+    let joint = Joint::fit(asset, lights, &chosen, &|| done(JOINT));
+    let joint_all = joint.all(&|| done(JOINT_SHOWN)).row("PWT of light and view, all terms");
+    let joint_at_error = joint.at_error(wanted, &|| done(JOINT_SHOWN)).row("PWT of light and view at PTM's ΔE");
+    drop(joint);
+    let factor = |name: &str, target| factored(name, target, asset, (set, lights), &|| done(FACTORED));
+    let components = FactoredTarget::Components { components: COMPONENTS, shadowed: true };
+    let mut rows = vec![
+        uncompressed,
+        map,
+        harmonics,
+        targeted(at_error.row(AT_MAP_ERROR)),
+        tree,
+        targeted(joint_at_error),
+        joint_all,
+        targeted(factor("factored at PTM's ΔE", FactoredTarget::Error(wanted))?),
+        factor(&format!("factored, {COMPONENTS} components"), components)?,
+    ];
+    let of = rows[1].bytes as f64;
+    rows.iter_mut().for_each(|row| row.share = row.bytes as f64 / of);
+    Ok(BtfAsset { seen: asset.seen(), rows })
+}
+
+impl BtfAsset {
+    /// The trees at the error of the maps.
+    fn at_map_error(&self) -> Option<&BtfRow> {
+        self.rows.iter().find(|row| row.method == AT_MAP_ERROR)
+    }
+}
+
+impl BtfClaims {
+    fn of(classic: &BtfAsset, flat: &BtfAsset) -> Self {
+        let found = |asset: &BtfAsset| {
+            asset.at_map_error().map_or((f64::NAN, false), |row| (row.bytes as f64, row.met == Some(true)))
+        };
+        let maps = classic.at_map_error().map_or(f64::NAN, |row| row.share);
+        let ((of_classic, classic_met), (of_flat, flat_met)) = (found(classic), found(flat));
+        let flat_share = of_flat / of_classic;
+        Self {
+            classic_share: maps,
+            classic_met: classic_met && maps <= WANTED,
+            flat_share,
+            flat_met: flat_met && flat_share <= WANTED,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lights_are_held_out_of_sets_that_have_enough() {
+        let of = |count| held_out(count).unwrap();
+        assert_eq!((of(81).len(), of(151).len(), of(13).len(), of(5).len()), (8, 8, 2, 1));
+        assert!(of(81).is_sorted() && of(81)[7] < 81);
+        assert!(held_out(4).unwrap_err().to_string().contains("5 or more"));
+    }
+}
