@@ -89,7 +89,7 @@ impl Arguments {
             && !self.inputs.is_empty()
         {
             let allowed = "allowed with the studies that draw (throughput, codecs, level-of-detail and images: materials), with \
-                           pareto (materials), and with flat-btf, btf and rays (structures), and with relighting (photographs)";
+                           pareto (materials), and with btf, flat-btf and rays (structures), and with relighting (photographs)";
             return Err(CliError::Usage(format!("INPUT: found with --study {}; {allowed}", name.get_name())));
         }
         let writes = matches!(

@@ -50,7 +50,13 @@ impl Errors {
 /// A view under all lights, as it is compared: sRGB codes and L*a*b* of the texels that count.
 pub(super) struct Truth {
     texels: Vec<usize>,
-    lights: Vec<(Vec<[f32; 3]>, Vec<[f32; 3]>)>,
+    lights: Vec<Compared>,
+}
+
+/// One light of it.
+struct Compared {
+    codes: Vec<[f32; 3]>,
+    labs: Vec<[f32; 3]>,
 }
 
 fn codes(mut colours: Vec<[f32; 3]>) -> Vec<[f32; 3]> {
@@ -68,7 +74,7 @@ impl Truth {
         let light = |picture: &Vec<[f32; 3]>| {
             let colours: Vec<[f32; 3]> = texels.iter().map(|texel| picture[*texel]).collect();
             let labs = colours.iter().map(|colour| lab(*colour)).collect();
-            (codes(colours), labs)
+            Compared { codes: codes(colours), labs }
         };
         let lights = pictures.par_iter().map(light).collect();
         Self { texels, lights }
@@ -76,12 +82,12 @@ impl Truth {
 
     /// Errors of pictures under the same lights.
     pub(super) fn errors(&self, pictures: &[Vec<[f32; 3]>], lights: &Lights) -> Errors {
-        let light = |(picture, (wanted_codes, wanted_labs)): (&Vec<[f32; 3]>, &(Vec<[f32; 3]>, Vec<[f32; 3]>))| {
+        let light = |(picture, wanted): (&Vec<[f32; 3]>, &Compared)| {
             let colours: Vec<[f32; 3]> = self.texels.iter().map(|texel| picture[*texel]).collect();
             let distance = |(colour, wanted): (&[f32; 3], &[f32; 3])| distance_squared(lab(*colour), *wanted).sqrt();
-            let distances = colours.iter().zip(wanted_labs).map(distance).map(f64::from).sum();
+            let distances = colours.iter().zip(&wanted.labs).map(distance).map(f64::from).sum();
             let found = codes(colours);
-            let pairs = found.as_flattened().iter().zip(wanted_codes.as_flattened());
+            let pairs = found.as_flattened().iter().zip(wanted.codes.as_flattened());
             let squares = pairs.map(|(a, b)| f64::from((a - b) * (a - b))).sum();
             Sums { squares, distances, count: self.texels.len() as f64 }
         };

@@ -111,14 +111,4 @@ impl<'a> View<'a> {
         let errors = self.truth.errors(shown, self.lights);
         Tally { bytes, fetches: fetches / self.views, seconds, errors }
     }
-
-    /// The pictures that everything is made of.
-    pub(super) fn truth(&self) -> &Truth {
-        &self.truth
-    }
-
-    /// The fitted ones.
-    pub(super) fn samples(&self) -> &LightSamples {
-        &self.samples
-    }
 }

@@ -20,18 +20,19 @@ use brdfc_source::address::{AddressError, parse_synth};
 /// Lights that are held out of sets that have enough of them, and the seed of the permutation that says which.
 const HELD_OUT: usize = 8;
 const SEED: u64 = 0;
+/// Orders of the harmonics of light and view.
+const JOINT_DEGREES: [u32; 2] = [3, 5];
 /// Components of a factored BTF of good quality.
 const COMPONENTS: u32 = 32;
 /// What polynomial wavelet trees are to take at most of what they are held against.
 const WANTED: f64 = 0.5;
 
 /// Parts of the work on one structure for each view: about as many as seconds are a part each.
-pub const PARTS: usize = 2 * (MAKE + FIRST_PASS + AT_ERROR + JOINT + 2 * JOINT_SHOWN + 2 * FACTORED);
+pub const PARTS: usize = 2 * (MAKE + FIRST_PASS + AT_ERROR + 2 * JOINT_DEGREES.len() * JOINT + 2 * FACTORED);
 const MAKE: usize = 1;
 const FIRST_PASS: usize = 12;
-const AT_ERROR: usize = 4;
+const AT_ERROR: usize = 6;
 const JOINT: usize = 1;
-const JOINT_SHOWN: usize = 1;
 const FACTORED: usize = 3;
 
 /// Why a structure cannot be studied.
@@ -79,16 +80,22 @@ pub fn study_structure(
     let directions = set.directions();
     let lights = Lights::new(set, &settings.held_out)?;
     let surface = Surface { model: &model, appearance: &appearance, directions: &directions, size: settings.texels };
-    let classic = ways(&surface.classic(&|| done(MAKE)), (set, &lights), done)?;
-    let flat = ways(&surface.flat(&|| done(MAKE)), (set, &lights), done)?;
+    let classic = ways(&surface.classic(&|| done(MAKE)), (set, &lights), None, done)?;
+    let maps = classic.row(FIRST[1]).map(|row| row.delta_e);
+    let flat = ways(&surface.flat(&|| done(MAKE)), (set, &lights), maps, done)?;
     let claims = BtfClaims::of(&classic, &flat);
     Ok(BtfModel { model: structure.canonical(), classic, flat, claims })
 }
 
 const AT_MAP_ERROR: &str = "PWT at PTM's ΔE";
 
-/// Every way to store a BTF.
-fn ways(asset: &Asset, (set, lights): (&DirectionSet, &Lights), done: &dyn Fn(usize)) -> Result<BtfAsset, FormatError> {
+/// Every way to store a BTF. Of a flat one `ordinary` is the mean ΔE of the maps of the ordinary one.
+fn ways(
+    asset: &Asset,
+    (set, lights): (&DirectionSet, &Lights),
+    ordinary: Option<f64>,
+    done: &dyn Fn(usize),
+) -> Result<BtfAsset, FormatError> {
     let mut tallies = [Tally::default(); FIRST.len()];
     let mut chosen: Vec<Candidate> = Vec::new();
     for view in 0..asset.views() {
@@ -101,47 +108,59 @@ fn ways(asset: &Asset, (set, lights): (&DirectionSet, &Lights), done: &dyn Fn(us
     let wanted = map.delta_e;
     let targeted = |row: BtfRow| BtfRow { met: Some(row.delta_e <= wanted), ..row };
 
-    let mut at_error = Tally::default();
+    let mut at_error = [Tally::default(); 2];
     for (view, chosen) in chosen.iter().enumerate() {
-        at_error.add(View::new(asset, view, lights).at_error(*chosen, wanted)?);
+        let ready = View::new(asset, view, lights);
+        for (sum, target) in at_error.iter_mut().zip([Some(wanted), ordinary]) {
+            if let Some(target) = target {
+                sum.add(ready.at_error(*chosen, target)?);
+            }
+        }
         done(AT_ERROR);
     }
-    let joint = Joint::fit(asset, lights, &chosen, &|| done(JOINT));
-    let joint_all = joint.all(&|| done(JOINT_SHOWN)).row("PWT of light and view, all terms");
-    let joint_at_error = joint.at_error(wanted, &|| done(JOINT_SHOWN)).row("PWT of light and view at PTM's ΔE");
-    drop(joint);
+    let mut joint_rows = Vec::new();
+    let mut joint_at_error: Option<BtfRow> = None;
+    for degree in JOINT_DEGREES {
+        let joint = Joint::fit(asset, lights, (&chosen, degree), &|| done(JOINT));
+        joint_rows.push(joint.all(&|| done(JOINT)).row(&format!("PWT of light and view, order {degree}")));
+        // The lower order, where it is enough.
+        if joint_at_error.as_ref().is_none_or(|row| row.met == Some(false)) {
+            joint_at_error = Some(targeted(joint.at_error(wanted, &|| ()).row("PWT of light and view at PTM's ΔE")));
+        }
+    }
     let factor = |name: &str, target| factored(name, target, asset, (set, lights), &|| done(FACTORED));
     let components = FactoredTarget::Components { components: COMPONENTS, shadowed: true };
-    let mut rows = vec![
-        uncompressed,
-        map,
-        harmonics,
-        targeted(at_error.row(AT_MAP_ERROR)),
-        tree,
-        targeted(joint_at_error),
-        joint_all,
-        targeted(factor("factored at PTM's ΔE", FactoredTarget::Error(wanted))?),
-        factor(&format!("factored, {COMPONENTS} components"), components)?,
-    ];
+    let [at_error, at_ordinary] = at_error;
+    let mut rows = vec![uncompressed, map, harmonics, targeted(at_error.row(AT_MAP_ERROR))];
+    if let Some(error) = ordinary {
+        let row = at_ordinary.row("PWT at the ordinary BTF's PTM ΔE");
+        rows.push(BtfRow { met: Some(row.delta_e <= error), ..row });
+    }
+    rows.push(tree);
+    rows.extend(joint_at_error);
+    rows.extend(joint_rows);
+    rows.push(targeted(factor("factored at PTM's ΔE", FactoredTarget::Error(wanted))?));
+    rows.push(factor(&format!("factored, {COMPONENTS} components"), components)?);
     let of = rows[1].bytes as f64;
     rows.iter_mut().for_each(|row| row.share = row.bytes as f64 / of);
     Ok(BtfAsset { seen: asset.seen(), rows })
 }
 
 impl BtfAsset {
-    /// The trees at the error of the maps.
-    fn at_map_error(&self) -> Option<&BtfRow> {
-        self.rows.iter().find(|row| row.method == AT_MAP_ERROR)
+    /// The row of a way.
+    fn row(&self, method: &str) -> Option<&BtfRow> {
+        self.rows.iter().find(|row| row.method == method)
     }
 }
 
 impl BtfClaims {
     fn of(classic: &BtfAsset, flat: &BtfAsset) -> Self {
+        // Share of the maps, bytes, whether the error is met.
         let found = |asset: &BtfAsset| {
-            asset.at_map_error().map_or((f64::NAN, false), |row| (row.bytes as f64, row.met == Some(true)))
+            let row = asset.row(AT_MAP_ERROR);
+            row.map_or((f64::NAN, f64::NAN, false), |row| (row.share, row.bytes as f64, row.met == Some(true)))
         };
-        let maps = classic.at_map_error().map_or(f64::NAN, |row| row.share);
-        let ((of_classic, classic_met), (of_flat, flat_met)) = (found(classic), found(flat));
+        let ((maps, of_classic, classic_met), (_, of_flat, flat_met)) = (found(classic), found(flat));
         let flat_share = of_flat / of_classic;
         Self {
             classic_share: maps,
