@@ -41,7 +41,7 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
     /// Texels of the reference plane per side, for flat-btf (default 128) and rays (default 64); for btf of both BTFs,
-    /// a power of two from 8 to 256 (default 64).
+    /// a power of two from 8 to 256 (default 32).
     #[arg(long, value_name = "N", value_parser = any_whole_number::<usize>("a whole number, 8 or more"))]
     pub(super) texels: Option<usize>,
     /// Texels of flat BTFs per side for flat-btf, a power of two (default: twice those of the plane).

@@ -16,7 +16,7 @@ use std::cell::Cell;
 use std::time::{Duration, Instant};
 
 /// Of both BTFs.
-const TEXELS: usize = 64;
+const TEXELS: usize = 32;
 const MOST_TEXELS: usize = 256;
 /// Remarks come at least this far apart.
 const BETWEEN_REMARKS: Duration = Duration::from_secs(5);

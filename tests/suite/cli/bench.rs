@@ -102,7 +102,8 @@ fn the_study_of_flat_btfs_has_the_papers_tables() {
 #[test]
 fn the_study_of_btfs_has_every_way_of_both_kinds() {
     let folder = Folder::new();
-    let small = ["bench", "--study", "btf", "synth:folds?resolution=32", "--texels", "8", "--directions", "grid:3x4@60"];
+    let small =
+        ["bench", "--study", "btf", "synth:folds?resolution=32", "--texels", "8", "--directions", "grid:3x4@60"];
     let run = |more: &[&str]| folder.run(&[&small[..], more].concat()).succeeded();
     let report = run(&["--json", "--out", "figures"]).json();
     conforms("bench", &report);

@@ -15,6 +15,8 @@ use std::time::Instant;
 const HARMONICS: LightBasis = LightBasis { coordinates: LightCoordinates::Hemisphere, degree: 3 };
 /// Between directions of a set three views are blended, of each of which everything is fetched.
 const BLENDED_VIEWS: f64 = 3.0;
+/// And three lights, where there is no polynomial of them.
+const BLENDED_LIGHTS: f64 = 3.0;
 /// Bytes of the 18 coefficients of a texel, and textures of four numbers that hold them.
 const MAP_BYTES: u64 = 18;
 const MAP_FETCHES: f64 = 5.0;
@@ -34,8 +36,6 @@ pub(super) struct View<'a> {
     lights: &'a Lights,
     samples: LightSamples,
     truth: Truth,
-    /// Fetches and time count once for all views.
-    views: f64,
 }
 
 /// Texels of all mipmap levels of a square picture.
@@ -48,7 +48,7 @@ impl<'a> View<'a> {
         let pictures = asset.pictures(view, lights);
         let samples = asset.samples(view, &pictures, lights);
         let truth = Truth::new(&pictures, asset.mask(view));
-        Self { lights, samples, truth, views: asset.views() as f64 }
+        Self { lights, samples, truth }
     }
 
     /// Everything that needs to know nothing of the other views.
@@ -93,11 +93,9 @@ impl<'a> View<'a> {
 
     /// The values themselves, and of lights that were held out what a renderer blends.
     fn uncompressed(&self) -> Tally {
-        let start = Instant::now();
-        let fitted: Vec<_> = self.samples.pictures.clone();
         let bytes = 4 * self.samples.lights.len() as u64 * texels_with_mipmaps(self.samples.size[0]);
-        let seconds = start.elapsed().as_secs_f64();
-        self.tally(&self.lights.completed(fitted), bytes, BLENDED_VIEWS * 3.0, seconds)
+        let shown = self.lights.completed(self.samples.pictures.clone());
+        self.tally(&shown, bytes, BLENDED_VIEWS * BLENDED_LIGHTS, 0.0)
     }
 
     fn packed(&self, pack: PwtPack, seconds: f64) -> Tally {
@@ -106,9 +104,8 @@ impl<'a> View<'a> {
         self.tally(&shown, bytes, BLENDED_VIEWS * fetches, seconds)
     }
 
-    /// Fetches are a mean over the views.
     fn tally(&self, shown: &[Vec<[f32; 3]>], bytes: u64, fetches: f64, seconds: f64) -> Tally {
         let errors = self.truth.errors(shown, self.lights);
-        Tally { bytes, fetches: fetches / self.views, seconds, errors }
+        Tally { bytes, fetches, seconds, errors }
     }
 }

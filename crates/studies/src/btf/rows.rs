@@ -106,6 +106,11 @@ impl Tally {
         self.errors.add(view.errors);
     }
 
+    /// With the mean over so many views in place of the sum of fetches: a pixel takes those of a few views alone.
+    pub(super) fn of_views(self, views: usize) -> Self {
+        Self { fetches: self.fetches / views as f64, ..self }
+    }
+
     /// The row; of what it is a share is known later.
     pub(super) fn row(&self, method: &str) -> BtfRow {
         let Errors { fitted, held_out } = self.errors;

@@ -104,7 +104,8 @@ fn ways(
         chosen.push(found.chosen);
         done(FIRST_PASS);
     }
-    let [uncompressed, map, harmonics, tree] = [0, 1, 2, 3].map(|k: usize| tallies[k].row(FIRST[k]));
+    let [uncompressed, map, harmonics, tree] =
+        [0, 1, 2, 3].map(|k: usize| tallies[k].of_views(asset.views()).row(FIRST[k]));
     let wanted = map.delta_e;
     let targeted = |row: BtfRow| BtfRow { met: Some(row.delta_e <= wanted), ..row };
 
@@ -130,7 +131,7 @@ fn ways(
     }
     let factor = |name: &str, target| factored(name, target, asset, (set, lights), &|| done(FACTORED));
     let components = FactoredTarget::Components { components: COMPONENTS, shadowed: true };
-    let [at_error, at_ordinary] = at_error;
+    let [at_error, at_ordinary] = at_error.map(|sum| sum.of_views(asset.views()));
     let mut rows = vec![uncompressed, map, harmonics, targeted(at_error.row(AT_MAP_ERROR))];
     if let Some(error) = ordinary {
         let row = at_ordinary.row("PWT at the ordinary BTF's PTM ΔE");
