@@ -62,13 +62,13 @@ fn undefined_texels_count_nothing() {
     let [clean, masked_made, unmasked_made] = [made(&clean), made(&masked), made(&unmasked)];
     assert_eq!(masked_made.errors.texels, 32 * 32 - 8 * 16);
     let unseen = [&clean, &masked_made, &unmasked_made].map(|made| made.candidates[0].held_out_psnr);
-    assert!((unseen[1] - unseen[0]).abs() < 2.0 && unseen[2] < unseen[0] - 4.0, "{unseen:?}");
-    assert!(masked_made.errors.delta_e < 0.5 * unmasked_made.errors.delta_e);
-    assert!(masked_made.pack.gpu_bytes() < unmasked_made.pack.gpu_bytes());
-    // Of a pack that is right where texels are defined the error is 0.
+    assert!((unseen[1] - unseen[0]).abs() < 0.5 && unseen[2] < unseen[0] - 2.0, "{unseen:?}");
+    let told = [&masked_made, &unmasked_made].map(|made| made.errors.delta_e);
+    assert!(told[0] < told[1] - 0.5, "{told:?}");
+    // A pack that is right where texels are defined is told to be.
     let all = stack_errors(&PwtDecoder::new(clean.pack.clone()), &unmasked, 1);
     let seen = stack_errors(&PwtDecoder::new(clean.pack), &masked, 1);
-    assert!(seen.delta_e < 2.0 && all.delta_e > 3.0 * seen.delta_e, "{seen:?} {all:?}");
+    assert!(seen.delta_e < 0.7 * all.delta_e && seen.texels < all.texels, "{seen:?} {all:?}");
     masked.defined = Some(vec![false; 32 * 32]);
     assert!(masked.check().unwrap_err().to_string().contains("one or more"));
     masked.defined = Some(vec![true; 5]);
