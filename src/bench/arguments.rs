@@ -19,6 +19,7 @@ Examples:
   brdfc bench --study flat-btf synth:knit --texels 64 --flat-texels 128
   brdfc bench --study rays synth:folds
   brdfc bench --study relighting icon --out figures
+  brdfc bench --study btf synth:knit --out figures
   brdfc bench --study throughput
   brdfc bench --study pareto paint.brdf metal.binary --out figures
   brdfc bench --study stress --json > stress.json
@@ -29,23 +30,24 @@ Examples:
   brdfc bench --study pixel-bandwidth red-plastic.binary --environment museum.exr")]
 pub struct Arguments {
     /// Materials of the studies that draw (default: synth:velvet, and a glossy metal for level-of-detail and those of
-    /// adaptive shading) and of pareto (default: three models), or structures of flat-btf (default: all four) and of rays (default: synth:button), or the photographs of relighting.
+    /// adaptive shading) and of pareto (default: three models), or structures of flat-btf and btf (default: all four) and of rays (default: synth:button), or the photographs of relighting.
     #[arg(value_name = "INPUT")]
     pub(super) inputs: Vec<Input>,
     /// Which study.
     #[arg(long, value_enum, default_value = "wavelet-brdf")]
     pub(super) study: Study,
-    /// Write the frames of level-of-detail into this folder, the figure of codecs, pareto or relighting, or the mesh and the rays
+    /// Write the frames of level-of-detail into this folder, the figure of codecs, pareto, relighting or btf, or the mesh and the rays
     /// of rays.
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
-    /// Texels of the reference plane per side, for flat-btf (default 128) and rays (default 64).
+    /// Texels of the reference plane per side, for flat-btf (default 128) and rays (default 64); for btf of both BTFs,
+    /// a power of two from 8 to 256 (default 32).
     #[arg(long, value_name = "N", value_parser = any_whole_number::<usize>("a whole number, 8 or more"))]
     pub(super) texels: Option<usize>,
     /// Texels of flat BTFs per side for flat-btf, a power of two (default: twice those of the plane).
     #[arg(long, value_name = "N", value_parser = any_whole_number::<usize>("a power of two from 8 to 1024"))]
     pub(super) flat_texels: Option<usize>,
-    /// Views and lights of flat-btf, as for 'brdfc flatten --views' (default: ubo2003).
+    /// Views and lights of flat-btf and btf, as for 'brdfc flatten --views' (default: ubo2003).
     #[arg(long, value_name = "SET")]
     pub(super) directions: Option<Input>,
     /// Polar angles x azimuths of the indirection map of flat-btf (default: 16x16).
@@ -87,21 +89,21 @@ impl Arguments {
             && !self.inputs.is_empty()
         {
             let allowed = "allowed with the studies that draw (throughput, codecs, level-of-detail and images: materials), with \
-                           pareto (materials), and with flat-btf and rays (structures), and with relighting (photographs)";
+                           pareto (materials), and with btf, flat-btf and rays (structures), and with relighting (photographs)";
             return Err(CliError::Usage(format!("INPUT: found with --study {}; {allowed}", name.get_name())));
         }
         let writes = matches!(
             self.study,
-            Study::LevelOfDetail | Study::Codecs | Study::Pareto | Study::Rays | Study::Relighting
+            Study::LevelOfDetail | Study::Codecs | Study::Pareto | Study::Rays | Study::Relighting | Study::Btf
         );
         if !writes && self.out.is_some() {
-            let allowed = "allowed with --study level-of-detail, --study codecs, --study pareto, --study rays and --study relighting";
+            let allowed = "allowed with --study level-of-detail, --study codecs, --study pareto, --study rays, --study relighting and --study btf";
             return Err(CliError::Usage(format!("--out: found with another study; {allowed}")));
         }
         for (given, option, studies) in [
-            (self.texels.is_some(), "texels", &[Study::FlatBtf, Study::Rays][..]),
+            (self.texels.is_some(), "texels", &[Study::FlatBtf, Study::Rays, Study::Btf][..]),
             (self.flat_texels.is_some(), "flat-texels", &[Study::FlatBtf]),
-            (self.directions.is_some(), "directions", &[Study::FlatBtf]),
+            (self.directions.is_some(), "directions", &[Study::FlatBtf, Study::Btf]),
             (self.indirection.is_some(), "indirection", &[Study::FlatBtf]),
             (self.largest_angle.is_some(), "largest-angle", &[Study::FlatBtf]),
             (self.environment.is_some(), "environment", ADAPTIVE),

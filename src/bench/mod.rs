@@ -3,6 +3,7 @@
 #[cfg(feature = "render")]
 mod adaptive;
 mod arguments;
+mod btf;
 #[cfg(feature = "render")]
 mod codecs;
 mod flat_btf;
@@ -40,6 +41,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         Study::WaveletBrdf => wavelet::run()?,
         Study::FlatBtf => flat_btf::run(arguments, common)?,
         Study::Relighting => relighting::run(arguments, common)?,
+        Study::Btf => btf::run(arguments, common)?,
         Study::Rays => rays::run(arguments, common)?,
         Study::Pareto => pareto::run(arguments, common)?,
         Study::Stress => stress::run(arguments, common),
@@ -78,6 +80,7 @@ fn print_text(result: &StudyResult) -> Result<(), CliError> {
         StudyResult::WaveletBrdf { rows } => print(&wavelet::text(rows)),
         StudyResult::FlatBtf { settings, rows } => print(&flat_btf::text(settings, rows)),
         StudyResult::Relighting(study) => print(&relighting::text(study)),
+        StudyResult::Btf(study) => print(&btf::text(study)),
         StudyResult::Rays(study) => print(&rays::text(study)),
         StudyResult::Pareto(study) => print(&pareto::text(study)),
         StudyResult::Stress(study) => print(&stress::text(study)),

@@ -249,7 +249,7 @@ fn relighting(criterion: &mut Criterion) {
     let values: Vec<Vec<f32>> = pictures.iter().map(|picture| picture.iter().map(|c| c[0]).collect()).collect();
     let basis = LightBasis { coordinates: LightCoordinates::Hemisphere, degree: 5 };
     let design = Design::new(basis, &lights, 1e-4);
-    let samples = LightSamples { size: [SIDE, SIDE], lights: lights.clone(), pictures, repeats: false };
+    let samples = LightSamples { size: [SIDE, SIDE], lights: lights.clone(), pictures, repeats: false, defined: None };
     let mut group = criterion.benchmark_group("relighting");
     group.throughput(Throughput::Elements((SIDE * SIDE * LIGHTS) as u64));
     group.bench_function("factorisation", |b| b.iter(|| Design::new(basis, black_box(&lights), 1e-4)));

@@ -8,7 +8,7 @@ use brdfc_formats::FormatError;
 use brdfc_formats::flat_btf::factored::{BasisMap, FactoredFlatBtf, ShadowMap, WeightMap};
 use brdfc_formats::flat_btf::{
     DiffuseMap, DisplacementMap, FlatBtfParts, FlatPart, FlatValues, FlatView, IndirectionMap, NormalMap,
-    PART_EXTENSION, ReferenceMap, split_part_name, view_part,
+    PART_EXTENSION, ReferenceMap, VisibilityMask, split_part_name, view_part,
 };
 use rayon::prelude::*;
 use serde::Deserialize;
@@ -19,6 +19,8 @@ use std::path::{Path, PathBuf};
 const LIST: &str = ".json";
 /// Parts that every asset has, of those that are drawn.
 const PARTS: [&str; 3] = ["reference", "normal", "diffuse"];
+/// The part that says which texels a view sees.
+const MASK: &str = "mask";
 /// Most files that are looked at.
 const MAX_ENTRIES: usize = 1 << 16;
 /// Most missing files that an error lists.
@@ -85,6 +87,19 @@ pub fn open_flat_view(path: &Path, view: u32) -> Result<(Option<FlatView>, u32),
     let part = view_part(view, count);
     asset.check_listed(std::slice::from_ref(&part))?;
     Ok((Some(asset.part(&part, FlatView::from_bytes)?), count))
+}
+
+/// Reads which texels of a flat BTF are seen in which view; nothing of an asset without that part.
+///
+/// # Errors
+/// As [`open_flat_btf`], of this file alone.
+pub fn open_flat_mask(path: &Path) -> Result<Option<VisibilityMask>, InputError> {
+    let asset = Asset::open(path)?;
+    if !asset.listing.parts.contains_key(MASK) {
+        return Ok(None);
+    }
+    asset.check_listed(&[MASK.to_owned()])?;
+    asset.part(MASK, VisibilityMask::from_bytes).map(Some)
 }
 
 /// Holds every file of an asset against its list of parts.

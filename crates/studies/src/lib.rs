@@ -2,6 +2,7 @@
 
 #[cfg(feature = "render")]
 pub mod adaptive;
+pub mod btf;
 #[cfg(feature = "render")]
 pub mod codecs;
 pub mod flat_btf;
@@ -36,6 +37,10 @@ pub enum Study {
     /// Figure 1 (b) of Baril et al. 2008: photographs under known lights as polynomial texture maps, hemispherical harmonics and polynomial
     /// wavelet trees, at fitted lights and at lights held out. With --out: relighting.png.
     Relighting,
+    /// Ways to store the BTF of a structure, ordinary and flat, beside each other: polynomial texture maps, hemispherical
+    /// harmonics, polynomial wavelet trees, factors; bytes, fetches, errors at fitted lights and at lights held out. Takes
+    /// minutes for each of synth:button, folds, knit and sponge, which are the default. With --out: btf.svg.
+    Btf,
     /// Rays per second against a repeated structure. With --out: mesh.ply and rays.bin for other programs.
     Rays,
     /// Section 6.3: evaluations per second, shader and CPU decoder.
@@ -82,6 +87,8 @@ pub enum StudyResult {
     },
     /// Ways to store photographs under known lights.
     Relighting(relighting::RelightingStudy),
+    /// Ways to store BTFs.
+    Btf(btf::BtfStudy),
     /// Rays per second.
     Rays(rays::RayStudy),
     /// Run time against error.

@@ -100,6 +100,58 @@ fn the_study_of_flat_btfs_has_the_papers_tables() {
 }
 
 #[test]
+fn the_study_of_btfs_has_every_way_of_both_kinds() {
+    let folder = Folder::new();
+    let small =
+        ["bench", "--study", "btf", "synth:folds?resolution=32", "--texels", "8", "--directions", "grid:3x4@60"];
+    let run = |more: &[&str]| folder.run(&[&small[..], more].concat()).succeeded();
+    let report = run(&["--json", "--out", "figures"]).json();
+    conforms("bench", &report);
+    assert_eq!(report["settings"]["held_out"].as_array().unwrap().len(), 1);
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    let model = &report["models"][0];
+    for kind in ["classic", "flat"] {
+        let row = |method: &str| {
+            let rows = model[kind]["rows"].as_array().unwrap();
+            rows.iter().find(|row| row["method"] == method).unwrap_or_else(|| panic!("no {method} of {kind}: {rows:?}"))
+        };
+        let (plain, map, tree) = (row("uncompressed"), row("PTM"), row("PWT at PTM's ΔE"));
+        // 9 views, 8 lights that are fitted, 85 texels with mipmaps.
+        assert_eq!((&map["bytes"], &plain["bytes"]), (&(18 * 9 * 85).into(), &(4 * 9 * 8 * 85).into()));
+        assert_eq!((&map["share"], &map["fetches"], &plain["fetches"]), (&1.0.into(), &15.0.into(), &9.0.into()));
+        assert!(number(&plain["delta_e"]) == 0.0 && number(&plain["held_out_delta_e"]) > 0.1, "{plain}");
+        assert_eq!(tree["met"] == true, number(&tree["delta_e"]) <= number(&map["delta_e"]), "{tree} {map}");
+        let coarse = row("PWT of light and view, order 3");
+        assert!(number(&row("PWT of light and view, order 5")["bytes"]) > number(&coarse["bytes"]));
+        assert_eq!(row("factored, 32 components")["met"], serde_json::Value::Null);
+    }
+    assert_eq!(model["classic"]["seen"], 1.0);
+    assert!(number(&model["flat"]["seen"]) < 1.0);
+    assert!(std::fs::read_to_string(folder.path().join("figures/btf.svg")).unwrap().contains("factored"));
+    // All but the time is the same on any number of threads.
+    let timeless = |mut report: serde_json::Value| {
+        for kind in ["classic", "flat"] {
+            let rows = report["models"][0][kind]["rows"].as_array_mut().unwrap();
+            rows.iter_mut().for_each(|row| row["seconds"] = 0.into());
+        }
+        report
+    };
+    let one = timeless(run(&["--json", "--jobs", "1"]).json());
+    assert_eq!(one, timeless(run(&["--json", "--jobs", "3"]).json()));
+    assert!(run(&[]).stdout.contains("PWT at PTM's ΔE, flat BTF: "));
+    for (arguments, code, expected) in [
+        (&["--texels", "48"][..], 2, "--texels: found 48; allowed a power of two from 8 to 256"),
+        (&["--directions", "grid:2x3@50"], 2, "--directions: directions: found 4; allowed 5 or more"),
+        (&["synth:lambert"], 3, "button, folds, knit, sponge"),
+        (&["button.obj"], 2, "INPUT: found button.obj; allowed synth:"),
+        (&["--flat-texels", "8"], 2, "--flat-texels: found with another study"),
+    ] {
+        let ran = folder.run(&[&["bench", "--study", "btf"][..], arguments].concat());
+        assert!(ran.code == code && ran.stderr.contains(expected), "{arguments:?}: {ran:?}");
+    }
+}
+
+#[test]
 fn the_study_of_stress_holds_every_bound() {
     let folder = Folder::new();
     let report = folder.run(&["bench", "--study", "stress", "--small", "--json"]).succeeded().json();

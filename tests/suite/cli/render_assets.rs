@@ -31,7 +31,7 @@ fn samples() -> LightSamples {
         (0..SIZE[0] * SIZE[1]).map(pixel).collect()
     };
     let pictures = lights.iter().map(picture).collect();
-    LightSamples { size: SIZE, lights, pictures, repeats: false }
+    LightSamples { size: SIZE, lights, pictures, repeats: false, defined: None }
 }
 
 /// A folder with the stack `stack` and its pack `relief.ktx2`.

@@ -88,10 +88,13 @@ struct Texels {
 
 impl Texels {
     fn new(samples: &LightSamples) -> Self {
-        let count = samples.size[0] * samples.size[1];
+        let defined: Vec<usize> =
+            (0..samples.size[0] * samples.size[1]).filter(|texel| samples.is_defined(*texel)).collect();
+        let count = defined.len();
         // Multiples of the golden ratio: no column or row is missed.
         let texel = |k: usize| ((k as f64 * 0.618_033_988_749_894_9).fract() * count as f64) as usize;
-        let at: Vec<usize> = (0..TEXELS.min(count)).map(|k| if count <= TEXELS { k } else { texel(k) }).collect();
+        let nth = |k: usize| if count <= TEXELS { k } else { texel(k) };
+        let at: Vec<usize> = (0..TEXELS.min(count)).map(|k| defined[nth(k)]).collect();
         let of_light = |picture: &Vec<[f32; 3]>| -> Vec<f32> {
             at.iter().flat_map(|texel| picture[*texel]).map(|value| value.max(0.0)).collect()
         };

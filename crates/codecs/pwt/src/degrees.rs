@@ -23,36 +23,63 @@ pub struct SubbandDegree {
     pub held_out: f64,
 }
 
-/// The degree of every subband of a channel. `planes` are the channel under each light, not transformed yet.
-pub fn degrees(design: &Design, tree: &PacketTree, planes: Vec<Plane>) -> Vec<SubbandDegree> {
+/// The degree of every subband of a channel. `planes` are the channel under each light, not transformed yet. Where `defined`
+/// says which texels are (1, others 0), a coefficient counts as much as the share of them among the texels of its place.
+pub fn degrees(design: &Design, tree: &PacketTree, planes: Vec<Plane>, defined: Option<&Plane>) -> Vec<SubbandDegree> {
     let subbands = tree.subbands();
+    let shares: Vec<Option<Vec<f32>>> =
+        subbands.iter().map(|subband| defined.map(|plane| shares(plane, subband))).collect();
     // Of each light the coefficients that are looked at, subband by subband.
     let sampled: Vec<Vec<Vec<f32>>> = planes
         .into_par_iter()
         .map(|mut plane| {
             tree.analyse(&mut plane);
-            subbands.iter().map(|subband| coefficients(&plane, subband)).collect()
+            let counted = |(subband, shares): (&Subband, &Option<Vec<f32>>)| {
+                let mut values = coefficients(&plane, subband);
+                // Fits are of each coefficient by itself: squares of what is scaled are weighted.
+                values.iter_mut().zip(shares.iter().flatten()).for_each(|(value, share)| *value *= share.sqrt());
+                values
+            };
+            subbands.iter().zip(&shares).map(counted).collect()
         })
         .collect();
     (0..subbands.len())
         .into_par_iter()
         .map(|k| {
             let lights: Vec<&[f32]> = sampled.iter().map(|light| &light[k][..]).collect();
-            of_subband(design, subbands[k], &lights)
+            let numbers = lights.first().map_or(0, |light| light.len()) as f64;
+            let counted = shares[k].as_ref().map_or(numbers, |shares| shares.iter().map(|s| f64::from(*s)).sum());
+            of_subband(design, subbands[k], &lights, counted)
         })
         .collect()
 }
 
-/// Whole rows, evenly spread.
-fn coefficients(plane: &Plane, subband: &Subband) -> Vec<f32> {
+/// Rows of a subband that are looked at: evenly spread.
+fn looked_at(subband: &Subband) -> impl Iterator<Item = usize> + use<> {
     let [width, height] = subband.rectangle.size;
     let rows = (MOST / width.max(1)).clamp(1, height.max(1));
-    (0..rows).flat_map(|k| plane.row(subband.rectangle, k * height / rows)).copied().collect()
+    (0..rows).map(move |k| k * height / rows)
 }
 
-fn of_subband(design: &Design, subband: Subband, lights: &[&[f32]]) -> SubbandDegree {
+fn coefficients(plane: &Plane, subband: &Subband) -> Vec<f32> {
+    looked_at(subband).flat_map(|row| plane.row(subband.rectangle, row)).copied().collect()
+}
+
+/// Means of a plane over the texels that the coefficients of [`coefficients`] stand for.
+fn shares(plane: &Plane, subband: &Subband) -> Vec<f32> {
+    let [width, height] = subband.rectangle.size;
+    let [across, down] = [plane.size[0] / width.max(1), plane.size[1] / height.max(1)];
+    let mean = |row: usize, column: usize| {
+        let rows = plane.values.chunks_exact(plane.size[0]).skip(row * down).take(down);
+        let sum: f32 = rows.flat_map(|texels| &texels[column * across..(column + 1) * across]).sum();
+        sum / (across * down).max(1) as f32
+    };
+    looked_at(subband).flat_map(|row| (0..width).map(move |column| (row, column))).map(|(y, x)| mean(y, x)).collect()
+}
+
+fn of_subband(design: &Design, subband: Subband, lights: &[&[f32]], counted: f64) -> SubbandDegree {
     let terms = design.terms();
-    let count = (lights.len() * lights.first().map_or(0, |light| light.len())).max(1) as f64;
+    let count = (lights.len() as f64 * counted).max(f64::MIN_POSITIVE);
     let mean = |sum: f64| sum / count;
     let square = |values: &[f32]| values.iter().map(|v| f64::from(*v).powi(2)).sum::<f64>();
     let energy = mean(lights.iter().map(|light| square(light)).sum());

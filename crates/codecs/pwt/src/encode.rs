@@ -68,7 +68,9 @@ pub fn encode(samples: &LightSamples, recipe: &PwtRecipe) -> Result<PwtEncoded, 
     let transform = Transform { wavelet: recipe.wavelet, border, depth };
     let guides = &coefficients[0][..GUIDES.min(coefficients[0].len())];
     let tree = PacketTree::best(transform, guides, guide_step(guides), recipe.packets);
-    let subbands = channels.map(|values| degrees(&design, &tree, values.into_iter().map(plane).collect()));
+    let defined = defined_plane(samples, extent);
+    let subbands =
+        channels.map(|values| degrees(&design, &tree, values.into_iter().map(plane).collect(), defined.as_ref()));
     for (terms, subbands) in coefficients.iter_mut().zip(&subbands) {
         terms.par_iter_mut().enumerate().for_each(|(term, plane)| {
             tree.analyse(plane);
@@ -164,7 +166,9 @@ fn depth(samples: &LightSamples, recipe: &PwtRecipe) -> Result<u32, FormatError>
 /// Some texels of some photographs, in a domain.
 fn some_values(samples: &LightSamples, domain: Domain) -> impl Iterator<Item = [f32; 3]> {
     let stride = (samples.size[0] * samples.size[1] * samples.lights.len()).div_ceil(1 << 16);
-    samples.pictures.iter().flatten().step_by(stride).map(move |value| value.map(|c| domain.encode(c)))
+    let defined = |picture| Iterator::zip(0.., picture).filter(|(texel, _)| samples.is_defined(*texel));
+    let values = samples.pictures.iter().flat_map(defined);
+    values.step_by(stride).map(move |(_, value)| value.map(|c| domain.encode(c)))
 }
 
 /// Red, green and blue of three channels that vary independently, the strongest first: principal axes.
@@ -219,7 +223,8 @@ fn channels(samples: &LightSamples, domain: Domain, colour: &[[f32; 3]; 3], exte
     channels
 }
 
-/// How much an error of each texel shows: the mean square of how codes change with values of the domain.
+/// How much an error of each texel shows: the mean square of how codes change with values of the domain; 0 where texels are
+/// not defined.
 fn texel_weights(samples: &LightSamples, domain: Domain, extent: [usize; 2]) -> Plane {
     const STEP: f32 = 1e-3;
     const PICTURES: usize = 8;
@@ -238,8 +243,20 @@ fn texel_weights(samples: &LightSamples, domain: Domain, extent: [usize; 2]) -> 
                 *weight += ((b - a) / STEP).powi(2) / some.len() as f32;
             }
         }
+        let undefined = |(x, _): &(usize, &mut f32)| !samples.is_defined(y * width + x);
+        weights.iter_mut().take(width).enumerate().filter(undefined).for_each(|(_, weight)| *weight = 0.0);
     });
     weights
+}
+
+/// 1 where a texel is defined, 0 where not and behind the picture; nothing where all are.
+fn defined_plane(samples: &LightSamples, extent: [usize; 2]) -> Option<Plane> {
+    let mask = samples.defined.as_ref()?;
+    let mut plane = Plane::zeros(extent);
+    for (row, defined) in plane.values.chunks_exact_mut(extent[0]).zip(mask.chunks_exact(samples.size[0])) {
+        row.iter_mut().zip(defined).for_each(|(value, defined)| *value = f32::from(*defined));
+    }
+    Some(plane)
 }
 
 /// What packets are chosen by: a hundredth of the spread of the first term.
@@ -285,8 +302,7 @@ impl Search<'_> {
             Target::Loss(loss) => {
                 // What steps leave adds to what is wrong at lights that the fit has not seen.
                 let unseen = 10f64.powf(-self.candidate.held_out_psnr / 10.0);
-                let [width, height] = self.samples.size;
-                let numbers = (3 * width * height * self.samples.lights.len()) as f64;
+                let numbers = (3 * self.samples.defined_texels() * self.samples.lights.len()) as f64;
                 let allowed = (10f64.powf(loss / 10.0) - 1.0) * unseen * numbers + self.left(last);
                 let count = (0..=last).find(|count| self.left(*count) <= allowed).unwrap_or(last);
                 let (pack, errors) = self.made(count)?;

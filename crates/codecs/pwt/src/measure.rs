@@ -12,7 +12,7 @@ use std::borrow::Cow;
 pub struct StackErrors {
     /// Photographs.
     pub lights: usize,
-    /// Texels of each that were compared.
+    /// Texels of each that were compared: defined ones.
     pub texels: usize,
     /// Peak signal-to-noise ratio of sRGB codes, dB.
     pub psnr: f64,
@@ -29,7 +29,7 @@ pub fn stack_errors(decoder: &PwtDecoder, samples: &LightSamples, stride: usize)
         let unpacked = &unpacked;
         move |row| Cow::Owned(unpacked.rows(row..row + 1, &weights))
     });
-    StackErrors::of(&sums, compared(samples, stride).len() * samples.size[0])
+    StackErrors::of(&sums, compared_texels(samples, stride))
 }
 
 /// Errors of pictures against photographs of the same size under the same lights: of all together, and of each.
@@ -37,7 +37,7 @@ pub fn picture_errors(pictures: &LightSamples, samples: &LightSamples) -> (Stack
     let width = samples.size[0];
     let rows = |light: usize| move |row: usize| Cow::Borrowed(&pictures.pictures[light][row * width..][..width]);
     let sums = sums(samples, 1, rows);
-    let texels = width * samples.size[1];
+    let texels = compared_texels(samples, 1);
     (StackErrors::of(&sums, texels), sums.iter().map(|sum| StackErrors::of(&[*sum], texels)).collect())
 }
 
@@ -47,7 +47,7 @@ pub fn pictures_of_pack(decoder: &PwtDecoder, lights: Vec<[f32; 3]>) -> LightSam
     let header = decoder.pack().header();
     let picture = |light: &[f32; 3]| unpacked.rows(0..unpacked.size()[1], &header.weights(*light));
     let pictures = lights.par_iter().map(picture).collect();
-    LightSamples { size: unpacked.size(), pictures, lights, repeats: header.repeats }
+    LightSamples { size: unpacked.size(), pictures, lights, repeats: header.repeats, defined: None }
 }
 
 impl StackErrors {
@@ -65,6 +65,13 @@ fn compared(samples: &LightSamples, stride: usize) -> Vec<usize> {
     (0..samples.size[1]).step_by(stride.max(1)).collect()
 }
 
+/// Defined texels of these rows.
+fn compared_texels(samples: &LightSamples, stride: usize) -> usize {
+    let width = samples.size[0];
+    let row = |y: usize| (y * width..(y + 1) * width).filter(|texel| samples.is_defined(*texel)).count();
+    compared(samples, stride).into_iter().map(row).sum()
+}
+
 /// The sums of [`StackErrors::of`], a pair for each photograph. `rows` gives the rows of the picture of a light.
 fn sums<'a, R>(samples: &LightSamples, stride: usize, rows: impl Fn(usize) -> R + Sync) -> Vec<[f64; 2]>
 where
@@ -76,12 +83,15 @@ where
         let found = rows(light);
         let mut sums = [0.0; 2];
         for row in &compared {
-            let found = found(*row);
-            let wanted = &samples.pictures[light][row * width..][..width];
+            let kept = |colours: &[[f32; 3]]| -> Vec<[f32; 3]> {
+                let defined = |(x, colour): (usize, &[f32; 3])| samples.is_defined(row * width + x).then_some(*colour);
+                colours.iter().enumerate().filter_map(defined).collect()
+            };
+            let (found, wanted) = (kept(&found(*row)), kept(&samples.pictures[light][row * width..][..width]));
             let codes = |colours: &[[f32; 3]]| shown(Domain::Linear, colours.as_flattened().to_vec());
-            sums[0] += squares(&codes(&found), &codes(wanted));
+            sums[0] += squares(&codes(&found), &codes(&wanted));
             let distance = |(found, wanted): (&[f32; 3], &[f32; 3])| distance_squared(lab(*found), lab(*wanted)).sqrt();
-            sums[1] += found.iter().zip(wanted).map(distance).map(f64::from).sum::<f64>();
+            sums[1] += found.iter().zip(&wanted).map(distance).map(f64::from).sum::<f64>();
         }
         sums
     };

@@ -31,7 +31,7 @@ pub fn pictures_of(map: &Ptm, lights: Vec<[f32; 3]>) -> LightSamples {
         (0..size[0] * size[1]).map(|pixel| map.value(pixel, [*x, *y]).map(linear)).collect()
     };
     let pictures = lights.par_iter().map(picture).collect();
-    LightSamples { size, lights, pictures, repeats: false }
+    LightSamples { size, lights, pictures, repeats: false, defined: None }
 }
 
 /// Which of the two layouts a map has.

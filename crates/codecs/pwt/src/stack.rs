@@ -16,6 +16,9 @@ pub struct LightSamples {
     pub pictures: Vec<Vec<[f32; 3]>>,
     /// Whether they are tiles that repeat.
     pub repeats: bool,
+    /// Which texels are defined, row by row; `None` for all. Others hold whatever fills holes: they are fitted like all, but
+    /// nothing is chosen by them, and no error counts them.
+    pub defined: Option<Vec<bool>>,
 }
 
 impl LightSamples {
@@ -23,7 +26,8 @@ impl LightSamples {
     ///
     /// # Errors
     /// No lights or too many; sides of 0 or beyond what packs hold; pictures of another size than the first, or another
-    /// number of them than of lights; lights that are not above the horizon; values that are no finite numbers.
+    /// number of them than of lights; lights that are not above the horizon; values that are no finite numbers; a mask
+    /// of another size, or of no texel.
     pub fn check(&self) -> Result<(), FormatError> {
         let refused = |field: String, found: String, allowed: String| Err(FormatError::whole(field, found, allowed));
         if !LIGHTS.contains(&self.lights.len()) {
@@ -54,7 +58,27 @@ impl LightSamples {
                 return refused(format!("picture {k}"), found, "finite values".to_owned());
             }
         }
+        if let Some(mask) = &self.defined {
+            if mask.len() != width * height {
+                let found = format!("{} texels", mask.len());
+                return refused("mask of defined texels".to_owned(), found, format!("{width} x {height}"));
+            }
+            if !mask.contains(&true) {
+                return refused("defined texels".to_owned(), "none".to_owned(), "one or more".to_owned());
+            }
+        }
         Ok(())
+    }
+
+    /// Whether a texel is defined.
+    pub fn is_defined(&self, texel: usize) -> bool {
+        self.defined.as_ref().is_none_or(|mask| mask[texel])
+    }
+
+    /// How many texels are defined.
+    pub fn defined_texels(&self) -> usize {
+        let all = self.size[0] * self.size[1];
+        self.defined.as_ref().map_or(all, |mask| mask.iter().filter(|defined| **defined).count())
     }
 
     /// The middle of every picture, with sides that are multiples of a number; as they are where a side is smaller.
@@ -62,18 +86,17 @@ impl LightSamples {
         let [width, height] = self.size;
         let size = self.size.map(|side| if side < multiple { side } else { side - side % multiple });
         let first = [(width - size[0]) / 2, (height - size[1]) / 2];
-        let rows = |picture: &Vec<[f32; 3]>| -> Vec<[f32; 3]> {
-            let row = |y: usize| &picture[(first[1] + y) * width + first[0]..][..size[0]];
-            (0..size[1]).flat_map(row).copied().collect()
-        };
+        let at = |y: usize| (first[1] + y) * width + first[0]..(first[1] + y) * width + first[0] + size[0];
+        let rows = |picture: &Vec<[f32; 3]>| (0..size[1]).flat_map(|y| &picture[at(y)]).copied().collect();
         let pictures = self.pictures.iter().map(rows).collect();
-        Self { size, lights: self.lights.clone(), pictures, repeats: self.repeats }
+        let defined = self.defined.as_ref().map(|mask| (0..size[1]).flat_map(|y| &mask[at(y)]).copied().collect());
+        Self { size, lights: self.lights.clone(), pictures, repeats: self.repeats, defined }
     }
 
     /// Without some of the lights.
     pub fn without(&self, left_out: &[usize]) -> Self {
         let kept = (0..self.lights.len()).filter(|k| !left_out.contains(k));
         let (lights, pictures) = kept.map(|k| (self.lights[k], self.pictures[k].clone())).unzip();
-        Self { size: self.size, lights, pictures, repeats: self.repeats }
+        Self { size: self.size, lights, pictures, repeats: self.repeats, defined: self.defined.clone() }
     }
 }

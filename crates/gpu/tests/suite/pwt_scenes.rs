@@ -35,7 +35,7 @@ static SAMPLES: LazyLock<LightSamples> = LazyLock::new(|| {
         (0..SIZE[0] * SIZE[1]).map(pixel).collect()
     };
     let pictures = lights.iter().map(picture).collect();
-    LightSamples { size: SIZE, lights, pictures, repeats: false }
+    LightSamples { size: SIZE, lights, pictures, repeats: false, defined: None }
 });
 
 static PACK: LazyLock<PwtPack> = LazyLock::new(|| encode(&SAMPLES, &PwtRecipe::default()).unwrap().pack);

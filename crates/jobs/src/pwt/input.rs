@@ -3,6 +3,7 @@
 
 use super::error::PwtError;
 use brdfc_formats::direction::{Vector, from_polar};
+use brdfc_formats::flat_btf::FlatHeader;
 use brdfc_formats::measured::ptm::Ptm;
 use brdfc_formats::pwt::{PwtDecoder, PwtPack};
 use brdfc_formats::{FormatError, Pack};
@@ -10,7 +11,7 @@ use brdfc_pwt::LightSamples;
 use brdfc_pwt::measure::{StackErrors, picture_errors, pictures_of_pack};
 use brdfc_pwt::ptm::{pictures_of, spread_lights};
 use brdfc_source::btf_stack::has_images;
-use brdfc_source::flat_btf::open_flat_view;
+use brdfc_source::flat_btf::{open_flat_mask, open_flat_view};
 use brdfc_source::light_stack::{LightStack, is_light_stack};
 use brdfc_source::ordinary_btf::OrdinaryBtf;
 use brdfc_source::{Input, InputError, ptm};
@@ -155,7 +156,7 @@ fn photographs(path: &Path) -> Result<LightSamples, PwtError> {
     check_amount(&path.display(), stack.size(), stack.len())?;
     let images: Vec<Result<_, InputError>> = (0..stack.len()).into_par_iter().map(|light| stack.image(light)).collect();
     let pictures = images.into_iter().map(|image| image.map(|image| image.pixels)).collect::<Result<_, _>>()?;
-    Ok(LightSamples { size: stack.size(), lights: stack.lights().to_vec(), pictures, repeats: false })
+    Ok(LightSamples { size: stack.size(), lights: stack.lights().to_vec(), pictures, repeats: false, defined: None })
 }
 
 fn one_view(path: &Path, view: usize) -> Result<LightSamples, PwtError> {
@@ -166,10 +167,10 @@ fn one_view(path: &Path, view: usize) -> Result<LightSamples, PwtError> {
     let images: Vec<Result<_, InputError>> =
         (0..lights.len()).into_par_iter().map(|light| btf.image(view, light)).collect();
     let pictures = images.into_iter().map(|image| image.map(|image| image.pixels)).collect::<Result<_, _>>()?;
-    Ok(LightSamples { size: btf.size(), lights, pictures, repeats: true })
+    Ok(LightSamples { size: btf.size(), lights, pictures, repeats: true, defined: None })
 }
 
-/// A view of a flat BTF; nothing if there is none.
+/// A view of a flat BTF, with the texels that it sees as defined ones where the asset says which; nothing if there is none.
 fn flat_view(path: &Path, view: usize) -> Result<Option<LightSamples>, PwtError> {
     if crate::flatten::open_asset(path)?.is_none() {
         return Ok(None);
@@ -189,7 +190,21 @@ fn flat_view(path: &Path, view: usize) -> Result<Option<LightSamples>, PwtError>
         view.light(light as u32).iter().map(|texel| brdfc_formats::container::rgb9e5::decode(*texel)).collect()
     };
     let pictures = (0..header.lights.len()).into_par_iter().map(decoded).collect();
-    Ok(Some(LightSamples { size: [side, side], lights, pictures, repeats: true }))
+    let defined = seen_texels(path, header)?;
+    Ok(Some(LightSamples { size: [side, side], lights, pictures, repeats: true, defined }))
+}
+
+/// Which texels a view of a flat BTF sees, where the asset has that part; nothing also where it sees none.
+fn seen_texels(path: &Path, header: &FlatHeader) -> Result<Option<Vec<bool>>, PwtError> {
+    let Some(mask) = open_flat_mask(path)? else { return Ok(None) };
+    let (size, views) = (header.size, header.views.len() as u32);
+    if (mask.size(), mask.views()) != (size, views) {
+        let found = format!("{0} x {0} texels of {1} views", mask.size(), mask.views());
+        let allowed = format!("{size} x {size} of {views}, as the views have");
+        return Err(refused(&path.display(), "part mask", &found, &allowed));
+    }
+    let seen = (0..size * size).map(|texel| mask.is_seen(header.view, [texel % size, texel / size]));
+    Ok(Some(seen.collect()).filter(|seen: &Vec<bool>| seen.contains(&true)))
 }
 
 fn single(direction: Vector) -> [f32; 3] {

@@ -57,7 +57,7 @@ fn subbands_have_the_degree_that_predicts_them() {
         Plane { size: [32, 32], values: values.collect() }
     };
     let planes = lights.iter().map(&mut plane).collect();
-    let found = degrees(&design, &tree, planes);
+    let found = degrees(&design, &tree, planes, None);
     assert_eq!(found.len(), 7);
     assert_eq!(found[0].degree, Some(2), "{:?}", found[0]);
     assert!(found[0].held_out < 1e-3 * found[0].energy);

@@ -1,9 +1,9 @@
 //! Errors of packs that are known.
 
-use super::stacks::{polynomial, spiral};
+use super::stacks::{lambert, polynomial, spiral};
 use brdfc_formats::pwt::{Domain, LightBasis, LightCoordinates, PwtDecoder, PwtHeader, PwtPack};
-use brdfc_pwt::LightSamples;
 use brdfc_pwt::measure::stack_errors;
+use brdfc_pwt::{LightSamples, PwtRecipe, encode};
 use brdfc_testing::pwt::{plain, single};
 
 /// A grey pack of one value, its sRGB code as a share.
@@ -41,4 +41,36 @@ fn errors_of_known_pictures() {
     let rows = stack_errors(&grey(0.5), &samples, 2);
     assert_eq!(rows.texels, 8);
     assert!(rows.psnr > 90.0 && stack_errors(&grey(0.5), &samples, 100).texels == 4, "{rows:?}");
+}
+
+/// What is not defined counts nothing, in errors and in what is chosen: garbage there changes neither the choice nor what is
+/// told, and without the mask it does.
+#[test]
+fn undefined_texels_count_nothing() {
+    let clean = lambert([32, 32], spiral(24), true);
+    let hole = |texel: usize| texel % 32 < 8 && texel / 32 < 16;
+    let mut masked = clean.clone();
+    for (light, picture) in masked.pictures.iter_mut().enumerate() {
+        let garbage = |texel: usize| ((texel * 7919 + light * 104_729) % 1009) as f32 / 1009.0;
+        let texels = picture.iter_mut().enumerate().filter(|(texel, _)| hole(*texel));
+        texels.for_each(|(texel, value)| *value = [garbage(texel); 3]);
+    }
+    let unmasked = masked.clone();
+    masked.defined = Some((0..32 * 32).map(|texel| !hole(texel)).collect());
+    assert_eq!((masked.defined_texels(), masked.cropped(64).defined_texels()), (32 * 32 - 8 * 16, 32 * 32 - 8 * 16));
+    let made = |samples: &LightSamples| encode(samples, &PwtRecipe::default()).unwrap();
+    let [clean, masked_made, unmasked_made] = [made(&clean), made(&masked), made(&unmasked)];
+    assert_eq!(masked_made.errors.texels, 32 * 32 - 8 * 16);
+    let unseen = [&clean, &masked_made, &unmasked_made].map(|made| made.candidates[0].held_out_psnr);
+    assert!((unseen[1] - unseen[0]).abs() < 0.5 && unseen[2] < unseen[0] - 2.0, "{unseen:?}");
+    let told = [&masked_made, &unmasked_made].map(|made| made.errors.delta_e);
+    assert!(told[0] < told[1] - 0.5, "{told:?}");
+    // A pack that is right where texels are defined is told to be.
+    let all = stack_errors(&PwtDecoder::new(clean.pack.clone()), &unmasked, 1);
+    let seen = stack_errors(&PwtDecoder::new(clean.pack), &masked, 1);
+    assert!(seen.delta_e < 0.7 * all.delta_e && seen.texels < all.texels, "{seen:?} {all:?}");
+    masked.defined = Some(vec![false; 32 * 32]);
+    assert!(masked.check().unwrap_err().to_string().contains("one or more"));
+    masked.defined = Some(vec![true; 5]);
+    assert!(masked.check().unwrap_err().to_string().contains("mask of defined texels"));
 }

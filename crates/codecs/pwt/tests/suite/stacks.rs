@@ -34,7 +34,7 @@ fn stack(
     let at = |k: usize| [k % size[0], k / size[0]];
     let picture = |light: &[f32; 3]| (0..size[0] * size[1]).map(|k| value(at(k), *light)).collect();
     let pictures = lights.iter().map(picture).collect();
-    LightSamples { size, lights, pictures, repeats }
+    LightSamples { size, lights, pictures, repeats, defined: None }
 }
 
 /// A relief whose values are polynomials of degree 1 of `x` and `y` of the light.

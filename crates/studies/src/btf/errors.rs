@@ -1,0 +1,126 @@
+//! Differences of pictures of a view from what they are made of.
+
+use super::lights::Lights;
+use brdfc_formats::pwt::Domain;
+use brdfc_metrics::lab::{distance_squared, lab};
+use brdfc_pwt::choose::decibels;
+use rayon::prelude::*;
+
+/// Sums over texels and lights.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Sums {
+    /// Of squared differences of sRGB codes, 0 to 1.
+    squares: f64,
+    /// Of ΔE.
+    distances: f64,
+    /// Texels under lights.
+    count: f64,
+}
+
+impl Sums {
+    fn add(&mut self, other: Self) {
+        self.squares += other.squares;
+        self.distances += other.distances;
+        self.count += other.count;
+    }
+
+    pub(super) fn delta_e(&self) -> f64 {
+        self.distances / self.count.max(1.0)
+    }
+
+    pub(super) fn psnr(&self) -> f64 {
+        decibels(self.squares / (3.0 * self.count.max(1.0)))
+    }
+}
+
+/// Errors at both kinds of lights.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Errors {
+    pub(super) fitted: Sums,
+    pub(super) held_out: Sums,
+}
+
+impl Errors {
+    pub(super) fn add(&mut self, other: Self) {
+        self.fitted.add(other.fitted);
+        self.held_out.add(other.held_out);
+    }
+}
+
+/// A view under all lights, as it is compared: sRGB codes and L*a*b* of the texels that count.
+pub(super) struct Truth {
+    texels: Vec<usize>,
+    lights: Vec<Compared>,
+}
+
+/// One light of it.
+struct Compared {
+    codes: Vec<[f32; 3]>,
+    labs: Vec<[f32; 3]>,
+}
+
+fn codes(mut colours: Vec<[f32; 3]>) -> Vec<[f32; 3]> {
+    let values = colours.as_flattened_mut();
+    values.iter_mut().for_each(|value| *value = value.clamp(0.0, 1.0));
+    Domain::Display.encode_each(values);
+    colours
+}
+
+impl Truth {
+    /// Of linear RGB under each light; where there is a mask, only texels that it has count.
+    pub(super) fn new(pictures: &[Vec<[f32; 3]>], mask: Option<&[bool]>) -> Self {
+        let all = pictures.first().map_or(0, Vec::len);
+        let texels: Vec<usize> = (0..all).filter(|texel| mask.is_none_or(|mask| mask[*texel])).collect();
+        let light = |picture: &Vec<[f32; 3]>| {
+            let colours: Vec<[f32; 3]> = texels.iter().map(|texel| picture[*texel]).collect();
+            let labs = colours.iter().map(|colour| lab(*colour)).collect();
+            Compared { codes: codes(colours), labs }
+        };
+        let lights = pictures.par_iter().map(light).collect();
+        Self { texels, lights }
+    }
+
+    /// Errors of pictures under the same lights.
+    pub(super) fn errors(&self, pictures: &[Vec<[f32; 3]>], lights: &Lights) -> Errors {
+        let light = |(picture, wanted): (&Vec<[f32; 3]>, &Compared)| {
+            let colours: Vec<[f32; 3]> = self.texels.iter().map(|texel| picture[*texel]).collect();
+            let distance = |(colour, wanted): (&[f32; 3], &[f32; 3])| distance_squared(lab(*colour), *wanted).sqrt();
+            let distances = colours.iter().zip(&wanted.labs).map(distance).map(f64::from).sum();
+            let found = codes(colours);
+            let pairs = found.as_flattened().iter().zip(wanted.codes.as_flattened());
+            let squares = pairs.map(|(a, b)| f64::from((a - b) * (a - b))).sum();
+            Sums { squares, distances, count: self.texels.len() as f64 }
+        };
+        let sums: Vec<Sums> = pictures.par_iter().zip(&self.lights).map(light).collect();
+        let mut errors = Errors::default();
+        lights.fitted.iter().for_each(|light| errors.fitted.add(sums[*light]));
+        lights.held_out.iter().for_each(|light| errors.held_out.add(sums[*light]));
+        errors
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use brdfc_formats::direction_set::DirectionSet;
+
+    #[test]
+    fn errors_of_known_pictures() {
+        let lights = Lights::new(&DirectionSet::grid(3, 4, 60.0).unwrap(), &[4]).unwrap();
+        let picture = |value: f32| vec![[value; 3]; 4];
+        let truth: Vec<_> = (0..9).map(|_| picture(0.5)).collect();
+        let found: Vec<_> = (0..9).map(|light| picture(if light == 4 { 0.0 } else { 0.5 })).collect();
+        let errors = Truth::new(&truth, None).errors(&found, &lights);
+        assert_eq!((errors.fitted.delta_e(), errors.fitted.count), (0.0, 32.0));
+        // L* of half of white's light.
+        assert!((errors.held_out.delta_e() - 76.07).abs() < 0.05, "{errors:?}");
+        // The sRGB code of one half is 0.735.
+        assert!((errors.held_out.psnr() + 20.0 * 0.7354f64.log10()).abs() < 0.01, "{errors:?}");
+        // What a mask leaves out does not count.
+        let mut off = truth.clone();
+        off.iter_mut().for_each(|picture| picture[2] = [1.0; 3]);
+        assert!(Truth::new(&truth, None).errors(&off, &lights).fitted.delta_e() > 1.0);
+        let masked = Truth::new(&truth, Some(&[true, true, false, true])).errors(&off, &lights);
+        assert_eq!((masked.fitted.delta_e(), masked.fitted.count), (0.0, 24.0));
+    }
+}

@@ -1,0 +1,82 @@
+//! Factored BTFs: weights of texels times a basis of views and lights.
+
+use super::assets::Asset;
+use super::errors::{Errors, Truth};
+use super::lights::Lights;
+use super::rows::{BtfRow, Tally};
+use brdfc_flat_btf::factored::{FactorError, FactoredRecipe, FactoredTarget, factor};
+use brdfc_formats::FormatError;
+use brdfc_formats::direction_set::DirectionSet;
+use brdfc_formats::flat_btf::factored::FactoredFlatBtf;
+use brdfc_formats::flat_btf::{FlatHeader, FlatView, VisibilityMask};
+use rayon::prelude::*;
+use std::time::Instant;
+
+/// Pairs of a view and a light that are blended.
+const PAIRS: f64 = 9.0;
+/// Lights that are blended, each with its shadow.
+const BLENDED_LIGHTS: f64 = 3.0;
+
+/// Factors a BTF and measures it. `view_done` hears of each view that was measured.
+///
+/// # Errors
+/// A size or directions that a flat BTF cannot have.
+pub(super) fn factored(
+    name: &str,
+    target: FactoredTarget,
+    asset: &Asset,
+    (set, lights): (&DirectionSet, &Lights),
+    view_done: &dyn Fn(),
+) -> Result<BtfRow, FormatError> {
+    let start = Instant::now();
+    let radians = |[polar, azimuth]: &[f64; 2]| {
+        // In f32 a full turn is one turn too much.
+        let azimuth = azimuth.to_radians().rem_euclid(std::f64::consts::TAU) as f32;
+        [polar.to_radians() as f32, if azimuth < std::f32::consts::TAU { azimuth } else { 0.0 }]
+    };
+    let header = |view: u32| FlatHeader {
+        size: asset.size as u32,
+        view,
+        views: set.angles.iter().map(radians).collect(),
+        lights: lights.fitted.iter().map(|light| radians(&set.angles[*light])).collect(),
+    };
+    let view = |view: u32| {
+        let words = lights.fitted.iter().flat_map(|light| asset.light(view as usize, *light)).copied();
+        FlatView::new(header(view), words.collect())
+    };
+    let byte = |seen: bool| if seen { 255 } else { 0 };
+    let bytes: Vec<u8> = match &asset.masks {
+        Some(masks) => masks.iter().flatten().map(|seen| byte(*seen)).collect(),
+        None => vec![byte(true); asset.views() * asset.size * asset.size],
+    };
+    let mask = VisibilityMask::new(asset.size as u32, asset.views() as u32, bytes)?;
+    let made = factor(&FactoredRecipe::new(target), &mask, view, &()).map_err(|error| match error {
+        FactorError::View(error) | FactorError::Format(error) => error,
+        FactorError::Cancelled(_) => unreachable!("nobody stops it"),
+    })?;
+    let seconds = start.elapsed().as_secs_f64();
+
+    let mut errors = Errors::default();
+    for view in 0..asset.views() {
+        let truth = Truth::new(&asset.pictures(view, lights), asset.mask(view));
+        errors.add(truth.errors(&lights.completed(shown(&made.asset, view, lights)), lights));
+        view_done();
+    }
+    let header = made.asset.header();
+    let shadows = if made.facts.shadowed { BLENDED_LIGHTS } else { 0.0 };
+    let loads = 3.0 * f64::from(header.texels_per_colour());
+    let fetches = f64::from(header.groups) + shadows + PAIRS * loads;
+    let row = Tally { bytes: made.facts.gpu_bytes, fetches, seconds, errors }.row(name);
+    Ok(BtfRow { held_out_texels_delta_e: Some(f64::from(made.facts.errors.seen_mean)), ..row })
+}
+
+/// A view under the lights that were fitted.
+fn shown(made: &FactoredFlatBtf, view: usize, lights: &Lights) -> Vec<Vec<[f32; 3]>> {
+    let (size, count) = (made.header().size, lights.fitted.len() as u32);
+    let of_texel = |texel: u32| -> Vec<[f32; 3]> {
+        let texel = made.texel([texel % size, texel / size]);
+        (0..count).map(|light| texel.value(view as u32, light)).collect()
+    };
+    let texels: Vec<Vec<[f32; 3]>> = (0..size * size).into_par_iter().map(of_texel).collect();
+    (0..count as usize).into_par_iter().map(|light| texels.iter().map(|texel| texel[light]).collect()).collect()
+}

@@ -1,0 +1,111 @@
+//! Ways that store each view by itself: polynomials of the light, or nothing but the values.
+
+use super::assets::Asset;
+use super::errors::Truth;
+use super::lights::Lights;
+use super::rows::Tally;
+use brdfc_formats::FormatError;
+use brdfc_formats::pwt::{LightBasis, LightCoordinates, PwtDecoder, PwtPack};
+use brdfc_pwt::choose::Candidate;
+use brdfc_pwt::measure::pictures_of_pack;
+use brdfc_pwt::ptm::{MapModel, fit_map, pictures_of};
+use brdfc_pwt::{LightSamples, PwtRecipe, Target, encode, plain};
+use std::time::Instant;
+
+const HARMONICS: LightBasis = LightBasis { coordinates: LightCoordinates::Hemisphere, degree: 3 };
+/// Between directions of a set three views are blended, of each of which everything is fetched.
+const BLENDED_VIEWS: f64 = 3.0;
+/// And three lights, where there is no polynomial of them.
+const BLENDED_LIGHTS: f64 = 3.0;
+/// Bytes of the 18 coefficients of a texel, and textures of four numbers that hold them.
+const MAP_BYTES: u64 = 18;
+const MAP_FETCHES: f64 = 5.0;
+
+/// The ways of the first pass, in its order.
+pub(super) const FIRST: [&str; 4] = ["uncompressed", "PTM", "HSH, order 3", "PWT"];
+
+/// What the first pass over a view finds.
+pub(super) struct FirstView {
+    pub(super) tallies: [Tally; 4],
+    /// What the tree's encoder chose.
+    pub(super) chosen: Candidate,
+}
+
+/// A view ready to be stored and measured.
+pub(super) struct View<'a> {
+    lights: &'a Lights,
+    samples: LightSamples,
+    truth: Truth,
+}
+
+/// Texels of all mipmap levels of a square picture.
+pub(super) fn texels_with_mipmaps(size: usize) -> u64 {
+    (0..=size.ilog2()).map(|level| ((size >> level) as u64).pow(2)).sum()
+}
+
+impl<'a> View<'a> {
+    pub(super) fn new(asset: &Asset, view: usize, lights: &'a Lights) -> Self {
+        let pictures = asset.pictures(view, lights);
+        let samples = asset.samples(view, &pictures, lights);
+        let truth = Truth::new(&pictures, asset.mask(view));
+        Self { lights, samples, truth }
+    }
+
+    /// Everything that needs to know nothing of the other views.
+    ///
+    /// # Errors
+    /// Pictures that an encoder refuses.
+    pub(super) fn first(&self) -> Result<FirstView, FormatError> {
+        let start = Instant::now();
+        let map = fit_map(&self.samples, MapModel::Rgb)?;
+        let seconds = start.elapsed().as_secs_f64();
+        let shown = pictures_of(&map, self.lights.directions.clone()).pictures;
+        let bytes = MAP_BYTES * texels_with_mipmaps(self.samples.size[0]);
+        let map = self.tally(&shown, bytes, BLENDED_VIEWS * MAP_FETCHES, seconds);
+
+        let start = Instant::now();
+        let harmonics = plain(&self.samples, HARMONICS, 0)?;
+        let harmonics = self.packed(harmonics, start.elapsed().as_secs_f64());
+
+        let start = Instant::now();
+        let made = encode(&self.samples, &PwtRecipe::default())?;
+        let tree = self.packed(made.pack, start.elapsed().as_secs_f64());
+        Ok(FirstView { tallies: [self.uncompressed(), map, harmonics, tree], chosen: made.candidates[0] })
+    }
+
+    /// The smallest tree of a mean ΔE. What the encoder would choose is known: it is not looked for again.
+    ///
+    /// # Errors
+    /// As [`Self::first`].
+    pub(super) fn at_error(&self, chosen: Candidate, delta_e: f64) -> Result<Tally, FormatError> {
+        let recipe = PwtRecipe {
+            coordinates: Some(chosen.coordinates),
+            degree: Some(chosen.degree),
+            ridge: Some(chosen.ridge),
+            domain: Some(chosen.domain),
+            target: Target::DeltaE(delta_e),
+            ..PwtRecipe::default()
+        };
+        let start = Instant::now();
+        let made = encode(&self.samples, &recipe)?;
+        Ok(self.packed(made.pack, start.elapsed().as_secs_f64()))
+    }
+
+    /// The values themselves, and of lights that were held out what a renderer blends.
+    fn uncompressed(&self) -> Tally {
+        let bytes = 4 * self.samples.lights.len() as u64 * texels_with_mipmaps(self.samples.size[0]);
+        let shown = self.lights.completed(self.samples.pictures.clone());
+        self.tally(&shown, bytes, BLENDED_VIEWS * BLENDED_LIGHTS, 0.0)
+    }
+
+    fn packed(&self, pack: PwtPack, seconds: f64) -> Tally {
+        let (bytes, fetches) = (pack.gpu_bytes(), f64::from(pack.header().fetches()));
+        let shown = pictures_of_pack(&PwtDecoder::new(pack), self.lights.directions.clone()).pictures;
+        self.tally(&shown, bytes, BLENDED_VIEWS * fetches, seconds)
+    }
+
+    fn tally(&self, shown: &[Vec<[f32; 3]>], bytes: u64, fetches: f64, seconds: f64) -> Tally {
+        let errors = self.truth.errors(shown, self.lights);
+        Tally { bytes, fetches, seconds, errors }
+    }
+}

@@ -1,0 +1,186 @@
+//! All ways, on one structure.
+
+use super::assets::{Asset, Surface};
+use super::factored::factored;
+use super::joint::Joint;
+use super::lights::Lights;
+use super::per_view::{FIRST, View};
+use super::rows::{BtfAsset, BtfClaims, BtfModel, BtfRow, BtfSettings, Tally};
+use brdfc_flat_btf::factored::FactoredTarget;
+use brdfc_flat_btf::model::MesoModel;
+use brdfc_flat_btf::parameterise::ParameteriseError;
+use brdfc_flat_btf::structures::Structure;
+use brdfc_flat_btf::surface::Appearance;
+use brdfc_formats::FormatError;
+use brdfc_formats::direction_set::DirectionSet;
+use brdfc_jobs::pwt::permutation;
+use brdfc_pwt::choose::Candidate;
+use brdfc_source::address::{AddressError, parse_synth};
+
+/// Lights that are held out of sets that have enough of them, and the seed of the permutation that says which.
+const HELD_OUT: usize = 8;
+const SEED: u64 = 0;
+/// Orders of the harmonics of light and view.
+const JOINT_DEGREES: [u32; 2] = [3, 5];
+/// Components of a factored BTF of good quality.
+const COMPONENTS: u32 = 32;
+/// What polynomial wavelet trees are to take at most of what they are held against.
+const WANTED: f64 = 0.5;
+
+/// Parts of the work on one structure for each view: about as many as seconds are a part each.
+pub const PARTS: usize = 2 * (MAKE + FIRST_PASS + AT_ERROR + 2 * JOINT_DEGREES.len() * JOINT + 2 * FACTORED);
+const MAKE: usize = 1;
+const FIRST_PASS: usize = 12;
+const AT_ERROR: usize = 6;
+const JOINT: usize = 1;
+const FACTORED: usize = 3;
+
+/// Why a structure cannot be studied.
+#[derive(Debug, thiserror::Error)]
+pub enum BtfStudyError {
+    /// Its address is wrong.
+    #[error(transparent)]
+    Address(#[from] AddressError),
+    /// It cannot be laid flat.
+    #[error(transparent)]
+    Parameterise(#[from] ParameteriseError),
+    /// A size or directions out of range.
+    #[error(transparent)]
+    Format(#[from] FormatError),
+}
+
+/// The lights of a set of so many that are held out, ascending: 8, or a fifth if that is less.
+///
+/// # Errors
+/// Fewer than five.
+pub fn held_out(count: usize) -> Result<Vec<usize>, FormatError> {
+    if count < 5 {
+        return Err(FormatError::whole("directions", count.to_string(), "5 or more"));
+    }
+    let mut lights = permutation(count, SEED);
+    lights.truncate(HELD_OUT.min(count / 5));
+    lights.sort_unstable();
+    Ok(lights)
+}
+
+/// Studies one structure. `done` is told of finished parts: [`PARTS`] for each direction in all.
+///
+/// # Errors
+/// A wrong address; a surface that cannot be laid flat; sizes or directions that a way cannot have.
+pub fn study_structure(
+    address: &str,
+    settings: &BtfSettings,
+    set: &DirectionSet,
+    done: &dyn Fn(usize),
+) -> Result<BtfModel, BtfStudyError> {
+    let structure = Structure::parse(address)?;
+    let sources = structure.default_materials().iter().map(|m| parse_synth(m)).collect::<Result<_, _>>()?;
+    let appearance = Appearance { sources, ..Default::default() };
+    let model = MesoModel::new(structure.mesh(), 0)?;
+    let directions = set.directions();
+    let lights = Lights::new(set, &settings.held_out)?;
+    let surface = Surface { model: &model, appearance: &appearance, directions: &directions, size: settings.texels };
+    let classic = ways(&surface.classic(&|| done(MAKE)), (set, &lights), None, done)?;
+    let maps = classic.row(FIRST[1]).map(|row| row.delta_e);
+    let flat = ways(&surface.flat(&|| done(MAKE)), (set, &lights), maps, done)?;
+    let claims = BtfClaims::of(&classic, &flat);
+    Ok(BtfModel { model: structure.canonical(), classic, flat, claims })
+}
+
+const AT_MAP_ERROR: &str = "PWT at PTM's ΔE";
+
+/// Every way to store a BTF. Of a flat one `ordinary` is the mean ΔE of the maps of the ordinary one.
+fn ways(
+    asset: &Asset,
+    (set, lights): (&DirectionSet, &Lights),
+    ordinary: Option<f64>,
+    done: &dyn Fn(usize),
+) -> Result<BtfAsset, FormatError> {
+    let mut tallies = [Tally::default(); FIRST.len()];
+    let mut chosen: Vec<Candidate> = Vec::new();
+    for view in 0..asset.views() {
+        let found = View::new(asset, view, lights).first()?;
+        tallies.iter_mut().zip(found.tallies).for_each(|(sum, view)| sum.add(view));
+        chosen.push(found.chosen);
+        done(FIRST_PASS);
+    }
+    let [uncompressed, map, harmonics, tree] =
+        [0, 1, 2, 3].map(|k: usize| tallies[k].of_views(asset.views()).row(FIRST[k]));
+    let wanted = map.delta_e;
+    let targeted = |row: BtfRow| BtfRow { met: Some(row.delta_e <= wanted), ..row };
+
+    let mut at_error = [Tally::default(); 2];
+    for (view, chosen) in chosen.iter().enumerate() {
+        let ready = View::new(asset, view, lights);
+        for (sum, target) in at_error.iter_mut().zip([Some(wanted), ordinary]) {
+            if let Some(target) = target {
+                sum.add(ready.at_error(*chosen, target)?);
+            }
+        }
+        done(AT_ERROR);
+    }
+    let mut joint_rows = Vec::new();
+    let mut joint_at_error: Option<BtfRow> = None;
+    for degree in JOINT_DEGREES {
+        let joint = Joint::fit(asset, lights, (&chosen, degree), &|| done(JOINT));
+        joint_rows.push(joint.all(&|| done(JOINT)).row(&format!("PWT of light and view, order {degree}")));
+        // The lower order, where it is enough.
+        if joint_at_error.as_ref().is_none_or(|row| row.met == Some(false)) {
+            joint_at_error = Some(targeted(joint.at_error(wanted, &|| ()).row("PWT of light and view at PTM's ΔE")));
+        }
+    }
+    let factor = |name: &str, target| factored(name, target, asset, (set, lights), &|| done(FACTORED));
+    let components = FactoredTarget::Components { components: COMPONENTS, shadowed: true };
+    let [at_error, at_ordinary] = at_error.map(|sum| sum.of_views(asset.views()));
+    let mut rows = vec![uncompressed, map, harmonics, targeted(at_error.row(AT_MAP_ERROR))];
+    if let Some(error) = ordinary {
+        let row = at_ordinary.row("PWT at the ordinary BTF's PTM ΔE");
+        rows.push(BtfRow { met: Some(row.delta_e <= error), ..row });
+    }
+    rows.push(tree);
+    rows.extend(joint_at_error);
+    rows.extend(joint_rows);
+    rows.push(targeted(factor("factored at PTM's ΔE", FactoredTarget::Error(wanted))?));
+    rows.push(factor(&format!("factored, {COMPONENTS} components"), components)?);
+    let of = rows[1].bytes as f64;
+    rows.iter_mut().for_each(|row| row.share = row.bytes as f64 / of);
+    Ok(BtfAsset { seen: asset.seen(), rows })
+}
+
+impl BtfAsset {
+    /// The row of a way.
+    fn row(&self, method: &str) -> Option<&BtfRow> {
+        self.rows.iter().find(|row| row.method == method)
+    }
+}
+
+impl BtfClaims {
+    fn of(classic: &BtfAsset, flat: &BtfAsset) -> Self {
+        // Share of the maps, bytes, whether the error is met.
+        let found = |asset: &BtfAsset| {
+            let row = asset.row(AT_MAP_ERROR);
+            row.map_or((f64::NAN, f64::NAN, false), |row| (row.share, row.bytes as f64, row.met == Some(true)))
+        };
+        let ((maps, of_classic, classic_met), (_, of_flat, flat_met)) = (found(classic), found(flat));
+        let flat_share = of_flat / of_classic;
+        Self {
+            classic_share: maps,
+            classic_met: classic_met && maps <= WANTED,
+            flat_share,
+            flat_met: flat_met && flat_share <= WANTED,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lights_are_held_out_of_sets_that_have_enough() {
+        let of = |count| held_out(count).unwrap();
+        assert_eq!((of(81).len(), of(151).len(), of(13).len(), of(5).len()), (8, 8, 2, 1));
+        assert!(of(81).is_sorted() && of(81)[7] < 81);
+        assert!(held_out(4).unwrap_err().to_string().contains("5 or more"));
+    }
+}
