@@ -51,7 +51,7 @@ struct Listed {
 pub fn open_flat_btf(path: &Path, values: bool) -> Result<FlatBtfParts, InputError> {
     let asset = Asset::open(path)?;
     let mut names: Vec<String> = PARTS.map(str::to_owned).to_vec();
-    names.push(asset.indirection_part().name().to_owned());
+    names.insert(1, asset.indirection_part().name().to_owned());
     names.extend(values.then(|| asset.value_parts()).into_iter().flatten());
     asset.check_listed(&names)?;
     Ok(FlatBtfParts {

@@ -10,6 +10,7 @@ use super::factored::FactoredFlatBtf;
 use super::flat_view::FlatView;
 use super::indirection::{IndirectionHeader, IndirectionMap};
 use super::maps::{DiffuseMap, NormalMap, ReferenceMap};
+use super::view_weights::ViewWeights;
 use crate::FormatError;
 use crate::container::rgb9e5;
 use crate::direction::polynomial_atan2;
@@ -111,15 +112,6 @@ impl FlatValues {
     pub fn levels(&self) -> u32 {
         self.factored().map_or(1, |asset| asset.header().levels)
     }
-}
-
-/// Three of the sampled directions and how much each of them counts.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ViewWeights {
-    /// Which of the views, or of the lights.
-    pub indices: [u32; 3],
-    /// Their weights, with a sum of 1. What has a weight of 0 is not looked at.
-    pub weights: [f32; 3],
 }
 
 /// Parts that fit together, ready for random access.

@@ -15,9 +15,10 @@ mod layout;
 mod maps;
 mod part;
 pub mod shader;
+mod view_weights;
 
 pub use atlas::Atlas;
-pub use decoder::{FlatBtfDecoder, FlatBtfParts, FlatValues, Indirection, ViewWeights};
+pub use decoder::{FlatBtfDecoder, FlatBtfParts, FlatValues, Indirection};
 pub(crate) use displacement::HEADER as DISPLACEMENT_ENTRY;
 pub use displacement::{DisplacementHeader, DisplacementMap, MAX_TANGENT, SAME_SIDE, TANGENT_BIAS};
 pub(crate) use flat_view::HEADER as FLAT_BTF_ENTRY;
@@ -27,6 +28,7 @@ pub(crate) use indirection::HEADER as INDIRECTION_ENTRY;
 pub use indirection::{IndirectionHeader, IndirectionMap, MAX_AZIMUTH_SAMPLES, MAX_ZENITH_SAMPLES};
 pub use maps::{DiffuseMap, NormalMap, PositionMap, ReferenceMap};
 pub use part::{FlatPart, PART_EXTENSION, split_part_name};
+pub use view_weights::ViewWeights;
 
 /// Largest absolute value of a coordinate, height or distance in a file: tiles, or periods of the parameters.
 pub const MAX_COORDINATE: f32 = 1024.0;

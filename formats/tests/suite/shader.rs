@@ -4,8 +4,8 @@
 use brdfc_formats::bandwidth::shader::BANDWIDTH_WGSL;
 use brdfc_formats::crop::{Crop, DirectionRange, Window};
 use brdfc_formats::direction::Parameterisation;
-use brdfc_formats::flat_btf::FlatBtfDecoder;
 use brdfc_formats::flat_btf::shader::{FLAT_BTF_WGSL, FlatBtfParameters, IndirectionFilter};
+use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts};
 use brdfc_formats::wavelet::Filter;
 use brdfc_formats::wavelet::lift::Lift;
 use brdfc_formats::wavelet::shader::{WAVELET_BRDF_WGSL, WaveletBrdfParameters, index_texels};
@@ -149,17 +149,26 @@ fn the_uniform_block_of_flat_btfs_is_the_one_that_rust_writes() {
         ("largest_angle", 1.3f32.to_bits()),
         ("atlas_columns", 3),
         ("hardware", 1),
-        ("reserved", 0),
+        ("blocks", 0),
+        ("largest_tangent", 0),
+        ("reserved_0", 0),
+        ("reserved_1", 0),
+        ("reserved_2", 0),
     ];
     assert_eq!(names, words.map(|(name, _)| name));
     for (member, (name, expected)) in members.iter().zip(words) {
         let word = u32::from_le_bytes(bytes[member.offset as usize..][..4].try_into().unwrap());
         assert_eq!(word, expected, "{name}");
-        let kind = if name == "largest_angle" { naga::ScalarKind::Float } else { naga::ScalarKind::Uint };
+        let is_float = ["largest_angle", "largest_tangent"].contains(&name);
+        let kind = if is_float { naga::ScalarKind::Float } else { naga::ScalarKind::Uint };
         assert_eq!(module.types[member.ty].inner.scalar_kind(), Some(kind), "{name}");
     }
     let exact = FlatBtfParameters::new(&decoder, IndirectionFilter::Exact);
-    assert_eq!(exact.to_bytes()[24..], [0; 8]);
+    assert_eq!(exact.to_bytes()[24..], [0; 24]);
+    let indirection = brdfc_testing::flat_btf::displacements(brdfc_testing::flat_btf::SMALL, 1, 1).into();
+    let compact = FlatBtfDecoder::new(FlatBtfParts { indirection, ..decoder.into_parts() }).unwrap();
+    let bytes = FlatBtfParameters::new(&compact, IndirectionFilter::Exact).to_bytes();
+    assert_eq!(bytes[28..36], [1u32.to_le_bytes(), (f64::from(1.3f32).tan() as f32).to_le_bytes()].concat());
 }
 
 /// Each shader is whole by itself, so the arctangent stands in each: with the same steps.

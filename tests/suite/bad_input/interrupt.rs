@@ -128,13 +128,16 @@ fn killed_builds_leave_the_folder_whole() {
     }
 }
 
-const SURFACES: [[&str; 2]; 2] =
-    [["synth:button?resolution=16", "grid:2x4@50"], ["synth:folds?resolution=16", "grid:2x3@50"]];
+/// Of all views, and of factors.
+const SURFACES: [[&str; 3]; 2] = [
+    ["synth:button?resolution=16", "grid:2x4@50", "--uncompressed"],
+    ["synth:folds?resolution=16", "grid:2x3@50", "--no-supercompression"],
+];
 
 /// A coarse flat BTF in a folder.
-fn flatten<'a>([surface, views]: [&'a str; 2], out: &'a str) -> Vec<&'a str> {
+fn flatten<'a>([surface, views, option]: [&'a str; 3], out: &'a str) -> Vec<&'a str> {
     let coarse = ["--texels", "8", "--indirection", "4x6", "--name", "a", "--quiet"];
-    [&["flatten", surface, "--views", views, "--out", out][..], &coarse].concat()
+    [&["flatten", surface, "--views", views, option, "--out", out][..], &coarse].concat()
 }
 
 #[test]

@@ -53,6 +53,14 @@ fn options_that_go_with_another_input() {
         ("h.png", &["--height-scale", "NaN"], "--height-scale: found NaN; allowed -10 to 10"),
         (structure, &["--image-format", "exr"], "--image-format: found alone; allowed with --write-images"),
         (structure, &["--form", "light", "--fill", "poisson"], "--fill: found with --form light"),
+        (
+            structure,
+            &["--form", "light", "--max-bytes", "9KiB"],
+            "--max-bytes: found with --form light, which has no views",
+        ),
+        (structure, &["--max-delta-e", "0"], "--max-delta-e: found 0; allowed above 0, up to 100"),
+        (structure, &["--max-bytes", "12"], "bytes of factors: found 12; allowed "),
+        (structure, &["--uncompressed", "--max-delta-e", "1"], "--uncompressed"),
         (structure, &["--weights", "h.png"], "--weights: found one material"),
         ("m.obj", &["--weights", "h.png", "--material", "synth:lambert"], "--weights: found one material"),
         (

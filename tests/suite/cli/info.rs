@@ -185,7 +185,7 @@ fn what_flatten_takes_is_described() {
 #[test]
 fn parts_of_a_flat_btf_and_damaged_lists() {
     let folder = Folder::new();
-    let small = ["--texels", "8", "--views", "grid:2x3@40", "--indirection", "4x6"];
+    let small = ["--texels", "8", "--views", "grid:2x3@40", "--indirection", "4x6", "--uncompressed"];
     folder.run(&[&["flatten", "synth:knit?resolution=16", "-o", "knit"], &small[..]].concat()).succeeded();
     let whole = folder.run(&["info", "knit/knit.normal.ktx2", "--json"]).succeeded().json();
     conforms("flat-btf", &whole);

@@ -451,7 +451,27 @@ fn flat_btfs_are_drawn_with_parallax() {
     }
     let info = folder.run(&["info", "button"]).succeeded().stdout;
     assert!(info.contains("synth:button?resolution=48") && info.contains("texels seen by one view"), "{info}");
-    assert_eq!(folder.run(&["info", "button/button.flat.003.ktx2"]).succeeded().stdout, info);
+    assert_eq!(folder.run(&["info", "button/button.basis.ktx2"]).succeeded().stdout, info);
+    // All views as they are: nearer to the surface, in the same places.
+    folder
+        .run(
+            &[
+                &["flatten", "synth:button?resolution=48", "-o", "whole", "--oversampling", "1", "--uncompressed"][..],
+                &small,
+            ]
+            .concat(),
+        )
+        .succeeded();
+    let whole = report(
+        &folder
+            .run(&["render", "whole", "--scene", "plane", "--size", "80x60", "--samples", "1", "--json"])
+            .succeeded(),
+    );
+    assert!(mean(&whole, "shading") < 0.2, "{whole}");
+    assert!(
+        mean(&whole, "total") < mean(&full, "total") && mean(&full, "total") < 1.5 * mean(&whole, "total"),
+        "{whole} {full}"
+    );
     for (wrong, expected) in [
         (["render", "button", "--lod", "2"], "a flat BTF"),
         (["render", "synth:lambert", "--form", "light"], "the folder of a flat BTF"),
@@ -460,7 +480,10 @@ fn flat_btfs_are_drawn_with_parallax() {
         let ran = folder.run(&wrong);
         assert!(ran.code == 2 && ran.stderr.contains(expected), "{ran:?}");
     }
-    std::fs::remove_file(folder.path().join("button/button.flat.004.ktx2")).unwrap();
-    let ran = folder.run(&["render", "button", "--scene", "plane"]);
-    assert!(ran.code == 3 && ran.stderr.contains("no button.flat.004.ktx2"), "{ran:?}");
+    for (asset, part) in [("button", "weights"), ("whole", "flat.004")] {
+        let file = format!("{asset}.{part}.ktx2");
+        std::fs::remove_file(folder.path().join(asset).join(&file)).unwrap();
+        let ran = folder.run(&["render", asset, "--scene", "plane"]);
+        assert!(ran.code == 3 && ran.stderr.contains(&format!("no {file}")), "{ran:?}");
+    }
 }

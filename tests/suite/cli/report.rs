@@ -168,7 +168,7 @@ fn a_flat_btf_has_a_page_of_its_own() {
         let sizes = ["--texels", "16", "--flat-texels", "16", "--views", "grid:2x4@60", "--indirection", "4x4"];
         folder.run(&[&["flatten", "synth:button", "-o", name][..], &sizes, more].concat()).succeeded();
     };
-    flatten("button", &[]);
+    flatten("button", &["--uncompressed"]);
     let ran = folder.run(&["report", "button", "-o", "page.html", "--json"]).succeeded();
     conforms("flat-btf", &ran.json());
     assert!(folder.text("page.json") == folder.text("button/button.json"));
@@ -196,6 +196,12 @@ fn a_flat_btf_has_a_page_of_its_own() {
     // The list of parts serves as well, and gives the same page on any number of threads.
     folder.run(&["report", "button/button.json", "-o", "again.html", "--jobs", "1"]).succeeded();
     assert!(folder.text("again.html") == page);
+    // Factors have the same pictures.
+    flatten("small", &[]);
+    folder.run(&["report", "small", "-o", "small.html"]).succeeded();
+    let small = folder.text("small.html");
+    assert_eq!(pictures(&small), pictures(&page));
+    assert!(small.contains("ΔE of factors, where seen") && small.contains("components"), "{small}");
     // Without views there is nothing to hold the light form against.
     flatten("light", &["--form", "light"]);
     folder.run(&["report", "light", "-o", "light.html"]).succeeded();

@@ -7,8 +7,8 @@ use super::header::{FactoredErrors, FactoredHeader, GROUP, MAX_GROUPS, ShadowFor
 use super::maps::{ShadowMap, WeightMap};
 use crate::FormatError;
 use crate::container::rgb9e5;
-use crate::flat_btf::decoder::ViewWeights;
 use crate::flat_btf::flat_view::{FlatHeader, FlatView};
+use crate::flat_btf::view_weights::ViewWeights;
 use crate::tap::{footprint, periodic_tap, wrap};
 
 const MAX_COMPONENTS: usize = MAX_GROUPS as usize * GROUP;

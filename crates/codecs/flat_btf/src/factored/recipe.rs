@@ -32,8 +32,8 @@ impl FactoredTarget {
     /// Numbers out of range, fewer bytes than the smallest asset takes, more lights than its parts can hold.
     pub fn check(&self, directions: &FlatHeader) -> Result<(), FormatError> {
         match self {
-            Self::Error(most) if !(*most > 0.0 && most.is_finite()) => {
-                Err(FormatError::whole("error of factors", most.to_string(), "a positive number"))
+            Self::Error(most) if !(*most >= 0.0 && most.is_finite()) => {
+                Err(FormatError::whole("error of factors", most.to_string(), "0 or more"))
             }
             Self::Error(_) => shapes(directions, false).map(drop),
             Self::Bytes(most) => {
