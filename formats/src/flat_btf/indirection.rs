@@ -101,7 +101,7 @@ impl IndirectionHeader {
 }
 
 /// Sizes of a header, and their ranges.
-pub(super) const FIELDS: [(&'static str, std::ops::RangeInclusive<u32>); 3] = [
+pub(super) const FIELDS: [(&str, std::ops::RangeInclusive<u32>); 3] = [
     ("size", 1..=MAX_EXTENT_2D / 2),
     ("zenith samples", 2..=MAX_ZENITH_SAMPLES),
     ("azimuth samples", 3..=MAX_AZIMUTH_SAMPLES),

@@ -225,7 +225,7 @@ mod tests {
     #[test]
     fn texels_on_another_side_of_a_silhouette_follow_the_others() {
         let map = plane(|_| 0.05);
-        let aside = |k: usize| if k % 2 == 1 && k / 16 % 2 == 0 { 0.4 } else { 0.0 };
+        let aside = |k: usize| if k % 2 == 1 && (k / 16).is_multiple_of(2) { 0.4 } else { 0.0 };
         let own: Vec<[f32; 2]> =
             reference().parameters().iter().enumerate().map(|(k, [u, v])| [u + aside(k), *v]).collect();
         let moved = IndirectionMap::from_displacements(HEADER, |[i, j], k, a| {
