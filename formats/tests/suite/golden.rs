@@ -5,7 +5,7 @@ use brdfc_formats::container::Texture;
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::flat_btf::{DiffuseMap, FlatBtfParts, FlatValues, FlatView, view_part};
 use brdfc_formats::importance::{ImportanceHeader, ImportancePack};
-use brdfc_testing::flat_btf::{SMALL, factored_files, mask, parts, position};
+use brdfc_testing::flat_btf::{SMALL, Sizes, displacements, factored_files, mask, parts, position};
 use brdfc_testing::golden::corpus::{add, entries, entry, packs};
 use brdfc_testing::golden::lists::{codecs, corpus, encodes};
 use brdfc_testing::golden::values::of_pack;
@@ -81,6 +81,18 @@ fn flat_btfs() -> Made {
     let factored = factored_files(false).map(|(part, bytes)| (part.to_owned(), bytes));
     packs.extend(in_other_forms("foreign-factored", &factored));
     packs.extend(factored.map(|(part, bytes)| (format!("factored.{part}"), bytes)));
+    // Two blocks along each side, for a reference of four texels.
+    let Sizes { reference, .. } = SMALL;
+    let compact = parts(Sizes { reference: 2 * reference, ..SMALL }, 13);
+    let compact = [
+        ("reference", compact.reference.to_bytes(false)),
+        ("displacement", displacements(SMALL, reference, 17).to_bytes(false)),
+        ("normal", compact.normal.to_bytes(false)),
+        ("diffuse", compact.diffuse.to_bytes(false)),
+    ];
+    let compact = compact.map(|(part, bytes)| (part.to_owned(), bytes));
+    packs.extend(in_other_forms("foreign-compact", &compact));
+    packs.extend(compact.map(|(part, bytes)| (format!("compact.{part}"), bytes)));
     packs
 }
 

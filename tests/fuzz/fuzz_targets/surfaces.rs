@@ -9,7 +9,9 @@ use brdfc_formats::FormatError;
 use brdfc_formats::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::flat_btf::factored::{BasisMap, ShadowMap, WeightMap};
-use brdfc_formats::flat_btf::{DiffuseMap, FlatView, IndirectionMap, NormalMap, PositionMap, ReferenceMap, VisibilityMask};
+use brdfc_formats::flat_btf::{
+    DiffuseMap, DisplacementMap, FlatView, IndirectionMap, NormalMap, PositionMap, ReferenceMap, VisibilityMask,
+};
 use brdfc_formats::importance::{ImportanceHeader, ImportancePack};
 use brdfc_formats::meso::{TriangleMesh, obj, ply};
 use brdfc_source::meso::{heights_from_exr, heights_from_png};
@@ -17,7 +19,7 @@ use brdfc_source::radiance_image;
 use brdfc_testing::flat_btf as flat;
 use libfuzzer_sys::fuzz_target;
 
-const READERS: u8 = 19;
+const READERS: u8 = 20;
 const SIZES: flat::Sizes = flat::SMALL;
 
 /// Two triangles over the tile.
@@ -44,10 +46,10 @@ fn valid(reader: u8) -> Vec<u8> {
         2 => b"index,theta_deg,phi_deg\n0,0,0\n1,40,-90\n2,40,90\n".to_vec(),
         3 => HDR.to_vec(),
         4 => parts.reference.to_bytes(false),
-        5 => parts.indirection.to_bytes(false),
+        5 => parts.indirection.samples().expect("a map").to_bytes(false),
         6 => parts.normal.to_bytes(true),
         7 => parts.diffuse.to_bytes(false),
-        8 => parts.views[0].to_bytes(false),
+        8 => parts.values.views()[0].to_bytes(false),
         9 => flat::position(SIZES.flat, 1).to_bytes(false),
         10 => flat::mask(SIZES, 1).to_bytes(false),
         11 => environment().to_bytes(false),
@@ -56,6 +58,7 @@ fn valid(reader: u8) -> Vec<u8> {
             let [(_, basis), (_, weights), (_, shadow)] = flat::factored_files(false);
             [basis, weights, shadow][usize::from(reader) - 13].clone()
         }
+        16 => flat::displacements(SIZES, 1, 3).to_bytes(false),
         // Only as they come: compressed images hardly survive edits.
         _ => Vec::new(),
     }
@@ -96,8 +99,9 @@ fn read(reader: u8, bytes: &[u8]) -> bool {
         13 => again!(BasisMap, bytes),
         14 => again!(WeightMap, bytes),
         15 => again!(ShadowMap, bytes),
-        16 => heights_from_png(bytes).is_ok(),
-        17 => heights_from_exr(bytes).is_ok(),
+        16 => again!(DisplacementMap, bytes),
+        17 => heights_from_png(bytes).is_ok(),
+        18 => heights_from_exr(bytes).is_ok(),
         _ => radiance_image::from_exr(bytes).is_ok(),
     }
 }

@@ -11,8 +11,8 @@ use brdfc_formats::container::rgb9e5;
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::flat_btf::factored::{BasisMap, FactoredFlatBtf, ShadowMap, WeightMap};
 use brdfc_formats::flat_btf::{
-    DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatValues, FlatView, IndirectionMap, NormalMap, ReferenceMap,
-    ViewWeights,
+    DiffuseMap, DisplacementMap, FlatBtfDecoder, FlatBtfParts, FlatValues, FlatView, IndirectionMap, NormalMap,
+    ReferenceMap, ViewWeights,
 };
 use brdfc_formats::importance::ImportancePack;
 use brdfc_formats::pwt::{PwtDecoder, PwtErrors, PwtPack};
@@ -270,7 +270,10 @@ pub fn flat_asset(parts: &BTreeMap<String, Vec<u8>>) -> Result<Hashes, FormatErr
     let views = parts.iter().filter(|(part, _)| part.starts_with("flat."));
     let decoder = FlatBtfDecoder::new(FlatBtfParts {
         reference: ReferenceMap::from_bytes(&parts["reference"])?,
-        indirection: IndirectionMap::from_bytes(&parts["indirection"])?.into(),
+        indirection: match parts.get("displacement") {
+            Some(bytes) => DisplacementMap::from_bytes(bytes)?.into(),
+            None => IndirectionMap::from_bytes(&parts["indirection"])?.into(),
+        },
         normal: NormalMap::from_bytes(&parts["normal"])?,
         diffuse: DiffuseMap::from_bytes(&parts["diffuse"])?,
         values: FlatValues::Views(views.map(|(_, bytes)| FlatView::from_bytes(bytes)).collect::<Result<_, _>>()?),

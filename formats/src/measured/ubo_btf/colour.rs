@@ -12,7 +12,7 @@ const EPSILON: f32 = 1e-5;
 pub enum ColourModel {
     /// Red, green, blue.
     Rgb = 0,
-    /// Luma and two differences of colour, [`yuv_to_rgb`].
+    /// Luma and two differences of colour.
     Yuv = 1,
     /// `transform` row by row: `rgb[j] = Σ_i channel[i] transform[i][j] + mean[j]`.
     Pca {
