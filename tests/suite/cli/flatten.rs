@@ -41,7 +41,7 @@ fn every_structure_and_every_part() {
         ("button", &whole[..], &WHOLE[..], 13, 12.0),
         ("folds", &[], &SMALLER, 9, 13.0),
         ("knit", &[], &SMALLER, 9, 7.5),
-        ("sponge", &[], &SMALLER, 9, 14.0),
+        ("sponge", &[], &SMALLER, 9, 15.0),
     ] {
         let surface = format!("synth:{name}?resolution=48");
         let report = report(flatten(&folder, &[&[&surface[..], "-o", name], options].concat()));
