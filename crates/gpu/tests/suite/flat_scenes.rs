@@ -94,13 +94,18 @@ fn shader_and_cpu_draw_the_same_pictures_of_factors() {
     let [many, few] = [many, few].map(|material| draw_on_cpu(&scene, FRAME, &material, FlatForm::Full));
     let (_, mean) = difference(&few, &many);
     println!("factors against views: mean ΔE {mean}");
-    assert!((0.01..4.0).contains(&mean), "{mean}");
+    // Of 32 x 32 texels of the plane, without steps between them here.
+    assert!((0.01..8.0).contains(&mean), "{mean}");
     // Far away a texel stands for many.
     let finest = FlatBtfParts { values: without_mipmaps(&SMALLER.values), ..SMALLER.clone() };
     let scene = Builtin::Terrain.scene();
-    let [fine, mipmapped] =
-        [material(&finest), material(&SMALLER)].map(|m| draw_on_cpu(&scene, FRAME, &m, FlatForm::Full));
-    assert!(difference(&fine, &mipmapped).1 > 0.5);
+    let drawn = |parts: &FlatBtfParts| {
+        let material = FlatMaterial::new(FlatBtfDecoder::new(parts.clone()).unwrap(), 32).unwrap();
+        draw_on_cpu(&scene, FRAME, &material, FlatForm::Full)
+    };
+    let (_, mean) = difference(&drawn(&finest), &drawn(&SMALLER));
+    println!("the finest level against mipmaps: mean ΔE {mean}");
+    assert!(mean > 2.0, "{mean}");
 }
 
 /// The finest level alone.
