@@ -103,29 +103,29 @@ impl Gpu {
 
     /// A 2D texture of one level.
     pub(super) fn image(&self, format: TextureFormat, [width, height]: [u32; 2], bytes: &[u8]) -> wgpu::TextureView {
-        let descriptor = TextureDescriptor {
-            label: None,
-            size: Extent3d { width, height, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: TextureDimension::D2,
-            format,
-            usage: TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        };
-        let order = TextureDataOrder::LayerMajor;
-        let texture = self.device.create_texture_with_data(&self.queue, &descriptor, order, bytes);
-        texture.create_view(&wgpu::TextureViewDescriptor::default())
+        self.texture(format, [width, height, 1], 1, bytes).create_view(&wgpu::TextureViewDescriptor::default())
     }
 
     /// A 2D array of columns, rows and layers, with mipmap levels: all layers of the finest first.
     pub(super) fn layers(
         &self,
         format: TextureFormat,
-        [width, height, layers]: [u32; 3],
+        extent: [u32; 3],
         levels: u32,
         bytes: &[u8],
     ) -> wgpu::TextureView {
+        let dimension = Some(wgpu::TextureViewDimension::D2Array);
+        self.texture(format, extent, levels, bytes)
+            .create_view(&wgpu::TextureViewDescriptor { dimension, ..wgpu::TextureViewDescriptor::default() })
+    }
+
+    fn texture(
+        &self,
+        format: TextureFormat,
+        [width, height, layers]: [u32; 3],
+        levels: u32,
+        bytes: &[u8],
+    ) -> wgpu::Texture {
         let descriptor = TextureDescriptor {
             label: None,
             size: Extent3d { width, height, depth_or_array_layers: layers },
@@ -136,10 +136,7 @@ impl Gpu {
             usage: TextureUsages::TEXTURE_BINDING,
             view_formats: &[],
         };
-        let order = TextureDataOrder::MipMajor;
-        let texture = self.device.create_texture_with_data(&self.queue, &descriptor, order, bytes);
-        let dimension = Some(wgpu::TextureViewDimension::D2Array);
-        texture.create_view(&wgpu::TextureViewDescriptor { dimension, ..wgpu::TextureViewDescriptor::default() })
+        self.device.create_texture_with_data(&self.queue, &descriptor, TextureDataOrder::MipMajor, bytes)
     }
 }
 
