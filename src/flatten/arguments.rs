@@ -86,7 +86,8 @@ pub struct Arguments {
     /// as much on a GPU.
     #[arg(long, conflicts_with_all = ["max_delta_e", "max_bytes"])]
     pub(super) uncompressed: bool,
-    /// Mean ΔE (CIE76) of factors from the views, where texels are seen, to stay below (default: 0.7).
+    /// Mean ΔE (CIE76) of factors from the views, where texels are seen, to stay below (default: 0.7). What nothing meets keeps the best, with exit
+    /// code 1 where it was asked for.
     #[arg(long, value_name = "E")]
     pub(super) max_delta_e: Option<f64>,
     /// Most bytes of factors on a GPU, mipmaps included: a number with or without KiB or MiB.

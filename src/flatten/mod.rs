@@ -15,7 +15,7 @@ use super::steps::Steps;
 use super::{CliError, Common, interrupt};
 use arguments::ImageFormat;
 use brdfc_jobs::btf_stack::StackFormat;
-use brdfc_jobs::flatten::words::remarks;
+use brdfc_jobs::flatten::words::{missed, remarks};
 use brdfc_jobs::flatten::{
     AssetFile, FlattenError, FlattenJob, PLANE, Values, material_list, open_appearance, open_geometry, run as flatten,
 };
@@ -88,9 +88,16 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     for line in remarks(&asset) {
         note(common, &arguments.meso, &line);
     }
+    let missed = missed(&asset);
+    if let (Some(text), None) = (&missed, arguments.max_delta_e) {
+        note(common, &arguments.meso, text);
+    }
     let seconds = started.elapsed().as_secs_f64();
     if common.json {
-        return print_json(&Report { asset, seconds });
+        print_json(&Report { asset, seconds })?;
+    } else {
+        print(&text(&asset, Some(seconds)))?;
     }
-    print(&text(&asset, Some(seconds)))
+    // Nobody asked for the default.
+    missed.filter(|_| arguments.max_delta_e.is_some()).map_or(Ok(()), |text| Err(CliError::Check(text)))
 }

@@ -104,6 +104,14 @@ fn graphics_memory_is_that_of_the_bindings() {
     let factors: u64 =
         ["basis", "weights", "shadow"].iter().filter_map(|p| budget["parts"][p]["gpu_bytes"].as_u64()).sum();
     assert!(factors <= 20 << 10 && budget["report"]["factored"]["gpu_bytes"] == factors, "{budget}");
+    // What nothing meets is kept, and said.
+    let missed = flatten(&folder, &[&knit[..], &["--max-delta-e", "0.00001"]].concat());
+    assert!(
+        missed.code == 1 && missed.stderr.contains("no factors are within a mean ΔE of 0.00001 of the views"),
+        "{}",
+        missed.stderr
+    );
+    assert!(missed.json()["report"]["factored"]["errors"]["seen_mean"].as_f64().unwrap() > 1e-5);
     let refused = flatten(&folder, &[&knit[..], &["--max-bytes", "1KiB"]].concat());
     assert!(
         refused.code == 2 && refused.stderr.contains("bytes of factors: found 1024; allowed "),

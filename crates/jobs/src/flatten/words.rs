@@ -1,6 +1,7 @@
 //! What is said of an asset besides figures.
 
 use super::asset::AssetFile;
+use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::probes::ColourErrors;
 use brdfc_flat_btf::weld::WeldReport;
 use brdfc_source::words::{bytes, percent};
@@ -12,6 +13,20 @@ pub fn remarks(asset: &AssetFile) -> Vec<String> {
         lines.push(format!("{} of the texels are seen by none of the views", percent(asset.unseen())));
     }
     lines
+}
+
+/// That factors are further from the views than was asked for, where they are.
+pub fn missed(asset: &AssetFile) -> Option<String> {
+    let (Some(FactoredTarget::Error(most)), Some(factored)) = (asset.settings.factored, &asset.report.factored) else {
+        return None;
+    };
+    let found = f64::from(factored.errors.seen_mean);
+    (found > most).then(|| {
+        format!(
+            "no factors are within a mean ΔE of {most} of the views: the best, {} components, are at {found:.3}",
+            factored.components
+        )
+    })
 }
 
 /// What was mended in a mesh; nothing where it was whole.
