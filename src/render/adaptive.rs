@@ -16,7 +16,6 @@ use brdfc_formats::{FormatError, Pack};
 use brdfc_gpu::AdaptiveRenderer;
 use brdfc_gpu::verify::PackReflectance;
 use brdfc_jobs::report::adaptive::{AdaptivePictures, AdaptiveVerification};
-use brdfc_jobs::report::render::PartMaterial;
 use brdfc_metrics::image::{LinearImage, auto_exposure};
 use brdfc_render::adaptive::{
     AdaptiveMaterial, AdaptivePicture, AdaptiveScene, DistantLight, Lookups, Settings, Start, ground_truth,
@@ -103,19 +102,17 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     remark(common, &format!("adaptive: {seconds:.1} s; forward: {count} samples per point"));
     let (forward, forward_seconds) = timed(|| renderer.forward(&loaded, &g_buffer, count))?;
 
-    let listed = setup.scene.parts.iter().zip(&parts).map(|(part, index)| PartMaterial {
-        part: part.name.to_owned(),
-        material: prepared[*index].name.clone(),
-        bytes_on_gpu: prepared[*index].pack.gpu_bytes()
-            + lookups[*index].samples.gpu_bytes()
-            + BandwidthFacts::new(&lookups[*index].bandwidth).gpu_bytes,
-    });
+    let of_part = |number: usize| {
+        let (prepared, lookup) = (&prepared[parts[number]], &lookups[parts[number]]);
+        let of_maps = lookup.samples.gpu_bytes() + BandwidthFacts::new(&lookup.bandwidth).gpu_bytes;
+        (prepared.name.clone(), prepared.pack.gpu_bytes() + of_maps)
+    };
     let verification = AdaptiveVerification::new(AdaptivePictures {
         scene: setup.builtin.name(),
         frame,
         surface_points,
         adapter: gpu.description(),
-        parts: listed.collect(),
+        parts: setup.parts(of_part),
         environment: [setup.scene.environment.width, setup.scene.environment.height],
         settings: &settings,
         exposure,

@@ -6,7 +6,7 @@ use crate::output::{note, print, print_json, remark, write_file};
 use crate::{CliError, Common};
 use brdfc_gpu::verify::views;
 use brdfc_jobs::report::contact::MaterialVerification;
-use brdfc_jobs::report::render::{PartMaterial, PictureGates, Verification};
+use brdfc_jobs::report::render::PictureGates;
 use brdfc_render::contact_sheet::contact_sheet;
 use brdfc_render::picture::rgb_png;
 use serde::Serialize;
@@ -44,13 +44,7 @@ pub(super) fn run(
         let shown = vec![prepared[0].material(); setup.scene.parts.len()];
         let views = views(&gpu, &setup.scene, setup.frame, &shown, decoding)?;
         let bytes_on_gpu = prepared[0].pack.gpu_bytes();
-        let parts = setup.scene.parts.iter().map(|part| PartMaterial {
-            part: part.name.to_owned(),
-            material: name.clone(),
-            bytes_on_gpu,
-        });
-        let (scene, parts) = (setup.builtin.name(), parts.collect());
-        let verification = Verification::new(scene, setup.frame, &views, setup.exposure, gpu.description(), parts);
+        let verification = setup.verification(&gpu, &views, |_| (name.clone(), bytes_on_gpu));
         let verification = verification.checked_by(gates, &views);
         if let Some(nothing) = verification.nothing_seen(&views) {
             note(common, name, &format!("the picture shows {nothing}"));

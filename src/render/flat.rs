@@ -11,7 +11,7 @@ use brdfc_formats::flat_btf::FlatBtfDecoder;
 use brdfc_gpu::draw_flat_btf;
 use brdfc_gpu::verify::Views;
 use brdfc_jobs::flatten::{AssetFile, Form, MesoOptions, PLANE, open_appearance, open_asset, open_geometry};
-use brdfc_jobs::report::render::{PartMaterial, Verification};
+use brdfc_jobs::report::render::Verification;
 use brdfc_render::flat::{FlatForm, FlatMaterial, draw_on_cpu, reference_plane};
 use brdfc_render::scenes::Builtin;
 use brdfc_source::Input;
@@ -72,19 +72,7 @@ pub(super) fn verification(
     }
     let views = Views { shader, pack, table: None, source, left_out: 0.0 };
     let name = path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-    let listed = setup.scene.parts.iter().map(|part| PartMaterial {
-        part: part.name.to_owned(),
-        material: format!("{name} ({stored})"),
-        bytes_on_gpu,
-    });
-    let verification = Verification::new(
-        setup.builtin.name(),
-        setup.frame,
-        &views,
-        setup.exposure,
-        gpu.description(),
-        listed.collect(),
-    );
+    let verification = setup.verification(&gpu, &views, |_| (format!("{name} ({stored})"), bytes_on_gpu));
     outputs::write(arguments, &views, verification.exposure)?;
     Ok((verification, views))
 }

@@ -21,7 +21,7 @@ use super::{CliError, Common, graphics_environment};
 use crate::table;
 use asset::{Asset, AssetKind};
 use brdfc_gpu::verify::{Material, Views, views};
-use brdfc_jobs::report::render::{PartMaterial, PictureGates, Verification};
+use brdfc_jobs::report::render::{PictureGates, Verification};
 use brdfc_source::words::{few, shown};
 use materials::Prepared;
 use serde::Serialize;
@@ -134,19 +134,8 @@ fn of_brdfs(arguments: &Arguments, common: Common) -> Result<(Verification, View
     let materials: Vec<Material<'_>> = parts.iter().map(|part| part.material()).collect();
     let decoding = gpu::decoding(arguments, &subject);
     let views = views(&gpu, &setup.scene, setup.frame, &materials, decoding)?;
-    let listed = setup.scene.parts.iter().zip(&parts).map(|(part, material)| PartMaterial {
-        part: part.name.to_owned(),
-        material: material.name.clone(),
-        bytes_on_gpu: material.pack.gpu_bytes(),
-    });
-    let verification = Verification::new(
-        setup.builtin.name(),
-        setup.frame,
-        &views,
-        setup.exposure,
-        gpu.description(),
-        listed.collect(),
-    );
+    let of_part = |number: usize| (parts[number].name.clone(), parts[number].pack.gpu_bytes());
+    let verification = setup.verification(&gpu, &views, of_part);
     outputs::write(arguments, &views, verification.exposure)?;
     tell_of_others(arguments, &scene::materials_in_turn(arguments, &subject)?, &setup.names, common);
     Ok((verification, views))

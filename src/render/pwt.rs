@@ -10,7 +10,7 @@ use brdfc_formats::pwt::shader::PwtFilter;
 use brdfc_formats::pwt::{PwtDecoder, PwtPack};
 use brdfc_gpu::draw_pwt;
 use brdfc_gpu::verify::Views;
-use brdfc_jobs::report::render::{PartMaterial, Verification};
+use brdfc_jobs::report::render::Verification;
 use brdfc_metrics::image::LinearImage;
 use brdfc_render::pwt::{Photograph, PwtMaterial, distant_light, draw_on_cpu, draw_photographs, picture_scene};
 use brdfc_render::scene::PointLight;
@@ -76,19 +76,7 @@ pub(super) fn verification(
         .path()
         .and_then(Path::file_stem)
         .map_or_else(|| input.to_string(), |name| name.to_string_lossy().into_owned());
-    let listed = setup.scene.parts.iter().map(|part| PartMaterial {
-        part: part.name.to_owned(),
-        material: name.clone(),
-        bytes_on_gpu,
-    });
-    let verification = Verification::new(
-        setup.builtin.name(),
-        setup.frame,
-        &views,
-        setup.exposure,
-        gpu.description(),
-        listed.collect(),
-    );
+    let verification = setup.verification(&gpu, &views, |_| (name.clone(), bytes_on_gpu));
     outputs::write(arguments, &views, verification.exposure)?;
     Ok((verification, views))
 }

@@ -4,6 +4,9 @@ use super::arguments::Arguments;
 use super::materials::Subject;
 use super::outputs;
 use crate::CliError;
+use brdfc_gpu::Gpu;
+use brdfc_gpu::verify::Views;
+use brdfc_jobs::report::render::{PartMaterial, Verification};
 use brdfc_jobs::scene::manifest::{ManifestError, line_of, near_miss};
 use brdfc_jobs::scene::render_section::{MAX_SIDE, RenderSection};
 use brdfc_render::scene::{Environment, Frame, PointLight, Scene};
@@ -30,6 +33,28 @@ pub(super) struct Setup {
     pub(super) exposure: Option<f64>,
     /// Name of each part's material.
     pub(super) names: Vec<String>,
+}
+
+impl Setup {
+    /// The parts, each with the name and the bytes of its material: those of the part with this number.
+    pub(super) fn parts(&self, material: impl Fn(usize) -> (String, u64)) -> Vec<PartMaterial> {
+        let listed = self.scene.parts.iter().enumerate().map(|(number, part)| {
+            let (material, bytes_on_gpu) = material(number);
+            PartMaterial { part: part.name.to_owned(), material, bytes_on_gpu }
+        });
+        listed.collect()
+    }
+
+    /// Pictures compared, of parts with these materials.
+    pub(super) fn verification(
+        &self,
+        gpu: &Gpu,
+        views: &Views,
+        material: impl Fn(usize) -> (String, u64),
+    ) -> Verification {
+        let parts = self.parts(material);
+        Verification::new(self.builtin.name(), self.frame, views, self.exposure, gpu.description(), parts)
+    }
 }
 
 /// What is drawn where neither flags nor a manifest say otherwise.

@@ -162,6 +162,24 @@ fn views_of_btfs_become_packs() {
     assert!(values.lines().nth(1).is_some_and(|line| !line.ends_with(",0,0,0")), "{values}");
 }
 
+/// What a view does not see was filled in, and has no say: without the part that tells the two apart the pack is another one.
+#[test]
+fn filled_in_texels_have_no_say() {
+    let folder = Folder::new();
+    let small = ["--texels", "32", "--flat-texels", "32", "--views", "grid:2x3@60", "--lights", "grid:3x6@60"];
+    folder.run(&[&["flatten", "synth:button", "-o", "button", "--uncompressed"][..], &small].concat()).succeeded();
+    let pack = |name: &str| {
+        folder.run(&["pwt", "button", "-o", name, "--view", "1", "--quality", "30"]).succeeded();
+        folder.read(name)
+    };
+    let masked = pack("masked.ktx2");
+    let mut listed: serde_json::Value = serde_json::from_slice(&folder.read("button/button.json")).unwrap();
+    let mask = listed["parts"].as_object_mut().unwrap().remove("mask");
+    assert!(mask.is_some());
+    folder.write("button/button.json", listed.to_string());
+    assert_ne!(pack("all.ktx2"), masked);
+}
+
 #[test]
 fn what_cannot_be_is_refused() {
     let folder = stack();
