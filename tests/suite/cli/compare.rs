@@ -112,3 +112,39 @@ fn limits_may_be_percentages() {
         check("21").stderr.contains("--max-error: found 21; allowed a fraction or a percentage: write 0.21 or 21%")
     );
 }
+
+/// A flat BTF is itself, its factors are near it, and another surface is not.
+#[test]
+fn flat_btfs_are_compared() {
+    let folder = Folder::new();
+    let small = ["--texels", "16", "--flat-texels", "32", "--views", "grid:2x3@40", "--lights", "grid:3x6@60"];
+    for (name, surface, form) in [
+        ("whole", "synth:button", &["--uncompressed"][..]),
+        ("small", "synth:button", &[]),
+        ("knit", "synth:knit", &[]),
+        ("light", "synth:button", &["--form", "light"]),
+    ] {
+        folder.run(&[&["flatten", surface, "-o", name], form, &small].concat()).succeeded();
+    }
+    let mean = |a: &str, b: &str| {
+        let report = folder.run(&["compare", a, b, "--json"]).succeeded().json();
+        assert_eq!((&report["kind"], &report["version"]), (&"flat-btf".into(), &1.into()));
+        assert!(report["lit"].as_u64().unwrap() > 10_000, "{report}");
+        ["at_samples", "between_samples"].map(|kind| report[kind]["mean"].as_f64().unwrap())
+    };
+    assert_eq!(mean("whole", "whole/whole.json"), [0.0; 2]);
+    let [near, far] = [mean("whole", "small"), mean("whole", "knit")];
+    assert!((0..2).all(|kind| near[kind] > 0.0 && near[kind] < 0.5 * far[kind]), "{near:?} {far:?}");
+    let table = folder.run(&["compare", "whole", "small", "--max-delta-e", "100"]).succeeded().stdout;
+    assert!(table.contains("at sampled directions") && table.contains("between them"), "{table}");
+    for (code, arguments, expected) in [
+        (1, &["whole", "knit", "--max-delta-e", "0.1"][..], "mean ΔE at sampled directions: found "),
+        (2, &["whole", "small", "--max-delta-e", "-1"], "--max-delta-e: found -1; allowed 0 to 1000"),
+        (2, &["whole", "small", "--max-error", "5%"], "--max-error: found with flat BTFs"),
+        (2, &["whole", "synth:lewis"], "B: found synth:lewis; allowed the folder of a flat BTF"),
+        (3, &["whole", "light"], "found no light.flat.000.ktx2; allowed all of its files"),
+    ] {
+        let ran = folder.run(&[&["compare"][..], arguments].concat());
+        assert!(ran.code == code && ran.stderr.contains(expected), "{arguments:?}: {ran:?}");
+    }
+}

@@ -2,6 +2,7 @@
 
 mod asset;
 mod check;
+mod comparison;
 mod describe;
 mod error;
 mod factors;
@@ -16,6 +17,7 @@ mod stack;
 pub mod words;
 
 pub use asset::{AssetErrors, AssetFile, AssetReport, PartFile};
+pub use comparison::{FlatComparison, compare_flat};
 pub use describe::{MeshFacts, SurfaceFacts, describe_surface};
 pub use error::FlattenError;
 pub use input::{Geometry, MesoInputError, MesoOptions, PLANE, material_list, open_appearance, open_geometry};

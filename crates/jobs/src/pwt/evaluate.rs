@@ -24,9 +24,8 @@ impl Relightable {
     /// One that cannot be read, or is broken.
     pub fn open(input: &Input) -> Result<Option<Self>, InputError> {
         let of_file = |error| InputError::Format { name: input.to_string(), error };
-        if let Some(path) = input.path().filter(|path| is_flat_btf(path)) {
-            let decoder = FlatBtfDecoder::new(open_flat_btf(path, true)?).map_err(of_file)?;
-            return Ok(Some(Self::Flat(FlatMaterial::new(decoder, 1).map_err(of_file)?)));
+        if let Some(material) = open_flat_material(input)? {
+            return Ok(Some(Self::Flat(material)));
         }
         if input.extension()? != "ktx2" || input.is_stdin() {
             return Ok(None);
@@ -68,6 +67,17 @@ impl Relightable {
             }
         }
     }
+}
+
+/// Reads a flat BTF with all that its full form takes; nothing if the input is none.
+///
+/// # Errors
+/// One that cannot be read, is broken, or has no full form.
+pub fn open_flat_material(input: &Input) -> Result<Option<FlatMaterial>, InputError> {
+    let of_file = |error| InputError::Format { name: input.to_string(), error };
+    let Some(path) = input.path().filter(|path| is_flat_btf(path)) else { return Ok(None) };
+    let decoder = FlatBtfDecoder::new(open_flat_btf(path, true)?).map_err(of_file)?;
+    Ok(Some(FlatMaterial::new(decoder, 1).map_err(of_file)?))
 }
 
 /// Whether a path is the folder of a flat BTF, or its list of parts.

@@ -7,7 +7,7 @@ mod make;
 mod report;
 
 pub use error::PwtError;
-pub use evaluate::Relightable;
+pub use evaluate::{Relightable, open_flat_material};
 pub use input::LightInput;
 pub use make::{HeldOut, PwtMade, make, make_map, permutation, recipe_of_map};
 pub use report::{LevelReport, PwtReport};

@@ -1,5 +1,8 @@
 //! `brdfc compare`: error of one input against another.
 
+mod flat;
+
+use self::flat::FlatReport;
 use super::inputs::refuse_stdin_twice;
 use super::output::{print, print_json, remark};
 use super::{CliError, Common};
@@ -7,7 +10,7 @@ use crate::table;
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::measured::scan_csv::directions_from_bytes;
-use brdfc_jobs::pwt::LightInput;
+use brdfc_jobs::pwt::{LightInput, open_flat_material};
 use brdfc_metrics::compare::{Comparison, compare};
 use brdfc_metrics::fraction::Fraction;
 use brdfc_metrics::sampling::{PairSet, random_pairs};
@@ -24,13 +27,17 @@ use serde::Serialize;
 ///
 /// Where A is a light stack (a folder with an .lp, or the list), B is what 'brdfc pwt' made of it, a pack or a .ptm, or another stack of
 /// the same lights: they are compared photograph by photograph, as sRGB codes and by ΔE.
+///
+/// Where A is a flat BTF (the folder that 'brdfc flatten' wrote, or its .json), B is another of the same surface, such as a smaller one:
+/// they are compared at random places, for views and lights that A has and for others, by ΔE.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   brdfc compare paint.brdf paint.ktx2
   brdfc compare red.binary red.ktx2 --directions 100000 --max-error 0.05
   brdfc compare a.ktx2 b.ktx2 --directions pairs.csv --json
-  brdfc compare icon icon.ktx2 --max-delta-e 3")]
+  brdfc compare icon icon.ktx2 --max-delta-e 3
+  brdfc compare whole button --max-delta-e 4")]
 pub struct Arguments {
     /// The reference: a path, - for stdin, or synth:MODEL?param=value&...
     a: Input,
@@ -43,7 +50,7 @@ pub struct Arguments {
     /// Largest mean relative difference ε_r that passes: a fraction or a percentage, 0.05 or 5%.
     #[arg(long, value_name = "E")]
     max_error: Option<Fraction>,
-    /// Largest mean ΔE (CIE76) that passes, of light stacks.
+    /// Largest mean ΔE (CIE76) that passes, of light stacks and flat BTFs.
     #[arg(long, value_name = "E")]
     max_delta_e: Option<f64>,
 }
@@ -67,6 +74,8 @@ enum Compared {
     Reflectances(ReflectanceReport),
     /// Of photographs under known lights.
     Photographs(PhotographReport),
+    /// Of flat BTFs.
+    FlatBtfs(FlatReport),
 }
 
 /// Photographs under known lights, against what was made of them.
@@ -122,10 +131,20 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     if arguments.a.path().is_some_and(is_light_stack) {
         return photographs(arguments, common);
     }
+    if let Some(reference) = open_flat_material(&arguments.a)? {
+        arguments.refuse_flags_of_reflectances("flat BTFs")?;
+        let report = FlatReport::new(&arguments.a, &reference, &arguments.b)?;
+        if common.json {
+            print_json(&Report { version: 1, compared: Compared::FlatBtfs(report) })?;
+        } else {
+            print(&report.table())?;
+        }
+        return arguments.max_delta_e.map_or(Ok(()), |limit| report.check(&arguments.a, limit));
+    }
     let (a, b) = (open(&arguments.a, None)?, open(&arguments.b, None)?);
     if arguments.max_delta_e.is_some() {
         return Err(CliError::Usage(
-            "--max-delta-e: found with reflectances; allowed where A is a light stack".to_owned(),
+            "--max-delta-e: found with reflectances; allowed where A is a light stack or a flat BTF".to_owned(),
         ));
     }
     // A pack that is for some directions only is no worse for what it does not hold.
@@ -168,18 +187,24 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     }
 }
 
-/// Photographs of a light stack against what was made of them.
-fn photographs(arguments: &Arguments, common: Common) -> Result<(), CliError> {
-    for (given, flag) in
-        [(arguments.directions.is_some(), "--directions"), (arguments.max_error.is_some(), "--max-error")]
-    {
-        if given {
-            return Err(CliError::Usage(format!("{flag}: found with a light stack; allowed with reflectances")));
+impl Arguments {
+    /// For what is compared by ΔE.
+    fn refuse_flags_of_reflectances(&self, what: &str) -> Result<(), CliError> {
+        for (given, flag) in [(self.directions.is_some(), "--directions"), (self.max_error.is_some(), "--max-error")] {
+            if given {
+                return Err(CliError::Usage(format!("{flag}: found with {what}; allowed with reflectances")));
+            }
+        }
+        match self.max_delta_e.filter(|limit| !(0.0..=1000.0).contains(limit)) {
+            Some(limit) => Err(CliError::Usage(format!("--max-delta-e: found {limit}; allowed 0 to 1000"))),
+            None => Ok(()),
         }
     }
-    if let Some(limit) = arguments.max_delta_e.filter(|limit| !(0.0..=1000.0).contains(limit)) {
-        return Err(CliError::Usage(format!("--max-delta-e: found {limit}; allowed 0 to 1000")));
-    }
+}
+
+/// Photographs of a light stack against what was made of them.
+fn photographs(arguments: &Arguments, common: Common) -> Result<(), CliError> {
+    arguments.refuse_flags_of_reflectances("a light stack")?;
     let samples = LightInput::open(&arguments.a, None)?.into_samples();
     let (errors, each) = LightInput::open(&arguments.b, None)?
         .compared(&samples)

@@ -1,0 +1,58 @@
+//! One flat BTF against another of the same surface: what their decoders give for the same places, views and lights.
+
+use brdfc_flat_btf::probes::ColourErrors;
+use brdfc_formats::direction::{Vector, from_polar};
+use brdfc_metrics::lab::{distance_squared, lab};
+use brdfc_render::flat::{FlatForm, FlatMaterial};
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+
+/// Look-ups of each kind.
+const LOOK_UPS: usize = 65_536;
+const SEED: u64 = 0xf1a7;
+
+/// How far one flat BTF is from another. Look-ups are random places of the tile, at the finest level, in the full form.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
+pub struct FlatComparison {
+    /// Views and lights that the reference has.
+    pub at_samples: ColourErrors,
+    /// Random views and lights, as steep as the steepest of the reference at most, uniform by solid angle.
+    pub between_samples: ColourErrors,
+    /// Look-ups of both kinds where the reference is not black.
+    pub lit: usize,
+}
+
+/// Measures `other` against `reference`; nothing of a reference without values for views.
+pub fn compare_flat(reference: &FlatMaterial, other: &FlatMaterial) -> Option<FlatComparison> {
+    let sampled = reference.decoder().parts().values.directions()?.map(|angles| {
+        let unit = |[polar, azimuth]: &[f32; 2]| from_polar(f64::from(*polar), f64::from(*azimuth));
+        angles.iter().map(unit).collect::<Vec<Vector>>()
+    });
+    let lowest = sampled.each_ref().map(|all| all.iter().map(|d| d[2]).fold(1.0, f64::min));
+    let mut random = ChaCha8Rng::seed_from_u64(SEED);
+    let mut look_ups = |choose: &dyn Fn(usize, &mut ChaCha8Rng) -> Vector| -> Vec<([f64; 2], [Vector; 2])> {
+        let one = |_| {
+            let at = [random.random(), random.random()];
+            (at, [choose(0, &mut random), choose(1, &mut random)])
+        };
+        (0..LOOK_UPS).map(one).collect()
+    };
+    let at_samples = look_ups(&|kind, random| sampled[kind][random.random_range(0..sampled[kind].len())]);
+    let between = look_ups(&|kind, random| {
+        let z = lowest[kind] + (1.0 - lowest[kind]) * random.random::<f64>();
+        from_polar(z.acos(), TAU * random.random::<f64>())
+    });
+    let measured = |look_ups: &[([f64; 2], [Vector; 2])]| {
+        let one = |(at, [view, light]): &([f64; 2], [Vector; 2])| {
+            let value = |material: &FlatMaterial| material.value(FlatForm::Full, *at, 0.0, *view, *light);
+            let (truth, found) = (value(reference), value(other));
+            (f64::from(distance_squared(lab(truth), lab(found))).sqrt(), truth != [0.0; 3])
+        };
+        let (differences, lit): (Vec<f64>, Vec<bool>) = look_ups.par_iter().map(one).unzip();
+        (ColourErrors::new(differences), lit.into_iter().filter(|lit| *lit).count())
+    };
+    let ((at_samples, first), (between_samples, second)) = (measured(&at_samples), measured(&between));
+    Some(FlatComparison { at_samples, between_samples, lit: first + second })
+}
