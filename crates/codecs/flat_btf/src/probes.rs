@@ -69,12 +69,16 @@ pub struct Directions<'a> {
 }
 
 impl Directions<'_> {
-    /// A random direction as steep as the steepest sample at most, uniform by solid angle.
     fn random(&self, random: &mut ChaCha8Rng) -> Vector {
-        let lowest = self.all.iter().map(|d| d[2]).fold(1.0, f64::min);
-        let z = lowest + (1.0 - lowest) * random.random::<f64>();
-        from_polar(z.acos(), TAU * random.random::<f64>())
+        random_between(self.all, random)
     }
+}
+
+/// A random direction as steep as the steepest of some unit vectors at most, uniform by solid angle.
+pub fn random_between(all: &[Vector], random: &mut ChaCha8Rng) -> Vector {
+    let lowest = all.iter().map(|d| d[2]).fold(1.0, f64::min);
+    let z = lowest + (1.0 - lowest) * random.random::<f64>();
+    from_polar(z.acos(), TAU * random.random::<f64>())
 }
 
 impl Probes {
@@ -192,6 +196,7 @@ pub fn shown(model: &MesoModel, appearance: &Appearance, at: [f64; 2], view: Vec
     }
 }
 
-fn difference(a: [f32; 3], b: [f32; 3]) -> f64 {
+/// ΔE (CIE76) of two linear colours.
+pub fn difference(a: [f32; 3], b: [f32; 3]) -> f64 {
     f64::from(distance_squared(lab(a), lab(b))).sqrt()
 }

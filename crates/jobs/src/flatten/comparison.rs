@@ -1,13 +1,11 @@
 //! One flat BTF against another of the same surface: what their decoders give for the same places, views and lights.
 
-use brdfc_flat_btf::probes::ColourErrors;
+use brdfc_flat_btf::probes::{ColourErrors, difference, random_between};
 use brdfc_formats::direction::{Vector, from_polar};
-use brdfc_metrics::lab::{distance_squared, lab};
 use brdfc_render::flat::{FlatForm, FlatMaterial};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use std::f64::consts::TAU;
 
 /// Look-ups of each kind.
 const LOOK_UPS: usize = 65_536;
@@ -30,7 +28,6 @@ pub fn compare_flat(reference: &FlatMaterial, other: &FlatMaterial) -> Option<Fl
         let unit = |[polar, azimuth]: &[f32; 2]| from_polar(f64::from(*polar), f64::from(*azimuth));
         angles.iter().map(unit).collect::<Vec<Vector>>()
     });
-    let lowest = sampled.each_ref().map(|all| all.iter().map(|d| d[2]).fold(1.0, f64::min));
     let mut random = ChaCha8Rng::seed_from_u64(SEED);
     let mut look_ups = |choose: &dyn Fn(usize, &mut ChaCha8Rng) -> Vector| -> Vec<([f64; 2], [Vector; 2])> {
         let one = |_| {
@@ -40,15 +37,12 @@ pub fn compare_flat(reference: &FlatMaterial, other: &FlatMaterial) -> Option<Fl
         (0..LOOK_UPS).map(one).collect()
     };
     let at_samples = look_ups(&|kind, random| sampled[kind][random.random_range(0..sampled[kind].len())]);
-    let between = look_ups(&|kind, random| {
-        let z = lowest[kind] + (1.0 - lowest[kind]) * random.random::<f64>();
-        from_polar(z.acos(), TAU * random.random::<f64>())
-    });
+    let between = look_ups(&|kind, random| random_between(&sampled[kind], random));
     let measured = |look_ups: &[([f64; 2], [Vector; 2])]| {
         let one = |(at, [view, light]): &([f64; 2], [Vector; 2])| {
             let value = |material: &FlatMaterial| material.value(FlatForm::Full, *at, 0.0, *view, *light);
             let (truth, found) = (value(reference), value(other));
-            (f64::from(distance_squared(lab(truth), lab(found))).sqrt(), truth != [0.0; 3])
+            (difference(truth, found), truth != [0.0; 3])
         };
         let (differences, lit): (Vec<f64>, Vec<bool>) = look_ups.par_iter().map(one).unzip();
         (ColourErrors::new(differences), lit.into_iter().filter(|lit| *lit).count())
