@@ -12,6 +12,8 @@ pub const PREFIX: &str = ".brdfc-";
 pub const SUFFIX: &str = ".tmp";
 /// Held as long as the process lives that works in the folder.
 const LOCK: &str = "lock";
+/// The same file before it is held.
+const UNLOCKED: &str = "lock.new";
 /// Between making something and locking it less time goes by.
 const NEW: Duration = Duration::from_secs(10);
 
@@ -35,10 +37,7 @@ impl Staging {
         sweep(parent);
         let folder = tempfile::Builder::new().prefix(PREFIX).suffix(SUFFIX).tempdir_in(parent)?;
         all().push(folder.path().to_owned());
-        let lock = File::create(folder.path().join(LOCK))?;
-        // Where files cannot be locked, nothing that is new is swept.
-        let _ = lock.try_lock();
-        Ok(Self { _lock: lock, folder })
+        Ok(Self { _lock: locked(folder.path())?, folder })
     }
 
     /// Removes all of this process, which is about to end.
@@ -56,6 +55,17 @@ impl Drop for Staging {
     fn drop(&mut self) {
         all().retain(|folder| folder != self.folder.path());
     }
+}
+
+/// A folder's lock, which has its name only once it is held: whoever finds it free between the two would take its owner for
+/// dead.
+fn locked(folder: &Path) -> std::io::Result<File> {
+    let aside = folder.join(UNLOCKED);
+    let lock = File::create(&aside)?;
+    // Where files cannot be locked, two processes at a time are the user's to avoid.
+    let _ = lock.try_lock();
+    std::fs::rename(aside, folder.join(LOCK))?;
+    Ok(lock)
 }
 
 fn all() -> MutexGuard<'static, Vec<PathBuf>> {
@@ -109,6 +119,22 @@ mod tests {
         assert!(alive.path().is_dir() && next.path().is_dir() && unrelated.is_file() && !dead.exists());
         drop((alive, next));
         assert_eq!(std::fs::read_dir(parent.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn who_sweeps_while_others_begin_takes_nobody_for_dead() {
+        let parent = tempfile::tempdir().unwrap();
+        std::thread::scope(|scope| {
+            for _ in 0..4 {
+                scope.spawn(|| {
+                    for _ in 0..250 {
+                        let begun = Staging::new(parent.path()).unwrap();
+                        std::fs::write(begun.path().join("part"), "half").unwrap();
+                        assert!(begun.path().join(LOCK).is_file());
+                    }
+                });
+            }
+        });
     }
 
     #[test]
