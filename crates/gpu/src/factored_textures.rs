@@ -80,7 +80,12 @@ impl FactoredTextures {
         let weights = asset.weights();
         Ok(Self {
             parameters: gpu.buffer(&FactoredParameters::to_bytes(asset, filter), BufferUsages::UNIFORM),
-            weights: layers(TexelFormat::Rgba8Unorm, [size, size, header.groups], weights.levels(), weights.texels()),
+            weights: layers(
+                TexelFormat::Rgba8Unorm,
+                [size, size, weights.layers()],
+                weights.levels(),
+                weights.texels(),
+            ),
             shadow: match asset.shadow() {
                 Some(map) => layers(TexelFormat::R8Unorm, [size, size, lights], map.levels(), map.texels()),
                 None => no_shadow(),

@@ -49,7 +49,7 @@ fn flat_value(uv: vec2<f32>, level: f32, wo: vec3<f32>, wi: vec3<f32>) -> vec3<f
     let lit_from = FlatBtfWeights(l.indices, l.weights);
     var value: vec3<f32>;
     if material.form == 2u {
-        value = factored_value(flat_btf_indirection(uv, wo).xy, level, seen_from, lit_from);
+        value = factored_value(flat_btf_indirection(uv, wo).xy, level, wo, wi, seen_from, lit_from);
     } else {
         value = flat_btf_full(uv, wo, seen_from, lit_from);
     }

@@ -4,11 +4,12 @@ use crate::packs::Numbers;
 use brdfc_formats::Pack;
 use brdfc_formats::container::{half, rgb9e5};
 use brdfc_formats::flat_btf::factored::{
-    BasisMap, FactoredErrors, FactoredFlatBtf, FactoredHeader, GROUP, ShadowFormat, ShadowMap, WeightMap, WeightRange,
+    BASE_LAYERS, BaseTable, BasisMap, DIFFERENCE_ANGLES, FactoredErrors, FactoredFlatBtf, FactoredHeader, GROUP,
+    HALF_ANGLES, ShadowFormat, ShadowMap, WeightMap, WeightRange,
 };
 use brdfc_formats::flat_btf::{
-    DiffuseMap, DisplacementHeader, DisplacementMap, FlatBtfParts, FlatHeader, FlatValues, FlatView, IndirectionHeader,
-    IndirectionMap, NormalMap, PositionMap, ReferenceMap, ViewWeights, VisibilityMask,
+    BlendedDirection, DiffuseMap, DisplacementHeader, DisplacementMap, FlatBtfParts, FlatHeader, FlatValues, FlatView,
+    IndirectionHeader, IndirectionMap, NormalMap, PositionMap, ReferenceMap, ViewWeights, VisibilityMask,
 };
 use std::f32::consts::{FRAC_PI_2, TAU};
 
@@ -155,12 +156,12 @@ pub fn factored(sizes: Sizes, factors: Factors, seed: u64) -> FactoredFlatBtf {
         (0..levels).map(|level| (sizes.flat >> level).max(1).pow(2) as usize).sum::<usize>() * layers as usize
     };
     let mut bytes = |count: usize| (0..count).map(|_| numbers.bits() as u8).collect::<Vec<u8>>();
-    let weights = bytes(GROUP * texels(groups));
+    let weights = bytes(GROUP * texels(BASE_LAYERS + groups));
     let shadows = bytes(texels(sizes.lights));
     let range =
         |k: usize| WeightRange { scale: if k == 0 { 200.0 } else { 60.0 }, low: if k == 0 { 1.0 } else { -25.0 } };
-    let ranges = (0..components).map(range).collect();
-    let basis = BasisMap::from_steps(header, |_, _, colour, component| {
+    let ranges = base_ranges().into_iter().chain((0..components).map(range)).collect();
+    let basis = BasisMap::from_steps(header, &base_table(), |_, _, colour, component| {
         let most = if component < wide_groups as usize * GROUP { 32767.0 } else { 127.0 };
         // Lightness is mostly positive.
         let low = if colour == 0 && component == 0 { 0.2 } else { -1.0 };
@@ -184,7 +185,7 @@ pub fn factored_example() -> FactoredFlatBtf {
     });
     let shadow = ShadowFormat::R8;
     let header = FactoredHeader { size, levels, groups, wide_groups, shadow, views, lights, steps, errors };
-    let basis = BasisMap::from_steps(header, |view, light, colour, component| {
+    let basis = BasisMap::from_steps(header, &base_table(), |view, light, colour, component| {
         let at = (((view * 3 + light) * 3 + colour) * 8 + component) as i32;
         match component {
             0 if colour == 0 => 256 * (40 + 10 * view as i32 + 5 * light as i32),
@@ -193,10 +194,11 @@ pub fn factored_example() -> FactoredFlatBtf {
         }
     });
     let texels = (0..levels).map(|level| (size >> level).pow(2)).sum::<u32>();
-    let weights = (0..8 * texels).map(|k| (k * 83 + 17) as u8).collect();
+    let weights = (0..16 * texels).map(|k| (k * 83 + 17) as u8).collect();
     let shadows = (0..3 * texels).map(|k| (k * 101 + 5).min(255 * (k % 7)) as u8).collect();
     let range = |k| if k == 0 { WeightRange { scale: 1.0, low: 0.5 } } else { WeightRange { scale: 2.0, low: -1.0 } };
-    let weights = WeightMap::new(size, levels, (0..8).map(range).collect(), weights);
+    let ranges = base_ranges().into_iter().chain((0..8).map(range)).collect();
+    let weights = WeightMap::new(size, levels, ranges, weights);
     let shadow = ShadowMap::new(size, levels, 3, shadows);
     FactoredFlatBtf::new(basis.unwrap(), weights.unwrap(), Some(shadow.unwrap())).unwrap()
 }
@@ -231,7 +233,7 @@ pub fn factored_survives(bytes: &[u8]) -> bool {
     let (views, lights) = (asset.header().views.len() as u32, asset.header().lights.len() as u32);
     for (k, (uv, detail)) in (0..).zip([([0.1, 0.9], 0.0), ([1.3, -0.2], 0.6), ([0.5, 0.5], 7.0)]) {
         let texel = asset.texel([k % asset.header().size, 0]).value(k % views, k % lights);
-        let value = asset.value(uv, detail, only(k % views), only(k % lights));
+        let value = asset.value(uv, detail, towards(only(k % views)), towards(only(k % lights)));
         assert!(texel.iter().chain(&value).all(|c| (0.0..3e5).contains(c)), "{texel:?} {value:?}");
     }
     true
@@ -246,6 +248,32 @@ pub fn weights(numbers: &mut Numbers, count: u32) -> ViewWeights {
     }
     let sum: f32 = weights.iter().sum();
     ViewWeights { indices, weights: weights.map(|w| w / sum) }
+}
+
+/// A table that falls with the half angle and grows with the difference angle: whole numbers over whole numbers.
+pub fn base_table() -> BaseTable {
+    let entry = |at: usize| {
+        let (i, j) = ((at / DIFFERENCE_ANGLES) as f32, (at % DIFFERENCE_ANGLES) as f32);
+        [8.0, 6.0, 4.0].map(|peak| (peak + j) / (1.0 + i))
+    };
+    BaseTable::new((0..HALF_ANGLES * DIFFERENCE_ANGLES).map(entry).collect()).unwrap()
+}
+
+/// Albedos of 0 to 1, normals that lean by less than a right angle.
+pub fn base_ranges() -> [WeightRange; 8] {
+    let albedo = WeightRange { scale: 1.0, low: 0.0 };
+    let [high, low] = [WeightRange { scale: 1.0, low: -0.5 }, WeightRange { scale: 0.003_906_25, low: 0.0 }];
+    [albedo, albedo, albedo, albedo, high, low, high, low]
+}
+
+/// Directions above the surface.
+const TOWARDS: [[f32; 3]; 5] =
+    [[0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [0.0, -0.8, 0.6], [-0.48, 0.64, 0.6], [0.0, 0.96, 0.28]];
+
+/// A direction for these samples, which need not be near them.
+pub fn towards(samples: ViewWeights) -> BlendedDirection {
+    let [a, b, _] = samples.indices;
+    BlendedDirection { direction: TOWARDS[(a as usize + 2 * b as usize) % TOWARDS.len()], samples }
 }
 
 /// One whole weight.

@@ -10,7 +10,7 @@ use super::factored::FactoredFlatBtf;
 use super::flat_view::FlatView;
 use super::indirection::{IndirectionHeader, IndirectionMap};
 use super::maps::{DiffuseMap, NormalMap, ReferenceMap};
-use super::view_weights::ViewWeights;
+use super::view_weights::{BlendedDirection, ViewWeights};
 use crate::FormatError;
 use crate::container::rgb9e5;
 use crate::direction::polynomial_atan2;
@@ -284,17 +284,16 @@ impl FlatBtfDecoder {
     pub fn value(
         &self,
         uv: [f32; 2],
-        view: [f32; 3],
         level_of_detail: f32,
-        views: ViewWeights,
-        lights: ViewWeights,
+        view: BlendedDirection,
+        light: BlendedDirection,
     ) -> [f32; 3] {
         match &self.parts.values {
             FlatValues::Factored(asset) => {
-                let [u, v, _] = self.indirection(uv, view);
-                asset.value([u, v], level_of_detail, views, lights)
+                let [u, v, _] = self.indirection(uv, view.direction);
+                asset.value([u, v], level_of_detail, view, light)
             }
-            FlatValues::None | FlatValues::Views(_) => self.full(uv, view, views, lights),
+            FlatValues::None | FlatValues::Views(_) => self.full(uv, view.direction, view.samples, light.samples),
         }
     }
 

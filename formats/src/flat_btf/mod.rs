@@ -28,7 +28,7 @@ pub(crate) use indirection::HEADER as INDIRECTION_ENTRY;
 pub use indirection::{IndirectionHeader, IndirectionMap, MAX_AZIMUTH_SAMPLES, MAX_ZENITH_SAMPLES};
 pub use maps::{DiffuseMap, NormalMap, PositionMap, ReferenceMap};
 pub use part::{FlatPart, PART_EXTENSION, split_part_name};
-pub use view_weights::ViewWeights;
+pub use view_weights::{BlendedDirection, ViewWeights};
 
 /// Largest absolute value of a coordinate, height or distance in a file: tiles, or periods of the parameters.
 pub const MAX_COORDINATE: f32 = 1024.0;

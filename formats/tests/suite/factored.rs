@@ -1,15 +1,18 @@
 //! Factored flat BTFs: known answers of the decoder, its filter, the shader's block, and files that come back or are refused.
 
 use brdfc_formats::container::PackedTexture;
+use brdfc_formats::direction::from_polar;
 use brdfc_formats::flat_btf::factored::shader::{FACTORED_WGSL, FactoredFilter, FactoredParameters};
 use brdfc_formats::flat_btf::factored::{
-    BasisMap, FactoredErrors, FactoredFlatBtf, FactoredHeader, ShadowFormat, ShadowMap, WeightMap, WeightRange,
-    from_opponent,
+    BASE_LAYERS, BaseTable, BaseTexel, BasisMap, FactoredErrors, FactoredFlatBtf, FactoredHeader, ShadowFormat,
+    ShadowMap, WeightMap, WeightRange, from_opponent, to_opponent,
 };
 use brdfc_formats::flat_btf::shader::FLAT_BTF_WGSL;
-use brdfc_formats::flat_btf::{FlatPart, ViewWeights, gpu_bytes};
+use brdfc_formats::flat_btf::{BlendedDirection, FlatPart, ViewWeights, gpu_bytes};
 use brdfc_formats::{FormatError, Pack, PackKind};
-use brdfc_testing::flat_btf::{Factors, SMALL, Sizes, directions, factored, factored_example, only, weights};
+use brdfc_testing::flat_btf::{
+    Factors, SMALL, Sizes, base_table, directions, factored, factored_example, only, towards, weights,
+};
 use brdfc_testing::golden::corpus::packs;
 use brdfc_testing::packs::Numbers;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -39,23 +42,27 @@ fn grey(
         steps: [vec![0.01; 4], vec![0.0; 4], vec![0.0; 4]],
         errors: FactoredErrors::default(),
     };
-    let basis =
-        BasisMap::from_steps(
-            header,
-            |view, _, colour, component| {
-                if colour == 0 && component == 0 { 10_000 / (1 + view as i32) } else { 0 }
-            },
-        );
+    let basis = BasisMap::from_steps(header, &BaseTable::black(), |view, _, colour, component| {
+        if colour == 0 && component == 0 { 10_000 / (1 + view as i32) } else { 0 }
+    });
     let sides: Vec<u32> = (0..levels).map(|level| (size >> level).max(1)).collect();
     let texels = |side: u32| (0..side * side).map(move |at| (at % side, at / side));
-    let weights = sides.iter().flat_map(|side| texels(*side).flat_map(|(x, y)| [weight(x, y), 0, 0, 0])).collect();
+    let weights = |side: u32| {
+        let of_base = vec![0; 4 * (BASE_LAYERS * side * side) as usize];
+        of_base.into_iter().chain(texels(side).flat_map(|(x, y)| [weight(x, y), 0, 0, 0])).collect::<Vec<u8>>()
+    };
+    let weights = sides.iter().flat_map(|side| weights(*side)).collect();
     let one = |lit: &dyn Fn(u32, u32, u32) -> u8, side: u32| -> Vec<u8> {
         (0..3).flat_map(|light| texels(side).map(move |(x, y)| (x, y, light))).map(|(x, y, l)| lit(x, y, l)).collect()
     };
     let shadows = sides.iter().flat_map(|side| one(&shadow, *side)).collect();
     let range = WeightRange { scale: 1.0, low: 0.0 };
-    let weights = WeightMap::new(size, levels, vec![range; 4], weights).unwrap();
+    let weights = WeightMap::new(size, levels, vec![range; 12], weights).unwrap();
     FactoredFlatBtf::new(basis.unwrap(), weights, Some(ShadowMap::new(size, levels, 3, shadows).unwrap())).unwrap()
+}
+
+fn direction([polar, azimuth]: [f32; 2]) -> [f32; 3] {
+    from_polar(f64::from(polar), f64::from(azimuth)).map(|c| c as f32)
 }
 
 fn lightness(value: f32) -> [f32; 3] {
@@ -72,39 +79,42 @@ fn texels_are_shadow_times_sum() {
         assert_eq!(asset.texel([x, 0]).value(0, 1), [0.0; 3]);
         // At the centre of a texel the filter gives it.
         let uv = [(x as f32 + 0.5) / 4.0, 0.625];
-        assert_eq!(asset.value(uv, 0.0, only(1), only(2)), asset.texel([x, 2]).value(1, 2));
+        assert_eq!(asset.value(uv, 0.0, towards(only(1)), towards(only(2))), asset.texel([x, 2]).value(1, 2));
     }
 }
 
-/// Weights are filtered before, pairs blended after the sum is made a colour.
+/// Weights are filtered, and pairs are blended, before the sum is made a colour; shadows are blended beside it.
 #[test]
-fn filters_before_blends_after() {
-    let asset = grey(4, 1, |x, _| [0, 51, 102, 255][x as usize], |_, _, _| 255);
+fn sums_are_blended_before_they_are_a_colour() {
+    let asset = grey(4, 1, |x, _| [0, 51, 102, 255][x as usize], |_, _, light| [255, 0, 51][light as usize]);
     // Between texels 1 and 2, and across the border between 3 and 0.
     for (u, weight) in [(0.5, 0.3), (0.4375, 0.25), (0.0, 0.5), (1.0, 0.5), (-3.0, 0.5), (0.9375, 0.75)] {
-        close(asset.value([u, 0.4], 0.0, only(0), only(0)), lightness(100.0 * weight), 1e-5);
+        close(asset.value([u, 0.4], 0.0, towards(only(0)), towards(only(0))), lightness(100.0 * weight), 1e-5);
     }
     let half = ViewWeights { indices: [0, 1, 0], weights: [0.5, 0.5, 0.0] };
+    let lights = ViewWeights { indices: [0, 1, 2], weights: [0.5, 0.25, 0.25] };
+    let blended = asset.value([0.875, 0.1], 0.0, towards(half), towards(only(0)));
+    close(blended, lightness(75.0), 1e-5);
+    close(asset.value([0.875, 0.1], 0.0, towards(half), towards(lights)), lightness(75.0).map(|c| 0.55 * c), 1e-5);
+    // The mean of the colours would be another.
     let [full, dim] = [100.0, 50.0].map(|value| lightness(value)[0]);
-    let blended = asset.value([0.875, 0.1], 0.0, half, only(0))[0];
-    assert!((blended - 0.5 * (full + dim)).abs() < 1e-5, "{blended}");
-    // The colour of the mean would be another.
-    assert!((blended - lightness(75.0)[0]).abs() > 0.05);
+    assert!((blended[0] - 0.5 * (full + dim)).abs() > 0.05);
 }
 
 /// The level of detail blends two mipmap levels, and ends at the coarsest.
 #[test]
 fn levels_of_detail() {
-    let levels = [[0, 51, 102, 255].to_vec(), vec![51, 204], vec![153]];
+    let levels: [Vec<u8>; 3] = [[0, 51, 102, 255].to_vec(), vec![51, 204], vec![153]];
     let asset = grey(4, 3, |_, _| 0, |_, _, _| 255);
     let texels = levels.iter().flat_map(|row| {
-        let row = row.clone();
-        (0..row.len()).flat_map(move |_| row.clone().into_iter().flat_map(|byte| [byte, 0, 0, 0]))
+        let (row, of_base) = (row.clone(), vec![0; 8 * row.len() * row.len()]);
+        let texels = (0..row.len()).flat_map(move |_| row.clone().into_iter().flat_map(|byte| [byte, 0, 0, 0]));
+        of_base.into_iter().chain(texels)
     });
     let ranges = asset.weights().ranges().to_vec();
     let weights = WeightMap::new(4, 3, ranges, texels.collect()).unwrap();
     let asset = FactoredFlatBtf::new(asset.basis().clone(), weights, asset.shadow().cloned()).unwrap();
-    let at = |u: f32, detail: f32| asset.value([u, 0.3], detail, only(0), only(0));
+    let at = |u: f32, detail: f32| asset.value([u, 0.3], detail, towards(only(0)), towards(only(0)));
     for (u, detail, weight) in [
         (0.375, 0.0, 0.2),
         (0.375, -1.0, 0.2),
@@ -133,15 +143,19 @@ fn sums_of_both_widths() {
             let mut sums = [0.0f64; 3];
             for colour in 0..3 {
                 for (component, integer) in asset.basis().integers(view, light, colour).enumerate() {
-                    let layer = asset.weights().layer(0, component as u32 / 4);
+                    let layer = asset.weights().layer(0, BASE_LAYERS + component as u32 / 4);
                     let byte = layer[(y * 5 + x) as usize * 4 + component % 4];
-                    let WeightRange { scale, low } = asset.weights().ranges()[component];
+                    let WeightRange { scale, low } = asset.weights().ranges()[8 + component];
                     let weight = f64::from(low) + f64::from(scale) * f64::from(byte) / 255.0;
                     sums[colour] += weight * f64::from(header.steps[colour][component]) * f64::from(integer);
                 }
             }
             let lit = asset.shadow().map_or(1.0, |map| f32::from(map.layer(0, light)[(y * 5 + x) as usize]) / 255.0);
-            close(asset.texel([x, y]).value(view, light), from_opponent(sums.map(|s| s as f32)).map(|c| lit * c), 1e-4);
+            let texel = asset.weights().base((y * 5 + x) as usize);
+            let [seen_from, lit_from] = [header.views[view as usize], header.lights[light as usize]].map(direction);
+            let base = to_opponent(asset.basis().base().colour(&texel, seen_from, lit_from));
+            let all = [0, 1, 2].map(|k: usize| base[k] + sums[k] as f32);
+            close(asset.texel([x, y]).value(view, light), from_opponent(all).map(|c| lit * c), 1e-4);
         }
     }
 }
@@ -160,18 +174,19 @@ fn the_committed_asset_has_known_values() {
     for (texel, view, light, expected) in [
         // In shadow.
         ([0, 0], 0, 0, [0.0; 3]),
-        ([1, 2], 1, 1, [0.166_884_9, 0.185_483_85, 0.177_417_72]),
-        ([3, 3], 2, 2, [0.242_737_39, 0.287_759_6, 0.282_367_55]),
+        ([1, 2], 1, 1, [0.891_155, 0.472_172_43, 0.627_449_9]),
+        ([3, 3], 2, 2, [0.039_466_78, 0.039_433_08, 0.035_000_31]),
+        ([2, 0], 1, 2, [1.282_338_4, 1.612_242_1, 0.737_567_06]),
     ] {
         close(asset.texel(texel).value(view, light), expected, 1e-6);
     }
     for (uv, detail, view, light, expected) in [
-        ([0.5, 0.25], 0.0, 1, 0, [0.046_213_14, 0.050_122_92, 0.050_560_5]),
-        ([0.9375, -0.4], 0.5, 2, 1, [0.113_596_06, 0.120_426_69, 0.114_356_89]),
-        ([0.1, 0.3], 7.0, 0, 2, [0.154_704_53, 0.150_550_71, 0.130_572_67]),
+        ([0.5, 0.25], 0.0, 1, 0, [1.478_892_5, 1.518_161_4, 0.883_355_15]),
+        ([0.9375, -0.4], 0.5, 2, 1, [2.950_426, 3.231_413_7, 3.071_712_2]),
+        ([0.1, 0.3], 7.0, 0, 2, [1.172_043, 0.762_218_8, 0.989_769_8]),
     ] {
-        close(asset.value(uv, detail, only(view), only(light)), expected, 1e-6);
-        let other = asset.value(uv, detail, only((view + 1) % 3), only(light));
+        close(asset.value(uv, detail, towards(only(view)), towards(only(light))), expected, 1e-6);
+        let other = asset.value(uv, detail, towards(only((view + 1) % 3)), towards(only(light)));
         assert!((other[0] - expected[0]).abs() > 1e-3, "another view shows something else");
     }
 }
@@ -184,7 +199,7 @@ fn integers_come_back() {
         let at = ((view * 5 + light) * 3 + colour) * 8 + component;
         [0, 1, -1, 1 << 20, -(1 << 20), 77, -100][at % 7]
     };
-    let basis = BasisMap::from_steps(asset.header().clone(), step).unwrap();
+    let basis = BasisMap::from_steps(asset.header().clone(), asset.basis().base(), step).unwrap();
     for (view, light, colour) in [(0, 0, 0), (2, 4, 2), (1, 3, 1)] {
         let found: Vec<f32> = basis.integers(view, light, colour).collect();
         let wanted = |k: usize| step(view as usize, light as usize, colour, k).clamp(-most(k), most(k)) as f32;
@@ -270,13 +285,14 @@ fn the_shader_validates_behind_that_of_flat_btfs() {
             "levels" => assert_eq!(word(at), 3),
             "groups" => assert_eq!(word(at), 2),
             "wide_groups" | "shadowed" | "hardware" => assert_eq!(word(at), 1),
-            "reserved" => assert_eq!(word(at) + word(at + 4), 0),
+            "views" => assert_eq!(word(at), 3),
+            "lowest_light" => assert_eq!(number(at), asset.lowest_light()),
             "steps" => {
                 let found = [0, 1, 2].map(|colour| number(at + 256 * colour + 4 * 7));
                 assert_eq!(found, [0, 1, 2].map(|colour| asset.header().steps[colour][7]));
             }
-            "scales" => assert_eq!((number(at), number(at + 28), number(at + 32)), (200.0, 60.0, 0.0)),
-            "lows" => assert_eq!((number(at), number(at + 28), number(at + 32)), (1.0, -25.0, 0.0)),
+            "scales" => assert_eq!([12, 32, 60, 64].map(|k| number(at + k)), [1.0, 200.0, 60.0, 0.0]),
+            "lows" => assert_eq!([16, 32, 60, 64].map(|k| number(at + k)), [-0.5, 1.0, -25.0, 0.0]),
             other => panic!("no such field: {other}"),
         }
     }
@@ -284,24 +300,63 @@ fn the_shader_validates_behind_that_of_flat_btfs() {
     assert_eq!(exact[20..24], [0; 4]);
 }
 
-/// The same weights as the flat BTF's: nothing is decoded where a weight is 0, so that indices may be anything there.
+/// What has a weight of 0 is not decoded, so that indices may be anything there.
 #[test]
-fn blends_of_views_and_lights_are_sums() {
+fn weights_of_0_are_left_alone() {
     let asset = factored(SMALL, TWO, 9);
     let mut numbers = Numbers::new(2);
     for _ in 0..50 {
-        let [views, lights] = [3, 5].map(|count| weights(&mut numbers, count));
+        let [views, lights] = [3, 5].map(|count| towards(weights(&mut numbers, count)));
         let uv = [0; 2].map(|_| numbers.between(-2.0, 2.0) as f32);
         let detail = numbers.between(0.0, 2.0) as f32;
-        let mut sum = [0.0; 3];
-        for (view, view_weight) in views.indices.into_iter().zip(views.weights) {
-            for (light, light_weight) in lights.indices.into_iter().zip(lights.weights) {
-                let value = asset.value(uv, detail, only(view), only(light));
-                (0..3).for_each(|k| sum[k] += view_weight * light_weight * value[k]);
-            }
-        }
-        close(asset.value(uv, detail, views, lights), sum, 1e-5);
+        let nowhere = |mut direction: BlendedDirection| {
+            let samples = &mut direction.samples;
+            (0..3).filter(|k| samples.weights[*k] == 0.0).for_each(|k| samples.indices[k] = 77);
+            direction
+        };
+        let value = asset.value(uv, detail, views, lights);
+        assert_eq!(asset.value(uv, detail, nowhere(views), nowhere(lights)), value);
     }
-    let nowhere = ViewWeights { indices: [2, 99, 99], weights: [1.0, 0.0, 0.0] };
-    assert_eq!(asset.value([0.2; 2], 0.5, nowhere, nowhere), asset.value([0.2; 2], 0.5, only(2), only(2)));
+    let nowhere = |index: u32| ViewWeights { indices: [index, 77, 99], weights: [1.0, 0.0, 0.0] };
+    let value = |views: ViewWeights, lights: ViewWeights| {
+        asset.value(
+            [0.2; 2],
+            0.5,
+            BlendedDirection { samples: views, ..towards(only(2)) },
+            BlendedDirection { samples: lights, ..towards(only(2)) },
+        )
+    };
+    assert_eq!(value(nowhere(2), nowhere(2)), value(only(2), only(2)));
+}
+
+/// A base alone: the colour of the direction that is asked for, not of the samples that stand for it.
+#[test]
+fn the_base_is_that_of_the_direction_itself() {
+    let of = grey(2, 1, |_, _| 0, |_, _, _| 255);
+    let basis = BasisMap::from_steps(of.header().clone(), &base_table(), |_, _, _, _| 0).unwrap();
+    let range = |scale: f32, low: f32| WeightRange { scale, low };
+    // Albedo 0.4, 0.2, 0.1, gloss 0.5, a normal that leans by 2 atan(0.25).
+    let ranges = [range(1.0, 0.0), range(0.5, 0.0), range(0.25, 0.0), range(1.25, 0.0)].into_iter();
+    let slopes = [range(0.0, 0.25), range(0.0, 0.0), range(0.0, 0.0), range(0.0, 0.0)];
+    let ranges = ranges.chain(slopes).chain([range(0.0, 0.0); 4]).collect();
+    let weights = WeightMap::new(2, 1, ranges, [[102; 16], [0; 16], [0; 16]].concat()).unwrap();
+    let asset = FactoredFlatBtf::new(basis, weights, of.shadow().cloned()).unwrap();
+    let texel = BaseTexel { diffuse: [0.4, 0.2, 0.1], gloss: 0.5, normal: [8.0 / 17.0, 0.0, 15.0 / 17.0] };
+    for (view, light) in
+        [([0.0, 0.0, 1.0], [0.6, 0.0, 0.8]), ([0.0, 0.6, 0.8], [0.0, -0.6, 0.8]), ([0.28, 0.0, 0.96], [0.0, 0.8, 0.6])]
+    {
+        let ask = |light: [f32; 3], index: u32| {
+            let [view, light] = [view, light].map(|direction| BlendedDirection { direction, samples: only(index) });
+            asset.value([0.3, 0.7], 0.0, view, light)
+        };
+        let wanted = base_table().colour(&texel, view, light);
+        assert!(wanted[0] > 0.1);
+        close(ask(light, 0), wanted, 1e-5);
+        close(ask(light, 1), wanted, 1e-5);
+        // Of lights that are lower than all sampled ones the lowest, of the same azimuth.
+        let lowest = asset.lowest_light();
+        let low = [0.0, 1.0f32, 0.0];
+        let raised = [0.0, (1.0 - lowest * lowest).sqrt(), lowest];
+        close(ask(low, 0), base_table().colour(&texel, view, raised), 1e-5);
+    }
 }

@@ -89,7 +89,7 @@ fn changed(part: &str, change: impl FnOnce(&mut Texture)) -> String {
 fn entries_of_other_lengths_are_refused() {
     for (part, entry, long, short) in [
         ("basis", "brdfc.flat-btf.factored", "157 bytes; allowed 156 bytes, as groups says", "60 bytes or more"),
-        ("weights", "brdfc.flat-btf.weights", "73 bytes; allowed 72 bytes", "3 bytes; allowed 8 bytes or more"),
+        ("weights", "brdfc.flat-btf.weights", "137 bytes; allowed 136 bytes", "3 bytes; allowed 8 bytes or more"),
         ("shadow", "brdfc.flat-btf.shadow", "5 bytes; allowed 4 bytes", "3 bytes; allowed 4 bytes"),
     ] {
         let resized = |length: Option<usize>| {
@@ -117,8 +117,8 @@ fn other_textures_are_refused() {
         })
     };
     for (part, extent, levels, expected) in [
-        ("basis", Extent::D2([9, 4]), 1, "size of the part basis: found 9 x 4; allowed a 2D texture of 9 x 3"),
-        ("basis", Extent::D2([9, 3]), 2, "byte 40, levelCount: found 2; allowed 1"),
+        ("basis", Extent::D2([9, 47]), 1, "size of the part basis: found 9 x 47; allowed a 2D texture of 9 x 46"),
+        ("basis", Extent::D2([9, 46]), 2, "byte 40, levelCount: found 2; allowed 1"),
         ("weights", Extent::D2([4, 4]), 3, "size of the part weights: found 4 x 4; allowed a 2D array of equal sides"),
         (
             "weights",
@@ -130,7 +130,7 @@ fn other_textures_are_refused() {
             "weights",
             Extent::D2Array([4, 4, 3]),
             1,
-            "size of the part weights: found 3 layers of 4 x 4; allowed 2 layers, as",
+            "size of the part weights: found 3 layers of 4 x 4; allowed 4 layers, as",
         ),
         ("shadow", Extent::D3([4, 4, 3]), 1, "size of the part shadow: found 4 x 4 x 3; allowed a 2D array"),
         (
@@ -151,7 +151,7 @@ fn other_textures_are_refused() {
         assert!(error.starts_with(&format!("texels of the part {part}: found R16Unorm; allowed R")), "{error}");
     }
     // Parts of another asset are read, and no asset is made of them.
-    for (part, extent) in [("weights", Extent::D2Array([2, 2, 2])), ("shadow", Extent::D2Array([4, 4, 2]))] {
+    for (part, extent) in [("weights", Extent::D2Array([2, 2, 4])), ("shadow", Extent::D2Array([4, 4, 2]))] {
         let (_, bytes) = factored_files(false).into_iter().find(|(name, _)| *name == part).unwrap();
         let mut texture = read_texture(&bytes).unwrap();
         (texture.extent, texture.levels) = (extent, 1);
@@ -208,11 +208,23 @@ fn wrong_headers_are_refused() {
         entry[4 * word..][..4].copy_from_slice(&value.to_le_bytes());
         WeightMap::from_texture(texture).unwrap_err().to_string()
     };
-    assert_eq!(weights(1, 0), "brdfc.flat-btf.weights components: found 0; allowed 1 to 64");
-    assert_eq!(weights(1, 65), "brdfc.flat-btf.weights components: found 65; allowed 1 to 64");
+    assert_eq!(weights(1, 0), "brdfc.flat-btf.weights numbers: found 0; allowed 1 to 72");
+    assert_eq!(weights(1, 73), "brdfc.flat-btf.weights numbers: found 73; allowed 1 to 72");
     assert_eq!(weights(0, 0), "brdfc.flat-btf.weights version: found 0; allowed 1");
-    assert_eq!(weights(1, 4), "brdfc.flat-btf.weights: found 72 bytes; allowed 40 bytes");
-    assert!(weights(5, nan).starts_with("brdfc.flat-btf.weights component 1"));
+    assert_eq!(weights(1, 4), "brdfc.flat-btf.weights: found 136 bytes; allowed 40 bytes");
+    assert!(weights(5, nan).starts_with("brdfc.flat-btf.weights range 1"));
+    // The base alone is no asset, and its table has a range.
+    let range = WeightRange { scale: 1.0, low: 0.0 };
+    let refused = WeightMap::new(1, 1, vec![range; 8], vec![0; 8]).unwrap_err().to_string();
+    assert_eq!(refused, "numbers of the part weights: found 8; allowed a multiple of 4, 12 at least");
+    for (number, told) in [(nan, "NaN"), (inf, "inf"), ((-0.5f32).to_bits(), "-0.5"), (65_537.0f32.to_bits(), "65537")]
+    {
+        let error = changed("basis", |texture| {
+            let entry = 16 * (9 * 3 + 2 * 8 + 5) + 4;
+            texture.texels[entry..][..4].copy_from_slice(&number.to_le_bytes());
+        });
+        assert!(error.starts_with("entry (2, 5) of the base: found [") && error.contains(told), "{error}");
+    }
     let versions = changed("shadow", |texture| {
         texture.entries.get_mut("brdfc.flat-btf.shadow").unwrap()[0] = 2;
     });

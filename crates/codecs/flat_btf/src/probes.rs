@@ -9,7 +9,7 @@ use brdfc_formats::container::rgb9e5;
 use brdfc_formats::direction::{Vector, dot, from_polar};
 use brdfc_formats::direction_mesh::DirectionMesh;
 use brdfc_formats::flat_btf::factored::FactoredFlatBtf;
-use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatView, ViewWeights};
+use brdfc_formats::flat_btf::{BlendedDirection, FlatBtfDecoder, FlatView, ViewWeights};
 use brdfc_metrics::lab::{distance_squared, lab};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -158,9 +158,11 @@ impl Probes {
     /// The same of factors in place of all views, at the finest level.
     pub fn factored(&self, asset: &FactoredFlatBtf) -> ColourErrors {
         let error = |probe: &Probe| {
-            let [views, lights] =
-                [probe.views, probe.lights].map(|(indices, weights)| ViewWeights { indices, weights });
-            difference(probe.truth, asset.value(probe.parameters, 0.0, views, lights))
+            let [view, light] = [(probe.view, probe.views), (probe.light, probe.lights)].map(|(direction, samples)| {
+                let (indices, weights) = samples;
+                BlendedDirection { direction, samples: ViewWeights { indices, weights } }
+            });
+            difference(probe.truth, asset.value(probe.parameters, 0.0, view, light))
         };
         ColourErrors::new(self.0.par_iter().map(error).collect())
     }

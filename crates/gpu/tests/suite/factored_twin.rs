@@ -1,14 +1,15 @@
 //! The shader of factored flat BTFs against the CPU decoder, on whatever adapter there is.
 
 use brdfc_formats::container::TexelFormat;
-use brdfc_formats::flat_btf::ViewWeights;
+use brdfc_formats::direction::from_polar;
 use brdfc_formats::flat_btf::factored::shader::{
     FACTORED_FILTER_PRECISION, FACTORED_WGSL, FactoredFilter, FactoredParameters,
 };
 use brdfc_formats::flat_btf::factored::{
-    BasisMap, FactoredFlatBtf, FactoredHeader, ShadowFormat, ShadowMap, WeightMap, WeightRange,
+    BaseTable, BasisMap, FactoredFlatBtf, FactoredHeader, ShadowFormat, ShadowMap, WeightMap, WeightRange,
 };
 use brdfc_formats::flat_btf::shader::FLAT_BTF_WGSL;
+use brdfc_formats::flat_btf::{BlendedDirection, ViewWeights};
 use brdfc_gpu::{Compute, Gpu, Resource};
 use brdfc_testing::flat_btf::{Factors, SMALL, Sizes, factored, weights};
 use brdfc_testing::packs::Numbers;
@@ -20,17 +21,19 @@ fn three(first: u32) -> FlatBtfWeights {
 }
 
 fn compute(at: u32) {
-    let first = at * 15u;
+    let first = at * 21u;
     let uv = vec2<f32>(input[first], input[first + 1u]);
-    let value = factored_value(uv, input[first + 2u], three(first + 3u), three(first + 9u));
+    let view = vec3<f32>(input[first + 15u], input[first + 16u], input[first + 17u]);
+    let light = vec3<f32>(input[first + 18u], input[first + 19u], input[first + 20u]);
+    let value = factored_value(uv, input[first + 2u], view, light, three(first + 3u), three(first + 9u));
     output[at * 3u] = value.x;
     output[at * 3u + 1u] = value.y;
     output[at * 3u + 2u] = value.z;
 }
 ";
 
-/// Where, how coarsely, in which views and lights.
-type Query = ([f32; 2], f32, ViewWeights, ViewWeights);
+/// Where, how coarsely, in which view and light.
+type Query = ([f32; 2], f32, BlendedDirection, BlendedDirection);
 
 fn queries(sizes: Sizes, count: usize) -> Vec<Query> {
     let mut numbers = Numbers::new(6);
@@ -46,9 +49,28 @@ fn queries(sizes: Sizes, count: usize) -> Vec<Query> {
                 0 => details[numbers.bits() as usize % details.len()],
                 _ => numbers.between(0.0, 2.0) as f32,
             };
-            (uv, detail, weights(&mut numbers, sizes.views), weights(&mut numbers, sizes.lights))
+            let [view, light] = [sizes.views, sizes.lights].map(|count| {
+                let samples = weights(&mut numbers, count);
+                BlendedDirection { direction: direction(&mut numbers), samples }
+            });
+            // Some pairs are mirrored, some opposite to each other.
+            let light = match numbers.bits() % 8 {
+                0 => BlendedDirection { direction: mirrored(view.direction), ..light },
+                1 => BlendedDirection { direction: view.direction.map(|c| -c), ..light },
+                _ => light,
+            };
+            (uv, detail, view, light)
         })
         .collect()
+}
+
+fn direction(numbers: &mut Numbers) -> [f32; 3] {
+    let height = [0.0, 1.0, numbers.unit(), numbers.unit()][numbers.bits() as usize % 4];
+    from_polar(height.acos(), numbers.between(0.0, 6.28)).map(|c| c as f32)
+}
+
+fn mirrored([x, y, z]: [f32; 3]) -> [f32; 3] {
+    [-x, -y, z]
 }
 
 fn shader(decoder: &str) -> String {
@@ -76,20 +98,28 @@ fn found(
     };
     let resources = [
         Resource::Uniform(&parameters),
-        Resource::Layers(TexelFormat::Rgba8Unorm, [size, size, header.groups], header.levels, asset.weights().texels()),
+        Resource::Layers(
+            TexelFormat::Rgba8Unorm,
+            [size, size, asset.weights().layers()],
+            header.levels,
+            asset.weights().texels(),
+        ),
         shadow,
         Resource::Integers(header.basis_extent(), asset.basis().words()),
         Resource::Sampler,
     ];
     let compute = Compute::new(gpu, &shader(decoder), &resources).unwrap();
-    let three = |three: &ViewWeights| -> Vec<f32> {
+    let three = |three: &BlendedDirection| -> Vec<f32> {
+        let three: &ViewWeights = &three.samples;
         three.indices.iter().map(|index| *index as f32).chain(three.weights).collect()
     };
     let input: Vec<f32> = queries
         .iter()
-        .flat_map(|(uv, detail, views, lights)| [&uv[..], &[*detail], &three(views), &three(lights)].concat())
+        .flat_map(|(uv, detail, view, light)| {
+            [&uv[..], &[*detail], &three(view), &three(light), &view.direction, &light.direction].concat()
+        })
         .collect();
-    compute.run(&input, 15, 3).unwrap().as_chunks::<3>().0.to_vec()
+    compute.run(&input, 21, 3).unwrap().as_chunks::<3>().0.to_vec()
 }
 
 fn assets() -> Vec<(Sizes, FactoredFlatBtf)> {
@@ -108,8 +138,8 @@ fn assets() -> Vec<(Sizes, FactoredFlatBtf)> {
 fn differing(asset: &FactoredFlatBtf, queries: &[Query], found: &[[f32; 3]]) -> usize {
     assert_eq!(queries.len(), found.len());
     let pairs = queries.iter().zip(found);
-    let same = |((uv, detail, views, lights), found): &(&Query, &[f32; 3])| {
-        asset.value(*uv, *detail, *views, *lights).map(f32::to_bits) == found.map(f32::to_bits)
+    let same = |((uv, detail, view, light), found): &(&Query, &[f32; 3])| {
+        asset.value(*uv, *detail, *view, *light).map(f32::to_bits) == found.map(f32::to_bits)
     };
     pairs.filter(|pair| !same(pair)).count()
 }
@@ -130,10 +160,18 @@ fn grey(size: u32, levels: u32, weight: impl Fn(u32) -> u8, shadow: impl Fn(u32)
     let of = factored(SMALL, Factors { levels: 1, groups: 1, wide_groups: 1, shadow: ShadowFormat::R8 }, 1);
     let header =
         FactoredHeader { size, levels, steps: [vec![0.01; 4], vec![0.0; 4], vec![0.0; 4]], ..of.header().clone() };
-    let basis = BasisMap::from_steps(header, |_, _, colour, k| if colour + k == 0 { 10_000 } else { 0 }).unwrap();
+    let black = BaseTable::black();
+    let basis =
+        BasisMap::from_steps(header, &black, |_, _, colour, k| if colour + k == 0 { 10_000 } else { 0 }).unwrap();
     let texels: u32 = (0..levels).map(|level| (size >> level).max(1).pow(2)).sum();
-    let weights = (0..texels).flat_map(|k| [weight(k), 0, 0, 0]).collect();
-    let weights = WeightMap::new(size, levels, vec![WeightRange { scale: 1.0, low: 0.0 }; 4], weights).unwrap();
+    let sides = (0..levels).map(|level| (size >> level).max(1).pow(2));
+    let firsts = sides.clone().scan(0, |first, count| Some(std::mem::replace(first, *first + count)));
+    let level = |(first, count): (u32, u32)| {
+        let of_base = vec![0; 8 * count as usize];
+        of_base.into_iter().chain((first..first + count).flat_map(|k| [weight(k), 0, 0, 0])).collect::<Vec<u8>>()
+    };
+    let weights = firsts.zip(sides).flat_map(level).collect();
+    let weights = WeightMap::new(size, levels, vec![WeightRange { scale: 1.0, low: 0.0 }; 12], weights).unwrap();
     let shadows = (0..5 * texels).map(shadow).collect();
     FactoredFlatBtf::new(basis, weights, Some(ShadowMap::new(size, levels, 5, shadows).unwrap())).unwrap()
 }
@@ -149,8 +187,8 @@ fn the_sampler_is_within_its_precision() {
         let queries = queries(SMALL, 3000);
         let found = found(gpu, FACTORED_WGSL, &asset, FactoredFilter::Hardware, &queries);
         let mut largest = 0.0f32;
-        for ((uv, detail, views, lights), found) in queries.iter().zip(&found) {
-            let expected = asset.value(*uv, *detail, *views, *lights);
+        for ((uv, detail, view, light), found) in queries.iter().zip(&found) {
+            let expected = asset.value(*uv, *detail, *view, *light);
             largest = (0..3).map(|k| (expected[k] - found[k]).abs()).fold(largest, f32::max);
         }
         println!("largest difference {largest}, bound {bound}");
@@ -159,7 +197,7 @@ fn the_sampler_is_within_its_precision() {
 }
 
 /// Small changes of the shader, each of which has to be seen in the queries.
-const CHANGES: [(&str, &str); 17] = [
+const CHANGES: [(&str, &str); 34] = [
     ("1.0 / 116.0", "1.0 / 116.1"),
     ("1.0 / 500.0", "1.0 / 500.5"),
     ("1.0 / 200.0", "1.0 / 200.5"),
@@ -177,6 +215,23 @@ const CHANGES: [(&str, &str); 17] = [
     ("root * root * root", "root * root"),
     ("min(max(level_of_detail, 0.0), last)", "min(max(level_of_detail, 0.1), last)"),
     ("v < 3u", "v < 2u"),
+    ("0.433953", "0.434"),
+    ("0.072175", "0.0722"),
+    ("0.10946796", "0.1095"),
+    ("116.0 * root.y", "116.1 * root.y"),
+    ("500.0 * (root.x", "500.5 * (root.x"),
+    ("200.0 * (root.y", "200.5 * (root.y"),
+    ("0x2a5137a0u", "0x2a6137a0u"),
+    ("FACTORED_LEAST_COSINES: f32 = 0.1", "FACTORED_LEAST_COSINES: f32 = 0.11"),
+    ("f32(FACTORED_HALF_ANGLES - 1u)", "f32(FACTORED_HALF_ANGLES - 2u)"),
+    ("f32(FACTORED_DIFFERENCE_ANGLES - 1u)", "f32(FACTORED_DIFFERENCE_ANGLES - 2u)"),
+    ("sqrt(sqrt(min(0.5", "sqrt(sqrt(min(0.501"),
+    ("min(0.5 * length, 1.0)", "min(0.501 * length, 1.0)"),
+    ("slopes.xz + slopes.yw", "slopes.xz"),
+    ("scale - 1.0)", "scale - 0.999)"),
+    ("light.z >= lowest", "light.z >= 0.0"),
+    ("factored_parameters.views + at / width", "factored_parameters.views + at / width / 2u"),
+    ("lights.weights.z * shadows.z", "lights.weights.z * shadows.y"),
 ];
 
 /// The negative control: every change above is noticed.

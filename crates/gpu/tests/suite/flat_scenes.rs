@@ -68,7 +68,8 @@ static SMALLER: LazyLock<FlatBtfParts> = LazyLock::new(|| {
     let seen = vec![255; (size * size) as usize * views.len()];
     let mask = VisibilityMask::new(size, views.len() as u32, seen).unwrap();
     let recipe = FactoredRecipe::new(FactoredTarget::Components { components: 24, shadowed: true });
-    let made = factor(&recipe, &mask, |view| Ok::<_, Infallible>(views[view as usize].clone()), &()).unwrap();
+    let made =
+        factor(&recipe, &STUD.normal, &mask, |view| Ok::<_, Infallible>(views[view as usize].clone()), &()).unwrap();
     let (displacements, reference) = displacements(STUD.indirection.samples().unwrap(), &STUD.reference, 2).unwrap();
     FlatBtfParts {
         reference,
@@ -114,8 +115,8 @@ fn without_mipmaps(values: &FlatValues) -> FlatValues {
     let header = FactoredHeader { levels: 1, ..asset.header().clone() };
     let texels = (header.size * header.size) as usize;
     let basis = BasisMap::new(header.clone(), asset.basis().words().to_vec()).unwrap();
-    let groups = header.groups as usize;
-    let weights = asset.weights().texels()[..4 * groups * texels].to_vec();
+    let layers = asset.weights().layers() as usize;
+    let weights = asset.weights().texels()[..4 * layers * texels].to_vec();
     let weights = WeightMap::new(header.size, 1, asset.weights().ranges().to_vec(), weights).unwrap();
     let lights = header.lights.len();
     let shadow = asset

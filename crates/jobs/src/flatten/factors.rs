@@ -4,7 +4,7 @@ use super::error::FlattenError;
 use super::parts::Parts;
 use brdfc_flat_btf::factored::{FactorError, Factored, FactoredRecipe, FactoredTarget, factor};
 use brdfc_formats::container::Extent;
-use brdfc_formats::flat_btf::{FlatPart, FlatView, VisibilityMask, view_part};
+use brdfc_formats::flat_btf::{FlatPart, FlatView, NormalMap, VisibilityMask, view_part};
 use brdfc_source::progress::Progress;
 
 /// Factors the views that were kept aside, and adds the parts of the product.
@@ -13,7 +13,7 @@ use brdfc_source::progress::Progress;
 /// A target that nothing can meet; files that cannot be read or written; when the work is stopped.
 pub(super) fn add_factors(
     target: FactoredTarget,
-    mask: &VisibilityMask,
+    (normals, mask): (&NormalMap, &VisibilityMask),
     parts: &mut Parts<'_>,
     supercompress: bool,
     progress: &dyn Progress,
@@ -22,7 +22,7 @@ pub(super) fn add_factors(
     let view = |view: u32| -> Result<FlatView, FlattenError> {
         Ok(FlatView::from_bytes(&kept.kept(&view_part(view, mask.views()))?)?)
     };
-    let made = factor(&FactoredRecipe::new(target), mask, view, progress).map_err(|error| match error {
+    let made = factor(&FactoredRecipe::new(target), normals, mask, view, progress).map_err(|error| match error {
         FactorError::View(error) => error,
         FactorError::Format(error) => error.into(),
         FactorError::Cancelled(cancelled) => cancelled.into(),

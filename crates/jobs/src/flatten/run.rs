@@ -136,7 +136,7 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<AssetFile, Fl
     };
     parts.add("diffuse", &diffuse.to_bytes(zip), flat, 1)?;
     let factored = match factored {
-        Some(target) => Some(add_factors(target, &mask, &mut parts, zip, progress)?),
+        Some(target) => Some(add_factors(target, (&decoder.parts().normal, &mask), &mut parts, zip, progress)?),
         None => None,
     };
     let decoder = FlatBtfDecoder::new(FlatBtfParts { diffuse, ..decoder.into_parts() })?;

@@ -4,7 +4,7 @@ use brdfc_formats::FormatError;
 use brdfc_formats::direction::Vector;
 use brdfc_formats::direction_mesh::DirectionMesh;
 use brdfc_formats::direction_set::DirectionSet;
-use brdfc_formats::flat_btf::{FlatBtfDecoder, ViewWeights};
+use brdfc_formats::flat_btf::{BlendedDirection, FlatBtfDecoder, ViewWeights};
 
 /// What is drawn of a flat BTF.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -101,13 +101,13 @@ impl FlatMaterial {
             FlatForm::Light => self.decoder.light_form(tile, view, light),
             FlatForm::Full => {
                 let directions = self.sampled_directions();
-                let weights = |mesh: &DirectionMesh, direction| {
+                let blended = |mesh: &DirectionMesh, direction| {
                     let (indices, weights) = mesh.weights(direction);
-                    ViewWeights { indices, weights }
+                    BlendedDirection { direction, samples: ViewWeights { indices, weights } }
                 };
-                let (views, lights) = (weights(&directions.views, view), weights(&directions.lights, light));
                 let dimmed = (light[2] / directions.lowest_light).min(1.0);
-                self.decoder.value(tile, view, level_of_detail, views, lights).map(|value| value * dimmed)
+                let (view, light) = (blended(&directions.views, view), blended(&directions.lights, light));
+                self.decoder.value(tile, level_of_detail, view, light).map(|value| value * dimmed)
             }
         }
     }

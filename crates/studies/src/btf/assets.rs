@@ -18,6 +18,8 @@ pub(super) struct Asset {
     pub(super) words: Vec<Vec<u32>>,
     /// Of each view which texels it sees; `None` where it sees all.
     pub(super) masks: Option<Vec<Vec<bool>>>,
+    /// The surface's normal at each texel; of an ordinary BTF, which knows none, the plane's.
+    pub(super) normals: Vec<[f32; 3]>,
 }
 
 /// A surface as BTFs are made of it.
@@ -42,7 +44,8 @@ impl Surface<'_> {
             view_done();
             images.concat()
         };
-        Asset { size: self.size, words: self.directions.iter().map(view).collect(), masks: None }
+        let normals = vec![[0.0, 0.0, 1.0]; self.size * self.size];
+        Asset { size: self.size, words: self.directions.iter().map(view).collect(), masks: None, normals }
     }
 
     /// The flat BTF, holes filled as `brdfc flatten` does. `view_done` hears of each view.
@@ -63,7 +66,8 @@ impl Surface<'_> {
             images.concat()
         };
         let words = masks.iter().enumerate().map(view).collect();
-        Asset { size: self.size, words, masks: Some(masks) }
+        let normals = texels.points.iter().map(|point| point.normal.map(|c| c as f32)).collect();
+        Asset { size: self.size, words, masks: Some(masks), normals }
     }
 }
 

@@ -7,13 +7,15 @@ use super::rows::{BtfRow, Tally};
 use brdfc_flat_btf::factored::{FactorError, FactoredRecipe, FactoredTarget, factor};
 use brdfc_formats::FormatError;
 use brdfc_formats::direction_set::DirectionSet;
-use brdfc_formats::flat_btf::factored::FactoredFlatBtf;
-use brdfc_formats::flat_btf::{FlatHeader, FlatView, VisibilityMask};
+use brdfc_formats::flat_btf::factored::{BASE_LAYERS, FactoredFlatBtf};
+use brdfc_formats::flat_btf::{FlatHeader, FlatView, NormalMap, VisibilityMask};
 use rayon::prelude::*;
 use std::time::Instant;
 
 /// Pairs of a view and a light that are blended.
 const PAIRS: f64 = 9.0;
+/// Entries of the base's table that are loaded.
+const BASE_ENTRIES: f64 = 4.0;
 /// Lights that are blended, each with its shadow.
 const BLENDED_LIGHTS: f64 = 3.0;
 
@@ -50,7 +52,8 @@ pub(super) fn factored(
         None => vec![byte(true); asset.views() * asset.size * asset.size],
     };
     let mask = VisibilityMask::new(asset.size as u32, asset.views() as u32, bytes)?;
-    let made = factor(&FactoredRecipe::new(target), &mask, view, &()).map_err(|error| match error {
+    let normals = NormalMap::new(asset.size as u32, asset.normals.clone())?;
+    let made = factor(&FactoredRecipe::new(target), &normals, &mask, view, &()).map_err(|error| match error {
         FactorError::View(error) | FactorError::Format(error) => error,
         FactorError::Cancelled(_) => unreachable!("nobody stops it"),
     })?;
@@ -65,7 +68,8 @@ pub(super) fn factored(
     let header = made.asset.header();
     let shadows = if made.facts.shadowed { BLENDED_LIGHTS } else { 0.0 };
     let loads = 3.0 * f64::from(header.texels_per_colour());
-    let fetches = f64::from(header.groups) + shadows + PAIRS * loads;
+    let of_base = f64::from(BASE_LAYERS) + BASE_ENTRIES;
+    let fetches = f64::from(header.groups) + of_base + shadows + PAIRS * loads;
     let row = Tally { bytes: made.facts.gpu_bytes, fetches, seconds, errors }.row(name);
     Ok(BtfRow { held_out_texels_delta_e: Some(f64::from(made.facts.errors.seen_mean)), ..row })
 }

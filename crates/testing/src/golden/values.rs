@@ -4,6 +4,7 @@
 //! products, quotients and square roots alone: they hold on every machine.
 
 use super::Hashes;
+use crate::flat_btf::towards;
 use brdfc_formats::FormatError;
 use brdfc_formats::Pack;
 use brdfc_formats::bandwidth::{BandwidthKind, BandwidthMap};
@@ -309,7 +310,7 @@ fn factored_asset(parts: &BTreeMap<String, Vec<u8>>) -> Result<Hashes, FormatErr
     }
     for (k, uv) in (0..).zip(points()) {
         let level = 0.3 * (k % 12) as f32 - 0.3;
-        numbers.add(asset.value(uv, level, weights(k, views), weights(k + 1, lights)));
+        numbers.add(asset.value(uv, level, towards(weights(k, views)), towards(weights(k + 1, lights))));
     }
     Ok(values(&numbers))
 }

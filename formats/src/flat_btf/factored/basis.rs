@@ -1,14 +1,17 @@
-//! The part `basis`: what each component is in each view under each light.
+//! The part `basis`: what each component is in each view under each light, and the table of the base.
 
+use super::base::{BaseTable, DIFFERENCE_ANGLES, HALF_ANGLES};
 use super::header::{BASIS_PART, FactoredErrors, FactoredHeader, GROUP};
 use crate::FormatError;
 use crate::container::{Extent, TexelFormat, Texture};
 use crate::flat_btf::layout::{check_format, words, wrong_extent};
 
-/// Components as integers: of each pair of a view and a light three opponent colours, of each of these all components.
+/// Components as integers: of each pair of a view and a light three opponent colours, of each of these all components. Behind
+/// them the table of the base.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BasisMap {
     header: FactoredHeader,
+    base: BaseTable,
     words: Vec<u32>,
 }
 
@@ -16,7 +19,7 @@ impl BasisMap {
     /// A basis from the words of its texels, row by row.
     ///
     /// # Errors
-    /// A header out of range, another number of words.
+    /// A header or an entry of the table out of range, another number of words.
     pub fn new(header: FactoredHeader, words: Vec<u32>) -> Result<Self, FormatError> {
         header.check()?;
         let wanted = 4 * Extent::D2(header.basis_extent()).texels();
@@ -24,24 +27,33 @@ impl BasisMap {
             let field = format!("words of the part {BASIS_PART}");
             return Err(FormatError::whole(field, words.len().to_string(), format!("{wanted}, as the header says")));
         }
-        Ok(Self { header, words })
+        let first = 4 * header.basis_extent()[0] as usize * header.views.len();
+        let entries = words[first..].chunks_exact(4).take(HALF_ANGLES * DIFFERENCE_ANGLES);
+        let entries = entries.map(|texel| [texel[0], texel[1], texel[2]].map(f32::from_bits));
+        let base = BaseTable::new(entries.collect())?;
+        Ok(Self { header, base, words })
     }
 
-    /// A basis from integers: `steps(view, light, colour, component)`, called in order and clamped to -32767 to 32767 where they have 16 bits, and
-    /// to -127 to 127 else.
+    /// A basis from a table and integers: `steps(view, light, colour, component)`, called in order and clamped to -32767 to 32767
+    /// where they have 16 bits, and to -127 to 127 else.
     ///
     /// # Errors
     /// A header out of range.
     pub fn from_steps(
         header: FactoredHeader,
+        base: &BaseTable,
         mut steps: impl FnMut(usize, usize, usize, usize) -> i32,
     ) -> Result<Self, FormatError> {
         header.check()?;
         let wide = header.wide_groups as usize * GROUP;
         let stride = 4 * header.texels_per_colour() as usize;
         let lights = header.lights.len();
-        let mut words = vec![0; header.views.len() * lights * 3 * stride];
-        for (at, line) in words.chunks_exact_mut(stride).enumerate() {
+        let components = header.views.len() * lights * 3 * stride;
+        let mut words = vec![0; 4 * Extent::D2(header.basis_extent()).texels() as usize];
+        for (texel, entry) in words[components..].chunks_exact_mut(4).zip(base.entries()) {
+            texel[..3].copy_from_slice(&entry.map(f32::to_bits));
+        }
+        for (at, line) in words[..components].chunks_exact_mut(stride).enumerate() {
             let (view, light, colour) = (at / 3 / lights, at / 3 % lights, at % 3);
             for component in 0..header.components() {
                 let step = steps(view, light, colour, component);
@@ -69,7 +81,12 @@ impl BasisMap {
         self
     }
 
-    /// Words of the texels, row by row.
+    /// The table of the base.
+    pub fn base(&self) -> &BaseTable {
+        &self.base
+    }
+
+    /// Words of the texels, row by row, those of the table among them.
     pub fn words(&self) -> &[u32] {
         &self.words
     }

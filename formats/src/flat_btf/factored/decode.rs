@@ -1,28 +1,33 @@
 //! The CPU decoder, the reference that shaders are held against: f32 arithmetic in a fixed order without fused
 //! operations.
 
+use super::base::{BASE_LAYERS, BaseTexel, base_texel};
 use super::basis::BasisMap;
-use super::domain::from_opponent;
+use super::domain::{from_opponent, to_opponent};
 use super::header::{FactoredErrors, FactoredHeader, GROUP, MAX_GROUPS, ShadowFormat};
 use super::maps::{ShadowMap, WeightMap};
 use crate::FormatError;
 use crate::container::rgb9e5;
+use crate::direction::from_polar;
 use crate::flat_btf::flat_view::{FlatHeader, FlatView};
-use crate::flat_btf::view_weights::ViewWeights;
+use crate::flat_btf::view_weights::BlendedDirection;
 use crate::tap::{footprint, periodic_tap, wrap};
 
 const MAX_COMPONENTS: usize = MAX_GROUPS as usize * GROUP;
+const BASE_NUMBERS: usize = BASE_LAYERS as usize * GROUP;
 /// What a byte of a texel counts.
 const UNIT: f32 = 1.0 / 255.0;
 
-/// A flat BTF as a product: shadows of each texel and light, times a sum of components of each view and light with weights
-/// of each texel. Beside the parts that find a texel ([`super::super::FlatBtfDecoder::indirection`]) it takes the place of all
+/// A flat BTF as a product: shadows of each texel and light, times a base and a sum of components of each view and light with
+/// weights of each texel. Beside the parts that find a texel ([`super::super::FlatBtfDecoder::indirection`]) it takes the place of all
 /// views.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FactoredFlatBtf {
     basis: BasisMap,
     weights: WeightMap,
     shadow: Option<ShadowMap>,
+    views: Vec<[f32; 3]>,
+    lights: Vec<[f32; 3]>,
 }
 
 /// Texels around a point on the two mipmap levels around a level of detail.
@@ -39,6 +44,7 @@ struct Place {
 pub struct FactoredTexel<'a> {
     asset: &'a FactoredFlatBtf,
     place: Place,
+    base: BaseTexel,
     components: [f32; MAX_COMPONENTS],
 }
 
@@ -48,8 +54,10 @@ impl FactoredTexel<'_> {
     /// # Panics
     /// Without such a view or light.
     pub fn value(&self, view: u32, light: u32) -> [f32; 3] {
-        let shadow = self.asset.lit(&self.place, light);
-        self.asset.colour(&self.components, view, light).map(|channel| shadow * channel)
+        let asset = self.asset;
+        let shadow = asset.lit(&self.place, light);
+        let directions = [asset.views[view as usize], asset.lights[light as usize]];
+        asset.colour(&self.base, directions, asset.sum(&self.components, view, light)).map(|channel| shadow * channel)
     }
 }
 
@@ -97,7 +105,7 @@ impl FactoredFlatBtf {
             let (field, allowed) = (format!("size of the part {part}"), format!("{}, as the basis says", told(wanted)));
             Err(FormatError::whole(field, told(found), allowed))
         };
-        same("weights", [weights.size(), weights.levels(), weights.groups()], header.groups)?;
+        same("weights", [weights.size(), weights.levels(), weights.layers()], BASE_LAYERS + header.groups)?;
         match (&shadow, header.shadow) {
             (None, ShadowFormat::None) => {}
             (Some(map), ShadowFormat::R8) => {
@@ -110,7 +118,10 @@ impl FactoredFlatBtf {
                 return Err(FormatError::whole("part shadow", "one", "none, as the basis says"));
             }
         }
-        Ok(Self { basis, weights, shadow })
+        let vector = |[polar, azimuth]: &[f32; 2]| from_polar(f64::from(*polar), f64::from(*azimuth)).map(|c| c as f32);
+        let views = header.views.iter().map(vector).collect();
+        let lights = header.lights.iter().map(vector).collect();
+        Ok(Self { basis, weights, shadow, views, lights })
     }
 
     /// What the asset says of itself.
@@ -145,18 +156,26 @@ impl FactoredFlatBtf {
     }
 
     /// Values at parameters of the flat BTF, relative to a white diffuser that faces the light: linear RGB, 0 or more. `uv` is
-    /// of any size, with period 1; `level_of_detail` is that of the texels, 0 the finest. Weights and shadows are filtered,
-    /// every pair of a view and a light is decoded, and then blended by the weights.
+    /// of any size, with period 1; `level_of_detail` is that of the texels, 0 the finest. Weights and shadows are filtered, sums
+    /// of components and shadows blended over the sampled directions; the base is that of the directions themselves, but of a
+    /// light that is lower than all sampled ones that of the lowest.
     ///
     /// # Panics
     /// With weights for views or lights that are not there: a mistake of the caller.
-    pub fn value(&self, uv: [f32; 2], level_of_detail: f32, views: ViewWeights, lights: ViewWeights) -> [f32; 3] {
+    pub fn value(
+        &self,
+        uv: [f32; 2],
+        level_of_detail: f32,
+        view: BlendedDirection,
+        light: BlendedDirection,
+    ) -> [f32; 3] {
         let place = Place::new(uv, level_of_detail, self.header().size, self.header().levels);
-        let components = self.components_at(&place);
+        let (base, components) = self.texel_at(&place);
+        let (views, lights) = (view.samples, light.samples);
         let lit =
             |index: usize| if lights.weights[index] == 0.0 { 0.0 } else { self.lit(&place, lights.indices[index]) };
-        let shadows = [lit(0), lit(1), lit(2)];
-        let mut value = [0.0f32; 3];
+        let shadow = lights.weights[0] * lit(0) + lights.weights[1] * lit(1) + lights.weights[2] * lit(2);
+        let mut sum = [0.0f32; 3];
         for (view, view_weight) in views.indices.into_iter().zip(views.weights) {
             if view_weight == 0.0 {
                 continue;
@@ -166,13 +185,19 @@ impl FactoredFlatBtf {
                     continue;
                 }
                 let weight = view_weight * lights.weights[k];
-                let colour = self.colour(&components, view, light);
-                for channel in 0..3 {
-                    value[channel] += weight * (shadows[k] * colour[channel]);
+                let of_pair = self.sum(&components, view, light);
+                for colour in 0..3 {
+                    sum[colour] += weight * of_pair[colour];
                 }
             }
         }
-        value
+        let light = raised(light.direction, self.lowest_light());
+        self.colour(&base, [view.direction, light], sum).map(|channel| shadow * channel)
+    }
+
+    /// Height of the lowest sampled light above the surface: the cosine of its polar angle.
+    pub fn lowest_light(&self) -> f32 {
+        self.lights.iter().map(|light| light[2]).fold(1.0, f32::min)
     }
 
     /// A texel `[column, row]` of the finest level, for all views and lights.
@@ -184,7 +209,8 @@ impl FactoredFlatBtf {
         assert!(column < size && row < size, "texel ({column}, {row}) of {size} x {size}");
         let at = (row * size + column) as usize;
         let place = Place { level: 0, fine: [(at, 1.0), (at, 0.0), (at, 0.0), (at, 0.0)], coarse: None };
-        FactoredTexel { asset: self, place, components: self.components_at(&place) }
+        let (base, components) = self.texel_at(&place);
+        FactoredTexel { asset: self, place, base, components }
     }
 
     /// A view as it would be stored without factors, of the finest level.
@@ -205,15 +231,16 @@ impl FactoredFlatBtf {
         FlatView::new(header, texels).expect("the directions were checked, and values are not negative")
     }
 
-    /// Weights of all components.
-    fn components_at(&self, place: &Place) -> [f32; MAX_COMPONENTS] {
-        let mut components = [0.0; MAX_COMPONENTS];
-        for (k, range) in self.weights.ranges().iter().enumerate() {
+    /// What a place has of the base, and weights of all components.
+    fn texel_at(&self, place: &Place) -> (BaseTexel, [f32; MAX_COMPONENTS]) {
+        let (mut base, mut components) = ([0.0; BASE_NUMBERS], [0.0; MAX_COMPONENTS]);
+        let numbers = base.iter_mut().chain(&mut components);
+        for (k, (number, range)) in numbers.zip(self.weights.ranges()).enumerate() {
             let sample =
                 place.sample(|level, at| self.weights.layer(level, (k / GROUP) as u32)[at * GROUP + k % GROUP]);
-            components[k] = range.low + range.scale * sample;
+            *number = range.low + range.scale * sample;
         }
-        components
+        (base_texel(base), components)
     }
 
     /// How much of a light arrives.
@@ -224,12 +251,28 @@ impl FactoredFlatBtf {
         }
     }
 
-    /// What these components show in a view under a light that arrives in full.
-    fn colour(&self, components: &[f32; MAX_COMPONENTS], view: u32, light: u32) -> [f32; 3] {
+    /// What these components add to a base in a view under a light.
+    fn sum(&self, components: &[f32; MAX_COMPONENTS], view: u32, light: u32) -> [f32; 3] {
         let steps = &self.header().steps;
-        from_opponent([0, 1, 2].map(|colour: usize| {
+        [0, 1, 2].map(|colour: usize| {
             let terms = components.iter().zip(&steps[colour]).zip(self.basis.integers(view, light, colour));
             terms.fold(0.0f32, |sum, ((weight, step), integer)| sum + (weight * step) * integer)
-        }))
+        })
     }
+
+    /// What a base, seen from a view under a light that arrives in full, and a sum show.
+    fn colour(&self, base: &BaseTexel, [view, light]: [[f32; 3]; 2], sum: [f32; 3]) -> [f32; 3] {
+        let opponent = to_opponent(self.basis.base().colour(base, view, light));
+        from_opponent([opponent[0] + sum[0], opponent[1] + sum[1], opponent[2] + sum[2]])
+    }
+}
+
+/// A direction, or where it is lower than `lowest`, the one of the same azimuth with that height.
+fn raised([x, y, z]: [f32; 3], lowest: f32) -> [f32; 3] {
+    let length = (x * x + y * y).sqrt();
+    if z >= lowest || length <= 0.0 {
+        return [x, y, z];
+    }
+    let scale = (1.0 - lowest * lowest).sqrt() / length;
+    [x * scale, y * scale, lowest]
 }

@@ -21,7 +21,7 @@ const LARGEST_ROOT: f32 = 41.0;
 
 /// Cube root of numbers that are not negative, within 1e-6 relative from 1e-18 on; 0 below.
 #[inline]
-fn cube_root(x: f32) -> f32 {
+pub fn cube_root(x: f32) -> f32 {
     let guess = f32::from_bits(x.to_bits() / 3 + 0x2a51_37a0);
     let step = |y: f32| {
         let cube = y * y * y;

@@ -1,4 +1,5 @@
-// Factored flat BTFs on a GPU: shadows of texels and lights, times a sum of components with weights of texels.
+// Factored flat BTFs on a GPU: shadows of texels and lights, times a base of texels and a sum of components with weights of
+// texels.
 //
 // The layout of the files is described in `formats/src/flat_btf/factored/spec.md`; the CPU decoder with the same steps in
 // the same order is `FactoredFlatBtf` of the crate `brdfc-formats`.
@@ -7,19 +8,28 @@
 // suit you, and call
 //
 //     let seen = flat_btf_indirection(uv, view);
-//     let value = factored_value(seen.xy, level_of_detail, views, lights);
+//     let value = factored_value(seen.xy, level_of_detail, view, light, views, lights);
 //
-// level_of_detail is that of the flat BTF's texels, 0 the finest; factored_mipmap_level finds it in a fragment shader, where
+// view and light are unit vectors, views and lights the sampled directions that stand for them. level_of_detail is that of the flat BTF's texels, 0 the finest; factored_mipmap_level finds it in a fragment shader, where
 // control flow is uniform. Values are those of flat_btf_full.
 //
-// With the sampler this costs a fetch per group of four components and one per light, and 3 ceil((groups + wide groups) / 4)
-// loads per pair of a view and a light. Manual filtering fetches 4 or 8 times for one.
+// With the sampler this costs a fetch per group of four components, two for the base and one per light, four loads of the
+// base's table, and 3 ceil((groups + wide groups) / 4) loads per pair of a view and a light. Manual filtering fetches 4 or 8
+// times for one.
 
 const FACTORED_MAX_GROUPS: u32 = 16u;
+// Layers of weights before those of the groups.
+const FACTORED_BASE_LAYERS: u32 = 2u;
+// Half angles and difference angles of the base's table.
+const FACTORED_HALF_ANGLES: u32 = 48u;
+const FACTORED_DIFFERENCE_ANGLES: u32 = 8u;
+const FACTORED_LARGEST_BASE: f32 = 65536.0;
+const FACTORED_LARGEST_ALBEDO: f32 = 1024.0;
+const FACTORED_LEAST_COSINES: f32 = 0.1;
 // Beyond the cube root of every value that a flat BTF stores.
 const FACTORED_LARGEST_ROOT: f32 = 41.0;
 
-// The same fields, in the same order, as `FactoredParameters` of `brdfc-formats`. 1312 bytes.
+// The same fields, in the same order, as `FactoredParameters` of `brdfc-formats`. 1376 bytes.
 struct FactoredParameters {
     size: u32,          // T: the flat BTF has T x T texels
     levels: u32,        // mipmap levels of weights and shadows
@@ -27,14 +37,15 @@ struct FactoredParameters {
     wide_groups: u32,   // of which so many have 16 bits in the basis, the others 8
     shadowed: u32,      // 0: every texel is lit by every light
     hardware: u32,      // 1: the sampler filters, 0: manual weights
-    reserved: vec2<u32>,
+    views: u32,         // rows of the basis before the base's table
+    lowest_light: f32,  // cosine of the largest polar angle of a sampled light
     steps: array<vec4<f32>, 48>,    // three opponent colours, 16 groups each
-    scales: array<vec4<f32>, 16>,   // of weights
-    lows: array<vec4<f32>, 16>,
+    scales: array<vec4<f32>, 18>,   // of weights, the base's first
+    lows: array<vec4<f32>, 18>,
 }
 
 @group(1) @binding(8) var<uniform> factored_parameters: FactoredParameters;
-// The file `weights`, a layer per group, with mipmaps.
+// The file `weights`, two layers of the base and a layer per group, with mipmaps.
 @group(1) @binding(9) var factored_weights: texture_2d_array<f32>;
 // The file `shadow`, a layer per light, with mipmaps; without shadows any 2D array.
 @group(1) @binding(10) var factored_shadow: texture_2d_array<f32>;
@@ -50,6 +61,13 @@ struct FactoredPlace {
     blend: f32,    // share of the next coarser level
 }
 
+// What a place has of the base: a diffuse and a glossy reflection under a normal.
+struct FactoredBase {
+    diffuse: vec3<f32>,
+    gloss: f32,
+    normal: vec3<f32>,
+}
+
 // The weights of all components.
 var<private> factored_components: array<vec4<f32>, FACTORED_MAX_GROUPS>;
 
@@ -60,22 +78,25 @@ fn factored_mipmap_level(right: vec2<f32>, below: vec2<f32>) -> f32 {
     return max(0.5 * log2(max(max(dot(across, across), dot(down, down)), 1e-20)), 0.0);
 }
 
-fn factored_value(uv: vec2<f32>, level_of_detail: f32, views: FlatBtfWeights, lights: FlatBtfWeights) -> vec3<f32> {
+fn factored_value(
+    uv: vec2<f32>, level_of_detail: f32, view: vec3<f32>, light: vec3<f32>, views: FlatBtfWeights, lights: FlatBtfWeights
+) -> vec3<f32> {
     let last = f32(factored_parameters.levels - 1u);
     let detail = min(max(level_of_detail, 0.0), last);
     let place = FactoredPlace(
         vec2<f32>(flat_btf_wrap(uv.x), flat_btf_wrap(uv.y)), u32(floor(detail)), detail - floor(detail));
     for (var group = 0u; group < factored_parameters.groups; group += 1u) {
-        let texel = factored_weight_sample(place, group);
-        factored_components[group] = factored_parameters.lows[group] + factored_parameters.scales[group] * texel;
+        factored_components[group] = factored_numbers(place, FACTORED_BASE_LAYERS + group);
     }
+    let base = factored_base(place);
     var shadows = vec3<f32>(0.0);
     for (var l = 0u; l < 3u; l += 1u) {
         if lights.weights[l] != 0.0 {
             shadows[l] = factored_lit(place, lights.indices[l]);
         }
     }
-    var value = vec3<f32>(0.0);
+    let shadow = lights.weights.x * shadows.x + lights.weights.y * shadows.y + lights.weights.z * shadows.z;
+    var sum = vec3<f32>(0.0);
     for (var v = 0u; v < 3u; v += 1u) {
         if views.weights[v] == 0.0 {
             continue;
@@ -85,19 +106,80 @@ fn factored_value(uv: vec2<f32>, level_of_detail: f32, views: FlatBtfWeights, li
                 continue;
             }
             let weight = views.weights[v] * lights.weights[l];
-            value += weight * (shadows[l] * factored_colour(views.indices[v], lights.indices[l]));
+            sum += weight * factored_pair(views.indices[v], lights.indices[l]);
         }
     }
-    return value;
+    let colour = factored_base_colour(base, view, factored_raised(light));
+    return shadow * factored_from_opponent(factored_to_opponent(colour) + sum);
 }
 
-// What the components show in a view under a light that arrives in full.
-fn factored_colour(view: u32, light: u32) -> vec3<f32> {
+// A light, or where it is lower than all sampled ones, the one of the same azimuth with their least height.
+fn factored_raised(light: vec3<f32>) -> vec3<f32> {
+    let lowest = factored_parameters.lowest_light;
+    let length = sqrt(light.x * light.x + light.y * light.y);
+    if light.z >= lowest || length <= 0.0 {
+        return light;
+    }
+    let scale = sqrt(1.0 - lowest * lowest) / length;
+    return vec3<f32>(light.x * scale, light.y * scale, lowest);
+}
+
+// What the two layers of the base hold.
+fn factored_base(place: FactoredPlace) -> FactoredBase {
+    let albedo = min(max(factored_numbers(place, 0u), vec4<f32>(0.0)), vec4<f32>(FACTORED_LARGEST_ALBEDO));
+    let slopes = factored_numbers(place, 1u);
+    let slope = min(max(slopes.xz + slopes.yw, vec2<f32>(-1024.0)), vec2<f32>(1024.0));
+    let scale = 2.0 / (1.0 + slope.x * slope.x + slope.y * slope.y);
+    return FactoredBase(albedo.xyz, albedo.w, vec3<f32>(slope.x * scale, slope.y * scale, scale - 1.0));
+}
+
+fn factored_dot(a: vec3<f32>, b: vec3<f32>) -> f32 {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+// The base in a view under a light that arrives in full: linear RGB.
+fn factored_base_colour(base: FactoredBase, view: vec3<f32>, light: vec3<f32>) -> vec3<f32> {
+    let cosine = min(factored_dot(base.normal, light), 1.0);
+    if cosine <= 0.0 {
+        return vec3<f32>(0.0);
+    }
+    let outgoing = min(max(factored_dot(base.normal, view), 0.0), 1.0);
+    let sum = view + light;
+    let length = sqrt(factored_dot(sum, sum));
+    var scale = 0.0;
+    if length > 1e-6 {
+        scale = 1.0 / length;
+    }
+    let apart = base.normal - scale * sum;
+    let half_angle = sqrt(sqrt(min(0.5 * factored_dot(apart, apart), 1.0))) * f32(FACTORED_HALF_ANGLES - 1u);
+    let difference = (1.0 - min(0.5 * length, 1.0)) * f32(FACTORED_DIFFERENCE_ANGLES - 1u);
+    let i = min(floor(half_angle), f32(FACTORED_HALF_ANGLES - 2u));
+    let j = min(floor(difference), f32(FACTORED_DIFFERENCE_ANGLES - 2u));
+    let across = half_angle - i;
+    let along = difference - j;
+    let first = u32(i) * FACTORED_DIFFERENCE_ANGLES + u32(j);
+    var entry = (1.0 - across) * (1.0 - along) * factored_entry(first);
+    entry += (1.0 - across) * along * factored_entry(first + 1u);
+    entry += across * (1.0 - along) * factored_entry(first + FACTORED_DIFFERENCE_ANGLES);
+    entry += across * along * factored_entry(first + FACTORED_DIFFERENCE_ANGLES + 1u);
+    let gloss = base.gloss * (cosine / max(cosine + outgoing, FACTORED_LEAST_COSINES));
+    return min(base.diffuse * cosine + gloss * entry, vec3<f32>(FACTORED_LARGEST_BASE));
+}
+
+// An entry of the base's table.
+fn factored_entry(at: u32) -> vec3<f32> {
+    let width = textureDimensions(factored_basis).x;
+    let texel = textureLoad(factored_basis, vec2<u32>(at % width, factored_parameters.views + at / width), 0);
+    return bitcast<vec3<f32>>(texel.xyz);
+}
+
+// What the components add in a view under a light.
+fn factored_pair(view: u32, light: u32) -> vec3<f32> {
     var opponent = vec3<f32>(0.0);
     for (var colour = 0u; colour < 3u; colour += 1u) {
         opponent[colour] = factored_sum(view, light, colour);
     }
-    return factored_from_opponent(opponent);
+    return opponent;
 }
 
 // One opponent colour: components in order, each its weight times its step times an integer.
@@ -134,6 +216,28 @@ fn factored_sum(view: u32, light: u32, colour: u32) -> f32 {
     return sum;
 }
 
+// Cube roots of numbers that are not negative; 0 below 1e-18.
+fn factored_cube_roots(x: vec3<f32>) -> vec3<f32> {
+    let guess = bitcast<vec3<f32>>(bitcast<vec3<u32>>(x) / vec3<u32>(3u) + vec3<u32>(0x2a5137a0u));
+    let first = factored_root_step(x, guess);
+    return select(vec3<f32>(0.0), factored_root_step(x, first), x > vec3<f32>(1e-18));
+}
+
+fn factored_root_step(x: vec3<f32>, y: vec3<f32>) -> vec3<f32> {
+    let cube = y * y * y;
+    return y * (cube + 2.0 * x) / (2.0 * cube + x);
+}
+
+// Lightness and opponent colours of linear RGB.
+fn factored_to_opponent(rgb: vec3<f32>) -> vec3<f32> {
+    let xyz = vec3<f32>(
+        0.433953 * rgb.x + 0.3762194 * rgb.y + 0.1898276 * rgb.z,
+        0.2126729 * rgb.x + 0.7151522 * rgb.y + 0.072175 * rgb.z,
+        0.0177566 * rgb.x + 0.10946796 * rgb.y + 0.8727754 * rgb.z);
+    let root = factored_cube_roots(max(xyz, vec3<f32>(0.0)));
+    return vec3<f32>(116.0 * root.y, 500.0 * (root.x - root.y), 200.0 * (root.y - root.z));
+}
+
 // Linear RGB of lightness and opponent colours.
 fn factored_from_opponent(opponent: vec3<f32>) -> vec3<f32> {
     let y = opponent.x * (1.0 / 116.0);
@@ -164,15 +268,20 @@ fn factored_lit(place: FactoredPlace, light: u32) -> f32 {
     return fine;
 }
 
-// Four weights, 0 to 1 each.
-fn factored_weight_sample(place: FactoredPlace, group: u32) -> vec4<f32> {
+// What the four numbers of a layer stand for.
+fn factored_numbers(place: FactoredPlace, layer: u32) -> vec4<f32> {
+    return factored_parameters.lows[layer] + factored_parameters.scales[layer] * factored_weight_sample(place, layer);
+}
+
+// Four numbers, 0 to 1 each.
+fn factored_weight_sample(place: FactoredPlace, layer: u32) -> vec4<f32> {
     if factored_parameters.hardware == 1u {
         let detail = f32(place.level) + place.blend;
-        return textureSampleLevel(factored_weights, factored_sampler, place.uv, group, detail);
+        return textureSampleLevel(factored_weights, factored_sampler, place.uv, layer, detail);
     }
-    let fine = factored_weight_level(place.uv, place.level, group);
+    let fine = factored_weight_level(place.uv, place.level, layer);
     if place.blend > 0.0 {
-        return fine + place.blend * (factored_weight_level(place.uv, place.level + 1u, group) - fine);
+        return fine + place.blend * (factored_weight_level(place.uv, place.level + 1u, layer) - fine);
     }
     return fine;
 }
@@ -189,14 +298,14 @@ fn factored_shadow_level(uv: vec2<f32>, level: u32, light: u32) -> f32 {
     return value;
 }
 
-fn factored_weight_level(uv: vec2<f32>, level: u32, group: u32) -> vec4<f32> {
+fn factored_weight_level(uv: vec2<f32>, level: u32, layer: u32) -> vec4<f32> {
     let column = flat_btf_periodic_tap(uv.x, factored_side(level));
     let row = flat_btf_periodic_tap(uv.y, factored_side(level));
     var value = vec4<f32>(0.0);
     for (var k = 0u; k < 4u; k += 1u) {
         let at = vec2<u32>(flat_btf_tap_sample(column, k & 1u), flat_btf_tap_sample(row, k >> 1u));
         let weight = flat_btf_tap_weight(row, k >> 1u) * flat_btf_tap_weight(column, k & 1u);
-        value = value + weight * textureLoad(factored_weights, at, group, level);
+        value = value + weight * textureLoad(factored_weights, at, layer, level);
     }
     return value;
 }

@@ -1,5 +1,6 @@
 //! What a factored flat BTF says of itself, in the entry `brdfc.flat-btf.factored` of its basis.
 
+use super::base::{BASE_LAYERS, DIFFERENCE_ANGLES, HALF_ANGLES};
 use crate::FormatError;
 use crate::container::entries::entry;
 use crate::container::{Extent, MAX_EXTENT_2D, TexelFormat, Texture};
@@ -105,14 +106,16 @@ impl FactoredHeader {
         self.words().div_ceil(4)
     }
 
-    /// Columns and rows of the basis.
+    /// Columns and rows of the basis: a row per view, and those of the base's table.
     pub fn basis_extent(&self) -> [u32; 2] {
-        [self.lights.len() as u32 * 3 * self.texels_per_colour(), self.views.len() as u32]
+        let width = self.lights.len() as u32 * 3 * self.texels_per_colour();
+        let table = (HALF_ANGLES * DIFFERENCE_ANGLES) as u32;
+        [width, self.views.len() as u32 + table.div_ceil(width.max(1))]
     }
 
-    /// Columns, rows and layers of the weights.
+    /// Columns, rows and layers of the weights, the layers of the base among them.
     pub fn weights_extent(&self) -> Extent {
-        Extent::D2Array([self.size, self.size, self.groups])
+        Extent::D2Array([self.size, self.size, BASE_LAYERS + self.groups])
     }
 
     /// Columns, rows and layers of the shadows, where there are some.

@@ -1,6 +1,7 @@
-//! The parts `weights` and `shadow`: what a texel has of each component, and how much of each light reaches it. Both have
-//! mipmaps.
+//! The parts `weights` and `shadow`: what a texel has of the base and of each component, and how much of each light reaches it.
+//! Both have mipmaps.
 
+use super::base::BASE_LAYERS;
 use super::header::{GROUP, MAX_GROUPS};
 use crate::FormatError;
 use crate::container::entries::{entry, sized};
@@ -105,7 +106,7 @@ pub struct WeightRange {
     pub low: f32,
 }
 
-/// Weights of all components: four to a texel, and to a layer.
+/// Numbers of the base and weights of all components: four to a texel, and to a layer. The base has the first layers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WeightMap {
     layers: Layers,
@@ -115,22 +116,27 @@ pub struct WeightMap {
 impl WeightMap {
     const PART: &'static str = "weights";
 
-    /// Weights from texels of four bytes: all mipmap levels from the finest, layer by layer, row by row. A range per component
-    /// says how many layers there are.
+    /// Weights from texels of four bytes: all mipmap levels from the finest, layer by layer, row by row. A range per number
+    /// says how many layers there are: those of the base, and one at least of components.
     ///
     /// # Errors
     /// Sizes out of range, another number of bytes, ranges that are not four to a layer or not finite.
     pub fn new(size: u32, levels: u32, ranges: Vec<WeightRange>, texels: Vec<u8>) -> Result<Self, FormatError> {
-        let field = || format!("components of the part {}", Self::PART);
-        if !ranges.len().is_multiple_of(GROUP) {
-            return Err(FormatError::whole(field(), ranges.len().to_string(), format!("a multiple of {GROUP}")));
+        let least = (BASE_LAYERS as usize + 1) * GROUP;
+        if !ranges.len().is_multiple_of(GROUP) || ranges.len() < least {
+            let field = format!("numbers of the part {}", Self::PART);
+            return Err(FormatError::whole(
+                field,
+                ranges.len().to_string(),
+                format!("a multiple of {GROUP}, {least} at least"),
+            ));
         }
         if let Some(k) = ranges.iter().position(|range| !(range.scale.is_finite() && range.low.is_finite())) {
             let (found, allowed) = (format!("{:?}", ranges[k]), "finite numbers");
-            return Err(FormatError::whole(format!("{WEIGHTS} component {k}"), found, allowed));
+            return Err(FormatError::whole(format!("{WEIGHTS} range {k}"), found, allowed));
         }
         let (part, format, layers) = (Self::PART, TexelFormat::Rgba8Unorm, (ranges.len() / GROUP) as u32);
-        let layers = Layers { part, format, size, layers, levels, texels }.check(MAX_GROUPS)?;
+        let layers = Layers { part, format, size, layers, levels, texels }.check(BASE_LAYERS + MAX_GROUPS)?;
         Ok(Self { layers, ranges })
     }
 
@@ -144,12 +150,12 @@ impl WeightMap {
         self.layers.levels
     }
 
-    /// Layers, each of four components.
-    pub fn groups(&self) -> u32 {
+    /// Layers, those of the base among them.
+    pub fn layers(&self) -> u32 {
         self.layers.layers
     }
 
-    /// What weights of each component stand for.
+    /// What the numbers of each layer stand for, four to a layer.
     pub fn ranges(&self) -> &[WeightRange] {
         &self.ranges
     }
@@ -162,9 +168,9 @@ impl WeightMap {
     /// Four bytes a texel, row by row.
     ///
     /// # Panics
-    /// Without such a level or group.
-    pub fn layer(&self, level: u32, group: u32) -> &[u8] {
-        self.layers.layer(level, group)
+    /// Without such a level or layer.
+    pub fn layer(&self, level: u32, layer: u32) -> &[u8] {
+        self.layers.layer(level, layer)
     }
 
     /// The bytes of the KTX2 file.
@@ -194,11 +200,11 @@ impl WeightMap {
         }
         let mut cursor = Cursor::new(bytes);
         word(&mut cursor, WEIGHTS, "version", VERSION..=VERSION)?;
-        let components = word(&mut cursor, WEIGHTS, "components", 1..=MAX_GROUPS * GROUP as u32)?;
-        sized(bytes, WEIGHTS, 8 + 8 * components as usize)?;
+        let numbers = word(&mut cursor, WEIGHTS, "numbers", 1..=(BASE_LAYERS + MAX_GROUPS) * GROUP as u32)?;
+        sized(bytes, WEIGHTS, 8 + 8 * numbers as usize)?;
         let range = |_| Ok(WeightRange { scale: cursor.f32("scale")?, low: cursor.f32("low")? });
-        let ranges = (0..components).map(range).collect::<Result<Vec<_>, FormatError>>()?;
-        let layers = Layers::from_texture(texture, Self::PART, TexelFormat::Rgba8Unorm, MAX_GROUPS)?;
+        let ranges = (0..numbers).map(range).collect::<Result<Vec<_>, FormatError>>()?;
+        let layers = Layers::from_texture(texture, Self::PART, TexelFormat::Rgba8Unorm, BASE_LAYERS + MAX_GROUPS)?;
         if layers.layers as usize * GROUP != ranges.len() {
             let allowed = format!("{} layers, as {WEIGHTS} says", ranges.len().div_ceil(GROUP));
             return Err(wrong_extent(Self::PART, layers.extent(), allowed));

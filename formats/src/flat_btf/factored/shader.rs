@@ -1,6 +1,7 @@
 //! What a shader needs besides the textures of a factored flat BTF: `formats/src/flat_btf/factored/factored.wgsl` and its
 //! uniform block.
 
+use super::base::BASE_LAYERS;
 use super::decode::FactoredFlatBtf;
 use super::header::{GROUP, MAX_GROUPS};
 
@@ -27,22 +28,23 @@ pub struct FactoredParameters;
 
 impl FactoredParameters {
     /// Bytes of the block.
-    pub const SIZE: usize = 32 + 5 * 4 * GROUP * MAX_GROUPS as usize;
+    pub const SIZE: usize = 32 + 4 * GROUP * (3 * MAX_GROUPS + 2 * (BASE_LAYERS + MAX_GROUPS)) as usize;
 
     /// The block of an asset as the shader reads it: little-endian, fields in order, zeros where nothing is.
     pub fn to_bytes(asset: &FactoredFlatBtf, filter: FactoredFilter) -> Vec<u8> {
         let header = asset.header();
         let hardware = u32::from(filter == FactoredFilter::Hardware);
         let shadowed = u32::from(asset.shadow().is_some());
-        let mut words = vec![header.size, header.levels, header.groups, header.wide_groups, shadowed, hardware, 0, 0];
-        let mut numbers = |numbers: Vec<f32>| {
+        let mut words = vec![header.size, header.levels, header.groups, header.wide_groups, shadowed, hardware];
+        words.extend([header.views.len() as u32, asset.lowest_light().to_bits()]);
+        let mut numbers = |numbers: Vec<f32>, layers: u32| {
             let first = words.len();
             words.extend(numbers.into_iter().map(f32::to_bits));
-            words.resize(first + GROUP * MAX_GROUPS as usize, 0);
+            words.resize(first + GROUP * layers as usize, 0);
         };
-        header.steps.iter().for_each(|steps| numbers(steps.clone()));
-        numbers(asset.weights().ranges().iter().map(|range| range.scale).collect());
-        numbers(asset.weights().ranges().iter().map(|range| range.low).collect());
+        header.steps.iter().for_each(|steps| numbers(steps.clone(), MAX_GROUPS));
+        numbers(asset.weights().ranges().iter().map(|range| range.scale).collect(), BASE_LAYERS + MAX_GROUPS);
+        numbers(asset.weights().ranges().iter().map(|range| range.low).collect(), BASE_LAYERS + MAX_GROUPS);
         words.into_iter().flat_map(u32::to_le_bytes).collect()
     }
 }

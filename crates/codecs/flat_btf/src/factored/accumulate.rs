@@ -1,6 +1,7 @@
-//! One pass over the views: for each texel and light the sum over views of values times the basis. With it and the mask,
-//! weights and shadows of a texel can be solved for as often as wanted without its values.
+//! One pass over the views: for each texel and light the sums over views of values, and of the base, times the basis. With them
+//! and the mask, weights and shadows of a texel can be solved for as often as wanted without its values.
 
+use super::base::{Rays, StoredBase};
 use super::basis::Basis;
 use super::masks::Masks;
 use super::matrix::{Rows, add_product};
@@ -20,46 +21,67 @@ pub(super) struct ViewWords<'a> {
     pub(super) stride: usize,
 }
 
-/// Sums of some texels: `texels x L x K`, and `Σ m x₀` with `x₀` the lightness, `texels x L`. Bytes: `4 texels L (K + 1)`.
+/// Of a texel and a light, with values x, base o, and what a view counts m: `Σ m x₀` (lightness), `Σ m x·o`, `Σ m o·o`.
+pub(super) type Scalars = [f32; 3];
+
+/// Sums of some texels: `Σ m Bᵀ x` and `Σ m Bᵀ o`, `texels x L x K` each, and scalars, `texels x L`. Bytes:
+/// `4 texels L (2 K + 3)`.
 #[derive(Debug, Clone)]
 pub(super) struct Sums {
     pub(super) products: Vec<f32>,
-    pub(super) lightness: Vec<f32>,
+    pub(super) bases: Vec<f32>,
+    pub(super) scalars: Vec<Scalars>,
 }
 
 impl Sums {
     pub(super) fn new(texels: usize, basis: &Basis) -> Self {
         let pairs = texels * basis.lights;
-        Self { products: vec![0.0; pairs * basis.components], lightness: vec![0.0; pairs] }
+        let products = vec![0.0; pairs * basis.components];
+        Self { bases: products.clone(), products, scalars: vec![[0.0; 3]; pairs] }
     }
 
-    /// Adds some views. The result depends on which come together, as rounding does.
-    pub(super) fn add(&mut self, basis: &Basis, masks: &Masks, views: &[ViewWords<'_>]) {
+    /// Adds some views. The result depends on which come together, as rounding does. `base`: that of these texels.
+    pub(super) fn add(
+        &mut self,
+        basis: &Basis,
+        (base, rays): (&StoredBase, &Rays),
+        masks: &Masks,
+        views: &[ViewWords<'_>],
+    ) {
         let (k, lights) = (basis.components, basis.lights);
         let columns = 3 * views.len();
         // Of each light the rows of all these views, one below the other.
         let rows_of = |light: usize| views.iter().flat_map(move |words| basis.pair(words.view, light));
         let rows: Vec<f32> = (0..lights).flat_map(rows_of).copied().collect();
-        let strips =
-            self.products.par_chunks_mut(STRIP * lights * k).zip(self.lightness.par_chunks_mut(STRIP * lights));
-        strips.enumerate().for_each(|(strip, (products, lightness))| {
-            let (first, count) = (strip * STRIP, lightness.len() / lights);
+        let sums = self.products.par_chunks_mut(STRIP * lights * k).zip(self.bases.par_chunks_mut(STRIP * lights * k));
+        let strips = sums.zip(self.scalars.par_chunks_mut(STRIP * lights));
+        strips.enumerate().for_each(|(strip, ((products, bases), scalars))| {
+            let (first, count) = (strip * STRIP, scalars.len() / lights);
             let mut values = vec![0.0; count * columns];
+            let mut of_base = values.clone();
             let weights: Vec<f32> =
                 views.iter().flat_map(|v| (0..count).map(|texel| masks.weight(first + texel, v.view))).collect();
             for light in 0..lights {
                 for (number, view) in views.iter().enumerate() {
                     let words = &view.words[light * view.stride + view.first + first..][..count];
                     let weights = &weights[number * count..][..count];
+                    let (outgoing, incoming) = (rays.views[view.view], rays.lights[light]);
                     for (texel, (word, weight)) in words.iter().zip(weights).enumerate() {
                         let colour = to_opponent(rgb9e5::decode(*word)).map(|c| weight * c);
-                        values[texel * columns + 3 * number..][..3].copy_from_slice(&colour);
-                        lightness[texel * lights + light] += colour[0];
+                        let plain = base.opponent(first + texel, outgoing, incoming);
+                        let at = texel * columns + 3 * number;
+                        values[at..][..3].copy_from_slice(&colour);
+                        of_base[at..][..3].copy_from_slice(&plain.map(|c| weight * c));
+                        let sums = &mut scalars[texel * lights + light];
+                        sums[0] += colour[0];
+                        sums[1] += colour[0] * plain[0] + colour[1] * plain[1] + colour[2] * plain[2];
+                        sums[2] += weight * (plain[0] * plain[0] + plain[1] * plain[1] + plain[2] * plain[2]);
                     }
                 }
-                let target = &mut products[light * k..];
                 let rows = Rows::new(&rows[light * columns * k..][..columns * k], columns, k);
-                add_product(target, lights * k, Rows::new(&values, count, columns), rows);
+                for (target, values) in [(&mut *products, &values), (&mut *bases, &of_base)] {
+                    add_product(&mut target[light * k..], lights * k, Rows::new(values, count, columns), rows);
+                }
             }
         });
     }

@@ -1,5 +1,6 @@
 //! Parts from what was solved for.
 
+use super::base::StoredBase;
 use super::basis::Basis;
 use super::local::Texels;
 use super::mipmaps::with_mipmaps;
@@ -8,7 +9,7 @@ use brdfc_formats::FormatError;
 use brdfc_formats::container::Extent;
 use brdfc_formats::flat_btf::FlatHeader;
 use brdfc_formats::flat_btf::factored::{
-    BasisMap, FactoredErrors, FactoredFlatBtf, FactoredHeader, GROUP, ShadowFormat, ShadowMap, WeightMap,
+    BaseTable, BasisMap, FactoredErrors, FactoredFlatBtf, FactoredHeader, GROUP, ShadowFormat, ShadowMap, WeightMap,
 };
 
 /// Shape of an asset: what decides its bytes.
@@ -36,17 +37,17 @@ pub(super) fn header(shape: Shape, size: u32, directions: &FlatHeader) -> Factor
 }
 
 /// The part `basis`, and what a decoder makes of it.
-pub(super) fn basis(header: FactoredHeader, basis: &Basis) -> Result<(BasisMap, Basis), FormatError> {
+pub(super) fn basis(header: FactoredHeader, base: &BaseTable, basis: &Basis) -> Result<(BasisMap, Basis), FormatError> {
     let header = FactoredHeader { steps: steps(basis, header.wide_groups), ..header };
     let all = header.steps.clone();
     let step = |view: usize, light: usize, colour: usize, component: usize| {
         integer(basis.pair(view, light)[colour * basis.components + component], all[colour][component])
     };
-    Ok((BasisMap::from_steps(header, step)?, rounded(basis, &all)))
+    Ok((BasisMap::from_steps(header, base, step)?, rounded(basis, &all)))
 }
 
-/// An asset of the texels of a basis, row by row.
-pub(super) fn asset(basis: BasisMap, texels: &Texels) -> Result<FactoredFlatBtf, FormatError> {
+/// An asset of the texels of a basis and their bases, row by row.
+pub(super) fn asset(basis: BasisMap, base: &StoredBase, texels: &Texels) -> Result<FactoredFlatBtf, FormatError> {
     let header = basis.header();
     let (size, levels, k) = (header.size as usize, header.levels, header.components());
     let (lights, count) = (header.lights.len(), size * size);
@@ -58,7 +59,21 @@ pub(super) fn asset(basis: BasisMap, texels: &Texels) -> Result<FactoredFlatBtf,
             bytes[at] = weight_byte(*weight, ranges[component]);
         }
     }
-    let weights = WeightMap::new(header.size, levels, ranges, with_mipmaps(&bytes, size, GROUP, levels))?;
+    let albedos = with_mipmaps(base.albedos().as_flattened(), size, GROUP, levels);
+    let slopes = with_mipmaps(base.slopes().as_flattened(), size, 2, levels);
+    let slopes: Vec<u8> = slopes.into_iter().flat_map(u16::to_be_bytes).collect();
+    let components = with_mipmaps(&bytes, size, GROUP, levels);
+    // Level by level, in each the layers of the base first.
+    let mut all = Vec::with_capacity(albedos.len() + slopes.len() + components.len());
+    let (mut of_base, mut of_components) = (0, 0);
+    for level in 0..levels {
+        let length = GROUP * (size >> level).max(1).pow(2);
+        all.extend_from_slice(&albedos[of_base..][..length]);
+        all.extend_from_slice(&slopes[of_base..][..length]);
+        all.extend_from_slice(&components[of_components..][..length * k / GROUP]);
+        (of_base, of_components) = (of_base + length, of_components + length * k / GROUP);
+    }
+    let weights = WeightMap::new(header.size, levels, [base.ranges(), ranges].concat(), all)?;
     let shadow = match header.shadow {
         ShadowFormat::None => None,
         ShadowFormat::R8 => {

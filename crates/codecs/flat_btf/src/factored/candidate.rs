@@ -2,6 +2,7 @@
 
 use super::accumulate::{Sums, ViewWords};
 use super::assemble::{self, Shape};
+use super::base::{Rays, StoredBase};
 use super::local::solve_texels;
 use super::measure::errors;
 use super::rounded::Rounded;
@@ -49,21 +50,33 @@ impl Candidate {
     }
 
     /// What it needs to be solved for texels.
-    pub(super) fn rounded(&self, size: u32, directions: &FlatHeader) -> Result<Rounded, FormatError> {
+    pub(super) fn rounded(
+        &self,
+        size: u32,
+        directions: &FlatHeader,
+        base: &StoredBase,
+    ) -> Result<Rounded, FormatError> {
         let header = assemble::header(self.shape, size, directions);
-        let (map, basis) = assemble::basis(header, &self.fit.basis)?;
+        let (map, basis) = assemble::basis(header, &base.table, &self.fit.basis)?;
         let squares = basis.squares();
         Ok(Rounded { map, basis, squares, prior: self.fit.prior(NOISE_VARIANCE), shadowed: self.shape.shadowed })
     }
 
-    /// Its errors at texels that it was not fitted to.
-    pub(super) fn errors(&self, held_out: &Sample, directions: &FlatHeader) -> Result<FactoredErrors, FormatError> {
+    /// Its errors at texels that it was not fitted to; `base`: that of these texels.
+    pub(super) fn errors(
+        &self,
+        held_out: &Sample,
+        directions: &FlatHeader,
+        base: &StoredBase,
+    ) -> Result<FactoredErrors, FormatError> {
         let size = held_out.texels.len().isqrt();
         let count = size * size;
         if count == 0 {
             return Ok(FactoredErrors::default());
         }
-        let rounded = self.rounded(size as u32, directions)?;
+        let rounded = self.rounded(size as u32, directions, base)?;
+        let base = base.of(&(0..count).collect::<Vec<_>>());
+        let rays = Rays::new(directions);
         let mut sums = Sums::new(count, &rounded.basis);
         let views: Vec<usize> = (0..held_out.views.len()).collect();
         for views in views.chunks(VIEWS_AT_ONCE) {
@@ -73,11 +86,11 @@ impl Candidate {
                 first: 0,
                 stride: held_out.texels.len(),
             };
-            sums.add(&rounded.basis, &held_out.masks, &views.iter().map(words).collect::<Vec<_>>());
+            sums.add(&rounded.basis, (&base, &rays), &held_out.masks, &views.iter().map(words).collect::<Vec<_>>());
         }
         let masks = held_out.masks.first(count);
         let texels = solve_texels(&sums, &masks, &rounded);
-        let asset = assemble::asset(rounded.map, &texels)?;
+        let asset = assemble::asset(rounded.map, &base, &texels)?;
         Ok(errors(&asset, held_out, count, |k| [(k % size) as u32, (k / size) as u32]))
     }
 }

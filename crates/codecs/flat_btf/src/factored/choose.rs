@@ -1,6 +1,7 @@
 //! How many components: the fewest bytes that meet a target, or the least error within bytes.
 
 use super::assemble::Shape;
+use super::base::StoredBase;
 use super::candidate::Candidate;
 use super::recipe::{FactoredTarget, gpu_bytes, shapes};
 use super::report::{FactorError, FactoredTrial};
@@ -14,6 +15,8 @@ use brdfc_source::progress::{Progress, Stage};
 pub(super) struct Trials<'a> {
     pub(super) values: &'a Values,
     pub(super) held_out: &'a Sample,
+    /// The base of what is held out.
+    pub(super) base: &'a StoredBase,
     pub(super) directions: &'a FlatHeader,
     pub(super) progress: &'a dyn Progress,
 }
@@ -37,7 +40,7 @@ impl Trials<'_> {
 
     /// Measures a candidate.
     fn attempt<E>(&self, candidate: Candidate, tried: &mut Vec<FactoredTrial>) -> Result<Candidate, FactorError<E>> {
-        let errors = candidate.errors(self.held_out, self.directions)?;
+        let errors = candidate.errors(self.held_out, self.directions, self.base)?;
         let Shape { groups, shadowed } = candidate.shape;
         let (components, gpu_bytes) = (groups * GROUP as u32, gpu_bytes(candidate.shape, self.directions));
         tried.push(FactoredTrial { components, shadowed, gpu_bytes, errors });

@@ -2,8 +2,10 @@
 
 use super::accumulate::{Sums, ViewWords};
 use super::assemble;
+use super::base::{AlbedoSums, Rays, StoredBase, stored_normals};
 use super::candidate::VIEWS_AT_ONCE;
 use super::choose::Trials;
+use super::gloss::fit_table;
 use super::local::{Texels, solve_texels};
 use super::masks::Masks;
 use super::measure::errors;
@@ -12,7 +14,7 @@ use super::report::{FactorError, Factored, FactoredFacts};
 use super::rounded::Rounded;
 use super::sample::{Sample, choose};
 use brdfc_formats::FormatError;
-use brdfc_formats::flat_btf::{FlatHeader, FlatView, VisibilityMask};
+use brdfc_formats::flat_btf::{FlatHeader, FlatView, NormalMap, VisibilityMask};
 use brdfc_source::progress::{Progress, Stage};
 use rayon::prelude::*;
 
@@ -23,13 +25,14 @@ const HELD_OUT: usize = 484;
 /// Bytes of views that are in memory at once, as far as one fits in.
 const VIEW_BYTES: usize = 256 << 20;
 
-/// Factors a flat BTF. `view` gives one view after the other, in as many passes as there are slabs, and one before.
+/// Factors a flat BTF. `view` gives one view after the other, in as many passes as there are slabs of both kinds, and one
+/// before.
 ///
 /// With V views, L lights, T² texels, K components, N texels of the fit, n texels of a slab, p threads it takes about, bytes:
 ///
-/// - `12 V L N` values of the fit, at most [`FactoredRecipe::training_bytes`], and `4 V L (N + 484)` words of the first pass;
+/// - `24 V L N` values of the fit, at most [`FactoredRecipe::training_bytes`], and `4 V L (N + 484)` words of the first pass;
 /// - `4 V L K (K + 1)` products of the basis, two tables of them;
-/// - `4 n L (K + 1)` sums of a slab, at most [`FactoredRecipe::slab_bytes`], and `4 T² (K + L)` results;
+/// - `40 n L` sums of albedos, then `4 n L (2 K + 3)` sums of a slab, at most [`FactoredRecipe::slab_bytes`], and `4 T² (K + L)` results;
 /// - `4 T² L` for each of the views in memory, 8 or as many as fit into 256 MiB;
 /// - `32 L K (K + 1) p` of masks, and the parts themselves.
 ///
@@ -39,16 +42,21 @@ const VIEW_BYTES: usize = 256 << 20;
 /// Of `view`; views that do not belong together or to the mask; a target that nothing can meet; when the work is stopped.
 pub fn factor<E: Send>(
     recipe: &FactoredRecipe,
+    normals: &NormalMap,
     mask: &VisibilityMask,
     view: impl Fn(u32) -> Result<FlatView, E> + Sync,
     progress: &dyn Progress,
 ) -> Result<Factored, FactorError<E>> {
+    if normals.size() != mask.size() {
+        let allowed = format!("{}, that of the mask", mask.size());
+        return Err(FormatError::whole("size of the part normal", normals.size().to_string(), allowed).into());
+    }
     let reader = Reader { mask, view };
     let size = mask.size() as usize;
     let first = reader.read(0..1, None)?;
     let directions = first[0].header().clone();
     let (views, lights) = (directions.views.len(), directions.lights.len());
-    let most = recipe.training_bytes / (12 * views * lights).max(1);
+    let most = recipe.training_bytes / (24 * views * lights).max(1);
     let [fitted, held_out] = choose(size * size, recipe.training_texels.min(most).max(1), HELD_OUT);
     let masks = |texels: &[usize]| Masks::new(mask, texels);
     let (mut fitted, mut held_out) =
@@ -62,22 +70,24 @@ pub fn factor<E: Send>(
             progress.step()?;
         }
     }
-    let count = fitted.texels.len();
-    let trial = fitted.values(count.min(TRIAL_TEXELS));
-    let trials = Trials { values: &trial, held_out: &held_out, directions: &directions, progress };
+    let rays = Rays::new(&directions);
+    let base = reader.base(recipe, &fitted, normals, &directions, progress)?;
+    let (count, of_fitted, of_held_out) = (fitted.texels.len(), base.of(&fitted.texels), base.of(&held_out.texels));
+    let trial = fitted.values(count.min(TRIAL_TEXELS), &of_fitted, &rays);
+    let trials = Trials { values: &trial, held_out: &held_out, base: &of_held_out, directions: &directions, progress };
     let (mut candidate, tried) = trials.choose(recipe.target)?;
     progress.stage(Stage::Fit, 1)?;
     drop(trial);
-    let values = fitted.values(count);
+    let values = fitted.values(count, &of_fitted, &rays);
     drop(fitted);
     candidate.refine(&values);
     drop(values);
     progress.step()?;
 
-    let rounded = candidate.rounded(size as u32, &directions)?;
-    let texels = reader.solve(recipe, &rounded, &directions, progress)?;
+    let rounded = candidate.rounded(size as u32, &directions, &base)?;
+    let texels = reader.solve(recipe, &rounded, &base, &directions, progress)?;
     progress.stage(Stage::Quantise, 1)?;
-    let asset = assemble::asset(rounded.map, &texels)?;
+    let asset = assemble::asset(rounded.map, &base, &texels)?;
     let place = |k: usize| [held_out.texels[k] % size, held_out.texels[k] / size].map(|c| c as u32);
     let errors = errors(&asset, &held_out, held_out.texels.len(), place);
     let asset = asset.with_errors(errors);
@@ -89,6 +99,34 @@ pub fn factor<E: Send>(
         tried,
     };
     Ok(Factored { asset, facts })
+}
+
+/// Texels whose sums are in memory together.
+struct Slabs {
+    firsts: Vec<usize>,
+    length: usize,
+    /// Of the surface.
+    texels: usize,
+}
+
+impl Slabs {
+    fn new(recipe: &FactoredRecipe, directions: &FlatHeader, bytes_of_texel: usize) -> Self {
+        let texels = (directions.size as usize).pow(2);
+        let length = (recipe.slab_bytes / bytes_of_texel).clamp(1, texels);
+        Self { firsts: (0..texels).step_by(length).collect(), length, texels }
+    }
+
+    /// The texels of one slab after the other.
+    fn each(&self) -> impl Iterator<Item = Vec<usize>> + use<'_> {
+        self.firsts.iter().map(|first| (*first..self.texels.min(first + self.length)).collect())
+    }
+
+    /// The words of the texels from `first` on in some views.
+    fn words<'a>(&self, batch: std::ops::Range<usize>, views: &'a [FlatView], first: usize) -> Vec<ViewWords<'a>> {
+        let words =
+            |(view, pack): (usize, &'a FlatView)| ViewWords { view, words: pack.texels(), first, stride: self.texels };
+        batch.zip(views).map(words).collect()
+    }
 }
 
 /// Where views come from.
@@ -133,31 +171,59 @@ impl<E: Send, F: Fn(u32) -> Result<FlatView, E> + Sync> Reader<'_, F> {
         read.into_iter().map(checked).collect()
     }
 
+    /// The base of all texels: its table fitted to some, albedos slab by slab.
+    fn base(
+        &self,
+        recipe: &FactoredRecipe,
+        fitted: &Sample,
+        normals: &NormalMap,
+        directions: &FlatHeader,
+        progress: &dyn Progress,
+    ) -> Result<StoredBase, FactorError<E>> {
+        let (rays, stored) = (Rays::new(directions), stored_normals(normals));
+        let of_fitted: Vec<[f32; 3]> = fitted.texels.iter().map(|at| stored[*at]).collect();
+        progress.stage(Stage::Fit, 1)?;
+        let table = fit_table(fitted, &of_fitted, &rays)?;
+        progress.step()?;
+        let mut albedos = Vec::new();
+        let slabs = Slabs::new(recipe, directions, AlbedoSums::BYTES * rays.lights.len());
+        progress.stage(Stage::Views, slabs.firsts.len() * directions.views.len())?;
+        for texels in slabs.each() {
+            let masks = Masks::new(self.mask, &texels);
+            let mut sums = AlbedoSums::new(texels.len(), rays.lights.len());
+            for batch in self.batches(directions) {
+                let views = self.read(batch.clone(), Some(directions))?;
+                let words = slabs.words(batch, &views, texels[0]);
+                sums.add(&table, &rays, &stored[texels[0]..][..texels.len()], &masks, &words);
+                words.iter().try_for_each(|_| progress.step())?;
+            }
+            albedos.extend(sums.solve());
+        }
+        Ok(StoredBase::new(table, &albedos, normals))
+    }
+
     /// Weights and shadows of all texels, slab by slab.
     fn solve(
         &self,
         recipe: &FactoredRecipe,
         rounded: &Rounded,
+        base: &StoredBase,
         directions: &FlatHeader,
         progress: &dyn Progress,
     ) -> Result<Texels, FactorError<E>> {
-        let count = (directions.size as usize).pow(2);
-        let of_texel = 4 * rounded.basis.lights * (rounded.basis.components + 1);
-        let slab = (recipe.slab_bytes / of_texel).clamp(1, count);
-        let slabs: Vec<usize> = (0..count).step_by(slab).collect();
+        let rays = Rays::new(directions);
+        let of_texel = 4 * rounded.basis.lights * (2 * rounded.basis.components + 3);
+        let slabs = Slabs::new(recipe, directions, of_texel);
         let mut all = Texels { weights: Vec::new(), shadows: Vec::new() };
-        progress.stage(Stage::Views, slabs.len() * directions.views.len())?;
-        for first in slabs {
-            let texels: Vec<usize> = (first..count.min(first + slab)).collect();
+        progress.stage(Stage::Views, slabs.firsts.len() * directions.views.len())?;
+        for texels in slabs.each() {
+            let base = base.of(&texels);
             let masks = Masks::new(self.mask, &texels);
             let mut sums = Sums::new(texels.len(), &rounded.basis);
             for batch in self.batches(directions) {
                 let views = self.read(batch.clone(), Some(directions))?;
-                let words: Vec<ViewWords<'_>> = batch
-                    .zip(&views)
-                    .map(|(view, pack)| ViewWords { view, words: pack.texels(), first, stride: count })
-                    .collect();
-                sums.add(&rounded.basis, &masks, &words);
+                let words = slabs.words(batch, &views, texels[0]);
+                sums.add(&rounded.basis, (&base, &rays), &masks, &words);
                 words.iter().try_for_each(|_| progress.step())?;
             }
             let solved = solve_texels(&sums, &masks, rounded);

@@ -1,12 +1,12 @@
 //! Weights and shadows of each texel by itself, from its sums over the views: no values are needed any more.
 
-use super::accumulate::Sums;
+use super::accumulate::{Scalars, Sums};
 use super::basis::{Basis, Squares};
 use super::masks::Masks;
 use super::matrix::{Rows, add_product, dot, quadratic_weights, solve};
 use super::quantise::{shadow_byte, shadow_of_byte};
 use super::rounded::Rounded;
-use super::train::{normalise, ridged_shadows, threshold};
+use super::train::{ridged_shadows, threshold};
 use rayon::prelude::*;
 
 /// Rounds of weights and shadows; they converge in about four.
@@ -42,10 +42,12 @@ pub(super) fn solve_texels(sums: &Sums, masks: &Masks, rounded: &Rounded) -> Tex
             let mut solved = Vec::new();
             for (group, products) in groups.iter().zip(products.chunks_exact(lights * squares.length)) {
                 for texel in group {
-                    let sums = (
-                        &sums.products[texel * lights * k..][..lights * k],
-                        &sums.lightness[texel * lights..][..lights],
-                    );
+                    let of = texel * lights * k..(texel + 1) * lights * k;
+                    let sums = TexelSums {
+                        products: &sums.products[of.clone()],
+                        bases: &sums.bases[of],
+                        scalars: &sums.scalars[texel * lights..][..lights],
+                    };
                     let (weights, shadows) = solver.texel(sums, products, shadowed);
                     solved.push((*texel, weights, shadows));
                 }
@@ -53,7 +55,7 @@ pub(super) fn solve_texels(sums: &Sums, masks: &Masks, rounded: &Rounded) -> Tex
             solved
         })
         .collect();
-    let texels = sums.lightness.len() / lights;
+    let texels = sums.scalars.len() / lights;
     let mut result =
         Texels { weights: vec![0.0; texels * k], shadows: vec![0; if shadowed { texels * lights } else { 0 }] };
     for (texel, weights, shadows) in solved.into_iter().flatten() {
@@ -77,6 +79,14 @@ fn mask_products(groups: &[Vec<usize>], masks: &Masks, basis: &Basis, squares: &
         add_product(&mut products[light * squares.length..], stride, weights, squares.light(light, views));
     }
     products
+}
+
+/// The sums of one texel.
+#[derive(Clone, Copy)]
+struct TexelSums<'a> {
+    products: &'a [f32],
+    bases: &'a [f32],
+    scalars: &'a [Scalars],
 }
 
 /// Room for one texel after the other.
@@ -106,13 +116,13 @@ impl<'a> Solver<'a> {
     }
 
     /// Weights and stored shadows.
-    fn texel(&mut self, sums: (&[f32], &[f32]), products: &[f32], shadowed: bool) -> (Vec<f32>, Vec<u8>) {
-        let (sums, lightness) = sums;
+    fn texel(&mut self, sums: TexelSums<'_>, products: &[f32], shadowed: bool) -> (Vec<f32>, Vec<u8>) {
         if !shadowed {
             return (self.weights(sums, products, &vec![1.0; self.lights]), Vec::new());
         }
-        let mut shadows = lightness.to_vec();
+        let mut shadows: Vec<f32> = sums.scalars.iter().map(|[lightness, ..]| *lightness).collect();
         threshold(&mut shadows);
+        self.shadows(sums, products, &vec![0.0; self.components], &mut shadows);
         for _ in 0..ROUNDS {
             let weights = self.weights(sums, products, &shadows);
             self.shadows(sums, products, &weights, &mut shadows);
@@ -122,18 +132,21 @@ impl<'a> Solver<'a> {
         (self.weights(sums, products, &rounded), bytes)
     }
 
-    fn weights(&mut self, sums: &[f32], products: &[f32], shadows: &[f32]) -> Vec<f32> {
+    fn weights(&mut self, sums: TexelSums<'_>, products: &[f32], shadows: &[f32]) -> Vec<f32> {
         let k = self.components;
         let length = products.len() / self.lights;
         self.packed.clear();
         self.packed.resize(length, 0.0);
         self.right.clear();
         self.right.resize(k, 0.0);
-        for ((sums, packed), shadow) in sums.chunks_exact(k).zip(products.chunks_exact(length)).zip(shadows) {
+        let of_lights = sums.products.chunks_exact(k).zip(sums.bases.chunks_exact(k));
+        for (((sums, bases), packed), shadow) in of_lights.zip(products.chunks_exact(length)).zip(shadows) {
             if *shadow > 0.0 {
                 let square = shadow * shadow;
                 self.packed.iter_mut().zip(packed).for_each(|(sum, number)| *sum += square * number);
-                self.right.iter_mut().zip(sums).for_each(|(sum, number)| *sum += f64::from(shadow * number));
+                for ((sum, number), base) in self.right.iter_mut().zip(sums).zip(bases) {
+                    *sum += f64::from(shadow * (number - shadow * base));
+                }
             }
         }
         let (prior, mean) = (self.prior, super::train::trace(&self.packed, k) / k as f64);
@@ -141,17 +154,17 @@ impl<'a> Solver<'a> {
         self.right.iter().map(|weight| *weight as f32).collect()
     }
 
-    fn shadows(&mut self, sums: &[f32], products: &[f32], weights: &[f32], shadows: &mut [f32]) {
+    fn shadows(&mut self, sums: TexelSums<'_>, products: &[f32], weights: &[f32], shadows: &mut [f32]) {
         let k = self.components;
         let length = products.len() / self.lights;
         self.pairs.resize(length, 0.0);
         quadratic_weights(weights, &mut self.pairs);
-        for ((fraction, sums), packed) in
-            self.fractions.iter_mut().zip(sums.chunks_exact(k)).zip(products.chunks_exact(length))
+        let of_lights = sums.products.chunks_exact(k).zip(sums.bases.chunks_exact(k)).zip(sums.scalars);
+        for ((fraction, ((sums, bases), [_, mixed, plain])), packed) in
+            self.fractions.iter_mut().zip(of_lights).zip(products.chunks_exact(length))
         {
-            *fraction = [dot(sums, weights), dot(packed, &self.pairs)];
+            *fraction = [mixed + dot(sums, weights), plain + 2.0 * dot(bases, weights) + dot(packed, &self.pairs)];
         }
         ridged_shadows(shadows, &self.fractions);
-        normalise(shadows);
     }
 }

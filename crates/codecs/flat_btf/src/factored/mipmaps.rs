@@ -1,9 +1,27 @@
-//! Mipmaps of bytes: each texel of a level is the mean of the area that it covers.
+//! Mipmaps of bytes and words: each texel of a level is the mean of the area that it covers.
 
 use rayon::prelude::*;
 
-/// All levels of square layers, the finest first; `finest` is layer by layer, row by row, `channels` bytes a texel.
-pub(super) fn with_mipmaps(finest: &[u8], size: usize, channels: usize, levels: u32) -> Vec<u8> {
+/// A whole number that means can be taken of.
+pub(super) trait Whole: Copy + Send + Sync + Into<f32> {
+    /// The nearest one.
+    fn nearest(number: f32) -> Self;
+}
+
+impl Whole for u8 {
+    fn nearest(number: f32) -> Self {
+        number.round() as Self
+    }
+}
+
+impl Whole for u16 {
+    fn nearest(number: f32) -> Self {
+        number.round() as Self
+    }
+}
+
+/// All levels of square layers, the finest first; `finest` is layer by layer, row by row, `channels` numbers a texel.
+pub(super) fn with_mipmaps<T: Whole>(finest: &[T], size: usize, channels: usize, levels: u32) -> Vec<T> {
     let length = size * size * channels;
     let mut all = finest.to_vec();
     for level in 1..levels {
@@ -27,19 +45,19 @@ fn shares(size: usize, side: usize) -> Vec<(usize, Vec<f32>)> {
     (0..side).map(covered).collect()
 }
 
-fn reduced(layer: &[u8], size: usize, channels: usize, shares: &[(usize, Vec<f32>)]) -> Vec<u8> {
+fn reduced<T: Whole>(layer: &[T], size: usize, channels: usize, shares: &[(usize, Vec<f32>)]) -> Vec<T> {
     let mut bytes = Vec::with_capacity(shares.len() * shares.len() * channels);
     let mut row = vec![0.0f32; size * channels];
     for (first, rows) in shares {
         row.fill(0.0);
         for (k, share) in rows.iter().enumerate() {
             let source = &layer[(first + k) * size * channels..][..size * channels];
-            row.iter_mut().zip(source).for_each(|(sum, byte)| *sum += share * f32::from(*byte));
+            row.iter_mut().zip(source).for_each(|(sum, number)| *sum += share * (*number).into());
         }
         for (first, columns) in shares {
             for channel in 0..channels {
                 let terms = columns.iter().enumerate().map(|(k, share)| share * row[(first + k) * channels + channel]);
-                bytes.push(terms.sum::<f32>().round() as u8);
+                bytes.push(T::nearest(terms.sum::<f32>()));
             }
         }
     }

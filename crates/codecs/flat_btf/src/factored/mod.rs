@@ -1,17 +1,20 @@
-//! Flat BTFs as a product, `value = S(t, l)³ rgb(Σ_k w_k(t) b_k(v, l))` with texel t, view v, light l: shadows, weights and a
-//! basis, found by alternating least squares in the scale of `brdfc_formats::flat_btf::factored::to_opponent`. Layout:
+//! Flat BTFs as a product, `value = S(t, l)³ rgb(o(t, v, l) + Σ_k w_k(t) b_k(v, l))` with texel t, view v, light l: shadows, a
+//! base of diffuse and glossy reflection, weights and a basis. The base is fitted first, the others by alternating least squares
+//! in the scale of `brdfc_formats::flat_btf::factored::to_opponent`. Layout:
 //! `formats/src/flat_btf/factored/spec.md`.
 //!
-//! Stages: texels are drawn (`sample`), bases of several sizes fitted to some of them (`train`) and tried on others
+//! Stages: texels are drawn (`sample`), the base is fitted (`gloss`, `base`), bases of several sizes fitted to some of them (`train`) and tried on others
 //! (`candidate`, `choose`), the chosen one is fitted to more; one pass over the views gathers what every texel needs
 //! (`accumulate`), which is then solved by itself (`local`), rounded (`quantise`), and measured (`measure`).
 
 mod accumulate;
 mod assemble;
+mod base;
 mod basis;
 mod candidate;
 mod choose;
 mod encode;
+mod gloss;
 mod local;
 mod masks;
 mod matrix;

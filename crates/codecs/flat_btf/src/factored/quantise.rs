@@ -78,7 +78,7 @@ pub(super) fn weight_byte(weight: f32, range: WeightRange) -> u8 {
 }
 
 /// The weight of a byte.
-fn weight_of_byte(byte: u8, range: WeightRange) -> f32 {
+pub(super) fn weight_of_byte(byte: u8, range: WeightRange) -> f32 {
     range.low + range.scale * (f32::from(byte) / 255.0)
 }
 

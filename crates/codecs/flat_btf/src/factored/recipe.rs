@@ -5,8 +5,8 @@ use brdfc_formats::FormatError;
 use brdfc_formats::flat_btf::FlatHeader;
 use brdfc_formats::flat_btf::factored::{GROUP, MAX_GROUPS};
 
-/// Groups of components that are tried: 8, 12, 20, 28, 44, 60 components.
-const GROUPS: [u32; 6] = [2, 3, 5, 7, 11, 15];
+/// Groups of components that are tried: 4, 8, 12, 20, 28, 44, 60 components.
+const GROUPS: [u32; 7] = [1, 2, 3, 5, 7, 11, 15];
 
 /// What a factored flat BTF is to be like.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -93,8 +93,8 @@ impl FactoredRecipe {
         let [views, lights] = [&directions.views, &directions.lights].map(|angles| angles.len() as u64);
         let texels = u64::from(directions.size).pow(2);
         let most = u64::from(GROUPS[GROUPS.len() - 1]) * GROUP as u64;
-        let training = (12 * views * lights * self.training_texels as u64).min(self.training_bytes as u64);
-        let sums = (4 * texels * lights * (most + 1)).min(self.slab_bytes as u64);
+        let training = (24 * views * lights * self.training_texels as u64).min(self.training_bytes as u64);
+        let sums = (4 * texels * lights * (2 * most + 3)).min(self.slab_bytes as u64);
         let (products, masks) = (8 * views * lights * most * (most + 1), 32 * lights * most * (most + 1));
         training + training / 3 + sums + products + masks + 4 * texels * (most + lights) + 8 * texels * lights
     }

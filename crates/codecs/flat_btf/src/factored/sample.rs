@@ -1,5 +1,6 @@
 //! Texels that the basis is fitted to, and such that errors are measured at: with all their values.
 
+use super::base::{Rays, StoredBase};
 use super::masks::Masks;
 use brdfc_formats::container::rgb9e5;
 use brdfc_formats::flat_btf::FlatView;
@@ -60,22 +61,24 @@ impl Sample {
         self.views[view][light * self.texels.len() + texel]
     }
 
-    /// Some of the texels, from the first on, as numbers for a fit.
-    pub(super) fn values(&self, count: usize) -> Values {
+    /// Some of the texels, from the first on, as numbers for a fit. `base`: of the texels of this sample.
+    pub(super) fn values(&self, count: usize, base: &StoredBase, rays: &Rays) -> Values {
         let views = self.views.len();
-        let mut numbers = vec![0.0; views * count * self.lights * 3];
-        numbers.par_chunks_mut(self.lights * 3).enumerate().for_each(|(at, row)| {
+        let [mut numbers, mut bases] = [(); 2].map(|()| vec![0.0; views * count * self.lights * 3]);
+        let length = self.lights * 3;
+        numbers.par_chunks_mut(length).zip(bases.par_chunks_mut(length)).enumerate().for_each(|(at, (row, bases))| {
             let (view, texel) = (at / count, at % count);
-            for (light, colour) in row.chunks_exact_mut(3).enumerate() {
+            for (light, (colour, of_base)) in row.chunks_exact_mut(3).zip(bases.chunks_exact_mut(3)).enumerate() {
                 colour.copy_from_slice(&to_opponent(rgb9e5::decode(self.word(texel, view, light))));
+                of_base.copy_from_slice(&base.opponent(texel, rays.views[view], rays.lights[light]));
             }
         });
         let weights = (0..views).flat_map(|view| (0..count).map(move |texel| self.masks.weight(texel, view)));
-        Values { views, lights: self.lights, texels: count, weights: weights.collect(), numbers }
+        Values { views, lights: self.lights, texels: count, weights: weights.collect(), numbers, bases }
     }
 }
 
-/// Opponent colours of texels in all views under all lights. Bytes: `12 V L` per texel.
+/// Opponent colours of texels in all views under all lights, and those of their bases. Bytes: `24 V L` per texel.
 #[derive(Debug, Clone)]
 pub(super) struct Values {
     pub(super) views: usize,
@@ -85,6 +88,8 @@ pub(super) struct Values {
     pub(super) weights: Vec<f32>,
     /// `V x texels x L x 3`.
     pub(super) numbers: Vec<f32>,
+    /// The same of what the base shows where every light arrives in full.
+    pub(super) bases: Vec<f32>,
 }
 
 impl Values {
@@ -94,21 +99,29 @@ impl Values {
         &self.numbers[(view * self.texels + texel) * length..][..length]
     }
 
+    /// The same of its base.
+    pub(super) fn base_row(&self, view: usize, texel: usize) -> &[f32] {
+        let length = 3 * self.lights;
+        &self.bases[(view * self.texels + texel) * length..][..length]
+    }
+
     /// What a view of a texel counts.
     pub(super) fn weight(&self, view: usize, texel: usize) -> f32 {
         self.weights[view * self.texels + texel]
     }
 
-    /// The rows of some texels in a view, times what they count and `shadows`, a row of L per texel of all:
-    /// `texels x 3 L`.
+    /// What shadows times the base leave of the rows of some texels in a view, times what they count and `shadows`, a row of L
+    /// per texel of all: `texels x 3 L`.
     pub(super) fn scaled(&self, view: usize, texels: Range<usize>, shadows: &[f32], rows: &mut Vec<f32>) {
         rows.clear();
         for texel in texels {
             let weight = self.weight(view, texel);
             let shadows = &shadows[texel * self.lights..][..self.lights];
-            rows.extend(self.row(view, texel).chunks_exact(3).zip(shadows).flat_map(|(colour, shadow)| {
+            let (colours, bases) =
+                (self.row(view, texel).as_chunks::<3>().0, self.base_row(view, texel).as_chunks::<3>().0);
+            rows.extend(colours.iter().zip(bases).zip(shadows).flat_map(|((colour, base), shadow)| {
                 let factor = weight * shadow;
-                [factor * colour[0], factor * colour[1], factor * colour[2]]
+                [0, 1, 2].map(|k: usize| factor * (colour[k] - shadow * base[k]))
             }));
         }
     }

@@ -31,7 +31,7 @@ pub(super) struct Fit {
     pub(super) weights: Vec<f32>,
 }
 
-/// A factor of each texel and light, as far as there are any: texels x L, at most 1.
+/// A factor of each texel and light, as far as there are any, so that the base alone fits best: texels x L, at most 1.
 pub(super) fn first_shadows(values: &Values, shadowed: bool) -> Vec<f32> {
     let mut shadows = vec![1.0; values.texels * values.lights];
     if shadowed {
@@ -43,6 +43,7 @@ pub(super) fn first_shadows(values: &Values, shadowed: bool) -> Vec<f32> {
             }
             threshold(shadows);
         });
+        solve_shadows(values, &mut shadows, None);
     }
     shadows
 }
@@ -51,16 +52,6 @@ pub(super) fn first_shadows(values: &Values, shadowed: bool) -> Vec<f32> {
 pub(super) fn threshold(sums: &mut [f32]) {
     let least = LIT_SHARE * sums.iter().copied().fold(0.0, f32::max);
     sums.iter_mut().for_each(|sum| *sum = f32::from(u8::from(*sum > least)));
-}
-
-/// Divides shadows by the largest of them, and says by what. A texel that no light reaches is left alone.
-pub(super) fn normalise(shadows: &mut [f32]) -> f32 {
-    let largest = shadows.iter().copied().fold(0.0, f32::max);
-    if largest < 1e-6 {
-        return 1.0;
-    }
-    shadows.iter_mut().for_each(|shadow| *shadow /= largest);
-    largest
 }
 
 impl Fit {
@@ -90,7 +81,7 @@ impl Fit {
         let squares = self.basis.squares();
         self.weights = solve_weights(values, shadows, &self.basis, &squares);
         if shadowed {
-            solve_shadows(values, shadows, &self.basis, &mut self.weights);
+            solve_shadows(values, shadows, Some((&self.basis, &self.weights)));
             self.weights = solve_weights(values, shadows, &self.basis, &squares);
         }
         drop(squares);
@@ -205,45 +196,43 @@ pub(super) fn trace(packed: &[f32], side: usize) -> f64 {
     sum
 }
 
-/// Shadows that fit best, brought to 1 at most; weights grow by as much.
-fn solve_shadows(values: &Values, shadows: &mut [f32], basis: &Basis, weights: &mut [f32]) {
-    let (k, lights) = (basis.components, values.lights);
-    shadows.par_chunks_mut(STRIP * lights).zip(weights.par_chunks_mut(STRIP * k)).enumerate().for_each(
-        |(strip, (shadows, weights))| {
-            let (first, count) = (strip * STRIP, weights.len() / k);
-            let mut sums = vec![[0.0f32; 2]; count * lights];
-            let mut product = vec![0.0; count * 3 * lights];
-            for view in 0..values.views {
-                product.fill(0.0);
-                add_product_with_transposed(&mut product, 3 * lights, Rows::new(weights, count, k), basis.view(view));
-                for (texel, (sums, made)) in
-                    sums.chunks_exact_mut(lights).zip(product.chunks_exact(3 * lights)).enumerate()
-                {
-                    let weight = values.weight(view, first + texel);
-                    let row = values.row(view, first + texel).as_chunks::<3>().0;
-                    for ((sums, [a, b, c]), [x, y, z]) in sums.iter_mut().zip(made.as_chunks::<3>().0).zip(row) {
-                        sums[0] += weight * (a * x + b * y + c * z);
-                        sums[1] += weight * (a * a + b * b + c * c);
-                    }
+/// Shadows that fit best to the base and what factors add to it.
+fn solve_shadows(values: &Values, shadows: &mut [f32], factors: Option<(&Basis, &[f32])>) {
+    let lights = values.lights;
+    shadows.par_chunks_mut(STRIP * lights).enumerate().for_each(|(strip, shadows)| {
+        let (first, count) = (strip * STRIP, shadows.len() / lights);
+        let mut sums = vec![[0.0f32; 2]; count * lights];
+        let mut product = Vec::new();
+        for view in 0..values.views {
+            product.clear();
+            (first..first + count).for_each(|texel| product.extend_from_slice(values.base_row(view, texel)));
+            if let Some((basis, weights)) = factors {
+                let k = basis.components;
+                let weights = Rows::new(&weights[first * k..][..count * k], count, k);
+                add_product_with_transposed(&mut product, 3 * lights, weights, basis.view(view));
+            }
+            for (texel, (sums, made)) in sums.chunks_exact_mut(lights).zip(product.chunks_exact(3 * lights)).enumerate()
+            {
+                let weight = values.weight(view, first + texel);
+                let row = values.row(view, first + texel).as_chunks::<3>().0;
+                for ((sums, [a, b, c]), [x, y, z]) in sums.iter_mut().zip(made.as_chunks::<3>().0).zip(row) {
+                    sums[0] += weight * (a * x + b * y + c * z);
+                    sums[1] += weight * (a * a + b * b + c * c);
                 }
             }
-            for ((shadows, weights), sums) in
-                shadows.chunks_exact_mut(lights).zip(weights.chunks_exact_mut(k)).zip(sums.chunks_exact(lights))
-            {
-                ridged_shadows(shadows, sums);
-                let scale = normalise(shadows);
-                weights.iter_mut().for_each(|weight| *weight *= scale);
-            }
-        },
-    );
+        }
+        for (shadows, sums) in shadows.chunks_exact_mut(lights).zip(sums.chunks_exact(lights)) {
+            ridged_shadows(shadows, sums);
+        }
+    });
 }
 
-/// Shadows from numerators and denominators, with a pull to what they were.
+/// Shadows from numerators and denominators, 0 to 1, with a pull to what they were.
 pub(super) fn ridged_shadows(shadows: &mut [f32], sums: &[[f32; 2]]) {
     let mean = sums.iter().map(|[_, below]| below).sum::<f32>() / sums.len() as f32;
     let ridge = SHADOW_RIDGE * mean + 1e-6;
     for (shadow, [above, below]) in shadows.iter_mut().zip(sums) {
-        *shadow = ((above + ridge * *shadow) / (below + ridge)).max(0.0);
+        *shadow = ((above + ridge * *shadow) / (below + ridge)).clamp(0.0, 1.0);
     }
 }
 

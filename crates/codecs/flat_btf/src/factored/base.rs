@@ -1,0 +1,206 @@
+//! The base: a table of gloss for the whole surface, and of each texel a diffuse and a glossy albedo under its normal. It is
+//! fitted to what is seen and lit; shadows and components account for the rest.
+
+use super::accumulate::ViewWords;
+use super::masks::Masks;
+use super::quantise::{weight_byte, weight_of_byte, weight_ranges};
+use super::train::threshold;
+use brdfc_formats::container::rgb9e5;
+use brdfc_formats::direction::from_polar;
+use brdfc_formats::flat_btf::factored::{
+    BaseAngles, BaseTable, BaseTexel, WeightRange, cube_root, slope_ranges, slope_texel, slope_words, to_opponent,
+};
+use brdfc_formats::flat_btf::{FlatHeader, NormalMap};
+use rayon::prelude::*;
+
+/// Texels of a strip that is worked on at once.
+const STRIP: usize = 128;
+/// What a value counts in a view that does not see the texel: enough for texels that no view sees.
+const UNSEEN: f32 = 1e-3;
+/// Cosines below which a pair does not count: errors of normals are largest there.
+pub(super) const LEAST_COSINE: f32 = 0.1;
+/// Most of what the table shows that a texel may.
+const MOST_GLOSS: f32 = 2.0;
+
+/// Sampled directions as unit vectors.
+#[derive(Debug, Clone)]
+pub(super) struct Rays {
+    pub(super) views: Vec<[f32; 3]>,
+    pub(super) lights: Vec<[f32; 3]>,
+}
+
+impl Rays {
+    pub(super) fn new(directions: &FlatHeader) -> Self {
+        let vector = |[polar, azimuth]: &[f32; 2]| from_polar(f64::from(*polar), f64::from(*azimuth)).map(|c| c as f32);
+        let [views, lights] = [&directions.views, &directions.lights].map(|of| of.iter().map(vector).collect());
+        Self { views, lights }
+    }
+}
+
+/// Normals as they are stored.
+pub(super) fn stored_normals(map: &NormalMap) -> Vec<[f32; 3]> {
+    map.normals().iter().map(|normal| slope_texel(slope_words(*normal))).collect()
+}
+
+/// What a difference of such a value counts: equal steps of its cube root look alike.
+#[inline]
+pub(super) fn visible([r, g, b]: [f32; 3]) -> f32 {
+    let root = cube_root(0.05 + (r + g + b) * (1.0 / 3.0));
+    1.0 / (root * root * root * root)
+}
+
+/// Diffuse albedo, gloss.
+pub(super) type Albedo = [f32; 4];
+
+/// Sums over views that albedos are solved from, of each texel and light: with weight w, value x, cosine c, gloss g of the table
+/// in red, green, blue `w c²`, `w c g` (three), `w g·g`, `w c x` (three), `w g·x`, and the lightness of the value.
+#[derive(Debug, Clone)]
+pub(super) struct AlbedoSums {
+    lights: usize,
+    numbers: Vec<[f32; 10]>,
+}
+
+impl AlbedoSums {
+    pub(super) const BYTES: usize = 40;
+
+    pub(super) fn new(texels: usize, lights: usize) -> Self {
+        Self { lights, numbers: vec![[0.0; 10]; texels * lights] }
+    }
+
+    /// Adds some views of texels with these normals.
+    pub(super) fn add(
+        &mut self,
+        table: &BaseTable,
+        rays: &Rays,
+        normals: &[[f32; 3]],
+        masks: &Masks,
+        views: &[ViewWords<'_>],
+    ) {
+        let lights = self.lights;
+        self.numbers.par_chunks_mut(STRIP * lights).enumerate().for_each(|(strip, numbers)| {
+            let (first, count) = (strip * STRIP, numbers.len() / lights);
+            for view in views {
+                let outgoing = rays.views[view.view];
+                for (light, incoming) in rays.lights.iter().enumerate() {
+                    let words = &view.words[light * view.stride + view.first + first..][..count];
+                    for (texel, word) in words.iter().enumerate() {
+                        let x = rgb9e5::decode(*word);
+                        let sums = &mut numbers[texel * lights + light];
+                        let normal = normals[first + texel];
+                        let seen = if masks.is_seen(first + texel, view.view) { 1.0 } else { UNSEEN };
+                        sums[9] += seen * cube_root(x[1]);
+                        let Some(angles) = BaseAngles::new(normal, outgoing, *incoming) else { continue };
+                        let towards = normal[0] * outgoing[0] + normal[1] * outgoing[1] + normal[2] * outgoing[2];
+                        if angles.cosine < LEAST_COSINE || towards < LEAST_COSINE {
+                            continue;
+                        }
+                        let (weight, c) = (seen * visible(x), angles.cosine);
+                        let g = table.at(&angles.taps).map(|t| t * angles.geometry);
+                        sums[0] += weight * c * c;
+                        for k in 0..3 {
+                            sums[1 + k] += weight * c * g[k];
+                            sums[5 + k] += weight * c * x[k];
+                        }
+                        sums[4] += weight * (g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+                        sums[8] += weight * (g[0] * x[0] + g[1] * x[1] + g[2] * x[2]);
+                    }
+                }
+            }
+        });
+    }
+
+    /// Which lights reach each texel: `texels x L`.
+    pub(super) fn lit(&self) -> Vec<bool> {
+        let of_texel = |numbers: &[[f32; 10]]| -> Vec<bool> {
+            let mut sums: Vec<f32> = numbers.iter().map(|sums| sums[9]).collect();
+            threshold(&mut sums);
+            sums.into_iter().map(|lit| lit > 0.5).collect()
+        };
+        self.numbers.par_chunks(self.lights).flat_map_iter(of_texel).collect()
+    }
+
+    /// The albedos that fit best where lights reach.
+    pub(super) fn solve(&self) -> Vec<Albedo> {
+        let lit = self.lit();
+        let texels = self.numbers.par_chunks(self.lights).zip(lit.par_chunks(self.lights));
+        texels
+            .map(|(numbers, lit)| {
+                let mut all = [0.0f64; 9];
+                for numbers in numbers.iter().zip(lit).filter(|(_, lit)| **lit).map(|(numbers, _)| numbers) {
+                    all.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += f64::from(*number));
+                }
+                let [cosines, across @ .., gg, d0, d1, d2, gx] = all;
+                if cosines <= 1e-9 {
+                    return [0.0; 4];
+                }
+                let diffuse = [d0, d1, d2];
+                let shared = |other: [f64; 3]| (0..3).map(|k| across[k] * other[k] / cosines).sum::<f64>();
+                let (above, below) = (gx - shared(diffuse), gg - shared(across));
+                let gloss =
+                    if below > 1e-6 * gg.max(1e-9) { (above / below).clamp(0.0, f64::from(MOST_GLOSS)) } else { 0.0 };
+                let albedo = |k: usize| ((diffuse[k] - across[k] * gloss) / cosines).max(0.0) as f32;
+                [albedo(0), albedo(1), albedo(2), gloss as f32]
+            })
+            .collect()
+    }
+}
+
+/// The base of all texels as decoders read it.
+#[derive(Debug, Clone)]
+pub(super) struct StoredBase {
+    pub(super) table: BaseTable,
+    /// Of diffuse albedo and gloss.
+    ranges: [WeightRange; 4],
+    albedos: Vec<[u8; 4]>,
+    slopes: Vec<[u16; 2]>,
+    texels: Vec<BaseTexel>,
+}
+
+impl StoredBase {
+    /// Rounds what was found.
+    pub(super) fn new(table: BaseTable, albedos: &[Albedo], normals: &NormalMap) -> Self {
+        let ranges: [WeightRange; 4] =
+            weight_ranges(albedos.as_flattened(), 4).try_into().expect("one to each of four numbers");
+        let bytes = |albedo: &Albedo| [0, 1, 2, 3].map(|k: usize| weight_byte(albedo[k], ranges[k]));
+        let albedos: Vec<[u8; 4]> = albedos.iter().map(bytes).collect();
+        let slopes: Vec<[u16; 2]> = normals.normals().iter().map(|normal| slope_words(*normal)).collect();
+        let texel = |(bytes, slopes): (&[u8; 4], &[u16; 2])| {
+            let [r, g, b, gloss] = [0, 1, 2, 3].map(|k: usize| weight_of_byte(bytes[k], ranges[k]).max(0.0));
+            BaseTexel { diffuse: [r, g, b], gloss, normal: slope_texel(*slopes) }
+        };
+        let texels = albedos.iter().zip(&slopes).map(texel).collect();
+        Self { table, ranges, albedos, slopes, texels }
+    }
+
+    /// Some texels alone.
+    pub(super) fn of(&self, texels: &[usize]) -> Self {
+        Self {
+            table: self.table.clone(),
+            ranges: self.ranges,
+            albedos: texels.iter().map(|at| self.albedos[*at]).collect(),
+            slopes: texels.iter().map(|at| self.slopes[*at]).collect(),
+            texels: texels.iter().map(|at| self.texels[*at]).collect(),
+        }
+    }
+
+    /// What the numbers of both layers stand for.
+    pub(super) fn ranges(&self) -> Vec<WeightRange> {
+        [self.ranges, slope_ranges()].concat()
+    }
+
+    /// Bytes of the first layer.
+    pub(super) fn albedos(&self) -> &[[u8; 4]] {
+        &self.albedos
+    }
+
+    /// Numbers of the second.
+    pub(super) fn slopes(&self) -> &[[u16; 2]] {
+        &self.slopes
+    }
+
+    /// Lightness and opponent colours of a texel in a view under a light that arrives in full.
+    #[inline]
+    pub(super) fn opponent(&self, texel: usize, view: [f32; 3], light: [f32; 3]) -> [f32; 3] {
+        to_opponent(self.table.colour(&self.texels[texel], view, light))
+    }
+}

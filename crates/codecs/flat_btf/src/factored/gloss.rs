@@ -1,0 +1,181 @@
+//! The table of the base, fitted to some texels by alternating least squares: the table, then albedos of each texel.
+
+use super::accumulate::ViewWords;
+use super::base::{Albedo, AlbedoSums, LEAST_COSINE, Rays, visible};
+use super::sample::Sample;
+use brdfc_formats::FormatError;
+use brdfc_formats::container::rgb9e5;
+use brdfc_formats::flat_btf::factored::{BaseAngles, BaseTable, DIFFERENCE_ANGLES, HALF_ANGLES, LARGEST_BASE};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// Texels that the table is fitted to.
+const TEXELS: usize = 1000;
+/// Texels whose squares are summed together.
+const STRIP: usize = 125;
+const ROUNDS: usize = 3;
+const ENTRIES: usize = HALF_ANGLES * DIFFERENCE_ANGLES;
+/// Shares of the mean of the diagonal that pull entries to a line over half angles, and to their neighbours over difference
+/// angles: holes are filled, noise is smoothed.
+const CURVATURE: f64 = 3e-4;
+const SLOPE: f64 = 3e-5;
+/// Beyond this entry over half angles, about 25 degrees, one of so many pairs counts.
+const NARROW: usize = 26 * DIFFERENCE_ANGLES;
+const THINNED: usize = 7;
+/// Beyond this entry, about 40 degrees, what is seen is taken for diffuse at first.
+const WIDE: usize = 33 * DIFFERENCE_ANGLES;
+
+/// Normal equations of the table.
+struct Equations {
+    matrix: DMatrix<f64>,
+    right: [DVector<f64>; 3],
+}
+
+impl Equations {
+    fn new() -> Self {
+        Self { matrix: DMatrix::zeros(ENTRIES, ENTRIES), right: [(); 3].map(|()| DVector::zeros(ENTRIES)) }
+    }
+
+    /// A pair whose gloss is `difference`, `scale` times the table.
+    fn add(&mut self, angles: &BaseAngles, scale: f64, weight: f64, difference: [f64; 3]) {
+        for (at, share) in angles.taps {
+            let share = weight * scale * f64::from(share);
+            for (k, right) in self.right.iter_mut().enumerate() {
+                right[at] += share * difference[k];
+            }
+            for (other, factor) in angles.taps {
+                self.matrix[(at, other)] += share * scale * f64::from(factor);
+            }
+        }
+    }
+
+    fn sum(mut self, other: Self) -> Self {
+        self.matrix += other.matrix;
+        self.right.iter_mut().zip(other.right).for_each(|(sum, right)| *sum += right);
+        self
+    }
+
+    /// The table that fits best.
+    fn solve(mut self) -> Vec<[f32; 3]> {
+        let mean = self.matrix.trace() / ENTRIES as f64;
+        let mut pull = |share: f64, terms: &[(usize, f64)]| {
+            for (a, x) in terms {
+                for (b, y) in terms {
+                    self.matrix[(*a, *b)] += share * mean * x * y;
+                }
+            }
+        };
+        for i in 0..HALF_ANGLES {
+            for j in 0..DIFFERENCE_ANGLES {
+                let at = i * DIFFERENCE_ANGLES + j;
+                if (1..HALF_ANGLES - 1).contains(&i) {
+                    pull(CURVATURE, &[(at - DIFFERENCE_ANGLES, -1.0), (at, 2.0), (at + DIFFERENCE_ANGLES, -1.0)]);
+                }
+                if j + 1 < DIFFERENCE_ANGLES {
+                    pull(SLOPE, &[(at, 1.0), (at + 1, -1.0)]);
+                }
+                pull(1e-9, &[(at, 1.0)]);
+            }
+        }
+        for k in 0..ENTRIES {
+            self.matrix[(k, k)] += f64::MIN_POSITIVE;
+        }
+        let Some(factors) = self.matrix.cholesky() else { return vec![[0.0; 3]; ENTRIES] };
+        let solved = self.right.map(|right| factors.solve(&right));
+        let number = |number: f64| (number as f32).max(0.0).min(LARGEST_BASE);
+        (0..ENTRIES).map(|at| [0, 1, 2].map(|k: usize| number(solved[k][at]))).collect()
+    }
+}
+
+/// A table for texels with these normals.
+///
+/// # Errors
+/// None that values of views can lead to.
+pub(super) fn fit_table(sample: &Sample, normals: &[[f32; 3]], rays: &Rays) -> Result<BaseTable, FormatError> {
+    let fit = TableFit { sample, normals, rays, texels: sample.texels.len().min(TEXELS) };
+    let mut table = BaseTable::black();
+    let lit = fit.sums(&table).lit();
+    let mut albedos = fit.first_albedos(&lit);
+    for _ in 0..ROUNDS {
+        table = BaseTable::new(fit.equations(&albedos, &lit).solve())?;
+        albedos = fit.sums(&table).solve();
+    }
+    Ok(table)
+}
+
+struct TableFit<'a> {
+    sample: &'a Sample,
+    normals: &'a [[f32; 3]],
+    rays: &'a Rays,
+    texels: usize,
+}
+
+impl TableFit<'_> {
+    fn sums(&self, table: &BaseTable) -> AlbedoSums {
+        let mut sums = AlbedoSums::new(self.texels, self.rays.lights.len());
+        let stride = self.sample.texels.len();
+        let words = self.sample.views.iter().enumerate();
+        let words: Vec<ViewWords<'_>> =
+            words.map(|(view, words)| ViewWords { view, words, first: 0, stride }).collect();
+        sums.add(table, self.rays, self.normals, &self.sample.masks, &words);
+        sums
+    }
+
+    /// Pairs of a texel that count: what is seen, lit, and not at a grazing angle.
+    fn each_pair(&self, texel: usize, lit: &[bool], mut pair: impl FnMut(&BaseAngles, usize, [f32; 3])) {
+        let lights = self.rays.lights.len();
+        for (view, outgoing) in self.rays.views.iter().enumerate() {
+            let normal = self.normals[texel];
+            let towards = normal[0] * outgoing[0] + normal[1] * outgoing[1] + normal[2] * outgoing[2];
+            if towards < LEAST_COSINE || !self.sample.masks.is_seen(texel, view) {
+                continue;
+            }
+            for (light, incoming) in self.rays.lights.iter().enumerate().filter(|(l, _)| lit[texel * lights + l]) {
+                if let Some(angles) = BaseAngles::new(normal, *outgoing, *incoming)
+                    && angles.cosine >= LEAST_COSINE
+                {
+                    pair(&angles, view * lights + light, rgb9e5::decode(self.sample.word(texel, view, light)));
+                }
+            }
+        }
+    }
+
+    /// Medians far from the mirrored direction, and a gloss of 1.
+    fn first_albedos(&self, lit: &[bool]) -> Vec<Albedo> {
+        let of_texel = |texel: usize| {
+            let mut seen = [const { Vec::new() }; 3];
+            self.each_pair(texel, lit, |angles, _, value| {
+                if angles.taps[0].0 >= WIDE && angles.cosine > 2.0 * LEAST_COSINE {
+                    seen.iter_mut().zip(value).for_each(|(seen, c)| seen.push(c / angles.cosine));
+                }
+            });
+            let [r, g, b] = seen.map(|mut seen| {
+                let middle = seen.len() / 2;
+                if seen.is_empty() { 0.0 } else { *seen.select_nth_unstable_by(middle, f32::total_cmp).1 }
+            });
+            [r, g, b, 1.0]
+        };
+        (0..self.texels).into_par_iter().map(of_texel).collect()
+    }
+
+    fn equations(&self, albedos: &[Albedo], lit: &[bool]) -> Equations {
+        let strips: Vec<usize> = (0..self.texels).step_by(STRIP).collect();
+        let of_strip = |first: &usize| {
+            let mut equations = Equations::new();
+            for texel in *first..self.texels.min(first + STRIP) {
+                let [r, g, b, gloss] = albedos[texel];
+                self.each_pair(texel, lit, |angles, number, value| {
+                    if angles.taps[0].0 < NARROW || (number + texel).is_multiple_of(THINNED) {
+                        let rest = [r, g, b].into_iter().zip(value).map(|(albedo, c)| c - albedo * angles.cosine);
+                        let rest: Vec<f64> = rest.map(f64::from).collect();
+                        let scale = f64::from(gloss * angles.geometry);
+                        equations.add(angles, scale, f64::from(visible(value)), [rest[0], rest[1], rest[2]]);
+                    }
+                });
+            }
+            equations
+        };
+        let made: Vec<Equations> = strips.par_iter().map(of_strip).collect();
+        made.into_iter().fold(Equations::new(), Equations::sum)
+    }
+}

@@ -1,0 +1,268 @@
+//! The base of a factored flat BTF: a diffuse and a glossy reflection under the normal of each texel, which the sum of
+//! components corrects. It is evaluated for the view and the light themselves, so that highlights are as sharp as they are,
+//! however far apart the sampled directions lie.
+
+use super::maps::{WeightMap, WeightRange};
+use crate::FormatError;
+use crate::flat_btf::MAX_COORDINATE;
+
+/// Half angles of the table: entry `i` is at `|n - h|² / 2 = (i / 47)⁴`, with normal `n` and half vector `h`.
+pub const HALF_ANGLES: usize = 48;
+/// Difference angles of the table: entry `j` is at a cosine of `1 - j / 7`.
+pub const DIFFERENCE_ANGLES: usize = 8;
+/// Layers of the part `weights` that the base takes, before those of the components.
+pub const BASE_LAYERS: u32 = 2;
+/// Largest number of a table, and largest colour of a base: beyond the largest value of a view.
+pub const LARGEST_BASE: f32 = 65_536.0;
+/// Largest diffuse and glossy albedo.
+const LARGEST_ALBEDO: f32 = 1024.0;
+/// Least sum of the cosines that a glossy reflection is divided by.
+const LEAST_COSINES: f32 = 0.1;
+/// Largest paraboloid coordinate of a normal: it may hang over until its height is -15/17.
+const LARGEST_SLOPE: f32 = 4.0;
+
+/// What a gloss of 1 shows, linear RGB by half angle and difference angle, without the factor of the cosines: the table `T`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BaseTable {
+    /// Half angle by half angle, `48 x 8`.
+    entries: Vec<[f32; 3]>,
+}
+
+/// What a texel has of the base.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BaseTexel {
+    /// Diffuse albedo, linear RGB.
+    pub diffuse: [f32; 3],
+    /// What the table is multiplied by.
+    pub gloss: f32,
+    /// Unit normal.
+    pub normal: [f32; 3],
+}
+
+/// A view and a light as a normal sees them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BaseAngles {
+    /// Cosine of the light's angle to the normal, above 0.
+    pub cosine: f32,
+    /// What a glossy reflection is multiplied by: `cos θi / max(cos θi + cos θo, 0.1)`.
+    pub geometry: f32,
+    /// Four entries of the table and their weights.
+    pub taps: [(usize, f32); 4],
+}
+
+fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+impl BaseAngles {
+    /// Of unit vectors; nothing where the light is behind the surface.
+    #[inline]
+    pub fn new(normal: [f32; 3], view: [f32; 3], light: [f32; 3]) -> Option<Self> {
+        let cosine = dot(normal, light).min(1.0);
+        if cosine <= 0.0 {
+            return None;
+        }
+        let outgoing = dot(normal, view).max(0.0).min(1.0);
+        let sum = [view[0] + light[0], view[1] + light[1], view[2] + light[2]];
+        let length = dot(sum, sum).sqrt();
+        // Opposite to each other they have no half vector.
+        let scale = if length > 1e-6 { 1.0 / length } else { 0.0 };
+        let apart = [normal[0] - scale * sum[0], normal[1] - scale * sum[1], normal[2] - scale * sum[2]];
+        let half = (0.5 * dot(apart, apart)).min(1.0).sqrt().sqrt() * (HALF_ANGLES - 1) as f32;
+        let difference = (1.0 - (0.5 * length).min(1.0)) * (DIFFERENCE_ANGLES - 1) as f32;
+        let i = half.floor().min((HALF_ANGLES - 2) as f32);
+        let j = difference.floor().min((DIFFERENCE_ANGLES - 2) as f32);
+        let (across, along) = (half - i, difference - j);
+        let first = i as usize * DIFFERENCE_ANGLES + j as usize;
+        let taps = [
+            (first, (1.0 - across) * (1.0 - along)),
+            (first + 1, (1.0 - across) * along),
+            (first + DIFFERENCE_ANGLES, across * (1.0 - along)),
+            (first + DIFFERENCE_ANGLES + 1, across * along),
+        ];
+        Some(Self { cosine, geometry: cosine / (cosine + outgoing).max(LEAST_COSINES), taps })
+    }
+}
+
+impl BaseTable {
+    /// `48 x 8` entries, half angle by half angle.
+    ///
+    /// # Errors
+    /// Another number of entries; numbers that are not 0 to [`LARGEST_BASE`].
+    pub fn new(entries: Vec<[f32; 3]>) -> Result<Self, FormatError> {
+        let wanted = HALF_ANGLES * DIFFERENCE_ANGLES;
+        if entries.len() != wanted {
+            return Err(FormatError::whole("entries of the base", entries.len().to_string(), wanted.to_string()));
+        }
+        let good = |entry: &[f32; 3]| entry.iter().all(|number| (0.0..=LARGEST_BASE).contains(number));
+        match entries.iter().position(|entry| !good(entry)) {
+            Some(at) => {
+                let (i, j) = (at / DIFFERENCE_ANGLES, at % DIFFERENCE_ANGLES);
+                let allowed = format!("numbers of 0 to {LARGEST_BASE}");
+                Err(FormatError::whole(format!("entry ({i}, {j}) of the base"), format!("{:?}", entries[at]), allowed))
+            }
+            None => Ok(Self { entries }),
+        }
+    }
+
+    /// One that reflects nothing.
+    pub fn black() -> Self {
+        Self { entries: vec![[0.0; 3]; HALF_ANGLES * DIFFERENCE_ANGLES] }
+    }
+
+    /// All entries, half angle by half angle.
+    pub fn entries(&self) -> &[[f32; 3]] {
+        &self.entries
+    }
+
+    /// The table between its entries.
+    #[inline]
+    pub fn at(&self, taps: &[(usize, f32); 4]) -> [f32; 3] {
+        taps.iter().fold([0.0f32; 3], |sum, (at, weight)| {
+            let entry = self.entries[*at];
+            [sum[0] + weight * entry[0], sum[1] + weight * entry[1], sum[2] + weight * entry[2]]
+        })
+    }
+
+    /// The colour of a texel in a view under a light that arrives in full, linear RGB relative to a white diffuser that faces
+    /// the light: `diffuse cos θi + gloss T(half angle, difference angle) geometry`, 0 to [`LARGEST_BASE`].
+    #[inline]
+    pub fn colour(&self, texel: &BaseTexel, view: [f32; 3], light: [f32; 3]) -> [f32; 3] {
+        let Some(angles) = BaseAngles::new(texel.normal, view, light) else { return [0.0; 3] };
+        let table = self.at(&angles.taps);
+        let gloss = texel.gloss * angles.geometry;
+        [0, 1, 2].map(|c: usize| (texel.diffuse[c] * angles.cosine + gloss * table[c]).min(LARGEST_BASE))
+    }
+}
+
+/// What the numbers of the two layers of the base stand for: `diffuse` red, green, blue, `gloss`; and the normal.
+pub(super) fn base_texel([red, green, blue, gloss, x, x_low, y, y_low]: [f32; 8]) -> BaseTexel {
+    let albedo = |number: f32| number.max(0.0).min(LARGEST_ALBEDO);
+    let slope = |number: f32| number.max(-MAX_COORDINATE).min(MAX_COORDINATE);
+    let (p, q) = (slope(x + x_low), slope(y + y_low));
+    let scale = 2.0 / (1.0 + p * p + q * q);
+    BaseTexel {
+        diffuse: [red, green, blue].map(albedo),
+        gloss: albedo(gloss),
+        normal: [p * scale, q * scale, scale - 1.0],
+    }
+}
+
+/// The paraboloid coordinates of a unit normal, `(x, y) / (1 + z)`, as 16 bits each, as the second layer of the base holds them
+/// by [`slope_ranges`].
+pub fn slope_words([x, y, z]: [f32; 3]) -> [u16; 2] {
+    let scale = 1.0 / (1.0 + z).max(1e-6);
+    [x, y].map(|c| {
+        let share = (c * scale / LARGEST_SLOPE).clamp(-1.0, 1.0) * 0.5 + 0.5;
+        (share * 65535.0).round() as u16
+    })
+}
+
+/// The unit normal of [`slope_words`].
+pub fn slope_texel(words: [u16; 2]) -> [f32; 3] {
+    let [high, low, ..] = slope_ranges();
+    let [x, y] = words.map(|word| {
+        let of = |range: WeightRange, byte: u16| range.low + range.scale * (f32::from(byte) * (1.0 / 255.0));
+        of(high, word >> 8) + of(low, word & 255)
+    });
+    base_texel([0.0, 0.0, 0.0, 0.0, x, 0.0, y, 0.0]).normal
+}
+
+/// What the bytes of [`slope_words`] stand for, the higher one of each first.
+pub fn slope_ranges() -> [WeightRange; 4] {
+    let unit = 2.0 * LARGEST_SLOPE / 65535.0;
+    let [high, low] =
+        [WeightRange { scale: 65280.0 * unit, low: -LARGEST_SLOPE }, WeightRange { scale: 255.0 * unit, low: 0.0 }];
+    [high, low, high, low]
+}
+
+impl WeightMap {
+    /// What a texel of the finest level has of the base.
+    ///
+    /// # Panics
+    /// Without such a texel.
+    pub fn base(&self, texel: usize) -> BaseTexel {
+        base_texel(std::array::from_fn(|k| {
+            let WeightRange { scale, low } = self.ranges()[k];
+            low + scale * (f32::from(self.layer(0, (k / 4) as u32)[4 * texel + k % 4]) * (1.0 / 255.0))
+        }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn unit([x, y, z]: [f32; 3]) -> [f32; 3] {
+        let length = (x * x + y * y + z * z).sqrt();
+        [x / length, y / length, z / length]
+    }
+
+    /// Known answer: without gloss it is Lambert's.
+    #[test]
+    fn without_gloss_it_is_diffuse() {
+        let table = BaseTable::new(vec![[9.0; 3]; HALF_ANGLES * DIFFERENCE_ANGLES]).unwrap();
+        let texel = BaseTexel { diffuse: [0.5, 0.25, 1.0], gloss: 0.0, normal: [0.0, 0.6, 0.8] };
+        assert_eq!(table.colour(&texel, [0.0, 0.0, 1.0], [0.0, 0.0, 1.0]), [0.4, 0.2, 0.8]);
+        assert_eq!(table.colour(&texel, [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]), [0.0; 3]);
+        let glossy = BaseTexel { gloss: 0.5, ..texel };
+        assert!(table.colour(&glossy, [0.0, 0.0, 1.0], [0.0, 0.0, 1.0])[0] > 2.0);
+    }
+
+    /// Where the entries are, by angles in double precision.
+    #[test]
+    fn places_are_angles() {
+        for (half, difference) in [(0.02f64, 0.0f64), (0.3, 0.4), (1.0, 0.2), (0.0, 1.2)] {
+            let polar = |angle: f64| [angle.sin() as f32, 0.0, angle.cos() as f32];
+            let across = difference.sin() as f32;
+            // A pair around the half vector, across the plane of normal and half vector.
+            let pair = |sign: f32| {
+                let [x, _, z] = polar(half).map(|c| c * difference.cos() as f32);
+                [x, sign * across, z]
+            };
+            let angles = BaseAngles::new([0.0, 0.0, 1.0], pair(1.0), pair(-1.0)).unwrap();
+            let found = |of: fn(usize) -> usize| {
+                angles.taps.iter().map(|(at, weight)| of(*at) as f64 * f64::from(*weight)).sum::<f64>()
+            };
+            let wanted = 47.0 * (1.0 - half.cos()).powf(0.25);
+            assert!((found(|at| at / DIFFERENCE_ANGLES) - wanted).abs() < 2e-2, "{half}: {wanted}");
+            assert!((found(|at| at % DIFFERENCE_ANGLES) - 7.0 * (1.0 - difference.cos())).abs() < 1e-3);
+        }
+    }
+
+    #[test]
+    fn tables_out_of_range_are_refused() {
+        let mut entries = vec![[0.5; 3]; HALF_ANGLES * DIFFERENCE_ANGLES];
+        assert!(BaseTable::new(entries[1..].to_vec()).is_err());
+        for number in [f32::NAN, f32::INFINITY, -0.1, 7e4] {
+            entries[19][1] = number;
+            let refused = BaseTable::new(entries.clone()).unwrap_err().to_string();
+            assert!(refused.contains("entry (2, 3) of the base"), "{refused}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn normals_come_back(x in -1.0f32..1.0, y in -1.0f32..1.0, z in -0.8f32..1.0) {
+            prop_assume!(x * x + y * y + z * z > 0.01);
+            let normal = unit([x, y, z]);
+            prop_assume!(normal[2] > -0.85);
+            let bytes = slope_words(normal).map(|word| [word >> 8, word & 255]).concat();
+            let number = |k: usize| slope_ranges()[k].low + slope_ranges()[k].scale * f32::from(bytes[k]) / 255.0;
+            let found = base_texel([0.0, 0.0, 0.0, 0.0, number(0), number(1), number(2), number(3)]).normal;
+            for k in 0..3 {
+                prop_assert!((found[k] - normal[k]).abs() < 2e-4, "{normal:?} {found:?}");
+            }
+        }
+
+        /// Whatever a file holds, and wherever a filter ends: numbers.
+        #[test]
+        fn bases_are_numbers(numbers in prop::array::uniform8(prop::num::f32::NORMAL | prop::num::f32::INFINITE | prop::num::f32::ZERO)) {
+            let texel = base_texel(numbers);
+            let table = BaseTable::new(vec![[LARGEST_BASE; 3]; HALF_ANGLES * DIFFERENCE_ANGLES]).unwrap();
+            let colour = table.colour(&texel, [0.0, 0.6, 0.8], [0.28, 0.0, 0.96]);
+            prop_assert!(colour.iter().all(|c| (0.0..=LARGEST_BASE).contains(c)), "{texel:?} {colour:?}");
+        }
+    }
+}
