@@ -66,7 +66,7 @@ fn queries(sizes: Sizes, count: usize) -> Vec<Query> {
 
 fn direction(numbers: &mut Numbers) -> [f32; 3] {
     let height = [0.0, 1.0, numbers.unit(), numbers.unit()][numbers.bits() as usize % 4];
-    from_polar(height.acos(), numbers.between(0.0, 6.28)).map(|c| c as f32)
+    from_polar(height.acos(), numbers.between(0.0, std::f64::consts::TAU)).map(|c| c as f32)
 }
 
 fn mirrored([x, y, z]: [f32; 3]) -> [f32; 3] {

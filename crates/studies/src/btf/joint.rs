@@ -255,7 +255,7 @@ mod tests {
             let count = set.len();
             let word = move |view, k: usize| rgb9e5::encode([value(view, k / 256, k % 256); 3]);
             let words = (0..count).map(|view| (0..count * 256).map(|k| word(view, k)).collect()).collect();
-            Asset { size: 16, words, masks: None }
+            Asset { size: 16, words, masks: None, normals: vec![[0.0, 0.0, 1.0]; 256] }
         };
         let smooth = asset(0.0);
         let chosen = [candidate(DomainName::CubeRoot, 0.0, 1e-8)];

@@ -62,7 +62,7 @@ impl BaseAngles {
         if cosine <= 0.0 {
             return None;
         }
-        let outgoing = dot(normal, view).max(0.0).min(1.0);
+        let outgoing = dot(normal, view).clamp(0.0, 1.0);
         let sum = [view[0] + light[0], view[1] + light[1], view[2] + light[2]];
         let length = dot(sum, sum).sqrt();
         // Opposite to each other they have no half vector.
@@ -137,8 +137,10 @@ impl BaseTable {
 
 /// What the numbers of the two layers of the base stand for: `diffuse` red, green, blue, `gloss`; and the normal.
 pub(super) fn base_texel([red, green, blue, gloss, x, x_low, y, y_low]: [f32; 8]) -> BaseTexel {
-    let albedo = |number: f32| number.max(0.0).min(LARGEST_ALBEDO);
-    let slope = |number: f32| number.max(-MAX_COORDINATE).min(MAX_COORDINATE);
+    // What is no number is the least.
+    let between = |number: f32, least: f32, most: f32| if number > least { number.min(most) } else { least };
+    let albedo = |number: f32| between(number, 0.0, LARGEST_ALBEDO);
+    let slope = |number: f32| between(number, -MAX_COORDINATE, MAX_COORDINATE);
     let (p, q) = (slope(x + x_low), slope(y + y_low));
     let scale = 2.0 / (1.0 + p * p + q * q);
     BaseTexel {

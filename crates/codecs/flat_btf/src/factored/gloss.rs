@@ -82,7 +82,7 @@ impl Equations {
         }
         let Some(factors) = self.matrix.cholesky() else { return vec![[0.0; 3]; ENTRIES] };
         let solved = self.right.map(|right| factors.solve(&right));
-        let number = |number: f64| (number as f32).max(0.0).min(LARGEST_BASE);
+        let number = |number: f64| if number > 0.0 { (number as f32).min(LARGEST_BASE) } else { 0.0 };
         (0..ENTRIES).map(|at| [0, 1, 2].map(|k: usize| number(solved[k][at]))).collect()
     }
 }

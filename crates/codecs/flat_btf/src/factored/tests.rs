@@ -3,7 +3,8 @@
 use super::{Factored, FactoredRecipe, FactoredTarget, factor};
 use brdfc_formats::FormatError;
 use brdfc_formats::container::rgb9e5;
-use brdfc_formats::flat_btf::factored::from_opponent;
+use brdfc_formats::direction::from_polar;
+use brdfc_formats::flat_btf::factored::{BaseTable, BaseTexel, DIFFERENCE_ANGLES, HALF_ANGLES, from_opponent};
 use brdfc_formats::flat_btf::{FlatHeader, FlatView, NormalMap, VisibilityMask};
 
 const SIZE: u32 = 16;
@@ -94,6 +95,39 @@ fn products_come_back() {
     }
     let mean = |values: &[f32]| values.iter().sum::<f32>() / values.len() as f32;
     assert!(mean(&dark) < 0.01 && mean(&lit) > 0.5, "{} {}", mean(&dark), mean(&lit));
+}
+
+/// A gloss that is narrower than the steps between directions, under another normal at each texel, of other albedos: the base
+/// holds it, components have nothing to do.
+#[test]
+fn gloss_under_known_normals_is_the_base() {
+    let normal = |t: u32| {
+        let (polar, azimuth) = (0.5 * noise(t, 60), 6.28 * noise(t, 61));
+        [polar.sin() * azimuth.cos(), polar.sin() * azimuth.sin(), polar.cos()]
+    };
+    let vectors = |count: u32| {
+        directions(count).into_iter().map(|[p, a]| from_polar(f64::from(p), f64::from(a)).map(|c| c as f32))
+    };
+    let (from, to): (Vec<[f32; 3]>, Vec<[f32; 3]>) = (vectors(VIEWS).collect(), vectors(LIGHTS).collect());
+    let lobe = |i: usize| 2.0 / (1.0 + (i as f32 / 14.0).powi(4));
+    let entries = (0..HALF_ANGLES * DIFFERENCE_ANGLES).map(|at| [lobe(at / DIFFERENCE_ANGLES); 3]);
+    let table = BaseTable::new(entries.collect()).unwrap();
+    let glossy = |t: u32, v: u32, l: u32| {
+        let diffuse = [0.3 * noise(t, 62), 0.2 + 0.1 * noise(t, 63), 0.1];
+        let texel = BaseTexel { diffuse, gloss: 0.5 + 0.5 * noise(t, 64), normal: normal(t) };
+        table.colour(&texel, from[v as usize], to[l as usize])
+    };
+    let four = FactoredTarget::Components { components: 4, shadowed: false };
+    let (seen, views) = (mask(|_, _| true), views(glossy));
+    let errors = |normals: &NormalMap| {
+        let view = |view: u32| Ok::<_, FormatError>(views[view as usize].clone());
+        factor(&FactoredRecipe::new(four), normals, &seen, view, &()).unwrap().facts.errors
+    };
+    let known = errors(&NormalMap::new(SIZE, (0..SIZE * SIZE).map(normal).collect()).unwrap());
+    assert!(known.seen_mean < 0.3, "{known:?}");
+    // The negative control: normals of a plane.
+    let unknown = errors(&flat(SIZE));
+    assert!(unknown.seen_mean > 10.0 * known.seen_mean, "{unknown:?} {known:?}");
 }
 
 /// The negative control: with lights shuffled at every texel there is no product any more.
