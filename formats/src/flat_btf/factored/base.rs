@@ -2,16 +2,11 @@
 //! components corrects. It is evaluated for the view and the light themselves, so that highlights are as sharp as they are,
 //! however far apart the sampled directions lie.
 
+use super::header::{DIFFERENCE_ANGLES, HALF_ANGLES};
 use super::maps::{WeightMap, WeightRange};
 use crate::FormatError;
 use crate::flat_btf::MAX_COORDINATE;
 
-/// Half angles of the table: entry `i` is at `|n - h|² / 2 = (i / 47)⁴`, with normal `n` and half vector `h`.
-pub const HALF_ANGLES: usize = 48;
-/// Difference angles of the table: entry `j` is at a cosine of `1 - j / 7`.
-pub const DIFFERENCE_ANGLES: usize = 8;
-/// Layers of the part `weights` that the base takes, before those of the components.
-pub const BASE_LAYERS: u32 = 2;
 /// Largest number of a table, and largest colour of a base: beyond the largest value of a view.
 pub const LARGEST_BASE: f32 = 65_536.0;
 /// Largest diffuse and glossy albedo.

@@ -1,7 +1,7 @@
 //! The part `basis`: what each component is in each view under each light, and the table of the base.
 
-use super::base::{BaseTable, DIFFERENCE_ANGLES, HALF_ANGLES};
-use super::header::{BASIS_PART, FactoredErrors, FactoredHeader, GROUP};
+use super::base::BaseTable;
+use super::header::{BASIS_PART, DIFFERENCE_ANGLES, FactoredErrors, FactoredHeader, GROUP, HALF_ANGLES};
 use crate::FormatError;
 use crate::container::{Extent, TexelFormat, Texture};
 use crate::flat_btf::layout::{check_format, words, wrong_extent};

@@ -1,10 +1,10 @@
 //! The CPU decoder, the reference that shaders are held against: f32 arithmetic in a fixed order without fused
 //! operations.
 
-use super::base::{BASE_LAYERS, BaseTexel, base_texel};
+use super::base::{BaseTexel, base_texel};
 use super::basis::BasisMap;
 use super::domain::{from_opponent, to_opponent};
-use super::header::{FactoredErrors, FactoredHeader, GROUP, MAX_GROUPS, ShadowFormat};
+use super::header::{BASE_LAYERS, FactoredErrors, FactoredHeader, GROUP, MAX_GROUPS, ShadowFormat};
 use super::maps::{ShadowMap, WeightMap};
 use crate::FormatError;
 use crate::container::rgb9e5;

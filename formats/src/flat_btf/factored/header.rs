@@ -1,6 +1,5 @@
 //! What a factored flat BTF says of itself, in the entry `brdfc.flat-btf.factored` of its basis.
 
-use super::base::{BASE_LAYERS, DIFFERENCE_ANGLES, HALF_ANGLES};
 use crate::FormatError;
 use crate::container::entries::entry;
 use crate::container::{Extent, MAX_EXTENT_2D, TexelFormat, Texture};
@@ -15,6 +14,12 @@ pub(crate) const FACTORED: &str = "brdfc.flat-btf.factored";
 pub const MAX_GROUPS: u32 = 16;
 /// Components of a group.
 pub const GROUP: usize = 4;
+/// Half angles of the base's table: entry `i` is at `|n - h|² / 2 = (i / 47)⁴`, with normal `n` and half vector `h`.
+pub const HALF_ANGLES: usize = 48;
+/// Difference angles of the base's table: entry `j` is at a cosine of `1 - j / 7`.
+pub const DIFFERENCE_ANGLES: usize = 8;
+/// Layers of the part `weights` that the base takes, before those of the components.
+pub const BASE_LAYERS: u32 = 2;
 
 pub(super) const BASIS_PART: &str = "basis";
 const VERSION: u32 = 1;

@@ -1,8 +1,7 @@
 //! The parts `weights` and `shadow`: what a texel has of the base and of each component, and how much of each light reaches it.
 //! Both have mipmaps.
 
-use super::base::BASE_LAYERS;
-use super::header::{GROUP, MAX_GROUPS};
+use super::header::{BASE_LAYERS, GROUP, MAX_GROUPS};
 use crate::FormatError;
 use crate::container::entries::{entry, sized};
 use crate::container::{Extent, MAX_EXTENT_2D, MAX_LAYERS, MAX_TEXEL_BYTES, PackedTexture, TexelFormat, Texture};

@@ -12,14 +12,13 @@ mod header;
 mod maps;
 pub mod shader;
 
-pub use base::{
-    BASE_LAYERS, BaseAngles, BaseTable, BaseTexel, DIFFERENCE_ANGLES, HALF_ANGLES, LARGEST_BASE, slope_ranges,
-    slope_texel, slope_words,
-};
+pub use base::{BaseAngles, BaseTable, BaseTexel, LARGEST_BASE, slope_ranges, slope_texel, slope_words};
 pub use basis::BasisMap;
 pub use decode::{FactoredFlatBtf, FactoredTexel};
 pub use domain::{cube_root, from_opponent, to_opponent};
 pub(crate) use header::FACTORED as FACTORED_ENTRY;
-pub use header::{FactoredErrors, FactoredHeader, GROUP, MAX_GROUPS, ShadowFormat};
+pub use header::{
+    BASE_LAYERS, DIFFERENCE_ANGLES, FactoredErrors, FactoredHeader, GROUP, HALF_ANGLES, MAX_GROUPS, ShadowFormat,
+};
 pub(crate) use maps::{SHADOW as SHADOW_ENTRY, WEIGHTS as WEIGHTS_ENTRY};
 pub use maps::{ShadowMap, WeightMap, WeightRange};

@@ -1,9 +1,8 @@
 //! What a shader needs besides the textures of a factored flat BTF: `formats/src/flat_btf/factored/factored.wgsl` and its
 //! uniform block.
 
-use super::base::BASE_LAYERS;
 use super::decode::FactoredFlatBtf;
-use super::header::{GROUP, MAX_GROUPS};
+use super::header::{BASE_LAYERS, GROUP, MAX_GROUPS};
 
 /// The WGSL decoder, to be pasted behind [`crate::flat_btf::shader::FLAT_BTF_WGSL`]. It declares a uniform block, three
 /// textures and a sampler in bind group 1; see the file.

@@ -5,21 +5,13 @@ use super::base::{Rays, StoredBase};
 use super::basis::Basis;
 use super::masks::Masks;
 use super::matrix::{Rows, add_product};
+use super::words::ViewWords;
 use brdfc_formats::container::rgb9e5;
 use brdfc_formats::flat_btf::factored::to_opponent;
 use rayon::prelude::*;
 
 /// Texels of a strip that is worked on at once.
 const STRIP: usize = 128;
-
-/// Words of some texels in a view: those from `first` on of each light, lights `stride` apart.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct ViewWords<'a> {
-    pub(super) view: usize,
-    pub(super) words: &'a [u32],
-    pub(super) first: usize,
-    pub(super) stride: usize,
-}
 
 /// Of a texel and a light, with values x, base o, and what a view counts m: `Σ m x₀` (lightness), `Σ m x·o`, `Σ m o·o`.
 pub(super) type Scalars = [f32; 3];

@@ -1,10 +1,10 @@
 //! The base: a table of gloss for the whole surface, and of each texel a diffuse and a glossy albedo under its normal. It is
 //! fitted to what is seen and lit; shadows and components account for the rest.
 
-use super::accumulate::ViewWords;
+use super::lit::threshold;
 use super::masks::Masks;
 use super::quantise::{weight_byte, weight_of_byte, weight_ranges};
-use super::train::threshold;
+use super::words::ViewWords;
 use brdfc_formats::container::rgb9e5;
 use brdfc_formats::direction::from_polar;
 use brdfc_formats::flat_btf::factored::{

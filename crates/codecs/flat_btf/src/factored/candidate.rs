@@ -1,6 +1,6 @@
 //! A basis that might do: fitted to some texels, tried on others.
 
-use super::accumulate::{Sums, ViewWords};
+use super::accumulate::Sums;
 use super::assemble::{self, Shape};
 use super::base::{Rays, StoredBase};
 use super::local::solve_texels;
@@ -8,6 +8,7 @@ use super::measure::errors;
 use super::rounded::Rounded;
 use super::sample::{Sample, Values};
 use super::train::{Fit, first_shadows};
+use super::words::ViewWords;
 use brdfc_formats::FormatError;
 use brdfc_formats::flat_btf::FlatHeader;
 use brdfc_formats::flat_btf::factored::{FactoredErrors, GROUP};

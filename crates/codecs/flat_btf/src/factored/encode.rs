@@ -1,6 +1,6 @@
 //! From views to a factored flat BTF, in passes over the views.
 
-use super::accumulate::{Sums, ViewWords};
+use super::accumulate::Sums;
 use super::assemble;
 use super::base::{AlbedoSums, Rays, StoredBase, stored_normals};
 use super::candidate::VIEWS_AT_ONCE;
@@ -13,6 +13,7 @@ use super::recipe::FactoredRecipe;
 use super::report::{FactorError, Factored, FactoredFacts};
 use super::rounded::Rounded;
 use super::sample::{Sample, choose};
+use super::words::ViewWords;
 use brdfc_formats::FormatError;
 use brdfc_formats::flat_btf::{FlatHeader, FlatView, NormalMap, VisibilityMask};
 use brdfc_source::progress::{Progress, Stage};

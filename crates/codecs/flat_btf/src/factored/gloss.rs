@@ -1,8 +1,8 @@
 //! The table of the base, fitted to some texels by alternating least squares: the table, then albedos of each texel.
 
-use super::accumulate::ViewWords;
 use super::base::{Albedo, AlbedoSums, LEAST_COSINE, Rays, visible};
 use super::sample::Sample;
+use super::words::ViewWords;
 use brdfc_formats::FormatError;
 use brdfc_formats::container::rgb9e5;
 use brdfc_formats::flat_btf::factored::{BaseAngles, BaseTable, DIFFERENCE_ANGLES, HALF_ANGLES, LARGEST_BASE};

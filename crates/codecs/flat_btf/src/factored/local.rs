@@ -2,11 +2,12 @@
 
 use super::accumulate::{Scalars, Sums};
 use super::basis::{Basis, Squares};
+use super::lit::threshold;
 use super::masks::Masks;
 use super::matrix::{Rows, add_product, dot, quadratic_weights, solve};
 use super::quantise::{shadow_byte, shadow_of_byte};
 use super::rounded::Rounded;
-use super::train::{ridged_shadows, threshold};
+use super::train::ridged_shadows;
 use rayon::prelude::*;
 
 /// Rounds of weights and shadows; they converge in about four.

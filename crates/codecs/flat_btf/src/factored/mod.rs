@@ -15,6 +15,7 @@ mod candidate;
 mod choose;
 mod encode;
 mod gloss;
+mod lit;
 mod local;
 mod masks;
 mod matrix;
@@ -28,6 +29,7 @@ mod sample;
 #[cfg(test)]
 mod tests;
 mod train;
+mod words;
 
 pub use encode::factor;
 pub use recipe::{FactoredRecipe, FactoredTarget};

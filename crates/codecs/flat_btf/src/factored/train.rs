@@ -1,6 +1,7 @@
 //! The fit of basis, weights and shadows to some texels, by alternating least squares: each in turn, the others fixed.
 
 use super::basis::{Basis, Squares};
+use super::lit::threshold;
 use super::matrix::{
     Rows, add_product, add_product_with_transposed, add_square, add_transposed_product, packed_length, solve,
 };
@@ -16,8 +17,6 @@ const WEIGHT_RIDGE: f64 = 1e-4;
 const BASIS_RIDGE: f64 = 1e-5;
 /// Share of the mean of denominators that pulls a shadow to what it was.
 pub(super) const SHADOW_RIDGE: f32 = 1e-3;
-/// What is brighter than this share of a texel's brightest mean over the views is lit at first.
-const LIT_SHARE: f32 = 0.05;
 /// Columns that the first guess of a basis has more than asked for, and how often it is multiplied.
 const OVERSAMPLING: usize = 8;
 const GUESS_ROUNDS: usize = 2;
@@ -46,12 +45,6 @@ pub(super) fn first_shadows(values: &Values, shadowed: bool) -> Vec<f32> {
         solve_shadows(values, &mut shadows, None);
     }
     shadows
-}
-
-/// 1 where a sum of lightness is not far below the largest, 0 else.
-pub(super) fn threshold(sums: &mut [f32]) {
-    let least = LIT_SHARE * sums.iter().copied().fold(0.0, f32::max);
-    sums.iter_mut().for_each(|sum| *sum = f32::from(u8::from(*sum > least)));
 }
 
 impl Fit {

@@ -1,0 +1,10 @@
+//! Values of texels as views hold them.
+
+/// Words of some texels in a view: those from `first` on of each light, lights `stride` apart.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ViewWords<'a> {
+    pub(super) view: usize,
+    pub(super) words: &'a [u32],
+    pub(super) first: usize,
+    pub(super) stride: usize,
+}
