@@ -132,7 +132,7 @@ pub(super) enum ImageFormat {
 fn after_help() -> String {
     format!(
         "Structures:\n{}\nExamples:\n  brdfc flatten synth:button -o button\n  \
-         brdfc flatten synth:button -o small --max-bytes 8MiB\n  \
+         brdfc flatten synth:button -o small --max-bytes 10MiB\n  \
          brdfc flatten 'synth:knit?count=6' -o wool --form light --texels 128\n  \
          brdfc flatten bricks.obj --tile 2 --material clay=clay.binary --material synth:lambert?kd=0.4 -o bricks\n  \
          brdfc flatten relief.png --height-scale 0.2 --colour relief-colour.png -o relief\n  \

@@ -102,7 +102,7 @@ fn products_come_back() {
 #[test]
 fn gloss_under_known_normals_is_the_base() {
     let normal = |t: u32| {
-        let (polar, azimuth) = (0.5 * noise(t, 60), 6.28 * noise(t, 61));
+        let (polar, azimuth) = (0.5 * noise(t, 60), std::f32::consts::TAU * noise(t, 61));
         [polar.sin() * azimuth.cos(), polar.sin() * azimuth.sin(), polar.cos()]
     };
     let vectors = |count: u32| {
