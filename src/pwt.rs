@@ -188,10 +188,35 @@ fn recipe(arguments: &Arguments) -> Result<PwtRecipe, CliError> {
     Ok(recipe)
 }
 
+/// An option that was given and says nothing of a polynomial texture map.
+fn of_a_pack(arguments: &Arguments) -> Option<&'static str> {
+    let given = [
+        (arguments.quality.is_some(), "quality"),
+        (arguments.max_delta_e.is_some(), "max-delta-e"),
+        (arguments.max_bytes.is_some(), "max-bytes"),
+        (arguments.energy.is_some(), "energy"),
+        (arguments.loss.is_some(), "loss"),
+        (arguments.tile, "tile"),
+        (arguments.coordinates.is_some(), "coordinates"),
+        (arguments.degree.is_some(), "degree"),
+        (arguments.ridge.is_some(), "ridge"),
+        (arguments.domain.is_some(), "domain"),
+        (arguments.wavelet != Wavelet::Haar.name(), "wavelet"),
+        (arguments.levels.is_some(), "levels"),
+        (arguments.packets != 1, "packets"),
+        (arguments.hold_out != 0, "hold-out"),
+        (arguments.no_supercompression, "no-supercompression"),
+    ];
+    given.into_iter().find(|(given, _)| *given).map(|(_, option)| option)
+}
+
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     let recipe = recipe(arguments)?;
     refuse_overwriting("--output", &arguments.output, arguments.input.path().as_slice())?;
     let is_map = arguments.output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(PTM));
+    if let Some(option) = is_map.then(|| of_a_pack(arguments)).flatten() {
+        return Err(CliError::Usage(format!("--{option}: found with an output .ptm; allowed with a pack")));
+    }
     if !is_map {
         refuse_unfit_output(&arguments.output, "ktx2")?;
         if arguments.model.is_some() {

@@ -226,3 +226,54 @@ fn few_and_poor_lights_have_a_pack() {
         assert!(report["condition"].as_f64().unwrap() >= 1.0 && report["psnr"].as_f64().unwrap() > 10.0, "{report}");
     }
 }
+
+/// A map has one form: what asks for another is refused, gates above all.
+#[test]
+fn options_of_packs_are_refused_with_maps() {
+    let folder = Folder::new();
+    for options in [
+        &["--quality", "100"][..],
+        &["--max-delta-e", "0.01"],
+        &["--hold-out", "2"],
+        &["--wavelet", "cdf97"],
+        &["--tile"],
+    ] {
+        let ran = folder.run(&[&["pwt", "nothing", "-o", "x.ptm"][..], options].concat());
+        let told = format!("{}: found with an output .ptm; allowed with a pack", options[0]);
+        assert!(ran.code == 2 && ran.stderr.contains(&told), "{}", ran.stderr);
+    }
+}
+
+/// Pictures of an ordinary BTF, of the flat one, its pack and its look-ups have one upper half.
+#[test]
+fn rows_of_flat_btfs_go_down() {
+    let folder = Folder::new();
+    let image = image::RgbImage::from_fn(16, 16, |_, row| image::Rgb(if row < 8 { [255, 0, 0] } else { [0, 255, 0] }));
+    image.save(folder.path().join("colour.png")).unwrap();
+    image::GrayImage::from_pixel(16, 16, image::Luma([128])).save(folder.path().join("heights.png")).unwrap();
+    let surface =
+        ["flatten", "heights.png", "--colour", "colour.png", "--material", "synth:lambert?kd=1", "-o", "flat"];
+    let small = ["--texels", "16", "--flat-texels", "16", "--views", "grid:2x3@40", "--lights", "grid:3x6@60"];
+    folder.run(&[&surface[..], &small, &["--write-images", "images"]].concat()).succeeded();
+    for input in ["flat", "images"] {
+        folder.run(&["pwt", input, "-o", &format!("{input}.ktx2"), "--quality", "30"]).succeeded();
+    }
+    folder.write(
+        "places.csv",
+        "u,v,wi_x,wi_y,wi_z,wo_x,wo_y,wo_z
+0.5,0.25,0,0,1,0,0,1
+0.5,0.75,0,0,1,0,0,1
+",
+    );
+    for asked in ["images.ktx2", "flat.ktx2", "flat"] {
+        let table = folder.run(&["eval", asked, "--directions", "places.csv"]).succeeded().stdout;
+        let mut lines = table.lines();
+        let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+        let column = |name: &str| names.iter().position(|found| *found == name).unwrap();
+        let is_red = |line: &str| {
+            let number = |name: &str| line.split(',').nth(column(name)).unwrap().parse::<f32>().unwrap();
+            number("r") > 2.0 * number("g")
+        };
+        assert_eq!(lines.map(is_red).collect::<Vec<_>>(), [true, false], "{asked}: {table}");
+    }
+}

@@ -452,7 +452,7 @@ fn flat_btfs_are_drawn_with_parallax() {
     let info = folder.run(&["info", "button"]).succeeded().stdout;
     assert!(info.contains("synth:button?resolution=48") && info.contains("texels seen by one view"), "{info}");
     assert_eq!(folder.run(&["info", "button/button.basis.ktx2"]).succeeded().stdout, info);
-    // All views as they are: nearer to the surface, in the same places.
+    // All views as they are: about as far from the surface.
     folder
         .run(
             &[
@@ -468,10 +468,7 @@ fn flat_btfs_are_drawn_with_parallax() {
             .succeeded(),
     );
     assert!(mean(&whole, "shading") < 0.2, "{whole}");
-    assert!(
-        mean(&whole, "total") < mean(&full, "total") && mean(&full, "total") < 1.5 * mean(&whole, "total"),
-        "{whole} {full}"
-    );
+    assert!((0.5..1.5).contains(&(mean(&full, "total") / mean(&whole, "total"))), "{whole} {full}");
     for (wrong, expected) in [
         (["render", "button", "--lod", "2"], "a flat BTF"),
         (["render", "synth:lambert", "--form", "light"], "the folder of a flat BTF"),

@@ -63,7 +63,9 @@ impl Relightable {
                 if query.incoming[2] <= 0.0 || query.outgoing[2] <= 0.0 {
                     return [0.0; 3];
                 }
-                material.value(FlatForm::Full, query.uv, coarser, query.outgoing, query.incoming)
+                // Down on the picture is back along the bitangent.
+                let [u, v] = query.uv;
+                material.value(FlatForm::Full, [u, 1.0 - v], coarser, query.outgoing, query.incoming)
             }
         }
     }

@@ -170,7 +170,8 @@ fn one_view(path: &Path, view: usize) -> Result<LightSamples, PwtError> {
     Ok(LightSamples { size: btf.size(), lights, pictures, repeats: true, defined: None })
 }
 
-/// A view of a flat BTF, with the texels that it sees as defined ones where the asset says which; nothing if there is none.
+/// A view of a flat BTF, with the texels that it sees as defined ones where the asset says which; nothing if there is none. Its
+/// rows go up, those of pictures down.
 fn flat_view(path: &Path, view: usize) -> Result<Option<LightSamples>, PwtError> {
     if crate::flatten::open_asset(path)?.is_none() {
         return Ok(None);
@@ -187,7 +188,8 @@ fn flat_view(path: &Path, view: usize) -> Result<Option<LightSamples>, PwtError>
         .collect();
     check_amount(&path.display(), [side, side], header.lights.len())?;
     let decoded = |light: usize| {
-        view.light(light as u32).iter().map(|texel| brdfc_formats::container::rgb9e5::decode(*texel)).collect()
+        let rows = view.light(light as u32).chunks_exact(side).rev();
+        rows.flatten().map(|texel| brdfc_formats::container::rgb9e5::decode(*texel)).collect()
     };
     let pictures = (0..header.lights.len()).into_par_iter().map(decoded).collect();
     let defined = seen_texels(path, header)?;
@@ -203,7 +205,7 @@ fn seen_texels(path: &Path, header: &FlatHeader) -> Result<Option<Vec<bool>>, Pw
         let allowed = format!("{size} x {size} of {views}, as the views have");
         return Err(refused(&path.display(), "part mask", &found, &allowed));
     }
-    let seen = (0..size * size).map(|texel| mask.is_seen(header.view, [texel % size, texel / size]));
+    let seen = (0..size * size).map(|texel| mask.is_seen(header.view, [texel % size, size - 1 - texel / size]));
     Ok(Some(seen.collect()).filter(|seen: &Vec<bool>| seen.contains(&true)))
 }
 
