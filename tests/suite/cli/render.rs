@@ -438,7 +438,7 @@ fn flat_btfs_are_drawn_with_parallax() {
     folder.run(&[&button[..], &small].concat()).succeeded();
     let plane = ["render", "button", "--scene", "plane", "--size", "80x60", "--samples", "1", "--json"];
     let full = report(&folder.run(&[&plane[..], &["--sheet", "s.png", "-o", "p.exr"]].concat()).succeeded());
-    assert!(mean(&full, "shading") < 0.2, "{full}");
+    assert!(mean(&full, "shading") < 0.5, "{full}");
     let light = report(&folder.run(&[&plane[..], &["--form", "light"]].concat()).succeeded());
     // Both show the relief; shadows are in the full form alone.
     assert!(mean(&full, "total") < mean(&light, "total"), "{full} {light}");
