@@ -94,9 +94,12 @@ fn shader_and_cpu_draw_the_same_pictures_of_factors() {
     let scene = Builtin::Plane.scene();
     let [many, few] = [many, few].map(|material| draw_on_cpu(&scene, FRAME, &material, FlatForm::Full));
     let (_, mean) = difference(&few, &many);
-    println!("factors against views: mean ΔE {mean}");
-    // Of 32 x 32 texels of the plane, without steps between them here.
-    assert!((0.01..8.0).contains(&mean), "{mean}");
+    let errors = SMALLER.values.factored().unwrap().header().errors;
+    println!("factors against views: mean ΔE {mean}, at sampled directions {errors:?}");
+    // Between these few directions the views blend what the base keeps apart.
+    assert!((0.01..20.0).contains(&mean), "{mean}");
+    // The mask has all texels seen, those that were filled in, too.
+    assert!(errors.texels > 100 && errors.seen_mean < 5.0, "{errors:?}");
     // Far away a texel stands for many.
     let finest = FlatBtfParts { values: without_mipmaps(&SMALLER.values), ..SMALLER.clone() };
     let scene = Builtin::Terrain.scene();
