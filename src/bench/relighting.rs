@@ -1,7 +1,7 @@
 //! The study of photographs under known lights.
 
 use super::arguments::Arguments;
-use crate::output::{remark, write_file};
+use crate::output::{make_folder, remark, write_file};
 use crate::table::{bytes, percent, plain};
 use crate::{CliError, Common};
 use brdfc_jobs::pwt::LightInput;
@@ -20,6 +20,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
         return Err(CliError::Usage(format!("INPUT: found {found}; allowed one: a folder of photographs with an .lp")));
     };
     let samples = LightInput::open(input, None)?.into_samples();
+    if let Some(folder) = &arguments.out {
+        make_folder(folder)?;
+    }
     let told = |error: brdfc_formats::FormatError| CliError::Input(format!("{input}: {error}"));
     let study =
         relighting(&samples, HELD_OUT, &SEEDS, &|method| remark(common, &format!("{method}: done"))).map_err(told)?;
