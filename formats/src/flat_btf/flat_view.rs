@@ -5,6 +5,7 @@ use crate::FormatError;
 use crate::container::entries::{entry, sized};
 use crate::container::{Extent, MAX_LAYERS, TexelFormat, Texture};
 use crate::cursor::Cursor;
+use crate::direction::from_polar;
 use std::collections::BTreeMap;
 
 const PART: &str = "flat";
@@ -68,6 +69,12 @@ impl FlatHeader {
         header.check()?;
         Ok(header)
     }
+}
+
+/// Unit vectors of polar angles and azimuths, radians: sines and cosines in double precision, rounded.
+pub fn unit_vectors(angles: &[[f32; 2]]) -> Vec<[f32; 3]> {
+    let vector = |[polar, azimuth]: &[f32; 2]| from_polar(f64::from(*polar), f64::from(*azimuth)).map(|c| c as f32);
+    angles.iter().map(vector).collect()
 }
 
 /// Whether views and lights are as many as allowed, and angles in range.

@@ -22,7 +22,7 @@ pub use decoder::{FlatBtfDecoder, FlatBtfParts, FlatValues, Indirection};
 pub(crate) use displacement::HEADER as DISPLACEMENT_ENTRY;
 pub use displacement::{DisplacementHeader, DisplacementMap, MAX_TANGENT, SAME_SIDE, TANGENT_BIAS};
 pub(crate) use flat_view::HEADER as FLAT_BTF_ENTRY;
-pub use flat_view::{FlatHeader, FlatView, MAX_DIRECTIONS, VisibilityMask, view_part};
+pub use flat_view::{FlatHeader, FlatView, MAX_DIRECTIONS, VisibilityMask, unit_vectors, view_part};
 pub use graphics_memory::gpu_bytes;
 pub(crate) use indirection::HEADER as INDIRECTION_ENTRY;
 pub use indirection::{IndirectionHeader, IndirectionMap, MAX_AZIMUTH_SAMPLES, MAX_ZENITH_SAMPLES};

@@ -1,14 +1,13 @@
 //! Factored flat BTFs: known answers of the decoder, its filter, the shader's block, and files that come back or are refused.
 
 use brdfc_formats::container::PackedTexture;
-use brdfc_formats::direction::from_polar;
 use brdfc_formats::flat_btf::factored::shader::{FACTORED_WGSL, FactoredFilter, FactoredParameters};
 use brdfc_formats::flat_btf::factored::{
     BASE_LAYERS, BaseTable, BaseTexel, BasisMap, FactoredErrors, FactoredFlatBtf, FactoredHeader, ShadowFormat,
     ShadowMap, WeightMap, WeightRange, from_opponent, to_opponent,
 };
 use brdfc_formats::flat_btf::shader::FLAT_BTF_WGSL;
-use brdfc_formats::flat_btf::{BlendedDirection, FlatPart, ViewWeights, gpu_bytes};
+use brdfc_formats::flat_btf::{BlendedDirection, FlatPart, ViewWeights, gpu_bytes, unit_vectors};
 use brdfc_formats::{FormatError, Pack, PackKind};
 use brdfc_testing::flat_btf::{
     Factors, SMALL, Sizes, base_table, directions, factored, factored_example, only, towards, weights,
@@ -59,10 +58,6 @@ fn grey(
     let range = WeightRange { scale: 1.0, low: 0.0 };
     let weights = WeightMap::new(size, levels, vec![range; 12], weights).unwrap();
     FactoredFlatBtf::new(basis.unwrap(), weights, Some(ShadowMap::new(size, levels, 3, shadows).unwrap())).unwrap()
-}
-
-fn direction([polar, azimuth]: [f32; 2]) -> [f32; 3] {
-    from_polar(f64::from(polar), f64::from(azimuth)).map(|c| c as f32)
 }
 
 fn lightness(value: f32) -> [f32; 3] {
@@ -151,9 +146,9 @@ fn sums_of_both_widths() {
                 }
             }
             let lit = asset.shadow().map_or(1.0, |map| f32::from(map.layer(0, light)[(y * 5 + x) as usize]) / 255.0);
-            let texel = asset.weights().base((y * 5 + x) as usize);
-            let [seen_from, lit_from] = [header.views[view as usize], header.lights[light as usize]].map(direction);
-            let base = to_opponent(asset.basis().base().colour(&texel, seen_from, lit_from));
+            let [seen_from, lit_from] =
+                [unit_vectors(&header.views)[view as usize], unit_vectors(&header.lights)[light as usize]];
+            let base = to_opponent(asset.basis().base().colour(asset.texel([x, y]).base(), seen_from, lit_from));
             let all = [0, 1, 2].map(|k: usize| base[k] + sums[k] as f32);
             close(asset.texel([x, y]).value(view, light), from_opponent(all).map(|c| lit * c), 1e-4);
         }

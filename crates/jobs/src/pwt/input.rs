@@ -2,8 +2,8 @@
 //! tree that is there already.
 
 use super::error::PwtError;
-use brdfc_formats::direction::{Vector, from_polar};
-use brdfc_formats::flat_btf::FlatHeader;
+use brdfc_formats::direction::Vector;
+use brdfc_formats::flat_btf::{FlatHeader, unit_vectors};
 use brdfc_formats::measured::ptm::Ptm;
 use brdfc_formats::pwt::{PwtDecoder, PwtPack};
 use brdfc_formats::{FormatError, Pack};
@@ -181,11 +181,7 @@ fn flat_view(path: &Path, view: usize) -> Result<Option<LightSamples>, PwtError>
     let Some(view) = found else { return Ok(None) };
     let header = view.header();
     let side = header.size as usize;
-    let lights = header
-        .lights
-        .iter()
-        .map(|[polar, azimuth]| single(from_polar(f64::from(*polar), f64::from(*azimuth))))
-        .collect();
+    let lights = unit_vectors(&header.lights);
     check_amount(&path.display(), [side, side], header.lights.len())?;
     let decoded = |light: usize| {
         let rows = view.light(light as u32).chunks_exact(side).rev();

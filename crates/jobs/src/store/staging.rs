@@ -62,7 +62,7 @@ impl Drop for Staging {
 fn locked(folder: &Path) -> std::io::Result<File> {
     let aside = folder.join(UNLOCKED);
     let lock = File::create(&aside)?;
-    // Where files cannot be locked, two processes at a time are the user's to avoid.
+    // Where files cannot be locked, nothing that has a lock is swept.
     let _ = lock.try_lock();
     std::fs::rename(aside, folder.join(LOCK))?;
     Ok(lock)

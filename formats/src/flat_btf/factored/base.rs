@@ -3,7 +3,7 @@
 //! however far apart the sampled directions lie.
 
 use super::header::{DIFFERENCE_ANGLES, HALF_ANGLES};
-use super::maps::{WeightMap, WeightRange};
+use super::maps::WeightRange;
 use crate::FormatError;
 use crate::flat_btf::MAX_COORDINATE;
 
@@ -39,6 +39,8 @@ pub struct BaseTexel {
 pub struct BaseAngles {
     /// Cosine of the light's angle to the normal, above 0.
     pub cosine: f32,
+    /// Cosine of the view's, 0 where it is behind the surface.
+    pub outgoing: f32,
     /// What a glossy reflection is multiplied by: `cos θi / max(cos θi + cos θo, 0.1)`.
     pub geometry: f32,
     /// Four entries of the table and their weights.
@@ -75,7 +77,7 @@ impl BaseAngles {
             (first + DIFFERENCE_ANGLES, across * (1.0 - along)),
             (first + DIFFERENCE_ANGLES + 1, across * along),
         ];
-        Some(Self { cosine, geometry: cosine / (cosine + outgoing).max(LEAST_COSINES), taps })
+        Some(Self { cosine, outgoing, geometry: cosine / (cosine + outgoing).max(LEAST_COSINES), taps })
     }
 }
 
@@ -159,8 +161,8 @@ pub fn slope_words([x, y, z]: [f32; 3]) -> [u16; 2] {
 pub fn slope_texel(words: [u16; 2]) -> [f32; 3] {
     let [high, low, ..] = slope_ranges();
     let [x, y] = words.map(|word| {
-        let of = |range: WeightRange, byte: u16| range.low + range.scale * (f32::from(byte) * (1.0 / 255.0));
-        of(high, word >> 8) + of(low, word & 255)
+        let [higher, lower] = word.to_be_bytes();
+        high.of_byte(higher) + low.of_byte(lower)
     });
     base_texel([0.0, 0.0, 0.0, 0.0, x, 0.0, y, 0.0]).normal
 }
@@ -171,19 +173,6 @@ pub fn slope_ranges() -> [WeightRange; 4] {
     let [high, low] =
         [WeightRange { scale: 65280.0 * unit, low: -LARGEST_SLOPE }, WeightRange { scale: 255.0 * unit, low: 0.0 }];
     [high, low, high, low]
-}
-
-impl WeightMap {
-    /// What a texel of the finest level has of the base.
-    ///
-    /// # Panics
-    /// Without such a texel.
-    pub fn base(&self, texel: usize) -> BaseTexel {
-        base_texel(std::array::from_fn(|k| {
-            let WeightRange { scale, low } = self.ranges()[k];
-            low + scale * (f32::from(self.layer(0, (k / 4) as u32)[4 * texel + k % 4]) * (1.0 / 255.0))
-        }))
-    }
 }
 
 #[cfg(test)]

@@ -8,8 +8,7 @@ use super::header::{BASE_LAYERS, FactoredErrors, FactoredHeader, GROUP, MAX_GROU
 use super::maps::{ShadowMap, WeightMap};
 use crate::FormatError;
 use crate::container::rgb9e5;
-use crate::direction::from_polar;
-use crate::flat_btf::flat_view::{FlatHeader, FlatView};
+use crate::flat_btf::flat_view::{FlatHeader, FlatView, unit_vectors};
 use crate::flat_btf::view_weights::BlendedDirection;
 use crate::tap::{footprint, periodic_tap, wrap};
 
@@ -49,6 +48,11 @@ pub struct FactoredTexel<'a> {
 }
 
 impl FactoredTexel<'_> {
+    /// What it has of the base.
+    pub fn base(&self) -> &BaseTexel {
+        &self.base
+    }
+
     /// Its value in a view under a light.
     ///
     /// # Panics
@@ -118,9 +122,7 @@ impl FactoredFlatBtf {
                 return Err(FormatError::whole("part shadow", "one", "none, as the basis says"));
             }
         }
-        let vector = |[polar, azimuth]: &[f32; 2]| from_polar(f64::from(*polar), f64::from(*azimuth)).map(|c| c as f32);
-        let views = header.views.iter().map(vector).collect();
-        let lights = header.lights.iter().map(vector).collect();
+        let (views, lights) = (unit_vectors(&header.views), unit_vectors(&header.lights));
         Ok(Self { basis, weights, shadow, views, lights })
     }
 

@@ -105,6 +105,13 @@ pub struct WeightRange {
     pub low: f32,
 }
 
+impl WeightRange {
+    /// What the byte of a texel stands for.
+    pub fn of_byte(self, byte: u8) -> f32 {
+        self.low + self.scale * (f32::from(byte) * (1.0 / 255.0))
+    }
+}
+
 /// Numbers of the base and weights of all components: four to a texel, and to a layer. The base has the first layers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WeightMap {

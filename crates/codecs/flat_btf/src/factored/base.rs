@@ -3,14 +3,13 @@
 
 use super::lit::threshold;
 use super::masks::Masks;
-use super::quantise::{weight_byte, weight_of_byte, weight_ranges};
+use super::quantise::{weight_byte, weight_ranges};
 use super::words::ViewWords;
 use brdfc_formats::container::rgb9e5;
-use brdfc_formats::direction::from_polar;
 use brdfc_formats::flat_btf::factored::{
     BaseAngles, BaseTable, BaseTexel, WeightRange, cube_root, slope_ranges, slope_texel, slope_words, to_opponent,
 };
-use brdfc_formats::flat_btf::{FlatHeader, NormalMap};
+use brdfc_formats::flat_btf::{FlatHeader, NormalMap, unit_vectors};
 use rayon::prelude::*;
 
 /// Texels of a strip that is worked on at once.
@@ -31,9 +30,7 @@ pub(super) struct Rays {
 
 impl Rays {
     pub(super) fn new(directions: &FlatHeader) -> Self {
-        let vector = |[polar, azimuth]: &[f32; 2]| from_polar(f64::from(*polar), f64::from(*azimuth)).map(|c| c as f32);
-        let [views, lights] = [&directions.views, &directions.lights].map(|of| of.iter().map(vector).collect());
-        Self { views, lights }
+        Self { views: unit_vectors(&directions.views), lights: unit_vectors(&directions.lights) }
     }
 }
 
@@ -53,7 +50,7 @@ pub(super) fn visible([r, g, b]: [f32; 3]) -> f32 {
 pub(super) type Albedo = [f32; 4];
 
 /// Sums over views that albedos are solved from, of each texel and light: with weight w, value x, cosine c, gloss g of the table
-/// in red, green, blue `w c²`, `w c g` (three), `w g·g`, `w c x` (three), `w g·x`, and the lightness of the value.
+/// in red, green, blue `w c²`, `w c g` (three), `w g·g`, `w c x` (three), `w g·x`, and the cube root of its green.
 #[derive(Debug, Clone)]
 pub(super) struct AlbedoSums {
     lights: usize,
@@ -90,8 +87,7 @@ impl AlbedoSums {
                         let seen = if masks.is_seen(first + texel, view.view) { 1.0 } else { UNSEEN };
                         sums[9] += seen * cube_root(x[1]);
                         let Some(angles) = BaseAngles::new(normal, outgoing, *incoming) else { continue };
-                        let towards = normal[0] * outgoing[0] + normal[1] * outgoing[1] + normal[2] * outgoing[2];
-                        if angles.cosine < LEAST_COSINE || towards < LEAST_COSINE {
+                        if angles.cosine < LEAST_COSINE || angles.outgoing < LEAST_COSINE {
                             continue;
                         }
                         let (weight, c) = (seen * visible(x), angles.cosine);
@@ -165,7 +161,7 @@ impl StoredBase {
         let albedos: Vec<[u8; 4]> = albedos.iter().map(bytes).collect();
         let slopes: Vec<[u16; 2]> = normals.normals().iter().map(|normal| slope_words(*normal)).collect();
         let texel = |(bytes, slopes): (&[u8; 4], &[u16; 2])| {
-            let [r, g, b, gloss] = [0, 1, 2, 3].map(|k: usize| weight_of_byte(bytes[k], ranges[k]).max(0.0));
+            let [r, g, b, gloss] = [0, 1, 2, 3].map(|k: usize| ranges[k].of_byte(bytes[k]).max(0.0));
             BaseTexel { diffuse: [r, g, b], gloss, normal: slope_texel(*slopes) }
         };
         let texels = albedos.iter().zip(&slopes).map(texel).collect();

@@ -24,7 +24,6 @@ pub(super) struct Trials<'a> {
 impl Trials<'_> {
     /// The candidate that a target asks for, and all that were tried.
     pub(super) fn choose<E>(&self, target: FactoredTarget) -> Result<(Candidate, Vec<FactoredTrial>), FactorError<E>> {
-        target.check(self.directions)?;
         let mut tried = Vec::new();
         self.progress.stage(Stage::Try, 0)?;
         let chosen = match target {

@@ -33,7 +33,8 @@ const VIEW_BYTES: usize = 256 << 20;
 ///
 /// - `24 V L N` values of the fit, at most [`FactoredRecipe::training_bytes`], and `4 V L (N + 484)` words of the first pass;
 /// - `4 V L K (K + 1)` products of the basis, two tables of them;
-/// - `40 n L` sums of albedos, then `4 n L (2 K + 3)` sums of a slab, at most [`FactoredRecipe::slab_bytes`], and `4 T² (K + L)` results;
+/// - `40 n L` sums of albedos, then `4 n L (2 K + 3)` sums of a slab, at most [`FactoredRecipe::slab_bytes`], and
+///   `4 T² (K + L)` results;
 /// - `4 T² L` for each of the views in memory, 8 or as many as fit into 256 MiB;
 /// - `32 L K (K + 1) p` of masks, and the parts themselves.
 ///
@@ -63,6 +64,7 @@ pub fn factor<E: Send>(
     let (mut fitted, mut held_out) =
         (Sample::new(fitted.clone(), masks(&fitted)), Sample::new(held_out.clone(), masks(&held_out)));
     drop(first);
+    recipe.target.check(&directions)?;
     progress.stage(Stage::Read, views)?;
     for batch in reader.batches(&directions) {
         for view in reader.read(batch, Some(&directions))? {

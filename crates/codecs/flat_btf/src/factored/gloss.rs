@@ -77,6 +77,7 @@ impl Equations {
                 pull(1e-9, &[(at, 1.0)]);
             }
         }
+        // What is black has no equations.
         for k in 0..ENTRIES {
             self.matrix[(k, k)] += f64::MIN_POSITIVE;
         }
@@ -125,14 +126,13 @@ impl TableFit<'_> {
     fn each_pair(&self, texel: usize, lit: &[bool], mut pair: impl FnMut(&BaseAngles, usize, [f32; 3])) {
         let lights = self.rays.lights.len();
         for (view, outgoing) in self.rays.views.iter().enumerate() {
-            let normal = self.normals[texel];
-            let towards = normal[0] * outgoing[0] + normal[1] * outgoing[1] + normal[2] * outgoing[2];
-            if towards < LEAST_COSINE || !self.sample.masks.is_seen(texel, view) {
+            if !self.sample.masks.is_seen(texel, view) {
                 continue;
             }
             for (light, incoming) in self.rays.lights.iter().enumerate().filter(|(l, _)| lit[texel * lights + l]) {
-                if let Some(angles) = BaseAngles::new(normal, *outgoing, *incoming)
+                if let Some(angles) = BaseAngles::new(self.normals[texel], *outgoing, *incoming)
                     && angles.cosine >= LEAST_COSINE
+                    && angles.outgoing >= LEAST_COSINE
                 {
                     pair(&angles, view * lights + light, rgb9e5::decode(self.sample.word(texel, view, light)));
                 }
@@ -166,10 +166,10 @@ impl TableFit<'_> {
                 let [r, g, b, gloss] = albedos[texel];
                 self.each_pair(texel, lit, |angles, number, value| {
                     if angles.taps[0].0 < NARROW || (number + texel).is_multiple_of(THINNED) {
-                        let rest = [r, g, b].into_iter().zip(value).map(|(albedo, c)| c - albedo * angles.cosine);
-                        let rest: Vec<f64> = rest.map(f64::from).collect();
+                        let diffuse = [r, g, b].map(|albedo| albedo * angles.cosine);
+                        let rest = [0, 1, 2].map(|k: usize| f64::from(value[k] - diffuse[k]));
                         let scale = f64::from(gloss * angles.geometry);
-                        equations.add(angles, scale, f64::from(visible(value)), [rest[0], rest[1], rest[2]]);
+                        equations.add(angles, scale, f64::from(visible(value)), rest);
                     }
                 });
             }

@@ -3,9 +3,9 @@
 //! in the scale of `brdfc_formats::flat_btf::factored::to_opponent`. Layout:
 //! `formats/src/flat_btf/factored/spec.md`.
 //!
-//! Stages: texels are drawn (`sample`), the base is fitted (`gloss`, `base`), bases of several sizes fitted to some of them (`train`) and tried on others
-//! (`candidate`, `choose`), the chosen one is fitted to more; one pass over the views gathers what every texel needs
-//! (`accumulate`), which is then solved by itself (`local`), rounded (`quantise`), and measured (`measure`).
+//! Stages: texels are drawn (`sample`), the base is fitted to some of them and, in a pass over the views, to every texel
+//! (`gloss`, `base`); sets of components of several sizes are fitted to some texels (`train`) and tried on others (`candidate`,
+//! `choose`), the chosen one is fitted to more; one more pass gathers what every texel needs (`accumulate`), which is then solved by itself (`local`), rounded (`quantise`), and measured (`measure`).
 
 mod accumulate;
 mod assemble;

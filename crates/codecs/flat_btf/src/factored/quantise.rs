@@ -59,7 +59,7 @@ pub(super) fn weight_ranges(weights: &[f32], components: usize) -> Vec<WeightRan
         let mut sorted: Vec<f32> = weights.iter().skip(component).step_by(components).copied().collect();
         sorted.sort_unstable_by(f32::total_cmp);
         let error = |range: &WeightRange| -> f64 {
-            sorted.iter().map(|w| f64::from(weight_of_byte(weight_byte(*w, *range), *range) - w).powi(2)).sum()
+            sorted.iter().map(|w| f64::from(range.of_byte(weight_byte(*w, *range)) - w).powi(2)).sum()
         };
         let candidate = |share: f64| {
             let skipped = ((sorted.len() as f64 * share) as usize).min((sorted.len() - 1) / 2);
@@ -75,11 +75,6 @@ pub(super) fn weight_ranges(weights: &[f32], components: usize) -> Vec<WeightRan
 /// The byte of a weight.
 pub(super) fn weight_byte(weight: f32, range: WeightRange) -> u8 {
     if range.scale > 0.0 { (255.0 * (weight - range.low) / range.scale).round().clamp(0.0, 255.0) as u8 } else { 0 }
-}
-
-/// The weight of a byte.
-pub(super) fn weight_of_byte(byte: u8, range: WeightRange) -> f32 {
-    range.low + range.scale * (f32::from(byte) / 255.0)
 }
 
 #[cfg(test)]

@@ -3,9 +3,8 @@
 use super::{Factored, FactoredRecipe, FactoredTarget, factor};
 use brdfc_formats::FormatError;
 use brdfc_formats::container::rgb9e5;
-use brdfc_formats::direction::from_polar;
 use brdfc_formats::flat_btf::factored::{BaseTable, BaseTexel, DIFFERENCE_ANGLES, HALF_ANGLES, from_opponent};
-use brdfc_formats::flat_btf::{FlatHeader, FlatView, NormalMap, VisibilityMask};
+use brdfc_formats::flat_btf::{FlatHeader, FlatView, NormalMap, VisibilityMask, unit_vectors};
 
 const SIZE: u32 = 16;
 const VIEWS: u32 = 9;
@@ -105,10 +104,7 @@ fn gloss_under_known_normals_is_the_base() {
         let (polar, azimuth) = (0.5 * noise(t, 60), std::f32::consts::TAU * noise(t, 61));
         [polar.sin() * azimuth.cos(), polar.sin() * azimuth.sin(), polar.cos()]
     };
-    let vectors = |count: u32| {
-        directions(count).into_iter().map(|[p, a]| from_polar(f64::from(p), f64::from(a)).map(|c| c as f32))
-    };
-    let (from, to): (Vec<[f32; 3]>, Vec<[f32; 3]>) = (vectors(VIEWS).collect(), vectors(LIGHTS).collect());
+    let (from, to) = (unit_vectors(&directions(VIEWS)), unit_vectors(&directions(LIGHTS)));
     let lobe = |i: usize| 2.0 / (1.0 + (i as f32 / 14.0).powi(4));
     let entries = (0..HALF_ANGLES * DIFFERENCE_ANGLES).map(|at| [lobe(at / DIFFERENCE_ANGLES); 3]);
     let table = BaseTable::new(entries.collect()).unwrap();
