@@ -99,7 +99,7 @@ fn shader_and_cpu_draw_the_same_pictures_of_factors() {
     // Between these few directions the views blend what the base keeps apart.
     assert!((0.01..20.0).contains(&mean), "{mean}");
     // The mask has all texels seen, those that were filled in, too.
-    assert!(errors.texels > 100 && errors.seen_mean < 5.0, "{errors:?}");
+    assert!(errors.texels > 100 && errors.seen_mean < 4.0, "{errors:?}");
     // Far away a texel stands for many.
     let finest = FlatBtfParts { values: without_mipmaps(&SMALLER.values), ..SMALLER.clone() };
     let scene = Builtin::Terrain.scene();
