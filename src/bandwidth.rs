@@ -202,7 +202,7 @@ fn metres(arguments: &Arguments) -> Result<[f64; 2], CliError> {
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     refuse_overwriting("--output", &arguments.output, arguments.input.path().as_slice())?;
-    refuse_unfit_output(&arguments.output, "ktx2")?;
+    refuse_unfit_output(&arguments.output, &["ktx2"])?;
     let recipe = recipe(arguments)?;
     #[cfg(feature = "render")]
     check_picture(arguments)?;

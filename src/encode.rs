@@ -55,7 +55,7 @@ pub struct Report {
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     let recipe = arguments.options.recipe()?;
     refuse_overwriting("--output", &arguments.output, arguments.input.path().as_slice())?;
-    refuse_unfit_output(&arguments.output, "ktx2")?;
+    refuse_unfit_output(&arguments.output, &["ktx2"])?;
     // An interrupt ends the process at once: there is one file, which is whole or not there.
     let cancelled = AtomicBool::new(false);
     let progress = Materials::new(1, false, common, &cancelled);

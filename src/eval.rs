@@ -63,7 +63,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     if let Some(output) = &arguments.output {
         let inputs: Vec<&Path> = [directions, &arguments.input].into_iter().filter_map(Input::path).collect();
         refuse_overwriting("--output", output, &inputs)?;
-        refuse_unfit_output(output, "csv")?;
+        refuse_unfit_output(output, &["csv"])?;
     }
     let bytes = directions.read_text()?;
     let in_file = |error| CliError::Input(format!("{directions}: {error}"));

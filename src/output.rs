@@ -4,9 +4,11 @@ use super::{CliError, Common};
 use brdfc_jobs::output_folder::is_own;
 use brdfc_jobs::write::{is_standard_output, write_atomic};
 use brdfc_source::Source;
+use brdfc_source::input_files::files_behind;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use serde::Serialize;
 use std::collections::BTreeSet;
+use std::ffi::OsStr;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -57,12 +59,13 @@ pub fn is_stream(path: &Path) -> bool {
 }
 
 /// A file that could not be written, or would be taken for another kind by its name, is refused before it is made.
-pub fn refuse_unfit_output(path: &Path, allowed: &str) -> Result<(), CliError> {
+pub fn refuse_unfit_output(path: &Path, allowed: &[&str]) -> Result<(), CliError> {
     if is_stream(path) {
         return Ok(());
     }
-    if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case(allowed)) {
-        let found = path.display();
+    let is_one = |extension: &OsStr| allowed.iter().any(|allowed| extension.eq_ignore_ascii_case(allowed));
+    if !path.extension().is_some_and(is_one) {
+        let (found, allowed) = (path.display(), allowed.join(" or ."));
         return Err(CliError::Usage(format!(
             "--output: found {found}; allowed a name that ends in .{allowed}, or - for stdout"
         )));
@@ -80,10 +83,11 @@ pub fn refuse_missing_folder(path: &Path) -> Result<(), CliError> {
     }
 }
 
-/// An output that is one of the inputs would destroy a measurement. `option` is what names the output.
+/// An output that is one of the inputs, or of the files that an input is read from, would destroy a measurement. `option` is what names the output.
 pub fn refuse_overwriting(option: &str, output: &Path, inputs: &[&Path]) -> Result<(), CliError> {
     let Ok(target) = output.canonicalize() else { return Ok(()) };
-    if target.is_file() && inputs.iter().any(|input| input.canonicalize().is_ok_and(|path| path == target)) {
+    let is_it = |file: &PathBuf| file.canonicalize().is_ok_and(|path| path == target);
+    if target.is_file() && inputs.iter().any(|input| files_behind(input).iter().any(is_it)) {
         return Err(CliError::Usage(format!("{option}: found {}, an input; allowed another file", output.display())));
     }
     Ok(())

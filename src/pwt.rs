@@ -6,7 +6,7 @@ use crate::table;
 use brdfc_formats::measured::ptm::Ptm;
 use brdfc_formats::pwt::LightCoordinates;
 use brdfc_jobs::encode::bytes_from_text;
-use brdfc_jobs::pwt::{LightInput, PwtReport, make, make_map, recipe_of_map};
+use brdfc_jobs::pwt::{LightInput, PwtError, PwtReport, make, make_map, recipe_of_map};
 use brdfc_jobs::whole_number::any_whole_number;
 use brdfc_pwt::measure::StackErrors;
 use brdfc_pwt::ptm::MapModel;
@@ -15,6 +15,7 @@ use brdfc_source::Input;
 use brdfc_source::ptm::EXTENSION as PTM;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
+use rayon::prelude::*;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -74,15 +75,15 @@ pub struct Arguments {
     /// The scale of values that are fitted (default: the best).
     #[arg(long, value_name = "NAME", value_parser = names(&DomainName::ALL, DomainName::name))]
     domain: Option<String>,
-    /// The wavelet.
-    #[arg(long, value_name = "NAME", default_value = "haar", value_parser = names(&Wavelet::ALL, Wavelet::name))]
-    wavelet: String,
+    /// The wavelet (default: haar).
+    #[arg(long, value_name = "NAME", value_parser = names(&Wavelet::ALL, Wavelet::name))]
+    wavelet: Option<String>,
     /// Levels of the tree, 0 to 8 (default: up to 5).
     #[arg(long, value_name = "N", value_parser = any_whole_number::<u32>("0 to 8"))]
     levels: Option<u32>,
-    /// How often details are split further where that costs fewer bits, 0 to 4.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = any_whole_number::<u32>("0 to 4"))]
-    packets: u32,
+    /// How often details are split further where that costs fewer bits, 0 to 4 (default: 1).
+    #[arg(long, value_name = "N", value_parser = any_whole_number::<u32>("0 to 4"))]
+    packets: Option<u32>,
     /// Leave so many lights out of the fit, and measure there.
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = any_whole_number::<usize>("0 to the number of lights - 1"))]
     hold_out: usize,
@@ -172,9 +173,13 @@ fn recipe(arguments: &Arguments) -> Result<PwtRecipe, CliError> {
         degree: arguments.degree,
         ridge: arguments.ridge,
         domain: arguments.domain.as_deref().and_then(|name| named(&DomainName::ALL, DomainName::name, name)),
-        wavelet: named(&Wavelet::ALL, Wavelet::name, &arguments.wavelet).unwrap_or(default.wavelet),
+        wavelet: arguments
+            .wavelet
+            .as_deref()
+            .and_then(|name| named(&Wavelet::ALL, Wavelet::name, name))
+            .unwrap_or(default.wavelet),
         depth: arguments.levels,
-        packets: arguments.packets,
+        packets: arguments.packets.unwrap_or(default.packets),
         target: targets.into_iter().flatten().next().unwrap_or(default.target),
     };
     recipe.check().map_err(|error| {
@@ -201,9 +206,9 @@ fn of_a_pack(arguments: &Arguments) -> Option<&'static str> {
         (arguments.degree.is_some(), "degree"),
         (arguments.ridge.is_some(), "ridge"),
         (arguments.domain.is_some(), "domain"),
-        (arguments.wavelet != Wavelet::Haar.name(), "wavelet"),
+        (arguments.wavelet.is_some(), "wavelet"),
         (arguments.levels.is_some(), "levels"),
-        (arguments.packets != 1, "packets"),
+        (arguments.packets.is_some(), "packets"),
         (arguments.hold_out != 0, "hold-out"),
         (arguments.no_supercompression, "no-supercompression"),
     ];
@@ -217,11 +222,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     if let Some(option) = is_map.then(|| of_a_pack(arguments)).flatten() {
         return Err(CliError::Usage(format!("--{option}: found with an output .ptm; allowed with a pack")));
     }
-    if !is_map {
-        refuse_unfit_output(&arguments.output, "ktx2")?;
-        if arguments.model.is_some() {
-            return Err(CliError::Usage("--model: found with a pack; allowed with an output .ptm".to_owned()));
-        }
+    refuse_unfit_output(&arguments.output, &["ktx2", PTM])?;
+    if !is_map && arguments.model.is_some() {
+        return Err(CliError::Usage("--model: found with a pack; allowed with an output .ptm".to_owned()));
     }
     let start = Instant::now();
     let input = LightInput::open(&arguments.input, arguments.view)?;
@@ -230,7 +233,12 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         let text = format!("{}: found a pack; allowed with an output .ptm", arguments.input);
         return Err(CliError::Usage(text));
     }
+    let photographs = matches!(input, LightInput::Pictures(_));
     let mut samples = input.into_samples();
+    let is_bright = |picture: &Vec<[f32; 3]>| picture.as_flattened().iter().any(|value| *value > 1.0);
+    if photographs && samples.pictures.par_iter().any(is_bright) {
+        note(common, &arguments.input, "values above 1, which is white, are fitted; dB count them as 1");
+    }
     samples.repeats |= arguments.tile;
     let read = start.elapsed().as_secs_f64();
     let start = Instant::now();
@@ -246,8 +254,13 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         );
     }
     let recipe = if of_map { recipe_of_map(recipe) } else { recipe };
-    let made = make(&samples, &recipe, arguments.hold_out, arguments.seed)
-        .map_err(|error| of_input(&arguments.input, error.into()))?;
+    let made = make(&samples, &recipe, arguments.hold_out, arguments.seed).map_err(|error| match error {
+        // How many there may be depends on the size.
+        PwtError::Format(error) if error.field == "levels" => {
+            CliError::Usage(format!("--levels: found {}; allowed {}", error.found, error.allowed))
+        }
+        error => of_input(&arguments.input, error.into()),
+    })?;
     let seconds = Seconds { read, encode: start.elapsed().as_secs_f64() };
     let bytes = made.encoded.pack.to_bytes(!arguments.no_supercompression);
     write_file(&arguments.output, &bytes)?;
@@ -275,10 +288,13 @@ fn of_input(input: &Input, error: CliError) -> CliError {
 
 fn missed(recipe: &PwtRecipe, report: &PwtReport) -> String {
     match recipe.target {
-        Target::Quality(psnr) => format!("quality: found {:.2} dB; allowed {psnr} dB or more", report.psnr),
-        Target::DeltaE(limit) => format!("mean ΔE: found {:.2}; allowed {limit}", report.delta_e),
+        Target::Quality(psnr) => {
+            format!("quality: found {} dB; allowed {psnr} dB or more", table::apart(report.psnr, psnr))
+        }
+        Target::DeltaE(limit) => format!("mean ΔE: found {}; allowed {limit}", table::apart(report.delta_e, limit)),
         Target::Bytes(bytes) => format!("bytes on a GPU: found {}; allowed {bytes}", report.bytes_on_gpu),
-        Target::Energy(_) | Target::Loss(_) => "the target was missed".to_owned(),
+        Target::Energy(share) => format!("energy: found less with all terms and details; allowed {share} or more"),
+        Target::Loss(loss) => format!("loss: found more than {loss} dB; allowed {loss} dB or less"),
     }
 }
 
@@ -319,7 +335,7 @@ fn in_words(report: &PwtReport, seconds: Seconds) -> String {
                 c.degree.to_string(),
                 format!("{:e}", c.ridge),
                 format!("{:.2}", c.psnr),
-                format!("{:.2}", c.held_out_psnr),
+                c.held_out_psnr.map_or("-".to_owned(), |psnr| format!("{psnr:.2}")),
             ]
         })
         .collect();

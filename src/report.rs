@@ -83,6 +83,12 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         refuse_missing_folder(path)?;
     }
     let reports = Reports::open(folder, against.as_deref())?;
+    let built = reports.files();
+    let built: Vec<&Path> = built.iter().map(PathBuf::as_path).collect();
+    refuse_pages_over(output, [&csv_path, &json_path], &built)?;
+    if let Some(path) = &arguments.sheet {
+        refuse_overwriting("--sheet", path, &built)?;
+    }
     // An interrupt ends the process at once: files are whole or not there.
     let cancelled = AtomicBool::new(false);
     let progress = Materials::new(reports.count(), false, common, &cancelled);

@@ -125,7 +125,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     // What the material does not decide is refused before it is read.
     recipe.check(true).map_err(wrong_flag)?;
     refuse_overwriting("--output", &arguments.output, arguments.input.path().as_slice())?;
-    refuse_unfit_output(&arguments.output, "ktx2")?;
+    refuse_unfit_output(&arguments.output, &["ktx2"])?;
     let start = Instant::now();
     let source = open(&arguments.input, None)?.source;
     note_directions(common, &arguments.input, source.as_ref());

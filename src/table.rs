@@ -120,6 +120,15 @@ fn relative(norms: &Norms) -> String {
     if norms.counted() == 0 { "-".to_owned() } else { percent(norms.relative_mean) }
 }
 
+/// A number with two decimals, or as many as it takes to see on which side of a limit it is.
+pub fn apart(found: f64, limit: f64) -> String {
+    let text = |decimals: usize| format!("{found:.decimals$}");
+    let tells = |text: &String| {
+        text.parse::<f64>().is_ok_and(|told| (told > limit, told < limit) == (found > limit, found < limit))
+    };
+    (2..=12).map(text).find(tells).unwrap_or_else(|| found.to_string())
+}
+
 /// Three or four significant digits.
 #[cfg(feature = "render")]
 pub fn significant(value: f64) -> String {
@@ -143,4 +152,17 @@ pub fn image_row(difference: &brdfc_metrics::image::ImageDifference) -> Vec<Stri
         .into();
     row.push(difference.psnr.map_or("-".to_owned(), |psnr| format!("{psnr:.1} dB")));
     row
+}
+
+#[cfg(test)]
+mod tests {
+    use super::apart;
+
+    #[test]
+    fn numbers_beside_a_limit_have_the_digits_that_tell() {
+        assert_eq!(apart(3.2468, 3.0), "3.25");
+        assert_eq!(apart(0.3012, 0.301), "0.3012");
+        assert_eq!(apart(0.301, 0.301), "0.301");
+        assert_eq!(apart(27.9996, 28.0), "27.9996");
+    }
 }

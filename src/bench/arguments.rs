@@ -50,7 +50,7 @@ pub struct Arguments {
     /// Views and lights of flat-btf and btf, as for 'brdfc flatten --views' (default: ubo2003).
     #[arg(long, value_name = "SET")]
     pub(super) directions: Option<Input>,
-    /// Polar angles x azimuths of the indirection map of flat-btf (default: 16x16).
+    /// Polar angles x azimuths of the indirection map of flat-btf (default: 16x24).
     #[arg(long, value_name = "ZxA", allow_hyphen_values = true)]
     pub(super) indirection: Option<String>,
     /// Largest polar angle of the indirection map of flat-btf, degrees (default 80).

@@ -1,7 +1,7 @@
 //! The error study of flat BTFs.
 
 use super::arguments::Arguments;
-use crate::flatten::{default_set, direction_set, map_header};
+use crate::flatten::{INDIRECTION, default_set, direction_set, in_flags, map_header};
 use crate::output::remark;
 use crate::table::plain;
 use crate::{CliError, Common};
@@ -16,11 +16,9 @@ use std::time::{Duration, Instant};
 
 /// Of the plane; the flat BTF has twice as many per side, the paper's 256.
 const TEXELS: usize = 128;
-/// Views of the indirection map, as `brdfc flatten` takes them where nothing is said.
-const INDIRECTION: &str = "16x16";
 const LARGEST_ANGLE: f64 = 80.0;
 /// Most texels of the plane: with these views, of the indirection map.
-const MOST_TEXELS: usize = (MAX_EXTENT_2D / 17) as usize;
+const MOST_TEXELS: usize = (MAX_EXTENT_2D / 25) as usize;
 /// Remarks come at least this far apart.
 const BETWEEN_REMARKS: Duration = Duration::from_secs(5);
 
@@ -37,6 +35,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     }
     let largest_angle = arguments.largest_angle.unwrap_or(LARGEST_ANGLE);
     let map = map_header(texels as u32, arguments.indirection.as_deref().unwrap_or(INDIRECTION), largest_angle)?;
+    map.check().map_err(|error| CliError::Usage(in_flags(&error)))?;
     let directions = direction_set("directions", arguments.directions.as_ref().unwrap_or(&default_set()))?;
     let settings = StudySettings {
         texels,
@@ -93,13 +92,15 @@ pub(super) fn text(settings: &StudySettings, rows: &[ModelRow]) -> String {
         settings.largest_angle
     );
     text += "Table 1: colour difference (L*a*b*) of BTFs rebuilt by equation 1; maximum and variance of means of images. Through \
-         the map: by the stored indirection map, what a renderer shows; exact rays: in place of the map, what the flat BTF alone \
-         loses\n";
-    let header = ["model", "through the map", "max", "variance", "exact rays", "max", "variance"];
+         displacements: as they are stored, what a renderer shows; through the map: by the indirection map of uncompressed \
+         assets; exact rays: in place of both, what the flat BTF alone loses\n";
+    let header = ["model", "through displacements", "max", "variance", "through the map", "max", "variance"];
+    let header = [&header[..], &["exact rays", "max", "variance"]].concat();
     let header = [&header[..], &["paper", "mean", "max", "variance"]].concat();
     text += &table(&header, rows, |row| {
         let (r, p) = (&row.reconstruction, &row.paper.reconstruction);
-        let ours = [r.through_map, r.exact_rays].map(|e| [e.mean, e.largest_image, e.image_variance].map(two));
+        let ours = [r.through_displacements, r.through_map, r.exact_rays]
+            .map(|e| [e.mean, e.largest_image, e.image_variance].map(two));
         let paper = p.map(two);
         [name(row)]
             .into_iter()
@@ -109,10 +110,11 @@ pub(super) fn text(settings: &StudySettings, rows: &[ModelRow]) -> String {
             .collect()
     });
     text += "\nTable 1, means by polar angle of the view. Unblended: through a map that has each view itself\n";
-    let header = ["model", "polar angle", "views", "through the map", "unblended", "exact rays"];
+    let header =
+        ["model", "polar angle", "views", "through displacements", "through the map", "unblended", "exact rays"];
     let cells = rows.iter().flat_map(|row| {
         row.reconstruction.angles.iter().map(|a| {
-            let means = [a.through_map, a.unblended, a.exact_rays].map(two);
+            let means = [a.through_displacements, a.through_map, a.unblended, a.exact_rays].map(two);
             [name(row), format!("{:.0}°", a.polar_angle), a.views.to_string()].into_iter().chain(means).collect()
         })
     });

@@ -52,7 +52,8 @@ impl FlatReport {
         }
         match self.kinds().into_iter().find(|(_, errors)| errors.mean > limit) {
             Some((kind, errors)) => {
-                Err(CliError::Check(format!("mean ΔE {kind}: found {:.2}; allowed {limit}", errors.mean)))
+                let found = table::apart(errors.mean, limit);
+                Err(CliError::Check(format!("mean ΔE {kind}: found {found}; allowed {limit}")))
             }
             None => Ok(()),
         }

@@ -10,7 +10,7 @@ use crate::table;
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::measured::scan_csv::directions_from_bytes;
-use brdfc_jobs::pwt::{LightInput, open_flat_material};
+use brdfc_jobs::pwt::{PhotographComparison, compare_photographs, open_flat_material};
 use brdfc_metrics::compare::{Comparison, compare};
 use brdfc_metrics::fraction::Fraction;
 use brdfc_metrics::sampling::{PairSet, random_pairs};
@@ -20,6 +20,7 @@ use brdfc_source::light_stack::is_light_stack;
 use brdfc_source::open::{Facts, open};
 use clap::Args;
 use serde::Serialize;
+use std::path::Path;
 
 /// Measure the error of B against A.
 ///
@@ -128,8 +129,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let inputs =
         [("A", Some(&arguments.a)), ("B", Some(&arguments.b)), ("--directions", arguments.directions.as_ref())];
     refuse_stdin_twice(&inputs)?;
-    if arguments.a.path().is_some_and(is_light_stack) {
-        return photographs(arguments, common);
+    if let Some(stack) = arguments.a.path().filter(|path| is_light_stack(path)) {
+        return photographs(arguments, stack, common);
     }
     if let Some(reference) = open_flat_material(&arguments.a)? {
         arguments.refuse_flags_of_reflectances("flat BTFs")?;
@@ -203,14 +204,10 @@ impl Arguments {
 }
 
 /// Photographs of a light stack against what was made of them.
-fn photographs(arguments: &Arguments, common: Common) -> Result<(), CliError> {
+fn photographs(arguments: &Arguments, reference: &Path, common: Common) -> Result<(), CliError> {
     arguments.refuse_flags_of_reflectances("a light stack")?;
-    let samples = LightInput::open(&arguments.a, None)?.into_samples();
-    let (errors, each) = LightInput::open(&arguments.b, None)?
-        .compared(&samples)
-        .map_err(|error| CliError::Input(format!("{}: {error}", arguments.b)))?;
-    let photographs: Vec<PhotographErrors> = samples
-        .lights
+    let PhotographComparison { lights, errors, each } = compare_photographs(reference, &arguments.b)?;
+    let photographs: Vec<PhotographErrors> = lights
         .iter()
         .zip(each)
         .map(|(light, errors)| PhotographErrors { light: *light, psnr: errors.psnr, delta_e: errors.delta_e })
@@ -232,7 +229,9 @@ fn photographs(arguments: &Arguments, common: Common) -> Result<(), CliError> {
         print(&table::plain(&["photographs", "dB", "mean ΔE", "worst", "under the light"], &[row]))?;
     }
     match arguments.max_delta_e {
-        Some(limit) if found > limit => Err(CliError::Check(format!("mean ΔE: found {found:.2}; allowed {limit}"))),
+        Some(limit) if found > limit => {
+            Err(CliError::Check(format!("mean ΔE: found {}; allowed {limit}", table::apart(found, limit))))
+        }
         _ => Ok(()),
     }
 }
@@ -245,7 +244,7 @@ fn pairs(directions: &Input) -> Result<Vec<DirectionPair>, CliError> {
         }
         return Ok(random_pairs(count, SEED));
     }
-    let is_number = |path: &std::path::Path| path.to_str().is_some_and(|text| text.parse::<f64>().is_ok());
+    let is_number = |path: &Path| path.to_str().is_some_and(|text| text.parse::<f64>().is_ok());
     let no_list = |path: &std::path::Path| !path.exists() && (path.extension().is_none() || is_number(path));
     if directions.path().is_none_or(no_list) && !directions.is_stdin() {
         let allowed = "a number of directions, or a list of them in a .csv file";

@@ -8,6 +8,10 @@ use clap::{Args, ValueEnum};
 use std::ffi::OsString;
 use std::path::PathBuf;
 
+/// Views of the indirection map where nothing is said: azimuths as close as those of `ubo2003` at its largest polar angle, where
+/// views that are blended lose most.
+pub const INDIRECTION: &str = "16x24";
+
 /// Make the packs of a flat BTF: appearance on the surface itself, and maps of where each view sees it.
 ///
 /// MESO is one tile of a surface that repeats: synth:STRUCTURE, a mesh (.obj, .ply), a height map (.png of 8 or 16 bits
@@ -62,7 +66,7 @@ pub struct Arguments {
     #[arg(long, value_name = "SET")]
     pub(super) lights: Option<Input>,
     /// Polar angles x azimuths of the indirection map.
-    #[arg(long, value_name = "ZxA", default_value = "16x16", allow_hyphen_values = true)]
+    #[arg(long, value_name = "ZxA", default_value = INDIRECTION, allow_hyphen_values = true)]
     pub(super) indirection: String,
     /// Largest polar angle of the indirection map, degrees; steeper views see what it sees.
     #[arg(long, value_name = "DEGREES", default_value_t = 80.0)]
@@ -82,7 +86,7 @@ pub struct Arguments {
     /// full: every view and light, as factors; light: normal map and diffuse colours instead.
     #[arg(long, value_enum, default_value = "full")]
     pub(super) form: FormArgument,
-    /// Store every view as it is in place of factors, and the whole indirection map in place of displacements: some ninety times
+    /// Store every view as it is in place of factors, and the whole indirection map in place of displacements: some eighty times
     /// as much on a GPU.
     #[arg(long, conflicts_with_all = ["max_delta_e", "max_bytes"])]
     pub(super) uncompressed: bool,
@@ -90,7 +94,8 @@ pub struct Arguments {
     /// code 1 where it was asked for.
     #[arg(long, value_name = "E")]
     pub(super) max_delta_e: Option<f64>,
-    /// Most bytes of factors on a GPU, mipmaps included: a number with or without KiB or MiB.
+    /// Most bytes of factors on a GPU, mipmaps included, of which those with the least error are kept: a number with or without KiB or
+    /// MiB.
     #[arg(long, value_name = "BYTES", conflicts_with = "max_delta_e", value_parser = bytes_from_text)]
     pub(super) max_bytes: Option<u64>,
     /// Also write the ordinary BTF, computed directly from direct light, as images into a new or empty folder.

@@ -5,7 +5,7 @@ mod directions;
 mod options;
 mod text;
 
-pub use arguments::Arguments;
+pub use arguments::{Arguments, INDIRECTION};
 pub(super) use directions::{default_set, direction_set};
 pub(super) use options::map_header;
 pub(super) use text::text;
@@ -14,6 +14,7 @@ use super::output::{make_folder, note, print, print_json};
 use super::steps::Steps;
 use super::{CliError, Common, interrupt};
 use arguments::ImageFormat;
+use brdfc_formats::FormatError;
 use brdfc_jobs::btf_stack::StackFormat;
 use brdfc_jobs::flatten::words::{missed, remarks};
 use brdfc_jobs::flatten::{
@@ -34,6 +35,18 @@ pub struct Report {
     asset: AssetFile,
     /// Seconds from start to finish.
     seconds: f64,
+}
+
+/// What is wrong with a recipe, by the flags that ask for it.
+pub(super) fn in_flags(error: &FormatError) -> String {
+    let FormatError { field, found, allowed, .. } = error;
+    match field.as_ref() {
+        "bytes of factors" => format!("--max-bytes: found {found}; allowed {allowed}"),
+        "size of the part displacement" | "size of the part indirection" => format!(
+            "--texels x --indirection: found a map of {found} texels; allowed {allowed}: lower --texels or --indirection"
+        ),
+        _ => error.to_string(),
+    }
 }
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
@@ -59,7 +72,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         let names = materials.iter().map(Input::short_name).collect();
         (geometry, names, Values::Computed(appearance))
     };
-    recipe.check().map_err(|error| CliError::Usage(error.to_string()))?;
+    recipe.check().map_err(|error| CliError::Usage(in_flags(&error)))?;
     make_folder(&arguments.out)?;
     arguments.write_images.as_deref().map(make_folder).transpose()?;
     let interrupt = interrupt::watch()?;

@@ -5,6 +5,7 @@ use super::materials::Subject;
 use super::{gpu, outputs, scene};
 use crate::output::{note, remark};
 use crate::{CliError, Common};
+use brdfc_formats::FormatError;
 use brdfc_formats::direction::dot;
 use brdfc_formats::pwt::shader::PwtFilter;
 use brdfc_formats::pwt::{PwtDecoder, PwtPack};
@@ -16,7 +17,7 @@ use brdfc_render::pwt::{Photograph, PwtMaterial, distant_light, draw_on_cpu, dra
 use brdfc_render::scene::PointLight;
 use brdfc_render::scenes::Builtin;
 use brdfc_source::Input;
-use brdfc_source::light_stack::LightStack;
+use brdfc_source::light_stack::{LightStack, is_light_stack};
 use std::path::Path;
 
 /// What messages call such a pack.
@@ -55,7 +56,8 @@ pub(super) fn verification(
     }
     let gpu = gpu::open(arguments)?;
     let bytes_on_gpu = pack.gpu_bytes();
-    let wrong = |error: brdfc_formats::FormatError| CliError::Input(format!("{}: {error}", input));
+    let wrong =
+        |error: FormatError| CliError::Usage(format!("--repeat: found {}; allowed {}", error.found, error.allowed));
     let material = PwtMaterial::new(PwtDecoder::new(pack), arguments.repeat.unwrap_or(1)).map_err(wrong)?;
     let filter = if arguments.exact { PwtFilter::Exact } else { PwtFilter::Hardware };
     let shader = draw_pwt(&gpu, &setup.scene, setup.frame, &material, filter)?;
@@ -87,6 +89,10 @@ fn open_stack(source: &Input, size: [usize; 2]) -> Result<LightStack, CliError> 
         let text = format!("--source: found {source}; allowed the folder or the .lp of a light stack");
         return Err(CliError::Usage(text));
     };
+    if !is_light_stack(path) {
+        let text = format!("--source: found {source}; allowed the folder or the .lp of a light stack");
+        return Err(CliError::Usage(text));
+    }
     let stack = LightStack::open(path)?;
     if stack.size() != size {
         let told = |[width, height]: [usize; 2]| format!("{width} x {height} pixels");

@@ -40,7 +40,7 @@ pub fn draw_flat_btf(
     form: FlatForm,
 ) -> Result<LinearImage, GpuError> {
     let renderer = FlatRenderer::new(gpu)?;
-    let loaded = renderer.load(scene, material, form)?;
+    let loaded = renderer.load(scene, material, form, frame.samples)?;
     renderer.draw(&loaded, &scene.camera, frame)
 }
 
@@ -79,14 +79,21 @@ impl<'g> FlatRenderer<'g> {
         Ok(Self { rasteriser, texture_layout, material_layout })
     }
 
-    /// Uploads a scene with a material for all of its parts. Values of views go along only for the full form.
+    /// Uploads a scene with a material for all of its parts, to be drawn with `samples²` samples per pixel. Values of views go along
+    /// only for the full form.
     ///
     /// # Errors
     /// [`GpuError::TooLarge`] for more than the adapter takes; what the driver reports.
     ///
     /// # Panics
     /// For the full form of a material without values of views.
-    pub fn load(&self, scene: &Scene, material: &FlatMaterial, form: FlatForm) -> Result<LoadedScene, GpuError> {
+    pub fn load(
+        &self,
+        scene: &Scene,
+        material: &FlatMaterial,
+        form: FlatForm,
+        samples: usize,
+    ) -> Result<LoadedScene, GpuError> {
         let gpu = self.rasteriser.gpu;
         let full = form == FlatForm::Full;
         let factored = material.decoder().parts().values.factored().is_some();
@@ -100,7 +107,8 @@ impl<'g> FlatRenderer<'g> {
         let filter = IndirectionFilter::Exact;
         let textures = flat_textures::upload(gpu, &self.texture_layout, material.decoder(), filter, full)?;
         let shader_form = if full { 1 + u32::from(factored) } else { 0 };
-        let words = [material.repeat(), shader_form, lowest_light.to_bits(), 0];
+        let finer = (samples as f32).log2();
+        let words = [material.repeat(), shader_form, lowest_light.to_bits(), finer.to_bits()];
         let uniform = gpu.buffer(bytemuck::cast_slice(&words), BufferUsages::UNIFORM);
         let [views, lights] =
             [views, lights].map(|words| gpu.buffer(bytemuck::cast_slice(&words), BufferUsages::STORAGE));

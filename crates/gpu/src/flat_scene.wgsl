@@ -6,7 +6,7 @@ struct FlatMaterial {
     repeat: u32,        // tiles per unit of uv
     form: u32,          // 0: normal map and diffuse colour, 1: every sampled view and light, 2: the same, factored
     lowest_light: f32,  // cosine of the largest polar angle of a sampled light
-    reserved: u32,
+    finer: f32,         // octaves by which a sample covers less than its pixel
 }
 
 @group(2) @binding(0) var<uniform> material: FlatMaterial;
@@ -18,7 +18,8 @@ const PI: f32 = 3.14159274;
 
 @fragment
 fn shade(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
-    let level = factored_mipmap_level(dpdx(in.uv) * f32(material.repeat), dpdy(in.uv) * f32(material.repeat));
+    let of_pixel = factored_mipmap_level(dpdx(in.uv) * f32(material.repeat), dpdy(in.uv) * f32(material.repeat));
+    let level = max(of_pixel - material.finer, 0.0);
     let v = normalize(view.eye.xyz - in.position);
     let n = normalize(in.normal);
     let frame = turned_frame(select(-n, n, front), in.tangent, v);

@@ -46,6 +46,16 @@ pub(crate) fn mipmap_level([right, below]: [[f64; 2]; 2], repeat: u32, size: [us
     (0.5 * squared(right).max(squared(below)).max(1e-20).log2()).max(0.0) as f32
 }
 
+/// The mipmap level of one of `samples²` samples of a pixel, likewise: the mean, in octaves, of both sides of what it covers. By the
+/// longer side, what lies across it would be blurred away, and on a flat BTF that is next to what is hidden. The twin of
+/// `factored_mipmap_level`, less the octaves of `samples`.
+pub(crate) fn sample_level([right, below]: [[f64; 2]; 2], repeat: u32, size: usize, samples: usize) -> f32 {
+    let texels = f64::from(repeat) * size as f64;
+    let squared = |step: [f64; 2]| (0..2).map(|axis| (step[axis] * texels).powi(2)).sum::<f64>();
+    let of_pixel = 0.25 * (squared(right) * squared(below)).max(1e-20).log2();
+    (of_pixel - (samples as f64).log2()).max(0.0) as f32
+}
+
 /// Whether a triangle is seen from behind.
 pub(crate) fn from_behind(mesh: &Mesh, triangle: u32, to_viewer: Vector) -> bool {
     let corners = mesh.triangles[triangle as usize];
@@ -65,5 +75,10 @@ mod tests {
         assert_eq!(level([0.1 / 40.0, 0.0], [0.0, 0.1 / 20.0]), 0.0);
         assert_eq!(level([f64::INFINITY, 0.0], [0.0, 0.1]), f32::INFINITY);
         assert_eq!(mipmap_level([[1.0 / 40.0, 0.0], [0.0, 1.0 / 20.0]], 2, [40, 20]), 1.0);
+        // Eight texels across and two down: between them, four; of a sample of four, half as many per side.
+        let [right, below] = [[8.0 / 40.0, 0.0], [0.0, 2.0 / 40.0]];
+        assert_eq!([1, 2, 8].map(|samples| sample_level([right, below], 1, 40, samples)), [2.0, 1.0, 0.0]);
+        assert_eq!(sample_level([right, below], 2, 40, 1), 3.0);
+        assert_eq!(sample_level([[f64::INFINITY, 0.0], below], 1, 40, 1), f32::INFINITY);
     }
 }

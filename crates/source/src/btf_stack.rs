@@ -90,6 +90,14 @@ pub fn has_images(folder: &Path) -> bool {
     list(folder, "", LEVELS, &mut 0, &mut paths).is_ok() && paths.iter().any(|path| is_image(path))
 }
 
+/// The images of a folder that is an ordinary BTF, complete or not, as their names say; none of another folder.
+pub(crate) fn images_of(folder: &Path) -> Vec<PathBuf> {
+    let mut paths = Vec::new();
+    let listed = list(folder, "", LEVELS, &mut 0, &mut paths).ok();
+    let contents = listed.and_then(|()| StackContents::new(&paths).ok());
+    contents.map_or_else(Vec::new, |contents| contents.files.iter().map(|file| folder.join(file)).collect())
+}
+
 fn size_of(folder: &Path, files: &[String]) -> Result<[u32; 2], InputError> {
     let paths: Vec<PathBuf> = files.iter().map(|file| folder.join(file)).collect();
     common_size(&paths, files.first().map_or("", String::as_str))

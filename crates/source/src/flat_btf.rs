@@ -50,6 +50,9 @@ struct Listed {
 /// those of the list or do not follow their layout. Whether sizes fit together is for `FlatBtfDecoder::new`.
 pub fn open_flat_btf(path: &Path, values: bool) -> Result<FlatBtfParts, InputError> {
     let asset = Asset::open(path)?;
+    if values {
+        asset.check_views()?;
+    }
     let mut names: Vec<String> = PARTS.map(str::to_owned).to_vec();
     names.insert(1, asset.indirection_part().name().to_owned());
     names.extend(values.then(|| asset.value_parts()).into_iter().flatten());
@@ -80,6 +83,7 @@ pub fn open_flat_view(path: &Path, view: u32) -> Result<(Option<FlatView>, u32),
         let decoded = (view < count).then(|| factored.view(view));
         return Ok((decoded, count));
     }
+    asset.check_views()?;
     let count = asset.views();
     if view >= count {
         return Ok((None, count));
@@ -150,7 +154,16 @@ impl Asset {
             return parts.map(str::to_owned).collect();
         }
         let count = self.views();
-        (0..count.max(1)).map(|view| view_part(view, count)).collect()
+        (0..count).map(|view| view_part(view, count)).collect()
+    }
+
+    /// That there is something to be seen in views.
+    fn check_views(&self) -> Result<(), InputError> {
+        if self.is_factored() || self.views() > 0 {
+            return Ok(());
+        }
+        let found = "the light form, which has no views";
+        Err(format_error(&self.folder, FormatError::whole("flat BTF", found, "one of the full form")))
     }
 
     fn is_factored(&self) -> bool {
@@ -266,6 +279,13 @@ fn asset(path: &Path) -> Result<(PathBuf, String), InputError> {
         _ => names.into_iter().collect::<Vec<_>>().join(", "),
     };
     Err(format_error(path, FormatError::whole("flat BTFs", found, "one in a folder, or the path of its NAME.json")))
+}
+
+/// The files of the asset that a path means: the list of its parts and those that it names; none of another path.
+pub(crate) fn files_of_asset(path: &Path) -> Vec<PathBuf> {
+    let Ok(Asset { folder, name, listing }) = Asset::open(path) else { return Vec::new() };
+    let parts = listing.parts.values().map(|listed| listed.file.clone());
+    parts.chain([format!("{name}{LIST}")]).map(|file| folder.join(file)).collect()
 }
 
 /// NAME of a file `NAME.PART.ktx2` of a flat BTF.

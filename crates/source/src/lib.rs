@@ -9,6 +9,7 @@ pub mod flat_btf;
 mod format;
 pub mod half_difference;
 mod input;
+pub mod input_files;
 pub mod light_stack;
 mod merl;
 pub mod meso;

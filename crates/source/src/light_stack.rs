@@ -32,10 +32,7 @@ impl LightStack {
     /// same file twice; what is no PNG, JPEG or EXR; images of different sizes or of more than
     /// [`MAX_SIZE`](crate::photograph::MAX_SIZE) pixels along a side.
     pub fn open(path: &Path) -> Result<Self, InputError> {
-        let list = if path.is_dir() { the_list(path)? } else { path.to_owned() };
-        let bytes = read_file(&list, MAX_TEXT_BYTES)?;
-        let lights = LightPositions::from_bytes(&bytes)
-            .map_err(|error| wrong_contents(&list, &bytes, bytes.len() as u64, error))?;
+        let (list, lights) = read_list(path)?;
         let files = files(&list, &lights)?;
         let size = common_size(&files, &lights.names[0])?;
         Ok(Self { directions: lights.directions, files, size: size.map(|n| n as usize) })
@@ -147,6 +144,23 @@ fn lists(folder: &Path) -> Result<Vec<PathBuf>, InputError> {
     }
     found.sort_unstable();
     Ok(found)
+}
+
+/// The list that a path means, and what it says.
+fn read_list(path: &Path) -> Result<(PathBuf, LightPositions), InputError> {
+    let list = if path.is_dir() { the_list(path)? } else { path.to_owned() };
+    let bytes = read_file(&list, MAX_TEXT_BYTES)?;
+    let lights =
+        LightPositions::from_bytes(&bytes).map_err(|error| wrong_contents(&list, &bytes, bytes.len() as u64, error))?;
+    Ok((list, lights))
+}
+
+/// The list of a light stack and the photographs that are there, be it whole or not.
+pub(crate) fn files_of_stack(path: &Path) -> Vec<PathBuf> {
+    let Ok((list, lights)) = read_list(path) else { return Vec::new() };
+    let folder = list.parent().unwrap_or(Path::new(""));
+    let photographs: Vec<PathBuf> = lights.names.iter().filter_map(|name| find(folder, name)).collect();
+    photographs.into_iter().chain([list]).collect()
 }
 
 fn the_list(folder: &Path) -> Result<PathBuf, InputError> {

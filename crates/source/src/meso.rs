@@ -334,6 +334,7 @@ mod tests {
         assert!(error("b.ply", obj).contains("b.ply: line 1, first line"));
         let missing = open_meso(&folder.path().join("none.obj")).unwrap_err();
         assert!(matches!(missing, InputError::Io { .. }));
-        assert!(matches!(open_meso(folder.path()), Err(InputError::Io { .. })));
+        let no_file = open_meso(folder.path()).unwrap_err().to_string();
+        assert!(no_file.contains("found a folder; allowed a file or a pipe"), "{no_file}");
     }
 }

@@ -66,7 +66,7 @@ pub(crate) fn open_path(path: &Path) -> Result<(File, u64), InputError> {
     let file = File::open(path).map_err(io)?;
     let metadata = file.metadata().map_err(io)?;
     if metadata.is_dir() {
-        return Err(io(std::io::Error::from(std::io::ErrorKind::IsADirectory)));
+        return Err(InputError::format(path, FormatError::whole("file", "a folder", "a file or a pipe")));
     }
     #[cfg(unix)]
     {

@@ -120,7 +120,7 @@ fn packed(pack: PwtPack) -> Result<(Made, f64, f64), FormatError> {
 
 fn errors(made: &Made, samples: &LightSamples) -> StackErrors {
     match made {
-        Made::Map(map) => picture_errors(&pictures_of(map, samples.lights.clone()), samples).0,
+        Made::Map(map) => picture_errors(&pictures_of(map, samples.lights.clone()), samples),
         Made::Pack(pack) => stack_errors(&PwtDecoder::new(pack.clone()), samples, 1),
     }
 }

@@ -205,22 +205,14 @@ impl FlatBtfDecoder {
                 [wrap(u + scale * x), wrap(v + scale * y), height]
             }
             Indirection::Compact(map) => {
-                let [u, v] = self.smooth_reference(uv, texel);
-                let block = texel.map(|c| c / (size / header.size));
-                let of_block = |block| map.in_view(block, blended(&samples, |k, a| map.sample(block, k, a)));
+                let [u, v] = self.smooth_reference(uv);
                 let scale = map.scale(view);
-                let here = of_block(block);
-                let mut smooth = here;
-                let [column, row] = uv.map(|c| periodic_tap(wrap(c), header.size));
-                for (block, weight) in footprint(column, row) {
-                    let there = of_block(block);
-                    let difference = [there[0] - here[0], there[1] - here[1]];
-                    if map.on_one_side(difference, scale) {
-                        smooth[0] += weight * difference[0];
-                        smooth[1] += weight * difference[1];
-                    }
-                }
-                let [along, across] = smooth;
+                let taps = uv.map(|c| periodic_tap(wrap(c), header.size));
+                let [along, across] = one_side(
+                    taps,
+                    |block| map.in_view(block, blended(&samples, |k, a| map.sample(block, k, a))),
+                    |difference| map.on_one_side(difference, scale).then_some(difference),
+                );
                 let length = (view[0] * view[0] + view[1] * view[1]).sqrt();
                 let [cosine, sine] = if length > 0.0 { [view[0] / length, view[1] / length] } else { [1.0, 0.0] };
                 let [x, y] = [scale * (along * cosine - across * sine), scale * (along * sine + across * cosine)];
@@ -231,20 +223,13 @@ impl FlatBtfDecoder {
 
     /// The parameters that the view along the normal sees: between the centres of texels, as far as they are on one side of
     /// a silhouette with the texel that `uv` is in.
-    fn smooth_reference(&self, uv: [f32; 2], [i, j]: [u32; 2]) -> [f32; 2] {
+    fn smooth_reference(&self, uv: [f32; 2]) -> [f32; 2] {
         let (size, parameters) = (self.parts.reference.size(), self.parts.reference.parameters());
-        let here = parameters[(j * size + i) as usize];
-        let mut smooth = here;
-        let [column, row] = uv.map(|c| periodic_tap(wrap(c), size));
-        for ([i, j], weight) in footprint(column, row) {
-            let there = parameters[(j * size + i) as usize];
-            let apart = [there[0] - here[0], there[1] - here[1]].map(|c| c - (c + 0.5).floor());
-            if apart[0].abs().max(apart[1].abs()) <= SAME_SIDE / size as f32 {
-                smooth[0] += weight * apart[0];
-                smooth[1] += weight * apart[1];
-            }
-        }
-        smooth
+        let apart = |difference: [f32; 2]| {
+            let apart = difference.map(|c| c - (c + 0.5).floor());
+            (apart[0].abs().max(apart[1].abs()) <= SAME_SIDE / size as f32).then_some(apart)
+        };
+        one_side(uv.map(|c| periodic_tap(wrap(c), size)), |[i, j]| parameters[(j * size + i) as usize], apart)
     }
 
     /// Equation 1, `BTF = FBTF(VDIM)`, relative to a white diffuser that faces the light. Views and lights are blended by the
@@ -331,6 +316,26 @@ fn blended<const N: usize>(samples: &[([u32; 2], f32); 4], sample: impl Fn(u32, 
         }
     }
     blended
+}
+
+/// Four values interpolated, as far as they are on one side of a silhouette with the nearest; that one stands for the others.
+/// `apart` gives the difference of two that are.
+fn one_side(
+    [column, row]: [Tap; 2],
+    value: impl Fn([u32; 2]) -> [f32; 2],
+    apart: impl Fn([f32; 2]) -> Option<[f32; 2]>,
+) -> [f32; 2] {
+    let around = footprint(column, row).map(|(at, weight)| (value(at), weight));
+    let upper = [column, row].map(|tap| usize::from(tap.weight >= 0.5));
+    let (here, _) = around[upper[0] + 2 * upper[1]];
+    let mut smooth = here;
+    for (there, weight) in around {
+        if let Some(difference) = apart([there[0] - here[0], there[1] - here[1]]) {
+            smooth[0] += weight * difference[0];
+            smooth[1] += weight * difference[1];
+        }
+    }
+    smooth
 }
 
 /// The samples around a position from 0 to `last`.

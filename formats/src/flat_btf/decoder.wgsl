@@ -14,8 +14,8 @@
 // tangent, y = bitangent, z = normal. Values are linear RGB: radiance divided by that of a white diffuser that faces
 // the light.
 //
-// The indirection costs 5 fetches with manual filtering and 2 with the sampler, by displacements 30 and 15; the light form 8 more; the full form
-// 4 more for each pair of a view and a light whose weights are not 0.
+// The indirection costs 5 fetches with manual filtering and 2 with the sampler, by displacements 24 and 12; the light form 8
+// more; the full form 4 more for each pair of a view and a light whose weights are not 0.
 
 // The same fields, in the same order, as `FlatBtfParameters` of `brdfc-formats`. 48 bytes.
 struct FlatBtfParameters {
@@ -77,13 +77,12 @@ fn flat_btf_indirection(uv: vec2<f32>, view: vec3<f32>) -> vec3<f32> {
     let i = min(u32(flat_btf_wrap(uv.x) * f32(size)), size - 1u);
     let j = min(u32(flat_btf_wrap(uv.y) * f32(size)), size - 1u);
     let position = flat_btf_view_position(view);
-    let reference = textureLoad(flat_btf_reference, vec2<u32>(i, j), 0);
     if flat_btf_parameters.blocks > 0u {
-        let coarser = size / flat_btf_parameters.blocks;
-        let found = flat_btf_smooth_reference(uv, reference.xy);
-        let moved = flat_btf_displacement(uv, i / coarser, j / coarser, position, view);
+        let found = flat_btf_smooth_reference(uv);
+        let moved = flat_btf_displacement(uv, position, view);
         return vec3<f32>(flat_btf_wrap(found.x + moved.x), flat_btf_wrap(found.y + moved.y), 0.0);
     }
+    let reference = textureLoad(flat_btf_reference, vec2<u32>(i, j), 0);
     let blended = flat_btf_block(i, j, size, position);
     // The blend of directions is brought back to length 1: directional in azimuth, linear in distance.
     let length = sqrt(blended.x * blended.x + blended.y * blended.y);
@@ -95,15 +94,20 @@ fn flat_btf_indirection(uv: vec2<f32>, view: vec3<f32>) -> vec3<f32> {
 
 // The parameters that the view along the normal sees: between the centres of texels, as far as they are on one side of a
 // silhouette with the texel that uv is in.
-fn flat_btf_smooth_reference(uv: vec2<f32>, here: vec2<f32>) -> vec2<f32> {
+fn flat_btf_smooth_reference(uv: vec2<f32>) -> vec2<f32> {
     let size = flat_btf_parameters.reference_size;
     let column = flat_btf_periodic_tap(flat_btf_wrap(uv.x), size);
     let row = flat_btf_periodic_tap(flat_btf_wrap(uv.y), size);
-    var found = here;
+    var around: array<vec2<f32>, 4>;
     for (var k = 0u; k < 4u; k += 1u) {
         let at = vec2<u32>(flat_btf_tap_sample(column, k & 1u), flat_btf_tap_sample(row, k >> 1u));
+        around[k] = textureLoad(flat_btf_reference, at, 0).xy;
+    }
+    let here = around[flat_btf_nearest_tap(column, row)];
+    var found = here;
+    for (var k = 0u; k < 4u; k += 1u) {
         let weight = flat_btf_tap_weight(row, k >> 1u) * flat_btf_tap_weight(column, k & 1u);
-        let difference = textureLoad(flat_btf_reference, at, 0).xy - here;
+        let difference = around[k] - here;
         let apart = difference - floor(difference + 0.5);
         if max(abs(apart.x), abs(apart.y)) <= FLAT_BTF_SAME_SIDE / f32(size) {
             found += weight * apart;
@@ -113,7 +117,7 @@ fn flat_btf_smooth_reference(uv: vec2<f32>, here: vec2<f32>) -> vec2<f32> {
 }
 
 // The displacement of what is seen, interpolated like the reference, and turned from the view's own frame.
-fn flat_btf_displacement(uv: vec2<f32>, i: u32, j: u32, position: vec2<f32>, view: vec3<f32>) -> vec2<f32> {
+fn flat_btf_displacement(uv: vec2<f32>, position: vec2<f32>, view: vec3<f32>) -> vec2<f32> {
     let blocks = flat_btf_parameters.blocks;
     let length = sqrt(view.x * view.x + view.y * view.y);
     let most = flat_btf_parameters.largest_tangent;
@@ -122,14 +126,17 @@ fn flat_btf_displacement(uv: vec2<f32>, i: u32, j: u32, position: vec2<f32>, vie
         tangent = min(length / view.z, most);
     }
     let scale = tangent + 0.25;
-    let here = flat_btf_in_view(i, j, position);
     let column = flat_btf_periodic_tap(flat_btf_wrap(uv.x), blocks);
     let row = flat_btf_periodic_tap(flat_btf_wrap(uv.y), blocks);
+    var around: array<vec2<f32>, 4>;
+    for (var k = 0u; k < 4u; k += 1u) {
+        around[k] = flat_btf_in_view(flat_btf_tap_sample(column, k & 1u), flat_btf_tap_sample(row, k >> 1u), position);
+    }
+    let here = around[flat_btf_nearest_tap(column, row)];
     var found = here;
     for (var k = 0u; k < 4u; k += 1u) {
         let weight = flat_btf_tap_weight(row, k >> 1u) * flat_btf_tap_weight(column, k & 1u);
-        let there = flat_btf_in_view(flat_btf_tap_sample(column, k & 1u), flat_btf_tap_sample(row, k >> 1u), position);
-        let difference = there - here;
+        let difference = around[k] - here;
         if max(abs(difference.x), abs(difference.y)) * scale <= FLAT_BTF_SAME_SIDE / f32(blocks) {
             found += weight * difference;
         }
@@ -272,6 +279,11 @@ fn flat_btf_periodic_tap(parameter: f32, size: u32) -> FlatBtfTap {
     let lower = select(min(u32(below), size - 1u), size - 1u, below < 0.0);
     let upper = select(lower + 1u, 0u, lower + 1u == size);
     return FlatBtfTap(lower, upper, position - below);
+}
+
+// Which of four samples, rows outside, is nearest.
+fn flat_btf_nearest_tap(column: FlatBtfTap, row: FlatBtfTap) -> u32 {
+    return select(0u, 1u, column.weight >= 0.5) + select(0u, 2u, row.weight >= 0.5);
 }
 
 fn flat_btf_tap_sample(tap: FlatBtfTap, upper: u32) -> u32 {

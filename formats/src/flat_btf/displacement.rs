@@ -71,7 +71,11 @@ impl DisplacementHeader {
         Ok(header)
     }
 
-    fn check(&self) -> Result<(), FormatError> {
+    /// Checks ranges and that the texture is not too large.
+    ///
+    /// # Errors
+    /// Names the field that is out of range.
+    pub fn check(&self) -> Result<(), FormatError> {
         self.blocks.check_as(HEADER, PART)?;
         if !(self.largest_tangent > 0.0 && self.largest_tangent <= MAX_TANGENT) {
             let field = format!("{HEADER} largest tangent");

@@ -189,6 +189,12 @@ impl IndirectionMap {
         self.texels[row as usize * self.header.extent()[0] as usize + column as usize].map(half::decode)
     }
 
+    /// The displacement of that sample, in parameters.
+    pub fn displacement(&self, texel: [u32; 2], k: u32, a: u32) -> [f32; 2] {
+        let [x, y, distance, _] = self.sample(texel, k, a);
+        [x * distance, y * distance]
+    }
+
     /// The bytes of the KTX2 file.
     pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
         Texture {

@@ -138,18 +138,25 @@ impl Ptm {
     /// # Panics
     /// If there is no such pixel.
     pub fn value(&self, pixel: usize, light: [f32; 2]) -> [f32; 3] {
+        self.polynomials(pixel, light).map(|code| code.clamp(0.0, 255.0) as f32)
+    }
+
+    /// [`Self::value`] before it is clamped.
+    ///
+    /// # Panics
+    /// If there is no such pixel.
+    pub fn polynomials(&self, pixel: usize, light: [f32; 2]) -> [f64; 3] {
         let terms = terms(light);
         let sum = |bytes: [u8; TERMS]| -> f64 {
             self.coefficients(bytes).iter().zip(terms).map(|(coefficient, term)| coefficient * term).sum()
         };
-        let codes = match &self.model {
+        match &self.model {
             PtmModel::Rgb(pixels) => pixels[pixel].map(sum),
             PtmModel::Lrgb { luminance, colour } => {
                 let luminance = sum(luminance[pixel]);
                 colour[pixel].map(|code| luminance * f64::from(code) / 255.0)
             }
-        };
-        codes.map(|code| code.clamp(0.0, 255.0) as f32)
+        }
     }
 
     /// Parses a file.

@@ -71,7 +71,14 @@ impl PwtDecoder {
 
     /// Linear RGB of channels.
     pub fn linear(&self, channels: [f32; 3]) -> [f32; 3] {
-        self.linear_each(&channels.map(|channel| vec![channel])).map(|colour| colour[0])
+        let header = self.pack.header();
+        let [a, b, c] = channels;
+        let mut colour = [0, 1, 2].map(|k| {
+            let [red, green, blue] = header.colour.map(|axis| axis[k]);
+            a * red + b * green + c * blue
+        });
+        header.domain.decode_each(&mut colour);
+        colour
     }
 
     fn linear_each(&self, channels: &[Vec<f32>; 3]) -> [Vec<f32>; 3] {
@@ -98,26 +105,39 @@ impl PwtDecoder {
     /// A mipmap level of the picture, 0 to [`super::PwtHeader::levels`], with every term at its resolution: for whole
     /// pictures. Beyond that it is the coarsest. Values are those of [`Self::channels`] at the centres of texels.
     pub fn unpacked(&self, level: u32) -> UnpackedLevel<'_> {
+        let height = self.pack.header().size[1].div_ceil(1 << level.min(self.pack.header().levels));
+        self.unpacked_rows(level, 0..height as usize)
+    }
+
+    /// Some rows of [`Self::unpacked`], for pictures that are better not held whole.
+    ///
+    /// # Panics
+    /// If there are no such rows.
+    pub fn unpacked_rows(&self, level: u32, rows: Range<usize>) -> UnpackedLevel<'_> {
         let header = self.pack.header();
         let level = level.min(header.levels);
         let extent = header.extent.map(|side| side >> level);
         let size = header.size.map(|side| side.div_ceil(1 << level));
+        assert!(rows.end <= size[1] as usize, "rows {rows:?} of {}", size[1]);
+        let (left_out, first) = (rows.start, rows.start as u32);
+        let size = [size[0], rows.len() as u32];
         let mut planes = Vec::new();
         for (index, texture) in header.textures.iter().enumerate() {
             let own = level.saturating_sub(texture.level).min(self.pack.levels_of(index) - 1);
             let (_, sides) = self.pack.level_of(index, own);
-            let axis = |axis: usize| -> Vec<Tap> {
+            let axis = |axis: usize, first: u32| -> Vec<Tap> {
                 let scale = sides[axis] as f32 / extent[axis] as f32;
-                (0..size[axis]).map(|k| Tap::new((k as f32 + 0.5) * scale, sides[axis], header.repeats)).collect()
+                let tap = |k: u32| Tap::new((k as f32 + 0.5) * scale, sides[axis], header.repeats);
+                (first..first + size[axis]).map(tap).collect()
             };
-            let (columns, rows) = (axis(0), axis(1));
+            let (columns, rows) = (axis(0, 0), axis(1, first));
             for (k, component) in texture.components.iter().enumerate() {
                 let filtered = self.filtered(index, k, own, &columns, &rows);
                 let values = filtered.into_iter().map(|texel| component.low + component.scale * texel).collect();
                 planes.push((component.channel as usize, component.term as usize, values));
             }
         }
-        UnpackedLevel { decoder: self, size: size.map(|side| side as usize), planes }
+        UnpackedLevel { decoder: self, left_out, size: size.map(|side| side as usize), planes }
     }
 
     /// [`Self::sample`] of all rows and columns, each row of texels filtered once.
@@ -181,23 +201,29 @@ impl PwtDecoder {
 #[derive(Debug, Clone)]
 pub struct UnpackedLevel<'a> {
     decoder: &'a PwtDecoder,
+    /// Rows of the level before the first that is here.
+    left_out: usize,
+    /// Columns, and rows that are here.
     size: [usize; 2],
     /// Channel, term, and a value per texel of the picture.
     planes: Vec<(usize, usize, Vec<f32>)>,
 }
 
 impl UnpackedLevel<'_> {
-    /// Columns and rows.
+    /// Columns, and rows that are here.
     pub fn size(&self) -> [usize; 2] {
         self.size
     }
 
-    /// Linear RGB of some rows under the light of these weights.
+    /// Linear RGB of some rows of the level under the light of these weights.
+    ///
+    /// # Panics
+    /// If they are not here.
     pub fn rows(&self, rows: Range<usize>, weights: &[f32; MAX_TERMS]) -> Vec<[f32; 3]> {
         let width = self.size[0];
         let mut picture = Vec::with_capacity(rows.len() * width);
         let mut channels = [vec![0.0f32; width], vec![0.0; width], vec![0.0; width]];
-        for row in rows {
+        for row in rows.start - self.left_out..rows.end - self.left_out {
             channels.iter_mut().for_each(|channel| channel.fill(0.0));
             for (channel, term, values) in &self.planes {
                 let weight = weights[*term];

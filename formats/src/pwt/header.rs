@@ -65,7 +65,7 @@ pub struct PwtErrors {
     /// Peak signal-to-noise ratio of sRGB codes against the photographs that were fitted, dB.
     pub psnr: f32,
     /// The same of photographs that a fit did not see, dB: each left out in turn, at 512 texels, before pruning
-    /// and rounding.
+    /// and rounding; 0 where so few lights do not tell.
     pub held_out_psnr: f32,
     /// Mean ΔE (CIE76) against the photographs that were fitted.
     pub delta_e: f32,

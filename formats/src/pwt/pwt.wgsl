@@ -211,5 +211,6 @@ fn pwt_linear(channels: vec3<f32>) -> vec3<f32> {
         case 2u: { linear = value * value * value; }
         default: { linear = exp(min(value, vec3<f32>(80.0))) - pwt.epsilon; }
     }
-    return clamp(linear, vec3<f32>(0.0), vec3<f32>(PWT_LARGEST));
+    // What is no number is 0.
+    return select(vec3<f32>(0.0), min(linear, vec3<f32>(PWT_LARGEST)), linear > vec3<f32>(0.0));
 }

@@ -53,7 +53,7 @@ fn options_out_of_range() {
     for (option, value, allowed) in [
         ("--texels", "2", "4 to 2048"),
         ("--flat-texels", "100", "a power of two"),
-        ("--indirection", "16", "16x16"),
+        ("--indirection", "16", "16x24"),
         ("--indirection", "1x16", "2 to 256"),
         ("--largest-angle", "90", "up to 89"),
         ("--oversampling", "0", "1 to 16"),

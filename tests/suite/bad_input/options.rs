@@ -59,7 +59,7 @@ fn options_that_go_with_another_input() {
             "--max-bytes: found with --form light, which has no views",
         ),
         (structure, &["--max-delta-e", "0"], "--max-delta-e: found 0; allowed above 0, up to 100"),
-        (structure, &["--max-bytes", "12"], "bytes of factors: found 12; allowed "),
+        (structure, &["--max-bytes", "12"], "--max-bytes: found 12; allowed "),
         (structure, &["--uncompressed", "--max-delta-e", "1"], "--uncompressed"),
         (structure, &["--weights", "h.png"], "--weights: found one material"),
         ("m.obj", &["--weights", "h.png", "--material", "synth:lambert"], "--weights: found one material"),
@@ -76,7 +76,17 @@ fn options_that_go_with_another_input() {
         (structure, &["--bounces", "4", "--write-images", "images"], "--write-images: found with --bounces"),
         (structure, &["--views", "grid:1x6@50"], "--views: found grid:1x6@50; allowed 2 polar angles or more"),
         (structure, &["--indirection", "0x0"], "--indirection: found 0x0; allowed 2 to 256 polar angles x 3 to 256"),
-        (structure, &["--texels", "2048", "--indirection", "16x16"], "found a map of 32768 x 34816 texels"),
+        (
+            structure,
+            &["--texels", "2048"],
+            "--texels x --indirection: found a map of 16384 x 25600 texels; allowed at most",
+        ),
+        (
+            structure,
+            &["--texels", "512", "--uncompressed"],
+            "found a map of 8192 x 12800 texels; allowed at most 8192 on",
+        ),
+        (structure, &["--max-bytes", "0"], "--max-bytes: found 0; allowed "),
         (structure, &["--name", " "], "--name: found \" \"; allowed letters"),
         (structure, &["--name", "a "], "--name: found \"a \""),
     ] {
@@ -126,7 +136,7 @@ fn folders_that_are_files_or_not_empty() {
         refused(&folder, &[&["bench", "--study", "flat-btf", "synth:knit"][..], &option].concat(), 2, told);
     };
     flat(["--indirection", "1x8"], &["--indirection: found 1x8; allowed 2 to 256 polar angles x 3 to 256"]);
-    flat(["--indirection", "256x256"], &["found a map of 32768 x 32896 texels"]);
+    flat(["--indirection", "256x256"], &["--texels x --indirection: found a map of 32768 x 32896 texels"]);
     flat(["--largest-angle", "90"], &["--largest-angle: found 90; allowed above 0, up to 89 degrees"]);
     refused(&folder, &["bench", "synth:knit"], 2, &["flat-btf and rays (structures)", "images: materials"]);
 }

@@ -64,6 +64,8 @@ fn the_study_of_flat_btfs_has_the_papers_tables() {
         // At so few texels; the paper's own are 3 and more. The map costs about as much as the rest.
         let rebuilt = &row["reconstruction"];
         let [mean, exact] = ["through_map", "exact_rays"].map(|kind| number(&rebuilt[kind]["mean"]));
+        let compact = number(&rebuilt["through_displacements"]["mean"]);
+        assert!(compact > exact && compact < 8.0, "{row}");
         assert!((0.1..4.5).contains(&exact) && mean > 1.2 * exact && mean < 8.0, "{row}");
         // Polar angles 0, 35 and 70: from above nothing is blended, and both see about the same; from the side they do not.
         let angles = rebuilt["angles"].as_array().unwrap();
@@ -90,7 +92,7 @@ fn the_study_of_flat_btfs_has_the_papers_tables() {
     let finer = ["--directions", "grid:2x4@60", "--indirection", "4x8", "--largest-angle", "70", "--json"];
     let report = folder.run(&[&plane[..], &finer].concat()).succeeded().json();
     assert_eq!(report["settings"]["indirection"], serde_json::json!([4, 8]));
-    for kind in ["through_map", "exact_rays"] {
+    for kind in ["through_map", "through_displacements", "exact_rays"] {
         let largest = report["rows"][0]["reconstruction"][kind]["largest_image"].as_f64().unwrap();
         // Values are rounded to 9 bits.
         assert!(largest < 0.3, "{kind} {largest}");
@@ -124,6 +126,13 @@ fn the_study_of_btfs_has_every_way_of_both_kinds() {
         let coarse = row("PWT of light and view, order 3");
         assert!(number(&row("PWT of light and view, order 5")["bytes"]) > number(&coarse["bytes"]));
         assert_eq!(row("factored, 32 components")["met"], serde_json::Value::Null);
+        // Half of the coefficients, or a quarter of the texels and none of the finest level.
+        assert_eq!(row("PTM, LRGB")["bytes"], 9 * 9 * 85);
+        let harmonics = ["HSH, order 3, at half size", "HSH, order 3"].map(|way| number(&row(way)["bytes"]));
+        assert!(2.0 * harmonics[0] < harmonics[1], "{harmonics:?}");
+        for way in ["PWT at ΔE 1", "PWT of light and view at ΔE 1", "factored at ΔE 1"] {
+            assert_eq!(row(way)["met"] == true, number(&row(way)["delta_e"]) <= 1.0, "{}", row(way));
+        }
     }
     assert_eq!(model["classic"]["seen"], 1.0);
     assert!(number(&model["flat"]["seen"]) < 1.0);

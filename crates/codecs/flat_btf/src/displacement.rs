@@ -2,12 +2,19 @@
 
 use brdfc_formats::FormatError;
 use brdfc_formats::container::half;
-use brdfc_formats::flat_btf::{
-    DisplacementHeader, DisplacementMap, IndirectionHeader, IndirectionMap, ReferenceMap, SAME_SIDE,
-};
+use brdfc_formats::flat_btf::{DisplacementHeader, DisplacementMap, IndirectionHeader, ReferenceMap, SAME_SIDE};
 use rayon::prelude::*;
 
-/// One block for each `coarser²` texels of the map. Of the displacements that these texels have in a view, the one stands for
+/// Most texels of a reference plane, per side, that have a block each: with 16 x 24 views they take 12.5 MiB.
+const SINGLE: u32 = 128;
+
+/// Texels of a reference plane of `size`, per side, that share a block of displacements: where they are many, two.
+pub fn coarser(size: u32) -> u32 {
+    if size > SINGLE && size.is_multiple_of(2) { 2 } else { 1 }
+}
+
+/// One block for each `coarser²` texels of a map, whose `displacement` of texel `(i, j)` in the view of sample `(k, a)` is in
+/// parameters. Of the displacements that these texels have in a view, the one stands for
 /// all that is nearest to the others: a mean over both sides of a silhouette would be a point that none of them sees.
 ///
 /// Texels of a block that see another side of a silhouette along the normal than the one in their middle get a reference from
@@ -16,11 +23,12 @@ use rayon::prelude::*;
 /// # Errors
 /// A map whose sides are no multiple of `coarser` or not those of the reference, displacements that halves cannot hold.
 pub fn displacements(
-    map: &IndirectionMap,
+    map: IndirectionHeader,
     reference: &ReferenceMap,
+    displacement: impl Fn([u32; 2], u32, u32) -> [f32; 2] + Sync,
     coarser: u32,
 ) -> Result<(DisplacementMap, ReferenceMap), FormatError> {
-    let IndirectionHeader { size, zenith_samples, azimuth_samples, .. } = *map.header();
+    let IndirectionHeader { size, zenith_samples, azimuth_samples, .. } = map;
     if coarser == 0 || !size.is_multiple_of(coarser) {
         let allowed = format!("a multiple of {coarser}");
         return Err(FormatError::whole("texels of the reference plane", size.to_string(), allowed));
@@ -29,7 +37,7 @@ pub fn displacements(
         let found = reference.size().to_string();
         return Err(FormatError::whole("size of the part reference", found, format!("{size}, that of the map")));
     }
-    let header = DisplacementHeader::new(IndirectionHeader { size: size / coarser, ..*map.header() });
+    let header = DisplacementHeader::new(IndirectionHeader { size: size / coarser, ..map });
     let blocks = header.blocks.size;
     let divisors: Vec<f64> = (0..zenith_samples).map(|k| header.divisor(k)).collect();
     let of_block = |at: u32| -> Block {
@@ -46,8 +54,8 @@ pub fn displacements(
             .map(|(k, a)| {
                 let azimuth = header.blocks.view_angles(k, a)[1];
                 let seen = |(texel, moved): (&[u32; 2], &[f64; 2])| {
-                    let [x, y, distance, _] = map.sample(*texel, k, a).map(f64::from);
-                    in_view([x * distance + moved[0], y * distance + moved[1]], azimuth, divisors[k as usize])
+                    let [x, y] = displacement(*texel, k, a).map(f64::from);
+                    in_view([x + moved[0], y + moved[1]], azimuth, divisors[k as usize])
                 };
                 let seen: Vec<[f64; 2]> = texels.iter().zip(&moved).map(seen).collect();
                 seen[nearest_to_all(&seen)]
@@ -149,7 +157,9 @@ impl Block {
 mod tests {
     use super::*;
     use brdfc_formats::direction::from_polar;
-    use brdfc_formats::flat_btf::{DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatValues, Indirection, NormalMap};
+    use brdfc_formats::flat_btf::{
+        DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatValues, Indirection, IndirectionMap, NormalMap,
+    };
 
     const HEADER: IndirectionHeader =
         IndirectionHeader { size: 16, zenith_samples: 16, azimuth_samples: 16, largest_angle: 1.3 };
@@ -182,8 +192,16 @@ mod tests {
         .unwrap()
     }
 
+    fn of_map(
+        map: &IndirectionMap,
+        reference: &ReferenceMap,
+        coarser: u32,
+    ) -> Result<(DisplacementMap, ReferenceMap), FormatError> {
+        displacements(*map.header(), reference, |texel, k, a| map.displacement(texel, k, a), coarser)
+    }
+
     fn compact(map: &IndirectionMap, coarser: u32) -> FlatBtfDecoder {
-        let (made, reference) = displacements(map, &reference(), coarser).unwrap();
+        let (made, reference) = of_map(map, &reference(), coarser).unwrap();
         decoder(reference, made.into())
     }
 
@@ -213,11 +231,16 @@ mod tests {
     }
 
     #[test]
+    fn many_texels_share_blocks() {
+        assert_eq!([16, 127, 128, 129, 130, 256, 512].map(coarser), [1, 1, 1, 1, 2, 2, 2]);
+    }
+
+    #[test]
     fn one_of_the_texels_stands_for_all() {
         // Three of each four texels see a plane far below.
         let map = plane(|[i, j]| if i % 2 + j % 2 == 0 { 0.1 } else { -0.2 });
         assert!(off(&compact(&map, 2), -0.2) < 0.02);
-        let refused = displacements(&map, &reference(), 3).unwrap_err().to_string();
+        let refused = of_map(&map, &reference(), 3).unwrap_err().to_string();
         assert!(refused.contains("found 16; allowed a multiple of 3"), "{refused}");
     }
 
@@ -233,7 +256,7 @@ mod tests {
             ([x * distance - aside((16 * j + i) as usize), y * distance], height)
         });
         let moved = moved.unwrap();
-        let (made, side) = displacements(&moved, &ReferenceMap::new(16, own.clone()).unwrap(), 2).unwrap();
+        let (made, side) = of_map(&moved, &ReferenceMap::new(16, own.clone()).unwrap(), 2).unwrap();
         assert_eq!(side, reference());
         assert!(off(&decoder(side, made.clone().into()), 0.05) < 0.004);
         // With their own reference they are led astray.

@@ -20,6 +20,15 @@ pub struct Indirection {
     pub displacements: Vec<([f32; 2], f32)>,
 }
 
+impl Indirection {
+    /// Displacement of texel `(i, j)` of the reference plane in the view of sample `(k, a)`.
+    pub fn displacement(&self, [i, j]: [u32; 2], k: u32, a: u32) -> [f32; 2] {
+        let IndirectionHeader { size, zenith_samples, azimuth_samples, .. } = self.header;
+        let at = ((j * azimuth_samples + a % azimuth_samples) * size + i) * zenith_samples + k;
+        self.displacements[at as usize].0
+    }
+}
+
 /// `VDIM_n` and, for each view, `d_v δ_v` of equation 2 of Hadim et al. 2009, by `oversampling²` rays for each texel and
 /// view.
 ///

@@ -92,7 +92,7 @@ impl Arrangement {
             header.textures.push(TextureHeader { level: *level, channels: *channels, components });
         }
         if header.textures.is_empty() {
-            // Nothing is worth a byte: black, or one colour that rounds to it.
+            // Nothing is worth a byte: what 0 of the domain stands for, which is black but of logarithms.
             let depth = header.levels;
             header.textures.push(TextureHeader { level: depth, channels: 1, components: vec![Component::NONE] });
             texels.push(vec![0; (header.extent[0] >> depth) as usize * (header.extent[1] >> depth) as usize]);

@@ -27,8 +27,9 @@ pub struct Candidate {
     pub ridge: f64,
     /// Signal-to-noise ratio of sRGB codes at the lights that were fitted, dB.
     pub psnr: f64,
-    /// The same at lights left out, each in turn. Both are of 512 texels, before pruning and rounding.
-    pub held_out_psnr: f64,
+    /// The same at lights left out, each in turn; nothing where so few lights do not tell. Both are of 512 texels, before
+    /// pruning and rounding.
+    pub held_out_psnr: Option<f64>,
 }
 
 /// The best of each pair of domain and coordinates, the best of all first.
@@ -41,13 +42,13 @@ pub fn choose(samples: &LightSamples, recipe: &PwtRecipe) -> Vec<Candidate> {
     let mut found = texels.tried(samples, recipe, &[first], &few, &ridges);
     let Some(best) = best(&found) else { return found };
     if recipe.domain.is_none() {
-        let near = |ridge: &f64| (0.01..=100.0).contains(&(ridge / best.ridge));
-        let ridges: Vec<f64> = ridges.into_iter().filter(near).collect();
+        let at = ridges.iter().position(|ridge| *ridge == best.ridge).unwrap_or(0);
+        let ridges: Vec<f64> = ridges[at.saturating_sub(2)..ridges.len().min(at + 3)].to_vec();
         let others: Vec<DomainName> = DomainName::ALL.into_iter().filter(|domain| *domain != first).collect();
         found.extend(texels.tried(samples, recipe, &others, &[best.coordinates], &ridges));
     }
     let mut kept: Vec<Candidate> = Vec::new();
-    found.sort_by(|a, b| b.held_out_psnr.total_cmp(&a.held_out_psnr));
+    found.sort_by(|a, b| b.merit().total_cmp(&a.merit()));
     for candidate in found {
         if !kept.iter().any(|k| (k.domain, k.coordinates) == (candidate.domain, candidate.coordinates)) {
             kept.push(candidate);
@@ -56,8 +57,9 @@ pub fn choose(samples: &LightSamples, recipe: &PwtRecipe) -> Vec<Candidate> {
     kept
 }
 
+/// The first of the best.
 fn best(candidates: &[Candidate]) -> Option<Candidate> {
-    candidates.iter().copied().max_by(|a, b| a.held_out_psnr.total_cmp(&b.held_out_psnr))
+    candidates.iter().copied().reduce(|best, other| if other.merit() > best.merit() { other } else { best })
 }
 
 impl Candidate {
@@ -69,6 +71,11 @@ impl Candidate {
             DomainName::CubeRoot => Domain::CubeRoot,
             DomainName::Log => Domain::Logarithm { epsilon: self.epsilon },
         }
+    }
+
+    /// What candidates are ranked by: where nothing tells, below all.
+    fn merit(&self) -> f64 {
+        self.held_out_psnr.unwrap_or(f64::NEG_INFINITY)
     }
 
     /// Its terms.
@@ -88,13 +95,7 @@ struct Texels {
 
 impl Texels {
     fn new(samples: &LightSamples) -> Self {
-        let defined: Vec<usize> =
-            (0..samples.size[0] * samples.size[1]).filter(|texel| samples.is_defined(*texel)).collect();
-        let count = defined.len();
-        // Multiples of the golden ratio: no column or row is missed.
-        let texel = |k: usize| ((k as f64 * 0.618_033_988_749_894_9).fract() * count as f64) as usize;
-        let nth = |k: usize| if count <= TEXELS { k } else { texel(k) };
-        let at: Vec<usize> = (0..TEXELS.min(count)).map(|k| defined[nth(k)]).collect();
+        let at = samples.spread_texels(TEXELS);
         let of_light = |picture: &Vec<[f32; 3]>| -> Vec<f32> {
             at.iter().flat_map(|texel| picture[*texel]).map(|value| value.max(0.0)).collect()
         };
@@ -140,7 +141,7 @@ impl Texels {
                 Design::new(LightBasis { coordinates: *coordinates, degree: highest }, &samples.lights, *ridge);
             // A degree that was asked for is taken, whatever it does.
             let lowest = recipe.degree.unwrap_or(0);
-            let candidate = |(degree, [psnr, held_out_psnr]): (u32, [f64; 2])| Candidate {
+            let candidate = |(degree, psnr, held_out_psnr): (u32, f64, Option<f64>)| Candidate {
                 domain: *name,
                 epsilon: domain.code().1,
                 coordinates: *coordinates,
@@ -155,8 +156,14 @@ impl Texels {
         found.into_iter().flatten().collect()
     }
 
-    /// Signal-to-noise ratios of every degree from the lowest, fitted and left out.
-    fn by_degree(&self, design: &Design, domain: Domain, encoded: &[Vec<f32>], lowest: u32) -> Vec<(u32, [f64; 2])> {
+    /// Signal-to-noise ratios of every degree from the lowest, fitted and, where that can be told, left out.
+    fn by_degree(
+        &self,
+        design: &Design,
+        domain: Domain,
+        encoded: &[Vec<f32>],
+        lowest: u32,
+    ) -> Vec<(u32, f64, Option<f64>)> {
         let (terms, numbers) = (design.terms(), encoded.first().map_or(0, Vec::len));
         let mut coefficients = vec![vec![0.0f32; numbers]; terms];
         for (light, values) in encoded.iter().enumerate() {
@@ -180,7 +187,8 @@ impl Texels {
                 if degree < lowest {
                     continue;
                 }
-                let share = (1.0 / (1.0 - leverages[light])) as f32;
+                // 0 where nothing is told.
+                let share = leverages.as_ref().map_or(0.0, |leverages| (1.0 / (1.0 - leverages[light])) as f32);
                 let unseen = |(predicted, value): (&f32, &f32)| value - (value - predicted) * share;
                 let unseen = prediction.iter().zip(&encoded[light]).map(unseen).collect();
                 for (sum, values) in errors.iter_mut().zip([prediction.clone(), unseen]) {
@@ -190,7 +198,8 @@ impl Texels {
             first = last;
             if degree >= lowest {
                 let count = (numbers * encoded.len()).max(1) as f64;
-                found.push((degree, errors.map(|error| decibels(error / count))));
+                let [fitted, left_out] = errors.map(|error| decibels(error / count));
+                found.push((degree, fitted, leverages.is_some().then_some(left_out)));
             }
         }
         found
@@ -214,7 +223,11 @@ pub(crate) fn squares(a: &[f32], b: &[f32]) -> f64 {
     a.iter().zip(b).map(|(a, b)| f64::from((a - b) * (a - b))).sum()
 }
 
-/// Signal-to-noise ratio of a mean squared error of codes from 0 to 1. No error counts as rounding to 16 bits.
+/// Signal-to-noise ratio of a mean squared error of codes from 0 to 1. No error counts as rounding to 16 bits; what is no
+/// number is the largest error.
 pub fn decibels(mean_square: f64) -> f64 {
+    if mean_square.is_nan() {
+        return 0.0;
+    }
     -10.0 * mean_square.max(1.0 / 65536.0 / 65536.0).log10()
 }

@@ -19,7 +19,7 @@ pub struct SubbandDegree {
     pub degree: Option<u32>,
     /// Mean square of its coefficients over the lights.
     pub energy: f64,
-    /// Mean squared error at lights left out, with these terms.
+    /// Mean squared error at lights left out, with these terms; of a lone light at that.
     pub held_out: f64,
 }
 
@@ -100,7 +100,12 @@ fn of_subband(design: &Design, subband: Subband, lights: &[&[f32]], counted: f64
             }
         }
         first = last;
-        let leverages = design.leverages(degree);
+        let leverages = match design.leverages(degree) {
+            Some(leverages) => leverages,
+            // Of a lone light there is nothing to leave out: its picture is what is asked for.
+            None if degree == 0 => vec![0.0; lights.len()],
+            None => continue,
+        };
         let errors = residuals.iter().zip(leverages).map(|(residual, h)| square(residual) / (1.0 - h).powi(2));
         let error = mean(errors.sum());
         if error < best.1 {

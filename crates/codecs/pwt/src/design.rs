@@ -12,6 +12,9 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 /// Ridges that are tried, from rough to smooth.
 pub const RIDGES: [f64; 8] = [1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1];
 
+/// Least `1 - h_ii` by which residuals, of 32 bits, are divided.
+const LEAST_FREEDOM: f64 = 1e-3;
+
 /// Terms at the lights, factored.
 #[derive(Debug, Clone)]
 pub struct Design {
@@ -80,10 +83,14 @@ impl Design {
 
     /// How much of a light's own value is in its prediction by the terms up to a degree: `h_ii` of the hat matrix. The
     /// error of a fit that has not seen the light is the residual divided by `1 - h_ii`.
-    pub fn leverages(&self, degree: u32) -> Vec<f64> {
+    ///
+    /// Nothing where a light decides its own prediction, as where there are fewer lights than terms and little ridge: the
+    /// residual is rounding then, and says nothing of a fit without the light.
+    pub fn leverages(&self, degree: u32) -> Option<Vec<f64>> {
         let terms = LightBasis { degree, ..self.basis }.terms();
         let leverage = |light| self.row(light)[..terms].iter().map(|w| w * w).sum::<f64>();
-        (0..self.lights()).map(|light| f64::min(leverage(light), 1.0 - 1e-6)).collect()
+        let leverages: Vec<f64> = (0..self.lights()).map(leverage).collect();
+        leverages.iter().all(|leverage| 1.0 - leverage >= LEAST_FREEDOM).then_some(leverages)
     }
 }
 
@@ -120,6 +127,14 @@ mod tests {
     fn fit(design: &Design, values: &[f64]) -> Vec<f64> {
         let coefficient = |k: usize| values.iter().enumerate().map(|(i, v)| design.row(i)[k] * v).sum::<f64>();
         (0..design.terms()).map(coefficient).collect()
+    }
+
+    /// Weights of all terms at any light.
+    fn weights_at(design: &Design, light: [f32; 3]) -> Vec<f64> {
+        let terms = design.basis.evaluate(light);
+        let row = |k: usize| &design.triangle[k * (k + 1) / 2..][..=k];
+        let weight = |k: usize| row(k).iter().zip(terms).map(|(t, term)| t * f64::from(term)).sum();
+        (0..design.terms()).map(weight).collect()
     }
 
     fn predict(design: &Design, light: usize, coefficients: &[f64], terms: usize) -> f64 {
@@ -161,28 +176,57 @@ mod tests {
         for (a, b) in fit(&low, &values).iter().zip(&coefficients) {
             assert!((a - b).abs() < 1e-9, "{a} {b}");
         }
-        let leverages = design.leverages(3);
+        let leverages = design.leverages(3).unwrap();
         for left_out in [0, 7, 29] {
             let without = |k: &usize| *k != left_out;
             let others: Vec<[f32; 3]> = (0..30).filter(without).map(|k| lights[k]).collect();
             // The penalty is per light.
             let design_without = Design::new(basis, &others, 1e-3 * 30.0 / 29.0);
             let others: Vec<f64> = (0..30).filter(without).map(|k| values[k]).collect();
-            let weights: Vec<f64> = {
-                let terms = basis.evaluate(lights[left_out]);
-                let mut row = 0;
-                (0..design.terms())
-                    .map(|k| {
-                        row += k;
-                        (0..=k).map(|j| design_without.triangle[row + j] * f64::from(terms[j])).sum()
-                    })
-                    .collect()
-            };
+            let weights = weights_at(&design_without, lights[left_out]);
             let found: f64 = fit(&design_without, &others).iter().zip(&weights).map(|(c, w)| c * w).sum();
             let residual = values[left_out] - predict(&design, left_out, &coefficients, design.terms());
             let expected = values[left_out] - residual / (1.0 - leverages[left_out]);
             assert!((found - expected).abs() < 1e-5, "{found} {expected}");
         }
+    }
+
+    /// The fit without a light of few is what the residual says, or nothing is said: whatever the ridge.
+    #[test]
+    fn few_lights_left_out() {
+        let basis = LightBasis { coordinates: LightCoordinates::Hemisphere, degree: 2 };
+        let mut said = 0;
+        for count in [1usize, 2, 3, 4, 6, 9] {
+            let all = lights(count);
+            let values: Vec<f64> = (0..count).map(|k| (k * k * 5 % 7) as f64 / 7.0).collect();
+            for ridge in RIDGES {
+                let design = Design::new(basis, &all, ridge);
+                let coefficients = fit(&design, &values);
+                for degree in 0..=2 {
+                    let Some(leverages) = design.leverages(degree) else { continue };
+                    assert!(count > 1, "a lone light says nothing");
+                    let terms = LightBasis { degree, ..basis }.terms();
+                    let own = LightBasis { degree, ..basis };
+                    for left_out in 0..count {
+                        let without = |k: &usize| *k != left_out;
+                        let others: Vec<[f32; 3]> = (0..count).filter(without).map(|k| all[k]).collect();
+                        let ridge = ridge * count as f64 / (count - 1) as f64;
+                        let refitted = Design::new(own, &others, ridge);
+                        let others: Vec<f64> = (0..count).filter(without).map(|k| values[k]).collect();
+                        let found: f64 = fit(&refitted, &others)
+                            .iter()
+                            .zip(weights_at(&refitted, all[left_out]))
+                            .map(|(c, w)| c * w)
+                            .sum();
+                        let residual = values[left_out] - predict(&design, left_out, &coefficients, terms);
+                        let expected = values[left_out] - residual / (1.0 - leverages[left_out]);
+                        assert!((found - expected).abs() < 1e-3, "{count} lights, {ridge}: {found} {expected}");
+                        said += 1;
+                    }
+                }
+            }
+        }
+        assert!(said > 100, "{said}");
     }
 
     /// Fewer lights than terms, equal ones, all on a line: finite and smooth.

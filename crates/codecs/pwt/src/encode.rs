@@ -17,6 +17,8 @@ use brdfc_formats::pwt::{Domain, LightBasis, PwtDecoder, PwtErrors, PwtHeader, P
 use nalgebra::Matrix3;
 use rayon::prelude::*;
 
+/// Colours that the colour axes are found of.
+const VALUES: usize = 1 << 16;
 /// Levels of a tree where none are asked for and the sides allow them.
 const DEPTH: u32 = 5;
 /// About how many texels of all photographs are compared at the end.
@@ -163,12 +165,11 @@ fn depth(samples: &LightSamples, recipe: &PwtRecipe) -> Result<u32, FormatError>
     }
 }
 
-/// Some texels of some photographs, in a domain.
+/// Some texels of all photographs, in a domain.
 fn some_values(samples: &LightSamples, domain: Domain) -> impl Iterator<Item = [f32; 3]> {
-    let stride = (samples.size[0] * samples.size[1] * samples.lights.len()).div_ceil(1 << 16);
-    let defined = |picture| Iterator::zip(0.., picture).filter(|(texel, _)| samples.is_defined(*texel));
-    let values = samples.pictures.iter().flat_map(defined);
-    values.step_by(stride).map(move |(_, value)| value.map(|c| domain.encode(c)))
+    let texels = samples.spread_texels(VALUES.div_ceil(samples.lights.len()));
+    let values = samples.pictures.iter().flat_map(move |picture| texels.clone().into_iter().map(|at| picture[at]));
+    values.map(move |value| value.map(|c| domain.encode(c)))
 }
 
 /// Red, green and blue of three channels that vary independently, the strongest first: principal axes.
@@ -236,7 +237,7 @@ fn texel_weights(samples: &LightSamples, domain: Domain, extent: [usize; 2]) -> 
         for picture in &some {
             // Of the middle channel, nearly luminance.
             let row = &picture[y * width..][..width];
-            let mut encoded: Vec<f32> = row.iter().map(|value| value[1].min(1.0)).collect();
+            let mut encoded: Vec<f32> = row.iter().map(|value| value[1].clamp(0.0, 1.0)).collect();
             domain.encode_each(&mut encoded);
             let stepped = encoded.iter().map(|value| value + STEP).collect();
             for ((weight, a), b) in weights.iter_mut().zip(shown(domain, encoded)).zip(shown(domain, stepped)) {
@@ -262,9 +263,12 @@ fn defined_plane(samples: &LightSamples, extent: [usize; 2]) -> Option<Plane> {
 /// What packets are chosen by: a hundredth of the spread of the first term.
 fn guide_step(guides: &[Plane]) -> f32 {
     let Some(first) = guides.first() else { return 1.0 };
-    let mean = first.values.iter().sum::<f32>() / first.values.len() as f32;
-    let variance = first.values.iter().map(|v| (v - mean).powi(2)).sum::<f32>() / first.values.len() as f32;
-    (0.01 * variance.sqrt()).max(1e-9)
+    let mean_of = |values: &dyn Fn(f64) -> f64| {
+        first.values.iter().map(|v| values(f64::from(*v))).sum::<f64>() / first.values.len() as f64
+    };
+    let mean = mean_of(&|value| value);
+    let variance = mean_of(&|value| (value - mean).powi(2));
+    (0.01 * variance.sqrt()).max(1e-9) as f32
 }
 
 /// The smallest pack that meets a target.
@@ -287,21 +291,21 @@ impl Search<'_> {
                     let middle = low.midpoint(high);
                     if fits(middle) { low = middle } else { high = middle }
                 }
-                // Bytes need not grow with every step, as filling up moves terms.
-                let count = (0..=low).rev().find(|count| fits(*count)).unwrap_or(0);
+                let count = low;
                 let (pack, errors) = self.made(count)?;
                 let met = pack.gpu_bytes() <= bytes;
                 Ok((pack, errors, met))
             }
             Target::Energy(share) => {
                 let none = self.left(0);
-                let count = (0..=last).find(|count| self.left(*count) <= (1.0 - share) * none).unwrap_or(last);
-                let (pack, errors) = self.made(count)?;
-                Ok((pack, errors, true))
+                let count = (0..=last).find(|count| self.left(*count) <= (1.0 - share) * none);
+                let (pack, errors) = self.made(count.unwrap_or(last))?;
+                Ok((pack, errors, count.is_some()))
             }
             Target::Loss(loss) => {
                 // What steps leave adds to what is wrong at lights that the fit has not seen.
-                let unseen = 10f64.powf(-self.candidate.held_out_psnr / 10.0);
+                let unseen = self.candidate.held_out_psnr.unwrap_or(self.candidate.psnr);
+                let unseen = 10f64.powf(-unseen / 10.0);
                 let numbers = (3 * self.samples.defined_texels() * self.samples.lights.len()) as f64;
                 let allowed = (10f64.powf(loss / 10.0) - 1.0) * unseen * numbers + self.left(last);
                 let count = (0..=last).find(|count| self.left(*count) <= allowed).unwrap_or(last);
@@ -360,7 +364,7 @@ impl Search<'_> {
         let measured = PwtErrors {
             lights: errors.lights as u32,
             psnr: errors.psnr as f32,
-            held_out_psnr: self.candidate.held_out_psnr as f32,
+            held_out_psnr: self.candidate.held_out_psnr.unwrap_or(0.0) as f32,
             delta_e: errors.delta_e as f32,
         };
         Ok((decoder.into_pack().with_errors(measured), errors))

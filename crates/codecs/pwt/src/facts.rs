@@ -94,7 +94,7 @@ impl PwtFacts {
             ("fetches", self.fetches.to_string()),
             ("errors", errors),
         ];
-        if lights > 0 {
+        if lights > 0 && held_out_psnr != 0.0 {
             lines.push(("left out", format!("PSNR {held_out_psnr:.2} dB at lights that a fit did not see")));
         }
         lines

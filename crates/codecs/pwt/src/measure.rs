@@ -29,16 +29,44 @@ pub fn stack_errors(decoder: &PwtDecoder, samples: &LightSamples, stride: usize)
         let unpacked = &unpacked;
         move |row| Cow::Owned(unpacked.rows(row..row + 1, &weights))
     });
-    StackErrors::of(&sums, compared_texels(samples, stride))
+    StackErrors::of_photographs(&sums)
 }
 
-/// Errors of pictures against photographs of the same size under the same lights: of all together, and of each.
-pub fn picture_errors(pictures: &LightSamples, samples: &LightSamples) -> (StackErrors, Vec<StackErrors>) {
+/// Errors of pictures against photographs of the same size under the same lights.
+pub fn picture_errors(pictures: &LightSamples, samples: &LightSamples) -> StackErrors {
     let width = samples.size[0];
     let rows = |light: usize| move |row: usize| Cow::Borrowed(&pictures.pictures[light][row * width..][..width]);
-    let sums = sums(samples, 1, rows);
-    let texels = compared_texels(samples, 1);
-    (StackErrors::of(&sums, texels), sums.iter().map(|sum| StackErrors::of(&[*sum], texels)).collect())
+    StackErrors::of_photographs(&sums(samples, 1, rows))
+}
+
+/// Sums over one photograph, from which [`StackErrors::of_photographs`] are reckoned.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct PhotographSums {
+    texels: usize,
+    /// Squared differences of sRGB codes.
+    squares: f64,
+    /// ΔE.
+    distances: f64,
+}
+
+/// Of texels, linear RGB, against those of a photograph.
+pub fn photograph_sums(found: &[[f32; 3]], wanted: &[[f32; 3]]) -> PhotographSums {
+    let codes = |colours: &[[f32; 3]]| shown(Domain::Linear, colours.as_flattened().to_vec());
+    let seen = |colour: &[f32; 3]| lab(colour.map(|value| value.max(0.0)));
+    let distance = |(found, wanted): (&[f32; 3], &[f32; 3])| distance_squared(seen(found), seen(wanted)).sqrt();
+    PhotographSums {
+        texels: wanted.len(),
+        squares: squares(&codes(found), &codes(wanted)),
+        distances: found.iter().zip(wanted).map(distance).map(f64::from).sum(),
+    }
+}
+
+impl std::ops::AddAssign for PhotographSums {
+    fn add_assign(&mut self, other: Self) {
+        self.texels += other.texels;
+        self.squares += other.squares;
+        self.distances += other.distances;
+    }
 }
 
 /// What a pack shows at its finest level under some lights.
@@ -51,47 +79,37 @@ pub fn pictures_of_pack(decoder: &PwtDecoder, lights: Vec<[f32; 3]>) -> LightSam
 }
 
 impl StackErrors {
-    /// Of sums of each photograph: of squared differences of codes, and of ΔE.
-    fn of(sums: &[[f64; 2]], texels: usize) -> Self {
-        let count = (texels * sums.len()).max(1) as f64;
-        let [squares, distances] = sums.iter().fold([0.0; 2], |sum, of| [sum[0] + of[0], sum[1] + of[1]]);
-        let (psnr, delta_e) = (decibels(squares / (3.0 * count)), distances / count);
-        Self { lights: sums.len(), texels, psnr, delta_e }
+    /// Of photographs of one size.
+    pub fn of_photographs(sums: &[PhotographSums]) -> Self {
+        let mut all = PhotographSums::default();
+        sums.iter().for_each(|sums| all += *sums);
+        let count = all.texels.max(1) as f64;
+        Self {
+            lights: sums.len(),
+            texels: sums.first().map_or(0, |sums| sums.texels),
+            psnr: decibels(all.squares / (3.0 * count)),
+            delta_e: all.distances / count,
+        }
     }
 }
 
-/// Rows that are compared.
-fn compared(samples: &LightSamples, stride: usize) -> Vec<usize> {
-    (0..samples.size[1]).step_by(stride.max(1)).collect()
-}
-
-/// Defined texels of these rows.
-fn compared_texels(samples: &LightSamples, stride: usize) -> usize {
-    let width = samples.size[0];
-    let row = |y: usize| (y * width..(y + 1) * width).filter(|texel| samples.is_defined(*texel)).count();
-    compared(samples, stride).into_iter().map(row).sum()
-}
-
-/// The sums of [`StackErrors::of`], a pair for each photograph. `rows` gives the rows of the picture of a light.
-fn sums<'a, R>(samples: &LightSamples, stride: usize, rows: impl Fn(usize) -> R + Sync) -> Vec<[f64; 2]>
+/// The sums of each photograph, over every `stride`-th row that has defined texels. `rows` gives the rows of the picture of a light.
+fn sums<'a, R>(samples: &LightSamples, stride: usize, rows: impl Fn(usize) -> R + Sync) -> Vec<PhotographSums>
 where
     R: Fn(usize) -> Cow<'a, [[f32; 3]]>,
 {
     let width = samples.size[0];
-    let compared = compared(samples, stride);
-    let of_light = |light: usize| -> [f64; 2] {
+    let is_seen = |row: &usize| (row * width..(row + 1) * width).any(|texel| samples.is_defined(texel));
+    let compared: Vec<usize> = (0..samples.size[1]).filter(is_seen).step_by(stride.max(1)).collect();
+    let of_light = |light: usize| -> PhotographSums {
         let found = rows(light);
-        let mut sums = [0.0; 2];
-        for row in &compared {
+        let mut sums = PhotographSums::default();
+        for row in compared.iter().copied() {
             let kept = |colours: &[[f32; 3]]| -> Vec<[f32; 3]> {
                 let defined = |(x, colour): (usize, &[f32; 3])| samples.is_defined(row * width + x).then_some(*colour);
                 colours.iter().enumerate().filter_map(defined).collect()
             };
-            let (found, wanted) = (kept(&found(*row)), kept(&samples.pictures[light][row * width..][..width]));
-            let codes = |colours: &[[f32; 3]]| shown(Domain::Linear, colours.as_flattened().to_vec());
-            sums[0] += squares(&codes(&found), &codes(&wanted));
-            let distance = |(found, wanted): (&[f32; 3], &[f32; 3])| distance_squared(lab(*found), lab(*wanted)).sqrt();
-            sums[1] += found.iter().zip(&wanted).map(distance).map(f64::from).sum::<f64>();
+            sums += photograph_sums(&kept(&found(row)), &kept(&samples.pictures[light][row * width..][..width]));
         }
         sums
     };

@@ -8,6 +8,7 @@ use brdfc_formats::measured::ptm::{Ptm, TERMS, terms};
 use brdfc_formats::pwt::Domain;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Singular values below this share of the largest count as 0: what the lights do not tell stays small.
 const SINGULAR: f64 = 1e-6;
@@ -26,12 +27,29 @@ pub fn spread_lights(count: usize) -> Vec<[f32; 3]> {
 /// What a map shows under some lights.
 pub fn pictures_of(map: &Ptm, lights: Vec<[f32; 3]>) -> LightSamples {
     let size = map.size().map(|side| side as usize);
-    let linear = |code: f32| decode_srgb(f64::from(code) / 255.0) as f32;
+    let pictures = lights.par_iter().map(|light| picture_rows(map, *light, 0..size[1])).collect();
+    LightSamples { size, lights, pictures, repeats: false, defined: None }
+}
+
+/// What the polynomials of a map are under some lights, above white and below black as well: of these they are found again.
+pub fn samples_of(map: &Ptm, lights: Vec<[f32; 3]>) -> LightSamples {
+    let size = map.size().map(|side| side as usize);
+    let linear = |code: f64| decode_srgb(code / 255.0) as f32;
     let picture = |[x, y, _]: &[f32; 3]| -> Vec<[f32; 3]> {
-        (0..size[0] * size[1]).map(|pixel| map.value(pixel, [*x, *y]).map(linear)).collect()
+        (0..size[0] * size[1]).map(|pixel| map.polynomials(pixel, [*x, *y]).map(linear)).collect()
     };
     let pictures = lights.par_iter().map(picture).collect();
     LightSamples { size, lights, pictures, repeats: false, defined: None }
+}
+
+/// Linear RGB of some rows of a map under a light.
+///
+/// # Panics
+/// If it has no such rows.
+pub fn picture_rows(map: &Ptm, [x, y, _]: [f32; 3], rows: Range<usize>) -> Vec<[f32; 3]> {
+    let width = map.size()[0] as usize;
+    let linear = |code: f32| decode_srgb(f64::from(code) / 255.0) as f32;
+    (rows.start * width..rows.end * width).map(|pixel| map.value(pixel, [x, y]).map(linear)).collect()
 }
 
 /// Which of the two layouts a map has.
@@ -98,7 +116,7 @@ pub fn fit_map(samples: &LightSamples, model: MapModel) -> Result<Ptm, FormatErr
 /// sRGB codes, 0 to 1.
 fn codes(picture: &[[f32; 3]]) -> Vec<[f32; 3]> {
     let mut codes = picture.to_vec();
-    codes.as_flattened_mut().iter_mut().for_each(|value| *value = value.min(1.0));
+    codes.as_flattened_mut().iter_mut().for_each(|value| *value = value.clamp(0.0, 1.0));
     Domain::Display.encode_each(codes.as_flattened_mut());
     codes
 }

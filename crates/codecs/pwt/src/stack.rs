@@ -12,7 +12,7 @@ pub struct LightSamples {
     pub size: [usize; 2],
     /// Unit vectors to the lights, above the horizon.
     pub lights: Vec<[f32; 3]>,
-    /// Linear RGB of each picture, row by row from the top; 1 is white.
+    /// Linear RGB of each picture, row by row from the top; 1 is white. Below 0 is only what polynomials are there.
     pub pictures: Vec<Vec<[f32; 3]>>,
     /// Whether they are tiles that repeat.
     pub repeats: bool,
@@ -73,6 +73,18 @@ impl LightSamples {
     /// Whether a texel is defined.
     pub fn is_defined(&self, texel: usize) -> bool {
         self.defined.as_ref().is_none_or(|mask| mask[texel])
+    }
+
+    /// So many of the defined texels, or all where they are fewer: in steps of the golden ratio, so that no column or row is
+    /// missed.
+    pub fn spread_texels(&self, most: usize) -> Vec<usize> {
+        let defined: Vec<usize> = (0..self.size[0] * self.size[1]).filter(|texel| self.is_defined(*texel)).collect();
+        let count = defined.len();
+        if count <= most {
+            return defined;
+        }
+        let nth = |k: usize| ((k as f64 * 0.618_033_988_749_894_9).fract() * count as f64) as usize;
+        (0..most).map(|k| defined[nth(k)]).collect()
     }
 
     /// How many texels are defined.

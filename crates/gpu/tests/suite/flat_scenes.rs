@@ -70,7 +70,9 @@ static SMALLER: LazyLock<FlatBtfParts> = LazyLock::new(|| {
     let recipe = FactoredRecipe::new(FactoredTarget::Components { components: 24, shadowed: true });
     let made =
         factor(&recipe, &STUD.normal, &mask, |view| Ok::<_, Infallible>(views[view as usize].clone()), &()).unwrap();
-    let (displacements, reference) = displacements(STUD.indirection.samples().unwrap(), &STUD.reference, 2).unwrap();
+    let map = STUD.indirection.samples().unwrap();
+    let moved = |texel, k, a| map.displacement(texel, k, a);
+    let (displacements, reference) = displacements(*map.header(), &STUD.reference, moved, 2).unwrap();
     FlatBtfParts {
         reference,
         indirection: displacements.into(),
@@ -173,7 +175,7 @@ fn a_change_of_the_scene_or_of_the_shader_is_a_difference() {
     assert!(from_below.pixels.iter().any(|p| p[0] > 0.0), "lit from below");
     let drawn = |source: String, scene: &Scene| {
         let renderer = FlatRenderer::with_shader(gpu, source).unwrap();
-        let loaded = renderer.load(scene, &whole, FlatForm::Full).unwrap();
+        let loaded = renderer.load(scene, &whole, FlatForm::Full, FRAME.samples).unwrap();
         renderer.draw(&loaded, &scene.camera, FRAME).unwrap()
     };
     same(&drawn(flat_scene_source(), &below), &from_below, "from below");

@@ -2,13 +2,14 @@
 
 use super::recipe::{FlattenRecipe, Form};
 use brdfc_flat_btf::caster::STEEPEST_DEGREES;
+use brdfc_flat_btf::displacement::coarser;
 use brdfc_flat_btf::factored::FactoredRecipe;
 use brdfc_flat_btf::fill::FillMethod;
 use brdfc_flat_btf::interreflection::Bounces;
 use brdfc_formats::FormatError;
 use brdfc_formats::direction_mesh::DirectionMesh;
 use brdfc_formats::direction_set::DirectionSet;
-use brdfc_formats::flat_btf::FlatHeader;
+use brdfc_formats::flat_btf::{DisplacementHeader, FlatHeader, IndirectionHeader};
 use std::f32::consts::TAU;
 
 /// Most memory that a recipe may take.
@@ -27,7 +28,7 @@ impl FlattenRecipe {
     /// # Errors
     /// The first thing that is out of range.
     pub fn check(&self) -> Result<(), FormatError> {
-        self.indirection.check()?;
+        self.check_map()?;
         for (what, set) in [("views", &self.views), ("lights", &self.lights)] {
             let of_set = |error: FormatError| FormatError { field: format!("{what}, {}", error.field).into(), ..error };
             if let Some(steep) = set.angles.iter().position(|[polar, _]| *polar > STEEPEST_DEGREES) {
@@ -50,6 +51,15 @@ impl FlattenRecipe {
             return Err(FormatError::whole("memory", gib(bytes), allowed));
         }
         Ok(())
+    }
+
+    /// Whether the map fits as it is stored.
+    fn check_map(&self) -> Result<(), FormatError> {
+        let IndirectionHeader { size, .. } = self.indirection;
+        if !self.compact {
+            return self.indirection.check();
+        }
+        DisplacementHeader::new(IndirectionHeader { size: size / coarser(size), ..self.indirection }).check()
     }
 
     /// The header of a view.
@@ -92,7 +102,6 @@ fn angles(set: &DirectionSet) -> Vec<[f32; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use brdfc_formats::flat_btf::IndirectionHeader;
 
     fn recipe() -> FlattenRecipe {
         FlattenRecipe {

@@ -10,7 +10,7 @@ use super::probing::{computed_probes, measured_probes};
 use super::recipe::{FlattenRecipe, Form};
 use super::stack::StackImages;
 use crate::btf_stack::StackFormat;
-use brdfc_flat_btf::displacement::displacements;
+use brdfc_flat_btf::displacement::{coarser, displacements};
 use brdfc_flat_btf::indirection::indirection;
 use brdfc_flat_btf::interreflection::Bounces;
 use brdfc_flat_btf::light_field::{ComputedField, visible_from_each};
@@ -83,15 +83,16 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<AssetFile, Fl
     let header = recipe.indirection;
     progress.stage(Stage::Indirection, header.size as usize)?;
     let found = indirection(&model, header, recipe.oversampling, progress)?;
-    let reference = ReferenceMap::new(header.size, found.reference)?;
-    let mut moved = found.displacements.into_iter();
-    let map = IndirectionMap::from_displacements(header, |_, _, _| moved.next().expect("one for each view"))?;
+    let reference = ReferenceMap::new(header.size, found.reference.clone())?;
     let factored = recipe.factor.filter(|_| recipe.form == Form::Full);
     let (indirection, reference): (Indirection, _) = if recipe.compact {
-        let (compact, reference) = displacements(&map, &reference, coarser(header.size))?;
+        let moved = |texel, k, a| found.displacement(texel, k, a);
+        let (compact, reference) = displacements(header, &reference, moved, coarser(header.size))?;
         parts.add_sized(FlatPart::Displacement.name(), &compact.to_bytes(zip), compact.gpu_bytes())?;
         (compact.into(), reference)
     } else {
+        let mut moved = found.displacements.into_iter();
+        let map = IndirectionMap::from_displacements(header, |_, _, _| moved.next().expect("one for each view"))?;
         parts.add(FlatPart::Indirection.name(), &map.to_bytes(zip), Extent::D2(header.extent()), 1)?;
         (map.into(), reference)
     };
@@ -169,11 +170,6 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<AssetFile, Fl
     progress.check()?;
     parts.commit(&(serde_json::to_string_pretty(&asset).expect("plain data") + "\n"))?;
     Ok(asset)
-}
-
-/// Texels of the reference plane, per side, that share a block of displacements.
-fn coarser(size: u32) -> u32 {
-    if size.is_multiple_of(2) { 2 } else { 1 }
 }
 
 /// Which texels each direction sees.

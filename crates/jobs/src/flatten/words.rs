@@ -23,8 +23,10 @@ pub fn missed(asset: &AssetFile) -> Option<String> {
     let found = f64::from(factored.errors.seen_mean);
     (found > most).then(|| {
         format!(
-            "no factors are within a mean ΔE of {most} of the views: the best, {} components, are at {found:.3}",
-            factored.components
+            "mean ΔE of factors where texels are seen: found {found:.3} with {} components, the best of {} that were tried; \
+             allowed {most}",
+            factored.components,
+            factored.tried.len()
         )
     })
 }

@@ -1,12 +1,14 @@
 //! Values at places of pictures and tiles: of polynomial wavelet trees, and of flat BTFs.
 
-use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatPart};
+use crate::flatten::open_asset;
+use brdfc_formats::Pack;
+use brdfc_formats::flat_btf::FlatBtfDecoder;
 use brdfc_formats::measured::scan_csv::TexelQuery;
 use brdfc_formats::pwt::PwtDecoder;
-use brdfc_formats::{FormatError, Pack, PackKind};
 use brdfc_render::flat::{FlatForm, FlatMaterial};
-use brdfc_source::flat_btf::open_flat_btf;
+use brdfc_source::flat_btf::{asset_list, open_flat_btf};
 use brdfc_source::{Input, InputError};
+use std::path::Path;
 
 /// What has a value at a place of a picture.
 #[allow(clippy::large_enum_variant)]
@@ -23,19 +25,14 @@ impl Relightable {
     /// # Errors
     /// One that cannot be read, or is broken.
     pub fn open(input: &Input) -> Result<Option<Self>, InputError> {
-        let of_file = |error| InputError::Format { name: input.to_string(), error };
         if let Some(material) = open_flat_material(input)? {
             return Ok(Some(Self::Flat(material)));
         }
-        if input.extension()? != "ktx2" || input.is_stdin() {
+        if input.extension()? != "ktx2" {
             return Ok(None);
         }
         match brdfc_source::pack::open_pack(input)? {
             Pack::Pwt(pack) => Ok(Some(Self::Pack(PwtDecoder::new(pack)))),
-            pack if matches!(pack.kind(), PackKind::FlatBtf(FlatPart::View | FlatPart::Indirection)) => {
-                let found = pack.kind().name();
-                Err(of_file(FormatError::whole("pack", found, "the folder of the flat BTF, or its .json")))
-            }
             _ => Ok(None),
         }
     }
@@ -77,13 +74,22 @@ impl Relightable {
 /// One that cannot be read, is broken, or has no full form.
 pub fn open_flat_material(input: &Input) -> Result<Option<FlatMaterial>, InputError> {
     let of_file = |error| InputError::Format { name: input.to_string(), error };
-    let Some(path) = input.path().filter(|path| is_flat_btf(path)) else { return Ok(None) };
+    let Some(path) = input.path() else { return Ok(None) };
+    if !is_flat_btf(path)? {
+        return Ok(None);
+    }
     let decoder = FlatBtfDecoder::new(open_flat_btf(path, true)?).map_err(of_file)?;
     Ok(Some(FlatMaterial::new(decoder, 1).map_err(of_file)?))
 }
 
 /// Whether a path is the folder of a flat BTF, or its list of parts.
-fn is_flat_btf(path: &std::path::Path) -> bool {
+///
+/// # Errors
+/// A list that is damaged.
+pub(super) fn is_flat_btf(path: &Path) -> Result<bool, InputError> {
     let is_list = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
-    (path.is_dir() || is_list) && matches!(crate::flatten::open_asset(path), Ok(Some(_)))
+    if !(path.is_dir() || is_list) || !matches!(asset_list(path), Ok(Some(_))) {
+        return Ok(false);
+    }
+    open_asset(path).map(|asset| asset.is_some())
 }

@@ -2,18 +2,20 @@
 //! tree that is there already.
 
 use super::error::PwtError;
+use super::evaluate::is_flat_btf;
 use brdfc_formats::direction::Vector;
 use brdfc_formats::flat_btf::{FlatHeader, unit_vectors};
 use brdfc_formats::measured::ptm::Ptm;
 use brdfc_formats::pwt::{PwtDecoder, PwtPack};
 use brdfc_formats::{FormatError, Pack};
 use brdfc_pwt::LightSamples;
-use brdfc_pwt::measure::{StackErrors, picture_errors, pictures_of_pack};
-use brdfc_pwt::ptm::{pictures_of, spread_lights};
+use brdfc_pwt::measure::pictures_of_pack;
+use brdfc_pwt::ptm::{samples_of, spread_lights};
 use brdfc_source::btf_stack::has_images;
 use brdfc_source::flat_btf::{open_flat_mask, open_flat_view};
 use brdfc_source::light_stack::{LightStack, is_light_stack};
 use brdfc_source::ordinary_btf::OrdinaryBtf;
+use brdfc_source::photograph::Image;
 use brdfc_source::{Input, InputError, ptm};
 use rayon::prelude::*;
 use std::path::Path;
@@ -48,14 +50,14 @@ impl LightInput {
         }
         if extension == ptm::EXTENSION {
             let map = ptm::open_ptm(input)?;
-            check_amount(input, map.size().map(|side| side as usize), SPREAD)?;
+            check_spread(input, map.size())?;
             return Ok(Self::Map(map));
         }
         if extension == "ktx2" {
             return match brdfc_source::pack::open_pack(input)? {
                 Pack::Pwt(pack) => {
                     // A small file may be a large picture.
-                    check_amount(input, pack.header().size.map(|side| side as usize), SPREAD)?;
+                    check_spread(input, pack.header().size)?;
                     Ok(Self::Pack(pack))
                 }
                 other => Err(refused(input, "pack", other.kind().name(), "a polynomial wavelet tree")),
@@ -76,63 +78,28 @@ impl LightInput {
             let found = if extension.is_empty() { "no extension".to_owned() } else { format!(".{extension}") };
             return Err(refused(input, "file name", &found, ALLOWED));
         }
+        // Pictures may have been drawn into the folder of a flat BTF.
+        if is_flat_btf(path)? {
+            return Ok(Self::Pictures(flat_view(path, view.unwrap_or(0))?));
+        }
         if OrdinaryBtf::is_one(path) && (path.is_file() || has_images(path)) {
             return Ok(Self::Pictures(one_view(path, view.unwrap_or(0))?));
         }
-        if let Some(samples) = flat_view(path, view.unwrap_or(0))? {
-            return Ok(Self::Pictures(samples));
-        }
+        std::fs::metadata(path).map_err(|error| InputError::Io { name: input.to_string(), error })?;
         Err(refused(input, "input", "none of these", ALLOWED))
-    }
-
-    /// Errors against photographs, of all together and of each: of a pack or a map what it shows under their lights.
-    ///
-    /// # Errors
-    /// Another size, or pictures under other lights.
-    pub fn compared(self, samples: &LightSamples) -> Result<(StackErrors, Vec<StackErrors>), FormatError> {
-        let shown = match self {
-            Self::Pack(pack) => {
-                let decoder = PwtDecoder::new(pack);
-                same_size(decoder.pack().header().size, samples)?;
-                pictures_of_pack(&decoder, samples.lights.clone())
-            }
-            Self::Map(map) => {
-                same_size(map.size(), samples)?;
-                pictures_of(&map, samples.lights.clone())
-            }
-            Self::Pictures(shown) => {
-                same_size(shown.size.map(|side| side as u32), samples)?;
-                let near = |(a, b): (&[f32; 3], &[f32; 3])| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-4);
-                if shown.lights.len() != samples.lights.len() || !shown.lights.iter().zip(&samples.lights).all(near) {
-                    let found = format!("{} others", shown.lights.len());
-                    return Err(FormatError::whole("lights", found, "those of the reference, in its order"));
-                }
-                shown
-            }
-        };
-        Ok(picture_errors(&shown, samples))
     }
 
     /// Photographs, or what a map or pack shows under many lights.
     pub fn into_samples(self) -> LightSamples {
         match self {
             Self::Pictures(samples) => samples,
-            Self::Map(map) => pictures_of(&map, spread_lights(SPREAD)),
+            Self::Map(map) => samples_of(&map, spread_lights(SPREAD)),
             Self::Pack(pack) => pictures_of_pack(&PwtDecoder::new(pack), spread_lights(SPREAD)),
         }
     }
 }
 
-fn same_size(found: [u32; 2], samples: &LightSamples) -> Result<(), FormatError> {
-    let wanted = samples.size.map(|side| side as u32);
-    if found == wanted {
-        return Ok(());
-    }
-    let allowed = format!("{} x {}, as the reference has", wanted[0], wanted[1]);
-    Err(FormatError::whole("size", format!("{} x {}", found[0], found[1]), allowed))
-}
-
-fn refused(input: &impl std::fmt::Display, field: &'static str, found: &str, allowed: &str) -> PwtError {
+pub(super) fn refused(input: &impl std::fmt::Display, field: &'static str, found: &str, allowed: &str) -> PwtError {
     let error = FormatError::whole(field, found.to_owned(), allowed);
     PwtError::Input(InputError::Format { name: input.to_string(), error })
 }
@@ -147,6 +114,25 @@ fn check_amount(input: &impl std::fmt::Display, size: [usize; 2], lights: usize)
     Err(refused(input, "photographs", &found, &allowed))
 }
 
+/// A map or a pack is fitted again at what it shows under [`SPREAD`] lights.
+fn check_spread(input: &impl std::fmt::Display, size: [u32; 2]) -> Result<(), PwtError> {
+    let pixels: u64 = size.map(u64::from).iter().product();
+    let most = MOST_NUMBERS / 3 / SPREAD as u64;
+    if pixels <= most {
+        return Ok(());
+    }
+    let found = format!("{} x {} pixels", size[0], size[1]);
+    let allowed = format!("{most} in all, to be looked at under {SPREAD} lights");
+    Err(refused(input, "size", &found, &allowed))
+}
+
+/// Linear RGB. What a file has below black is noise.
+fn not_negative(image: Image) -> Vec<[f32; 3]> {
+    let mut pixels = image.pixels;
+    pixels.as_flattened_mut().iter_mut().for_each(|value| *value = value.max(0.0));
+    pixels
+}
+
 /// All photographs of a light stack, decoded side by side.
 ///
 /// # Errors
@@ -155,7 +141,7 @@ fn photographs(path: &Path) -> Result<LightSamples, PwtError> {
     let stack = LightStack::open(path)?;
     check_amount(&path.display(), stack.size(), stack.len())?;
     let images: Vec<Result<_, InputError>> = (0..stack.len()).into_par_iter().map(|light| stack.image(light)).collect();
-    let pictures = images.into_iter().map(|image| image.map(|image| image.pixels)).collect::<Result<_, _>>()?;
+    let pictures = images.into_iter().map(|image| image.map(not_negative)).collect::<Result<_, _>>()?;
     Ok(LightSamples { size: stack.size(), lights: stack.lights().to_vec(), pictures, repeats: false, defined: None })
 }
 
@@ -166,19 +152,16 @@ fn one_view(path: &Path, view: usize) -> Result<LightSamples, PwtError> {
     check_amount(&path.display(), btf.size(), lights.len())?;
     let images: Vec<Result<_, InputError>> =
         (0..lights.len()).into_par_iter().map(|light| btf.image(view, light)).collect();
-    let pictures = images.into_iter().map(|image| image.map(|image| image.pixels)).collect::<Result<_, _>>()?;
+    let pictures = images.into_iter().map(|image| image.map(not_negative)).collect::<Result<_, _>>()?;
     Ok(LightSamples { size: btf.size(), lights, pictures, repeats: true, defined: None })
 }
 
-/// A view of a flat BTF, with the texels that it sees as defined ones where the asset says which; nothing if there is none. Its
-/// rows go up, those of pictures down.
-fn flat_view(path: &Path, view: usize) -> Result<Option<LightSamples>, PwtError> {
-    if crate::flatten::open_asset(path)?.is_none() {
-        return Ok(None);
-    }
+/// A view of a flat BTF, with the texels that it sees as defined ones where the asset says which. Its rows go up, those of
+/// pictures down.
+fn flat_view(path: &Path, view: usize) -> Result<LightSamples, PwtError> {
     let (found, views) = open_flat_view(path, u32::try_from(view).unwrap_or(u32::MAX))?;
     check_view(view, views as usize)?;
-    let Some(view) = found else { return Ok(None) };
+    let view = found.expect("its number was checked");
     let header = view.header();
     let side = header.size as usize;
     let lights = unit_vectors(&header.lights);
@@ -189,7 +172,7 @@ fn flat_view(path: &Path, view: usize) -> Result<Option<LightSamples>, PwtError>
     };
     let pictures = (0..header.lights.len()).into_par_iter().map(decoded).collect();
     let defined = seen_texels(path, header)?;
-    Ok(Some(LightSamples { size: [side, side], lights, pictures, repeats: true, defined }))
+    Ok(LightSamples { size: [side, side], lights, pictures, repeats: true, defined })
 }
 
 /// Which texels a view of a flat BTF sees, where the asset has that part; nothing also where it sees none.

@@ -79,6 +79,6 @@ pub fn recipe_of_map(recipe: PwtRecipe) -> PwtRecipe {
 pub fn make_map(samples: &LightSamples, model: MapModel) -> Result<(Ptm, StackErrors), PwtError> {
     let map = fit_map(samples, model)?;
     let shown = pictures_of(&map, samples.lights.clone());
-    let (errors, _) = picture_errors(&shown, samples);
+    let errors = picture_errors(&shown, samples);
     Ok((map, errors))
 }

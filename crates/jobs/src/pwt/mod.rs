@@ -1,11 +1,13 @@
 //! `brdfc pwt`: photographs under known lights become a pack, or a polynomial texture map.
 
+mod compare;
 mod error;
 mod evaluate;
 mod input;
 mod make;
 mod report;
 
+pub use compare::{PhotographComparison, compare_photographs};
 pub use error::PwtError;
 pub use evaluate::{Relightable, open_flat_material};
 pub use input::LightInput;

@@ -53,8 +53,9 @@ pub struct PwtReport {
     pub psnr: f64,
     /// Mean ΔE (CIE76) there.
     pub delta_e: f64,
-    /// Signal-to-noise ratio at each light left out in turn, of 512 texels, before pruning and rounding.
-    pub left_out_psnr: f64,
+    /// Signal-to-noise ratio at each light left out in turn, of 512 texels, before pruning and rounding; null where so few
+    /// lights do not tell.
+    pub left_out_psnr: Option<f64>,
     /// Errors at lights that were held out.
     pub held_out: Option<HeldOut>,
     /// Whether it meets what was asked for.

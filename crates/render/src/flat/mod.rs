@@ -15,7 +15,7 @@ pub use material::{FlatForm, FlatMaterial, SampledDirections};
 pub use reference::reference_plane;
 pub use thumbnails::{FlatPicture, FlatPictures, flat_pictures};
 
-use super::footprint::{footprint, mipmap_level};
+use super::footprint::{footprint, sample_level};
 use super::sample_means::sample_means;
 use super::scene::{Frame, Scene};
 use super::shading_point::ShadingPoint;
@@ -31,12 +31,12 @@ use std::f64::consts::PI;
 /// For the full form of a material without values of views: see [`FlatMaterial::has_views`].
 pub fn draw_on_cpu(scene: &Scene, frame: Frame, material: &FlatMaterial, form: FlatForm) -> LinearImage {
     let hits = trace(scene, frame).0;
-    let size = [material.decoder().parts().diffuse.size() as usize; 2];
+    let size = material.decoder().parts().diffuse.size() as usize;
     sample_means(scene, frame, |pixel, sample| {
         let hit = hits[pixel * frame.samples_per_pixel() + sample].as_ref()?;
         let point = ShadingPoint::without_bump(&scene.parts[hit.part as usize], hit, scene.camera.eye);
         let steps = footprint(scene, frame, hit, frame.sample_position(pixel, sample));
-        let level = mipmap_level(steps, material.repeat(), size);
+        let level = sample_level(steps, material.repeat(), size, frame.samples);
         Some(reflected(scene, &point, material, form, level))
     })
 }

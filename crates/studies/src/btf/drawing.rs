@@ -6,6 +6,8 @@ use plotters::prelude::*;
 /// Pixels of a panel.
 const PANEL: (u32, u32) = (460, 360);
 const COLUMNS: usize = 2;
+/// Largest error of a panel, of that of its points: the legend stands above them.
+const LEGEND: f64 = 1.55;
 /// Beginnings of the names of ways, what the legend calls them, and their colours.
 const WAYS: [(&str, &str, RGBColor); 5] = [
     ("PTM", "PTM", RGBColor(220, 50, 32)),
@@ -49,12 +51,13 @@ fn panel(area: &Area<'_>, model: &BtfModel) -> Result<(), DrawingAreaErrorKind<s
     let [low, high, error] = all.fold([f64::MAX, 1.0, 1.0], |[low, high, error], (bytes, delta_e)| {
         [low.min(bytes), high.max(bytes), error.max(delta_e)]
     });
+    let name = model.model.split('?').next().unwrap_or_default();
     let mut chart = ChartBuilder::on(area)
-        .caption(&model.model, ("sans-serif", 15))
+        .caption(format!("{name}: full circles ordinary BTF, open ones flat"), ("sans-serif", 14))
         .margin(8)
         .x_label_area_size(34)
         .y_label_area_size(40)
-        .build_cartesian_2d((0.5 * low.min(high)..2.0 * high).log_scale(), 0.0..1.1 * error)?;
+        .build_cartesian_2d((0.5 * low.min(high)..2.0 * high).log_scale(), 0.0..LEGEND * error)?;
     chart
         .configure_mesh()
         .light_line_style(WHITE)

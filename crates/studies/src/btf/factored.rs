@@ -6,9 +6,10 @@ use super::lights::Lights;
 use super::rows::{BtfRow, Tally};
 use brdfc_flat_btf::factored::{FactorError, FactoredRecipe, FactoredTarget, factor};
 use brdfc_formats::FormatError;
+use brdfc_formats::direction::Vector;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::flat_btf::factored::{BASE_LAYERS, FactoredFlatBtf};
-use brdfc_formats::flat_btf::{FlatHeader, FlatView, NormalMap, VisibilityMask};
+use brdfc_formats::flat_btf::{BlendedDirection, FlatHeader, FlatView, NormalMap, ViewWeights, VisibilityMask};
 use rayon::prelude::*;
 use std::time::Instant;
 
@@ -62,7 +63,8 @@ pub(super) fn factored(
     let mut errors = Errors::default();
     for view in 0..asset.views() {
         let truth = Truth::new(&asset.pictures(view, lights), asset.mask(view));
-        errors.add(truth.errors(&lights.completed(shown(&made.asset, view, lights)), lights));
+        let direction = single(set.directions()[view]);
+        errors.add(truth.errors(&shown(&made.asset, (view, direction), lights), lights));
         view_done();
     }
     let header = made.asset.header();
@@ -74,13 +76,37 @@ pub(super) fn factored(
     Ok(BtfRow { held_out_texels_delta_e: Some(f64::from(made.facts.errors.seen_mean)), ..row })
 }
 
-/// A view under the lights that were fitted.
-fn shown(made: &FactoredFlatBtf, view: usize, lights: &Lights) -> Vec<Vec<[f32; 3]>> {
-    let (size, count) = (made.header().size, lights.fitted.len() as u32);
-    let of_texel = |texel: u32| -> Vec<[f32; 3]> {
-        let texel = made.texel([texel % size, texel / size]);
-        (0..count).map(|light| texel.value(view as u32, light)).collect()
+fn single(direction: Vector) -> [f32; 3] {
+    direction.map(|c| c as f32)
+}
+
+/// A view under all lights: those held out as a renderer asks for any light.
+fn shown(made: &FactoredFlatBtf, (view, direction): (usize, [f32; 3]), lights: &Lights) -> Vec<Vec<[f32; 3]>> {
+    let size = made.header().size;
+    let samples = ViewWeights { indices: [view as u32; 3], weights: [1.0, 0.0, 0.0] };
+    let towards = BlendedDirection { direction, samples };
+    let between: Vec<BlendedDirection> = lights
+        .held_out
+        .iter()
+        .zip(&lights.blends)
+        .map(|(light, (indices, weights))| {
+            let samples = ViewWeights { indices: *indices, weights: *weights };
+            BlendedDirection { direction: lights.directions[*light], samples }
+        })
+        .collect();
+    let of_texel = |at: u32| -> Vec<[f32; 3]> {
+        let mut values = vec![[0.0; 3]; lights.directions.len()];
+        let texel = made.texel([at % size, at / size]);
+        for (stored, light) in lights.fitted.iter().enumerate() {
+            values[*light] = texel.value(view as u32, stored as u32);
+        }
+        let uv = [at % size, at / size].map(|place| (place as f32 + 0.5) / size as f32);
+        for (light, between) in lights.held_out.iter().zip(&between) {
+            values[*light] = made.value(uv, 0.0, towards, *between);
+        }
+        values
     };
     let texels: Vec<Vec<[f32; 3]>> = (0..size * size).into_par_iter().map(of_texel).collect();
-    (0..count as usize).into_par_iter().map(|light| texels.iter().map(|texel| texel[light]).collect()).collect()
+    let count = lights.directions.len();
+    (0..count).into_par_iter().map(|light| texels.iter().map(|texel| texel[light]).collect()).collect()
 }

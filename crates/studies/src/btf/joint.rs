@@ -229,7 +229,7 @@ mod tests {
 
     fn candidate(domain: DomainName, epsilon: f32, ridge: f64) -> Candidate {
         let coordinates = LightCoordinates::Hemisphere;
-        Candidate { domain, epsilon, coordinates, degree: 3, ridge, psnr: 0.0, held_out_psnr: 0.0 }
+        Candidate { domain, epsilon, coordinates, degree: 3, ridge, psnr: 0.0, held_out_psnr: None }
     }
 
     #[test]

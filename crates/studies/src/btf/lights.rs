@@ -13,7 +13,7 @@ pub(super) struct Lights {
     /// The others, ascending.
     pub(super) held_out: Vec<usize>,
     /// For each that is held out the fitted lights around it, by their place in `fitted`, and their weights.
-    blends: Vec<([u32; 3], [f32; 3])>,
+    pub(super) blends: Vec<([u32; 3], [f32; 3])>,
 }
 
 impl Lights {

@@ -13,20 +13,26 @@ use brdfc_pwt::{LightSamples, PwtRecipe, Target, encode, plain};
 use std::time::Instant;
 
 const HARMONICS: LightBasis = LightBasis { coordinates: LightCoordinates::Hemisphere, degree: 3 };
+const BIQUADRATIC: LightBasis = LightBasis { coordinates: LightCoordinates::Projected, degree: 2 };
 /// Between directions of a set three views are blended, of each of which everything is fetched.
 const BLENDED_VIEWS: f64 = 3.0;
 /// And three lights, where there is no polynomial of them.
 const BLENDED_LIGHTS: f64 = 3.0;
-/// Bytes of the 18 coefficients of a texel, and textures of four numbers that hold them.
-const MAP_BYTES: u64 = 18;
-const MAP_FETCHES: f64 = 5.0;
-
 /// The ways of the first pass, in its order.
-pub(super) const FIRST: [&str; 4] = ["uncompressed", "PTM", "HSH, order 3", "PWT"];
+pub(super) const FIRST: [&str; 7] =
+    ["uncompressed", "PTM", "PTM, LRGB", "PTM at half size", "HSH, order 3", "HSH, order 3, at half size", "PWT"];
+
+/// Bytes of a texel of a map, and fetches of textures of four numbers that hold its coefficients.
+fn cost(model: MapModel) -> (u64, f64) {
+    match model {
+        MapModel::Rgb => (18, 5.0),
+        MapModel::Lrgb => (9, 3.0),
+    }
+}
 
 /// What the first pass over a view finds.
 pub(super) struct FirstView {
-    pub(super) tallies: [Tally; 4],
+    pub(super) tallies: [Tally; FIRST.len()],
     /// What the tree's encoder chose.
     pub(super) chosen: Candidate,
 }
@@ -56,21 +62,31 @@ impl<'a> View<'a> {
     /// # Errors
     /// Pictures that an encoder refuses.
     pub(super) fn first(&self) -> Result<FirstView, FormatError> {
-        let start = Instant::now();
-        let map = fit_map(&self.samples, MapModel::Rgb)?;
-        let seconds = start.elapsed().as_secs_f64();
-        let shown = pictures_of(&map, self.lights.directions.clone()).pictures;
-        let bytes = MAP_BYTES * texels_with_mipmaps(self.samples.size[0]);
-        let map = self.tally(&shown, bytes, BLENDED_VIEWS * MAP_FETCHES, seconds);
-
-        let start = Instant::now();
-        let harmonics = plain(&self.samples, HARMONICS, 0)?;
-        let harmonics = self.packed(harmonics, start.elapsed().as_secs_f64());
+        let map = |model| self.map(model);
+        let terms = |basis, level| -> Result<Tally, FormatError> {
+            let start = Instant::now();
+            let pack = plain(&self.samples, basis, level)?;
+            Ok(self.packed(pack, start.elapsed().as_secs_f64()))
+        };
+        let (rgb, lrgb, small) = (map(MapModel::Rgb)?, map(MapModel::Lrgb)?, terms(BIQUADRATIC, 1)?);
+        let (harmonics, small_harmonics) = (terms(HARMONICS, 0)?, terms(HARMONICS, 1)?);
 
         let start = Instant::now();
         let made = encode(&self.samples, &PwtRecipe::default())?;
         let tree = self.packed(made.pack, start.elapsed().as_secs_f64());
-        Ok(FirstView { tallies: [self.uncompressed(), map, harmonics, tree], chosen: made.candidates[0] })
+        let tallies = [self.uncompressed(), rgb, lrgb, small, harmonics, small_harmonics, tree];
+        Ok(FirstView { tallies, chosen: made.candidates[0] })
+    }
+
+    /// A polynomial texture map.
+    fn map(&self, model: MapModel) -> Result<Tally, FormatError> {
+        let start = Instant::now();
+        let map = fit_map(&self.samples, model)?;
+        let seconds = start.elapsed().as_secs_f64();
+        let shown = pictures_of(&map, self.lights.directions.clone()).pictures;
+        let (bytes, fetches) = cost(model);
+        let bytes = bytes * texels_with_mipmaps(self.samples.size[0]);
+        Ok(self.tally(&shown, bytes, BLENDED_VIEWS * fetches, seconds))
     }
 
     /// The smallest tree of a mean ΔE. What the encoder would choose is known: it is not looked for again.

@@ -38,7 +38,7 @@ pub struct BtfRow {
     pub held_out_psnr: f64,
     /// Mean ΔE at the fitted lights of texels that the fit has not seen, where some were left out of it.
     pub held_out_texels_delta_e: Option<f64>,
-    /// Whether the mean ΔE at the fitted lights is at most that of the polynomial texture maps, where this was asked for.
+    /// Whether the mean ΔE at the fitted lights is at most what was asked for: that of the polynomial texture maps, or 1.
     pub met: Option<bool>,
     /// Seconds to make it.
     pub seconds: f64,

@@ -1,10 +1,12 @@
 //! Figure 10: how far blended indirections are from the real ones, on two grids of views with as many samples.
 
-use brdfc_flat_btf::indirection::indirection;
+use brdfc_flat_btf::displacement::{coarser, displacements};
+use brdfc_flat_btf::indirection::{self, indirection};
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_formats::direction::from_polar;
 use brdfc_formats::flat_btf::{
-    DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatValues, IndirectionHeader, IndirectionMap, NormalMap, ReferenceMap,
+    DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatValues, Indirection, IndirectionHeader, IndirectionMap, NormalMap,
+    ReferenceMap,
 };
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -72,11 +74,32 @@ pub fn grid_errors(model: &MesoModel) -> Vec<GridRow> {
 /// The stored map of a model, ready to be asked for indirections and for nothing else.
 pub(super) fn stored_map(model: &MesoModel, header: IndirectionHeader) -> FlatBtfDecoder {
     let found = indirection(model, header, MAP_OVERSAMPLING, &()).expect("nobody stops it");
+    of_samples(found)
+}
+
+/// The same, and the displacements that are stored in its place.
+pub(super) fn stored_maps(model: &MesoModel, header: IndirectionHeader) -> [FlatBtfDecoder; 2] {
+    let found = indirection(model, header, MAP_OVERSAMPLING, &()).expect("nobody stops it");
+    let reference = ReferenceMap::new(header.size, found.reference.clone()).expect("parameters are near the tile");
+    let moved = |texel, k, a| found.displacement(texel, k, a);
+    let (compact, reference) =
+        displacements(header, &reference, moved, coarser(header.size)).expect("displacements are a few tiles");
+    let compact = map_alone(reference, compact.into());
+    [of_samples(found), compact]
+}
+
+fn of_samples(found: indirection::Indirection) -> FlatBtfDecoder {
+    let header = found.header;
     let mut displacements = found.displacements.into_iter();
     let map = IndirectionMap::from_displacements(header, |_, _, _| displacements.next().expect("one for each view"));
+    let reference = ReferenceMap::new(header.size, found.reference).expect("parameters are near the tile");
+    map_alone(reference, map.expect("displacements are a few tiles").into())
+}
+
+fn map_alone(reference: ReferenceMap, indirection: Indirection) -> FlatBtfDecoder {
     let parts = FlatBtfParts {
-        reference: ReferenceMap::new(header.size, found.reference).expect("parameters are near the tile"),
-        indirection: map.expect("displacements are a few tiles").into(),
+        reference,
+        indirection,
         normal: NormalMap::new(1, vec![[0.0, 0.0, 1.0]]).expect("a unit vector"),
         diffuse: DiffuseMap::new(1, vec![0]).expect("black"),
         values: FlatValues::None,

@@ -2,7 +2,7 @@
 
 use super::PAPER;
 use super::apparent::{Apparent, ApparentSizes, summary};
-use super::grids::{grid_errors, stored_map};
+use super::grids::{grid_errors, stored_maps};
 use super::reconstruction::{LookUps, row};
 use super::rows::{CoherencyRow, ModelRow, Spread, StudySettings};
 use brdfc_flat_btf::coherency::ViewVariance;
@@ -68,9 +68,9 @@ pub fn study_model(
     let (chosen, flat_picks, btf_picks) = picks(&model, settings);
     let (mut flat_apparent, mut btf_apparent) = (Apparent::new(flat_picks), Apparent::new(btf_picks));
     let mut images = Vec::new();
-    let map = stored_map(&model, settings.map_header());
+    let [map, compact] = stored_maps(&model, settings.map_header());
     for (view, direction) in directions.iter().enumerate() {
-        let look_ups = LookUps::new(&model, &map, *direction, settings);
+        let look_ups = LookUps::new(&model, [&map, &compact], *direction, settings);
         let Ok(push_pull) = FlattenedView::new(&field, view, &masks[view], Holes::PushPull);
         let Ok(poisson) = FlattenedView::new(&field, view, &masks[view], Holes::Poisson(&guide));
         let light = |(light, kept): (usize, &mut PerLight)| {

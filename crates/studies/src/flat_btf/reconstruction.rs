@@ -14,15 +14,22 @@ use std::collections::BTreeMap;
 pub(super) struct LookUps {
     pub(super) seen: ViewImage,
     stored: Vec<[f32; 2]>,
+    compact: Vec<[f32; 2]>,
     unblended: Vec<[f32; 2]>,
 }
 
 impl LookUps {
-    /// For one view; `map` is the stored one.
-    pub(super) fn new(model: &MesoModel, map: &FlatBtfDecoder, view: Vector, settings: &StudySettings) -> Self {
+    /// For one view; `map` is the stored one, `compact` the one of displacements.
+    pub(super) fn new(
+        model: &MesoModel,
+        [map, compact]: [&FlatBtfDecoder; 2],
+        view: Vector,
+        settings: &StudySettings,
+    ) -> Self {
         Self {
             seen: ViewImage::new(model, view, settings.texels, settings.oversampling),
             stored: stored_parameters(map, view),
+            compact: stored_parameters(compact, view),
             unblended: seen_through_texels(model, view, settings.texels, MAP_OVERSAMPLING),
         }
     }
@@ -39,6 +46,7 @@ impl LookUps {
         let of = |rebuilt: Vec<[f32; 3]>| Difference::new(&direct, &rebuilt);
         ImageDifferences {
             through_map: of(looked_up(inpainted, &self.stored)),
+            through_displacements: of(looked_up(inpainted, &self.compact)),
             push_pull: of(looked_up(filled, &self.stored)),
             unblended: of(looked_up(inpainted, &self.unblended)),
             exact_rays: of(self.seen.rebuilt(inpainted)),
@@ -70,6 +78,7 @@ impl Difference {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ImageDifferences {
     pub(super) through_map: Difference,
+    through_displacements: Difference,
     push_pull: Difference,
     unblended: Difference,
     pub(super) exact_rays: Difference,
@@ -91,12 +100,14 @@ pub(super) fn row(images: &[ImageDifferences], views: &[Vector]) -> Reconstructi
             polar_angle: (mean(views_of_ring.iter().map(|view| polar(views[*view]))) * 1e3).round() / 1e3,
             views: views_of_ring.len(),
             through_map: of_views(|image| image.through_map.mean),
+            through_displacements: of_views(|image| image.through_displacements.mean),
             unblended: of_views(|image| image.unblended.mean),
             exact_rays: of_views(|image| image.exact_rays.mean),
         }
     };
     ReconstructionRow {
         through_map: errors(images.iter().map(|image| image.through_map)),
+        through_displacements: errors(images.iter().map(|image| image.through_displacements)),
         exact_rays: errors(images.iter().map(|image| image.exact_rays)),
         mean_push_pull: mean(images.iter().map(|image| image.push_pull.mean)),
         mean_unblended: mean(images.iter().map(|image| image.unblended.mean)),
@@ -174,7 +185,7 @@ mod tests {
             let field = ComputedField::new(&texels, &self.appearance, &views, &lights, &lit);
             let mask = visible(&texels, &self.model.caster, view);
             let Ok(flat) = FlattenedView::new(&field, 0, &mask, Holes::PushPull).unwrap().image(0);
-            let look_ups = LookUps::new(&self.model, map, view, &self.settings);
+            let look_ups = LookUps::new(&self.model, [map, map], view, &self.settings);
             let direct = look_ups.seen.direct(&self.model, &self.appearance, lights[0]);
             look_ups.differences(&direct, &flat, &flat)
         }
@@ -260,15 +271,24 @@ mod tests {
         let images: Vec<ImageDifferences> = (0..8)
             .map(|k| {
                 let through_map = of(f64::from(k));
-                ImageDifferences { through_map, push_pull: of(2.0), unblended: of(1.0), exact_rays: of(0.5) }
+                let through_displacements = of(2.0 * f64::from(k));
+                ImageDifferences {
+                    through_map,
+                    through_displacements,
+                    push_pull: of(2.0),
+                    unblended: of(1.0),
+                    exact_rays: of(0.5),
+                }
             })
             .collect();
         let row = row(&images, &views);
         let expected = [(0.0, 1, 0.5), (15.0, 2, 3.5), (75.0, 1, 6.5)].map(|(polar_angle, views, through_map)| {
-            AngleErrors { polar_angle, views, through_map, unblended: 1.0, exact_rays: 0.5 }
+            let through_displacements = 2.0 * through_map;
+            AngleErrors { polar_angle, views, through_map, through_displacements, unblended: 1.0, exact_rays: 0.5 }
         });
         assert_eq!(row.angles, expected);
         let expected = ImageErrors { mean: 3.5, largest_image: 7.0, image_variance: 5.25, largest_texel: 70.0 };
         assert_eq!((row.through_map, row.mean_push_pull, row.mean_unblended), (expected, 2.0, 1.0));
+        assert_eq!(row.through_displacements.mean, 7.0);
     }
 }

@@ -63,8 +63,10 @@ pub struct ModelRow {
 /// the sampled views and lights. Holes are filled by Poisson inpainting unless said otherwise.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct ReconstructionRow {
-    /// Through the stored indirection map, as a shader reads it: what a renderer shows.
+    /// Through the stored indirection map, as a shader reads it: what a renderer shows of an uncompressed asset.
     pub through_map: ImageErrors,
+    /// Through the stored displacements: what a renderer shows of others.
+    pub through_displacements: ImageErrors,
     /// With exact rays in place of the map: what the flat BTF alone loses.
     pub exact_rays: ImageErrors,
     /// Mean through the stored map, holes filled by push-pull.
@@ -98,6 +100,8 @@ pub struct AngleErrors {
     pub views: usize,
     /// Through the stored indirection map.
     pub through_map: f64,
+    /// Through the stored displacements.
+    pub through_displacements: f64,
     /// With a map that has each view itself: no stored views are blended.
     pub unblended: f64,
     /// With exact rays in place of the map.

@@ -27,6 +27,7 @@ pub struct FactoredFlatBtf {
     shadow: Option<ShadowMap>,
     views: Vec<[f32; 3]>,
     lights: Vec<[f32; 3]>,
+    lowest_light: f32,
 }
 
 /// Texels around a point on the two mipmap levels around a level of detail.
@@ -123,7 +124,8 @@ impl FactoredFlatBtf {
             }
         }
         let (views, lights) = (unit_vectors(&header.views), unit_vectors(&header.lights));
-        Ok(Self { basis, weights, shadow, views, lights })
+        let lowest_light = lights.iter().map(|light| light[2]).fold(1.0, f32::min);
+        Ok(Self { basis, weights, shadow, views, lights, lowest_light })
     }
 
     /// What the asset says of itself.
@@ -193,13 +195,13 @@ impl FactoredFlatBtf {
                 }
             }
         }
-        let light = raised(light.direction, self.lowest_light());
+        let light = raised(light.direction, self.lowest_light);
         self.colour(&base, [view.direction, light], sum).map(|channel| shadow * channel)
     }
 
     /// Height of the lowest sampled light above the surface: the cosine of its polar angle.
     pub fn lowest_light(&self) -> f32 {
-        self.lights.iter().map(|light| light[2]).fold(1.0, f32::min)
+        self.lowest_light
     }
 
     /// A texel `[column, row]` of the finest level, for all views and lights.
@@ -236,11 +238,17 @@ impl FactoredFlatBtf {
     /// What a place has of the base, and weights of all components.
     fn texel_at(&self, place: &Place) -> (BaseTexel, [f32; MAX_COMPONENTS]) {
         let (mut base, mut components) = ([0.0; BASE_NUMBERS], [0.0; MAX_COMPONENTS]);
-        let numbers = base.iter_mut().chain(&mut components);
-        for (k, (number, range)) in numbers.zip(self.weights.ranges()).enumerate() {
-            let sample =
-                place.sample(|level, at| self.weights.layer(level, (k / GROUP) as u32)[at * GROUP + k % GROUP]);
-            *number = range.low + range.scale * sample;
+        let (bases, groups) = (base.chunks_exact_mut(GROUP), components.chunks_exact_mut(GROUP));
+        let ranges = self.weights.ranges().chunks_exact(GROUP);
+        for (layer, (numbers, ranges)) in (0..).zip(bases.chain(groups).zip(ranges)) {
+            let of_level = |level| self.weights.layer(level, layer);
+            let fine = of_level(place.level);
+            let coarse = place.coarse.map(|_| of_level(place.level + 1));
+            for (channel, (number, range)) in numbers.iter_mut().zip(ranges).enumerate() {
+                let texels = |level| coarse.filter(|_| level > place.level).unwrap_or(fine);
+                let sample = place.sample(|level, at| texels(level)[at * GROUP + channel]);
+                *number = range.low + range.scale * sample;
+            }
         }
         (base_texel(base), components)
     }

@@ -71,11 +71,13 @@ struct FactoredBase {
 // The weights of all components.
 var<private> factored_components: array<vec4<f32>, FACTORED_MAX_GROUPS>;
 
-// The level of detail of a pixel, from how uv changes to the pixels on the right and below: dpdx(uv) and dpdy(uv).
+// The level of detail of a pixel, from how uv changes to the pixels on the right and below, dpdx(uv) and dpdy(uv): the mean, in
+// octaves, of both sides of what it covers. By the longer side, what lies across it would be blurred away, and on a flat BTF that
+// is next to what is hidden. With n x n samples in a pixel each takes log2(n) less.
 fn factored_mipmap_level(right: vec2<f32>, below: vec2<f32>) -> f32 {
     let across = right * f32(factored_parameters.size);
     let down = below * f32(factored_parameters.size);
-    return max(0.5 * log2(max(max(dot(across, across), dot(down, down)), 1e-20)), 0.0);
+    return max(0.25 * log2(max(dot(across, across) * dot(down, down), 1e-20)), 0.0);
 }
 
 fn factored_value(
@@ -243,7 +245,9 @@ fn factored_from_opponent(opponent: vec3<f32>) -> vec3<f32> {
     let y = opponent.x * (1.0 / 116.0);
     let x = y + opponent.y * (1.0 / 500.0);
     let z = y - opponent.z * (1.0 / 200.0);
-    let root = min(max(vec3<f32>(x, y, z), vec3<f32>(0.0)), vec3<f32>(FACTORED_LARGEST_ROOT));
+    let sums = vec3<f32>(x, y, z);
+    // What is no number is 0.
+    let root = select(vec3<f32>(0.0), min(sums, vec3<f32>(FACTORED_LARGEST_ROOT)), sums > vec3<f32>(0.0));
     let xyz = root * root * root;
     let rgb = vec3<f32>(
         3.0799556 * xyz.x + -1.537188 * xyz.y + -0.5427674 * xyz.z,

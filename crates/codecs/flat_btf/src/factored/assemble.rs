@@ -7,10 +7,10 @@ use super::mipmaps::with_mipmaps;
 use super::quantise::{integer, rounded, steps, weight_byte, weight_ranges, wide_groups};
 use brdfc_formats::FormatError;
 use brdfc_formats::container::Extent;
-use brdfc_formats::flat_btf::FlatHeader;
 use brdfc_formats::flat_btf::factored::{
     BaseTable, BasisMap, FactoredErrors, FactoredFlatBtf, FactoredHeader, GROUP, ShadowFormat, ShadowMap, WeightMap,
 };
+use brdfc_formats::flat_btf::{FlatHeader, VisibilityMask};
 
 /// Shape of an asset: what decides its bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,8 +46,23 @@ pub(super) fn basis(header: FactoredHeader, base: &BaseTable, basis: &Basis) -> 
     Ok((BasisMap::from_steps(header, base, step)?, rounded(basis, &all)))
 }
 
-/// An asset of the texels of a basis and their bases, row by row.
-pub(super) fn asset(basis: BasisMap, base: &StoredBase, texels: &Texels) -> Result<FactoredFlatBtf, FormatError> {
+/// What a texel that no view sees counts in mipmaps, of one that all see: where there is nothing else, it is what there is.
+const LEAST_COUNT: f32 = 1e-3;
+
+/// How much each texel counts in mipmaps: the share of views that see it.
+pub(super) fn counts(mask: &VisibilityMask) -> Vec<f32> {
+    let (size, views) = (mask.size(), mask.views());
+    let seen = |at: u32| (0..views).filter(|view| mask.is_seen(*view, [at % size, at / size])).count();
+    (0..size * size).map(|at| LEAST_COUNT.max(seen(at) as f32 / views as f32)).collect()
+}
+
+/// An asset of the texels of a basis and their bases, row by row; in mipmaps they have these [`counts`].
+pub(super) fn asset(
+    basis: BasisMap,
+    base: &StoredBase,
+    texels: &Texels,
+    counts: &[f32],
+) -> Result<FactoredFlatBtf, FormatError> {
     let header = basis.header();
     let (size, levels, k) = (header.size as usize, header.levels, header.components());
     let (lights, count) = (header.lights.len(), size * size);
@@ -59,10 +74,10 @@ pub(super) fn asset(basis: BasisMap, base: &StoredBase, texels: &Texels) -> Resu
             bytes[at] = weight_byte(*weight, ranges[component]);
         }
     }
-    let albedos = with_mipmaps(base.albedos().as_flattened(), size, GROUP, levels);
-    let slopes = with_mipmaps(base.slopes().as_flattened(), size, 2, levels);
+    let albedos = with_mipmaps(base.albedos().as_flattened(), counts, GROUP, levels);
+    let slopes = with_mipmaps(base.slopes().as_flattened(), counts, 2, levels);
     let slopes: Vec<u8> = slopes.into_iter().flat_map(u16::to_be_bytes).collect();
-    let components = with_mipmaps(&bytes, size, GROUP, levels);
+    let components = with_mipmaps(&bytes, counts, GROUP, levels);
     // Level by level, in each the layers of the base first.
     let mut all = Vec::with_capacity(albedos.len() + slopes.len() + components.len());
     let (mut of_base, mut of_components) = (0, 0);
@@ -78,7 +93,7 @@ pub(super) fn asset(basis: BasisMap, base: &StoredBase, texels: &Texels) -> Resu
         ShadowFormat::None => None,
         ShadowFormat::R8 => {
             let by_lights = (0..lights * count).map(|at| texels.shadows[at % count * lights + at / count]);
-            let bytes = with_mipmaps(&by_lights.collect::<Vec<u8>>(), size, 1, levels);
+            let bytes = with_mipmaps(&by_lights.collect::<Vec<u8>>(), counts, 1, levels);
             Some(ShadowMap::new(header.size, levels, lights as u32, bytes)?)
         }
     };

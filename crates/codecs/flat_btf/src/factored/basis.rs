@@ -49,11 +49,14 @@ impl Basis {
         let k = self.components;
         let own = gram(&self.values, k);
         let theirs = gram(weights, k);
+        if !own.iter().chain(theirs.iter()).all(|value| value.is_finite()) {
+            return self.clone();
+        }
         // Own = V Λ Vᵀ: B V Λ^-½ is orthonormal, weights become W V Λ^½.
         let eigen = own.symmetric_eigen();
         let floor = eigen.eigenvalues.max() * 1e-12;
-        // Nothing but black, or no numbers.
-        if floor.is_nan() || floor <= 0.0 {
+        // Nothing but black.
+        if floor <= 0.0 {
             return self.clone();
         }
         let roots: Vec<f64> = eigen.eigenvalues.iter().map(|value| value.max(floor).sqrt()).collect();

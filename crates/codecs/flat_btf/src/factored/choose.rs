@@ -21,6 +21,30 @@ pub(super) struct Trials<'a> {
     pub(super) progress: &'a dyn Progress,
 }
 
+/// How much of a target trials may take: the whole asset errs a little more than they do.
+const MARGIN: f64 = 0.95;
+
+/// What more bytes have to make of an error to be worth it.
+const BETTER: f32 = 0.99;
+
+/// The candidate with the least error where texels are seen; of those that are about as good the one that was tried first, which
+/// has the fewest bytes.
+#[derive(Default)]
+struct Least {
+    error: f32,
+    candidate: Option<Candidate>,
+}
+
+impl Least {
+    /// Looks at the candidate that was tried last.
+    fn take(&mut self, candidate: Candidate, tried: &[FactoredTrial]) {
+        let Some(trial) = tried.last() else { return };
+        if self.candidate.is_none() || trial.errors.seen_mean < BETTER * self.error {
+            *self = Self { error: trial.errors.seen_mean, candidate: Some(candidate) };
+        }
+    }
+}
+
 impl Trials<'_> {
     /// The candidate that a target asks for, and all that were tried.
     pub(super) fn choose<E>(&self, target: FactoredTarget) -> Result<(Candidate, Vec<FactoredTrial>), FactorError<E>> {
@@ -49,20 +73,22 @@ impl Trials<'_> {
 
     /// The fewest bytes with a mean error of at most so much where texels are seen; the least error where nothing has.
     fn meet<E>(&self, most: f64, tried: &mut Vec<FactoredTrial>) -> Result<Candidate, FactorError<E>> {
+        let most = MARGIN * most;
         let met = |tried: &[FactoredTrial]| tried.last().is_some_and(|trial| f64::from(trial.errors.seen_mean) <= most);
         // Without shadows one fit serves all numbers of components.
         let shapes = |shadowed| shapes(self.directions, shadowed);
         let plain_shapes = shapes(false)?;
         let plain = Candidate::new(self.values, plain_shapes[plain_shapes.len() - 1]);
         let mut best: Option<(u64, Candidate)> = None;
+        let mut least = Least::default();
         for shape in &plain_shapes {
             let candidate = self.attempt(plain.truncated(shape.groups), tried)?;
             if met(tried) {
                 best = Some((gpu_bytes(candidate.shape, self.directions), candidate));
                 break;
             }
+            least.take(candidate, tried);
         }
-        let mut least: Option<(f32, Candidate)> = None;
         for shape in shapes(true)? {
             if best.as_ref().is_some_and(|(bytes, _)| gpu_bytes(shape, self.directions) >= *bytes) {
                 break;
@@ -71,34 +97,31 @@ impl Trials<'_> {
             if met(tried) {
                 return Ok(candidate);
             }
-            let error = tried[tried.len() - 1].errors.seen_mean;
-            if least.as_ref().is_none_or(|(found, _)| error < *found) {
-                least = Some((error, candidate));
-            }
+            least.take(candidate, tried);
         }
-        let plain_error = tried[..plain_shapes.len().min(tried.len())].iter().map(|trial| trial.errors.seen_mean);
-        Ok(match (best, least) {
-            (Some((_, candidate)), _) => candidate,
-            (None, Some((error, candidate))) if plain_error.fold(f32::MAX, f32::min) >= error => candidate,
-            _ => plain,
-        })
+        Ok(best.map(|(_, candidate)| candidate).or(least.candidate).unwrap_or(plain))
     }
 
     /// The least error of what takes at most so many bytes.
     fn fit_into<E>(&self, most: u64, tried: &mut Vec<FactoredTrial>) -> Result<Candidate, FactorError<E>> {
-        let largest = |shadowed: bool| -> Result<Option<Shape>, FormatError> {
+        let fitting = |shadowed: bool| -> Result<Vec<Shape>, FormatError> {
             let shapes = shapes(self.directions, shadowed)?;
-            Ok(shapes.into_iter().rev().find(|shape| gpu_bytes(*shape, self.directions) <= most))
+            Ok(shapes.into_iter().filter(|shape| gpu_bytes(*shape, self.directions) <= most).collect())
         };
-        let mut best: Option<(f32, Candidate)> = None;
-        for shape in [largest(false)?, largest(true)?].into_iter().flatten() {
-            let candidate = self.attempt(Candidate::new(self.values, shape), tried)?;
-            let error = tried[tried.len() - 1].errors.seen_mean;
-            if best.as_ref().is_none_or(|(found, _)| error < *found) {
-                best = Some((error, candidate));
-            }
+        let (plain, shadowed) = (fitting(false)?, fitting(true)?);
+        // Without shadows one fit serves all numbers of components.
+        let whole = plain.last().map(|shape| Candidate::new(self.values, *shape));
+        let truncated = |shape: Shape| match &whole {
+            Some(whole) if !shape.shadowed => whole.truncated(shape.groups),
+            _ => Candidate::new(self.values, shape),
+        };
+        let mut least = Least::default();
+        // More components are not always better where texels are seen: they go to what was filled in as well.
+        for shape in plain.into_iter().chain(shadowed) {
+            let candidate = self.attempt(truncated(shape), tried)?;
+            least.take(candidate, tried);
         }
-        best.map(|(_, candidate)| candidate).ok_or_else(|| {
+        least.candidate.ok_or_else(|| {
             FormatError::whole("bytes of factors", most.to_string(), "those of the smallest asset or more").into()
         })
     }

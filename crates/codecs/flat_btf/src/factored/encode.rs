@@ -90,7 +90,7 @@ pub fn factor<E: Send>(
     let rounded = candidate.rounded(size as u32, &directions, &base)?;
     let texels = reader.solve(recipe, &rounded, &base, &directions, progress)?;
     progress.stage(Stage::Quantise, 1)?;
-    let asset = assemble::asset(rounded.map, &base, &texels)?;
+    let asset = assemble::asset(rounded.map, &base, &texels, &assemble::counts(mask))?;
     let place = |k: usize| [held_out.texels[k] % size, held_out.texels[k] / size].map(|c| c as u32);
     let errors = errors(&asset, &held_out, held_out.texels.len(), place);
     let asset = asset.with_errors(errors);

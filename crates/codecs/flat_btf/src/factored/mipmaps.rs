@@ -1,4 +1,6 @@
-//! Mipmaps of bytes and words: each texel of a level is the mean of the area that it covers.
+//! Mipmaps of bytes and words: each texel of a level is the mean of the area that it covers, in which texels count as much as they
+//! are seen. What few views see, such as the lower side of an overhang, is next to what many see on the surface, and not in the
+//! pixels of a renderer.
 
 use rayon::prelude::*;
 
@@ -20,14 +22,16 @@ impl Whole for u16 {
     }
 }
 
-/// All levels of square layers, the finest first; `finest` is layer by layer, row by row, `channels` numbers a texel.
-pub(super) fn with_mipmaps<T: Whole>(finest: &[T], size: usize, channels: usize, levels: u32) -> Vec<T> {
+/// All levels of square layers, the finest first; `finest` is layer by layer, row by row, `channels` numbers a texel. `counts` says
+/// how much each texel counts, more than 0.
+pub(super) fn with_mipmaps<T: Whole>(finest: &[T], counts: &[f32], channels: usize, levels: u32) -> Vec<T> {
+    let size = counts.len().isqrt();
     let length = size * size * channels;
     let mut all = finest.to_vec();
     for level in 1..levels {
         let side = (size >> level).max(1);
         let shares = shares(size, side);
-        let layers = finest.par_chunks(length).map(|layer| reduced(layer, size, channels, &shares));
+        let layers = finest.par_chunks(length).map(|layer| reduced(layer, counts, channels, &shares));
         all.extend(layers.collect::<Vec<_>>().into_iter().flatten());
     }
     all
@@ -45,19 +49,29 @@ fn shares(size: usize, side: usize) -> Vec<(usize, Vec<f32>)> {
     (0..side).map(covered).collect()
 }
 
-fn reduced<T: Whole>(layer: &[T], size: usize, channels: usize, shares: &[(usize, Vec<f32>)]) -> Vec<T> {
+fn reduced<T: Whole>(layer: &[T], counts: &[f32], channels: usize, shares: &[(usize, Vec<f32>)]) -> Vec<T> {
+    let size = counts.len().isqrt();
     let mut bytes = Vec::with_capacity(shares.len() * shares.len() * channels);
-    let mut row = vec![0.0f32; size * channels];
+    let (mut row, mut counted) = (vec![0.0f32; size * channels], vec![0.0f32; size]);
     for (first, rows) in shares {
         row.fill(0.0);
+        counted.fill(0.0);
         for (k, share) in rows.iter().enumerate() {
-            let source = &layer[(first + k) * size * channels..][..size * channels];
-            row.iter_mut().zip(source).for_each(|(sum, number)| *sum += share * (*number).into());
+            let at = (first + k) * size;
+            let source = layer[at * channels..][..size * channels].chunks_exact(channels);
+            let sums = row.chunks_exact_mut(channels).zip(&mut counted);
+            for ((sums, counted), (numbers, count)) in sums.zip(source.zip(&counts[at..])) {
+                *counted += share * count;
+                sums.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += share * count * (*number).into());
+            }
         }
         for (first, columns) in shares {
+            let sum = |of: &dyn Fn(usize) -> f32| -> f32 {
+                columns.iter().enumerate().map(|(k, share)| share * of(first + k)).sum()
+            };
+            let count = sum(&|column| counted[column]);
             for channel in 0..channels {
-                let terms = columns.iter().enumerate().map(|(k, share)| share * row[(first + k) * channels + channel]);
-                bytes.push(T::nearest(terms.sum::<f32>()));
+                bytes.push(T::nearest(sum(&|column| row[column * channels + channel]) / count));
             }
         }
     }
@@ -71,20 +85,30 @@ mod tests {
     #[test]
     fn levels_are_means() {
         let finest: Vec<u8> = vec![0, 100, 8, 8, 100, 200, 8, 8, 1, 1, 50, 60, 1, 1, 70, 80];
-        assert_eq!(with_mipmaps(&finest, 4, 1, 3)[16..], [100, 8, 1, 65, 44]);
+        assert_eq!(with_mipmaps(&finest, &[1.0; 16], 1, 3)[16..], [100, 8, 1, 65, 44]);
         // Layers, then levels; channels apart.
         let two: Vec<u8> = finest.iter().flat_map(|byte| [*byte, 255]).collect();
         let both = [two.clone(), two].concat();
-        let all = with_mipmaps(&both, 4, 2, 3);
+        let all = with_mipmaps(&both, &[1.0; 16], 2, 3);
         assert_eq!(all.len(), 2 * 2 * 21);
         assert_eq!(all[64..], [100, 255, 8, 255, 1, 255, 65, 255, 100, 255, 8, 255, 1, 255, 65, 255, 44, 255, 44, 255]);
+    }
+
+    #[test]
+    fn texels_count_as_much_as_they_are_seen() {
+        let finest: Vec<u8> = vec![0, 100, 8, 8, 100, 200, 8, 8, 1, 1, 50, 60, 1, 1, 70, 80];
+        let mut counts = [0.5; 16];
+        counts[5] = 1e-6;
+        (counts[10], counts[11], counts[14], counts[15]) = (1.0, 1.0, 1.0, 3.0);
+        // A third of 0, 100 and 100; and (50 + 60 + 70 + 3 x 80) / 6.
+        assert_eq!(with_mipmaps(&finest, &counts, 1, 2)[16..], [67, 8, 1, 70]);
     }
 
     #[test]
     fn odd_sides_share_texels() {
         // Of five columns the first of two covers two and a half.
         let finest: Vec<u8> = (0..5).flat_map(|_| [10, 20, 30, 40, 50]).collect();
-        assert_eq!(with_mipmaps(&finest, 5, 1, 3)[25..], [18, 42, 18, 42, 30]);
+        assert_eq!(with_mipmaps(&finest, &[1.0; 25], 1, 3)[25..], [18, 42, 18, 42, 30]);
         assert!(shares(7, 3).iter().all(|(_, shares)| (shares.iter().sum::<f32>() - 1.0).abs() < 1e-6));
     }
 }

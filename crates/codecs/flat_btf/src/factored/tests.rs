@@ -1,6 +1,6 @@
 //! Assets whose factors are known come back; what has none does not.
 
-use super::{Factored, FactoredRecipe, FactoredTarget, factor};
+use super::{Factored, FactoredRecipe, FactoredTarget, FactoredTrial, factor};
 use brdfc_formats::FormatError;
 use brdfc_formats::container::rgb9e5;
 use brdfc_formats::flat_btf::factored::{BaseTable, BaseTexel, DIFFERENCE_ANGLES, HALF_ANGLES, from_opponent};
@@ -169,7 +169,7 @@ fn fewest_bytes_that_meet_an_error() {
     let (seen, views) = (mask(|_, _| true), views(|t, v, l| product(t, v, l, shadow)));
     let chosen = made(FactoredTarget::Error(0.5), &seen, &views);
     assert!(chosen.facts.errors.seen_mean <= 0.5, "{:?}", chosen.facts);
-    let met = chosen.facts.tried.iter().filter(|trial| trial.errors.seen_mean <= 0.5);
+    let met = chosen.facts.tried.iter().filter(|trial| trial.errors.seen_mean <= 0.95 * 0.5);
     assert_eq!(met.map(|trial| trial.gpu_bytes).min(), Some(chosen.facts.gpu_bytes));
     // Nothing meets this; the best that was tried is kept.
     let best = made(FactoredTarget::Error(0.0), &seen, &views);
@@ -180,10 +180,16 @@ fn fewest_bytes_that_meet_an_error() {
         .tried
         .iter()
         .find(|trial| (trial.components, trial.shadowed) == (best.facts.components, best.facts.shadowed));
-    assert_eq!(own.unwrap().errors.seen_mean, least);
+    assert!(0.98 * own.unwrap().errors.seen_mean <= least, "{:?}", best.facts);
     // Bytes.
     let small = made(FactoredTarget::Bytes(chosen.asset.gpu_bytes()), &seen, &views);
     assert!(small.facts.gpu_bytes <= chosen.asset.gpu_bytes());
+    // All that fit are tried, not the largest alone.
+    let many = made(FactoredTarget::Bytes(u64::MAX), &seen, &views);
+    let errors = |tried: &[FactoredTrial]| tried.iter().map(|trial| trial.errors.seen_mean).fold(f32::MAX, f32::min);
+    assert_eq!(many.facts.tried.len(), 14);
+    assert_eq!(errors(&many.facts.tried), least);
+    assert_eq!((many.facts.components, many.facts.shadowed), (best.facts.components, best.facts.shadowed));
     let view = |view: u32| Ok::<_, FormatError>(views[view as usize].clone());
     let refused = factor(&FactoredRecipe::new(FactoredTarget::Bytes(100)), &flat(SIZE), &seen, view, &())
         .unwrap_err()

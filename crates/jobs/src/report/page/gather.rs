@@ -74,6 +74,11 @@ impl Reports {
         Ok(Self { folder: folder.to_owned(), new, old: against.map(read_report).transpose()? })
     }
 
+    /// The build's own files: packs, maps and what is said of each.
+    pub fn files(&self) -> Vec<PathBuf> {
+        self.new.files().map(|entry| self.folder.join(&entry.file)).collect()
+    }
+
     /// Materials that will be drawn or listed.
     pub fn count(&self) -> usize {
         self.new.materials.len()

@@ -1,0 +1,133 @@
+//! Photographs and what was made of them, held against each other one by one: no picture is kept.
+
+use super::error::PwtError;
+use super::input::refused;
+use brdfc_formats::measured::ptm::Ptm;
+use brdfc_formats::pwt::PwtDecoder;
+use brdfc_formats::{FormatError, Pack};
+use brdfc_pwt::measure::{PhotographSums, StackErrors, photograph_sums};
+use brdfc_pwt::ptm::picture_rows;
+use brdfc_source::light_stack::{LightStack, is_light_stack};
+use brdfc_source::pack::open_pack;
+use brdfc_source::{Input, InputError, ptm};
+use rayon::prelude::*;
+use std::ops::Range;
+use std::path::Path;
+
+/// Rows that are decoded at once.
+const BAND: usize = 64;
+/// Largest difference of a coordinate of two lights that are the same.
+const SAME_LIGHT: f32 = 1e-4;
+
+/// What may be held against photographs.
+const ALLOWED: &str = "a pack of 'brdfc pwt', a .ptm or a light stack";
+
+/// Errors of what was made of photographs.
+#[derive(Debug, Clone)]
+pub struct PhotographComparison {
+    /// Unit vectors to the lights.
+    pub lights: Vec<[f32; 3]>,
+    /// Errors of all photographs together.
+    pub errors: StackErrors,
+    /// Errors of each.
+    pub each: Vec<StackErrors>,
+}
+
+/// What shows a picture under a light of the reference.
+enum Shown {
+    Pack(Box<PwtDecoder>),
+    Map(Ptm),
+    Stack(LightStack),
+}
+
+/// Holds a pack, a polynomial texture map or another light stack against the photographs of a light stack.
+///
+/// # Errors
+/// What cannot be read or is none of these; another size; a stack under other lights.
+pub fn compare_photographs(reference: &Path, input: &Input) -> Result<PhotographComparison, PwtError> {
+    let stack = LightStack::open(reference)?;
+    let shown = Shown::open(input, &stack)?;
+    let width = stack.size()[0];
+    let of_light = |light: usize| -> Result<PhotographSums, InputError> {
+        let wanted = stack.image(light)?.pixels;
+        if let Shown::Stack(other) = &shown {
+            return Ok(photograph_sums(&other.image(light)?.pixels, &wanted));
+        }
+        let mut sums = PhotographSums::default();
+        for first in (0..stack.size()[1]).step_by(BAND) {
+            let rows = first..(first + BAND).min(stack.size()[1]);
+            let texels = rows.start * width..rows.end * width;
+            sums += photograph_sums(&shown.rows(stack.lights()[light], rows), &wanted[texels]);
+        }
+        Ok(sums)
+    };
+    let sums: Vec<Result<_, InputError>> = (0..stack.len()).into_par_iter().map(of_light).collect();
+    let sums = sums.into_iter().collect::<Result<Vec<_>, _>>()?;
+    Ok(PhotographComparison {
+        lights: stack.lights().to_vec(),
+        errors: StackErrors::of_photographs(&sums),
+        each: sums.iter().map(|sums| StackErrors::of_photographs(std::slice::from_ref(sums))).collect(),
+    })
+}
+
+impl Shown {
+    fn open(input: &Input, reference: &LightStack) -> Result<Self, PwtError> {
+        let shown = match input.extension()?.as_str() {
+            "ktx2" => match open_pack(input)? {
+                Pack::Pwt(pack) => Self::Pack(Box::new(PwtDecoder::new(pack))),
+                other => return Err(refused(input, "pack", other.kind().name(), ALLOWED)),
+            },
+            ptm::EXTENSION => Self::Map(ptm::open_ptm(input)?),
+            _ => match input.path().filter(|path| is_light_stack(path)) {
+                Some(path) => Self::Stack(LightStack::open(path)?),
+                None => return Err(refused(input, "input", "none of these", ALLOWED)),
+            },
+        };
+        let found = match &shown {
+            Self::Pack(decoder) => decoder.pack().header().size.map(|side| side as usize),
+            Self::Map(map) => map.size().map(|side| side as usize),
+            Self::Stack(stack) => stack.size(),
+        };
+        let wrong = |error: FormatError| PwtError::Input(InputError::Format { name: input.to_string(), error });
+        let [width, height] = reference.size();
+        if found != [width, height] {
+            let allowed = format!("{width} x {height}, as the reference has");
+            return Err(wrong(FormatError::whole("size", format!("{} x {}", found[0], found[1]), allowed)));
+        }
+        if let Self::Stack(stack) = &shown {
+            same_lights(stack.lights(), reference.lights()).map_err(wrong)?;
+        }
+        Ok(shown)
+    }
+
+    /// Linear RGB of some rows under a light; none of photographs, which are compared whole.
+    fn rows(&self, light: [f32; 3], rows: Range<usize>) -> Vec<[f32; 3]> {
+        match self {
+            Self::Pack(decoder) => {
+                let weights = decoder.pack().header().weights(light);
+                decoder.unpacked_rows(0, rows.clone()).rows(rows, &weights)
+            }
+            Self::Map(map) => picture_rows(map, light, rows),
+            Self::Stack(_) => Vec::new(),
+        }
+    }
+}
+
+/// Whether two stacks were lit alike.
+fn same_lights(found: &[[f32; 3]], wanted: &[[f32; 3]]) -> Result<(), FormatError> {
+    let refused = |found: String, allowed: String| Err(FormatError::whole("lights", found, allowed));
+    if found.len() != wanted.len() {
+        return refused(found.len().to_string(), format!("{}, as the reference has", wanted.len()));
+    }
+    let near = |(a, b): (&[f32; 3], &[f32; 3])| a.iter().zip(b).all(|(a, b)| (a - b).abs() < SAME_LIGHT);
+    match found.iter().zip(wanted).position(|pair| !near(pair)) {
+        None => Ok(()),
+        Some(at) => {
+            let told = |[x, y, z]: [f32; 3]| format!("({x:.4}, {y:.4}, {z:.4})");
+            refused(
+                format!("{} as number {}", told(found[at]), at + 1),
+                format!("{}, as the reference has", told(wanted[at])),
+            )
+        }
+    }
+}

@@ -1,0 +1,23 @@
+//! Which files an input is read from.
+
+use crate::btf_stack::images_of;
+use crate::flat_btf::files_of_asset;
+use crate::light_stack::{files_of_stack, is_light_stack};
+use std::path::{Path, PathBuf};
+
+/// The files behind a path: itself, and of what stands in several files each of them, such as the photographs of a light stack.
+///
+/// Nothing is an error here: what cannot be read has no files.
+pub fn files_behind(path: &Path) -> Vec<PathBuf> {
+    let mut files = vec![path.to_owned()];
+    if is_light_stack(path) {
+        files.extend(files_of_stack(path));
+    }
+    if path.is_dir() || path.extension().is_some_and(|extension| extension == "json") {
+        files.extend(files_of_asset(path));
+    }
+    if path.is_dir() {
+        files.extend(images_of(path));
+    }
+    files
+}
