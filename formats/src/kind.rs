@@ -6,7 +6,7 @@ use crate::container::{MAX_TEXEL_BYTES, PackedTexture};
 use crate::flat_btf::factored::{BasisMap, FACTORED_ENTRY, SHADOW_ENTRY, ShadowMap, WEIGHTS_ENTRY, WeightMap};
 use crate::flat_btf::{
     DISPLACEMENT_ENTRY, DiffuseMap, DisplacementMap, FLAT_BTF_ENTRY, FlatPart, FlatView, INDIRECTION_ENTRY,
-    IndirectionMap, NormalMap, PositionMap, ReferenceMap, VisibilityMask, split_part_name,
+    IndirectionMap, NormalMap, PositionMap, ReferenceMap, SampledDirections, VisibilityMask, split_part_name,
 };
 use crate::importance::{IMPORTANCE_ENTRY, ImportancePack};
 use crate::pwt::{PWT_ENTRY, PwtPack};
@@ -108,6 +108,8 @@ pub enum Pack {
     Indirection(IndirectionMap),
     /// The part `displacement`.
     Displacement(DisplacementMap),
+    /// The part `directions`.
+    Directions(SampledDirections),
     /// A view.
     View(FlatView),
     /// The part `basis` of a factored flat BTF.
@@ -157,6 +159,7 @@ impl Pack {
                     FlatPart::Mask => Self::Mask(VisibilityMask::from_texture(&texture)?),
                     FlatPart::Indirection => Self::Indirection(IndirectionMap::from_texture(&texture)?),
                     FlatPart::Displacement => Self::Displacement(DisplacementMap::from_texture(&texture)?),
+                    FlatPart::Directions => Self::Directions(SampledDirections::from_texture(&texture)?),
                     FlatPart::View => Self::View(FlatView::from_texture(&texture)?),
                     FlatPart::Basis => Self::Basis(BasisMap::from_texture(&texture)?),
                     FlatPart::Weights => Self::Weights(WeightMap::from_texture(texture)?),
@@ -181,6 +184,7 @@ impl Pack {
             Self::Mask(_) => PackKind::FlatBtf(FlatPart::Mask),
             Self::Indirection(_) => PackKind::FlatBtf(FlatPart::Indirection),
             Self::Displacement(_) => PackKind::FlatBtf(FlatPart::Displacement),
+            Self::Directions(_) => PackKind::FlatBtf(FlatPart::Directions),
             Self::View(_) => PackKind::FlatBtf(FlatPart::View),
             Self::Basis(_) => PackKind::FlatBtf(FlatPart::Basis),
             Self::Weights(_) => PackKind::FlatBtf(FlatPart::Weights),

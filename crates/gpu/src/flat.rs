@@ -4,9 +4,7 @@ use super::device::{Gpu, GpuError};
 use super::flat_textures;
 use super::load::LoadedScene;
 use super::raster::{Rasteriser, VIEW_WGSL, buffer_type, entry};
-use brdfc_formats::direction_mesh::direction_mesh_wgsl;
-use brdfc_formats::flat_btf::factored::shader::FACTORED_WGSL;
-use brdfc_formats::flat_btf::shader::{FLAT_BTF_WGSL, IndirectionFilter};
+use brdfc_formats::flat_btf::shader::{IndirectionFilter, flat_btf_value_wgsl};
 use brdfc_metrics::image::LinearImage;
 use brdfc_render::flat::{FlatForm, FlatMaterial};
 use brdfc_render::scene::{Camera, Frame, Scene};
@@ -18,11 +16,9 @@ use wgpu::{
 /// The entry points over the decoder of flat BTFs, behind [`VIEW_WGSL`].
 pub const FLAT_SCENE_WGSL: &str = include_str!("flat_scene.wgsl");
 
-/// The whole shader: decoders, look-ups of views and lights, scene.
+/// The whole shader: decoders, scene.
 pub fn flat_scene_source() -> String {
-    let (views, lights) =
-        (direction_mesh_wgsl("sampled_views", "views"), direction_mesh_wgsl("sampled_lights", "lamps"));
-    [FLAT_BTF_WGSL, FACTORED_WGSL, &views, &lights, VIEW_WGSL, FLAT_SCENE_WGSL].join("\n")
+    [&flat_btf_value_wgsl(), VIEW_WGSL, FLAT_SCENE_WGSL].join("\n")
 }
 
 /// Draws a scene whose parts are all of one flat BTF, by the shader with exact filters.
@@ -66,14 +62,9 @@ impl<'g> FlatRenderer<'g> {
     /// A source that does not validate, with the compiler's message.
     pub fn with_shader(gpu: &'g Gpu, source: String) -> Result<Self, GpuError> {
         let texture_layout = flat_textures::layout(gpu, ShaderStages::FRAGMENT);
-        let words = buffer_type(BufferBindingType::Storage { read_only: true });
         let material_layout = gpu.device.create_bind_group_layout(&BindGroupLayoutDescriptor {
             label: Some("flat material"),
-            entries: &[
-                entry(0, ShaderStages::FRAGMENT, buffer_type(BufferBindingType::Uniform)),
-                entry(1, ShaderStages::FRAGMENT, words),
-                entry(2, ShaderStages::FRAGMENT, words),
-            ],
+            entries: &[entry(0, ShaderStages::FRAGMENT, buffer_type(BufferBindingType::Uniform))],
         });
         let rasteriser = Rasteriser::new(gpu, source, &[&texture_layout, &material_layout])?;
         Ok(Self { rasteriser, texture_layout, material_layout })
@@ -96,30 +87,16 @@ impl<'g> FlatRenderer<'g> {
     ) -> Result<LoadedScene, GpuError> {
         let gpu = self.rasteriser.gpu;
         let full = form == FlatForm::Full;
-        let factored = material.decoder().parts().values.factored().is_some();
-        let (views, lights, lowest_light) = match form {
-            FlatForm::Full => {
-                let directions = material.sampled_directions();
-                (directions.views.to_words(), directions.lights.to_words(), directions.lowest_light)
-            }
-            FlatForm::Light => (vec![0; 4], vec![0; 4], 1.0),
-        };
+        let directions = full.then(|| material.sampled_directions());
         let filter = IndirectionFilter::Exact;
-        let textures = flat_textures::upload(gpu, &self.texture_layout, material.decoder(), filter, full)?;
-        let shader_form = if full { 1 + u32::from(factored) } else { 0 };
+        let textures = flat_textures::upload(gpu, &self.texture_layout, material.decoder(), filter, full, directions)?;
         let finer = (samples as f32).log2();
-        let words = [material.repeat(), shader_form, lowest_light.to_bits(), finer.to_bits()];
+        let words = [material.repeat(), u32::from(full), finer.to_bits(), 0];
         let uniform = gpu.buffer(bytemuck::cast_slice(&words), BufferUsages::UNIFORM);
-        let [views, lights] =
-            [views, lights].map(|words| gpu.buffer(bytemuck::cast_slice(&words), BufferUsages::STORAGE));
         let group = gpu.device.create_bind_group(&BindGroupDescriptor {
             label: None,
             layout: &self.material_layout,
-            entries: &[
-                BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() },
-                BindGroupEntry { binding: 1, resource: views.as_entire_binding() },
-                BindGroupEntry { binding: 2, resource: lights.as_entire_binding() },
-            ],
+            entries: &[BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }],
         });
         let groups = vec![vec![textures, group]; scene.parts.len()];
         self.rasteriser.load(scene, groups, [0; 2])

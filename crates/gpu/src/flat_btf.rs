@@ -76,7 +76,7 @@ impl<'g> FlatBtfEvaluator<'g> {
     /// More than the adapter takes; what the driver reports.
     pub fn load(&self, decoder: &FlatBtfDecoder, filter: IndirectionFilter) -> Result<LoadedFlatBtf, GpuError> {
         let gpu = self.pipeline.gpu();
-        Ok(LoadedFlatBtf { group: flat_textures::upload(gpu, &self.texture_layout, decoder, filter, true)? })
+        Ok(LoadedFlatBtf { group: flat_textures::upload(gpu, &self.texture_layout, decoder, filter, true, None)? })
     }
 
     /// Evaluates and reads back, in the order of `queries`.

@@ -1,18 +1,14 @@
-// Draws a scene of one flat BTF under point lights. Appended to `formats/src/flat_btf/decoder.wgsl`,
-// `formats/src/flat_btf/factored/factored.wgsl`, the look-ups `sampled_views` and `sampled_lights` of sampled directions, and `view.wgsl`; the CPU twin is
-// `crates/render/src/flat` with `shading_point.rs`.
+// Draws a scene of one flat BTF under point lights. Appended to the decoder that ends with `formats/src/flat_btf/value.wgsl`,
+// and to `view.wgsl`; the CPU twin is `crates/render/src/flat` with `shading_point.rs`.
 
 struct FlatMaterial {
     repeat: u32,        // tiles per unit of uv
-    form: u32,          // 0: normal map and diffuse colour, 1: every sampled view and light, 2: the same, factored
-    lowest_light: f32,  // cosine of the largest polar angle of a sampled light
+    full: u32,          // 0: normal map and diffuse colour, 1: every sampled view and light
     finer: f32,         // octaves by which a sample covers less than its pixel
+    reserved: u32,
 }
 
 @group(2) @binding(0) var<uniform> material: FlatMaterial;
-// Words of `DirectionMesh`.
-@group(2) @binding(1) var<storage, read> views: array<u32>;
-@group(2) @binding(2) var<storage, read> lamps: array<u32>;
 
 const PI: f32 = 3.14159274;
 
@@ -41,19 +37,8 @@ fn shade(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4<f
 
 // Radiance divided by that of a white diffuser that faces the light.
 fn flat_value(uv: vec2<f32>, level: f32, wo: vec3<f32>, wi: vec3<f32>) -> vec3<f32> {
-    if material.form == 0u {
+    if material.full == 0u {
         return flat_btf_light_form(uv, wo, wi);
     }
-    let v = sampled_views(wo);
-    let l = sampled_lights(wi);
-    let seen_from = FlatBtfWeights(v.indices, v.weights);
-    let lit_from = FlatBtfWeights(l.indices, l.weights);
-    var value: vec3<f32>;
-    if material.form == 2u {
-        value = factored_value(flat_btf_indirection(uv, wo).xy, level, wo, wi, seen_from, lit_from);
-    } else {
-        value = flat_btf_full(uv, wo, seen_from, lit_from);
-    }
-    // Lights lower than all sampled ones are dimmed by the ratio of cosines.
-    return value * min(wi.z / material.lowest_light, 1.0);
+    return flat_btf_value(uv, level, wo, wi);
 }

@@ -8,7 +8,7 @@ use super::raster::{buffer_type, entry};
 use brdfc_formats::container::TexelFormat;
 use brdfc_formats::flat_btf::factored::shader::FactoredFilter;
 use brdfc_formats::flat_btf::shader::{FlatBtfParameters, IndirectionFilter};
-use brdfc_formats::flat_btf::{Atlas, FlatBtfDecoder, Indirection};
+use brdfc_formats::flat_btf::{Atlas, FlatBtfDecoder, Indirection, SampledDirections};
 use wgpu::{
     AddressMode, BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor,
     BindingResource, BindingType, BufferBindingType, BufferUsages, Extent3d, FilterMode, Limits, Origin3d,
@@ -17,14 +17,18 @@ use wgpu::{
     TextureViewDimension,
 };
 
+/// The binding of what blends views and lights.
+const DIRECTIONS: u32 = 13;
 /// What to do about views that are too large.
 const ADVICE: &str = "draw the light form, or make the flat BTF with fewer texels";
 
 /// The layout of group 1, those of [`factored_textures`] included.
 pub(super) fn layout(gpu: &Gpu, stages: ShaderStages) -> BindGroupLayout {
-    let texture = |binding, filterable, view_dimension| {
-        let sample_type = TextureSampleType::Float { filterable };
+    let texture_of = |sample_type, binding, view_dimension| {
         entry(binding, stages, BindingType::Texture { sample_type, view_dimension, multisampled: false })
+    };
+    let texture = |binding, filterable, view_dimension| {
+        texture_of(TextureSampleType::Float { filterable }, binding, view_dimension)
     };
     let own = [
         entry(0, stages, buffer_type(BufferBindingType::Uniform)),
@@ -35,6 +39,7 @@ pub(super) fn layout(gpu: &Gpu, stages: ShaderStages) -> BindGroupLayout {
         texture(5, true, TextureViewDimension::D2),
         texture(6, true, TextureViewDimension::D2Array),
         texture(7, true, TextureViewDimension::D2),
+        texture_of(TextureSampleType::Uint, DIRECTIONS, TextureViewDimension::D2),
     ];
     gpu.device.create_bind_group_layout(&BindGroupLayoutDescriptor {
         label: Some("flat BTF"),
@@ -42,7 +47,8 @@ pub(super) fn layout(gpu: &Gpu, stages: ShaderStages) -> BindGroupLayout {
     })
 }
 
-/// Uploads the parts; without `values`, or where there are none, textures of the full form are one empty texel. The filter is
+/// Uploads the parts; without `values`, or where there are none, textures of the full form are one empty texel, and so is that
+/// of `directions`, which only `flat_btf_value` reads. The filter is
 /// that of the indirection and of what is factored.
 ///
 /// # Errors
@@ -53,6 +59,7 @@ pub(super) fn upload(
     decoder: &FlatBtfDecoder,
     filter: IndirectionFilter,
     values: bool,
+    directions: Option<&SampledDirections>,
 ) -> Result<BindGroup, GpuError> {
     let parts = decoder.parts();
     let packed = parts.indirection.header().extent();
@@ -78,6 +85,8 @@ pub(super) fn upload(
     let size = [parts.diffuse.size(); 2];
     let parameters = bytemuck::cast_slice(parts.reference.parameters());
     let reference = image(TexelFormat::Rg32Float, [parts.reference.size(); 2], parameters);
+    let (extent, words) = directions.map_or(([1; 2], vec![0]), |some| (some.extent(), some.texels()));
+    let directions = image(TexelFormat::R32Uint, extent, bytemuck::cast_slice(&words));
     let (packed, ranges) = match &parts.indirection {
         Indirection::Samples(map) => (
             image(TexelFormat::Rgba16Float, packed, &map.texel_bytes()),
@@ -107,6 +116,7 @@ pub(super) fn upload(
         BindGroupEntry { binding: 5, resource: BindingResource::TextureView(&diffuse) },
         BindGroupEntry { binding: 6, resource: BindingResource::TextureView(&atlas) },
         BindGroupEntry { binding: 7, resource: BindingResource::TextureView(&ranges) },
+        BindGroupEntry { binding: DIRECTIONS, resource: BindingResource::TextureView(&directions) },
     ];
     let entries = [&own[..], &factored.bindings()].concat();
     let group = gpu.device.create_bind_group(&BindGroupDescriptor { label: None, layout, entries: &entries });

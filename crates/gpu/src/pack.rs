@@ -54,6 +54,7 @@ pub(super) fn texture_format(format: TexelFormat) -> TextureFormat {
         TexelFormat::Rgba16Float => TextureFormat::Rgba16Float,
         TexelFormat::Rg32Float => TextureFormat::Rg32Float,
         TexelFormat::Rgba32Float => TextureFormat::Rgba32Float,
+        TexelFormat::R32Uint => TextureFormat::R32Uint,
         TexelFormat::Rgba32Uint => TextureFormat::Rgba32Uint,
         TexelFormat::Rgb9E5 => TextureFormat::Rgb9e5Ufloat,
         TexelFormat::Rgb10A2Unorm => TextureFormat::Rgb10a2Unorm,

@@ -8,7 +8,7 @@ use brdfc_formats::FormatError;
 use brdfc_formats::flat_btf::factored::{BasisMap, FactoredFlatBtf, ShadowMap, WeightMap};
 use brdfc_formats::flat_btf::{
     DiffuseMap, DisplacementMap, FlatBtfParts, FlatPart, FlatValues, FlatView, IndirectionMap, NormalMap,
-    PART_EXTENSION, ReferenceMap, VisibilityMask, split_part_name, view_part,
+    PART_EXTENSION, ReferenceMap, SampledDirections, VisibilityMask, split_part_name, view_part,
 };
 use rayon::prelude::*;
 use serde::Deserialize;
@@ -55,9 +55,12 @@ pub fn open_flat_btf(path: &Path, values: bool) -> Result<FlatBtfParts, InputErr
     }
     let mut names: Vec<String> = PARTS.map(str::to_owned).to_vec();
     names.insert(1, asset.indirection_part().name().to_owned());
-    names.extend(values.then(|| asset.value_parts()).into_iter().flatten());
+    if values {
+        names.push(FlatPart::Directions.name().to_owned());
+        names.extend(asset.value_parts());
+    }
     asset.check_listed(&names)?;
-    Ok(FlatBtfParts {
+    let parts = FlatBtfParts {
         reference: asset.part("reference", ReferenceMap::from_bytes)?,
         indirection: match asset.indirection_part() {
             FlatPart::Displacement => asset.part("displacement", DisplacementMap::from_bytes)?.into(),
@@ -66,7 +69,11 @@ pub fn open_flat_btf(path: &Path, values: bool) -> Result<FlatBtfParts, InputErr
         normal: asset.part("normal", NormalMap::from_bytes)?,
         diffuse: asset.part("diffuse", DiffuseMap::from_bytes)?,
         values: if values { asset.values()? } else { FlatValues::None },
-    })
+    };
+    if values {
+        asset.check_directions(&parts.values)?;
+    }
+    Ok(parts)
 }
 
 /// Reads one view of a flat BTF and says how many there are; no view where the number is beyond them. A factored one is
@@ -188,6 +195,21 @@ impl Asset {
         let weights = self.part(weights, WeightMap::from_bytes)?;
         let asset = FactoredFlatBtf::new(self.part(basis, BasisMap::from_bytes)?, weights, shadow);
         asset.map_err(|error| format_error(&self.folder.join(self.file(basis)), error))
+    }
+
+    /// That the part `directions` is for as many views and lights as the values have.
+    fn check_directions(&self, values: &FlatValues) -> Result<(), InputError> {
+        let part = FlatPart::Directions.name();
+        let found: SampledDirections = self.part(part, SampledDirections::from_bytes)?;
+        let numbers = [found.views.directions(), found.lights.directions()];
+        match values.directions().map(|directions| directions.map(<[_]>::len)) {
+            Some(allowed) if allowed != numbers => {
+                let words = |[views, lights]: [usize; 2]| format!("{views} views and {lights} lights");
+                let error = FormatError::whole("directions", words(numbers), words(allowed));
+                Err(format_error(&self.folder.join(self.file(part)), error))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Views in the list.

@@ -32,6 +32,7 @@ const BANDWIDTH_HALF_PI: f32 = 1.57079637;
 const BANDWIDTH_TAU: f32 = 6.28318548;
 const BANDWIDTH_CELLS: u32 = 16u;
 
+// Of a lobe, in cycles per radian of the outgoing direction.
 fn bandwidth_brdf(incoming: vec3<f32>, outgoing: vec3<f32>) -> f32 {
     return bandwidth_brdf_cells(bandwidth_cell(incoming), bandwidth_cell(outgoing));
 }
@@ -42,6 +43,7 @@ fn bandwidth_brdf_cells(incoming: vec2<u32>, outgoing: vec2<u32>) -> f32 {
     return textureLoad(bandwidth_brdf_map, at, 0).x * bandwidth_parameters.brdf_scale;
 }
 
+// In cycles per radian of a direction, in the frame of the environment.
 fn bandwidth_environment(direction: vec3<f32>) -> f32 {
     let at = bandwidth_environment_texel(direction);
     return textureLoad(bandwidth_environment_map, at, 0).x * bandwidth_parameters.environment_scale;

@@ -22,6 +22,8 @@ pub enum TexelFormat {
     Rg32Float,
     /// Four 32-bit floats, `VK_FORMAT_R32G32B32A32_SFLOAT`.
     Rgba32Float,
+    /// One unsigned integer of 32 bits, `VK_FORMAT_R32_UINT`.
+    R32Uint,
     /// Four unsigned integers of 32 bits, `VK_FORMAT_R32G32B32A32_UINT`.
     Rgba32Uint,
     /// Three mantissas of 9 bits that share an exponent, in one word: `VK_FORMAT_E5B9G9R9_UFLOAT_PACK32`. See
@@ -34,7 +36,7 @@ pub enum TexelFormat {
 
 impl TexelFormat {
     /// Every format.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::R8Unorm,
         Self::Rg8Unorm,
         Self::Rgba8Unorm,
@@ -44,6 +46,7 @@ impl TexelFormat {
         Self::Rgba16Float,
         Self::Rg32Float,
         Self::Rgba32Float,
+        Self::R32Uint,
         Self::Rgba32Uint,
         Self::Rgb9E5,
         Self::Rgb10A2Unorm,
@@ -52,7 +55,7 @@ impl TexelFormat {
     /// Words stored per texel: one per component, or a single one of packed components.
     pub fn components(self) -> usize {
         match self {
-            Self::R8Unorm | Self::R16Unorm | Self::R16Float | Self::Rgb9E5 | Self::Rgb10A2Unorm => 1,
+            Self::R8Unorm | Self::R16Unorm | Self::R16Float | Self::R32Uint | Self::Rgb9E5 | Self::Rgb10A2Unorm => 1,
             Self::Rg8Unorm | Self::Rg32Float => 2,
             Self::Rgba8Unorm | Self::Rgba16Unorm | Self::Rgba16Float | Self::Rgba32Float | Self::Rgba32Uint => 4,
         }
@@ -63,7 +66,8 @@ impl TexelFormat {
         match self {
             Self::R8Unorm | Self::Rg8Unorm | Self::Rgba8Unorm => 1,
             Self::R16Unorm | Self::R16Float | Self::Rgba16Unorm | Self::Rgba16Float => 2,
-            Self::Rg32Float | Self::Rgba32Float | Self::Rgba32Uint | Self::Rgb9E5 | Self::Rgb10A2Unorm => 4,
+            Self::Rg32Float | Self::Rgba32Float | Self::R32Uint | Self::Rgba32Uint => 4,
+            Self::Rgb9E5 | Self::Rgb10A2Unorm => 4,
         }
     }
 
@@ -83,6 +87,7 @@ impl TexelFormat {
             Self::Rgba16Float => ktx2::Format::R16G16B16A16_SFLOAT,
             Self::Rg32Float => ktx2::Format::R32G32_SFLOAT,
             Self::Rgba32Float => ktx2::Format::R32G32B32A32_SFLOAT,
+            Self::R32Uint => ktx2::Format::R32_UINT,
             Self::Rgba32Uint => ktx2::Format::R32G32B32A32_UINT,
             Self::Rgb9E5 => ktx2::Format::E5B9G9R9_UFLOAT_PACK32,
             Self::Rgb10A2Unorm => ktx2::Format::A2B10G10R10_UNORM_PACK32,

@@ -12,7 +12,7 @@ const FLAT: f64 = 1e-6;
 /// By how much regions are widened, so that rounding in f32 never looks into a cell that lacks them.
 const SLACK: f64 = 1e-5;
 /// Most cells along an axis.
-const MAX_GRID: usize = 128;
+pub(super) const MAX_GRID: usize = 128;
 
 type Point = [f64; 2];
 

@@ -1,45 +1,51 @@
 // Three samples of a direction set and their weights, for any direction.
 //
-// The words in the buffer are described in `direction_mesh/mod.rs` of the crate `brdfc-formats`, whose
-// `DirectionMesh::weights` does the same steps in the same order. `direction_mesh_wgsl` there puts names for the two
-// placeholders: the function, and the storage buffer that the shader declares for the words:
+// The words are described in `direction_mesh/mod.rs` of the crate `brdfc-formats`, whose `DirectionMesh::weights` does the
+// same steps in the same order. They stand in a texture, row by row: it may hold several meshes, each from a row of its own.
 //
-//     @group(0) @binding(3) var<storage, read> DIRECTION_MESH_BINDING: array<u32>;
+// To use it: paste this file before your own shader, move the binding where it suits you, and call
+//
+//     let samples = direction_mesh_weights(direction, row);
+//
+// It loads 5 texels, and up to 10 for every triangle and segment of the direction's cell.
 
-struct DIRECTION_MESH_FUNCTION_result {
+// One channel of 32 bits, unsigned integers. Not filtered.
+@group(1) @binding(13) var direction_mesh_words: texture_2d<u32>;
+
+struct DirectionMeshWeights {
     indices: vec3<u32>,  // into the set; may repeat with weight 0
     weights: vec3<f32>,  // not negative, sum 1
 }
 
-// `direction` is a unit vector in the frame x = tangent, y = bitangent, z = normal.
-fn DIRECTION_MESH_FUNCTION(direction: vec3<f32>) -> DIRECTION_MESH_FUNCTION_result {
+// `direction` is a unit vector in the frame x = tangent, y = bitangent, z = normal; the mesh begins in the row `row`.
+fn direction_mesh_weights(direction: vec3<f32>, row: u32) -> DirectionMeshWeights {
     let scale = 1.0 + max(direction.z, 0.0);
     let p = vec2<f32>(
         min(max(direction.x / scale, -1.0), 1.0),
         min(max(direction.y / scale, -1.0), 1.0),
     );
-    let grid = DIRECTION_MESH_BINDING[0];
+    let grid = direction_mesh_word(row, 0u);
     let size = f32(grid);
     let column = u32(min((p.x + 1.0) * 0.5 * size, size - 1.0));
-    let row = u32(min((p.y + 1.0) * 0.5 * size, size - 1.0));
+    let line = u32(min((p.y + 1.0) * 0.5 * size, size - 1.0));
     let candidates = 5u + grid * grid;
-    let triangles = candidates + DIRECTION_MESH_BINDING[3];
-    let vertices = triangles + 3u * DIRECTION_MESH_BINDING[2];
-    let first = DIRECTION_MESH_BINDING[4u + row * grid + column];
-    let end = DIRECTION_MESH_BINDING[5u + row * grid + column];
+    let triangles = candidates + direction_mesh_word(row, 3u);
+    let vertices = triangles + 3u * direction_mesh_word(row, 2u);
+    let first = direction_mesh_word(row, 4u + line * grid + column);
+    let end = direction_mesh_word(row, 5u + line * grid + column);
 
     var best = 3.4028234e38;
-    var result = DIRECTION_MESH_FUNCTION_result(vec3<u32>(0u), vec3<f32>(1.0, 0.0, 0.0));
+    var result = DirectionMeshWeights(vec3<u32>(0u), vec3<f32>(1.0, 0.0, 0.0));
     for (var k = first; k < end; k += 1u) {
-        let triangle = triangles + 3u * DIRECTION_MESH_BINDING[candidates + k];
+        let triangle = triangles + 3u * direction_mesh_word(row, candidates + k);
         let corners = vec3<u32>(
-            DIRECTION_MESH_BINDING[triangle],
-            DIRECTION_MESH_BINDING[triangle + 1u],
-            DIRECTION_MESH_BINDING[triangle + 2u],
+            direction_mesh_word(row, triangle),
+            direction_mesh_word(row, triangle + 1u),
+            direction_mesh_word(row, triangle + 2u),
         );
-        let a = DIRECTION_MESH_FUNCTION_vertex(vertices + 2u * corners.x);
-        let b = DIRECTION_MESH_FUNCTION_vertex(vertices + 2u * corners.y);
-        let c = DIRECTION_MESH_FUNCTION_vertex(vertices + 2u * corners.z);
+        let a = direction_mesh_vertex(row, vertices + 2u * corners.x);
+        let b = direction_mesh_vertex(row, vertices + 2u * corners.y);
+        let c = direction_mesh_vertex(row, vertices + 2u * corners.z);
         let q = p - a;
         let e1 = b - a;
         var w = vec3<f32>(1.0, 0.0, 0.0);
@@ -53,7 +59,7 @@ fn DIRECTION_MESH_FUNCTION(direction: vec3<f32>) -> DIRECTION_MESH_FUNCTION_resu
             }
             if t >= 0.0 && t <= 1.0 {
                 if e1.x * q.y - e1.y * q.x <= 0.0 {
-                    return DIRECTION_MESH_FUNCTION_result(corners, vec3<f32>(1.0 - t, t, 0.0));
+                    return DirectionMeshWeights(corners, vec3<f32>(1.0 - t, t, 0.0));
                 }
                 continue;
             }
@@ -70,7 +76,7 @@ fn DIRECTION_MESH_FUNCTION(direction: vec3<f32>) -> DIRECTION_MESH_FUNCTION_resu
             let w2 = (e1.x * q.y - e1.y * q.x) / area;
             let w0 = 1.0 - w1 - w2;
             if w0 >= 0.0 && w1 >= 0.0 && w2 >= 0.0 {
-                return DIRECTION_MESH_FUNCTION_result(corners, vec3<f32>(w0, w1, w2));
+                return DirectionMeshWeights(corners, vec3<f32>(w0, w1, w2));
             }
             // Rounding may leave a point between two triangles.
             let c0 = max(w0, 0.0);
@@ -92,9 +98,14 @@ fn DIRECTION_MESH_FUNCTION(direction: vec3<f32>) -> DIRECTION_MESH_FUNCTION_resu
     return result;
 }
 
-fn DIRECTION_MESH_FUNCTION_vertex(word: u32) -> vec2<f32> {
+fn direction_mesh_vertex(row: u32, word: u32) -> vec2<f32> {
     return vec2<f32>(
-        bitcast<f32>(DIRECTION_MESH_BINDING[word]),
-        bitcast<f32>(DIRECTION_MESH_BINDING[word + 1u]),
+        bitcast<f32>(direction_mesh_word(row, word)),
+        bitcast<f32>(direction_mesh_word(row, word + 1u)),
     );
+}
+
+fn direction_mesh_word(row: u32, word: u32) -> u32 {
+    let width = textureDimensions(direction_mesh_words).x;
+    return textureLoad(direction_mesh_words, vec2<u32>(word % width, row + word / width), 0).x;
 }

@@ -12,7 +12,7 @@
 //!
 //! # Words for a shader
 //!
-//! Everything that a look-up needs is one list of `u32` for a storage buffer, in f32 throughout. `n` directions, `t`
+//! Everything that a look-up needs is one list of `u32`, in a texture or a buffer, in f32 throughout. `n` directions, `t`
 //! triangles and segments, `G` x `G` cells over [-1, 1]² of paraboloid coordinates, `c` candidates:
 //!
 //! | from word | words | what |
@@ -25,20 +25,19 @@
 //!
 //! Triangles are counter-clockwise. Segments are the edges of the hull, with the hull on the left; of sets in line, the
 //! pieces of the line in both directions. A cell lists each triangle that it overlaps and each segment that is nearest
-//! to some point of it on the segment's right. [`direction_mesh_wgsl`] is the look-up as
+//! to some point of it on the segment's right. [`DIRECTION_MESH_WGSL`] is the look-up as
 //! WGSL; [`DirectionMesh::weights`] does the same steps in the same order, so that both give the same bits wherever the
 //! adapter divides with correct rounding and fuses nothing.
 
 mod build;
+mod check;
 
 use crate::FormatError;
 use crate::direction_set::DirectionSet;
 use build::HEADER_WORDS;
 
-/// The look-up as WGSL, with the placeholders that [`direction_mesh_wgsl`] fills.
-const TEMPLATE: &str = include_str!("direction_mesh.wgsl");
-const FUNCTION: &str = "DIRECTION_MESH_FUNCTION";
-const BINDING: &str = "DIRECTION_MESH_BINDING";
+/// The WGSL twin of [`DirectionMesh::weights`], over words in a texture: see the file.
+pub const DIRECTION_MESH_WGSL: &str = include_str!("direction_mesh.wgsl");
 
 /// A triangulated set of directions.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -55,6 +54,21 @@ impl DirectionMesh {
         let set = DirectionSet::new(set.name.clone(), set.angles.clone())?;
         let points: Vec<[f32; 2]> = set.directions().iter().map(|d| paraboloid(d.map(|c| c as f32))).collect();
         Ok(Self { words: build::words(&points)? })
+    }
+
+    /// The mesh that a list begins with: what [`Self::words`] gave. What follows is left alone.
+    ///
+    /// # Errors
+    /// Lists that end too early, and numbers that would lead a look-up out of them.
+    pub fn from_words(words: &[u32]) -> Result<Self, FormatError> {
+        let mesh = Self { words: words[..check::length(words)?].to_vec() };
+        check::check(&mesh.words)?;
+        Ok(mesh)
+    }
+
+    /// Directions of the set.
+    pub fn directions(&self) -> usize {
+        self.words[1] as usize
     }
 
     /// Indices into the set and weights of three directions, which may repeat with weight 0.
@@ -131,9 +145,9 @@ impl DirectionMesh {
         (indices, weights)
     }
 
-    /// The words of the table above, for a storage buffer.
-    pub fn to_words(&self) -> Vec<u32> {
-        self.words.clone()
+    /// The words of the table above.
+    pub fn words(&self) -> &[u32] {
+        &self.words
     }
 
     /// Corners of the triangles: indices into the set, counter-clockwise seen from above. None for sets in line.
@@ -144,16 +158,6 @@ impl DirectionMesh {
         let all = words.chunks_exact(3).map(|corners| [corners[0], corners[1], corners[2]]);
         all.filter(|corners| corners[1] != corners[2]).collect()
     }
-}
-
-/// The WGSL twin of [`DirectionMesh::weights`]: `fn NAME(direction: vec3<f32>) -> NAME_result`, a struct with `indices:
-/// vec3<u32>` and `weights: vec3<f32>`.
-///
-/// `binding_name` is a variable that the shader declares, for example `@group(0) @binding(3) var<storage, read> NAME:
-/// array<u32>;`, and that holds [`DirectionMesh::to_words`]. Both must be WGSL identifiers; one shader may hold the
-/// function several times under different names.
-pub fn direction_mesh_wgsl(function_name: &str, binding_name: &str) -> String {
-    TEMPLATE.replace(FUNCTION, function_name).replace(BINDING, binding_name)
 }
 
 /// `(x, y) / (1 + z)`, from z = 0 up; in [-1, 1] whatever the direction is.

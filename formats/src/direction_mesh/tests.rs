@@ -216,7 +216,7 @@ fn cells_hold_few_candidates() {
 #[test]
 fn the_largest_set_is_quick_enough() {
     let mesh = mesh(&DirectionSet::grid(24, 89, 89.0).unwrap());
-    assert!(mesh.to_words().len() < 100_000);
+    assert!(mesh.words().len() < 100_000);
 }
 
 fn random_set() -> impl Strategy<Value = DirectionSet> {
@@ -278,5 +278,39 @@ proptest! {
                 prop_assert!(inside <= 1e-9);
             }
         }
+    }
+}
+
+#[test]
+fn words_come_back_and_lead_nowhere_else() {
+    let mesh = mesh(&DirectionSet::ubo2003());
+    let longer = [mesh.words(), &[7, 7]].concat();
+    assert_eq!(DirectionMesh::from_words(&longer).unwrap(), mesh);
+    assert_eq!(mesh.directions(), 81);
+    let [grid, _, triangles, candidates] = *mesh.words.first_chunk().unwrap();
+    let [grid, triangles, candidates] = [grid, triangles, candidates].map(|word| word as usize);
+    let first_candidate = 5 + grid * grid;
+    let first_corner = first_candidate + candidates;
+    let first_coordinate = first_corner + 3 * triangles;
+    for (at, word, problem) in [
+        (0, 0, "directions, side of the grid: found 0; allowed 1 to 128"),
+        (0, u32::MAX, "directions, side of the grid: found 4294967295"),
+        (1, 0, "directions, number: found 0; allowed 1 to 2048"),
+        (1, 2048, "directions, words: found"),
+        (2, u32::MAX, "directions, triangles and segments: found 4294967295; allowed 1 to 324"),
+        (3, u32::MAX, "directions, candidates: found 4294967295"),
+        (4, 1, "directions, cells: found first candidates out of order"),
+        (9, u32::MAX, "directions, cells: found first candidates out of order"),
+        (first_candidate, triangles as u32, "directions, candidate 0: found"),
+        (first_corner + 2, 81, "directions, corner 2: found 81; allowed below 81"),
+        (first_coordinate + 5, f32::NAN.to_bits(), "directions, coordinate 5: found NaN; allowed -1 to 1"),
+    ] {
+        let mut words = mesh.words.clone();
+        words[at] = word;
+        let error = DirectionMesh::from_words(&words).unwrap_err().to_string();
+        assert!(error.starts_with(problem), "{error}");
+    }
+    for length in [0, 3, 4, mesh.words.len() - 1] {
+        assert!(DirectionMesh::from_words(&mesh.words[..length]).is_err());
     }
 }

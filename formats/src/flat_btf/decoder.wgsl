@@ -28,9 +28,9 @@ struct FlatBtfParameters {
     hardware: u32,         // 1: the sampler blends views of the indirection, 0: manual weights
     blocks: u32,           // N: the file `displacement` has N x N blocks; 0: there is the file `indirection`
     largest_tangent: f32,  // of a polar angle, of displacements
+    values: u32,           // of views and lights: 0 none, 1 all of them, 2 factored
     reserved_0: u32,
     reserved_1: u32,
-    reserved_2: u32,
 }
 
 // Three sampled directions and their weights; what has a weight of 0 is not fetched.

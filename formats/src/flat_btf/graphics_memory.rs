@@ -2,6 +2,7 @@
 
 use super::atlas::Atlas;
 use super::decoder::{FlatBtfParts, FlatValues, Indirection};
+use super::directions::SampledDirections;
 use super::flat_view::FlatView;
 use crate::container::{Extent, TexelFormat};
 
@@ -13,6 +14,7 @@ pub fn gpu_bytes(part: &str, extent: Extent, levels: u32) -> u64 {
     let (texels, format) = match (part, extent) {
         ("position" | "mask", _) => return 0,
         ("reference", _) => (extent.texels(), TexelFormat::Rg32Float),
+        ("directions", _) => (extent.texels(), TexelFormat::R32Uint),
         ("basis", _) => (extent.texels(), TexelFormat::Rgba32Uint),
         ("weights", _) => (extent.texels_of_levels(levels), TexelFormat::Rgba8Unorm),
         ("shadow", _) => (extent.texels_of_levels(levels), TexelFormat::R8Unorm),
@@ -40,6 +42,9 @@ impl FlatBtfParts {
             }
             FlatValues::Factored(asset) => asset.gpu_bytes(),
         };
+        // Directions that cannot be blended have no such part.
+        let directions = SampledDirections::of(&self.values).ok().flatten();
+        let directions = directions.map_or(0, |directions| gpu_bytes("directions", Extent::D2(directions.extent()), 1));
         gpu_bytes("reference", square(self.reference.size()), 1)
             + match &self.indirection {
                 Indirection::Samples(map) => gpu_bytes("indirection", Extent::D2(map.header().extent()), 1),
@@ -47,6 +52,7 @@ impl FlatBtfParts {
             }
             + gpu_bytes("normal", square(self.normal.size()), 1)
             + gpu_bytes("diffuse", square(self.diffuse.size()), 1)
+            + directions
             + values
     }
 }

@@ -6,6 +6,7 @@
 
 mod atlas;
 mod decoder;
+mod directions;
 mod displacement;
 pub mod factored;
 mod flat_view;
@@ -19,6 +20,7 @@ mod view_weights;
 
 pub use atlas::Atlas;
 pub use decoder::{FlatBtfDecoder, FlatBtfParts, FlatValues, Indirection};
+pub use directions::SampledDirections;
 pub(crate) use displacement::HEADER as DISPLACEMENT_ENTRY;
 pub use displacement::{DisplacementHeader, DisplacementMap, MAX_TANGENT, SAME_SIDE, TANGENT_BIAS};
 pub(crate) use flat_view::HEADER as FLAT_BTF_ENTRY;

@@ -19,6 +19,8 @@ pub enum FlatPart {
     Displacement,
     /// The values of one view, for all lights.
     View,
+    /// What blends the sampled views and lights.
+    Directions,
     /// Of a factored flat BTF: the components in each view under each light.
     Basis,
     /// The weights of the components.
@@ -34,7 +36,7 @@ const VIEW: &str = "flat";
 
 impl FlatPart {
     /// The parts that stand once in an asset.
-    pub const SINGLE: [Self; 10] = [
+    pub const SINGLE: [Self; 11] = [
         Self::Position,
         Self::Normal,
         Self::Reference,
@@ -42,6 +44,7 @@ impl FlatPart {
         Self::Mask,
         Self::Indirection,
         Self::Displacement,
+        Self::Directions,
         Self::Basis,
         Self::Weights,
         Self::Shadow,
@@ -58,6 +61,7 @@ impl FlatPart {
             Self::Indirection => "indirection",
             Self::Displacement => "displacement",
             Self::View => VIEW,
+            Self::Directions => "directions",
             Self::Basis => "basis",
             Self::Weights => "weights",
             Self::Shadow => "shadow",

@@ -1,9 +1,17 @@
 //! What a shader needs besides the textures of a flat BTF: `formats/src/flat_btf/decoder.wgsl` and its uniform block.
 
-use crate::flat_btf::{FlatBtfDecoder, Indirection};
+use super::factored::shader::FACTORED_WGSL;
+use crate::direction_mesh::DIRECTION_MESH_WGSL;
+use crate::flat_btf::{FlatBtfDecoder, FlatValues, Indirection};
 
 /// The WGSL decoder. It declares a uniform block, six textures and a sampler in bind group 1; see the file.
 pub const FLAT_BTF_WGSL: &str = include_str!("decoder.wgsl");
+
+/// All that a flat BTF of any form is drawn by: [`FLAT_BTF_WGSL`], the factored values, the weights of views and lights, and
+/// `flat_btf_value`, which puts them together.
+pub fn flat_btf_value_wgsl() -> String {
+    [FLAT_BTF_WGSL, FACTORED_WGSL, DIRECTION_MESH_WGSL, include_str!("value.wgsl")].join("\n")
+}
 
 /// How far a sampler's blend of view samples may be from exact weights, along each of the two angles, in units of the
 /// difference of neighbouring samples.
@@ -42,6 +50,8 @@ pub struct FlatBtfParameters {
     pub blocks: u32,
     /// Tangent of the largest polar angle of displacements.
     pub largest_tangent: f32,
+    /// What there is of views and lights: 0 nothing, 1 all values, 2 factored ones.
+    pub values: u32,
 }
 
 impl FlatBtfParameters {
@@ -65,10 +75,15 @@ impl FlatBtfParameters {
             hardware: u32::from(filter == IndirectionFilter::Hardware),
             blocks,
             largest_tangent,
+            values: match decoder.parts().values {
+                FlatValues::None => 0,
+                FlatValues::Views(_) => 1,
+                FlatValues::Factored(_) => 2,
+            },
         }
     }
 
-    /// The block as the shader reads it: little-endian, fields in order, 12 bytes of zero at the end.
+    /// The block as the shader reads it: little-endian, fields in order, 8 bytes of zero at the end.
     pub fn to_bytes(&self) -> [u8; Self::SIZE] {
         let words = [
             self.size,
@@ -80,6 +95,7 @@ impl FlatBtfParameters {
             self.hardware,
             self.blocks,
             self.largest_tangent.to_bits(),
+            self.values,
         ];
         let mut bytes = [0; Self::SIZE];
         for (target, word) in bytes.chunks_exact_mut(4).zip(words) {

@@ -30,6 +30,7 @@ struct ImportanceSample {
 // M x (P A) texels of four 32-bit floats, as in the file. Not filtered.
 @group(1) @binding(1) var importance_texels: texture_2d<f32>;
 
+// The sample of this index, which wraps around; outgoing is a unit vector.
 fn importance_sample(outgoing: vec3<f32>, index: u32) -> ImportanceSample {
     let at = vec2<u32>(index % importance_parameters.samples, importance_row(outgoing));
     let texel = textureLoad(importance_texels, at, 0);

@@ -20,11 +20,12 @@ struct PwtParameters {
     components: array<vec4<f32>, 128>, // channel, term, scale, low
 }
 
+// The same fields, in the same order, as `PwtParameters` of `brdfc-formats` writes them.
 @group(1) @binding(0) var<uniform> pwt: PwtParameters;
-@group(1) @binding(1) var pwt_texture_0: texture_2d_array<f32>;
-@group(1) @binding(2) var pwt_texture_1: texture_2d_array<f32>;
-@group(1) @binding(3) var pwt_texture_2: texture_2d_array<f32>;
-@group(1) @binding(4) var pwt_texture_3: texture_2d_array<f32>;
+@group(1) @binding(1) var pwt_texture_0: texture_2d_array<f32>; // the first of the pack, with its mipmaps
+@group(1) @binding(2) var pwt_texture_1: texture_2d_array<f32>; // the second, or any
+@group(1) @binding(3) var pwt_texture_2: texture_2d_array<f32>; // the third, or any
+@group(1) @binding(4) var pwt_texture_3: texture_2d_array<f32>; // the fourth, or any
 @group(1) @binding(5) var pwt_sampler: sampler; // linear, linear between levels; repeats for tiles, else clamps
 
 const PWT_LARGEST: f32 = 65504.0;

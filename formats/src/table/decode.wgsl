@@ -16,8 +16,8 @@
 
 // The same fields, in the same order, as `TableBrdfParameters` of `brdfc-formats`. 144 bytes.
 struct TableBrdfParameters {
-    half_nodes: u32,                // columns, along θ_h; see below
-    difference_nodes: u32,          // rows, along θ_d; see below
+    half_nodes: u32,                // columns, along θ_h: all, + 1024 x the first stored, + 1048576 x how many are
+    difference_nodes: u32,          // rows, along θ_d, likewise
     azimuth_nodes: u32,             // slices of a layer, along φ_d
     layers: u32,                    // along φ_h, 1: isotropic
     symmetry: u32,                  // 1 reciprocal, 2 mirror, 4 half turn, 8 reflected; and 16 where it is grey
@@ -31,8 +31,7 @@ struct TableBrdfParameters {
     knots: array<vec4<f32>, 5>,     // share of the columns below θ_h = (k / 16)² π/2, 17 of them
 }
 
-// Columns and rows: how many there are, times 1024 the first one that the texture has, times 1048576 how many it has. A
-// cropped pack has not all of them.
+// A cropped pack has not all columns and rows.
 
 @group(1) @binding(0) var<uniform> table_brdf_parameters: TableBrdfParameters;
 // The pack's texture as it is in the KTX2 file.

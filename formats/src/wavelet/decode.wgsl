@@ -26,7 +26,7 @@
 struct WaveletBrdfParameters {
     levels: u32,             // N: each hemisphere has 2^N x 2^N cells
     parameterisation: u32,   // 0 tangent-pole, 1 half-difference
-    filter_mode: u32,        // see above
+    filter_mode: u32,        // 0 nearest, 1 slices, 2 bilinear
     channels: u32,           // 1 grey, 3 RGB
     mean: f32,               // μ, 1/sr
     bias: f32,               // ε

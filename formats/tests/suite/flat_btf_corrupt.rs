@@ -5,7 +5,7 @@ use brdfc_formats::container::{Extent, TexelFormat, Texture, half};
 use brdfc_formats::flat_btf::factored::{BasisMap, ShadowFormat, ShadowMap, WeightMap};
 use brdfc_formats::flat_btf::{
     DiffuseMap, DisplacementMap, FlatBtfDecoder, FlatBtfParts, FlatHeader, FlatView, IndirectionHeader, IndirectionMap,
-    NormalMap, PositionMap, ReferenceMap, VisibilityMask,
+    NormalMap, PositionMap, ReferenceMap, SampledDirections, VisibilityMask,
 };
 use brdfc_testing::flat_btf::{self, Factors, SMALL};
 use std::collections::BTreeMap;
@@ -18,7 +18,9 @@ fn parts(supercompress: bool) -> Vec<Part> {
     let factors = Factors { levels: 2, groups: 1, wide_groups: 1, shadow: ShadowFormat::R8 };
     let factored = flat_btf::factored(SMALL, factors, 8);
     let shadow = factored.shadow().expect("it has shadows");
+    let directions = SampledDirections::of(&parts.values).unwrap().expect("it has views");
     vec![
+        ("directions", directions.to_bytes(supercompress), |b| SampledDirections::from_bytes(b).map(drop)),
         ("basis", factored.basis().to_bytes(supercompress), |b| BasisMap::from_bytes(b).map(drop)),
         ("weights", factored.weights().to_bytes(supercompress), |b| WeightMap::from_bytes(b).map(drop)),
         ("shadow", shadow.to_bytes(supercompress), |b| ShadowMap::from_bytes(b).map(drop)),

@@ -1,7 +1,7 @@
 //! What flat BTFs are said to take in graphics memory is what is uploaded.
 
 use brdfc_formats::container::{Extent, Texture};
-use brdfc_formats::flat_btf::{Atlas, FlatBtfDecoder, FlatBtfParts, FlatValues, gpu_bytes};
+use brdfc_formats::flat_btf::{Atlas, FlatBtfDecoder, FlatBtfParts, FlatValues, SampledDirections, gpu_bytes};
 use brdfc_testing::flat_btf::{SMALL, Sizes, mask, parts, position};
 
 /// As the bindings of a shader take them, part by part.
@@ -10,7 +10,9 @@ fn uploaded(parts: FlatBtfParts) -> usize {
     let (atlas, parts) = (decoder.atlas(), decoder.parts());
     let views: usize = parts.values.views().iter().map(|view| size_of_val(&atlas.layer(view)[..])).sum();
     let maps = parts.normal.texel_bytes().len() + parts.indirection.samples().unwrap().texel_bytes().len();
-    views + maps + size_of_val(parts.reference.parameters()) + size_of_val(parts.diffuse.texels())
+    let directions = SampledDirections::of(&parts.values).unwrap();
+    let directions = directions.map_or(0, |directions| size_of_val(&directions.texels()[..]));
+    views + directions + maps + size_of_val(parts.reference.parameters()) + size_of_val(parts.diffuse.texels())
 }
 
 #[test]

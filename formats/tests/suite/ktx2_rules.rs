@@ -96,6 +96,7 @@ fn expected_texture(texture: &Texture) -> Expected {
         TexelFormat::Rgba16Float => (97, 2, 8, float(4, 16)),
         TexelFormat::Rg32Float => (103, 4, 8, float(2, 32)),
         TexelFormat::Rgba32Float => (109, 4, 16, float(4, 32)),
+        TexelFormat::R32Uint => (98, 4, 4, integers(1)),
         TexelFormat::Rgba32Uint => (107, 4, 16, integers(4)),
         TexelFormat::Rgb9E5 => (123, 4, 4, shared_exponent()),
         TexelFormat::Rgb10A2Unorm => (64, 4, 4, ten_bits()),
@@ -239,7 +240,7 @@ fn files_keep_the_rules_of_the_validator() {
 #[test]
 fn every_kind_of_texture_keeps_the_rules_of_the_validator() {
     let textures = brdfc_testing::packs::textures();
-    assert_eq!(textures.len(), 12 * 11);
+    assert_eq!(textures.len(), 13 * 11);
     for (name, texture) in textures {
         for supercompress in [false, true] {
             println!("{name}, supercompress {supercompress}");

@@ -75,6 +75,7 @@ fn texture_expectation(texture: &Texture, supercompress: bool) -> String {
         TexelFormat::Rgba16Float => (97, 2),
         TexelFormat::Rg32Float => (103, 4),
         TexelFormat::Rgba32Float => (109, 4),
+        TexelFormat::R32Uint => (98, 4),
         TexelFormat::Rgba32Uint => (107, 4),
         TexelFormat::Rgb9E5 => (123, 4),
         TexelFormat::Rgb10A2Unorm => (64, 4),

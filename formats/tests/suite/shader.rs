@@ -151,9 +151,9 @@ fn the_uniform_block_of_flat_btfs_is_the_one_that_rust_writes() {
         ("hardware", 1),
         ("blocks", 0),
         ("largest_tangent", 0),
+        ("values", 1),
         ("reserved_0", 0),
         ("reserved_1", 0),
-        ("reserved_2", 0),
     ];
     assert_eq!(names, words.map(|(name, _)| name));
     for (member, (name, expected)) in members.iter().zip(words) {
@@ -164,7 +164,7 @@ fn the_uniform_block_of_flat_btfs_is_the_one_that_rust_writes() {
         assert_eq!(module.types[member.ty].inner.scalar_kind(), Some(kind), "{name}");
     }
     let exact = FlatBtfParameters::new(&decoder, IndirectionFilter::Exact);
-    assert_eq!(exact.to_bytes()[24..], [0; 24]);
+    assert_eq!(exact.to_bytes()[24..36], [0; 12]);
     let indirection = brdfc_testing::flat_btf::displacements(brdfc_testing::flat_btf::SMALL, 1, 1).into();
     let compact = FlatBtfDecoder::new(FlatBtfParts { indirection, ..decoder.into_parts() }).unwrap();
     let bytes = FlatBtfParameters::new(&compact, IndirectionFilter::Exact).to_bytes();

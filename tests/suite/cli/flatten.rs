@@ -33,15 +33,15 @@ fn number(value: &Value) -> f64 {
 #[test]
 fn every_structure_and_every_part() {
     let folder = Folder::new();
-    const WHOLE: [&str; 8] =
-        ["position", "normal", "diffuse", "reference", "indirection", "mask", "flat.000", "flat.006"];
+    const WHOLE: [&str; 9] =
+        ["position", "normal", "diffuse", "reference", "indirection", "mask", "directions", "flat.000", "flat.006"];
     const SMALLER: [&str; 7] = ["position", "normal", "diffuse", "reference", "displacement", "mask", "basis"];
     let whole = ["--uncompressed"];
     for (name, options, parts, count, limit) in [
-        ("button", &whole[..], &WHOLE[..], 13, 12.0),
-        ("folds", &[], &SMALLER, 9, 13.0),
-        ("knit", &[], &SMALLER, 9, 7.5),
-        ("sponge", &[], &SMALLER, 9, 15.0),
+        ("button", &whole[..], &WHOLE[..], 14, 12.0),
+        ("folds", &[], &SMALLER, 10, 13.0),
+        ("knit", &[], &SMALLER, 10, 7.5),
+        ("sponge", &[], &SMALLER, 10, 15.0),
     ] {
         let surface = format!("synth:{name}?resolution=48");
         let report = report(flatten(&folder, &[&[&surface[..], "-o", name], options].concat()));
@@ -239,13 +239,13 @@ fn fewer_views_leave_no_stale_files() {
     flatten(&folder, &["synth:knit?resolution=32", "-o", "knit", "--uncompressed"]).succeeded();
     let fewer = ["flatten", "synth:knit?resolution=32", "-o", "knit", "--texels", "8", "--views", "grid:2x3@40"];
     folder.run(&[&fewer[..], &["--indirection", "4x6", "--uncompressed"]].concat()).succeeded();
-    assert_eq!(folder.files("knit").len(), 6 + 4 + 1);
+    assert_eq!(folder.files("knit").len(), 7 + 4 + 1);
     // Nor do factors, and views in their turn.
     flatten(&folder, &["synth:knit?resolution=32", "-o", "knit"]).succeeded();
     let parts: Vec<String> = folder.files("knit").into_keys().collect();
     assert!(!parts.iter().any(|part| part.contains(".flat.") || part.contains(".indirection.")), "{parts:?}");
     flatten(&folder, &["synth:knit?resolution=32", "-o", "knit", "--uncompressed"]).succeeded();
-    assert_eq!(folder.files("knit").len(), 6 + 7 + 1);
+    assert_eq!(folder.files("knit").len(), 7 + 7 + 1);
 }
 
 #[test]

@@ -1,8 +1,8 @@
 //! All shaders through a second compiler: Tint, that of Chrome and Dawn, is stricter than naga. It runs in Node, by the
 //! package that `scripts/test` installs beside this file.
 
-use brdfc_formats::direction_mesh::direction_mesh_wgsl;
-use brdfc_formats::flat_btf::shader::FLAT_BTF_WGSL;
+use brdfc_formats::direction_mesh::DIRECTION_MESH_WGSL;
+use brdfc_formats::flat_btf::shader::{FLAT_BTF_WGSL, flat_btf_value_wgsl};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -83,12 +83,10 @@ fn shipped() -> Vec<Module> {
     assert!(paths.len() > 5, "{paths:?}");
     let module = |path: PathBuf| {
         let source = std::fs::read_to_string(&path).unwrap();
-        // A template, which names the buffer that whoever pastes it declares.
-        let words = "@group(0) @binding(0) var<storage, read> DIRECTION_MESH_BINDING: array<u32>;\n";
         let source = match path.file_name().and_then(|name| name.to_str()) {
-            Some("direction_mesh.wgsl") => words.to_owned() + &source,
-            // It is pasted behind that of flat BTFs.
+            // They are pasted behind others.
             Some("factored.wgsl") => format!("{FLAT_BTF_WGSL}\n{source}"),
+            Some("value.wgsl") => flat_btf_value_wgsl(),
             _ => source,
         };
         Module::new(path.display().to_string(), source)
@@ -138,13 +136,13 @@ fn tint_compiles_all_shaders() {
     let mut modules = shipped();
     modules.extend(composed());
     let good = modules.len();
-    let mesh = direction_mesh_wgsl("samples", "words");
-    let declared = format!("@group(0) @binding(0) var<storage, read> words: array<u32>;\n{mesh}");
-    let beyond = declared.replace("3.4028234e38", "3.40282347e38");
-    assert!(beyond != declared);
+    let mesh = DIRECTION_MESH_WGSL;
+    let beyond = mesh.replace("3.4028234e38", "3.40282347e38");
+    let undeclared = mesh.replace("var direction_mesh_words", "var words");
+    assert!(beyond != mesh && undeclared != mesh);
     modules.extend([
         Module::new("a number beyond the largest of 32 bits", beyond),
-        Module::new("a name that is not declared", &mesh),
+        Module::new("a name that is not declared", undeclared),
         Module::new("not WGSL", "fn"),
     ]);
     let Some(answer) = compiled(&modules) else { return };
@@ -155,7 +153,7 @@ fn tint_compiles_all_shaders() {
     assert!(all[..good].iter().all(String::is_empty), "{}", all[..good].concat());
     assert!(all[good].contains("cannot be represented as 'f32'"), "{}", all[good]);
     assert!(all[good].contains("var best = 3.40282347e38;"), "{}", all[good]);
-    assert!(all[good + 1].contains("unresolved value 'words'"), "{}", all[good + 1]);
+    assert!(all[good + 1].contains("unresolved value 'direction_mesh_words'"), "{}", all[good + 1]);
     assert!(!all[good + 2].is_empty());
 }
 

@@ -23,7 +23,7 @@ use brdfc_formats::container::Extent;
 use brdfc_formats::direction::Vector;
 use brdfc_formats::flat_btf::{
     DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatPart, FlatValues, Indirection, IndirectionMap, NormalMap,
-    PositionMap, ReferenceMap, VisibilityMask,
+    PositionMap, ReferenceMap, SampledDirections, VisibilityMask,
 };
 use brdfc_source::ordinary_btf::OrdinaryBtf;
 use brdfc_source::progress::{Progress, Stage};
@@ -136,6 +136,12 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<AssetFile, Fl
         }
     };
     parts.add("diffuse", &diffuse.to_bytes(zip), flat, 1)?;
+    if recipe.form == Form::Full {
+        let header = recipe.header(0);
+        let directions = SampledDirections::new(&header.views, &header.lights)?;
+        let extent = Extent::D2(directions.extent());
+        parts.add(FlatPart::Directions.name(), &directions.to_bytes(zip), extent, 1)?;
+    }
     let factored = match factored {
         Some(target) => Some(add_factors(target, (&decoder.parts().normal, &mask), &mut parts, zip, progress)?),
         None => None,

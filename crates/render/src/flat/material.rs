@@ -3,8 +3,7 @@
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::Vector;
 use brdfc_formats::direction_mesh::DirectionMesh;
-use brdfc_formats::direction_set::DirectionSet;
-use brdfc_formats::flat_btf::{BlendedDirection, FlatBtfDecoder, ViewWeights};
+use brdfc_formats::flat_btf::{BlendedDirection, FlatBtfDecoder, SampledDirections, ViewWeights};
 
 /// What is drawn of a flat BTF.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,42 +22,17 @@ pub struct FlatMaterial {
     directions: Option<SampledDirections>,
 }
 
-/// Between the sampled directions of the full form.
-#[derive(Debug, Clone)]
-pub struct SampledDirections {
-    /// Of views.
-    pub views: DirectionMesh,
-    /// Of lights.
-    pub lights: DirectionMesh,
-    /// Cosine of the largest polar angle of a sampled light.
-    pub lowest_light: f32,
-}
-
 impl FlatMaterial {
     /// A material that repeats `repeat` times per unit of a mesh's uv. A whole number, 1 or more, so that it closes
     /// where u has gone once around.
     ///
     /// # Errors
-    /// SampledDirections directions that cannot be blended: what [`DirectionMesh::new`] refuses; a repetition of 0.
+    /// Directions that cannot be blended: what [`SampledDirections::new`] refuses; a repetition of 0.
     pub fn new(decoder: FlatBtfDecoder, repeat: u32) -> Result<Self, FormatError> {
         if repeat == 0 {
             return Err(FormatError::whole("repeat", "0", "1 or more tiles per unit of uv"));
         }
-        let directions = match decoder.parts().values.directions() {
-            None => None,
-            Some([views, lights]) => {
-                let mesh = |name: &str, angles: &[[f32; 2]]| {
-                    let angles = angles.iter().map(|angles| angles.map(|angle| f64::from(angle).to_degrees()));
-                    DirectionMesh::new(&DirectionSet::new(name, angles.collect())?)
-                };
-                let largest = lights.iter().map(|[polar, _]| *polar).fold(0.0, f32::max);
-                Some(SampledDirections {
-                    views: mesh("views", views)?,
-                    lights: mesh("lights", lights)?,
-                    lowest_light: f64::from(largest).cos() as f32,
-                })
-            }
-        };
+        let directions = SampledDirections::of(&decoder.parts().values)?;
         Ok(Self { decoder, repeat, directions })
     }
 

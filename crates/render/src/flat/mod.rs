@@ -11,7 +11,7 @@ mod material;
 mod reference;
 mod thumbnails;
 
-pub use material::{FlatForm, FlatMaterial, SampledDirections};
+pub use material::{FlatForm, FlatMaterial};
 pub use reference::reference_plane;
 pub use thumbnails::{FlatPicture, FlatPictures, flat_pictures};
 

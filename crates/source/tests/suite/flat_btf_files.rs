@@ -1,6 +1,6 @@
 //! Flat BTFs in folders: what is written is read, and what is missing is said.
 
-use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts, FlatValues, view_part};
+use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts, FlatValues, SampledDirections, view_part};
 use brdfc_source::InputError;
 use brdfc_source::flat_btf::{check_flat_btf, open_flat_btf};
 use brdfc_testing::flat_btf::{SMALL, parts};
@@ -21,6 +21,8 @@ fn write(folder: &Path, name: &str, parts: &FlatBtfParts) {
     for (view, flat) in (0..).zip(parts.values.views()) {
         write(&view_part(view, parts.values.views().len() as u32), flat.to_bytes(true));
     }
+    let directions = SampledDirections::of(&parts.values).unwrap();
+    write("directions", directions.expect("it has views").to_bytes(true));
     let list = serde_json::json!({ "parts": listed });
     std::fs::write(folder.join(format!("{name}.json")), list.to_string()).unwrap();
 }

@@ -258,6 +258,7 @@ fn flat_part(part: Pack) -> Hashes {
             numbers.words([map.size(), map.levels(), map.lights()]);
             numbers.words(map.texels().iter().map(|byte| u32::from(*byte)));
         }
+        Pack::Directions(directions) => numbers.words(directions.texels()),
         other => unreachable!("{:?} has an arm of its own", other.kind()),
     }
     values(&numbers)
