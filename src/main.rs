@@ -25,6 +25,7 @@ mod render;
 mod report;
 mod samples;
 mod schema;
+mod shader;
 mod steps;
 mod synth;
 mod table;
@@ -68,6 +69,7 @@ enum Command {
     Synth(synth::Arguments),
     Bandwidth(bandwidth::Arguments),
     Samples(samples::Arguments),
+    Shader(shader::Arguments),
     Pwt(Box<pwt::Arguments>),
     Flatten(Box<flatten::Arguments>),
     #[cfg(feature = "render")]
@@ -101,7 +103,7 @@ impl Command {
 
 /// Commands that print a report.
 const WITH_REPORT: &str =
-    "bandwidth, bench, build, compare, encode, flatten, info, plan, pwt, render, report, samples and watch";
+    "bandwidth, bench, build, compare, encode, flatten, info, plan, pwt, render, report, samples, shader and watch";
 
 const EXAMPLES: &str = "\
 Examples:
@@ -118,6 +120,7 @@ Examples:
   brdfc pwt icon -o icon.ktx2                         photographs under known lights, lit anew
   brdfc bandwidth museum.exr -o museum.ktx2           how fast does it vary?
   brdfc samples red-plastic.binary -o red.samples.ktx2
+  brdfc shader table --language essl300               the decoder for an engine
 
 INPUT is a path, - for standard input, or an analytic model such as synth:ward?kd=0.2&ks=0.1&ax=0.15&ay=0.5 ('brdfc synth --help' lists them).
 ";
@@ -200,6 +203,7 @@ fn run(cli: Cli) -> Result<(), CliError> {
         Command::Bandwidth(arguments) => bandwidth::run(&arguments, common),
         Command::Pwt(arguments) => pwt::run(&arguments, common),
         Command::Samples(arguments) => samples::run(&arguments, common),
+        Command::Shader(arguments) => shader::run(&arguments, common),
         Command::Flatten(arguments) => flatten::run(&arguments, common),
         #[cfg(feature = "render")]
         Command::Render(arguments) => render::run(&arguments, common),

@@ -35,6 +35,8 @@ enum Report {
     Bandwidth,
     /// 'brdfc samples --json'.
     Samples,
+    /// 'brdfc shader --json'.
+    Shader,
     /// 'brdfc pwt --json'.
     Pwt,
     /// 'brdfc info --json' of a structure, a mesh, a height map, images, or a part of a flat BTF.
@@ -71,6 +73,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         Report::Info => schema_for!(super::info::Report),
         Report::Bandwidth => schema_for!(super::bandwidth::Report),
         Report::Samples => schema_for!(super::samples::Report),
+        Report::Shader => schema_for!(super::shader::Report),
         Report::Pwt => schema_for!(super::pwt::Report),
         Report::InfoSurface => schema_for!(super::info::SurfaceReport),
         Report::Flatten => schema_for!(super::flatten::Report),

@@ -208,8 +208,7 @@ fn json_is_a_flag_of_the_program() {
         &["generate", "man", "--out", "man"],
     ] {
         let name = arguments[0];
-        let allowed =
-            "bandwidth, bench, build, compare, encode, flatten, info, plan, pwt, render, report, samples and watch";
+        let allowed = "bandwidth, bench, build, compare, encode, flatten, info, plan, pwt, render, report, samples, shader and watch";
         for ran in [folder.run(&[&["--json"], arguments].concat()), folder.run(&[arguments, &["--json"]].concat())] {
             assert_eq!((ran.code, ran.stdout.as_str()), (2, ""), "{arguments:?}");
             assert_eq!(ran.stderr, format!("brdfc: --json: found with {name}; allowed with {allowed}\n"));
@@ -243,6 +242,7 @@ fn what_refuses_json_is_what_the_page_says() {
         ("bandwidth", &["bandwidth", "gone.binary", "-o", "x.ktx2"]),
         ("pwt", &["pwt", "gone", "-o", "x.ktx2"]),
         ("samples", &["samples", "gone.binary", "-o", "x.ktx2"]),
+        ("shader", &["shader", "gone.ktx2", "--language", "glsl"]),
         ("flatten", &["flatten", "gone.obj", "-o", "flat"]),
         ("report", &["report", "gone", "-o", "page.html"]),
         ("plan --format ninja", &["plan", "synth:lambert", "--format", "ninja"]),

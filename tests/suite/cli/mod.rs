@@ -27,6 +27,7 @@ mod render_studies;
 mod report;
 mod samples;
 mod schemas;
+mod shader;
 mod synth;
 #[cfg(unix)]
 mod watch;

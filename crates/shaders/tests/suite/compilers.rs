@@ -1,0 +1,79 @@
+//! Translated decoders through the compilers of others: glslang, and the validator of SPIR-V. Metal's compiler runs on Apple's
+//! systems alone.
+
+use super::texts::{TEXTS, text};
+use brdfc_shaders::{Decoder, Language, translate};
+use std::path::Path;
+use std::process::Command;
+
+/// What a compiler says against a file; nothing where it has no complaint. `None` where there is no such program.
+fn complaint(program: &str, arguments: &[&str], file: &Path) -> Option<String> {
+    let output = match Command::new(program).args(arguments).arg(file).output() {
+        Ok(output) => output,
+        Err(error) => {
+            println!("skipped: no shader goes through {program}: {error}");
+            return None;
+        }
+    };
+    let said = [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).concat();
+    Some(if output.status.success() { String::new() } else { said })
+}
+
+/// A whole shader around a piece, as its user would write it, and how glslang compiles it.
+fn whole(language: Language, piece: &str) -> Option<(String, &'static [&'static str])> {
+    match language {
+        Language::Glsl => Some((
+            format!("#version 330\n{piece}\nout vec4 colour;\nvoid main() {{ colour = vec4(1.0); }}\n"),
+            &["-S", "frag"],
+        )),
+        Language::Essl300 => Some((
+            format!("#version 300 es\n{piece}\nout highp vec4 colour;\nvoid main() {{ colour = vec4(1.0); }}\n"),
+            &["-S", "frag"],
+        )),
+        Language::Hlsl => Some((
+            format!("{piece}\nfloat4 main() : SV_Target {{ return (1.0).xxxx; }}\n"),
+            &["-D", "-V", "-S", "frag", "-e", "main"],
+        )),
+        Language::Wgsl | Language::Msl | Language::Spirv => None,
+    }
+}
+
+#[test]
+fn glslang_compiles_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("shader.txt");
+    // It writes SPIR-V into the folder that it runs in.
+    let out = folder.path().join("out.spv").display().to_string();
+    let mut compiled = 0;
+    for decoder in Decoder::ALL {
+        for language in TEXTS {
+            let piece = text(decoder, language);
+            let Some((source, arguments)) = whole(language, &piece) else { continue };
+            let arguments: Vec<&str> =
+                if arguments.contains(&"-V") { [arguments, &["-o", &out]].concat() } else { arguments.to_vec() };
+            std::fs::write(&file, &source).unwrap();
+            let Some(said) = complaint("glslangValidator", &arguments, &file) else { return };
+            assert_eq!(said, "", "{} in {}", decoder.name(), language.name());
+            // It would say so.
+            std::fs::write(&file, source + "flaot x;\n").unwrap();
+            assert!(complaint("glslangValidator", &arguments, &file).unwrap().contains("ERROR"));
+            compiled += 1;
+        }
+    }
+    assert_eq!(compiled, 3 * Decoder::ALL.len());
+}
+
+#[test]
+fn the_validator_of_spirv_takes_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("shader.spv");
+    for decoder in Decoder::ALL {
+        let words = translate(decoder, Language::Spirv).unwrap().bytes;
+        std::fs::write(&file, &words).unwrap();
+        let Some(said) = complaint("spirv-val", &["--target-env", "vulkan1.1"], &file) else { return };
+        assert_eq!(said, "", "{}", decoder.name());
+        // Without its last instruction.
+        std::fs::write(&file, &words[..words.len() - 4]).unwrap();
+        assert_ne!(complaint("spirv-val", &["--target-env", "vulkan1.1"], &file).unwrap(), "");
+    }
+}

@@ -1,0 +1,4 @@
+//! Translated decoders: what they say of themselves, what other compilers say of them, and what they compute.
+
+mod compilers;
+mod texts;

@@ -1,0 +1,78 @@
+//! `brdfc shader`.
+
+use super::schemas::conforms;
+use crate::common::cli::Folder;
+
+const KINDS: [&str; 6] = ["table", "wavelet", "flat-btf", "pwt", "bandwidth", "importance"];
+
+#[test]
+fn every_kind_in_every_language() {
+    let folder = Folder::new();
+    for kind in KINDS {
+        for language in ["wgsl", "glsl", "essl300", "hlsl", "msl", "spirv"] {
+            let file = format!("{kind}.{language}");
+            let run = ["shader", kind, "--language", language, "-o", &file];
+            let report = folder.run(&[&run[..], &["--json"]].concat()).succeeded().json();
+            conforms("shader", &report);
+            let bytes = folder.read(&file);
+            assert_eq!(report["bytes_on_disk"], bytes.len());
+            assert_eq!((&report["decoder"], &report["language"]), (&kind.into(), &language.into()));
+            assert_eq!(report["entry_point"]["name"].as_str(), (language == "spirv").then_some("evaluate"));
+            let called = report["functions"][0]["name"].as_str().unwrap();
+            if language != "spirv" {
+                assert!(String::from_utf8(bytes).unwrap().contains(&format!(" {called}(")), "{file}");
+            }
+        }
+    }
+    // Standard output has the same.
+    let printed = folder.run(&["shader", "table", "--language", "glsl"]).succeeded();
+    assert_eq!(printed.stdout.as_bytes(), folder.read("table.glsl"));
+    let told = folder.run(&["shader", "table", "--language", "glsl", "-o", "other.glsl"]).succeeded();
+    assert!(
+        told.stdout.starts_with("table decoder in glsl: ") && told.stdout.contains("call table_brdf, "),
+        "{}",
+        told.stdout
+    );
+    assert_eq!(folder.read("other.glsl"), folder.read("table.glsl"));
+}
+
+#[test]
+fn packs_and_folders_say_their_kind() {
+    let folder = Folder::new();
+    for (codec, kind) in [("table", "table"), ("wavelet", "wavelet")] {
+        let file = format!("{codec}.ktx2");
+        folder.run(&["encode", "synth:lambert", "--codec", codec, "-o", &file]).succeeded();
+        let report = folder.run(&["shader", &file, "--language", "hlsl", "--json"]).succeeded().json();
+        assert_eq!(report["decoder"], kind);
+    }
+    let small = ["--texels", "8", "--views", "grid:2x3@40", "--lights", "grid:2x3@40", "--indirection", "4x6"];
+    folder.run(&[&["flatten", "synth:knit?resolution=24", "-o", "knit"][..], &small].concat()).succeeded();
+    for flat in ["knit", "knit/knit.json", "knit/knit.directions.ktx2"] {
+        let report = folder.run(&["shader", flat, "--language", "essl300", "--json"]).succeeded().json();
+        assert_eq!(report["decoder"], "flat-btf", "{flat}");
+    }
+}
+
+#[test]
+fn what_is_no_kind_is_told() {
+    let folder = Folder::new();
+    folder.write("some.ktx2", b"no pack");
+    std::fs::create_dir(folder.path().join("empty")).unwrap();
+    for (arguments, code, problem) in [
+        (
+            &["shader", "tabel", "--language", "glsl"][..],
+            2,
+            "KIND: found tabel; allowed table, wavelet, flat-btf, pwt, bandwidth, importance, a pack, or",
+        ),
+        (&["shader", "table"], 2, "--language"),
+        (&["shader", "table", "--language", "cg"], 2, "invalid value 'cg'"),
+        (&["shader", "some.ktx2", "--language", "glsl"], 3, "some.ktx2: "),
+        (&["shader", "empty", "--language", "glsl"], 3, "empty: flat BTFs: found no files NAME.PART.ktx2"),
+        (&["shader", "some.ktx2", "--language", "glsl", "-o", "some.ktx2"], 2, "--output: found some.ktx2, an input"),
+        (&["shader", "table", "--language", "glsl", "-o", "gone/x.glsl"], 4, "there is no folder gone"),
+    ] {
+        let ran = folder.run(arguments);
+        assert!(ran.code == code && ran.stderr.contains(problem) && ran.stdout.is_empty(), "{arguments:?}: {ran:?}");
+    }
+    assert_eq!(folder.read("some.ktx2"), b"no pack");
+}
