@@ -12,6 +12,7 @@ mod interface;
 mod language;
 mod msl;
 mod parsed;
+pub mod resources;
 mod spirv;
 mod translate;
 mod words;

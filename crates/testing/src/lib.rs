@@ -2,6 +2,7 @@
 //! measured data.
 #![allow(missing_docs)]
 
+pub mod browser;
 pub mod checks;
 pub mod flat_btf;
 pub mod golden;

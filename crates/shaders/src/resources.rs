@@ -1,0 +1,220 @@
+//! What to bind for a pack, as bytes: the same in every language and for every graphics interface.
+
+use brdfc_formats::bandwidth::shader::BandwidthParameters;
+use brdfc_formats::bandwidth::{BandwidthKind, BandwidthMap};
+use brdfc_formats::container::{Extent, TexelFormat};
+use brdfc_formats::flat_btf::factored::shader::{FactoredFilter, FactoredParameters};
+use brdfc_formats::flat_btf::shader::{FlatBtfParameters, IndirectionFilter};
+use brdfc_formats::flat_btf::{FlatBtfDecoder, Indirection, SampledDirections};
+use brdfc_formats::importance::ImportancePack;
+use brdfc_formats::pwt::shader::{PwtFilter, PwtParameters};
+use brdfc_formats::pwt::{MAX_TEXTURES, PwtPack};
+use brdfc_formats::table::TablePack;
+use brdfc_formats::table::shader::TableBrdfParameters;
+use brdfc_formats::wavelet::shader::{WaveletBrdfParameters, index_texels};
+use brdfc_formats::wavelet::{Filter, WaveletPack};
+
+/// One binding of group 1 and what belongs there.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Resource {
+    /// Its number.
+    pub binding: u32,
+    /// What is bound.
+    pub contents: Contents,
+}
+
+/// What is bound.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Contents {
+    /// A uniform block.
+    Uniform(Vec<u8>),
+    /// A texture.
+    Texture(Texels),
+    /// A sampler: linear, also between mipmap levels.
+    Sampler {
+        /// Whether coordinates repeat; else they are clamped to the edge.
+        repeats: bool,
+    },
+}
+
+/// A texture, ready to be uploaded.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Texels {
+    /// How a texel is stored.
+    pub format: TexelFormat,
+    /// 2D, 2D array or 3D, and the number of texels along each axis.
+    pub extent: Extent,
+    /// Mipmap levels.
+    pub levels: u32,
+    /// Texels, x fastest, then y, then z or the layer, then the level from the finest; little-endian.
+    pub bytes: Vec<u8>,
+}
+
+impl Texels {
+    fn new(format: TexelFormat, extent: Extent, levels: u32, bytes: &[u8]) -> Contents {
+        Contents::Texture(Self { format, extent, levels, bytes: bytes.to_vec() })
+    }
+
+    /// One empty texel, where there is nothing to be bound.
+    fn none(extent: Extent) -> Contents {
+        Self::new(TexelFormat::R8Unorm, extent, 1, &[0])
+    }
+}
+
+fn numbered(contents: impl IntoIterator<Item = (u32, Contents)>) -> Vec<Resource> {
+    let mut all: Vec<Resource> =
+        contents.into_iter().map(|(binding, contents)| Resource { binding, contents }).collect();
+    all.sort_by_key(|resource| resource.binding);
+    all
+}
+
+fn words(words: &[u32]) -> Vec<u8> {
+    words.iter().flat_map(|word| word.to_le_bytes()).collect()
+}
+
+fn floats(numbers: impl IntoIterator<Item = f32>) -> Vec<u8> {
+    numbers.into_iter().flat_map(f32::to_le_bytes).collect()
+}
+
+/// For a table pack; `distance_scale` is `α` of the level of detail.
+pub fn table(pack: &TablePack, distance_scale: f32) -> Vec<Resource> {
+    let curve = pack.curve().map(|curve| {
+        let extent = Extent::D2([curve.nodes() as u32, curve.levels() + 1]);
+        Texels::new(curve.texel_format(), extent, 1, curve.texels())
+    });
+    numbered([
+        (0, Contents::Uniform(TableBrdfParameters::new(pack, distance_scale).to_bytes().to_vec())),
+        (1, Texels::new(pack.header().texel_format(), Extent::D3(pack.extent()), 1, pack.texels())),
+        (2, Contents::Sampler { repeats: false }),
+        (3, curve.unwrap_or_else(|| Texels::none(Extent::D2([1; 2])))),
+    ])
+}
+
+/// For a wavelet pack; `distance_scale` is `α` of the level of detail.
+pub fn wavelet(pack: &WaveletPack, filter: Filter, distance_scale: f32) -> Vec<Resource> {
+    let index = floats(index_texels(pack).into_iter().flatten());
+    let grid = pack.header.grid() as u32;
+    numbered([
+        (0, Contents::Uniform(WaveletBrdfParameters::new(pack, filter, distance_scale).to_bytes().to_vec())),
+        (1, Texels::new(pack.header.texel_format(), Extent::D3(pack.extent()), 1, &pack.texels)),
+        (2, Texels::new(TexelFormat::Rgba32Float, Extent::D2([grid; 2]), 1, &index)),
+        (3, Contents::Sampler { repeats: false }),
+    ])
+}
+
+/// For a polynomial wavelet tree.
+pub fn pwt(pack: &PwtPack, filter: PwtFilter) -> Vec<Resource> {
+    let header = pack.header();
+    let texture = |index: usize| match header.textures.get(index) {
+        Some(texture) => {
+            let [width, height] = header.texture_extent(index);
+            let extent = Extent::D2Array([width, height, texture.layers()]);
+            Texels::new(texture.texel_format(), extent, pack.levels_of(index), pack.texels(index))
+        }
+        None => Texels::none(Extent::D2Array([1; 3])),
+    };
+    let textures = (1..).zip((0..MAX_TEXTURES).map(texture));
+    let last = 1 + MAX_TEXTURES as u32;
+    numbered(textures.chain([
+        (0, Contents::Uniform(PwtParameters::to_bytes(pack, filter))),
+        (last, Contents::Sampler { repeats: header.repeats }),
+    ]))
+}
+
+/// For up to one bandwidth map of each kind.
+pub fn bandwidth(maps: &[&BandwidthMap]) -> Vec<Resource> {
+    let of = |is_kind: fn(&BandwidthKind) -> bool| match maps.iter().find(|map| is_kind(&map.header().kind)) {
+        Some(map) => Texels::new(TexelFormat::R16Float, Extent::D2(map.size()), 1, &map.texel_bytes()),
+        None => Texels::none(Extent::D2([1; 2])),
+    };
+    numbered([
+        (0, Contents::Uniform(BandwidthParameters::new(maps.iter().copied()).to_bytes().to_vec())),
+        (1, of(|kind| matches!(kind, BandwidthKind::Brdf))),
+        (2, of(|kind| matches!(kind, BandwidthKind::Environment))),
+        (3, of(|kind| matches!(kind, BandwidthKind::Texture { .. }))),
+    ])
+}
+
+/// For importance samples.
+pub fn importance(pack: &ImportancePack) -> Vec<Resource> {
+    let header = pack.header();
+    let extent = Extent::D2([header.samples, header.rows()]);
+    numbered([
+        (0, Contents::Uniform(header.uniform().to_vec())),
+        (1, Texels::new(TexelFormat::Rgba32Float, extent, 1, &floats(pack.texels().iter().flatten().copied()))),
+    ])
+}
+
+/// For a flat BTF. The sampler filters where `hardware`, else the shader; `directions` is what blends its views and lights, which
+/// only the light form can do without.
+pub fn flat_btf(decoder: &FlatBtfDecoder, directions: Option<&SampledDirections>, hardware: bool) -> Vec<Resource> {
+    let parts = decoder.parts();
+    let square = |size: u32| Extent::D2([size; 2]);
+    let filter = if hardware { IndirectionFilter::Hardware } else { IndirectionFilter::Exact };
+    let packed = Extent::D2(parts.indirection.header().extent());
+    let (packed, ranges) = match &parts.indirection {
+        Indirection::Samples(map) => {
+            (Texels::new(TexelFormat::Rgba16Float, packed, 1, &map.texel_bytes()), Texels::none(square(1)))
+        }
+        Indirection::Compact(map) => (
+            Texels::new(TexelFormat::Rg8Unorm, packed, 1, map.texel_bytes()),
+            Texels::new(TexelFormat::Rgba16Float, square(map.header().blocks.size), 1, &map.range_bytes()),
+        ),
+    };
+    let views = parts.values.views();
+    let atlas = if views.is_empty() {
+        Texels::none(Extent::D2Array([1; 3]))
+    } else {
+        let [width, height] = decoder.atlas().extent();
+        let texels: Vec<u8> = views.iter().flat_map(|view| words(&decoder.atlas().layer(view))).collect();
+        Texels::new(TexelFormat::Rgb9E5, Extent::D2Array([width, height, views.len() as u32]), 1, &texels)
+    };
+    let reference = floats(parts.reference.parameters().iter().flatten().copied());
+    let directions = match directions {
+        Some(some) => Texels::new(TexelFormat::R32Uint, Extent::D2(some.extent()), 1, &words(&some.texels())),
+        None => Texels::new(TexelFormat::R32Uint, square(1), 1, &[0; 4]),
+    };
+    let mut all = vec![
+        (0, Contents::Uniform(FlatBtfParameters::new(decoder, filter).to_bytes().to_vec())),
+        (1, Texels::new(TexelFormat::Rg32Float, square(parts.reference.size()), 1, &reference)),
+        (2, packed),
+        (3, Contents::Sampler { repeats: false }),
+        (4, Texels::new(TexelFormat::Rgba16Float, square(parts.normal.size()), 1, &parts.normal.texel_bytes())),
+        (5, Texels::new(TexelFormat::Rgb9E5, square(parts.diffuse.size()), 1, &words(parts.diffuse.texels()))),
+        (6, atlas),
+        (7, ranges),
+        (12, Contents::Sampler { repeats: true }),
+        (13, directions),
+    ];
+    all.extend(factored(decoder, hardware));
+    numbered(all)
+}
+
+/// Bindings 8 to 11.
+fn factored(decoder: &FlatBtfDecoder, hardware: bool) -> [(u32, Contents); 4] {
+    let filter = if hardware { FactoredFilter::Hardware } else { FactoredFilter::Exact };
+    let no_layers = || Texels::none(Extent::D2Array([1; 3]));
+    match decoder.parts().values.factored() {
+        Some(asset) => {
+            let (header, weights) = (asset.header(), asset.weights());
+            let layers = Extent::D2Array([header.size, header.size, weights.layers()]);
+            let shadow = asset.shadow().map(|map| {
+                let extent = Extent::D2Array([map.size(), map.size(), map.lights()]);
+                Texels::new(TexelFormat::R8Unorm, extent, map.levels(), map.texels())
+            });
+            let basis = Extent::D2(header.basis_extent());
+            [
+                (8, Contents::Uniform(FactoredParameters::to_bytes(asset, filter))),
+                (9, Texels::new(TexelFormat::Rgba8Unorm, layers, weights.levels(), weights.texels())),
+                (10, shadow.unwrap_or_else(no_layers)),
+                (11, Texels::new(TexelFormat::Rgba32Uint, basis, 1, &words(asset.basis().words()))),
+            ]
+        }
+        None => [
+            (8, Contents::Uniform(vec![0; FactoredParameters::SIZE])),
+            (9, no_layers()),
+            (10, no_layers()),
+            (11, Texels::new(TexelFormat::Rgba32Uint, Extent::D2([1; 2]), 1, &[0; 16])),
+        ],
+    }
+}

@@ -1,0 +1,221 @@
+//! Translated decoders in a browser: GLSL ES 3.00 by WebGL 2, WGSL by WebGPU, each against the CPU decoder at 10,000 queries a
+//! pack.
+
+use crate::cases::{Case, SIDE, cases};
+use crate::texts::text;
+use brdfc_formats::container::{Extent, TexelFormat};
+use brdfc_shaders::resources::{Contents, Resource, Texels};
+use brdfc_shaders::{BindingKind, Decoder, Interface, Language, translate};
+use brdfc_testing::browser::result_of_page;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+
+/// How far a decoder may be from its twin: of f_r and what is added to it.
+const BOUND: f64 = 1e-4;
+
+/// What a user of the piece calls.
+fn call(decoder: Decoder) -> &'static str {
+    match decoder {
+        Decoder::Table => "vec4(table_brdf_at(a.xyz, b.xyz, a.w, b.w == 1.0), 0.0)",
+        Decoder::Wavelet => {
+            "vec4(b.w == 1.0 ? wavelet_brdf(a.xyz, b.xyz, a.w) : wavelet_brdf_exact(a.xyz, b.xyz, a.w), 0.0)"
+        }
+        Decoder::FlatBtf => "vec4(flat_btf_value(a.xy, a.z, b.xyz, c.xyz), 0.0)",
+        Decoder::Pwt => "vec4(pwt_value(a.xy, a.z, b.xyz), 0.0)",
+        Decoder::Bandwidth => {
+            "vec4(bandwidth_brdf(a.xyz, b.xyz), bandwidth_environment(a.xyz), bandwidth_texture(c.xy), 0.0)"
+        }
+        Decoder::Importance => {
+            "vec4(importance_sample(a.xyz, uint(a.w)).incoming, importance_sample(a.xyz, uint(a.w)).inverse_density)"
+        }
+    }
+}
+
+fn glsl(decoder: Decoder) -> String {
+    let piece = text(decoder, Language::Essl300);
+    let call = call(decoder);
+    format!(
+        "#version 300 es\n{piece}
+uniform highp sampler2D query_a;
+uniform highp sampler2D query_b;
+uniform highp sampler2D query_c;
+out highp vec4 answer;
+void main() {{
+    ivec2 at = ivec2(gl_FragCoord.xy);
+    vec4 a = texelFetch(query_a, at, 0);
+    vec4 b = texelFetch(query_b, at, 0);
+    vec4 c = texelFetch(query_c, at, 0);
+    answer = {call};
+}}
+"
+    )
+}
+
+fn wgsl(decoder: Decoder) -> String {
+    let piece = text(decoder, Language::Wgsl);
+    let count = SIDE * SIDE;
+    let call = call(decoder).replace("vec4(", "vec4<f32>(").replace("uint(", "u32(");
+    let call = match decoder {
+        Decoder::Wavelet => {
+            "vec4<f32>(select(wavelet_brdf_exact(a.xyz, b.xyz, a.w), wavelet_brdf(a.xyz, b.xyz, a.w), b.w == 1.0), 0.0)"
+        }
+        _ => &call,
+    };
+    format!(
+        "{piece}
+@group(0) @binding(0) var<storage, read> queries: array<vec4<f32>>;
+@group(0) @binding(1) var<storage, read_write> answers: array<vec4<f32>>;
+@compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3<u32>) {{
+    if id.x < {count}u {{
+        let a = queries[id.x];
+        let b = queries[{count}u + id.x];
+        let c = queries[{}u + id.x];
+        answers[id.x] = {call};
+    }}
+}}
+",
+        2 * count
+    )
+}
+
+/// 16-bit integers are no core format: a loader unpacks them to floats, which the shader filters.
+fn widened(texels: &Texels) -> Texels {
+    let channels = match texels.format {
+        TexelFormat::R16Unorm => 1,
+        TexelFormat::Rgba16Unorm => 4,
+        _ => return texels.clone(),
+    };
+    let numbers =
+        texels.bytes.chunks_exact(2).map(|two| f32::from(u16::from_le_bytes([two[0], two[1]])) * (1.0 / 65535.0));
+    let numbers: Vec<f32> = numbers.collect();
+    let four = |texel: &[f32]| [texel[0], texel[channels.min(2) - 1], texel[channels.min(3) - 1], texel[channels - 1]];
+    let bytes = numbers.chunks_exact(channels).flat_map(four).flat_map(f32::to_le_bytes).collect();
+    Texels { format: TexelFormat::Rgba32Float, bytes, ..texels.clone() }
+}
+
+/// The list of the cases and the bytes that it points into.
+fn page_of(api: &str, cases: &[&Case], shaders: &BTreeMap<&'static str, (String, Interface)>) -> (Value, Vec<u8>) {
+    let mut data: Vec<u8> = Vec::new();
+    let mut add = |bytes: &[u8]| {
+        let at = data.len().next_multiple_of(16);
+        data.resize(at, 0);
+        data.extend(bytes);
+        json!({ "at": at, "length": bytes.len() })
+    };
+    let mut listed = Vec::new();
+    for case in cases {
+        let (shader, interface) = &shaders[case.decoder.name()];
+        let mut resources = Vec::new();
+        for resource in &case.resources {
+            let bound = interface.bindings.iter().find(|bound| bound.binding == resource.binding).unwrap();
+            let mut entry = match (&resource.contents, &bound.kind) {
+                (Contents::Uniform(bytes), BindingKind::Uniform { block, bytes: size, .. }) => {
+                    assert_eq!(bytes.len(), *size as usize, "{}", bound.name);
+                    let mut entry = add(bytes);
+                    entry["kind"] = "uniform".into();
+                    entry["block"] = block.as_str().into();
+                    entry
+                }
+                (Contents::Sampler { repeats }, BindingKind::Sampler) => {
+                    json!({ "kind": "sampler", "repeats": repeats })
+                }
+                (Contents::Texture(texels), BindingKind::Texture { dimension, .. }) => {
+                    let texels = widened(texels);
+                    let mut entry = add(&texels.bytes);
+                    let size = match texels.extent {
+                        Extent::D2([width, height]) => [width, height, 1],
+                        Extent::D2Array(size) | Extent::D3(size) => size,
+                    };
+                    entry["kind"] = "texture".into();
+                    entry["size"] = json!(size);
+                    entry["dimension"] = (*dimension).into();
+                    entry["format"] = format!("{:?}", texels.format).into();
+                    entry["texelBytes"] = texels.format.texel_bytes().into();
+                    entry["levels"] = texels.levels.into();
+                    // The shader filters.
+                    entry["filtered"] = false.into();
+                    entry
+                }
+                (contents, kind) => panic!("{}: {contents:?} for {kind:?}", bound.name),
+            };
+            entry["binding"] = resource.binding.into();
+            entry["name"] = bound.name.as_str().into();
+            resources.push(entry);
+        }
+        let group = |k: usize| case.queries.iter().flat_map(move |query| query[k]);
+        let queries: Vec<u8> = (0..3).flat_map(group).flat_map(f32::to_le_bytes).collect();
+        let source = if api == "webgl2" { "glsl" } else { "wgsl" };
+        let is_wide = |resource: &Resource| matches!(&resource.contents, Contents::Texture(texels) if widened(texels).format != texels.format);
+        // The WGSL has a sampler for it, which a texture of floats takes by this feature alone.
+        let feature = case.resources.iter().any(is_wide).then_some("float32-filterable");
+        listed.push(json!({
+            "name": case.name,
+            source: shader,
+            "resources": resources,
+            "queries": add(&queries),
+            "feature": feature,
+        }));
+    }
+    (json!({ "api": api, "cases": listed }), data)
+}
+
+/// The answers to all cases by the page, or `None` where there is no browser.
+fn answers(
+    api: &str,
+    cases: &[&Case],
+    shaders: &BTreeMap<&'static str, (String, Interface)>,
+) -> Option<Vec<Vec<[f32; 4]>>> {
+    let (list, data) = page_of(api, cases, shaders);
+    let files = [
+        ("", "text/html", include_bytes!("page.html").as_slice()),
+        ("page.js", "text/javascript", include_bytes!("page.js")),
+        ("cases.json", "application/json", list.to_string().into_bytes().leak()),
+        ("data.bin", "application/octet-stream", &data),
+    ];
+    let result = result_of_page(&files)?;
+    assert_eq!(
+        result.len(),
+        cases.len() * 16 * SIDE * SIDE,
+        "{}",
+        String::from_utf8_lossy(&result[..result.len().min(2000)])
+    );
+    let number = |bytes: &[u8]| f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+    let numbers: Vec<f32> = result.chunks_exact(4).map(number).collect();
+    let answers: Vec<[f32; 4]> = numbers.chunks_exact(4).map(|four| [four[0], four[1], four[2], four[3]]).collect();
+    Some(answers.chunks(SIDE * SIDE).map(<[_]>::to_vec).collect())
+}
+
+fn agrees(api: &str, source: fn(Decoder) -> String) {
+    let cases = cases();
+    let cases: Vec<&Case> = cases.iter().collect();
+    let shader =
+        |decoder: Decoder| (decoder.name(), (source(decoder), translate(decoder, Language::Wgsl).unwrap().interface));
+    let shaders: BTreeMap<_, _> = Decoder::ALL.into_iter().map(shader).collect();
+    let Some(found) = answers(api, &cases, &shaders) else { return };
+    let mut largest: BTreeMap<&str, f64> = BTreeMap::new();
+    for (case, found) in cases.iter().zip(&found) {
+        let error = case.largest_error(found);
+        println!("{api}: {}, {}: {error:.1e}", case.decoder.name(), case.name);
+        let most = largest.entry(case.decoder.name()).or_default();
+        *most = most.max(error);
+        // What is all black would agree with nothing.
+        assert!(case.expected.iter().filter(|(value, _)| value[0] > 0.0).count() > SIDE * SIDE / 10, "{}", case.name);
+        // Answers of other queries are noticed.
+        let mut shifted = found.clone();
+        shifted.rotate_left(1);
+        let is_constant = case.expected.iter().all(|value| *value == case.expected[0]);
+        assert!(is_constant || case.largest_error(&shifted) > BOUND, "{}", case.name);
+    }
+    assert_eq!(largest.len(), Decoder::ALL.len());
+    assert!(largest.values().all(|error| *error < BOUND), "{largest:?}");
+}
+
+#[test]
+fn webgl_2_agrees_with_the_cpu() {
+    agrees("webgl2", glsl);
+}
+
+#[test]
+fn webgpu_agrees_with_the_cpu() {
+    agrees("webgpu", wgsl);
+}

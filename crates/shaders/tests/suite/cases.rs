@@ -1,0 +1,226 @@
+//! Packs of every kind with queries, what is bound for them, and what the CPU decoders say.
+
+use brdfc_formats::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
+use brdfc_formats::direction::DirectionPair;
+use brdfc_formats::flat_btf::factored::ShadowFormat;
+use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts, FlatValues, SampledDirections};
+use brdfc_formats::importance::{ImportanceHeader, ImportancePack};
+use brdfc_formats::pwt::PwtDecoder;
+use brdfc_formats::pwt::shader::PwtFilter;
+use brdfc_formats::table::TableDecoder;
+use brdfc_formats::wavelet::{Filter, WaveletDecoder};
+use brdfc_render::flat::{FlatForm, FlatMaterial};
+use brdfc_shaders::Decoder;
+use brdfc_shaders::resources::{self, Resource};
+use brdfc_testing::flat_btf::{self, Factors, SMALL};
+use brdfc_testing::packs::{Numbers, packs, pairs, tables};
+
+/// Queries of a case: 100 x 100.
+pub const SIDE: usize = 100;
+
+/// Three groups of four numbers.
+pub type Query = [[f32; 4]; 3];
+
+/// A pack, and what is asked of it.
+pub struct Case {
+    pub name: String,
+    pub decoder: Decoder,
+    pub resources: Vec<Resource>,
+    pub queries: Vec<Query>,
+    /// The CPU's answers, and what is added to each before errors are divided by it.
+    pub expected: Vec<([f32; 4], f32)>,
+}
+
+impl Case {
+    /// The largest error of answers, relative to the value and what is added to it.
+    pub fn largest_error(&self, found: &[[f32; 4]]) -> f64 {
+        assert_eq!(found.len(), self.expected.len());
+        let of = |(found, (expected, floor)): (&[f32; 4], &([f32; 4], f32))| {
+            let error = |k: usize| {
+                let [found, expected] = [found[k], expected[k]].map(f64::from);
+                let share = (found - expected).abs() / (expected.abs() + f64::from(*floor));
+                if share.is_nan() { f64::INFINITY } else { share }
+            };
+            (0..4).map(error).fold(0.0, f64::max)
+        };
+        found.iter().zip(&self.expected).map(of).fold(0.0, f64::max)
+    }
+}
+
+fn four([x, y, z]: [f32; 3], w: f32) -> [f32; 4] {
+    [x, y, z, w]
+}
+
+/// Pairs at levels of detail; the shader filters.
+fn brdf_queries(levels: u32, seed: u64) -> (Vec<DirectionPair>, Vec<Query>) {
+    let pairs = pairs(SIDE * SIDE, seed);
+    let single = |v: [f64; 3]| v.map(|c| c as f32);
+    let query = |(k, pair): (usize, &DirectionPair)| {
+        let level = (k % 7) as f32 / 6.0 * levels as f32;
+        [four(single(pair.incoming), level), four(single(pair.outgoing), 0.0), [0.0; 4]]
+    };
+    let queries: Vec<Query> = pairs.iter().enumerate().map(query).collect();
+    // As the shader sees them.
+    let double = |q: [f32; 4]| [q[0], q[1], q[2]].map(f64::from);
+    (queries.iter().map(|[a, b, _]| DirectionPair::new(double(*a), double(*b))).collect(), queries)
+}
+
+fn of_tables() -> Vec<Case> {
+    let wanted = [
+        "symmetry 3, layers 1",
+        "symmetry 12, layers 3",
+        "symmetry 0, layers 1, curve",
+        "symmetry 15, layers 3, curve",
+        "symmetry 5, layers 3, cropped",
+    ];
+    let mut all = Vec::new();
+    for (name, pack) in tables().into_iter().filter(|(name, _)| wanted.contains(&name.as_str())) {
+        let decoder = TableDecoder::new(&pack);
+        let (pairs, queries) = brdf_queries(pack.levels(), 11);
+        let floor = pack.header().mean * pack.header().bias;
+        let expected =
+            pairs.iter().zip(&queries).map(|(pair, [a, ..])| (four(decoder.eval_at(*pair, a[3]), 0.0), floor));
+        let expected = expected.collect();
+        all.push(Case { name, decoder: Decoder::Table, resources: resources::table(&pack, 1.0), queries, expected });
+    }
+    assert!(all.len() > 3);
+    all
+}
+
+fn of_wavelets() -> Vec<Case> {
+    let mut all = Vec::new();
+    let filters = [Filter::Nearest, Filter::Slices, Filter::Bilinear];
+    let wanted =
+        |name: &str| name.starts_with("lifted") || name.contains("cropped") || name.contains("levels 4, channels 3");
+    for (k, (name, pack)) in packs().into_iter().filter(|(name, _)| wanted(name)).step_by(3).enumerate() {
+        let filter = filters[k % 3];
+        let decoder = WaveletDecoder::new(&pack);
+        let (pairs, queries) = brdf_queries(pack.header.levels, 12);
+        let floor = pack.header.mean * pack.header.bias;
+        let expected =
+            pairs.iter().zip(&queries).map(|(pair, [a, ..])| (four(decoder.eval(*pair, a[3], filter), 0.0), floor));
+        let expected = expected.collect();
+        let resources = resources::wavelet(&pack, filter, 1.0);
+        all.push(Case { name: format!("{name}, {filter:?}"), decoder: Decoder::Wavelet, resources, queries, expected });
+    }
+    assert!(all.len() > 4);
+    all
+}
+
+fn of_trees() -> Vec<Case> {
+    let mut numbers = Numbers::new(13);
+    let queries: Vec<Query> = (0..SIDE * SIDE)
+        .map(|k| {
+            let [u, v] = [0; 2].map(|_| numbers.between(-0.2, 1.2) as f32);
+            let [x, y, z] = flat_btf::unit_vector(&mut numbers);
+            [[u, v, (k % 9) as f32 / 4.0, 0.0], [x, y, z.abs(), 0.0], [0.0; 4]]
+        })
+        .collect();
+    let case = |(name, pack): (&str, brdfc_formats::pwt::PwtPack)| {
+        let resources = resources::pwt(&pack, PwtFilter::Exact);
+        let decoder = PwtDecoder::new(pack);
+        let answer = |[a, b, _]: &Query| (four(decoder.value([a[0], a[1]], a[2], [b[0], b[1], b[2]]), 0.0), 1e-2);
+        let expected = queries.iter().map(answer).collect();
+        Case { name: name.to_owned(), decoder: Decoder::Pwt, resources, queries: queries.clone(), expected }
+    };
+    brdfc_testing::pwt::packs().into_iter().map(case).collect()
+}
+
+fn of_flat_btfs() -> Vec<Case> {
+    let whole = flat_btf::parts(SMALL, 4);
+    let compact = flat_btf::displacements(SMALL, 1, 4).into();
+    let factors = Factors { levels: 3, groups: 3, wide_groups: 1, shadow: ShadowFormat::R8 };
+    let factored = FlatValues::Factored(Box::new(flat_btf::factored(SMALL, factors, 5)));
+    let mut numbers = Numbers::new(14);
+    let queries: Vec<Query> = (0..SIDE * SIDE)
+        .map(|k| {
+            let [u, v] = [0; 2].map(|_| numbers.between(-1.0, 2.0) as f32);
+            let [view, light] =
+                [0; 2].map(|_| flat_btf::unit_vector(&mut numbers)).map(|[x, y, z]| [x, y, z.abs(), 0.0]);
+            [[u, v, (k % 9) as f32 / 4.0, 0.0], view, light]
+        })
+        .collect();
+    let case = |name: &str, parts: FlatBtfParts| {
+        let decoder = FlatBtfDecoder::new(parts).unwrap();
+        let directions = SampledDirections::of(&decoder.parts().values).unwrap();
+        let resources = resources::flat_btf(&decoder, directions.as_ref(), false);
+        let material = FlatMaterial::new(decoder, 1).unwrap();
+        let form = if material.has_views() { FlatForm::Full } else { FlatForm::Light };
+        let answer = |[a, b, c]: &Query| {
+            let [view, light] = [b, c].map(|v| [v[0], v[1], v[2]].map(f64::from));
+            let value = material.value(form, [a[0], a[1]].map(f64::from), a[2], view, light);
+            (four(value, 0.0), 1e-2)
+        };
+        let expected = queries.iter().map(answer).collect();
+        Case { name: name.to_owned(), decoder: Decoder::FlatBtf, resources, queries: queries.clone(), expected }
+    };
+    vec![
+        case("all views", whole.clone()),
+        case("light form", FlatBtfParts { values: FlatValues::None, ..whole.clone() }),
+        case("factored, displacements", FlatBtfParts { values: factored, indirection: compact, ..whole }),
+    ]
+}
+
+fn of_bandwidth() -> Vec<Case> {
+    let mut numbers = Numbers::new(15);
+    let mut map = |kind, size: [u32; 2], largest: f64| {
+        let header = BandwidthHeader { kind, epsilon: 0.01, transformed: size };
+        let values: Vec<f32> = (0..size[0] * size[1]).map(|_| numbers.between(0.0, largest) as f32).collect();
+        BandwidthMap::new(header, size, &values).unwrap()
+    };
+    let maps = [
+        map(BandwidthKind::Brdf, [256; 2], 30.0),
+        map(BandwidthKind::Environment, [512, 256], 80.0),
+        map(BandwidthKind::Texture { metres: [0.01; 2], tiles: true }, [300, 77], 3e6),
+    ];
+    let queries: Vec<Query> = (0..SIDE * SIDE)
+        .map(|_| {
+            let [i, o] = [0; 2].map(|_| flat_btf::unit_vector(&mut numbers)).map(|[x, y, z]| [x, y, z.abs(), 0.0]);
+            [i, o, [numbers.between(-2.0, 3.0) as f32, numbers.between(-2.0, 3.0) as f32, 0.0, 0.0]]
+        })
+        .collect();
+    let three = |v: &[f32; 4]| [v[0], v[1], v[2]];
+    let answer = |[a, b, c]: &Query| {
+        let [brdf, environment, texture] = &maps;
+        ([brdf.brdf(three(a), three(b)), environment.environment(three(a)), texture.texture([c[0], c[1]]), 0.0], 1.0)
+    };
+    let expected = queries.iter().map(answer).collect();
+    let resources = resources::bandwidth(&[&maps[0], &maps[1], &maps[2]]);
+    vec![Case { name: "three maps".to_owned(), decoder: Decoder::Bandwidth, resources, queries, expected }]
+}
+
+fn of_importance() -> Vec<Case> {
+    let case = |header: ImportanceHeader| {
+        let mut numbers = Numbers::new(16);
+        let texels = (0..header.rows() * header.samples).map(|_| {
+            let [x, y, z] = flat_btf::unit_vector(&mut numbers);
+            [x, y, z.abs(), numbers.between(-6.0, 6.0).exp2() as f32]
+        });
+        let pack = ImportancePack::new(header, texels.collect()).unwrap();
+        let queries: Vec<Query> = (0..SIDE * SIDE)
+            .map(|_| {
+                let [x, y, z] = flat_btf::unit_vector(&mut numbers);
+                [[x, y, z.abs(), (numbers.bits() % 5000) as f32], [0.0; 4], [0.0; 4]]
+            })
+            .collect();
+        let answer = |[a, ..]: &Query| {
+            let (incoming, inverse_density) = pack.sample([a[0], a[1], a[2]], a[3] as u32);
+            (four(incoming, inverse_density), 1.0)
+        };
+        let expected = queries.iter().map(answer).collect();
+        let name = format!("{} polar angles, {} azimuths", header.polar, header.azimuths);
+        Case { name, decoder: Decoder::Importance, resources: resources::importance(&pack), queries, expected }
+    };
+    vec![
+        case(ImportanceHeader { polar: 64, azimuths: 1, samples: 50 }),
+        case(ImportanceHeader { polar: 7, azimuths: 12, samples: 64 }),
+    ]
+}
+
+/// All of them.
+pub fn cases() -> Vec<Case> {
+    [of_tables(), of_wavelets(), of_trees(), of_flat_btfs(), of_bandwidth(), of_importance()]
+        .into_iter()
+        .flatten()
+        .collect()
+}

@@ -1,0 +1,108 @@
+//! Pages in a headless browser: Chromium, whose software driver has WebGL 2 and WebGPU.
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// Names of the program.
+const PROGRAMS: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
+/// Without a graphics card, and as root.
+const OPTIONS: [&str; 11] = [
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu-sandbox",
+    "--disable-extensions",
+    "--disable-background-networking",
+    "--no-first-run",
+    "--enable-unsafe-webgpu",
+    "--use-webgpu-adapter=swiftshader",
+    "--enable-features=Vulkan",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+];
+/// For a page to say what it found.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// A file that a page may ask for: its path behind `/`, its media type, its bytes.
+pub type File<'a> = (&'a str, &'a str, &'a [u8]);
+
+/// Opens `/` of these files and waits for what the page sends to `/result` by POST. `None` where there is no browser, which is
+/// said.
+///
+/// # Panics
+/// Where the page says nothing for two minutes.
+pub fn result_of_page(files: &[File<'_>]) -> Option<Vec<u8>> {
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a port of this machine");
+    listener.set_nonblocking(true).expect("a socket that does not block");
+    let address = format!("http://{}/", listener.local_addr().expect("it is bound"));
+    let profile = tempfile::tempdir().expect("a temporary folder");
+    let program = std::env::var("BRDFC_CHROMIUM");
+    let programs = program.iter().map(String::as_str).chain(PROGRAMS);
+    let mut started = programs.filter_map(|program| {
+        Command::new(program)
+            .args(OPTIONS)
+            .arg(format!("--user-data-dir={}", profile.path().display()))
+            .arg(&address)
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .ok()
+    });
+    let Some(mut browser) = started.next() else {
+        println!("skipped: no page is opened: there is no {}", PROGRAMS.join(", no "));
+        return None;
+    };
+    let end = Instant::now() + PATIENCE;
+    let mut result = None;
+    while result.is_none() && Instant::now() < end {
+        match listener.accept() {
+            Ok((stream, _)) => result = answer(stream, files).unwrap_or(None),
+            Err(_) => std::thread::sleep(Duration::from_millis(5)),
+        }
+    }
+    let _ = browser.kill();
+    let _ = browser.wait();
+    Some(result.unwrap_or_else(|| panic!("the page said nothing for {} s", PATIENCE.as_secs())))
+}
+
+/// Answers one request; what was posted, if that was it.
+fn answer(mut stream: TcpStream, files: &[File<'_>]) -> std::io::Result<Option<Vec<u8>>> {
+    stream.set_nonblocking(false)?;
+    stream.set_read_timeout(Some(Duration::from_secs(10)))?;
+    let mut reader = BufReader::new(stream.try_clone()?);
+    let mut line = String::new();
+    reader.read_line(&mut line)?;
+    let mut words = line.split_whitespace();
+    let (method, path) = (words.next().unwrap_or_default().to_owned(), words.next().unwrap_or_default().to_owned());
+    let mut length = 0;
+    loop {
+        let mut header = String::new();
+        if reader.read_line(&mut header)? <= 2 {
+            break;
+        }
+        if let Some((name, value)) = header.split_once(':')
+            && name.eq_ignore_ascii_case("content-length")
+        {
+            length = value.trim().parse().unwrap_or(0);
+        }
+    }
+    if method == "POST" {
+        let mut body = vec![0; length];
+        reader.read_exact(&mut body)?;
+        stream.write_all(b"HTTP/1.1 204 No Content\r\nConnection: close\r\n\r\n")?;
+        return Ok(Some(body));
+    }
+    match files.iter().find(|(name, ..)| path.trim_start_matches('/') == *name) {
+        Some((_, media, bytes)) => {
+            let head = format!(
+                "HTTP/1.1 200 OK\r\nContent-Type: {media}\r\nContent-Length: {}\r\nConnection: close\r\n\r\n",
+                bytes.len()
+            );
+            stream.write_all(head.as_bytes())?;
+            stream.write_all(bytes)?;
+        }
+        None => stream.write_all(b"HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\nConnection: close\r\n\r\n")?,
+    }
+    Ok(None)
+}
