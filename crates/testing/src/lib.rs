@@ -4,6 +4,7 @@
 
 pub mod browser;
 pub mod checks;
+pub mod engines;
 pub mod flat_btf;
 pub mod golden;
 pub mod packs;

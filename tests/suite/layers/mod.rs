@@ -22,8 +22,10 @@ const LAYERS: [&str; 10] = [
     "crates/studies",
     ".",
 ];
-/// Crates beside the layers, with the highest layer that they may use: what tests share, and the benchmarks.
-const BESIDE: [(&str, Option<&str>); 2] = [("crates/testing", Some("crates/source")), ("crates/benchmarks", None)];
+/// Crates beside the layers, with the highest layer that they may use: what tests share, the benchmarks, and tests that need
+/// unsafe code.
+const BESIDE: [(&str, Option<&str>); 3] =
+    [("crates/testing", Some("crates/source")), ("crates/benchmarks", None), ("tests/vulkan", None)];
 /// What is not used although it is lower: shaders draw what packs hold, whoever made them.
 const KEPT_APART: (&str, &str) = ("crates/gpu", "crates/codecs");
 /// The layer of many crates, one for each codec. They are stages.

@@ -1,17 +1,14 @@
 //! Translated decoders in a browser: GLSL ES 3.00 by WebGL 2, WGSL by WebGPU, each against the CPU decoder at 10,000 queries a
 //! pack.
 
-use crate::cases::{Case, SIDE, cases};
 use crate::texts::text;
-use brdfc_formats::container::{Extent, TexelFormat};
-use brdfc_shaders::resources::{Contents, Resource, Texels};
+use brdfc_formats::container::Extent;
+use brdfc_shaders::resources::{Contents, Resource};
 use brdfc_shaders::{BindingKind, Decoder, Interface, Language, translate};
 use brdfc_testing::browser::result_of_page;
+use brdfc_testing::engines::{Case, SIDE, cases, check, widened};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
-
-/// How far a decoder may be from its twin: of f_r and what is added to it.
-const BOUND: f64 = 1e-4;
 
 /// What a user of the piece calls.
 fn call(decoder: Decoder) -> &'static str {
@@ -78,23 +75,8 @@ fn wgsl(decoder: Decoder) -> String {
     )
 }
 
-/// 16-bit integers are no core format: a loader unpacks them to floats, which the shader filters.
-fn widened(texels: &Texels) -> Texels {
-    let channels = match texels.format {
-        TexelFormat::R16Unorm => 1,
-        TexelFormat::Rgba16Unorm => 4,
-        _ => return texels.clone(),
-    };
-    let numbers =
-        texels.bytes.chunks_exact(2).map(|two| f32::from(u16::from_le_bytes([two[0], two[1]])) * (1.0 / 65535.0));
-    let numbers: Vec<f32> = numbers.collect();
-    let four = |texel: &[f32]| [texel[0], texel[channels.min(2) - 1], texel[channels.min(3) - 1], texel[channels - 1]];
-    let bytes = numbers.chunks_exact(channels).flat_map(four).flat_map(f32::to_le_bytes).collect();
-    Texels { format: TexelFormat::Rgba32Float, bytes, ..texels.clone() }
-}
-
 /// The list of the cases and the bytes that it points into.
-fn page_of(api: &str, cases: &[&Case], shaders: &BTreeMap<&'static str, (String, Interface)>) -> (Value, Vec<u8>) {
+fn page_of(api: &str, cases: &[Case], shaders: &BTreeMap<&'static str, (String, Interface)>) -> (Value, Vec<u8>) {
     let mut data: Vec<u8> = Vec::new();
     let mut add = |bytes: &[u8]| {
         let at = data.len().next_multiple_of(16);
@@ -162,7 +144,7 @@ fn page_of(api: &str, cases: &[&Case], shaders: &BTreeMap<&'static str, (String,
 /// The answers to all cases by the page, or `None` where there is no browser.
 fn answers(
     api: &str,
-    cases: &[&Case],
+    cases: &[Case],
     shaders: &BTreeMap<&'static str, (String, Interface)>,
 ) -> Option<Vec<Vec<[f32; 4]>>> {
     let (list, data) = page_of(api, cases, shaders);
@@ -187,27 +169,12 @@ fn answers(
 
 fn agrees(api: &str, source: fn(Decoder) -> String) {
     let cases = cases();
-    let cases: Vec<&Case> = cases.iter().collect();
+
     let shader =
         |decoder: Decoder| (decoder.name(), (source(decoder), translate(decoder, Language::Wgsl).unwrap().interface));
     let shaders: BTreeMap<_, _> = Decoder::ALL.into_iter().map(shader).collect();
     let Some(found) = answers(api, &cases, &shaders) else { return };
-    let mut largest: BTreeMap<&str, f64> = BTreeMap::new();
-    for (case, found) in cases.iter().zip(&found) {
-        let error = case.largest_error(found);
-        println!("{api}: {}, {}: {error:.1e}", case.decoder.name(), case.name);
-        let most = largest.entry(case.decoder.name()).or_default();
-        *most = most.max(error);
-        // What is all black would agree with nothing.
-        assert!(case.expected.iter().filter(|(value, _)| value[0] > 0.0).count() > SIDE * SIDE / 10, "{}", case.name);
-        // Answers of other queries are noticed.
-        let mut shifted = found.clone();
-        shifted.rotate_left(1);
-        let is_constant = case.expected.iter().all(|value| *value == case.expected[0]);
-        assert!(is_constant || case.largest_error(&shifted) > BOUND, "{}", case.name);
-    }
-    assert_eq!(largest.len(), Decoder::ALL.len());
-    assert!(largest.values().all(|error| *error < BOUND), "{largest:?}");
+    check(api, &cases, &found);
 }
 
 #[test]

@@ -1,6 +1,5 @@
 //! Translated decoders: what they say of themselves, what other compilers say of them, and what they compute.
 
 mod browser;
-mod cases;
 mod compilers;
 mod texts;

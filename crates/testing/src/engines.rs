@@ -1,22 +1,30 @@
-//! Packs of every kind with queries, what is bound for them, and what the CPU decoders say.
+//! Packs of every kind with queries, what is bound for them, and what the CPU decoders say: for tests of shaders that engines
+//! compile.
 
+use crate::flat_btf::{self, Factors, SMALL};
+use crate::packs::{Numbers, packs, pairs, tables};
 use brdfc_formats::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
+use brdfc_formats::container::TexelFormat;
 use brdfc_formats::direction::DirectionPair;
+use brdfc_formats::direction_mesh::DirectionMesh;
 use brdfc_formats::flat_btf::factored::ShadowFormat;
-use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts, FlatValues, SampledDirections};
+use brdfc_formats::flat_btf::{
+    BlendedDirection, FlatBtfDecoder, FlatBtfParts, FlatValues, SampledDirections, ViewWeights,
+};
 use brdfc_formats::importance::{ImportanceHeader, ImportancePack};
-use brdfc_formats::pwt::PwtDecoder;
 use brdfc_formats::pwt::shader::PwtFilter;
+use brdfc_formats::pwt::{PwtDecoder, PwtPack};
 use brdfc_formats::table::TableDecoder;
 use brdfc_formats::wavelet::{Filter, WaveletDecoder};
-use brdfc_render::flat::{FlatForm, FlatMaterial};
 use brdfc_shaders::Decoder;
-use brdfc_shaders::resources::{self, Resource};
-use brdfc_testing::flat_btf::{self, Factors, SMALL};
-use brdfc_testing::packs::{Numbers, packs, pairs, tables};
+use brdfc_shaders::resources::{self, Resource, Texels};
+use std::collections::BTreeMap;
 
 /// Queries of a case: 100 x 100.
 pub const SIDE: usize = 100;
+
+/// How far a decoder may be from its twin: of the value and what is added to it, of BRDFs με.
+const BOUND: f64 = 1e-4;
 
 /// Three groups of four numbers.
 pub type Query = [[f32; 4]; 3];
@@ -116,14 +124,14 @@ fn of_trees() -> Vec<Case> {
             [[u, v, (k % 9) as f32 / 4.0, 0.0], [x, y, z.abs(), 0.0], [0.0; 4]]
         })
         .collect();
-    let case = |(name, pack): (&str, brdfc_formats::pwt::PwtPack)| {
+    let case = |(name, pack): (&str, PwtPack)| {
         let resources = resources::pwt(&pack, PwtFilter::Exact);
         let decoder = PwtDecoder::new(pack);
         let answer = |[a, b, _]: &Query| (four(decoder.value([a[0], a[1]], a[2], [b[0], b[1], b[2]]), 0.0), 1e-2);
         let expected = queries.iter().map(answer).collect();
         Case { name: name.to_owned(), decoder: Decoder::Pwt, resources, queries: queries.clone(), expected }
     };
-    brdfc_testing::pwt::packs().into_iter().map(case).collect()
+    crate::pwt::packs().into_iter().map(case).collect()
 }
 
 fn of_flat_btfs() -> Vec<Case> {
@@ -144,12 +152,9 @@ fn of_flat_btfs() -> Vec<Case> {
         let decoder = FlatBtfDecoder::new(parts).unwrap();
         let directions = SampledDirections::of(&decoder.parts().values).unwrap();
         let resources = resources::flat_btf(&decoder, directions.as_ref(), false);
-        let material = FlatMaterial::new(decoder, 1).unwrap();
-        let form = if material.has_views() { FlatForm::Full } else { FlatForm::Light };
         let answer = |[a, b, c]: &Query| {
-            let [view, light] = [b, c].map(|v| [v[0], v[1], v[2]].map(f64::from));
-            let value = material.value(form, [a[0], a[1]].map(f64::from), a[2], view, light);
-            (four(value, 0.0), 1e-2)
+            let [view, light] = [b, c].map(|v| [v[0], v[1], v[2]]);
+            (four(flat_value(&decoder, directions.as_ref(), [a[0], a[1]], a[2], [view, light]), 0.0), 1e-2)
         };
         let expected = queries.iter().map(answer).collect();
         Case { name: name.to_owned(), decoder: Decoder::FlatBtf, resources, queries: queries.clone(), expected }
@@ -159,6 +164,25 @@ fn of_flat_btfs() -> Vec<Case> {
         case("light form", FlatBtfParts { values: FlatValues::None, ..whole.clone() }),
         case("factored, displacements", FlatBtfParts { values: factored, indirection: compact, ..whole }),
     ]
+}
+
+/// As `FlatMaterial::value` of the renderer.
+fn flat_value(
+    decoder: &FlatBtfDecoder,
+    directions: Option<&SampledDirections>,
+    uv: [f32; 2],
+    level: f32,
+    [view, light]: [[f32; 3]; 2],
+) -> [f32; 3] {
+    let Some(SampledDirections { views, lights, lowest_light }) = directions else {
+        return decoder.light_form(uv, view, light);
+    };
+    let blended = |mesh: &DirectionMesh, direction| {
+        let (indices, weights) = mesh.weights(direction);
+        BlendedDirection { direction, samples: ViewWeights { indices, weights } }
+    };
+    let dimmed = (light[2] / lowest_light).min(1.0);
+    decoder.value(uv, level, blended(views, view), blended(lights, light)).map(|value| value * dimmed)
 }
 
 fn of_bandwidth() -> Vec<Case> {
@@ -223,4 +247,46 @@ pub fn cases() -> Vec<Case> {
         .into_iter()
         .flatten()
         .collect()
+}
+
+/// Holds answers to all cases against the CPU's, and prints the largest errors.
+///
+/// # Panics
+/// Where one is beyond the bound; where answers would not show an error.
+pub fn check(what: &str, cases: &[Case], found: &[Vec<[f32; 4]>]) {
+    assert_eq!(cases.len(), found.len());
+    let mut largest: BTreeMap<&str, f64> = BTreeMap::new();
+    for (case, found) in cases.iter().zip(found) {
+        let error = case.largest_error(found);
+        println!("{what}: {}, {}: {error:.1e}", case.decoder.name(), case.name);
+        let most = largest.entry(case.decoder.name()).or_default();
+        *most = most.max(error);
+        // What is all black would agree with nothing.
+        assert!(case.expected.iter().filter(|(value, _)| value[0] > 0.0).count() > SIDE * SIDE / 10, "{}", case.name);
+        // Answers of other queries are noticed.
+        let mut shifted = found.clone();
+        shifted.rotate_left(1);
+        let is_constant = case.expected.iter().all(|value| *value == case.expected[0]);
+        assert!(is_constant || case.largest_error(&shifted) > BOUND, "{}", case.name);
+    }
+    assert_eq!(largest.len(), Decoder::ALL.len());
+    assert!(largest.values().all(|error| *error < BOUND), "{what}: {largest:?}");
+    for (decoder, error) in largest {
+        println!("agrees: {what}, {decoder}: {error:.1e}");
+    }
+}
+
+/// 16-bit integers are no core format: a loader unpacks them to floats, which the shader filters.
+pub fn widened(texels: &Texels) -> Texels {
+    let channels = match texels.format {
+        TexelFormat::R16Unorm => 1,
+        TexelFormat::Rgba16Unorm => 4,
+        _ => return texels.clone(),
+    };
+    let numbers =
+        texels.bytes.chunks_exact(2).map(|two| f32::from(u16::from_le_bytes([two[0], two[1]])) * (1.0 / 65535.0));
+    let numbers: Vec<f32> = numbers.collect();
+    let four = |texel: &[f32]| [texel[0], texel[channels.min(2) - 1], texel[channels.min(3) - 1], texel[channels - 1]];
+    let bytes = numbers.chunks_exact(channels).flat_map(four).flat_map(f32::to_le_bytes).collect();
+    Texels { format: TexelFormat::Rgba32Float, bytes, ..texels.clone() }
 }

@@ -1,0 +1,96 @@
+//! SPIR-V of 'brdfc shader', and HLSL that glslang makes SPIR-V of, on whatever Vulkan driver there is: unchecked and untouched
+//! by wgpu, as an engine would hand it over. Each against the CPU decoder at 10,000 queries a pack.
+
+mod device;
+
+use brdfc_shaders::{Decoder, Language, translate};
+use brdfc_testing::engines::{Case, cases, check};
+use device::Vulkan;
+use std::process::Command;
+
+/// Words of a file of SPIR-V.
+fn words(bytes: &[u8]) -> Vec<u32> {
+    bytes.chunks_exact(4).map(|four| u32::from_le_bytes([four[0], four[1], four[2], four[3]])).collect()
+}
+
+/// Evaluates all cases by the modules of their decoders.
+fn answers(vulkan: &Vulkan, cases: &[Case], module: impl Fn(Decoder) -> (Vec<u32>, [u32; 2])) -> Vec<Vec<[f32; 4]>> {
+    cases
+        .iter()
+        .map(|case| {
+            let interface = translate(case.decoder, Language::Spirv).unwrap().interface;
+            let (words, groups) = module(case.decoder);
+            vulkan.evaluate(&words, groups, &interface, case)
+        })
+        .collect()
+}
+
+#[test]
+fn spirv_agrees_with_the_cpu() {
+    let Some(vulkan) = Vulkan::open() else { return };
+    let cases = cases();
+    // As `EntryPoint` says: queries in group 0, the pack in group 1.
+    let module = |decoder| (words(&translate(decoder, Language::Spirv).unwrap().bytes), [0, 1]);
+    check("SPIR-V", &cases, &answers(&vulkan, &cases, module));
+}
+
+/// What a user of the piece writes. Registers without a space are in group 0.
+fn hlsl(decoder: Decoder) -> String {
+    let piece = String::from_utf8(translate(decoder, Language::Hlsl).unwrap().bytes).unwrap();
+    let call = match decoder {
+        Decoder::Table => "float4(table_brdf_at(q.a.xyz, q.b.xyz, q.a.w, q.b.w == 1.0), 0.0)",
+        Decoder::Wavelet => "float4(wavelet_brdf_exact(q.a.xyz, q.b.xyz, q.a.w), 0.0)",
+        Decoder::FlatBtf => "float4(flat_btf_value(q.a.xy, q.a.z, q.b.xyz, q.c.xyz), 0.0)",
+        Decoder::Pwt => "float4(pwt_value(q.a.xy, q.a.z, q.b.xyz), 0.0)",
+        Decoder::Bandwidth => {
+            "float4(bandwidth_brdf(q.a.xyz, q.b.xyz), bandwidth_environment(q.a.xyz), bandwidth_texture(q.c.xy), 0.0)"
+        }
+        Decoder::Importance => {
+            "float4(importance_sample(q.a.xyz, uint(q.a.w)).incoming, \
+             importance_sample(q.a.xyz, uint(q.a.w)).inverse_density)"
+        }
+    };
+    format!(
+        "{piece}
+struct Query {{ float4 a; float4 b; float4 c; }};
+StructuredBuffer<Query> queries : register(t0, space1);
+RWStructuredBuffer<float4> answers : register(u1, space1);
+[numthreads(64, 1, 1)] void evaluate(uint3 id : SV_DispatchThreadID) {{
+    uint count, stride;
+    queries.GetDimensions(count, stride);
+    if (id.x < count) {{
+        Query q = queries[id.x];
+        answers[id.x] = {call};
+    }}
+}}
+"
+    )
+}
+
+#[test]
+fn hlsl_agrees_with_the_cpu() {
+    let Some(vulkan) = Vulkan::open() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let (source, compiled) = (folder.path().join("shader.hlsl"), folder.path().join("shader.spv"));
+    let compile = |decoder: Decoder| {
+        std::fs::write(&source, hlsl(decoder)).unwrap();
+        let mut glslang = Command::new("glslangValidator");
+        glslang.args(["-D", "-V", "-S", "comp", "-e", "evaluate"]).arg("-o").arg(&compiled).arg(&source);
+        let output = glslang.output()?;
+        assert!(output.status.success(), "{}: {}", decoder.name(), String::from_utf8_lossy(&output.stdout));
+        Ok::<_, std::io::Error>(words(&std::fs::read(&compiled)?))
+    };
+    let mut modules = Vec::new();
+    for decoder in Decoder::ALL {
+        match compile(decoder) {
+            Ok(words) => modules.push((decoder, words)),
+            Err(error) => {
+                println!("skipped: no HLSL is compiled: glslangValidator: {error}");
+                return;
+            }
+        }
+    }
+    let module = |decoder| (modules.iter().find(|(other, _)| *other == decoder).unwrap().1.clone(), [1, 0]);
+    let cases = cases();
+    check("HLSL", &cases, &answers(&vulkan, &cases, module));
+}
