@@ -50,15 +50,13 @@ pub struct Texels {
     pub bytes: Vec<u8>,
 }
 
-impl Texels {
-    fn new(format: TexelFormat, extent: Extent, levels: u32, bytes: &[u8]) -> Contents {
-        Contents::Texture(Self { format, extent, levels, bytes: bytes.to_vec() })
-    }
+fn texture(format: TexelFormat, extent: Extent, levels: u32, bytes: &[u8]) -> Contents {
+    Contents::Texture(Texels { format, extent, levels, bytes: bytes.to_vec() })
+}
 
-    /// One empty texel, where there is nothing to be bound.
-    fn none(extent: Extent) -> Contents {
-        Self::new(TexelFormat::R8Unorm, extent, 1, &[0])
-    }
+/// One empty texel, where there is nothing to be bound.
+fn no_texture(extent: Extent) -> Contents {
+    texture(TexelFormat::R8Unorm, extent, 1, &[0])
 }
 
 fn numbered(contents: impl IntoIterator<Item = (u32, Contents)>) -> Vec<Resource> {
@@ -80,13 +78,13 @@ fn floats(numbers: impl IntoIterator<Item = f32>) -> Vec<u8> {
 pub fn table(pack: &TablePack, distance_scale: f32) -> Vec<Resource> {
     let curve = pack.curve().map(|curve| {
         let extent = Extent::D2([curve.nodes() as u32, curve.levels() + 1]);
-        Texels::new(curve.texel_format(), extent, 1, curve.texels())
+        texture(curve.texel_format(), extent, 1, curve.texels())
     });
     numbered([
         (0, Contents::Uniform(TableBrdfParameters::new(pack, distance_scale).to_bytes().to_vec())),
-        (1, Texels::new(pack.header().texel_format(), Extent::D3(pack.extent()), 1, pack.texels())),
+        (1, texture(pack.header().texel_format(), Extent::D3(pack.extent()), 1, pack.texels())),
         (2, Contents::Sampler { repeats: false }),
-        (3, curve.unwrap_or_else(|| Texels::none(Extent::D2([1; 2])))),
+        (3, curve.unwrap_or_else(|| no_texture(Extent::D2([1; 2])))),
     ])
 }
 
@@ -96,8 +94,8 @@ pub fn wavelet(pack: &WaveletPack, filter: Filter, distance_scale: f32) -> Vec<R
     let grid = pack.header.grid() as u32;
     numbered([
         (0, Contents::Uniform(WaveletBrdfParameters::new(pack, filter, distance_scale).to_bytes().to_vec())),
-        (1, Texels::new(pack.header.texel_format(), Extent::D3(pack.extent()), 1, &pack.texels)),
-        (2, Texels::new(TexelFormat::Rgba32Float, Extent::D2([grid; 2]), 1, &index)),
+        (1, texture(pack.header.texel_format(), Extent::D3(pack.extent()), 1, &pack.texels)),
+        (2, texture(TexelFormat::Rgba32Float, Extent::D2([grid; 2]), 1, &index)),
         (3, Contents::Sampler { repeats: false }),
     ])
 }
@@ -105,15 +103,15 @@ pub fn wavelet(pack: &WaveletPack, filter: Filter, distance_scale: f32) -> Vec<R
 /// For a polynomial wavelet tree.
 pub fn pwt(pack: &PwtPack, filter: PwtFilter) -> Vec<Resource> {
     let header = pack.header();
-    let texture = |index: usize| match header.textures.get(index) {
-        Some(texture) => {
+    let layers = |index: usize| match header.textures.get(index) {
+        Some(part) => {
             let [width, height] = header.texture_extent(index);
-            let extent = Extent::D2Array([width, height, texture.layers()]);
-            Texels::new(texture.texel_format(), extent, pack.levels_of(index), pack.texels(index))
+            let extent = Extent::D2Array([width, height, part.layers()]);
+            texture(part.texel_format(), extent, pack.levels_of(index), pack.texels(index))
         }
-        None => Texels::none(Extent::D2Array([1; 3])),
+        None => no_texture(Extent::D2Array([1; 3])),
     };
-    let textures = (1..).zip((0..MAX_TEXTURES).map(texture));
+    let textures = (1..).zip((0..MAX_TEXTURES).map(layers));
     let last = 1 + MAX_TEXTURES as u32;
     numbered(textures.chain([
         (0, Contents::Uniform(PwtParameters::to_bytes(pack, filter))),
@@ -124,8 +122,8 @@ pub fn pwt(pack: &PwtPack, filter: PwtFilter) -> Vec<Resource> {
 /// For up to one bandwidth map of each kind.
 pub fn bandwidth(maps: &[&BandwidthMap]) -> Vec<Resource> {
     let of = |is_kind: fn(&BandwidthKind) -> bool| match maps.iter().find(|map| is_kind(&map.header().kind)) {
-        Some(map) => Texels::new(TexelFormat::R16Float, Extent::D2(map.size()), 1, &map.texel_bytes()),
-        None => Texels::none(Extent::D2([1; 2])),
+        Some(map) => texture(TexelFormat::R16Float, Extent::D2(map.size()), 1, &map.texel_bytes()),
+        None => no_texture(Extent::D2([1; 2])),
     };
     numbered([
         (0, Contents::Uniform(BandwidthParameters::new(maps.iter().copied()).to_bytes().to_vec())),
@@ -141,7 +139,7 @@ pub fn importance(pack: &ImportancePack) -> Vec<Resource> {
     let extent = Extent::D2([header.samples, header.rows()]);
     numbered([
         (0, Contents::Uniform(header.uniform().to_vec())),
-        (1, Texels::new(TexelFormat::Rgba32Float, extent, 1, &floats(pack.texels().iter().flatten().copied()))),
+        (1, texture(TexelFormat::Rgba32Float, extent, 1, &floats(pack.texels().iter().flatten().copied()))),
     ])
 }
 
@@ -154,33 +152,33 @@ pub fn flat_btf(decoder: &FlatBtfDecoder, directions: Option<&SampledDirections>
     let packed = Extent::D2(parts.indirection.header().extent());
     let (packed, ranges) = match &parts.indirection {
         Indirection::Samples(map) => {
-            (Texels::new(TexelFormat::Rgba16Float, packed, 1, &map.texel_bytes()), Texels::none(square(1)))
+            (texture(TexelFormat::Rgba16Float, packed, 1, &map.texel_bytes()), no_texture(square(1)))
         }
         Indirection::Compact(map) => (
-            Texels::new(TexelFormat::Rg8Unorm, packed, 1, map.texel_bytes()),
-            Texels::new(TexelFormat::Rgba16Float, square(map.header().blocks.size), 1, &map.range_bytes()),
+            texture(TexelFormat::Rg8Unorm, packed, 1, map.texel_bytes()),
+            texture(TexelFormat::Rgba16Float, square(map.header().blocks.size), 1, &map.range_bytes()),
         ),
     };
     let views = parts.values.views();
     let atlas = if views.is_empty() {
-        Texels::none(Extent::D2Array([1; 3]))
+        no_texture(Extent::D2Array([1; 3]))
     } else {
         let [width, height] = decoder.atlas().extent();
         let texels: Vec<u8> = views.iter().flat_map(|view| words(&decoder.atlas().layer(view))).collect();
-        Texels::new(TexelFormat::Rgb9E5, Extent::D2Array([width, height, views.len() as u32]), 1, &texels)
+        texture(TexelFormat::Rgb9E5, Extent::D2Array([width, height, views.len() as u32]), 1, &texels)
     };
     let reference = floats(parts.reference.parameters().iter().flatten().copied());
     let directions = match directions {
-        Some(some) => Texels::new(TexelFormat::R32Uint, Extent::D2(some.extent()), 1, &words(&some.texels())),
-        None => Texels::new(TexelFormat::R32Uint, square(1), 1, &[0; 4]),
+        Some(some) => texture(TexelFormat::R32Uint, Extent::D2(some.extent()), 1, &words(&some.texels())),
+        None => texture(TexelFormat::R32Uint, square(1), 1, &[0; 4]),
     };
     let mut all = vec![
         (0, Contents::Uniform(FlatBtfParameters::new(decoder, filter).to_bytes().to_vec())),
-        (1, Texels::new(TexelFormat::Rg32Float, square(parts.reference.size()), 1, &reference)),
+        (1, texture(TexelFormat::Rg32Float, square(parts.reference.size()), 1, &reference)),
         (2, packed),
         (3, Contents::Sampler { repeats: false }),
-        (4, Texels::new(TexelFormat::Rgba16Float, square(parts.normal.size()), 1, &parts.normal.texel_bytes())),
-        (5, Texels::new(TexelFormat::Rgb9E5, square(parts.diffuse.size()), 1, &words(parts.diffuse.texels()))),
+        (4, texture(TexelFormat::Rgba16Float, square(parts.normal.size()), 1, &parts.normal.texel_bytes())),
+        (5, texture(TexelFormat::Rgb9E5, square(parts.diffuse.size()), 1, &words(parts.diffuse.texels()))),
         (6, atlas),
         (7, ranges),
         (12, Contents::Sampler { repeats: true }),
@@ -193,28 +191,28 @@ pub fn flat_btf(decoder: &FlatBtfDecoder, directions: Option<&SampledDirections>
 /// Bindings 8 to 11.
 fn factored(decoder: &FlatBtfDecoder, hardware: bool) -> [(u32, Contents); 4] {
     let filter = if hardware { FactoredFilter::Hardware } else { FactoredFilter::Exact };
-    let no_layers = || Texels::none(Extent::D2Array([1; 3]));
+    let no_layers = || no_texture(Extent::D2Array([1; 3]));
     match decoder.parts().values.factored() {
         Some(asset) => {
             let (header, weights) = (asset.header(), asset.weights());
             let layers = Extent::D2Array([header.size, header.size, weights.layers()]);
             let shadow = asset.shadow().map(|map| {
                 let extent = Extent::D2Array([map.size(), map.size(), map.lights()]);
-                Texels::new(TexelFormat::R8Unorm, extent, map.levels(), map.texels())
+                texture(TexelFormat::R8Unorm, extent, map.levels(), map.texels())
             });
             let basis = Extent::D2(header.basis_extent());
             [
                 (8, Contents::Uniform(FactoredParameters::to_bytes(asset, filter))),
-                (9, Texels::new(TexelFormat::Rgba8Unorm, layers, weights.levels(), weights.texels())),
+                (9, texture(TexelFormat::Rgba8Unorm, layers, weights.levels(), weights.texels())),
                 (10, shadow.unwrap_or_else(no_layers)),
-                (11, Texels::new(TexelFormat::Rgba32Uint, basis, 1, &words(asset.basis().words()))),
+                (11, texture(TexelFormat::Rgba32Uint, basis, 1, &words(asset.basis().words()))),
             ]
         }
         None => [
             (8, Contents::Uniform(vec![0; FactoredParameters::SIZE])),
             (9, no_layers()),
             (10, no_layers()),
-            (11, Texels::new(TexelFormat::Rgba32Uint, Extent::D2([1; 2]), 1, &[0; 16])),
+            (11, texture(TexelFormat::Rgba32Uint, Extent::D2([1; 2]), 1, &[0; 16])),
         ],
     }
 }
