@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
 /// What a user of the piece calls.
-fn call(decoder: Decoder) -> &'static str {
+pub fn call(decoder: Decoder) -> &'static str {
     match decoder {
         Decoder::Table => "vec4(table_brdf_at(a.xyz, b.xyz, a.w, b.w == 1.0), 0.0)",
         Decoder::Wavelet => {
@@ -154,17 +154,17 @@ fn answers(
         ("cases.json", "application/json", list.to_string().into_bytes().leak()),
         ("data.bin", "application/octet-stream", &data),
     ];
-    let result = result_of_page(&files)?;
-    assert_eq!(
-        result.len(),
-        cases.len() * 16 * SIDE * SIDE,
-        "{}",
-        String::from_utf8_lossy(&result[..result.len().min(2000)])
-    );
+    Some(numbers(&result_of_page(&files)?, cases.len()))
+}
+
+/// Answers to so many cases from what a page posts.
+pub fn numbers(posted: &[u8], cases: usize) -> Vec<Vec<[f32; 4]>> {
+    let text = String::from_utf8_lossy(&posted[..posted.len().min(2000)]);
+    assert_eq!(posted.len(), cases * 16 * SIDE * SIDE, "{text}");
     let number = |bytes: &[u8]| f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
-    let numbers: Vec<f32> = result.chunks_exact(4).map(number).collect();
+    let numbers: Vec<f32> = posted.chunks_exact(4).map(number).collect();
     let answers: Vec<[f32; 4]> = numbers.chunks_exact(4).map(|four| [four[0], four[1], four[2], four[3]]).collect();
-    Some(answers.chunks(SIDE * SIDE).map(<[_]>::to_vec).collect())
+    answers.chunks(SIDE * SIDE).map(<[_]>::to_vec).collect()
 }
 
 fn agrees(api: &str, source: fn(Decoder) -> String) {

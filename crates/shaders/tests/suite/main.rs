@@ -2,4 +2,5 @@
 
 mod browser;
 mod compilers;
+mod package;
 mod texts;

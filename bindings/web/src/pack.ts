@@ -1,0 +1,110 @@
+import { type Container, readContainer, type TextureData } from './container.js';
+import { flatBtfResources } from './flat_btf.js';
+import { pwtResources } from './pwt.js';
+import { type DecoderName, type DecoderShader, SHADERS } from './shaders.js';
+import { tableResources } from './table.js';
+import { waveletResources } from './wavelet.js';
+
+/** What is bound: a uniform block, a texture, or a sampler. */
+export type Contents =
+    | { kind: 'uniform'; bytes: Uint8Array<ArrayBuffer> }
+    | { kind: 'texture'; texture: TextureData; filtered: boolean; repeats: boolean }
+    | { kind: 'sampler'; repeats: boolean };
+
+/** A binding of group 1 of the WGSL, and the name that it has in every language. */
+export type Resource = { binding: number; name: string } & Contents;
+
+/** A pack, ready to be bound. */
+export interface Pack {
+    /** Which decoder it has. */
+    decoder: DecoderName;
+    /** The decoder in GLSL ES 3.00 and in WGSL, with what it declares. */
+    shader: DecoderShader;
+    /** What to bind, in the order of the bindings. */
+    resources: Resource[];
+}
+
+/** How a pack is looked up. */
+export interface Options {
+    /**
+     * Who filters: the sampler (default), or the shader with exact weights, which is slower. BRDF packs have a function for
+     * each, whatever stands here.
+     */
+    filter?: 'sampler' | 'shader';
+    /** Of wavelet packs: between which cells values are blended (default: `bilinear`). */
+    wavelet?: 'nearest' | 'slices' | 'bilinear';
+    /** What distances to the viewer are multiplied by, before a level of detail is found from them (default: 1). */
+    distanceScale?: number;
+}
+
+async function bytesOf(source: string | URL | ArrayBuffer | Uint8Array): Promise<Uint8Array> {
+    if (source instanceof Uint8Array) {
+        return source;
+    }
+    if (source instanceof ArrayBuffer) {
+        return new Uint8Array(source);
+    }
+    const answer = await fetch(source);
+    if (!answer.ok) {
+        throw new Error(`${source}: ${answer.status} ${answer.statusText}`);
+    }
+    return new Uint8Array(await answer.arrayBuffer());
+}
+
+function named(decoder: DecoderName, contents: Map<number, Contents>): Pack {
+    const shader = SHADERS[decoder];
+    const resources = shader.bindings.map(({ binding, name }) => {
+        const found = contents.get(binding);
+        if (found === undefined) {
+            throw new Error(`${decoder}: nothing for binding ${binding}, ${name}`);
+        }
+        return { binding, name, ...found };
+    });
+    return { decoder, shader, resources };
+}
+
+/**
+ * Loads a pack of one file: a table or wavelet pack of a BRDF, or a polynomial wavelet tree.
+ *
+ * @param source an address, or the bytes of the file.
+ * @throws Error for what is no such pack.
+ */
+export async function loadPack(source: string | URL | ArrayBuffer | Uint8Array, options: Options = {}): Promise<Pack> {
+    const container = await readContainer(await bytesOf(source));
+    const { entries } = container;
+    if (entries.has('brdfc.table')) {
+        return named('table', tableResources(container, options));
+    }
+    if (entries.has('brdfc.wavelet')) {
+        return named('wavelet', waveletResources(container, options));
+    }
+    if (entries.has('brdfc.pwt')) {
+        return named('pwt', await pwtResources(container, options));
+    }
+    const found = [...entries.keys()].join(', ') || 'none';
+    throw new Error(`brdfc entries: found ${found}; allowed those of a table, a wavelet pack or a polynomial wavelet tree`);
+}
+
+/**
+ * Loads a flat BTF: factored, or without views.
+ *
+ * @param source the address of its `NAME.json`, or a function that gives the bytes of a file of its folder.
+ * @param name NAME, where `source` is a function.
+ * @throws Error for what is no flat BTF, and for one of all views, which would not fit a browser.
+ */
+export async function loadFlatBtf(
+    source: string | URL | ((file: string) => Promise<Uint8Array>),
+    options: Options = {},
+    name = '',
+): Promise<Pack> {
+    const from = typeof source === 'function' ? source : (file: string) => bytesOf(new URL(file, new URL(source, document.baseURI)));
+    const list = typeof source === 'function' ? `${name}.json` : String(source);
+    const parts = Object.entries(JSON.parse(new TextDecoder().decode(await from(list))).parts as Record<string, { file: string }>);
+    if (parts.some(([part]) => part.startsWith('flat.'))) {
+        throw new Error(`${list}: found all views; allowed a factored flat BTF: leave out --uncompressed`);
+    }
+    const drawn = parts.filter(([part]) => part !== 'position' && part !== 'mask');
+    const read = async ([part, { file }]: [string, { file: string }]) => [part, await readContainer(await from(file))] as const;
+    const containers = new Map<string, Container>(await Promise.all(drawn.map(read)));
+    return named('flat-btf', flatBtfResources(containers, options));
+}

@@ -1,0 +1,94 @@
+//! The package for the web: packs as files, loaded and bound by it, in WebGL 2 and in WebGPU, against the CPU decoder.
+//! `bindings/web/build` makes the package.
+
+use crate::browser::{call, numbers};
+use brdfc_formats::wavelet::Filter;
+use brdfc_shaders::Decoder;
+use brdfc_testing::browser::{File, result_of_page};
+use brdfc_testing::engines::{Case, cases, check};
+use serde_json::json;
+
+const PAGE: &str = "<!doctype html><meta charset=utf-8><title>brdfc</title>
+<script type=importmap>{ \"imports\": { \"three\": \"/three/three.module.js\" } }</script>
+<script type=module src=package.js></script>";
+
+/// The call in WGSL.
+fn wgsl_call(decoder: Decoder) -> String {
+    match decoder {
+        Decoder::Wavelet => "vec4<f32>(wavelet_brdf_exact(a.xyz, b.xyz, a.w), 0.0)".to_owned(),
+        _ => call(decoder).replace("vec4(", "vec4<f32>("),
+    }
+}
+
+fn agrees(api: &str) {
+    let folder = brdfc_testing::repository().join("bindings/web/dist");
+    let Ok(entries) = std::fs::read_dir(&folder) else {
+        println!("skipped: no pack is loaded by the package for the web: ./bindings/web/build makes it");
+        return;
+    };
+    let mut built: Vec<(String, Vec<u8>)> = entries
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "js"))
+        .map(|path| (format!("dist/{}", path.file_name().unwrap().to_str().unwrap()), std::fs::read(&path).unwrap()))
+        .collect();
+    let three = folder.join("../node_modules/three/build");
+    for file in ["three.module.js", "three.core.js"] {
+        built.push((format!("three/{file}"), std::fs::read(three.join(file)).unwrap()));
+    }
+    // Maps and samples are for renderers that this package does not have.
+    let loaded =
+        |case: &Case| ![Decoder::Bandwidth, Decoder::Importance].contains(&case.decoder) && !case.files.is_empty();
+    let cases: Vec<Case> = cases().into_iter().filter(loaded).collect();
+    let mut files: Vec<(String, &str, Vec<u8>)> = Vec::new();
+    let mut listed = Vec::new();
+    for (k, case) in cases.iter().enumerate() {
+        let group = |g: usize| case.queries.iter().flat_map(move |query| query[g]);
+        let queries = (0..3).flat_map(group).flat_map(f32::to_le_bytes).collect();
+        files.push((format!("{k}/queries"), "application/octet-stream", queries));
+        let mut parts = serde_json::Map::new();
+        for (part, bytes) in &case.files {
+            let file = format!("x.{part}.ktx2");
+            files.push((format!("{k}/{file}"), "image/ktx2", bytes.clone()));
+            parts.insert((*part).to_owned(), json!({ "file": file }));
+        }
+        let list = json!({ "parts": parts }).to_string();
+        files.push((format!("{k}/x.json"), "application/json", list.into_bytes()));
+        let wavelet = match case.filter {
+            Some(Filter::Nearest) => "nearest",
+            Some(Filter::Slices) => "slices",
+            _ => "bilinear",
+        };
+        listed.push(json!({
+            "name": case.name,
+            "flat": case.decoder == Decoder::FlatBtf,
+            "wavelet": wavelet,
+            "glsl": call(case.decoder),
+            "wgsl": wgsl_call(case.decoder),
+        }));
+    }
+    let list = json!({ "api": api, "cases": listed }).to_string();
+    let mut served: Vec<File<'_>> = vec![
+        ("", "text/html", PAGE.as_bytes()),
+        ("package.js", "text/javascript", include_bytes!("package.js")),
+        ("cases.json", "application/json", list.as_bytes()),
+    ];
+    served.extend(built.iter().map(|(name, bytes)| (name.as_str(), "text/javascript", bytes.as_slice())));
+    served.extend(files.iter().map(|(name, media, bytes)| (name.as_str(), *media, bytes.as_slice())));
+    let Some(posted) = result_of_page(&served) else { return };
+    check(&format!("package, {api}"), &cases, &numbers(&posted, cases.len()));
+}
+
+#[test]
+fn files_loaded_for_webgl_2_agree_with_the_cpu() {
+    agrees("webgl2");
+}
+
+#[test]
+fn files_loaded_for_three_js_agree_with_the_cpu() {
+    agrees("three");
+}
+
+#[test]
+fn files_loaded_for_webgpu_agree_with_the_cpu() {
+    agrees("webgpu");
+}
