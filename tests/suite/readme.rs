@@ -16,8 +16,12 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 /// What other lines of a block that is not run start with.
-const SET_UP: [&str; 7] = [
+const SET_UP: [&str; 11] = [
     "./scripts/",
+    "./bindings/web/build",
+    "npm install ./bindings/web",
+    "python3 -m http.server",
+    "# ",
     "sudo apt-get install ",
     "cargo install ",
     "cargo bench",

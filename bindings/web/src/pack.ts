@@ -97,8 +97,9 @@ export async function loadFlatBtf(
     options: Options = {},
     name = '',
 ): Promise<Pack> {
-    const from = typeof source === 'function' ? source : (file: string) => bytesOf(new URL(file, new URL(source, document.baseURI)));
-    const list = typeof source === 'function' ? `${name}.json` : String(source);
+    const address = typeof source === 'function' ? undefined : new URL(source, document.baseURI);
+    const from = typeof source === 'function' ? source : (file: string) => bytesOf(new URL(file, address));
+    const list = address?.href ?? `${name}.json`;
     const parts = Object.entries(JSON.parse(new TextDecoder().decode(await from(list))).parts as Record<string, { file: string }>);
     if (parts.some(([part]) => part.startsWith('flat.'))) {
         throw new Error(`${list}: found all views; allowed a factored flat BTF: leave out --uncompressed`);

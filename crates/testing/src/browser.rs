@@ -24,6 +24,34 @@ const OPTIONS: [&str; 11] = [
 /// For a page to say what it found.
 const PATIENCE: Duration = Duration::from_secs(120);
 
+/// Posts the canvas after some frames, or what went wrong.
+const LOOK: &str = "
+const say = (body) => fetch('/result', { method: 'POST', body });
+addEventListener('error', ({ message }) => say(`error: ${message}`));
+addEventListener('unhandledrejection', ({ reason }) => say(`error: ${reason?.stack ?? reason}`));
+let device;
+if (globalThis.GPUAdapter) {
+    const { requestDevice } = GPUAdapter.prototype;
+    GPUAdapter.prototype.requestDevice = async function (...words) {
+        device = await requestDevice.apply(this, words);
+        device.addEventListener('uncapturederror', ({ error }) => say(`error: ${error.message}`));
+        return device;
+    };
+}
+// A canvas keeps what was drawn until the end of the frame's callbacks.
+const frame = requestAnimationFrame.bind(window);
+let frames = 0;
+window.requestAnimationFrame = (draw) => frame((time) => {
+    draw(time);
+    const url = document.querySelector('canvas').toDataURL('image/png');
+    frames += 1;
+    if (frames === 20) {
+        // Errors of the device come before that.
+        Promise.resolve(device?.queue.onSubmittedWorkDone()).then(() => fetch(url)).then((answer) => answer.blob()).then(say);
+    }
+});
+";
+
 /// A file that a page may ask for: its path behind `/`, its media type, its bytes.
 pub type File<'a> = (&'a str, &'a str, &'a [u8]);
 
@@ -66,6 +94,33 @@ pub fn result_of_page(files: &[File<'_>]) -> Option<Vec<u8>> {
     Some(result.unwrap_or_else(|| panic!("the page said nothing for {} s", PATIENCE.as_secs())))
 }
 
+/// A picture of the only canvas of a page of these files, some frames after it was opened, as the bytes of a PNG. `None` where
+/// there is no browser, which is said.
+///
+/// # Panics
+/// Where the page says nothing, or that something failed.
+pub fn picture_of_page(address: &str, [width, height]: [u32; 2], files: &[File<'_>]) -> Option<Vec<u8>> {
+    let page =
+        format!("<!doctype html><iframe src='{address}' width={width} height={height} style='border: 0'></iframe>");
+    let path = address.split('?').next().unwrap_or_default();
+    // Within the page itself, before its own scripts.
+    let looked_at = |name: &str, bytes: &[u8]| {
+        let text = String::from_utf8_lossy(bytes);
+        if name == path {
+            text.replacen("<script", &format!("<script>{LOOK}</script>\n<script"), 1).into_bytes()
+        } else {
+            bytes.to_vec()
+        }
+    };
+    let changed: Vec<(&str, &str, Vec<u8>)> =
+        files.iter().map(|(name, media, bytes)| (*name, *media, looked_at(name, bytes))).collect();
+    let mut all = vec![("", "text/html", page.as_bytes())];
+    all.extend(changed.iter().map(|(name, media, bytes)| (*name, *media, bytes.as_slice())));
+    let posted = result_of_page(&all)?;
+    assert!(posted.starts_with(b"\x89PNG"), "{}", String::from_utf8_lossy(&posted));
+    Some(posted)
+}
+
 /// Answers one request; what was posted, if that was it.
 fn answer(mut stream: TcpStream, files: &[File<'_>]) -> std::io::Result<Option<Vec<u8>>> {
     stream.set_nonblocking(false)?;
@@ -93,6 +148,7 @@ fn answer(mut stream: TcpStream, files: &[File<'_>]) -> std::io::Result<Option<V
         stream.write_all(b"HTTP/1.1 204 No Content\r\nConnection: close\r\n\r\n")?;
         return Ok(Some(body));
     }
+    let path = path.split('?').next().unwrap_or_default();
     match files.iter().find(|(name, ..)| path.trim_start_matches('/') == *name) {
         Some((_, media, bytes)) => {
             let head = format!(

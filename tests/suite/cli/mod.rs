@@ -31,3 +31,5 @@ mod shader;
 mod synth;
 #[cfg(unix)]
 mod watch;
+#[cfg(feature = "render")]
+mod web;

@@ -1,0 +1,123 @@
+//! The package for the web: its examples draw what `brdfc render` draws. `bindings/web/build` makes the package.
+
+use crate::common::cli::Folder;
+use brdfc_testing::browser::{File, picture_of_page};
+use std::path::Path;
+
+const SIDE: u32 = 256;
+
+/// Files of the package and of a folder of packs, under the paths that the examples ask for.
+fn files(packs: &Folder) -> Option<Vec<(String, &'static str, Vec<u8>)>> {
+    let web = brdfc_testing::repository().join("bindings/web");
+    if !web.join("dist/index.js").is_file() {
+        println!("skipped: no example for the web is drawn: ./bindings/web/build makes the package");
+        return None;
+    }
+    let mut all = Vec::new();
+    let mut add = |folder: &Path, name: &str| {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            let media = match path.extension().and_then(|extension| extension.to_str()) {
+                Some("js") => "text/javascript",
+                Some("html") => "text/html",
+                Some("json") => "application/json",
+                Some("ktx2") => "image/ktx2",
+                _ => continue,
+            };
+            let file = path.file_name().unwrap().to_str().unwrap();
+            all.push((format!("{name}/{file}"), media, std::fs::read(&path).unwrap()));
+        }
+    };
+    add(&web.join("dist"), "dist");
+    add(&web.join("examples"), "examples");
+    add(&web.join("node_modules/three/build"), "node_modules/three/build");
+    add(packs.path(), "packs");
+    for entry in std::fs::read_dir(packs.path()).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            add(&path, &format!("packs/{}", path.file_name().unwrap().to_str().unwrap()));
+        }
+    }
+    Some(all)
+}
+
+/// An example's picture; nothing where there is no browser.
+fn drawn(example: &str, files: &[(String, &'static str, Vec<u8>)]) -> Option<image::RgbImage> {
+    let served: Vec<File<'_>> =
+        files.iter().map(|(name, media, bytes)| (name.as_str(), *media, bytes.as_slice())).collect();
+    let png = picture_of_page(example, [SIDE; 2], &served)?;
+    if let Some(folder) = std::env::var_os("BRDFC_PICTURES") {
+        let name: String = example.chars().map(|c| if c.is_alphanumeric() { c } else { '-' }).collect();
+        std::fs::write(Path::new(&folder).join(name + ".png"), &png).unwrap();
+    }
+    Some(image::load_from_memory(&png).unwrap().to_rgb8())
+}
+
+/// Mean and 95th percentile of the differences of display codes, over pixels where the first picture is not black, as its
+/// background is.
+fn differences(a: &image::RgbImage, b: &image::RgbImage) -> (f64, f64) {
+    assert_eq!(a.dimensions(), b.dimensions());
+    let pair = |(a, b): (&image::Rgb<u8>, &image::Rgb<u8>)| {
+        let largest = (0..3).map(|k| f64::from(a[k].abs_diff(b[k]))).fold(0.0, f64::max);
+        a.0.iter().any(|code| *code > 0).then_some(largest)
+    };
+    let mut all: Vec<f64> = a.pixels().zip(b.pixels()).filter_map(pair).collect();
+    assert!(all.len() as u32 > SIDE * SIDE / 8, "{} pixels are lit", all.len());
+    all.sort_by(f64::total_cmp);
+    (all.iter().sum::<f64>() / all.len() as f64, all[all.len() * 95 / 100])
+}
+
+fn rendered(folder: &Folder, manifest: &str, more: &[&str]) -> image::RgbImage {
+    folder.write("scene.toml", manifest.as_bytes());
+    let size = format!("{SIDE}x{SIDE}");
+    let run = ["render", "scene.toml", "--size", &size, "--exposure", "1", "--samples", "4", "-o", "expected.png"];
+    folder.run(&[&run[..], more].concat()).succeeded();
+    image::load_from_memory(&folder.read("expected.png")).unwrap().to_rgb8()
+}
+
+#[test]
+fn a_ball_by_three_js_is_that_of_render() {
+    if !crate::common::has_adapter() {
+        return;
+    }
+    let folder = Folder::new();
+    let red = brdfc_testing::testdata("demo/red_plastic.binary");
+    folder.run(&["encode", &red, "-o", "red.ktx2"]).succeeded();
+    folder.run(&["encode", "synth:ggx?alpha=0.3", "--codec", "wavelet", "-o", "ggx.ktx2"]).succeeded();
+    let Some(files) = files(&folder) else { return };
+    let mut pictures = Vec::new();
+    for pack in ["red", "ggx"] {
+        let manifest = format!(
+            "[materials.it]\nsource = \"{pack}.ktx2\"\n[render]\nscene = \"sphere\"\n[render.camera]\n\
+             eye = [0.0, 0.6, 4.4]\ntarget = [0.0, 0.0, 0.0]\nfield_of_view = 30\n[[render.lights]]\n\
+             position = [-3.0, 3.0, 4.0]\nintensity = 60.0\n"
+        );
+        let expected = rendered(&folder, &manifest, &[]);
+        let Some(found) = drawn(&format!("examples/three.html?pack=../packs/{pack}.ktx2"), &files) else { return };
+        let (mean, p95) = differences(&found, &expected);
+        println!("three.js, {pack}: codes differ by {mean:.2} in the mean, {p95} at 95 %");
+        assert!(mean < 1.0 && p95 <= 3.0, "{pack}: {mean} {p95}");
+        pictures.push(found);
+    }
+    // Another material is noticed.
+    assert!(differences(&pictures[0], &pictures[1]).0 > 10.0);
+}
+
+#[test]
+fn a_flat_btf_by_three_js_is_that_of_render() {
+    if !crate::common::has_adapter() {
+        return;
+    }
+    let folder = Folder::new();
+    let small = ["--texels", "32", "--views", "grid:3x8@60", "--lights", "grid:3x8@60", "--indirection", "8x12"];
+    folder.run(&[&["flatten", "synth:button?resolution=48", "-o", "button"][..], &small].concat()).succeeded();
+    let Some(files) = files(&folder) else { return };
+    let manifest = "[render]\nscene = \"plane\"\nasset = \"button\"\n[render.camera]\n\
+                    eye = [0.3, 2.5, 2.0]\ntarget = [0.0, 0.0, 0.0]\nfield_of_view = 30\n[[render.lights]]\n\
+                    position = [-3.0, 2.0, 1.0]\nintensity = 45.0\n";
+    let expected = rendered(&folder, manifest, &["--repeat", "2"]);
+    let Some(found) = drawn("examples/flat-btf.html?asset=../packs/button/button.json", &files) else { return };
+    let (mean, p95) = differences(&found, &expected);
+    println!("three.js, flat BTF: codes differ by {mean:.2} in the mean, {p95} at 95 %");
+    assert!(mean < 3.0 && p95 <= 12.0, "{mean} {p95}");
+}
