@@ -5,6 +5,7 @@ mod bench;
 mod build_scene;
 mod common;
 mod compare;
+mod convert;
 mod encode;
 mod error;
 mod eval;
@@ -65,6 +66,7 @@ enum Command {
     Encode(encode::Arguments),
     Eval(eval::Arguments),
     Compare(compare::Arguments),
+    Convert(convert::Arguments),
     Info(info::Arguments),
     Synth(synth::Arguments),
     Bandwidth(bandwidth::Arguments),
@@ -102,8 +104,7 @@ impl Command {
 }
 
 /// Commands that print a report.
-const WITH_REPORT: &str =
-    "bandwidth, bench, build, compare, encode, flatten, info, plan, pwt, render, report, samples, shader and watch";
+const WITH_REPORT: &str = "bandwidth, bench, build, compare, convert, encode, flatten, info, plan, pwt, render, report, samples, shader and watch";
 
 const EXAMPLES: &str = "\
 Examples:
@@ -114,6 +115,7 @@ Examples:
   brdfc encode paint.brdf -o paint.ktx2 --max-error 0.02
   brdfc compare paint.brdf paint.ktx2                 how wrong is it?
   brdfc info paint.ktx2
+  brdfc convert paint.brdf -o paint.binary            for other programs
   brdfc render paint.ktx2 -o paint.png                what does it look like?
   brdfc report packs -o report.html                   a page for others: pictures, errors, checks
   brdfc flatten synth:button -o button                flat BTF of a surface with relief
@@ -198,6 +200,7 @@ fn run(cli: Cli) -> Result<(), CliError> {
         Command::Encode(arguments) => encode::run(&arguments, common),
         Command::Eval(arguments) => eval::run(&arguments, common),
         Command::Compare(arguments) => compare::run(&arguments, common),
+        Command::Convert(arguments) => convert::run(&arguments, common),
         Command::Info(arguments) => info::run(&arguments, common),
         Command::Synth(arguments) => synth::run(&arguments),
         Command::Bandwidth(arguments) => bandwidth::run(&arguments, common),

@@ -28,6 +28,8 @@ enum Report {
     Encode,
     /// 'brdfc compare --json'.
     Compare,
+    /// 'brdfc convert --json'.
+    Convert,
     /// 'brdfc info --json' of a material, a pack that is drawn, importance samples, photographs under known lights, or a
     /// polynomial wavelet tree or texture map.
     Info,
@@ -70,6 +72,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         Report::Watch => schema_for!(super::watch::Report),
         Report::Encode => schema_for!(super::encode::Report),
         Report::Compare => schema_for!(super::compare::Report),
+        Report::Convert => schema_for!(super::convert::Report),
         Report::Info => schema_for!(super::info::Report),
         Report::Bandwidth => schema_for!(super::bandwidth::Report),
         Report::Samples => schema_for!(super::samples::Report),

@@ -193,7 +193,7 @@ fn comment(plan: &ScanPlan, address: &str) -> String {
     )
 }
 
-fn dimensions(text: &str) -> Result<Dimensions, CliError> {
+pub(super) fn dimensions(text: &str) -> Result<Dimensions, CliError> {
     let wrong = || {
         CliError::Usage(format!(
             "--dimensions: found {text}; allowed three numbers from 1 to {MAX_DIMENSION}, such as 90x90x180, of at \

@@ -16,7 +16,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 /// What other lines of a block that is not run start with.
-const SET_UP: [&str; 11] = [
+const SET_UP: [&str; 13] = [
+    "pip install ",
+    "python3 tests/",
     "./scripts/",
     "./bindings/web/build",
     "npm install ./bindings/web",

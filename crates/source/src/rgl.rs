@@ -1,6 +1,7 @@
 //! Materials of the RGL database, evaluated as in Dupuy and Jakob 2018, "An adaptive parameterization for efficient
 //! material acquisition and rendering", section 3. The equations stand in `formats/src/measured/rgl.md`.
 
+pub mod resample;
 mod warp;
 
 use std::f64::consts::{FRAC_2_PI, PI, TAU};
@@ -145,26 +146,15 @@ impl Source for RglSource {
         }
         let pair = self.reduce(pair);
         let (theta_i, phi_i) = polar(pair.incoming);
-        let (theta_m, phi_m) = polar(half_vector(pair));
-        let u_i = polar_to_unit(theta_i);
-        let u_m = polar_to_unit(theta_m);
-        let v_m = azimuth_to_unit(match (self.azimuths, phi_m, phi_i) {
-            (Azimuths::Isotropic, Some(m), Some(i)) => m - i,
-            (Azimuths::Isotropic, ..) => 0.0,
-            (_, m, _) => m.unwrap_or(0.0),
-        });
+        let isotropic = self.azimuths == Azimuths::Isotropic;
+        let [u_m, v_m] = normal_to_unit(pair, isotropic);
         let phi_i = phi_i.unwrap_or(0.0);
         let turns = ((self.middle - phi_i) / TAU).round();
         let incidence = Incidence::new(&self.phi_i, phi_i + turns * TAU, &self.theta_i, theta_i);
 
         let mut scale = 1.0 / pair.outgoing[2];
         if self.jacobian {
-            let sigma = warp::bilinear(&self.sigma, u_i, azimuth_to_unit(phi_i));
-            // No microfacet is seen from here: only at the horizon, in a file that goes to zero there.
-            if sigma <= 0.0 {
-                return [0.0; 3];
-            }
-            scale *= warp::bilinear(&self.ndf, u_m, v_m) / (4.0 * sigma);
+            scale *= jacobian(&self.ndf, &self.sigma, pair, [theta_i, phi_i], isotropic);
         }
         self.colour(&incidence, self.visible.invert(&incidence, u_m, v_m)).map(|v| v * scale)
     }
@@ -176,6 +166,25 @@ impl Source for RglSource {
     fn is_grey(&self) -> bool {
         self.grey
     }
+}
+
+/// `ndf / (4 sigma)` of a pair, with polar angle and azimuth of its incoming direction: what values are stored without. 0 where no
+/// microfacet is seen: only at the horizon, in a file that goes to zero there.
+fn jacobian(ndf: &Map, sigma: &Map, pair: DirectionPair, [theta_i, phi_i]: [f64; 2], isotropic: bool) -> f64 {
+    let sigma = warp::bilinear(sigma, polar_to_unit(theta_i), azimuth_to_unit(phi_i));
+    let [u_m, v_m] = normal_to_unit(pair, isotropic);
+    if sigma <= 0.0 { 0.0 } else { warp::bilinear(ndf, u_m, v_m) / (4.0 * sigma) }
+}
+
+/// Where the half vector of a pair is in the unit square: of isotropic materials its azimuth counts from that of incidence.
+fn normal_to_unit(pair: DirectionPair, isotropic: bool) -> [f64; 2] {
+    let (theta_m, phi_m) = polar(half_vector(pair));
+    let v = azimuth_to_unit(match (isotropic, phi_m, polar(pair.incoming).1) {
+        (true, Some(m), Some(i)) => m - i,
+        (true, ..) => 0.0,
+        (_, m, _) => m.unwrap_or(0.0),
+    });
+    [polar_to_unit(theta_m), v]
 }
 
 /// Polar angle and, where there is one, azimuth, radians.

@@ -20,7 +20,7 @@ pub fn merl_file(source: &dyn Source, dimensions: Dimensions) -> Vec<u8> {
 }
 
 /// A pair with these half and difference angles, the half vector in the tangent's azimuth.
-fn pair_of_angles([theta_h, theta_d, phi_d]: [f64; 3]) -> DirectionPair {
+pub fn pair_of_angles([theta_h, theta_d, phi_d]: [f64; 3]) -> DirectionPair {
     let half = from_polar(theta_h, 0.0);
     DirectionPair::new(
         rotate_from_normal(half, from_polar(theta_d, phi_d)),

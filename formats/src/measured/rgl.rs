@@ -5,7 +5,7 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use super::tensor::{ElementKind, Tensor, TensorFile};
+use super::tensor::{self, ElementKind, Elements, Tensor, TensorFile};
 use crate::FormatError;
 
 /// Angles in files are rounded to single precision and may pass their limits by this much, radians.
@@ -96,6 +96,36 @@ impl Rgl {
             Colour::Rgb(_) => 3,
             Colour::Spectra { wavelengths, .. } => wavelengths.len(),
         }
+    }
+
+    /// The bytes of a file of RGB values, with the table of luminances that samplers want.
+    ///
+    /// # Panics
+    /// For spectra.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let Colour::Rgb(colours) = &self.colour else { panic!("a file of RGB values") };
+        let nodes = self.colour_rows * self.colour_columns;
+        let luminance = colours.chunks_exact(3 * nodes).flat_map(|rgb| {
+            let of = move |k: usize| 0.2126 * rgb[k] + 0.7152 * rgb[nodes + k] + 0.0722 * rgb[2 * nodes + k];
+            (0..nodes).map(move |k| of(k).max(0.0))
+        });
+        let luminance: Vec<f32> = luminance.collect();
+        let single = |angles: &[f64]| angles.iter().map(|angle| *angle as f32).collect::<Vec<f32>>();
+        let (phi_i, theta_i) = (single(&self.phi_i), single(&self.theta_i));
+        let [p, t] = [phi_i.len(), theta_i.len()];
+        let (rows, columns) = (self.colour_rows, self.colour_columns);
+        let square = |map: &Map| vec![map.rows, map.columns];
+        tensor::to_bytes(&[
+            ("description", vec![self.description.len()], Elements::Bytes(self.description.as_bytes())),
+            ("phi_i", vec![p], Elements::Floats(&phi_i)),
+            ("theta_i", vec![t], Elements::Floats(&theta_i)),
+            ("ndf", square(&self.ndf), Elements::Floats(&self.ndf.values)),
+            ("sigma", square(&self.sigma), Elements::Floats(&self.sigma.values)),
+            ("vndf", vec![p, t, self.vndf_rows, self.vndf_columns], Elements::Floats(&self.vndf)),
+            ("luminance", vec![p, t, rows, columns], Elements::Floats(&luminance)),
+            ("rgb", vec![p, t, 3, rows, columns], Elements::Floats(colours)),
+            ("jacobian", vec![1], Elements::Bytes(&[u8::from(self.jacobian)])),
+        ])
     }
 
     /// Reads a `.bsdf` file of the RGL database.

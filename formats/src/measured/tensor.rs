@@ -251,3 +251,44 @@ fn read_header<'a>(cursor: &mut Cursor<'a>, bytes: &'a [u8]) -> Result<Tensor<'a
         .ok_or_else(|| too_big(format!("{shape:?} of {kind:?} from byte {data_offset}")))?;
     Ok(Tensor { name, kind, shape, header_offset, data_offset, data })
 }
+
+/// What a field of a file holds.
+#[derive(Debug, Clone, Copy)]
+pub enum Elements<'a> {
+    /// Bytes, `u8`.
+    Bytes(&'a [u8]),
+    /// Floats, `f32`.
+    Floats(&'a [f32]),
+}
+
+/// The bytes of a file of these fields: names, extents with the slowest axis first, elements. Each begins at a multiple of 8
+/// bytes.
+pub fn to_bytes(fields: &[(&str, Vec<usize>, Elements<'_>)]) -> Vec<u8> {
+    let headers: usize = fields.iter().map(|(name, shape, _)| 2 + name.len() + 2 + 1 + 8 + 8 * shape.len()).sum();
+    let mut offset = MAGIC.len() + 2 + 4 + headers;
+    let mut bytes = MAGIC.to_vec();
+    bytes.extend(VERSION);
+    bytes.extend((fields.len() as u32).to_le_bytes());
+    for (name, shape, elements) in fields {
+        offset = offset.next_multiple_of(8);
+        let (code, length) = match elements {
+            Elements::Bytes(values) => (ElementKind::U8 as u8, values.len()),
+            Elements::Floats(values) => (ElementKind::F32 as u8, 4 * values.len()),
+        };
+        bytes.extend((name.len() as u16).to_le_bytes());
+        bytes.extend(name.as_bytes());
+        bytes.extend((shape.len() as u16).to_le_bytes());
+        bytes.push(code);
+        bytes.extend((offset as u64).to_le_bytes());
+        bytes.extend(shape.iter().flat_map(|extent| (*extent as u64).to_le_bytes()));
+        offset += length;
+    }
+    for (.., elements) in fields {
+        bytes.resize(bytes.len().next_multiple_of(8), 0);
+        match elements {
+            Elements::Bytes(values) => bytes.extend(*values),
+            Elements::Floats(values) => bytes.extend(values.iter().flat_map(|value| value.to_le_bytes())),
+        }
+    }
+    bytes
+}

@@ -208,7 +208,7 @@ fn json_is_a_flag_of_the_program() {
         &["generate", "man", "--out", "man"],
     ] {
         let name = arguments[0];
-        let allowed = "bandwidth, bench, build, compare, encode, flatten, info, plan, pwt, render, report, samples, shader and watch";
+        let allowed = "bandwidth, bench, build, compare, convert, encode, flatten, info, plan, pwt, render, report, samples, shader and watch";
         for ran in [folder.run(&[&["--json"], arguments].concat()), folder.run(&[arguments, &["--json"]].concat())] {
             assert_eq!((ran.code, ran.stdout.as_str()), (2, ""), "{arguments:?}");
             assert_eq!(ran.stderr, format!("brdfc: --json: found with {name}; allowed with {allowed}\n"));
@@ -236,6 +236,7 @@ fn what_refuses_json_is_what_the_page_says() {
         ("encode to stdout", &["encode", "gone.binary", "-o", "-"]),
         ("eval", &["eval", "gone.binary", "--directions", "pairs.csv"]),
         ("compare", &["compare", "gone.binary", "synth:lambert"]),
+        ("convert", &["convert", "gone.brdf", "-o", "x.binary"]),
         ("info", &["info", "gone.binary"]),
         ("synth", &["synth", "lewis", "-o", "a.binary"]),
         ("synth of a structure", &["synth", "button", "-o", "a.obj"]),

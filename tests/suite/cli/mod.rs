@@ -4,6 +4,7 @@ mod bandwidth;
 mod bench;
 mod build_scene;
 mod compare;
+mod convert;
 mod encode;
 mod eval;
 mod flatten;

@@ -1,7 +1,10 @@
 //! The report of one encoded material.
 
 use crate::encode::{AveragingCost, CodecReport, EncodedPack, Trial};
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
 use brdfc_formats::BrdfPack;
+use brdfc_formats::container::PackedTexture;
 use brdfc_formats::crop::DirectionRange;
 use brdfc_metrics::compare::Comparison;
 use brdfc_source::Tally;
@@ -9,6 +12,7 @@ use brdfc_source::open::Facts;
 use brdfc_source::scan::StrayRows;
 use brdfc_source::words::bytes;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// One material, encoded. The same input, options and version give the same report: times stand apart in
 /// [`StageTime`]s.
@@ -53,6 +57,9 @@ pub struct MaterialReport {
     pub tried: Vec<Trial>,
     /// What nothing that was tried meets: then the pack is the best of them.
     pub missed: Option<String>,
+    /// The pack's entries `brdfc.*`, as base64, for loaders that drop them: their layouts are those of formats/src/*/spec.md.
+    #[serde(default)]
+    pub entries: BTreeMap<String, String>,
 }
 
 impl MaterialReport {
@@ -81,8 +88,15 @@ impl MaterialReport {
             averaging: encoded.averaging,
             tried: encoded.tried.clone(),
             missed: encoded.missed.clone(),
+            entries: entries(&encoded.bytes),
         }
     }
+}
+
+/// Entries of a pack's file.
+fn entries(file: &[u8]) -> BTreeMap<String, String> {
+    let packed = PackedTexture::from_bytes(file).map(|packed| packed.entries).unwrap_or_default();
+    packed.into_iter().map(|(key, value)| (key, STANDARD.encode(value))).collect()
 }
 
 /// Wall-clock time of one stage.

@@ -121,6 +121,20 @@ impl VisibleNormals {
         Ok(this)
     }
 
+    /// The point `(u, v)` that falls to `[s, t]`, for one tabulated incident direction: the inverse of [`Self::invert`].
+    pub fn sample(&self, slice: usize, [s, t]: [f64; 2]) -> [f64; 2] {
+        let total = |y: usize| self.totals[slice * self.rows + y].map(f64::from);
+        let (y, down) = place(self.rows, t * total(self.rows - 1)[1], |y| total(y)[1], |y| total(y)[0]);
+        let whole = mix(total(y)[0], total(y + 1)[0], down);
+        let node = |x: usize, which: usize| {
+            let of = |row: usize| f64::from(self.nodes[(slice * self.rows + row) * self.columns + x][which]);
+            mix(of(y), of(y + 1), down)
+        };
+        let (x, along) = place(self.columns, s * whole, |x| node(x, 1), |x| node(x, 0));
+        let u = (x as f64 + along) / (self.columns - 1) as f64;
+        [if whole > 0.0 { u } else { s }, (y as f64 + down) / (self.rows - 1) as f64]
+    }
+
     /// Where the point `(u, v)` falls once the density is made uniform; both in `[0, 1]`.
     pub fn invert(&self, incidence: &Incidence, u: f64, v: f64) -> [f64; 2] {
         let (x, y) = (Cell::new(u, self.columns), Cell::new(v, self.rows));
@@ -145,6 +159,24 @@ impl VisibleNormals {
         let s = if whole_row > 0.0 { along_row / whole_row } else { u };
         [s.clamp(0.0, 1.0), (rows_before + segment(upper, lower, y.fraction)).clamp(0.0, 1.0)]
     }
+}
+
+/// Which node before, and how far behind it, a running integral has a value: `from(k)` is the integral up to node `k`, and
+/// `density(k)` what is integrated there. The inverse of [`segment`].
+fn place(nodes: usize, value: f64, from: impl Fn(usize) -> f64, density: impl Fn(usize) -> f64) -> (usize, f64) {
+    let (mut low, mut high) = (0, nodes - 1);
+    while high - low > 1 {
+        let middle = (low + high) / 2;
+        if from(middle) <= value {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    let (rest, a, b) = ((value - from(low)).max(0.0), density(low), density(low + 1));
+    let root = (a * a + 2.0 * (b - a) * rest).max(0.0).sqrt();
+    let fraction = if a + root > 0.0 { 2.0 * rest / (a + root) } else { 0.0 };
+    (low, fraction.clamp(0.0, 1.0))
 }
 
 /// Integral from 0 to `t` of the line that goes from `a` at 0 to `b` at 1.

@@ -1,0 +1,170 @@
+//! Any source as a measured file that other programs read, with the error that this brings.
+
+use brdfc_formats::FormatError;
+use brdfc_formats::colour::rgb_weights;
+use brdfc_formats::direction::DirectionPair;
+use brdfc_formats::measured::merl::{self, Dimensions, Merl, MerlError};
+use brdfc_formats::measured::rgl::Rgl;
+use brdfc_formats::measured::scan::Row;
+use brdfc_formats::measured::scan_csv;
+use brdfc_metrics::compare::{Comparison, compare};
+use brdfc_metrics::sampling::PairSet;
+use brdfc_metrics::values::values_of_list;
+use brdfc_source::pair_list::PairList;
+use brdfc_source::rgl::resample::RglGrid;
+use brdfc_source::scan::ScanSource;
+use brdfc_source::simulate::pair_of_angles;
+use brdfc_source::{MerlSource, RglSource, Source};
+use std::cell::{Cell, RefCell};
+use std::f64::consts::TAU;
+
+/// The largest polar angle of rows, degrees.
+const STEEPEST_DEGREES: f64 = 85.0;
+/// Incoming azimuths of a list of an anisotropic material.
+const INCOMING_AZIMUTHS: usize = 8;
+
+/// What is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Target {
+    /// A MERL table, for isotropic materials.
+    Merl(Dimensions),
+    /// A list of direction pairs with their values.
+    Csv(PairGrid),
+    /// A material of the RGL database, in RGB.
+    Rgl,
+}
+
+/// Directions of a list: polar angles evenly from 0 to 85 degrees.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PairGrid {
+    /// Incoming polar angles.
+    pub incoming: usize,
+    /// Outgoing polar angles.
+    pub outgoing: usize,
+    /// Outgoing azimuths over the full turn; at the normal there is one.
+    pub azimuths: usize,
+}
+
+/// What was written.
+#[derive(Debug, Clone)]
+pub struct Converted {
+    /// The file.
+    pub bytes: Vec<u8>,
+    /// Values in it.
+    pub values: usize,
+    /// The file as this program reads it, against the source.
+    pub comparison: Comparison,
+}
+
+/// Why a source does not go into a file.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum ConvertError {
+    /// A MERL table of what varies as it is turned about its normal.
+    #[error(
+        "material: found an anisotropic one; allowed an isotropic one, or a .csv file: MERL tables have no azimuth"
+    )]
+    Anisotropic,
+    /// What was written cannot be read: a table or a list too small.
+    #[error(transparent)]
+    Format(#[from] FormatError),
+}
+
+impl From<MerlError> for ConvertError {
+    fn from(error: MerlError) -> Self {
+        match error {
+            MerlError::Format(error) => Self::Format(error),
+            MerlError::Io(error) => unreachable!("memory can be read: {error}"),
+        }
+    }
+}
+
+/// Resamples a source, and measures what was written against it, at the pairs at which packs are measured.
+///
+/// # Errors
+/// An anisotropic source for a MERL table.
+pub fn convert(source: &dyn Source, target: Target) -> Result<Converted, ConvertError> {
+    let set = PairSet::within(source.directions());
+    match target {
+        Target::Merl(dimensions) => {
+            if !source.symmetry().isotropic {
+                return Err(ConvertError::Anisotropic);
+            }
+            let (bytes, values) = merl_table(source, dimensions);
+            let table = Merl::from_bytes(&bytes)?;
+            let comparison = compare(source, &MerlSource::new(table), &set).0;
+            Ok(Converted { bytes, values, comparison })
+        }
+        Target::Rgl => {
+            let (bytes, values) = rgl(source)?;
+            let found = RglSource::new(Rgl::from_bytes(&bytes)?, rgb_weights)?;
+            let comparison = compare(source, &found, &set).0;
+            Ok(Converted { bytes, values, comparison })
+        }
+        Target::Csv(grid) => {
+            let rows = rows(source, grid);
+            let mut bytes = Vec::new();
+            scan_csv::write(&mut bytes, &rows).expect("memory can be written to");
+            let scan = ScanSource::new(&scan_csv::from_bytes(&bytes)?)?;
+            let comparison = compare(source, &scan, &set).0;
+            Ok(Converted { bytes, values: rows.len(), comparison })
+        }
+    }
+}
+
+/// The bytes of a MERL table and how many cells have a value.
+fn merl_table(source: &dyn Source, dimensions: Dimensions) -> (Vec<u8>, usize) {
+    let write = |value: &dyn Fn([f64; 3]) -> Option<[f64; 3]>| {
+        let mut bytes = Vec::new();
+        merl::write(&mut bytes, dimensions, value).expect("memory can be written to");
+        bytes
+    };
+    // Once for the directions, which are then evaluated all together, and once for their values.
+    let asked = RefCell::new(Vec::new());
+    let above = |angles| Some(pair_of_angles(angles)).filter(|pair| pair.is_above_horizon());
+    write(&|angles| {
+        asked.borrow_mut().extend(above(angles));
+        None
+    });
+    let (values, _) = values_of_list(source, &PairList::new(asked.into_inner()));
+    let next = Cell::new(0);
+    let bytes = write(&|angles| {
+        above(angles)?;
+        next.set(next.get() + 1);
+        Some(values[next.get() - 1].map(|f| f.max(0.0)))
+    });
+    (bytes, values.len())
+}
+
+/// The bytes of an RGL material and how many values it has.
+fn rgl(source: &dyn Source) -> Result<(Vec<u8>, usize), FormatError> {
+    let evaluated = |pairs: &[DirectionPair]| values_of_list(source, &PairList::new(pairs.to_vec())).0;
+    let grid = RglGrid::of(source.symmetry().isotropic);
+    let distributions = grid.distributions(&evaluated(&grid.retro_pairs()))?;
+    let pairs = distributions.pairs();
+    let values = evaluated(&pairs);
+    let description = format!("resampled by brdfc {}", env!("CARGO_PKG_VERSION"));
+    Ok((distributions.finish(&values, description).to_bytes(), values.len()))
+}
+
+/// Rows over a grid of directions.
+fn rows(source: &dyn Source, grid: PairGrid) -> Vec<Row> {
+    let polar = |k: usize, count: usize| (STEEPEST_DEGREES * k as f64 / (count - 1).max(1) as f64).to_radians();
+    let turned = if source.symmetry().isotropic { 1 } else { INCOMING_AZIMUTHS };
+    let mut angles = Vec::new();
+    for i in 0..grid.incoming {
+        // At the normal there is one azimuth.
+        for phi_i in (0..if i == 0 { 1 } else { turned }).map(|k| TAU * k as f64 / turned as f64) {
+            for o in 0..grid.outgoing {
+                let azimuths = if o == 0 { 1 } else { grid.azimuths };
+                let phi_o = (0..azimuths).map(|k| TAU * k as f64 / azimuths as f64);
+                angles.extend(phi_o.map(|phi_o| [polar(i, grid.incoming), phi_i, polar(o, grid.outgoing), phi_o]));
+            }
+        }
+    }
+    let pair =
+        |[theta_i, phi_i, theta_o, phi_o]: &[f64; 4]| DirectionPair::from_angles(*theta_i, *phi_i, *theta_o, *phi_o);
+    let (values, _) = values_of_list(source, &PairList::new(angles.iter().map(pair).collect()));
+    let row =
+        |([theta_i, phi_i, theta_o, phi_o], value): ([f64; 4], [f64; 3])| Row { theta_i, phi_i, theta_o, phi_o, value };
+    angles.into_iter().zip(values).map(row).collect()
+}

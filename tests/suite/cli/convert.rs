@@ -1,0 +1,83 @@
+//! `brdfc convert`: what is written is what other programs read, and its error is told.
+
+use super::schemas::conforms;
+use crate::common::cli::Folder;
+
+fn relative_error(report: &serde_json::Value) -> f64 {
+    report["norms"]["relative_mean"].as_f64().unwrap()
+}
+
+#[test]
+fn every_kind_of_file_is_read_again() {
+    let folder = Folder::new();
+    let red = brdfc_testing::testdata("demo/red_plastic.binary");
+    folder.run(&["encode", &red, "-o", "red.ktx2"]).succeeded();
+    for (input, output, more, kind, delta_e) in [
+        ("synth:lewis", "lewis.binary", &["--dimensions", "45x45x90"][..], "merl", 0.1),
+        ("red.ktx2", "red.binary", &["--dimensions", "30x30x60"], "merl", 1.5),
+        ("red.ktx2", "red.bsdf", &[], "rgl", 0.2),
+        ("synth:ward?kd=0.2&ax=0.2&ay=0.4", "ward.bsdf", &[], "rgl", 0.5),
+        ("synth:lewis", "lewis.csv", &["--grid", "8x12x24"], "csv", 1.0),
+        ("synth:ward?kd=0.2&ax=0.2&ay=0.4", "ward.csv", &["--grid", "6x8x16"], "csv", 6.0),
+    ] {
+        let report = folder.run(&[&["convert", input, "-o", output, "--json"], more].concat()).succeeded().json();
+        conforms("convert", &report);
+        assert_eq!((&report["kind"], &report["bytes_on_disk"]), (&kind.into(), &folder.read(output).len().into()));
+        let found = report["picture"]["delta_e"]["mean"].as_f64().unwrap();
+        assert!(found < delta_e && report["values"].as_u64().unwrap() > 1000, "{output}: {found}");
+        // The errors are those of the file.
+        let compared = folder.run(&["compare", input, output, "--json"]).succeeded().json();
+        assert_eq!(relative_error(&compared), relative_error(&report), "{output}");
+    }
+    // And it is used as any other.
+    folder.run(&["encode", "red.bsdf", "-o", "again.ktx2"]).succeeded();
+    let back = folder.run(&["compare", "red.ktx2", "again.ktx2", "--json"]).succeeded().json();
+    assert!(back["picture"]["delta_e"]["mean"].as_f64().unwrap() < 1.5, "{back}");
+}
+
+#[test]
+fn threads_and_repetition_change_nothing() {
+    let folder = Folder::new();
+    for output in ["a.bsdf", "a.csv"] {
+        folder.run(&["convert", "synth:ggx?alpha=0.2", "-o", output, "--jobs", "1"]).succeeded();
+        let alone = folder.read(output);
+        folder.run(&["convert", "synth:ggx?alpha=0.2", "-o", output, "--jobs", "3"]).succeeded();
+        assert!(alone == folder.read(output), "{output}");
+    }
+}
+
+#[test]
+fn what_does_not_fit_is_told() {
+    let folder = Folder::new();
+    folder.write("some.csv", b"no scan");
+    for (arguments, code, problem) in [
+        (
+            &["synth:ward?ax=0.1&ay=0.4", "-o", "w.binary"][..],
+            3,
+            "found an anisotropic one; allowed an isotropic one, or",
+        ),
+        (&["synth:lewis", "-o", "x.exr"], 2, "allowed a name that ends in .binary or .bsdf or .csv"),
+        (
+            &["synth:lewis", "-o", "x.csv", "--dimensions", "8x8x8"],
+            2,
+            "--dimensions: found with x.csv; allowed with a file in .binary",
+        ),
+        (
+            &["synth:lewis", "-o", "x.bsdf", "--grid", "8x8x8"],
+            2,
+            "--grid: found with x.bsdf; allowed with a file in .csv",
+        ),
+        (
+            &["synth:lewis", "-o", "x.csv", "--grid", "1x8x8"],
+            2,
+            "--grid: found 1x8x8; allowed three numbers from 2 to 1000",
+        ),
+        (&["synth:lewis", "-o", "x.binary", "--dimensions", "0x8x8"], 2, "--dimensions: found 0x8x8"),
+        (&["some.csv", "-o", "some.csv"], 2, "--output: found some.csv, an input"),
+        (&["gone.brdf", "-o", "x.binary"], 4, "gone.brdf: cannot read"),
+    ] {
+        let ran = folder.run(&[&["convert"], arguments].concat());
+        assert!(ran.code == code && ran.stderr.contains(problem) && ran.stdout.is_empty(), "{arguments:?}: {ran:?}");
+    }
+    assert_eq!(folder.files(".").len(), 1);
+}
