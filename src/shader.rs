@@ -123,7 +123,7 @@ fn decoder(kind: &OsString) -> Result<Decoder, CliError> {
         asset_list(path)?;
         return Ok(Decoder::FlatBtf);
     }
-    Ok(Decoder::of(open_pack(&Input::File(path.to_owned()))?.kind()))
+    Ok(Decoder::of(open_pack(Input::File(path.to_owned()))?.kind()))
 }
 
 impl Report {

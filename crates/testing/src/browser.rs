@@ -2,7 +2,9 @@
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{TcpListener, TcpStream};
-use std::process::{Command, Stdio};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
 /// Names of the program.
@@ -22,7 +24,7 @@ const OPTIONS: [&str; 11] = [
     "--enable-unsafe-swiftshader",
 ];
 /// For a page to say what it found.
-const PATIENCE: Duration = Duration::from_secs(120);
+const PATIENCE: Duration = Duration::from_secs(60);
 
 /// Posts the canvas after some frames, or what went wrong.
 const LOOK: &str = "
@@ -55,43 +57,71 @@ window.requestAnimationFrame = (draw) => frame((time) => {
 /// A file that a page may ask for: its path behind `/`, its media type, its bytes.
 pub type File<'a> = (&'a str, &'a str, &'a [u8]);
 
+/// How often a page is opened anew that says nothing, or whose browser lost its graphics process: on a busy machine it may.
+const ATTEMPTS: usize = 3;
+/// What a page says whose browser lost it.
+const LOST: &[u8] = b"error: OperationError: A valid external Instance reference no longer exists";
+
 /// Opens `/` of these files and waits for what the page sends to `/result` by POST. `None` where there is no browser, which is
 /// said.
 ///
 /// # Panics
-/// Where the page says nothing for two minutes.
+/// Where the page says nothing for a minute, three times.
 pub fn result_of_page(files: &[File<'_>]) -> Option<Vec<u8>> {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port of this machine");
     listener.set_nonblocking(true).expect("a socket that does not block");
     let address = format!("http://{}/", listener.local_addr().expect("it is bound"));
-    let profile = tempfile::tempdir().expect("a temporary folder");
+    for _ in 0..ATTEMPTS {
+        let profile = tempfile::tempdir().expect("a temporary folder");
+        let mut browser = browser(&address, profile.path())?;
+        let posted = posted(&listener, files);
+        let _ = browser.kill();
+        let _ = browser.wait();
+        match posted {
+            Some(posted) if !posted.starts_with(LOST) => return Some(posted),
+            _ => println!("a page is opened again"),
+        }
+    }
+    panic!("the page said nothing for {} s, {ATTEMPTS} times", PATIENCE.as_secs());
+}
+
+/// Starts the browser; nothing where there is none.
+fn browser(address: &str, profile: &Path) -> Option<Child> {
     let program = std::env::var("BRDFC_CHROMIUM");
     let programs = program.iter().map(String::as_str).chain(PROGRAMS);
     let mut started = programs.filter_map(|program| {
-        Command::new(program)
-            .args(OPTIONS)
-            .arg(format!("--user-data-dir={}", profile.path().display()))
-            .arg(&address)
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .spawn()
-            .ok()
+        let mut command = Command::new(program);
+        command.args(OPTIONS).arg(format!("--user-data-dir={}", profile.display())).arg(address);
+        command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().ok()
     });
-    let Some(mut browser) = started.next() else {
+    let started = started.next();
+    if started.is_none() {
         println!("skipped: no page is opened: there is no {}", PROGRAMS.join(", no "));
-        return None;
-    };
-    let end = Instant::now() + PATIENCE;
-    let mut result = None;
-    while result.is_none() && Instant::now() < end {
-        match listener.accept() {
-            Ok((stream, _)) => result = answer(stream, files).unwrap_or(None),
-            Err(_) => std::thread::sleep(Duration::from_millis(5)),
-        }
     }
-    let _ = browser.kill();
-    let _ = browser.wait();
-    Some(result.unwrap_or_else(|| panic!("the page said nothing for {} s", PATIENCE.as_secs())))
+    started
+}
+
+/// Answers requests until something is posted, or patience is at its end.
+fn posted(listener: &TcpListener, files: &[File<'_>]) -> Option<Vec<u8>> {
+    let end = Instant::now() + PATIENCE;
+    let (sender, receiver) = mpsc::channel();
+    std::thread::scope(|scope| {
+        while Instant::now() < end {
+            // Browsers open connections ahead of their requests: none may hold up another.
+            if let Ok((stream, _)) = listener.accept() {
+                let sender = sender.clone();
+                scope.spawn(move || {
+                    if let Ok(Some(posted)) = answer(stream, files) {
+                        let _ = sender.send(posted);
+                    }
+                });
+            }
+            if let Ok(posted) = receiver.recv_timeout(Duration::from_millis(5)) {
+                return Some(posted);
+            }
+        }
+        None
+    })
 }
 
 /// A picture of the only canvas of a page of these files, some frames after it was opened, as the bytes of a PNG. `None` where
@@ -124,7 +154,7 @@ pub fn picture_of_page(address: &str, [width, height]: [u32; 2], files: &[File<'
 /// Answers one request; what was posted, if that was it.
 fn answer(mut stream: TcpStream, files: &[File<'_>]) -> std::io::Result<Option<Vec<u8>>> {
     stream.set_nonblocking(false)?;
-    stream.set_read_timeout(Some(Duration::from_secs(10)))?;
+    stream.set_read_timeout(Some(Duration::from_secs(3)))?;
     let mut reader = BufReader::new(stream.try_clone()?);
     let mut line = String::new();
     reader.read_line(&mut line)?;

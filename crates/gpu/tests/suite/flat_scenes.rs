@@ -182,7 +182,7 @@ fn a_change_of_the_scene_or_of_the_shader_is_a_difference() {
     let edits = [
         ("select(vec2<f32>(in.uv.x, -in.uv.y), in.uv, front)", "in.uv"),
         ("select(-n, n, front)", "n"),
-        ("min(wi.z / material.lowest_light, 1.0)", "1.0"),
+        ("min(light.z / lowest_light, 1.0)", "1.0"),
     ];
     for (from, to) in edits {
         assert_eq!(flat_scene_source().matches(from).count(), 1, "{from}");
