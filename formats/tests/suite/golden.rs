@@ -177,13 +177,18 @@ fn a_changed_byte_of_any_pack_is_noticed() {
         let packs = packs(codec);
         let listed = entries(codec, &packs);
         for (file, bytes) in packs.iter().filter(|(file, _)| !file.contains("foreign")) {
-            let mut broken = bytes.clone();
-            // A colour in the last texels of all formats, or the last block of a frame.
-            broken[bytes.len() - 8] ^= 1;
-            let mut found = listed.clone();
-            found.insert(file.clone(), entry(file, &broken));
-            let moved: Vec<&str> = changes(&listed, &found).iter().map(|change| change.column).collect();
-            assert!(moved.contains(&"file") && moved.contains(&"values"), "{codec}/{file}: {moved:?}");
+            let is_noticed = |back: usize| {
+                let mut broken = bytes.clone();
+                broken[bytes.len() - back] ^= 1;
+                let mut found = listed.clone();
+                found.insert(file.clone(), entry(file, &broken));
+                let moved: Vec<&str> = changes(&listed, &found).iter().map(|change| change.column).collect();
+                assert!(moved.contains(&"file"), "{codec}/{file}: {moved:?}");
+                moved.contains(&"values")
+            };
+            // A colour in the last texels of all formats, or the last block of a frame, or a byte before: a frame may tell a
+            // run of zeros in several ways.
+            assert!(is_noticed(8) || is_noticed(32), "{codec}/{file}");
         }
     }
 }

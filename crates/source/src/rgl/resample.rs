@@ -10,7 +10,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Largest polar angle of incidence, degrees.
 const STEEPEST_DEGREES: f64 = 89.0;
-/// Height of the lowest outgoing directions that are evaluated.
+/// Height of the lowest directions from which light is sent back.
 const LOWEST: f64 = 1e-3;
 /// Least density of normals, relative to that of a rough surface: no direction is without values.
 const LEAST_DENSITY: f64 = 0.02;
@@ -42,7 +42,6 @@ impl RglGrid {
         (0..self.azimuths).map(|k| if self.azimuths == 1 { 0.0 } else { TAU * k as f64 / last - PI }).collect()
     }
 
-    /// Denser at the normal, as the tables are.
     fn theta_i(&self) -> Vec<f64> {
         let most = STEEPEST_DEGREES.to_radians();
         (0..self.polar).map(|k| most * k as f64 / (self.polar - 1).max(1) as f64).collect()
@@ -177,8 +176,8 @@ impl Distributions {
                 .iter()
                 .zip(values)
                 .map(|(pair, value)| {
-                    let scale =
-                        pair.outgoing[2] / super::jacobian(&ndf, &sigma, *pair, [theta, phi], self.grid.azimuths == 1);
+                    let scale = pair.outgoing[2].max(0.0)
+                        / super::jacobian(&ndf, &sigma, *pair, [theta, phi], self.grid.azimuths == 1);
                     value.map(|f| if scale.is_finite() { f.max(0.0) * scale } else { 0.0 })
                 })
                 .collect();
