@@ -31,6 +31,7 @@ mod steps;
 mod synth;
 mod table;
 mod usage;
+mod view;
 mod watch;
 
 pub use error::CliError;
@@ -83,6 +84,7 @@ enum Command {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
         rest: Vec<String>,
     },
+    View(view::Arguments),
     Report(report::Arguments),
     Plan(plan::Arguments),
     Bench(bench::Arguments),
@@ -104,7 +106,7 @@ impl Command {
 }
 
 /// Commands that print a report.
-const WITH_REPORT: &str = "bandwidth, bench, build, compare, convert, encode, flatten, info, plan, pwt, render, report, samples, shader and watch";
+const WITH_REPORT: &str = "bandwidth, bench, build, compare, convert, encode, flatten, info, plan, pwt, render, report, samples, shader, view and watch";
 
 const EXAMPLES: &str = "\
 Examples:
@@ -117,6 +119,7 @@ Examples:
   brdfc info paint.ktx2
   brdfc convert paint.brdf -o paint.binary            for other programs
   brdfc render paint.ktx2 -o paint.png                what does it look like?
+  brdfc view paint.ktx2 paint.brdf -o paint.html      turned and lit in a browser, beside its source
   brdfc report packs -o report.html                   a page for others: pictures, errors, checks
   brdfc flatten synth:button -o button                flat BTF of a surface with relief
   brdfc pwt icon -o icon.ktx2                         photographs under known lights, lit anew
@@ -213,6 +216,7 @@ fn run(cli: Cli) -> Result<(), CliError> {
         #[cfg(not(feature = "render"))]
         Command::Render { .. } => Err(CliError::without_renderer()),
         Command::Plan(arguments) => plan::run(&arguments, common),
+        Command::View(arguments) => view::run(&arguments, common),
         Command::Report(arguments) => report::run(&arguments, common),
         Command::Bench(arguments) => bench::run(&arguments, common),
         Command::Schema(arguments) => schema::run(&arguments),

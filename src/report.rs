@@ -6,12 +6,15 @@ use super::output::{
 use super::progress::Materials;
 use super::{CliError, Common};
 use brdfc_jobs::report::page::{
-    FlatPage, GatherError, Reports, csv, flat_csv, flat_html, gather, html, is_flat_btf, sheet,
+    FlatPage, GatherError, Reports, ViewLink, csv, flat_csv, flat_html, gather, html, is_flat_btf, sheet,
 };
 use brdfc_jobs::scene::plan::REPORT;
+use brdfc_jobs::view::{ViewOptions, open_items, view_page};
 use brdfc_metrics::fraction::Fraction;
 use brdfc_render::picture::rgb_png;
+use brdfc_source::Input;
 use brdfc_source::flat_btf::asset_list;
+use brdfc_source::progress::Progress;
 use brdfc_source::words::counted;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -30,6 +33,7 @@ use std::sync::atomic::AtomicBool;
 #[command(after_help = "\
 Examples:
   brdfc report packs -o report.html --sheet sheet.png
+  brdfc report packs -o report.html --view view.html
   brdfc report packs -o report.html --against last-week/report.json --tolerance 5%
   brdfc report button -o button.html")]
 pub struct Arguments {
@@ -44,6 +48,9 @@ pub struct Arguments {
     /// and ΔE.
     #[arg(long, value_name = "IMAGE.png")]
     sheet: Option<PathBuf>,
+    /// Write a page that draws all packs in a browser, too, as 'brdfc view' does, and link to it: in the folder of the page.
+    #[arg(long, value_name = "VIEW.html")]
+    view: Option<PathBuf>,
     /// Of a build: the report.json of an earlier one, or its folder.
     #[arg(long, value_name = "OLD")]
     against: Option<PathBuf>,
@@ -54,7 +61,7 @@ pub struct Arguments {
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     let output = arguments.output.as_path();
-    if !output.extension().is_some_and(|e| e.eq_ignore_ascii_case("html") || e.eq_ignore_ascii_case("htm")) {
+    if !is_html(output) {
         let found = output.display();
         return Err(CliError::Usage(format!("--output: found {found}; allowed a name that ends in .html")));
     }
@@ -86,13 +93,17 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let built = reports.files();
     let built: Vec<&Path> = built.iter().map(PathBuf::as_path).collect();
     refuse_pages_over(output, [&csv_path, &json_path], &built)?;
+    if let Some(path) = &arguments.view {
+        refuse_unfit_view(path, output, &[&built[..], &inputs, &[output]].concat())?;
+    }
     if let Some(path) = &arguments.sheet {
         refuse_overwriting("--sheet", path, &built)?;
     }
     // An interrupt ends the process at once: files are whole or not there.
     let cancelled = AtomicBool::new(false);
     let progress = Materials::new(reports.count(), false, common, &cancelled);
-    let page = gather(reports, tolerance, &progress)?;
+    let mut page = gather(reports, tolerance, &progress)?;
+    page.view = write_view(arguments, &progress)?;
     drop(progress);
     write_file(&csv_path, csv(&page).as_bytes())?;
     write_file(&json_path, to_json(&page.report()).as_bytes())?;
@@ -112,6 +123,29 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         1 => Err(CliError::Check("one figure is worse than before".to_owned())),
         count => Err(CliError::Check(format!("{count} figures are worse than before"))),
     }
+}
+
+fn is_html(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("html") || e.eq_ignore_ascii_case("htm"))
+}
+
+/// The page of `--view`.
+fn write_view(arguments: &Arguments, progress: &dyn Progress) -> Result<Option<ViewLink>, CliError> {
+    let Some(path) = &arguments.view else { return Ok(None) };
+    let items = open_items(&[Input::from(&arguments.folder)], ViewOptions { sources: true }, progress)?;
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    write_file(path, view_page(&name, &items)?.html.as_bytes())?;
+    Ok(Some(ViewLink::new(&name, items.into_iter().map(|item| item.name))))
+}
+
+/// It stands beside the page that links to it, and is no other file.
+fn refuse_unfit_view(path: &Path, output: &Path, others: &[&Path]) -> Result<(), CliError> {
+    if !is_html(path) || path.parent() != output.parent() {
+        let found = path.display();
+        let allowed = "a name that ends in .html, in the folder of the page";
+        return Err(CliError::Usage(format!("--view: found {found}; allowed {allowed}")));
+    }
+    refuse_overwriting("--view", path, others)
 }
 
 /// A page and its figures are files of their own, in a folder that is there.
@@ -150,7 +184,11 @@ fn of_flat_btf(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     let list = asset_list(folder)?.map(|(path, _)| path);
     let [csv_path, json_path] = ["csv", "json"].map(|extension| output.with_extension(extension));
     refuse_pages_over(output, [&csv_path, &json_path], list.as_deref().as_slice())?;
-    let page = FlatPage::open(folder)?;
+    if let Some(path) = &arguments.view {
+        refuse_unfit_view(path, output, &[list.as_deref().as_slice(), &[output]].concat())?;
+    }
+    let mut page = FlatPage::open(folder)?;
+    page.view = write_view(arguments, &())?;
     write_file(&csv_path, flat_csv(&page.asset).as_bytes())?;
     write_file(&json_path, to_json(&page.asset).as_bytes())?;
     write_file(output, flat_html(&page).as_bytes())?;

@@ -52,6 +52,8 @@ enum Report {
     /// 'brdfc report --json' of a build, and the .json beside its page.
     #[value(name = "report")]
     Page,
+    /// 'brdfc view --json'.
+    View,
     /// 'brdfc bench --json'.
     Bench,
     /// 'brdfc render --json'.
@@ -83,6 +85,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         Report::FlatBtf => schema_for!(brdfc_jobs::flatten::AssetFile),
         Report::Plan => schema_for!(brdfc_jobs::scene::graph::Graph),
         Report::Page => schema_for!(brdfc_jobs::report::page::PageReport<'static>),
+        Report::View => schema_for!(super::view::Report),
         Report::Bench => schema_for!(super::bench::Report),
         #[cfg(feature = "render")]
         Report::Render => schema_for!(super::render::Report),

@@ -56,7 +56,7 @@ pub(super) fn verification(
         (FlatForm::Full, None) => "full form",
     };
     let wrong = |error: brdfc_formats::FormatError| CliError::Input(format!("{input}: {error}"));
-    let repeat = arguments.repeat.unwrap_or(default_repeat(setup.builtin));
+    let repeat = arguments.repeat.unwrap_or(setup.builtin.tiles());
     let material = FlatMaterial::new(FlatBtfDecoder::new(parts).map_err(wrong)?, repeat).map_err(wrong)?;
     let shader = draw_flat_btf(&gpu, &setup.scene, setup.frame, &material, form)?;
     let pack = draw_on_cpu(&setup.scene, setup.frame, &material, form);
@@ -75,14 +75,6 @@ pub(super) fn verification(
     let verification = setup.verification(&gpu, &views, |_| (format!("{name} ({stored})"), bytes_on_gpu));
     outputs::write(arguments, &views, verification.exposure)?;
     Ok((verification, views))
-}
-
-/// Tiles per unit of uv that show a relief well.
-fn default_repeat(scene: Builtin) -> u32 {
-    match scene {
-        Builtin::Plane | Builtin::Bottle | Builtin::Vase | Builtin::Teapot => 4,
-        _ => 8,
-    }
 }
 
 /// The surface and materials that an asset was made from, where all are addresses.

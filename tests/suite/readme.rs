@@ -16,11 +16,12 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 /// What other lines of a block that is not run start with.
-const SET_UP: [&str; 13] = [
+const SET_UP: [&str; 15] = [
     "pip install ",
     "python3 tests/",
     "./scripts/",
-    "./bindings/web/build",
+    "./bindings/",
+    "./examples/",
     "npm install ./bindings/web",
     "python3 -m http.server",
     "# ",
@@ -28,6 +29,7 @@ const SET_UP: [&str; 13] = [
     "cargo install ",
     "cargo bench",
     "cargo build",
+    "cargo run --manifest-path examples/bevy/Cargo.toml ",
     "cargo run --release --example ",
     "ninja",
 ];

@@ -1,7 +1,7 @@
 import * as THREE from 'three';
 import type { TextureData } from './container.js';
 import type { Pack, Resource } from './pack.js';
-import { GL_FORMATS, typed, uploadTexture } from './webgl.js';
+import { GL_FORMATS, typed, uploadTexture } from './upload_webgl.js';
 
 /** A light at a point: radiance falls with the square of the distance. */
 export interface PointLight {

@@ -1,31 +1,5 @@
-import type { TexelFormat, TextureData } from './container.js';
 import type { Pack } from './pack.js';
-
-/** Internal format, format and type of a texel, as names of a context's constants. */
-export const GL_FORMATS: Partial<Record<TexelFormat, readonly [string, string, string]>> = {
-    r8unorm: ['R8', 'RED', 'UNSIGNED_BYTE'],
-    rg8unorm: ['RG8', 'RG', 'UNSIGNED_BYTE'],
-    rgba8unorm: ['RGBA8', 'RGBA', 'UNSIGNED_BYTE'],
-    rgb10a2unorm: ['RGB10_A2', 'RGBA', 'UNSIGNED_INT_2_10_10_10_REV'],
-    r16float: ['R16F', 'RED', 'HALF_FLOAT'],
-    rgba16float: ['RGBA16F', 'RGBA', 'HALF_FLOAT'],
-    r32uint: ['R32UI', 'RED_INTEGER', 'UNSIGNED_INT'],
-    rg32float: ['RG32F', 'RG', 'FLOAT'],
-    rgba32uint: ['RGBA32UI', 'RGBA_INTEGER', 'UNSIGNED_INT'],
-    rgba32float: ['RGBA32F', 'RGBA', 'FLOAT'],
-    rgb9e5ufloat: ['RGB9_E5', 'RGB', 'UNSIGNED_INT_5_9_9_9_REV'],
-};
-
-/** Texels in the array that WebGL takes for their type. */
-export function typed(data: TextureData, level: number): ArrayBufferView<ArrayBuffer> {
-    const bytes = data.levels[level].buffer;
-    switch (GL_FORMATS[data.format]?.[2]) {
-        case 'UNSIGNED_BYTE': return new Uint8Array(bytes);
-        case 'HALF_FLOAT': return new Uint16Array(bytes);
-        case 'FLOAT': return new Float32Array(bytes);
-        default: return new Uint32Array(bytes);
-    }
-}
+import { uploadTexture } from './upload_webgl.js';
 
 /** A pack in a WebGL 2 context. */
 export interface WebGlPack {
@@ -72,41 +46,4 @@ export function uploadWebGl(gl: WebGL2RenderingContext, pack: Pack): WebGlPack {
             textures.forEach(({ texture }) => gl.deleteTexture(texture));
         },
     };
-}
-
-/** Uploads one texture, with its mipmap levels. */
-export function uploadTexture(gl: WebGL2RenderingContext, data: TextureData, filtered: boolean, repeats: boolean): { target: number; texture: WebGLTexture } {
-    const names = GL_FORMATS[data.format];
-    if (names === undefined) {
-        throw new Error(`found texels of ${data.format}; allowed what WebGL 2 has`);
-    }
-    const [internal, format, type] = names.map((name) => (gl as unknown as Record<string, number>)[name]);
-    const target = { '2d': gl.TEXTURE_2D, '2d-array': gl.TEXTURE_2D_ARRAY, '3d': gl.TEXTURE_3D }[data.dimension];
-    const [width, height, depth] = data.size;
-    const texture = gl.createTexture();
-    gl.bindTexture(target, texture);
-    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
-    if (data.dimension === '2d') {
-        gl.texStorage2D(target, data.levels.length, internal, width, height);
-    } else {
-        gl.texStorage3D(target, data.levels.length, internal, width, height, depth);
-    }
-    data.levels.forEach((_, level) => {
-        const [w, h] = [width, height].map((side) => Math.max(side >> level, 1));
-        if (data.dimension === '2d') {
-            gl.texSubImage2D(target, level, 0, 0, w, h, format, type, typed(data, level));
-        } else {
-            gl.texSubImage3D(target, level, 0, 0, 0, w, h, depth, format, type, typed(data, level));
-        }
-    });
-    // Samplers do not filter integers and, without an extension, floats of 32 bits; shaders do not ask for it.
-    const linear = filtered && data.format !== 'rgba32float';
-    const mipmaps = data.levels.length > 1;
-    const small = linear ? (mipmaps ? gl.LINEAR_MIPMAP_LINEAR : gl.LINEAR) : mipmaps ? gl.NEAREST_MIPMAP_NEAREST : gl.NEAREST;
-    gl.texParameteri(target, gl.TEXTURE_MIN_FILTER, small);
-    gl.texParameteri(target, gl.TEXTURE_MAG_FILTER, linear ? gl.LINEAR : gl.NEAREST);
-    for (const axis of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T, gl.TEXTURE_WRAP_R]) {
-        gl.texParameteri(target, axis, repeats ? gl.REPEAT : gl.CLAMP_TO_EDGE);
-    }
-    return { target, texture };
 }

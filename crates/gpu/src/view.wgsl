@@ -24,8 +24,6 @@ struct PointLight {
 @group(0) @binding(1) var<storage, read> lights: array<PointLight>;
 
 const NEAR: f32 = 0.01;
-// Shading normals are bent until the viewer is at least this far above the horizon.
-const LOWEST_VIEW: f32 = 0.02;
 
 struct Corner {
     @location(0) position: vec3<f32>,
@@ -50,15 +48,4 @@ fn project(corner: Corner) -> Varying {
     let x = dot(view.right.xyz, r) + view.shift.x * w;
     let y = dot(view.up.xyz, r) + view.shift.y * w;
     return Varying(vec4<f32>(x, y, NEAR, w), corner.position, corner.normal, corner.tangent, corner.uv);
-}
-
-// Tangent, bitangent and normal around a unit normal, which is turned towards the viewer at outlines.
-fn turned_frame(normal: vec3<f32>, tangent: vec3<f32>, v: vec3<f32>) -> mat3x3<f32> {
-    var n = normal;
-    let cosine = dot(n, v);
-    if cosine < LOWEST_VIEW {
-        n = normalize(n + v * (LOWEST_VIEW - cosine));
-    }
-    let t = normalize(tangent - n * dot(n, tangent));
-    return mat3x3<f32>(t, cross(n, t), n);
 }

@@ -14,5 +14,6 @@ pub mod report;
 pub mod scene;
 pub mod stage_clock;
 pub mod store;
+pub mod view;
 pub mod whole_number;
 pub mod write;

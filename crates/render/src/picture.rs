@@ -87,8 +87,8 @@ pub fn from_exr(bytes: &[u8]) -> Result<LinearImage, FormatError> {
     Ok(LinearImage { pixels: image.pixels, coverage, ..LinearImage::black(image.width, image.height) })
 }
 
-/// Corners of the ramp of [`heat_map`], linear in sRGB-encoded values: dark, purple, orange, pale yellow.
-const RAMP: [[f64; 3]; 5] =
+/// Corners of the ramp of [`heat_map`], linear in sRGB-encoded values, 0 to 255: dark, purple, orange, pale yellow.
+pub const RAMP: [[f64; 3]; 5] =
     [[6.0, 6.0, 14.0], [74.0, 18.0, 110.0], [186.0, 50.0, 84.0], [247.0, 140.0, 28.0], [252.0, 250.0, 180.0]];
 
 /// ΔE at the light end of the colour scale of pictures of differences.

@@ -5,6 +5,9 @@ use super::trace::Hit;
 use super::vector::{add_scaled, cross, double, subtract};
 use brdfc_formats::direction::{Vector, dot, normalize};
 
+/// The frame in a shader.
+pub const SHADING_POINT_WGSL: &str = include_str!("shading_point.wgsl");
+
 /// Normals are bent until the viewer is at least this far above the horizon, as a cosine: shading normals of smooth
 /// meshes turn away from the viewer at outlines, where a BRDF has no value.
 const LOWEST_VIEW: f64 = 0.02;

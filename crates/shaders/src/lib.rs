@@ -3,6 +3,8 @@
 //!
 //! What comes out is a piece to be pasted into a shader: declarations and functions, no entry point. SPIR-V has no such
 //! pieces: there it is a compute shader that decodes a list of queries.
+//!
+//! [`program`] translates whole programs, for pages that draw.
 
 mod decoder;
 mod glsl;
@@ -12,6 +14,7 @@ mod interface;
 mod language;
 mod msl;
 mod parsed;
+mod program;
 pub mod resources;
 mod spirv;
 mod translate;
@@ -20,4 +23,5 @@ mod words;
 pub use decoder::Decoder;
 pub use interface::{Binding, BindingKind, Field, Function, Interface};
 pub use language::Language;
+pub use program::{Named, Program, program};
 pub use translate::{EntryPoint, Shader, ShaderError, translate};

@@ -74,6 +74,60 @@ fn floats(numbers: impl IntoIterator<Item = f32>) -> Vec<u8> {
     numbers.into_iter().flat_map(f32::to_le_bytes).collect()
 }
 
+impl Texels {
+    /// Texels of 16-bit integers as 32-bit floats of four components: what has such integers only as a feature, or not at all,
+    /// as WebGL 2, takes these. All others as they are.
+    #[must_use]
+    pub fn widened(self) -> Self {
+        let channels = match self.format {
+            TexelFormat::R16Unorm => 1,
+            TexelFormat::Rgba16Unorm => 4,
+            _ => return self,
+        };
+        let number = |two: &[u8]| f32::from(u16::from_le_bytes([two[0], two[1]])) * (1.0 / 65535.0);
+        let numbers: Vec<f32> = self.bytes.chunks_exact(2).map(number).collect();
+        let four = |texel: &[f32]| [0, 1, 2, 3].map(|k: usize| texel[k.min(channels - 1)]);
+        let bytes = floats(numbers.chunks_exact(channels).flat_map(four));
+        Self { format: TexelFormat::Rgba32Float, bytes, ..self }
+    }
+
+    /// Columns, rows, and slices or layers: 1 of a 2D texture.
+    pub fn size(&self) -> [u32; 3] {
+        match self.extent {
+            Extent::D2([width, height]) => [width, height, 1],
+            Extent::D2Array(size) | Extent::D3(size) => size,
+        }
+    }
+
+    /// What WebGPU calls its dimension.
+    pub fn dimension(&self) -> &'static str {
+        match self.extent {
+            Extent::D2(_) => "2d",
+            Extent::D2Array(_) => "2d-array",
+            Extent::D3(_) => "3d",
+        }
+    }
+}
+
+/// What WebGPU calls a format.
+pub fn format_name(format: TexelFormat) -> &'static str {
+    match format {
+        TexelFormat::R8Unorm => "r8unorm",
+        TexelFormat::Rg8Unorm => "rg8unorm",
+        TexelFormat::Rgba8Unorm => "rgba8unorm",
+        TexelFormat::R16Unorm => "r16unorm",
+        TexelFormat::R16Float => "r16float",
+        TexelFormat::Rgba16Unorm => "rgba16unorm",
+        TexelFormat::Rgba16Float => "rgba16float",
+        TexelFormat::Rg32Float => "rg32float",
+        TexelFormat::Rgba32Float => "rgba32float",
+        TexelFormat::R32Uint => "r32uint",
+        TexelFormat::Rgba32Uint => "rgba32uint",
+        TexelFormat::Rgb9E5 => "rgb9e5ufloat",
+        TexelFormat::Rgb10A2Unorm => "rgb10a2unorm",
+    }
+}
+
 /// For a table pack; `distance_scale` is `α` of the level of detail.
 pub fn table(pack: &TablePack, distance_scale: f32) -> Vec<Resource> {
     let curve = pack.curve().map(|curve| {

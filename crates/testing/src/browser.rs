@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 /// Names of the program.
 const PROGRAMS: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
 /// Without a graphics card, and as root.
-const OPTIONS: [&str; 11] = [
+const OPTIONS: [&str; 12] = [
     "--headless",
     "--no-sandbox",
     "--disable-gpu-sandbox",
@@ -19,6 +19,8 @@ const OPTIONS: [&str; 11] = [
     "--no-first-run",
     "--enable-unsafe-webgpu",
     "--use-webgpu-adapter=swiftshader",
+    // Without it, canvases of WebGPU are not presented, and take the graphics process with them.
+    "--use-vulkan=swiftshader",
     "--enable-features=Vulkan",
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",

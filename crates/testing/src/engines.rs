@@ -4,7 +4,6 @@
 use crate::flat_btf::{self, Factors, SMALL};
 use crate::packs::{Numbers, packs, pairs, tables};
 use brdfc_formats::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
-use brdfc_formats::container::TexelFormat;
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::direction_mesh::DirectionMesh;
 use brdfc_formats::flat_btf::factored::ShadowFormat;
@@ -17,7 +16,7 @@ use brdfc_formats::pwt::{PwtDecoder, PwtPack};
 use brdfc_formats::table::TableDecoder;
 use brdfc_formats::wavelet::{Filter, WaveletDecoder};
 use brdfc_shaders::Decoder;
-use brdfc_shaders::resources::{self, Resource, Texels};
+use brdfc_shaders::resources::{self, Resource};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Queries of a case: 100 x 100.
@@ -311,19 +310,4 @@ pub fn check(what: &str, cases: &[Case], found: &[Vec<[f32; 4]>]) {
     for (decoder, error) in largest {
         println!("agrees: {what}, {decoder}: {error:.1e}");
     }
-}
-
-/// 16-bit integers are no core format: a loader unpacks them to floats, which the shader filters.
-pub fn widened(texels: &Texels) -> Texels {
-    let channels = match texels.format {
-        TexelFormat::R16Unorm => 1,
-        TexelFormat::Rgba16Unorm => 4,
-        _ => return texels.clone(),
-    };
-    let numbers =
-        texels.bytes.chunks_exact(2).map(|two| f32::from(u16::from_le_bytes([two[0], two[1]])) * (1.0 / 65535.0));
-    let numbers: Vec<f32> = numbers.collect();
-    let four = |texel: &[f32]| [texel[0], texel[channels.min(2) - 1], texel[channels.min(3) - 1], texel[channels - 1]];
-    let bytes = numbers.chunks_exact(channels).flat_map(four).flat_map(f32::to_le_bytes).collect();
-    Texels { format: TexelFormat::Rgba32Float, bytes, ..texels.clone() }
 }

@@ -30,6 +30,7 @@ mod samples;
 mod schemas;
 mod shader;
 mod synth;
+mod view;
 #[cfg(unix)]
 mod watch;
 #[cfg(feature = "render")]

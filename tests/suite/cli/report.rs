@@ -68,6 +68,28 @@ fn the_page_stands_alone_and_says_what_the_build_says() {
 }
 
 #[test]
+fn a_page_that_draws_is_linked_to() {
+    let folder = folder();
+    folder.run(&["report", "packs", "-o", "page.html", "--view", "all packs.html"]).succeeded();
+    let (page, view) = (folder.text("page.html"), folder.text("all packs.html"));
+    assert!(page.contains("<a href=\"all%20packs.html\">"));
+    for material in ["table", "ward"] {
+        let link = format!("<a href=\"all%20packs.html#left={material}&amp;right={material}%2C%20source\">");
+        assert!(page.contains(&link), "{link}");
+        assert!(view.contains(&format!("\"name\":\"{material}, source\"")));
+    }
+    assert!(!page.contains("#left=broken"));
+    for (view, expected) in [
+        ("page.html", "--view: found page.html, an input"),
+        ("view.png", "--view: found view.png; allowed a name that ends in .html, in the folder of the page"),
+        ("packs/view.html", "--view: found packs/view.html; allowed a name that ends in .html, in the folder of the page"),
+    ] {
+        let ran = folder.run(&["report", "packs", "-o", "page.html", "--view", view]);
+        assert!(ran.code == 2 && ran.stderr.contains(expected), "{view}: {}", ran.stderr);
+    }
+}
+
+#[test]
 fn a_contact_sheet_shows_every_material_on_any_number_of_threads() {
     let folder = folder();
     let sheet = |jobs: &str, build: &str| {

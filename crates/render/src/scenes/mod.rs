@@ -73,6 +73,14 @@ impl Builtin {
         }
     }
 
+    /// Tiles per unit of uv that show a relief well.
+    pub fn tiles(self) -> u32 {
+        match self {
+            Self::Plane | Self::Bottle | Self::Vase | Self::Teapot => 4,
+            _ => 8,
+        }
+    }
+
     /// Names of its parts, in the order of [`Scene::parts`].
     pub fn parts(self) -> &'static [&'static str] {
         match self {

@@ -2,11 +2,10 @@
 //! pack.
 
 use crate::texts::text;
-use brdfc_formats::container::Extent;
 use brdfc_shaders::resources::{Contents, Resource};
 use brdfc_shaders::{BindingKind, Decoder, Interface, Language, translate};
 use brdfc_testing::browser::result_of_page;
-use brdfc_testing::engines::{Case, SIDE, cases, check, widened};
+use brdfc_testing::engines::{Case, SIDE, cases, check};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
@@ -102,14 +101,10 @@ fn page_of(api: &str, cases: &[Case], shaders: &BTreeMap<&'static str, (String, 
                     json!({ "kind": "sampler", "repeats": repeats })
                 }
                 (Contents::Texture(texels), BindingKind::Texture { dimension, .. }) => {
-                    let texels = widened(texels);
+                    let texels = texels.clone().widened();
                     let mut entry = add(&texels.bytes);
-                    let size = match texels.extent {
-                        Extent::D2([width, height]) => [width, height, 1],
-                        Extent::D2Array(size) | Extent::D3(size) => size,
-                    };
                     entry["kind"] = "texture".into();
-                    entry["size"] = json!(size);
+                    entry["size"] = json!(texels.size());
                     entry["dimension"] = (*dimension).into();
                     entry["format"] = format!("{:?}", texels.format).into();
                     entry["texelBytes"] = texels.format.texel_bytes().into();
@@ -127,7 +122,10 @@ fn page_of(api: &str, cases: &[Case], shaders: &BTreeMap<&'static str, (String, 
         let group = |k: usize| case.queries.iter().flat_map(move |query| query[k]);
         let queries: Vec<u8> = (0..3).flat_map(group).flat_map(f32::to_le_bytes).collect();
         let source = if api == "webgl2" { "glsl" } else { "wgsl" };
-        let is_wide = |resource: &Resource| matches!(&resource.contents, Contents::Texture(texels) if widened(texels).format != texels.format);
+        let is_wide = |resource: &Resource| match &resource.contents {
+            Contents::Texture(texels) => texels.clone().widened().format != texels.format,
+            _ => false,
+        };
         // The WGSL has a sampler for it, which a texture of floats takes by this feature alone.
         let feature = case.resources.iter().any(is_wide).then_some("float32-filterable");
         listed.push(json!({

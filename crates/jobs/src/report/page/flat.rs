@@ -1,6 +1,7 @@
 //! What the page of a flat BTF is made of: its list of parts, and pictures of what they hold.
 
 use super::error::GatherError;
+use super::view_link::ViewLink;
 use crate::flatten::{AssetFile, Form, open_asset};
 use crate::scene::plan::REPORT;
 use brdfc_formats::FormatError;
@@ -23,6 +24,8 @@ pub struct FlatPage {
     pub asset: AssetFile,
     /// What the parts hold.
     pub pictures: FlatPictures,
+    /// A page that draws it.
+    pub view: Option<ViewLink>,
 }
 
 /// Whether a path is a flat BTF and no build: its list of parts, or a folder with parts and without a report.
@@ -56,6 +59,6 @@ impl FlatPage {
         };
         let mask = asset.parts.get(MASK).map(|part| read(&part.file)).transpose()?;
         let pictures = flat_pictures(&material, mask.as_ref());
-        Ok(Self { asset, pictures })
+        Ok(Self { asset, pictures, view: None })
     }
 }

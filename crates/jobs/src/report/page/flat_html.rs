@@ -11,12 +11,13 @@ use maud::{Markup, html};
 
 /// A whole file of HTML. The same page gives the same bytes.
 pub fn flat_html(page: &FlatPage) -> String {
-    let FlatPage { asset, pictures } = page;
+    let FlatPage { asset, pictures, .. } = page;
     let content = html! {
         p {
             "A flat BTF: a surface with relief, laid flat. ΔE is the colour difference of look-ups against what the surface \
              shows (CIE L*a*b*; about 1 is just visible)."
         }
+        @if let Some(view) = &page.view { p { a href=(view.whole()) { "Turn and light it in a browser" } } }
         div.scroll { table.wraps {
             tbody { @for (name, value) in facts(asset) { tr { td { (name) } td.left.words { (value) } } } }
             @if !asset.materials.is_empty() { tbody { tr {

@@ -4,6 +4,7 @@ use super::against::{Regression, regressions};
 use super::error::GatherError;
 use super::evidence::{Evidence, evidence};
 use super::parts::{PagePart, listed_file, map_part, wrong_file};
+use super::view_link::ViewLink;
 use crate::output_folder::OutputFolder;
 use crate::report::build::{BUILD_VERSION, BuildReport, EnvironmentEntry, MaterialEntry};
 use crate::scene::build::{BuiltNote, notes};
@@ -32,6 +33,8 @@ pub struct Page {
     pub is_held: bool,
     /// What is worse than there.
     pub regressions: Vec<Regression>,
+    /// A page that draws the packs.
+    pub view: Option<ViewLink>,
 }
 
 /// One material of a page.
@@ -79,6 +82,16 @@ impl Reports {
         self.new.files().map(|entry| self.folder.join(&entry.file)).collect()
     }
 
+    /// Packs of the materials that have one, by name.
+    ///
+    /// # Errors
+    /// Packs that are not those of the report.
+    pub fn brdf_packs(&self) -> Result<Vec<(String, BrdfPack)>, GatherError> {
+        let made = self.new.materials.iter().filter(|entry| entry.report.is_some());
+        let named = made.filter_map(|entry| Some((entry, entry.pack.as_ref()?)));
+        named.map(|(entry, name)| Ok((entry.material.clone(), brdf_pack(&self.folder, entry, name)?))).collect()
+    }
+
     /// Materials that will be drawn or listed.
     pub fn count(&self) -> usize {
         self.new.materials.len()
@@ -106,7 +119,7 @@ pub fn gather(reports: Reports, tolerance: f64, progress: &dyn Progress) -> Resu
     };
     let materials = report.materials.into_par_iter().map(drawn).collect::<Result<_, GatherError>>()?;
     let environment = report.environment.map(|entry| environment(folder, entry)).transpose()?;
-    Ok(Page { scene: report.scene, materials, environment, skipped: report.skipped, is_held, regressions })
+    Ok(Page { scene: report.scene, materials, environment, skipped: report.skipped, is_held, regressions, view: None })
 }
 
 fn read_report(path: &Path) -> Result<BuildReport, GatherError> {
@@ -127,27 +140,39 @@ fn material(folder: &Path, entry: MaterialEntry, note: BuiltNote) -> Result<Page
     let Some(name) = entry.pack.as_ref().filter(|_| entry.report.is_some()) else {
         return Ok(PageMaterial { entry, note, evidence: None, maps: Vec::new(), without_source: None });
     };
-    let path = folder.join(name);
-    let bytes = listed_file(folder, &entry.files, name)?;
-    let pack = match Pack::from_bytes(&bytes, None).map_err(|error| wrong_file(&path, error.to_string()))? {
-        Pack::Table(pack) => BrdfPack::Table(pack),
-        Pack::Wavelet(pack) => BrdfPack::Wavelet(pack),
-        other => return Err(wrong_file(&path, other.kind().name().to_owned())),
-    };
-    let source = if note.source.is_empty() {
-        Err("where the source is was not noted: the folder has no store".to_owned())
-    } else {
-        let input = Input::from(note.source.as_str());
-        let opened = opened_with_digest(&input, &kind_of(&input)).map_err(|error| error.to_string());
-        opened.and_then(|(opened, digest)| match note.digest {
-            Some(built) if built != digest => Err(format!("{}: it has changed since the build", note.source)),
-            _ => Ok(opened.source),
-        })
-    };
+    let pack = brdf_pack(folder, &entry, name)?;
+    let source = source_of(&note);
     let maps = [&entry.bandwidth, &entry.samples].into_iter().flatten();
     let maps = maps.map(|name| map_part(folder, &entry.files, name)).collect::<Result<_, _>>()?;
     let evidence = evidence(&pack, source.as_ref().ok().map(|source| source.as_ref() as &dyn Source));
     Ok(PageMaterial { entry, note, evidence: Some(evidence), maps, without_source: source.err() })
+}
+
+/// The pack of a material, if it is that of the report.
+fn brdf_pack(folder: &Path, entry: &MaterialEntry, name: &str) -> Result<BrdfPack, GatherError> {
+    let path = folder.join(name);
+    let bytes = listed_file(folder, &entry.files, name)?;
+    match Pack::from_bytes(&bytes, None).map_err(|error| wrong_file(&path, error.to_string()))? {
+        Pack::Table(pack) => Ok(BrdfPack::Table(pack)),
+        Pack::Wavelet(pack) => Ok(BrdfPack::Wavelet(pack)),
+        other => Err(wrong_file(&path, other.kind().name().to_owned())),
+    }
+}
+
+/// What a material was made of, where it still is.
+///
+/// # Errors
+/// Why it is not: in words, as a page without it says them.
+pub fn source_of(note: &BuiltNote) -> Result<Box<dyn Source>, String> {
+    if note.source.is_empty() {
+        return Err("where the source is was not noted: the folder has no store".to_owned());
+    }
+    let input = Input::from(note.source.as_str());
+    let (opened, digest) = opened_with_digest(&input, &kind_of(&input)).map_err(|error| error.to_string())?;
+    match note.digest {
+        Some(built) if built != digest => Err(format!("{}: it has changed since the build", note.source)),
+        _ => Ok(opened.source),
+    }
 }
 
 fn environment(folder: &Path, entry: EnvironmentEntry) -> Result<(EnvironmentEntry, Option<PagePart>), GatherError> {

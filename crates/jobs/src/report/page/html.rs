@@ -5,6 +5,7 @@ use super::figures::{albedos, error_over_bytes, errors_by_angle};
 use super::gather::{Page, PageMaterial};
 use super::markup::{colour_scale, document, image};
 use super::parts::PagePart;
+use super::view_link::ViewLink;
 use crate::report::material::{MaterialReport, remarks};
 use brdfc_metrics::by_angle::WorstPair;
 use brdfc_render::within::left_out_in_words;
@@ -26,10 +27,13 @@ pub fn html(page: &Page) -> String {
             }
             @if !page.skipped.is_empty() { " Not used by the scene: " (page.skipped.join(", ")) "." }
         }
+        @if let Some(view) = &page.view {
+            p { a href=(view.whole()) { "Turn and light all packs in a browser" } }
+        }
         (regressions(page))
         (table(page))
         (sheet(page))
-        @for material in &page.materials { (section(material)) }
+        @for material in &page.materials { (section(material, page.view.as_ref())) }
         (environment(page))
     };
     document(&format!("{}: packs and their errors", page.scene), &content)
@@ -131,13 +135,16 @@ fn breakable(name: &str) -> Markup {
     html! { @for part in name.split_inclusive(['_', '-', '.']) { (part) wbr; } }
 }
 
-fn section(material: &PageMaterial) -> Markup {
+fn section(material: &PageMaterial, view: Option<&ViewLink>) -> Markup {
     let entry = &material.entry;
     html! {
         section.material id=(entry.material) {
             h2 { (entry.material) " " span.soft { (entry.source) } }
             @if entry.kept { p.soft { "Made by an earlier build, and kept: the last build did not ask for it." } }
             @if let Some(error) = &entry.error { p.bad { (error) } }
+            @if let Some(link) = view.and_then(|view| view.of_material(&entry.material)) {
+                p { a href=(link) { "Turn and light it" } }
+            }
             @if let Some(report) = &entry.report {
                 p {
                     (report.codec.name()) " " (report.codec.size()) ", " (bytes(report.bytes_on_gpu)) " on the GPU, "

@@ -1,6 +1,6 @@
 //! What pages have in common.
 
-use super::style::{SCRIPT, STYLE};
+use super::style::{PALETTE, SCRIPT, STYLE};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use brdfc_render::picture::{DELTA_E_FULL_SCALE, Panel, rgb_png};
@@ -15,7 +15,7 @@ pub(super) fn document(title: &str, content: &Markup) -> String {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 title { (title) }
-                style { (PreEscaped(STYLE)) }
+                style { (PreEscaped(PALETTE)) (PreEscaped(STYLE)) }
             }
             body {
                 h1 { (title) }

@@ -13,6 +13,7 @@ mod markup;
 mod parts;
 mod sheet;
 mod style;
+mod view_link;
 
 pub use against::{Regression, regressions};
 pub use csv::{csv, flat_csv};
@@ -20,10 +21,12 @@ pub use error::GatherError;
 pub use evidence::{Evidence, Thumbnails, evidence};
 pub use flat::{FlatPage, is_flat_btf};
 pub use flat_html::flat_html;
-pub use gather::{Page, PageMaterial, Reports, gather};
+pub use gather::{Page, PageMaterial, Reports, gather, source_of};
 pub use html::html;
 pub use parts::PagePart;
 pub use sheet::sheet;
+pub use style::PALETTE;
+pub use view_link::{ViewLink, source_name};
 
 use super::build::MaterialEntry;
 use brdfc_metrics::by_angle::ByAngle;

@@ -1,12 +1,15 @@
 //! How a page looks, and the script that sorts its table; without it the table is as it was written.
 
-/// Light and dark, narrow and wide, and on paper.
-pub(super) const STYLE: &str = "
+/// Colours of light and dark pages.
+pub const PALETTE: &str = "
 :root { color-scheme: light dark; --ink: #1c1e21; --paper: #fbfbfa; --faint: #d9d9d6; --soft: #6a6d72; --bad: #b3261e;
   --good: #2e7d32; --card: #ffffff; }
 @media (prefers-color-scheme: dark) { :root { --ink: #e8e8e6; --paper: #16181a; --faint: #3a3d40; --soft: #a0a3a8;
   --bad: #ff8a80; --good: #81c784; --card: #1e2023; } }
-* { box-sizing: border-box; }
+";
+
+/// Narrow and wide, and on paper.
+pub(super) const STYLE: &str = "* { box-sizing: border-box; }
 body { margin: 0 auto; max-width: 76rem; padding: 1rem; background: var(--paper); color: var(--ink);
   font: 15px/1.45 system-ui, sans-serif; }
 h1 { font-size: 1.5rem; margin: 0.5rem 0; } h2 { font-size: 1.15rem; margin: 0 0 0.4rem; } h3 { font-size: 0.9rem;

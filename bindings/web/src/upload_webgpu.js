@@ -1,0 +1,55 @@
+// Resources of packs in WebGPU: for the package, and for the pages of 'brdfc view'.
+
+/** @typedef {import('./container.js').TextureData} TextureData */
+
+/**
+ * Uploads one texture, with its mipmap levels.
+ *
+ * @param {GPUDevice} device
+ * @param {TextureData} data
+ * @returns {GPUTexture}
+ */
+export function gpuTexture(device, data) {
+    const [width, height, depth] = data.size;
+    const texture = device.createTexture({
+        size: [width, height, depth],
+        dimension: data.dimension === '3d' ? '3d' : '2d',
+        mipLevelCount: data.levels.length,
+        format: /** @type {GPUTextureFormat} */ (data.format),
+        usage: GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_DST,
+    });
+    data.levels.forEach((bytes, mipLevel) => {
+        const [w, h] = [width, height].map((side) => Math.max(side >> mipLevel, 1));
+        const layout = { bytesPerRow: w * data.texelBytes, rowsPerImage: h };
+        device.queue.writeTexture({ texture, mipLevel }, bytes, layout, [w, h, depth]);
+    });
+    return texture;
+}
+
+/**
+ * What is bound for a resource of a pack.
+ *
+ * @param {GPUDevice} device
+ * @param {import('./pack.js').Contents} contents
+ * @returns {GPUBindingResource}
+ */
+export function gpuResource(device, contents) {
+    if (contents.kind === 'sampler') {
+        const mode = contents.repeats ? 'repeat' : 'clamp-to-edge';
+        return device.createSampler({
+            addressModeU: mode,
+            addressModeV: mode,
+            addressModeW: mode,
+            magFilter: 'linear',
+            minFilter: 'linear',
+            mipmapFilter: 'linear',
+        });
+    }
+    if (contents.kind === 'uniform') {
+        const { bytes } = contents;
+        const buffer = device.createBuffer({ size: bytes.length, usage: GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST });
+        device.queue.writeBuffer(buffer, 0, bytes);
+        return { buffer };
+    }
+    return gpuTexture(device, contents.texture).createView({ dimension: contents.texture.dimension });
+}

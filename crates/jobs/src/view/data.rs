@@ -1,0 +1,201 @@
+//! What stands in a page, as its script reads it.
+
+use super::item::ViewItem;
+use super::mesh::PackedMesh;
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use brdfc_formats::container::TexelFormat;
+use brdfc_render::scene::{Camera, PointLight};
+use brdfc_shaders::Program;
+use brdfc_shaders::resources::{Contents, Resource, format_name};
+use flate2::Compression;
+use flate2::write::ZlibEncoder;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::io::Write as _;
+
+/// Everything.
+#[derive(Debug, Serialize)]
+pub(super) struct PageData {
+    /// [`Programs`], packed.
+    pub programs: String,
+    pub scenes: Vec<PageScene>,
+    pub items: Vec<PageItem>,
+}
+
+/// What draws.
+#[derive(Debug, Serialize)]
+pub(super) struct Programs<'a> {
+    /// Kinds of packs, by decoder.
+    pub of: BTreeMap<&'a str, Program>,
+    /// What shows what was drawn.
+    pub show: Program,
+}
+
+impl Programs<'_> {
+    /// As compressed JSON.
+    pub(super) fn packed(&self) -> String {
+        packed(&serde_json::to_vec(self).expect("programs are plain"))
+    }
+}
+
+/// A scene.
+#[derive(Debug, Serialize)]
+pub(super) struct PageScene {
+    pub name: String,
+    pub camera: PageCamera,
+    pub lights: Vec<PageLight>,
+    pub background: [f32; 3],
+    pub mesh: PackedMesh,
+}
+
+#[derive(Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct PageCamera {
+    eye: [f64; 3],
+    target: [f64; 3],
+    up: [f64; 3],
+    field_of_view: f64,
+}
+
+impl From<Camera> for PageCamera {
+    fn from(Camera { eye, target, up, field_of_view }: Camera) -> Self {
+        Self { eye, target, up, field_of_view }
+    }
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct PageLight {
+    position: [f64; 3],
+    intensity: [f64; 3],
+}
+
+impl From<PointLight> for PageLight {
+    fn from(PointLight { position, intensity }: PointLight) -> Self {
+        Self { position, intensity }
+    }
+}
+
+/// A material.
+#[derive(Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct PageItem {
+    name: String,
+    facts: String,
+    decoder: &'static str,
+    resources: Vec<PageResource>,
+    /// Names of scenes.
+    scenes: Vec<String>,
+    /// Tiles per unit of uv, by scene.
+    repeats: BTreeMap<String, u32>,
+    /// Sines of elevations that it is for: the viewer's lowest and highest, and the lights'.
+    sines: [f64; 4],
+    /// How much coarser it can be.
+    levels: u32,
+    /// The finest level.
+    finest: u32,
+    /// Whether samplers filter its texels.
+    sampler_filters: bool,
+    /// Whether its texels are 32-bit floats that a sampler is declared for.
+    wide: bool,
+}
+
+impl PageItem {
+    pub(super) fn new(item: &ViewItem) -> Self {
+        let resources = item.resources();
+        let has_wide = |resource: &Resource| match &resource.contents {
+            Contents::Texture(texels) => matches!(texels.format, TexelFormat::R16Unorm | TexelFormat::Rgba16Unorm),
+            _ => false,
+        };
+        let wide = resources.iter().any(has_wide);
+        let directions = item.directions();
+        let ([from, to], [low, high]) = (directions.view.sines(), directions.light.sines());
+        let (levels, finest) = item.levels();
+        let scenes = item.scenes();
+        Self {
+            name: item.name.clone(),
+            facts: item.facts.clone(),
+            decoder: item.decoder().name(),
+            resources: resources.into_iter().map(PageResource::new).collect(),
+            scenes: scenes.iter().map(|scene| scene.name()).collect(),
+            repeats: scenes.iter().map(|scene| (scene.name(), item.repeat(*scene))).collect(),
+            sines: [from, to, low, high],
+            levels,
+            finest,
+            sampler_filters: !wide,
+            wide,
+        }
+    }
+
+    /// What it is called.
+    pub(super) fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Bytes that are its own.
+    pub(super) fn bytes(&self) -> usize {
+        self.resources.iter().map(|resource| resource.bytes()).sum()
+    }
+}
+
+/// What is bound.
+#[derive(Debug, Serialize)]
+struct PageResource {
+    binding: u32,
+    #[serde(flatten)]
+    contents: PageContents,
+}
+
+#[derive(Debug, Serialize)]
+#[serde(tag = "kind", rename_all = "camelCase", rename_all_fields = "camelCase")]
+enum PageContents {
+    Uniform {
+        data: String,
+    },
+    Sampler {
+        repeats: bool,
+    },
+    Texture {
+        format: &'static str,
+        dimension: &'static str,
+        size: [u32; 3],
+        texel_bytes: usize,
+        levels: u32,
+        data: String,
+    },
+}
+
+impl PageResource {
+    fn new(resource: Resource) -> Self {
+        let contents = match resource.contents {
+            Contents::Uniform(bytes) => PageContents::Uniform { data: packed(&bytes) },
+            Contents::Sampler { repeats } => PageContents::Sampler { repeats },
+            Contents::Texture(texels) => {
+                let texels = texels.widened();
+                PageContents::Texture {
+                    format: format_name(texels.format),
+                    dimension: texels.dimension(),
+                    size: texels.size(),
+                    texel_bytes: texels.format.texel_bytes(),
+                    levels: texels.levels,
+                    data: packed(&texels.bytes),
+                }
+            }
+        };
+        Self { binding: resource.binding, contents }
+    }
+
+    fn bytes(&self) -> usize {
+        match &self.contents {
+            PageContents::Uniform { data } | PageContents::Texture { data, .. } => data.len(),
+            PageContents::Sampler { .. } => 0,
+        }
+    }
+}
+
+/// Bytes as text: compressed by zlib, in Base64.
+pub(super) fn packed(bytes: &[u8]) -> String {
+    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::best());
+    encoder.write_all(bytes).expect("memory takes all bytes");
+    STANDARD.encode(encoder.finish().expect("memory takes all bytes"))
+}

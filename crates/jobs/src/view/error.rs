@@ -1,0 +1,38 @@
+//! Why there is no page.
+
+use brdfc_formats::FormatError;
+use brdfc_source::InputError;
+use brdfc_source::progress::Cancelled;
+use brdfc_table::encode::EncodeError;
+
+/// Why there is no page.
+#[derive(Debug, thiserror::Error)]
+pub enum ViewError {
+    /// What cannot be read, or cannot be drawn.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// The folder of a build that is not whole.
+    #[error(transparent)]
+    Folder(#[from] crate::report::page::GatherError),
+    /// A source of which no table could be made.
+    #[error("{name}: {error}")]
+    Table {
+        /// The source.
+        name: String,
+        /// Why.
+        error: EncodeError,
+    },
+    /// The caller asked to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// A shader that does not go into a language.
+    #[error("a shader of the page: {0}")]
+    Shader(String),
+}
+
+impl ViewError {
+    /// An input of another kind.
+    pub(super) fn refused(name: &str, found: impl Into<String>, allowed: &'static str) -> Self {
+        Self::Input(InputError::Format { name: name.to_owned(), error: FormatError::whole("input", found, allowed) })
+    }
+}

@@ -1,0 +1,112 @@
+//! The page's elements.
+
+use super::data::PageData;
+use super::script::script;
+use crate::report::page::PALETTE;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+const STYLE: &str = "
+* { box-sizing: border-box; }
+html, body { height: 100%; margin: 0; }
+body { display: grid; grid-template-columns: minmax(0, 1fr) 19rem; background: var(--paper); color: var(--ink);
+  font: 15px/1.45 system-ui, sans-serif; }
+#stage { position: relative; min-height: 0; overflow: hidden; }
+canvas { position: absolute; inset: 0; width: 100%; height: 100%; display: block; touch-action: none; cursor: grab; }
+canvas:active { cursor: grabbing; }
+#stage input[type=range] { position: absolute; left: 0; right: 0; bottom: 0.6rem; width: 100%; margin: 0; }
+#border { position: absolute; top: 0; bottom: 0; left: var(--split); width: 1px; background: #fff8; pointer-events: none; }
+#wrong { position: absolute; inset: 0; padding: 2rem; background: var(--paper); color: var(--bad); overflow-wrap: anywhere; }
+form { padding: 0.9rem 1rem; overflow-y: auto; border-left: 1px solid var(--faint); }
+h1 { font-size: 1.05rem; margin: 0 0 0.7rem; overflow-wrap: anywhere; }
+label, fieldset { display: block; margin: 0 0 0.6rem; } fieldset { border: 0; padding: 0; }
+select, form input[type=range] { width: 100%; font: inherit; }
+fieldset label { display: inline-block; margin: 0 0.7rem 0 0; }
+p { margin: 0 0 0.6rem; } .soft { color: var(--soft); font-size: 0.85rem; }
+#facts p { font-size: 0.85rem; overflow-wrap: anywhere; }
+#whole, #here { font-variant-numeric: tabular-nums; min-height: 1.45em; }
+.scale { display: inline-block; width: 9rem; height: 0.7rem; border: 1px solid var(--faint);
+  background: linear-gradient(90deg, #06060e, #4a126e, #ba3254, #f78c1c, #fcfab4); }
+button { font: inherit; padding: 0.2rem 0.7rem; }
+[hidden] { display: none !important; }
+@media (max-width: 46rem) { body { grid-template-columns: 1fr; grid-template-rows: minmax(18rem, 60vh) auto; height: auto; }
+  form { border-left: 0; } }
+body.embedded { grid-template: 1fr / 1fr; height: 100%; } .embedded form { display: none; }
+";
+
+/// A whole file.
+pub(super) fn html(title: &str, data: &PageData) -> String {
+    // No end of the element within it.
+    let text = serde_json::to_string(data).expect("data is plain").replace("</", "<\\/");
+    let document = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { (title) }
+                style { (PreEscaped(PALETTE)) (PreEscaped(STYLE)) }
+            }
+            body {
+                div #stage {
+                    canvas #canvas tabindex="0" aria-label="The material on a surface. Arrow keys turn it, with Shift they move the light." {}
+                    input type="range" name="split" form="controls" min="0" max="1" step="0.002" aria-label="Where the left picture ends";
+                    div #border {}
+                    p #wrong hidden {}
+                }
+                (controls(title, data))
+                script type="application/json" #data { (PreEscaped(text)) }
+                script type="module" { (PreEscaped(script())) }
+            }
+        }
+    };
+    document.into_string()
+}
+
+fn controls(title: &str, data: &PageData) -> Markup {
+    let several = data.items.len() > 1;
+    html! {
+        form #controls autocomplete="off" {
+            h1 { (title) }
+            label {
+                "Surface"
+                select name="scene" { @for scene in &data.scenes { option value=(scene.name) { (scene.name) } } }
+            }
+            label hidden[!several] { "Left" (choices(data, false)) }
+            label hidden[!several] { "Right" (choices(data, true)) }
+            fieldset #modes {
+                @for (value, what) in [("split", "split"), ("one", "left alone"), ("difference", "ΔE")] {
+                    label { input type="radio" name="mode" value=(value); " " (what) }
+                }
+            }
+            p #scale .soft { "ΔE 0 " span.scale {} " " (brdfc_render::picture::DELTA_E_FULL_SCALE) }
+            p #whole {}
+            p #here .soft {}
+            div #levels {
+                label { input type="checkbox" name="follows"; " detail as the distance says" }
+                label { input type="range" name="coarser" min="0" step="0.1" aria-label="Coarser by this many levels"; span #coarser-shown .soft {} }
+            }
+            label { "Exposure" input type="range" name="stops" min="-4" max="4" step="0.1"; }
+            fieldset {
+                "Dragging moves the "
+                label { input type="radio" name="drags" value="view" checked; " surface" }
+                label { input type="radio" name="drags" value="light"; " light" }
+            }
+            p {
+                button type="button" #again { "Start again" } " "
+                button type="button" #save { "Save the picture" }
+            }
+            p.soft { "Dragging with Shift or the right button moves the light; the wheel goes nearer; arrow keys do the same." }
+            div #facts {}
+            p.soft { "Drawn by " span #api { "…" } }
+        }
+    }
+}
+
+fn choices(data: &PageData, or_none: bool) -> Markup {
+    html! {
+        select name=(if or_none { "right" } else { "left" }) {
+            @if or_none { option value="-1" { "nothing" } }
+            @for (number, item) in data.items.iter().enumerate() { option value=(number) { (item.name()) } }
+        }
+    }
+}

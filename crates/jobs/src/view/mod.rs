@@ -1,0 +1,95 @@
+//! A page that draws packs: turned, lit and held against each other by whoever opens it.
+//!
+//! One file of HTML that needs no network. What is bound is as `brdfc_shaders::resources` says it, compressed, so that the page
+//! neither parses packs nor unpacks Zstandard; shaders are the decoders of `brdfc-formats` behind `shaders/shade.wgsl`, in
+//! WGSL and in GLSL ES 3.00.
+
+mod data;
+mod error;
+mod html;
+mod item;
+mod mesh;
+mod open;
+mod scenes;
+mod script;
+mod source_table;
+
+pub use error::ViewError;
+pub use item::{Drawn, ViewItem};
+pub use open::{ViewOptions, open_items};
+
+use brdfc_shaders::{Decoder, Program, program};
+use data::{PageData, PageItem, Programs};
+use std::collections::BTreeMap;
+
+/// A page, and what of it is not the packs' own.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ViewPage {
+    /// The file.
+    pub html: String,
+    /// Bytes of it that are no pack's.
+    pub bytes_alone: usize,
+}
+
+/// The page of these materials, the first of them on the left, the second one, if there is one, on the right.
+///
+/// # Errors
+/// A shader that does not go into a language, which is a fault of this program.
+pub fn view_page(title: &str, items: &[ViewItem]) -> Result<ViewPage, ViewError> {
+    let decoders: BTreeMap<&str, Decoder> = items.iter().map(|item| (item.decoder().name(), item.decoder())).collect();
+    let programs = decoders.into_iter().map(|(name, decoder)| Ok((name, drawing(decoder)?)));
+    let programs = programs.collect::<Result<BTreeMap<&str, Program>, ViewError>>()?;
+    let scenes = scenes::of(items);
+    let listed: Vec<PageItem> = items.iter().map(PageItem::new).collect();
+    let bytes_of_packs: usize = listed.iter().map(PageItem::bytes).sum();
+    let programs = Programs { of: programs, show: showing()? }.packed();
+    let data = PageData { programs, scenes, items: listed };
+    let html = html::html(title, &data);
+    let bytes_alone = html.len() - bytes_of_packs;
+    Ok(ViewPage { html, bytes_alone })
+}
+
+/// What draws a kind of pack.
+fn drawing(decoder: Decoder) -> Result<Program, ViewError> {
+    let of_kind = match decoder {
+        Decoder::Table => include_str!("shaders/table.wgsl"),
+        Decoder::Wavelet => include_str!("shaders/wavelet.wgsl"),
+        Decoder::FlatBtf => include_str!("shaders/flat_btf.wgsl"),
+        Decoder::Pwt => include_str!("shaders/pwt.wgsl"),
+        Decoder::Bandwidth | Decoder::Importance => unreachable!("no item has it"),
+    };
+    let frame = brdfc_render::shading_point::SHADING_POINT_WGSL;
+    let source = [&decoder.wgsl(), of_kind, frame, include_str!("shaders/shade.wgsl")].join("\n");
+    program(&source, "project", "shade").map_err(ViewError::Shader)
+}
+
+/// What shows what was drawn.
+fn showing() -> Result<Program, ViewError> {
+    let colours = brdfc_render::picture::RAMP.map(|rgb| {
+        let [r, g, b] = rgb.map(|code| code / 255.0);
+        format!("vec3<f32>({r:.6}, {g:.6}, {b:.6})")
+    });
+    let ramp = format!(
+        "const FULL_SCALE: f32 = {:?};\nconst RAMP: array<vec3<f32>, {}> = array<vec3<f32>, {}>({});\n",
+        brdfc_render::picture::DELTA_E_FULL_SCALE,
+        colours.len(),
+        colours.len(),
+        colours.join(", ")
+    );
+    program(&(ramp + include_str!("shaders/show.wgsl")), "cover", "show").map_err(ViewError::Shader)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shaders_of_all_kinds_go_into_both_languages() {
+        for decoder in [Decoder::Table, Decoder::Wavelet, Decoder::FlatBtf, Decoder::Pwt] {
+            let made = drawing(decoder).unwrap();
+            assert!(made.textures.iter().all(|texture| texture.group == 1) && !made.textures.is_empty());
+            assert!(made.blocks.iter().any(|block| block.group == 0));
+        }
+        assert_eq!(showing().unwrap().textures.len(), 2);
+    }
+}

@@ -1,0 +1,169 @@
+//! Inputs to what a page draws.
+
+use super::error::ViewError;
+use super::item::{Drawn, ViewItem};
+use super::source_table::source_table;
+use crate::report::page::{Reports, is_flat_btf, source_name, source_of};
+use crate::scene::build::notes;
+use crate::scene::plan::REPORT;
+use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatValues, SampledDirections};
+use brdfc_formats::{BrdfPack, FormatError, Pack};
+use brdfc_source::flat_btf::open_flat_btf;
+use brdfc_source::light_stack::is_light_stack;
+use brdfc_source::open::open;
+use brdfc_source::pack::open_pack;
+use brdfc_source::progress::Progress;
+use brdfc_source::words::bytes;
+use brdfc_source::{Input, InputError, Source};
+use std::path::Path;
+
+/// Most bytes of textures of one material: a page is to open in a browser.
+const MOST_BYTES: u64 = 256 << 20;
+/// What can be drawn.
+const ALLOWED: &str = "a table or wavelet pack, the folder or the .json of a flat BTF, a pack of 'brdfc pwt', the folder of a \
+                       build, or a material";
+
+/// What else a page draws.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ViewOptions {
+    /// Of builds, the sources of packs, too, where they still are.
+    pub sources: bool,
+}
+
+/// Reads inputs: packs as they are, builds as their packs, each with its source, and sources as tables.
+///
+/// # Errors
+/// What cannot be read, breaks its layout, or cannot be drawn; cancellation.
+pub fn open_items(inputs: &[Input], options: ViewOptions, progress: &dyn Progress) -> Result<Vec<ViewItem>, ViewError> {
+    let mut items: Vec<ViewItem> = Vec::new();
+    for input in inputs {
+        progress.check()?;
+        let opened = match input.path() {
+            Some(folder) if folder.join(REPORT).is_file() => of_build(folder, options, progress)?,
+            _ => vec![of_input(input, progress)?],
+        };
+        for mut item in opened {
+            item.name = unlike(&items, item.name);
+            items.push(item);
+        }
+    }
+    Ok(items)
+}
+
+/// A name that no other item has.
+fn unlike(items: &[ViewItem], name: String) -> String {
+    let is_taken = |name: &str| items.iter().any(|item| item.name == name);
+    if !is_taken(&name) {
+        return name;
+    }
+    let numbered = (2..).map(|number| format!("{name} ({number})"));
+    numbered.into_iter().find(|name| !is_taken(name)).expect("numbers do not end")
+}
+
+fn of_input(input: &Input, progress: &dyn Progress) -> Result<ViewItem, ViewError> {
+    let name = match input.path() {
+        Some(path) => path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned(),
+        None => input.to_string(),
+    };
+    if let Some(path) = input.path() {
+        if is_flat_btf(path) {
+            return of_flat_btf(name, path);
+        }
+        if is_light_stack(path) {
+            let allowed = "a pack of it, which 'brdfc pwt' makes";
+            return Err(ViewError::refused(&input.to_string(), "a light stack", allowed));
+        }
+        if path.is_dir() {
+            return Err(ViewError::refused(&input.to_string(), "a folder", ALLOWED));
+        }
+    }
+    if input.extension()? != "ktx2" {
+        let opened = open(input, None)?;
+        return of_source(name, &input.to_string(), opened.source.as_ref(), progress);
+    }
+    match open_pack(input)? {
+        Pack::Table(pack) => Ok(of_brdf(name, BrdfPack::Table(pack))),
+        Pack::Wavelet(pack) => Ok(of_brdf(name, BrdfPack::Wavelet(pack))),
+        Pack::Pwt(pack) => {
+            let [width, height] = pack.header().size;
+            let facts = format!("{width} x {height} pixels under any light, {} on a GPU", bytes(pack.gpu_bytes()));
+            Ok(ViewItem { name, facts, drawn: Drawn::Pwt(Box::new(pack)) })
+        }
+        other => Err(ViewError::refused(&input.to_string(), other.kind().name(), ALLOWED)),
+    }
+}
+
+fn of_brdf(name: String, pack: BrdfPack) -> ViewItem {
+    let fetches = match pack.fetches() {
+        1 => "one fetch".to_owned(),
+        many => format!("{many} fetches"),
+    };
+    let mut facts = format!("{}, {} on a GPU, {fetches}", pack.codec(), bytes(pack.gpu_bytes()));
+    match &pack {
+        BrdfPack::Table(table) if table.picture.max > 0.0 => {
+            facts += &format!(", ΔE {:.2} of a ball against its source", table.picture.mean);
+        }
+        BrdfPack::Wavelet(wavelet) if wavelet.off_grid.relative_mean > 0.0 => {
+            let share = brdfc_source::words::percent(wavelet.off_grid.relative_mean.into());
+            facts += &format!(", ε_r {share} against its source");
+        }
+        _ => {}
+    }
+    if !pack.directions().is_all() {
+        facts += &format!(", for {} alone", pack.directions());
+    }
+    ViewItem { name, facts, drawn: Drawn::Brdf(pack) }
+}
+
+fn of_source(name: String, input: &str, source: &dyn Source, progress: &dyn Progress) -> Result<ViewItem, ViewError> {
+    let table = source_table(source, progress).map_err(|error| match error {
+        brdfc_table::encode::EncodeError::Cancelled(cancelled) => ViewError::Cancelled(cancelled),
+        error => ViewError::Table { name: input.to_owned(), error },
+    })?;
+    let error = table.picture.mean;
+    let size = bytes(table.gpu_bytes());
+    let facts = format!("the source as a table of {size}: ΔE {error:.2} of a ball against the source itself");
+    Ok(ViewItem { name, facts, drawn: Drawn::Brdf(BrdfPack::Table(table)) })
+}
+
+fn of_flat_btf(name: String, path: &Path) -> Result<ViewItem, ViewError> {
+    let wrong = |error: FormatError| InputError::Format { name: path.display().to_string(), error };
+    // The light form has no values of views.
+    let has_values = crate::flatten::open_asset(path)
+        .map_err(crate::report::page::GatherError::from)?
+        .is_none_or(|asset| asset.settings.form == crate::flatten::Form::Full);
+    let decoder = FlatBtfDecoder::new(open_flat_btf(path, has_values)?).map_err(wrong)?;
+    let parts = decoder.parts();
+    let directions = SampledDirections::of(&parts.values).map_err(wrong)?;
+    let size = parts.gpu_bytes();
+    if size > MOST_BYTES {
+        let allowed = "256 MiB: a factored flat BTF, which 'brdfc flatten' writes without --uncompressed";
+        return Err(ViewError::refused(&path.display().to_string(), format!("{} of textures", bytes(size)), allowed));
+    }
+    let form = match &parts.values {
+        FlatValues::Factored(_) => "factored",
+        FlatValues::Views(_) => "all views",
+        FlatValues::None => "light form",
+    };
+    let facts = format!("flat BTF, {form}, {} on a GPU", bytes(size));
+    Ok(ViewItem { name, facts, drawn: Drawn::FlatBtf(Box::new(decoder), directions) })
+}
+
+/// The packs of a build, each followed by its source.
+fn of_build(folder: &Path, options: ViewOptions, progress: &dyn Progress) -> Result<Vec<ViewItem>, ViewError> {
+    let notes = notes(folder);
+    let mut items = Vec::new();
+    for (material, pack) in Reports::open(folder, None)?.brdf_packs()? {
+        progress.check()?;
+        let range = pack.directions();
+        items.push(of_brdf(material.clone(), pack));
+        let source = notes.get(&material).filter(|_| options.sources && range.is_all());
+        if let Some(source) = source.and_then(|note| source_of(note).ok()) {
+            items.push(of_source(source_name(&material), &material, source.as_ref(), progress)?);
+        }
+    }
+    if items.is_empty() {
+        return Err(ViewError::refused(&folder.display().to_string(), "a build without packs", ALLOWED));
+    }
+    Ok(items)
+}

@@ -1,0 +1,392 @@
+// The page: what is chosen, and when it is drawn.
+
+import { viewBlock, raised } from './camera.js';
+import { autoExposure, deltaE, differences } from './colour.js';
+import { contentsOf, meshOf, unpacked } from './data.js';
+import { WebGl } from './webgl.js';
+import { featuresOf, WebGpu } from './webgpu.js';
+
+/** Most pixels along a side of the picture. */
+const MOST_PIXELS = 1024;
+/** Samples along a pixel's side where nothing moves, and where something does. */
+const FINE = 2;
+const COARSE = 1;
+/** Milliseconds without a movement, after which a picture is drawn finely. */
+const REST = 150;
+/** Radians for each pixel that a pointer is dragged, and for each press of a key. */
+const DRAG = 0.008;
+const PRESS = 0.08;
+
+const page = JSON.parse(document.getElementById('data').textContent);
+const find = (id) => document.getElementById(id);
+const [canvas, stage, here, whole, wrong] = ['canvas', 'stage', 'here', 'whole', 'wrong'].map(find);
+const controls = document.querySelector('form');
+const given = new URLSearchParams(location.hash.slice(1));
+
+const still = () => ({ yaw: 0, pitch: 0 });
+const state = {
+    scene: page.items[0].scenes[0],
+    left: 0,
+    right: page.items.length > 1 ? 1 : -1,
+    mode: 'split',
+    split: 0.5,
+    /** By how many levels it is coarser than the finest; null: as the distance, or the size of a pixel, says. */
+    coarser: null,
+    stops: 0,
+    turn: still(),
+    light: still(),
+    zoom: 1,
+};
+
+let backend;
+/** Of the page: what draws each kind of pack, and what shows what was drawn. */
+let programs;
+let show;
+/** What was uploaded: programs, meshes and materials by their name or number. */
+const made = new Map();
+/** Of the picture that is shown: its factor to the display's range, nothing before it is known. */
+let exposure;
+let asked = false;
+let moved = -Infinity;
+let resting;
+/** Of the last fine picture, to be read under the pointer. */
+let isFine = false;
+let pointer;
+
+function fail(error) {
+    wrong.textContent = `This page cannot be shown here: ${error?.message ?? error}`;
+    wrong.hidden = false;
+    throw error;
+}
+
+const scene = () => page.scenes.find(({ name }) => name === state.scene);
+const isPair = () => state.right >= 0;
+/** Scenes that a material goes onto. */
+const scenesOf = (item) => page.scenes.filter(({ name }) => item.scenes.includes(name));
+
+async function uploaded(key, make) {
+    if (!made.has(key)) {
+        made.set(key, await make());
+    }
+    return made.get(key);
+}
+
+const program = (name) => uploaded(`program ${name}`, async () => backend.program(programs.of[name], false));
+const material = (number) => uploaded(`material ${number}`, async () => {
+    const item = page.items[number];
+    const bound = item.resources.map(async (resource) => ({ binding: resource.binding, contents: await contentsOf(resource) }));
+    return backend.material(await program(item.decoder), await Promise.all(bound));
+});
+const mesh = () => uploaded(`mesh ${state.scene}`, async () => backend.mesh(await meshOf(scene().mesh)));
+
+function showBlock(samples) {
+    const block = new ArrayBuffer(32);
+    const split = !isPair() || state.mode === 'one' ? MOST_PIXELS : state.split * canvas.width;
+    new Float32Array(block).set([...scene().background, (exposure ?? 1) * 2 ** state.stops, split], 0);
+    new Uint32Array(block).set([isPair() && state.mode === 'difference' ? 1 : 0, samples], 5);
+    return new Uint8Array(block);
+}
+
+/** Draws both pictures; nothing is shown yet. */
+async function draw(samples) {
+    const aspect = canvas.width / canvas.height;
+    const drawn = isPair() ? [state.left, state.right] : [state.left];
+    const [shape, ...materials] = await Promise.all([mesh(), ...drawn.map(material)]);
+    drawn.forEach((number, which) => {
+        const block = viewBlock(scene(), page.items[number], { ...state, samples }, aspect);
+        backend.draw(which, materials[which], shape, block, samples);
+    });
+}
+
+/** Means of the samples of a rectangle of pixels. */
+async function pixels(which, [x, y, width, height], samples) {
+    const fine = await backend.read(which, [x, y, width, height].map((c) => c * samples), samples);
+    if (samples === 1) {
+        return fine;
+    }
+    const means = new Float32Array(4 * width * height);
+    const row = 4 * width * samples;
+    for (let k = 0; k < fine.length; k += 1) {
+        const [column, channel] = [Math.floor((k % row) / 4 / samples), k % 4];
+        means[4 * (Math.floor(k / row / samples) * width + column) + channel] += fine[k] / samples ** 2;
+    }
+    return means;
+}
+
+const everything = () => [0, 0, canvas.width, canvas.height];
+
+async function frame() {
+    asked = false;
+    resize();
+    // What is new is seen at once, and finely after that.
+    const moving = exposure === undefined || performance.now() - moved < REST;
+    const samples = moving ? COARSE : FINE;
+    await draw(samples);
+    if (exposure === undefined) {
+        // That of what is nearer to the truth: the right one is what the left one is held against.
+        exposure = autoExposure(await pixels(isPair() ? 1 : 0, everything(), samples));
+    }
+    backend.show(show, showBlock(samples), true);
+    isFine = samples === FINE;
+    clearTimeout(resting);
+    if (moving) {
+        resting = setTimeout(ask, Math.max(moved + REST - performance.now(), 0));
+    } else {
+        await measure();
+    }
+}
+
+/** One frame at a time, however often it is asked for. */
+let drawing = Promise.resolve();
+function ask() {
+    if (!asked) {
+        asked = true;
+        requestAnimationFrame(() => {
+            drawing = drawing.then(frame).catch(fail);
+        });
+    }
+}
+
+function move() {
+    moved = performance.now();
+    ask();
+}
+
+/** What both pictures differ by. */
+async function measure() {
+    if (!isPair()) {
+        whole.textContent = '';
+        here.textContent = '';
+        return undefined;
+    }
+    const [a, b] = [await pixels(0, everything(), FINE), await pixels(1, everything(), FINE)];
+    const found = differences(a, b, exposure * 2 ** state.stops);
+    whole.textContent = `ΔE of this view: ${found.mean.toFixed(2)} in the mean, ${found.p95.toFixed(2)} at 95 %`;
+    await underPointer();
+    return found;
+}
+
+async function underPointer() {
+    if (!isPair() || !pointer || !isFine) {
+        here.textContent = isPair() ? 'Point at the picture for the ΔE there.' : '';
+        return;
+    }
+    const [x, y] = pointer;
+    const [a, b] = [await pixels(0, [x, y, 1, 1], FINE), await pixels(1, [x, y, 1, 1], FINE)];
+    const told = a[3] > 0 || b[3] > 0 ? deltaE([...a], [...b], exposure * 2 ** state.stops).toFixed(2) : 'no surface';
+    here.textContent = `ΔE here: ${told}`;
+}
+
+/** As many pixels as the canvas shows. */
+function resize() {
+    const { clientWidth, clientHeight } = stage;
+    const scale = Math.min(devicePixelRatio, MOST_PIXELS / Math.max(clientWidth, clientHeight));
+    const [width, height] = [clientWidth, clientHeight].map((side) => Math.max(Math.round(side * scale), 1));
+    if (canvas.width !== width || canvas.height !== height || !backend.targets) {
+        [canvas.width, canvas.height] = [width, height];
+        backend.resize(width, height, FINE);
+    }
+}
+
+/** The picture as it is shown, finely, as a PNG. */
+async function picture() {
+    await drawing;
+    await draw(FINE);
+    backend.show(show, showBlock(FINE), false);
+    const shown = await backend.read(2, everything(), 1);
+    const flat = new OffscreenCanvas(canvas.width, canvas.height);
+    flat.getContext('2d').putImageData(new ImageData(shown, canvas.width, canvas.height), 0, 0);
+    return flat.convertToBlob({ type: 'image/png' });
+}
+
+/** Takes some of the state over, and draws it. */
+function set(changes) {
+    const before = [state.scene, state.left, state.right].join();
+    Object.assign(state, changes);
+    const item = page.items[state.left];
+    if (isPair() && !scenesOf(page.items[state.right]).some(({ name }) => item.scenes.includes(name))) {
+        state.right = -1;
+    }
+    const allowed = scenesOf(item).filter(({ name }) => !isPair() || page.items[state.right].scenes.includes(name));
+    if (!allowed.includes(scene())) {
+        state.scene = allowed[0].name;
+    }
+    if ([state.scene, state.left, state.right].join() !== before) {
+        exposure = undefined;
+        if (!before.startsWith(`${state.scene},`)) {
+            Object.assign(state, { turn: still(), light: still(), zoom: 1 });
+        }
+    }
+    tell();
+    ask();
+}
+
+/** Puts the state into the controls. */
+function tell() {
+    const { scene: shown, left, right, mode, split, coarser, stops } = controls.elements;
+    const items = [page.items[state.left], page.items[state.right]];
+    [...shown.options].forEach((option) => {
+        option.hidden = items.some((item) => item && !item.scenes.includes(option.value));
+    });
+    [shown.value, left.value, right.value, mode.value] = [state.scene, state.left, state.right, state.mode];
+    const most = Math.max(...items.map((item) => item?.levels ?? 0));
+    find('levels').hidden = most === 0;
+    coarser.max = most;
+    coarser.value = state.coarser ?? 0;
+    coarser.disabled = state.coarser === null;
+    find('coarser-shown').textContent = state.coarser === null ? '' : `coarser by ${state.coarser.toFixed(1)}`;
+    controls.elements.follows.checked = state.coarser === null;
+    split.value = state.split;
+    split.hidden = !isPair() || state.mode !== 'split';
+    find('border').hidden = split.hidden;
+    stage.style.setProperty('--split', `${100 * state.split}%`);
+    find('modes').hidden = !isPair();
+    find('scale').hidden = !isPair() || state.mode !== 'difference';
+    stops.value = state.stops;
+    find('facts').replaceChildren(...items.filter(Boolean).map(({ name, facts }) => {
+        const [head, text] = [document.createElement('strong'), document.createElement('p')];
+        head.textContent = name;
+        text.append(head, ` ${facts}`);
+        return text;
+    }));
+}
+
+function listen() {
+    controls.addEventListener('input', ({ target }) => {
+        const { name, value } = target;
+        const number = Number(value);
+        switch (name) {
+            case 'scene': case 'mode': set({ [name]: value }); break;
+            case 'left': case 'right': case 'stops': case 'split': set({ [name]: number }); break;
+            case 'coarser': set({ coarser: number }); break;
+            case 'follows': set({ coarser: target.checked ? null : Number(controls.elements.coarser.value) }); break;
+        }
+    });
+    controls.addEventListener('submit', (event) => event.preventDefault());
+    find('again').addEventListener('click', () => {
+        exposure = undefined;
+        set({ turn: still(), light: still(), zoom: 1, coarser: null, stops: 0 });
+    });
+    find('save').addEventListener('click', async () => {
+        const link = document.createElement('a');
+        link.href = URL.createObjectURL(await picture());
+        link.download = `${page.items[state.left].name}.png`;
+        link.click();
+        URL.revokeObjectURL(link.href);
+    });
+    const turn = (which, yaw, pitch) => {
+        const before = state[which];
+        const wanted = before.pitch + pitch;
+        state[which] = { yaw: before.yaw + yaw, pitch: which === 'turn' ? raised(scene().camera, wanted) : wanted };
+        move();
+    };
+    const zoom = (factor) => {
+        state.zoom = Math.max(0.25, Math.min(8, state.zoom * factor));
+        move();
+    };
+    canvas.addEventListener('contextmenu', (event) => event.preventDefault());
+    canvas.addEventListener('pointerdown', (event) => canvas.setPointerCapture(event.pointerId));
+    canvas.addEventListener('pointermove', (event) => {
+        const box = canvas.getBoundingClientRect();
+        pointer = [(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height]
+            .map((share, k) => Math.min(Math.floor(share * [canvas.width, canvas.height][k]), [canvas.width, canvas.height][k] - 1));
+        if (event.buttons === 0) {
+            drawing = drawing.then(underPointer).catch(fail);
+            return;
+        }
+        const isLight = event.shiftKey || event.buttons === 2 || controls.elements.drags.value === 'light';
+        // The surface follows the hand, and so does the light.
+        turn(isLight ? 'light' : 'turn', (isLight ? 1 : -1) * DRAG * event.movementX, (isLight ? -1 : 1) * DRAG * event.movementY);
+    });
+    canvas.addEventListener('pointerleave', () => {
+        pointer = undefined;
+        underPointer();
+    });
+    canvas.addEventListener('wheel', (event) => {
+        event.preventDefault();
+        zoom(Math.exp(-0.001 * event.deltaY));
+    }, { passive: false });
+    canvas.addEventListener('keydown', (event) => {
+        const which = event.shiftKey ? 'light' : 'turn';
+        const steps = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
+        if (steps) {
+            event.preventDefault();
+            const way = which === 'turn' ? -PRESS : PRESS;
+            turn(which, way * steps[0], way * steps[1]);
+        } else if (event.key === '+' || event.key === '-') {
+            zoom(event.key === '+' ? 1.1 : 1 / 1.1);
+        }
+    });
+    new ResizeObserver(ask).observe(stage);
+}
+
+/** What an address asks for behind its #: scene, left and right by name, mode, coarser, api, embed. */
+function fromAddress() {
+    const number = (name) => page.items.findIndex((item) => item.name === name);
+    const changes = {};
+    for (const [key, value] of given) {
+        if (key === 'scene' && page.scenes.some(({ name }) => name === value)) {
+            changes.scene = value;
+        } else if (key === 'left' && number(value) >= 0) {
+            changes.left = number(value);
+        } else if (key === 'right') {
+            changes.right = number(value);
+        } else if (key === 'mode' && ['one', 'split', 'difference'].includes(value)) {
+            changes.mode = value;
+        } else if (key === 'coarser' && Number(value) >= 0) {
+            changes.coarser = Number(value);
+        }
+    }
+    return changes;
+}
+
+async function start() {
+    document.body.classList.toggle('embedded', given.has('embed'));
+    const wanted = given.get('api');
+    // A canvas keeps to the first context that it gave.
+    backend = wanted === 'webgl2' ? undefined : await WebGpu.open(canvas, featuresOf(page.items)).catch(() => undefined);
+    backend ??= wanted === 'webgpu' ? undefined : await WebGl.open(canvas);
+    if (!backend) {
+        throw new Error('there is neither WebGPU nor WebGL 2 with pictures of floats (EXT_color_buffer_float)');
+    }
+    find('api').textContent = backend.name;
+    programs = JSON.parse(new TextDecoder().decode(await unpacked(page.programs)));
+    show = backend.program(programs.show, true);
+    listen();
+    set(fromAddress());
+    await program(page.items[state.left].decoder);
+    await new Promise(requestAnimationFrame);
+    await drawing;
+    return performance.now();
+}
+
+/** For scripts: when the first picture stood, in milliseconds from the start; changes; exposure; pictures; differences. */
+globalThis.brdfcView = {
+    first: start().catch(fail),
+    state,
+    set: async (changes) => {
+        set(changes);
+        await new Promise(requestAnimationFrame);
+        await drawing;
+    },
+    exposure: () => exposure * 2 ** state.stops,
+    picture,
+    measure: async () => {
+        await drawing;
+        await draw(FINE);
+        return measure();
+    },
+    /** Pictures a second, each drawn as while something moves, and waited for. */
+    speed: async (count = 30) => {
+        await drawing;
+        const [started, { turn }] = [performance.now(), state];
+        for (let k = 0; k < count; k += 1) {
+            state.turn = { yaw: 0.02 * k, pitch: 0 };
+            await draw(COARSE);
+            backend.show(show, showBlock(COARSE), true);
+            await backend.read(0, [0, 0, 1, 1], COARSE);
+        }
+        state.turn = turn;
+        return (1000 * count) / (performance.now() - started);
+    },
+};

@@ -1,0 +1,189 @@
+// Pictures by WebGL 2.
+
+import { uploadTexture } from '../../../../../bindings/web/src/upload_webgl.js';
+import { CORNER } from './data.js';
+
+/** Where blocks are bound. */
+const VIEW_POINT = 0;
+const PACK_POINT = 1;
+
+export class WebGl {
+    name = 'WebGL 2';
+
+    /** Nothing where there is none that holds floats. */
+    static async open(canvas) {
+        const gl = canvas.getContext('webgl2', { antialias: false, depth: false });
+        return gl?.getExtension('EXT_color_buffer_float') ? new WebGl(gl) : undefined;
+    }
+
+    /** @param {WebGL2RenderingContext} gl */
+    constructor(gl) {
+        this.gl = gl;
+        this.block = gl.createBuffer();
+        this.empty = gl.createVertexArray();
+    }
+
+    /** A program of the page. The driver compiles while others are made, until one is checked. */
+    program({ vertex, fragment, blocks, textures }) {
+        const { gl } = this;
+        const program = gl.createProgram();
+        for (const [type, source] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
+            const shader = gl.createShader(type);
+            gl.shaderSource(shader, source);
+            gl.compileShader(shader);
+            gl.attachShader(program, shader);
+        }
+        gl.linkProgram(program);
+        let checked = false;
+        const check = () => {
+            if (checked) {
+                return;
+            }
+            checked = true;
+            if (!gl.getProgramParameter(program, gl.LINK_STATUS)) {
+                const logs = gl.getAttachedShaders(program).map((shader) => gl.getShaderInfoLog(shader));
+                throw new Error(`${gl.getProgramInfoLog(program)} ${logs.join(' ')}`);
+            }
+            gl.useProgram(program);
+            for (const { group, binding, name } of blocks) {
+                const index = gl.getUniformBlockIndex(program, name);
+                if (index !== gl.INVALID_INDEX) {
+                    gl.uniformBlockBinding(program, index, group === 0 ? VIEW_POINT : PACK_POINT + binding);
+                }
+            }
+            textures.forEach(({ name }, unit) => gl.uniform1i(gl.getUniformLocation(program, name), unit));
+        };
+        return { program, check, textures };
+    }
+
+    mesh({ corners, indices }) {
+        const { gl } = this;
+        const array = gl.createVertexArray();
+        gl.bindVertexArray(array);
+        gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+        gl.bufferData(gl.ARRAY_BUFFER, corners, gl.STATIC_DRAW);
+        [3, 3, 3, 2].reduce((at, size, location) => {
+            gl.enableVertexAttribArray(location);
+            gl.vertexAttribPointer(location, size, gl.FLOAT, false, 4 * CORNER, 4 * at);
+            return at + size;
+        }, 0);
+        gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
+        gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, indices, gl.STATIC_DRAW);
+        gl.bindVertexArray(null);
+        return { array, count: indices.length };
+    }
+
+    /** A material: what is bound for it. */
+    material(program, resources) {
+        const { gl } = this;
+        const bound = { program, blocks: [], textures: new Map() };
+        const contentsOf = new Map(resources.map(({ binding, contents }) => [binding, contents]));
+        for (const [binding, { kind, bytes }] of contentsOf) {
+            if (kind === 'uniform') {
+                const buffer = gl.createBuffer();
+                gl.bindBuffer(gl.UNIFORM_BUFFER, buffer);
+                gl.bufferData(gl.UNIFORM_BUFFER, bytes, gl.STATIC_DRAW);
+                bound.blocks.push({ binding, buffer });
+            }
+        }
+        for (const { binding, sampler } of program.textures) {
+            const repeats = contentsOf.get(sampler)?.repeats ?? false;
+            bound.textures.set(binding, uploadTexture(gl, contentsOf.get(binding).texture, sampler !== undefined, repeats));
+        }
+        program.check();
+        return bound;
+    }
+
+    /** Makes room for two pictures of at most this size, and one of what is shown of them. */
+    resize(width, height, samples) {
+        const { gl } = this;
+        for (const { texture, depth, frame } of this.targets ?? []) {
+            gl.deleteTexture(texture);
+            gl.deleteRenderbuffer(depth);
+            gl.deleteFramebuffer(frame);
+        }
+        const target = (format, [w, h], withDepth) => {
+            const texture = gl.createTexture();
+            gl.bindTexture(gl.TEXTURE_2D, texture);
+            gl.texStorage2D(gl.TEXTURE_2D, 1, format, w, h);
+            gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
+            gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
+            const frame = gl.createFramebuffer();
+            gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
+            gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, texture, 0);
+            const depth = withDepth ? gl.createRenderbuffer() : null;
+            if (depth) {
+                gl.bindRenderbuffer(gl.RENDERBUFFER, depth);
+                gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT32F, w, h);
+                gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, depth);
+            }
+            return { texture, depth, frame };
+        };
+        const fine = [width * samples, height * samples];
+        this.size = [width, height];
+        this.targets = [target(gl.RGBA32F, fine, true), target(gl.RGBA32F, fine, true), target(gl.RGBA8, this.size, false)];
+    }
+
+    bindBlock(bytes) {
+        const { gl } = this;
+        gl.bindBuffer(gl.UNIFORM_BUFFER, this.block);
+        gl.bufferData(gl.UNIFORM_BUFFER, bytes, gl.DYNAMIC_DRAW);
+        gl.bindBufferBase(gl.UNIFORM_BUFFER, VIEW_POINT, this.block);
+    }
+
+    /** Draws a material on a mesh into a picture. */
+    draw(which, material, mesh, block, samples) {
+        const { gl } = this;
+        gl.bindFramebuffer(gl.FRAMEBUFFER, this.targets[which].frame);
+        gl.viewport(0, 0, this.size[0] * samples, this.size[1] * samples);
+        gl.clearBufferfv(gl.COLOR, 0, [0, 0, 0, 0]);
+        gl.clearBufferfv(gl.DEPTH, 0, [0]);
+        gl.enable(gl.DEPTH_TEST);
+        gl.depthFunc(gl.GREATER);
+        gl.useProgram(material.program.program);
+        this.bindBlock(block);
+        for (const { binding, buffer } of material.blocks) {
+            gl.bindBufferBase(gl.UNIFORM_BUFFER, PACK_POINT + binding, buffer);
+        }
+        material.program.textures.forEach(({ binding }, unit) => {
+            const { target, texture } = material.textures.get(binding);
+            gl.activeTexture(gl.TEXTURE0 + unit);
+            gl.bindTexture(target, texture);
+        });
+        gl.bindVertexArray(mesh.array);
+        gl.drawElements(gl.TRIANGLES, mesh.count, gl.UNSIGNED_INT, 0);
+        gl.bindVertexArray(null);
+    }
+
+    /** Shows both on the canvas, or in a picture of bytes. */
+    show(program, block, onCanvas) {
+        const { gl } = this;
+        gl.bindFramebuffer(gl.FRAMEBUFFER, onCanvas ? null : this.targets[2].frame);
+        gl.viewport(0, 0, ...this.size);
+        gl.disable(gl.DEPTH_TEST);
+        program.check();
+        gl.useProgram(program.program);
+        this.bindBlock(block);
+        program.textures.forEach(({ binding }, unit) => {
+            gl.activeTexture(gl.TEXTURE0 + unit);
+            gl.bindTexture(gl.TEXTURE_2D, this.targets[binding - 1].texture);
+        });
+        gl.bindVertexArray(this.empty);
+        gl.drawArrays(gl.TRIANGLES, 0, 3);
+    }
+
+    /** Texels of a rectangle of a picture, rows from the top: floats, or bytes of what is shown. */
+    async read(which, [x, y, width, height], samples) {
+        const { gl } = this;
+        const bytes = which === 2;
+        const rows = this.size[1] * (bytes ? 1 : samples);
+        const found = bytes ? new Uint8ClampedArray(4 * width * height) : new Float32Array(4 * width * height);
+        gl.bindFramebuffer(gl.FRAMEBUFFER, this.targets[which].frame);
+        gl.readPixels(x, rows - y - height, width, height, gl.RGBA, bytes ? gl.UNSIGNED_BYTE : gl.FLOAT, found);
+        const turned = found.slice();
+        for (let row = 0; row < height; row += 1) {
+            turned.set(found.subarray(4 * width * row, 4 * width * (row + 1)), 4 * width * (height - 1 - row));
+        }
+        return turned;
+    }
+}

@@ -1,0 +1,170 @@
+// Pictures by WebGPU.
+
+import { gpuResource } from '../../../../../bindings/web/src/upload_webgpu.js';
+import { CORNER } from './data.js';
+
+/** For floats that a sampler filters: wavelet packs of more than 8 bits. */
+const FILTERS_FLOATS = 'float32-filterable';
+/** Rows of a copied texture begin at multiples of this. */
+const ROW_BYTES = 256;
+
+export class WebGpu {
+    name = 'WebGPU';
+
+    /** Nothing where there is none that has what the page's materials take. */
+    static async open(canvas, features) {
+        const adapter = await navigator.gpu?.requestAdapter();
+        if (!adapter || features.some((feature) => !adapter.features.has(feature))) {
+            return undefined;
+        }
+        const { limits } = adapter;
+        const device = await adapter.requestDevice({
+            requiredFeatures: features,
+            requiredLimits: { maxTextureArrayLayers: Math.min(limits.maxTextureArrayLayers, 2048) },
+        });
+        return new WebGpu(device, canvas);
+    }
+
+    /** @param {GPUDevice} device */
+    constructor(device, canvas) {
+        this.device = device;
+        this.format = navigator.gpu.getPreferredCanvasFormat();
+        this.context = canvas.getContext('webgpu');
+        this.context.configure({ device, format: this.format });
+        device.addEventListener('uncapturederror', ({ error }) => {
+            throw error;
+        });
+    }
+
+    buffer(bytes, usage) {
+        const size = Math.ceil(bytes.byteLength / 4) * 4;
+        const buffer = this.device.createBuffer({ size, usage: usage | GPUBufferUsage.COPY_DST });
+        this.device.queue.writeBuffer(buffer, 0, bytes);
+        return buffer;
+    }
+
+    program({ wgsl }, shows) {
+        const module = this.device.createShaderModule({ code: wgsl });
+        if (shows) {
+            const of = (format) => this.device.createRenderPipeline({
+                layout: 'auto',
+                vertex: { module },
+                fragment: { module, targets: [{ format }] },
+            });
+            return { canvas: of(this.format), bytes: of('rgba8unorm') };
+        }
+        let at = 0;
+        const attributes = [3, 3, 3, 2].map((size, shaderLocation) => {
+            const offset = 4 * at;
+            at += size;
+            return { shaderLocation, offset, format: /** @type {GPUVertexFormat} */ (`float32x${size}`) };
+        });
+        const pipeline = this.device.createRenderPipeline({
+            layout: 'auto',
+            vertex: { module, buffers: [{ arrayStride: 4 * CORNER, attributes }] },
+            fragment: { module, targets: [{ format: 'rgba32float' }] },
+            depthStencil: { format: 'depth32float', depthWriteEnabled: true, depthCompare: 'greater' },
+        });
+        return { pipeline };
+    }
+
+    mesh({ corners, indices }) {
+        return {
+            corners: this.buffer(corners, GPUBufferUsage.VERTEX),
+            indices: this.buffer(indices, GPUBufferUsage.INDEX),
+            count: indices.length,
+        };
+    }
+
+    material({ pipeline }, resources) {
+        const entries = resources.map(({ binding, contents }) => ({ binding, resource: gpuResource(this.device, contents) }));
+        return { pipeline, group: this.device.createBindGroup({ layout: pipeline.getBindGroupLayout(1), entries }) };
+    }
+
+    resize(width, height, samples) {
+        for (const { texture, depth } of this.targets ?? []) {
+            texture.destroy();
+            depth?.destroy();
+        }
+        const target = (format, size, withDepth) => {
+            const usage = GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_SRC;
+            const texture = this.device.createTexture({ size, format, usage });
+            const depth = withDepth
+                ? this.device.createTexture({ size, format: 'depth32float', usage: GPUTextureUsage.RENDER_ATTACHMENT })
+                : undefined;
+            return { texture, depth };
+        };
+        const fine = [width * samples, height * samples];
+        this.size = [width, height];
+        this.targets = [
+            target('rgba32float', fine, true),
+            target('rgba32float', fine, true),
+            target('rgba8unorm', this.size, false),
+        ];
+    }
+
+    draw(which, { pipeline, group }, mesh, block, samples) {
+        const { texture, depth } = this.targets[which];
+        const encoder = this.device.createCommandEncoder();
+        const pass = encoder.beginRenderPass({
+            colorAttachments: [{ view: texture.createView(), loadOp: 'clear', storeOp: 'store', clearValue: [0, 0, 0, 0] }],
+            depthStencilAttachment: { view: depth.createView(), depthLoadOp: 'clear', depthStoreOp: 'discard', depthClearValue: 0 },
+        });
+        pass.setViewport(0, 0, this.size[0] * samples, this.size[1] * samples, 0, 1);
+        pass.setPipeline(pipeline);
+        pass.setBindGroup(0, this.blockGroup(pipeline, block, []));
+        pass.setBindGroup(1, group);
+        pass.setVertexBuffer(0, mesh.corners);
+        pass.setIndexBuffer(mesh.indices, 'uint32');
+        pass.drawIndexed(mesh.count);
+        pass.end();
+        this.device.queue.submit([encoder.finish()]);
+    }
+
+    blockGroup(pipeline, block, textures) {
+        const resources = [{ buffer: this.buffer(block, GPUBufferUsage.UNIFORM) }, ...textures.map(({ texture }) => texture.createView())];
+        const entries = resources.map((resource, binding) => ({ binding, resource }));
+        return this.device.createBindGroup({ layout: pipeline.getBindGroupLayout(0), entries });
+    }
+
+    show(program, block, onCanvas) {
+        const pipeline = onCanvas ? program.canvas : program.bytes;
+        const target = onCanvas ? this.context.getCurrentTexture() : this.targets[2].texture;
+        const encoder = this.device.createCommandEncoder();
+        const pass = encoder.beginRenderPass({
+            colorAttachments: [{ view: target.createView(), loadOp: 'clear', storeOp: 'store' }],
+        });
+        pass.setPipeline(pipeline);
+        pass.setBindGroup(0, this.blockGroup(pipeline, block, this.targets.slice(0, 2)));
+        pass.draw(3);
+        pass.end();
+        this.device.queue.submit([encoder.finish()]);
+    }
+
+    async read(which, [x, y, width, height]) {
+        const texelBytes = which === 2 ? 4 : 16;
+        const bytesPerRow = Math.ceil((width * texelBytes) / ROW_BYTES) * ROW_BYTES;
+        const buffer = this.device.createBuffer({
+            size: bytesPerRow * height,
+            usage: GPUBufferUsage.COPY_DST | GPUBufferUsage.MAP_READ,
+        });
+        const encoder = this.device.createCommandEncoder();
+        const { texture } = this.targets[which];
+        encoder.copyTextureToBuffer({ texture, origin: [x, y, 0] }, { buffer, bytesPerRow }, [width, height, 1]);
+        this.device.queue.submit([encoder.finish()]);
+        await buffer.mapAsync(GPUMapMode.READ);
+        const mapped = buffer.getMappedRange();
+        const found = which === 2 ? new Uint8ClampedArray(4 * width * height) : new Float32Array(4 * width * height);
+        for (let row = 0; row < height; row += 1) {
+            const [from, count] = [mapped.slice(row * bytesPerRow, row * bytesPerRow + width * texelBytes), 4 * width * row];
+            found.set(which === 2 ? new Uint8Array(from) : new Float32Array(from), count);
+        }
+        buffer.destroy();
+        return found;
+    }
+}
+
+/** What devices must have for some formats. */
+export function featuresOf(items) {
+    return items.some((item) => item.wide) ? [FILTERS_FLOATS] : [];
+}

@@ -1,0 +1,32 @@
+//! The scenes of a page: those of its materials.
+
+use super::data::PageScene;
+use super::item::{ItemScene, ViewItem};
+use super::mesh::PackedMesh;
+use brdfc_render::pwt::picture_scene;
+
+/// Every scene that a material goes onto, once.
+pub(super) fn of(items: &[ViewItem]) -> Vec<PageScene> {
+    let mut all: Vec<ItemScene> = Vec::new();
+    for scene in items.iter().flat_map(ViewItem::scenes) {
+        if !all.contains(&scene) {
+            all.push(scene);
+        }
+    }
+    all.into_iter().map(page_scene).collect()
+}
+
+fn page_scene(of: ItemScene) -> PageScene {
+    let scene = match of {
+        ItemScene::Builtin(builtin) => builtin.scene(),
+        ItemScene::Picture(size) => picture_scene(size.map(|side| side as usize), [1; 2]),
+    };
+    let [part] = &scene.parts[..] else { unreachable!("scenes of pages have one part") };
+    PageScene {
+        name: of.name(),
+        camera: scene.camera.into(),
+        lights: scene.lights.iter().copied().map(Into::into).collect(),
+        background: scene.background,
+        mesh: PackedMesh::new(&part.mesh),
+    }
+}

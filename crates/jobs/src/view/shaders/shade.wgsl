@@ -1,0 +1,84 @@
+// Draws a mesh of one material under point lights, as the scenes of `brdfc render` are. Appended to a decoder, to what a page
+// says of its kind (`placed`, `level_at`, `reflected`), and to `shading_point.wgsl` of the renderer.
+
+struct PointLight {
+    position: vec4<f32>,
+    intensity: vec4<f32>, // W/sr
+}
+
+struct View {
+    eye: vec4<f32>,
+    right: vec4<f32>,    // divided by half the width of the image plane at distance 1
+    up: vec4<f32>,       // divided by half its height
+    forward: vec4<f32>,
+    sines: vec4<f32>,    // of the elevations that the material is for: the viewer's lowest and highest, the lights'
+    level: f32,          // of detail; negative: it follows the distance, or the size of a pixel
+    octaves: f32,        // log2 of the samples along a pixel's side
+    repeat: f32,         // tiles per unit of uv
+    hardware: u32,       // 1: the sampler filters
+    light_count: u32,
+    reserved_0: u32,
+    reserved_1: u32,
+    reserved_2: u32,
+    lights: array<PointLight, 8>,
+}
+
+@group(0) @binding(0) var<uniform> view: View;
+
+const NEAR: f32 = 0.01;
+const PI: f32 = 3.14159274;
+
+struct Corner {
+    @location(0) position: vec3<f32>,
+    @location(1) normal: vec3<f32>,
+    @location(2) tangent: vec3<f32>,
+    @location(3) uv: vec2<f32>,
+}
+
+struct Varying {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) position: vec3<f32>,
+    @location(1) normal: vec3<f32>,
+    @location(2) tangent: vec3<f32>,
+    @location(3) uv: vec2<f32>,
+}
+
+// Pinhole projection with reversed, infinite depth.
+@vertex
+fn project(corner: Corner) -> Varying {
+    let r = corner.position - view.eye.xyz;
+    let w = dot(view.forward.xyz, r);
+    let clip = vec4<f32>(dot(view.right.xyz, r), dot(view.up.xyz, r), NEAR, w);
+    return Varying(clip, corner.position, corner.normal, corner.tangent, corner.uv);
+}
+
+// Linear radiance and coverage. What is seen or lit from where the material was not made for is left out.
+@fragment
+fn shade(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+    let uv = placed(in.uv, front);
+    let to_eye = view.eye.xyz - in.position;
+    let distance = length(to_eye);
+    let of_pixel = level_at(distance, dpdx(uv), dpdy(uv));
+    let level = select(view.level, of_pixel, view.level < 0.0);
+    let v = to_eye / distance;
+    let n = normalize(in.normal);
+    let frame = turned_frame(select(-n, n, front), in.tangent, v);
+    let wo = vec3<f32>(dot(v, frame[0]), dot(v, frame[1]), dot(v, frame[2]));
+    var seen = within(wo.z, view.sines.xy);
+    var radiance = vec3<f32>(0.0);
+    for (var k = 0u; k < view.light_count; k += 1u) {
+        let to_light = view.lights[k].position.xyz - in.position;
+        let distance_squared = dot(to_light, to_light);
+        let l = to_light / sqrt(distance_squared);
+        let wi = vec3<f32>(dot(l, frame[0]), dot(l, frame[1]), dot(l, frame[2]));
+        if wi.z > 0.0 {
+            seen = seen && within(wi.z, view.sines.zw);
+            radiance += reflected(uv, level, wo, wi) * view.lights[k].intensity.rgb / distance_squared;
+        }
+    }
+    return select(vec4<f32>(0.0), vec4<f32>(radiance, 1.0), seen);
+}
+
+fn within(sine: f32, sines: vec2<f32>) -> bool {
+    return sine >= sines.x - 1e-5 && sine <= sines.y + 1e-5;
+}

@@ -1,0 +1,69 @@
+// Shows drawn pictures: means of a pixel's samples, exposed, sRGB-encoded; one beside another, or how far they are apart.
+// RAMP and FULL_SCALE, the colours of differences, stand before it.
+
+struct Show {
+    background: vec3<f32>, // linear RGB of the display, 0 to 1
+    exposure: f32,
+    split: f32,            // in pixels: the first picture is to the left of it
+    difference: u32,       // 1: ΔE of both in place of pictures
+    samples: u32,          // along a pixel's side
+    reserved: u32,
+}
+
+@group(0) @binding(0) var<uniform> parameters: Show;
+@group(0) @binding(1) var first: texture_2d<f32>;
+@group(0) @binding(2) var second: texture_2d<f32>;
+
+@vertex
+fn cover(@builtin(vertex_index) corner: u32) -> @builtin(position) vec4<f32> {
+    return vec4<f32>(select(-1.0, 3.0, corner == 1u), select(-1.0, 3.0, corner == 2u), 0.0, 1.0);
+}
+
+@fragment
+fn show(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
+    let pixel = vec2<i32>(at.xy);
+    var a = vec4<f32>(0.0);
+    var b = vec4<f32>(0.0);
+    let side = i32(parameters.samples);
+    for (var y = 0; y < side; y += 1) {
+        for (var x = 0; x < side; x += 1) {
+            let sample = pixel * side + vec2<i32>(x, y);
+            a += textureLoad(first, sample, 0);
+            b += textureLoad(second, sample, 0);
+        }
+    }
+    let share = 1.0 / f32(side * side);
+    if parameters.difference == 1u {
+        let apart = distance(lab(a.rgb * share * parameters.exposure), lab(b.rgb * share * parameters.exposure));
+        return vec4<f32>(heat(apart / FULL_SCALE), 1.0);
+    }
+    let picture = select(b, a, at.x < parameters.split) * share;
+    let behind = parameters.background * (1.0 - picture.a);
+    return vec4<f32>(encoded(min(picture.rgb * parameters.exposure, vec3<f32>(1.0)) + behind), 1.0);
+}
+
+// The transfer curve of sRGB.
+fn encoded(linear: vec3<f32>) -> vec3<f32> {
+    let c = clamp(linear, vec3<f32>(0.0), vec3<f32>(1.0));
+    let steep = 1.055 * pow(max(c, vec3<f32>(1e-6)), vec3<f32>(1.0 / 2.4)) - 0.055;
+    return select(steep, 12.92 * c, c <= vec3<f32>(0.0031308));
+}
+
+// CIE L*a*b* (D65) of linear RGB; the CPU twin is `lab` of the crate `brdfc-metrics`.
+fn lab(colour: vec3<f32>) -> vec3<f32> {
+    let c = clamp(colour, vec3<f32>(0.0), vec3<f32>(1.0));
+    let x = dot(c, vec3<f32>(0.433953, 0.3762194, 0.1898276));
+    let y = dot(c, vec3<f32>(0.2126729, 0.7151522, 0.072175));
+    let z = dot(c, vec3<f32>(0.0177566, 0.10946796, 0.8727754));
+    let t = vec3<f32>(x, y, z);
+    let root = pow(max(t, vec3<f32>(1e-6)), vec3<f32>(1.0 / 3.0));
+    let f = select(t * 7.787037 + 16.0 / 116.0, root, t > vec3<f32>(0.008856452));
+    return vec3<f32>(116.0 * f.y - 16.0, 500.0 * (f.x - f.y), 200.0 * (f.y - f.z));
+}
+
+fn heat(share: f32) -> vec3<f32> {
+    let position = clamp(share, 0.0, 1.0) * 4.0;
+    let lower = min(i32(position), 3);
+    var ramp = RAMP;
+    return mix(ramp[lower], ramp[lower + 1], position - f32(lower));
+}

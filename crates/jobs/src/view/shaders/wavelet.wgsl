@@ -1,0 +1,16 @@
+// How a page draws wavelet packs.
+
+fn placed(uv: vec2<f32>, front: bool) -> vec2<f32> {
+    return uv;
+}
+
+fn level_at(distance: f32, right: vec2<f32>, below: vec2<f32>) -> f32 {
+    return wavelet_brdf_level_of_detail(distance);
+}
+
+fn reflected(uv: vec2<f32>, level: f32, wo: vec3<f32>, wi: vec3<f32>) -> vec3<f32> {
+    if view.hardware == 1u {
+        return wi.z * wavelet_brdf(wi, wo, level);
+    }
+    return wi.z * wavelet_brdf_exact(wi, wo, level);
+}

@@ -1,0 +1,291 @@
+//! `brdfc view`: the page, and in a browser what it draws.
+
+use crate::common::cli::Folder;
+
+/// A scene whose packs and sources are small.
+const SCENE: &str = "[materials.paint]\nsource = \"synth:ggx?kd=0.2,0.1,0.05&alpha=0.4\"\n\
+                     [materials.matte]\nsource = \"synth:lambert?kd=0.5\"\n\
+                     [[uses]]\nmaterial = \"paint\"\n[[uses]]\nmaterial = \"matte\"\n";
+
+#[test]
+fn a_page_holds_packs_and_says_its_size() {
+    let folder = Folder::new();
+    folder.run(&["encode", "synth:ggx?alpha=0.4", "-o", "ggx.ktx2"]).succeeded();
+    let told = folder.run(&["view", "ggx.ktx2", "-o", "ggx.html", "--json"]).succeeded().json();
+    let page = folder.text("ggx.html");
+    assert_eq!(told["bytes_on_disk"], page.len());
+    // The page itself: shaders of both languages, script, meshes.
+    let alone = told["bytes_alone"].as_u64().unwrap();
+    assert!(alone < 300 << 10 && (alone as usize) < page.len(), "{alone}");
+    assert_eq!(
+        (told["items"][0]["name"].as_str(), told["items"][0]["decoder"].as_str()),
+        (Some("ggx.ktx2"), Some("table"))
+    );
+    // It asks nobody for anything.
+    for outside in ["src=", "href=\"http", "@import", "fetch("] {
+        assert!(!page.contains(outside), "{outside}");
+    }
+    folder.run(&["view", "ggx.ktx2", "-o", "again.html"]).succeeded();
+    assert_eq!(folder.text("again.html"), page);
+    // To a pipe; nothing else is there, then.
+    assert_eq!(folder.run(&["view", "ggx.ktx2", "-o", "-", "--json"]).succeeded().stdout, page);
+}
+
+#[test]
+fn a_build_is_viewed_with_its_sources() {
+    let folder = Folder::new();
+    folder.write("scene.toml", SCENE);
+    folder.run(&["build", "scene.toml", "--out", "packs"]).succeeded();
+    let names = |told: serde_json::Value| -> Vec<String> {
+        told["items"].as_array().unwrap().iter().map(|item| item["name"].as_str().unwrap().to_owned()).collect()
+    };
+    let told = folder.run(&["view", "packs", "-o", "all.html", "--json"]).succeeded().json();
+    let source = told["items"][3]["facts"].as_str().unwrap();
+    assert!(source.starts_with("the source as a table of ") && source.contains("ΔE 0."), "{source}");
+    assert_eq!(names(told), ["matte", "matte, source", "paint", "paint, source"]);
+    let told = folder.run(&["view", "packs", "--no-sources", "-o", "all.html", "--json"]).succeeded().json();
+    assert_eq!(names(told), ["matte", "paint"]);
+    // Twice the same one has two names.
+    folder.run(&["encode", "synth:lambert?kd=0.5", "-o", "paint.ktx2"]).succeeded();
+    let twice = ["view", "paint.ktx2", "paint.ktx2", "-o", "twice.html", "--json"];
+    assert_eq!(names(folder.run(&twice).succeeded().json()), ["paint.ktx2", "paint.ktx2 (2)"]);
+}
+
+#[test]
+fn what_cannot_be_drawn_is_refused() {
+    let folder = Folder::new();
+    folder.run(&["samples", "synth:lambert?kd=0.5", "-o", "it.samples.ktx2"]).succeeded();
+    folder.write("empty/nothing.txt", "");
+    folder.write("stack/a.lp", "1\nx.png 0 0 1\n");
+    for (input, code, expected) in [
+        (
+            "it.samples.ktx2",
+            3,
+            "it.samples.ktx2: input: found an importance-sample pack; allowed a table or wavelet pack",
+        ),
+        ("empty", 3, "empty: input: found a folder; allowed "),
+        ("stack", 3, "stack: input: found a light stack; allowed a pack of it, which 'brdfc pwt' makes"),
+        ("none.ktx2", 4, "none.ktx2: cannot read"),
+        ("synth:nothing", 3, "synth:nothing"),
+    ] {
+        let ran = folder.run(&["view", input, "-o", "it.html"]);
+        assert_eq!(ran.code, code, "{input}: {}", ran.stderr);
+        assert!(ran.stderr.contains(expected), "{input}: {}", ran.stderr);
+        assert!(!folder.path().join("it.html").exists());
+    }
+    for (arguments, expected) in [
+        (
+            &["view", "synth:lambert?kd=0.5", "-o", "it.png"][..],
+            "--output: found it.png; allowed a name that ends in .html",
+        ),
+        (&["view", "-", "-", "-o", "it.html"], "found - for both"),
+        (&["view", "-o", "it.html"], "PACK"),
+    ] {
+        let ran = folder.run(arguments);
+        assert!(ran.code == 2 && ran.stderr.contains(expected), "{arguments:?}: {}", ran.stderr);
+    }
+}
+
+/// In a browser, against what `brdfc render` draws.
+#[cfg(feature = "render")]
+mod drawn {
+    use super::*;
+    use brdfc_formats::colour::decode_srgb;
+    use brdfc_metrics::image::{ImageDifference, LinearImage, compare_images};
+    use brdfc_testing::browser::result_of_page;
+    use serde_json::{Value, json};
+
+    const SIDE: usize = 256;
+    /// Of the mean ΔE.
+    const BOUND: f64 = 0.5;
+
+    /// What a page says and draws after each of these changes; nothing where there is no browser.
+    struct Seen {
+        api: String,
+        first: f64,
+        speed: f64,
+        pictures: Vec<LinearImage>,
+        exposures: Vec<f64>,
+        measured: Vec<Value>,
+    }
+
+    fn seen(page: &str, api: &str, changes: &[Value]) -> Option<Seen> {
+        let script = "
+const base64 = (bytes) => { let text = ''; for (const byte of bytes) { text += String.fromCharCode(byte); } return btoa(text); };
+const say = (value) => fetch('/result', { method: 'POST', body: typeof value === 'string' ? value : JSON.stringify(value) });
+addEventListener('error', ({ message }) => say(`error: ${message}`));
+addEventListener('unhandledrejection', ({ reason }) => say(`error: ${reason?.name}: ${reason?.message ?? reason}`));
+(async () => {
+    const first = await brdfcView.first;
+    const found = { first, api: document.getElementById('api').textContent, pictures: [], exposures: [], measured: [] };
+    for (const changes of CHANGES) {
+        await brdfcView.set(changes);
+        const png = await brdfcView.picture();
+        found.pictures.push(base64(new Uint8Array(await png.arrayBuffer())));
+        found.exposures.push(brdfcView.exposure());
+        found.speed ??= await brdfcView.speed(5);
+        found.measured.push(brdfcView.state.right < 0 ? null : await brdfcView.measure());
+    }
+    await say(found);
+})();
+";
+        let script = script.replace("CHANGES", &json!(changes).to_string());
+        let size = format!("<style>#stage {{ width: {SIDE}px; height: {SIDE}px }}</style>");
+        let hash = format!("<script>history.replaceState(null, '', '#api={api}&embed')</script>");
+        let looked_at = page.replacen("</head>", &format!("{size}{hash}</head>"), 1);
+        let looked_at = looked_at.replacen("</body>", &format!("<script type=\"module\">{script}</script></body>"), 1);
+        let posted = result_of_page(&[("", "text/html", looked_at.as_bytes())])?;
+        let told: Value = serde_json::from_slice(&posted).unwrap_or_else(|_| {
+            panic!("{}", String::from_utf8_lossy(&posted));
+        });
+        let picture = |text: &Value| {
+            use base64::Engine as _;
+            let png = base64::engine::general_purpose::STANDARD.decode(text.as_str().unwrap()).unwrap();
+            linear(&png)
+        };
+        Some(Seen {
+            api: told["api"].as_str().unwrap().to_owned(),
+            first: told["first"].as_f64().unwrap(),
+            speed: told["speed"].as_f64().unwrap(),
+            pictures: told["pictures"].as_array().unwrap().iter().map(picture).collect(),
+            exposures: told["exposures"]
+                .as_array()
+                .unwrap()
+                .iter()
+                .map(|exposure| exposure.as_f64().unwrap())
+                .collect(),
+            measured: told["measured"].as_array().unwrap().clone(),
+        })
+    }
+
+    fn linear(png: &[u8]) -> LinearImage {
+        let image = image::load_from_memory(png).unwrap().to_rgb8();
+        let pixels =
+            image.pixels().map(|pixel| pixel.0.map(|code| decode_srgb(f64::from(code) / 255.0) as f32)).collect();
+        let (width, height) = (image.width() as usize, image.height() as usize);
+        LinearImage { pixels, coverage: vec![1.0; width * height], ..LinearImage::black(width, height) }
+    }
+
+    /// The page's picture against that of `brdfc render`, where that shows anything but its background.
+    fn against_render(folder: &Folder, picture: &LinearImage, arguments: &[&str]) -> ImageDifference {
+        let size = format!("{SIDE}x{SIDE}");
+        folder.run(&[&["render"], arguments, &["--size", &size, "-o", "expected.png"]].concat()).succeeded();
+        let mut expected = linear(&folder.read("expected.png"));
+        let background = expected.pixels[0];
+        expected.coverage = expected.pixels.iter().map(|pixel| f32::from(u8::from(*pixel != background))).collect();
+        assert!(expected.coverage.iter().sum::<f32>() > (SIDE * SIDE / 8) as f32);
+        let shown = LinearImage { coverage: vec![0.0; SIDE * SIDE], ..picture.clone() };
+        compare_images(&shown, &expected, 1.0)
+    }
+
+    const APIS: [(&str, &str); 2] = [("webgl2", "WebGL 2"), ("webgpu", "WebGPU")];
+
+    /// Packs of BRDFs on every scene; and the same question of another pack is answered otherwise.
+    #[test]
+    fn balls_cloths_and_teapots_are_those_of_render() {
+        if !crate::common::has_adapter() {
+            return;
+        }
+        let folder = Folder::new();
+        let red = brdfc_testing::testdata("demo/red_plastic.binary");
+        let ward = "synth:ward?kd=0.2,0.15,0.1&ax=0.1&ay=0.4";
+        folder.run(&["encode", &red, "-o", "table.ktx2"]).succeeded();
+        folder.run(&["encode", ward, "-o", "anisotropic.ktx2"]).succeeded();
+        folder.run(&["encode", ward, "--codec", "wavelet", "-o", "wavelet.ktx2"]).succeeded();
+        folder.run(&["encode", ward, "--codec", "wavelet", "--bits", "12", "-o", "fine.ktx2"]).succeeded();
+        let packs = ["table.ktx2", "anisotropic.ktx2", "wavelet.ktx2", "fine.ktx2"];
+        folder.run(&[&["view"], &packs[..], &["-o", "view.html"]].concat()).succeeded();
+        // Wavelet packs take a software driver seconds each.
+        let cases = [
+            ("table.ktx2", "sphere"),
+            ("anisotropic.ktx2", "sphere"),
+            ("anisotropic.ktx2", "cloth"),
+            ("table.ktx2", "teapot"),
+            ("table.ktx2", "plane"),
+            ("wavelet.ktx2", "sphere"),
+            ("fine.ktx2", "sphere"),
+        ];
+        let number = |pack: &str| packs.iter().position(|other| *other == pack).unwrap();
+        let changes: Vec<Value> =
+            cases.iter().map(|(pack, scene)| json!({ "scene": scene, "left": number(pack), "right": -1 })).collect();
+        for (api, name) in APIS {
+            let Some(found) = seen(&folder.text("view.html"), api, &changes) else { return };
+            assert_eq!(found.api, name);
+            println!(
+                "view, {name}: the first picture stood after {:.0} ms, {:.1} pictures a second",
+                found.first, found.speed
+            );
+            for ((pack, scene), picture) in cases.iter().zip(&found.pictures) {
+                let difference = against_render(&folder, picture, &[pack, "--scene", scene]);
+                println!("view, {name}: {pack} on {scene}: ΔE {:.3}", difference.delta_e.mean);
+                assert!(difference.delta_e.mean < BOUND, "{pack} on {scene}: {:?}", difference.delta_e);
+            }
+            // Another material is noticed.
+            let other = against_render(&folder, &found.pictures[1], &["table.ktx2"]);
+            assert!(other.delta_e.mean > 5.0, "{:?}", other.delta_e);
+        }
+    }
+
+    /// What the page says of the difference of two packs is what pictures of both say.
+    #[test]
+    fn differences_are_those_of_the_pictures() {
+        let folder = Folder::new();
+        folder.run(&["encode", "synth:ggx?alpha=0.3", "-o", "a.ktx2"]).succeeded();
+        folder.run(&["encode", "synth:ggx?alpha=0.35", "-o", "b.ktx2"]).succeeded();
+        folder.run(&["view", "a.ktx2", "b.ktx2", "-o", "view.html"]).succeeded();
+        let changes =
+            [json!({ "split": 1 }), json!({ "split": 0 }), json!({ "split": 0.5 }), json!({ "mode": "difference" })];
+        let Some(found) = seen(&folder.text("view.html"), "webgl2", &changes) else { return };
+        let [a, b, split, difference] = &found.pictures[..] else { panic!("four pictures") };
+        let background = a.pixels[0];
+        let covered = |image: &LinearImage| {
+            let coverage = image.pixels.iter().map(|pixel| f32::from(u8::from(*pixel != background))).collect();
+            LinearImage { coverage, ..image.clone() }
+        };
+        let apart = compare_images(&covered(a), &covered(b), 1.0).delta_e;
+        let told = &found.measured[0];
+        println!("view: ΔE {} as the page says, {:.3} of its pictures", told["mean"], apart.mean);
+        assert!(apart.mean > 0.1 && (told["mean"].as_f64().unwrap() - apart.mean).abs() < 0.1);
+        assert!((told["p95"].as_f64().unwrap() - apart.p95).abs() < 0.3);
+        for row in 0..SIDE {
+            let range = SIDE * row..SIDE * (row + 1);
+            let ([left, _], [_, right]) = (halves(&a.pixels[range.clone()]), halves(&b.pixels[range.clone()]));
+            assert!(split.pixels[range].iter().eq(left.iter().chain(right)), "row {row}");
+        }
+        // Differences are dark where nothing differs, as beside the ball.
+        assert!(difference.pixels[0].iter().all(|c| *c < 0.01) && difference.pixels != split.pixels);
+    }
+
+    fn halves(row: &[[f32; 3]]) -> [&[[f32; 3]]; 2] {
+        let (left, right) = row.split_at(SIDE / 2);
+        [left, right]
+    }
+
+    #[test]
+    fn flat_btfs_and_pictures_under_light_are_those_of_render() {
+        if !crate::common::has_adapter() {
+            return;
+        }
+        let folder = Folder::new();
+        let small = ["--texels", "64", "--views", "grid:3x8@60", "--lights", "grid:3x8@60", "--indirection", "8x12"];
+        folder.run(&[&["flatten", "synth:button?resolution=48", "-o", "button"][..], &small].concat()).succeeded();
+        folder.run(&["pwt", "button", "-o", "view.ktx2"]).succeeded();
+        folder.run(&["view", "button", "view.ktx2", "-o", "view.html"]).succeeded();
+        let cases = [("button", "plane"), ("button", "teapot"), ("view.ktx2", "")];
+        let changes =
+            [json!({ "scene": "plane", "left": 0, "right": -1 }), json!({ "scene": "teapot" }), json!({ "left": 1 })];
+        for (api, name) in APIS {
+            let Some(found) = seen(&folder.text("view.html"), api, &changes) else { return };
+            assert_eq!(found.api, name);
+            for (k, (input, scene)) in cases.iter().enumerate() {
+                // On a plane, `brdfc render` exposes for the surface itself, which the page does not have.
+                let exposure = found.exposures[k].to_string();
+                let scene_of = if scene.is_empty() { vec![] } else { vec!["--scene", *scene] };
+                let words = [&[*input, "--exposure", &exposure][..], &scene_of].concat();
+                let difference = against_render(&folder, &found.pictures[k], &words);
+                println!("view, {name}: {input} {scene}: ΔE {:.3}", difference.delta_e.mean);
+                assert!(difference.delta_e.mean < BOUND, "{input} {scene}: {:?}", difference.delta_e);
+            }
+        }
+    }
+}
