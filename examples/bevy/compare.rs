@@ -1,0 +1,142 @@
+//! Holds frames of Bevy against pictures of `brdfc render`, or puts pictures side by side.
+//!
+//! usage: compare LIMIT EXPECTED.png FOUND.png [LIMIT EXPECTED.png FOUND.png...]
+//!        compare --row OUT.png PICTURE.png...
+//!
+//! LIMIT is the largest mean ΔE (CIE 1976) over the pixels of surfaces.
+
+use image::{Rgb, RgbImage};
+use std::process::ExitCode;
+
+/// In codes of 255: closer to the corner of the expected picture is background.
+const SAME: u8 = 2;
+/// The share of a picture that has to be surface.
+const LEAST_SURFACE: f64 = 0.125;
+/// How far the pictures of two materials are apart at least, in limits: else the comparison is blind.
+const LEAST_APART: f64 = 5.0;
+
+type Failure = Box<dyn std::error::Error>;
+
+fn main() -> ExitCode {
+    match run(&std::env::args().skip(1).collect::<Vec<_>>()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// A frame, and what it is held against.
+struct Pair {
+    limit: f64,
+    expected: RgbImage,
+    name: String,
+    found: RgbImage,
+}
+
+fn run(arguments: &[String]) -> Result<(), Failure> {
+    if let [option, out, pictures @ ..] = arguments
+        && option == "--row"
+    {
+        let pictures = pictures.iter().map(|path| read(path)).collect::<Result<Vec<_>, _>>()?;
+        return side_by_side(&pictures).save(out).map_err(|error| format!("{out}: {error}").into());
+    }
+    let (triples, []) = arguments.as_chunks::<3>() else { return Err("each limit has two pictures".into()) };
+    if triples.is_empty() {
+        return Err("no pictures are named".into());
+    }
+    let pair = |[limit, expected, found]: &[String; 3]| -> Result<Pair, Failure> {
+        let limit = limit.parse().map_err(|_| format!("{limit}: a limit is a number"))?;
+        Ok(Pair { limit, expected: read(expected)?, name: found.clone(), found: read(found)? })
+    };
+    let pairs = triples.iter().map(pair).collect::<Result<Vec<_>, _>>()?;
+    for Pair { limit, expected, name, found } in &pairs {
+        let Difference { mean, p95, codes, pixels } =
+            difference(expected, found).map_err(|error| format!("{name}: {error}"))?;
+        println!(
+            "{name}: ΔE {mean:.2} in the mean, {p95:.2} at 95 %, codes {codes} of 255 apart at most, over {pixels} pixels"
+        );
+        if mean > *limit {
+            return Err(format!("{name}: a mean ΔE of {mean:.3}; at most {limit} is allowed").into());
+        }
+    }
+    for [one, other] in pairs.array_windows() {
+        let apart = difference(&one.expected, &other.found)?.mean;
+        if apart < LEAST_APART * one.limit {
+            return Err(format!("{} and {} look alike: a mean ΔE of {apart:.3}", one.name, other.name).into());
+        }
+    }
+    Ok(())
+}
+
+fn read(path: &str) -> Result<RgbImage, Failure> {
+    Ok(image::open(path).map_err(|error| format!("{path}: {error}"))?.to_rgb8())
+}
+
+/// Differences over pixels that show a surface in either picture.
+struct Difference {
+    /// ΔE.
+    mean: f64,
+    /// ΔE, 95th percentile.
+    p95: f64,
+    /// The largest of any channel.
+    codes: u8,
+    pixels: usize,
+}
+
+fn difference(expected: &RgbImage, found: &RgbImage) -> Result<Difference, Failure> {
+    if expected.dimensions() != found.dimensions() {
+        return Err(format!("{:?} pixels instead of {:?}", found.dimensions(), expected.dimensions()).into());
+    }
+    let background = *expected.get_pixel(0, 0);
+    let covered = |pixel: &Rgb<u8>| (0..3).any(|k| pixel[k].abs_diff(background[k]) > SAME);
+    let least = (LEAST_SURFACE * f64::from(expected.width() * expected.height())) as usize;
+    for image in [expected, found] {
+        let surface = image.pixels().filter(|pixel| covered(pixel)).count();
+        let lit = image.pixels().filter(|pixel| pixel.0.iter().any(|code| *code > background[0])).count();
+        if surface < least || lit == 0 {
+            return Err(
+                format!("{surface} pixels show a surface, {lit} are bright; at least {least} and 1 have to").into()
+            );
+        }
+    }
+    let pairs = expected.pixels().zip(found.pixels()).filter(|(a, b)| covered(a) || covered(b));
+    let apart = |(a, b): (&Rgb<u8>, &Rgb<u8>)| (0..3).map(|k| a[k].abs_diff(b[k])).max();
+    let codes = pairs.clone().filter_map(apart).max().unwrap_or(0);
+    let mut all: Vec<f64> = pairs.map(|(a, b)| delta_e(lab(a), lab(b))).collect();
+    all.sort_by(f64::total_cmp);
+    let pixels = all.len();
+    Ok(Difference { mean: all.iter().sum::<f64>() / pixels as f64, p95: all[(pixels - 1) * 95 / 100], codes, pixels })
+}
+
+/// The distance of 1976.
+fn delta_e(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+}
+
+/// L*a*b* (D65) of the codes of sRGB.
+fn lab(pixel: &Rgb<u8>) -> [f64; 3] {
+    let [r, g, b] = pixel.0.map(|code| {
+        let value = f64::from(code) / 255.0;
+        if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+    });
+    // Shares of white.
+    let x = (0.412_456 * r + 0.357_576 * g + 0.180_438 * b) / 0.950_470;
+    let y = 0.212_673 * r + 0.715_152 * g + 0.072_175 * b;
+    let z = (0.019_334 * r + 0.119_192 * g + 0.950_304 * b) / 1.088_830;
+    let [x, y, z] = [x, y, z].map(|t| if t > 0.008_856_452 { t.cbrt() } else { t * 7.787_037 + 16.0 / 116.0 });
+    [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
+}
+
+fn side_by_side(pictures: &[RgbImage]) -> RgbImage {
+    let width = pictures.iter().map(RgbImage::width).sum();
+    let height = pictures.iter().map(RgbImage::height).max().unwrap_or(0);
+    let mut row = RgbImage::new(width, height);
+    let mut left = 0;
+    for picture in pictures {
+        image::imageops::replace(&mut row, picture, left, 0);
+        left += i64::from(picture.width());
+    }
+    row
+}

@@ -1,0 +1,240 @@
+//! A ball of measured reflectance under a point light, drawn by Bevy from a pack of `brdfc`.
+
+mod flat_btf_material;
+mod frame;
+mod pack_material;
+mod pack_resources;
+mod pack_shader;
+
+use bevy::asset::{AssetPath, UnapprovedPathMode};
+use bevy::camera::{Exposure, RenderTarget};
+use bevy::core_pipeline::tonemapping::{DebandDither, Tonemapping};
+use bevy::prelude::*;
+use flat_btf_material::{FlatBtfMaterial, FlatBtfMaterialPlugin, FlatBtfSettings};
+use pack_material::{PackMaterial, PackMaterialPlugin};
+use std::path::PathBuf;
+
+const USAGE: &str = "\
+usage: brdfc-bevy PACK.ktx2 [OPTION...]
+       brdfc-bevy FLAT_BTF.json [OPTION...]
+
+Draws a ball from a table pack, a wavelet pack or a flat BTF: in a window (cargo feature 'window'), or one frame to a file.
+
+  --frame OUT.png       the file
+  --size WIDTHxHEIGHT   of the frame, pixels (default 256x256)
+  --samples N           1 or 4 samples of outlines in a pixel (default 4)
+  --repeat N            tiles of a flat BTF along a unit of uv (default 1)
+  --light KIND          point, spot or directional (default point)
+";
+
+/// Radiant intensity of the light, W/sr, and where it stands. It shines at the origin; a directional light is as bright there.
+const INTENSITY: f32 = 60.0;
+const LIGHT: Vec3 = Vec3::new(-3.0, 3.0, 4.0);
+const EYE: Vec3 = Vec3::new(0.0, 0.6, 4.4);
+/// Vertical, in degrees.
+const FIELD_OF_VIEW: f32 = 30.0;
+
+/// Kinds of lights.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum LightKind {
+    Point,
+    Spot,
+    Directional,
+}
+
+/// What the command line asks for.
+#[derive(Debug, Clone, PartialEq, Resource)]
+struct Arguments {
+    pack: PathBuf,
+    frame: Option<PathBuf>,
+    size: UVec2,
+    repeat: u32,
+    samples: u32,
+    light: LightKind,
+}
+
+impl Arguments {
+    /// Nothing where help is asked for.
+    fn parse(mut words: impl Iterator<Item = String>) -> Result<Option<Self>, String> {
+        let (mut pack, mut frame, mut size) = (None, None, UVec2::splat(256));
+        let (mut repeat, mut samples, mut light) = (1, 4, LightKind::Point);
+        while let Some(word) = words.next() {
+            let mut value = || words.next().ok_or(format!("{word} needs a value"));
+            match word.as_str() {
+                "--help" | "-h" => return Ok(None),
+                "--frame" => frame = Some(PathBuf::from(value()?)),
+                "--size" => {
+                    let text = value()?;
+                    let sides =
+                        text.split_once('x').and_then(|(x, y)| Some(UVec2::new(x.parse().ok()?, y.parse().ok()?)));
+                    size = sides
+                        .filter(|size| size.min_element() > 0 && size.max_element() <= 8192)
+                        .ok_or(format!("--size {text}: it is WIDTHxHEIGHT, of 1 to 8192 pixels"))?;
+                }
+                "--repeat" => {
+                    let text = value()?;
+                    repeat = text
+                        .parse()
+                        .ok()
+                        .filter(|repeat| (1..=1000).contains(repeat))
+                        .ok_or(format!("--repeat {text}: it is a number of tiles from 1 to 1000"))?;
+                }
+                "--samples" => {
+                    let text = value()?;
+                    samples = text
+                        .parse()
+                        .ok()
+                        .filter(|samples| [1, 4].contains(samples))
+                        .ok_or(format!("--samples {text}: it is 1 or 4"))?;
+                }
+                "--light" => {
+                    light = match value()?.as_str() {
+                        "point" => LightKind::Point,
+                        "spot" => LightKind::Spot,
+                        "directional" => LightKind::Directional,
+                        other => return Err(format!("--light {other}: it is point, spot or directional")),
+                    };
+                }
+                _ if word.starts_with('-') => return Err(format!("unknown option {word}")),
+                _ if pack.is_none() => pack = Some(PathBuf::from(word)),
+                _ => return Err(format!("a second pack: {word}")),
+            }
+        }
+        Ok(Some(Self { pack: pack.ok_or("no pack is named")?, frame, size, repeat, samples, light }))
+    }
+}
+
+fn main() -> AppExit {
+    let arguments = match Arguments::parse(std::env::args().skip(1)) {
+        Ok(Some(arguments)) => arguments,
+        Ok(None) => {
+            print!("{USAGE}");
+            return AppExit::Success;
+        }
+        Err(message) => {
+            eprint!("error: {message}\n\n{USAGE}");
+            return AppExit::from_code(2);
+        }
+    };
+    let mut app = App::new();
+    // The pack is named on the command line, not in the folder of a game's assets.
+    let assets = AssetPlugin { unapproved_path_mode: UnapprovedPathMode::Allow, ..default() };
+    let plugins = DefaultPlugins.set(assets);
+    match &arguments.frame {
+        Some(_) => {
+            app.add_plugins(frame::headless(plugins)).add_plugins(frame::FramePlugin);
+        }
+        None if cfg!(feature = "window") => {
+            app.add_plugins(plugins).add_systems(Update, move_light);
+        }
+        None => {
+            eprintln!("error: there is no window in this build; add '--features window', or '--frame OUT.png'");
+            return AppExit::from_code(2);
+        }
+    }
+    app.add_plugins((PackMaterialPlugin, FlatBtfMaterialPlugin))
+        .insert_resource(arguments)
+        // The background of the ball of `brdfc render`.
+        .insert_resource(ClearColor(Color::linear_rgb(0.1, 0.1, 0.11)))
+        .add_systems(Startup, set_up)
+        .run()
+}
+
+/// Goes around the ball in a window.
+#[derive(Component)]
+struct Moving;
+
+/// The pack on a ball, a light, a camera.
+fn set_up(
+    mut commands: Commands,
+    arguments: Res<Arguments>,
+    assets: Res<AssetServer>,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut images: ResMut<Assets<Image>>,
+) -> Result {
+    // Anisotropic materials need tangents: along circles of latitude, once the poles of Bevy's ball are up and down.
+    let ball = Sphere::new(1.0).mesh().uv(144, 72).with_generated_tangents()?;
+    let upright = Transform::from_rotation(Quat::from_rotation_x(-std::f32::consts::FRAC_PI_2));
+    let mut ball = commands.spawn((Mesh3d(meshes.add(ball)), upright));
+    let path = AssetPath::from_path_buf(std::path::absolute(&arguments.pack)?);
+    let material = if arguments.pack.extension().is_some_and(|extension| extension == "json") {
+        let repeat = Vec2::splat(arguments.repeat as f32);
+        let settings = move |settings: &mut FlatBtfSettings| settings.repeat = repeat;
+        let material: Handle<FlatBtfMaterial> = assets.load_builder().with_settings(settings).load(path);
+        ball.insert(MeshMaterial3d(material.clone()));
+        material.untyped()
+    } else {
+        let material: Handle<PackMaterial> = assets.load(path);
+        ball.insert(MeshMaterial3d(material.clone()));
+        material.untyped()
+    };
+    commands.insert_resource(frame::Awaited(material));
+
+    // Bevy asks for the flux of the whole sphere, of spot lights, too.
+    let (intensity, range) = (4.0 * std::f32::consts::PI * INTENSITY, 1000.0);
+    let mut light = commands.spawn((Moving, Transform::from_translation(LIGHT).looking_at(Vec3::ZERO, Vec3::Y)));
+    match arguments.light {
+        LightKind::Point => light.insert(PointLight { intensity, range, ..default() }),
+        LightKind::Spot => {
+            light.insert(SpotLight { intensity, range, inner_angle: 0.4, outer_angle: 0.5, ..default() })
+        }
+        LightKind::Directional => {
+            light.insert(DirectionalLight { illuminance: INTENSITY / LIGHT.length_squared(), ..default() })
+        }
+    };
+
+    let msaa = if arguments.samples == 1 { Msaa::Off } else { Msaa::Sample4 };
+    let mut camera = commands.spawn((
+        Camera3d::default(),
+        Projection::from(PerspectiveProjection { fov: FIELD_OF_VIEW.to_radians(), ..default() }),
+        Transform::from_translation(EYE).looking_at(Vec3::ZERO, Vec3::Y),
+        // Radiance 1 is white, and whatever is brighter.
+        Exposure { ev100: -f32::log2(1.2) },
+        Tonemapping::None,
+        DebandDither::Disabled,
+        msaa,
+    ));
+    if arguments.frame.is_some() {
+        let target = images.add(frame::target(arguments.size));
+        camera.insert(RenderTarget::from(target.clone()));
+        commands.insert_resource(frame::Target(target));
+    }
+    Ok(())
+}
+
+/// Once around in 10 seconds.
+fn move_light(time: Res<Time>, mut lights: Query<&mut Transform, With<Moving>>) {
+    let turn = Quat::from_rotation_y(time.elapsed_secs() * std::f32::consts::TAU / 10.0);
+    for mut light in &mut lights {
+        *light = Transform::from_translation(turn * LIGHT).looking_at(Vec3::ZERO, Vec3::Y);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parsed(line: &str) -> Result<Option<Arguments>, String> {
+        Arguments::parse(line.split_whitespace().map(str::to_owned))
+    }
+
+    #[test]
+    fn command_lines() {
+        let arguments = parsed("red.ktx2 --frame out.png --size 320x240").unwrap().unwrap();
+        assert_eq!(arguments.size, UVec2::new(320, 240));
+        assert_eq!(arguments.frame, Some("out.png".into()));
+        assert_eq!(parsed("--help"), Ok(None));
+        for (line, said) in [
+            ("", "no pack is named"),
+            ("a.ktx2 b.ktx2", "a second pack: b.ktx2"),
+            ("a.ktx2 --frame", "--frame needs a value"),
+            ("a.ktx2 --size 0x5", "--size 0x5: it is WIDTHxHEIGHT, of 1 to 8192 pixels"),
+            ("a.json --repeat 0", "--repeat 0: it is a number of tiles from 1 to 1000"),
+            ("a.ktx2 --samples 2", "--samples 2: it is 1 or 4"),
+            ("a.ktx2 --light sun", "--light sun: it is point, spot or directional"),
+            ("a.ktx2 --fast", "unknown option --fast"),
+        ] {
+            assert_eq!(parsed(line), Err(said.to_owned()));
+        }
+    }
+}
