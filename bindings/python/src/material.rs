@@ -1,0 +1,176 @@
+//! Whatever has values at direction pairs.
+
+use super::arrays::{check_rows, colours, directions};
+use super::errors::wrong;
+use super::fields;
+use brdfc_formats::BrdfPack;
+use brdfc_formats::direction::DirectionPair;
+use brdfc_formats::table::{TableDecoder, TablePack};
+use brdfc_formats::wavelet::{Filter, WaveletDecoder, WaveletPack};
+use brdfc_source::open::{Facts, Opened, open};
+use brdfc_source::pack::{open_brdf_pack, opened};
+use brdfc_source::words::shown;
+use brdfc_source::{Input, InputError, Source, Tally};
+use numpy::PyArray2;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use rayon::prelude::*;
+
+/// Pairs that a thread takes at a time.
+const CHUNK: usize = 256;
+
+/// A pack that is decoded at any level of detail.
+enum Decoder {
+    Table(Box<TablePack>, TableDecoder),
+    Wavelet(Box<WaveletPack>, WaveletDecoder),
+}
+
+/// A measured file, a model or a pack: f_r at direction pairs.
+#[pyclass(frozen, module = "brdfc")]
+pub struct Material {
+    name: String,
+    source: Box<dyn Source>,
+    facts: Facts,
+    decoder: Option<Decoder>,
+}
+
+impl Material {
+    /// Opens whatever has reflectance.
+    ///
+    /// # Errors
+    /// Inputs that cannot be read or do not follow their layout.
+    pub fn open(input: &Input) -> Result<Self, InputError> {
+        let name = input.to_string();
+        if input.extension()? != "ktx2" {
+            let Opened { source, facts } = open(input, None)?;
+            return Ok(Self { name, source, facts, decoder: None });
+        }
+        let pack = open_brdf_pack(input)?;
+        let Opened { source, facts } = opened(&pack, None);
+        let decoder = Some(match pack {
+            BrdfPack::Table(pack) => {
+                let decoder = TableDecoder::new(&pack);
+                Decoder::Table(Box::new(pack), decoder)
+            }
+            BrdfPack::Wavelet(pack) => {
+                let decoder = WaveletDecoder::new(&pack);
+                Decoder::Wavelet(Box::new(pack), decoder)
+            }
+        });
+        Ok(Self { name, source, facts, decoder })
+    }
+
+    /// The level of detail that is meant.
+    fn level(&self, lod: Option<f32>) -> PyResult<f32> {
+        let finest = self.levels() as f32;
+        match (lod, &self.decoder) {
+            (None, _) => Ok(finest),
+            (Some(_), None) => Err(wrong("lod", "a number", "none: only packs have levels of detail")),
+            (Some(level), _) if (0.0..=finest).contains(&level) => Ok(level),
+            (Some(level), _) => Err(wrong("lod", shown(level), format!("0 to {finest}, the pack's levels"))),
+        }
+    }
+
+    fn value(&self, pair: DirectionPair, level: f32, tally: &mut Tally) -> [f32; 3] {
+        match &self.decoder {
+            Some(Decoder::Table(_, decoder)) => decoder.eval_at(pair, level),
+            Some(Decoder::Wavelet(_, decoder)) => decoder.eval(pair, level, Filter::Bilinear),
+            None => self.source.eval(pair, tally).map(|channel| channel as f32),
+        }
+    }
+}
+
+#[pymethods]
+impl Material {
+    /// f_r at N direction pairs, in 1/sr, linear RGB (Rec. 709): float32 of shape (N, 3).
+    ///
+    /// wi (to the light) and wo (to the viewer) are unit vectors in the frame x = tangent, y = bitangent, z = normal, of
+    /// shape (N, 3). Lengths may be off by 1 %. Values are 0 where a direction is at or below the horizon; those of
+    /// measurements may be slightly negative. lod is the level of detail of a pack: 0, the coarsest, to `levels`, the
+    /// finest, which is taken without it.
+    ///
+    /// Raises ValueError for other shapes, vectors of other lengths, and levels that there are not.
+    #[pyo3(signature = (wi, wo, lod = None))]
+    fn eval<'py>(
+        &self,
+        py: Python<'py>,
+        wi: &Bound<'py, PyAny>,
+        wo: &Bound<'py, PyAny>,
+        lod: Option<f32>,
+    ) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        let (incoming, outgoing) = (directions("wi", wi)?, directions("wo", wo)?);
+        check_rows("wo", outgoing.len(), "wi", incoming.len())?;
+        let level = self.level(lod)?;
+        let of_chunk = |(incoming, outgoing): (&[_], &[_])| {
+            let mut tally = Tally::default();
+            let pairs = incoming.iter().zip(outgoing).map(|(i, o)| DirectionPair::new(*i, *o));
+            pairs.map(|pair| self.value(pair, level, &mut tally)).collect::<Vec<_>>()
+        };
+        let values = py.detach(|| {
+            incoming.par_chunks(CHUNK).zip(outgoing.par_chunks(CHUNK)).flat_map_iter(of_chunk).collect::<Vec<_>>()
+        });
+        colours(py, values)
+    }
+
+    /// What it is: synth, merl, scan, rgl, table-pack or wavelet-pack.
+    #[getter]
+    fn kind(&self) -> &'static str {
+        match self.facts {
+            Facts::Synth { .. } => "synth",
+            Facts::Merl { .. } => "merl",
+            Facts::Scan { .. } => "scan",
+            Facts::Rgl { .. } => "rgl",
+            Facts::WaveletPack { .. } => "wavelet-pack",
+            Facts::TablePack { .. } => "table-pack",
+        }
+    }
+
+    /// Whether it is known to look the same when turned about the normal. False for all wavelet packs, which do not say.
+    #[getter]
+    fn isotropic(&self) -> bool {
+        self.source.symmetry().isotropic
+    }
+
+    /// Whether it is known that light and viewer may be exchanged.
+    #[getter]
+    fn reciprocal(&self) -> bool {
+        self.source.symmetry().reciprocal
+    }
+
+    /// Whether the three channels are equal everywhere.
+    #[getter]
+    fn grey(&self) -> bool {
+        self.source.is_grey()
+    }
+
+    /// Levels of detail besides the finest; 0 of all but packs.
+    #[getter]
+    fn levels(&self) -> u32 {
+        match self.facts {
+            Facts::WaveletPack { levels, .. } | Facts::TablePack { levels, .. } => levels,
+            _ => 0,
+        }
+    }
+
+    /// What `brdfc info --json` says of it, as a dict.
+    #[getter]
+    fn facts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let text = serde_json::to_string(&self.facts).map_err(|error| wrong("facts", error.to_string(), "JSON"))?;
+        py.import("json")?.call_method1("loads", (text,))
+    }
+
+    /// Header and texels of a pack, for decoders elsewhere: a dict, whose fields are on the page of its layout.
+    ///
+    /// Raises ValueError for all but packs.
+    fn pack<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        match &self.decoder {
+            Some(Decoder::Table(pack, _)) => fields::table(py, pack),
+            Some(Decoder::Wavelet(pack, _)) => fields::wavelet(py, pack),
+            None => Err(wrong("pack", format!("{}, a {}", self.name, self.kind()), "a table or wavelet pack")),
+        }
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<brdfc.Material {}: {}>", self.kind(), self.name)
+    }
+}
