@@ -1,0 +1,24 @@
+"""Packs of brdfc in Mitsuba 3: `{"type": "brdfc", "filename": "red.ktx2"}`.
+
+    import mitsuba as mi
+    mi.set_variant("llvm_ad_rgb")
+    import brdfc_mitsuba
+    brdfc_mitsuba.register()
+"""
+
+__all__ = ["register"]
+
+
+def register():
+    """Registers the plugin for the variant that is set; once more for another one.
+
+    Raises ValueError for variants that are neither `scalar_rgb`, `llvm_ad_rgb` nor `cuda_ad_rgb`, or where none is set.
+    """
+    import mitsuba as mi
+
+    variant = mi.variant()
+    if variant is None or not variant.endswith("_rgb"):
+        raise ValueError(f"brdfc: found the variant {variant}; allowed scalar_rgb, llvm_ad_rgb and cuda_ad_rgb")
+    from .bsdf import pack_bsdf
+
+    mi.register_bsdf("brdfc", pack_bsdf())

@@ -1,0 +1,136 @@
+"""Wavelet packs: the twin of `formats/src/wavelet/decode.rs` and `lift.rs`, whose functions have the same names."""
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from .arithmetic import PI, Buffer, from_log, polynomial_atan2, safe_direction
+
+SQRT_2 = np.sqrt(np.float32(2.0)).item()
+
+
+def rise(h, lower):
+    """How far the logarithm of the mean of two halves is above the mean of their logarithms: ln(s exp(h) + (1 - s) exp(-h)).
+
+    Halves are `h` above and below it, and the lower one counts `lower` of both.
+    """
+    size, upper = dr.abs(h), 1.0 - lower
+    brighter, darker = dr.select(h < 0.0, upper, lower), dr.select(h < 0.0, lower, upper)
+    return size + dr.log(brighter + darker * dr.exp(-2.0 * size))
+
+
+class WaveletDecoder:
+    """A wavelet pack at one level of detail, filtered bilinearly on both hemispheres.
+
+    `pack`: what `Material.pack()` says. `level`: 0, the coarsest, to the pack's levels; none: the finest.
+    """
+
+    def __init__(self, pack, level=None):
+        self.levels, self.mean, self.bias = pack["levels"], pack["mean"], pack["bias"]
+        self.half_difference = pack["parameterisation"] == "half-difference"
+        self.first, self.size = pack["first"], pack["size"]
+        level = float(self.levels) if level is None else min(max(float(level), 0.0), float(self.levels))
+        self.whole, self.fraction = int(level), level - int(level)
+        # Coefficients of finer levels are 0.
+        self.last = min(self.whole + (1 if self.fraction > 0.0 else 0), pack["stored_levels"])
+        texels = pack["texels"]
+        unorm = texels.astype(np.float32) * np.float32(1.0 / np.iinfo(texels.dtype).max)
+        unorm = np.repeat(unorm, 3, axis=-1) if pack["channels"] == 1 else unorm[..., :3]
+        scale, offset = pack["scales"].T
+        coefficients = offset[:, None, None, None] + scale[:, None, None, None] * unorm
+        self.coefficients = Buffer(coefficients.reshape(-1, 3))
+        self.index = Buffer(pack["index"].astype(np.uint32))
+        self.lift = None if pack["lift"] is None else Buffer(pack["lift"])
+
+    def eval(self, i, o, active=True):
+        """f_r in 1/sr, linear RGB, of unit vectors to the light and to the viewer; 0 at and below the horizon."""
+        active = (i.z > 0.0) & (o.z > 0.0) & active
+        value = from_log(self.log_value(safe_direction(i, active), safe_direction(o, active)), self.mean, self.bias)
+        return dr.select(active, value, mi.Color3f(0.0))
+
+    def log_value(self, i, o):
+        """ln(f / μ + ε)."""
+        outer, inner = self.axes(i, o)
+        outer, (columns, rows) = self.footprint(*self.taps(outer)), self.taps(inner)
+        log_value = mi.Color3f(0.0)
+        for row, row_weight in rows:
+            for column, column_weight in columns:
+                log_value += row_weight * column_weight * self.filtered(outer, column, row)
+        return log_value
+
+    def filtered(self, outer, column, row):
+        """One inner cell, filtered over outer cells: of lifted packs each reconstructed by itself."""
+        if self.lift is None:
+            return self.reconstruct(outer, column, row)
+        log_value = mi.Color3f(0.0)
+        for cell, weight in outer:
+            log_value += weight * self.reconstruct([(cell, 1.0)], column, row)
+        return log_value
+
+    def reconstruct(self, outer, column, row):
+        """Synthesis along one path of the tree."""
+        levels = self.levels
+        value = self.coefficient(0, outer) * 2.0**-levels
+        for j in range(self.last):
+            child_column, child_row = column >> (levels - j - 1), row >> (levels - j - 1)
+            parent_column, parent_row = child_column >> 1, child_row >> 1
+            side = 1 << j
+            latitude = side * side + parent_row * side + parent_column
+            longitude = 2 * side * side + child_row * side + parent_column
+            part = self.fraction if j == self.whole else 1.0
+            weight = part * 2.0 ** (j - levels)
+            # How far the lower halves are above the mean.
+            a = weight * self.coefficient(latitude, outer)
+            b = weight * SQRT_2 * self.coefficient(longitude, outer)
+            value += dr.select((child_row & 1) == 0, a, -a) + dr.select((child_column & 1) == 0, b, -b)
+            if self.lift is not None:
+                value -= rise(a, self.lift[latitude]) + rise(b, self.lift[longitude])
+        return value
+
+    def coefficient(self, coefficient, outer):
+        """A coefficient at the outer direction, through the index map; slice 0 is all zero."""
+        columns, rows = self.size
+        slice_ = self.index[mi.UInt32(coefficient)] * (columns * rows)
+        value = mi.Color3f(0.0)
+        for cell, weight in outer:
+            value += weight * self.coefficients[slice_ + cell]
+        return value
+
+    def taps(self, direction):
+        """Along longitude and colatitude: two cells, each with its weight."""
+        n = 1 << self.levels
+        x, z = direction.x, dr.maximum(direction.z, 0.0)
+        longitude = polynomial_atan2(z, x)
+        colatitude = polynomial_atan2(dr.sqrt(x * x + z * z), direction.y)
+
+        def tap(angle):
+            centred = dr.clip(angle / PI * n - 0.5, 0.0, float(n - 1))
+            lower = dr.minimum(mi.UInt32(centred), n - 1)
+            weight = centred - mi.Float(lower)
+            return (lower, 1.0 - weight), (dr.minimum(lower + 1, n - 1), weight)
+
+        return tap(longitude), tap(colatitude)
+
+    def footprint(self, columns, rows):
+        """The four outer cells where a slice has them, each with its weight; of cropped packs the nearest there are."""
+
+        def stored(cell, axis):
+            first, size = self.first[axis], self.size[axis]
+            return dr.clip(cell, first, first + size - 1) - first
+
+        return [
+            (stored(row, 1) * self.size[0] + stored(column, 0), row_weight * column_weight)
+            for row, row_weight in rows
+            for column, column_weight in columns
+        ]
+
+    def axes(self, i, o):
+        """Outer and inner hemisphere points."""
+        if not self.half_difference:
+            return i, o
+        total = i + o
+        length = dr.sqrt(total.x * total.x + total.y * total.y + total.z * total.z)
+        h = mi.Vector3f(total.x / length, total.y / length, total.z / length)
+        s = (h.x * i.x + h.y * i.y) / (1.0 + h.z) + i.z
+        z = h.x * i.x + h.y * i.y + h.z * i.z
+        return h, mi.Vector3f(i.x - h.x * s, i.y - h.y * s, z)

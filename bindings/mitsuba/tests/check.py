@@ -1,0 +1,45 @@
+"""All checks of the plugin, a line each. Run by ../check; exits with 1 where one fails.
+
+usage: check.py DATA [PICTURE.png]
+"""
+
+import os
+import sys
+import tempfile
+
+import mitsuba as mi
+
+import brdfc_mitsuba
+import loading
+import pictures
+import sampling
+import twin
+from common import Results
+
+# Pairs in the scalar variant, where Python is called for each.
+FEW = 200
+
+
+def main():
+    data, picture = sys.argv[1], sys.argv[2] if len(sys.argv) > 2 and sys.argv[2] else None
+    results = Results()
+    print(f"Mitsuba {mi.__version__}")
+    with tempfile.TemporaryDirectory() as folder:
+        mi.set_variant("scalar_rgb")
+        brdfc_mitsuba.register()
+        loading.check(results, folder)
+        twin.check(results, folder, FEW, most=4)
+        # Without a library it cannot be set; with an old one the process ends.
+        if not os.path.isfile(os.environ.get("DRJIT_LIBLLVM_PATH", "")):
+            for what in ("decoders (llvm_ad_rgb)", "sampling", "pictures"):
+                results.skip(what, "no libLLVM 17 or newer; on Debian or Ubuntu: apt-get install libllvm19")
+            sys.exit(results.finish())
+        mi.set_variant("llvm_ad_rgb")
+        brdfc_mitsuba.register()
+        twin.check(results, folder, twin.COUNT)
+        sampling.check(results, folder)
+        pictures.check(results, folder, data, picture)
+    sys.exit(results.finish())
+
+
+main()
