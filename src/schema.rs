@@ -33,6 +33,8 @@ enum Report {
     /// 'brdfc info --json' of a material, a pack that is drawn, importance samples, photographs under known lights, or a
     /// polynomial wavelet tree or texture map.
     Info,
+    /// 'brdfc info --files --json'.
+    Files,
     /// 'brdfc bandwidth --json', and 'brdfc info --json' of a bandwidth map.
     Bandwidth,
     /// 'brdfc samples --json'.
@@ -76,6 +78,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         Report::Compare => schema_for!(super::compare::Report),
         Report::Convert => schema_for!(super::convert::Report),
         Report::Info => schema_for!(super::info::Report),
+        Report::Files => schema_for!(super::info::FilesReport),
         Report::Bandwidth => schema_for!(super::bandwidth::Report),
         Report::Samples => schema_for!(super::samples::Report),
         Report::Shader => schema_for!(super::shader::Report),

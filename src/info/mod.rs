@@ -1,6 +1,9 @@
 //! `brdfc info`: what an input is.
 
+mod files;
 mod surface;
+
+pub use files::FilesReport;
 
 use super::output::{print, print_json, printable};
 use super::{CliError, Common, bandwidth, flatten};
@@ -20,14 +23,14 @@ use brdfc_source::ptm::{self, PtmFacts, open_ptm};
 use brdfc_source::{Input, InputError, Symmetry};
 use clap::Args;
 use serde::Serialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Say what an input is: layout, sizes, symmetries, measured errors of a pack.
 ///
 /// Of a mesh: whether it closes over the tile, and what would be mended. Of a folder of images: what is missing. Of
 /// photographs under known lights, of polynomial texture maps and polynomial wavelet trees: lights and sizes.
 ///
-/// Schemas of --json: 'info'; of a flat BTF 'flat-btf'; of a part of one, a structure, a mesh, a height map or images
+/// Schemas of --json: 'info'; with --files 'files'; of a flat BTF 'flat-btf'; of a part of one, a structure, a mesh, a height map or images
 /// 'info-surface'; of a bandwidth map 'bandwidth'.
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -35,12 +38,17 @@ Examples:
   brdfc info paint.brdf
   brdfc info red.ktx2 --json
   brdfc info bricks.obj
-  brdfc info button/button.json")]
+  brdfc info button/button.json
+  brdfc info red.ktx2 --files --json")]
 pub struct Arguments {
     /// A path, synth:MODEL?param=value&... or synth:STRUCTURE?...; of a flat BTF its folder, its .json, or any of its
     /// parts; a mesh, a height map, a folder of images or a .btf file for 'brdfc flatten'; a light stack, as its .lp or its
     /// folder; a .ptm. - is stdin.
     input: Input,
+    /// Of a pack or a flat BTF: each KTX2 file's texels, sizes and entries; with --json the entries themselves, in Base64, and
+    /// what a device has to offer. Loaders of ordinary KTX2 files drop entries.
+    #[arg(long)]
+    files: bool,
 }
 
 /// What `--json` prints.
@@ -95,6 +103,10 @@ pub struct SurfaceReport {
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     let input = &arguments.input;
+    if arguments.files {
+        let asset = input.path().map(flat_btf).transpose()?.flatten();
+        return files::run(input, input.path().zip(asset.as_ref()), common);
+    }
     if let Some(facts) = relightable(input)? {
         let contents = Contents::Other(facts);
         return if common.json {
@@ -104,7 +116,13 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         };
     }
     if let Some(asset) = input.path().map(flat_btf).transpose()?.flatten() {
-        return if common.json { print_json(&asset) } else { print(&flatten::text(&asset, None)) };
+        if common.json {
+            return print_json(&asset);
+        }
+        let path = input.path().expect("flat BTFs are files");
+        let list = list_of(path);
+        let needs = asset.device_needs(list.as_deref().unwrap_or(path))?;
+        return print(&(flatten::text(&asset, None) + &lines_of(&[("devices", needs.in_words())])));
     }
     let is_pack = input.extension()? == "ktx2";
     let contents = match if is_pack { Some(open_pack(input)?) } else { None } {
@@ -130,7 +148,11 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     if common.json {
         return print_json(&Report { version: 1, contents });
     }
-    print_lines(&contents_in_words(&contents))
+    let mut lines = contents_in_words(&contents);
+    if is_pack {
+        lines.push(("devices", files::device_needs(input)?.in_words()));
+    }
+    print_lines(&lines)
 }
 
 fn print_lines(lines: &[(&'static str, String)]) -> Result<(), CliError> {
@@ -164,8 +186,7 @@ fn flat_btf(path: &Path) -> Result<Option<AssetFile>, CliError> {
         check_flat_btf(path)?;
         return Ok(Some(asset));
     }
-    let part = path.file_name().and_then(|file| file.to_str()).and_then(asset_of_part).map(str::to_owned);
-    let Some(list) = part.map(|name| path.with_file_name(format!("{name}.json"))) else { return Ok(None) };
+    let Some(list) = list_of(path) else { return Ok(None) };
     // A part that is missing is said to be so by whoever opens it.
     if !path.is_file() || !list.is_file() {
         return Ok(None);
@@ -173,6 +194,12 @@ fn flat_btf(path: &Path) -> Result<Option<AssetFile>, CliError> {
     let asset = open_asset(&list)?;
     check_flat_btf(&list)?;
     Ok(asset)
+}
+
+/// The list beside a part of a flat BTF; nothing of other paths.
+fn list_of(path: &Path) -> Option<PathBuf> {
+    let name = path.file_name()?.to_str().and_then(asset_of_part)?;
+    Some(path.with_file_name(format!("{name}.json")))
 }
 
 /// What is measured of one view under many lights: a light stack or a polynomial texture map, by its name.

@@ -9,6 +9,7 @@ pub mod flatten;
 mod keys;
 pub mod light_stack;
 pub mod output_folder;
+pub mod pack_files;
 pub mod pwt;
 pub mod report;
 pub mod scene;

@@ -90,22 +90,22 @@ impl Texels {
         let bytes = floats(numbers.chunks_exact(channels).flat_map(four));
         Self { format: TexelFormat::Rgba32Float, bytes, ..self }
     }
+}
 
-    /// Columns, rows, and slices or layers: 1 of a 2D texture.
-    pub fn size(&self) -> [u32; 3] {
-        match self.extent {
-            Extent::D2([width, height]) => [width, height, 1],
-            Extent::D2Array(size) | Extent::D3(size) => size,
-        }
+/// Columns, rows, and slices or layers: 1 of a 2D texture.
+pub fn size_of(extent: Extent) -> [u32; 3] {
+    match extent {
+        Extent::D2([width, height]) => [width, height, 1],
+        Extent::D2Array(size) | Extent::D3(size) => size,
     }
+}
 
-    /// What WebGPU calls its dimension.
-    pub fn dimension(&self) -> &'static str {
-        match self.extent {
-            Extent::D2(_) => "2d",
-            Extent::D2Array(_) => "2d-array",
-            Extent::D3(_) => "3d",
-        }
+/// What WebGPU calls a dimension.
+pub fn dimension_name(extent: Extent) -> &'static str {
+    match extent {
+        Extent::D2(_) => "2d",
+        Extent::D2Array(_) => "2d-array",
+        Extent::D3(_) => "3d",
     }
 }
 

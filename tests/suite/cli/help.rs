@@ -208,7 +208,7 @@ fn json_is_a_flag_of_the_program() {
         &["generate", "man", "--out", "man"],
     ] {
         let name = arguments[0];
-        let allowed = "bandwidth, bench, build, compare, convert, encode, flatten, info, plan, pwt, render, report, samples, shader and watch";
+        let allowed = "bandwidth, bench, build, compare, convert, encode, flatten, info, plan, pwt, render, report, samples, shader, view and watch";
         for ran in [folder.run(&[&["--json"], arguments].concat()), folder.run(&[arguments, &["--json"]].concat())] {
             assert_eq!((ran.code, ran.stdout.as_str()), (2, ""), "{arguments:?}");
             assert_eq!(ran.stderr, format!("brdfc: --json: found with {name}; allowed with {allowed}\n"));
@@ -245,6 +245,7 @@ fn what_refuses_json_is_what_the_page_says() {
         ("samples", &["samples", "gone.binary", "-o", "x.ktx2"]),
         ("shader", &["shader", "gone.ktx2", "--language", "glsl"]),
         ("flatten", &["flatten", "gone.obj", "-o", "flat"]),
+        ("view", &["view", "gone.ktx2", "-o", "page.html"]),
         ("report", &["report", "gone", "-o", "page.html"]),
         ("plan --format ninja", &["plan", "synth:lambert", "--format", "ninja"]),
         ("plan --format json", &["plan", "synth:lambert", "--format", "json"]),

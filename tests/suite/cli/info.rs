@@ -26,6 +26,44 @@ fn every_kind_is_named_with_its_sizes() {
 }
 
 #[test]
+fn files_are_told_with_their_entries() {
+    let folder = Folder::new();
+    folder.run(&["encode", "synth:lambert?kd=0.5", "-o", "it.ktx2"]).succeeded();
+    let told = folder.run(&["info", "it.ktx2", "--files", "--json"]).succeeded().json();
+    conforms("files", &told);
+    let file = &told["files"]["it.ktx2"];
+    assert_eq!((file["dimension"].as_str(), file["levels"].as_u64()), (Some("3d"), Some(1)));
+    // What the report of the encoding says.
+    let encoded = folder.run(&["encode", "synth:lambert?kd=0.5", "-o", "it.ktx2", "--json"]).succeeded().json();
+    assert!(file["entries"]["brdfc.table"].is_string());
+    assert!(encoded.to_string().contains(&file["entries"]["brdfc.table"].to_string()));
+    let table = folder.run(&["info", "it.ktx2", "--files"]).succeeded().stdout;
+    assert!(table.contains("it.ktx2") && table.contains(" brdfc.table "), "{table}");
+    // What a device has to offer.
+    assert!(folder.run(&["info", "it.ktx2"]).succeeded().stdout.contains("any with WebGPU or WebGL 2"));
+    let fine =
+        ["encode", "synth:ggx?alpha=0.3", "--codec", "wavelet", "--ratio", "2", "--bits", "12", "-o", "fine.ktx2"];
+    folder.run(&fine).succeeded();
+    let words = folder.run(&["info", "fine.ktx2"]).succeeded().stdout;
+    assert!(
+        words.contains("texture-formats-tier1 of WebGPU") && words.contains("more than WebGL 2 promises"),
+        "{words}"
+    );
+    for other in ["synth:lambert", "fine.ktx"] {
+        let ran = folder.run(&["info", other, "--files"]);
+        assert!(ran.code >= 2 && !ran.stderr.is_empty());
+    }
+    // A flat BTF has several.
+    let small = ["--texels", "16", "--views", "grid:2x6@50", "--lights", "grid:2x6@50"];
+    folder.run(&[&["flatten", "synth:button?resolution=24", "-o", "button"][..], &small].concat()).succeeded();
+    let told = folder.run(&["info", "button", "--files", "--json"]).succeeded().json();
+    conforms("files", &told);
+    assert!(told["files"]["button.displacement.ktx2"]["entries"]["brdfc.displacement.ranges"].is_string());
+    assert!(told["files"].as_object().unwrap().len() > 6);
+    assert!(folder.run(&["info", "button"]).succeeded().stdout.contains("devices "));
+}
+
+#[test]
 fn symmetries_are_told() {
     let folder = Folder::new();
     let symmetry = |input: &str| {

@@ -82,7 +82,10 @@ fn a_page_that_draws_is_linked_to() {
     for (view, expected) in [
         ("page.html", "--view: found page.html, an input"),
         ("view.png", "--view: found view.png; allowed a name that ends in .html, in the folder of the page"),
-        ("packs/view.html", "--view: found packs/view.html; allowed a name that ends in .html, in the folder of the page"),
+        (
+            "packs/view.html",
+            "--view: found packs/view.html; allowed a name that ends in .html, in the folder of the page",
+        ),
     ] {
         let ran = folder.run(&["report", "packs", "-o", "page.html", "--view", view]);
         assert!(ran.code == 2 && ran.stderr.contains(expected), "{view}: {}", ran.stderr);

@@ -6,6 +6,7 @@ mod comparison;
 mod describe;
 mod error;
 mod factors;
+mod files;
 mod input;
 mod parts;
 mod pass;

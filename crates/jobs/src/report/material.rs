@@ -1,10 +1,8 @@
 //! The report of one encoded material.
 
 use crate::encode::{AveragingCost, CodecReport, EncodedPack, Trial};
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
+use crate::pack_files::entries;
 use brdfc_formats::BrdfPack;
-use brdfc_formats::container::PackedTexture;
 use brdfc_formats::crop::DirectionRange;
 use brdfc_metrics::compare::Comparison;
 use brdfc_source::Tally;
@@ -91,12 +89,6 @@ impl MaterialReport {
             entries: entries(&encoded.bytes),
         }
     }
-}
-
-/// Entries of a pack's file.
-fn entries(file: &[u8]) -> BTreeMap<String, String> {
-    let packed = PackedTexture::from_bytes(file).map(|packed| packed.entries).unwrap_or_default();
-    packed.into_iter().map(|(key, value)| (key, STANDARD.encode(value))).collect()
 }
 
 /// Wall-clock time of one stage.

@@ -2,17 +2,13 @@
 
 use super::item::ViewItem;
 use super::mesh::PackedMesh;
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
+use super::packed::packed;
 use brdfc_formats::container::TexelFormat;
 use brdfc_render::scene::{Camera, PointLight};
 use brdfc_shaders::Program;
-use brdfc_shaders::resources::{Contents, Resource, format_name};
-use flate2::Compression;
-use flate2::write::ZlibEncoder;
+use brdfc_shaders::resources::{Contents, Resource, dimension_name, format_name, size_of};
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::io::Write as _;
 
 /// Everything.
 #[derive(Debug, Serialize)]
@@ -174,8 +170,8 @@ impl PageResource {
                 let texels = texels.widened();
                 PageContents::Texture {
                     format: format_name(texels.format),
-                    dimension: texels.dimension(),
-                    size: texels.size(),
+                    dimension: dimension_name(texels.extent),
+                    size: size_of(texels.extent),
                     texel_bytes: texels.format.texel_bytes(),
                     levels: texels.levels,
                     data: packed(&texels.bytes),
@@ -191,11 +187,4 @@ impl PageResource {
             PageContents::Sampler { .. } => 0,
         }
     }
-}
-
-/// Bytes as text: compressed by zlib, in Base64.
-pub(super) fn packed(bytes: &[u8]) -> String {
-    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::best());
-    encoder.write_all(bytes).expect("memory takes all bytes");
-    STANDARD.encode(encoder.finish().expect("memory takes all bytes"))
 }

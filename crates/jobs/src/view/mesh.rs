@@ -1,6 +1,6 @@
 //! Meshes in few bytes: up to 16 bits a number, each stored as what the two corners before it do not tell, and compressed.
 
-use super::data::packed;
+use super::packed::packed;
 use brdfc_render::scene::{Mesh, Vertex};
 use serde::Serialize;
 

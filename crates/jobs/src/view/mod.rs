@@ -10,6 +10,7 @@ mod html;
 mod item;
 mod mesh;
 mod open;
+mod packed;
 mod scenes;
 mod script;
 mod source_table;

@@ -2,7 +2,7 @@
 //! pack.
 
 use crate::texts::text;
-use brdfc_shaders::resources::{Contents, Resource};
+use brdfc_shaders::resources::{Contents, Resource, size_of};
 use brdfc_shaders::{BindingKind, Decoder, Interface, Language, translate};
 use brdfc_testing::browser::result_of_page;
 use brdfc_testing::engines::{Case, SIDE, cases, check};
@@ -104,7 +104,7 @@ fn page_of(api: &str, cases: &[Case], shaders: &BTreeMap<&'static str, (String, 
                     let texels = texels.clone().widened();
                     let mut entry = add(&texels.bytes);
                     entry["kind"] = "texture".into();
-                    entry["size"] = json!(texels.size());
+                    entry["size"] = json!(size_of(texels.extent));
                     entry["dimension"] = (*dimension).into();
                     entry["format"] = format!("{:?}", texels.format).into();
                     entry["texelBytes"] = texels.format.texel_bytes().into();

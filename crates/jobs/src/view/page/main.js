@@ -44,8 +44,9 @@ let programs;
 let show;
 /** What was uploaded: programs, meshes and materials by their name or number. */
 const made = new Map();
-/** Of the picture that is shown: its factor to the display's range, nothing before it is known. */
+/** Of the picture that is shown: its factor to the display's range, nothing before it is known; and whether a fine one says it. */
 let exposure;
+let isExact = false;
 let asked = false;
 let moved = -Infinity;
 let resting;
@@ -122,10 +123,7 @@ async function frame() {
     const moving = exposure === undefined || performance.now() - moved < REST;
     const samples = moving ? COARSE : FINE;
     await draw(samples);
-    if (exposure === undefined) {
-        // That of what is nearer to the truth: the right one is what the left one is held against.
-        exposure = autoExposure(await pixels(isPair() ? 1 : 0, everything(), samples));
-    }
+    await expose(samples);
     backend.show(show, showBlock(samples), true);
     isFine = samples === FINE;
     clearTimeout(resting);
@@ -133,6 +131,15 @@ async function frame() {
         resting = setTimeout(ask, Math.max(moved + REST - performance.now(), 0));
     } else {
         await measure();
+    }
+}
+
+/** Finds the exposure of what was drawn, unless it is known. */
+async function expose(samples) {
+    if (exposure === undefined || (!isExact && samples === FINE)) {
+        // That of what is nearer to the truth: the right one is what the left one is held against.
+        exposure = autoExposure(await pixels(isPair() ? 1 : 0, everything(), samples));
+        isExact = samples === FINE;
     }
 }
 
@@ -192,6 +199,7 @@ function resize() {
 async function picture() {
     await drawing;
     await draw(FINE);
+    await expose(FINE);
     backend.show(show, showBlock(FINE), false);
     const shown = await backend.read(2, everything(), 1);
     const flat = new OffscreenCanvas(canvas.width, canvas.height);
@@ -212,7 +220,7 @@ function set(changes) {
         state.scene = allowed[0].name;
     }
     if ([state.scene, state.left, state.right].join() !== before) {
-        exposure = undefined;
+        [exposure, isExact] = [undefined, false];
         if (!before.startsWith(`${state.scene},`)) {
             Object.assign(state, { turn: still(), light: still(), zoom: 1 });
         }
@@ -264,7 +272,7 @@ function listen() {
     });
     controls.addEventListener('submit', (event) => event.preventDefault());
     find('again').addEventListener('click', () => {
-        exposure = undefined;
+        [exposure, isExact] = [undefined, false];
         set({ turn: still(), light: still(), zoom: 1, coarser: null, stops: 0 });
     });
     find('save').addEventListener('click', async () => {
@@ -374,6 +382,7 @@ globalThis.brdfcView = {
     measure: async () => {
         await drawing;
         await draw(FINE);
+        await expose(FINE);
         return measure();
     },
     /** Pictures a second, each drawn as while something moves, and waited for. */

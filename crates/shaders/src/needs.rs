@@ -1,0 +1,122 @@
+//! What textures ask of a device.
+
+use brdfc_formats::container::{Extent, TexelFormat};
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// Largest sides and most layers that every device with WebGPU has, without asking for more.
+const WEBGPU: Limits = Limits { side: 8192, depth: 2048, layers: 256 };
+/// And with WebGL 2, whose devices have as much as those of WebGPU where they are not old phones.
+const WEBGL_2: Limits = Limits { side: 2048, depth: 256, layers: 256 };
+
+#[derive(Clone, Copy)]
+struct Limits {
+    /// Of 2D textures and arrays.
+    side: u32,
+    /// Of each side of a 3D texture.
+    depth: u32,
+    layers: u32,
+}
+
+/// What textures ask of a device beyond what every one has. Nothing is asked where all three are empty.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, JsonSchema)]
+pub struct DeviceNeeds {
+    /// Optional features of WebGPU. WebGL 2 has none of these formats; a loader may unpack their texels to 32-bit floats.
+    pub webgpu_features: Vec<&'static str>,
+    /// What is beyond the default limits of WebGPU.
+    pub beyond_webgpu: Vec<String>,
+    /// What is beyond the least that WebGL 2 promises.
+    pub beyond_webgl_2: Vec<String>,
+}
+
+impl DeviceNeeds {
+    /// Of one texture.
+    pub fn of(format: TexelFormat, extent: Extent) -> Self {
+        let is_wide = matches!(format, TexelFormat::R16Unorm | TexelFormat::Rgba16Unorm);
+        Self {
+            webgpu_features: if is_wide { vec!["texture-formats-tier1"] } else { Vec::new() },
+            beyond_webgpu: beyond(extent, WEBGPU),
+            beyond_webgl_2: beyond(extent, WEBGL_2),
+        }
+    }
+
+    /// Of both.
+    #[must_use]
+    pub fn with(mut self, other: Self) -> Self {
+        let add = |all: &mut Vec<String>, more: Vec<String>| {
+            for one in more {
+                if !all.contains(&one) {
+                    all.push(one);
+                }
+            }
+        };
+        add(&mut self.beyond_webgpu, other.beyond_webgpu);
+        add(&mut self.beyond_webgl_2, other.beyond_webgl_2);
+        for feature in other.webgpu_features {
+            if !self.webgpu_features.contains(&feature) {
+                self.webgpu_features.push(feature);
+            }
+        }
+        self
+    }
+
+    /// In a line.
+    pub fn in_words(&self) -> String {
+        let mut words = Vec::new();
+        if !self.webgpu_features.is_empty() {
+            let features = self.webgpu_features.join(", ");
+            words.push(format!("{features} of WebGPU, or texels unpacked to 32-bit floats"));
+        }
+        if !self.beyond_webgpu.is_empty() {
+            words.push(format!("more than WebGPU's default limits: {}", self.beyond_webgpu.join(", ")));
+        } else if !self.beyond_webgl_2.is_empty() {
+            words.push(format!("more than WebGL 2 promises: {}", self.beyond_webgl_2.join(", ")));
+        }
+        if words.is_empty() { "any with WebGPU or WebGL 2".to_owned() } else { words.join("; ") }
+    }
+}
+
+fn beyond(extent: Extent, limits: Limits) -> Vec<String> {
+    let mut all = Vec::new();
+    let mut hold = |found: u32, allowed: u32, what: &str| {
+        if found > allowed {
+            all.push(format!("{found} {what} of {allowed}"));
+        }
+    };
+    match extent {
+        Extent::D2([width, height]) => hold(width.max(height), limits.side, "texels along a side"),
+        Extent::D2Array([width, height, layers]) => {
+            hold(width.max(height), limits.side, "texels along a side");
+            hold(layers, limits.layers, "layers");
+        }
+        Extent::D3(sides) => hold(sides.into_iter().max().unwrap_or(0), limits.depth, "texels along a side in 3D"),
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ordinary_textures_ask_for_nothing() {
+        for extent in [Extent::D2([2048; 2]), Extent::D2Array([256, 256, 256]), Extent::D3([64, 64, 256])] {
+            let needs = DeviceNeeds::of(TexelFormat::Rgba8Unorm, extent);
+            assert_eq!((needs.in_words().as_str(), needs), ("any with WebGPU or WebGL 2", DeviceNeeds::default()));
+        }
+    }
+
+    #[test]
+    fn what_is_beyond_is_told() {
+        let deep = DeviceNeeds::of(TexelFormat::Rgba16Unorm, Extent::D3([64, 64, 1024]));
+        assert_eq!(
+            deep.in_words(),
+            "texture-formats-tier1 of WebGPU, or texels unpacked to 32-bit floats; \
+             more than WebGL 2 promises: 1024 texels along a side in 3D of 256"
+        );
+        let many = DeviceNeeds::of(TexelFormat::R8Unorm, Extent::D2Array([16, 16, 300]));
+        assert_eq!(many.in_words(), "more than WebGPU's default limits: 300 layers of 256");
+        let both = many.clone().with(deep.clone()).with(many.clone());
+        assert_eq!((both.webgpu_features.len(), both.beyond_webgpu.len(), both.beyond_webgl_2.len()), (1, 1, 2));
+    }
+}
