@@ -35,8 +35,8 @@ body.embedded { grid-template: 1fr / 1fr; height: 100%; } .embedded form { displ
 
 /// A whole file.
 pub(super) fn html(title: &str, data: &PageData) -> String {
-    // No end of the element within it.
-    let text = serde_json::to_string(data).expect("data is plain").replace("</", "<\\/");
+    // No end of the element within it, and no comment.
+    let text = serde_json::to_string(data).expect("data is plain").replace('<', "\\u003c");
     let document = html! {
         (DOCTYPE)
         html lang="en" {

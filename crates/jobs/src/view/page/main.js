@@ -16,10 +16,13 @@ const REST = 150;
 /** Radians for each pixel that a pointer is dragged, and for each press of a key. */
 const DRAG = 0.008;
 const PRESS = 0.08;
+/** How often a page is drawn anew, or tries to, that a graphics driver gave up. */
+const MOST_LOSSES = 6;
 
 const page = JSON.parse(document.getElementById('data').textContent);
 const find = (id) => document.getElementById(id);
-const [canvas, stage, here, whole, wrong] = ['canvas', 'stage', 'here', 'whole', 'wrong'].map(find);
+const [stage, here, whole, wrong] = ['stage', 'here', 'whole', 'wrong'].map(find);
+let canvas = find('canvas');
 const controls = document.querySelector('form');
 const given = new URLSearchParams(location.hash.slice(1));
 
@@ -53,6 +56,8 @@ let resting;
 /** Of the last fine picture, to be read under the pointer. */
 let isFine = false;
 let pointer;
+/** How often that was. */
+let losses = 0;
 
 function fail(error) {
     wrong.textContent = `This page cannot be shown here: ${error?.message ?? error}`;
@@ -143,14 +148,19 @@ async function expose(samples) {
     }
 }
 
-/** One frame at a time, however often it is asked for. */
+/** One thing at a time is drawn or read, in turn. */
 let drawing = Promise.resolve();
+function inTurn(work) {
+    const done = drawing.then(work);
+    drawing = done.catch(() => undefined);
+    return done;
+}
+
+/** Asks for a frame, however often. */
 function ask() {
     if (!asked) {
         asked = true;
-        requestAnimationFrame(() => {
-            drawing = drawing.then(frame).catch(fail);
-        });
+        requestAnimationFrame(() => inTurn(frame).catch(fail));
     }
 }
 
@@ -197,7 +207,6 @@ function resize() {
 
 /** The picture as it is shown, finely, as a PNG. */
 async function picture() {
-    await drawing;
     await draw(FINE);
     await expose(FINE);
     backend.show(show, showBlock(FINE), false);
@@ -277,7 +286,7 @@ function listen() {
     });
     find('save').addEventListener('click', async () => {
         const link = document.createElement('a');
-        link.href = URL.createObjectURL(await picture());
+        link.href = URL.createObjectURL(await inTurn(picture));
         link.download = `${page.items[state.left].name}.png`;
         link.click();
         URL.revokeObjectURL(link.href);
@@ -292,29 +301,44 @@ function listen() {
         state.zoom = Math.max(0.25, Math.min(8, state.zoom * factor));
         move();
     };
-    canvas.addEventListener('contextmenu', (event) => event.preventDefault());
-    canvas.addEventListener('pointerdown', (event) => canvas.setPointerCapture(event.pointerId));
-    canvas.addEventListener('pointermove', (event) => {
+    // On the stage, as the canvas may be another one later; what lies on it besides has its own ways.
+    const onCanvas = (name, heard, options) => stage.addEventListener(name, (event) => {
+        if (event.target === canvas) {
+            heard(event);
+        }
+    }, options);
+    onCanvas('contextmenu', (event) => event.preventDefault());
+    let before;
+    onCanvas('pointerdown', (event) => {
+        canvas.setPointerCapture(event.pointerId);
+        before = [event.clientX, event.clientY];
+    });
+    onCanvas('pointermove', (event) => {
         const box = canvas.getBoundingClientRect();
-        pointer = [(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height]
-            .map((share, k) => Math.min(Math.floor(share * [canvas.width, canvas.height][k]), [canvas.width, canvas.height][k] - 1));
+        const pixel = (share, count) => Math.max(Math.min(Math.floor(share * count), count - 1), 0);
+        pointer = [
+            pixel((event.clientX - box.left) / box.width, canvas.width),
+            pixel((event.clientY - box.top) / box.height, canvas.height),
+        ];
         if (event.buttons === 0) {
-            drawing = drawing.then(underPointer).catch(fail);
+            inTurn(underPointer).catch(fail);
             return;
         }
+        const [x, y] = [event.clientX - before[0], event.clientY - before[1]];
+        before = [event.clientX, event.clientY];
         const isLight = event.shiftKey || event.buttons === 2 || controls.elements.drags.value === 'light';
         // The surface follows the hand, and so does the light.
-        turn(isLight ? 'light' : 'turn', (isLight ? 1 : -1) * DRAG * event.movementX, (isLight ? -1 : 1) * DRAG * event.movementY);
+        turn(isLight ? 'light' : 'turn', (isLight ? 1 : -1) * DRAG * x, (isLight ? -1 : 1) * DRAG * y);
     });
-    canvas.addEventListener('pointerleave', () => {
+    stage.addEventListener('pointerleave', () => {
         pointer = undefined;
-        underPointer();
+        inTurn(underPointer).catch(fail);
     });
-    canvas.addEventListener('wheel', (event) => {
+    onCanvas('wheel', (event) => {
         event.preventDefault();
         zoom(Math.exp(-0.001 * event.deltaY));
     }, { passive: false });
-    canvas.addEventListener('keydown', (event) => {
+    onCanvas('keydown', (event) => {
         const which = event.shiftKey ? 'light' : 'turn';
         const steps = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
         if (steps) {
@@ -348,18 +372,46 @@ function fromAddress() {
     return changes;
 }
 
-async function start() {
-    document.body.classList.toggle('embedded', given.has('embed'));
-    const wanted = given.get('api');
-    // A canvas keeps to the first context that it gave.
-    backend = wanted === 'webgl2' ? undefined : await WebGpu.open(canvas, featuresOf(page.items)).catch(() => undefined);
-    backend ??= wanted === 'webgpu' ? undefined : await WebGl.open(canvas);
-    if (!backend) {
+/** Opens what draws: WebGPU where there is, else WebGL 2; `wanted`, if there is one, alone. */
+async function open(wanted) {
+    const lost = () => again().catch(fail);
+    const wide = featuresOf(page.items);
+    let found = wanted === 'webgl2' ? undefined : await WebGpu.open(canvas, wide, lost, fail).catch(() => undefined);
+    found ??= wanted === 'webgpu' ? undefined : await WebGl.open(canvas, lost);
+    if (!found) {
         throw new Error('there is neither WebGPU nor WebGL 2 with pictures of floats (EXT_color_buffer_float)');
     }
+    backend = found;
     find('api').textContent = backend.name;
-    programs = JSON.parse(new TextDecoder().decode(await unpacked(page.programs)));
+    made.clear();
     show = backend.program(programs.show, true);
+}
+
+/** Where a driver took everything away, the same by WebGL 2. A graphics process that ended is not there again at once. */
+async function again() {
+    for (; losses < MOST_LOSSES; losses += 1) {
+        await new Promise((resolve) => setTimeout(resolve, 500));
+        // A canvas keeps to the first context that it gave.
+        const fresh = canvas.cloneNode();
+        canvas.replaceWith(fresh);
+        canvas = fresh;
+        if (await open('webgl2').then(() => true, () => false)) {
+            losses += 1;
+            // What was asked of the lost one does not end, or ends badly.
+            drawing = Promise.resolve();
+            asked = false;
+            wrong.hidden = true;
+            ask();
+            return;
+        }
+    }
+    throw new Error(`the graphics driver gave up ${losses} times`);
+}
+
+async function start() {
+    document.body.classList.toggle('embedded', given.has('embed'));
+    programs = JSON.parse(new TextDecoder().decode(await unpacked(page.programs)));
+    await open(given.get('api'));
     listen();
     set(fromAddress());
     await program(page.items[state.left].decoder);
@@ -378,16 +430,14 @@ globalThis.brdfcView = {
         await drawing;
     },
     exposure: () => exposure * 2 ** state.stops,
-    picture,
-    measure: async () => {
-        await drawing;
+    picture: () => inTurn(picture),
+    measure: () => inTurn(async () => {
         await draw(FINE);
         await expose(FINE);
         return measure();
-    },
+    }),
     /** Pictures a second, each drawn as while something moves, and waited for. */
-    speed: async (count = 30) => {
-        await drawing;
+    speed: (count = 30) => inTurn(async () => {
         const [started, { turn }] = [performance.now(), state];
         for (let k = 0; k < count; k += 1) {
             state.turn = { yaw: 0.02 * k, pitch: 0 };
@@ -397,5 +447,5 @@ globalThis.brdfcView = {
         }
         state.turn = turn;
         return (1000 * count) / (performance.now() - started);
-    },
+    }),
 };

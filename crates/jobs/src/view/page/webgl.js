@@ -10,10 +10,14 @@ const PACK_POINT = 1;
 export class WebGl {
     name = 'WebGL 2';
 
-    /** Nothing where there is none that holds floats. */
-    static async open(canvas) {
+    /** Nothing where there is none that holds floats. `lost` is called where the driver takes the context away. */
+    static async open(canvas, lost) {
         const gl = canvas.getContext('webgl2', { antialias: false, depth: false });
-        return gl?.getExtension('EXT_color_buffer_float') ? new WebGl(gl) : undefined;
+        if (!gl?.getExtension('EXT_color_buffer_float')) {
+            return undefined;
+        }
+        canvas.addEventListener('webglcontextlost', lost, { once: true });
+        return new WebGl(gl);
     }
 
     /** @param {WebGL2RenderingContext} gl */

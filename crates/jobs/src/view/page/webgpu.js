@@ -11,8 +11,11 @@ const ROW_BYTES = 256;
 export class WebGpu {
     name = 'WebGPU';
 
-    /** Nothing where there is none that has what the page's materials take. */
-    static async open(canvas, features) {
+    /**
+     * Nothing where there is none that has what the page's materials take. `lost` is called where the driver takes the device
+     * away, `wrong` with an error.
+     */
+    static async open(canvas, features, lost, wrong) {
         const adapter = await navigator.gpu?.requestAdapter();
         if (!adapter || features.some((feature) => !adapter.features.has(feature))) {
             return undefined;
@@ -22,6 +25,8 @@ export class WebGpu {
             requiredFeatures: features,
             requiredLimits: { maxTextureArrayLayers: Math.min(limits.maxTextureArrayLayers, 2048) },
         });
+        device.lost.then(lost);
+        device.addEventListener('uncapturederror', ({ error }) => wrong(error));
         return new WebGpu(device, canvas);
     }
 
@@ -31,9 +36,6 @@ export class WebGpu {
         this.format = navigator.gpu.getPreferredCanvasFormat();
         this.context = canvas.getContext('webgpu');
         this.context.configure({ device, format: this.format });
-        device.addEventListener('uncapturederror', ({ error }) => {
-            throw error;
-        });
     }
 
     buffer(bytes, usage) {
