@@ -94,7 +94,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let built: Vec<&Path> = built.iter().map(PathBuf::as_path).collect();
     refuse_pages_over(output, [&csv_path, &json_path], &built)?;
     if let Some(path) = &arguments.view {
-        refuse_unfit_view(path, output, &[&built[..], &inputs, &[output]].concat())?;
+        refuse_unfit_view(path, output, &[&built[..], &inputs].concat())?;
     }
     if let Some(path) = &arguments.sheet {
         refuse_overwriting("--sheet", path, &built)?;
@@ -134,15 +134,20 @@ fn write_view(arguments: &Arguments, progress: &dyn Progress) -> Result<Option<V
     let Some(path) = &arguments.view else { return Ok(None) };
     let items = open_items(&[Input::from(&arguments.folder)], ViewOptions { sources: true }, progress)?;
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    write_file(path, view_page(&name, &items)?.html.as_bytes())?;
+    write_file(path, view_page(&items)?.html.as_bytes())?;
     Ok(Some(ViewLink::new(&name, items.into_iter().map(|item| item.name))))
 }
 
 /// It stands beside the page that links to it, and is no other file.
 fn refuse_unfit_view(path: &Path, output: &Path, others: &[&Path]) -> Result<(), CliError> {
-    if !is_html(path) || path.parent() != output.parent() {
+    let folder = |path: &Path| match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder.canonicalize().ok(),
+        _ => Path::new(".").canonicalize().ok(),
+    };
+    let is_same = path.file_name() == output.file_name();
+    if !is_html(path) || is_same || folder(path) != folder(output) {
         let found = path.display();
-        let allowed = "a name that ends in .html, in the folder of the page";
+        let allowed = "another name than the page's that ends in .html, in its folder";
         return Err(CliError::Usage(format!("--view: found {found}; allowed {allowed}")));
     }
     refuse_overwriting("--view", path, others)
@@ -185,7 +190,7 @@ fn of_flat_btf(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     let [csv_path, json_path] = ["csv", "json"].map(|extension| output.with_extension(extension));
     refuse_pages_over(output, [&csv_path, &json_path], list.as_deref().as_slice())?;
     if let Some(path) = &arguments.view {
-        refuse_unfit_view(path, output, &[list.as_deref().as_slice(), &[output]].concat())?;
+        refuse_unfit_view(path, output, list.as_deref().as_slice())?;
     }
     let mut page = FlatPage::open(folder)?;
     page.view = write_view(arguments, &())?;

@@ -16,10 +16,11 @@ use std::sync::atomic::AtomicBool;
 ///
 /// One file of HTML that needs no network and no server. It draws by WebGPU, or by WebGL 2, with the decoders that engines
 /// use: on a ball, a cloth, a teapot or a plane; what 'brdfc pwt' made as a picture under a light that moves. With two
-/// materials it splits the screen, and says how far they are apart (ΔE) under the pointer and over the view. What is no pack, such as what a pack was made of, is drawn as a table of 128 KiB, whose own error is said.
+/// materials it splits the screen, and says how far they are apart (ΔE) under the pointer and over the view. What is no pack,
+/// such as what a pack was made of, is drawn as a table of 128 KiB, whose own error is said.
 ///
-/// Behind a # the page's address may ask for more: scene=cloth, left=NAME, right=NAME, mode=split, one or difference, coarser=1, api=webgl2 or
-/// webgpu, embed (the picture alone); with & between them.
+/// Behind a # the page's address may ask for more, with & between: scene=cloth, left=NAME, right=NAME, mode=split, one or
+/// difference, coarser=1, api=webgl2 or webgpu, embed (the picture alone).
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -93,12 +94,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let steps = Steps::new(common, &cancelled);
     let items = open_items(&arguments.inputs, ViewOptions { sources: !arguments.no_sources }, &steps)?;
     drop(steps);
-    let title = match &items[..] {
-        [one] => one.name.clone(),
-        [first, second] => format!("{} and {}", first.name, second.name),
-        many => format!("{} materials", many.len()),
-    };
-    let page = view_page(&title, &items)?;
+    let page = view_page(&items)?;
     write_file(output, page.html.as_bytes())?;
     let report = Report {
         version: 1,

@@ -18,11 +18,14 @@ struct Limits {
     layers: u32,
 }
 
-/// What textures ask of a device beyond what every one has. Nothing is asked where all three are empty.
+/// What textures ask of a device beyond what every one has. Nothing is asked where all are empty.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct DeviceNeeds {
-    /// Optional features of WebGPU. WebGL 2 has none of these formats; a loader may unpack their texels to 32-bit floats.
+    /// Optional features of WebGPU. A loader may unpack such texels to 32-bit floats instead, which samplers filter by the feature
+    /// 'float32-filterable' alone, and shaders without.
     pub webgpu_features: Vec<&'static str>,
+    /// Extensions of WebGL 2, likewise.
+    pub webgl_2_extensions: Vec<&'static str>,
     /// What is beyond the default limits of WebGPU.
     pub beyond_webgpu: Vec<String>,
     /// What is beyond the least that WebGL 2 promises.
@@ -35,6 +38,7 @@ impl DeviceNeeds {
         let is_wide = matches!(format, TexelFormat::R16Unorm | TexelFormat::Rgba16Unorm);
         Self {
             webgpu_features: if is_wide { vec!["texture-formats-tier1"] } else { Vec::new() },
+            webgl_2_extensions: if is_wide { vec!["EXT_texture_norm16"] } else { Vec::new() },
             beyond_webgpu: beyond(extent, WEBGPU),
             beyond_webgl_2: beyond(extent, WEBGL_2),
         }
@@ -57,6 +61,11 @@ impl DeviceNeeds {
                 self.webgpu_features.push(feature);
             }
         }
+        for extension in other.webgl_2_extensions {
+            if !self.webgl_2_extensions.contains(&extension) {
+                self.webgl_2_extensions.push(extension);
+            }
+        }
         self
     }
 
@@ -65,7 +74,8 @@ impl DeviceNeeds {
         let mut words = Vec::new();
         if !self.webgpu_features.is_empty() {
             let features = self.webgpu_features.join(", ");
-            words.push(format!("{features} of WebGPU, or texels unpacked to 32-bit floats"));
+            let extensions = self.webgl_2_extensions.join(", ");
+            words.push(format!("{features} of WebGPU, {extensions} of WebGL 2, or texels unpacked to 32-bit floats"));
         }
         if !self.beyond_webgpu.is_empty() {
             words.push(format!("more than WebGPU's default limits: {}", self.beyond_webgpu.join(", ")));
@@ -111,7 +121,7 @@ mod tests {
         let deep = DeviceNeeds::of(TexelFormat::Rgba16Unorm, Extent::D3([64, 64, 1024]));
         assert_eq!(
             deep.in_words(),
-            "texture-formats-tier1 of WebGPU, or texels unpacked to 32-bit floats; \
+            "texture-formats-tier1 of WebGPU, EXT_texture_norm16 of WebGL 2, or texels unpacked to 32-bit floats; \
              more than WebGL 2 promises: 1024 texels along a side in 3D of 256"
         );
         let many = DeviceNeeds::of(TexelFormat::R8Unorm, Extent::D2Array([16, 16, 300]));

@@ -79,13 +79,15 @@ fn a_page_that_draws_is_linked_to() {
         assert!(view.contains(&format!("\"name\":\"{material}, source\"")));
     }
     assert!(!page.contains("#left=broken"));
+    // However both are written.
+    folder.run(&["report", "packs/report.json", "-o", "./page.html", "--view", "view.html"]).succeeded();
     for (view, expected) in [
-        ("page.html", "--view: found page.html, an input"),
-        ("view.png", "--view: found view.png; allowed a name that ends in .html, in the folder of the page"),
         (
-            "packs/view.html",
-            "--view: found packs/view.html; allowed a name that ends in .html, in the folder of the page",
+            "page.html",
+            "--view: found page.html; allowed another name than the page's that ends in .html, in its folder",
         ),
+        ("view.png", "--view: found view.png; allowed another name"),
+        ("packs/view.html", "--view: found packs/view.html; allowed another name"),
     ] {
         let ran = folder.run(&["report", "packs", "-o", "page.html", "--view", view]);
         assert!(ran.code == 2 && ran.stderr.contains(expected), "{view}: {}", ran.stderr);

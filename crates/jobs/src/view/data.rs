@@ -90,8 +90,6 @@ pub(super) struct PageItem {
     levels: u32,
     /// The finest level.
     finest: u32,
-    /// Whether samplers filter its texels.
-    sampler_filters: bool,
     /// Whether its texels are 32-bit floats that a sampler is declared for.
     wide: bool,
 }
@@ -118,7 +116,6 @@ impl PageItem {
             sines: [from, to, low, high],
             levels,
             finest,
-            sampler_filters: !wide,
             wide,
         }
     }
@@ -126,6 +123,11 @@ impl PageItem {
     /// What it is called.
     pub(super) fn name(&self) -> &str {
         &self.name
+    }
+
+    /// Bytes of its textures as they are uploaded.
+    pub(super) fn texel_bytes(&self) -> u64 {
+        self.resources.iter().map(|resource| resource.texel_bytes).sum()
     }
 
     /// Bytes that are its own.
@@ -138,6 +140,8 @@ impl PageItem {
 #[derive(Debug, Serialize)]
 struct PageResource {
     binding: u32,
+    #[serde(skip)]
+    texel_bytes: u64,
     #[serde(flatten)]
     contents: PageContents,
 }
@@ -163,11 +167,13 @@ enum PageContents {
 
 impl PageResource {
     fn new(resource: Resource) -> Self {
+        let mut texel_bytes = 0;
         let contents = match resource.contents {
             Contents::Uniform(bytes) => PageContents::Uniform { data: packed(&bytes) },
             Contents::Sampler { repeats } => PageContents::Sampler { repeats },
             Contents::Texture(texels) => {
                 let texels = texels.widened();
+                texel_bytes = texels.bytes.len() as u64;
                 PageContents::Texture {
                     format: format_name(texels.format),
                     dimension: dimension_name(texels.extent),
@@ -178,7 +184,7 @@ impl PageResource {
                 }
             }
         };
-        Self { binding: resource.binding, contents }
+        Self { binding: resource.binding, texel_bytes, contents }
     }
 
     fn bytes(&self) -> usize {

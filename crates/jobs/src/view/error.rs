@@ -5,6 +5,19 @@ use brdfc_source::InputError;
 use brdfc_source::progress::Cancelled;
 use brdfc_table::encode::EncodeError;
 
+/// Most bytes of textures of all materials: a page is to open in a browser.
+const MOST_BYTES: u64 = 256 << 20;
+
+/// Refuses more textures than a page should hold.
+pub(super) fn check_bytes(name: &str, bytes: u64) -> Result<(), ViewError> {
+    if bytes <= MOST_BYTES {
+        return Ok(());
+    }
+    let allowed = "256 MiB in a page: fewer materials, or of a flat BTF the factored form, which 'brdfc flatten' writes without \
+                   --uncompressed";
+    Err(ViewError::refused(name, format!("{} of textures", brdfc_source::words::bytes(bytes)), allowed))
+}
+
 /// Why there is no page.
 #[derive(Debug, thiserror::Error)]
 pub enum ViewError {

@@ -21,6 +21,7 @@ pub use open::{ViewOptions, open_items};
 
 use brdfc_shaders::{Decoder, Program, program};
 use data::{PageData, PageItem, Programs};
+use error::check_bytes;
 use std::collections::BTreeMap;
 
 /// A page, and what of it is not the packs' own.
@@ -35,19 +36,32 @@ pub struct ViewPage {
 /// The page of these materials, the first of them on the left, the second one, if there is one, on the right.
 ///
 /// # Errors
-/// A shader that does not go into a language, which is a fault of this program.
-pub fn view_page(title: &str, items: &[ViewItem]) -> Result<ViewPage, ViewError> {
+/// More textures than a page should hold; a shader that does not go into a language, which is a fault of this program.
+pub fn view_page(items: &[ViewItem]) -> Result<ViewPage, ViewError> {
     let decoders: BTreeMap<&str, Decoder> = items.iter().map(|item| (item.decoder().name(), item.decoder())).collect();
     let programs = decoders.into_iter().map(|(name, decoder)| Ok((name, drawing(decoder)?)));
     let programs = programs.collect::<Result<BTreeMap<&str, Program>, ViewError>>()?;
     let scenes = scenes::of(items);
     let listed: Vec<PageItem> = items.iter().map(PageItem::new).collect();
+    let mut texels = 0;
+    for item in &listed {
+        texels += item.texel_bytes();
+        check_bytes(item.name(), texels)?;
+    }
     let bytes_of_packs: usize = listed.iter().map(PageItem::bytes).sum();
     let programs = Programs { of: programs, show: showing()? }.packed();
     let data = PageData { programs, scenes, items: listed };
-    let html = html::html(title, &data);
+    let html = html::html(&title(items), &data);
     let bytes_alone = html.len() - bytes_of_packs;
     Ok(ViewPage { html, bytes_alone })
+}
+
+fn title(items: &[ViewItem]) -> String {
+    match items {
+        [one] => one.name.clone(),
+        [first, second] => format!("{} and {}", first.name, second.name),
+        many => format!("{} materials", many.len()),
+    }
 }
 
 /// What draws a kind of pack.

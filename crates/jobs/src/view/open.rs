@@ -1,6 +1,6 @@
 //! Inputs to what a page draws.
 
-use super::error::ViewError;
+use super::error::{ViewError, check_bytes};
 use super::item::{Drawn, ViewItem};
 use super::source_table::source_table;
 use crate::report::page::{Reports, is_flat_btf, source_name, source_of};
@@ -17,8 +17,6 @@ use brdfc_source::words::bytes;
 use brdfc_source::{Input, InputError, Source};
 use std::path::Path;
 
-/// Most bytes of textures of one material: a page is to open in a browser.
-const MOST_BYTES: u64 = 256 << 20;
 /// What can be drawn.
 const ALLOWED: &str = "a table or wavelet pack, the folder or the .json of a flat BTF, a pack of 'brdfc pwt', the folder of a \
                        build, or a material";
@@ -38,9 +36,9 @@ pub fn open_items(inputs: &[Input], options: ViewOptions, progress: &dyn Progres
     let mut items: Vec<ViewItem> = Vec::new();
     for input in inputs {
         progress.check()?;
-        let opened = match input.path() {
-            Some(folder) if folder.join(REPORT).is_file() => of_build(folder, options, progress)?,
-            _ => vec![of_input(input, progress)?],
+        let opened = match input.path().and_then(build_folder) {
+            Some(folder) => of_build(folder, options, progress)?,
+            None => vec![of_input(input, progress)?],
         };
         for mut item in opened {
             item.name = unlike(&items, item.name);
@@ -48,6 +46,14 @@ pub fn open_items(inputs: &[Input], options: ViewOptions, progress: &dyn Progres
         }
     }
     Ok(items)
+}
+
+/// The folder of a build, by itself or by its report.
+fn build_folder(path: &Path) -> Option<&Path> {
+    if path.file_name().is_some_and(|name| name == REPORT) {
+        return path.parent().map(|folder| if folder.as_os_str().is_empty() { Path::new(".") } else { folder });
+    }
+    path.join(REPORT).is_file().then_some(path)
 }
 
 /// A name that no other item has.
@@ -136,10 +142,8 @@ fn of_flat_btf(name: String, path: &Path) -> Result<ViewItem, ViewError> {
     let parts = decoder.parts();
     let directions = SampledDirections::of(&parts.values).map_err(wrong)?;
     let size = parts.gpu_bytes();
-    if size > MOST_BYTES {
-        let allowed = "256 MiB: a factored flat BTF, which 'brdfc flatten' writes without --uncompressed";
-        return Err(ViewError::refused(&path.display().to_string(), format!("{} of textures", bytes(size)), allowed));
-    }
+    // Before it is compressed.
+    check_bytes(&path.display().to_string(), size)?;
     let form = match &parts.values {
         FlatValues::Factored(_) => "factored",
         FlatValues::Views(_) => "all views",
@@ -155,10 +159,14 @@ fn of_build(folder: &Path, options: ViewOptions, progress: &dyn Progress) -> Res
     let mut items = Vec::new();
     for (material, pack) in Reports::open(folder, None)?.brdf_packs()? {
         progress.check()?;
-        let range = pack.directions();
-        items.push(of_brdf(material.clone(), pack));
-        let source = notes.get(&material).filter(|_| options.sources && range.is_all());
-        if let Some(source) = source.and_then(|note| source_of(note).ok()) {
+        let mut item = of_brdf(material.clone(), pack);
+        let note = notes.get(&material).cloned().unwrap_or_default();
+        let source = options.sources.then(|| source_of(&note));
+        if let Some(Err(reason)) = &source {
+            item.facts += &format!("; not beside its source: {reason}");
+        }
+        items.push(item);
+        if let Some(Ok(source)) = source {
             items.push(of_source(source_name(&material), &material, source.as_ref(), progress)?);
         }
     }

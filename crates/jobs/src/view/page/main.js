@@ -1,9 +1,9 @@
 // The page: what is chosen, and when it is drawn.
 
 import { viewBlock, raised } from './camera.js';
-import { autoExposure, deltaE, differences } from './colour.js';
+import { autoExposure, differences } from './colour.js';
 import { contentsOf, meshOf, unpacked } from './data.js';
-import { WebGl } from './webgl.js';
+import { BYTES, FLOATS, WebGl } from './webgl.js';
 import { featuresOf, WebGpu } from './webgpu.js';
 
 /** Most pixels along a side of the picture. */
@@ -47,15 +47,15 @@ let programs;
 let show;
 /** What was uploaded: programs, meshes and materials by their name or number. */
 const made = new Map();
-/** Of the picture that is shown: its factor to the display's range, nothing before it is known; and whether a fine one says it. */
-let exposure;
-let isExact = false;
+/** Of the materials and the surface that are chosen: the factor to the display's range, once it is known, and if a fine picture says it. */
+let exposed = {};
 let asked = false;
 let moved = -Infinity;
 let resting;
-/** Of the last fine picture, to be read under the pointer. */
-let isFine = false;
+/** Whether the difference of what is shown was measured, and can be read under the pointer. */
+let isMeasured = false;
 let pointer;
+let isPointed = false;
 /** How often that was. */
 let losses = 0;
 
@@ -70,9 +70,9 @@ const isPair = () => state.right >= 0;
 /** Scenes that a material goes onto. */
 const scenesOf = (item) => page.scenes.filter(({ name }) => item.scenes.includes(name));
 
-async function uploaded(key, make) {
+function uploaded(key, make) {
     if (!made.has(key)) {
-        made.set(key, await make());
+        made.set(key, make());
     }
     return made.get(key);
 }
@@ -83,54 +83,44 @@ const material = (number) => uploaded(`material ${number}`, async () => {
     const bound = item.resources.map(async (resource) => ({ binding: resource.binding, contents: await contentsOf(resource) }));
     return backend.material(await program(item.decoder), await Promise.all(bound));
 });
-const mesh = () => uploaded(`mesh ${state.scene}`, async () => backend.mesh(await meshOf(scene().mesh)));
+const mesh = ({ name, mesh }) => uploaded(`mesh ${name}`, async () => backend.mesh(await meshOf(mesh)));
 
-function showBlock(samples) {
+/** What is shown: its layout and its numbers are those of `Show` in show.wgsl. */
+const [PICTURES, COLOURS, DELTA_E, RADIANCE] = [0, 1, 2, 3];
+function showBlock(samples, what) {
     const block = new ArrayBuffer(32);
     const split = !isPair() || state.mode === 'one' ? MOST_PIXELS : state.split * canvas.width;
-    new Float32Array(block).set([...scene().background, (exposure ?? 1) * 2 ** state.stops, split], 0);
-    new Uint32Array(block).set([isPair() && state.mode === 'difference' ? 1 : 0, samples], 5);
+    new Float32Array(block).set([...scene().background, exposure(), split], 0);
+    new Uint32Array(block).set([what, samples, isPair() ? 1 : 0], 5);
     return new Uint8Array(block);
 }
 
+const exposure = () => (exposed.factor ?? 1) * 2 ** state.stops;
+const mode = () => (isPair() && state.mode === 'difference' ? COLOURS : PICTURES);
+const everything = () => [0, 0, canvas.width, canvas.height];
+
 /** Draws both pictures; nothing is shown yet. */
 async function draw(samples) {
-    const aspect = canvas.width / canvas.height;
-    const drawn = isPair() ? [state.left, state.right] : [state.left];
-    const [shape, ...materials] = await Promise.all([mesh(), ...drawn.map(material)]);
+    // The state may be another one after the wait.
+    const [view, surface, drawn] = [{ ...state, samples }, scene(), isPair() ? [state.left, state.right] : [state.left]];
+    const [shape, ...materials] = await Promise.all([mesh(surface), ...drawn.map(material)]);
     drawn.forEach((number, which) => {
-        const block = viewBlock(scene(), page.items[number], { ...state, samples }, aspect);
+        const item = page.items[number];
+        const samplerFilters = !item.wide || backend.filtersFloats;
+        const block = viewBlock(surface, item, { ...view, samplerFilters }, canvas.width / canvas.height);
         backend.draw(which, materials[which], shape, block, samples);
     });
 }
-
-/** Means of the samples of a rectangle of pixels. */
-async function pixels(which, [x, y, width, height], samples) {
-    const fine = await backend.read(which, [x, y, width, height].map((c) => c * samples), samples);
-    if (samples === 1) {
-        return fine;
-    }
-    const means = new Float32Array(4 * width * height);
-    const row = 4 * width * samples;
-    for (let k = 0; k < fine.length; k += 1) {
-        const [column, channel] = [Math.floor((k % row) / 4 / samples), k % 4];
-        means[4 * (Math.floor(k / row / samples) * width + column) + channel] += fine[k] / samples ** 2;
-    }
-    return means;
-}
-
-const everything = () => [0, 0, canvas.width, canvas.height];
 
 async function frame() {
     asked = false;
     resize();
     // What is new is seen at once, and finely after that.
-    const moving = exposure === undefined || performance.now() - moved < REST;
+    const moving = exposed.factor === undefined || performance.now() - moved < REST;
     const samples = moving ? COARSE : FINE;
     await draw(samples);
     await expose(samples);
-    backend.show(show, showBlock(samples), true);
-    isFine = samples === FINE;
+    backend.show(show, showBlock(samples, mode()));
     clearTimeout(resting);
     if (moving) {
         resting = setTimeout(ask, Math.max(moved + REST - performance.now(), 0));
@@ -141,10 +131,12 @@ async function frame() {
 
 /** Finds the exposure of what was drawn, unless it is known. */
 async function expose(samples) {
-    if (exposure === undefined || (!isExact && samples === FINE)) {
+    const mine = exposed;
+    if (mine.factor === undefined || (!mine.isExact && samples === FINE)) {
         // That of what is nearer to the truth: the right one is what the left one is held against.
-        exposure = autoExposure(await pixels(isPair() ? 1 : 0, everything(), samples));
-        isExact = samples === FINE;
+        backend.show(show, showBlock(samples, RADIANCE), FLOATS);
+        mine.factor = autoExposure(await backend.read(FLOATS, everything()));
+        mine.isExact = samples === FINE;
     }
 }
 
@@ -158,6 +150,7 @@ function inTurn(work) {
 
 /** Asks for a frame, however often. */
 function ask() {
+    isMeasured = false;
     if (!asked) {
         asked = true;
         requestAnimationFrame(() => inTurn(frame).catch(fail));
@@ -169,29 +162,32 @@ function move() {
     ask();
 }
 
-/** What both pictures differ by. */
+/** What both fine pictures differ by. */
 async function measure() {
+    whole.textContent = '';
     if (!isPair()) {
-        whole.textContent = '';
         here.textContent = '';
         return undefined;
     }
-    const [a, b] = [await pixels(0, everything(), FINE), await pixels(1, everything(), FINE)];
-    const found = differences(a, b, exposure * 2 ** state.stops);
-    whole.textContent = `ΔE of this view: ${found.mean.toFixed(2)} in the mean, ${found.p95.toFixed(2)} at 95 %`;
+    backend.show(show, showBlock(FINE, DELTA_E), FLOATS);
+    const found = differences(await backend.read(FLOATS, everything()));
+    whole.textContent = found.pixels > 0
+        ? `ΔE of this view: ${found.mean.toFixed(2)} in the mean, ${found.p95.toFixed(2)} at 95 %`
+        : 'Nothing here is shown by both.';
+    isMeasured = true;
     await underPointer();
     return found;
 }
 
 async function underPointer() {
-    if (!isPair() || !pointer || !isFine) {
+    isPointed = false;
+    if (!isPair() || !pointer || !isMeasured) {
         here.textContent = isPair() ? 'Point at the picture for the ΔE there.' : '';
         return;
     }
-    const [x, y] = pointer;
-    const [a, b] = [await pixels(0, [x, y, 1, 1], FINE), await pixels(1, [x, y, 1, 1], FINE)];
-    const told = a[3] > 0 || b[3] > 0 ? deltaE([...a], [...b], exposure * 2 ** state.stops).toFixed(2) : 'no surface';
-    here.textContent = `ΔE here: ${told}`;
+    const [apart, , isSurface, isBoth] = await backend.read(FLOATS, [...pointer, 1, 1]);
+    const without = isSurface > 0 ? 'one of both is not made for these directions' : 'no surface';
+    here.textContent = `ΔE here: ${isBoth > 0 ? apart.toFixed(2) : without}`;
 }
 
 /** As many pixels as the canvas shows. */
@@ -209,8 +205,8 @@ function resize() {
 async function picture() {
     await draw(FINE);
     await expose(FINE);
-    backend.show(show, showBlock(FINE), false);
-    const shown = await backend.read(2, everything(), 1);
+    backend.show(show, showBlock(FINE, mode()), BYTES);
+    const shown = await backend.read(BYTES, everything());
     const flat = new OffscreenCanvas(canvas.width, canvas.height);
     flat.getContext('2d').putImageData(new ImageData(shown, canvas.width, canvas.height), 0, 0);
     return flat.convertToBlob({ type: 'image/png' });
@@ -229,7 +225,7 @@ function set(changes) {
         state.scene = allowed[0].name;
     }
     if ([state.scene, state.left, state.right].join() !== before) {
-        [exposure, isExact] = [undefined, false];
+        exposed = {};
         if (!before.startsWith(`${state.scene},`)) {
             Object.assign(state, { turn: still(), light: still(), zoom: 1 });
         }
@@ -243,7 +239,12 @@ function tell() {
     const { scene: shown, left, right, mode, split, coarser, stops } = controls.elements;
     const items = [page.items[state.left], page.items[state.right]];
     [...shown.options].forEach((option) => {
-        option.hidden = items.some((item) => item && !item.scenes.includes(option.value));
+        option.disabled = items.some((item) => item && !item.scenes.includes(option.value));
+    });
+    // A picture does not stand beside a ball.
+    [...right.options].forEach((option) => {
+        const scenes = page.items[Number(option.value)]?.scenes ?? items[0].scenes;
+        option.disabled = !scenes.some((name) => items[0].scenes.includes(name));
     });
     [shown.value, left.value, right.value, mode.value] = [state.scene, state.left, state.right, state.mode];
     const most = Math.max(...items.map((item) => item?.levels ?? 0));
@@ -269,9 +270,14 @@ function tell() {
 }
 
 function listen() {
-    controls.addEventListener('input', ({ target }) => {
-        const { name, value } = target;
+    // The slider over the picture belongs to the controls, but does not stand in them.
+    document.addEventListener('input', ({ target }) => {
+        if (target.form !== controls) {
+            return;
+        }
+        const { name, value, type } = target;
         const number = Number(value);
+        moved = type === 'range' ? performance.now() : moved;
         switch (name) {
             case 'scene': case 'mode': set({ [name]: value }); break;
             case 'left': case 'right': case 'stops': case 'split': set({ [name]: number }); break;
@@ -281,16 +287,16 @@ function listen() {
     });
     controls.addEventListener('submit', (event) => event.preventDefault());
     find('again').addEventListener('click', () => {
-        [exposure, isExact] = [undefined, false];
+        exposed = {};
         set({ turn: still(), light: still(), zoom: 1, coarser: null, stops: 0 });
     });
-    find('save').addEventListener('click', async () => {
+    find('save').addEventListener('click', () => inTurn(picture).then((png) => {
         const link = document.createElement('a');
-        link.href = URL.createObjectURL(await inTurn(picture));
+        link.href = URL.createObjectURL(png);
         link.download = `${page.items[state.left].name}.png`;
         link.click();
-        URL.revokeObjectURL(link.href);
-    });
+        setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+    }).catch(fail));
     const turn = (which, yaw, pitch) => {
         const before = state[which];
         const wanted = before.pitch + pitch;
@@ -308,6 +314,12 @@ function listen() {
         }
     }, options);
     onCanvas('contextmenu', (event) => event.preventDefault());
+    const point = () => {
+        if (!isPointed) {
+            isPointed = true;
+            inTurn(underPointer).catch(fail);
+        }
+    };
     let before;
     onCanvas('pointerdown', (event) => {
         canvas.setPointerCapture(event.pointerId);
@@ -321,7 +333,7 @@ function listen() {
             pixel((event.clientY - box.top) / box.height, canvas.height),
         ];
         if (event.buttons === 0) {
-            inTurn(underPointer).catch(fail);
+            point();
             return;
         }
         const [x, y] = [event.clientX - before[0], event.clientY - before[1]];
@@ -332,13 +344,16 @@ function listen() {
     });
     stage.addEventListener('pointerleave', () => {
         pointer = undefined;
-        inTurn(underPointer).catch(fail);
+        point();
     });
     onCanvas('wheel', (event) => {
         event.preventDefault();
         zoom(Math.exp(-0.001 * event.deltaY));
     }, { passive: false });
     onCanvas('keydown', (event) => {
+        if (event.ctrlKey || event.metaKey || event.altKey) {
+            return;
+        }
         const which = event.shiftKey ? 'light' : 'turn';
         const steps = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
         if (steps) {
@@ -349,6 +364,7 @@ function listen() {
             zoom(event.key === '+' ? 1.1 : 1 / 1.1);
         }
     });
+    addEventListener('hashchange', () => set(fromAddress()));
     new ResizeObserver(ask).observe(stage);
 }
 
@@ -356,7 +372,7 @@ function listen() {
 function fromAddress() {
     const number = (name) => page.items.findIndex((item) => item.name === name);
     const changes = {};
-    for (const [key, value] of given) {
+    for (const [key, value] of new URLSearchParams(location.hash.slice(1))) {
         if (key === 'scene' && page.scenes.some(({ name }) => name === value)) {
             changes.scene = value;
         } else if (key === 'left' && number(value) >= 0) {
@@ -366,7 +382,7 @@ function fromAddress() {
         } else if (key === 'mode' && ['one', 'split', 'difference'].includes(value)) {
             changes.mode = value;
         } else if (key === 'coarser' && Number(value) >= 0) {
-            changes.coarser = Number(value);
+            changes.coarser = Math.min(Number(value), Math.max(...page.items.map(({ levels }) => levels)));
         }
     }
     return changes;
@@ -429,7 +445,7 @@ globalThis.brdfcView = {
         await new Promise(requestAnimationFrame);
         await drawing;
     },
-    exposure: () => exposure * 2 ** state.stops,
+    exposure,
     picture: () => inTurn(picture),
     measure: () => inTurn(async () => {
         await draw(FINE);
@@ -442,8 +458,8 @@ globalThis.brdfcView = {
         for (let k = 0; k < count; k += 1) {
             state.turn = { yaw: 0.02 * k, pitch: 0 };
             await draw(COARSE);
-            backend.show(show, showBlock(COARSE), true);
-            await backend.read(0, [0, 0, 1, 1], COARSE);
+            backend.show(show, showBlock(COARSE, mode()), BYTES);
+            await backend.read(BYTES, [0, 0, 1, 1]);
         }
         state.turn = turn;
         return (1000 * count) / (performance.now() - started);

@@ -6,9 +6,14 @@ import { CORNER } from './data.js';
 /** Where blocks are bound. */
 const VIEW_POINT = 0;
 const PACK_POINT = 1;
+/** Numbers of pictures besides those of materials: of what is shown, as bytes and as floats. */
+export const BYTES = 2;
+export const FLOATS = 3;
 
 export class WebGl {
     name = 'WebGL 2';
+    /** 32-bit floats are filtered by the shader. */
+    filtersFloats = false;
 
     /** Nothing where there is none that holds floats. `lost` is called where the driver takes the context away. */
     static async open(canvas, lost) {
@@ -77,6 +82,17 @@ export class WebGl {
         return { array, count: indices.length };
     }
 
+    /** A texture that this device does not hold is told before it is black. */
+    refuseTooLarge({ dimension, size }) {
+        const { gl } = this;
+        const [sides, layers] = dimension === '3d' ? [size, 1] : [size.slice(0, 2), size[2]];
+        const most = gl.getParameter(dimension === '3d' ? gl.MAX_3D_TEXTURE_SIZE : gl.MAX_TEXTURE_SIZE);
+        const mostLayers = gl.getParameter(gl.MAX_ARRAY_TEXTURE_LAYERS);
+        if (sides.some((side) => side > most) || layers > mostLayers) {
+            throw new Error(`found a texture of ${size.join(' x ')} texels; allowed ${most} along a side, ${mostLayers} layers`);
+        }
+    }
+
     /** A material: what is bound for it. */
     material(program, resources) {
         const { gl } = this;
@@ -91,6 +107,7 @@ export class WebGl {
             }
         }
         for (const { binding, sampler } of program.textures) {
+            this.refuseTooLarge(contentsOf.get(binding).texture);
             const repeats = contentsOf.get(sampler)?.repeats ?? false;
             bound.textures.set(binding, uploadTexture(gl, contentsOf.get(binding).texture, sampler !== undefined, repeats));
         }
@@ -98,7 +115,7 @@ export class WebGl {
         return bound;
     }
 
-    /** Makes room for two pictures of at most this size, and one of what is shown of them. */
+    /** Makes room for two pictures of at most this size, and for what is shown of them, as bytes and as floats. */
     resize(width, height, samples) {
         const { gl } = this;
         for (const { texture, depth, frame } of this.targets ?? []) {
@@ -125,7 +142,8 @@ export class WebGl {
         };
         const fine = [width * samples, height * samples];
         this.size = [width, height];
-        this.targets = [target(gl.RGBA32F, fine, true), target(gl.RGBA32F, fine, true), target(gl.RGBA8, this.size, false)];
+        this.targets = [target(gl.RGBA32F, fine, true), target(gl.RGBA32F, fine, true)];
+        this.targets.push(target(gl.RGBA8, this.size, false), target(gl.RGBA32F, this.size, false));
     }
 
     bindBlock(bytes) {
@@ -159,10 +177,10 @@ export class WebGl {
         gl.bindVertexArray(null);
     }
 
-    /** Shows both on the canvas, or in a picture of bytes. */
-    show(program, block, onCanvas) {
+    /** Shows both on the canvas, or in the picture of this number. */
+    show(program, block, which) {
         const { gl } = this;
-        gl.bindFramebuffer(gl.FRAMEBUFFER, onCanvas ? null : this.targets[2].frame);
+        gl.bindFramebuffer(gl.FRAMEBUFFER, this.targets[which]?.frame ?? null);
         gl.viewport(0, 0, ...this.size);
         gl.disable(gl.DEPTH_TEST);
         program.check();
@@ -176,11 +194,11 @@ export class WebGl {
         gl.drawArrays(gl.TRIANGLES, 0, 3);
     }
 
-    /** Texels of a rectangle of a picture, rows from the top: floats, or bytes of what is shown. */
-    async read(which, [x, y, width, height], samples) {
+    /** Texels of a rectangle of what is shown, rows from the top. */
+    async read(which, [x, y, width, height]) {
         const { gl } = this;
-        const bytes = which === 2;
-        const rows = this.size[1] * (bytes ? 1 : samples);
+        const bytes = which === BYTES;
+        const rows = this.size[1];
         const found = bytes ? new Uint8ClampedArray(4 * width * height) : new Float32Array(4 * width * height);
         gl.bindFramebuffer(gl.FRAMEBUFFER, this.targets[which].frame);
         gl.readPixels(x, rows - y - height, width, height, gl.RGBA, bytes ? gl.UNSIGNED_BYTE : gl.FLOAT, found);

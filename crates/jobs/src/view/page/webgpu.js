@@ -2,6 +2,7 @@
 
 import { gpuResource } from '../../../../../bindings/web/src/upload_webgpu.js';
 import { CORNER } from './data.js';
+import { BYTES, FLOATS } from './webgl.js';
 
 /** For floats that a sampler filters: wavelet packs of more than 8 bits. */
 const FILTERS_FLOATS = 'float32-filterable';
@@ -10,6 +11,8 @@ const ROW_BYTES = 256;
 
 export class WebGpu {
     name = 'WebGPU';
+    /** 32-bit floats are filtered by samplers: no other device is taken where a material has them. */
+    filtersFloats = true;
 
     /**
      * Nothing where there is none that has what the page's materials take. `lost` is called where the driver takes the device
@@ -23,7 +26,11 @@ export class WebGpu {
         const { limits } = adapter;
         const device = await adapter.requestDevice({
             requiredFeatures: features,
-            requiredLimits: { maxTextureArrayLayers: Math.min(limits.maxTextureArrayLayers, 2048) },
+            requiredLimits: {
+                maxTextureArrayLayers: limits.maxTextureArrayLayers,
+                maxTextureDimension2D: limits.maxTextureDimension2D,
+                maxTextureDimension3D: limits.maxTextureDimension3D,
+            },
         });
         device.lost.then(lost);
         device.addEventListener('uncapturederror', ({ error }) => wrong(error));
@@ -33,6 +40,7 @@ export class WebGpu {
     /** @param {GPUDevice} device */
     constructor(device, canvas) {
         this.device = device;
+        this.blocks = {};
         this.format = navigator.gpu.getPreferredCanvasFormat();
         this.context = canvas.getContext('webgpu');
         this.context.configure({ device, format: this.format });
@@ -53,7 +61,7 @@ export class WebGpu {
                 vertex: { module },
                 fragment: { module, targets: [{ format }] },
             });
-            return { canvas: of(this.format), bytes: of('rgba8unorm') };
+            return { canvas: of(this.format), [BYTES]: of('rgba8unorm'), [FLOATS]: of('rgba32float') };
         }
         let at = 0;
         const attributes = [3, 3, 3, 2].map((size, shaderLocation) => {
@@ -102,6 +110,7 @@ export class WebGpu {
             target('rgba32float', fine, true),
             target('rgba32float', fine, true),
             target('rgba8unorm', this.size, false),
+            target('rgba32float', this.size, false),
         ];
     }
 
@@ -114,7 +123,7 @@ export class WebGpu {
         });
         pass.setViewport(0, 0, this.size[0] * samples, this.size[1] * samples, 0, 1);
         pass.setPipeline(pipeline);
-        pass.setBindGroup(0, this.blockGroup(pipeline, block, []));
+        pass.setBindGroup(0, this.blockGroup(which, pipeline, block, []));
         pass.setBindGroup(1, group);
         pass.setVertexBuffer(0, mesh.corners);
         pass.setIndexBuffer(mesh.indices, 'uint32');
@@ -123,28 +132,31 @@ export class WebGpu {
         this.device.queue.submit([encoder.finish()]);
     }
 
-    blockGroup(pipeline, block, textures) {
-        const resources = [{ buffer: this.buffer(block, GPUBufferUsage.UNIFORM) }, ...textures.map(({ texture }) => texture.createView())];
+    /** The block of what is drawn into a picture, or shown of both. */
+    blockGroup(key, pipeline, block, textures) {
+        this.blocks[key] ??= this.buffer(block, GPUBufferUsage.UNIFORM);
+        this.device.queue.writeBuffer(this.blocks[key], 0, block);
+        const resources = [{ buffer: this.blocks[key] }, ...textures.map(({ texture }) => texture.createView())];
         const entries = resources.map((resource, binding) => ({ binding, resource }));
         return this.device.createBindGroup({ layout: pipeline.getBindGroupLayout(0), entries });
     }
 
-    show(program, block, onCanvas) {
-        const pipeline = onCanvas ? program.canvas : program.bytes;
-        const target = onCanvas ? this.context.getCurrentTexture() : this.targets[2].texture;
+    show(program, block, which) {
+        const pipeline = program[which] ?? program.canvas;
+        const target = this.targets[which]?.texture ?? this.context.getCurrentTexture();
         const encoder = this.device.createCommandEncoder();
         const pass = encoder.beginRenderPass({
             colorAttachments: [{ view: target.createView(), loadOp: 'clear', storeOp: 'store' }],
         });
         pass.setPipeline(pipeline);
-        pass.setBindGroup(0, this.blockGroup(pipeline, block, this.targets.slice(0, 2)));
+        pass.setBindGroup(0, this.blockGroup('show', pipeline, block, this.targets.slice(0, 2)));
         pass.draw(3);
         pass.end();
         this.device.queue.submit([encoder.finish()]);
     }
 
     async read(which, [x, y, width, height]) {
-        const texelBytes = which === 2 ? 4 : 16;
+        const texelBytes = which === BYTES ? 4 : 16;
         const bytesPerRow = Math.ceil((width * texelBytes) / ROW_BYTES) * ROW_BYTES;
         const buffer = this.device.createBuffer({
             size: bytesPerRow * height,
@@ -156,10 +168,10 @@ export class WebGpu {
         this.device.queue.submit([encoder.finish()]);
         await buffer.mapAsync(GPUMapMode.READ);
         const mapped = buffer.getMappedRange();
-        const found = which === 2 ? new Uint8ClampedArray(4 * width * height) : new Float32Array(4 * width * height);
+        const found = which === BYTES ? new Uint8ClampedArray(4 * width * height) : new Float32Array(4 * width * height);
         for (let row = 0; row < height; row += 1) {
             const [from, count] = [mapped.slice(row * bytesPerRow, row * bytesPerRow + width * texelBytes), 4 * width * row];
-            found.set(which === 2 ? new Uint8Array(from) : new Float32Array(from), count);
+            found.set(which === BYTES ? new Uint8Array(from) : new Float32Array(from), count);
         }
         buffer.destroy();
         return found;

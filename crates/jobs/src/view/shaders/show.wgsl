@@ -1,14 +1,19 @@
-// Shows drawn pictures: means of a pixel's samples, exposed, sRGB-encoded; one beside another, or how far they are apart.
+// Shows drawn pictures: means of a pixel's samples, exposed, sRGB-encoded, one beside another; or says how far they are apart.
 // RAMP and FULL_SCALE, the colours of differences, stand before it.
 
 struct Show {
     background: vec3<f32>, // linear RGB of the display, 0 to 1
     exposure: f32,
     split: f32,            // in pixels: the first picture is to the left of it
-    difference: u32,       // 1: ΔE of both in place of pictures
+    what: u32,
     samples: u32,          // along a pixel's side
-    reserved: u32,
+    pair: u32,             // 1: there is a second picture
 }
+
+const PICTURES: u32 = 0u;
+const COLOURS: u32 = 1u; // of the difference
+const DELTA_E: u32 = 2u; // in red; in alpha 1 where both show a surface
+const RADIANCE: u32 = 3u; // of the last picture; in alpha its coverage, 0 where not all show a surface
 
 @group(0) @binding(0) var<uniform> parameters: Show;
 @group(0) @binding(1) var first: texture_2d<f32>;
@@ -33,13 +38,26 @@ fn show(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
         }
     }
     let share = 1.0 / f32(side * side);
-    if parameters.difference == 1u {
-        let apart = distance(lab(a.rgb * share * parameters.exposure), lab(b.rgb * share * parameters.exposure));
-        return vec4<f32>(heat(apart / FULL_SCALE), 1.0);
+    a *= share;
+    b *= share;
+    let is_pair = parameters.pair == 1u;
+    if parameters.what == RADIANCE {
+        let last = select(a, b, is_pair);
+        return vec4<f32>(last.rgb, select(last.a, min(a.a, b.a), is_pair));
     }
-    let picture = select(b, a, at.x < parameters.split) * share;
-    let behind = parameters.background * (1.0 - picture.a);
-    return vec4<f32>(encoded(min(picture.rgb * parameters.exposure, vec3<f32>(1.0)) + behind), 1.0);
+    if parameters.what == PICTURES {
+        let picture = select(b, a, at.x < parameters.split);
+        let behind = parameters.background * (1.0 - picture.a);
+        return vec4<f32>(encoded(min(picture.rgb * parameters.exposure, vec3<f32>(1.0)) + behind), 1.0);
+    }
+    // What one of both was not made for is not compared.
+    let is_both = a.a > 0.0 && b.a > 0.0;
+    let apart = distance(lab(a.rgb * parameters.exposure), lab(b.rgb * parameters.exposure));
+    let delta_e = select(0.0, apart, is_both);
+    if parameters.what == DELTA_E {
+        return vec4<f32>(delta_e, 0.0, select(0.0, 1.0, a.a > 0.0 || b.a > 0.0), select(0.0, 1.0, is_both));
+    }
+    return vec4<f32>(heat(delta_e / FULL_SCALE), 1.0);
 }
 
 // The transfer curve of sRGB.
