@@ -13,8 +13,8 @@ use brdfc_formats::flat_btf::{
 use brdfc_formats::importance::{ImportanceHeader, ImportancePack};
 use brdfc_formats::pwt::shader::PwtFilter;
 use brdfc_formats::pwt::{PwtDecoder, PwtPack};
-use brdfc_formats::table::TableDecoder;
-use brdfc_formats::wavelet::{Filter, WaveletDecoder};
+use brdfc_formats::table::{TableDecoder, TablePack};
+use brdfc_formats::wavelet::{Filter, WaveletDecoder, WaveletPack};
 use brdfc_shaders::Decoder;
 use brdfc_shaders::resources::{self, Resource};
 use std::collections::{BTreeMap, BTreeSet};
@@ -58,12 +58,12 @@ impl Case {
     }
 }
 
-fn four([x, y, z]: [f32; 3], w: f32) -> [f32; 4] {
+pub(crate) fn four([x, y, z]: [f32; 3], w: f32) -> [f32; 4] {
     [x, y, z, w]
 }
 
 /// Pairs at levels of detail; the shader filters.
-fn brdf_queries(levels: u32, seed: u64) -> (Vec<DirectionPair>, Vec<Query>) {
+pub(crate) fn brdf_queries(levels: u32, seed: u64) -> (Vec<DirectionPair>, Vec<Query>) {
     let pairs = pairs(SIDE * SIDE, seed);
     let single = |v: [f64; 3]| v.map(|c| c as f32);
     let query = |(k, pair): (usize, &DirectionPair)| {
@@ -76,7 +76,8 @@ fn brdf_queries(levels: u32, seed: u64) -> (Vec<DirectionPair>, Vec<Query>) {
     (queries.iter().map(|[a, b, _]| DirectionPair::new(double(*a), double(*b))).collect(), queries)
 }
 
-fn of_tables() -> Vec<Case> {
+/// Tables of every kind of look-up.
+pub(crate) fn some_tables() -> Vec<(String, TablePack)> {
     let wanted = [
         "symmetry 3, layers 1",
         "symmetry 12, layers 3",
@@ -84,8 +85,13 @@ fn of_tables() -> Vec<Case> {
         "symmetry 15, layers 3, curve",
         "symmetry 5, layers 3, cropped",
     ];
-    let mut all = Vec::new();
-    for (name, pack) in tables().into_iter().filter(|(name, _)| wanted.contains(&name.as_str())) {
+    let some: Vec<_> = tables().into_iter().filter(|(name, _)| wanted.contains(&name.as_str())).collect();
+    assert!(some.len() > 3);
+    some
+}
+
+fn of_tables() -> Vec<Case> {
+    let case = |(name, pack): (String, TablePack)| {
         let decoder = TableDecoder::new(&pack);
         let (pairs, queries) = brdf_queries(pack.levels(), 11);
         let floor = pack.header().mean * pack.header().bias;
@@ -94,19 +100,24 @@ fn of_tables() -> Vec<Case> {
         let expected = expected.collect();
         let files = vec![("", pack.to_bytes(true))];
         let resources = resources::table(&pack, 1.0);
-        all.push(Case { name, decoder: Decoder::Table, resources, files, filter: None, queries, expected });
-    }
-    assert!(all.len() > 3);
-    all
+        Case { name, decoder: Decoder::Table, resources, files, filter: None, queries, expected }
+    };
+    some_tables().into_iter().map(case).collect()
 }
 
-fn of_wavelets() -> Vec<Case> {
-    let mut all = Vec::new();
+/// Wavelet packs of every kind of look-up.
+pub(crate) fn some_wavelets() -> Vec<(String, WaveletPack, Filter)> {
     let filters = [Filter::Nearest, Filter::Slices, Filter::Bilinear];
     let wanted =
         |name: &str| name.starts_with("lifted") || name.contains("cropped") || name.contains("levels 4, channels 3");
-    for (k, (name, pack)) in packs().into_iter().filter(|(name, _)| wanted(name)).step_by(3).enumerate() {
-        let filter = filters[k % 3];
+    let some = packs().into_iter().filter(|(name, _)| wanted(name)).step_by(3).enumerate();
+    let some: Vec<_> = some.map(|(k, (name, pack))| (name, pack, filters[k % 3])).collect();
+    assert!(some.len() > 4);
+    some
+}
+
+fn of_wavelets() -> Vec<Case> {
+    let case = |(k, (name, pack, filter)): (usize, (String, WaveletPack, Filter))| {
         let decoder = WaveletDecoder::new(&pack);
         let (pairs, queries) = brdf_queries(pack.header.levels, 12);
         let floor = pack.header.mean * pack.header.bias;
@@ -115,21 +126,24 @@ fn of_wavelets() -> Vec<Case> {
         let expected = expected.collect();
         let (resources, files) = (resources::wavelet(&pack, filter, 1.0), vec![("", pack.to_bytes(k % 2 == 0))]);
         let (name, decoder, filter) = (format!("{name}, {filter:?}"), Decoder::Wavelet, Some(filter));
-        all.push(Case { name, decoder, resources, files, filter, queries, expected });
-    }
-    assert!(all.len() > 4);
-    all
+        Case { name, decoder, resources, files, filter, queries, expected }
+    };
+    some_wavelets().into_iter().enumerate().map(case).collect()
+}
+
+/// Places on pictures, levels and lights.
+pub(crate) fn tree_queries() -> Vec<Query> {
+    let mut numbers = Numbers::new(13);
+    let query = |k: usize| {
+        let [u, v] = [0; 2].map(|_| numbers.between(-0.2, 1.2) as f32);
+        let [x, y, z] = flat_btf::unit_vector(&mut numbers);
+        [[u, v, (k % 9) as f32 / 4.0, 0.0], [x, y, z.abs(), 0.0], [0.0; 4]]
+    };
+    (0..SIDE * SIDE).map(query).collect()
 }
 
 fn of_trees() -> Vec<Case> {
-    let mut numbers = Numbers::new(13);
-    let queries: Vec<Query> = (0..SIDE * SIDE)
-        .map(|k| {
-            let [u, v] = [0; 2].map(|_| numbers.between(-0.2, 1.2) as f32);
-            let [x, y, z] = flat_btf::unit_vector(&mut numbers);
-            [[u, v, (k % 9) as f32 / 4.0, 0.0], [x, y, z.abs(), 0.0], [0.0; 4]]
-        })
-        .collect();
+    let queries = tree_queries();
     let case = |(name, pack): (&str, PwtPack)| {
         let (resources, files) = (resources::pwt(&pack, PwtFilter::Exact), vec![("", pack.to_bytes(true))]);
         let decoder = PwtDecoder::new(pack);
@@ -141,22 +155,34 @@ fn of_trees() -> Vec<Case> {
     crate::pwt::packs().into_iter().map(case).collect()
 }
 
-fn of_flat_btfs() -> Vec<Case> {
+/// Flat BTFs of every kind of values.
+pub(crate) fn some_flat_btfs() -> [(&'static str, FlatBtfDecoder); 3] {
     let whole = flat_btf::parts(SMALL, 4);
     let compact = flat_btf::displacements(SMALL, 1, 4).into();
     let factors = Factors { levels: 3, groups: 3, wide_groups: 1, shadow: ShadowFormat::R8 };
     let factored = FlatValues::Factored(Box::new(flat_btf::factored(SMALL, factors, 5)));
+    [
+        ("all views", whole.clone()),
+        ("light form", FlatBtfParts { values: FlatValues::None, ..whole.clone() }),
+        ("factored, displacements", FlatBtfParts { values: factored, indirection: compact, ..whole }),
+    ]
+    .map(|(name, parts)| (name, FlatBtfDecoder::new(parts).unwrap()))
+}
+
+/// Places, levels, views and lights.
+pub(crate) fn flat_queries() -> Vec<Query> {
     let mut numbers = Numbers::new(14);
-    let queries: Vec<Query> = (0..SIDE * SIDE)
-        .map(|k| {
-            let [u, v] = [0; 2].map(|_| numbers.between(-1.0, 2.0) as f32);
-            let [view, light] =
-                [0; 2].map(|_| flat_btf::unit_vector(&mut numbers)).map(|[x, y, z]| [x, y, z.abs(), 0.0]);
-            [[u, v, (k % 9) as f32 / 4.0, 0.0], view, light]
-        })
-        .collect();
-    let case = |name: &str, parts: FlatBtfParts| {
-        let decoder = FlatBtfDecoder::new(parts).unwrap();
+    let query = |k: usize| {
+        let [u, v] = [0; 2].map(|_| numbers.between(-1.0, 2.0) as f32);
+        let [view, light] = [0; 2].map(|_| flat_btf::unit_vector(&mut numbers)).map(|[x, y, z]| [x, y, z.abs(), 0.0]);
+        [[u, v, (k % 9) as f32 / 4.0, 0.0], view, light]
+    };
+    (0..SIDE * SIDE).map(query).collect()
+}
+
+fn of_flat_btfs() -> Vec<Case> {
+    let queries = flat_queries();
+    let case = |(name, decoder): (&str, FlatBtfDecoder)| {
         let directions = SampledDirections::of(&decoder.parts().values).unwrap();
         let resources = resources::flat_btf(&decoder, directions.as_ref(), false);
         let answer = |[a, b, c]: &Query| {
@@ -168,11 +194,7 @@ fn of_flat_btfs() -> Vec<Case> {
         let files = flat_files(decoder.parts(), directions.as_ref());
         Case { name, decoder: Decoder::FlatBtf, resources, files, filter: None, queries, expected }
     };
-    vec![
-        case("all views", whole.clone()),
-        case("light form", FlatBtfParts { values: FlatValues::None, ..whole.clone() }),
-        case("factored, displacements", FlatBtfParts { values: factored, indirection: compact, ..whole }),
-    ]
+    some_flat_btfs().into_iter().map(case).collect()
 }
 
 /// The files that are drawn, by part; of all views none, which no browser takes.
@@ -205,15 +227,23 @@ fn flat_value(
     level: f32,
     [view, light]: [[f32; 3]; 2],
 ) -> [f32; 3] {
-    let Some(SampledDirections { views, lights, lowest_light }) = directions else {
+    let Some(directions) = directions else {
         return decoder.light_form(uv, view, light);
     };
+    let ([views, lights], dimmed) = blends(directions, [view, light]);
+    decoder.value(uv, level, views, lights).map(|value| value * dimmed)
+}
+
+/// View and light among the sampled ones, and what is left of a light below all of these.
+pub(crate) fn blends(
+    SampledDirections { views, lights, lowest_light }: &SampledDirections,
+    [view, light]: [[f32; 3]; 2],
+) -> ([BlendedDirection; 2], f32) {
     let blended = |mesh: &DirectionMesh, direction| {
         let (indices, weights) = mesh.weights(direction);
         BlendedDirection { direction, samples: ViewWeights { indices, weights } }
     };
-    let dimmed = (light[2] / lowest_light).min(1.0);
-    decoder.value(uv, level, blended(views, view), blended(lights, light)).map(|value| value * dimmed)
+    ([blended(views, view), blended(lights, light)], (light[2] / lowest_light).min(1.0))
 }
 
 fn of_bandwidth() -> Vec<Case> {

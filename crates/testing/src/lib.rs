@@ -9,6 +9,7 @@ pub mod flat_btf;
 pub mod golden;
 pub mod packs;
 pub mod pwt;
+pub mod sampler;
 pub mod tensor;
 pub mod wrapped;
 

@@ -1,6 +1,10 @@
-//! The package for the web: its examples draw what `brdfc render` draws. `bindings/web/build` makes the package.
+//! The package for the web: its examples draw what `brdfc render` draws, or the decoder says. `bindings/web/build` makes the
+//! package.
 
 use crate::common::cli::Folder;
+use brdfc_formats::direction::{DirectionPair, cross, dot, normalize};
+use brdfc_formats::table::{TableDecoder, TablePack};
+use brdfc_formats::wavelet::{Filter, WaveletDecoder, WaveletPack};
 use brdfc_testing::browser::{File, picture_of_page};
 use std::path::Path;
 
@@ -120,4 +124,52 @@ fn a_flat_btf_by_three_js_is_that_of_render() {
     let (mean, p95) = differences(&found, &expected);
     println!("three.js, flat BTF: codes differ by {mean:.2} in the mean, {p95} at 95 %");
     assert!(mean < 3.0 && p95 <= 12.0, "{mean} {p95}");
+}
+
+/// What the example for WebGPU draws, by the CPU's decoder: an orthographic ball under a distant light, `2 f_r cos` with the curve
+/// of 2.2.
+fn ball(f_r: impl Fn(DirectionPair) -> [f32; 3]) -> image::RgbImage {
+    image::RgbImage::from_fn(SIDE, SIDE, |x, y| {
+        let [x, y] = [x, y].map(|at| ((f64::from(at) + 0.5) / f64::from(SIDE / 2) - 1.0) * 1.1);
+        let (x, y) = (x, -y);
+        let square = x * x + y * y;
+        if square >= 1.0 {
+            return image::Rgb([0; 3]);
+        }
+        let normal = [x, y, (1.0 - square).sqrt()];
+        let tangent = normalize([normal[2], 0.0, -normal[0]]);
+        let bitangent = cross(normal, tangent);
+        let local = |v| [tangent, bitangent, normal].map(|axis| dot(v, axis));
+        let pair = DirectionPair::new(local(normalize([-3.0, 3.0, 4.0])), local([0.0, 0.0, 1.0]));
+        let code = |value: f32| {
+            let radiance = f64::from(value) * pair.incoming[2].max(0.0) * 2.0;
+            (radiance.min(1.0).powf(1.0 / 2.2) * 255.0).round() as u8
+        };
+        image::Rgb(f_r(pair).map(code))
+    })
+}
+
+#[test]
+fn a_ball_by_webgpu_is_that_of_the_decoder() {
+    let folder = Folder::new();
+    let red = brdfc_testing::testdata("demo/red_plastic.binary");
+    folder.run(&["encode", &red, "-o", "red.ktx2"]).succeeded();
+    folder.run(&["encode", "synth:ggx?alpha=0.3", "--codec", "wavelet", "-o", "ggx.ktx2"]).succeeded();
+    let Some(files) = files(&folder) else { return };
+    let table = TableDecoder::new(&TablePack::from_bytes(&folder.read("red.ktx2")).unwrap());
+    let wavelet = WaveletDecoder::new(&WaveletPack::from_bytes(&folder.read("ggx.ktx2")).unwrap());
+    let expected = [
+        ("red", ball(|pair| table.eval(pair))),
+        // The example asks for level 6, which is the finest of any pack.
+        ("ggx", ball(|pair| wavelet.eval(pair, 6.0, Filter::Bilinear))),
+    ];
+    for (pack, expected) in &expected {
+        let example = format!("examples/webgpu.html?pack=../packs/{pack}.ktx2");
+        let Some(found) = drawn(&example, &files) else { return };
+        let (mean, p95) = differences(&found, expected);
+        println!("WebGPU, {pack}: codes differ by {mean:.2} in the mean, {p95} at 95 %");
+        assert!(mean < 1.0 && p95 <= 2.0, "{pack}: {mean} {p95}");
+    }
+    // Another material is noticed.
+    assert!(differences(&expected[0].1, &expected[1].1).0 > 10.0);
 }

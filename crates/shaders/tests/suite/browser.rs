@@ -1,11 +1,16 @@
 //! Translated decoders in a browser: GLSL ES 3.00 by WebGL 2, WGSL by WebGPU, each against the CPU decoder at 10,000 queries a
-//! pack.
+//! pack; with exact weights, and once more with the sampler filtering.
 
 use crate::texts::text;
+use brdfc_formats::direction::Parameterisation;
+use brdfc_formats::wavelet::Filter;
 use brdfc_shaders::resources::{Contents, Resource, size_of};
 use brdfc_shaders::{BindingKind, Decoder, Interface, Language, translate};
+use brdfc_table::recipe::TableRecipe;
 use brdfc_testing::browser::result_of_page;
 use brdfc_testing::engines::{Case, SIDE, cases, check};
+use brdfc_testing::sampler::{SamplerCase, check_sampler, check_shifted, of_table, of_wavelet, sampler_cases};
+use brdfc_wavelet::recipe::Recipe;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
@@ -74,8 +79,29 @@ fn wgsl(decoder: Decoder) -> String {
     )
 }
 
+/// A case with the shader that is to evaluate it.
+struct Asked<'a> {
+    case: &'a Case,
+    shader: &'a str,
+    interface: &'a Interface,
+    /// Whether the sampler filters.
+    sampled: bool,
+}
+
+/// The number of the sampler that filters a texture; nothing for one whose texels are loaded.
+fn sampler_of(decoder: Decoder, texture: u32) -> Option<u32> {
+    match (decoder, texture) {
+        (Decoder::Table, 1 | 3) => Some(2),
+        (Decoder::Wavelet, 1) => Some(3),
+        (Decoder::FlatBtf, 2) => Some(3),
+        (Decoder::FlatBtf, 9 | 10) => Some(12),
+        (Decoder::Pwt, 1..=4) => Some(5),
+        _ => None,
+    }
+}
+
 /// The list of the cases and the bytes that it points into.
-fn page_of(api: &str, cases: &[Case], shaders: &BTreeMap<&'static str, (String, Interface)>) -> (Value, Vec<u8>) {
+fn page_of(api: &str, asked: &[Asked<'_>]) -> (Value, Vec<u8>) {
     let mut data: Vec<u8> = Vec::new();
     let mut add = |bytes: &[u8]| {
         let at = data.len().next_multiple_of(16);
@@ -84,8 +110,11 @@ fn page_of(api: &str, cases: &[Case], shaders: &BTreeMap<&'static str, (String, 
         json!({ "at": at, "length": bytes.len() })
     };
     let mut listed = Vec::new();
-    for case in cases {
-        let (shader, interface) = &shaders[case.decoder.name()];
+    for Asked { case, shader, interface, sampled } in asked {
+        let repeats = |sampler| {
+            let is_it = |resource: &&Resource| Some(resource.binding) == sampler;
+            case.resources.iter().find(is_it).is_some_and(|it| it.contents == Contents::Sampler { repeats: true })
+        };
         let mut resources = Vec::new();
         for resource in &case.resources {
             let bound = interface.bindings.iter().find(|bound| bound.binding == resource.binding).unwrap();
@@ -109,8 +138,10 @@ fn page_of(api: &str, cases: &[Case], shaders: &BTreeMap<&'static str, (String, 
                     entry["format"] = format!("{:?}", texels.format).into();
                     entry["texelBytes"] = texels.format.texel_bytes().into();
                     entry["levels"] = texels.levels.into();
-                    // The shader filters.
-                    entry["filtered"] = false.into();
+                    // What WebGL asks of textures, as it has no samplers of their own.
+                    let sampler = sampler_of(case.decoder, resource.binding).filter(|_| *sampled);
+                    entry["filtered"] = sampler.is_some().into();
+                    entry["repeats"] = repeats(sampler).into();
                     entry
                 }
                 (contents, kind) => panic!("{}: {contents:?} for {kind:?}", bound.name),
@@ -134,25 +165,22 @@ fn page_of(api: &str, cases: &[Case], shaders: &BTreeMap<&'static str, (String, 
             "resources": resources,
             "queries": add(&queries),
             "feature": feature,
+            "sampled": sampled,
         }));
     }
     (json!({ "api": api, "cases": listed }), data)
 }
 
 /// The answers to all cases by the page, or `None` where there is no browser.
-fn answers(
-    api: &str,
-    cases: &[Case],
-    shaders: &BTreeMap<&'static str, (String, Interface)>,
-) -> Option<Vec<Vec<[f32; 4]>>> {
-    let (list, data) = page_of(api, cases, shaders);
+fn answers(api: &str, asked: &[Asked<'_>]) -> Option<Vec<Vec<[f32; 4]>>> {
+    let (list, data) = page_of(api, asked);
     let files = [
         ("", "text/html", include_bytes!("page.html").as_slice()),
         ("page.js", "text/javascript", include_bytes!("page.js")),
         ("cases.json", "application/json", list.to_string().into_bytes().leak()),
         ("data.bin", "application/octet-stream", &data),
     ];
-    Some(numbers(&result_of_page(&files)?, cases.len()))
+    Some(numbers(&result_of_page(&files)?, asked.len()))
 }
 
 /// Answers to so many cases from what a page posts.
@@ -165,14 +193,140 @@ pub fn numbers(posted: &[u8], cases: usize) -> Vec<Vec<[f32; 4]>> {
     answers.chunks(SIDE * SIDE).map(<[_]>::to_vec).collect()
 }
 
-fn agrees(api: &str, source: fn(Decoder) -> String) {
-    let cases = cases();
-
+/// Shaders of all decoders, with what they bind.
+fn shaders(source: fn(Decoder) -> String) -> BTreeMap<&'static str, (String, Interface)> {
     let shader =
         |decoder: Decoder| (decoder.name(), (source(decoder), translate(decoder, Language::Wgsl).unwrap().interface));
-    let shaders: BTreeMap<_, _> = Decoder::ALL.into_iter().map(shader).collect();
-    let Some(found) = answers(api, &cases, &shaders) else { return };
+    Decoder::ALL.into_iter().map(shader).collect()
+}
+
+fn agrees(api: &str, source: fn(Decoder) -> String) {
+    let (cases, shaders) = (cases(), shaders(source));
+    let mut asked = Vec::new();
+    for case in &cases {
+        let (shader, interface) = &shaders[case.decoder.name()];
+        asked.push(Asked { case, shader, interface, sampled: false });
+    }
+    let Some(found) = answers(api, &asked) else { return };
     check(api, &cases, &found);
+}
+
+/// Packs as encoders make them, whose neighbouring texels are not far apart.
+fn materials() -> Vec<SamplerCase> {
+    let red = brdfc_testing::testdata("demo/red_plastic.binary");
+    let opened = |input: &str| brdfc_source::open::open(input, None).unwrap().source;
+    let mut all = Vec::new();
+    for (name, input) in [("red plastic", red.as_str()), ("GGX, alpha 0.3", "synth:ggx?alpha=0.3")] {
+        let source = opened(input);
+        let recipe = TableRecipe { measure: false, ..TableRecipe::default() };
+        all.push(of_table(name, &brdfc_table::encode::encode(source.as_ref(), &recipe, &()).unwrap().pack));
+        for (bits, parameterisation) in [(8, Parameterisation::TangentPole), (16, Parameterisation::HalfDifference)] {
+            let recipe = Recipe { bits, parameterisation, measure_off_grid: false, ..Recipe::default() };
+            let pack = brdfc_wavelet::encode::encode(source.as_ref(), &recipe, &()).unwrap().pack;
+            all.push(of_wavelet(&format!("{name}, {bits} bits"), &pack, Filter::Bilinear));
+        }
+    }
+    all
+}
+
+/// What is changed about look-ups with filters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Lookups {
+    /// Nothing.
+    AsTheyAre,
+    /// Positions and levels have 8 bits behind the point, as GPUs hold them: software drivers have been seen to filter with all
+    /// bits of a float.
+    Rounded,
+    /// They are half a texel beside.
+    Shifted,
+}
+
+/// The sampler filters: against the CPU, with the bounds of each query.
+fn agrees_by_sampler(api: &str, source: fn(Decoder) -> String, changed: fn(&str, &Interface, Lookups) -> String) {
+    let (made_up, materials, shaders) = (sampler_cases(), materials(), shaders(source));
+    for lookups in [Lookups::AsTheyAre, Lookups::Rounded, Lookups::Shifted] {
+        let change = |(name, (shader, interface)): (&&'static str, &(String, Interface))| {
+            (*name, if lookups == Lookups::AsTheyAre { shader.clone() } else { changed(shader, interface, lookups) })
+        };
+        let changed: BTreeMap<_, _> = shaders.iter().map(change).collect();
+        let mut asked = Vec::new();
+        for SamplerCase { case, .. } in made_up.iter().chain(&materials) {
+            let name = case.decoder.name();
+            asked.push(Asked { case, shader: &changed[name], interface: &shaders[name].1, sampled: true });
+        }
+        let Some(found) = answers(api, &asked) else { return };
+        let found = found.split_at(made_up.len());
+        for (what, cases, found) in [("sampler", &made_up, found.0), ("sampler, materials", &materials, found.1)] {
+            match lookups {
+                Lookups::AsTheyAre => check_sampler(&format!("{api}, {what}"), cases, found),
+                Lookups::Rounded => check_sampler(&format!("{api}, {what}, 8 bits"), cases, found),
+                Lookups::Shifted => check_shifted(&format!("{api}, {what}"), cases, found),
+            }
+        }
+    }
+}
+
+/// GLSL with changed look-ups.
+fn glsl_changed(shader: &str, _: &Interface, lookups: Lookups) -> String {
+    let changed = match lookups {
+        Lookups::AsTheyAre => return shader.to_owned(),
+        Lookups::Rounded => {
+            "highp vec2 changed(highp vec2 at, ivec2 size) {
+    return (round((at * vec2(size) - 0.5) * 256.0) / 256.0 + 0.5) / vec2(size);
+}
+highp vec3 changed(highp vec3 at, ivec3 size) {
+    return (round((at * vec3(size) - 0.5) * 256.0) / 256.0 + 0.5) / vec3(size);
+}
+#define of_level(t, at, level) textureLod(t, changed(at, textureSize(t, int(level))), level)
+#define textureLod(t, at, level) \
+    mix(of_level(t, at, floor(level)), of_level(t, at, ceil(level)), round(fract(level) * 256.0) / 256.0)
+"
+        }
+        Lookups::Shifted => {
+            "highp vec2 changed(highp vec2 at, ivec2 size) { return at + vec2(0.5 / float(size.x), 0.0); }
+highp vec3 changed(highp vec3 at, ivec3 size) { return at + vec3(0.5 / float(size.x), 0.0, 0.0); }
+#define textureLod(t, at, level) textureLod(t, changed(at, textureSize(t, 0)), level)
+"
+        }
+    };
+    // Behind the precisions.
+    let first = shader.find("\nstruct").unwrap();
+    format!("{}\n{changed}{}", &shader[..first], &shader[first..])
+}
+
+/// WGSL with changed look-ups.
+fn wgsl_changed(shader: &str, interface: &Interface, lookups: Lookups) -> String {
+    let mut parts = shader.split("textureSampleLevel(");
+    let mut text = parts.next().unwrap().to_owned();
+    for part in parts {
+        let (words, rest) = part.split_once(')').unwrap();
+        let words: Vec<&str> = words.split(", ").collect();
+        let [texture, sampler, at, between @ .., level] = &words[..] else { panic!("{part}") };
+        let layer = between.iter().map(|layer| format!("{layer}, ")).collect::<String>();
+        let bound = interface.bindings.iter().find(|bound| bound.name == *texture).unwrap();
+        let BindingKind::Texture { dimension, .. } = bound.kind else { panic!("{texture}") };
+        let (vector, along) = if dimension == "3d" {
+            ("vec3<f32>", "vec3<f32>(0.5, 0.0, 0.0)")
+        } else {
+            ("vec2<f32>", "vec2<f32>(0.5, 0.0)")
+        };
+        let size = |level: &str| format!("{vector}(textureDimensions({texture}, u32({level})))");
+        let sample = |at: &str, level: &str| format!("textureSampleLevel({texture}, {sampler}, {at}, {layer}{level})");
+        let rounded = |level: &str| {
+            let size = size(level);
+            sample(&format!("(round(({at} * {size} - 0.5) * 256.0) / 256.0 + 0.5) / {size}"), level)
+        };
+        text += &match lookups {
+            Lookups::AsTheyAre => sample(at, level),
+            Lookups::Rounded => {
+                let [fine, coarse] = ["floor", "ceil"].map(|whole| rounded(&format!("{whole}({level})")));
+                format!("mix({fine}, {coarse}, round(fract({level}) * 256.0) / 256.0)")
+            }
+            Lookups::Shifted => sample(&format!("{at} + {along} / {}", size("0")), level),
+        };
+        text += rest;
+    }
+    text
 }
 
 #[test]
@@ -183,4 +337,14 @@ fn webgl_2_agrees_with_the_cpu() {
 #[test]
 fn webgpu_agrees_with_the_cpu() {
     agrees("webgpu", wgsl);
+}
+
+#[test]
+fn webgl_2_agrees_where_the_sampler_filters() {
+    agrees_by_sampler("webgl2", glsl, glsl_changed);
+}
+
+#[test]
+fn webgpu_agrees_where_the_sampler_filters() {
+    agrees_by_sampler("webgpu", wgsl, wgsl_changed);
 }

@@ -6,6 +6,11 @@ async function post(body) {
     await fetch('/result', { method: 'POST', body });
 }
 
+/** What is posted where a device cannot filter a texture: no numbers. */
+function noAnswers() {
+    return new Float32Array(4 * side * side).fill(NaN);
+}
+
 // WebGL 2 ---------------------------------------------------------------------------------------------------------------------
 
 /** Internal format, format, type, and the array that uploads take. */
@@ -84,13 +89,17 @@ function withWebGl(cases, blobs) {
     if (!gl?.getExtension('EXT_color_buffer_float')) {
         throw new Error('no WebGL 2 with targets of floats');
     }
+    const hasWideFilters = gl.getExtension('OES_texture_float_linear') !== null;
     gl.viewport(0, 0, side, side);
     const target = gl.createTexture();
     gl.bindTexture(gl.TEXTURE_2D, target);
     gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA32F, side, side);
     gl.bindFramebuffer(gl.FRAMEBUFFER, gl.createFramebuffer());
     gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, target, 0);
-    return cases.map(({ glsl, resources, queries }) => {
+    return cases.map(({ glsl, resources, queries, feature, sampled }) => {
+        if (sampled && feature && !hasWideFilters) {
+            return noAnswers();
+        }
         const program = glProgram(gl, glsl);
         gl.useProgram(program);
         let [units, blocks] = [0, 0];
@@ -149,7 +158,11 @@ async function withWebGpu(cases, blobs) {
     // Without features, and with one for floats that stand for integers of 16 bits.
     const plain = await adapter.requestDevice();
     const found = [];
-    for (const { name, wgsl, resources, queries, feature } of cases) {
+    for (const { name, wgsl, resources, queries, feature, sampled } of cases) {
+        if (sampled && feature && !adapter.features.has(feature)) {
+            found.push(noAnswers());
+            continue;
+        }
         const device = feature ? await (await navigator.gpu.requestAdapter()).requestDevice({ requiredFeatures: [feature] }) : plain;
         device.pushErrorScope('validation');
         const module = device.createShaderModule({ code: wgsl });
