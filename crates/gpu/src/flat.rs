@@ -1,17 +1,15 @@
 //! Draws scenes whose parts are all of one flat BTF.
 
+use super::bindings::{self, UNIFORM};
 use super::device::{Gpu, GpuError};
 use super::flat_textures;
 use super::load::LoadedScene;
-use super::raster::{Rasteriser, VIEW_WGSL, buffer_type, entry};
+use super::raster::{Rasteriser, VIEW_WGSL};
 use brdfc_formats::flat_btf::shader::{IndirectionFilter, flat_btf_value_wgsl};
 use brdfc_metrics::image::LinearImage;
 use brdfc_render::flat::{FlatForm, FlatMaterial};
 use brdfc_render::scene::{Camera, Frame, Scene};
-use wgpu::{
-    BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor, BufferBindingType, BufferUsages,
-    ShaderStages,
-};
+use wgpu::{BindGroupLayout, BufferUsages, ShaderStages};
 
 /// The entry points over the decoder of flat BTFs, behind [`VIEW_WGSL`].
 pub const FLAT_SCENE_WGSL: &str = include_str!("flat_scene.wgsl");
@@ -62,10 +60,7 @@ impl<'g> FlatRenderer<'g> {
     /// A source that does not validate, with the compiler's message.
     pub fn with_shader(gpu: &'g Gpu, source: String) -> Result<Self, GpuError> {
         let texture_layout = flat_textures::layout(gpu, ShaderStages::FRAGMENT);
-        let material_layout = gpu.device.create_bind_group_layout(&BindGroupLayoutDescriptor {
-            label: Some("flat material"),
-            entries: &[entry(0, ShaderStages::FRAGMENT, buffer_type(BufferBindingType::Uniform))],
-        });
+        let material_layout = bindings::layout(gpu, "flat material", ShaderStages::FRAGMENT, [(0, UNIFORM)]);
         let rasteriser = Rasteriser::new(gpu, source, &[&texture_layout, &material_layout])?;
         Ok(Self { rasteriser, texture_layout, material_layout })
     }
@@ -93,11 +88,7 @@ impl<'g> FlatRenderer<'g> {
         let finer = (samples as f32).log2();
         let words = [material.repeat(), u32::from(full), finer.to_bits(), 0];
         let uniform = gpu.buffer(bytemuck::cast_slice(&words), BufferUsages::UNIFORM);
-        let group = gpu.device.create_bind_group(&BindGroupDescriptor {
-            label: None,
-            layout: &self.material_layout,
-            entries: &[BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }],
-        });
+        let group = bindings::group(gpu, &self.material_layout, [(0, uniform.as_entire_binding())]);
         let groups = vec![vec![textures, group]; scene.parts.len()];
         self.rasteriser.load(scene, groups, [0; 2])
     }

@@ -1,55 +1,35 @@
 //! Flat BTFs on the device: the bind group that `formats/src/flat_btf/decoder.wgsl` declares, with what
 //! `formats/src/flat_btf/factored/factored.wgsl` adds.
 
+use super::bindings::{self, IMAGE, INTEGERS, LAYERS, SAMPLER, UNFILTERED, UNIFORM, texture_format};
 use super::device::{Gpu, GpuError};
-use super::factored_textures::{self, FactoredTextures};
-use super::pack::texture_format;
-use super::raster::{buffer_type, entry};
 use brdfc_formats::container::TexelFormat;
-use brdfc_formats::flat_btf::factored::shader::FactoredFilter;
-use brdfc_formats::flat_btf::shader::{FlatBtfParameters, IndirectionFilter};
-use brdfc_formats::flat_btf::{Atlas, FlatBtfDecoder, Indirection, SampledDirections};
+use brdfc_formats::flat_btf::shader::IndirectionFilter;
+use brdfc_formats::flat_btf::{Atlas, FlatBtfDecoder, FlatView, SampledDirections};
+use brdfc_shaders::resources::{Contents, FLAT_BTF_VIEWS, Resource, flat_btf_without_views};
 use wgpu::{
-    AddressMode, BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor,
-    BindingResource, BindingType, BufferBindingType, BufferUsages, Extent3d, FilterMode, Limits, Origin3d,
-    SamplerBindingType, SamplerDescriptor, ShaderStages, TexelCopyBufferLayout, TexelCopyTextureInfo, TextureAspect,
-    TextureDescriptor, TextureDimension, TextureSampleType, TextureUsages, TextureView, TextureViewDescriptor,
+    BindGroup, BindGroupLayout, Extent3d, Limits, Origin3d, ShaderStages, TexelCopyBufferLayout, TexelCopyTextureInfo,
+    TextureAspect, TextureDescriptor, TextureDimension, TextureUsages, TextureView, TextureViewDescriptor,
     TextureViewDimension,
 };
 
-/// The binding of what blends views and lights.
-const DIRECTIONS: u32 = 13;
+/// The parts that the texture of a binding is made of.
+const PARTS: [(u32, &str); 5] = [(1, "reference"), (2, "indirection"), (5, "diffuse"), (9, "weights"), (11, "basis")];
+/// The binding of shadows: a layer for each light.
+const SHADOW: u32 = 10;
 /// What to do about views that are too large.
 const ADVICE: &str = "draw the light form, or make the flat BTF with fewer texels";
 
-/// The layout of group 1, those of [`factored_textures`] included.
+/// The layout of group 1.
 pub(super) fn layout(gpu: &Gpu, stages: ShaderStages) -> BindGroupLayout {
-    let texture_of = |sample_type, binding, view_dimension| {
-        entry(binding, stages, BindingType::Texture { sample_type, view_dimension, multisampled: false })
-    };
-    let texture = |binding, filterable, view_dimension| {
-        texture_of(TextureSampleType::Float { filterable }, binding, view_dimension)
-    };
-    let own = [
-        entry(0, stages, buffer_type(BufferBindingType::Uniform)),
-        texture(1, false, TextureViewDimension::D2),
-        texture(2, true, TextureViewDimension::D2),
-        entry(3, stages, BindingType::Sampler(SamplerBindingType::Filtering)),
-        texture(4, true, TextureViewDimension::D2),
-        texture(5, true, TextureViewDimension::D2),
-        texture(6, true, TextureViewDimension::D2Array),
-        texture(7, true, TextureViewDimension::D2),
-        texture_of(TextureSampleType::Uint, DIRECTIONS, TextureViewDimension::D2),
-    ];
-    gpu.device.create_bind_group_layout(&BindGroupLayoutDescriptor {
-        label: Some("flat BTF"),
-        entries: &[&own[..], &factored_textures::entries(stages)].concat(),
-    })
+    let own = [UNIFORM, UNFILTERED, IMAGE, SAMPLER, IMAGE, IMAGE, LAYERS, IMAGE];
+    let factored = [UNIFORM, LAYERS, LAYERS, INTEGERS, SAMPLER];
+    let types = own.into_iter().chain(factored).chain([INTEGERS]);
+    bindings::layout(gpu, "flat BTF", stages, (0..).zip(types))
 }
 
 /// Uploads the parts; without `values`, or where there are none, textures of the full form are one empty texel, and so is that
-/// of `directions`, which only `flat_btf_value` reads. The filter is
-/// that of the indirection and of what is factored.
+/// of `directions`, which only `flat_btf_value` reads. The filter is that of the indirection and of what is factored.
 ///
 /// # Errors
 /// [`GpuError::TooLarge`] for more than the adapter takes; what the driver reports.
@@ -61,73 +41,38 @@ pub(super) fn upload(
     values: bool,
     directions: Option<&SampledDirections>,
 ) -> Result<BindGroup, GpuError> {
-    let parts = decoder.parts();
-    let packed = parts.indirection.header().extent();
-    let most = gpu.device.limits().max_texture_dimension_2d;
-    for (part, side) in [
-        ("indirection", packed[0].max(packed[1])),
-        ("reference", parts.reference.size()),
-        ("diffuse", parts.diffuse.size()),
-    ] {
-        if side > most {
+    let all = &decoder.parts().values;
+    let (views, factored) = if values { (all.views(), all.factored()) } else { (&[][..], None) };
+    let resources = flat_btf_without_views(decoder, factored, directions, filter == IndirectionFilter::Hardware);
+    fits(&resources, &gpu.device.limits())?;
+    let views = atlas(gpu, decoder, views)?;
+    bindings::bind(gpu, layout, resources, &[(FLAT_BTF_VIEWS, &views)])
+}
+
+/// Whether an adapter takes the parts.
+fn fits(resources: &[Resource], limits: &Limits) -> Result<(), GpuError> {
+    for Resource { binding, contents } in resources {
+        let Contents::Texture(texels) = contents else { continue };
+        let ([width, height, layers], most) = (texels.size(), limits.max_texture_dimension_2d);
+        let (side, part) = (width.max(height), PARTS.iter().find(|(of, _)| of == binding));
+        if let Some((_, part)) = part
+            && side > most
+        {
             let text = format!("the part {part} has {side} texels on a side; this adapter takes {most}");
             return Err(GpuError::TooLarge(text));
         }
+        let most = limits.max_texture_array_layers;
+        if *binding == SHADOW && layers > most {
+            let text = format!("{layers} lights; this adapter takes {most} layers: draw the light form, or make fewer");
+            return Err(GpuError::TooLarge(text));
+        }
     }
-    let atlas = atlas(gpu, decoder, values)?;
-    let factored_filter = match filter {
-        IndirectionFilter::Exact => FactoredFilter::Exact,
-        IndirectionFilter::Hardware => FactoredFilter::Hardware,
-    };
-    let factored = parts.values.factored().filter(|_| values);
-    let factored = FactoredTextures::upload(gpu, factored, factored_filter)?;
-    let image = |format, size, bytes: &[u8]| gpu.image(texture_format(format), size, bytes);
-    let size = [parts.diffuse.size(); 2];
-    let parameters = bytemuck::cast_slice(parts.reference.parameters());
-    let reference = image(TexelFormat::Rg32Float, [parts.reference.size(); 2], parameters);
-    let (extent, words) = directions.map_or(([1; 2], vec![0]), |some| (some.extent(), some.texels()));
-    let directions = image(TexelFormat::R32Uint, extent, bytemuck::cast_slice(&words));
-    let (packed, ranges) = match &parts.indirection {
-        Indirection::Samples(map) => (
-            image(TexelFormat::Rgba16Float, packed, &map.texel_bytes()),
-            image(TexelFormat::Rgba16Float, [1; 2], &[0; 8]),
-        ),
-        Indirection::Compact(map) => (
-            image(TexelFormat::Rg8Unorm, packed, map.texel_bytes()),
-            image(TexelFormat::Rgba16Float, [map.header().blocks.size; 2], &map.range_bytes()),
-        ),
-    };
-    let normal = image(TexelFormat::Rgba16Float, size, &parts.normal.texel_bytes());
-    let diffuse = image(TexelFormat::Rgb9E5, size, bytemuck::cast_slice(parts.diffuse.texels()));
-    let parameters = gpu.buffer(&FlatBtfParameters::new(decoder, filter).to_bytes(), BufferUsages::UNIFORM);
-    let sampler = gpu.device.create_sampler(&SamplerDescriptor {
-        address_mode_u: AddressMode::ClampToEdge,
-        address_mode_v: AddressMode::ClampToEdge,
-        mag_filter: FilterMode::Linear,
-        min_filter: FilterMode::Linear,
-        ..SamplerDescriptor::default()
-    });
-    let own = [
-        BindGroupEntry { binding: 0, resource: parameters.as_entire_binding() },
-        BindGroupEntry { binding: 1, resource: BindingResource::TextureView(&reference) },
-        BindGroupEntry { binding: 2, resource: BindingResource::TextureView(&packed) },
-        BindGroupEntry { binding: 3, resource: BindingResource::Sampler(&sampler) },
-        BindGroupEntry { binding: 4, resource: BindingResource::TextureView(&normal) },
-        BindGroupEntry { binding: 5, resource: BindingResource::TextureView(&diffuse) },
-        BindGroupEntry { binding: 6, resource: BindingResource::TextureView(&atlas) },
-        BindGroupEntry { binding: 7, resource: BindingResource::TextureView(&ranges) },
-        BindGroupEntry { binding: DIRECTIONS, resource: BindingResource::TextureView(&directions) },
-    ];
-    let entries = [&own[..], &factored.bindings()].concat();
-    let group = gpu.device.create_bind_group(&BindGroupDescriptor { label: None, layout, entries: &entries });
-    gpu.check()?;
-    Ok(group)
+    Ok(())
 }
 
 /// All views and lights in one 2D array.
-fn atlas(gpu: &Gpu, decoder: &FlatBtfDecoder, views: bool) -> Result<TextureView, GpuError> {
-    let count = if views { decoder.parts().values.views().len() as u32 } else { 0 };
-    let atlas = decoder.atlas();
+fn atlas(gpu: &Gpu, decoder: &FlatBtfDecoder, views: &[FlatView]) -> Result<TextureView, GpuError> {
+    let (atlas, count) = (decoder.atlas(), views.len() as u32);
     let [width, height] = atlas_extent(atlas, count, &gpu.device.limits())?;
     let size = Extent3d { width, height, depth_or_array_layers: 1 };
     let texture = gpu.device.create_texture(&TextureDescriptor {
@@ -145,7 +90,7 @@ fn atlas(gpu: &Gpu, decoder: &FlatBtfDecoder, views: bool) -> Result<TextureView
         GpuError::TooLarge(format!("the views take {megabytes} MiB of graphics memory ({error}): {ADVICE}"))
     })?;
     // One layer at a time: no second copy of everything in memory.
-    for (layer, view) in (0..count).zip(decoder.parts().values.views()) {
+    for (layer, view) in (0..count).zip(views) {
         let origin = Origin3d { x: 0, y: 0, z: layer };
         let target = TexelCopyTextureInfo { texture: &texture, mip_level: 0, origin, aspect: TextureAspect::All };
         let rows = TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * width), rows_per_image: Some(height) };

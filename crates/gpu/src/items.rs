@@ -1,12 +1,11 @@
 //! Shaders that go over a list of items, one per invocation: what evaluates packs at queries, and any function of numbers.
 
+use super::bindings::{self, UNIFORM, buffer_type};
 use super::device::{Gpu, GpuError};
-use super::raster::{buffer_type, entry};
 use std::borrow::Cow;
 use wgpu::{
-    BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor, BufferBindingType,
-    BufferUsages, CommandEncoder, ComputePassDescriptor, ComputePipelineDescriptor, PipelineLayoutDescriptor,
-    ShaderModuleDescriptor, ShaderSource, ShaderStages,
+    BindGroup, BindGroupLayout, BufferBindingType, BufferUsages, CommandEncoder, ComputePassDescriptor,
+    ComputePipelineDescriptor, PipelineLayoutDescriptor, ShaderModuleDescriptor, ShaderSource, ShaderStages,
 };
 
 /// Invocations of a workgroup.
@@ -46,15 +45,9 @@ impl<'g> ItemPipeline<'g> {
             source: ShaderSource::Wgsl(Cow::Owned(source)),
         });
         gpu.check()?;
-        let buffer = |binding, ty| entry(binding, ShaderStages::COMPUTE, buffer_type(ty));
-        let item_layout = gpu.device.create_bind_group_layout(&BindGroupLayoutDescriptor {
-            label: Some("items"),
-            entries: &[
-                buffer(0, BufferBindingType::Uniform),
-                buffer(1, BufferBindingType::Storage { read_only: true }),
-                buffer(2, BufferBindingType::Storage { read_only: false }),
-            ],
-        });
+        let storage = |read_only| buffer_type(BufferBindingType::Storage { read_only });
+        let types = [(0, UNIFORM), (1, storage(true)), (2, storage(false))];
+        let item_layout = bindings::layout(gpu, "items", ShaderStages::COMPUTE, types);
         let layout = gpu.device.create_pipeline_layout(&PipelineLayoutDescriptor {
             label: None,
             bind_group_layouts: &[Some(&item_layout), Some(resources)],
@@ -98,15 +91,8 @@ impl<'g> ItemPipeline<'g> {
             usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC,
             mapped_at_creation: false,
         });
-        let group = self.gpu.device.create_bind_group(&BindGroupDescriptor {
-            label: None,
-            layout: &self.item_layout,
-            entries: &[
-                BindGroupEntry { binding: 0, resource: computation.as_entire_binding() },
-                BindGroupEntry { binding: 1, resource: items.as_entire_binding() },
-                BindGroupEntry { binding: 2, resource: answers.as_entire_binding() },
-            ],
-        });
+        let buffers = [&computation, &items, &answers].map(wgpu::Buffer::as_entire_binding);
+        let group = bindings::group(self.gpu, &self.item_layout, (0..).zip(buffers));
         self.gpu.check()?;
         Ok(Items { group, answers, count })
     }

@@ -1,11 +1,11 @@
 //! Everything that touches wgpu.
 
 mod adaptive;
+mod bindings;
 mod compute;
 mod device;
 mod draw;
 mod evaluate;
-mod factored_textures;
 mod flat;
 mod flat_btf;
 mod flat_textures;
@@ -20,7 +20,7 @@ mod surface;
 pub mod verify;
 
 pub use adaptive::{AdaptiveRenderer, AdaptiveShaders, LoadedAdaptive, LoadedGBuffer};
-pub use compute::{COMPUTE_WGSL, Compute, Resource};
+pub use compute::{COMPUTE_WGSL, Compute};
 pub use device::{AdapterChoice, AdapterDescription, Gpu, GpuError};
 pub use draw::{Decoding, Renderer, SCENE_WGSL, scene_source};
 pub use evaluate::{

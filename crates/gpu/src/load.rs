@@ -1,12 +1,9 @@
-//! Scenes on the device: buffers, textures and bind groups of what `view.wgsl` declares, and what all uploads share.
+//! Scenes on the device: buffers and bind groups of what `view.wgsl` declares.
 
+use super::bindings;
 use super::device::{Gpu, GpuError};
 use brdfc_render::scene::{Camera, Part, Scene};
-use wgpu::util::{DeviceExt, TextureDataOrder};
-use wgpu::{
-    BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BufferUsages, Extent3d, TextureDescriptor,
-    TextureDimension, TextureFormat, TextureUsages,
-};
+use wgpu::{BindGroup, BindGroupLayout, BufferUsages};
 
 /// 32-bit words of a vertex: position, normal, tangent, uv.
 pub(super) const VERTEX_WORDS: usize = 11;
@@ -59,14 +56,8 @@ pub(super) fn load(
     }
     words.resize(words.len().max(8), 0.0);
     let lights = gpu.buffer(bytemuck::cast_slice(&words), BufferUsages::STORAGE);
-    let view_group = gpu.device.create_bind_group(&BindGroupDescriptor {
-        label: None,
-        layout: view_layout,
-        entries: &[
-            BindGroupEntry { binding: 0, resource: view.as_entire_binding() },
-            BindGroupEntry { binding: 1, resource: lights.as_entire_binding() },
-        ],
-    });
+    let view_group =
+        bindings::group(gpu, view_layout, [(0, view.as_entire_binding()), (1, lights.as_entire_binding())]);
     let parts = scene.parts.iter().zip(groups).map(|(part, groups)| load_part(gpu, part, groups)).collect();
     gpu.check()?;
     Ok(LoadedScene {
@@ -92,51 +83,6 @@ fn load_part(gpu: &Gpu, part: &Part, groups: Vec<BindGroup>) -> LoadedPart {
         indices: gpu.buffer(bytemuck::cast_slice(&part.mesh.triangles), BufferUsages::INDEX),
         count: 3 * part.mesh.triangles.len() as u32,
         groups,
-    }
-}
-
-impl Gpu {
-    /// A buffer with contents.
-    pub(super) fn buffer(&self, contents: &[u8], usage: BufferUsages) -> wgpu::Buffer {
-        self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents, usage })
-    }
-
-    /// A 2D texture of one level.
-    pub(super) fn image(&self, format: TextureFormat, [width, height]: [u32; 2], bytes: &[u8]) -> wgpu::TextureView {
-        self.texture(format, [width, height, 1], 1, bytes).create_view(&wgpu::TextureViewDescriptor::default())
-    }
-
-    /// A 2D array of columns, rows and layers, with mipmap levels: all layers of the finest first.
-    pub(super) fn layers(
-        &self,
-        format: TextureFormat,
-        extent: [u32; 3],
-        levels: u32,
-        bytes: &[u8],
-    ) -> wgpu::TextureView {
-        let dimension = Some(wgpu::TextureViewDimension::D2Array);
-        self.texture(format, extent, levels, bytes)
-            .create_view(&wgpu::TextureViewDescriptor { dimension, ..wgpu::TextureViewDescriptor::default() })
-    }
-
-    fn texture(
-        &self,
-        format: TextureFormat,
-        [width, height, layers]: [u32; 3],
-        levels: u32,
-        bytes: &[u8],
-    ) -> wgpu::Texture {
-        let descriptor = TextureDescriptor {
-            label: None,
-            size: Extent3d { width, height, depth_or_array_layers: layers },
-            mip_level_count: levels,
-            sample_count: 1,
-            dimension: TextureDimension::D2,
-            format,
-            usage: TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        };
-        self.device.create_texture_with_data(&self.queue, &descriptor, TextureDataOrder::MipMajor, bytes)
     }
 }
 

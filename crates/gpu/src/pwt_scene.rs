@@ -1,17 +1,15 @@
 //! Draws scenes whose parts are all of one polynomial wavelet tree.
 
+use super::bindings::{self, UNIFORM};
 use super::device::{Gpu, GpuError};
 use super::load::LoadedScene;
 use super::pwt_textures;
-use super::raster::{Rasteriser, VIEW_WGSL, buffer_type, entry};
+use super::raster::{Rasteriser, VIEW_WGSL};
 use brdfc_formats::pwt::shader::{PWT_WGSL, PwtFilter};
 use brdfc_metrics::image::LinearImage;
 use brdfc_render::pwt::PwtMaterial;
 use brdfc_render::scene::{Camera, Frame, Scene};
-use wgpu::{
-    BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor, BufferBindingType, BufferUsages,
-    ShaderStages,
-};
+use wgpu::{BindGroupLayout, BufferUsages, ShaderStages};
 
 /// The entry points over the decoder, behind [`VIEW_WGSL`].
 pub const PWT_SCENE_WGSL: &str = include_str!("pwt_scene.wgsl");
@@ -59,10 +57,7 @@ impl<'g> PwtRenderer<'g> {
     /// A source that does not validate, with the compiler's message.
     pub fn with_shader(gpu: &'g Gpu, source: String) -> Result<Self, GpuError> {
         let texture_layout = pwt_textures::layout(gpu, ShaderStages::FRAGMENT);
-        let material_layout = gpu.device.create_bind_group_layout(&BindGroupLayoutDescriptor {
-            label: Some("light-dependent picture"),
-            entries: &[entry(0, ShaderStages::FRAGMENT, buffer_type(BufferBindingType::Uniform))],
-        });
+        let material_layout = bindings::layout(gpu, "light-dependent picture", ShaderStages::FRAGMENT, [(0, UNIFORM)]);
         let rasteriser = Rasteriser::new(gpu, source, &[&texture_layout, &material_layout])?;
         Ok(Self { rasteriser, texture_layout, material_layout })
     }
@@ -75,11 +70,7 @@ impl<'g> PwtRenderer<'g> {
         let gpu = self.rasteriser.gpu;
         let textures = pwt_textures::upload(gpu, &self.texture_layout, material.decoder().pack(), filter)?;
         let uniform = gpu.buffer(bytemuck::cast_slice(&[material.repeat(), 0, 0, 0]), BufferUsages::UNIFORM);
-        let group = gpu.device.create_bind_group(&BindGroupDescriptor {
-            label: None,
-            layout: &self.material_layout,
-            entries: &[BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }],
-        });
+        let group = bindings::group(gpu, &self.material_layout, [(0, uniform.as_entire_binding())]);
         let groups = vec![vec![textures, group]; scene.parts.len()];
         self.rasteriser.load(scene, groups, [0; 2])
     }

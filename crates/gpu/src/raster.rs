@@ -1,16 +1,17 @@
 //! The rasteriser: scenes into linear images of 32-bit floats, whatever their materials.
 
+use super::bindings::{UNIFORM, buffer_type};
 use super::device::{Gpu, GpuError};
 use super::load::{LoadedScene, VERTEX_WORDS, load, view_words};
 use brdfc_metrics::image::LinearImage;
 use brdfc_render::scene::{Camera, Frame, Scene};
 use std::borrow::Cow;
 use wgpu::{
-    BindGroup, BindGroupLayout, BindGroupLayoutDescriptor, BindGroupLayoutEntry, BindingType, BufferBindingType,
-    CompareFunction, DepthStencilState, Extent3d, FragmentState, LoadOp, Operations, PipelineLayoutDescriptor,
-    PrimitiveState, RenderPassColorAttachment, RenderPassDepthStencilAttachment, RenderPassDescriptor,
-    RenderPipelineDescriptor, ShaderModuleDescriptor, ShaderSource, ShaderStages, StoreOp, TextureDescriptor,
-    TextureDimension, TextureFormat, TextureUsages, VertexBufferLayout, VertexState, VertexStepMode, vertex_attr_array,
+    BindGroup, BindGroupLayout, BindGroupLayoutDescriptor, BindGroupLayoutEntry, BufferBindingType, CompareFunction,
+    DepthStencilState, Extent3d, FragmentState, LoadOp, Operations, PipelineLayoutDescriptor, PrimitiveState,
+    RenderPassColorAttachment, RenderPassDepthStencilAttachment, RenderPassDescriptor, RenderPipelineDescriptor,
+    ShaderModuleDescriptor, ShaderSource, ShaderStages, StoreOp, TextureDescriptor, TextureDimension, TextureFormat,
+    TextureUsages, VertexBufferLayout, VertexState, VertexStepMode, vertex_attr_array,
 };
 
 /// What the shaders of scenes have in common: camera, lights, corners, `project`. Bind group 0.
@@ -47,16 +48,6 @@ impl Target {
     }
 }
 
-/// An entry of a layout.
-pub(super) fn entry(binding: u32, visibility: ShaderStages, ty: BindingType) -> BindGroupLayoutEntry {
-    BindGroupLayoutEntry { binding, visibility, ty, count: None }
-}
-
-/// A whole buffer.
-pub(super) fn buffer_type(ty: BufferBindingType) -> BindingType {
-    BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None }
-}
-
 impl<'g> Rasteriser<'g> {
     /// Compiles a shader with the entry points `project` and `shade`. `layouts` are those of the groups from 1 on.
     ///
@@ -81,13 +72,11 @@ impl<'g> Rasteriser<'g> {
             label: Some("scene"),
             source: ShaderSource::Wgsl(Cow::Owned(source)),
         });
+        let entry = |binding, visibility, ty| BindGroupLayoutEntry { binding, visibility, ty, count: None };
         let lights = buffer_type(BufferBindingType::Storage { read_only: true });
         let view_layout = gpu.device.create_bind_group_layout(&BindGroupLayoutDescriptor {
             label: Some("view"),
-            entries: &[
-                entry(0, ShaderStages::VERTEX_FRAGMENT, buffer_type(BufferBindingType::Uniform)),
-                entry(1, ShaderStages::FRAGMENT, lights),
-            ],
+            entries: &[entry(0, ShaderStages::VERTEX_FRAGMENT, UNIFORM), entry(1, ShaderStages::FRAGMENT, lights)],
         });
         let groups: Vec<_> = std::iter::once(&view_layout).chain(layouts.iter().copied()).map(Some).collect();
         let layout = gpu.device.create_pipeline_layout(&PipelineLayoutDescriptor {

@@ -1,14 +1,10 @@
 //! Surfaces of parts and the environment on the device: what `surface.wgsl` declares, and an environment's texture.
 
-use super::compute::{UNFILTERED, texture};
+use super::bindings::{self, UNFILTERED, UNIFORM};
 use super::device::{Gpu, GpuError};
-use super::raster::{buffer_type, entry};
-use brdfc_formats::container::TexelFormat;
+use brdfc_formats::container::{Extent, TexelFormat};
 use brdfc_render::scene::{Environment, Part};
-use wgpu::{
-    BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor, BindingResource,
-    BufferBindingType, BufferUsages, ShaderStages, TextureFormat, TextureView,
-};
+use wgpu::{BindGroup, BindGroupLayout, BindingResource, BufferUsages, ShaderStages, TextureFormat, TextureView};
 
 /// Indices of what repeats.
 pub const PERIODIC_WGSL: &str = include_str!("periodic.wgsl");
@@ -19,14 +15,7 @@ pub const ENVIRONMENT_WGSL: &str = include_str!("environment.wgsl");
 
 /// The layout of the group of a part: surface, heights, environment.
 pub(super) fn layout(gpu: &Gpu) -> BindGroupLayout {
-    gpu.device.create_bind_group_layout(&BindGroupLayoutDescriptor {
-        label: Some("surface"),
-        entries: &[
-            entry(0, ShaderStages::FRAGMENT, buffer_type(BufferBindingType::Uniform)),
-            entry(1, ShaderStages::FRAGMENT, UNFILTERED),
-            entry(2, ShaderStages::FRAGMENT, UNFILTERED),
-        ],
-    })
+    bindings::layout(gpu, "surface", ShaderStages::FRAGMENT, [(0, UNIFORM), (1, UNFILTERED), (2, UNFILTERED)])
 }
 
 /// Uploads the surface of the part of this index.
@@ -42,16 +31,10 @@ pub(super) fn upload(
     let surface = [part.surface.mirror.to_bits(), size, index, 0];
     let surface = gpu.buffer(bytemuck::cast_slice(&surface), BufferUsages::UNIFORM);
     let heights = bump.map_or(&[0.0][..], |bump| &bump.heights);
-    let heights = gpu.image(TextureFormat::R32Float, [size.max(1); 2], bytemuck::cast_slice(heights));
-    gpu.device.create_bind_group(&BindGroupDescriptor {
-        label: None,
-        layout,
-        entries: &[
-            BindGroupEntry { binding: 0, resource: surface.as_entire_binding() },
-            BindGroupEntry { binding: 1, resource: BindingResource::TextureView(&heights) },
-            BindGroupEntry { binding: 2, resource: BindingResource::TextureView(environment) },
-        ],
-    })
+    let extent = Extent::D2([size.max(1); 2]);
+    let heights = gpu.texture(TextureFormat::R32Float, extent, 1, bytemuck::cast_slice(heights));
+    let textures = [&heights, environment].map(BindingResource::TextureView);
+    bindings::group(gpu, layout, (0..).zip([surface.as_entire_binding()].into_iter().chain(textures)))
 }
 
 /// Uploads an environment.
@@ -60,6 +43,6 @@ pub(super) fn upload(
 /// More than the adapter's limit per side.
 pub(super) fn environment(gpu: &Gpu, environment: &Environment) -> Result<TextureView, GpuError> {
     let texels: Vec<[f32; 4]> = environment.pixels.iter().map(|p| [p[0], p[1], p[2], 1.0]).collect();
-    let size = [environment.width as u32, environment.height as u32];
-    texture(gpu, TexelFormat::Rgba32Float, size, bytemuck::cast_slice(&texels))
+    let extent = Extent::D2([environment.width as u32, environment.height as u32]);
+    bindings::texture(gpu, TexelFormat::Rgba32Float, extent, 1, bytemuck::cast_slice(&texels))
 }

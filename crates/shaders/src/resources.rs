@@ -3,6 +3,7 @@
 use brdfc_formats::bandwidth::shader::BandwidthParameters;
 use brdfc_formats::bandwidth::{BandwidthKind, BandwidthMap};
 use brdfc_formats::container::{Extent, TexelFormat};
+use brdfc_formats::flat_btf::factored::FactoredFlatBtf;
 use brdfc_formats::flat_btf::factored::shader::{FactoredFilter, FactoredParameters};
 use brdfc_formats::flat_btf::shader::{FlatBtfParameters, IndirectionFilter};
 use brdfc_formats::flat_btf::{FlatBtfDecoder, Indirection, SampledDirections};
@@ -50,13 +51,13 @@ pub struct Texels {
     pub bytes: Vec<u8>,
 }
 
-fn texture(format: TexelFormat, extent: Extent, levels: u32, bytes: &[u8]) -> Contents {
-    Contents::Texture(Texels { format, extent, levels, bytes: bytes.to_vec() })
+fn texture(format: TexelFormat, extent: Extent, levels: u32, bytes: impl Into<Vec<u8>>) -> Contents {
+    Contents::Texture(Texels { format, extent, levels, bytes: bytes.into() })
 }
 
-/// One empty texel, where there is nothing to be bound.
-fn no_texture(extent: Extent) -> Contents {
-    texture(TexelFormat::R8Unorm, extent, 1, &[0])
+/// One empty texel, of an extent of ones, where there is nothing to be bound.
+pub fn no_texture(extent: Extent) -> Contents {
+    texture(TexelFormat::R8Unorm, extent, 1, [0])
 }
 
 fn numbered(contents: impl IntoIterator<Item = (u32, Contents)>) -> Vec<Resource> {
@@ -148,8 +149,8 @@ pub fn wavelet(pack: &WaveletPack, filter: Filter, distance_scale: f32) -> Vec<R
     let grid = pack.header.grid() as u32;
     numbered([
         (0, Contents::Uniform(WaveletBrdfParameters::new(pack, filter, distance_scale).to_bytes().to_vec())),
-        (1, texture(pack.header.texel_format(), Extent::D3(pack.extent()), 1, &pack.texels)),
-        (2, texture(TexelFormat::Rgba32Float, Extent::D2([grid; 2]), 1, &index)),
+        (1, texture(pack.header.texel_format(), Extent::D3(pack.extent()), 1, &pack.texels[..])),
+        (2, texture(TexelFormat::Rgba32Float, Extent::D2([grid; 2]), 1, index)),
         (3, Contents::Sampler { repeats: false }),
     ])
 }
@@ -176,7 +177,7 @@ pub fn pwt(pack: &PwtPack, filter: PwtFilter) -> Vec<Resource> {
 /// For up to one bandwidth map of each kind.
 pub fn bandwidth(maps: &[&BandwidthMap]) -> Vec<Resource> {
     let of = |is_kind: fn(&BandwidthKind) -> bool| match maps.iter().find(|map| is_kind(&map.header().kind)) {
-        Some(map) => texture(TexelFormat::R16Float, Extent::D2(map.size()), 1, &map.texel_bytes()),
+        Some(map) => texture(TexelFormat::R16Float, Extent::D2(map.size()), 1, map.texel_bytes()),
         None => no_texture(Extent::D2([1; 2])),
     };
     numbered([
@@ -193,60 +194,75 @@ pub fn importance(pack: &ImportancePack) -> Vec<Resource> {
     let extent = Extent::D2([header.samples, header.rows()]);
     numbered([
         (0, Contents::Uniform(header.uniform().to_vec())),
-        (1, texture(TexelFormat::Rgba32Float, extent, 1, &floats(pack.texels().iter().flatten().copied()))),
+        (1, texture(TexelFormat::Rgba32Float, extent, 1, floats(pack.texels().iter().flatten().copied()))),
     ])
 }
+
+/// The binding of a flat BTF's values of views: a layer for each.
+pub const FLAT_BTF_VIEWS: u32 = 6;
 
 /// For a flat BTF. The sampler filters where `hardware`, else the shader; `directions` is what blends its views and lights, which
 /// only the light form can do without.
 pub fn flat_btf(decoder: &FlatBtfDecoder, directions: Option<&SampledDirections>, hardware: bool) -> Vec<Resource> {
+    let values = &decoder.parts().values;
+    let views = values.views();
+    let contents = if views.is_empty() {
+        no_texture(Extent::D2Array([1; 3]))
+    } else {
+        let [width, height] = decoder.atlas().extent();
+        let texels: Vec<u8> = views.iter().flat_map(|view| words(&decoder.atlas().layer(view))).collect();
+        texture(TexelFormat::Rgb9E5, Extent::D2Array([width, height, views.len() as u32]), 1, texels)
+    };
+    let mut all = flat_btf_without_views(decoder, values.factored(), directions, hardware);
+    all.insert(FLAT_BTF_VIEWS as usize, Resource { binding: FLAT_BTF_VIEWS, contents });
+    all
+}
+
+/// All but [`FLAT_BTF_VIEWS`], which may be too large to be in memory twice. Of values there is what is `factored`, none for the
+/// light form alone.
+pub fn flat_btf_without_views(
+    decoder: &FlatBtfDecoder,
+    factored: Option<&FactoredFlatBtf>,
+    directions: Option<&SampledDirections>,
+    hardware: bool,
+) -> Vec<Resource> {
     let parts = decoder.parts();
     let square = |size: u32| Extent::D2([size; 2]);
     let filter = if hardware { IndirectionFilter::Hardware } else { IndirectionFilter::Exact };
     let packed = Extent::D2(parts.indirection.header().extent());
     let (packed, ranges) = match &parts.indirection {
         Indirection::Samples(map) => {
-            (texture(TexelFormat::Rgba16Float, packed, 1, &map.texel_bytes()), no_texture(square(1)))
+            (texture(TexelFormat::Rgba16Float, packed, 1, map.texel_bytes()), no_texture(square(1)))
         }
         Indirection::Compact(map) => (
             texture(TexelFormat::Rg8Unorm, packed, 1, map.texel_bytes()),
-            texture(TexelFormat::Rgba16Float, square(map.header().blocks.size), 1, &map.range_bytes()),
+            texture(TexelFormat::Rgba16Float, square(map.header().blocks.size), 1, map.range_bytes()),
         ),
-    };
-    let views = parts.values.views();
-    let atlas = if views.is_empty() {
-        no_texture(Extent::D2Array([1; 3]))
-    } else {
-        let [width, height] = decoder.atlas().extent();
-        let texels: Vec<u8> = views.iter().flat_map(|view| words(&decoder.atlas().layer(view))).collect();
-        texture(TexelFormat::Rgb9E5, Extent::D2Array([width, height, views.len() as u32]), 1, &texels)
     };
     let reference = floats(parts.reference.parameters().iter().flatten().copied());
     let directions = match directions {
-        Some(some) => texture(TexelFormat::R32Uint, Extent::D2(some.extent()), 1, &words(&some.texels())),
-        None => texture(TexelFormat::R32Uint, square(1), 1, &[0; 4]),
+        Some(some) => texture(TexelFormat::R32Uint, Extent::D2(some.extent()), 1, words(&some.texels())),
+        None => texture(TexelFormat::R32Uint, square(1), 1, [0; 4]),
     };
-    let mut all = vec![
+    let mut all = numbered([
         (0, Contents::Uniform(FlatBtfParameters::new(decoder, filter).to_bytes().to_vec())),
-        (1, texture(TexelFormat::Rg32Float, square(parts.reference.size()), 1, &reference)),
+        (1, texture(TexelFormat::Rg32Float, square(parts.reference.size()), 1, reference)),
         (2, packed),
         (3, Contents::Sampler { repeats: false }),
-        (4, texture(TexelFormat::Rgba16Float, square(parts.normal.size()), 1, &parts.normal.texel_bytes())),
-        (5, texture(TexelFormat::Rgb9E5, square(parts.diffuse.size()), 1, &words(parts.diffuse.texels()))),
-        (6, atlas),
+        (4, texture(TexelFormat::Rgba16Float, square(parts.normal.size()), 1, parts.normal.texel_bytes())),
+        (5, texture(TexelFormat::Rgb9E5, square(parts.diffuse.size()), 1, words(parts.diffuse.texels()))),
         (7, ranges),
-        (12, Contents::Sampler { repeats: true }),
-        (13, directions),
-    ];
-    all.extend(factored(decoder, hardware));
-    numbered(all)
+    ]);
+    all.extend(flat_btf_factors(factored, hardware));
+    all.push(Resource { binding: 13, contents: directions });
+    all
 }
 
-/// Bindings 8 to 11.
-fn factored(decoder: &FlatBtfDecoder, hardware: bool) -> [(u32, Contents); 4] {
+/// Bindings 8 to 12 of a flat BTF: what is factored of it.
+pub fn flat_btf_factors(asset: Option<&FactoredFlatBtf>, hardware: bool) -> Vec<Resource> {
     let filter = if hardware { FactoredFilter::Hardware } else { FactoredFilter::Exact };
     let no_layers = || no_texture(Extent::D2Array([1; 3]));
-    match decoder.parts().values.factored() {
+    let own = match asset {
         Some(asset) => {
             let (header, weights) = (asset.header(), asset.weights());
             let layers = Extent::D2Array([header.size, header.size, weights.layers()]);
@@ -259,14 +275,15 @@ fn factored(decoder: &FlatBtfDecoder, hardware: bool) -> [(u32, Contents); 4] {
                 (8, Contents::Uniform(FactoredParameters::to_bytes(asset, filter))),
                 (9, texture(TexelFormat::Rgba8Unorm, layers, weights.levels(), weights.texels())),
                 (10, shadow.unwrap_or_else(no_layers)),
-                (11, texture(TexelFormat::Rgba32Uint, basis, 1, &words(asset.basis().words()))),
+                (11, texture(TexelFormat::Rgba32Uint, basis, 1, words(asset.basis().words()))),
             ]
         }
         None => [
             (8, Contents::Uniform(vec![0; FactoredParameters::SIZE])),
             (9, no_layers()),
             (10, no_layers()),
-            (11, texture(TexelFormat::Rgba32Uint, Extent::D2([1; 2]), 1, &[0; 16])),
+            (11, texture(TexelFormat::Rgba32Uint, Extent::D2([1; 2]), 1, [0; 16])),
         ],
-    }
+    };
+    numbered(own.into_iter().chain([(12, Contents::Sampler { repeats: true })]))
 }

@@ -1,11 +1,12 @@
 //! A G-buffer on the device, with the buffers that adaptive shading fills for it.
 
+use super::super::bindings;
 use super::super::device::{Gpu, GpuError};
 use super::super::raster::Target;
 use super::layouts::{Layouts, STORAGE_BUFFERS};
 use brdfc_render::adaptive::coarsest_of;
 use brdfc_render::scene::{Camera, Frame};
-use wgpu::{BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferUsages};
+use wgpu::{BindGroup, BindingResource, Buffer, BufferUsages};
 
 /// Slices of samples, and nodes with slices, of one submission.
 pub(super) const SLICES: usize = 1 << 19;
@@ -103,8 +104,8 @@ pub(super) fn allocate(
     let picture = gpu.buffer(bytemuck::cast_slice(&picture), BufferUsages::UNIFORM);
     let (settings, job) = (uniform(SETTINGS_WORDS), uniform(8));
     let uniforms = [&picture, &settings, &job].map(Buffer::as_entire_binding);
-    let frame_group =
-        group(gpu, &layouts.frame, uniforms.into_iter().chain(target.views().map(BindingResource::TextureView)));
+    let seen = uniforms.into_iter().chain(target.views().map(BindingResource::TextureView));
+    let frame_group = bindings::group(gpu, &layouts.frame, (0..).zip(seen));
     let points = (size[0] * size[1]) as u64;
     let storage = Storage {
         predicted: storage(gpu, VECTOR * points),
@@ -126,7 +127,7 @@ pub(super) fn allocate(
         &storage.sums,
         &storage.image,
     ];
-    let storage_group = group(gpu, &layouts.storage, all.into_iter().map(Buffer::as_entire_binding));
+    let storage_group = bindings::group(gpu, &layouts.storage, (0..).zip(all.map(Buffer::as_entire_binding)));
     gpu.check()?;
     let camera = *camera;
     Ok(LoadedGBuffer {
@@ -150,16 +151,6 @@ fn storage(gpu: &Gpu, bytes: u64) -> Buffer {
         usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
         mapped_at_creation: false,
     })
-}
-
-fn group<'a>(
-    gpu: &Gpu,
-    layout: &wgpu::BindGroupLayout,
-    resources: impl Iterator<Item = BindingResource<'a>>,
-) -> BindGroup {
-    let entries: Vec<_> =
-        (0..).zip(resources).map(|(binding, resource)| BindGroupEntry { binding, resource }).collect();
-    gpu.device.create_bind_group(&BindGroupDescriptor { label: None, layout, entries: &entries })
 }
 
 /// Sizes of the levels, as those of [`brdfc_render::adaptive::Pyramid`], and where they begin.

@@ -1,8 +1,9 @@
 //! The shader of bandwidth maps against the CPU look-ups, on whatever adapter there is.
 
-use brdfc_formats::bandwidth::shader::{BANDWIDTH_WGSL, BandwidthParameters};
+use brdfc_formats::bandwidth::shader::BANDWIDTH_WGSL;
 use brdfc_formats::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
-use brdfc_gpu::{Compute, Gpu, Resource};
+use brdfc_gpu::{Compute, Gpu};
+use brdfc_shaders::resources;
 use brdfc_testing::packs::Numbers;
 use std::f32::consts::{FRAC_PI_2, TAU};
 
@@ -28,23 +29,8 @@ struct BandwidthQuery {
 
 /// `[brdf, environment, texture]` of each query, in up to one map of each kind; 0 of absent ones.
 fn by_shader(gpu: &Gpu, source: &str, maps: &[BandwidthMap], queries: &[BandwidthQuery]) -> Vec<[f32; 3]> {
-    let texels = |is: fn(BandwidthKind) -> bool| {
-        let map = maps.iter().find(|map| is(map.header().kind));
-        map.map_or(([1, 1], vec![0; 2]), |map| (map.size(), map.texel_bytes()))
-    };
-    let [brdf, environment, texture] = [
-        texels(|kind| kind == BandwidthKind::Brdf),
-        texels(|kind| kind == BandwidthKind::Environment),
-        texels(|kind| matches!(kind, BandwidthKind::Texture { .. })),
-    ];
-    let parameters = BandwidthParameters::new(maps).to_bytes();
-    let resources = [
-        Resource::Uniform(&parameters),
-        Resource::Halves(brdf.0, &brdf.1),
-        Resource::Halves(environment.0, &environment.1),
-        Resource::Halves(texture.0, &texture.1),
-    ];
-    let compute = Compute::new(gpu, &format!("{source}\n{ENTRY}"), &resources).unwrap();
+    let resources = resources::bandwidth(&maps.iter().collect::<Vec<_>>());
+    let compute = Compute::new(gpu, &format!("{source}\n{ENTRY}"), resources).unwrap();
     let numbers = |query: &BandwidthQuery| {
         let [incoming, outgoing, direction] = [query.incoming, query.outgoing, query.direction];
         incoming.into_iter().chain(outgoing).chain(direction).chain(query.uv)

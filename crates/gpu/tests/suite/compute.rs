@@ -13,7 +13,7 @@ fn lists_of_any_length() {
         output[2u * at] = input[at];
         output[2u * at + 1u] = f32(at);
     }";
-    let compute = Compute::new(gpu, source, &[]).unwrap();
+    let compute = Compute::new(gpu, source, Vec::new()).unwrap();
     for count in [0, 1, 64, 65, 65_536, 65_537, 200_001] {
         let input: Vec<f32> = (0..count).map(|k| 0.5 * k as f32).collect();
         let found = compute.run(&input, 1, 2).unwrap();

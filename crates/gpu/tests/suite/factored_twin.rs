@@ -1,16 +1,14 @@
 //! The shader of factored flat BTFs against the CPU decoder, on whatever adapter there is.
 
-use brdfc_formats::container::TexelFormat;
 use brdfc_formats::direction::from_polar;
-use brdfc_formats::flat_btf::factored::shader::{
-    FACTORED_FILTER_PRECISION, FACTORED_WGSL, FactoredFilter, FactoredParameters,
-};
+use brdfc_formats::flat_btf::factored::shader::{FACTORED_FILTER_PRECISION, FACTORED_WGSL, FactoredFilter};
 use brdfc_formats::flat_btf::factored::{
     BaseTable, BasisMap, FactoredFlatBtf, FactoredHeader, ShadowFormat, ShadowMap, WeightMap, WeightRange,
 };
 use brdfc_formats::flat_btf::shader::FLAT_BTF_WGSL;
 use brdfc_formats::flat_btf::{BlendedDirection, ViewWeights};
-use brdfc_gpu::{Compute, Gpu, Resource};
+use brdfc_gpu::{Compute, Gpu};
+use brdfc_shaders::resources;
 use brdfc_testing::flat_btf::{Factors, SMALL, Sizes, factored, weights};
 use brdfc_testing::packs::Numbers;
 
@@ -74,10 +72,6 @@ fn mirrored([x, y, z]: [f32; 3]) -> [f32; 3] {
 }
 
 fn shader(decoder: &str) -> String {
-    let mut decoder = decoder.to_owned();
-    for binding in 8..13 {
-        decoder = decoder.replace(&format!("@binding({binding})"), &format!("@binding({})", binding - 8));
-    }
     // Nothing that is bound for the indirection is used.
     format!("{}\n{decoder}\n{ENTRY}", FLAT_BTF_WGSL.replace("@group(1)", "@group(2)"))
 }
@@ -89,26 +83,8 @@ fn found(
     filter: FactoredFilter,
     queries: &[Query],
 ) -> Vec<[f32; 3]> {
-    let header = asset.header();
-    let parameters = FactoredParameters::to_bytes(asset, filter);
-    let size = header.size;
-    let shadow = match asset.shadow() {
-        Some(map) => Resource::Layers(TexelFormat::R8Unorm, [size, size, map.lights()], map.levels(), map.texels()),
-        None => Resource::Layers(TexelFormat::R8Unorm, [1, 1, 1], 1, &[9]),
-    };
-    let resources = [
-        Resource::Uniform(&parameters),
-        Resource::Layers(
-            TexelFormat::Rgba8Unorm,
-            [size, size, asset.weights().layers()],
-            header.levels,
-            asset.weights().texels(),
-        ),
-        shadow,
-        Resource::Integers(header.basis_extent(), asset.basis().words()),
-        Resource::Sampler,
-    ];
-    let compute = Compute::new(gpu, &shader(decoder), &resources).unwrap();
+    let resources = resources::flat_btf_factors(Some(asset), filter == FactoredFilter::Hardware);
+    let compute = Compute::new(gpu, &shader(decoder), resources).unwrap();
     let three = |three: &BlendedDirection| -> Vec<f32> {
         let three: &ViewWeights = &three.samples;
         three.indices.iter().map(|index| *index as f32).chain(three.weights).collect()

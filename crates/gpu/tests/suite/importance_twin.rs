@@ -1,7 +1,8 @@
 //! The shader of importance samples against the CPU look-up, on whatever adapter there is.
 
 use brdfc_formats::importance::{IMPORTANCE_WGSL, ImportanceHeader, ImportancePack};
-use brdfc_gpu::{Compute, Gpu, Resource};
+use brdfc_gpu::{Compute, Gpu};
+use brdfc_shaders::resources;
 use brdfc_testing::flat_btf;
 use brdfc_testing::packs::Numbers;
 
@@ -64,10 +65,7 @@ fn inputs(count: usize, seed: u64) -> Vec<f32> {
 
 /// Numbers whose bits differ: of directions, and of inverse densities.
 fn differences(gpu: &Gpu, source: &str, pack: &ImportancePack, inputs: &[f32]) -> [usize; 2] {
-    let header = pack.header();
-    let uniform = header.uniform();
-    let resources = [Resource::Uniform(&uniform), Resource::Texture([header.samples, header.rows()], pack.texels())];
-    let compute = Compute::new(gpu, &format!("{source}\n{ENTRY}"), &resources).unwrap();
+    let compute = Compute::new(gpu, &format!("{source}\n{ENTRY}"), resources::importance(pack)).unwrap();
     let found = compute.run(inputs, 4, 4).unwrap();
     let mut counts = [0; 2];
     for (words, found) in inputs.chunks_exact(4).zip(found.chunks_exact(4)) {

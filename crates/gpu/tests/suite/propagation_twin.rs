@@ -134,7 +134,7 @@ fn inputs(count: usize, seed: u64) -> Vec<f32> {
 
 /// Numbers whose bits differ, of each kind.
 fn differences(gpu: &Gpu, source: &str, inputs: &[f32]) -> [usize; OUT] {
-    let compute = Compute::new(gpu, &format!("{source}\n{ENTRY}"), &[]).unwrap();
+    let compute = Compute::new(gpu, &format!("{source}\n{ENTRY}"), Vec::new()).unwrap();
     let found = compute.run(inputs, IN, OUT).unwrap();
     let mut counts = [0; OUT];
     for (words, found) in inputs.chunks_exact(IN).zip(found.chunks_exact(OUT)) {
