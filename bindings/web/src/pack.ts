@@ -70,7 +70,18 @@ function named(decoder: DecoderName, contents: Map<number, Contents>): Pack {
  * @throws Error for what is no such pack.
  */
 export async function loadPack(source: string | URL | ArrayBuffer | Uint8Array, options: Options = {}): Promise<Pack> {
-    const container = await readContainer(await bytesOf(source));
+    const bytes = await bytesOf(source);
+    try {
+        return await packOf(bytes, options);
+    } catch (error) {
+        // In the words of whoever reads files, an address first.
+        const from = typeof source === 'string' || source instanceof URL ? `${source}: ` : '';
+        throw new Error(`${from}${error instanceof Error ? error.message : error}`, { cause: error });
+    }
+}
+
+async function packOf(bytes: Uint8Array, options: Options): Promise<Pack> {
+    const container = await readContainer(bytes);
     const { entries } = container;
     if (entries.has('brdfc.table')) {
         return named('table', tableResources(container, options));

@@ -122,6 +122,9 @@ void main() {
     float level = LEVEL(surfaceUv);
     vec3 toEye = normalize(cameraPosition - worldPosition);
     vec3 n = normalize(worldNormal);
+    // Normals of smooth meshes turn away from the viewer at outlines, where nothing has a value.
+    float facing = dot(n, toEye);
+    n = facing < 0.02 ? normalize(n + toEye * (0.02 - facing)) : n;
     vec3 t = worldTangent.xyz - n * dot(n, worldTangent.xyz);
     t = dot(t, t) > 1e-12 ? normalize(t) : normalize(abs(n.z) < 0.9 ? cross(vec3(0.0, 0.0, 1.0), n) : vec3(1.0, 0.0, 0.0));
     vec3 b = cross(n, t) * (worldTangent.w < 0.0 ? -1.0 : 1.0);
@@ -136,6 +139,9 @@ void main() {
             radiance += reflected(wi, wo, surfaceUv, level) * lightIntensities[k] / squared;
         }
     }
+#ifdef TONE_MAPPING
+    radiance = toneMapping(radiance);
+#endif
     colour = linearToOutputTexel(vec4(radiance, 1.0));
 }
 `;

@@ -6,7 +6,7 @@ use super::device::{Gpu, GpuError};
 use brdfc_formats::container::TexelFormat;
 use brdfc_formats::flat_btf::shader::IndirectionFilter;
 use brdfc_formats::flat_btf::{Atlas, FlatBtfDecoder, FlatView, SampledDirections};
-use brdfc_shaders::resources::{Contents, FLAT_BTF_VIEWS, Resource, flat_btf_without_views};
+use brdfc_shaders::resources::{Contents, FLAT_BTF_VIEWS, Resource, flat_btf_without_views, size_of};
 use wgpu::{
     BindGroup, BindGroupLayout, Extent3d, Limits, Origin3d, ShaderStages, TexelCopyBufferLayout, TexelCopyTextureInfo,
     TextureAspect, TextureDescriptor, TextureDimension, TextureUsages, TextureView, TextureViewDescriptor,
@@ -53,7 +53,7 @@ pub(super) fn upload(
 fn fits(resources: &[Resource], limits: &Limits) -> Result<(), GpuError> {
     for Resource { binding, contents } in resources {
         let Contents::Texture(texels) = contents else { continue };
-        let ([width, height, layers], most) = (texels.size(), limits.max_texture_dimension_2d);
+        let ([width, height, layers], most) = (size_of(texels.extent), limits.max_texture_dimension_2d);
         let (side, part) = (width.max(height), PARTS.iter().find(|(of, _)| of == binding));
         if let Some((_, part)) = part
             && side > most

@@ -101,6 +101,8 @@ mod drawn {
 
     /// What a page says and draws after each of these changes; nothing where there is no browser.
     struct Seen {
+        /// Of scripts in place of changes.
+        told: Vec<Value>,
         api: String,
         first: f64,
         speed: f64,
@@ -117,8 +119,12 @@ addEventListener('error', ({ message }) => say(`error: ${message}`));
 addEventListener('unhandledrejection', ({ reason }) => say(`error: ${reason?.name}: ${reason?.message ?? reason}`));
 (async () => {
     const first = await brdfcView.first;
-    const found = { first, api: document.getElementById('api').textContent, pictures: [], exposures: [], measured: [] };
+    const found = { first, api: document.getElementById('api').textContent, pictures: [], exposures: [], measured: [], told: [] };
     for (const changes of CHANGES) {
+        if (typeof changes === 'string') {
+            found.told.push(await (0, eval)(`(async () => { ${changes} })()`));
+            continue;
+        }
         await brdfcView.set(changes);
         const png = await brdfcView.picture();
         found.pictures.push(base64(new Uint8Array(await png.arrayBuffer())));
@@ -144,9 +150,10 @@ addEventListener('unhandledrejection', ({ reason }) => say(`error: ${reason?.nam
             linear(&png)
         };
         Some(Seen {
+            told: told["told"].as_array().unwrap().clone(),
             api: told["api"].as_str().unwrap().to_owned(),
             first: told["first"].as_f64().unwrap(),
-            speed: told["speed"].as_f64().unwrap(),
+            speed: told["speed"].as_f64().unwrap_or(0.0),
             pictures: told["pictures"].as_array().unwrap().iter().map(picture).collect(),
             exposures: told["exposures"]
                 .as_array()
@@ -256,6 +263,69 @@ addEventListener('unhandledrejection', ({ reason }) => say(`error: ${reason?.nam
         assert!(difference.pixels[0].iter().all(|c| *c < 0.01) && difference.pixels != split.pixels);
     }
 
+    /// The controls, as a hand moves them; and what one of both is not made for.
+    #[test]
+    fn controls_do_what_they_say() {
+        let folder = Folder::new();
+        folder.write(
+            "scene.toml",
+            "[materials.high]\nsource = \"synth:ggx?alpha=0.3\"\n\
+             [[uses]]\nmaterial = \"high\"\nview_elevation = [40, 90]\n",
+        );
+        folder.run(&["build", "scene.toml", "--out", "packs"]).succeeded();
+        folder.run(&["encode", "synth:ggx?alpha=0.3", "-o", "<!--<script>.ktx2"]).succeeded();
+        folder.run(&["view", "packs", "--no-sources", "<!--<script>.ktx2", "-o", "view.html"]).succeeded();
+        // A script that the page's own would be if names were not escaped, and each control with what it is to change.
+        let slider = |name: &str, value: f64| {
+            json!(format!(
+                "const slider = document.querySelector('input[name={name}]'); slider.value = {value}; \
+                 slider.dispatchEvent(new Event('input', {{ bubbles: true }})); return brdfcView.state.{name};"
+            ))
+        };
+        let press = |key: &str| {
+            json!(format!(
+                "document.getElementById('canvas').dispatchEvent(new KeyboardEvent('keydown', {{ key: '{key}', bubbles: true }})); \
+                 return [brdfcView.state.turn.yaw, brdfcView.state.zoom];"
+            ))
+        };
+        let drag = json!(
+            "const canvas = document.getElementById('canvas'); canvas.setPointerCapture = () => {};
+             const event = (name, x, more) => canvas.dispatchEvent(
+                 new PointerEvent(name, { clientX: x, clientY: 100, bubbles: true, pointerId: 1, ...more }));
+             event('pointerdown', 100, { buttons: 1 });
+             event('pointermove', 150, { buttons: 1, shiftKey: true });
+             return brdfcView.state.light.yaw;"
+        );
+        let point = json!(
+            "await brdfcView.set({}); await brdfcView.measure();
+             document.getElementById('canvas').dispatchEvent(
+                 new PointerEvent('pointermove', { clientX: 128, clientY: 128, bubbles: true, buttons: 0 }));
+             await brdfcView.measure();
+             return [document.getElementById('here').textContent, await brdfcView.measure()];"
+        );
+        let changes = [
+            slider("split", 0.25),
+            slider("stops", 1.0),
+            press("ArrowLeft"),
+            press("+"),
+            drag,
+            slider("stops", 0.0),
+            point,
+        ];
+        let Some(found) = seen(&folder.text("view.html"), "webgl2", &changes) else { return };
+        let [split, stops, turned, nearer, lit, _, pointed] = &found.told[..] else { panic!("{:?}", found.told) };
+        assert_eq!((split, stops), (&json!(0.25), &json!(1)));
+        assert!(
+            turned[0].as_f64().unwrap() > 0.05 && nearer[1].as_f64().unwrap() > 1.05 && lit.as_f64().unwrap() > 0.3
+        );
+        let here = pointed[0].as_str().unwrap();
+        assert!(here.starts_with("ΔE here: ") && here[10..].trim().parse::<f64>().is_ok(), "{here}");
+        // The rim of the ball, which one of both is not made for, does not count.
+        let (mean, pixels) = (pointed[1]["mean"].as_f64().unwrap(), pointed[1]["pixels"].as_u64().unwrap());
+        println!("view: ΔE {mean:.3} over {pixels} pixels of a pack for high views");
+        assert!(mean < 2.0 && (5000..30000).contains(&pixels), "{mean} {pixels}");
+    }
+
     fn halves(row: &[[f32; 3]]) -> [&[[f32; 3]]; 2] {
         let (left, right) = row.split_at(SIDE / 2);
         [left, right]
@@ -270,7 +340,12 @@ addEventListener('unhandledrejection', ({ reason }) => say(`error: ${reason?.nam
         let small = ["--texels", "64", "--views", "grid:3x8@60", "--lights", "grid:3x8@60", "--indirection", "8x12"];
         folder.run(&[&["flatten", "synth:button?resolution=48", "-o", "button"][..], &small].concat()).succeeded();
         folder.run(&["pwt", "button", "-o", "view.ktx2"]).succeeded();
-        folder.run(&["view", "button", "view.ktx2", "-o", "view.html"]).succeeded();
+        folder.run(&["encode", "synth:lambert?kd=0.5", "-o", "table.ktx2"]).succeeded();
+        folder.run(&["encode", "synth:lambert?kd=0.5", "--codec", "wavelet", "-o", "wavelet.ktx2"]).succeeded();
+        let all = ["view", "button", "view.ktx2", "table.ktx2", "wavelet.ktx2", "-o", "view.html", "--json"];
+        let alone = folder.run(&all).succeeded().json()["bytes_alone"].as_u64().unwrap();
+        println!("view: {} KiB are the page's own, with packs of all four kinds", alone >> 10);
+        assert!(alone < 300 << 10);
         let cases = [("button", "plane"), ("button", "teapot"), ("view.ktx2", "")];
         let changes =
             [json!({ "scene": "plane", "left": 0, "right": -1 }), json!({ "scene": "teapot" }), json!({ "left": 1 })];

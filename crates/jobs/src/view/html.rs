@@ -79,10 +79,10 @@ fn controls(title: &str, data: &PageData) -> Markup {
                 }
             }
             p #scale .soft { "ΔE 0 " span.scale {} " " (brdfc_render::picture::DELTA_E_FULL_SCALE) }
-            p #whole {}
+            p #whole { "Drawing …" }
             p #here .soft {}
             div #levels {
-                label { input type="checkbox" name="follows"; " detail as the distance says" }
+                label { input type="checkbox" name="follows"; " level of detail by the distance, as in an engine" }
                 label { input type="range" name="coarser" min="0" step="0.1" aria-label="Coarser by this many levels"; span #coarser-shown .soft {} }
             }
             label { "Exposure" input type="range" name="stops" min="-4" max="4" step="0.1"; }
@@ -95,8 +95,12 @@ fn controls(title: &str, data: &PageData) -> Markup {
                 button type="button" #again { "Start again" } " "
                 button type="button" #save { "Save the picture" }
             }
-            p.soft { "Dragging with Shift or the right button moves the light; the wheel goes nearer; arrow keys do the same." }
+            p.soft {
+                "Shift or the right button drags the light; the wheel, + and - go nearer and farther; arrow keys turn, with Shift they \
+                 move the light."
+            }
             div #facts {}
+            @if several { p.soft { "ΔE is the colour difference CIE76 of what a display shows; about 1 is just visible." } }
             p.soft { "Drawn by " span #api { "…" } }
         }
     }

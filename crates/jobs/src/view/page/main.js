@@ -252,7 +252,7 @@ function tell() {
     coarser.max = most;
     coarser.value = state.coarser ?? 0;
     coarser.disabled = state.coarser === null;
-    find('coarser-shown').textContent = state.coarser === null ? '' : `coarser by ${state.coarser.toFixed(1)}`;
+    find('coarser-shown').textContent = state.coarser === null ? '' : `${state.coarser.toFixed(1)} levels coarser than the finest`;
     controls.elements.follows.checked = state.coarser === null;
     split.value = state.split;
     split.hidden = !isPair() || state.mode !== 'split';
@@ -371,12 +371,13 @@ function listen() {
 /** What an address asks for behind its #: scene, left and right by name, mode, coarser, api, embed. */
 function fromAddress() {
     const number = (name) => page.items.findIndex((item) => item.name === name);
-    const changes = {};
+    let changes = {};
     for (const [key, value] of new URLSearchParams(location.hash.slice(1))) {
         if (key === 'scene' && page.scenes.some(({ name }) => name === value)) {
             changes.scene = value;
         } else if (key === 'left' && number(value) >= 0) {
-            changes.left = number(value);
+            // Beside its source, unless something else is asked for.
+            changes = { left: number(value), right: number(`${value}, source`), ...changes };
         } else if (key === 'right') {
             changes.right = number(value);
         } else if (key === 'mode' && ['one', 'split', 'difference'].includes(value)) {
