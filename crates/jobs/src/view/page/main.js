@@ -120,6 +120,10 @@ async function frame() {
     const samples = moving ? COARSE : FINE;
     await draw(samples);
     await expose(samples);
+    if (exposed.factor === undefined) {
+        // Something else was chosen meanwhile, and asked for.
+        return;
+    }
     backend.show(show, showBlock(samples, mode()));
     clearTimeout(resting);
     if (moving) {
