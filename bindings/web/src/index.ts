@@ -8,4 +8,4 @@ export { type Container, readContainer, type TexelFormat, type TextureData } fro
 export { type Contents, loadFlatBtf, loadPack, type Options, type Pack, type Resource } from './pack.js';
 export { type DecoderName, type DecoderShader, SHADERS } from './shaders.js';
 export { uploadWebGl, type WebGlPack } from './webgl.js';
-export { uploadWebGpu } from './webgpu.js';
+export { uploadWebGpu, type WebGpuPack } from './webgpu.js';

@@ -33,9 +33,12 @@ export interface Options {
     filter?: 'sampler' | 'shader';
     /** Of wavelet packs: between which cells values are blended (default: `bilinear`). */
     wavelet?: 'nearest' | 'slices' | 'bilinear';
-    /** What distances to the viewer are multiplied by, before a level of detail is found from them (default: 1). */
+    /** α of the level of detail: from the distance 1 / α on, packs that have levels are drawn coarser (default: 0.15). */
     distanceScale?: number;
 }
+
+/** That of `brdfc render` and of manifests. */
+export const DISTANCE_SCALE = 0.15;
 
 async function bytesOf(source: string | URL | ArrayBuffer | Uint8Array): Promise<Uint8Array> {
     if (source instanceof Uint8Array) {

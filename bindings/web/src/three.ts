@@ -1,7 +1,10 @@
 import * as THREE from 'three';
 import type { TextureData } from './container.js';
 import type { Pack, Resource } from './pack.js';
+import { FRAGMENT, MAX_LIGHTS, REFLECTED, VARYINGS, VERTEX } from './three_shader.js';
 import { GL_FORMATS, typed, uploadTexture } from './upload_webgl.js';
+
+export { MAX_LIGHTS };
 
 /** A light at a point: radiance falls with the square of the distance. */
 export interface PointLight {
@@ -9,9 +12,6 @@ export interface PointLight {
     /** Radiant intensity, linear RGB. */
     intensity: THREE.Color;
 }
-
-/** Most lights of a material. */
-export const MAX_LIGHTS = 8;
 
 /**
  * What the shader reads of a pack's textures and blocks, as uniforms of three.js. Arrays with mipmaps, which three.js does not
@@ -26,7 +26,7 @@ export function packUniforms(pack: Pack, renderer: THREE.WebGLRenderer): Record<
         } else if (resource.kind === 'texture') {
             const { texture, filtered, repeats } = resource;
             const value = texture.dimension === '2d-array'
-                ? new THREE.ExternalTexture(uploadTexture(gl, texture, filtered, repeats).texture)
+                ? uploaded(gl, texture, filtered, repeats)
                 : threeTexture(texture, filtered, repeats);
             uniforms[resource.name] = { value };
         }
@@ -43,108 +43,46 @@ export function packGlsl(pack: Pack): string {
 }
 
 /**
- * A material that draws a BRDF pack (table or wavelet) or a flat BTF under up to eight point lights. Geometries need tangents where
- * the material is anisotropic, and uv where it is a flat BTF; `computeTangents` makes them.
+ * A material that draws a pack under up to eight point lights: a BRDF (table or wavelet), a flat BTF, or a polynomial wavelet tree.
+ * Geometries need tangents where the material is anisotropic, and uv where it is a flat BTF or a tree; `computeTangents` makes them.
+ * Instances, batches, bones and morph targets are placed as by three.js' own materials.
  *
- * Radiance is linear: set `renderer.outputColorSpace` and tone mapping as for any other material.
+ * Radiance is linear: set `renderer.outputColorSpace` and tone mapping as for any other material. `dispose()` frees the pack's
+ * textures, too.
  */
 export function packMaterial(pack: Pack, renderer: THREE.WebGLRenderer, lights: PointLight[]): THREE.ShaderMaterial {
-    const value = VALUES[pack.decoder];
-    if (value === undefined) {
-        throw new Error(`found ${pack.decoder}; allowed a table, a wavelet pack or a flat BTF`);
-    }
-    return new THREE.ShaderMaterial({
+    const isWide = pack.resources.some((resource) => resource.kind === 'texture' && isFloat(resource));
+    const uniforms = packUniforms(pack, renderer);
+    const material = new THREE.ShaderMaterial({
         glslVersion: THREE.GLSL3,
+        defines: { USE_TANGENT: '' },
         uniforms: {
-            ...packUniforms(pack, renderer),
+            ...uniforms,
             lightCount: { value: Math.min(lights.length, MAX_LIGHTS) },
             lightPositions: { value: padded(lights, ({ position }) => position, () => new THREE.Vector3()) },
             lightIntensities: { value: padded(lights, ({ intensity }) => intensity, () => new THREE.Color(0)) },
         },
         vertexShader: VERTEX,
-        fragmentShader: packGlsl(pack) + value + FRAGMENT,
+        fragmentShader: VARYINGS + packGlsl(pack) + REFLECTED[isWide ? `${pack.decoder}, wide` : pack.decoder] + FRAGMENT,
     });
+    material.addEventListener('dispose', () => {
+        for (const { value } of Object.values(uniforms)) {
+            if (value instanceof THREE.Texture) {
+                value.dispose();
+            }
+        }
+    });
+    return material;
+}
+
+/** Whether samplers would have to filter 32-bit floats of it. */
+function isFloat({ texture, filtered }: Resource & { kind: 'texture' }): boolean {
+    return filtered && texture.format === 'rgba32float';
 }
 
 function padded<T>(lights: PointLight[], of: (light: PointLight) => T, none: () => T): T[] {
     return Array.from({ length: MAX_LIGHTS }, (_, k) => (lights[k] ? of(lights[k]) : none()));
 }
-
-/** Reflected radiance over irradiance from one direction, with the cosine. */
-const VALUES: Partial<Record<Pack['decoder'], string>> = {
-    table: `
-vec3 reflected(vec3 wi, vec3 wo, vec2 uv, float level) {
-    return table_brdf(wi, wo) * wi.z;
-}
-`,
-    wavelet: `
-vec3 reflected(vec3 wi, vec3 wo, vec2 uv, float level) {
-    return wavelet_brdf(wi, wo, float(wavelet_brdf_parameters.levels)) * wi.z;
-}
-`,
-    'flat-btf': `
-vec3 reflected(vec3 wi, vec3 wo, vec2 uv, float level) {
-    return flat_btf_value(uv, level, wo, wi) * 0.318309886;
-}
-#define LEVEL(uv) factored_mipmap_level(dFdx(uv), dFdy(uv))
-`,
-};
-
-const VERTEX = `
-in vec4 tangent;
-out vec3 worldPosition;
-out vec3 worldNormal;
-out vec4 worldTangent;
-out vec2 surfaceUv;
-void main() {
-    vec4 world = modelMatrix * vec4(position, 1.0);
-    worldPosition = world.xyz;
-    worldNormal = mat3(modelMatrix) * normal;
-    worldTangent = vec4(mat3(modelMatrix) * tangent.xyz, tangent.w);
-    surfaceUv = uv;
-    gl_Position = projectionMatrix * viewMatrix * world;
-}
-`;
-
-const FRAGMENT = `
-#ifndef LEVEL
-#define LEVEL(uv) 0.0
-#endif
-uniform int lightCount;
-uniform vec3 lightPositions[${MAX_LIGHTS}];
-uniform vec3 lightIntensities[${MAX_LIGHTS}];
-in vec3 worldPosition;
-in vec3 worldNormal;
-in vec4 worldTangent;
-in vec2 surfaceUv;
-out vec4 colour;
-void main() {
-    float level = LEVEL(surfaceUv);
-    vec3 toEye = normalize(cameraPosition - worldPosition);
-    vec3 n = normalize(worldNormal);
-    // Normals of smooth meshes turn away from the viewer at outlines, where nothing has a value.
-    float facing = dot(n, toEye);
-    n = facing < 0.02 ? normalize(n + toEye * (0.02 - facing)) : n;
-    vec3 t = worldTangent.xyz - n * dot(n, worldTangent.xyz);
-    t = dot(t, t) > 1e-12 ? normalize(t) : normalize(abs(n.z) < 0.9 ? cross(vec3(0.0, 0.0, 1.0), n) : vec3(1.0, 0.0, 0.0));
-    vec3 b = cross(n, t) * (worldTangent.w < 0.0 ? -1.0 : 1.0);
-    vec3 wo = vec3(dot(toEye, t), dot(toEye, b), dot(toEye, n));
-    vec3 radiance = vec3(0.0);
-    for (int k = 0; k < lightCount; k++) {
-        vec3 toLight = lightPositions[k] - worldPosition;
-        float squared = dot(toLight, toLight);
-        vec3 l = toLight * inversesqrt(squared);
-        vec3 wi = vec3(dot(l, t), dot(l, b), dot(l, n));
-        if (wi.z > 0.0 && wo.z > 0.0) {
-            radiance += reflected(wi, wo, surfaceUv, level) * lightIntensities[k] / squared;
-        }
-    }
-#ifdef TONE_MAPPING
-    radiance = toneMapping(radiance);
-#endif
-    colour = linearToOutputTexel(vec4(radiance, 1.0));
-}
-`;
 
 /** A uniform block as an object of its fields. */
 function fields(pack: Pack, resource: Resource & { kind: 'uniform' }): Record<string, unknown> {
@@ -168,6 +106,14 @@ function fields(pack: Pack, resource: Resource & { kind: 'uniform' }): Record<st
         }
     };
     return Object.fromEntries(declared.map(({ name, type, offset }) => [name, value(type, offset)]));
+}
+
+/** An array with mipmaps, which three.js does not upload itself. */
+function uploaded(gl: WebGL2RenderingContext, data: TextureData, filtered: boolean, repeats: boolean): THREE.Texture {
+    const { texture } = uploadTexture(gl, data, filtered, repeats);
+    const external = new THREE.ExternalTexture(texture);
+    external.addEventListener('dispose', () => gl.deleteTexture(texture));
+    return external;
 }
 
 function threeTexture(data: TextureData, filtered: boolean, repeats: boolean): THREE.Texture {

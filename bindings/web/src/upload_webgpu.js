@@ -27,16 +27,16 @@ export function gpuTexture(device, data) {
 }
 
 /**
- * What is bound for a resource of a pack.
+ * What is bound for a resource of a pack, and what holds its memory: nothing of a sampler.
  *
  * @param {GPUDevice} device
  * @param {import('./pack.js').Contents} contents
- * @returns {GPUBindingResource}
+ * @returns {{ resource: GPUBindingResource, held?: GPUTexture | GPUBuffer }}
  */
 export function gpuResource(device, contents) {
     if (contents.kind === 'sampler') {
         const mode = contents.repeats ? 'repeat' : 'clamp-to-edge';
-        return device.createSampler({
+        const resource = device.createSampler({
             addressModeU: mode,
             addressModeV: mode,
             addressModeW: mode,
@@ -44,12 +44,14 @@ export function gpuResource(device, contents) {
             minFilter: 'linear',
             mipmapFilter: 'linear',
         });
+        return { resource };
     }
     if (contents.kind === 'uniform') {
         const { bytes } = contents;
         const buffer = device.createBuffer({ size: bytes.length, usage: GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST });
         device.queue.writeBuffer(buffer, 0, bytes);
-        return { buffer };
+        return { resource: { buffer }, held: buffer };
     }
-    return gpuTexture(device, contents.texture).createView({ dimension: contents.texture.dimension });
+    const held = gpuTexture(device, contents.texture);
+    return { resource: held.createView({ dimension: contents.texture.dimension }), held };
 }

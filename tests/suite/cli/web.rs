@@ -2,6 +2,7 @@
 //! package.
 
 use crate::common::cli::Folder;
+use brdfc_formats::colour::encode_srgb_byte;
 use brdfc_formats::direction::{DirectionPair, cross, dot, normalize};
 use brdfc_formats::table::{TableDecoder, TablePack};
 use brdfc_formats::wavelet::{Filter, WaveletDecoder, WaveletPack};
@@ -79,26 +80,35 @@ fn rendered(folder: &Folder, manifest: &str, more: &[&str]) -> image::RgbImage {
     image::load_from_memory(&folder.read("expected.png")).unwrap().to_rgb8()
 }
 
+/// A pack of a manifest's material, and a ball of it by `brdfc render`. The folder NAME gets the pack, `it.brdf.ktx2`.
+fn built(folder: &Folder, name: &str, keys: &str, eye: &str, field_of_view: f64) -> image::RgbImage {
+    let manifest = format!(
+        "[materials.it]\n{keys}\n[[uses]]\nmaterial = \"it\"\n[render]\nscene = \"sphere\"\n[render.camera]\n\
+         eye = {eye}\ntarget = [0.0, 0.0, 0.0]\nfield_of_view = {field_of_view}\n[[render.lights]]\n\
+         position = [-3.0, 3.0, 4.0]\nintensity = 60.0\n"
+    );
+    folder.write("scene.toml", manifest.as_bytes());
+    folder.run(&["build", "scene.toml", "--out", name]).succeeded();
+    rendered(folder, &manifest, &["--packs", name])
+}
+
 #[test]
 fn a_ball_by_three_js_is_that_of_render() {
     if !crate::common::has_adapter() {
         return;
     }
     let folder = Folder::new();
-    let red = brdfc_testing::testdata("demo/red_plastic.binary");
-    folder.run(&["encode", &red, "-o", "red.ktx2"]).succeeded();
-    folder.run(&["encode", "synth:ggx?alpha=0.3", "--codec", "wavelet", "-o", "ggx.ktx2"]).succeeded();
+    let red = format!("source = {:?}", brdfc_testing::testdata("demo/red_plastic.binary"));
+    let wavelet = "source = \"synth:ggx?alpha=0.3\"\ncodec = \"wavelet\"\nratio = 4".to_owned();
+    let materials = [("red", red), ("ggx", wavelet.clone()), ("fine", wavelet + "\nbits = 12")];
+    let expected = materials.map(|(name, keys)| (name, built(&folder, name, &keys, "[0.0, 0.6, 4.4]", 30.0)));
     let Some(files) = files(&folder) else { return };
     let mut pictures = Vec::new();
-    for pack in ["red", "ggx"] {
-        let manifest = format!(
-            "[materials.it]\nsource = \"{pack}.ktx2\"\n[render]\nscene = \"sphere\"\n[render.camera]\n\
-             eye = [0.0, 0.6, 4.4]\ntarget = [0.0, 0.0, 0.0]\nfield_of_view = 30\n[[render.lights]]\n\
-             position = [-3.0, 3.0, 4.0]\nintensity = 60.0\n"
-        );
-        let expected = rendered(&folder, &manifest, &[]);
-        let Some(found) = drawn(&format!("examples/three.html?pack=../packs/{pack}.ktx2"), &files) else { return };
-        let (mean, p95) = differences(&found, &expected);
+    for (pack, expected) in &expected {
+        let Some(found) = drawn(&format!("examples/three.html?pack=../packs/{pack}/it.brdf.ktx2"), &files) else {
+            return;
+        };
+        let (mean, p95) = differences(&found, expected);
         println!("three.js, {pack}: codes differ by {mean:.2} in the mean, {p95} at 95 %");
         assert!(mean < 1.0 && p95 <= 3.0, "{pack}: {mean} {p95}");
         pictures.push(found);
@@ -124,6 +134,143 @@ fn a_flat_btf_by_three_js_is_that_of_render() {
     let (mean, p95) = differences(&found, &expected);
     println!("three.js, flat BTF: codes differ by {mean:.2} in the mean, {p95} at 95 %");
     assert!(mean < 3.0 && p95 <= 12.0, "{mean} {p95}");
+}
+
+/// A page that draws by three.js what stands in `script`, which has `THREE`, `pack`, `renderer`, `asked` (of the address),
+/// `packMaterial`, and makes `scene` and `camera`.
+fn page_of_three(script: &str) -> String {
+    let example =
+        std::fs::read_to_string(brdfc_testing::repository().join("bindings/web/examples/three.html")).unwrap();
+    let (head, _) = example.split_once("<script type=\"module\">").unwrap();
+    format!(
+        "{head}<script type=\"module\">
+import * as THREE from 'three';
+import {{ loadPack }} from 'brdfc';
+import {{ packMaterial }} from 'brdfc/three';
+const asked = new URLSearchParams(location.search);
+const renderer = new THREE.WebGLRenderer({{ antialias: true }});
+renderer.setSize(innerWidth, innerHeight);
+document.body.append(renderer.domElement);
+const scene = new THREE.Scene();
+{script}
+renderer.setAnimationLoop(() => renderer.render(scene, camera));
+</script>"
+    )
+}
+
+/// Meshes that are placed by matrices, as instances and in batches, look like those whose corners are there already.
+#[test]
+fn three_js_places_meshes_as_its_own_materials_do() {
+    let folder = Folder::new();
+    folder.run(&["encode", "synth:ward?kd=0.1&ks=0.25&ax=0.1&ay=0.4", "-o", "metal.ktx2"]).succeeded();
+    let Some(mut files) = files(&folder) else { return };
+    let page = page_of_three(
+        "const pack = await loadPack('../packs/metal.ktx2');
+const camera = new THREE.PerspectiveCamera(30, 1, 0.1, 100);
+camera.position.set(0, 0.6, 4.4);
+camera.lookAt(0, 0, 0);
+const light = { position: new THREE.Vector3(-3, 3, 4), intensity: new THREE.Color(60, 60, 60) };
+const material = packMaterial(pack, renderer, [light]);
+const geometry = new THREE.SphereGeometry(1, 128, 64);
+geometry.computeTangents();
+const turn = new THREE.Quaternion().setFromEuler(new THREE.Euler(0.4, 0.7, 0.2));
+const place = new THREE.Matrix4().compose(new THREE.Vector3(0.1, 0.2, 0), turn, new THREE.Vector3(1, 0.5, 0.8));
+const mesh = new THREE.Mesh(geometry, material);
+const ways = {
+    corners: () => { geometry.applyMatrix4(place); return mesh; },
+    matrix: () => { mesh.applyMatrix4(place); return mesh; },
+    instance: () => { const all = new THREE.InstancedMesh(geometry, material, 1); all.setMatrixAt(0, place); return all; },
+    batch: () => {
+        const all = new THREE.BatchedMesh(1, 10000, 60000, material);
+        all.setMatrixAt(all.addInstance(all.addGeometry(geometry)), place);
+        return all;
+    },
+    // What was freed is uploaded again.
+    disposed: () => { geometry.applyMatrix4(place); renderer.render(new THREE.Scene().add(mesh), camera); material.dispose(); return mesh; },
+    none: () => mesh,
+};
+scene.add(ways[asked.get('way')]());",
+    );
+    files.push(("examples/placed.html".to_owned(), "text/html", page.into_bytes()));
+    let of = |way: &str| drawn(&format!("examples/placed.html?way={way}"), &files);
+    let Some(expected) = of("corners") else { return };
+    for way in ["matrix", "instance", "batch", "disposed"] {
+        let (mean, p95) = differences(&of(way).unwrap(), &expected);
+        println!("three.js, {way}: codes differ by {mean:.3} in the mean, {p95} at 95 %");
+        assert!(mean < 0.1 && p95 <= 1.0, "{way}: {mean} {p95}");
+    }
+    assert!(differences(&of("none").unwrap(), &expected).0 > 10.0);
+}
+
+/// From far away, levels of detail are those that `brdfc render` takes.
+#[test]
+fn a_distant_ball_by_three_js_is_that_of_render() {
+    if !crate::common::has_adapter() {
+        return;
+    }
+    let folder = Folder::new();
+    let keys = "source = \"synth:ggx?kd=0.05&alpha=0.05\"\ncodec = \"factored\"\nlevels = 4";
+    let expected = built(&folder, "far", keys, "[0.0, 6.0, 44.0]", 3.0);
+    let Some(mut files) = files(&folder) else { return };
+    // Without tangents, which isotropic materials do not need.
+    let page = page_of_three(
+        "const pack = await loadPack('../packs/far/it.brdf.ktx2', asked.has('finest') ? { distanceScale: 1e-6 } : {});
+const camera = new THREE.PerspectiveCamera(3, 1, 0.1, 100);
+camera.position.set(0, 6, 44);
+camera.lookAt(0, 0, 0);
+const light = { position: new THREE.Vector3(-3, 3, 4), intensity: new THREE.Color(60, 60, 60) };
+scene.add(new THREE.Mesh(new THREE.SphereGeometry(1, 256, 128), packMaterial(pack, renderer, [light])));",
+    );
+    files.push(("examples/far.html".to_owned(), "text/html", page.into_bytes()));
+    let Some(found) = drawn("examples/far.html", &files) else { return };
+    let (mean, p95) = differences(&found, &expected);
+    println!("three.js, from far away: codes differ by {mean:.2} in the mean, {p95} at 95 %");
+    assert!(mean < 1.0 && p95 <= 3.0, "{mean} {p95}");
+    // The finest level is another picture.
+    assert!(differences(&drawn("examples/far.html?finest", &files).unwrap(), &expected).0 > 2.0 * mean + 1.0);
+}
+
+/// A polynomial wavelet tree on a square that fills the picture, against values of the CPU's decoder.
+#[test]
+fn a_picture_by_three_js_is_that_of_the_decoder() {
+    let folder = Folder::new();
+    let small = ["--texels", "32", "--views", "grid:2x6@50", "--lights", "grid:5x12@75"];
+    folder.run(&[&["flatten", "synth:button?resolution=48", "-o", "button"][..], &small].concat()).succeeded();
+    folder.run(&["pwt", "button", "-o", "it.ktx2"]).succeeded();
+    let Some(mut files) = files(&folder) else { return };
+    let page = page_of_three(
+        "const pack = await loadPack('../packs/it.ktx2');
+const camera = new THREE.OrthographicCamera(-1, 1, 1, -1, 0.1, 10);
+camera.position.z = 5;
+const far = 1e4;
+const light = {
+    position: new THREE.Vector3(-0.48, 0.64, 0.6).multiplyScalar(far),
+    intensity: new THREE.Color(1, 1, 1).multiplyScalar(Math.PI * far * far),
+};
+const geometry = new THREE.PlaneGeometry(2, 2);
+geometry.computeTangents();
+scene.add(new THREE.Mesh(geometry, packMaterial(pack, renderer, [light])));",
+    );
+    files.push(("examples/picture.html".to_owned(), "text/html", page.into_bytes()));
+    let mut places = String::from("u,v,wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n");
+    for k in 0..SIDE * SIDE {
+        let [u, v] = [k % SIDE, k / SIDE].map(|at| (f64::from(at) + 0.5) / f64::from(SIDE));
+        places += &format!("{u},{v},-0.48,0.64,0.6,0,0,1\n");
+    }
+    folder.write("places.csv", places.as_bytes());
+    let values = folder.run(&["eval", "it.ktx2", "--directions", "places.csv"]).succeeded().stdout;
+    let of_row = |row: &str| {
+        let numbers: Vec<f64> = row.split(',').map(|number| number.parse().unwrap()).collect();
+        image::Rgb(std::array::from_fn(|k| encode_srgb_byte(numbers[numbers.len() - 3 + k])))
+    };
+    let pixels: Vec<image::Rgb<u8>> = values.lines().skip(1).map(of_row).collect();
+    let expected = image::RgbImage::from_fn(SIDE, SIDE, |x, y| pixels[(SIDE * y + x) as usize]);
+    let Some(found) = drawn("examples/picture.html", &files) else { return };
+    let (mean, p95) = differences(&found, &expected);
+    println!("three.js, pwt: codes differ by {mean:.2} in the mean, {p95} at 95 %");
+    assert!(mean < 1.0 && p95 <= 2.0, "{mean} {p95}");
+    // Upside down it is another one.
+    assert!(differences(&image::imageops::flip_vertical(&found), &expected).0 > 5.0 * mean + 1.0);
 }
 
 /// What the example for WebGPU draws, by the CPU's decoder: an orthographic ball under a distant light, `2 f_r cos` with the curve

@@ -118,7 +118,8 @@ async function withWebGpu(cases) {
         const pass = encoder.beginComputePass();
         pass.setPipeline(pipeline);
         pass.setBindGroup(0, group(0, entries));
-        pass.setBindGroup(1, group(1, uploadWebGpu(device, pack)));
+        const uploaded = uploadWebGpu(device, pack);
+        pass.setBindGroup(1, group(1, uploaded.entries));
         pass.dispatchWorkgroups(Math.ceil(count / 64));
         pass.end();
         encoder.copyBufferToBuffer(answers, 0, copy, 0, 16 * count);
@@ -129,6 +130,7 @@ async function withWebGpu(cases) {
         }
         await copy.mapAsync(GPUMapMode.READ);
         found.push(new Float32Array(copy.getMappedRange().slice(0)));
+        uploaded.dispose();
     }
     return found;
 }

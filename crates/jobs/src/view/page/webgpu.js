@@ -53,29 +53,41 @@ export class WebGpu {
         return buffer;
     }
 
-    program({ wgsl }, shows) {
+    /** What draws a kind of pack. Drivers compile several at a time. */
+    async program({ wgsl }) {
         const module = this.device.createShaderModule({ code: wgsl });
-        if (shows) {
-            const of = (format) => this.device.createRenderPipeline({
-                layout: 'auto',
-                vertex: { module },
-                fragment: { module, targets: [{ format }] },
-            });
-            return { canvas: of(this.format), [BYTES]: of('rgba8unorm'), [FLOATS]: of('rgba32float') };
-        }
         let at = 0;
         const attributes = [3, 3, 3, 2].map((size, shaderLocation) => {
             const offset = 4 * at;
             at += size;
             return { shaderLocation, offset, format: /** @type {GPUVertexFormat} */ (`float32x${size}`) };
         });
-        const pipeline = this.device.createRenderPipeline({
+        const pipeline = await this.device.createRenderPipelineAsync({
             layout: 'auto',
             vertex: { module, buffers: [{ arrayStride: 4 * CORNER, attributes }] },
             fragment: { module, targets: [{ format: 'rgba32float' }] },
             depthStencil: { format: 'depth32float', depthWriteEnabled: true, depthCompare: 'greater' },
         });
         return { pipeline };
+    }
+
+    /** What shows both pictures: on the canvas, as floats, and, for pictures that are saved, as bytes. */
+    async showing({ wgsl }) {
+        const { device } = this;
+        const module = device.createShaderModule({ code: wgsl });
+        const into = (format) => ({ layout: /** @type {const} */ ('auto'), vertex: { module }, fragment: { module, targets: [{ format }] } });
+        const [canvas, floats] = await Promise.all(
+            [this.format, 'rgba32float'].map((format) => device.createRenderPipelineAsync(into(format))),
+        );
+        let bytes;
+        return {
+            canvas,
+            [FLOATS]: floats,
+            get [BYTES]() {
+                bytes ??= device.createRenderPipeline(into('rgba8unorm'));
+                return bytes;
+            },
+        };
     }
 
     mesh({ corners, indices }) {
@@ -87,7 +99,7 @@ export class WebGpu {
     }
 
     material({ pipeline }, resources) {
-        const entries = resources.map(({ binding, contents }) => ({ binding, resource: gpuResource(this.device, contents) }));
+        const entries = resources.map(({ binding, contents }) => ({ binding, resource: gpuResource(this.device, contents).resource }));
         return { pipeline, group: this.device.createBindGroup({ layout: pipeline.getBindGroupLayout(1), entries }) };
     }
 

@@ -1,0 +1,140 @@
+// Shaders of the material for three.js: its own chunks place the vertices, a pack's decoder says what is reflected.
+
+/** Most lights of a material. */
+export const MAX_LIGHTS = 8;
+
+/** Of each decoder: `reflected`, radiance over irradiance from one direction with the cosine, and its level of detail. */
+export const REFLECTED: Record<string, string> = {
+    table: `
+float levelAt(float distance) {
+    return table_brdf_level_of_detail(distance);
+}
+vec3 reflected(vec3 wi, vec3 wo, float level) {
+    return table_brdf_at(wi, wo, level, true) * wi.z;
+}
+`,
+    wavelet: `
+float levelAt(float distance) {
+    return wavelet_brdf_level_of_detail(distance);
+}
+vec3 reflected(vec3 wi, vec3 wo, float level) {
+    return wavelet_brdf(wi, wo, level) * wi.z;
+}
+`,
+    // Samplers do not filter floats of 32 bits.
+    'wavelet, wide': `
+float levelAt(float distance) {
+    return wavelet_brdf_level_of_detail(distance);
+}
+vec3 reflected(vec3 wi, vec3 wo, float level) {
+    return wavelet_brdf_exact(wi, wo, level) * wi.z;
+}
+`,
+    // From behind v is negated, so that it goes along the bitangent there, too.
+    'flat-btf': `
+float levelAt(float distance) {
+    return factored_mipmap_level(dFdx(surfaceUv), dFdy(surfaceUv));
+}
+vec3 reflected(vec3 wi, vec3 wo, float level) {
+    return flat_btf_value(vec2(surfaceUv.x, gl_FrontFacing ? surfaceUv.y : -surfaceUv.y), level, wo, wi) * 0.318309886;
+}
+`,
+    // Rows of a picture go down, v goes up.
+    pwt: `
+float levelAt(float distance) {
+    return pwt_mipmap_level(dFdx(surfaceUv), dFdy(surfaceUv));
+}
+vec3 reflected(vec3 wi, vec3 wo, float level) {
+    return pwt_value(vec2(surfaceUv.x, gl_FrontFacing ? 1.0 - surfaceUv.y : surfaceUv.y), level, wi) * 0.318309886;
+}
+`,
+};
+
+/** Before the decoder: what comes from the vertices. */
+export const VARYINGS = `
+in vec3 worldPosition;
+in vec3 worldNormal;
+in vec4 worldTangent;
+in vec2 surfaceUv;
+`;
+
+// USE_TANGENT is defined: three.js declares and moves them.
+export const VERTEX = `
+#include <common>
+#include <batching_pars_vertex>
+#include <morphtarget_pars_vertex>
+#include <skinning_pars_vertex>
+#include <logdepthbuf_pars_vertex>
+out vec3 worldPosition;
+out vec3 worldNormal;
+out vec4 worldTangent;
+out vec2 surfaceUv;
+void main() {
+    #include <morphinstance_vertex>
+    #include <morphcolor_vertex>
+    #include <batching_vertex>
+    #include <beginnormal_vertex>
+    #include <morphnormal_vertex>
+    #include <skinbase_vertex>
+    #include <skinnormal_vertex>
+    #include <begin_vertex>
+    #include <morphtarget_vertex>
+    #include <skinning_vertex>
+    mat4 model = modelMatrix;
+    #ifdef USE_BATCHING
+        model = model * batchingMatrix;
+    #endif
+    #ifdef USE_INSTANCING
+        model = model * instanceMatrix;
+    #endif
+    vec4 world = model * vec4(transformed, 1.0);
+    worldPosition = world.xyz;
+    // Normals stay perpendicular where axes are scaled differently; a mirrored frame has its bitangent the other way round.
+    mat3 turn = mat3(model);
+    worldNormal = transpose(inverse(turn)) * objectNormal;
+    worldTangent = vec4(turn * objectTangent, tangent.w * sign(determinant(turn)));
+    surfaceUv = uv;
+    vec4 mvPosition = viewMatrix * world;
+    gl_Position = projectionMatrix * mvPosition;
+    #include <logdepthbuf_vertex>
+}
+`;
+
+export const FRAGMENT = `
+#include <logdepthbuf_pars_fragment>
+uniform int lightCount;
+uniform vec3 lightPositions[${MAX_LIGHTS}];
+uniform vec3 lightIntensities[${MAX_LIGHTS}];
+out vec4 colour;
+void main() {
+    #include <logdepthbuf_fragment>
+    // To an orthographic camera nothing is far away.
+    vec3 axis = vec3(viewMatrix[0][2], viewMatrix[1][2], viewMatrix[2][2]);
+    vec3 toEye = normalize(isOrthographic ? axis : cameraPosition - worldPosition);
+    float level = levelAt(isOrthographic ? 1e-6 : length(cameraPosition - worldPosition));
+    // What is seen from behind has its normal there.
+    vec3 n = normalize(worldNormal) * (gl_FrontFacing ? 1.0 : -1.0);
+    // Normals of smooth meshes turn away from the viewer at outlines, where nothing has a value.
+    float facing = dot(n, toEye);
+    n = facing < 0.02 ? normalize(n + toEye * (0.02 - facing)) : n;
+    vec3 t = worldTangent.xyz - n * dot(n, worldTangent.xyz);
+    // Without tangents, any that is perpendicular to the normal.
+    t = normalize(dot(t, t) > 1e-12 ? t : cross(abs(n.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0), n));
+    vec3 b = cross(n, t) * (worldTangent.w < 0.0 ? -1.0 : 1.0);
+    vec3 wo = vec3(dot(toEye, t), dot(toEye, b), dot(toEye, n));
+    vec3 radiance = vec3(0.0);
+    for (int k = 0; k < lightCount; k++) {
+        vec3 toLight = lightPositions[k] - worldPosition;
+        float squared = dot(toLight, toLight);
+        vec3 l = toLight * inversesqrt(squared);
+        vec3 wi = vec3(dot(l, t), dot(l, b), dot(l, n));
+        if (wi.z > 0.0 && wo.z > 0.0) {
+            radiance += reflected(wi, wo, level) * lightIntensities[k] / squared;
+        }
+    }
+#ifdef TONE_MAPPING
+    radiance = toneMapping(radiance);
+#endif
+    colour = linearToOutputTexel(vec4(radiance, 1.0));
+}
+`;
