@@ -4,6 +4,9 @@ use super::scene::{Camera, Frame};
 use super::vector::{cross, subtract};
 use brdfc_formats::direction::{Vector, dot, normalize};
 
+/// From corners to pixels in a shader.
+pub const CORNER_WGSL: &str = include_str!("corner.wgsl");
+
 impl Camera {
     /// Unit vectors to the right, upwards and forwards in the image.
     ///

@@ -96,8 +96,8 @@ fn controls(title: &str, data: &PageData) -> Markup {
                 button type="button" #save { "Save the picture" }
             }
             p.soft {
-                "Shift or the right button drags the light; the wheel, + and - go nearer and farther; arrow keys turn, with Shift they \
-                 move the light."
+                "Shift or the right button drags the light; the wheel, two fingers, + and - go nearer and farther; arrow keys turn, \
+                 with Shift they move the light."
             }
             div #facts {}
             @if several { p.soft { "ΔE is the colour difference CIE76 of what a display shows; about 1 is just visible." } }

@@ -73,8 +73,8 @@ fn drawing(decoder: Decoder) -> Result<Program, ViewError> {
         Decoder::Pwt => include_str!("shaders/pwt.wgsl"),
         Decoder::Bandwidth | Decoder::Importance => unreachable!("no item has it"),
     };
-    let frame = brdfc_render::shading_point::SHADING_POINT_WGSL;
-    let source = [&decoder.wgsl(), of_kind, frame, include_str!("shaders/shade.wgsl")].join("\n");
+    let (frame, corner) = (brdfc_render::shading_point::SHADING_POINT_WGSL, brdfc_render::camera::CORNER_WGSL);
+    let source = [&decoder.wgsl(), of_kind, frame, corner, include_str!("shaders/shade.wgsl")].join("\n");
     program(&source, "project", "shade").map_err(ViewError::Shader)
 }
 

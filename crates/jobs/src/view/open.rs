@@ -19,7 +19,7 @@ use std::path::Path;
 
 /// What can be drawn.
 const ALLOWED: &str = "a table or wavelet pack, the folder or the .json of a flat BTF, a pack of 'brdfc pwt', the folder of a \
-                       build, or a material";
+                       build, or a material; several of them by their names";
 
 /// What else a page draws.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,6 +56,11 @@ fn build_folder(path: &Path) -> Option<&Path> {
     path.join(REPORT).is_file().then_some(path)
 }
 
+fn has_packs(folder: &Path) -> bool {
+    let is_pack = |entry: std::fs::DirEntry| entry.path().extension().is_some_and(|extension| extension == "ktx2");
+    std::fs::read_dir(folder).is_ok_and(|entries| entries.flatten().any(|entry| is_pack(entry)))
+}
+
 /// A name that no other item has.
 fn unlike(items: &[ViewItem], name: String) -> String {
     let is_taken = |name: &str| items.iter().any(|item| item.name == name);
@@ -80,7 +85,8 @@ fn of_input(input: &Input, progress: &dyn Progress) -> Result<ViewItem, ViewErro
             return Err(ViewError::refused(&input.to_string(), "a light stack", allowed));
         }
         if path.is_dir() {
-            return Err(ViewError::refused(&input.to_string(), "a folder", ALLOWED));
+            let found = if has_packs(path) { "a folder of packs without the report of a build" } else { "a folder" };
+            return Err(ViewError::refused(&input.to_string(), found, ALLOWED));
         }
     }
     if input.extension()? != "ktx2" {

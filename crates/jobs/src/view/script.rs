@@ -1,7 +1,8 @@
 //! The script of a page: modules that stand in one scope.
 
 /// In the order in which they use each other. What uploads textures is the package for the web's.
-const MODULES: [&str; 8] = [
+const MODULES: [&str; 11] = [
+    include_str!("page/state.js"),
     include_str!("page/data.js"),
     include_str!("page/colour.js"),
     include_str!("page/camera.js"),
@@ -9,6 +10,8 @@ const MODULES: [&str; 8] = [
     include_str!("page/webgl.js"),
     include_str!("../../../../bindings/web/src/upload_webgpu.js"),
     include_str!("page/webgpu.js"),
+    include_str!("page/drawing.js"),
+    include_str!("page/controls.js"),
     include_str!("page/main.js"),
 ];
 

@@ -65,6 +65,11 @@ export class WebGl {
         return { program, check, textures };
     }
 
+    /** What shows both pictures. */
+    showing(program) {
+        return this.program(program);
+    }
+
     mesh({ corners, indices }) {
         const { gl } = this;
         const array = gl.createVertexArray();

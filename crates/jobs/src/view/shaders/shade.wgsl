@@ -1,10 +1,5 @@
 // Draws a mesh of one material under point lights, as the scenes of `brdfc render` are. Appended to a decoder, to what a page
-// says of its kind (`placed`, `level_at`, `reflected`), and to `shading_point.wgsl` of the renderer.
-
-struct PointLight {
-    position: vec4<f32>,
-    intensity: vec4<f32>, // W/sr
-}
+// says of its kind (`placed`, `level_at`, `reflected`), and to the renderer's `shading_point.wgsl` and `corner.wgsl`.
 
 struct View {
     eye: vec4<f32>,
@@ -25,31 +20,11 @@ struct View {
 
 @group(0) @binding(0) var<uniform> view: View;
 
-const NEAR: f32 = 0.01;
 const PI: f32 = 3.14159274;
 
-struct Corner {
-    @location(0) position: vec3<f32>,
-    @location(1) normal: vec3<f32>,
-    @location(2) tangent: vec3<f32>,
-    @location(3) uv: vec2<f32>,
-}
-
-struct Varying {
-    @builtin(position) clip: vec4<f32>,
-    @location(0) position: vec3<f32>,
-    @location(1) normal: vec3<f32>,
-    @location(2) tangent: vec3<f32>,
-    @location(3) uv: vec2<f32>,
-}
-
-// Pinhole projection with reversed, infinite depth.
 @vertex
 fn project(corner: Corner) -> Varying {
-    let r = corner.position - view.eye.xyz;
-    let w = dot(view.forward.xyz, r);
-    let clip = vec4<f32>(dot(view.right.xyz, r), dot(view.up.xyz, r), NEAR, w);
-    return Varying(clip, corner.position, corner.normal, corner.tangent, corner.uv);
+    return projected(corner, view.eye.xyz, view.right.xyz, view.up.xyz, view.forward.xyz, vec2<f32>(0.0));
 }
 
 // Linear radiance and coverage. What is seen or lit from where the material was not made for is left out.

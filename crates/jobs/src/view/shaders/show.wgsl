@@ -11,7 +11,7 @@ struct Show {
 }
 
 const PICTURES: u32 = 0u;
-const COLOURS: u32 = 1u; // of the difference
+const COLOURS: u32 = 1u; // of the difference, on the background where not both show a surface
 const DELTA_E: u32 = 2u; // in red; in alpha 1 where both show a surface
 const RADIANCE: u32 = 3u; // of the last picture; in alpha its coverage, 0 where not all show a surface
 
@@ -57,7 +57,7 @@ fn show(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
     if parameters.what == DELTA_E {
         return vec4<f32>(delta_e, 0.0, select(0.0, 1.0, a.a > 0.0 || b.a > 0.0), select(0.0, 1.0, is_both));
     }
-    return vec4<f32>(heat(delta_e / FULL_SCALE), 1.0);
+    return vec4<f32>(select(encoded(parameters.background), heat(delta_e / FULL_SCALE), is_both), 1.0);
 }
 
 // The transfer curve of sRGB.

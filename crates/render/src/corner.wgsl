@@ -1,0 +1,33 @@
+// The way from a mesh's corners to pixels; the CPU twin is `camera.rs`.
+
+struct PointLight {
+    position: vec4<f32>,
+    intensity: vec4<f32>, // W/sr
+}
+
+const NEAR: f32 = 0.01;
+
+struct Corner {
+    @location(0) position: vec3<f32>,
+    @location(1) normal: vec3<f32>,
+    @location(2) tangent: vec3<f32>,
+    @location(3) uv: vec2<f32>,
+}
+
+struct Varying {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) position: vec3<f32>,
+    @location(1) normal: vec3<f32>,
+    @location(2) tangent: vec3<f32>,
+    @location(3) uv: vec2<f32>,
+}
+
+// Pinhole projection with reversed, infinite depth. `right` and `up` are divided by half the width and height of the image plane at
+// distance 1; `shift` is of the image, in clip space.
+fn projected(corner: Corner, eye: vec3<f32>, right: vec3<f32>, up: vec3<f32>, forward: vec3<f32>, shift: vec2<f32>) -> Varying {
+    let r = corner.position - eye;
+    let w = dot(forward, r);
+    let at = vec2<f32>(dot(right, r), dot(up, r)) + shift * w;
+    return Varying(vec4<f32>(at, NEAR, w), corner.position, corner.normal, corner.tangent, corner.uv);
+}
+
