@@ -71,12 +71,12 @@ class Material:
     """A measured file, a model or a pack: f_r at direction pairs."""
 
     def eval(self, wi: ArrayLike, wo: ArrayLike, lod: Union[float, None] = None) -> NDArray[np.float32]:
-        """f_r at N direction pairs, in 1/sr, linear RGB (Rec. 709): float32 of shape (N, 3).
+        """f_r at direction pairs, in 1/sr, linear RGB (Rec. 709): float32 of shape (..., 3).
 
         wi (to the light) and wo (to the viewer) are unit vectors in the frame x = tangent, y = bitangent, z = normal, of
-        shape (N, 3). Lengths may be off by 1 %. Values are 0 where a direction is at or below the horizon; those of
-        measurements may be slightly negative. lod is the level of detail of a pack: 0, the coarsest, to `levels`, the
-        finest, which is taken without it.
+        shape (..., 3); shapes are brought together as by NumPy's own functions. Lengths may be off by 1 %. Values are 0
+        where a direction is at or below the horizon; those of measurements may be slightly negative. lod is the level of
+        detail of a pack: 0, the coarsest, to `levels`, the finest, which is taken without it.
 
         Raises ValueError for other shapes, vectors of other lengths, and levels that there are not.
         """
@@ -115,11 +115,12 @@ class Relightable:
     def eval(
         self, uv: ArrayLike, wi: ArrayLike, wo: Union[ArrayLike, None] = None, lod: Union[float, None] = None
     ) -> NDArray[np.float32]:
-        """Linear RGB, 1 is white, at N places: float32 of shape (N, 3).
+        """Linear RGB, 1 is white, at places: float32 of shape (..., 3).
 
-        uv, of shape (N, 2), is 0 to 1, across and down, and goes on beyond. wi (to the light) and wo (to the viewer, for
-        flat BTFs alone) are unit vectors as those of `Material.eval`, of shape (N, 3). lod is the level of detail: 0, the
-        coarsest, to `levels`, the finest, which is taken without it.
+        uv, of shape (..., 2), is 0 to 1, across and down, and goes on beyond. wi (to the light) and wo (to the viewer, for
+        flat BTFs alone) are unit vectors as those of `Material.eval`, of shape (..., 3); shapes are brought together as by
+        NumPy's own functions. lod is the level of detail: 0, the coarsest, to `levels`, the finest, which is taken without
+        it.
 
         Raises ValueError for other shapes, vectors of other lengths, levels that there are not, and where wo is missing.
         """

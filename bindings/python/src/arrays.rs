@@ -2,67 +2,128 @@
 
 use super::errors::wrong;
 use brdfc_formats::direction::{Vector, dot};
-use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
+use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 
-/// Rows of `K` numbers from whatever NumPy makes an array of: float32 is widened, integers become float64.
-///
-/// # Errors
-/// ValueError: no real numbers, another shape than (N, K), numbers that are not finite.
-pub fn rows<const K: usize>(name: &str, numbers: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; K]>> {
-    let array = numbers.py().import("numpy")?.call_method1("asarray", (numbers,))?;
-    let dtype = array.getattr("dtype")?;
-    let kind: String = dtype.getattr("kind")?.extract()?;
-    if !["f", "i", "u"].contains(&kind.as_str()) {
-        return Err(wrong(name, format!("an array of {dtype}"), "real numbers"));
-    }
-    let shape: Vec<usize> = array.getattr("shape")?.extract()?;
-    if shape.len() != 2 || shape[1] != K {
-        let axes: Vec<String> = shape.iter().map(usize::to_string).collect();
-        return Err(wrong(name, format!("an array of shape ({})", axes.join(", ")), format!("(N, {K})")));
-    }
-    let rows: Vec<[f64; K]> = if let Ok(single) = array.extract::<PyReadonlyArray2<'_, f32>>() {
-        single.as_array().rows().into_iter().map(|row| std::array::from_fn(|k| f64::from(row[k]))).collect()
-    } else {
-        let array = array.call_method1("astype", ("float64",))?;
-        let double = array.extract::<PyReadonlyArray2<'_, f64>>()?;
-        double.as_array().rows().into_iter().map(|row| std::array::from_fn(|k| row[k])).collect()
-    };
-    match rows.iter().enumerate().find(|(_, row)| row.iter().any(|number| !number.is_finite())) {
-        Some((at, row)) => Err(wrong(format!("{name}, row {at}"), format!("{row:?}"), "finite numbers")),
-        None => Ok(rows),
-    }
+/// An argument of vectors of `axes` numbers each: an array of shape (..., `axes`), a single vector being one of shape (`axes`).
+pub struct Argument<'py> {
+    name: &'static str,
+    array: Bound<'py, PyAny>,
+    axes: usize,
+    /// Without the last one.
+    shape: Vec<usize>,
 }
 
-/// Directions of an array of shape (N, 3), brought to length 1. Lengths may be off by 1 %, as those of the lists that
-/// `brdfc eval` reads.
-///
-/// # Errors
-/// As [`rows`]; ValueError of other lengths, with the row.
-pub fn directions(name: &str, numbers: &Bound<'_, PyAny>) -> PyResult<Vec<Vector>> {
-    let unit = |(row, v): (usize, Vector)| {
-        let length = dot(v, v).sqrt();
-        if (0.99..=1.01).contains(&length) {
-            return Ok(v.map(|c| c / length));
+impl<'py> Argument<'py> {
+    /// Whatever NumPy makes an array of.
+    ///
+    /// # Errors
+    /// ValueError: no real numbers, hidden ones, another last axis.
+    pub fn new(name: &'static str, numbers: &Bound<'py, PyAny>, axes: usize) -> PyResult<Self> {
+        let numpy = numbers.py().import("numpy")?;
+        let masked = numpy.getattr("ma")?;
+        if numbers.is_instance(&masked.getattr("MaskedArray")?)?
+            && masked.call_method1("is_masked", (numbers,))?.is_truthy()?
+        {
+            return Err(wrong(name, "masked numbers", "none: leave out or fill what is masked"));
         }
-        Err(wrong(format!("{name}, row {row}"), format!("a vector of length {length:.4}"), "unit vectors"))
-    };
-    rows(name, numbers)?.into_iter().enumerate().map(unit).collect()
-}
-
-/// Holds the number of rows of an argument against that of another.
-///
-/// # Errors
-/// ValueError where they differ.
-pub fn check_rows(name: &str, found: usize, other: &str, allowed: usize) -> PyResult<()> {
-    if found == allowed {
-        return Ok(());
+        let array = numpy.call_method1("asarray", (numbers,))?;
+        let dtype = array.getattr("dtype")?;
+        let kind: String = dtype.getattr("kind")?.extract()?;
+        if !["f", "i", "u"].contains(&kind.as_str()) {
+            return Err(wrong(name, format!("an array of {dtype}"), "real numbers"));
+        }
+        let mut shape: Vec<usize> = array.getattr("shape")?.extract()?;
+        if shape.pop() != Some(axes) {
+            let found = array.getattr("shape")?;
+            return Err(wrong(name, format!("an array of shape {found}"), format!("(..., {axes})")));
+        }
+        Ok(Self { name, array, axes, shape })
     }
-    Err(wrong(name, format!("{found} rows"), format!("{allowed}, as {other} has")))
+
+    /// The shape that all arguments are brought to, by the rules of NumPy, without the last axis.
+    ///
+    /// # Errors
+    /// ValueError where one does not go with those before it.
+    pub fn common_shape(all: &[&Self]) -> PyResult<Vec<usize>> {
+        let mut common: Vec<usize> = Vec::new();
+        for (number, argument) in all.iter().enumerate() {
+            let (shape, count) = (&argument.shape, common.len().max(argument.shape.len()));
+            // Axes are counted from the last one; those that are not there are 1.
+            let side = |sides: &[usize], k: usize| (k + sides.len()).checked_sub(count).map_or(1, |at| sides[at]);
+            let together = (0..count).map(|k| match (side(&common, k), side(shape, k)) {
+                (a, 1) => Some(a),
+                (1, b) => Some(b),
+                (a, b) => (a == b).then_some(a),
+            });
+            common = together.collect::<Option<_>>().ok_or_else(|| {
+                let others: Vec<String> = all[..number].iter().map(|other| other.told()).collect();
+                let allowed = format!("one that goes with {}", others.join(" and "));
+                wrong(argument.name, format!("an array of shape {}", argument.told_shape()), allowed)
+            })?;
+        }
+        Ok(common)
+    }
+
+    /// Its vectors, repeated to a common shape; float32 is widened, integers become float64.
+    ///
+    /// # Errors
+    /// ValueError: numbers that are not finite.
+    pub fn rows<const K: usize>(&self, common: &[usize]) -> PyResult<Vec<[f64; K]>> {
+        let numpy = self.array.py().import("numpy")?;
+        let whole: Vec<usize> = common.iter().copied().chain([K]).collect();
+        let spread = numpy.call_method1("broadcast_to", (&self.array, whole))?;
+        // Not -1, which arrays without elements do not have.
+        let flat = spread.call_method1("reshape", ((common.iter().product::<usize>(), K),))?;
+        let rows: Vec<[f64; K]> = if let Ok(single) = flat.extract::<PyReadonlyArray2<'_, f32>>() {
+            single.as_array().rows().into_iter().map(|row| std::array::from_fn(|k| f64::from(row[k]))).collect()
+        } else {
+            let flat = flat.call_method1("astype", ("float64",))?;
+            let double = flat.extract::<PyReadonlyArray2<'_, f64>>()?;
+            double.as_array().rows().into_iter().map(|row| std::array::from_fn(|k| row[k])).collect()
+        };
+        match rows.iter().enumerate().find(|(_, row)| row.iter().any(|number| !number.is_finite())) {
+            Some((at, row)) => Err(wrong(self.row(at), format!("{row:?}"), "finite numbers")),
+            None => Ok(rows),
+        }
+    }
+
+    /// Its vectors as directions, brought to length 1. Lengths may be off by 1 %, as those of the lists that `brdfc eval`
+    /// reads.
+    ///
+    /// # Errors
+    /// As [`Self::rows`]; ValueError of other lengths, with the row.
+    pub fn directions(&self, common: &[usize]) -> PyResult<Vec<Vector>> {
+        let unit = |(row, v): (usize, Vector)| {
+            let length = dot(v, v).sqrt();
+            if (0.99..=1.01).contains(&length) {
+                return Ok(v.map(|c| c / length));
+            }
+            Err(wrong(self.row(row), format!("a vector of length {length:.4}"), "unit vectors"))
+        };
+        self.rows(common)?.into_iter().enumerate().map(unit).collect()
+    }
+
+    fn row(&self, at: usize) -> String {
+        format!("{}, row {at}", self.name)
+    }
+
+    fn told(&self) -> String {
+        format!("{} of {}", self.told_shape(), self.name)
+    }
+
+    fn told_shape(&self) -> String {
+        let sides: Vec<String> = self.shape.iter().chain([&self.axes]).map(usize::to_string).collect();
+        if sides.len() == 1 { format!("({},)", sides[0]) } else { format!("({})", sides.join(", ")) }
+    }
 }
 
-/// An array of shape (N, 3).
-pub fn colours<'py>(py: Python<'py>, values: Vec<[f32; 3]>) -> PyResult<Bound<'py, PyArray2<f32>>> {
-    let count = values.len();
-    PyArray1::from_vec(py, values.into_flattened()).reshape([count, 3])
+/// An array of these vectors, of shape (..., 3).
+pub fn colours<'py>(
+    py: Python<'py>,
+    values: Vec<[f32; 3]>,
+    common: &[usize],
+) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+    let shape: Vec<usize> = common.iter().copied().chain([3]).collect();
+    PyArray1::from_vec(py, values.into_flattened()).reshape(shape)
 }

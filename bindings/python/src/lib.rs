@@ -9,6 +9,7 @@ mod errors;
 mod fields;
 mod material;
 mod relightable;
+mod threads;
 
 use pyo3::pymodule;
 
@@ -20,6 +21,7 @@ mod brdfc {
     use crate::material::Material;
     #[pymodule_export]
     use crate::relightable::Relightable;
+    use crate::threads::threads;
     use brdfc_source::Input;
     use pyo3::prelude::*;
     use std::path::PathBuf;
@@ -35,11 +37,12 @@ mod brdfc {
     #[pyfunction]
     fn open<'py>(py: Python<'py>, input: PathBuf) -> PyResult<Bound<'py, PyAny>> {
         let input = input.to_str().map_or_else(|| Input::from(&input), Input::from);
-        let opened = py.detach(|| brdfc_jobs::pwt::Relightable::open(&input)).map_err(of_input)?;
+        let threads = threads(py)?;
+        let opened = py.detach(|| threads.install(|| brdfc_jobs::pwt::Relightable::open(&input))).map_err(of_input)?;
         if let Some(relightable) = opened {
             return Ok(Bound::new(py, Relightable::new(relightable))?.into_any());
         }
-        let material = py.detach(|| Material::open(&input)).map_err(of_input)?;
+        let material = py.detach(|| threads.install(|| Material::open(&input))).map_err(of_input)?;
         Ok(Bound::new(py, material)?.into_any())
     }
 }

@@ -1,8 +1,9 @@
 //! Whatever has values at direction pairs.
 
-use super::arrays::{check_rows, colours, directions};
+use super::arrays::{Argument, colours};
 use super::errors::wrong;
 use super::fields;
+use super::threads::threads;
 use brdfc_formats::BrdfPack;
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::table::{TableDecoder, TablePack};
@@ -11,7 +12,7 @@ use brdfc_source::open::{Facts, Opened, open};
 use brdfc_source::pack::{open_brdf_pack, opened};
 use brdfc_source::words::shown;
 use brdfc_source::{Input, InputError, Source, Tally};
-use numpy::PyArray2;
+use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::prelude::*;
@@ -82,12 +83,12 @@ impl Material {
 
 #[pymethods]
 impl Material {
-    /// f_r at N direction pairs, in 1/sr, linear RGB (Rec. 709): float32 of shape (N, 3).
+    /// f_r at direction pairs, in 1/sr, linear RGB (Rec. 709): float32 of shape (..., 3).
     ///
     /// wi (to the light) and wo (to the viewer) are unit vectors in the frame x = tangent, y = bitangent, z = normal, of
-    /// shape (N, 3). Lengths may be off by 1 %. Values are 0 where a direction is at or below the horizon; those of
-    /// measurements may be slightly negative. lod is the level of detail of a pack: 0, the coarsest, to `levels`, the
-    /// finest, which is taken without it.
+    /// shape (..., 3); shapes are brought together as by NumPy's own functions. Lengths may be off by 1 %. Values are 0 where
+    /// a direction is at or below the horizon; those of measurements may be slightly negative. lod is the level of detail of a
+    /// pack: 0, the coarsest, to `levels`, the finest, which is taken without it.
     ///
     /// Raises ValueError for other shapes, vectors of other lengths, and levels that there are not.
     #[pyo3(signature = (wi, wo, lod = None))]
@@ -97,19 +98,20 @@ impl Material {
         wi: &Bound<'py, PyAny>,
         wo: &Bound<'py, PyAny>,
         lod: Option<f32>,
-    ) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        let (incoming, outgoing) = (directions("wi", wi)?, directions("wo", wo)?);
-        check_rows("wo", outgoing.len(), "wi", incoming.len())?;
+    ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        let (wi, wo) = (Argument::new("wi", wi, 3)?, Argument::new("wo", wo, 3)?);
+        let shape = Argument::common_shape(&[&wi, &wo])?;
+        let (incoming, outgoing) = (wi.directions(&shape)?, wo.directions(&shape)?);
         let level = self.level(lod)?;
         let of_chunk = |(incoming, outgoing): (&[_], &[_])| {
             let mut tally = Tally::default();
             let pairs = incoming.iter().zip(outgoing).map(|(i, o)| DirectionPair::new(*i, *o));
             pairs.map(|pair| self.value(pair, level, &mut tally)).collect::<Vec<_>>()
         };
-        let values = py.detach(|| {
-            incoming.par_chunks(CHUNK).zip(outgoing.par_chunks(CHUNK)).flat_map_iter(of_chunk).collect::<Vec<_>>()
-        });
-        colours(py, values)
+        let all = || incoming.par_chunks(CHUNK).zip(outgoing.par_chunks(CHUNK)).flat_map_iter(of_chunk).collect();
+        let threads = threads(py)?;
+        let values: Vec<_> = py.detach(|| threads.install(all));
+        colours(py, values, &shape)
     }
 
     /// What it is: synth, merl, scan, rgl, table-pack or wavelet-pack.

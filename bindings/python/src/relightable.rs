@@ -1,10 +1,11 @@
 //! Whatever has values at places of a picture: polynomial wavelet trees and flat BTFs.
 
-use super::arrays::{check_rows, colours, directions, rows};
+use super::arrays::{Argument, colours};
 use super::errors::wrong;
+use super::threads::threads;
 use brdfc_formats::measured::scan_csv::TexelQuery;
 use brdfc_source::words::shown;
-use numpy::PyArray2;
+use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use rayon::prelude::*;
 
@@ -23,11 +24,12 @@ impl Relightable {
 
 #[pymethods]
 impl Relightable {
-    /// Linear RGB, 1 is white, at N places: float32 of shape (N, 3).
+    /// Linear RGB, 1 is white, at places: float32 of shape (..., 3).
     ///
-    /// uv, of shape (N, 2), is 0 to 1, across and down, and goes on beyond. wi (to the light) and wo (to the viewer, for
-    /// flat BTFs alone) are unit vectors as those of `Material.eval`, of shape (N, 3). lod is the level of detail: 0, the
-    /// coarsest, to `levels`, the finest, which is taken without it.
+    /// uv, of shape (..., 2), is 0 to 1, across and down, and goes on beyond. wi (to the light) and wo (to the viewer, for
+    /// flat BTFs alone) are unit vectors as those of `Material.eval`, of shape (..., 3); shapes are brought together as by
+    /// NumPy's own functions. lod is the level of detail: 0, the coarsest, to `levels`, the finest, which is taken without
+    /// it.
     ///
     /// Raises ValueError for other shapes, vectors of other lengths, levels that there are not, and where wo is missing.
     #[pyo3(signature = (uv, wi, wo = None, lod = None))]
@@ -38,16 +40,21 @@ impl Relightable {
         wi: &Bound<'py, PyAny>,
         wo: Option<&Bound<'py, PyAny>>,
         lod: Option<f32>,
-    ) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        let (places, incoming) = (rows::<2>("uv", uv)?, directions("wi", wi)?);
-        check_rows("wi", incoming.len(), "uv", places.len())?;
-        let outgoing = match (wo, self.has_views()) {
-            (Some(wo), true) => directions("wo", wo)?,
-            (None, false) => vec![[0.0, 0.0, 1.0]; places.len()],
+    ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        let (uv, wi) = (Argument::new("uv", uv, 2)?, Argument::new("wi", wi, 3)?);
+        let wo = match (wo, self.has_views()) {
+            (Some(wo), true) => Some(Argument::new("wo", wo, 3)?),
+            (None, false) => None,
             (None, true) => return Err(wrong("wo", "nothing", "directions to the viewer, of a flat BTF")),
             (Some(_), false) => return Err(wrong("wo", "directions", "none: it is a picture of one view")),
         };
-        check_rows("wo", outgoing.len(), "uv", places.len())?;
+        let all: Vec<&Argument<'_>> = [&uv, &wi].into_iter().chain(&wo).collect();
+        let shape = Argument::common_shape(&all)?;
+        let (places, incoming) = (uv.rows::<2>(&shape)?, wi.directions(&shape)?);
+        let outgoing = match &wo {
+            Some(wo) => wo.directions(&shape)?,
+            None => vec![[0.0, 0.0, 1.0]; places.len()],
+        };
         let finest = self.levels() as f32;
         let level = lod.unwrap_or(finest);
         if !(0.0..=finest).contains(&level) {
@@ -56,8 +63,10 @@ impl Relightable {
         let value = |((uv, incoming), outgoing): ((&[f64; 2], &[f64; 3]), &[f64; 3])| {
             self.inner.value(&TexelQuery { uv: *uv, incoming: *incoming, outgoing: *outgoing }, level)
         };
-        let values = py.detach(|| places.par_iter().zip(&incoming).zip(&outgoing).map(value).collect::<Vec<_>>());
-        colours(py, values)
+        let all = || places.par_iter().zip(&incoming).zip(&outgoing).map(value).collect();
+        let threads = threads(py)?;
+        let values: Vec<_> = py.detach(|| threads.install(all));
+        colours(py, values, &shape)
     }
 
     /// What it is: pwt or flat-btf.

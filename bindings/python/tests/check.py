@@ -3,6 +3,7 @@
 Exits with 1 where anything differs. BRDFC names the program, ROOT the repository.
 """
 
+import multiprocessing
 import os
 import subprocess
 import sys
@@ -128,10 +129,32 @@ def check_arrays(random):
     single = wi.astype(np.float32), wo.astype(np.float32)
     check("float32 is widened", same_bits(material.eval(*single), material.eval(*(v.astype(np.float64) for v in single))))
     check("integers", same_bits(material.eval([[0, 0, 1]], [[0, 0, 1]]), material.eval([[0.0, 0.0, 1.0]], [[0.0, 0.0, 1.0]])))
+    grid = material.eval(wi.reshape(20, 50, 3), wo.reshape(20, 50, 3))
+    check("any shape", same_bits(grid.reshape(-1, 3), expected) and grid.shape == (20, 50, 3))
+    check("a single pair", same_bits(material.eval(wi[7], wo[7]), expected[7]))
+    table = material.eval(wi[:20, None], wo[None, :30])
+    check("shapes are brought together", table.shape == (20, 30, 3) and same_bits(table[7], material.eval(wi[7], wo[:30])))
+    check("a masked array that masks nothing", same_bits(material.eval(np.ma.array(wi), wo), expected))
     check("no pairs", material.eval(np.zeros((0, 3)), np.zeros((0, 3))).shape == (0, 3))
     below = (wi[:, 2] <= 0.0) | (wo[:, 2] <= 0.0)
     check("below the horizon", below.any() and not expected[below].any() and expected[~below].all())
     check("lengths within 1 %", np.allclose(material.eval(1.005 * wi, wo), expected, rtol=1e-5))
+
+
+def check_processes(random):
+    """Forked processes evaluate, too, and open files, although this one has had threads."""
+    paint, wi = os.path.join(DEMO, "blue_paint.brdf"), directions(random, 1000, 0.0)
+    expected = brdfc.open(paint).eval(wi, wi[::-1])
+    with multiprocessing.get_context("fork").Pool(2) as pool:
+        try:
+            found = pool.starmap_async(opened_and_evaluated, [(paint, wi)] * 4).get(timeout=60)
+        except multiprocessing.TimeoutError:
+            found = []
+    check("forked processes", len(found) == 4 and all(same_bits(values, expected) for values in found))
+
+
+def opened_and_evaluated(name, wi):
+    return brdfc.open(name).eval(wi, wi[::-1])
 
 
 def check_facts(folder):
@@ -171,9 +194,12 @@ def check_errors(folder):
     material, pack = brdfc.open("synth:lambert"), brdfc.open(os.path.join(folder, "ggx.ktx2"))
     up = [[0.0, 0.0, 1.0]]
     calls = {
-        "wi: found an array of shape (3); allowed (N, 3)": lambda: material.eval(up[0], up),
-        "wo: found an array of shape (1, 2); allowed (N, 3)": lambda: material.eval(up, [[0.0, 1.0]]),
-        "wo: found 2 rows; allowed 1, as wi has": lambda: material.eval(up, up * 2),
+        "wi: found an array of shape (); allowed (..., 3)": lambda: material.eval(1.0, up),
+        "wo: found an array of shape (1, 2); allowed (..., 3)": lambda: material.eval(up, [[0.0, 1.0]]),
+        "wo: found an array of shape (3, 3); allowed one that goes with (2, 3) of wi": lambda: material.eval(up * 2, up * 3),
+        "wi: found masked numbers; allowed none: leave out or fill what is masked": lambda: material.eval(
+            np.ma.masked_less(up, 0.5), up
+        ),
         "wi, row 1: found a vector of length 1.7321; allowed unit vectors": lambda: material.eval(up + [[1, 1, 1]], up * 2),
         "wi, row 0: found [NaN, 0.0, 1.0]; allowed finite numbers": lambda: material.eval([[np.nan, 0, 1]], up),
         "wi: found an array of complex128; allowed real numbers": lambda: material.eval([[0, 0, 1j]], up),
@@ -212,6 +238,7 @@ def main():
         check_values(folder, random)
         check_places(folder, random)
         check_arrays(random)
+        check_processes(random)
         check_facts(folder)
         check_errors(folder)
         check_speed(folder, random)
