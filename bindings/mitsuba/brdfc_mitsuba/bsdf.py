@@ -10,6 +10,10 @@ from .table import TableDecoder
 from .wavelet import WaveletDecoder
 
 
+def is_number(value):
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
 def pack_bsdf():
     """The class of BSDFs of the variant that is set: each has a base class of its own."""
 
@@ -35,10 +39,12 @@ def pack_bsdf():
             if not isinstance(material, brdfc.Material):
                 raise ValueError(f"{self.name}: pack: found a {material.kind}; allowed a table or wavelet pack")
             pack = material.pack()
-            lod = float(props["lod"]) if "lod" in props else None
-            if lod is not None and not 0.0 <= lod <= material.levels:
-                raise ValueError(f"{self.name}: lod: found {lod:g}; allowed 0 to {material.levels}, the pack's levels")
-            self.exchanged = bool(props["exchanged"]) if "exchanged" in props else False
+            lod = props["lod"] if "lod" in props else None
+            if lod is not None and not (is_number(lod) and 0.0 <= lod <= material.levels):
+                raise ValueError(f"{self.name}: lod: found {lod}; allowed 0 to {material.levels}, the pack's levels")
+            self.exchanged = props["exchanged"] if "exchanged" in props else False
+            if not isinstance(self.exchanged, bool):
+                raise ValueError(f"{self.name}: exchanged: found {self.exchanged}; allowed true or false")
             self.decoder = (TableDecoder if pack["kind"] == "table" else WaveletDecoder)(pack, lod)
 
             def of_drawn(drawn, given):
