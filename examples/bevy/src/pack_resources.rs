@@ -43,15 +43,20 @@ pub fn vectors<const N: usize>(bytes: &[u8]) -> [UVec4; N] {
     all
 }
 
-/// An image of these texels, for a device with these features. Its sampler is linear; it repeats or is clamped to the edge.
+/// An image of these texels, for a device with these features. Its sampler is linear; it repeats or is clamped to the edge. Where the
+/// device lacks 16-bit integers, they become floats.
 ///
 /// # Errors
-/// Where the device lacks the format.
-pub fn pack_image(texels: Texels, repeats: bool, features: WgpuFeatures) -> Result<Image, PackError> {
-    let format = texture_format(texels.format);
-    if !features.contains(format.required_features()) {
-        return Err(PackError::Texels(format));
+/// Where the device lacks the format, and samplers that filter floats in its place.
+pub fn pack_image(mut texels: Texels, repeats: bool, features: WgpuFeatures) -> Result<Image, PackError> {
+    let stored = texture_format(texels.format);
+    if !features.contains(stored.required_features()) {
+        texels = texels.widened();
+        if texture_format(texels.format) == stored || !features.contains(WgpuFeatures::FLOAT32_FILTERABLE) {
+            return Err(PackError::Texels(stored));
+        }
     }
+    let format = texture_format(texels.format);
     let (dimension, [width, height, depth_or_array_layers]) = match texels.extent {
         Extent::D2([width, height]) => (TextureDimension::D2, [width, height, 1]),
         Extent::D2Array(size) => (TextureDimension::D2, size),
@@ -96,5 +101,27 @@ fn texture_format(format: TexelFormat) -> TextureFormat {
         TexelFormat::Rgba32Uint => TextureFormat::Rgba32Uint,
         TexelFormat::Rgb9E5 => TextureFormat::Rgb9e5Ufloat,
         TexelFormat::Rgb10A2Unorm => TextureFormat::Rgb10a2Unorm,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn integers_of_16_bits_become_floats_where_a_device_lacks_them() {
+        let texels = || Texels {
+            format: TexelFormat::R16Unorm,
+            extent: Extent::D3([2, 1, 1]),
+            levels: 1,
+            bytes: vec![0, 0, 255, 255],
+        };
+        let format = |features| pack_image(texels(), false, features).map(|image| image.texture_descriptor.format);
+        let (sixteen, floats) = (WgpuFeatures::TEXTURE_FORMAT_16BIT_NORM, WgpuFeatures::FLOAT32_FILTERABLE);
+        assert_eq!(format(sixteen).unwrap(), TextureFormat::R16Unorm);
+        assert_eq!(format(floats).unwrap(), TextureFormat::Rgba32Float);
+        assert!(matches!(format(WgpuFeatures::empty()), Err(PackError::Texels(TextureFormat::R16Unorm))));
+        let image = pack_image(texels(), false, floats).unwrap();
+        assert_eq!(image.data.unwrap()[16..], [1.0f32; 4].map(f32::to_le_bytes).concat());
     }
 }
