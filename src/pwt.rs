@@ -349,11 +349,11 @@ fn in_words(report: &PwtReport, seconds: Seconds) -> String {
             table::percent(level.energy),
             level.degree.map_or("none".to_owned(), |degree| degree.to_string()),
             textures.map_or("-".to_owned(), |t| format!("{} x {}", t.size[0], t.size[1])),
-            textures.map_or("-".to_owned(), |t| format!("{} of {}", t.layers, t.channels)),
+            textures.map_or("-".to_owned(), |t| format!("{} x {}", t.layers, t.channels)),
         ]
     };
     let levels: Vec<Vec<String>> = report.levels.iter().map(level).collect();
-    text.push_str(&table::plain(&["level", "subbands", "energy", "degree", "texels", "layers"], &levels));
+    text.push_str(&table::plain(&["level", "subbands", "energy", "degree", "texels", "layers x channels"], &levels));
     text.push('\n');
     let held = report.held_out.as_ref();
     let row = vec![

@@ -13,6 +13,7 @@ use brdfc_formats::{BrdfPack, FormatError, Pack};
 use brdfc_importance::ImportanceFacts;
 use brdfc_jobs::flatten::{AssetFile, SurfaceFacts, describe_surface, open_asset};
 use brdfc_pwt::PwtFacts;
+use brdfc_shaders::DeviceNeeds;
 use brdfc_source::address::{SYNTH_PREFIX, split_query};
 use brdfc_source::btf_stack::has_images;
 use brdfc_source::flat_btf::{asset_of_part, check_flat_btf};
@@ -59,6 +60,9 @@ pub struct Report {
     /// What it is.
     #[serde(flatten)]
     contents: Contents,
+    /// Of packs: what a device has to offer.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    devices: Option<DeviceNeeds>,
 }
 
 /// What an input is, with reflectance or without.
@@ -110,7 +114,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     if let Some(facts) = relightable(input)? {
         let contents = Contents::Other(facts);
         return if common.json {
-            print_json(&Report { version: 1, contents })
+            print_json(&Report { version: 1, contents, devices: None })
         } else {
             print_lines(&contents_in_words(&contents))
         };
@@ -145,13 +149,12 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         Some(contents) => contents,
         None => reflectance(open(input, None).map_err(with_structures)?),
     };
+    let devices = if is_pack { Some(files::device_needs(input)?) } else { None };
     if common.json {
-        return print_json(&Report { version: 1, contents });
+        return print_json(&Report { version: 1, contents, devices });
     }
     let mut lines = contents_in_words(&contents);
-    if is_pack {
-        lines.push(("devices", files::device_needs(input)?.in_words()));
-    }
+    lines.extend(devices.map(|needs| ("devices", needs.in_words())));
     print_lines(&lines)
 }
 
