@@ -113,6 +113,14 @@ mod drawn {
         measured: Vec<Value>,
     }
 
+    /// A page as a browser shows it: a stage of this size, one interface, and a script behind its own.
+    fn looked_at(page: &str, [width, height]: [usize; 2], api: &str, script: &str) -> String {
+        let size = format!("<style>#stage {{ width: {width}px; height: {height}px }}</style>");
+        let hash = format!("<script>history.replaceState(null, '', '#api={api}&embed')</script>");
+        let page = page.replacen("</head>", &format!("{size}{hash}</head>"), 1);
+        page.replacen("</body>", &format!("<script type=\"module\">{script}</script></body>"), 1)
+    }
+
     fn seen(page: &str, api: &str, changes: &[Value]) -> Option<Seen> {
         let script = "
 const base64 = (bytes) => { let text = ''; for (const byte of bytes) { text += String.fromCharCode(byte); } return btoa(text); };
@@ -138,11 +146,8 @@ addEventListener('unhandledrejection', ({ reason }) => say(`error: ${reason?.nam
 })();
 ";
         let script = script.replace("CHANGES", &json!(changes).to_string());
-        let size = format!("<style>#stage {{ width: {SIDE}px; height: {SIDE}px }}</style>");
-        let hash = format!("<script>history.replaceState(null, '', '#api={api}&embed')</script>");
-        let looked_at = page.replacen("</head>", &format!("{size}{hash}</head>"), 1);
-        let looked_at = looked_at.replacen("</body>", &format!("<script type=\"module\">{script}</script></body>"), 1);
-        let posted = result_of_page(&[("", "text/html", looked_at.as_bytes())])?;
+        let page = looked_at(page, [SIDE; 2], api, &script);
+        let posted = result_of_page(&[("", "text/html", page.as_bytes())])?;
         let told: Value = serde_json::from_slice(&posted).unwrap_or_else(|_| {
             panic!("{}", String::from_utf8_lossy(&posted));
         });
@@ -235,6 +240,38 @@ addEventListener('unhandledrejection', ({ reason }) => say(`error: ${reason?.nam
         }
     }
 
+    /// A figure, not a check: how long a browser that was just started takes to the first picture of packs of 16 KiB. Ask for it by
+    /// `cargo test --release --features render --test suite first_pictures -- --ignored --show-output`.
+    #[test]
+    #[ignore = "a benchmark"]
+    fn first_pictures() {
+        let folder = Folder::new();
+        let red = brdfc_testing::testdata("demo/red_plastic.binary");
+        let size = ["--max-bytes", "16384"];
+        folder.run(&[&["encode", &red, "-o", "table.ktx2", "--codec", "table"][..], &size].concat()).succeeded();
+        folder.run(&[&["encode", &red, "-o", "factored.ktx2", "--codec", "factored"][..], &size].concat()).succeeded();
+        let ward = "synth:ward?kd=0.2,0.15,0.1&ax=0.1&ay=0.4";
+        folder.run(&[&["encode", ward, "-o", "anisotropic.ktx2", "--codec", "table"][..], &size].concat()).succeeded();
+        let script =
+            "const first = await brdfcView.first; await fetch('/result', { method: 'POST', body: String(first) });";
+        for pack in ["table", "factored", "anisotropic"] {
+            folder.run(&["view", &format!("{pack}.ktx2"), "-o", "view.html"]).succeeded();
+            for (api, name) in APIS {
+                let page = looked_at(&folder.text("view.html"), [696, 700], api, script);
+                let mut times = Vec::new();
+                for _ in 0..5 {
+                    let Some(posted) = result_of_page(&[("", "text/html", page.as_bytes())]) else { return };
+                    times.push(String::from_utf8(posted).unwrap().parse::<f64>().unwrap());
+                }
+                times.sort_by(f64::total_cmp);
+                println!(
+                    "view, {name}, {pack}: the first picture stood after {:.0} ms, {:.0} to {:.0}",
+                    times[2], times[0], times[4]
+                );
+            }
+        }
+    }
+
     /// What the page says of the difference of two packs is what pictures of both say.
     #[test]
     fn differences_are_those_of_the_pictures() {
@@ -298,7 +335,19 @@ addEventListener('unhandledrejection', ({ reason }) => say(`error: ${reason?.nam
                  new PointerEvent(name, { clientX: x, clientY: 100, bubbles: true, pointerId: 1, ...more }));
              event('pointerdown', 100, { buttons: 1 });
              event('pointermove', 150, { buttons: 1, shiftKey: true });
+             event('pointerup', 150, {});
              return brdfcView.state.light.yaw;"
+        );
+        let pinch = json!(
+            "const canvas = document.getElementById('canvas'); canvas.setPointerCapture = () => {};
+             const event = (name, pointerId, x) => canvas.dispatchEvent(
+                 new PointerEvent(name, { clientX: x, clientY: 100, bubbles: true, pointerId, buttons: 1, pointerType: 'touch' }));
+             const { zoom, turn } = brdfcView.state;
+             event('pointerdown', 7, 100); event('pointerdown', 8, 150); event('pointermove', 8, 200);
+             event('pointerup', 7, 100); event('pointerup', 8, 200);
+             const found = [brdfcView.state.zoom / zoom, brdfcView.state.turn.yaw - turn.yaw];
+             brdfcView.state.zoom = zoom;
+             return found;"
         );
         let point = json!(
             "await brdfcView.set({}); await brdfcView.measure();
@@ -313,15 +362,20 @@ addEventListener('unhandledrejection', ({ reason }) => say(`error: ${reason?.nam
             press("ArrowLeft"),
             press("+"),
             drag,
+            pinch,
+            press("-"),
             slider("stops", 0.0),
             point,
         ];
         let Some(found) = seen(&folder.text("view.html"), "webgl2", &changes) else { return };
-        let [split, stops, turned, nearer, lit, _, pointed] = &found.told[..] else { panic!("{:?}", found.told) };
+        let [split, stops, turned, nearer, lit, pinched, _, _, pointed] = &found.told[..] else {
+            panic!("{:?}", found.told)
+        };
         assert_eq!((split, stops), (&json!(0.25), &json!(1)));
         assert!(
             turned[0].as_f64().unwrap() > 0.05 && nearer[1].as_f64().unwrap() > 1.05 && lit.as_f64().unwrap() > 0.3
         );
+        assert_eq!(pinched, &json!([2, 0]));
         let here = pointed[0].as_str().unwrap();
         assert!(here.starts_with("ΔE here: ") && here[10..].trim().parse::<f64>().is_ok(), "{here}");
         // The rim of the ball, which one of both is not made for, does not count.

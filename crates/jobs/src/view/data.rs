@@ -21,14 +21,14 @@ pub(super) struct PageData {
 
 /// What draws.
 #[derive(Debug, Serialize)]
-pub(super) struct Programs<'a> {
-    /// Kinds of packs, by decoder.
-    pub of: BTreeMap<&'a str, Program>,
+pub(super) struct Programs {
+    /// Kinds of packs, by decoder; behind a comma, how it filters where that is not a sampler's.
+    pub of: BTreeMap<String, Program>,
     /// What shows what was drawn.
     pub show: Program,
 }
 
-impl Programs<'_> {
+impl Programs {
     /// As compressed JSON.
     pub(super) fn packed(&self) -> String {
         packed(&serde_json::to_vec(self).expect("programs are plain"))
@@ -123,6 +123,11 @@ impl PageItem {
     /// What it is called.
     pub(super) fn name(&self) -> &str {
         &self.name
+    }
+
+    /// Whether its texels are 32-bit floats that a sampler is declared for.
+    pub(super) fn is_wide(&self) -> bool {
+        self.wide
     }
 
     /// Bytes of its textures as they are uploaded.

@@ -23,6 +23,7 @@ use brdfc_shaders::{Decoder, Program, program};
 use data::{PageData, PageItem, Programs};
 use error::check_bytes;
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 /// A page, and what of it is not the packs' own.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -38,11 +39,18 @@ pub struct ViewPage {
 /// # Errors
 /// More textures than a page should hold; a shader that does not go into a language, which is a fault of this program.
 pub fn view_page(items: &[ViewItem]) -> Result<ViewPage, ViewError> {
-    let decoders: BTreeMap<&str, Decoder> = items.iter().map(|item| (item.decoder().name(), item.decoder())).collect();
-    let programs = decoders.into_iter().map(|(name, decoder)| Ok((name, drawing(decoder)?)));
-    let programs = programs.collect::<Result<BTreeMap<&str, Program>, ViewError>>()?;
     let scenes = scenes::of(items);
     let listed: Vec<PageItem> = items.iter().map(PageItem::new).collect();
+    let mut programs = BTreeMap::new();
+    for (item, listed) in items.iter().zip(&listed) {
+        for exact in if listed.is_wide() { &[false, true][..] } else { &[false] } {
+            let name =
+                if *exact { format!("{}, exact", item.decoder().name()) } else { item.decoder().name().to_owned() };
+            if let Entry::Vacant(entry) = programs.entry(name) {
+                entry.insert(drawing(item.decoder(), *exact)?);
+            }
+        }
+    }
     let mut texels = 0;
     for item in &listed {
         texels += item.texel_bytes();
@@ -64,10 +72,12 @@ fn title(items: &[ViewItem]) -> String {
     }
 }
 
-/// What draws a kind of pack.
-fn drawing(decoder: Decoder) -> Result<Program, ViewError> {
+/// What draws a kind of pack; `exact`: the shader filters wavelets. Each has one way in it: drivers compile, and some run, both sides
+/// of a branch.
+fn drawing(decoder: Decoder, exact: bool) -> Result<Program, ViewError> {
     let of_kind = match decoder {
         Decoder::Table => include_str!("shaders/table.wgsl"),
+        Decoder::Wavelet if exact => include_str!("shaders/wavelet_exact.wgsl"),
         Decoder::Wavelet => include_str!("shaders/wavelet.wgsl"),
         Decoder::FlatBtf => include_str!("shaders/flat_btf.wgsl"),
         Decoder::Pwt => include_str!("shaders/pwt.wgsl"),
@@ -100,8 +110,9 @@ mod tests {
 
     #[test]
     fn shaders_of_all_kinds_go_into_both_languages() {
-        for decoder in [Decoder::Table, Decoder::Wavelet, Decoder::FlatBtf, Decoder::Pwt] {
-            let made = drawing(decoder).unwrap();
+        let kinds = [Decoder::Table, Decoder::Wavelet, Decoder::FlatBtf, Decoder::Pwt].map(|decoder| (decoder, false));
+        for (decoder, exact) in kinds.into_iter().chain([(Decoder::Wavelet, true)]) {
+            let made = drawing(decoder, exact).unwrap();
             assert!(made.textures.iter().all(|texture| texture.group == 1) && !made.textures.is_empty());
             assert!(made.blocks.iter().any(|block| block.group == 0));
         }

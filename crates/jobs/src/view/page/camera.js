@@ -42,7 +42,7 @@ function around(camera, v, { yaw, pitch }) {
  *
  * @param scene the page's scene
  * @param item the page's material
- * @param view `turn`, `light`: { yaw, pitch }, `zoom`, `coarser`, `samples`, `samplerFilters`
+ * @param view `turn`, `light`: { yaw, pitch }, `zoom`, `coarser`, `samples`
  * @param {number} aspect width over height
  */
 export function viewBlock(scene, item, view, aspect) {
@@ -53,7 +53,7 @@ export function viewBlock(scene, item, view, aspect) {
     const { right, up, forward } = basis({ ...camera, eye, up: around(camera, camera.up, view.turn) });
     // What is high and narrow sees as much sideways as a square.
     const half = Math.tan((camera.fieldOfView * Math.PI) / 360) / Math.min(aspect, 1);
-    const block = new ArrayBuffer(112 + 32 * 8);
+    const block = new ArrayBuffer(96 + 32 * 8);
     const floats = new Float32Array(block);
     const words = new Uint32Array(block);
     floats.set(eye, 0);
@@ -64,10 +64,10 @@ export function viewBlock(scene, item, view, aspect) {
     // Of BRDFs the finest level is the last one, of textures the first.
     const level = item.finest > 0 ? Math.max(item.finest - view.coarser, 0) : view.coarser;
     floats.set([view.coarser === null ? -1 : level, Math.log2(view.samples), item.repeats[scene.name] ?? 1], 20);
-    words.set([view.samplerFilters ? 1 : 0, lights.length], 23);
+    words.set([lights.length], 23);
     lights.forEach(({ position, intensity }, k) => {
-        floats.set(place(position, view.light, 1), 28 + 8 * k);
-        floats.set(intensity, 32 + 8 * k);
+        floats.set(place(position, view.light, 1), 24 + 8 * k);
+        floats.set(intensity, 28 + 8 * k);
     });
     return new Uint8Array(block);
 }

@@ -112,9 +112,9 @@ function onPicture(point, move) {
         event.target.setPointerCapture(event.pointerId);
         down.set(event.pointerId, [event.clientX, event.clientY]);
     });
-    const lift = ({ pointerId }) => down.delete(pointerId);
-    onCanvas('pointerup', lift);
-    onCanvas('pointercancel', lift);
+    for (const end of ['pointerup', 'pointercancel', 'lostpointercapture']) {
+        onCanvas(end, ({ pointerId }) => down.delete(pointerId));
+    }
     onCanvas('pointermove', (event) => {
         const box = event.target.getBoundingClientRect();
         point([(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height], event.buttons === 0);

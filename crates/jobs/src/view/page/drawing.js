@@ -14,6 +14,8 @@ export const FINE = 2;
 export const COARSE = 1;
 /** What is shown: its layout and its numbers are those of `Show` in show.wgsl. */
 const [PICTURES, COLOURS, DELTA_E, RADIANCE] = [0, 1, 2, 3];
+/** Of so many pixels along a side one says the exposure of a coarse picture, which is drawn finely soon. */
+const SPARSE = 4;
 
 export class Drawing {
     /** What was unpacked, but not uploaded yet; what was uploaded: programs, meshes and materials by their name or number. */
@@ -43,7 +45,7 @@ export class Drawing {
         [this.backend, this.canvas] = [found, canvas];
         this.#made.clear();
         quietly(this.#uploaded('show', async () => found.showing((await this.programs).show)));
-        quietly(this.program(page.items[state.left].decoder));
+        quietly(this.#program(page.items[state.left]));
     }
 
     get api() {
@@ -54,9 +56,9 @@ export class Drawing {
     resize(clientWidth, clientHeight) {
         const scale = Math.min(devicePixelRatio, MOST_PIXELS / Math.max(clientWidth, clientHeight));
         const [width, height] = [clientWidth, clientHeight].map((side) => Math.max(Math.round(side * scale), 1));
-        if (this.canvas.width !== width || this.canvas.height !== height || !this.backend.targets) {
+        if (this.canvas.width !== width || this.canvas.height !== height || !this.backend.size) {
             [this.canvas.width, this.canvas.height] = [width, height];
-            this.backend.resize(width, height, FINE);
+            this.backend.resize(width, height);
         }
     }
 
@@ -79,9 +81,7 @@ export class Drawing {
         const [view, surface, drawn] = [{ ...state, samples }, scene(), this.#drawn()];
         const [shape, ...materials] = await Promise.all([this.#mesh(surface), ...drawn.map((number) => this.#material(number))]);
         drawn.forEach((number, which) => {
-            const item = page.items[number];
-            const samplerFilters = !item.wide || this.backend.filtersFloats;
-            const block = viewBlock(surface, item, { ...view, samplerFilters }, this.canvas.width / this.canvas.height);
+            const block = viewBlock(surface, page.items[number], view, this.canvas.width / this.canvas.height);
             this.backend.draw(which, materials[which], shape, block, samples);
         });
     }
@@ -91,7 +91,7 @@ export class Drawing {
         const mine = this.#exposed;
         if (mine.factor === undefined || (!mine.isExact && samples === FINE)) {
             // That of what is nearer to the truth: the right one is what the left one is held against.
-            mine.factor = autoExposure(await this.#read(samples, RADIANCE, FLOATS));
+            mine.factor = autoExposure(await this.#read(samples, RADIANCE, FLOATS, samples === FINE ? 1 : SPARSE));
             mine.isExact = samples === FINE;
         }
     }
@@ -100,6 +100,11 @@ export class Drawing {
     async show(samples) {
         const program = await this.#made.get('show');
         this.backend.show(program, this.#showBlock(samples, this.#mode()));
+    }
+
+    /** Waits until all of it is drawn. */
+    finished() {
+        return this.backend.finished();
     }
 
     /** What both pictures differ by, drawn finely. */
@@ -138,11 +143,6 @@ export class Drawing {
         return (1000 * count) / (performance.now() - started);
     }
 
-    /** What draws a kind of pack. */
-    program(name) {
-        return this.#uploaded(`program ${name}`, async () => this.backend.program((await this.programs).of[name]));
-    }
-
     #drawn() {
         return isPair() ? [state.left, state.right] : [state.left];
     }
@@ -151,23 +151,31 @@ export class Drawing {
         return isPair() && state.mode === 'difference' ? COLOURS : PICTURES;
     }
 
-    #showBlock(samples, what) {
-        const block = new ArrayBuffer(32);
+    #showBlock(samples, what, step = 1) {
+        const block = new ArrayBuffer(48);
         const split = !isPair() || state.mode === 'one' ? MOST_PIXELS : state.split * this.canvas.width;
         new Float32Array(block).set([...scene().background, this.exposure(), split], 0);
-        new Uint32Array(block).set([what, samples, isPair() ? 1 : 0], 5);
+        new Uint32Array(block).set([what, samples, isPair() ? 1 : 0, step], 5);
         return new Uint8Array(block);
     }
 
-    async #read(samples, what, which) {
+    /** What is shown, of each pixel or of one in `step` along each side. */
+    async #read(samples, what, which, step = 1) {
         const program = await this.#made.get('show');
-        this.backend.show(program, this.#showBlock(samples, what), which);
-        return this.backend.read(which, [0, 0, this.canvas.width, this.canvas.height]);
+        const size = [this.canvas.width, this.canvas.height].map((side) => Math.ceil(side / step));
+        this.backend.show(program, this.#showBlock(samples, what, step), which, size);
+        return this.backend.read(which, [0, 0, ...size], size);
+    }
+
+    /** What draws a kind of pack; where samplers do not filter floats, a shader does that has no other way in it. */
+    #program({ decoder, wide }) {
+        const name = wide && !this.backend.filtersFloats ? `${decoder}, exact` : decoder;
+        return this.#uploaded(`program ${name}`, async () => this.backend.program((await this.programs).of[name]));
     }
 
     #material(number) {
         return this.#uploaded(`material ${number}`, async () => {
-            const [program, bound] = await Promise.all([this.program(page.items[number].decoder), this.#contents(number)]);
+            const [program, bound] = await Promise.all([this.#program(page.items[number]), this.#contents(number)]);
             this.#waiting.delete(`material ${number}`);
             return this.backend.material(program, bound);
         });

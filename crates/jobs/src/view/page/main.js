@@ -169,7 +169,7 @@ async function start() {
     new ResizeObserver(ask).observe(stage);
     set({});
     await new Promise(requestAnimationFrame);
-    await lastInTurn;
+    await inTurn(() => drawing.finished());
     return performance.now();
 }
 

@@ -30,6 +30,7 @@ export class WebGl {
         this.gl = gl;
         this.block = gl.createBuffer();
         this.empty = gl.createVertexArray();
+        this.targets = new Map();
     }
 
     /** A program of the page. The driver compiles while others are made, until one is checked. */
@@ -120,18 +121,27 @@ export class WebGl {
         return bound;
     }
 
-    /** Makes room for two pictures of at most this size, and for what is shown of them, as bytes and as floats. */
-    resize(width, height, samples) {
+    /** Pictures have this size from now on. */
+    resize(width, height) {
         const { gl } = this;
-        for (const { texture, depth, frame } of this.targets ?? []) {
+        for (const { texture, depth, frame } of this.targets.values()) {
             gl.deleteTexture(texture);
             gl.deleteRenderbuffer(depth);
             gl.deleteFramebuffer(frame);
         }
-        const target = (format, [w, h], withDepth) => {
+        this.targets.clear();
+        this.drawn = [];
+        this.size = [width, height];
+    }
+
+    /** What is drawn into, or shown in; made where it is asked for, as what is never cleared costs nothing. */
+    target(key, format, samples, withDepth) {
+        const { gl } = this;
+        if (!this.targets.has(key)) {
+            const size = this.size.map((side) => side * samples);
             const texture = gl.createTexture();
             gl.bindTexture(gl.TEXTURE_2D, texture);
-            gl.texStorage2D(gl.TEXTURE_2D, 1, format, w, h);
+            gl.texStorage2D(gl.TEXTURE_2D, 1, format, ...size);
             gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
             gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
             const frame = gl.createFramebuffer();
@@ -140,15 +150,17 @@ export class WebGl {
             const depth = withDepth ? gl.createRenderbuffer() : null;
             if (depth) {
                 gl.bindRenderbuffer(gl.RENDERBUFFER, depth);
-                gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT32F, w, h);
+                gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT32F, ...size);
                 gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, depth);
             }
-            return { texture, depth, frame };
-        };
-        const fine = [width * samples, height * samples];
-        this.size = [width, height];
-        this.targets = [target(gl.RGBA32F, fine, true), target(gl.RGBA32F, fine, true)];
-        this.targets.push(target(gl.RGBA8, this.size, false), target(gl.RGBA32F, this.size, false));
+            this.targets.set(key, { texture, depth, frame });
+        }
+        return this.targets.get(key);
+    }
+
+    shown(which) {
+        const { gl } = this;
+        return this.target(which, which === BYTES ? gl.RGBA8 : gl.RGBA32F, 1, false).frame;
     }
 
     bindBlock(bytes) {
@@ -161,7 +173,8 @@ export class WebGl {
     /** Draws a material on a mesh into a picture. */
     draw(which, material, mesh, block, samples) {
         const { gl } = this;
-        gl.bindFramebuffer(gl.FRAMEBUFFER, this.targets[which].frame);
+        this.drawn[which] = this.target(`picture ${which} of ${samples}`, gl.RGBA32F, samples, true);
+        gl.bindFramebuffer(gl.FRAMEBUFFER, this.drawn[which].frame);
         gl.viewport(0, 0, this.size[0] * samples, this.size[1] * samples);
         gl.clearBufferfv(gl.COLOR, 0, [0, 0, 0, 0]);
         gl.clearBufferfv(gl.DEPTH, 0, [0]);
@@ -182,30 +195,35 @@ export class WebGl {
         gl.bindVertexArray(null);
     }
 
-    /** Shows both on the canvas, or in the picture of this number. */
-    show(program, block, which) {
+    /** Shows both on the canvas, or in the picture of this number, on so many pixels of it. */
+    show(program, block, which, size = this.size) {
         const { gl } = this;
-        gl.bindFramebuffer(gl.FRAMEBUFFER, this.targets[which]?.frame ?? null);
-        gl.viewport(0, 0, ...this.size);
+        gl.bindFramebuffer(gl.FRAMEBUFFER, which === undefined ? null : this.shown(which));
+        gl.viewport(0, 0, ...size);
         gl.disable(gl.DEPTH_TEST);
         program.check();
         gl.useProgram(program.program);
         this.bindBlock(block);
         program.textures.forEach(({ binding }, unit) => {
             gl.activeTexture(gl.TEXTURE0 + unit);
-            gl.bindTexture(gl.TEXTURE_2D, this.targets[binding - 1].texture);
+            gl.bindTexture(gl.TEXTURE_2D, (this.drawn[binding - 1] ?? this.drawn[0]).texture);
         });
         gl.bindVertexArray(this.empty);
         gl.drawArrays(gl.TRIANGLES, 0, 3);
     }
 
-    /** Texels of a rectangle of what is shown, rows from the top. */
-    async read(which, [x, y, width, height]) {
+    async finished() {
+        const { gl } = this;
+        gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+        gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+    }
+
+    /** Texels of a rectangle of what is shown on so many pixels, rows from the top. */
+    async read(which, [x, y, width, height], [, rows] = this.size) {
         const { gl } = this;
         const bytes = which === BYTES;
-        const rows = this.size[1];
         const found = bytes ? new Uint8ClampedArray(4 * width * height) : new Float32Array(4 * width * height);
-        gl.bindFramebuffer(gl.FRAMEBUFFER, this.targets[which].frame);
+        gl.bindFramebuffer(gl.FRAMEBUFFER, this.shown(which));
         gl.readPixels(x, rows - y - height, width, height, gl.RGBA, bytes ? gl.UNSIGNED_BYTE : gl.FLOAT, found);
         const turned = found.slice();
         for (let row = 0; row < height; row += 1) {

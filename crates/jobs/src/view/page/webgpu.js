@@ -41,6 +41,7 @@ export class WebGpu {
     constructor(device, canvas) {
         this.device = device;
         this.blocks = {};
+        this.targets = new Map();
         this.format = navigator.gpu.getPreferredCanvasFormat();
         this.context = canvas.getContext('webgpu');
         this.context.configure({ device, format: this.format });
@@ -103,37 +104,40 @@ export class WebGpu {
         return { pipeline, group: this.device.createBindGroup({ layout: pipeline.getBindGroupLayout(1), entries }) };
     }
 
-    resize(width, height, samples) {
-        for (const { texture, depth } of this.targets ?? []) {
+    /** Pictures have this size from now on. */
+    resize(width, height) {
+        for (const { texture, depth } of this.targets.values()) {
             texture.destroy();
             depth?.destroy();
         }
-        const target = (format, size, withDepth) => {
+        this.targets.clear();
+        this.drawn = [];
+        this.size = [width, height];
+    }
+
+    /** What is drawn into, or shown in; made where it is asked for, as what is never cleared costs nothing. */
+    target(key, format, samples, withDepth) {
+        if (!this.targets.has(key)) {
+            const size = this.size.map((side) => side * samples);
             const usage = GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_SRC;
             const texture = this.device.createTexture({ size, format, usage });
             const depth = withDepth
                 ? this.device.createTexture({ size, format: 'depth32float', usage: GPUTextureUsage.RENDER_ATTACHMENT })
                 : undefined;
-            return { texture, depth };
-        };
-        const fine = [width * samples, height * samples];
-        this.size = [width, height];
-        this.targets = [
-            target('rgba32float', fine, true),
-            target('rgba32float', fine, true),
-            target('rgba8unorm', this.size, false),
-            target('rgba32float', this.size, false),
-        ];
+            this.targets.set(key, { texture, depth });
+        }
+        return this.targets.get(key);
     }
 
+    /** Draws a material on a mesh into a picture. */
     draw(which, { pipeline, group }, mesh, block, samples) {
-        const { texture, depth } = this.targets[which];
+        this.drawn[which] = this.target(`picture ${which} of ${samples}`, 'rgba32float', samples, true);
+        const { texture, depth } = this.drawn[which];
         const encoder = this.device.createCommandEncoder();
         const pass = encoder.beginRenderPass({
             colorAttachments: [{ view: texture.createView(), loadOp: 'clear', storeOp: 'store', clearValue: [0, 0, 0, 0] }],
             depthStencilAttachment: { view: depth.createView(), depthLoadOp: 'clear', depthStoreOp: 'discard', depthClearValue: 0 },
         });
-        pass.setViewport(0, 0, this.size[0] * samples, this.size[1] * samples, 0, 1);
         pass.setPipeline(pipeline);
         pass.setBindGroup(0, this.blockGroup(which, pipeline, block, []));
         pass.setBindGroup(1, group);
@@ -153,18 +157,29 @@ export class WebGpu {
         return this.device.createBindGroup({ layout: pipeline.getBindGroupLayout(0), entries });
     }
 
-    show(program, block, which) {
+    /** Shows both on the canvas, or in the picture of this number, on so many pixels of it. */
+    show(program, block, which, size = this.size) {
         const pipeline = program[which] ?? program.canvas;
-        const target = this.targets[which]?.texture ?? this.context.getCurrentTexture();
+        const texture = which === undefined ? this.context.getCurrentTexture() : this.shown(which);
         const encoder = this.device.createCommandEncoder();
         const pass = encoder.beginRenderPass({
-            colorAttachments: [{ view: target.createView(), loadOp: 'clear', storeOp: 'store' }],
+            colorAttachments: [{ view: texture.createView(), loadOp: 'clear', storeOp: 'store' }],
         });
+        pass.setViewport(0, 0, ...size, 0, 1);
         pass.setPipeline(pipeline);
-        pass.setBindGroup(0, this.blockGroup('show', pipeline, block, this.targets.slice(0, 2)));
+        const [first, second = first] = this.drawn;
+        pass.setBindGroup(0, this.blockGroup('show', pipeline, block, [first, second]));
         pass.draw(3);
         pass.end();
         this.device.queue.submit([encoder.finish()]);
+    }
+
+    shown(which) {
+        return this.target(which, which === BYTES ? 'rgba8unorm' : 'rgba32float', 1, false).texture;
+    }
+
+    finished() {
+        return this.device.queue.onSubmittedWorkDone();
     }
 
     async read(which, [x, y, width, height]) {
@@ -175,8 +190,7 @@ export class WebGpu {
             usage: GPUBufferUsage.COPY_DST | GPUBufferUsage.MAP_READ,
         });
         const encoder = this.device.createCommandEncoder();
-        const { texture } = this.targets[which];
-        encoder.copyTextureToBuffer({ texture, origin: [x, y, 0] }, { buffer, bytesPerRow }, [width, height, 1]);
+        encoder.copyTextureToBuffer({ texture: this.shown(which), origin: [x, y, 0] }, { buffer, bytesPerRow }, [width, height, 1]);
         this.device.queue.submit([encoder.finish()]);
         await buffer.mapAsync(GPUMapMode.READ);
         const mapped = buffer.getMappedRange();

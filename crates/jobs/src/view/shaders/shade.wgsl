@@ -10,11 +10,7 @@ struct View {
     level: f32,          // of detail; negative: it follows the distance, or the size of a pixel
     octaves: f32,        // log2 of the samples along a pixel's side
     repeat: f32,         // tiles per unit of uv
-    hardware: u32,       // 1: the sampler filters
     light_count: u32,
-    reserved_0: u32,
-    reserved_1: u32,
-    reserved_2: u32,
     lights: array<PointLight, 8>,
 }
 

@@ -8,6 +8,10 @@ struct Show {
     what: u32,
     samples: u32,          // along a pixel's side
     pair: u32,             // 1: there is a second picture
+    step: u32,             // pixels from one that is shown to the next
+    reserved_0: u32,
+    reserved_1: u32,
+    reserved_2: u32,
 }
 
 const PICTURES: u32 = 0u;
@@ -26,21 +30,23 @@ fn cover(@builtin(vertex_index) corner: u32) -> @builtin(position) vec4<f32> {
 
 @fragment
 fn show(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
-    let pixel = vec2<i32>(at.xy);
+    let pixel = vec2<i32>(at.xy) * i32(parameters.step);
     var a = vec4<f32>(0.0);
     var b = vec4<f32>(0.0);
     let side = i32(parameters.samples);
+    let is_pair = parameters.pair == 1u;
     for (var y = 0; y < side; y += 1) {
         for (var x = 0; x < side; x += 1) {
             let sample = pixel * side + vec2<i32>(x, y);
             a += textureLoad(first, sample, 0);
-            b += textureLoad(second, sample, 0);
+            if is_pair {
+                b += textureLoad(second, sample, 0);
+            }
         }
     }
     let share = 1.0 / f32(side * side);
     a *= share;
     b *= share;
-    let is_pair = parameters.pair == 1u;
     if parameters.what == RADIANCE {
         let last = select(a, b, is_pair);
         return vec4<f32>(last.rgb, select(last.a, min(a.a, b.a), is_pair));

@@ -9,5 +9,5 @@ fn level_at(distance: f32, right: vec2<f32>, below: vec2<f32>) -> f32 {
 }
 
 fn reflected(uv: vec2<f32>, level: f32, wo: vec3<f32>, wi: vec3<f32>) -> vec3<f32> {
-    return wi.z * table_brdf_at(wi, wo, level, view.hardware == 1u);
+    return wi.z * table_brdf_at(wi, wo, level, true);
 }
