@@ -41,7 +41,8 @@ def pack_bsdf():
             pack = material.pack()
             lod = props["lod"] if "lod" in props else None
             if lod is not None and not (is_number(lod) and 0.0 <= lod <= material.levels):
-                raise ValueError(f"{self.name}: lod: found {lod}; allowed 0 to {material.levels}, the pack's levels")
+                found = f"{lod:g}" if is_number(lod) else lod
+                raise ValueError(f"{self.name}: lod: found {found}; allowed 0 to {material.levels}, the pack's levels")
             self.exchanged = props["exchanged"] if "exchanged" in props else False
             if not isinstance(self.exchanged, bool):
                 raise ValueError(f"{self.name}: exchanged: found {self.exchanged}; allowed true or false")
