@@ -5,9 +5,9 @@ use super::output::{
 };
 use super::{CliError, Common};
 use crate::table;
+use brdfc_jobs::flatten::open_asset;
 use brdfc_shaders::{Decoder, EntryPoint, Interface, Language, translate};
 use brdfc_source::Input;
-use brdfc_source::flat_btf::asset_list;
 use brdfc_source::pack::open_pack;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser as _};
@@ -120,7 +120,7 @@ fn decoder(kind: &OsString) -> Result<Decoder, CliError> {
     }
     let is_list = path.extension().is_some_and(|extension| extension == "json");
     if path.is_dir() || is_list {
-        asset_list(path)?;
+        open_asset(path)?;
         return Ok(Decoder::FlatBtf);
     }
     Ok(Decoder::of(open_pack(Input::File(path.to_owned()))?.kind()))

@@ -11,6 +11,7 @@ use brdfc_source::read::MAX_FILE_BYTES;
 use brdfc_source::{Input, InputError};
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::fs::File;
 use std::path::Path;
 
 /// What `--files --json` prints.
@@ -58,6 +59,10 @@ pub(super) fn device_needs(input: &Input) -> Result<DeviceNeeds, CliError> {
 
 fn of_pack(input: &Input) -> Result<BTreeMap<String, PackFile>, CliError> {
     if input.extension()? != "ktx2" {
+        // What cannot be read says so first.
+        if let Some(path) = input.path() {
+            File::open(path).map_err(|error| InputError::Io { name: input.to_string(), error })?;
+        }
         let error = FormatError::whole("input", "no pack", "a pack, or the folder or the .json of a flat BTF");
         return Err(InputError::Format { name: input.to_string(), error }.into());
     }

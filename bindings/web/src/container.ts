@@ -52,13 +52,22 @@ async function decoder(): Promise<ZSTDDecoder> {
     return zstandard;
 }
 
+function opened(bytes: Uint8Array): ReturnType<typeof read> {
+    try {
+        return read(bytes);
+    } catch (error) {
+        const what = error instanceof Error ? error.message : error;
+        throw new Error(`file: found ${bytes.length} bytes (${what}); allowed a whole KTX2 file`, { cause: error });
+    }
+}
+
 /**
  * Reads a KTX2 file.
  *
  * @throws Error for what is no KTX2 file, or has a format that no pack has.
  */
 export async function readContainer(bytes: Uint8Array): Promise<Container> {
-    const file = read(bytes);
+    const file = opened(bytes);
     const known = FORMATS[file.vkFormat];
     if (known === undefined) {
         throw new Error(`found vkFormat ${file.vkFormat}; allowed ${Object.keys(FORMATS).join(', ')}`);
@@ -96,6 +105,22 @@ export function view(entries: Map<string, Uint8Array>, key: string): DataView {
         throw new Error(`${key}: found no such entry`);
     }
     return new DataView(value.buffer, value.byteOffset, value.byteLength);
+}
+
+/** The numbers of an entry that begins with a version. */
+export function versioned(entries: Map<string, Uint8Array>, key: string): DataView {
+    const found = view(entries, key);
+    if (found.byteLength < 4 || found.getUint32(0, true) !== 1) {
+        throw new Error(`${key}, version: found ${found.byteLength < 4 ? 'none' : found.getUint32(0, true)}; allowed 1`);
+    }
+    return found;
+}
+
+/** Refuses a texture of another size than a header says. */
+export function checkSize({ size }: TextureData, expected: number[]): void {
+    if (size.some((side, k) => side !== expected[k])) {
+        throw new Error(`texture: found ${size.join(' x ')} texels; allowed ${expected.join(' x ')}, as the header says`);
+    }
 }
 
 /** Columns and rows that a pack stores, of `[columns, rows]` that it has. */

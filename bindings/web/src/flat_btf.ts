@@ -1,4 +1,4 @@
-import { type Container, view } from './container.js';
+import { type Container, versioned, view } from './container.js';
 import type { Contents, Options } from './pack.js';
 import { image, noTexture, texture } from './textures.js';
 import { Words } from './words.js';
@@ -19,7 +19,7 @@ export function flatBtfResources(parts: Map<string, Container>, { filter = 'samp
     const [reference, normal, diffuse] = ['reference', 'normal', 'diffuse'].map((name) => part(name).texture);
     const compact = parts.has('displacement');
     const packed = part(compact ? 'displacement' : 'indirection');
-    const header = view(packed.entries, compact ? 'brdfc.displacement' : 'brdfc.indirection');
+    const header = versioned(packed.entries, compact ? 'brdfc.displacement' : 'brdfc.indirection');
     const [size, zenith, azimuth] = [4, 8, 12].map((at) => header.getUint32(at, true));
     const ranges = compact ? packed.entries.get('brdfc.displacement.ranges') : undefined;
     const basis = parts.get('basis');
@@ -56,7 +56,7 @@ function notFactored(): [number, Contents][] {
 
 /** Bindings 8 to 11; their layout: formats/src/flat_btf/factored/spec.md. */
 function factored(basis: Container, weights: Container, shadow: Container | undefined, hardware: number): [number, Contents][] {
-    const header = view(basis.entries, 'brdfc.flat-btf.factored');
+    const header = versioned(basis.entries, 'brdfc.flat-btf.factored');
     const [size, levels, groups, wideGroups, , views, lights] = [4, 8, 12, 16, 20, 24, 28].map((at) => header.getUint32(at, true));
     const angles = view(basis.entries, 'brdfc.lights');
     let lowest = 1;
@@ -71,7 +71,7 @@ function factored(basis: Container, weights: Container, shadow: Container | unde
         block.from(32 + 16 * MAX_GROUPS * colour);
         block.float(...Array.from({ length: components }, (_, k) => header.getFloat32(60 + 4 * (components * colour + k), true)));
     }
-    const ranges = view(weights.entries, 'brdfc.flat-btf.weights');
+    const ranges = versioned(weights.entries, 'brdfc.flat-btf.weights');
     const numbers = ranges.getUint32(4, true);
     const first = 32 + 3 * 16 * MAX_GROUPS;
     for (const [which, at] of [[0, first], [4, first + 16 * (BASE_LAYERS + MAX_GROUPS)]]) {

@@ -74,16 +74,25 @@ function named(decoder: DecoderName, contents: Map<number, Contents>): Pack {
  */
 export async function loadPack(source: string | URL | ArrayBuffer | Uint8Array, options: Options = {}): Promise<Pack> {
     const bytes = await bytesOf(source);
+    const isAddress = typeof source === 'string' || source instanceof URL;
+    return ofFile(isAddress ? `${source}` : undefined, () => packOf(bytes, options));
+}
+
+/** Does what a file is for; errors begin with its name, where it has one. */
+async function ofFile<T>(name: string | undefined, work: () => T | Promise<T>): Promise<T> {
     try {
-        return await packOf(bytes, options);
+        return await work();
     } catch (error) {
-        // In the words of whoever reads files, an address first.
-        const from = typeof source === 'string' || source instanceof URL ? `${source}: ` : '';
-        throw new Error(`${from}${error instanceof Error ? error.message : error}`, { cause: error });
+        const text = error instanceof Error ? error.message : String(error);
+        throw new Error(name === undefined ? text : `${name}: ${text}`, { cause: error });
     }
 }
 
 async function packOf(bytes: Uint8Array, options: Options): Promise<Pack> {
+    const { distanceScale = DISTANCE_SCALE } = options;
+    if (!(distanceScale > 0)) {
+        throw new Error(`distanceScale: found ${distanceScale}; allowed a number above 0`);
+    }
     const container = await readContainer(bytes);
     const { entries } = container;
     if (entries.has('brdfc.table')) {
@@ -111,15 +120,37 @@ export async function loadFlatBtf(
     options: Options = {},
     name = '',
 ): Promise<Pack> {
-    const address = typeof source === 'function' ? undefined : new URL(source, document.baseURI);
+    const address = typeof source === 'function' ? undefined : new URL(source, globalThis.document?.baseURI ?? location.href);
     const from = typeof source === 'function' ? source : (file: string) => bytesOf(new URL(file, address));
     const list = address?.href ?? `${name}.json`;
-    const parts = Object.entries(JSON.parse(new TextDecoder().decode(await from(list))).parts as Record<string, { file: string }>);
-    if (parts.some(([part]) => part.startsWith('flat.'))) {
-        throw new Error(`${list}: found all views; allowed a factored flat BTF: leave out --uncompressed`);
-    }
+    const bytes = await from(list);
+    const parts = await ofFile(list, () => partsOf(bytes));
     const drawn = parts.filter(([part]) => part !== 'position' && part !== 'mask');
-    const read = async ([part, { file }]: [string, { file: string }]) => [part, await readContainer(await from(file))] as const;
+    const read = async ([part, { file }]: Listed) => {
+        const stored = await from(file);
+        return [part, await ofFile(file, () => readContainer(stored))] as const;
+    };
     const containers = new Map<string, Container>(await Promise.all(drawn.map(read)));
-    return named('flat-btf', flatBtfResources(containers, options));
+    return ofFile(list, () => named('flat-btf', flatBtfResources(containers, options)));
+}
+
+/** A part, and the file that has it. */
+type Listed = [string, { file: string }];
+
+function partsOf(bytes: Uint8Array): Listed[] {
+    const allowed = "allowed the .json that 'brdfc flatten' wrote";
+    let list: { parts?: Record<string, { file?: unknown }> } | null;
+    try {
+        list = JSON.parse(new TextDecoder().decode(bytes));
+    } catch (error) {
+        throw new Error(`list of parts: found no JSON; ${allowed}`, { cause: error });
+    }
+    const parts = Object.entries(list?.parts ?? {});
+    if (parts.length === 0 || parts.some(([, part]) => typeof part?.file !== 'string')) {
+        throw new Error(`list of parts: found none; ${allowed}`);
+    }
+    if (parts.some(([part]) => part.startsWith('flat.'))) {
+        throw new Error('found all views; allowed a factored flat BTF: leave out --uncompressed');
+    }
+    return parts as Listed[];
 }

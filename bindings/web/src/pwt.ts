@@ -1,4 +1,4 @@
-import { type Container, readContainer, view } from './container.js';
+import { type Container, readContainer, versioned, view } from './container.js';
 import type { Contents, Options } from './pack.js';
 import { noTexture, texture } from './textures.js';
 import { Words } from './words.js';
@@ -8,7 +8,7 @@ const COMPONENTS = 128;
 
 /** What a polynomial wavelet tree binds; its layout: formats/src/pwt/spec.md. */
 export async function pwtResources({ texture: first, entries }: Container, { filter = 'sampler' }: Options): Promise<Map<number, Contents>> {
-    const header = view(entries, 'brdfc.pwt');
+    const header = versioned(entries, 'brdfc.pwt');
     const word = (at: number) => header.getUint32(at, true);
     const float = (at: number) => header.getFloat32(at, true);
     const [width, height, columns, rows, repeats, levels, coordinates, degree, domain, count] =

@@ -1,15 +1,18 @@
-import { type Container, storedWindow, view } from './container.js';
+import { checkSize, type Container, storedWindow, versioned, view } from './container.js';
 import { type Contents, DISTANCE_SCALE, type Options } from './pack.js';
 import { image, noTexture, texture } from './textures.js';
 import { Words } from './words.js';
 
 /** What a table pack binds; its layout: formats/src/table/spec.md. */
 export function tableResources({ texture: texels, entries }: Container, { distanceScale = DISTANCE_SCALE }: Options): Map<number, Contents> {
-    const header = view(entries, 'brdfc.table');
+    const header = versioned(entries, 'brdfc.table');
     const word = (k: number) => header.getUint32(4 * k, true);
     const number = (k: number) => header.getFloat32(4 * k, true);
     const [channels, symmetry, half, difference, azimuth, layers] = [1, 2, 3, 4, 5, 6].map(word);
     const { first, size } = storedWindow(entries, [half, difference]);
+    // Folded slices do not start again.
+    const slices = azimuth + (symmetry & 2 ? 0 : 1);
+    checkSize(texels, [...size, layers * slices]);
     const axis = (nodes: number, k: number) => nodes + first[k] * 1024 + size[k] * 1048576;
     let curve: Contents = noTexture('2d');
     let curveWord = 0;

@@ -31,8 +31,6 @@ export function packUniforms(pack: Pack, renderer: THREE.WebGLRenderer): Record<
             uniforms[resource.name] = { value };
         }
     }
-    // What it believes to be bound is no longer.
-    renderer.resetState();
     return uniforms;
 }
 
@@ -51,6 +49,7 @@ export function packGlsl(pack: Pack): string {
  * textures, too.
  */
 export function packMaterial(pack: Pack, renderer: THREE.WebGLRenderer, lights: PointLight[]): THREE.ShaderMaterial {
+    checkLights(lights);
     const isWide = pack.resources.some((resource) => resource.kind === 'texture' && isFloat(resource));
     const uniforms = packUniforms(pack, renderer);
     const material = new THREE.ShaderMaterial({
@@ -65,14 +64,43 @@ export function packMaterial(pack: Pack, renderer: THREE.WebGLRenderer, lights: 
         vertexShader: VERTEX,
         fragmentShader: VARYINGS + packGlsl(pack) + REFLECTED[isWide ? `${pack.decoder}, wide` : pack.decoder] + FRAGMENT,
     });
+    let isFreed = false;
+    let isTold = false;
+    const needsTangents = pack.decoder === 'flat-btf' || (uniforms.table_brdf_parameters?.value.layers ?? 1) > 1;
     material.addEventListener('dispose', () => {
+        isFreed = true;
         for (const { value } of Object.values(uniforms)) {
             if (value instanceof THREE.Texture) {
                 value.dispose();
             }
         }
     });
+    // As other materials, it is uploaded again where it is drawn after that.
+    material.onBeforeRender = (_renderer, _scene, _camera, geometry) => {
+        if (needsTangents && !isTold && !geometry.getAttribute('tangent')) {
+            isTold = true;
+            console.warn('brdfc: an anisotropic pack on a geometry without tangents: geometry.computeTangents()');
+        }
+        if (isFreed) {
+            isFreed = false;
+            for (const [name, { value }] of Object.entries(packUniforms(pack, renderer))) {
+                uniforms[name].value = value;
+            }
+        }
+    };
     return material;
+}
+
+function checkLights(lights: PointLight[]): void {
+    if (!Array.isArray(lights) || lights.length > MAX_LIGHTS) {
+        throw new Error(`lights: found ${Array.isArray(lights) ? lights.length : typeof lights}; allowed an array of up to ${MAX_LIGHTS}`);
+    }
+    lights.forEach(({ position, intensity }, k) => {
+        if (!position?.isVector3 || !intensity?.isColor) {
+            const wrong = position?.isVector3 ? `intensity: found a ${typeof intensity}; allowed a Color` : 'position: found none; allowed a Vector3';
+            throw new Error(`lights[${k}].${wrong}`);
+        }
+    });
 }
 
 /** Whether samplers would have to filter 32-bit floats of it. */

@@ -38,8 +38,21 @@ export function typed(data, level) {
     }
 }
 
+/** How texels are read from memory: constants by name, and what these textures take. Flipping is refused for arrays. */
+const UNPACKING = /** @type {const} */ ([
+    ['UNPACK_FLIP_Y_WEBGL', false],
+    ['UNPACK_PREMULTIPLY_ALPHA_WEBGL', false],
+    ['UNPACK_ALIGNMENT', 1],
+    ['UNPACK_ROW_LENGTH', 0],
+    ['UNPACK_IMAGE_HEIGHT', 0],
+    ['UNPACK_SKIP_PIXELS', 0],
+    ['UNPACK_SKIP_ROWS', 0],
+    ['UNPACK_SKIP_IMAGES', 0],
+]);
+const BOUND = { '2d': 'TEXTURE_BINDING_2D', '2d-array': 'TEXTURE_BINDING_2D_ARRAY', '3d': 'TEXTURE_BINDING_3D' };
+
 /**
- * Uploads one texture, with its mipmap levels.
+ * Uploads one texture, with its mipmap levels. The context has the state afterwards that it had before, as others use it, too.
  *
  * @param {WebGL2RenderingContext} gl
  * @param {TextureData} data
@@ -57,8 +70,14 @@ export function uploadTexture(gl, data, filtered, repeats) {
     const target = { '2d': gl.TEXTURE_2D, '2d-array': gl.TEXTURE_2D_ARRAY, '3d': gl.TEXTURE_3D }[data.dimension];
     const [width, height, depth] = data.size;
     const texture = gl.createTexture();
+    const before = {
+        texture: gl.getParameter(constants[BOUND[data.dimension]]),
+        buffer: gl.getParameter(gl.PIXEL_UNPACK_BUFFER_BINDING),
+        unpacking: UNPACKING.map(([name]) => gl.getParameter(constants[name])),
+    };
     gl.bindTexture(target, texture);
-    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+    gl.bindBuffer(gl.PIXEL_UNPACK_BUFFER, null);
+    UNPACKING.forEach(([name, value]) => gl.pixelStorei(constants[name], value));
     if (data.dimension === '2d') {
         gl.texStorage2D(target, data.levels.length, internal, width, height);
     } else {
@@ -81,5 +100,8 @@ export function uploadTexture(gl, data, filtered, repeats) {
     for (const axis of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T, gl.TEXTURE_WRAP_R]) {
         gl.texParameteri(target, axis, repeats ? gl.REPEAT : gl.CLAMP_TO_EDGE);
     }
+    UNPACKING.forEach(([name], k) => gl.pixelStorei(constants[name], before.unpacking[k]));
+    gl.bindBuffer(gl.PIXEL_UNPACK_BUFFER, before.buffer);
+    gl.bindTexture(target, before.texture);
     return { target, texture };
 }

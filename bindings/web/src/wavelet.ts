@@ -1,4 +1,4 @@
-import { type Container, storedWindow, view } from './container.js';
+import { checkSize, type Container, storedWindow, versioned, view } from './container.js';
 import { type Contents, DISTANCE_SCALE, type Options } from './pack.js';
 import { image, texture, widened } from './textures.js';
 import { Words } from './words.js';
@@ -10,11 +10,12 @@ export function waveletResources(
     { texture: texels, entries }: Container,
     { wavelet = 'bilinear', distanceScale = DISTANCE_SCALE }: Options,
 ): Map<number, Contents> {
-    const header = view(entries, 'brdfc.wavelet');
+    const header = versioned(entries, 'brdfc.wavelet');
     const word = (k: number) => header.getUint32(4 * k, true);
     const [parameterisation, levels, channels, slices, lifted] = [1, 2, 4, 6, 9].map(word);
     const grid = 2 ** levels;
     const { first, size } = storedWindow(entries, [grid, grid]);
+    checkSize(texels, [...size, slices]);
     const scales = view(entries, 'brdfc.wavelet.scales');
     const scale = (slice: number) => [scales.getFloat32(8 * slice, true), scales.getFloat32(8 * slice + 4, true)] as const;
     const block = new Words(48)

@@ -12,9 +12,13 @@ export interface WebGpuPack {
 /**
  * Uploads a pack. With the layout 'auto' a pipeline has what it uses alone: `used` picks those, by name.
  *
- * Wavelet packs of more than 8 bits hold floats of 32 bits here: a device needs the feature `float32-filterable` for them.
+ * @throws Error where a device lacks `float32-filterable` for a wavelet pack of more than 8 bits, which holds floats of 32 bits here.
  */
 export function uploadWebGpu(device: GPUDevice, pack: Pack, used: (name: string) => boolean = () => true): WebGpuPack {
+    const isWide = pack.resources.some((resource) => resource.kind === 'texture' && resource.filtered && resource.texture.format === 'rgba32float');
+    if (isWide && !device.features.has('float32-filterable')) {
+        throw new Error('device: found none of the feature float32-filterable; allowed one that was asked for it, or a pack of 8 bits');
+    }
     const bound = pack.resources.filter(({ name }) => used(name));
     const uploaded = bound.map((contents) => ({ binding: contents.binding, ...gpuResource(device, contents) }));
     return {

@@ -46,6 +46,21 @@ fn threads_and_repetition_change_nothing() {
     }
 }
 
+/// Wavelet packs do not say whether they are isotropic: their values do.
+#[test]
+fn wavelet_packs_of_isotropic_materials_become_merl_tables() {
+    let folder = Folder::new();
+    for (model, fits) in [("synth:ggx?kd=0.1&alpha=0.3", true), ("synth:ward?kd=0.1&ax=0.2&ay=0.3", false)] {
+        folder.run(&["encode", model, "--codec", "wavelet", "-o", "it.ktx2"]).succeeded();
+        let ran = folder.run(&["convert", "it.ktx2", "-o", "it.binary", "--dimensions", "30x30x60", "--json"]);
+        assert_eq!(ran.code, if fits { 0 } else { 3 }, "{model}: {}", ran.stderr);
+        if fits {
+            let delta_e = ran.json()["picture"]["delta_e"]["mean"].as_f64().unwrap();
+            assert!(delta_e < 1.0, "{delta_e}");
+        }
+    }
+}
+
 #[test]
 fn what_does_not_fit_is_told() {
     let folder = Folder::new();
@@ -54,7 +69,7 @@ fn what_does_not_fit_is_told() {
         (
             &["synth:ward?ax=0.1&ay=0.4", "-o", "w.binary"][..],
             3,
-            "found an anisotropic one; allowed an isotropic one, or",
+            "found values that change as it is turned about its normal; allowed an isotropic one, or",
         ),
         (&["synth:lewis", "-o", "x.exr"], 2, "allowed a name that ends in .binary or .bsdf or .csv"),
         (

@@ -5,6 +5,16 @@ use crate::common::cli::{Folder, inputs};
 use brdfc_formats::importance::{ImportanceHeader, ImportancePack};
 
 #[test]
+fn files_of_what_is_not_there_cannot_be_read() {
+    let folder = Folder::new();
+    folder.write("some.txt", b"no pack");
+    for (name, code, problem) in [("gone", 4, "gone: cannot read"), ("some.txt", 3, "some.txt: input: found no pack")] {
+        let ran = folder.run(&["info", name, "--files"]);
+        assert!(ran.code == code && ran.stderr.contains(problem), "{name}: {}", ran.stderr);
+    }
+}
+
+#[test]
 fn every_kind_is_named_with_its_sizes() {
     let folder = Folder::new();
     let [table, round, brushed, rgl, model] = inputs(&folder);

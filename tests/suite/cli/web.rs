@@ -6,7 +6,7 @@ use brdfc_formats::colour::encode_srgb_byte;
 use brdfc_formats::direction::{DirectionPair, cross, dot, normalize};
 use brdfc_formats::table::{TableDecoder, TablePack};
 use brdfc_formats::wavelet::{Filter, WaveletDecoder, WaveletPack};
-use brdfc_testing::browser::{File, picture_of_page};
+use brdfc_testing::browser::{File, picture_of_page, result_of_page};
 use std::path::Path;
 
 const SIDE: u32 = 256;
@@ -134,6 +134,9 @@ fn a_flat_btf_by_three_js_is_that_of_render() {
     let (mean, p95) = differences(&found, &expected);
     println!("three.js, flat BTF: codes differ by {mean:.2} in the mean, {p95} at 95 %");
     assert!(mean < 3.0 && p95 <= 12.0, "{mean} {p95}");
+    // Light from the other side is noticed.
+    let turned = rendered(&folder, &manifest.replace("[-3.0, 2.0, 1.0]", "[3.0, 2.0, 1.0]"), &["--repeat", "2"]);
+    assert!(differences(&found, &turned).0 > 5.0 * mean);
 }
 
 /// A page that draws by three.js what stands in `script`, which has `THREE`, `pack`, `renderer`, `asked` (of the address),
@@ -200,6 +203,97 @@ scene.add(ways[asked.get('way')]());",
         assert!(mean < 0.1 && p95 <= 1.0, "{way}: {mean} {p95}");
     }
     assert!(differences(&of("none").unwrap(), &expected).0 > 10.0);
+}
+
+/// A flat BTF is uploaded as it should be among textures that are flipped, and again after it was freed.
+#[test]
+fn three_js_uploads_arrays_among_other_textures() {
+    let folder = Folder::new();
+    let small = ["--texels", "32", "--views", "grid:3x8@60", "--lights", "grid:3x8@60", "--indirection", "8x12"];
+    folder.run(&[&["flatten", "synth:button?resolution=48", "-o", "button"][..], &small].concat()).succeeded();
+    let Some(mut files) = files(&folder) else { return };
+    let page = page_of_three(
+        "const { loadFlatBtf } = await import('brdfc');
+const pack = await loadFlatBtf('../packs/button/button.json');
+const camera = new THREE.PerspectiveCamera(30, 1, 0.1, 100);
+camera.position.set(0, 0.6, 4.4);
+camera.lookAt(0, 0, 0);
+const light = { position: new THREE.Vector3(-3, 3, 4), intensity: new THREE.Color(60, 60, 60) };
+const geometry = new THREE.SphereGeometry(1, 128, 64);
+geometry.computeTangents();
+if (asked.has('texture')) {
+    const flat = new THREE.CanvasTexture(new OffscreenCanvas(4, 4));
+    flat.image.getContext('2d').fillRect(0, 0, 4, 4);
+    renderer.render(new THREE.Scene().add(new THREE.Mesh(geometry, new THREE.MeshBasicMaterial({ map: flat }))), camera);
+}
+const material = packMaterial(pack, renderer, [light]);
+const mesh = new THREE.Mesh(geometry, material);
+scene.add(mesh);
+if (asked.has('freed')) {
+    renderer.render(scene, camera);
+    material.dispose();
+}",
+    );
+    files.push(("examples/among.html".to_owned(), "text/html", page.into_bytes()));
+    let of = |way: &str| drawn(&format!("examples/among.html?{way}"), &files);
+    let Some(expected) = of("alone") else { return };
+    for way in ["texture", "freed"] {
+        let (mean, p95) = differences(&expected, &of(way).unwrap());
+        assert!(mean == 0.0 && p95 == 0.0, "{way}: {mean} {p95}");
+    }
+}
+
+/// What the program refuses is not drawn, either, and it is said why.
+#[test]
+fn files_that_are_damaged_are_refused_by_the_package() {
+    let folder = Folder::new();
+    folder.run(&["encode", "synth:ggx?alpha=0.3", "-o", "it.ktx2"]).succeeded();
+    let Some(mut files) = files(&folder) else { return };
+    let bytes = folder.read("it.ktx2");
+    let at = bytes.windows(12).position(|window| window == b"brdfc.table\0").unwrap() + 12;
+    let changed = |offset: usize, value: u8| {
+        let mut bytes = bytes.clone();
+        bytes[at + offset] = value;
+        bytes
+    };
+    for (name, bytes) in [
+        ("version.ktx2", changed(0, 99)),
+        ("nodes.ktx2", changed(12, 200)),
+        ("short.ktx2", bytes[..60].to_vec()),
+        ("empty.ktx2", Vec::new()),
+        ("text.json", b"no JSON".to_vec()),
+        ("none.json", b"{}".to_vec()),
+    ] {
+        files.push((name.to_owned(), "application/octet-stream", bytes));
+    }
+    let page = "<script type=\"module\">
+import { loadFlatBtf, loadPack } from './dist/index.js';
+const told = {};
+for (const name of ['version.ktx2', 'nodes.ktx2', 'short.ktx2', 'empty.ktx2', 'text.json', 'none.json', 'packs/it.ktx2']) {
+    const load = name.endsWith('json') ? loadFlatBtf : loadPack;
+    told[name] = await load(name).then(() => 'loaded', ({ message }) => message);
+}
+told.scale = await loadPack('packs/it.ktx2', { distanceScale: -1 }).then(() => 'loaded', ({ message }) => message);
+fetch('/result', { method: 'POST', body: JSON.stringify(told) });
+</script>";
+    files.push((String::new(), "text/html", page.as_bytes().to_vec()));
+    let served: Vec<File<'_>> =
+        files.iter().map(|(name, media, bytes)| (name.as_str(), *media, bytes.as_slice())).collect();
+    let Some(told) = result_of_page(&served) else { return };
+    let told: serde_json::Value = serde_json::from_slice(&told).unwrap();
+    for (name, expected) in [
+        ("version.ktx2", "version.ktx2: brdfc.table, version: found 99; allowed 1"),
+        ("nodes.ktx2", "nodes.ktx2: texture: found "),
+        ("short.ktx2", "short.ktx2: file: found 60 bytes ("),
+        ("empty.ktx2", "empty.ktx2: file: found 0 bytes ("),
+        ("text.json", "text.json: list of parts: found no JSON; allowed "),
+        ("none.json", "none.json: list of parts: found none; allowed "),
+        ("packs/it.ktx2", "loaded"),
+        ("scale", "distanceScale: found -1; allowed a number above 0"),
+    ] {
+        let found = told[name].as_str().unwrap();
+        assert!(found.contains(expected), "{name}: {found}");
+    }
 }
 
 /// From far away, levels of detail are those that `brdfc render` takes.

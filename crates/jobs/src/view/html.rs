@@ -25,13 +25,19 @@ p { margin: 0 0 0.6rem; } .soft { color: var(--soft); font-size: 0.85rem; }
 #facts p { font-size: 0.85rem; overflow-wrap: anywhere; }
 #whole, #here { font-variant-numeric: tabular-nums; min-height: 1.45em; }
 .scale { display: inline-block; width: 9rem; height: 0.7rem; border: 1px solid var(--faint);
-  background: linear-gradient(90deg, #06060e, #4a126e, #ba3254, #f78c1c, #fcfab4); }
+  background: linear-gradient(90deg, var(--ramp)); }
 button { font: inherit; padding: 0.2rem 0.7rem; }
 [hidden] { display: none !important; }
 @media (max-width: 46rem) { body { grid-template-columns: 1fr; grid-template-rows: minmax(18rem, 60vh) auto; height: auto; }
   form { border-left: 0; } }
 body.embedded { grid-template: 1fr / 1fr; height: 100%; } .embedded form { display: none; }
 ";
+
+/// The colours of differences.
+fn ramp() -> String {
+    let colours = brdfc_render::picture::RAMP.map(|[r, g, b]| format!("rgb({r} {g} {b})"));
+    format!(":root {{ --ramp: {}; }}", colours.join(", "))
+}
 
 /// A whole file.
 pub(super) fn html(title: &str, data: &PageData) -> String {
@@ -44,7 +50,7 @@ pub(super) fn html(title: &str, data: &PageData) -> String {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 title { (title) }
-                style { (PreEscaped(PALETTE)) (PreEscaped(STYLE)) }
+                style { (PreEscaped(PALETTE)) (PreEscaped(ramp())) (PreEscaped(STYLE)) }
             }
             body {
                 div #stage {

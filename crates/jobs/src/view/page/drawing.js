@@ -14,8 +14,8 @@ export const FINE = 2;
 export const COARSE = 1;
 /** What is shown: its layout and its numbers are those of `Show` in show.wgsl. */
 const [PICTURES, COLOURS, DELTA_E, RADIANCE] = [0, 1, 2, 3];
-/** Of so many pixels along a side one says the exposure of a coarse picture, which is drawn finely soon. */
-const SPARSE = 4;
+/** So many pixels, at least, say the exposure of a coarse picture, which is drawn finely soon. */
+const ENOUGH = 100_000;
 
 export class Drawing {
     /** What was unpacked, but not uploaded yet; what was uploaded: programs, meshes and materials by their name or number. */
@@ -23,6 +23,8 @@ export class Drawing {
     #made = new Map();
     /** Of the materials and the surface that are chosen: the factor to the display's range, once it is known, and if a fine picture says it. */
     #exposed = {};
+    /** That of what was drawn last. */
+    #drawnExposed = this.#exposed;
 
     constructor() {
         this.programs = unpacked(page.programs).then((bytes) => JSON.parse(new TextDecoder().decode(bytes)));
@@ -78,20 +80,23 @@ export class Drawing {
     /** Draws both pictures; nothing is shown yet. */
     async draw(samples) {
         // The state may be another one after the wait.
-        const [view, surface, drawn] = [{ ...state, samples }, scene(), this.#drawn()];
+        const [view, surface, drawn, exposed] = [{ ...state, samples }, scene(), this.#drawn(), this.#exposed];
         const [shape, ...materials] = await Promise.all([this.#mesh(surface), ...drawn.map((number) => this.#material(number))]);
         drawn.forEach((number, which) => {
             const block = viewBlock(surface, page.items[number], view, this.canvas.width / this.canvas.height);
             this.backend.draw(which, materials[which], shape, block, samples);
         });
+        this.#drawnExposed = exposed;
     }
 
     /** Finds the exposure of what was drawn, unless it is known. */
     async expose(samples) {
-        const mine = this.#exposed;
+        const mine = this.#drawnExposed;
         if (mine.factor === undefined || (!mine.isExact && samples === FINE)) {
             // That of what is nearer to the truth: the right one is what the left one is held against.
-            mine.factor = autoExposure(await this.#read(samples, RADIANCE, FLOATS, samples === FINE ? 1 : SPARSE));
+            const { width, height } = this.canvas;
+            const step = samples === FINE ? 1 : Math.max(Math.floor(Math.sqrt((width * height) / ENOUGH)), 1);
+            mine.factor = autoExposure(await this.#read(samples, RADIANCE, FLOATS, step));
             mine.isExact = samples === FINE;
         }
     }
@@ -118,11 +123,11 @@ export class Drawing {
         return { apart, isSurface: isSurface > 0, isBoth: isBoth > 0 };
     }
 
-    /** What is shown, finely, as a PNG. */
-    async picture() {
-        await this.draw(FINE);
-        await this.expose(FINE);
-        const shown = await this.#read(FINE, this.#mode(), BYTES);
+    /** What is shown, as a PNG: finely, or as coarsely as the first picture. */
+    async picture(samples = FINE) {
+        await this.draw(samples);
+        await this.expose(samples);
+        const shown = await this.#read(samples, this.#mode(), BYTES);
         const { width, height } = this.canvas;
         const flat = new OffscreenCanvas(width, height);
         flat.getContext('2d').putImageData(new ImageData(shown, width, height), 0, 0);

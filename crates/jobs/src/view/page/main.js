@@ -6,12 +6,17 @@ import { fromAddress, isPair, page, state, take } from './state.js';
 
 /** Milliseconds without a movement, after which a picture is drawn finely. */
 const REST = 150;
+/** Milliseconds after an error, in which its cause is heard of. */
+const LATE = 300;
 /** How often a page is drawn anew, or tries to, that a graphics driver gave up. */
 const MOST_LOSSES = 6;
 
 const [here, whole, wrong] = ['here', 'whole', 'wrong'].map(find);
 const drawing = new Drawing();
 let canvas = find('canvas');
+/** How often something was asked for, and how often what draws was opened: what is late is not of what is shown now. */
+let asks = 0;
+let opened = 0;
 let asked = false;
 let moved = -Infinity;
 let resting;
@@ -28,10 +33,17 @@ function fail(error) {
     throw error;
 }
 
-/** One thing at a time is drawn or read, in turn. */
+/** One thing at a time is drawn or read, in turn. What was asked of a driver that gave up ends without a word. */
 let lastInTurn = Promise.resolve();
 function inTurn(work) {
-    const done = lastInTurn.then(work);
+    const by = opened;
+    const done = lastInTurn.then(work).catch(async (error) => {
+        // That it gave up is said after what this led to.
+        await new Promise((resolve) => setTimeout(resolve, LATE));
+        if (by === opened) {
+            throw error;
+        }
+    });
     lastInTurn = done.catch(() => undefined);
     return done;
 }
@@ -60,6 +72,7 @@ async function frame() {
 /** Asks for a frame, however often. */
 function ask() {
     isMeasured = false;
+    asks += 1;
     if (!asked) {
         asked = true;
         requestAnimationFrame(() => inTurn(frame).catch(fail));
@@ -88,11 +101,12 @@ async function measure() {
         here.textContent = '';
         return undefined;
     }
+    const before = asks;
     const found = await drawing.measure();
     whole.textContent = found.pixels > 0
         ? `ΔE of this view: ${found.mean.toFixed(2)} in the mean, ${found.p95.toFixed(2)} at 95 %`
         : 'Nothing here is shown by both.';
-    isMeasured = true;
+    isMeasured = before === asks;
     await underPointer();
     return found;
 }
@@ -119,6 +133,9 @@ function point(at, isAlone) {
 
 function save() {
     inTurn(() => drawing.picture()).then((png) => {
+        if (!png) {
+            return;
+        }
         const link = document.createElement('a');
         link.href = URL.createObjectURL(png);
         link.download = `${page.items[state.left].name}.png`;
@@ -133,12 +150,17 @@ function startAgain() {
 }
 
 async function open(wanted) {
-    await drawing.open(canvas, wanted, () => reopen().catch(fail), fail);
+    opened += 1;
+    const mine = opened;
+    const ifMine = (work) => (word) => (mine === opened ? work(word) : undefined);
+    await drawing.open(canvas, wanted, ifMine(() => reopen().catch(fail)), ifMine(fail));
     find('api').textContent = drawing.api;
 }
 
 /** Where a driver took everything away, the same by WebGL 2. A graphics process that ended is not there again at once. */
 async function reopen() {
+    // From now on, what the lost one still says is of no interest.
+    opened += 1;
     for (; losses < MOST_LOSSES; losses += 1) {
         await new Promise((resolve) => setTimeout(resolve, 500));
         // A canvas keeps to the first context that it gave.
@@ -166,7 +188,7 @@ async function start() {
     await open(given.get('api'));
     listen({ set, move, point, again: startAgain, save });
     addEventListener('hashchange', () => set(fromAddress()));
-    new ResizeObserver(ask).observe(stage);
+    new ResizeObserver(move).observe(stage);
     set({});
     await new Promise(requestAnimationFrame);
     await inTurn(() => drawing.finished());
@@ -183,7 +205,14 @@ globalThis.brdfcView = {
         await lastInTurn;
     },
     exposure: () => drawing.exposure(),
-    picture: () => inTurn(() => drawing.picture()),
+    /** `isFirst`: as coarse as the first picture, with its exposure. */
+    picture: (isFirst = false) => inTurn(() => {
+        if (!isFirst) {
+            return drawing.picture(FINE);
+        }
+        drawing.forgetExposure();
+        return drawing.picture(COARSE);
+    }),
     measure: () => inTurn(async () => {
         await drawing.draw(FINE);
         await drawing.expose(FINE);

@@ -56,8 +56,9 @@ fn show(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
         let behind = parameters.background * (1.0 - picture.a);
         return vec4<f32>(encoded(min(picture.rgb * parameters.exposure, vec3<f32>(1.0)) + behind), 1.0);
     }
-    // What one of both was not made for is not compared.
-    let is_both = a.a > 0.0 && b.a > 0.0;
+    // Of one surface both have the same coverage: a pixel that has a sample for which one of the materials was not made is not
+    // compared.
+    let is_both = a.a > 0.0 && abs(a.a - b.a) < 0.5 * share;
     let apart = distance(lab(a.rgb * parameters.exposure), lab(b.rgb * parameters.exposure));
     let delta_e = select(0.0, apart, is_both);
     if parameters.what == DELTA_E {
