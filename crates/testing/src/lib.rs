@@ -20,13 +20,13 @@ pub fn repository() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
 }
 
-/// A file or folder of the shared measured data: `relative` to the folder that `BRDFC_SHARED` names, or else to
 /// A file of `testdata/`.
 pub fn testdata(relative: &str) -> String {
     repository().join("testdata").join(relative).display().to_string()
 }
 
-/// `../shared` beside the repository. Prints why a test that needs it is skipped where it is absent.
+/// A file or folder of the measured data, of the folder that `BRDFC_SHARED` names, or else of `../shared` beside the repository.
+/// Prints why a test that needs it is skipped where it is absent.
 pub fn shared_data(relative: &str) -> Option<PathBuf> {
     let root = std::env::var_os("BRDFC_SHARED").map_or_else(|| repository().join("../shared"), PathBuf::from);
     let path = root.join("data").join(relative);

@@ -1,0 +1,400 @@
+//! In a browser, against what `brdfc render` draws.
+
+use crate::common::cli::Folder;
+use brdfc_formats::colour::decode_srgb;
+use brdfc_metrics::image::{ImageDifference, LinearImage, compare_images};
+use brdfc_testing::browser::result_of_page;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+
+const SIDE: usize = 256;
+/// Of the mean ΔE.
+const BOUND: f64 = 0.5;
+
+/// What a page says and draws after each of these changes; nothing where there is no browser.
+struct Seen {
+    /// Of scripts in place of changes.
+    told: Vec<Value>,
+    api: String,
+    first: f64,
+    speed: f64,
+    pictures: Vec<LinearImage>,
+    /// As coarse as the first picture, with its exposure.
+    firsts: Vec<LinearImage>,
+    exposures: Vec<f64>,
+    measured: Vec<Value>,
+}
+
+/// A page as a browser shows it: a stage of this size, one interface, and a script behind its own.
+fn looked_at(page: &str, [width, height]: [usize; 2], api: &str, script: &str) -> String {
+    let size = format!("<style>#stage {{ width: {width}px; height: {height}px }}</style>");
+    let hash = format!("<script>history.replaceState(null, '', '#api={api}&embed')</script>");
+    let page = page.replacen("</head>", &format!("{size}{hash}</head>"), 1);
+    page.replacen("</body>", &format!("<script type=\"module\">{script}</script></body>"), 1)
+}
+
+fn seen(page: &str, api: &str, changes: &[Value]) -> Option<Seen> {
+    let script = "
+const base64 = (bytes) => { let text = ''; for (const byte of bytes) { text += String.fromCharCode(byte); } return btoa(text); };
+const say = (value) => fetch('/result', { method: 'POST', body: typeof value === 'string' ? value : JSON.stringify(value) });
+addEventListener('error', ({ message }) => say(`error: ${message}`));
+addEventListener('unhandledrejection', ({ reason }) => say(`error: ${reason?.name}: ${reason?.message ?? reason}`));
+(async () => {
+    const first = await brdfcView.first;
+    const found = { first, api: document.getElementById('api').textContent, pictures: [], firsts: [], exposures: [], measured: [], told: [] };
+    for (const changes of CHANGES) {
+        if (typeof changes === 'string') {
+            found.told.push(await (0, eval)(`(async () => { ${changes} })()`));
+            continue;
+        }
+        await brdfcView.set(changes);
+        for (const [list, isFirst] of [[found.firsts, true], [found.pictures, false]]) {
+            const png = await brdfcView.picture(isFirst);
+            list.push(base64(new Uint8Array(await png.arrayBuffer())));
+        }
+        found.exposures.push(brdfcView.exposure());
+        found.speed ??= await brdfcView.speed(5);
+        found.measured.push(brdfcView.state.right < 0 ? null : await brdfcView.measure());
+    }
+    await say(found);
+})();
+";
+    let script = script.replace("CHANGES", &json!(changes).to_string());
+    let page = looked_at(page, [SIDE; 2], api, &script);
+    let posted = result_of_page(&[("", "text/html", page.as_bytes())])?;
+    let told: Value = serde_json::from_slice(&posted).unwrap_or_else(|_| {
+        panic!("{}", String::from_utf8_lossy(&posted));
+    });
+    let picture = |text: &Value| {
+        use base64::Engine as _;
+        let png = base64::engine::general_purpose::STANDARD.decode(text.as_str().unwrap()).unwrap();
+        linear(&png)
+    };
+    Some(Seen {
+        told: told["told"].as_array().unwrap().clone(),
+        api: told["api"].as_str().unwrap().to_owned(),
+        first: told["first"].as_f64().unwrap(),
+        speed: told["speed"].as_f64().unwrap_or(0.0),
+        pictures: told["pictures"].as_array().unwrap().iter().map(picture).collect(),
+        firsts: told["firsts"].as_array().unwrap().iter().map(picture).collect(),
+        exposures: told["exposures"].as_array().unwrap().iter().map(|exposure| exposure.as_f64().unwrap()).collect(),
+        measured: told["measured"].as_array().unwrap().clone(),
+    })
+}
+
+fn linear(png: &[u8]) -> LinearImage {
+    let image = image::load_from_memory(png).unwrap().to_rgb8();
+    let pixels = image.pixels().map(|pixel| pixel.0.map(|code| decode_srgb(f64::from(code) / 255.0) as f32)).collect();
+    let (width, height) = (image.width() as usize, image.height() as usize);
+    LinearImage { pixels, coverage: vec![1.0; width * height], ..LinearImage::black(width, height) }
+}
+
+/// What `brdfc render` draws, each picture once.
+struct Renders<'a> {
+    folder: &'a Folder,
+    known: BTreeMap<String, LinearImage>,
+}
+
+impl<'a> Renders<'a> {
+    fn of(folder: &'a Folder) -> Self {
+        Self { folder, known: BTreeMap::new() }
+    }
+
+    /// A page's picture against that of these arguments, where that shows anything but its background.
+    fn against(&mut self, picture: &LinearImage, arguments: &[&str]) -> ImageDifference {
+        let draw = || {
+            let size = format!("{SIDE}x{SIDE}");
+            let words = [&["render"], arguments, &["--size", &size, "-o", "expected.png"]].concat();
+            self.folder.run(&words).succeeded();
+            let mut expected = linear(&self.folder.read("expected.png"));
+            let background = expected.pixels[0];
+            expected.coverage = expected.pixels.iter().map(|pixel| f32::from(u8::from(*pixel != background))).collect();
+            assert!(expected.coverage.iter().sum::<f32>() > (SIDE * SIDE / 8) as f32);
+            expected
+        };
+        let expected = self.known.entry(arguments.join(" ")).or_insert_with(draw);
+        let shown = LinearImage { coverage: vec![0.0; SIDE * SIDE], ..picture.clone() };
+        compare_images(&shown, expected, 1.0)
+    }
+}
+
+const APIS: [(&str, &str); 2] = [("webgl2", "WebGL 2"), ("webgpu", "WebGPU")];
+
+/// Packs of BRDFs on every scene; and the same question of another pack is answered otherwise.
+#[test]
+fn balls_cloths_and_teapots_are_those_of_render() {
+    if !crate::common::has_adapter() {
+        return;
+    }
+    let folder = Folder::new();
+    let red = brdfc_testing::testdata("demo/red_plastic.binary");
+    let ward = "synth:ward?kd=0.2,0.15,0.1&ax=0.1&ay=0.4";
+    folder.run(&["encode", &red, "-o", "table.ktx2"]).succeeded();
+    folder.run(&["encode", ward, "-o", "anisotropic.ktx2"]).succeeded();
+    folder.run(&["encode", ward, "--codec", "wavelet", "-o", "wavelet.ktx2"]).succeeded();
+    folder.run(&["encode", ward, "--codec", "wavelet", "--bits", "12", "-o", "fine.ktx2"]).succeeded();
+    let packs = ["table.ktx2", "anisotropic.ktx2", "wavelet.ktx2", "fine.ktx2"];
+    folder.run(&[&["view"], &packs[..], &["-o", "view.html"]].concat()).succeeded();
+    // Wavelet packs take a software driver seconds each.
+    let cases = [
+        ("table.ktx2", "sphere"),
+        ("anisotropic.ktx2", "sphere"),
+        ("anisotropic.ktx2", "cloth"),
+        ("table.ktx2", "teapot"),
+        ("table.ktx2", "plane"),
+        ("wavelet.ktx2", "sphere"),
+        ("fine.ktx2", "sphere"),
+    ];
+    let number = |pack: &str| packs.iter().position(|other| *other == pack).unwrap();
+    let changes: Vec<Value> =
+        cases.iter().map(|(pack, scene)| json!({ "scene": scene, "left": number(pack), "right": -1 })).collect();
+    let mut renders = Renders::of(&folder);
+    for (api, name) in APIS {
+        let Some(found) = seen(&folder.text("view.html"), api, &changes) else { return };
+        assert_eq!(found.api, name);
+        println!(
+            "view, {name}: the first picture stood after {:.0} ms, {:.1} pictures a second",
+            found.first, found.speed
+        );
+        for ((pack, scene), (picture, first)) in cases.iter().zip(found.pictures.iter().zip(&found.firsts)) {
+            let difference = renders.against(picture, &[pack, "--scene", scene]);
+            let of_first = renders.against(first, &[pack, "--scene", scene, "--samples", "1"]);
+            println!(
+                "view, {name}: {pack} on {scene}: ΔE {:.3}, of a first picture {:.3}",
+                difference.delta_e.mean, of_first.delta_e.mean
+            );
+            assert!(difference.delta_e.mean < BOUND, "{pack} on {scene}: {:?}", difference.delta_e);
+            assert!(of_first.delta_e.mean < BOUND, "first, {pack} on {scene}: {:?}", of_first.delta_e);
+        }
+        // Another material is noticed.
+        let other = renders.against(&found.pictures[1], &["table.ktx2"]);
+        assert!(other.delta_e.mean > 5.0, "{:?}", other.delta_e);
+    }
+}
+
+/// A figure, not a check: how long a browser that was just started takes to the first picture of packs of 16 KiB. Ask for it by
+/// `cargo test --release --features render --test suite first_pictures -- --ignored --show-output`.
+#[test]
+#[ignore = "a benchmark"]
+fn first_pictures() {
+    let folder = Folder::new();
+    let red = brdfc_testing::testdata("demo/red_plastic.binary");
+    let size = ["--max-bytes", "16384"];
+    folder.run(&[&["encode", &red, "-o", "table.ktx2", "--codec", "table"][..], &size].concat()).succeeded();
+    folder.run(&[&["encode", &red, "-o", "factored.ktx2", "--codec", "factored"][..], &size].concat()).succeeded();
+    let ward = "synth:ward?kd=0.2,0.15,0.1&ax=0.1&ay=0.4";
+    folder.run(&[&["encode", ward, "-o", "anisotropic.ktx2", "--codec", "table"][..], &size].concat()).succeeded();
+    let script =
+        "const first = await brdfcView.first; await fetch('/result', { method: 'POST', body: String(first) });";
+    for pack in ["table", "factored", "anisotropic"] {
+        folder.run(&["view", &format!("{pack}.ktx2"), "-o", "view.html"]).succeeded();
+        for (api, name) in APIS {
+            let page = looked_at(&folder.text("view.html"), [696, 700], api, script);
+            let mut times = Vec::new();
+            for _ in 0..5 {
+                let Some(posted) = result_of_page(&[("", "text/html", page.as_bytes())]) else { return };
+                times.push(String::from_utf8(posted).unwrap().parse::<f64>().unwrap());
+            }
+            times.sort_by(f64::total_cmp);
+            println!(
+                "view, {name}, {pack}: the first picture stood after {:.0} ms, {:.0} to {:.0}",
+                times[2], times[0], times[4]
+            );
+        }
+    }
+}
+
+/// A page whose driver gives up draws on by WebGL 2, also where that happens while something else is chosen.
+#[test]
+fn a_driver_that_gives_up_is_replaced() {
+    let folder = Folder::new();
+    folder.run(&["encode", "synth:ggx?alpha=0.3", "-o", "a.ktx2"]).succeeded();
+    folder.run(&["encode", "synth:ggx?alpha=0.35", "-o", "b.ktx2"]).succeeded();
+    folder.run(&["view", "a.ktx2", "b.ktx2", "-o", "view.html"]).succeeded();
+    let page = folder.text("view.html").replacen(
+        "<head>",
+        "<head><script>
+             if (globalThis.GPUAdapter) {
+                 const { requestDevice } = GPUAdapter.prototype;
+                 GPUAdapter.prototype.requestDevice = async function (...words) {
+                     globalThis.lentDevice = await requestDevice.apply(this, words);
+                     return lentDevice;
+                 };
+             }</script>",
+        1,
+    );
+    let lost = |what: &str| {
+        json!(format!(
+                "const before = document.getElementById('canvas');
+                 brdfcView.set({{ scene: 'teapot' }}).catch(() => undefined);
+                 {what}
+                 const end = performance.now() + 20000;
+                 const isOld = () => document.getElementById('canvas') === before || !document.getElementById('wrong').hidden;
+                 while (isOld() && performance.now() < end) {{ await new Promise((done) => setTimeout(done, 50)); }}
+                 await brdfcView.set({{}});
+                 const {{ mean, pixels }} = await brdfcView.measure();
+                 return [document.getElementById('api').textContent, document.getElementById('wrong').hidden, mean, pixels];"
+            ))
+    };
+    for (api, what) in [
+        ("webgpu", "lentDevice.destroy();"),
+        ("webgl2", "before.getContext('webgl2').getExtension('WEBGL_lose_context').loseContext();"),
+    ] {
+        let Some(found) = seen(&page, api, &[lost(what)]) else { return };
+        println!("view, {api}: {}", found.told[0]);
+        assert_eq!((&found.told[0][0], &found.told[0][1]), (&json!("WebGL 2"), &json!(true)), "{api}");
+        assert!(found.told[0][2].as_f64().unwrap() > 0.05 && found.told[0][3].as_u64().unwrap() > 5000, "{api}");
+    }
+}
+
+/// What the page says of the difference of two packs is what pictures of both say.
+#[test]
+fn differences_are_those_of_the_pictures() {
+    let folder = Folder::new();
+    folder.run(&["encode", "synth:ggx?alpha=0.3", "-o", "a.ktx2"]).succeeded();
+    folder.run(&["encode", "synth:ggx?alpha=0.35", "-o", "b.ktx2"]).succeeded();
+    folder.run(&["view", "a.ktx2", "b.ktx2", "-o", "view.html"]).succeeded();
+    let changes =
+        [json!({ "split": 1 }), json!({ "split": 0 }), json!({ "split": 0.5 }), json!({ "mode": "difference" })];
+    let Some(found) = seen(&folder.text("view.html"), "webgl2", &changes) else { return };
+    let [a, b, split, difference] = &found.pictures[..] else { panic!("four pictures") };
+    let background = a.pixels[0];
+    let covered = |image: &LinearImage| {
+        let coverage = image.pixels.iter().map(|pixel| f32::from(u8::from(*pixel != background))).collect();
+        LinearImage { coverage, ..image.clone() }
+    };
+    let apart = compare_images(&covered(a), &covered(b), 1.0).delta_e;
+    let told = &found.measured[0];
+    println!("view: ΔE {} as the page says, {:.3} of its pictures", told["mean"], apart.mean);
+    assert!(apart.mean > 0.1 && (told["mean"].as_f64().unwrap() - apart.mean).abs() < 0.1);
+    assert!((told["p95"].as_f64().unwrap() - apart.p95).abs() < 0.3);
+    for row in 0..SIDE {
+        let range = SIDE * row..SIDE * (row + 1);
+        let ([left, _], [_, right]) = (halves(&a.pixels[range.clone()]), halves(&b.pixels[range.clone()]));
+        assert!(split.pixels[range].iter().eq(left.iter().chain(right)), "row {row}");
+    }
+    // Beside the ball nothing is compared; on it, what is alike is dark.
+    assert_eq!(difference.pixels[0], background);
+    assert!(difference.pixels.iter().any(|pixel| pixel.iter().sum::<f32>() < 0.1));
+    assert!(difference.pixels != split.pixels);
+}
+
+/// The controls, as a hand moves them; and what one of both is not made for.
+#[test]
+fn controls_do_what_they_say() {
+    let folder = Folder::new();
+    folder.write(
+        "scene.toml",
+        "[materials.high]\nsource = \"synth:ggx?alpha=0.3\"\n\
+             [[uses]]\nmaterial = \"high\"\nview_elevation = [40, 90]\n",
+    );
+    folder.run(&["build", "scene.toml", "--out", "packs"]).succeeded();
+    folder.run(&["encode", "synth:ggx?alpha=0.3", "-o", "<!--<script>.ktx2"]).succeeded();
+    folder.run(&["view", "packs", "--no-sources", "<!--<script>.ktx2", "-o", "view.html"]).succeeded();
+    // A script that the page's own would be if names were not escaped, and each control with what it is to change.
+    let slider = |name: &str, value: f64| {
+        json!(format!(
+            "const slider = document.querySelector('input[name={name}]'); slider.value = {value}; \
+                 slider.dispatchEvent(new Event('input', {{ bubbles: true }})); return brdfcView.state.{name};"
+        ))
+    };
+    let press = |key: &str| {
+        json!(format!(
+            "document.getElementById('canvas').dispatchEvent(new KeyboardEvent('keydown', {{ key: '{key}', bubbles: true }})); \
+                 return [brdfcView.state.turn.yaw, brdfcView.state.zoom];"
+        ))
+    };
+    let drag = json!(
+        "const canvas = document.getElementById('canvas'); canvas.setPointerCapture = () => {};
+             const event = (name, x, more) => canvas.dispatchEvent(
+                 new PointerEvent(name, { clientX: x, clientY: 100, bubbles: true, pointerId: 1, ...more }));
+             event('pointerdown', 100, { buttons: 1 });
+             event('pointermove', 150, { buttons: 1, shiftKey: true });
+             event('pointerup', 150, {});
+             return brdfcView.state.light.yaw;"
+    );
+    let pinch = json!(
+            "const canvas = document.getElementById('canvas'); canvas.setPointerCapture = () => {};
+             const event = (name, pointerId, x) => canvas.dispatchEvent(
+                 new PointerEvent(name, { clientX: x, clientY: 100, bubbles: true, pointerId, buttons: 1, pointerType: 'touch' }));
+             const { zoom, turn } = brdfcView.state;
+             event('pointerdown', 7, 100); event('pointerdown', 8, 150); event('pointermove', 8, 200);
+             event('pointerup', 7, 100); event('pointerup', 8, 200);
+             const found = [brdfcView.state.zoom / zoom, brdfcView.state.turn.yaw - turn.yaw];
+             brdfcView.state.zoom = zoom;
+             return found;"
+        );
+    let point = json!(
+        "await brdfcView.set({}); await brdfcView.measure();
+             document.getElementById('canvas').dispatchEvent(
+                 new PointerEvent('pointermove', { clientX: 128, clientY: 128, bubbles: true, buttons: 0 }));
+             await brdfcView.measure();
+             return [document.getElementById('here').textContent, await brdfcView.measure()];"
+    );
+    let changes = [
+        slider("split", 0.25),
+        slider("stops", 1.0),
+        press("ArrowLeft"),
+        press("+"),
+        drag,
+        pinch,
+        press("-"),
+        slider("stops", 0.0),
+        point,
+    ];
+    let Some(found) = seen(&folder.text("view.html"), "webgl2", &changes) else { return };
+    let [split, stops, turned, nearer, lit, pinched, _, _, pointed] = &found.told[..] else {
+        panic!("{:?}", found.told)
+    };
+    assert_eq!((split, stops), (&json!(0.25), &json!(1)));
+    assert!(turned[0].as_f64().unwrap() > 0.05 && nearer[1].as_f64().unwrap() > 1.05 && lit.as_f64().unwrap() > 0.3);
+    assert_eq!(pinched, &json!([2, 0]));
+    let here = pointed[0].as_str().unwrap();
+    assert!(here.starts_with("ΔE here: ") && here[10..].trim().parse::<f64>().is_ok(), "{here}");
+    // The rim of the ball, which one of both is not made for, does not count.
+    let (mean, pixels) = (pointed[1]["mean"].as_f64().unwrap(), pointed[1]["pixels"].as_u64().unwrap());
+    println!("view: ΔE {mean:.3} over {pixels} pixels of a pack for high views");
+    assert!(mean < 0.2 && (5000..30000).contains(&pixels), "{mean} {pixels}");
+}
+
+fn halves(row: &[[f32; 3]]) -> [&[[f32; 3]]; 2] {
+    let (left, right) = row.split_at(SIDE / 2);
+    [left, right]
+}
+
+#[test]
+fn flat_btfs_and_pictures_under_light_are_those_of_render() {
+    if !crate::common::has_adapter() {
+        return;
+    }
+    let folder = Folder::new();
+    let small = ["--texels", "64", "--views", "grid:3x8@60", "--lights", "grid:3x8@60", "--indirection", "8x12"];
+    folder.run(&[&["flatten", "synth:button?resolution=48", "-o", "button"][..], &small].concat()).succeeded();
+    folder.run(&["pwt", "button", "-o", "view.ktx2"]).succeeded();
+    folder.run(&["encode", "synth:lambert?kd=0.5", "-o", "table.ktx2"]).succeeded();
+    folder.run(&["encode", "synth:lambert?kd=0.5", "--codec", "wavelet", "-o", "wavelet.ktx2"]).succeeded();
+    let all = ["view", "button", "view.ktx2", "table.ktx2", "wavelet.ktx2", "-o", "view.html", "--json"];
+    let alone = folder.run(&all).succeeded().json()["bytes_alone"].as_u64().unwrap();
+    println!("view: {} KiB are the page's own, with packs of all four kinds", alone >> 10);
+    assert!(alone < 300 << 10);
+    let cases = [("button", "plane"), ("button", "teapot"), ("view.ktx2", "")];
+    let changes =
+        [json!({ "scene": "plane", "left": 0, "right": -1 }), json!({ "scene": "teapot" }), json!({ "left": 1 })];
+    let mut renders = Renders::of(&folder);
+    for (api, name) in APIS {
+        let Some(found) = seen(&folder.text("view.html"), api, &changes) else { return };
+        assert_eq!(found.api, name);
+        for (k, (input, scene)) in cases.iter().enumerate() {
+            // On a plane, `brdfc render` exposes for the surface itself, which the page does not have.
+            let exposure = format!("{:.4}", found.exposures[k]);
+            let scene_of = if scene.is_empty() { vec![] } else { vec!["--scene", *scene] };
+            let words = [&[*input, "--exposure", &exposure][..], &scene_of].concat();
+            let difference = renders.against(&found.pictures[k], &words);
+            println!("view, {name}: {input} {scene}: ΔE {:.3}", difference.delta_e.mean);
+            assert!(difference.delta_e.mean < BOUND, "{input} {scene}: {:?}", difference.delta_e);
+        }
+        // Another surface is noticed.
+        let other = renders.against(&found.pictures[1], &["button", "--scene", "plane", "--exposure", "1"]);
+        assert!(other.delta_e.mean > 5.0, "{:?}", other.delta_e);
+    }
+}
