@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 /// What other lines of a block that is not run start with.
-const SET_UP: [&str; 15] = [
+const SET_UP: [&str; 16] = [
     "pip install ",
     "python3 tests/",
     "./scripts/",
@@ -29,6 +29,7 @@ const SET_UP: [&str; 15] = [
     "cargo install ",
     "cargo bench",
     "cargo build",
+    "cargo test --release ",
     "cargo run --manifest-path examples/bevy/Cargo.toml ",
     "cargo run --release --example ",
     "ninja",

@@ -58,7 +58,7 @@ fn build_folder(path: &Path) -> Option<&Path> {
 
 fn has_packs(folder: &Path) -> bool {
     let is_pack = |entry: std::fs::DirEntry| entry.path().extension().is_some_and(|extension| extension == "ktx2");
-    std::fs::read_dir(folder).is_ok_and(|entries| entries.flatten().any(|entry| is_pack(entry)))
+    std::fs::read_dir(folder).is_ok_and(|entries| entries.flatten().any(is_pack))
 }
 
 /// A name that no other item has.

@@ -15,7 +15,7 @@ export const COARSE = 1;
 /** What is shown: its layout and its numbers are those of `Show` in show.wgsl. */
 const [PICTURES, COLOURS, DELTA_E, RADIANCE] = [0, 1, 2, 3];
 /** So many pixels, at least, say the exposure of a coarse picture, which is drawn finely soon. */
-const ENOUGH = 100_000;
+const ENOUGH = 50_000;
 
 export class Drawing {
     /** What was unpacked, but not uploaded yet; what was uploaded: programs, meshes and materials by their name or number. */
