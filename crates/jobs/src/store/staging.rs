@@ -42,7 +42,7 @@ impl Staging {
 
     /// Removes all of this process, which is about to end.
     pub fn remove_all() {
-        all().iter().for_each(|folder| drop(std::fs::remove_dir_all(folder)));
+        all().iter().for_each(|folder| drop(remove(folder)));
     }
 
     /// The folder.
@@ -53,8 +53,18 @@ impl Staging {
 
 impl Drop for Staging {
     fn drop(&mut self) {
+        let _ = remove(self.folder.path());
         all().retain(|folder| folder != self.folder.path());
     }
+}
+
+/// Removes a folder, its lock last: what has none is taken for new, and would stay for a while if this is killed.
+fn remove(folder: &Path) -> std::io::Result<()> {
+    for entry in std::fs::read_dir(folder)?.flatten().filter(|entry| entry.file_name() != LOCK) {
+        let path = entry.path();
+        if path.is_dir() { std::fs::remove_dir_all(path)? } else { std::fs::remove_file(path)? }
+    }
+    std::fs::remove_dir_all(folder)
 }
 
 /// A folder's lock, which has its name only once it is held: whoever finds it free between the two would take its owner for
@@ -75,7 +85,7 @@ fn all() -> MutexGuard<'static, Vec<PathBuf>> {
 /// Removes what processes left unfinished in `parent` that are no longer there.
 pub fn sweep(parent: &Path) {
     for path in abandoned(parent) {
-        let _ = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
+        let _ = if path.is_dir() { remove(&path) } else { std::fs::remove_file(path) };
     }
 }
 
@@ -119,6 +129,27 @@ mod tests {
         assert!(alive.path().is_dir() && next.path().is_dir() && unrelated.is_file() && !dead.exists());
         drop((alive, next));
         assert_eq!(std::fs::read_dir(parent.path()).unwrap().count(), 1);
+    }
+
+    /// Watches a folder that is removed: as long as there is anything in it, there is its lock.
+    #[test]
+    fn a_lock_is_removed_last() {
+        let parent = tempfile::tempdir().unwrap();
+        for _ in 0..20 {
+            let staging = Staging::new(parent.path()).unwrap();
+            let path = staging.path().to_owned();
+            for number in 0..50 {
+                std::fs::write(path.join(number.to_string()), "part").unwrap();
+            }
+            std::thread::scope(|scope| {
+                scope.spawn(|| drop(staging));
+                while path.exists() {
+                    let has_lock = path.join(LOCK).exists();
+                    let rest = std::fs::read_dir(&path).into_iter().flatten().flatten();
+                    assert!(rest.filter(|entry| entry.file_name() != LOCK).count() == 0 || has_lock);
+                }
+            });
+        }
     }
 
     #[test]

@@ -119,7 +119,7 @@ async function underPointer() {
     }
     const pixel = [canvas.width, canvas.height].map((count, k) => Math.max(Math.min(Math.floor(pointer[k] * count), count - 1), 0));
     const { apart, isSurface, isBoth } = await drawing.differenceAt(pixel);
-    const without = isSurface ? 'one of both is not made for these directions' : 'no surface';
+    const without = isSurface ? 'one of the two was not made for these directions' : 'no surface';
     here.textContent = `ΔE here: ${isBoth ? apart.toFixed(2) : without}`;
 }
 
