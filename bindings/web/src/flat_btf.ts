@@ -7,7 +7,7 @@ const MAX_GROUPS = 16;
 const BASE_LAYERS = 2;
 
 /** What a flat BTF binds, from its parts; their layout: formats/src/flat_btf/spec.md. */
-export function flatBtfResources(parts: Map<string, Container>, { filter = 'sampler' }: Options): Map<number, Contents> {
+export function flatBtfResources(parts: Map<string, Container>, { filter }: Required<Options>): Map<number, Contents> {
     const part = (name: string): Container => {
         const found = parts.get(name);
         if (found === undefined) {

@@ -37,8 +37,18 @@ export interface Options {
     distanceScale?: number;
 }
 
-/** That of `brdfc render` and of manifests. */
-export const DISTANCE_SCALE = 0.15;
+/** Options with what stands in place of those that are left out: α is that of `brdfc render` and of manifests. */
+function chosen({ filter = 'sampler', wavelet = 'bilinear', distanceScale = 0.15 }: Options): Required<Options> {
+    if (!(distanceScale > 0)) {
+        throw new Error(`distanceScale: found ${distanceScale}; allowed a number above 0`);
+    }
+    return { filter, wavelet, distanceScale };
+}
+
+/** Whether a sampler would have to filter 32-bit floats, which WebGL 2 and WebGPU promise of none: wavelet packs of more than 8 bits. */
+export function isWide({ resources }: Pack): boolean {
+    return resources.some((resource) => resource.kind === 'texture' && resource.filtered && resource.texture.format === 'rgba32float');
+}
 
 async function bytesOf(source: string | URL | ArrayBuffer | Uint8Array): Promise<Uint8Array> {
     if (source instanceof Uint8Array) {
@@ -75,7 +85,7 @@ function named(decoder: DecoderName, contents: Map<number, Contents>): Pack {
 export async function loadPack(source: string | URL | ArrayBuffer | Uint8Array, options: Options = {}): Promise<Pack> {
     const bytes = await bytesOf(source);
     const isAddress = typeof source === 'string' || source instanceof URL;
-    return ofFile(isAddress ? `${source}` : undefined, () => packOf(bytes, options));
+    return ofFile(isAddress ? `${source}` : undefined, () => packOf(bytes, chosen(options)));
 }
 
 /** Does what a file is for; errors begin with its name, where it has one. */
@@ -88,11 +98,7 @@ async function ofFile<T>(name: string | undefined, work: () => T | Promise<T>): 
     }
 }
 
-async function packOf(bytes: Uint8Array, options: Options): Promise<Pack> {
-    const { distanceScale = DISTANCE_SCALE } = options;
-    if (!(distanceScale > 0)) {
-        throw new Error(`distanceScale: found ${distanceScale}; allowed a number above 0`);
-    }
+async function packOf(bytes: Uint8Array, options: Required<Options>): Promise<Pack> {
     const container = await readContainer(bytes);
     const { entries } = container;
     if (entries.has('brdfc.table')) {
@@ -131,7 +137,7 @@ export async function loadFlatBtf(
         return [part, await ofFile(file, () => readContainer(stored))] as const;
     };
     const containers = new Map<string, Container>(await Promise.all(drawn.map(read)));
-    return ofFile(list, () => named('flat-btf', flatBtfResources(containers, options)));
+    return ofFile(list, () => named('flat-btf', flatBtfResources(containers, chosen(options))));
 }
 
 /** A part, and the file that has it. */

@@ -7,7 +7,7 @@ const TRIANGLE = 4 * 167;
 const COMPONENTS = 128;
 
 /** What a polynomial wavelet tree binds; its layout: formats/src/pwt/spec.md. */
-export async function pwtResources({ texture: first, entries }: Container, { filter = 'sampler' }: Options): Promise<Map<number, Contents>> {
+export async function pwtResources({ texture: first, entries }: Container, { filter }: Required<Options>): Promise<Map<number, Contents>> {
     const header = versioned(entries, 'brdfc.pwt');
     const word = (at: number) => header.getUint32(at, true);
     const float = (at: number) => header.getFloat32(at, true);

@@ -1,10 +1,10 @@
 import { checkSize, type Container, storedWindow, versioned, view } from './container.js';
-import { type Contents, DISTANCE_SCALE, type Options } from './pack.js';
+import type { Contents, Options } from './pack.js';
 import { image, noTexture, texture } from './textures.js';
 import { Words } from './words.js';
 
 /** What a table pack binds; its layout: formats/src/table/spec.md. */
-export function tableResources({ texture: texels, entries }: Container, { distanceScale = DISTANCE_SCALE }: Options): Map<number, Contents> {
+export function tableResources({ texture: texels, entries }: Container, { distanceScale }: Required<Options>): Map<number, Contents> {
     const header = versioned(entries, 'brdfc.table');
     const word = (k: number) => header.getUint32(4 * k, true);
     const number = (k: number) => header.getFloat32(4 * k, true);

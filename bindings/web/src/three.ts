@@ -1,7 +1,7 @@
 import * as THREE from 'three';
 import type { TextureData } from './container.js';
-import type { Pack, Resource } from './pack.js';
-import { FRAGMENT, MAX_LIGHTS, REFLECTED, VARYINGS, VERTEX } from './three_shader.js';
+import { isWide, type Pack, type Resource } from './pack.js';
+import { fragmentShader, MAX_LIGHTS, VERTEX } from './three_shader.js';
 import { GL_FORMATS, typed, uploadTexture } from './upload_webgl.js';
 
 export { MAX_LIGHTS };
@@ -50,19 +50,18 @@ export function packGlsl(pack: Pack): string {
  */
 export function packMaterial(pack: Pack, renderer: THREE.WebGLRenderer, lights: PointLight[]): THREE.ShaderMaterial {
     checkLights(lights);
-    const isWide = pack.resources.some((resource) => resource.kind === 'texture' && isFloat(resource));
     const uniforms = packUniforms(pack, renderer);
     const material = new THREE.ShaderMaterial({
         glslVersion: THREE.GLSL3,
         defines: { USE_TANGENT: '' },
         uniforms: {
             ...uniforms,
-            lightCount: { value: Math.min(lights.length, MAX_LIGHTS) },
+            lightCount: { value: lights.length },
             lightPositions: { value: padded(lights, ({ position }) => position, () => new THREE.Vector3()) },
             lightIntensities: { value: padded(lights, ({ intensity }) => intensity, () => new THREE.Color(0)) },
         },
         vertexShader: VERTEX,
-        fragmentShader: VARYINGS + packGlsl(pack) + REFLECTED[isWide ? `${pack.decoder}, wide` : pack.decoder] + FRAGMENT,
+        fragmentShader: fragmentShader(pack.decoder, packGlsl(pack), isWide(pack)),
     });
     let isFreed = false;
     let isTold = false;
@@ -101,11 +100,6 @@ function checkLights(lights: PointLight[]): void {
             throw new Error(`lights[${k}].${wrong}`);
         }
     });
-}
-
-/** Whether samplers would have to filter 32-bit floats of it. */
-function isFloat({ texture, filtered }: Resource & { kind: 'texture' }): boolean {
-    return filtered && texture.format === 'rgba32float';
 }
 
 function padded<T>(lights: PointLight[], of: (light: PointLight) => T, none: () => T): T[] {

@@ -1,10 +1,12 @@
 // Shaders of the material for three.js: its own chunks place the vertices, a pack's decoder says what is reflected.
 
+import type { DecoderName } from './shaders.js';
+
 /** Most lights of a material. */
 export const MAX_LIGHTS = 8;
 
 /** Of each decoder: `reflected`, radiance over irradiance from one direction with the cosine, and its level of detail. */
-export const REFLECTED: Record<string, string> = {
+const REFLECTED: Record<DecoderName, string> = {
     table: `
 float levelAt(float distance) {
     return table_brdf_level_of_detail(distance);
@@ -18,16 +20,7 @@ float levelAt(float distance) {
     return wavelet_brdf_level_of_detail(distance);
 }
 vec3 reflected(vec3 wi, vec3 wo, float level) {
-    return wavelet_brdf(wi, wo, level) * wi.z;
-}
-`,
-    // Samplers do not filter floats of 32 bits.
-    'wavelet, wide': `
-float levelAt(float distance) {
-    return wavelet_brdf_level_of_detail(distance);
-}
-vec3 reflected(vec3 wi, vec3 wo, float level) {
-    return wavelet_brdf_exact(wi, wo, level) * wi.z;
+    return WAVELET_BRDF(wi, wo, level) * wi.z;
 }
 `,
     // From behind v is negated, so that it goes along the bitangent there, too.
@@ -51,7 +44,7 @@ vec3 reflected(vec3 wi, vec3 wo, float level) {
 };
 
 /** Before the decoder: what comes from the vertices. */
-export const VARYINGS = `
+const VARYINGS = `
 in vec3 worldPosition;
 in vec3 worldNormal;
 in vec4 worldTangent;
@@ -100,7 +93,7 @@ void main() {
 }
 `;
 
-export const FRAGMENT = `
+const FRAGMENT = `
 #include <logdepthbuf_pars_fragment>
 uniform int lightCount;
 uniform vec3 lightPositions[${MAX_LIGHTS}];
@@ -138,3 +131,9 @@ void main() {
     colour = linearToOutputTexel(vec4(radiance, 1.0));
 }
 `;
+
+/** The shader of a decoder in GLSL; `isWide`: it filters wavelets itself, as samplers do not filter floats of 32 bits. */
+export function fragmentShader(name: DecoderName, decoder: string, isWide: boolean): string {
+    const wavelet = `#define WAVELET_BRDF ${isWide ? 'wavelet_brdf_exact' : 'wavelet_brdf'}\n`;
+    return wavelet + VARYINGS + decoder + REFLECTED[name] + FRAGMENT;
+}

@@ -1,5 +1,5 @@
 import { checkSize, type Container, storedWindow, versioned, view } from './container.js';
-import { type Contents, DISTANCE_SCALE, type Options } from './pack.js';
+import type { Contents, Options } from './pack.js';
 import { image, texture, widened } from './textures.js';
 import { Words } from './words.js';
 
@@ -8,7 +8,7 @@ const FILTERS = ['nearest', 'slices', 'bilinear'] as const;
 /** What a wavelet pack binds; its layout: formats/src/wavelet/spec.md. */
 export function waveletResources(
     { texture: texels, entries }: Container,
-    { wavelet = 'bilinear', distanceScale = DISTANCE_SCALE }: Options,
+    { wavelet, distanceScale }: Required<Options>,
 ): Map<number, Contents> {
     const header = versioned(entries, 'brdfc.wavelet');
     const word = (k: number) => header.getUint32(4 * k, true);

@@ -1,4 +1,4 @@
-import type { Pack } from './pack.js';
+import { isWide, type Pack } from './pack.js';
 import { gpuResource } from './upload_webgpu.js';
 
 /** A pack on a WebGPU device. */
@@ -15,8 +15,7 @@ export interface WebGpuPack {
  * @throws Error where a device lacks `float32-filterable` for a wavelet pack of more than 8 bits, which holds floats of 32 bits here.
  */
 export function uploadWebGpu(device: GPUDevice, pack: Pack, used: (name: string) => boolean = () => true): WebGpuPack {
-    const isWide = pack.resources.some((resource) => resource.kind === 'texture' && resource.filtered && resource.texture.format === 'rgba32float');
-    if (isWide && !device.features.has('float32-filterable')) {
+    if (isWide(pack) && !device.features.has('float32-filterable')) {
         throw new Error('device: found none of the feature float32-filterable; allowed one that was asked for it, or a pack of 8 bits');
     }
     const bound = pack.resources.filter(({ name }) => used(name));

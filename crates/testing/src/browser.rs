@@ -126,6 +126,15 @@ fn posted(listener: &TcpListener, files: &[File<'_>]) -> Option<Vec<u8>> {
     })
 }
 
+/// A page of `brdfc view` as a browser shows it: a picture of this size, by one interface (`webgl2`, `webgpu`), and a script behind
+/// its own.
+pub fn with_script(page: &str, [width, height]: [usize; 2], api: &str, script: &str) -> String {
+    let size = format!("<style>#stage {{ width: {width}px; height: {height}px }}</style>");
+    let hash = format!("<script>history.replaceState(null, '', '#api={api}&embed')</script>");
+    let page = page.replacen("</head>", &format!("{size}{hash}</head>"), 1);
+    page.replacen("</body>", &format!("<script type=\"module\">{script}</script></body>"), 1)
+}
+
 /// A picture of the only canvas of a page of these files, some frames after it was opened, as the bytes of a PNG. `None` where
 /// there is no browser, which is said.
 ///

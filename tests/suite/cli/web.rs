@@ -177,7 +177,9 @@ const material = packMaterial(pack, renderer, [light]);
 const geometry = new THREE.SphereGeometry(1, 128, 64);
 geometry.computeTangents();
 const turn = new THREE.Quaternion().setFromEuler(new THREE.Euler(0.4, 0.7, 0.2));
-const place = new THREE.Matrix4().compose(new THREE.Vector3(0.1, 0.2, 0), turn, new THREE.Vector3(1, 0.5, 0.8));
+// three.js turns normals by the matrices of bones themselves: they stay perpendicular where all axes are scaled alike.
+const scale = asked.has('even') ? new THREE.Vector3(0.8, 0.8, 0.8) : new THREE.Vector3(1, 0.5, 0.8);
+const place = new THREE.Matrix4().compose(new THREE.Vector3(0.1, 0.2, 0), turn, scale);
 const mesh = new THREE.Mesh(geometry, material);
 const ways = {
     corners: () => { geometry.applyMatrix4(place); return mesh; },
@@ -187,6 +189,17 @@ const ways = {
         const all = new THREE.BatchedMesh(1, 10000, 60000, material);
         all.setMatrixAt(all.addInstance(all.addGeometry(geometry)), place);
         return all;
+    },
+    bones: () => {
+        const { count } = geometry.attributes.position;
+        const weights = Float32Array.from({ length: 4 * count }, (_, k) => (k % 4 === 0 ? 1 : 0));
+        geometry.setAttribute('skinIndex', new THREE.Uint16BufferAttribute(new Uint16Array(4 * count), 4));
+        geometry.setAttribute('skinWeight', new THREE.Float32BufferAttribute(weights, 4));
+        const [skinned, bone] = [new THREE.SkinnedMesh(geometry, material), new THREE.Bone()];
+        skinned.add(bone);
+        skinned.bind(new THREE.Skeleton([bone]));
+        bone.applyMatrix4(place);
+        return skinned;
     },
     // What was freed is uploaded again.
     disposed: () => { geometry.applyMatrix4(place); renderer.render(new THREE.Scene().add(mesh), camera); material.dispose(); return mesh; },
@@ -203,6 +216,9 @@ scene.add(ways[asked.get('way')]());",
         assert!(mean < 0.1 && p95 <= 1.0, "{way}: {mean} {p95}");
     }
     assert!(differences(&of("none").unwrap(), &expected).0 > 10.0);
+    let (mean, p95) = differences(&of("bones&even").unwrap(), &of("corners&even").unwrap());
+    println!("three.js, bones: codes differ by {mean:.3} in the mean, {p95} at 95 %");
+    assert!(mean < 0.1 && p95 <= 1.0, "bones: {mean} {p95}");
 }
 
 /// A flat BTF is uploaded as it should be among textures that are flipped, and again after it was freed.
@@ -248,6 +264,7 @@ if (asked.has('freed')) {
 fn files_that_are_damaged_are_refused_by_the_package() {
     let folder = Folder::new();
     folder.run(&["encode", "synth:ggx?alpha=0.3", "-o", "it.ktx2"]).succeeded();
+    folder.run(&["encode", "synth:ggx?alpha=0.3", "--codec", "wavelet", "--bits", "12", "-o", "wide.ktx2"]).succeeded();
     let Some(mut files) = files(&folder) else { return };
     let bytes = folder.read("it.ktx2");
     let at = bytes.windows(12).position(|window| window == b"brdfc.table\0").unwrap() + 12;
@@ -267,13 +284,19 @@ fn files_that_are_damaged_are_refused_by_the_package() {
         files.push((name.to_owned(), "application/octet-stream", bytes));
     }
     let page = "<script type=\"module\">
-import { loadFlatBtf, loadPack } from './dist/index.js';
+import { loadFlatBtf, loadPack, uploadWebGpu } from './dist/index.js';
 const told = {};
 for (const name of ['version.ktx2', 'nodes.ktx2', 'short.ktx2', 'empty.ktx2', 'text.json', 'none.json', 'packs/it.ktx2']) {
     const load = name.endsWith('json') ? loadFlatBtf : loadPack;
     told[name] = await load(name).then(() => 'loaded', ({ message }) => message);
 }
 told.scale = await loadPack('packs/it.ktx2', { distanceScale: -1 }).then(() => 'loaded', ({ message }) => message);
+const wide = await loadPack('packs/wide.ktx2');
+try {
+    uploadWebGpu({ features: new Set() }, wide);
+} catch ({ message }) {
+    told.wide = message;
+}
 fetch('/result', { method: 'POST', body: JSON.stringify(told) });
 </script>";
     files.push((String::new(), "text/html", page.as_bytes().to_vec()));
@@ -289,6 +312,7 @@ fetch('/result', { method: 'POST', body: JSON.stringify(told) });
         ("text.json", "text.json: list of parts: found no JSON; allowed "),
         ("none.json", "none.json: list of parts: found none; allowed "),
         ("packs/it.ktx2", "loaded"),
+        ("wide", "device: found none of the feature float32-filterable; allowed "),
         ("scale", "distanceScale: found -1; allowed a number above 0"),
     ] {
         let found = told[name].as_str().unwrap();

@@ -75,16 +75,22 @@ fn title(items: &[ViewItem]) -> String {
 /// What draws a kind of pack; `exact`: the shader filters wavelets. Each has one way in it: drivers compile, and some run, both sides
 /// of a branch.
 fn drawing(decoder: Decoder, exact: bool) -> Result<Program, ViewError> {
+    let filtered = |name| {
+        format!(
+            "fn filtered(wi: vec3<f32>, wo: vec3<f32>, level: f32) -> vec3<f32> {{ return {name}(wi, wo, level); }}\n"
+        )
+    };
     let of_kind = match decoder {
-        Decoder::Table => include_str!("shaders/table.wgsl"),
-        Decoder::Wavelet if exact => include_str!("shaders/wavelet_exact.wgsl"),
-        Decoder::Wavelet => include_str!("shaders/wavelet.wgsl"),
-        Decoder::FlatBtf => include_str!("shaders/flat_btf.wgsl"),
-        Decoder::Pwt => include_str!("shaders/pwt.wgsl"),
+        Decoder::Table => include_str!("shaders/table.wgsl").to_owned(),
+        Decoder::Wavelet => {
+            filtered(if exact { "wavelet_brdf_exact" } else { "wavelet_brdf" }) + include_str!("shaders/wavelet.wgsl")
+        }
+        Decoder::FlatBtf => include_str!("shaders/flat_btf.wgsl").to_owned(),
+        Decoder::Pwt => include_str!("shaders/pwt.wgsl").to_owned(),
         Decoder::Bandwidth | Decoder::Importance => unreachable!("no item has it"),
     };
     let (frame, corner) = (brdfc_render::shading_point::SHADING_POINT_WGSL, brdfc_render::camera::CORNER_WGSL);
-    let source = [&decoder.wgsl(), of_kind, frame, corner, include_str!("shaders/shade.wgsl")].join("\n");
+    let source = [&decoder.wgsl(), &of_kind, frame, corner, include_str!("shaders/shade.wgsl")].join("\n");
     program(&source, "project", "shade").map_err(ViewError::Shader)
 }
 

@@ -3,11 +3,12 @@
 use crate::common::cli::Folder;
 use brdfc_formats::colour::decode_srgb;
 use brdfc_metrics::image::{ImageDifference, LinearImage, compare_images};
-use brdfc_testing::browser::result_of_page;
+use brdfc_testing::browser::{result_of_page, with_script};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
 const SIDE: usize = 256;
+const SQUARE: [usize; 2] = [SIDE; 2];
 /// Of the mean ΔE.
 const BOUND: f64 = 0.5;
 
@@ -25,15 +26,7 @@ struct Seen {
     measured: Vec<Value>,
 }
 
-/// A page as a browser shows it: a stage of this size, one interface, and a script behind its own.
-fn looked_at(page: &str, [width, height]: [usize; 2], api: &str, script: &str) -> String {
-    let size = format!("<style>#stage {{ width: {width}px; height: {height}px }}</style>");
-    let hash = format!("<script>history.replaceState(null, '', '#api={api}&embed')</script>");
-    let page = page.replacen("</head>", &format!("{size}{hash}</head>"), 1);
-    page.replacen("</body>", &format!("<script type=\"module\">{script}</script></body>"), 1)
-}
-
-fn seen(page: &str, api: &str, changes: &[Value]) -> Option<Seen> {
+fn seen(page: &str, size: [usize; 2], api: &str, changes: &[Value]) -> Option<Seen> {
     let script = "
 const base64 = (bytes) => { let text = ''; for (const byte of bytes) { text += String.fromCharCode(byte); } return btoa(text); };
 const say = (value) => fetch('/result', { method: 'POST', body: typeof value === 'string' ? value : JSON.stringify(value) });
@@ -60,7 +53,7 @@ addEventListener('unhandledrejection', ({ reason }) => say(`error: ${reason?.nam
 })();
 ";
     let script = script.replace("CHANGES", &json!(changes).to_string());
-    let page = looked_at(page, [SIDE; 2], api, &script);
+    let page = with_script(page, size, api, &script);
     let posted = result_of_page(&[("", "text/html", page.as_bytes())])?;
     let told: Value = serde_json::from_slice(&posted).unwrap_or_else(|_| {
         panic!("{}", String::from_utf8_lossy(&posted));
@@ -103,17 +96,18 @@ impl<'a> Renders<'a> {
     /// A page's picture against that of these arguments, where that shows anything but its background.
     fn against(&mut self, picture: &LinearImage, arguments: &[&str]) -> ImageDifference {
         let draw = || {
-            let size = format!("{SIDE}x{SIDE}");
+            let (width, height) = (picture.width, picture.height);
+            let size = format!("{width}x{height}");
             let words = [&["render"], arguments, &["--size", &size, "-o", "expected.png"]].concat();
             self.folder.run(&words).succeeded();
             let mut expected = linear(&self.folder.read("expected.png"));
             let background = expected.pixels[0];
             expected.coverage = expected.pixels.iter().map(|pixel| f32::from(u8::from(*pixel != background))).collect();
-            assert!(expected.coverage.iter().sum::<f32>() > (SIDE * SIDE / 8) as f32);
+            assert!(expected.coverage.iter().sum::<f32>() > (width * height / 8) as f32);
             expected
         };
         let expected = self.known.entry(arguments.join(" ")).or_insert_with(draw);
-        let shown = LinearImage { coverage: vec![0.0; SIDE * SIDE], ..picture.clone() };
+        let shown = LinearImage { coverage: vec![0.0; picture.pixels.len()], ..picture.clone() };
         compare_images(&shown, expected, 1.0)
     }
 }
@@ -150,7 +144,7 @@ fn balls_cloths_and_teapots_are_those_of_render() {
         cases.iter().map(|(pack, scene)| json!({ "scene": scene, "left": number(pack), "right": -1 })).collect();
     let mut renders = Renders::of(&folder);
     for (api, name) in APIS {
-        let Some(found) = seen(&folder.text("view.html"), api, &changes) else { return };
+        let Some(found) = seen(&folder.text("view.html"), SQUARE, api, &changes) else { return };
         assert_eq!(found.api, name);
         println!(
             "view, {name}: the first picture stood after {:.0} ms, {:.1} pictures a second",
@@ -172,35 +166,28 @@ fn balls_cloths_and_teapots_are_those_of_render() {
     }
 }
 
-/// A figure, not a check: how long a browser that was just started takes to the first picture of packs of 16 KiB. Ask for it by
-/// `cargo test --release --features render --test suite first_pictures -- --ignored --show-output`.
+/// The first picture of a large page has the exposure of some of its pixels alone.
 #[test]
-#[ignore = "a benchmark"]
-fn first_pictures() {
+fn a_large_first_picture_is_that_of_render() {
+    if !crate::common::has_adapter() {
+        return;
+    }
     let folder = Folder::new();
     let red = brdfc_testing::testdata("demo/red_plastic.binary");
-    let size = ["--max-bytes", "16384"];
-    folder.run(&[&["encode", &red, "-o", "table.ktx2", "--codec", "table"][..], &size].concat()).succeeded();
-    folder.run(&[&["encode", &red, "-o", "factored.ktx2", "--codec", "factored"][..], &size].concat()).succeeded();
-    let ward = "synth:ward?kd=0.2,0.15,0.1&ax=0.1&ay=0.4";
-    folder.run(&[&["encode", ward, "-o", "anisotropic.ktx2", "--codec", "table"][..], &size].concat()).succeeded();
-    let script =
-        "const first = await brdfcView.first; await fetch('/result', { method: 'POST', body: String(first) });";
-    for pack in ["table", "factored", "anisotropic"] {
-        folder.run(&["view", &format!("{pack}.ktx2"), "-o", "view.html"]).succeeded();
-        for (api, name) in APIS {
-            let page = looked_at(&folder.text("view.html"), [696, 700], api, script);
-            let mut times = Vec::new();
-            for _ in 0..5 {
-                let Some(posted) = result_of_page(&[("", "text/html", page.as_bytes())]) else { return };
-                times.push(String::from_utf8(posted).unwrap().parse::<f64>().unwrap());
-            }
-            times.sort_by(f64::total_cmp);
-            println!(
-                "view, {name}, {pack}: the first picture stood after {:.0} ms, {:.0} to {:.0}",
-                times[2], times[0], times[4]
-            );
-        }
+    folder.run(&["encode", &red, "-o", "table.ktx2"]).succeeded();
+    folder.run(&["view", "table.ktx2", "-o", "view.html"]).succeeded();
+    let scenes = ["sphere", "teapot"];
+    let changes = scenes.map(|scene| json!({ "scene": scene }));
+    let Some(found) = seen(&folder.text("view.html"), [696, 700], "webgl2", &changes) else { return };
+    let mut renders = Renders::of(&folder);
+    for (scene, (picture, first)) in scenes.iter().zip(found.pictures.iter().zip(&found.firsts)) {
+        let words = ["table.ktx2", "--scene", scene];
+        let fine = renders.against(picture, &words).delta_e.mean;
+        let of_first = renders.against(first, &[&words[..], &["--samples", "1"]].concat()).delta_e.mean;
+        println!("view, 696 x 700: {scene}: ΔE {fine:.3}, of a first picture {of_first:.3}");
+        assert!(fine < BOUND && of_first < BOUND, "{scene}: {fine} {of_first}");
+        // They are not one picture: fewer samples, another exposure.
+        assert!(picture.pixels != first.pixels);
     }
 }
 
@@ -240,7 +227,7 @@ fn a_driver_that_gives_up_is_replaced() {
         ("webgpu", "lentDevice.destroy();"),
         ("webgl2", "before.getContext('webgl2').getExtension('WEBGL_lose_context').loseContext();"),
     ] {
-        let Some(found) = seen(&page, api, &[lost(what)]) else { return };
+        let Some(found) = seen(&page, SQUARE, api, &[lost(what)]) else { return };
         println!("view, {api}: {}", found.told[0]);
         assert_eq!((&found.told[0][0], &found.told[0][1]), (&json!("WebGL 2"), &json!(true)), "{api}");
         assert!(found.told[0][2].as_f64().unwrap() > 0.05 && found.told[0][3].as_u64().unwrap() > 5000, "{api}");
@@ -256,7 +243,7 @@ fn differences_are_those_of_the_pictures() {
     folder.run(&["view", "a.ktx2", "b.ktx2", "-o", "view.html"]).succeeded();
     let changes =
         [json!({ "split": 1 }), json!({ "split": 0 }), json!({ "split": 0.5 }), json!({ "mode": "difference" })];
-    let Some(found) = seen(&folder.text("view.html"), "webgl2", &changes) else { return };
+    let Some(found) = seen(&folder.text("view.html"), SQUARE, "webgl2", &changes) else { return };
     let [a, b, split, difference] = &found.pictures[..] else { panic!("four pictures") };
     let background = a.pixels[0];
     let covered = |image: &LinearImage| {
@@ -342,7 +329,7 @@ fn controls_do_what_they_say() {
         slider("stops", 0.0),
         point,
     ];
-    let Some(found) = seen(&folder.text("view.html"), "webgl2", &changes) else { return };
+    let Some(found) = seen(&folder.text("view.html"), SQUARE, "webgl2", &changes) else { return };
     let [split, stops, turned, nearer, lit, pinched, _, _, pointed] = &found.told[..] else {
         panic!("{:?}", found.told)
     };
@@ -382,7 +369,7 @@ fn flat_btfs_and_pictures_under_light_are_those_of_render() {
         [json!({ "scene": "plane", "left": 0, "right": -1 }), json!({ "scene": "teapot" }), json!({ "left": 1 })];
     let mut renders = Renders::of(&folder);
     for (api, name) in APIS {
-        let Some(found) = seen(&folder.text("view.html"), api, &changes) else { return };
+        let Some(found) = seen(&folder.text("view.html"), SQUARE, api, &changes) else { return };
         assert_eq!(found.api, name);
         for (k, (input, scene)) in cases.iter().enumerate() {
             // On a plane, `brdfc render` exposes for the surface itself, which the page does not have.

@@ -1,4 +1,5 @@
-// How a page draws wavelet packs.
+// How a page draws wavelet packs. `filtered`, which stands before it, is the decoder by a sampler, or with the
+// filter in the shader.
 
 fn placed(uv: vec2<f32>, front: bool) -> vec2<f32> {
     return uv;
@@ -9,5 +10,5 @@ fn level_at(distance: f32, right: vec2<f32>, below: vec2<f32>) -> f32 {
 }
 
 fn reflected(uv: vec2<f32>, level: f32, wo: vec3<f32>, wi: vec3<f32>) -> vec3<f32> {
-    return wi.z * wavelet_brdf(wi, wo, level);
+    return wi.z * filtered(wi, wo, level);
 }
