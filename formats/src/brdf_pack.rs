@@ -1,5 +1,6 @@
 //! Packs of reflectances: what engines draw materials from, of whichever codec.
 
+use crate::bindings::Bindings;
 use crate::crop::DirectionRange;
 use crate::direction::DirectionPair;
 use crate::table::{TableDecoder, TablePack};
@@ -55,6 +56,14 @@ impl BrdfPack {
         match self {
             Self::Wavelet(pack) => (if pack.header.lifted { 16 } else { 4 }) * (4 * pack.header.levels + 1),
             Self::Table(pack) => pack.fetches(),
+        }
+    }
+
+    /// What its shader has bound.
+    pub fn bindings(&self) -> Bindings<'_> {
+        match self {
+            Self::Wavelet(pack) => pack.bindings(),
+            Self::Table(pack) => pack.bindings(),
         }
     }
 

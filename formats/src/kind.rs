@@ -1,17 +1,18 @@
 //! Which pack a KTX2 file is: decided here alone, once, before any texel is unpacked.
 
 use crate::FormatError;
-use crate::bandwidth::{BANDWIDTH_ENTRY, BandwidthMap};
+use crate::bandwidth::BandwidthMap;
+use crate::bindings::PackFile;
 use crate::container::{MAX_TEXEL_BYTES, PackedTexture};
 use crate::flat_btf::factored::{BasisMap, FACTORED_ENTRY, SHADOW_ENTRY, ShadowMap, WEIGHTS_ENTRY, WeightMap};
 use crate::flat_btf::{
     DISPLACEMENT_ENTRY, DiffuseMap, DisplacementMap, FLAT_BTF_ENTRY, FlatPart, FlatView, INDIRECTION_ENTRY,
     IndirectionMap, NormalMap, PositionMap, ReferenceMap, SampledDirections, VisibilityMask, split_part_name,
 };
-use crate::importance::{IMPORTANCE_ENTRY, ImportancePack};
-use crate::pwt::{PWT_ENTRY, PwtPack};
-use crate::table::{TABLE_ENTRY, TablePack};
-use crate::wavelet::{WAVELET_ENTRY, WaveletPack};
+use crate::importance::ImportancePack;
+use crate::pwt::PwtPack;
+use crate::table::TablePack;
+use crate::wavelet::WaveletPack;
 
 /// What a pack is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -34,12 +35,17 @@ impl PackKind {
     /// The kind of a texture: its `brdfc.*` entries decide. Parts of flat BTFs that have none are told by the name of
     /// their file, `NAME.PART.ktx2`. Nothing where neither is known.
     pub fn of(texture: &PackedTexture<'_>, file_name: Option<&str>) -> Option<Self> {
+        if let Some(decoder) = PackFile::decoder_of(texture) {
+            return match decoder {
+                "wavelet" => Some(Self::Wavelet),
+                "table" => Some(Self::Table),
+                "bandwidth" => Some(Self::Bandwidth),
+                "importance" => Some(Self::Importance),
+                "pwt" => Some(Self::Pwt),
+                _ => None,
+            };
+        }
         [
-            (WAVELET_ENTRY, Self::Wavelet),
-            (TABLE_ENTRY, Self::Table),
-            (BANDWIDTH_ENTRY, Self::Bandwidth),
-            (IMPORTANCE_ENTRY, Self::Importance),
-            (PWT_ENTRY, Self::Pwt),
             (FLAT_BTF_ENTRY, Self::FlatBtf(FlatPart::View)),
             (INDIRECTION_ENTRY, Self::FlatBtf(FlatPart::Indirection)),
             (DISPLACEMENT_ENTRY, Self::FlatBtf(FlatPart::Displacement)),
@@ -68,15 +74,6 @@ impl PackKind {
     /// Whether its textures may have several levels.
     fn has_mipmaps(self) -> bool {
         matches!(self, Self::Pwt | Self::FlatBtf(FlatPart::Weights | FlatPart::Shadow))
-    }
-
-    /// Most bytes of texels that a pack of this kind has.
-    fn most_texel_bytes(self) -> u64 {
-        match self {
-            Self::Wavelet => WaveletPack::MAX_TEXEL_BYTES,
-            Self::Bandwidth => BandwidthMap::MAX_TEXEL_BYTES,
-            Self::Table | Self::FlatBtf(_) | Self::Importance | Self::Pwt => MAX_TEXEL_BYTES,
-        }
     }
 }
 
@@ -141,15 +138,14 @@ impl Pack {
     /// # Errors
     /// What breaks the rules of the kind.
     pub fn of_kind(kind: PackKind, packed: PackedTexture<'_>) -> Result<Self, FormatError> {
-        let limit = kind.most_texel_bytes();
         Ok(match kind {
-            PackKind::Wavelet => Self::Wavelet(WaveletPack::from_texture(packed.unpack(limit)?)?),
-            PackKind::Table => Self::Table(TablePack::from_texture(packed.unpack(limit)?)?),
-            PackKind::Bandwidth => Self::Bandwidth(BandwidthMap::from_texture(&packed.unpack(limit)?)?),
-            PackKind::Importance => Self::Importance(ImportancePack::from_texture(&packed.unpack(limit)?)?),
-            // The one kind of several textures.
-            PackKind::Pwt => Self::Pwt(PwtPack::from_packed(packed)?),
+            PackKind::Wavelet => Self::Wavelet(WaveletPack::from_file(PackFile::from_packed(packed)?)?),
+            PackKind::Table => Self::Table(TablePack::from_file(PackFile::from_packed(packed)?)?),
+            PackKind::Bandwidth => Self::Bandwidth(BandwidthMap::from_file(PackFile::from_packed(packed)?)?),
+            PackKind::Importance => Self::Importance(ImportancePack::from_file(PackFile::from_packed(packed)?)?),
+            PackKind::Pwt => Self::Pwt(PwtPack::from_file(PackFile::from_packed(packed)?)?),
             PackKind::FlatBtf(part) => {
+                let limit = MAX_TEXEL_BYTES;
                 let texture = if kind.has_mipmaps() { packed.unpack_levels(limit)? } else { packed.unpack(limit)? };
                 match part {
                     FlatPart::Position => Self::Position(PositionMap::from_texture(&texture)?),
@@ -196,7 +192,7 @@ impl Pack {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::container::Texture;
+    use crate::container::{Texture, seal};
     use crate::importance::ImportanceHeader;
 
     #[test]
@@ -210,14 +206,17 @@ mod tests {
         }
         assert!(Pack::from_bytes(b"no pack", None).is_err());
         let at = bytes.len() - 4;
-        let broken = [&bytes[..at], &(-1.0f32).to_le_bytes()].concat();
+        let mut broken = [&bytes[..at], &(-1.0f32).to_le_bytes()].concat();
+        assert_eq!(Pack::from_bytes(&broken, None).unwrap_err().field, "checksum of the file");
+        seal(&mut broken);
         assert_eq!(Pack::from_bytes(&broken, None).unwrap_err().field, "importance texel (1, 1)");
-        // Of another kind by its entry, whatever its texels are.
+        // Of another kind by its decoder, whatever its texels are.
         let mut other = bytes.clone();
-        let entry = other.windows(16).position(|bytes| bytes == IMPORTANCE_ENTRY.as_bytes()).unwrap();
-        other[entry + 15] = b'x';
+        let name = other.windows(18).position(|bytes| bytes == b"decoder importance").unwrap();
+        other[name + 17] = b'x';
+        seal(&mut other);
         let error = Pack::from_bytes(&other, None).unwrap_err().to_string();
-        assert!(error.starts_with("brdfc entries: found only brdfc.importancx; allowed"), "{error}");
+        assert!(error.starts_with("brdfc entries: found only brdfc.bindings, brdfc.checksum"), "{error}");
     }
 
     #[test]
@@ -246,7 +245,10 @@ mod tests {
         texture.levels = 2;
         texture.texels.extend_from_within(..16);
         assert_eq!(ImportancePack::from_texture(&texture).unwrap_err().field, "levelCount");
-        assert_eq!(Pack::from_bytes(&texture.to_bytes(false), None).unwrap_err().field, "levelCount");
+        let mut bytes = texture.to_bytes(false);
+        seal(&mut bytes);
+        let error = Pack::from_bytes(&bytes, None).unwrap_err().to_string();
+        assert!(error.starts_with("texture: found 2 levels of 2 x 2 texels") && error.contains("allowed 1 levels"), "{error}");
     }
 
     #[test]

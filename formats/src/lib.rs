@@ -8,6 +8,7 @@
 //! Rec. 709 primaries.
 
 pub mod bandwidth;
+pub mod bindings;
 mod brdf_pack;
 pub mod colour;
 pub mod container;

@@ -6,8 +6,8 @@ use super::{gpu, outputs, scene};
 use crate::output::{note, remark};
 use crate::{CliError, Common};
 use brdfc_formats::FormatError;
+use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::direction::dot;
-use brdfc_formats::pwt::shader::PwtFilter;
 use brdfc_formats::pwt::{PwtDecoder, PwtPack};
 use brdfc_gpu::draw_pwt;
 use brdfc_gpu::verify::Views;
@@ -59,8 +59,8 @@ pub(super) fn verification(
     let wrong =
         |error: FormatError| CliError::Usage(format!("--repeat: found {}; allowed {}", error.found, error.allowed));
     let material = PwtMaterial::new(PwtDecoder::new(pack), arguments.repeat.unwrap_or(1)).map_err(wrong)?;
-    let filter = if arguments.exact { PwtFilter::Exact } else { PwtFilter::Hardware };
-    let shader = draw_pwt(&gpu, &setup.scene, setup.frame, &material, filter)?;
+    let sampling = if arguments.exact { FrameBlock::exact() } else { FrameBlock::default() };
+    let shader = draw_pwt(&gpu, &setup.scene, setup.frame, &material, sampling)?;
     let pack = draw_on_cpu(&setup.scene, setup.frame, &material);
     let source = match &stack {
         Some(stack) if setup.builtin == Builtin::Plane => {

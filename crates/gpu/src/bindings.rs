@@ -1,8 +1,8 @@
-//! Buffers, textures, samplers and bind groups on the device: of what [`brdfc_shaders::resources`] says, and of anything else.
+//! Buffers, textures, samplers and bind groups on the device: of what a pack says that its shader has bound, and of anything else.
 
 use super::device::{Gpu, GpuError};
+use brdfc_formats::bindings::{Binding, FrameBlock, MAX_UNIFORM_BYTES, Resource, Texels};
 use brdfc_formats::container::{Extent, TexelFormat};
-use brdfc_shaders::resources::{Contents, Resource};
 use wgpu::util::{BufferInitDescriptor, DeviceExt, TextureDataOrder};
 use wgpu::{
     AddressMode, BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor,
@@ -40,17 +40,43 @@ pub(super) const fn buffer_type(ty: BufferBindingType) -> BindingType {
 }
 
 /// What fits this.
-pub(super) fn type_of(contents: &Contents) -> BindingType {
-    match contents {
-        Contents::Uniform(_) => UNIFORM,
-        Contents::Sampler { .. } => SAMPLER,
-        Contents::Texture(texels) => match (texels.format, texels.extent) {
-            (TexelFormat::R32Uint | TexelFormat::Rgba32Uint, _) => INTEGERS,
-            (TexelFormat::Rg32Float | TexelFormat::Rgba32Float, _) => UNFILTERED,
-            (_, Extent::D2(_)) => IMAGE,
-            (_, Extent::D2Array(_)) => LAYERS,
-            (_, Extent::D3(_)) => VOLUME,
-        },
+pub(super) fn type_of(resource: &Resource<'_>) -> BindingType {
+    match resource {
+        Resource::Frame | Resource::Uniform(_) => UNIFORM,
+        Resource::Sampler { .. } => SAMPLER,
+        Resource::Texture(texels) => {
+            let sample_type = match (texels.format.is_integer(), &texels.sampler) {
+                (true, _) => TextureSampleType::Uint,
+                (false, sampler) => TextureSampleType::Float { filterable: sampler.is_some() },
+            };
+            texture_type(sample_type, view_dimension(texels.extent))
+        }
+    }
+}
+
+fn view_dimension(extent: Extent) -> TextureViewDimension {
+    match extent {
+        Extent::D2(_) => TextureViewDimension::D2,
+        Extent::D2Array(_) => TextureViewDimension::D2Array,
+        Extent::D3(_) => TextureViewDimension::D3,
+    }
+}
+
+/// What is bound where a pack has nothing for a slot of this type: zeros.
+fn nothing(ty: BindingType) -> Resource<'static> {
+    match ty {
+        BindingType::Buffer { .. } => Resource::Uniform(vec![0; MAX_UNIFORM_BYTES as usize].into()),
+        BindingType::Texture { sample_type, view_dimension, .. } => {
+            let extent = match view_dimension {
+                TextureViewDimension::D3 => Extent::D3([1; 3]),
+                TextureViewDimension::D2Array => Extent::D2Array([1; 3]),
+                _ => Extent::D2([1; 2]),
+            };
+            let is_integer = sample_type == TextureSampleType::Uint;
+            let format = if is_integer { TexelFormat::R32Uint } else { TexelFormat::R8Unorm };
+            Resource::Texture(Texels::empty(format, extent))
+        }
+        _ => Resource::Sampler { repeats: false },
     }
 }
 
@@ -84,36 +110,73 @@ enum Uploaded {
     Sampler(Sampler),
 }
 
-/// Uploads resources, and makes a bind group of them and of these textures, which are there already.
-///
-/// # Errors
-/// As [`texture`]; what the driver reports.
-pub(super) fn bind(
-    gpu: &Gpu,
-    layout: &BindGroupLayout,
-    resources: Vec<Resource>,
-    textures: &[(u32, &TextureView)],
-) -> Result<BindGroup, GpuError> {
-    let upload = |resource: Resource| {
-        let uploaded = match resource.contents {
-            Contents::Uniform(bytes) => Uploaded::Uniform(gpu.buffer(&bytes, BufferUsages::UNIFORM)),
-            Contents::Texture(texels) => {
-                Uploaded::Texture(texture(gpu, texels.format, texels.extent, texels.levels, &texels.bytes)?)
-            }
-            Contents::Sampler { repeats } => Uploaded::Sampler(sampler(gpu, repeats)),
+/// Slots and types of a bind group.
+pub(super) struct Slots {
+    pub(super) layout: BindGroupLayout,
+    types: Vec<(u32, BindingType)>,
+}
+
+impl Slots {
+    /// A layout of these slots.
+    pub(super) fn new(
+        gpu: &Gpu,
+        label: &str,
+        visibility: ShaderStages,
+        types: impl IntoIterator<Item = (u32, BindingType)>,
+    ) -> Self {
+        let types: Vec<_> = types.into_iter().collect();
+        Self { layout: layout(gpu, label, visibility, types.iter().copied()), types }
+    }
+
+    /// A layout of what packs have bound.
+    pub(super) fn of(gpu: &Gpu, label: &str, visibility: ShaderStages, bindings: &[Binding<'_>]) -> Self {
+        let types = bindings.iter().map(|binding| (binding.slot, type_of(&binding.resource)));
+        Self::new(gpu, label, visibility, types)
+    }
+
+    /// Uploads what packs have bound, and makes a bind group of it and of these textures, which are there already. Slots for which
+    /// there is nothing have zeros.
+    ///
+    /// # Errors
+    /// As [`texture`]; what the driver reports.
+    pub(super) fn bind(
+        &self,
+        gpu: &Gpu,
+        bindings: &[Binding<'_>],
+        frame: FrameBlock,
+        textures: &[(u32, &TextureView)],
+    ) -> Result<BindGroup, GpuError> {
+        let missing = self.types.iter().filter(|(slot, _)| textures.iter().all(|(at, _)| at != slot));
+        let upload = |(slot, ty): &(u32, BindingType)| {
+            let found = bindings.iter().find(|binding| binding.slot == *slot).map(|binding| &binding.resource);
+            let uploaded = match found {
+                Some(resource) => upload(gpu, resource, frame)?,
+                None => upload(gpu, &nothing(*ty), frame)?,
+            };
+            Ok((*slot, uploaded))
         };
-        Ok((resource.binding, uploaded))
-    };
-    let uploaded = resources.into_iter().map(upload).collect::<Result<Vec<_>, GpuError>>()?;
-    let own = uploaded.iter().map(|(binding, uploaded)| match uploaded {
-        Uploaded::Uniform(buffer) => (*binding, buffer.as_entire_binding()),
-        Uploaded::Texture(view) => (*binding, BindingResource::TextureView(view)),
-        Uploaded::Sampler(sampler) => (*binding, BindingResource::Sampler(sampler)),
-    });
-    let others = textures.iter().map(|(binding, view)| (*binding, BindingResource::TextureView(view)));
-    let group = group(gpu, layout, own.chain(others));
-    gpu.check()?;
-    Ok(group)
+        let uploaded = missing.map(upload).collect::<Result<Vec<_>, GpuError>>()?;
+        let own = uploaded.iter().map(|(slot, uploaded)| match uploaded {
+            Uploaded::Uniform(buffer) => (*slot, buffer.as_entire_binding()),
+            Uploaded::Texture(view) => (*slot, BindingResource::TextureView(view)),
+            Uploaded::Sampler(sampler) => (*slot, BindingResource::Sampler(sampler)),
+        });
+        let others = textures.iter().map(|(slot, view)| (*slot, BindingResource::TextureView(view)));
+        let group = group(gpu, &self.layout, own.chain(others));
+        gpu.check()?;
+        Ok(group)
+    }
+}
+
+fn upload(gpu: &Gpu, resource: &Resource<'_>, frame: FrameBlock) -> Result<Uploaded, GpuError> {
+    Ok(match resource {
+        Resource::Frame => Uploaded::Uniform(gpu.buffer(&frame.to_bytes(), BufferUsages::UNIFORM)),
+        Resource::Uniform(bytes) => Uploaded::Uniform(gpu.buffer(bytes, BufferUsages::UNIFORM)),
+        Resource::Sampler { repeats } => Uploaded::Sampler(sampler(gpu, *repeats)),
+        Resource::Texture(Texels { format, extent, levels, bytes, .. }) => {
+            Uploaded::Texture(texture(gpu, *format, *extent, *levels, bytes)?)
+        }
+    })
 }
 
 /// Linear, also between mipmap levels.

@@ -1,9 +1,9 @@
 //! Any WGSL function over a list of numbers: what tests hold against its CPU twin.
 
-use super::bindings;
+use super::bindings::Slots;
 use super::device::{Gpu, GpuError};
 use super::items::ItemPipeline;
-use brdfc_shaders::resources::Resource;
+use brdfc_formats::bindings::{Binding, FrameBlock};
 use wgpu::{BindGroup, ShaderStages};
 
 /// The compute entry point: it calls `fn compute(at: u32)`, which reads `input` and writes `output`.
@@ -15,21 +15,20 @@ const MOST_NUMBERS: usize = 1 << 24;
 /// A compiled shader with its resources.
 pub struct Compute<'g> {
     pipeline: ItemPipeline<'g>,
-    resources: BindGroup,
+    bound: BindGroup,
 }
 
 impl<'g> Compute<'g> {
-    /// Compiles `source`, which defines `compute(at: u32)`, in front of [`COMPUTE_WGSL`], and uploads the resources of its
-    /// group 1.
+    /// Compiles `source`, which defines `compute(at: u32)`, in front of [`COMPUTE_WGSL`], and uploads what its group 1
+    /// has bound.
     ///
     /// # Errors
-    /// A source that does not validate, with the compiler's message; resources that do not fit.
-    pub fn new(gpu: &'g Gpu, source: &str, resources: Vec<Resource>) -> Result<Self, GpuError> {
-        let types = resources.iter().map(|resource| (resource.binding, bindings::type_of(&resource.contents)));
-        let layout = bindings::layout(gpu, "resources", ShaderStages::COMPUTE, types);
-        let resources = bindings::bind(gpu, &layout, resources, &[])?;
-        let pipeline = ItemPipeline::new(gpu, "compute", format!("{source}\n{COMPUTE_WGSL}"), &layout)?;
-        Ok(Self { pipeline, resources })
+    /// A source that does not validate, with the compiler's message; textures that do not fit.
+    pub fn new(gpu: &'g Gpu, source: &str, bindings: &[Binding<'_>], frame: FrameBlock) -> Result<Self, GpuError> {
+        let slots = Slots::of(gpu, "bindings", ShaderStages::COMPUTE, bindings);
+        let bound = slots.bind(gpu, bindings, frame, &[])?;
+        let pipeline = ItemPipeline::new(gpu, "compute", format!("{source}\n{COMPUTE_WGSL}"), &slots.layout)?;
+        Ok(Self { pipeline, bound })
     }
 
     /// Runs over `count` items and reads back: `width` numbers of `input` belong to an item, and `width_out` numbers of
@@ -48,6 +47,6 @@ impl<'g> Compute<'g> {
             return Ok(Vec::new());
         }
         let items = self.pipeline.load(input, count, 4 * width_out, [0; 2])?;
-        self.pipeline.answers(&items, &self.resources)
+        self.pipeline.answers(&items, &self.bound)
     }
 }

@@ -1,5 +1,6 @@
 //! Draws scenes whose parts have packs of either codec.
 
+use super::bindings::Slots;
 use super::device::{Gpu, GpuError};
 use super::evaluate::SliceFilter;
 use super::load::LoadedScene;
@@ -7,6 +8,7 @@ use super::pack;
 use super::raster::{Rasteriser, Target, VIEW_WGSL};
 use super::surface::{self, ENVIRONMENT_WGSL, PERIODIC_WGSL, SURFACE_WGSL};
 use brdfc_formats::BrdfPack;
+use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::wavelet::Filter;
 use brdfc_metrics::image::LinearImage;
 use brdfc_render::scene::{Camera, Frame, Scene};
@@ -18,7 +20,7 @@ pub const SCENE_WGSL: &str = include_str!("scene.wgsl");
 
 /// The whole shader: decoders, surfaces, environment, scene.
 pub fn scene_source() -> String {
-    [&pack::brdf_source(1), VIEW_WGSL, PERIODIC_WGSL, SURFACE_WGSL, ENVIRONMENT_WGSL, SCENE_WGSL].join("\n")
+    [&pack::brdf_source(), VIEW_WGSL, PERIODIC_WGSL, SURFACE_WGSL, ENVIRONMENT_WGSL, SCENE_WGSL].join("\n")
 }
 
 /// How packs are decoded in an image.
@@ -35,6 +37,15 @@ pub struct Decoding {
 }
 
 impl Decoding {
+    /// What decoders are told of it.
+    pub(super) fn frame_block(&self) -> FrameBlock {
+        FrameBlock {
+            distance_scale: self.distance_scale as f32,
+            sampler_filters: self.slices == SliceFilter::Hardware,
+            blend: self.filter,
+        }
+    }
+
     /// The words `level` and `hardware` as shaders take them.
     pub(super) fn words(&self) -> [u32; 2] {
         let level = self.level.map_or(-1.0, |level| level.max(0.0)).to_bits();
@@ -45,7 +56,7 @@ impl Decoding {
 /// A compiled pipeline.
 pub struct Renderer<'g> {
     rasteriser: Rasteriser<'g>,
-    pack_layout: wgpu::BindGroupLayout,
+    slots: Slots,
     surface_layout: wgpu::BindGroupLayout,
 }
 
@@ -55,10 +66,10 @@ impl<'g> Renderer<'g> {
     /// # Errors
     /// What the driver reports.
     pub fn new(gpu: &'g Gpu) -> Result<Self, GpuError> {
-        let pack_layout = pack::layout(gpu, ShaderStages::FRAGMENT);
+        let slots = pack::slots(gpu, ShaderStages::FRAGMENT);
         let surface_layout = surface::layout(gpu);
-        let rasteriser = Rasteriser::new(gpu, scene_source(), &[&pack_layout, &surface_layout])?;
-        Ok(Self { rasteriser, pack_layout, surface_layout })
+        let rasteriser = Rasteriser::new(gpu, scene_source(), &[&slots.layout, &surface_layout])?;
+        Ok(Self { rasteriser, slots, surface_layout })
     }
 
     /// Uploads a scene with one pack for each of its parts.
@@ -74,7 +85,7 @@ impl<'g> Renderer<'g> {
         let environment = surface::environment(gpu, &scene.environment)?;
         let mut groups = Vec::with_capacity(scene.parts.len());
         for (index, (part, pack)) in (0..).zip(scene.parts.iter().zip(packs)) {
-            let pack = pack::upload(gpu, &self.pack_layout, pack, decoding.filter, decoding.distance_scale)?;
+            let pack = self.slots.bind(gpu, &pack.bindings().all, decoding.frame_block(), &[])?;
             groups.push(vec![pack, surface::upload(gpu, &self.surface_layout, index, part, &environment)]);
         }
         self.rasteriser.load(scene, groups, decoding.words())

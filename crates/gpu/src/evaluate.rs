@@ -1,14 +1,17 @@
 //! Packs evaluated at direction pairs by the shader: what tests hold against the CPU decoder, and what throughput is
 //! measured on.
 
+use super::bindings::Slots;
 use super::device::{Gpu, GpuError};
 use super::items::{ItemPipeline, Items};
 use super::pack;
 use brdfc_formats::BrdfPack;
+use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::direction::DirectionPair;
+use brdfc_formats::table::shader::TABLE_BRDF_WGSL;
+use brdfc_formats::wavelet::Filter;
 use brdfc_formats::wavelet::shader::WAVELET_BRDF_WGSL;
-use brdfc_formats::wavelet::{DEFAULT_DISTANCE_SCALE, Filter};
-use wgpu::{BindGroupLayout, ShaderStages};
+use wgpu::ShaderStages;
 
 /// The compute entry point over the decoder.
 pub const EVALUATE_WGSL: &str =
@@ -52,7 +55,7 @@ pub struct LoadedPack {
 /// A compiled compute pipeline.
 pub struct Evaluator<'g> {
     pipeline: ItemPipeline<'g>,
-    pack_layout: BindGroupLayout,
+    slots: Slots,
 }
 
 /// Pairs on the device, ready for any number of runs.
@@ -74,7 +77,7 @@ impl<'g> Evaluator<'g> {
     /// # Errors
     /// What the driver reports.
     pub fn of_tables(gpu: &'g Gpu) -> Result<Self, GpuError> {
-        Self::with_shaders(gpu, &pack::table_source(1), EVALUATE_TABLE_WGSL)
+        Self::with_shaders(gpu, TABLE_BRDF_WGSL, EVALUATE_TABLE_WGSL)
     }
 
     /// Compiles other sources, such as instrumented ones. `entry` is pasted behind `decoder`.
@@ -82,9 +85,9 @@ impl<'g> Evaluator<'g> {
     /// # Errors
     /// Sources that do not validate, with the compiler's message.
     pub fn with_shaders(gpu: &'g Gpu, decoder: &str, entry: &str) -> Result<Self, GpuError> {
-        let pack_layout = pack::layout(gpu, ShaderStages::COMPUTE);
-        let pipeline = ItemPipeline::new(gpu, "evaluate", format!("{decoder}\n{entry}"), &pack_layout)?;
-        Ok(Self { pipeline, pack_layout })
+        let slots = pack::slots(gpu, ShaderStages::COMPUTE);
+        let pipeline = ItemPipeline::new(gpu, "evaluate", format!("{decoder}\n{entry}"), &slots.layout)?;
+        Ok(Self { pipeline, slots })
     }
 
     /// Uploads a pack of the codec whose shader was compiled. `filter` is that of wavelet packs.
@@ -92,7 +95,8 @@ impl<'g> Evaluator<'g> {
     /// # Errors
     /// What the driver reports.
     pub fn load(&self, pack: &BrdfPack, filter: Filter) -> Result<LoadedPack, GpuError> {
-        let group = pack::upload(self.pipeline.gpu(), &self.pack_layout, pack, filter, DEFAULT_DISTANCE_SCALE)?;
+        let frame = FrameBlock { blend: filter, ..FrameBlock::default() };
+        let group = self.slots.bind(self.pipeline.gpu(), &pack.bindings().all, frame, &[])?;
         Ok(LoadedPack { group })
     }
 

@@ -1,11 +1,12 @@
 //! Draws scenes whose parts are all of one flat BTF.
 
-use super::bindings::{self, UNIFORM};
+use super::bindings::{self, Slots, UNIFORM};
 use super::device::{Gpu, GpuError};
 use super::flat_textures;
 use super::load::LoadedScene;
 use super::raster::{Rasteriser, VIEW_WGSL};
-use brdfc_formats::flat_btf::shader::{IndirectionFilter, flat_btf_value_wgsl};
+use brdfc_formats::bindings::FrameBlock;
+use brdfc_formats::flat_btf::shader::flat_btf_value_wgsl;
 use brdfc_metrics::image::LinearImage;
 use brdfc_render::flat::{FlatForm, FlatMaterial};
 use brdfc_render::scene::{Camera, Frame, Scene};
@@ -41,7 +42,7 @@ pub fn draw_flat_btf(
 /// A compiled pipeline.
 pub struct FlatRenderer<'g> {
     rasteriser: Rasteriser<'g>,
-    texture_layout: BindGroupLayout,
+    slots: Slots,
     material_layout: BindGroupLayout,
 }
 
@@ -59,10 +60,10 @@ impl<'g> FlatRenderer<'g> {
     /// # Errors
     /// A source that does not validate, with the compiler's message.
     pub fn with_shader(gpu: &'g Gpu, source: String) -> Result<Self, GpuError> {
-        let texture_layout = flat_textures::layout(gpu, ShaderStages::FRAGMENT);
+        let slots = flat_textures::slots(gpu, ShaderStages::FRAGMENT);
         let material_layout = bindings::layout(gpu, "flat material", ShaderStages::FRAGMENT, [(0, UNIFORM)]);
-        let rasteriser = Rasteriser::new(gpu, source, &[&texture_layout, &material_layout])?;
-        Ok(Self { rasteriser, texture_layout, material_layout })
+        let rasteriser = Rasteriser::new(gpu, source, &[&slots.layout, &material_layout])?;
+        Ok(Self { rasteriser, slots, material_layout })
     }
 
     /// Uploads a scene with a material for all of its parts, to be drawn with `samples²` samples per pixel. Values of views go along
@@ -83,8 +84,8 @@ impl<'g> FlatRenderer<'g> {
         let gpu = self.rasteriser.gpu;
         let full = form == FlatForm::Full;
         let directions = full.then(|| material.sampled_directions());
-        let filter = IndirectionFilter::Exact;
-        let textures = flat_textures::upload(gpu, &self.texture_layout, material.decoder(), filter, full, directions)?;
+        let textures =
+            flat_textures::upload(gpu, &self.slots, material.decoder(), FrameBlock::exact(), full, directions)?;
         let finer = (samples as f32).log2();
         let words = [material.repeat(), u32::from(full), finer.to_bits(), 0];
         let uniform = gpu.buffer(bytemuck::cast_slice(&words), BufferUsages::UNIFORM);

@@ -1,11 +1,13 @@
 //! Flat BTFs evaluated by the shader: what tests hold against the CPU decoder.
 
+use super::bindings::Slots;
 use super::device::{Gpu, GpuError};
 use super::flat_textures;
 use super::items::ItemPipeline;
-use brdfc_formats::flat_btf::shader::{FLAT_BTF_WGSL, IndirectionFilter};
+use brdfc_formats::bindings::FrameBlock;
+use brdfc_formats::flat_btf::shader::FLAT_BTF_WGSL;
 use brdfc_formats::flat_btf::{FlatBtfDecoder, ViewWeights};
-use wgpu::{BindGroupLayout, ShaderStages};
+use wgpu::ShaderStages;
 
 /// The compute entry point over the decoder.
 pub const EVALUATE_FLAT_BTF_WGSL: &str = concat!(include_str!("evaluate_flat_btf.wgsl"), include_str!("items.wgsl"));
@@ -47,7 +49,7 @@ pub struct LoadedFlatBtf {
 /// A compiled compute pipeline.
 pub struct FlatBtfEvaluator<'g> {
     pipeline: ItemPipeline<'g>,
-    texture_layout: BindGroupLayout,
+    slots: Slots,
 }
 
 impl<'g> FlatBtfEvaluator<'g> {
@@ -64,19 +66,19 @@ impl<'g> FlatBtfEvaluator<'g> {
     /// # Errors
     /// A source that does not validate, with the compiler's message.
     pub fn with_shader(gpu: &'g Gpu, decoder: &str) -> Result<Self, GpuError> {
-        let texture_layout = flat_textures::layout(gpu, ShaderStages::COMPUTE);
+        let slots = flat_textures::slots(gpu, ShaderStages::COMPUTE);
         let source = format!("{decoder}\n{EVALUATE_FLAT_BTF_WGSL}");
-        let pipeline = ItemPipeline::new(gpu, "flat BTF", source, &texture_layout)?;
-        Ok(Self { pipeline, texture_layout })
+        let pipeline = ItemPipeline::new(gpu, "flat BTF", source, &slots.layout)?;
+        Ok(Self { pipeline, slots })
     }
 
     /// Uploads the parts. Without views the texture of the full form is one empty texel.
     ///
     /// # Errors
     /// More than the adapter takes; what the driver reports.
-    pub fn load(&self, decoder: &FlatBtfDecoder, filter: IndirectionFilter) -> Result<LoadedFlatBtf, GpuError> {
+    pub fn load(&self, decoder: &FlatBtfDecoder, frame: FrameBlock) -> Result<LoadedFlatBtf, GpuError> {
         let gpu = self.pipeline.gpu();
-        Ok(LoadedFlatBtf { group: flat_textures::upload(gpu, &self.texture_layout, decoder, filter, true, None)? })
+        Ok(LoadedFlatBtf { group: flat_textures::upload(gpu, &self.slots, decoder, frame, true, None)? })
     }
 
     /// Evaluates and reads back, in the order of `queries`.

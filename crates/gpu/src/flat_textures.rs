@@ -1,68 +1,70 @@
 //! Flat BTFs on the device: the bind group that `formats/src/flat_btf/decoder.wgsl` declares, with what
 //! `formats/src/flat_btf/factored/factored.wgsl` adds.
 
-use super::bindings::{self, IMAGE, INTEGERS, LAYERS, SAMPLER, UNFILTERED, UNIFORM, texture_format};
+use super::bindings::{IMAGE, INTEGERS, LAYERS, SAMPLER, Slots, UNFILTERED, UNIFORM, texture_format};
 use super::device::{Gpu, GpuError};
+use brdfc_formats::bindings::{Bindings, FRAME_SLOT, FrameBlock};
 use brdfc_formats::container::TexelFormat;
-use brdfc_formats::flat_btf::shader::IndirectionFilter;
+use brdfc_formats::flat_btf::shader::VALUES_SLOT;
 use brdfc_formats::flat_btf::{Atlas, FlatBtfDecoder, FlatView, SampledDirections};
-use brdfc_shaders::resources::{Contents, FLAT_BTF_VIEWS, Resource, flat_btf_without_views, size_of};
 use wgpu::{
-    BindGroup, BindGroupLayout, Extent3d, Limits, Origin3d, ShaderStages, TexelCopyBufferLayout, TexelCopyTextureInfo,
-    TextureAspect, TextureDescriptor, TextureDimension, TextureUsages, TextureView, TextureViewDescriptor,
-    TextureViewDimension,
+    BindGroup, Extent3d, Limits, Origin3d, ShaderStages, TexelCopyBufferLayout, TexelCopyTextureInfo, TextureAspect,
+    TextureDescriptor, TextureDimension, TextureUsages, TextureView, TextureViewDescriptor, TextureViewDimension,
 };
 
-/// The parts that the texture of a binding is made of.
-const PARTS: [(u32, &str); 5] = [(1, "reference"), (2, "indirection"), (5, "diffuse"), (9, "weights"), (11, "basis")];
-/// The binding of shadows: a layer for each light.
-const SHADOW: u32 = 10;
+/// What textures hold, for messages; most layers of shadows are lights.
+const PARTS: [(&str, &str); 5] = [
+    ("flat_btf_reference", "reference plane"),
+    ("flat_btf_packed_indirection", "indirection"),
+    ("flat_btf_diffuse", "diffuse colours"),
+    ("factored_weights", "weights"),
+    ("factored_basis", "basis"),
+];
+const SHADOW: &str = "factored_shadow";
 /// What to do about views that are too large.
 const ADVICE: &str = "draw the light form, or make the flat BTF with fewer texels";
 
 /// The layout of group 1.
-pub(super) fn layout(gpu: &Gpu, stages: ShaderStages) -> BindGroupLayout {
+pub(super) fn slots(gpu: &Gpu, stages: ShaderStages) -> Slots {
     let own = [UNIFORM, UNFILTERED, IMAGE, SAMPLER, IMAGE, IMAGE, LAYERS, IMAGE];
     let factored = [UNIFORM, LAYERS, LAYERS, INTEGERS, SAMPLER];
-    let types = own.into_iter().chain(factored).chain([INTEGERS]);
-    bindings::layout(gpu, "flat BTF", stages, (0..).zip(types))
+    let types = (15..).zip(own.into_iter().chain(factored).chain([INTEGERS]));
+    Slots::new(gpu, "flat BTF", stages, [(FRAME_SLOT, UNIFORM)].into_iter().chain(types))
 }
 
-/// Uploads the parts; without `values`, or where there are none, textures of the full form are one empty texel, and so is that
-/// of `directions`, which only `flat_btf_value` reads. The filter is that of the indirection and of what is factored.
+/// Uploads a flat BTF; without `values`, or where there are none, textures of the full form are one empty texel, and so is that
+/// of `directions`, which only `flat_btf_value` reads.
 ///
 /// # Errors
 /// [`GpuError::TooLarge`] for more than the adapter takes; what the driver reports.
 pub(super) fn upload(
     gpu: &Gpu,
-    layout: &BindGroupLayout,
+    slots: &Slots,
     decoder: &FlatBtfDecoder,
-    filter: IndirectionFilter,
+    frame: FrameBlock,
     values: bool,
     directions: Option<&SampledDirections>,
 ) -> Result<BindGroup, GpuError> {
-    let all = &decoder.parts().values;
-    let (views, factored) = if values { (all.views(), all.factored()) } else { (&[][..], None) };
-    let resources = flat_btf_without_views(decoder, factored, directions, filter == IndirectionFilter::Hardware);
-    fits(&resources, &gpu.device.limits())?;
+    let views = if values { decoder.parts().values.views() } else { &[] };
+    let bindings = decoder.bindings(values, directions);
+    fits(&bindings, &gpu.device.limits())?;
     let views = atlas(gpu, decoder, views)?;
-    bindings::bind(gpu, layout, resources, &[(FLAT_BTF_VIEWS, &views)])
+    slots.bind(gpu, &bindings.all, frame, &[(VALUES_SLOT, &views)])
 }
 
-/// Whether an adapter takes the parts.
-fn fits(resources: &[Resource], limits: &Limits) -> Result<(), GpuError> {
-    for Resource { binding, contents } in resources {
-        let Contents::Texture(texels) = contents else { continue };
-        let ([width, height, layers], most) = (size_of(texels.extent), limits.max_texture_dimension_2d);
-        let (side, part) = (width.max(height), PARTS.iter().find(|(of, _)| of == binding));
+/// Whether an adapter takes the textures.
+fn fits(bindings: &Bindings<'_>, limits: &Limits) -> Result<(), GpuError> {
+    for (name, texels) in bindings.textures() {
+        let ([width, height, layers], most) = (texels.extent.size(), limits.max_texture_dimension_2d);
+        let (side, part) = (width.max(height), PARTS.iter().find(|(of, _)| *of == name));
         if let Some((_, part)) = part
             && side > most
         {
-            let text = format!("the part {part} has {side} texels on a side; this adapter takes {most}");
+            let text = format!("the {part} has {side} texels on a side; this adapter takes {most}");
             return Err(GpuError::TooLarge(text));
         }
         let most = limits.max_texture_array_layers;
-        if *binding == SHADOW && layers > most {
+        if name == SHADOW && layers > most {
             let text = format!("{layers} lights; this adapter takes {most} layers: draw the light form, or make fewer");
             return Err(GpuError::TooLarge(text));
         }

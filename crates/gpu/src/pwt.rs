@@ -1,11 +1,13 @@
 //! Polynomial wavelet trees evaluated by the shader: what tests hold against the CPU decoder.
 
+use super::bindings::Slots;
 use super::device::{Gpu, GpuError};
 use super::items::ItemPipeline;
 use super::pwt_textures;
+use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::pwt::PwtPack;
-use brdfc_formats::pwt::shader::{PWT_WGSL, PwtFilter};
-use wgpu::{BindGroupLayout, ShaderStages};
+use brdfc_formats::pwt::shader::PWT_WGSL;
+use wgpu::ShaderStages;
 
 /// The compute entry point over the decoder.
 pub const EVALUATE_PWT_WGSL: &str = concat!(include_str!("evaluate_pwt.wgsl"), include_str!("items.wgsl"));
@@ -43,7 +45,7 @@ pub struct LoadedPwt {
 /// A compiled compute pipeline.
 pub struct PwtEvaluator<'g> {
     pipeline: ItemPipeline<'g>,
-    texture_layout: BindGroupLayout,
+    slots: Slots,
 }
 
 impl<'g> PwtEvaluator<'g> {
@@ -60,18 +62,18 @@ impl<'g> PwtEvaluator<'g> {
     /// # Errors
     /// A source that does not validate, with the compiler's message.
     pub fn with_shaders(gpu: &'g Gpu, decoder: &str, entry_point: &str) -> Result<Self, GpuError> {
-        let texture_layout = pwt_textures::layout(gpu, ShaderStages::COMPUTE);
+        let slots = pwt_textures::slots(gpu, ShaderStages::COMPUTE);
         let source = format!("{decoder}\n{entry_point}");
-        let pipeline = ItemPipeline::new(gpu, "polynomial wavelet tree", source, &texture_layout)?;
-        Ok(Self { pipeline, texture_layout })
+        let pipeline = ItemPipeline::new(gpu, "polynomial wavelet tree", source, &slots.layout)?;
+        Ok(Self { pipeline, slots })
     }
 
     /// Uploads a pack.
     ///
     /// # Errors
     /// More than the adapter takes; what the driver reports.
-    pub fn load(&self, pack: &PwtPack, filter: PwtFilter) -> Result<LoadedPwt, GpuError> {
-        Ok(LoadedPwt { group: pwt_textures::upload(self.pipeline.gpu(), &self.texture_layout, pack, filter)? })
+    pub fn load(&self, pack: &PwtPack, frame: FrameBlock) -> Result<LoadedPwt, GpuError> {
+        Ok(LoadedPwt { group: pwt_textures::upload(self.pipeline.gpu(), &self.slots, pack, frame)? })
     }
 
     /// Evaluates and reads back, in the order of `queries`. Below the horizon channels are whatever the terms give.

@@ -1,11 +1,12 @@
 //! Draws scenes whose parts are all of one polynomial wavelet tree.
 
-use super::bindings::{self, UNIFORM};
+use super::bindings::{self, Slots, UNIFORM};
 use super::device::{Gpu, GpuError};
 use super::load::LoadedScene;
 use super::pwt_textures;
 use super::raster::{Rasteriser, VIEW_WGSL};
-use brdfc_formats::pwt::shader::{PWT_WGSL, PwtFilter};
+use brdfc_formats::bindings::FrameBlock;
+use brdfc_formats::pwt::shader::PWT_WGSL;
 use brdfc_metrics::image::LinearImage;
 use brdfc_render::pwt::PwtMaterial;
 use brdfc_render::scene::{Camera, Frame, Scene};
@@ -28,17 +29,17 @@ pub fn draw_pwt(
     scene: &Scene,
     frame: Frame,
     material: &PwtMaterial,
-    filter: PwtFilter,
+    sampling: FrameBlock,
 ) -> Result<LinearImage, GpuError> {
     let renderer = PwtRenderer::new(gpu)?;
-    let loaded = renderer.load(scene, material, filter)?;
+    let loaded = renderer.load(scene, material, sampling)?;
     renderer.draw(&loaded, &scene.camera, frame)
 }
 
 /// A compiled pipeline.
 pub struct PwtRenderer<'g> {
     rasteriser: Rasteriser<'g>,
-    texture_layout: BindGroupLayout,
+    slots: Slots,
     material_layout: BindGroupLayout,
 }
 
@@ -56,19 +57,19 @@ impl<'g> PwtRenderer<'g> {
     /// # Errors
     /// A source that does not validate, with the compiler's message.
     pub fn with_shader(gpu: &'g Gpu, source: String) -> Result<Self, GpuError> {
-        let texture_layout = pwt_textures::layout(gpu, ShaderStages::FRAGMENT);
+        let slots = pwt_textures::slots(gpu, ShaderStages::FRAGMENT);
         let material_layout = bindings::layout(gpu, "light-dependent picture", ShaderStages::FRAGMENT, [(0, UNIFORM)]);
-        let rasteriser = Rasteriser::new(gpu, source, &[&texture_layout, &material_layout])?;
-        Ok(Self { rasteriser, texture_layout, material_layout })
+        let rasteriser = Rasteriser::new(gpu, source, &[&slots.layout, &material_layout])?;
+        Ok(Self { rasteriser, slots, material_layout })
     }
 
     /// Uploads a scene with a material for all of its parts.
     ///
     /// # Errors
     /// [`GpuError::TooLarge`] for more than the adapter takes; what the driver reports.
-    pub fn load(&self, scene: &Scene, material: &PwtMaterial, filter: PwtFilter) -> Result<LoadedScene, GpuError> {
+    pub fn load(&self, scene: &Scene, material: &PwtMaterial, sampling: FrameBlock) -> Result<LoadedScene, GpuError> {
         let gpu = self.rasteriser.gpu;
-        let textures = pwt_textures::upload(gpu, &self.texture_layout, material.decoder().pack(), filter)?;
+        let textures = pwt_textures::upload(gpu, &self.slots, material.decoder().pack(), sampling)?;
         let uniform = gpu.buffer(bytemuck::cast_slice(&[material.repeat(), 0, 0, 0]), BufferUsages::UNIFORM);
         let group = bindings::group(gpu, &self.material_layout, [(0, uniform.as_entire_binding())]);
         let groups = vec![vec![textures, group]; scene.parts.len()];

@@ -5,13 +5,12 @@ use base64::engine::general_purpose::STANDARD;
 use brdfc_formats::FormatError;
 use brdfc_formats::container::PackedTexture;
 use brdfc_shaders::DeviceNeeds;
-use brdfc_shaders::resources::{dimension_name, format_name, size_of};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Entries of a polynomial wavelet tree that hold a KTX2 file each.
-const NESTED: &str = "brdfc.pwt.texture";
+/// Entries that hold a KTX2 file each.
+const NESTED: &str = "brdfc.image.";
 
 /// One texture of a file.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -30,7 +29,7 @@ pub struct PackFile {
     pub entries: BTreeMap<String, String>,
 }
 
-/// The textures of a file by this name: of a polynomial wavelet tree those that its entries hold, too, as `NAME#ENTRY`.
+/// The textures of a file by this name, with those that its entries hold, as `NAME#ENTRY`.
 ///
 /// # Errors
 /// What is no KTX2 file.
@@ -47,9 +46,9 @@ pub fn pack_files(name: &str, file: &[u8]) -> Result<BTreeMap<String, PackFile>,
 
 fn of_texture(packed: &PackedTexture<'_>) -> PackFile {
     PackFile {
-        texel_format: format_name(packed.format),
-        dimension: dimension_name(packed.extent),
-        size: size_of(packed.extent),
+        texel_format: packed.format.name(),
+        dimension: packed.extent.dimension(),
+        size: packed.extent.size(),
         levels: packed.levels,
         device: DeviceNeeds::of(packed.format, packed.extent),
         entries: encoded(&packed.entries),

@@ -16,7 +16,6 @@ mod msl;
 mod needs;
 mod parsed;
 mod program;
-pub mod resources;
 mod spirv;
 mod translate;
 mod words;

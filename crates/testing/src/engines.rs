@@ -4,19 +4,18 @@
 use crate::flat_btf::{self, Factors, SMALL};
 use crate::packs::{Numbers, packs, pairs, tables};
 use brdfc_formats::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
+use brdfc_formats::bindings::{Binding, FrameBlock, Resource};
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::direction_mesh::DirectionMesh;
 use brdfc_formats::flat_btf::factored::ShadowFormat;
 use brdfc_formats::flat_btf::{
-    BlendedDirection, FlatBtfDecoder, FlatBtfParts, FlatValues, Indirection, SampledDirections, ViewWeights,
+    BlendedDirection, FlatBtfDecoder, FlatBtfFile, FlatBtfParts, FlatValues, SampledDirections, ViewWeights,
 };
 use brdfc_formats::importance::{ImportanceHeader, ImportancePack};
-use brdfc_formats::pwt::shader::PwtFilter;
 use brdfc_formats::pwt::{PwtDecoder, PwtPack};
 use brdfc_formats::table::{TableDecoder, TablePack};
 use brdfc_formats::wavelet::{Filter, WaveletDecoder, WaveletPack};
 use brdfc_shaders::Decoder;
-use brdfc_shaders::resources::{self, Resource};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Queries of a case: 100 x 100.
@@ -32,17 +31,37 @@ pub type Query = [[f32; 4]; 3];
 pub struct Case {
     pub name: String,
     pub decoder: Decoder,
-    pub resources: Vec<Resource>,
-    /// The same as files: one, or those of a folder by their parts.
-    pub files: Vec<(&'static str, Vec<u8>)>,
-    /// Of wavelet packs, between which cells values are blended.
-    pub filter: Option<Filter>,
+    /// What is bound.
+    pub bindings: Vec<Binding<'static>>,
+    /// What changes with the frame.
+    pub frame: FrameBlock,
+    /// The same as files: one, or several maps.
+    pub files: Vec<Vec<u8>>,
     pub queries: Vec<Query>,
     /// The CPU's answers, and what is added to each before errors are divided by it.
     pub expected: Vec<([f32; 4], f32)>,
 }
 
+/// Of exact weights.
+const FRAME: FrameBlock = FrameBlock { distance_scale: 1.0, sampler_filters: false, blend: Filter::Bilinear };
+
 impl Case {
+    /// Slots, names and what is bound, the frame's block as the bytes that it has.
+    pub fn bound(&self) -> impl Iterator<Item = (u32, &str, Resource<'_>)> {
+        self.bindings.iter().map(|binding| {
+            let resource = match &binding.resource {
+                Resource::Frame => Resource::Uniform(self.frame.to_bytes().to_vec().into()),
+                other => other.clone(),
+            };
+            (binding.slot, &*binding.name, resource)
+        })
+    }
+
+    /// Whether coordinates repeat that a sampler of this name is asked at.
+    pub fn repeats(&self, sampler: Option<&str>) -> bool {
+        let is_it = |binding: &&Binding<'_>| Some(&*binding.name) == sampler;
+        self.bindings.iter().find(is_it).is_some_and(|it| it.resource == Resource::Sampler { repeats: true })
+    }
     /// The largest error of answers, relative to the value and what is added to it.
     pub fn largest_error(&self, found: &[[f32; 4]]) -> f64 {
         assert_eq!(found.len(), self.expected.len());
@@ -98,9 +117,8 @@ fn of_tables() -> Vec<Case> {
         let expected =
             pairs.iter().zip(&queries).map(|(pair, [a, ..])| (four(decoder.eval_at(*pair, a[3]), 0.0), floor));
         let expected = expected.collect();
-        let files = vec![("", pack.to_bytes(true))];
-        let resources = resources::table(&pack, 1.0);
-        Case { name, decoder: Decoder::Table, resources, files, filter: None, queries, expected }
+        let (bindings, files) = (pack.bindings().into_owned(), vec![pack.to_bytes(true)]);
+        Case { name, decoder: Decoder::Table, bindings, frame: FRAME, files, queries, expected }
     };
     some_tables().into_iter().map(case).collect()
 }
@@ -124,9 +142,10 @@ fn of_wavelets() -> Vec<Case> {
         let expected =
             pairs.iter().zip(&queries).map(|(pair, [a, ..])| (four(decoder.eval(*pair, a[3], filter), 0.0), floor));
         let expected = expected.collect();
-        let (resources, files) = (resources::wavelet(&pack, filter, 1.0), vec![("", pack.to_bytes(k % 2 == 0))]);
-        let (name, decoder, filter) = (format!("{name}, {filter:?}"), Decoder::Wavelet, Some(filter));
-        Case { name, decoder, resources, files, filter, queries, expected }
+        let (bindings, files) = (pack.bindings().into_owned(), vec![pack.to_bytes(k % 2 == 0)]);
+        let (name, decoder) = (format!("{name}, {filter:?}"), Decoder::Wavelet);
+        let frame = FrameBlock { blend: filter, ..FRAME };
+        Case { name, decoder, bindings, frame, files, queries, expected }
     };
     some_wavelets().into_iter().enumerate().map(case).collect()
 }
@@ -145,24 +164,23 @@ pub(crate) fn tree_queries() -> Vec<Query> {
 fn of_trees() -> Vec<Case> {
     let queries = tree_queries();
     let case = |(name, pack): (&str, PwtPack)| {
-        let (resources, files) = (resources::pwt(&pack, PwtFilter::Exact), vec![("", pack.to_bytes(true))]);
+        let (bindings, files) = (pack.bindings().into_owned(), vec![pack.to_bytes(true)]);
         let decoder = PwtDecoder::new(pack);
         let answer = |[a, b, _]: &Query| (four(decoder.value([a[0], a[1]], a[2], [b[0], b[1], b[2]]), 0.0), 1e-2);
         let expected = queries.iter().map(answer).collect();
         let (name, decoder, queries) = (name.to_owned(), Decoder::Pwt, queries.clone());
-        Case { name, decoder, resources, files, filter: None, queries, expected }
+        Case { name, decoder, bindings, frame: FRAME, files, queries, expected }
     };
     crate::pwt::packs().into_iter().map(case).collect()
 }
 
-/// Flat BTFs of every kind of values.
-pub(crate) fn some_flat_btfs() -> [(&'static str, FlatBtfDecoder); 3] {
+/// Flat BTFs of every kind of values that files have.
+pub(crate) fn some_flat_btfs() -> [(&'static str, FlatBtfDecoder); 2] {
     let whole = flat_btf::parts(SMALL, 4);
     let compact = flat_btf::displacements(SMALL, 1, 4).into();
     let factors = Factors { levels: 3, groups: 3, wide_groups: 1, shadow: ShadowFormat::R8 };
     let factored = FlatValues::Factored(Box::new(flat_btf::factored(SMALL, factors, 5)));
     [
-        ("all views", whole.clone()),
         ("light form", FlatBtfParts { values: FlatValues::None, ..whole.clone() }),
         ("factored, displacements", FlatBtfParts { values: factored, indirection: compact, ..whole }),
     ]
@@ -184,39 +202,17 @@ fn of_flat_btfs() -> Vec<Case> {
     let queries = flat_queries();
     let case = |(name, decoder): (&str, FlatBtfDecoder)| {
         let directions = SampledDirections::of(&decoder.parts().values).unwrap();
-        let resources = resources::flat_btf(&decoder, directions.as_ref(), false);
+        let bindings = decoder.bindings(true, directions.as_ref()).into_owned();
         let answer = |[a, b, c]: &Query| {
             let [view, light] = [b, c].map(|v| [v[0], v[1], v[2]]);
             (four(flat_value(&decoder, directions.as_ref(), [a[0], a[1]], a[2], [view, light]), 0.0), 1e-2)
         };
         let expected = queries.iter().map(answer).collect();
         let (name, queries) = (name.to_owned(), queries.clone());
-        let files = flat_files(decoder.parts(), directions.as_ref());
-        Case { name, decoder: Decoder::FlatBtf, resources, files, filter: None, queries, expected }
+        let files = vec![FlatBtfFile::new(decoder, None).unwrap().to_bytes(true)];
+        Case { name, decoder: Decoder::FlatBtf, bindings, frame: FRAME, files, queries, expected }
     };
     some_flat_btfs().into_iter().map(case).collect()
-}
-
-/// The files that are drawn, by part; of all views none, which no browser takes.
-fn flat_files(parts: &FlatBtfParts, directions: Option<&SampledDirections>) -> Vec<(&'static str, Vec<u8>)> {
-    if !parts.values.views().is_empty() {
-        return Vec::new();
-    }
-    let mut files = vec![
-        ("reference", parts.reference.to_bytes(true)),
-        ("normal", parts.normal.to_bytes(false)),
-        ("diffuse", parts.diffuse.to_bytes(true)),
-        match &parts.indirection {
-            Indirection::Samples(map) => ("indirection", map.to_bytes(true)),
-            Indirection::Compact(map) => ("displacement", map.to_bytes(true)),
-        },
-    ];
-    files.extend(directions.map(|directions| ("directions", directions.to_bytes(true))));
-    if let Some(asset) = parts.values.factored() {
-        files.extend([("basis", asset.basis().to_bytes(true)), ("weights", asset.weights().to_bytes(true))]);
-        files.extend(asset.shadow().map(|shadow| ("shadow", shadow.to_bytes(true))));
-    }
-    files
 }
 
 /// As `FlatMaterial::value` of the renderer.
@@ -270,10 +266,10 @@ fn of_bandwidth() -> Vec<Case> {
         ([brdf.brdf(three(a), three(b)), environment.environment(three(a)), texture.texture([c[0], c[1]]), 0.0], 1.0)
     };
     let expected = queries.iter().map(answer).collect();
-    let resources = resources::bandwidth(&[&maps[0], &maps[1], &maps[2]]);
-    let files = maps.iter().map(|map| ("", map.to_bytes(true))).collect();
+    let bindings = maps.iter().flat_map(|map| map.bindings().into_owned()).collect();
+    let files = maps.iter().map(|map| map.to_bytes(true)).collect();
     let (name, decoder) = ("three maps".to_owned(), Decoder::Bandwidth);
-    vec![Case { name, decoder, resources, files, filter: None, queries, expected }]
+    vec![Case { name, decoder, bindings, frame: FRAME, files, queries, expected }]
 }
 
 fn of_importance() -> Vec<Case> {
@@ -296,9 +292,8 @@ fn of_importance() -> Vec<Case> {
         };
         let expected = queries.iter().map(answer).collect();
         let name = format!("{} polar angles, {} azimuths", header.polar, header.azimuths);
-        let files = vec![("", pack.to_bytes(true))];
-        let (decoder, resources) = (Decoder::Importance, resources::importance(&pack));
-        Case { name, decoder, resources, files, filter: None, queries, expected }
+        let (bindings, files) = (pack.bindings().into_owned(), vec![pack.to_bytes(true)]);
+        Case { name, decoder: Decoder::Importance, bindings, frame: FRAME, files, queries, expected }
     };
     vec![
         case(ImportanceHeader { polar: 64, azimuths: 1, samples: 50 }),

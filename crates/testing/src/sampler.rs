@@ -15,20 +15,22 @@
 use crate::engines::{
     Case, Query, blends, brdf_queries, flat_queries, four, some_flat_btfs, some_tables, some_wavelets, tree_queries,
 };
+use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::direction::{DirectionPair, from_tangent_pole, to_tangent_pole};
 use brdfc_formats::flat_btf::{FlatBtfDecoder, SampledDirections};
-use brdfc_formats::pwt::shader::PwtFilter;
 use brdfc_formats::pwt::{PwtDecoder, PwtPack};
 use brdfc_formats::table::{Angles, Curve, TableDecoder, TablePack};
 use brdfc_formats::wavelet::{Filter, WaveletDecoder, WaveletPack};
 use brdfc_shaders::Decoder;
-use brdfc_shaders::resources;
 use std::collections::BTreeMap;
 use std::f32::consts::TAU;
 use std::f64::consts::PI;
 
 /// What a weight may be off by: samplers hold positions in units of texels with 8 bits behind the point, rounded either way.
 pub const STEP: f32 = 1.0 / 256.0;
+
+/// Samplers filter.
+const FRAME: FrameBlock = FrameBlock { distance_scale: 1.0, sampler_filters: true, blend: Filter::Bilinear };
 
 /// What other arithmetic adds, as [`engines`](crate::engines) allows of exact weights, and rounding of what is filtered.
 const ROUNDING: f64 = 1e-4;
@@ -139,9 +141,9 @@ pub fn of_table(name: &str, pack: &TablePack) -> SamplerCase {
         (of_logarithm(table_bound(pack, &values, *pair, a[3]), value, floor), (four(value, 0.0), floor))
     };
     let (allowed, expected) = pairs.iter().zip(&queries).map(answer).unzip();
-    let resources = resources::table(pack, 1.0);
+    let (bindings, frame) = (pack.bindings().into_owned(), FRAME);
     let (name, files) = (name.to_owned(), Vec::new());
-    let case = Case { name, decoder: Decoder::Table, resources, files, filter: None, queries, expected };
+    let case = Case { name, decoder: Decoder::Table, bindings, frame, files, queries, expected };
     SamplerCase { case, allowed, is_filtered: true }
 }
 
@@ -178,9 +180,10 @@ pub fn of_wavelet(name: &str, pack: &WaveletPack, filter: Filter) -> SamplerCase
         (of_logarithm(wavelet_bound(&decoder, *pair, a[3], on_cpu), value, floor), (four(value, 0.0), floor))
     };
     let (allowed, expected) = pairs.iter().zip(&queries).map(answer).unzip();
-    let (resources, files) = (resources::wavelet(pack, filter, 1.0), Vec::new());
+    let (bindings, files) = (pack.bindings().into_owned(), Vec::new());
+    let frame = FrameBlock { blend: filter, ..FRAME };
     let (name, is_filtered) = (format!("{name}, {filter:?}"), !pack.header.lifted && pack.extent()[0] > 1);
-    let case = Case { name, decoder: Decoder::Wavelet, resources, files, filter: Some(filter), queries, expected };
+    let case = Case { name, decoder: Decoder::Wavelet, bindings, frame, files, queries, expected };
     SamplerCase { case, allowed, is_filtered }
 }
 
@@ -207,14 +210,14 @@ fn tree_bound(decoder: &PwtDecoder, [a, b, _]: &Query) -> [f64; 4] {
 
 /// The case of a polynomial wavelet tree.
 fn of_tree(name: &str, pack: PwtPack) -> SamplerCase {
-    let (resources, queries) = (resources::pwt(&pack, PwtFilter::Hardware), tree_queries());
+    let (bindings, queries) = (pack.bindings().into_owned(), tree_queries());
     let is_filtered = pack.header().extent != [1; 2];
     let decoder = PwtDecoder::new(pack);
     let answer = |[a, b, _]: &Query| (four(decoder.value([a[0], a[1]], a[2], [b[0], b[1], b[2]]), 0.0), 1e-2);
     let expected = queries.iter().map(answer).collect();
     let allowed = queries.iter().map(|query| tree_bound(&decoder, query)).collect();
     let (name, files) = (name.to_owned(), Vec::new());
-    let case = Case { name, decoder: Decoder::Pwt, resources, files, filter: None, queries, expected };
+    let case = Case { name, decoder: Decoder::Pwt, bindings, frame: FRAME, files, queries, expected };
     SamplerCase { case, allowed, is_filtered }
 }
 
@@ -287,7 +290,7 @@ fn flat_bound(decoder: &FlatBtfDecoder, directions: Option<&SampledDirections>, 
 /// The case of a flat BTF.
 fn of_flat_btf(name: &str, decoder: &FlatBtfDecoder) -> SamplerCase {
     let directions = SampledDirections::of(&decoder.parts().values).unwrap();
-    let resources = resources::flat_btf(decoder, directions.as_ref(), true);
+    let bindings = decoder.bindings(true, directions.as_ref()).into_owned();
     let queries = flat_queries();
     let answer = |query: &Query| {
         let view = [query[1][0], query[1][1], query[1][2]];
@@ -296,7 +299,7 @@ fn of_flat_btf(name: &str, decoder: &FlatBtfDecoder) -> SamplerCase {
     let expected = queries.iter().map(answer).collect();
     let allowed = queries.iter().map(|query| flat_bound(decoder, directions.as_ref(), query)).collect();
     let (name, files) = (name.to_owned(), Vec::new());
-    let case = Case { name, decoder: Decoder::FlatBtf, resources, files, filter: None, queries, expected };
+    let case = Case { name, decoder: Decoder::FlatBtf, bindings, frame: FRAME, files, queries, expected };
     SamplerCase { case, allowed, is_filtered: true }
 }
 

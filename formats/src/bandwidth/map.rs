@@ -3,6 +3,7 @@
 //! The look-ups are f32 arithmetic in a fixed order: `formats/src/bandwidth/map.wgsl` gives the same bits.
 
 use crate::FormatError;
+use crate::bindings::PackFile;
 use crate::container::entries::{entry, sized};
 use crate::container::{Extent, TexelFormat, Texture, half};
 use crate::cursor::Cursor;
@@ -225,9 +226,7 @@ impl BandwidthMap {
             self.scale.to_bits(),
         ];
         let header = words.into_iter().flat_map(u32::to_le_bytes).collect();
-        let (extent, entries) = (Extent::D2(self.size), BTreeMap::from([(BANDWIDTH_ENTRY.to_owned(), header)]));
-        Texture { format: TexelFormat::R16Float, extent, entries, levels: 1, texels: self.texel_bytes() }
-            .to_bytes(supercompress)
+        self.bindings().to_file(BTreeMap::from([(BANDWIDTH_ENTRY.to_owned(), header)]), supercompress)
     }
 
     /// Reads and checks a KTX2 file.
@@ -235,13 +234,20 @@ impl BandwidthMap {
     /// # Errors
     /// Whatever breaks the rules of `formats/src/bandwidth/spec.md`.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        Self::from_texture(&Texture::from_bytes_within(bytes, Self::MAX_TEXEL_BYTES)?)
+        Self::from_file(PackFile::from_bytes(bytes)?)
     }
 
-    /// Texels of the largest map.
-    pub const MAX_TEXEL_BYTES: u64 = 2 * MAX_SIDE as u64 * MAX_SIDE as u64;
+    /// [`Self::from_bytes`] of a file whose bindings have been read.
+    ///
+    /// # Errors
+    /// As [`Self::from_bytes`].
+    pub fn from_file(mut file: PackFile) -> Result<Self, FormatError> {
+        let map = Self::from_texture(&file.take_own())?;
+        file.check_same(&map.bindings())?;
+        Ok(map)
+    }
 
-    /// Reads and checks the texture of a KTX2 file.
+    /// Reads and checks a texture with the entry of its header, as a file has them.
     ///
     /// # Errors
     /// As [`Self::from_bytes`].

@@ -4,28 +4,33 @@
 // geometry using bandwidth prediction", section 2.4. The layout is described in `formats/src/bandwidth/spec.md`; the
 // CPU look-ups with the same steps in the same order are those of `BandwidthMap` of the crate `brdfc-formats`.
 //
-// To use it: paste this file before your own shader, move the four bindings where they suit you, and call
+// To use it: paste this file before your own shader, move the bindings where they suit you, and call
 //
 //     let rho = bandwidth_brdf(wi, wo);         // cycles per radian of the outgoing direction
 //     let light = bandwidth_environment(d);     // cycles per radian of the direction
 //     let spatial = bandwidth_texture(uv);      // cycles per metre
 //
 // wi and wo are unit vectors in the frame x = tangent, y = bitangent, z = normal; d is any vector in the frame of
-// the environment. A map that is not there is a texture of one texel, with a scale of 0.
+// the environment. A map that is not there is a texture of one texel and a
+// block of zeros; what a shader does not call has nothing bound.
 
-// The same fields, in the same order, as `BandwidthParameters` of `brdfc-formats`. 16 bytes.
+// 16 bytes: `BandwidthMap::uniform` of `brdfc-formats`, of each map.
 struct BandwidthParameters {
-    brdf_scale: f32,          // what texels are multiplied by
-    environment_scale: f32,
-    texture_scale: f32,
-    texture_tiles: u32,       // 1: the texture repeats
+    scale: f32,   // what texels are multiplied by
+    tiles: u32,   // of a texture: 1 where it repeats
+    reserved_0: u32,
+    reserved_1: u32,
 }
 
-@group(1) @binding(0) var<uniform> bandwidth_parameters: BandwidthParameters;
-// The textures as they are in the KTX2 files.
-@group(1) @binding(1) var bandwidth_brdf_map: texture_2d<f32>;
-@group(1) @binding(2) var bandwidth_environment_map: texture_2d<f32>;
-@group(1) @binding(3) var bandwidth_texture_map: texture_2d<f32>;
+@group(1) @binding(29) var<uniform> bandwidth_brdf_parameters: BandwidthParameters;
+// The texture as it is in the KTX2 file.
+@group(1) @binding(30) var bandwidth_brdf_map: texture_2d<f32>;
+@group(1) @binding(31) var<uniform> bandwidth_environment_parameters: BandwidthParameters;
+// The texture as it is in the KTX2 file.
+@group(1) @binding(32) var bandwidth_environment_map: texture_2d<f32>;
+@group(1) @binding(33) var<uniform> bandwidth_texture_parameters: BandwidthParameters;
+// The texture as it is in the KTX2 file.
+@group(1) @binding(34) var bandwidth_texture_map: texture_2d<f32>;
 
 const BANDWIDTH_PI: f32 = 3.14159274;
 const BANDWIDTH_HALF_PI: f32 = 1.57079637;
@@ -40,13 +45,13 @@ fn bandwidth_brdf(incoming: vec3<f32>, outgoing: vec3<f32>) -> f32 {
 // Of directions whose cells are known.
 fn bandwidth_brdf_cells(incoming: vec2<u32>, outgoing: vec2<u32>) -> f32 {
     let at = incoming * BANDWIDTH_CELLS + outgoing;
-    return textureLoad(bandwidth_brdf_map, at, 0).x * bandwidth_parameters.brdf_scale;
+    return textureLoad(bandwidth_brdf_map, at, 0).x * bandwidth_brdf_parameters.scale;
 }
 
 // In cycles per radian of a direction, in the frame of the environment.
 fn bandwidth_environment(direction: vec3<f32>) -> f32 {
     let at = bandwidth_environment_texel(direction);
-    return textureLoad(bandwidth_environment_map, at, 0).x * bandwidth_parameters.environment_scale;
+    return textureLoad(bandwidth_environment_map, at, 0).x * bandwidth_environment_parameters.scale;
 }
 
 // Column and row: where other images of this size have what belongs to it.
@@ -62,11 +67,11 @@ fn bandwidth_environment_texel(direction: vec3<f32>) -> vec2<u32> {
 fn bandwidth_texture(uv: vec2<f32>) -> f32 {
     let size = textureDimensions(bandwidth_texture_map);
     var inside = uv;
-    if bandwidth_parameters.texture_tiles == 1u {
+    if bandwidth_texture_parameters.tiles == 1u {
         inside = uv - floor(uv);
     }
     let at = vec2<u32>(bandwidth_index(inside.x, size.x), bandwidth_index(inside.y, size.y));
-    return textureLoad(bandwidth_texture_map, at, 0).x * bandwidth_parameters.texture_scale;
+    return textureLoad(bandwidth_texture_map, at, 0).x * bandwidth_texture_parameters.scale;
 }
 
 // Cell of a direction about the normal: azimuth, polar angle.

@@ -1,55 +1,44 @@
-//! What a shader needs besides the textures of bandwidth maps: `formats/src/bandwidth/map.wgsl` and its uniform block.
+//! What looks bandwidth maps up on a GPU: `formats/src/bandwidth/map.wgsl`, and what it has bound of a map.
 
-use crate::bandwidth::{BandwidthKind, BandwidthMap};
+use super::map::{BandwidthKind, BandwidthMap};
+use crate::bindings::{Binding, Bindings, Texels};
+use crate::container::{Extent, TexelFormat};
 
-/// The WGSL look-ups. It declares a uniform block and three textures in bind group 1; see the file.
+/// The WGSL look-ups. It declares a uniform block and a texture for each kind of map, in bind group 1; see the file.
 pub const BANDWIDTH_WGSL: &str = include_str!("map.wgsl");
 
-/// The uniform block `BandwidthParameters` of the shader.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct BandwidthParameters {
-    /// What texels of the BRDF's map are multiplied by; 0 where there is none.
-    pub brdf_scale: f32,
-    /// The same of the environment.
-    pub environment_scale: f32,
-    /// The same of the texture.
-    pub texture_scale: f32,
-    /// Whether the texture repeats.
-    pub texture_tiles: u32,
+impl BandwidthKind {
+    /// Slot and names of the uniform block; the texture follows.
+    fn bindings(self) -> (u32, [&'static str; 2]) {
+        match self {
+            Self::Brdf => (29, ["bandwidth_brdf_parameters", "bandwidth_brdf_map"]),
+            Self::Environment => (31, ["bandwidth_environment_parameters", "bandwidth_environment_map"]),
+            Self::Texture { .. } => (33, ["bandwidth_texture_parameters", "bandwidth_texture_map"]),
+        }
+    }
 }
 
-impl BandwidthParameters {
-    /// Bytes of the block.
-    pub const SIZE: usize = 16;
+impl BandwidthMap {
+    /// Bytes of the uniform block.
+    pub const UNIFORM_SIZE: usize = 16;
 
-    /// The parameters of up to one map of each kind, in any order; of two maps of a kind the later one counts.
-    pub fn new<'a>(maps: impl IntoIterator<Item = &'a BandwidthMap>) -> Self {
-        let mut parameters = Self::default();
-        for map in maps {
-            match map.header().kind {
-                BandwidthKind::Brdf => parameters.brdf_scale = map.scale(),
-                BandwidthKind::Environment => parameters.environment_scale = map.scale(),
-                BandwidthKind::Texture { tiles, .. } => {
-                    parameters.texture_scale = map.scale();
-                    parameters.texture_tiles = u32::from(tiles);
-                }
-            }
-        }
-        parameters
+    /// The uniform block `BandwidthParameters` of the shader: little-endian, fields in order, 8 bytes of zero at the end.
+    pub fn uniform(&self) -> [u8; Self::UNIFORM_SIZE] {
+        let tiles = matches!(self.header().kind, BandwidthKind::Texture { tiles: true, .. });
+        let mut bytes = [0; Self::UNIFORM_SIZE];
+        bytes[..4].copy_from_slice(&self.scale().to_le_bytes());
+        bytes[4..8].copy_from_slice(&u32::from(tiles).to_le_bytes());
+        bytes
     }
 
-    /// The block as the shader reads it: little-endian, fields in order.
-    pub fn to_bytes(&self) -> [u8; Self::SIZE] {
-        let words = [
-            self.brdf_scale.to_bits(),
-            self.environment_scale.to_bits(),
-            self.texture_scale.to_bits(),
-            self.texture_tiles,
+    /// What its shader has bound of this map: those of the kinds do not share a slot.
+    pub fn bindings(&self) -> Bindings<'_> {
+        let (slot, [parameters, map]) = self.header().kind.bindings();
+        let texels = Texels::new(TexelFormat::R16Float, Extent::D2(self.size()), self.texel_bytes());
+        let all = [
+            Binding::uniform(slot, parameters, self.uniform().to_vec()),
+            Binding::texture(slot + 1, map, texels.of_file()),
         ];
-        let mut bytes = [0; Self::SIZE];
-        for (target, word) in bytes.chunks_exact_mut(4).zip(words) {
-            target.copy_from_slice(&word.to_le_bytes());
-        }
-        bytes
+        Bindings::new("bandwidth", all)
     }
 }

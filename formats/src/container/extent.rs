@@ -25,6 +25,34 @@ pub enum Extent {
 }
 
 impl Extent {
+    /// Columns, rows, and slices or layers: 1 of a 2D texture.
+    pub fn size(self) -> [u32; 3] {
+        match self {
+            Self::D2([width, height]) => [width, height, 1],
+            Self::D2Array(size) | Self::D3(size) => size,
+        }
+    }
+
+    /// What WebGPU calls its dimension: `2d`, `2d-array` or `3d`.
+    pub fn dimension(self) -> &'static str {
+        match self {
+            Self::D2(_) => "2d",
+            Self::D2Array(_) => "2d-array",
+            Self::D3(_) => "3d",
+        }
+    }
+
+    /// The extent of this [`Self::dimension`] and [`Self::size`], if packs have such.
+    pub fn from_dimension(dimension: &str, [width, height, depth]: [u32; 3]) -> Option<Self> {
+        let extent = match dimension {
+            "2d" if depth == 1 => Self::D2([width, height]),
+            "2d-array" => Self::D2Array([width, height, depth]),
+            "3d" => Self::D3([width, height, depth]),
+            _ => return None,
+        };
+        (extent.texels() > 0 && Self::from_fields(extent.fields()).is_ok()).then_some(extent)
+    }
+
     /// Texels.
     pub fn texels(self) -> u64 {
         match self {

@@ -1,6 +1,7 @@
 //! Packs for the GPU: KTX2 files whose `brdfc.*` entries say what the texels mean. Layout: `spec.md` in this folder, and
 //! one page per kind of pack.
 
+pub(crate) mod checksum;
 pub(crate) mod entries;
 mod extent;
 pub mod half;
@@ -10,6 +11,7 @@ pub mod rgb9e5;
 mod texel_format;
 mod texture;
 
+pub use checksum::seal;
 pub use extent::{Extent, MAX_EXTENT, MAX_EXTENT_2D, MAX_LAYERS, ORIENTATION_2D, ORIENTATION_3D};
 pub use texel_format::TexelFormat;
 pub use texture::{MAX_TEXEL_BYTES, PackedTexture, Texture, WRITER};

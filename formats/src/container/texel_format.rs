@@ -52,6 +52,35 @@ impl TexelFormat {
         Self::Rgb10A2Unorm,
     ];
 
+    /// What WebGPU calls it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::R8Unorm => "r8unorm",
+            Self::Rg8Unorm => "rg8unorm",
+            Self::Rgba8Unorm => "rgba8unorm",
+            Self::R16Unorm => "r16unorm",
+            Self::R16Float => "r16float",
+            Self::Rgba16Unorm => "rgba16unorm",
+            Self::Rgba16Float => "rgba16float",
+            Self::Rg32Float => "rg32float",
+            Self::Rgba32Float => "rgba32float",
+            Self::R32Uint => "r32uint",
+            Self::Rgba32Uint => "rgba32uint",
+            Self::Rgb9E5 => "rgb9e5ufloat",
+            Self::Rgb10A2Unorm => "rgb10a2unorm",
+        }
+    }
+
+    /// The format of this [`Self::name`].
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|format| format.name() == name)
+    }
+
+    /// Whether it holds integers, which no sampler filters.
+    pub fn is_integer(self) -> bool {
+        matches!(self, Self::R32Uint | Self::Rgba32Uint)
+    }
+
     /// Words stored per texel: one per component, or a single one of packed components.
     pub fn components(self) -> usize {
         match self {

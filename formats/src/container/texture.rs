@@ -3,6 +3,7 @@
 //! Headers, level index and data format descriptor are the `ktx2` crate's; this file sequences them by the rules of
 //! the Khronos validator and holds incoming files to the few shapes that packs have.
 
+use super::checksum;
 use super::extent::Extent;
 use super::levels;
 use super::texel_format::TexelFormat;
@@ -173,6 +174,7 @@ pub struct PackedTexture<'a> {
     /// Mipmap levels, 1 to as many as [`Extent::most_levels`] allows.
     pub levels: u32,
     scheme: u32,
+    bytes: &'a [u8],
     reader: ktx2::Reader<&'a [u8]>,
 }
 
@@ -227,7 +229,15 @@ impl<'a> PackedTexture<'a> {
             }
         }
         let scheme = u32::from_le_bytes([bytes[44], bytes[45], bytes[46], bytes[47]]);
-        Ok(Self { format, extent, entries, levels: header.level_count, scheme, reader })
+        Ok(Self { format, extent, entries, levels: header.level_count, scheme, bytes, reader })
+    }
+
+    /// Holds the file against the value of its checksum's entry.
+    ///
+    /// # Errors
+    /// No checksum; another one.
+    pub(crate) fn check_sum(&self, stored: Option<&[u8]>) -> Result<(), FormatError> {
+        checksum::check(self.bytes, stored)
     }
 
     /// Bytes of texels on a GPU, of all levels.

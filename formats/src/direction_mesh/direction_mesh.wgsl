@@ -10,7 +10,7 @@
 // It loads 5 texels, and up to 10 for every triangle and segment of the direction's cell.
 
 // One channel of 32 bits, unsigned integers. Not filtered.
-@group(1) @binding(13) var direction_mesh_words: texture_2d<u32>;
+@group(1) @binding(28) var direction_mesh_words: texture_2d<u32>;
 
 struct DirectionMeshWeights {
     indices: vec3<u32>,  // into the set; may repeat with weight 0

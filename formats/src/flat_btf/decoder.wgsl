@@ -4,7 +4,7 @@
 // numbers below are theirs. The layout of the files is described in `formats/src/flat_btf/spec.md`; the CPU decoder
 // with the same steps in the same order is `FlatBtfDecoder` of the crate `brdfc-formats`.
 //
-// To use it: paste this file before your own shader, move the eight bindings where they suit you, and call
+// To use it: paste this file before your own shader, move the bindings where they suit you, and call
 //
 //     let seen = flat_btf_indirection(uv, view);        // parameters and height of the surface point that is seen
 //     let value = flat_btf_light_form(uv, view, light);  // normal map and diffuse colour
@@ -25,7 +25,7 @@ struct FlatBtfParameters {
     azimuth_samples: u32,  // A, azimuths of the views
     largest_angle: f32,    // φ_max, radians
     atlas_columns: u32,    // lights in a row of the atlas
-    hardware: u32,         // 1: the sampler blends views of the indirection, 0: manual weights
+    reserved_2: u32,
     blocks: u32,           // N: the file `displacement` has N x N blocks; 0: there is the file `indirection`
     largest_tangent: f32,  // of a polar angle, of displacements
     values: u32,           // of views and lights: 0 none, 1 all of them, 2 factored
@@ -39,21 +39,21 @@ struct FlatBtfWeights {
     weights: vec3<f32>,
 }
 
-@group(1) @binding(0) var<uniform> flat_btf_parameters: FlatBtfParameters;
+@group(1) @binding(15) var<uniform> flat_btf_parameters: FlatBtfParameters;
 // M x M texels of two 32-bit floats, as in the file `reference`. Not filtered.
-@group(1) @binding(1) var flat_btf_reference: texture_2d<f32>;
+@group(1) @binding(16) var flat_btf_reference: texture_2d<f32>;
 // The file `indirection`: direction, distance, height in halves. Or the file `displacement`: two bytes.
-@group(1) @binding(2) var flat_btf_packed_indirection: texture_2d<f32>;
+@group(1) @binding(17) var flat_btf_packed_indirection: texture_2d<f32>;
 // Linear filter, clamp to edge.
-@group(1) @binding(3) var flat_btf_sampler: sampler;
+@group(1) @binding(18) var flat_btf_sampler: sampler;
 // The file `normal`.
-@group(1) @binding(4) var flat_btf_normal: texture_2d<f32>;
+@group(1) @binding(19) var flat_btf_normal: texture_2d<f32>;
 // The file `diffuse`.
-@group(1) @binding(5) var flat_btf_diffuse: texture_2d<f32>;
+@group(1) @binding(20) var flat_btf_diffuse: texture_2d<f32>;
 // One layer per view. Light l has the tile of T x T texels at column l mod atlas_columns, row l / atlas_columns.
-@group(1) @binding(6) var flat_btf_values: texture_2d_array<f32>;
+@group(1) @binding(21) var flat_btf_values: texture_2d_array<f32>;
 // N x N texels of four halves, the ranges of the file `displacement`; else any 2D texture.
-@group(1) @binding(7) var flat_btf_ranges: texture_2d<f32>;
+@group(1) @binding(22) var flat_btf_ranges: texture_2d<f32>;
 
 // How far neighbours may be apart, in units of their distance on the reference plane, to be on one side of a silhouette.
 const FLAT_BTF_SAME_SIDE: f32 = 4.0;
@@ -161,7 +161,7 @@ fn flat_btf_in_view(i: u32, j: u32, position: vec2<f32>) -> vec2<f32> {
 
 // A blend of the view samples of a block, of so many blocks per side.
 fn flat_btf_block(i: u32, j: u32, blocks: u32, position: vec2<f32>) -> vec4<f32> {
-    if flat_btf_parameters.hardware == 1u {
+    if brdfc_frame.sampler_filters == 1u {
         return flat_btf_sampled_block(i, j, blocks, position);
     }
     return flat_btf_loaded_block(i, j, position);

@@ -10,6 +10,7 @@ use crate::cursor::Cursor;
 use std::collections::BTreeMap;
 
 const PART: &str = "displacement";
+const KIND: &str = "a map of displacements";
 /// The entry that tells a map of displacements.
 pub(crate) const HEADER: &str = "brdfc.displacement";
 /// The entry of the bounds of all blocks.
@@ -175,13 +176,18 @@ impl DisplacementMap {
         most * scale <= SAME_SIDE / self.header.blocks.size as f32
     }
 
+    /// The entry of the header.
+    pub(super) fn entry(&self) -> (String, Vec<u8>) {
+        (HEADER.to_owned(), self.header.to_bytes())
+    }
+
     /// The bytes of the KTX2 file.
     pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
-        let entries = [(HEADER, self.header.to_bytes()), (RANGES, self.range_bytes())];
+        let entries = [self.entry(), (RANGES.to_owned(), self.range_bytes())];
         Texture {
             format: TexelFormat::Rg8Unorm,
             extent: Extent::D2(self.header.blocks.extent()),
-            entries: BTreeMap::from(entries.map(|(key, bytes)| (key.to_owned(), bytes))),
+            entries: BTreeMap::from(entries),
             levels: 1,
             texels: self.texel_bytes().to_vec(),
         }
@@ -201,7 +207,19 @@ impl DisplacementMap {
     /// # Errors
     /// As [`Self::from_bytes`].
     pub fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
-        const KIND: &str = "a map of displacements";
+        Self::with_ranges(texture, entry(texture, RANGES, KIND)?)
+    }
+
+    /// From the texture of texels, with the header's entry, and that of ranges.
+    pub(super) fn from_textures(texture: &Texture, ranges: &Texture) -> Result<Self, FormatError> {
+        if ranges.format != TexelFormat::Rgba16Float {
+            let found = format!("texels of {:?}", ranges.format);
+            return Err(FormatError::whole("ranges of displacements", found, "texels of Rgba16Float"));
+        }
+        Self::with_ranges(texture, &ranges.texels)
+    }
+
+    fn with_ranges(texture: &Texture, ranges: &[u8]) -> Result<Self, FormatError> {
         let header = DisplacementHeader::from_bytes(entry(texture, HEADER, KIND)?)?;
         check_format(texture, PART, TexelFormat::Rg8Unorm)?;
         let extent = Extent::D2(header.blocks.extent());
@@ -209,7 +227,7 @@ impl DisplacementMap {
             return Err(wrong_extent(PART, texture.extent, format!("a 2D texture of {extent}, as {HEADER} says")));
         }
         let size = header.blocks.size as usize;
-        let ranges = halves(sized(entry(texture, RANGES, KIND)?, RANGES, 8 * size * size)?);
+        let ranges = halves(sized(ranges, RANGES, 8 * size * size)?);
         Self::new(header, ranges, texture.texels.as_chunks::<2>().0.to_vec())
     }
 }

@@ -195,12 +195,17 @@ impl IndirectionMap {
         [x * distance, y * distance]
     }
 
+    /// The entry of the header.
+    pub(super) fn entry(&self) -> (String, Vec<u8>) {
+        (HEADER.to_owned(), self.header.to_bytes())
+    }
+
     /// The bytes of the KTX2 file.
     pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
         Texture {
             format: TexelFormat::Rgba16Float,
             extent: Extent::D2(self.header.extent()),
-            entries: BTreeMap::from([(HEADER.to_owned(), self.header.to_bytes())]),
+            entries: BTreeMap::from([self.entry()]),
             levels: 1,
             texels: self.texel_bytes(),
         }

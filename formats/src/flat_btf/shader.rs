@@ -1,11 +1,15 @@
 //! What a shader needs besides the textures of a flat BTF: `formats/src/flat_btf/decoder.wgsl` and its uniform block.
 
-use super::factored::shader::FACTORED_WGSL;
+use super::directions::SampledDirections;
+use super::factored::FactoredFlatBtf;
+use super::factored::shader::{FACTORED_WGSL, FactoredParameters};
+use crate::bindings::{Binding, Bindings, Texels};
+use crate::container::{Extent, TexelFormat};
 use crate::direction_mesh::DIRECTION_MESH_WGSL;
 use crate::flat_btf::{FlatBtfDecoder, FlatValues, Indirection};
 
 /// The WGSL decoder. It declares a uniform block, six textures and a sampler in bind group 1; see the file.
-pub const FLAT_BTF_WGSL: &str = include_str!("decoder.wgsl");
+pub const FLAT_BTF_WGSL: &str = concat!(include_str!("../bindings/frame.wgsl"), include_str!("decoder.wgsl"));
 
 /// All that a flat BTF of any form is drawn by: [`FLAT_BTF_WGSL`], the factored values, the weights of views and lights, and
 /// `flat_btf_value`, which puts them together.
@@ -19,15 +23,6 @@ pub fn flat_btf_value_wgsl() -> String {
 /// `1/512` is the distance that the shader keeps from the border of a block; the rest is for samplers, whose weights have
 /// 8 bits or fewer. Software drivers were measured at `1/512` in all.
 pub const FLAT_BTF_FILTER_PRECISION: f32 = 1.0 / 128.0;
-
-/// Who blends the view samples of the indirection.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum IndirectionFilter {
-    /// The shader, with exact weights: the same bits as the CPU decoder where arithmetic is correctly rounded.
-    Exact,
-    /// The texture unit: one fetch.
-    Hardware,
-}
 
 /// The uniform block `FlatBtfParameters` of the shader.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,8 +39,6 @@ pub struct FlatBtfParameters {
     pub largest_angle: f32,
     /// Lights in a row of the atlas; 0 without views.
     pub atlas_columns: u32,
-    /// Who blends the indirection: 0 the shader, 1 the sampler.
-    pub hardware: u32,
     /// `N`, blocks of displacements per side; 0 where there is an indirection map.
     pub blocks: u32,
     /// Tangent of the largest polar angle of displacements.
@@ -59,7 +52,7 @@ impl FlatBtfParameters {
     pub const SIZE: usize = 48;
 
     /// The parameters of an asset.
-    pub fn new(decoder: &FlatBtfDecoder, filter: IndirectionFilter) -> Self {
+    pub fn new(decoder: &FlatBtfDecoder) -> Self {
         let header = decoder.parts().indirection.header();
         let (blocks, largest_tangent) = match &decoder.parts().indirection {
             Indirection::Samples(_) => (0, 0.0),
@@ -72,7 +65,6 @@ impl FlatBtfParameters {
             azimuth_samples: header.azimuth_samples,
             largest_angle: header.largest_angle,
             atlas_columns: decoder.atlas().columns(),
-            hardware: u32::from(filter == IndirectionFilter::Hardware),
             blocks,
             largest_tangent,
             values: match decoder.parts().values {
@@ -83,7 +75,7 @@ impl FlatBtfParameters {
         }
     }
 
-    /// The block as the shader reads it: little-endian, fields in order, 8 bytes of zero at the end.
+    /// The block as the shader reads it: little-endian, fields in order, zeros where none is.
     pub fn to_bytes(&self) -> [u8; Self::SIZE] {
         let words = [
             self.size,
@@ -92,7 +84,7 @@ impl FlatBtfParameters {
             self.azimuth_samples,
             self.largest_angle.to_bits(),
             self.atlas_columns,
-            self.hardware,
+            0,
             self.blocks,
             self.largest_tangent.to_bits(),
             self.values,
@@ -103,4 +95,103 @@ impl FlatBtfParameters {
         }
         bytes
     }
+}
+
+/// The slot of the values of all views, a layer to each: [`FlatBtfDecoder::bindings`] leaves it empty, as they may be too large to be
+/// in memory twice.
+pub const VALUES_SLOT: u32 = 21;
+
+pub(super) const REFERENCE: &str = "flat_btf_reference";
+pub(super) const PACKED: &str = "flat_btf_packed_indirection";
+pub(super) const NORMAL: &str = "flat_btf_normal";
+pub(super) const RANGES: &str = "flat_btf_ranges";
+pub(super) const WEIGHTS: &str = "factored_weights";
+pub(super) const SHADOW: &str = "factored_shadow";
+pub(super) const BASIS: &str = "factored_basis";
+pub(super) const DIRECTIONS: &str = "direction_mesh_words";
+const SAMPLER: &str = "flat_btf_sampler";
+const FACTORED_SAMPLER: &str = "factored_sampler";
+
+impl FlatBtfDecoder {
+    /// What its shader has bound. Without `values` nothing is bound of what is factored: the light form does without, as it does
+    /// without `directions`, which blend views and lights.
+    pub fn bindings(&self, values: bool, directions: Option<&SampledDirections>) -> Bindings<'_> {
+        let parts = self.parts();
+        let square = |size: u32| Extent::D2([size; 2]);
+        let packed = Extent::D2(parts.indirection.header().extent());
+        let empty = |format| Texels::empty(format, square(1));
+        let (packed, ranges) = match &parts.indirection {
+            Indirection::Samples(map) => {
+                (Texels::new(TexelFormat::Rgba16Float, packed, map.texel_bytes()), empty(TexelFormat::Rgba16Float))
+            }
+            Indirection::Compact(map) => (
+                Texels::new(TexelFormat::Rg8Unorm, packed, map.texel_bytes()),
+                Texels::new(TexelFormat::Rgba16Float, square(map.header().blocks.size), map.range_bytes()),
+            ),
+        };
+        let reference: Vec<u8> = parts.reference.parameters().iter().flatten().flat_map(|c| c.to_le_bytes()).collect();
+        let reference = Texels::new(TexelFormat::Rg32Float, square(parts.reference.size()), reference);
+        let normal = Texels::new(TexelFormat::Rgba16Float, square(parts.normal.size()), parts.normal.texel_bytes());
+        let diffuse = Texels::new(TexelFormat::Rgb9E5, square(parts.diffuse.size()), bytes(parts.diffuse.texels()));
+        let first = [
+            Binding::frame(),
+            Binding::uniform(15, "flat_btf_parameters", FlatBtfParameters::new(self).to_bytes().to_vec()),
+            Binding::texture(16, REFERENCE, reference),
+            Binding::texture(17, PACKED, packed.sampled(SAMPLER)),
+            Binding::sampler(18, SAMPLER, false),
+            Binding::texture(19, NORMAL, normal),
+            Binding::texture(20, "flat_btf_diffuse", diffuse.of_file()),
+            Binding::texture(
+                VALUES_SLOT,
+                "flat_btf_values",
+                Texels::empty(TexelFormat::Rgb9E5, Extent::D2Array([1; 3])),
+            ),
+            Binding::texture(22, RANGES, ranges),
+        ];
+        let factored = parts.values.factored().filter(|_| values);
+        let directions = match directions {
+            Some(some) => Texels::new(TexelFormat::R32Uint, Extent::D2(some.extent()), bytes(&some.texels())),
+            None => empty(TexelFormat::R32Uint),
+        };
+        let last = Binding::texture(28, DIRECTIONS, directions);
+        Bindings::new("flat-btf", first.into_iter().chain(factored_bindings(factored)).chain([last]))
+    }
+}
+
+/// What the shader of factored values has bound besides: of nothing, textures of one texel.
+pub fn factored_bindings(asset: Option<&FactoredFlatBtf>) -> [Binding<'_>; 5] {
+    let no_layers = |format| Texels::empty(format, Extent::D2Array([1; 3]));
+    let (parameters, weights, shadow, basis) = match asset {
+        Some(asset) => {
+            let (header, weights) = (asset.header(), asset.weights());
+            let layers = Extent::D2Array([header.size, header.size, weights.layers()]);
+            let shadow = asset.shadow().map(|map| {
+                let extent = Extent::D2Array([map.size(), map.size(), map.lights()]);
+                Texels::new(TexelFormat::R8Unorm, extent, map.texels()).with_levels(map.levels())
+            });
+            (
+                FactoredParameters::to_bytes(asset),
+                Texels::new(TexelFormat::Rgba8Unorm, layers, weights.texels()).with_levels(weights.levels()),
+                shadow.unwrap_or_else(|| no_layers(TexelFormat::R8Unorm)),
+                Texels::new(TexelFormat::Rgba32Uint, Extent::D2(header.basis_extent()), bytes(asset.basis().words())),
+            )
+        }
+        None => (
+            vec![0; FactoredParameters::SIZE],
+            no_layers(TexelFormat::Rgba8Unorm),
+            no_layers(TexelFormat::R8Unorm),
+            Texels::empty(TexelFormat::Rgba32Uint, Extent::D2([1; 2])),
+        ),
+    };
+    [
+        Binding::uniform(23, "factored_parameters", parameters),
+        Binding::texture(24, WEIGHTS, weights.sampled(FACTORED_SAMPLER)),
+        Binding::texture(25, SHADOW, shadow.sampled(FACTORED_SAMPLER)),
+        Binding::texture(26, BASIS, basis),
+        Binding::sampler(27, FACTORED_SAMPLER, true),
+    ]
+}
+
+fn bytes(words: &[u32]) -> Vec<u8> {
+    words.iter().flat_map(|word| word.to_le_bytes()).collect()
 }

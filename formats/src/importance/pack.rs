@@ -3,6 +3,7 @@
 //! 2012, section 3.3). Byte layout: `formats/src/importance/spec.md`.
 
 use crate::FormatError;
+use crate::bindings::{Binding, Bindings, PackFile, Texels};
 use crate::container::entries::{entry, sized};
 use crate::container::{Extent, MAX_EXTENT_2D, TexelFormat, Texture};
 use crate::cursor::Cursor;
@@ -225,14 +226,19 @@ impl ImportancePack {
 
     /// The bytes of the KTX2 file.
     pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
-        Texture {
-            format: TexelFormat::Rgba32Float,
-            extent: Extent::D2([self.header.samples, self.header.rows()]),
-            entries: BTreeMap::from([(IMPORTANCE_ENTRY.to_owned(), self.header.to_bytes())]),
-            levels: 1,
-            texels: self.texels.iter().flatten().flat_map(|c| c.to_le_bytes()).collect(),
-        }
-        .to_bytes(supercompress)
+        let entries = BTreeMap::from([(IMPORTANCE_ENTRY.to_owned(), self.header.to_bytes())]);
+        self.bindings().to_file(entries, supercompress)
+    }
+
+    /// What its shader has bound.
+    pub fn bindings(&self) -> Bindings<'_> {
+        let texels: Vec<u8> = self.texels.iter().flatten().flat_map(|c| c.to_le_bytes()).collect();
+        let extent = Extent::D2([self.header.samples, self.header.rows()]);
+        let all = [
+            Binding::uniform(35, "importance_parameters", self.header.uniform().to_vec()),
+            Binding::texture(36, "importance_texels", Texels::new(TexelFormat::Rgba32Float, extent, texels).of_file()),
+        ];
+        Bindings::new("importance", all)
     }
 
     /// Reads and checks a KTX2 file.
@@ -240,10 +246,20 @@ impl ImportancePack {
     /// # Errors
     /// Whatever breaks the rules of `formats/src/importance/spec.md`.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        Self::from_texture(&Texture::from_bytes(bytes)?)
+        Self::from_file(PackFile::from_bytes(bytes)?)
     }
 
-    /// [`Self::from_bytes`] of a file whose container has been read.
+    /// [`Self::from_bytes`] of a file whose bindings have been read.
+    ///
+    /// # Errors
+    /// As [`Self::from_bytes`].
+    pub fn from_file(mut file: PackFile) -> Result<Self, FormatError> {
+        let pack = Self::from_texture(&file.take_own())?;
+        file.check_same(&pack.bindings())?;
+        Ok(pack)
+    }
+
+    /// Reads and checks a texture with the entry of its header, as a file has them.
     ///
     /// # Errors
     /// As [`Self::from_bytes`].

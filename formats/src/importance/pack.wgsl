@@ -26,9 +26,9 @@ struct ImportanceSample {
     inverse_density: f32,
 }
 
-@group(1) @binding(0) var<uniform> importance_parameters: ImportanceParameters;
+@group(1) @binding(35) var<uniform> importance_parameters: ImportanceParameters;
 // M x (P A) texels of four 32-bit floats, as in the file. Not filtered.
-@group(1) @binding(1) var importance_texels: texture_2d<f32>;
+@group(1) @binding(36) var importance_texels: texture_2d<f32>;
 
 // The sample of this index, which wraps around; outgoing is a unit vector.
 fn importance_sample(outgoing: vec3<f32>, index: u32) -> ImportanceSample {

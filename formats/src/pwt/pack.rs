@@ -1,9 +1,11 @@
-//! A pack in memory, and its file: one KTX2 file whose further textures are KTX2 files in entries.
+//! A pack in memory, and its file.
 
 use super::header::{MAX_TEXTURES, PWT_ENTRY, PwtErrors, PwtHeader, TextureHeader};
+use super::shader::PwtParameters;
 use crate::FormatError;
-use crate::container::entries::value_of;
-use crate::container::{Extent, MAX_TEXEL_BYTES, PackedTexture, TexelFormat, Texture};
+use crate::bindings::{Binding, Bindings, PackFile, Texels};
+use crate::container::entries::entry;
+use crate::container::{Extent, MAX_TEXEL_BYTES, TexelFormat, Texture};
 use std::collections::BTreeMap;
 
 /// A light-dependent picture: every term of the light as mipmapped texels, from the level on that it needs.
@@ -14,10 +16,10 @@ pub struct PwtPack {
     texels: Vec<Vec<u8>>,
 }
 
-/// The entry of a texture behind the first.
-fn texture_entry(texture: usize) -> String {
-    format!("{PWT_ENTRY}.texture{texture}")
-}
+/// The bindings of the textures. A pack has the first ones.
+const TEXTURES: [&str; MAX_TEXTURES] = ["pwt_texture_0", "pwt_texture_1", "pwt_texture_2", "pwt_texture_3"];
+/// The slot of the first; the uniform block is before it.
+const FIRST_TEXTURE: u32 = 10;
 
 impl TextureHeader {
     /// How its texels are stored.
@@ -100,17 +102,28 @@ impl PwtPack {
 
     /// The bytes of the KTX2 file.
     pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
-        let texture = |index: usize, entries| Texture {
-            format: self.header.textures[index].texel_format(),
-            extent: self.texture_shape(index),
-            entries,
-            levels: self.levels_of(index),
-            texels: self.texels[index].clone(),
+        let entries = BTreeMap::from([(PWT_ENTRY.to_owned(), self.header.to_bytes())]);
+        self.bindings().to_file(entries, supercompress)
+    }
+
+    /// What its shader has bound.
+    pub fn bindings(&self) -> Bindings<'_> {
+        const SAMPLER: &str = "pwt_sampler";
+        let texels = |index: usize| {
+            let Some(header) = self.header.textures.get(index) else {
+                return Texels::empty(TexelFormat::R8Unorm, Extent::D2Array([1; 3]));
+            };
+            let texels = Texels::new(header.texel_format(), self.texture_shape(index), &self.texels[index][..]);
+            let texels = texels.with_levels(self.levels_of(index));
+            if index == 0 { texels.of_file() } else { texels }
         };
-        let others = (1..self.texels.len())
-            .map(|index| (texture_entry(index), texture(index, BTreeMap::new()).to_bytes(supercompress)));
-        let entries = others.chain([(PWT_ENTRY.to_owned(), self.header.to_bytes())]).collect();
-        texture(0, entries).to_bytes(supercompress)
+        let textures = TEXTURES
+            .iter()
+            .enumerate()
+            .map(|(index, name)| Binding::texture(FIRST_TEXTURE + index as u32, name, texels(index).sampled(SAMPLER)));
+        let first = [Binding::frame(), Binding::uniform(FIRST_TEXTURE - 1, "pwt", PwtParameters::to_bytes(self))];
+        let sampler = Binding::sampler(FIRST_TEXTURE + MAX_TEXTURES as u32, SAMPLER, self.header.repeats);
+        Bindings::new("pwt", first.into_iter().chain(textures).chain([sampler]))
     }
 
     /// Reads and checks a KTX2 file.
@@ -118,42 +131,30 @@ impl PwtPack {
     /// # Errors
     /// Whatever breaks the rules of `formats/src/pwt/spec.md`.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        Self::from_packed(PackedTexture::from_bytes(bytes)?)
+        Self::from_file(PackFile::from_bytes(bytes)?)
     }
 
-    /// [`Self::from_bytes`] of a file whose texels have not been unpacked. Nothing is, before all textures have been held
-    /// against the header.
+    /// [`Self::from_bytes`] of a file whose bindings have been read.
     ///
     /// # Errors
     /// As [`Self::from_bytes`].
-    pub fn from_packed(mut packed: PackedTexture<'_>) -> Result<Self, FormatError> {
-        let header = PwtHeader::from_bytes(value_of(&packed.entries, PWT_ENTRY, "a polynomial wavelet tree")?)?;
+    pub fn from_file(mut file: PackFile) -> Result<Self, FormatError> {
+        let own = file.take_own();
+        let header = PwtHeader::from_bytes(entry(&own, PWT_ENTRY, "a polynomial wavelet tree")?)?;
         let expected = Self { texels: Vec::new(), header };
-        let count = expected.header.textures.len();
         expected.check_bytes()?;
-        if let Some(index) = (count..=MAX_TEXTURES).find(|k| packed.entries.contains_key(&texture_entry(*k))) {
-            let allowed = format!("none of this name: {PWT_ENTRY} says {count} textures");
-            return Err(FormatError::whole(texture_entry(index), "an entry", allowed));
-        }
-        let mut files = Vec::new();
-        for index in 1..count {
-            let key = texture_entry(index);
-            let allowed = || format!("a KTX2 file, as {PWT_ENTRY} says");
-            let file = packed.entries.remove(&key).ok_or_else(|| FormatError::whole(key, "no entry", allowed()))?;
-            files.push(file);
-        }
-        let mut textures = vec![packed];
-        for (k, file) in files.iter().enumerate() {
-            textures.push(PackedTexture::from_bytes(file).map_err(inside(k + 1))?);
+        let others = TEXTURES[1..].iter().map_while(|name| file.take_texture(name));
+        let textures: Vec<Texture> = [own].into_iter().chain(others).collect();
+        if textures.len() != expected.header.textures.len() {
+            let allowed = format!("{}, as {PWT_ENTRY} says", expected.header.textures.len());
+            return Err(FormatError::whole("textures", textures.len().to_string(), allowed));
         }
         for (index, texture) in textures.iter().enumerate() {
-            expected.check_texture(index, texture).map_err(inside(index))?;
+            expected.check_texture(index, texture)?;
         }
-        let unpacked = |(index, texture): (usize, PackedTexture<'_>)| {
-            Ok(texture.unpack_levels(MAX_TEXEL_BYTES).map_err(inside(index))?.texels)
-        };
-        let texels = textures.into_iter().enumerate().map(unpacked).collect::<Result<_, _>>()?;
-        Self::new(expected.header, texels)
+        let pack = Self::new(expected.header, textures.into_iter().map(|texture| texture.texels).collect())?;
+        file.check_same(&pack.bindings())?;
+        Ok(pack)
     }
 
     /// Refuses more texels than any texture of the container has.
@@ -166,26 +167,16 @@ impl PwtPack {
         Err(FormatError::whole(field, format!("{bytes} bytes of texels"), format!("at most {MAX_TEXEL_BYTES}")))
     }
 
-    fn check_texture(&self, index: usize, texture: &PackedTexture<'_>) -> Result<(), FormatError> {
-        if let Some(key) = texture.entries.keys().next().filter(|_| index > 0) {
-            return Err(FormatError::whole("entries", key.clone(), "none that begins with brdfc."));
-        }
+    fn check_texture(&self, index: usize, texture: &Texture) -> Result<(), FormatError> {
         let found = (texture.format, texture.extent, texture.levels);
         let wanted = (self.header.textures[index].texel_format(), self.texture_shape(index), self.levels_of(index));
         if found == wanted {
             return Ok(());
         }
-        let told = |(format, extent, levels): (TexelFormat, Extent, u32)| {
+        let summary = |(format, extent, levels): (TexelFormat, Extent, u32)| {
             format!("{levels} levels of {extent} texels of {format:?}")
         };
-        Err(FormatError::whole("texture", told(found), format!("{}, as {PWT_ENTRY} says", told(wanted))))
-    }
-}
-
-/// Says which texture an error is of, unless it is the file's own.
-fn inside(texture: usize) -> impl Fn(FormatError) -> FormatError {
-    move |error| match texture {
-        0 => error,
-        _ => FormatError { field: format!("{}, {}", texture_entry(texture), error.field).into(), ..error },
+        let allowed = format!("{}, as {PWT_ENTRY} says", summary(wanted));
+        Err(FormatError::whole(TEXTURES[index], summary(found), allowed))
     }
 }

@@ -11,7 +11,7 @@ struct PwtParameters {
     epsilon: f32,
     textures: u32,
     levels: u32,              // coarsest mipmap level
-    hardware: u32,            // 1: the sampler filters, 0: the shader, with exact weights
+    reserved: u32,
     first_level: vec4<u32>,   // of each texture, how often the picture's sides were halved
     layers: vec4<u32>,        // of each texture
     channels: vec4<u32>,      // of each texture
@@ -21,12 +21,12 @@ struct PwtParameters {
 }
 
 // The same fields, in the same order, as `PwtParameters` of `brdfc-formats` writes them.
-@group(1) @binding(0) var<uniform> pwt: PwtParameters;
-@group(1) @binding(1) var pwt_texture_0: texture_2d_array<f32>; // the first of the pack, with its mipmaps
-@group(1) @binding(2) var pwt_texture_1: texture_2d_array<f32>; // the second, or any
-@group(1) @binding(3) var pwt_texture_2: texture_2d_array<f32>; // the third, or any
-@group(1) @binding(4) var pwt_texture_3: texture_2d_array<f32>; // the fourth, or any
-@group(1) @binding(5) var pwt_sampler: sampler; // linear, linear between levels; repeats for tiles, else clamps
+@group(1) @binding(9) var<uniform> pwt: PwtParameters;
+@group(1) @binding(10) var pwt_texture_0: texture_2d_array<f32>; // the first of the pack, with its mipmaps
+@group(1) @binding(11) var pwt_texture_1: texture_2d_array<f32>; // the second, or any
+@group(1) @binding(12) var pwt_texture_2: texture_2d_array<f32>; // the third, or any
+@group(1) @binding(13) var pwt_texture_3: texture_2d_array<f32>; // the fourth, or any
+@group(1) @binding(14) var pwt_sampler: sampler; // linear, linear between levels; repeats for tiles, else clamps
 
 const PWT_LARGEST: f32 = 65504.0;
 
@@ -149,7 +149,7 @@ fn pwt_channels(uv: vec2<f32>, level: f32, weights: ptr<function, array<f32, 36>
 }
 
 fn pwt_sample(index: u32, layer: u32, at: vec2<f32>, own: f32) -> vec4<f32> {
-    if pwt.hardware == 1u {
+    if brdfc_frame.sampler_filters == 1u {
         switch index {
             case 0u: { return textureSampleLevel(pwt_texture_0, pwt_sampler, at, layer, own); }
             case 1u: { return textureSampleLevel(pwt_texture_1, pwt_sampler, at, layer, own); }

@@ -4,20 +4,11 @@ use super::header::{MAX_COMPONENTS, MAX_TEXTURES, TextureHeader};
 use super::pack::PwtPack;
 
 /// The WGSL decoder. It declares a uniform block, four textures and a sampler in bind group 1; see the file.
-pub const PWT_WGSL: &str = include_str!("pwt.wgsl");
+pub const PWT_WGSL: &str = concat!(include_str!("../bindings/frame.wgsl"), include_str!("pwt.wgsl"));
 
 /// How far a value that the sampler filters may be from exact weights, in units of the largest difference of
 /// neighbouring texels: samplers have weights of 8 bits or fewer.
 pub const PWT_FILTER_PRECISION: f32 = 1.0 / 128.0;
-
-/// Who filters texels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PwtFilter {
-    /// The shader, with exact weights: the same bits as the CPU decoder where arithmetic is correctly rounded.
-    Exact,
-    /// The texture unit: one fetch per layer.
-    Hardware,
-}
 
 /// Rows of four of the numbers of the triangle: 36 terms.
 const TRIANGLE_ROWS: usize = 167;
@@ -31,15 +22,14 @@ impl PwtParameters {
     pub const SIZE: usize = 16 * (6 + 3 + TRIANGLE_ROWS + MAX_COMPONENTS);
 
     /// The block of a pack as the shader reads it: little-endian, fields in order, zeros where nothing is.
-    pub fn to_bytes(pack: &PwtPack, filter: PwtFilter) -> Vec<u8> {
+    pub fn to_bytes(pack: &PwtPack) -> Vec<u8> {
         let header = pack.header();
         let (domain, epsilon) = header.domain.code();
         let [size, extent] = [header.size, header.extent].map(|sides| sides.map(|side| (side as f32).to_bits()));
         let coordinates = header.basis.coordinates as u32;
         let mut words = vec![size[0], size[1], extent[0], extent[1]];
         words.extend([u32::from(header.repeats), coordinates, header.basis.degree, domain]);
-        let hardware = u32::from(filter == PwtFilter::Hardware);
-        words.extend([epsilon.to_bits(), header.textures.len() as u32, header.levels, hardware]);
+        words.extend([epsilon.to_bits(), header.textures.len() as u32, header.levels, 0]);
         let of_textures: [fn(&TextureHeader) -> u32; 3] = [|t| t.level, TextureHeader::layers, |t| t.channels];
         for number in of_textures {
             words.extend((0..MAX_TEXTURES).map(|k| header.textures.get(k).map_or(0, number)));

@@ -2,12 +2,11 @@
 //! microfacet model does. Finer than the table's columns, it keeps narrow highlights. Layout: `spec.md`.
 
 use crate::FormatError;
-use crate::container::{TexelFormat, half};
-use crate::cursor::Cursor;
+use crate::container::{Extent, TexelFormat, Texture, half};
 use std::f32::consts::FRAC_PI_2;
 
-/// The entry of a curve.
-pub(super) const CURVE_ENTRY: &str = "brdfc.table.curve";
+/// The binding of a curve.
+pub(super) const CURVE: &str = "table_brdf_curve";
 
 /// Fewest and most nodes.
 const NODES: std::ops::RangeInclusive<usize> = 2..=256;
@@ -83,12 +82,12 @@ impl Curve {
             return Ok(());
         }
         let allowed = format!("{of_table:?}, as a table of {channels} channels has");
-        Err(FormatError::whole(CURVE_ENTRY, format!("{:?}", self.format), allowed))
+        Err(FormatError::whole(CURVE, format!("{:?}", self.format), allowed))
     }
 
     fn check(&self) -> Result<(), FormatError> {
         let refused = |field: &str, found: String, allowed: &str| {
-            Err(FormatError::whole(format!("{CURVE_ENTRY} {field}"), found, allowed))
+            Err(FormatError::whole(format!("{CURVE} {field}"), found, allowed))
         };
         if self.levels > MOST_LEVELS {
             return refused("levels", self.levels.to_string(), "0 to 15");
@@ -106,25 +105,17 @@ impl Curve {
         Ok(())
     }
 
-    pub(super) fn to_bytes(&self) -> Vec<u8> {
-        [&(self.nodes() as u32).to_le_bytes()[..], &self.levels.to_le_bytes(), &self.texels].concat()
+    /// Nodes, and rows.
+    pub(super) fn extent(&self) -> Extent {
+        Extent::D2([self.nodes() as u32, self.levels + 1])
     }
 
-    pub(super) fn from_bytes(bytes: &[u8], channels: u32) -> Result<Self, FormatError> {
-        let format = format(channels);
-        let mut cursor = Cursor::new(bytes);
-        let nodes = cursor.u32(CURVE_ENTRY)? as usize;
-        let levels = cursor.u32(CURVE_ENTRY)?;
-        if levels > MOST_LEVELS {
-            return Err(FormatError::whole(format!("{CURVE_ENTRY} levels"), levels.to_string(), "0 to 15"));
-        }
-        let texels = bytes[8..].to_vec();
-        let node = format.texel_bytes() * (levels as usize + 1);
-        if Some(texels.len()) != nodes.checked_mul(node) {
-            let allowed = format!("{nodes} nodes of {node} bytes, as it says");
-            return Err(FormatError::whole(CURVE_ENTRY, format!("{} bytes of texels", texels.len()), allowed));
-        }
-        let curve = Self { levels, format, texels };
+    pub(super) fn from_texture(texture: Texture, channels: u32) -> Result<Self, FormatError> {
+        let Extent::D2([_, rows]) = texture.extent else {
+            return Err(FormatError::whole(CURVE, texture.extent.to_string(), "a 2D texture"));
+        };
+        let curve = Self { levels: rows.saturating_sub(1), format: texture.format, texels: texture.texels };
+        curve.check_channels(channels)?;
         curve.check()?;
         Ok(curve)
     }

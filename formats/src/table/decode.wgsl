@@ -4,7 +4,7 @@
 // The pack layout and the equations are described in `formats/src/table/spec.md`; the CPU decoder with the same steps in
 // the same order is `TableDecoder` of the crate `brdfc-formats`. Half-difference angles after Rusinkiewicz 1998.
 //
-// To use it: paste this file before your own shader, move the four bindings where they suit you, and call
+// To use it: paste this file before your own shader, move the bindings where they suit you, and call
 //
 //     let f_r = table_brdf(wi, wo);                 // the sampler filters
 //     let f_r = table_brdf_exact(wi, wo);           // manual filtering: eight loads for one fetch (two of a curve), the
@@ -27,19 +27,19 @@ struct TableBrdfParameters {
     low: vec3<f32>,                 // ln(f / μ + ε) of a texel of 0
     slope: f32,                     // of the rows
     span: vec3<f32>,                // from a texel of 0 to one of 1
-    distance_scale: f32,            // α of the level of detail
+    reserved: f32,
     knots: array<vec4<f32>, 5>,     // share of the columns below θ_h = (k / 16)² π/2, 17 of them
 }
 
 // A cropped pack has not all columns and rows.
 
-@group(1) @binding(0) var<uniform> table_brdf_parameters: TableBrdfParameters;
+@group(1) @binding(1) var<uniform> table_brdf_parameters: TableBrdfParameters;
 // The pack's texture as it is in the KTX2 file.
-@group(1) @binding(1) var table_brdf_texels: texture_3d<f32>;
+@group(1) @binding(2) var table_brdf_texels: texture_3d<f32>;
 // Linear filter, clamp to edge.
-@group(1) @binding(2) var table_brdf_sampler: sampler;
+@group(1) @binding(3) var table_brdf_sampler: sampler;
 // The curve of a factored pack, a row per level of detail; any texture where there is none.
-@group(1) @binding(3) var table_brdf_curve: texture_2d<f32>;
+@group(1) @binding(4) var table_brdf_curve: texture_2d<f32>;
 
 const TABLE_BRDF_PI: f32 = 3.14159274;
 const TABLE_BRDF_HALF_PI: f32 = 1.57079637;
@@ -99,7 +99,7 @@ fn table_brdf_levels() -> u32 {
 // The level of detail at a distance from the viewer: far is coarse.
 fn table_brdf_level_of_detail(distance: f32) -> f32 {
     let finest = f32(table_brdf_levels());
-    return finest - clamp(log2(table_brdf_parameters.distance_scale * distance), 0.0, finest);
+    return finest - clamp(log2(brdfc_frame.distance_scale * distance), 0.0, finest);
 }
 
 // f = μ (exp(v) - ε), from 0 to the largest number.

@@ -8,7 +8,7 @@ use crate::cursor::Cursor;
 use crate::direction::DirectionPair;
 
 /// The entry that makes a texture this kind of pack.
-pub(crate) const TABLE_ENTRY: &str = "brdfc.table";
+pub(super) const TABLE_ENTRY: &str = "brdfc.table";
 
 const VERSION: u32 = 1;
 

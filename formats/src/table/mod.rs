@@ -11,6 +11,5 @@ pub mod shader;
 pub use coordinates::{Angles, Folded, Position, TableSymmetry};
 pub use curve::Curve;
 pub use decode::{LogValues, TableDecoder};
-pub(crate) use header::TABLE_ENTRY;
 pub use header::{Axes, KNOTS, TableHeader};
 pub use pack::TablePack;

@@ -1,9 +1,11 @@
 //! The table pack: its texture and what it says of itself. Byte layout: `spec.md`.
 
-use super::curve::{CURVE_ENTRY, Curve};
+use super::curve::{CURVE, Curve};
 use super::header::{TABLE_ENTRY, TableHeader, UNIFORM_BYTES};
+use super::shader::TableBrdfParameters;
+use crate::bindings::{Binding, Bindings, PackFile, Texels};
 use crate::container::entries::{entry, sized};
-use crate::container::{Extent, TexelFormat, Texture, half, rgb10a2};
+use crate::container::{Extent, TexelFormat, half, rgb10a2};
 use crate::crop::{Crop, DirectionRange, Window};
 use crate::{ErrorSummary, FormatError, PictureSummary};
 use std::collections::BTreeMap;
@@ -151,12 +153,29 @@ impl TablePack {
         let errors = [&self.off_grid.to_bytes()[..], &self.picture.to_bytes()[..]].concat();
         let mut entries =
             BTreeMap::from([(TABLE_ENTRY.to_owned(), self.header.to_bytes()), (ERRORS.to_owned(), errors)]);
-        if let Some(curve) = &self.curve {
-            entries.insert(CURVE_ENTRY.to_owned(), curve.to_bytes());
-        }
         entries.extend(self.crop.as_ref().map(Crop::entry));
-        let (format, extent) = (self.header.texel_format(), Extent::D3(self.extent()));
-        Texture { format, extent, entries, levels: 1, texels: self.texels.clone() }.to_bytes(supercompress)
+        self.bindings().to_file(entries, supercompress)
+    }
+
+    /// What its shader has bound.
+    pub fn bindings(&self) -> Bindings<'_> {
+        const SAMPLER: &str = "table_brdf_sampler";
+        let curve = match &self.curve {
+            Some(curve) => Texels::new(curve.texel_format(), curve.extent(), curve.texels()).sampled(SAMPLER),
+            None => Texels::empty(TexelFormat::R16Float, Extent::D2([1; 2])).sampled(SAMPLER),
+        };
+        let texels = Texels::new(self.header.texel_format(), Extent::D3(self.extent()), &self.texels[..]);
+        let parameters = TableBrdfParameters::new(self).to_bytes().to_vec();
+        Bindings::new(
+            "table",
+            [
+                Binding::frame(),
+                Binding::uniform(1, "table_brdf_parameters", parameters),
+                Binding::texture(2, "table_brdf_texels", texels.of_file().sampled(SAMPLER)),
+                Binding::sampler(3, SAMPLER, false),
+                Binding::texture(4, CURVE, curve),
+            ],
+        )
     }
 
     /// Reads and checks a KTX2 file.
@@ -164,15 +183,16 @@ impl TablePack {
     /// # Errors
     /// Whatever breaks the rules of `formats/src/table/spec.md`.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        Self::from_texture(Texture::from_bytes(bytes)?)
+        Self::from_file(PackFile::from_bytes(bytes)?)
     }
 
-    /// [`Self::from_bytes`] of a file whose container has been read.
+    /// [`Self::from_bytes`] of a file whose bindings have been read.
     ///
     /// # Errors
     /// As [`Self::from_bytes`].
-    pub fn from_texture(texture: Texture) -> Result<Self, FormatError> {
+    pub fn from_file(mut file: PackFile) -> Result<Self, FormatError> {
         const WHAT: &str = "a table pack";
+        let (texture, curve) = (file.take_own(), file.take_texture(CURVE));
         texture.check_one_level()?;
         let header = TableHeader::from_bytes(entry(&texture, TABLE_ENTRY, WHAT)?)?;
         let [columns, rows, slices] = header.extent();
@@ -190,10 +210,10 @@ impl TablePack {
         let (off_grid, picture) = errors.split_at(ErrorSummary::BYTES);
         let off_grid = ErrorSummary::from_bytes(off_grid, ERRORS)?;
         let picture = PictureSummary::from_bytes(picture, ERRORS)?;
-        let curve =
-            texture.entries.get(CURVE_ENTRY).map(|bytes| Curve::from_bytes(bytes, header.channels)).transpose()?;
+        let curve = curve.map(|texture| Curve::from_texture(texture, header.channels)).transpose()?;
         let pack = Self { header, texels: texture.texels, curve, crop, off_grid, picture };
         pack.check_texels()?;
+        file.check_same(&pack.bindings())?;
         Ok(pack)
     }
 

@@ -6,7 +6,7 @@ use super::pack::TablePack;
 use crate::crop::Window;
 
 /// The WGSL decoder. It declares a uniform block, two textures and a sampler in bind group 1; see the file.
-pub const TABLE_BRDF_WGSL: &str = include_str!("decode.wgsl");
+pub const TABLE_BRDF_WGSL: &str = concat!(include_str!("../bindings/frame.wgsl"), include_str!("decode.wgsl"));
 
 /// Beside the bits of the symmetry.
 const GREY: u32 = 16;
@@ -18,22 +18,20 @@ pub struct TableBrdfParameters {
     window: Window,
     curve_nodes: u32,
     curve_levels: u32,
-    distance_scale: f32,
 }
 
 impl TableBrdfParameters {
     /// Bytes of the block.
     pub const SIZE: usize = UNIFORM_BYTES;
 
-    /// The parameters of a pack. `distance_scale` is `α` of [`level_of_detail`](crate::wavelet::level_of_detail).
-    pub fn new(pack: &TablePack, distance_scale: f32) -> Self {
+    /// The parameters of a pack.
+    pub fn new(pack: &TablePack) -> Self {
         let curve = pack.curve();
         Self {
             header: *pack.header(),
             window: pack.window(),
             curve_nodes: curve.map_or(0, |curve| curve.nodes() as u32),
             curve_levels: curve.map_or(0, Curve::levels),
-            distance_scale,
         }
     }
 
@@ -60,7 +58,7 @@ impl TableBrdfParameters {
             red_span,
             green_span,
             blue_span,
-            self.distance_scale.to_bits(),
+            0,
         ]);
         words[16..16 + KNOTS].copy_from_slice(&knots.map(f32::to_bits));
         let mut bytes = [0; Self::SIZE];

@@ -4,7 +4,7 @@
 // numbers below are theirs. The pack layout is described in `formats/src/wavelet/spec.md`; the CPU decoder with the
 // same steps in the same order is `WaveletDecoder` of the crate `brdfc-formats`.
 //
-// To use it: paste this file before your own shader, move the four bindings where they suit you, and call
+// To use it: paste this file before your own shader, move the bindings where they suit you, and call
 //
 //     let level = wavelet_brdf_level_of_detail(distance);
 //     let f_r = wavelet_brdf(wi, wo, level);         // hardware filtering of the outer direction
@@ -26,26 +26,26 @@
 struct WaveletBrdfParameters {
     levels: u32,             // N: each hemisphere has 2^N x 2^N cells
     parameterisation: u32,   // 0 tangent-pole, 1 half-difference
-    filter_mode: u32,        // 0 nearest, 1 slices, 2 bilinear
+    reserved_0: u32,
     channels: u32,           // 1 grey, 3 RGB
     mean: f32,               // μ, 1/sr
     bias: f32,               // ε
     scaling_scale: f32,      // of slice 1
     scaling_offset: f32,     // of slice 1
     slices: f32,             // depth of the 3D texture
-    distance_scale: f32,     // α of section 5.4.1, per unit of distance
+    reserved_1: f32,
     lifted: u32,             // 1 where coarser cells are logarithms of means, 0 where they are means of logarithms
     window: u32,             // outer cells that slices have: first column, first row, columns, rows, 8 bits each
 }
 
-@group(1) @binding(0) var<uniform> wavelet_brdf_parameters: WaveletBrdfParameters;
+@group(1) @binding(5) var<uniform> wavelet_brdf_parameters: WaveletBrdfParameters;
 // The pack's texture as it is in the KTX2 file.
-@group(1) @binding(1) var wavelet_brdf_slices: texture_3d<f32>;
+@group(1) @binding(6) var wavelet_brdf_slices: texture_3d<f32>;
 // 2^N x 2^N texels of 32-bit floats, coefficient k at (k mod 2^N, k / 2^N): slice, its scale, its offset, and of lifted
 // packs what the lower half counts of both.
-@group(1) @binding(2) var wavelet_brdf_index: texture_2d<f32>;
+@group(1) @binding(7) var wavelet_brdf_index: texture_2d<f32>;
 // Linear filter, clamp to edge.
-@group(1) @binding(3) var wavelet_brdf_sampler: sampler;
+@group(1) @binding(8) var wavelet_brdf_sampler: sampler;
 
 const WAVELET_BRDF_PI: f32 = 3.14159274;
 const WAVELET_BRDF_HALF_PI: f32 = 1.57079637;
@@ -75,7 +75,7 @@ struct WaveletBrdfAxes {
 // Section 5.4.1: l = N - clamp(log2(α d), 0, N) at distance d from the viewer. N is the finest level.
 fn wavelet_brdf_level_of_detail(distance: f32) -> f32 {
     let levels = f32(wavelet_brdf_parameters.levels);
-    return levels - clamp(log2(wavelet_brdf_parameters.distance_scale * distance), 0.0, levels);
+    return levels - clamp(log2(brdfc_frame.distance_scale * distance), 0.0, levels);
 }
 
 // f_r with the sampler's bilinear filter in slices.
@@ -103,9 +103,9 @@ fn wavelet_brdf_from_log(value: vec3<f32>) -> vec3<f32> {
 // The log-encoded value ln(f / μ + ε). Both directions are above the horizon.
 fn wavelet_brdf_log_value(wi: vec3<f32>, wo: vec3<f32>, level: f32, hardware: bool) -> vec3<f32> {
     let axes = wavelet_brdf_axes(wi, wo);
-    let outer = wavelet_brdf_taps(axes.outer, wavelet_brdf_parameters.filter_mode > 0u);
-    let inner = wavelet_brdf_taps(axes.inner, wavelet_brdf_parameters.filter_mode == 2u);
-    if wavelet_brdf_parameters.filter_mode < 2u {
+    let outer = wavelet_brdf_taps(axes.outer, brdfc_frame.blend > 0u);
+    let inner = wavelet_brdf_taps(axes.inner, brdfc_frame.blend == 2u);
+    if brdfc_frame.blend < 2u {
         return wavelet_brdf_filtered(outer, inner.column.lower, inner.row.lower, level, hardware);
     }
     var value = vec3<f32>(0.0);
@@ -127,7 +127,7 @@ fn wavelet_brdf_filtered(
     level: f32,
     hardware: bool,
 ) -> vec3<f32> {
-    let cells = select(4u, 1u, wavelet_brdf_parameters.filter_mode == 0u);
+    let cells = select(4u, 1u, brdfc_frame.blend == 0u);
     if wavelet_brdf_parameters.lifted == 0u {
         return wavelet_brdf_reconstruct(outer, cells, column, row, level, hardware);
     }

@@ -1,7 +1,10 @@
 //! Bytes of the `brdfc.*` entries of a wavelet pack, and the rules a pack must keep. Normative text: `formats/src/wavelet/spec.md`.
 
+use super::lift::Lift;
+use super::shader::{WaveletBrdfParameters, index_texels};
+use crate::bindings::{Binding, Bindings, PackFile, Texels};
 use crate::container::entries::{self, sized};
-use crate::container::{Extent, Texture};
+use crate::container::{Extent, TexelFormat, Texture};
 use crate::crop::Crop;
 use crate::cursor::Cursor;
 use crate::direction::Parameterisation;
@@ -11,22 +14,33 @@ use std::collections::BTreeMap;
 
 const VERSION: u32 = 1;
 /// The entry that tells a wavelet pack.
-pub(crate) const HEADER: &str = "brdfc.wavelet";
-const INDEX: &str = "brdfc.wavelet.index";
-const SCALES: &str = "brdfc.wavelet.scales";
+const HEADER: &str = "brdfc.wavelet";
+const INDEX: &str = "wavelet_brdf_index";
 const ERRORS: &str = "brdfc.wavelet.errors";
 
 impl WaveletPack {
     /// The bytes of the KTX2 file.
     pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
-        Texture {
-            format: self.header.texel_format(),
-            extent: Extent::D3(self.extent()),
-            entries: entries_of(self),
-            levels: 1,
-            texels: self.texels.clone(),
-        }
-        .to_bytes(supercompress)
+        self.bindings().to_file(entries_of(self), supercompress)
+    }
+
+    /// What its shader has bound.
+    pub fn bindings(&self) -> Bindings<'_> {
+        const SAMPLER: &str = "wavelet_brdf_sampler";
+        let grid = self.header.grid() as u32;
+        let index: Vec<u8> = index_texels(self).into_iter().flatten().flat_map(f32::to_le_bytes).collect();
+        let slices = Texels::new(self.header.texel_format(), Extent::D3(self.extent()), &self.texels[..]);
+        let parameters = WaveletBrdfParameters::new(self).to_bytes().to_vec();
+        Bindings::new(
+            "wavelet",
+            [
+                Binding::frame(),
+                Binding::uniform(5, "wavelet_brdf_parameters", parameters),
+                Binding::texture(6, "wavelet_brdf_slices", slices.of_file().sampled(SAMPLER)),
+                Binding::texture(7, INDEX, Texels::new(TexelFormat::Rgba32Float, Extent::D2([grid; 2]), index)),
+                Binding::sampler(8, SAMPLER, false),
+            ],
+        )
     }
 
     /// Reads and checks a KTX2 file.
@@ -34,19 +48,19 @@ impl WaveletPack {
     /// # Errors
     /// Whatever is not a pack that [`Self::to_bytes`] could have written: see `formats/src/wavelet/spec.md` for the rules.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        Self::from_texture(Texture::from_bytes_within(bytes, Self::MAX_TEXEL_BYTES)?)
+        Self::from_file(PackFile::from_bytes(bytes)?)
     }
 
-    /// [`Self::from_bytes`] of a file whose container has been read.
+    /// [`Self::from_bytes`] of a file whose bindings have been read.
     ///
     /// # Errors
     /// As [`Self::from_bytes`].
-    pub fn from_texture(texture: Texture) -> Result<Self, FormatError> {
-        from_texture(texture)
+    pub fn from_file(mut file: PackFile) -> Result<Self, FormatError> {
+        let (texture, index) = (file.take_own(), file.take_texture(INDEX));
+        let pack = from_texture(texture, index)?;
+        file.check_same(&pack.bindings())?;
+        Ok(pack)
     }
-
-    /// Texels of the largest pack: 64 x 64 x 2048 of 8 bytes.
-    pub const MAX_TEXEL_BYTES: u64 = (8 << (2 * MAX_LEVELS)) * MAX_SLICES as u64;
 }
 
 fn entries_of(pack: &WaveletPack) -> BTreeMap<String, Vec<u8>> {
@@ -66,15 +80,13 @@ fn entries_of(pack: &WaveletPack) -> BTreeMap<String, Vec<u8>> {
     ] {
         header.extend_from_slice(&word.to_le_bytes());
     }
-    let index = pack.index.iter().flat_map(|i| i.to_le_bytes()).collect();
-    let scales = pack.scales.iter().flat_map(|s| [s.scale.to_le_bytes(), s.offset.to_le_bytes()]).flatten().collect();
     let errors = [pack.on_grid, pack.off_grid].into_iter().flat_map(ErrorSummary::to_bytes).collect();
-    let own = [(HEADER, header), (INDEX, index), (SCALES, scales), (ERRORS, errors)];
+    let own = [(HEADER, header), (ERRORS, errors)];
     let own = own.map(|(key, value)| (key.to_owned(), value));
     own.into_iter().chain(pack.crop.as_ref().map(Crop::entry)).collect()
 }
 
-fn from_texture(texture: Texture) -> Result<WaveletPack, FormatError> {
+fn from_texture(texture: Texture, index: Option<Texture>) -> Result<WaveletPack, FormatError> {
     texture.check_one_level()?;
     let (header, slices) = read_header(entry(&texture, HEADER)?)?;
     let grid = header.grid() as u32;
@@ -88,8 +100,8 @@ fn from_texture(texture: Texture) -> Result<WaveletPack, FormatError> {
             format!("{extent} texels of {:?}, as {HEADER} says", header.texel_format()),
         ));
     }
-    let index = read_index(entry(&texture, INDEX)?, &header, slices)?;
-    let scales = read_scales(entry(&texture, SCALES)?, slices)?;
+    let index = index.ok_or_else(|| FormatError::whole(INDEX, "no texels", "those of an index map"))?;
+    let (index, scales) = read_index(&index, &header, slices)?;
     let errors = sized(entry(&texture, ERRORS)?, ERRORS, 2 * ErrorSummary::BYTES)?;
     let (on_grid, off_grid) = errors.split_at(ErrorSummary::BYTES);
     let (on_grid, off_grid) = (ErrorSummary::from_bytes(on_grid, ERRORS)?, ErrorSummary::from_bytes(off_grid, ERRORS)?);
@@ -139,50 +151,56 @@ fn read_header(bytes: &[u8]) -> Result<(Header, usize), FormatError> {
     Ok((Header { parameterisation, levels, stored_levels, channels, bits, mean, bias, lifted }, slices))
 }
 
-fn read_index(bytes: &[u8], header: &Header, slices: usize) -> Result<Vec<u16>, FormatError> {
-    let bytes = sized(bytes, INDEX, 2 * header.cells())?;
-    let index: Vec<u16> = bytes.as_chunks::<2>().0.iter().map(|b| u16::from_le_bytes(*b)).collect();
+/// How far the share of a lower half may be from the one that [`Lift`] finds: sines differ between platforms.
+const SHARE_TOLERANCE: f32 = 1e-6;
+
+/// The slices of all coefficients, and the scales of all slices.
+fn read_index(texture: &Texture, header: &Header, slices: usize) -> Result<(Vec<u16>, Vec<SliceScale>), FormatError> {
+    let grid = header.grid() as u32;
+    if (texture.format, texture.extent) != (TexelFormat::Rgba32Float, Extent::D2([grid; 2])) {
+        let found = format!("{} texels of {:?}", texture.extent, texture.format);
+        return Err(FormatError::whole(
+            INDEX,
+            found,
+            format!("{grid} x {grid} texels of Rgba32Float, as {HEADER} says"),
+        ));
+    }
+    let lift = header.lifted.then(|| Lift::new(header.levels));
     // Kept coefficients take slices 1, 2, ... in order; finer levels than the stored ones are all dropped.
     let finest = 1usize << (2 * header.stored_levels);
-    let mut next = 1;
-    for (coefficient, slice) in index.iter().enumerate() {
-        let slice = usize::from(*slice);
-        let kept = slice != 0;
-        if kept && (slice != next || coefficient >= finest) || coefficient == 0 && !kept {
-            return Err(FormatError::whole(
-                format!("{INDEX} entry {coefficient}"),
-                slice.to_string(),
-                if coefficient == 0 {
-                    "1, the scaling slice".to_owned()
-                } else if coefficient >= finest {
-                    "0, as this level is not stored".to_owned()
-                } else {
-                    format!("0 or {next}, the next slice")
-                },
-            ));
+    let (mut index, mut scales) = (Vec::with_capacity(header.cells()), vec![SliceScale::default()]);
+    for (coefficient, texel) in texture.texels.as_chunks::<4>().0.as_chunks::<4>().0.iter().enumerate() {
+        let [slice, scale, offset, share] = texel.map(f32::from_le_bytes);
+        let wrong = |field: &str, found: String, allowed: String| {
+            Err(FormatError::whole(format!("{INDEX} coefficient {coefficient}, {field}"), found, allowed))
+        };
+        let (next, kept) = (scales.len(), slice.to_bits() != 0);
+        if kept && (slice != next as f32 || coefficient >= finest) || coefficient == 0 && !kept {
+            let allowed = match coefficient {
+                0 => "1, the scaling slice".to_owned(),
+                _ if coefficient >= finest => "0, as this level is not stored".to_owned(),
+                _ => format!("0 or {next}, the next slice"),
+            };
+            return wrong("slice", slice.to_string(), allowed);
         }
-        next += usize::from(kept);
-    }
-    if next != slices {
-        return Err(FormatError::whole(INDEX, format!("{} slices in use", next - 1), format!("{}", slices - 1)));
-    }
-    Ok(index)
-}
-
-fn read_scales(bytes: &[u8], slices: usize) -> Result<Vec<SliceScale>, FormatError> {
-    let mut cursor = Cursor::new(sized(bytes, SCALES, 8 * slices)?);
-    let mut scales = Vec::with_capacity(slices);
-    for slice in 0..slices {
-        let (scale, offset) = (cursor.f32("scale")?, cursor.f32("offset")?);
+        let expected = lift.as_ref().map_or(0.0, |lift| lift.of_coefficient(coefficient));
+        if (share - expected).abs().partial_cmp(&SHARE_TOLERANCE).is_none_or(std::cmp::Ordering::is_gt) {
+            return wrong("share of the lower half", share.to_string(), expected.to_string());
+        }
         let fine = scale >= 0.0 && offset.is_finite() && (scale + offset).is_finite();
-        if !fine || slice == 0 && (scale != 0.0 || offset != 0.0) {
-            return Err(FormatError::whole(
-                format!("{SCALES} slice {slice}"),
-                format!("scale {scale}, offset {offset}"),
-                if slice == 0 { "0 and 0, the zero slice" } else { "numbers with a finite sum, scale not negative" },
-            ));
+        if !fine || !kept && [scale, offset].map(f32::to_bits) != [0; 2] {
+            let allowed =
+                if kept { "numbers with a finite sum, scale not negative" } else { "0 and 0, the zero slice" };
+            return wrong("scale and offset", format!("{scale} and {offset}"), allowed.to_owned());
         }
-        scales.push(SliceScale { scale, offset });
+        index.push(if kept { next as u16 } else { 0 });
+        if kept {
+            scales.push(SliceScale { scale, offset });
+        }
     }
-    Ok(scales)
+    if scales.len() != slices {
+        let allowed = format!("{}, as {HEADER} says", slices - 1);
+        return Err(FormatError::whole(INDEX, format!("{} slices in use", scales.len() - 1), allowed));
+    }
+    Ok((index, scales))
 }

@@ -9,5 +9,4 @@ mod pack;
 pub mod shader;
 
 pub use decode::{DEFAULT_DISTANCE_SCALE, Filter, RowScratch, WaveletDecoder, level_of_detail};
-pub(crate) use layout::HEADER as WAVELET_ENTRY;
 pub use pack::{Header, MAX_LEVELS, MAX_SLICES, SliceScale, WaveletPack, gpu_bytes};

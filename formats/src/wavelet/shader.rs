@@ -1,12 +1,11 @@
 //! What a shader needs besides a pack's texture: `formats/src/wavelet/decode.wgsl`, its uniform block and its index map.
 
-use super::decode::Filter;
 use super::lift::Lift;
 use crate::crop::Window;
 use crate::wavelet::WaveletPack;
 
 /// The WGSL decoder. It declares a uniform block, two textures and a sampler in bind group 1; see the file.
-pub const WAVELET_BRDF_WGSL: &str = include_str!("decode.wgsl");
+pub const WAVELET_BRDF_WGSL: &str = concat!(include_str!("../bindings/frame.wgsl"), include_str!("decode.wgsl"));
 
 /// How far hardware filtering of 8-bit slices may be from exact weights, in units of a texel's range [0, 1].
 ///
@@ -23,8 +22,6 @@ pub struct WaveletBrdfParameters {
     pub levels: u32,
     /// 0 tangent-pole, 1 half-difference.
     pub parameterisation: u32,
-    /// 0 nearest, 1 slices, 2 bilinear: see [`Filter`].
-    pub filter_mode: u32,
     /// 1 grey, 3 RGB.
     pub channels: u32,
     /// `μ`, 1/sr.
@@ -37,8 +34,6 @@ pub struct WaveletBrdfParameters {
     pub scaling_offset: f32,
     /// Depth of the texture, the zero slice included.
     pub slices: f32,
-    /// `α` of the level of detail `N - clamp(log2(α d), 0, N)`, per unit of distance. Positive.
-    pub distance_scale: f32,
     /// 1 of lifted packs, else 0.
     pub lifted: u32,
     /// The outer cells that slices have.
@@ -50,43 +45,37 @@ impl WaveletBrdfParameters {
     pub const SIZE: usize = 48;
 
     /// The parameters of a pack.
-    pub fn new(pack: &WaveletPack, filter: Filter, distance_scale: f32) -> Self {
+    pub fn new(pack: &WaveletPack) -> Self {
         let header = &pack.header;
         Self {
             levels: header.levels,
             parameterisation: header.parameterisation.code(),
-            filter_mode: match filter {
-                Filter::Nearest => 0,
-                Filter::Slices => 1,
-                Filter::Bilinear => 2,
-            },
             channels: header.channels,
             mean: header.mean,
             bias: header.bias,
             scaling_scale: pack.scales[1].scale,
             scaling_offset: pack.scales[1].offset,
             slices: pack.slices() as f32,
-            distance_scale,
             lifted: u32::from(header.lifted),
             window: pack.window(),
         }
     }
 
-    /// The block as the shader reads it: little-endian, fields in order.
+    /// The block as the shader reads it: little-endian, fields in order, zeros where none is.
     pub fn to_bytes(&self) -> [u8; Self::SIZE] {
         let Window { first: [column, row], size: [columns, rows] } = self.window;
         let window = column | row << 8 | columns << 16 | rows << 24;
         let words = [
             self.levels,
             self.parameterisation,
-            self.filter_mode,
+            0,
             self.channels,
             self.mean.to_bits(),
             self.bias.to_bits(),
             self.scaling_scale.to_bits(),
             self.scaling_offset.to_bits(),
             self.slices.to_bits(),
-            self.distance_scale.to_bits(),
+            0,
             self.lifted,
             window,
         ];
@@ -100,7 +89,7 @@ impl WaveletBrdfParameters {
 
 /// The index map as texels of four 32-bit floats, `2^N x 2^N` of them: coefficient `k` at `(k mod 2^N, k / 2^N)` has its
 /// slice, the slice's scale and offset, and of lifted packs what the lower one of its halves counts, else 0.
-pub fn index_texels(pack: &WaveletPack) -> Vec<[f32; 4]> {
+pub(super) fn index_texels(pack: &WaveletPack) -> Vec<[f32; 4]> {
     let lift = pack.header.lifted.then(|| Lift::new(pack.header.levels));
     let entry = |(coefficient, slice): (usize, &u16)| {
         let scale = pack.scales[usize::from(*slice)];

@@ -1,9 +1,7 @@
 //! The WGSL of bandwidth propagation and of importance samples without a graphics adapter.
 
 use brdfc_formats::bandwidth::propagation::PROPAGATION_WGSL;
-use brdfc_formats::flat_btf::shader::FLAT_BTF_WGSL;
 use brdfc_formats::importance::{IMPORTANCE_WGSL, ImportanceHeader};
-use brdfc_formats::wavelet::shader::WAVELET_BRDF_WGSL;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 /// What naga says against a shader; no capability beyond those that WebGPU has without features.
@@ -27,14 +25,6 @@ fn they_validate() {
         let bad = source.replace(from, to);
         assert!(bad != source && complaint(&bad).is_some(), "{to}");
     }
-}
-
-/// All files can be pasted into one shader.
-#[test]
-fn they_share_no_names() {
-    let [flat, importance] = [(FLAT_BTF_WGSL, "@group(2)"), (IMPORTANCE_WGSL, "@group(3)")]
-        .map(|(source, group)| source.replace("@group(1)", group));
-    assert_eq!(complaint(&format!("{WAVELET_BRDF_WGSL}\n{flat}\n{importance}\n{PROPAGATION_WGSL}")), None);
 }
 
 #[test]

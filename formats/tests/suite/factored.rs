@@ -1,7 +1,7 @@
 //! Factored flat BTFs: known answers of the decoder, its filter, the shader's block, and files that come back or are refused.
 
 use brdfc_formats::container::PackedTexture;
-use brdfc_formats::flat_btf::factored::shader::{FACTORED_WGSL, FactoredFilter, FactoredParameters};
+use brdfc_formats::flat_btf::factored::shader::{FACTORED_WGSL, FactoredParameters};
 use brdfc_formats::flat_btf::factored::{
     BASE_LAYERS, BaseTable, BaseTexel, BasisMap, FactoredErrors, FactoredFlatBtf, FactoredHeader, ShadowFormat,
     ShadowMap, WeightMap, WeightRange, from_opponent, to_opponent,
@@ -269,7 +269,7 @@ fn the_shader_validates_behind_that_of_flat_btfs() {
     let naga::TypeInner::Struct { members, span } = &block.inner else { panic!("not a struct") };
     assert_eq!(*span as usize, FactoredParameters::SIZE);
     let asset = factored(SMALL, TWO, 5);
-    let bytes = FactoredParameters::to_bytes(&asset, FactoredFilter::Hardware);
+    let bytes = FactoredParameters::to_bytes(&asset);
     assert_eq!(bytes.len(), FactoredParameters::SIZE);
     let word = |at: usize| u32::from_le_bytes(bytes[at..][..4].try_into().unwrap());
     let number = |at: usize| f32::from_bits(word(at));
@@ -279,7 +279,8 @@ fn the_shader_validates_behind_that_of_flat_btfs() {
             "size" => assert_eq!(word(at), 4),
             "levels" => assert_eq!(word(at), 3),
             "groups" => assert_eq!(word(at), 2),
-            "wide_groups" | "shadowed" | "hardware" => assert_eq!(word(at), 1),
+            "wide_groups" | "shadowed" => assert_eq!(word(at), 1),
+            "reserved" => assert_eq!(word(at), 0),
             "views" => assert_eq!(word(at), 3),
             "lowest_light" => assert_eq!(number(at), asset.lowest_light()),
             "steps" => {
@@ -291,8 +292,6 @@ fn the_shader_validates_behind_that_of_flat_btfs() {
             other => panic!("no such field: {other}"),
         }
     }
-    let exact = FactoredParameters::to_bytes(&asset, FactoredFilter::Exact);
-    assert_eq!(exact[20..24], [0; 4]);
 }
 
 /// What has a weight of 0 is not decoded, so that indices may be anything there.

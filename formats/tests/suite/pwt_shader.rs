@@ -1,7 +1,7 @@
 //! The WGSL of polynomial wavelet trees without a graphics adapter: it validates, its uniform block is the one that Rust
 //! writes, and it calls nothing that browsers refuse.
 
-use brdfc_formats::pwt::shader::{PWT_WGSL, PwtFilter, PwtParameters};
+use brdfc_formats::pwt::shader::{PWT_WGSL, PwtParameters};
 use brdfc_testing::pwt::packs;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
@@ -43,41 +43,38 @@ fn the_uniform_block_is_the_one_that_rust_writes() {
     };
     assert_eq!(*span as usize, PwtParameters::SIZE);
     for (name, pack) in packs() {
-        for filter in [PwtFilter::Exact, PwtFilter::Hardware] {
-            let bytes = PwtParameters::to_bytes(&pack, filter);
-            assert_eq!(bytes.len(), PwtParameters::SIZE);
-            let header = pack.header();
-            let (domain, epsilon) = header.domain.code();
-            let of = |number: &dyn Fn(usize) -> u32| (0..header.textures.len()).map(number).collect::<Vec<u32>>();
-            for member in members {
-                let field = member.name.as_deref().unwrap();
-                let bits = |numbers: &[f32]| numbers.iter().map(|n| n.to_bits()).collect::<Vec<u32>>();
-                let expected = match field {
-                    "size" => bits(&header.size.map(|side| side as f32)),
-                    "extent" => bits(&header.extent.map(|side| side as f32)),
-                    "repeats" => vec![u32::from(header.repeats)],
-                    "coordinates" => vec![header.basis.coordinates as u32],
-                    "degree" => vec![header.basis.degree],
-                    "domain" => vec![domain],
-                    "epsilon" => bits(&[epsilon]),
-                    "textures" => vec![header.textures.len() as u32],
-                    "levels" => vec![header.levels],
-                    "hardware" => vec![u32::from(filter == PwtFilter::Hardware)],
-                    "first_level" => of(&|k| header.textures[k].level),
-                    "layers" => of(&|k| header.textures[k].layers()),
-                    "channels" => of(&|k| header.textures[k].channels),
-                    "colour" => bits(&header.colour.map(|[r, g, b]| [r, g, b, 0.0]).concat()),
-                    "triangle" => bits(&header.triangle),
-                    "components" => header
-                        .components()
-                        .flat_map(|c| bits(&[c.channel as f32, c.term as f32, c.scale, c.low]))
-                        .collect(),
-                    _ => panic!("no such field: {field}"),
-                };
-                let words = bytes[member.offset as usize..].chunks_exact(4).take(expected.len());
-                let found: Vec<u32> = words.map(|word| u32::from_le_bytes(word.try_into().unwrap())).collect();
-                assert_eq!(found, expected, "{name}: {field}");
-            }
+        let bytes = PwtParameters::to_bytes(&pack);
+        assert_eq!(bytes.len(), PwtParameters::SIZE);
+        let header = pack.header();
+        let (domain, epsilon) = header.domain.code();
+        let of = |number: &dyn Fn(usize) -> u32| (0..header.textures.len()).map(number).collect::<Vec<u32>>();
+        for member in members {
+            let field = member.name.as_deref().unwrap();
+            let bits = |numbers: &[f32]| numbers.iter().map(|n| n.to_bits()).collect::<Vec<u32>>();
+            let expected = match field {
+                "size" => bits(&header.size.map(|side| side as f32)),
+                "extent" => bits(&header.extent.map(|side| side as f32)),
+                "repeats" => vec![u32::from(header.repeats)],
+                "coordinates" => vec![header.basis.coordinates as u32],
+                "degree" => vec![header.basis.degree],
+                "domain" => vec![domain],
+                "epsilon" => bits(&[epsilon]),
+                "textures" => vec![header.textures.len() as u32],
+                "levels" => vec![header.levels],
+                "reserved" => vec![0],
+                "first_level" => of(&|k| header.textures[k].level),
+                "layers" => of(&|k| header.textures[k].layers()),
+                "channels" => of(&|k| header.textures[k].channels),
+                "colour" => bits(&header.colour.map(|[r, g, b]| [r, g, b, 0.0]).concat()),
+                "triangle" => bits(&header.triangle),
+                "components" => {
+                    header.components().flat_map(|c| bits(&[c.channel as f32, c.term as f32, c.scale, c.low])).collect()
+                }
+                _ => panic!("no such field: {field}"),
+            };
+            let words = bytes[member.offset as usize..].chunks_exact(4).take(expected.len());
+            let found: Vec<u32> = words.map(|word| u32::from_le_bytes(word.try_into().unwrap())).collect();
+            assert_eq!(found, expected, "{name}: {field}");
         }
     }
 }

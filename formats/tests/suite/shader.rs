@@ -2,13 +2,17 @@
 //! nothing that browsers refuse.
 
 use brdfc_formats::bandwidth::shader::BANDWIDTH_WGSL;
+use brdfc_formats::bindings::{FRAME_WGSL, FrameBlock, combined_wgsl};
 use brdfc_formats::crop::{Crop, DirectionRange, Window};
 use brdfc_formats::direction::Parameterisation;
-use brdfc_formats::flat_btf::shader::{FLAT_BTF_WGSL, FlatBtfParameters, IndirectionFilter};
+use brdfc_formats::flat_btf::shader::{FLAT_BTF_WGSL, FlatBtfParameters, flat_btf_value_wgsl};
 use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts};
-use brdfc_formats::wavelet::Filter;
+use brdfc_formats::importance::IMPORTANCE_WGSL;
+use brdfc_formats::pwt::shader::PWT_WGSL;
+use brdfc_formats::table::shader::TABLE_BRDF_WGSL;
+use brdfc_formats::wavelet::WaveletPack;
 use brdfc_formats::wavelet::lift::Lift;
-use brdfc_formats::wavelet::shader::{WAVELET_BRDF_WGSL, WaveletBrdfParameters, index_texels};
+use brdfc_formats::wavelet::shader::{WAVELET_BRDF_WGSL, WaveletBrdfParameters};
 use brdfc_testing::packs::{header, lifted, pack};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
@@ -54,7 +58,7 @@ fn the_uniform_block_is_the_one_that_rust_writes() {
     let whole = pack(header(Parameterisation::HalfDifference, 3, 3, 8), 9, 1);
     let window = Window { first: [1, 2], size: [3, 5] };
     let pack = whole.cropped(Crop { directions: DirectionRange::ALL, window }).expect("within the grid");
-    let parameters = WaveletBrdfParameters::new(&pack, Filter::Bilinear, 0.15);
+    let parameters = WaveletBrdfParameters::new(&pack);
     let bytes = parameters.to_bytes();
     let mut seen = 0;
     for member in members {
@@ -63,24 +67,23 @@ fn the_uniform_block_is_the_one_that_rust_writes() {
         let expected = match name {
             "levels" => 3,
             "parameterisation" => 1,
-            "filter_mode" => 2,
             "channels" => 3,
             "mean" => 0.25f32.to_bits(),
             "bias" => 0.01f32.to_bits(),
             "scaling_scale" => pack.scales[1].scale.to_bits(),
             "scaling_offset" => pack.scales[1].offset.to_bits(),
             "slices" => (pack.slices() as f32).to_bits(),
-            "distance_scale" => 0.15f32.to_bits(),
+            "reserved_0" | "reserved_1" => 0,
             "lifted" => 0,
             "window" => 0x0503_0201,
             _ => panic!("no such field: {name}"),
         };
         assert_eq!(word, expected, "{name}");
-        let float = ["mean", "bias", "scaling_scale", "scaling_offset", "slices", "distance_scale"].contains(&name);
+        let float = ["mean", "bias", "scaling_scale", "scaling_offset", "slices", "reserved_1"].contains(&name);
         let kind = module.types[member.ty].inner.scalar_kind();
         assert_eq!(kind, Some(if float { naga::ScalarKind::Float } else { naga::ScalarKind::Uint }), "{name}");
         if name == "lifted" {
-            let lifted = WaveletBrdfParameters::new(&self::pack(lifted(2, 1, 8), 3, 1), Filter::Bilinear, 0.15);
+            let lifted = WaveletBrdfParameters::new(&self::pack(lifted(2, 1, 8), 3, 1));
             assert_eq!(lifted.to_bytes()[member.offset as usize..][..4], [1, 0, 0, 0]);
         }
         seen += 1;
@@ -90,8 +93,15 @@ fn the_uniform_block_is_the_one_that_rust_writes() {
 
 #[test]
 fn the_index_map_has_slice_scale_and_offset() {
+    let texels_of = |pack: &WaveletPack| -> Vec<[f32; 4]> {
+        let bindings = pack.bindings();
+        let (_, texels) = bindings.textures().find(|(name, _)| *name == "wavelet_brdf_index").unwrap();
+        let floats = |texel: &[u8; 16]| texel.as_chunks::<4>().0.iter().map(|c| f32::from_le_bytes(*c)).collect();
+        let four = |floats: Vec<f32>| [floats[0], floats[1], floats[2], floats[3]];
+        texels.bytes.as_chunks::<16>().0.iter().map(|texel| four(floats(texel))).collect()
+    };
     let pack = pack(header(Parameterisation::TangentPole, 2, 1, 8), 5, 3);
-    let texels = index_texels(&pack);
+    let texels = texels_of(&pack);
     assert_eq!(texels.len(), 16);
     assert_eq!(std::mem::size_of_val(&texels[..]) as u64 + pack.texels.len() as u64, pack.gpu_bytes());
     for (texel, slice) in texels.iter().zip(&pack.index) {
@@ -99,7 +109,7 @@ fn the_index_map_has_slice_scale_and_offset() {
         assert_eq!(*texel, [f32::from(*slice), scale.scale, scale.offset, 0.0]);
     }
     let lift = Lift::new(2);
-    let found = index_texels(&self::pack(lifted(2, 1, 8), 5, 3));
+    let found = texels_of(&self::pack(lifted(2, 1, 8), 5, 3));
     assert!(found.iter().enumerate().all(|(coefficient, texel)| texel[3] == lift.of_coefficient(coefficient)));
     assert!(found[1..].iter().any(|texel| texel[3] < 0.4) && found.iter().any(|texel| texel[3] > 0.6));
 }
@@ -122,13 +132,19 @@ fn the_flat_btf_shader_validates() {
     assert!(!code.contains("textureSample(") && code.contains("textureSampleLevel("));
 }
 
-/// Both files can be pasted into one shader.
+/// All decoders can be pasted into one shader: they share no names and no slots but that of the frame's block.
 #[test]
 fn the_shaders_share_no_names() {
-    let source = format!("{WAVELET_BRDF_WGSL}\n{}", FLAT_BTF_WGSL.replace("@group(1)", "@group(2)"));
+    let flat_btf = flat_btf_value_wgsl();
+    let source =
+        combined_wgsl([TABLE_BRDF_WGSL, WAVELET_BRDF_WGSL, PWT_WGSL, &flat_btf, BANDWIDTH_WGSL, IMPORTANCE_WGSL]);
     let module =
         naga::front::wgsl::parse_str(&source).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&source)));
     assert!(Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module).is_ok());
+    let slots: Vec<u32> =
+        module.global_variables.iter().filter_map(|(_, variable)| Some(variable.binding?.binding)).collect();
+    let distinct: std::collections::BTreeSet<u32> = slots.iter().copied().collect();
+    assert!(slots.len() == distinct.len() && slots.len() > 30, "{slots:?}");
 }
 
 #[test]
@@ -139,7 +155,7 @@ fn the_uniform_block_of_flat_btfs_is_the_one_that_rust_writes() {
     let naga::TypeInner::Struct { members, span } = &block.inner else { panic!("not a struct") };
     assert_eq!(*span as usize, FlatBtfParameters::SIZE);
     let decoder = FlatBtfDecoder::new(brdfc_testing::flat_btf::parts(brdfc_testing::flat_btf::SMALL, 1)).unwrap();
-    let bytes = FlatBtfParameters::new(&decoder, IndirectionFilter::Hardware).to_bytes();
+    let bytes = FlatBtfParameters::new(&decoder).to_bytes();
     let names: Vec<&str> = members.iter().map(|member| member.name.as_deref().unwrap()).collect();
     let words = [
         ("size", 4),
@@ -148,7 +164,7 @@ fn the_uniform_block_of_flat_btfs_is_the_one_that_rust_writes() {
         ("azimuth_samples", 4),
         ("largest_angle", 1.3f32.to_bits()),
         ("atlas_columns", 3),
-        ("hardware", 1),
+        ("reserved_2", 0),
         ("blocks", 0),
         ("largest_tangent", 0),
         ("values", 1),
@@ -163,12 +179,23 @@ fn the_uniform_block_of_flat_btfs_is_the_one_that_rust_writes() {
         let kind = if is_float { naga::ScalarKind::Float } else { naga::ScalarKind::Uint };
         assert_eq!(module.types[member.ty].inner.scalar_kind(), Some(kind), "{name}");
     }
-    let exact = FlatBtfParameters::new(&decoder, IndirectionFilter::Exact);
-    assert_eq!(exact.to_bytes()[24..36], [0; 12]);
     let indirection = brdfc_testing::flat_btf::displacements(brdfc_testing::flat_btf::SMALL, 1, 1).into();
     let compact = FlatBtfDecoder::new(FlatBtfParts { indirection, ..decoder.into_parts() }).unwrap();
-    let bytes = FlatBtfParameters::new(&compact, IndirectionFilter::Exact).to_bytes();
+    let bytes = FlatBtfParameters::new(&compact).to_bytes();
     assert_eq!(bytes[28..36], [1u32.to_le_bytes(), (f64::from(1.3f32).tan() as f32).to_le_bytes()].concat());
+}
+
+#[test]
+fn the_block_of_the_frame_is_the_one_that_rust_writes() {
+    let module = naga::front::wgsl::parse_str(FRAME_WGSL).unwrap();
+    let block = module.types.iter().map(|(_, ty)| ty).find(|ty| ty.name.as_deref() == Some("BrdfcFrame")).unwrap();
+    let naga::TypeInner::Struct { members, span } = &block.inner else { panic!("not a struct") };
+    assert_eq!(*span as usize, FrameBlock::SIZE);
+    let names: Vec<_> = members.iter().map(|member| (member.name.as_deref().unwrap(), member.offset)).collect();
+    assert_eq!(names, [("distance_scale", 0), ("sampler_filters", 4), ("blend", 8), ("reserved", 12)]);
+    let bytes = FrameBlock { distance_scale: 0.25, ..FrameBlock::default() }.to_bytes();
+    assert_eq!(bytes, *[0.25f32.to_le_bytes(), 1u32.to_le_bytes(), 2u32.to_le_bytes(), [0; 4]].as_flattened());
+    assert_eq!(FrameBlock::exact().to_bytes()[4..8], [0; 4]);
 }
 
 /// Each shader is whole by itself, so the arctangent stands in each: with the same steps.

@@ -1,7 +1,7 @@
 //! A Vulkan device by way of wgpu, which hands shaders through.
 
+use brdfc_formats::bindings::{Resource, Texels};
 use brdfc_formats::container::{Extent, TexelFormat};
-use brdfc_shaders::resources::{Contents, Texels};
 use brdfc_shaders::{BindingKind, Interface};
 use brdfc_testing::engines::{Case, SIDE};
 use std::borrow::Cow;
@@ -105,9 +105,9 @@ impl Vulkan {
     /// What a pack binds.
     fn pack(&self, interface: &Interface, case: &Case) -> (BindGroupLayout, BindGroup) {
         let mut bound = Vec::new();
-        for resource in &case.resources {
-            let kind = &interface.bindings.iter().find(|bound| bound.binding == resource.binding).unwrap().kind;
-            bound.push((resource.binding, self.resource(&resource.contents, kind)));
+        for (slot, _, resource) in case.bound() {
+            let kind = &interface.bindings.iter().find(|bound| bound.binding == slot).unwrap().kind;
+            bound.push((slot, self.resource(&resource, kind)));
         }
         let entries: Vec<_> = bound
             .iter()
@@ -142,16 +142,16 @@ impl Vulkan {
         (layout, group)
     }
 
-    fn resource(&self, contents: &Contents, kind: &BindingKind) -> (BindingType, Made) {
-        match (contents, kind) {
-            (Contents::Uniform(bytes), _) => {
+    fn resource(&self, resource: &Resource<'_>, kind: &BindingKind) -> (BindingType, Made) {
+        match (resource, kind) {
+            (Resource::Uniform(bytes), _) => {
                 let descriptor =
                     util::BufferInitDescriptor { label: None, contents: bytes, usage: BufferUsages::UNIFORM };
                 let ty = BufferBindingType::Uniform;
                 let ty = BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
                 (ty, Made::Buffer(self.device.create_buffer_init(&descriptor)))
             }
-            (Contents::Sampler { repeats }, _) => {
+            (Resource::Sampler { repeats }, _) => {
                 let mode = if *repeats { AddressMode::Repeat } else { AddressMode::ClampToEdge };
                 let sampler = self.device.create_sampler(&SamplerDescriptor {
                     address_mode_u: mode,
@@ -163,7 +163,7 @@ impl Vulkan {
                 });
                 (BindingType::Sampler(SamplerBindingType::Filtering), Made::Sampler(sampler))
             }
-            (Contents::Texture(texels), BindingKind::Texture { dimension, samples }) => {
+            (Resource::Texture(texels), BindingKind::Texture { dimension, samples }) => {
                 let view_dimension = match *dimension {
                     "3d" => TextureViewDimension::D3,
                     "2d-array" => TextureViewDimension::D2Array,
@@ -179,11 +179,11 @@ impl Vulkan {
                     self.texture(texels, view_dimension),
                 )
             }
-            (contents, kind) => panic!("{contents:?} for {kind:?}"),
+            (resource, kind) => panic!("{resource:?} for {kind:?}"),
         }
     }
 
-    fn texture(&self, texels: &Texels, dimension: TextureViewDimension) -> Made {
+    fn texture(&self, texels: &Texels<'_>, dimension: TextureViewDimension) -> Made {
         let [width, height, depth_or_array_layers] = match texels.extent {
             Extent::D2([width, height]) => [width, height, 1],
             Extent::D2Array(size) | Extent::D3(size) => size,

@@ -69,9 +69,9 @@ impl<'g> Kernels<'g> {
                 immediate_size: 0,
             })
         };
-        let Layouts { frame, storage, pack, material } = &layouts;
-        let of_points = layout(&[Some(frame), Some(storage)]);
-        let of_materials = layout(&[Some(frame), Some(storage), Some(pack), Some(material)]);
+        let Layouts { frame, packs, storage, surroundings } = &layouts;
+        let of_points = layout(&[Some(frame), None, Some(storage)]);
+        let of_materials = layout(&[Some(frame), Some(&packs.layout), Some(storage), Some(surroundings)]);
         let pipeline = |layout, name| {
             gpu.device.create_compute_pipeline(&ComputePipelineDescriptor {
                 label: Some(name),
@@ -125,10 +125,10 @@ impl<'g> Kernels<'g> {
         let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor::default());
         pass.set_pipeline(step);
         pass.set_bind_group(0, &on.frame_group, &[]);
-        pass.set_bind_group(1, &on.storage_group, &[]);
+        pass.set_bind_group(2, &on.storage_group, &[]);
         if let Some(material) = material {
-            pass.set_bind_group(2, &material.pack, &[]);
-            pass.set_bind_group(3, &material.maps, &[]);
+            pass.set_bind_group(1, &material.packs, &[]);
+            pass.set_bind_group(3, &material.surroundings, &[]);
         }
         pass.dispatch_workgroups(groups.min(ROW_OF_GROUPS), groups.div_ceil(ROW_OF_GROUPS), 1);
         drop(pass);

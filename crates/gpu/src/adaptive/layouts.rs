@@ -1,6 +1,6 @@
 //! Layouts of the bind groups that the steps read and write.
 
-use super::super::bindings::{self, UNFILTERED, UNIFORM, buffer_type};
+use super::super::bindings::{self, Slots, UNFILTERED, UNIFORM, buffer_type};
 use super::super::device::Gpu;
 use super::super::pack;
 use wgpu::{BindGroupLayout, BufferBindingType, ShaderStages};
@@ -8,12 +8,24 @@ use wgpu::{BindGroupLayout, BufferBindingType, ShaderStages};
 /// Buffers of a G-buffer that the steps write.
 pub(super) const STORAGE_BUFFERS: u32 = 8;
 
+/// What the look-ups of importance samples and bandwidth maps have bound behind the decoders of packs.
+const LOOKUPS: [(u32, wgpu::BindingType); 8] = [
+    (29, UNIFORM),
+    (30, UNFILTERED),
+    (31, UNIFORM),
+    (32, UNFILTERED),
+    (33, UNIFORM),
+    (34, UNFILTERED),
+    (35, UNIFORM),
+    (36, UNFILTERED),
+];
+
 /// Groups 0 to 3 of `points.wgsl`, in their order.
 pub(super) struct Layouts {
     pub(super) frame: BindGroupLayout,
+    pub(super) packs: Slots,
     pub(super) storage: BindGroupLayout,
-    pub(super) pack: BindGroupLayout,
-    pub(super) material: BindGroupLayout,
+    pub(super) surroundings: BindGroupLayout,
 }
 
 impl Layouts {
@@ -26,8 +38,8 @@ impl Layouts {
         let (uniform, image) = (UNIFORM, UNFILTERED);
         let frame = group("frame", &[uniform, uniform, uniform, image, image, image]);
         let written = group("storage", &[storage; STORAGE_BUFFERS as usize]);
-        let pack = pack::layout(gpu, ShaderStages::COMPUTE);
-        let material = group("material", &[uniform, image, uniform, image, image, image, image, image]);
-        Self { frame, storage: written, pack, material }
+        let packs = Slots::new(gpu, "packs", ShaderStages::COMPUTE, pack::SLOTS.into_iter().chain(LOOKUPS));
+        let surroundings = group("surroundings", &[image, image]);
+        Self { frame, packs, storage: written, surroundings }
     }
 }

@@ -3,20 +3,18 @@
 use super::super::bindings;
 use super::super::device::{Gpu, GpuError};
 use super::super::draw::Decoding;
-use super::super::pack::{self, moved_resources};
 use super::layouts::Layouts;
 use brdfc_formats::BrdfPack;
 use brdfc_formats::bandwidth::propagation::DirectedLight;
 use brdfc_formats::bandwidth::{BandwidthKind, BandwidthMap};
 use brdfc_formats::container::{Extent, TexelFormat};
 use brdfc_render::adaptive::{AdaptiveMaterial, DistantLight};
-use brdfc_shaders::resources;
-use wgpu::{BindGroup, TextureView};
+use wgpu::{BindGroup, BindingResource, TextureView};
 
 /// The bind groups of a part.
 pub(super) struct LoadedMaterial {
-    pub(super) pack: BindGroup,
-    pub(super) maps: BindGroup,
+    pub(super) packs: BindGroup,
+    pub(super) surroundings: BindGroup,
     /// The words of the shader's `Material`.
     pub(super) words: [u32; 4],
 }
@@ -43,16 +41,16 @@ pub(super) fn upload(
     pack: &BrdfPack,
 ) -> Result<LoadedMaterial, GpuError> {
     let decoding = surroundings.decoding;
-    let pack = pack::upload(gpu, &layouts.pack, pack, decoding.filter, decoding.distance_scale)?;
     let maps = [(material.bandwidth, BandwidthKind::Brdf), (surroundings.bandwidth, BandwidthKind::Environment)];
-    let maps = maps.into_iter().filter(|(map, kind)| map.header().kind == *kind).map(|(map, _)| map);
-    let mut resources = resources::importance(material.samples);
-    resources.extend(moved_resources(resources::bandwidth(&maps.collect::<Vec<_>>()), 2));
-    let shared = [(6, surroundings.radiance), (7, surroundings.light)];
-    let maps = bindings::bind(gpu, &layouts.material, resources, &shared)?;
+    let maps = maps.into_iter().filter(|(map, kind)| map.header().kind == *kind);
+    let maps = maps.flat_map(|(map, _)| map.bindings().all);
+    let all: Vec<_> = pack.bindings().all.into_iter().chain(maps).chain(material.samples.bindings().all).collect();
+    let packs = layouts.packs.bind(gpu, &all, decoding.frame_block(), &[])?;
+    let shared = [surroundings.radiance, surroundings.light].map(BindingResource::TextureView);
+    let surroundings = bindings::group(gpu, &layouts.surroundings, (0..).zip(shared));
     let [level, hardware] = decoding.words();
     let words = [index as u32, material.albedo.to_bits(), level, hardware];
-    Ok(LoadedMaterial { pack, maps, words })
+    Ok(LoadedMaterial { packs, surroundings, words })
 }
 
 /// The levels of light, one below the other.

@@ -1,6 +1,6 @@
 //! The shaders of adaptive shading, put together from their files.
 
-use super::super::pack::{brdf_source, moved};
+use super::super::pack::brdf_source;
 use super::super::raster::VIEW_WGSL;
 use super::super::surface::{ENVIRONMENT_WGSL, PERIODIC_WGSL, SURFACE_WGSL};
 use brdfc_formats::bandwidth::propagation::PROPAGATION_WGSL;
@@ -36,9 +36,9 @@ impl Default for AdaptiveShaders {
         // Without a pack, surfaces are group 1.
         let surface = SURFACE_WGSL.replace("@group(2)", "@group(1)");
         let shared = [
-            brdf_source(2),
-            moved(IMPORTANCE_WGSL, 3, 0),
-            moved(BANDWIDTH_WGSL, 3, 2),
+            brdf_source(),
+            IMPORTANCE_WGSL.to_owned(),
+            BANDWIDTH_WGSL.to_owned(),
             PROPAGATION_WGSL.to_owned(),
             PERIODIC_WGSL.to_owned(),
             ENVIRONMENT_WGSL.to_owned(),

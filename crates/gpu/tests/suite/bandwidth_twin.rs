@@ -2,8 +2,9 @@
 
 use brdfc_formats::bandwidth::shader::BANDWIDTH_WGSL;
 use brdfc_formats::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
+use brdfc_formats::bindings::{Binding, FrameBlock, Texels};
+use brdfc_formats::container::{Extent, TexelFormat};
 use brdfc_gpu::{Compute, Gpu};
-use brdfc_shaders::resources;
 use brdfc_testing::packs::Numbers;
 use std::f32::consts::{FRAC_PI_2, TAU};
 
@@ -29,8 +30,14 @@ struct BandwidthQuery {
 
 /// `[brdf, environment, texture]` of each query, in up to one map of each kind; 0 of absent ones.
 fn by_shader(gpu: &Gpu, source: &str, maps: &[BandwidthMap], queries: &[BandwidthQuery]) -> Vec<[f32; 3]> {
-    let resources = resources::bandwidth(&maps.iter().collect::<Vec<_>>());
-    let compute = Compute::new(gpu, &format!("{source}\n{ENTRY}"), resources).unwrap();
+    let bindings: Vec<_> = maps.iter().flat_map(|map| map.bindings().all).collect();
+    let present = |slot: u32| bindings.iter().any(|binding| binding.slot == slot);
+    let absent = [29, 31, 33].into_iter().filter(|slot| !present(*slot)).flat_map(|slot| {
+        let texels = Texels::empty(TexelFormat::R16Float, Extent::D2([1; 2]));
+        [Binding::uniform(slot, "none", vec![0; 16]), Binding::texture(slot + 1, "none", texels)]
+    });
+    let bindings: Vec<_> = bindings.iter().cloned().chain(absent).collect();
+    let compute = Compute::new(gpu, &format!("{source}\n{ENTRY}"), &bindings, FrameBlock::default()).unwrap();
     let numbers = |query: &BandwidthQuery| {
         let [incoming, outgoing, direction] = [query.incoming, query.outgoing, query.direction];
         incoming.into_iter().chain(outgoing).chain(direction).chain(query.uv)

@@ -1,6 +1,7 @@
 //! Lists of any length go through shaders: none, one, more than a row of workgroups.
 
 use brdfc_formats::BrdfPack;
+use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::wavelet::Filter;
 use brdfc_gpu::{Compute, Evaluator, GpuError, SliceFilter};
@@ -13,7 +14,7 @@ fn lists_of_any_length() {
         output[2u * at] = input[at];
         output[2u * at + 1u] = f32(at);
     }";
-    let compute = Compute::new(gpu, source, Vec::new()).unwrap();
+    let compute = Compute::new(gpu, source, &[], FrameBlock::default()).unwrap();
     for count in [0, 1, 64, 65, 65_536, 65_537, 200_001] {
         let input: Vec<f32> = (0..count).map(|k| 0.5 * k as f32).collect();
         let found = compute.run(&input, 1, 2).unwrap();

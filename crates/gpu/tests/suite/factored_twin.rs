@@ -1,14 +1,14 @@
 //! The shader of factored flat BTFs against the CPU decoder, on whatever adapter there is.
 
+use brdfc_formats::bindings::{Binding, FrameBlock};
 use brdfc_formats::direction::from_polar;
-use brdfc_formats::flat_btf::factored::shader::{FACTORED_FILTER_PRECISION, FACTORED_WGSL, FactoredFilter};
+use brdfc_formats::flat_btf::factored::shader::{FACTORED_FILTER_PRECISION, FACTORED_WGSL};
 use brdfc_formats::flat_btf::factored::{
     BaseTable, BasisMap, FactoredFlatBtf, FactoredHeader, ShadowFormat, ShadowMap, WeightMap, WeightRange,
 };
-use brdfc_formats::flat_btf::shader::FLAT_BTF_WGSL;
+use brdfc_formats::flat_btf::shader::{FLAT_BTF_WGSL, factored_bindings};
 use brdfc_formats::flat_btf::{BlendedDirection, ViewWeights};
 use brdfc_gpu::{Compute, Gpu};
-use brdfc_shaders::resources;
 use brdfc_testing::flat_btf::{Factors, SMALL, Sizes, factored, weights};
 use brdfc_testing::packs::Numbers;
 
@@ -73,18 +73,12 @@ fn mirrored([x, y, z]: [f32; 3]) -> [f32; 3] {
 
 fn shader(decoder: &str) -> String {
     // Nothing that is bound for the indirection is used.
-    format!("{}\n{decoder}\n{ENTRY}", FLAT_BTF_WGSL.replace("@group(1)", "@group(2)"))
+    format!("{FLAT_BTF_WGSL}\n{decoder}\n{ENTRY}")
 }
 
-fn found(
-    gpu: &Gpu,
-    decoder: &str,
-    asset: &FactoredFlatBtf,
-    filter: FactoredFilter,
-    queries: &[Query],
-) -> Vec<[f32; 3]> {
-    let resources = resources::flat_btf_factors(Some(asset), filter == FactoredFilter::Hardware);
-    let compute = Compute::new(gpu, &shader(decoder), resources).unwrap();
+fn found(gpu: &Gpu, decoder: &str, asset: &FactoredFlatBtf, filter: FrameBlock, queries: &[Query]) -> Vec<[f32; 3]> {
+    let bindings: Vec<_> = [Binding::frame()].into_iter().chain(factored_bindings(Some(asset))).collect();
+    let compute = Compute::new(gpu, &shader(decoder), &bindings, filter).unwrap();
     let three = |three: &BlendedDirection| -> Vec<f32> {
         let three: &ViewWeights = &three.samples;
         three.indices.iter().map(|index| *index as f32).chain(three.weights).collect()
@@ -125,7 +119,7 @@ fn manual_filtering_gives_the_bits_of_the_cpu_decoder() {
     let Some(gpu) = crate::common::gpu() else { return };
     for (sizes, asset) in assets() {
         let queries = queries(sizes, 3000);
-        let found = found(gpu, FACTORED_WGSL, &asset, FactoredFilter::Exact, &queries);
+        let found = found(gpu, FACTORED_WGSL, &asset, FrameBlock::exact(), &queries);
         assert_eq!(differing(&asset, &queries, &found), 0, "{sizes:?}");
         assert!(found.iter().filter(|value| value.iter().any(|c| *c > 1e-4)).count() > 1500, "most are not black");
     }
@@ -161,7 +155,7 @@ fn the_sampler_is_within_its_precision() {
     let slope = 3.0 * (100.0f32 / 116.0).powi(3);
     for (asset, bound) in [(grey(8, 4, byte, |_| 255), slope * bound), (grey(8, 4, |_| 255, byte), bound)] {
         let queries = queries(SMALL, 3000);
-        let found = found(gpu, FACTORED_WGSL, &asset, FactoredFilter::Hardware, &queries);
+        let found = found(gpu, FACTORED_WGSL, &asset, FrameBlock::default(), &queries);
         let mut largest = 0.0f32;
         for ((uv, detail, view, light), found) in queries.iter().zip(&found) {
             let expected = asset.value(*uv, *detail, *view, *light);
@@ -217,7 +211,7 @@ fn a_changed_shader_is_noticed() {
     let noticed = |source: &str| {
         assets().into_iter().any(|(sizes, asset)| {
             let queries = queries(sizes, 500);
-            differing(&asset, &queries, &found(gpu, source, &asset, FactoredFilter::Exact, &queries)) > 0
+            differing(&asset, &queries, &found(gpu, source, &asset, FrameBlock::exact(), &queries)) > 0
         })
     };
     assert!(!noticed(FACTORED_WGSL));

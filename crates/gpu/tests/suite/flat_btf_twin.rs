@@ -1,6 +1,7 @@
 //! The shader of flat BTFs against the CPU decoder, on whatever adapter there is.
 
-use brdfc_formats::flat_btf::shader::{FLAT_BTF_FILTER_PRECISION, FLAT_BTF_WGSL, IndirectionFilter};
+use brdfc_formats::bindings::FrameBlock;
+use brdfc_formats::flat_btf::shader::{FLAT_BTF_FILTER_PRECISION, FLAT_BTF_WGSL};
 use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts, FlatValues, IndirectionMap, MAX_TANGENT, TANGENT_BIAS};
 use brdfc_gpu::{FlatBtfAnswer, FlatBtfEvaluator, FlatBtfQuery, Gpu};
 use brdfc_testing::flat_btf::{self, SMALL, Sizes};
@@ -65,7 +66,7 @@ fn manual_filtering_gives_the_bits_of_the_cpu_decoder() {
     let evaluator = FlatBtfEvaluator::new(gpu).unwrap();
     for (k, sizes) in ASSETS.into_iter().enumerate() {
         let decoder = FlatBtfDecoder::new(flat_btf::parts(sizes, 10 + k as u64)).unwrap();
-        let loaded = evaluator.load(&decoder, IndirectionFilter::Exact).unwrap();
+        let loaded = evaluator.load(&decoder, FrameBlock::exact()).unwrap();
         let queries = queries(sizes, 5000, k as u64);
         let found = evaluator.eval(&loaded, &queries).unwrap();
         assert_eq!(found.len(), queries.len());
@@ -93,9 +94,9 @@ fn displacements_have_the_bits_of_the_cpu_decoder() {
         let answers = |evaluator: &FlatBtfEvaluator<'_>, filter| {
             evaluator.eval(&evaluator.load(&decoder, filter).unwrap(), &queries).unwrap()
         };
-        let found = answers(&evaluator, IndirectionFilter::Exact);
+        let found = answers(&evaluator, FrameBlock::exact());
         assert_eq!(differences(&decoder, &queries, &found), [0; 3], "{sizes:?}");
-        assert!(differences(&decoder, &queries, &answers(&changed, IndirectionFilter::Exact))[0] > 5000);
+        assert!(differences(&decoder, &queries, &answers(&changed, FrameBlock::exact()))[0] > 5000);
     }
     // One block has no neighbours on another side, where less than the precision would decide.
     let decoder = {
@@ -103,7 +104,7 @@ fn displacements_have_the_bits_of_the_cpu_decoder() {
         FlatBtfDecoder::new(FlatBtfParts { indirection, ..flat_btf::parts(SMALL, 4) }).unwrap()
     };
     let queries = queries(SMALL, 5000, 5);
-    let loaded = evaluator.load(&decoder, IndirectionFilter::Hardware).unwrap();
+    let loaded = evaluator.load(&decoder, FrameBlock::default()).unwrap();
     // Shares are at most 1 apart along both angles, each counted with at most a fifth of a tile and the largest tangent.
     let bound = 2.0 * 2.0 * FLAT_BTF_FILTER_PRECISION * 0.2 * (MAX_TANGENT + TANGENT_BIAS);
     for (query, answer) in queries.iter().zip(evaluator.eval(&loaded, &queries).unwrap()) {
@@ -179,7 +180,7 @@ fn the_sampler_is_within_its_precision() {
     let evaluator = FlatBtfEvaluator::new(gpu).unwrap();
     for sizes in &ASSETS[1..] {
         let decoder = FlatBtfDecoder::new(smooth(*sizes)).unwrap();
-        let loaded = evaluator.load(&decoder, IndirectionFilter::Hardware).unwrap();
+        let loaded = evaluator.load(&decoder, FrameBlock::default()).unwrap();
         let queries = queries(*sizes, 5000, 3);
         let found = evaluator.eval(&loaded, &queries).unwrap();
         let (beyond, largest) = beyond_bounds(&decoder, &queries, &found);
@@ -216,7 +217,7 @@ fn neither_path_leaves_its_block() {
     for query in &mut queries {
         query.uv = [61.5 / 63.0, 40.5 / 63.0];
     }
-    for filter in [IndirectionFilter::Exact, IndirectionFilter::Hardware] {
+    for filter in [FrameBlock::exact(), FrameBlock::default()] {
         let loaded = evaluator.load(&decoder, filter).unwrap();
         for (query, answer) in queries.iter().zip(evaluator.eval(&loaded, &queries).unwrap()) {
             let height = answer.indirection[2];
@@ -233,7 +234,7 @@ fn without_views_the_light_form_remains() {
     let Some(gpu) = crate::common::gpu() else { return };
     let evaluator = FlatBtfEvaluator::new(gpu).unwrap();
     let decoder = FlatBtfDecoder::new(FlatBtfParts { values: FlatValues::None, ..flat_btf::parts(SMALL, 2) }).unwrap();
-    let loaded = evaluator.load(&decoder, IndirectionFilter::Exact).unwrap();
+    let loaded = evaluator.load(&decoder, FrameBlock::exact()).unwrap();
     let mut queries = queries(SMALL, 300, 1);
     for query in &mut queries {
         query.views.weights = [0.0; 3];
@@ -286,7 +287,7 @@ fn is_noticed(gpu: &Gpu, source: &str) -> bool {
     for sizes in ASSETS {
         let decoder = FlatBtfDecoder::new(flat_btf::parts(sizes, 3)).unwrap();
         let queries = queries(sizes, 1000, 4);
-        let loaded = evaluator.load(&decoder, IndirectionFilter::Exact).unwrap();
+        let loaded = evaluator.load(&decoder, FrameBlock::exact()).unwrap();
         if differences(&decoder, &queries, &evaluator.eval(&loaded, &queries).unwrap()) != [0; 3] {
             return true;
         }
@@ -294,6 +295,6 @@ fn is_noticed(gpu: &Gpu, source: &str) -> bool {
     let sizes = ASSETS[1];
     let decoder = FlatBtfDecoder::new(smooth(sizes)).unwrap();
     let queries = queries(sizes, 1000, 4);
-    let loaded = evaluator.load(&decoder, IndirectionFilter::Hardware).unwrap();
+    let loaded = evaluator.load(&decoder, FrameBlock::default()).unwrap();
     beyond_bounds(&decoder, &queries, &evaluator.eval(&loaded, &queries).unwrap()).0 > 0
 }

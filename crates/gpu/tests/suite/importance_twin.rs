@@ -1,8 +1,8 @@
 //! The shader of importance samples against the CPU look-up, on whatever adapter there is.
 
+use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::importance::{IMPORTANCE_WGSL, ImportanceHeader, ImportancePack};
 use brdfc_gpu::{Compute, Gpu};
-use brdfc_shaders::resources;
 use brdfc_testing::flat_btf;
 use brdfc_testing::packs::Numbers;
 
@@ -65,7 +65,8 @@ fn inputs(count: usize, seed: u64) -> Vec<f32> {
 
 /// Numbers whose bits differ: of directions, and of inverse densities.
 fn differences(gpu: &Gpu, source: &str, pack: &ImportancePack, inputs: &[f32]) -> [usize; 2] {
-    let compute = Compute::new(gpu, &format!("{source}\n{ENTRY}"), resources::importance(pack)).unwrap();
+    let compute =
+        Compute::new(gpu, &format!("{source}\n{ENTRY}"), &pack.bindings().all, FrameBlock::default()).unwrap();
     let found = compute.run(inputs, 4, 4).unwrap();
     let mut counts = [0; 2];
     for (words, found) in inputs.chunks_exact(4).zip(found.chunks_exact(4)) {

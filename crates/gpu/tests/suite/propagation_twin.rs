@@ -4,6 +4,7 @@ use brdfc_formats::bandwidth::propagation::{
     Bandwidth, BandwidthAverage, BandwidthSurface, DirectedLight, PROPAGATION_WGSL, VarianceEstimate,
     largest_pixel_bandwidth, pixel_bandwidth, pyramid_level, sample_count, sample_scale,
 };
+use brdfc_formats::bindings::FrameBlock;
 use brdfc_gpu::{Compute, Gpu};
 use brdfc_testing::packs::Numbers;
 
@@ -134,7 +135,7 @@ fn inputs(count: usize, seed: u64) -> Vec<f32> {
 
 /// Numbers whose bits differ, of each kind.
 fn differences(gpu: &Gpu, source: &str, inputs: &[f32]) -> [usize; OUT] {
-    let compute = Compute::new(gpu, &format!("{source}\n{ENTRY}"), Vec::new()).unwrap();
+    let compute = Compute::new(gpu, &format!("{source}\n{ENTRY}"), &[], FrameBlock::default()).unwrap();
     let found = compute.run(inputs, IN, OUT).unwrap();
     let mut counts = [0; OUT];
     for (words, found) in inputs.chunks_exact(IN).zip(found.chunks_exact(OUT)) {

@@ -1,6 +1,6 @@
 //! Polynomial wavelet trees on scenes: the shader against the CPU, and the CPU against the pictures that were encoded.
 
-use brdfc_formats::pwt::shader::PwtFilter;
+use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::pwt::{PwtDecoder, PwtPack};
 use brdfc_gpu::{PwtRenderer, draw_pwt, pwt_scene_source};
 use brdfc_metrics::image::{LinearImage, auto_exposure, compare_images};
@@ -64,7 +64,7 @@ fn shader_and_cpu_draw_the_same_pictures() {
         let cpu = draw_on_cpu(scene, FRAME, &material);
         let lit = cpu.pixels.iter().filter(|pixel| pixel[0] > 0.0).count();
         assert!(lit > FRAME.width * FRAME.height / 5, "{number}: {lit} are lit");
-        for (filter, limit) in [(PwtFilter::Exact, 0.15), (PwtFilter::Hardware, 0.3)] {
+        for (filter, limit) in [(FrameBlock::exact(), 0.15), (FrameBlock::default(), 0.3)] {
             let shader = draw_pwt(gpu, scene, FRAME, &material, filter).unwrap();
             let mean = mean_delta_e(&shader, &cpu);
             println!("scene {number}, {filter:?}: mean ΔE {mean}");
@@ -105,7 +105,7 @@ fn another_level_is_noticed() {
     let cpu = draw_on_cpu(&scene, FRAME, &material);
     let off = [source, broken].map(|source| {
         let renderer = PwtRenderer::with_shader(gpu, source).unwrap();
-        let loaded = renderer.load(&scene, &material, PwtFilter::Exact).unwrap();
+        let loaded = renderer.load(&scene, &material, FrameBlock::exact()).unwrap();
         mean_delta_e(&renderer.draw(&loaded, &scene.camera, FRAME).unwrap(), &cpu)
     });
     assert!(off[1] > 3.0 * off[0], "{off:?}");

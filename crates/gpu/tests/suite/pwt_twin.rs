@@ -1,6 +1,7 @@
 //! The shader of polynomial wavelet trees against the CPU decoder, on whatever adapter there is.
 
-use brdfc_formats::pwt::shader::{PWT_FILTER_PRECISION, PWT_WGSL, PwtFilter};
+use brdfc_formats::bindings::FrameBlock;
+use brdfc_formats::pwt::shader::{PWT_FILTER_PRECISION, PWT_WGSL};
 use brdfc_formats::pwt::{
     Component, Domain, LightBasis, LightCoordinates, PwtDecoder, PwtErrors, PwtHeader, PwtPack, TextureHeader,
 };
@@ -126,7 +127,7 @@ const LEVELS: [f32; 10] = [0.0, 0.25, 1.0, 1.5, 2.0, 2.75, 3.0, 3.4, 4.0, 9.0];
 fn answers(
     evaluator: &PwtEvaluator<'_>,
     decoder: &PwtDecoder,
-    filter: PwtFilter,
+    filter: FrameBlock,
     count: usize,
 ) -> Vec<(PwtQuery, PwtAnswer)> {
     let loaded = evaluator.load(decoder.pack(), filter).unwrap();
@@ -170,7 +171,7 @@ fn exact_filtering_gives_the_channels_of_the_cpu_decoder() {
     let evaluator = PwtEvaluator::new(gpu).unwrap();
     for decoder in packs() {
         let header = decoder.pack().header();
-        let answers = answers(&evaluator, &decoder, PwtFilter::Exact, 600);
+        let answers = answers(&evaluator, &decoder, FrameBlock::exact(), 600);
         let found = difference(&decoder, &answers);
         let kind = (header.basis, header.domain.name(), header.size);
         println!("{kind:?}: {found:?}");
@@ -214,7 +215,7 @@ fn the_sampler_is_within_its_precision() {
     let Some(gpu) = crate::common::gpu() else { return };
     let evaluator = PwtEvaluator::new(gpu).unwrap();
     for decoder in packs() {
-        let answers = answers(&evaluator, &decoder, PwtFilter::Hardware, 300);
+        let answers = answers(&evaluator, &decoder, FrameBlock::default(), 300);
         let share = share_of_bound(&decoder, &answers);
         println!("{:?}: {share} of the bound", decoder.pack().header().size);
         assert!(share <= 1.0, "{share}");
@@ -233,7 +234,7 @@ fn levels_may_differ_between_invocations() {
         for (k, query) in queries.iter_mut().enumerate() {
             query.level = LEVELS[k * 7 % LEVELS.len()];
         }
-        let found = [PwtFilter::Exact, PwtFilter::Hardware].map(|filter| {
+        let found = [FrameBlock::exact(), FrameBlock::default()].map(|filter| {
             let loaded = evaluator.load(decoder.pack(), filter).unwrap();
             let found = evaluator.eval(&loaded, &queries).unwrap();
             queries.iter().copied().zip(found).collect::<Vec<_>>()
@@ -256,10 +257,10 @@ fn the_sampler_fetches_once_per_layer() {
     let evaluator = PwtEvaluator::with_shaders(gpu, &counted, &entry_point).unwrap();
     for decoder in &packs()[..3] {
         let header = decoder.pack().header();
-        for (query, answer) in answers(&evaluator, decoder, PwtFilter::Hardware, 30) {
+        for (query, answer) in answers(&evaluator, decoder, FrameBlock::default(), 30) {
             assert_eq!(answer.fetches, header.fetches() as f32, "{query:?}");
         }
-        for (query, answer) in answers(&evaluator, decoder, PwtFilter::Exact, 30) {
+        for (query, answer) in answers(&evaluator, decoder, FrameBlock::exact(), 30) {
             let own = |level: u32| (query.level - level as f32).clamp(0.0, (header.levels - level) as f32);
             let texels = |level: u32| if own(level).fract() > 0.0 { 8 } else { 4 };
             let expected: u32 = header.textures.iter().map(|texture| texture.layers() * texels(texture.level)).sum();
@@ -304,13 +305,13 @@ fn a_changed_step_is_noticed() {
         let decoder = PWT_WGSL.replace(from, to);
         let evaluator = PwtEvaluator::with_shaders(gpu, &decoder, EVALUATE_PWT_WGSL).unwrap();
         let pack = &packs[*pack];
-        let found = difference(pack, &answers(&evaluator, pack, PwtFilter::Exact, 100));
+        let found = difference(pack, &answers(&evaluator, pack, FrameBlock::exact(), 100));
         found.other_bits == 0 && found.value <= VALUE_ERROR
     });
     let missed: Vec<_> = missed.collect();
     assert!(missed.is_empty(), "{missed:?}");
     let coarser = PWT_WGSL.replace("pwt_sampler, at, layer, own", "pwt_sampler, at, layer, own + 0.1");
     let evaluator = PwtEvaluator::with_shaders(gpu, &coarser, EVALUATE_PWT_WGSL).unwrap();
-    let answers = answers(&evaluator, &packs[0], PwtFilter::Hardware, 100);
+    let answers = answers(&evaluator, &packs[0], FrameBlock::default(), 100);
     assert!(share_of_bound(&packs[0], &answers) > 1.0, "the bound of the sampler is tight enough");
 }

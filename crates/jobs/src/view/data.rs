@@ -3,10 +3,10 @@
 use super::item::ViewItem;
 use super::mesh::PackedMesh;
 use super::packed::packed;
+use brdfc_formats::bindings::{Binding, FrameBlock, Resource, Texels};
 use brdfc_formats::container::TexelFormat;
 use brdfc_render::scene::{Camera, PointLight};
 use brdfc_shaders::Program;
-use brdfc_shaders::resources::{Contents, Resource, dimension_name, format_name, size_of};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -96,12 +96,9 @@ pub(super) struct PageItem {
 
 impl PageItem {
     pub(super) fn new(item: &ViewItem) -> Self {
-        let resources = item.resources();
-        let has_wide = |resource: &Resource| match &resource.contents {
-            Contents::Texture(texels) => matches!(texels.format, TexelFormat::R16Unorm | TexelFormat::Rgba16Unorm),
-            _ => false,
-        };
-        let wide = resources.iter().any(has_wide);
+        let bindings = item.bindings();
+        let is_wide = |texels: &Texels<'_>| matches!(texels.format, TexelFormat::R16Unorm | TexelFormat::Rgba16Unorm);
+        let wide = bindings.textures().any(|(_, texels)| is_wide(texels));
         let directions = item.directions();
         let ([from, to], [low, high]) = (directions.view.sines(), directions.light.sines());
         let (levels, finest) = item.levels();
@@ -110,7 +107,7 @@ impl PageItem {
             name: item.name.clone(),
             facts: item.facts.clone(),
             decoder: item.decoder().name(),
-            resources: resources.into_iter().map(PageResource::new).collect(),
+            resources: bindings.all.into_iter().map(PageResource::new).collect(),
             scenes: scenes.iter().map(|scene| scene.name()).collect(),
             repeats: scenes.iter().map(|scene| (scene.name(), item.repeat(*scene))).collect(),
             sines: [from, to, low, high],
@@ -171,25 +168,27 @@ enum PageContents {
 }
 
 impl PageResource {
-    fn new(resource: Resource) -> Self {
+    fn new(binding: Binding<'_>) -> Self {
         let mut texel_bytes = 0;
-        let contents = match resource.contents {
-            Contents::Uniform(bytes) => PageContents::Uniform { data: packed(&bytes) },
-            Contents::Sampler { repeats } => PageContents::Sampler { repeats },
-            Contents::Texture(texels) => {
+        let contents = match binding.resource {
+            // Samplers filter.
+            Resource::Frame => PageContents::Uniform { data: packed(&FrameBlock::default().to_bytes()) },
+            Resource::Uniform(bytes) => PageContents::Uniform { data: packed(&bytes) },
+            Resource::Sampler { repeats } => PageContents::Sampler { repeats },
+            Resource::Texture(texels) => {
                 let texels = texels.widened();
                 texel_bytes = texels.bytes.len() as u64;
                 PageContents::Texture {
-                    format: format_name(texels.format),
-                    dimension: dimension_name(texels.extent),
-                    size: size_of(texels.extent),
+                    format: texels.format.name(),
+                    dimension: texels.extent.dimension(),
+                    size: texels.extent.size(),
                     texel_bytes: texels.format.texel_bytes(),
                     levels: texels.levels,
                     data: packed(&texels.bytes),
                 }
             }
         };
-        Self { binding: resource.binding, texel_bytes, contents }
+        Self { binding: binding.slot, texel_bytes, contents }
     }
 
     fn bytes(&self) -> usize {

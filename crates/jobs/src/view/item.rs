@@ -1,14 +1,12 @@
 //! What a page draws.
 
 use brdfc_formats::BrdfPack;
+use brdfc_formats::bindings::Bindings;
 use brdfc_formats::crop::{DirectionRange, Elevations};
 use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatValues, SampledDirections};
 use brdfc_formats::pwt::PwtPack;
-use brdfc_formats::pwt::shader::PwtFilter;
-use brdfc_formats::wavelet::{DEFAULT_DISTANCE_SCALE, Filter};
 use brdfc_render::scenes::Builtin;
 use brdfc_shaders::Decoder;
-use brdfc_shaders::resources::{self, Resource};
 
 /// Scenes of BRDFs, the first one foremost.
 const OF_BRDFS: [Builtin; 4] = [Builtin::Sphere, Builtin::Cloth, Builtin::Teapot, Builtin::Plane];
@@ -49,14 +47,12 @@ impl ViewItem {
         }
     }
 
-    /// What is bound for it; samplers filter.
-    pub fn resources(&self) -> Vec<Resource> {
-        let distance_scale = DEFAULT_DISTANCE_SCALE as f32;
+    /// What is bound for it.
+    pub fn bindings(&self) -> Bindings<'_> {
         match &self.drawn {
-            Drawn::Brdf(BrdfPack::Table(pack)) => resources::table(pack, distance_scale),
-            Drawn::Brdf(BrdfPack::Wavelet(pack)) => resources::wavelet(pack, Filter::Bilinear, distance_scale),
-            Drawn::FlatBtf(decoder, directions) => resources::flat_btf(decoder, directions.as_ref(), true),
-            Drawn::Pwt(pack) => resources::pwt(pack, PwtFilter::Hardware),
+            Drawn::Brdf(pack) => pack.bindings(),
+            Drawn::FlatBtf(decoder, directions) => decoder.bindings(true, directions.as_ref()),
+            Drawn::Pwt(pack) => pack.bindings(),
         }
     }
 

@@ -2,9 +2,9 @@
 //! pack; with exact weights, and once more with the sampler filtering.
 
 use crate::texts::text;
+use brdfc_formats::bindings::Resource;
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::wavelet::Filter;
-use brdfc_shaders::resources::{Contents, Resource, size_of};
 use brdfc_shaders::{BindingKind, Decoder, Interface, Language, translate};
 use brdfc_table::recipe::TableRecipe;
 use brdfc_testing::browser::result_of_page;
@@ -88,18 +88,6 @@ struct Asked<'a> {
     sampled: bool,
 }
 
-/// The number of the sampler that filters a texture; nothing for one whose texels are loaded.
-fn sampler_of(decoder: Decoder, texture: u32) -> Option<u32> {
-    match (decoder, texture) {
-        (Decoder::Table, 1 | 3) => Some(2),
-        (Decoder::Wavelet, 1) => Some(3),
-        (Decoder::FlatBtf, 2) => Some(3),
-        (Decoder::FlatBtf, 9 | 10) => Some(12),
-        (Decoder::Pwt, 1..=4) => Some(5),
-        _ => None,
-    }
-}
-
 /// The list of the cases and the bytes that it points into.
 fn page_of(api: &str, asked: &[Asked<'_>]) -> (Value, Vec<u8>) {
     let mut data: Vec<u8> = Vec::new();
@@ -111,54 +99,52 @@ fn page_of(api: &str, asked: &[Asked<'_>]) -> (Value, Vec<u8>) {
     };
     let mut listed = Vec::new();
     for Asked { case, shader, interface, sampled } in asked {
-        let repeats = |sampler| {
-            let is_it = |resource: &&Resource| Some(resource.binding) == sampler;
-            case.resources.iter().find(is_it).is_some_and(|it| it.contents == Contents::Sampler { repeats: true })
-        };
         let mut resources = Vec::new();
-        for resource in &case.resources {
-            let bound = interface.bindings.iter().find(|bound| bound.binding == resource.binding).unwrap();
-            let mut entry = match (&resource.contents, &bound.kind) {
-                (Contents::Uniform(bytes), BindingKind::Uniform { block, bytes: size, .. }) => {
-                    assert_eq!(bytes.len(), *size as usize, "{}", bound.name);
-                    let mut entry = add(bytes);
+        for (slot, name, resource) in case.bound() {
+            let bound = interface.bindings.iter().find(|bound| bound.binding == slot).unwrap();
+            assert_eq!(bound.name, name);
+            let mut entry = match (resource, &bound.kind) {
+                (Resource::Uniform(bytes), BindingKind::Uniform { block, bytes: size, .. }) => {
+                    assert_eq!(bytes.len(), *size as usize, "{name}");
+                    let mut entry = add(&bytes);
                     entry["kind"] = "uniform".into();
                     entry["block"] = block.as_str().into();
                     entry
                 }
-                (Contents::Sampler { repeats }, BindingKind::Sampler) => {
+                (Resource::Sampler { repeats }, BindingKind::Sampler) => {
                     json!({ "kind": "sampler", "repeats": repeats })
                 }
-                (Contents::Texture(texels), BindingKind::Texture { dimension, .. }) => {
-                    let texels = texels.clone().widened();
+                (Resource::Texture(texels), BindingKind::Texture { dimension, .. }) => {
+                    assert_eq!(texels.extent.dimension(), *dimension, "{name}");
+                    let texels = texels.widened();
                     let mut entry = add(&texels.bytes);
                     entry["kind"] = "texture".into();
-                    entry["size"] = json!(size_of(texels.extent));
+                    entry["size"] = json!(texels.extent.size());
                     entry["dimension"] = (*dimension).into();
                     entry["format"] = format!("{:?}", texels.format).into();
                     entry["texelBytes"] = texels.format.texel_bytes().into();
                     entry["levels"] = texels.levels.into();
                     // What WebGL asks of textures, as it has no samplers of their own.
-                    let sampler = sampler_of(case.decoder, resource.binding).filter(|_| *sampled);
+                    let sampler = texels.sampler.as_deref().filter(|_| *sampled);
                     entry["filtered"] = sampler.is_some().into();
-                    entry["repeats"] = repeats(sampler).into();
+                    entry["repeats"] = case.repeats(sampler).into();
                     entry
                 }
-                (contents, kind) => panic!("{}: {contents:?} for {kind:?}", bound.name),
+                (resource, kind) => panic!("{name}: {resource:?} for {kind:?}"),
             };
-            entry["binding"] = resource.binding.into();
-            entry["name"] = bound.name.as_str().into();
+            entry["binding"] = slot.into();
+            entry["name"] = name.into();
             resources.push(entry);
         }
         let group = |k: usize| case.queries.iter().flat_map(move |query| query[k]);
         let queries: Vec<u8> = (0..3).flat_map(group).flat_map(f32::to_le_bytes).collect();
         let source = if api == "webgl2" { "glsl" } else { "wgsl" };
-        let is_wide = |resource: &Resource| match &resource.contents {
-            Contents::Texture(texels) => texels.clone().widened().format != texels.format,
+        let is_wide = |(_, _, resource): (u32, &str, Resource<'_>)| match resource {
+            Resource::Texture(texels) => texels.clone().widened().format != texels.format,
             _ => false,
         };
         // The WGSL has a sampler for it, which a texture of floats takes by this feature alone.
-        let feature = case.resources.iter().any(is_wide).then_some("float32-filterable");
+        let feature = case.bound().any(is_wide).then_some("float32-filterable");
         listed.push(json!({
             "name": case.name,
             source: shader,

@@ -45,22 +45,14 @@ fn agrees(api: &str) {
         let group = |g: usize| case.queries.iter().flat_map(move |query| query[g]);
         let queries = (0..3).flat_map(group).flat_map(f32::to_le_bytes).collect();
         files.push((format!("{k}/queries"), "application/octet-stream", queries));
-        let mut parts = serde_json::Map::new();
-        for (part, bytes) in &case.files {
-            let file = format!("x.{part}.ktx2");
-            files.push((format!("{k}/{file}"), "image/ktx2", bytes.clone()));
-            parts.insert((*part).to_owned(), json!({ "file": file }));
-        }
-        let list = json!({ "parts": parts }).to_string();
-        files.push((format!("{k}/x.json"), "application/json", list.into_bytes()));
-        let wavelet = match case.filter {
-            Some(Filter::Nearest) => "nearest",
-            Some(Filter::Slices) => "slices",
-            _ => "bilinear",
+        files.push((format!("{k}/x.ktx2"), "image/ktx2", case.files[0].clone()));
+        let wavelet = match case.frame.blend {
+            Filter::Nearest => "nearest",
+            Filter::Slices => "slices",
+            Filter::Bilinear => "bilinear",
         };
         listed.push(json!({
             "name": case.name,
-            "flat": case.decoder == Decoder::FlatBtf,
             "wavelet": wavelet,
             "glsl": call(case.decoder),
             "wgsl": wgsl_call(case.decoder),

@@ -4,8 +4,8 @@
 // The layout of the files is described in `formats/src/flat_btf/factored/spec.md`; the CPU decoder with the same steps in
 // the same order is `FactoredFlatBtf` of the crate `brdfc-formats`.
 //
-// To use it: paste it behind `decoder.wgsl`, whose binding 6 may then be any 2D array, move the five bindings where they
-// suit you, and call
+// To use it: paste it behind `decoder.wgsl`, whose texture of values may then be any 2D array, move the bindings where
+// they suit you, and call
 //
 //     let seen = flat_btf_indirection(uv, view);
 //     let value = factored_value(seen.xy, level_of_detail, view, light, views, lights);
@@ -36,7 +36,7 @@ struct FactoredParameters {
     groups: u32,        // groups of four components
     wide_groups: u32,   // of which so many have 16 bits in the basis, the others 8
     shadowed: u32,      // 0: every texel is lit by every light
-    hardware: u32,      // 1: the sampler filters, 0: manual weights
+    reserved: u32,
     views: u32,         // rows of the basis before the base's table
     lowest_light: f32,  // cosine of the largest polar angle of a sampled light
     steps: array<vec4<f32>, 48>,    // three opponent colours, 16 groups each
@@ -44,15 +44,15 @@ struct FactoredParameters {
     lows: array<vec4<f32>, 18>,
 }
 
-@group(1) @binding(8) var<uniform> factored_parameters: FactoredParameters;
+@group(1) @binding(23) var<uniform> factored_parameters: FactoredParameters;
 // The file `weights`, two layers of the base and a layer per group, with mipmaps.
-@group(1) @binding(9) var factored_weights: texture_2d_array<f32>;
+@group(1) @binding(24) var factored_weights: texture_2d_array<f32>;
 // The file `shadow`, a layer per light, with mipmaps; without shadows any 2D array.
-@group(1) @binding(10) var factored_shadow: texture_2d_array<f32>;
+@group(1) @binding(25) var factored_shadow: texture_2d_array<f32>;
 // The file `basis`.
-@group(1) @binding(11) var factored_basis: texture_2d<u32>;
+@group(1) @binding(26) var factored_basis: texture_2d<u32>;
 // Linear filter, also between mipmap levels; repeats.
-@group(1) @binding(12) var factored_sampler: sampler;
+@group(1) @binding(27) var factored_sampler: sampler;
 
 // A point of the flat BTF and the mipmap levels around a level of detail.
 struct FactoredPlace {
@@ -261,7 +261,7 @@ fn factored_lit(place: FactoredPlace, light: u32) -> f32 {
     if factored_parameters.shadowed == 0u {
         return 1.0;
     }
-    if factored_parameters.hardware == 1u {
+    if brdfc_frame.sampler_filters == 1u {
         let detail = f32(place.level) + place.blend;
         return textureSampleLevel(factored_shadow, factored_sampler, place.uv, light, detail).r;
     }
@@ -279,7 +279,7 @@ fn factored_numbers(place: FactoredPlace, layer: u32) -> vec4<f32> {
 
 // Four numbers, 0 to 1 each.
 fn factored_weight_sample(place: FactoredPlace, layer: u32) -> vec4<f32> {
-    if factored_parameters.hardware == 1u {
+    if brdfc_frame.sampler_filters == 1u {
         let detail = f32(place.level) + place.blend;
         return textureSampleLevel(factored_weights, factored_sampler, place.uv, layer, detail);
     }

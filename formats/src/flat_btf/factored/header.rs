@@ -179,7 +179,7 @@ impl FactoredHeader {
         }
     }
 
-    pub(super) fn entries(&self) -> BTreeMap<String, Vec<u8>> {
+    pub(in crate::flat_btf) fn entries(&self) -> BTreeMap<String, Vec<u8>> {
         let counts = [self.views.len() as u32, self.lights.len() as u32];
         let mut words = vec![VERSION, self.size, self.levels, self.groups, self.wide_groups, self.shadow as u32];
         words.extend(counts);

@@ -181,10 +181,14 @@ impl WeightMap {
 
     /// The bytes of the KTX2 file.
     pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
+        self.layers.to_bytes(BTreeMap::from([self.entry()]), supercompress)
+    }
+
+    /// The entry of the ranges.
+    pub(in crate::flat_btf) fn entry(&self) -> (String, Vec<u8>) {
         let words = [VERSION, self.ranges.len() as u32].into_iter();
         let words = words.chain(self.ranges.iter().flat_map(|range| [range.scale.to_bits(), range.low.to_bits()]));
-        let entries = BTreeMap::from([(WEIGHTS.to_owned(), words.flat_map(u32::to_le_bytes).collect())]);
-        self.layers.to_bytes(entries, supercompress)
+        (WEIGHTS.to_owned(), words.flat_map(u32::to_le_bytes).collect())
     }
 
     /// Reads and checks a KTX2 file.
@@ -268,7 +272,12 @@ impl ShadowMap {
 
     /// The bytes of the KTX2 file.
     pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
-        self.layers.to_bytes(BTreeMap::from([(SHADOW.to_owned(), VERSION.to_le_bytes().to_vec())]), supercompress)
+        self.layers.to_bytes(BTreeMap::from([self.entry()]), supercompress)
+    }
+
+    /// The entry of the version.
+    pub(in crate::flat_btf) fn entry(&self) -> (String, Vec<u8>) {
+        (SHADOW.to_owned(), VERSION.to_le_bytes().to_vec())
     }
 
     /// Reads and checks a KTX2 file.

@@ -12,15 +12,6 @@ pub const FACTORED_WGSL: &str = include_str!("factored.wgsl");
 /// texels: samplers have weights of 8 bits or fewer.
 pub const FACTORED_FILTER_PRECISION: f32 = 1.0 / 128.0;
 
-/// Who filters texels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FactoredFilter {
-    /// The shader, with exact weights: the same bits as the CPU decoder where arithmetic is correctly rounded.
-    Exact,
-    /// The texture unit: one fetch per group of weights and per light.
-    Hardware,
-}
-
 /// The uniform block `FactoredParameters` of the shader.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FactoredParameters;
@@ -30,11 +21,10 @@ impl FactoredParameters {
     pub const SIZE: usize = 32 + 4 * GROUP * (3 * MAX_GROUPS + 2 * (BASE_LAYERS + MAX_GROUPS)) as usize;
 
     /// The block of an asset as the shader reads it: little-endian, fields in order, zeros where nothing is.
-    pub fn to_bytes(asset: &FactoredFlatBtf, filter: FactoredFilter) -> Vec<u8> {
+    pub fn to_bytes(asset: &FactoredFlatBtf) -> Vec<u8> {
         let header = asset.header();
-        let hardware = u32::from(filter == FactoredFilter::Hardware);
         let shadowed = u32::from(asset.shadow().is_some());
-        let mut words = vec![header.size, header.levels, header.groups, header.wide_groups, shadowed, hardware];
+        let mut words = vec![header.size, header.levels, header.groups, header.wide_groups, shadowed, 0];
         words.extend([header.views.len() as u32, asset.lowest_light().to_bits()]);
         let mut numbers = |numbers: Vec<f32>, layers: u32| {
             let first = words.len();

@@ -1,0 +1,214 @@
+//! A pack as a file: its own texture, further images and uniform blocks in entries, and the list of bindings that names them.
+
+use super::text::{self, ENTRY, Kind, wrong};
+use super::{Binding, Bindings, Resource, Stored, Texels};
+use crate::FormatError;
+use crate::container::{MAX_TEXEL_BYTES, PackedTexture, Texture, checksum};
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+/// What the entry of an image begins with; the name of its binding follows. The value is a KTX2 file.
+const IMAGE: &str = "brdfc.image.";
+/// What the entry of a uniform block begins with; the name of its binding follows. The value is the block.
+const UNIFORM: &str = "brdfc.uniform.";
+
+/// A pack whose bindings have been read, without knowledge of its codec.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PackFile {
+    /// What a shader that decodes it has bound.
+    pub bindings: Bindings<'static>,
+    /// The other entries named `brdfc.*`: what the codec says of itself.
+    pub entries: BTreeMap<String, Vec<u8>>,
+}
+
+impl Bindings<'_> {
+    /// The bytes of a KTX2 file with these bindings, and entries of the codec's own.
+    ///
+    /// # Panics
+    /// When no texture is that of the file: a mistake of the caller.
+    pub fn to_file(&self, own: BTreeMap<String, Vec<u8>>, supercompress: bool) -> Vec<u8> {
+        let mut entries = own;
+        entries.insert(ENTRY.to_owned(), self.to_text().into_bytes());
+        for binding in &self.all {
+            match &binding.resource {
+                Resource::Uniform(bytes) => {
+                    entries.insert(format!("{UNIFORM}{}", binding.name), bytes.to_vec());
+                }
+                Resource::Texture(texels) if texels.stored == Stored::Entry => {
+                    let image = texels.to_texture(BTreeMap::new()).to_bytes(supercompress);
+                    entries.insert(format!("{IMAGE}{}", binding.name), image);
+                }
+                _ => {}
+            }
+        }
+        let file = self.of_file().expect("a pack has a texture of its own");
+        checksum::sealed(file.to_texture(entries), supercompress)
+    }
+}
+
+impl Texels<'_> {
+    fn to_texture(&self, entries: BTreeMap<String, Vec<u8>>) -> Texture {
+        self.clone().into_texture(entries)
+    }
+
+    fn into_texture(self, entries: BTreeMap<String, Vec<u8>>) -> Texture {
+        let Self { format, extent, levels, bytes, .. } = self;
+        Texture { format, extent, entries, levels, texels: bytes.into_owned() }
+    }
+}
+
+impl PackFile {
+    /// Reads a pack of any codec: checksum, bindings, and whether its images are as the bindings say.
+    ///
+    /// # Errors
+    /// What is no pack, is damaged, or has other images than its bindings name.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
+        Self::from_packed(PackedTexture::from_bytes(bytes)?)
+    }
+
+    /// [`Self::from_bytes`] of a file whose container has been read.
+    ///
+    /// # Errors
+    /// As [`Self::from_bytes`].
+    pub fn from_packed(mut packed: PackedTexture<'_>) -> Result<Self, FormatError> {
+        let mut entries = std::mem::take(&mut packed.entries);
+        let Some(list) = entries.remove(ENTRY) else {
+            let keys: Vec<&str> = entries.keys().map(String::as_str).collect();
+            let found =
+                if keys.is_empty() { "no brdfc entries".to_owned() } else { format!("only {}", keys.join(", ")) };
+            return Err(FormatError::whole(ENTRY, found, "the entries of a pack"));
+        };
+        packed.check_sum(entries.remove(checksum::ENTRY).as_deref())?;
+        let (decoder, version, lines) = text::parse(&list)?;
+        // All sizes before any texel is unpacked.
+        let mut left = MAX_TEXEL_BYTES;
+        for line in &lines {
+            if let Kind::Texture { format, extent, levels, .. } = line.kind {
+                let bytes = extent.texels_of_levels(levels) * format.texel_bytes() as u64;
+                left = left.checked_sub(bytes).ok_or_else(|| {
+                    let allowed = format!("at most {MAX_TEXEL_BYTES} of all images");
+                    wrong(line.number, &format!("{bytes} bytes of texels more"), &allowed)
+                })?;
+            }
+        }
+        let mut own = Some(packed);
+        let mut all = Vec::with_capacity(lines.len());
+        for line in &lines {
+            let resource = match &line.kind {
+                Kind::Frame => Resource::Frame,
+                Kind::Sampler { repeats } => Resource::Sampler { repeats: *repeats },
+                Kind::Uniform { bytes } => {
+                    let key = format!("{UNIFORM}{}", line.name);
+                    let value = entries.remove(&key).ok_or_else(|| missing(line.number, &key))?;
+                    if value.len() != *bytes as usize {
+                        let allowed = format!("{bytes}, as {ENTRY} line {} says", line.number);
+                        return Err(FormatError::whole(key, format!("{} bytes", value.len()), allowed));
+                    }
+                    Resource::Uniform(value.into())
+                }
+                Kind::Texture { stored, format, extent, levels, sampler } => {
+                    let sampler = sampler.map(|name| Cow::Owned(name.to_owned()));
+                    let wanted = Texels { levels: *levels, sampler, ..Texels::empty(*format, *extent) };
+                    Resource::Texture(match stored {
+                        Stored::Empty => wanted,
+                        Stored::File => filled(own.take().expect("checked to be one"), wanted, "texture", line.number)?,
+                        Stored::Entry => {
+                            let key = format!("{IMAGE}{}", line.name);
+                            let value = entries.remove(&key).ok_or_else(|| missing(line.number, &key))?;
+                            let inside = |error: FormatError| FormatError {
+                                field: format!("{key}, {}", error.field).into(),
+                                ..error
+                            };
+                            let image = PackedTexture::from_bytes(&value).map_err(inside)?;
+                            if let Some(entry) = image.entries.keys().next() {
+                                return Err(inside(FormatError::whole("entries", entry.clone(), "none of brdfc")));
+                            }
+                            let texels =
+                                filled(image, wanted, &key, line.number).map_err(|error| match error.field == key {
+                                    true => error,
+                                    false => inside(error),
+                                })?;
+                            Texels { stored: Stored::Entry, ..texels }
+                        }
+                    })
+                }
+            };
+            all.push(Binding { slot: line.slot, name: line.name.to_owned().into(), resource });
+        }
+        if let Some(key) = entries.keys().find(|key| key.starts_with(IMAGE) || key.starts_with(UNIFORM)) {
+            return Err(FormatError::whole(key.clone(), "an entry that no binding names", format!("those of {ENTRY}")));
+        }
+        let bindings = Bindings { decoder: decoder.to_owned().into(), version, all };
+        Ok(Self { bindings, entries })
+    }
+
+    /// The name of the file's decoder, if a texture is a pack.
+    pub(crate) fn decoder_of<'t>(packed: &'t PackedTexture<'_>) -> Option<&'t str> {
+        let line = packed.entries.get(ENTRY)?.split(|byte| *byte == b'\n').next()?;
+        std::str::from_utf8(line).ok()?.strip_prefix("decoder ")?.split(' ').next()
+    }
+
+    /// Whether bindings are those that its codec makes of the pack: everything but texels, which are what the pack was read from.
+    ///
+    /// # Errors
+    /// The first line or block that differs.
+    pub(crate) fn check_same(&self, made: &Bindings<'_>) -> Result<(), FormatError> {
+        let (found, wanted) = (self.bindings.to_text(), made.to_text());
+        if found != wanted {
+            let mut lines = (1..).zip(found.lines().zip(wanted.lines().chain(std::iter::repeat("nothing"))));
+            let (at, (found, wanted)) = lines.find(|(_, (a, b))| a != b).unwrap_or((0, ("fewer lines", "more")));
+            return Err(wrong(at, found, &format!("{wanted}, as the other entries say")));
+        }
+        for (found, wanted) in self.bindings.all.iter().zip(&made.all) {
+            if let (Resource::Uniform(found_bytes), Resource::Uniform(wanted_bytes)) =
+                (&found.resource, &wanted.resource)
+                && let Some(at) = (0..wanted_bytes.len()).find(|at| found_bytes[*at] != wanted_bytes[*at])
+            {
+                let (at, key) = (at / 4 * 4, format!("{UNIFORM}{}", found.name));
+                let word = |bytes: &[u8]| format!("{:02x?}", &bytes[at..at + 4]);
+                let allowed = format!("{}, as the other entries say", word(wanted_bytes));
+                return Err(FormatError::whole(format!("{key} byte {at}"), word(found_bytes), allowed));
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes the texels of a binding, with the codec's own entries; nothing where none are stored.
+    pub(crate) fn take_texture(&mut self, name: &str) -> Option<Texture> {
+        let binding = self.bindings.all.iter_mut().find(|binding| binding.name == name)?;
+        match &mut binding.resource {
+            Resource::Texture(texels) if texels.stored != Stored::Empty => {
+                let bytes = std::mem::take(&mut texels.bytes);
+                Some(Texels { bytes, ..texels.clone() }.into_texture(self.entries.clone()))
+            }
+            _ => None,
+        }
+    }
+
+    /// Takes the texels of the file itself, with the codec's own entries.
+    pub(crate) fn take_own(&mut self) -> Texture {
+        let is_own = |binding: &&Binding<'_>| matches!(&binding.resource, Resource::Texture(texels) if texels.stored == Stored::File);
+        let name = self.bindings.all.iter().find(is_own).map(|binding| binding.name.clone());
+        name.and_then(|name| self.take_texture(&name)).expect("every pack has a texture of its own")
+    }
+}
+
+/// Texels of an image that is as a binding says.
+fn filled(
+    image: PackedTexture<'_>,
+    wanted: Texels<'static>,
+    key: &str,
+    line: usize,
+) -> Result<Texels<'static>, FormatError> {
+    if (image.format, image.extent, image.levels) != (wanted.format, wanted.extent, wanted.levels) {
+        let found = format!("{} levels of {} texels of {}", image.levels, image.extent, image.format.name());
+        let allowed = format!("{} levels of {} texels of {}", wanted.levels, wanted.extent, wanted.format.name());
+        return Err(FormatError::whole(key.to_owned(), found, format!("{allowed}, as {ENTRY} line {line} says")));
+    }
+    let texture = image.unpack_levels(MAX_TEXEL_BYTES)?;
+    Ok(Texels { stored: Stored::File, bytes: texture.texels.into(), ..wanted })
+}
+
+fn missing(line: usize, key: &str) -> FormatError {
+    FormatError::whole(key.to_owned(), "no such entry", format!("one, as {ENTRY} line {line} says"))
+}

@@ -1,0 +1,194 @@
+//! The list of bindings as text, a line each: the entry `brdfc.bindings`.
+
+use super::{
+    Bindings, FRAME_SLOT, MAX_BINDINGS, MAX_SLOTS, MAX_TEXTURES, MAX_UNIFORM_BYTES, MAX_UNIFORMS, Resource, Stored,
+};
+use crate::FormatError;
+use crate::container::{Extent, TexelFormat};
+use std::collections::BTreeSet;
+
+/// The entry that makes a texture a pack.
+pub(super) const ENTRY: &str = "brdfc.bindings";
+
+/// Longest name of a binding or a decoder.
+const MAX_NAME: usize = 64;
+
+/// What a line says of a binding: everything but its bytes.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Line<'t> {
+    /// Its number in the entry, from 1.
+    pub number: usize,
+    pub slot: u32,
+    pub name: &'t str,
+    pub kind: Kind<'t>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Kind<'t> {
+    Frame,
+    Uniform { bytes: u32 },
+    Texture { stored: Stored, format: TexelFormat, extent: Extent, levels: u32, sampler: Option<&'t str> },
+    Sampler { repeats: bool },
+}
+
+const STORED: [(&str, Stored); 3] = [("file", Stored::File), ("entry", Stored::Entry), ("empty", Stored::Empty)];
+const ADDRESSING: [(&str, bool); 2] = [("clamp", false), ("repeat", true)];
+/// In place of a sampler's name, of textures that are only loaded from.
+const NO_SAMPLER: &str = "-";
+
+impl Bindings<'_> {
+    /// The value of the entry.
+    pub(super) fn to_text(&self) -> String {
+        let mut text = format!("decoder {} {}\n", self.decoder, self.version);
+        for binding in &self.all {
+            let what = match &binding.resource {
+                Resource::Frame => "frame".to_owned(),
+                Resource::Uniform(bytes) => format!("uniform {}", bytes.len()),
+                Resource::Sampler { repeats } => format!("sampler {}", ADDRESSING[usize::from(*repeats)].0),
+                Resource::Texture(texels) => {
+                    let stored =
+                        STORED.iter().find(|(_, stored)| *stored == texels.stored).map_or("", |(name, _)| name);
+                    let (dimension, format) = (texels.extent.dimension(), texels.format.name());
+                    let [width, height, depth] = texels.extent.size();
+                    let sampler = texels.sampler.as_deref().unwrap_or(NO_SAMPLER);
+                    format!(
+                        "texture {stored} {dimension} {format} {width} {height} {depth} {} {sampler}",
+                        texels.levels
+                    )
+                }
+            };
+            text += &format!("{} {} {what}\n", binding.slot, binding.name);
+        }
+        text + "\0"
+    }
+}
+
+/// Reads the entry: decoder, version and lines, checked by themselves and with each other.
+///
+/// # Errors
+/// The line, what it says, and what it may say.
+pub(super) fn parse(value: &[u8]) -> Result<(&str, u32, Vec<Line<'_>>), FormatError> {
+    let text = std::str::from_utf8(value).ok().and_then(|text| text.strip_suffix("\n\0"));
+    let text = text.ok_or_else(|| {
+        FormatError::whole(
+            ENTRY,
+            format!("{} bytes that are no such text", value.len()),
+            "lines of UTF-8 and a zero byte",
+        )
+    })?;
+    let (first, rest) = text.split_once('\n').unwrap_or((text, ""));
+    let (decoder, version) = match first.split(' ').collect::<Vec<_>>()[..] {
+        ["decoder", name, version] if is_name(name) => (name, number(1, version, 1..=u32::MAX)?),
+        _ => return Err(wrong(1, first, "'decoder', its name and its version")),
+    };
+    let lines: Vec<&str> = rest.lines().take(MAX_BINDINGS + 1).collect();
+    if lines.is_empty() || lines.len() > MAX_BINDINGS {
+        let found = if lines.is_empty() { "none".to_owned() } else { format!("more than {MAX_BINDINGS}") };
+        return Err(FormatError::whole(format!("{ENTRY} bindings"), found, format!("1 to {MAX_BINDINGS}")));
+    }
+    let lines = (2..).zip(lines).map(|(at, line)| parse_line(at, line)).collect::<Result<Vec<_>, _>>()?;
+    check_together(&lines)?;
+    Ok((decoder, version, lines))
+}
+
+fn parse_line(at: usize, line: &str) -> Result<Line<'_>, FormatError> {
+    let words: Vec<&str> = line.split(' ').collect();
+    let [slot, name, kind, ref rest @ ..] = words[..] else {
+        return Err(wrong(at, line, "a slot, a name, and what is bound"));
+    };
+    let slot = number(at, slot, 0..=MAX_SLOTS - 1)?;
+    if !is_name(name) {
+        return Err(wrong(at, name, "a name of a to z, 0 to 9, - and _"));
+    }
+    let kind = match (kind, rest) {
+        ("frame", []) if slot == FRAME_SLOT => Kind::Frame,
+        ("frame", []) => return Err(wrong(at, &slot.to_string(), "slot 0 of a frame")),
+        ("uniform", [bytes]) => {
+            let bytes = number(at, bytes, 16..=MAX_UNIFORM_BYTES)?;
+            if bytes % 16 != 0 {
+                return Err(wrong(at, &bytes.to_string(), "a multiple of 16"));
+            }
+            Kind::Uniform { bytes }
+        }
+        ("sampler", [mode]) => Kind::Sampler { repeats: one_of(at, mode, &ADDRESSING)? },
+        ("texture", [stored, dimension, format, width, height, depth, levels, sampler]) => {
+            let stored = one_of(at, stored, &STORED)?;
+            let format = TexelFormat::from_name(format).ok_or_else(|| wrong(at, format, "a texel format of packs"))?;
+            let [width, height, depth] =
+                [(width, 1), (height, 1), (depth, 1)].map(|(side, least)| number(at, side, least..=u32::MAX));
+            let size = [width?, height?, depth?];
+            let extent = Extent::from_dimension(dimension, size).ok_or_else(|| {
+                wrong(at, &format!("{dimension} of {size:?}"), "2d, 2d-array or 3d, of a size that packs have")
+            })?;
+            let levels = number(at, levels, 1..=extent.most_levels())?;
+            if stored == Stored::Empty && (size != [1; 3] || levels != 1) {
+                return Err(wrong(at, &format!("{size:?}"), "one texel where nothing is stored"));
+            }
+            let sampler = (*sampler != NO_SAMPLER).then_some(*sampler);
+            Kind::Texture { stored, format, extent, levels, sampler }
+        }
+        _ => return Err(wrong(at, line, "frame, uniform, texture or sampler, and what belongs to it")),
+    };
+    Ok(Line { number: at, slot, name, kind })
+}
+
+fn check_together(lines: &[Line<'_>]) -> Result<(), FormatError> {
+    let mut names = BTreeSet::new();
+    for (k, line) in lines.iter().enumerate() {
+        if k > 0 && line.slot <= lines[k - 1].slot {
+            return Err(wrong(line.number, &format!("slot {}", line.slot), "slots that rise, each once"));
+        }
+        if !names.insert(line.name) {
+            return Err(wrong(line.number, line.name, "a name that stands once"));
+        }
+        if let Kind::Texture { sampler: Some(sampler), format, .. } = &line.kind {
+            let is_there =
+                lines.iter().any(|other| other.name == *sampler && matches!(other.kind, Kind::Sampler { .. }));
+            if !is_there {
+                return Err(wrong(line.number, sampler, "a sampler of the list, or -"));
+            }
+            if format.is_integer() {
+                return Err(wrong(line.number, sampler, "-, as integers are not filtered"));
+            }
+        }
+    }
+    let count = |is: &dyn Fn(&Kind<'_>) -> bool| lines.iter().filter(|line| is(&line.kind)).count();
+    for (what, found, most) in [
+        ("textures", count(&|kind| matches!(kind, Kind::Texture { .. })), MAX_TEXTURES),
+        ("samplers", count(&|kind| matches!(kind, Kind::Sampler { .. })), MAX_TEXTURES),
+        ("uniform blocks", count(&|kind| matches!(kind, Kind::Uniform { .. } | Kind::Frame)), MAX_UNIFORMS),
+    ] {
+        if found > most {
+            return Err(FormatError::whole(format!("{ENTRY} {what}"), found.to_string(), format!("at most {most}")));
+        }
+    }
+    let of_file = count(&|kind| matches!(kind, Kind::Texture { stored: Stored::File, .. }));
+    if of_file != 1 {
+        let found = format!("{of_file} bindings of the file's own texture");
+        return Err(FormatError::whole(ENTRY, found, "one"));
+    }
+    Ok(())
+}
+
+fn is_name(word: &str) -> bool {
+    let is_letter = |letter: u8| matches!(letter, b'a'..=b'z' | b'0'..=b'9' | b'_' | b'-');
+    (1..=MAX_NAME).contains(&word.len()) && word.bytes().all(is_letter)
+}
+
+/// A number without leading zeros.
+fn number(at: usize, word: &str, range: std::ops::RangeInclusive<u32>) -> Result<u32, FormatError> {
+    let found = word.parse::<u32>().ok().filter(|found| found.to_string() == word && range.contains(found));
+    found.ok_or_else(|| wrong(at, word, &format!("{} to {}", range.start(), range.end())))
+}
+
+fn one_of<T: Copy>(at: usize, word: &str, names: &[(&str, T)]) -> Result<T, FormatError> {
+    names
+        .iter()
+        .find(|(name, _)| *name == word)
+        .map(|(_, value)| *value)
+        .ok_or_else(|| wrong(at, word, &names.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(" or ")))
+}
+
+pub(super) fn wrong(line: usize, found: &str, allowed: &str) -> FormatError {
+    FormatError::whole(format!("{ENTRY} line {line}"), found, allowed)
+}

@@ -1,0 +1,132 @@
+//! A flat BTF as one file: what its shader has bound, entries that say what the images are, and which texels its views see.
+
+use super::decoder::{FlatBtfDecoder, FlatBtfParts, FlatValues, Indirection};
+use super::directions::SampledDirections;
+use super::factored::{BasisMap, FACTORED_ENTRY, FactoredFlatBtf, ShadowMap, WeightMap};
+use super::flat_view::VisibilityMask;
+use super::shader::{BASIS, DIRECTIONS, NORMAL, PACKED, RANGES, REFERENCE, SHADOW, WEIGHTS};
+use super::{DISPLACEMENT_ENTRY, DisplacementMap, IndirectionMap, NormalMap, ReferenceMap, maps::DiffuseMap};
+use crate::FormatError;
+use crate::bindings::PackFile;
+use crate::container::{MAX_TEXEL_BYTES, PackedTexture, Texture};
+use std::collections::BTreeMap;
+
+/// The entry of a KTX2 file: which texels each view sees. No shader reads it.
+const MASK: &str = "brdfc.flat-btf.mask";
+
+/// A flat BTF as a file has it.
+#[derive(Debug)]
+pub struct FlatBtfFile {
+    /// What is decoded.
+    pub decoder: FlatBtfDecoder,
+    /// What blends sampled views and lights; nothing of the light form.
+    pub directions: Option<SampledDirections>,
+    /// Which texels are seen in which view, where the file says so.
+    pub mask: Option<VisibilityMask>,
+}
+
+impl FlatBtfFile {
+    /// A file of a decoder and what its encoder knows of visibility.
+    ///
+    /// # Errors
+    /// Values of all views as they are, which no file holds; views or lights that cannot be blended; a mask of other sizes.
+    pub fn new(decoder: FlatBtfDecoder, mask: Option<VisibilityMask>) -> Result<Self, FormatError> {
+        let values = &decoder.parts().values;
+        if let FlatValues::Views(views) = values {
+            let found = format!("{} views as they are", views.len());
+            return Err(FormatError::whole("values of a flat BTF", found, "factored ones, or the light form"));
+        }
+        let directions = SampledDirections::of(values)?;
+        let file = Self { decoder, directions, mask };
+        file.check_mask()?;
+        Ok(file)
+    }
+
+    fn check_mask(&self) -> Result<(), FormatError> {
+        let Some(mask) = &self.mask else { return Ok(()) };
+        let parts = self.decoder.parts();
+        let views = parts.values.directions().map(|[views, _]| views.len() as u32);
+        if mask.size() == parts.diffuse.size() && views.is_none_or(|views| views == mask.views()) {
+            return Ok(());
+        }
+        let found = format!("{0} x {0} texels of {1} views", mask.size(), mask.views());
+        let allowed = format!("{0} x {0} texels of each view", parts.diffuse.size());
+        Err(FormatError::whole(MASK, found, allowed))
+    }
+
+    /// The bytes of the KTX2 file.
+    pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
+        let parts = self.decoder.parts();
+        let mut entries = BTreeMap::from([match &parts.indirection {
+            Indirection::Samples(map) => map.entry(),
+            Indirection::Compact(map) => map.entry(),
+        }]);
+        if let Some(asset) = parts.values.factored() {
+            entries.extend(asset.basis().header().entries());
+            entries.extend([asset.weights().entry()]);
+            entries.extend(asset.shadow().map(ShadowMap::entry));
+        }
+        entries.extend(self.mask.as_ref().map(|mask| (MASK.to_owned(), mask.to_bytes(true))));
+        self.decoder.bindings(true, self.directions.as_ref()).to_file(entries, supercompress)
+    }
+
+    /// Reads and checks a KTX2 file.
+    ///
+    /// # Errors
+    /// Whatever breaks the rules of `formats/src/flat_btf/spec.md`.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
+        Self::from_file(PackFile::from_bytes(bytes)?)
+    }
+
+    /// [`Self::from_bytes`] of a file whose bindings have been read.
+    ///
+    /// # Errors
+    /// As [`Self::from_bytes`].
+    pub fn from_file(mut file: PackFile) -> Result<Self, FormatError> {
+        let mask = file.entries.remove(MASK).map(|bytes| read_mask(&bytes)).transpose()?;
+        let diffuse = DiffuseMap::from_texture(&file.take_own())?;
+        let mut image = |name: &'static str| {
+            let texture = file.take_texture(name);
+            move || texture.ok_or_else(|| FormatError::whole(name, "no texels", "those of a flat BTF"))
+        };
+        let (reference, packed, normal) = (image(REFERENCE)()?, image(PACKED)()?, image(NORMAL)()?);
+        let (ranges, directions) = (image(RANGES), image(DIRECTIONS));
+        let indirection: Indirection = if packed.entries.contains_key(DISPLACEMENT_ENTRY) {
+            DisplacementMap::from_textures(&packed, &ranges()?)?.into()
+        } else {
+            IndirectionMap::from_texture(&packed)?.into()
+        };
+        let values = if packed.entries.contains_key(FACTORED_ENTRY) {
+            let (basis, weights, shadow) = (image(BASIS)()?, image(WEIGHTS)()?, image(SHADOW)().ok());
+            let shadow = shadow.map(ShadowMap::from_texture).transpose()?;
+            let asset =
+                FactoredFlatBtf::new(BasisMap::from_texture(&basis)?, WeightMap::from_texture(weights)?, shadow)?;
+            FlatValues::Factored(Box::new(asset))
+        } else {
+            FlatValues::None
+        };
+        let stored = directions().ok().map(|texture| SampledDirections::from_texture(&texture)).transpose()?;
+        let reference = ReferenceMap::from_texture(&reference)?;
+        let parts = FlatBtfParts { reference, indirection, normal: NormalMap::from_texture(&normal)?, diffuse, values };
+        let made = Self::new(FlatBtfDecoder::new(parts)?, mask)?;
+        // Meshes may differ where more than three points are on a circle: those of the file count.
+        let counts = |some: &SampledDirections| [some.views.directions(), some.lights.directions()];
+        let [found, allowed] = [&stored, &made.directions].map(|some| some.as_ref().map(counts));
+        if found != allowed {
+            let summary = |counts: Option<[usize; 2]>| match counts {
+                Some([views, lights]) => format!("meshes of {views} views and {lights} lights"),
+                None => "none".to_owned(),
+            };
+            return Err(FormatError::whole(DIRECTIONS, summary(found), summary(allowed)));
+        }
+        let read = Self { directions: stored, ..made };
+        file.check_same(&read.decoder.bindings(true, read.directions.as_ref()))?;
+        Ok(read)
+    }
+}
+
+fn read_mask(bytes: &[u8]) -> Result<VisibilityMask, FormatError> {
+    let texture = PackedTexture::from_bytes(bytes).and_then(|packed| packed.unpack(MAX_TEXEL_BYTES));
+    let inside = |error: FormatError| FormatError { field: format!("{MASK}, {}", error.field).into(), ..error };
+    texture.and_then(|texture: Texture| VisibilityMask::from_texture(&texture)).map_err(inside)
+}
