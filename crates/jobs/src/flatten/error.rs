@@ -1,10 +1,10 @@
 //! Why flattening fails.
 
+use brdfc_flat_btf::encode::EncodeError;
 use brdfc_flat_btf::parameterise::ParameteriseError;
 use brdfc_formats::FormatError;
 use brdfc_source::InputError;
 use brdfc_source::progress::Cancelled;
-use std::convert::Infallible;
 use std::path::Path;
 
 /// Why a flat BTF cannot be made.
@@ -27,6 +27,16 @@ pub enum FlattenError {
         /// What the system says.
         error: std::io::Error,
     },
+    /// Values of a view cannot be kept on the way.
+    #[error("{folder}: cannot write the scratch file of view {view}: {error}")]
+    Scratch {
+        /// Where the asset is made.
+        folder: String,
+        /// Which view.
+        view: u32,
+        /// What the system says.
+        error: std::io::Error,
+    },
     /// The caller asked to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
@@ -38,17 +48,13 @@ impl FlattenError {
     }
 }
 
-impl From<ParameteriseError> for FlattenError {
-    fn from(error: ParameteriseError) -> Self {
+impl From<EncodeError<Self>> for FlattenError {
+    fn from(error: EncodeError<Self>) -> Self {
         match error {
-            ParameteriseError::Cancelled(cancelled) => cancelled.into(),
-            other => Self::Parameterise(other),
+            EncodeError::Parameterise(error) => Self::Parameterise(error),
+            EncodeError::Format(error) => error.into(),
+            EncodeError::Outside(error) => error,
+            EncodeError::Cancelled(cancelled) => cancelled.into(),
         }
-    }
-}
-
-impl From<Infallible> for FlattenError {
-    fn from(never: Infallible) -> Self {
-        match never {}
     }
 }
