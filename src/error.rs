@@ -183,7 +183,7 @@ impl From<FlattenError> for CliError {
         match error {
             FlattenError::Input(error) => error.into(),
             FlattenError::Parameterise(_) | FlattenError::Pack(_) => Self::Input(message),
-            FlattenError::Write { .. } | FlattenError::Scratch { .. } => Self::Io(message),
+            FlattenError::Write { .. } => Self::Io(message),
             FlattenError::Cancelled(_) => Self::Interrupted,
         }
     }

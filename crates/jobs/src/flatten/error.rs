@@ -27,16 +27,6 @@ pub enum FlattenError {
         /// What the system says.
         error: std::io::Error,
     },
-    /// Values of a view cannot be kept on the way.
-    #[error("{folder}: cannot write the scratch file of view {view}: {error}")]
-    Scratch {
-        /// Where the asset is made.
-        folder: String,
-        /// Which view.
-        view: u32,
-        /// What the system says.
-        error: std::io::Error,
-    },
     /// The caller asked to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

@@ -22,22 +22,22 @@ impl FolderScratch {
     fn file(&self, view: u32) -> PathBuf {
         self.folder.join(format!("view.{view}"))
     }
+
+    fn in_words(&self, view: u32) -> String {
+        format!("{}, scratch file of view {view}", self.name)
+    }
 }
 
 impl Scratch for FolderScratch {
     type Error = FlattenError;
 
     fn write_scratch(&self, view: u32, values: &[u8]) -> Result<(), FlattenError> {
-        std::fs::write(self.file(view), values).map_err(|error| FlattenError::Scratch {
-            folder: self.name.clone(),
-            view,
-            error,
-        })
+        std::fs::write(self.file(view), values)
+            .map_err(|error| FlattenError::Write { path: self.in_words(view), error })
     }
 
     fn read_scratch(&self, view: u32) -> Result<Vec<u8>, FlattenError> {
-        let name = || format!("{}, scratch file of view {view}", self.name);
-        std::fs::read(self.file(view)).map_err(|error| InputError::Io { name: name(), error }.into())
+        std::fs::read(self.file(view)).map_err(|error| InputError::Io { name: self.in_words(view), error }.into())
     }
 }
 
@@ -64,7 +64,7 @@ mod tests {
         std::os::unix::fs::symlink("/dev/full", folder.path().join("view.3")).unwrap();
         let scratch = FolderScratch::new(folder.path().to_owned(), Path::new("button"));
         let error = scratch.write_scratch(3, &[0; 100]).unwrap_err();
-        let text = "button: cannot write the scratch file of view 3: No space left on device (os error 28)";
+        let text = "button, scratch file of view 3: cannot write: No space left on device (os error 28)";
         assert_eq!(error.to_string(), text);
     }
 }
