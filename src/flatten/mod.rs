@@ -87,6 +87,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         name: &name,
         folder: &arguments.out,
         recipe: &recipe,
+        supercompress: !arguments.no_supercompression,
         geometry,
         materials,
         values,

@@ -5,10 +5,11 @@ use super::directions::{default_set, direction_set, pair};
 use crate::CliError;
 use crate::inputs::refuse_stdin_twice;
 use crate::output::{check_folder, refuse_same_outputs};
+use brdfc_flat_btf::encode::{FlattenRecipe, Form};
 use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::fill::FillMethod;
 use brdfc_formats::flat_btf::{IndirectionHeader, MAX_AZIMUTH_SAMPLES, MAX_ZENITH_SAMPLES};
-use brdfc_jobs::flatten::{FlattenRecipe, Form, MesoOptions};
+use brdfc_jobs::flatten::MesoOptions;
 use brdfc_source::Input;
 use brdfc_source::words::shown;
 use std::ffi::{OsStr, OsString};
@@ -239,7 +240,6 @@ pub(super) fn recipe(arguments: &Arguments) -> Result<FlattenRecipe, CliError> {
         },
         factor: factor_target(arguments)?,
         compact: !arguments.uncompressed,
-        supercompress: !arguments.no_supercompression,
     })
 }
 

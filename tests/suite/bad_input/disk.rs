@@ -89,6 +89,7 @@ fn a_full_disk() {
     // A small file system in a name space of its own: gone with the shell, whatever happens.
     let script = "mkdir small && mount -t tmpfs -o size=16k none small || exit 99
         \"$0\" encode synth:lewis --grid 32 -o small/p.ktx2; echo \"code $?\"
+        \"$0\" flatten synth:button?resolution=16 --texels 16 --views grid:2x6@50 -o small/flat; echo \"code $?\"
         \"$0\" build scene.toml --quiet --out small/packs > /dev/null; echo \"code $?\"
         \"$0\" synth lewis -o small/a.binary --dimensions 16x16x32; echo \"code $?\"
         find small -type f -size +0";
@@ -110,11 +111,18 @@ fn a_full_disk() {
     );
     assert!(stderr.contains("brdfc: small/p.ktx2: cannot write: ") && !stderr.contains("panicked"), "{stderr}");
     assert!(stderr.contains("brdfc: small/a.binary: cannot write: "), "{stderr}");
+    assert!(stderr.contains("brdfc: small/flat, scratch file of view "), "{stderr}");
     // Whichever command it is, in the words of the system.
     for line in stderr.lines().filter(|line| line.contains("cannot write")) {
         assert!(line.ends_with(": cannot write: No space left on device (os error 28)"), "{line}");
     }
     for left in lines.iter().filter(|line| line.starts_with("small")) {
-        assert!(!left.contains(".tmp") && !left.contains("p.ktx2") && !left.contains("a.binary"), "{left} is left");
+        assert!(
+            !left.contains(".tmp")
+                && !left.contains("small/flat")
+                && !left.contains("p.ktx2")
+                && !left.contains("a.binary"),
+            "{left} is left"
+        );
     }
 }

@@ -2,8 +2,14 @@
 
 use super::schemas::conforms;
 use crate::common::cli::{Folder, Ran};
+use brdfc_flat_btf::encode::{FlatInput, FlattenRecipe, Form, MemoryScratch, ValueSource, encode};
+use brdfc_flat_btf::factored::FactoredTarget;
+use brdfc_flat_btf::fill::FillMethod;
 use brdfc_formats::container::rgb9e5;
-use brdfc_source::flat_btf::open_flat_btf;
+use brdfc_formats::direction_set::DirectionSet;
+use brdfc_formats::flat_btf::{FlatValues, IndirectionHeader};
+use brdfc_jobs::flatten::{MesoOptions, material_list, open_appearance, open_asset, open_geometry};
+use brdfc_source::flat_btf::{open_flat_btf, open_flat_mask};
 use serde_json::Value;
 
 /// Small enough for seconds: 7 views and lights.
@@ -110,6 +116,62 @@ fn graphics_memory_is_that_of_the_bindings() {
     assert!(missed.json()["report"]["factored"]["errors"]["seen_mean"].as_f64().unwrap() > 1e-5);
     let refused = flatten(&folder, &[&knit[..], &["--max-bytes", "1KiB"]].concat());
     assert!(refused.code == 2 && refused.stderr.contains("--max-bytes: found 1024; allowed "), "{}", refused.stderr);
+}
+
+/// The codec alone, with scratch storage in memory, makes what the program writes.
+#[test]
+fn files_hold_what_the_codec_makes() {
+    let folder = Folder::new();
+    let options = MesoOptions {
+        geometry: Some("synth:button?resolution=24".into()),
+        tile: 1.0,
+        height_scale: 0.1,
+        height_offset: 0.0,
+        materials: Vec::new(),
+        colour: None,
+        weights: None,
+    };
+    let set = DirectionSet::grid(2, 6, 50.0).unwrap();
+    let whole = FlattenRecipe {
+        flat_texels: 16,
+        indirection: IndirectionHeader {
+            size: 16,
+            zenith_samples: 4,
+            azimuth_samples: 6,
+            largest_angle: 80f64.to_radians() as f32,
+        },
+        oversampling: 1,
+        views: set.clone(),
+        lights: set,
+        fill: FillMethod::Poisson,
+        bounces: 0,
+        rounds: 0,
+        form: Form::Full,
+        factor: None,
+        compact: false,
+    };
+    let light = FlattenRecipe { form: Form::Light, compact: true, ..whole.clone() };
+    let factored = FlattenRecipe { factor: Some(FactoredTarget::Error(0.7)), compact: true, ..whole.clone() };
+    for (name, more, recipe) in
+        [("factored", &[][..], factored), ("whole", &["--uncompressed"], whole), ("light", &["--form", "light"], light)]
+    {
+        let geometry = open_geometry(&options).unwrap();
+        let materials = material_list(&options, &geometry).unwrap();
+        let appearance = open_appearance(&options, &materials, &()).unwrap();
+        let values = ValueSource::Computed(&appearance);
+        let scratch = MemoryScratch::default();
+        let input = FlatInput { mesh: geometry.mesh, repairs: None, values };
+        let mut made = encode(input, &recipe, &scratch, &()).unwrap();
+        if let Some(views) = &made.views {
+            let views = (0..views.count()).map(|view| views.read(view, &scratch).unwrap());
+            made.parts.values = FlatValues::Views(views.collect());
+        }
+        flatten(&folder, &[&["synth:button?resolution=24", "-o", name], more].concat()).succeeded();
+        let path = folder.path().join(name);
+        assert!(open_flat_btf(&path, recipe.form == Form::Full).unwrap() == made.parts, "{name}");
+        assert_eq!(open_flat_mask(&path).unwrap(), Some(made.mask));
+        assert_eq!(open_asset(&path).unwrap().expect("a list of parts").report, made.report);
+    }
 }
 
 #[test]

@@ -7,6 +7,7 @@ pub mod caster;
 pub mod coherency;
 pub mod diffuse;
 pub mod displacement;
+pub mod encode;
 pub mod factored;
 pub mod fill;
 pub mod indirection;

@@ -20,7 +20,7 @@ pub trait ViewImages: Sync {
 
 /// Values of texels looked up in images: a texel at `p` appears in the view along `v` where the line through `p` along `v`
 /// crosses the plane.
-pub struct MeasuredField<'a, I> {
+pub struct MeasuredField<'a, I: ?Sized> {
     /// The images.
     pub images: &'a I,
     /// Where texels are.
@@ -36,7 +36,7 @@ pub struct MeasuredView {
     places: Vec<[f64; 2]>,
 }
 
-impl<I: ViewImages> LightField for MeasuredField<'_, I> {
+impl<I: ViewImages + ?Sized> LightField for MeasuredField<'_, I> {
     type Error = I::Error;
     type View = MeasuredView;
 

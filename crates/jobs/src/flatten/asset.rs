@@ -1,10 +1,8 @@
-//! What is written: the list of an asset's parts and what was measured.
+//! The list of an asset's parts, with its settings and what was measured.
 
-use super::recipe::{Form, Settings};
-use brdfc_flat_btf::factored::FactoredFacts;
-use brdfc_flat_btf::parameterise::SurfaceParameterisationReport;
-use brdfc_flat_btf::probes::ColourErrors;
-use brdfc_flat_btf::weld::WeldReport;
+use brdfc_flat_btf::encode::{AssetReport, FlattenRecipe, Form};
+use brdfc_flat_btf::factored::FactoredTarget;
+use brdfc_flat_btf::fill::FillMethod;
 use brdfc_formats::container::Extent;
 use brdfc_formats::flat_btf::{FlatPart, gpu_bytes};
 use serde::{Deserialize, Serialize};
@@ -45,47 +43,62 @@ pub struct PartFile {
     pub blake3: String,
 }
 
-/// What was measured of an asset.
+/// The settings as reports hold them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
-pub struct AssetReport {
-    /// What was mended in a mesh.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[serde(rename = "mended")]
-    pub repairs: Option<WeldReport>,
-    /// The parameterisation.
-    pub parameterisation: SurfaceParameterisationReport,
-    /// Lowest and highest point of the surface, in tiles.
-    pub heights: [f64; 2],
-    /// Share of texels that a view sees, mean over the views.
-    pub seen: f64,
-    /// Texels that no view sees.
-    pub never_seen: usize,
-    /// Errors of what a shader sees.
-    pub errors: AssetErrors,
-    /// Of factors in place of all views: how many there are, and how far they are from the views.
+pub struct Settings {
+    /// Texels of the flat BTF per side.
+    pub flat_texels: usize,
+    /// Texels of the reference plane per side.
+    pub texels: u32,
+    /// Polar angles and azimuths of the indirection map.
+    pub indirection: [u32; 2],
+    /// Largest polar angle of the indirection map, degrees.
+    pub largest_angle: f64,
+    /// Rays per texel and axis.
+    pub oversampling: usize,
+    /// Set and number of the views: the set as it was named, a file without its folder.
+    pub views: (String, usize),
+    /// Set and number of the lights.
+    pub lights: (String, usize),
+    /// How holes were filled.
+    pub fill: FillMethod,
+    /// Rays per texel of the light of one bounce.
+    pub bounces: usize,
+    /// Rounds of stretch-reducing reweighting at most.
+    pub stretch_rounds: usize,
+    /// Which parts were made.
+    pub form: Form,
+    /// What was asked of the factors that stand for all views; nothing where views are stored as they are.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub factored: Option<FactoredFacts>,
+    pub factored: Option<FactoredTarget>,
+    /// Whether displacements of two bytes stand for the indirection map.
+    #[serde(default)]
+    pub compact: bool,
+    /// Whether files are compressed with Zstandard.
+    pub supercompression: bool,
 }
 
-/// Errors against what the surface shows, or the images that came in. Where light of one bounce was asked for there are
-/// none of computed BTFs: the comparison knows direct light only.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
-pub struct AssetErrors {
-    /// Equation 1 at sampled views and lights.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub at_samples: Option<ColourErrors>,
-    /// Equation 1 at random views and lights between the samples. Not known for measured BTFs.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub between_samples: Option<ColourErrors>,
-    /// The light form, normal map and diffuse colour, at the same views and lights.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub light_form: Option<ColourErrors>,
-    /// What `at_samples` would be with every view as it is, where factors stand for them.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub views_at_samples: Option<ColourErrors>,
-    /// The same of `between_samples`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub views_between_samples: Option<ColourErrors>,
+impl Settings {
+    /// The settings of a recipe; `supercompress`: whether files are compressed with Zstandard.
+    pub(super) fn new(recipe: &FlattenRecipe, supercompress: bool) -> Self {
+        let header = &recipe.indirection;
+        Self {
+            flat_texels: recipe.flat_texels,
+            texels: header.size,
+            indirection: [header.zenith_samples, header.azimuth_samples],
+            largest_angle: (f64::from(header.largest_angle).to_degrees() * 1e3).round() / 1e3,
+            oversampling: recipe.oversampling,
+            views: (recipe.views.name.clone(), recipe.views.len()),
+            lights: (recipe.lights.name.clone(), recipe.lights.len()),
+            fill: recipe.fill,
+            bounces: recipe.bounces,
+            stretch_rounds: recipe.rounds,
+            form: recipe.form,
+            factored: recipe.factored(),
+            compact: recipe.compact,
+            supercompression: supercompress,
+        }
+    }
 }
 
 impl AssetFile {

@@ -1,10 +1,10 @@
 //! Why flattening fails.
 
+use brdfc_flat_btf::encode::EncodeError;
 use brdfc_flat_btf::parameterise::ParameteriseError;
 use brdfc_formats::FormatError;
 use brdfc_source::InputError;
 use brdfc_source::progress::Cancelled;
-use std::convert::Infallible;
 use std::path::Path;
 
 /// Why a flat BTF cannot be made.
@@ -38,17 +38,13 @@ impl FlattenError {
     }
 }
 
-impl From<ParameteriseError> for FlattenError {
-    fn from(error: ParameteriseError) -> Self {
+impl From<EncodeError<Self>> for FlattenError {
+    fn from(error: EncodeError<Self>) -> Self {
         match error {
-            ParameteriseError::Cancelled(cancelled) => cancelled.into(),
-            other => Self::Parameterise(other),
+            EncodeError::Parameterise(error) => Self::Parameterise(error),
+            EncodeError::Format(error) => error.into(),
+            EncodeError::Outside(error) => error,
+            EncodeError::Cancelled(cancelled) => cancelled.into(),
         }
-    }
-}
-
-impl From<Infallible> for FlattenError {
-    fn from(never: Infallible) -> Self {
-        match never {}
     }
 }

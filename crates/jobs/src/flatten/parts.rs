@@ -2,11 +2,11 @@
 
 use super::asset::PartFile;
 use super::error::FlattenError;
+use super::scratch::FolderScratch;
 use crate::store::{Staging, abandoned, read_record, write_record};
 use crate::write::{is_plain, write_atomic};
 use brdfc_formats::container::Extent;
 use brdfc_formats::flat_btf::{PART_EXTENSION, gpu_bytes, split_part_name};
-use brdfc_source::InputError;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -31,6 +31,16 @@ impl<'a> Parts<'a> {
         Ok(Self { name, folder, aside, files: BTreeMap::new() })
     }
 
+    /// Storage for what is needed on the way and is no part of the asset.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub(super) fn scratch(&self) -> Result<FolderScratch, FlattenError> {
+        let folder = self.aside.path().join(SCRATCH);
+        std::fs::create_dir(&folder).map_err(|error| FlattenError::write(self.folder, error))?;
+        Ok(FolderScratch::new(folder, self.folder))
+    }
+
     /// Writes a part of this extent and so many mipmap levels aside.
     ///
     /// # Errors
@@ -44,36 +54,13 @@ impl<'a> Parts<'a> {
     /// # Errors
     /// As [`Self::add`].
     pub(super) fn add_sized(&mut self, part: &str, bytes: &[u8], gpu_bytes: u64) -> Result<(), FlattenError> {
-        self.keep(part, bytes)?;
+        let file = format!("{}.{part}{PART_EXTENSION}", self.name);
+        std::fs::write(self.aside.path().join(&file), bytes)
+            .map_err(|error| FlattenError::write(&self.folder.join(&file), error))?;
         let blake3 = blake3::hash(bytes).to_hex().to_string();
-        let (file, length) = (self.file(part), bytes.len() as u64);
-        let listed = PartFile { file, bytes: length, gpu_bytes, blake3 };
+        let listed = PartFile { file, bytes: bytes.len() as u64, gpu_bytes, blake3 };
         self.files.insert(part.to_owned(), listed);
         Ok(())
-    }
-
-    /// Writes what is needed on the way and is no part of the asset.
-    ///
-    /// # Errors
-    /// What the system says.
-    pub(super) fn keep(&self, part: &str, bytes: &[u8]) -> Result<(), FlattenError> {
-        let file = self.file(part);
-        std::fs::write(self.aside.path().join(&file), bytes)
-            .map_err(|error| FlattenError::write(&self.folder.join(file), error))
-    }
-
-    /// What was kept.
-    ///
-    /// # Errors
-    /// What the system says.
-    pub(super) fn kept(&self, part: &str) -> Result<Vec<u8>, FlattenError> {
-        let file = self.file(part);
-        std::fs::read(self.aside.path().join(&file))
-            .map_err(|error| InputError::Io { name: self.folder.join(file).display().to_string(), error }.into())
-    }
-
-    fn file(&self, part: &str) -> String {
-        format!("{}.{part}{PART_EXTENSION}", self.name)
     }
 
     /// What was written so far, by part.
@@ -97,6 +84,8 @@ impl<'a> Parts<'a> {
     }
 }
 
+/// In the folder aside: what is needed on the way.
+const SCRATCH: &str = "scratch";
 /// In the folder aside, when all is there: what is to be moved out of it.
 const MOVES: &str = "moves";
 
@@ -168,6 +157,7 @@ impl Moves {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use brdfc_flat_btf::encode::Scratch as _;
 
     const EXTENT: Extent = Extent::D2([1, 1]);
 
@@ -212,8 +202,7 @@ mod tests {
         let path = folder.path();
         for parts in [&["flat.000", "flat.001"][..], &["basis", "shadow", "weights"], &["flat.000"]] {
             let mut asset = Parts::new("a", path).unwrap();
-            asset.keep("flat.007", b"on the way").unwrap();
-            assert_eq!(asset.kept("flat.007").unwrap(), b"on the way");
+            asset.scratch().unwrap().write_scratch(7, b"on the way").unwrap();
             parts.iter().for_each(|part| asset.add(part, b"some", EXTENT, 1).unwrap());
             asset.commit("list").unwrap();
             let mut expected: Vec<String> = parts.iter().map(|part| format!("a.{part}.ktx2")).collect();

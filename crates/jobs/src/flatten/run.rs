@@ -1,32 +1,16 @@
-//! Makes the packs of a flat BTF.
+//! Makes a flat BTF and puts its files in place.
 
-use super::asset::{AssetFile, AssetReport};
+use super::asset::{AssetFile, Settings};
 use super::error::FlattenError;
-use super::factors::add_factors;
+use super::images::{StackImages, write_images};
 use super::input::Geometry;
 use super::parts::Parts;
-use super::pass::Pass;
-use super::probing::{computed_probes, measured_probes};
-use super::recipe::{FlattenRecipe, Form};
-use super::stack::StackImages;
+use super::store::add_parts;
 use crate::btf_stack::StackFormat;
-use brdfc_flat_btf::displacement::{coarser, displacements};
-use brdfc_flat_btf::indirection::indirection;
-use brdfc_flat_btf::interreflection::Bounces;
-use brdfc_flat_btf::light_field::{ComputedField, visible_from_each};
-use brdfc_flat_btf::measured::MeasuredField;
-use brdfc_flat_btf::model::MesoModel;
-use brdfc_flat_btf::parameterise::steps;
+use brdfc_flat_btf::encode::{FlatInput, FlattenRecipe, ValueSource, encode};
 use brdfc_flat_btf::surface::Appearance;
-use brdfc_flat_btf::texels::TexelMap;
-use brdfc_formats::container::Extent;
-use brdfc_formats::direction::Vector;
-use brdfc_formats::flat_btf::{
-    DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatPart, FlatValues, Indirection, IndirectionMap, NormalMap,
-    PositionMap, ReferenceMap, SampledDirections, VisibilityMask,
-};
 use brdfc_source::ordinary_btf::OrdinaryBtf;
-use brdfc_source::progress::{Progress, Stage};
+use brdfc_source::progress::Progress;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
@@ -46,6 +30,8 @@ pub struct FlattenJob<'a> {
     pub folder: &'a Path,
     /// How it is made.
     pub recipe: &'a FlattenRecipe,
+    /// Whether files are compressed with Zstandard.
+    pub supercompress: bool,
     /// The surface.
     pub geometry: Geometry,
     /// The materials' sources.
@@ -58,134 +44,43 @@ pub struct FlattenJob<'a> {
     pub placing: &'a Mutex<()>,
 }
 
-/// Makes all parts and puts them in place, `NAME.json` last.
+/// Makes all parts and puts them in place, `NAME.json` last. Values of views are kept in the folder on the way.
 ///
 /// # Errors
 /// A recipe that cannot be followed, a surface that cannot be laid flat, images that cannot be read, files that cannot be
 /// written. An asset of that name that stands in the folder stays as it was.
 pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<AssetFile, FlattenError> {
-    let recipe = job.recipe;
-    recipe.check()?;
+    let Geometry { mesh, weld, name: source, .. } = job.geometry;
     let mut parts = Parts::new(job.name, job.folder)?;
-    let zip = recipe.supercompress;
-
-    progress.stage(Stage::Parameterise, steps(recipe.rounds))?;
-    let model = MesoModel::watched(job.geometry.mesh, recipe.rounds, progress)?;
-    let texels = model.texels(recipe.flat_texels);
-    let size = recipe.flat_texels as u32;
-    let flat = Extent::D2([size, size]);
-    let single = |v: Vector| v.map(|c| c as f32);
-    let position = PositionMap::new(size, texels.points.iter().map(|p| single(p.position)).collect())?;
-    parts.add("position", &position.to_bytes(zip), flat, 1)?;
-    let normal = NormalMap::new(size, texels.points.iter().map(|p| single(p.normal)).collect())?;
-    parts.add("normal", &normal.to_bytes(zip), flat, 1)?;
-
-    let header = recipe.indirection;
-    progress.stage(Stage::Indirection, header.size as usize)?;
-    let found = indirection(&model, header, recipe.oversampling, progress)?;
-    let reference = ReferenceMap::new(header.size, found.reference.clone())?;
-    let factored = recipe.factor.filter(|_| recipe.form == Form::Full);
-    let (indirection, reference): (Indirection, _) = if recipe.compact {
-        let moved = |texel, k, a| found.displacement(texel, k, a);
-        let (compact, reference) = displacements(header, &reference, moved, coarser(header.size))?;
-        parts.add_sized(FlatPart::Displacement.name(), &compact.to_bytes(zip), compact.gpu_bytes())?;
-        (compact.into(), reference)
-    } else {
-        let mut moved = found.displacements.into_iter();
-        let map = IndirectionMap::from_displacements(header, |_, _, _| moved.next().expect("one for each view"))?;
-        parts.add(FlatPart::Indirection.name(), &map.to_bytes(zip), Extent::D2(header.extent()), 1)?;
-        (map.into(), reference)
-    };
-    parts.add("reference", &reference.to_bytes(zip), Extent::D2([header.size, header.size]), 1)?;
-    // Colours come last; the decoder is asked for indirections before.
-    let black = DiffuseMap::new(size, vec![0; texels.points.len()])?;
-    let decoder =
-        FlatBtfDecoder::new(FlatBtfParts { reference, indirection, normal, diffuse: black, values: FlatValues::None })?;
-
-    let (views, lights) = (recipe.views.directions(), recipe.lights.directions());
-    let masks = seen_from(&texels, &model, &views, Stage::Visibility, progress)?;
-    let bytes = masks.iter().flatten().map(|seen| if *seen { 255 } else { 0 }).collect();
-    let mask = VisibilityMask::new(size, views.len() as u32, bytes)?;
-    parts.add("mask", &mask.to_bytes(zip), Extent::D2Array([size, size, views.len() as u32]), 1)?;
-
-    let lit = seen_from(&texels, &model, &lights, Stage::Shadows, progress)?;
-    let pass =
-        Pass { recipe, model: &model, texels: &texels, views: &views, lights: &lights, masks: &masks, lit: &lit };
-    let (diffuse, errors) = match &job.values {
-        Values::Computed(appearance) => {
-            let mut field = ComputedField::new(&texels, appearance, &views, &lights, &lit);
-            if recipe.bounces > 0 {
-                progress.stage(Stage::Bounces, Bounces::steps(texels.points.len()))?;
-                let (mesh, caster) = (&model.mesh, &model.caster);
-                let bounces = Bounces::new(mesh, &texels, caster, appearance, &lights, recipe.bounces, progress);
-                field = field.with_bounces(bounces?);
-            }
-            let mut probes = computed_probes(&pass, &decoder, appearance)?;
-            let diffuse = pass.run(&field, &mut probes.each(), &mut parts, progress)?;
-            if let Some((folder, format)) = job.images {
-                pass.write_images(appearance, folder, format, progress)?;
-            }
-            (diffuse, probes)
-        }
+    let scratch = parts.scratch()?;
+    let images;
+    let values = match &job.values {
+        Values::Computed(appearance) => ValueSource::Computed(appearance),
         Values::Measured(stack) => {
-            let images = StackImages(stack);
-            let field = MeasuredField { images: &images, texels: &texels, views: &views };
-            let mut probes = measured_probes(&pass, &decoder, &images)?;
-            let diffuse = pass.run(&field, &mut probes.each(), &mut parts, progress)?;
-            (diffuse, probes)
+            images = StackImages(stack);
+            ValueSource::Measured(&images)
         }
     };
-    parts.add("diffuse", &diffuse.to_bytes(zip), flat, 1)?;
-    if recipe.form == Form::Full {
-        let header = recipe.header(0);
-        let directions = SampledDirections::new(&header.views, &header.lights)?;
-        let extent = Extent::D2(directions.extent());
-        parts.add(FlatPart::Directions.name(), &directions.to_bytes(zip), extent, 1)?;
+    let encoded = encode(FlatInput { mesh, repairs: weld, values }, job.recipe, &scratch, progress)?;
+    if let (Values::Computed(appearance), Some(images)) = (&job.values, job.images) {
+        write_images(&encoded.model, appearance, job.recipe, images, progress)?;
     }
-    let factored = match factored {
-        Some(target) => Some(add_factors(target, (&decoder.parts().normal, &mask), &mut parts, zip, progress)?),
-        None => None,
-    };
-    let decoder = FlatBtfDecoder::new(FlatBtfParts { diffuse, ..decoder.into_parts() })?;
-
-    let seen = masks.iter().flatten().filter(|seen| **seen).count() as f64;
-    let never_seen = (0..texels.points.len()).filter(|texel| !masks.iter().any(|mask| mask[*texel])).count();
-    let report = AssetReport {
-        repairs: job.geometry.weld,
-        parameterisation: model.parameterisation.report,
-        heights: model.mesh.height_range(),
-        seen: seen / (views.len() * texels.points.len()) as f64,
-        never_seen,
-        errors: errors.measure(&decoder, recipe.form, factored.as_ref().map(|made| &made.asset)),
-        factored: factored.map(|made| made.facts),
-    };
+    add_parts(&encoded, &scratch, job.supercompress, &mut parts, progress)?;
     let asset = AssetFile {
         version: 1,
         name: job.name.to_owned(),
-        source: job.geometry.name,
+        source,
         materials: job.materials,
         images_over_the_tile: match &job.values {
             Values::Computed(appearance) => appearance.colour.is_some() || appearance.weights.is_some(),
             Values::Measured(_) => false,
         },
-        settings: recipe.settings(),
+        settings: Settings::new(job.recipe, job.supercompress),
         parts: parts.files().clone(),
-        report,
+        report: encoded.report,
     };
     let _placing = job.placing.lock().unwrap_or_else(PoisonError::into_inner);
     progress.check()?;
     parts.commit(&(serde_json::to_string_pretty(&asset).expect("plain data") + "\n"))?;
     Ok(asset)
-}
-
-/// Which texels each direction sees.
-fn seen_from(
-    texels: &TexelMap,
-    model: &MesoModel,
-    directions: &[Vector],
-    stage: Stage,
-    progress: &dyn Progress,
-) -> Result<Vec<Vec<bool>>, FlattenError> {
-    progress.stage(stage, directions.len())?;
-    Ok(visible_from_each(texels, &model.caster, directions, progress)?)
 }

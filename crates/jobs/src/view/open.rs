@@ -6,6 +6,7 @@ use super::source_table::source_table;
 use crate::report::page::{Reports, is_flat_btf, source_name, source_of};
 use crate::scene::build::notes;
 use crate::scene::plan::REPORT;
+use brdfc_flat_btf::encode::Form;
 use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatValues, SampledDirections};
 use brdfc_formats::{BrdfPack, FormatError, Pack};
 use brdfc_source::flat_btf::open_flat_btf;
@@ -143,7 +144,7 @@ fn of_flat_btf(name: String, path: &Path) -> Result<ViewItem, ViewError> {
     // The light form has no values of views.
     let has_values = crate::flatten::open_asset(path)
         .map_err(crate::report::page::GatherError::from)?
-        .is_none_or(|asset| asset.settings.form == crate::flatten::Form::Full);
+        .is_none_or(|asset| asset.settings.form == Form::Full);
     let decoder = FlatBtfDecoder::new(open_flat_btf(path, has_values)?).map_err(wrong)?;
     let parts = decoder.parts();
     let directions = SampledDirections::of(&parts.values).map_err(wrong)?;

@@ -1,10 +1,11 @@
 //! Flat BTFs of committed inputs are the bytes, and decode to the values, in the codec's list: see docs/goldens.md.
 
+use brdfc_flat_btf::encode::{FlattenRecipe, Form};
 use brdfc_flat_btf::fill::FillMethod;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::flat_btf::IndirectionHeader;
 use brdfc_jobs::flatten::{
-    FlattenJob, FlattenRecipe, Form, MesoOptions, Values, material_list, open_appearance, open_geometry, run as flatten,
+    FlattenJob, MesoOptions, Values, material_list, open_appearance, open_geometry, run as flatten,
 };
 use brdfc_source::Input;
 use brdfc_testing::golden::corpus::asset_and_part;
@@ -12,7 +13,7 @@ use brdfc_testing::golden::encodes::{Packs, check_encodes};
 use brdfc_testing::testdata;
 
 /// All parts of a flat BTF.
-fn flat_btf(name: &str, options: &MesoOptions, recipe: &FlattenRecipe) -> Packs {
+fn flat_btf(name: &str, options: &MesoOptions, recipe: &FlattenRecipe, supercompress: bool) -> Packs {
     let folder = tempfile::tempdir().expect("a folder for the parts");
     let geometry = open_geometry(options).unwrap_or_else(|error| panic!("{error}"));
     let materials = material_list(options, &geometry).unwrap_or_else(|error| panic!("{error}"));
@@ -20,9 +21,17 @@ fn flat_btf(name: &str, options: &MesoOptions, recipe: &FlattenRecipe) -> Packs 
     let values = Values::Computed(appearance);
     let materials = materials.iter().map(Input::to_string).collect();
     let placing = std::sync::Mutex::new(());
-    let images = None;
-    let job =
-        FlattenJob { name, folder: folder.path(), recipe, geometry, materials, values, images, placing: &placing };
+    let job = FlattenJob {
+        name,
+        folder: folder.path(),
+        recipe,
+        supercompress,
+        geometry,
+        materials,
+        values,
+        images: None,
+        placing: &placing,
+    };
     let asset = flatten(job, &()).unwrap_or_else(|error| panic!("{name}: {error}"));
     let read = |file: &str| std::fs::read(folder.path().join(file)).unwrap_or_else(|error| panic!("{file}: {error}"));
     asset.parts.values().map(|part| (part.file.clone(), read(&part.file))).collect()
@@ -56,22 +65,20 @@ fn flat_btfs() {
         form: Form::Full,
         factor: None,
         compact: false,
-        supercompress: true,
     };
     // Overhangs hide some of its texels from every view.
     let button = meso("synth:button?resolution=16".to_owned(), &[]);
-    let mut packs = flat_btf("button", &button, &recipe);
+    let mut packs = flat_btf("button", &button, &recipe, true);
     // A height map whose colours are an image, with holes filled the other way, one bounce and no Zstandard.
     let mut relief = meso(testdata("golden/relief.png"), &[(None, "synth:lewis?kd=0.5&ks=0.2&n=12")]);
     relief.colour = Some(Input::from(&testdata("golden/cloth.png")));
-    let pushed =
-        FlattenRecipe { fill: FillMethod::PushPull, bounces: 4, rounds: 2, supercompress: false, ..recipe.clone() };
-    packs.extend(flat_btf("relief", &relief, &pushed));
+    let pushed = FlattenRecipe { fill: FillMethod::PushPull, bounces: 4, rounds: 2, ..recipe.clone() };
+    packs.extend(flat_btf("relief", &relief, &pushed, false));
     // A mesh with two materials, as normals and diffuse colours alone.
     let studs = meso(
         testdata("golden/studs.obj"),
         &[(Some("stud"), "synth:lambert?kd=0.6,0.2,0.1"), (None, "synth:velvet?kd=0.3")],
     );
-    packs.extend(flat_btf("studs", &studs, &FlattenRecipe { form: Form::Light, ..recipe }));
+    packs.extend(flat_btf("studs", &studs, &FlattenRecipe { form: Form::Light, ..recipe }, true));
     check_encodes("flat_btf", &packs, |file| asset_and_part(file).0 == "button");
 }

@@ -2,8 +2,9 @@
 
 use super::error::GatherError;
 use super::view_link::ViewLink;
-use crate::flatten::{AssetFile, Form, open_asset};
+use crate::flatten::{AssetFile, open_asset};
 use crate::scene::plan::REPORT;
+use brdfc_flat_btf::encode::Form;
 use brdfc_formats::FormatError;
 use brdfc_formats::flat_btf::{FlatBtfDecoder, VisibilityMask};
 use brdfc_render::flat::{FlatMaterial, FlatPictures, flat_pictures};

@@ -1,11 +1,11 @@
-//! What can be known of a recipe before the work.
+//! What a recipe tells before the work: whether it can be followed, and what it takes.
 
 use super::recipe::{FlattenRecipe, Form};
-use brdfc_flat_btf::caster::STEEPEST_DEGREES;
-use brdfc_flat_btf::displacement::coarser;
-use brdfc_flat_btf::factored::FactoredRecipe;
-use brdfc_flat_btf::fill::FillMethod;
-use brdfc_flat_btf::interreflection::Bounces;
+use crate::caster::STEEPEST_DEGREES;
+use crate::displacement::coarser;
+use crate::factored::FactoredRecipe;
+use crate::fill::FillMethod;
+use crate::interreflection::Bounces;
 use brdfc_formats::FormatError;
 use brdfc_formats::direction_mesh::DirectionMesh;
 use brdfc_formats::direction_set::DirectionSet;
@@ -16,7 +16,7 @@ use std::f32::consts::TAU;
 pub const MOST_BYTES: u64 = 8 << 30;
 /// A point of the surface with its normals and material, and what belongs to it.
 const TEXEL_BYTES: u64 = 256;
-/// A view and a light of a texel while a view is made: its value, the value packed, and compressed.
+/// A view and a light of a texel while a view is made: its value, packed, and as scratch storage takes it.
 const VALUE_BYTES: u64 = 12;
 /// Most views in memory at once.
 const MOST_VIEWS_AT_ONCE: usize = 8;
@@ -41,7 +41,7 @@ impl FlattenRecipe {
         }
         let header = self.header(0);
         header.check()?;
-        if let Some(target) = self.factor {
+        if let Some(target) = self.factored() {
             target.check(&header)?;
         }
         let bytes = self.bytes(1);
@@ -82,7 +82,7 @@ impl FlattenRecipe {
         let per_light = VALUE_BYTES * (views_at_once as u64 + guide) + 1;
         let map: u64 = self.indirection.extent().into_iter().map(u64::from).product();
         // Factors are made when all views are.
-        let factors = self.factor.map_or(0, |target| FactoredRecipe::new(target).memory(&self.header(0)));
+        let factors = self.factored().map_or(0, |target| FactoredRecipe::new(target).memory(&self.header(0)));
         texels * (TEXEL_BYTES + views)
             + (texels * lights * per_light).max(factors)
             + 20 * map
@@ -116,7 +116,6 @@ mod tests {
             form: Form::Full,
             factor: None,
             compact: false,
-            supercompress: true,
         }
     }
 

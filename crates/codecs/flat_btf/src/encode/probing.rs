@@ -1,16 +1,16 @@
-//! Look-ups into the finished packs that errors are measured with.
+//! Look-ups into the finished maps that errors are measured with.
 
-use super::asset::AssetErrors;
-use super::error::FlattenError;
 use super::pass::Pass;
 use super::recipe::Form;
-use super::stack::StackImages;
-use brdfc_flat_btf::measured::ViewImages;
-use brdfc_flat_btf::probes::{ColourErrors, Directions, Probes, shown};
-use brdfc_flat_btf::surface::Appearance;
+use super::report::AssetErrors;
+use crate::measured::ViewImages;
+use crate::probes::{ColourErrors, Directions, Probes, shown};
+use crate::surface::Appearance;
+use brdfc_formats::FormatError;
 use brdfc_formats::direction_mesh::DirectionMesh;
 use brdfc_formats::flat_btf::FlatBtfDecoder;
 use brdfc_formats::flat_btf::factored::FactoredFlatBtf;
+use std::convert::Infallible;
 
 /// Look-ups of each kind; each of a measured BTF reads an image, and there are an eighth of them.
 const PROBES: usize = 4096;
@@ -56,14 +56,14 @@ pub(super) fn computed_probes(
     pass: &Pass<'_>,
     decoder: &FlatBtfDecoder,
     appearance: &Appearance,
-) -> Result<AllProbes, FlattenError> {
+) -> Result<AllProbes, FormatError> {
     if pass.recipe.bounces > 0 {
         return Ok(AllProbes { at_samples: None, between: None });
     }
-    let truth = |view: usize, light: usize, at: [f64; 2]| -> Result<[f32; 3], FlattenError> {
+    let truth = |view: usize, light: usize, at: [f64; 2]| -> Result<[f32; 3], Infallible> {
         Ok(shown(pass.model, appearance, at, pass.views[view], pass.lights[light]))
     };
-    let at_samples = Probes::at_samples(PROBES, decoder, pass.views, pass.lights, truth)?;
+    let Ok(at_samples) = Probes::at_samples(PROBES, decoder, pass.views, pass.lights, truth);
     let (view_mesh, light_mesh) = (DirectionMesh::new(&pass.recipe.views)?, DirectionMesh::new(&pass.recipe.lights)?);
     let views = Directions { all: pass.views, mesh: &view_mesh };
     let lights = Directions { all: pass.lights, mesh: &light_mesh };
@@ -72,14 +72,12 @@ pub(super) fn computed_probes(
 }
 
 /// Against the images themselves.
-pub(super) fn measured_probes(
+pub(super) fn measured_probes<E: Send>(
     pass: &Pass<'_>,
     decoder: &FlatBtfDecoder,
-    images: &StackImages<'_>,
-) -> Result<AllProbes, FlattenError> {
-    let truth = |view: usize, light: usize, at: [f64; 2]| -> Result<[f32; 3], FlattenError> {
-        Ok(images.image(view, light)?.at(at[0], at[1]))
-    };
+    images: &dyn ViewImages<Error = E>,
+) -> Result<AllProbes, E> {
+    let truth = |view: usize, light: usize, at: [f64; 2]| Ok(images.image(view, light)?.at(at[0], at[1]));
     let at_samples = Probes::at_samples(PROBES / 8, decoder, pass.views, pass.lights, truth)?;
     Ok(AllProbes { at_samples: Some(at_samples), between: None })
 }

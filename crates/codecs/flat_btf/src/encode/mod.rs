@@ -1,0 +1,192 @@
+//! From a surface with its appearance, or an ordinary BTF, to a flat BTF. Each step is a file of its own; this one sequences.
+
+mod check;
+mod error;
+mod pass;
+mod probing;
+mod recipe;
+mod report;
+mod scratch;
+#[cfg(test)]
+mod tests;
+
+pub use check::MOST_BYTES;
+pub use error::EncodeError;
+pub use recipe::{FlattenRecipe, Form};
+pub use report::{AssetErrors, AssetReport};
+pub use scratch::{MemoryScratch, Scratch, ScratchViews};
+
+use crate::displacement::{coarser, displacements};
+use crate::factored::{FactoredRecipe, factor};
+use crate::indirection::indirection;
+use crate::interreflection::Bounces;
+use crate::light_field::{ComputedField, visible_from_each};
+use crate::measured::{MeasuredField, ViewImages};
+use crate::mesh::PeriodicMesh;
+use crate::model::MesoModel;
+use crate::parameterise::steps;
+use crate::surface::Appearance;
+use crate::weld::WeldReport;
+use brdfc_formats::FormatError;
+use brdfc_formats::direction::Vector;
+use brdfc_formats::flat_btf::{
+    DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatValues, Indirection, IndirectionMap, NormalMap, PositionMap,
+    ReferenceMap, SampledDirections, VisibilityMask,
+};
+use brdfc_source::progress::{Progress, Stage};
+use pass::Pass;
+use probing::{computed_probes, measured_probes};
+
+/// What is flattened. `E` is the error of the images.
+pub struct FlatInput<'a, E> {
+    /// The surface.
+    pub mesh: PeriodicMesh,
+    /// What was repaired in it, for the report.
+    pub repairs: Option<WeldReport>,
+    /// Where the values of texels come from.
+    pub values: ValueSource<'a, E>,
+}
+
+/// Where the values of texels come from.
+pub enum ValueSource<'a, E> {
+    /// Materials of the surface.
+    Computed(&'a Appearance),
+    /// Images of an ordinary BTF.
+    Measured(&'a dyn ViewImages<Error = E>),
+}
+
+/// A flat BTF, and what was found on the way.
+pub struct FlatBtfEncoded {
+    /// What a decoder reads. There are no values in the light form, nor where they are `views`.
+    pub parts: FlatBtfParts,
+    /// The views of a recipe that keeps every view as it is, in the scratch storage.
+    pub views: Option<ScratchViews>,
+    /// What blends the sampled views and lights; not in the light form.
+    pub directions: Option<SampledDirections>,
+    /// The surface point of each texel.
+    pub position: PositionMap,
+    /// Which texels each view sees.
+    pub mask: VisibilityMask,
+    /// What was measured.
+    pub report: AssetReport,
+    /// The surface, laid flat.
+    pub model: MesoModel,
+}
+
+/// Flattens a surface. `E` is the error of the images and of the scratch storage, which takes the values of all views, 4
+/// bytes for each texel, view and light; the light form has none.
+///
+/// The flat BTF is the same on any number of threads, of which depends how many views are in memory at once:
+/// [`FlattenRecipe::bytes`].
+///
+/// # Errors
+/// A recipe that cannot be followed, a surface that cannot be laid flat, images or scratch storage that fail; when the work
+/// is stopped.
+pub fn encode<E: Send>(
+    input: FlatInput<'_, E>,
+    recipe: &FlattenRecipe,
+    scratch: &dyn Scratch<Error = E>,
+    progress: &dyn Progress,
+) -> Result<FlatBtfEncoded, EncodeError<E>> {
+    recipe.check()?;
+    progress.stage(Stage::Parameterise, steps(recipe.rounds))?;
+    let model = MesoModel::watched(input.mesh, recipe.rounds, progress)?;
+    let texels = model.texels(recipe.flat_texels);
+    let size = recipe.flat_texels as u32;
+    let single = |v: Vector| v.map(|c| c as f32);
+    let position = PositionMap::new(size, texels.points.iter().map(|p| single(p.position)).collect())?;
+    let normal = NormalMap::new(size, texels.points.iter().map(|p| single(p.normal)).collect())?;
+    let (indirection, reference) = indirection_maps(&model, recipe, progress)?;
+    // Colours come last; the decoder is asked for indirections before.
+    let black = DiffuseMap::new(size, vec![0; texels.points.len()])?;
+    let parts = FlatBtfParts { reference, indirection, normal, diffuse: black, values: FlatValues::None };
+    let decoder = FlatBtfDecoder::new(parts)?;
+
+    let (views, lights) = (recipe.views.directions(), recipe.lights.directions());
+    let seen_from = |directions: &[Vector], stage| {
+        progress.stage(stage, directions.len())?;
+        visible_from_each(&texels, &model.caster, directions, progress)
+    };
+    let masks = seen_from(&views, Stage::Visibility)?;
+    let lit = seen_from(&lights, Stage::Shadows)?;
+    let scratched = ScratchViews::new(recipe.header(0));
+    let storage = (&scratched, scratch);
+    let pass =
+        Pass { recipe, model: &model, texels: &texels, views: &views, lights: &lights, masks: &masks, lit: &lit };
+    let (diffuse, probes) = match input.values {
+        ValueSource::Computed(appearance) => {
+            let mut field = ComputedField::new(&texels, appearance, &views, &lights, &lit);
+            if recipe.bounces > 0 {
+                progress.stage(Stage::Bounces, Bounces::steps(texels.points.len()))?;
+                let (mesh, caster) = (&model.mesh, &model.caster);
+                let bounces = Bounces::new(mesh, &texels, caster, appearance, &lights, recipe.bounces, progress);
+                field = field.with_bounces(bounces?);
+            }
+            let mut probes = computed_probes(&pass, &decoder, appearance)?;
+            let diffuse = pass.run((&field, |never| match never {}), &mut probes.each(), storage, progress)?;
+            (diffuse, probes)
+        }
+        ValueSource::Measured(images) => {
+            let field = MeasuredField { images, texels: &texels, views: &views };
+            let mut probes = measured_probes(&pass, &decoder, images).map_err(EncodeError::Outside)?;
+            let diffuse = pass.run((&field, |error| error), &mut probes.each(), storage, progress)?;
+            (diffuse, probes)
+        }
+    };
+    drop(lit);
+    let mask = visibility_mask(size, &masks)?;
+    let seen = masks.iter().flatten().filter(|seen| **seen).count() as f64;
+    let seen = seen / (views.len() * texels.points.len()) as f64;
+    let never_seen = (0..texels.points.len()).filter(|texel| !masks.iter().any(|mask| mask[*texel])).count();
+    drop((masks, texels));
+
+    let mut parts = decoder.into_parts();
+    parts.diffuse = diffuse;
+    let mut facts = None;
+    if let Some(target) = recipe.factored() {
+        let view = |view| scratched.read(view, scratch);
+        let made = factor(&FactoredRecipe::new(target), &parts.normal, &mask, view, progress)?;
+        parts.values = FlatValues::Factored(Box::new(made.asset));
+        facts = Some(made.facts);
+    }
+    let decoder = FlatBtfDecoder::new(parts)?;
+    let report = AssetReport {
+        repairs: input.repairs,
+        parameterisation: model.parameterisation.report,
+        heights: model.mesh.height_range(),
+        seen,
+        never_seen,
+        errors: probes.measure(&decoder, recipe.form, decoder.parts().values.factored()),
+        factored: facts,
+    };
+    let full = recipe.form == Form::Full;
+    let directions = recipe.header(0);
+    let directions = full.then(|| SampledDirections::new(&directions.views, &directions.lights)).transpose()?;
+    let views = (full && recipe.factor.is_none()).then_some(scratched);
+    Ok(FlatBtfEncoded { parts: decoder.into_parts(), views, directions, position, mask, report, model })
+}
+
+/// What a view from above sees, and how that moves with the view.
+fn indirection_maps<E>(
+    model: &MesoModel,
+    recipe: &FlattenRecipe,
+    progress: &dyn Progress,
+) -> Result<(Indirection, ReferenceMap), EncodeError<E>> {
+    let header = recipe.indirection;
+    progress.stage(Stage::Indirection, header.size as usize)?;
+    let found = indirection(model, header, recipe.oversampling, progress)?;
+    let reference = ReferenceMap::new(header.size, found.reference.clone())?;
+    if recipe.compact {
+        let moved = |texel, k, a| found.displacement(texel, k, a);
+        let (compact, reference) = displacements(header, &reference, moved, coarser(header.size))?;
+        return Ok((compact.into(), reference));
+    }
+    let mut moved = found.displacements.into_iter();
+    let map = IndirectionMap::from_displacements(header, |_, _, _| moved.next().expect("one for each view"))?;
+    Ok((map.into(), reference))
+}
+
+fn visibility_mask(size: u32, masks: &[Vec<bool>]) -> Result<VisibilityMask, FormatError> {
+    let bytes = masks.iter().flatten().map(|seen| if *seen { 255 } else { 0 }).collect();
+    VisibilityMask::new(size, masks.len() as u32, bytes)
+}

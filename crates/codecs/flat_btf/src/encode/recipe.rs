@@ -1,0 +1,56 @@
+//! Everything that decides a flat BTF besides the surface and its appearance.
+
+use crate::factored::FactoredTarget;
+use crate::fill::FillMethod;
+use brdfc_formats::direction_set::DirectionSet;
+use brdfc_formats::flat_btf::IndirectionHeader;
+use serde::{Deserialize, Serialize};
+
+/// Which parts are made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Form {
+    /// Everything: equation 1.
+    Full,
+    /// Without the flat BTF itself: normal map and diffuse colour.
+    Light,
+}
+
+impl Form {
+    /// The names that scripts use.
+    pub const NAMES: [(&'static str, Self); 2] = [("full", Self::Full), ("light", Self::Light)];
+}
+
+/// How a meso-structure is flattened.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FlattenRecipe {
+    /// Texels of the flat BTF per side: a power of two.
+    pub flat_texels: usize,
+    /// Size and views of the indirection map.
+    pub indirection: IndirectionHeader,
+    /// Rays per texel and axis for the indirection map.
+    pub oversampling: usize,
+    /// Views.
+    pub views: DirectionSet,
+    /// Lights.
+    pub lights: DirectionSet,
+    /// How holes are filled.
+    pub fill: FillMethod,
+    /// Rays per texel that gather the light of one bounce; 0: none.
+    pub bounces: usize,
+    /// Rounds of stretch-reducing reweighting at most.
+    pub rounds: usize,
+    /// Which parts are made.
+    pub form: Form,
+    /// What factors of the full form are to be like; `None` keeps every view as it is.
+    pub factor: Option<FactoredTarget>,
+    /// Whether displacements stand for the indirection map.
+    pub compact: bool,
+}
+
+impl FlattenRecipe {
+    /// What the factors that replace all views are to be like; `None` where there are none.
+    pub fn factored(&self) -> Option<FactoredTarget> {
+        self.factor.filter(|_| self.form == Form::Full)
+    }
+}

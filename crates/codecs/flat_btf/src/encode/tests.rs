@@ -1,0 +1,131 @@
+//! What goes through scratch storage comes back, and what fails stops the work.
+
+use super::*;
+use crate::factored::FactoredTarget;
+use crate::fill::FillMethod;
+use crate::testing::{Patience, bumps};
+use brdfc_formats::direction_set::DirectionSet;
+use brdfc_formats::flat_btf::{FlatView, IndirectionHeader};
+use brdfc_source::address::parse_synth;
+
+fn recipe() -> FlattenRecipe {
+    FlattenRecipe {
+        flat_texels: 16,
+        indirection: IndirectionHeader { size: 8, zenith_samples: 3, azimuth_samples: 4, largest_angle: 1.25 },
+        oversampling: 1,
+        views: DirectionSet::grid(2, 4, 60.0).unwrap(),
+        lights: DirectionSet::grid(2, 3, 50.0).unwrap(),
+        fill: FillMethod::Poisson,
+        bounces: 0,
+        rounds: 0,
+        form: Form::Full,
+        factor: Some(FactoredTarget::Components { components: 4, shadowed: true }),
+        compact: true,
+    }
+}
+
+fn made<E: Send>(
+    recipe: &FlattenRecipe,
+    scratch: &dyn Scratch<Error = E>,
+    progress: &dyn Progress,
+) -> Result<FlatBtfEncoded, EncodeError<E>> {
+    let source = parse_synth("synth:lewis?kd=0.5&ks=0.1&n=8").unwrap();
+    let appearance = Appearance { sources: vec![source], ..Default::default() };
+    let values = ValueSource::Computed(&appearance);
+    encode(FlatInput { mesh: bumps(16, 0.5), repairs: None, values }, recipe, scratch, progress)
+}
+
+fn whole(recipe: &FlattenRecipe) -> (FlatBtfEncoded, MemoryScratch) {
+    let scratch = MemoryScratch::default();
+    (made(recipe, &scratch, &()).unwrap(), scratch)
+}
+
+/// Scratch storage that does something else with one of the views.
+struct Broken<F> {
+    inner: MemoryScratch,
+    read: F,
+}
+
+impl<F: Fn(u32, Vec<u8>) -> Result<Vec<u8>, String> + Sync> Scratch for Broken<F> {
+    type Error = String;
+
+    fn write_scratch(&self, view: u32, values: &[u8]) -> Result<(), String> {
+        if view == 3 && (self.read)(u32::MAX, Vec::new()).is_err() {
+            return Err("no room for view 3".to_owned());
+        }
+        let Ok(()) = self.inner.write_scratch(view, values);
+        Ok(())
+    }
+
+    fn read_scratch(&self, view: u32) -> Result<Vec<u8>, String> {
+        let Ok(values) = self.inner.read_scratch(view);
+        (self.read)(view, values)
+    }
+}
+
+#[test]
+fn views_that_are_kept_are_those_that_are_factored() {
+    let (kept, scratch) = whole(&FlattenRecipe { factor: None, ..recipe() });
+    let views = kept.views.expect("all views");
+    assert!(kept.parts.values == FlatValues::None && views.count() == 5);
+    let target = recipe().factor.unwrap();
+    let view = |view| views.read(view, &scratch);
+    let expected = factor(&FactoredRecipe::new(target), &kept.parts.normal, &kept.mask, view, &()).unwrap();
+    let (found, _) = whole(&recipe());
+    assert!(found.views.is_none() && found.parts.values.factored() == Some(&expected.asset));
+    assert_eq!(found.report.factored, Some(expected.facts));
+    // What all views show does not depend on how they are stored.
+    assert_eq!(found.report.errors.views_at_samples, kept.report.errors.at_samples);
+    assert_eq!((&found.parts.diffuse, &found.mask), (&kept.parts.diffuse, &kept.mask));
+}
+
+#[test]
+fn the_light_form_keeps_nothing() {
+    let (light, scratch) = whole(&FlattenRecipe { form: Form::Light, ..recipe() });
+    let (full, _) = whole(&recipe());
+    assert!(light.views.is_none() && light.directions.is_none() && light.parts.values == FlatValues::None);
+    assert!(light.report.factored.is_none() && light.report.errors.at_samples.is_none());
+    assert_eq!(light.parts.reference, full.parts.reference);
+    assert!((0..5).all(|view| scratch.read_scratch(view).is_ok_and(|values| values.is_empty())));
+}
+
+#[test]
+fn views_come_back_bit_for_bit() {
+    let scratch = MemoryScratch::default();
+    let views = ScratchViews::new(FlattenRecipe { flat_texels: 4, ..recipe() }.header(0));
+    let texels: Vec<u32> = (0..4 * 4 * 4).map(|k: u32| k.wrapping_mul(0x9e37_79b9)).collect();
+    let written: FlatView = views.view(2, texels.clone()).unwrap();
+    let Ok(()) = views.write(&written, &scratch);
+    let Ok(values) = scratch.read_scratch(2);
+    assert_eq!(values, texels.iter().flat_map(|texel| texel.to_le_bytes()).collect::<Vec<u8>>(), "nothing else");
+    assert_eq!(views.read(2, &scratch).unwrap(), written);
+}
+
+#[test]
+fn storage_that_fails_stops_the_work() {
+    let error = |read: fn(u32, Vec<u8>) -> Result<Vec<u8>, String>| {
+        let scratch = Broken { inner: MemoryScratch::default(), read };
+        made(&recipe(), &scratch, &()).err().expect("an error").to_string()
+    };
+    assert_eq!(
+        error(|view, values| if view == u32::MAX { Err(String::new()) } else { Ok(values) }),
+        "no room for view 3"
+    );
+    let unread = |view: u32, values| if view == 4 { Err(format!("lost view {view}")) } else { Ok(values) };
+    assert_eq!(error(unread), "lost view 4");
+    let cut = |view, mut values: Vec<u8>| {
+        values.truncate(if view == 1 { 4093 } else { values.len() });
+        Ok(values)
+    };
+    assert_eq!(error(cut), "scratch storage of view 1: found 4093 bytes; allowed 4096, as were written");
+}
+
+#[test]
+fn work_stops_between_any_two_steps() {
+    let patience = Patience::new(usize::MAX);
+    let Ok(_) = made(&recipe(), &MemoryScratch::default(), &patience) else { panic!("not stopped") };
+    for most in (1..patience.steps()).step_by(patience.steps() / 12) {
+        let stopped = made(&recipe(), &MemoryScratch::default(), &Patience::new(most));
+        assert!(matches!(stopped, Err(EncodeError::Cancelled(_))), "{most}");
+    }
+}

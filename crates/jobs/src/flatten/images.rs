@@ -1,0 +1,54 @@
+//! Images of an ordinary BTF: those that come in, as the encoder asks for them, and those that are written besides.
+
+use super::error::FlattenError;
+use crate::btf_stack::{StackFormat, write_image};
+use brdfc_flat_btf::encode::FlattenRecipe;
+use brdfc_flat_btf::measured::ViewImages;
+use brdfc_flat_btf::model::MesoModel;
+use brdfc_flat_btf::rebuild::ViewImage;
+use brdfc_flat_btf::surface::Appearance;
+use brdfc_flat_btf::tile_image::TileImage;
+use brdfc_formats::measured::btf_stack::ImageAngles;
+use brdfc_source::ordinary_btf::OrdinaryBtf;
+use brdfc_source::progress::{Progress, Stage};
+use rayon::prelude::*;
+use std::path::Path;
+
+/// Images of a folder, or those that a file's matrices give.
+pub(super) struct StackImages<'a>(pub(super) &'a OrdinaryBtf);
+
+impl ViewImages for StackImages<'_> {
+    type Error = FlattenError;
+
+    fn image(&self, view: usize, light: usize) -> Result<TileImage<3>, FlattenError> {
+        let image = self.0.image(view, light)?;
+        Ok(TileImage { width: image.width, height: image.height, pixels: image.pixels })
+    }
+}
+
+/// Writes the images of the ordinary BTF, computed directly, as many texels per side as the reference plane has.
+pub(super) fn write_images(
+    model: &MesoModel,
+    appearance: &Appearance,
+    recipe: &FlattenRecipe,
+    (folder, format): (&Path, StackFormat),
+    progress: &dyn Progress,
+) -> Result<(), FlattenError> {
+    let (views, lights) = (recipe.views.directions(), recipe.lights.directions());
+    progress.stage(Stage::Images, views.len())?;
+    let size = recipe.indirection.size as usize;
+    for (view, direction) in views.iter().enumerate() {
+        let seen = ViewImage::new(model, *direction, size, recipe.oversampling);
+        let write = |light: usize| {
+            let image = seen.direct(model, appearance, lights[light]);
+            // Row 0 of a picture is its top.
+            let rows: Vec<[f32; 3]> = image.chunks_exact(size).rev().flatten().copied().collect();
+            let angles = ImageAngles { light: recipe.lights.angles[light], view: recipe.views.angles[view] };
+            write_image(folder, light * views.len() + view, angles, &rows, [size; 2], format)
+                .map_err(|error| FlattenError::write(folder, error))
+        };
+        (0..lights.len()).into_par_iter().try_for_each(|light| write(light).map(drop))?;
+        progress.step()?;
+    }
+    Ok(())
+}

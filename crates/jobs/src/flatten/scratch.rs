@@ -1,0 +1,70 @@
+//! Scratch storage in a folder.
+
+use super::error::FlattenError;
+use brdfc_flat_btf::encode::Scratch;
+use brdfc_source::InputError;
+use std::path::{Path, PathBuf};
+
+/// Scratch storage in a folder, a file for each view.
+pub(super) struct FolderScratch {
+    /// Where files are.
+    folder: PathBuf,
+    /// What errors name: the folder of the finished files.
+    name: String,
+}
+
+impl FolderScratch {
+    /// In a folder that goes away afterwards, beside the files of `finished`.
+    pub(super) fn new(folder: PathBuf, finished: &Path) -> Self {
+        Self { folder, name: finished.display().to_string() }
+    }
+
+    fn file(&self, view: u32) -> PathBuf {
+        self.folder.join(format!("view.{view}"))
+    }
+
+    fn in_words(&self, view: u32) -> String {
+        format!("{}, scratch file of view {view}", self.name)
+    }
+}
+
+impl Scratch for FolderScratch {
+    type Error = FlattenError;
+
+    fn write_scratch(&self, view: u32, values: &[u8]) -> Result<(), FlattenError> {
+        std::fs::write(self.file(view), values)
+            .map_err(|error| FlattenError::Write { path: self.in_words(view), error })
+    }
+
+    fn read_scratch(&self, view: u32) -> Result<Vec<u8>, FlattenError> {
+        std::fs::read(self.file(view)).map_err(|error| InputError::Io { name: self.in_words(view), error }.into())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_written_is_read_and_what_was_not_is_an_error() {
+        let folder = tempfile::tempdir().unwrap();
+        let scratch = FolderScratch::new(folder.path().to_owned(), Path::new("button"));
+        scratch.write_scratch(7, b"first").unwrap();
+        scratch.write_scratch(7, b"values").unwrap();
+        assert_eq!(scratch.read_scratch(7).unwrap(), b"values");
+        let error = scratch.read_scratch(8).unwrap_err().to_string();
+        assert!(error.starts_with("button, scratch file of view 8: "), "{error}");
+    }
+
+    /// A device that is always full.
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_full_disk_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        std::os::unix::fs::symlink("/dev/full", folder.path().join("view.3")).unwrap();
+        let scratch = FolderScratch::new(folder.path().to_owned(), Path::new("button"));
+        let error = scratch.write_scratch(3, &[0; 100]).unwrap_err();
+        let text = "button, scratch file of view 3: cannot write: No space left on device (os error 28)";
+        assert_eq!(error.to_string(), text);
+    }
+}
