@@ -3,10 +3,10 @@
 use super::CliError;
 use super::output::{is_stream, output_parser, refuse_missing_folder, write_file};
 use brdfc_flat_btf::structures::{STRUCTURES, Structure, describe_structures};
-use brdfc_formats::measured::merl::{Dimensions, MAX_DIMENSION};
-use brdfc_formats::measured::{scan as scan_text, scan_csv};
-use brdfc_formats::meso::{obj, ply};
 use brdfc_jobs::whole_number::whole_number;
+use brdfc_readers::merl::{Dimensions, MAX_DIMENSION};
+use brdfc_readers::meso::{obj, ply};
+use brdfc_readers::{scan as scan_text, scan_csv};
 use brdfc_source::address::{self, AddressError, split_query};
 use brdfc_source::analytic::MODELS;
 use brdfc_source::simulate::{ScanPlan, merl_file, scan};

@@ -3,7 +3,7 @@
 use super::arrays::{Argument, colours};
 use super::errors::wrong;
 use super::threads::threads;
-use brdfc_formats::measured::scan_csv::TexelQuery;
+use brdfc_readers::scan_csv::TexelQuery;
 use brdfc_source::words::shown;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;

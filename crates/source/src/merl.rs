@@ -8,7 +8,7 @@ use super::pair_list::PairBlock;
 use super::read::{MAX_FILE_BYTES, check_length};
 use super::{Source, Symmetry, Tally};
 use brdfc_formats::direction::DirectionPair;
-use brdfc_formats::measured::merl::{Merl, MerlError};
+use brdfc_readers::merl::{Merl, MerlError};
 use std::sync::OnceLock;
 
 /// Largest relative difference between a cell and its image that still counts as the rounding of a symmetric file.
@@ -196,7 +196,7 @@ mod tests {
     use super::*;
     use crate::half_difference::half_difference_angles;
     use brdfc_formats::direction::{from_polar, rotate_from_normal};
-    use brdfc_formats::measured::merl::{Dimensions, write};
+    use brdfc_readers::merl::{Dimensions, write};
     use std::f64::consts::FRAC_PI_2;
 
     /// A pair with these half and difference angles; half vector in the tangent's azimuth.

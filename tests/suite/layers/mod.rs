@@ -10,9 +10,10 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 /// The layers, lowest first: folders of crates. A crate may use those of lower layers, and none of its own.
-const LAYERS: [&str; 10] = [
+const LAYERS: [&str; 11] = [
     "formats",
     "crates/shaders",
+    "crates/readers",
     "crates/source",
     "crates/metrics",
     "crates/codecs",
@@ -35,7 +36,8 @@ const CODECS: &str = "crates/codecs";
 const GPU_BY_FEATURE: [&str; 3] = ["crates/jobs", "crates/studies", "."];
 
 /// Layers of stages: typed input to typed output.
-const STAGES: [&str; 6] = ["formats", "crates/shaders", "crates/source", "crates/metrics", CODECS, "crates/render"];
+const STAGES: [&str; 7] =
+    ["formats", "crates/shaders", "crates/readers", "crates/source", "crates/metrics", CODECS, "crates/render"];
 /// What a stage has no need of.
 const IMPURE: [&str; 8] =
     ["std::fs", "std::env", "std::time::Instant", "std::time::SystemTime", "std::process", "std::net", "clap", "ctrlc"];

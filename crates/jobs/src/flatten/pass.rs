@@ -15,7 +15,7 @@ use brdfc_flat_btf::texels::TexelMap;
 use brdfc_formats::container::{Extent, rgb9e5};
 use brdfc_formats::direction::Vector;
 use brdfc_formats::flat_btf::{DiffuseMap, FlatView, view_part};
-use brdfc_formats::measured::btf_stack::ImageAngles;
+use brdfc_readers::btf_stack::ImageAngles;
 use brdfc_source::progress::{Progress, Stage};
 use rayon::prelude::*;
 use std::path::Path;

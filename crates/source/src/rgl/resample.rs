@@ -5,7 +5,7 @@
 use super::warp::VisibleNormals;
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::{DirectionPair, Vector, dot, from_polar};
-use brdfc_formats::measured::rgl::{Azimuths, Colour, Map, Rgl};
+use brdfc_readers::rgl::{Azimuths, Colour, Map, Rgl};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Largest polar angle of incidence, degrees.

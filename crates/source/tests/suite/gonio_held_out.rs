@@ -1,8 +1,8 @@
 //! Held-out rows of real gonioreflectometer scans: what moving least squares is worth.
 
 use brdfc_formats::direction::{DirectionPair, dot};
-use brdfc_formats::measured::alta::AltaTable;
-use brdfc_formats::measured::scan::{Row, Scan};
+use brdfc_readers::alta::AltaTable;
+use brdfc_readers::scan::{Row, Scan};
 use brdfc_source::open::{Facts, open_file};
 use brdfc_source::{ScanSource, Source, Tally};
 use rand::SeedableRng;

@@ -1,7 +1,7 @@
 //! RGL materials against values that Mitsuba 3.9.1 `measured` gave for the same files.
 
 use brdfc_formats::direction::DirectionPair;
-use brdfc_formats::measured::rgl::Rgl;
+use brdfc_readers::rgl::Rgl;
 use brdfc_source::rgl::RglSource;
 use brdfc_source::{Source, Tally};
 

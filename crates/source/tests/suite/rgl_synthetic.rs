@@ -4,7 +4,7 @@ use std::f32::consts::{FRAC_PI_2, PI};
 
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::{DirectionPair, half_vector};
-use brdfc_formats::measured::rgl::{Azimuths, Rgl};
+use brdfc_readers::rgl::{Azimuths, Rgl};
 use brdfc_source::rgl::RglSource;
 use brdfc_source::{Source, Symmetry, Tally};
 use brdfc_testing::tensor::Material;

@@ -1,8 +1,8 @@
 //! Rows of a scan that stray from the azimuth of incidence of the others are told and measured, not obeyed.
 
 use brdfc_formats::direction::DirectionPair;
-use brdfc_formats::measured::scan::{Row, Scan};
-use brdfc_formats::measured::scan_csv;
+use brdfc_readers::scan::{Row, Scan};
+use brdfc_readers::scan_csv;
 use brdfc_source::simulate::{ScanPlan, scan};
 use brdfc_source::{ScanSource, Source, Tally};
 

@@ -233,7 +233,7 @@ mod tests {
         let rays = dump.rays();
         assert_eq!(rays.len(), 8 + 32 * dump.answers.len());
         assert_eq!(rays[8..12], dump.nearest[0].origin[0].to_le_bytes());
-        let ply = brdfc_formats::meso::ply::from_bytes(&dump.ply()).unwrap();
+        let ply = brdfc_readers::meso::ply::from_bytes(&dump.ply()).unwrap();
         assert_eq!((ply.positions.len(), ply.triangles.len()), (dump.vertices.len(), dump.triangles.len()));
         assert!(scene.measure(Some(&dump)).rows.iter().all(|row| row.repeated_one > Some(0.0)));
     }
