@@ -1,5 +1,7 @@
 //! Any source as a measured file that other programs read, with the error that this brings.
 
+use brdfc_core::Source;
+use brdfc_core::pair_list::PairList;
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::DirectionPair;
 use brdfc_metrics::compare::{Comparison, compare};
@@ -10,11 +12,10 @@ use brdfc_readers::merl::{self, Dimensions, Merl, MerlError};
 use brdfc_readers::rgl::Rgl;
 use brdfc_readers::scan::Row;
 use brdfc_readers::scan_csv;
-use brdfc_source::pair_list::PairList;
 use brdfc_source::rgl::resample::RglGrid;
 use brdfc_source::scan::ScanSource;
 use brdfc_source::simulate::pair_of_angles;
-use brdfc_source::{MerlSource, RglSource, Source};
+use brdfc_source::{MerlSource, RglSource};
 use std::cell::{Cell, RefCell};
 use std::f64::consts::TAU;
 

@@ -15,7 +15,7 @@ use brdfc_readers::rgl::{Azimuths, Colour, Map, Rgl};
 use super::error::InputError;
 use super::format::{Facts, Format, Opened};
 use super::input::InputFile;
-use super::{Source, Symmetry, Tally};
+use brdfc_core::{Source, Symmetry, Tally};
 use warp::{Cell, Incidence, VisibleNormals};
 
 /// Below this squared distance from the normal a direction has no azimuth but rounding noise.

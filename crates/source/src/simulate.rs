@@ -1,6 +1,6 @@
 //! Simulated measurements of a source: what a goniometer or a MERL rig would have recorded of it.
 
-use super::{Source, Tally};
+use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::{DirectionPair, Vector, dot, from_polar, rotate_from_normal};
 use brdfc_readers::merl::{self, Dimensions};
 use brdfc_readers::scan::Row;

@@ -14,7 +14,8 @@ use brdfc_readers::scan::Scan;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_readers::scan_csv;
 use brdfc_readers::ubo_btf::{Channel, ColourModel, Description, Scalar, UboBtf};
-use brdfc_source::{MerlSource, RglSource, ScanSource, Source, Tally};
+use brdfc_core::{Source, Tally};
+use brdfc_source::{MerlSource, RglSource, ScanSource};
 use brdfc_testing::tensor;
 use libfuzzer_sys::fuzz_target;
 

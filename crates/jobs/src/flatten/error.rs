@@ -1,9 +1,9 @@
 //! Why flattening fails.
 
+use brdfc_core::progress::Cancelled;
 use brdfc_flat_btf::parameterise::ParameteriseError;
 use brdfc_formats::FormatError;
 use brdfc_source::InputError;
-use brdfc_source::progress::Cancelled;
 use std::convert::Infallible;
 use std::path::Path;
 

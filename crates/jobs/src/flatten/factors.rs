@@ -2,10 +2,10 @@
 
 use super::error::FlattenError;
 use super::parts::Parts;
+use brdfc_core::progress::Progress;
 use brdfc_flat_btf::factored::{FactorError, Factored, FactoredRecipe, FactoredTarget, factor};
 use brdfc_formats::container::Extent;
 use brdfc_formats::flat_btf::{FlatPart, FlatView, NormalMap, VisibilityMask, view_part};
-use brdfc_source::progress::Progress;
 
 /// Factors the views that were kept aside, and adds the parts of the product.
 ///

@@ -4,6 +4,7 @@ use super::error::FlattenError;
 use super::parts::Parts;
 use super::recipe::{FlattenRecipe, Form};
 use crate::btf_stack::{StackFormat, write_image};
+use brdfc_core::progress::{Progress, Stage};
 use brdfc_flat_btf::diffuse::DiffuseFit;
 use brdfc_flat_btf::fill::{FillMethod, PushPull};
 use brdfc_flat_btf::light_field::{FillGuide, FlattenedView, Holes, LightField, from_above};
@@ -16,7 +17,6 @@ use brdfc_formats::container::{Extent, rgb9e5};
 use brdfc_formats::direction::Vector;
 use brdfc_formats::flat_btf::{DiffuseMap, FlatView, view_part};
 use brdfc_readers::btf_stack::ImageAngles;
-use brdfc_source::progress::{Progress, Stage};
 use rayon::prelude::*;
 use std::path::Path;
 

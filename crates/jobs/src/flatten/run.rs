@@ -10,6 +10,7 @@ use super::probing::{computed_probes, measured_probes};
 use super::recipe::{FlattenRecipe, Form};
 use super::stack::StackImages;
 use crate::btf_stack::StackFormat;
+use brdfc_core::progress::{Progress, Stage};
 use brdfc_flat_btf::displacement::{coarser, displacements};
 use brdfc_flat_btf::indirection::indirection;
 use brdfc_flat_btf::interreflection::Bounces;
@@ -26,7 +27,6 @@ use brdfc_formats::flat_btf::{
     PositionMap, ReferenceMap, SampledDirections, VisibilityMask,
 };
 use brdfc_source::ordinary_btf::OrdinaryBtf;
-use brdfc_source::progress::{Progress, Stage};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 

@@ -212,9 +212,9 @@ fn luminance([r, g, b]: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::address::parse_synth;
     use crate::rgl::RglSource;
-    use crate::{Source, Tally};
+    use brdfc_core::address::parse_synth;
+    use brdfc_core::{Source, Tally};
 
     /// As `brdfc convert` does, without threads.
     fn resampled(source: &dyn Source, grid: RglGrid) -> Rgl {

@@ -12,7 +12,7 @@ pub use summary::{ScanSummary, StrayRows};
 use super::error::InputError;
 use super::format::{AltaHeader, Facts, Format, Opened};
 use super::input::InputFile;
-use super::{Source, Symmetry, Tally};
+use brdfc_core::{Source, Symmetry, Tally};
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::DirectionPair;
 use brdfc_readers::alta::AltaTable;

@@ -1,9 +1,10 @@
 //! ALTA tables as sources: one material in every form is one source.
 
+use brdfc_core::address::parse_synth;
+use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::{DirectionPair, Vector, cross, dot, half_vector};
 use brdfc_readers::alta::AltaTable;
-use brdfc_source::address::parse_synth;
-use brdfc_source::{ScanSource, Source, Tally};
+use brdfc_source::ScanSource;
 use std::f64::consts::TAU;
 
 /// Light and view of an isotropic material.

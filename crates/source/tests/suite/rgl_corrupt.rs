@@ -2,12 +2,12 @@
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
+use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::{FormatError, Place};
 use brdfc_readers::rgl::{Colour, Rgl};
 use brdfc_readers::tensor::{ElementKind, TensorFile};
 use brdfc_source::rgl::RglSource;
-use brdfc_source::{Source, Tally};
 use brdfc_testing::tensor::{Container, Field, Material};
 
 fn material() -> Container {

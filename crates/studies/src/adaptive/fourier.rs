@@ -120,11 +120,11 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
 mod tests {
     use super::*;
     use crate::adaptive::{Lighting, StudyMaterial};
+    use brdfc_core::address::parse_synth;
     use brdfc_formats::direction::{dot, normalize};
     use brdfc_render::adaptive::Start;
     use brdfc_render::scene::{Environment, Frame};
     use brdfc_render::scenes::Builtin;
-    use brdfc_source::address::parse_synth;
     use std::f64::consts::{PI, TAU};
 
     #[test]

@@ -7,13 +7,13 @@ pub use dump::{Dump, DumpError};
 pub use ray::StudyRay;
 
 use crate::timing::best_of;
+use brdfc_core::address::AddressError;
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::parameterise::ParameteriseError;
 use brdfc_flat_btf::structures::Structure;
 use brdfc_flat_btf::surface::LIFT;
 use brdfc_formats::direction::{add_scaled, dot, from_polar};
 use brdfc_formats::direction_set::DirectionSet;
-use brdfc_source::address::AddressError;
 use ray::CHUNK;
 use rayon::prelude::*;
 use schemars::JsonSchema;

@@ -1,8 +1,8 @@
 //! Analytic models against the laws they must obey and values worked out by hand.
 
+use brdfc_core::address::parse_synth;
+use brdfc_core::{Source, Symmetry, Tally};
 use brdfc_formats::direction::{DirectionPair, Vector, cell_centre, from_polar};
-use brdfc_source::address::parse_synth;
-use brdfc_source::{Source, Symmetry, Tally};
 use brdfc_testing::checks::{albedo, isotropy, largest_albedo, mirror, reciprocity, value};
 use std::f64::consts::{FRAC_PI_2, PI};
 
