@@ -5,11 +5,11 @@
 //! A structure is an address without its prefix, such as `knit?count=8`; without any, all are drawn with defaults.
 //! Files are `FOLDER/0.png`, `FOLDER/1.png`, and so on.
 
+use brdfc_core::address::parse_synth;
+use brdfc_core::{Source, Tally};
 use brdfc_flat_btf::mesh::{MAX_MATERIALS, PeriodicMesh};
 use brdfc_flat_btf::structures::{STRUCTURES, Structure};
 use brdfc_formats::direction::{DirectionPair, Vector, add_scaled, cross, dot, from_polar, normalize};
-use brdfc_source::address::parse_synth;
-use brdfc_source::{Source, Tally};
 use image::{Rgb, RgbImage};
 use std::error::Error;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};

@@ -11,14 +11,15 @@ use brdfc_bandwidth::map::{brdf_map, environment_map, texture_map};
 use brdfc_bandwidth::resolution::{RESOLUTIONS, Resolution};
 use brdfc_bandwidth::texture::Placement;
 use brdfc_bandwidth::{DEFAULT_EPSILON, EPSILON_RANGE};
+use brdfc_core::Tally;
+use brdfc_core::words::format_number;
 use brdfc_formats::FormatError;
 use brdfc_formats::bandwidth::BandwidthMap;
 use brdfc_jobs::report::material::repairs_in_words;
+use brdfc_source::Input;
 use brdfc_source::open::open;
 use brdfc_source::radiance_image::open_radiance_image;
 use brdfc_source::tile_image::open_colours;
-use brdfc_source::words::shown;
-use brdfc_source::{Input, Tally};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -156,7 +157,7 @@ fn recipe(arguments: &Arguments) -> Result<Recipe, CliError> {
     let usage = |text: String| Err(CliError::Usage(text));
     let [least, most] = EPSILON_RANGE;
     if !(least..=most).contains(&arguments.epsilon) {
-        return usage(format!("--epsilon: found {}; allowed {least} to {most}", shown(arguments.epsilon)));
+        return usage(format!("--epsilon: found {}; allowed {least} to {most}", format_number(arguments.epsilon)));
     }
     let radiance = radiance(&arguments.input)?;
     let kind = arguments.kind.unwrap_or(match radiance {

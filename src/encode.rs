@@ -5,12 +5,12 @@ use super::output::{note, output_parser, print_report, refuse_overwriting, refus
 use super::progress::Materials;
 use super::{CliError, Common};
 use crate::table;
+use brdfc_core::progress::{Progress as _, Stage};
 use brdfc_jobs::encode::encode;
 use brdfc_jobs::report::material::{MaterialReport, StageTime, remarks};
 use brdfc_jobs::stage_clock::StageClock;
 use brdfc_source::Input;
 use brdfc_source::open::{Facts, open};
-use brdfc_source::progress::{Progress as _, Stage};
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;

@@ -1,5 +1,7 @@
 //! Errors with the exit codes that scripts rely on.
 
+use brdfc_core::address::SYNTH_PREFIX;
+use brdfc_core::progress::Cancelled;
 use brdfc_flat_btf::structures::Structure;
 use brdfc_formats::FormatError;
 use brdfc_jobs::encode::PackError;
@@ -10,8 +12,6 @@ use brdfc_jobs::pwt::PwtError;
 use brdfc_jobs::scene::build::BuildError;
 use brdfc_jobs::scene::run::JobError;
 use brdfc_source::InputError;
-use brdfc_source::address::SYNTH_PREFIX;
-use brdfc_source::progress::Cancelled;
 use brdfc_wavelet::encode::EncodeError;
 use std::path::Path;
 

@@ -3,13 +3,14 @@
 use super::inputs::refuse_stdin_twice;
 use super::output::{note, note_directions, output_parser, print, refuse_overwriting, refuse_unfit_output, write_file};
 use super::{CliError, Common};
+use brdfc_core::Tally;
+use brdfc_core::words::format_number;
 use brdfc_formats::direction::DirectionPair;
-use brdfc_formats::measured::scan_csv::{directions_from_bytes, texels_from_bytes};
 use brdfc_jobs::pwt::Relightable;
 use brdfc_jobs::report::material::repairs_in_words;
+use brdfc_readers::scan_csv::{directions_from_bytes, texels_from_bytes};
+use brdfc_source::Input;
 use brdfc_source::open::{Facts, open};
-use brdfc_source::words::shown;
-use brdfc_source::{Input, Tally};
 use clap::Args;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -55,7 +56,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     {
         return Err(CliError::Usage(format!(
             "--lod: found {}; allowed 0 to the pack's number of levels",
-            shown(level)
+            format_number(level)
         )));
     }
     let directions = &arguments.directions;
@@ -79,7 +80,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         {
             return Err(CliError::Usage(format!(
                 "--lod: found {}; allowed 0 to {levels}, the pack's levels",
-                shown(level)
+                format_number(level)
             )));
         }
         (Facts::WaveletPack { .. } | Facts::TablePack { .. }, _) | (_, None) => {}
@@ -114,7 +115,7 @@ fn texels(arguments: &Arguments, relightable: &Relightable, bytes: &[u8]) -> Res
     let level = arguments.lod.unwrap_or(finest);
     if level > finest {
         let allowed = format!("0 to {finest}, the levels that there are");
-        return Err(CliError::Usage(format!("--lod: found {}; allowed {allowed}", shown(level))));
+        return Err(CliError::Usage(format!("--lod: found {}; allowed {allowed}", format_number(level))));
     }
     let values: Vec<[f32; 3]> = queries.par_iter().map(|query| relightable.value(query, level)).collect();
     write(arguments, bytes, COLOURS, values.iter())

@@ -1,9 +1,9 @@
 //! Results to stdout, remarks to stderr.
 
 use super::{CliError, Common};
+use brdfc_core::Source;
 use brdfc_jobs::output_folder::is_own;
 use brdfc_jobs::write::{is_standard_output, write_atomic};
-use brdfc_source::Source;
 use brdfc_source::input_files::files_behind;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use serde::Serialize;

@@ -3,7 +3,6 @@
 use super::output::{note, output_parser, print_report, refuse_overwriting, refuse_unfit_output, to_json, write_file};
 use super::{CliError, Common};
 use crate::table;
-use brdfc_formats::measured::ptm::Ptm;
 use brdfc_formats::pwt::LightCoordinates;
 use brdfc_jobs::encode::bytes_from_text;
 use brdfc_jobs::pwt::{LightInput, PwtError, PwtReport, make, make_map, recipe_of_map};
@@ -11,6 +10,7 @@ use brdfc_jobs::whole_number::any_whole_number;
 use brdfc_pwt::measure::StackErrors;
 use brdfc_pwt::ptm::MapModel;
 use brdfc_pwt::{DomainName, PwtRecipe, Target, Wavelet};
+use brdfc_readers::ptm::Ptm;
 use brdfc_source::Input;
 use brdfc_source::ptm::EXTENSION as PTM;
 use clap::builder::PossibleValuesParser;

@@ -5,6 +5,8 @@ use super::output::{
 };
 use super::progress::Materials;
 use super::{CliError, Common};
+use brdfc_core::progress::Progress;
+use brdfc_core::words::counted;
 use brdfc_jobs::report::page::{
     FlatPage, GatherError, Reports, ViewLink, csv, flat_csv, flat_html, gather, html, is_flat_btf, sheet,
 };
@@ -14,8 +16,6 @@ use brdfc_metrics::fraction::Fraction;
 use brdfc_render::picture::rgb_png;
 use brdfc_source::Input;
 use brdfc_source::flat_btf::asset_list;
-use brdfc_source::progress::Progress;
-use brdfc_source::words::counted;
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;

@@ -6,12 +6,13 @@ use super::output::{
 };
 use super::{CliError, Common};
 use crate::table;
+use brdfc_core::Tally;
 use brdfc_formats::FormatError;
 use brdfc_importance::{HalfGrid, ImportanceFacts, ImportanceRecipe, importance_samples};
 use brdfc_jobs::report::material::repairs_in_words;
 use brdfc_jobs::whole_number::any_whole_number;
+use brdfc_source::Input;
 use brdfc_source::open::open;
-use brdfc_source::{Input, Tally};
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;

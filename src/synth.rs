@@ -2,15 +2,15 @@
 
 use super::CliError;
 use super::output::{is_stream, output_parser, refuse_missing_folder, write_file};
+use brdfc_core::address::{self, AddressError, split_query};
+use brdfc_core::analytic::MODELS;
+use brdfc_core::words::format_number;
 use brdfc_flat_btf::structures::{STRUCTURES, Structure, describe_structures};
-use brdfc_formats::measured::merl::{Dimensions, MAX_DIMENSION};
-use brdfc_formats::measured::{scan as scan_text, scan_csv};
-use brdfc_formats::meso::{obj, ply};
 use brdfc_jobs::whole_number::whole_number;
-use brdfc_source::address::{self, AddressError, split_query};
-use brdfc_source::analytic::MODELS;
+use brdfc_readers::merl::{Dimensions, MAX_DIMENSION};
+use brdfc_readers::meso::{obj, ply};
+use brdfc_readers::{scan as scan_text, scan_csv};
 use brdfc_source::simulate::{ScanPlan, merl_file, scan};
-use brdfc_source::words::shown;
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 
@@ -213,7 +213,7 @@ fn plan(arguments: &Arguments, default_azimuths: usize) -> Result<ScanPlan, CliE
         if (0.0..=most).contains(&value) {
             return Ok(value);
         }
-        Err(CliError::Usage(format!("--{name}: found {}; allowed 0 to {most}", shown(value))))
+        Err(CliError::Usage(format!("--{name}: found {}; allowed 0 to {most}", format_number(value))))
     };
     Ok(ScanPlan {
         rows: arguments.rows.unwrap_or(1440),

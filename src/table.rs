@@ -1,6 +1,6 @@
 //! Tables for people.
 
-pub use brdfc_source::words::{bytes, percent};
+pub use brdfc_core::words::{bytes, percent};
 
 use brdfc_formats::crop::DirectionRange;
 use brdfc_jobs::encode::Trial;

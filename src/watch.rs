@@ -5,6 +5,7 @@ use super::interrupt::{self, Interrupt};
 use super::output::{print, remark, tell};
 use super::progress::Materials;
 use super::{CliError, Common};
+use brdfc_core::words::{counted, format_number, join_truncated};
 use brdfc_jobs::encode::options::EncodeOptions;
 use brdfc_jobs::file_events::FileEvents;
 use brdfc_jobs::output_folder::Changes;
@@ -12,7 +13,6 @@ use brdfc_jobs::report::build::BuildReport;
 use brdfc_jobs::scene::build::{BuildSettings, build};
 use brdfc_jobs::scene::plan::Plan;
 use brdfc_jobs::scene::watch::{Change, Watched, What};
-use brdfc_source::words::{counted, few, shown};
 use clap::Args;
 use serde::Serialize;
 use std::sync::atomic::AtomicBool;
@@ -124,7 +124,7 @@ fn seconds(seconds: f64) -> Result<Duration, CliError> {
         return Ok(Duration::from_secs_f64(seconds));
     }
     let (least, most) = (POLL_SECONDS.start(), POLL_SECONDS.end());
-    Err(CliError::Usage(format!("--poll: found {}; allowed {least} to {most} seconds", shown(seconds))))
+    Err(CliError::Usage(format!("--poll: found {}; allowed {least} to {most} seconds", format_number(seconds))))
 }
 
 /// A build that came to its end, well or not.
@@ -213,6 +213,6 @@ fn changes(changed: &[Change]) -> String {
     };
     // A line is one, whatever the names.
     let named = changed.iter().map(|change| format!("{} {}", change.file.replace('\n', "\\n"), word(change.what)));
-    let text = few(&named.collect::<Vec<_>>(), NAMED);
+    let text = join_truncated(&named.collect::<Vec<_>>(), NAMED);
     if text.is_empty() { "changed and back".to_owned() } else { text }
 }

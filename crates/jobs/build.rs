@@ -5,8 +5,10 @@ use std::hash::{DefaultHasher, Hasher as _};
 use std::path::{Path, PathBuf};
 
 /// Relative to this crate. What prints, draws or manages files is not among them.
-const DECIDES: [&str; 8] = [
+const DECIDES: [&str; 10] = [
     "../../formats/src",
+    "../core/src",
+    "../readers/src",
     "../source/src",
     "../metrics/src",
     "../codecs",

@@ -2,14 +2,11 @@
 
 use crate::FormatError;
 use crate::direction::{Vector, dot, from_polar, normalize, subtract};
-use crate::measured::scan_csv::Table;
 
 /// Most directions of one set: as many as a flat BTF has layers.
 pub const MAX_DIRECTIONS: usize = crate::container::MAX_LAYERS as usize;
 /// Unit vectors closer than this, 0.014 degrees, are the same direction: [`crate::direction_mesh`] cannot blend between them.
 pub const SAME_DIRECTION: f64 = 2.5e-4;
-/// Columns of a set as CSV; angles in degrees, `index` counts from 0.
-pub const COLUMNS: [&str; 3] = ["index", "theta_deg", "phi_deg"];
 
 /// Rings of the Bonn database of 2003: polar angle, count, first azimuth; degrees. 81 directions (Sattler, Sarlette and
 /// Klein 2003, "Efficient and realistic visualization of cloth").
@@ -102,50 +99,6 @@ impl DirectionSet {
         Self::new(format!("grid-{zeniths}x{azimuths}"), angles)
     }
 
-    /// Parses a CSV with the columns [`COLUMNS`]: `index` counts the records from 0.
-    ///
-    /// # Errors
-    /// As [`DirectionSet::new`], with the line; a wrong header or index, what is no number.
-    pub fn from_csv(bytes: &[u8]) -> Result<Self, FormatError> {
-        let mut table = Table::open(bytes)?;
-        let columns = table.find(&COLUMNS)?;
-        let mut angles = Vec::new();
-        let mut lines = Vec::new();
-        while let Some((line, numbers)) = table.next_numbers(&columns)? {
-            if numbers[0] != angles.len() as f64 {
-                return Err(FormatError::at_line(line, "index", numbers[0].to_string(), angles.len().to_string()));
-            }
-            if angles.len() == MAX_DIRECTIONS {
-                let allowed = format!("at most {MAX_DIRECTIONS} directions");
-                return Err(FormatError::at_line(line, "record", "one more direction", allowed));
-            }
-            let found = [numbers[1], numbers[2]];
-            if let Some((field, number, allowed)) = wrong_angle(found) {
-                return Err(FormatError::at_line(line, field, number.to_string(), allowed));
-            }
-            angles.push(found);
-            lines.push(line);
-        }
-        if angles.is_empty() {
-            return Err(FormatError::whole("directions", "none", "at least one record after the header"));
-        }
-        let set = Self { name: "list".to_owned(), angles };
-        if let Some((first, second)) = first_pair_of_equals(&set.directions()) {
-            let found = format!("the direction of line {}", lines[first]);
-            return Err(FormatError::at_line(lines[second], "direction", found, "directions that differ"));
-        }
-        Ok(set)
-    }
-
-    /// The set as CSV, which [`DirectionSet::from_csv`] reads back to the same bits.
-    pub fn to_csv(&self) -> String {
-        let mut text = COLUMNS.join(",") + "\n";
-        for (index, [theta, phi]) in self.angles.iter().enumerate() {
-            text += &format!("{index},{theta},{phi}\n");
-        }
-        text
-    }
-
     /// Unit vectors, in the order of `angles`.
     pub fn directions(&self) -> Vec<Vector> {
         self.angles.iter().map(|[theta, phi]| from_polar(theta.to_radians(), phi.to_radians())).collect()
@@ -188,7 +141,7 @@ fn ring(theta: f64, count: usize, first: f64) -> Vec<[f64; 2]> {
 }
 
 /// Field, number and what is allowed, where an angle is out of range.
-pub(crate) fn wrong_angle([theta, phi]: [f64; 2]) -> Option<(&'static str, f64, &'static str)> {
+pub fn wrong_angle([theta, phi]: [f64; 2]) -> Option<(&'static str, f64, &'static str)> {
     if !(0.0..90.0).contains(&theta) {
         return Some(("theta_deg", theta, "0 to less than 90"));
     }
@@ -196,7 +149,7 @@ pub(crate) fn wrong_angle([theta, phi]: [f64; 2]) -> Option<(&'static str, f64, 
 }
 
 /// The first index whose direction stood before, behind the index where it did.
-fn first_pair_of_equals(directions: &[Vector]) -> Option<(usize, usize)> {
+pub fn first_pair_of_equals(directions: &[Vector]) -> Option<(usize, usize)> {
     let same = |a: Vector, b: Vector| {
         let difference = subtract(a, b);
         dot(difference, difference) < SAME_DIRECTION * SAME_DIRECTION
@@ -252,32 +205,5 @@ mod tests {
         assert!((set.directions()[150][0] - theta.sin() * phi.cos()).abs() < 1e-14);
         assert_eq!(set.nearest([0.0, 0.05, 1.0]), 0);
         assert!(set.nearest([0.0, 0.0, -1.0]) >= 127, "one of the outer ring");
-    }
-
-    #[test]
-    fn csv_round_trip() {
-        let set = DirectionSet::grid(7, 9, 80.0).unwrap();
-        assert_eq!(DirectionSet::from_csv(set.to_csv().as_bytes()).unwrap().angles, set.angles);
-    }
-
-    #[test]
-    fn errors_name_the_line() {
-        let head = "index,theta_deg,phi_deg\n";
-        let text = |rows: &str| DirectionSet::from_csv(format!("{head}{rows}").as_bytes()).unwrap_err().to_string();
-        assert_eq!(text("0,90,0\n"), "line 2, theta_deg: found 90; allowed 0 to less than 90");
-        assert!(text("0,0,0\n1,-1,0\n").starts_with("line 3, theta_deg: found -1"));
-        assert!(text("0,0,361\n").contains("phi_deg: found 361"));
-        assert!(text("0,0,x\n").contains("line 2, phi_deg: found \"x\""));
-        assert!(text("0,0,0\n2,10,0\n").contains("line 3, index: found 2; allowed 1"));
-        assert!(text("0,0,0\n1,10,0\n2,0,90\n").contains("line 4, direction: found the direction of line 2"));
-        assert!(text("0,10,0\n1,10,360\n").contains("line 3, direction"));
-        assert!(text("").contains("at least one record"));
-        let many: String = (0..2049).map(|k| format!("{k},{},{}\n", k as f64 * 0.04, k % 360)).collect();
-        assert!(text(&many).starts_with("line 2050, record: found one more direction; allowed at most 2048"));
-        let error = DirectionSet::from_csv(b"index,theta,phi\n").unwrap_err().to_string();
-        assert!(error.contains("column theta_deg"), "{error}");
-        // Just far enough apart: no error.
-        let near = format!("{head}0,10,0\n1,10.015,0\n");
-        assert_eq!(DirectionSet::from_csv(near.as_bytes()).unwrap().len(), 2);
     }
 }

@@ -248,7 +248,10 @@ mod tests {
         let mut bytes = texture.to_bytes(false);
         seal(&mut bytes);
         let error = Pack::from_bytes(&bytes, None).unwrap_err().to_string();
-        assert!(error.starts_with("texture: found 2 levels of 2 x 2 texels") && error.contains("allowed 1 levels"), "{error}");
+        assert!(
+            error.starts_with("texture: found 2 levels of 2 x 2 texels") && error.contains("allowed 1 levels"),
+            "{error}"
+        );
     }
 
     #[test]

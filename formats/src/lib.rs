@@ -1,7 +1,7 @@
-//! Every byte layout that `brdfc` reads or writes, and the CPU decoders of its packs.
+//! The byte layouts of packs, their CPU decoders and their shaders.
 //!
 //! An engine that loads packs links this crate alone. The normative description of each layout is the page beside its
-//! code: `src/*/spec.md`, and `src/measured/*.md` of measured files.
+//! code: `src/*/spec.md`.
 //!
 //! Conventions: the local frame is x = tangent, y = bitangent, z = normal; directions are unit vectors that point away
 //! from the surface (`incoming` to the light, `outgoing` to the viewer); values are `f_r` in 1/sr, linear RGB with
@@ -10,7 +10,6 @@
 pub mod bandwidth;
 pub mod bindings;
 mod brdf_pack;
-pub mod colour;
 pub mod container;
 pub mod crop;
 pub mod cursor;
@@ -22,13 +21,10 @@ mod error_summary;
 pub mod flat_btf;
 pub mod importance;
 mod kind;
-pub mod measured;
 pub mod memory;
-pub mod meso;
 pub mod pwt;
 pub mod table;
 mod tap;
-mod text;
 pub mod vector_math;
 pub mod wavelet;
 

@@ -5,11 +5,11 @@ use super::on_adapter;
 use crate::output::remark;
 use crate::table::{percent, plain, significant};
 use crate::{CliError, Common};
+use brdfc_core::Source;
 use brdfc_formats::FormatError;
 use brdfc_render::adaptive::Start;
 use brdfc_render::scene::{Environment, Frame};
 use brdfc_render::scenes::Builtin;
-use brdfc_source::Source;
 use brdfc_source::open::open;
 use brdfc_source::radiance_image::open_radiance_image;
 use brdfc_studies::adaptive::{

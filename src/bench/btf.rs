@@ -5,9 +5,9 @@ use crate::flatten::{default_set, direction_set};
 use crate::output::{make_folder, remark, write_file};
 use crate::table::{bytes, percent, plain};
 use crate::{CliError, Common};
+use brdfc_core::address::SYNTH_PREFIX;
 use brdfc_flat_btf::structures::STRUCTURES;
 use brdfc_source::Input;
-use brdfc_source::address::SYNTH_PREFIX;
 use brdfc_studies::StudyResult;
 use brdfc_studies::btf::{
     BtfAsset, BtfModel, BtfRow, BtfSettings, BtfStudy, BtfStudyError, PARTS, drawing, held_out, study_structure,

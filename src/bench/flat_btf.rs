@@ -5,10 +5,10 @@ use crate::flatten::{INDIRECTION, default_set, direction_set, in_flags, map_head
 use crate::output::remark;
 use crate::table::plain;
 use crate::{CliError, Common};
+use brdfc_core::address::SYNTH_PREFIX;
 use brdfc_flat_btf::structures::STRUCTURES;
 use brdfc_formats::container::MAX_EXTENT_2D;
 use brdfc_source::Input;
-use brdfc_source::address::SYNTH_PREFIX;
 use brdfc_studies::StudyResult;
 use brdfc_studies::flat_btf::{ModelRow, StudyError, StudySettings, study_model};
 use std::sync::Mutex;

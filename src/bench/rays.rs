@@ -4,7 +4,7 @@ use super::arguments::Arguments;
 use crate::output::{make_folder, remark, write_file};
 use crate::table::{percent, plain};
 use crate::{CliError, Common};
-use brdfc_source::address::SYNTH_PREFIX;
+use brdfc_core::address::SYNTH_PREFIX;
 use brdfc_studies::StudyResult;
 use brdfc_studies::rays::{Dump, RayScene, RayStudy, RayStudyError};
 use std::path::Path;

@@ -2,13 +2,13 @@
 
 use crate::output::remark;
 use crate::{CliError, Common};
+use brdfc_core::words::{counted, join_truncated};
 use brdfc_jobs::encode::options::EncodeOptions;
 use brdfc_jobs::scene::batch::{BatchError, address_of, find, given, is_material, manifest_of};
 use brdfc_jobs::scene::manifest::Manifest;
 use brdfc_jobs::scene::patterns::{Named, PatternError};
 use brdfc_jobs::scene::plan::{Plan, PlanError, plan};
 use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
-use brdfc_source::words::{counted, few};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
@@ -70,7 +70,7 @@ pub(crate) fn asked(inputs: &[OsString], options: &EncodeOptions, common: Common
     let found = find(&given(inputs))?;
     if !found.others.is_empty() {
         let names: Vec<String> = found.others.iter().map(|path| path.display().to_string()).collect();
-        let (count, names) = (counted(names.len(), "file"), few(&names, NAMED));
+        let (count, names) = (counted(names.len(), "file"), join_truncated(&names, NAMED));
         remark(common, &format!("left out, no measured materials: {count} ({names})"));
     }
     let mut manifest = manifest_of(&found.sources)?;

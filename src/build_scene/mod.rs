@@ -19,6 +19,7 @@ use super::output::{
 };
 use super::progress::Materials;
 use super::{CliError, Common, interrupt};
+use brdfc_core::words::{counted, join_truncated};
 use brdfc_jobs::depfile::depfile;
 use brdfc_jobs::encode::options::EncodeOptions;
 use brdfc_jobs::output_folder::Changes;
@@ -30,7 +31,6 @@ use brdfc_jobs::scene::explain::explain;
 use brdfc_jobs::scene::plan::{Job, Plan, REPORT};
 use brdfc_jobs::scene::run::Made;
 use brdfc_jobs::scene::scene_section::ENVIRONMENT;
-use brdfc_source::words::{counted, few};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -75,7 +75,10 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         print(&(text::text(&built.outcomes) + &plan_text::needs(&built.report.needs)))?;
     }
     if !plan.skipped.is_empty() {
-        remark(common, &format!("not used by the scene, not opened: {}", few(&plan.skipped, plan_text::MOST_NAMED)));
+        remark(
+            common,
+            &format!("not used by the scene, not opened: {}", join_truncated(&plan.skipped, plan_text::MOST_NAMED)),
+        );
     }
     match &built.changes {
         Some(changes) => tell_changes(changes, &built.report, common),

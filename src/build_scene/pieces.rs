@@ -5,10 +5,10 @@ use crate::interrupt::Interrupt;
 use crate::output::{print, tell};
 use crate::progress::Materials;
 use crate::{CliError, Common};
+use brdfc_core::words::counted;
 use brdfc_jobs::scene::build::build_works;
 use brdfc_jobs::scene::plan::Plan;
 use brdfc_jobs::scene::works::Work;
-use brdfc_source::words::counted;
 
 pub(super) fn run(arguments: &Arguments, plan: &Plan, common: Common, interrupt: &Interrupt) -> Result<(), CliError> {
     if common.json {

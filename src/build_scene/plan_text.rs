@@ -1,13 +1,13 @@
 //! What a build would do, in words.
 
 use crate::table;
+use brdfc_core::words::join_truncated;
 use brdfc_jobs::encode::recipe::{Budget, PackRecipe};
 use brdfc_jobs::report::build::{BuildReport, MaterialEntry, environment_map};
 use brdfc_jobs::scene::explain::{Explained, NOTHING};
 use brdfc_jobs::scene::maps::PARTS;
 use brdfc_jobs::scene::plan::{Plan, pack_name};
 use brdfc_jobs::scene::predict::Predicted;
-use brdfc_source::words::few;
 use brdfc_table::recipe::Size;
 use brdfc_wavelet::recipe::Target;
 use std::path::Path;
@@ -55,7 +55,7 @@ pub(super) fn text(plan: &Plan, report: &BuildReport, out: &Path) -> String {
         }
     }
     if !plan.skipped.is_empty() {
-        text += &format!("not used by the scene: {}\n", few(&plan.skipped, MOST_NAMED));
+        text += &format!("not used by the scene: {}\n", join_truncated(&plan.skipped, MOST_NAMED));
     }
     text + &needs(&report.needs)
 }
@@ -92,7 +92,7 @@ fn all_unused(first: &Explained, unused: &[&Explained]) -> Explained {
     let names: Vec<&str> = unused.iter().map(|explained| explained.material.as_str()).collect();
     let count = unused.len();
     Explained {
-        material: few(&names, MOST_NAMED),
+        material: join_truncated(&names, MOST_NAMED),
         why: format!("no use refers to these {count}"),
         saved_bytes: first.saved_bytes.map(|bytes| bytes * count as u64),
         saved_seconds: first.saved_seconds.map(|seconds| seconds * count as f64),

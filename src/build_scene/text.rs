@@ -2,10 +2,10 @@
 
 use crate::{CliError, table};
 use brdfc_bandwidth::facts::BandwidthFacts;
+use brdfc_core::words::counted;
 use brdfc_jobs::report::build::environment_map;
 use brdfc_jobs::scene::maps::{PARTS, Packed, part_name};
 use brdfc_jobs::scene::run::{JobError, Outcomes};
-use brdfc_source::words::counted;
 
 /// The packs, a line each; where there are maps, those too.
 pub(super) fn text(outcomes: &Outcomes) -> String {

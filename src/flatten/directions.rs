@@ -2,6 +2,7 @@
 
 use crate::CliError;
 use brdfc_formats::direction_set::DirectionSet;
+use brdfc_readers::direction_list;
 use brdfc_source::Input;
 use brdfc_source::read::MAX_TEXT_BYTES;
 use std::path::Path;
@@ -45,7 +46,7 @@ pub(crate) fn direction_set(option: &str, input: &Input) -> Result<DirectionSet,
         return Err(CliError::Usage(format!("--{option}: found {input}; allowed {allowed}")));
     }
     let bytes = input.read(MAX_TEXT_BYTES)?;
-    DirectionSet::from_csv(&bytes)
+    direction_list::from_csv(&bytes)
         .map(|set| named(set, &input.short_name()))
         .map_err(|error| CliError::Input(format!("{input}: {error}")))
 }

@@ -5,13 +5,13 @@ use super::directions::{default_set, direction_set, pair};
 use crate::CliError;
 use crate::inputs::refuse_stdin_twice;
 use crate::output::{check_folder, refuse_same_outputs};
+use brdfc_core::words::format_number;
 use brdfc_flat_btf::encode::{FlattenRecipe, Form};
 use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::fill::FillMethod;
 use brdfc_formats::flat_btf::{IndirectionHeader, MAX_AZIMUTH_SAMPLES, MAX_ZENITH_SAMPLES};
 use brdfc_jobs::flatten::MesoOptions;
 use brdfc_source::Input;
-use brdfc_source::words::shown;
 use std::ffi::{OsStr, OsString};
 
 /// The asset's name: as given, or that of its folder.
@@ -115,7 +115,10 @@ pub(super) fn meso_options(arguments: &Arguments, is_stack: bool) -> Result<Meso
         if let Some(value) = value
             && !(-10.0..=10.0).contains(&value)
         {
-            return Err(CliError::Usage(format!("--{option}: found {}; allowed -10 to 10 tiles", shown(value))));
+            return Err(CliError::Usage(format!(
+                "--{option}: found {}; allowed -10 to 10 tiles",
+                format_number(value)
+            )));
         }
     }
     let kind = Kind::of(geometry.as_ref())?;
@@ -200,7 +203,7 @@ fn wrong(option: &str, found: &dyn std::fmt::Display, allowed: &str) -> CliError
 /// The indirection map that `--texels`, `--indirection` and `--largest-angle`, in degrees, ask for, of any size.
 pub fn map_header(texels: u32, indirection: &str, largest_angle: f64) -> Result<IndirectionHeader, CliError> {
     if !(largest_angle > 0.0 && largest_angle <= 89.0) {
-        return Err(wrong("largest-angle", &shown(largest_angle), "above 0, up to 89 degrees"));
+        return Err(wrong("largest-angle", &format_number(largest_angle), "above 0, up to 89 degrees"));
     }
     let [zenith_samples, azimuth_samples] = pair(indirection)
         .ok_or_else(|| wrong("indirection", &indirection, "polar angles x azimuths, such as 16x24"))?;
@@ -257,7 +260,7 @@ fn factor_target(arguments: &Arguments) -> Result<Option<FactoredTarget>, CliErr
         return Ok(None);
     }
     if let Some(found) = arguments.max_delta_e.filter(|e| !(*e > 0.0 && *e <= 100.0)) {
-        return Err(wrong("max-delta-e", &shown(found), "above 0, up to 100"));
+        return Err(wrong("max-delta-e", &format_number(found), "above 0, up to 100"));
     }
     let target = match arguments.max_bytes {
         Some(bytes) => FactoredTarget::Bytes(bytes),

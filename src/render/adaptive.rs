@@ -10,6 +10,7 @@ use crate::{CliError, Common};
 use brdfc_bandwidth::DEFAULT_EPSILON;
 use brdfc_bandwidth::facts::BandwidthFacts;
 use brdfc_bandwidth::map::environment_map;
+use brdfc_core::words::format_number;
 use brdfc_formats::BrdfPack;
 use brdfc_formats::bandwidth::BandwidthMap;
 use brdfc_formats::{FormatError, Pack};
@@ -23,7 +24,6 @@ use brdfc_render::adaptive::{
 use brdfc_render::scene::Frame;
 use brdfc_render::shade::Reflectance;
 use brdfc_source::pack::opened;
-use brdfc_source::words::shown;
 use serde::Serialize;
 use std::time::Instant;
 
@@ -150,11 +150,11 @@ fn settings(options: &AdaptiveOptions) -> Result<(Settings, u32), CliError> {
     let default = Settings::default();
     let samples = options.budget.unwrap_or(default.samples);
     if !(0.01..=MOST as f32).contains(&samples) {
-        return usage("budget", shown(samples), "0.01 to 1024");
+        return usage("budget", format_number(samples), "0.01 to 1024");
     }
     let caution = options.caution.unwrap_or(default.caution);
     if !(0.001..=1000.0).contains(&caution) {
-        return usage("caution", shown(caution), "0.001 to 1000");
+        return usage("caution", format_number(caution), "0.001 to 1000");
     }
     let directions = options.bandwidth_directions.unwrap_or(default.directions);
     let antialias = options.antialias.unwrap_or(1);

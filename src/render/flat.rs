@@ -5,6 +5,7 @@ use super::materials::Subject;
 use super::{gpu, outputs, scene};
 use crate::output::note;
 use crate::{CliError, Common};
+use brdfc_core::address::is_synth;
 use brdfc_flat_btf::encode::Form;
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::surface::Appearance;
@@ -16,7 +17,6 @@ use brdfc_jobs::report::render::Verification;
 use brdfc_render::flat::{FlatForm, FlatMaterial, draw_on_cpu, reference_plane};
 use brdfc_render::scenes::Builtin;
 use brdfc_source::Input;
-use brdfc_source::address::is_synth;
 use brdfc_source::flat_btf::open_flat_btf;
 use std::path::Path;
 

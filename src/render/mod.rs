@@ -20,9 +20,9 @@ use super::output::{note, print, print_json, remark};
 use super::{CliError, Common, graphics_environment};
 use crate::table;
 use asset::{Asset, AssetKind};
+use brdfc_core::words::{format_number, join_truncated};
 use brdfc_gpu::verify::{Material, Views, views};
 use brdfc_jobs::report::render::{PictureGates, Verification};
-use brdfc_source::words::{few, shown};
 use materials::Prepared;
 use serde::Serialize;
 use std::path::Path;
@@ -51,7 +51,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     if let Some(level) = arguments.lod
         && !(0.0..=6.0).contains(&level)
     {
-        return Err(CliError::Usage(format!("--lod: found {}; allowed 0 to 6", shown(level))));
+        return Err(CliError::Usage(format!("--lod: found {}; allowed 0 to 6", format_number(level))));
     }
     let asset = asset::asset(arguments)?;
     if let Some(asset) = &asset {
@@ -102,7 +102,7 @@ fn gates(arguments: &Arguments) -> Result<PictureGates, CliError> {
     ];
     for (flag, limit, most, allowed) in given {
         if let Some(limit) = limit.filter(|limit| !(0.0..=most).contains(limit)) {
-            return Err(CliError::Usage(format!("{flag}: found {}; allowed {allowed}", shown(limit))));
+            return Err(CliError::Usage(format!("{flag}: found {}; allowed {allowed}", format_number(limit))));
         }
     }
     let [delta_e, delta_e_p95, flip] = given.map(|(_, limit, ..)| limit);
@@ -145,7 +145,7 @@ fn of_brdfs(arguments: &Arguments, common: Common) -> Result<(Verification, View
 fn tell_of_others(arguments: &Arguments, all: &[String], shown: &[String], common: Common) {
     let others: Vec<&str> = all.iter().filter(|name| !shown.contains(name)).map(String::as_str).collect();
     if !others.is_empty() {
-        let listed = few(&others, MOST_LISTED);
+        let listed = join_truncated(&others, MOST_LISTED);
         note(common, &arguments.input, &format!("not shown: {listed}; --contact draws every material"));
     }
 }

@@ -4,6 +4,7 @@ use super::arguments::Arguments;
 use super::materials::Subject;
 use super::outputs;
 use crate::CliError;
+use brdfc_core::words;
 use brdfc_gpu::Gpu;
 use brdfc_gpu::verify::Views;
 use brdfc_jobs::report::render::{PartMaterial, Verification};
@@ -12,7 +13,6 @@ use brdfc_jobs::scene::render_section::{MAX_SIDE, RenderSection};
 use brdfc_render::scene::{Environment, Frame, PointLight, Scene};
 use brdfc_render::scenes::Builtin;
 use brdfc_source::radiance_image::open_radiance_image;
-use brdfc_source::words;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 
@@ -127,7 +127,7 @@ pub(super) fn setup_from(arguments: &Arguments, subject: &Subject, start: &Start
     {
         return Err(CliError::Usage(format!(
             "--exposure: found {}; allowed a positive number",
-            words::shown(exposure)
+            words::format_number(exposure)
         )));
     }
     let exposure = arguments.exposure.or(section.exposure);

@@ -10,8 +10,9 @@ use brdfc_formats::table::{TableDecoder, TablePack};
 use brdfc_formats::wavelet::{Filter, WaveletDecoder, WaveletPack};
 use brdfc_source::open::{Facts, Opened, open};
 use brdfc_source::pack::{open_brdf_pack, opened};
-use brdfc_source::words::shown;
-use brdfc_source::{Input, InputError, Source, Tally};
+use brdfc_core::words::format_number;
+use brdfc_core::{Source, Tally};
+use brdfc_source::{Input, InputError};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -68,7 +69,7 @@ impl Material {
             (None, _) => Ok(finest),
             (Some(_), None) => Err(wrong("lod", "a number", "none: only packs have levels of detail")),
             (Some(level), _) if (0.0..=finest).contains(&level) => Ok(level),
-            (Some(level), _) => Err(wrong("lod", shown(level), format!("0 to {finest}, the pack's levels"))),
+            (Some(level), _) => Err(wrong("lod", format_number(level), format!("0 to {finest}, the pack's levels"))),
         }
     }
 

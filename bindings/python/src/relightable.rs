@@ -3,8 +3,8 @@
 use super::arrays::{Argument, colours};
 use super::errors::wrong;
 use super::threads::threads;
-use brdfc_formats::measured::scan_csv::TexelQuery;
-use brdfc_source::words::shown;
+use brdfc_readers::scan_csv::TexelQuery;
+use brdfc_core::words::format_number;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use rayon::prelude::*;
@@ -58,7 +58,7 @@ impl Relightable {
         let finest = self.levels() as f32;
         let level = lod.unwrap_or(finest);
         if !(0.0..=finest).contains(&level) {
-            return Err(wrong("lod", shown(level), format!("0 to {finest}, the levels that there are")));
+            return Err(wrong("lod", format_number(level), format!("0 to {finest}, the levels that there are")));
         }
         let value = |((uv, incoming), outgoing): ((&[f64; 2], &[f64; 3]), &[f64; 3])| {
             self.inner.value(&TexelQuery { uv: *uv, incoming: *incoming, outgoing: *outgoing }, level)

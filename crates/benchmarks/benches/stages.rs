@@ -4,17 +4,18 @@
 
 use brdfc_bandwidth::environment::environment_bandwidth;
 use brdfc_bandwidth::lobe::lobe_bandwidth;
+use brdfc_core::address::parse_model;
+use brdfc_core::{PackSource, Source};
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::Parameterisation;
-use brdfc_formats::measured::merl::{Dimensions, Merl};
-use brdfc_formats::measured::scan::Scan;
 use brdfc_formats::wavelet::{Filter, RowScratch, WaveletDecoder, WaveletPack};
 use brdfc_importance::{ImportanceRecipe, importance_samples};
 use brdfc_metrics::compare::compare;
 use brdfc_metrics::sampling::{PairSet, random_pairs};
-use brdfc_source::address::parse_model;
+use brdfc_readers::merl::{Dimensions, Merl};
+use brdfc_readers::scan::Scan;
 use brdfc_source::simulate::{ScanPlan, merl_file, scan};
-use brdfc_source::{MerlSource, PackSource, ScanSource, Source};
+use brdfc_source::{MerlSource, ScanSource};
 use brdfc_wavelet::encode::encode;
 use brdfc_wavelet::haar;
 use brdfc_wavelet::log_encode::{DEFAULT_BIAS, LogEncoding, log_encode};

@@ -2,6 +2,7 @@
 //! from whole tables and from sources.
 
 use crate::{Decoding, Gpu, GpuError, Renderer};
+use brdfc_core::Source;
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::wavelet::level_of_detail;
@@ -11,7 +12,6 @@ use brdfc_render::scene::{Frame, Scene};
 use brdfc_render::shade::{Reflectance, SourceReflectance, shade};
 use brdfc_render::trace::trace;
 use brdfc_render::within::{outside, share_left_out, without};
-use brdfc_source::Source;
 
 /// One material of a scene's part.
 #[derive(Clone, Copy)]

@@ -1,8 +1,8 @@
-//! Writes the images of a BTF stack. Layout: `formats/src/measured/btf_stack.md`.
+//! Writes the images of a BTF stack. Layout: `crates/readers/src/btf_stack.md`.
 
 use super::write::write_atomic;
-use brdfc_formats::colour::encode_srgb_byte;
-use brdfc_formats::measured::btf_stack::{ImageAngles, image_name};
+use brdfc_readers::btf_stack::{ImageAngles, image_name};
+use brdfc_readers::colour::encode_srgb_byte;
 use exr::prelude::{
     Blocks, Compression, Encoding, Image, Layer, LayerAttributes, LineOrder, SpecificChannels, Vec2, WritableImage, f16,
 };

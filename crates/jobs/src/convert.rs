@@ -1,20 +1,21 @@
 //! Any source as a measured file that other programs read, with the error that this brings.
 
+use brdfc_core::Source;
+use brdfc_core::pair_list::PairList;
 use brdfc_formats::FormatError;
-use brdfc_formats::colour::rgb_weights;
 use brdfc_formats::direction::DirectionPair;
-use brdfc_formats::measured::merl::{self, Dimensions, Merl, MerlError};
-use brdfc_formats::measured::rgl::Rgl;
-use brdfc_formats::measured::scan::Row;
-use brdfc_formats::measured::scan_csv;
 use brdfc_metrics::compare::{Comparison, compare};
 use brdfc_metrics::sampling::PairSet;
 use brdfc_metrics::values::values_of_list;
-use brdfc_source::pair_list::PairList;
+use brdfc_readers::colour::rgb_weights;
+use brdfc_readers::merl::{self, Dimensions, Merl, MerlError};
+use brdfc_readers::rgl::Rgl;
+use brdfc_readers::scan::Row;
+use brdfc_readers::scan_csv;
 use brdfc_source::rgl::resample::RglGrid;
 use brdfc_source::scan::ScanSource;
 use brdfc_source::simulate::pair_of_angles;
-use brdfc_source::{MerlSource, RglSource, Source};
+use brdfc_source::{MerlSource, RglSource};
 use std::cell::{Cell, RefCell};
 use std::f64::consts::TAU;
 

@@ -1,8 +1,8 @@
-//! Writes light stacks. Layout: `formats/src/measured/light_stack.md`.
+//! Writes light stacks. Layout: `crates/readers/src/light_stack.md`.
 
 use super::btf_stack::{StackFormat, write_pixels};
 use super::write::write_atomic;
-use brdfc_formats::measured::light_stack::LightPositions;
+use brdfc_readers::light_stack::LightPositions;
 use std::io::{Error, ErrorKind};
 use std::path::{Path, PathBuf};
 

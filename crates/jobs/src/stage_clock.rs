@@ -1,7 +1,7 @@
 //! Times of stages.
 
 use crate::report::material::StageTime;
-use brdfc_source::progress::{Cancelled, Progress, Stage};
+use brdfc_core::progress::{Cancelled, Progress, Stage};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 

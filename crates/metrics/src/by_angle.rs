@@ -2,8 +2,8 @@
 
 use super::sampling::PairSet;
 use super::values::values_of_list;
+use brdfc_core::Source;
 use brdfc_formats::direction::DirectionPair;
-use brdfc_source::Source;
 use serde::{Deserialize, Serialize};
 
 /// Degrees that are taken together.
@@ -105,7 +105,7 @@ fn is_close(a: &WorstPair, b: &WorstPair) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use brdfc_source::{Symmetry, Tally};
+    use brdfc_core::{Symmetry, Tally};
 
     /// Right but for light from below 60 degrees, which is twice as bright; and far too bright at one place.
     struct Wrong;

@@ -4,9 +4,9 @@ use super::norms::{NormSums, Norms};
 use super::picture::{PictureError, ReferencePicture};
 use super::sampling::{AlbedoPairs, PairSet};
 use super::values::{CHUNK, values_of_list};
+use brdfc_core::{Source, Tally};
 use brdfc_formats::ErrorSummary;
 use brdfc_formats::crop::DirectionRange;
-use brdfc_source::{Source, Tally};
 use rayon::prelude::*;
 use std::borrow::Cow;
 

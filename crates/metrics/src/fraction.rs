@@ -1,6 +1,6 @@
 //! Fractions as people write them.
 
-use brdfc_source::words::shown;
+use brdfc_core::words::format_number;
 use serde::de::{Deserialize, Deserializer, Error, Visitor};
 use std::fmt;
 use std::str::FromStr;
@@ -32,7 +32,11 @@ impl Fraction {
             return Err(ALLOWED.to_owned());
         }
         if value > 1.0 && !is_percentage {
-            return Err(format!("a fraction or a percentage: write {} or {}%", shown(value / 100.0), shown(value)));
+            return Err(format!(
+                "a fraction or a percentage: write {} or {}%",
+                format_number(value / 100.0),
+                format_number(value)
+            ));
         }
         Ok(value)
     }
@@ -41,7 +45,11 @@ impl Fraction {
 /// As it was written.
 impl fmt::Display for Fraction {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.is_percentage { write!(f, "{}%", shown(100.0 * self.value)) } else { f.write_str(&shown(self.value)) }
+        if self.is_percentage {
+            write!(f, "{}%", format_number(100.0 * self.value))
+        } else {
+            f.write_str(&format_number(self.value))
+        }
     }
 }
 

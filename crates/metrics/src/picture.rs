@@ -3,11 +3,11 @@
 use super::image::{Spread, colour_difference, shown_colour, spread};
 use super::sampling::{from_polar_cosine, points};
 use super::values::values_of_list;
+use brdfc_core::pair_list::PairList;
+use brdfc_core::{Source, Tally};
 use brdfc_formats::PictureSummary;
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::{DirectionPair, Vector, cross, dot};
-use brdfc_source::pair_list::PairList;
-use brdfc_source::{Source, Tally};
 use palette::Lab;
 use palette::white_point::D65;
 use rayon::prelude::*;
@@ -165,8 +165,8 @@ fn scaled(v: Vector, factor: f64) -> Vector {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use brdfc_core::address::parse_synth;
     use brdfc_formats::crop::Elevations;
-    use brdfc_source::address::parse_synth;
 
     fn error(reference: &str, approximation: &str) -> PictureError {
         let [a, b] = [reference, approximation].map(|address| parse_synth(address).expect("an address"));

@@ -1,8 +1,8 @@
 //! Fixed sets of directions to compare at: the same on every run and machine.
 
+use brdfc_core::pair_list::PairList;
 use brdfc_formats::crop::{DirectionRange, Elevations};
 use brdfc_formats::direction::{DirectionPair, Vector, dot, from_polar, half_vector};
-use brdfc_source::pair_list::PairList;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;

@@ -1,8 +1,8 @@
 //! Values of sources.
 
+use brdfc_core::pair_list::{BLOCK, PairList};
+use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::DirectionPair;
-use brdfc_source::pair_list::{BLOCK, PairList};
-use brdfc_source::{Source, Tally};
 use rayon::prelude::*;
 
 /// Direction pairs per unit of parallel work: fixed, so that sums do not depend on threads.

@@ -2,8 +2,8 @@
 
 use brdfc_formats::FormatError;
 use brdfc_formats::bandwidth::BandwidthMap;
-use brdfc_formats::colour::encode_srgb_byte;
 use brdfc_metrics::image::{LinearImage, delta_e_map};
+use brdfc_readers::colour::encode_srgb_byte;
 use brdfc_source::radiance_image;
 use exr::prelude::{
     Blocks, Compression, Encoding, Image, Layer, LayerAttributes, LineOrder, SpecificChannels, Vec2, WritableImage,

@@ -5,9 +5,9 @@ use super::scene::{Frame, PointLight, Scene, Surface};
 use super::shading_point::ShadingPoint;
 use super::trace::Hits;
 use super::vector::{add_scaled, subtract};
+use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::{DirectionPair, Vector, dot};
 use brdfc_metrics::image::LinearImage;
-use brdfc_source::{Source, Tally};
 
 /// What can be asked for `f_r` when a surface is shaded.
 pub trait Reflectance: Sync {

@@ -4,7 +4,7 @@ use crate::InputError;
 use crate::photograph::{Image, common_size};
 use brdfc_formats::FormatError;
 use brdfc_formats::direction_set::DirectionSet;
-use brdfc_formats::measured::btf_stack::{StackContents, StackIndex, is_image};
+use brdfc_readers::btf_stack::{StackContents, StackIndex, is_image};
 use std::path::{Path, PathBuf};
 
 /// Levels of folders that are searched: the stack's own and those in it.

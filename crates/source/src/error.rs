@@ -1,6 +1,6 @@
 //! Inputs that cannot be used.
 
-use super::address::AddressError;
+use brdfc_core::address::AddressError;
 use brdfc_formats::FormatError;
 use std::path::Path;
 

@@ -2,8 +2,9 @@
 
 use super::read::open_path;
 use crate::InputError;
+use crate::json::json_problem;
 use crate::read::{MAX_FILE_BYTES, MAX_TEXT_BYTES, read_file};
-use crate::words::{few, json_problem};
+use brdfc_core::words::join_truncated;
 use brdfc_formats::FormatError;
 use brdfc_formats::flat_btf::factored::{BasisMap, FactoredFlatBtf, ShadowMap, WeightMap};
 use brdfc_formats::flat_btf::{
@@ -232,7 +233,7 @@ impl Asset {
         if missing.is_empty() {
             return Ok(());
         }
-        let found = format!("no {}", few(&missing, MOST_LISTED));
+        let found = format!("no {}", join_truncated(&missing, MOST_LISTED));
         Err(format_error(&self.folder, FormatError::whole("flat BTF", found, "all of its files")))
     }
 

@@ -1,10 +1,10 @@
 //! What a kind of file that has reflectance is to the one who opens it.
 
-use super::Source;
 use super::error::InputError;
 use super::input::InputFile;
 use super::scan::{ScanSummary, StrayRows};
-use super::words::{bytes, percent};
+use brdfc_core::Source;
+use brdfc_core::words::{bytes, percent};
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::table::{Axes, TableSymmetry};

@@ -1,12 +1,12 @@
 //! What a user names as an input: an address, a file, or standard input; and its bytes.
 
-use super::address::is_synth;
 use super::error::InputError;
 use super::read::{
     HeardFile, MAX_FILE_BYTES, ReadListener, check_length, extension_of, open_heard, read_all_text, read_file,
     read_text, read_within, up_to_nul,
 };
 use super::recognise::{FileKind, START_BYTES, recognise, wrong_contents};
+use brdfc_core::address::is_synth;
 use brdfc_formats::FormatError;
 use std::borrow::Cow;
 use std::ffi::OsString;

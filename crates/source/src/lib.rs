@@ -1,24 +1,20 @@
-//! Whatever can be evaluated at a direction pair: measured files, analytic models, packs.
+//! Files as sources of reflectance, and as images and surfaces that are compiled: opened, recognised, checked.
 
-pub mod address;
-pub mod analytic;
 pub mod btf_stack;
 mod error;
 mod exr_header;
 pub mod flat_btf;
 mod format;
-pub mod half_difference;
 mod input;
 pub mod input_files;
+pub mod json;
 pub mod light_stack;
 mod merl;
 pub mod meso;
 pub mod open;
 pub mod ordinary_btf;
 pub mod pack;
-pub mod pair_list;
 pub mod photograph;
-pub mod progress;
 pub mod ptm;
 pub mod radiance_image;
 pub mod read;
@@ -26,52 +22,11 @@ pub mod recognise;
 pub mod rgl;
 pub mod scan;
 pub mod simulate;
-mod symmetry;
-mod tally;
 pub mod tile_image;
 pub mod ubo_btf;
-pub mod words;
 
 pub use error::InputError;
 pub use input::{Input, StandardInput};
 pub use merl::MerlSource;
-pub use pack::{PackSource, TableSource};
 pub use rgl::RglSource;
 pub use scan::ScanSource;
-pub use symmetry::Symmetry;
-pub use tally::Tally;
-
-use brdfc_formats::crop::DirectionRange;
-use brdfc_formats::direction::DirectionPair;
-use pair_list::PairBlock;
-
-/// A reflectance function that can be asked for `f_r` anywhere.
-pub trait Source: Send + Sync {
-    /// `f_r` at a direction pair, linear RGB, 1/sr.
-    ///
-    /// Values are what the data says: interpolated measurements may be slightly negative. Zero where either direction
-    /// is at or below the horizon (`z <= 0`). What had to be mended on the way is counted in `tally`.
-    fn eval(&self, pair: DirectionPair, tally: &mut Tally) -> [f64; 3];
-
-    /// Values at the pairs of a block, which has as many: the same bits as those of [`Self::eval`]. Sources that look up angles
-    /// first take the block's, which are found once for all sources.
-    fn eval_block(&self, block: PairBlock<'_>, tally: &mut Tally, values: &mut [[f64; 3]]) {
-        for (value, pair) in values.iter_mut().zip(block.pairs()) {
-            *value = self.eval(*pair, tally);
-        }
-    }
-
-    /// The symmetries that `eval` obeys exactly, up to rounding.
-    fn symmetry(&self) -> Symmetry;
-
-    /// Whether all three channels are equal everywhere, so that one is enough.
-    fn is_grey(&self) -> bool {
-        false
-    }
-
-    /// Directions at which values are known: of a pack that was made for some only, these. Elsewhere `eval` gives the nearest
-    /// that there are.
-    fn directions(&self) -> DirectionRange {
-        DirectionRange::ALL
-    }
-}

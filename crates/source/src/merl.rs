@@ -2,13 +2,13 @@
 
 use super::error::InputError;
 use super::format::{Facts, Format, Opened};
-use super::half_difference::HalfDifference;
 use super::input::InputFile;
-use super::pair_list::PairBlock;
 use super::read::{MAX_FILE_BYTES, check_length};
-use super::{Source, Symmetry, Tally};
+use brdfc_core::half_difference::HalfDifference;
+use brdfc_core::pair_list::PairBlock;
+use brdfc_core::{Source, Symmetry, Tally};
 use brdfc_formats::direction::DirectionPair;
-use brdfc_formats::measured::merl::{Merl, MerlError};
+use brdfc_readers::merl::{Merl, MerlError};
 use std::sync::OnceLock;
 
 /// Largest relative difference between a cell and its image that still counts as the rounding of a symmetric file.
@@ -194,9 +194,9 @@ fn edge_position(position: f64, count: usize) -> Edge {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::half_difference::half_difference_angles;
+    use brdfc_core::half_difference::half_difference_angles;
     use brdfc_formats::direction::{from_polar, rotate_from_normal};
-    use brdfc_formats::measured::merl::{Dimensions, write};
+    use brdfc_readers::merl::{Dimensions, write};
     use std::f64::consts::FRAC_PI_2;
 
     /// A pair with these half and difference angles; half vector in the tangent's azimuth.

@@ -5,7 +5,7 @@ use super::read::found_extension;
 use crate::InputError;
 use crate::exr_header::exr_headers;
 use brdfc_formats::FormatError;
-use brdfc_formats::meso::{TriangleMesh, obj, ply};
+use brdfc_readers::meso::{TriangleMesh, obj, ply};
 use exr::prelude::{ReadChannels, ReadLayers, ReadSpecificChannel, Text, read};
 use std::io::Cursor;
 use std::ops::RangeInclusive;

@@ -7,7 +7,8 @@ use super::input::{Input, InputFile};
 use super::light_stack::{self, is_light_stack};
 use super::read::{ReadListener, extension_of, found_extension};
 use super::ubo_btf::is_ubo_btf;
-use super::{address, merl, pack, ptm, rgl, scan};
+use super::{merl, pack, ptm, rgl, scan};
+use brdfc_core::address;
 use brdfc_formats::FormatError;
 use std::path::Path;
 

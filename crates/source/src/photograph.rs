@@ -3,7 +3,7 @@
 use crate::InputError;
 use crate::exr_header::exr_headers;
 use brdfc_formats::FormatError;
-use brdfc_formats::colour::decode_srgb;
+use brdfc_readers::colour::decode_srgb;
 use image::{DynamicImage, ImageError, ImageFormat, ImageReader};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};

@@ -2,7 +2,7 @@
 
 use crate::input::InputFile;
 use crate::{Input, InputError};
-use brdfc_formats::measured::ptm::{Ptm, TERMS};
+use brdfc_readers::ptm::{Ptm, TERMS};
 
 /// Extension of the files.
 pub const EXTENSION: &str = "ptm";

@@ -1,7 +1,7 @@
 //! Reads files, within limits that are checked before memory is asked for.
 
 use super::error::InputError;
-use crate::words::bytes;
+use brdfc_core::words::bytes;
 use brdfc_formats::FormatError;
 use brdfc_formats::memory::reserved;
 use std::fs::File;

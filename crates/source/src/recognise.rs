@@ -3,7 +3,7 @@
 use super::error::InputError;
 use super::read::extension_of;
 use brdfc_formats::FormatError;
-use brdfc_formats::measured::{merl, ubo_btf};
+use brdfc_readers::{merl, ubo_btf};
 use std::path::Path;
 
 /// How many bytes from the start of a file are enough to recognise it.

@@ -1,5 +1,5 @@
 //! Materials of the RGL database, evaluated as in Dupuy and Jakob 2018, "An adaptive parameterization for efficient
-//! material acquisition and rendering", section 3. The equations stand in `formats/src/measured/rgl.md`.
+//! material acquisition and rendering", section 3. The equations stand in `crates/readers/src/rgl.md`.
 
 pub mod resample;
 mod warp;
@@ -7,15 +7,15 @@ mod warp;
 use std::f64::consts::{FRAC_2_PI, PI, TAU};
 
 use brdfc_formats::FormatError;
-use brdfc_formats::colour::rgb_weights;
 use brdfc_formats::direction::{DirectionPair, Vector, half_vector};
-use brdfc_formats::measured::rgl::{Azimuths, Colour, Map, Rgl};
 use brdfc_formats::memory::reserved;
+use brdfc_readers::colour::rgb_weights;
+use brdfc_readers::rgl::{Azimuths, Colour, Map, Rgl};
 
 use super::error::InputError;
 use super::format::{Facts, Format, Opened};
 use super::input::InputFile;
-use super::{Source, Symmetry, Tally};
+use brdfc_core::{Source, Symmetry, Tally};
 use warp::{Cell, Incidence, VisibleNormals};
 
 /// Below this squared distance from the normal a direction has no azimuth but rounding noise.

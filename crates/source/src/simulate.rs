@@ -1,9 +1,9 @@
 //! Simulated measurements of a source: what a goniometer or a MERL rig would have recorded of it.
 
-use super::{Source, Tally};
+use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::{DirectionPair, Vector, dot, from_polar, rotate_from_normal};
-use brdfc_formats::measured::merl::{self, Dimensions};
-use brdfc_formats::measured::scan::Row;
+use brdfc_readers::merl::{self, Dimensions};
+use brdfc_readers::scan::Row;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};

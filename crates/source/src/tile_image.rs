@@ -3,8 +3,8 @@
 use crate::InputError;
 use crate::input::{Input, InputFile};
 use brdfc_formats::FormatError;
-use brdfc_formats::colour::decode_srgb;
 use brdfc_formats::memory::reserved;
+use brdfc_readers::colour::decode_srgb;
 use image::{DynamicImage, ImageBuffer, ImageError, ImageFormat, ImageReader, Limits, Pixel, Primitive};
 use std::io::Cursor;
 

@@ -1,5 +1,6 @@
 //! How wrong packs look on the cloth, against the paper's velvet (section 6.3 of Claustres et al. 2007).
 
+use brdfc_core::Source;
 use brdfc_formats::BrdfPack;
 use brdfc_formats::wavelet::{DEFAULT_DISTANCE_SCALE, Filter};
 use brdfc_gpu::verify::{Material, views};
@@ -8,7 +9,6 @@ use brdfc_jobs::report::render::Verification;
 use brdfc_metrics::image::{ImageDifference, compare_images};
 use brdfc_render::scene::Frame;
 use brdfc_render::scenes::Builtin;
-use brdfc_source::Source;
 use brdfc_wavelet::encode::{EncodeError, encode};
 use brdfc_wavelet::recipe::{Recipe, Target};
 use schemars::JsonSchema;

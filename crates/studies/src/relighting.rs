@@ -2,13 +2,13 @@
 //! today, at lights that were fitted and at lights that were held out.
 
 use brdfc_formats::FormatError;
-use brdfc_formats::measured::ptm::Ptm;
 use brdfc_formats::pwt::{LightBasis, LightCoordinates, PwtDecoder, PwtPack};
 use brdfc_jobs::pwt::permutation;
 use brdfc_metrics::image::LinearImage;
 use brdfc_pwt::measure::{StackErrors, picture_errors, pictures_of_pack, stack_errors};
 use brdfc_pwt::ptm::{MapModel, fit_map, pictures_of};
 use brdfc_pwt::{LightSamples, PwtRecipe, Target, encode, plain};
+use brdfc_readers::ptm::Ptm;
 use serde::Serialize;
 use std::time::Instant;
 

@@ -1,6 +1,6 @@
 //! Error studies that repeat tables of the papers.
 
-use brdfc_source::address::{AddressError, canonical, parse_model};
+use brdfc_core::address::{AddressError, canonical, parse_model};
 use brdfc_wavelet::encode::{EncodeError, encode};
 use brdfc_wavelet::recipe::{Recipe, Target};
 use serde::Serialize;

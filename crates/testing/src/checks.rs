@@ -1,7 +1,7 @@
 //! Worst violations of the laws of reflectance, for any source. Every check is itself tested on a source that breaks it.
 
+use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::{DirectionPair, Vector, from_polar};
-use brdfc_source::{Source, Tally};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};

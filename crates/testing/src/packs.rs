@@ -276,7 +276,14 @@ pub fn survives(bytes: &[u8]) -> bool {
 }
 
 /// Checks every line of a page's hex dumps against the bytes they show; returns the number of lines.
+///
+/// Prints the dump, to be put on the page where a test fails.
 pub fn check_dump(page: &str, bytes: &[u8]) -> usize {
+    for (line, chunk) in bytes.chunks(16).enumerate() {
+        let hex: Vec<String> = chunk.iter().map(|byte| format!("{byte:02x}")).collect();
+        let text: String = chunk.iter().map(|b| if (0x20..0x7f).contains(b) { char::from(*b) } else { '.' }).collect();
+        println!("{:08x}  {:47}  {text}", 16 * line, hex.join(" "));
+    }
     let mut lines = 0;
     for line in page.lines() {
         let Some((offset, rest)) = line.split_once("  ") else { continue };

@@ -1,7 +1,7 @@
 //! Sources made wrong on purpose.
 
+use brdfc_core::{Source, Symmetry, Tally};
 use brdfc_formats::direction::DirectionPair;
-use brdfc_source::{Source, Symmetry, Tally};
 
 /// Claims symmetries, true or false, whatever the source has.
 pub struct Claiming(pub Box<dyn Source>, pub Symmetry);

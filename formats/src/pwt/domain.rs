@@ -115,7 +115,7 @@ fn cube_root(value: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::colour::encode_srgb;
+    use brdfc_readers::colour::encode_srgb;
 
     const ALL: [Domain; 4] = [Domain::Linear, Domain::Display, Domain::CubeRoot, Domain::Logarithm { epsilon: 0.01 }];
 

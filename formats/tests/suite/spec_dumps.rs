@@ -2,14 +2,9 @@
 
 use brdfc_formats::container::Texture;
 use brdfc_formats::direction::DirectionPair;
-use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::flat_btf::{
     DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatValues, FlatView, IndirectionMap, NormalMap, ReferenceMap,
 };
-use brdfc_formats::measured::merl::{self, Merl};
-use brdfc_formats::measured::scan::Scan;
-use brdfc_formats::measured::{btf_stack, scan_csv};
-use brdfc_formats::meso::{obj, ply};
 use brdfc_formats::pwt::shader::PwtParameters;
 use brdfc_formats::pwt::{PwtDecoder, PwtPack};
 use brdfc_formats::wavelet::{Filter, RowScratch, WaveletDecoder, WaveletPack};
@@ -20,7 +15,6 @@ fn containers() {
     let page = include_str!("../../src/container/spec.md");
     let bytes = brdfc_testing::packs::example().to_bytes(false);
     assert!(Texture::from_bytes(&bytes).is_ok());
-    print(&bytes);
     // The entries between stand on the page of wavelet packs.
     assert_eq!(check_dump(page, &bytes), 15);
 }
@@ -39,11 +33,9 @@ fn flat_btfs() {
     let page = include_str!("../../src/flat_btf/spec.md");
     let (first, second) = page.split_once("### A view").unwrap();
     let bytes = brdfc_testing::flat_btf::example_indirection().to_bytes(false);
-    print(&bytes);
     assert_eq!(IndirectionMap::from_bytes(&bytes).unwrap(), brdfc_testing::flat_btf::example_indirection());
     assert_eq!(check_dump(first, &bytes), 22);
     let bytes = brdfc_testing::flat_btf::example_view().to_bytes(false);
-    print(&bytes);
     assert_eq!(FlatView::from_bytes(&bytes).unwrap(), brdfc_testing::flat_btf::example_view());
     assert_eq!(check_dump(second, &bytes), 25);
 }
@@ -94,7 +86,6 @@ fn polynomial_wavelet_trees() {
     let page = include_str!("../../src/pwt/spec.md");
     let example = brdfc_testing::pwt::example();
     let bytes = example.to_bytes(false);
-    print(&bytes);
     assert_eq!(PwtPack::from_bytes(&bytes).unwrap(), example);
     assert_eq!(check_dump(page, &bytes), bytes.len().div_ceil(16));
     assert!(page.contains(&format!("a uniform block of {} bytes", PwtParameters::SIZE)));
@@ -103,127 +94,5 @@ fn polynomial_wavelet_trees() {
     for (uv, expected) in [([0.25, 0.25], 0.09), ([0.5, 0.5], 0.49)] {
         let [value, ..] = decoder.value(uv, 0.0, [0.6, 0.0, 0.8]);
         assert!((value - expected).abs() < 1e-6 && page.contains(&format!("= {expected}`")), "{uv:?} {value}");
-    }
-}
-
-#[test]
-fn merl_tables() {
-    let page = include_str!("../../src/measured/merl.md");
-    let dimensions = merl::Dimensions { theta_half: 1, theta_difference: 1, phi_difference: 2 };
-    let mut bytes = Vec::new();
-    let value = |[.., phi]: [f64; 3]| (phi == 0.0).then_some(merl::SCALES.map(|scale| 750.0 * scale));
-    merl::write(&mut bytes, dimensions, value).unwrap();
-    print(&bytes);
-    assert_eq!(Merl::from_bytes(&bytes).unwrap().valid_cells, 1);
-    assert_eq!(check_dump(page, &bytes), 4);
-}
-
-/// The text files stand on their pages as they are, between fences; the dump shows their first bytes.
-#[test]
-fn scans() {
-    let page = include_str!("../../src/measured/scan.md");
-    let text = fenced(page);
-    print(text.as_bytes());
-    let scan = Scan::from_bytes(text.as_bytes()).unwrap();
-    assert_eq!((scan.wavelengths.as_slice(), scan.rows.len()), ([450.0, 650.0].as_slice(), 2));
-    assert_eq!(check_dump(page, text.as_bytes()), 5);
-}
-
-#[test]
-fn scans_as_csv() {
-    let page = include_str!("../../src/measured/scan_csv.md");
-    let text = fenced(page);
-    print(text.as_bytes());
-    let scan = scan_csv::from_bytes(text.as_bytes()).unwrap();
-    assert_eq!((scan.rows.len(), scan.rows[1].value), (2, [0.25, 0.125, -0.001]));
-    assert_eq!(check_dump(page, text.as_bytes()), 7);
-}
-
-#[test]
-fn meshes() {
-    let page = include_str!("../../src/meso/spec.md");
-    let mesh = obj::from_bytes(fenced(page).as_bytes()).unwrap();
-    assert_eq!((mesh.positions[2], mesh.triangles.as_slice()), ([2.0, 2.0, 0.0], [[0, 1, 2], [0, 2, 3]].as_slice()));
-    let mut bytes = Vec::new();
-    ply::write(&mut bytes, &mesh).unwrap();
-    print(&bytes);
-    assert_eq!(ply::from_bytes(&bytes).unwrap(), mesh);
-    assert_eq!(check_dump(page, &bytes), 19);
-}
-
-#[test]
-fn what_the_pages_of_scans_say_about_text() {
-    let scan = |text: &str| Scan::from_bytes(text.as_bytes());
-    for good in [
-        "2 450 650\n0 0 0 0 1 1\n",
-        "2 450\r\n\r\n650 # nm\r\n0 0 0 0\t1 1",
-        "1 380\n0 0 0 0 1",
-        "1\n780\n1.57085 6.28320 0 -6.28320 -1",
-        "2 100 3000\n0 0 0 0 1 1",
-    ] {
-        assert!(scan(good).is_ok(), "{good:?}: {:?}", scan(good));
-    }
-    assert_eq!(scan("1\n780\n1.57085 0 0 0 1").unwrap().rows[0].theta_i, std::f64::consts::FRAC_PI_2);
-    for bad in [
-        "2 450 650 0 0 0 0 1 1\n",
-        "1 450\n0 0 0 0 1 0 0 0 0 1\n",
-        "1 379\n0 0 0 0 1\n",
-        "1 781\n0 0 0 0 1\n",
-        "2 99 500\n0 0 0 0 1 1\n",
-        "2 500 3001\n0 0 0 0 1 1\n",
-        "2 500 500\n0 0 0 0 1 1\n",
-        "1 500\n1.571 0 0 0 1\n",
-        "1 500\n-1e-5 0 0 0 1\n",
-        "1 500\n0 6.2834 0 0 1\n",
-        "1 500\n0 0 0 0 1.1e12\n",
-    ] {
-        assert!(scan(bad).is_err(), "{bad:?}");
-    }
-    let red = |text: &str| scan_csv::from_bytes(text.as_bytes()).map(|scan| scan.rows[0].value[0]);
-    let (head, row) = ("theta_i,phi_i,theta_o,phi_o,r,g,b", "0,0,0,0,0.5,0,0");
-    for good in [
-        format!("\u{feff}{head}\n{row}\n"),
-        format!("# first\n{head}\n\n#x\n{row}"),
-        " theta_i ,phi_i,note,theta_o,phi_o,\"r\",g,b,r\n0,0,any thing,0,0,\"0.5\",0,0,7\n".to_owned(),
-        "b,g,r,phi_o,theta_o,phi_i,theta_i\n0,0, 5e-1 ,0,0,0,0\r\n".to_owned(),
-        "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z,f_r,f_g,f_b\n0,0,1.009,0,0,0.991,0.5,0,0\n".to_owned(),
-    ] {
-        assert_eq!(red(&good), Ok(0.5), "{good:?}");
-    }
-    for bad in [
-        format!("{}\n{row}", head.to_uppercase()),
-        format!("{head}\n{row},1\n"),
-        "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z,f_r,f_g,f_b\n0,0,1,0,0,-1,0.5,0,0\n".to_owned(),
-        "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z,f_r,f_g,f_b\n0,0,1,0,0,1.02,0.5,0,0\n".to_owned(),
-    ] {
-        assert!(red(&bad).is_err(), "{bad:?}");
-    }
-    assert_eq!(scan_csv::directions_from_bytes(b"wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n"), Ok(Vec::new()));
-}
-
-/// The name and the list of directions on the page of image stacks.
-#[test]
-fn image_stacks() {
-    let page = include_str!("../../src/measured/btf_stack.md");
-    let name = fenced(page).trim();
-    let angles = btf_stack::parse_name(name).unwrap();
-    assert_eq!((angles.view, angles.light), ([30.0, 30.0], [0.0, 0.0]));
-    assert_eq!(btf_stack::image_name(8, angles, "png"), name);
-    let list = fenced(page.split_once("## Direction lists").unwrap().1);
-    let set = DirectionSet::from_csv(list.as_bytes()).unwrap();
-    assert_eq!((set.angles[2], set.to_csv().as_str()), ([37.5, 180.0], list));
-}
-
-/// Contents of the first fence of a page.
-fn fenced(page: &str) -> &str {
-    page.split_once("```text\n").unwrap().1.split_once("```").unwrap().0
-}
-
-/// Shown when a test fails, to be put on the page.
-fn print(bytes: &[u8]) {
-    for (line, chunk) in bytes.chunks(16).enumerate() {
-        let hex: Vec<String> = chunk.iter().map(|byte| format!("{byte:02x}")).collect();
-        let text: String = chunk.iter().map(|b| if (0x20..0x7f).contains(b) { char::from(*b) } else { '.' }).collect();
-        println!("{:08x}  {:47}  {text}", 16 * line, hex.join(" "));
     }
 }

@@ -3,18 +3,19 @@
 
 mod edits;
 
-use brdfc_formats::colour::rgb_weights;
+use brdfc_readers::colour::rgb_weights;
 use brdfc_formats::direction::DirectionPair;
-use brdfc_formats::measured::alta::AltaTable;
-use brdfc_formats::measured::light_stack::LightPositions;
-use brdfc_formats::measured::merl::{self, Merl};
-use brdfc_formats::measured::ptm::Ptm;
-use brdfc_formats::measured::rgl::Rgl;
-use brdfc_formats::measured::scan::Scan;
+use brdfc_readers::alta::AltaTable;
+use brdfc_readers::light_stack::LightPositions;
+use brdfc_readers::merl::{self, Merl};
+use brdfc_readers::ptm::Ptm;
+use brdfc_readers::rgl::Rgl;
+use brdfc_readers::scan::Scan;
 use brdfc_formats::direction_set::DirectionSet;
-use brdfc_formats::measured::scan_csv;
-use brdfc_formats::measured::ubo_btf::{Channel, ColourModel, Description, Scalar, UboBtf};
-use brdfc_source::{MerlSource, RglSource, ScanSource, Source, Tally};
+use brdfc_readers::scan_csv;
+use brdfc_readers::ubo_btf::{Channel, ColourModel, Description, Scalar, UboBtf};
+use brdfc_core::{Source, Tally};
+use brdfc_source::{MerlSource, RglSource, ScanSource};
 use brdfc_testing::tensor;
 use libfuzzer_sys::fuzz_target;
 

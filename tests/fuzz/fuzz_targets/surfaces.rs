@@ -7,13 +7,13 @@ mod edits;
 use brdfc_flat_btf::weld::weld;
 use brdfc_formats::FormatError;
 use brdfc_formats::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
-use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::flat_btf::factored::{BasisMap, ShadowMap, WeightMap};
 use brdfc_formats::flat_btf::{
     DiffuseMap, DisplacementMap, FlatView, IndirectionMap, NormalMap, PositionMap, ReferenceMap, VisibilityMask,
 };
 use brdfc_formats::importance::{ImportanceHeader, ImportancePack};
-use brdfc_formats::meso::{TriangleMesh, obj, ply};
+use brdfc_readers::direction_list;
+use brdfc_readers::meso::{TriangleMesh, obj, ply};
 use brdfc_source::meso::{heights_from_exr, heights_from_png};
 use brdfc_source::radiance_image;
 use brdfc_testing::flat_btf as flat;
@@ -85,7 +85,7 @@ fn read(reader: u8, bytes: &[u8]) -> bool {
     match reader {
         0 => surface(obj::from_bytes(bytes)),
         1 => surface(ply::from_bytes(bytes)),
-        2 => DirectionSet::from_csv(bytes).is_ok(),
+        2 => direction_list::from_csv(bytes).is_ok(),
         3 => radiance_image::from_hdr(bytes).is_ok(),
         4 => again!(ReferenceMap, bytes),
         5 => again!(IndirectionMap, bytes),

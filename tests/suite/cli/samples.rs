@@ -2,9 +2,9 @@
 
 use super::schemas::conforms;
 use crate::common::cli::{Folder, inputs};
+use brdfc_core::address::parse_synth;
 use brdfc_formats::importance::{ImportanceHeader, ImportancePack};
 use brdfc_importance::{HalfGrid, ImportanceRecipe, importance_samples};
-use brdfc_source::address::parse_synth;
 
 fn samples(folder: &Folder, input: &str, more: &[&str]) -> (ImportancePack, serde_json::Value) {
     let ran = folder.run(&[&["samples", input, "-o", "s.ktx2", "--json"][..], more].concat()).succeeded();

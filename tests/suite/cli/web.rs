@@ -2,10 +2,10 @@
 //! package.
 
 use crate::common::cli::Folder;
-use brdfc_formats::colour::encode_srgb_byte;
 use brdfc_formats::direction::{DirectionPair, cross, dot, normalize};
 use brdfc_formats::table::{TableDecoder, TablePack};
 use brdfc_formats::wavelet::{Filter, WaveletDecoder, WaveletPack};
+use brdfc_readers::colour::encode_srgb_byte;
 use brdfc_testing::browser::{File, picture_of_page, result_of_page};
 use std::path::Path;
 

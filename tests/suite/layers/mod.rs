@@ -10,12 +10,14 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 /// The layers, lowest first: folders of crates. A crate may use those of lower layers, and none of its own.
-const LAYERS: [&str; 10] = [
+const LAYERS: [&str; 12] = [
     "formats",
     "crates/shaders",
-    "crates/source",
+    "crates/core",
+    "crates/readers",
     "crates/metrics",
     "crates/codecs",
+    "crates/source",
     "crates/render",
     "crates/gpu",
     "crates/jobs",
@@ -25,7 +27,7 @@ const LAYERS: [&str; 10] = [
 /// Crates beside the layers, with the highest layer that they may use: what tests share, the benchmarks, and tests that need
 /// unsafe code.
 const BESIDE: [(&str, Option<&str>); 3] =
-    [("crates/testing", Some("crates/source")), ("crates/benchmarks", None), ("tests/vulkan", None)];
+    [("crates/testing", Some("crates/core")), ("crates/benchmarks", None), ("tests/vulkan", None)];
 /// What is not used although it is lower: shaders draw what packs hold, whoever made them.
 const KEPT_APART: (&str, &str) = ("crates/gpu", "crates/codecs");
 /// The layer of many crates, one for each codec. They are stages.
@@ -35,7 +37,16 @@ const CODECS: &str = "crates/codecs";
 const GPU_BY_FEATURE: [&str; 3] = ["crates/jobs", "crates/studies", "."];
 
 /// Layers of stages: typed input to typed output.
-const STAGES: [&str; 6] = ["formats", "crates/shaders", "crates/source", "crates/metrics", CODECS, "crates/render"];
+const STAGES: [&str; 8] = [
+    "formats",
+    "crates/shaders",
+    "crates/core",
+    "crates/readers",
+    "crates/metrics",
+    CODECS,
+    "crates/source",
+    "crates/render",
+];
 /// What a stage has no need of.
 const IMPURE: [&str; 8] =
     ["std::fs", "std::env", "std::time::Instant", "std::time::SystemTime", "std::process", "std::net", "clap", "ctrlc"];
@@ -202,6 +213,7 @@ fn wrong_arrows_are_seen() {
             &["crates/codecs/wavelet uses brdfc-bandwidth"],
         ),
         ("crates/codecs/new", "dependencies.brdfc-jobs.workspace = true", &["crates/codecs/new uses brdfc-jobs"]),
+        ("crates/codecs/new", "dependencies.brdfc-source.workspace = true", &["crates/codecs/new uses brdfc-source"]),
         ("crates/codecs/new", "dependencies.brdfc-metrics.workspace = true", &[]),
         ("crates/gpu", "dependencies.brdfc-wavelet.workspace = true", &["crates/gpu uses brdfc-wavelet"]),
         ("crates/render", "dependencies.brdfc-wavelet.workspace = true", &[]),

@@ -11,8 +11,8 @@
 
 use super::local::{Border, frequencies};
 use super::resolution::RESOLUTIONS;
+use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::{DirectionPair, Vector, from_polar};
-use brdfc_source::{Source, Tally};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 

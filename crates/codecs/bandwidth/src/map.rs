@@ -4,9 +4,9 @@ use super::environment::{as_shown, environment_bandwidth};
 use super::lobe::{SIDE, lobe_bandwidth};
 use super::resolution::Resolution;
 use super::texture::{BandwidthImage, Placement, texture_bandwidth};
+use brdfc_core::{Source, Tally};
 use brdfc_formats::FormatError;
 use brdfc_formats::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
-use brdfc_source::{Source, Tally};
 
 /// The map of a material, with what its evaluation had to mend; see [`lobe_bandwidth`] and [`Resolution`].
 ///

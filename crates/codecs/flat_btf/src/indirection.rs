@@ -3,9 +3,9 @@
 
 use super::caster::STEEPEST_DEGREES;
 use super::model::MesoModel;
+use brdfc_core::progress::{Cancelled, Progress};
 use brdfc_formats::direction::{Vector, from_polar};
 use brdfc_formats::flat_btf::IndirectionHeader;
-use brdfc_source::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 
 /// What is seen through the texels of the reference plane, in the view along the normal and in all sampled views.

@@ -7,8 +7,8 @@ use super::fill::{Poisson, PushPull};
 use super::interreflection::Bounces;
 use super::surface::{Appearance, SurfacePoint};
 use super::texels::TexelMap;
+use brdfc_core::progress::{Cancelled, Progress};
 use brdfc_formats::direction::{Vector, dot};
-use brdfc_source::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 
 /// Where the values of texels come from: a surface and its materials, or measured images.
@@ -236,8 +236,8 @@ mod tests {
     use crate::parameterise::parameterise;
     use crate::testing::{bumps, height_field, overhang};
     use crate::texels::texel_map;
+    use brdfc_core::address::parse_synth;
     use brdfc_formats::direction::from_polar;
-    use brdfc_source::address::parse_synth;
 
     fn made_of(address: &str) -> Appearance {
         Appearance { sources: vec![parse_synth(address).unwrap()], ..Default::default() }

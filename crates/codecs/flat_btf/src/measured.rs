@@ -63,8 +63,8 @@ mod tests {
     use crate::rebuild::ViewImage;
     use crate::surface::Appearance;
     use crate::testing::bumps;
+    use brdfc_core::address::parse_synth;
     use brdfc_formats::direction::from_polar;
-    use brdfc_source::address::parse_synth;
 
     struct Rendered<'a> {
         model: &'a MesoModel,

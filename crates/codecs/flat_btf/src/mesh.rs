@@ -1,7 +1,7 @@
 //! Meso-geometry: a triangle mesh over the unit tile that goes on periodically.
 
 use brdfc_formats::direction::{Vector, cross, dot, normalize, subtract};
-use brdfc_formats::meso::TriangleMesh;
+use brdfc_readers::meso::TriangleMesh;
 use std::collections::BTreeMap;
 
 /// A corner of a triangle: a vertex in one of the repetitions of the tile.

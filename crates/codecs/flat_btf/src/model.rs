@@ -5,8 +5,8 @@ use super::mesh::{PeriodicMesh, corner_coordinates};
 use super::parameterise::{ParameteriseError, SurfaceParameterisation, parameterise};
 use super::surface::{Hit, SurfacePoint};
 use super::texels::{TexelMap, texel_map};
+use brdfc_core::progress::Progress;
 use brdfc_formats::direction::Vector;
-use brdfc_source::progress::Progress;
 
 /// A periodic surface with parameters, ready for rays.
 pub struct MesoModel {

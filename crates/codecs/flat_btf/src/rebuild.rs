@@ -93,13 +93,13 @@ mod tests {
     use super::*;
     use crate::light_field::{ComputedField, FlattenedView, Holes, visible};
     use crate::testing::overhang;
+    use brdfc_core::address::parse_synth;
     use brdfc_formats::container::rgb9e5;
     use brdfc_formats::direction::from_polar;
     use brdfc_formats::flat_btf::{
         DiffuseMap, FlatBtfParts, FlatHeader, FlatValues, FlatView, IndirectionHeader, IndirectionMap, NormalMap,
         ReferenceMap, ViewWeights,
     };
-    use brdfc_source::address::parse_synth;
 
     #[test]
     fn equation_1_gives_the_btf_back_the_better_the_more_texels() {

@@ -2,8 +2,8 @@
 
 use super::mesh::{PeriodicMesh, VertexMaterial};
 use super::tile_image::TileImage;
+use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::{DirectionPair, Vector, add_scaled, cross, dot, normalize, rotate_to_normal, subtract};
-use brdfc_source::{Source, Tally};
 use std::f64::consts::PI;
 
 /// Rays that leave a surface start this far off it, in tiles: what single precision needs on tiles of 1.
@@ -134,8 +134,8 @@ impl Appearance {
 mod tests {
     use super::*;
     use crate::testing::bumps;
+    use brdfc_core::address::parse_synth;
     use brdfc_formats::direction::from_polar;
-    use brdfc_source::address::parse_synth;
 
     #[test]
     fn a_white_diffuser_that_faces_the_light_is_one() {

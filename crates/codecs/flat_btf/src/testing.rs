@@ -1,7 +1,7 @@
 //! Small surfaces for tests.
 
 use super::mesh::{PeriodicMesh, VertexMaterial};
-use brdfc_source::progress::{Cancelled, Progress};
+use brdfc_core::progress::{Cancelled, Progress};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A height field of `n` x `n` vertices at `(column / n, row / n)`.

@@ -2,10 +2,10 @@
 
 use super::half_vector::{jacobian, reflected};
 use super::{Distribution, ImportanceRecipe, cell_probabilities};
+use brdfc_core::{Source, Tally};
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::{Vector, dot, normalize};
 use brdfc_formats::importance::ImportanceHeader;
-use brdfc_source::{Source, Tally};
 use rayon::prelude::*;
 
 /// Incoming directions in proportion to a lobe, for every outgoing direction.
@@ -69,8 +69,8 @@ impl LobeDistributions {
 mod tests {
     use super::*;
     use crate::sequence_point;
+    use brdfc_core::address::parse_synth;
     use brdfc_formats::direction::from_polar;
-    use brdfc_source::address::parse_synth;
 
     #[test]
     fn samples_have_the_density_that_is_said_of_their_direction() {

@@ -23,9 +23,9 @@ pub use lobe::cell_probabilities;
 pub use recipe::ImportanceRecipe;
 pub use sequence::sequence_point;
 
+use brdfc_core::{Source, Tally};
 use brdfc_formats::FormatError;
 use brdfc_formats::importance::{ImportanceHeader, ImportancePack};
-use brdfc_source::{Source, Tally};
 use rayon::prelude::*;
 
 /// Samples of `source` for all outgoing directions. The same on any number of threads.

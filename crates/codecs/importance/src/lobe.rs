@@ -2,9 +2,9 @@
 
 use super::half_vector::{jacobian, reflected};
 use super::recipe::ImportanceRecipe;
+use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::{DirectionPair, Vector, dot};
 use brdfc_formats::importance::ImportanceHeader;
-use brdfc_source::{Source, Tally};
 use std::f64::consts::FRAC_1_PI;
 
 /// Rec. 709.

@@ -3,9 +3,9 @@
 
 use crate::stack::LightSamples;
 use brdfc_formats::FormatError;
-use brdfc_formats::colour::decode_srgb;
-use brdfc_formats::measured::ptm::{Ptm, TERMS, terms};
 use brdfc_formats::pwt::Domain;
+use brdfc_readers::colour::decode_srgb;
+use brdfc_readers::ptm::{Ptm, TERMS, terms};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use std::ops::Range;

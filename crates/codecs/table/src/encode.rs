@@ -10,6 +10,8 @@ use super::samples::{FEWEST_SAMPLES, Samples};
 use super::symmetry::Asymmetry;
 use super::targets::Targets;
 use super::{curve, levels};
+use brdfc_core::progress::{Cancelled, Progress, Stage};
+use brdfc_core::{Source, TableSource, Tally};
 use brdfc_formats::FormatError;
 use brdfc_formats::crop::{Crop, DirectionRange};
 use brdfc_formats::direction::DirectionPair;
@@ -17,8 +19,6 @@ use brdfc_formats::table::shader::TableBrdfParameters;
 use brdfc_formats::table::{Angles, Folded, TableHeader, TablePack, TableSymmetry};
 use brdfc_metrics::compare::{Comparison, Reference};
 use brdfc_metrics::sampling::PairSet;
-use brdfc_source::progress::{Cancelled, Progress, Stage};
-use brdfc_source::{Source, TableSource, Tally};
 
 /// Samples that a table is fitted to, per node.
 const SAMPLES: u64 = 16;

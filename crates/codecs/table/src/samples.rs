@@ -1,12 +1,12 @@
 //! What a table is fitted to: values of the source at directions spread over everything that can be seen.
 
+use brdfc_core::pair_list::PairList;
+use brdfc_core::{Source, Tally};
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::{DirectionPair, Vector};
 use brdfc_formats::table::Angles;
 use brdfc_metrics::sampling::points;
 use brdfc_metrics::values::{values_at, values_of_list};
-use brdfc_source::pair_list::PairList;
-use brdfc_source::{Source, Tally};
 use rayon::prelude::*;
 use std::f32::consts::{FRAC_PI_2, TAU};
 use std::sync::{Arc, OnceLock};

@@ -1,12 +1,12 @@
 //! Which symmetry a material has, measured from its values: what a file says of itself need not be so.
 
 use super::samples::{mended, over_angles};
+use brdfc_core::pair_list::PairList;
+use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::{DirectionPair, Vector, half_vector};
 use brdfc_formats::table::TableSymmetry;
 use brdfc_metrics::sampling::points;
 use brdfc_metrics::values::values_of_list;
-use brdfc_source::pair_list::PairList;
-use brdfc_source::{Source, Tally};
 use std::sync::LazyLock;
 
 /// How many pairs are compared with their images.

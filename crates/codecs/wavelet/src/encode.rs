@@ -10,13 +10,13 @@ use super::table::Table;
 use super::tabulated::Tabulated;
 use super::visible::visible_energies;
 use super::{haar, threshold};
+use brdfc_core::progress::{Cancelled, Progress, Stage};
+use brdfc_core::{PackSource, Source, Tally};
 use brdfc_formats::ErrorSummary;
 use brdfc_formats::crop::{DirectionRange, Window};
 use brdfc_formats::wavelet::{Header, MAX_SLICES, WaveletDecoder, WaveletPack, gpu_bytes};
 use brdfc_metrics::compare::{Comparison, compare};
 use brdfc_metrics::sampling::PairSet;
-use brdfc_source::progress::{Cancelled, Progress, Stage};
-use brdfc_source::{PackSource, Source, Tally};
 use std::borrow::Cow;
 
 /// A pack with what was measured while making it.

@@ -5,8 +5,8 @@
 //! The exchange of directions swaps the hemispheres (tangent-pole) or turns the difference vector by half a turn
 //! (half-difference). All three generate a group of 8.
 
+use brdfc_core::Symmetry;
 use brdfc_formats::direction::Parameterisation;
-use brdfc_source::Symmetry;
 
 /// A flip of the columns, the rows, or both, of an `n` x `n` grid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -61,8 +61,8 @@ mod tests {
     use super::*;
     use crate::fold::Fold;
     use crate::table::Grid;
+    use brdfc_core::Symmetry;
     use brdfc_formats::direction::Parameterisation;
-    use brdfc_source::Symmetry;
     use ndarray::Array3;
     use proptest::prelude::*;
 

@@ -2,8 +2,8 @@
 
 use super::fold::Fold;
 use super::table::{Grid, Table};
+use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::{DirectionPair, Vector, cell_centre, normalize};
-use brdfc_source::{Source, Tally};
 use ndarray::Array3;
 use rayon::prelude::*;
 

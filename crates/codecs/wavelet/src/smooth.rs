@@ -95,8 +95,8 @@ mod tests {
     use super::*;
     use crate::fold::Fold;
     use crate::table::Grid;
+    use brdfc_core::Symmetry;
     use brdfc_formats::direction::Parameterisation;
-    use brdfc_source::Symmetry;
 
     const GRID: Grid = Grid { parameterisation: Parameterisation::TangentPole, levels: 3 };
 

@@ -3,7 +3,7 @@
 use super::fold::Fold;
 use super::resample::resample;
 use super::table::{Grid, Table};
-use brdfc_source::{Source, Tally};
+use brdfc_core::{Source, Tally};
 use ndarray::Array3;
 
 /// A table, and what had to be mended in it.

@@ -105,8 +105,8 @@ mod tests {
     use crate::resample::resample;
     use crate::table::Grid;
     use crate::threshold::{keep, ranking, slice_energies};
+    use brdfc_core::analytic::Ggx;
     use brdfc_formats::direction::Parameterisation;
-    use brdfc_source::analytic::Ggx;
 
     const ENCODING: LogEncoding = LogEncoding { mean: 0.5, bias: 3e-4 };
 

@@ -2,6 +2,8 @@
 
 use brdfc_bandwidth::environment::environment_bandwidth;
 use brdfc_bandwidth::lobe::lobe_bandwidth;
+use brdfc_core::Source;
+use brdfc_core::address::parse_synth;
 use brdfc_formats::BrdfPack;
 use brdfc_formats::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
 use brdfc_formats::importance::ImportancePack;
@@ -17,8 +19,6 @@ use brdfc_render::curvature::curvature;
 use brdfc_render::gbuffer::{BACKGROUND, GBuffer};
 use brdfc_render::scene::{Frame, Scene};
 use brdfc_render::scenes::Builtin;
-use brdfc_source::Source;
-use brdfc_source::address::parse_synth;
 use brdfc_table::recipe::TableRecipe;
 use brdfc_wavelet::encode::encode;
 use brdfc_wavelet::recipe::Recipe;

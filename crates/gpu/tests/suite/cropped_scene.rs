@@ -1,5 +1,7 @@
 //! A scene that shows its materials from some directions only looks the same with packs that hold no others.
 
+use brdfc_core::Source;
+use brdfc_core::address::parse_synth;
 use brdfc_formats::BrdfPack;
 use brdfc_formats::crop::{Crop, DirectionRange, Elevations};
 use brdfc_formats::wavelet::{DEFAULT_DISTANCE_SCALE, Filter};
@@ -11,8 +13,6 @@ use brdfc_render::scenes::Builtin;
 use brdfc_render::shade::shade;
 use brdfc_render::trace::trace;
 use brdfc_render::within::outside;
-use brdfc_source::Source;
-use brdfc_source::address::parse_synth;
 use brdfc_table::recipe::{Size, TableRecipe};
 use brdfc_wavelet::recipe::Recipe;
 

@@ -1,6 +1,7 @@
 //! Flat BTFs on scenes: the shader against the CPU, and both against the displaced surface itself.
 
 use crate::common::flat::{parts, structure, with_displacements};
+use brdfc_core::address::parse_synth;
 use brdfc_flat_btf::displacement::displacements;
 use brdfc_flat_btf::factored::{FactoredRecipe, FactoredTarget, factor};
 use brdfc_formats::direction::add_scaled;
@@ -17,7 +18,6 @@ use brdfc_render::scene::{Frame, PointLight, Scene};
 use brdfc_render::scenes::Builtin;
 use brdfc_render::shade::{SourceReflectance, shade};
 use brdfc_render::trace::trace;
-use brdfc_source::address::parse_synth;
 use std::convert::Infallible;
 use std::f32::consts::FRAC_PI_2;
 use std::sync::LazyLock;

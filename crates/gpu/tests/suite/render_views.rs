@@ -1,5 +1,6 @@
 //! The rasteriser against the CPU's ray caster: the same scenes, the same packs, the same pictures.
 
+use brdfc_core::address::parse_synth;
 use brdfc_formats::BrdfPack;
 use brdfc_formats::wavelet::{DEFAULT_DISTANCE_SCALE, Filter};
 use brdfc_gpu::verify::{Material, PackReflectance, views};
@@ -9,7 +10,6 @@ use brdfc_render::scene::{Environment, Frame, PointLight, Scene};
 use brdfc_render::scenes::Builtin;
 use brdfc_render::shade::shade;
 use brdfc_render::trace::trace;
-use brdfc_source::address::parse_synth;
 use brdfc_wavelet::encode::encode;
 use brdfc_wavelet::recipe::Recipe;
 

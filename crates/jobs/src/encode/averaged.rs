@@ -1,8 +1,8 @@
 //! What it costs to make a material the same from both sides.
 
+use brdfc_core::{Source, Symmetry, Tally};
 use brdfc_formats::direction::DirectionPair;
 use brdfc_metrics::compare::Reference;
-use brdfc_source::{Source, Symmetry, Tally};
 use serde::{Deserialize, Serialize};
 
 /// How far the mean of both ways is from a source, before anything is packed.
@@ -43,8 +43,8 @@ impl Source for Averaged<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use brdfc_core::address::parse_synth;
     use brdfc_metrics::sampling::PairSet;
-    use brdfc_source::address::parse_synth;
 
     fn cost(source: &dyn Source) -> AveragingCost {
         AveragingCost::of(source, &Reference::new(source, PairSet::comparison()))

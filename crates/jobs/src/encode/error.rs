@@ -1,7 +1,7 @@
 //! Why there is no pack.
 
+use brdfc_core::progress::Cancelled;
 use brdfc_formats::crop::DirectionRange;
-use brdfc_source::progress::Cancelled;
 
 /// Why there is no pack.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -6,9 +6,9 @@ use super::byte_count::bytes_from_text;
 use super::recipe::{AutoRecipe, Budget, PackRecipe, Tables};
 #[cfg(feature = "clap")]
 use crate::whole_number::{any_whole_number, whole_number};
+use brdfc_core::words::format_number;
 use brdfc_formats::wavelet::MAX_LEVELS;
 use brdfc_metrics::fraction::Fraction;
-use brdfc_source::words::shown;
 use brdfc_table::levels::MOST_LEVELS;
 use brdfc_table::recipe::{Aim, Size, TableRecipe};
 use brdfc_wavelet::recipe::{Ranking, Recipe, Target};
@@ -246,7 +246,7 @@ impl EncodeOptions {
     fn of_wavelet(&self) -> Option<(&'static str, String)> {
         let text = |value: &String| format!("\"{value}\"");
         [
-            ("ratio", self.ratio.map(shown)),
+            ("ratio", self.ratio.map(format_number)),
             ("grid", self.grid.map(|v| v.to_string())),
             ("bits", self.bits.map(|v| v.to_string())),
             ("parameterisation", self.parameterisation.as_ref().map(text)),
@@ -269,7 +269,7 @@ impl EncodeOptions {
         if let Some(bias) = self.bias
             && !(1e-6..=1.0).contains(&bias)
         {
-            return Err(problem("bias", shown(bias), range_of("bias")));
+            return Err(problem("bias", format_number(bias), range_of("bias")));
         }
         Ok(())
     }
@@ -312,7 +312,7 @@ impl EncodeOptions {
 
     fn wavelet(&self, mut recipe: Recipe) -> Result<Recipe, OptionError> {
         for (field, found) in [
-            ("max_delta_e", self.max_delta_e.map(shown)),
+            ("max_delta_e", self.max_delta_e.map(format_number)),
             ("max_fetches", self.max_fetches.map(|v| v.to_string())),
             ("reciprocal", self.reciprocal.filter(|on| *on).map(|v| v.to_string())),
             ("levels", self.levels.filter(|levels| *levels > 0).map(|v| v.to_string())),
@@ -372,7 +372,7 @@ impl EncodeOptions {
         }
         if let Some(ratio) = self.ratio {
             if !(1.0..=4096.0).contains(&ratio) {
-                return Err(problem("ratio", shown(ratio), range_of("ratio")));
+                return Err(problem("ratio", format_number(ratio), range_of("ratio")));
             }
             return Ok(Some(Target::Ratio(ratio)));
         }
@@ -394,7 +394,7 @@ pub(crate) fn checked_limits(
     if let Some(limit) = delta_e
         && !(1e-6..=100.0).contains(&limit)
     {
-        return Err(problem("max_delta_e", shown(limit), range_of("max_delta_e")));
+        return Err(problem("max_delta_e", format_number(limit), range_of("max_delta_e")));
     }
     let share = |error: Fraction| {
         let wrong = |allowed: &str| problem("max_error", error.to_string(), allowed);

@@ -2,11 +2,11 @@
 
 use super::averaged::AveragingCost;
 use super::trial::Trial;
+use brdfc_core::Tally;
 use brdfc_formats::BrdfPack;
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::table::{Axes, TableSymmetry};
 use brdfc_metrics::compare::Comparison;
-use brdfc_source::Tally;
 use brdfc_table::symmetry::Asymmetry;
 use brdfc_wavelet::measure::GridError;
 use brdfc_wavelet::recipe::Recipe;

@@ -6,10 +6,10 @@ use super::pack::{EncodedPack, of_table, of_wavelet};
 use super::recipe::PackRecipe;
 use super::tables::{TableShelf, tabulated};
 use super::within::search_within;
+use brdfc_core::Source;
+use brdfc_core::progress::{Progress, Stage};
 use brdfc_metrics::compare::Reference;
 use brdfc_metrics::sampling::PairSet;
-use brdfc_source::Source;
-use brdfc_source::progress::{Progress, Stage};
 use brdfc_wavelet::encode::encode_tabulated;
 
 /// Makes a pack.

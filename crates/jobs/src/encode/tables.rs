@@ -1,6 +1,6 @@
 //! Tables of sources that were made before: another ratio needs no other table.
 
-use brdfc_source::{Source, Tally};
+use brdfc_core::{Source, Tally};
 use brdfc_wavelet::table::Grid;
 use brdfc_wavelet::tabulated::Tabulated;
 
@@ -36,9 +36,9 @@ mod tests {
     use super::*;
     use crate::encode::encode_with;
     use crate::encode::recipe::PackRecipe;
+    use brdfc_core::Symmetry;
+    use brdfc_core::address::parse_synth;
     use brdfc_formats::direction::DirectionPair;
-    use brdfc_source::Symmetry;
-    use brdfc_source::address::parse_synth;
     use brdfc_wavelet::recipe::{Recipe, Target};
     use std::cell::RefCell;
     use std::sync::atomic::{AtomicUsize, Ordering};

@@ -5,11 +5,11 @@ use super::error::PackError;
 use super::pack::{CodecReport, EncodedPack, TableReport, of_table};
 use super::recipe::AutoRecipe;
 use super::tables::TableShelf;
+use brdfc_core::progress::{Progress, Stage};
+use brdfc_core::{Source, TableSource};
 use brdfc_formats::BrdfPack;
 use brdfc_formats::crop::{Crop, DirectionRange};
 use brdfc_metrics::compare::Reference;
-use brdfc_source::progress::{Progress, Stage};
-use brdfc_source::{Source, TableSource};
 use brdfc_table::crop::window;
 use brdfc_table::encode::{Encoded, measured};
 
@@ -105,9 +105,9 @@ mod tests {
     use super::*;
     use crate::encode::recipe::Budget;
     use crate::report::material::{MaterialReport, remarks};
+    use brdfc_core::address::parse_synth;
     use brdfc_formats::crop::Elevations;
     use brdfc_metrics::sampling::PairSet;
-    use brdfc_source::address::parse_synth;
     use brdfc_source::open::open;
 
     fn recipe(directions: DirectionRange, delta_e: f64) -> AutoRecipe {

@@ -5,7 +5,7 @@ use brdfc_flat_btf::part_facts::PartFacts;
 use brdfc_flat_btf::structures::Structure;
 use brdfc_flat_btf::weld::{MesoError, WeldReport, weld};
 use brdfc_formats::flat_btf::split_part_name;
-use brdfc_formats::meso::TriangleMesh;
+use brdfc_readers::meso::TriangleMesh;
 use brdfc_source::btf_stack::survey;
 use brdfc_source::meso::{HeightMap, MesoInput, open_meso};
 use brdfc_source::read::{MAX_FILE_BYTES, read_file};

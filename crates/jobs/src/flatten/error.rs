@@ -1,10 +1,10 @@
 //! Why flattening fails.
 
+use brdfc_core::progress::Cancelled;
 use brdfc_flat_btf::encode::EncodeError;
 use brdfc_flat_btf::parameterise::ParameteriseError;
 use brdfc_formats::FormatError;
 use brdfc_source::InputError;
-use brdfc_source::progress::Cancelled;
 use std::path::Path;
 
 /// Why a flat BTF cannot be made.

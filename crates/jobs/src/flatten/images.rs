@@ -2,15 +2,15 @@
 
 use super::error::FlattenError;
 use crate::btf_stack::{StackFormat, write_image};
+use brdfc_core::progress::{Progress, Stage};
 use brdfc_flat_btf::encode::FlattenRecipe;
 use brdfc_flat_btf::measured::ViewImages;
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::rebuild::ViewImage;
 use brdfc_flat_btf::surface::Appearance;
 use brdfc_flat_btf::tile_image::TileImage;
-use brdfc_formats::measured::btf_stack::ImageAngles;
+use brdfc_readers::btf_stack::ImageAngles;
 use brdfc_source::ordinary_btf::OrdinaryBtf;
-use brdfc_source::progress::{Progress, Stage};
 use rayon::prelude::*;
 use std::path::Path;
 

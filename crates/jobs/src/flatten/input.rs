@@ -1,17 +1,18 @@
 //! Opens what is flattened: geometry, materials, images.
 
+use brdfc_core::address::{AddressError, SYNTH_PREFIX};
+use brdfc_core::progress::Progress;
+use brdfc_core::{PackSource, Source};
 use brdfc_flat_btf::mesh::{MAX_MATERIALS, PeriodicMesh};
 use brdfc_flat_btf::structures::Structure;
 use brdfc_flat_btf::surface::Appearance;
 use brdfc_flat_btf::tile_image::TileImage;
 use brdfc_flat_btf::weld::{MesoError, WeldReport, from_heights, weld};
 use brdfc_formats::wavelet::WaveletPack;
-use brdfc_source::address::{AddressError, SYNTH_PREFIX};
 use brdfc_source::meso::{MesoInput, open_meso};
 use brdfc_source::open::{Facts, open};
-use brdfc_source::progress::Progress;
 use brdfc_source::tile_image::{FileImage, open_colours, open_shares};
-use brdfc_source::{Input, InputError, PackSource, Source};
+use brdfc_source::{Input, InputError};
 use brdfc_wavelet::encode::{EncodeError, encode};
 use brdfc_wavelet::recipe::{Recipe, Target};
 

@@ -4,7 +4,7 @@ use super::asset::AssetFile;
 use brdfc_formats::FormatError;
 use brdfc_source::InputError;
 use brdfc_source::flat_btf::asset_list;
-use brdfc_source::words::json_problem;
+use brdfc_source::json::json_problem;
 use std::path::Path;
 
 /// The list `NAME.json` of the asset that a path means, its folder or the list itself; nothing where there is no list.

@@ -7,10 +7,10 @@ use super::input::Geometry;
 use super::parts::Parts;
 use super::store::add_parts;
 use crate::btf_stack::StackFormat;
+use brdfc_core::progress::Progress;
 use brdfc_flat_btf::encode::{FlatInput, FlattenRecipe, ValueSource, encode};
 use brdfc_flat_btf::surface::Appearance;
 use brdfc_source::ordinary_btf::OrdinaryBtf;
-use brdfc_source::progress::Progress;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 

@@ -3,11 +3,11 @@
 use super::error::FlattenError;
 use super::parts::Parts;
 use super::scratch::FolderScratch;
+use brdfc_core::progress::{Progress, Stage};
 use brdfc_flat_btf::encode::{FlatBtfEncoded, ScratchViews};
 use brdfc_formats::container::Extent;
 use brdfc_formats::flat_btf::factored::FactoredFlatBtf;
 use brdfc_formats::flat_btf::{FlatPart, Indirection, view_part};
-use brdfc_source::progress::{Progress, Stage};
 use rayon::prelude::*;
 
 /// Adds the files of all parts; `zip`: compressed with Zstandard.

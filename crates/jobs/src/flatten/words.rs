@@ -1,10 +1,10 @@
 //! What is said of an asset besides figures.
 
 use super::asset::AssetFile;
+use brdfc_core::words::{bytes, percent};
 use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::probes::ColourErrors;
 use brdfc_flat_btf::weld::WeldReport;
-use brdfc_source::words::{bytes, percent};
 
 /// What a user should know of an asset: what was mended, and what no view sees.
 pub fn remarks(asset: &AssetFile) -> Vec<String> {

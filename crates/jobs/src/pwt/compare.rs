@@ -2,11 +2,11 @@
 
 use super::error::PwtError;
 use super::input::refused;
-use brdfc_formats::measured::ptm::Ptm;
 use brdfc_formats::pwt::PwtDecoder;
 use brdfc_formats::{FormatError, Pack};
 use brdfc_pwt::measure::{PhotographSums, StackErrors, photograph_sums};
 use brdfc_pwt::ptm::picture_rows;
+use brdfc_readers::ptm::Ptm;
 use brdfc_source::light_stack::{LightStack, is_light_stack};
 use brdfc_source::pack::open_pack;
 use brdfc_source::{Input, InputError, ptm};

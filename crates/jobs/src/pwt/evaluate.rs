@@ -3,8 +3,8 @@
 use crate::flatten::open_asset;
 use brdfc_formats::Pack;
 use brdfc_formats::flat_btf::FlatBtfDecoder;
-use brdfc_formats::measured::scan_csv::TexelQuery;
 use brdfc_formats::pwt::PwtDecoder;
+use brdfc_readers::scan_csv::TexelQuery;
 use brdfc_render::flat::{FlatForm, FlatMaterial};
 use brdfc_source::flat_btf::{asset_list, open_flat_btf};
 use brdfc_source::{Input, InputError};

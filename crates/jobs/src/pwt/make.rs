@@ -1,11 +1,11 @@
 //! Packs and maps of photographs, and how wrong they are at lights left out.
 
 use super::error::PwtError;
-use brdfc_formats::measured::ptm::Ptm;
 use brdfc_formats::pwt::{LightCoordinates, PwtDecoder};
 use brdfc_pwt::measure::{StackErrors, picture_errors, stack_errors};
 use brdfc_pwt::ptm::{MapModel, fit_map, pictures_of};
 use brdfc_pwt::{DomainName, LightSamples, PwtEncoded, PwtRecipe, encode};
+use brdfc_readers::ptm::Ptm;
 use rand::RngExt as _;
 use rand::SeedableRng as _;
 use serde::Serialize;

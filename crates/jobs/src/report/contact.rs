@@ -1,11 +1,11 @@
 //! A contact sheet of materials that the engines' shaders drew, each held against its source.
 
 use super::render::Verification;
+use brdfc_core::words::bytes;
 use brdfc_gpu::verify::Views;
 use brdfc_render::contact_sheet::Cell;
 use brdfc_render::picture::{difference_panel, to_panel};
 use brdfc_render::within::left_out_in_words;
-use brdfc_source::words::bytes;
 use schemars::JsonSchema;
 use serde::Serialize;
 

@@ -2,13 +2,13 @@
 
 use crate::encode::{AveragingCost, CodecReport, EncodedPack, Trial};
 use crate::pack_files::entries;
+use brdfc_core::Tally;
+use brdfc_core::words::bytes;
 use brdfc_formats::BrdfPack;
 use brdfc_formats::crop::DirectionRange;
 use brdfc_metrics::compare::Comparison;
-use brdfc_source::Tally;
 use brdfc_source::open::Facts;
 use brdfc_source::scan::StrayRows;
-use brdfc_source::words::bytes;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

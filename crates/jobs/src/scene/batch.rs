@@ -3,8 +3,8 @@
 use super::manifest::{Manifest, Material, Use};
 use super::names;
 use super::patterns::{Named, PatternError};
-use brdfc_formats::measured::scan_csv::{ANGLE_COLUMNS, VECTOR_COLUMNS};
-use brdfc_source::address;
+use brdfc_core::address;
+use brdfc_readers::scan_csv::{ANGLE_COLUMNS, VECTOR_COLUMNS};
 use brdfc_source::open::{FORMATS, files_but_for};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::{OsStr, OsString};

@@ -9,7 +9,7 @@ use crate::report::build::{BuildReport, environment_map};
 use crate::report::material::{MaterialReport, StageTime};
 use crate::scene::maps::MapsReport;
 use crate::store::{Digest, FOLDER, Store, StoreError, read_record, write_record};
-use brdfc_source::progress::{Cancelled, Progress};
+use brdfc_core::progress::{Cancelled, Progress};
 use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};

@@ -8,8 +8,8 @@ use crate::output_folder::OutputFolder;
 use crate::report::build::environment_map;
 use crate::report::gate::GateResult;
 use crate::store::{Digest, Store, StoreError};
+use brdfc_core::progress::Progress;
 use brdfc_formats::Pack;
-use brdfc_source::progress::Progress;
 use std::collections::BTreeSet;
 use std::path::Path;
 

@@ -2,9 +2,9 @@
 
 use crate::encode::PackError;
 use crate::store::StoreError;
+use brdfc_core::progress::Cancelled;
 use brdfc_formats::FormatError;
 use brdfc_source::InputError;
-use brdfc_source::progress::Cancelled;
 
 /// Why a material, or the environment, failed.
 #[derive(Debug, thiserror::Error)]

@@ -7,9 +7,9 @@ use crate::encode::CodecReport;
 use crate::encode::recipe::PackRecipe;
 use crate::report::material::StageTime;
 use crate::store::Digest;
+use brdfc_core::progress::Stage;
+use brdfc_core::words::join_truncated;
 use brdfc_formats::crop::{DirectionRange, Elevations};
-use brdfc_source::progress::Stage;
-use brdfc_source::words::few;
 use brdfc_table::recipe::{Size, TableRecipe};
 use brdfc_wavelet::recipe::{Recipe, Target};
 use serde::{Deserialize, Serialize};
@@ -228,5 +228,5 @@ fn seconds(times: &[StageTime], counts: impl Fn(&str) -> bool) -> f64 {
 fn names(uses: &[(String, Use)], which: impl Fn(&Use) -> bool) -> Option<String> {
     const NAMED: usize = 3;
     let all: Vec<&str> = uses.iter().filter(|(_, used)| which(used)).map(|(name, _)| name.as_str()).collect();
-    (!all.is_empty()).then(|| few(&all, NAMED))
+    (!all.is_empty()).then(|| join_truncated(&all, NAMED))
 }

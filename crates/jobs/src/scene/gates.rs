@@ -5,8 +5,8 @@ use crate::encode::options::{OptionError, checked_limits};
 use crate::encode::recipe::{Budget, TAIL};
 use crate::report::gate::GateResult;
 use crate::report::material::MaterialReport;
+use brdfc_core::words::counted;
 use brdfc_metrics::fraction::Fraction;
-use brdfc_source::words::counted;
 use serde::Deserialize;
 
 /// The table `require` of a material or of the defaults.

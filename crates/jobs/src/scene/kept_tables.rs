@@ -2,7 +2,7 @@
 
 use crate::encode::TableShelf;
 use crate::store::{Digest, Kept, Key, Store};
-use brdfc_source::Tally;
+use brdfc_core::Tally;
 use brdfc_wavelet::table::Grid;
 use brdfc_wavelet::tabulated::Tabulated;
 use std::collections::BTreeSet;

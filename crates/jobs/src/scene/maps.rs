@@ -5,11 +5,11 @@ use brdfc_bandwidth::DEFAULT_EPSILON;
 use brdfc_bandwidth::facts::BandwidthFacts;
 use brdfc_bandwidth::map::{brdf_map, environment_map};
 use brdfc_bandwidth::resolution::Resolution;
+use brdfc_core::progress::{Progress, Stage};
+use brdfc_core::{Source, Tally};
 use brdfc_importance::{ImportanceFacts, ImportanceRecipe, importance_samples};
-use brdfc_source::progress::{Progress, Stage};
 use brdfc_source::radiance_image::open_radiance_image_heard;
 use brdfc_source::read::ReadListener;
-use brdfc_source::{Source, Tally};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

@@ -3,7 +3,7 @@
 
 use super::place::{ManifestError, Place};
 use super::shapes::{Key, Shape, key, required};
-use brdfc_source::words::shown;
+use brdfc_core::words::format_number;
 use serde::Deserialize;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -133,7 +133,7 @@ impl RenderSection {
         if let Some(exposure) = self.exposure
             && !(exposure.is_finite() && exposure > 0.0)
         {
-            return wrong(&["render", "exposure"], shown(exposure), "a positive number");
+            return wrong(&["render", "exposure"], format_number(exposure), "a positive number");
         }
         if self.asset.as_ref().is_some_and(String::is_empty) {
             return wrong(&["render", "asset"], "\"\"".to_owned(), ASSETS);
@@ -153,7 +153,7 @@ impl RenderSection {
         if let Some(angle) = camera.field_of_view
             && !(1.0..=170.0).contains(&angle)
         {
-            return wrong(&["render", "camera", "field_of_view"], shown(angle), ANGLES);
+            return wrong(&["render", "camera", "field_of_view"], format_number(angle), ANGLES);
         }
         for light in self.lights.iter().flatten() {
             let intensity = light.intensity.colour();

@@ -2,7 +2,7 @@
 
 use super::place::{ManifestError, Place};
 use super::shapes::{Key, Shape, key};
-use brdfc_source::words::shown;
+use brdfc_core::words::format_number;
 use serde::Deserialize;
 use std::path::Path;
 
@@ -34,7 +34,7 @@ impl SceneSection {
         if let Some(scale) = self.distance_scale
             && !(scale.is_finite() && scale > 0.0)
         {
-            return Err(place.error(&["scene", "distance_scale"], shown(scale), "a positive number"));
+            return Err(place.error(&["scene", "distance_scale"], format_number(scale), "a positive number"));
         }
         if let Some(file) = &self.environment {
             let extension = Path::new(file).extension().and_then(|e| e.to_str()).unwrap_or("");

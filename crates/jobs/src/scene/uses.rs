@@ -2,8 +2,8 @@
 
 use super::place::{ManifestError, line_of};
 use super::shapes::{Key, Shape, key, required};
+use brdfc_core::words::format_number;
 use brdfc_formats::crop::Elevations;
-use brdfc_source::words::shown;
 use serde::Deserialize;
 use std::ops::Range;
 use toml::Spanned;
@@ -102,15 +102,15 @@ impl Use {
             if let Some(distance) = distance
                 && !(distance.get_ref().is_finite() && *distance.get_ref() >= 0.0)
             {
-                let found = shown(*distance.get_ref());
+                let found = format_number(*distance.get_ref());
                 return Err(wrong(key, distance.span(), found, DISTANCES.to_owned()));
             }
         }
         if let (Some(nearest), Some(farthest)) = (&self.nearest, &self.farthest)
             && farthest.get_ref() < nearest.get_ref()
         {
-            let allowed = format!("{} or more, which is the nearest", shown(*nearest.get_ref()));
-            return Err(wrong("farthest", farthest.span(), shown(*farthest.get_ref()), allowed));
+            let allowed = format!("{} or more, which is the nearest", format_number(*nearest.get_ref()));
+            return Err(wrong("farthest", farthest.span(), format_number(*farthest.get_ref()), allowed));
         }
         for (key, range) in [("light_elevation", &self.light_elevation), ("view_elevation", &self.view_elevation)] {
             let Some(range) = range else { continue };
@@ -119,7 +119,7 @@ impl Use {
                 return Err(wrong(
                     key,
                     range.span(),
-                    format!("[{}, {}]", shown(from), shown(to)),
+                    format!("[{}, {}]", format_number(from), format_number(to)),
                     ELEVATIONS.to_owned(),
                 ));
             }

@@ -6,7 +6,7 @@ use super::memory::Shared;
 use super::plan::{EnvironmentJob, Job, Plan};
 use super::run::{PACK, Wanted, Workshop, in_turn};
 use super::scene_section::ENVIRONMENT;
-use brdfc_source::progress::Progress;
+use brdfc_core::progress::Progress;
 use std::str::FromStr;
 use std::sync::Mutex;
 

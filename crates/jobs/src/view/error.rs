@@ -1,8 +1,8 @@
 //! Why there is no page.
 
+use brdfc_core::progress::Cancelled;
 use brdfc_formats::FormatError;
 use brdfc_source::InputError;
-use brdfc_source::progress::Cancelled;
 use brdfc_table::encode::EncodeError;
 
 /// Most bytes of textures of all materials: a page is to open in a browser.
@@ -15,7 +15,7 @@ pub(super) fn check_bytes(name: &str, bytes: u64) -> Result<(), ViewError> {
     }
     let allowed = "256 MiB in a page: fewer materials, or of a flat BTF the factored form, which 'brdfc flatten' writes without \
                    --uncompressed";
-    Err(ViewError::refused(name, format!("{} of textures", brdfc_source::words::bytes(bytes)), allowed))
+    Err(ViewError::refused(name, format!("{} of textures", brdfc_core::words::bytes(bytes)), allowed))
 }
 
 /// Why there is no page.

@@ -6,6 +6,9 @@ use super::source_table::source_table;
 use crate::report::page::{Reports, is_flat_btf, source_name, source_of};
 use crate::scene::build::notes;
 use crate::scene::plan::REPORT;
+use brdfc_core::Source;
+use brdfc_core::progress::Progress;
+use brdfc_core::words::bytes;
 use brdfc_flat_btf::encode::Form;
 use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatValues, SampledDirections};
 use brdfc_formats::{BrdfPack, FormatError, Pack};
@@ -13,9 +16,7 @@ use brdfc_source::flat_btf::open_flat_btf;
 use brdfc_source::light_stack::is_light_stack;
 use brdfc_source::open::open;
 use brdfc_source::pack::open_pack;
-use brdfc_source::progress::Progress;
-use brdfc_source::words::bytes;
-use brdfc_source::{Input, InputError, Source};
+use brdfc_source::{Input, InputError};
 use std::path::Path;
 
 /// What can be drawn.
@@ -117,7 +118,7 @@ fn of_brdf(name: String, pack: BrdfPack) -> ViewItem {
             facts += &format!(", ΔE {:.2} of a ball against its source", table.picture.mean);
         }
         BrdfPack::Wavelet(wavelet) if wavelet.off_grid.relative_mean > 0.0 => {
-            let share = brdfc_source::words::percent(wavelet.off_grid.relative_mean.into());
+            let share = brdfc_core::words::percent(wavelet.off_grid.relative_mean.into());
             facts += &format!(", ε_r {share} against its source");
         }
         _ => {}

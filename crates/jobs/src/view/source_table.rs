@@ -1,8 +1,8 @@
 //! What packs are held against: a source as a table that is larger than packs are.
 
+use brdfc_core::Source;
+use brdfc_core::progress::Progress;
 use brdfc_formats::table::TablePack;
-use brdfc_source::Source;
-use brdfc_source::progress::Progress;
 use brdfc_table::encode::{EncodeError, encode};
 use brdfc_table::recipe::{Size, TableRecipe};
 

@@ -1,8 +1,8 @@
 //! BTF image stacks: what is written is read, and what is wrong is said.
 
 use brdfc_formats::direction_set::DirectionSet;
-use brdfc_formats::measured::btf_stack::ImageAngles;
 use brdfc_jobs::btf_stack::{StackFormat, write_image};
+use brdfc_readers::btf_stack::ImageAngles;
 use brdfc_source::InputError;
 use brdfc_source::btf_stack::BtfStack;
 use std::path::{Path, PathBuf};

@@ -227,7 +227,7 @@ fn a_real_stack() {
     let image = stack.image(5).unwrap();
     let other = image::open(stack.file(5)).unwrap().into_rgb16();
     for (found, code) in image.pixels.iter().flatten().zip(other.as_raw()) {
-        assert_eq!(*found, brdfc_formats::colour::decode_srgb(f64::from(*code) / 65535.0) as f32);
+        assert_eq!(*found, brdfc_readers::colour::decode_srgb(f64::from(*code) / 65535.0) as f32);
     }
     let mean = |light: usize| stack.image(light).unwrap().pixels.iter().flatten().sum::<f32>() / (3.0 * 402.0 * 395.0);
     assert!((0.01..0.9).contains(&mean(0)) && mean(0) != mean(1));

@@ -1,8 +1,8 @@
 //! Files of the Bonn database of 2014 as ordinary BTFs.
 
 use brdfc_formats::direction_set::DirectionSet;
-use brdfc_formats::measured::ubo_btf::{Channel, ColourModel, Description, Scalar, UboBtf};
 use brdfc_jobs::flatten::{SurfaceFacts, describe_surface};
+use brdfc_readers::ubo_btf::{Channel, ColourModel, Description, Scalar, UboBtf};
 use brdfc_source::btf_stack::BtfStack;
 use brdfc_source::open::open;
 use brdfc_source::ordinary_btf::OrdinaryBtf;

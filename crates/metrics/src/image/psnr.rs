@@ -1,7 +1,7 @@
 //! Peak signal-to-noise ratio.
 
 use super::LinearImage;
-use brdfc_formats::colour::encode_srgb;
+use brdfc_readers::colour::encode_srgb;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -64,7 +64,7 @@ pub(super) fn squared_difference(a: [f32; 3], b: [f32; 3], exposure: f64) -> Opt
 #[cfg(test)]
 mod tests {
     use super::*;
-    use brdfc_formats::colour::decode_srgb;
+    use brdfc_readers::colour::decode_srgb;
 
     fn image(pixels: &[[f32; 3]]) -> LinearImage {
         LinearImage {

@@ -5,13 +5,13 @@ use crate::shade::Reflectance;
 use brdfc_bandwidth::DEFAULT_EPSILON;
 use brdfc_bandwidth::map::brdf_map;
 use brdfc_bandwidth::resolution::Resolution;
+use brdfc_core::{Source, Tally};
 use brdfc_formats::FormatError;
 use brdfc_formats::bandwidth::BandwidthMap;
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::importance::ImportancePack;
 use brdfc_importance::{ImportanceRecipe, LobeDistributions, importance_samples};
 use brdfc_metrics::image::luminance;
-use brdfc_source::{Source, Tally};
 
 /// Outgoing directions that [`albedo`] looks from.
 const VIEWS: u32 = 8;
@@ -83,7 +83,7 @@ fn albedo(samples: &ImportancePack, f_r: impl Fn(DirectionPair) -> [f64; 3]) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use brdfc_source::address::parse_synth;
+    use brdfc_core::address::parse_synth;
 
     #[test]
     fn the_albedo_of_lambert_is_its_diffuse_reflectance() {

@@ -6,9 +6,9 @@ use crate::scenes::Builtin;
 use crate::shade::SourceReflectance;
 use brdfc_bandwidth::DEFAULT_EPSILON;
 use brdfc_bandwidth::map::environment_map;
+use brdfc_core::Source;
+use brdfc_core::address::parse_synth;
 use brdfc_metrics::image::signal_to_noise;
-use brdfc_source::Source;
-use brdfc_source::address::parse_synth;
 use std::f64::consts::{PI, TAU};
 
 struct Prepared {

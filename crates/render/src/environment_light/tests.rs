@@ -4,7 +4,7 @@ use crate::scene::Camera;
 use crate::shade::SourceReflectance;
 use crate::testing::{plain_scene, quad};
 use crate::trace::{Hit, trace};
-use brdfc_source::address::parse_synth;
+use brdfc_core::address::parse_synth;
 
 /// A point whose normal is between all axes.
 fn point() -> ShadingPoint {

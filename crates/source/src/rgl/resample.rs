@@ -5,7 +5,7 @@
 use super::warp::VisibleNormals;
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::{DirectionPair, Vector, dot, from_polar};
-use brdfc_formats::measured::rgl::{Azimuths, Colour, Map, Rgl};
+use brdfc_readers::rgl::{Azimuths, Colour, Map, Rgl};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Largest polar angle of incidence, degrees.
@@ -212,9 +212,9 @@ fn luminance([r, g, b]: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::address::parse_synth;
     use crate::rgl::RglSource;
-    use crate::{Source, Tally};
+    use brdfc_core::address::parse_synth;
+    use brdfc_core::{Source, Tally};
 
     /// As `brdfc convert` does, without threads.
     fn resampled(source: &dyn Source, grid: RglGrid) -> Rgl {

@@ -1,8 +1,8 @@
 //! Tables over the unit square and the map that makes the visible normals uniform.
 
 use brdfc_formats::FormatError;
-use brdfc_formats::measured::rgl::Map;
 use brdfc_formats::memory::{filled, reserved};
+use brdfc_readers::rgl::Map;
 
 /// Position between two nodes of a table.
 #[derive(Debug, Clone, Copy)]

@@ -9,7 +9,7 @@
 //! plain mean): fully below 20, not at all above 200, which is where a neighbourhood is rank-deficient or
 //! ill-conditioned for that degree. Distrust blends towards the next lower degree, down to the weighted mean.
 
-use super::super::Tally;
+use brdfc_core::Tally;
 
 /// Neighbours of a fit in 3 dimensions.
 pub const NEIGHBOURS_3D: usize = 14;

@@ -1,7 +1,7 @@
 //! Azimuths of incidence: a scan of one is of a material that is taken as isotropic. Few rows that stray from it do not
 //! make a measurement of another: they would have the scan fitted over one angle more, with nothing to fit it to.
 
-use brdfc_formats::measured::scan::Row;
+use brdfc_readers::scan::Row;
 use std::f64::consts::TAU;
 
 /// Azimuths closer than this are one, radians. It is also the polar angle below which there is none.

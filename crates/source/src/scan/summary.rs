@@ -1,6 +1,6 @@
 //! What is worth knowing about a scan.
 
-use super::super::words::percent;
+use brdfc_core::words::percent;
 
 /// What was found while a scan was taken in.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]

@@ -1,9 +1,10 @@
 //! ALTA tables as sources: one material in every form is one source.
 
+use brdfc_core::address::parse_synth;
+use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::{DirectionPair, Vector, cross, dot, half_vector};
-use brdfc_formats::measured::alta::AltaTable;
-use brdfc_source::address::parse_synth;
-use brdfc_source::{ScanSource, Source, Tally};
+use brdfc_readers::alta::AltaTable;
+use brdfc_source::ScanSource;
 use std::f64::consts::TAU;
 
 /// Light and view of an isotropic material.
@@ -94,7 +95,7 @@ fn the_cosine_of_measured_tape_is_the_views() {
     let Some(path) = brdfc_testing::shared_data("retro/retro-3M-jaune.dat") else { return };
     let table = AltaTable::from_bytes(&std::fs::read(path).unwrap()).unwrap();
     let rows = &table.scan.rows;
-    let turn = |row: &brdfc_formats::measured::scan::Row| (row.phi_o - row.phi_i).cos();
+    let turn = |row: &brdfc_readers::scan::Row| (row.phi_o - row.phi_i).cos();
     let mut logarithms = [Vec::new(), Vec::new()];
     for row in rows {
         let exchanged = rows.iter().find(|other| {

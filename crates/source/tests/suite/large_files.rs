@@ -2,7 +2,7 @@
 //! no room on the disk.
 
 use brdfc_formats::FormatError;
-use brdfc_formats::measured::scan::MAX_ROWS;
+use brdfc_readers::scan::MAX_ROWS;
 use brdfc_source::open::open_file_heard;
 use brdfc_source::read::{MAX_FILE_BYTES, ReadListener};
 use std::fs::File;
@@ -72,6 +72,6 @@ fn records_have_a_largest_length() {
 #[test]
 fn scans_have_a_largest_number_of_rows() {
     let rows = [&b"theta_i,phi_i,theta_o,phi_o,r,g,b\n"[..], &b"0,0,0,0,1,1,1\n".repeat(MAX_ROWS + 1)].concat();
-    let error: FormatError = brdfc_formats::measured::scan_csv::from_bytes(&rows).unwrap_err();
+    let error: FormatError = brdfc_readers::scan_csv::from_bytes(&rows).unwrap_err();
     assert_eq!(error.to_string(), format!("rows: found more than {MAX_ROWS}; allowed at most {MAX_ROWS}"));
 }

@@ -5,7 +5,6 @@ mod direction_set;
 mod flat_btf_files;
 mod gonio_held_out;
 mod large_files;
-mod physics;
 mod rgl_corrupt;
 mod rgl_oracle;
 mod rgl_synthetic;

@@ -2,12 +2,12 @@
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
+use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::DirectionPair;
-use brdfc_formats::measured::rgl::{Colour, Rgl};
-use brdfc_formats::measured::tensor::{ElementKind, TensorFile};
 use brdfc_formats::{FormatError, Place};
+use brdfc_readers::rgl::{Colour, Rgl};
+use brdfc_readers::tensor::{ElementKind, TensorFile};
 use brdfc_source::rgl::RglSource;
-use brdfc_source::{Source, Tally};
 use brdfc_testing::tensor::{Container, Field, Material};
 
 fn material() -> Container {
@@ -300,7 +300,7 @@ fn unknown_fields_are_checked_as_containers_and_then_ignored() {
 
 #[test]
 fn the_dump_on_the_page_of_the_layout_is_this_file() {
-    let page = include_str!("../../../../formats/src/measured/rgl.md");
+    let page = include_str!("../../../../crates/readers/src/rgl.md");
     let bytes = material().build();
     let mut lines = 0;
     for line in page.lines() {

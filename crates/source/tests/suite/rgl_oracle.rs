@@ -1,9 +1,9 @@
 //! RGL materials against values that Mitsuba 3.9.1 `measured` gave for the same files.
 
+use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::DirectionPair;
-use brdfc_formats::measured::rgl::Rgl;
+use brdfc_readers::rgl::Rgl;
 use brdfc_source::rgl::RglSource;
-use brdfc_source::{Source, Tally};
 
 const MATERIALS: [&str; 4] =
     ["cc_ibiza_sunset_rgb", "colodur_napoli_4f_rgb", "paper_white_rgb", "vch_golden_yellow_rgb"];

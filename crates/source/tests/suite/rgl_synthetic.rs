@@ -2,11 +2,11 @@
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
+use brdfc_core::{Source, Symmetry, Tally};
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::{DirectionPair, half_vector};
-use brdfc_formats::measured::rgl::{Azimuths, Rgl};
+use brdfc_readers::rgl::{Azimuths, Rgl};
 use brdfc_source::rgl::RglSource;
-use brdfc_source::{Source, Symmetry, Tally};
 use brdfc_testing::tensor::Material;
 
 /// RGB weights for the two wavelengths of the spectral materials here.

@@ -1,10 +1,11 @@
 //! Rows of a scan that stray from the azimuth of incidence of the others are told and measured, not obeyed.
 
+use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::DirectionPair;
-use brdfc_formats::measured::scan::{Row, Scan};
-use brdfc_formats::measured::scan_csv;
+use brdfc_readers::scan::{Row, Scan};
+use brdfc_readers::scan_csv;
+use brdfc_source::ScanSource;
 use brdfc_source::simulate::{ScanPlan, scan};
-use brdfc_source::{ScanSource, Source, Tally};
 
 const PAINT: &str = "synth:ggx?kd=0.2,0.1,0.1&alpha=0.4";
 const BRUSHED: &str = "synth:ward?kd=0.01&ks=0.4&ax=0.1&ay=0.6";

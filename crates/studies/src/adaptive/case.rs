@@ -2,6 +2,7 @@
 
 use brdfc_bandwidth::DEFAULT_EPSILON;
 use brdfc_bandwidth::map::environment_map;
+use brdfc_core::Source;
 use brdfc_formats::FormatError;
 use brdfc_metrics::image::{LinearImage, auto_exposure, signal_to_noise};
 use brdfc_render::adaptive::{AdaptiveScene, DistantLight, Lookups, Settings, Start, ground_truth};
@@ -9,7 +10,6 @@ use brdfc_render::gbuffer::GBuffer;
 use brdfc_render::scene::{Environment, Frame, Scene};
 use brdfc_render::scenes::Builtin;
 use brdfc_render::shade::SourceReflectance;
-use brdfc_source::Source;
 
 /// A material to study.
 pub struct StudyMaterial<'a> {

@@ -1,8 +1,8 @@
 //! Predicted bandwidth against windowed Fourier transforms of the picture (figure 12 of Bagher et al. 2012).
 
 use super::case::Case;
-use brdfc_formats::colour::encode_srgb;
 use brdfc_metrics::image::{WINDOW, luminance, window_bandwidths};
+use brdfc_readers::colour::encode_srgb;
 use brdfc_render::adaptive::predict;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -120,11 +120,11 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
 mod tests {
     use super::*;
     use crate::adaptive::{Lighting, StudyMaterial};
+    use brdfc_core::address::parse_synth;
     use brdfc_formats::direction::{dot, normalize};
     use brdfc_render::adaptive::Start;
     use brdfc_render::scene::{Environment, Frame};
     use brdfc_render::scenes::Builtin;
-    use brdfc_source::address::parse_synth;
     use std::f64::consts::{PI, TAU};
 
     #[test]

@@ -6,6 +6,7 @@ use super::joint::Joint;
 use super::lights::Lights;
 use super::per_view::{FIRST, View};
 use super::rows::{BtfAsset, BtfClaims, BtfModel, BtfRow, BtfSettings, Tally};
+use brdfc_core::address::{AddressError, parse_synth};
 use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::parameterise::ParameteriseError;
@@ -15,7 +16,6 @@ use brdfc_formats::FormatError;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_jobs::pwt::permutation;
 use brdfc_pwt::choose::Candidate;
-use brdfc_source::address::{AddressError, parse_synth};
 
 /// Lights that are held out of sets that have enough of them, and the seed of the permutation that says which.
 const HELD_OUT: usize = 8;

@@ -1,12 +1,12 @@
 //! What a studio would do without a measurement's pack: a diffuse part and a GGX lobe, fitted to the very pictures by which
 //! packs are judged.
 
+use brdfc_core::analytic::Ggx;
+use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::DirectionPair;
 use brdfc_metrics::lab::lab;
 use brdfc_metrics::picture::picture_pairs;
 use brdfc_metrics::values::values_at;
-use brdfc_source::analytic::Ggx;
-use brdfc_source::{Source, Tally};
 use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;
 
@@ -98,7 +98,7 @@ fn descended(mut at: Parameters, residuals: &impl Fn(&Parameters) -> Vec<f64>) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use brdfc_source::address::parse_synth;
+    use brdfc_core::address::parse_synth;
 
     /// A model of the kind that is fitted is found again.
     #[test]

@@ -1,9 +1,9 @@
 //! Tables of numbers over half-difference angles as sources, for what has no pack of its own.
 
+use brdfc_core::{Source, Symmetry, Tally};
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::table::{Angles, Axes, KNOTS, TableHeader, TableSymmetry};
 use brdfc_metrics::values::values_at;
-use brdfc_source::{Source, Symmetry, Tally};
 use brdfc_table::lattice::Lattice;
 use std::f32::consts::FRAC_PI_2;
 

@@ -1,6 +1,6 @@
 //! Table 3: how far images of apparent BRDFs compress.
 
-use brdfc_formats::colour::encode_srgb_byte;
+use brdfc_readers::colour::encode_srgb_byte;
 use serde::Serialize;
 
 /// Sizes of images of apparent BRDFs, in bytes.

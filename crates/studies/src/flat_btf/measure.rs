@@ -5,6 +5,7 @@ use super::apparent::{Apparent, ApparentSizes, summary};
 use super::grids::{grid_errors, stored_maps};
 use super::reconstruction::{LookUps, row};
 use super::rows::{CoherencyRow, ModelRow, Spread, StudySettings};
+use brdfc_core::address::{AddressError, parse_synth};
 use brdfc_flat_btf::coherency::ViewVariance;
 use brdfc_flat_btf::light_field::{ComputedField, FillGuide, FlattenedView, Holes, from_above, visible};
 use brdfc_flat_btf::model::MesoModel;
@@ -13,7 +14,6 @@ use brdfc_flat_btf::structures::Structure;
 use brdfc_flat_btf::surface::Appearance;
 use brdfc_formats::container::rgb9e5;
 use brdfc_formats::direction::Vector;
-use brdfc_source::address::{AddressError, parse_synth};
 use rayon::prelude::*;
 
 /// Why a model cannot be studied.

@@ -141,12 +141,12 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
 mod tests {
     use super::super::grids::stored_map;
     use super::*;
+    use brdfc_core::address::parse_synth;
     use brdfc_flat_btf::light_field::{ComputedField, FlattenedView, Holes, visible};
     use brdfc_flat_btf::structures::Structure;
     use brdfc_flat_btf::surface::Appearance;
     use brdfc_formats::direction::from_polar;
     use brdfc_formats::flat_btf::{IndirectionMap, ReferenceMap};
-    use brdfc_source::address::parse_synth;
 
     fn settings(texels: usize, flat_texels: usize) -> StudySettings {
         StudySettings {

@@ -3,13 +3,13 @@
 use super::settings::{WaveletSetting, cost};
 use super::{ParetoMaterial, ParetoRow};
 use crate::timing::best_of;
+use brdfc_core::Source;
 use brdfc_formats::BrdfDecoder;
 use brdfc_formats::wavelet::Filter;
 use brdfc_jobs::encode::recipe::PackRecipe;
 use brdfc_jobs::encode::{EncodedPack, PackError, encode};
 use brdfc_metrics::compare::Reference;
 use brdfc_metrics::sampling::{PairSet, random_pairs};
-use brdfc_source::Source;
 use brdfc_source::pack::opened;
 use std::time::Instant;
 
@@ -86,7 +86,7 @@ fn timed(source: &dyn Source, recipe: &PackRecipe) -> Result<(EncodedPack, f64, 
 mod tests {
     use super::super::settings::settings;
     use super::*;
-    use brdfc_source::address::parse_synth;
+    use brdfc_core::address::parse_synth;
     use std::cell::Cell;
 
     #[test]

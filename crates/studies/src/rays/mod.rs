@@ -7,13 +7,13 @@ pub use dump::{Dump, DumpError};
 pub use ray::StudyRay;
 
 use crate::timing::best_of;
+use brdfc_core::address::AddressError;
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::parameterise::ParameteriseError;
 use brdfc_flat_btf::structures::Structure;
 use brdfc_flat_btf::surface::LIFT;
 use brdfc_formats::direction::{add_scaled, dot, from_polar};
 use brdfc_formats::direction_set::DirectionSet;
-use brdfc_source::address::AddressError;
 use ray::CHUNK;
 use rayon::prelude::*;
 use schemars::JsonSchema;
@@ -233,7 +233,7 @@ mod tests {
         let rays = dump.rays();
         assert_eq!(rays.len(), 8 + 32 * dump.answers.len());
         assert_eq!(rays[8..12], dump.nearest[0].origin[0].to_le_bytes());
-        let ply = brdfc_formats::meso::ply::from_bytes(&dump.ply()).unwrap();
+        let ply = brdfc_readers::meso::ply::from_bytes(&dump.ply()).unwrap();
         assert_eq!((ply.positions.len(), ply.triangles.len()), (dump.vertices.len(), dump.triangles.len()));
         assert!(scene.measure(Some(&dump)).rows.iter().all(|row| row.repeated_one > Some(0.0)));
     }

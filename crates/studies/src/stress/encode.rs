@@ -3,11 +3,11 @@
 use super::fed::constant;
 use super::row::{Measure, StressRow, U, Worst};
 use super::stages::Stages;
+use brdfc_core::address::parse_synth;
+use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::{DirectionPair, cell_centre};
 use brdfc_formats::table::TableDecoder;
 use brdfc_formats::wavelet::{Filter, MAX_SLICES, RowScratch, WaveletDecoder, WaveletPack};
-use brdfc_source::address::parse_synth;
-use brdfc_source::{Source, Tally};
 use brdfc_table::encode::Prepared;
 use brdfc_table::recipe::{Size, TableRecipe};
 use brdfc_wavelet::log_encode::LogEncoding;
@@ -198,7 +198,7 @@ fn all_slices(stages: &Stages) -> StressRow {
     let mut worst = Worst::default();
     let source = super::fed::Of {
         value: |pair: DirectionPair| 0.2 + pair.incoming[2] * pair.outgoing[2],
-        symmetry: brdfc_source::Symmetry::FULL,
+        symmetry: brdfc_core::Symmetry::FULL,
     };
     let recipe = Recipe { target: Target::MaxBytes(u64::MAX), ..recipe(6, false) };
     match (stages.encode)(&source, &recipe) {

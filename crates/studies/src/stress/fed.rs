@@ -1,8 +1,8 @@
 //! What stages are fed.
 
+use brdfc_core::{Source, Symmetry, Tally};
 use brdfc_formats::direction::{DirectionPair, Parameterisation, Vector, from_polar};
 use brdfc_formats::wavelet::Header;
-use brdfc_source::{Source, Symmetry, Tally};
 use brdfc_wavelet::recipe::Recipe;
 use brdfc_wavelet::resample::resample;
 use brdfc_wavelet::table::{Grid, Table};

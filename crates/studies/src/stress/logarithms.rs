@@ -3,8 +3,8 @@
 use super::fed::{Filling, Numbers, table};
 use super::row::{Measure, StressRow, U, Worst};
 use super::stages::Stages;
+use brdfc_core::Symmetry;
 use brdfc_formats::wavelet::{SliceScale, WaveletDecoder, WaveletPack};
-use brdfc_source::Symmetry;
 use brdfc_wavelet::log_encode::{DEFAULT_BIAS, LogEncoding};
 use brdfc_wavelet::recipe::Recipe;
 

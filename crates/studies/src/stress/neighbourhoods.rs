@@ -3,10 +3,11 @@
 use super::fed::{Numbers, directions};
 use super::row::{Measure, StressRow, Worst};
 use super::stages::Stages;
+use brdfc_core::Tally;
 use brdfc_formats::direction::DirectionPair;
-use brdfc_formats::measured::scan::{Row, Scan};
+use brdfc_readers::scan::{Row, Scan};
+use brdfc_source::ScanSource;
 use brdfc_source::scan::fit::{NEIGHBOURS_3D, Neighbourhood, RIDGE, TERMS_3D};
-use brdfc_source::{ScanSource, Tally};
 use nalgebra::{DMatrix, DVector};
 
 /// How neighbours lie.

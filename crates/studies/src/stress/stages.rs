@@ -1,6 +1,7 @@
 //! The stages that are put to stress, each as a function that may be exchanged: a study of a broken stage has to say so.
 
 use brdfc_bandwidth::daubechies;
+use brdfc_core::Source;
 use brdfc_formats::FormatError;
 use brdfc_formats::bandwidth::propagation::{Bandwidth, BandwidthSurface, pyramid_level};
 use brdfc_formats::direction::{DirectionPair, Parameterisation, Vector, polynomial_atan2, to_tangent_pole};
@@ -9,8 +10,8 @@ use brdfc_formats::vector_math;
 use brdfc_formats::wavelet::haar::{Plain, inverse};
 use brdfc_formats::wavelet::lift::{Lift, rise};
 use brdfc_formats::wavelet::{Filter, Header, WaveletDecoder, WaveletPack};
+use brdfc_source::ScanSource;
 use brdfc_source::scan::fit;
-use brdfc_source::{ScanSource, Source};
 use brdfc_table::encode::{EncodeError as TableError, Prepared};
 use brdfc_table::lattice::Equations;
 use brdfc_table::recipe::TableRecipe;
@@ -127,7 +128,7 @@ impl Default for Stages {
                 let solved = fit::solve::<3, { fit::TERMS_3D }>(basis, weights, residuals);
                 [solved.linear[0][0], solved.quadratic[0][0], solved.variance[0], solved.variance[1]]
             },
-            scan: |source, pair| source.eval(pair, &mut brdfc_source::Tally::default()),
+            scan: |source, pair| source.eval(pair, &mut brdfc_core::Tally::default()),
             one_bounce: Bandwidth::one_bounce,
             pyramid_level,
             daubechies: |image, n| daubechies::inverse(&daubechies::forward(image, n, n)),

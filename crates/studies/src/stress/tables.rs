@@ -3,10 +3,10 @@
 use super::fed::{Numbers, Of, constant, pairs};
 use super::row::{Measure, StressRow, U, Worst};
 use super::stages::{STEPS, Stages};
+use brdfc_core::address::parse_synth;
+use brdfc_core::{Source, Symmetry};
 use brdfc_formats::direction::{DirectionPair, half_vector};
 use brdfc_formats::table::{Angles, Axes, Curve, KNOTS, Position, TableDecoder, TableHeader, TablePack, TableSymmetry};
-use brdfc_source::address::parse_synth;
-use brdfc_source::{Source, Symmetry};
 use brdfc_table::encode::Prepared;
 use brdfc_table::lattice::{Equations, Lattice};
 use brdfc_table::recipe::{Size, TableRecipe};

@@ -3,7 +3,7 @@
 use super::fed::{Filling, Numbers, header, levels, table};
 use super::row::{Measure, StressRow, U, Worst};
 use super::stages::Stages;
-use brdfc_source::Symmetry;
+use brdfc_core::Symmetry;
 use brdfc_wavelet::haar::transform;
 use brdfc_wavelet::recipe::Recipe;
 use brdfc_wavelet::table::Table;

@@ -3,9 +3,9 @@
 use super::fed::{Filling, Numbers, levels, table};
 use super::row::{Measure, StressRow, U, Worst};
 use super::stages::Stages;
+use brdfc_core::Symmetry;
 use brdfc_formats::wavelet::haar::{Mean, detail_indices};
 use brdfc_formats::wavelet::lift::Lift;
-use brdfc_source::Symmetry;
 use brdfc_wavelet::haar;
 
 fn norm(samples: &[f32]) -> f64 {

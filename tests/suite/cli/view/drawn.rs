@@ -1,8 +1,8 @@
 //! In a browser, against what `brdfc render` draws.
 
 use crate::common::cli::Folder;
-use brdfc_formats::colour::decode_srgb;
 use brdfc_metrics::image::{ImageDifference, LinearImage, compare_images};
+use brdfc_readers::colour::decode_srgb;
 use brdfc_testing::browser::{result_of_page, with_script};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;

@@ -1,6 +1,6 @@
 use super::*;
+use brdfc_core::Symmetry;
 use brdfc_formats::direction::dot;
-use brdfc_source::Symmetry;
 
 /// A round lobe that stands still, `exp(s (cos α - 1))`, about an axis.
 struct Spot {

@@ -2,8 +2,8 @@
 
 use crate::factored::FactorError;
 use crate::parameterise::ParameteriseError;
+use brdfc_core::progress::Cancelled;
 use brdfc_formats::FormatError;
-use brdfc_source::progress::Cancelled;
 
 /// Why there is no flat BTF. `E` is the error of what the caller gave: scratch storage, images.
 #[derive(Debug, thiserror::Error)]

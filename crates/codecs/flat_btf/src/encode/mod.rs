@@ -27,13 +27,13 @@ use crate::model::MesoModel;
 use crate::parameterise::steps;
 use crate::surface::Appearance;
 use crate::weld::WeldReport;
+use brdfc_core::progress::{Progress, Stage};
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::Vector;
 use brdfc_formats::flat_btf::{
     DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatValues, Indirection, IndirectionMap, NormalMap, PositionMap,
     ReferenceMap, SampledDirections, VisibilityMask,
 };
-use brdfc_source::progress::{Progress, Stage};
 use pass::Pass;
 use probing::{computed_probes, measured_probes};
 

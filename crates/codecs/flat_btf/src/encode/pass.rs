@@ -9,10 +9,10 @@ use crate::light_field::{FillGuide, FlattenedView, Holes, LightField, from_above
 use crate::model::MesoModel;
 use crate::probes::Probes;
 use crate::texels::TexelMap;
+use brdfc_core::progress::{Progress, Stage};
 use brdfc_formats::container::rgb9e5;
 use brdfc_formats::direction::Vector;
 use brdfc_formats::flat_btf::DiffuseMap;
-use brdfc_source::progress::{Progress, Stage};
 use rayon::prelude::*;
 
 /// What a pass over all views needs.

@@ -6,10 +6,10 @@ use super::candidate::Candidate;
 use super::recipe::{FactoredTarget, gpu_bytes, shapes};
 use super::report::{FactorError, FactoredTrial};
 use super::sample::{Sample, Values};
+use brdfc_core::progress::{Progress, Stage};
 use brdfc_formats::FormatError;
 use brdfc_formats::flat_btf::FlatHeader;
 use brdfc_formats::flat_btf::factored::GROUP;
-use brdfc_source::progress::{Progress, Stage};
 
 /// What candidates are fitted to and tried on.
 pub(super) struct Trials<'a> {

@@ -14,9 +14,9 @@ use super::report::{FactorError, Factored, FactoredFacts};
 use super::rounded::Rounded;
 use super::sample::{Sample, choose};
 use super::words::ViewWords;
+use brdfc_core::progress::{Progress, Stage};
 use brdfc_formats::FormatError;
 use brdfc_formats::flat_btf::{FlatHeader, FlatView, NormalMap, VisibilityMask};
-use brdfc_source::progress::{Progress, Stage};
 use rayon::prelude::*;
 
 /// Texels that candidates are fitted to before one is chosen.

@@ -1,8 +1,8 @@
 //! What is told of a factored flat BTF, and what can go wrong.
 
+use brdfc_core::progress::Cancelled;
 use brdfc_formats::FormatError;
 use brdfc_formats::flat_btf::factored::{FactoredErrors, FactoredFlatBtf};
-use brdfc_source::progress::Cancelled;
 
 /// A number of components that was tried, fitted to fewer texels than the asset.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]

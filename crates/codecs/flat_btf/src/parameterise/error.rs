@@ -1,6 +1,6 @@
 //! Why a surface cannot be laid flat, and the limits that say so.
 
-use brdfc_source::progress::Cancelled;
+use brdfc_core::progress::Cancelled;
 /// Drift at which the tilt is found, in tiles.
 pub(super) const DRIFT_LIMIT: f64 = 1e-12;
 /// Largest residual of the linear system, in tiles.

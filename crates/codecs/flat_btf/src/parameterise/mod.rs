@@ -20,7 +20,7 @@ pub use error::{MAX_VERTICES, ParameteriseError, RESIDUAL_LIMIT};
 
 use super::mesh::{PeriodicMesh, corner_coordinates, twice_area};
 use super::stretch::{Stretch, measure, vertex_stretch};
-use brdfc_source::progress::Progress;
+use brdfc_core::progress::Progress;
 use tilt::solve;
 use weights::mean_value_weights;
 
@@ -121,7 +121,7 @@ mod tests {
     use super::*;
     use crate::mesh::VertexMaterial;
     use crate::testing::{Patience, bumps, height_field, overhang};
-    use brdfc_source::progress::Cancelled;
+    use brdfc_core::progress::Cancelled;
 
     /// Moves the vertices of a plane about, so that its triangles are irregular.
     fn shaken(n: usize) -> PeriodicMesh {

@@ -15,7 +15,7 @@ use super::super::sparse::Symbolic;
 use super::error::{DRIFT_LIMIT, ParameteriseError, RESIDUAL_LIMIT};
 use super::walk::{Solver, Walk};
 use super::weights::Edge;
-use brdfc_source::progress::Progress;
+use brdfc_core::progress::Progress;
 use rayon::prelude::*;
 use std::sync::Arc;
 

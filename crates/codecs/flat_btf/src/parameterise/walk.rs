@@ -11,7 +11,7 @@
 use super::super::sparse::{Cholesky, FactorError, Symbolic};
 use super::error::ParameteriseError;
 use super::weights::Edge;
-use brdfc_source::progress::Progress;
+use brdfc_core::progress::Progress;
 use std::collections::VecDeque;
 use std::sync::Arc;
 

@@ -3,7 +3,7 @@
 use super::front::{Remainder, factorise, subtract_products, zeros};
 use super::symbolic::Symbolic;
 use super::{FactorError, Lane, TILE};
-use brdfc_source::progress::Progress;
+use brdfc_core::progress::Progress;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;

@@ -10,7 +10,7 @@
 //! Sums have one order whatever the number of threads, and no instruction is chosen by what the processor offers:
 //! results are the same everywhere.
 
-use brdfc_source::progress::Cancelled;
+use brdfc_core::progress::Cancelled;
 mod elimination;
 mod factor;
 mod front;

@@ -1,7 +1,7 @@
 use super::elimination::{Elimination, Graph};
 use super::*;
 use crate::testing::Patience;
-use brdfc_source::progress::Cancelled;
+use brdfc_core::progress::Cancelled;
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 use std::sync::Arc;

@@ -3,8 +3,8 @@
 use super::noise::{gradient_noise, lattice, mix, periodic_fractal, smooth_step};
 use super::relief::{HEIGHT, RESOLUTION, Relief, SEED, Sample, StructureInfo};
 use crate::mesh::VertexMaterial;
+use brdfc_core::analytic::Parameter;
 use brdfc_formats::direction::Vector;
-use brdfc_source::analytic::Parameter;
 use std::f64::consts::TAU;
 
 pub(super) const INFO: StructureInfo = StructureInfo {

@@ -2,7 +2,7 @@
 //!
 //! Each structure is a function from parameters `(u, v)` to points and materials that goes on periodically: at
 //! `(u + 1, v)` and `(u, v + 1)` is the same point, one tile on. `docs/synth.md` has the formulas. Addresses
-//! have the grammar of [`address`](brdfc_source::address).
+//! have the grammar of [`address`](brdfc_core::address).
 
 mod button;
 mod folds;
@@ -16,8 +16,8 @@ mod tests;
 pub use relief::StructureInfo;
 
 use super::mesh::PeriodicMesh;
+use brdfc_core::address::{AddressError, canonical_address, describe, find_named, parse_parameters, split_query};
 use brdfc_formats::direction::subtract;
-use brdfc_source::address::{AddressError, canonical_address, describe, find_named, parse_parameters, split_query};
 use rayon::prelude::*;
 use relief::Sample;
 

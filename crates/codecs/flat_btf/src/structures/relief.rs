@@ -1,8 +1,8 @@
 //! What every structure is.
 
 use crate::mesh::VertexMaterial;
+use brdfc_core::analytic::Parameter;
 use brdfc_formats::direction::Vector;
-use brdfc_source::analytic::Parameter;
 
 /// A point of a surface, and what the surface is made of there.
 pub(super) type Sample = (Vector, VertexMaterial);

@@ -3,10 +3,10 @@
 use super::relief::Relief;
 use super::*;
 use crate::mesh::Corner;
+use brdfc_core::Tally;
+use brdfc_core::address::parse_synth;
+use brdfc_core::analytic::ParameterKind;
 use brdfc_formats::direction::{DirectionPair, Vector, cross, dot, from_polar};
-use brdfc_source::Tally;
-use brdfc_source::address::parse_synth;
-use brdfc_source::analytic::ParameterKind;
 
 fn mesh(text: &str) -> PeriodicMesh {
     Structure::parse(text).unwrap().mesh()

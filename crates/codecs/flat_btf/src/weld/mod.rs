@@ -10,7 +10,7 @@ pub use identify::TOLERANCE;
 
 use super::mesh::{Corner, MAX_MATERIALS, PeriodicMesh, VertexMaterial};
 use brdfc_formats::direction::Vector;
-use brdfc_formats::meso::TriangleMesh;
+use brdfc_readers::meso::TriangleMesh;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use sliver::in_first_tile;

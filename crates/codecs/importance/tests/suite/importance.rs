@@ -1,11 +1,11 @@
 //! Importance samples against what they must estimate: white furnaces, albedos by quadrature, solid angles.
 
+use brdfc_core::address::parse_synth;
+use brdfc_core::{Source, Symmetry, Tally};
 use brdfc_formats::direction::{DirectionPair, Vector, dot, from_polar};
 use brdfc_formats::importance::ImportancePack;
 use brdfc_importance::{Distribution, ImportanceRecipe, cell_probabilities, importance_samples, sequence_point};
-use brdfc_source::address::parse_synth;
 use brdfc_source::open::open_file;
-use brdfc_source::{Source, Symmetry, Tally};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 

@@ -1,11 +1,11 @@
 //! Whole encodes: what is reached, kept and told.
 
 use super::stacks::{lambert, polynomial, spiral};
-use brdfc_formats::measured::ptm::Ptm;
 use brdfc_formats::pwt::{LightCoordinates, PwtDecoder, PwtPack};
 use brdfc_pwt::measure::stack_errors;
 use brdfc_pwt::ptm::{pictures_of, samples_of, spread_lights};
 use brdfc_pwt::{DomainName, LightSamples, PwtEncoded, PwtRecipe, Target, Wavelet, encode};
+use brdfc_readers::ptm::Ptm;
 
 fn with(target: Target) -> PwtRecipe {
     PwtRecipe { target, ..PwtRecipe::default() }

@@ -1,11 +1,11 @@
 //! What is cropped is what no look-up within the range of directions touches.
 
+use brdfc_core::TableSource;
+use brdfc_core::address::parse_synth;
 use brdfc_formats::crop::{Crop, DirectionRange, Elevations, Window};
 use brdfc_formats::table::{Angles, TableDecoder, TablePack};
 use brdfc_metrics::compare::Reference;
 use brdfc_metrics::sampling::PairSet;
-use brdfc_source::TableSource;
-use brdfc_source::address::parse_synth;
 use brdfc_table::crop::window;
 use brdfc_table::encode::encode;
 use brdfc_table::recipe::{Size, TableRecipe};

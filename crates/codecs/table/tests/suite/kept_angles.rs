@@ -1,12 +1,13 @@
 //! Sources at lists whose angles are kept, against the same ones pair by pair: the same bits.
 
+use brdfc_core::address::parse_synth;
+use brdfc_core::{Source, TableSource};
 use brdfc_formats::direction::DirectionPair;
-use brdfc_formats::measured::merl::{Dimensions, Merl, write};
 use brdfc_metrics::picture::picture_pairs;
 use brdfc_metrics::sampling::PairSet;
 use brdfc_metrics::values::{values_at, values_of_list};
-use brdfc_source::address::parse_synth;
-use brdfc_source::{MerlSource, Source, TableSource};
+use brdfc_readers::merl::{Dimensions, Merl, write};
+use brdfc_source::MerlSource;
 use brdfc_table::recipe::{Size, TableRecipe};
 use brdfc_testing::packs::tables;
 

@@ -1,12 +1,12 @@
 //! Tables of materials whose answers are known.
 
+use brdfc_core::address::parse_synth;
+use brdfc_core::{Source, TableSource, Tally};
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::table::{Axes, TableDecoder, TableHeader, TablePack, TableSymmetry};
 use brdfc_metrics::compare::compare;
 use brdfc_metrics::sampling::{PairSet, cosine_directions};
-use brdfc_source::address::parse_synth;
 use brdfc_source::open::open_file;
-use brdfc_source::{Source, TableSource, Tally};
 use brdfc_table::encode::{EncodeError, Encoded, encode};
 use brdfc_table::fit::fit;
 use brdfc_table::lattice::{Lattice, Taps};
@@ -112,8 +112,8 @@ impl Source for CarPaint {
         let (coat, flakes) = (self.coat.eval(pair, tally), self.flakes.eval(pair, tally));
         std::array::from_fn(|c| coat[c] + flakes[c])
     }
-    fn symmetry(&self) -> brdfc_source::Symmetry {
-        brdfc_source::Symmetry::FULL
+    fn symmetry(&self) -> brdfc_core::Symmetry {
+        brdfc_core::Symmetry::FULL
     }
     fn is_grey(&self) -> bool {
         false
@@ -185,8 +185,8 @@ fn reciprocal_tables_are_reciprocal() {
             tally.evaluations += 1;
             [0.1 + 0.2 * pair.incoming[2]; 3]
         }
-        fn symmetry(&self) -> brdfc_source::Symmetry {
-            brdfc_source::Symmetry { reciprocal: false, ..brdfc_source::Symmetry::FULL }
+        fn symmetry(&self) -> brdfc_core::Symmetry {
+            brdfc_core::Symmetry { reciprocal: false, ..brdfc_core::Symmetry::FULL }
         }
         fn is_grey(&self) -> bool {
             true

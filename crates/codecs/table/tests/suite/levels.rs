@@ -1,10 +1,10 @@
 //! Levels of detail: the same energy, a wider highlight.
 
+use brdfc_core::Tally;
+use brdfc_core::address::parse_synth;
 use brdfc_formats::direction::{DirectionPair, Vector, cross, dot};
 use brdfc_formats::table::{Angles, TableDecoder, TablePack};
 use brdfc_metrics::sampling::{points, random_pairs};
-use brdfc_source::Tally;
-use brdfc_source::address::parse_synth;
 use brdfc_table::encode::encode;
 use brdfc_table::levels::MOST_LEVELS;
 use brdfc_table::recipe::{Size, TableRecipe};

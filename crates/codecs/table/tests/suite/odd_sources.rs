@@ -1,7 +1,7 @@
 //! Tables of sources that no material is: within their stated error, or counted.
 
+use brdfc_core::{Source, Symmetry, Tally};
 use brdfc_formats::direction::{DirectionPair, half_vector};
-use brdfc_source::{Source, Symmetry, Tally};
 use brdfc_table::encode::{Encoded, encode};
 use brdfc_table::recipe::TableRecipe;
 

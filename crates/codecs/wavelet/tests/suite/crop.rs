@@ -1,9 +1,9 @@
 //! What is cropped is what no look-up within the range of directions touches.
 
+use brdfc_core::address::parse_synth;
 use brdfc_formats::crop::{DirectionRange, Elevations};
 use brdfc_formats::direction::{DirectionPair, Parameterisation};
 use brdfc_formats::wavelet::{Filter, Header, WaveletDecoder, WaveletPack};
-use brdfc_source::address::parse_synth;
 use brdfc_testing::packs::{header, lifted, pack, pairs};
 use brdfc_wavelet::crop::crop;
 use brdfc_wavelet::encode::encode;

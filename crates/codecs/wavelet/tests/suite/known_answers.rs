@@ -1,10 +1,10 @@
 //! Numbers that an independent prototype of the method gives on the full 32 x 32 x 32 x 32 table, one channel.
 
+use brdfc_core::address::parse_synth;
+use brdfc_core::{Source, Symmetry, Tally};
 use brdfc_formats::ErrorSummary;
 use brdfc_formats::direction::{DirectionPair, Parameterisation, Vector, from_tangent_pole, to_tangent_pole};
 use brdfc_formats::wavelet::{WaveletDecoder, WaveletPack};
-use brdfc_source::address::parse_synth;
-use brdfc_source::{Source, Symmetry, Tally};
 use brdfc_wavelet::encode::{Encoded, encode};
 use brdfc_wavelet::log_encode::{DEFAULT_BIAS, LogEncoding, log_encode};
 use brdfc_wavelet::measure::grid_error;

@@ -1,11 +1,11 @@
 //! Packs against the physics of their sources. Every check is shown to fail on a source or pack that breaks it.
 
+use brdfc_core::address::parse_synth;
+use brdfc_core::{PackSource, Source, Symmetry};
 use brdfc_formats::direction::{DirectionPair, Parameterisation, Vector, cell_centre, from_polar, from_tangent_pole};
 use brdfc_formats::wavelet::{Filter, WaveletDecoder, WaveletPack};
 use brdfc_metrics::compare::compare;
 use brdfc_metrics::sampling::{PairSet, random_pairs};
-use brdfc_source::address::parse_synth;
-use brdfc_source::{PackSource, Source, Symmetry};
 use brdfc_testing::checks::{albedo, value};
 use brdfc_testing::wrapped::{Claiming, Noisy, OneWay};
 use brdfc_wavelet::encode::{Encoded, encode};

@@ -1,5 +1,6 @@
 //! Flat BTFs of procedural structures, built in memory.
 
+use brdfc_core::address::parse_synth;
 use brdfc_flat_btf::indirection::indirection;
 use brdfc_flat_btf::light_field::{ComputedField, FlattenedView, Holes, visible};
 use brdfc_flat_btf::model::MesoModel;
@@ -12,7 +13,6 @@ use brdfc_formats::flat_btf::{
     DiffuseMap, FlatBtfParts, FlatHeader, FlatValues, FlatView, IndirectionHeader, IndirectionMap, NormalMap,
     ReferenceMap,
 };
-use brdfc_source::address::parse_synth;
 
 /// A structure such as `button?resolution=48`, and what it is made of: its own materials, or another one.
 pub fn structure(address: &str, material: Option<&str>) -> (MesoModel, Appearance) {

@@ -1,5 +1,5 @@
 use super::*;
-use brdfc_source::address::parse_synth;
+use brdfc_core::address::parse_synth;
 use brdfc_table::levels::MOST_LEVELS;
 
 fn searched(address: &str, budget: Budget) -> EncodedPack {

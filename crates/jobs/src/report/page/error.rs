@@ -1,7 +1,7 @@
 //! Why there is no page.
 
+use brdfc_core::progress::Cancelled;
 use brdfc_source::InputError;
-use brdfc_source::progress::Cancelled;
 
 /// Why there is no page.
 #[derive(Debug, thiserror::Error)]

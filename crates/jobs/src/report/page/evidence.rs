@@ -1,5 +1,6 @@
 //! What a page shows of a material besides figures: pictures of source and pack, and where both differ.
 
+use brdfc_core::Source;
 use brdfc_formats::BrdfPack;
 use brdfc_metrics::by_angle::{ByAngle, by_angle};
 use brdfc_metrics::image::{LinearImage, auto_exposure, compare_images};
@@ -10,7 +11,6 @@ use brdfc_render::scenes::Builtin;
 use brdfc_render::shade::{Reflectance, SourceReflectance, Turned, shade};
 use brdfc_render::trace::trace;
 use brdfc_render::within::{outside, share_left_out, without};
-use brdfc_source::Source;
 use brdfc_source::pack::opened;
 
 /// Pixels of a thumbnail, per side.

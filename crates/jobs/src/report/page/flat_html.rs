@@ -4,9 +4,9 @@ use super::flat::FlatPage;
 use super::markup::{colour_scale, document, image};
 use crate::flatten::words::{errors, facts, remarks};
 use crate::flatten::{AssetFile, PartFile};
+use brdfc_core::words::bytes;
 use brdfc_formats::flat_btf::FlatPart;
 use brdfc_render::flat::FlatPicture;
-use brdfc_source::words::bytes;
 use maud::{Markup, html};
 
 /// A whole file of HTML. The same page gives the same bytes.

@@ -10,11 +10,12 @@ use crate::report::build::{BUILD_VERSION, BuildReport, EnvironmentEntry, Materia
 use crate::scene::build::{BuiltNote, notes};
 use crate::scene::plan::REPORT;
 use crate::scene::run::{kind_of, opened_with_digest};
+use brdfc_core::Source;
+use brdfc_core::progress::Progress;
 use brdfc_formats::{BrdfPack, Pack};
-use brdfc_source::progress::Progress;
+use brdfc_source::Input;
+use brdfc_source::json::json_problem;
 use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
-use brdfc_source::words::json_problem;
-use brdfc_source::{Input, Source};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 

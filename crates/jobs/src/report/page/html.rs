@@ -7,9 +7,9 @@ use super::markup::{colour_scale, document, image};
 use super::parts::PagePart;
 use super::view_link::ViewLink;
 use crate::report::material::{MaterialReport, remarks};
+use brdfc_core::words::{bytes, percent};
 use brdfc_metrics::by_angle::WorstPair;
 use brdfc_render::within::left_out_in_words;
-use brdfc_source::words::{bytes, percent};
 use maud::{Markup, PreEscaped, html};
 
 /// A whole file of HTML. The same page gives the same bytes.

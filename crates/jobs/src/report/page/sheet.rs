@@ -1,10 +1,10 @@
 //! The materials of a page as one picture.
 
 use super::gather::{Page, PageMaterial};
+use brdfc_core::words::bytes;
 use brdfc_render::contact_sheet::{Cell, contact_sheet};
 use brdfc_render::picture::Panel;
 use brdfc_render::within::left_out_in_words;
-use brdfc_source::words::bytes;
 
 /// A contact sheet of all materials, ball and cloth, with bytes and the mean ΔE of the page's table.
 pub fn sheet(page: &Page) -> Panel {

@@ -1,0 +1,63 @@
+//! Numbers as people read them.
+
+pub use brdfc_formats::memory::in_words as bytes;
+
+use std::fmt::{Display, LowerExp};
+
+/// Formats a fraction as per cent with enough digits.
+pub fn percent(fraction: f64) -> String {
+    let value = 100.0 * fraction;
+    if value >= 1e5 {
+        format!("{value:.2e} %")
+    } else if value >= 0.01 || value == 0.0 {
+        format!("{value:.3} %")
+    } else {
+        format!("{value:.1e} %")
+    }
+}
+
+/// Formats a number as people write it: with an exponent where there would be many zeros.
+pub fn format_number<T: Display + LowerExp + Copy + Into<f64>>(number: T) -> String {
+    let size = number.into().abs();
+    if size == 0.0 || !size.is_finite() || (1e-6..1e15).contains(&size) {
+        number.to_string()
+    } else {
+        format!("{number:e}")
+    }
+}
+
+/// So many of what has this name: `1 file`, `2 files`.
+pub fn counted(count: usize, name: &str) -> String {
+    format!("{count} {name}{}", if count == 1 { "" } else { "s" })
+}
+
+/// Joins the first names of a list, at most `most`, and says how many more there are.
+pub fn join_truncated(names: &[impl AsRef<str>], most: usize) -> String {
+    let named: Vec<&str> = names.iter().take(most).map(AsRef::as_ref).collect();
+    let more = names.len() - named.len();
+    if more == 0 { named.join(", ") } else { format!("{} and {more} more", named.join(", ")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_number_is_long() {
+        for (number, text) in [
+            (0.5, "0.5"),
+            (-3.0, "-3"),
+            (0.0, "0"),
+            (1e-6, "0.000001"),
+            (1e99, "1e99"),
+            (-2e-99, "-2e-99"),
+            (1e15, "1e15"),
+        ] {
+            assert_eq!(format_number(number), text);
+        }
+        assert_eq!(
+            (format_number(0.1f32), format_number(f64::NAN), format_number(f32::INFINITY)),
+            ("0.1".into(), "NaN".into(), "inf".into())
+        );
+    }
+}

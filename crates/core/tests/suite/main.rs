@@ -1,0 +1,3 @@
+//! Analytic models against the laws they must obey.
+
+mod physics;

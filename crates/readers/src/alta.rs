@@ -1,0 +1,374 @@
+//! Tables of the library ALTA as text, `.dat`: scattered measurements whose header names how directions and values are
+//! written. Layout: `crates/readers/src/alta.md`.
+
+use super::scan::{Scan, check_value, checked_row, number, quoted};
+use crate::text;
+use brdfc_formats::FormatError;
+use brdfc_formats::direction::Vector;
+use std::f64::consts::TAU;
+
+/// Rows whose outgoing direction has a smaller cosine to the normal say nothing about `f_r` where values hold that cosine.
+pub const SMALLEST_COSINE: f64 = 0.01;
+
+/// A table, its rows as a scan.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AltaTable {
+    /// Rows above the horizon. Incoming is ALTA's light, outgoing its view.
+    pub scan: Scan,
+    /// Rows that were left out: a direction below the horizon, or nearly at it where the value holds its cosine.
+    pub left_out: usize,
+    /// How the file says directions, its `PARAM_IN`.
+    pub directions: &'static str,
+    /// What the file's values are, its `PARAM_OUT`.
+    pub values: &'static str,
+    /// Values of a row: 1 or 3.
+    pub channels: usize,
+}
+
+/// How a row says its two directions, ALTA's `PARAM_IN`.
+struct Directions {
+    name: &'static str,
+    numbers: usize,
+    /// Light and view.
+    vectors: fn(&[f64]) -> [Vector; 2],
+}
+
+impl Directions {
+    /// Whether a turn about the normal is left open, as only isotropic materials allow.
+    fn is_isotropic(&self) -> bool {
+        self.numbers < 4
+    }
+
+    /// Whether the numbers are angles; else they are components of vectors.
+    fn has_angles(&self) -> bool {
+        self.numbers < 6
+    }
+}
+
+/// What a row's values are, ALTA's `PARAM_OUT`.
+struct Values {
+    name: &'static str,
+    /// Whether they hold the cosine of the view to the normal.
+    cosine: bool,
+    channels: &'static [usize],
+}
+
+const DIRECTIONS: [Directions; 8] = [
+    Directions { name: "ISOTROPIC_TL_TV_PROJ_DPHI", numbers: 3, vectors: |n| [meridian(n[0]), projected(n[1], n[2])] },
+    Directions { name: "ISOTROPIC_TV_PROJ_DPHI", numbers: 2, vectors: |n| [meridian(0.0), projected(n[0], n[1])] },
+    Directions { name: "ISOTROPIC_TV_TL_DPHI", numbers: 3, vectors: |n| [polar(n[1], n[2]), meridian(n[0])] },
+    Directions { name: "SCHLICK_TL_TK_PROJ_DPHI", numbers: 3, vectors: |n| back_vector(n[0], projected(n[1], n[2])) },
+    Directions { name: "RUSIN_TH_TD_PD", numbers: 3, vectors: |n| half_and_difference([n[0], 0.0], [n[1], n[2]]) },
+    Directions { name: "RUSIN_TH_PH_TD_PD", numbers: 4, vectors: |n| half_and_difference([n[0], n[1]], [n[2], n[3]]) },
+    Directions { name: "SPHERICAL_TL_PL_TV_PV", numbers: 4, vectors: |n| [polar(n[0], n[1]), polar(n[2], n[3])] },
+    Directions { name: "CARTESIAN", numbers: 6, vectors: |n| [[n[3], n[4], n[5]], [n[0], n[1], n[2]]] },
+];
+
+const VALUES: [Values; 3] = [
+    Values { name: "INV_STERADIAN", cosine: false, channels: &[1, 3] },
+    Values { name: "INV_STERADIAN_COSINE_FACTOR", cosine: true, channels: &[1, 3] },
+    Values { name: "RGB_COLOR", cosine: false, channels: &[3] },
+];
+
+impl AltaTable {
+    /// Parses a table.
+    ///
+    /// # Errors
+    /// Text that is not UTF-8, a header that lacks `DIM`, `PARAM_IN` or `PARAM_OUT` or names what is not known, rows of
+    /// another length, numbers that do not parse, values out of range, no rows above the horizon.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
+        let text = text::checked(bytes)?;
+        let header = Header::read(text)?;
+        let width = header.directions.numbers + header.channels;
+        let (mut scan, mut left_out) = (Scan::default(), 0);
+        for (line, content) in (1u64..).zip(text.lines()).filter(|(_, content)| !content.trim_start().starts_with('#'))
+        {
+            let tokens: Vec<&str> = content.split_ascii_whitespace().collect();
+            if tokens.is_empty() {
+                continue;
+            }
+            let numbers =
+                tokens.into_iter().map(|token| number(token, line, "value")).collect::<Result<Vec<_>, _>>()?;
+            if numbers.len() != width {
+                let allowed = format!("{width}, as DIM says");
+                return Err(FormatError::at_line(line, "row", format!("{} numbers", numbers.len()), allowed));
+            }
+            let (directions, values) = numbers.split_at(header.directions.numbers);
+            let beyond = |angle: &&f64| angle.abs() > TAU + ROUNDING;
+            if let Some(angle) = directions.iter().find(beyond).filter(|_| header.directions.has_angles()) {
+                let found = format!("{angle} (this looks like degrees; angles are in radians)");
+                return Err(FormatError::at_line(line, "angle", found, "-6.2832 to 6.2832 radians"));
+            }
+            let [incoming, outgoing] = (header.directions.vectors)(directions).map(unit);
+            let (Some(incoming), Some(outgoing)) = (incoming, outgoing) else {
+                return Err(FormatError::at_line(line, "direction", "a vector of length 0", "two directions"));
+            };
+            let cosine = if header.values.cosine { outgoing[2] } else { 1.0 };
+            if incoming[2] < -ROUNDING || outgoing[2] < -ROUNDING || cosine < SMALLEST_COSINE {
+                left_out += 1;
+                continue;
+            }
+            let value = std::array::from_fn(|channel| values[channel.min(header.channels - 1)] / cosine);
+            value.iter().try_for_each(|channel| check_value(*channel, line))?;
+            let ([theta_i, mut phi_i], [theta_o, mut phi_o]) = (angles(incoming), angles(outgoing));
+            if header.directions.is_isotropic() {
+                (phi_i, phi_o) = (0.0, phi_o - phi_i);
+            }
+            scan.push(checked_row([theta_i, phi_i, theta_o, phi_o], value, line)?, line)?;
+        }
+        if scan.rows.is_empty() {
+            let found = if left_out == 0 { "none".to_owned() } else { format!("{left_out}, none above the horizon") };
+            return Err(FormatError::whole("rows", found, "at least one measurement"));
+        }
+        let (directions, values) = (header.directions.name, header.values.name);
+        Ok(Self { scan, left_out, directions, values, channels: header.channels })
+    }
+}
+
+/// How far below the horizon a direction may lie and still count as rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// What the lines that start with `#` say.
+struct Header {
+    directions: &'static Directions,
+    values: &'static Values,
+    channels: usize,
+}
+
+impl Header {
+    fn read(text: &str) -> Result<Self, FormatError> {
+        let entry = |key: &str| {
+            (1u64..).zip(text.lines()).find_map(|(line, content)| {
+                let rest = content.trim_start().strip_prefix('#')?.strip_prefix(key)?;
+                let is_whole = rest.is_empty() || rest.starts_with(|c: char| c.is_ascii_whitespace());
+                is_whole.then(|| (line, rest.split_ascii_whitespace().collect::<Vec<_>>()))
+            })
+        };
+        let needed = |key: &'static str| {
+            entry(key).ok_or_else(|| FormatError::whole(format!("#{key}"), "none", format!("a line '#{key} ...'")))
+        };
+        let named = |key: &'static str| {
+            let (line, words) = needed(key)?;
+            Ok((line, words.join(" ")))
+        };
+        let (line, name) = named("PARAM_IN")?;
+        let directions = DIRECTIONS.iter().find(|known| known.name == name).ok_or_else(|| {
+            FormatError::at_line(line, "#PARAM_IN", quoted(&name), DIRECTIONS.map(|known| known.name).join(", "))
+        })?;
+        let (line, name) = named("PARAM_OUT")?;
+        let values = VALUES.iter().find(|known| known.name == name).ok_or_else(|| {
+            FormatError::at_line(line, "#PARAM_OUT", quoted(&name), VALUES.map(|known| known.name).join(", "))
+        })?;
+        let (line, words) = needed("DIM")?;
+        let counts: Vec<Option<usize>> = words.iter().map(|word| word.parse().ok()).collect();
+        let channels = match counts[..] {
+            [Some(inputs), Some(channels)] if inputs == directions.numbers && values.channels.contains(&channels) => {
+                channels
+            }
+            _ => {
+                let dimensions = values.channels.iter().map(|count| format!("{} {count}", directions.numbers));
+                let dimensions = dimensions.collect::<Vec<_>>().join(" or ");
+                let allowed = format!("{dimensions}, as {} and {} have", directions.name, values.name);
+                return Err(FormatError::at_line(line, "#DIM", quoted(&words.join(" ")), allowed));
+            }
+        };
+        if let Some((line, words)) = entry("VS").filter(|(_, words)| words.iter().any(|word| *word != "0")) {
+            let allowed = "0: no columns of confidence intervals";
+            return Err(FormatError::at_line(line, "#VS", quoted(&words.join(" ")), allowed));
+        }
+        if let Some((line, words)) = entry("FORMAT").filter(|(_, words)| words[..] != ["TEXT"]) {
+            return Err(FormatError::at_line(line, "#FORMAT", quoted(&words.join(" ")), "TEXT"));
+        }
+        Ok(Self { directions, values, channels })
+    }
+}
+
+/// The direction of polar angle `theta` and azimuth `phi`.
+fn polar(theta: f64, phi: f64) -> Vector {
+    [theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()]
+}
+
+/// The direction of polar angle `theta` in the plane of x and z.
+fn meridian(theta: f64) -> Vector {
+    polar(theta, 0.0)
+}
+
+/// The direction whose polar angle is the length of `(x, y)`, and whose azimuth is theirs.
+fn projected(x: f64, y: f64) -> Vector {
+    polar(x.hypot(y), y.atan2(x))
+}
+
+/// Light and view of half vector and difference vector, each as polar angle and azimuth (Rusinkiewicz 1998). ALTA's
+/// difference vector is the view in the frame of the half vector.
+fn half_and_difference([theta_h, phi_h]: [f64; 2], [theta_d, phi_d]: [f64; 2]) -> [Vector; 2] {
+    let [x, y, z] = polar(theta_d, phi_d);
+    // About y by θ_h, then about z by φ_h.
+    let (x, z) = (theta_h.cos() * x + theta_h.sin() * z, theta_h.cos() * z - theta_h.sin() * x);
+    let view = [phi_h.cos() * x - phi_h.sin() * y, phi_h.sin() * x + phi_h.cos() * y, z];
+    [mirrored(view, polar(theta_h, phi_h)), view]
+}
+
+/// Light at polar angle `theta`, and the view whose mirror direction lies opposite to the light's about `back`, Schlick's
+/// back vector: `v = 2 (r · k) k - r` with `r` the light's mirror direction.
+fn back_vector(theta: f64, back: Vector) -> [Vector; 2] {
+    let light = meridian(theta);
+    [light, mirrored([-light[0], -light[1], light[2]], back)]
+}
+
+/// `2 (v · axis) axis - v`.
+fn mirrored(v: Vector, axis: Vector) -> Vector {
+    let twice = 2.0 * brdfc_formats::direction::dot(v, axis);
+    std::array::from_fn(|k| twice * axis[k] - v[k])
+}
+
+fn unit(v: Vector) -> Option<Vector> {
+    let largest = v.into_iter().map(f64::abs).fold(0.0, f64::max);
+    // Squares of very short and very long vectors are no numbers.
+    let v = v.map(|c| c / largest);
+    let length = brdfc_formats::direction::dot(v, v).sqrt();
+    length.is_finite().then(|| v.map(|c| c / length))
+}
+
+/// Polar angle and azimuth. Rounding below the horizon is taken for the horizon.
+fn angles(v: Vector) -> [f64; 2] {
+    [v[0].hypot(v[1]).atan2(v[2].max(0.0)), v[1].atan2(v[0])]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scan::Row;
+    use brdfc_formats::direction::{DirectionPair, from_polar, half_vector};
+
+    fn table(input: &str, output: &str, dimensions: &str, rows: &str) -> Result<AltaTable, FormatError> {
+        let text = format!("#DIM {dimensions}\n#PARAM_IN {input}\n#PARAM_OUT {output}\n{rows}\n");
+        AltaTable::from_bytes(text.as_bytes())
+    }
+
+    fn message(input: &str, output: &str, dimensions: &str, rows: &str) -> String {
+        table(input, output, dimensions, rows).unwrap_err().to_string()
+    }
+
+    fn pair(row: Row) -> DirectionPair {
+        DirectionPair::from_angles(row.theta_i, row.phi_i, row.theta_o, row.phi_o)
+    }
+
+    fn close(a: Vector, b: Vector) -> bool {
+        (0..3).all(|k| (a[k] - b[k]).abs() < 1e-12)
+    }
+
+    /// One pair of directions in all parameterisations.
+    #[test]
+    fn every_parameterisation_says_the_same() {
+        let (light, view) = (from_polar(0.5, 0.0), from_polar(0.8, 1.1));
+        let half = half_vector(DirectionPair::new(light, view));
+        let [theta_h, phi_h] = angles(half);
+        // The view in the frame of the half vector: about z by -φ_h, about y by -θ_h.
+        let [x, y] = [phi_h.cos() * view[0] + phi_h.sin() * view[1], phi_h.cos() * view[1] - phi_h.sin() * view[0]];
+        let difference = [theta_h.cos() * x - theta_h.sin() * view[2], y, theta_h.sin() * x + theta_h.cos() * view[2]];
+        let [theta_d, phi_d] = angles(difference);
+        let back = unit([view[0] - light[0], view[1] - light[1], view[2] + light[2]]).unwrap();
+        let [theta_k, phi_k] = angles(back);
+        let on_plane = |theta: f64, phi: f64| format!("{} {}", theta * phi.cos(), theta * phi.sin());
+        for (name, numbers) in [
+            ("ISOTROPIC_TL_TV_PROJ_DPHI", format!("0.5 {}", on_plane(0.8, 1.1))),
+            ("SCHLICK_TL_TK_PROJ_DPHI", format!("0.5 {}", on_plane(theta_k, phi_k))),
+            ("RUSIN_TH_PH_TD_PD", format!("{theta_h} {phi_h} {theta_d} {phi_d}")),
+            ("SPHERICAL_TL_PL_TV_PV", "0.5 0 0.8 1.1".to_owned()),
+            ("CARTESIAN", format!("{} {} {} {} {} {}", view[0], view[1], view[2], 2.0 * light[0], 0.0, 2.0 * light[2])),
+        ] {
+            let count = numbers.split(' ').count();
+            let row =
+                table(name, "INV_STERADIAN", &format!("{count} 1"), &format!("{numbers} 2.5")).unwrap().scan.rows[0];
+            let found = pair(row);
+            assert!(close(found.incoming, light) && close(found.outgoing, view), "{name}: {found:?}");
+            assert_eq!(row.value, [2.5; 3]);
+        }
+        // Two that leave a turn about the normal open: isotropic, so rows are turned to the light's azimuth.
+        for (name, numbers) in [
+            ("ISOTROPIC_TV_TL_DPHI", "0.8 0.5 -1.1".to_owned()),
+            ("RUSIN_TH_TD_PD", format!("{theta_h} {theta_d} {phi_d}")),
+        ] {
+            let row = table(name, "INV_STERADIAN", "3 1", &format!("{numbers} 1")).unwrap().scan.rows[0];
+            assert!((row.theta_i - 0.5).abs() < 1e-12 && (row.theta_o - 0.8).abs() < 1e-12, "{name}");
+            assert_eq!(row.phi_i, 0.0, "{name}");
+            let turn = row.phi_o.rem_euclid(TAU);
+            assert!((turn - 1.1).abs() < 1e-12, "{name}: {turn}");
+        }
+        let row = table("ISOTROPIC_TV_PROJ_DPHI", "INV_STERADIAN", "2 1", "0 0.3 1").unwrap().scan.rows[0];
+        assert!(row.theta_i == 0.0 && (row.theta_o - 0.3).abs() < 1e-12, "{row:?}");
+    }
+
+    #[test]
+    fn values_lose_their_cosine_and_rows_at_the_horizon_are_left_out() {
+        let rows = "0.2 0.5 0 3\n0.2 1.5707 0 3\n0.2 1.7 0 3\n0.2 0 -0.5 3";
+        let table = table("ISOTROPIC_TL_TV_PROJ_DPHI", "INV_STERADIAN_COSINE_FACTOR", "3 1", rows).unwrap();
+        assert_eq!((table.scan.rows.len(), table.left_out), (2, 2));
+        for row in &table.scan.rows {
+            assert!((row.value[0] - 3.0 / 0.5f64.cos()).abs() < 1e-12, "{row:?}");
+        }
+    }
+
+    #[test]
+    fn colours_are_kept_apart() {
+        let table = table("SPHERICAL_TL_PL_TV_PV", "RGB_COLOR", "4 3", "0 0 0.1 0 1 2 3").unwrap();
+        assert_eq!(table.scan.rows[0].value, [1.0, 2.0, 3.0]);
+    }
+
+    #[test]
+    fn errors_name_the_line_and_what_is_known() {
+        let good = "ISOTROPIC_TL_TV_PROJ_DPHI";
+        for (found, expected) in [
+            (
+                message("BARYCENTRIC_ALPHA_SIGMA", "INV_STERADIAN", "2 1", "0 0 1"),
+                "line 2, #PARAM_IN: found \"BARYCENTRIC_ALPHA_SIGMA\"; allowed ISOTROPIC_TL_TV_PROJ_DPHI, ISOTROPIC_TV_",
+            ),
+            (
+                message(good, "ENERGY", "3 1", "0 0 0 1"),
+                "line 3, #PARAM_OUT: found \"ENERGY\"; allowed INV_STERADIAN, INV_STERADIAN_COSINE_FACTOR, RGB_COLOR",
+            ),
+            (
+                message(good, "INV_STERADIAN", "2 1", "0 0 1"),
+                "line 1, #DIM: found \"2 1\"; allowed 3 1 or 3 3, as ISOTROPIC_TL_TV_PROJ_DPHI and INV_STERADIAN have",
+            ),
+            (
+                message(good, "INV_STERADIAN", "3 1", "30 0.1 0.2 1"),
+                "line 4, angle: found 30 (this looks like degrees; angles are in radians); allowed -6.2832 to 6.2832",
+            ),
+            (message(good, "INV_STERADIAN", "3 1", "0,0,0,1"), "line 4, value: found \"0,0,0,1\"; allowed a finite"),
+            (
+                message("RGB_COLOR extra", "INV_STERADIAN", "3 1", "0 0 0 1"),
+                "line 2, #PARAM_IN: found \"RGB_COLOR extra\"; allowed ISOTROPIC_TL",
+            ),
+            (message(good, "INV_STERADIAN", "3 1", "0 0 0"), "line 4, row: found 3 numbers; allowed 4, as DIM says"),
+            (message(good, "INV_STERADIAN", "3 1", "0 0 x 1"), "line 4, value: found \"x\"; allowed a finite number"),
+            (message(good, "INV_STERADIAN", "3 1", "0 0 0 1e13"), "line 4, value: found 10000000000000; allowed -1e12"),
+            (message(good, "INV_STERADIAN", "3 1", ""), "rows: found none; allowed at least one measurement"),
+            (message(good, "INV_STERADIAN", "3 1", "0 2 0 1"), "rows: found 1, none above the horizon; allowed"),
+            (
+                message("CARTESIAN", "INV_STERADIAN", "6 1", "0 0 0 0 0 1 1"),
+                "line 4, direction: found a vector of length 0",
+            ),
+            (message(good, "INV_STERADIAN", "3 1", "#VS 2\n0 0 0 1"), "line 4, #VS: found \"2\"; allowed 0"),
+            (
+                message(good, "INV_STERADIAN", "3 1", "#FORMAT BINARY"),
+                "line 4, #FORMAT: found \"BINARY\"; allowed TEXT",
+            ),
+        ] {
+            assert!(found.starts_with(expected), "{found}\n{expected}");
+        }
+        let bare = AltaTable::from_bytes(b"0 0 0 1\n").unwrap_err().to_string();
+        assert_eq!(bare, "#PARAM_IN: found none; allowed a line '#PARAM_IN ...'");
+        assert!(AltaTable::from_bytes(b"\xff").is_err());
+    }
+
+    #[test]
+    fn every_truncation_is_an_error_or_whole_rows() {
+        let text = "#DIM 3 1\n#VS 0\n#PARAM_IN ISOTROPIC_TL_TV_PROJ_DPHI\n#PARAM_OUT INV_STERADIAN\n0.1 0.2 0.3 0.4\n0.1 0.3 0.3 0.5\n";
+        for end in 0..text.len() {
+            if let Ok(table) = AltaTable::from_bytes(&text.as_bytes()[..end]) {
+                assert!((1..=2).contains(&table.scan.rows.len()), "{end}");
+            }
+        }
+    }
+}

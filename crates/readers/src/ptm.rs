@@ -1,0 +1,369 @@
+//! Polynomial texture maps, `.ptm`: what a pixel is under any light, as a polynomial. Layout:
+//! `crates/readers/src/ptm.md`.
+
+use super::scan::{number, quoted};
+use brdfc_formats::{FormatError, memory};
+
+/// Most pixels per row, and most rows.
+pub const MAX_SIZE: u32 = 1 << 16;
+/// Coefficients of a polynomial: of u², v², uv, u, v and 1, in this order.
+pub const TERMS: usize = 6;
+/// What files begin with.
+pub const VERSION: &str = "PTM_1.2";
+
+const RGB: &str = "PTM_FORMAT_RGB";
+const LRGB: &str = "PTM_FORMAT_LRGB";
+/// Largest bias, in either direction, that quantisation chooses.
+const MAX_BIAS: f64 = (1u32 << 30) as f64;
+
+/// A polynomial for each pixel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ptm {
+    size: [u32; 2],
+    scale: [f32; TERMS],
+    bias: [i32; TERMS],
+    model: PtmModel,
+}
+
+/// The bytes of all pixels, row by row from the top, left to right.
+#[derive(Debug, Clone, PartialEq)]
+pub enum PtmModel {
+    /// A polynomial for each channel.
+    Rgb(Vec<[[u8; TERMS]; 3]>),
+    /// A polynomial that multiplies a colour.
+    Lrgb {
+        /// Coefficients.
+        luminance: Vec<[u8; TERMS]>,
+        /// Colours.
+        colour: Vec<[u8; 3]>,
+    },
+}
+
+impl PtmModel {
+    /// As files name it.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Rgb(_) => RGB,
+            Self::Lrgb { .. } => LRGB,
+        }
+    }
+}
+
+/// The six terms of a light whose unit vector has these x and y.
+pub fn terms([u, v]: [f32; 2]) -> [f64; TERMS] {
+    let (u, v) = (f64::from(u), f64::from(v));
+    [u * u, v * v, u * v, u, v, 1.0]
+}
+
+impl Ptm {
+    /// Puts bytes together, a coefficient being `(byte - bias) * scale`.
+    ///
+    /// # Errors
+    /// Sides of 0 or more than [`MAX_SIZE`]; another number of pixels; scales that are 0 or not finite.
+    pub fn new(size: [u32; 2], scale: [f32; TERMS], bias: [i32; TERMS], model: PtmModel) -> Result<Self, FormatError> {
+        let count = pixel_count(size)?;
+        let lengths = match &model {
+            PtmModel::Rgb(pixels) => [pixels.len(); 2],
+            PtmModel::Lrgb { luminance, colour } => [luminance.len(), colour.len()],
+        };
+        if let Some(found) = lengths.into_iter().find(|length| *length as u64 != count) {
+            let allowed = format!("{count} of {} x {}", size[0], size[1]);
+            return Err(FormatError::whole("pixels", found.to_string(), allowed));
+        }
+        if let Some(scale) = scale.into_iter().find(|scale| !is_scale(*scale)) {
+            return Err(FormatError::whole("scale", scale.to_string(), SCALES));
+        }
+        Ok(Self { size, scale, bias, model })
+    }
+
+    /// Quantises coefficients of u², v², uv, u, v and 1 for each channel of each pixel, in codes of 0 to 255. Pixels stand
+    /// row by row from the top.
+    ///
+    /// Each term has the least scale with which a byte reaches from its lowest to its highest coefficient: each comes back
+    /// to within half of [`Self::scale`], which is 1/255 of that range, or 2^-30 of the largest coefficient where that is
+    /// more. A term that is the same everywhere is exact.
+    ///
+    /// # Errors
+    /// As [`Self::new`]; coefficients that are not finite.
+    pub fn from_coefficients_rgb(size: [u32; 2], pixels: &[[[f32; TERMS]; 3]]) -> Result<Self, FormatError> {
+        let rule = Quantisation::of(pixels.as_flattened())?;
+        let bytes = pixels.iter().map(|pixel| pixel.map(|coefficients| rule.bytes(coefficients))).collect();
+        Self::new(size, rule.scale, rule.bias, PtmModel::Rgb(bytes))
+    }
+
+    /// Quantises coefficients of the polynomial that multiplies `colour`, as [`Self::from_coefficients_rgb`] does.
+    ///
+    /// # Errors
+    /// As [`Self::from_coefficients_rgb`].
+    pub fn from_coefficients_lrgb(
+        size: [u32; 2],
+        luminance: &[[f32; TERMS]],
+        colour: &[[u8; 3]],
+    ) -> Result<Self, FormatError> {
+        let rule = Quantisation::of(luminance)?;
+        let bytes = luminance.iter().map(|coefficients| rule.bytes(*coefficients)).collect();
+        Self::new(size, rule.scale, rule.bias, PtmModel::Lrgb { luminance: bytes, colour: colour.to_vec() })
+    }
+
+    /// Pixels per row, and rows.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// Of each term.
+    pub fn scale(&self) -> [f32; TERMS] {
+        self.scale
+    }
+
+    /// Of each term: the byte that means 0.
+    pub fn bias(&self) -> [i32; TERMS] {
+        self.bias
+    }
+
+    /// The bytes.
+    pub fn model(&self) -> &PtmModel {
+        &self.model
+    }
+
+    /// Coefficients that bytes mean.
+    pub fn coefficients(&self, bytes: [u8; TERMS]) -> [f64; TERMS] {
+        std::array::from_fn(|term| (f64::from(bytes[term]) - f64::from(self.bias[term])) * f64::from(self.scale[term]))
+    }
+
+    /// What a pixel is under a light whose unit vector has these x and y: RGB in codes, clamped to 0 to 255. `pixel` is
+    /// `row * width + column`, rows counted from the top.
+    ///
+    /// Only the result is clamped: a luminance above 255 may still meet a dark colour.
+    ///
+    /// # Panics
+    /// If there is no such pixel.
+    pub fn value(&self, pixel: usize, light: [f32; 2]) -> [f32; 3] {
+        self.polynomials(pixel, light).map(|code| code.clamp(0.0, 255.0) as f32)
+    }
+
+    /// [`Self::value`] before it is clamped.
+    ///
+    /// # Panics
+    /// If there is no such pixel.
+    pub fn polynomials(&self, pixel: usize, light: [f32; 2]) -> [f64; 3] {
+        let terms = terms(light);
+        let sum = |bytes: [u8; TERMS]| -> f64 {
+            self.coefficients(bytes).iter().zip(terms).map(|(coefficient, term)| coefficient * term).sum()
+        };
+        match &self.model {
+            PtmModel::Rgb(pixels) => pixels[pixel].map(sum),
+            PtmModel::Lrgb { luminance, colour } => {
+                let luminance = sum(luminance[pixel]);
+                colour[pixel].map(|code| luminance * f64::from(code) / 255.0)
+            }
+        }
+    }
+
+    /// Parses a file.
+    ///
+    /// # Errors
+    /// Another version or format, sizes, scales and biases out of range, a header that ends early, a file that is shorter
+    /// or longer than its header says.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
+        let mut header = Header { bytes, at: 0, line: 1 };
+        let version = header.word("version")?;
+        if version != VERSION {
+            return Err(header.wrong("version", quoted(version), VERSION));
+        }
+        let format = header.word("format")?;
+        if format != RGB && format != LRGB {
+            let found = if format.starts_with("PTM_FORMAT_") {
+                format!("{}, which is not supported", quoted(format))
+            } else {
+                quoted(format)
+            };
+            return Err(header.wrong("format", found, format!("{RGB} or {LRGB}")));
+        }
+        let size = [header.side("width")?, header.side("height")?];
+        let (mut scale, mut bias) = ([0.0; TERMS], [0; TERMS]);
+        for scale in &mut scale {
+            *scale = header.scale()?;
+        }
+        for bias in &mut bias {
+            *bias = header.bias()?;
+        }
+        let pixels = header.end()?;
+        let count = pixel_count(size)?;
+        let per_pixel = if format == RGB { 3 * TERMS } else { TERMS + 3 };
+        // At most 2^32 pixels of 18 bytes.
+        if pixels.len() as u64 != count * per_pixel as u64 {
+            let found = format!("{} bytes after the header", pixels.len());
+            let allowed = format!("{} for {} x {} pixels", count * per_pixel as u64, size[0], size[1]);
+            return Err(FormatError::whole("file length", found, allowed));
+        }
+        let (count, width) = (count as usize, size[0] as usize);
+        let model = if format == RGB {
+            let block = count * TERMS;
+            let mut all = memory::reserved("pixels", count)?;
+            let channels = [0, 1, 2].map(|channel| pixels[channel * block..][..block].as_chunks::<TERMS>().0);
+            all.extend(from_top(width, count).map(|at| channels.map(|channel| channel[at])));
+            PtmModel::Rgb(all)
+        } else {
+            let (coefficients, colours) = pixels.split_at(count * TERMS);
+            let (mut luminance, mut colour) = (memory::reserved("pixels", count)?, memory::reserved("pixels", count)?);
+            luminance.extend(from_top(width, count).map(|at| coefficients.as_chunks::<TERMS>().0[at]));
+            colour.extend(from_top(width, count).map(|at| colours.as_chunks::<3>().0[at]));
+            PtmModel::Lrgb { luminance, colour }
+        };
+        Self::new(size, scale, bias, model)
+    }
+
+    /// The bytes of a file.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let [width, height] = self.size;
+        let words = |numbers: Vec<String>| numbers.join(" ");
+        let scale = words(self.scale.iter().map(f32::to_string).collect());
+        let bias = words(self.bias.iter().map(i32::to_string).collect());
+        let mut bytes = format!("{VERSION}\n{}\n{width}\n{height}\n{scale}\n{bias}\n", self.model.name()).into_bytes();
+        let (width, count) = (width as usize, width as usize * height as usize);
+        match &self.model {
+            PtmModel::Rgb(pixels) => {
+                for channel in 0..3 {
+                    bytes.extend(from_top(width, count).flat_map(|at| pixels[at][channel]));
+                }
+            }
+            PtmModel::Lrgb { luminance, colour } => {
+                bytes.extend(from_top(width, count).flat_map(|at| luminance[at]));
+                bytes.extend(from_top(width, count).flat_map(|at| colour[at]));
+            }
+        }
+        bytes
+    }
+}
+
+/// Pixels by row from the last to the first, each from the left. Its own inverse: files have the bottom row first.
+fn from_top(width: usize, count: usize) -> impl Iterator<Item = usize> {
+    (0..count / width).rev().flat_map(move |row| row * width..(row + 1) * width)
+}
+
+fn pixel_count(size: [u32; 2]) -> Result<u64, FormatError> {
+    for (side, field) in size.into_iter().zip(["width", "height"]) {
+        if !(1..=MAX_SIZE).contains(&side) {
+            return Err(FormatError::whole(field, side.to_string(), format!("1 to {MAX_SIZE}")));
+        }
+    }
+    Ok(u64::from(size[0]) * u64::from(size[1]))
+}
+
+const SCALES: &str = "a finite number that is not 0";
+
+fn is_scale(scale: f32) -> bool {
+    scale.is_finite() && scale != 0.0
+}
+
+/// Words of the text before the pixels.
+struct Header<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    line: u64,
+}
+
+impl<'a> Header<'a> {
+    /// Longest word. What is longer belongs to no header.
+    const LONGEST: usize = 256;
+
+    fn word(&mut self, field: &'static str) -> Result<&'a str, FormatError> {
+        while let Some(byte) = self.bytes.get(self.at).filter(|byte| byte.is_ascii_whitespace()) {
+            self.line += u64::from(*byte == b'\n');
+            self.at += 1;
+        }
+        let rest = &self.bytes[self.at..];
+        let word = rest.split(u8::is_ascii_whitespace).next().unwrap_or_default();
+        if word.is_empty() {
+            return Err(self.wrong(field, "end of data", "a header of 16 words"));
+        }
+        self.at += word.len();
+        let text = std::str::from_utf8(&word[..word.len().min(Self::LONGEST)]).ok();
+        let text = text.filter(|text| text.len() == word.len() && text.bytes().all(|byte| byte.is_ascii_graphic()));
+        text.ok_or_else(|| self.wrong(field, "no text", "a word of ASCII characters"))
+    }
+
+    fn side(&mut self, field: &'static str) -> Result<u32, FormatError> {
+        let word = self.word(field)?;
+        let side = word.parse::<u32>().ok().filter(|side| (1..=MAX_SIZE).contains(side));
+        side.ok_or_else(|| self.wrong(field, quoted(word), format!("1 to {MAX_SIZE}")))
+    }
+
+    fn scale(&mut self) -> Result<f32, FormatError> {
+        let word = self.word("scale")?;
+        let scale = word.parse::<f32>().ok().filter(|scale| is_scale(*scale));
+        scale.ok_or_else(|| self.wrong("scale", quoted(word), SCALES))
+    }
+
+    /// Some programs write whole numbers with decimals.
+    fn bias(&mut self) -> Result<i32, FormatError> {
+        let word = self.word("bias")?;
+        let value = number(word, self.line, "bias")?;
+        let whole = value.fract() == 0.0 && (f64::from(i32::MIN)..=f64::from(i32::MAX)).contains(&value);
+        if whole { Ok(value as i32) } else { Err(self.wrong("bias", quoted(word), "a whole number of 32 bits")) }
+    }
+
+    /// What follows the line end after the last word.
+    fn end(mut self) -> Result<&'a [u8], FormatError> {
+        while self.bytes.get(self.at).is_some_and(|byte| matches!(byte, b' ' | b'\t' | b'\r')) {
+            self.at += 1;
+        }
+        match self.bytes[self.at..].split_first() {
+            Some((b'\n', pixels)) => Ok(pixels),
+            Some((byte, _)) => Err(self.wrong("header", format!("byte {byte:#04x}"), "a line end after the biases")),
+            None => Err(self.wrong("header", "end of data", "a line end after the biases")),
+        }
+    }
+
+    fn wrong(&self, field: &'static str, found: impl Into<String>, allowed: impl Into<String>) -> FormatError {
+        FormatError::at_line(self.line, field, found, allowed)
+    }
+}
+
+/// Scale and bias of each term.
+struct Quantisation {
+    scale: [f32; TERMS],
+    bias: [i32; TERMS],
+}
+
+impl Quantisation {
+    fn of(all: &[[f32; TERMS]]) -> Result<Self, FormatError> {
+        let mut rule = Self { scale: [1.0; TERMS], bias: [0; TERMS] };
+        for term in 0..TERMS {
+            let (mut lowest, mut highest) = (f64::INFINITY, f64::NEG_INFINITY);
+            for coefficients in all {
+                let value = coefficients[term];
+                if !value.is_finite() {
+                    return Err(FormatError::whole("coefficient", value.to_string(), "finite numbers"));
+                }
+                (lowest, highest) = (lowest.min(value.into()), highest.max(value.into()));
+            }
+            if lowest < highest {
+                let least = ((highest - lowest) / 255.0).max(highest.max(-lowest) / MAX_BIAS);
+                let rounded = least as f32;
+                // A smaller one would not reach.
+                rule.scale[term] = if f64::from(rounded) < least { rounded.next_up() } else { rounded };
+                rule.bias[term] = -nearest(lowest, rule.scale[term]) as i32;
+            } else if lowest.abs() > 0.0 && lowest.is_finite() {
+                // Byte 1 where that is positive, and else byte 0.
+                (rule.scale[term], rule.bias[term]) = (lowest.abs() as f32, i32::from(lowest < 0.0));
+            }
+        }
+        Ok(rule)
+    }
+
+    fn bytes(&self, coefficients: [f32; TERMS]) -> [u8; TERMS] {
+        std::array::from_fn(|term| {
+            let steps = nearest(coefficients[term].into(), self.scale[term]);
+            (steps + f64::from(self.bias[term])).clamp(0.0, 255.0) as u8
+        })
+    }
+}
+
+/// Rounded in the same direction everywhere, so that whole steps between two values stay whole.
+fn nearest(value: f64, scale: f32) -> f64 {
+    (value / f64::from(scale) + 0.5).floor()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,272 @@
+//! Scattered scans as CSV with RGB columns. Layout: `crates/readers/src/scan_csv.md`.
+
+use super::scan::{self, Row, Scan, number};
+use crate::text;
+use brdfc_formats::direction::{Vector, dot};
+use brdfc_formats::{FormatError, memory};
+use std::io::{Read, Write};
+
+/// Columns of a scan in angles, radians.
+pub const ANGLE_COLUMNS: [&str; 7] = ["theta_i", "phi_i", "theta_o", "phi_o", "r", "g", "b"];
+/// Columns of a scan in unit vectors: what `brdfc eval` writes.
+pub const VECTOR_COLUMNS: [&str; 9] = ["wi_x", "wi_y", "wi_z", "wo_x", "wo_y", "wo_z", "f_r", "f_g", "f_b"];
+/// Columns that make a list of direction pairs.
+pub const DIRECTION_COLUMNS: [&str; 6] = ["wi_x", "wi_y", "wi_z", "wo_x", "wo_y", "wo_z"];
+/// Columns that make a list of texels under lights; where they are seen from are the last of [`DIRECTION_COLUMNS`].
+pub const TEXEL_COLUMNS: [&str; 8] = ["u", "v", "wi_x", "wi_y", "wi_z", "wo_x", "wo_y", "wo_z"];
+/// Most direction pairs of a list.
+pub const MAX_DIRECTION_PAIRS: usize = 1 << 24;
+
+/// Parses a CSV scan: a header of [`ANGLE_COLUMNS`] or [`VECTOR_COLUMNS`], then one measurement per record.
+pub fn from_bytes(bytes: &[u8]) -> Result<Scan, FormatError> {
+    let mut table = Table::open(bytes)?;
+    let columns = if table.header.iter().any(|name| name == "theta_i") {
+        table.find(&ANGLE_COLUMNS)?
+    } else {
+        table.find(&VECTOR_COLUMNS)?
+    };
+    let mut scan = Scan::default();
+    while let Some((line, n)) = table.next_numbers(&columns)? {
+        let value = [n[n.len() - 3], n[n.len() - 2], n[n.len() - 1]];
+        for channel in value {
+            scan::check_value(channel, line)?;
+        }
+        let angles = if n.len() == 7 {
+            [n[0], n[1], n[2], n[3]]
+        } else {
+            let (incoming, outgoing) = unit_vectors(&n, line)?;
+            let [theta_i, phi_i] = to_polar(incoming);
+            let [theta_o, phi_o] = to_polar(outgoing);
+            [theta_i, phi_i, theta_o, phi_o]
+        };
+        scan.push(scan::checked_row(angles, value, line)?, line)?;
+    }
+    if scan.rows.is_empty() {
+        return Err(FormatError::whole("rows", "no measurements", "at least one record after the header"));
+    }
+    Ok(scan)
+}
+
+/// Parses a list of direction pairs: a header that holds [`DIRECTION_COLUMNS`], in any order, other columns ignored.
+///
+/// Directions below the horizon are allowed here: `f_r` is zero there.
+pub fn directions_from_bytes(bytes: &[u8]) -> Result<Vec<(Vector, Vector)>, FormatError> {
+    let mut table = Table::open(bytes)?;
+    let columns = table.find(&DIRECTION_COLUMNS)?;
+    let mut pairs = Vec::new();
+    while let Some((line, n)) = table.next_numbers(&columns)? {
+        memory::push_within(&mut pairs, unit_vectors(&n, line)?, MAX_DIRECTION_PAIRS, "rows")?;
+    }
+    Ok(pairs)
+}
+
+/// A place on a picture or a tile, lit and seen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TexelQuery {
+    /// Across and down, 0 to 1; beyond that as the picture goes on.
+    pub uv: [f64; 2],
+    /// Unit vector to the light.
+    pub incoming: Vector,
+    /// Unit vector to the viewer; the normal where none is asked for.
+    pub outgoing: Vector,
+}
+
+/// Parses a list of texels: a header that holds [`TEXEL_COLUMNS`], without the last three if there is no view, in any
+/// order, other columns ignored.
+///
+/// # Errors
+/// Columns that are missing, and what is no number or unit vector, with its line.
+pub fn texels_from_bytes(bytes: &[u8], with_view: bool) -> Result<Vec<TexelQuery>, FormatError> {
+    let mut table = Table::open(bytes)?;
+    let columns = table.find(&TEXEL_COLUMNS[..if with_view { 8 } else { 5 }])?;
+    let mut queries = Vec::new();
+    while let Some((line, n)) = table.next_numbers(&columns)? {
+        let mut directions = n[2..].to_vec();
+        if !with_view {
+            directions.extend([0.0, 0.0, 1.0]);
+        }
+        let (incoming, outgoing) = unit_vectors(&directions, line)?;
+        let query = TexelQuery { uv: [n[0], n[1]], incoming, outgoing };
+        memory::push_within(&mut queries, query, MAX_DIRECTION_PAIRS, "rows")?;
+    }
+    Ok(queries)
+}
+
+/// Writes rows with [`ANGLE_COLUMNS`].
+pub fn write(output: &mut impl Write, rows: &[Row]) -> std::io::Result<()> {
+    writeln!(output, "{}", ANGLE_COLUMNS.join(","))?;
+    for row in rows {
+        let [r, g, b] = row.value;
+        writeln!(
+            output,
+            "{:.6},{:.6},{:.6},{:.6},{r:.8e},{g:.8e},{b:.8e}",
+            row.theta_i, row.phi_i, row.theta_o, row.phi_o
+        )?;
+    }
+    Ok(())
+}
+
+/// A CSV file with named columns of numbers.
+pub(crate) struct Table<'a> {
+    reader: csv::Reader<Records<'a>>,
+    header: Vec<String>,
+}
+
+/// The bytes of a table, so many at a time as a record may have: what is quoted could be as long as the file.
+struct Records<'a> {
+    bytes: &'a [u8],
+    left: usize,
+}
+
+impl Read for Records<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let count = buffer.len().min(self.left).min(self.bytes.len());
+        if count == 0 && !self.bytes.is_empty() {
+            return Err(std::io::Error::other(text::too_long("record")));
+        }
+        let (next, rest) = self.bytes.split_at(count);
+        buffer[..count].copy_from_slice(next);
+        (self.bytes, self.left) = (rest, self.left - count);
+        Ok(count)
+    }
+}
+
+impl<'a> Table<'a> {
+    /// Reads the header.
+    pub(crate) fn open(bytes: &'a [u8]) -> Result<Self, FormatError> {
+        text::checked(bytes)?;
+        let records = Records { bytes, left: text::MAX_LINE_BYTES };
+        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(records);
+        let header = reader.headers().map_err(|error| csv_error(&error, 1))?;
+        let header: Vec<String> = header.iter().map(str::to_owned).collect();
+        if header.is_empty() {
+            return Err(FormatError::whole("header", "an empty file", "a line of column names"));
+        }
+        Ok(Self { reader, header })
+    }
+
+    /// Index in the file of each wanted column.
+    pub(crate) fn find(&self, wanted: &[&'static str]) -> Result<Vec<(usize, &'static str)>, FormatError> {
+        wanted
+            .iter()
+            .map(|name| {
+                self.header.iter().position(|found| found == name).map(|index| (index, *name)).ok_or_else(|| {
+                    FormatError::at_line(
+                        1,
+                        format!("column {name}"),
+                        format!("only {}", scan::quoted(&self.header.join(","))),
+                        format!("a header with {}", wanted.join(",")),
+                    )
+                })
+            })
+            .collect()
+    }
+
+    /// Line and numbers of the next record; none at the end.
+    pub(crate) fn next_numbers(
+        &mut self,
+        columns: &[(usize, &'static str)],
+    ) -> Result<Option<(u64, Vec<f64>)>, FormatError> {
+        self.reader.get_mut().left = text::MAX_LINE_BYTES;
+        let mut record = csv::StringRecord::new();
+        let start = self.reader.position().line();
+        if !self.reader.read_record(&mut record).map_err(|error| csv_error(&error, start))? {
+            return Ok(None);
+        }
+        let line = record.position().map_or(0, csv::Position::line);
+        let numbers = columns
+            .iter()
+            .map(|(index, name)| number(record.get(*index).unwrap_or(""), line, name))
+            .collect::<Result<_, _>>()?;
+        Ok(Some((line, numbers)))
+    }
+}
+
+/// An error of the record that starts at `line`, where it does not know better.
+fn csv_error(error: &csv::Error, line: u64) -> FormatError {
+    let line = error.position().map_or(line, csv::Position::line);
+    match error.kind() {
+        csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
+            FormatError::at_line(line, "record", format!("{len} fields"), format!("{expected_len}, as the header has"))
+        }
+        csv::ErrorKind::Io(error) => FormatError::at_line(line, "record", error.to_string(), text::allowed_length()),
+        _ => FormatError::at_line(line, "record", error.to_string(), "comma-separated numbers"),
+    }
+}
+
+/// Both directions of a record, brought to length 1; lengths may be off by 1 % (rounded decimals).
+fn unit_vectors(n: &[f64], line: u64) -> Result<(Vector, Vector), FormatError> {
+    let unit = |v: Vector, field: &'static str| {
+        let length = dot(v, v).sqrt();
+        if (0.99..=1.01).contains(&length) {
+            Ok(v.map(|c| c / length))
+        } else {
+            Err(FormatError::at_line(line, field, format!("a vector of length {length:.4}"), "unit vectors"))
+        }
+    };
+    Ok((unit([n[0], n[1], n[2]], "wi")?, unit([n[3], n[4], n[5]], "wo")?))
+}
+
+fn to_polar(d: Vector) -> [f64; 2] {
+    [d[0].hypot(d[1]).atan2(d[2]), d[1].atan2(d[0])]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_headers_mean_the_same() {
+        let angles = "theta_i,phi_i,theta_o,phi_o,r,g,b\n0.5,0.0,0.25,1.0,1,2,3\n";
+        let row = from_bytes(angles.as_bytes()).unwrap().rows[0];
+        let i = brdfc_formats::direction::from_polar(0.5, 0.0);
+        let o = brdfc_formats::direction::from_polar(0.25, 1.0);
+        let vectors =
+            format!("{}\n{},{},{},{},{},{},1,2,3\n", VECTOR_COLUMNS.join(","), i[0], i[1], i[2], o[0], o[1], o[2]);
+        let other = from_bytes(vectors.as_bytes()).unwrap().rows[0];
+        assert!((row.theta_o - other.theta_o).abs() < 1e-12 && (row.phi_o - other.phi_o).abs() < 1e-12);
+        assert_eq!(row.value, other.value);
+    }
+
+    #[test]
+    fn texels_with_and_without_a_view() {
+        let text = "name,wi_z,wi_x,wi_y,v,u\nx,1,0,0,0.25,-0.5\n";
+        let query = texels_from_bytes(text.as_bytes(), false).unwrap()[0];
+        assert_eq!(query, TexelQuery { uv: [-0.5, 0.25], incoming: [0.0, 0.0, 1.0], outgoing: [0.0, 0.0, 1.0] });
+        let error = texels_from_bytes(text.as_bytes(), true).unwrap_err().to_string();
+        assert!(error.starts_with("line 1, column wo_x: found only"), "{error}");
+        let error = texels_from_bytes(b"u,v,wi_x,wi_y,wi_z\n0,0,1,1,1\n", false).unwrap_err().to_string();
+        assert!(error.starts_with("line 2, wi: found a vector of length 1.7321"), "{error}");
+    }
+
+    #[test]
+    fn what_is_written_is_read() {
+        let row = Row { theta_i: 0.25, phi_i: 0.5, theta_o: 0.75, phi_o: -1.0, value: [0.5, 0.25, -0.125] };
+        let mut bytes = Vec::new();
+        write(&mut bytes, &[row]).unwrap();
+        assert_eq!(from_bytes(&bytes).unwrap().rows, [row]);
+    }
+
+    #[test]
+    fn errors_name_line_and_column() {
+        let text = |s: &str| from_bytes(s.as_bytes()).unwrap_err().to_string();
+        assert!(text("").contains("header"));
+        assert!(text("theta_i,phi_i\n").contains("column theta_o"));
+        assert!(text("a,b\n").contains("column wi_x"));
+        let head = "theta_i,phi_i,theta_o,phi_o,r,g,b\n";
+        assert!(text(head).contains("no measurements"));
+        assert!(text(&format!("{head}0,0,0,0,1,1\n")).contains("line 2, record: found 6 fields; allowed 7"));
+        assert!(text(&format!("{head}0,0,0,0,1,1,x\n")).contains("line 2, b: found \"x\""));
+        assert!(text(&format!("{head}0,0,0,0,1,1,inf\n")).contains("a finite number"));
+        assert!(text(&format!("{head}60,0,0,0,1,1,1\n")).contains("degrees"));
+        let vectors = format!("{}\n0,0,2,0,0,1,1,1,1\n", VECTOR_COLUMNS.join(","));
+        assert!(text(&vectors).contains("wi: found a vector of length 2.0000"));
+        assert!(from_bytes(b"\xc3\x28").unwrap_err().to_string().contains("UTF-8"));
+    }
+
+    #[test]
+    fn directions_may_be_below_the_horizon() {
+        let text = "id,wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n7,0,0,1,0,0,-1\n";
+        assert_eq!(directions_from_bytes(text.as_bytes()).unwrap(), [([0.0, 0.0, 1.0], [0.0, 0.0, -1.0])]);
+    }
+}

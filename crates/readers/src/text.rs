@@ -1,0 +1,68 @@
+//! What text is, whatever stands in it.
+
+use brdfc_formats::FormatError;
+
+/// Longest line and longest record of a table, bytes.
+pub(crate) const MAX_LINE_BYTES: usize = 16 << 20;
+
+/// The text, without the byte order mark that some editors put before it.
+///
+/// # Errors
+/// NUL bytes, which are of a binary file; what is not UTF-8; a line of more than [`MAX_LINE_BYTES`].
+pub(crate) fn checked(bytes: &[u8]) -> Result<&str, FormatError> {
+    let line_of = |at: usize| 1 + bytes[..at].iter().filter(|byte| **byte == b'\n').count() as u64;
+    if let Some(at) = bytes.iter().position(|byte| *byte == 0) {
+        let found = format!("a NUL byte, byte {at} of the file");
+        return Err(FormatError::at_line(line_of(at), "text", found, "text, which has none"));
+    }
+    let text = std::str::from_utf8(bytes).map_err(|error| {
+        let at = error.valid_up_to();
+        FormatError::at_line(line_of(at), "text", format!("byte {:#04x}", bytes[at]), "UTF-8")
+    })?;
+    let mut start = 0;
+    for line in bytes.split(|byte| matches!(byte, b'\n' | b'\r')) {
+        if line.len() > MAX_LINE_BYTES {
+            return Err(FormatError::at_line(line_of(start), "text", too_long("line"), allowed_length()));
+        }
+        start += line.len() + 1;
+    }
+    Ok(text.strip_prefix('\u{feff}').unwrap_or(text))
+}
+
+/// How an error says that a line or a record is too long.
+pub(crate) fn too_long(what: &str) -> String {
+    format!("a {what} of more than {}", brdfc_formats::memory::in_words(MAX_LINE_BYTES as u64))
+}
+
+/// What an error allows instead.
+pub(crate) fn allowed_length() -> String {
+    format!("at most {MAX_LINE_BYTES} bytes")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn binary_files_are_no_text() {
+        let message = |bytes: &[u8]| checked(bytes).unwrap_err().to_string();
+        let expected = "line 2, text: found a NUL byte, byte 3 of the file; allowed text, which has none";
+        assert_eq!(message(b"a\nb\0\xff"), expected);
+        assert_eq!(
+            message(b"a\n\xff\0").split_once(';').unwrap().0,
+            "line 2, text: found a NUL byte, byte 3 of the file"
+        );
+        assert_eq!(message(b"a\n\n\xff"), "line 3, text: found byte 0xff; allowed UTF-8");
+        assert_eq!(checked(b"\xef\xbb\xbfa\r\nb"), Ok("a\r\nb"));
+    }
+
+    #[test]
+    fn lines_have_an_end() {
+        let mut bytes = vec![b' '; MAX_LINE_BYTES + 2];
+        bytes[0] = b'\n';
+        let expected = "line 2, text: found a line of more than 16.00 MiB; allowed at most 16777216 bytes";
+        assert_eq!(checked(&bytes).unwrap_err().to_string(), expected);
+        bytes.truncate(MAX_LINE_BYTES + 1);
+        assert!(checked(&bytes).is_ok());
+    }
+}

@@ -1,0 +1,199 @@
+//! A BTF as products of matrices.
+
+use super::colour::ColourModel;
+use super::matrix::Channel;
+use brdfc_formats::direction_set::DirectionSet;
+use brdfc_formats::{FormatError, memory};
+use std::ops::Range;
+
+/// What every file begins with.
+pub const SIGNATURE: &[u8; 10] = b"!DFMF08FCR";
+/// Versions of the header that are read.
+pub const VERSIONS: std::ops::RangeInclusive<u32> = 1..=4;
+/// Most texels per row, and rows.
+pub const MAX_SIZE: u32 = 4096;
+/// Channels of a colour.
+pub const CHANNELS: usize = 3;
+/// Bytes of each name in the header.
+pub(super) const NAME_BYTES: usize = 80;
+
+/// The versions in words.
+pub(super) fn versions() -> String {
+    format!("{} to {}", VERSIONS.start(), VERSIONS.end())
+}
+
+/// What a file says besides its values.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Description {
+    /// Version of the header.
+    pub version: u32,
+    /// Name of the measurement setup, of the sensor, of the light.
+    pub devices: [String; 3],
+    /// Texels per millimetre; as it stands in the file.
+    pub texels_per_millimetre: f32,
+    /// Factors of red, green and blue; as they stand in the file. They are not applied to values.
+    pub rgb_factors: [f32; 3],
+    /// Whether values have the cosine of the light's polar angle in them.
+    pub has_cosine: bool,
+    /// Bytes of the XML about the measurement, which is skipped.
+    pub xml_bytes: u32,
+    /// Directions to the viewer.
+    pub views: DirectionSet,
+    /// Directions to the light; the same for every view.
+    pub lights: DirectionSet,
+    /// Texels per row, and rows.
+    pub size: [usize; 2],
+    /// How channels become red, green and blue.
+    pub colour_model: ColourModel,
+}
+
+/// A BTF, its matrices as the file has them: a value is computed when it is asked for.
+///
+/// Row 0 is the first in the file, which is the top of the tile.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UboBtf {
+    pub(super) description: Description,
+    pub(super) channels: [Channel; CHANNELS],
+}
+
+impl UboBtf {
+    /// A checked BTF. Row `view * lights + light` of a channel's first matrix is a pair of directions, row
+    /// `row * width + column` of its second one a texel.
+    ///
+    /// # Errors
+    /// A size outside 1 to [`MAX_SIZE`]; matrices with other numbers of rows; a version outside [`VERSIONS`], or 1 with a
+    /// cosine flag; a PCA whose numbers are not finite.
+    pub fn new(description: Description, channels: [Channel; CHANNELS]) -> Result<Self, FormatError> {
+        let wrong = |field: &'static str, found: usize, allowed: String| {
+            Err(FormatError::whole(field, found.to_string(), allowed))
+        };
+        for side in description.size {
+            if !(1..=MAX_SIZE as usize).contains(&side) {
+                return wrong("texels along a side", side, format!("1 to {MAX_SIZE}"));
+            }
+        }
+        if !VERSIONS.contains(&description.version) {
+            return wrong("version", description.version as usize, versions());
+        }
+        if description.has_cosine && description.version == 1 {
+            return Err(FormatError::whole(
+                "cosine flag",
+                "set in version 1, which has none",
+                "unset, or version 2 to 4",
+            ));
+        }
+        if !description.colour_model.is_finite() {
+            return Err(FormatError::whole("colour model", "what is not finite", "finite numbers"));
+        }
+        let pairs = description.views.len() * description.lights.len();
+        let [width, height] = description.size;
+        for channel in &channels {
+            if channel.pairs().rows() != pairs {
+                return wrong("rows of pairs of directions", channel.pairs().rows(), pairs.to_string());
+            }
+            if channel.texels().rows() != width * height {
+                return wrong("rows of texels", channel.texels().rows(), (width * height).to_string());
+            }
+        }
+        Ok(Self { description, channels })
+    }
+
+    /// What the file says besides its values.
+    pub fn description(&self) -> &Description {
+        &self.description
+    }
+
+    /// The channels before colours are made of them.
+    pub fn channels(&self) -> &[Channel; CHANNELS] {
+        &self.channels
+    }
+
+    /// Bytes that the matrices take in memory.
+    pub fn memory_bytes(&self) -> u64 {
+        self.channels.iter().map(|channel| channel.pairs().memory_bytes() + channel.texels().memory_bytes()).sum()
+    }
+
+    /// Linear RGB of one texel, by indices of the view and the light and by `row * width + column`.
+    ///
+    /// Values are what the matrices and the colour model give: they may be slightly negative, and are not clipped. Where
+    /// [`Description::has_cosine`] is unset, they are without the cosine of the light's polar angle.
+    ///
+    /// # Errors
+    /// Indices that the file has not.
+    pub fn texel(&self, view: usize, light: usize, texel: usize) -> Result<[f32; 3], FormatError> {
+        let pair = self.pair(view, light)?;
+        self.check_texels(&(texel..texel.saturating_add(1)))?;
+        let rows = self.channels.each_ref().map(|channel| channel.pairs().row(pair));
+        Ok(self.colour(std::array::from_fn(|c| self.channels[c].texels().dot(texel, &rows[c]))))
+    }
+
+    /// Linear RGB of the whole tile, as [`Self::texel`] gives it, row by row from the top.
+    ///
+    /// # Errors
+    /// Indices that the file has not.
+    pub fn image(&self, view: usize, light: usize) -> Result<Vec<[f32; 3]>, FormatError> {
+        let pair = self.pair(view, light)?;
+        let [width, height] = self.description.size;
+        let mut pixels = memory::filled("texels", width * height, [0.0; 3])?;
+        for (c, channel) in self.channels.iter().enumerate() {
+            let row = channel.pairs().row(pair);
+            for (texel, pixel) in pixels.iter_mut().enumerate() {
+                pixel[c] = channel.texels().dot(texel, &row);
+            }
+        }
+        pixels.iter_mut().for_each(|pixel| *pixel = self.colour(*pixel));
+        Ok(pixels)
+    }
+
+    /// Linear RGB of texels (`row * width + column`) under all pairs of directions, as [`Self::texel`] gives it: that of
+    /// texel `t`, view `v` and light `l` stands at `((t - texels.start) * views + v) * lights + l`.
+    ///
+    /// A row of texels is `row * width..(row + 1) * width`.
+    ///
+    /// # Errors
+    /// Texels that the file has not; more values than there is memory for.
+    pub fn apparent_brdfs(&self, texels: Range<usize>) -> Result<Vec<[f32; 3]>, FormatError> {
+        self.check_texels(&texels)?;
+        let pairs = self.description.views.len() * self.description.lights.len();
+        let count = texels.len().saturating_mul(pairs);
+        let mut values = memory::filled("values of texels", count, [0.0; 3])?;
+        for (c, channel) in self.channels.iter().enumerate() {
+            let rows: Vec<Vec<f32>> = texels.clone().map(|texel| channel.texels().row(texel)).collect();
+            for pair in 0..pairs {
+                let of_pair = channel.pairs().row(pair);
+                for (k, row) in rows.iter().enumerate() {
+                    values[k * pairs + pair][c] = super::matrix::dot(&of_pair, row);
+                }
+            }
+        }
+        values.iter_mut().for_each(|value| *value = self.colour(*value));
+        Ok(values)
+    }
+
+    /// Finite, whatever stands in the matrices.
+    fn colour(&self, channels: [f32; 3]) -> [f32; 3] {
+        self.description
+            .colour_model
+            .to_rgb(channels)
+            .map(|c| if c.is_nan() { 0.0 } else { c.clamp(f32::MIN, f32::MAX) })
+    }
+
+    fn pair(&self, view: usize, light: usize) -> Result<usize, FormatError> {
+        let (views, lights) = (self.description.views.len(), self.description.lights.len());
+        for (field, index, count) in [("view", view, views), ("light", light, lights)] {
+            if index >= count {
+                return Err(FormatError::whole(field, index.to_string(), format!("less than {count}")));
+            }
+        }
+        Ok(view * lights + light)
+    }
+
+    fn check_texels(&self, texels: &Range<usize>) -> Result<(), FormatError> {
+        let [width, height] = self.description.size;
+        if texels.start < texels.end && texels.end <= width * height {
+            return Ok(());
+        }
+        let allowed = format!("one or more of 0..{}", width * height);
+        Err(FormatError::whole("texels", format!("{texels:?}"), allowed))
+    }
+}

@@ -1,0 +1,3 @@
+//! What the pages of measured files say.
+
+mod spec_dumps;
