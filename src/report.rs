@@ -15,7 +15,7 @@ use brdfc_jobs::view::{ViewOptions, open_items, view_page};
 use brdfc_metrics::fraction::Fraction;
 use brdfc_render::picture::rgb_png;
 use brdfc_source::Input;
-use brdfc_source::flat_btf::asset_list;
+use brdfc_source::flat_btf::flat_btf_file;
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -186,11 +186,11 @@ fn of_flat_btf(arguments: &Arguments, common: Common) -> Result<(), CliError> {
             return Err(CliError::Usage(text));
         }
     }
-    let list = asset_list(folder)?.map(|(path, _)| path);
+    let file = flat_btf_file(folder)?;
     let [csv_path, json_path] = ["csv", "json"].map(|extension| output.with_extension(extension));
-    refuse_pages_over(output, [&csv_path, &json_path], list.as_deref().as_slice())?;
+    refuse_pages_over(output, [&csv_path, &json_path], file.as_deref().as_slice())?;
     if let Some(path) = &arguments.view {
-        refuse_unfit_view(path, output, list.as_deref().as_slice())?;
+        refuse_unfit_view(path, output, file.as_deref().as_slice())?;
     }
     let mut page = FlatPage::open(folder)?;
     page.view = write_view(arguments, &())?;
@@ -200,7 +200,7 @@ fn of_flat_btf(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     if common.json {
         print_json(&page.asset)?;
     }
-    remark(common, &format!("{}: {}", output.display(), counted(page.asset.parts.len(), "part")));
+    remark(common, &format!("{}: {}", output.display(), counted(page.asset.images.len(), "texture")));
     Ok(())
 }
 

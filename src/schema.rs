@@ -85,7 +85,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         Report::Pwt => schema_for!(super::pwt::Report),
         Report::InfoSurface => schema_for!(super::info::SurfaceReport),
         Report::Flatten => schema_for!(super::flatten::Report),
-        Report::FlatBtf => schema_for!(brdfc_jobs::flatten::AssetFile),
+        Report::FlatBtf => schema_for!(brdfc_jobs::flatten::FlatAsset),
         Report::Plan => schema_for!(brdfc_jobs::scene::graph::Graph),
         Report::Page => schema_for!(brdfc_jobs::report::page::PageReport<'static>),
         Report::View => schema_for!(super::view::Report),

@@ -5,9 +5,9 @@ use super::output::{
 };
 use super::{CliError, Common};
 use crate::table;
-use brdfc_jobs::flatten::open_asset;
 use brdfc_shaders::{Decoder, EntryPoint, Interface, Language, translate};
 use brdfc_source::Input;
+use brdfc_source::flat_btf::open_flat_btf;
 use brdfc_source::pack::open_pack;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser as _};
@@ -31,7 +31,7 @@ Examples:
   brdfc shader wavelet --language spirv -o wavelet.spv
   brdfc shader table --language glsl --json")]
 pub struct Arguments {
-    /// table, wavelet, flat-btf, pwt, bandwidth or importance; or a pack, or the folder of a flat BTF.
+    /// table, wavelet, flat-btf, pwt, bandwidth or importance; or or a pack.
     #[arg(value_name = "KIND")]
     kind: OsString,
     /// The language.
@@ -114,13 +114,10 @@ fn decoder(kind: &OsString) -> Result<Decoder, CliError> {
     if is_word && !path.exists() {
         let names = Decoder::ALL.map(Decoder::name).join(", ");
         let found = path.display();
-        return Err(CliError::Usage(format!(
-            "KIND: found {found}; allowed {names}, a pack, or the folder of a flat BTF"
-        )));
+        return Err(CliError::Usage(format!("KIND: found {found}; allowed {names}, or a pack")));
     }
-    let is_list = path.extension().is_some_and(|extension| extension == "json");
-    if path.is_dir() || is_list {
-        open_asset(path)?;
+    if path.is_dir() {
+        open_flat_btf(path)?;
         return Ok(Decoder::FlatBtf);
     }
     Ok(Decoder::of(open_pack(Input::File(path.to_owned()))?.kind()))

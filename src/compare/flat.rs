@@ -22,12 +22,12 @@ impl FlatReport {
     /// B against A, which is read already.
     pub(super) fn new(a: &Input, reference: &FlatMaterial, b: &Input) -> Result<Self, CliError> {
         let Some(other) = open_flat_material(b)? else {
-            let allowed = "the folder of a flat BTF, or its .json, as A is one";
+            let allowed = "a flat BTF, as A is one";
             return Err(CliError::Usage(format!("B: found {b}; allowed {allowed}")));
         };
         let comparison = compare_flat(reference, &other);
-        let comparison = comparison
-            .ok_or_else(|| CliError::Input(format!("{a}: parts: found none for views; allowed the full form")))?;
+        let comparison =
+            comparison.ok_or_else(|| CliError::Input(format!("{a}: found the light form; allowed the full form")))?;
         Ok(Self { kind: "flat-btf", comparison })
     }
 

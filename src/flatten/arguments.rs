@@ -12,7 +12,7 @@ use std::path::PathBuf;
 /// views that are blended lose most.
 pub const INDIRECTION: &str = "16x24";
 
-/// Make the packs of a flat BTF: appearance on the surface itself, and maps of where each view sees it.
+/// Make a flat BTF: appearance on the surface itself, and maps of where each view sees it, in one file.
 ///
 /// MESO is one tile of a surface that repeats: synth:STRUCTURE, a mesh (.obj, .ply), a height map (.png of 8 or 16 bits
 /// grey, .exr), or an ordinary BTF, a folder of images or a .btf file, whose relief --geometry gives. Every mesh is closed over the
@@ -23,7 +23,7 @@ pub const INDIRECTION: &str = "16x24";
 pub struct Arguments {
     /// synth:STRUCTURE, a mesh, a height map, a folder of BTF images, a .btf file, or - for a mesh or a height map from stdin.
     pub(super) meso: Input,
-    /// Folder of the packs; made if there is none.
+    /// Folder of the file, NAME.ktx2; made if there is none.
     #[arg(long, short, value_name = "DIR")]
     pub(super) out: PathBuf,
     /// Name of the asset's files (default: the folder's).
@@ -86,10 +86,6 @@ pub struct Arguments {
     /// full: every view and light, as factors; light: normal map and diffuse colours instead.
     #[arg(long, value_enum, default_value = "full")]
     pub(super) form: FormArgument,
-    /// Store every view as it is in place of factors, and the whole indirection map in place of displacements: some eighty times
-    /// as much on a GPU.
-    #[arg(long, conflicts_with_all = ["max_delta_e", "max_bytes"])]
-    pub(super) uncompressed: bool,
     /// Mean ΔE (CIE76) of factors from the views, where texels are seen, to stay below (default: 0.7). What nothing meets keeps the best, with exit
     /// code 1 where it was asked for.
     #[arg(long, value_name = "E")]

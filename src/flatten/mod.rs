@@ -18,7 +18,7 @@ use brdfc_formats::FormatError;
 use brdfc_jobs::btf_stack::StackFormat;
 use brdfc_jobs::flatten::words::{missed, remarks};
 use brdfc_jobs::flatten::{
-    AssetFile, FlattenError, FlattenJob, PLANE, Values, material_list, open_appearance, open_geometry, run as flatten,
+    FlatAsset, FlattenError, FlattenJob, PLANE, Values, material_list, open_appearance, open_geometry, run as flatten,
 };
 use brdfc_source::Input;
 use brdfc_source::ordinary_btf::OrdinaryBtf;
@@ -30,9 +30,9 @@ use std::time::Instant;
 /// What `--json` prints.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 pub struct Report {
-    /// The asset, as its own file has it.
+    /// The asset, as its file has it, and how large it is.
     #[serde(flatten)]
-    asset: AssetFile,
+    asset: FlatAsset,
     /// Seconds from start to finish.
     seconds: f64,
 }
@@ -99,10 +99,10 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         error => error.into(),
     })?;
     drop(steps);
-    for line in remarks(&asset) {
+    for line in remarks(&asset.about) {
         note(common, &arguments.meso, &line);
     }
-    let missed = missed(&asset);
+    let missed = missed(&asset.about);
     if let (Some(text), None) = (&missed, arguments.max_delta_e) {
         note(common, &arguments.meso, text);
     }

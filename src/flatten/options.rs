@@ -242,14 +242,14 @@ pub(super) fn recipe(arguments: &Arguments) -> Result<FlattenRecipe, CliError> {
             FormArgument::Light => Form::Light,
         },
         factor: factor_target(arguments)?,
-        compact: !arguments.uncompressed,
+        compact: true,
     })
 }
 
 /// Mean ΔE of factors where texels are seen, if nothing is asked for: well below what is visible side by side.
 const MAX_DELTA_E: f64 = 0.7;
 
-/// What factors are to be like; nothing where views are kept as they are.
+/// What factors are to be like; nothing of the light form, which has none.
 fn factor_target(arguments: &Arguments) -> Result<Option<FactoredTarget>, CliError> {
     if arguments.form == FormArgument::Light {
         let given = [(arguments.max_delta_e.is_some(), "max-delta-e"), (arguments.max_bytes.is_some(), "max-bytes")];
@@ -266,5 +266,5 @@ fn factor_target(arguments: &Arguments) -> Result<Option<FactoredTarget>, CliErr
         Some(bytes) => FactoredTarget::Bytes(bytes),
         None => FactoredTarget::Error(arguments.max_delta_e.unwrap_or(MAX_DELTA_E)),
     };
-    Ok((!arguments.uncompressed).then_some(target))
+    Ok(Some(target))
 }

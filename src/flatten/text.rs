@@ -2,17 +2,17 @@
 
 use crate::output::printable;
 use brdfc_flat_btf::probes::ColourErrors;
-use brdfc_jobs::flatten::AssetFile;
+use brdfc_jobs::flatten::FlatAsset;
 use brdfc_jobs::flatten::words::{errors, facts};
 
 /// What people read of an asset.
-pub(crate) fn text(asset: &AssetFile, seconds: Option<f64>) -> String {
+pub(crate) fn text(asset: &FlatAsset, seconds: Option<f64>) -> String {
     let mut rows = facts(asset);
-    for (name, ColourErrors { mean, p95, max, .. }) in errors(asset) {
+    for (name, ColourErrors { mean, p95, max, .. }) in errors(&asset.about) {
         rows.push((name, format!("{mean:.2} (95 %: {p95:.1}, largest: {max:.1})")));
     }
     rows.extend(seconds.map(|seconds| ("time", format!("{seconds:.1} s"))));
     let width = rows.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
     let lines = rows.iter().map(|(name, value)| format!("{name:width$}  {}\n", printable(value)));
-    format!("{}\n", asset.name) + &lines.collect::<String>()
+    format!("{}\n", asset.about.name) + &lines.collect::<String>()
 }

@@ -4,7 +4,6 @@ use crate::output::{print, print_json};
 use crate::table;
 use crate::{CliError, Common};
 use brdfc_formats::FormatError;
-use brdfc_jobs::flatten::AssetFile;
 use brdfc_jobs::pack_files::{PackFile, pack_files};
 use brdfc_shaders::DeviceNeeds;
 use brdfc_source::read::MAX_FILE_BYTES;
@@ -12,7 +11,6 @@ use brdfc_source::{Input, InputError};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::path::Path;
 
 /// What `--files --json` prints.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
@@ -21,16 +19,13 @@ pub struct FilesReport {
     version: u32,
     /// 'files'.
     kind: &'static str,
-    /// Textures by the names of their files; of a polynomial wavelet tree NAME#ENTRY those that its entries hold, too.
+    /// Textures by the name of the file, those that its entries hold as NAME#ENTRY.
     files: BTreeMap<String, PackFile>,
 }
 
-/// Of a flat BTF, or of one pack.
-pub(super) fn run(input: &Input, asset: Option<(&Path, &AssetFile)>, common: Common) -> Result<(), CliError> {
-    let files = match asset {
-        Some((path, asset)) => asset.pack_files(path)?,
-        None => of_pack(input)?,
-    };
+/// Of a pack.
+pub(super) fn run(input: &Input, common: Common) -> Result<(), CliError> {
+    let files = of_pack(input)?;
     if common.json {
         return print_json(&FilesReport { version: 1, kind: "files", files });
     }
@@ -63,7 +58,7 @@ fn of_pack(input: &Input) -> Result<BTreeMap<String, PackFile>, CliError> {
         if let Some(path) = input.path() {
             File::open(path).map_err(|error| InputError::Io { name: input.to_string(), error })?;
         }
-        let error = FormatError::whole("input", "no pack", "a pack, or the folder or the .json of a flat BTF");
+        let error = FormatError::whole("input", "no pack", "a pack");
         return Err(InputError::Format { name: input.to_string(), error }.into());
     }
     let name = match input.path() {

@@ -13,11 +13,10 @@ use brdfc_core::address::{SYNTH_PREFIX, split_query};
 use brdfc_flat_btf::structures::STRUCTURES;
 use brdfc_formats::{BrdfPack, FormatError, Pack};
 use brdfc_importance::ImportanceFacts;
-use brdfc_jobs::flatten::{AssetFile, SurfaceFacts, describe_surface, open_asset};
+use brdfc_jobs::flatten::{SurfaceFacts, describe_surface, open_asset};
 use brdfc_pwt::PwtFacts;
 use brdfc_shaders::DeviceNeeds;
-use brdfc_source::btf_stack::has_images;
-use brdfc_source::flat_btf::{asset_of_part, check_flat_btf};
+use brdfc_source::flat_btf::flat_btf_file;
 use brdfc_source::light_stack::{self, LightStack, LightStackFacts, is_light_stack};
 use brdfc_source::open::{Facts, Opened, open};
 use brdfc_source::pack::{open_pack, opened};
@@ -25,7 +24,6 @@ use brdfc_source::ptm::{self, PtmFacts, open_ptm};
 use brdfc_source::{Input, InputError};
 use clap::Args;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
 
 /// Say what an input is: layout, sizes, symmetries, measured errors of a pack.
 ///
@@ -109,8 +107,8 @@ pub struct SurfaceReport {
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     let input = &arguments.input;
     if arguments.files {
-        let asset = input.path().map(flat_btf).transpose()?.flatten();
-        return files::run(input, input.path().zip(asset.as_ref()), common);
+        let file = input.path().map(flat_btf_file).transpose()?.flatten();
+        return files::run(&file.map_or_else(|| input.clone(), Input::File), common);
     }
     if let Some(facts) = relightable(input)? {
         let contents = Contents::Other(facts);
@@ -120,13 +118,12 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
             print_lines(&contents_in_words(&contents))
         };
     }
-    if let Some(asset) = input.path().map(flat_btf).transpose()?.flatten() {
+    if let Some(file) = input.path().map(flat_btf_file).transpose()?.flatten() {
+        let (_, asset) = open_asset(&file)?;
         if common.json {
             return print_json(&asset);
         }
-        let path = input.path().expect("flat BTFs are files");
-        let list = list_of(path);
-        let needs = asset.device_needs(list.as_deref().unwrap_or(path))?;
+        let needs = files::device_needs(&Input::File(file))?;
         return print(&(flatten::text(&asset, None) + &lines_of(&[("devices", needs.in_words())])));
     }
     let is_pack = input.extension()? == "ktx2";
@@ -174,41 +171,9 @@ fn reflectance(opened: Opened) -> Contents {
     Contents::Reflectance { facts: opened.facts, symmetry, grey }
 }
 
-/// The list of a flat BTF's parts, if the input is one: its folder, the list itself, or one of the parts beside it.
-fn flat_btf(path: &Path) -> Result<Option<AssetFile>, CliError> {
-    if path.is_dir() && !has_parts(path) && has_images(path) {
-        return Ok(None);
-    }
-    if path.is_dir() || path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
-        let missing = || {
-            CliError::Input(format!(
-                "{}: flat BTF: found no NAME.json; allowed a finished asset (or the path of one part)",
-                path.display()
-            ))
-        };
-        let asset = open_asset(path)?.ok_or_else(missing)?;
-        check_flat_btf(path)?;
-        return Ok(Some(asset));
-    }
-    let Some(list) = list_of(path) else { return Ok(None) };
-    // A part that is missing is said to be so by whoever opens it.
-    if !path.is_file() || !list.is_file() {
-        return Ok(None);
-    }
-    let asset = open_asset(&list)?;
-    check_flat_btf(&list)?;
-    Ok(asset)
-}
-
-/// The list beside a part of a flat BTF; nothing of other paths.
-fn list_of(path: &Path) -> Option<PathBuf> {
-    let name = path.file_name()?.to_str().and_then(asset_of_part)?;
-    Some(path.with_file_name(format!("{name}.json")))
-}
-
 /// What is measured of one view under many lights: a light stack or a polynomial texture map, by its name.
 fn relightable(input: &Input) -> Result<Option<Other>, InputError> {
-    if let Some(path) = input.path().filter(|path| is_light_stack(path) && !has_parts(path)) {
+    if let Some(path) = input.path().filter(|path| is_light_stack(path) && matches!(flat_btf_file(path), Ok(None))) {
         return Ok(Some(Other::LightStack(LightStack::open(path)?.facts())));
     }
     match input.extension()?.as_str() {
@@ -219,12 +184,6 @@ fn relightable(input: &Input) -> Result<Option<Other>, InputError> {
         }
         _ => Ok(None),
     }
-}
-
-fn has_parts(folder: &Path) -> bool {
-    let is_part =
-        |entry: std::fs::DirEntry| entry.file_name().to_str().is_some_and(|file| asset_of_part(file).is_some());
-    std::fs::read_dir(folder).is_ok_and(|mut entries| entries.any(|entry| entry.is_ok_and(is_part)))
 }
 
 /// What 'brdfc flatten' takes; nothing of models and BRDFs.

@@ -1,4 +1,4 @@
-//! What people read of an input of `brdfc flatten`, and of a part of a flat BTF.
+//! What people read of an input of `brdfc flatten`.
 
 use crate::table::bytes;
 use brdfc_jobs::flatten::words::{height, repairs_in_words};
@@ -46,22 +46,6 @@ pub(super) fn in_words(facts: &SurfaceFacts) -> Vec<(&'static str, String)> {
             ("missing", if *missing == 0 { "none".to_owned() } else { format!("{missing}: it would be refused") }),
             ("pixels", format!("{width} x {height}")),
         ],
-        SurfaceFacts::FlatBtfPart(part) => {
-            let extent: Vec<String> = part.extent.iter().map(u32::to_string).collect();
-            let mut lines = vec![
-                ("kind", format!("part {} of the flat BTF {1}, without its list {1}.json", part.part, part.asset)),
-                ("texels", format!("{}, {}", extent.join(" x "), part.format)),
-                ("file", format!("{}, {} on a GPU", bytes(part.bytes), bytes(part.gpu_bytes))),
-            ];
-            lines.extend(
-                part.view_views_lights.map(|[view, views, lights]| {
-                    ("view", format!("{view}, counted from 0, of {views}; {lights} lights"))
-                }),
-            );
-            lines
-                .extend(part.polar_angles_azimuths.map(|[z, a]| ("views", format!("{z} polar angles x {a} azimuths"))));
-            lines
-        }
     }
 }
 

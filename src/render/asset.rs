@@ -7,7 +7,7 @@ use crate::{CliError, build_scene};
 use brdfc_formats::Pack;
 use brdfc_formats::pwt::PwtPack;
 use brdfc_source::Input;
-use brdfc_source::flat_btf::open_flat_btf;
+use brdfc_source::flat_btf::flat_btf_file;
 use brdfc_source::light_stack::is_light_stack;
 use brdfc_source::pack::open_pack;
 use std::path::Path;
@@ -66,13 +66,13 @@ fn of_manifest(arguments: &Arguments) -> Result<Option<(Input, Subject)>, CliErr
 }
 
 fn no_asset(input: &Input, found: &str) -> CliError {
-    let allowed = "the folder or the .json of a flat BTF, or the pack of a light stack";
+    let allowed = "a flat BTF, or the pack of a light stack";
     CliError::Input(format!("{input}: render.asset: found {found}; allowed {allowed}"))
 }
 
 /// Whether there are photographs, and no flat BTF beside them.
 fn is_unpacked_stack(input: &Input) -> bool {
-    input.path().is_some_and(|path| is_light_stack(path) && !(path.is_dir() && open_flat_btf(path, false).is_ok()))
+    input.path().is_some_and(|path| is_light_stack(path) && matches!(flat_btf_file(path), Ok(None)))
 }
 
 fn not_packed(input: &Input) -> CliError {

@@ -6,29 +6,25 @@ use super::{gpu, outputs, scene};
 use crate::output::note;
 use crate::{CliError, Common};
 use brdfc_core::address::is_synth;
-use brdfc_flat_btf::encode::Form;
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::surface::Appearance;
-use brdfc_formats::flat_btf::FlatBtfDecoder;
 use brdfc_gpu::draw_flat_btf;
 use brdfc_gpu::verify::Views;
-use brdfc_jobs::flatten::{AssetFile, MesoOptions, PLANE, open_appearance, open_asset, open_geometry};
+use brdfc_jobs::flatten::{AssetFile, MesoOptions, PLANE, open_appearance, open_geometry, read_report};
 use brdfc_jobs::report::render::Verification;
 use brdfc_render::flat::{FlatForm, FlatMaterial, draw_on_cpu, reference_plane};
 use brdfc_render::scenes::Builtin;
 use brdfc_source::Input;
-use brdfc_source::flat_btf::open_flat_btf;
-use std::path::Path;
+use brdfc_source::flat_btf::{flat_btf_file, flat_view, open_flat_btf};
 
 /// Why a plane has no picture of the surface itself.
 const NO_SURFACE: &str = "not compared with the surface itself, only shader with CPU: that takes an asset whose surface and materials are all synth: addresses, without --bounces, --colour and --weights";
 /// Why other scenes have none.
 const CURVED: &str = "not compared with the surface itself, only shader with CPU: that is done on --scene plane";
 
-/// Whether an input is a flat BTF: a folder, or its list of parts.
+/// Whether an input is a flat BTF: its file, or the folder of one.
 pub(super) fn is_flat(input: &Input) -> bool {
-    let is_list = |path: &Path| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
-    input.path().is_some_and(|path| path.is_dir() || is_list(path))
+    input.path().is_some_and(|path| !matches!(flat_btf_file(path), Ok(None)))
 }
 
 /// Draws the asset by the shader and on the CPU; on a plane, beside the surface itself where that can be computed again.
@@ -40,25 +36,28 @@ pub(super) fn verification(
 ) -> Result<(Verification, Views), CliError> {
     let setup = scene::setup(arguments, subject)?;
     let path = input.path().expect("flat BTFs are files");
-    let asset = open_asset(path)?;
+    let file = open_flat_btf(path)?;
+    // Other programs may write flat BTFs without a report.
+    let asset = read_report(&file).ok();
     let gpu = gpu::open(arguments)?;
-    let has_views = asset.as_ref().is_none_or(|asset| asset.settings.form == Form::Full);
+    let wrong = |error: brdfc_formats::FormatError| CliError::Input(format!("{input}: {error}"));
+    let parts = file.decoder.parts();
+    let has_views = parts.values.factored().is_some();
     let form = match arguments.form {
         Some(FormName::Full) => FlatForm::Full,
         Some(FormName::Light) => FlatForm::Light,
         None if has_views => FlatForm::Full,
         None => FlatForm::Light,
     };
-    let parts = open_flat_btf(path, form == FlatForm::Full)?;
-    let bytes_on_gpu = parts.gpu_bytes();
-    let stored = match (form, parts.values.factored()) {
-        (FlatForm::Light, _) => "light form",
-        (FlatForm::Full, Some(_)) => "full form, factored",
-        (FlatForm::Full, None) => "full form",
+    let (stored, bytes_on_gpu) = match form {
+        FlatForm::Light => ("light form", file.decoder.bindings(false, None).gpu_bytes()),
+        FlatForm::Full => {
+            flat_view(&file, 0).map_err(wrong)?;
+            ("full form, factored", parts.gpu_bytes())
+        }
     };
-    let wrong = |error: brdfc_formats::FormatError| CliError::Input(format!("{input}: {error}"));
     let repeat = arguments.repeat.unwrap_or(setup.builtin.tiles());
-    let material = FlatMaterial::new(FlatBtfDecoder::new(parts).map_err(wrong)?, repeat).map_err(wrong)?;
+    let material = FlatMaterial::new(file.decoder, repeat).map_err(wrong)?;
     let shader = draw_flat_btf(&gpu, &setup.scene, setup.frame, &material, form)?;
     let pack = draw_on_cpu(&setup.scene, setup.frame, &material, form);
     drop(material);
@@ -106,6 +105,6 @@ fn surface_again(asset: &AssetFile) -> Result<Option<(MesoModel, Appearance)>, C
 pub(super) fn refuse_flags(arguments: &Arguments) -> Result<(), CliError> {
     let form = arguments.form.map(|_| "--form");
     let Some(flag) = form.or(arguments.repeat.map(|_| "--repeat")) else { return Ok(()) };
-    let text = format!("{flag}: found with {}; allowed with the folder of a flat BTF", arguments.input);
+    let text = format!("{flag}: found with {}; allowed with a flat BTF", arguments.input);
     Err(CliError::Usage(text))
 }

@@ -52,7 +52,7 @@ impl Decoder {
         match kind {
             PackKind::Table => Self::Table,
             PackKind::Wavelet => Self::Wavelet,
-            PackKind::FlatBtf(_) => Self::FlatBtf,
+            PackKind::FlatBtf => Self::FlatBtf,
             PackKind::Pwt => Self::Pwt,
             PackKind::Bandwidth => Self::Bandwidth,
             PackKind::Importance => Self::Importance,

@@ -1,7 +1,7 @@
 //! Which files an input is read from.
 
 use crate::btf_stack::images_of;
-use crate::flat_btf::files_of_asset;
+use crate::flat_btf::flat_btf_file;
 use crate::light_stack::{files_of_stack, is_light_stack};
 use std::path::{Path, PathBuf};
 
@@ -13,10 +13,8 @@ pub fn files_behind(path: &Path) -> Vec<PathBuf> {
     if is_light_stack(path) {
         files.extend(files_of_stack(path));
     }
-    if path.is_dir() || path.extension().is_some_and(|extension| extension == "json") {
-        files.extend(files_of_asset(path));
-    }
     if path.is_dir() {
+        files.extend(flat_btf_file(path).ok().flatten());
         files.extend(images_of(path));
     }
     files

@@ -7,14 +7,13 @@ use brdfc_core::{PackSource, TableSource};
 use brdfc_formats::table::TablePack;
 use brdfc_formats::wavelet::WaveletPack;
 use brdfc_formats::{BrdfPack, FormatError, Pack, PackKind};
-use std::path::Path;
 
 /// How packs are opened as sources.
 pub(crate) const FORMAT: Format = Format { extension: "ktx2", name: "pack", open };
 
 fn open(input: InputFile<'_>) -> Result<Opened, InputError> {
-    let (name, level) = (file_name(input.path), input.level);
-    input.parse(|bytes| Ok(opened(&brdf_pack(Pack::from_bytes(bytes, name)?)?, level)))
+    let level = input.level;
+    input.parse(|bytes| Ok(opened(&brdf_pack(Pack::from_bytes(bytes)?)?, level)))
 }
 
 /// A pack as an input, decoded at a level of detail if it has any; `None` is the finest.
@@ -71,7 +70,7 @@ fn opened_table(pack: &TablePack, level: Option<f32>) -> Opened {
 /// Files that cannot be read; packs of no known kind, or that break the rules of their layout.
 pub fn open_pack(input: impl Into<Input>) -> Result<Pack, InputError> {
     let input = input.into();
-    InputFile::of(&input, &mut ())?.parse(|bytes| Pack::from_bytes(bytes, file_name(input.named_path())))
+    InputFile::of(&input, &mut ())?.parse(|bytes| Pack::from_bytes(bytes))
 }
 
 /// Reads a pack of reflectances, of whichever codec.
@@ -90,12 +89,8 @@ fn brdf_pack(pack: Pack) -> Result<BrdfPack, FormatError> {
         other => other.kind(),
     };
     let allowed = match kind {
-        PackKind::FlatBtf(_) => "a table or wavelet pack; of a flat BTF, its folder or the NAME.json beside its parts",
+        PackKind::FlatBtf => "a table or wavelet pack: a flat BTF has no one BRDF",
         _ => "a table or wavelet pack",
     };
     Err(FormatError::whole("pack", kind.name(), allowed))
-}
-
-fn file_name(path: &Path) -> Option<&str> {
-    path.file_name().and_then(|name| name.to_str())
 }

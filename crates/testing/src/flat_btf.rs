@@ -1,7 +1,6 @@
 //! Flat BTFs for tests.
 
 use crate::packs::Numbers;
-use brdfc_formats::Pack;
 use brdfc_formats::container::{half, rgb9e5};
 use brdfc_formats::flat_btf::factored::{
     BASE_LAYERS, BaseTable, BasisMap, DIFFERENCE_ANGLES, FactoredErrors, FactoredFlatBtf, FactoredHeader, GROUP,
@@ -9,7 +8,7 @@ use brdfc_formats::flat_btf::factored::{
 };
 use brdfc_formats::flat_btf::{
     BlendedDirection, DiffuseMap, DisplacementHeader, DisplacementMap, FlatBtfParts, FlatHeader, FlatValues, FlatView,
-    IndirectionHeader, IndirectionMap, NormalMap, PositionMap, ReferenceMap, ViewWeights, VisibilityMask,
+    IndirectionHeader, IndirectionMap, NormalMap, ReferenceMap, ViewWeights, VisibilityMask,
 };
 use std::f32::consts::{FRAC_PI_2, TAU};
 
@@ -98,12 +97,6 @@ pub fn parts(sizes: Sizes, seed: u64) -> FlatBtfParts {
         diffuse: DiffuseMap::from_colours(sizes.flat, &colours).unwrap(),
         values: FlatValues::Views((0..sizes.views).map(|view| flat_view(sizes, view, seed + 2)).collect()),
     }
-}
-
-pub fn position(size: u32, seed: u64) -> PositionMap {
-    let mut numbers = Numbers::new(seed);
-    let points = (0..size * size).map(|_| [0; 3].map(|_| numbers.between(-1.0, 2.0) as f32)).collect();
-    PositionMap::new(size, points).unwrap()
 }
 
 pub fn mask(sizes: Sizes, seed: u64) -> VisibilityMask {
@@ -217,15 +210,17 @@ pub fn factored_files(supercompress: bool) -> [(&'static str, Vec<u8>); 3] {
 /// Reads bytes and, where they are a part of a factored flat BTF that belongs to the others of [`factored_example`], decodes
 /// the asset here and there: whatever a file holds, its values are numbers.
 pub fn factored_survives(bytes: &[u8]) -> bool {
-    let Ok(part) = Pack::from_bytes(bytes, None) else { return false };
     let asset = factored_example();
     let (mut basis, mut weights, mut shadow) =
         (asset.basis().clone(), asset.weights().clone(), asset.shadow().cloned());
-    match part {
-        Pack::Basis(map) => basis = map,
-        Pack::Weights(map) => weights = map,
-        Pack::Shadow(map) => shadow = Some(map),
-        _ => return false,
+    if let Ok(map) = BasisMap::from_bytes(bytes) {
+        basis = map;
+    } else if let Ok(map) = WeightMap::from_bytes(bytes) {
+        weights = map;
+    } else if let Ok(map) = ShadowMap::from_bytes(bytes) {
+        shadow = Some(map);
+    } else {
+        return false;
     }
     // Without shadows it is still an asset.
     let shadow = shadow.filter(|_| basis.header().shadow == ShadowFormat::R8);

@@ -142,6 +142,17 @@ impl PackFile {
         Ok(Self { bindings, entries })
     }
 
+    /// The name of a pack's decoder, from the first [`Self::HEAD_BYTES`] of its file; nothing of other files.
+    pub fn decoder_in(head: &[u8]) -> Option<&str> {
+        let first = [ENTRY.as_bytes(), b"\0decoder "].concat();
+        let at = head.windows(first.len()).position(|bytes| bytes == first)? + first.len();
+        head.starts_with(b"\xabKTX 20\xbb").then_some(())?;
+        std::str::from_utf8(head[at..].split(|byte| matches!(byte, b' ' | b'\n')).next()?).ok()
+    }
+
+    /// Bytes of a file that say which decoder it has.
+    pub const HEAD_BYTES: usize = 4096;
+
     /// The name of the file's decoder, if a texture is a pack.
     pub(crate) fn decoder_of<'t>(packed: &'t PackedTexture<'_>) -> Option<&'t str> {
         let line = packed.entries.get(ENTRY)?.split(|byte| *byte == b'\n').next()?;

@@ -200,6 +200,12 @@ impl<'a> Bindings<'a> {
         })
     }
 
+    /// Bytes of its textures on a GPU.
+    pub fn gpu_bytes(&self) -> u64 {
+        let stored = self.textures().filter(|(_, texels)| texels.stored != Stored::Empty);
+        stored.map(|(_, texels)| texels.bytes.len() as u64).sum()
+    }
+
     /// The texture of the file itself.
     pub(crate) fn of_file(&self) -> Option<&Texels<'a>> {
         self.textures().map(|(_, texels)| texels).find(|texels| texels.stored == Stored::File)

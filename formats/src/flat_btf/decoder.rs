@@ -115,7 +115,7 @@ impl FlatValues {
 }
 
 /// Parts that fit together, ready for random access.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct FlatBtfDecoder {
     parts: FlatBtfParts,
 }

@@ -7,15 +7,17 @@ use super::flat_view::VisibilityMask;
 use super::shader::{BASIS, DIRECTIONS, NORMAL, PACKED, RANGES, REFERENCE, SHADOW, WEIGHTS};
 use super::{DISPLACEMENT_ENTRY, DisplacementMap, IndirectionMap, NormalMap, ReferenceMap, maps::DiffuseMap};
 use crate::FormatError;
-use crate::bindings::PackFile;
+use crate::bindings::{Bindings, PackFile};
 use crate::container::{MAX_TEXEL_BYTES, PackedTexture, Texture};
 use std::collections::BTreeMap;
 
 /// The entry of a KTX2 file: which texels each view sees. No shader reads it.
 const MASK: &str = "brdfc.flat-btf.mask";
+/// The entry of what the encoder says: settings and measured errors, JSON.
+const REPORT: &str = "brdfc.flat-btf.report";
 
 /// A flat BTF as a file has it.
-#[derive(Debug)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct FlatBtfFile {
     /// What is decoded.
     pub decoder: FlatBtfDecoder,
@@ -23,10 +25,12 @@ pub struct FlatBtfFile {
     pub directions: Option<SampledDirections>,
     /// Which texels are seen in which view, where the file says so.
     pub mask: Option<VisibilityMask>,
+    /// What its encoder says of it, as JSON text; empty where it says nothing.
+    pub report: String,
 }
 
 impl FlatBtfFile {
-    /// A file of a decoder and what its encoder knows of visibility.
+    /// A file of a decoder and what its encoder knows of visibility, without a report.
     ///
     /// # Errors
     /// Values of all views as they are, which no file holds; views or lights that cannot be blended; a mask of other sizes.
@@ -37,7 +41,7 @@ impl FlatBtfFile {
             return Err(FormatError::whole("values of a flat BTF", found, "factored ones, or the light form"));
         }
         let directions = SampledDirections::of(values)?;
-        let file = Self { decoder, directions, mask };
+        let file = Self { decoder, directions, mask, report: String::new() };
         file.check_mask()?;
         Ok(file)
     }
@@ -67,7 +71,20 @@ impl FlatBtfFile {
             entries.extend(asset.shadow().map(ShadowMap::entry));
         }
         entries.extend(self.mask.as_ref().map(|mask| (MASK.to_owned(), mask.to_bytes(true))));
-        self.decoder.bindings(true, self.directions.as_ref()).to_file(entries, supercompress)
+        if !self.report.is_empty() {
+            entries.insert(REPORT.to_owned(), self.report.clone().into_bytes());
+        }
+        self.bindings().to_file(entries, supercompress)
+    }
+
+    /// What its shader has bound.
+    pub fn bindings(&self) -> Bindings<'_> {
+        self.decoder.bindings(true, self.directions.as_ref())
+    }
+
+    /// Bytes of its textures on a GPU.
+    pub fn gpu_bytes(&self) -> u64 {
+        self.bindings().gpu_bytes()
     }
 
     /// Reads and checks a KTX2 file.
@@ -83,6 +100,9 @@ impl FlatBtfFile {
     /// # Errors
     /// As [`Self::from_bytes`].
     pub fn from_file(mut file: PackFile) -> Result<Self, FormatError> {
+        let report = file.entries.remove(REPORT).unwrap_or_default();
+        let report = String::from_utf8(report)
+            .map_err(|error| FormatError::whole(REPORT, format!("bytes that are no text: {error}"), "JSON in UTF-8"))?;
         let mask = file.entries.remove(MASK).map(|bytes| read_mask(&bytes)).transpose()?;
         let diffuse = DiffuseMap::from_texture(&file.take_own())?;
         let mut image = |name: &'static str| {
@@ -119,8 +139,8 @@ impl FlatBtfFile {
             };
             return Err(FormatError::whole(DIRECTIONS, summary(found), summary(allowed)));
         }
-        let read = Self { directions: stored, ..made };
-        file.check_same(&read.decoder.bindings(true, read.directions.as_ref()))?;
+        let read = Self { directions: stored, report, ..made };
+        file.check_same(&read.bindings())?;
         Ok(read)
     }
 }

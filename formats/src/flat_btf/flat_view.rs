@@ -16,12 +16,6 @@ const LIGHTS: &str = "brdfc.lights";
 /// Most views, and most lights.
 pub const MAX_DIRECTIONS: u32 = MAX_LAYERS;
 
-/// The name of the part of a view, `flat.007`: three digits, or four from 1000 views on.
-pub fn view_part(view: u32, views: u32) -> String {
-    let digits = if views < 1000 { 3 } else { 4 };
-    format!("{PART}.{view:0digits$}")
-}
-
 /// Which view a file holds, of which views and lights. The directions are the same in all files of an asset.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlatHeader {

@@ -19,65 +19,6 @@ fn texture(format: TexelFormat, size: u32, texels: Vec<u8>) -> Texture {
     Texture { format, extent: Extent::D2([size, size]), entries: BTreeMap::new(), levels: 1, texels }
 }
 
-/// The part `position`: the surface point that each texel of the flat BTF stands for.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PositionMap {
-    size: u32,
-    points: Vec<[f32; 3]>,
-}
-
-impl PositionMap {
-    const PART: &'static str = "position";
-
-    /// `T x T` points in tiles, row by row.
-    ///
-    /// # Errors
-    /// A size of 0 or above 8192, another number of points, coordinates beyond [`super::MAX_COORDINATE`] or NaN.
-    pub fn new(size: u32, points: Vec<[f32; 3]>) -> Result<Self, FormatError> {
-        check_square(Self::PART, size, 1, 1, points.len())?;
-        let good = |p: &[f32; 3]| p.iter().all(|c| is_coordinate(*c));
-        check_texels(Self::PART, size, &points, "coordinates of -1024 to 1024 tiles", |p| format!("{p:?}"), good)?;
-        Ok(Self { size, points })
-    }
-
-    /// `T`, texels per side.
-    pub fn size(&self) -> u32 {
-        self.size
-    }
-
-    /// The points in tiles, row by row: texel `(column, row)` is at the parameters
-    /// `((column + ½) / T, (row + ½) / T)`.
-    pub fn points(&self) -> &[[f32; 3]] {
-        &self.points
-    }
-
-    /// The bytes of the KTX2 file.
-    pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
-        let texel = |[x, y, z]: &[f32; 3]| [*x, *y, *z, 1.0].map(f32::to_le_bytes);
-        let texels = self.points.iter().flat_map(texel).flatten().collect();
-        texture(TexelFormat::Rgba32Float, self.size, texels).to_bytes(supercompress)
-    }
-
-    /// Reads and checks a KTX2 file.
-    ///
-    /// # Errors
-    /// Whatever breaks the rules of `formats/src/flat_btf/spec.md`.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        Self::from_texture(&Texture::from_bytes(bytes)?)
-    }
-
-    /// [`Self::from_bytes`] of a file whose container has been read.
-    ///
-    /// # Errors
-    /// As [`Self::from_bytes`].
-    pub fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
-        let size = square(texture, Self::PART, TexelFormat::Rgba32Float)?;
-        let texels = floats::<4>(&texture.texels);
-        check_texels(Self::PART, size, &texels, "1 as w", |t| t[3].to_string(), |t| t[3] == 1.0)?;
-        Self::new(size, texels.into_iter().map(|[x, y, z, _]| [x, y, z]).collect())
-    }
-}
-
 /// The part `normal`: unit shading normals, in the frame of the reference plane.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NormalMap {

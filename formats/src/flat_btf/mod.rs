@@ -1,7 +1,7 @@
 //! Packs of flat BTFs (Hadim, Pacanowski, Granier and Schlick 2009, "Flat bidirectional texture functions"): a BTF on the
 //! parameters of its meso-geometry, and the view-dependent indirection that finds it. Byte layout: `spec.md` in this folder.
 //!
-//! One asset is several files `NAME.PART.ktx2`, each a type of this module. Coordinates of the surface are in tiles: the
+//! One asset is one file, [`FlatBtfFile`], whose images are types of this module. Coordinates of the surface are in tiles: the
 //! tile is the unit square, repeated; parameters likewise have period 1.
 
 mod atlas;
@@ -15,7 +15,6 @@ mod graphics_memory;
 mod indirection;
 mod layout;
 mod maps;
-mod part;
 pub mod shader;
 mod view_weights;
 
@@ -25,13 +24,10 @@ pub use directions::SampledDirections;
 pub(crate) use displacement::HEADER as DISPLACEMENT_ENTRY;
 pub use displacement::{DisplacementHeader, DisplacementMap, MAX_TANGENT, SAME_SIDE, TANGENT_BIAS};
 pub use file::FlatBtfFile;
-pub(crate) use flat_view::HEADER as FLAT_BTF_ENTRY;
-pub use flat_view::{FlatHeader, FlatView, MAX_DIRECTIONS, VisibilityMask, unit_vectors, view_part};
-pub use graphics_memory::gpu_bytes;
-pub(crate) use indirection::HEADER as INDIRECTION_ENTRY;
+pub use flat_view::{FlatHeader, FlatView, MAX_DIRECTIONS, VisibilityMask, unit_vectors};
+pub use graphics_memory::view_gpu_bytes;
 pub use indirection::{IndirectionHeader, IndirectionMap, MAX_AZIMUTH_SAMPLES, MAX_ZENITH_SAMPLES};
-pub use maps::{DiffuseMap, NormalMap, PositionMap, ReferenceMap};
-pub use part::{FlatPart, PART_EXTENSION, split_part_name};
+pub use maps::{DiffuseMap, NormalMap, ReferenceMap};
 pub use view_weights::{BlendedDirection, ViewWeights};
 
 /// Largest absolute value of a coordinate, height or distance in a file: tiles, or periods of the parameters.

@@ -3,9 +3,10 @@
 use brdfc_formats::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
 use brdfc_formats::container::Texture;
 use brdfc_formats::direction::Parameterisation;
-use brdfc_formats::flat_btf::{DiffuseMap, FlatBtfParts, FlatValues, FlatView, view_part};
+use brdfc_formats::flat_btf::factored::ShadowFormat;
+use brdfc_formats::flat_btf::{DiffuseMap, FlatBtfDecoder, FlatBtfFile, FlatBtfParts, FlatValues};
 use brdfc_formats::importance::{ImportanceHeader, ImportancePack};
-use brdfc_testing::flat_btf::{SMALL, Sizes, displacements, factored_files, mask, parts, position};
+use brdfc_testing::flat_btf::{Factors, SMALL, Sizes, displacements, factored, mask, parts};
 use brdfc_testing::golden::corpus::{add, entries, entry, packs};
 use brdfc_testing::golden::lists::{codecs, corpus, encodes};
 use brdfc_testing::golden::values::of_pack;
@@ -28,7 +29,7 @@ fn committed_packs_are_read_to_the_same_values() {
         if blessing() {
             made.iter().for_each(|(name, bytes)| add(codec, name, bytes));
         }
-        corpus(codec).check(entries(codec, &packs(codec)), |_| String::new());
+        corpus(codec).check(entries(&packs(codec)), |_| String::new());
     }
 }
 
@@ -55,53 +56,33 @@ fn wavelet_packs() -> Made {
 
 fn flat_btfs() -> Made {
     let mut numbers = Numbers::new(5);
-    let mut words = |count: usize| (0..count).map(|_| numbers.bits()).collect::<Vec<u32>>();
     let made = parts(SMALL, 7);
     // A writer makes the least exponent that does; a reader takes any word.
-    let texels = (SMALL.flat * SMALL.flat) as usize;
-    let diffuse = DiffuseMap::new(SMALL.flat, words(texels)).expect("any words");
-    let any = |view: &FlatView| {
-        FlatView::new(view.header().clone(), words(texels * SMALL.lights as usize)).expect("any words")
-    };
-    let views = made.values.views().iter().map(any).collect();
-    let made = FlatBtfParts { diffuse, values: FlatValues::Views(views), ..made };
-    let mut files = vec![
-        ("position".to_owned(), position(SMALL.flat, 9).to_bytes(false)),
-        ("mask".to_owned(), mask(SMALL, 11).to_bytes(false)),
-        ("reference".to_owned(), made.reference.to_bytes(false)),
-        ("indirection".to_owned(), made.indirection.samples().unwrap().to_bytes(false)),
-        ("normal".to_owned(), made.normal.to_bytes(false)),
-        ("diffuse".to_owned(), made.diffuse.to_bytes(false)),
-    ];
-    let view = |view: &FlatView| (view_part(view.header().view, SMALL.views), view.to_bytes(false));
-    files.extend(made.values.views().iter().map(view));
-    // The asset once as it is, and once with every part in another form.
-    let mut packs = in_other_forms("foreign", &files);
-    packs.extend(files.into_iter().map(|(part, bytes)| (format!("any-texels.{part}"), bytes)));
-    let factored = factored_files(false).map(|(part, bytes)| (part.to_owned(), bytes));
-    packs.extend(in_other_forms("foreign-factored", &factored));
-    packs.extend(factored.map(|(part, bytes)| (format!("factored.{part}"), bytes)));
+    let texels = (0..SMALL.flat * SMALL.flat).map(|_| numbers.bits()).collect();
+    let diffuse = DiffuseMap::new(SMALL.flat, texels).expect("any words");
+    let light = FlatBtfParts { diffuse, values: FlatValues::None, ..made.clone() };
+    let factors = Factors { levels: 3, groups: 3, wide_groups: 1, shadow: ShadowFormat::R8 };
+    let values = FlatValues::Factored(Box::new(factored(SMALL, factors, 5)));
     // Two blocks along each side, for a reference of four texels.
     let Sizes { reference, .. } = SMALL;
-    let compact = parts(Sizes { reference: 2 * reference, ..SMALL }, 13);
-    let compact = [
-        ("reference", compact.reference.to_bytes(false)),
-        ("displacement", displacements(SMALL, reference, 17).to_bytes(false)),
-        ("normal", compact.normal.to_bytes(false)),
-        ("diffuse", compact.diffuse.to_bytes(false)),
-    ];
-    let compact = compact.map(|(part, bytes)| (part.to_owned(), bytes));
-    packs.extend(in_other_forms("foreign-compact", &compact));
-    packs.extend(compact.map(|(part, bytes)| (format!("compact.{part}"), bytes)));
-    packs
-}
-
-/// An asset with every part in another form of file.
-fn in_other_forms(asset: &str, parts: &[(String, Vec<u8>)]) -> Made {
-    let form = |(k, (part, bytes)): (usize, &(String, Vec<u8>))| {
-        (format!("{asset}.{part}"), foreign::form(k % foreign::FORMS.len(), bytes))
+    let fine = parts(Sizes { reference: 2 * reference, ..SMALL }, 13);
+    let indirection = displacements(SMALL, reference, 17).into();
+    let compact = FlatBtfParts { indirection, values, ..fine };
+    let file = |parts: FlatBtfParts, mask| {
+        FlatBtfFile::new(FlatBtfDecoder::new(parts).expect("parts of one asset"), mask).expect("what a file has")
     };
-    parts.iter().enumerate().map(form).collect()
+    let files = [
+        ("any-texels", file(light, Some(mask(SMALL, 11)))),
+        ("factored", file(compact.clone(), Some(mask(SMALL, 11)))),
+        ("factored-without-mask", file(compact, None)),
+    ];
+    let mut packs: Made = Vec::new();
+    for (name, file) in files {
+        let bytes = file.to_bytes(false);
+        packs.extend(foreign_forms(name, &bytes));
+        packs.push((name.to_owned(), bytes));
+    }
+    packs
 }
 
 fn bandwidth_maps() -> Made {
@@ -160,7 +141,7 @@ fn every_pack_is_read_alike_in_every_form_of_file() {
         let ours: Vec<_> = packs.iter().filter(|(file, _)| !file.contains("foreign")).collect();
         assert!(!ours.is_empty(), "no packs of {codec}");
         for (file, bytes) in ours {
-            let values = |bytes: &[u8]| of_pack(file, bytes).unwrap_or_else(|error| panic!("{file}: {error}"));
+            let values = |bytes: &[u8]| of_pack(bytes).unwrap_or_else(|error| panic!("{file}: {error}"));
             for (k, form) in foreign::FORMS.into_iter().enumerate() {
                 let other = foreign::form(k, bytes);
                 assert!(other != *bytes, "{file}, {form}: the same file");
@@ -175,13 +156,13 @@ fn every_pack_is_read_alike_in_every_form_of_file() {
 fn a_changed_byte_of_any_pack_is_noticed() {
     for codec in codecs() {
         let packs = packs(codec);
-        let listed = entries(codec, &packs);
+        let listed = entries(&packs);
         for (file, bytes) in packs.iter().filter(|(file, _)| !file.contains("foreign")) {
             let is_noticed = |back: usize| {
                 let mut broken = bytes.clone();
                 broken[bytes.len() - back] ^= 1;
                 let mut found = listed.clone();
-                found.insert(file.clone(), entry(file, &broken));
+                found.insert(file.clone(), entry(&broken));
                 let moved: Vec<&str> = changes(&listed, &found).iter().map(|change| change.column).collect();
                 assert!(moved.contains(&"file"), "{codec}/{file}: {moved:?}");
                 moved.contains(&"values")

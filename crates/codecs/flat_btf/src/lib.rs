@@ -17,7 +17,6 @@ pub mod measured;
 pub mod mesh;
 pub mod model;
 pub mod parameterise;
-pub mod part_facts;
 pub mod probes;
 pub mod rebuild;
 pub mod sparse;

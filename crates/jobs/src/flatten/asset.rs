@@ -1,14 +1,14 @@
-//! The list of an asset's parts, with its settings and what was measured.
+//! What a flat BTF's file says of itself: how it was made and what was measured.
 
 use brdfc_flat_btf::encode::{AssetReport, FlattenRecipe, Form};
 use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::fill::FillMethod;
-use brdfc_formats::container::Extent;
-use brdfc_formats::flat_btf::{FlatPart, gpu_bytes};
+use brdfc_formats::bindings::Stored;
+use brdfc_formats::flat_btf::{FlatBtfFile, view_gpu_bytes};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// The contents of `NAME.json`.
+/// The report in the file of a flat BTF.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct AssetFile {
     /// Layout of this file.
@@ -23,24 +23,32 @@ pub struct AssetFile {
     pub images_over_the_tile: bool,
     /// How it was made.
     pub settings: Settings,
-    /// Files by part; see `formats/src/flat_btf/spec.md`.
-    pub parts: BTreeMap<String, PartFile>,
     /// What was measured.
     pub report: AssetReport,
 }
 
-/// One file.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
-pub struct PartFile {
-    /// Its name.
-    pub file: String,
-    /// Its bytes.
+/// A flat BTF: the report in its file, and how large it is.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct FlatAsset {
+    /// What the file says.
+    #[serde(flatten)]
+    pub about: AssetFile,
+    /// Bytes of the file.
     pub bytes: u64,
-    /// Bytes of texels on a GPU, as `formats/src/flat_btf/spec.md` counts them: with the unused tiles of a view's layer, and 0
-    /// of a part that no shader reads.
+    /// Bytes of its textures on a GPU.
     pub gpu_bytes: u64,
-    /// BLAKE3 hash of its bytes, hexadecimal: a part of another asset is not taken for this one.
-    pub blake3: String,
+    /// Of each texture that a shader has bound, by its name in the shader: bytes on a GPU.
+    pub images: BTreeMap<String, u64>,
+}
+
+impl FlatAsset {
+    /// A flat BTF of this report, in a file of so many bytes.
+    pub fn new(about: AssetFile, file: &FlatBtfFile, bytes: u64) -> Self {
+        let bindings = file.bindings();
+        let stored = bindings.textures().filter(|(_, texels)| texels.stored != Stored::Empty);
+        let images = stored.map(|(name, texels)| (name.to_owned(), texels.bytes.len() as u64)).collect();
+        Self { about, bytes, gpu_bytes: bindings.gpu_bytes(), images }
+    }
 }
 
 /// The settings as reports hold them.
@@ -66,9 +74,9 @@ pub struct Settings {
     pub bounces: usize,
     /// Rounds of stretch-reducing reweighting at most.
     pub stretch_rounds: usize,
-    /// Which parts were made.
+    /// Which form was made.
     pub form: Form,
-    /// What was asked of the factors that stand for all views; nothing where views are stored as they are.
+    /// What was asked of the factors that stand for all views; nothing of the light form.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub factored: Option<FactoredTarget>,
     /// Whether displacements of two bytes stand for the indirection map.
@@ -102,21 +110,10 @@ impl Settings {
 }
 
 impl AssetFile {
-    /// Bytes of all files.
-    pub fn bytes(&self) -> u64 {
-        self.parts.values().map(|part| part.bytes).sum()
-    }
-
-    /// Bytes of all texels on a GPU, in the full form where there are views.
-    pub fn gpu_bytes(&self) -> u64 {
-        self.parts.values().map(|part| part.gpu_bytes).sum()
-    }
-
     /// Bytes that the values of all views would take on a GPU, stored as they are; 0 of the light form.
     pub fn gpu_bytes_of_views(&self) -> u64 {
         let Settings { flat_texels, views, lights, form, .. } = &self.settings;
-        let extent = Extent::D2Array([*flat_texels as u32, *flat_texels as u32, lights.1 as u32]);
-        if *form == Form::Full { gpu_bytes(FlatPart::View.name(), extent, 1) * views.1 as u64 } else { 0 }
+        if *form == Form::Full { view_gpu_bytes(*flat_texels as u32, lights.1 as u32) * views.1 as u64 } else { 0 }
     }
 
     /// Share of the texels that no view sees.

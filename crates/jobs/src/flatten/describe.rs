@@ -1,14 +1,11 @@
 //! What inputs of flattening are, before they are flattened.
 
 use super::input::{MesoInputError, structure};
-use brdfc_flat_btf::part_facts::PartFacts;
 use brdfc_flat_btf::structures::Structure;
 use brdfc_flat_btf::weld::{MesoError, WeldReport, weld};
-use brdfc_formats::flat_btf::split_part_name;
 use brdfc_readers::meso::TriangleMesh;
 use brdfc_source::btf_stack::survey;
 use brdfc_source::meso::{HeightMap, MesoInput, open_meso};
-use brdfc_source::read::{MAX_FILE_BYTES, read_file};
 use brdfc_source::ubo_btf::{UboBtfFile, is_ubo_btf};
 use brdfc_source::{Input, InputError};
 use serde::Serialize;
@@ -74,8 +71,6 @@ pub enum SurfaceFacts {
         /// Extensions of the images, lower case, each once.
         extensions: Vec<String>,
     },
-    /// One part of a flat BTF, without the others.
-    FlatBtfPart(PartFacts),
 }
 
 /// What a mesh has, and whether it is a surface that repeats.
@@ -103,7 +98,7 @@ pub struct MeshFacts {
     pub problem: Option<String>,
 }
 
-/// Describes a structure, a mesh, a height map, an ordinary BTF or a part of a flat BTF; nothing where the input is none of
+/// Describes a structure, a mesh, a height map, or an ordinary BTF; nothing where the input is none of
 /// these by its name.
 ///
 /// # Errors
@@ -123,7 +118,6 @@ pub fn describe_surface(input: &Input) -> Result<Option<SurfaceFacts>, MesoInput
             MesoInput::Mesh(mesh) => SurfaceFacts::Mesh(describe_mesh(&mesh)),
             MesoInput::Heights(map) => describe_heights(&map),
         }),
-        "ktx2" => input.path().map(part_of_flat_btf).transpose()?.flatten().map(SurfaceFacts::FlatBtfPart),
         _ => None,
     })
 }
@@ -203,10 +197,4 @@ fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
     values
         .fold(None, |found: Option<[f64; 2]>, v| Some(found.map_or([v; 2], |[a, b]| [a.min(v), b.max(v)])))
         .unwrap_or_default()
-}
-
-fn part_of_flat_btf(path: &Path) -> Result<Option<PartFacts>, InputError> {
-    let name = path.file_name().and_then(|name| name.to_str());
-    let Some(name) = name.filter(|name| split_part_name(name).is_some()) else { return Ok(None) };
-    PartFacts::from_bytes(&read_file(path, MAX_FILE_BYTES)?, name).map_err(|error| InputError::format(path, error))
 }

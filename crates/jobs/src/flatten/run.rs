@@ -1,15 +1,17 @@
-//! Makes a flat BTF and puts its files in place.
+//! Makes a flat BTF and puts its file in place.
 
-use super::asset::{AssetFile, Settings};
+use super::asset::{AssetFile, FlatAsset, Settings};
 use super::error::FlattenError;
 use super::images::{StackImages, write_images};
 use super::input::Geometry;
-use super::parts::Parts;
-use super::store::add_parts;
+use super::scratch::FolderScratch;
 use crate::btf_stack::StackFormat;
+use crate::store::Staging;
+use crate::write::write_atomic;
 use brdfc_core::progress::Progress;
 use brdfc_flat_btf::encode::{FlatInput, FlattenRecipe, ValueSource, encode};
 use brdfc_flat_btf::surface::Appearance;
+use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfFile};
 use brdfc_source::ordinary_btf::OrdinaryBtf;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
@@ -26,11 +28,11 @@ pub enum Values {
 pub struct FlattenJob<'a> {
     /// The asset's name.
     pub name: &'a str,
-    /// The folder of its files.
+    /// The folder of its file.
     pub folder: &'a Path,
     /// How it is made.
     pub recipe: &'a FlattenRecipe,
-    /// Whether files are compressed with Zstandard.
+    /// Whether images are compressed with Zstandard.
     pub supercompress: bool,
     /// The surface.
     pub geometry: Geometry,
@@ -40,19 +42,19 @@ pub struct FlattenJob<'a> {
     pub values: Values,
     /// Folder and kind of the images of an ordinary BTF to write besides, computed directly.
     pub images: Option<(&'a Path, StackFormat)>,
-    /// Held while finished files change places.
+    /// Held while the finished file is put in place.
     pub placing: &'a Mutex<()>,
 }
 
-/// Makes all parts and puts them in place, `NAME.json` last. Values of views are kept in the folder on the way.
+/// Makes a flat BTF and writes `NAME.ktx2`. Values of views are kept in the folder on the way.
 ///
 /// # Errors
 /// A recipe that cannot be followed, a surface that cannot be laid flat, images that cannot be read, files that cannot be
-/// written. An asset of that name that stands in the folder stays as it was.
-pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<AssetFile, FlattenError> {
+/// written. A file of that name in the folder stays as it was.
+pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<FlatAsset, FlattenError> {
     let Geometry { mesh, weld, name: source, .. } = job.geometry;
-    let mut parts = Parts::new(job.name, job.folder)?;
-    let scratch = parts.scratch()?;
+    let staging = Staging::new(job.folder).map_err(|error| FlattenError::write(job.folder, error))?;
+    let scratch = FolderScratch::new(staging.path().to_owned(), job.folder);
     let images;
     let values = match &job.values {
         Values::Computed(appearance) => ValueSource::Computed(appearance),
@@ -65,9 +67,8 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<AssetFile, Fl
     if let (Values::Computed(appearance), Some(images)) = (&job.values, job.images) {
         write_images(&encoded.model, appearance, job.recipe, images, progress)?;
     }
-    add_parts(&encoded, &scratch, job.supercompress, &mut parts, progress)?;
-    let asset = AssetFile {
-        version: 1,
+    let about = AssetFile {
+        version: 2,
         name: job.name.to_owned(),
         source,
         materials: job.materials,
@@ -76,11 +77,14 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<AssetFile, Fl
             Values::Measured(_) => false,
         },
         settings: Settings::new(job.recipe, job.supercompress),
-        parts: parts.files().clone(),
         report: encoded.report,
     };
+    let mut file = FlatBtfFile::new(FlatBtfDecoder::new(encoded.parts)?, Some(encoded.mask))?;
+    file.report = serde_json::to_string(&about).expect("plain data");
+    let bytes = file.to_bytes(job.supercompress);
     let _placing = job.placing.lock().unwrap_or_else(PoisonError::into_inner);
     progress.check()?;
-    parts.commit(&(serde_json::to_string_pretty(&asset).expect("plain data") + "\n"))?;
-    Ok(asset)
+    let path = job.folder.join(format!("{}.ktx2", job.name));
+    write_atomic(&path, &bytes).map_err(|error| FlattenError::write(&path, error))?;
+    Ok(FlatAsset::new(about, &file, bytes.len() as u64))
 }

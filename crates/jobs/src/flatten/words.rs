@@ -1,6 +1,6 @@
 //! What is said of an asset besides figures.
 
-use super::asset::AssetFile;
+use super::asset::{AssetFile, FlatAsset};
 use brdfc_core::words::{bytes, percent};
 use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::probes::ColourErrors;
@@ -52,7 +52,7 @@ pub fn height(value: f64) -> String {
 }
 
 /// What people read of an asset: names and values. Its errors stand apart.
-pub fn facts(asset: &AssetFile) -> Vec<(&'static str, String)> {
+pub fn facts(FlatAsset { about: asset, bytes: file, gpu_bytes, .. }: &FlatAsset) -> Vec<(&'static str, String)> {
     let (report, settings) = (&asset.report, &asset.settings);
     let (views, lights) = (&settings.views, &settings.lights);
     let stretch = &report.parameterisation.after;
@@ -72,8 +72,7 @@ pub fn facts(asset: &AssetFile) -> Vec<(&'static str, String)> {
         let text = format!("{} components{shadows}: {} on a GPU", factored.components, bytes(stored));
         facts.push(("views", format!("{text}, {} as they are ({share:.0}:1)", bytes(whole))));
     }
-    let files = format!("{} in {}, {} on a GPU", bytes(asset.bytes()), asset.parts.len(), bytes(asset.gpu_bytes()));
-    facts.push(("files", files));
+    facts.push(("size", format!("{}, {} on a GPU", bytes(*file), bytes(*gpu_bytes))));
     facts
 }
 

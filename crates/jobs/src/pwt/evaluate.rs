@@ -1,14 +1,11 @@
 //! Values at places of pictures and tiles: of polynomial wavelet trees, and of flat BTFs.
 
-use crate::flatten::open_asset;
 use brdfc_formats::Pack;
-use brdfc_formats::flat_btf::FlatBtfDecoder;
 use brdfc_formats::pwt::PwtDecoder;
 use brdfc_readers::scan_csv::TexelQuery;
 use brdfc_render::flat::{FlatForm, FlatMaterial};
-use brdfc_source::flat_btf::{asset_list, open_flat_btf};
+use brdfc_source::flat_btf::{flat_btf_file, flat_view, open_flat_btf};
 use brdfc_source::{Input, InputError};
-use std::path::Path;
 
 /// What has a value at a place of a picture.
 #[allow(clippy::large_enum_variant)]
@@ -68,28 +65,17 @@ impl Relightable {
     }
 }
 
-/// Reads a flat BTF with all that its full form takes; nothing if the input is none.
+/// Reads a flat BTF of the full form; nothing if the input is none.
 ///
 /// # Errors
 /// One that cannot be read, is broken, or has no full form.
 pub fn open_flat_material(input: &Input) -> Result<Option<FlatMaterial>, InputError> {
     let of_file = |error| InputError::Format { name: input.to_string(), error };
     let Some(path) = input.path() else { return Ok(None) };
-    if !is_flat_btf(path)? {
+    if flat_btf_file(path)?.is_none() {
         return Ok(None);
     }
-    let decoder = FlatBtfDecoder::new(open_flat_btf(path, true)?).map_err(of_file)?;
-    Ok(Some(FlatMaterial::new(decoder, 1).map_err(of_file)?))
-}
-
-/// Whether a path is the folder of a flat BTF, or its list of parts.
-///
-/// # Errors
-/// A list that is damaged.
-pub(super) fn is_flat_btf(path: &Path) -> Result<bool, InputError> {
-    let is_list = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
-    if !(path.is_dir() || is_list) || !matches!(asset_list(path), Ok(Some(_))) {
-        return Ok(false);
-    }
-    open_asset(path).map(|asset| asset.is_some())
+    let file = open_flat_btf(path)?;
+    flat_view(&file, 0).map_err(of_file)?;
+    Ok(Some(FlatMaterial::new(file.decoder, 1).map_err(of_file)?))
 }

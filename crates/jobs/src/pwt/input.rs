@@ -2,9 +2,8 @@
 //! tree that is there already.
 
 use super::error::PwtError;
-use super::evaluate::is_flat_btf;
 use brdfc_formats::direction::Vector;
-use brdfc_formats::flat_btf::{FlatHeader, unit_vectors};
+use brdfc_formats::flat_btf::{FlatHeader, VisibilityMask, unit_vectors};
 use brdfc_formats::pwt::{PwtDecoder, PwtPack};
 use brdfc_formats::{FormatError, Pack};
 use brdfc_pwt::LightSamples;
@@ -12,7 +11,7 @@ use brdfc_pwt::measure::pictures_of_pack;
 use brdfc_pwt::ptm::{samples_of, spread_lights};
 use brdfc_readers::ptm::Ptm;
 use brdfc_source::btf_stack::has_images;
-use brdfc_source::flat_btf::{open_flat_mask, open_flat_view};
+use brdfc_source::flat_btf::{flat_btf_file, flat_view as decoded_view, open_flat_btf};
 use brdfc_source::light_stack::{LightStack, is_light_stack};
 use brdfc_source::ordinary_btf::OrdinaryBtf;
 use brdfc_source::photograph::Image;
@@ -79,7 +78,7 @@ impl LightInput {
             return Err(refused(input, "file name", &found, ALLOWED));
         }
         // Pictures may have been drawn into the folder of a flat BTF.
-        if is_flat_btf(path)? {
+        if flat_btf_file(path)?.is_some() {
             return Ok(Self::Pictures(flat_view(path, view.unwrap_or(0))?));
         }
         if OrdinaryBtf::is_one(path) && (path.is_file() || has_images(path)) {
@@ -159,7 +158,9 @@ fn one_view(path: &Path, view: usize) -> Result<LightSamples, PwtError> {
 /// A view of a flat BTF, with the texels that it sees as defined ones where the asset says which. Its rows go up, those of
 /// pictures down.
 fn flat_view(path: &Path, view: usize) -> Result<LightSamples, PwtError> {
-    let (found, views) = open_flat_view(path, u32::try_from(view).unwrap_or(u32::MAX))?;
+    let file = open_flat_btf(path)?;
+    let number = u32::try_from(view).unwrap_or(u32::MAX);
+    let (found, views) = decoded_view(&file, number).map_err(|error| InputError::format(path, error))?;
     check_view(view, views as usize)?;
     let view = found.expect("its number was checked");
     let header = view.header();
@@ -171,21 +172,15 @@ fn flat_view(path: &Path, view: usize) -> Result<LightSamples, PwtError> {
         rows.flatten().map(|texel| brdfc_formats::container::rgb9e5::decode(*texel)).collect()
     };
     let pictures = (0..header.lights.len()).into_par_iter().map(decoded).collect();
-    let defined = seen_texels(path, header)?;
+    let defined = file.mask.as_ref().and_then(|mask| seen_texels(mask, header));
     Ok(LightSamples { size: [side, side], lights, pictures, repeats: true, defined })
 }
 
-/// Which texels a view of a flat BTF sees, where the asset has that part; nothing also where it sees none.
-fn seen_texels(path: &Path, header: &FlatHeader) -> Result<Option<Vec<bool>>, PwtError> {
-    let Some(mask) = open_flat_mask(path)? else { return Ok(None) };
-    let (size, views) = (header.size, header.views.len() as u32);
-    if (mask.size(), mask.views()) != (size, views) {
-        let found = format!("{0} x {0} texels of {1} views", mask.size(), mask.views());
-        let allowed = format!("{size} x {size} of {views}, as the views have");
-        return Err(refused(&path.display(), "part mask", &found, &allowed));
-    }
+/// Which texels a view of a flat BTF sees; nothing where it sees none.
+fn seen_texels(mask: &VisibilityMask, header: &FlatHeader) -> Option<Vec<bool>> {
+    let size = header.size;
     let seen = (0..size * size).map(|texel| mask.is_seen(header.view, [texel % size, size - 1 - texel / size]));
-    Ok(Some(seen.collect()).filter(|seen: &Vec<bool>| seen.contains(&true)))
+    Some(seen.collect()).filter(|seen: &Vec<bool>| seen.contains(&true))
 }
 
 fn single(direction: Vector) -> [f32; 3] {

@@ -102,6 +102,6 @@ impl PackFolder {
     fn pack(&self, name: &str, digest: &Digest) -> Result<Pack, JobError> {
         let gone = || StoreError::new(Path::new(name), std::io::Error::other("it is gone from the store"));
         let bytes = self.store.object(digest).or_else(|| self.folder.bytes(digest)).ok_or_else(gone)?;
-        Pack::from_bytes(&bytes, None).map_err(JobError::Map)
+        Pack::from_bytes(&bytes).map_err(JobError::Map)
     }
 }

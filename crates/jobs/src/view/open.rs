@@ -9,18 +9,17 @@ use crate::scene::plan::REPORT;
 use brdfc_core::Source;
 use brdfc_core::progress::Progress;
 use brdfc_core::words::bytes;
-use brdfc_flat_btf::encode::Form;
-use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatValues, SampledDirections};
-use brdfc_formats::{BrdfPack, FormatError, Pack};
+use brdfc_formats::flat_btf::FlatBtfFile;
+use brdfc_formats::{BrdfPack, Pack};
+use brdfc_source::Input;
 use brdfc_source::flat_btf::open_flat_btf;
 use brdfc_source::light_stack::is_light_stack;
 use brdfc_source::open::open;
 use brdfc_source::pack::open_pack;
-use brdfc_source::{Input, InputError};
 use std::path::Path;
 
 /// What can be drawn.
-const ALLOWED: &str = "a table or wavelet pack, the folder or the .json of a flat BTF, a pack of 'brdfc pwt', the folder of a \
+const ALLOWED: &str = "a table or wavelet pack, a flat BTF, a pack of 'brdfc pwt', the folder of a \
                        build, or a material; several of them by their names";
 
 /// What else a page draws.
@@ -141,22 +140,12 @@ fn of_source(name: String, input: &str, source: &dyn Source, progress: &dyn Prog
 }
 
 fn of_flat_btf(name: String, path: &Path) -> Result<ViewItem, ViewError> {
-    let wrong = |error: FormatError| InputError::Format { name: path.display().to_string(), error };
-    // The light form has no values of views.
-    let has_values = crate::flatten::open_asset(path)
-        .map_err(crate::report::page::GatherError::from)?
-        .is_none_or(|asset| asset.settings.form == Form::Full);
-    let decoder = FlatBtfDecoder::new(open_flat_btf(path, has_values)?).map_err(wrong)?;
+    let FlatBtfFile { decoder, directions, .. } = open_flat_btf(path)?;
     let parts = decoder.parts();
-    let directions = SampledDirections::of(&parts.values).map_err(wrong)?;
     let size = parts.gpu_bytes();
     // Before it is compressed.
     check_bytes(&path.display().to_string(), size)?;
-    let form = match &parts.values {
-        FlatValues::Factored(_) => "factored",
-        FlatValues::Views(_) => "all views",
-        FlatValues::None => "light form",
-    };
+    let form = if parts.values.factored().is_some() { "factored" } else { "light form" };
     let facts = format!("flat BTF, {form}, {} on a GPU", bytes(size));
     Ok(ViewItem { name, facts, drawn: Drawn::FlatBtf(Box::new(decoder), directions) })
 }

@@ -1,6 +1,6 @@
 //! Committed packs that every version must read to the same values.
 
-use super::values::{flat_asset, of_pack};
+use super::values::of_pack;
 use super::{Entries, Hashes, REFUSED, changes, folder, hash, lists, tell};
 use brdfc_formats::FormatError;
 use std::collections::BTreeMap;
@@ -30,15 +30,9 @@ pub fn add(codec: &str, name: &str, bytes: &[u8]) {
     tell(&format!("{codec}/{name}{EXTENSION}: added, {} bytes", bytes.len()));
 }
 
-/// `NAME` and `PART` of `NAME.PART` or `NAME.PART.ktx2`.
-pub fn asset_and_part(file: &str) -> (&str, &str) {
-    let stem = file.strip_suffix(EXTENSION).unwrap_or(file);
-    stem.split_once('.').unwrap_or_else(|| panic!("{file}: a part of a flat BTF is named NAME.PART"))
-}
-
 /// Hashes of one file, or why it was refused.
-pub fn entry(file: &str, bytes: &[u8]) -> Hashes {
-    let mut hashes = of_pack(file, bytes).unwrap_or_else(refused);
+pub fn entry(bytes: &[u8]) -> Hashes {
+    let mut hashes = of_pack(bytes).unwrap_or_else(refused);
     hashes.insert("file", hash(bytes));
     hashes
 }
@@ -47,26 +41,15 @@ fn refused(error: FormatError) -> Hashes {
     Hashes::from([("values", format!("{REFUSED}{error}"))])
 }
 
-/// Hashes of packs by file name; of flat BTFs also those of each asset as a whole, by its name.
-pub fn entries(codec: &str, packs: &BTreeMap<String, Vec<u8>>) -> Entries {
-    let mut entries: Entries = packs.iter().map(|(file, bytes)| (file.clone(), entry(file, bytes))).collect();
-    if codec == "flat_btf" {
-        let mut assets: BTreeMap<&str, BTreeMap<String, Vec<u8>>> = BTreeMap::new();
-        for (file, bytes) in packs {
-            let (asset, part) = asset_and_part(file);
-            assets.entry(asset).or_default().insert(part.to_owned(), bytes.clone());
-        }
-        for (asset, parts) in assets {
-            entries.insert(asset.to_owned(), flat_asset(&parts).unwrap_or_else(refused));
-        }
-    }
-    entries
+/// Hashes of packs by file name.
+pub fn entries(packs: &BTreeMap<String, Vec<u8>>) -> Entries {
+    packs.iter().map(|(file, bytes)| (file.clone(), entry(bytes))).collect()
 }
 
 /// How many of a codec's committed packs are read to other values than listed.
 pub fn moved(codec: &'static str) -> usize {
     let list = lists::corpus(codec);
-    let found = list.wanted(&list.read(), entries(codec, &packs(codec)));
+    let found = list.wanted(&list.read(), entries(&packs(codec)));
     let mut names: Vec<String> =
         changes(&list.read(), &found).into_iter().filter(|change| change.column != "file").map(|c| c.entry).collect();
     names.dedup();

@@ -11,16 +11,12 @@ use brdfc_formats::Pack;
 use brdfc_formats::bandwidth::{BandwidthKind, BandwidthMap};
 use brdfc_formats::container::rgb9e5;
 use brdfc_formats::direction::DirectionPair;
-use brdfc_formats::flat_btf::factored::{BasisMap, FactoredFlatBtf, ShadowMap, WeightMap};
-use brdfc_formats::flat_btf::{
-    DiffuseMap, DisplacementMap, FlatBtfDecoder, FlatBtfParts, FlatValues, FlatView, IndirectionMap, NormalMap,
-    ReferenceMap, ViewWeights,
-};
+use brdfc_formats::flat_btf::factored::FactoredFlatBtf;
+use brdfc_formats::flat_btf::{FlatBtfFile, Indirection, ViewWeights};
 use brdfc_formats::importance::ImportancePack;
 use brdfc_formats::pwt::{PwtDecoder, PwtErrors, PwtPack};
 use brdfc_formats::table::{TableDecoder, TablePack};
 use brdfc_formats::wavelet::{Filter, RowScratch, WaveletDecoder, WaveletPack};
-use std::collections::BTreeMap;
 
 /// Collects numbers as little-endian words.
 #[derive(Default)]
@@ -66,16 +62,15 @@ fn points() -> impl Iterator<Item = [f32; 2]> + Clone {
     (0..40).map(|k| [0.173 * k as f32 - 1.3, 0.311 * k as f32 - 4.2])
 }
 
-/// What the decoder of its kind makes of one file. Parts of flat BTFs without entries are told by their names,
-/// `NAME.PART.ktx2`.
-pub fn of_pack(file: &str, bytes: &[u8]) -> Result<Hashes, FormatError> {
-    Ok(match Pack::from_bytes(bytes, Some(file))? {
+/// What the decoder of its kind makes of one file.
+pub fn of_pack(bytes: &[u8]) -> Result<Hashes, FormatError> {
+    Ok(match Pack::from_bytes(bytes)? {
         Pack::Wavelet(pack) => wavelet(&pack),
         Pack::Table(pack) => table(&pack),
         Pack::Bandwidth(map) => bandwidth(&map),
         Pack::Importance(pack) => importance(&pack),
         Pack::Pwt(pack) => pwt(pack),
-        part => flat_part(part),
+        Pack::FlatBtf(file) => flat_btf(&file),
     })
 }
 
@@ -203,22 +198,17 @@ fn pwt(pack: PwtPack) -> Hashes {
     values(&numbers)
 }
 
-/// One part of a flat BTF: all its values.
-fn flat_part(part: Pack) -> Hashes {
+/// A flat BTF: all values of its maps, what is seen, the light form, and of a factored one the values of all texels in all views
+/// under all lights, and look-ups at and between mipmap levels.
+fn flat_btf(file: &FlatBtfFile) -> Hashes {
     let mut numbers = Numbers::default();
-    let colours = |texels: &[u32]| texels.iter().flat_map(|texel| rgb9e5::decode(*texel)).collect::<Vec<f32>>();
-    match part {
-        Pack::Position(map) => numbers.add(map.points().iter().flatten().copied()),
-        Pack::Normal(map) => numbers.add(map.normals().iter().flatten().copied()),
-        Pack::Reference(map) => numbers.add(map.parameters().iter().flatten().copied()),
-        Pack::Diffuse(map) => numbers.add(colours(map.texels())),
-        Pack::Mask(mask) => {
-            let size = mask.size();
-            let texels = (0..mask.views() * size * size).map(|k| [k % size, k / size % size, k / size / size]);
-            numbers.words([size, mask.views()]);
-            numbers.words(texels.map(|[column, row, view]| u32::from(mask.is_seen(view, [column, row]))));
-        }
-        Pack::Indirection(map) => {
+    let decoder = &file.decoder;
+    let parts = decoder.parts();
+    numbers.add(parts.normal.normals().iter().flatten().copied());
+    numbers.add(parts.reference.parameters().iter().flatten().copied());
+    numbers.add(parts.diffuse.texels().iter().flat_map(|texel| rgb9e5::decode(*texel)));
+    match &parts.indirection {
+        Indirection::Samples(map) => {
             let header = *map.header();
             numbers.words([header.size, header.zenith_samples, header.azimuth_samples]);
             numbers.add([header.largest_angle]);
@@ -229,81 +219,40 @@ fn flat_part(part: Pack) -> Hashes {
                 }
             }
         }
-        Pack::Displacement(map) => {
+        Indirection::Compact(map) => {
             let header = map.header();
             let blocks = header.blocks;
             numbers.words([blocks.size, blocks.zenith_samples, blocks.azimuth_samples]);
             numbers.add([blocks.largest_angle, header.largest_tangent]);
             numbers.words(map.range_bytes().iter().chain(map.texel_bytes()).map(|byte| u32::from(*byte)));
         }
-        Pack::View(view) => {
-            let header = view.header();
-            numbers.words([header.size, header.view]);
-            numbers.add(header.views.iter().chain(&header.lights).flatten().copied());
-            numbers.add(colours(view.texels()));
+    }
+    if let Some(mask) = &file.mask {
+        let size = mask.size();
+        let texels = (0..mask.views() * size * size).map(|k| [k % size, k / size % size, k / size / size]);
+        numbers.words([size, mask.views()]);
+        numbers.words(texels.map(|[column, row, view]| u32::from(mask.is_seen(view, [column, row]))));
+    }
+    if let Some(directions) = &file.directions {
+        numbers.words(directions.texels());
+    }
+    for view in directions().map(single) {
+        for uv in points() {
+            numbers.add(decoder.indirection(uv, view));
+            numbers.add(decoder.light_form(uv, view, view));
         }
-        Pack::Basis(map) => {
-            let header = map.header();
-            numbers.words([header.size, header.levels, header.groups, header.wide_groups, header.shadow as u32]);
-            numbers.add(header.views.iter().chain(&header.lights).flatten().copied());
-            numbers.add(header.steps.iter().flatten().copied());
-            numbers.words(map.words().iter().copied());
-        }
-        Pack::Weights(map) => {
-            numbers.words([map.size(), map.levels()]);
-            numbers.add(map.ranges().iter().flat_map(|range| [range.scale, range.low]));
-            numbers.words(map.texels().iter().map(|byte| u32::from(*byte)));
-        }
-        Pack::Shadow(map) => {
-            numbers.words([map.size(), map.levels(), map.lights()]);
-            numbers.words(map.texels().iter().map(|byte| u32::from(*byte)));
-        }
-        Pack::Directions(directions) => numbers.words(directions.texels()),
-        other => unreachable!("{:?} has an arm of its own", other.kind()),
+    }
+    if let Some(asset) = parts.values.factored() {
+        factored(asset, &mut numbers);
     }
     values(&numbers)
 }
 
-/// A whole flat BTF from the bytes of its parts by name: what is seen, the light form, and the full form where there are
-/// views. Of a factored one, its values.
-pub fn flat_asset(parts: &BTreeMap<String, Vec<u8>>) -> Result<Hashes, FormatError> {
-    if parts.contains_key("basis") {
-        return factored_asset(parts);
-    }
-    let views = parts.iter().filter(|(part, _)| part.starts_with("flat."));
-    let decoder = FlatBtfDecoder::new(FlatBtfParts {
-        reference: ReferenceMap::from_bytes(&parts["reference"])?,
-        indirection: match parts.get("displacement") {
-            Some(bytes) => DisplacementMap::from_bytes(bytes)?.into(),
-            None => IndirectionMap::from_bytes(&parts["indirection"])?.into(),
-        },
-        normal: NormalMap::from_bytes(&parts["normal"])?,
-        diffuse: DiffuseMap::from_bytes(&parts["diffuse"])?,
-        values: FlatValues::Views(views.map(|(_, bytes)| FlatView::from_bytes(bytes)).collect::<Result<_, _>>()?),
-    })?;
-    let count = decoder.parts().values.views().len() as u32;
-    let lights = decoder.atlas().lights;
-    let mut numbers = Numbers::default();
-    for view in directions().map(single) {
-        for (k, uv) in (0..).zip(points()) {
-            numbers.add(decoder.indirection(uv, view));
-            numbers.add(decoder.light_form(uv, view, view));
-            if count > 0 {
-                numbers.add(decoder.full(uv, view, weights(k, count), weights(k, lights)));
-            }
-        }
-    }
-    Ok(values(&numbers))
-}
-
-/// All texels in all views and lights, and look-ups at and between mipmap levels.
-fn factored_asset(parts: &BTreeMap<String, Vec<u8>>) -> Result<Hashes, FormatError> {
-    let shadow = parts.get("shadow").map(|bytes| ShadowMap::from_bytes(bytes)).transpose()?;
-    let weight_map = WeightMap::from_bytes(&parts["weights"])?;
-    let asset = FactoredFlatBtf::new(BasisMap::from_bytes(&parts["basis"])?, weight_map, shadow)?;
-    let mut numbers = Numbers::default();
+fn factored(asset: &FactoredFlatBtf, numbers: &mut Numbers) {
     let header = asset.header();
     let (views, lights) = (header.views.len() as u32, header.lights.len() as u32);
+    numbers.words([header.size, header.levels, header.groups, header.wide_groups, header.shadow as u32]);
+    numbers.add(header.views.iter().chain(&header.lights).flatten().copied());
     for at in 0..header.size * header.size {
         let texel = asset.texel([at % header.size, at / header.size]);
         for pair in 0..views * lights {
@@ -314,7 +263,6 @@ fn factored_asset(parts: &BTreeMap<String, Vec<u8>>) -> Result<Hashes, FormatErr
         let level = 0.3 * (k % 12) as f32 - 0.3;
         numbers.add(asset.value(uv, level, towards(weights(k, views)), towards(weights(k + 1, lights))));
     }
-    Ok(values(&numbers))
 }
 
 /// Three of `count` directions.

@@ -20,5 +20,4 @@ pub(crate) use header::FACTORED as FACTORED_ENTRY;
 pub use header::{
     BASE_LAYERS, DIFFERENCE_ANGLES, FactoredErrors, FactoredHeader, GROUP, HALF_ANGLES, MAX_GROUPS, ShadowFormat,
 };
-pub(crate) use maps::{SHADOW as SHADOW_ENTRY, WEIGHTS as WEIGHTS_ENTRY};
 pub use maps::{ShadowMap, WeightMap, WeightRange};

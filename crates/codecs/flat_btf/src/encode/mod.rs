@@ -31,8 +31,8 @@ use brdfc_core::progress::{Progress, Stage};
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::Vector;
 use brdfc_formats::flat_btf::{
-    DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatValues, Indirection, IndirectionMap, NormalMap, PositionMap,
-    ReferenceMap, SampledDirections, VisibilityMask,
+    DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatValues, Indirection, IndirectionMap, NormalMap, ReferenceMap,
+    SampledDirections, VisibilityMask,
 };
 use pass::Pass;
 use probing::{computed_probes, measured_probes};
@@ -63,8 +63,6 @@ pub struct FlatBtfEncoded {
     pub views: Option<ScratchViews>,
     /// What blends the sampled views and lights; not in the light form.
     pub directions: Option<SampledDirections>,
-    /// The surface point of each texel.
-    pub position: PositionMap,
     /// Which texels each view sees.
     pub mask: VisibilityMask,
     /// What was measured.
@@ -94,7 +92,6 @@ pub fn encode<E: Send>(
     let texels = model.texels(recipe.flat_texels);
     let size = recipe.flat_texels as u32;
     let single = |v: Vector| v.map(|c| c as f32);
-    let position = PositionMap::new(size, texels.points.iter().map(|p| single(p.position)).collect())?;
     let normal = NormalMap::new(size, texels.points.iter().map(|p| single(p.normal)).collect())?;
     let (indirection, reference) = indirection_maps(&model, recipe, progress)?;
     // Colours come last; the decoder is asked for indirections before.
@@ -163,7 +160,7 @@ pub fn encode<E: Send>(
     let directions = recipe.header(0);
     let directions = full.then(|| SampledDirections::new(&directions.views, &directions.lights)).transpose()?;
     let views = (full && recipe.factor.is_none()).then_some(scratched);
-    Ok(FlatBtfEncoded { parts: decoder.into_parts(), views, directions, position, mask, report, model })
+    Ok(FlatBtfEncoded { parts: decoder.into_parts(), views, directions, mask, report, model })
 }
 
 /// What a view from above sees, and how that moves with the view.

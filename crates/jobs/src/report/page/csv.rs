@@ -1,7 +1,7 @@
 //! The tables of pages, for spreadsheets.
 
 use super::gather::{Page, PageMaterial};
-use crate::flatten::AssetFile;
+use crate::flatten::FlatAsset;
 
 const HEADER: &str = "material,source,codec,size,fetches,bytes_on_disk,bytes_on_gpu,delta_e_mean,delta_e_p95,relative_error,\
                       albedo_max_difference,reciprocity,passed,kept,error\n";
@@ -38,11 +38,11 @@ pub fn csv(page: &Page) -> String {
     text
 }
 
-/// A line per part of a flat BTF behind a header.
-pub fn flat_csv(asset: &AssetFile) -> String {
-    let mut text = "part,file,bytes,gpu_bytes\n".to_owned();
-    for (name, part) in &asset.parts {
-        text += &format!("{name},{},{},{}\n", quoted(&part.file), part.bytes, part.gpu_bytes);
+/// A line per texture of a flat BTF behind a header.
+pub fn flat_csv(asset: &FlatAsset) -> String {
+    let mut text = "texture,gpu_bytes\n".to_owned();
+    for (name, bytes) in &asset.images {
+        text += &format!("{name},{bytes}\n");
     }
     text
 }

@@ -3,15 +3,15 @@
 use super::flat::FlatPage;
 use super::markup::{colour_scale, document, image};
 use crate::flatten::words::{errors, facts, remarks};
-use crate::flatten::{AssetFile, PartFile};
+use crate::flatten::{AssetFile, FlatAsset};
 use brdfc_core::words::bytes;
-use brdfc_formats::flat_btf::FlatPart;
 use brdfc_render::flat::FlatPicture;
 use maud::{Markup, html};
 
 /// A whole file of HTML. The same page gives the same bytes.
 pub fn flat_html(page: &FlatPage) -> String {
-    let FlatPage { asset, pictures, .. } = page;
+    let FlatPage { asset: whole, pictures, .. } = page;
+    let asset = &whole.about;
     let content = html! {
         p {
             "A flat BTF: a surface with relief, laid flat. ΔE is the colour difference of look-ups against what the surface \
@@ -19,7 +19,7 @@ pub fn flat_html(page: &FlatPage) -> String {
         }
         @if let Some(view) = &page.view { p { a href=(view.whole()) { "Turn and light it in a browser" } } }
         div.scroll { table.wraps {
-            tbody { @for (name, value) in facts(asset) { tr { td { (name) } td.left.words { (value) } } } }
+            tbody { @for (name, value) in facts(whole) { tr { td { (name) } td.left.words { (value) } } } }
             @if !asset.materials.is_empty() { tbody { tr {
                 td { "materials" } td.left.words { (asset.materials.join(", ")) }
             } } }
@@ -39,7 +39,7 @@ pub fn flat_html(page: &FlatPage) -> String {
             (row(&pictures.scenes))
             (colour_scale())
         }
-        (parts(asset))
+        (images(whole))
     };
     document(&format!("{}: a flat BTF and its errors", asset.name), &content)
 }
@@ -69,27 +69,16 @@ fn errors_table(asset: &AssetFile) -> Markup {
     }
 }
 
-/// The files; views, of which there may be hundreds, together.
-fn parts(asset: &AssetFile) -> Markup {
-    let is_view = |part: &str| FlatPart::from_name(part) == Some(FlatPart::View);
-    let (views, single): (Vec<_>, Vec<_>) = asset.parts.iter().partition(|(part, _)| is_view(part));
-    let sum = |bytes: fn(&PartFile) -> u64| views.iter().map(|(_, part)| bytes(part)).sum::<u64>();
-    let line = |name: &str, disk: u64, gpu: u64| {
-        html! { tr { td { (name) } td { (bytes(disk)) } td { @if gpu == 0 { "-" } @else { (bytes(gpu)) } } } }
-    };
-    let of_views = match views.as_slice() {
-        [] => String::new(),
-        [(part, _)] => (*part).clone(),
-        [(first, _), .., (last, _)] => format!("{first} to {last}, {} views", views.len()),
-    };
+/// What is on a GPU.
+fn images(asset: &FlatAsset) -> Markup {
+    let line = |name: &str, gpu: u64| html! { tr { td { (name) } td { (bytes(gpu)) } } };
     html! {
-        h2 { "Parts" }
+        h2 { "Textures" }
         div.scroll { table.wraps {
-            thead { tr { th { "part" } th { "on disk" } th { "on GPU" } } }
+            thead { tr { th { "texture" } th { "on GPU" } } }
             tbody {
-                @for (name, part) in single { (line(name, part.bytes, part.gpu_bytes)) }
-                @if !views.is_empty() { (line(&of_views, sum(|part| part.bytes), sum(|part| part.gpu_bytes))) }
-                (line("all", asset.bytes(), asset.gpu_bytes()))
+                @for (name, gpu) in &asset.images { (line(name, *gpu)) }
+                (line("all", asset.gpu_bytes))
             }
         } }
     }

@@ -153,7 +153,7 @@ fn material(folder: &Path, entry: MaterialEntry, note: BuiltNote) -> Result<Page
 fn brdf_pack(folder: &Path, entry: &MaterialEntry, name: &str) -> Result<BrdfPack, GatherError> {
     let path = folder.join(name);
     let bytes = listed_file(folder, &entry.files, name)?;
-    match Pack::from_bytes(&bytes, None).map_err(|error| wrong_file(&path, error.to_string()))? {
+    match Pack::from_bytes(&bytes).map_err(|error| wrong_file(&path, error.to_string()))? {
         Pack::Table(pack) => Ok(BrdfPack::Table(pack)),
         Pack::Wavelet(pack) => Ok(BrdfPack::Wavelet(pack)),
         other => Err(wrong_file(&path, other.kind().name().to_owned())),

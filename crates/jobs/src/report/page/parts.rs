@@ -56,7 +56,7 @@ pub(super) fn map_part(folder: &Path, listed: &[FileEntry], name: &str) -> Resul
     let bytes = listed_file(folder, listed, name)?;
     let path = folder.join(name);
     let (bytes_on_gpu, words, picture) =
-        match Pack::from_bytes(&bytes, None).map_err(|error| wrong_file(&path, error.to_string()))? {
+        match Pack::from_bytes(&bytes).map_err(|error| wrong_file(&path, error.to_string()))? {
             Pack::Bandwidth(map) => {
                 let facts = BandwidthFacts::new(&map);
                 (facts.gpu_bytes, bandwidth_in_words(&facts), Some(bandwidth_panel(&map)))
