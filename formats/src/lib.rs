@@ -23,7 +23,7 @@ mod kind;
 pub mod memory;
 pub mod pwt;
 pub mod table;
-mod tap;
+pub mod tap;
 pub mod vector_math;
 pub mod wavelet;
 
