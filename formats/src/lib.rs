@@ -7,6 +7,7 @@
 //! from the surface (`incoming` to the light, `outgoing` to the viewer); values are `f_r` in 1/sr, linear RGB with
 //! Rec. 709 primaries.
 
+mod arc_tangent;
 pub mod bandwidth;
 mod brdf_pack;
 pub mod container;

@@ -1,9 +1,10 @@
 //! What a shader needs besides the textures of bandwidth maps: `formats/src/bandwidth/map.wgsl` and its uniform block.
 
+use crate::arc_tangent::arc_tangent_wgsl;
 use crate::bandwidth::{BandwidthKind, BandwidthMap};
 
 /// The WGSL look-ups. It declares a uniform block and three textures in bind group 1; see the file.
-pub const BANDWIDTH_WGSL: &str = include_str!("map.wgsl");
+pub const BANDWIDTH_WGSL: &str = concat!(include_str!("map.wgsl"), arc_tangent_wgsl!("bandwidth", "BANDWIDTH"));
 
 /// The uniform block `BandwidthParameters` of the shader.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -1,11 +1,12 @@
 //! What a shader needs besides the textures of a flat BTF: `formats/src/flat_btf/decoder.wgsl` and its uniform block.
 
 use super::factored::shader::FACTORED_WGSL;
+use crate::arc_tangent::arc_tangent_wgsl;
 use crate::direction_mesh::DIRECTION_MESH_WGSL;
 use crate::flat_btf::{FlatBtfDecoder, FlatValues, Indirection};
 
 /// The WGSL decoder. It declares a uniform block, six textures and a sampler in bind group 1; see the file.
-pub const FLAT_BTF_WGSL: &str = include_str!("decoder.wgsl");
+pub const FLAT_BTF_WGSL: &str = concat!(include_str!("decoder.wgsl"), arc_tangent_wgsl!("flat_btf", "FLAT_BTF"));
 
 /// All that a flat BTF of any form is drawn by: [`FLAT_BTF_WGSL`], the factored values, the weights of views and lights, and
 /// `flat_btf_value`, which puts them together.
