@@ -10,7 +10,7 @@ use brdfc_jobs::pwt::Relightable;
 use brdfc_jobs::report::material::repairs_in_words;
 use brdfc_readers::scan_csv::{directions_from_bytes, texels_from_bytes};
 use brdfc_source::Input;
-use brdfc_source::open::{Facts, open};
+use brdfc_source::open::open;
 use clap::Args;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -74,16 +74,14 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
     let pairs = directions_from_bytes(&bytes).map_err(in_file)?;
     let opened = open(&arguments.input, arguments.lod)?;
     note_directions(common, &arguments.input, opened.source.as_ref());
-    match (&opened.facts, arguments.lod) {
-        (Facts::WaveletPack { levels, .. } | Facts::TablePack { levels, .. }, Some(level))
-            if level > *levels as f32 =>
-        {
+    match (opened.facts.levels(), arguments.lod) {
+        (Some(levels), Some(level)) if level > levels as f32 => {
             return Err(CliError::Usage(format!(
                 "--lod: found {}; allowed 0 to {levels}, the pack's levels",
                 format_number(level)
             )));
         }
-        (Facts::WaveletPack { .. } | Facts::TablePack { .. }, _) | (_, None) => {}
+        (Some(_), _) | (_, None) => {}
         _ => return Err(CliError::Usage("--lod: only packs have levels of detail".to_owned())),
     }
 

@@ -7,6 +7,7 @@
 //! from the surface (`incoming` to the light, `outgoing` to the viewer); values are `f_r` in 1/sr, linear RGB with
 //! Rec. 709 primaries.
 
+mod arc_tangent;
 pub mod bandwidth;
 pub mod bindings;
 mod brdf_pack;
@@ -24,7 +25,7 @@ mod kind;
 pub mod memory;
 pub mod pwt;
 pub mod table;
-mod tap;
+pub mod tap;
 pub mod vector_math;
 pub mod wavelet;
 

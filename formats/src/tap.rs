@@ -1,24 +1,44 @@
-//! Samples around a position and their weights, as decoders of textures find them: f32 arithmetic in a fixed order.
+//! Samples around a position and their weights, as decoders of textures and filters of images find them: arithmetic in a
+//! fixed order.
 
 /// Two neighbouring samples along one axis and the weight of the second.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Tap {
-    pub(crate) samples: [u32; 2],
-    pub(crate) weight: f32,
+pub struct Tap {
+    /// Indices of the samples.
+    pub samples: [u32; 2],
+    /// Weight of the second, 0 to 1.
+    pub weight: f32,
 }
 
 impl Tap {
     /// The samples around a position, counted from the border of the first of `count`; their centres are at halves. Beyond the
     /// ends they repeat, or the last one goes on.
-    pub(crate) fn new(position: f32, count: u32, repeats: bool) -> Self {
-        let at = position - 0.5;
+    pub fn new(position: f32, count: u32, repeats: bool) -> Self {
+        Self::around(position - 0.5, count, repeats)
+    }
+
+    /// [`Self::new`] of a position that is counted from the centre of the first sample.
+    pub fn around(at: f32, count: u32, repeats: bool) -> Self {
         let lower = at.floor();
-        let weight = at - lower;
-        let first = lower as i32;
+        Self::of_samples(lower as i32, at - lower, count, repeats)
+    }
+
+    /// [`Self::around`] in double precision, for positions far from the first sample.
+    pub fn around_f64(at: f64, count: u32, repeats: bool) -> Self {
+        let lower = at.floor();
+        Self::of_samples(lower as i32, (at - lower) as f32, count, repeats)
+    }
+
+    fn of_samples(first: i32, weight: f32, count: u32, repeats: bool) -> Self {
         let sample = |k: i32| {
             if repeats { k.rem_euclid(count as i32) as u32 } else { k.clamp(0, count as i32 - 1) as u32 }
         };
         Self { samples: [sample(first), sample(first.saturating_add(1))], weight }
+    }
+
+    /// Indices of the samples, for slices.
+    pub fn indices(self) -> [usize; 2] {
+        self.samples.map(|sample| sample as usize)
     }
 
     /// Samples with their weights.
@@ -41,6 +61,13 @@ pub(crate) fn footprint(column: Tap, row: Tap) -> [([u32; 2], f32); 4] {
         }
     }
     samples
+}
+
+/// The value between four samples, which `sample` gives by column and row: along the rows first.
+pub fn bilinear<const N: usize>([column, row]: [Tap; 2], sample: impl Fn([usize; 2]) -> [f32; N]) -> [f32; N] {
+    let between = |[a, b]: [[f32; N]; 2], weight: f32| std::array::from_fn(|k| a[k] + weight * (b[k] - a[k]));
+    let along = |row: usize| between(column.indices().map(|column| sample([column, row])), column.weight);
+    between(row.indices().map(along), row.weight)
 }
 
 /// The fraction, 0 to below 1. Numbers that have none become 0.
@@ -69,8 +96,16 @@ mod tests {
             assert_eq!(Tap::new(position, 4, repeats), Tap { samples, weight }, "{position} {repeats}");
         }
         assert_eq!(periodic_tap(0.125, 4), Tap { samples: [0, 1], weight: 0.0 });
+        assert_eq!(Tap::around(-0.25, 4, true), Tap { samples: [3, 0], weight: 0.75 });
+        assert_eq!(Tap::around_f64(1e6 + 0.25, 4, true), Tap { samples: [0, 1], weight: 0.25 });
         assert_eq!(periodic_tap(0.4, 1).samples, [0, 0]);
         assert_eq!([-1e-9, 1.25, -0.25, f32::NAN].map(wrap), [0.0, 0.25, 0.75, 0.0]);
+    }
+
+    #[test]
+    fn between_four_samples() {
+        let taps = [Tap { samples: [0, 1], weight: 0.25 }, Tap { samples: [1, 0], weight: 0.5 }];
+        assert_eq!(bilinear(taps, |[column, row]| [column as f32 + 10.0 * row as f32, 7.0]), [5.25, 7.0]);
     }
 
     /// What the shaders do for parameters from 0 to below 1: they take the last texel, and the first, by comparisons.

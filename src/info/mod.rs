@@ -18,8 +18,8 @@ use brdfc_pwt::PwtFacts;
 use brdfc_shaders::DeviceNeeds;
 use brdfc_source::flat_btf::flat_btf_file;
 use brdfc_source::light_stack::{self, LightStack, LightStackFacts, is_light_stack};
-use brdfc_source::open::{Facts, Opened, open};
-use brdfc_source::pack::{open_pack, opened};
+use brdfc_source::open::{Facts, Opened, open, opened};
+use brdfc_source::pack::open_pack;
 use brdfc_source::ptm::{self, PtmFacts, open_ptm};
 use brdfc_source::{Input, InputError};
 use clap::Args;
@@ -221,7 +221,7 @@ fn contents_in_words(contents: &Contents) -> Vec<(&'static str, String)> {
     match contents {
         Contents::Reflectance { facts, symmetry, grey } => {
             let mut lines = facts.in_words();
-            if !matches!(facts, Facts::WaveletPack { .. } | Facts::TablePack { .. }) {
+            if facts.levels().is_none() {
                 lines.push(("symmetry", symmetry_in_words(*symmetry)));
                 lines.push(("colour", if *grey { "grey (one channel)" } else { "RGB" }.to_owned()));
             }

@@ -10,6 +10,7 @@ use crate::{CliError, Common};
 use brdfc_bandwidth::DEFAULT_EPSILON;
 use brdfc_bandwidth::facts::BandwidthFacts;
 use brdfc_bandwidth::map::environment_map;
+use brdfc_core::decoded;
 use brdfc_core::words::format_number;
 use brdfc_formats::BrdfPack;
 use brdfc_formats::bandwidth::BandwidthMap;
@@ -23,7 +24,6 @@ use brdfc_render::adaptive::{
 };
 use brdfc_render::scene::Frame;
 use brdfc_render::shade::Reflectance;
-use brdfc_source::pack::opened;
 use serde::Serialize;
 use std::time::Instant;
 
@@ -192,7 +192,7 @@ fn lookups(prepared: &Prepared) -> Result<Lookups, CliError> {
     let source = match &prepared.source {
         Some(source) => source.as_ref(),
         None => {
-            unpacked = opened(&prepared.pack, None).source;
+            unpacked = decoded(&prepared.pack, None);
             unpacked.as_ref()
         }
     };

@@ -8,8 +8,8 @@ use brdfc_formats::BrdfPack;
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::table::{TableDecoder, TablePack};
 use brdfc_formats::wavelet::{Filter, WaveletDecoder, WaveletPack};
-use brdfc_source::open::{Facts, Opened, open};
-use brdfc_source::pack::{open_brdf_pack, opened};
+use brdfc_source::open::{Facts, Opened, open, opened};
+use brdfc_source::pack::open_brdf_pack;
 use brdfc_core::words::format_number;
 use brdfc_core::{Source, Tally};
 use brdfc_source::{Input, InputError};
@@ -117,15 +117,9 @@ impl Material {
 
     /// What it is: synth, merl, scan, rgl, table-pack or wavelet-pack.
     #[getter]
-    fn kind(&self) -> &'static str {
-        match self.facts {
-            Facts::Synth { .. } => "synth",
-            Facts::Merl { .. } => "merl",
-            Facts::Scan { .. } => "scan",
-            Facts::Rgl { .. } => "rgl",
-            Facts::WaveletPack { .. } => "wavelet-pack",
-            Facts::TablePack { .. } => "table-pack",
-        }
+    fn kind(&self) -> PyResult<String> {
+        let facts = serde_json::to_value(&self.facts).map_err(|error| wrong("facts", error.to_string(), "JSON"))?;
+        Ok(facts["kind"].as_str().unwrap_or_default().to_owned())
     }
 
     /// Whether it is known to look the same when turned about the normal. False for all wavelet packs, which do not say.
@@ -149,10 +143,7 @@ impl Material {
     /// Levels of detail besides the finest; 0 of all but packs.
     #[getter]
     fn levels(&self) -> u32 {
-        match self.facts {
-            Facts::WaveletPack { levels, .. } | Facts::TablePack { levels, .. } => levels,
-            _ => 0,
-        }
+        self.facts.levels().unwrap_or(0)
     }
 
     /// What `brdfc info --json` says of it, as a dict.

@@ -11,7 +11,7 @@ mod symmetry;
 mod tally;
 pub mod words;
 
-pub use pack_source::{PackSource, TableSource};
+pub use pack_source::{PackSource, TableSource, decoded};
 pub use symmetry::Symmetry;
 pub use tally::Tally;
 

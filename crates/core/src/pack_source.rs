@@ -2,10 +2,19 @@
 
 use super::pair_list::PairBlock;
 use super::{Source, Symmetry, Tally};
+use brdfc_formats::BrdfPack;
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::table::{TableDecoder, TablePack};
 use brdfc_formats::wavelet::{Filter, WaveletDecoder, WaveletPack};
+
+/// A pack of either codec, decoded at a level of detail; `None` is the finest.
+pub fn decoded(pack: &BrdfPack, level: Option<f32>) -> Box<dyn Source> {
+    match pack {
+        BrdfPack::Wavelet(pack) => Box::new(PackSource::new(pack, level)),
+        BrdfPack::Table(pack) => Box::new(TableSource::at(pack, level)),
+    }
+}
 
 /// A wavelet pack, decoded at a level of detail with bilinear filtering on both hemispheres.
 #[derive(Debug)]

@@ -252,8 +252,8 @@ impl Gpu {
     }
 }
 
-/// How the device calls a texel format.
-pub(super) fn texture_format(format: TexelFormat) -> TextureFormat {
+/// How wgpu calls a texel format.
+pub fn texture_format(format: TexelFormat) -> TextureFormat {
     match format {
         TexelFormat::R8Unorm => TextureFormat::R8Unorm,
         TexelFormat::Rg8Unorm => TextureFormat::Rg8Unorm,

@@ -20,6 +20,7 @@ mod surface;
 pub mod verify;
 
 pub use adaptive::{AdaptiveRenderer, AdaptiveShaders, LoadedAdaptive, LoadedGBuffer};
+pub use bindings::texture_format;
 pub use compute::{COMPUTE_WGSL, Compute};
 pub use device::{AdapterChoice, AdapterDescription, Gpu, GpuError};
 pub use draw::{Decoding, Renderer, SCENE_WGSL, scene_source};

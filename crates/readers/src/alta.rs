@@ -2,10 +2,18 @@
 //! written. Layout: `crates/readers/src/alta.md`.
 
 use super::scan::{Scan, check_value, checked_row, number, quoted};
+use crate::file_kind::{Begins, FileKind, begins_with};
 use crate::text;
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::Vector;
 use std::f64::consts::TAU;
+
+/// Tables of ALTA.
+pub static KIND: FileKind = FileKind {
+    description: "a table of ALTA (.dat)",
+    extensions: &["dat"],
+    begins: Begins::Text(|text| text.lines().any(|line| begins_with(line, &["#PARAM_IN", "#DIM "]))),
+};
 
 /// Rows whose outgoing direction has a smaller cosine to the normal say nothing about `f_r` where values hold that cosine.
 pub const SMALLEST_COSINE: f64 = 0.01;

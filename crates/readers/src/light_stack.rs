@@ -1,10 +1,15 @@
 //! Directions to the lights of photographs of one view, `.lp`. Layout: `crates/readers/src/light_stack.md`.
 
 use super::scan::{number, quoted};
+use crate::file_kind::{Begins, FileKind};
 use crate::text;
 use brdfc_formats::FormatError;
 use std::collections::BTreeMap;
 use std::fmt::Write;
+
+/// Lists of the lights of a light stack.
+pub static KIND: FileKind =
+    FileKind { description: "the lights of a light stack (.lp)", extensions: &["lp"], begins: Begins::Text(is_list) };
 
 /// Most lights of a stack.
 pub const MAX_LIGHTS: usize = 4096;
@@ -121,6 +126,14 @@ fn unit(vector: [f64; 3], line: u64) -> Result<[f32; 3], FormatError> {
     }
     let found = format!("{} {} {}, at or below the horizon", vector[0], vector[1], vector[2]);
     wrong("direction", found, "z greater than 0")
+}
+
+/// Whether text begins as a list of lights does: a number alone, then a name and three numbers.
+fn is_list(text: &str) -> bool {
+    let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+    let (first, second) = (lines.next().unwrap_or(""), lines.next().unwrap_or(""));
+    let words: Vec<bool> = second.split_whitespace().map(|word| word.parse::<f64>().is_ok()).collect();
+    first.parse::<u32>().is_ok() && words.len() > 3 && !words[0] && words.ends_with(&[true; 3])
 }
 
 #[cfg(test)]

@@ -1,8 +1,16 @@
 //! MERL `.binary`: a dense isotropic table over half and difference angles. Layout: `crates/readers/src/merl.md`.
 
+use crate::file_kind::{Begins, FileKind};
 use brdfc_formats::{FormatError, memory};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::io::{Read, Seek, SeekFrom, Write};
+
+/// MERL tables: the header fits the length.
+pub static KIND: FileKind = FileKind {
+    description: "a MERL table (.binary)",
+    extensions: &["binary"],
+    begins: Begins::Fitting(|start, length| Dimensions::from_header(start, length).is_ok()),
+};
 
 /// Size of the header: three little-endian `i32`.
 pub const HEADER_BYTES: u64 = 12;

@@ -2,7 +2,15 @@
 //! `crates/readers/src/ptm.md`.
 
 use super::scan::{number, quoted};
+use crate::file_kind::{Begins, FileKind};
 use brdfc_formats::{FormatError, memory};
+
+/// Polynomial texture maps.
+pub static KIND: FileKind = FileKind {
+    description: "a polynomial texture map (.ptm)",
+    extensions: &["ptm"],
+    begins: Begins::With(&[b"PTM_1."]),
+};
 
 /// Most pixels per row, and most rows.
 pub const MAX_SIZE: u32 = 1 << 16;

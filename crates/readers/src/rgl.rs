@@ -6,7 +6,12 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use super::tensor::{self, ElementKind, Elements, Tensor, TensorFile};
+use crate::file_kind::{Begins, FileKind};
 use brdfc_formats::FormatError;
+
+/// Materials of the RGL database.
+pub static KIND: FileKind =
+    FileKind { description: "an RGL material (.bsdf)", extensions: &["bsdf"], begins: Begins::With(&[tensor::MAGIC]) };
 
 /// Angles in files are rounded to single precision and may pass their limits by this much, radians.
 const ANGLE_SLACK: f64 = 1e-5;

@@ -1,9 +1,17 @@
 //! Scattered gonioreflectometer scans as text, `.brdf`. Layout: `crates/readers/src/scan.md`.
 
+use crate::file_kind::{Begins, FileKind, first_line};
 use crate::{colour, text};
 use brdfc_formats::{FormatError, memory};
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::io::Write;
+
+/// Scans as text: numbers.
+pub static KIND: FileKind = FileKind {
+    description: "a scan as text (.brdf)",
+    extensions: &["brdf"],
+    begins: Begins::Text(|text| is_first_line(first_line(text))),
+};
 
 /// Most wavelengths of a scan.
 pub const MAX_WAVELENGTHS: usize = 10_000;
@@ -237,6 +245,13 @@ pub(super) fn checked_row(angles: [f64; 4], value: [f64; 3], line: u64) -> Resul
         }
     }
     Ok(Row { theta_i, phi_i, theta_o, phi_o, value })
+}
+
+/// Whether a line can be the first of a scan: how many wavelengths, and perhaps the first of them.
+fn is_first_line(line: &str) -> bool {
+    let mut words = line.split_ascii_whitespace();
+    let counts = words.next().is_some_and(|word| word.parse::<u32>().is_ok_and(|count| count > 0));
+    counts && words.all(|word| word.parse::<f64>().is_ok())
 }
 
 #[cfg(test)]

@@ -1,10 +1,21 @@
 //! Scattered scans as CSV with RGB columns. Layout: `crates/readers/src/scan_csv.md`.
 
 use super::scan::{self, Row, Scan, number};
+use crate::file_kind::{Begins, FileKind, first_line};
 use crate::text;
 use brdfc_formats::direction::{Vector, dot};
 use brdfc_formats::{FormatError, memory};
 use std::io::{Read, Write};
+
+/// Scans, or lists of directions, as CSV.
+pub static KIND: FileKind = FileKind {
+    description: "a scan or a list of directions (.csv)",
+    extensions: &["csv"],
+    begins: Begins::Text(|text| {
+        let first = first_line(text);
+        first.contains("wi_x") || first.contains("theta_i")
+    }),
+};
 
 /// Columns of a scan in angles, radians.
 pub const ANGLE_COLUMNS: [&str; 7] = ["theta_i", "phi_i", "theta_o", "phi_o", "r", "g", "b"];

@@ -2,6 +2,7 @@
 
 use super::scene::{Environment, HeightMap};
 use brdfc_formats::direction::{Vector, polynomial_atan2};
+use brdfc_formats::tap::Tap;
 use brdfc_metrics::image::luminance;
 use rayon::prelude::*;
 use std::f32::consts::PI;
@@ -15,11 +16,11 @@ impl Environment {
         let colatitude = polynomial_atan2((x * x + z * z).sqrt(), y);
         let column = azimuth / (2.0 * PI) * self.width as f32 - 0.5;
         let row = (colatitude / PI * self.height as f32 - 0.5).clamp(0.0, (self.height - 1) as f32);
-        let [a, b] = wrapped_pair(column, self.width);
-        let c = row.floor() as usize;
-        let d = (c + 1).min(self.height - 1);
+        let (columns, rows) =
+            (Tap::around(column, self.width as u32, true), Tap::around(row, self.height as u32, false));
+        let ([a, b], [c, d]) = (columns.indices(), rows.indices());
         let texel = |column: usize, row: usize| self.pixels[row * self.width + column];
-        let (s, t) = (f64::from(column - column.floor()), f64::from(row - row.floor()));
+        let (s, t) = (f64::from(columns.weight), f64::from(rows.weight));
         [0, 1, 2].map(|k| {
             let mixed = |row| mix(f64::from(texel(a, row)[k]), f64::from(texel(b, row)[k]), s);
             mix(mixed(c), mixed(d), t)
@@ -81,17 +82,12 @@ impl HeightMap {
 
     /// Bilinear, periodic. Texel centres at `(i + ½) / size`.
     pub fn at(&self, uv: [f64; 2]) -> f64 {
-        let [x, y] = uv.map(|c| (c * self.size as f64 - 0.5) as f32);
-        let ([a, b], [c, d]) = (wrapped_pair(x, self.size), wrapped_pair(y, self.size));
+        let [columns, rows] = uv.map(|c| Tap::around((c * self.size as f64 - 0.5) as f32, self.size as u32, true));
+        let ([a, b], [c, d]) = (columns.indices(), rows.indices());
         let height = |column: usize, row: usize| f64::from(self.heights[row * self.size + column]);
-        let (s, t) = (f64::from(x - x.floor()), f64::from(y - y.floor()));
+        let (s, t) = (f64::from(columns.weight), f64::from(rows.weight));
         mix(mix(height(a, c), height(b, c), s), mix(height(a, d), height(b, d), s), t)
     }
-}
-
-fn wrapped_pair(position: f32, size: usize) -> [usize; 2] {
-    let lower = position.floor() as i64;
-    [lower, lower + 1].map(|index| index.rem_euclid(size as i64) as usize)
 }
 
 fn mix(a: f64, b: f64, t: f64) -> f64 {

@@ -1,13 +1,14 @@
 //! What a user names as an input: an address, a file, or standard input; and its bytes.
 
 use super::error::InputError;
+use super::misnamed::wrong_contents;
 use super::read::{
     HeardFile, MAX_FILE_BYTES, ReadListener, check_length, extension_of, open_heard, read_all_text, read_file,
     read_text, read_within, up_to_nul,
 };
-use super::recognise::{FileKind, START_BYTES, recognise, wrong_contents};
 use brdfc_core::address::is_synth;
 use brdfc_formats::FormatError;
+use brdfc_readers::recognise::{START_BYTES, recognise};
 use std::borrow::Cow;
 use std::ffi::OsString;
 use std::fmt;
@@ -89,7 +90,7 @@ impl Input {
             Self::Stdin(stdin) => {
                 let bytes = stdin.bytes()?;
                 let kind = recognise(bytes, bytes.len() as u64);
-                kind.and_then(|kind: FileKind| kind.extensions().first()).map_or("", |extension| extension).to_owned()
+                kind.and_then(|kind| kind.extensions.first()).map_or("", |extension| extension).to_owned()
             }
         })
     }

@@ -1,9 +1,9 @@
 //! Light stacks: photographs of one view under known lights. Layout: `crates/readers/src/light_stack.md`.
 
 use crate::InputError;
+use crate::misnamed::wrong_contents;
 use crate::photograph::{Image, common_size};
 use crate::read::{MAX_TEXT_BYTES, extension_of, read_file};
-use crate::recognise::wrong_contents;
 use brdfc_formats::FormatError;
 use brdfc_readers::light_stack::LightPositions;
 use std::collections::{BTreeMap, BTreeSet};

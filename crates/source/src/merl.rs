@@ -1,23 +1,52 @@
 //! MERL tables as a source.
 
 use super::error::InputError;
-use super::format::{Facts, Format, Opened};
+use super::format::{Describe, Format, Opened};
 use super::input::InputFile;
 use super::read::{MAX_FILE_BYTES, check_length};
 use brdfc_core::half_difference::HalfDifference;
 use brdfc_core::pair_list::PairBlock;
 use brdfc_core::{Source, Symmetry, Tally};
 use brdfc_formats::direction::DirectionPair;
-use brdfc_readers::merl::{Merl, MerlError};
+use brdfc_readers::merl::{self, Merl, MerlError};
 use std::sync::OnceLock;
 
 /// Largest relative difference between a cell and its image that still counts as the rounding of a symmetric file.
 const SYMMETRY_TOLERANCE: f32 = 1e-5;
 
-/// How MERL tables are opened.
-pub(crate) const FORMAT: Format = Format { extension: "binary", name: "MERL", open };
+/// What is worth knowing of a MERL table.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
+pub struct MerlFacts {
+    /// Samples along theta_h, theta_d and phi_d.
+    pub dimensions: [usize; 3],
+    /// Cells with a measurement.
+    pub valid_cells: usize,
+    /// Cells without.
+    pub invalid_cells: usize,
+}
 
-fn open(mut input: InputFile<'_>) -> Result<Opened, InputError> {
+impl Describe for MerlFacts {
+    fn lines(&self) -> Vec<(&'static str, String)> {
+        let Self { dimensions: [h, d, p], valid_cells, invalid_cells } = self;
+        vec![
+            ("kind", "MERL table".to_owned()),
+            ("samples (theta_h x theta_d x phi_d)", format!("{h} x {d} x {p}")),
+            ("azimuths cover", if *p == 4 * d { "a full turn" } else { "half a turn" }.to_owned()),
+            ("valid cells", format!("{valid_cells} of {}", valid_cells + invalid_cells)),
+        ]
+    }
+
+    fn samples(&self) -> u64 {
+        self.valid_cells as u64
+    }
+}
+
+/// MERL tables as inputs.
+pub(crate) const fn format<F: From<MerlFacts>>() -> Format<F> {
+    Format { name: "MERL", kind: &merl::KIND, open }
+}
+
+fn open<F: From<MerlFacts>>(mut input: InputFile<'_>) -> Result<Opened<F>, InputError> {
     check_length(input.length, MAX_FILE_BYTES).map_err(|error| InputError::format(input.path, error))?;
     let table = match Merl::read(&mut input.file, input.length) {
         Ok(table) => table,
@@ -26,12 +55,12 @@ fn open(mut input: InputFile<'_>) -> Result<Opened, InputError> {
     };
     let source = MerlSource::new(table);
     let (n, valid_cells) = (source.table().dimensions, source.table().valid_cells);
-    let facts = Facts::Merl {
+    let facts = MerlFacts {
         dimensions: [n.theta_half, n.theta_difference, n.phi_difference],
         valid_cells,
         invalid_cells: n.cells() - valid_cells,
     };
-    Ok(Opened { source: Box::new(source), facts })
+    Ok(Opened { source: Box::new(source), facts: facts.into() })
 }
 
 /// A MERL table, interpolated trilinearly in `(sqrt(theta_h), theta_d, phi_d)`.

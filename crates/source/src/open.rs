@@ -1,20 +1,87 @@
 //! Opens any input: a path, a `synth:` address or standard input. [`FORMATS`] is the one table of files that have reflectance.
 
-pub use super::format::{Facts, Format, Opened};
+pub use super::format::{Describe, Format};
 
 use super::error::InputError;
 use super::input::{Input, InputFile};
 use super::light_stack::{self, is_light_stack};
+use super::merl::{self, MerlFacts};
+use super::pack::{self, TablePackFacts, WaveletPackFacts};
 use super::read::{ReadListener, extension_of, found_extension};
+use super::rgl::{self, RglFacts};
+use super::scan::{self, ScanFacts};
 use super::ubo_btf::is_ubo_btf;
-use super::{merl, pack, ptm, rgl, scan};
+use super::{format, ptm};
 use brdfc_core::address;
-use brdfc_formats::FormatError;
+use brdfc_formats::{BrdfPack, FormatError};
+use std::ops::Deref;
 use std::path::Path;
 
-/// Every kind of file that has reflectance.
-pub static FORMATS: [Format; 6] =
-    [merl::FORMAT, scan::TEXT_FORMAT, scan::CSV_FORMAT, scan::ALTA_FORMAT, rgl::FORMAT, pack::FORMAT];
+/// Makes [`Facts`] and [`FORMATS`] of one line for each kind of input: what is known of it, and the formats of its files.
+macro_rules! inputs {
+    ($($(#[$doc:meta])* $kind:ident($facts:ty): $($format:expr),*;)*) => {
+        /// What kind of input it is, with what is worth knowing about it.
+        #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
+        #[serde(tag = "kind", rename_all = "kebab-case")]
+        pub enum Facts {
+            $($(#[$doc])* $kind($facts),)*
+        }
+
+        impl Deref for Facts {
+            type Target = dyn Describe;
+
+            fn deref(&self) -> &Self::Target {
+                match self {
+                    $(Self::$kind(facts) => facts,)*
+                }
+            }
+        }
+
+        $(impl From<$facts> for Facts {
+            fn from(facts: $facts) -> Self {
+                Self::$kind(facts)
+            }
+        })*
+
+        /// Every kind of file that has reflectance.
+        pub static FORMATS: &[Format<Facts>] = &[$($($format,)*)*];
+    };
+}
+
+inputs! {
+    /// An analytic model.
+    Synth(SynthFacts): ;
+    /// A MERL table.
+    Merl(MerlFacts): merl::format();
+    /// A scattered scan.
+    Scan(ScanFacts): scan::text_format(), scan::csv_format(), scan::alta_format();
+    /// An RGL material.
+    Rgl(RglFacts): rgl::format();
+    /// A wavelet pack.
+    WaveletPack(WaveletPackFacts): ;
+    /// A table pack.
+    TablePack(TablePackFacts): pack::format();
+}
+
+/// An input, ready for evaluation.
+pub type Opened = format::Opened<Facts>;
+
+/// What is worth knowing of an analytic model.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
+pub struct SynthFacts {
+    /// The address with all parameters.
+    pub address: String,
+}
+
+impl Describe for SynthFacts {
+    fn lines(&self) -> Vec<(&'static str, String)> {
+        vec![("kind", "analytic model".to_owned()), ("address", self.address.clone())]
+    }
+
+    fn samples(&self) -> u64 {
+        0
+    }
+}
 
 /// The files that can be opened, for messages: `.binary (MERL), .brdf (scan) ...`.
 pub fn known_files() -> String {
@@ -23,8 +90,8 @@ pub fn known_files() -> String {
 
 /// Those of them that have another extension.
 pub fn files_but_for(extension: &str) -> String {
-    let others = FORMATS.iter().filter(|format| format.extension != extension);
-    others.map(|format| format!(".{} ({})", format.extension, format.name)).collect::<Vec<_>>().join(", ")
+    let others = FORMATS.iter().filter(|format| format.extension() != extension);
+    others.map(|format| format!(".{} ({})", format.extension(), format.name)).collect::<Vec<_>>().join(", ")
 }
 
 /// Opens `input`. `level` is the level of detail that packs are decoded at; other inputs have none.
@@ -37,8 +104,8 @@ pub fn open(input: impl Into<Input>, level: Option<f32>) -> Result<Opened, Input
         Input::Address(name) => {
             let model = address::parse_model(name.strip_prefix(address::SYNTH_PREFIX).unwrap_or(name))
                 .map_err(|error| InputError::Address { name: name.clone(), error })?;
-            let facts = Facts::Synth { address: address::canonical(model.as_ref()) };
-            Ok(Opened { source: model, facts })
+            let facts = SynthFacts { address: address::canonical(model.as_ref()) };
+            Ok(Opened { source: model, facts: facts.into() })
         }
         Input::File(path) => open_file(path, level),
         Input::Stdin(_) => {
@@ -56,8 +123,13 @@ pub fn open(input: impl Into<Input>, level: Option<f32>) -> Result<Opened, Input
     }
 }
 
-fn format_of(extension: &str) -> Option<&'static Format> {
-    FORMATS.iter().find(|format| format.extension == extension)
+/// A pack as an input, decoded at a level of detail; `None` is the finest.
+pub fn opened(pack: &BrdfPack, level: Option<f32>) -> Opened {
+    pack::opened(pack, level)
+}
+
+fn format_of(extension: &str) -> Option<&'static Format<Facts>> {
+    FORMATS.iter().find(|format| format.extension() == extension)
 }
 
 /// Opens a file.

@@ -10,10 +10,10 @@ use brdfc_formats::FormatError;
 use brdfc_formats::direction::{DirectionPair, Vector, half_vector};
 use brdfc_formats::memory::reserved;
 use brdfc_readers::colour::rgb_weights;
-use brdfc_readers::rgl::{Azimuths, Colour, Map, Rgl};
+use brdfc_readers::rgl::{Azimuths, Colour, KIND, Map, Rgl};
 
 use super::error::InputError;
-use super::format::{Facts, Format, Opened};
+use super::format::{Describe, Format, Opened};
 use super::input::InputFile;
 use brdfc_core::{Source, Symmetry, Tally};
 use warp::{Cell, Incidence, VisibleNormals};
@@ -24,20 +24,54 @@ const NO_AZIMUTH: f64 = 1e-24;
 /// Largest relative difference of values that count as equal when a symmetry is looked for.
 const SAME: f32 = 1e-6;
 
-/// How RGL materials are opened.
-pub(crate) const FORMAT: Format = Format { extension: "bsdf", name: "RGL", open };
+/// What is worth knowing of an RGL material.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
+pub struct RglFacts {
+    /// What the file says of itself.
+    pub description: String,
+    /// Incoming azimuths measured.
+    pub azimuths: usize,
+    /// Incoming polar angles measured.
+    pub polar_angles: usize,
+    /// Rows and columns of the colour tensor per incoming direction.
+    pub resolution: [usize; 2],
+    /// Colour channels or wavelengths in the file.
+    pub channels: usize,
+}
 
-fn open(input: InputFile<'_>) -> Result<Opened, InputError> {
+impl Describe for RglFacts {
+    fn lines(&self) -> Vec<(&'static str, String)> {
+        let Self { description, azimuths, polar_angles, resolution: [rows, columns], channels } = self;
+        vec![
+            ("kind", "RGL material".to_owned()),
+            ("description", description.clone()),
+            ("incoming directions", format!("{azimuths} azimuths x {polar_angles} polar angles")),
+            ("outgoing directions of each", format!("{rows} x {columns}")),
+            ("channels", if *channels == 3 { "RGB".to_owned() } else { format!("{channels} wavelengths") }),
+        ]
+    }
+
+    fn samples(&self) -> u64 {
+        (self.azimuths * self.polar_angles * self.resolution[0] * self.resolution[1]) as u64
+    }
+}
+
+/// RGL materials as inputs.
+pub(crate) const fn format<F: From<RglFacts>>() -> Format<F> {
+    Format { name: "RGL", kind: &KIND, open }
+}
+
+fn open<F: From<RglFacts>>(input: InputFile<'_>) -> Result<Opened<F>, InputError> {
     input.parse(|bytes| {
         let rgl = Rgl::from_bytes(bytes)?;
-        let facts = Facts::Rgl {
+        let facts = RglFacts {
             description: rgl.description.clone(),
             azimuths: rgl.phi_i.len(),
             polar_angles: rgl.theta_i.len(),
             resolution: [rgl.colour_rows, rgl.colour_columns],
             channels: rgl.channels(),
         };
-        Ok(Opened { source: Box::new(RglSource::new(rgl, rgb_weights)?), facts })
+        Ok(Opened { source: Box::new(RglSource::new(rgl, rgb_weights)?), facts: facts.into() })
     })
 }
 

@@ -1,10 +1,11 @@
 //! BTFs of the Bonn database of 2014, as images of an ordinary BTF. Layout: `crates/readers/src/ubo_btf.md`.
 
 use crate::InputError;
+use crate::misnamed::wrong_contents;
 use crate::photograph::Image;
 use crate::read::{check_length, open_path};
-use crate::recognise::{START_BYTES, wrong_contents};
 use brdfc_formats::direction_set::DirectionSet;
+use brdfc_readers::recognise::START_BYTES;
 use brdfc_readers::ubo_btf::{Description, ReadError, UboBtf};
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};

@@ -93,29 +93,3 @@ fn bandwidth_azimuth(x: f32, y: f32) -> f32 {
     let half_turn = bandwidth_atan2(abs(y), x);
     return select(half_turn, BANDWIDTH_TAU - half_turn, y < 0.0);
 }
-
-// atan2 for y >= 0, in [0, π]: the polynomial of `polynomial_atan2` of the crate.
-fn bandwidth_atan2(y: f32, x: f32) -> f32 {
-    let ax = abs(x);
-    let steep = y > ax;
-    let small = select(y, ax, steep);
-    let large = select(ax, y, steep);
-    let t = select(0.0, small / large, large > 0.0);
-    let t2 = t * t;
-    var p = -4.0545664e-3;
-    p = p * t2 + 2.1862958e-2;
-    p = p * t2 - 5.5912327e-2;
-    p = p * t2 + 9.642198e-2;
-    p = p * t2 - 0.1390863;
-    p = p * t2 + 0.19946566;
-    p = p * t2 - 0.3332986;
-    p = p * t2 + 0.99999934;
-    var angle = p * t;
-    if steep {
-        angle = BANDWIDTH_HALF_PI - angle;
-    }
-    if x < 0.0 {
-        angle = BANDWIDTH_PI - angle;
-    }
-    return angle;
-}

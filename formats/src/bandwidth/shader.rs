@@ -1,11 +1,12 @@
 //! What looks bandwidth maps up on a GPU: `formats/src/bandwidth/map.wgsl`, and what it has bound of a map.
 
 use super::map::{BandwidthKind, BandwidthMap};
+use crate::arc_tangent::arc_tangent_wgsl;
 use crate::bindings::{Binding, Bindings, Texels};
 use crate::container::{Extent, TexelFormat};
 
 /// The WGSL look-ups. It declares a uniform block and a texture for each kind of map, in bind group 1; see the file.
-pub const BANDWIDTH_WGSL: &str = include_str!("map.wgsl");
+pub const BANDWIDTH_WGSL: &str = concat!(include_str!("map.wgsl"), arc_tangent_wgsl!("bandwidth", "BANDWIDTH"));
 
 impl BandwidthKind {
     /// Slot and names of the uniform block; the texture follows.

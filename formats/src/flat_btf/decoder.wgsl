@@ -293,30 +293,3 @@ fn flat_btf_tap_sample(tap: FlatBtfTap, upper: u32) -> u32 {
 fn flat_btf_tap_weight(tap: FlatBtfTap, upper: u32) -> f32 {
     return select(1.0 - tap.weight, tap.weight, upper == 1u);
 }
-
-// atan2(y, x) for y >= 0, in [0, π], within 3e-7 of the exact angle: an odd minimax polynomial on [0, 1]. The
-// built-in function of a GPU may be off by 1e-5 and more, which moves filter weights.
-fn flat_btf_atan2(y: f32, x: f32) -> f32 {
-    let ax = abs(x);
-    let steep = y > ax;
-    let small = select(y, ax, steep);
-    let large = select(ax, y, steep);
-    let t = select(0.0, small / large, large > 0.0);
-    let t2 = t * t;
-    var p = -4.0545664e-3;
-    p = p * t2 + 2.1862958e-2;
-    p = p * t2 - 5.5912327e-2;
-    p = p * t2 + 9.642198e-2;
-    p = p * t2 - 0.1390863;
-    p = p * t2 + 0.19946566;
-    p = p * t2 - 0.3332986;
-    p = p * t2 + 0.99999934;
-    var angle = p * t;
-    if steep {
-        angle = FLAT_BTF_HALF_PI - angle;
-    }
-    if x < 0.0 {
-        angle = FLAT_BTF_PI - angle;
-    }
-    return angle;
-}

@@ -3,13 +3,18 @@
 use super::directions::SampledDirections;
 use super::factored::FactoredFlatBtf;
 use super::factored::shader::{FACTORED_WGSL, FactoredParameters};
+use crate::arc_tangent::arc_tangent_wgsl;
 use crate::bindings::{Binding, Bindings, Texels};
 use crate::container::{Extent, TexelFormat};
 use crate::direction_mesh::DIRECTION_MESH_WGSL;
 use crate::flat_btf::{FlatBtfDecoder, FlatValues, Indirection};
 
 /// The WGSL decoder. It declares a uniform block, six textures and a sampler in bind group 1; see the file.
-pub const FLAT_BTF_WGSL: &str = concat!(include_str!("../bindings/frame.wgsl"), include_str!("decoder.wgsl"));
+pub const FLAT_BTF_WGSL: &str = concat!(
+    include_str!("../bindings/frame.wgsl"),
+    include_str!("decoder.wgsl"),
+    arc_tangent_wgsl!("flat_btf", "FLAT_BTF")
+);
 
 /// All that a flat BTF of any form is drawn by: [`FLAT_BTF_WGSL`], the factored values, the weights of views and lights, and
 /// `flat_btf_value`, which puts them together.

@@ -3,10 +3,15 @@
 use super::curve::Curve;
 use super::header::{KNOTS, TableHeader, UNIFORM_BYTES};
 use super::pack::TablePack;
+use crate::arc_tangent::arc_tangent_wgsl;
 use crate::crop::Window;
 
 /// The WGSL decoder. It declares a uniform block, two textures and a sampler in bind group 1; see the file.
-pub const TABLE_BRDF_WGSL: &str = concat!(include_str!("../bindings/frame.wgsl"), include_str!("decode.wgsl"));
+pub const TABLE_BRDF_WGSL: &str = concat!(
+    include_str!("../bindings/frame.wgsl"),
+    include_str!("decode.wgsl"),
+    arc_tangent_wgsl!("table_brdf", "TABLE_BRDF")
+);
 
 /// Beside the bits of the symmetry.
 const GREY: u32 = 16;

@@ -313,30 +313,3 @@ fn wavelet_brdf_axes(i: vec3<f32>, o: vec3<f32>) -> WaveletBrdfAxes {
     let z = h.x * i.x + h.y * i.y + h.z * i.z;
     return WaveletBrdfAxes(h, vec3<f32>(i.x - h.x * s, i.y - h.y * s, z));
 }
-
-// atan2(y, x) for y >= 0, in [0, π], within 3e-7 of the exact angle: an odd minimax polynomial on [0, 1]. The
-// built-in function of a GPU may be off by 1e-5 and more, which moves filter weights.
-fn wavelet_brdf_atan2(y: f32, x: f32) -> f32 {
-    let ax = abs(x);
-    let steep = y > ax;
-    let small = select(y, ax, steep);
-    let large = select(ax, y, steep);
-    let t = select(0.0, small / large, large > 0.0);
-    let t2 = t * t;
-    var p = -4.0545664e-3;
-    p = p * t2 + 2.1862958e-2;
-    p = p * t2 - 5.5912327e-2;
-    p = p * t2 + 9.642198e-2;
-    p = p * t2 - 0.1390863;
-    p = p * t2 + 0.19946566;
-    p = p * t2 - 0.3332986;
-    p = p * t2 + 0.99999934;
-    var angle = p * t;
-    if steep {
-        angle = WAVELET_BRDF_HALF_PI - angle;
-    }
-    if x < 0.0 {
-        angle = WAVELET_BRDF_PI - angle;
-    }
-    return angle;
-}

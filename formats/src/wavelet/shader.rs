@@ -1,11 +1,16 @@
 //! What a shader needs besides a pack's texture: `formats/src/wavelet/decode.wgsl`, its uniform block and its index map.
 
 use super::lift::Lift;
+use crate::arc_tangent::arc_tangent_wgsl;
 use crate::crop::Window;
 use crate::wavelet::WaveletPack;
 
 /// The WGSL decoder. It declares a uniform block, two textures and a sampler in bind group 1; see the file.
-pub const WAVELET_BRDF_WGSL: &str = concat!(include_str!("../bindings/frame.wgsl"), include_str!("decode.wgsl"));
+pub const WAVELET_BRDF_WGSL: &str = concat!(
+    include_str!("../bindings/frame.wgsl"),
+    include_str!("decode.wgsl"),
+    arc_tangent_wgsl!("wavelet_brdf", "WAVELET_BRDF")
+);
 
 /// How far hardware filtering of 8-bit slices may be from exact weights, in units of a texel's range [0, 1].
 ///

@@ -2,6 +2,7 @@
 
 use brdfc_formats::bindings::{Resource, Texels};
 use brdfc_formats::container::{Extent, TexelFormat};
+use brdfc_gpu::texture_format;
 use brdfc_shaders::{BindingKind, Interface};
 use brdfc_testing::engines::{Case, SIDE};
 use std::borrow::Cow;
@@ -195,7 +196,7 @@ impl Vulkan {
             mip_level_count: texels.levels,
             sample_count: 1,
             dimension: if is_volume { TextureDimension::D3 } else { TextureDimension::D2 },
-            format: format(texels.format),
+            format: texture_format(texels.format),
             usage: TextureUsages::TEXTURE_BINDING,
             view_formats: &[],
         };
@@ -210,22 +211,4 @@ enum Made {
     Buffer(Buffer),
     Texture(TextureView),
     Sampler(Sampler),
-}
-
-fn format(format: TexelFormat) -> TextureFormat {
-    match format {
-        TexelFormat::R8Unorm => TextureFormat::R8Unorm,
-        TexelFormat::Rg8Unorm => TextureFormat::Rg8Unorm,
-        TexelFormat::Rgba8Unorm => TextureFormat::Rgba8Unorm,
-        TexelFormat::R16Unorm => TextureFormat::R16Unorm,
-        TexelFormat::R16Float => TextureFormat::R16Float,
-        TexelFormat::Rgba16Unorm => TextureFormat::Rgba16Unorm,
-        TexelFormat::Rgba16Float => TextureFormat::Rgba16Float,
-        TexelFormat::Rg32Float => TextureFormat::Rg32Float,
-        TexelFormat::Rgba32Float => TextureFormat::Rgba32Float,
-        TexelFormat::R32Uint => TextureFormat::R32Uint,
-        TexelFormat::Rgba32Uint => TextureFormat::Rgba32Uint,
-        TexelFormat::Rgb9E5 => TextureFormat::Rgb9e5Ufloat,
-        TexelFormat::Rgb10A2Unorm => TextureFormat::Rgb10a2Unorm,
-    }
 }

@@ -1,5 +1,6 @@
 //! Images on their way into the transform.
 
+use brdfc_formats::tap::Tap;
 use rayon::prelude::*;
 
 /// Colour channels one by one; a single one where all three are equal. What is no finite number becomes 0.
@@ -25,12 +26,11 @@ impl Axis {
     /// Two neighbours and the weight of the second, for a wanted sample. Sample centres are at `i + ½`.
     fn tap(self, i: usize) -> ([usize; 2], f32) {
         let at = (i as f64 + 0.5) * self.from as f64 / self.to as f64 - 0.5;
-        let lower = at.floor() as i64;
         if self.wraps || self.from == 1 {
-            let index = |i: i64| i.rem_euclid(self.from as i64) as usize;
-            return ([index(lower), index(lower + 1)], (at - at.floor()) as f32);
+            let tap = Tap::around_f64(at, self.from as u32, true);
+            return (tap.indices(), tap.weight);
         }
-        let lower = lower.clamp(0, self.from as i64 - 2) as usize;
+        let lower = (at.floor() as i64).clamp(0, self.from as i64 - 2) as usize;
         ([lower, lower + 1], (at - lower as f64) as f32)
     }
 }

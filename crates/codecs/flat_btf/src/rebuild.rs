@@ -5,6 +5,7 @@ use super::model::MesoModel;
 use super::surface::{Appearance, SurfacePoint};
 use brdfc_formats::direction::Vector;
 use brdfc_formats::flat_btf::FlatBtfDecoder;
+use brdfc_formats::tap::{Tap, bilinear};
 use rayon::prelude::*;
 
 /// What a view sees through the texels of the reference plane: `oversampling²` surface points for each.
@@ -74,18 +75,8 @@ fn mean(values: impl Iterator<Item = [f32; 3]>, count: usize) -> [f32; 3] {
 
 /// Value of an image of `size` x `size` texels, which repeats, between its texels' centres; `texel` gives those, row by row.
 pub fn periodic_bilinear(size: usize, [u, v]: [f32; 2], texel: impl Fn(usize) -> [f32; 3]) -> [f32; 3] {
-    let axis = |c: f32| {
-        let at = c * size as f32 - 0.5;
-        let floor = at.floor();
-        let first = (floor as i64).rem_euclid(size as i64) as usize;
-        (first, (first + 1) % size, at - floor)
-    };
-    let ((x0, x1, s), (y0, y1, t)) = (axis(u), axis(v));
-    let [a, b, c, d] = [(x0, y0), (x1, y0), (x0, y1), (x1, y1)].map(|(x, y)| texel(y * size + x));
-    [0, 1, 2].map(|k| {
-        let (low, high) = (a[k] + s * (b[k] - a[k]), c[k] + s * (d[k] - c[k]));
-        low + t * (high - low)
-    })
+    let axis = |c: f32| Tap::new(c * size as f32, size as u32, true);
+    bilinear([axis(u), axis(v)], |[x, y]| texel(y * size + x))
 }
 
 #[cfg(test)]

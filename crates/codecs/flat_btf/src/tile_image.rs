@@ -1,5 +1,7 @@
 //! Images that cover the tile and repeat with it.
 
+use brdfc_formats::tap::{Tap, bilinear};
+
 /// An image of `N` channels over the tile: row 0 is the top, `y = 1`; pixel (column, row) has its centre at
 /// `((column + ½) / width, 1 - (row + ½) / height)`.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,17 +17,9 @@ pub struct TileImage<const N: usize> {
 impl<const N: usize> TileImage<N> {
     /// Bilinear value at a point, in tiles.
     pub fn at(&self, x: f64, y: f64) -> [f32; N] {
-        let axis = |c: f64, size: usize| {
-            let at = c * size as f64 - 0.5;
-            let first = (at.floor() as i64).rem_euclid(size as i64) as usize;
-            (first, (first + 1) % size, (at - at.floor()) as f32)
-        };
-        let ((x0, x1, s), (y0, y1, t)) = (axis(x, self.width), axis(1.0 - y, self.height));
-        let [a, b, c, d] = [(x0, y0), (x1, y0), (x0, y1), (x1, y1)].map(|(x, y)| self.pixels[y * self.width + x]);
-        std::array::from_fn(|k| {
-            let (top, bottom) = (a[k] + s * (b[k] - a[k]), c[k] + s * (d[k] - c[k]));
-            top + t * (bottom - top)
-        })
+        let axis = |c: f64, size: usize| Tap::around_f64(c * size as f64 - 0.5, size as u32, true);
+        let taps = [axis(x, self.width), axis(1.0 - y, self.height)];
+        bilinear(taps, |[column, row]| self.pixels[row * self.width + column])
     }
 }
 

@@ -3,6 +3,7 @@
 
 use crate::image::Plane;
 use crate::tree::PacketTree;
+use brdfc_formats::tap::Tap;
 use rayon::prelude::*;
 
 /// Finest levels that a term may begin at: one texture each.
@@ -88,25 +89,20 @@ pub fn magnified(plane: &Plane, level: u32, repeats: bool) -> Plane {
     }
     let [width, height] = plane.size;
     let size = [width << level, height << level];
-    let taps = |side: usize| -> Vec<(usize, usize, f32)> {
-        let index = |k: i64| {
-            if repeats { k.rem_euclid(side as i64) as usize } else { k.clamp(0, side as i64 - 1) as usize }
-        };
-        let tap = |k: usize| {
-            let at = (k as f32 + 0.5) / (1u32 << level) as f32 - 0.5;
-            (index(at.floor() as i64), index(at.floor() as i64 + 1), at - at.floor())
-        };
-        (0..side << level).map(tap).collect()
+    let taps = |side: usize| -> Vec<([usize; 2], f32)> {
+        let texels = (1u32 << level) as f32;
+        let taps = (0..side << level).map(|k| Tap::new((k as f32 + 0.5) / texels, side as u32, repeats));
+        taps.map(|tap| (tap.indices(), tap.weight)).collect()
     };
     let (columns, rows) = (taps(width), taps(height));
     let mut values = vec![0.0; size[0] * size[1]];
     let mut line = vec![0.0f32; width];
-    for ((upper, lower, weight), target) in rows.iter().zip(values.chunks_exact_mut(size[0])) {
+    for (([upper, lower], weight), target) in rows.iter().zip(values.chunks_exact_mut(size[0])) {
         let (a, b) = (&plane.values[upper * width..][..width], &plane.values[lower * width..][..width]);
         for ((value, a), b) in line.iter_mut().zip(a).zip(b) {
             *value = a + weight * (b - a);
         }
-        for (value, (left, right, weight)) in target.iter_mut().zip(&columns) {
+        for (value, ([left, right], weight)) in target.iter_mut().zip(&columns) {
             *value = line[*left] + weight * (line[*right] - line[*left]);
         }
     }

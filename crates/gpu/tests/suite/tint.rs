@@ -1,8 +1,11 @@
 //! All shaders through a second compiler: Tint, that of Chrome and Dawn, is stricter than naga. It runs in Node, by the
 //! package that `scripts/test` installs beside this file.
 
+use brdfc_formats::bandwidth::shader::BANDWIDTH_WGSL;
 use brdfc_formats::direction_mesh::DIRECTION_MESH_WGSL;
 use brdfc_formats::flat_btf::shader::{FLAT_BTF_WGSL, flat_btf_value_wgsl};
+use brdfc_formats::table::shader::TABLE_BRDF_WGSL;
+use brdfc_formats::wavelet::shader::WAVELET_BRDF_WGSL;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -81,13 +84,18 @@ fn shipped() -> Vec<Module> {
     wgsl_files(&brdfc_testing::repository().join("formats/src"), &mut paths);
     paths.sort();
     assert!(paths.len() > 5, "{paths:?}");
+    let with_arctangent = [BANDWIDTH_WGSL, FLAT_BTF_WGSL, TABLE_BRDF_WGSL, WAVELET_BRDF_WGSL];
     let module = |path: PathBuf| {
         let source = std::fs::read_to_string(&path).unwrap();
         let source = match path.file_name().and_then(|name| name.to_str()) {
             // They are pasted behind others.
             Some("factored.wgsl") => format!("{FLAT_BTF_WGSL}\n{source}"),
             Some("value.wgsl") => flat_btf_value_wgsl(),
-            _ => source,
+            // They are pasted with an arctangent.
+            _ => with_arctangent
+                .iter()
+                .find(|whole| whole.starts_with(&source))
+                .map_or(source, |whole| (*whole).to_owned()),
         };
         Module::new(path.display().to_string(), source)
     };
@@ -108,8 +116,6 @@ fn wgsl_files(folder: &Path, found: &mut Vec<PathBuf>) {
 /// The modules that the renderer compiles.
 fn composed() -> Vec<Module> {
     use brdfc_formats::pwt::shader::PWT_WGSL;
-    use brdfc_formats::table::shader::TABLE_BRDF_WGSL;
-    use brdfc_formats::wavelet::shader::WAVELET_BRDF_WGSL;
     use brdfc_gpu::{
         AdaptiveShaders, COMPUTE_WGSL, EVALUATE_FLAT_BTF_WGSL, EVALUATE_PWT_WGSL, EVALUATE_TABLE_WGSL, EVALUATE_WGSL,
         flat_scene_source, pwt_scene_source, scene_source,

@@ -226,7 +226,7 @@ fn tile_image<const N: usize>(FileImage { width, height, pixels }: FileImage<N>)
 
 fn open_material(material: &Input, progress: &dyn Progress) -> Result<Box<dyn Source>, MesoInputError> {
     let opened = open(material, None)?;
-    if !matches!(opened.facts, Facts::Scan { .. }) {
+    if !matches!(opened.facts, Facts::Scan(_)) {
         return Ok(opened.source);
     }
     let recipe = Recipe { target: Target::Ratio(1.0), bits: 16, supercompress: false, ..Recipe::default() };

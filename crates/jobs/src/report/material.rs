@@ -7,8 +7,8 @@ use brdfc_core::words::bytes;
 use brdfc_formats::BrdfPack;
 use brdfc_formats::crop::DirectionRange;
 use brdfc_metrics::compare::Comparison;
+use brdfc_source::StrayRows;
 use brdfc_source::open::Facts;
-use brdfc_source::scan::StrayRows;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

@@ -115,7 +115,7 @@ pub fn address_of(source: &OsStr) -> Option<&str> {
 /// Whether its name is that of a file that has reflectance.
 pub fn is_material(path: &Path) -> bool {
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
-    extension.is_some_and(|extension| FORMATS.iter().any(|format| format.extension == extension))
+    extension.is_some_and(|extension| FORMATS.iter().any(|format| format.extension() == extension))
 }
 
 /// Whether it is a material that is no pack yet. Tables of all kinds are called .csv: one that is a scan has columns of values.

@@ -17,7 +17,7 @@ use crate::stage_clock::StageClock;
 use crate::store::{Digest, HeardDigest, Kept, Key, Store};
 use brdfc_bandwidth::facts::BandwidthFacts;
 use brdfc_core::progress::{Cancelled, Progress, Stage};
-use brdfc_source::open::{Opened, open, open_file_heard};
+use brdfc_source::open::{Facts, Opened, open, open_file_heard};
 use brdfc_source::{Input, InputError};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -393,7 +393,7 @@ pub(crate) fn opened_with_digest(source: &Input, extension: &str) -> Result<(Ope
     let Some(path) = source.path() else {
         let opened = open(source, None)?;
         let digest = match &opened.facts {
-            brdfc_source::open::Facts::Synth { address } => Digest::of(address.as_bytes()),
+            Facts::Synth(model) => Digest::of(model.address.as_bytes()),
             _ => Digest::of(source.to_string().as_bytes()),
         };
         return Ok((opened, digest));

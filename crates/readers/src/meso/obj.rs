@@ -2,6 +2,7 @@
 
 use super::{MAX_COORDINATE, MAX_TRIANGLES, MAX_VERTICES, TriangleMesh, is_coordinate};
 use crate::colour::{decode_srgb, encode_srgb};
+use crate::file_kind::{Begins, FileKind, begins_with, first_line};
 use crate::scan::{number, quoted};
 use crate::text;
 use brdfc_formats::FormatError;
@@ -9,6 +10,13 @@ use brdfc_formats::memory::push_within;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::Write;
+
+/// Meshes as OBJ.
+pub static KIND: FileKind = FileKind {
+    description: "a mesh (.obj)",
+    extensions: &["obj"],
+    begins: Begins::Text(|text| begins_with(first_line(text), &["v ", "vn ", "vt ", "o ", "g ", "mtllib ", "usemtl "])),
+};
 
 /// Name of the material of faces before the first `usemtl`, where others have one.
 pub const DEFAULT_MATERIAL: &str = "default";

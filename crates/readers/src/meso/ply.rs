@@ -4,12 +4,17 @@ mod header;
 
 use super::{MAX_COORDINATE, MAX_TRIANGLES, MAX_VERTICES, TriangleMesh, is_coordinate};
 use crate::colour::decode_srgb;
+use crate::file_kind::{Begins, FileKind};
 use crate::scan::quoted;
 use brdfc_formats::FormatError;
 use brdfc_formats::cursor::Cursor;
 use brdfc_formats::memory::{push_within, reserved};
 use header::{Element, Encoding, Header, Kind, Scalar};
 use std::io::Write;
+
+/// Meshes as PLY.
+pub static KIND: FileKind =
+    FileKind { description: "a mesh (.ply)", extensions: &["ply"], begins: Begins::With(&[b"ply\n", b"ply\r"]) };
 
 /// Parses a PLY.
 ///

@@ -10,7 +10,15 @@ mod read;
 mod tests;
 mod write;
 
+use crate::file_kind::{Begins, FileKind};
 pub use btf::{CHANNELS, Description, MAX_SIZE, SIGNATURE, UboBtf, VERSIONS};
 pub use colour::ColourModel;
 pub use matrix::{Channel, Matrix, Scalar};
 pub use read::ReadError;
+
+/// BTFs of the Bonn database of 2014.
+pub static KIND: FileKind = FileKind {
+    description: "a BTF of the Bonn database of 2014 (.btf), for 'brdfc flatten'",
+    extensions: &["btf"],
+    begins: Begins::With(&[SIGNATURE]),
+};

@@ -1,5 +1,7 @@
 //! What a pack is to look like: a photograph, filtered as its texels are.
 
+use brdfc_formats::tap::{Tap, bilinear};
+
 /// A photograph with mipmaps: means of four pixels.
 #[derive(Debug, Clone)]
 pub struct Photograph {
@@ -43,22 +45,9 @@ impl Photograph {
         let ([width, height], pixels) = &self.levels[level];
         let axis = |at: f32, side: usize| {
             let within = if self.repeats { at - at.floor() } else { at.clamp(0.0, 1.0) };
-            let position = within * side as f32 - 0.5;
-            let lower = position.floor() as i64;
-            let index = |k: i64| {
-                if self.repeats { k.rem_euclid(side as i64) as usize } else { k.clamp(0, side as i64 - 1) as usize }
-            };
-            (index(lower), index(lower + 1), position - position.floor())
+            Tap::new(within * side as f32, side as u32, self.repeats)
         };
-        let ((left, right, x), (upper, lower, y)) = (axis(uv[0], *width), axis(uv[1], *height));
-        let along = |row: usize, k: usize| {
-            let [a, b] = [left, right].map(|column| pixels[row * width + column][k]);
-            a + x * (b - a)
-        };
-        [0, 1, 2].map(|k| {
-            let [a, b] = [upper, lower].map(|row| along(row, k));
-            a + y * (b - a)
-        })
+        bilinear([axis(uv[0], *width), axis(uv[1], *height)], |[column, row]| pixels[row * width + column])
     }
 }
 

@@ -2,21 +2,24 @@
 //! direction pair itself.
 
 mod coordinates;
+mod facts;
 pub mod fit;
 mod incidence;
 mod merge;
 mod summary;
 
-pub use summary::{ScanSummary, StrayRows};
+pub use facts::{AltaHeader, ScanFacts};
+pub use summary::ScanSummary;
 
 use super::error::InputError;
-use super::format::{AltaHeader, Facts, Format, Opened};
+use super::format::{Format, Opened};
 use super::input::InputFile;
+use super::stray_rows::StrayRows;
 use brdfc_core::{Source, Symmetry, Tally};
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::DirectionPair;
-use brdfc_readers::alta::AltaTable;
-use brdfc_readers::scan::{Row, Scan};
+use brdfc_readers::alta::{self, AltaTable};
+use brdfc_readers::scan::{self, Row, Scan};
 use brdfc_readers::scan_csv;
 use coordinates::{Anisotropic, Isotropic, Space};
 use fit::Neighbourhood;
@@ -30,29 +33,37 @@ pub const FEWEST_ROWS: usize = 8;
 /// Bias of the logarithm `ln(f + bias)`, in units of the scan's median: below it lies dark noise.
 const LOG_BIAS: f64 = 0.05;
 
-/// How scans as text are opened.
-pub(crate) const TEXT_FORMAT: Format = Format { extension: "brdf", name: "scan", open: open_text };
-/// How scans as CSV are opened.
-pub(crate) const CSV_FORMAT: Format = Format { extension: "csv", name: "scan", open: open_csv };
-/// How tables of ALTA are opened.
-pub(crate) const ALTA_FORMAT: Format = Format { extension: "dat", name: "ALTA", open: open_alta };
+/// Scans as text.
+pub(crate) const fn text_format<F: From<ScanFacts>>() -> Format<F> {
+    Format { name: "scan", kind: &scan::KIND, open: open_text }
+}
 
-fn open_text(input: InputFile<'_>) -> Result<Opened, InputError> {
+/// Scans as CSV.
+pub(crate) const fn csv_format<F: From<ScanFacts>>() -> Format<F> {
+    Format { name: "scan", kind: &scan_csv::KIND, open: open_csv }
+}
+
+/// Tables of ALTA.
+pub(crate) const fn alta_format<F: From<ScanFacts>>() -> Format<F> {
+    Format { name: "ALTA", kind: &alta::KIND, open: open_alta }
+}
+
+fn open_text<F: From<ScanFacts>>(input: InputFile<'_>) -> Result<Opened<F>, InputError> {
     input.parse_text(|bytes| opened(&Scan::from_bytes(bytes)?, None))
 }
 
-fn open_csv(input: InputFile<'_>) -> Result<Opened, InputError> {
+fn open_csv<F: From<ScanFacts>>(input: InputFile<'_>) -> Result<Opened<F>, InputError> {
     input.parse_text(|bytes| opened(&scan_csv::from_bytes(bytes)?, None))
 }
 
-fn open_alta(input: InputFile<'_>) -> Result<Opened, InputError> {
+fn open_alta<F: From<ScanFacts>>(input: InputFile<'_>) -> Result<Opened<F>, InputError> {
     input.parse_text(|bytes| {
         let table = AltaTable::from_bytes(bytes)?;
         opened(&table.scan, Some(&table))
     })
 }
 
-fn opened(scan: &Scan, alta: Option<&AltaTable>) -> Result<Opened, FormatError> {
+fn opened<F: From<ScanFacts>>(scan: &Scan, alta: Option<&AltaTable>) -> Result<Opened<F>, FormatError> {
     let source = ScanSource::new(scan)?;
     let left_out = alta.map(|table| table.left_out).filter(|count| *count > 0);
     let summary = ScanSummary { left_out, ..source.summary() };
@@ -61,8 +72,8 @@ fn opened(scan: &Scan, alta: Option<&AltaTable>) -> Result<Opened, FormatError> 
         values: table.values.to_owned(),
         channels: table.channels,
     });
-    let facts = Facts::Scan { wavelengths: scan.wavelengths.clone(), alta, summary };
-    Ok(Opened { source: Box::new(source), facts })
+    let facts = ScanFacts { wavelengths: scan.wavelengths.clone(), alta, summary };
+    Ok(Opened { source: Box::new(source), facts: facts.into() })
 }
 
 /// A scan that can be evaluated anywhere.

@@ -6,6 +6,7 @@ use brdfc_readers::alta::AltaTable;
 use brdfc_readers::scan::{Row, Scan};
 use brdfc_source::ScanSource;
 use brdfc_source::open::{Facts, open_file};
+use brdfc_source::scan::ScanFacts;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
@@ -105,7 +106,7 @@ fn left_out_rows_are_predicted() {
 fn retro_reflective_tape_is_bright_towards_the_light() {
     let Some(path) = brdfc_testing::shared_data("retro/retro-3M-jaune.dat") else { return };
     let opened = open_file(&path, None).unwrap();
-    let Facts::Scan { summary, .. } = opened.facts else { panic!("{:?}", opened.facts) };
+    let Facts::Scan(ScanFacts { summary, .. }) = opened.facts else { panic!("{:?}", opened.facts) };
     assert!(summary.isotropic && summary.rows > 7000 && summary.left_out.is_some(), "{summary:?}");
     let value = |theta_i: f64, theta_o: f64, phi: f64| {
         let pair = DirectionPair::from_angles(theta_i.to_radians(), 0.0, theta_o.to_radians(), phi.to_radians());

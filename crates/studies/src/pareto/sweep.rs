@@ -4,13 +4,13 @@ use super::settings::{WaveletSetting, cost};
 use super::{ParetoMaterial, ParetoRow};
 use crate::timing::best_of;
 use brdfc_core::Source;
+use brdfc_core::decoded;
 use brdfc_formats::BrdfDecoder;
 use brdfc_formats::wavelet::Filter;
 use brdfc_jobs::encode::recipe::PackRecipe;
 use brdfc_jobs::encode::{EncodedPack, PackError, encode};
 use brdfc_metrics::compare::Reference;
 use brdfc_metrics::sampling::{PairSet, random_pairs};
-use brdfc_source::pack::opened;
 use std::time::Instant;
 
 /// What takes less is run again, up to so many times.
@@ -41,7 +41,7 @@ pub fn pareto(
         let decoder = BrdfDecoder::new(&made.pack);
         let level = decoder.levels() as f32;
         let decode = || pairs.iter().map(|pair| decoder.eval(*pair, level, Filter::Bilinear)[0]).sum::<f32>();
-        let error = reference.compare(opened(&made.pack, None).source.as_ref());
+        let error = reference.compare(decoded(&made.pack, None).as_ref());
         let wavelet = match recipe {
             PackRecipe::Wavelet(recipe) => WaveletSetting::of(recipe),
             _ => None,

@@ -1,6 +1,7 @@
 //! What a page shows of a material besides figures: pictures of source and pack, and where both differ.
 
 use brdfc_core::Source;
+use brdfc_core::decoded;
 use brdfc_formats::BrdfPack;
 use brdfc_metrics::by_angle::{ByAngle, by_angle};
 use brdfc_metrics::image::{LinearImage, auto_exposure, compare_images};
@@ -11,7 +12,6 @@ use brdfc_render::scenes::Builtin;
 use brdfc_render::shade::{Reflectance, SourceReflectance, Turned, shade};
 use brdfc_render::trace::trace;
 use brdfc_render::within::{outside, share_left_out, without};
-use brdfc_source::pack::opened;
 
 /// Pixels of a thumbnail, per side.
 pub const SIDE: usize = 96;
@@ -49,7 +49,7 @@ pub struct Evidence {
 
 /// Draws and compares, where the pack is for the directions that are asked for: the rest is left out. Both pictures of a scene have the exposure of the source's.
 pub fn evidence(pack: &BrdfPack, source: Option<&dyn Source>) -> Evidence {
-    let decoded = opened(pack, None).source;
+    let decoded = decoded(pack, None);
     let draw = |source: &dyn Source, (builtin, turned): (Builtin, bool)| -> (LinearImage, f64) {
         let scene = builtin.scene();
         let reflectance = SourceReflectance(source);

@@ -1,32 +1,43 @@
-//! Packs as sources: what an engine would see.
+//! Packs as inputs.
+
+mod facts;
+
+pub use facts::{TablePackFacts, WaveletPackFacts};
 
 use super::error::InputError;
-use super::format::{Facts, Format, Opened};
+use super::format::{Format, Opened};
 use super::input::{Input, InputFile};
-use brdfc_core::{PackSource, TableSource};
+use brdfc_core::decoded;
 use brdfc_formats::table::TablePack;
 use brdfc_formats::wavelet::WaveletPack;
 use brdfc_formats::{BrdfPack, FormatError, Pack, PackKind};
+use brdfc_readers::recognise::KTX2;
 
-/// How packs are opened as sources.
-pub(crate) const FORMAT: Format = Format { extension: "ktx2", name: "pack", open };
+/// Packs of reflectances as inputs, of whichever codec.
+pub(crate) const fn format<F: From<WaveletPackFacts> + From<TablePackFacts>>() -> Format<F> {
+    Format { name: "pack", kind: &KTX2, open }
+}
 
-fn open(input: InputFile<'_>) -> Result<Opened, InputError> {
+fn open<F: From<WaveletPackFacts> + From<TablePackFacts>>(input: InputFile<'_>) -> Result<Opened<F>, InputError> {
     let level = input.level;
     input.parse(|bytes| Ok(opened(&brdf_pack(Pack::from_bytes(bytes)?)?, level)))
 }
 
-/// A pack as an input, decoded at a level of detail if it has any; `None` is the finest.
-pub fn opened(pack: &BrdfPack, level: Option<f32>) -> Opened {
-    match pack {
-        BrdfPack::Wavelet(pack) => opened_wavelet(pack, level),
-        BrdfPack::Table(pack) => opened_table(pack, level),
-    }
+/// A pack as an input, decoded at a level of detail; `None` is the finest.
+pub(crate) fn opened<F: From<WaveletPackFacts> + From<TablePackFacts>>(
+    pack: &BrdfPack,
+    level: Option<f32>,
+) -> Opened<F> {
+    let facts = match pack {
+        BrdfPack::Wavelet(pack) => wavelet_facts(pack).into(),
+        BrdfPack::Table(pack) => table_facts(pack).into(),
+    };
+    Opened { source: decoded(pack, level), facts }
 }
 
-fn opened_wavelet(pack: &WaveletPack, level: Option<f32>) -> Opened {
+fn wavelet_facts(pack: &WaveletPack) -> WaveletPackFacts {
     let header = &pack.header;
-    let facts = Facts::WaveletPack {
+    WaveletPackFacts {
         parameterisation: header.parameterisation,
         grid: header.grid(),
         levels: header.levels,
@@ -41,13 +52,12 @@ fn opened_wavelet(pack: &WaveletPack, level: Option<f32>) -> Opened {
         gpu_bytes: pack.gpu_bytes(),
         on_grid: pack.on_grid,
         off_grid: pack.off_grid,
-    };
-    Opened { source: Box::new(PackSource::new(pack, level)), facts }
+    }
 }
 
-fn opened_table(pack: &TablePack, level: Option<f32>) -> Opened {
+fn table_facts(pack: &TablePack) -> TablePackFacts {
     let header = pack.header();
-    let facts = Facts::TablePack {
+    TablePackFacts {
         axes: header.axes,
         folded: header.symmetry,
         channels: header.channels,
@@ -60,8 +70,7 @@ fn opened_table(pack: &TablePack, level: Option<f32>) -> Opened {
         gpu_bytes: pack.gpu_bytes(),
         off_grid: pack.off_grid,
         picture: pack.picture,
-    };
-    Opened { source: Box::new(TableSource::at(pack, level)), facts }
+    }
 }
 
 /// Reads a pack of any kind.

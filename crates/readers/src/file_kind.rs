@@ -1,0 +1,44 @@
+//! A kind of file, and how its files begin.
+
+/// A kind of file that its first bytes tell.
+#[derive(Debug)]
+pub struct FileKind {
+    /// What such a file is, with an article, and what to do with it.
+    pub description: &'static str,
+    /// Extensions of such files that are read, in lower case; the usual one first.
+    pub extensions: &'static [&'static str],
+    /// How they begin.
+    pub begins: Begins,
+}
+
+/// How files of one kind begin.
+#[derive(Debug)]
+pub enum Begins {
+    /// With one of these.
+    With(&'static [&'static [u8]]),
+    /// With bytes that fit a file of this length.
+    Fitting(fn(&[u8], u64) -> bool),
+    /// With text of this kind.
+    Text(fn(&str) -> bool),
+}
+
+impl FileKind {
+    /// Whether a file of `length` bytes that begins with `start`, which may be text, is of it.
+    pub(crate) fn is_of(&self, start: &[u8], length: u64, text: Option<&str>) -> bool {
+        match self.begins {
+            Begins::With(signatures) => signatures.iter().any(|signature| start.starts_with(signature)),
+            Begins::Fitting(fits) => fits(start, length),
+            Begins::Text(is_of) => text.is_some_and(is_of),
+        }
+    }
+}
+
+/// Whether a line of text begins with one of these words.
+pub(crate) fn begins_with(line: &str, words: &[&str]) -> bool {
+    words.iter().any(|word| line.starts_with(word))
+}
+
+/// The first line of text that is neither blank nor a comment.
+pub(crate) fn first_line(text: &str) -> &str {
+    text.lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with('#')).unwrap_or("")
+}

@@ -1,0 +1,81 @@
+//! What is worth knowing about a file of a scan.
+
+use super::summary::ScanSummary;
+use crate::format::Describe;
+use crate::stray_rows::StrayRows;
+use brdfc_core::words::percent;
+
+/// What is worth knowing of a scattered scan.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
+pub struct ScanFacts {
+    /// Wavelengths in nm; empty for RGB columns.
+    pub wavelengths: Vec<f64>,
+    /// What the header of an ALTA table says; absent for other scans.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alta: Option<AltaHeader>,
+    /// Counts.
+    #[serde(flatten)]
+    pub summary: ScanSummary,
+}
+
+/// What the header of an ALTA table says, in its words.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
+pub struct AltaHeader {
+    /// How directions are written, `PARAM_IN`.
+    pub directions: String,
+    /// What values are, `PARAM_OUT`.
+    pub values: String,
+    /// Values of a row: 1 or 3.
+    pub channels: usize,
+}
+
+impl Describe for ScanFacts {
+    fn lines(&self) -> Vec<(&'static str, String)> {
+        let Self { wavelengths, alta, summary } = self;
+        let s = summary;
+        let isotropic = if s.strays.is_some() {
+            "taken as isotropic: one azimuth of incidence, but for a few rows"
+        } else if s.isotropic {
+            "taken as isotropic: one azimuth of incidence"
+        } else {
+            "anisotropic: several azimuths of incidence"
+        };
+        let spectrum = match (wavelengths.first(), wavelengths.last(), alta) {
+            (Some(first), Some(last), _) => format!("{} wavelengths, {first} to {last} nm", wavelengths.len()),
+            (.., Some(alta)) if alta.channels == 1 => format!("one column, {}", alta.values),
+            (.., Some(alta)) => format!("RGB columns, {}", alta.values),
+            _ => "RGB columns".to_owned(),
+        };
+        let mut lines = vec![
+            ("kind", if alta.is_some() { "scattered scan, ALTA table" } else { "scattered scan" }.to_owned()),
+            ("rows", format!("{} ({} distinct direction pairs)", s.rows, s.distinct)),
+            ("material", isotropic.to_owned()),
+            ("values", spectrum),
+            ("repeated or mirrored rows differ up to", percent(s.largest_disagreement)),
+            ("rows with negative channels, raised to 0", s.negative.to_string()),
+            ("rows that are all 0", s.zero.to_string()),
+        ];
+        if let Some(alta) = alta {
+            lines.insert(2, ("directions", alta.directions.clone()));
+        }
+        if let Some(strays) = s.strays {
+            lines.push(("rows of another azimuth", strays.in_words()));
+        }
+        if let Some(left_out) = s.left_out {
+            lines.push(("rows left out, at or below the horizon", left_out.to_string()));
+        }
+        lines
+    }
+
+    fn samples(&self) -> u64 {
+        self.summary.rows as u64
+    }
+
+    fn rows_raised(&self) -> u64 {
+        self.summary.negative as u64
+    }
+
+    fn stray_rows(&self) -> Option<StrayRows> {
+        self.summary.strays
+    }
+}
