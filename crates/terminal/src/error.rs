@@ -217,7 +217,6 @@ impl From<ViewError> for CliError {
             ViewError::Folder(error) => error.into(),
             ViewError::Table { .. } => Self::Input(error.to_string()),
             ViewError::Cancelled(cancelled) => cancelled.into(),
-            ViewError::Shader(_) => Self::Internal(error.to_string()),
         }
     }
 }

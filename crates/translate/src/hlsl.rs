@@ -1,22 +1,20 @@
 //! HLSL.
 
-use crate::interface::{BindingKind, Interface};
-use crate::parsed::{Parsed, signatures};
+use crate::parsed::Parsed;
+use brdfc_shaders::{BindingKind, Interface};
 use naga::back::hlsl::{Options, PipelineOptions, Writer};
 
-/// Declarations and functions, and the signatures of those to call.
+/// Declarations and functions.
 ///
 /// # Errors
 /// What the writer says.
-pub(crate) fn piece(parsed: &Parsed, interface: &Interface) -> Result<(String, Vec<String>), String> {
+pub(crate) fn piece(parsed: &Parsed, interface: &Interface) -> Result<String, String> {
     let options = Options { fake_missing_bindings: true, ..Options::default() };
     let mut text = String::new();
     let pipeline = PipelineOptions::default();
     let mut writer = Writer::new(&mut text, &options, &pipeline);
     writer.write(&parsed.module, &parsed.info, None).map_err(|error| error.to_string())?;
-    let text = with_listed_zeros(&with_plain_samplers(&text, interface));
-    let signatures = signatures(&text, interface)?;
-    Ok((text, signatures))
+    Ok(with_listed_zeros(&with_plain_samplers(&text, interface)))
 }
 
 /// Arrays that begin with zeros, which the writer casts from one, as lists: not every compiler takes the cast.

@@ -1,26 +1,19 @@
 //! SPIR-V: a compute shader that decodes a list of queries. Its words cannot be pasted into another shader.
 
-use crate::decoder::Decoder;
 use crate::parsed::Parsed;
+use brdfc_shaders::{Decoder, ENTRY, WORKGROUP};
 use naga::ShaderStage;
 use naga::back::spv::{Options, PipelineOptions, WriterFlags, write_vec};
 
-/// Entry point of the module.
-pub(crate) const ENTRY: &str = "evaluate";
-/// Queries of a workgroup.
-pub(crate) const WORKGROUP: u32 = 64;
-
-/// The words of the module, little-endian.
+/// The words of the module.
 ///
 /// # Errors
 /// What the writer says.
-pub(crate) fn module(decoder: Decoder, source: &str) -> Result<Vec<u8>, String> {
+pub(crate) fn module(decoder: Decoder, source: &str) -> Result<Vec<u32>, String> {
     let parsed = Parsed::new(&evaluation(decoder, source))?;
     let options = Options { lang_version: (1, 3), flags: WriterFlags::DEBUG, ..Options::default() };
     let pipeline = PipelineOptions { shader_stage: ShaderStage::Compute, entry_point: ENTRY.to_owned() };
-    let words =
-        write_vec(&parsed.module, &parsed.info, &options, Some(&pipeline)).map_err(|error| error.to_string())?;
-    Ok(words.into_iter().flat_map(u32::to_le_bytes).collect())
+    write_vec(&parsed.module, &parsed.info, &options, Some(&pipeline)).map_err(|error| error.to_string())
 }
 
 /// The decoder with an entry point that answers a list of queries, one per invocation.

@@ -1,8 +1,7 @@
 //! GLSL, of the desktop and of WebGL 2.
 
-use crate::interface::{BindingKind, Interface};
-use crate::language::Language;
-use crate::parsed::{Parsed, signatures};
+use crate::parsed::Parsed;
+use brdfc_shaders::{BindingKind, Interface, Language};
 use naga::ShaderStage;
 use naga::back::glsl::{Options, PipelineOptions, Version, Writer, WriterFlags};
 use naga::proc::BoundsCheckPolicies;
@@ -11,11 +10,11 @@ use std::fmt::Write as _;
 /// The entry point that the writer asks for: it calls what is to be kept, and is cut off again.
 const ENTRY: &str = "brdfc_entry";
 
-/// Declarations and functions, and the signatures of those to call.
+/// Declarations and functions.
 ///
 /// # Errors
 /// What the writer says.
-pub(crate) fn piece(source: &str, interface: &Interface, language: Language) -> Result<(String, Vec<String>), String> {
+pub(crate) fn piece(source: &str, interface: &Interface, language: Language) -> Result<String, String> {
     let mut calls = String::new();
     for function in &interface.functions {
         let zeros: Vec<String> = function.parameters().map(|[_, ty]| format!("{ty}()")).collect();
@@ -46,9 +45,7 @@ pub(crate) fn piece(source: &str, interface: &Interface, language: Language) -> 
             text = replaced(&text, &format!("_group_1_binding_{}_fs", binding.binding), &binding.name);
         }
     }
-    let text = without_entry(&text).ok_or("the writer puts the entry point elsewhere")?;
-    let signatures = signatures(&text, interface)?;
-    Ok((text, signatures))
+    Ok(without_entry(&text).ok_or("the writer puts the entry point elsewhere")?)
 }
 
 /// A name in place of another, where it is a whole word.
