@@ -1,23 +1,16 @@
 //! The command line: one file per subcommand, flags to a resolved recipe to one call.
 
 mod bandwidth;
-mod bench;
 mod build_scene;
-mod common;
 mod compare;
 mod convert;
 mod encode;
-mod error;
 mod eval;
 mod flatten;
 mod generate;
-#[cfg(feature = "render")]
-mod graphics_environment;
 mod info;
-mod inputs;
 mod interrupt;
 mod options;
-mod output;
 mod plan;
 mod progress;
 mod pwt;
@@ -29,16 +22,13 @@ mod schema;
 mod shader;
 mod steps;
 mod synth;
-mod table;
-mod usage;
 mod view;
 mod watch;
 
-pub use error::CliError;
-
-use brdfc_jobs::whole_number::whole_number;
-use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
-use common::Common;
+#[cfg(feature = "render")]
+use brdfc_terminal::graphics_environment;
+use brdfc_terminal::{CliError, Common, Flags, directions, inputs, output, run_program, table, usage};
+use clap::{CommandFactory as _, Parser, Subcommand};
 use std::process::ExitCode;
 
 /// Compiles measured appearance (MERL, RGL, ALTA, gonioreflectometer scans) into packed GPU textures, each with its
@@ -48,16 +38,8 @@ use std::process::ExitCode;
 struct Cli {
     #[command(subcommand)]
     command: Command,
-    /// No progress and no remarks on stderr; errors are still told.
-    #[arg(long, short, global = true)]
-    quiet: bool,
-    /// Threads to work with, up to 1024; 0 is one per core, and no more than four per core are made. The result does not
-    /// depend on it.
-    #[arg(long, short, global = true, value_name = "N", default_value_t = 0, value_parser = whole_number::<usize>(0..=1024))]
-    jobs: usize,
-    /// Print the report as JSON, where there is one; 'brdfc schema' prints the schemas of reports.
-    #[arg(long, global = true)]
-    json: bool,
+    #[command(flatten)]
+    flags: Flags,
 }
 
 #[derive(Debug, Subcommand)]
@@ -87,7 +69,6 @@ enum Command {
     View(view::Arguments),
     Report(report::Arguments),
     Plan(plan::Arguments),
-    Bench(bench::Arguments),
     Schema(schema::Arguments),
     #[command(hide = true)]
     Generate(generate::Arguments),
@@ -106,7 +87,7 @@ impl Command {
 }
 
 /// Commands that print a report.
-const WITH_REPORT: &str = "bandwidth, bench, build, compare, convert, encode, flatten, info, plan, pwt, render, report, samples, shader, view and watch";
+const WITH_REPORT: &str = "bandwidth, build, compare, convert, encode, flatten, info, plan, pwt, render, report, samples, shader, view and watch";
 
 const EXAMPLES: &str = "\
 Examples:
@@ -151,52 +132,14 @@ fn command() -> clap::Command {
     command
 }
 
-/// Runs the program: parses arguments, does the work, prints errors, gives the exit code.
 fn main() -> ExitCode {
-    let parsed = command().try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches));
-    let cli = match parsed {
-        Ok(cli) => cli,
-        Err(error) => {
-            let code = if error.use_stderr() { 2 } else { 0 };
-            match usage::wrong_value(&error) {
-                Some(message) => output::tell(&format!("brdfc: {message}")),
-                // A closed pipe is no reason to complain about help that nobody reads.
-                None => drop(error.print()),
-            }
-            return ExitCode::from(code);
-        }
-    };
-    let worked = std::panic::catch_unwind(|| run(cli));
-    match worked {
-        Ok(Ok(())) => ExitCode::SUCCESS,
-        Ok(Err(error)) => {
-            if let Some(message) = error.message() {
-                output::tell(&format!("brdfc: {message}"));
-            }
-            ExitCode::from(error.exit_code())
-        }
-        Err(_) => {
-            output::tell("brdfc: internal error; please report it with the lines above and the input");
-            ExitCode::from(6)
-        }
-    }
+    run_program("brdfc", command(), |cli: &Cli| &cli.flags, run)
 }
 
-/// Hundreds of threads that wait for each other would do nothing else.
-fn threads(asked: usize) -> usize {
-    const PER_CORE: usize = 4;
-    asked.min(PER_CORE * std::thread::available_parallelism().map_or(1, usize::from))
-}
-
-fn run(cli: Cli) -> Result<(), CliError> {
-    if let (true, Some(name)) = (cli.json, cli.command.without_report()) {
+fn run(cli: Cli, common: Common) -> Result<(), CliError> {
+    if let (true, Some(name)) = (common.json, cli.command.without_report()) {
         return Err(CliError::Usage(format!("--json: found with {name}; allowed with {WITH_REPORT}")));
     }
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(threads(cli.jobs))
-        .build_global()
-        .map_err(|error| CliError::Internal(format!("cannot start threads: {error}")))?;
-    let common = Common { quiet: cli.quiet, json: cli.json };
     match cli.command {
         Command::Build(arguments) => build_scene::run(&arguments, common),
         Command::Watch(arguments) => watch::run(&arguments, common),
@@ -218,7 +161,6 @@ fn run(cli: Cli) -> Result<(), CliError> {
         Command::Plan(arguments) => plan::run(&arguments, common),
         Command::View(arguments) => view::run(&arguments, common),
         Command::Report(arguments) => report::run(&arguments, common),
-        Command::Bench(arguments) => bench::run(&arguments, common),
         Command::Schema(arguments) => schema::run(&arguments),
         Command::Generate(arguments) => generate::run(&arguments, command()),
     }

@@ -8,7 +8,7 @@ use super::{CliError, Common};
 use brdfc_core::progress::Progress;
 use brdfc_core::words::counted;
 use brdfc_jobs::report::page::{
-    FlatPage, GatherError, Reports, ViewLink, csv, flat_csv, flat_html, gather, html, is_flat_btf, sheet,
+    FlatPage, Reports, ViewLink, csv, flat_csv, flat_html, gather, html, is_flat_btf, sheet,
 };
 use brdfc_jobs::scene::plan::REPORT;
 use brdfc_jobs::view::{ViewOptions, open_items, view_page};
@@ -202,14 +202,4 @@ fn of_flat_btf(arguments: &Arguments, common: Common) -> Result<(), CliError> {
     }
     remark(common, &format!("{}: {}", output.display(), counted(page.asset.images.len(), "texture")));
     Ok(())
-}
-
-impl From<GatherError> for CliError {
-    fn from(error: GatherError) -> Self {
-        match error {
-            GatherError::Input(error) => error.into(),
-            GatherError::Folder { .. } => Self::Input(error.to_string()),
-            GatherError::Cancelled(_) => Self::Interrupted,
-        }
-    }
 }

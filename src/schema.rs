@@ -56,8 +56,6 @@ enum Report {
     Page,
     /// 'brdfc view --json'.
     View,
-    /// 'brdfc bench --json'.
-    Bench,
     /// 'brdfc render --json'.
     #[cfg(feature = "render")]
     Render,
@@ -89,7 +87,6 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         Report::Plan => schema_for!(brdfc_jobs::scene::graph::Graph),
         Report::Page => schema_for!(brdfc_jobs::report::page::PageReport<'static>),
         Report::View => schema_for!(super::view::Report),
-        Report::Bench => schema_for!(super::bench::Report),
         #[cfg(feature = "render")]
         Report::Render => schema_for!(super::render::Report),
         #[cfg(feature = "render")]

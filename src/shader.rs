@@ -5,7 +5,7 @@ use super::output::{
 };
 use super::{CliError, Common};
 use crate::table;
-use brdfc_shaders::{Decoder, EntryPoint, Interface, Language, translate};
+use brdfc_shaders::{Decoder, EntryPoint, Interface, Language, shader};
 use brdfc_source::Input;
 use brdfc_source::flat_btf::open_flat_btf;
 use brdfc_source::pack::open_pack;
@@ -79,8 +79,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         let text = "--output: found none, and a terminal; allowed a file or a pipe: SPIR-V is no text";
         return Err(CliError::Usage(text.to_owned()));
     }
-    // Every decoder goes into every language: tests see to that.
-    let shader = translate(decoder, arguments.language).map_err(|error| CliError::Internal(error.to_string()))?;
+    let shader = shader(decoder, arguments.language);
     let report = Report {
         version: 1,
         kind: "shader",

@@ -5,7 +5,7 @@ use super::steps::Steps;
 use super::{CliError, Common};
 use crate::inputs::refuse_stdin_twice;
 use crate::table;
-use brdfc_jobs::view::{ViewError, ViewItem, ViewOptions, open_items, view_page};
+use brdfc_jobs::view::{ViewItem, ViewOptions, open_items, view_page};
 use brdfc_source::Input;
 use clap::Args;
 use serde::Serialize;
@@ -117,16 +117,4 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError>
         ),
     );
     Ok(())
-}
-
-impl From<ViewError> for CliError {
-    fn from(error: ViewError) -> Self {
-        match error {
-            ViewError::Input(error) => error.into(),
-            ViewError::Folder(error) => error.into(),
-            ViewError::Table { .. } => Self::Input(error.to_string()),
-            ViewError::Cancelled(cancelled) => cancelled.into(),
-            ViewError::Shader(_) => Self::Internal(error.to_string()),
-        }
-    }
 }

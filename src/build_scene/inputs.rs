@@ -4,10 +4,10 @@ use crate::output::remark;
 use crate::{CliError, Common};
 use brdfc_core::words::{counted, join_truncated};
 use brdfc_jobs::encode::options::EncodeOptions;
-use brdfc_jobs::scene::batch::{BatchError, address_of, find, given, is_material, manifest_of};
+use brdfc_jobs::scene::batch::{address_of, find, given, is_material, manifest_of};
 use brdfc_jobs::scene::manifest::Manifest;
-use brdfc_jobs::scene::patterns::{Named, PatternError};
-use brdfc_jobs::scene::plan::{Plan, PlanError, plan};
+use brdfc_jobs::scene::patterns::Named;
+use brdfc_jobs::scene::plan::{Plan, plan};
 use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -92,22 +92,4 @@ pub(crate) fn read_manifest(path: &Path) -> Result<(String, Manifest), CliError>
     let manifest = Manifest::parse(text).map_err(|error| in_file(&error))?;
     let manifest = manifest.expanded(path.parent().unwrap_or(Path::new(""))).map_err(|error| in_file(&error))?;
     Ok((text.to_owned(), manifest))
-}
-
-impl From<BatchError> for CliError {
-    fn from(error: BatchError) -> Self {
-        let message = error.to_string();
-        match error {
-            BatchError::Io { .. } | BatchError::Pattern(PatternError::Io { .. }) => Self::Io(message),
-            BatchError::Nothing { .. } => Self::Check(message),
-            BatchError::Pattern(_) => Self::Usage(message),
-            BatchError::SameName { .. } | BatchError::Name { .. } => Self::Input(message),
-        }
-    }
-}
-
-impl From<PlanError> for CliError {
-    fn from(error: PlanError) -> Self {
-        Self::Usage(error.to_string())
-    }
 }

@@ -1,5 +1,6 @@
 //! The flags of `brdfc flatten`.
 
+use crate::directions::INDIRECTION;
 use brdfc_flat_btf::structures::describe_structures;
 use brdfc_jobs::encode::bytes_from_text;
 use brdfc_jobs::whole_number::{any_whole_number, whole_number};
@@ -7,10 +8,6 @@ use brdfc_source::Input;
 use clap::{Args, ValueEnum};
 use std::ffi::OsString;
 use std::path::PathBuf;
-
-/// Views of the indirection map where nothing is said: azimuths as close as those of `ubo2003` at its largest polar angle, where
-/// views that are blended lose most.
-pub const INDIRECTION: &str = "16x24";
 
 /// Make a flat BTF: appearance on the surface itself, and maps of where each view sees it, in one file.
 ///

@@ -1,20 +1,17 @@
 //! `brdfc flatten`: flat BTFs of surfaces with relief, and of ordinary BTFs.
 
 mod arguments;
-mod directions;
 mod options;
 mod text;
 
-pub use arguments::{Arguments, INDIRECTION};
-pub(super) use directions::{default_set, direction_set};
-pub(super) use options::map_header;
+pub use arguments::Arguments;
 pub(super) use text::text;
 
+use super::directions::in_flags;
 use super::output::{make_folder, note, print, print_json};
 use super::steps::Steps;
 use super::{CliError, Common, interrupt};
 use arguments::ImageFormat;
-use brdfc_formats::FormatError;
 use brdfc_jobs::btf_stack::StackFormat;
 use brdfc_jobs::flatten::words::{missed, remarks};
 use brdfc_jobs::flatten::{
@@ -35,18 +32,6 @@ pub struct Report {
     asset: FlatAsset,
     /// Seconds from start to finish.
     seconds: f64,
-}
-
-/// What is wrong with a recipe, by the flags that ask for it.
-pub(super) fn in_flags(error: &FormatError) -> String {
-    let FormatError { field, found, allowed, .. } = error;
-    match field.as_ref() {
-        "bytes of factors" => format!("--max-bytes: found {found}; allowed {allowed}"),
-        "size of the part displacement" | "size of the part indirection" => format!(
-            "--texels x --indirection: found a map of {found} texels; allowed {allowed}: lower --texels or --indirection"
-        ),
-        _ => error.to_string(),
-    }
 }
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), CliError> {

@@ -1,15 +1,14 @@
 //! Flags to what is flattened and how: which of them go with which input, and their ranges.
 
 use super::arguments::{Arguments, FLAT_TEXELS, Fill, FormArgument};
-use super::directions::{default_set, direction_set, pair};
 use crate::CliError;
+use crate::directions::{default_set, direction_set, map_header, wrong};
 use crate::inputs::refuse_stdin_twice;
 use crate::output::{check_folder, refuse_same_outputs};
 use brdfc_core::words::format_number;
 use brdfc_flat_btf::encode::{FlattenRecipe, Form};
 use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::fill::FillMethod;
-use brdfc_formats::flat_btf::{IndirectionHeader, MAX_AZIMUTH_SAMPLES, MAX_ZENITH_SAMPLES};
 use brdfc_jobs::flatten::MesoOptions;
 use brdfc_source::Input;
 use std::ffi::{OsStr, OsString};
@@ -194,26 +193,6 @@ fn split_name(text: &OsStr) -> Option<(String, OsString)> {
 fn split_name(text: &OsStr) -> Option<(String, OsString)> {
     let (name, source) = text.to_str()?.split_once('=')?;
     Some((name.to_owned(), source.into()))
-}
-
-fn wrong(option: &str, found: &dyn std::fmt::Display, allowed: &str) -> CliError {
-    CliError::Usage(format!("--{option}: found {found}; allowed {allowed}"))
-}
-
-/// The indirection map that `--texels`, `--indirection` and `--largest-angle`, in degrees, ask for, of any size.
-pub fn map_header(texels: u32, indirection: &str, largest_angle: f64) -> Result<IndirectionHeader, CliError> {
-    if !(largest_angle > 0.0 && largest_angle <= 89.0) {
-        return Err(wrong("largest-angle", &format_number(largest_angle), "above 0, up to 89 degrees"));
-    }
-    let [zenith_samples, azimuth_samples] = pair(indirection)
-        .ok_or_else(|| wrong("indirection", &indirection, "polar angles x azimuths, such as 16x24"))?;
-    let largest_angle = largest_angle.to_radians() as f32;
-    let header = IndirectionHeader { size: texels, zenith_samples, azimuth_samples, largest_angle };
-    if !(2..=MAX_ZENITH_SAMPLES).contains(&zenith_samples) || !(3..=MAX_AZIMUTH_SAMPLES).contains(&azimuth_samples) {
-        let allowed = format!("2 to {MAX_ZENITH_SAMPLES} polar angles x 3 to {MAX_AZIMUTH_SAMPLES} azimuths");
-        return Err(wrong("indirection", &indirection, &allowed));
-    }
-    Ok(header)
 }
 
 /// How it is flattened.

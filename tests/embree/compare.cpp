@@ -1,9 +1,9 @@
-// Traces the rays of 'brdfc bench --study rays --out DIR' with Embree.
+// Traces the rays of 'brdfc-bench --study rays --out DIR' with Embree.
 //
 // compare DIR prints one line per query, first with Embree's fast tests of triangles, which leak at edges, then with its
 // robust ones: name of the query and of the tests, rays, rays per second on one thread and on all threads, rays whose
 // answer is that of brdfc, and nearest-hit rays that miss. The layout of DIR/rays.bin is that of Dump::rays in
-// crates/studies/src/rays/dump.rs.
+// studies/src/rays/dump.rs.
 
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>

@@ -1,4 +1,4 @@
-"""Compresses a table of floats with zfp and SZ3 at several tolerances, for 'brdfc bench --study codecs'.
+"""Compresses a table of floats with zfp and SZ3 at several tolerances, for 'brdfc-bench --study codecs'.
 
 usage: compress.py TABLE OUT CHANNELS SHAPE... -- TOLERANCE...
 

@@ -152,7 +152,7 @@ fn shaders_and_their_twins_have_one_name() {
 
 /// Text files of the repository by their paths, those that only say what once was left out.
 fn texts() -> Vec<(PathBuf, String)> {
-    let mut folders = ["crates", "docs", "examples", "formats", "src", "tests"].map(PathBuf::from).to_vec();
+    let mut folders = ["crates", "docs", "examples", "formats", "src", "studies", "tests"].map(PathBuf::from).to_vec();
     let mut texts = vec![];
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(root().join(&folder)).unwrap() {
@@ -176,7 +176,9 @@ fn texts() -> Vec<(PathBuf, String)> {
 fn quoted_paths(text: &str) -> impl Iterator<Item = &str> {
     let quotations = text.lines().flat_map(|line| line.split('`').skip(1).step_by(2));
     quotations.filter(|text| {
-        let is_ours = ["crates/", "docs/", "formats/", "src/", "tests/"].iter().any(|folder| text.starts_with(folder));
+        let is_ours = ["crates/", "docs/", "formats/", "src/", "studies/", "tests/"]
+            .iter()
+            .any(|folder| text.starts_with(folder));
         let is_file = [".rs", ".wgsl", ".md"].iter().any(|extension| text.ends_with(extension));
         is_ours && is_file && !is_place_to_fill_in(text) && !text.contains(['*', ' ', 'C'])
     })

@@ -111,7 +111,7 @@ impl Decoder {
 
     /// What a query of three groups of four numbers, `a`, `b` and `c`, is answered with: the body of the compute shader that
     /// SPIR-V has in place of a piece to paste.
-    pub(crate) fn answer(self) -> Answer {
+    pub fn answer(self) -> Answer {
         match self {
             Self::Table => Answer {
                 takes: "a: wi and the level of detail; b: wo and 1 where the sampler filters, else 0",
@@ -150,7 +150,8 @@ impl Decoder {
 }
 
 /// How a query is answered.
-pub(crate) struct Answer {
+#[derive(Debug, Clone, Copy)]
+pub struct Answer {
     /// What the groups of a query hold, in words.
     pub takes: &'static str,
     /// What an answer holds, in words.

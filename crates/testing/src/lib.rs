@@ -8,6 +8,8 @@ pub mod engines;
 pub mod flat_btf;
 pub mod golden;
 pub mod packs;
+pub mod pages;
+pub mod program;
 pub mod pwt;
 pub mod sampler;
 pub mod tensor;

@@ -129,16 +129,6 @@ fn folders_that_are_files_or_not_empty() {
     std::fs::create_dir(folder.path().join("empty")).unwrap();
     folder.run(&[&knit[..], &["-o", "out", "--write-images", "empty"], &SMALL].concat()).succeeded();
     assert_eq!(folder.files("empty").len(), 16);
-    refused(&folder, &["bench", "--study", "rays", "--out", "m.obj"], 4, &["found a file; allowed a folder"]);
-    refused(&folder, &["bench", "--study", "rays", "--directions", "ubo2003"], 2, &["allowed with --study flat-btf"]);
-    refused(&folder, &["bench", "--study", "rays", "--indirection", "8x8"], 2, &["allowed with --study flat-btf"]);
-    let flat = |option: [&str; 2], told: &[&str]| {
-        refused(&folder, &[&["bench", "--study", "flat-btf", "synth:knit"][..], &option].concat(), 2, told);
-    };
-    flat(["--indirection", "1x8"], &["--indirection: found 1x8; allowed 2 to 256 polar angles x 3 to 256"]);
-    flat(["--indirection", "256x256"], &["--texels x --indirection: found a map of 32768 x 32896 texels"]);
-    flat(["--largest-angle", "90"], &["--largest-angle: found 90; allowed above 0, up to 89 degrees"]);
-    refused(&folder, &["bench", "synth:knit"], 2, &["flat-btf and rays (structures)", "images: materials"]);
 }
 
 #[test]

@@ -40,7 +40,7 @@ fn every_command_has_help_with_an_example() {
 fn the_examples_in_the_help_parse() {
     let folder = Folder::new();
     // These take seconds or minutes, and have tests of their own.
-    for command in commands(&folder).iter().filter(|command| !["bench", "flatten"].contains(&command.as_str())) {
+    for command in commands(&folder).iter().filter(|command| *command != "flatten") {
         let help = folder.run(&[command, "--help"]).stdout;
         for line in help.lines().filter(|line| line.trim_start().starts_with("brdfc ")) {
             let words = line.split(['<', '>']).next().unwrap().split_whitespace().skip(1);
@@ -154,7 +154,6 @@ fn negative_numbers_are_values() {
         ("samples", &["synth:lewis", "-o", "x.ktx2"]),
         ("flatten", &["h.png", "-o", "x"]),
         ("watch", &["p.ktx2"]),
-        ("bench", &["--study", "flat-btf"]),
         #[cfg(feature = "render")]
         ("render", &["p.ktx2"]),
     ] {
@@ -166,7 +165,6 @@ fn negative_numbers_are_values() {
             // Some go only with others.
             let more: &[&str] = match (command, flag.as_str()) {
                 ("bandwidth", "--size") => &["--kind", "texture"],
-                ("bench", "--pixels" | "--truth") => &["--study", "adaptive"],
                 (
                     "render",
                     "--budget" | "--caution" | "--bandwidth-directions" | "--antialias" | "--forward" | "--truth",
@@ -174,7 +172,6 @@ fn negative_numbers_are_values() {
                 _ => &[],
             };
             for value in ["-1", "-.5", "-1e3", "-5%", "-1x2"] {
-                let arguments = if more.first() == Some(&"--study") { &[][..] } else { arguments };
                 let ran = folder.run(&[&[command], arguments, more, &[&flag, value]].concat());
                 assert_eq!((ran.code, ran.stdout.as_str()), (2, ""), "{command} {flag} {value}: {}", ran.stderr);
                 assert!(ran.stderr.starts_with("brdfc: "), "{command} {flag} {value}: {}", ran.stderr);
@@ -208,7 +205,7 @@ fn json_is_a_flag_of_the_program() {
         &["generate", "man", "--out", "man"],
     ] {
         let name = arguments[0];
-        let allowed = "bandwidth, bench, build, compare, convert, encode, flatten, info, plan, pwt, render, report, samples, shader, view and watch";
+        let allowed = "bandwidth, build, compare, convert, encode, flatten, info, plan, pwt, render, report, samples, shader, view and watch";
         for ran in [folder.run(&[&["--json"], arguments].concat()), folder.run(&[arguments, &["--json"]].concat())] {
             assert_eq!((ran.code, ran.stdout.as_str()), (2, ""), "{arguments:?}");
             assert_eq!(ran.stderr, format!("brdfc: --json: found with {name}; allowed with {allowed}\n"));
@@ -249,7 +246,6 @@ fn what_refuses_json_is_what_the_page_says() {
         ("report", &["report", "gone", "-o", "page.html"]),
         ("plan --format ninja", &["plan", "synth:lambert", "--format", "ninja"]),
         ("plan --format json", &["plan", "synth:lambert", "--format", "json"]),
-        ("bench", &["bench", "gone.binary"]),
         ("schema", &["schema", "info"]),
         ("generate", &["generate", "man", "--out", "man"]),
         ("render", &["render", "gone.binary", "-o", "x.png"]),

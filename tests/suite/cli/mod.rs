@@ -1,7 +1,6 @@
 //! The real program, command by command. One binary, because each of them is linked anew.
 
 mod bandwidth;
-mod bench;
 mod build_scene;
 mod compare;
 mod convert;
@@ -23,8 +22,6 @@ mod render;
 mod render_adaptive;
 #[cfg(feature = "render")]
 mod render_assets;
-#[cfg(feature = "render")]
-mod render_studies;
 mod report;
 mod samples;
 mod schemas;

@@ -306,11 +306,7 @@ fn coarser_levels_of_detail_and_filters_change_the_picture() {
 fn without_a_driver_it_says_what_to_install() {
     let folder = Folder::new();
     folder.write("scene.toml", MANIFEST);
-    for arguments in [
-        &["render", "synth:lewis", "-o", "image.png"][..],
-        &["render", "scene.toml"],
-        &["bench", "--study", "throughput"],
-    ] {
+    for arguments in [&["render", "synth:lewis", "-o", "image.png"][..], &["render", "scene.toml"]] {
         let output = folder
             .command(arguments)
             .env("VK_DRIVER_FILES", "/nonexistent")
@@ -378,8 +374,6 @@ fn wrong_arguments() {
         (&["render", ".", "--contact", "c.png"], 2, "--contact: found with ., a flat BTF; allowed with BRDFs"),
         (&["render", "synth:lewis", "--source", "p.ktx2"], 2, "--source: found with synth:lewis"),
         (&["render", "synth:lewis", "--ranking", "loud"], 2, "allowed energy or visible"),
-        (&["bench", "synth:lewis"], 2, "allowed with the studies that draw"),
-        (&["bench", "--out", "x"], 2, "--study level-of-detail"),
     ] {
         let ran = folder.run(arguments);
         assert_eq!(ran.code, code, "{arguments:?}: {}", ran.stderr);

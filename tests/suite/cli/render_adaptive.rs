@@ -1,4 +1,4 @@
-//! `brdfc render --adaptive`, and the studies of adaptive shading.
+//! `brdfc render --adaptive`.
 
 use super::schemas::conforms;
 use crate::common::cli::Folder;
@@ -132,48 +132,4 @@ fn a_limit_that_is_missed_is_exit_code_1() {
     let folder = Folder::new();
     let code = |limit| folder.run(&[&["render", "synth:lambert"][..], &SMALL, &["--min-psnr", limit]].concat()).code;
     assert_eq!((code("5"), code("99")), (0, 1));
-}
-
-#[test]
-fn studies_of_adaptive_shading() {
-    let folder = Folder::new();
-    sky(&folder, "sky.exr");
-    let study = |name: &str, more: &[&str]| {
-        let small = ["bench", "--study", name, "synth:ggx?alpha=0.2", "--pixels", "64", "--truth", "64"];
-        let small = [&small[..], &["--environment", "sky.exr"], more].concat();
-        let report = folder.run(&[&small[..], &["--json"]].concat()).succeeded().json();
-        conforms("bench", &report);
-        let text = folder.run(&small).succeeded().stdout;
-        assert!(text.contains("synth:ggx?alpha=0.2") && text.lines().count() > 3, "{text}");
-        report["rows"].clone()
-    };
-    let equal = study("adaptive", &[]);
-    assert_eq!(equal.as_array().unwrap().len(), 6, "two shapes, three errors");
-    for row in equal.as_array().unwrap() {
-        for point in [&row["adaptive"], &row["best"]].into_iter().filter(|point| !point.is_null()) {
-            let off = point["psnr"].as_f64().unwrap() - row["psnr"].as_f64().unwrap();
-            assert!(off.abs() < 1.0, "the picture of the interpolated budget has the wanted error: {row}");
-        }
-    }
-    let fourier = study("pixel-bandwidth", &[]);
-    assert!(fourier[0]["windows"].as_u64() > Some(3), "{fourier}");
-    let directions = study("bandwidth-directions", &[]);
-    let errors: Vec<f64> =
-        directions[0]["rows"].as_array().unwrap().iter().map(|row| row["psnr"].as_f64().unwrap()).collect();
-    // Figure 13: within 0.3 dB.
-    assert!(errors.len() == 4 && errors.iter().all(|psnr| (psnr - errors[3]).abs() < 0.3), "{errors:?}");
-    let antialiasing = study("antialiasing", &[]);
-    assert_eq!(antialiasing[1]["rows"][2]["points"], 16);
-    // Figure 10.
-    for row in antialiasing.as_array().unwrap() {
-        assert!(["shaded", "samples"].iter().all(|cost| row["exponents"][cost].as_f64().unwrap() < 0.7), "{row}");
-    }
-    for (arguments, expected) in [
-        (&["--study", "adaptive", "--pixels", "8"][..], "--pixels: found 8; allowed 32 to 2048"),
-        (&["--study", "adaptive", "--truth", "8"], "--truth: found 8; allowed 16 to 65536"),
-        (&["--study", "rays", "--truth", "64"], "--truth: found with another study; allowed with --study adaptive"),
-    ] {
-        let ran = folder.run(&[&["bench"][..], arguments].concat());
-        assert!(ran.code == 2 && ran.stderr.contains(expected), "{arguments:?}: {}", ran.stderr);
-    }
 }

@@ -21,20 +21,20 @@ const LAYERS: [&str; 12] = [
     "crates/render",
     "crates/gpu",
     "crates/jobs",
-    "crates/studies",
+    "crates/terminal",
     ".",
 ];
-/// Crates beside the layers, with the highest layer that they may use: what tests share, the benchmarks, and tests that need
-/// unsafe code.
+/// Crates beside the layers, with the highest layer that they may use: what tests share, the translator of shaders, and tests that
+/// need unsafe code.
 const BESIDE: [(&str, Option<&str>); 3] =
-    [("crates/testing", Some("crates/core")), ("crates/benchmarks", None), ("tests/vulkan", None)];
+    [("crates/testing", Some("crates/core")), ("crates/translate", Some("crates/shaders")), ("tests/vulkan", None)];
 /// What is not used although it is lower: shaders draw what packs hold, whoever made them.
 const KEPT_APART: (&str, &str) = ("crates/gpu", "crates/codecs");
 /// The layer of many crates, one for each codec. They are stages.
 const CODECS: &str = "crates/codecs";
 
 /// Who may use the graphics driver only where the feature `render` asks for it.
-const GPU_BY_FEATURE: [&str; 3] = ["crates/jobs", "crates/studies", "."];
+const GPU_BY_FEATURE: [&str; 3] = ["crates/jobs", "crates/terminal", "."];
 
 /// Layers of stages: typed input to typed output.
 const STAGES: [&str; 8] = [
@@ -218,7 +218,7 @@ fn wrong_arrows_are_seen() {
         ("crates/gpu", "dependencies.brdfc-wavelet.workspace = true", &["crates/gpu uses brdfc-wavelet"]),
         ("crates/render", "dependencies.brdfc-wavelet.workspace = true", &[]),
         ("crates/testing", "dependencies.brdfc-metrics.workspace = true", &["crates/testing uses brdfc-metrics"]),
-        ("crates/jobs", "dependencies.brdfc-studies.workspace = true", &["crates/jobs uses brdfc-studies"]),
+        ("crates/jobs", "dependencies.brdfc-terminal.workspace = true", &["crates/jobs uses brdfc-terminal"]),
         ("crates/jobs", "dependencies.brdfc-testing.workspace = true", &["crates/jobs uses brdfc-testing"]),
         ("crates/jobs", "dependencies.brdfc-gpu.workspace = true", &["crates/jobs always uses brdfc-gpu"]),
         (".", "features.default = ['dep:brdfc-gpu']", &[". uses brdfc-gpu for the feature default"]),

@@ -3,7 +3,7 @@
 
 mod device;
 
-use brdfc_shaders::{Decoder, Language, translate};
+use brdfc_shaders::{Decoder, Language, shader};
 use brdfc_testing::engines::{Case, cases, check};
 use device::Vulkan;
 use std::process::Command;
@@ -18,7 +18,7 @@ fn answers(vulkan: &Vulkan, cases: &[Case], module: impl Fn(Decoder) -> (Vec<u32
     cases
         .iter()
         .map(|case| {
-            let interface = translate(case.decoder, Language::Spirv).unwrap().interface;
+            let interface = shader(case.decoder, Language::Spirv).interface;
             let (words, groups) = module(case.decoder);
             vulkan.evaluate(&words, groups, &interface, case)
         })
@@ -30,13 +30,13 @@ fn spirv_agrees_with_the_cpu() {
     let Some(vulkan) = Vulkan::open() else { return };
     let cases = cases();
     // As `EntryPoint` says: queries in group 0, the pack in group 1.
-    let module = |decoder| (words(&translate(decoder, Language::Spirv).unwrap().bytes), [0, 1]);
+    let module = |decoder| (words(&shader(decoder, Language::Spirv).bytes), [0, 1]);
     check("SPIR-V", &cases, &answers(&vulkan, &cases, module));
 }
 
 /// What a user of the piece writes. Registers without a space are in group 0.
 fn hlsl(decoder: Decoder) -> String {
-    let piece = String::from_utf8(translate(decoder, Language::Hlsl).unwrap().bytes).unwrap();
+    let piece = String::from_utf8(shader(decoder, Language::Hlsl).bytes).unwrap();
     let call = match decoder {
         Decoder::Table => "float4(table_brdf_at(q.a.xyz, q.b.xyz, q.a.w, q.b.w == 1.0), 0.0)",
         Decoder::Wavelet => "float4(wavelet_brdf_exact(q.a.xyz, q.b.xyz, q.a.w), 0.0)",

@@ -38,9 +38,6 @@ pub enum ViewError {
     /// The caller asked to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-    /// A shader that does not go into a language.
-    #[error("a shader of the page: {0}")]
-    Shader(String),
 }
 
 impl ViewError {

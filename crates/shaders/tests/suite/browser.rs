@@ -5,7 +5,7 @@ use crate::texts::text;
 use brdfc_formats::bindings::Resource;
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::wavelet::Filter;
-use brdfc_shaders::{BindingKind, Decoder, Interface, Language, translate};
+use brdfc_shaders::{BindingKind, Decoder, Interface, Language, shader};
 use brdfc_table::recipe::TableRecipe;
 use brdfc_testing::browser::result_of_page;
 use brdfc_testing::engines::{Case, SIDE, cases, check};
@@ -182,7 +182,7 @@ pub fn numbers(posted: &[u8], cases: usize) -> Vec<Vec<[f32; 4]>> {
 /// Shaders of all decoders, with what they bind.
 fn shaders(source: fn(Decoder) -> String) -> BTreeMap<&'static str, (String, Interface)> {
     let shader =
-        |decoder: Decoder| (decoder.name(), (source(decoder), translate(decoder, Language::Wgsl).unwrap().interface));
+        |decoder: Decoder| (decoder.name(), (source(decoder), shader(decoder, Language::Wgsl).interface));
     Decoder::ALL.into_iter().map(shader).collect()
 }
 

@@ -2,7 +2,7 @@
 //! systems alone.
 
 use super::texts::{TEXTS, text};
-use brdfc_shaders::{Decoder, Language, translate};
+use brdfc_shaders::{Decoder, Language, shader};
 use std::path::Path;
 use std::process::Command;
 
@@ -68,7 +68,7 @@ fn the_validator_of_spirv_takes_them() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("shader.spv");
     for decoder in Decoder::ALL {
-        let words = translate(decoder, Language::Spirv).unwrap().bytes;
+        let words = shader(decoder, Language::Spirv).bytes;
         std::fs::write(&file, &words).unwrap();
         let Some(said) = complaint("spirv-val", &["--target-env", "vulkan1.1"], &file) else { return };
         assert_eq!(said, "", "{}", decoder.name());

@@ -1,13 +1,9 @@
 //! What translated decoders say of themselves is in them.
 
-use brdfc_shaders::{BindingKind, Decoder, Language, Shader, translate};
+use brdfc_shaders::{BindingKind, Decoder, Language, shader};
 
 pub fn text(decoder: Decoder, language: Language) -> String {
     String::from_utf8(shader(decoder, language).bytes).unwrap()
-}
-
-fn shader(decoder: Decoder, language: Language) -> Shader {
-    translate(decoder, language).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The languages that are text.
@@ -64,7 +60,7 @@ fn interfaces_are_those_of_the_blocks() {
     assert_eq!((block.as_str(), *bytes), ("TableBrdfParameters", 144));
     let slope = fields.iter().find(|field| field.name == "slope").unwrap();
     assert_eq!((slope.ty.as_str(), slope.offset, slope.about.as_str()), ("f32", 44, "of the rows"));
-    assert_eq!(table.bindings[1].kind, BindingKind::Texture { dimension: "3d", samples: "float" });
+    assert_eq!(table.bindings[1].kind, BindingKind::Texture { dimension: "3d".to_owned(), samples: "float".to_owned() });
     assert_eq!(table.bindings[2].kind, BindingKind::Sampler);
 }
 

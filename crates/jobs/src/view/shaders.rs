@@ -1,0 +1,100 @@
+//! The shaders of pages: WGSL that is put together from parts, and what `programs.json` holds of it in GLSL ES 3.00.
+
+use brdfc_shaders::{Decoder, Program, TranslatedProgram};
+use std::collections::BTreeMap;
+use std::sync::OnceLock;
+
+/// What shows what was drawn.
+const SHOW: &str = "show";
+
+/// A shader of pages, before it is translated.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PageShader {
+    /// What it is called in the page.
+    pub name: String,
+    /// The source of both shaders.
+    pub wgsl: String,
+    /// The entry point of the vertex shader.
+    pub vertex: &'static str,
+    /// That of the fragment shader.
+    pub fragment: &'static str,
+}
+
+impl PageShader {
+    /// The file that holds all of them in GLSL ES 3.00. `./scripts/bless` writes it.
+    pub const FILE: &str = "crates/jobs/src/view/programs.json";
+
+    /// All of them.
+    pub fn all() -> Vec<Self> {
+        let kinds = [Decoder::Table, Decoder::Wavelet, Decoder::FlatBtf, Decoder::Pwt].map(|decoder| (decoder, false));
+        let kinds = kinds.into_iter().chain([(Decoder::Wavelet, true)]);
+        kinds.map(|(decoder, exact)| Self::drawing(decoder, exact)).chain([Self::showing()]).collect()
+    }
+
+    /// What draws a kind of pack; `exact`: the shader filters wavelets. Each has one way in it: drivers compile, and some run, both
+    /// sides of a branch.
+    pub(super) fn drawing(decoder: Decoder, exact: bool) -> Self {
+        let filtered = |name| {
+            format!(
+                "fn filtered(wi: vec3<f32>, wo: vec3<f32>, level: f32) -> vec3<f32> {{ return {name}(wi, wo, level); }}\n"
+            )
+        };
+        let of_kind = match decoder {
+            Decoder::Table => include_str!("shaders/table.wgsl").to_owned(),
+            Decoder::Wavelet => {
+                filtered(if exact { "wavelet_brdf_exact" } else { "wavelet_brdf" })
+                    + include_str!("shaders/wavelet.wgsl")
+            }
+            Decoder::FlatBtf => include_str!("shaders/flat_btf.wgsl").to_owned(),
+            Decoder::Pwt => include_str!("shaders/pwt.wgsl").to_owned(),
+            Decoder::Bandwidth | Decoder::Importance => unreachable!("no item has it"),
+        };
+        let (frame, corner) = (brdfc_render::shading_point::SHADING_POINT_WGSL, brdfc_render::camera::CORNER_WGSL);
+        let wgsl = [&decoder.wgsl(), &of_kind, frame, corner, include_str!("shaders/shade.wgsl")].join("\n");
+        let name = if exact { format!("{}, exact", decoder.name()) } else { decoder.name().to_owned() };
+        Self { name, wgsl, vertex: "project", fragment: "shade" }
+    }
+
+    /// What shows what was drawn.
+    pub(super) fn showing() -> Self {
+        let colours = brdfc_render::picture::RAMP.map(|rgb| {
+            let [r, g, b] = rgb.map(|code| code / 255.0);
+            format!("vec3<f32>({r:.6}, {g:.6}, {b:.6})")
+        });
+        let ramp = format!(
+            "const FULL_SCALE: f32 = {:?};\nconst RAMP: array<vec3<f32>, {}> = array<vec3<f32>, {}>({});\n",
+            brdfc_render::picture::DELTA_E_FULL_SCALE,
+            colours.len(),
+            colours.len(),
+            colours.join(", ")
+        );
+        let wgsl = ramp + include_str!("shaders/show.wgsl");
+        Self { name: SHOW.to_owned(), wgsl, vertex: "cover", fragment: "show" }
+    }
+
+    /// In both languages.
+    pub(super) fn program(&self) -> Program {
+        static ALL: OnceLock<BTreeMap<String, TranslatedProgram>> = OnceLock::new();
+        let all = ALL.get_or_init(|| serde_json::from_str(include_str!("programs.json")).expect("written by a test"));
+        let lacking = || panic!("{} lacks {}: ./scripts/bless", Self::FILE, self.name);
+        Program::new(&self.wgsl, all.get(&self.name).unwrap_or_else(lacking))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_kinds_are_in_both_languages() {
+        for shader in PageShader::all() {
+            let made = shader.program();
+            if shader.name == SHOW {
+                assert_eq!(made.textures.len(), 2);
+                continue;
+            }
+            assert!(made.textures.iter().all(|texture| texture.group == 1) && !made.textures.is_empty());
+            assert!(made.blocks.iter().any(|block| block.group == 0));
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! Translated decoders, as `generated.json` holds them. `brdfc-translate` makes them, and `./scripts/bless` writes the file: no
+//! program needs a translator for it.
+
+use crate::decoder::Decoder;
+use crate::interface::Interface;
+use crate::language::Language;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::sync::OnceLock;
+
+/// One decoder: all but the WGSL itself.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Generated {
+    /// What has to be bound, and what may be called.
+    pub interface: Interface,
+    /// Lines of the declarations and functions, by the name of the language.
+    pub texts: BTreeMap<String, Vec<String>>,
+    /// Words of the compute shader in SPIR-V.
+    #[serde(with = "hexadecimal")]
+    pub spirv: Vec<u32>,
+}
+
+impl Generated {
+    /// The file that holds all of them, by the name of the decoder.
+    pub const FILE: &str = "crates/shaders/src/generated.json";
+
+    /// That of a decoder.
+    ///
+    /// # Panics
+    /// Where the file lacks it.
+    pub fn of(decoder: Decoder) -> &'static Self {
+        static ALL: OnceLock<BTreeMap<String, Generated>> = OnceLock::new();
+        let all = ALL.get_or_init(|| serde_json::from_str(include_str!("generated.json")).expect("written by a test"));
+        all.get(decoder.name()).unwrap_or_else(|| panic!("{} lacks {}: ./scripts/bless", Self::FILE, decoder.name()))
+    }
+
+    /// The text in a language.
+    pub(crate) fn text(&self, language: Language) -> String {
+        self.texts[language.name()].join("\n") + "\n"
+    }
+}
+
+/// Words as lines of hexadecimal digits.
+mod hexadecimal {
+    use serde::de::Error as _;
+    use serde::{Deserialize as _, Deserializer, Serialize as _, Serializer};
+
+    /// Words of a line.
+    const WORDS: usize = 12;
+
+    pub fn serialize<S: Serializer>(words: &[u32], serializer: S) -> Result<S::Ok, S::Error> {
+        let line = |words: &[u32]| words.iter().map(|word| format!("{word:x}")).collect::<Vec<_>>().join(" ");
+        words.chunks(WORDS).map(line).collect::<Vec<_>>().serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<u32>, D::Error> {
+        let lines = Vec::<String>::deserialize(deserializer)?;
+        let words = lines.iter().flat_map(|line| line.split(' '));
+        words.map(|word| u32::from_str_radix(word, 16).map_err(D::Error::custom)).collect()
+    }
+}

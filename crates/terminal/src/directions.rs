@@ -1,0 +1,92 @@
+//! Sets of directions and maps of views, as flags name them.
+
+use crate::CliError;
+use brdfc_formats::FormatError;
+use brdfc_formats::direction_set::DirectionSet;
+use brdfc_formats::flat_btf::{IndirectionHeader, MAX_AZIMUTH_SAMPLES, MAX_ZENITH_SAMPLES};
+use brdfc_source::Input;
+use brdfc_source::read::MAX_TEXT_BYTES;
+use brdfc_core::words::format_number;
+use brdfc_readers::direction_list;
+use std::path::Path;
+
+/// Views of the indirection map where nothing is said: azimuths as close as those of `ubo2003` at its largest polar angle, where
+/// views that are blended lose most.
+pub const INDIRECTION: &str = "16x24";
+
+/// The set where none is named.
+pub fn default_set() -> Input {
+    "ubo2003".into()
+}
+
+/// Two numbers with an `x` between them.
+fn pair(text: &str) -> Option<[u32; 2]> {
+    let (a, b) = text.split_once('x')?;
+    Some([a.parse().ok()?, b.parse().ok()?])
+}
+
+/// A set of directions by its name, or from a file.
+pub fn direction_set(option: &str, input: &Input) -> Result<DirectionSet, CliError> {
+    let text = input.path().and_then(Path::to_str).unwrap_or_default();
+    let named = |set: DirectionSet, name: &str| DirectionSet { name: name.to_owned(), ..set };
+    match text {
+        "ubo2003" => return Ok(DirectionSet::ubo2003()),
+        "ubo2014" => return Ok(DirectionSet::ubo2014()),
+        _ => {}
+    }
+    if let Some(grid) = text.strip_prefix("grid:") {
+        let parsed = grid.split_once('@').and_then(|(size, angle)| Some((pair(size)?, angle.parse::<f64>().ok()?)));
+        let Some(([zeniths, azimuths], angle)) = parsed else {
+            let allowed = "grid:ZxA@DEGREES, such as grid:5x12@75";
+            return Err(CliError::Usage(format!("--{option}: found {text}; allowed {allowed}")));
+        };
+        if zeniths == 1 {
+            let allowed = "2 polar angles or more: the first is the zenith, to which azimuths and DEGREES say nothing";
+            return Err(CliError::Usage(format!("--{option}: found {text}; allowed {allowed}")));
+        }
+        return DirectionSet::grid(zeniths as usize, azimuths as usize, angle)
+            .map(|set| named(set, text))
+            .map_err(|error| CliError::Usage(format!("--{option}: {error}")));
+    }
+    if !input.is_stdin() && input.extension()? != "csv" {
+        let allowed = "ubo2003, ubo2014, grid:ZxA@DEGREES, a .csv file, or - for one from stdin";
+        return Err(CliError::Usage(format!("--{option}: found {input}; allowed {allowed}")));
+    }
+    let bytes = input.read(MAX_TEXT_BYTES)?;
+    direction_list::from_csv(&bytes)
+        .map(|set| named(set, &input.short_name()))
+        .map_err(|error| CliError::Input(format!("{input}: {error}")))
+}
+
+/// The indirection map that `--texels`, `--indirection` and `--largest-angle`, in degrees, ask for, of any size.
+pub fn map_header(texels: u32, indirection: &str, largest_angle: f64) -> Result<IndirectionHeader, CliError> {
+    if !(largest_angle > 0.0 && largest_angle <= 89.0) {
+        return Err(wrong("largest-angle", &format_number(largest_angle), "above 0, up to 89 degrees"));
+    }
+    let [zenith_samples, azimuth_samples] = pair(indirection)
+        .ok_or_else(|| wrong("indirection", &indirection, "polar angles x azimuths, such as 16x24"))?;
+    let largest_angle = largest_angle.to_radians() as f32;
+    let header = IndirectionHeader { size: texels, zenith_samples, azimuth_samples, largest_angle };
+    if !(2..=MAX_ZENITH_SAMPLES).contains(&zenith_samples) || !(3..=MAX_AZIMUTH_SAMPLES).contains(&azimuth_samples) {
+        let allowed = format!("2 to {MAX_ZENITH_SAMPLES} polar angles x 3 to {MAX_AZIMUTH_SAMPLES} azimuths");
+        return Err(wrong("indirection", &indirection, &allowed));
+    }
+    Ok(header)
+}
+
+/// What is wrong with a recipe, by the flags that ask for it.
+pub fn in_flags(error: &FormatError) -> String {
+    let FormatError { field, found, allowed, .. } = error;
+    match field.as_ref() {
+        "bytes of factors" => format!("--max-bytes: found {found}; allowed {allowed}"),
+        "size of the part displacement" | "size of the part indirection" => format!(
+            "--texels x --indirection: found a map of {found} texels; allowed {allowed}: lower --texels or --indirection"
+        ),
+        _ => error.to_string(),
+    }
+}
+
+/// A value of an option that is not allowed.
+pub fn wrong(option: &str, found: &dyn std::fmt::Display, allowed: &str) -> CliError {
+    CliError::Usage(format!("--{option}: found {found}; allowed {allowed}"))
+}

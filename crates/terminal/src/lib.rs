@@ -1,0 +1,17 @@
+//! What programs on the command line share: flags that all have, results to stdout, remarks to stderr, tables, errors with exit
+//! codes.
+
+mod common;
+pub mod directions;
+mod error;
+#[cfg(feature = "render")]
+pub mod graphics_environment;
+pub mod inputs;
+pub mod output;
+mod program;
+pub mod table;
+pub mod usage;
+
+pub use common::{Common, Flags};
+pub use error::CliError;
+pub use program::run_program;

@@ -1,0 +1,59 @@
+//! From arguments to an exit code.
+
+use super::{CliError, Common, Flags, output, usage};
+use clap::FromArgMatches;
+use std::panic::AssertUnwindSafe;
+use std::process::ExitCode;
+
+/// Runs a program: parses its arguments, starts threads, does the work, prints errors, returns the exit code.
+///
+/// `name` is what errors begin with, and `flags` are where the arguments have those that all programs share.
+pub fn run_program<A: FromArgMatches>(
+    name: &str,
+    command: clap::Command,
+    flags: impl FnOnce(&A) -> &Flags,
+    work: impl FnOnce(A, Common) -> Result<(), CliError>,
+) -> ExitCode {
+    let parsed = command.try_get_matches().and_then(|matches| A::from_arg_matches(&matches));
+    let arguments = match parsed {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            let code = if error.use_stderr() { 2 } else { 0 };
+            match usage::wrong_value(&error) {
+                Some(message) => output::tell(&format!("{name}: {message}")),
+                // A closed pipe is no reason to complain about help that nobody reads.
+                None => drop(error.print()),
+            }
+            return ExitCode::from(code);
+        }
+    };
+    let worked = std::panic::catch_unwind(AssertUnwindSafe(|| {
+        let flags = flags(&arguments);
+        let common = flags.common();
+        start_threads(flags.jobs)?;
+        work(arguments, common)
+    }));
+    match worked {
+        Ok(Ok(())) => ExitCode::SUCCESS,
+        Ok(Err(error)) => {
+            if let Some(message) = error.message() {
+                output::tell(&format!("{name}: {message}"));
+            }
+            ExitCode::from(error.exit_code())
+        }
+        Err(_) => {
+            output::tell(&format!("{name}: internal error; please report it with the lines above and the input"));
+            ExitCode::from(6)
+        }
+    }
+}
+
+/// Hundreds of threads that wait for each other would do nothing else.
+fn start_threads(asked: usize) -> Result<(), CliError> {
+    const PER_CORE: usize = 4;
+    let threads = asked.min(PER_CORE * std::thread::available_parallelism().map_or(1, usize::from));
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build_global()
+        .map_err(|error| CliError::Internal(format!("cannot start threads: {error}")))
+}

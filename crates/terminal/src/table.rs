@@ -1,0 +1,167 @@
+//! Tables for people.
+
+pub use brdfc_core::words::{bytes, percent};
+
+use brdfc_formats::crop::DirectionRange;
+use brdfc_jobs::encode::Trial;
+use brdfc_jobs::report::material::MaterialReport;
+use brdfc_metrics::compare::Comparison;
+use brdfc_metrics::norms::Norms;
+use comfy_table::{CellAlignment, Table, presets};
+
+/// Rows with a header, numbers to the right, no frame: copies well into a terminal, a mail or a diff.
+pub fn plain(header: &[&str], rows: &[Vec<String>]) -> String {
+    aligned(header, rows, |column| column > 0)
+}
+
+/// A table of words, aligned to the left.
+pub fn words(header: &[&str], rows: &[Vec<String>]) -> String {
+    aligned(header, rows, |_| false)
+}
+
+fn aligned(header: &[&str], rows: &[Vec<String>], right: impl Fn(usize) -> bool) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING).set_header(header.iter().copied());
+    for row in rows {
+        table.add_row(row);
+    }
+    for (index, column) in table.column_iter_mut().enumerate() {
+        column.set_padding((0, 2));
+        if right(index) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    table.lines().map(|line| line.trim_end().to_owned() + "\n").collect()
+}
+
+/// A row of the build table, without the material's name.
+pub fn material_row(report: &MaterialReport, seconds: Option<f64>) -> Vec<String> {
+    let picture = &report.off_grid.picture.delta_e;
+    vec![
+        if report.samples_in == 0 { "-".to_owned() } else { report.samples_in.to_string() },
+        report.codec.name().to_owned(),
+        report.codec.size(),
+        report.fetches.to_string(),
+        bytes(report.bytes_on_disk),
+        bytes(report.bytes_on_gpu),
+        relative(&report.off_grid.norms),
+        format!("{:.2}", picture.mean),
+        format!("{:.2}", picture.p95),
+        seconds.map_or("cached".to_owned(), |s| format!("{s:.2} s")),
+    ]
+}
+
+/// Header of the build table.
+pub const MATERIAL_HEADER: [&str; 11] =
+    ["material", "samples in", "codec", "size", "fetches", "on disk", "on GPU", "ε_r", "ΔE", "ΔE 95 %", "time"];
+
+/// What was tried for a pack, a line each; `seconds` are those of the trials.
+pub fn trials(tried: &[Trial], seconds: &[f64]) -> String {
+    let rows: Vec<Vec<String>> = tried
+        .iter()
+        .enumerate()
+        .map(|(k, trial)| {
+            vec![
+                trial.codec.clone(),
+                trial.size.clone(),
+                trial.fetches.to_string(),
+                bytes(trial.bytes_on_gpu),
+                percent(trial.relative_error),
+                format!("{:.2}", trial.delta_e),
+                format!("{:.2}", trial.delta_e_p95),
+                seconds.get(k).map_or("-".to_owned(), |s| format!("{s:.2} s")),
+                if trial.meets { "yes" } else { "no" }.to_owned(),
+            ]
+        })
+        .collect();
+    plain(&["tried", "size", "fetches", "on GPU", "ε_r", "ΔE", "ΔE 95 %", "time", "meets the budget"], &rows)
+}
+
+/// All norms of a comparison within a range of directions, a line each.
+pub fn comparison(comparison: &Comparison, directions: DirectionRange) -> String {
+    let mut rows = norms_rows(&comparison.norms);
+    // Of a ball little may be within: pixels are spread over the range instead.
+    let of = if directions.is_all() { "of a ball" } else { "within the directions" };
+    let picture = &comparison.picture;
+    for (name, value) in [
+        (format!("ΔE {of}, mean"), picture.delta_e.mean),
+        (format!("ΔE {of}, 95th percentile"), picture.delta_e.p95),
+        (format!("ΔE {of}, maximum"), picture.delta_e.max),
+        (format!("ΔE2000 {of}, mean"), picture.delta_e_2000.mean),
+    ] {
+        rows.push(vec![name, format!("{value:.3}")]);
+    }
+    rows.push(vec!["largest albedo difference".to_owned(), format!("{:.3e}", comparison.albedo_max_difference)]);
+    rows.push(vec!["reciprocity error of B".to_owned(), percent(comparison.reciprocity)]);
+    let table = plain(&["norm", "value"], &rows);
+    if directions.is_all() { table } else { format!("directions: {directions}\n{table}") }
+}
+
+fn norms_rows(norms: &Norms) -> Vec<Vec<String>> {
+    [
+        ("samples", norms.samples.to_string()),
+        ("below 0.1 % of the mean, left out of ratios", norms.below_floor.to_string()),
+        ("ε, RMS difference (1/sr)", format!("{:.4e}", norms.rms)),
+        ("ε_r, mean relative difference", relative(norms)),
+        ("standard error of ε_r", percent(norms.relative_standard_error)),
+        ("relative difference, 95th percentile", percent(norms.relative_p95)),
+        ("relative difference, 99th percentile", percent(norms.relative_p99)),
+        ("relative difference, maximum", percent(norms.relative_max)),
+        ("RMS of log difference", format!("{:.4e}", norms.log_rms)),
+        ("RMS of ln(1 + f cos θi) difference", format!("{:.4e}", norms.cosine_log_rms)),
+    ]
+    .into_iter()
+    .map(|(name, value)| vec![name.to_owned(), value])
+    .collect()
+}
+
+/// `ε_r`, or a dash where no sample was above the floor.
+fn relative(norms: &Norms) -> String {
+    if norms.counted() == 0 { "-".to_owned() } else { percent(norms.relative_mean) }
+}
+
+/// A number with two decimals, or as many as it takes to see on which side of a limit it is.
+pub fn apart(found: f64, limit: f64) -> String {
+    let text = |decimals: usize| format!("{found:.decimals$}");
+    let tells = |text: &String| {
+        text.parse::<f64>().is_ok_and(|told| (told > limit, told < limit) == (found > limit, found < limit))
+    };
+    (2..=12).map(text).find(tells).unwrap_or_else(|| found.to_string())
+}
+
+/// Three or four significant digits.
+pub fn significant(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".to_owned(),
+        a if !(1e-3..1e5).contains(&a) => format!("{value:.3e}"),
+        a => format!("{value:.*}", (3 - a.log10().floor() as i32).max(0) as usize),
+    }
+}
+
+/// Header of [`image_row`].
+#[cfg(feature = "render")]
+pub const IMAGE_HEADER: [&str; 6] = ["mean", "σ", "95 %", "max", "mean ΔE2000", "PSNR"];
+
+/// A comparison of images.
+#[cfg(feature = "render")]
+pub fn image_row(difference: &brdfc_metrics::image::ImageDifference) -> Vec<String> {
+    let d = &difference.delta_e;
+    let mut row: Vec<String> = [d.mean, d.standard_deviation, d.p95, d.max, difference.delta_e_2000.mean]
+        .map(|value| format!("{value:.3}"))
+        .into();
+    row.push(difference.psnr.map_or("-".to_owned(), |psnr| format!("{psnr:.1} dB")));
+    row
+}
+
+#[cfg(test)]
+mod tests {
+    use super::apart;
+
+    #[test]
+    fn numbers_beside_a_limit_have_the_digits_that_tell() {
+        assert_eq!(apart(3.2468, 3.0), "3.25");
+        assert_eq!(apart(0.3012, 0.301), "0.3012");
+        assert_eq!(apart(0.301, 0.301), "0.301");
+        assert_eq!(apart(27.9996, 28.0), "27.9996");
+    }
+}

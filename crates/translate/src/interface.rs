@@ -1,0 +1,79 @@
+//! What a decoder's shader asks for and offers, found by naga in the WGSL, with the words of its comments.
+
+use brdfc_shaders::{Binding, BindingKind, Field, Function, Interface};
+use naga::{AddressSpace, Handle, ImageDimension, Module, ScalarKind, Type, TypeInner};
+
+/// The interface of a WGSL source and the module that naga makes of it.
+///
+/// # Panics
+/// Where a function is not in the source.
+pub(crate) fn interface(source: &str, module: &Module, functions: &[&str]) -> Interface {
+    let mut bindings: Vec<Binding> = module
+        .global_variables
+        .iter()
+        .filter_map(|(_, variable)| {
+            let (name, place) = (variable.name.clone()?, variable.binding?);
+            let kind = kind(source, module, variable.ty, variable.space)?;
+            let about = words_above(source, |line| {
+                line.contains(&format!("> {name}:")) || line.contains(&format!("var {name}:"))
+            });
+            Some(Binding { binding: place.binding, name, kind, about })
+        })
+        .collect();
+    bindings.sort_by_key(|binding| binding.binding);
+    let functions = functions.iter().map(|name| function(source, name)).collect();
+    Interface { bindings, functions }
+}
+
+fn kind(source: &str, module: &Module, ty: Handle<Type>, space: AddressSpace) -> Option<BindingKind> {
+    let ty = &module.types[ty];
+    match &ty.inner {
+        TypeInner::Struct { members, span } if space == AddressSpace::Uniform => {
+            let block = ty.name.clone()?;
+            let from = source.find(&format!("struct {block} {{"))?;
+            let body = &source[from..][..source[from..].find("\n}")?];
+            let field = |member: &naga::StructMember| {
+                let name = member.name.clone()?;
+                let line = body.lines().find(|line| line.trim_start().starts_with(&format!("{name}:")))?;
+                let (code, about) = line.split_once("//").unwrap_or((line, ""));
+                let ty = code.trim().strip_prefix(&name)?.strip_prefix(':')?.trim().trim_end_matches(',');
+                Some(Field { ty: ty.to_owned(), offset: member.offset, about: about.trim().to_owned(), name })
+            };
+            let fields = members.iter().filter_map(field).collect();
+            Some(BindingKind::Uniform { block, bytes: *span, fields })
+        }
+        TypeInner::Image { dim, arrayed, class } => {
+            let dimension = match (dim, arrayed) {
+                (ImageDimension::D3, _) => "3d",
+                (_, true) => "2d-array",
+                _ => "2d",
+            };
+            let uint = matches!(class, naga::ImageClass::Sampled { kind: ScalarKind::Uint, .. });
+            let samples = if uint { "uint" } else { "float" };
+            Some(BindingKind::Texture { dimension: dimension.to_owned(), samples: samples.to_owned() })
+        }
+        TypeInner::Sampler { .. } => Some(BindingKind::Sampler),
+        _ => None,
+    }
+}
+
+/// What stands behind the code of the first line of that kind, or the comment above it, which may be one for several bindings.
+fn words_above(source: &str, is_it: impl Fn(&str) -> bool) -> String {
+    let lines: Vec<&str> = source.lines().collect();
+    let Some(at) = lines.iter().position(|line| is_it(line)) else { return String::new() };
+    if let Some((_, behind)) = lines[at].split_once("//") {
+        return behind.trim().to_owned();
+    }
+    let above = lines[..at].iter().rev().skip_while(|line| line.starts_with("@group"));
+    let mut words: Vec<&str> = above.map_while(|line| line.trim().strip_prefix("//")).map(str::trim).collect();
+    words.reverse();
+    words.join(" ")
+}
+
+fn function(source: &str, name: &str) -> Function {
+    let from = source.find(&format!("fn {name}(")).unwrap_or_else(|| panic!("no function {name}"));
+    let signature = source[from..].split(" {\n").next().unwrap_or_default();
+    let signature = signature.split_whitespace().collect::<Vec<_>>().join(" ").replace("( ", "(").replace(", )", ")");
+    let about = words_above(source, |line| line.starts_with(&format!("fn {name}(")));
+    Function { name: name.to_owned(), signature, about }
+}

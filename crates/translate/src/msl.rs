@@ -1,0 +1,15 @@
+//! Metal's language.
+
+use crate::parsed::Parsed;
+use naga::back::msl::{Options, PipelineOptions, write_string};
+
+/// Declarations and functions.
+///
+/// # Errors
+/// What the writer says.
+pub(crate) fn piece(parsed: &Parsed) -> Result<String, String> {
+    let options = Options { lang_version: (2, 0), fake_missing_bindings: true, ..Options::default() };
+    let (text, _) = write_string(&parsed.module, &parsed.info, &options, &PipelineOptions::default())
+        .map_err(|error| error.to_string())?;
+    Ok(text)
+}

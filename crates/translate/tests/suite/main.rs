@@ -1,0 +1,3 @@
+//! Translated shaders.
+
+mod golden;

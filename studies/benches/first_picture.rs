@@ -1,0 +1,51 @@
+//! How long a browser that was just started takes to the first picture of pages that `brdfc view` wrote, and how many it draws in a
+//! second then: `cargo bench --manifest-path studies/Cargo.toml --bench first_picture -- PAGE.html...`
+
+use brdfc_testing::browser::{result_of_page, with_script};
+use std::process::ExitCode;
+
+/// Pixels of the picture.
+const SIZE: [usize; 2] = [696, 700];
+/// Starts of the browser for each page and interface.
+const STARTS: usize = 5;
+
+/// Milliseconds until the first picture was drawn, and pictures a second, of which some are drawn.
+const SCRIPT: &str = "
+const first = await brdfcView.first;
+await fetch('/result', { method: 'POST', body: JSON.stringify([first, await brdfcView.speed(3)]) });
+";
+
+fn main() -> ExitCode {
+    // Cargo adds '--bench'.
+    let pages: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
+    if pages.is_empty() {
+        // As where all benchmarks are run.
+        println!("skipped: first_picture: no PAGE.html is named, which 'brdfc view' writes");
+        return ExitCode::SUCCESS;
+    }
+    println!("{:<28} {:<7} {:>8} {:>8} {:>8} {:>10}", "page", "", "median", "least", "most", "pictures/s");
+    for page in &pages {
+        let text = match std::fs::read_to_string(page) {
+            Ok(text) => text,
+            Err(error) => {
+                eprintln!("{page}: cannot read: {error}");
+                return ExitCode::from(4);
+            }
+        };
+        for api in ["webgl2", "webgpu"] {
+            let looked_at = with_script(&text, SIZE, api, SCRIPT);
+            let mut found = Vec::new();
+            for _ in 0..STARTS {
+                let Some(posted) = result_of_page(&[("", "text/html", looked_at.as_bytes())]) else {
+                    return ExitCode::FAILURE;
+                };
+                found.push(serde_json::from_slice::<[f64; 2]>(&posted).expect("two numbers"));
+            }
+            found.sort_by(|a, b| a[0].total_cmp(&b[0]));
+            let [least, median, most] = [0, STARTS / 2, STARTS - 1].map(|k| found[k][0]);
+            let speed = found.iter().map(|[_, speed]| speed).sum::<f64>() / STARTS as f64;
+            println!("{page:<28} {api:<7} {median:>5.0} ms {least:>5.0} ms {most:>5.0} ms {speed:>10.1}");
+        }
+    }
+    ExitCode::SUCCESS
+}

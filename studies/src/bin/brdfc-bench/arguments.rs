@@ -1,0 +1,140 @@
+//! Flags of `brdfc-bench`.
+
+use brdfc_jobs::whole_number::{any_whole_number, whole_number};
+use brdfc_source::Input;
+use brdfc_studies::Study;
+use brdfc_terminal::inputs::refuse_stdin_twice;
+use brdfc_terminal::{CliError, Flags};
+use clap::{Parser, ValueEnum};
+use std::path::PathBuf;
+
+/// Repeat a study of the papers, with the paper's own figures beside ours.
+///
+/// Timings of single stages are criterion benchmarks: 'cargo bench --manifest-path studies/Cargo.toml'.
+#[derive(Debug, Parser)]
+#[command(
+    name = "brdfc-bench",
+    version,
+    max_term_width = 110,
+    after_help = "\
+Examples:
+  brdfc-bench
+  brdfc-bench --json > table-1.json
+  brdfc-bench --study flat-btf synth:knit --texels 64 --flat-texels 128
+  brdfc-bench --study rays synth:folds
+  brdfc-bench --study relighting icon --out figures
+  brdfc-bench --study btf synth:knit --out figures
+  brdfc-bench --study throughput
+  brdfc-bench --study pareto paint.brdf metal.binary --out figures
+  brdfc-bench --study codecs paint.brdf metal.binary --peers python3 --out figures
+  brdfc-bench --study level-of-detail --out frames
+  brdfc-bench --study images paint.brdf metal.bsdf synth:velvet
+  brdfc-bench --study adaptive red-plastic.binary paint.bsdf --environment museum.exr
+  brdfc-bench --study pixel-bandwidth red-plastic.binary --environment museum.exr"
+)]
+pub struct Arguments {
+    /// Materials of the studies that draw (default: synth:velvet, and a glossy metal for level-of-detail and those of
+    /// adaptive shading) and of pareto (default: three models), or structures of flat-btf and btf (default: all four) and of rays (default: synth:button), or the photographs of relighting.
+    #[arg(value_name = "INPUT")]
+    pub(super) inputs: Vec<Input>,
+    /// Which study.
+    #[arg(long, value_enum, default_value = "wavelet-brdf")]
+    pub(super) study: Study,
+    /// Write the frames of level-of-detail into this folder, the figure of codecs, pareto, relighting or btf, or the mesh and the rays
+    /// of rays.
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
+    /// Texels of the reference plane per side, for flat-btf (default 128) and rays (default 64); for btf of both BTFs,
+    /// a power of two from 8 to 256 (default 32).
+    #[arg(long, value_name = "N", value_parser = any_whole_number::<usize>("a whole number, 8 or more"))]
+    pub(super) texels: Option<usize>,
+    /// Texels of flat BTFs per side for flat-btf, a power of two (default: twice those of the plane).
+    #[arg(long, value_name = "N", value_parser = any_whole_number::<usize>("a power of two from 8 to 1024"))]
+    pub(super) flat_texels: Option<usize>,
+    /// Views and lights of flat-btf and btf, as for 'brdfc flatten --views' (default: ubo2003).
+    #[arg(long, value_name = "SET")]
+    pub(super) directions: Option<Input>,
+    /// Polar angles x azimuths of the indirection map of flat-btf (default: 16x24).
+    #[arg(long, value_name = "ZxA", allow_hyphen_values = true)]
+    pub(super) indirection: Option<String>,
+    /// Largest polar angle of the indirection map of flat-btf, degrees (default 80).
+    #[arg(long, value_name = "DEGREES")]
+    pub(super) largest_angle: Option<f64>,
+    /// Latitude-longitude image, .exr or .hdr, that lights the studies of adaptive shading (default: a sky).
+    #[arg(long, value_name = "FILE")]
+    pub(super) environment: Option<Input>,
+    /// Pixels per side of the studies of adaptive shading, 32 to 2048, for pixel-bandwidth 64 and more (default 512).
+    #[arg(long, value_name = "N", value_parser = any_whole_number::<usize>("32 to 2048"))]
+    pub(super) pixels: Option<usize>,
+    /// Samples per pixel of their ground truth, 16 to 65536 (default 256).
+    #[arg(long, value_name = "N", value_parser = whole_number::<usize>(16..=65_536))]
+    pub(super) truth: Option<usize>,
+    /// Use the adapter whose name contains this (default: the fastest).
+    #[arg(long, value_name = "NAME")]
+    pub(super) adapter: Option<String>,
+    /// Python with the packages of tests/peers/requirements.txt, by which codecs measures zfp and SZ3, too.
+    #[arg(long, value_name = "PYTHON")]
+    pub(super) peers: Option<PathBuf>,
+    /// Few settings of pareto, few pixels of level-of-detail: seconds.
+    #[arg(long)]
+    pub(super) small: bool,
+    /// Print the JSON schema of the report, and nothing else.
+    #[arg(long)]
+    pub(super) schema: bool,
+    #[command(flatten)]
+    pub(super) flags: Flags,
+}
+
+/// Studies of adaptive shading.
+const ADAPTIVE: &[Study] = &[Study::Adaptive, Study::PixelBandwidth, Study::BandwidthDirections, Study::Antialiasing];
+
+impl Arguments {
+    /// Whether every flag that was given has an effect on the study.
+    pub(super) fn check(&self) -> Result<(), CliError> {
+        let options = [("--directions", self.directions.as_ref()), ("--environment", self.environment.as_ref())];
+        let inputs = self.inputs.iter().map(|input| ("INPUT", Some(input)));
+        refuse_stdin_twice(&inputs.chain(options).collect::<Vec<_>>())?;
+        if let (Study::WaveletBrdf, Some(name)) = (self.study, self.study.to_possible_value())
+            && !self.inputs.is_empty()
+        {
+            let allowed = "allowed with the studies that draw (throughput, codecs, level-of-detail and images: materials), with \
+                           pareto (materials), and with btf, flat-btf and rays (structures), and with relighting (photographs)";
+            return Err(CliError::Usage(format!("INPUT: found with --study {}; {allowed}", name.get_name())));
+        }
+        let writes = matches!(
+            self.study,
+            Study::LevelOfDetail | Study::Codecs | Study::Pareto | Study::Rays | Study::Relighting | Study::Btf
+        );
+        if !writes && self.out.is_some() {
+            let allowed = "allowed with --study level-of-detail, --study codecs, --study pareto, --study rays, --study relighting and --study btf";
+            return Err(CliError::Usage(format!("--out: found with another study; {allowed}")));
+        }
+        for (given, option, studies) in [
+            (self.texels.is_some(), "texels", &[Study::FlatBtf, Study::Rays, Study::Btf][..]),
+            (self.flat_texels.is_some(), "flat-texels", &[Study::FlatBtf]),
+            (self.directions.is_some(), "directions", &[Study::FlatBtf, Study::Btf]),
+            (self.indirection.is_some(), "indirection", &[Study::FlatBtf]),
+            (self.largest_angle.is_some(), "largest-angle", &[Study::FlatBtf]),
+            (self.environment.is_some(), "environment", ADAPTIVE),
+            (self.pixels.is_some(), "pixels", ADAPTIVE),
+            (self.truth.is_some(), "truth", ADAPTIVE),
+            (
+                self.adapter.is_some(),
+                "adapter",
+                &[Study::Throughput, Study::Codecs, Study::LevelOfDetail, Study::Images],
+            ),
+            (self.peers.is_some(), "peers", &[Study::Codecs]),
+            (self.small, "small", &[Study::Pareto, Study::LevelOfDetail]),
+        ] {
+            if given && !studies.contains(&self.study) {
+                let names: Vec<String> =
+                    studies.iter().filter_map(|s| Some(s.to_possible_value()?.get_name().to_owned())).collect();
+                let allowed = names.join(", ");
+                return Err(CliError::Usage(format!(
+                    "--{option}: found with another study; allowed with --study {allowed}"
+                )));
+            }
+        }
+        Ok(())
+    }
+}

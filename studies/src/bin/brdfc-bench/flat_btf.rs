@@ -1,0 +1,181 @@
+//! The error study of flat BTFs.
+
+use super::arguments::Arguments;
+use brdfc_core::address::SYNTH_PREFIX;
+use brdfc_flat_btf::structures::STRUCTURES;
+use brdfc_formats::container::MAX_EXTENT_2D;
+use brdfc_source::Input;
+use brdfc_studies::StudyResult;
+use brdfc_studies::flat_btf::{ModelRow, StudyError, StudySettings, study_model};
+use brdfc_terminal::directions::{INDIRECTION, default_set, direction_set, in_flags, map_header};
+use brdfc_terminal::output::remark;
+use brdfc_terminal::table::plain;
+use brdfc_terminal::{CliError, Common};
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+/// Of the plane; the flat BTF has twice as many per side, the paper's 256.
+const TEXELS: usize = 128;
+const LARGEST_ANGLE: f64 = 80.0;
+/// Most texels of the plane: with these views, of the indirection map.
+const MOST_TEXELS: usize = (MAX_EXTENT_2D / 25) as usize;
+/// Remarks come at least this far apart.
+const BETWEEN_REMARKS: Duration = Duration::from_secs(5);
+
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, CliError> {
+    let texels = arguments.texels.unwrap_or(TEXELS);
+    let flat_texels = arguments.flat_texels.unwrap_or(2 * texels.next_power_of_two());
+    for (option, value, most) in [("texels", texels, MOST_TEXELS), ("flat-texels", flat_texels, 1024)] {
+        if !(8..=most).contains(&value) {
+            return Err(CliError::Usage(format!("--{option}: found {value}; allowed 8 to {most}")));
+        }
+    }
+    if !flat_texels.is_power_of_two() {
+        return Err(CliError::Usage(format!("--flat-texels: found {flat_texels}; allowed a power of two")));
+    }
+    let largest_angle = arguments.largest_angle.unwrap_or(LARGEST_ANGLE);
+    let map = map_header(texels as u32, arguments.indirection.as_deref().unwrap_or(INDIRECTION), largest_angle)?;
+    map.check().map_err(|error| CliError::Usage(in_flags(&error)))?;
+    let directions = direction_set("directions", arguments.directions.as_ref().unwrap_or(&default_set()))?;
+    let settings = StudySettings {
+        texels,
+        flat_texels,
+        oversampling: 1,
+        indirection: [map.zenith_samples, map.azimuth_samples],
+        largest_angle,
+        rounds: 0,
+        directions: directions.name.clone(),
+        count: directions.len(),
+    };
+    let directions = directions.directions();
+    let all: Vec<Input> =
+        STRUCTURES.iter().map(|info| Input::Address(format!("{SYNTH_PREFIX}{}", info.name))).collect();
+    let inputs = if arguments.inputs.is_empty() { &all } else { &arguments.inputs };
+    let steps = inputs.len() * directions.len();
+    let started = Instant::now();
+    let progress = Mutex::new((0usize, Instant::now()));
+    let view_done = || {
+        let Ok(mut progress) = progress.lock() else { return };
+        progress.0 += 1;
+        if progress.1.elapsed() >= BETWEEN_REMARKS {
+            let elapsed = started.elapsed().as_secs_f64();
+            let left = elapsed / progress.0 as f64 * (steps - progress.0) as f64;
+            remark(common, &format!("{} of {steps} views, {elapsed:.0} s, about {left:.0} s left", progress.0));
+            progress.1 = Instant::now();
+        }
+    };
+    let mut rows = Vec::new();
+    for input in inputs {
+        let address = input.address().and_then(|address| address.strip_prefix(SYNTH_PREFIX)).ok_or_else(|| {
+            let names: Vec<&str> = STRUCTURES.iter().map(|info| info.name).collect();
+            CliError::Usage(format!("INPUT: found {input}; allowed synth: with one of {}", names.join(", ")))
+        })?;
+        let row = study_model(address, &settings, &directions, &view_done).map_err(|error| match error {
+            StudyError::Address(error) => CliError::Input(format!("{input}: {error}")),
+            StudyError::Parameterise(error) => CliError::Input(format!("{input}: {error}")),
+        })?;
+        rows.push(row);
+    }
+    Ok(StudyResult::FlatBtf { settings, rows })
+}
+
+pub(super) fn text(settings: &StudySettings, rows: &[ModelRow]) -> String {
+    let mut text = format!(
+        "{0} views and lights ({1}), {2} x {2} texels of the plane, {3} x {3} of the flat BTF, {4} x {5} views \
+         of the indirection map up to {6}°.\n\n",
+        settings.count,
+        settings.directions,
+        settings.texels,
+        settings.flat_texels,
+        settings.indirection[0],
+        settings.indirection[1],
+        settings.largest_angle
+    );
+    text += "Table 1: colour difference (L*a*b*) of BTFs rebuilt by equation 1; maximum and variance of means of images. Through \
+         displacements: as they are stored, what a renderer shows; through the map: by the indirection map of uncompressed \
+         assets; exact rays: in place of both, what the flat BTF alone loses\n";
+    let header = ["model", "through displacements", "max", "variance", "through the map", "max", "variance"];
+    let header = [&header[..], &["exact rays", "max", "variance"]].concat();
+    let header = [&header[..], &["paper", "mean", "max", "variance"]].concat();
+    text += &table(&header, rows, |row| {
+        let (r, p) = (&row.reconstruction, &row.paper.reconstruction);
+        let ours = [r.through_displacements, r.through_map, r.exact_rays]
+            .map(|e| [e.mean, e.largest_image, e.image_variance].map(two));
+        let paper = p.map(two);
+        [name(row)]
+            .into_iter()
+            .chain(ours.into_iter().flatten())
+            .chain([row.paper_model.to_owned()])
+            .chain(paper)
+            .collect()
+    });
+    text += "\nTable 1, means by polar angle of the view. Unblended: through a map that has each view itself\n";
+    let header =
+        ["model", "polar angle", "views", "through displacements", "through the map", "unblended", "exact rays"];
+    let cells = rows.iter().flat_map(|row| {
+        row.reconstruction.angles.iter().map(|a| {
+            let means = [a.through_displacements, a.through_map, a.unblended, a.exact_rays].map(two);
+            [name(row), format!("{:.0}°", a.polar_angle), a.views.to_string()].into_iter().chain(means).collect()
+        })
+    });
+    text += &plain(&header, &cells.collect::<Vec<Vec<String>>>());
+    text += "\nTable 1, means through the map by how holes are filled, and unblended\n";
+    text += &table(&["model", "poisson", "push-pull", "unblended"], rows, |row| {
+        let r = &row.reconstruction;
+        [name(row)].into_iter().chain([r.through_map.mean, r.mean_push_pull, r.mean_unblended].map(two)).collect()
+    });
+    text += "\nTable 2: variance over the views (L*a*b*), mean over texels; in brackets how many times lower than the BTF's\n";
+    let header = ["model", "BTF", "push-pull", "poisson", "visible", "paper: BTF", "filled", "visible"];
+    text += &table(&header, rows, |row| {
+        let (c, p) = (&row.coherency, &row.paper.average_variance);
+        let lower = |value: f64, of: f64| match value {
+            v if v < 1e-6 => "0".to_owned(),
+            v => format!("{v:.2} ({:.1})", of / v),
+        };
+        let ours = [c.push_pull.mean, c.poisson.mean, c.visible.mean].map(|v| lower(v, c.btf.mean));
+        let [a, b, d] = ours;
+        vec![name(row), two(c.btf.mean), a, b, d, two(p[0]), lower(p[1], p[0]), lower(p[2], p[0])]
+    });
+    text += "\nTable 2, maximum over texels\n";
+    text += &table(&header, rows, |row| {
+        let (c, p) = (&row.coherency, &row.paper.maximal_variance);
+        let ours = [c.btf.max, c.push_pull.max, c.poisson.max, c.visible.max, p[0], p[1], p[2]].map(two);
+        std::iter::once(name(row)).chain(ours).collect()
+    });
+    text += "\nTable 3: kilobytes of images of apparent BRDFs, flat < ordinary; the mean is over 64 texels\n";
+    let header = ["model", "mean PNG", "mean zstd", "PNG, texel 1", "PNG, texel 2", "paper: texel 1", "texel 2"];
+    text += &table(&header, rows, |row| {
+        let a = &row.apparent;
+        let less = |flat: f64, btf: f64| format!("{:.1} < {:.1}", flat / 1e3, btf / 1e3);
+        let paper = row.paper.png_kilobytes.map(|[flat, btf]| format!("{flat:.1} < {btf:.1}"));
+        let texels: Vec<String> = a.texels.iter().map(|t| less(t.flat_png, t.btf_png)).collect();
+        let mean = [less(a.mean.flat_png, a.mean.btf_png), less(a.mean.flat_zstd, a.mean.btf_zstd)];
+        std::iter::once(name(row)).chain(mean).chain(texels).chain(paper).collect()
+    });
+    text +=
+        "\nFigure 10: distance of blended from real indirections in 1/256 of the tile, mean (median), by polar angle\n";
+    let header =
+        ["model", "grid", "all", "0-10°", "10-20°", "20-30°", "30-40°", "40-50°", "50-60°", "60-70°", "70-80°"];
+    let cells = rows.iter().flat_map(|row| {
+        row.grids.iter().map(|grid| {
+            let both = |mean: f64, median: f64| format!("{mean:.1} ({median:.2})");
+            let bands = grid.bands.iter().zip(&grid.band_medians).map(|(mean, median)| both(*mean, *median));
+            let first = [name(row), format!("{} x {}", grid.zenith_samples, grid.azimuth_samples)];
+            first.into_iter().chain([both(grid.mean, grid.median)]).chain(bands).collect()
+        })
+    });
+    text + &plain(&header, &cells.collect::<Vec<Vec<String>>>())
+        + "\nThe paper's models are not ours: its figures show the magnitude to expect.\n"
+}
+
+fn table(header: &[&str], rows: &[ModelRow], cells: impl Fn(&ModelRow) -> Vec<String>) -> String {
+    plain(header, &rows.iter().map(cells).collect::<Vec<_>>())
+}
+
+fn name(row: &ModelRow) -> String {
+    row.model.strip_prefix(SYNTH_PREFIX).unwrap_or(&row.model).split('?').next().unwrap_or_default().to_owned()
+}
+
+fn two(value: f64) -> String {
+    format!("{value:.2}")
+}

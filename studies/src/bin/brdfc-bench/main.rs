@@ -1,0 +1,102 @@
+//! `brdfc-bench`: studies that repeat the papers' tables.
+
+#[cfg(feature = "render")]
+mod adaptive;
+mod arguments;
+mod btf;
+#[cfg(feature = "render")]
+mod codecs;
+mod flat_btf;
+#[cfg(feature = "render")]
+mod on_adapter;
+mod pareto;
+mod rays;
+mod relighting;
+mod wavelet;
+
+use arguments::Arguments;
+use brdfc_studies::{Study, StudyResult};
+use brdfc_terminal::output::{check_folder, print, print_json};
+use brdfc_terminal::{CliError, Common, run_program, usage};
+use clap::CommandFactory as _;
+use serde::Serialize;
+use std::process::ExitCode;
+
+/// What `--json` prints.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+struct Report {
+    /// Layout of this report.
+    version: u32,
+    /// The study's figures.
+    #[serde(flatten)]
+    result: StudyResult,
+}
+
+fn main() -> ExitCode {
+    let command = Arguments::command().mut_args(usage::with_negatives);
+    run_program("brdfc-bench", command, |arguments: &Arguments| &arguments.flags, run)
+}
+
+fn run(arguments: Arguments, common: Common) -> Result<(), CliError> {
+    if arguments.schema {
+        return print_json(&schemars::schema_for!(Report));
+    }
+    let arguments = &arguments;
+    arguments.check()?;
+    if let Some(folder) = &arguments.out {
+        check_folder(folder)?;
+    }
+    let result = match arguments.study {
+        Study::WaveletBrdf => wavelet::run()?,
+        Study::FlatBtf => flat_btf::run(arguments, common)?,
+        Study::Relighting => relighting::run(arguments, common)?,
+        Study::Btf => btf::run(arguments, common)?,
+        Study::Rays => rays::run(arguments, common)?,
+        Study::Pareto => pareto::run(arguments, common)?,
+        #[cfg(feature = "render")]
+        Study::Adaptive | Study::PixelBandwidth | Study::BandwidthDirections | Study::Antialiasing => {
+            adaptive::run(arguments, common)?
+        }
+        #[cfg(feature = "render")]
+        Study::Codecs => codecs::run(arguments, common)?,
+        #[cfg(feature = "render")]
+        Study::Throughput | Study::LevelOfDetail | Study::Images => on_adapter::run(arguments, common)?,
+        #[cfg(not(feature = "render"))]
+        Study::Throughput
+        | Study::Codecs
+        | Study::LevelOfDetail
+        | Study::Images
+        | Study::Adaptive
+        | Study::PixelBandwidth
+        | Study::BandwidthDirections
+        | Study::Antialiasing => return Err(CliError::without_renderer()),
+    };
+    if common.json { print_json(&Report { version: 1, result }) } else { print_text(&result) }
+}
+
+fn print_text(result: &StudyResult) -> Result<(), CliError> {
+    match result {
+        StudyResult::WaveletBrdf { rows } => print(&wavelet::text(rows)),
+        StudyResult::FlatBtf { settings, rows } => print(&flat_btf::text(settings, rows)),
+        StudyResult::Relighting(study) => print(&relighting::text(study)),
+        StudyResult::Btf(study) => print(&btf::text(study)),
+        StudyResult::Rays(study) => print(&rays::text(study)),
+        StudyResult::Pareto(study) => print(&pareto::text(study)),
+        #[cfg(feature = "render")]
+        StudyResult::Adaptive { rows } => print(&adaptive::equal_error_text(rows)),
+        #[cfg(feature = "render")]
+        StudyResult::PixelBandwidth { rows } => print(&adaptive::fourier_text(rows)),
+        #[cfg(feature = "render")]
+        StudyResult::BandwidthDirections { rows } => print(&adaptive::directions_text(rows)),
+        #[cfg(feature = "render")]
+        StudyResult::Antialiasing { rows } => print(&adaptive::antialiasing_text(rows)),
+        #[cfg(feature = "render")]
+        StudyResult::Throughput(study) => print(&on_adapter::throughput_text(study)),
+        #[cfg(feature = "render")]
+        StudyResult::Codecs(study) => print(&codecs::text(study)),
+        #[cfg(feature = "render")]
+        StudyResult::LevelOfDetail(study) => print(&on_adapter::level_of_detail_text(study)),
+        #[cfg(feature = "render")]
+        StudyResult::Images { rows } => print(&on_adapter::images_text(rows)),
+    }
+}

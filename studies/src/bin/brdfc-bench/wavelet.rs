@@ -1,0 +1,34 @@
+//! The study of wavelet BRDFs.
+
+use brdfc_studies::{StudyResult, StudyRow, wavelet_table_1};
+use brdfc_terminal::CliError;
+use brdfc_terminal::table::{percent, plain};
+
+pub(super) fn run() -> Result<StudyResult, CliError> {
+    let rows = wavelet_table_1().map_err(|error| CliError::Internal(error.to_string()))?;
+    Ok(StudyResult::WaveletBrdf { rows })
+}
+
+pub(super) fn text(rows: &[StudyRow]) -> String {
+    let header = ["model", "r_c", "slices", "mean", "ε", "ε_r", "ε_r, 8 bits", "paper mean", "paper ε", "paper ε_r"];
+    let cells: Vec<Vec<String>> = rows
+        .iter()
+        .map(|row| {
+            vec![
+                row.model.clone(),
+                format!("{}:1", row.ratio),
+                row.slices.to_string(),
+                format!("{:.6}", row.mean),
+                format!("{:.4e}", row.rms),
+                percent(row.relative),
+                percent(row.relative_8_bit),
+                row.paper_mean.to_string(),
+                row.paper_rms.to_string(),
+                percent(row.paper_relative),
+            ]
+        })
+        .collect();
+    plain(&header, &cells)
+        + "\n32 x 32 x 32 x 32 tangent-pole table, one channel, bias 0.01; ε and ε_r at 16 bits unless said otherwise.\n\
+           The paper does not print its parameters: its figures show the magnitude to expect, not the same materials.\n"
+}

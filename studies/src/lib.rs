@@ -1,0 +1,130 @@
+//! Studies that repeat the papers' tables and figures, the papers' own numbers beside ours.
+
+#[cfg(feature = "render")]
+pub mod adaptive;
+pub mod btf;
+#[cfg(feature = "render")]
+pub mod codecs;
+pub mod flat_btf;
+#[cfg(feature = "render")]
+pub mod images;
+#[cfg(feature = "render")]
+pub mod level_of_detail;
+pub mod pareto;
+#[cfg(feature = "render")]
+mod rates;
+pub mod rays;
+pub mod relighting;
+#[cfg(feature = "render")]
+pub mod throughput;
+mod timing;
+mod wavelet;
+
+pub use wavelet::{StudyRow, wavelet_table_1};
+
+use serde::Serialize;
+
+/// Which studies there are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Study {
+    /// Table 1 of Claustres et al. 2007: errors of Lewis, Ward and Poulin-Fournier at 4:1, 16:1 and 32:1.
+    WaveletBrdf,
+    /// Section 4 of Hadim et al. 2009: reconstruction, coherency, sizes and interpolation of flat BTFs. Takes minutes for
+    /// each of synth:button, folds, knit and sponge, which are the default.
+    FlatBtf,
+    /// Figure 1 (b) of Baril et al. 2008: photographs under known lights as polynomial texture maps, hemispherical harmonics and polynomial
+    /// wavelet trees, at fitted lights and at lights held out. With --out: relighting.png.
+    Relighting,
+    /// Ways to store the BTF of a structure, ordinary and flat, beside each other: polynomial texture maps, hemispherical
+    /// harmonics, polynomial wavelet trees, factors; bytes, fetches, errors at fitted lights and at lights held out. Takes
+    /// minutes for each of synth:button, folds, knit and sponge, which are the default. With --out: btf.svg.
+    Btf,
+    /// Rays per second against a repeated structure. With --out: mesh.ply and rays.bin for other programs.
+    Rays,
+    /// Section 6.3: evaluations per second, shader and CPU decoder.
+    Throughput,
+    /// Packs beside what could be used instead: zfp, SZ3, BC6H and BC7, a fitted GGX. Bytes, times, errors; with --out
+    /// codecs.svg. Takes minutes.
+    Codecs,
+    /// Run time against error: codecs, sizes, grids, bits and smoothing swept, and which settings no other beats. Takes minutes for
+    /// each material; with --out pareto.svg.
+    Pareto,
+    /// Section 6.3, figure 10: a terrain with and without levels of detail, time per level, flicker.
+    LevelOfDetail,
+    /// Section 6.3, figure 9: colour differences on a cloth, shader against source, 4:1 and 8 bits.
+    Images,
+    /// Section 5 of Bagher et al. 2012: samples that adaptive and forward shading need for the same error, of every
+    /// material on two shapes, on the CPU. Minutes for each material.
+    Adaptive,
+    /// Figure 12 of Bagher et al. 2012: predicted pixel bandwidth against windowed Fourier transforms, on a sphere.
+    PixelBandwidth,
+    /// Figure 13 of Bagher et al. 2012: error with bandwidth averaged over 16 to 1024 directions.
+    BandwidthDirections,
+    /// Figure 10 of Bagher et al. 2012: cost of adaptive shading with 1, 4 and 16 points per pixel.
+    Antialiasing,
+}
+
+/// Figures of a study.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+#[serde(tag = "study", rename_all = "kebab-case")]
+pub enum StudyResult {
+    /// Table 1.
+    WaveletBrdf {
+        /// Rows of the table.
+        rows: Vec<StudyRow>,
+    },
+    /// Tables 1, 2 and 3 and figure 10 of Hadim et al. 2009.
+    FlatBtf {
+        /// What was computed.
+        settings: flat_btf::StudySettings,
+        /// One for each model.
+        rows: Vec<flat_btf::ModelRow>,
+    },
+    /// Ways to store photographs under known lights.
+    Relighting(relighting::RelightingStudy),
+    /// Ways to store BTFs.
+    Btf(btf::BtfStudy),
+    /// Rays per second.
+    Rays(rays::RayStudy),
+    /// Run time against error.
+    Pareto(pareto::ParetoStudy),
+    /// Evaluations per second.
+    #[cfg(feature = "render")]
+    Throughput(throughput::Throughput),
+    /// Packs beside what could be used instead.
+    #[cfg(feature = "render")]
+    Codecs(codecs::CodecStudy),
+    /// The terrain.
+    #[cfg(feature = "render")]
+    LevelOfDetail(level_of_detail::LevelOfDetail),
+    /// Colour differences on the cloth.
+    #[cfg(feature = "render")]
+    Images {
+        /// One for each material.
+        rows: Vec<images::ImageRow>,
+    },
+    /// Adaptive and forward shading at equal error.
+    #[cfg(feature = "render")]
+    Adaptive {
+        /// One for each material, shape and error.
+        rows: Vec<adaptive::EqualErrorRow>,
+    },
+    /// Predicted bandwidth against Fourier transforms.
+    #[cfg(feature = "render")]
+    PixelBandwidth {
+        /// One for each material.
+        rows: Vec<adaptive::FourierRow>,
+    },
+    /// Numbers of incident directions.
+    #[cfg(feature = "render")]
+    BandwidthDirections {
+        /// One for each material.
+        rows: Vec<adaptive::DirectionsStudy>,
+    },
+    /// Points per pixel.
+    #[cfg(feature = "render")]
+    Antialiasing {
+        /// One for each material and shape.
+        rows: Vec<adaptive::AntialiasingStudy>,
+    },
+}

@@ -1,0 +1,123 @@
+//! The decoder of wavelet packs against the same in f64: inverse transform of whole images, exact angles.
+
+use super::fed::{Numbers, levels, pairs};
+use super::pack::pack;
+use super::row::{Measure, StressRow, U, Worst};
+use super::stages::Stages;
+use super::transforms::Exact;
+use brdfc_formats::direction::{DirectionPair, Vector, to_tangent_pole};
+use brdfc_formats::wavelet::haar::{Plain, inverse};
+use brdfc_formats::wavelet::lift::Lift;
+use brdfc_formats::wavelet::{WaveletDecoder, WaveletPack};
+use std::f64::consts::PI;
+
+/// How far an angle of the decoder may be off: see the row of angles.
+const ANGLE: f64 = 3e-7;
+
+pub fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
+    let [mut plain, mut lifted] = [Worst::default(); 2];
+    let every = pairs(small);
+    for levels in levels(small) {
+        for lift in [false, true] {
+            let cells = 1usize << (2 * levels);
+            let pack = pack(levels, (cells / 2).min(512), 8, lift, u64::from(levels));
+            let (decoder, exact) = (WaveletDecoder::new(&pack), ExactDecoder::new(&pack));
+            let worst = if lift { &mut lifted } else { &mut plain };
+            let n = f64::from(1u32 << levels);
+            let mut numbers = Numbers::new(10);
+            // A look-up in f64 restores sixteen images.
+            for _ in 0..if small { 40 } else { 200 } {
+                let pair = every[numbers.below(every.len())];
+                let level = [0.0, f64::from(levels), numbers.between(0.0, f64::from(levels))][numbers.below(3)] as f32;
+                let (found, expected) = ((stages.decode)(&decoder, pair, level)[0], exact.log_value(pair, level));
+                let moved = 4.0 * ANGLE * n / PI * 2.0;
+                let allowed =
+                    exact.largest * (moved + f64::from(levels) * (8.0 * U + if lift { 8e-7 } else { 0.0 }) + 16.0 * U);
+                worst.add((f64::from(found) - expected) / allowed);
+            }
+        }
+    }
+    let fed = "all grids, poles and grazing rings, all levels of detail and between";
+    vec![
+        plain.row(
+            ["decoding wavelets, f32", fed],
+            Measure::OfBound,
+            1.0,
+            "4 angles off by 3e-7 move it N/π as much between values ±M apart; 8 roundings per level of M, the largest sum of coefficients",
+        ),
+        lifted.row(["decoding lifted wavelets, f32", fed], Measure::OfBound, 1.0, "the same, and 4e-7 for each of two rises per level"),
+    ]
+}
+
+struct ExactDecoder<'a> {
+    pack: &'a WaveletPack,
+    lift: Option<Lift>,
+    /// Largest value that coefficients can add up to.
+    largest: f64,
+}
+
+impl<'a> ExactDecoder<'a> {
+    fn new(pack: &'a WaveletPack) -> Self {
+        let header = &pack.header;
+        let lift = header.lifted.then(|| Lift::new(header.levels));
+        let most = |k: usize| {
+            let scale = pack.scales[usize::from(pack.index[k])];
+            f64::from((scale.offset + scale.scale).abs().max(scale.offset.abs()))
+        };
+        // Along the way to a cell there is one detail of each kind per level.
+        let n = header.grid() as f64;
+        let mut largest = most(0) / n;
+        for j in 0..header.levels {
+            let (first, scale) = (1usize << (2 * j), f64::from(1u32 << j) / n);
+            let latitude = (first..2 * first).map(most).fold(0.0, f64::max);
+            let longitude = (2 * first..4 * first).map(most).fold(0.0, f64::max);
+            largest +=
+                scale * (latitude + std::f64::consts::SQRT_2 * longitude) * if lift.is_some() { 2.0 } else { 1.0 };
+        }
+        Self { pack, lift, largest }
+    }
+
+    /// All inner cells of an outer one at a level of detail: finer details are left out, those between in part.
+    fn image(&self, outer: usize, level: f32) -> Vec<f64> {
+        let header = &self.pack.header;
+        let (n, cells) = (header.grid(), header.cells());
+        let mut coefficients = vec![0.0; cells];
+        for (k, coefficient) in coefficients.iter_mut().enumerate() {
+            let slice = usize::from(self.pack.index[k]);
+            let scale = self.pack.scales[slice];
+            let texel = f64::from(self.pack.texels[slice * cells + outer]) / 255.0;
+            let of_level = if k == 0 { 0 } else { k.ilog2() / 2 };
+            let part = if k == 0 { 1.0 } else { (f64::from(level) - f64::from(of_level)).clamp(0.0, 1.0) };
+            *coefficient = part * (f64::from(scale.offset) + f64::from(scale.scale) * texel);
+        }
+        let mut samples = vec![0.0; cells];
+        match &self.lift {
+            Some(lift) => inverse(&coefficients, n, &Exact(lift), &mut samples, &mut Vec::new()),
+            None => inverse(&coefficients, n, &Plain, &mut samples, &mut Vec::new()),
+        }
+        samples
+    }
+
+    /// Four cells around a direction and their weights.
+    fn taps(&self, direction: Vector) -> [(usize, f64); 4] {
+        let n = self.pack.header.grid();
+        let [column, row] = to_tangent_pole(direction).map(|angle| {
+            let at = (angle / PI * n as f64 - 0.5).clamp(0.0, (n - 1) as f64);
+            let lower = (at as usize).min(n - 2);
+            [(lower, 1.0 - (at - lower as f64)), (lower + 1, at - lower as f64)]
+        });
+        std::array::from_fn(|k| {
+            let ((row, a), (column, b)) = (row[k / 2], column[k % 2]);
+            (row * n + column, a * b)
+        })
+    }
+
+    fn log_value(&self, pair: DirectionPair, level: f32) -> f64 {
+        let inner = self.taps(pair.outgoing);
+        let of_outer = |outer: usize| {
+            let image = self.image(outer, level);
+            inner.iter().map(|(cell, weight)| weight * image[*cell]).sum::<f64>()
+        };
+        self.taps(pair.incoming).into_iter().map(|(outer, weight)| weight * of_outer(outer)).sum()
+    }
+}

@@ -1,0 +1,138 @@
+//! The stages that are put to stress, each as a function that may be exchanged: a study of a broken stage has to say so.
+
+use brdfc_bandwidth::daubechies;
+use brdfc_core::Source;
+use brdfc_formats::FormatError;
+use brdfc_formats::bandwidth::propagation::{Bandwidth, BandwidthSurface, pyramid_level};
+use brdfc_formats::direction::{DirectionPair, Parameterisation, Vector, polynomial_atan2, to_tangent_pole};
+use brdfc_formats::table::{Angles, TableDecoder, TablePack};
+use brdfc_formats::vector_math;
+use brdfc_formats::wavelet::haar::{Plain, inverse};
+use brdfc_formats::wavelet::lift::{Lift, rise};
+use brdfc_formats::wavelet::{Filter, Header, WaveletDecoder, WaveletPack};
+use brdfc_source::ScanSource;
+use brdfc_source::scan::fit;
+use brdfc_table::encode::{EncodeError as TableError, Prepared};
+use brdfc_table::lattice::Equations;
+use brdfc_table::recipe::TableRecipe;
+use brdfc_wavelet::encode::{EncodeError, Encoded};
+use brdfc_wavelet::haar::forward;
+use brdfc_wavelet::log_encode::{LogEncoding, log_encode};
+use brdfc_wavelet::quantise::{Quantised, quantise};
+use brdfc_wavelet::recipe::Recipe;
+use brdfc_wavelet::smooth::smooth;
+use brdfc_wavelet::table::Table;
+use brdfc_wavelet::threshold::{keep, ranking};
+
+/// Basis, weights and residuals of a local fit; its values at the asked point, linear and quadratic, and their variance factors.
+pub type LocalFit = fn(&[[f64; fit::TERMS_3D]], &[f64], &[[f64; 3]]) -> [f64; 4];
+
+/// What is run. [`Stages::default`] are the program's own.
+#[derive(Debug, Clone, Copy)]
+pub struct Stages {
+    /// Direction to longitude and colatitude.
+    pub to_tangent_pole: fn(Vector) -> [f64; 2],
+    /// Direction pair to half and difference vector.
+    pub to_half_difference: fn(DirectionPair) -> (Vector, Vector),
+    /// Angles of decoders.
+    pub atan2: fn(f32, f32) -> f32,
+    /// Half-difference angles of tables.
+    pub angles: fn(DirectionPair) -> Angles,
+    /// Logarithm.
+    pub ln: fn(f32) -> f32,
+    /// Exponential.
+    pub exp: fn(f32) -> f32,
+    /// Logarithm of the mean of two halves.
+    pub rise: fn(f32, f32) -> f32,
+    /// Log encoding of a table.
+    pub log_encode: fn(&Table, LogEncoding) -> Table,
+    /// Log decoding of one value.
+    pub from_log: fn(&WaveletDecoder, f32) -> f32,
+    /// Smoothing of a table.
+    pub smooth: fn(&Table) -> Table,
+    /// Haar analysis of an image of so many pixels a side; lifted or plain.
+    pub haar: fn(&[f32], usize, Option<&Lift>) -> Vec<f32>,
+    /// Haar synthesis.
+    pub haar_inverse: fn(&[f32], usize, Option<&Lift>) -> Vec<f32>,
+    /// Slices that are kept, by energies, levels and number.
+    pub threshold: fn(&[f64], u32, usize) -> Vec<u32>,
+    /// Texels of slices.
+    pub quantise: fn(&Table, &[u32], &Header) -> Quantised,
+    /// Wavelet pack to bytes.
+    pub write: fn(&WaveletPack) -> Vec<u8>,
+    /// And back.
+    pub read: fn(&[u8]) -> Result<WaveletPack, FormatError>,
+    /// Logarithm that a wavelet pack decodes to, at a level of detail.
+    pub decode: fn(&WaveletDecoder, DirectionPair, f32) -> [f32; 3],
+    /// Logarithm that a table pack decodes to.
+    pub decode_table: fn(&TableDecoder, DirectionPair) -> [f32; 3],
+    /// Solution of a table's normal equations, from a first guess.
+    pub solve: fn(&Equations<1>, &mut [[f32; 1]]),
+    /// A table pack, its nodes rounded to texels.
+    pub table_pack: fn(&Prepared, &TableRecipe) -> Result<TablePack, TableError>,
+    /// Moving least squares at one point.
+    pub local_fit: LocalFit,
+    /// Value of a scan at a pair.
+    pub scan: fn(&ScanSource, DirectionPair) -> [f64; 3],
+    /// Bandwidth over one reflection.
+    pub one_bounce: fn(Bandwidth, f32, BandwidthSurface, f32) -> Bandwidth,
+    /// Level of the pyramid for a bandwidth.
+    pub pyramid_level: fn(f32, i32) -> i32,
+    /// Daubechies transform of a square image, there and back.
+    pub daubechies: fn(&[f32], usize) -> Vec<f32>,
+    /// Source to wavelet pack.
+    pub encode: fn(&dyn Source, &Recipe) -> Result<Encoded, EncodeError>,
+}
+
+/// Steps of conjugate gradients, as a fit has them.
+pub const STEPS: usize = 30;
+
+impl Default for Stages {
+    fn default() -> Self {
+        Self {
+            to_tangent_pole,
+            to_half_difference: |pair| Parameterisation::HalfDifference.to_axes(pair),
+            atan2: polynomial_atan2,
+            angles: Angles::of,
+            ln: vector_math::ln,
+            exp: vector_math::exp,
+            rise,
+            log_encode,
+            from_log: WaveletDecoder::from_log,
+            smooth,
+            haar: |samples, n, lift| {
+                let mut coefficients = vec![0.0; n * n];
+                match lift {
+                    Some(lift) => forward(samples, n, lift, &mut coefficients, &mut Vec::new()),
+                    None => forward(samples, n, &Plain, &mut coefficients, &mut Vec::new()),
+                }
+                coefficients
+            },
+            haar_inverse: |coefficients, n, lift| {
+                let mut samples = vec![0.0; n * n];
+                match lift {
+                    Some(lift) => inverse(coefficients, n, lift, &mut samples, &mut Vec::new()),
+                    None => inverse(coefficients, n, &Plain, &mut samples, &mut Vec::new()),
+                }
+                samples
+            },
+            threshold: |energies, levels, count| keep(&ranking(energies, levels), count),
+            quantise,
+            write: |pack| pack.to_bytes(true),
+            read: WaveletPack::from_bytes,
+            decode: |decoder, pair, level| decoder.log_value(pair, level, Filter::Bilinear),
+            decode_table: |decoder, pair| decoder.log_values(pair, decoder.levels() as f32).fine,
+            solve: |equations, x| equations.solve(x, STEPS),
+            table_pack: |prepared, recipe| prepared.pack(recipe, &()),
+            local_fit: |basis, weights, residuals| {
+                let solved = fit::solve::<3, { fit::TERMS_3D }>(basis, weights, residuals);
+                [solved.linear[0][0], solved.quadratic[0][0], solved.variance[0], solved.variance[1]]
+            },
+            scan: |source, pair| source.eval(pair, &mut brdfc_core::Tally::default()),
+            one_bounce: Bandwidth::one_bounce,
+            pyramid_level,
+            daubechies: |image, n| daubechies::inverse(&daubechies::forward(image, n, n)),
+            encode: |source, recipe| brdfc_wavelet::encode::encode(source, recipe, &()),
+        }
+    }
+}

@@ -1,0 +1,163 @@
+//! Wavelet transforms: against sums in f64, there and back.
+
+use super::fed::{Filling, Numbers, levels, table};
+use super::row::{Measure, StressRow, U, Worst};
+use super::stages::Stages;
+use brdfc_core::Symmetry;
+use brdfc_formats::wavelet::haar::{Mean, detail_indices};
+use brdfc_formats::wavelet::lift::Lift;
+use brdfc_wavelet::haar;
+
+fn norm(samples: &[f32]) -> f64 {
+    // Below it, numbers of f32 have fewer digits.
+    samples.iter().map(|v| f64::from(*v).powi(2)).sum::<f64>().sqrt() + f64::from(f32::MIN_POSITIVE)
+}
+
+/// Roundings on the way through so many levels: each halves twice, by a sum and a product with a rounded number.
+fn roundings(levels: u32) -> f64 {
+    f64::from(2 * levels) * 3.0 * U
+}
+
+pub fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
+    let [mut analysis, mut back, mut lifted, mut lifted_back, mut constants, mut daubechies] = [Worst::default(); 6];
+    for levels in levels(small) {
+        let n = 1usize << levels;
+        let lift = Lift::new(levels);
+        for filling in Filling::ALL {
+            let samples = filling.numbers(n * n, &mut Numbers::new(4));
+            let (norm, bound) = (norm(&samples), roundings(levels));
+            let coefficients = (stages.haar)(&samples, n, None);
+            for (found, exact) in coefficients.iter().zip(sums(&samples, n)) {
+                analysis.add((f64::from(*found) - exact) / (norm * bound));
+            }
+            for (found, exact) in (stages.haar_inverse)(&coefficients, n, None).iter().zip(&samples) {
+                back.add(f64::from(found - exact) / (norm * 2.0 * bound));
+            }
+            if matches!(filling, Filling::Zero | Filling::Constant) {
+                coefficients[1..].iter().for_each(|detail| constants.check(*detail == 0.0));
+            }
+            daubechies_there_and_back(stages, &samples, n, norm, &mut daubechies);
+            // Logarithms of a material: 1e6 is none.
+            let logarithms: Vec<f32> = samples.iter().map(|v| v.clamp(-30.0, 15.0)).collect();
+            let norm = super::transforms::norm(&logarithms);
+            // A rise has 4e-7 of 1 + |h|, where others have a rounding.
+            let bound = f64::from(2 * levels) * (3.0 * U + 4e-7);
+            let coefficients = (stages.haar)(&logarithms, n, Some(&lift));
+            let mut exact = vec![0.0; n * n];
+            let doubles: Vec<f64> = logarithms.iter().map(|v| f64::from(*v)).collect();
+            haar::forward(&doubles, n, &Exact(&lift), &mut exact, &mut Vec::new());
+            for (found, exact) in coefficients.iter().zip(exact) {
+                lifted.add((f64::from(*found) - exact) / ((norm + n as f64) * bound));
+            }
+            for (found, exact) in (stages.haar_inverse)(&coefficients, n, Some(&lift)).iter().zip(&logarithms) {
+                lifted_back.add(f64::from(found - exact) / ((norm + n as f64) * 2.0 * bound));
+            }
+        }
+    }
+    let fed = "all grids: 1e-12 to 1e6, denormals, zeros, constants, a spike";
+    let of_norm = "3 roundings at each of 2 N steps, of the norm of the image";
+    let of_rise = "as plain, and 4e-7 of 1 + |h| for the rise at each step";
+    vec![
+        analysis.row(["Haar, f32", fed], Measure::OfBound, 1.0, of_norm),
+        back.row(["Haar and back, f32", fed], Measure::OfBound, 1.0, "perfect reconstruction: twice as many steps"),
+        constants.row(
+            ["Haar, f32", "constant and zero images"],
+            Measure::Count,
+            0.0,
+            "a - a is 0: no detail, so no slice",
+        ),
+        lifted.row(["lifted Haar, f32", "the same as logarithms, -30 to 15"], Measure::OfBound, 1.0, of_rise),
+        lifted_back.row(["lifted Haar and back, f32", "the same"], Measure::OfBound, 1.0, "twice as many steps"),
+        daubechies.row(
+            ["Daubechies and back, f32", fed],
+            Measure::OfBound,
+            1.0,
+            "16 products and sums at each of 4 N steps, of the norm of the image",
+        ),
+        smooth(stages, small),
+    ]
+}
+
+/// Coefficients as what they mean: differences of sums over blocks, times `2^-(N-j)`, of longitudes `√2` times that.
+fn sums(samples: &[f32], n: usize) -> Vec<f64> {
+    let levels = n.ilog2();
+    let sum = |rows: [usize; 2], columns: [usize; 2]| -> f64 {
+        (rows[0]..rows[1]).flat_map(|r| (columns[0]..columns[1]).map(move |c| f64::from(samples[r * n + c]))).sum()
+    };
+    let mut coefficients = vec![0.0; n * n];
+    coefficients[0] = sum([0, n], [0, n]) / n as f64;
+    for j in 0..levels {
+        let (block, half) = (n >> j, n >> (j + 1));
+        let scale = 1.0 / f64::from(1u32 << (levels - j));
+        for row in 0..1usize << j {
+            for column in 0..1usize << j {
+                let (top, left) = (row * block, column * block);
+                let columns = [left, left + block];
+                for child in 0..2 {
+                    let rows = [top + child * half, top + (child + 1) * half];
+                    let (latitude, longitude) = detail_indices(j, column, row, 2 * row + child);
+                    let sign = if child == 0 { scale } else { -scale };
+                    coefficients[latitude] += sign * sum(rows, columns);
+                    let apart = sum(rows, [left, left + half]) - sum(rows, [left + half, left + block]);
+                    coefficients[longitude] = std::f64::consts::SQRT_2 * scale * apart;
+                }
+            }
+        }
+    }
+    coefficients
+}
+
+/// The lifting step in f64.
+pub struct Exact<'a>(pub &'a Lift);
+
+fn rise(h: f64, lower: f32) -> f64 {
+    // From the brighter half, so that nothing overflows.
+    let (lower, size) = (f64::from(lower), h.abs());
+    let (brighter, darker) = if h < 0.0 { (1.0 - lower, lower) } else { (lower, 1.0 - lower) };
+    size + (brighter + darker * (-2.0 * size).exp()).ln()
+}
+
+impl Mean<f64> for Exact<'_> {
+    const RAISED: bool = true;
+
+    fn of_rows(&self, h: f64, unit: f64, j: u32, row: usize) -> f64 {
+        rise(h / unit, self.0.latitude(j, row)) * unit
+    }
+
+    fn of_columns(&self, h: f64, unit: f64, j: u32, column: usize) -> f64 {
+        rise(h / unit, self.0.longitude(j, column)) * unit
+    }
+}
+
+fn daubechies_there_and_back(stages: &Stages, samples: &[f32], n: usize, norm: f64, worst: &mut Worst) {
+    let bound = f64::from(4 * n.ilog2()) * 16.0 * U;
+    for (found, exact) in (stages.daubechies)(samples, n).iter().zip(samples) {
+        worst.add(f64::from(found - exact) / (norm * bound));
+    }
+}
+
+/// Squares along each axis are kept: the fit has their degree.
+fn smooth(stages: &Stages, small: bool) -> StressRow {
+    let mut worst = Worst::default();
+    for levels in 2..=if small { 3 } else { 4 } {
+        let n = 1usize << levels;
+        for scale in [1e-12, 1.0, 1e6] {
+            let value = |k: usize| {
+                let at = |shift: u32| ((k >> shift) % n) as f64 / n as f64;
+                scale * (1.0 + at(0) - 2.0 * at(levels) * at(2 * levels) + (at(3 * levels) * at(0)).powi(2))
+            };
+            let samples: Vec<f32> = (0..n.pow(4)).map(|k| value(k) as f32).collect();
+            let table = table(levels, Symmetry::NONE, &samples);
+            let largest = samples.iter().fold(0.0f64, |m, v| m.max(f64::from(v.abs())));
+            for (found, exact) in (stages.smooth)(&table).values.iter().zip(&samples) {
+                worst.add(f64::from(found - exact) / largest);
+            }
+        }
+    }
+    worst.row(
+        ["smoothing, f32", "polynomials of its degree times 1e-12 to 1e6, up to the border"],
+        Measure::Relative,
+        64.0 * U,
+        "four passes that keep them, each with some 5 roundings, of weights whose sizes add up to 1.3; of the largest value",
+    )
+}

@@ -1,0 +1,123 @@
+//! The studies that draw.
+
+use super::{conforms, folder, has_adapter};
+use brdfc_testing::program::Folder;
+use brdfc_wavelet::recipe::Recipe;
+
+#[test]
+fn the_studies_that_draw() {
+    if !has_adapter() {
+        return;
+    }
+    let folder = folder();
+    let recipe = Recipe { levels: 2, stored_levels: 2, ..Recipe::default() };
+    let source = brdfc_source::address::parse_model("ward").unwrap();
+    let encoded = brdfc_wavelet::encode::encode(source.as_ref(), &recipe, &()).unwrap();
+    folder.write("small.ktx2", encoded.bytes);
+    let study = |more: &[&str]| {
+        let ran = folder.run(&[&["--json", "--study"][..], more].concat()).succeeded();
+        conforms(&ran.json());
+        ran.json()
+    };
+    let throughput = study(&["throughput", "small.ktx2"]);
+    assert_eq!(throughput["rows"].as_array().unwrap().len(), 6);
+    assert!(throughput["rows"].as_array().unwrap().iter().all(|row| row["shader"].as_f64().unwrap() > 1e4));
+    let images = study(&["images", "synth:lewis?kd=0.5&ks=0.1&n=4"]);
+    let row = &images["rows"][0];
+    let mean = |key: &str| row[key][0].as_f64().unwrap();
+    assert!(mean("table") < mean("shader") && mean("shader") < 1.3, "{row}");
+    let detail = study(&["level-of-detail", "small.ktx2", "--small", "--out", "frames"]);
+    assert_eq!(detail["levels"].as_array().unwrap().len(), 3);
+    let variance = |key: &str| detail[key]["variance"].as_f64().unwrap();
+    assert!(variance("by_distance") < variance("finest"), "{detail}");
+    assert_eq!(folder.files("frames").len(), 18);
+}
+
+/// Codecs beside each other; in the place of Python a script whose compressor keeps everything.
+#[cfg(unix)]
+#[test]
+fn the_study_of_codecs() {
+    use std::os::unix::fs::PermissionsExt;
+    if !has_adapter() {
+        return;
+    }
+    let folder = folder();
+    let script = folder.path().join("python");
+    let text = "#!/bin/sh\n[ \"$1\" = -c ] && exit\ncp \"$2\" \"$3/kept.f32\"\necho zfp 0.1 4321 0.25 kept.f32\n";
+    std::fs::write(&script, text).unwrap();
+    std::fs::set_permissions(&script, std::fs::Permissions::from_mode(0o755)).unwrap();
+    let python = script.to_str().unwrap();
+    let material = "synth:ggx?kd=0.3,0.1,0.05&alpha=0.2";
+    let bench = ["--study", "codecs", material];
+    let ran = folder.run(&[&bench[..], &["--json", "--out", "figures", "--peers", python]].concat()).succeeded();
+    let study = ran.json();
+    conforms(&study);
+    let rows = study["materials"][0]["rows"].as_array().unwrap();
+    let of = |codec: &str| -> Vec<&serde_json::Value> { rows.iter().filter(|row| row["codec"] == codec).collect() };
+    let least =
+        |codec: &str| of(codec).iter().map(|row| row["delta_e"].as_f64().unwrap()).fold(f64::INFINITY, f64::min);
+    assert_eq!([of("table").len(), of("factored").len(), of("wavelet").len()], [8, 8, 3]);
+    assert_eq!([of("bc6h").len(), of("bc7").len(), of("zfp").len(), of("ggx").len()], [8, 4, 5, 1]);
+    // A model of the kind that is fitted is found; nodes that lost nothing are as close as tables.
+    assert!(least("ggx") < 0.01 && least("zfp") < 1.1 * least("table"), "{} {}", least("ggx"), least("zfp"));
+    assert!(least("bc6h") < 1.0 && least("bc7") < 1.0);
+    assert!(of("table").iter().all(|row| row["shader"].as_f64().unwrap() > 1e4 && row["sampled"] == true));
+    assert!(of("zfp").iter().all(|row| row["bytes_on_disk"] == 4321 && row["sampled"] == false));
+    let figure = std::fs::read_to_string(folder.path().join("figures/codecs.svg")).unwrap();
+    assert!(figure.starts_with("<svg") && figure.contains("factored") && figure.contains("alpha=0.2"));
+    let wrong = folder.run(&[&bench[..], &["--peers", "no-such-python"]].concat());
+    assert!(wrong.code == 2 && wrong.stderr.contains("--peers no-such-python: "), "{} {}", wrong.code, wrong.stderr);
+}
+
+/// Stripes around the sky, bright above.
+fn sky(folder: &Folder, name: &str) {
+    let image = image::Rgb32FImage::from_fn(64, 32, |x, y| {
+        let stripe = if (x / 4) % 2 == 0 { 1.0 } else { 0.2 };
+        image::Rgb([stripe, 0.8 * stripe, if y < 16 { 1.5 } else { 0.1 }])
+    });
+    image::DynamicImage::ImageRgb32F(image).save(folder.path().join(name)).unwrap();
+}
+
+#[test]
+fn studies_of_adaptive_shading() {
+    let folder = folder();
+    sky(&folder, "sky.exr");
+    let study = |name: &str, more: &[&str]| {
+        let small = ["--study", name, "synth:ggx?alpha=0.2", "--pixels", "64", "--truth", "64"];
+        let small = [&small[..], &["--environment", "sky.exr"], more].concat();
+        let report = folder.run(&[&small[..], &["--json"]].concat()).succeeded().json();
+        conforms(&report);
+        let text = folder.run(&small).succeeded().stdout;
+        assert!(text.contains("synth:ggx?alpha=0.2") && text.lines().count() > 3, "{text}");
+        report["rows"].clone()
+    };
+    let equal = study("adaptive", &[]);
+    assert_eq!(equal.as_array().unwrap().len(), 6, "two shapes, three errors");
+    for row in equal.as_array().unwrap() {
+        for point in [&row["adaptive"], &row["best"]].into_iter().filter(|point| !point.is_null()) {
+            let off = point["psnr"].as_f64().unwrap() - row["psnr"].as_f64().unwrap();
+            assert!(off.abs() < 1.0, "the picture of the interpolated budget has the wanted error: {row}");
+        }
+    }
+    let fourier = study("pixel-bandwidth", &[]);
+    assert!(fourier[0]["windows"].as_u64() > Some(3), "{fourier}");
+    let directions = study("bandwidth-directions", &[]);
+    let errors: Vec<f64> =
+        directions[0]["rows"].as_array().unwrap().iter().map(|row| row["psnr"].as_f64().unwrap()).collect();
+    // Figure 13: within 0.3 dB.
+    assert!(errors.len() == 4 && errors.iter().all(|psnr| (psnr - errors[3]).abs() < 0.3), "{errors:?}");
+    let antialiasing = study("antialiasing", &[]);
+    assert_eq!(antialiasing[1]["rows"][2]["points"], 16);
+    // Figure 10.
+    for row in antialiasing.as_array().unwrap() {
+        assert!(["shaded", "samples"].iter().all(|cost| row["exponents"][cost].as_f64().unwrap() < 0.7), "{row}");
+    }
+    for (arguments, expected) in [
+        (&["--study", "adaptive", "--pixels", "8"][..], "--pixels: found 8; allowed 32 to 2048"),
+        (&["--study", "adaptive", "--truth", "8"], "--truth: found 8; allowed 16 to 65536"),
+        (&["--study", "rays", "--truth", "64"], "--truth: found with another study; allowed with --study adaptive"),
+    ] {
+        let ran = folder.run(arguments);
+        assert!(ran.code == 2 && ran.stderr.contains(expected), "{arguments:?}: {}", ran.stderr);
+    }
+}

@@ -1,0 +1,38 @@
+//! The program of the studies as people use it.
+
+mod bench;
+#[cfg(feature = "render")]
+mod drawn;
+mod pages;
+mod usage;
+
+use brdfc_testing::program::Folder;
+use brdfc_testing::repository;
+use serde_json::{Value, json};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_brdfc-bench");
+
+/// A folder for runs of `brdfc-bench`.
+fn folder() -> Folder {
+    Folder::of(PROGRAM)
+}
+
+/// Whether there is a graphics adapter; if not, prints why a test is skipped.
+#[cfg(feature = "render")]
+fn has_adapter() -> bool {
+    use brdfc_gpu::{AdapterChoice, Gpu};
+    let found = Gpu::open(&AdapterChoice::Best);
+    found.as_ref().map_err(|error| println!("skipped: {error}")).is_ok()
+}
+
+/// A report is as `studies/schema.json` says, and has no members that it does not know.
+#[track_caller]
+fn conforms(report: &Value) {
+    let mut schema: Value =
+        serde_json::from_str(&std::fs::read_to_string(repository().join("studies/schema.json")).unwrap()).unwrap();
+    schema["unevaluatedProperties"] = json!(false);
+    let validator = jsonschema::validator_for(&schema).unwrap();
+    let complaints: Vec<String> =
+        validator.iter_errors(report).map(|error| format!("{}: {error}", error.instance_path())).collect();
+    assert!(complaints.is_empty(), "{complaints:#?}");
+}

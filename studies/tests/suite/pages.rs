@@ -1,0 +1,53 @@
+//! The commands of the studies on the pages under docs/ work, and print what the pages say they print.
+
+use super::{PROGRAM, folder};
+use brdfc_testing::pages::{Program, run_pages};
+use brdfc_testing::repository;
+
+/// Studies that draw.
+const DRAW: [&str; 8] = [
+    "throughput",
+    "codecs",
+    "level-of-detail",
+    "images",
+    "adaptive",
+    "pixel-bandwidth",
+    "bandwidth-directions",
+    "antialiasing",
+];
+
+#[test]
+fn every_command_of_the_studies_works() {
+    #[cfg(feature = "render")]
+    let can_draw = super::has_adapter();
+    #[cfg(not(feature = "render"))]
+    let can_draw = false;
+    let counts = run_pages(&Program {
+        name: "brdfc-bench",
+        path: PROGRAM,
+        starts: &["cargo run --release --manifest-path studies/Cargo.toml -- ", "brdfc-bench "],
+        others: &["cargo run --release -- ", "cargo run --release --features render -- ", "brdfc "],
+        draws: |command| DRAW.iter().any(|study| command.contains(&format!("--study {study}"))),
+        renders: cfg!(feature = "render"),
+        can_draw,
+    });
+    let bless = std::env::var_os("BRDFC_BLESS").is_some();
+    assert!(counts.run >= 2 && counts.parsed >= 10 && (bless || counts.compared >= 1), "{counts:?}");
+}
+
+#[test]
+fn the_schema_in_the_repository_is_that_of_the_program() {
+    if !cfg!(feature = "render") {
+        println!("skipped: the schema of studies that draw: needs --features render");
+        return;
+    }
+    let file = repository().join("studies/schema.json");
+    let printed = folder().run(&["--schema"]).succeeded().stdout;
+    if std::env::var_os("BRDFC_BLESS").is_some() {
+        std::fs::write(&file, &printed).unwrap();
+    }
+    assert!(std::fs::read_to_string(&file).unwrap() == printed, "studies/schema.json is old: ./scripts/bless");
+    let schema: serde_json::Value = serde_json::from_str(&printed).unwrap();
+    assert!(jsonschema::meta::is_valid(&schema));
+    assert!(schema["required"].as_array().unwrap().contains(&"version".into()));
+}
