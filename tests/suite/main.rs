@@ -4,6 +4,7 @@ mod architecture;
 mod bad_input;
 mod cli;
 mod common;
+mod dependencies;
 mod determinism;
 mod layers;
 mod readme;

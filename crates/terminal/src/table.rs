@@ -7,7 +7,7 @@ use brdfc_jobs::encode::Trial;
 use brdfc_jobs::report::material::MaterialReport;
 use brdfc_metrics::compare::Comparison;
 use brdfc_metrics::norms::Norms;
-use comfy_table::{CellAlignment, Table, presets};
+use unicode_width::UnicodeWidthStr as _;
 
 /// Rows with a header, numbers to the right, no frame: copies well into a terminal, a mail or a diff.
 pub fn plain(header: &[&str], rows: &[Vec<String>]) -> String {
@@ -19,19 +19,21 @@ pub fn words(header: &[&str], rows: &[Vec<String>]) -> String {
     aligned(header, rows, |_| false)
 }
 
+/// Columns as wide as their widest cell, two spaces apart.
 fn aligned(header: &[&str], rows: &[Vec<String>], right: impl Fn(usize) -> bool) -> String {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING).set_header(header.iter().copied());
-    for row in rows {
-        table.add_row(row);
-    }
-    for (index, column) in table.column_iter_mut().enumerate() {
-        column.set_padding((0, 2));
-        if right(index) {
-            column.set_cell_alignment(CellAlignment::Right);
+    let header: Vec<String> = header.iter().map(|name| (*name).to_owned()).collect();
+    let all = || std::iter::once(&header).chain(rows);
+    let widths: Vec<usize> =
+        (0..header.len()).map(|column| all().map(|row| row[column].width()).max().unwrap_or(0)).collect();
+    let line = |row: &Vec<String>| {
+        let mut line = String::new();
+        for (column, (cell, width)) in row.iter().zip(&widths).enumerate() {
+            let room = " ".repeat(width - cell.width());
+            line += &if right(column) { format!("{room}{cell}  ") } else { format!("{cell}{room}  ") };
         }
-    }
-    table.lines().map(|line| line.trim_end().to_owned() + "\n").collect()
+        line.trim_end().to_owned() + "\n"
+    };
+    all().map(line).collect()
 }
 
 /// A row of the build table, without the material's name.
@@ -155,7 +157,13 @@ pub fn image_row(difference: &brdfc_metrics::image::ImageDifference) -> Vec<Stri
 
 #[cfg(test)]
 mod tests {
-    use super::apart;
+    use super::{apart, plain};
+
+    #[test]
+    fn columns_are_as_wide_as_their_widest_cell() {
+        let rows = [["paint", "1.00"], ["é漢", "12.50"]].map(|row| row.map(str::to_owned).to_vec());
+        assert_eq!(plain(&["name", "ΔE"], &rows), "name      ΔE\npaint   1.00\né漢    12.50\n");
+    }
 
     #[test]
     fn numbers_beside_a_limit_have_the_digits_that_tell() {

@@ -2,9 +2,8 @@
 
 use super::averaged::AveragingCost;
 use super::error::PackError;
-use super::pack::{EncodedPack, of_table, of_wavelet};
+use super::pack::{EncodedPack, of_table};
 use super::recipe::{AutoRecipe, Budget, TAIL, Tables};
-use super::tables::{TableShelf, tabulated};
 use super::trial::Trial;
 use brdfc_core::progress::{Cancelled, Progress, Stage};
 use brdfc_core::{PackSource, Source, TableSource};
@@ -12,9 +11,6 @@ use brdfc_metrics::compare::{Comparison, Reference};
 use brdfc_metrics::sampling::PairSet;
 use brdfc_table::encode::{EncodeError, Encoded, MOST_TEXELS, Prepared, measured, samples_for};
 use brdfc_table::recipe::{Size, TableRecipe};
-use brdfc_wavelet::encode::encode_tabulated;
-use brdfc_wavelet::recipe::{Recipe, Target};
-use brdfc_wavelet::tabulated::Tabulated;
 
 /// Smallest and largest table that is tried, bytes on a GPU; each next one is twice as large. Few layers leave knobs on
 /// the outlines of anisotropic highlights, which hardly count in a mean: their smallest is larger.
@@ -23,31 +19,33 @@ const SMALLEST_ANISOTROPIC: u64 = 4 << 10;
 /// Likewise where there are levels of detail: with few nodes a row does not keep the light of a narrow highlight.
 const SMALLEST_WITH_LEVELS: u64 = 8 << 10;
 pub(crate) const LARGEST: u64 = 4 * MOST_TEXELS;
-/// Ratios of wavelet packs that are tried where no table meets the budget.
-pub(crate) const RATIOS: [f64; 3] = [16.0, 8.0, 4.0];
-/// Fewer bytes hold so few slices that no wavelet pack is worth a trial.
-const WAVELET_FROM: u64 = 128 << 10;
 /// Power of the size by which the error of tables is taken to fall at most; it is 2/3 where values are smooth.
 const FASTEST: f64 = 0.8;
-/// Tables do not become better by more nodes where two sizes in a row miss the budget by so much of what the one before did.
-const STALLED: f64 = 0.97;
+/// A pack is no closer to the budget than a smaller one where it misses it by more than this share of what the smaller one does.
+const CLOSER: f64 = 0.97;
+/// Errors may fall so many times as fast from here on as they did over the last sizes. Where even that misses the budget by the
+/// largest table, they have stopped falling.
+const CATCHING_UP: f64 = 2.0;
+/// Sizes from one trial to the next where none is expected to meet the budget.
+const STRIDE: usize = 2;
 /// Tables of a budget of bytes alone: all of it, a half, a quarter. More nodes do not always bring more, where the format's ten
 /// bits or the samples are the limit.
 const FILLED: u32 = 3;
 
-/// Tries tables from small to large and keeps the first that meets the budget; where none does, wavelet packs. A budget of
-/// bytes alone gets the pack with the smallest colour differences that fits.
+/// Tries tables from small to large and keeps the first that meets the budget. A budget of bytes alone gets the pack with the
+/// smallest colour differences that fits.
 ///
 /// Sizes are left out where even an error that falls by the power [`FASTEST`] would miss the budget. When a larger one meets it,
-/// those that were left out since the last miss are tried after all; when none does, the largest is, unless errors have stopped
+/// those that were left out since the last miss are tried after all; when none does, every [`STRIDE`]th is, until errors stop
 /// falling. Below the smallest table that meets the budget factored ones are tried, too: with one fetch more they may be smaller.
+/// Where errors of tables stop falling, factored ones may still be closer. When nothing meets the budget, the smallest pack is kept
+/// than which no other is [`CLOSER`].
 ///
 /// # Errors
 /// Budgets that no pack can meet whatever its quality, error budgets for black materials, cancellation.
 pub(super) fn search(
     source: &dyn Source,
     recipe: &AutoRecipe,
-    shelf: &dyn TableShelf,
     progress: &dyn Progress,
 ) -> Result<(EncodedPack, Reference), PackError> {
     let budget = recipe.budget;
@@ -62,36 +60,10 @@ pub(super) fn search(
     if reference.is_black() && budget.error.is_some() {
         return Err(PackError::NothingMeasured);
     }
-    let mut search = Search {
-        source,
-        recipe,
-        reference,
-        shelf,
-        progress,
-        prepared: None,
-        tabulated: None,
-        best: None,
-        tried: Vec::new(),
-        stalled: false,
-    };
-    let wavelet = recipe
-        .wavelet
-        .as_ref()
-        .filter(|wavelet| budget.fetches.is_none_or(|most| 4 * (4 * wavelet.levels + 1) <= most));
-    let room = budget.bytes.is_none_or(|bytes| bytes > WAVELET_FROM);
-    let wavelets: Vec<Target> = match (wavelet.filter(|_| room), budget.bytes) {
-        (None, _) => Vec::new(),
-        (Some(_), Some(bytes)) => vec![Target::MaxBytes(bytes)],
-        (Some(_), None) => RATIOS.map(Target::Ratio).to_vec(),
-    };
+    let mut search =
+        Search { source, recipe, reference, progress, prepared: None, made: Vec::new(), tried: Vec::new() };
     if budget.limits_error() {
-        if !search.tables()? {
-            for target in wavelets {
-                if search.wavelet(target)? {
-                    break;
-                }
-            }
-        }
+        search.tables()?;
     } else {
         let most = budget.bytes.unwrap_or(LARGEST).min(search.largest());
         let smallest = smallest_tried(source, recipe);
@@ -103,9 +75,6 @@ pub(super) fn search(
         }
         if recipe.tables == Tables::Both && search.may_be_factored() {
             search.table(most, true)?;
-        }
-        for target in wavelets {
-            search.wavelet(target)?;
         }
     }
     Ok(search.finish())
@@ -129,15 +98,11 @@ struct Search<'a> {
     source: &'a dyn Source,
     recipe: &'a AutoRecipe,
     reference: Reference,
-    shelf: &'a dyn TableShelf,
     progress: &'a dyn Progress,
     prepared: Option<Prepared>,
-    tabulated: Option<Tabulated>,
-    /// The best so far, with how far over the budget it is.
-    best: Option<(f64, EncodedPack)>,
+    /// What may be kept, with how far over the budget each is.
+    made: Vec<(f64, EncodedPack)>,
     tried: Vec<Trial>,
-    /// Whether errors stopped falling.
-    stalled: bool,
 }
 
 /// Passes on whether to stop; stages within a trial are not told.
@@ -154,21 +119,27 @@ impl Progress for Within<'_> {
 }
 
 impl Search<'_> {
-    /// Tries tables; whether one meets the budget.
-    fn tables(&mut self) -> Result<bool, PackError> {
+    /// Tries tables, plain or factored or both.
+    fn tables(&mut self) -> Result<(), PackError> {
         let sizes = sizes(smallest_tried(self.source, self.recipe), self.recipe.budget.bytes, self.largest());
-        let met = self.smallest(&sizes, self.recipe.tables == Tables::Factored)?;
-        if self.recipe.tables != Tables::Both || !self.may_be_factored() || self.stalled {
-            return Ok(met.is_some());
+        let plain = self.smallest(&sizes, self.recipe.tables == Tables::Factored)?;
+        if self.recipe.tables != Tables::Both || !self.may_be_factored() {
+            return Ok(());
         }
-        let mut found = met.is_some();
-        for size in sizes[..met.unwrap_or(sizes.len())].iter().rev() {
+        let below = match plain {
+            Found::Met(met) => met,
+            // From where more nodes did not help any more.
+            Found::Closest(closest) => match self.smallest(&sizes[closest..], true)? {
+                Found::Met(met) => closest + met,
+                Found::Closest(_) => return Ok(()),
+            },
+        };
+        for size in sizes[..below].iter().rev() {
             if self.table(*size, true)? > 1.0 {
                 break;
             }
-            found = true;
         }
-        Ok(found)
+        Ok(())
     }
 
     /// Bytes of the largest table that is tried: texels of grey ones are half as large.
@@ -181,8 +152,8 @@ impl Search<'_> {
         self.recipe.budget.fetches.is_none_or(|most| most > fewest_fetches(self.source))
     }
 
-    /// Tries tables of one kind; which size is the smallest that meets the budget.
-    fn smallest(&mut self, sizes: &[u64], factored: bool) -> Result<Option<usize>, PackError> {
+    /// Tries tables of one kind.
+    fn smallest(&mut self, sizes: &[u64], factored: bool) -> Result<Found, PackError> {
         // Of each size how far over the budget its table is.
         let mut excesses: Vec<Option<f64>> = vec![None; sizes.len()];
         let mut next = Some(0);
@@ -199,18 +170,18 @@ impl Search<'_> {
                     |at: usize| Some(excesses[at]? * (sizes[larger] as f64 / sizes[at] as f64).powf(-FASTEST));
                 (0..=k).filter_map(expected).fold(f64::INFINITY, f64::min) > 1.0
             };
-            let tried: Vec<f64> = excesses[..=k].iter().flatten().copied().collect();
-            if let [.., a, b, c] = tried[..]
-                && b > STALLED * a
-                && c > STALLED * b
-            {
-                self.stalled = true;
+            let last = sizes.len() - 1;
+            if has_stalled(&tried(sizes, &excesses), sizes[last]) {
                 break;
             }
-            let last = sizes.len() - 1;
-            next = (k + 1..sizes.len()).find(|larger| !hopeless(*larger)).or((k < last).then_some(last));
+            let stride = (k < last).then_some((k + STRIDE).min(last));
+            next = (k + 1..sizes.len()).find(|larger| !hopeless(*larger)).or(stride);
         }
-        let Some(mut met) = met else { return Ok(None) };
+        let Some(mut met) = met else {
+            let least = excesses.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+            let is_close = |excess: &Option<f64>| excess.is_some_and(|excess| CLOSER * excess <= least);
+            return Ok(Found::Closest(excesses.iter().position(is_close).unwrap_or(0)));
+        };
         let missed = (0..met).rev().find(|k| excesses[*k].is_some());
         for skipped in missed.map_or(0, |k| k + 1)..met {
             if self.table(sizes[skipped], factored)? <= 1.0 {
@@ -218,7 +189,7 @@ impl Search<'_> {
                 break;
             }
         }
-        Ok(Some(met))
+        Ok(Found::Met(met))
     }
 
     /// Makes a table; how far over the budget it is.
@@ -246,45 +217,55 @@ impl Search<'_> {
         Ok(self.consider(of_table(Encoded { pack, bytes, asymmetry, off_grid, tally })))
     }
 
-    /// Makes a wavelet pack; whether it meets the budget.
-    fn wavelet(&mut self, target: Target) -> Result<bool, PackError> {
-        let Some(wavelet) = &self.recipe.wavelet else { return Ok(false) };
-        self.progress.stage(Stage::Try, 1)?;
-        let recipe = Recipe { target, measure_off_grid: false, ..wavelet.clone() };
-        let tabulated = self.tabulated.get_or_insert_with(|| tabulated(self.source, recipe.grid(), self.shelf));
-        let mut encoded = encode_tabulated(tabulated, self.source, &recipe, &Within(self.progress))?;
-        encoded.off_grid = self.reference.compare(&PackSource::new(&encoded.pack, None));
-        encoded.pack.off_grid = encoded.off_grid.summary();
-        encoded.bytes = encoded.pack.to_bytes(recipe.supercompress);
-        Ok(self.consider(of_wavelet(encoded, &recipe)) <= 1.0)
-    }
-
-    /// Notes a pack, and keeps the better one; how far over the budget it is.
+    /// Notes a pack, and keeps it where it may be the one; how far over the budget it is.
     fn consider(&mut self, made: EncodedPack) -> f64 {
         let excess = excess(&self.recipe.budget, &made.off_grid);
-        let (picture, bytes_on_gpu) = (&made.off_grid.picture.delta_e, made.pack.gpu_bytes());
         self.tried.push(made.trial(excess <= 1.0));
-        let limits_error = self.recipe.budget.limits_error();
-        let better = |(other, best): &(f64, EncodedPack)| match (excess <= 1.0, *other <= 1.0) {
-            _ if !limits_error => picture.mean < best.off_grid.picture.delta_e.mean,
-            (true, true) => bytes_on_gpu < best.pack.gpu_bytes(),
-            (meets, met) => meets || (!met && excess < *other),
-        };
-        if self.best.as_ref().is_none_or(better) {
-            self.best = Some((excess, made));
-        }
+        self.made.push((excess, made));
         excess
     }
 
     fn finish(self) -> (EncodedPack, Reference) {
-        let (excess, mut made) = self.best.expect("a table was made, or why not was returned");
-        made.missed = (excess > 1.0).then(|| missed(&self.recipe.budget, &made.off_grid));
+        let budget = &self.recipe.budget;
+        let picture = |made: &EncodedPack| made.off_grid.picture.delta_e.mean;
+        let bytes = |made: &EncodedPack| made.pack.gpu_bytes();
+        let least = self.made.iter().map(|(excess, _)| *excess).fold(f64::INFINITY, f64::min);
+        let best = if budget.limits_error() {
+            let is_one = |excess: f64| if least <= 1.0 { excess <= 1.0 } else { CLOSER * excess <= least };
+            self.made.into_iter().filter(|(excess, _)| is_one(*excess)).min_by_key(|(_, made)| bytes(made))
+        } else {
+            self.made.into_iter().min_by(|(_, a), (_, b)| picture(a).total_cmp(&picture(b)))
+        };
+        let (excess, mut made) = best.expect("a table was made, or why not was returned");
+        made.missed = (excess > 1.0).then(|| missed(budget, &made.off_grid));
         if self.recipe.table.reciprocal {
             made.averaging = Some(AveragingCost::of(self.source, &self.reference));
         }
         made.tried = self.tried;
         (made, self.reference)
     }
+}
+
+/// What trials of several sizes found: an index of a size.
+enum Found {
+    /// The smallest that meets the budget.
+    Met(usize),
+    /// None does; the smallest than which no other is [`CLOSER`].
+    Closest(usize),
+}
+
+/// The sizes that were tried, with how far over the budget they are.
+fn tried(sizes: &[u64], excesses: &[Option<f64>]) -> Vec<(u64, f64)> {
+    sizes.iter().zip(excesses).filter_map(|(size, excess)| Some((*size, (*excess)?))).collect()
+}
+
+/// Whether the last two sizes came so little closer than the best before them that the largest would miss the budget.
+fn has_stalled(tried: &[(u64, f64)], largest: u64) -> bool {
+    let [before @ .., (_, a), (size, b)] = tried else { return false };
+    let Some((earlier, best)) = before.iter().min_by(|a, b| a.1.total_cmp(&b.1)) else { return false };
+    let now = a.min(*b);
+    let power = (best / now).ln() / (*size as f64 / *earlier as f64).ln();
+    now * (largest as f64 / *size as f64).powf(-CATCHING_UP * power.max(0.0)) > 1.0
 }
 
 /// How many times over the tightest limit of error a pack is; infinite where its error is no number.

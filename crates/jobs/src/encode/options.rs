@@ -19,7 +19,7 @@ use brdfc_wavelet::recipe::{Ranking, Recipe, Target};
 #[cfg_attr(feature = "clap", derive(clap::Args))]
 #[serde(deny_unknown_fields)]
 pub struct EncodeOptions {
-    /// Which codec: auto (default: the smallest table that meets the budget, plain or factored, or else a wavelet pack),
+    /// Which codec: auto (default: the smallest table that meets the budget, plain or factored),
     /// table (of 16 KiB unless there is a budget), factored (a table and a curve for narrow highlights, one fetch more),
     /// or wavelet (the paper's, its slices ranked by what is seen).
     #[cfg_attr(feature = "clap", arg(long, value_name = "CODEC"))]
@@ -297,17 +297,12 @@ impl EncodeOptions {
         // Without a limit of error or bytes the default says how good is good enough.
         let open = !budget.limits_error() && budget.bytes.is_none();
         let delta_e = if open { Budget::default().delta_e } else { budget.delta_e };
-        let searched = AutoRecipe {
+        PackRecipe::Auto(AutoRecipe {
             budget: Budget { delta_e, ..budget },
             table,
             // What has levels has a curve.
             tables: named.unwrap_or(if levels > 0 { Tables::Factored } else { Tables::Both }),
-            ..AutoRecipe::default()
-        };
-        let wavelet = searched.wavelet.map(|wavelet| Recipe { bias: self.bias.unwrap_or(wavelet.bias), ..wavelet });
-        // What is reciprocal is a table, and what keeps its energy from afar.
-        let tables_alone = named.is_some() || levels > 0 || self.reciprocal == Some(true);
-        PackRecipe::Auto(AutoRecipe { wavelet: wavelet.filter(|_| !tables_alone), ..searched })
+        })
     }
 
     fn wavelet(&self, mut recipe: Recipe) -> Result<Recipe, OptionError> {

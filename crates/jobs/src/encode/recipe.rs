@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// How a material becomes a pack.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum PackRecipe {
-    /// The smallest pack that meets a budget.
+    /// The smallest table, plain or factored, that meets a budget.
     Auto(AutoRecipe),
     /// A table of one size, plain or factored.
     Table(TableRecipe),
@@ -25,8 +25,6 @@ pub struct AutoRecipe {
     pub table: TableRecipe,
     /// Which tables are tried.
     pub tables: Tables,
-    /// What all wavelet packs that are tried have in common, but for the target; none are tried where it is absent.
-    pub wavelet: Option<Recipe>,
 }
 
 /// Which tables a search tries.
@@ -72,12 +70,7 @@ impl Budget {
 
 impl Default for AutoRecipe {
     fn default() -> Self {
-        Self {
-            budget: Budget::default(),
-            table: TableRecipe::default(),
-            tables: Tables::Both,
-            wavelet: Some(Recipe::visible()),
-        }
+        Self { budget: Budget::default(), table: TableRecipe::default(), tables: Tables::Both }
     }
 }
 
@@ -91,10 +84,7 @@ impl PackRecipe {
     /// Whether texels are compressed in the file.
     pub fn set_supercompress(&mut self, supercompress: bool) {
         match self {
-            Self::Auto(recipe) => {
-                recipe.table.supercompress = supercompress;
-                recipe.wavelet.iter_mut().for_each(|wavelet| wavelet.supercompress = supercompress);
-            }
+            Self::Auto(recipe) => recipe.table.supercompress = supercompress,
             Self::Table(recipe) => recipe.supercompress = supercompress,
             Self::Wavelet(recipe) => recipe.supercompress = supercompress,
         }
@@ -123,10 +113,7 @@ impl PackRecipe {
     /// Packs hold what look-ups within a range of directions touch.
     pub fn limit_directions(&mut self, directions: DirectionRange) {
         match self {
-            Self::Auto(recipe) => {
-                recipe.table.directions = directions;
-                recipe.wavelet.iter_mut().for_each(|wavelet| wavelet.directions = directions);
-            }
+            Self::Auto(recipe) => recipe.table.directions = directions,
             Self::Table(recipe) => recipe.directions = directions,
             Self::Wavelet(recipe) => recipe.directions = directions,
         }
@@ -153,12 +140,7 @@ impl PackRecipe {
 
     /// Wavelet packs store no finer levels of detail than this gives for the number of levels.
     pub fn limit_levels(&mut self, stored: impl Fn(u32) -> u32) {
-        let wavelet = match self {
-            Self::Auto(recipe) => recipe.wavelet.as_mut(),
-            Self::Table(_) => None,
-            Self::Wavelet(recipe) => Some(recipe),
-        };
-        if let Some(recipe) = wavelet {
+        if let Self::Wavelet(recipe) = self {
             recipe.stored_levels = stored(recipe.levels);
         }
     }

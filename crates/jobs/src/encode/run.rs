@@ -36,7 +36,7 @@ pub fn encode_with(
     let mut recipe = recipe.clone();
     recipe.limit_directions(common);
     Ok(match &recipe {
-        PackRecipe::Auto(recipe) => search_within(source, recipe, shelf, progress)?,
+        PackRecipe::Auto(recipe) => search_within(source, recipe, progress)?,
         PackRecipe::Table(recipe) => {
             let mut made = of_table(brdfc_table::encode::encode(source, recipe, progress)?);
             if recipe.reciprocal && recipe.measure {

@@ -4,7 +4,6 @@ use super::auto::{Within, excess, search, smallest_tried};
 use super::error::PackError;
 use super::pack::{CodecReport, EncodedPack, TableReport, of_table};
 use super::recipe::AutoRecipe;
-use super::tables::TableShelf;
 use brdfc_core::progress::{Progress, Stage};
 use brdfc_core::{Source, TableSource};
 use brdfc_formats::BrdfPack;
@@ -25,11 +24,10 @@ use brdfc_table::encode::{Encoded, measured};
 pub(super) fn search_within(
     source: &dyn Source,
     recipe: &AutoRecipe,
-    shelf: &dyn TableShelf,
     progress: &dyn Progress,
 ) -> Result<EncodedPack, PackError> {
     let directions = recipe.table.directions;
-    let (made, reference) = search(source, recipe, shelf, progress)?;
+    let (made, reference) = search(source, recipe, progress)?;
     if directions.is_all() || !source.directions().is_all() || !recipe.budget.limits_error() {
         return Ok(made);
     }
@@ -79,7 +77,7 @@ fn of_all_directions(
     made: &EncodedPack,
     progress: &dyn Progress,
 ) -> Result<Option<EncodedPack>, PackError> {
-    let mut recipe = AutoRecipe { wavelet: None, ..recipe.clone() };
+    let mut recipe = recipe.clone();
     recipe.table.directions = DirectionRange::ALL;
     if made.missed.is_none() {
         // A step of the search, so that what is tried is what would be tried without a range.
@@ -87,7 +85,7 @@ fn of_all_directions(
         recipe.budget.bytes = Some(recipe.budget.bytes.map_or(most, |bytes| bytes.min(most)));
     }
     progress.stage(Stage::Try, 1)?;
-    match search(source, &recipe, &(), &Within(progress)) {
+    match search(source, &recipe, &Within(progress)) {
         Ok((whole, _)) => Ok(Some(whole).filter(|whole| whole.missed.is_none())),
         // Limits may have no meaning over all directions; the range has its pack all the same.
         Err(PackError::Cancelled(cancelled)) => Err(PackError::Cancelled(cancelled)),
@@ -112,7 +110,7 @@ mod tests {
 
     fn recipe(directions: DirectionRange, delta_e: f64) -> AutoRecipe {
         let budget = Budget { delta_e: Some(delta_e), ..Budget::default() };
-        let mut recipe = AutoRecipe { budget, wavelet: None, ..AutoRecipe::default() };
+        let mut recipe = AutoRecipe { budget, ..AutoRecipe::default() };
         recipe.table.directions = directions;
         recipe
     }
@@ -135,7 +133,7 @@ mod tests {
         let directions = recipe.table.directions;
         let mut everywhere = recipe.clone();
         everywhere.table.directions = DirectionRange::ALL;
-        let whole = search(source, &everywhere, &(), &()).expect("a pack").0.pack;
+        let whole = search(source, &everywhere, &()).expect("a pack").0.pack;
         let BrdfPack::Table(pack) = whole else { panic!("only tables are tried") };
         let window = window(pack.header(), directions);
         let pack = pack.cropped(Crop { directions, window }).expect("within the table");
@@ -150,7 +148,7 @@ mod tests {
             let source = parse_synth(address).expect("an address");
             for (light, view) in RANGES {
                 let recipe = recipe(range(light, view), 0.5);
-                let made = search_within(source.as_ref(), &recipe, &(), &()).expect("a pack");
+                let made = search_within(source.as_ref(), &recipe, &()).expect("a pack");
                 let (bytes, over) = whole_within(source.as_ref(), &recipe);
                 // The smallest that are tried differ by what is left of 1 KiB.
                 let bytes = bytes.max(smallest_tried(source.as_ref(), &recipe));
@@ -167,8 +165,8 @@ mod tests {
     fn the_pack_of_all_directions_is_taken_where_it_does() {
         let source = parse_synth("synth:ggx?kd=0.3,0.2,0.1&f0=0.04&alpha=0.3").expect("an address");
         let directions = range([20.0, 90.0], [35.0, 90.0]);
-        let large = || search(source.as_ref(), &recipe(directions, 0.05), &(), &()).expect("a pack");
-        let (whole, _) = search(source.as_ref(), &recipe(DirectionRange::ALL, 0.5), &(), &()).expect("a pack");
+        let large = || search(source.as_ref(), &recipe(directions, 0.05), &()).expect("a pack");
+        let (whole, _) = search(source.as_ref(), &recipe(DirectionRange::ALL, 0.5), &()).expect("a pack");
         let of_limit = |delta_e: f64| {
             let (made, reference) = large();
             smaller(&reference, &recipe(directions, delta_e), made, &whole)
@@ -188,7 +186,7 @@ mod tests {
         let opened = open(&path, None).expect("a source");
         let source = opened.source.as_ref();
         let told = |directions: DirectionRange| {
-            let made = search_within(source, &recipe(directions, 0.5), &(), &()).expect("a pack");
+            let made = search_within(source, &recipe(directions, 0.5), &()).expect("a pack");
             let words = remarks(&MaterialReport::new(&made, &opened.facts));
             (made.pack.gpu_bytes(), words.iter().any(|line| line.contains("harder than over all")))
         };

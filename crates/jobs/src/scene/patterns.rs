@@ -1,6 +1,6 @@
 //! Paths and patterns as people write them.
 
-use globset::{GlobBuilder, GlobMatcher};
+use fast_glob::glob_match;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use walkdir::{DirEntry, WalkDir};
@@ -93,7 +93,7 @@ impl Named {
                 Err(_) => continue,
             };
             let below = entry.path().strip_prefix(root).unwrap_or(entry.path());
-            if pattern.whole.is_match(below) && entry.path().is_file() {
+            if glob_match(&pattern.whole, below.as_os_str().as_encoded_bytes()) && entry.path().is_file() {
                 files.push(base.join(below));
             }
         }
@@ -113,9 +113,9 @@ fn has_wildcards(name: &OsStr) -> bool {
 
 /// What is to be matched below a folder.
 struct Pattern {
-    whole: GlobMatcher,
+    whole: String,
     /// Of each level before the first `**`: what a name may be, and whether it may begin with a dot.
-    levels: Vec<(GlobMatcher, bool)>,
+    levels: Vec<(String, bool)>,
     is_deep: bool,
 }
 
@@ -123,22 +123,14 @@ impl Pattern {
     fn new(parts: &[&OsStr], told: &Path) -> Result<Self, PatternError> {
         let texts: Option<Vec<&str>> = parts.iter().map(|part| part.to_str()).collect();
         let texts = texts.ok_or_else(|| PatternError::Text { pattern: told.display().to_string() })?;
-        if texts.contains(&"..") {
-            let problem = "with .. behind the first wildcard".to_owned();
-            return Err(PatternError::Wrong { pattern: told.display().to_string(), problem });
+        let of_parts = texts.iter().find_map(|text| problem(text));
+        let back = texts.contains(&"..").then_some("with .. behind the first wildcard");
+        if let Some(problem) = back.or(of_parts) {
+            return Err(PatternError::Wrong { pattern: told.display().to_string(), problem: problem.to_owned() });
         }
-        let matcher = |text: &str| {
-            let glob = GlobBuilder::new(text).literal_separator(true).build();
-            let wrong = |error: globset::Error| PatternError::Wrong {
-                pattern: told.display().to_string(),
-                problem: error.kind().to_string(),
-            };
-            glob.map(|glob| glob.compile_matcher()).map_err(wrong)
-        };
         let plain = texts.iter().take_while(|text| **text != "**");
-        let levels: Vec<_> =
-            plain.map(|text| Ok((matcher(text)?, text.starts_with('.')))).collect::<Result<_, PatternError>>()?;
-        Ok(Self { whole: matcher(&texts.join("/"))?, is_deep: levels.len() < texts.len(), levels })
+        let levels: Vec<_> = plain.map(|text| ((*text).to_owned(), text.starts_with('.'))).collect();
+        Ok(Self { whole: texts.join("/"), is_deep: levels.len() < texts.len(), levels })
     }
 
     fn depth(&self) -> usize {
@@ -151,9 +143,36 @@ impl Pattern {
         match entry.depth().checked_sub(1).map(|level| self.levels.get(level)) {
             None => true,
             Some(None) => !is_hidden,
-            Some(Some((matcher, dotted))) => matcher.is_match(entry.file_name()) && (*dotted || !is_hidden),
+            Some(Some((level, dotted))) => {
+                glob_match(level, entry.file_name().as_encoded_bytes()) && (*dotted || !is_hidden)
+            }
         }
     }
+}
+
+/// What is wrong with one part of a pattern. The matcher takes such a part for one that matches nothing.
+fn problem(part: &str) -> Option<&'static str> {
+    let (mut class, mut braces, mut letters) = (false, 0usize, part.chars().peekable());
+    while let Some(letter) = letters.next() {
+        match letter {
+            '\\' if letters.next().is_none() => return Some("with nothing behind \\"),
+            ']' if class => class = false,
+            '[' if !class => {
+                class = true;
+                letters.next_if(|next| matches!(next, '!' | '^'));
+                // First, it stands for itself.
+                letters.next_if_eq(&']');
+            }
+            '{' if !class => braces += 1,
+            '}' if !class && braces == 0 => return Some("with } that no { opens"),
+            '}' if !class => braces -= 1,
+            _ => {}
+        }
+    }
+    if class {
+        return Some("with [ that no ] closes");
+    }
+    (braces > 0).then_some("with { that no } closes")
 }
 
 #[cfg(test)]
@@ -195,8 +214,17 @@ mod tests {
             Named::new(there.path(), "{a,x}.brdf").is_pattern() && !Named::new(there.path(), "a.brdf").is_pattern()
         );
         assert!(Named::new(there.path(), "*/../a.brdf").files().is_err());
-        let error = Named::new(there.path(), "[a").files().unwrap_err().to_string();
-        assert!(error.contains("found a wrong pattern, "), "{error}");
+        for (pattern, problem) in [
+            ("[a", "with [ that no ] closes"),
+            ("[]", "with [ that no ] closes"),
+            ("{a,*", "with { that no } closes"),
+            ("a*}", "with } that no { opens"),
+            ("*\\", "with nothing behind \\"),
+        ] {
+            let error = Named::new(there.path(), pattern).files().unwrap_err().to_string();
+            assert!(error.contains(&format!("found a wrong pattern, {problem}; ")), "{error}");
+        }
+        assert_eq!(matched("[]a].br{d,e}f"), ["a.brdf"]);
     }
 
     #[test]

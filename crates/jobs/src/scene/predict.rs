@@ -1,6 +1,6 @@
 //! How large a pack will be, before it is made.
 
-use crate::encode::auto::{LARGEST, RATIOS};
+use crate::encode::auto::LARGEST;
 use crate::encode::recipe::PackRecipe;
 use brdfc_formats::wavelet::{Header, gpu_bytes};
 use brdfc_table::recipe::Size;
@@ -37,14 +37,7 @@ pub fn predict(recipe: &PackRecipe) -> Predicted {
         },
         PackRecipe::Wavelet(recipe) => of_wavelet(recipe),
         PackRecipe::Auto(recipe) => {
-            let packs = |wavelet: &Recipe| {
-                let most =
-                    RATIOS.map(|ratio| of_wavelet(&Recipe { target: Target::Ratio(ratio), ..wavelet.clone() }).most);
-                most.into_iter().fold(LARGEST, u64::max)
-            };
-            let most = recipe.wavelet.as_ref().map_or(LARGEST, packs);
-            let most = recipe.budget.bytes.map_or(most, |bytes| bytes.min(most));
-            Predicted { least: 0, most }
+            Predicted { least: 0, most: recipe.budget.bytes.map_or(LARGEST, |bytes| bytes.min(LARGEST)) }
         }
     }
 }

@@ -181,8 +181,7 @@ pub fn numbers(posted: &[u8], cases: usize) -> Vec<Vec<[f32; 4]>> {
 
 /// Shaders of all decoders, with what they bind.
 fn shaders(source: fn(Decoder) -> String) -> BTreeMap<&'static str, (String, Interface)> {
-    let shader =
-        |decoder: Decoder| (decoder.name(), (source(decoder), shader(decoder, Language::Wgsl).interface));
+    let shader = |decoder: Decoder| (decoder.name(), (source(decoder), shader(decoder, Language::Wgsl).interface));
     Decoder::ALL.into_iter().map(shader).collect()
 }
 

@@ -30,7 +30,8 @@ fn decoders_in_the_languages_of_engines() {
 #[test]
 fn shaders_of_pages() {
     let shaders = PageShader::all();
-    let translated = shaders.iter().map(|shader| (&shader.name, program(&shader.wgsl, shader.vertex, shader.fragment).unwrap()));
+    let translated =
+        shaders.iter().map(|shader| (&shader.name, program(&shader.wgsl, shader.vertex, shader.fragment).unwrap()));
     let all: BTreeMap<&String, _> = translated.collect();
     check(PageShader::FILE, &all);
 }

@@ -1,10 +1,13 @@
 use super::*;
 use brdfc_core::address::parse_synth;
+use brdfc_readers::merl::{Dimensions, Merl};
+use brdfc_source::MerlSource;
+use brdfc_source::simulate::merl_file;
 use brdfc_table::levels::MOST_LEVELS;
 
 fn searched(address: &str, budget: Budget) -> EncodedPack {
     let source = parse_synth(address).unwrap();
-    search(source.as_ref(), &AutoRecipe { budget, ..AutoRecipe::default() }, &(), &()).unwrap().0
+    search(source.as_ref(), &AutoRecipe { budget, ..AutoRecipe::default() }, &()).unwrap().0
 }
 
 const NONE: Budget = Budget { delta_e: None, error: None, bytes: None, fetches: None };
@@ -47,8 +50,8 @@ fn any_number_of_levels_is_searched() {
         let table = TableRecipe { levels: MOST_LEVELS, ..TableRecipe::default() };
         for bytes in [None, Some(2048)] {
             let budget = Budget { bytes, ..Budget::default() };
-            let recipe = AutoRecipe { budget, table: table.clone(), tables: Tables::Factored, wavelet: None };
-            let (made, _) = search(source.as_ref(), &recipe, &(), &()).unwrap();
+            let recipe = AutoRecipe { budget, table: table.clone(), tables: Tables::Factored };
+            let (made, _) = search(source.as_ref(), &recipe, &()).unwrap();
             assert!(made.pack.levels() == MOST_LEVELS && made.pack.gpu_bytes() <= bytes.unwrap_or(LARGEST));
         }
     }
@@ -62,7 +65,7 @@ fn few_bytes_hold_a_table() {
     let none = Budget { bytes: Some(100), ..NONE };
     let source = parse_synth("synth:ggx").unwrap();
     let refused =
-        search(source.as_ref(), &AutoRecipe { budget: none, ..AutoRecipe::default() }, &(), &()).map(|(made, _)| made);
+        search(source.as_ref(), &AutoRecipe { budget: none, ..AutoRecipe::default() }, &()).map(|(made, _)| made);
     assert!(matches!(refused, Err(PackError::Table(EncodeError::TooFewBytes { .. }))), "{refused:?}");
 }
 
@@ -71,9 +74,33 @@ fn few_bytes_hold_a_table() {
 fn stalled_searches_stop() {
     let one_way = brdfc_testing::wrapped::OneWay(parse_synth("synth:ggx?kd=0.3,0.1,0.05&alpha=0.3").unwrap());
     let table = TableRecipe { reciprocal: true, ..TableRecipe::default() };
-    let recipe = AutoRecipe { table, wavelet: None, ..AutoRecipe::default() };
-    let (made, _) = search(&one_way, &recipe, &(), &()).unwrap();
+    let recipe = AutoRecipe { table, ..AutoRecipe::default() };
+    let (made, _) = search(&one_way, &recipe, &()).unwrap();
     assert!(made.missed.is_some() && made.pack.gpu_bytes() < LARGEST / 4, "{:?}", made.tried);
+}
+
+/// A dark mirror as a MERL file: between the samples of its highlight nothing is known, and more nodes do not bring it.
+#[test]
+fn a_dark_mirror_gets_no_more_bytes_than_help() {
+    let model = parse_synth("synth:ggx?kd=0.002&f0=0.04&alpha=0.01").unwrap();
+    let file = merl_file(model.as_ref(), Dimensions::MERL);
+    let mirror = MerlSource::new(Merl::from_bytes(&file).unwrap());
+    let budget = Budget { delta_e: Some(0.03), ..NONE };
+    let (made, _) = search(&mirror, &AutoRecipe { budget, ..AutoRecipe::default() }, &()).unwrap();
+    let least = made.tried.iter().map(|trial| trial.delta_e).fold(f64::INFINITY, f64::min);
+    assert!(made.missed.is_none() || made.off_grid.picture.delta_e.mean < 1.1 * least, "{:?}", made.tried);
+    assert!(made.tried.iter().all(|trial| trial.bytes_on_gpu < LARGEST / 4), "{:?}", made.tried);
+    assert!(made.pack.gpu_bytes() < LARGEST / 8, "{:?}", made.tried);
+}
+
+#[test]
+fn errors_that_fall_slowly_have_stalled() {
+    let of = |excesses: &[f64]| excesses.iter().enumerate().map(|(k, e)| (1 << (10 + k), *e)).collect::<Vec<_>>();
+    let largest = 1 << 19;
+    assert!(!has_stalled(&of(&[3.0, 2.9]), largest), "one step says nothing");
+    assert!(has_stalled(&of(&[3.0, 2.9, 2.95]), largest) && has_stalled(&of(&[1.5, 1.6, 1.5]), largest));
+    assert!(!has_stalled(&of(&[8.0, 5.0, 3.2]), largest) && !has_stalled(&of(&[3.0, 4.0, 1.5]), largest));
+    assert!(has_stalled(&of(&[8.0, 5.0, 3.2]), 1 << 12), "the last is the largest");
 }
 
 #[test]

@@ -25,13 +25,13 @@ fn the_codec_follows_from_the_options() {
     };
     assert_eq!((table.size, table.bias), (Size::Bytes(4096), 0.001));
     let PackRecipe::Auto(tables) = resolved("codec = 'table'\nmax_delta_e = 0.2", "") else { panic!("a search") };
-    assert!(tables.wavelet.is_none() && tables.budget.delta_e == Some(0.2));
+    assert!(tables.budget.delta_e == Some(0.2));
     let PackRecipe::Table(factored) = resolved("codec = 'factored'", "") else { panic!("a table") };
     assert!(factored.factored);
     let PackRecipe::Auto(tables) = resolved("codec = 'factored'\nmax_error = 0.1", "") else { panic!("a search") };
-    assert!(tables.wavelet.is_none() && tables.tables == Tables::Factored);
+    assert!(tables.tables == Tables::Factored);
     let PackRecipe::Auto(far) = resolved("levels = 3", "") else { panic!("a search") };
-    assert!(far.wavelet.is_none() && far.tables == Tables::Factored && far.table.levels == 3);
+    assert!(far.tables == Tables::Factored && far.table.levels == 3);
     assert_eq!(far.budget, Budget::default());
     for wrong in ["codec = 'table'\nlevels = 2", "codec = 'wavelet'\nlevels = 2", "levels = 7"] {
         assert_eq!(keys(wrong).resolve(&EncodeOptions::default()).unwrap_err().field, "levels", "{wrong}");
@@ -77,7 +77,7 @@ fn defaults_that_do_not_go_with_the_codec_are_left_out() {
     assert!(matches!(resolved("ratio = 16", "reciprocal = true\nmax_fetches = 1"), PackRecipe::Wavelet(_)));
     assert!(matches!(resolved("max_delta_e = 0.5", "bias = 0.02\ngrid = 16"), PackRecipe::Auto(_)));
     let PackRecipe::Auto(theirs) = resolved("reciprocal = true", "max_bytes = 4096") else { panic!("a search") };
-    assert!(theirs.table.reciprocal && theirs.wavelet.is_none() && theirs.budget.bytes == Some(4096));
+    assert!(theirs.table.reciprocal && theirs.budget.bytes == Some(4096));
 }
 
 #[test]
