@@ -218,7 +218,8 @@ fn the_arctangent_is_one() {
 fn what_the_readme_calls_validates() {
     let page = include_str!("../../README.md");
     let check = |source: &str| {
-        let module = naga::front::wgsl::parse_str(source).unwrap_or_else(|error| panic!("{}", error.emit_to_string(source)));
+        let module =
+            naga::front::wgsl::parse_str(source).unwrap_or_else(|error| panic!("{}", error.emit_to_string(source)));
         let result = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module);
         assert!(result.is_ok(), "{}", result.unwrap_err().emit_to_string(source));
     };
@@ -231,7 +232,8 @@ fn what_the_readme_calls_validates() {
         ("bandwidth", BANDWIDTH_WGSL),
         ("importance", IMPORTANCE_WGSL),
     ] {
-        let row = page.lines().find(|line| line.starts_with(&format!("| `{decoder}` | "))).expect("a row of the decoder");
+        let row =
+            page.lines().find(|line| line.starts_with(&format!("| `{decoder}` | "))).expect("a row of the decoder");
         let calls: Vec<&str> = row.split('`').skip(5).step_by(2).collect();
         assert!(!calls.is_empty(), "{row}");
         for call in calls {
