@@ -1,5 +1,5 @@
 //! What several tests of packs share. Each of them uses only a part.
-use brdfc_formats::container::{Extent, MAX_TEXEL_BYTES, PackedTexture, TexelFormat, Texture};
+use brdfc_formats::container::{Extent, MAX_TEXEL_BYTES, PackedTexture, TexelFormat, Texture, seal};
 use brdfc_formats::crop::{Crop, DirectionRange, Elevations, Window};
 use brdfc_formats::direction::{DirectionPair, Parameterisation};
 use brdfc_formats::table::{Axes, Curve, KNOTS, TableHeader, TablePack, TableSymmetry};
@@ -222,6 +222,37 @@ pub fn read_texture(bytes: &[u8]) -> Result<Texture, FormatError> {
     PackedTexture::from_bytes(bytes)?.unpack_levels(MAX_TEXEL_BYTES)
 }
 
+/// Changed bytes of a pack with the checksum that they need: a reader looks at what is behind it.
+pub fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
+    seal(&mut bytes);
+    bytes
+}
+
+/// The entry of a pack's bindings.
+pub const BINDINGS_ENTRY: &str = "brdfc.bindings";
+
+/// Puts other text into the bindings of a pack.
+///
+/// # Panics
+/// When there are no bindings with the old text.
+pub fn rebind(texture: &mut Texture, old: &str, new: &str) {
+    let list = texture.entries.get_mut(BINDINGS_ENTRY).expect("a pack has bindings");
+    let text = String::from_utf8(std::mem::take(list)).expect("bindings are text");
+    assert!(text.contains(old), "no '{old}' in {text}");
+    *list = text.replace(old, new).into_bytes();
+}
+
+/// Changes the image of a binding, a file in an entry.
+///
+/// # Panics
+/// When there is no such image.
+pub fn change_image(texture: &mut Texture, name: &str, change: impl FnOnce(&mut Texture)) {
+    let entry = texture.entries.get_mut(&format!("brdfc.image.{name}")).expect("the entry of an image");
+    let mut image = read_texture(entry).expect("our own image");
+    change(&mut image);
+    *entry = image.to_bytes(false);
+}
+
 /// The pack whose bytes stand in `formats/src/container/spec.md` and `formats/src/wavelet/spec.md`.
 pub fn example() -> WaveletPack {
     let header = Header {
@@ -262,9 +293,10 @@ pub fn pairs(count: usize, seed: u64) -> Vec<DirectionPair> {
         .collect()
 }
 
-/// Reads bytes and, where they are a pack, decodes it here and there: whatever a file holds, `f_r` is a number.
+/// Reads bytes, whatever their checksum is, and where they are a pack decodes it here and there: whatever a file holds, `f_r`
+/// is a number.
 pub fn survives(bytes: &[u8]) -> bool {
-    let Ok(pack) = WaveletPack::from_bytes(bytes) else { return false };
+    let Ok(pack) = WaveletPack::from_bytes(&sealed(bytes.to_vec())) else { return false };
     let decoder = WaveletDecoder::new(&pack);
     for (k, pair) in pairs(3, 5).into_iter().enumerate() {
         for filter in [Filter::Nearest, Filter::Bilinear] {

@@ -165,10 +165,16 @@ impl PackFile {
     /// The first line or block that differs.
     pub(crate) fn check_same(&self, made: &Bindings<'_>) -> Result<(), FormatError> {
         let (found, wanted) = (self.bindings.to_text(), made.to_text());
-        if found != wanted {
-            let mut lines = (1..).zip(found.lines().zip(wanted.lines().chain(std::iter::repeat("nothing"))));
-            let (at, (found, wanted)) = lines.find(|(_, (a, b))| a != b).unwrap_or((0, ("fewer lines", "more")));
-            return Err(wrong(at, found, &format!("{wanted}, as the other entries say")));
+        let [mut found, mut wanted] = [&found, &wanted].map(|text| text.trim_end_matches('\0').lines());
+        for number in 1.. {
+            match (found.next(), wanted.next()) {
+                (None, None) => break,
+                (found, wanted) if found == wanted => {}
+                (found, wanted) => {
+                    let [found, wanted] = [found, wanted].map(|line| line.unwrap_or("no line"));
+                    return Err(wrong(number, found, &format!("{wanted}, as the other entries say")));
+                }
+            }
         }
         for (found, wanted) in self.bindings.all.iter().zip(&made.all) {
             if let (Resource::Uniform(found_bytes), Resource::Uniform(wanted_bytes)) =

@@ -76,12 +76,14 @@ pub(super) fn parse(value: &[u8]) -> Result<(&str, u32, Vec<Line<'_>>), FormatEr
             "lines of UTF-8 and a zero byte",
         )
     })?;
-    let (first, rest) = text.split_once('\n').unwrap_or((text, ""));
+    // Not `lines`, which takes a carriage return for a part of the line's end.
+    let mut lines = text.split('\n');
+    let first = lines.next().unwrap_or_default();
     let (decoder, version) = match first.split(' ').collect::<Vec<_>>()[..] {
         ["decoder", name, version] if is_name(name) => (name, number(1, version, 1..=u32::MAX)?),
         _ => return Err(wrong(1, first, "'decoder', its name and its version")),
     };
-    let lines: Vec<&str> = rest.lines().take(MAX_BINDINGS + 1).collect();
+    let lines: Vec<&str> = lines.take(MAX_BINDINGS + 1).collect();
     if lines.is_empty() || lines.len() > MAX_BINDINGS {
         let found = if lines.is_empty() { "none".to_owned() } else { format!("more than {MAX_BINDINGS}") };
         return Err(FormatError::whole(format!("{ENTRY} bindings"), found, format!("1 to {MAX_BINDINGS}")));

@@ -50,7 +50,8 @@ impl Extent {
             "3d" => Self::D3([width, height, depth]),
             _ => return None,
         };
-        (extent.texels() > 0 && Self::from_fields(extent.fields()).is_ok()).then_some(extent)
+        // A depth of 0 reads as another dimension.
+        (Self::from_fields(extent.fields()) == Ok(extent)).then_some(extent)
     }
 
     /// Texels.
@@ -154,6 +155,25 @@ mod tests {
         assert_eq!(chain(Extent::D3([2, 1, 8])), [[2, 1, 8], [1, 1, 4], [1, 1, 2], [1, 1, 1]].map(Extent::D3));
         assert_eq!(chain(Extent::D2([1, 4])), [[1, 4], [1, 2], [1, 1]].map(Extent::D2));
         assert_eq!(chain(Extent::D2Array([1, 1, 5])), [Extent::D2Array([1, 1, 5])]);
+    }
+
+    #[test]
+    fn dimensions_have_sizes_within_limits() {
+        for extent in [Extent::D2([8192, 1]), Extent::D2Array([3, 2, 2048]), Extent::D3([1, 2048, 1])] {
+            assert_eq!(Extent::from_dimension(extent.dimension(), extent.size()), Some(extent));
+        }
+        for (dimension, size) in [
+            ("2d", [4, 4, 2]),
+            ("2d", [8193, 1, 1]),
+            ("2d-array", [1, 1, 0]),
+            ("2d-array", [1, 1, 2049]),
+            ("3d", [1, 1, 0]),
+            ("3d", [2049, 1, 1]),
+            ("3d", [u32::MAX; 3]),
+            ("1d", [1; 3]),
+        ] {
+            assert_eq!(Extent::from_dimension(dimension, size), None, "{dimension} {size:?}");
+        }
     }
 
     #[test]

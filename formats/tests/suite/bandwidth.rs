@@ -3,9 +3,8 @@
 use brdfc_formats::bandwidth::shader::BANDWIDTH_WGSL;
 use brdfc_formats::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
 use brdfc_formats::container::{Extent, TexelFormat, Texture};
-use brdfc_testing::packs::{Numbers, check_dump};
+use brdfc_testing::packs::{Numbers, check_dump, rebind, sealed};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
-use std::collections::BTreeMap;
 
 /// The map whose bytes stand on the page.
 fn example() -> BandwidthMap {
@@ -45,11 +44,6 @@ fn what_is_written_is_read() {
 fn the_dump_on_the_page() {
     let page = include_str!("../../src/bandwidth/spec.md");
     let bytes = example().to_bytes(false);
-    for (line, chunk) in bytes.chunks(16).enumerate() {
-        let hex: Vec<String> = chunk.iter().map(|byte| format!("{byte:02x}")).collect();
-        let text: String = chunk.iter().map(|b| if (0x20..0x7f).contains(b) { char::from(*b) } else { '.' }).collect();
-        println!("{:08x}  {:47}  {text}", 16 * line, hex.join(" "));
-    }
     assert_eq!(check_dump(page, &bytes), bytes.len().div_ceil(16));
     assert_eq!(example().texture([1.75, 0.5]), 12.5);
 }
@@ -60,13 +54,14 @@ fn no_truncation_and_no_corrupt_byte_panics() {
         for supercompress in [false, true] {
             let bytes = map.to_bytes(supercompress);
             for length in 0..bytes.len() {
-                assert!(BandwidthMap::from_bytes(&bytes[..length]).is_err(), "{length} of {}", bytes.len());
+                let cut = sealed(bytes[..length].to_vec());
+                assert!(BandwidthMap::from_bytes(&cut).is_err(), "{length} of {}", bytes.len());
             }
             let mut broken = bytes.clone();
             for offset in 0..bytes.len() {
                 for pattern in [1, 4, 64, 128, 0x7f, 0xff] {
                     broken[offset] = bytes[offset] ^ pattern;
-                    if let Ok(map) = BandwidthMap::from_bytes(&broken) {
+                    if let Ok(map) = BandwidthMap::from_bytes(&sealed(broken.clone())) {
                         let found = [
                             map.brdf([0.6, 0.0, 0.8], [0.0, -0.6, 0.8]),
                             map.environment([1.0, -2.0, -3.0]),
@@ -82,7 +77,7 @@ fn no_truncation_and_no_corrupt_byte_panics() {
 }
 
 fn refusal(texture: &Texture) -> String {
-    BandwidthMap::from_bytes(&texture.to_bytes(false)).unwrap_err().to_string()
+    BandwidthMap::from_bytes(&sealed(texture.to_bytes(false))).unwrap_err().to_string()
 }
 
 #[test]
@@ -119,7 +114,7 @@ fn fields_out_of_range_are_named() {
     assert!(with(&environment, 8, 1).starts_with("brdfc.bandwidth metres: found 0 x 0 metres, tiles 1"));
     assert_eq!(with(&environment, 1, 0), "size of a bandwidth map: found 5 x 3; allowed 256 x 256 of a BRDF");
     let mut entryless = cloth.clone();
-    entryless.entries = BTreeMap::new();
+    entryless.entries.remove("brdfc.bandwidth");
     assert!(refusal(&entryless).starts_with("brdfc.bandwidth: found no brdfc entries"));
     let mut long = cloth.clone();
     long.entries.get_mut("brdfc.bandwidth").unwrap().push(0);
@@ -134,13 +129,27 @@ fn texels_and_shapes_that_no_map_has() {
         changed.texels[2..4].copy_from_slice(&bad.to_le_bytes());
         assert!(refusal(&changed).starts_with("bandwidth texel (1, 0): found "), "{bad:#x}");
     }
-    let flat = Texture { format: TexelFormat::R16Unorm, ..good.clone() };
-    assert_eq!(refusal(&flat), "texels of a bandwidth map: found R16Unorm; allowed R16Float");
+    // Of another shape, as its bindings say.
+    let reshaped = |format: TexelFormat, extent: Extent| {
+        let texels = vec![0; extent.texels() as usize * format.texel_bytes()];
+        let mut changed = Texture { format, extent, texels, ..good.clone() };
+        let [width, height, depth] = extent.size();
+        let shape = format!("texture file {} {} {width} {height} {depth} ", extent.dimension(), format.name());
+        rebind(&mut changed, "texture file 2d r16float 2 1 1 ", &shape);
+        refusal(&changed)
+    };
+    let flat = reshaped(TexelFormat::R16Unorm, Extent::D2([2, 1]));
+    assert_eq!(flat, "texels of a bandwidth map: found R16Unorm; allowed R16Float");
     for extent in [Extent::D2Array([2, 1, 1]), Extent::D3([2, 1, 1])] {
-        assert!(refusal(&Texture { extent, ..good.clone() }).ends_with("allowed a 2D texture"), "{extent}");
+        assert!(reshaped(TexelFormat::R16Float, extent).ends_with("allowed a 2D texture"), "{extent}");
     }
-    let wide = Texture { extent: Extent::D2([513, 1]), texels: vec![0; 1026], ..good };
-    assert_eq!(refusal(&wide), "size of a bandwidth map: found 513 x 1; allowed 1 to 512 on each side");
+    let wide = reshaped(TexelFormat::R16Float, Extent::D2([513, 1]));
+    assert_eq!(wide, "size of a bandwidth map: found 513 x 1; allowed 1 to 512 on each side");
+    // Of another kind than its bindings are for.
+    let mut other = good.clone();
+    rebind(&mut other, "33 bandwidth_texture_parameters", "31 bandwidth_texture_parameters");
+    let expected = "brdfc.bindings line 2: found 31 bandwidth_texture_parameters uniform 16; allowed 33 ";
+    assert!(refusal(&other).starts_with(expected), "{}", refusal(&other));
 }
 
 fn validates(source: &str) -> bool {

@@ -4,6 +4,9 @@ use brdfc_formats::container::{Extent, TexelFormat, Texture};
 use brdfc_formats::wavelet::WaveletPack;
 use std::collections::BTreeMap;
 
+/// The entry of the index map of a wavelet pack.
+const IMAGE: &str = "brdfc.image.wavelet_brdf_index";
+
 struct Bytes<'a>(&'a [u8]);
 
 impl Bytes<'_> {
@@ -231,8 +234,13 @@ fn files_keep_the_rules_of_the_validator() {
             let keys: Vec<&str> = entries.iter().skip(2).map(|(key, _)| key.as_str()).collect();
             let crop = usize::from(pack.crop.is_none());
             let ours =
-                ["brdfc.crop", "brdfc.wavelet", "brdfc.wavelet.errors", "brdfc.wavelet.index", "brdfc.wavelet.scales"];
-            assert_eq!(keys, ours[crop..]);
+                ["brdfc.crop", IMAGE, "brdfc.uniform.wavelet_brdf_parameters", "brdfc.wavelet", "brdfc.wavelet.errors"];
+            assert_eq!(keys[..2], ["brdfc.bindings", "brdfc.checksum"]);
+            assert_eq!(keys[2..], ours[crop..]);
+            // The image in the entry is a file that keeps them, too.
+            let image = &entries.iter().find(|(key, _)| key == IMAGE).unwrap().1;
+            let texture = brdfc_testing::packs::read_texture(image).unwrap();
+            assert_eq!(check(image, &expected_texture(&texture), supercompress).len(), 2);
         }
     }
 }
@@ -299,15 +307,12 @@ fn check_entries<'a>(pack: &WaveletPack, entry: impl Fn(&str) -> &'a [u8]) {
     for (k, word) in words.into_iter().enumerate() {
         assert_eq!(header.u32(4 * k), word, "word {k}");
     }
-    let index = Bytes(entry("brdfc.wavelet.index"));
-    assert_eq!(index.0.len(), 2 * pack.index.len());
+    let index = brdfc_testing::packs::read_texture(entry(IMAGE)).unwrap();
+    assert_eq!((index.format, index.texels.len()), (TexelFormat::Rgba32Float, 16 * pack.index.len()));
     for (k, slice) in pack.index.iter().enumerate() {
-        assert_eq!(index.u16(2 * k), u32::from(*slice));
-    }
-    let scales = Bytes(entry("brdfc.wavelet.scales"));
-    assert_eq!(scales.0.len(), 8 * pack.scales.len());
-    for (k, scale) in pack.scales.iter().enumerate() {
-        assert_eq!((scales.u32(8 * k), scales.u32(8 * k + 4)), (scale.scale.to_bits(), scale.offset.to_bits()));
+        let scale = pack.scales[usize::from(*slice)];
+        let expected = [f32::from(*slice), scale.scale, scale.offset].map(f32::to_bits);
+        assert_eq!([0, 4, 8].map(|word| Bytes(&index.texels[16 * k..]).u32(word)), expected, "coefficient {k}");
     }
     let errors = Bytes(entry("brdfc.wavelet.errors"));
     assert_eq!(errors.0.len(), 80);

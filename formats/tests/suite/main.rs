@@ -2,6 +2,7 @@
 
 mod bandwidth;
 mod bandwidth_shaders;
+mod bindings_corrupt;
 mod container_corrupt;
 mod decoder;
 mod decoder_equations;

@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 use brdfc_formats::FormatError;
 use brdfc_formats::container::{Extent, TexelFormat, Texture};
 use brdfc_formats::direction::Parameterisation;
-use brdfc_formats::wavelet::WaveletPack;
-use brdfc_testing::packs::survives;
+use brdfc_formats::wavelet::{SliceScale, WaveletPack};
+use brdfc_testing::packs::{change_image, sealed, survives};
 
 /// One small pack of each texel format.
 fn small_packs() -> Vec<WaveletPack> {
@@ -33,7 +33,7 @@ fn every_truncation_is_an_error() {
         for supercompress in [false, true] {
             let bytes = pack.to_bytes(supercompress);
             for length in 0..bytes.len() {
-                assert!(WaveletPack::from_bytes(&bytes[..length]).is_err(), "{length} of {} bytes", bytes.len());
+                assert!(!survives(&bytes[..length]), "{length} of {} bytes", bytes.len());
             }
             assert!(survives(&bytes));
         }
@@ -87,8 +87,11 @@ fn texture() -> Texture {
 }
 
 fn refusal(texture: &Texture) -> FormatError {
-    let plain = WaveletPack::from_bytes(&texture.to_bytes(false)).unwrap_err();
-    assert_eq!(WaveletPack::from_bytes(&texture.to_bytes(true)).unwrap_err(), plain);
+    let [plain, packed] = [false, true].map(|supercompress| {
+        let bytes = sealed(texture.to_bytes(supercompress));
+        WaveletPack::from_bytes(&bytes).unwrap_err()
+    });
+    assert_eq!(plain, packed);
     plain
 }
 
@@ -133,57 +136,90 @@ fn header_and_texture_agree() {
     }
 }
 
+/// The binding of the index map.
+const INDEX: &str = "wavelet_brdf_index";
+
+/// Refusal after the words of coefficients, from the first on, were replaced: slice, scale, offset and share.
+fn with_index(coefficients: &[[f32; 4]]) -> FormatError {
+    let mut texture = texture();
+    change_image(&mut texture, INDEX, |image| {
+        let bytes = coefficients.iter().flatten().flat_map(|word| word.to_le_bytes());
+        image.texels.splice(..16 * coefficients.len(), bytes);
+    });
+    refusal(&texture)
+}
+
 #[test]
 fn the_index_map_counts_slices_in_order() {
-    for (index, field) in [
-        ([2, 0, 1, 0], " entry 0"),
-        ([0, 0, 1, 2], " entry 0"),
-        ([1, 0, 3, 0], " entry 2"),
-        ([1, 0, 1, 0], " entry 2"),
-        ([1, 2, 2, 0], " entry 2"),
-        ([1, 0, u16::MAX, 0], " entry 2"),
-        ([1, 0, 0, 0], ""),
-        ([1, 2, 3, 0], ""),
+    for (slices, field) in [
+        ([2.0, 0.0, 1.0, 0.0], " coefficient 0, slice"),
+        ([0.0, 0.0, 1.0, 2.0], " coefficient 0, slice"),
+        ([f32::NAN, 0.0, 2.0, 0.0], " coefficient 0, slice"),
+        ([1.0, 0.0, 3.0, 0.0], " coefficient 2, slice"),
+        ([1.0, 0.0, 1.0, 0.0], " coefficient 2, slice"),
+        ([1.0, 2.0, 2.0, 0.0], " coefficient 2, slice"),
+        ([1.0, 0.0, 1.5, 0.0], " coefficient 2, slice"),
+        ([1.0, 0.0, f32::from(u16::MAX), 0.0], " coefficient 2, slice"),
+        ([1.0, -0.0, 2.0, 0.0], " coefficient 1, slice"),
+        ([1.0, 0.0, 0.0, 0.0], ""),
+        ([1.0, 2.0, 3.0, 0.0], ""),
     ] {
-        let mut texture = texture();
-        texture.entries.insert("brdfc.wavelet.index".into(), index.iter().flat_map(|i| i.to_le_bytes()).collect());
-        assert_eq!(refusal(&texture).field, format!("brdfc.wavelet.index{field}"), "{index:?}");
+        let kept = |slice: f32| if slice == 0.0 { [slice, 0.0, 0.0, 0.0] } else { [slice, 0.5, -0.25, 0.0] };
+        let error = with_index(&slices.map(kept));
+        assert_eq!(error.field, format!("{INDEX}{field}"), "{slices:?}");
     }
     // Slices of a level that the header says is not stored.
-    let error = with_word("brdfc.wavelet", 12, [0; 4]);
-    assert_eq!(error.to_string(), "brdfc.wavelet.index entry 2: found 2; allowed 0, as this level is not stored");
+    let error = with_word("brdfc.wavelet", 12, [0; 4]).to_string();
+    assert_eq!(error, "wavelet_brdf_index coefficient 2, slice: found 2; allowed 0, as this level is not stored");
 }
 
 #[test]
 fn scales_are_finite_and_not_negative() {
-    let key = "brdfc.wavelet.scales";
-    for (offset, value) in [
-        (0, 1.0),
-        (0, f32::NAN),
-        (4, 1e-9),
-        (8, f32::NAN),
-        (8, -1.0),
-        (8, f32::INFINITY),
-        (12, f32::NAN),
-        (12, f32::NEG_INFINITY),
-        (20, f32::INFINITY),
+    let good = [[1.0, 2.0, -1.0, 0.0], [0.0; 4], [2.0, 0.5, -0.25, 0.0], [0.0; 4]];
+    for (coefficient, word, value, field) in [
+        // Those of the zero slice are zero.
+        (1, 1, 1.0, "scale and offset"),
+        (1, 1, -0.0, "scale and offset"),
+        (1, 1, f32::NAN, "scale and offset"),
+        (3, 2, 1e-9, "scale and offset"),
+        (0, 1, f32::NAN, "scale and offset"),
+        (0, 1, -1.0, "scale and offset"),
+        (0, 1, f32::INFINITY, "scale and offset"),
+        (0, 2, f32::NAN, "scale and offset"),
+        (0, 2, f32::NEG_INFINITY, "scale and offset"),
+        (2, 2, f32::INFINITY, "scale and offset"),
+        // The pack is not lifted.
+        (2, 3, 0.5, "share of the lower half"),
+        (0, 3, f32::NAN, "share of the lower half"),
     ] {
-        let error = with_word(key, offset, f32::to_le_bytes(value));
-        assert_eq!(error.field, format!("{key} slice {}", offset / 8), "{offset} {value}");
+        let mut changed = good;
+        changed[coefficient][word] = value;
+        let error = with_index(&changed);
+        assert_eq!(error.field, format!("{INDEX} coefficient {coefficient}, {field}"), "{word} {value}");
     }
-    let mut texture = texture();
-    texture.entries.get_mut(key).unwrap()[8..16].copy_from_slice(&[f32::MAX.to_le_bytes(); 2].concat());
-    assert_eq!(refusal(&texture).field, "brdfc.wavelet.scales slice 1", "the largest coefficient overflows");
+    let error = with_index(&[[1.0, f32::MAX, f32::MAX, 0.0]]);
+    assert_eq!(error.field, "wavelet_brdf_index coefficient 0, scale and offset", "the largest coefficient overflows");
+}
+
+/// The uniform block repeats what the entries and the index map say; a shader reads the one, the CPU the others.
+#[test]
+fn uniform_block_and_entries_agree() {
+    let error = with_index(&[[1.0, 2.0, -0.5, 0.0]]);
+    assert_eq!(error.field, "brdfc.uniform.wavelet_brdf_parameters byte 28", "{error}");
+    for word in 0..12 {
+        let error = with_word("brdfc.uniform.wavelet_brdf_parameters", 4 * word, [7; 4]);
+        assert_eq!(error.field, format!("brdfc.uniform.wavelet_brdf_parameters byte {}", 4 * word));
+        assert!(error.allowed.ends_with("as the other entries say"), "{error}");
+    }
 }
 
 #[test]
 fn absurd_scales_still_decode_to_numbers() {
     for [scale, offset] in [[f32::MAX, 0.0], [0.0, f32::MAX], [f32::MAX, f32::MIN], [0.0, f32::MIN], [1e30, 1e30]] {
         for slice in [1, 2] {
-            let mut texture = texture();
-            texture.entries.get_mut("brdfc.wavelet.scales").unwrap()[8 * slice..8 * slice + 8]
-                .copy_from_slice(&[scale.to_le_bytes(), offset.to_le_bytes()].concat());
-            assert!(survives(&texture.to_bytes(false)), "scale {scale}, offset {offset}");
+            let mut pack = brdfc_testing::packs::example();
+            pack.scales[slice] = SliceScale { scale, offset };
+            assert!(survives(&pack.to_bytes(false)), "scale {scale}, offset {offset}");
         }
     }
 }
@@ -201,11 +237,15 @@ fn errors_are_not_negative() {
 #[test]
 fn every_entry_is_required_once_and_has_its_length() {
     let keys: Vec<String> = texture().entries.into_keys().collect();
-    assert_eq!(keys.len(), 4);
+    assert_eq!(keys.len(), 6, "{keys:?}");
     for key in &keys {
         let mut missing = texture();
         missing.entries.remove(key);
         assert_eq!(&refusal(&missing).field, key);
+        // What is no text and no file of its own has one length.
+        if ["brdfc.bindings", "brdfc.checksum", "brdfc.image.wavelet_brdf_index"].contains(&key.as_str()) {
+            continue;
+        }
         for change in [-40isize, -4, -1, 1, 4] {
             let mut resized = texture();
             let value = resized.entries.get_mut(key).unwrap();
@@ -223,7 +263,7 @@ fn every_entry_is_required_once_and_has_its_length() {
     let mut bytes = twice.to_bytes(false);
     let at = bytes.windows(14).position(|w| w == b"brdfc.wavelez\0").unwrap();
     bytes[at + 12] = b't';
-    let error = WaveletPack::from_bytes(&bytes).unwrap_err();
+    let error = WaveletPack::from_bytes(&sealed(bytes)).unwrap_err();
     assert_eq!((error.field.as_ref(), error.found.as_str()), ("brdfc.wavelet", "two entries of this name"));
 }
 
@@ -231,7 +271,8 @@ fn every_entry_is_required_once_and_has_its_length() {
 fn entries_of_other_names_are_ignored() {
     let mut more = texture();
     more.entries.insert("brdfc.note".into(), vec![1, 2, 3]);
-    assert_eq!(WaveletPack::from_bytes(&more.to_bytes(true)).unwrap(), brdfc_testing::packs::example());
+    let bytes = sealed(more.to_bytes(true));
+    assert_eq!(WaveletPack::from_bytes(&bytes).unwrap(), brdfc_testing::packs::example());
 }
 
 #[test]
@@ -250,7 +291,7 @@ fn with_level(level: &[u8], uncompressed: u64) -> Vec<u8> {
     bytes.extend_from_slice(level);
     bytes[88..96].copy_from_slice(&(level.len() as u64).to_le_bytes());
     bytes[96..104].copy_from_slice(&uncompressed.to_le_bytes());
-    bytes
+    sealed(bytes)
 }
 
 #[test]
@@ -297,8 +338,10 @@ fn a_few_bytes_that_declare_a_gibibyte_are_refused_unread() {
         bytes[offset..offset + 4].copy_from_slice(&size.to_le_bytes());
     }
     assert_eq!(Texture::from_bytes(&bytes).unwrap_err().found, "41 bytes, too few for that");
-    let error = WaveletPack::from_bytes(&bytes).unwrap_err();
-    assert_eq!(error.allowed, "at most 67108864", "no wavelet pack is larger");
+    let error = WaveletPack::from_bytes(&sealed(bytes)).unwrap_err().to_string();
+    let expected =
+        "texture: found 1 levels of 2048 x 2048 x 256 texels of r8unorm; allowed 1 levels of 2 x 2 x 3 texels";
+    assert!(error.starts_with(expected), "{error}");
 }
 
 /// The limit above is not too strict for the most compressible contents.
@@ -325,7 +368,7 @@ fn extents_beyond_the_limits_are_refused_before_memory_is_asked_for() {
             }
             let size = extent.into_iter().map(u128::from).product::<u128>() as u64;
             bytes[96..104].copy_from_slice(&size.to_le_bytes());
-            assert!(WaveletPack::from_bytes(&bytes).is_err(), "{extent:?}");
+            assert!(!survives(&bytes), "{extent:?}");
         }
     }
 }
@@ -371,6 +414,6 @@ fn a_texture_that_is_no_pack_is_refused() {
         let bytes = texture.to_bytes(supercompress);
         assert_eq!(Texture::from_bytes(&bytes).unwrap(), texture);
         let error = WaveletPack::from_bytes(&bytes).unwrap_err();
-        assert_eq!(error.to_string(), "brdfc.wavelet: found only brdfc.other; allowed the entries of a wavelet pack");
+        assert_eq!(error.to_string(), "brdfc.bindings: found only brdfc.other; allowed the entries of a pack");
     }
 }

@@ -212,3 +212,37 @@ fn the_arctangent_is_one() {
     assert_eq!(of(BANDWIDTH_WGSL, "bandwidth"), first);
     assert_ne!(of(&WAVELET_BRDF_WGSL.replace("9.642198e-2", "9.6e-2"), "wavelet_brdf"), first);
 }
+
+/// What the README calls, and its shader, are WGSL behind the decoders that it names.
+#[test]
+fn what_the_readme_calls_validates() {
+    let page = include_str!("../../README.md");
+    let check = |source: &str| {
+        let module =
+            naga::front::wgsl::parse_str(source).unwrap_or_else(|error| panic!("{}", error.emit_to_string(source)));
+        let result = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module);
+        assert!(result.is_ok(), "{}", result.unwrap_err().emit_to_string(source));
+    };
+    let flat_btf = flat_btf_value_wgsl();
+    for (decoder, wgsl) in [
+        ("table", TABLE_BRDF_WGSL),
+        ("wavelet", WAVELET_BRDF_WGSL),
+        ("flat-btf", &flat_btf),
+        ("pwt", PWT_WGSL),
+        ("bandwidth", BANDWIDTH_WGSL),
+        ("importance", IMPORTANCE_WGSL),
+    ] {
+        let row =
+            page.lines().find(|line| line.starts_with(&format!("| `{decoder}` | "))).expect("a row of the decoder");
+        let calls: Vec<&str> = row.split('`').skip(5).step_by(2).collect();
+        assert!(!calls.is_empty(), "{row}");
+        for call in calls {
+            check(&format!(
+                "{wgsl}\n@fragment fn call(@location(0) uv: vec2<f32>, @location(1) wi: vec3<f32>, @location(2) wo: vec3<f32>,\n\
+                 @location(3) distance: f32, @location(4) @interpolate(flat) index: u32) {{ let result = {call}; }}"
+            ));
+        }
+    }
+    let (_, shader) = page.split_once("```wgsl\n").expect("a shader");
+    check(&format!("{TABLE_BRDF_WGSL}\n{}", shader.split("```").next().expect("its end")));
+}

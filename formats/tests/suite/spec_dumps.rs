@@ -1,6 +1,7 @@
 //! The dumps on the pages of the layouts are the bytes of files that these tests make.
 
-use brdfc_formats::container::Texture;
+use brdfc_formats::bindings::{Binding, Bindings, PackFile, Texels};
+use brdfc_formats::container::{Extent, TexelFormat, Texture};
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::flat_btf::{
     DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatValues, FlatView, IndirectionMap, NormalMap, ReferenceMap,
@@ -9,6 +10,7 @@ use brdfc_formats::pwt::shader::PwtParameters;
 use brdfc_formats::pwt::{PwtDecoder, PwtPack};
 use brdfc_formats::wavelet::{Filter, RowScratch, WaveletDecoder, WaveletPack};
 use brdfc_testing::packs::check_dump;
+use std::collections::BTreeMap;
 
 #[test]
 fn containers() {
@@ -19,12 +21,37 @@ fn containers() {
     assert_eq!(check_dump(page, &bytes), 15);
 }
 
+/// The pack of a codec that there is not, on the page of bindings.
+fn stripes() -> Bindings<'static> {
+    let texels = |width, bytes: &'static [u8]| Texels::new(TexelFormat::R8Unorm, Extent::D2([width, 1]), bytes);
+    let width = [0.25f32, 0.0, 0.0, 0.0].map(f32::to_le_bytes).concat();
+    let all = [
+        Binding::frame(),
+        Binding::uniform(1, "stripes_width", width),
+        Binding::texture(2, "stripes_texels", texels(2, &[0, 255]).of_file().sampled("stripes_sampler")),
+        Binding::texture(3, "stripes_tint", texels(1, &[204])),
+        Binding::sampler(4, "stripes_sampler", true),
+    ];
+    Bindings::new("stripes", all)
+}
+
+#[test]
+fn bindings() {
+    let page = include_str!("../../src/bindings/spec.md");
+    let bytes = stripes().to_file(BTreeMap::new(), false);
+    assert_eq!(PackFile::from_bytes(&bytes).unwrap().bindings, stripes());
+    assert_eq!(check_dump(page, &bytes), 35);
+    for format in TexelFormat::ALL {
+        assert!(page.contains(&format!("`{}`", format.name())), "{}", format.name());
+    }
+}
+
 #[test]
 fn wavelet_packs() {
     let page = include_str!("../../src/wavelet/spec.md");
     let bytes = brdfc_testing::packs::example().to_bytes(false);
     assert_eq!(WaveletPack::from_bytes(&bytes).unwrap(), brdfc_testing::packs::example());
-    assert_eq!(check_dump(page, &bytes), 17);
+    assert_eq!(check_dump(page, &bytes), 44);
 }
 
 /// Two files stand on the page, one after the other.
@@ -87,7 +114,7 @@ fn polynomial_wavelet_trees() {
     let example = brdfc_testing::pwt::example();
     let bytes = example.to_bytes(false);
     assert_eq!(PwtPack::from_bytes(&bytes).unwrap(), example);
-    assert_eq!(check_dump(page, &bytes), bytes.len().div_ceil(16));
+    assert_eq!(check_dump(page, &bytes), 64);
     assert!(page.contains(&format!("a uniform block of {} bytes", PwtParameters::SIZE)));
     // The values at the foot of the page.
     let decoder = PwtDecoder::new(example);

@@ -1,9 +1,9 @@
 //! Broken and hostile table packs: each is refused, or is a pack that decodes to numbers.
 
 use brdfc_formats::FormatError;
-use brdfc_formats::container::Texture;
+use brdfc_formats::container::{Extent, TexelFormat, Texture};
 use brdfc_formats::table::{Curve, TableDecoder, TablePack};
-use brdfc_testing::packs::{pairs, tables};
+use brdfc_testing::packs::{change_image, pairs, rebind, sealed, tables};
 
 /// The smallest packs: of both texel formats, with one layer and more, plain and factored.
 fn small_packs() -> Vec<TablePack> {
@@ -12,9 +12,9 @@ fn small_packs() -> Vec<TablePack> {
     tables().into_iter().filter(|(name, _)| names.contains(&name.as_str())).map(|(_, pack)| pack).collect()
 }
 
-/// Whether bytes are a pack; then `f_r` is a number wherever it is looked up.
+/// Whether bytes are a pack, whatever their checksum is; then `f_r` is a number wherever it is looked up.
 fn survives(bytes: &[u8]) -> bool {
-    let Ok(pack) = TablePack::from_bytes(bytes) else { return false };
+    let Ok(pack) = TablePack::from_bytes(&sealed(bytes.to_vec())) else { return false };
     let decoder = TableDecoder::new(&pack);
     for pair in pairs(4, 5) {
         let value = decoder.eval_at(pair, 1.3);
@@ -28,7 +28,7 @@ fn every_truncation_is_an_error() {
     let packs = small_packs();
     assert_eq!(packs.len(), 4);
     for bytes in packs.iter().flat_map(|pack| [pack.to_bytes(false), pack.to_bytes(true)]) {
-        assert!((0..bytes.len()).all(|length| TablePack::from_bytes(&bytes[..length]).is_err()));
+        assert!((0..bytes.len()).all(|length| !survives(&bytes[..length])));
         assert!(survives(&bytes));
     }
 }
@@ -50,39 +50,41 @@ fn no_single_corrupt_byte_panics() {
     }
 }
 
-fn curve_changed(change: impl Fn(&mut Vec<u8>)) -> FormatError {
-    let pack = small_packs().into_iter().find(|pack| pack.curve().is_some()).unwrap();
+/// Refusal of a factored pack with another curve, of which its bindings know.
+fn with_curve(format: TexelFormat, extent: Extent, texel: u8) -> FormatError {
+    let pack = small_packs().into_iter().find(|pack| pack.curve().is_some() && pack.header().channels == 3).unwrap();
+    let curve = pack.curve().unwrap();
     let mut texture = Texture::from_bytes(&pack.to_bytes(false)).unwrap();
-    change(texture.entries.get_mut("brdfc.table.curve").unwrap());
-    TablePack::from_bytes(&texture.to_bytes(false)).unwrap_err()
+    let line = |dimension: &str, format: &str, [width, height, depth]: [u32; 3]| {
+        format!("table_brdf_curve texture entry {dimension} {format} {width} {height} {depth} 1 ")
+    };
+    let old = line("2d", "rgba16float", [curve.nodes() as u32, curve.levels() + 1, 1]);
+    rebind(&mut texture, &old, &line(extent.dimension(), format.name(), extent.size()));
+    change_image(&mut texture, "table_brdf_curve", |image| {
+        (image.format, image.extent) = (format, extent);
+        image.texels = vec![texel; extent.texels() as usize * format.texel_bytes()];
+    });
+    TablePack::from_bytes(&sealed(texture.to_bytes(false))).unwrap_err()
 }
 
 #[test]
 fn curves_out_of_range_are_named() {
-    let with_word =
-        |offset: usize, word: [u8; 4]| curve_changed(|entry| entry[offset..offset + 4].copy_from_slice(&word));
-    for nodes in [0, 1, 257, u32::MAX] {
-        let error = with_word(0, nodes.to_le_bytes());
-        assert_eq!(error.field, "brdfc.table.curve", "{error}");
-        assert!(error.allowed.contains(&format!("{nodes} nodes")), "{error}");
+    const FORMAT: TexelFormat = TexelFormat::Rgba16Float;
+    for (nodes, found) in [(1, "1"), (257, "257"), (8192, "8192")] {
+        let error = with_curve(FORMAT, Extent::D2([nodes, 2]), 0);
+        assert_eq!((&*error.field, &*error.found), ("table_brdf_curve nodes", found));
     }
+    let error = with_curve(FORMAT, Extent::D2([9, 17]), 0);
+    assert_eq!((&*error.field, &*error.found), ("table_brdf_curve levels", "16"));
     // Halves that are no numbers.
-    for halves in [0x7c00_7c00u32, 0xffff_ffff] {
-        assert_eq!(with_word(8, halves.to_le_bytes()).field, "brdfc.table.curve texel");
-    }
-    for levels in [16, u32::MAX] {
-        assert_eq!(with_word(4, levels.to_le_bytes()).field, "brdfc.table.curve levels");
-    }
-    assert_eq!(with_word(4, 1u32.to_le_bytes()).field, "brdfc.table.curve");
-    assert_eq!(curve_changed(|entry| entry.truncate(7)).field, "brdfc.table.curve");
-    let one_node = curve_changed(|entry| {
-        entry[..4].copy_from_slice(&1u32.to_le_bytes());
-        entry[4..8].copy_from_slice(&0u32.to_le_bytes());
-        entry.truncate(16);
-    });
-    assert_eq!(format!("{} {}", one_node.field, one_node.found), "brdfc.table.curve nodes 1");
+    assert_eq!(with_curve(FORMAT, Extent::D2([9, 4]), 0xff).field, "table_brdf_curve texel");
+    assert_eq!(with_curve(FORMAT, Extent::D2Array([9, 4, 1]), 0).field, "table_brdf_curve");
+    assert_eq!(with_curve(TexelFormat::R16Float, Extent::D2([9, 4]), 0).field, "table_brdf_curve");
+    // Of another size than the uniform block says.
+    let error = with_curve(FORMAT, Extent::D2([8, 4]), 0);
+    assert_eq!(error.field, "brdfc.uniform.table_brdf_parameters byte 20", "{error}");
     // A curve of fewer channels than the table has.
     let plain = small_packs().into_iter().find(|pack| pack.curve().is_none() && pack.header().channels == 3).unwrap();
     let grey = Curve::new(1, 0, &[[0.0; 3], [1.0; 3]]).unwrap();
-    assert_eq!(plain.with_curve(grey).unwrap_err().field, "brdfc.table.curve");
+    assert_eq!(plain.with_curve(grey).unwrap_err().field, "table_brdf_curve");
 }

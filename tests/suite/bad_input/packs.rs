@@ -2,6 +2,7 @@
 
 use super::{accepted, bad_file};
 use crate::common::cli::Folder;
+use brdfc_formats::container::seal;
 
 fn pack(more: &[&str]) -> Vec<u8> {
     let folder = Folder::new();
@@ -13,8 +14,10 @@ fn word(bytes: &[u8], at: usize) -> usize {
     u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize
 }
 
+/// A file with another word, and the checksum that it needs.
 fn with_word(mut bytes: Vec<u8>, at: usize, value: u32) -> Vec<u8> {
     bytes[at..at + 4].copy_from_slice(&value.to_le_bytes());
+    seal(&mut bytes);
     bytes
 }
 
@@ -31,11 +34,14 @@ fn packs_cut_at_every_boundary() {
         let [descriptor, entries] = [48, 56].map(|at| word(&bytes, at));
         let entries_end = entries + word(&bytes, 60);
         let level = word(&bytes, 80);
-        let keys = ["brdfc.wavelet", "brdfc.wavelet.index", "brdfc.wavelet.scales", "brdfc.wavelet.errors"];
+        let keys = ["brdfc.bindings", "brdfc.checksum", "brdfc.image.wavelet_brdf_index", "brdfc.wavelet.errors"];
         let values = keys.map(|key| entry(&bytes, key));
         let fixed = [1, 11, 12, 13, 20, 32, 44, 48, 64, 80, 96, 104, descriptor, descriptor + 4, entries, entries + 4];
         for length in fixed.into_iter().chain(values).chain([entries_end, level, level + 1, bytes.len() - 1]) {
-            bad_file("p.ktx2", &bytes[..length], &[]);
+            let mut cut = bytes[..length].to_vec();
+            bad_file("p.ktx2", &cut, &[]);
+            seal(&mut cut);
+            bad_file("p.ktx2", &cut, &[]);
         }
         assert_eq!(accepted("p.ktx2", &bytes)["kind"], "wavelet-pack");
     }
@@ -81,26 +87,41 @@ fn fields_of_the_header() {
     ] {
         bad_file("p.ktx2", &with_word(bytes.clone(), header + 4 * field, value), &[expected]);
     }
-    let index = entry(&bytes, "brdfc.wavelet.index");
-    bad_file("p.ktx2", &with_word(bytes.clone(), index, 0), &["entry 0: found 0; allowed 1, the scaling slice"]);
-    bad_file("p.ktx2", &with_word(bytes.clone(), index, 1 | 60_000 << 16), &["entry 1: found 60000; allowed 0 or 2"]);
-    let scales = entry(&bytes, "brdfc.wavelet.scales");
-    bad_file("p.ktx2", &with_word(bytes.clone(), scales, 1f32.to_bits()), &["slice 0: found scale 1"]);
-    bad_file("p.ktx2", &with_word(bytes.clone(), scales + 8, f32::NAN.to_bits()), &["slice 1: found scale NaN"]);
     let errors = entry(&bytes, "brdfc.wavelet.errors");
     bad_file("p.ktx2", &with_word(bytes, errors + 4, f32::NAN.to_bits()), &["brdfc.wavelet.errors: found NaN"]);
+}
+
+#[test]
+fn texels_of_the_index_map() {
+    let bytes = pack(&["--no-supercompression"]);
+    let image = entry(&bytes, "brdfc.image.wavelet_brdf_index");
+    let texels = image + word(&bytes, image + 80);
+    for (at, value, expected) in [
+        (0, 0.0, "coefficient 0, slice: found 0; allowed 1, the scaling slice"),
+        (4, f32::NAN, "coefficient 0, scale and offset: found NaN and"),
+        (16, 60_000.0, "coefficient 1, slice: found 60000; allowed 0 or 2"),
+    ] {
+        let expected = format!("wavelet_brdf_index {expected}");
+        bad_file("p.ktx2", &with_word(bytes.clone(), texels + at, f32::to_bits(value)), &[&expected]);
+    }
 }
 
 #[test]
 fn any_changed_byte_is_refused_or_harmless() {
     let bytes = pack(&["--ratio", "16"]);
     let folder = Folder::new();
+    let code = |changed: &[u8]| {
+        folder.write("p.ktx2", changed);
+        let ran = folder.run(&["info", "p.ktx2"]);
+        assert!(!ran.stderr.contains("panicked"), "{}", ran.stderr);
+        ran.code
+    };
     // A spread of bytes; the readers' own tests go through all of them.
     for at in (0..bytes.len()).step_by(23) {
         let mut changed = bytes.clone();
         changed[at] ^= 0xff;
-        folder.write("p.ktx2", &changed);
-        let ran = folder.run(&["info", "p.ktx2"]);
-        assert!([0, 3].contains(&ran.code) && !ran.stderr.contains("panicked"), "byte {at}: {}", ran.stderr);
+        assert_eq!(code(&changed), 3, "byte {at}");
+        seal(&mut changed);
+        assert!([0, 3].contains(&code(&changed)), "byte {at}, sealed");
     }
 }

@@ -12,8 +12,8 @@ const CORPUS_BYTES: usize = 12 << 10;
 /// Files by name, as `corpus` has them.
 pub type Packs = BTreeMap<String, Vec<u8>>;
 
-/// Entries of packs that do not hold what the encoder stores, but what was measured of it.
-const MEASURED: [&str; 2] = ["brdfc.wavelet.errors", "brdfc.table.errors"];
+/// Entries of packs that do not hold what the encoder stores, but what was measured of it, or what follows from both.
+const MEASURED: [&str; 3] = ["brdfc.checksum", "brdfc.wavelet.errors", "brdfc.table.errors"];
 
 /// Where measured errors stand in the entry of a polynomial wavelet tree.
 const PWT_ERRORS: std::ops::Range<usize> = 84..100;
@@ -29,7 +29,7 @@ fn contents(bytes: &[u8]) -> String {
         let mut value = value.clone();
         if key == PWT_ENTRY {
             value.drain(PWT_ERRORS);
-        } else if key.starts_with(PWT_ENTRY) {
+        } else if key.starts_with("brdfc.image.") {
             // A file in an entry.
             value = contents(&value).into_bytes();
         }

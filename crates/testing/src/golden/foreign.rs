@@ -1,5 +1,6 @@
-//! Other files of the same texture: what `formats/src/container/spec.md` lets a reader accept, and `Texture::to_bytes` never writes.
+//! Other files of the same texture or pack: what `formats/src/container/spec.md` lets a reader accept, and `Texture::to_bytes` never writes.
 
+use crate::packs::sealed;
 use std::collections::BTreeMap;
 
 /// Names of the forms that [`form`] makes.
@@ -148,5 +149,5 @@ fn other_frame(sections: &Sections) -> Vec<u8> {
 /// Another file of the same texture: form `k` of [`FORMS`], of a file that our own writer made.
 pub fn form(k: usize, bytes: &[u8]) -> Vec<u8> {
     let sections = Sections::of(bytes);
-    [other_entries, other_sections, other_frame][k](&sections)
+    sealed([other_entries, other_sections, other_frame][k](&sections))
 }
