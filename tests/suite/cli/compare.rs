@@ -113,14 +113,14 @@ fn limits_may_be_percentages() {
     );
 }
 
-/// A flat BTF is itself, its factors are near it, and another surface is not.
+/// A flat BTF is itself, one of fewer bytes is near it, and another surface is not.
 #[test]
 fn flat_btfs_are_compared() {
     let folder = Folder::new();
     let small = ["--texels", "16", "--flat-texels", "32", "--views", "grid:2x3@40", "--lights", "grid:3x6@60"];
     for (name, surface, form) in [
-        ("whole", "synth:button", &["--uncompressed"][..]),
-        ("small", "synth:button", &[]),
+        ("whole", "synth:button", &["--max-delta-e", "0.2"][..]),
+        ("small", "synth:button", &["--max-bytes", "12KiB"]),
         ("knit", "synth:knit", &[]),
         ("light", "synth:button", &["--form", "light"]),
     ] {
@@ -132,18 +132,17 @@ fn flat_btfs_are_compared() {
         assert!(report["lit"].as_u64().unwrap() > 10_000, "{report}");
         ["at_samples", "between_samples"].map(|kind| report[kind]["mean"].as_f64().unwrap())
     };
-    assert_eq!(mean("whole", "whole/whole.json"), [0.0; 2]);
+    assert_eq!(mean("whole", "whole/whole.ktx2"), [0.0; 2]);
     let [near, far] = [mean("whole", "small"), mean("whole", "knit")];
     assert!(near[0] > 0.0 && near[0] < 0.5 * far[0], "{near:?} {far:?}");
-    // Between samples as far apart as these, all views blend highlights that factors keep apart.
-    assert!(near[1] > near[0] && near[1] < far[1], "{near:?} {far:?}");
+    assert!(near[1] < far[1], "{near:?} {far:?}");
     let table = folder.run(&["compare", "whole", "small", "--max-delta-e", "100"]).succeeded().stdout;
     assert!(table.contains("at sampled directions") && table.contains("between them"), "{table}");
     for (code, arguments, expected) in [
         (1, &["whole", "knit", "--max-delta-e", "0.1"][..], "mean ΔE at sampled directions: found "),
         (2, &["whole", "small", "--max-delta-e", "-1"], "--max-delta-e: found -1; allowed 0 to 1000"),
         (2, &["whole", "small", "--max-error", "5%"], "--max-error: found with flat BTFs"),
-        (2, &["whole", "synth:lewis"], "B: found synth:lewis; allowed the folder of a flat BTF"),
+        (2, &["whole", "synth:lewis"], "B: found synth:lewis; allowed a flat BTF, as A is one"),
         (3, &["whole", "light"], "light: flat BTF: found the light form, which has no views; allowed one of"),
     ] {
         let ran = folder.run(&[&["compare"][..], arguments].concat());

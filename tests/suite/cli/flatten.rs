@@ -7,9 +7,8 @@ use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::fill::FillMethod;
 use brdfc_formats::container::rgb9e5;
 use brdfc_formats::direction_set::DirectionSet;
-use brdfc_formats::flat_btf::{FlatValues, IndirectionHeader};
+use brdfc_formats::flat_btf::{FlatBtfFile, FlatValues, IndirectionHeader};
 use brdfc_jobs::flatten::{MesoOptions, material_list, open_appearance, open_asset, open_geometry};
-use brdfc_source::flat_btf::{open_flat_btf, open_flat_mask};
 use serde_json::Value;
 
 /// Small enough for seconds: 7 views and lights.
@@ -36,81 +35,66 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value}"))
 }
 
+/// The one file of a flat BTF.
+fn file(folder: &Folder, name: &str) -> FlatBtfFile {
+    let files = folder.files(name);
+    assert_eq!(files.len(), 1, "{:?}", files.keys());
+    FlatBtfFile::from_bytes(files.values().next().unwrap()).unwrap()
+}
+
 #[test]
-fn every_structure_and_every_part() {
+fn every_structure_is_one_file() {
     let folder = Folder::new();
-    const WHOLE: [&str; 9] =
-        ["position", "normal", "diffuse", "reference", "indirection", "mask", "directions", "flat.000", "flat.006"];
-    const SMALLER: [&str; 7] = ["position", "normal", "diffuse", "reference", "displacement", "mask", "basis"];
-    let whole = ["--uncompressed"];
-    for (name, options, parts, count, limit) in [
-        ("button", &whole[..], &WHOLE[..], 14, 12.0),
-        ("folds", &[], &SMALLER, 10, 13.0),
-        ("knit", &[], &SMALLER, 10, 7.5),
-        ("sponge", &[], &SMALLER, 10, 15.0),
-    ] {
+    for (name, limit) in [("button", 12.0), ("folds", 13.0), ("knit", 7.5), ("sponge", 15.0)] {
         let surface = format!("synth:{name}?resolution=48");
-        let report = report(flatten(&folder, &[&[&surface[..], "-o", name], options].concat()));
-        for part in parts {
-            let file = report["parts"][part]["file"].as_str().unwrap_or_else(|| panic!("{part}: {report}"));
-            assert_eq!(file, format!("{name}.{part}.ktx2"));
-            let length = std::fs::metadata(folder.path().join(name).join(file)).unwrap().len();
-            assert_eq!(report["parts"][part]["bytes"], length);
-        }
-        // Factors have shadows where that takes fewer bytes.
-        let found = report["parts"].as_object().unwrap().len();
-        assert!((if options.is_empty() { count - 1..=count } else { count..=count }).contains(&found), "{report}");
-        assert_eq!(report["report"]["factored"].is_object(), options.is_empty());
+        let report = report(flatten(&folder, &[&surface, "-o", name]));
+        let length = std::fs::metadata(folder.path().join(name).join(format!("{name}.ktx2"))).unwrap().len();
+        assert_eq!(report["bytes"], length);
+        assert!(report["report"]["factored"].is_object());
         assert_eq!(report["report"]["parameterisation"]["flipped"], 0);
         let errors = &report["report"]["errors"];
         // At 16 x 16 texels, few.
         assert!(number(&errors["at_samples"]["mean"]) < limit, "{name}: {errors}");
-        let listed: Value =
-            serde_json::from_slice(&std::fs::read(folder.path().join(name).join(format!("{name}.json"))).unwrap())
-                .unwrap();
-        conforms("flat-btf", &listed);
-        assert_eq!(listed["parts"], report["parts"]);
+        let within: Value = serde_json::from_str(&file(&folder, name).report).unwrap();
+        assert_eq!(within["report"], report["report"]);
+        let mut told = report.clone();
+        told.as_object_mut().unwrap().remove("seconds");
+        conforms("flat-btf", &told);
+        assert_eq!(folder.run(&["info", name, "--json"]).succeeded().json(), told);
     }
 }
 
-/// The list, each part alone, and `render` agree on what a GPU has to hold.
+/// The report, `info` and `render` agree on what a GPU has to hold.
 #[test]
 fn graphics_memory_is_that_of_the_bindings() {
     let folder = Folder::new();
     let knit = ["synth:knit?resolution=24", "-o", "knit", "--lights", "grid:3x8@60"];
     let checked = |more: &[&str]| -> Value {
         let report = report(flatten(&folder, &[&knit[..], more].concat()));
-        let parts = report["parts"].as_object().unwrap();
-        for (part, listed) in parts {
-            // Away from its list.
-            let file = format!("knit.{part}.ktx2");
-            folder.write(&file, folder.read(&format!("knit/{file}")));
-            let facts = folder.run(&["info", &file, "--json"]).succeeded().json();
-            assert_eq!(facts["gpu_bytes"], listed["gpu_bytes"], "{part}");
-        }
+        let total = report["gpu_bytes"].as_u64().unwrap();
+        let images = report["images"].as_object().unwrap();
+        assert_eq!(images.values().map(|bytes| bytes.as_u64().unwrap()).sum::<u64>(), total);
+        assert_eq!(file(&folder, "knit").decoder.parts().gpu_bytes(), total);
         #[cfg(feature = "render")]
         if crate::common::has_adapter() {
-            let total: u64 = parts.values().map(|part| part["gpu_bytes"].as_u64().unwrap()).sum();
             let drawn = folder.run(&["render", "knit", "--size", "16x16", "--json"]).succeeded().json();
             assert_eq!(drawn["parts"][0]["bytes_on_gpu"].as_u64(), Some(total), "{drawn}");
         }
         report
     };
-    let of = |report: &Value, part: &str| report["parts"][part]["gpu_bytes"].as_u64().unwrap();
-    let whole = checked(&["--uncompressed"]);
-    assert_eq!([of(&whole, "position"), of(&whole, "mask"), of(&whole, "normal")], [0, 0, 8 * 16 * 16]);
-    // 17 lights take 5 x 4 tiles.
-    assert_eq!(of(&whole, "flat.000"), 4 * 20 * 16 * 16);
-    // Of each texel 4 x 7 samples of two bytes, and their ranges.
+    let of = |report: &Value, image: &str| report["images"][image].as_u64().unwrap();
     let smaller = checked(&[]);
-    assert_eq!(of(&smaller, "displacement"), 16 * 16 * (4 * 7 * 2 + 8));
-    let total = |report: &Value| report["parts"].as_object().unwrap().keys().map(|part| of(report, part)).sum::<u64>();
-    assert!(2 * total(&smaller) < total(&whole), "{} {}", total(&smaller), total(&whole));
+    assert_eq!(of(&smaller, "flat_btf_normal"), 8 * 16 * 16);
+    // Of each texel 4 x 7 samples of two bytes, and their ranges.
+    let displacements = of(&smaller, "flat_btf_packed_indirection") + of(&smaller, "flat_btf_ranges");
+    assert_eq!(displacements, 16 * 16 * (4 * 7 * 2 + 8));
     let budget = checked(&["--max-bytes", "20KiB"]);
-    let factors: u64 =
-        ["basis", "weights", "shadow"].iter().filter_map(|p| budget["parts"][p]["gpu_bytes"].as_u64()).sum();
+    let factors: u64 = ["factored_basis", "factored_weights", "factored_shadow"]
+        .iter()
+        .filter_map(|image| budget["images"][image].as_u64())
+        .sum();
     assert!(factors <= 20 << 10 && budget["report"]["factored"]["gpu_bytes"] == factors, "{budget}");
-    // What nothing meets is kept, and said.
+    // What nothing meets is kept, and reported.
     let missed = flatten(&folder, &[&knit[..], &["--max-delta-e", "0.00001"]].concat());
     assert!(missed.code == 1 && missed.stderr.contains("of 14 that were tried; allowed 0.00001"), "{}", missed.stderr);
     assert!(missed.json()["report"]["factored"]["errors"]["seen_mean"].as_f64().unwrap() > 1e-5);
@@ -132,7 +116,7 @@ fn files_hold_what_the_codec_makes() {
         weights: None,
     };
     let set = DirectionSet::grid(2, 6, 50.0).unwrap();
-    let whole = FlattenRecipe {
+    let factored = FlattenRecipe {
         flat_texels: 16,
         indirection: IndirectionHeader {
             size: 16,
@@ -147,13 +131,12 @@ fn files_hold_what_the_codec_makes() {
         bounces: 0,
         rounds: 0,
         form: Form::Full,
-        factor: None,
-        compact: false,
+        factor: Some(FactoredTarget::Error(0.7)),
+        compact: true,
     };
-    let light = FlattenRecipe { form: Form::Light, compact: true, ..whole.clone() };
-    let factored = FlattenRecipe { factor: Some(FactoredTarget::Error(0.7)), compact: true, ..whole.clone() };
+    let light = FlattenRecipe { form: Form::Light, ..factored.clone() };
     for (name, more, recipe) in
-        [("factored", &[][..], factored), ("whole", &["--uncompressed"], whole), ("light", &["--form", "light"], light)]
+        [("factored", &[][..], factored), ("light", &["--form", "light"], light)]
     {
         let geometry = open_geometry(&options).unwrap();
         let materials = material_list(&options, &geometry).unwrap();
@@ -161,16 +144,12 @@ fn files_hold_what_the_codec_makes() {
         let values = ValueSource::Computed(&appearance);
         let scratch = MemoryScratch::default();
         let input = FlatInput { mesh: geometry.mesh, repairs: None, values };
-        let mut made = encode(input, &recipe, &scratch, &()).unwrap();
-        if let Some(views) = &made.views {
-            let views = (0..views.count()).map(|view| views.read(view, &scratch).unwrap());
-            made.parts.values = FlatValues::Views(views.collect());
-        }
+        let made = encode(input, &recipe, &scratch, &()).unwrap();
         flatten(&folder, &[&["synth:button?resolution=24", "-o", name], more].concat()).succeeded();
-        let path = folder.path().join(name);
-        assert!(open_flat_btf(&path, recipe.form == Form::Full).unwrap() == made.parts, "{name}");
-        assert_eq!(open_flat_mask(&path).unwrap(), Some(made.mask));
-        assert_eq!(open_asset(&path).unwrap().expect("a list of parts").report, made.report);
+        let (file, asset) = open_asset(&folder.path().join(name)).unwrap();
+        assert!(*file.decoder.parts() == made.parts, "{name}");
+        assert_eq!((file.mask, file.directions), (Some(made.mask), made.directions));
+        assert_eq!(asset.about.report, made.report);
     }
 }
 
@@ -179,34 +158,26 @@ fn a_matte_plane_is_exact() {
     let folder = Folder::new();
     folder.write("plane.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
     let plane = ["plane.obj", "--material", "synth:lambert?kd=0.5", "-o", "plane"];
-    let errors = |more: &[&str]| {
-        let report = report(flatten(&folder, &[&plane[..], more].concat()));
-        assert!((number(&report["report"]["seen"]) - 1.0).abs() < 1e-12);
-        report["report"]["errors"].clone()
-    };
-    let [factored, whole] = [&[][..], &["--uncompressed"]].map(errors);
-    for errors in [&factored, &whole] {
-        for kind in ["at_samples", "light_form"] {
-            assert!(number(&errors[kind]["max"]) < 0.25, "{errors}");
-        }
+    let report = report(flatten(&folder, &plane));
+    assert!((number(&report["report"]["seen"]) - 1.0).abs() < 1e-12);
+    let errors = &report["report"]["errors"];
+    for kind in ["at_samples", "light_form"] {
+        assert!(number(&errors[kind]["max"]) < 0.25, "{errors}");
     }
-    // Views blend the cosines of lights that are 50 degrees apart; the base has that of the light itself.
-    assert!((0.1..5.0).contains(&number(&whole["between_samples"]["mean"])), "{whole}");
-    assert!(number(&factored["between_samples"]["max"]) < 0.5, "{factored}");
+    // The views themselves blend the cosines of lights that are 50 degrees apart; the base has that of the light itself.
+    assert!((0.1..5.0).contains(&number(&errors["views_between_samples"]["mean"])), "{errors}");
+    assert!(number(&errors["between_samples"]["max"]) < 0.5, "{errors}");
 }
 
 #[test]
 fn the_same_bytes_on_any_number_of_threads() {
     let folder = Folder::new();
-    for more in [&[][..], &["--uncompressed"]] {
-        for (out, jobs) in [("one", "1"), ("three", "3")] {
-            let input = ["flatten", "synth:folds?resolution=32", "--name", "folds", "-o", out, "-j", jobs];
-            folder.run(&[&input[..], &SMALL, more].concat()).succeeded();
-        }
-        let (one, three) = (folder.files("one"), folder.files("three"));
-        assert!(one.len() >= if more.is_empty() { 9 } else { 14 }, "{}", one.len());
-        assert!(one.values().eq(three.values()) && one.len() == three.len());
+    for (out, jobs) in [("one", "1"), ("three", "3")] {
+        let input = ["flatten", "synth:folds?resolution=32", "--name", "folds", "-o", out, "-j", jobs];
+        folder.run(&[&input[..], &SMALL].concat()).succeeded();
     }
+    let (one, three) = (folder.files("one"), folder.files("three"));
+    assert!(one.len() == 1 && one.values().eq(three.values()), "{}", one.len());
 }
 
 #[test]
@@ -280,34 +251,15 @@ fn an_ordinary_btf_goes_out_and_comes_in_again() {
 }
 
 #[test]
-fn the_light_form_writes_no_views_and_the_same_colours() {
+fn the_light_form_has_no_values_and_the_same_colours() {
     let folder = Folder::new();
     for (out, form) in [("full", "full"), ("light", "light")] {
         flatten(&folder, &["synth:button?resolution=32", "-o", out, "--name", "b", "--form", form]).succeeded();
     }
-    let (full, light) = (folder.files("full"), folder.files("light"));
-    assert!(light.len() == 7 && full.len() > 8, "{} {}", light.len(), full.len());
-    for part in ["b.diffuse.ktx2", "b.normal.ktx2", "b.displacement.ktx2"] {
-        let find = |files: &std::collections::BTreeMap<String, Vec<u8>>| {
-            files.iter().find(|(path, _)| path.ends_with(part)).map(|(_, bytes)| bytes.clone()).unwrap()
-        };
-        assert_eq!(find(&full), find(&light), "{part}");
-    }
-}
-
-#[test]
-fn fewer_views_leave_no_stale_files() {
-    let folder = Folder::new();
-    flatten(&folder, &["synth:knit?resolution=32", "-o", "knit", "--uncompressed"]).succeeded();
-    let fewer = ["flatten", "synth:knit?resolution=32", "-o", "knit", "--texels", "8", "--views", "grid:2x3@40"];
-    folder.run(&[&fewer[..], &["--indirection", "4x6", "--uncompressed"]].concat()).succeeded();
-    assert_eq!(folder.files("knit").len(), 7 + 4 + 1);
-    // Nor do factors, and views in their turn.
-    flatten(&folder, &["synth:knit?resolution=32", "-o", "knit"]).succeeded();
-    let parts: Vec<String> = folder.files("knit").into_keys().collect();
-    assert!(!parts.iter().any(|part| part.contains(".flat.") || part.contains(".indirection.")), "{parts:?}");
-    flatten(&folder, &["synth:knit?resolution=32", "-o", "knit", "--uncompressed"]).succeeded();
-    assert_eq!(folder.files("knit").len(), 7 + 7 + 1);
+    let (full, light) = (file(&folder, "full").decoder, file(&folder, "light").decoder);
+    let (full, light) = (full.into_parts(), light.into_parts());
+    assert!(full.values.factored().is_some() && light.values == FlatValues::None);
+    assert!((full.diffuse, full.normal, full.indirection) == (light.diffuse, light.normal, light.indirection));
 }
 
 #[test]
@@ -326,22 +278,20 @@ fn options_change_what_they_say() {
     let folder = Folder::new();
     let mean = |report: &Value| number(&report["report"]["parameterisation"]["after"]["l2"]);
     let button = "synth:button?resolution=40";
-    let plain = report(flatten(&folder, &[button, "-o", "a", "--uncompressed"]));
+    let plain = report(flatten(&folder, &[button, "-o", "a"]));
     let even = report(flatten(&folder, &[button, "-o", "b", "--stretch-rounds", "8"]));
     assert!(mean(&even) < 0.95 * mean(&plain), "{} {}", mean(&even), mean(&plain));
-    let other = report(flatten(&folder, &[button, "-o", "c", "--fill", "push-pull", "--uncompressed"]));
+    let other = report(flatten(&folder, &[button, "-o", "c", "--fill", "push-pull"]));
     assert_eq!(other["settings"]["fill"], "push-pull");
-    let view = |folder_name: &str| {
-        folder.files(folder_name).into_iter().find(|(path, _)| path.ends_with("flat.003.ktx2")).unwrap().1
-    };
-    assert_ne!(view("a"), view("c"));
+    let values = |name: &str| file(&folder, name).decoder.into_parts().values;
+    assert!(values("a") != values("c"));
 }
 
 #[test]
 fn light_of_one_bounce_brightens_and_does_not_depend_on_threads() {
     let folder = Folder::new();
     let sponge =
-        ["flatten", "synth:sponge?resolution=32&height=1.5", "--name", "s", "--fill", "push-pull", "--uncompressed"];
+        ["flatten", "synth:sponge?resolution=32&height=1.5", "--name", "s", "--fill", "push-pull"];
     for (out, more) in
         [("direct", &[][..]), ("one", &["--bounces", "8", "-j", "1"]), ("three", &["--bounces", "8", "-j", "3"])]
     {
@@ -349,11 +299,13 @@ fn light_of_one_bounce_brightens_and_does_not_depend_on_threads() {
     }
     let files = |out: &str| folder.files(out);
     assert!(files("one").values().eq(files("three").values()));
-    let listed: Value = serde_json::from_slice(&std::fs::read(folder.path().join("one/s.json")).unwrap()).unwrap();
+    let listed: Value = serde_json::from_str(&file(&folder, "one").report).unwrap();
     assert!(listed["report"]["errors"].as_object().unwrap().is_empty(), "the comparison knows direct light only");
     let brightness = |out: &str| {
-        let parts = open_flat_btf(&folder.path().join(out), true).unwrap();
-        let texels = || parts.values.views().iter().flat_map(|view| view.texels());
+        let parts = file(&folder, out).decoder.into_parts();
+        let asset = parts.values.factored().unwrap();
+        let views: Vec<_> = (0..asset.header().views.len() as u32).map(|view| asset.view(view)).collect();
+        let texels = || views.iter().flat_map(|view| view.texels());
         let sum: f64 = texels().map(|texel| f64::from(rgb9e5::decode(*texel)[1])).sum();
         sum / texels().count() as f64
     };

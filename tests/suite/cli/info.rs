@@ -68,7 +68,8 @@ fn files_are_told_with_their_entries() {
     folder.run(&[&["flatten", "synth:button?resolution=24", "-o", "button"][..], &small].concat()).succeeded();
     let told = folder.run(&["info", "button", "--files", "--json"]).succeeded().json();
     conforms("files", &told);
-    assert!(told["files"]["button.displacement.ktx2"]["entries"]["brdfc.displacement.ranges"].is_string());
+    assert!(told["files"]["button.ktx2"]["entries"]["brdfc.displacement"].is_string());
+    assert_eq!(told["files"]["button.ktx2#brdfc.image.flat_btf_ranges"]["texel_format"], "rgba16float");
     assert!(told["files"].as_object().unwrap().len() > 6);
     assert!(folder.run(&["info", "button"]).succeeded().stdout.contains("devices "));
 }
@@ -231,44 +232,35 @@ fn what_flatten_takes_is_described() {
 }
 
 #[test]
-fn parts_of_a_flat_btf_and_damaged_lists() {
+fn flat_btfs_and_damaged_ones() {
     let folder = Folder::new();
-    let small = ["--texels", "8", "--views", "grid:2x3@40", "--indirection", "4x6", "--uncompressed"];
+    let small = ["--texels", "8", "--views", "grid:2x3@40", "--indirection", "4x6"];
     folder.run(&[&["flatten", "synth:knit?resolution=16", "-o", "knit"], &small[..]].concat()).succeeded();
-    let whole = folder.run(&["info", "knit/knit.normal.ktx2", "--json"]).succeeded().json();
+    let file = "knit/knit.ktx2";
+    let whole = folder.run(&["info", file, "--json"]).succeeded().json();
     conforms("flat-btf", &whole);
-    for (part, words) in [
-        ("normal", "8 x 8"),
-        ("indirection", "4 polar angles x 6"),
-        ("flat.001", "of 4; 4 lights"),
-        ("mask", "8 x 8 x 4"),
-    ] {
-        let alone = format!("alone/knit.{part}.ktx2");
-        folder.write(&alone, folder.read(&format!("knit/knit.{part}.ktx2")));
-        let report = folder.run(&["info", &alone, "--json"]).succeeded().json();
-        conforms("info-surface", &report);
-        assert_eq!((&report["kind"], &report["part"]), (&"flat-btf-part".into(), &part.into()));
-        let text = folder.run(&["info", &alone]).succeeded().stdout;
-        assert!(text.contains(words), "{text}");
-        let ran = folder.run(&["compare", "synth:lewis", &alone]);
-        assert_eq!(ran.code, 3);
-        assert!(
-            ran.stderr
-                .contains("found a part of a flat BTF; allowed a table or wavelet pack; of a flat BTF, its folder"),
-            "{}",
-            ran.stderr
-        );
-    }
-    // A wavelet pack may have such a name.
-    folder.run(&["encode", "synth:lewis", "-o", "a.normal.ktx2", "--grid", "4"]).succeeded();
-    assert_eq!(folder.run(&["info", "a.normal.ktx2", "--json"]).succeeded().json()["kind"], "wavelet-pack");
-    let list = folder.text("knit/knit.json");
-    for damaged in ["{}", "[]", &list[..list.len() / 2], ""] {
-        folder.write("knit/knit.json", damaged);
-        for arguments in [&["info", "knit"][..], &["info", "knit/knit.mask.ktx2"]] {
-            let ran = folder.run(arguments);
-            assert_eq!(ran.code, 3, "{}", ran.stderr);
-            assert!(ran.stderr.contains("knit/knit.json: list of parts: found "), "{}", ran.stderr);
+    assert_eq!(folder.run(&["info", "knit", "--json"]).succeeded().json(), whole);
+    assert_eq!(whole["bytes"].as_u64(), Some(folder.read(file).len() as u64));
+    let images = whole["images"].as_object().unwrap();
+    assert_eq!(images.values().map(|bytes| bytes.as_u64().unwrap()).sum::<u64>(), whole["gpu_bytes"].as_u64().unwrap());
+    let ran = folder.run(&["compare", "synth:lewis", file]);
+    assert_eq!(ran.code, 3);
+    let expected = "found a flat BTF; allowed a table or wavelet pack: a flat BTF has no one BRDF";
+    assert!(ran.stderr.contains(expected), "{}", ran.stderr);
+    // Two in a folder have to be told apart.
+    folder.write("two/a.ktx2", folder.read(file));
+    folder.write("two/b.ktx2", folder.read(file));
+    let ran = folder.run(&["info", "two"]);
+    assert!(ran.code == 3 && ran.stderr.contains("flat BTFs: found a.ktx2, b.ktx2; allowed one"), "{}", ran.stderr);
+    let bytes = folder.read(file);
+    for at in [0, 100, bytes.len() / 2, bytes.len() - 1] {
+        let mut damaged = bytes.clone();
+        damaged[at] ^= 1;
+        folder.write(file, damaged);
+        for arguments in [["info", file], ["report", "knit"]] {
+            let more: &[&str] = if arguments[0] == "report" { &["-o", "page.html"] } else { &[] };
+            let ran = folder.run(&[&arguments[..], more].concat());
+            assert_eq!(ran.code, 3, "{at} {arguments:?} {}", ran.stderr);
         }
     }
 }

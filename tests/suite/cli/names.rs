@@ -68,7 +68,7 @@ fn a_dash_reads_lists_of_directions_images_and_meshes_too() {
     }
     let flat = ["flatten", "-", "-o", "flat", "--texels", "8", "--views", "grid:2x3@40", "--indirection", "4x6"];
     with_stdin(&folder, &flat, &folder.read("folds.ply")).succeeded();
-    let asset: serde_json::Value = serde_json::from_slice(&folder.read("flat/flat.json")).unwrap();
+    let asset = folder.run(&["info", "flat", "--json"]).succeeded().json();
     assert_eq!(asset["source"], "stdin");
 }
 

@@ -141,7 +141,7 @@ fn wrong_assets_are_told() {
     let folder = folder();
     folder.run(&["synth", "lambert", "-o", "l.binary", "--dimensions", "4x4x8"]).succeeded();
     for (change, to, expected) in [
-        ("'relief.ktx2'", "''", "line 2, render.asset: found \"\"; allowed the folder or the .json of a flat BTF"),
+        ("'relief.ktx2'", "''", "line 2, render.asset: found \"\"; allowed "),
         ("'relief.ktx2'", "3", "line 2, render.asset"),
         ("'relief.ktx2'", "'nothing.ktx2'", "nothing.ktx2"),
         ("'relief.ktx2'", "'l.binary'", "l.binary: render.asset: found another file; allowed"),

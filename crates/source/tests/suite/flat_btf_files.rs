@@ -1,132 +1,83 @@
-//! Flat BTFs in folders: what is written is read, and what is missing is said.
+//! Flat BTFs as files: what is written is read, and what is none is said.
 
-use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts, FlatValues, SampledDirections, view_part};
+use brdfc_formats::flat_btf::factored::ShadowFormat;
+use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfFile, FlatBtfParts, FlatValues};
+use brdfc_formats::importance::{ImportanceHeader, ImportancePack};
 use brdfc_source::InputError;
-use brdfc_source::flat_btf::{check_flat_btf, open_flat_btf};
-use brdfc_testing::flat_btf::{SMALL, parts};
+use brdfc_source::flat_btf::{flat_btf_file, flat_view, open_flat_btf};
+use brdfc_testing::flat_btf::{Factors, SMALL, factored, mask, parts};
 use std::path::Path;
 
-fn write(folder: &Path, name: &str, parts: &FlatBtfParts) {
-    let mut listed = serde_json::Map::new();
-    let mut write = |part: &str, bytes: Vec<u8>| {
-        let file = format!("{name}.{part}.ktx2");
-        std::fs::write(folder.join(&file), &bytes).unwrap();
-        let hash = blake3::hash(&bytes).to_hex().to_string();
-        listed.insert(part.to_owned(), serde_json::json!({ "file": file, "bytes": bytes.len(), "blake3": hash }));
-    };
-    write("reference", parts.reference.to_bytes(true));
-    write("indirection", parts.indirection.samples().unwrap().to_bytes(true));
-    write("normal", parts.normal.to_bytes(false));
-    write("diffuse", parts.diffuse.to_bytes(true));
-    for (view, flat) in (0..).zip(parts.values.views()) {
-        write(&view_part(view, parts.values.views().len() as u32), flat.to_bytes(true));
-    }
-    let directions = SampledDirections::of(&parts.values).unwrap();
-    write("directions", directions.expect("it has views").to_bytes(true));
-    let list = serde_json::json!({ "parts": listed });
-    std::fs::write(folder.join(format!("{name}.json")), list.to_string()).unwrap();
+fn example(seed: u64) -> FlatBtfFile {
+    let factors = Factors { levels: 3, groups: 2, wide_groups: 1, shadow: ShadowFormat::R8 };
+    let values = FlatValues::Factored(Box::new(factored(SMALL, factors, seed)));
+    let decoder = FlatBtfDecoder::new(FlatBtfParts { values, ..parts(SMALL, seed) }).unwrap();
+    FlatBtfFile::new(decoder, Some(mask(SMALL, seed))).unwrap()
 }
 
-fn error(path: &Path, views: bool) -> String {
-    open_flat_btf(path, views).expect_err("an error").to_string()
+fn error(path: &Path) -> String {
+    open_flat_btf(path).expect_err("an error").to_string()
 }
 
 #[test]
-fn parts_come_back() {
+fn files_come_back() {
     let folder = tempfile::tempdir().unwrap();
-    let whole = parts(SMALL, 3);
-    write(folder.path(), "knit.blue", &whole);
-    // Other files do not matter.
-    for other in ["readme.txt", "other.ktx2", "other.mask.ktx2", "flat.000.ktx2"] {
-        std::fs::write(folder.path().join(other), "").unwrap();
+    let whole = FlatBtfFile { report: "{}".to_owned(), ..example(3) };
+    let file = folder.path().join("knit.blue.ktx2");
+    for supercompress in [false, true] {
+        std::fs::write(&file, whole.to_bytes(supercompress)).unwrap();
+        // Other files do not matter.
+        let header = ImportanceHeader { polar: 2, azimuths: 1, samples: 2 };
+        let other = ImportancePack::new(header, vec![[0.0, 0.0, 1.0, 1.0]; 4]).unwrap().to_bytes(false);
+        for (name, bytes) in [("readme.txt", &b"text"[..]), ("none.ktx2", b""), ("other.ktx2", &other)] {
+            std::fs::write(folder.path().join(name), bytes).unwrap();
+        }
+        assert_eq!(open_flat_btf(folder.path()).unwrap(), whole);
+        assert_eq!(open_flat_btf(&file).unwrap(), whole);
     }
-    assert_eq!(open_flat_btf(folder.path(), true).unwrap(), whole);
-    assert_eq!(open_flat_btf(&folder.path().join("knit.blue.json"), true).unwrap(), whole);
-    assert!(FlatBtfDecoder::new(whole.clone()).is_ok());
-    // Without views their files are not even looked at.
-    for view in 0..SMALL.views {
-        std::fs::remove_file(folder.path().join(format!("knit.blue.{}.ktx2", view_part(view, SMALL.views)))).unwrap();
-    }
-    let light = FlatBtfParts { values: FlatValues::None, ..whole };
-    assert_eq!(open_flat_btf(folder.path(), false).unwrap(), light);
-    let text = error(folder.path(), true);
-    assert!(text.contains("no knit.blue.flat.000.ktx2"), "{text}");
+    assert_eq!(flat_btf_file(folder.path()).unwrap(), Some(file));
+    assert_eq!(flat_btf_file(&folder.path().join("other.ktx2")).unwrap(), None);
+    let asset = whole.decoder.parts().values.factored().unwrap();
+    assert_eq!(flat_view(&whole, 1).unwrap(), (Some(asset.view(1)), SMALL.views));
+    assert_eq!(flat_view(&whole, SMALL.views).unwrap(), (None, SMALL.views));
 }
 
 #[test]
-fn missing_files_are_named() {
-    let folder = tempfile::tempdir().unwrap();
-    write(folder.path(), "a", &parts(SMALL, 3));
-    for part in ["flat.001", "flat.002"] {
-        std::fs::remove_file(folder.path().join(format!("a.{part}.ktx2"))).unwrap();
-    }
-    assert!(open_flat_btf(folder.path(), false).is_ok());
-    let text = error(folder.path(), true);
-    assert!(text.contains("found no a.flat.001.ktx2, a.flat.002.ktx2; allowed all of its files"), "{text}");
-    for part in ["normal", "reference"] {
-        std::fs::remove_file(folder.path().join(format!("a.{part}.ktx2"))).unwrap();
-    }
-    let text = error(folder.path(), true);
-    assert!(text.contains("found no a.reference.ktx2, a.normal.ktx2, a.flat.001.ktx2, a.flat.002.ktx2;"), "{text}");
+fn views_as_they_are_have_no_file() {
+    let decoder = FlatBtfDecoder::new(parts(SMALL, 3)).unwrap();
+    let error = FlatBtfFile::new(decoder, None).unwrap_err().to_string();
+    assert!(error.starts_with("values of a flat BTF: found 3 views as they are; allowed factored ones"), "{error}");
+    let light = FlatBtfParts { values: FlatValues::None, ..parts(SMALL, 3) };
+    let light = FlatBtfFile::new(FlatBtfDecoder::new(light).unwrap(), None).unwrap();
+    assert!(flat_view(&light, 0).unwrap_err().to_string().contains("the light form, which has no views"));
 }
 
 #[test]
 fn no_flat_btf_or_several() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
-    assert!(error(path, false).contains("found no files NAME.PART.ktx2"), "{}", error(path, false));
-    for name in ["b", "a"] {
-        write(path, name, &parts(SMALL, 3));
+    assert!(error(path).contains("flat BTF: found no file of one; allowed "), "{}", error(path));
+    for name in ["b.ktx2", "a.ktx2"] {
+        std::fs::write(path.join(name), example(4).to_bytes(true)).unwrap();
     }
-    assert!(error(path, false).contains("found a, b; allowed one in a folder"), "{}", error(path, false));
-    assert!(open_flat_btf(&path.join("b.json"), true).is_ok());
-    assert!(matches!(open_flat_btf(&path.join("c"), true), Err(InputError::Io { .. })));
-    assert!(matches!(open_flat_btf(&path.join("c.json"), true), Err(InputError::Io { .. })));
-    let text = error(&path.join("a.normal.ktx2"), true);
-    assert!(text.contains("found a.normal.ktx2; allowed a folder, or NAME.json"), "{text}");
+    assert!(error(path).contains("found a.ktx2, b.ktx2; allowed one in a folder"), "{}", error(path));
+    assert!(open_flat_btf(&path.join("b.ktx2")).is_ok());
+    assert!(matches!(open_flat_btf(&path.join("c.ktx2")), Err(InputError::Io { .. })));
+    std::fs::write(path.join("text.ktx2"), b"not a texture").unwrap();
+    assert!(error(&path.join("text.ktx2")).contains("flat BTF: found another file"));
 }
 
 #[test]
 fn broken_files_are_named() {
     let folder = tempfile::tempdir().unwrap();
-    write(folder.path(), "a", &parts(SMALL, 3));
-    std::fs::write(folder.path().join("a.flat.002.ktx2"), b"not a texture").unwrap();
-    let text = error(folder.path(), true);
-    assert!(text.contains("a.flat.002.ktx2: part of a flat BTF: found 13 bytes; allowed "), "{text}");
-    assert!(open_flat_btf(folder.path(), false).is_ok());
-    assert!(check_flat_btf(folder.path()).is_err());
-    std::fs::copy(folder.path().join("a.normal.ktx2"), folder.path().join("a.diffuse.ktx2")).unwrap();
-    assert!(error(folder.path(), false).contains("a.diffuse.ktx2: "), "{}", error(folder.path(), false));
-}
-
-#[test]
-fn parts_of_another_asset_are_refused() {
-    let (one, two) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-    write(one.path(), "a", &parts(SMALL, 3));
-    write(two.path(), "a", &parts(SMALL, 4));
-    let normal = |folder: &tempfile::TempDir| folder.path().join("a.normal.ktx2");
-    let lengths = [&one, &two].map(|folder| std::fs::metadata(normal(folder)).unwrap().len());
-    assert_eq!(lengths[0], lengths[1], "only the bytes differ");
-    assert!(check_flat_btf(one.path()).is_ok());
-    std::fs::copy(normal(&two), normal(&one)).unwrap();
-    for text in [error(one.path(), false), check_flat_btf(one.path()).unwrap_err().to_string()] {
-        assert!(text.contains("a.normal.ktx2") && text.contains("a part of another asset"), "{text}");
+    let file = folder.path().join("a.ktx2");
+    let bytes = example(5).to_bytes(true);
+    for at in [bytes.len() / 3, bytes.len() - 1] {
+        let mut damaged = bytes.clone();
+        damaged[at] ^= 4;
+        std::fs::write(&file, damaged).unwrap();
+        assert!(error(folder.path()).contains("a.ktx2: "), "{}", error(folder.path()));
     }
-}
-
-#[test]
-fn a_folder_without_its_list_or_with_a_damaged_one() {
-    let folder = tempfile::tempdir().unwrap();
-    write(folder.path(), "a", &parts(SMALL, 3));
-    let list = folder.path().join("a.json");
-    for damaged in ["{}", "[]", "{\"parts\": []}", "{\"parts\": {\"normal\": {\"fi"] {
-        std::fs::write(&list, damaged).unwrap();
-        let text = error(folder.path(), false);
-        assert!(text.contains("a.json: list of parts: found "), "{text}");
-    }
-    std::fs::write(&list, "{\"parts\": {}}").unwrap();
-    assert!(error(folder.path(), false).contains("found no a.reference.ktx2, a.indirection.ktx2"));
-    std::fs::remove_file(&list).unwrap();
-    let text = error(folder.path(), false);
-    assert!(text.contains("found no a.json; allowed a finished asset"), "{text}");
+    std::fs::write(&file, &bytes[..bytes.len() - 9]).unwrap();
+    assert!(error(&file).contains("a.ktx2: "), "{}", error(&file));
 }

@@ -6,7 +6,7 @@ use crate::fill::FillMethod;
 use crate::testing::{Patience, bumps};
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::flat_btf::{FlatView, IndirectionHeader};
-use brdfc_source::address::parse_synth;
+use brdfc_core::address::parse_synth;
 
 fn recipe() -> FlattenRecipe {
     FlattenRecipe {
