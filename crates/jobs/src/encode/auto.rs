@@ -23,8 +23,9 @@ pub(crate) const LARGEST: u64 = 4 * MOST_TEXELS;
 const FASTEST: f64 = 0.8;
 /// A pack is no closer to the budget than a smaller one where it misses it by more than this share of what the smaller one does.
 const CLOSER: f64 = 0.97;
-/// Errors may fall so many times as fast from here on as they did over the last sizes. Where even that misses the budget by the
-/// largest table, they have stopped falling.
+/// Errors that fall by less than this power of the size have stopped falling: a tenth less for twice the bytes.
+const SLOWEST: f64 = 0.15;
+/// They may fall so many times as fast from there on, which may be enough for the budget.
 const CATCHING_UP: f64 = 2.0;
 /// Sizes from one trial to the next where none is expected to meet the budget.
 const STRIDE: usize = 2;
@@ -38,7 +39,7 @@ const FILLED: u32 = 3;
 /// Sizes are left out where even an error that falls by the power [`FASTEST`] would miss the budget. When a larger one meets it,
 /// those that were left out since the last miss are tried after all; when none does, every [`STRIDE`]th is, until errors stop
 /// falling. Below the smallest table that meets the budget factored ones are tried, too: with one fetch more they may be smaller.
-/// Where errors of tables stop falling, factored ones may still be closer. When nothing meets the budget, the smallest pack is kept
+/// Where errors of tables stop falling, factored ones up to that size may still be closer. When nothing meets the budget, the smallest pack is kept
 /// than which no other is [`CLOSER`].
 ///
 /// # Errors
@@ -128,11 +129,14 @@ impl Search<'_> {
         }
         let below = match plain {
             Found::Met(met) => met,
-            // From where more nodes did not help any more.
-            Found::Closest(closest) => match self.smallest(&sizes[closest..], true)? {
-                Found::Met(met) => closest + met,
-                Found::Closest(_) => return Ok(()),
-            },
+            // Around the size from which on more nodes did not help.
+            Found::Missed { closest, last } => {
+                let from = closest.saturating_sub(2 * STRIDE);
+                match self.smallest(&sizes[from..=last], true)? {
+                    Found::Met(met) => from + met,
+                    Found::Missed { .. } => return Ok(()),
+                }
+            }
         };
         for size in sizes[..below].iter().rev() {
             if self.table(*size, true)? > 1.0 {
@@ -180,7 +184,8 @@ impl Search<'_> {
         let Some(mut met) = met else {
             let least = excesses.iter().flatten().copied().fold(f64::INFINITY, f64::min);
             let is_close = |excess: &Option<f64>| excess.is_some_and(|excess| CLOSER * excess <= least);
-            return Ok(Found::Closest(excesses.iter().position(is_close).unwrap_or(0)));
+            let closest = excesses.iter().position(is_close).unwrap_or(0);
+            return Ok(Found::Missed { closest, last: excesses.iter().rposition(Option::is_some).unwrap_or(0) });
         };
         let missed = (0..met).rev().find(|k| excesses[*k].is_some());
         for skipped in missed.map_or(0, |k| k + 1)..met {
@@ -246,12 +251,12 @@ impl Search<'_> {
     }
 }
 
-/// What trials of several sizes found: an index of a size.
+/// What trials of several sizes found: indices of sizes.
 enum Found {
     /// The smallest that meets the budget.
     Met(usize),
-    /// None does; the smallest than which no other is [`CLOSER`].
-    Closest(usize),
+    /// None does: the smallest than which no other is [`CLOSER`], and the last that was tried.
+    Missed { closest: usize, last: usize },
 }
 
 /// The sizes that were tried, with how far over the budget they are.
@@ -259,13 +264,13 @@ fn tried(sizes: &[u64], excesses: &[Option<f64>]) -> Vec<(u64, f64)> {
     sizes.iter().zip(excesses).filter_map(|(size, excess)| Some((*size, (*excess)?))).collect()
 }
 
-/// Whether the last two sizes came so little closer than the best before them that the largest would miss the budget.
+/// Whether the last two sizes came hardly closer than the best before them, and so little that the largest would miss the budget.
 fn has_stalled(tried: &[(u64, f64)], largest: u64) -> bool {
     let [before @ .., (_, a), (size, b)] = tried else { return false };
     let Some((earlier, best)) = before.iter().min_by(|a, b| a.1.total_cmp(&b.1)) else { return false };
     let now = a.min(*b);
     let power = (best / now).ln() / (*size as f64 / *earlier as f64).ln();
-    now * (largest as f64 / *size as f64).powf(-CATCHING_UP * power.max(0.0)) > 1.0
+    power < SLOWEST && now * (largest as f64 / *size as f64).powf(-CATCHING_UP * power.max(0.0)) > 1.0
 }
 
 /// How many times over the tightest limit of error a pack is; infinite where its error is no number.
