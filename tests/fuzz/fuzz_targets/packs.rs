@@ -5,6 +5,7 @@
 
 mod edits;
 
+use brdfc_formats::container::seal;
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::wavelet::WaveletPack;
 use brdfc_testing::golden::corpus;
@@ -34,6 +35,8 @@ fuzz_target!(|data: &[u8]| {
         let (name, bytes) = &COMMITTED[usize::from(u16::from_le_bytes([*more, choice & 0x3f])) % COMMITTED.len()];
         let mut bytes = bytes.clone();
         edits::edit(&mut bytes, rest);
+        // Behind the checksum.
+        seal(&mut bytes);
         let _ = of_pack(name, &bytes);
         flat_btf::factored_survives(&bytes);
         return;
@@ -45,6 +48,7 @@ fuzz_target!(|data: &[u8]| {
     } else {
         rest.to_vec()
     };
+    let bytes = packs::sealed(bytes);
     let survives = packs::survives(&bytes);
     assert!(survives || choice & 0x80 != 0 || rest.len() >= 4, "the edits are lost on a file that was never valid");
     if survives {

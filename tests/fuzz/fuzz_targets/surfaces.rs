@@ -7,6 +7,7 @@ mod edits;
 use brdfc_flat_btf::weld::weld;
 use brdfc_formats::FormatError;
 use brdfc_formats::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
+use brdfc_formats::container::seal;
 use brdfc_formats::flat_btf::factored::{BasisMap, ShadowMap, WeightMap};
 use brdfc_formats::flat_btf::{
     DiffuseMap, DisplacementMap, FlatView, IndirectionMap, NormalMap, PositionMap, ReferenceMap, VisibilityMask,
@@ -113,6 +114,8 @@ fuzz_target!(|data: &[u8]| {
         let mut bytes = valid(reader);
         let edited = !bytes.is_empty();
         edits::edit(&mut bytes, rest);
+        // Of packs, behind the checksum.
+        seal(&mut bytes);
         // Else the edits are lost on a file that was never valid.
         assert!(read(reader, &bytes) || rest.len() >= 4 || !edited, "reader {reader}");
     } else {
