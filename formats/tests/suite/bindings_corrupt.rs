@@ -414,7 +414,7 @@ fn no_single_corrupt_byte_panics() {
                     let again = PackFile::from_bytes(&read.bindings.to_file(read.entries.clone(), false));
                     assert_eq!(again.as_ref(), Ok(&read), "{codec}: byte {offset}");
                 }
-                let _ = Pack::from_bytes(&changed, None);
+                let _ = Pack::from_bytes(&changed);
             }
             broken[offset] = bytes[offset];
         }

@@ -3,7 +3,7 @@
 use brdfc_formats::container::{half, rgb9e5};
 use brdfc_formats::flat_btf::{
     DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatHeader, FlatValues, FlatView, IndirectionHeader, IndirectionMap,
-    NormalMap, PositionMap, ReferenceMap, VisibilityMask, view_part,
+    NormalMap, ReferenceMap, VisibilityMask,
 };
 use brdfc_testing::flat_btf::{self, SMALL, Sizes, only};
 use brdfc_testing::packs::Numbers;
@@ -260,14 +260,6 @@ fn parts_that_do_not_fit_together_are_refused() {
     assert_eq!(refusal(&changed), "directions of view 2");
 }
 
-#[test]
-fn names_of_views_sort() {
-    assert_eq!(
-        (view_part(7, 81), view_part(7, 1000), view_part(999, 1000)),
-        ("flat.007".into(), "flat.0007".into(), "flat.0999".into())
-    );
-}
-
 fn sizes() -> impl Strategy<Value = Sizes> {
     (1u32..6, 1u32..4, 2u32..5, 3u32..6, 0.1f32..1.57, 1u32..5, 1u32..7).prop_map(
         |(flat, reference, zenith, azimuth, largest_angle, views, lights)| Sizes {
@@ -294,8 +286,6 @@ proptest! {
         for view in parts.values.views() {
             prop_assert_eq!(&FlatView::from_bytes(&view.to_bytes(supercompress)).unwrap(), view);
         }
-        let position = flat_btf::position(sizes.flat, seed);
-        prop_assert_eq!(&PositionMap::from_bytes(&position.to_bytes(supercompress)).unwrap(), &position);
         let mask = flat_btf::mask(sizes, seed);
         prop_assert_eq!(&VisibilityMask::from_bytes(&mask.to_bytes(supercompress)).unwrap(), &mask);
     }

@@ -5,7 +5,7 @@ use brdfc_formats::container::{Extent, TexelFormat, Texture, half};
 use brdfc_formats::flat_btf::factored::{BasisMap, ShadowFormat, ShadowMap, WeightMap};
 use brdfc_formats::flat_btf::{
     DiffuseMap, DisplacementMap, FlatBtfDecoder, FlatBtfParts, FlatHeader, FlatView, IndirectionHeader, IndirectionMap,
-    NormalMap, PositionMap, ReferenceMap, SampledDirections, VisibilityMask,
+    NormalMap, ReferenceMap, SampledDirections, VisibilityMask,
 };
 use brdfc_testing::flat_btf::{self, Factors, SMALL};
 use std::collections::BTreeMap;
@@ -24,7 +24,6 @@ fn parts(supercompress: bool) -> Vec<Part> {
         ("basis", factored.basis().to_bytes(supercompress), |b| BasisMap::from_bytes(b).map(drop)),
         ("weights", factored.weights().to_bytes(supercompress), |b| WeightMap::from_bytes(b).map(drop)),
         ("shadow", shadow.to_bytes(supercompress), |b| ShadowMap::from_bytes(b).map(drop)),
-        ("position", flat_btf::position(4, 1).to_bytes(supercompress), |b| PositionMap::from_bytes(b).map(drop)),
         ("normal", parts.normal.to_bytes(supercompress), |b| NormalMap::from_bytes(b).map(drop)),
         ("diffuse", parts.diffuse.to_bytes(supercompress), |b| DiffuseMap::from_bytes(b).map(drop)),
         ("reference", parts.reference.to_bytes(supercompress), |b| ReferenceMap::from_bytes(b).map(drop)),
@@ -92,11 +91,6 @@ fn halves(values: [f32; 4]) -> Vec<u8> {
 #[test]
 fn values_out_of_range_are_named_with_their_texel() {
     let nan = f32::NAN;
-    let position = flat_btf::position(4, 1).to_bytes(false);
-    for bad in [[nan, 0.0, 0.0, 1.0], [0.0, f32::INFINITY, 0.0, 1.0], [0.0, 0.0, -1025.0, 1.0], [0.0, 0.0, 0.0, 0.0]] {
-        let error = PositionMap::from_bytes(&with_texel(&position, 6, &floats(bad))).unwrap_err();
-        assert_eq!(error.field, "position texel (2, 1)", "{bad:?}");
-    }
     let parts = flat_btf::parts(SMALL, 8);
     let normal = parts.normal.to_bytes(false);
     for bad in [[0.0; 4], [0.7, 0.7, 0.7, 0.0], [nan, 0.0, 1.0, 0.0], [0.0, 0.0, 1.0, 1.0], [f32::INFINITY; 4]] {

@@ -57,7 +57,7 @@ fn changed(pack: &PwtPack, change: impl FnOnce(&mut BTreeMap<String, Vec<u8>>)) 
     change(&mut texture.entries);
     let bytes = sealed(texture.to_bytes(false));
     let error = PwtPack::from_bytes(&bytes).unwrap_err();
-    assert_eq!(Pack::from_bytes(&bytes, None).err(), Some(error.clone()));
+    assert_eq!(Pack::from_bytes(&bytes).err(), Some(error.clone()));
     error
 }
 

@@ -11,7 +11,7 @@ fn the_studies_that_draw() {
     }
     let folder = folder();
     let recipe = Recipe { levels: 2, stored_levels: 2, ..Recipe::default() };
-    let source = brdfc_source::address::parse_model("ward").unwrap();
+    let source = brdfc_core::address::parse_model("ward").unwrap();
     let encoded = brdfc_wavelet::encode::encode(source.as_ref(), &recipe, &()).unwrap();
     folder.write("small.ktx2", encoded.bytes);
     let study = |more: &[&str]| {

@@ -32,12 +32,12 @@ fuzz_target!(|data: &[u8]| {
     if choice & 0xc0 == 0x40 {
         // There are more of them than one byte has room for.
         let Some((more, rest)) = rest.split_first() else { return };
-        let (name, bytes) = &COMMITTED[usize::from(u16::from_le_bytes([*more, choice & 0x3f])) % COMMITTED.len()];
+        let (_, bytes) = &COMMITTED[usize::from(u16::from_le_bytes([*more, choice & 0x3f])) % COMMITTED.len()];
         let mut bytes = bytes.clone();
         edits::edit(&mut bytes, rest);
         // Behind the checksum.
         seal(&mut bytes);
-        let _ = of_pack(name, &bytes);
+        let _ = of_pack(&bytes);
         flat_btf::factored_survives(&bytes);
         return;
     }

@@ -10,7 +10,8 @@ use brdfc_formats::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
 use brdfc_formats::container::seal;
 use brdfc_formats::flat_btf::factored::{BasisMap, ShadowMap, WeightMap};
 use brdfc_formats::flat_btf::{
-    DiffuseMap, DisplacementMap, FlatView, IndirectionMap, NormalMap, PositionMap, ReferenceMap, VisibilityMask,
+    DiffuseMap, DisplacementMap, FlatBtfDecoder, FlatBtfFile, FlatBtfParts, FlatValues, FlatView, IndirectionMap,
+    NormalMap, ReferenceMap, VisibilityMask,
 };
 use brdfc_formats::importance::{ImportanceHeader, ImportancePack};
 use brdfc_readers::direction_list;
@@ -39,6 +40,11 @@ fn samples() -> ImportancePack {
     ImportancePack::new(header, vec![[0.0, 0.0, 1.0, 1.0]; 4]).expect("a pack")
 }
 
+fn light_form(parts: FlatBtfParts) -> FlatBtfFile {
+    let decoder = FlatBtfDecoder::new(FlatBtfParts { values: FlatValues::None, ..parts }).expect("a flat BTF");
+    FlatBtfFile::new(decoder, Some(flat::mask(SIZES, 1))).expect("a file")
+}
+
 fn valid(reader: u8) -> Vec<u8> {
     let parts = flat::parts(SIZES, 3);
     match reader {
@@ -51,7 +57,7 @@ fn valid(reader: u8) -> Vec<u8> {
         6 => parts.normal.to_bytes(true),
         7 => parts.diffuse.to_bytes(false),
         8 => parts.values.views()[0].to_bytes(false),
-        9 => flat::position(SIZES.flat, 1).to_bytes(false),
+        9 => light_form(parts).to_bytes(false),
         10 => flat::mask(SIZES, 1).to_bytes(false),
         11 => environment().to_bytes(false),
         12 => samples().to_bytes(false),
@@ -93,7 +99,7 @@ fn read(reader: u8, bytes: &[u8]) -> bool {
         6 => again!(NormalMap, bytes),
         7 => again!(DiffuseMap, bytes),
         8 => again!(FlatView, bytes),
-        9 => again!(PositionMap, bytes),
+        9 => again!(FlatBtfFile, bytes),
         10 => again!(VisibilityMask, bytes),
         11 => again!(BandwidthMap, bytes),
         12 => again!(ImportancePack, bytes),

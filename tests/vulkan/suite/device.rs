@@ -165,13 +165,13 @@ impl Vulkan {
                 (BindingType::Sampler(SamplerBindingType::Filtering), Made::Sampler(sampler))
             }
             (Resource::Texture(texels), BindingKind::Texture { dimension, samples }) => {
-                let view_dimension = match *dimension {
+                let view_dimension = match dimension.as_str() {
                     "3d" => TextureViewDimension::D3,
                     "2d-array" => TextureViewDimension::D2Array,
                     _ => TextureViewDimension::D2,
                 };
                 let full = [TexelFormat::Rg32Float, TexelFormat::Rgba32Float].contains(&texels.format);
-                let sample_type = match *samples {
+                let sample_type = match samples.as_str() {
                     "uint" => TextureSampleType::Uint,
                     _ => TextureSampleType::Float { filterable: !full },
                 };

@@ -6,7 +6,7 @@ use super::pack::{EncodedPack, of_table};
 use super::recipe::{AutoRecipe, Budget, TAIL, Tables};
 use super::trial::Trial;
 use brdfc_core::progress::{Cancelled, Progress, Stage};
-use brdfc_core::{PackSource, Source, TableSource};
+use brdfc_core::{Source, TableSource};
 use brdfc_metrics::compare::{Comparison, Reference};
 use brdfc_metrics::sampling::PairSet;
 use brdfc_table::encode::{EncodeError, Encoded, MOST_TEXELS, Prepared, measured, samples_for};

@@ -120,7 +120,7 @@ fn page_of(api: &str, asked: &[Asked<'_>]) -> (Value, Vec<u8>) {
                     let mut entry = add(&texels.bytes);
                     entry["kind"] = "texture".into();
                     entry["size"] = json!(texels.extent.size());
-                    entry["dimension"] = (*dimension).into();
+                    entry["dimension"] = dimension.as_str().into();
                     entry["format"] = format!("{:?}", texels.format).into();
                     entry["texelBytes"] = texels.format.texel_bytes().into();
                     entry["levels"] = texels.levels.into();
@@ -289,7 +289,7 @@ fn wgsl_changed(shader: &str, interface: &Interface, lookups: Lookups) -> String
         let [texture, sampler, at, between @ .., level] = &words[..] else { panic!("{part}") };
         let layer = between.iter().map(|layer| format!("{layer}, ")).collect::<String>();
         let bound = interface.bindings.iter().find(|bound| bound.name == *texture).unwrap();
-        let BindingKind::Texture { dimension, .. } = bound.kind else { panic!("{texture}") };
+        let BindingKind::Texture { dimension, .. } = &bound.kind else { panic!("{texture}") };
         let (vector, along) = if dimension == "3d" {
             ("vec3<f32>", "vec3<f32>(0.5, 0.0, 0.0)")
         } else {
