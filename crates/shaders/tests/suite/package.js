@@ -1,5 +1,5 @@
 // Loads every case with the package, evaluates it, and posts the answers: bytes of f32, case by case.
-import { loadFlatBtf, loadPack, uploadWebGl, uploadWebGpu } from './dist/index.js';
+import { loadPack, uploadWebGl, uploadWebGpu } from './dist/index.js';
 
 const side = 100;
 const count = side * side;
@@ -8,9 +8,8 @@ async function bytes(path) {
     return new Uint8Array(await (await fetch(path)).arrayBuffer());
 }
 
-async function load(k, { flat, wavelet }) {
-    const options = { filter: 'shader', wavelet };
-    return flat ? loadFlatBtf(`/${k}/x.json`, options) : loadPack(`/${k}/x..ktx2`, options);
+function load(k, { options, shader }) {
+    return loadPack(`/${k}/x.ktx2`, { ...options, shader });
 }
 
 function program(gl, fragment) {
@@ -138,7 +137,7 @@ async function withWebGpu(cases) {
 /** As users of three.js do: its textures, its uniforms. */
 async function withThree(cases) {
     const THREE = await import('three');
-    const { packGlsl, packUniforms } = await import('./dist/three.js');
+    const { packBindings } = await import('./dist/three.js');
     const renderer = new THREE.WebGLRenderer({ canvas: new OffscreenCanvas(side, side) });
     renderer.debug.onShaderError = (gl, made, vertex, fragment) => {
         throw new Error(gl.getShaderInfoLog(fragment) || gl.getProgramInfoLog(made));
@@ -154,11 +153,13 @@ async function withThree(cases) {
             texture.needsUpdate = true;
             return { value: texture };
         };
+        const { uniforms, uniformsGroups } = packBindings(pack, renderer);
         const material = new THREE.ShaderMaterial({
             glslVersion: THREE.GLSL3,
-            uniforms: { ...packUniforms(pack, renderer), query_a: query(0), query_b: query(1), query_c: query(2) },
+            uniformsGroups,
+            uniforms: { ...uniforms, query_a: query(0), query_b: query(1), query_c: query(2) },
             vertexShader: 'void main() { gl_Position = vec4(position.xy, 0.0, 1.0); }',
-            fragmentShader: `${packGlsl(pack)}
+            fragmentShader: `${pack.shader.essl300}
 uniform highp sampler2D query_a;
 uniform highp sampler2D query_b;
 uniform highp sampler2D query_c;
