@@ -138,7 +138,7 @@ class Relightable:
         """Levels of detail besides the finest."""
 
 def open(input: Union[str, os.PathLike[str]]) -> Union[Material, Relightable]:
-    """Opens a measured file, a pack, the folder of a flat BTF, or an address as in `synth:ggx?alpha=0.3`.
+    """Opens a measured file, a pack or an address as in `synth:ggx?alpha=0.3`.
 
     A `Material` has values at direction pairs; a `Relightable`, of flat BTFs and polynomial wavelet trees, at places of a
     picture. Raises OSError for what cannot be read, ValueError for what breaks its layout.

@@ -12,16 +12,22 @@ const bare = (text) => text
     .filter((line) => line !== '')
     .join('\n');
 
+/** Of the bindings that the decoders have. */
+const version = 1;
 const decoders = ['table', 'wavelet', 'flat-btf', 'pwt'];
 const shaders = Object.fromEntries(decoders.map((decoder) => {
     const { bindings, functions } = JSON.parse(run(decoder, '--language', 'wgsl', '--json'));
     return [decoder, {
         essl300: bare(run(decoder, '--language', 'essl300')),
         wgsl: bare(run(decoder, '--language', 'wgsl')),
-        bindings: bindings.map(({ binding, name, block, fields }) => ({
-            binding,
+        version,
+        bindings: bindings.map(({ binding, name, kind, dimension, bytes, fields }) => ({
+            slot: binding,
             name,
-            ...(block && { block, fields: fields.map(({ name, type, offset }) => ({ name, type, offset })) }),
+            kind,
+            dimension,
+            bytes,
+            offsets: fields && Object.fromEntries(fields.map(({ name, offset }) => [name, offset])),
         })),
         functions: functions.map(({ name, signature }) => ({ name, signature })),
     }];
@@ -38,8 +44,17 @@ export interface DecoderShader {
     essl300: string;
     /** WGSL, likewise. */
     wgsl: string;
-    /** Bindings of group 1, and the fields of uniform blocks. */
-    bindings: { binding: number; name: string; block?: string; fields?: { name: string; type: string; offset: number }[] }[];
+    /** Version of the bindings. */
+    version: number;
+    /** Bindings of group 1; of uniform blocks their bytes and where each field begins, of textures their dimension. */
+    bindings: {
+        slot: number;
+        name: string;
+        kind: string;
+        dimension?: string;
+        bytes?: number;
+        offsets?: Record<string, number>;
+    }[];
     /** What to call. */
     functions: { name: string; signature: string }[];
 }

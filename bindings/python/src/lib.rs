@@ -30,7 +30,7 @@ mod brdfc {
     #[allow(non_upper_case_globals)]
     const __version__: &str = env!("CARGO_PKG_VERSION");
 
-    /// Opens a measured file, a pack, the folder of a flat BTF, or an address as in `synth:ggx?alpha=0.3`.
+    /// Opens a measured file, a pack or an address as in `synth:ggx?alpha=0.3`.
     ///
     /// A `Material` has values at direction pairs; a `Relightable`, of flat BTFs and polynomial wavelet trees, at places
     /// of a picture. Raises OSError for what cannot be read, ValueError for what breaks its layout.

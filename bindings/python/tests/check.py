@@ -106,9 +106,9 @@ def check_places(folder, random):
     uv, wi, wo = random.uniform(-0.5, 1.5, (count, 2)), directions(random, count), directions(random, count)
     path = os.path.join(folder, "places.csv")
     write(path, dict(zip(["u", "v", *DIRECTIONS], np.hstack([uv, wi, wo]).T)))
-    wool = os.path.join(folder, "wool")
+    wool = os.path.join(folder, "wool.ktx2")
     flatten = ["--texels", "16", "--views", "grid:2x6@50"]
-    done = run("flatten", "synth:knit?resolution=48", "-o", wool, *flatten, "--quiet")
+    done = run("flatten", "synth:knit?resolution=48", "-o", os.path.join(folder, "wool"), *flatten, "--quiet")
     assert done.returncode == 0, done.stderr
     tree = os.path.join(GOLDEN, "pwt/golden/any-texels-tile-projected-linear.ktx2")
     for what, name, views in [("flat BTF", wool, [wo]), ("polynomial wavelet tree", tree, [])]:

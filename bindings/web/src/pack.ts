@@ -1,9 +1,9 @@
-import { type Container, readContainer, type TextureData } from './container.js';
-import { flatBtfResources } from './flat_btf.js';
-import { pwtResources } from './pwt.js';
-import { type DecoderName, type DecoderShader, SHADERS } from './shaders.js';
-import { tableResources } from './table.js';
-import { waveletResources } from './wavelet.js';
+import { ENTRY, type Line, parseBindings } from './bindings.js';
+import { checkSum } from './checksum.js';
+import { type Container, levelBytes, readContainer, type Shape, type TextureData, textureOf } from './container.js';
+import { type FrameOptions, frameBlock } from './frame.js';
+import { known } from './known.js';
+import { refuse } from './refuse.js';
 
 /** What is bound: a uniform block, a texture, or a sampler. */
 export type Contents =
@@ -12,151 +12,129 @@ export type Contents =
     | { kind: 'sampler'; repeats: boolean };
 
 /** A binding of group 1 of the WGSL, and the name that it has in every language. */
-export type Resource = { binding: number; name: string } & Contents;
+export type Resource = { slot: number; name: string } & Contents;
+
+/** A decoder of packs. */
+export interface Shader {
+    /** GLSL ES 3.00: declarations and functions. Uniform blocks hold one struct each, with the name of the binding. */
+    essl300: string;
+    /** WGSL, likewise. */
+    wgsl: string;
+}
 
 /** A pack, ready to be bound. */
 export interface Pack {
     /** Which decoder it has. */
-    decoder: DecoderName;
-    /** The decoder in GLSL ES 3.00 and in WGSL, with what it declares. */
-    shader: DecoderShader;
-    /** What to bind, in the order of the bindings. */
+    decoder: string;
+    /** Version of the decoder's bindings. */
+    version: number;
+    /** The decoder: that of `SHADERS`, or the one of the options. */
+    shader?: Shader;
+    /** What to bind, by ascending slots. */
     resources: Resource[];
 }
 
-/** How a pack is looked up. */
-export interface Options {
-    /**
-     * Who filters: the sampler (default), or the shader with exact weights, which is slower. BRDF packs have a function for
-     * each, whatever stands here.
-     */
-    filter?: 'sampler' | 'shader';
-    /** Of wavelet packs: between which cells values are blended (default: `bilinear`). */
-    wavelet?: 'nearest' | 'slices' | 'bilinear';
-    /** α of the level of detail: from the distance 1 / α on, packs that have levels are drawn coarser (default: 0.15). */
-    distanceScale?: number;
+/** How a pack is loaded. */
+export interface Options extends FrameOptions {
+    /** Whether the file is held against its checksum. */
+    verify?: boolean;
+    /** The decoder, for packs whose decoder is not in `SHADERS`, or in place of that one. */
+    shader?: Shader;
 }
 
-/** Options with what stands in place of those that are left out: α is that of `brdfc render` and of manifests. */
-function chosen({ filter = 'sampler', wavelet = 'bilinear', distanceScale = 0.15 }: Options): Required<Options> {
-    if (!(distanceScale > 0)) {
-        throw new Error(`distanceScale: found ${distanceScale}; allowed a number above 0`);
-    }
-    return { filter, wavelet, distanceScale };
-}
-
-/** Whether a sampler would have to filter 32-bit floats, which WebGL 2 and WebGPU promise of none: wavelet packs of more than 8 bits. */
-export function isWide({ resources }: Pack): boolean {
-    return resources.some((resource) => resource.kind === 'texture' && resource.filtered && resource.texture.format === 'rgba32float');
-}
-
-async function bytesOf(source: string | URL | ArrayBuffer | Uint8Array): Promise<Uint8Array> {
-    if (source instanceof Uint8Array) {
-        return source;
-    }
-    if (source instanceof ArrayBuffer) {
-        return new Uint8Array(source);
+/**
+ * Loads a pack of any codec.
+ *
+ * @param source an address, or the bytes of the file.
+ * @throws Error for what is no pack, and for one whose images are not as its bindings say: where, what was found, what is allowed.
+ */
+export async function loadPack(source: string | URL | ArrayBuffer | Uint8Array, options: Options = {}): Promise<Pack> {
+    if (!(typeof source === 'string' || source instanceof URL)) {
+        return read(source instanceof Uint8Array ? source : new Uint8Array(source), options);
     }
     const answer = await fetch(source);
     if (!answer.ok) {
         throw new Error(`${source}: ${answer.status} ${answer.statusText}`);
     }
-    return new Uint8Array(await answer.arrayBuffer());
+    const bytes = new Uint8Array(await answer.arrayBuffer());
+    return within(`${source}: `, () => read(bytes, options));
 }
 
-function named(decoder: DecoderName, contents: Map<number, Contents>): Pack {
-    const shader = SHADERS[decoder];
-    const resources = shader.bindings.map(({ binding, name }) => {
-        const found = contents.get(binding);
-        if (found === undefined) {
-            throw new Error(`${decoder}: nothing for binding ${binding}, ${name}`);
-        }
-        return { binding, name, ...found };
-    });
-    return { decoder, shader, resources };
-}
-
-/**
- * Loads a pack of one file: a table or wavelet pack of a BRDF, or a polynomial wavelet tree.
- *
- * @param source an address, or the bytes of the file.
- * @throws Error for what is no such pack.
- */
-export async function loadPack(source: string | URL | ArrayBuffer | Uint8Array, options: Options = {}): Promise<Pack> {
-    const bytes = await bytesOf(source);
-    const isAddress = typeof source === 'string' || source instanceof URL;
-    return ofFile(isAddress ? `${source}` : undefined, () => packOf(bytes, chosen(options)));
-}
-
-/** Does what a file is for; errors begin with its name, where it has one. */
-async function ofFile<T>(name: string | undefined, work: () => T | Promise<T>): Promise<T> {
+/** Does something with a file; errors begin with its name. */
+async function within<T>(prefix: string, work: () => T | Promise<T>): Promise<T> {
     try {
         return await work();
     } catch (error) {
-        const text = error instanceof Error ? error.message : String(error);
-        throw new Error(name === undefined ? text : `${name}: ${text}`, { cause: error });
+        throw new Error(prefix + (error instanceof Error ? error.message : error), { cause: error });
     }
 }
 
-async function packOf(bytes: Uint8Array, options: Required<Options>): Promise<Pack> {
-    const container = await readContainer(bytes);
-    const { entries } = container;
-    if (entries.has('brdfc.table')) {
-        return named('table', tableResources(container, options));
-    }
-    if (entries.has('brdfc.wavelet')) {
-        return named('wavelet', waveletResources(container, options));
-    }
-    if (entries.has('brdfc.pwt')) {
-        return named('pwt', await pwtResources(container, options));
-    }
-    const found = [...entries.keys()].join(', ') || 'none';
-    throw new Error(`brdfc entries: found ${found}; allowed those of a table, a wavelet pack or a polynomial wavelet tree`);
-}
+/** Takes an entry of the file that a line names. */
+type Take = (key: string, line: Line) => Uint8Array<ArrayBuffer>;
 
-/**
- * Loads a flat BTF: factored, or without views.
- *
- * @param source the address of its `NAME.json`, or a function that gives the bytes of a file of its folder.
- * @param name NAME, where `source` is a function.
- * @throws Error for what is no flat BTF, and for one of all views, which would not fit a browser.
- */
-export async function loadFlatBtf(
-    source: string | URL | ((file: string) => Promise<Uint8Array>),
-    options: Options = {},
-    name = '',
-): Promise<Pack> {
-    const address = typeof source === 'function' ? undefined : new URL(source, globalThis.document?.baseURI ?? location.href);
-    const from = typeof source === 'function' ? source : (file: string) => bytesOf(new URL(file, address));
-    const list = address?.href ?? `${name}.json`;
-    const bytes = await from(list);
-    const parts = await ofFile(list, () => partsOf(bytes));
-    const drawn = parts.filter(([part]) => part !== 'position' && part !== 'mask');
-    const read = async ([part, { file }]: Listed) => {
-        const stored = await from(file);
-        return [part, await ofFile(file, () => readContainer(stored))] as const;
+async function read(bytes: Uint8Array, options: Options): Promise<Pack> {
+    const frame = frameBlock(options);
+    const file = readContainer(bytes);
+    const left = new Map(file.entries);
+    const list = left.get(ENTRY) ?? refuse(ENTRY, left.size ? `only ${[...left.keys()].join(', ')}` : 'no brdfc entries', 'the entries of a pack');
+    if (options.verify) {
+        checkSum(bytes, file.entries);
+    }
+    const { decoder, version, lines } = parseBindings(list);
+    const take: Take = (key, { place }) => {
+        const value = left.get(key) ?? refuse(key, 'no such entry', `one, as ${place} says`);
+        left.delete(key);
+        return value.slice();
     };
-    const containers = new Map<string, Container>(await Promise.all(drawn.map(read)));
-    return ofFile(list, () => named('flat-btf', flatBtfResources(containers, chosen(options))));
+    const contents = async (line: Line): Promise<Contents> => {
+        switch (line.kind) {
+            case 'frame': return { kind: 'uniform', bytes: frame };
+            case 'sampler': return { kind: 'sampler', repeats: line.repeats };
+            case 'uniform': {
+                const key = `brdfc.uniform.${line.name}`;
+                const block = take(key, line);
+                return block.length === line.length
+                    ? { kind: 'uniform', bytes: block }
+                    : refuse(key, `${block.length} bytes`, `${line.length}, as ${line.place} says`);
+            }
+            case 'texture': {
+                const sampler = lines.find(({ name }) => name === line.sampler);
+                const repeats = sampler?.kind === 'sampler' && sampler.repeats;
+                return { kind: 'texture', texture: await texels(line, file, take), filtered: sampler !== undefined, repeats };
+            }
+        }
+    };
+    const resources: Resource[] = [];
+    for (const line of lines) {
+        resources.push({ slot: line.slot, name: line.name, ...(await contents(line)) });
+    }
+    const unnamed = [...left.keys()].find((key) => /^brdfc\.(image|uniform)\./.test(key));
+    if (unnamed !== undefined) {
+        refuse(unnamed, 'an entry that no binding names', `those of ${ENTRY}`);
+    }
+    return { decoder, version, shader: options.shader ?? known(decoder, version, resources), resources };
 }
 
-/** A part, and the file that has it. */
-type Listed = [string, { file: string }];
+/** Texels of an image, which has to be as the line says. */
+async function texels(line: Line & { kind: 'texture' }, file: Container, take: Take): Promise<TextureData> {
+    const { place, shape, stored, name } = line;
+    if (stored === 'empty') {
+        return textureOf(shape, levelBytes(shape).map((length) => new Uint8Array(length)));
+    }
+    const key = stored === 'file' ? 'texture' : `brdfc.image.${name}`;
+    const value = stored === 'file' ? undefined : take(key, line);
+    const image = value === undefined ? file : await within(`${key}, `, () => readContainer(value));
+    const [found, expected] = [image.shape, shape].map(summary);
+    if (found !== expected) {
+        refuse(key, found, `${expected}, as ${place} says`);
+    }
+    const [entry] = stored === 'file' ? [] : image.entries.keys();
+    if (entry !== undefined) {
+        refuse(`${key}, entries`, entry, 'none of brdfc');
+    }
+    return within(`${key}, `, () => image.unpack());
+}
 
-function partsOf(bytes: Uint8Array): Listed[] {
-    const allowed = "allowed the .json that 'brdfc flatten' wrote";
-    let list: { parts?: Record<string, { file?: unknown }> } | null;
-    try {
-        list = JSON.parse(new TextDecoder().decode(bytes));
-    } catch (error) {
-        throw new Error(`list of parts: found no JSON; ${allowed}`, { cause: error });
-    }
-    const parts = Object.entries(list?.parts ?? {});
-    if (parts.length === 0 || parts.some(([, part]) => typeof part?.file !== 'string')) {
-        throw new Error(`list of parts: found none; ${allowed}`);
-    }
-    if (parts.some(([part]) => part.startsWith('flat.'))) {
-        throw new Error('found all views; allowed a factored flat BTF: leave out --uncompressed');
-    }
-    return parts as Listed[];
+function summary({ levelCount, dimension, size, format }: Shape): string {
+    return `${levelCount} levels of ${dimension}, ${size.join(' x ')} texels of ${format}`;
 }

@@ -1,8 +1,9 @@
 import * as THREE from 'three';
-import type { TextureData } from './container.js';
-import { isWide, type Pack, type Resource } from './pack.js';
-import { fragmentShader, MAX_LIGHTS, VERTEX } from './three_shader.js';
-import { GL_FORMATS, typed, uploadTexture } from './upload_webgl.js';
+import type { Pack, Resource } from './pack.js';
+import { refuse } from './refuse.js';
+import { fragmentShader, MAX_LIGHTS, needsTangents, VERTEX } from './three_shader.js';
+import { uploadTexture } from './upload_webgl.js';
+import { isWide, widened } from './widened.js';
 
 export { MAX_LIGHTS };
 
@@ -13,31 +14,53 @@ export interface PointLight {
     intensity: THREE.Color;
 }
 
-/**
- * What the shader reads of a pack's textures and blocks, as uniforms of three.js. Arrays with mipmaps, which three.js does not
- * upload, are uploaded to the renderer's context here.
- */
-export function packUniforms(pack: Pack, renderer: THREE.WebGLRenderer): Record<string, THREE.IUniform> {
-    const gl = renderer.getContext() as WebGL2RenderingContext;
-    const uniforms: Record<string, THREE.IUniform> = {};
-    for (const resource of pack.resources) {
-        if (resource.kind === 'uniform') {
-            uniforms[resource.name] = { value: fields(pack, resource) };
-        } else if (resource.kind === 'texture') {
-            const { texture, filtered, repeats } = resource;
-            const value = texture.dimension === '2d-array'
-                ? uploaded(gl, texture, filtered, repeats)
-                : threeTexture(texture, filtered, repeats);
-            uniforms[resource.name] = { value };
-        }
-    }
-    return uniforms;
+/** What a shader of three.js has bound for a pack: for the constructor of a `ShaderMaterial` of GLSL 3, whose shader has the decoder. */
+export interface PackBindings {
+    /** Textures. */
+    uniforms: Record<string, THREE.IUniform<THREE.ExternalTexture>>;
+    /** Uniform blocks. */
+    uniformsGroups: THREE.UniformsGroup[];
 }
 
-/** The decoder for a `ShaderMaterial` of GLSL 3, with structs as plain uniforms in place of blocks. */
-export function packGlsl(pack: Pack): string {
-    const block = /layout\(std140\) uniform \w+ \{ (\w+ \w+); \};/g;
-    return pack.shader.essl300.replace(block, 'uniform $1;');
+/** Uploads the textures of a pack to the renderer's context, and makes groups of its uniform blocks. */
+export function packBindings(pack: Pack, renderer: THREE.WebGLRenderer): PackBindings {
+    const uniforms: PackBindings['uniforms'] = {};
+    const uniformsGroups: THREE.UniformsGroup[] = [];
+    const blocks = new Map([...glsl(pack).matchAll(/uniform (\w+) \{ \w+ (\w+); \}/g)].map(([, block, name]) => [name, block]));
+    for (const resource of pack.resources) {
+        const block = blocks.get(resource.name);
+        if (resource.kind === 'texture') {
+            uniforms[resource.name] = { value: uploaded(renderer, resource) };
+        } else if (resource.kind === 'uniform' && block !== undefined) {
+            // As words: three.js keeps the bits of integers.
+            const words = Object.assign(new THREE.Uniform(new Uint32Array(resource.bytes.buffer)), { type: 'uint' });
+            uniformsGroups.push(new THREE.UniformsGroup().setName(block).add(words));
+        }
+    }
+    return { uniforms, uniformsGroups };
+}
+
+function glsl({ decoder, shader }: Pack): string {
+    return shader?.essl300 ?? refuse('pack', `no shader of the decoder ${decoder}`, 'one of the package, or of the options of loadPack');
+}
+
+/** A texture of the renderer's context, which three.js takes as it is. */
+function uploaded(renderer: THREE.WebGLRenderer, { texture: data, filtered, repeats }: Resource & { kind: 'texture' }): THREE.ExternalTexture {
+    const gl = renderer.getContext() as WebGL2RenderingContext;
+    const { texture } = uploadTexture(gl, widened(data), filtered, repeats);
+    const external = new THREE.ExternalTexture(texture);
+    // Of 3D textures three.js does not look at the source.
+    held(renderer, external).__webglTexture = texture;
+    external.addEventListener('dispose', () => {
+        renderer.properties.remove(external);
+        gl.deleteTexture(texture);
+    });
+    return external;
+}
+
+/** What three.js holds for a texture: nothing after it was freed, or the context lost. */
+function held(renderer: THREE.WebGLRenderer, texture: THREE.Texture): { __webglTexture?: WebGLTexture } {
+    return renderer.properties.get(texture) as { __webglTexture?: WebGLTexture };
 }
 
 /**
@@ -50,7 +73,8 @@ export function packGlsl(pack: Pack): string {
  */
 export function packMaterial(pack: Pack, renderer: THREE.WebGLRenderer, lights: PointLight[]): THREE.ShaderMaterial {
     checkLights(lights);
-    const uniforms = packUniforms(pack, renderer);
+    const fragment = fragmentShader(pack.decoder, glsl(pack), isWide(pack, true));
+    const { uniforms, uniformsGroups } = packBindings(pack, renderer);
     const material = new THREE.ShaderMaterial({
         glslVersion: THREE.GLSL3,
         defines: { USE_TANGENT: '' },
@@ -60,29 +84,24 @@ export function packMaterial(pack: Pack, renderer: THREE.WebGLRenderer, lights: 
             lightPositions: { value: padded(lights, ({ position }) => position, () => new THREE.Vector3()) },
             lightIntensities: { value: padded(lights, ({ intensity }) => intensity, () => new THREE.Color(0)) },
         },
+        uniformsGroups,
         vertexShader: VERTEX,
-        fragmentShader: fragmentShader(pack.decoder, packGlsl(pack), isWide(pack)),
+        fragmentShader: fragment,
     });
-    let isFreed = false;
     let isTold = false;
-    const needsTangents = pack.decoder === 'flat-btf' || (uniforms.table_brdf_parameters?.value.layers ?? 1) > 1;
+    const isAnisotropic = needsTangents(pack);
     material.addEventListener('dispose', () => {
-        isFreed = true;
-        for (const { value } of Object.values(uniforms)) {
-            if (value instanceof THREE.Texture) {
-                value.dispose();
-            }
-        }
+        Object.values(uniforms).forEach(({ value }) => value.dispose());
+        uniformsGroups.forEach((group) => group.dispose());
     });
-    // As other materials, it is uploaded again where it is drawn after that.
+    // As other materials, it is uploaded again where it is drawn after that, or after its context was lost.
     material.onBeforeRender = (_renderer, _scene, _camera, geometry) => {
-        if (needsTangents && !isTold && !geometry.getAttribute('tangent')) {
+        if (isAnisotropic && !isTold && !geometry.getAttribute('tangent')) {
             isTold = true;
             console.warn('brdfc: an anisotropic pack on a geometry without tangents: geometry.computeTangents()');
         }
-        if (isFreed) {
-            isFreed = false;
-            for (const [name, { value }] of Object.entries(packUniforms(pack, renderer))) {
+        if (Object.values(uniforms).some(({ value }) => held(renderer, value).__webglTexture === undefined)) {
+            for (const [name, { value }] of Object.entries(packBindings(pack, renderer).uniforms)) {
                 uniforms[name].value = value;
             }
         }
@@ -105,78 +124,3 @@ function checkLights(lights: PointLight[]): void {
 function padded<T>(lights: PointLight[], of: (light: PointLight) => T, none: () => T): T[] {
     return Array.from({ length: MAX_LIGHTS }, (_, k) => (lights[k] ? of(lights[k]) : none()));
 }
-
-/** A uniform block as an object of its fields. */
-function fields(pack: Pack, resource: Resource & { kind: 'uniform' }): Record<string, unknown> {
-    const { bytes } = resource;
-    const view = new DataView(bytes.buffer);
-    const declared = pack.shader.bindings.find(({ binding }) => binding === resource.binding)?.fields ?? [];
-    const vectors = (offset: number, count: number) =>
-        Array.from({ length: count }, (_, k) => new THREE.Vector4().fromArray(new Float32Array(bytes.buffer, offset + 16 * k, 4)));
-    const value = (type: string, offset: number): unknown => {
-        const list = /^array<vec4<f32>, (\d+)>$/.exec(type);
-        if (list) {
-            return vectors(offset, Number(list[1]));
-        }
-        switch (type) {
-            case 'u32': return view.getUint32(offset, true);
-            case 'f32': return view.getFloat32(offset, true);
-            case 'vec2<f32>': return new THREE.Vector2().fromArray(new Float32Array(bytes.buffer, offset, 2));
-            case 'vec3<f32>': return new THREE.Vector3().fromArray(new Float32Array(bytes.buffer, offset, 3));
-            case 'vec4<u32>': return new Uint32Array(bytes.buffer, offset, 4);
-            default: throw new Error(`found a field of ${type}; allowed numbers, vectors and arrays of four floats`);
-        }
-    };
-    return Object.fromEntries(declared.map(({ name, type, offset }) => [name, value(type, offset)]));
-}
-
-/** An array with mipmaps, which three.js does not upload itself. */
-function uploaded(gl: WebGL2RenderingContext, data: TextureData, filtered: boolean, repeats: boolean): THREE.Texture {
-    const { texture } = uploadTexture(gl, data, filtered, repeats);
-    const external = new THREE.ExternalTexture(texture);
-    external.addEventListener('dispose', () => gl.deleteTexture(texture));
-    return external;
-}
-
-function threeTexture(data: TextureData, filtered: boolean, repeats: boolean): THREE.Texture {
-    const names = GL_FORMATS[data.format];
-    if (names === undefined) {
-        throw new Error(`found texels of ${data.format}; allowed what WebGL 2 has`);
-    }
-    const [width, height, depth] = data.size;
-    const [internal, format, type] = names;
-    const texels = typed(data, 0) as BufferSource;
-    const texture: THREE.Texture = data.dimension === '3d'
-        ? new THREE.Data3DTexture(texels as never, width, height, depth)
-        : new THREE.DataTexture(texels as never, width, height);
-    // Names that three.js does not know are looked up in the context.
-    texture.internalFormat = internal as THREE.PixelFormatGPU;
-    texture.format = (FORMATS[format] ?? format) as THREE.PixelFormat;
-    texture.type = (TYPES[type] ?? type) as THREE.TextureDataType;
-    const linear = filtered && data.format !== 'rgba32float';
-    texture.magFilter = linear ? THREE.LinearFilter : THREE.NearestFilter;
-    texture.minFilter = linear ? THREE.LinearFilter : THREE.NearestFilter;
-    texture.wrapS = repeats ? THREE.RepeatWrapping : THREE.ClampToEdgeWrapping;
-    texture.wrapT = texture.wrapS;
-    texture.generateMipmaps = false;
-    texture.unpackAlignment = 1;
-    texture.needsUpdate = true;
-    return texture;
-}
-
-const FORMATS: Record<string, THREE.PixelFormat> = {
-    RED: THREE.RedFormat,
-    RG: THREE.RGFormat,
-    RGB: THREE.RGBFormat,
-    RGBA: THREE.RGBAFormat,
-    RED_INTEGER: THREE.RedIntegerFormat,
-    RGBA_INTEGER: THREE.RGBAIntegerFormat,
-};
-
-const TYPES: Record<string, THREE.TextureDataType> = {
-    UNSIGNED_BYTE: THREE.UnsignedByteType,
-    HALF_FLOAT: THREE.HalfFloatType,
-    FLOAT: THREE.FloatType,
-    UNSIGNED_INT: THREE.UnsignedIntType,
-    UNSIGNED_INT_5_9_9_9_REV: THREE.UnsignedInt5999Type,
-};

@@ -1,6 +1,8 @@
 // Shaders of the material for three.js: its own chunks place the vertices, a pack's decoder says what is reflected.
 
-import type { DecoderName } from './shaders.js';
+import type { Pack } from './pack.js';
+import { refuse } from './refuse.js';
+import type { DecoderName, DecoderShader } from './shaders.js';
 
 /** Most lights of a material. */
 export const MAX_LIGHTS = 8;
@@ -133,7 +135,20 @@ void main() {
 `;
 
 /** The shader of a decoder in GLSL; `isWide`: it filters wavelets itself, as samplers do not filter floats of 32 bits. */
-export function fragmentShader(name: DecoderName, decoder: string, isWide: boolean): string {
+export function fragmentShader(name: string, decoder: string, isWide: boolean): string {
+    const reflected = Object.hasOwn(REFLECTED, name)
+        ? REFLECTED[name as DecoderName]
+        : refuse('material', `a pack of the decoder ${name}`, `${Object.keys(REFLECTED).join(', ')}, or a ShaderMaterial with packBindings`);
     const wavelet = `#define WAVELET_BRDF ${isWide ? 'wavelet_brdf_exact' : 'wavelet_brdf'}\n`;
-    return wavelet + VARYINGS + decoder + REFLECTED[name] + FRAGMENT;
+    return wavelet + VARYINGS + decoder + reflected + FRAGMENT;
+}
+
+/** Whether it tells directions around the normal apart: a table of several layers, or a flat BTF. */
+export function needsTangents({ decoder, shader, resources }: Pack): boolean {
+    const { bindings = [] } = (shader ?? {}) as Partial<DecoderShader>;
+    return decoder === 'flat-btf' || resources.some((resource) => {
+        const layers = bindings.find(({ slot }) => slot === resource.slot)?.offsets?.layers;
+        return decoder === 'table' && resource.kind === 'uniform' && layers !== undefined
+            && new DataView(resource.bytes.buffer).getUint32(layers, true) > 1;
+    });
 }

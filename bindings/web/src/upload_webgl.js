@@ -1,5 +1,7 @@
 // Textures of packs in WebGL 2: for the package, and for the pages of 'brdfc view'.
 
+import { levelSize } from './levels.js';
+
 /** @typedef {import('./container.js').TextureData} TextureData */
 
 /**
@@ -68,7 +70,6 @@ export function uploadTexture(gl, data, filtered, repeats) {
     const constants = /** @type {Record<string, number>} */ (/** @type {unknown} */ (gl));
     const [internal, format, type] = names.map((name) => constants[name]);
     const target = { '2d': gl.TEXTURE_2D, '2d-array': gl.TEXTURE_2D_ARRAY, '3d': gl.TEXTURE_3D }[data.dimension];
-    const [width, height, depth] = data.size;
     const texture = gl.createTexture();
     const before = {
         texture: gl.getParameter(constants[BOUND[data.dimension]]),
@@ -78,21 +79,22 @@ export function uploadTexture(gl, data, filtered, repeats) {
     gl.bindTexture(target, texture);
     gl.bindBuffer(gl.PIXEL_UNPACK_BUFFER, null);
     UNPACKING.forEach(([name, value]) => gl.pixelStorei(constants[name], value));
+    const [columns, rows] = data.size;
     if (data.dimension === '2d') {
-        gl.texStorage2D(target, data.levels.length, internal, width, height);
+        gl.texStorage2D(target, data.levels.length, internal, columns, rows);
     } else {
-        gl.texStorage3D(target, data.levels.length, internal, width, height, depth);
+        gl.texStorage3D(target, data.levels.length, internal, ...data.size);
     }
     data.levels.forEach((_, level) => {
-        const [w, h] = [width, height].map((side) => Math.max(side >> level, 1));
+        const [width, height, depth] = levelSize(data, level);
         if (data.dimension === '2d') {
-            gl.texSubImage2D(target, level, 0, 0, w, h, format, type, typed(data, level));
+            gl.texSubImage2D(target, level, 0, 0, width, height, format, type, typed(data, level));
         } else {
-            gl.texSubImage3D(target, level, 0, 0, 0, w, h, depth, format, type, typed(data, level));
+            gl.texSubImage3D(target, level, 0, 0, 0, width, height, depth, format, type, typed(data, level));
         }
     });
     // Samplers do not filter integers and, without an extension, floats of 32 bits; shaders do not ask for it.
-    const linear = filtered && data.format !== 'rgba32float';
+    const linear = filtered && !data.format.endsWith('32float');
     const mipmaps = data.levels.length > 1;
     const small = linear ? (mipmaps ? gl.LINEAR_MIPMAP_LINEAR : gl.LINEAR) : mipmaps ? gl.NEAREST_MIPMAP_NEAREST : gl.NEAREST;
     gl.texParameteri(target, gl.TEXTURE_MIN_FILTER, small);

@@ -1,5 +1,7 @@
 // Resources of packs in WebGPU: for the package, and for the pages of 'brdfc view'.
 
+import { levelSize } from './levels.js';
+
 /** @typedef {import('./container.js').TextureData} TextureData */
 
 /**
@@ -10,18 +12,17 @@
  * @returns {GPUTexture}
  */
 export function gpuTexture(device, data) {
-    const [width, height, depth] = data.size;
     const texture = device.createTexture({
-        size: [width, height, depth],
+        size: data.size,
         dimension: data.dimension === '3d' ? '3d' : '2d',
         mipLevelCount: data.levels.length,
         format: /** @type {GPUTextureFormat} */ (data.format),
         usage: GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_DST,
     });
     data.levels.forEach((bytes, mipLevel) => {
-        const [w, h] = [width, height].map((side) => Math.max(side >> mipLevel, 1));
-        const layout = { bytesPerRow: w * data.texelBytes, rowsPerImage: h };
-        device.queue.writeTexture({ texture, mipLevel }, bytes, layout, [w, h, depth]);
+        const size = levelSize(data, mipLevel);
+        const layout = { bytesPerRow: size[0] * data.texelBytes, rowsPerImage: size[1] };
+        device.queue.writeTexture({ texture, mipLevel }, bytes, layout, size);
     });
     return texture;
 }

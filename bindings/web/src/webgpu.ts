@@ -1,29 +1,52 @@
-import { isWide, type Pack } from './pack.js';
+import type { Pack, Resource } from './pack.js';
 import { gpuResource } from './upload_webgpu.js';
+import { isWide, widened } from './widened.js';
 
-/** A pack on a WebGPU device. */
+/** A pack on a WebGPU device: group 1 of `pack.shader.wgsl`. */
 export interface WebGpuPack {
-    /** For a bind group: group 1 of `pack.shader.wgsl`. */
-    entries: GPUBindGroupEntry[];
+    /** The layout of the group, for `createPipelineLayout`: also of what a pipeline's functions do not use. */
+    layout: GPUBindGroupLayout;
+    group: GPUBindGroup;
     /** Frees what it holds. */
     dispose(): void;
 }
 
 /**
- * Uploads a pack. With the layout 'auto' a pipeline has what it uses alone: `used` picks those, by name.
+ * Uploads a pack.
  *
- * @throws Error where a device lacks `float32-filterable` for a wavelet pack of more than 8 bits, which holds floats of 32 bits here.
+ * @throws Error where a device lacks `float32-filterable` for a pack whose sampler filters floats of 32 bits, or integers of 16 bits,
+ * which become such floats where it lacks `texture-formats-tier1`, too.
  */
-export function uploadWebGpu(device: GPUDevice, pack: Pack, used: (name: string) => boolean = () => true): WebGpuPack {
-    if (isWide(pack) && !device.features.has('float32-filterable')) {
+export function uploadWebGpu(device: GPUDevice, pack: Pack): WebGpuPack {
+    const widens = !device.features.has('texture-formats-tier1');
+    if (isWide(pack, widens) && !device.features.has('float32-filterable')) {
         throw new Error('device: found none of the feature float32-filterable; allowed one that was asked for it, or a pack of 8 bits');
     }
-    const bound = pack.resources.filter(({ name }) => used(name));
-    const uploaded = bound.map((contents) => ({ binding: contents.binding, ...gpuResource(device, contents) }));
+    const uploaded = pack.resources.map((resource) => {
+        const isWidened = widens && resource.kind === 'texture';
+        const contents = isWidened ? { ...resource, texture: widened(resource.texture) } : resource;
+        return { binding: resource.slot, ...gpuResource(device, contents) };
+    });
+    const layout = device.createBindGroupLayout({ entries: pack.resources.map(layoutEntry) });
+    const entries = uploaded.map(({ binding, resource }) => ({ binding, resource }));
     return {
-        entries: uploaded.map(({ binding, resource }) => ({ binding, resource })),
+        layout,
+        group: device.createBindGroup({ layout, entries }),
         dispose() {
             uploaded.forEach(({ held }) => held?.destroy());
         },
     };
+}
+
+function layoutEntry(resource: Resource): GPUBindGroupLayoutEntry {
+    const entry = { binding: resource.slot, visibility: GPUShaderStage.VERTEX | GPUShaderStage.FRAGMENT | GPUShaderStage.COMPUTE };
+    switch (resource.kind) {
+        case 'uniform': return { ...entry, buffer: {} };
+        case 'sampler': return { ...entry, sampler: {} };
+        case 'texture': {
+            const { texture: { format, dimension }, filtered } = resource;
+            const float = filtered ? 'float' : 'unfilterable-float';
+            return { ...entry, texture: { sampleType: format.endsWith('uint') ? 'uint' : float, viewDimension: dimension } };
+        }
+    }
 }

@@ -7,6 +7,7 @@ pub mod checks;
 pub mod engines;
 pub mod flat_btf;
 pub mod golden;
+pub mod gradient;
 pub mod packs;
 pub mod pages;
 pub mod program;

@@ -1,6 +1,5 @@
 //! A ball of measured reflectance under a point light, drawn by Bevy from a pack of `brdfc`.
 
-mod flat_btf_material;
 mod frame;
 mod pack_material;
 mod pack_resources;
@@ -10,13 +9,11 @@ use bevy::asset::{AssetPath, UnapprovedPathMode};
 use bevy::camera::{Exposure, RenderTarget};
 use bevy::core_pipeline::tonemapping::{DebandDither, Tonemapping};
 use bevy::prelude::*;
-use flat_btf_material::{FlatBtfMaterial, FlatBtfMaterialPlugin, FlatBtfSettings};
-use pack_material::{PackMaterial, PackMaterialPlugin};
+use pack_material::{PackMaterial, PackMaterialPlugin, PackSettings};
 use std::path::PathBuf;
 
 const USAGE: &str = "\
 usage: brdfc-bevy PACK.ktx2 [OPTION...]
-       brdfc-bevy FLAT_BTF.json [OPTION...]
 
 Draws a ball from a table pack, a wavelet pack or a flat BTF: in a window (cargo feature 'window'), or one frame to a file.
 
@@ -132,7 +129,7 @@ fn main() -> AppExit {
             return AppExit::from_code(2);
         }
     }
-    app.add_plugins((PackMaterialPlugin, FlatBtfMaterialPlugin))
+    app.add_plugins(PackMaterialPlugin)
         .insert_resource(arguments)
         // The background of the ball of `brdfc render`.
         .insert_resource(ClearColor(Color::linear_rgb(0.1, 0.1, 0.11)))
@@ -155,20 +152,12 @@ fn set_up(
     // Anisotropic materials need tangents: along circles of latitude, once the poles of Bevy's ball are up and down.
     let ball = Sphere::new(1.0).mesh().uv(144, 72).with_generated_tangents()?;
     let upright = Transform::from_rotation(Quat::from_rotation_x(-std::f32::consts::FRAC_PI_2));
-    let mut ball = commands.spawn((Mesh3d(meshes.add(ball)), upright));
     let path = AssetPath::from_path_buf(std::path::absolute(&arguments.pack)?);
-    let material = if arguments.pack.extension().is_some_and(|extension| extension == "json") {
-        let repeat = Vec2::splat(arguments.repeat as f32);
-        let settings = move |settings: &mut FlatBtfSettings| settings.repeat = repeat;
-        let material: Handle<FlatBtfMaterial> = assets.load_builder().with_settings(settings).load(path);
-        ball.insert(MeshMaterial3d(material.clone()));
-        material.untyped()
-    } else {
-        let material: Handle<PackMaterial> = assets.load(path);
-        ball.insert(MeshMaterial3d(material.clone()));
-        material.untyped()
-    };
-    commands.insert_resource(frame::Awaited(material));
+    let repeat = Vec2::splat(arguments.repeat as f32);
+    let settings = move |settings: &mut PackSettings| settings.repeat = repeat;
+    let material: Handle<PackMaterial> = assets.load_builder().with_settings(settings).load(path);
+    commands.spawn((Mesh3d(meshes.add(ball)), MeshMaterial3d(material.clone()), upright));
+    commands.insert_resource(frame::Awaited(material.untyped()));
 
     // Bevy asks for the flux of the whole sphere, of spot lights, too.
     let (intensity, range) = (4.0 * std::f32::consts::PI * INTENSITY, 1000.0);
@@ -229,7 +218,7 @@ mod tests {
             ("a.ktx2 b.ktx2", "a second pack: b.ktx2"),
             ("a.ktx2 --frame", "--frame needs a value"),
             ("a.ktx2 --size 0x5", "--size 0x5: it is WIDTHxHEIGHT, of 1 to 8192 pixels"),
-            ("a.json --repeat 0", "--repeat 0: it is a number of tiles from 1 to 1000"),
+            ("a.ktx2 --repeat 0", "--repeat 0: it is a number of tiles from 1 to 1000"),
             ("a.ktx2 --samples 2", "--samples 2: it is 1 or 4"),
             ("a.ktx2 --light sun", "--light sun: it is point, spot or directional"),
             ("a.ktx2 --fast", "unknown option --fast"),

@@ -1,32 +1,107 @@
-//! A Bevy material that draws the BRDF packs of `brdfc`: tables and wavelets, under Bevy's point, spot and directional lights.
+//! A Bevy material that draws the packs of `brdfc`: tables, wavelets and flat BTFs, under Bevy's point, spot and directional lights.
 //!
 //! Add [`PackMaterialPlugin`], load a `.ktx2` as a [`PackMaterial`], and put it on a mesh by [`MeshMaterial3d`]. The mesh needs
-//! normals, and tangents where the pack tells directions around the normal apart.
+//! normals, tangents where the pack tells directions around the normal apart, and uv for flat BTFs.
 
-use crate::pack_resources::{PackError, features, pack_image, vectors};
+use crate::pack_resources::{PackError, PackResources, features};
 use crate::pack_shader::add_shader;
 use bevy::asset::io::Reader;
 use bevy::asset::{AssetLoader, LoadContext, uuid_handle};
+use bevy::ecs::system::SystemParamItem;
+use bevy::ecs::system::lifetimeless::SRes;
 use bevy::mesh::MeshVertexBufferLayoutRef;
 use bevy::pbr::{MaterialPipeline, MaterialPipelineKey};
 use bevy::prelude::*;
 use bevy::reflect::TypePath;
+use bevy::render::render_asset::RenderAssets;
 use bevy::render::render_resource::{
-    AsBindGroup, RenderPipelineDescriptor, SpecializedMeshPipelineError, WgpuFeatures,
+    AsBindGroup, AsBindGroupError, BindGroupLayout, BindGroupLayoutDescriptor, BindGroupLayoutEntry, PipelineCache,
+    PreparedBindGroup, RenderPipelineDescriptor, SpecializedMeshPipelineError, UnpreparedBindGroup, WgpuFeatures,
 };
+use bevy::render::renderer::RenderDevice;
+use bevy::render::texture::GpuImage;
 use bevy::shader::ShaderRef;
-use brdfc_formats::table::shader::{TABLE_BRDF_WGSL, TableBrdfParameters};
+use brdfc_formats::FormatError;
+use brdfc_formats::bindings::{Binding, Bindings, FrameBlock, MAX_SLOTS, PackFile, Resource};
+use brdfc_formats::flat_btf::shader::flat_btf_value_wgsl;
+use brdfc_formats::table::shader::TABLE_BRDF_WGSL;
 use brdfc_formats::wavelet::shader::WAVELET_BRDF_WGSL;
 use brdfc_formats::wavelet::{DEFAULT_DISTANCE_SCALE, Filter};
-use brdfc_formats::{FormatError, Pack};
-use brdfc_shaders::resources::{self, Contents, Resource};
 use serde::{Deserialize, Serialize};
 
-const TABLE_SHADER: Handle<Shader> = uuid_handle!("0a6f2f6e-6f0e-4b43-9a5c-6f3c2f5d1a01");
-const WAVELET_SHADER: Handle<Shader> = uuid_handle!("0a6f2f6e-6f0e-4b43-9a5c-6f3c2f5d1a02");
+/// What differs between decoders: which of their functions the material calls, and what a mesh has to have.
+struct PackDecoder {
+    name: &'static str,
+    shader: Handle<Shader>,
+    wgsl: fn() -> String,
+    calls: &'static str,
+    needs_uv: bool,
+    /// Whether it tells directions around the normal apart.
+    is_anisotropic: fn(&Bindings<'_>) -> bool,
+}
 
-/// Vectors of the uniform block: the longer one, of tables.
-const VECTORS: usize = TableBrdfParameters::SIZE / 16;
+const DECODERS: [PackDecoder; 3] = [
+    PackDecoder {
+        name: "table",
+        shader: uuid_handle!("0a6f2f6e-6f0e-4b43-9a5c-6f3c2f5d1a01"),
+        wgsl: || TABLE_BRDF_WGSL.to_owned(),
+        calls: "
+fn pack_level(uv: vec2<f32>) -> f32 {
+    return 0.0;
+}
+fn pack_reflected(surface: PackSurface, wi: vec3<f32>) -> vec3<f32> {
+    return table_brdf_at(wi, surface.wo, table_brdf_level_of_detail(surface.distance), true) * wi.z;
+}
+",
+        needs_uv: false,
+        // The word `layers` of its block.
+        is_anisotropic: |bindings| word(bindings, "table_brdf_parameters", 3) > 1,
+    },
+    PackDecoder {
+        name: "wavelet",
+        shader: uuid_handle!("0a6f2f6e-6f0e-4b43-9a5c-6f3c2f5d1a02"),
+        wgsl: || WAVELET_BRDF_WGSL.to_owned(),
+        calls: "
+fn pack_level(uv: vec2<f32>) -> f32 {
+    return 0.0;
+}
+fn pack_reflected(surface: PackSurface, wi: vec3<f32>) -> vec3<f32> {
+    return wavelet_brdf(wi, surface.wo, wavelet_brdf_level_of_detail(surface.distance)) * wi.z;
+}
+",
+        needs_uv: false,
+        is_anisotropic: |_| true,
+    },
+    PackDecoder {
+        name: "flat-btf",
+        shader: uuid_handle!("0a6f2f6e-6f0e-4b43-9a5c-6f3c2f5d1a03"),
+        wgsl: flat_btf_value_wgsl,
+        // Of tiles, v goes along the bitangent, against that of textures.
+        calls: "
+fn pack_level(uv: vec2<f32>) -> f32 {
+    return factored_mipmap_level(dpdx(uv * pack_repeat.xy), dpdy(uv * pack_repeat.xy));
+}
+fn pack_reflected(surface: PackSurface, wi: vec3<f32>) -> vec3<f32> {
+    let tiles = vec2<f32>(surface.uv.x, -surface.uv.y) * pack_repeat.xy;
+    return flat_btf_value(tiles, surface.level, surface.wo, wi) / 3.14159274;
+}
+",
+        needs_uv: true,
+        is_anisotropic: |_| true,
+    },
+];
+
+/// Where tiles per unit of uv are bound: the last slot, which no pack has so far.
+const REPEAT_SLOT: u32 = MAX_SLOTS - 1;
+/// What layouts are called, also the empty one that the material's pipelines have until they know their pack.
+const LABEL: &str = "brdfc_pack";
+
+/// A word of a uniform block; 0 where there is none.
+fn word(bindings: &Bindings<'_>, block: &str, index: usize) -> u32 {
+    let found = bindings.all.iter().find(|binding| binding.name == block).map(|binding| &binding.resource);
+    let Some(Resource::Uniform(bytes)) = found else { return 0 };
+    bytes.as_chunks::<4>().0.get(index).map_or(0, |word| u32::from_le_bytes(*word))
+}
 
 /// The material, its shaders and the loader of packs.
 pub struct PackMaterialPlugin;
@@ -35,9 +110,9 @@ impl Plugin for PackMaterialPlugin {
     fn build(&self, app: &mut App) {
         app.add_plugins(MaterialPlugin::<PackMaterial>::default());
         app.preregister_asset_loader::<PackLoader>(EXTENSIONS);
-        for codec in [PackCodec::Table, PackCodec::Wavelet] {
-            let (handle, path, texts) = codec.shader();
-            add_shader(app, &handle, path, texts, |binding| codec.binding(binding));
+        let repeat = format!("@group(1) @binding({REPEAT_SLOT}) var<uniform> pack_repeat: vec4<f32>;\n");
+        for PackDecoder { name, shader, wgsl, calls, .. } in DECODERS {
+            add_shader(app, &shader, &format!("brdfc/{name}.wgsl"), &[&wgsl(), "\n", &repeat, calls]);
         }
     }
 
@@ -47,85 +122,67 @@ impl Plugin for PackMaterialPlugin {
     }
 }
 
-/// How a pack is stored.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-enum PackCodec {
-    Table,
-    Wavelet,
-}
-
-impl PackCodec {
-    /// The shader, what messages call it, and its texts.
-    fn shader(self) -> (Handle<Shader>, &'static str, [&'static str; 2]) {
-        match self {
-            Self::Table => (TABLE_SHADER, "brdfc/table.wgsl", [TABLE_BRDF_WGSL, TABLE_CALLS]),
-            Self::Wavelet => (WAVELET_SHADER, "brdfc/wavelet.wgsl", [WAVELET_BRDF_WGSL, WAVELET_CALLS]),
-        }
-    }
-
-    /// The binding of [`PackMaterial`] for one of the decoder.
-    fn binding(self, of_decoder: u32) -> u32 {
-        match (self, of_decoder) {
-            (Self::Wavelet, 2) => 4,
-            (Self::Wavelet, 3) => 2,
-            _ => of_decoder,
-        }
-    }
-}
-
-const TABLE_CALLS: &str = "
-fn pack_reflected(surface: PackSurface, wi: vec3<f32>) -> vec3<f32> {
-    return table_brdf_at(wi, surface.wo, table_brdf_level_of_detail(surface.distance), true) * wi.z;
-}
-fn pack_level(uv: vec2<f32>) -> f32 {
-    return 0.0;
-}
-";
-const WAVELET_CALLS: &str = "
-fn pack_reflected(surface: PackSurface, wi: vec3<f32>) -> vec3<f32> {
-    return wavelet_brdf(wi, surface.wo, wavelet_brdf_level_of_detail(surface.distance)) * wi.z;
-}
-fn pack_level(uv: vec2<f32>) -> f32 {
-    return 0.0;
-}
-";
-
-/// A material of measured reflectance.
-#[derive(Asset, AsBindGroup, TypePath, Debug, Clone)]
-#[bind_group_data(PackMaterialKey)]
+/// A material of a pack.
+#[derive(Asset, TypePath, Debug, Clone)]
 pub struct PackMaterial {
-    #[uniform(0)]
-    parameters: [UVec4; VECTORS],
-    #[texture(1, dimension = "3d")]
-    #[sampler(2)]
-    texels: Option<Handle<Image>>,
-    /// Of factored tables alone.
-    #[texture(3)]
-    curve: Option<Handle<Image>>,
-    /// Of wavelets alone.
-    #[texture(4, filterable = false)]
-    index: Option<Handle<Image>>,
-    codec: PackCodec,
+    #[dependency]
+    resources: PackResources,
+    /// Of [`DECODERS`].
+    decoder: usize,
     needs_tangents: bool,
 }
 
 /// What a pipeline is chosen by.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct PackMaterialKey {
-    codec: PackCodec,
+    layout: Vec<BindGroupLayoutEntry>,
+    decoder: usize,
     needs_tangents: bool,
 }
 
-impl From<&PackMaterial> for PackMaterialKey {
-    fn from(material: &PackMaterial) -> Self {
-        Self { codec: material.codec, needs_tangents: material.needs_tangents }
+/// Each pack has a layout of its own, so the material makes its groups itself.
+impl AsBindGroup for PackMaterial {
+    type Data = PackMaterialKey;
+    type Param = SRes<RenderAssets<GpuImage>>;
+
+    fn label() -> &'static str {
+        LABEL
+    }
+
+    fn as_bind_group(
+        &self,
+        _: &BindGroupLayoutDescriptor,
+        device: &RenderDevice,
+        cache: &PipelineCache,
+        images: &mut SystemParamItem<'_, '_, Self::Param>,
+    ) -> Result<PreparedBindGroup, AsBindGroupError> {
+        let layout = cache.get_bind_group_layout(&BindGroupLayoutDescriptor::new(LABEL, &self.resources.layout()));
+        self.resources.bind(LABEL, &layout, device, images)
+    }
+
+    fn bind_group_data(&self) -> PackMaterialKey {
+        let Self { resources, decoder, needs_tangents } = self;
+        PackMaterialKey { layout: resources.layout(), decoder: *decoder, needs_tangents: *needs_tangents }
+    }
+
+    fn unprepared_bind_group(
+        &self,
+        _: &BindGroupLayout,
+        _: &RenderDevice,
+        _: &mut SystemParamItem<'_, '_, Self::Param>,
+        _: bool,
+    ) -> Result<UnpreparedBindGroup, AsBindGroupError> {
+        Err(AsBindGroupError::CreateBindGroupDirectly)
+    }
+
+    fn bind_group_layout_entries(_: &RenderDevice, _: bool) -> Vec<BindGroupLayoutEntry> {
+        Vec::new()
     }
 }
 
 impl Material for PackMaterial {
     fn fragment_shader() -> ShaderRef {
-        TABLE_SHADER.into()
+        DECODERS[0].shader.clone().into()
     }
 
     fn specialize(
@@ -134,17 +191,22 @@ impl Material for PackMaterial {
         layout: &MeshVertexBufferLayoutRef,
         key: MaterialPipelineKey<Self>,
     ) -> Result<(), SpecializedMeshPipelineError> {
-        let key = key.bind_group_data;
-        if key.needs_tangents {
-            // An error that names the attribute, where the mesh has none.
+        let PackMaterialKey { layout: entries, decoder, needs_tangents } = key.bind_group_data;
+        // An error that names the attribute, where the mesh has none.
+        if DECODERS[decoder].needs_uv {
+            layout.0.get_layout(&[Mesh::ATTRIBUTE_UV_0.at_shader_location(2)])?;
+        }
+        if needs_tangents {
             layout.0.get_layout(&[Mesh::ATTRIBUTE_TANGENT.at_shader_location(4)])?;
+        }
+        for group in descriptor.layout.iter_mut().filter(|group| group.label == LABEL) {
+            group.entries.clone_from(&entries);
         }
         // Shadows and depth have no fragment shader of this material.
         if let Some(fragment) = &mut descriptor.fragment
-            && fragment.shader == TABLE_SHADER
-            && key.codec == PackCodec::Wavelet
+            && fragment.shader == DECODERS[0].shader
         {
-            fragment.shader = WAVELET_SHADER;
+            fragment.shader = DECODERS[decoder].shader.clone();
         }
         Ok(())
     }
@@ -157,11 +219,13 @@ pub struct PackSettings {
     pub distance_scale: f32,
     /// Whether wavelet packs are filtered over incoming directions, too: that takes four times as many fetches.
     pub smooth: bool,
+    /// Tiles of a flat BTF per unit of uv.
+    pub repeat: Vec2,
 }
 
 impl Default for PackSettings {
     fn default() -> Self {
-        Self { distance_scale: DEFAULT_DISTANCE_SCALE as f32, smooth: true }
+        Self { distance_scale: DEFAULT_DISTANCE_SCALE as f32, smooth: true, repeat: Vec2::ONE }
     }
 }
 
@@ -186,37 +250,19 @@ impl AssetLoader for PackLoader {
     ) -> Result<PackMaterial, PackError> {
         let mut bytes = Vec::new();
         reader.read_to_end(&mut bytes).await?;
-        let pack = Pack::from_bytes(&bytes, None)?;
-        let (codec, needs_tangents, resources) = match &pack {
-            Pack::Table(pack) => {
-                let anisotropic = pack.header().axes.layers > 1;
-                (PackCodec::Table, anisotropic, resources::table(pack, settings.distance_scale))
-            }
-            Pack::Wavelet(pack) => {
-                let filter = if settings.smooth { Filter::Bilinear } else { Filter::Slices };
-                (PackCodec::Wavelet, true, resources::wavelet(pack, filter, settings.distance_scale))
-            }
-            other => return Err(FormatError::whole("pack", other.kind().name(), "a table or wavelet pack").into()),
-        };
-        let (mut parameters, mut texels, mut curve, mut index) = ([UVec4::ZERO; VECTORS], None, None, None);
-        for Resource { binding, contents } in resources {
-            let binding = codec.binding(binding);
-            match contents {
-                Contents::Uniform(bytes) => parameters = vectors(&bytes),
-                Contents::Texture(contents) => {
-                    let image = pack_image(contents, false, self.features)?;
-                    let handle = Some(context.add_labeled_asset(format!("binding{binding}"), image));
-                    match binding {
-                        1 => texels = handle,
-                        3 => curve = handle,
-                        _ => index = handle,
-                    }
-                }
-                // It is that of the image at binding 1.
-                Contents::Sampler { .. } => {}
-            }
-        }
-        Ok(PackMaterial { parameters, texels, curve, index, codec, needs_tangents })
+        let PackFile { mut bindings, .. } = PackFile::from_bytes(&bytes)?;
+        let decoder = DECODERS.iter().position(|decoder| decoder.name == bindings.decoder).ok_or_else(|| {
+            let names = DECODERS.map(|decoder| decoder.name).join(", ");
+            FormatError::whole("decoder", bindings.decoder.clone().into_owned(), names)
+        })?;
+        let needs_tangents = (DECODERS[decoder].is_anisotropic)(&bindings);
+        let [x, y] = settings.repeat.to_array().map(f32::to_le_bytes);
+        let repeat = [x, y, [0; 4], [0; 4]].concat();
+        bindings.all.push(Binding::uniform(REPEAT_SLOT, "pack_repeat", repeat));
+        let blend = if settings.smooth { Filter::Bilinear } else { Filter::Slices };
+        let frame = FrameBlock { distance_scale: settings.distance_scale, sampler_filters: true, blend };
+        let resources = PackResources::load(bindings, frame, self.features, context)?;
+        Ok(PackMaterial { resources, decoder, needs_tangents })
     }
 
     fn extensions(&self) -> &[&str] {

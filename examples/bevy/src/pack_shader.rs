@@ -4,45 +4,15 @@ use bevy::prelude::*;
 
 const LIGHTING: &str = include_str!("pack_lighting.wgsl");
 
-/// Adds the shader of a decoder, its bindings in the group of materials under the numbers that `moved` says. `calls` are the two
-/// functions that `pack_lighting.wgsl` asks for; `path` is what messages call the whole.
-pub fn add_shader(
-    app: &mut App,
-    handle: &Handle<Shader>,
-    path: &str,
-    [decoder, calls]: [&str; 2],
-    moved: impl Fn(u32) -> u32,
-) {
-    let mut text = String::new();
-    for line in decoder.lines() {
-        match binding(line) {
-            Some((number, rest)) => {
-                text += &format!("@group(#{{MATERIAL_BIND_GROUP}}) @binding({}){rest}", moved(number));
-            }
-            None => text += line,
-        }
-        text.push('\n');
-    }
-    let shader = Shader::from_wgsl(text + calls + LIGHTING, path);
+/// The group of a decoder's bindings.
+const GROUP: &str = "@group(1)";
+
+/// Adds a shader of these texts, a decoder and the two functions that `pack_lighting.wgsl` asks for, with all bindings in the group of
+/// materials. `path` is what messages call it.
+pub fn add_shader(app: &mut App, handle: &Handle<Shader>, path: &str, texts: &[&str]) {
+    let text = texts.concat().replace(GROUP, "@group(#{MATERIAL_BIND_GROUP})");
+    let shader = Shader::from_wgsl(text + LIGHTING, path);
     if let Err(error) = app.world_mut().resource_mut::<Assets<Shader>>().insert(handle, shader) {
         error!("{path}: {error}");
-    }
-}
-
-/// The number of a decoder's binding, and what stands behind it.
-fn binding(line: &str) -> Option<(u32, &str)> {
-    let (number, rest) = line.strip_prefix("@group(1) @binding(")?.split_once(')')?;
-    Some((number.parse().ok()?, rest))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn bindings_of_decoders() {
-        assert_eq!(binding("@group(1) @binding(12) var s: sampler;"), Some((12, " var s: sampler;")));
-        assert_eq!(binding("@group(0) @binding(1) var s: sampler;"), None);
-        assert_eq!(binding("fn table_brdf_levels() -> u32 {"), None);
     }
 }

@@ -1,12 +1,10 @@
 //! A Vulkan device by way of wgpu, which hands shaders through.
 
-use brdfc_formats::bindings::{Resource, Texels};
-use brdfc_formats::container::{Extent, TexelFormat};
-use brdfc_gpu::texture_format;
-use brdfc_shaders::{BindingKind, Interface};
-use brdfc_testing::engines::{Case, SIDE};
+use crate::loader;
+use brdfc_formats::bindings::{Binding, FrameBlock};
+use brdfc_testing::engines::{Query, SIDE};
 use std::borrow::Cow;
-use wgpu::util::{DeviceExt as _, TextureDataOrder};
+use wgpu::util::DeviceExt as _;
 use wgpu::*;
 
 /// An open device.
@@ -36,19 +34,36 @@ impl Vulkan {
         Some(Self { device, queue })
     }
 
-    /// The answers of a module to the queries of a case. `groups` are those of the queries and of the pack.
-    pub fn evaluate(&self, words: &[u32], groups: [u32; 2], interface: &Interface, case: &Case) -> Vec<[f32; 4]> {
+    /// A module of SPIR-V that has a pack in a group.
+    pub fn spirv(&self, words: &[u32], group: u32, pack: &[Binding<'_>]) -> ShaderModule {
+        let words = numbered(words, group, pack);
         let entry = PassthroughShaderEntryPoint { name: Cow::Borrowed("evaluate"), workgroup_size: (64, 1, 1) };
         let descriptor = ShaderModuleDescriptorPassthrough {
             label: None,
             entry_points: Cow::Owned(vec![entry]),
-            spirv: Some(Cow::Borrowed(words)),
+            spirv: Some(Cow::Owned(words)),
             ..Default::default()
         };
         // SAFETY: the words are SPIR-V that its validator takes, with bindings of the layouts below.
-        let module = unsafe { self.device.create_shader_module_passthrough(descriptor) };
-        let (pack_layout, pack) = self.pack(interface, case);
-        let (item_layout, items, answers) = self.items(case);
+        unsafe { self.device.create_shader_module_passthrough(descriptor) }
+    }
+
+    /// A module of WGSL, by way of naga.
+    pub fn wgsl(&self, source: String) -> ShaderModule {
+        let source = ShaderSource::Wgsl(source.into());
+        self.device.create_shader_module(ShaderModuleDescriptor { label: None, source })
+    }
+
+    /// The answers of a module to queries. `groups` are those of the queries and of the pack.
+    pub fn evaluate(
+        &self,
+        module: &ShaderModule,
+        groups: [u32; 2],
+        queries: &[Query],
+        (bindings, frame): (&[Binding<'_>], FrameBlock),
+    ) -> Vec<[f32; 4]> {
+        let (pack_layout, pack) = loader::bind(&self.device, &self.queue, bindings, frame);
+        let (item_layout, items, answers) = self.items(queries);
         let mut layouts = [Some(&item_layout), Some(&pack_layout)];
         if groups[0] == 1 {
             layouts.reverse();
@@ -61,7 +76,7 @@ impl Vulkan {
         let pipeline = self.device.create_compute_pipeline(&ComputePipelineDescriptor {
             label: None,
             layout: Some(&layout),
-            module: &module,
+            module,
             entry_point: Some("evaluate"),
             compilation_options: PipelineCompilationOptions::default(),
             cache: None,
@@ -86,129 +101,55 @@ impl Vulkan {
     }
 
     /// Queries and answers.
-    fn items(&self, case: &Case) -> (BindGroupLayout, BindGroup, Buffer) {
-        let contents: Vec<f32> = case.queries.iter().flatten().flatten().copied().collect();
+    fn items(&self, queries: &[Query]) -> (BindGroupLayout, BindGroup, Buffer) {
         let buffer = |contents, usage| {
             self.device.create_buffer_init(&util::BufferInitDescriptor { label: None, contents, usage })
         };
-        let queries = buffer(bytemuck::cast_slice(&contents), BufferUsages::STORAGE);
+        let queries = buffer(bytemuck::cast_slice(queries), BufferUsages::STORAGE);
         let answers = buffer(&vec![0; 16 * SIDE * SIDE], BufferUsages::STORAGE | BufferUsages::COPY_SRC);
-        let ty = |read_only| BindingType::Buffer {
-            ty: BufferBindingType::Storage { read_only },
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        };
-        let (layout, group) =
-            self.group(&[(0, ty(true), queries.as_entire_binding()), (1, ty(false), answers.as_entire_binding())]);
-        (layout, group, answers)
-    }
-
-    /// What a pack binds.
-    fn pack(&self, interface: &Interface, case: &Case) -> (BindGroupLayout, BindGroup) {
-        let mut bound = Vec::new();
-        for (slot, _, resource) in case.bound() {
-            let kind = &interface.bindings.iter().find(|bound| bound.binding == slot).unwrap().kind;
-            bound.push((slot, self.resource(&resource, kind)));
-        }
-        let entries: Vec<_> = bound
-            .iter()
-            .map(|(binding, (ty, resource))| {
-                let resource = match resource {
-                    Made::Buffer(buffer) => buffer.as_entire_binding(),
-                    Made::Texture(view) => BindingResource::TextureView(view),
-                    Made::Sampler(sampler) => BindingResource::Sampler(sampler),
-                };
-                (*binding, *ty, resource)
-            })
-            .collect();
-        self.group(&entries)
-    }
-
-    fn group(&self, entries: &[(u32, BindingType, BindingResource<'_>)]) -> (BindGroupLayout, BindGroup) {
-        let entry = |(binding, ty, _): &(u32, BindingType, BindingResource<'_>)| BindGroupLayoutEntry {
-            binding: *binding,
+        let entry = |binding, read_only| BindGroupLayoutEntry {
+            binding,
             visibility: ShaderStages::COMPUTE,
-            ty: *ty,
+            ty: BindingType::Buffer {
+                ty: BufferBindingType::Storage { read_only },
+                has_dynamic_offset: false,
+                min_binding_size: None,
+            },
             count: None,
         };
-        let layouts: Vec<_> = entries.iter().map(entry).collect();
-        let descriptor = BindGroupLayoutDescriptor { label: None, entries: &layouts };
+        let descriptor = BindGroupLayoutDescriptor { label: None, entries: &[entry(0, true), entry(1, false)] };
         let layout = self.device.create_bind_group_layout(&descriptor);
-        let entries: Vec<_> = entries
-            .iter()
-            .map(|(binding, _, resource)| BindGroupEntry { binding: *binding, resource: resource.clone() })
-            .collect();
-        let group =
-            self.device.create_bind_group(&BindGroupDescriptor { label: None, layout: &layout, entries: &entries });
-        (layout, group)
-    }
-
-    fn resource(&self, resource: &Resource<'_>, kind: &BindingKind) -> (BindingType, Made) {
-        match (resource, kind) {
-            (Resource::Uniform(bytes), _) => {
-                let descriptor =
-                    util::BufferInitDescriptor { label: None, contents: bytes, usage: BufferUsages::UNIFORM };
-                let ty = BufferBindingType::Uniform;
-                let ty = BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
-                (ty, Made::Buffer(self.device.create_buffer_init(&descriptor)))
-            }
-            (Resource::Sampler { repeats }, _) => {
-                let mode = if *repeats { AddressMode::Repeat } else { AddressMode::ClampToEdge };
-                let sampler = self.device.create_sampler(&SamplerDescriptor {
-                    address_mode_u: mode,
-                    address_mode_v: mode,
-                    mag_filter: FilterMode::Linear,
-                    min_filter: FilterMode::Linear,
-                    mipmap_filter: MipmapFilterMode::Linear,
-                    ..Default::default()
-                });
-                (BindingType::Sampler(SamplerBindingType::Filtering), Made::Sampler(sampler))
-            }
-            (Resource::Texture(texels), BindingKind::Texture { dimension, samples }) => {
-                let view_dimension = match dimension.as_str() {
-                    "3d" => TextureViewDimension::D3,
-                    "2d-array" => TextureViewDimension::D2Array,
-                    _ => TextureViewDimension::D2,
-                };
-                let full = [TexelFormat::Rg32Float, TexelFormat::Rgba32Float].contains(&texels.format);
-                let sample_type = match samples.as_str() {
-                    "uint" => TextureSampleType::Uint,
-                    _ => TextureSampleType::Float { filterable: !full },
-                };
-                (
-                    BindingType::Texture { sample_type, view_dimension, multisampled: false },
-                    self.texture(texels, view_dimension),
-                )
-            }
-            (resource, kind) => panic!("{resource:?} for {kind:?}"),
-        }
-    }
-
-    fn texture(&self, texels: &Texels<'_>, dimension: TextureViewDimension) -> Made {
-        let [width, height, depth_or_array_layers] = match texels.extent {
-            Extent::D2([width, height]) => [width, height, 1],
-            Extent::D2Array(size) | Extent::D3(size) => size,
-        };
-        let is_volume = dimension == TextureViewDimension::D3;
-        let descriptor = TextureDescriptor {
-            label: None,
-            size: Extent3d { width, height, depth_or_array_layers },
-            mip_level_count: texels.levels,
-            sample_count: 1,
-            dimension: if is_volume { TextureDimension::D3 } else { TextureDimension::D2 },
-            format: texture_format(texels.format),
-            usage: TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        };
-        let order = TextureDataOrder::MipMajor;
-        let texture = self.device.create_texture_with_data(&self.queue, &descriptor, order, &texels.bytes);
-        Made::Texture(texture.create_view(&TextureViewDescriptor { dimension: Some(dimension), ..Default::default() }))
+        let bound = |binding, buffer| BindGroupEntry { binding, resource: Buffer::as_entire_binding(buffer) };
+        let entries = &[bound(0, &queries), bound(1, &answers)];
+        let group = self.device.create_bind_group(&BindGroupDescriptor { label: None, layout: &layout, entries });
+        (layout, group, answers)
     }
 }
 
-/// What was uploaded.
-enum Made {
-    Buffer(Buffer),
-    Texture(TextureView),
-    Sampler(Sampler),
+/// A module whose bindings of a group are numbered as wgpu's layouts of Vulkan number them: one after the other, whatever their
+/// slots are. It does the same to WGSL, and leaves it to the user with modules that are handed through.
+fn numbered(words: &[u32], group: u32, pack: &[Binding<'_>]) -> Vec<u32> {
+    const DECORATE: u32 = 71;
+    const BINDING: u32 = 33;
+    const SET: u32 = 34;
+    let mut words = words.to_vec();
+    // Places and targets of instructions "OpDecorate target decoration literal".
+    let (mut bindings, mut of_group) = (Vec::new(), Vec::new());
+    let mut at = 5;
+    while at < words.len() {
+        let (count, code) = ((words[at] >> 16) as usize, words[at] & 0xffff);
+        if code == DECORATE && words[at + 2] == BINDING {
+            bindings.push((at + 3, words[at + 1]));
+        } else if code == DECORATE && words[at + 2] == SET && words[at + 3] == group {
+            of_group.push(words[at + 1]);
+        }
+        at += count;
+    }
+    for (place, target) in bindings {
+        if of_group.contains(&target) {
+            let slot = words[place];
+            words[place] = pack.iter().filter(|binding| binding.slot < slot).count() as u32;
+        }
+    }
+    words
 }

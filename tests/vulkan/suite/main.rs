@@ -1,10 +1,14 @@
 //! SPIR-V of 'brdfc shader', and HLSL that glslang makes SPIR-V of, on whatever Vulkan driver there is: unchecked and untouched
-//! by wgpu, as an engine would hand it over. Each against the CPU decoder at 10,000 queries a pack.
+//! by wgpu, as an engine would hand it over. Each against the CPU decoder at 10,000 queries a pack. And the WGSL of a codec that
+//! exists nowhere else, by the loader that binds all of them.
 
 mod device;
+mod loader;
 
+use brdfc_formats::bindings::PackFile;
 use brdfc_shaders::{Decoder, Language, shader};
-use brdfc_testing::engines::{Case, cases, check};
+use brdfc_testing::engines::{Case, SIDE, cases, check};
+use brdfc_testing::gradient;
 use device::Vulkan;
 use std::process::Command;
 
@@ -18,9 +22,9 @@ fn answers(vulkan: &Vulkan, cases: &[Case], module: impl Fn(Decoder) -> (Vec<u32
     cases
         .iter()
         .map(|case| {
-            let interface = shader(case.decoder, Language::Spirv).interface;
             let (words, groups) = module(case.decoder);
-            vulkan.evaluate(&words, groups, &interface, case)
+            let module = vulkan.spirv(&words, groups[1], &case.bindings);
+            vulkan.evaluate(&module, groups, &case.queries, (&case.bindings, case.frame))
         })
         .collect()
 }
@@ -93,4 +97,28 @@ fn hlsl_agrees_with_the_cpu() {
     let module = |decoder| (modules.iter().find(|(other, _)| *other == decoder).unwrap().1.clone(), [1, 0]);
     let cases = cases();
     check("HLSL", &cases, &answers(&vulkan, &cases, module));
+}
+
+#[test]
+fn a_codec_that_exists_nowhere_else_agrees_with_the_cpu() {
+    let Some(vulkan) = Vulkan::open() else { return };
+    let PackFile { bindings, .. } = PackFile::from_bytes(&gradient::file()).unwrap();
+    assert_eq!(bindings.decoder, "gradient");
+    let call = gradient::CALL.replace("vec4(", "vec4<f32>(");
+    let module = vulkan.wgsl(format!(
+        "{}
+@group(0) @binding(0) var<storage, read> queries: array<array<vec4<f32>, 3>>;
+@group(0) @binding(1) var<storage, read_write> answers: array<vec4<f32>>;
+@compute @workgroup_size(64) fn evaluate(@builtin(global_invocation_id) id: vec3<u32>) {{
+    if id.x < {}u {{
+        let a = queries[id.x][0];
+        answers[id.x] = {call};
+    }}
+}}
+",
+        gradient::wgsl(),
+        SIDE * SIDE
+    ));
+    let queries = gradient::queries();
+    gradient::check("wgpu", &vulkan.evaluate(&module, [0, 1], &queries, (&bindings.all, gradient::FRAME)));
 }

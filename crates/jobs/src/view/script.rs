@@ -1,7 +1,8 @@
 //! The script of a page: modules that stand in one scope.
 
-/// In the order in which they use each other. What uploads textures is the package for the web's.
-const MODULES: [&str; 11] = [
+/// In the order in which they use each other. What knows and uploads textures is the package for the web's.
+const MODULES: [&str; 12] = [
+    include_str!("../../../../bindings/web/src/levels.js"),
     include_str!("page/state.js"),
     include_str!("page/data.js"),
     include_str!("page/colour.js"),

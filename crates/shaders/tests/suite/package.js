@@ -1,5 +1,5 @@
 // Loads every case with the package, evaluates it, and posts the answers: bytes of f32, case by case.
-import { loadFlatBtf, loadPack, uploadWebGl, uploadWebGpu } from './dist/index.js';
+import { loadPack, uploadWebGl, uploadWebGpu } from './dist/index.js';
 
 const side = 100;
 const count = side * side;
@@ -8,9 +8,8 @@ async function bytes(path) {
     return new Uint8Array(await (await fetch(path)).arrayBuffer());
 }
 
-async function load(k, { flat, wavelet }) {
-    const options = { filter: 'shader', wavelet };
-    return flat ? loadFlatBtf(`/${k}/x.json`, options) : loadPack(`/${k}/x..ktx2`, options);
+function load(k, { options, shader }) {
+    return loadPack(`/${k}/x.ktx2`, { ...options, shader });
 }
 
 function program(gl, fragment) {
@@ -105,7 +104,11 @@ async function withWebGpu(cases) {
     }
 }`;
         const module = device.createShaderModule({ code });
-        const pipeline = await device.createComputePipelineAsync({ layout: 'auto', compute: { module, entryPoint: 'main' } });
+        const uploaded = uploadWebGpu(device, pack);
+        const buffer = (binding, type) => ({ binding, visibility: GPUShaderStage.COMPUTE, buffer: { type } });
+        const asking = device.createBindGroupLayout({ entries: [buffer(0, 'read-only-storage'), buffer(1, 'storage')] });
+        const layout = device.createPipelineLayout({ bindGroupLayouts: [asking, uploaded.layout] });
+        const pipeline = await device.createComputePipelineAsync({ layout, compute: { module, entryPoint: 'main' } });
         const { STORAGE, COPY_DST, COPY_SRC, MAP_READ } = GPUBufferUsage;
         const queries = await bytes(`/${k}/queries`);
         const asked = device.createBuffer({ size: queries.length, usage: STORAGE | COPY_DST });
@@ -113,13 +116,11 @@ async function withWebGpu(cases) {
         const answers = device.createBuffer({ size: 16 * count, usage: STORAGE | COPY_SRC });
         const copy = device.createBuffer({ size: 16 * count, usage: MAP_READ | COPY_DST });
         const entries = [{ binding: 0, resource: { buffer: asked } }, { binding: 1, resource: { buffer: answers } }];
-        const group = (index, entries) => device.createBindGroup({ layout: pipeline.getBindGroupLayout(index), entries });
         const encoder = device.createCommandEncoder();
         const pass = encoder.beginComputePass();
         pass.setPipeline(pipeline);
-        pass.setBindGroup(0, group(0, entries));
-        const uploaded = uploadWebGpu(device, pack);
-        pass.setBindGroup(1, group(1, uploaded.entries));
+        pass.setBindGroup(0, device.createBindGroup({ layout: asking, entries }));
+        pass.setBindGroup(1, uploaded.group);
         pass.dispatchWorkgroups(Math.ceil(count / 64));
         pass.end();
         encoder.copyBufferToBuffer(answers, 0, copy, 0, 16 * count);
@@ -138,7 +139,7 @@ async function withWebGpu(cases) {
 /** As users of three.js do: its textures, its uniforms. */
 async function withThree(cases) {
     const THREE = await import('three');
-    const { packGlsl, packUniforms } = await import('./dist/three.js');
+    const { packBindings } = await import('./dist/three.js');
     const renderer = new THREE.WebGLRenderer({ canvas: new OffscreenCanvas(side, side) });
     renderer.debug.onShaderError = (gl, made, vertex, fragment) => {
         throw new Error(gl.getShaderInfoLog(fragment) || gl.getProgramInfoLog(made));
@@ -154,11 +155,13 @@ async function withThree(cases) {
             texture.needsUpdate = true;
             return { value: texture };
         };
+        const { uniforms, uniformsGroups } = packBindings(pack, renderer);
         const material = new THREE.ShaderMaterial({
             glslVersion: THREE.GLSL3,
-            uniforms: { ...packUniforms(pack, renderer), query_a: query(0), query_b: query(1), query_c: query(2) },
+            uniformsGroups,
+            uniforms: { ...uniforms, query_a: query(0), query_b: query(1), query_c: query(2) },
             vertexShader: 'void main() { gl_Position = vec4(position.xy, 0.0, 1.0); }',
-            fragmentShader: `${packGlsl(pack)}
+            fragmentShader: `${pack.shader.essl300}
 uniform highp sampler2D query_a;
 uniform highp sampler2D query_b;
 uniform highp sampler2D query_c;

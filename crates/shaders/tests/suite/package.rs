@@ -2,11 +2,13 @@
 //! `bindings/web/build` makes the package.
 
 use crate::browser::{call, numbers};
+use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::wavelet::Filter;
 use brdfc_shaders::Decoder;
 use brdfc_testing::browser::{File, result_of_page};
-use brdfc_testing::engines::{Case, cases, check};
-use serde_json::json;
+use brdfc_testing::engines::{Case, Query, cases, check};
+use brdfc_testing::gradient;
+use serde_json::{Value, json};
 
 const PAGE: &str = "<!doctype html><meta charset=utf-8><title>brdfc</title>
 <script type=importmap>{ \"imports\": { \"three\": \"/three/three.module.js\" } }</script>
@@ -41,23 +43,35 @@ fn agrees(api: &str) {
     let cases: Vec<Case> = cases().into_iter().filter(loaded).collect();
     let mut files: Vec<(String, &str, Vec<u8>)> = Vec::new();
     let mut listed = Vec::new();
-    for (k, case) in cases.iter().enumerate() {
-        let group = |g: usize| case.queries.iter().flat_map(move |query| query[g]);
+    let mut add = |name: &str, file: Vec<u8>, queries: &[Query], frame: FrameBlock, mut item: Value| {
+        let k = listed.len();
+        let group = |g: usize| queries.iter().flat_map(move |query| query[g]);
         let queries = (0..3).flat_map(group).flat_map(f32::to_le_bytes).collect();
         files.push((format!("{k}/queries"), "application/octet-stream", queries));
-        files.push((format!("{k}/x.ktx2"), "image/ktx2", case.files[0].clone()));
-        let wavelet = match case.frame.blend {
+        files.push((format!("{k}/x.ktx2"), "image/ktx2", file));
+        let wavelet = match frame.blend {
             Filter::Nearest => "nearest",
             Filter::Slices => "slices",
             Filter::Bilinear => "bilinear",
         };
-        listed.push(json!({
-            "name": case.name,
-            "wavelet": wavelet,
-            "glsl": call(case.decoder),
-            "wgsl": wgsl_call(case.decoder),
-        }));
+        let filter = if frame.sampler_filters { "sampler" } else { "shader" };
+        item["name"] = name.into();
+        item["options"] = json!({
+            "filter": filter, "wavelet": wavelet, "distanceScale": frame.distance_scale, "verify": true,
+        });
+        listed.push(item);
+    };
+    for case in &cases {
+        let calls = json!({ "glsl": call(case.decoder), "wgsl": wgsl_call(case.decoder) });
+        add(&case.name, case.files[0].clone(), &case.queries, case.frame, calls);
     }
+    // The package has no decoder of this one.
+    let unknown = json!({
+        "glsl": gradient::CALL,
+        "wgsl": gradient::CALL.replace("vec4(", "vec4<f32>("),
+        "shader": { "essl300": gradient::ESSL300, "wgsl": gradient::wgsl() },
+    });
+    add("gradient", gradient::file(), &gradient::queries(), gradient::FRAME, unknown);
     let list = json!({ "api": api, "cases": listed }).to_string();
     let mut served: Vec<File<'_>> = vec![
         ("", "text/html", PAGE.as_bytes()),
@@ -67,7 +81,10 @@ fn agrees(api: &str) {
     served.extend(built.iter().map(|(name, bytes)| (name.as_str(), "text/javascript", bytes.as_slice())));
     served.extend(files.iter().map(|(name, media, bytes)| (name.as_str(), *media, bytes.as_slice())));
     let Some(posted) = result_of_page(&served) else { return };
-    check(&format!("package, {api}"), &cases, &numbers(&posted, cases.len()));
+    let found = numbers(&posted, listed.len());
+    let (of_gradient, of_cases) = found.split_last().unwrap();
+    check(&format!("package, {api}"), &cases, of_cases);
+    gradient::check(&format!("package, {api}"), of_gradient);
 }
 
 #[test]

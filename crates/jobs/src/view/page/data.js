@@ -1,5 +1,7 @@
 // What stands in the page, unpacked.
 
+import { levelSize } from '../../../../../bindings/web/src/levels.js';
+
 /**
  * Bytes of a text: Base64 of what zlib compressed.
  *
@@ -75,8 +77,7 @@ export async function contentsOf(resource) {
     const { format, dimension, size, texelBytes, levels } = resource;
     const all = [];
     for (let level = 0, at = 0; level < levels; level += 1) {
-        const [width, height] = size.map((side) => Math.max(side >> level, 1));
-        const length = width * height * size[2] * texelBytes;
+        const length = levelSize({ dimension, size }, level).reduce((product, side) => product * side, texelBytes);
         all.push(bytes.slice(at, at + length));
         at += length;
     }
