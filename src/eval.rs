@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 /// z = normal; other columns are kept); f_r,f_g,f_b (1/sr, linear RGB) are appended, in place of columns of these names. Scans are smoothed at the asked
 /// directions themselves, packs are filtered bilinearly.
 ///
-/// Of a polynomial wavelet tree ('brdfc pwt') and of the folder of a flat BTF the CSV says where: u,v (0 to 1, across and
+/// Of a polynomial wavelet tree ('brdfc pwt') and of a flat BTF the CSV says where: u,v (0 to 1, across and
 /// down), wi_x,wi_y,wi_z, and for a flat BTF wo_x,wo_y,wo_z; r,g,b (linear, 1 is white) are appended.
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -31,7 +31,7 @@ Examples:
   brdfc eval icon.ktx2 --directions texels.csv
   brdfc eval button --directions texels.csv")]
 pub struct Arguments {
-    /// A path, - for stdin, or synth:MODEL?param=value&...; the folder of a flat BTF.
+    /// A path, - for stdin, or synth:MODEL?param=value&...; a flat BTF or its folder.
     input: Input,
     /// Direction pairs or texels, or - for stdin.
     #[arg(long, value_name = "IN.csv")]

@@ -22,7 +22,7 @@ use std::time::Instant;
 
 /// Make a polynomial wavelet tree: photographs of one view under known lights as a pack that is lit from anywhere.
 ///
-/// INPUT is a folder of photographs with a list of lights (.lp), the list, a BTF (a folder of images or a .btf file) or the folder of a flat BTF,
+/// INPUT is a folder of photographs with a list of lights (.lp), the list, a BTF (a folder of images or a .btf file) or a flat BTF,
 /// of which one view is taken, or a polynomial texture map (.ptm). Coordinates, degree, smoothness and scale are chosen by
 /// what they do at lights that a fit has not seen, and terms get the resolution that they need. With an output .ptm a
 /// polynomial texture map is fitted, for viewers that know no packs.

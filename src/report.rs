@@ -37,8 +37,7 @@ Examples:
   brdfc report packs -o report.html --against last-week/report.json --tolerance 5%
   brdfc report button -o button.html")]
 pub struct Arguments {
-    /// The folder that 'brdfc build' or 'brdfc flatten' filled, or in it the report.json of a build, the NAME.json of a flat
-    /// BTF.
+    /// The folder that 'brdfc build' filled, or the report.json in it; a flat BTF, or the folder with it.
     #[arg(value_name = "DIR")]
     folder: PathBuf,
     /// The page to write: .html.

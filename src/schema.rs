@@ -43,11 +43,11 @@ enum Report {
     Shader,
     /// 'brdfc pwt --json'.
     Pwt,
-    /// 'brdfc info --json' of a structure, a mesh, a height map, images, or a part of a flat BTF.
+    /// 'brdfc info --json' of a structure, a mesh, a height map, or images.
     InfoSurface,
     /// 'brdfc flatten --json'.
     Flatten,
-    /// NAME.json in the folder of a flat BTF, and 'brdfc info --json' and 'brdfc report --json' of one.
+    /// 'brdfc info --json' and 'brdfc report --json' of a flat BTF.
     FlatBtf,
     /// 'brdfc plan --format json'.
     Plan,

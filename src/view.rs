@@ -31,7 +31,7 @@ Examples:
   brdfc view button -o button.html                          a flat BTF
   brdfc view icon.ktx2 -o icon.html                         photographs under any light")]
 pub struct Arguments {
-    /// Packs, flat BTFs (their folder or .json), folders of builds, or materials: paths, - for stdin, or
+    /// Packs, flat BTFs (their file or folder), folders of builds, or materials: paths, - for stdin, or
     /// synth:MODEL?param=value&... The first one is on the left, the second one on the right.
     #[arg(required = true, value_name = "PACK")]
     inputs: Vec<Input>,

@@ -29,7 +29,7 @@ use std::path::Path;
 /// Where A is a light stack (a folder with an .lp, or the list), B is what 'brdfc pwt' made of it, a pack or a .ptm, or another stack of
 /// the same lights: they are compared photograph by photograph, as sRGB codes and by ΔE.
 ///
-/// Where A is a flat BTF (the folder that 'brdfc flatten' wrote, or its .json), B is another of the same surface, such as a smaller one:
+/// Where A is a flat BTF (the file that 'brdfc flatten' wrote, or its folder), B is another of the same surface, such as a smaller one:
 /// they are compared at random places, for views and lights that A has and for others, by ΔE.
 #[derive(Debug, Args)]
 #[command(after_help = "\

@@ -23,7 +23,7 @@ pub struct Arguments {
     /// Folder of the file, NAME.ktx2; made if there is none.
     #[arg(long, short, value_name = "DIR")]
     pub(super) out: PathBuf,
-    /// Name of the asset's files (default: the folder's).
+    /// Name of the file, without .ktx2 (default: the folder's).
     #[arg(long)]
     pub(super) name: Option<String>,
     /// Relief of a folder of BTF images or a .btf file: mesh, height map or structure (default: the plane).

@@ -30,22 +30,21 @@ use serde::Serialize;
 /// Of a mesh: whether it closes over the tile, and what would be mended. Of a folder of images: what is missing. Of
 /// photographs under known lights, of polynomial texture maps and polynomial wavelet trees: lights and sizes.
 ///
-/// Schemas of --json: 'info'; with --files 'files'; of a flat BTF 'flat-btf'; of a part of one, a structure, a mesh, a height map or images
-/// 'info-surface'; of a bandwidth map 'bandwidth'.
+/// Schemas of --json: 'info'; with --files 'files'; of a flat BTF 'flat-btf'; of a structure, a mesh, a height map or images 'info-surface';
+/// of a bandwidth map 'bandwidth'.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   brdfc info paint.brdf
   brdfc info red.ktx2 --json
   brdfc info bricks.obj
-  brdfc info button/button.json
+  brdfc info button
   brdfc info red.ktx2 --files --json")]
 pub struct Arguments {
-    /// A path, synth:MODEL?param=value&... or synth:STRUCTURE?...; of a flat BTF its folder, its .json, or any of its
-    /// parts; a mesh, a height map, a folder of images or a .btf file for 'brdfc flatten'; a light stack, as its .lp or its
-    /// folder; a .ptm. - is stdin.
+    /// A path, synth:MODEL?param=value&... or synth:STRUCTURE?...; a flat BTF, or its folder; a mesh, a height map, a folder
+    /// of images or a .btf file for 'brdfc flatten'; a light stack, as its .lp or its folder; a .ptm. - is stdin.
     input: Input,
-    /// Of a pack or a flat BTF: each KTX2 file's texels, sizes and entries; with --json the entries themselves, in Base64, and
+    /// Of a pack: texels, sizes and entries of the KTX2 file and of its images; with --json the entries themselves, in Base64, and
     /// what a device has to offer. Loaders of ordinary KTX2 files drop entries.
     #[arg(long)]
     files: bool,
@@ -94,7 +93,7 @@ enum Other {
     PwtPack(PwtFacts),
 }
 
-/// What `--json` prints of what 'brdfc flatten' takes, and of a part of a flat BTF.
+/// What `--json` prints of what 'brdfc flatten' takes.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 pub struct SurfaceReport {
     /// Layout of this report.

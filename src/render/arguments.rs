@@ -33,7 +33,7 @@ Examples:
 
 A manifest says what is shown in its [render] table, see docs/scene.md. Without a Vulkan driver the exit code is 5.")]
 pub struct Arguments {
-    /// A scene manifest, a pack, the folder or the .json of a flat BTF, or anything that can be encoded: a path or
+    /// A scene manifest, a pack, a flat BTF or its folder, or anything that can be encoded: a path or
     /// synth:MODEL?param=value&..., or - for a material or a pack from stdin.
     #[arg(value_name = "SCENE.toml|INPUT")]
     pub(super) input: Input,
@@ -103,7 +103,7 @@ pub struct Arguments {
     /// Use the adapter whose name contains this (default: the fastest).
     #[arg(long, value_name = "NAME")]
     pub(super) adapter: Option<String>,
-    /// Of a flat BTF: every view and light, or normal map and diffuse colours (default: full where the folder has views).
+    /// Of a flat BTF: every view and light, or normal map and diffuse colours (default: full where the file has views).
     #[arg(long, value_enum)]
     pub(super) form: Option<FormName>,
     /// Of a flat BTF: tiles per unit of the scene's uv, 1 to 1024 (default: 4 on plane, bottle, vase and teapot, else 8); of a

@@ -1,4 +1,4 @@
-//! The parts `flat.VVV` and `mask`: values of the flat BTF for one view and all lights, and which of them were seen.
+//! Values of the flat BTF for one view and all lights, before they are factored, and which texels each view sees.
 
 use super::layout::{VERSION, check_square, floats, square_layers, word, words, wrong_extent};
 use crate::FormatError;

@@ -63,9 +63,9 @@ pub struct ModelRow {
 /// the sampled views and lights. Holes are filled by Poisson inpainting unless said otherwise.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct ReconstructionRow {
-    /// Through the stored indirection map, as a shader reads it: what a renderer shows of an uncompressed asset.
+    /// Through an indirection map of directions and distances, as a shader reads it.
     pub through_map: ImageErrors,
-    /// Through the stored displacements: what a renderer shows of others.
+    /// Through the stored displacements: what a renderer shows.
     pub through_displacements: ImageErrors,
     /// With exact rays in place of the map: what the flat BTF alone loses.
     pub exact_rays: ImageErrors,

@@ -13,8 +13,7 @@ pub(super) fn check_bytes(name: &str, bytes: u64) -> Result<(), ViewError> {
     if bytes <= MOST_BYTES {
         return Ok(());
     }
-    let allowed = "256 MiB in a page: fewer materials, or of a flat BTF the factored form, which 'brdfc flatten' writes without \
-                   --uncompressed";
+    let allowed = "256 MiB in a page: fewer materials, or smaller ones";
     Err(ViewError::refused(name, format!("{} of textures", brdfc_core::words::bytes(bytes)), allowed))
 }
 

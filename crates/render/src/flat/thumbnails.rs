@@ -68,10 +68,7 @@ fn tile(material: &FlatMaterial) -> Vec<FlatPicture> {
         (x * x + y * y).sqrt()
     };
     let offsets = field(moved);
-    let heights = field(|uv| at(uv, along)[2]);
-    let [low, high] = ends(&heights);
     let largest = ends(&offsets)[1];
-    let above: Vec<f32> = heights.iter().map(|height| height - low).collect();
     let picture = |caption: String, panel: Panel| FlatPicture { caption, panel };
     vec![
         picture("seen and lit along the normal".to_owned(), lit(along, along)),
@@ -81,7 +78,6 @@ fn tile(material: &FlatMaterial) -> Vec<FlatPicture> {
             format!("offsets at {slanted:.0}°: dark 0 to light {largest:.2} in u and v"),
             scaled(&offsets, f64::from(largest)),
         ),
-        picture(format!("heights: dark {low:.3} to light {high:.3} tiles"), scaled(&above, f64::from(high - low))),
     ]
 }
 
@@ -218,7 +214,7 @@ mod tests {
     #[test]
     fn every_picture_has_its_size_and_offsets_reach_both_ends_of_their_scale() {
         let pictures = pictures();
-        assert_eq!([pictures.tile.len(), pictures.texels.len(), pictures.scenes.len()], [5, 3, 2]);
+        assert_eq!([pictures.tile.len(), pictures.texels.len(), pictures.scenes.len()], [4, 3, 2]);
         for picture in pictures.tile.iter().chain(&pictures.texels).chain(&pictures.scenes) {
             let Panel { width, height, rgb } = &picture.panel;
             assert_eq!([*width, *height, rgb.len()], [SIDE, SIDE, 3 * SIDE * SIDE], "{}", picture.caption);

@@ -92,8 +92,8 @@ pub(super) fn text(settings: &StudySettings, rows: &[ModelRow]) -> String {
         settings.largest_angle
     );
     text += "Table 1: colour difference (L*a*b*) of BTFs rebuilt by equation 1; maximum and variance of means of images. Through \
-         displacements: as they are stored, what a renderer shows; through the map: by the indirection map of uncompressed \
-         assets; exact rays: in place of both, what the flat BTF alone loses\n";
+         displacements: as they are stored, what a renderer shows; through the map: by an indirection map of \
+         directions and distances; exact rays: in place of both, what the flat BTF alone loses\n";
     let header = ["model", "through displacements", "max", "variance", "through the map", "max", "variance"];
     let header = [&header[..], &["exact rays", "max", "variance"]].concat();
     let header = [&header[..], &["paper", "mean", "max", "variance"]].concat();
