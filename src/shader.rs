@@ -31,7 +31,7 @@ Examples:
   brdfc shader wavelet --language spirv -o wavelet.spv
   brdfc shader table --language glsl --json")]
 pub struct Arguments {
-    /// table, wavelet, flat-btf, pwt, bandwidth or importance; or or a pack.
+    /// table, wavelet, flat-btf, pwt, bandwidth or importance; or a pack.
     #[arg(value_name = "KIND")]
     kind: OsString,
     /// The language.

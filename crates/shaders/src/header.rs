@@ -39,7 +39,7 @@ pub(crate) fn header(decoder: Decoder, language: Language, interface: &Interface
     say(0, "");
     say(0, "What to bind");
     for binding in &interface.bindings {
-        let Some(declared) = declared(language, binding) else { continue };
+        let Some(declared) = declared(language, interface, binding) else { continue };
         say(4, &declared);
         if !binding.about.is_empty() {
             say(8, &binding.about);
@@ -68,7 +68,7 @@ fn paste(language: Language) -> &'static str {
 }
 
 /// A binding as the language declares it; nothing where it has none of its own.
-fn declared(language: Language, binding: &Binding) -> Option<String> {
+fn declared(language: Language, interface: &Interface, binding: &Binding) -> Option<String> {
     let Binding { binding: number, name, kind, .. } = binding;
     let place = match language {
         Language::Wgsl | Language::Spirv => format!("group 1, binding {number}: "),
@@ -84,7 +84,10 @@ fn declared(language: Language, binding: &Binding) -> Option<String> {
         place
             + &match kind {
                 BindingKind::Uniform { block, bytes, .. } => match language {
-                    Language::Glsl | Language::Essl300 => format!("uniform block {block}Block (std140), {bytes} bytes"),
+                    Language::Glsl | Language::Essl300 => format!(
+                        "uniform block {} (std140), {bytes} bytes",
+                        interface.block_name(binding).unwrap_or_default()
+                    ),
                     _ => format!("uniform block {name} of the type {block}, {bytes} bytes"),
                 },
                 BindingKind::Texture { dimension, samples } => {

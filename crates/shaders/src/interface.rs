@@ -12,6 +12,19 @@ pub struct Interface {
     pub functions: Vec<Function>,
 }
 
+impl Interface {
+    /// The name that GLSL has for the block of a binding: that of its struct, with the slot where several blocks have one struct.
+    pub fn block_name(&self, binding: &Binding) -> Option<String> {
+        let of = |binding: &Binding| match &binding.kind {
+            BindingKind::Uniform { block, .. } => Some(block.clone()),
+            _ => None,
+        };
+        let block = of(binding)?;
+        let is_alone = self.bindings.iter().filter(|other| of(other).as_ref() == Some(&block)).count() == 1;
+        Some(if is_alone { format!("{block}Block") } else { format!("{block}Block{}", binding.binding) })
+    }
+}
+
 /// A uniform block, a texture or a sampler.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Binding {

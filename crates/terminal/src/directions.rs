@@ -1,13 +1,13 @@
 //! Sets of directions and maps of views, as flags name them.
 
 use crate::CliError;
+use brdfc_core::words::format_number;
 use brdfc_formats::FormatError;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::flat_btf::{IndirectionHeader, MAX_AZIMUTH_SAMPLES, MAX_ZENITH_SAMPLES};
+use brdfc_readers::direction_list;
 use brdfc_source::Input;
 use brdfc_source::read::MAX_TEXT_BYTES;
-use brdfc_core::words::format_number;
-use brdfc_readers::direction_list;
 use std::path::Path;
 
 /// Views of the indirection map where nothing is said: azimuths as close as those of `ubo2003` at its largest polar angle, where

@@ -37,8 +37,10 @@ pub(crate) fn piece(source: &str, interface: &Interface, language: Language) -> 
     let reflection = writer.write().map_err(|error| error.to_string())?;
     for (handle, block) in &reflection.uniforms {
         let variable = &parsed.module.global_variables[*handle];
-        let ty = parsed.module.types[variable.ty].name.as_deref().unwrap_or_default();
-        text = text.replace(block.as_str(), &format!("{ty}Block"));
+        let name = variable.name.as_deref().unwrap_or_default();
+        let binding = interface.bindings.iter().find(|binding| binding.name == name);
+        let named = binding.and_then(|binding| interface.block_name(binding)).unwrap_or_default();
+        text = text.replace(block.as_str(), &named);
     }
     for binding in &interface.bindings {
         if binding.kind != BindingKind::Sampler {

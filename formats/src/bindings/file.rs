@@ -42,7 +42,11 @@ impl Bindings<'_> {
             }
         }
         let file = self.of_file().expect("a pack has a texture of its own");
-        checksum::sealed(file.to_texture(entries), supercompress)
+        let mut texture = file.to_texture(entries);
+        texture.entries.insert(checksum::ENTRY.to_owned(), vec![0; checksum::BYTES]);
+        let mut bytes = texture.to_bytes(supercompress);
+        checksum::seal(&mut bytes);
+        bytes
     }
 }
 

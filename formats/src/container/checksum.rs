@@ -1,20 +1,12 @@
 //! The checksum of a pack: the entry `brdfc.checksum`, by which damage anywhere in a file is found.
 
-use super::texture::Texture;
 use crate::FormatError;
 
 /// CRC-32 (as of zip and PNG) of the whole file, with these four bytes taken as zero.
 pub(crate) const ENTRY: &str = "brdfc.checksum";
 
-const BYTES: usize = 4;
-
-/// The bytes of a file with a checksum.
-pub(crate) fn sealed(mut texture: Texture, supercompress: bool) -> Vec<u8> {
-    texture.entries.insert(ENTRY.to_owned(), vec![0; BYTES]);
-    let mut bytes = texture.to_bytes(supercompress);
-    seal(&mut bytes);
-    bytes
-}
+/// Bytes of its value.
+pub(crate) const BYTES: usize = 4;
 
 /// Puts the right checksum into the bytes of a pack, if they have an entry for it: for tools that change a file, and for
 /// tests of what damage the other checks find.

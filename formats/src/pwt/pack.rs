@@ -1,9 +1,8 @@
 //! A pack in memory, and its file.
 
 use super::header::{MAX_TEXTURES, PWT_ENTRY, PwtErrors, PwtHeader, TextureHeader};
-use super::shader::PwtParameters;
 use crate::FormatError;
-use crate::bindings::{Binding, Bindings, PackFile, Texels};
+use crate::bindings::PackFile;
 use crate::container::entries::entry;
 use crate::container::{Extent, MAX_TEXEL_BYTES, TexelFormat, Texture};
 use std::collections::BTreeMap;
@@ -17,9 +16,7 @@ pub struct PwtPack {
 }
 
 /// The bindings of the textures. A pack has the first ones.
-const TEXTURES: [&str; MAX_TEXTURES] = ["pwt_texture_0", "pwt_texture_1", "pwt_texture_2", "pwt_texture_3"];
-/// The slot of the first; the uniform block is before it.
-const FIRST_TEXTURE: u32 = 10;
+pub(super) const TEXTURES: [&str; MAX_TEXTURES] = ["pwt_texture_0", "pwt_texture_1", "pwt_texture_2", "pwt_texture_3"];
 
 impl TextureHeader {
     /// How its texels are stored.
@@ -104,26 +101,6 @@ impl PwtPack {
     pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
         let entries = BTreeMap::from([(PWT_ENTRY.to_owned(), self.header.to_bytes())]);
         self.bindings().to_file(entries, supercompress)
-    }
-
-    /// What its shader has bound.
-    pub fn bindings(&self) -> Bindings<'_> {
-        const SAMPLER: &str = "pwt_sampler";
-        let texels = |index: usize| {
-            let Some(header) = self.header.textures.get(index) else {
-                return Texels::empty(TexelFormat::R8Unorm, Extent::D2Array([1; 3]));
-            };
-            let texels = Texels::new(header.texel_format(), self.texture_shape(index), &self.texels[index][..]);
-            let texels = texels.with_levels(self.levels_of(index));
-            if index == 0 { texels.of_file() } else { texels }
-        };
-        let textures = TEXTURES
-            .iter()
-            .enumerate()
-            .map(|(index, name)| Binding::texture(FIRST_TEXTURE + index as u32, name, texels(index).sampled(SAMPLER)));
-        let first = [Binding::frame(), Binding::uniform(FIRST_TEXTURE - 1, "pwt", PwtParameters::to_bytes(self))];
-        let sampler = Binding::sampler(FIRST_TEXTURE + MAX_TEXTURES as u32, SAMPLER, self.header.repeats);
-        Bindings::new("pwt", first.into_iter().chain(textures).chain([sampler]))
     }
 
     /// Reads and checks a KTX2 file.

@@ -1,7 +1,9 @@
 //! What a shader needs besides the textures of a pack: `formats/src/pwt/pwt.wgsl` and its uniform block.
 
 use super::header::{MAX_COMPONENTS, MAX_TEXTURES, TextureHeader};
-use super::pack::PwtPack;
+use super::pack::{PwtPack, TEXTURES};
+use crate::bindings::{Binding, Bindings, Texels};
+use crate::container::{Extent, TexelFormat};
 
 /// The WGSL decoder. It declares a uniform block, four textures and a sampler in bind group 1; see the file.
 pub const PWT_WGSL: &str = concat!(include_str!("../bindings/frame.wgsl"), include_str!("pwt.wgsl"));
@@ -46,5 +48,29 @@ impl PwtParameters {
         }
         words.resize(Self::SIZE / 4, 0);
         words.into_iter().flat_map(u32::to_le_bytes).collect()
+    }
+}
+
+impl PwtPack {
+    /// What its shader has bound.
+    pub fn bindings(&self) -> Bindings<'_> {
+        /// The slot of the first texture; the uniform block is before it.
+        const FIRST_TEXTURE: u32 = 10;
+        const SAMPLER: &str = "pwt_sampler";
+        let texels = |index: usize| {
+            let Some(header) = self.header().textures.get(index) else {
+                return Texels::empty(TexelFormat::R8Unorm, Extent::D2Array([1; 3]));
+            };
+            let texels = Texels::new(header.texel_format(), self.texture_shape(index), self.texels(index));
+            let texels = texels.with_levels(self.levels_of(index));
+            if index == 0 { texels.of_file() } else { texels }
+        };
+        let textures = TEXTURES
+            .iter()
+            .enumerate()
+            .map(|(index, name)| Binding::texture(FIRST_TEXTURE + index as u32, name, texels(index).sampled(SAMPLER)));
+        let first = [Binding::frame(), Binding::uniform(FIRST_TEXTURE - 1, "pwt", PwtParameters::to_bytes(self))];
+        let sampler = Binding::sampler(FIRST_TEXTURE + MAX_TEXTURES as u32, SAMPLER, self.header().repeats);
+        Bindings::new("pwt", first.into_iter().chain(textures).chain([sampler]))
     }
 }

@@ -2,8 +2,7 @@
 
 use super::curve::{CURVE, Curve};
 use super::header::{TABLE_ENTRY, TableHeader, UNIFORM_BYTES};
-use super::shader::TableBrdfParameters;
-use crate::bindings::{Binding, Bindings, PackFile, Texels};
+use crate::bindings::PackFile;
 use crate::container::entries::{entry, sized};
 use crate::container::{Extent, TexelFormat, half, rgb10a2};
 use crate::crop::{Crop, DirectionRange, Window};
@@ -155,27 +154,6 @@ impl TablePack {
             BTreeMap::from([(TABLE_ENTRY.to_owned(), self.header.to_bytes()), (ERRORS.to_owned(), errors)]);
         entries.extend(self.crop.as_ref().map(Crop::entry));
         self.bindings().to_file(entries, supercompress)
-    }
-
-    /// What its shader has bound.
-    pub fn bindings(&self) -> Bindings<'_> {
-        const SAMPLER: &str = "table_brdf_sampler";
-        let curve = match &self.curve {
-            Some(curve) => Texels::new(curve.texel_format(), curve.extent(), curve.texels()).sampled(SAMPLER),
-            None => Texels::empty(TexelFormat::R16Float, Extent::D2([1; 2])).sampled(SAMPLER),
-        };
-        let texels = Texels::new(self.header.texel_format(), Extent::D3(self.extent()), &self.texels[..]);
-        let parameters = TableBrdfParameters::new(self).to_bytes().to_vec();
-        Bindings::new(
-            "table",
-            [
-                Binding::frame(),
-                Binding::uniform(1, "table_brdf_parameters", parameters),
-                Binding::texture(2, "table_brdf_texels", texels.of_file().sampled(SAMPLER)),
-                Binding::sampler(3, SAMPLER, false),
-                Binding::texture(4, CURVE, curve),
-            ],
-        )
     }
 
     /// Reads and checks a KTX2 file.

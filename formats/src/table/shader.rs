@@ -1,9 +1,11 @@
 //! What a shader needs besides a pack's texture: `formats/src/table/decode.wgsl` and its uniform block.
 
-use super::curve::Curve;
+use super::curve::{CURVE, Curve};
 use super::header::{KNOTS, TableHeader, UNIFORM_BYTES};
 use super::pack::TablePack;
 use crate::arc_tangent::arc_tangent_wgsl;
+use crate::bindings::{Binding, Bindings, Texels};
+use crate::container::{Extent, TexelFormat};
 use crate::crop::Window;
 
 /// The WGSL decoder. It declares a uniform block, two textures and a sampler in bind group 1; see the file.
@@ -71,5 +73,28 @@ impl TableBrdfParameters {
             target.copy_from_slice(&word.to_le_bytes());
         }
         bytes
+    }
+}
+
+impl TablePack {
+    /// What its shader has bound.
+    pub fn bindings(&self) -> Bindings<'_> {
+        const SAMPLER: &str = "table_brdf_sampler";
+        let curve = match self.curve() {
+            Some(curve) => Texels::new(curve.texel_format(), curve.extent(), curve.texels()).sampled(SAMPLER),
+            None => Texels::empty(TexelFormat::R16Float, Extent::D2([1; 2])).sampled(SAMPLER),
+        };
+        let texels = Texels::new(self.header().texel_format(), Extent::D3(self.extent()), self.texels());
+        let parameters = TableBrdfParameters::new(self).to_bytes().to_vec();
+        Bindings::new(
+            "table",
+            [
+                Binding::frame(),
+                Binding::uniform(1, "table_brdf_parameters", parameters),
+                Binding::texture(2, "table_brdf_texels", texels.of_file().sampled(SAMPLER)),
+                Binding::sampler(3, SAMPLER, false),
+                Binding::texture(4, CURVE, curve),
+            ],
+        )
     }
 }

@@ -1,14 +1,14 @@
 //! Factored flat BTFs: known answers of the decoder, its filter, the shader's block, and files that come back or are refused.
 
-use brdfc_formats::container::Texture;
+use brdfc_formats::FormatError;
+use brdfc_formats::container::PackedTexture;
 use brdfc_formats::flat_btf::factored::shader::{FACTORED_WGSL, FactoredParameters};
 use brdfc_formats::flat_btf::factored::{
     BASE_LAYERS, BaseTable, BaseTexel, BasisMap, FactoredErrors, FactoredFlatBtf, FactoredHeader, ShadowFormat,
     ShadowMap, WeightMap, WeightRange, from_opponent, to_opponent,
 };
 use brdfc_formats::flat_btf::shader::FLAT_BTF_WGSL;
-use brdfc_formats::flat_btf::{BlendedDirection, ViewWeights, unit_vectors};
-use brdfc_formats::FormatError;
+use brdfc_formats::flat_btf::{BlendedDirection, FlatBtfFile, ViewWeights, unit_vectors};
 use brdfc_testing::flat_btf::{
     Factors, SMALL, Sizes, base_table, directions, factored, factored_example, only, towards, weights,
 };
@@ -160,12 +160,9 @@ fn sums_of_both_widths() {
 #[test]
 fn the_committed_asset_has_known_values() {
     let packs = packs("flat_btf");
-    let file = |part: &str| packs[&format!("factored.{part}.ktx2")].as_slice();
-    let basis = BasisMap::from_bytes(file("basis")).unwrap();
-    assert_eq!(&basis, factored_example().basis(), "the rules that made it");
-    let weights = WeightMap::from_bytes(file("weights")).unwrap();
-    let shadow = ShadowMap::from_bytes(file("shadow")).unwrap();
-    let asset = FactoredFlatBtf::new(basis, weights, Some(shadow)).unwrap();
+    let file = FlatBtfFile::from_bytes(&packs["factored.ktx2"]).unwrap();
+    let asset = file.decoder.parts().values.factored().expect("it is factored");
+    assert_eq!(asset.basis(), factored_example().basis(), "the rules that made it");
     for (texel, view, light, expected) in [
         // In shadow.
         ([0, 0], 0, 0, [0.0; 3]),
@@ -218,7 +215,7 @@ fn parts_come_back_and_tell_what_they_are() {
         }
         let files = [Some(asset.basis().to_bytes(true)), Some(asset.weights().to_bytes(true))];
         let shadow = asset.shadow().map(|map| map.to_bytes(true));
-        let texels = |file: Vec<u8>| Texture::from_bytes(&file).unwrap().texel_bytes();
+        let texels = |file: Vec<u8>| PackedTexture::from_bytes(&file).unwrap().texel_bytes();
         let bytes: u64 = files.into_iter().chain([shadow]).flatten().map(texels).sum();
         assert_eq!(asset.gpu_bytes(), bytes);
     }

@@ -129,7 +129,7 @@ fn names_and_folders() {
     let folder = Folder::new();
     folder.write("folder/file.txt", b"x");
     refused(&folder, &["info", "gone.binary"], 4, &["brdfc: gone.binary: cannot read: "]);
-    refused(&folder, &["info", "folder"], 3, &["brdfc: folder: flat BTF: found no file of one; allowed "]);
+    refused(&folder, &["info", "folder"], 3, &["brdfc: folder: stack: found no images; allowed files "]);
     let told = "brdfc: folder: file: found a folder; allowed a file or a pipe";
     refused(&folder, &["encode", "folder", "-o", "p.ktx2"], 3, &[told]);
     refused(&folder, &["info", "folder/file.txt"], 3, &["file name: found extension .txt; allowed .binary (MERL)"]);

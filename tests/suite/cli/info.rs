@@ -3,6 +3,7 @@
 use super::schemas::conforms;
 use crate::common::cli::{Folder, inputs};
 use brdfc_formats::importance::{ImportanceHeader, ImportancePack};
+use brdfc_testing::packs::sealed;
 
 #[test]
 fn files_of_what_is_not_there_cannot_be_read() {
@@ -123,7 +124,7 @@ fn importance_samples_are_told_from_other_packs() {
     texels[5][3] = 2.0;
     let bytes = ImportancePack::new(header, texels).unwrap().to_bytes(false);
     let at = bytes.windows(4).rposition(|word| word == 2.0f32.to_le_bytes()).unwrap();
-    folder.write("q.ktx2", [&bytes[..at], &(-2.0f32).to_le_bytes(), &bytes[at + 4..]].concat());
+    folder.write("q.ktx2", sealed([&bytes[..at], &(-2.0f32).to_le_bytes(), &bytes[at + 4..]].concat()));
     let ran = folder.run(&["info", "q.ktx2"]);
     assert_eq!(ran.code, 3);
     assert!(ran.stderr.contains("q.ktx2: importance texel (2, 1)"), "{}", ran.stderr);
@@ -154,7 +155,7 @@ fn polynomial_wavelet_trees_are_told_from_other_packs() {
     }
     // A broken one is told by its field, and commands that want a BRDF say what it is.
     let at = bytes.windows(4).position(|word| word == 35.0f32.to_le_bytes()).unwrap();
-    folder.write("q.ktx2", [&bytes[..at], &f32::NAN.to_le_bytes(), &bytes[at + 4..]].concat());
+    folder.write("q.ktx2", sealed([&bytes[..at], &f32::NAN.to_le_bytes(), &bytes[at + 4..]].concat()));
     let ran = folder.run(&["info", "q.ktx2"]);
     assert_eq!(ran.code, 3);
     assert!(ran.stderr.contains("q.ktx2: brdfc.pwt held-out psnr: found NaN"), "{}", ran.stderr);
@@ -260,7 +261,9 @@ fn flat_btfs_and_damaged_ones() {
         for arguments in [["info", file], ["report", "knit"]] {
             let more: &[&str] = if arguments[0] == "report" { &["-o", "page.html"] } else { &[] };
             let ran = folder.run(&[&arguments[..], more].concat());
-            assert_eq!(ran.code, 3, "{at} {arguments:?} {}", ran.stderr);
+            // A folder without any file of ours is one of a build, whose report is missing.
+            let code = if at == 0 && arguments[0] == "report" { 4 } else { 3 };
+            assert_eq!(ran.code, code, "{at} {arguments:?} {}", ran.stderr);
         }
     }
 }

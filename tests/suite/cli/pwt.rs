@@ -1,8 +1,8 @@
 //! `brdfc pwt`, and what is done with its packs.
 
-use brdfc_formats::flat_btf::FlatBtfFile;
 use super::schemas::conforms;
 use crate::common::cli::Folder;
+use brdfc_formats::flat_btf::FlatBtfFile;
 use brdfc_formats::pwt::PwtPack;
 use brdfc_jobs::btf_stack::StackFormat;
 use brdfc_jobs::light_stack::write_light_stack;

@@ -371,7 +371,7 @@ fn wrong_arguments() {
         (&["render", "p.ktx2", "--contact", "c.jpg"], 2, "--contact: found c.jpg; allowed a name that ends in .png"),
         (&["render", "p.ktx2", "--contact", "c.png", "-o", "i.png"], 2, "cannot be used with"),
         (&["render", "p.ktx2", "--contact", "c.png", "--repeat", "3"], 2, "--repeat: found with p.ktx2"),
-        (&["render", ".", "--contact", "c.png"], 2, "--contact: found with ., a flat BTF; allowed with BRDFs"),
+        (&["render", ".", "--contact", "c.png"], 3, ".: file: found a folder; allowed a file or a pipe"),
         (&["render", "synth:lewis", "--source", "p.ktx2"], 2, "--source: found with synth:lewis"),
         (&["render", "synth:lewis", "--ranking", "loud"], 2, "allowed energy or visible"),
     ] {

@@ -123,7 +123,9 @@ fn a_ball_by_three_js_is_that_of_render() {
 /// Flattens buttons; the folder gets `button.ktx2`.
 fn flatten_buttons(folder: &Folder) {
     let small = ["--texels", "32", "--views", "grid:3x8@60", "--lights", "grid:3x8@60", "--indirection", "8x12"];
-    folder.run(&[&["flatten", "synth:button?resolution=48", "-o", "."][..], &small].concat()).succeeded();
+    folder
+        .run(&[&["flatten", "synth:button?resolution=48", "-o", ".", "--name", "button"][..], &small].concat())
+        .succeeded();
 }
 
 #[test]

@@ -69,18 +69,20 @@ impl<'g> Kernels<'g> {
                 immediate_size: 0,
             })
         };
-        let Layouts { frame, packs, storage, surroundings } = &layouts;
-        let of_points = layout(&[Some(frame), None, Some(storage)]);
-        let of_materials = layout(&[Some(frame), Some(&packs.layout), Some(storage), Some(surroundings)]);
+        let Layouts { points, packs, surroundings } = &layouts;
+        let of_points = layout(&[Some(points)]);
+        let of_materials = layout(&[Some(points), Some(&packs.layout), Some(surroundings)]);
         let pipeline = |layout, name| {
-            gpu.device.create_compute_pipeline(&ComputePipelineDescriptor {
+            let made = gpu.device.create_compute_pipeline(&ComputePipelineDescriptor {
                 label: Some(name),
                 layout: Some(layout),
                 module: &module,
                 entry_point: Some(name),
                 compilation_options: Default::default(),
                 cache: None,
-            })
+            });
+            std::mem::forget(made.clone());
+            made
         };
         let kernels = Self {
             gpu,
@@ -124,11 +126,10 @@ impl<'g> Kernels<'g> {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor::default());
         pass.set_pipeline(step);
-        pass.set_bind_group(0, &on.frame_group, &[]);
-        pass.set_bind_group(2, &on.storage_group, &[]);
+        pass.set_bind_group(0, &on.group, &[]);
         if let Some(material) = material {
             pass.set_bind_group(1, &material.packs, &[]);
-            pass.set_bind_group(3, &material.surroundings, &[]);
+            pass.set_bind_group(2, &material.surroundings, &[]);
         }
         pass.dispatch_workgroups(groups.min(ROW_OF_GROUPS), groups.div_ceil(ROW_OF_GROUPS), 1);
         drop(pass);

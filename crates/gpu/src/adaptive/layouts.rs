@@ -20,11 +20,10 @@ const LOOKUPS: [(u32, wgpu::BindingType); 8] = [
     (36, UNFILTERED),
 ];
 
-/// Groups 0 to 3 of `points.wgsl`, in their order.
+/// Groups 0 to 2, in their order: without gaps, as a gap has been seen to crash a driver (lavapipe of Mesa 22.3).
 pub(super) struct Layouts {
-    pub(super) frame: BindGroupLayout,
+    pub(super) points: BindGroupLayout,
     pub(super) packs: Slots,
-    pub(super) storage: BindGroupLayout,
     pub(super) surroundings: BindGroupLayout,
 }
 
@@ -36,10 +35,10 @@ impl Layouts {
         };
         let storage = buffer_type(BufferBindingType::Storage { read_only: false });
         let (uniform, image) = (UNIFORM, UNFILTERED);
-        let frame = group("frame", &[uniform, uniform, uniform, image, image, image]);
-        let written = group("storage", &[storage; STORAGE_BUFFERS as usize]);
+        let seen = [uniform, uniform, uniform, image, image, image];
+        let points = group("points", &[&seen[..], &[storage; STORAGE_BUFFERS as usize]].concat());
         let packs = Slots::new(gpu, "packs", ShaderStages::COMPUTE, pack::SLOTS.into_iter().chain(LOOKUPS));
         let surroundings = group("surroundings", &[image, image]);
-        Self { frame, packs, storage: written, surroundings }
+        Self { points, packs, surroundings }
     }
 }

@@ -63,19 +63,19 @@ struct Node {
 @group(0) @binding(5) var tangents: texture_2d<f32>;
 
 // Of each point: bandwidth in the picture, deviation, curvature, angular bandwidth.
-@group(2) @binding(0) var<storage, read_write> predicted: array<vec4<f32>>;
-@group(2) @binding(1) var<storage, read_write> nodes: array<Node>;
+@group(0) @binding(6) var<storage, read_write> predicted: array<vec4<f32>>;
+@group(0) @binding(7) var<storage, read_write> nodes: array<Node>;
 // Of each node its radiance, and 1 where it has one.
-@group(2) @binding(2) var<storage, read_write> computed: array<vec4<f32>>;
+@group(0) @binding(8) var<storage, read_write> computed: array<vec4<f32>>;
 // Of each node of the level under way: what becomes of it, samples, the point it stands for, its part.
-@group(2) @binding(3) var<storage, read_write> outcomes: array<vec4<u32>>;
+@group(0) @binding(9) var<storage, read_write> outcomes: array<vec4<u32>>;
 // Point, first sample, samples.
-@group(2) @binding(4) var<storage, read_write> slices: array<vec4<u32>>;
+@group(0) @binding(10) var<storage, read_write> slices: array<vec4<u32>>;
 // Node, first slice, slices, samples.
-@group(2) @binding(5) var<storage, read_write> gathers: array<vec4<u32>>;
+@group(0) @binding(11) var<storage, read_write> gathers: array<vec4<u32>>;
 // Of each slice its sum, of each stretch of points the sum of deviations.
-@group(2) @binding(6) var<storage, read_write> sums: array<vec4<f32>>;
-@group(2) @binding(7) var<storage, read_write> image: array<vec4<f32>>;
+@group(0) @binding(12) var<storage, read_write> sums: array<vec4<f32>>;
+@group(0) @binding(13) var<storage, read_write> image: array<vec4<f32>>;
 
 const NONE: u32 = 0xffffffffu;
 // The level of points that show no surface.

@@ -33,8 +33,7 @@ pub struct LoadedGBuffer {
     pub(super) levels: Vec<[usize; 3]>,
     pub(super) settings: Buffer,
     pub(super) job: Buffer,
-    pub(super) frame_group: BindGroup,
-    pub(super) storage_group: BindGroup,
+    pub(super) group: BindGroup,
     pub(super) storage: Storage,
 }
 
@@ -105,7 +104,6 @@ pub(super) fn allocate(
     let (settings, job) = (uniform(SETTINGS_WORDS), uniform(8));
     let uniforms = [&picture, &settings, &job].map(Buffer::as_entire_binding);
     let seen = uniforms.into_iter().chain(target.views().map(BindingResource::TextureView));
-    let frame_group = bindings::group(gpu, &layouts.frame, (0..).zip(seen));
     let points = (size[0] * size[1]) as u64;
     let storage = Storage {
         predicted: storage(gpu, VECTOR * points),
@@ -127,21 +125,10 @@ pub(super) fn allocate(
         &storage.sums,
         &storage.image,
     ];
-    let storage_group = bindings::group(gpu, &layouts.storage, (0..).zip(all.map(Buffer::as_entire_binding)));
+    let group = bindings::group(gpu, &layouts.points, (0..).zip(seen.chain(all.map(Buffer::as_entire_binding))));
     gpu.check()?;
     let camera = *camera;
-    Ok(LoadedGBuffer {
-        frame,
-        camera,
-        antialiasing_levels,
-        size,
-        levels,
-        settings,
-        job,
-        frame_group,
-        storage_group,
-        storage,
-    })
+    Ok(LoadedGBuffer { frame, camera, antialiasing_levels, size, levels, settings, job, group, storage })
 }
 
 fn storage(gpu: &Gpu, bytes: u64) -> Buffer {

@@ -67,6 +67,8 @@ fn wgsl(decoder: Decoder) -> String {
 @group(0) @binding(0) var<storage, read> queries: array<vec4<f32>>;
 @group(0) @binding(1) var<storage, read_write> answers: array<vec4<f32>>;
 @compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3<u32>) {{
+    // Bound by all packs, whether their decoders read it or not.
+    _ = brdfc_frame.blend;
     if id.x < {count}u {{
         let a = queries[id.x];
         let b = queries[{count}u + id.x];
@@ -104,11 +106,11 @@ fn page_of(api: &str, asked: &[Asked<'_>]) -> (Value, Vec<u8>) {
             let bound = interface.bindings.iter().find(|bound| bound.binding == slot).unwrap();
             assert_eq!(bound.name, name);
             let mut entry = match (resource, &bound.kind) {
-                (Resource::Uniform(bytes), BindingKind::Uniform { block, bytes: size, .. }) => {
+                (Resource::Uniform(bytes), BindingKind::Uniform { bytes: size, .. }) => {
                     assert_eq!(bytes.len(), *size as usize, "{name}");
                     let mut entry = add(&bytes);
                     entry["kind"] = "uniform".into();
-                    entry["block"] = block.as_str().into();
+                    entry["block"] = interface.block_name(bound).into();
                     entry
                 }
                 (Resource::Sampler { repeats }, BindingKind::Sampler) => {

@@ -118,7 +118,7 @@ function withWebGl(cases, blobs) {
                 const buffer = gl.createBuffer();
                 gl.bindBufferBase(gl.UNIFORM_BUFFER, blocks, buffer);
                 gl.bufferData(gl.UNIFORM_BUFFER, blobs(resource), gl.STATIC_DRAW);
-                const block = gl.getUniformBlockIndex(program, `${resource.block}Block`);
+                const block = gl.getUniformBlockIndex(program, resource.block);
                 if (block !== gl.INVALID_INDEX) {
                     gl.uniformBlockBinding(program, block, blocks);
                 }

@@ -43,7 +43,7 @@ fn interfaces_are_those_of_the_blocks() {
     for decoder in Decoder::ALL {
         let interface = shader(decoder, Language::Wgsl).interface;
         let numbers: Vec<u32> = interface.bindings.iter().map(|binding| binding.binding).collect();
-        assert_eq!(numbers, (0..numbers.len() as u32).collect::<Vec<_>>(), "{}", decoder.name());
+        assert!(numbers[0] == 0 && numbers.is_sorted_by(|a, b| a < b), "{}: {numbers:?}", decoder.name());
         for binding in &interface.bindings {
             let BindingKind::Uniform { bytes, fields, .. } = &binding.kind else {
                 assert!(!binding.about.is_empty(), "{}", binding.name);
@@ -56,15 +56,15 @@ fn interfaces_are_those_of_the_blocks() {
     }
     let table = shader(Decoder::Table, Language::Glsl).interface;
     assert_eq!(table.functions[0].signature, "fn table_brdf(wi: vec3<f32>, wo: vec3<f32>) -> vec3<f32>");
-    let BindingKind::Uniform { block, bytes, fields } = &table.bindings[0].kind else { panic!("no block") };
+    let BindingKind::Uniform { block, bytes, fields } = &table.bindings[1].kind else { panic!("no block") };
     assert_eq!((block.as_str(), *bytes), ("TableBrdfParameters", 144));
     let slope = fields.iter().find(|field| field.name == "slope").unwrap();
     assert_eq!((slope.ty.as_str(), slope.offset, slope.about.as_str()), ("f32", 44, "of the rows"));
     assert_eq!(
-        table.bindings[1].kind,
+        table.bindings[2].kind,
         BindingKind::Texture { dimension: "3d".to_owned(), samples: "float".to_owned() }
     );
-    assert_eq!(table.bindings[2].kind, BindingKind::Sampler);
+    assert_eq!(table.bindings[3].kind, BindingKind::Sampler);
 }
 
 #[test]
@@ -72,7 +72,7 @@ fn headers_say_how_a_language_declares_it() {
     let of = |language| text(Decoder::Table, language);
     assert!(of(Language::Glsl).contains("//     vec3 table_brdf(vec3 wi, vec3 wo)\n"));
     assert!(of(Language::Hlsl).contains("//     float3 table_brdf(float3 wi, float3 wo)\n"));
-    assert!(of(Language::Hlsl).contains("\nSamplerState table_brdf_sampler : register(s2);\n"));
+    assert!(of(Language::Hlsl).contains("\nSamplerState table_brdf_sampler : register(s3);\n"));
     assert!(
         of(Language::Essl300).contains(
             "layout(std140) uniform TableBrdfParametersBlock { TableBrdfParameters table_brdf_parameters; };"

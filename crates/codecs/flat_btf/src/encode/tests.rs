@@ -4,9 +4,9 @@ use super::*;
 use crate::factored::FactoredTarget;
 use crate::fill::FillMethod;
 use crate::testing::{Patience, bumps};
+use brdfc_core::address::parse_synth;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::flat_btf::{FlatView, IndirectionHeader};
-use brdfc_core::address::parse_synth;
 
 fn recipe() -> FlattenRecipe {
     FlattenRecipe {
