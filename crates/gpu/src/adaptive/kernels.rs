@@ -73,16 +73,14 @@ impl<'g> Kernels<'g> {
         let of_points = layout(&[Some(points)]);
         let of_materials = layout(&[Some(points), Some(&packs.layout), Some(surroundings)]);
         let pipeline = |layout, name| {
-            let made = gpu.device.create_compute_pipeline(&ComputePipelineDescriptor {
+            gpu.device.create_compute_pipeline(&ComputePipelineDescriptor {
                 label: Some(name),
                 layout: Some(layout),
                 module: &module,
                 entry_point: Some(name),
                 compilation_options: Default::default(),
                 cache: None,
-            });
-            std::mem::forget(made.clone());
-            made
+            })
         };
         let kernels = Self {
             gpu,

@@ -20,7 +20,7 @@ const LOOKUPS: [(u32, wgpu::BindingType); 8] = [
     (36, UNFILTERED),
 ];
 
-/// Groups 0 to 2, in their order: without gaps, as a gap has been seen to crash a driver (lavapipe of Mesa 22.3).
+/// Groups 0 to 2, in their order, without gaps.
 pub(super) struct Layouts {
     pub(super) points: BindGroupLayout,
     pub(super) packs: Slots,
