@@ -16,7 +16,7 @@ fn the_default_build_has_no_more_crates() {
         .unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let printed = String::from_utf8(output.stdout).unwrap();
-    // Name and version, without what is said behind them.
+    // Name and version, without the path behind them.
     let name = |line: &str| line.split(' ').take(2).collect::<Vec<_>>().join(" ");
     let crates: BTreeSet<String> = printed.lines().filter(|line| !line.is_empty()).map(name).collect();
     assert!(crates.contains(&format!("brdfc v{}", env!("CARGO_PKG_VERSION"))), "{crates:#?}");

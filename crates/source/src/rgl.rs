@@ -1,5 +1,5 @@
 //! Materials of the RGL database, evaluated as in Dupuy and Jakob 2018, "An adaptive parameterization for efficient
-//! material acquisition and rendering", section 3. The equations stand in `crates/readers/src/rgl.md`.
+//! material acquisition and rendering", section 3. The equations are in `crates/readers/src/rgl.md`.
 
 pub mod resample;
 mod warp;

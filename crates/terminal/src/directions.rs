@@ -10,7 +10,7 @@ use brdfc_source::Input;
 use brdfc_source::read::MAX_TEXT_BYTES;
 use std::path::Path;
 
-/// Views of the indirection map where nothing is said: azimuths as close as those of `ubo2003` at its largest polar angle, where
+/// Views of the indirection map by default: azimuths as close as those of `ubo2003` at its largest polar angle, where
 /// views that are blended lose most.
 pub const INDIRECTION: &str = "16x24";
 

@@ -1,6 +1,6 @@
 //! Commands on the pages of the repository: each line of a fenced `sh` block is run, in the order of the page, in a folder of the
 //! page that holds a copy of the demo scene. A line may end in `# exit code N`. A `text` block right after a `sh` block is what
-//! the block's last line prints, and may stand nowhere else. In it `[..]` stands for what differs from run to run: times and
+//! the block's last line prints, and may be nowhere else. In it `[..]` marks what differs from run to run: times and
 //! adapters.
 //!
 //! A `sh` block behind the comment `<!-- not run: WHY -->` is not run; the flags of its commands are still checked, and no `text`
@@ -29,7 +29,7 @@ const SET_UP: [&str; 16] = [
     "cargo run --release --example ",
     "ninja",
 ];
-/// What stands in the place of times and adapters.
+/// Replaces times and adapters.
 const ANYTHING: &str = "[..]";
 /// How far a number may be from the one on the page: the last digit of mathematical functions is the machine's.
 const TOLERANCE: f64 = 0.01;
@@ -86,7 +86,7 @@ pub fn read(page: &str) -> String {
 pub struct Block {
     /// What it is in.
     pub language: String,
-    /// Where its text stands in the page.
+    /// Where its text is in the page.
     pub at: Range<usize>,
     /// Whether only blank lines part it from the block before.
     follows: bool,

@@ -94,7 +94,7 @@ impl<'a> Texels<'a> {
         Self { stored: Stored::Entry, format, extent, levels: 1, sampler: None, bytes: bytes.into() }
     }
 
-    /// What stands for a texture that the decoder does not read: `extent` has ones.
+    /// One texel of zero, for a texture that the decoder does not read: `extent` has ones.
     pub fn empty(format: TexelFormat, extent: Extent) -> Self {
         let bytes = vec![0; format.texel_bytes()];
         Self { stored: Stored::Empty, ..Self::new(format, extent, bytes) }

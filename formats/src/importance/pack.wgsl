@@ -35,7 +35,7 @@ fn importance_sample(outgoing: vec3<f32>, index: u32) -> ImportanceSample {
     let at = vec2<u32>(index % importance_parameters.samples, importance_row(outgoing));
     let texel = textureLoad(importance_texels, at, 0);
     var half_vector = texel.xyz;
-    if importance_parameters.azimuths == 1u {
+    if importance_is_isotropic() {
         half_vector = importance_turned(texel.xyz, outgoing);
     }
     let projection = outgoing.x * half_vector.x + outgoing.y * half_vector.y + outgoing.z * half_vector.z;
@@ -44,6 +44,12 @@ fn importance_sample(outgoing: vec3<f32>, index: u32) -> ImportanceSample {
         return ImportanceSample(incoming, 0.0);
     }
     return ImportanceSample(incoming, 4.0 * projection / texel.w);
+}
+
+// Whether A is 1. From the texture, as lavapipe of Mesa 22.3 writes past its own memory where a compute shader has many uniform
+// blocks and a late one decides a branch.
+fn importance_is_isotropic() -> bool {
+    return textureDimensions(importance_texels).y == importance_parameters.polar;
 }
 
 // Rows of isotropic materials are for outgoing directions over the tangent.
@@ -63,7 +69,7 @@ fn importance_turned(half_vector: vec3<f32>, outgoing: vec3<f32>) -> vec3<f32> {
 fn importance_row(outgoing: vec3<f32>) -> u32 {
     let root = sqrt(max(1.0 - outgoing.z, 0.0));
     let polar = min(u32(root * f32(importance_parameters.polar)), importance_parameters.polar - 1u);
-    if importance_parameters.azimuths == 1u {
+    if importance_is_isotropic() {
         return polar;
     }
     // From 0 at the tangent by 1 at the bitangent to below 4.

@@ -6,7 +6,7 @@ use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::flat_btf::factored::ShadowFormat;
 use brdfc_formats::flat_btf::{DiffuseMap, FlatBtfDecoder, FlatBtfFile, FlatBtfParts, FlatValues};
 use brdfc_formats::importance::{ImportanceHeader, ImportancePack};
-use brdfc_testing::flat_btf::{Factors, SMALL, Sizes, displacements, factored, mask, parts};
+use brdfc_testing::flat_btf::{Factors, SMALL, Sizes, displacements, factored, factored_example, mask, parts};
 use brdfc_testing::golden::corpus::{add, entries, entry, packs};
 use brdfc_testing::golden::lists::{codecs, corpus, encodes};
 use brdfc_testing::golden::values::of_pack;
@@ -68,13 +68,15 @@ fn flat_btfs() -> Made {
     let fine = parts(Sizes { reference: 2 * reference, ..SMALL }, 13);
     let indirection = displacements(SMALL, reference, 17).into();
     let compact = FlatBtfParts { indirection, values, ..fine };
+    // Its values follow rules that a decoder in another language was written for.
+    let example = FlatBtfParts { values: FlatValues::Factored(Box::new(factored_example())), ..made };
     let file = |parts: FlatBtfParts, mask| {
         FlatBtfFile::new(FlatBtfDecoder::new(parts).expect("parts of one asset"), mask).expect("what a file has")
     };
     let files = [
         ("any-texels", file(light, Some(mask(SMALL, 11)))),
-        ("factored", file(compact.clone(), Some(mask(SMALL, 11)))),
-        ("factored-without-mask", file(compact, None)),
+        ("factored", file(compact, Some(mask(SMALL, 11)))),
+        ("example", file(example, None)),
     ];
     let mut packs: Made = Vec::new();
     for (name, file) in files {

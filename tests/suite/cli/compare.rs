@@ -120,7 +120,7 @@ fn flat_btfs_are_compared() {
     let small = ["--texels", "16", "--flat-texels", "32", "--views", "grid:2x3@40", "--lights", "grid:3x6@60"];
     for (name, surface, form) in [
         ("whole", "synth:button", &["--max-delta-e", "0.4"][..]),
-        ("small", "synth:button", &["--max-bytes", "12KiB"]),
+        ("small", "synth:button", &["--max-bytes", "26KiB"]),
         ("knit", "synth:knit", &[]),
         ("light", "synth:button", &["--form", "light"]),
     ] {

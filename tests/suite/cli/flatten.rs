@@ -55,6 +55,8 @@ fn every_structure_is_one_file() {
         let errors = &report["report"]["errors"];
         // At 16 x 16 texels, few.
         assert!(number(&errors["at_samples"]["mean"]) < limit, "{name}: {errors}");
+        // Views that are not factored yet were held to this limit when files had them.
+        assert!(name != "button" || number(&errors["views_at_samples"]["mean"]) < 12.0, "{errors}");
         let within: Value = serde_json::from_str(&file(&folder, name).report).unwrap();
         assert_eq!(within["report"], report["report"]);
         let mut told = report.clone();

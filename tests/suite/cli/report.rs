@@ -228,7 +228,7 @@ fn a_flat_btf_has_a_page_of_its_own() {
     // Without views there is nothing to hold the light form against.
     flatten("light", &["--form", "light"]);
     folder.run(&["report", "light", "-o", "light.html"]).succeeded();
-    assert_eq!(pictures(&folder.text("light.html")), 5 + 3 + 2);
+    assert_eq!(pictures(&folder.text("light.html")), 4 + 3 + 2);
 
     let refused = |code: i32, words: &str, arguments: &[&str]| {
         let ran = folder.run(&[&["report"], arguments].concat());

@@ -9,16 +9,8 @@ use wgpu::{BindGroupLayout, BufferBindingType, ShaderStages};
 pub(super) const STORAGE_BUFFERS: u32 = 8;
 
 /// What the look-ups of importance samples and bandwidth maps have bound behind the decoders of packs.
-const LOOKUPS: [(u32, wgpu::BindingType); 8] = [
-    (29, UNIFORM),
-    (30, UNFILTERED),
-    (31, UNIFORM),
-    (32, UNFILTERED),
-    (33, UNIFORM),
-    (34, UNFILTERED),
-    (35, UNIFORM),
-    (36, UNFILTERED),
-];
+const LOOKUPS: [(u32, wgpu::BindingType); 6] =
+    [(29, UNIFORM), (30, UNFILTERED), (31, UNIFORM), (32, UNFILTERED), (35, UNIFORM), (36, UNFILTERED)];
 
 /// Groups 0 to 2, in their order, without gaps.
 pub(super) struct Layouts {

@@ -76,10 +76,10 @@ pub struct Settings {
     pub stretch_rounds: usize,
     /// Which form was made.
     pub form: Form,
-    /// What was asked of the factors that stand for all views; nothing of the light form.
+    /// Target of the factors that replace all views; none in the light form.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub factored: Option<FactoredTarget>,
-    /// Whether displacements of two bytes stand for the indirection map.
+    /// Whether displacements of two bytes replace the indirection map.
     #[serde(default)]
     pub compact: bool,
     /// Whether files are compressed with Zstandard.

@@ -62,13 +62,14 @@ fn wgsl(decoder: Decoder) -> String {
         }
         _ => &call,
     };
+    // Packs bind the frame block even where no called function reads it; an automatic layout has only what is read.
+    let frame = if piece.contains("brdfc_frame") { "_ = brdfc_frame.blend;" } else { "" };
     format!(
         "{piece}
 @group(0) @binding(0) var<storage, read> queries: array<vec4<f32>>;
 @group(0) @binding(1) var<storage, read_write> answers: array<vec4<f32>>;
 @compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3<u32>) {{
-    // Bound by all packs, whether their decoders read it or not.
-    _ = brdfc_frame.blend;
+    {frame}
     if id.x < {count}u {{
         let a = queries[id.x];
         let b = queries[{count}u + id.x];

@@ -43,7 +43,7 @@ fn interfaces_are_those_of_the_blocks() {
     for decoder in Decoder::ALL {
         let interface = shader(decoder, Language::Wgsl).interface;
         let numbers: Vec<u32> = interface.bindings.iter().map(|binding| binding.binding).collect();
-        assert!(numbers[0] == 0 && numbers.is_sorted_by(|a, b| a < b), "{}: {numbers:?}", decoder.name());
+        assert!(numbers.is_sorted_by(|a, b| a < b), "{}: {numbers:?}", decoder.name());
         for binding in &interface.bindings {
             let BindingKind::Uniform { bytes, fields, .. } = &binding.kind else {
                 assert!(!binding.about.is_empty(), "{}", binding.name);

@@ -1,4 +1,4 @@
-//! Flat BTFs as files: what is written is read, and what is none is said.
+//! Flat BTFs as files: what is written is read, and other files are refused.
 
 use brdfc_formats::flat_btf::factored::ShadowFormat;
 use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfFile, FlatBtfParts, FlatValues};

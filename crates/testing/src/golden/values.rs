@@ -198,7 +198,7 @@ fn pwt(pack: PwtPack) -> Hashes {
     values(&numbers)
 }
 
-/// A flat BTF: all values of its maps, what is seen, the light form, and of a factored one the values of all texels in all views
+/// A flat BTF: all values of its maps, its look-ups, the light form, and of a factored one the values of all texels in all views
 /// under all lights, and look-ups at and between mipmap levels.
 fn flat_btf(file: &FlatBtfFile) -> Hashes {
     let mut numbers = Numbers::default();

@@ -44,7 +44,7 @@ pub struct FlattenRecipe {
     pub form: Form,
     /// What factors of the full form are to be like; `None` keeps every view as it is.
     pub factor: Option<FactoredTarget>,
-    /// Whether displacements stand for the indirection map.
+    /// Whether displacements replace the indirection map.
     pub compact: bool,
 }
 

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// What was measured of an asset.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct AssetReport {
-    /// What was mended in a mesh.
+    /// Repairs of a mesh.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[serde(rename = "mended")]
     pub repairs: Option<WeldReport>,
@@ -41,7 +41,7 @@ pub struct AssetErrors {
     /// The light form, normal map and diffuse colour, at the same views and lights.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub light_form: Option<ColourErrors>,
-    /// What `at_samples` would be with every view as it is, where factors stand for them.
+    /// What `at_samples` would be with every view as it is, where factors replace them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub views_at_samples: Option<ColourErrors>,
     /// The same of `between_samples`.
