@@ -17,7 +17,7 @@ const BRDFC: Program = Program {
     name: "brdfc",
     path: env!("CARGO_BIN_EXE_brdfc"),
     starts: &["cargo run --release --features render -- ", "cargo run --release -- ", "brdfc "],
-    others: &["cargo run --release --manifest-path studies/", "brdfc-bench "],
+    others: &["cargo run --release -p brdfc-studies ", "brdfc-bench "],
     draws: |command| command.starts_with("brdfc render ") || command.starts_with("brdfc schema render"),
     renders: cfg!(feature = "render"),
     can_draw: false,

@@ -25,7 +25,7 @@ fn every_command_of_the_studies_works() {
     let counts = run_pages(&Program {
         name: "brdfc-bench",
         path: PROGRAM,
-        starts: &["cargo run --release --manifest-path studies/Cargo.toml -- ", "brdfc-bench "],
+        starts: &["cargo run --release -p brdfc-studies -- ", "brdfc-bench "],
         others: &["cargo run --release -- ", "cargo run --release --features render -- ", "brdfc "],
         draws: |command| DRAW.iter().any(|study| command.contains(&format!("--study {study}"))),
         renders: cfg!(feature = "render"),
@@ -36,7 +36,7 @@ fn every_command_of_the_studies_works() {
 }
 
 #[test]
-fn the_schema_in_the_repository_is_that_of_the_program() {
+fn the_schema_of_the_studies_is_that_of_the_program() {
     if !cfg!(feature = "render") {
         println!("skipped: the schema of studies that draw: needs --features render");
         return;

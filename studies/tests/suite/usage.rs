@@ -61,7 +61,8 @@ fn negative_numbers_are_values() {
 #[cfg(feature = "render")]
 #[test]
 fn without_a_driver_it_says_what_to_install() {
-    let mut command = folder().command(&["--study", "throughput"]);
+    let folder = folder();
+    let mut command = folder.command(&["--study", "throughput"]);
     let output =
         command.env("VK_DRIVER_FILES", "/nonexistent").env("VK_ICD_FILENAMES", "/nonexistent").output().unwrap();
     let stderr = String::from_utf8(output.stderr).unwrap();

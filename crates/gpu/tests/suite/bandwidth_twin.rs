@@ -134,10 +134,10 @@ const CHANGES: [(&str, &str); 16] = [
     ("0.3332986", "0.3333"),
     ("0.99999934", "1.0001"),
     ("incoming * BANDWIDTH_CELLS + outgoing", "outgoing * BANDWIDTH_CELLS + incoming"),
-    ("texture_tiles == 1u", "texture_tiles == 2u"),
+    ("texture_parameters.tiles == 1u", "texture_parameters.tiles == 2u"),
     ("f32(count) - 1.0", "f32(count) - 2.0"),
     ("y < 0.0)", "y > 0.0)"),
-    (".x * bandwidth_parameters.texture_scale", ".x"),
+    (".x * bandwidth_texture_parameters.scale", ".x"),
 ];
 
 #[test]

@@ -1,13 +1,13 @@
 //! All shaders through a second compiler: Tint, that of Chrome and Dawn, is stricter than naga. It runs in Node, by the
 //! package that `scripts/test` installs beside this file.
 
-use brdfc_formats::bandwidth::shader::BANDWIDTH_WGSL;
+use brdfc_formats::bandwidth::propagation::PROPAGATION_WGSL;
 use brdfc_formats::direction_mesh::DIRECTION_MESH_WGSL;
-use brdfc_formats::flat_btf::shader::{FLAT_BTF_WGSL, flat_btf_value_wgsl};
+use brdfc_formats::flat_btf::shader::FLAT_BTF_WGSL;
 use brdfc_formats::table::shader::TABLE_BRDF_WGSL;
 use brdfc_formats::wavelet::shader::WAVELET_BRDF_WGSL;
+use brdfc_shaders::Decoder;
 use serde::{Deserialize, Serialize};
-use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// How the script says that the package does not run here.
@@ -78,39 +78,11 @@ fn complaints(module: &Module, messages: &[Message]) -> String {
     messages.iter().map(line).collect()
 }
 
-/// The files that engines paste before shaders of their own.
+/// What engines paste before shaders of their own.
 fn shipped() -> Vec<Module> {
-    let mut paths = Vec::new();
-    wgsl_files(&brdfc_testing::repository().join("formats/src"), &mut paths);
-    paths.sort();
-    assert!(paths.len() > 5, "{paths:?}");
-    let with_arctangent = [BANDWIDTH_WGSL, FLAT_BTF_WGSL, TABLE_BRDF_WGSL, WAVELET_BRDF_WGSL];
-    let module = |path: PathBuf| {
-        let source = std::fs::read_to_string(&path).unwrap();
-        let source = match path.file_name().and_then(|name| name.to_str()) {
-            // They are pasted behind others.
-            Some("factored.wgsl") => format!("{FLAT_BTF_WGSL}\n{source}"),
-            Some("value.wgsl") => flat_btf_value_wgsl(),
-            // They are pasted with an arctangent.
-            _ => with_arctangent
-                .iter()
-                .find(|whole| whole.starts_with(&source))
-                .map_or(source, |whole| (*whole).to_owned()),
-        };
-        Module::new(path.display().to_string(), source)
-    };
-    paths.into_iter().map(module).collect()
-}
-
-fn wgsl_files(folder: &Path, found: &mut Vec<PathBuf>) {
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            wgsl_files(&path, found);
-        } else if path.extension().is_some_and(|extension| extension == "wgsl") {
-            found.push(path);
-        }
-    }
+    let decoders = Decoder::ALL.map(|decoder| Module::new(decoder.name(), decoder.wgsl()));
+    let others = [("direction mesh", DIRECTION_MESH_WGSL), ("propagation", PROPAGATION_WGSL)];
+    decoders.into_iter().chain(others.map(|(name, source)| Module::new(name, source))).collect()
 }
 
 /// The modules that the renderer compiles.
