@@ -7,4 +7,5 @@ mod common;
 mod dependencies;
 mod determinism;
 mod layers;
+mod library;
 mod readme;

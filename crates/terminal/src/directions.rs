@@ -1,6 +1,6 @@
 //! Sets of directions and maps of views, as flags name them.
 
-use crate::CliError;
+use crate::Error;
 use brdfc_core::words::format_number;
 use brdfc_formats::FormatError;
 use brdfc_formats::direction_set::DirectionSet;
@@ -26,7 +26,7 @@ fn pair(text: &str) -> Option<[u32; 2]> {
 }
 
 /// A set of directions by its name, or from a file.
-pub fn direction_set(option: &str, input: &Input) -> Result<DirectionSet, CliError> {
+pub fn direction_set(option: &str, input: &Input) -> Result<DirectionSet, Error> {
     let text = input.path().and_then(Path::to_str).unwrap_or_default();
     let named = |set: DirectionSet, name: &str| DirectionSet { name: name.to_owned(), ..set };
     match text {
@@ -38,28 +38,28 @@ pub fn direction_set(option: &str, input: &Input) -> Result<DirectionSet, CliErr
         let parsed = grid.split_once('@').and_then(|(size, angle)| Some((pair(size)?, angle.parse::<f64>().ok()?)));
         let Some(([zeniths, azimuths], angle)) = parsed else {
             let allowed = "grid:ZxA@DEGREES, such as grid:5x12@75";
-            return Err(CliError::Usage(format!("--{option}: found {text}; allowed {allowed}")));
+            return Err(Error::usage(format!("--{option}: found {text}; allowed {allowed}")));
         };
         if zeniths == 1 {
             let allowed = "2 polar angles or more: the first is the zenith, to which azimuths and DEGREES say nothing";
-            return Err(CliError::Usage(format!("--{option}: found {text}; allowed {allowed}")));
+            return Err(Error::usage(format!("--{option}: found {text}; allowed {allowed}")));
         }
         return DirectionSet::grid(zeniths as usize, azimuths as usize, angle)
             .map(|set| named(set, text))
-            .map_err(|error| CliError::Usage(format!("--{option}: {error}")));
+            .map_err(|error| Error::usage(format!("--{option}: {error}")));
     }
     if !input.is_stdin() && input.extension()? != "csv" {
         let allowed = "ubo2003, ubo2014, grid:ZxA@DEGREES, a .csv file, or - for one from stdin";
-        return Err(CliError::Usage(format!("--{option}: found {input}; allowed {allowed}")));
+        return Err(Error::usage(format!("--{option}: found {input}; allowed {allowed}")));
     }
     let bytes = input.read(MAX_TEXT_BYTES)?;
     direction_list::from_csv(&bytes)
         .map(|set| named(set, &input.short_name()))
-        .map_err(|error| CliError::Input(format!("{input}: {error}")))
+        .map_err(|error| Error::input(format!("{input}: {error}")))
 }
 
 /// The indirection map that `--texels`, `--indirection` and `--largest-angle`, in degrees, ask for, of any size.
-pub fn map_header(texels: u32, indirection: &str, largest_angle: f64) -> Result<IndirectionHeader, CliError> {
+pub fn map_header(texels: u32, indirection: &str, largest_angle: f64) -> Result<IndirectionHeader, Error> {
     if !(largest_angle > 0.0 && largest_angle <= 89.0) {
         return Err(wrong("largest-angle", &format_number(largest_angle), "above 0, up to 89 degrees"));
     }
@@ -87,6 +87,6 @@ pub fn in_flags(error: &FormatError) -> String {
 }
 
 /// A value of an option that is not allowed.
-pub fn wrong(option: &str, found: &dyn std::fmt::Display, allowed: &str) -> CliError {
-    CliError::Usage(format!("--{option}: found {found}; allowed {allowed}"))
+pub fn wrong(option: &str, found: &dyn std::fmt::Display, allowed: &str) -> Error {
+    Error::usage(format!("--{option}: found {found}; allowed {allowed}"))
 }

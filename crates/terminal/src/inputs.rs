@@ -1,15 +1,15 @@
 //! What is true of all inputs.
 
-use super::CliError;
+use super::Error;
 use brdfc_source::Input;
 
 /// Standard input has one reader. `inputs` are the names of arguments with what they are.
-pub fn refuse_stdin_twice(inputs: &[(&str, Option<&Input>)]) -> Result<(), CliError> {
+pub fn refuse_stdin_twice(inputs: &[(&str, Option<&Input>)]) -> Result<(), Error> {
     let names: Vec<&str> =
         inputs.iter().filter(|(_, input)| input.is_some_and(Input::is_stdin)).map(|(name, _)| *name).collect();
     match names[..] {
         [first, second, ..] => {
-            Err(CliError::Usage(format!("{first} and {second}: found - for both; allowed for one of them")))
+            Err(Error::usage(format!("{first} and {second}: found - for both; allowed for one of them")))
         }
         _ => Ok(()),
     }

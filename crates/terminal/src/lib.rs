@@ -3,7 +3,6 @@
 
 mod common;
 pub mod directions;
-mod error;
 #[cfg(feature = "render")]
 pub mod graphics_environment;
 pub mod inputs;
@@ -12,6 +11,6 @@ mod program;
 pub mod table;
 pub mod usage;
 
+pub use brdfc_jobs::{Error, ErrorKind};
 pub use common::{Common, Flags};
-pub use error::CliError;
 pub use program::run_program;

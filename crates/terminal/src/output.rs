@@ -1,48 +1,30 @@
 //! Results to stdout, remarks to stderr.
 
-use super::{CliError, Common};
+use super::{Common, Error};
+pub use brdfc_jobs::outputs::{check_folder, make_folder, refuse_dash, refuse_overwriting, refuse_overwriting_any, write_file};
 use brdfc_core::Source;
 use brdfc_jobs::output_folder::is_own;
-use brdfc_jobs::write::{is_standard_output, write_atomic};
-use brdfc_source::input_files::files_behind;
+use brdfc_jobs::write::is_standard_output;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use serde::Serialize;
-use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Prints text to stdout.
-pub fn print(text: &str) -> Result<(), CliError> {
+pub fn print(text: &str) -> Result<(), Error> {
     let mut stdout = std::io::stdout().lock();
-    stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()).map_err(|error| {
-        if error.kind() == std::io::ErrorKind::BrokenPipe {
-            CliError::PipeClosed
-        } else {
-            CliError::Io(format!("stdout: cannot write: {error}"))
-        }
-    })
+    stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()).map_err(|error| Error::write("stdout", &error))
 }
 
 /// Prints JSON to stdout.
-pub fn print_json(value: &impl Serialize) -> Result<(), CliError> {
+pub fn print_json(value: &impl Serialize) -> Result<(), Error> {
     print(&to_json(value))
 }
 
 /// JSON with a final newline.
 pub fn to_json(value: &impl Serialize) -> String {
     serde_json::to_string_pretty(value).expect("results are plain data") + "\n"
-}
-
-/// Writes a whole file, or nothing.
-pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), CliError> {
-    write_atomic(path, bytes).map_err(|error| {
-        if error.kind() == std::io::ErrorKind::BrokenPipe {
-            CliError::PipeClosed
-        } else {
-            CliError::write(path, &error)
-        }
-    })
 }
 
 /// Parses the one file that a command writes: `-` is standard output.
@@ -59,14 +41,14 @@ pub fn is_stream(path: &Path) -> bool {
 }
 
 /// A file that could not be written, or would be taken for another kind by its name, is refused before it is made.
-pub fn refuse_unfit_output(path: &Path, allowed: &[&str]) -> Result<(), CliError> {
+pub fn refuse_unfit_output(path: &Path, allowed: &[&str]) -> Result<(), Error> {
     if is_stream(path) {
         return Ok(());
     }
     let is_one = |extension: &OsStr| allowed.iter().any(|allowed| extension.eq_ignore_ascii_case(allowed));
     if !path.extension().is_some_and(is_one) {
         let (found, allowed) = (path.display(), allowed.join(" or ."));
-        return Err(CliError::Usage(format!(
+        return Err(Error::usage(format!(
             "--output: found {found}; allowed a name that ends in .{allowed}, or - for stdout"
         )));
     }
@@ -74,45 +56,21 @@ pub fn refuse_unfit_output(path: &Path, allowed: &[&str]) -> Result<(), CliError
 }
 
 /// Nothing can be written into a folder that is not there.
-pub fn refuse_missing_folder(path: &Path) -> Result<(), CliError> {
+pub fn refuse_missing_folder(path: &Path) -> Result<(), Error> {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() && !folder.exists() => {
-            Err(CliError::write(path, &std::io::Error::other(format!("there is no folder {}", folder.display()))))
+            Err(Error::write(path, &std::io::Error::other(format!("there is no folder {}", folder.display()))))
         }
         _ => Ok(()),
     }
 }
 
-/// An output that is one of the inputs, or of the files that an input is read from, would destroy a measurement. `option` is what names the output.
-pub fn refuse_overwriting(option: &str, output: &Path, inputs: &[&Path]) -> Result<(), CliError> {
-    let Ok(target) = output.canonicalize() else { return Ok(()) };
-    let is_it = |file: &PathBuf| file.canonicalize().is_ok_and(|path| path == target);
-    if target.is_file() && inputs.iter().any(|input| files_behind(input).iter().any(is_it)) {
-        return Err(CliError::Usage(format!("{option}: found {}, an input; allowed another file", output.display())));
-    }
-    Ok(())
-}
-
-/// [`refuse_overwriting`] of many outputs.
-pub fn refuse_overwriting_any(
-    option: &str,
-    outputs: impl IntoIterator<Item = PathBuf>,
-    inputs: &[&Path],
-) -> Result<(), CliError> {
-    let targets: BTreeSet<PathBuf> = inputs.iter().filter_map(|input| input.canonicalize().ok()).collect();
-    let over = |output: &PathBuf| output.canonicalize().is_ok_and(|path| targets.contains(&path));
-    match outputs.into_iter().find(over) {
-        Some(output) => refuse_overwriting(option, &output, inputs),
-        None => Ok(()),
-    }
-}
-
 /// Outputs that are one file: the later would be written over the earlier.
-pub fn refuse_same_outputs(outputs: &[(&str, Option<&Path>)]) -> Result<(), CliError> {
+pub fn refuse_same_outputs(outputs: &[(&str, Option<&Path>)]) -> Result<(), Error> {
     let given: Vec<(&str, &Path)> = outputs.iter().filter_map(|(option, path)| Some((*option, (*path)?))).collect();
     for (at, (option, path)) in given.iter().enumerate() {
         if let Some((first, _)) = given[..at].iter().find(|(_, earlier)| place(earlier) == place(path)) {
-            return Err(CliError::Usage(format!(
+            return Err(Error::usage(format!(
                 "{first} and {option}: found {} for both; allowed different places",
                 path.display()
             )));
@@ -122,10 +80,10 @@ pub fn refuse_same_outputs(outputs: &[(&str, Option<&Path>)]) -> Result<(), CliE
 }
 
 /// A file beside a build is none of the build's own.
-pub fn refuse_own(option: &str, file: &Path, out: &Path) -> Result<(), CliError> {
+pub fn refuse_own(option: &str, file: &Path, out: &Path) -> Result<(), Error> {
     if is_own(&place(file), &place(out)) {
         let found = file.display();
-        return Err(CliError::Usage(format!(
+        return Err(Error::usage(format!(
             "{option}: found {found}, a place of the build's own files; allowed another name or folder"
         )));
     }
@@ -140,30 +98,6 @@ fn place(path: &Path) -> PathBuf {
     };
     let there = path.canonicalize().ok().or_else(parent);
     there.or_else(|| std::path::absolute(path).ok()).unwrap_or_else(|| path.to_owned())
-}
-
-/// An output folder that is something else is found before the work.
-pub fn check_folder(path: &Path) -> Result<(), CliError> {
-    refuse_dash(path)?;
-    if path.exists() && !path.is_dir() {
-        return Err(CliError::Io(format!("{}: cannot write: found a file; allowed a folder", path.display())));
-    }
-    Ok(())
-}
-
-/// A folder is no stream: it has several files.
-pub fn refuse_dash(path: &Path) -> Result<(), CliError> {
-    if path != Path::new("-") {
-        return Ok(());
-    }
-    let text = "-: found in the place of a folder; allowed the name of one: it has several files";
-    Err(CliError::Usage(text.to_owned()))
-}
-
-/// Makes an output folder where there is none.
-pub fn make_folder(path: &Path) -> Result<(), CliError> {
-    check_folder(path)?;
-    std::fs::create_dir_all(path).map_err(|error| CliError::write(path, &error))
 }
 
 /// A line on stderr. A closed or full stderr is nobody to tell, and no reason to stop.
@@ -198,7 +132,7 @@ pub fn note_directions(common: Common, input: &impl std::fmt::Display, source: &
 }
 
 /// Prints a report. Behind a file that goes to standard output it would be taken for a part of it, so it is a remark then.
-pub fn print_report(common: Common, output: &Path, text: &str) -> Result<(), CliError> {
+pub fn print_report(common: Common, output: &Path, text: &str) -> Result<(), Error> {
     if is_standard_output(output) {
         remark(common, text.trim_end());
         return Ok(());

@@ -1,6 +1,6 @@
 //! From arguments to an exit code.
 
-use super::{CliError, Common, Flags, output, usage};
+use super::{Common, Error, ErrorKind, Flags, output, usage};
 use clap::FromArgMatches;
 use std::panic::AssertUnwindSafe;
 use std::process::ExitCode;
@@ -12,7 +12,7 @@ pub fn run_program<A: FromArgMatches>(
     name: &str,
     command: clap::Command,
     flags: impl FnOnce(&A) -> &Flags,
-    work: impl FnOnce(A, Common) -> Result<(), CliError>,
+    work: impl FnOnce(A, Common) -> Result<(), Error>,
 ) -> ExitCode {
     let parsed = command.try_get_matches().and_then(|matches| A::from_arg_matches(&matches));
     let arguments = match parsed {
@@ -36,10 +36,10 @@ pub fn run_program<A: FromArgMatches>(
     match worked {
         Ok(Ok(())) => ExitCode::SUCCESS,
         Ok(Err(error)) => {
-            if let Some(message) = error.message() {
-                output::tell(&format!("{name}: {message}"));
+            if error.kind() != ErrorKind::PipeClosed {
+                output::tell(&format!("{name}: {error}"));
             }
-            ExitCode::from(error.exit_code())
+            ExitCode::from(error.kind().exit_code())
         }
         Err(_) => {
             output::tell(&format!("{name}: internal error; please report it with the lines above and the input"));
@@ -49,11 +49,11 @@ pub fn run_program<A: FromArgMatches>(
 }
 
 /// Hundreds of threads that wait for each other would do nothing else.
-fn start_threads(asked: usize) -> Result<(), CliError> {
+fn start_threads(asked: usize) -> Result<(), Error> {
     const PER_CORE: usize = 4;
     let threads = asked.min(PER_CORE * std::thread::available_parallelism().map_or(1, usize::from));
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build_global()
-        .map_err(|error| CliError::Internal(format!("cannot start threads: {error}")))
+        .map_err(|error| Error::internal(format!("cannot start threads: {error}")))
 }

@@ -89,6 +89,30 @@ const GRIDS: &str = "2, 4, 8, 16, 32 or 64";
 /// Bits per component that there may be.
 const BITS: &str = "8, or 10 to 16";
 
+impl TryFrom<EncodeOptions> for PackRecipe {
+    type Error = OptionError;
+
+    fn try_from(options: EncodeOptions) -> Result<Self, OptionError> {
+        options.resolve(&EncodeOptions::default())
+    }
+}
+
+impl TryFrom<Budget> for PackRecipe {
+    type Error = OptionError;
+
+    fn try_from(budget: Budget) -> Result<Self, OptionError> {
+        let Budget { delta_e, error, bytes, fetches } = budget;
+        let limits = EncodeOptions {
+            max_delta_e: delta_e,
+            max_error: error.map(Fraction::bare),
+            max_bytes: bytes,
+            max_fetches: fetches,
+            ..EncodeOptions::default()
+        };
+        limits.try_into()
+    }
+}
+
 /// Which values an option may have, in words; empty where its kind says all.
 pub(crate) fn range_of(field: &str) -> &'static str {
     match field {

@@ -62,6 +62,33 @@ impl Default for Budget {
 }
 
 impl Budget {
+    /// No limit at all: what is added makes it one.
+    pub const NONE: Self = Self { delta_e: None, error: None, bytes: None, fetches: None };
+
+    /// With a largest mean ΔE*ab of pictures, 1e-6 to 100, and four times that for the 95th percentile.
+    #[must_use]
+    pub fn delta_e(self, largest: f64) -> Self {
+        Self { delta_e: Some(largest), ..self }
+    }
+
+    /// With a largest `ε_r`, a fraction.
+    #[must_use]
+    pub fn error(self, largest: f64) -> Self {
+        Self { error: Some(largest), ..self }
+    }
+
+    /// With a number of bytes on a GPU that is the most.
+    #[must_use]
+    pub fn bytes(self, most: u64) -> Self {
+        Self { bytes: Some(most), ..self }
+    }
+
+    /// With a number of texture fetches that is the most.
+    #[must_use]
+    pub fn fetches(self, most: u32) -> Self {
+        Self { fetches: Some(most), ..self }
+    }
+
     /// Whether it says how good a pack has to be.
     pub fn limits_error(&self) -> bool {
         self.delta_e.is_some() || self.error.is_some()

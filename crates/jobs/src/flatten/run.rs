@@ -6,7 +6,7 @@ use super::images::{StackImages, write_images};
 use super::input::Geometry;
 use super::scratch::FolderScratch;
 use crate::btf_stack::StackFormat;
-use crate::store::Staging;
+use crate::store::{Staging, placing};
 use crate::write::write_atomic;
 use brdfc_core::progress::Progress;
 use brdfc_flat_btf::encode::{FlatInput, FlattenRecipe, ValueSource, encode};
@@ -14,7 +14,6 @@ use brdfc_flat_btf::surface::Appearance;
 use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfFile};
 use brdfc_source::ordinary_btf::OrdinaryBtf;
 use std::path::Path;
-use std::sync::{Mutex, PoisonError};
 
 /// Where the values of texels come from.
 pub enum Values {
@@ -42,8 +41,6 @@ pub struct FlattenJob<'a> {
     pub values: Values,
     /// Folder and kind of the images of an ordinary BTF to write besides, computed directly.
     pub images: Option<(&'a Path, StackFormat)>,
-    /// Held while the finished file is put in place.
-    pub placing: &'a Mutex<()>,
 }
 
 /// Makes a flat BTF and writes `NAME.ktx2`. Values of views are kept in the folder on the way.
@@ -82,7 +79,7 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<FlatAsset, Fl
     let mut file = FlatBtfFile::new(FlatBtfDecoder::new(encoded.parts)?, Some(encoded.mask))?;
     file.report = serde_json::to_string(&about).expect("plain data");
     let bytes = file.to_bytes(job.supercompress);
-    let _placing = job.placing.lock().unwrap_or_else(PoisonError::into_inner);
+    let _placing = placing();
     progress.check()?;
     let path = job.folder.join(format!("{}.ktx2", job.name));
     write_atomic(&path, &bytes).map_err(|error| FlattenError::write(&path, error))?;

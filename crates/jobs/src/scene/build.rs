@@ -1,6 +1,7 @@
 //! A whole build: what a plan asks for is made, and then put in place together with its report.
 
 use super::error::JobError;
+use super::memory;
 use super::plan::{Plan, REPORT, list_name};
 use super::run::{Made, Outcome, Outcomes, Workshop, file_of, run};
 use super::works::{Work, WorkResult, make};
@@ -8,22 +9,22 @@ use crate::output_folder::{Changes, Contents, FolderError, NewFile, OutputFolder
 use crate::report::build::{BuildReport, environment_map};
 use crate::report::material::{MaterialReport, StageTime};
 use crate::scene::maps::MapsReport;
-use crate::store::{Digest, FOLDER, Store, StoreError, read_record, write_record};
+use crate::store::{Digest, FOLDER, Store, StoreError, placing, read_record, write_record};
 use brdfc_core::progress::{Cancelled, Progress};
 use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
 
 /// How a build is done. None of it decides the bytes of a pack.
-pub struct BuildSettings<'a> {
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct BuildSettings {
     /// The output folder, which is there.
-    pub out: &'a Path,
+    pub out: PathBuf,
     /// Whether what was made before is used.
     pub looks_up: bool,
     /// Other output folders, of whose stores what is needed is taken.
-    pub from: &'a [PathBuf],
+    pub from: Vec<PathBuf>,
     /// Whether materials of earlier builds stay that this one does not ask for.
     pub keep: bool,
     /// Whether files may be replaced that no build wrote.
@@ -34,8 +35,22 @@ pub struct BuildSettings<'a> {
     pub whole: bool,
     /// Bytes that all materials that are worked on may take together.
     pub memory: u64,
-    /// Held while files change places: who ends the process takes it first.
-    pub placing: &'a Mutex<()>,
+}
+
+impl BuildSettings {
+    /// A build into `out` that uses what was made before, makes what it can, and has 300 MiB for each thread.
+    pub fn new(out: impl Into<PathBuf>) -> Self {
+        Self {
+            out: out.into(),
+            looks_up: true,
+            from: Vec::new(),
+            keep: false,
+            force: false,
+            fail_fast: false,
+            whole: false,
+            memory: memory::PER_THREAD * rayon::current_num_threads() as u64,
+        }
+    }
 }
 
 /// A build that came to its end.
@@ -88,10 +103,10 @@ pub struct MaterialFile {
 ///
 /// # Errors
 /// A folder that cannot be written to, or holds files of somebody else; cancellation.
-pub fn build(plan: &Plan, settings: &BuildSettings<'_>, progress: &dyn Progress) -> Result<Built, BuildError> {
+pub fn build(plan: &Plan, settings: &BuildSettings, progress: &dyn Progress) -> Result<Built, BuildError> {
     let (store, mut folder) = opened(settings)?;
     if folder.is_new()
-        && let Some(report) = earlier_report(settings.out)
+        && let Some(report) = earlier_report(&settings.out)
     {
         folder.also_placed(report.files().map(|file| (file.file.clone(), file.blake3)));
     }
@@ -115,7 +130,7 @@ pub fn build(plan: &Plan, settings: &BuildSettings<'_>, progress: &dyn Progress)
         return Ok(Built { outcomes, report, changes: None });
     }
     let changes = {
-        let _placing = settings.placing.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let _placing = placing();
         progress.check()?;
         folder.place(&store, |there| {
             let mut stays = Vec::new();
@@ -124,7 +139,7 @@ pub fn build(plan: &Plan, settings: &BuildSettings<'_>, progress: &dyn Progress)
                 stays = files_of(&kept).into_iter().filter_map(file).collect();
                 report = report.clone().with_kept(kept);
             }
-            stays.extend(files(&outcomes, report.clone().lasting(plan, settings.out)));
+            stays.extend(files(&outcomes, report.clone().lasting(plan, &settings.out)));
             stays
         })?
     };
@@ -135,8 +150,8 @@ pub fn build(plan: &Plan, settings: &BuildSettings<'_>, progress: &dyn Progress)
 }
 
 /// What stays of the build before, where that was asked for.
-fn kept(plan: &Plan, settings: &BuildSettings<'_>, there: &BTreeMap<String, Digest>) -> Option<BuildReport> {
-    let earlier = if settings.keep { earlier_report(settings.out) } else { None };
+fn kept(plan: &Plan, settings: &BuildSettings, there: &BTreeMap<String, Digest>) -> Option<BuildReport> {
+    let earlier = if settings.keep { earlier_report(&settings.out) } else { None };
     let asked: BTreeSet<String> = plan.jobs.iter().map(|job| job.name.to_ascii_lowercase()).collect();
     Some(earlier?.kept_beside(&asked, plan.environment.is_some(), there))
 }
@@ -192,7 +207,7 @@ fn notes_in(path: &Path) -> BTreeMap<String, BuiltNote> {
 /// A folder that cannot be written to.
 pub fn build_works(
     works: &[Work<'_>],
-    settings: &BuildSettings<'_>,
+    settings: &BuildSettings,
     progress: &dyn Progress,
 ) -> Result<Vec<WorkResult>, BuildError> {
     let (store, folder) = opened(settings)?;
@@ -202,10 +217,10 @@ pub fn build_works(
 }
 
 /// The store and the folder, with what was brought from elsewhere.
-fn opened(settings: &BuildSettings<'_>) -> Result<(Store, OutputFolder), BuildError> {
-    let store = Store::open(settings.out, settings.looks_up)?;
+fn opened(settings: &BuildSettings) -> Result<(Store, OutputFolder), BuildError> {
+    let store = Store::open(&settings.out, settings.looks_up)?;
     settings.from.iter().try_for_each(|other| store.take_from(other))?;
-    let folder = OutputFolder::open(settings.out, &store)?;
+    let folder = OutputFolder::open(&settings.out, &store)?;
     Ok((store, folder))
 }
 

@@ -26,6 +26,13 @@ pub enum JobError {
     Store(#[from] StoreError),
 }
 
+impl JobError {
+    /// Whether it was not even begun, because another failed or somebody asked to stop.
+    pub fn is_cancelled(&self) -> bool {
+        matches!(self, Self::Cancelled(_))
+    }
+}
+
 impl From<PackError> for JobError {
     fn from(error: PackError) -> Self {
         match error {

@@ -13,5 +13,5 @@ mod stamp;
 pub use digest::{Digest, Key};
 pub use keeper::{DONE, FOLDER, Kept, Store, StoreError};
 pub use record::{read_record, write_record};
-pub use staging::{PREFIX, SUFFIX, Staging, abandoned};
+pub use staging::{PREFIX, SUFFIX, Staging, abandoned, placing};
 pub use stamp::{HeardDigest, Stamp};

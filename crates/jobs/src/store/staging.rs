@@ -20,6 +20,15 @@ const NEW: Duration = Duration::from_secs(10);
 /// Those of this process.
 static ALL: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
+/// Held while finished files change places.
+static PLACING: Mutex<()> = Mutex::new(());
+
+/// Held while finished files change places. A program that ends on a signal takes it first, then calls
+/// [`Staging::remove_all`].
+pub fn placing() -> MutexGuard<'static, ()> {
+    PLACING.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// A folder beside finished files, on the same file system, for those that are renamed into place when they are whole.
 #[derive(Debug)]
 pub struct Staging {

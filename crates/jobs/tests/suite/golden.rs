@@ -20,7 +20,6 @@ fn flat_btf(name: &str, options: &MesoOptions, recipe: &FlattenRecipe, supercomp
     let appearance = open_appearance(options, &materials, &()).unwrap_or_else(|error| panic!("{error}"));
     let values = Values::Computed(appearance);
     let materials = materials.iter().map(Input::to_string).collect();
-    let placing = std::sync::Mutex::new(());
     let job = FlattenJob {
         name,
         folder: folder.path(),
@@ -30,7 +29,6 @@ fn flat_btf(name: &str, options: &MesoOptions, recipe: &FlattenRecipe, supercomp
         materials,
         values,
         images: None,
-        placing: &placing,
     };
     flatten(job, &()).unwrap_or_else(|error| panic!("{name}: {error}"));
     let file = format!("{name}.ktx2");

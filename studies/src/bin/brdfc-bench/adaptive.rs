@@ -16,7 +16,7 @@ use brdfc_studies::adaptive::{
 use brdfc_studies::{Study, StudyResult};
 use brdfc_terminal::output::remark;
 use brdfc_terminal::table::{percent, plain, significant};
-use brdfc_terminal::{CliError, Common};
+use brdfc_terminal::{Error, Common};
 use std::time::Instant;
 
 /// Errors at which costs are compared, dB of PSNR.
@@ -26,12 +26,12 @@ const SHAPES: [Builtin; 2] = [Builtin::BumpyBall, Builtin::RibbedTorus];
 /// Mean samples per pixel that the studies at a fixed budget ask for.
 const BUDGET: f32 = 64.0;
 
-pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, CliError> {
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, Error> {
     let side = arguments.pixels.unwrap_or(512);
     // Windows of 32 x 32 pixels are to fit into the sphere.
     let least = if arguments.study == Study::PixelBandwidth { 64 } else { 32 };
     if !(least..=2048).contains(&side) {
-        return Err(CliError::Usage(format!("--pixels: found {side}; allowed {least} to 2048")));
+        return Err(Error::usage(format!("--pixels: found {side}; allowed {least} to 2048")));
     }
     let truth = arguments.truth.unwrap_or(256);
     let environment = match &arguments.environment {
@@ -46,7 +46,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     let inputs = if arguments.inputs.is_empty() { &default[..] } else { &arguments.inputs };
     // All of them before the work: a missing one is found at once.
     let sources: Vec<Box<dyn Source>> =
-        inputs.iter().map(|input| Ok(open(input, None)?.source)).collect::<Result<_, CliError>>()?;
+        inputs.iter().map(|input| Ok(open(input, None)?.source)).collect::<Result<_, Error>>()?;
     let frame = Frame { width: side, height: side, samples: 1 };
     let shapes: &[Builtin] = match arguments.study {
         Study::PixelBandwidth => &[Builtin::Sphere],
@@ -69,8 +69,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     Ok(result)
 }
 
-fn unpackable(error: FormatError) -> CliError {
-    CliError::Internal(format!("a map that its own layout refuses: {error}"))
+fn unpackable(error: FormatError) -> Error {
+    Error::internal(format!("a map that its own layout refuses: {error}"))
 }
 
 fn empty(study: Study) -> StudyResult {

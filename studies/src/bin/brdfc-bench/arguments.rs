@@ -4,7 +4,7 @@ use brdfc_jobs::whole_number::{any_whole_number, whole_number};
 use brdfc_source::Input;
 use brdfc_studies::Study;
 use brdfc_terminal::inputs::refuse_stdin_twice;
-use brdfc_terminal::{CliError, Flags};
+use brdfc_terminal::{Error, Flags};
 use clap::{Parser, ValueEnum};
 use std::path::PathBuf;
 
@@ -90,7 +90,7 @@ const ADAPTIVE: &[Study] = &[Study::Adaptive, Study::PixelBandwidth, Study::Band
 
 impl Arguments {
     /// Whether every flag that was given has an effect on the study.
-    pub(super) fn check(&self) -> Result<(), CliError> {
+    pub(super) fn check(&self) -> Result<(), Error> {
         let options = [("--directions", self.directions.as_ref()), ("--environment", self.environment.as_ref())];
         let inputs = self.inputs.iter().map(|input| ("INPUT", Some(input)));
         refuse_stdin_twice(&inputs.chain(options).collect::<Vec<_>>())?;
@@ -99,7 +99,7 @@ impl Arguments {
         {
             let allowed = "allowed with the studies that draw (throughput, codecs, level-of-detail and images: materials), with \
                            pareto (materials), and with btf, flat-btf and rays (structures), and with relighting (photographs)";
-            return Err(CliError::Usage(format!("INPUT: found with --study {}; {allowed}", name.get_name())));
+            return Err(Error::usage(format!("INPUT: found with --study {}; {allowed}", name.get_name())));
         }
         let writes = matches!(
             self.study,
@@ -107,7 +107,7 @@ impl Arguments {
         );
         if !writes && self.out.is_some() {
             let allowed = "allowed with --study level-of-detail, --study codecs, --study pareto, --study rays, --study relighting and --study btf";
-            return Err(CliError::Usage(format!("--out: found with another study; {allowed}")));
+            return Err(Error::usage(format!("--out: found with another study; {allowed}")));
         }
         for (given, option, studies) in [
             (self.texels.is_some(), "texels", &[Study::FlatBtf, Study::Rays, Study::Btf][..]),
@@ -130,7 +130,7 @@ impl Arguments {
                 let names: Vec<String> =
                     studies.iter().filter_map(|s| Some(s.to_possible_value()?.get_name().to_owned())).collect();
                 let allowed = names.join(", ");
-                return Err(CliError::Usage(format!(
+                return Err(Error::usage(format!(
                     "--{option}: found with another study; allowed with --study {allowed}"
                 )));
             }

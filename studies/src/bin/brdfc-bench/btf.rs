@@ -11,7 +11,7 @@ use brdfc_studies::btf::{
 use brdfc_terminal::directions::{default_set, direction_set};
 use brdfc_terminal::output::{make_folder, remark, write_file};
 use brdfc_terminal::table::{bytes, percent, plain};
-use brdfc_terminal::{CliError, Common};
+use brdfc_terminal::{Error, Common};
 use std::cell::Cell;
 use std::time::{Duration, Instant};
 
@@ -21,15 +21,15 @@ const MOST_TEXELS: usize = 256;
 /// Remarks come at least this far apart.
 const BETWEEN_REMARKS: Duration = Duration::from_secs(5);
 
-pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, CliError> {
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, Error> {
     let texels = arguments.texels.unwrap_or(TEXELS);
     if !(8..=MOST_TEXELS).contains(&texels) || !texels.is_power_of_two() {
-        return Err(CliError::Usage(format!(
+        return Err(Error::usage(format!(
             "--texels: found {texels}; allowed a power of two from 8 to {MOST_TEXELS}"
         )));
     }
     let set = direction_set("directions", arguments.directions.as_ref().unwrap_or(&default_set()))?;
-    let held_out = held_out(set.len()).map_err(|error| CliError::Usage(format!("--directions: {error}")))?;
+    let held_out = held_out(set.len()).map_err(|error| Error::usage(format!("--directions: {error}")))?;
     let settings = BtfSettings { texels, directions: set.name.clone(), count: set.len(), held_out };
     let all: Vec<Input> =
         STRUCTURES.iter().map(|info| Input::Address(format!("{SYNTH_PREFIX}{}", info.name))).collect();
@@ -54,25 +54,25 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     let mut models = Vec::new();
     for (input, address) in inputs.iter().zip(addresses) {
         let model = study_structure(address, &settings, &set, &done).map_err(|error| match error {
-            BtfStudyError::Address(error) => CliError::Input(format!("{input}: {error}")),
-            BtfStudyError::Parameterise(error) => CliError::Input(format!("{input}: {error}")),
-            BtfStudyError::Format(error) => CliError::Usage(format!("--directions: {error}")),
+            BtfStudyError::Address(error) => Error::input(format!("{input}: {error}")),
+            BtfStudyError::Parameterise(error) => Error::input(format!("{input}: {error}")),
+            BtfStudyError::Format(error) => Error::usage(format!("--directions: {error}")),
         })?;
         models.push(model);
     }
     let study = BtfStudy { settings, models };
     if let Some(folder) = &arguments.out {
-        let drawn = drawing(&study).map_err(CliError::Internal)?;
+        let drawn = drawing(&study).map_err(Error::internal)?;
         write_file(&folder.join("btf.svg"), drawn.as_bytes())?;
     }
     Ok(StudyResult::Btf(study))
 }
 
 /// The structure that an input names.
-fn address(input: &Input) -> Result<&str, CliError> {
+fn address(input: &Input) -> Result<&str, Error> {
     input.address().and_then(|address| address.strip_prefix(SYNTH_PREFIX)).ok_or_else(|| {
         let names: Vec<&str> = STRUCTURES.iter().map(|info| info.name).collect();
-        CliError::Usage(format!("INPUT: found {input}; allowed synth: with one of {}", names.join(", ")))
+        Error::usage(format!("INPUT: found {input}; allowed synth: with one of {}", names.join(", ")))
     })
 }
 

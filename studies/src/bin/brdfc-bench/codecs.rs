@@ -9,7 +9,7 @@ use brdfc_studies::codecs::{
 };
 use brdfc_terminal::output::{make_folder, remark, write_file};
 use brdfc_terminal::table::{bytes, percent, plain};
-use brdfc_terminal::{CliError, Common};
+use brdfc_terminal::{Error, Common};
 use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
@@ -20,7 +20,7 @@ const SCRIPT: &str = include_str!("../../../../tests/peers/compress.py");
 const TOLERANCES: [f64; 9] = [0.8, 0.4, 0.2, 0.1, 0.05, 0.025, 0.0125, 0.006, 0.003];
 const LEFT_OUT: &str = "no --peers PYTHON was given that has the packages of tests/peers/requirements.txt";
 
-pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, CliError> {
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, Error> {
     let gpu = opened_adapter(arguments)?;
     let velvet = [VELVET.into()];
     let inputs = if arguments.inputs.is_empty() { &velvet[..] } else { &arguments.inputs };
@@ -28,7 +28,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
         make_folder(folder)?;
     }
     if let Some(python) = &arguments.peers {
-        check(python).map_err(CliError::Usage)?;
+        check(python).map_err(Error::usage)?;
     }
     let with_python = arguments.peers.as_ref().map(|python| move |table: &DenseTable| compress(python, table));
     let compress = with_python.as_ref().map(|compress| compress as &Compress<'_>);
@@ -45,18 +45,18 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     let peers_left_out = compress.is_none().then(|| LEFT_OUT.to_owned());
     let study = CodecStudy { adapter: gpu.description().clone(), peers_left_out, materials };
     if let Some(folder) = &arguments.out {
-        let drawn = drawing(&study).map_err(CliError::Internal)?;
+        let drawn = drawing(&study).map_err(Error::internal)?;
         write_file(&folder.join("codecs.svg"), drawn.as_bytes())?;
     }
     Ok(StudyResult::Codecs(study))
 }
 
-fn error(error: CodecStudyError) -> CliError {
+fn error(error: CodecStudyError) -> Error {
     match error {
         CodecStudyError::Gpu(error) => error.into(),
         CodecStudyError::Pack(error) => error.into(),
-        CodecStudyError::Table(error) => CliError::Input(error.to_string()),
-        CodecStudyError::Peer(text) => CliError::Input(text),
+        CodecStudyError::Table(error) => Error::input(error.to_string()),
+        CodecStudyError::Peer(text) => Error::input(text),
     }
 }
 

@@ -10,7 +10,7 @@ use brdfc_studies::flat_btf::{ModelRow, StudyError, StudySettings, study_model};
 use brdfc_terminal::directions::{INDIRECTION, default_set, direction_set, in_flags, map_header};
 use brdfc_terminal::output::remark;
 use brdfc_terminal::table::plain;
-use brdfc_terminal::{CliError, Common};
+use brdfc_terminal::{Error, Common};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
@@ -22,20 +22,20 @@ const MOST_TEXELS: usize = (MAX_EXTENT_2D / 25) as usize;
 /// Remarks come at least this far apart.
 const BETWEEN_REMARKS: Duration = Duration::from_secs(5);
 
-pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, CliError> {
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, Error> {
     let texels = arguments.texels.unwrap_or(TEXELS);
     let flat_texels = arguments.flat_texels.unwrap_or(2 * texels.next_power_of_two());
     for (option, value, most) in [("texels", texels, MOST_TEXELS), ("flat-texels", flat_texels, 1024)] {
         if !(8..=most).contains(&value) {
-            return Err(CliError::Usage(format!("--{option}: found {value}; allowed 8 to {most}")));
+            return Err(Error::usage(format!("--{option}: found {value}; allowed 8 to {most}")));
         }
     }
     if !flat_texels.is_power_of_two() {
-        return Err(CliError::Usage(format!("--flat-texels: found {flat_texels}; allowed a power of two")));
+        return Err(Error::usage(format!("--flat-texels: found {flat_texels}; allowed a power of two")));
     }
     let largest_angle = arguments.largest_angle.unwrap_or(LARGEST_ANGLE);
     let map = map_header(texels as u32, arguments.indirection.as_deref().unwrap_or(INDIRECTION), largest_angle)?;
-    map.check().map_err(|error| CliError::Usage(in_flags(&error)))?;
+    map.check().map_err(|error| Error::usage(in_flags(&error)))?;
     let directions = direction_set("directions", arguments.directions.as_ref().unwrap_or(&default_set()))?;
     let settings = StudySettings {
         texels,
@@ -68,11 +68,11 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     for input in inputs {
         let address = input.address().and_then(|address| address.strip_prefix(SYNTH_PREFIX)).ok_or_else(|| {
             let names: Vec<&str> = STRUCTURES.iter().map(|info| info.name).collect();
-            CliError::Usage(format!("INPUT: found {input}; allowed synth: with one of {}", names.join(", ")))
+            Error::usage(format!("INPUT: found {input}; allowed synth: with one of {}", names.join(", ")))
         })?;
         let row = study_model(address, &settings, &directions, &view_done).map_err(|error| match error {
-            StudyError::Address(error) => CliError::Input(format!("{input}: {error}")),
-            StudyError::Parameterise(error) => CliError::Input(format!("{input}: {error}")),
+            StudyError::Address(error) => Error::input(format!("{input}: {error}")),
+            StudyError::Parameterise(error) => Error::input(format!("{input}: {error}")),
         })?;
         rows.push(row);
     }

@@ -17,7 +17,7 @@ mod wavelet;
 use arguments::Arguments;
 use brdfc_studies::{Study, StudyResult};
 use brdfc_terminal::output::{check_folder, print, print_json};
-use brdfc_terminal::{CliError, Common, run_program, usage};
+use brdfc_terminal::{Error, Common, run_program, usage};
 use clap::CommandFactory as _;
 use serde::Serialize;
 use std::process::ExitCode;
@@ -37,7 +37,7 @@ fn main() -> ExitCode {
     run_program("brdfc-bench", command, |arguments: &Arguments| &arguments.flags, run)
 }
 
-fn run(arguments: Arguments, common: Common) -> Result<(), CliError> {
+fn run(arguments: Arguments, common: Common) -> Result<(), Error> {
     if arguments.schema {
         return print_json(&schemars::schema_for!(Report));
     }
@@ -69,12 +69,12 @@ fn run(arguments: Arguments, common: Common) -> Result<(), CliError> {
         | Study::Adaptive
         | Study::PixelBandwidth
         | Study::BandwidthDirections
-        | Study::Antialiasing => return Err(CliError::without_renderer()),
+        | Study::Antialiasing => return Err(Error::without_renderer()),
     };
     if common.json { print_json(&Report { version: 1, result }) } else { print_text(&result) }
 }
 
-fn print_text(result: &StudyResult) -> Result<(), CliError> {
+fn print_text(result: &StudyResult) -> Result<(), Error> {
     match result {
         StudyResult::WaveletBrdf { rows } => print(&wavelet::text(rows)),
         StudyResult::FlatBtf { settings, rows } => print(&flat_btf::text(settings, rows)),

@@ -16,7 +16,7 @@ use brdfc_studies::{Study, StudyResult};
 use brdfc_table::recipe::TableRecipe;
 use brdfc_terminal::output::{make_folder, remark, write_file};
 use brdfc_terminal::table::{bytes, plain};
-use brdfc_terminal::{CliError, Common, graphics_environment};
+use brdfc_terminal::{Error, Common, graphics_environment};
 use brdfc_wavelet::recipe::Recipe;
 use std::path::Path;
 use std::time::Instant;
@@ -26,7 +26,7 @@ pub(super) const VELVET: &str = "synth:velvet?kd=0.1,0.01,0.02&ks=0.5,0.3,0.35";
 /// Sharp enough to glitter.
 pub(super) const GLOSSY: &str = "synth:ggx?kd=0.05,0.04,0.03&f0=0.9,0.8,0.6&alpha=0.1";
 
-pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, CliError> {
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, Error> {
     let gpu = opened_adapter(arguments)?;
     let started = Instant::now();
     let seconds = || started.elapsed().as_secs_f64();
@@ -67,34 +67,34 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
 }
 
 /// The adapter that is asked for.
-pub(super) fn opened_adapter(arguments: &Arguments) -> Result<Gpu, CliError> {
+pub(super) fn opened_adapter(arguments: &Arguments) -> Result<Gpu, Error> {
     graphics_environment::prepare();
     let choice = arguments.adapter.clone().map_or(AdapterChoice::Best, AdapterChoice::Named);
     Ok(Gpu::open(&choice)?)
 }
 
-fn study_error(error: StudyError) -> CliError {
+fn study_error(error: StudyError) -> Error {
     match error {
         StudyError::Gpu(error) => error.into(),
         StudyError::Encode(error) => error.into(),
     }
 }
 
-fn one(arguments: &Arguments, default: &str) -> Result<Input, CliError> {
+fn one(arguments: &Arguments, default: &str) -> Result<Input, Error> {
     match &arguments.inputs[..] {
         [] => Ok(default.into()),
         [one] => Ok(one.clone()),
-        more => Err(CliError::Usage(format!("INPUT: found {}; allowed one with this study", more.len()))),
+        more => Err(Error::usage(format!("INPUT: found {}; allowed one with this study", more.len()))),
     }
 }
 
 /// A pack with levels of detail as it is, or the wavelet pack that a source becomes at 4:1 and 8 bits.
-fn pack(input: &Input) -> Result<BrdfPack, CliError> {
+fn pack(input: &Input) -> Result<BrdfPack, Error> {
     if input.extension()? == "ktx2" {
         let pack = open_brdf_pack(input)?;
         if pack.levels() == 0 {
             let text = "found a table pack of one level of detail; allowed packs with more (encode --levels)";
-            return Err(CliError::Input(format!("{input}: pack: {text}")));
+            return Err(Error::input(format!("{input}: pack: {text}")));
         }
         return Ok(pack);
     }
@@ -104,7 +104,7 @@ fn pack(input: &Input) -> Result<BrdfPack, CliError> {
 
 /// A pack as it is, or what a source becomes as a table of 16 KiB, plain and factored, and as a wavelet pack at 4:1 and 8
 /// bits.
-fn packs(input: &Input) -> Result<Vec<BrdfPack>, CliError> {
+fn packs(input: &Input) -> Result<Vec<BrdfPack>, Error> {
     if input.extension()? == "ktx2" {
         return Ok(vec![open_brdf_pack(input)?]);
     }
@@ -117,7 +117,7 @@ fn packs(input: &Input) -> Result<Vec<BrdfPack>, CliError> {
     packs.into_iter().collect()
 }
 
-fn write_frames(folder: &Path, animation: &Animation) -> Result<(), CliError> {
+fn write_frames(folder: &Path, animation: &Animation) -> Result<(), Error> {
     for (name, frames) in
         [("finest", &animation.finest), ("by-distance", &animation.by_distance), ("smooth", &animation.smooth)]
     {

@@ -7,7 +7,7 @@ use brdfc_studies::StudyResult;
 use brdfc_studies::pareto::{ParetoMaterial, ParetoRow, ParetoStudy, drawing, pareto, settings};
 use brdfc_terminal::output::{make_folder, remark, write_file};
 use brdfc_terminal::table::{bytes, percent, plain};
-use brdfc_terminal::{CliError, Common};
+use brdfc_terminal::{Error, Common};
 use std::cell::Cell;
 use std::time::{Duration, Instant};
 
@@ -16,7 +16,7 @@ const MODELS: [&str; 3] = ["synth:ggx?alpha=0.15", "synth:velvet", "synth:ward?a
 /// Remarks come at least this far apart.
 const BETWEEN_REMARKS: Duration = Duration::from_secs(5);
 
-pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, CliError> {
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, Error> {
     let models = MODELS.map(Input::from);
     let inputs = if arguments.inputs.is_empty() { &models[..] } else { &arguments.inputs };
     if let Some(folder) = &arguments.out {
@@ -43,7 +43,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     }
     let study = ParetoStudy { threads: rayon::current_num_threads(), materials };
     if let Some(folder) = &arguments.out {
-        let drawn = drawing(&study).map_err(CliError::Internal)?;
+        let drawn = drawing(&study).map_err(Error::internal)?;
         write_file(&folder.join("pareto.svg"), drawn.as_bytes())?;
     }
     Ok(StudyResult::Pareto(study))

@@ -6,42 +6,42 @@ use brdfc_studies::StudyResult;
 use brdfc_studies::rays::{Dump, RayScene, RayStudy, RayStudyError};
 use brdfc_terminal::output::{make_folder, remark, write_file};
 use brdfc_terminal::table::{percent, plain};
-use brdfc_terminal::{CliError, Common};
+use brdfc_terminal::{Error, Common};
 use std::path::Path;
 
 const BUTTON: &str = "synth:button";
 /// Texels per side.
 const TEXELS: std::ops::RangeInclusive<usize> = 1..=512;
 
-pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, CliError> {
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, Error> {
     let input = match &arguments.inputs[..] {
         [] => &BUTTON.into(),
         [one] => one,
-        more => return Err(CliError::Usage(format!("INPUT: found {}; allowed one with this study", more.len()))),
+        more => return Err(Error::usage(format!("INPUT: found {}; allowed one with this study", more.len()))),
     };
     let Some(address) = input.address().and_then(|address| address.strip_prefix(SYNTH_PREFIX)) else {
-        return Err(CliError::Usage(format!("INPUT: found {input}; allowed synth: and a structure with --study rays")));
+        return Err(Error::usage(format!("INPUT: found {input}; allowed synth: and a structure with --study rays")));
     };
     let texels = arguments.texels.unwrap_or(64);
     if !TEXELS.contains(&texels) {
         let allowed = format!("allowed {} to {}", TEXELS.start(), TEXELS.end());
-        return Err(CliError::Usage(format!("--texels: found {texels}; {allowed}")));
+        return Err(Error::usage(format!("--texels: found {texels}; {allowed}")));
     }
     if let Some(folder) = &arguments.out {
         make_folder(folder)?;
     }
     let scene = RayScene::new(address, texels).map_err(|error| match error {
-        RayStudyError::Address(error) => CliError::Input(format!("{input}: {error}")),
-        RayStudyError::Parameterise(error) => CliError::Internal(error.to_string()),
+        RayStudyError::Address(error) => Error::input(format!("{input}: {error}")),
+        RayStudyError::Parameterise(error) => Error::internal(error.to_string()),
     })?;
     let Some(folder) = &arguments.out else { return Ok(StudyResult::Rays(scene.measure(None))) };
-    let dump = scene.dump().map_err(|error| CliError::Input(format!("{input}: {error}")))?;
+    let dump = scene.dump().map_err(|error| Error::input(format!("{input}: {error}")))?;
     write_dump(&dump, folder)?;
     remark(common, &format!("{}: mesh.ply and rays.bin written", folder.display()));
     Ok(StudyResult::Rays(scene.measure(Some(&dump))))
 }
 
-fn write_dump(dump: &Dump, folder: &Path) -> Result<(), CliError> {
+fn write_dump(dump: &Dump, folder: &Path) -> Result<(), Error> {
     write_file(&folder.join("mesh.ply"), &dump.ply())?;
     write_file(&folder.join("rays.bin"), &dump.rays())
 }

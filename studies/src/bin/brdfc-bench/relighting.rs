@@ -7,23 +7,23 @@ use brdfc_studies::StudyResult;
 use brdfc_studies::relighting::{RelightingStudy, relighting, relit};
 use brdfc_terminal::output::{make_folder, remark, write_file};
 use brdfc_terminal::table::{bytes, percent, plain};
-use brdfc_terminal::{CliError, Common};
+use brdfc_terminal::{Error, Common};
 
 /// Lights that are held out.
 const HELD_OUT: usize = 8;
 /// Permutations that say which.
 const SEEDS: [u64; 5] = [0, 1, 2, 3, 4];
 
-pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, CliError> {
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, Error> {
     let [input] = &arguments.inputs[..] else {
         let found = arguments.inputs.len();
-        return Err(CliError::Usage(format!("INPUT: found {found}; allowed one: a folder of photographs with an .lp")));
+        return Err(Error::usage(format!("INPUT: found {found}; allowed one: a folder of photographs with an .lp")));
     };
     let samples = LightInput::open(input, None)?.into_samples();
     if let Some(folder) = &arguments.out {
         make_folder(folder)?;
     }
-    let told = |error: brdfc_formats::FormatError| CliError::Input(format!("{input}: {error}"));
+    let told = |error: brdfc_formats::FormatError| Error::input(format!("{input}: {error}"));
     let study =
         relighting(&samples, HELD_OUT, &SEEDS, &|method| remark(common, &format!("{method}: done"))).map_err(told)?;
     if let Some(folder) = &arguments.out {

@@ -1,11 +1,11 @@
 //! The study of wavelet BRDFs.
 
 use brdfc_studies::{StudyResult, StudyRow, wavelet_table_1};
-use brdfc_terminal::CliError;
+use brdfc_terminal::Error;
 use brdfc_terminal::table::{percent, plain};
 
-pub(super) fn run() -> Result<StudyResult, CliError> {
-    let rows = wavelet_table_1().map_err(|error| CliError::Internal(error.to_string()))?;
+pub(super) fn run() -> Result<StudyResult, Error> {
+    let rows = wavelet_table_1().map_err(|error| Error::internal(error.to_string()))?;
     Ok(StudyResult::WaveletBrdf { rows })
 }
 

@@ -1,0 +1,61 @@
+//! Files and folders that are written: never over what is read.
+
+use crate::error::Error;
+use crate::write::write_atomic;
+use brdfc_source::input_files::files_behind;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// Writes a whole file, or nothing.
+pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+    write_atomic(path, bytes).map_err(|error| Error::write(path, &error))
+}
+
+/// An output that is one of the inputs, or of the files that an input is read from, would destroy a measurement. `option` is what names the output.
+pub fn refuse_overwriting(option: &str, output: &Path, inputs: &[&Path]) -> Result<(), Error> {
+    let Ok(target) = output.canonicalize() else { return Ok(()) };
+    let is_it = |file: &PathBuf| file.canonicalize().is_ok_and(|path| path == target);
+    if target.is_file() && inputs.iter().any(|input| files_behind(input).iter().any(is_it)) {
+        return Err(Error::usage(format!("{option}: found {}, an input; allowed another file", output.display())));
+    }
+    Ok(())
+}
+
+/// [`refuse_overwriting`] of many outputs.
+pub fn refuse_overwriting_any(
+    option: &str,
+    outputs: impl IntoIterator<Item = PathBuf>,
+    inputs: &[&Path],
+) -> Result<(), Error> {
+    let targets: BTreeSet<PathBuf> = inputs.iter().filter_map(|input| input.canonicalize().ok()).collect();
+    let over = |output: &PathBuf| output.canonicalize().is_ok_and(|path| targets.contains(&path));
+    match outputs.into_iter().find(over) {
+        Some(output) => refuse_overwriting(option, &output, inputs),
+        None => Ok(()),
+    }
+}
+
+/// An output folder that is something else is found before the work.
+pub fn check_folder(path: &Path) -> Result<(), Error> {
+    refuse_dash(path)?;
+    if path.exists() && !path.is_dir() {
+        return Err(Error::io(format!("{}: cannot write: found a file; allowed a folder", path.display())));
+    }
+    Ok(())
+}
+
+/// A folder is no stream: it has several files.
+pub fn refuse_dash(path: &Path) -> Result<(), Error> {
+    if path != Path::new("-") {
+        return Ok(());
+    }
+    let text = "-: found in the place of a folder; allowed the name of one: it has several files";
+    Err(Error::usage(text.to_owned()))
+}
+
+/// Makes an output folder where there is none.
+pub fn make_folder(path: &Path) -> Result<(), Error> {
+    check_folder(path)?;
+    std::fs::create_dir_all(path).map_err(|error| Error::write(path, &error))
+}
+

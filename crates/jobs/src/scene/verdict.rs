@@ -1,0 +1,63 @@
+//! Whether a build is what was asked for.
+
+use super::run::Outcomes;
+use super::scene_section::ENVIRONMENT;
+use crate::error::Error;
+use brdfc_core::words::counted;
+
+impl Outcomes {
+    /// What failed, missed its budget or does not pass its gates: a line each, with its name.
+    pub fn problems(&self) -> Vec<String> {
+        let mut lines = Vec::new();
+        for outcome in &self.materials {
+            let of = |text: &dyn std::fmt::Display| format!("{}: {text}", outcome.name);
+            match &outcome.result {
+                Ok(made) => {
+                    lines.extend(made.report.missed.iter().map(|missed| of(missed)));
+                    lines.extend(made.gates.iter().filter(|gate| !gate.passed).map(|gate| of(gate)));
+                }
+                Err(error) if error.is_cancelled() => {}
+                Err(error) => lines.push(of(error)),
+            }
+        }
+        if let Some(Err(error)) = &self.environment {
+            lines.push(format!("{ENVIRONMENT}: {error}"));
+        }
+        lines
+    }
+
+    /// Whether all was made, within its budget and past its gates. Of several failures the kind with the highest exit code
+    /// decides.
+    ///
+    /// # Errors
+    /// What failed, counted.
+    pub fn verdict(self) -> Result<(), Error> {
+        let count = self.materials.len();
+        let missed = self.made().filter(|(_, made)| made.report.missed.is_some()).count();
+        let closed = self.made().filter(|(_, made)| made.gates.iter().any(|gate| !gate.passed)).count();
+        let environment = self.environment.and_then(Result::err);
+        let failures = self.materials.into_iter().filter_map(|o| o.result.err()).filter(|error| !error.is_cancelled());
+        let mut failures: Vec<Error> = failures.map(Error::from).collect();
+        let mut failed = Vec::new();
+        if !failures.is_empty() {
+            failed.push(format!("{} of {} failed", failures.len(), counted(count, "material")));
+        }
+        for (number, one, more) in [
+            (missed, "missed its budget", "missed their budget"),
+            (closed, "is not what is required of it", "are not what is required of them"),
+        ] {
+            if number > 0 {
+                let what = if number == 1 { one } else { more };
+                failed.push(format!("{number} of {} {what}", counted(count, "material")));
+                failures.push(Error::check(""));
+            }
+        }
+        if let Some(error) = environment {
+            failed.push("the environment failed".to_owned());
+            failures.push(error.into());
+        }
+        let Some(first) = failures.into_iter().max_by_key(Error::kind) else { return Ok(()) };
+        let summary = failed.join(", ");
+        Err(first.with_message(summary))
+    }
+}

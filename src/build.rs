@@ -1,0 +1,185 @@
+//! Builds: scenes become folders of packs.
+
+use crate::{BuildReport, Built, EncodeOptions, Error, Plan, Progress};
+use brdfc_jobs::outputs::{make_folder, refuse_overwriting_any};
+use brdfc_jobs::scene::build::{BuildSettings, build};
+use brdfc_jobs::scene::inputs::Scene;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+/// A build that was set up: what `brdfc build` does.
+///
+/// What was made before of the same source by the same options is kept. The output folder changes at the end, all at once.
+#[derive(Debug, Clone)]
+pub struct Build {
+    scene: Scene,
+    options: EncodeOptions,
+    settings: BuildSettings,
+}
+
+impl Build {
+    /// Where packs go if nothing is said.
+    pub const DEFAULT_FOLDER: &str = "packs";
+
+    fn new(scene: Scene) -> Self {
+        let settings = BuildSettings::new(Self::DEFAULT_FOLDER);
+        Self { scene, options: EncodeOptions::default(), settings }
+    }
+
+    /// The packs that a scene needs: `docs/scene.md` describes the manifest. Materials that it does not use are not opened.
+    ///
+    /// # Errors
+    /// A manifest that cannot be read, or is none; patterns in it that nothing matches.
+    pub fn from_manifest(path: impl AsRef<Path>) -> Result<Self, Error> {
+        Ok(Self::new(Scene::of_manifest(path.as_ref())?))
+    }
+
+    /// The packs of files, folders, patterns and `synth:` addresses, each named after its file.
+    ///
+    /// # Errors
+    /// Inputs without any material; two materials of one name.
+    pub fn from_materials<I: Into<OsString>>(inputs: impl IntoIterator<Item = I>) -> Result<Self, Error> {
+        Ok(Self::new(Scene::of_materials(&inputs.into_iter().map(Into::into).collect::<Vec<_>>())?))
+    }
+
+    /// Either: a manifest if that is what is given.
+    ///
+    /// # Errors
+    /// As [`Self::from_manifest`] and [`Self::from_materials`]; a manifest among other inputs.
+    pub fn from_inputs(inputs: &[OsString]) -> Result<Self, Error> {
+        Ok(Self::new(Scene::of_inputs(inputs)?))
+    }
+
+    /// How materials are encoded that do not say so themselves.
+    #[must_use]
+    pub fn options(self, options: EncodeOptions) -> Self {
+        Self { options, ..self }
+    }
+
+    /// Folder for packs and reports, `packs` if nothing is said. It is made where it is not there.
+    #[must_use]
+    pub fn out(mut self, folder: impl Into<PathBuf>) -> Self {
+        self.settings.out = folder.into();
+        self
+    }
+
+    /// Other output folders, from which what they have is taken.
+    #[must_use]
+    pub fn from(mut self, folders: impl IntoIterator<Item = PathBuf>) -> Self {
+        self.settings.from = folders.into_iter().collect();
+        self
+    }
+
+    /// Whether what was made before is used; it is, if nothing is said.
+    #[must_use]
+    pub fn cache(mut self, cache: bool) -> Self {
+        self.settings.looks_up = cache;
+        self
+    }
+
+    /// Whether materials of earlier builds stay that this one does not ask for.
+    #[must_use]
+    pub fn keep(mut self, keep: bool) -> Self {
+        self.settings.keep = keep;
+        self
+    }
+
+    /// Whether files may be replaced that no build wrote.
+    #[must_use]
+    pub fn force(mut self, force: bool) -> Self {
+        self.settings.force = force;
+        self
+    }
+
+    /// Whether the first failure ends the build, and leaves the folder as it was.
+    #[must_use]
+    pub fn fail_fast(mut self, fail_fast: bool) -> Self {
+        self.settings.fail_fast = fail_fast;
+        self
+    }
+
+    /// Whether a failure leaves the folder as it was, after all others were made.
+    #[must_use]
+    pub fn whole(mut self, whole: bool) -> Self {
+        self.settings.whole = whole;
+        self
+    }
+
+    /// Bytes that all materials which are worked on may take together: 300 MiB for each thread if nothing is said.
+    #[must_use]
+    pub fn memory(mut self, bytes: u64) -> Self {
+        self.settings.memory = bytes;
+        self
+    }
+
+    /// How the build is done.
+    pub fn settings(&self) -> &BuildSettings {
+        &self.settings
+    }
+
+    /// The manifest's file, if there is one.
+    pub fn manifest(&self) -> Option<&Path> {
+        self.scene.file()
+    }
+
+    /// Files of folders that are no kind of material.
+    pub fn left_out(&self) -> &[PathBuf] {
+        self.scene.left_out()
+    }
+
+    /// What the build will do.
+    ///
+    /// # Errors
+    /// Options out of range or that do not go together; nothing to build.
+    pub fn plan(&self) -> Result<Plan, Error> {
+        self.scene.plan(&self.options)
+    }
+
+    /// The files that are read, for `cargo::rerun-if-changed` and the like.
+    ///
+    /// # Errors
+    /// As [`Self::plan`].
+    pub fn files(&self) -> Result<Vec<PathBuf>, Error> {
+        Ok(self.files_of(&self.plan()?).into_iter().map(Path::to_owned).collect())
+    }
+
+    /// The same of a plan that is there.
+    pub fn files_of<'a>(&'a self, plan: &'a Plan) -> Vec<&'a Path> {
+        plan.sources().chain(self.manifest()).collect()
+    }
+
+    /// Builds, and fails if a material fails, misses its budget or does not pass its gates.
+    ///
+    /// # Errors
+    /// All of that, with the materials' names; a folder that cannot be written to, or holds files of somebody else.
+    pub fn run(&self) -> Result<BuildReport, Error> {
+        let built = self.run_with(&self.plan()?, &())?;
+        let problems = built.outcomes.problems();
+        match built.outcomes.verdict() {
+            Ok(()) => Ok(built.report),
+            Err(error) => {
+                let text = format!("{error}\n{}", problems.join("\n"));
+                Err(error.with_message(text))
+            }
+        }
+    }
+
+    /// Builds a plan of this build, with somebody who hears of it. What failed is in the result, not an error.
+    ///
+    /// # Errors
+    /// A folder that cannot be written to, or holds files of somebody else; cancellation.
+    pub fn run_with(&self, plan: &Plan, progress: &dyn Progress) -> Result<Built, Error> {
+        self.prepare(plan)?;
+        Ok(build(plan, &self.settings, progress)?)
+    }
+
+    /// Makes the output folder, unless what goes there would be written over what is read.
+    ///
+    /// # Errors
+    /// Either; a folder that cannot be made.
+    pub fn prepare(&self, plan: &Plan) -> Result<(), Error> {
+        let out = self.settings.out.as_path();
+        refuse_overwriting_any("--out", plan.files().map(|file| out.join(file)), &self.files_of(plan))?;
+        make_folder(out)
+    }
+}

@@ -1,0 +1,278 @@
+//! `brdfc bandwidth`: how fast a material, an environment or a texture varies, as a map.
+
+use super::output::{
+    note, note_directions, output_parser, print, print_json, print_report, refuse_overwriting, refuse_unfit_output,
+    to_json, write_file,
+};
+use super::{Error, Common};
+use crate::table;
+use brdfc_bandwidth::facts::BandwidthFacts;
+use brdfc_bandwidth::map::{brdf_map, environment_map, texture_map};
+use brdfc_bandwidth::resolution::{RESOLUTIONS, Resolution};
+use brdfc_bandwidth::texture::Placement;
+use brdfc_bandwidth::{DEFAULT_EPSILON, EPSILON_RANGE};
+use brdfc_core::Tally;
+use brdfc_core::words::format_number;
+use brdfc_formats::FormatError;
+use brdfc_formats::bandwidth::BandwidthMap;
+use brdfc_jobs::report::material::repairs_in_words;
+use brdfc_source::Input;
+use brdfc_source::open::open;
+use brdfc_source::radiance_image::open_radiance_image;
+use brdfc_source::tile_image::open_colours;
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Precompute how fast a material, an environment or a texture varies.
+///
+/// Renderers shade only where, and as finely as, such maps ask for: see formats/src/bandwidth/spec.md. Prints the largest and the
+/// mean bandwidth.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  brdfc bandwidth red-plastic.binary -o red.bandwidth.ktx2
+  brdfc bandwidth museum.exr -o museum.bandwidth.ktx2 --picture museum.png
+  brdfc bandwidth cloth.png -o cloth.bandwidth.ktx2 --size 0.3x0.2 --json")]
+pub struct Arguments {
+    /// A material (path, or synth:MODEL?param=value&...), an environment (.exr, .hdr) or a texture (.png, .jpg); - for stdin.
+    input: Input,
+    /// The map to write, or - for stdout.
+    #[arg(long, short, value_name = "MAP.ktx2", value_parser = output_parser())]
+    output: PathBuf,
+    /// What the input is, where its extension does not say.
+    #[arg(long, value_enum)]
+    kind: Option<Kind>,
+    /// Pixels per side at which each lobe of a material is transformed: a power of two from 32 to 1024 (default 64), or auto
+    /// to double it, to at most 256, as long as a highlight is narrower than that shows. A note says where it limits values.
+    #[arg(long, value_name = "N|auto", allow_hyphen_values = true)]
+    resolution: Option<String>,
+    /// Coefficients whose sum is below this share of the largest one do not count, 0.0001 to 0.1.
+    #[arg(long, value_name = "E", default_value_t = DEFAULT_EPSILON)]
+    epsilon: f64,
+    /// Width and height of a texture in metres.
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
+    size: Option<String>,
+    /// The texture does not repeat: what lies beyond its border does not count.
+    #[arg(long)]
+    no_tile: bool,
+    /// Write the map as a picture, too: from dark (calm, 1/256 of the largest value and less) to pale yellow.
+    #[cfg(feature = "render")]
+    #[arg(long, value_name = "MAP.png")]
+    picture: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Kind {
+    /// A material.
+    Brdf,
+    /// A latitude-longitude image.
+    Environment,
+    /// An image on a surface.
+    Texture,
+}
+
+/// What `--json` prints, and 'brdfc info --json' of a map.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub struct Report {
+    /// Layout of this report.
+    version: u32,
+    /// 'bandwidth-map'.
+    kind: &'static str,
+    /// What it says of itself, and its values.
+    #[serde(flatten)]
+    facts: BandwidthFacts,
+    /// What evaluating a material had to mend; not of images, nor of a map that was there.
+    #[serde(rename = "mended")]
+    repairs: Option<Tally>,
+    /// Seconds that reading and finding the bandwidth took; not of a map that was there.
+    seconds: Option<Seconds>,
+}
+
+/// Seconds per stage.
+#[derive(Debug, Clone, Copy, Serialize, schemars::JsonSchema)]
+pub struct Seconds {
+    /// Reading and decoding the input.
+    read: f64,
+    /// Transform, bandwidth, reduction.
+    bandwidth: f64,
+}
+
+impl Report {
+    fn new(map: &BandwidthMap, repairs: Option<Tally>, seconds: Option<Seconds>) -> Self {
+        Self { version: 1, kind: "bandwidth-map", facts: BandwidthFacts::new(map), repairs, seconds }
+    }
+
+    fn text(&self) -> String {
+        let facts = &self.facts;
+        let mut lines = vec![
+            ("kind", "bandwidth map".to_owned()),
+            ("of", facts.of.clone()),
+            ("texels", format!("{} x {}", facts.size[0], facts.size[1])),
+            ("transformed at", format!("{} x {}", facts.transformed[0], facts.transformed[1])),
+            ("threshold ε", facts.epsilon.to_string()),
+            ("largest", format!("{:.4} {}", facts.largest, facts.unit)),
+            ("mean", format!("{:.4} {}", facts.mean, facts.unit)),
+            ("without variation", table::percent(facts.constant)),
+            ("bytes on a GPU", table::bytes(facts.gpu_bytes)),
+        ];
+        if let Some(share) = facts.limited {
+            lines.push(("limited by these", table::percent(share)));
+        }
+        if let (Some([width, height]), Some(tiles)) = (facts.metres, facts.tiles) {
+            let border = if tiles { "repeats" } else { "does not repeat" };
+            lines.push(("texture", format!("{width} m x {height} m, {border}")));
+        }
+        if let Some(seconds) = self.seconds {
+            lines.push(("seconds", format!("{:.3} to read, {:.3} for the map", seconds.read, seconds.bandwidth)));
+        }
+        lines.iter().map(|(name, value)| format!("{name:17}  {value}\n")).collect()
+    }
+}
+
+/// `brdfc info` of a map.
+pub(super) fn info(map: &BandwidthMap, common: Common) -> Result<(), Error> {
+    let report = Report::new(map, None, None);
+    if common.json { print_json(&report) } else { print(&report.text()) }
+}
+
+/// What is to be done, from the flags.
+enum Recipe {
+    Brdf { resolution: Resolution },
+    Environment,
+    Texture(Placement),
+}
+
+/// Of what an image file is by its extension, if it is one: whether of radiance.
+fn radiance(input: &Input) -> Result<Option<bool>, Error> {
+    Ok(match input.extension()?.as_str() {
+        "exr" | "hdr" => Some(true),
+        "png" | "jpg" | "jpeg" => Some(false),
+        _ => None,
+    })
+}
+
+fn recipe(arguments: &Arguments) -> Result<Recipe, Error> {
+    let usage = |text: String| Err(Error::usage(text));
+    let [least, most] = EPSILON_RANGE;
+    if !(least..=most).contains(&arguments.epsilon) {
+        return usage(format!("--epsilon: found {}; allowed {least} to {most}", format_number(arguments.epsilon)));
+    }
+    let radiance = radiance(&arguments.input)?;
+    let kind = arguments.kind.unwrap_or(match radiance {
+        None => Kind::Brdf,
+        Some(true) => Kind::Environment,
+        Some(false) => Kind::Texture,
+    });
+    if (kind == Kind::Brdf) != radiance.is_none() {
+        let found = if radiance.is_none() { "no image" } else { "an image" };
+        let allowed = "brdf for materials; environment or texture for .exr, .hdr, .png and .jpg";
+        return usage(format!("--kind: found {} of {found}; allowed {allowed}", format!("{kind:?}").to_lowercase()));
+    }
+    if kind != Kind::Brdf && arguments.resolution.is_some() {
+        return usage("--resolution: found an image; allowed for materials".to_owned());
+    }
+    if kind != Kind::Texture && (arguments.size.is_some() || arguments.no_tile) {
+        return usage("--size, --no-tile: found no texture; allowed for textures".to_owned());
+    }
+    Ok(match kind {
+        Kind::Brdf => {
+            let asked = arguments.resolution.as_deref();
+            let Some(resolution) = asked.map_or(Some(Resolution::default()), Resolution::parse) else {
+                let (found, [least, most]) = (asked.unwrap_or_default(), RESOLUTIONS);
+                return usage(format!(
+                    "--resolution: found {found}; allowed a power of two from {least} to {most}, or auto"
+                ));
+            };
+            Recipe::Brdf { resolution }
+        }
+        Kind::Environment => Recipe::Environment,
+        Kind::Texture => Recipe::Texture(Placement { metres: metres(arguments)?, tiles: !arguments.no_tile }),
+    })
+}
+
+/// Width and height of a texture.
+fn metres(arguments: &Arguments) -> Result<[f64; 2], Error> {
+    let side = |part: &str| part.parse::<f64>().ok().filter(|side| (1e-6..=1e6).contains(side));
+    let found = arguments.size.as_deref().unwrap_or("none");
+    found.split_once(['x', 'X']).and_then(|(width, height)| Some([side(width)?, side(height)?])).ok_or_else(|| {
+        Error::usage(format!("--size: found {found}; allowed WIDTHxHEIGHT of the texture in metres, 1e-6 to 1e6"))
+    })
+}
+
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
+    refuse_overwriting("--output", &arguments.output, arguments.input.path().as_slice())?;
+    refuse_unfit_output(&arguments.output, &["ktx2"])?;
+    let recipe = recipe(arguments)?;
+    #[cfg(feature = "render")]
+    check_picture(arguments)?;
+    let epsilon = arguments.epsilon;
+    let ((map, repairs), seconds) = match recipe {
+        Recipe::Brdf { resolution } => {
+            let material = || Ok(open(&arguments.input, None)?.source);
+            timed(material, |source| {
+                note_directions(common, &arguments.input, source.as_ref());
+                let (map, tally) = brdf_map(source.as_ref(), resolution, epsilon)?;
+                Ok((map, Some(tally)))
+            })?
+        }
+        Recipe::Environment => {
+            timed(|| image(&arguments.input), |(pixels, width)| Ok((environment_map(pixels, *width, epsilon)?, None)))?
+        }
+        Recipe::Texture(placement) => timed(
+            || image(&arguments.input),
+            |(pixels, width)| Ok((texture_map(pixels, *width, placement, epsilon)?, None)),
+        )?,
+    };
+    write_file(&arguments.output, &map.to_bytes(true))?;
+    #[cfg(feature = "render")]
+    if let Some(path) = &arguments.picture {
+        use brdfc_render::picture::{bandwidth_panel, rgb_png};
+        write_file(path, &rgb_png(&bandwidth_panel(&map)))?;
+    }
+    for line in repairs.iter().flat_map(repairs_in_words) {
+        note(common, &arguments.input, &line);
+    }
+    let report = Report::new(&map, repairs, Some(seconds));
+    if let Some(line) = report.facts.remark() {
+        note(common, &arguments.input, &line);
+    }
+    let text = if common.json { to_json(&report) } else { report.text() };
+    print_report(common, &arguments.output, &text)
+}
+
+/// The picture is another file than the input and the map, and a PNG.
+#[cfg(feature = "render")]
+fn check_picture(arguments: &Arguments) -> Result<(), Error> {
+    use super::output::refuse_same_outputs;
+    let Some(path) = &arguments.picture else { return Ok(()) };
+    if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
+        return Err(Error::usage(format!("--picture: found {}; allowed a name that ends in .png", path.display())));
+    }
+    refuse_overwriting("--picture", path, arguments.input.path().as_slice())?;
+    refuse_same_outputs(&[("--output", Some(&arguments.output)), ("--picture", Some(path))])
+}
+
+/// Reads an input and makes its map.
+fn timed<T, M>(
+    read: impl FnOnce() -> Result<T, Error>,
+    make: impl FnOnce(&T) -> Result<M, FormatError>,
+) -> Result<(M, Seconds), Error> {
+    let start = Instant::now();
+    let input = read()?;
+    let read = start.elapsed().as_secs_f64();
+    let start = Instant::now();
+    let map = make(&input).map_err(Error::own_layout)?;
+    Ok((map, Seconds { read, bandwidth: start.elapsed().as_secs_f64() }))
+}
+
+/// Pixels of an image, and how many there are per row.
+fn image(input: &Input) -> Result<(Vec<[f32; 3]>, usize), Error> {
+    if radiance(input)? == Some(true) {
+        let image = open_radiance_image(input)?;
+        return Ok((image.pixels, image.width));
+    }
+    let image = open_colours(input)?;
+    Ok((image.pixels, image.width))
+}

@@ -1,0 +1,165 @@
+//! `brdfc build`: the main job.
+
+mod arguments;
+mod pieces;
+mod plan_text;
+mod text;
+
+pub use arguments::Arguments;
+pub(super) use arguments::BuildArguments;
+
+use super::output::{
+    check_folder, make_folder, note, print, print_json, refuse_dash, refuse_missing_folder, refuse_overwriting,
+    refuse_overwriting_any, refuse_own, refuse_same_outputs, remark, tell, write_file,
+};
+use super::progress::Materials;
+use super::{Error, Common, interrupt};
+use brdfc::{Build, Built};
+use brdfc_core::words::{counted, join_truncated};
+use brdfc_jobs::depfile::depfile;
+use brdfc_jobs::output_folder::Changes;
+use brdfc_jobs::report::build::BuildReport;
+use brdfc_jobs::report::material::remarks;
+use brdfc_jobs::scene::current::PackFolder;
+use brdfc_jobs::scene::explain::explain;
+use brdfc_jobs::scene::plan::{Job, Plan, REPORT};
+use brdfc_jobs::scene::run::Made;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// So many names of files are told.
+const NAMED: usize = 5;
+
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
+    let out = arguments.build.out.as_path();
+    check_folder(out)?;
+    for folder in &arguments.from {
+        refuse_dash(folder)?;
+        if !PackFolder::is_one(folder) {
+            let found = folder.display();
+            return Err(Error::io(format!("--from: found {found}; allowed a folder that 'brdfc build' filled")));
+        }
+    }
+    let build = arguments.build()?;
+    tell_left_out(&build, common);
+    let plan = &build.plan()?;
+    if arguments.dry_run {
+        return dry_run(arguments, plan, common);
+    }
+
+    let inputs = build.files_of(plan);
+    build.prepare(plan)?;
+    check_beside(arguments, &inputs)?;
+    let interrupt = interrupt::watch()?;
+    if arguments.shard.is_some() || !arguments.only.is_empty() {
+        return pieces::run(arguments, &build, plan, common, &interrupt);
+    }
+    let progress = Materials::of(plan, common, interrupt.flag());
+    let mut built = build.run_with(plan, &progress)?;
+    drop(progress);
+    tell_what_matters(&built, common, Notes::All);
+    if let Some(file) = &arguments.depfile {
+        write_file(file, &depfile(&out.join(REPORT), &inputs))?;
+    }
+    if arguments.explain {
+        let folder = PackFolder::looked_at(out);
+        let kept = |job: &Job, source| folder.as_ref()?.known_of(job, source);
+        built.report.needs = explain(plan, &built.outcomes.made().collect(), &kept);
+    }
+    if common.json {
+        print_json(&built.report)?;
+    } else {
+        print(&(text::text(&built.outcomes) + &plan_text::needs(&built.report.needs)))?;
+    }
+    if !plan.skipped.is_empty() {
+        remark(
+            common,
+            &format!("not used by the scene, not opened: {}", join_truncated(&plan.skipped, plan_text::MOST_NAMED)),
+        );
+    }
+    match &built.changes {
+        Some(changes) => tell_changes(changes, &built.report, common),
+        None => tell(&format!("brdfc: {} is as it was before", out.display())),
+    }
+    built.outcomes.verdict()?;
+    arguments.write_stamp()
+}
+
+/// Files that are written beside the packs: neither over what is read nor over what else is written.
+fn check_beside(arguments: &Arguments, inputs: &[&Path]) -> Result<(), Error> {
+    let out = arguments.build.out.as_path();
+    let files = [("--depfile", arguments.depfile.as_deref()), ("--stamp", arguments.stamp.as_deref())];
+    refuse_same_outputs(&files)?;
+    for (option, file) in files.into_iter().filter_map(|(option, file)| Some((option, file?))) {
+        if file == Path::new("-") {
+            return Err(Error::usage(format!("{option}: found -; allowed a file (one of this name is ./-)")));
+        }
+        refuse_overwriting(option, file, inputs)?;
+        refuse_own(option, file, out)?;
+    }
+    arguments.depfile.as_deref().map_or(Ok(()), refuse_missing_folder)
+}
+
+/// Says what would be done.
+fn dry_run(arguments: &Arguments, plan: &Plan, common: Common) -> Result<(), Error> {
+    let folder = PackFolder::looked_at(&arguments.build.out).filter(|_| !arguments.no_cache);
+    let known = |job: &Job| folder.as_ref()?.known(job);
+    let known: BTreeMap<&str, Made> =
+        plan.jobs.iter().filter_map(|job| Some((job.name.as_str(), known(job)?))).collect();
+    let mut report = BuildReport::planned(plan, &known);
+    if arguments.explain {
+        let made = known.iter().map(|(name, made)| (*name, made)).collect();
+        report.needs = explain(plan, &made, &|job, source| folder.as_ref()?.known_of(job, source));
+    }
+    if common.json {
+        return print_json(&report);
+    }
+    print(&plan_text::text(plan, &report, &arguments.build.out))
+}
+
+/// What a build of folders does not look at is told.
+pub(super) fn tell_left_out(build: &Build, common: Common) {
+    let names: Vec<String> = build.left_out().iter().map(|path| path.display().to_string()).collect();
+    if !names.is_empty() {
+        let (count, names) = (counted(names.len(), "file"), join_truncated(&names, NAMED));
+        remark(common, &format!("left out, no measured materials: {count} ({names})"));
+    }
+}
+
+/// Whose notes are told.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Notes {
+    /// Those of all materials.
+    All,
+    /// Those of materials that were made now.
+    OfMade,
+}
+
+/// Failures and misses, and notes on what was made. Gives the number of materials whose notes were not told.
+pub(super) fn tell_what_matters(built: &Built, common: Common, notes: Notes) -> usize {
+    let mut untold = 0;
+    for (name, made) in built.outcomes.made() {
+        let of_map = made.maps.as_ref().and_then(|maps| maps.bandwidth.as_ref()?.facts.remark());
+        let lines: Vec<String> = remarks(&made.report).into_iter().chain(of_map).collect();
+        if notes == Notes::OfMade && made.times.is_none() {
+            untold += usize::from(!lines.is_empty());
+        } else {
+            lines.iter().for_each(|line| note(common, name, line));
+        }
+    }
+    built.outcomes.problems().iter().for_each(|line| tell(&format!("brdfc: {line}")));
+    untold
+}
+
+fn tell_changes(changes: &Changes, report: &BuildReport, common: Common) {
+    let kept = report.materials.iter().filter(|entry| entry.kept).map(|entry| entry.material.clone()).collect();
+    for (what, names) in [
+        ("kept of earlier builds", &kept),
+        ("removed, as this build does not need them", &changes.removed),
+        ("not needed, but changed by somebody since they were built, and left", &changes.left),
+    ] {
+        if !names.is_empty() {
+            remark(common, &format!("{what}: {}", names.join(", ")));
+        }
+    }
+}

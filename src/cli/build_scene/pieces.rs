@@ -1,0 +1,55 @@
+//! Pieces of a build, for several machines.
+
+use super::arguments::Arguments;
+use crate::interrupt::Interrupt;
+use crate::output::{print, tell};
+use crate::progress::Materials;
+use crate::{Error, Common};
+use brdfc::{Build, Plan};
+use brdfc_core::words::counted;
+use brdfc_jobs::scene::build::build_works;
+use brdfc_jobs::scene::works::Work;
+
+pub(super) fn run(arguments: &Arguments, build: &Build, plan: &Plan, common: Common, interrupt: &Interrupt) -> Result<(), Error> {
+    if common.json {
+        return Err(Error::usage("--json: found with --shard or --only; allowed with a whole build".to_owned()));
+    }
+    let works = chosen(arguments, plan)?;
+    let progress = Materials::new(works.len(), plan.environment.is_some(), common, interrupt.flag());
+    let results = build_works(&works, build.settings(), &progress)?;
+    drop(progress);
+    let count = works.len();
+    let mut text = String::new();
+    let mut failures = Vec::new();
+    for (work, result) in works.iter().zip(results) {
+        match result {
+            Ok(made) => text += &format!("{}: {}\n", work.name(), if made { "made" } else { "there" }),
+            Err(error) => {
+                tell(&format!("brdfc: {}: {error}", work.name()));
+                failures.push(Error::from(error));
+            }
+        }
+    }
+    print(&text)?;
+    let failed = format!("{} of {} failed", failures.len(), counted(count, "part"));
+    match failures.into_iter().max_by_key(Error::kind) {
+        None => arguments.write_stamp(),
+        Some(worst) => Err(worst.with_message(failed)),
+    }
+}
+
+/// Those of the shard, or those that are named.
+fn chosen<'a>(arguments: &Arguments, plan: &'a Plan) -> Result<Vec<Work<'a>>, Error> {
+    let works = plan.works();
+    if let Some(shard) = arguments.shard {
+        return Ok(shard.of(works));
+    }
+    let named = |name: &String| {
+        let found = works.iter().find(|work| work.name() == *name).copied();
+        found.ok_or_else(|| {
+            let names: Vec<String> = works.iter().map(Work::name).collect();
+            Error::usage(format!("--only: found {name}; allowed {}", names.join(", ")))
+        })
+    };
+    arguments.only.iter().map(named).collect()
+}

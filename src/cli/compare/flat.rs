@@ -1,0 +1,61 @@
+//! One flat BTF against another.
+
+use crate::{Error, table};
+use brdfc_flat_btf::probes::ColourErrors;
+use brdfc_jobs::flatten::{FlatComparison, compare_flat};
+use brdfc_jobs::pwt::open_flat_material;
+use brdfc_render::flat::FlatMaterial;
+use brdfc_source::Input;
+use serde::Serialize;
+
+/// A flat BTF against another of the same surface.
+#[derive(Debug, Clone, Copy, Serialize, schemars::JsonSchema)]
+pub(super) struct FlatReport {
+    /// 'flat-btf'.
+    kind: &'static str,
+    /// What was measured.
+    #[serde(flatten)]
+    comparison: FlatComparison,
+}
+
+impl FlatReport {
+    /// B against A, which is read already.
+    pub(super) fn new(a: &Input, reference: &FlatMaterial, b: &Input) -> Result<Self, Error> {
+        let Some(other) = open_flat_material(b)? else {
+            let allowed = "a flat BTF, as A is one";
+            return Err(Error::usage(format!("B: found {b}; allowed {allowed}")));
+        };
+        let comparison = compare_flat(reference, &other);
+        let comparison =
+            comparison.ok_or_else(|| Error::input(format!("{a}: found the light form; allowed the full form")))?;
+        Ok(Self { kind: "flat-btf", comparison })
+    }
+
+    fn kinds(&self) -> [(&'static str, ColourErrors); 2] {
+        let FlatComparison { at_samples, between_samples, .. } = self.comparison;
+        [("at sampled directions", at_samples), ("between them", between_samples)]
+    }
+
+    pub(super) fn table(&self) -> String {
+        let rows = self.kinds().map(|(kind, errors)| {
+            let figures = [errors.mean, errors.p95, errors.max].map(|delta_e| format!("{delta_e:.2}"));
+            [kind.to_owned(), errors.samples.to_string()].into_iter().chain(figures).collect::<Vec<_>>()
+        });
+        table::plain(&["ΔE", "look-ups", "mean", "95 %", "largest"], &rows)
+    }
+
+    /// Holds both means against a limit.
+    pub(super) fn check(&self, a: &Input, limit: f64) -> Result<(), Error> {
+        if self.comparison.lit == 0 {
+            let allowed = "at least one look-up that is not, or the check says nothing";
+            return Err(Error::check(format!("{a}: found black; allowed {allowed}")));
+        }
+        match self.kinds().into_iter().find(|(_, errors)| errors.mean > limit) {
+            Some((kind, errors)) => {
+                let found = table::apart(errors.mean, limit);
+                Err(Error::check(format!("mean ΔE {kind}: found {found}; allowed {limit}")))
+            }
+            None => Ok(()),
+        }
+    }
+}

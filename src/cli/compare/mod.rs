@@ -1,0 +1,259 @@
+//! `brdfc compare`: error of one input against another.
+
+mod flat;
+
+use self::flat::FlatReport;
+use super::inputs::refuse_stdin_twice;
+use super::output::{print, print_json, remark};
+use super::{Error, Common};
+use crate::table;
+use brdfc_formats::crop::DirectionRange;
+use brdfc_formats::direction::DirectionPair;
+use brdfc_jobs::pwt::{PhotographComparison, compare_photographs, open_flat_material};
+use brdfc_metrics::compare::{Comparison, compare};
+use brdfc_metrics::fraction::Fraction;
+use brdfc_metrics::sampling::{PairSet, random_pairs};
+use brdfc_pwt::measure::StackErrors;
+use brdfc_readers::scan_csv::directions_from_bytes;
+use brdfc_source::Input;
+use brdfc_source::light_stack::is_light_stack;
+use brdfc_source::open::{Facts, open};
+use clap::Args;
+use serde::Serialize;
+use std::path::Path;
+
+/// Measure the error of B against A.
+///
+/// A is the reference. Both may be any source or pack. Exits with 1 when --max-error is given and missed.
+///
+/// Where A is a light stack (a folder with an .lp, or the list), B is what 'brdfc pwt' made of it, a pack or a .ptm, or another stack of
+/// the same lights: they are compared photograph by photograph, as sRGB codes and by ΔE.
+///
+/// Where A is a flat BTF (the file that 'brdfc flatten' wrote, or its folder), B is another of the same surface, such as a smaller one:
+/// they are compared at random places, for views and lights that A has and for others, by ΔE.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  brdfc compare paint.brdf paint.ktx2
+  brdfc compare red.binary red.ktx2 --directions 100000 --max-error 0.05
+  brdfc compare a.ktx2 b.ktx2 --directions pairs.csv --json
+  brdfc compare icon icon.ktx2 --max-delta-e 3
+  brdfc compare whole button --max-delta-e 4")]
+pub struct Arguments {
+    /// The reference: a path, - for stdin, or synth:MODEL?param=value&...
+    a: Input,
+    /// The approximation, likewise.
+    b: Input,
+    /// How many random direction pairs (uniform over both hemispheres, fixed seed), a CSV of pairs, or - for one from stdin (default: those at
+    /// which 'encode' and 'build' measure, 65536 of three kinds).
+    #[arg(long, value_name = "N|FILE.csv", allow_hyphen_values = true)]
+    directions: Option<Input>,
+    /// Largest mean relative difference ε_r that passes: a fraction or a percentage, 0.05 or 5%.
+    #[arg(long, value_name = "E")]
+    max_error: Option<Fraction>,
+    /// Largest mean ΔE (CIE76) that passes, of light stacks and flat BTFs.
+    #[arg(long, value_name = "E")]
+    max_delta_e: Option<f64>,
+}
+
+/// What `--json` prints.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub struct Report {
+    /// Layout of this report.
+    version: u32,
+    /// What was compared.
+    #[serde(flatten)]
+    compared: Compared,
+}
+
+/// What was compared.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+#[serde(untagged)]
+#[allow(clippy::large_enum_variant)]
+enum Compared {
+    /// Of reflectances.
+    Reflectances(ReflectanceReport),
+    /// Of photographs under known lights.
+    Photographs(PhotographReport),
+    /// Of flat BTFs.
+    FlatBtfs(FlatReport),
+}
+
+/// Photographs under known lights, against what was made of them.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+struct PhotographReport {
+    /// 'light-stack'.
+    kind: &'static str,
+    /// Errors over all photographs.
+    #[serde(flatten)]
+    errors: StackErrors,
+    /// Each photograph.
+    photographs: Vec<PhotographErrors>,
+}
+
+/// Errors of one photograph.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+struct PhotographErrors {
+    /// Unit vector to its light.
+    light: [f32; 3],
+    /// Peak signal-to-noise ratio of sRGB codes, dB.
+    psnr: f64,
+    /// Mean ΔE (CIE76).
+    delta_e: f64,
+}
+
+/// Error of one source or pack against another.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+struct ReflectanceReport {
+    /// The reference.
+    a: Facts,
+    /// The approximation.
+    b: Facts,
+    /// Direction pairs.
+    pairs: usize,
+    /// Directions that are compared: those that both are for, or all where pairs are given.
+    directions: DirectionRange,
+    /// What was measured.
+    #[serde(flatten)]
+    comparison: Comparison,
+}
+
+const SEED: u64 = 2007;
+const MOST_PAIRS: usize = 100_000_000;
+
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
+    let limit = arguments.max_error.map(|limit| {
+        limit.checked().map_err(|allowed| Error::usage(format!("--max-error: found {limit}; allowed {allowed}")))
+    });
+    let limit = limit.transpose()?;
+    let inputs =
+        [("A", Some(&arguments.a)), ("B", Some(&arguments.b)), ("--directions", arguments.directions.as_ref())];
+    refuse_stdin_twice(&inputs)?;
+    if let Some(stack) = arguments.a.path().filter(|path| is_light_stack(path)) {
+        return photographs(arguments, stack, common);
+    }
+    if let Some(reference) = open_flat_material(&arguments.a)? {
+        arguments.refuse_flags_of_reflectances("flat BTFs")?;
+        let report = FlatReport::new(&arguments.a, &reference, &arguments.b)?;
+        if common.json {
+            print_json(&Report { version: 1, compared: Compared::FlatBtfs(report) })?;
+        } else {
+            print(&report.table())?;
+        }
+        return arguments.max_delta_e.map_or(Ok(()), |limit| report.check(&arguments.a, limit));
+    }
+    let (a, b) = (open(&arguments.a, None)?, open(&arguments.b, None)?);
+    if arguments.max_delta_e.is_some() {
+        return Err(Error::usage(
+            "--max-delta-e: found with reflectances; allowed where A is a light stack or a flat BTF".to_owned(),
+        ));
+    }
+    // A pack that is for some directions only is no worse for what it does not hold.
+    let both = a.facts.directions().common(b.facts.directions()).ok_or_else(|| {
+        Error::check(format!(
+            "directions: found a pack for {}, and one for {}; allowed packs that have some in common",
+            a.facts.directions(),
+            b.facts.directions()
+        ))
+    })?;
+    let set = match &arguments.directions {
+        Some(directions) => PairSet::new(pairs(directions)?),
+        None => PairSet::within(both),
+    };
+    if !both.is_all() && arguments.directions.is_none() {
+        remark(common, &format!("compared where both are: {both}"));
+    }
+    let (comparison, _) = compare(a.source.as_ref(), b.source.as_ref(), &set);
+    let found = comparison.norms.relative_mean;
+    let comparison_counts = comparison.norms.counted() > 0;
+    if common.json {
+        let (pairs, directions) = (set.pairs.len(), set.directions);
+        let report = ReflectanceReport { a: a.facts, b: b.facts, pairs, directions, comparison };
+        print_json(&Report { version: 1, compared: Compared::Reflectances(report) })?;
+    } else {
+        print(&table::comparison(&comparison, set.directions))?;
+    }
+    match limit {
+        Some(_) if !comparison_counts => Err(Error::check(
+            "mean relative difference: found no sample above 0.1 % of the reference's mean; allowed at least one, or \
+             the check says nothing"
+                .to_owned(),
+        )),
+        Some(allowed) if found > allowed => Err(Error::check(format!(
+            "mean relative difference: found {}; allowed {}",
+            table::percent(found),
+            table::percent(allowed)
+        ))),
+        _ => Ok(()),
+    }
+}
+
+impl Arguments {
+    /// For what is compared by ΔE.
+    fn refuse_flags_of_reflectances(&self, what: &str) -> Result<(), Error> {
+        for (given, flag) in [(self.directions.is_some(), "--directions"), (self.max_error.is_some(), "--max-error")] {
+            if given {
+                return Err(Error::usage(format!("{flag}: found with {what}; allowed with reflectances")));
+            }
+        }
+        match self.max_delta_e.filter(|limit| !(0.0..=1000.0).contains(limit)) {
+            Some(limit) => Err(Error::usage(format!("--max-delta-e: found {limit}; allowed 0 to 1000"))),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Photographs of a light stack against what was made of them.
+fn photographs(arguments: &Arguments, reference: &Path, common: Common) -> Result<(), Error> {
+    arguments.refuse_flags_of_reflectances("a light stack")?;
+    let PhotographComparison { lights, errors, each } = compare_photographs(reference, &arguments.b)?;
+    let photographs: Vec<PhotographErrors> = lights
+        .iter()
+        .zip(each)
+        .map(|(light, errors)| PhotographErrors { light: *light, psnr: errors.psnr, delta_e: errors.delta_e })
+        .collect();
+    let found = errors.delta_e;
+    if common.json {
+        let report = PhotographReport { kind: "light-stack", errors, photographs };
+        print_json(&Report { version: 1, compared: Compared::Photographs(report) })?;
+    } else {
+        let worst = photographs.iter().max_by(|a, b| a.delta_e.total_cmp(&b.delta_e));
+        let [x, y, z] = worst.map_or([0.0; 3], |worst| worst.light);
+        let row = vec![
+            errors.lights.to_string(),
+            format!("{:.2}", errors.psnr),
+            format!("{found:.2}"),
+            worst.map_or("-".to_owned(), |worst| format!("{:.2}", worst.delta_e)),
+            format!("({x:.2}, {y:.2}, {z:.2})"),
+        ];
+        print(&table::plain(&["photographs", "dB", "mean ΔE", "worst", "under the light"], &[row]))?;
+    }
+    match arguments.max_delta_e {
+        Some(limit) if found > limit => {
+            Err(Error::check(format!("mean ΔE: found {}; allowed {limit}", table::apart(found, limit))))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn pairs(directions: &Input) -> Result<Vec<DirectionPair>, Error> {
+    let number = directions.path().and_then(|path| path.to_str()?.parse::<usize>().ok());
+    if let Some(count) = number {
+        if !(1..=MOST_PAIRS).contains(&count) {
+            return Err(Error::usage(format!("--directions: found {count}; allowed 1 to {MOST_PAIRS}")));
+        }
+        return Ok(random_pairs(count, SEED));
+    }
+    let is_number = |path: &Path| path.to_str().is_some_and(|text| text.parse::<f64>().is_ok());
+    let no_list = |path: &std::path::Path| !path.exists() && (path.extension().is_none() || is_number(path));
+    if directions.path().is_none_or(no_list) && !directions.is_stdin() {
+        let allowed = "a number of directions, or a list of them in a .csv file";
+        return Err(Error::usage(format!("--directions: found {directions}; allowed {allowed}")));
+    }
+    let bytes = directions.read_text()?;
+    let pairs = directions_from_bytes(&bytes).map_err(|error| Error::input(format!("{directions}: {error}")))?;
+    if pairs.is_empty() {
+        return Err(Error::input(format!("{directions}: records: found none; allowed at least one")));
+    }
+    Ok(pairs.into_iter().map(|(incoming, outgoing)| DirectionPair::new(incoming, outgoing)).collect())
+}

@@ -1,0 +1,120 @@
+//! `brdfc convert`: any source as a measured file that other programs read.
+
+use super::output::{output_parser, print_report, refuse_overwriting, refuse_unfit_output, to_json, write_file};
+use super::synth::dimensions;
+use super::{Error, Common};
+use crate::table;
+use brdfc_jobs::convert::{ConvertError, PairGrid, Target, convert};
+use brdfc_metrics::compare::Comparison;
+use brdfc_source::Input;
+use brdfc_source::open::{Facts, open};
+use clap::Args;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// Write a material or a pack as a file that other programs read, and say what that costs.
+///
+/// The extension says which: .binary is a MERL table, for isotropic materials, of 90 x 90 x 180 values as most readers want it;
+/// .bsdf is a material of the RGL database, in RGB, as Mitsuba's 'measured' reads it; .csv is a list of direction pairs with their
+/// values. What was written is read again and held against the input, at the pairs
+/// at which packs are measured.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  brdfc convert paint.brdf -o paint.binary
+  brdfc convert brushed.ktx2 -o brushed.bsdf
+  brdfc convert red.ktx2 -o red.csv --grid 16x24x72
+  brdfc convert synth:lewis -o small.binary --dimensions 45x45x90 --json")]
+pub struct Arguments {
+    /// A material or a pack: a path, - for stdin, or synth:MODEL?param=value&...
+    input: Input,
+    /// The file to write: .binary, .bsdf or .csv.
+    #[arg(long, short, value_name = "FILE", value_parser = output_parser())]
+    output: PathBuf,
+    /// Samples of a MERL table along theta_h, theta_d and phi_d (default: 90x90x180).
+    #[arg(long, value_name = "HxDxP", allow_hyphen_values = true)]
+    dimensions: Option<String>,
+    /// Incoming and outgoing polar angles, 0 to 85 degrees, and outgoing azimuths of a list (default: 12x24x48). Incoming azimuths
+    /// are 8, of isotropic materials 1.
+    #[arg(long, value_name = "IxOxA", allow_hyphen_values = true)]
+    grid: Option<String>,
+}
+
+/// What `--json` prints.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub struct Report {
+    /// Layout of this report.
+    version: u32,
+    /// 'merl', 'rgl' or 'csv'.
+    kind: &'static str,
+    /// What was converted.
+    source: Facts,
+    /// Values in the file: cells of a table that are not below the horizon, or rows of a list.
+    values: usize,
+    /// Bytes of the file.
+    bytes_on_disk: usize,
+    /// The file against the input.
+    #[serde(flatten)]
+    comparison: Comparison,
+}
+
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
+    let output: &Path = &arguments.output;
+    refuse_overwriting("--output", output, arguments.input.path().as_slice())?;
+    refuse_unfit_output(output, &["binary", "bsdf", "csv"])?;
+    let (kind, target) = target(arguments)?;
+    let opened = open(&arguments.input, None)?;
+    let converted = convert(opened.source.as_ref(), target).map_err(|error| match error {
+        ConvertError::Anisotropic => Error::input(format!("{}: {error}", arguments.input)),
+        ConvertError::Format(error) => Error::own_layout(error),
+    })?;
+    write_file(output, &converted.bytes)?;
+    let (values, bytes_on_disk, comparison) = (converted.values, converted.bytes.len(), converted.comparison);
+    if common.json {
+        let report = Report { version: 1, kind, source: opened.facts, values, bytes_on_disk, comparison };
+        return print_report(common, output, &to_json(&report));
+    }
+    let wrote = format!("{values} values, {}\n", table::bytes(bytes_on_disk as u64));
+    let directions = opened.source.directions();
+    print_report(common, output, &(wrote + &table::comparison(&comparison, directions)))
+}
+
+/// What the name of the output asks for.
+fn target(arguments: &Arguments) -> Result<(&'static str, Target), Error> {
+    let is = |name: &str| arguments.output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(name));
+    let found = arguments.output.display();
+    if arguments.dimensions.is_some() && !is("binary") {
+        return Err(Error::usage(format!("--dimensions: found with {found}; allowed with a file in .binary")));
+    }
+    if arguments.grid.is_some() && !is("csv") {
+        return Err(Error::usage(format!("--grid: found with {found}; allowed with a file in .csv")));
+    }
+    if is("csv") {
+        return Ok(("csv", Target::Csv(pair_grid(arguments.grid.as_deref().unwrap_or("12x24x48"))?)));
+    }
+    if is("bsdf") {
+        return Ok(("rgl", Target::Rgl));
+    }
+    Ok(("merl", Target::Merl(dimensions(arguments.dimensions.as_deref().unwrap_or("90x90x180"))?)))
+}
+
+/// Most numbers of each kind.
+const MOST: usize = 1000;
+/// Most rows of an anisotropic list.
+const MOST_ROWS: usize = 10_000_000;
+
+fn pair_grid(text: &str) -> Result<PairGrid, Error> {
+    let parts: Vec<usize> = text.split('x').map(|part| part.parse().unwrap_or(0)).collect();
+    match parts[..] {
+        [incoming, outgoing, azimuths]
+            if parts.iter().all(|part| (2..=MOST).contains(part))
+                && 8 * incoming * outgoing * azimuths <= MOST_ROWS =>
+        {
+            Ok(PairGrid { incoming, outgoing, azimuths })
+        }
+        _ => Err(Error::usage(format!(
+            "--grid: found {text}; allowed three numbers from 2 to {MOST}, such as 12x24x48, of at most {} pairs",
+            MOST_ROWS / 8
+        ))),
+    }
+}

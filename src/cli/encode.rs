@@ -1,0 +1,89 @@
+//! `brdfc encode`: one input to one pack.
+
+use super::options::PackOptions;
+use super::output::{note, output_parser, print_report, refuse_overwriting, refuse_unfit_output, to_json};
+use super::progress::Materials;
+use super::{Error, Common};
+use crate::table;
+use brdfc::{Facts, Input, MaterialReport, Progress as _, Stage};
+use brdfc_jobs::report::material::{StageTime, remarks};
+use brdfc_jobs::stage_clock::StageClock;
+use clap::Args;
+use serde::Serialize;
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+
+/// Encode one material as a pack for GPUs.
+///
+/// Without options: the smallest pack whose pictures look like those of its source (a mean ΔE of 0.5, 95 % below 2). Prints
+/// what was tried, and bytes, fetches and errors of what was kept; the errors stand in the pack too.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  brdfc encode red-plastic.binary -o red.ktx2
+  brdfc encode paint.brdf -o paint.ktx2 --max-delta-e 0.3 --max-bytes 65536
+  brdfc encode paint.brdf -o paint.ktx2 --codec table --max-bytes 4096
+  brdfc encode 'synth:ggx?alpha=0.2' -o ggx.ktx2 --codec wavelet --ratio 16 --json
+  brdfc encode - -o - < paint.brdf > paint.ktx2")]
+pub struct Arguments {
+    /// A path, - for stdin, or synth:MODEL?param=value&...
+    input: Input,
+    /// The pack to write, or - for stdout.
+    #[arg(long, short, value_name = "PACK.ktx2", value_parser = output_parser())]
+    output: PathBuf,
+    #[command(flatten)]
+    options: PackOptions,
+}
+
+/// What `--json` prints.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub struct Report {
+    /// Layout of this report.
+    version: u32,
+    /// The input.
+    input: Facts,
+    /// What was made and measured.
+    #[serde(flatten)]
+    report: MaterialReport,
+    /// Seconds per stage.
+    stages: Vec<StageTime>,
+}
+
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
+    let recipe = arguments.options.recipe()?;
+    refuse_overwriting("--output", &arguments.output, arguments.input.path().as_slice())?;
+    refuse_unfit_output(&arguments.output, &["ktx2"])?;
+    // An interrupt ends the process at once: there is one file, which is whole or not there.
+    let cancelled = AtomicBool::new(false);
+    let progress = Materials::new(1, false, common, &cancelled);
+    let name = arguments.output.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    let part = progress.part(&name);
+    let clock = StageClock::new(part.as_ref());
+    clock.stage(Stage::Read, 1)?;
+    let material = brdfc::open(&arguments.input)?;
+    let pack = material.encode_closest(recipe, &clock)?;
+    clock.stage(Stage::Write, 1)?;
+    pack.write(&arguments.output)?;
+    let stages = clock.finish();
+    drop(part);
+    drop(progress);
+    let report = pack.report().clone();
+    let of_trials: Vec<f64> =
+        stages.iter().filter(|stage| stage.stage == Stage::Try.name()).map(|stage| stage.seconds).collect();
+    let missed = report.missed.clone().map(Error::check);
+    for line in remarks(&report) {
+        note(common, &arguments.input, &line);
+    }
+    let text = if common.json {
+        to_json(&Report { version: 2, input: material.facts().clone(), report, stages })
+    } else {
+        let mut row = vec![arguments.output.display().to_string()];
+        row.extend(table::material_row(&report, Some(stages.iter().map(|s| s.seconds).sum())));
+        let mut header = table::MATERIAL_HEADER;
+        header[0] = "pack";
+        let table = table::plain(&header, &[row]);
+        if report.tried.is_empty() { table } else { format!("{}\n{table}", table::trials(&report.tried, &of_trials)) }
+    };
+    print_report(common, &arguments.output, &text)?;
+    missed.map_or(Ok(()), Err)
+}

@@ -1,0 +1,160 @@
+//! `brdfc eval`: values at given direction pairs.
+
+use super::inputs::refuse_stdin_twice;
+use super::output::{note, note_directions, output_parser, print, refuse_overwriting, refuse_unfit_output, write_file};
+use super::{Error, Common};
+use brdfc_core::Tally;
+use brdfc_core::words::format_number;
+use brdfc_formats::direction::DirectionPair;
+use brdfc_jobs::pwt::Relightable;
+use brdfc_jobs::report::material::repairs_in_words;
+use brdfc_readers::scan_csv::{directions_from_bytes, texels_from_bytes};
+use brdfc_source::Input;
+use brdfc_source::open::open;
+use clap::Args;
+use rayon::prelude::*;
+use std::path::{Path, PathBuf};
+
+/// Evaluate a source or pack at direction pairs.
+///
+/// The CSV has a header with wi_x,wi_y,wi_z,wo_x,wo_y,wo_z (unit vectors in the frame x = tangent, y = bitangent,
+/// z = normal; other columns are kept); f_r,f_g,f_b (1/sr, linear RGB) are appended, in place of columns of these names. Scans are smoothed at the asked
+/// directions themselves, packs are filtered bilinearly.
+///
+/// Of a polynomial wavelet tree ('brdfc pwt') and of a flat BTF the CSV says where: u,v (0 to 1, across and
+/// down), wi_x,wi_y,wi_z, and for a flat BTF wo_x,wo_y,wo_z; r,g,b (linear, 1 is white) are appended.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  brdfc eval paint.brdf --directions pairs.csv
+  brdfc eval paint.ktx2 --directions pairs.csv --lod 2.5 -o values.csv
+  brdfc eval icon.ktx2 --directions texels.csv
+  brdfc eval button --directions texels.csv")]
+pub struct Arguments {
+    /// A path, - for stdin, or synth:MODEL?param=value&...; a flat BTF or its folder.
+    input: Input,
+    /// Direction pairs or texels, or - for stdin.
+    #[arg(long, value_name = "IN.csv")]
+    directions: Input,
+    /// Where to write; stdout if absent, or -.
+    #[arg(long, short, value_name = "OUT.csv", value_parser = output_parser())]
+    output: Option<PathBuf>,
+    /// Level of detail of a pack, 0 (coarsest) to its number of levels (finest, the default).
+    #[arg(long, value_name = "L")]
+    lod: Option<f32>,
+}
+
+const CHUNK: usize = 256;
+/// Columns of values.
+const VALUES: [&str; 3] = ["f_r", "f_g", "f_b"];
+/// Columns of values that are no reflectances.
+const COLOURS: [&str; 3] = ["r", "g", "b"];
+
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
+    if let Some(level) = arguments.lod
+        && !(0.0..=64.0).contains(&level)
+    {
+        return Err(Error::usage(format!(
+            "--lod: found {}; allowed 0 to the pack's number of levels",
+            format_number(level)
+        )));
+    }
+    let directions = &arguments.directions;
+    refuse_stdin_twice(&[("INPUT", Some(&arguments.input)), ("--directions", Some(directions))])?;
+    if let Some(output) = &arguments.output {
+        let inputs: Vec<&Path> = [directions, &arguments.input].into_iter().filter_map(Input::path).collect();
+        refuse_overwriting("--output", output, &inputs)?;
+        refuse_unfit_output(output, &["csv"])?;
+    }
+    let bytes = directions.read_text()?;
+    let in_file = |error| Error::input(format!("{directions}: {error}"));
+    if let Some(relightable) = Relightable::open(&arguments.input)? {
+        return texels(arguments, &relightable, &bytes);
+    }
+    let pairs = directions_from_bytes(&bytes).map_err(in_file)?;
+    let opened = open(&arguments.input, arguments.lod)?;
+    note_directions(common, &arguments.input, opened.source.as_ref());
+    match (opened.facts.levels(), arguments.lod) {
+        (Some(levels), Some(level)) if level > levels as f32 => {
+            return Err(Error::usage(format!(
+                "--lod: found {}; allowed 0 to {levels}, the pack's levels",
+                format_number(level)
+            )));
+        }
+        (Some(_), _) | (_, None) => {}
+        _ => return Err(Error::usage("--lod: only packs have levels of detail".to_owned())),
+    }
+
+    let chunks: Vec<(Vec<[f64; 3]>, Tally)> = pairs
+        .par_chunks(CHUNK)
+        .map(|chunk| {
+            let mut tally = Tally::default();
+            let values = chunk
+                .iter()
+                .map(|(incoming, outgoing)| opened.source.eval(DirectionPair::new(*incoming, *outgoing), &mut tally))
+                .collect();
+            (values, tally)
+        })
+        .collect();
+    let mut tally = Tally::default();
+    chunks.iter().for_each(|(_, counts)| tally += *counts);
+    for line in repairs_in_words(&tally) {
+        note(common, &arguments.input, &line);
+    }
+    write(arguments, &bytes, VALUES, chunks.iter().flat_map(|(values, _)| values))
+}
+
+/// Values at places of a picture or a tile.
+fn texels(arguments: &Arguments, relightable: &Relightable, bytes: &[u8]) -> Result<(), Error> {
+    let directions = &arguments.directions;
+    let queries = texels_from_bytes(bytes, relightable.has_views())
+        .map_err(|error| Error::input(format!("{directions}: {error}")))?;
+    let finest = relightable.levels() as f32;
+    let level = arguments.lod.unwrap_or(finest);
+    if level > finest {
+        let allowed = format!("0 to {finest}, the levels that there are");
+        return Err(Error::usage(format!("--lod: found {}; allowed {allowed}", format_number(level))));
+    }
+    let values: Vec<[f32; 3]> = queries.par_iter().map(|query| relightable.value(query, level)).collect();
+    write(arguments, bytes, COLOURS, values.iter())
+}
+
+fn write<'a, T: ToString + 'a>(
+    arguments: &Arguments,
+    bytes: &[u8],
+    columns: [&str; 3],
+    values: impl Iterator<Item = &'a [T; 3]>,
+) -> Result<(), Error> {
+    let directions = &arguments.directions;
+    let text = appended(bytes, columns, values).map_err(|error| Error::input(format!("{directions}: {error}")))?;
+    match &arguments.output {
+        Some(output) => write_file(output, text.as_bytes()),
+        None => print(&text),
+    }
+}
+
+/// The records of the input, each with its value.
+fn appended<'a, T: ToString + 'a>(
+    bytes: &[u8],
+    columns: [&str; 3],
+    values: impl Iterator<Item = &'a [T; 3]>,
+) -> Result<String, csv::Error> {
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(bytes);
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let found = reader.headers()?.clone();
+    // Values that are there already are another source's: the first of two columns with one name counts.
+    let kept: Vec<bool> = found.iter().map(|name| !columns.contains(&name)).collect();
+    let others = |record: &csv::StringRecord| -> csv::StringRecord {
+        record.iter().zip(&kept).filter(|(_, kept)| **kept).map(|(field, _)| field).collect()
+    };
+    let mut header = others(&found);
+    columns.iter().for_each(|name| header.push_field(name));
+    writer.write_record(&header)?;
+    for (record, value) in reader.records().zip(values) {
+        let mut record = others(&record?);
+        value.iter().for_each(|channel| record.push_field(&channel.to_string()));
+        writer.write_record(&record)?;
+    }
+    let bytes = writer.into_inner().expect("memory can be written to");
+    Ok(String::from_utf8(bytes).expect("the input was checked to be UTF-8"))
+}

@@ -1,0 +1,101 @@
+//! `brdfc flatten`: flat BTFs of surfaces with relief, and of ordinary BTFs.
+
+mod arguments;
+mod options;
+mod text;
+
+pub use arguments::Arguments;
+pub(super) use text::text;
+
+use super::directions::in_flags;
+use super::output::{make_folder, note, print, print_json};
+use super::steps::Steps;
+use super::{Error, Common, interrupt};
+use arguments::ImageFormat;
+use brdfc_jobs::btf_stack::StackFormat;
+use brdfc_jobs::flatten::words::{missed, remarks};
+use brdfc_jobs::flatten::{
+    FlatAsset, FlattenError, FlattenJob, PLANE, Values, material_list, open_appearance, open_geometry, run as flatten,
+};
+use brdfc_source::Input;
+use brdfc_source::ordinary_btf::OrdinaryBtf;
+use options::{asset_name, check_inputs, check_outputs, meso_options, recipe};
+use serde::Serialize;
+use std::path::Path;
+use std::time::Instant;
+
+/// What `--json` prints.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub struct Report {
+    /// The asset, as its file has it, and how large it is.
+    #[serde(flatten)]
+    asset: FlatAsset,
+    /// Seconds from start to finish.
+    seconds: f64,
+}
+
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
+    let started = Instant::now();
+    let stack = arguments.meso.path().filter(|path| OrdinaryBtf::is_one(path));
+    check_inputs(arguments)?;
+    let name = asset_name(arguments)?;
+    let mut recipe = recipe(arguments)?;
+    let options = meso_options(arguments, stack.is_some())?;
+    check_outputs(arguments)?;
+    let (geometry, materials, values) = if let Some(path) = stack {
+        let stack = OrdinaryBtf::open(path)?;
+        (recipe.views, recipe.lights) = (stack.views().clone(), stack.lights().clone());
+        let mut geometry = open_geometry(&options)?;
+        let folder = path.canonicalize().ok();
+        let folder = folder.as_deref().and_then(Path::file_name).map(|n| n.to_string_lossy().into_owned());
+        geometry.name = format!("{} over {}", folder.unwrap_or_else(|| "images".to_owned()), geometry.name);
+        (geometry, Vec::new(), Values::Measured(stack))
+    } else {
+        let geometry = open_geometry(&options)?;
+        let materials = material_list(&options, &geometry)?;
+        let appearance = open_appearance(&options, &materials, &())?;
+        let names = materials.iter().map(Input::short_name).collect();
+        (geometry, names, Values::Computed(appearance))
+    };
+    recipe.check().map_err(|error| Error::usage(in_flags(&error)))?;
+    make_folder(&arguments.out)?;
+    arguments.write_images.as_deref().map(make_folder).transpose()?;
+    let interrupt = interrupt::watch()?;
+    let steps = Steps::new(common, interrupt.flag());
+    let format = match arguments.image_format {
+        Some(ImageFormat::Exr) => StackFormat::Exr,
+        Some(ImageFormat::Png) | None => StackFormat::Png,
+    };
+    let images = arguments.write_images.as_deref().map(|folder| (folder, format));
+    let relief = options.geometry.as_ref().map_or_else(|| PLANE.to_owned(), Input::to_string);
+    let job = FlattenJob {
+        name: &name,
+        folder: &arguments.out,
+        recipe: &recipe,
+        supercompress: !arguments.no_supercompression,
+        geometry,
+        materials,
+        values,
+        images,
+    };
+    let asset = flatten(job, &steps).map_err(|error| match error {
+        FlattenError::Parameterise(error) => Error::input(format!("{relief}: {error}")),
+        error => error.into(),
+    })?;
+    drop(steps);
+    for line in remarks(&asset.about) {
+        note(common, &arguments.meso, &line);
+    }
+    let missed = missed(&asset.about);
+    if let (Some(text), None) = (&missed, arguments.max_delta_e) {
+        note(common, &arguments.meso, text);
+    }
+    let seconds = started.elapsed().as_secs_f64();
+    if common.json {
+        print_json(&Report { asset, seconds })?;
+    } else {
+        print(&text(&asset, Some(seconds)))?;
+    }
+    // Nobody asked for the default.
+    missed.filter(|_| arguments.max_delta_e.is_some()).map_or(Ok(()), |text| Err(Error::check(text)))
+}

@@ -1,0 +1,249 @@
+//! Flags to what is flattened and how: which of them go with which input, and their ranges.
+
+use super::arguments::{Arguments, FLAT_TEXELS, Fill, FormArgument};
+use crate::Error;
+use crate::directions::{default_set, direction_set, map_header, wrong};
+use crate::inputs::refuse_stdin_twice;
+use crate::output::{check_folder, refuse_same_outputs};
+use brdfc_core::words::format_number;
+use brdfc_flat_btf::encode::{FlattenRecipe, Form};
+use brdfc_flat_btf::factored::FactoredTarget;
+use brdfc_flat_btf::fill::FillMethod;
+use brdfc_jobs::flatten::MesoOptions;
+use brdfc_source::Input;
+use std::ffi::{OsStr, OsString};
+
+/// The asset's name: as given, or that of its folder.
+pub(super) fn asset_name(arguments: &Arguments) -> Result<String, Error> {
+    let folder = || {
+        let whole = std::path::absolute(&arguments.out).ok()?;
+        let path = whole.components().next_back()?;
+        Some(path.as_os_str().to_string_lossy().into_owned())
+    };
+    let name = arguments.name.clone().or_else(folder).unwrap_or_default();
+    let allowed = |c: char| c.is_alphanumeric() || matches!(c, '-' | '_' | '.' | ' ');
+    if name.is_empty() || name.starts_with('.') || name.trim() != name || !name.chars().all(allowed) {
+        let text = "allowed letters, digits, -_., and spaces between them";
+        return Err(Error::usage(match arguments.name {
+            Some(_) => format!("--name: found {name:?}; {text}"),
+            None => format!(
+                "--out: found {}, whose last part {name:?} is to be the asset's name; {text} (or give a --name)",
+                arguments.out.display()
+            ),
+        }));
+    }
+    Ok(name)
+}
+
+/// Outputs that cannot be written are found before any work.
+pub(super) fn check_outputs(arguments: &Arguments) -> Result<(), Error> {
+    check_folder(&arguments.out)?;
+    refuse_same_outputs(&[("MESO", arguments.meso.path()), ("--out", Some(&arguments.out))])?;
+    let Some(images) = arguments.write_images.as_deref() else {
+        if arguments.image_format.is_some() {
+            return Err(Error::usage("--image-format: found alone; allowed with --write-images".to_owned()));
+        }
+        return Ok(());
+    };
+    refuse_same_outputs(&[("--out", Some(&arguments.out)), ("--write-images", Some(images))])?;
+    check_folder(images)?;
+    if arguments.bounces > 0 {
+        let text = "--write-images: found with --bounces; allowed without: the images hold direct light only, and would \
+                    show less than the flat BTF";
+        return Err(Error::usage(text.to_owned()));
+    }
+    let files = std::fs::read_dir(images).map_or(0, Iterator::count);
+    if files > 0 {
+        let text = format!("--write-images: found {files} files or folders in {}", images.display());
+        return Err(Error::usage(text + "; allowed a new or empty folder: two stacks in one would be mixed"));
+    }
+    Ok(())
+}
+
+/// Standard input is one of the inputs at most.
+pub(super) fn check_inputs(arguments: &Arguments) -> Result<(), Error> {
+    let materials: Vec<Input> = arguments.material.iter().map(|text| named_material(text).1).collect();
+    let mut inputs = vec![("MESO", Some(&arguments.meso))];
+    inputs.extend(materials.iter().map(|input| ("--material", Some(input))));
+    for (option, input) in [
+        ("--geometry", &arguments.geometry),
+        ("--views", &arguments.views),
+        ("--lights", &arguments.lights),
+        ("--colour", &arguments.colour),
+        ("--weights", &arguments.weights),
+    ] {
+        inputs.push((option, input.as_ref()));
+    }
+    refuse_stdin_twice(&inputs)
+}
+
+/// What a geometry is, by its name; which decides what options go with it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Structure,
+    Mesh,
+    HeightMap,
+    Plane,
+}
+
+impl Kind {
+    fn of(geometry: Option<&Input>) -> Result<Self, Error> {
+        Ok(match geometry {
+            None => Self::Plane,
+            Some(Input::Address(_)) => Self::Structure,
+            Some(file) if ["png", "exr"].contains(&file.extension()?.as_str()) => Self::HeightMap,
+            Some(_) => Self::Mesh,
+        })
+    }
+
+    fn in_words(self) -> &'static str {
+        match self {
+            Self::Structure => "a structure, whose tile is 1 x 1 and whose relief its address gives",
+            Self::Mesh => "a mesh",
+            Self::HeightMap => "a height map, which is one tile",
+            Self::Plane => "the plane",
+        }
+    }
+}
+
+/// The surface and its materials.
+pub(super) fn meso_options(arguments: &Arguments, is_stack: bool) -> Result<MesoOptions, Error> {
+    check_placement(arguments, is_stack)?;
+    let geometry = if is_stack { arguments.geometry.clone() } else { Some(arguments.meso.clone()) };
+    for (option, value) in [("height-scale", arguments.height_scale), ("height-offset", arguments.height_offset)] {
+        if let Some(value) = value
+            && !(-10.0..=10.0).contains(&value)
+        {
+            return Err(Error::usage(format!(
+                "--{option}: found {}; allowed -10 to 10 tiles",
+                format_number(value)
+            )));
+        }
+    }
+    let kind = Kind::of(geometry.as_ref())?;
+    for (given, option, goes_with, allowed) in [
+        (arguments.tile.is_some(), "--tile", Kind::Mesh, "a mesh"),
+        (arguments.height_scale.is_some(), "--height-scale", Kind::HeightMap, "a height map"),
+        (arguments.height_offset.is_some(), "--height-offset", Kind::HeightMap, "a height map"),
+    ] {
+        if given && kind != goes_with {
+            return Err(Error::usage(format!("{option}: found with {}; allowed with {allowed}", kind.in_words())));
+        }
+    }
+    let materials = arguments.material.iter().map(|text| named_material(text)).collect();
+    Ok(MesoOptions {
+        geometry,
+        tile: arguments.tile.unwrap_or(1.0),
+        height_scale: arguments.height_scale.unwrap_or(0.1),
+        height_offset: arguments.height_offset.unwrap_or(0.0),
+        materials,
+        colour: arguments.colour.clone(),
+        weights: arguments.weights.clone(),
+    })
+}
+
+/// Options that would have no effect.
+fn check_placement(arguments: &Arguments, is_stack: bool) -> Result<(), Error> {
+    let for_stacks = [(arguments.geometry.is_some(), "--geometry")];
+    let for_surfaces = [
+        (!arguments.material.is_empty(), "--material"),
+        (arguments.colour.is_some(), "--colour"),
+        (arguments.weights.is_some(), "--weights"),
+        (arguments.bounces > 0, "--bounces"),
+        (arguments.write_images.is_some(), "--write-images"),
+        (arguments.views.is_some(), "--views"),
+        (arguments.lights.is_some(), "--lights"),
+    ];
+    let wrong: &[(bool, &str)] = if is_stack { &for_surfaces } else { &for_stacks };
+    if let Some((_, option)) = wrong.iter().find(|(given, _)| *given) {
+        let (found, allowed) = if is_stack {
+            ("an ordinary BTF, which has its own views and lights", "with a surface, whose appearance is computed")
+        } else {
+            ("a surface", "with an ordinary BTF: a folder of images or a .btf file")
+        };
+        return Err(Error::usage(format!("{option}: found with {found}; allowed {allowed}")));
+    }
+    if arguments.fill.is_some() && arguments.form == FormArgument::Light {
+        let text = "--fill: found with --form light, which has no views to fill; allowed with --form full";
+        return Err(Error::usage(text.to_owned()));
+    }
+    Ok(())
+}
+
+/// `NAME=INPUT`, or an input alone; the `=` of an address is no name's.
+fn named_material(text: &OsStr) -> (Option<String>, Input) {
+    let input = Input::from(text.to_owned());
+    match split_name(text) {
+        Some((name, source)) if input.path().is_some_and(|path| !path.exists()) => (Some(name), source.into()),
+        _ => (None, input),
+    }
+}
+
+/// What stands before and behind the first `=`.
+#[cfg(unix)]
+fn split_name(text: &OsStr) -> Option<(String, OsString)> {
+    use std::os::unix::ffi::OsStrExt;
+    let bytes = text.as_bytes();
+    let (name, source) = bytes.split_at(bytes.iter().position(|byte| *byte == b'=')?);
+    Some((str::from_utf8(name).ok()?.to_owned(), OsStr::from_bytes(&source[1..]).to_owned()))
+}
+
+/// What stands before and behind the first `=`.
+#[cfg(not(unix))]
+fn split_name(text: &OsStr) -> Option<(String, OsString)> {
+    let (name, source) = text.to_str()?.split_once('=')?;
+    Some((name.to_owned(), source.into()))
+}
+
+/// How it is flattened.
+pub(super) fn recipe(arguments: &Arguments) -> Result<FlattenRecipe, Error> {
+    let flat_texels = arguments.flat_texels.unwrap_or((arguments.texels as usize).next_power_of_two());
+    if !(4..=2048).contains(&flat_texels) || !flat_texels.is_power_of_two() {
+        return Err(wrong("flat-texels", &flat_texels, FLAT_TEXELS));
+    }
+    let indirection = map_header(arguments.texels, &arguments.indirection, arguments.largest_angle)?;
+    let views = direction_set("views", arguments.views.as_ref().unwrap_or(&default_set()))?;
+    let lights = arguments.lights.as_ref().map_or(Ok(views.clone()), |lights| direction_set("lights", lights))?;
+    Ok(FlattenRecipe {
+        flat_texels,
+        indirection,
+        oversampling: arguments.oversampling,
+        views,
+        lights,
+        fill: match arguments.fill {
+            Some(Fill::PushPull) => FillMethod::PushPull,
+            Some(Fill::Poisson) | None => FillMethod::Poisson,
+        },
+        bounces: arguments.bounces,
+        rounds: arguments.stretch_rounds,
+        form: match arguments.form {
+            FormArgument::Full => Form::Full,
+            FormArgument::Light => Form::Light,
+        },
+        factor: factor_target(arguments)?,
+        compact: true,
+    })
+}
+
+/// Mean ΔE of factors where texels are seen, if nothing is asked for: well below what is visible side by side.
+const MAX_DELTA_E: f64 = 0.7;
+
+/// What factors are to be like; nothing of the light form, which has none.
+fn factor_target(arguments: &Arguments) -> Result<Option<FactoredTarget>, Error> {
+    if arguments.form == FormArgument::Light {
+        let given = [(arguments.max_delta_e.is_some(), "max-delta-e"), (arguments.max_bytes.is_some(), "max-bytes")];
+        if let Some((_, option)) = given.iter().find(|(given, _)| *given) {
+            let text = format!("--{option}: found with --form light, which has no views; allowed with --form full");
+            return Err(Error::usage(text));
+        }
+        return Ok(None);
+    }
+    if let Some(found) = arguments.max_delta_e.filter(|e| !(*e > 0.0 && *e <= 100.0)) {
+        return Err(wrong("max-delta-e", &format_number(found), "above 0, up to 100"));
+    }
+    let target = match arguments.max_bytes {
+        Some(bytes) => FactoredTarget::Bytes(bytes),
+        None => FactoredTarget::Error(arguments.max_delta_e.unwrap_or(MAX_DELTA_E)),
+    };
+    Ok(Some(target))
+}

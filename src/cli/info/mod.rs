@@ -1,0 +1,253 @@
+//! `brdfc info`: what an input is.
+
+mod files;
+mod surface;
+
+pub use files::FilesReport;
+
+use super::output::{print, print_json, printable};
+use super::{Error, Common, bandwidth, flatten};
+use crate::table::bytes;
+use brdfc_core::Symmetry;
+use brdfc_core::address::{SYNTH_PREFIX, split_query};
+use brdfc_flat_btf::structures::STRUCTURES;
+use brdfc_formats::{BrdfPack, FormatError, Pack};
+use brdfc_importance::ImportanceFacts;
+use brdfc_jobs::flatten::{SurfaceFacts, describe_surface, open_asset};
+use brdfc_pwt::PwtFacts;
+use brdfc_shaders::DeviceNeeds;
+use brdfc_source::flat_btf::flat_btf_file;
+use brdfc_source::light_stack::{self, LightStack, LightStackFacts, is_light_stack};
+use brdfc_source::open::{Facts, Opened, open, opened};
+use brdfc_source::pack::open_pack;
+use brdfc_source::ptm::{self, PtmFacts, open_ptm};
+use brdfc_source::{Input, InputError};
+use clap::Args;
+use serde::Serialize;
+
+/// Say what an input is: layout, sizes, symmetries, measured errors of a pack.
+///
+/// Of a mesh: whether it closes over the tile, and what would be mended. Of a folder of images: what is missing. Of
+/// photographs under known lights, of polynomial texture maps and polynomial wavelet trees: lights and sizes.
+///
+/// Schemas of --json: 'info'; with --files 'files'; of a flat BTF 'flat-btf'; of a structure, a mesh, a height map or images 'info-surface';
+/// of a bandwidth map 'bandwidth'.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  brdfc info paint.brdf
+  brdfc info red.ktx2 --json
+  brdfc info bricks.obj
+  brdfc info button
+  brdfc info red.ktx2 --files --json")]
+pub struct Arguments {
+    /// A path, synth:MODEL?param=value&... or synth:STRUCTURE?...; a flat BTF, or its folder; a mesh, a height map, a folder
+    /// of images or a .btf file for 'brdfc flatten'; a light stack, as its .lp or its folder; a .ptm. - is stdin.
+    input: Input,
+    /// Of a pack: texels, sizes and entries of the KTX2 file and of its images; with --json the entries themselves, in Base64, and
+    /// what a device has to offer. Loaders of ordinary KTX2 files drop entries.
+    #[arg(long)]
+    files: bool,
+}
+
+/// What `--json` prints.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub struct Report {
+    /// Layout of this report.
+    version: u32,
+    /// What it is.
+    #[serde(flatten)]
+    contents: Contents,
+    /// Of packs: what a device has to offer.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    devices: Option<DeviceNeeds>,
+}
+
+/// What an input is, with reflectance or without.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+#[serde(untagged)]
+enum Contents {
+    Reflectance {
+        /// What it is.
+        #[serde(flatten)]
+        facts: Facts,
+        /// Symmetries that hold exactly and save work.
+        symmetry: Symmetry,
+        /// Whether one channel is enough.
+        grey: bool,
+    },
+    Other(Other),
+}
+
+/// What has no reflectance of its own, or none for all views.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+enum Other {
+    /// An importance-sample pack.
+    ImportancePack(ImportanceFacts),
+    /// Photographs of one view under known lights.
+    LightStack(LightStackFacts),
+    /// A polynomial texture map.
+    Ptm(PtmFacts),
+    /// A polynomial wavelet tree.
+    PwtPack(PwtFacts),
+}
+
+/// What `--json` prints of what 'brdfc flatten' takes.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub struct SurfaceReport {
+    /// Layout of this report.
+    version: u32,
+    /// What it is.
+    #[serde(flatten)]
+    facts: SurfaceFacts,
+}
+
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
+    let input = &arguments.input;
+    if arguments.files {
+        let file = input.path().map(flat_btf_file).transpose()?.flatten();
+        return files::run(&file.map_or_else(|| input.clone(), Input::File), common);
+    }
+    if let Some(facts) = relightable(input)? {
+        let contents = Contents::Other(facts);
+        return if common.json {
+            print_json(&Report { version: 1, contents, devices: None })
+        } else {
+            print_lines(&contents_in_words(&contents))
+        };
+    }
+    if let Some(file) = input.path().map(flat_btf_file).transpose()?.flatten() {
+        let (_, asset) = open_asset(&file)?;
+        if common.json {
+            return print_json(&asset);
+        }
+        let needs = files::device_needs(&Input::File(file))?;
+        return print(&(flatten::text(&asset, None) + &lines_of(&[("devices", needs.in_words())])));
+    }
+    let is_pack = input.extension()? == "ktx2";
+    let contents = match if is_pack { Some(open_pack(input)?) } else { None } {
+        Some(Pack::Bandwidth(map)) => return bandwidth::info(&map, common),
+        Some(Pack::Importance(pack)) => Some(Contents::Other(Other::ImportancePack(ImportanceFacts::new(&pack)))),
+        Some(Pack::Pwt(pack)) => Some(Contents::Other(Other::PwtPack(PwtFacts::new(&pack)))),
+        Some(Pack::Wavelet(pack)) => Some(reflectance(opened(&BrdfPack::Wavelet(pack), None))),
+        Some(Pack::Table(pack)) => Some(reflectance(opened(&BrdfPack::Table(pack), None))),
+        _ => None,
+    };
+    if contents.is_none()
+        && let Some(facts) = surface(input)?
+    {
+        if common.json {
+            return print_json(&SurfaceReport { version: 1, facts });
+        }
+        return print_lines(&surface::in_words(&facts));
+    }
+    let contents = match contents {
+        Some(contents) => contents,
+        None => reflectance(open(input, None).map_err(with_structures)?),
+    };
+    let devices = if is_pack { Some(files::device_needs(input)?) } else { None };
+    if common.json {
+        return print_json(&Report { version: 1, contents, devices });
+    }
+    let mut lines = contents_in_words(&contents);
+    lines.extend(devices.map(|needs| ("devices", needs.in_words())));
+    print_lines(&lines)
+}
+
+fn print_lines(lines: &[(&'static str, String)]) -> Result<(), Error> {
+    print(&lines_of(lines))
+}
+
+/// Names and values, a line each, the values below each other.
+pub(super) fn lines_of(lines: &[(&'static str, String)]) -> String {
+    let width = lines.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
+    lines.iter().map(|(name, value)| format!("{name:width$}  {}\n", printable(value))).collect()
+}
+
+fn reflectance(opened: Opened) -> Contents {
+    let (symmetry, grey) = (opened.source.symmetry(), opened.source.is_grey());
+    Contents::Reflectance { facts: opened.facts, symmetry, grey }
+}
+
+/// What is measured of one view under many lights: a light stack or a polynomial texture map, by its name.
+fn relightable(input: &Input) -> Result<Option<Other>, InputError> {
+    if let Some(path) = input.path().filter(|path| is_light_stack(path) && matches!(flat_btf_file(path), Ok(None))) {
+        return Ok(Some(Other::LightStack(LightStack::open(path)?.facts())));
+    }
+    match input.extension()?.as_str() {
+        ptm::EXTENSION => Ok(Some(Other::Ptm(PtmFacts::new(&open_ptm(input)?)))),
+        light_stack::EXTENSION if input.is_stdin() => {
+            let error = FormatError::whole("input", "the lights of a light stack", "its path: images stand beside it");
+            Err(InputError::Format { name: input.to_string(), error })
+        }
+        _ => Ok(None),
+    }
+}
+
+/// What 'brdfc flatten' takes; nothing of models and BRDFs.
+fn surface(input: &Input) -> Result<Option<SurfaceFacts>, Error> {
+    if let Some(text) = input.address().and_then(|address| address.strip_prefix(SYNTH_PREFIX))
+        && !STRUCTURES.iter().any(|info| info.name == split_query(text).0)
+    {
+        return Ok(None);
+    }
+    Ok(describe_surface(input)?)
+}
+
+/// A name that is no model may have been meant for a structure; an extension, for a mesh or a height map.
+fn with_structures(error: InputError) -> Error {
+    let more = match &error {
+        InputError::Address { .. } => {
+            let names: Vec<&str> = STRUCTURES.iter().map(|info| info.name).collect();
+            format!("; structures: {}", names.join(", "))
+        }
+        _ => String::new(),
+    };
+    match Error::from(error) {
+        Error::input(text) => Error::input(text + &more),
+        other => other,
+    }
+}
+
+fn symmetry_in_words(s: Symmetry) -> String {
+    let named = [(s.isotropic, "isotropic"), (s.mirror, "mirror symmetric"), (s.reciprocal, "reciprocal")];
+    let held: Vec<&str> = named.into_iter().filter(|(holds, _)| *holds).map(|(_, name)| name).collect();
+    if held.is_empty() { "none that holds exactly".to_owned() } else { held.join(", ") }
+}
+
+fn contents_in_words(contents: &Contents) -> Vec<(&'static str, String)> {
+    match contents {
+        Contents::Reflectance { facts, symmetry, grey } => {
+            let mut lines = facts.in_words();
+            if facts.levels().is_none() {
+                lines.push(("symmetry", symmetry_in_words(*symmetry)));
+                lines.push(("colour", if *grey { "grey (one channel)" } else { "RGB" }.to_owned()));
+            }
+            lines
+        }
+        Contents::Other(Other::ImportancePack(facts)) => importance_in_words(facts),
+        Contents::Other(Other::LightStack(facts)) => facts.in_words(),
+        Contents::Other(Other::Ptm(facts)) => facts.in_words(),
+        Contents::Other(Other::PwtPack(facts)) => pwt_in_words(facts),
+    }
+}
+
+/// Lines about polynomial wavelet trees.
+pub(super) fn pwt_in_words(facts: &PwtFacts) -> Vec<(&'static str, String)> {
+    let mut lines = facts.in_words();
+    lines.push(("bytes on a GPU", bytes(facts.gpu_bytes)));
+    lines
+}
+
+/// Lines about importance samples.
+pub(super) fn importance_in_words(facts: &ImportanceFacts) -> Vec<(&'static str, String)> {
+    let ImportanceFacts { polar, azimuths, samples, gpu_bytes } = facts;
+    let azimuths = if *azimuths == 1 { ", isotropic".to_owned() } else { format!(" x {azimuths} azimuths") };
+    vec![
+        ("kind", "importance-sample pack".to_owned()),
+        ("outgoing directions", format!("{polar} polar angles{azimuths}")),
+        ("samples of each", samples.to_string()),
+        ("bytes on a GPU", bytes(*gpu_bytes)),
+    ]
+}

@@ -1,0 +1,167 @@
+//! The command line: one file per subcommand, flags to a resolved recipe to one call.
+
+mod bandwidth;
+mod build_scene;
+mod compare;
+mod convert;
+mod encode;
+mod eval;
+mod flatten;
+mod generate;
+mod info;
+mod interrupt;
+mod options;
+mod plan;
+mod progress;
+mod pwt;
+#[cfg(feature = "render")]
+mod render;
+mod report;
+mod samples;
+mod schema;
+mod shader;
+mod steps;
+mod synth;
+mod view;
+mod watch;
+
+#[cfg(feature = "render")]
+use brdfc_terminal::graphics_environment;
+use brdfc_terminal::{Error, Common, Flags, directions, inputs, output, run_program, table, usage};
+use clap::{CommandFactory as _, Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Compiles measured appearance (MERL, RGL, ALTA, gonioreflectometer scans) into packed GPU textures, each with its
+/// measured error.
+#[derive(Debug, Parser)]
+#[command(name = "brdfc", version, max_term_width = 110, after_help = after_help())]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+    #[command(flatten)]
+    flags: Flags,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Build(build_scene::Arguments),
+    Watch(watch::Arguments),
+    Encode(encode::Arguments),
+    Eval(eval::Arguments),
+    Compare(compare::Arguments),
+    Convert(convert::Arguments),
+    Info(info::Arguments),
+    Synth(synth::Arguments),
+    Bandwidth(bandwidth::Arguments),
+    Samples(samples::Arguments),
+    Shader(shader::Arguments),
+    Pwt(Box<pwt::Arguments>),
+    Flatten(Box<flatten::Arguments>),
+    #[cfg(feature = "render")]
+    Render(Box<render::Arguments>),
+    /// Not in this program: it was built without its feature 'render'.
+    #[cfg(not(feature = "render"))]
+    Render {
+        /// Anything.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
+        rest: Vec<String>,
+    },
+    View(view::Arguments),
+    Report(report::Arguments),
+    Plan(plan::Arguments),
+    Schema(schema::Arguments),
+    #[command(hide = true)]
+    Generate(generate::Arguments),
+}
+
+impl Command {
+    /// The name of a command that prints no report.
+    fn without_report(&self) -> Option<&'static str> {
+        match self {
+            Self::Eval(_) => Some("eval"),
+            Self::Synth(_) => Some("synth"),
+            Self::Generate(_) => Some("generate"),
+            _ => None,
+        }
+    }
+}
+
+/// Commands that print a report.
+const WITH_REPORT: &str = "bandwidth, build, compare, convert, encode, flatten, info, plan, pwt, render, report, samples, shader, view and watch";
+
+const EXAMPLES: &str = "\
+Examples:
+  brdfc build scene.toml                              make the packs of a scene
+  brdfc build scans --max-delta-e 1                   the smallest packs of a folder of scans
+  brdfc watch scene.toml                              make them again whenever something changes
+  brdfc encode red-plastic.binary -o red.ktx2         make the smallest pack that looks right
+  brdfc encode paint.brdf -o paint.ktx2 --max-error 0.02
+  brdfc compare paint.brdf paint.ktx2                 how wrong is it?
+  brdfc info paint.ktx2
+  brdfc convert paint.brdf -o paint.binary            for other programs
+  brdfc render paint.ktx2 -o paint.png                what does it look like?
+  brdfc view paint.ktx2 paint.brdf -o paint.html      turned and lit in a browser, beside its source
+  brdfc report packs -o report.html                   a page for others: pictures, errors, checks
+  brdfc flatten synth:button -o button                flat BTF of a surface with relief
+  brdfc pwt icon -o icon.ktx2                         photographs under known lights, lit anew
+  brdfc bandwidth museum.exr -o museum.ktx2           how fast does it vary?
+  brdfc samples red-plastic.binary -o red.samples.ktx2
+  brdfc shader table --language essl300               the decoder for an engine
+
+INPUT is a path, - for standard input, or an analytic model such as synth:ward?kd=0.2&ks=0.1&ax=0.15&ay=0.5 ('brdfc synth --help' lists them).
+";
+
+const EXIT_CODES: &str = "\
+Exit codes: 0 done; 1 a check failed (error budget missed, comparison differs); 2 wrong usage; 3 invalid input;
+4 cannot read or write; 5 no usable graphics adapter; 6 internal error; 130 interrupted.";
+
+/// What stands below the list of commands.
+fn after_help() -> String {
+    format!("{EXAMPLES}\nFiles: {}.\n\n{EXIT_CODES}", brdfc_source::open::known_files())
+}
+
+/// The command line.
+fn command() -> clap::Command {
+    let command = Cli::command()
+        .mut_args(usage::with_negatives)
+        .mut_subcommands(|command| command.mut_args(usage::with_negatives));
+    // There the flag of this name is a check of the picture.
+    #[cfg(feature = "render")]
+    let command = command
+        .mut_subcommand("render", |command| command.mut_arg("pack_delta_e", |argument| argument.long("pack-delta-e")));
+    command
+}
+
+fn main() -> ExitCode {
+    run_program("brdfc", command(), |cli: &Cli| &cli.flags, run)
+}
+
+fn run(cli: Cli, common: Common) -> Result<(), Error> {
+    if let (true, Some(name)) = (common.json, cli.command.without_report()) {
+        return Err(Error::usage(format!("--json: found with {name}; allowed with {WITH_REPORT}")));
+    }
+    match cli.command {
+        Command::Build(arguments) => build_scene::run(&arguments, common),
+        Command::Watch(arguments) => watch::run(&arguments, common),
+        Command::Encode(arguments) => encode::run(&arguments, common),
+        Command::Eval(arguments) => eval::run(&arguments, common),
+        Command::Compare(arguments) => compare::run(&arguments, common),
+        Command::Convert(arguments) => convert::run(&arguments, common),
+        Command::Info(arguments) => info::run(&arguments, common),
+        Command::Synth(arguments) => synth::run(&arguments),
+        Command::Bandwidth(arguments) => bandwidth::run(&arguments, common),
+        Command::Pwt(arguments) => pwt::run(&arguments, common),
+        Command::Samples(arguments) => samples::run(&arguments, common),
+        Command::Shader(arguments) => shader::run(&arguments, common),
+        Command::Flatten(arguments) => flatten::run(&arguments, common),
+        #[cfg(feature = "render")]
+        Command::Render(arguments) => render::run(&arguments, common),
+        #[cfg(not(feature = "render"))]
+        Command::Render { .. } => Err(Error::without_renderer()),
+        Command::Plan(arguments) => plan::run(&arguments, common),
+        Command::View(arguments) => view::run(&arguments, common),
+        Command::Report(arguments) => report::run(&arguments, common),
+        Command::Schema(arguments) => schema::run(&arguments),
+        Command::Generate(arguments) => generate::run(&arguments, command()),
+    }
+}

@@ -1,0 +1,31 @@
+//! Flags that say how a pack is made.
+
+use super::Error;
+use brdfc_jobs::encode::options::EncodeOptions;
+use brdfc_jobs::encode::recipe::PackRecipe;
+use clap::Args;
+
+/// How a pack is made, and how it is stored.
+#[derive(Debug, Args)]
+pub struct PackOptions {
+    #[command(flatten)]
+    encode: EncodeOptions,
+    /// Store texels as they are, without Zstandard.
+    #[arg(long)]
+    no_supercompression: bool,
+}
+
+impl PackOptions {
+    /// Whether any is given.
+    #[cfg(feature = "render")]
+    pub fn any(&self) -> bool {
+        self.encode != EncodeOptions::default() || self.no_supercompression
+    }
+
+    /// The recipe.
+    pub fn recipe(&self) -> Result<PackRecipe, Error> {
+        let mut recipe = self.encode.resolve(&EncodeOptions::default())?;
+        recipe.set_supercompress(!self.no_supercompression);
+        Ok(recipe)
+    }
+}

@@ -1,0 +1,73 @@
+//! `brdfc plan`: a build as a graph of jobs.
+
+use super::build_scene::tell_left_out;
+use super::output::{check_folder, print, print_json};
+use super::{Error, Common};
+use brdfc::Build;
+use brdfc_jobs::scene::graph::{Graph, Places};
+use clap::{Args, ValueEnum};
+use std::ffi::{OsStr, OsString};
+use std::path::{Path, PathBuf};
+
+/// Print a build as a graph of jobs, for engines that run such graphs on many machines.
+///
+/// There is a job for each material and part, which keeps what it makes in the store of the output folder (.brdfc-cache), and
+/// one at the end that puts all in place. The result has the bytes of one 'brdfc build'. Paths are those of the folder in
+/// which this is run, and have to be UTF-8.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  brdfc plan scene.toml --format ninja > build.ninja && ninja
+  brdfc plan scene.toml --format json")]
+pub struct Arguments {
+    /// What 'brdfc build' takes, but for its options: a manifest, or files, folders and patterns of measured materials, and
+    /// synth: addresses.
+    #[arg(value_name = "SCENE.toml|DIR|FILE", required = true)]
+    inputs: Vec<OsString>,
+    /// Folder for packs and reports.
+    #[arg(long, short, value_name = "DIR", default_value = Build::DEFAULT_FOLDER)]
+    out: PathBuf,
+    /// What is printed; --json goes with json alone.
+    #[arg(long, value_enum)]
+    format: Format,
+    /// How jobs call this program, where it is not in the PATH.
+    #[arg(long, value_name = "PATH", default_value = "brdfc")]
+    program: OsString,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// A file for ninja.
+    Ninja,
+    /// JSON (schema: 'brdfc schema plan').
+    Json,
+}
+
+/// A name as the commands of jobs have it.
+fn in_commands(what: &str, name: &OsStr) -> Result<String, Error> {
+    name.to_str().map(str::to_owned).ok_or_else(|| {
+        let found = name.display();
+        Error::usage(format!(
+            "{what}: found {found}; allowed UTF-8: the name is a part of commands ('brdfc build' takes any name)"
+        ))
+    })
+}
+
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
+    check_folder(&arguments.out)?;
+    let inputs = arguments.inputs.iter().map(|input| in_commands("inputs", input)).collect::<Result<Vec<_>, _>>()?;
+    let program = in_commands("--program", &arguments.program)?;
+    in_commands("--out", arguments.out.as_os_str())?;
+    let build = Build::from_inputs(&arguments.inputs)?;
+    tell_left_out(&build, common);
+    let plan = build.plan()?;
+    let places = Places { program, inputs, manifest: build.manifest().map(Path::to_owned), options: Vec::new(), out: arguments.out.clone() };
+    let graph = Graph::new(&plan, &places);
+    match arguments.format {
+        Format::Json => print_json(&graph),
+        Format::Ninja if common.json => {
+            Err(Error::usage("--json: found with --format ninja; allowed with --format json".to_owned()))
+        }
+        Format::Ninja => print(&graph.ninja()),
+    }
+}

@@ -1,0 +1,373 @@
+//! `brdfc pwt`: photographs under known lights to one pack that can be lit anew.
+
+use super::output::{note, output_parser, print_report, refuse_overwriting, refuse_unfit_output, to_json, write_file};
+use super::{Error, Common};
+use crate::table;
+use brdfc_formats::pwt::LightCoordinates;
+use brdfc_jobs::encode::bytes_from_text;
+use brdfc_jobs::pwt::{LightInput, PwtError, PwtReport, make, make_map, recipe_of_map};
+use brdfc_jobs::whole_number::any_whole_number;
+use brdfc_pwt::measure::StackErrors;
+use brdfc_pwt::ptm::MapModel;
+use brdfc_pwt::{DomainName, PwtRecipe, Target, Wavelet};
+use brdfc_readers::ptm::Ptm;
+use brdfc_source::Input;
+use brdfc_source::ptm::EXTENSION as PTM;
+use clap::builder::PossibleValuesParser;
+use clap::{Args, ValueEnum};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Make a polynomial wavelet tree: photographs of one view under known lights as a pack that is lit from anywhere.
+///
+/// INPUT is a folder of photographs with a list of lights (.lp), the list, a BTF (a folder of images or a .btf file) or a flat BTF,
+/// of which one view is taken, or a polynomial texture map (.ptm). Coordinates, degree, smoothness and scale are chosen by
+/// what they do at lights that a fit has not seen, and terms get the resolution that they need. With an output .ptm a
+/// polynomial texture map is fitted, for viewers that know no packs.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  brdfc pwt icon -o icon.ktx2
+  brdfc pwt icon -o icon.ktx2 --max-bytes 256KiB
+  brdfc pwt icon/dirs.lp -o icon.ktx2 --quality 28 --hold-out 8
+  brdfc pwt icon -o icon.ptm --model lrgb
+  brdfc pwt old.ptm -o old.ktx2
+  brdfc pwt button -o button-view.ktx2 --view 12")]
+pub struct Arguments {
+    /// Photographs and lights, a BTF, a .ptm or a pack.
+    input: Input,
+    /// The pack (.ktx2) or polynomial texture map (.ptm) to write, or - for a pack on stdout.
+    #[arg(long, short, value_name = "PACK.ktx2|MAP.ptm", value_parser = output_parser())]
+    output: PathBuf,
+    /// Signal-to-noise ratio of sRGB codes to reach, dB.
+    #[arg(long, value_name = "DB", group = "target")]
+    quality: Option<f64>,
+    /// Mean ΔE (CIE76) to stay below.
+    #[arg(long, value_name = "E", group = "target")]
+    max_delta_e: Option<f64>,
+    /// Most bytes on a GPU, mipmaps included: a number with or without KiB or MiB.
+    #[arg(long, value_name = "BYTES", group = "target", value_parser = bytes_from_text)]
+    max_bytes: Option<u64>,
+    /// Share of the squared error that terms and details are to take away, 0 to 1.
+    #[arg(long, value_name = "SHARE", group = "target")]
+    energy: Option<f64>,
+    /// Most dB that may be lost at unseen lights by leaving terms and details out (default: 0.3).
+    #[arg(long, value_name = "DB", group = "target")]
+    loss: Option<f64>,
+    /// Which view of a BTF, from 0 (default: 0).
+    #[arg(long, value_name = "V", value_parser = any_whole_number::<usize>("0 to the number of views - 1"))]
+    view: Option<usize>,
+    /// The pictures are tiles that repeat, as those of BTFs are.
+    #[arg(long)]
+    tile: bool,
+    /// In what the terms are polynomials of the light: of the paraboloid, of its x and y, or harmonics of the hemisphere (default: the
+    /// best).
+    #[arg(long, value_name = "NAME", value_parser = names(&LightCoordinates::ALL, LightCoordinates::name))]
+    coordinates: Option<String>,
+    /// Highest degree, 0 to 5 (default: the best).
+    #[arg(long, value_name = "D", value_parser = any_whole_number::<u32>("0 to 5"))]
+    degree: Option<u32>,
+    /// How smooth the fit is where no light is: a penalty, 0 or more (default: the best).
+    #[arg(long, value_name = "L")]
+    ridge: Option<f64>,
+    /// The scale of values that are fitted (default: the best).
+    #[arg(long, value_name = "NAME", value_parser = names(&DomainName::ALL, DomainName::name))]
+    domain: Option<String>,
+    /// The wavelet (default: haar).
+    #[arg(long, value_name = "NAME", value_parser = names(&Wavelet::ALL, Wavelet::name))]
+    wavelet: Option<String>,
+    /// Levels of the tree, 0 to 8 (default: up to 5).
+    #[arg(long, value_name = "N", value_parser = any_whole_number::<u32>("0 to 8"))]
+    levels: Option<u32>,
+    /// How often details are split further where that costs fewer bits, 0 to 4 (default: 1).
+    #[arg(long, value_name = "N", value_parser = any_whole_number::<u32>("0 to 4"))]
+    packets: Option<u32>,
+    /// Leave so many lights out of the fit, and measure there.
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = any_whole_number::<usize>("0 to the number of lights - 1"))]
+    hold_out: usize,
+    /// Which lights are left out: the seed of a permutation.
+    #[arg(long, value_name = "SEED", default_value_t = 0, requires = "hold_out")]
+    seed: u64,
+    /// Layout of a .ptm.
+    #[arg(long, value_enum)]
+    model: Option<ModelName>,
+    /// Store texels as they are, without Zstandard.
+    #[arg(long)]
+    no_supercompression: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum ModelName {
+    /// A polynomial for each channel (default).
+    Rgb,
+    /// One polynomial, and a colour that it multiplies.
+    Lrgb,
+}
+
+fn names<T: Copy>(all: &[T], name: fn(T) -> &'static str) -> PossibleValuesParser {
+    PossibleValuesParser::new(all.iter().map(|one| name(*one)).collect::<Vec<_>>())
+}
+
+/// The one of a name that the parser let through.
+fn named<T: Copy>(all: &[T], name: fn(T) -> &'static str, given: &str) -> Option<T> {
+    all.iter().copied().find(|one| name(*one) == given)
+}
+
+/// What `--json` prints.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub struct Report {
+    /// Layout of this report.
+    version: u32,
+    #[serde(flatten)]
+    made: Made,
+    /// Seconds per stage.
+    seconds: Seconds,
+}
+
+/// What was made.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+#[allow(clippy::large_enum_variant)]
+enum Made {
+    /// A pack.
+    Pwt(PwtReport),
+    /// A polynomial texture map.
+    Ptm {
+        /// Its layout.
+        model: MapModel,
+        /// Columns and rows.
+        size: [u32; 2],
+        /// Bytes of the file.
+        bytes_on_disk: usize,
+        /// Errors at the lights that were fitted.
+        #[serde(flatten)]
+        errors: StackErrors,
+    },
+}
+
+/// Seconds per stage.
+#[derive(Debug, Clone, Copy, Serialize, schemars::JsonSchema)]
+pub struct Seconds {
+    /// Reading and decoding.
+    read: f64,
+    /// Fitting, choosing and measuring.
+    encode: f64,
+}
+
+fn recipe(arguments: &Arguments) -> Result<PwtRecipe, Error> {
+    let default = PwtRecipe::default();
+    let targets = [
+        arguments.quality.map(Target::Quality),
+        arguments.max_delta_e.map(Target::DeltaE),
+        arguments.max_bytes.map(Target::Bytes),
+        arguments.energy.map(Target::Energy),
+        arguments.loss.map(Target::Loss),
+    ];
+    let recipe = PwtRecipe {
+        coordinates: arguments
+            .coordinates
+            .as_deref()
+            .and_then(|name| named(&LightCoordinates::ALL, LightCoordinates::name, name)),
+        degree: arguments.degree,
+        ridge: arguments.ridge,
+        domain: arguments.domain.as_deref().and_then(|name| named(&DomainName::ALL, DomainName::name, name)),
+        wavelet: arguments
+            .wavelet
+            .as_deref()
+            .and_then(|name| named(&Wavelet::ALL, Wavelet::name, name))
+            .unwrap_or(default.wavelet),
+        depth: arguments.levels,
+        packets: arguments.packets.unwrap_or(default.packets),
+        target: targets.into_iter().flatten().next().unwrap_or(default.target),
+    };
+    recipe.check().map_err(|error| {
+        let flag = match error.field.as_ref() {
+            "bytes" => "max-bytes".to_owned(),
+            "delta E" => "max-delta-e".to_owned(),
+            other => other.to_owned(),
+        };
+        Error::usage(format!("--{flag}: found {}; allowed {}", error.found, error.allowed))
+    })?;
+    Ok(recipe)
+}
+
+/// An option that was given and says nothing of a polynomial texture map.
+fn of_a_pack(arguments: &Arguments) -> Option<&'static str> {
+    let given = [
+        (arguments.quality.is_some(), "quality"),
+        (arguments.max_delta_e.is_some(), "max-delta-e"),
+        (arguments.max_bytes.is_some(), "max-bytes"),
+        (arguments.energy.is_some(), "energy"),
+        (arguments.loss.is_some(), "loss"),
+        (arguments.tile, "tile"),
+        (arguments.coordinates.is_some(), "coordinates"),
+        (arguments.degree.is_some(), "degree"),
+        (arguments.ridge.is_some(), "ridge"),
+        (arguments.domain.is_some(), "domain"),
+        (arguments.wavelet.is_some(), "wavelet"),
+        (arguments.levels.is_some(), "levels"),
+        (arguments.packets.is_some(), "packets"),
+        (arguments.hold_out != 0, "hold-out"),
+        (arguments.no_supercompression, "no-supercompression"),
+    ];
+    given.into_iter().find(|(given, _)| *given).map(|(_, option)| option)
+}
+
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
+    let recipe = recipe(arguments)?;
+    refuse_overwriting("--output", &arguments.output, arguments.input.path().as_slice())?;
+    let is_map = arguments.output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(PTM));
+    if let Some(option) = is_map.then(|| of_a_pack(arguments)).flatten() {
+        return Err(Error::usage(format!("--{option}: found with an output .ptm; allowed with a pack")));
+    }
+    refuse_unfit_output(&arguments.output, &["ktx2", PTM])?;
+    if !is_map && arguments.model.is_some() {
+        return Err(Error::usage("--model: found with a pack; allowed with an output .ptm".to_owned()));
+    }
+    let start = Instant::now();
+    let input = LightInput::open(&arguments.input, arguments.view)?;
+    let of_map = matches!(input, LightInput::Map(_));
+    if matches!(input, LightInput::Pack(_)) && !is_map {
+        let text = format!("{}: found a pack; allowed with an output .ptm", arguments.input);
+        return Err(Error::usage(text));
+    }
+    let photographs = matches!(input, LightInput::Pictures(_));
+    let mut samples = input.into_samples();
+    let is_bright = |picture: &Vec<[f32; 3]>| picture.as_flattened().iter().any(|value| *value > 1.0);
+    if photographs && samples.pictures.par_iter().any(is_bright) {
+        note(common, &arguments.input, "values above 1, which is white, are fitted; dB count them as 1");
+    }
+    samples.repeats |= arguments.tile;
+    let read = start.elapsed().as_secs_f64();
+    let start = Instant::now();
+    if is_map {
+        let model = if arguments.model == Some(ModelName::Lrgb) { MapModel::Lrgb } else { MapModel::Rgb };
+        let (map, errors) = make_map(&samples, model).map_err(|error| of_input(&arguments.input, error.into()))?;
+        return write_map(
+            arguments,
+            common,
+            &map,
+            (model, errors),
+            Seconds { read, encode: start.elapsed().as_secs_f64() },
+        );
+    }
+    let recipe = if of_map { recipe_of_map(recipe) } else { recipe };
+    let made = make(&samples, &recipe, arguments.hold_out, arguments.seed).map_err(|error| match error {
+        // How many there may be depends on the size.
+        PwtError::Format(error) if error.field == "levels" => {
+            Error::usage(format!("--levels: found {}; allowed {}", error.found, error.allowed))
+        }
+        error => of_input(&arguments.input, error.into()),
+    })?;
+    let seconds = Seconds { read, encode: start.elapsed().as_secs_f64() };
+    let bytes = made.encoded.pack.to_bytes(!arguments.no_supercompression);
+    write_file(&arguments.output, &bytes)?;
+    let report = PwtReport::new(&made, bytes.len());
+    let missed = (!report.met).then(|| missed(&recipe, &report));
+    if !report.met {
+        note(common, &arguments.input, "the best that there is was written");
+    }
+    let text = if common.json {
+        to_json(&Report { version: 1, made: Made::Pwt(report), seconds })
+    } else {
+        in_words(&report, seconds)
+    };
+    print_report(common, &arguments.output, &text)?;
+    missed.map_or(Ok(()), |text| Err(Error::check(text)))
+}
+
+/// What is wrong with photographs, by the input's name.
+fn of_input(input: &Input, error: Error) -> Error {
+    match error {
+        Error::input(text) => Error::input(format!("{input}: {text}")),
+        other => other,
+    }
+}
+
+fn missed(recipe: &PwtRecipe, report: &PwtReport) -> String {
+    match recipe.target {
+        Target::Quality(psnr) => {
+            format!("quality: found {} dB; allowed {psnr} dB or more", table::apart(report.psnr, psnr))
+        }
+        Target::DeltaE(limit) => format!("mean ΔE: found {}; allowed {limit}", table::apart(report.delta_e, limit)),
+        Target::Bytes(bytes) => format!("bytes on a GPU: found {}; allowed {bytes}", report.bytes_on_gpu),
+        Target::Energy(share) => format!("energy: found less with all terms and details; allowed {share} or more"),
+        Target::Loss(loss) => format!("loss: found more than {loss} dB; allowed {loss} dB or less"),
+    }
+}
+
+fn write_map(
+    arguments: &Arguments,
+    common: Common,
+    map: &Ptm,
+    (model, errors): (MapModel, StackErrors),
+    seconds: Seconds,
+) -> Result<(), Error> {
+    let bytes = map.to_bytes();
+    write_file(&arguments.output, &bytes)?;
+    let made = Made::Ptm { model, size: map.size(), bytes_on_disk: bytes.len(), errors };
+    let text = if common.json {
+        to_json(&Report { version: 1, made, seconds })
+    } else {
+        let [width, height] = map.size();
+        let row = vec![
+            format!("{} x {}", width, height),
+            map.model().name().to_owned(),
+            table::bytes(bytes.len() as u64),
+            format!("{:.2}", errors.psnr),
+            format!("{:.2}", errors.delta_e),
+        ];
+        table::plain(&["pixels", "layout", "bytes", "dB", "mean ΔE"], &[row])
+    };
+    print_report(common, &arguments.output, &text)
+}
+
+fn in_words(report: &PwtReport, seconds: Seconds) -> String {
+    let tried: Vec<Vec<String>> = report
+        .tried
+        .iter()
+        .map(|c| {
+            vec![
+                c.domain.name().to_owned(),
+                c.coordinates.name().to_owned(),
+                c.degree.to_string(),
+                format!("{:e}", c.ridge),
+                format!("{:.2}", c.psnr),
+                c.held_out_psnr.map_or("-".to_owned(), |psnr| format!("{psnr:.2}")),
+            ]
+        })
+        .collect();
+    let mut text = table::plain(&["scale", "coordinates", "degree", "ridge", "dB", "dB unseen"], &tried);
+    text.push('\n');
+    let level = |level: &brdfc_jobs::pwt::LevelReport| {
+        let textures = report.textures.iter().find(|texture| texture.level == level.level);
+        vec![
+            level.level.to_string(),
+            level.subbands.to_string(),
+            table::percent(level.energy),
+            level.degree.map_or("none".to_owned(), |degree| degree.to_string()),
+            textures.map_or("-".to_owned(), |t| format!("{} x {}", t.size[0], t.size[1])),
+            textures.map_or("-".to_owned(), |t| format!("{} x {}", t.layers, t.channels)),
+        ]
+    };
+    let levels: Vec<Vec<String>> = report.levels.iter().map(level).collect();
+    text.push_str(&table::plain(&["level", "subbands", "energy", "degree", "texels", "layers x channels"], &levels));
+    text.push('\n');
+    let held = report.held_out.as_ref();
+    let row = vec![
+        report.lights.to_string(),
+        table::bytes(report.bytes_on_gpu),
+        table::bytes(report.bytes_on_disk as u64),
+        report.fetches.to_string(),
+        format!("{:.2}", report.psnr),
+        format!("{:.2}", report.delta_e),
+        held.map_or("-".to_owned(), |held| format!("{:.2}", held.psnr)),
+        held.map_or("-".to_owned(), |held| format!("{:.2}", held.delta_e)),
+        format!("{:.2}", seconds.read + seconds.encode),
+    ];
+    let header = ["lights", "GPU", "file", "fetches", "dB", "ΔE", "dB held out", "ΔE held out", "seconds"];
+    text.push_str(&table::plain(&header, &[row]));
+    text
+}

@@ -1,0 +1,316 @@
+//! `brdfc render --adaptive`: environment light, shaded where and as much as predicted bandwidth asks for.
+
+use super::adaptive_options::{ANTIALIAS, AdaptiveOptions, MOST};
+use super::arguments::Arguments;
+use super::materials::{self, Prepared, Subject};
+use super::{gpu, outputs, scene};
+use crate::output::{note, print, print_json, remark, write_file};
+use crate::table::{percent, plain, significant};
+use crate::{Error, Common};
+use brdfc_bandwidth::DEFAULT_EPSILON;
+use brdfc_bandwidth::facts::BandwidthFacts;
+use brdfc_bandwidth::map::environment_map;
+use brdfc_core::decoded;
+use brdfc_core::words::format_number;
+use brdfc_formats::BrdfPack;
+use brdfc_formats::bandwidth::BandwidthMap;
+use brdfc_formats::{FormatError, Pack};
+use brdfc_gpu::AdaptiveRenderer;
+use brdfc_gpu::verify::PackReflectance;
+use brdfc_jobs::report::adaptive::{AdaptivePictures, AdaptiveVerification};
+use brdfc_metrics::image::{LinearImage, auto_exposure};
+use brdfc_render::adaptive::{
+    AdaptiveMaterial, AdaptivePicture, AdaptiveScene, DistantLight, Lookups, Settings, Start, ground_truth,
+};
+use brdfc_render::scene::Frame;
+use brdfc_render::shade::Reflectance;
+use serde::Serialize;
+use std::time::Instant;
+
+/// Samples per pixel of forward shading and of the ground truth where nothing is said.
+const FORWARD: u32 = 32;
+const TRUTH: usize = 256;
+
+/// What `--adaptive --json` prints.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub struct Report {
+    /// Layout of this report.
+    version: u32,
+    /// What was drawn and measured.
+    #[serde(flatten)]
+    verification: AdaptiveVerification,
+    /// Seconds from the start to the last image, encoding included.
+    seconds: f64,
+}
+
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
+    let started = Instant::now();
+    let (mut settings, antialias) = settings(&arguments.adaptive)?;
+    refuse(arguments)?;
+    let subject = materials::subject(arguments)?;
+    let setup = scene::setup(arguments, &subject)?;
+    let frame = Frame { samples: 1, ..setup.frame };
+    let gpu = gpu::open(arguments)?;
+    let prepared = materials::prepare(arguments, &subject, &setup.names, common)?;
+    let lookups = prepared.iter().map(lookups).collect::<Result<Vec<_>, _>>()?;
+    let map = environment(arguments, &subject, &setup.scene.environment)?;
+    let light = DistantLight::new(&setup.scene.environment, map);
+    let decoding = gpu::decoding(arguments, &subject);
+    let reflectances: Vec<PackReflectance> =
+        prepared.iter().map(|part| PackReflectance::new(&part.pack, decoding)).collect();
+    let index = |name: &String| prepared.iter().position(|part| part.name == *name).expect("every name was prepared");
+    let parts: Vec<usize> = setup.names.iter().map(index).collect();
+    let materials: Vec<AdaptiveMaterial<'_>> =
+        parts.iter().map(|part| lookups[*part].material(&reflectances[*part] as &dyn Reflectance)).collect();
+    let packs: Vec<&BrdfPack> = parts.iter().map(|part| &prepared[*part].pack).collect();
+    for part in prepared.iter().filter(|part| !part.pack.directions().is_all()) {
+        let text = format!("the pack is for {}; elsewhere the nearest that it holds is shown", part.pack.directions());
+        note(common, &part.name, &text);
+    }
+    let adaptive_scene = AdaptiveScene { scene: &setup.scene, light: &light, materials: &materials };
+
+    let renderer = AdaptiveRenderer::new(&gpu)?;
+    let loaded = renderer.load(&adaptive_scene, &packs, decoding)?;
+    let g_buffer = renderer.g_buffer(&loaded, &setup.scene.camera, frame, settings.antialiasing_levels)?;
+    let buffer = renderer.read(&g_buffer)?;
+    let surface_points = (0..buffer.part.len()).filter(|point| buffer.part_at(*point).is_some()).count() as u64;
+
+    let count = arguments.adaptive.forward.unwrap_or(FORWARD);
+    let least = (TRUTH / antialias as usize).max(2 * count as usize);
+    // Whole runs, whose spread says how far it is off.
+    let truth_samples = arguments.adaptive.truth.unwrap_or(least).next_multiple_of(16);
+    if truth_samples < 2 * count as usize {
+        note(
+            common,
+            &arguments.input,
+            &format!("a ground truth of {truth_samples} samples beside {count} of forward shading; --truth takes more"),
+        );
+    }
+    remark(common, &format!("ground truth: {truth_samples} samples for each of {surface_points} points, on the CPU"));
+    let distributions: Vec<_> = parts.iter().map(|part| &lookups[*part].distributions).collect();
+    let (truth, truth_seconds) =
+        timed(|| Ok(ground_truth(&adaptive_scene, frame, &buffer, &distributions, truth_samples, Start::Scattered)))?;
+    let exposure = setup.exposure.unwrap_or_else(|| auto_exposure(&truth.image));
+    let truth_psnr = truth.psnr(exposure);
+    let truth = truth.image;
+    settings.white = (1.0 / exposure) as f32;
+
+    // Once before it is timed: a driver compiles when it first runs.
+    renderer.run_prediction(&loaded, &g_buffer, &settings)?;
+    let ((), bandwidth_seconds) = timed(|| renderer.run_prediction(&loaded, &g_buffer, &settings))?;
+    let (picture, seconds) = timed(|| renderer.draw(&loaded, &g_buffer, &settings))?;
+    remark(common, &format!("adaptive: {seconds:.1} s; forward: {count} samples per point"));
+    let (forward, forward_seconds) = timed(|| renderer.forward(&loaded, &g_buffer, count))?;
+
+    let of_part = |number: usize| {
+        let (prepared, lookup) = (&prepared[parts[number]], &lookups[parts[number]]);
+        let of_maps = lookup.samples.gpu_bytes() + BandwidthFacts::new(&lookup.bandwidth).gpu_bytes;
+        (prepared.name.clone(), prepared.pack.gpu_bytes() + of_maps)
+    };
+    let verification = AdaptiveVerification::new(AdaptivePictures {
+        scene: setup.builtin.name(),
+        frame,
+        surface_points,
+        adapter: gpu.description(),
+        parts: setup.parts(of_part),
+        environment: [setup.scene.environment.width, setup.scene.environment.height],
+        settings: &settings,
+        exposure,
+        adaptive: (&picture, [bandwidth_seconds, seconds]),
+        forward: (&forward, count, forward_seconds),
+        truth: (&truth, truth_samples, truth_seconds),
+        truth_psnr,
+    });
+    write(arguments, &picture, &truth, exposure, settings.antialiasing_levels)?;
+    if surface_points == 0 {
+        note(common, &arguments.input, "no pixel shows a surface; look at render.camera");
+    }
+    let checked = check(arguments, &verification);
+    let seconds = started.elapsed().as_secs_f64();
+    if common.json {
+        print_json(&Report { version: 1, verification, seconds })?;
+    } else {
+        print(&text(&verification))?;
+        remark(common, &format!("{seconds:.1} s"));
+    }
+    checked
+}
+
+fn timed<T>(run: impl FnOnce() -> Result<T, brdfc_gpu::GpuError>) -> Result<(T, f64), Error> {
+    let started = Instant::now();
+    let found = run()?;
+    Ok((found, started.elapsed().as_secs_f64()))
+}
+
+/// Settings and points per pixel, from the flags.
+fn settings(options: &AdaptiveOptions) -> Result<(Settings, u32), Error> {
+    let usage = |flag: &str, found: String, allowed: &str| {
+        Err(Error::usage(format!("--{flag}: found {found}; allowed {allowed}")))
+    };
+    let default = Settings::default();
+    let samples = options.budget.unwrap_or(default.samples);
+    if !(0.01..=MOST as f32).contains(&samples) {
+        return usage("budget", format_number(samples), "0.01 to 1024");
+    }
+    let caution = options.caution.unwrap_or(default.caution);
+    if !(0.001..=1000.0).contains(&caution) {
+        return usage("caution", format_number(caution), "0.001 to 1000");
+    }
+    let directions = options.bandwidth_directions.unwrap_or(default.directions);
+    let antialias = options.antialias.unwrap_or(1);
+    if ![1, 4, 16].contains(&antialias) {
+        return usage("antialias", antialias.to_string(), ANTIALIAS);
+    }
+    if let Some(limit) = options.min_psnr.filter(|limit| !limit.is_finite()) {
+        return usage("min-psnr", limit.to_string(), "a number");
+    }
+    let antialiasing_levels = antialias.ilog2() / 2;
+    Ok((Settings { samples, caution, directions, antialiasing_levels, ..default }, antialias))
+}
+
+/// Flags that say nothing here.
+fn refuse(arguments: &Arguments) -> Result<(), Error> {
+    let given = [
+        ("--table", arguments.table, "without"),
+        ("--max-delta-e", arguments.max_delta_e.is_some(), "without (--min-psnr is for it)"),
+        ("--max-delta-e-p95", arguments.max_delta_e_p95.is_some(), "without (--min-psnr is for it)"),
+        ("--max-flip", arguments.max_flip.is_some(), "without (--min-psnr is for it)"),
+        ("--samples", arguments.samples.is_some(), "without (--antialias is for it)"),
+        ("--form", arguments.form.is_some(), "without"),
+        ("--repeat", arguments.repeat.is_some(), "without"),
+    ];
+    match given.iter().find(|(_, given, _)| *given) {
+        Some((flag, _, allowed)) => Err(Error::usage(format!("{flag}: found with --adaptive; allowed {allowed}"))),
+        None => Ok(()),
+    }
+}
+
+/// What is looked up of a material: from the folder of a build where it is there, else from the source or the pack.
+fn lookups(prepared: &Prepared) -> Result<Lookups, Error> {
+    let wrong = |error: FormatError| Error::internal(format!("{}: {error}", prepared.name));
+    let unpacked;
+    let source = match &prepared.source {
+        Some(source) => source.as_ref(),
+        None => {
+            unpacked = decoded(&prepared.pack, None);
+            unpacked.as_ref()
+        }
+    };
+    match &prepared.maps[..] {
+        [Pack::Bandwidth(bandwidth), Pack::Importance(samples)] => {
+            Lookups::of_packs(source, bandwidth.clone(), samples.clone()).map_err(wrong)
+        }
+        _ => Lookups::new(source).map_err(wrong),
+    }
+}
+
+/// The environment's map: that of the build where the manifest's environment lights the scene, else made afresh.
+fn environment(
+    arguments: &Arguments,
+    subject: &Subject,
+    environment: &brdfc_render::scene::Environment,
+) -> Result<BandwidthMap, Error> {
+    if let (Subject::Scene { packs: Some(packs), environment: Some(job), .. }, None) =
+        (subject, &arguments.adaptive.environment)
+        && let Pack::Bandwidth(map) = packs.environment(job, &())?
+    {
+        return Ok(map);
+    }
+    environment_map(&environment.pixels, environment.width, DEFAULT_EPSILON)
+        .map_err(|error| Error::internal(format!("environment: {error}")))
+}
+
+fn write(
+    arguments: &Arguments,
+    picture: &AdaptivePicture,
+    truth: &LinearImage,
+    exposure: f64,
+    antialiasing_levels: u32,
+) -> Result<(), Error> {
+    outputs::write_images(arguments, &picture.image, truth, exposure)?;
+    if let Some(path) = &arguments.adaptive.maps {
+        let size = [truth.width << antialiasing_levels, truth.height << antialiasing_levels];
+        write_file(path, &outputs::maps_png(&picture.prediction, size))?;
+    }
+    Ok(())
+}
+
+fn check(arguments: &Arguments, verification: &AdaptiveVerification) -> Result<(), Error> {
+    let Some(limit) = arguments.adaptive.min_psnr else { return Ok(()) };
+    if verification.surface_points == 0 {
+        return Err(Error::check(format!("PSNR: found no pixel that shows a surface; allowed {limit} dB or more")));
+    }
+    let invalid = verification.adaptive.invalid_pixels;
+    if invalid > 0 {
+        return Err(Error::check(format!(
+            "PSNR: found {invalid} pixels that hold no number; allowed {limit} dB or more"
+        )));
+    }
+    match verification.adaptive.psnr {
+        Some(psnr) if psnr < limit => {
+            Err(Error::check(format!("PSNR: found {psnr:.2} dB; allowed {limit} or more")))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn text(v: &AdaptiveVerification) -> String {
+    let mut text = format!(
+        "{}, {} x {} pixels, points per pixel: {}, exposure {}, environment {} x {}\ndrawn by {}{}\n",
+        v.scene,
+        v.width,
+        v.height,
+        v.points,
+        significant(v.exposure),
+        v.environment[0],
+        v.environment[1],
+        v.adapter.name,
+        if v.adapter.software { ", a software driver" } else { "" },
+    );
+    for part in &v.parts {
+        text += &format!("{}: {}, {}\n", part.part, part.material, crate::table::bytes(part.bytes_on_gpu));
+    }
+    let rows: Vec<Vec<String>> = [("adaptive", &v.adaptive), ("forward", &v.forward)]
+        .into_iter()
+        .map(|(name, shading)| {
+            vec![
+                name.to_owned(),
+                shading.samples.to_string(),
+                format!("{:.2}", shading.samples_per_point),
+                shading.shaded.to_string(),
+                format!("{:.2} s", shading.seconds),
+                shading.psnr.map_or("-".to_owned(), |psnr| format!("{psnr:.2} dB")),
+                format!("{:.4}", shading.flip),
+            ]
+        })
+        .collect();
+    let header = ["shading", "samples", "per point", "shaded pixels", "time", "PSNR", "FLIP"];
+    let levels: Vec<Vec<String>> = v
+        .levels
+        .iter()
+        .enumerate()
+        .filter(|(_, level)| level.shaded > 0)
+        .map(|(number, level)| {
+            vec![number.to_string(), level.pixels.to_string(), level.shaded.to_string(), level.samples.to_string()]
+        })
+        .collect();
+    text += &format!("\n{}\n", plain(&header, &rows));
+    text += &plain(&["level", "pixels", "shaded", "samples"], &levels);
+    text += &format!(
+        "\nbandwidth buffer: {:.3} s, {} of forward shading with {} samples. Ground truth: {} samples per point, \
+         {:.1} s{}.\n",
+        v.bandwidth_seconds,
+        percent(v.bandwidth_seconds / v.forward.seconds.max(1e-9)),
+        v.forward.samples_per_point,
+        v.truth_samples,
+        v.truth_seconds,
+        v.truth_psnr.map_or(String::new(), |psnr| format!(", good for {psnr:.1} dB or more")),
+    );
+    for (name, shading) in [("adaptive", &v.adaptive), ("forward", &v.forward)] {
+        if shading.invalid_pixels > 0 {
+            text +=
+                &format!("{name}: {} pixels hold no number, and are left out of its PSNR.\n", shading.invalid_pixels);
+        }
+    }
+    text
+}

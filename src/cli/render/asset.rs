@@ -1,0 +1,107 @@
+//! What goes over a whole scene: a flat BTF, or a picture under any light. Named itself, or by a manifest.
+
+use super::arguments::Arguments;
+use super::materials::Subject;
+use super::{flat, pwt};
+use crate::Error;
+use brdfc_formats::Pack;
+use brdfc_formats::pwt::PwtPack;
+use brdfc_jobs::scene::inputs::read_manifest;
+use brdfc_source::Input;
+use brdfc_source::flat_btf::flat_btf_file;
+use brdfc_source::light_stack::is_light_stack;
+use brdfc_source::pack::open_pack;
+use std::path::Path;
+
+/// An asset, and where it stands.
+pub(super) struct Asset {
+    /// Its own path.
+    pub(super) input: Input,
+    /// What the command line names: the manifest, or the asset itself.
+    pub(super) subject: Subject,
+    pub(super) kind: AssetKind,
+}
+
+pub(super) enum AssetKind {
+    /// A flat BTF.
+    Flat,
+    /// A polynomial wavelet tree.
+    Pwt(Box<PwtPack>),
+}
+
+/// The asset that is drawn; nothing where BRDFs are.
+pub(super) fn asset(arguments: &Arguments) -> Result<Option<Asset>, Error> {
+    let (input, subject) = match arguments.input.extension()?.as_str() {
+        "toml" => match of_manifest(arguments)? {
+            Some(found) => found,
+            None => return Ok(None),
+        },
+        _ => (arguments.input.clone(), Subject::Pack),
+    };
+    let named_by_manifest = subject.manifest().is_some();
+    let kind = match input.extension()?.as_str() {
+        _ if is_unpacked_stack(&input) => return Err(not_packed(&input)),
+        _ if flat::is_flat(&input) => AssetKind::Flat,
+        "ktx2" => match open_pack(&input) {
+            Ok(Pack::Pwt(pack)) => AssetKind::Pwt(Box::new(pack)),
+            Ok(other) if named_by_manifest => return Err(no_asset(&input, other.kind().name())),
+            Err(error) if named_by_manifest => return Err(error.into()),
+            // Told where packs of BRDFs are opened, once their flags are checked.
+            _ => return Ok(None),
+        },
+        _ if named_by_manifest => return Err(no_asset(&input, "another file")),
+        _ => return Ok(None),
+    };
+    Ok(Some(Asset { input, subject, kind }))
+}
+
+/// The asset of a manifest, and the manifest.
+fn of_manifest(arguments: &Arguments) -> Result<Option<(Input, Subject)>, Error> {
+    let Some(path) = arguments.input.path().map(Path::to_owned) else { return Ok(None) };
+    let (text, manifest) = read_manifest(&path)?;
+    let Some(asset) = &manifest.render.asset else { return Ok(None) };
+    let file = path.parent().unwrap_or(Path::new("")).join(asset);
+    let manifest = Box::new(manifest);
+    let subject = Subject::Scene { path, text, manifest, jobs: Vec::new(), environment: None, packs: None };
+    Ok(Some((Input::from(&file), subject)))
+}
+
+fn no_asset(input: &Input, found: &str) -> Error {
+    let allowed = "a flat BTF, or the pack of a light stack";
+    Error::input(format!("{input}: render.asset: found {found}; allowed {allowed}"))
+}
+
+/// Whether there are photographs, and no flat BTF beside them.
+fn is_unpacked_stack(input: &Input) -> bool {
+    input.path().is_some_and(|path| is_light_stack(path) && matches!(flat_btf_file(path), Ok(None)))
+}
+
+fn not_packed(input: &Input) -> Error {
+    let allowed = "a pack of it, which 'brdfc pwt' makes; photographs go beside the pack with --source";
+    Error::input(format!("{input}: found a light stack; allowed {allowed}"))
+}
+
+/// Whether a flag goes with assets of this kind.
+pub(super) fn refuse_flags(arguments: &Arguments, asset: &Asset) -> Result<(), Error> {
+    let is_flat = matches!(asset.kind, AssetKind::Flat);
+    let (of_brdfs, of_flat, of_both) = ("BRDFs", "flat BTFs", "BRDFs and pictures under any light");
+    for (given, flag, allowed) in [
+        (arguments.packs.is_some(), "--packs", of_brdfs),
+        (arguments.table, "--table", of_brdfs),
+        (arguments.lod.is_some(), "--lod", of_brdfs),
+        (arguments.filter.is_some(), "--filter", of_brdfs),
+        (arguments.options.any(), "encoding options", of_brdfs),
+        (arguments.contact.is_some(), "--contact", of_brdfs),
+        (arguments.adaptive.adaptive, "--adaptive", of_brdfs),
+        (is_flat && arguments.source.is_some(), "--source", of_both),
+        (is_flat && arguments.exact, "--exact", of_both),
+        (!is_flat && arguments.form.is_some(), "--form", of_flat),
+    ] {
+        if given {
+            let what = if is_flat { "a flat BTF" } else { pwt::WHAT };
+            let text = format!("{flag}: found with {}, {what}; allowed with {allowed}", asset.input);
+            return Err(Error::usage(text));
+        }
+    }
+    Ok(())
+}

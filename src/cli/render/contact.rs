@@ -1,0 +1,67 @@
+//! `brdfc render --contact`: every material of a scene, each on a picture of its own.
+
+use super::arguments::Arguments;
+use super::{flat, gpu, materials, outputs, scene};
+use crate::output::{note, print, print_json, remark, write_file};
+use crate::{Error, Common};
+use brdfc_gpu::verify::views;
+use brdfc_jobs::report::contact::MaterialVerification;
+use brdfc_jobs::report::render::PictureGates;
+use brdfc_render::contact_sheet::contact_sheet;
+use brdfc_render::picture::rgb_png;
+use serde::Serialize;
+use std::path::Path;
+use std::time::Instant;
+
+/// What `--json` prints.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub struct Report {
+    /// Layout of this report.
+    version: u32,
+    /// Materials by name, with what was drawn and measured of each.
+    materials: Vec<MaterialVerification>,
+    /// Seconds from the start to the sheet, encoding included.
+    seconds: f64,
+}
+
+pub(super) fn run(
+    arguments: &Arguments,
+    path: &Path,
+    gates: &PictureGates,
+    started: Instant,
+    common: Common,
+) -> Result<(), Error> {
+    flat::refuse_flags(arguments)?;
+    let subject = materials::subject(arguments)?;
+    let setup = scene::setup(arguments, &subject)?;
+    let names = scene::materials_in_turn(arguments, &subject)?;
+    let decoding = gpu::decoding(arguments, &subject);
+    let gpu = gpu::open(arguments)?;
+    let (mut cells, mut drawn) = (Vec::new(), Vec::new());
+    // One after the other: sources and packs of all would take memory that those of one do not.
+    for (number, name) in names.iter().enumerate() {
+        let prepared = materials::prepare(arguments, &subject, std::slice::from_ref(name), common)?;
+        let shown = vec![prepared[0].material(); setup.scene.parts.len()];
+        let views = views(&gpu, &setup.scene, setup.frame, &shown, decoding)?;
+        let bytes_on_gpu = prepared[0].pack.gpu_bytes();
+        let verification = setup.verification(&gpu, &views, |_| (name.clone(), bytes_on_gpu));
+        let verification = verification.checked_by(gates, &views);
+        if let Some(nothing) = verification.nothing_seen(&views) {
+            note(common, name, &format!("the picture shows {nothing}"));
+        }
+        let material = MaterialVerification { material: name.clone(), bytes_on_gpu, verification };
+        cells.push(material.cell(&views));
+        drawn.push(material);
+        remark(common, &format!("{} of {}: {name} drawn", number + 1, names.len()));
+    }
+    write_file(path, &rgb_png(&contact_sheet(&cells)))?;
+    let seconds = started.elapsed().as_secs_f64();
+    let closed: Vec<String> = drawn.iter().flat_map(MaterialVerification::closed).collect();
+    if common.json {
+        print_json(&Report { version: 1, materials: drawn, seconds })?;
+    } else {
+        print(&outputs::contact_text(&drawn))?;
+        remark(common, &format!("{seconds:.1} s"));
+    }
+    if closed.is_empty() { Ok(()) } else { Err(Error::check(closed.join("; "))) }
+}

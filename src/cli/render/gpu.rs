@@ -1,0 +1,21 @@
+//! The adapter, and how its shaders look values up.
+
+use super::arguments::{Arguments, FilterName};
+use super::materials::Subject;
+use crate::Error;
+use brdfc_formats::wavelet::DEFAULT_DISTANCE_SCALE;
+use brdfc_gpu::{AdapterChoice, Decoding, Gpu, SliceFilter};
+
+pub(super) fn open(arguments: &Arguments) -> Result<Gpu, Error> {
+    let choice = arguments.adapter.clone().map_or(AdapterChoice::Best, AdapterChoice::Named);
+    Ok(Gpu::open(&choice)?)
+}
+
+pub(super) fn decoding(arguments: &Arguments, subject: &Subject) -> Decoding {
+    Decoding {
+        filter: arguments.filter.unwrap_or(FilterName::Bilinear).into(),
+        slices: if arguments.exact { SliceFilter::Exact } else { SliceFilter::Hardware },
+        level: arguments.lod,
+        distance_scale: subject.distance_scale().unwrap_or(DEFAULT_DISTANCE_SCALE),
+    }
+}

@@ -1,0 +1,250 @@
+//! Which materials are drawn, from where, and as which packs.
+
+use super::arguments::Arguments;
+use crate::inputs::refuse_stdin_twice;
+use crate::output::{note, remark};
+use crate::{Error, Common};
+use brdfc_core::Source;
+use brdfc_formats::{BrdfPack, Pack};
+use brdfc_gpu::verify::Material;
+use brdfc_jobs::encode::encode;
+use brdfc_jobs::encode::recipe::PackRecipe;
+use brdfc_jobs::scene::current::PackFolder;
+use brdfc_jobs::scene::inputs::read_manifest;
+use brdfc_jobs::scene::manifest::Manifest;
+use brdfc_jobs::scene::plan::{EnvironmentJob, Job, plan};
+use brdfc_source::open::open;
+use brdfc_source::pack::open_brdf_pack;
+use brdfc_wavelet::recipe::{Recipe, Target};
+use std::path::{Path, PathBuf};
+
+/// Finest grid whose slices all fit into a 3D texture.
+const MAX_TABLE_LEVELS: u32 = 5;
+
+/// What the command line names.
+pub(super) enum Subject {
+    /// A manifest.
+    Scene {
+        /// Where it is.
+        path: PathBuf,
+        /// Its text, for lines in errors.
+        text: String,
+        /// What it says.
+        manifest: Box<Manifest>,
+        /// Its materials, all of them: a picture may show what no use refers to.
+        jobs: Vec<Job>,
+        /// Its environment, if one lights it.
+        environment: Option<EnvironmentJob>,
+        /// Where its packs are, if they were built.
+        packs: Option<Box<PackFolder>>,
+    },
+    /// A pack.
+    Pack,
+    /// Anything that can be encoded.
+    Source(Box<PackRecipe>),
+}
+
+impl Subject {
+    pub(super) fn manifest(&self) -> Option<&Manifest> {
+        match self {
+            Self::Scene { manifest, .. } => Some(manifest),
+            _ => None,
+        }
+    }
+
+    pub(super) fn distance_scale(&self) -> Option<f64> {
+        self.manifest().and_then(|manifest| manifest.scene.distance_scale)
+    }
+}
+
+/// A material that is ready to be drawn.
+pub(super) struct Prepared {
+    pub(super) name: String,
+    pub(super) pack: BrdfPack,
+    pub(super) source: Option<Box<dyn Source>>,
+    pub(super) table: Option<BrdfPack>,
+    /// Bandwidth map and importance samples, where a folder of packs has them.
+    pub(super) maps: Vec<Pack>,
+}
+
+impl Prepared {
+    pub(super) fn material(&self) -> Material<'_> {
+        let source = self.source.as_deref().map(|source| source as &dyn Source);
+        Material { pack: &self.pack, source, table: self.table.as_ref() }
+    }
+}
+
+/// Reads the manifest, if the input is one, and checks which flags go with the input.
+pub(super) fn subject(arguments: &Arguments) -> Result<Subject, Error> {
+    let input = &arguments.input;
+    let kind = input.extension()?;
+    refuse_stdin_twice(&[("INPUT", Some(input)), ("--source", arguments.source.as_ref())])?;
+    let misplaced = |flag: &str, goes_with: &str| {
+        Err(Error::usage(format!("{flag}: found with {input}; allowed with {goes_with}")))
+    };
+    if kind != "toml" && arguments.packs.is_some() {
+        return misplaced("--packs", "a manifest");
+    }
+    if kind != "ktx2" && arguments.source.is_some() {
+        return misplaced("--source", "a pack");
+    }
+    if (kind == "ktx2" || kind == "toml") && arguments.options.any() {
+        return misplaced("encoding options", "an input that is encoded; those of a scene stand in its manifest");
+    }
+    if kind == "ktx2" && arguments.table && arguments.source.is_none() {
+        return misplaced("--table", "a source: name it with --source");
+    }
+    match kind.as_str() {
+        "toml" => {
+            let Some(path) = input.path().map(Path::to_owned) else {
+                let allowed = "a file: its paths start at its folder";
+                return Err(Error::usage(format!("SCENE.toml: found {input}; allowed {allowed}")));
+            };
+            let (text, manifest) = read_manifest(&path)?;
+            let folder = path.parent().unwrap_or(Path::new(""));
+            let plan = plan(&shown(&manifest), folder)?;
+            let (jobs, environment) = (plan.jobs, plan.environment);
+            let packs = pack_folder(arguments)?.map(Box::new);
+            Ok(Subject::Scene { path, text, manifest: Box::new(manifest), jobs, environment, packs })
+        }
+        "ktx2" => Ok(Subject::Pack),
+        _ => Ok(Subject::Source(Box::new(arguments.options.recipe()?))),
+    }
+}
+
+/// The folder of packs that is named, or else that which a build without options fills.
+fn pack_folder(arguments: &Arguments) -> Result<Option<PackFolder>, Error> {
+    let default = Path::new(brdfc::Build::DEFAULT_FOLDER);
+    let folder = match &arguments.packs {
+        Some(folder) if !folder.is_dir() => {
+            return Err(Error::io(format!("{}: cannot read: found no folder", folder.display())));
+        }
+        Some(folder) => folder,
+        None if PackFolder::is_one(default) => default,
+        None => return Ok(None),
+    };
+    PackFolder::open(folder).map(Some).map_err(|error| Error::io(error.to_string()))
+}
+
+/// The manifest with a use of each material, so that the plan has a job for it.
+fn shown(manifest: &Manifest) -> Manifest {
+    let mut all = manifest.clone();
+    let used: Vec<String> = all.uses.iter().map(|used| used.material.get_ref().clone()).collect();
+    for name in manifest.materials.keys().filter(|name| !used.contains(name)) {
+        let material = toml::Spanned::new(0..0, name.clone());
+        all.uses.push(brdfc_jobs::scene::manifest::Use::of(material));
+    }
+    all
+}
+
+/// Opens and encodes the materials of these names, each once.
+pub(super) fn prepare(
+    arguments: &Arguments,
+    subject: &Subject,
+    names: &[String],
+    common: Common,
+) -> Result<Vec<Prepared>, Error> {
+    let mut wanted: Vec<&String> = Vec::new();
+    for name in names {
+        if !wanted.contains(&name) {
+            wanted.push(name);
+        }
+    }
+    wanted
+        .iter()
+        .enumerate()
+        .map(|(number, name)| {
+            let (prepared, notes) = prepare_one(arguments, subject, name)?;
+            for line in notes {
+                note(common, name, &line);
+            }
+            if wanted.len() > 1 {
+                remark(common, &format!("{} of {}: {name} ready", number + 1, wanted.len()));
+            }
+            Ok(prepared)
+        })
+        .collect()
+}
+
+/// A material, and what there is to say of it.
+fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(Prepared, Vec<String>), Error> {
+    let (input, recipe) = match subject {
+        Subject::Pack => (arguments.source.clone(), PackRecipe::default()),
+        Subject::Source(recipe) => (Some(arguments.input.clone()), (**recipe).clone()),
+        Subject::Scene { jobs, .. } => {
+            let job = job_of(jobs, name);
+            (Some(job.input.clone()), job.recipe.clone())
+        }
+    };
+    let source = input.map(|input| open(&input, None)).transpose()?.map(|opened| opened.source);
+    if arguments.table && !matches!((subject, &recipe), (Subject::Pack, _) | (_, PackRecipe::Wavelet(_))) {
+        return Err(no_table());
+    }
+    let (pack, maps, notes) = match (subject, &source) {
+        (Subject::Scene { jobs, packs: Some(packs), .. }, _) => {
+            let current = packs.material(job_of(jobs, name), &())?;
+            let stale = current.stale.iter().map(|file| {
+                format!("{file} was made of something else: not drawn, but made anew; 'brdfc build' puts it in place")
+            });
+            let closed = current.gates.iter().filter(|gate| !gate.passed).map(ToString::to_string);
+            let notes = stale.chain(closed).chain(current.missed).collect();
+            let mut parts = current.parts.into_iter();
+            let pack = match parts.next() {
+                Some(Pack::Table(pack)) => BrdfPack::Table(pack),
+                Some(Pack::Wavelet(pack)) => BrdfPack::Wavelet(pack),
+                _ => return Err(Error::internal(format!("{name}: the store holds no pack"))),
+            };
+            (pack, parts.collect(), notes)
+        }
+        (Subject::Pack, _) => (open_brdf_pack(&arguments.input)?, Vec::new(), Vec::new()),
+        (_, Some(source)) => {
+            let made = encode(source.as_ref(), &recipe.clone().without_measuring(), &())?;
+            (made.pack, Vec::new(), made.missed.into_iter().collect())
+        }
+        (_, None) => return Err(Error::internal("nothing to draw".to_owned())),
+    };
+    let table = match &source {
+        Some(source) if arguments.table => {
+            let BrdfPack::Wavelet(wavelet) = &pack else { return Err(no_table()) };
+            let levels = wavelet.header.levels;
+            if levels > MAX_TABLE_LEVELS {
+                let text = "--table: found a grid of 64; allowed up to 32, whose slices all fit into a texture";
+                return Err(Error::usage(text.to_owned()));
+            }
+            let whole = Recipe {
+                parameterisation: wavelet.header.parameterisation,
+                levels,
+                stored_levels: levels,
+                target: Target::Ratio(1.0),
+                bits: 16,
+                ..bias_and_smoothing(&recipe)
+            };
+            Some(encode(source.as_ref(), &PackRecipe::Wavelet(whole).without_measuring(), &())?.pack)
+        }
+        _ => None,
+    };
+    if let (Some(_), BrdfPack::Table(table)) = (arguments.lod, &pack)
+        && table.levels() == 0
+    {
+        let text = "--lod: found with a table pack of one level; allowed with packs that have levels of detail";
+        return Err(Error::usage(format!("{text} (--levels)")));
+    }
+    Ok((Prepared { name: name.to_owned(), pack, source, table, maps }, notes))
+}
+
+fn job_of<'a>(jobs: &'a [Job], name: &str) -> &'a Job {
+    jobs.iter().find(|job| job.name == name).expect("names are materials of the manifest")
+}
+
+/// What a whole table has in common with the pack.
+fn bias_and_smoothing(recipe: &PackRecipe) -> Recipe {
+    match recipe {
+        PackRecipe::Wavelet(recipe) => recipe.clone(),
+        PackRecipe::Auto(_) | PackRecipe::Table(_) => Recipe::default(),
+    }
+}
+
+fn no_table() -> Error {
+    let text = "--table: found a table pack; allowed wavelet packs (--codec wavelet), whose grid it shows the error of";
+    Error::usage(text.to_owned())
+}

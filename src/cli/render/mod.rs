@@ -1,0 +1,151 @@
+//! `brdfc render`: packs drawn by the shaders that engines use, and how wrong they look.
+
+mod adaptive;
+mod adaptive_options;
+mod arguments;
+mod asset;
+mod contact;
+mod flat;
+mod gpu;
+mod materials;
+mod outputs;
+mod pwt;
+mod scene;
+
+pub use adaptive::Report as AdaptiveReport;
+pub use arguments::Arguments;
+pub use contact::Report as ContactReport;
+
+use super::output::{note, print, print_json, remark};
+use super::{Error, Common, graphics_environment};
+use crate::table;
+use asset::{Asset, AssetKind};
+use brdfc_core::words::{format_number, join_truncated};
+use brdfc_gpu::verify::{Material, Views, views};
+use brdfc_jobs::report::render::{PictureGates, Verification};
+use materials::Prepared;
+use serde::Serialize;
+use std::path::Path;
+use std::time::Instant;
+
+/// Most materials that a remark lists.
+const MOST_LISTED: usize = 6;
+
+/// What `--json` prints.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub struct Report {
+    /// Layout of this report.
+    version: u32,
+    /// What was drawn and measured.
+    #[serde(flatten)]
+    verification: Verification,
+    /// Seconds from the start to the last image, encoding included.
+    seconds: f64,
+}
+
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
+    graphics_environment::prepare();
+    let started = Instant::now();
+    outputs::check(arguments)?;
+    let gates = gates(arguments)?;
+    if let Some(level) = arguments.lod
+        && !(0.0..=6.0).contains(&level)
+    {
+        return Err(Error::usage(format!("--lod: found {}; allowed 0 to 6", format_number(level))));
+    }
+    let asset = asset::asset(arguments)?;
+    if let Some(asset) = &asset {
+        asset::refuse_flags(arguments, asset)?;
+    }
+    if arguments.adaptive.adaptive {
+        return adaptive::run(arguments, common);
+    }
+    if let Some(path) = &arguments.contact {
+        return contact::run(arguments, path, &gates, started, common);
+    }
+    let (verification, views) = match asset {
+        Some(Asset { input, subject, kind: AssetKind::Pwt(pack) }) => {
+            pwt::verification(arguments, common, &input, &subject, *pack)?
+        }
+        Some(Asset { input, subject, kind: AssetKind::Flat }) => {
+            flat::verification(arguments, common, &input, &subject)?
+        }
+        None => of_brdfs(arguments, common)?,
+    };
+    let verification = verification.checked_by(&gates, &views);
+    if let Some(nothing) = verification.nothing_seen(&views) {
+        note(common, &arguments.input, &format!("the picture shows {nothing}{}", hint(arguments)));
+    }
+    if verification.left_out > 0.0 {
+        let share = table::percent(verification.left_out);
+        let why = "seen or lit from where packs were not made for (view_elevation, light_elevation)";
+        remark(common, &format!("{share} of the surfaces are left out: {why}"));
+    }
+    drop(views);
+    let seconds = started.elapsed().as_secs_f64();
+    let closed: Vec<String> = verification.gates.iter().filter(|gate| !gate.passed).map(ToString::to_string).collect();
+    if common.json {
+        print_json(&Report { version: 1, verification, seconds })?;
+    } else {
+        print(&outputs::text(&verification))?;
+        remark(common, &format!("{seconds:.1} s"));
+    }
+    if closed.is_empty() { Ok(()) } else { Err(Error::check(closed.join("; "))) }
+}
+
+/// The limits of the picture.
+fn gates(arguments: &Arguments) -> Result<PictureGates, Error> {
+    let given = [
+        ("--max-delta-e", arguments.max_delta_e, f64::MAX, "a number, 0 or more"),
+        ("--max-delta-e-p95", arguments.max_delta_e_p95, f64::MAX, "a number, 0 or more"),
+        ("--max-flip", arguments.max_flip, 1.0, "0 to 1"),
+    ];
+    for (flag, limit, most, allowed) in given {
+        if let Some(limit) = limit.filter(|limit| !(0.0..=most).contains(limit)) {
+            return Err(Error::usage(format!("{flag}: found {}; allowed {allowed}", format_number(limit))));
+        }
+    }
+    let [delta_e, delta_e_p95, flip] = given.map(|(_, limit, ..)| limit);
+    Ok(PictureGates { delta_e, delta_e_p95, flip })
+}
+
+/// What may be the matter with a picture that shows nothing.
+fn hint(arguments: &Arguments) -> &'static str {
+    let extension = arguments.input.path().and_then(Path::extension);
+    let of_manifest = extension.is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
+    if of_manifest {
+        "; look at render.camera and render.lights, or draw by the light of an environment with --adaptive"
+    } else {
+        ""
+    }
+}
+
+/// Draws packs of BRDFs.
+fn of_brdfs(arguments: &Arguments, common: Common) -> Result<(Verification, Views), Error> {
+    flat::refuse_flags(arguments)?;
+    let subject = materials::subject(arguments)?;
+    let setup = scene::setup(arguments, &subject)?;
+    // Before the work: without an adapter there is nothing to wait for.
+    let gpu = gpu::open(arguments)?;
+    let prepared = materials::prepare(arguments, &subject, &setup.names, common)?;
+
+    let of_part = |name: &String| prepared.iter().find(|p| p.name == *name).expect("every name was prepared");
+    let parts: Vec<&Prepared> = setup.names.iter().map(of_part).collect();
+    let materials: Vec<Material<'_>> = parts.iter().map(|part| part.material()).collect();
+    let decoding = gpu::decoding(arguments, &subject);
+    let views = views(&gpu, &setup.scene, setup.frame, &materials, decoding)?;
+    let of_part = |number: usize| (parts[number].name.clone(), parts[number].pack.gpu_bytes());
+    let verification = setup.verification(&gpu, &views, of_part);
+    outputs::write(arguments, &views, verification.exposure)?;
+    tell_of_others(arguments, &scene::materials_in_turn(arguments, &subject)?, &setup.names, common);
+    Ok((verification, views))
+}
+
+/// Says which materials of a scene its picture does not show.
+fn tell_of_others(arguments: &Arguments, all: &[String], shown: &[String], common: Common) {
+    let others: Vec<&str> = all.iter().filter(|name| !shown.contains(name)).map(String::as_str).collect();
+    if !others.is_empty() {
+        let listed = join_truncated(&others, MOST_LISTED);
+        note(common, &arguments.input, &format!("not shown: {listed}; --contact draws every material"));
+    }
+}

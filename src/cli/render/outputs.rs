@@ -1,0 +1,154 @@
+//! Pictures and text of a verification.
+
+use super::arguments::Arguments;
+use crate::output::{refuse_missing_folder, refuse_overwriting, refuse_same_outputs, write_file};
+use crate::{Error, table};
+use brdfc_gpu::verify::Views;
+use brdfc_jobs::report::contact::MaterialVerification;
+use brdfc_jobs::report::render::Verification;
+use brdfc_metrics::image::LinearImage;
+use brdfc_render::adaptive::{ANY_LEVEL, Prediction};
+use brdfc_render::picture::{difference_panel, heat_map, octave_map, rgb_png, sheet, to_exr, to_panel, to_png};
+use brdfc_source::Input;
+use std::path::{Path, PathBuf};
+
+fn extension(path: &Path) -> String {
+    path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase()
+}
+
+/// Flags of pictures, what was given, and the extensions that a name may have.
+fn files(arguments: &Arguments) -> [(&'static str, &Option<PathBuf>, &'static [&'static str]); 6] {
+    [
+        ("--output", &arguments.output, &["png", "exr"]),
+        ("--reference", &arguments.reference, &["png", "exr"]),
+        ("--difference", &arguments.difference, &["png"]),
+        ("--sheet", &arguments.sheet, &["png"]),
+        ("--contact", &arguments.contact, &["png"]),
+        ("--maps", &arguments.adaptive.maps, &["png"]),
+    ]
+}
+
+/// A picture that would be written over an image that a manifest names.
+pub(super) fn check_not_over(arguments: &Arguments, input: &Path) -> Result<(), Error> {
+    let given = files(arguments).into_iter().filter_map(|(flag, path, _)| Some((flag, path.as_deref()?)));
+    given.into_iter().try_for_each(|(flag, path)| refuse_overwriting(flag, path, &[input]))
+}
+
+/// Names that cannot be written are found before the work.
+pub(super) fn check(arguments: &Arguments) -> Result<(), Error> {
+    let files = files(arguments);
+    refuse_same_outputs(&files.each_ref().map(|(flag, path, _)| (*flag, path.as_deref())))?;
+    for (flag, path, allowed) in files {
+        let Some(path) = path else { continue };
+        if !allowed.contains(&extension(path).as_str()) {
+            let allowed = allowed.join(" or .");
+            return Err(Error::usage(format!(
+                "{flag}: found {}; allowed a name that ends in .{allowed}",
+                path.display()
+            )));
+        }
+        refuse_missing_folder(path)?;
+        let given = [Some(&arguments.input), arguments.source.as_ref()];
+        let mut inputs: Vec<&Path> = given.into_iter().flatten().filter_map(Input::path).collect();
+        inputs.extend(arguments.adaptive.environment.as_deref());
+        refuse_overwriting(flag, path, &inputs)?;
+    }
+    Ok(())
+}
+
+/// Writes what was asked for.
+pub(super) fn write(arguments: &Arguments, views: &Views, exposure: f64) -> Result<(), Error> {
+    write_images(arguments, &views.shader, views.reference(), exposure)
+}
+
+/// Writes the pictures of an image and its reference that were asked for.
+pub(super) fn write_images(
+    arguments: &Arguments,
+    shader: &LinearImage,
+    reference: &LinearImage,
+    exposure: f64,
+) -> Result<(), Error> {
+    let image = |path: &Path, image: &LinearImage| {
+        write_file(path, &if extension(path) == "exr" { to_exr(image) } else { to_png(image, exposure) })
+    };
+    if let Some(path) = &arguments.output {
+        image(path, shader)?;
+    }
+    if let Some(path) = &arguments.reference {
+        image(path, reference)?;
+    }
+    if arguments.difference.is_none() && arguments.sheet.is_none() {
+        return Ok(());
+    }
+    let difference = difference_panel(shader, reference, exposure);
+    if let Some(path) = &arguments.sheet {
+        let panels = [to_panel(shader, exposure), to_panel(reference, exposure), difference.clone()];
+        write_file(path, &rgb_png(&sheet(&panels)))?;
+    }
+    if let Some(path) = &arguments.difference {
+        write_file(path, &rgb_png(&difference))?;
+    }
+    Ok(())
+}
+
+/// Bandwidth, levels and variance of a prediction of so many points across and down, side by side: logarithms, from dark to
+/// pale yellow. The background is dark.
+pub(super) fn maps_png(prediction: &Prediction, [width, height]: [usize; 2]) -> Vec<u8> {
+    let coarsest = prediction.level.iter().filter(|level| **level != ANY_LEVEL).max().copied().unwrap_or(0);
+    let fineness = |level: &i32| if *level == ANY_LEVEL { 0.0 } else { 1.0 - *level as f32 / (coarsest + 1) as f32 };
+    let levels: Vec<f32> = prediction.level.iter().map(fineness).collect();
+    let variance: Vec<f32> = prediction.deviation.iter().map(|deviation| deviation * deviation).collect();
+    rgb_png(&sheet(&[
+        octave_map(&prediction.bandwidth, width, height, 8.0),
+        heat_map(&levels, width, height, 1.0),
+        octave_map(&variance, width, height, 16.0),
+    ]))
+}
+
+/// What people read.
+pub(super) fn text(verification: &Verification) -> String {
+    let v = verification;
+    let mut text = head(v, &format!(", exposure {}", table::significant(v.exposure)));
+    for part in &v.parts {
+        text += &format!("{}: {}, {}\n", part.part, part.material, table::bytes(part.bytes_on_gpu));
+    }
+    text.push('\n');
+    let rows: Vec<Vec<String>> = v
+        .rows()
+        .into_iter()
+        .map(|(name, difference)| {
+            let mut row = vec![name.to_owned()];
+            row.extend(table::image_row(difference));
+            row
+        })
+        .collect();
+    let mut header = vec!["ΔE of CIE L*a*b* over surfaces"];
+    header.extend(table::IMAGE_HEADER);
+    text + &table::plain(&header, &rows)
+}
+
+/// What drew what; `more` stands behind the number of samples.
+fn head(v: &Verification, more: &str) -> String {
+    let Verification { scene, width, height, samples, adapter, .. } = v;
+    let software = if adapter.software { ", a software driver" } else { "" };
+    format!("{scene}, {width} x {height} pixels, {samples} samples each{more}\ndrawn by {}{software}\n", adapter.name)
+}
+
+/// What people read of many materials.
+pub(super) fn contact_text(materials: &[MaterialVerification]) -> String {
+    let rows: Vec<Vec<String>> = materials
+        .iter()
+        .map(|material| {
+            let v = &material.verification;
+            let total = v.total.as_ref().map(|total| &total.delta_e);
+            let figures = [total.map(|e| e.mean), total.map(|e| e.p95), total.map(|e| e.max)];
+            let parts = [v.codec.as_ref().map(|codec| codec.delta_e.mean), Some(v.shading.delta_e.mean)];
+            let mut row = vec![material.material.clone(), table::bytes(material.bytes_on_gpu)];
+            row.extend(figures.into_iter().chain(parts).map(|e| e.map_or("-".to_owned(), |e| format!("{e:.3}"))));
+            row
+        })
+        .collect();
+    let header = ["material", "on GPU", "ΔE", "95 %", "max", "of the codec", "of the shader"];
+    let head = materials.first().map_or_else(String::new, |first| head(&first.verification, ""));
+    format!("{head}\n{}", table::plain(&header, &rows))
+}

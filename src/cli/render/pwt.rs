@@ -1,0 +1,133 @@
+//! Pictures under any light, of packs of polynomial wavelet trees.
+
+use super::arguments::Arguments;
+use super::materials::Subject;
+use super::{gpu, outputs, scene};
+use crate::output::{note, remark};
+use crate::{Error, Common};
+use brdfc_formats::FormatError;
+use brdfc_formats::bindings::FrameBlock;
+use brdfc_formats::direction::dot;
+use brdfc_formats::pwt::{PwtDecoder, PwtPack};
+use brdfc_gpu::draw_pwt;
+use brdfc_gpu::verify::Views;
+use brdfc_jobs::report::render::Verification;
+use brdfc_metrics::image::LinearImage;
+use brdfc_render::pwt::{Photograph, PwtMaterial, distant_light, draw_on_cpu, draw_photographs, picture_scene};
+use brdfc_render::scene::PointLight;
+use brdfc_render::scenes::Builtin;
+use brdfc_source::Input;
+use brdfc_source::light_stack::{LightStack, is_light_stack};
+use std::path::Path;
+
+/// What messages call such a pack.
+pub(super) const WHAT: &str = "a picture under any light";
+/// Pixels of the picture's longer side where nothing is said.
+const LONGER_SIDE: usize = 512;
+
+/// Draws the pack by the shader and on the CPU; with the stack that it was made of, beside its photographs.
+pub(super) fn verification(
+    arguments: &Arguments,
+    common: Common,
+    input: &Input,
+    subject: &Subject,
+    pack: PwtPack,
+) -> Result<(Verification, Views), Error> {
+    let header = pack.header().clone();
+    let size = header.size.map(|side| side as usize);
+    let longer = size[0].max(size[1]);
+    let side = |side: usize| (side * LONGER_SIDE).div_ceil(longer);
+    let of_builtin = |builtin: Builtin, frame: [usize; 2]| match builtin {
+        Builtin::Plane => picture_scene(size, frame),
+        other => other.scene(),
+    };
+    let start = scene::Start { builtin: Builtin::Plane, size: size.map(side), scene: &of_builtin };
+    let mut setup = scene::setup_from(arguments, subject, &start)?;
+    let stack = arguments.source.as_ref().map(|source| open_stack(source, size)).transpose()?;
+    if let Some(stack) = stack.as_ref().filter(|_| setup.builtin == Builtin::Plane) {
+        let of_manifest = subject.manifest().is_some_and(|manifest| manifest.render.lights.is_some());
+        if !of_manifest {
+            // The light of a photograph, so that the pack is held against what it was made of.
+            for light in &mut setup.scene.lights {
+                let (nearest, _) = nearest(stack, light);
+                *light = distant_light(stack.lights()[nearest].map(f64::from));
+            }
+        }
+    }
+    let gpu = gpu::open(arguments)?;
+    let bytes_on_gpu = pack.gpu_bytes();
+    let wrong =
+        |error: FormatError| Error::usage(format!("--repeat: found {}; allowed {}", error.found, error.allowed));
+    let material = PwtMaterial::new(PwtDecoder::new(pack), arguments.repeat.unwrap_or(1)).map_err(wrong)?;
+    let sampling = if arguments.exact { FrameBlock::exact() } else { FrameBlock::default() };
+    let shader = draw_pwt(&gpu, &setup.scene, setup.frame, &material, sampling)?;
+    let pack = draw_on_cpu(&setup.scene, setup.frame, &material);
+    let source = match &stack {
+        Some(stack) if setup.builtin == Builtin::Plane => {
+            Some(of_photographs(&setup, stack, header.repeats, material.repeat(), common)?)
+        }
+        Some(_) => {
+            let why = "not compared with photographs: that is done on --scene plane";
+            note(common, input, why);
+            None
+        }
+        None => None,
+    };
+    let views = Views { shader, pack, table: None, source, left_out: 0.0 };
+    let name = input
+        .path()
+        .and_then(Path::file_stem)
+        .map_or_else(|| input.to_string(), |name| name.to_string_lossy().into_owned());
+    let verification = setup.verification(&gpu, &views, |_| (name.clone(), bytes_on_gpu));
+    outputs::write(arguments, &views, verification.exposure)?;
+    Ok((verification, views))
+}
+
+/// The photographs that a pack is held against.
+fn open_stack(source: &Input, size: [usize; 2]) -> Result<LightStack, Error> {
+    let Some(path) = source.path() else {
+        let text = format!("--source: found {source}; allowed the folder or the .lp of a light stack");
+        return Err(Error::usage(text));
+    };
+    if !is_light_stack(path) {
+        let text = format!("--source: found {source}; allowed the folder or the .lp of a light stack");
+        return Err(Error::usage(text));
+    }
+    let stack = LightStack::open(path)?;
+    if stack.size() != size {
+        let told = |[width, height]: [usize; 2]| format!("{width} x {height} pixels");
+        let text = format!("--source: {source}: found {}; allowed {}, as the pack has", told(stack.size()), told(size));
+        return Err(Error::input(text));
+    }
+    Ok(stack)
+}
+
+/// The photograph whose light is nearest to where a light stands, seen from the middle of the picture, and the angle
+/// between the two in degrees.
+fn nearest(stack: &LightStack, light: &PointLight) -> (usize, f64) {
+    let [x, y, z] = light.position;
+    let length = dot(light.position, light.position).sqrt();
+    let towards = [x, -z, y].map(|c| c / length);
+    let cosine = |k: &usize| dot(stack.lights()[*k].map(f64::from), towards);
+    let best = (0..stack.len()).max_by(|a, b| cosine(a).total_cmp(&cosine(b))).unwrap_or(0);
+    (best, cosine(&best).clamp(-1.0, 1.0).acos().to_degrees())
+}
+
+/// The picture with the photograph that is nearest to each light.
+fn of_photographs(
+    setup: &scene::Setup,
+    stack: &LightStack,
+    repeats: bool,
+    repeat: u32,
+    common: Common,
+) -> Result<LinearImage, Error> {
+    let mut photographs = Vec::new();
+    for light in &setup.scene.lights {
+        let (number, angle) = nearest(stack, light);
+        let image = stack.image(number)?;
+        let file = stack.file(number).file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        remark(common, &format!("beside {file}, whose light is {angle:.1}° from that of the picture"));
+        photographs.push(Photograph::new([image.width, image.height], image.pixels, repeats));
+    }
+    Ok(draw_photographs(&setup.scene, setup.frame, &photographs, repeat))
+}

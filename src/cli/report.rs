@@ -1,0 +1,204 @@
+//! `brdfc report`: a page about a build.
+
+use super::output::{
+    print, print_json, refuse_dash, refuse_missing_folder, refuse_overwriting, remark, to_json, write_file,
+};
+use super::progress::Materials;
+use super::{Error, Common};
+use brdfc_core::progress::Progress;
+use brdfc_core::words::counted;
+use brdfc_jobs::report::page::{
+    FlatPage, Reports, ViewLink, csv, flat_csv, flat_html, gather, html, is_flat_btf, sheet,
+};
+use brdfc_jobs::scene::plan::REPORT;
+use brdfc_jobs::view::{ViewOptions, open_items, view_page};
+use brdfc_metrics::fraction::Fraction;
+use brdfc_render::picture::rgb_png;
+use brdfc_source::Input;
+use brdfc_source::flat_btf::flat_btf_file;
+use clap::Args;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+
+/// Write a page about the packs in a folder, or about a flat BTF: pictures, errors, checks.
+///
+/// One file of HTML that needs no network and reads without scripts; its figures are written beside it, under its name with
+/// .csv and .json. Pictures are drawn by the CPU's decoder. Packs are compared with their sources where these still are
+/// where the build found them.
+///
+/// With --against the page begins with what got worse than in an earlier build, and that is exit code 1.
+///
+/// Schemas of --json: 'report', of a flat BTF 'flat-btf'.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  brdfc report packs -o report.html --sheet sheet.png
+  brdfc report packs -o report.html --view view.html
+  brdfc report packs -o report.html --against last-week/report.json --tolerance 5%
+  brdfc report button -o button.html")]
+pub struct Arguments {
+    /// The folder that 'brdfc build' filled, or the report.json in it; a flat BTF, or the folder with it.
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+    /// The page to write: .html.
+    #[arg(long, short, value_name = "REPORT.html")]
+    output: PathBuf,
+    /// Of a build: write all materials as one picture, too, with labels and the colour scale of differences: source, pack
+    /// and ΔE.
+    #[arg(long, value_name = "IMAGE.png")]
+    sheet: Option<PathBuf>,
+    /// Write a page that draws all packs in a browser, too, as 'brdfc view' does, and link to it: in the folder of the page.
+    #[arg(long, value_name = "VIEW.html")]
+    view: Option<PathBuf>,
+    /// Of a build: the report.json of an earlier one, or its folder.
+    #[arg(long, value_name = "OLD")]
+    against: Option<PathBuf>,
+    /// By what share a figure may be worse than before: a fraction or a percentage, 0.05 or 5%.
+    #[arg(long, value_name = "SHARE", default_value = "2%", requires = "against")]
+    tolerance: Fraction,
+}
+
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
+    let output = arguments.output.as_path();
+    if !is_html(output) {
+        let found = output.display();
+        return Err(Error::usage(format!("--output: found {found}; allowed a name that ends in .html")));
+    }
+    refuse_dash(&arguments.folder)?;
+    let folder = folder_of(&arguments.folder);
+    if let Some(sheet) = &arguments.sheet
+        && !sheet.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"))
+    {
+        let found = sheet.display();
+        return Err(Error::usage(format!("--sheet: found {found}; allowed a name that ends in .png")));
+    }
+    if is_flat_btf(folder) {
+        return of_flat_btf(arguments, common);
+    }
+    let tolerance = arguments
+        .tolerance
+        .checked()
+        .map_err(|allowed| Error::usage(format!("--tolerance: found {}; allowed {allowed}", arguments.tolerance)))?;
+    let against = arguments.against.as_ref().map(|path| if path.is_dir() { path.join(REPORT) } else { path.clone() });
+    let [csv_path, json_path] = ["csv", "json"].map(|extension| output.with_extension(extension));
+    let own = folder.join(REPORT);
+    let inputs: Vec<&Path> = [own.as_path()].into_iter().chain(against.as_deref()).collect();
+    refuse_pages_over(output, [&csv_path, &json_path], &inputs)?;
+    if let Some(path) = &arguments.sheet {
+        refuse_overwriting("--sheet", path, &inputs)?;
+        refuse_missing_folder(path)?;
+    }
+    let reports = Reports::open(folder, against.as_deref())?;
+    let built = reports.files();
+    let built: Vec<&Path> = built.iter().map(PathBuf::as_path).collect();
+    refuse_pages_over(output, [&csv_path, &json_path], &built)?;
+    if let Some(path) = &arguments.view {
+        refuse_unfit_view(path, output, &[&built[..], &inputs].concat())?;
+    }
+    if let Some(path) = &arguments.sheet {
+        refuse_overwriting("--sheet", path, &built)?;
+    }
+    // An interrupt ends the process at once: files are whole or not there.
+    let cancelled = AtomicBool::new(false);
+    let progress = Materials::new(reports.count(), false, common, &cancelled);
+    let mut page = gather(reports, tolerance, &progress)?;
+    page.view = write_view(arguments, &progress)?;
+    drop(progress);
+    write_file(&csv_path, csv(&page).as_bytes())?;
+    write_file(&json_path, to_json(&page.report()).as_bytes())?;
+    if let Some(path) = &arguments.sheet {
+        write_file(path, &rgb_png(&sheet(&page)))?;
+    }
+    write_file(output, html(&page).as_bytes())?;
+    if common.json {
+        print_json(&page.report())?;
+    } else {
+        let lines: String = page.regressions.iter().map(|worse| format!("{worse}\n")).collect();
+        print(&lines)?;
+    }
+    remark(common, &format!("{}: {}", output.display(), counted(page.materials.len(), "material")));
+    match page.regressions.len() {
+        0 => Ok(()),
+        1 => Err(Error::check("one figure is worse than before".to_owned())),
+        count => Err(Error::check(format!("{count} figures are worse than before"))),
+    }
+}
+
+fn is_html(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("html") || e.eq_ignore_ascii_case("htm"))
+}
+
+/// The page of `--view`.
+fn write_view(arguments: &Arguments, progress: &dyn Progress) -> Result<Option<ViewLink>, Error> {
+    let Some(path) = &arguments.view else { return Ok(None) };
+    let items = open_items(&[Input::from(&arguments.folder)], ViewOptions { sources: true }, progress)?;
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    write_file(path, view_page(&items)?.html.as_bytes())?;
+    Ok(Some(ViewLink::new(&name, items.into_iter().map(|item| item.name))))
+}
+
+/// It stands beside the page that links to it, and is no other file.
+fn refuse_unfit_view(path: &Path, output: &Path, others: &[&Path]) -> Result<(), Error> {
+    let folder = |path: &Path| match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder.canonicalize().ok(),
+        _ => Path::new(".").canonicalize().ok(),
+    };
+    let is_same = path.file_name() == output.file_name();
+    if !is_html(path) || is_same || folder(path) != folder(output) {
+        let found = path.display();
+        let allowed = "another name than the page's that ends in .html, in its folder";
+        return Err(Error::usage(format!("--view: found {found}; allowed {allowed}")));
+    }
+    refuse_overwriting("--view", path, others)
+}
+
+/// A page and its figures are files of their own, in a folder that is there.
+fn refuse_pages_over(output: &Path, beside: [&PathBuf; 2], inputs: &[&Path]) -> Result<(), Error> {
+    refuse_overwriting("--output", output, inputs)?;
+    for path in beside {
+        refuse_overwriting("--output", path, inputs).map_err(|_| {
+            Error::usage(format!(
+                "--output: found {}, whose figures would be written over {}, an input; allowed another name or folder",
+                output.display(),
+                path.display()
+            ))
+        })?;
+    }
+    refuse_missing_folder(output)
+}
+
+/// The folder of a build; its report may be named as well.
+fn folder_of(path: &Path) -> &Path {
+    if path.file_name().is_some_and(|name| name == REPORT) {
+        // Without a folder in its name it is in this one.
+        return path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    }
+    path
+}
+
+/// The page of a flat BTF.
+fn of_flat_btf(arguments: &Arguments, common: Common) -> Result<(), Error> {
+    let (folder, output) = (arguments.folder.as_path(), arguments.output.as_path());
+    for (given, flag) in [(arguments.against.is_some(), "--against"), (arguments.sheet.is_some(), "--sheet")] {
+        if given {
+            let text = format!("{flag}: found with {}, a flat BTF; allowed with a build", folder.display());
+            return Err(Error::usage(text));
+        }
+    }
+    let file = flat_btf_file(folder)?;
+    let [csv_path, json_path] = ["csv", "json"].map(|extension| output.with_extension(extension));
+    refuse_pages_over(output, [&csv_path, &json_path], file.as_deref().as_slice())?;
+    if let Some(path) = &arguments.view {
+        refuse_unfit_view(path, output, file.as_deref().as_slice())?;
+    }
+    let mut page = FlatPage::open(folder)?;
+    page.view = write_view(arguments, &())?;
+    write_file(&csv_path, flat_csv(&page.asset).as_bytes())?;
+    write_file(&json_path, to_json(&page.asset).as_bytes())?;
+    write_file(output, flat_html(&page).as_bytes())?;
+    if common.json {
+        print_json(&page.asset)?;
+    }
+    remark(common, &format!("{}: {}", output.display(), counted(page.asset.images.len(), "texture")));
+    Ok(())
+}

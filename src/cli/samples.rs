@@ -1,0 +1,173 @@
+//! `brdfc samples`: directions drawn in proportion to a material's lobes, as a pack.
+
+use super::info::{importance_in_words, lines_of};
+use super::output::{
+    note, note_directions, output_parser, print_report, refuse_overwriting, refuse_unfit_output, to_json, write_file,
+};
+use super::{Error, Common};
+use crate::table;
+use brdfc_core::Tally;
+use brdfc_formats::FormatError;
+use brdfc_importance::{HalfGrid, ImportanceFacts, ImportanceRecipe, importance_samples};
+use brdfc_jobs::report::material::repairs_in_words;
+use brdfc_jobs::whole_number::any_whole_number;
+use brdfc_source::Input;
+use brdfc_source::open::open;
+use clap::Args;
+use serde::Serialize;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Precompute directions that follow a material's lobes, for rendering with few samples.
+///
+/// For each outgoing direction, half vectors are drawn in proportion to reflectance and cosine; each comes with its
+/// density. Renderers take as many as they need, from anywhere in the list: see formats/src/importance/spec.md.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  brdfc samples red-plastic.binary -o red.samples.ktx2
+  brdfc samples 'synth:ward?ax=0.1&ay=0.4' -o brushed.samples.ktx2 --polar 32 --azimuths 24
+  brdfc samples chrome.binary -o chrome.samples.ktx2 --count 4096 --rings 512 --json")]
+pub struct Arguments {
+    /// A material: a path, - for stdin, or synth:MODEL?param=value&...
+    input: Input,
+    /// The pack to write, or - for stdout.
+    #[arg(long, short, value_name = "SAMPLES.ktx2", value_parser = output_parser())]
+    output: PathBuf,
+    /// Samples of each outgoing direction, 1 to 8192.
+    #[arg(long, value_name = "M", default_value_t = ImportanceRecipe::default().samples, value_parser = any_whole_number::<u32>("1 to 8192"))]
+    count: u32,
+    /// Polar angles of the outgoing direction, 1 to 1024 (default: 64 for isotropic materials, 32 for others).
+    #[arg(long, value_name = "P", value_parser = any_whole_number::<u32>("1 to 1024"))]
+    polar: Option<u32>,
+    /// Azimuths of the outgoing direction, a multiple of 4 up to 256 (default: 16). Isotropic materials have one.
+    #[arg(long, value_name = "A", value_parser = any_whole_number::<u32>("a multiple of 4 up to 256"))]
+    azimuths: Option<u32>,
+    /// Rings of the table of half vectors that is inverted, 1 to 4096: closer together near the normal.
+    #[arg(long, value_name = "N", default_value_t = HalfGrid::DEFAULT.polar, value_parser = any_whole_number::<usize>("1 to 4096"))]
+    rings: usize,
+    /// Cells of each ring, an even number, 2 to 4096.
+    #[arg(long, value_name = "N", default_value_t = HalfGrid::DEFAULT.azimuths, value_parser = any_whole_number::<usize>("an even number, 2 to 4096"))]
+    cells: usize,
+    /// Share of the samples that does not follow the lobe, above 0 up to 1: it bounds the error where the table misses
+    /// something.
+    #[arg(long, value_name = "S", default_value_t = ImportanceRecipe::default().defensive)]
+    defensive: f64,
+}
+
+/// What `--json` prints.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub struct Report {
+    /// Layout of this report.
+    version: u32,
+    /// 'importance-pack'.
+    kind: &'static str,
+    /// What the pack holds.
+    #[serde(flatten)]
+    facts: ImportanceFacts,
+    /// Rings of the table of half vectors.
+    rings: usize,
+    /// Cells of each ring.
+    cells: usize,
+    /// Share of the samples that does not follow the lobe.
+    defensive: f64,
+    /// Bytes of the file.
+    bytes_on_disk: usize,
+    /// What had to be mended.
+    #[serde(rename = "mended")]
+    repairs: Tally,
+    /// Seconds that reading and drawing took.
+    seconds: Seconds,
+}
+
+/// Seconds per stage.
+#[derive(Debug, Clone, Copy, Serialize, schemars::JsonSchema)]
+pub struct Seconds {
+    /// Reading and decoding the input.
+    read: f64,
+    /// Tabulating the lobes and inverting their distributions.
+    samples: f64,
+}
+
+/// What the recipe calls things, and the flags that set them.
+const FLAGS: [(&str, &str); 7] = [
+    ("polar rows", "--polar"),
+    ("azimuth columns", "--azimuths"),
+    ("samples", "--count"),
+    ("half vectors of a ring", "--cells"),
+    ("rings of half vectors", "--rings"),
+    ("defensive share", "--defensive"),
+    // All of them: polar angles by azimuths.
+    ("rows", "--polar by --azimuths"),
+];
+
+fn recipe(arguments: &Arguments) -> ImportanceRecipe {
+    let default = ImportanceRecipe::default();
+    ImportanceRecipe {
+        isotropic_polar: arguments.polar.unwrap_or(default.isotropic_polar),
+        anisotropic_polar: arguments.polar.unwrap_or(default.anisotropic_polar),
+        anisotropic_azimuths: arguments.azimuths.unwrap_or(default.anisotropic_azimuths),
+        samples: arguments.count,
+        grid: HalfGrid { polar: arguments.rings, azimuths: arguments.cells },
+        defensive: arguments.defensive,
+    }
+}
+
+/// A number out of range, by the flag that it came from.
+fn wrong_flag(error: FormatError) -> Error {
+    match FLAGS.iter().find(|(field, _)| error.field.ends_with(field)) {
+        Some((_, flag)) => Error::usage(format!("{flag}: found {}; allowed {}", error.found, error.allowed)),
+        None => Error::own_layout(error),
+    }
+}
+
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
+    let recipe = recipe(arguments);
+    // What the material does not decide is refused before it is read.
+    recipe.check(true).map_err(wrong_flag)?;
+    refuse_overwriting("--output", &arguments.output, arguments.input.path().as_slice())?;
+    refuse_unfit_output(&arguments.output, &["ktx2"])?;
+    let start = Instant::now();
+    let source = open(&arguments.input, None)?.source;
+    note_directions(common, &arguments.input, source.as_ref());
+    let read = start.elapsed().as_secs_f64();
+    let isotropic = source.symmetry().isotropic;
+    if let (Some(azimuths), true) = (arguments.azimuths, isotropic) {
+        let text = format!("--azimuths: found {azimuths} of an isotropic material; allowed for anisotropic ones");
+        return Err(Error::usage(text));
+    }
+    recipe.check(isotropic).map_err(wrong_flag)?;
+    let start = Instant::now();
+    let (pack, repairs) = importance_samples(source.as_ref(), &recipe).map_err(Error::own_layout)?;
+    let seconds = Seconds { read, samples: start.elapsed().as_secs_f64() };
+    let bytes = pack.to_bytes(true);
+    write_file(&arguments.output, &bytes)?;
+    for line in repairs_in_words(&repairs) {
+        note(common, &arguments.input, &line);
+    }
+    let report = Report {
+        version: 1,
+        kind: "importance-pack",
+        facts: ImportanceFacts::new(&pack),
+        rings: recipe.grid.polar,
+        cells: recipe.grid.azimuths,
+        defensive: recipe.defensive,
+        bytes_on_disk: bytes.len(),
+        repairs,
+        seconds,
+    };
+    let text = if common.json { to_json(&report) } else { report.text() };
+    print_report(common, &arguments.output, &text)
+}
+
+impl Report {
+    fn text(&self) -> String {
+        let mut lines = importance_in_words(&self.facts);
+        lines.push(("bytes on disk", table::bytes(self.bytes_on_disk as u64)));
+        lines.push(("half vectors", format!("{} rings of {} cells", self.rings, self.cells)));
+        lines.push(("defensive share", table::percent(self.defensive)));
+        let Seconds { read, samples } = self.seconds;
+        lines.push(("seconds", format!("{read:.3} to read, {samples:.3} for the samples")));
+        lines_of(&lines)
+    }
+}

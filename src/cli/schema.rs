@@ -1,0 +1,97 @@
+//! `brdfc schema`: JSON schemas of what `--json` prints.
+
+use super::Error;
+use super::output::print_json;
+use clap::{Args, ValueEnum};
+use schemars::schema_for;
+
+/// Print the JSON schema of a report.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  brdfc schema encode > encode.schema.json")]
+pub struct Arguments {
+    /// Which report.
+    #[arg(value_enum)]
+    report: Report,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Report {
+    /// 'brdfc build --json', and report.json in the output folder.
+    Build,
+    /// MATERIAL.json in the output folder.
+    Material,
+    /// Each line of 'brdfc watch --json'.
+    Watch,
+    /// 'brdfc encode --json'.
+    Encode,
+    /// 'brdfc compare --json'.
+    Compare,
+    /// 'brdfc convert --json'.
+    Convert,
+    /// 'brdfc info --json' of a material, a pack that is drawn, importance samples, photographs under known lights, or a
+    /// polynomial wavelet tree or texture map.
+    Info,
+    /// 'brdfc info --files --json'.
+    Files,
+    /// 'brdfc bandwidth --json', and 'brdfc info --json' of a bandwidth map.
+    Bandwidth,
+    /// 'brdfc samples --json'.
+    Samples,
+    /// 'brdfc shader --json'.
+    Shader,
+    /// 'brdfc pwt --json'.
+    Pwt,
+    /// 'brdfc info --json' of a structure, a mesh, a height map, or images.
+    InfoSurface,
+    /// 'brdfc flatten --json'.
+    Flatten,
+    /// 'brdfc info --json' and 'brdfc report --json' of a flat BTF.
+    FlatBtf,
+    /// 'brdfc plan --format json'.
+    Plan,
+    /// 'brdfc report --json' of a build, and the .json beside its page.
+    #[value(name = "report")]
+    Page,
+    /// 'brdfc view --json'.
+    View,
+    /// 'brdfc render --json'.
+    #[cfg(feature = "render")]
+    Render,
+    /// 'brdfc render --adaptive --json'.
+    #[cfg(feature = "render")]
+    RenderAdaptive,
+    /// 'brdfc render --contact --json'.
+    #[cfg(feature = "render")]
+    RenderContact,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<(), Error> {
+    print_json(&match arguments.report {
+        Report::Build => schema_for!(brdfc_jobs::report::build::BuildReport),
+        Report::Material => schema_for!(brdfc_jobs::scene::build::MaterialFile),
+        Report::Watch => schema_for!(super::watch::Report),
+        Report::Encode => schema_for!(super::encode::Report),
+        Report::Compare => schema_for!(super::compare::Report),
+        Report::Convert => schema_for!(super::convert::Report),
+        Report::Info => schema_for!(super::info::Report),
+        Report::Files => schema_for!(super::info::FilesReport),
+        Report::Bandwidth => schema_for!(super::bandwidth::Report),
+        Report::Samples => schema_for!(super::samples::Report),
+        Report::Shader => schema_for!(super::shader::Report),
+        Report::Pwt => schema_for!(super::pwt::Report),
+        Report::InfoSurface => schema_for!(super::info::SurfaceReport),
+        Report::Flatten => schema_for!(super::flatten::Report),
+        Report::FlatBtf => schema_for!(brdfc_jobs::flatten::FlatAsset),
+        Report::Plan => schema_for!(brdfc_jobs::scene::graph::Graph),
+        Report::Page => schema_for!(brdfc_jobs::report::page::PageReport<'static>),
+        Report::View => schema_for!(super::view::Report),
+        #[cfg(feature = "render")]
+        Report::Render => schema_for!(super::render::Report),
+        #[cfg(feature = "render")]
+        Report::RenderAdaptive => schema_for!(super::render::AdaptiveReport),
+        #[cfg(feature = "render")]
+        Report::RenderContact => schema_for!(super::render::ContactReport),
+    })
+}

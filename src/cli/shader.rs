@@ -1,0 +1,131 @@
+//! `brdfc shader`: the decoder of a kind of pack in an engine's language.
+
+use super::output::{
+    output_parser, print, print_json, print_report, refuse_missing_folder, refuse_overwriting, to_json, write_file,
+};
+use super::{Error, Common};
+use crate::table;
+use brdfc_shaders::{Decoder, EntryPoint, Interface, Language, shader};
+use brdfc_source::Input;
+use brdfc_source::flat_btf::open_flat_btf;
+use brdfc_source::pack::open_pack;
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser as _};
+use serde::Serialize;
+use std::ffi::OsString;
+use std::io::IsTerminal as _;
+use std::path::{Path, PathBuf};
+
+/// Write the shader that decodes a kind of pack, in the language of an engine.
+///
+/// What comes out is a piece to be pasted into a shader of your own: declarations and functions. At its top stands what to
+/// call, what to bind, and where the fields of the uniform block are. SPIR-V cannot be pasted: there it is a compute shader that
+/// decodes a list of queries. With --json and no file, what to call and to bind is all that is printed. docs/engines has a page
+/// for each language.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  brdfc shader table --language essl300 -o table.glsl
+  brdfc shader red.ktx2 --language hlsl -o red.hlsl
+  brdfc shader flat-btf --language wgsl > flat.wgsl
+  brdfc shader wavelet --language spirv -o wavelet.spv
+  brdfc shader table --language glsl --json")]
+pub struct Arguments {
+    /// table, wavelet, flat-btf, pwt, bandwidth or importance; or a pack.
+    #[arg(value_name = "KIND")]
+    kind: OsString,
+    /// The language.
+    #[arg(long, short, value_parser = PossibleValuesParser::new(Language::ALL.map(Language::name)).map(|name| language(&name)))]
+    language: Language,
+    /// The file to write (default: standard output).
+    #[arg(long, short, value_name = "FILE", value_parser = output_parser())]
+    output: Option<PathBuf>,
+}
+
+/// One of the names that clap lets through.
+fn language(name: &str) -> Language {
+    Language::from_name(name).expect("a name of one")
+}
+
+/// What `--json` prints.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub struct Report {
+    /// Layout of this report.
+    version: u32,
+    /// 'shader'.
+    kind: &'static str,
+    /// Which kind of pack it decodes.
+    decoder: &'static str,
+    /// The language.
+    language: &'static str,
+    /// Bytes of the file.
+    bytes_on_disk: usize,
+    /// What to bind, and what to call.
+    #[serde(flatten)]
+    interface: Interface,
+    /// Of SPIR-V, what runs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    entry_point: Option<EntryPoint>,
+}
+
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
+    let output = arguments.output.as_deref();
+    if let Some(output) = output {
+        refuse_overwriting("--output", output, &[Path::new(&arguments.kind)])?;
+        refuse_missing_folder(output)?;
+    }
+    let decoder = decoder(&arguments.kind)?;
+    if output.is_none() && !common.json && arguments.language == Language::Spirv && std::io::stdout().is_terminal() {
+        let text = "--output: found none, and a terminal; allowed a file or a pipe: SPIR-V is no text";
+        return Err(Error::usage(text.to_owned()));
+    }
+    let shader = shader(decoder, arguments.language);
+    let report = Report {
+        version: 1,
+        kind: "shader",
+        decoder: decoder.name(),
+        language: arguments.language.name(),
+        bytes_on_disk: shader.bytes.len(),
+        interface: shader.interface,
+        entry_point: shader.entry_point,
+    };
+    match output {
+        Some(output) => {
+            write_file(output, &shader.bytes)?;
+            print_report(common, output, &if common.json { to_json(&report) } else { report.text() })
+        }
+        None if common.json => print_json(&report),
+        None => match std::str::from_utf8(&shader.bytes) {
+            Ok(text) if arguments.language != Language::Spirv => print(text),
+            _ => write_file(Path::new("/dev/stdout"), &shader.bytes),
+        },
+    }
+}
+
+/// The decoder that is named, or that of a pack.
+fn decoder(kind: &OsString) -> Result<Decoder, Error> {
+    if let Some(decoder) = kind.to_str().and_then(Decoder::from_name) {
+        return Ok(decoder);
+    }
+    let path = Path::new(kind);
+    // What may be meant as a file is missing as one.
+    let is_word = path.extension().is_none() && path.components().count() == 1;
+    if is_word && !path.exists() {
+        let names = Decoder::ALL.map(Decoder::name).join(", ");
+        let found = path.display();
+        return Err(Error::usage(format!("KIND: found {found}; allowed {names}, or a pack")));
+    }
+    if path.is_dir() {
+        open_flat_btf(path)?;
+        return Ok(Decoder::FlatBtf);
+    }
+    Ok(Decoder::of(open_pack(Input::File(path.to_owned()))?.kind()))
+}
+
+impl Report {
+    fn text(&self) -> String {
+        let functions: Vec<&str> = self.interface.functions.iter().map(|function| function.name.as_str()).collect();
+        let size = table::bytes(self.bytes_on_disk as u64);
+        format!("{} decoder in {}: {size}; call {}\n", self.decoder, self.language, functions.join(", "))
+    }
+}

@@ -1,0 +1,227 @@
+//! `brdfc synth`: analytic models as files.
+
+use super::Error;
+use super::output::{is_stream, output_parser, refuse_missing_folder, write_file};
+use brdfc_core::address::{self, AddressError, split_query};
+use brdfc_core::analytic::MODELS;
+use brdfc_core::words::format_number;
+use brdfc_flat_btf::structures::{STRUCTURES, Structure, describe_structures};
+use brdfc_jobs::whole_number::whole_number;
+use brdfc_readers::merl::{Dimensions, MAX_DIMENSION};
+use brdfc_readers::meso::{obj, ply};
+use brdfc_readers::{scan as scan_text, scan_csv};
+use brdfc_source::simulate::{ScanPlan, merl_file, scan};
+use clap::{Args, ValueEnum};
+use std::path::{Path, PathBuf};
+
+/// Write an analytic model as a measured file, or a structure as a mesh.
+///
+/// The extension says which: .binary is a MERL table, .brdf and .csv are scattered scans with seeded noise, gaps and
+/// duplicates (.brdf with a spectrum of 31 bands that has the model's colour). .obj and .ply hold one tile of a
+/// structure, with its tints as vertex colours.
+#[derive(Debug, Args)]
+#[command(after_help = models())]
+pub struct Arguments {
+    /// MODEL or STRUCTURE, or MODEL?param=value&...
+    model: String,
+    /// The file to write, or - for stdout.
+    #[arg(long, short, value_name = "FILE", value_parser = output_parser())]
+    output: PathBuf,
+    /// What goes to stdout, whose name does not say.
+    #[arg(long, value_enum)]
+    kind: Option<Extension>,
+    /// Samples of a MERL table along theta_h, theta_d and phi_d (default: 90x90x180).
+    #[arg(long, value_name = "HxDxP", allow_hyphen_values = true)]
+    dimensions: Option<String>,
+    /// Rows of a scan (default: 1440).
+    #[arg(long, value_parser = whole_number::<usize>(1..=10_000_000))]
+    rows: Option<usize>,
+    /// Incoming polar angles of a scan, between 10 and 80 degrees (default: 8).
+    #[arg(long, value_parser = whole_number::<usize>(1..=1000))]
+    incidences: Option<usize>,
+    /// Incoming azimuths of a scan; default 1 for isotropic models, 8 for others.
+    #[arg(long, value_parser = whole_number::<usize>(1..=1000))]
+    azimuths: Option<usize>,
+    /// Standard deviation of a scan's noise, a fraction of the value (default: 0).
+    #[arg(long)]
+    noise: Option<f64>,
+    /// Fraction of the outgoing hemisphere that a scan does not see (default: 0).
+    #[arg(long)]
+    gaps: Option<f64>,
+    /// Fraction of a scan's rows that repeat a direction pair (default: 0).
+    #[arg(long)]
+    duplicates: Option<f64>,
+    /// Seed of a scan's noise, gaps and duplicates (default: 1).
+    #[arg(long, value_parser = whole_number::<u64>(0..=u64::MAX))]
+    seed: Option<u64>,
+}
+
+fn models() -> String {
+    format!(
+        "Models:\n{}\nStructures (.obj, .ply):\n{}\nExamples:\n  brdfc synth lambert?kd=0.5 -o white.binary --dimensions 16x16x32\n  \
+         brdfc synth 'ggx?kd=0.1,0.1,0.4&alpha=0.3' -o paint.brdf --noise 0.05 --gaps 0.1 --seed 7\n  \
+         brdfc synth 'folds?resolution=64' -o folds.ply\n  brdfc synth velvet -o - --kind brdf > velvet.brdf",
+        address::describe_models(),
+        describe_structures()
+    )
+}
+
+/// Most cells of a table that is written: 6 GiB of file.
+const MOST_CELLS: usize = 1 << 28;
+
+/// What a file's name ends with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Extension {
+    /// A MERL table.
+    Binary,
+    /// A scan.
+    Brdf,
+    /// A scan.
+    Csv,
+    /// A mesh.
+    Obj,
+    /// A mesh.
+    Ply,
+}
+
+/// What an extension asks for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Table,
+    Scan { csv: bool },
+    Mesh { obj: bool },
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<(), Error> {
+    let text = arguments.model.strip_prefix(address::SYNTH_PREFIX).unwrap_or(&arguments.model);
+    let kind = kind(arguments, text)?;
+    refuse_missing_folder(&arguments.output)?;
+    check_options(arguments, kind)?;
+    if let Kind::Mesh { obj } = kind {
+        return write_structure(arguments, text, obj);
+    }
+    let wrong = |error: AddressError| Error::input(format!("{}: {error}", arguments.model));
+    let model = address::parse_model(text).map_err(wrong)?;
+    let mut bytes = Vec::new();
+    match kind {
+        Kind::Table => {
+            let size = arguments.dimensions.as_deref().unwrap_or("90x90x180");
+            bytes = merl_file(model.as_ref(), dimensions(size)?);
+        }
+        Kind::Scan { csv } => {
+            let plan = plan(arguments, if model.symmetry().isotropic { 1 } else { 8 })?;
+            let rows = scan(model.as_ref(), &plan);
+            let written = if csv {
+                scan_csv::write(&mut bytes, &rows)
+            } else {
+                scan_text::write(&mut bytes, &comment(&plan, &address::canonical(model.as_ref())), &rows)
+            };
+            written.expect("memory can be written to");
+        }
+        Kind::Mesh { .. } => {}
+    }
+    write_file(&arguments.output, &bytes)
+}
+
+/// The kind of file, which has to fit what is written.
+fn kind(arguments: &Arguments, text: &str) -> Result<Kind, Error> {
+    let output: &Path = &arguments.output;
+    let name = split_query(text).0;
+    let is_structure = STRUCTURES.iter().any(|info| info.name == name);
+    let is_model = MODELS.iter().any(|info| info.name == name);
+    let extension = output.extension().and_then(|e| Extension::from_str(e.to_str()?, true).ok());
+    let stream = extension.is_none() && is_stream(output) && !output.is_dir();
+    if !stream && arguments.kind.is_some() {
+        let found = output.display();
+        return Err(Error::usage(format!("--kind: found with {found}; allowed with - for stdout")));
+    }
+    let wrong = |allowed: &str| {
+        Err(Error::usage(if stream {
+            let found = arguments.kind.and_then(|kind| Some(kind.to_possible_value()?.get_name().to_owned()));
+            format!("--kind: found {}; allowed {}", found.as_deref().unwrap_or("none"), allowed.replace('.', ""))
+        } else {
+            format!("--output: found {}; allowed a name that ends in {allowed}", output.display())
+        }))
+    };
+    use Extension::{Binary, Brdf, Csv, Obj, Ply};
+    match extension.or(arguments.kind) {
+        Some(Binary | Brdf | Csv) if is_structure => wrong(&format!(".obj or .ply, for the structure {name}")),
+        Some(Obj | Ply) if is_model => wrong(&format!(".binary, .brdf or .csv, for the model {name}")),
+        Some(Binary) => Ok(Kind::Table),
+        Some(Brdf) => Ok(Kind::Scan { csv: false }),
+        Some(Csv) => Ok(Kind::Scan { csv: true }),
+        Some(Obj) => Ok(Kind::Mesh { obj: true }),
+        Some(Ply) => Ok(Kind::Mesh { obj: false }),
+        None => wrong(".binary, .brdf or .csv (models), .obj or .ply (structures)"),
+    }
+}
+
+/// Options that would have no effect.
+fn check_options(arguments: &Arguments, kind: Kind) -> Result<(), Error> {
+    let is_scan = matches!(kind, Kind::Scan { .. });
+    for (given, option, fits, allowed) in [
+        (arguments.dimensions.is_some(), "dimensions", kind == Kind::Table, ".binary"),
+        (arguments.rows.is_some(), "rows", is_scan, ".brdf or .csv"),
+        (arguments.incidences.is_some(), "incidences", is_scan, ".brdf or .csv"),
+        (arguments.azimuths.is_some(), "azimuths", is_scan, ".brdf or .csv"),
+        (arguments.noise.is_some(), "noise", is_scan, ".brdf or .csv"),
+        (arguments.gaps.is_some(), "gaps", is_scan, ".brdf or .csv"),
+        (arguments.duplicates.is_some(), "duplicates", is_scan, ".brdf or .csv"),
+        (arguments.seed.is_some(), "seed", is_scan, ".brdf or .csv"),
+    ] {
+        if given && !fits {
+            let found = arguments.output.display();
+            return Err(Error::usage(format!("--{option}: found with {found}; allowed with a file in {allowed}")));
+        }
+    }
+    Ok(())
+}
+
+fn write_structure(arguments: &Arguments, text: &str, is_obj: bool) -> Result<(), Error> {
+    let structure = Structure::parse(text).map_err(|error| Error::input(format!("{}: {error}", arguments.model)))?;
+    let mesh = structure.mesh().to_triangle_mesh();
+    let mut bytes = Vec::new();
+    let written = if is_obj { obj::write(&mut bytes, &mesh) } else { ply::write(&mut bytes, &mesh) };
+    written.expect("memory can be written to");
+    write_file(&arguments.output, &bytes)
+}
+
+fn comment(plan: &ScanPlan, address: &str) -> String {
+    format!(
+        "simulated scan of {address}\nnoise {}, gaps {}, duplicates {}, seed {}",
+        plan.noise, plan.gaps, plan.duplicates, plan.seed
+    )
+}
+
+pub(super) fn dimensions(text: &str) -> Result<Dimensions, Error> {
+    let wrong = || {
+        Error::usage(format!(
+            "--dimensions: found {text}; allowed three numbers from 1 to {MAX_DIMENSION}, such as 90x90x180, of at \
+             most {MOST_CELLS} cells"
+        ))
+    };
+    let parts: Vec<usize> = text.split('x').map(|p| p.parse().unwrap_or(0)).collect();
+    let [theta_half, theta_difference, phi_difference] = parts[..] else { return Err(wrong()) };
+    if parts.iter().any(|n| !(1..=MAX_DIMENSION).contains(n)) || parts.iter().product::<usize>() > MOST_CELLS {
+        return Err(wrong());
+    }
+    Ok(Dimensions { theta_half, theta_difference, phi_difference })
+}
+
+fn plan(arguments: &Arguments, default_azimuths: usize) -> Result<ScanPlan, Error> {
+    let fraction = |name: &str, value: f64, most: f64| {
+        if (0.0..=most).contains(&value) {
+            return Ok(value);
+        }
+        Err(Error::usage(format!("--{name}: found {}; allowed 0 to {most}", format_number(value))))
+    };
+    Ok(ScanPlan {
+        rows: arguments.rows.unwrap_or(1440),
+        incidences: arguments.incidences.unwrap_or(8),
+        azimuths: arguments.azimuths.unwrap_or(default_azimuths),
+        noise: fraction("noise", arguments.noise.unwrap_or(0.0), 2.0)?,
+        gaps: fraction("gaps", arguments.gaps.unwrap_or(0.0), 0.9)?,
+        duplicates: fraction("duplicates", arguments.duplicates.unwrap_or(0.0), 0.9)?,
+        seed: arguments.seed.unwrap_or(1),
+    })
+}

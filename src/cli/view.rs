@@ -1,0 +1,120 @@
+//! `brdfc view`: a page that draws packs.
+
+use super::output::{print_report, refuse_overwriting, refuse_unfit_output, remark, to_json, write_file};
+use super::steps::Steps;
+use super::{Error, Common};
+use crate::inputs::refuse_stdin_twice;
+use crate::table;
+use brdfc_jobs::view::{ViewItem, ViewOptions, open_items, view_page};
+use brdfc_source::Input;
+use clap::Args;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+
+/// Write a page that draws packs: turned, lit and held against each other by whoever opens it.
+///
+/// One file of HTML that needs no network and no server. It draws by WebGPU, or by WebGL 2, with the decoders that engines
+/// use: on a ball, a cloth, a teapot or a plane; what 'brdfc pwt' made as a picture under a light that moves. With two
+/// materials it splits the screen, and says how far they are apart (ΔE) under the pointer and over the view. What is no pack,
+/// such as what a pack was made of, is drawn as a table of 128 KiB, whose own error is said.
+///
+/// Behind a # the page's address may ask for more, with & between: scene=cloth, left=NAME, right=NAME, mode=split, one or
+/// difference, coarser=1, api=webgl2 or webgpu, embed (the picture alone).
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  brdfc view red.ktx2 -o red.html
+  brdfc view red.ktx2 red-plastic.binary -o red.html        beside what it was made of
+  brdfc view small.ktx2 large.ktx2 -o sizes.html
+  brdfc view packs -o all.html                              all packs of a build, each with its source
+  brdfc view button -o button.html                          a flat BTF
+  brdfc view icon.ktx2 -o icon.html                         photographs under any light")]
+pub struct Arguments {
+    /// Packs, flat BTFs (their file or folder), folders of builds, or materials: paths, - for stdin, or
+    /// synth:MODEL?param=value&... The first one is on the left, the second one on the right.
+    #[arg(required = true, value_name = "PACK")]
+    inputs: Vec<Input>,
+    /// The page to write: .html.
+    #[arg(long, short, value_name = "VIEW.html", value_parser = super::output::output_parser())]
+    output: PathBuf,
+    /// Of builds, the packs alone.
+    #[arg(long)]
+    no_sources: bool,
+}
+
+/// What `--json` prints.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub struct Report {
+    /// Layout of this report.
+    version: u32,
+    /// 'view'.
+    kind: &'static str,
+    /// Bytes of the page.
+    bytes_on_disk: usize,
+    /// Bytes of it that are no pack's.
+    bytes_alone: usize,
+    /// What it draws, the left one first.
+    items: Vec<Item>,
+}
+
+/// A material of the page.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+struct Item {
+    /// What the page calls it.
+    name: String,
+    /// What decodes it: 'table', 'wavelet', 'flat-btf' or 'pwt'.
+    decoder: &'static str,
+    /// Bytes of its textures on a GPU.
+    bytes_on_gpu: u64,
+    /// What the page says of it.
+    facts: String,
+}
+
+impl Item {
+    fn new(item: &ViewItem) -> Self {
+        Self {
+            name: item.name.clone(),
+            decoder: item.decoder().name(),
+            bytes_on_gpu: item.gpu_bytes(),
+            facts: item.facts.clone(),
+        }
+    }
+}
+
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
+    let output: &Path = &arguments.output;
+    let inputs: Vec<(&str, Option<&Input>)> = arguments.inputs.iter().map(|input| ("PACK", Some(input))).collect();
+    refuse_stdin_twice(&inputs)?;
+    refuse_unfit_output(output, &["html", "htm"])?;
+    let paths: Vec<&Path> = arguments.inputs.iter().filter_map(Input::path).collect();
+    refuse_overwriting("--output", output, &paths)?;
+    // An interrupt ends the process at once: files are whole or not there.
+    let cancelled = AtomicBool::new(false);
+    let steps = Steps::new(common, &cancelled);
+    let items = open_items(&arguments.inputs, ViewOptions { sources: !arguments.no_sources }, &steps)?;
+    drop(steps);
+    let page = view_page(&items)?;
+    write_file(output, page.html.as_bytes())?;
+    let report = Report {
+        version: 1,
+        kind: "view",
+        bytes_on_disk: page.html.len(),
+        bytes_alone: page.bytes_alone,
+        items: items.iter().map(Item::new).collect(),
+    };
+    if common.json {
+        return print_report(common, output, &to_json(&report));
+    }
+    let size = |bytes: usize| table::bytes(bytes as u64);
+    remark(
+        common,
+        &format!(
+            "{}: {}, {} of it the page itself",
+            output.display(),
+            size(report.bytes_on_disk),
+            size(report.bytes_alone)
+        ),
+    );
+    Ok(())
+}

@@ -1,0 +1,216 @@
+//! `brdfc watch`: a build that is made again whenever what it reads changes.
+
+use super::build_scene::{BuildArguments, Notes, tell_left_out, tell_what_matters};
+use super::interrupt;
+use super::output::{print, remark, tell};
+use super::progress::Materials;
+use super::{Common, Error};
+use brdfc::ErrorKind;
+use brdfc_core::words::{counted, format_number, join_truncated};
+use brdfc_jobs::encode::options::EncodeOptions;
+use brdfc_jobs::file_events::FileEvents;
+use brdfc_jobs::output_folder::Changes;
+use brdfc_jobs::report::build::BuildReport;
+use brdfc_jobs::scene::inputs::manifest_among;
+use brdfc_jobs::scene::watch::{Change, Watched, What};
+use clap::Args;
+use serde::Serialize;
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+/// Seconds between two looks, with --poll.
+const POLL_SECONDS: std::ops::RangeInclusive<f64> = 0.1..=3600.0;
+/// So many names of files are told.
+const NAMED: usize = 3;
+
+/// Build, and build again whenever the manifest or what it names changes.
+///
+/// It takes what 'brdfc build' takes. Until Ctrl-C it watches the manifest, the sources of materials that the scene uses, the
+/// environment, and whether other files match a pattern or stand in a folder that is given. What a change does not touch is
+/// taken from the store of the output folder (.brdfc-cache). A change in the middle of a build ends it, and it begins
+/// again. A build that fails is told, and leaves the output folder as the last good one made it.
+///
+/// One line on stderr says of each build what changed, what was made and how long it took, and notes are those of what it
+/// made. With --json a report of each build goes to stdout, on one line (schema: 'brdfc schema watch').
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  brdfc watch scene.toml
+  brdfc watch scans --out packs --max-delta-e 1
+  brdfc watch /mnt/server/scene.toml --poll 5")]
+pub struct Arguments {
+    #[command(flatten)]
+    build: BuildArguments,
+    /// Look at the files every S seconds, 0.1 to 3600, and do not wait for the system to tell of changes: where others write
+    /// to a network drive it does not tell.
+    #[arg(long, value_name = "S")]
+    poll: Option<f64>,
+    #[command(flatten, next_help_heading = "Encoding")]
+    options: EncodeOptions,
+}
+
+/// What `--json` prints of each build.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+pub struct Report {
+    /// Layout of this report.
+    version: u32,
+    /// Files that changed since the build before; none of the first.
+    changed: Vec<Change>,
+    /// Seconds from the look that saw them to the end.
+    seconds: f64,
+    /// Files that were written into the output folder.
+    written: Vec<String>,
+    /// Files that were removed from it.
+    removed: Vec<String>,
+    /// What failed, in one sentence; then the folder is as it was, unless a limit was missed and nothing else.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error: Option<String>,
+    /// The build; absent if there was nothing that could be built.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    build: Option<BuildReport>,
+}
+
+pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
+    let poll = arguments.poll.map(seconds).transpose()?;
+    let BuildArguments { inputs, out, .. } = &arguments.build;
+    let mut watched = match manifest_among(inputs)? {
+        Some(manifest) => Watched::of_manifest(&manifest, out),
+        None => Watched::of_inputs(inputs, out),
+    };
+    let interrupt = interrupt::watch()?;
+    let mut events = FileEvents::new(poll);
+    let mut look = watched.look();
+    let (mut changed, mut is_first) = (Vec::new(), true);
+    // What the last build that came to its end began with.
+    let mut before = look.clone();
+    loop {
+        let started = Instant::now();
+        interrupt.at_work(true);
+        let (built, meanwhile) = watched.during(&mut events, &look, |cancelled| {
+            let built = one_build(arguments, common, is_first, cancelled);
+            interrupt.at_work(false);
+            built
+        });
+        let is_over = !built.as_ref().is_err_and(|error| error.kind() == ErrorKind::Cancelled);
+        if is_over {
+            if let (true, Err(error)) = (is_first, &built)
+                && matches!(error.kind(), ErrorKind::Usage | ErrorKind::Io | ErrorKind::Internal)
+            {
+                return built.map(drop);
+            }
+            let report = report(built, std::mem::take(&mut changed), started.elapsed().as_secs_f64());
+            tell_build(&report, is_first, common)?;
+            if is_first {
+                remark(common, &format!("watching {}; Ctrl-C ends it", files(look.count())));
+            }
+            (before, is_first) = (look.clone(), false);
+        }
+        if let Some(problem) = events.problem() {
+            remark(common, &format!("note: {problem}"));
+        }
+        look = match meanwhile {
+            Some(look) => look,
+            None => match watched.next(&mut events, &look, &AtomicBool::new(false)) {
+                Some(look) => look,
+                None => return Ok(()),
+            },
+        };
+        changed = look.changes_since(&before);
+    }
+}
+
+fn seconds(seconds: f64) -> Result<Duration, Error> {
+    if POLL_SECONDS.contains(&seconds) {
+        return Ok(Duration::from_secs_f64(seconds));
+    }
+    let (least, most) = (POLL_SECONDS.start(), POLL_SECONDS.end());
+    Err(Error::usage(format!("--poll: found {}; allowed {least} to {most} seconds", format_number(seconds))))
+}
+
+/// A build that came to its end, well or not.
+struct Ended {
+    report: BuildReport,
+    changes: Option<Changes>,
+    verdict: Result<(), Error>,
+}
+
+fn one_build(
+    arguments: &Arguments,
+    common: Common,
+    is_first: bool,
+    cancelled: &AtomicBool,
+) -> Result<Ended, Error> {
+    // What never changes is told once.
+    let once = Common { quiet: common.quiet || !is_first, ..common };
+    let build = arguments.build.build(&arguments.options)?.whole(true);
+    tell_left_out(&build, once);
+    let plan = &build.plan()?;
+    let progress = Materials::of(plan, once, cancelled).without_lines();
+    let built = build.run_with(plan, &progress)?;
+    drop(progress);
+    let kept = tell_what_matters(&built, common, Notes::OfMade);
+    if kept > 0 {
+        let which = format!("{} kept as {}", counted(kept, "material"), if kept == 1 { "it was" } else { "they were" });
+        remark(once, &format!("note: {which} with notes, which 'brdfc build' tells"));
+    }
+    Ok(Ended { report: built.report, changes: built.changes, verdict: built.outcomes.verdict() })
+}
+
+fn report(built: Result<Ended, Error>, changed: Vec<Change>, seconds: f64) -> Report {
+    let (build, changes, verdict) = match built {
+        Ok(built) => (Some(built.report), built.changes.unwrap_or_default(), built.verdict),
+        Err(error) => (None, Changes::default(), Err(error)),
+    };
+    let error = verdict.err().map(|error| error.message().to_owned());
+    Report { version: 1, changed, seconds, written: changes.written, removed: changes.removed, error, build }
+}
+
+fn tell_build(report: &Report, is_first: bool, common: Common) -> Result<(), Error> {
+    if let Some(error) = &report.error {
+        tell(&format!("brdfc: {error}"));
+    }
+    let why = if is_first { "first build".to_owned() } else { changes(&report.changed) };
+    remark(common, &format!("{why}: {} ({:.1} s)", result(report), report.seconds));
+    if !common.json {
+        return Ok(());
+    }
+    print(&(serde_json::to_string(report).expect("reports are plain data") + "\n"))
+}
+
+/// What was made, in words.
+fn result(report: &Report) -> String {
+    let Some(build) = &report.build else { return "failed, the output folder is as it was".to_owned() };
+    let of_materials = build.materials.iter().map(|entry| entry.cached);
+    let of_all = of_materials.chain(build.environment.iter().map(|entry| entry.cached));
+    let count = |wanted| of_all.clone().filter(|cached| *cached == wanted).count();
+    let mut text = format!("{} made, {} kept", count(Some(false)), count(Some(true)));
+    if count(None) > 0 {
+        text += &format!(", {} failed", count(None));
+    }
+    for (what, names) in [("written", &report.written), ("removed", &report.removed)] {
+        if !names.is_empty() {
+            text += &format!(", {} {what}", files(names.len()));
+        }
+    }
+    if report.written.is_empty() && report.removed.is_empty() {
+        text += ", the output folder is as it was";
+    }
+    text
+}
+
+fn files(count: usize) -> String {
+    counted(count, "file")
+}
+
+/// What changed, in words.
+fn changes(changed: &[Change]) -> String {
+    let word = |what| match what {
+        What::Changed => "changed",
+        What::New => "new",
+        What::Gone => "gone",
+    };
+    // A line is one, whatever the names.
+    let named = changed.iter().map(|change| format!("{} {}", change.file.replace('\n', "\\n"), word(change.what)));
+    let text = join_truncated(&named.collect::<Vec<_>>(), NAMED);
+    if text.is_empty() { "changed and back".to_owned() } else { text }
+}

@@ -1,0 +1,42 @@
+//! Measured appearance for GPUs: materials become packs with their measured errors, scenes become folders of packs.
+//!
+//! ```no_run
+//! # fn main() -> Result<(), brdfc::Error> {
+//! let pack = brdfc::open("paint.brdf")?.encode(brdfc::Budget::default().bytes(16 << 10))?;
+//! println!("ΔE {}", pack.errors().delta_e);
+//! pack.write("paint.ktx2")?;
+//!
+//! brdfc::Build::from_manifest("scene.toml")?.out("packs").run()?;
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! Every failure is an [`Error`] with an [`ErrorKind`]; those of checks have a kind of their own. Long work takes a
+//! [`Progress`], which hears of its stages and may stop it. Work runs on the caller's rayon thread pool, and nothing is printed.
+//! The same input, options and version give the same bytes on any number of threads.
+//!
+//! Engines load packs with the crate `brdfc-formats`, which needs nothing of this one. `docs/library.md` has examples, among
+//! them a `build.rs`.
+
+#[cfg(doctest)]
+#[doc = include_str!("../docs/library.md")]
+mod page {}
+
+mod build;
+mod material;
+mod pack;
+
+pub use brdfc_core::progress::{Cancelled, Progress, Stage};
+pub use brdfc_core::{Source, Tally};
+pub use brdfc_jobs::encode::options::EncodeOptions;
+pub use brdfc_jobs::encode::recipe::{Budget, PackRecipe};
+pub use brdfc_jobs::report::build::BuildReport;
+pub use brdfc_jobs::report::material::MaterialReport;
+pub use brdfc_jobs::scene::build::Built;
+pub use brdfc_jobs::scene::plan::Plan;
+pub use brdfc_jobs::{Error, ErrorKind};
+pub use brdfc_source::Input;
+pub use brdfc_source::open::Facts;
+pub use build::Build;
+pub use material::{Material, open};
+pub use pack::{Errors, Pack};

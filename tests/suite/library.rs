@@ -1,0 +1,104 @@
+//! The library as programs use it.
+
+use brdfc::{Budget, Build, Cancelled, EncodeOptions, ErrorKind, Progress, Stage};
+use brdfc_testing::program::Folder;
+use std::sync::Mutex;
+
+const MODEL: &str = "synth:ggx?alpha=0.3";
+
+fn folder() -> Folder {
+    Folder::of(env!("CARGO_BIN_EXE_brdfc"))
+}
+
+#[test]
+fn a_pack_is_that_of_the_program() {
+    let folder = folder();
+    folder.run(&["encode", MODEL, "-o", "theirs.ktx2", "--max-delta-e", "1", "--max-bytes", "16KiB"]).succeeded();
+    let pack = brdfc::open(MODEL).unwrap().encode(Budget::NONE.delta_e(1.0).bytes(16 << 10)).unwrap();
+    assert!(pack.errors().delta_e <= 1.0 && pack.errors().delta_e_p95 <= 4.0 && pack.errors().relative > 0.0);
+    assert!(pack.gpu_bytes() <= 16 << 10 && pack.fetches() == 1 && pack.missed().is_none());
+    let ours = folder.path().join("ours.ktx2");
+    pack.write(&ours).unwrap();
+    let theirs = std::fs::read(folder.path().join("theirs.ktx2")).unwrap();
+    assert!(std::fs::read(&ours).unwrap() == theirs && pack.bytes() == theirs);
+}
+
+#[test]
+fn errors_have_the_kinds_of_exit_codes() {
+    let model = brdfc::open(MODEL).unwrap();
+    let narrow = Budget::NONE.delta_e(1e-6).bytes(64);
+    let kind = |result: Result<_, brdfc::Error>| result.map(drop).unwrap_err().kind();
+    assert_eq!(kind(model.encode(narrow)), ErrorKind::Check);
+    assert!(model.encode_closest(narrow, &()).is_ok_and(|pack| pack.missed().is_some()) || narrow.bytes == Some(64));
+    assert_eq!(kind(model.encode(Budget::NONE.delta_e(1000.0))), ErrorKind::Usage);
+    assert_eq!(kind(model.encode(Budget::NONE.error(-1.0))), ErrorKind::Usage);
+    let codec = EncodeOptions { codec: Some("jpeg".to_owned()), ..EncodeOptions::default() };
+    let error = model.encode(codec).unwrap_err();
+    assert!(error.kind() == ErrorKind::Usage && error.message().contains("jpeg"), "{error}");
+    let kind = |input: &str| brdfc::open(input).map(drop).unwrap_err().kind();
+    assert_eq!(kind("/nonexistent.brdf"), ErrorKind::Io);
+    assert_eq!(kind("synth:ggx?alpha=-1"), ErrorKind::Input);
+    let codes = [ErrorKind::Check, ErrorKind::Usage, ErrorKind::Input, ErrorKind::Io, ErrorKind::NoAdapter];
+    assert_eq!(codes.map(ErrorKind::exit_code), [1, 2, 3, 4, 5]);
+}
+
+const SCENE: &str = "\
+[materials.plastic]
+source = 'synth:ggx?alpha=0.3'
+max_bytes = 4096
+require = { max_delta_e = DELTA_E }
+
+[materials.unused]
+source = 'nowhere.binary'
+
+[[uses]]
+material = 'plastic'
+";
+
+#[test]
+fn a_scene_is_built_and_fails_on_what_is_required() {
+    let folder = folder();
+    let manifest = folder.path().join("scene.toml");
+    let build = |delta_e: &str| {
+        std::fs::write(&manifest, SCENE.replace("DELTA_E", delta_e)).unwrap();
+        Build::from_manifest(&manifest).unwrap().out(folder.path().join("packs"))
+    };
+    let good = build("5");
+    assert_eq!(good.files().unwrap(), [&manifest]);
+    let report = good.run().unwrap();
+    assert_eq!(report.materials.len(), 1);
+    assert!(folder.path().join("packs/plastic.brdf.ktx2").exists() || folder.path().join("packs/report.json").exists());
+    let error = build("0.0001").run().unwrap_err();
+    assert_eq!(error.kind(), ErrorKind::Check);
+    let text = error.message();
+    assert!(text.starts_with("1 of 1 material is not") && text.contains("\nplastic: require.max_delta_e"), "{text}");
+    // What is read is never written over.
+    let error = Build::from_materials(["synth:nothing"]).unwrap().run().unwrap_err();
+    assert_eq!(error.kind(), ErrorKind::Input, "{error}");
+    assert_eq!(Build::from_manifest(folder.path().join("no.toml")).unwrap_err().kind(), ErrorKind::Io);
+}
+
+/// Hears of stages, and stops at one.
+struct Heard(Mutex<Vec<Stage>>, Option<Stage>);
+
+impl Progress for Heard {
+    fn check(&self) -> Result<(), Cancelled> {
+        let stops = self.1.is_some() && self.0.lock().unwrap().last() == self.1.as_ref();
+        if stops { Err(Cancelled) } else { Ok(()) }
+    }
+
+    fn stage(&self, stage: Stage, _: usize) -> Result<(), Cancelled> {
+        self.0.lock().unwrap().push(stage);
+        self.check()
+    }
+}
+
+#[test]
+fn long_work_is_heard_of_and_stopped() {
+    let model = brdfc::open(MODEL).unwrap();
+    let all = Heard(Mutex::default(), None);
+    model.encode_closest(Budget::default(), &all).unwrap();
+    let last = *all.0.lock().unwrap().last().unwrap();
+    let stopped = Heard(Mutex::default(), Some(last));
+    assert_eq!(model.encode_closest(Budget::default(), &stopped).unwrap_err().kind(), ErrorKind::Cancelled);
+}
