@@ -4,85 +4,100 @@ use crate::FormatError;
 use crate::bandwidth::BandwidthMap;
 use crate::bindings::{Bindings, PackFile};
 use crate::container::PackedTexture;
+use crate::descriptor::Descriptor;
 use crate::flat_btf::FlatBtfFile;
 use crate::importance::ImportancePack;
 use crate::pwt::PwtPack;
 use crate::table::TablePack;
 use crate::wavelet::WaveletPack;
 
-/// What a pack is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum PackKind {
-    /// A wavelet BRDF pack.
-    Wavelet,
+/// Makes [`PackKind`] and [`Pack`] of one line for each codec: its name in Rust, what is held of a pack, what reads one, its folder.
+macro_rules! codecs {
+    ($($(#[$doc:meta])* $kind:ident($held:ty): $pack:ident, $folder:ident;)*) => {
+        /// What a pack is.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub enum PackKind {
+            $($(#[$doc])* $kind,)*
+        }
+
+        impl PackKind {
+            /// All of them.
+            pub const ALL: [Self; [$(Self::$kind),*].len()] = [$(Self::$kind),*];
+
+            /// What is known of the codec apart from its packs.
+            pub fn descriptor(self) -> &'static Descriptor {
+                match self {
+                    $(Self::$kind => &crate::$folder::descriptor::DESCRIPTOR,)*
+                }
+            }
+        }
+
+        /// A pack of any kind, checked by the rules of its layout.
+        #[derive(Debug, Clone, PartialEq)]
+        #[allow(clippy::large_enum_variant)]
+        pub enum Pack {
+            $($(#[$doc])* $kind($held),)*
+        }
+
+        impl Pack {
+            fn of_kind(kind: PackKind, file: PackFile) -> Result<Self, FormatError> {
+                Ok(match kind {
+                    $(PackKind::$kind => Self::$kind($pack::from_file(file)?.into()),)*
+                })
+            }
+
+            /// What it is.
+            pub fn kind(&self) -> PackKind {
+                match self {
+                    $(Self::$kind(_) => PackKind::$kind,)*
+                }
+            }
+
+            /// What its shader has bound.
+            pub fn bindings(&self) -> Bindings<'_> {
+                match self {
+                    $(Self::$kind(pack) => pack.bindings(),)*
+                }
+            }
+        }
+    };
+}
+
+codecs! {
     /// A table pack.
-    Table,
+    Table(TablePack): TablePack, table;
+    /// A wavelet BRDF pack.
+    Wavelet(WaveletPack): WaveletPack, wavelet;
     /// A flat BTF.
-    FlatBtf,
-    /// A bandwidth map.
-    Bandwidth,
-    /// Importance samples.
-    Importance,
+    FlatBtf(Box<FlatBtfFile>): FlatBtfFile, flat_btf;
     /// A polynomial wavelet tree.
-    Pwt,
+    Pwt(PwtPack): PwtPack, pwt;
+    /// A bandwidth map.
+    Bandwidth(BandwidthMap): BandwidthMap, bandwidth;
+    /// Importance samples.
+    Importance(ImportancePack): ImportancePack, importance;
 }
 
 impl PackKind {
-    /// All of them.
-    pub const ALL: [Self; 6] =
-        [Self::Table, Self::Wavelet, Self::FlatBtf, Self::Pwt, Self::Bandwidth, Self::Importance];
-
     /// The kind of a texture, by its decoder; nothing where it is no pack, or one of another program.
     pub fn of(texture: &PackedTexture<'_>) -> Option<Self> {
-        Self::of_decoder(PackFile::decoder_of(texture)?)
+        Self::from_name(PackFile::decoder_of(texture)?)
     }
 
     /// The kind that a decoder of this name is for.
-    pub fn of_decoder(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|kind| kind.decoder() == name)
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.name() == name)
     }
 
     /// The name of its decoder: in files, and on the command line.
-    pub fn decoder(self) -> &'static str {
-        match self {
-            Self::Wavelet => "wavelet",
-            Self::Table => "table",
-            Self::FlatBtf => "flat-btf",
-            Self::Bandwidth => "bandwidth",
-            Self::Importance => "importance",
-            Self::Pwt => "pwt",
-        }
-    }
-
-    /// What it is called in messages.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Wavelet => "a wavelet pack",
-            Self::Table => "a table pack",
-            Self::FlatBtf => "a flat BTF",
-            Self::Bandwidth => "a bandwidth map",
-            Self::Importance => "an importance-sample pack",
-            Self::Pwt => "a polynomial wavelet tree",
-        }
+        self.descriptor().name
     }
-}
 
-/// A pack of any kind, checked by the rules of its layout.
-#[derive(Debug, Clone, PartialEq)]
-#[allow(clippy::large_enum_variant)]
-pub enum Pack {
-    /// A wavelet BRDF pack.
-    Wavelet(WaveletPack),
-    /// A table pack.
-    Table(TablePack),
-    /// A flat BTF.
-    FlatBtf(Box<FlatBtfFile>),
-    /// A bandwidth map.
-    Bandwidth(BandwidthMap),
-    /// Importance samples.
-    Importance(ImportancePack),
-    /// A polynomial wavelet tree.
-    Pwt(PwtPack),
+    /// What a pack of it is called in messages.
+    pub fn in_words(self) -> &'static str {
+        self.descriptor().in_words
+    }
 }
 
 impl Pack {
@@ -100,42 +115,11 @@ impl Pack {
     /// As [`Self::from_bytes`].
     pub fn from_packed(packed: PackedTexture<'_>) -> Result<Self, FormatError> {
         let file = PackFile::from_packed(packed)?;
-        let Some(kind) = PackKind::of_decoder(&file.bindings.decoder) else {
-            let known: Vec<&str> = PackKind::ALL.into_iter().map(PackKind::decoder).collect();
-            return Err(FormatError::whole("decoder of the pack", file.bindings.decoder, known.join(", ")));
+        let Some(kind) = PackKind::from_name(&file.bindings.decoder) else {
+            let known = PackKind::ALL.map(PackKind::name).join(", ");
+            return Err(FormatError::whole("decoder of the pack", file.bindings.decoder, known));
         };
-        Ok(match kind {
-            PackKind::Wavelet => Self::Wavelet(WaveletPack::from_file(file)?),
-            PackKind::Table => Self::Table(TablePack::from_file(file)?),
-            PackKind::FlatBtf => Self::FlatBtf(Box::new(FlatBtfFile::from_file(file)?)),
-            PackKind::Bandwidth => Self::Bandwidth(BandwidthMap::from_file(file)?),
-            PackKind::Importance => Self::Importance(ImportancePack::from_file(file)?),
-            PackKind::Pwt => Self::Pwt(PwtPack::from_file(file)?),
-        })
-    }
-
-    /// What it is.
-    pub fn kind(&self) -> PackKind {
-        match self {
-            Self::Wavelet(_) => PackKind::Wavelet,
-            Self::Table(_) => PackKind::Table,
-            Self::FlatBtf(_) => PackKind::FlatBtf,
-            Self::Bandwidth(_) => PackKind::Bandwidth,
-            Self::Importance(_) => PackKind::Importance,
-            Self::Pwt(_) => PackKind::Pwt,
-        }
-    }
-
-    /// What its shader has bound.
-    pub fn bindings(&self) -> Bindings<'_> {
-        match self {
-            Self::Wavelet(pack) => pack.bindings(),
-            Self::Table(pack) => pack.bindings(),
-            Self::FlatBtf(file) => file.bindings(),
-            Self::Bandwidth(map) => map.bindings(),
-            Self::Importance(pack) => pack.bindings(),
-            Self::Pwt(pack) => pack.bindings(),
-        }
+        Self::of_kind(kind, file)
     }
 }
 

@@ -14,6 +14,7 @@ mod brdf_pack;
 pub mod container;
 pub mod crop;
 pub mod cursor;
+mod descriptor;
 pub mod direction;
 pub mod direction_mesh;
 pub mod direction_set;
@@ -30,6 +31,7 @@ pub mod vector_math;
 pub mod wavelet;
 
 pub use brdf_pack::{BrdfDecoder, BrdfPack};
+pub use descriptor::{Answer, Descriptor};
 pub use error::{FormatError, Place};
 pub use error_summary::{ErrorSummary, PictureSummary};
 pub use kind::{Pack, PackKind};

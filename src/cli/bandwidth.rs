@@ -4,7 +4,7 @@ use super::output::{
     note, note_directions, output_parser, print, print_json, print_report, refuse_overwriting, refuse_unfit_output,
     to_json, write_file,
 };
-use super::{Error, Common};
+use super::{Common, Error};
 use crate::table;
 use brdfc_bandwidth::facts::BandwidthFacts;
 use brdfc_bandwidth::map::{brdf_map, environment_map, texture_map};

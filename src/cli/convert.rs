@@ -2,7 +2,7 @@
 
 use super::output::{output_parser, print_report, refuse_overwriting, refuse_unfit_output, to_json, write_file};
 use super::synth::dimensions;
-use super::{Error, Common};
+use super::{Common, Error};
 use crate::table;
 use brdfc_jobs::convert::{ConvertError, PairGrid, Target, convert};
 use brdfc_metrics::compare::Comparison;

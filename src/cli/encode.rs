@@ -3,7 +3,7 @@
 use super::options::PackOptions;
 use super::output::{note, output_parser, print_report, refuse_overwriting, refuse_unfit_output, to_json};
 use super::progress::Materials;
-use super::{Error, Common};
+use super::{Common, Error};
 use crate::table;
 use brdfc::{Facts, Input, MaterialReport, Progress as _, Stage};
 use brdfc_jobs::report::material::{StageTime, remarks};

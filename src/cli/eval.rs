@@ -2,7 +2,7 @@
 
 use super::inputs::refuse_stdin_twice;
 use super::output::{note, note_directions, output_parser, print, refuse_overwriting, refuse_unfit_output, write_file};
-use super::{Error, Common};
+use super::{Common, Error};
 use brdfc_core::Tally;
 use brdfc_core::words::format_number;
 use brdfc_formats::direction::DirectionPair;

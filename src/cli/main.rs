@@ -27,7 +27,7 @@ mod watch;
 
 #[cfg(feature = "render")]
 use brdfc_terminal::graphics_environment;
-use brdfc_terminal::{Error, Common, Flags, directions, inputs, output, run_program, table, usage};
+use brdfc_terminal::{Common, Error, Flags, directions, inputs, output, run_program, table, usage};
 use clap::{CommandFactory as _, Parser, Subcommand};
 use std::process::ExitCode;
 

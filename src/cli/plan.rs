@@ -2,7 +2,7 @@
 
 use super::build_scene::tell_left_out;
 use super::output::{check_folder, print, print_json};
-use super::{Error, Common};
+use super::{Common, Error};
 use brdfc::Build;
 use brdfc_jobs::scene::graph::{Graph, Places};
 use clap::{Args, ValueEnum};
@@ -61,7 +61,13 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let build = Build::from_inputs(&arguments.inputs)?;
     tell_left_out(&build, common);
     let plan = build.plan()?;
-    let places = Places { program, inputs, manifest: build.manifest().map(Path::to_owned), options: Vec::new(), out: arguments.out.clone() };
+    let places = Places {
+        program,
+        inputs,
+        manifest: build.manifest().map(Path::to_owned),
+        options: Vec::new(),
+        out: arguments.out.clone(),
+    };
     let graph = Graph::new(&plan, &places);
     match arguments.format {
         Format::Json => print_json(&graph),

@@ -1,7 +1,7 @@
 //! `brdfc pwt`: photographs under known lights to one pack that can be lit anew.
 
 use super::output::{note, output_parser, print_report, refuse_overwriting, refuse_unfit_output, to_json, write_file};
-use super::{Error, Common};
+use super::{Common, Error};
 use crate::table;
 use brdfc_formats::pwt::LightCoordinates;
 use brdfc_jobs::encode::bytes_from_text;

@@ -4,7 +4,7 @@ use super::output::{
     print, print_json, refuse_dash, refuse_missing_folder, refuse_overwriting, remark, to_json, write_file,
 };
 use super::progress::Materials;
-use super::{Error, Common};
+use super::{Common, Error};
 use brdfc_core::progress::Progress;
 use brdfc_core::words::counted;
 use brdfc_jobs::report::page::{

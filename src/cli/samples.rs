@@ -4,7 +4,7 @@ use super::info::{importance_in_words, lines_of};
 use super::output::{
     note, note_directions, output_parser, print_report, refuse_overwriting, refuse_unfit_output, to_json, write_file,
 };
-use super::{Error, Common};
+use super::{Common, Error};
 use crate::table;
 use brdfc_core::Tally;
 use brdfc_formats::FormatError;

@@ -3,9 +3,10 @@
 use super::output::{
     output_parser, print, print_json, print_report, refuse_missing_folder, refuse_overwriting, to_json, write_file,
 };
-use super::{Error, Common};
+use super::{Common, Error};
 use crate::table;
-use brdfc_shaders::{Decoder, EntryPoint, Interface, Language, shader};
+use brdfc_formats::PackKind;
+use brdfc_shaders::{EntryPoint, Interface, Language, shader};
 use brdfc_source::Input;
 use brdfc_source::flat_btf::open_flat_btf;
 use brdfc_source::pack::open_pack;
@@ -103,23 +104,23 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
 }
 
 /// The decoder that is named, or that of a pack.
-fn decoder(kind: &OsString) -> Result<Decoder, Error> {
-    if let Some(decoder) = kind.to_str().and_then(Decoder::from_name) {
+fn decoder(kind: &OsString) -> Result<PackKind, Error> {
+    if let Some(decoder) = kind.to_str().and_then(PackKind::from_name) {
         return Ok(decoder);
     }
     let path = Path::new(kind);
     // What may be meant as a file is missing as one.
     let is_word = path.extension().is_none() && path.components().count() == 1;
     if is_word && !path.exists() {
-        let names = Decoder::ALL.map(Decoder::name).join(", ");
+        let names = PackKind::ALL.map(PackKind::name).join(", ");
         let found = path.display();
         return Err(Error::usage(format!("KIND: found {found}; allowed {names}, or a pack")));
     }
     if path.is_dir() {
         open_flat_btf(path)?;
-        return Ok(Decoder::FlatBtf);
+        return Ok(PackKind::FlatBtf);
     }
-    Ok(Decoder::of(open_pack(Input::File(path.to_owned()))?.kind()))
+    Ok(open_pack(Input::File(path.to_owned()))?.kind())
 }
 
 impl Report {

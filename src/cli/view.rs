@@ -2,7 +2,7 @@
 
 use super::output::{print_report, refuse_overwriting, refuse_unfit_output, remark, to_json, write_file};
 use super::steps::Steps;
-use super::{Error, Common};
+use super::{Common, Error};
 use crate::inputs::refuse_stdin_twice;
 use crate::table;
 use brdfc_jobs::view::{ViewItem, ViewOptions, open_items, view_page};

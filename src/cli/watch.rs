@@ -134,12 +134,7 @@ struct Ended {
     verdict: Result<(), Error>,
 }
 
-fn one_build(
-    arguments: &Arguments,
-    common: Common,
-    is_first: bool,
-    cancelled: &AtomicBool,
-) -> Result<Ended, Error> {
+fn one_build(arguments: &Arguments, common: Common, is_first: bool, cancelled: &AtomicBool) -> Result<Ended, Error> {
     // What never changes is told once.
     let once = Common { quiet: common.quiet || !is_first, ..common };
     let build = arguments.build.build(&arguments.options)?.whole(true);

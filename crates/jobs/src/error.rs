@@ -1,9 +1,5 @@
 //! The one error of the library. Parts of it have errors of their own, which become this one here.
 
-use brdfc_core::address::SYNTH_PREFIX;
-use brdfc_core::progress::Cancelled;
-use brdfc_flat_btf::structures::Structure;
-use brdfc_formats::FormatError;
 use crate::encode::PackError;
 use crate::encode::options::OptionError;
 use crate::flatten::{FlattenError, MesoInputError};
@@ -16,6 +12,10 @@ use crate::scene::patterns::PatternError;
 use crate::scene::plan::PlanError;
 use crate::scene::run::JobError;
 use crate::view::ViewError;
+use brdfc_core::address::SYNTH_PREFIX;
+use brdfc_core::progress::Cancelled;
+use brdfc_flat_btf::structures::Structure;
+use brdfc_formats::FormatError;
 use brdfc_source::InputError;
 use brdfc_wavelet::encode::EncodeError;
 use std::convert::Infallible;

@@ -58,4 +58,3 @@ pub fn make_folder(path: &Path) -> Result<(), Error> {
     check_folder(path)?;
     std::fs::create_dir_all(path).map_err(|error| Error::write(path, &error))
 }
-

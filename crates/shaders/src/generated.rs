@@ -1,9 +1,9 @@
 //! Translated decoders, as `generated.json` holds them. `brdfc-translate` makes them, and `./scripts/bless` writes the file: no
 //! program needs a translator for it.
 
-use crate::decoder::Decoder;
 use crate::interface::Interface;
 use crate::language::Language;
+use brdfc_formats::PackKind;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
@@ -28,7 +28,7 @@ impl Generated {
     ///
     /// # Panics
     /// Where the file lacks it.
-    pub fn of(decoder: Decoder) -> &'static Self {
+    pub fn of(decoder: PackKind) -> &'static Self {
         static ALL: OnceLock<BTreeMap<String, Generated>> = OnceLock::new();
         let all = ALL.get_or_init(|| serde_json::from_str(include_str!("generated.json")).expect("written by a test"));
         all.get(decoder.name()).unwrap_or_else(|| panic!("{} lacks {}: ./scripts/bless", Self::FILE, decoder.name()))

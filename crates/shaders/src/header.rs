@@ -1,19 +1,27 @@
 //! What stands at the top of a translated shader, as comments: what it is, what to call, what to bind.
 
-use crate::decoder::Decoder;
 use crate::interface::{Binding, BindingKind, Interface};
 use crate::language::Language;
 use crate::words::{ascii, wrapped};
+use brdfc_formats::PackKind;
 
 const WIDTH: usize = 120;
 
 /// The comment, in ASCII. `signatures` are those of the functions in the language, in the order of the interface.
-pub(crate) fn header(decoder: Decoder, language: Language, interface: &Interface, signatures: &[String]) -> String {
+pub(crate) fn header(decoder: PackKind, language: Language, interface: &Interface, signatures: &[String]) -> String {
     let mut text = String::new();
     let mut say = |indent: usize, words: &str| {
         text += &wrapped(&ascii(words), &format!("// {}", " ".repeat(indent)), WIDTH);
     };
-    say(0, &format!("Decoder of {} of brdfc {}, {}.", decoder.title(), env!("CARGO_PKG_VERSION"), language.title()));
+    say(
+        0,
+        &format!(
+            "PackKind of {} of brdfc {}, {}.",
+            decoder.descriptor().plural,
+            env!("CARGO_PKG_VERSION"),
+            language.title()
+        ),
+    );
     say(0, "");
     say(
         0,
@@ -21,7 +29,7 @@ pub(crate) fn header(decoder: Decoder, language: Language, interface: &Interface
             "Made by 'brdfc shader {} --language {}'. The files: {}. License: MIT OR Apache-2.0.",
             decoder.name(),
             language.name(),
-            decoder.specification()
+            decoder.descriptor().specification
         ),
     );
     say(0, "");

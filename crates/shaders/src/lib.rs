@@ -6,7 +6,6 @@
 //!
 //! [`Program`] is a whole program, for pages that draw.
 
-mod decoder;
 mod generated;
 mod header;
 mod interface;
@@ -17,7 +16,6 @@ mod shader;
 mod signatures;
 mod words;
 
-pub use decoder::{Answer, Decoder};
 pub use generated::Generated;
 pub use interface::{Binding, BindingKind, Field, Function, Interface};
 pub use language::Language;

@@ -1,11 +1,11 @@
 //! From a decoder to a shader in a language.
 
-use crate::decoder::Decoder;
 use crate::generated::Generated;
 use crate::header;
 use crate::interface::Interface;
 use crate::language::Language;
 use crate::signatures::signatures;
+use brdfc_formats::PackKind;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -18,7 +18,7 @@ pub const WORKGROUP: u32 = 64;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Shader {
     /// Which decoder it is.
-    pub decoder: Decoder,
+    pub decoder: PackKind,
     /// Its language.
     pub language: Language,
     /// What has to be bound, and what may be called.
@@ -44,7 +44,7 @@ pub struct EntryPoint {
 }
 
 /// A decoder: declarations and functions to be pasted into a shader, of SPIR-V a compute shader.
-pub fn shader(decoder: Decoder, language: Language) -> Shader {
+pub fn shader(decoder: PackKind, language: Language) -> Shader {
     let generated = Generated::of(decoder);
     let interface = generated.interface.clone();
     let headed = |text: &str, signatures: &[String]| {
@@ -54,7 +54,7 @@ pub fn shader(decoder: Decoder, language: Language) -> Shader {
         Language::Wgsl => {
             let signatures: Vec<String> =
                 interface.functions.iter().map(|function| function.signature.clone()).collect();
-            headed(&decoder.wgsl(), &signatures)
+            headed(&(decoder.descriptor().wgsl)(), &signatures)
         }
         Language::Spirv => generated.spirv.iter().copied().flat_map(u32::to_le_bytes).collect(),
         Language::Glsl | Language::Essl300 | Language::Hlsl | Language::Msl => {
@@ -62,7 +62,7 @@ pub fn shader(decoder: Decoder, language: Language) -> Shader {
             headed(&text, &signatures(&text, &interface))
         }
     };
-    let answer = decoder.answer();
+    let answer = decoder.descriptor().answer;
     let entry_point = (language == Language::Spirv).then_some(EntryPoint {
         name: ENTRY,
         workgroup: WORKGROUP,

@@ -51,7 +51,7 @@ fn is_flat_btf(file: &Path) -> bool {
     }
     let mut head = Vec::with_capacity(PackFile::HEAD_BYTES);
     let read = std::fs::File::open(file).and_then(|file| file.take(PackFile::HEAD_BYTES as u64).read_to_end(&mut head));
-    read.is_ok() && PackFile::decoder_in(&head) == Some(PackKind::FlatBtf.decoder())
+    read.is_ok() && PackFile::decoder_in(&head) == Some(PackKind::FlatBtf.name())
 }
 
 /// Reads the flat BTF that a path means.

@@ -1,9 +1,11 @@
 //! Results to stdout, remarks to stderr.
 
 use super::{Common, Error};
-pub use brdfc_jobs::outputs::{check_folder, make_folder, refuse_dash, refuse_overwriting, refuse_overwriting_any, write_file};
 use brdfc_core::Source;
 use brdfc_jobs::output_folder::is_own;
+pub use brdfc_jobs::outputs::{
+    check_folder, make_folder, refuse_dash, refuse_overwriting, refuse_overwriting_any, write_file,
+};
 use brdfc_jobs::write::is_standard_output;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use serde::Serialize;

@@ -3,6 +3,7 @@
 
 use crate::flat_btf::{self, Factors, SMALL};
 use crate::packs::{Numbers, packs, pairs, tables};
+use brdfc_formats::PackKind;
 use brdfc_formats::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
 use brdfc_formats::bindings::{Binding, FrameBlock, Resource};
 use brdfc_formats::direction::DirectionPair;
@@ -15,7 +16,6 @@ use brdfc_formats::importance::{ImportanceHeader, ImportancePack};
 use brdfc_formats::pwt::{PwtDecoder, PwtPack};
 use brdfc_formats::table::{TableDecoder, TablePack};
 use brdfc_formats::wavelet::{Filter, WaveletDecoder, WaveletPack};
-use brdfc_shaders::Decoder;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Queries of a case: 100 x 100.
@@ -30,7 +30,7 @@ pub type Query = [[f32; 4]; 3];
 /// A pack, and what is asked of it.
 pub struct Case {
     pub name: String,
-    pub decoder: Decoder,
+    pub decoder: PackKind,
     /// What is bound.
     pub bindings: Vec<Binding<'static>>,
     /// What changes with the frame.
@@ -118,7 +118,7 @@ fn of_tables() -> Vec<Case> {
             pairs.iter().zip(&queries).map(|(pair, [a, ..])| (four(decoder.eval_at(*pair, a[3]), 0.0), floor));
         let expected = expected.collect();
         let (bindings, files) = (pack.bindings().into_owned(), vec![pack.to_bytes(true)]);
-        Case { name, decoder: Decoder::Table, bindings, frame: FRAME, files, queries, expected }
+        Case { name, decoder: PackKind::Table, bindings, frame: FRAME, files, queries, expected }
     };
     some_tables().into_iter().map(case).collect()
 }
@@ -143,7 +143,7 @@ fn of_wavelets() -> Vec<Case> {
             pairs.iter().zip(&queries).map(|(pair, [a, ..])| (four(decoder.eval(*pair, a[3], filter), 0.0), floor));
         let expected = expected.collect();
         let (bindings, files) = (pack.bindings().into_owned(), vec![pack.to_bytes(k % 2 == 0)]);
-        let (name, decoder) = (format!("{name}, {filter:?}"), Decoder::Wavelet);
+        let (name, decoder) = (format!("{name}, {filter:?}"), PackKind::Wavelet);
         let frame = FrameBlock { blend: filter, ..FRAME };
         Case { name, decoder, bindings, frame, files, queries, expected }
     };
@@ -168,7 +168,7 @@ fn of_trees() -> Vec<Case> {
         let decoder = PwtDecoder::new(pack);
         let answer = |[a, b, _]: &Query| (four(decoder.value([a[0], a[1]], a[2], [b[0], b[1], b[2]]), 0.0), 1e-2);
         let expected = queries.iter().map(answer).collect();
-        let (name, decoder, queries) = (name.to_owned(), Decoder::Pwt, queries.clone());
+        let (name, decoder, queries) = (name.to_owned(), PackKind::Pwt, queries.clone());
         Case { name, decoder, bindings, frame: FRAME, files, queries, expected }
     };
     crate::pwt::packs().into_iter().map(case).collect()
@@ -210,7 +210,7 @@ fn of_flat_btfs() -> Vec<Case> {
         let expected = queries.iter().map(answer).collect();
         let (name, queries) = (name.to_owned(), queries.clone());
         let files = vec![FlatBtfFile::new(decoder, None).unwrap().to_bytes(true)];
-        Case { name, decoder: Decoder::FlatBtf, bindings, frame: FRAME, files, queries, expected }
+        Case { name, decoder: PackKind::FlatBtf, bindings, frame: FRAME, files, queries, expected }
     };
     some_flat_btfs().into_iter().map(case).collect()
 }
@@ -268,7 +268,7 @@ fn of_bandwidth() -> Vec<Case> {
     let expected = queries.iter().map(answer).collect();
     let bindings = maps.iter().flat_map(|map| map.bindings().into_owned()).collect();
     let files = maps.iter().map(|map| map.to_bytes(true)).collect();
-    let (name, decoder) = ("three maps".to_owned(), Decoder::Bandwidth);
+    let (name, decoder) = ("three maps".to_owned(), PackKind::Bandwidth);
     vec![Case { name, decoder, bindings, frame: FRAME, files, queries, expected }]
 }
 
@@ -293,7 +293,7 @@ fn of_importance() -> Vec<Case> {
         let expected = queries.iter().map(answer).collect();
         let name = format!("{} polar angles, {} azimuths", header.polar, header.azimuths);
         let (bindings, files) = (pack.bindings().into_owned(), vec![pack.to_bytes(true)]);
-        Case { name, decoder: Decoder::Importance, bindings, frame: FRAME, files, queries, expected }
+        Case { name, decoder: PackKind::Importance, bindings, frame: FRAME, files, queries, expected }
     };
     vec![
         case(ImportanceHeader { polar: 64, azimuths: 1, samples: 50 }),

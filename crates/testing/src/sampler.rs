@@ -15,13 +15,13 @@
 use crate::engines::{
     Case, Query, blends, brdf_queries, flat_queries, four, some_flat_btfs, some_tables, some_wavelets, tree_queries,
 };
+use brdfc_formats::PackKind;
 use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::direction::{DirectionPair, from_tangent_pole, to_tangent_pole};
 use brdfc_formats::flat_btf::{FlatBtfDecoder, SampledDirections};
 use brdfc_formats::pwt::{PwtDecoder, PwtPack};
 use brdfc_formats::table::{Angles, Curve, TableDecoder, TablePack};
 use brdfc_formats::wavelet::{Filter, WaveletDecoder, WaveletPack};
-use brdfc_shaders::Decoder;
 use std::collections::BTreeMap;
 use std::f32::consts::TAU;
 use std::f64::consts::PI;
@@ -143,7 +143,7 @@ pub fn of_table(name: &str, pack: &TablePack) -> SamplerCase {
     let (allowed, expected) = pairs.iter().zip(&queries).map(answer).unzip();
     let (bindings, frame) = (pack.bindings().into_owned(), FRAME);
     let (name, files) = (name.to_owned(), Vec::new());
-    let case = Case { name, decoder: Decoder::Table, bindings, frame, files, queries, expected };
+    let case = Case { name, decoder: PackKind::Table, bindings, frame, files, queries, expected };
     SamplerCase { case, allowed, is_filtered: true }
 }
 
@@ -183,7 +183,7 @@ pub fn of_wavelet(name: &str, pack: &WaveletPack, filter: Filter) -> SamplerCase
     let (bindings, files) = (pack.bindings().into_owned(), Vec::new());
     let frame = FrameBlock { blend: filter, ..FRAME };
     let (name, is_filtered) = (format!("{name}, {filter:?}"), !pack.header.lifted && pack.extent()[0] > 1);
-    let case = Case { name, decoder: Decoder::Wavelet, bindings, frame, files, queries, expected };
+    let case = Case { name, decoder: PackKind::Wavelet, bindings, frame, files, queries, expected };
     SamplerCase { case, allowed, is_filtered }
 }
 
@@ -217,7 +217,7 @@ fn of_tree(name: &str, pack: PwtPack) -> SamplerCase {
     let expected = queries.iter().map(answer).collect();
     let allowed = queries.iter().map(|query| tree_bound(&decoder, query)).collect();
     let (name, files) = (name.to_owned(), Vec::new());
-    let case = Case { name, decoder: Decoder::Pwt, bindings, frame: FRAME, files, queries, expected };
+    let case = Case { name, decoder: PackKind::Pwt, bindings, frame: FRAME, files, queries, expected };
     SamplerCase { case, allowed, is_filtered }
 }
 
@@ -299,7 +299,7 @@ fn of_flat_btf(name: &str, decoder: &FlatBtfDecoder) -> SamplerCase {
     let expected = queries.iter().map(answer).collect();
     let allowed = queries.iter().map(|query| flat_bound(decoder, directions.as_ref(), query)).collect();
     let (name, files) = (name.to_owned(), Vec::new());
-    let case = Case { name, decoder: Decoder::FlatBtf, bindings, frame: FRAME, files, queries, expected };
+    let case = Case { name, decoder: PackKind::FlatBtf, bindings, frame: FRAME, files, queries, expected };
     SamplerCase { case, allowed, is_filtered: true }
 }
 

@@ -11,7 +11,8 @@ mod spirv;
 
 pub use program::program;
 
-use brdfc_shaders::{Decoder, Generated, Language};
+use brdfc_formats::PackKind;
+use brdfc_shaders::{Generated, Language};
 use parsed::Parsed;
 use std::collections::BTreeMap;
 
@@ -19,10 +20,10 @@ use std::collections::BTreeMap;
 ///
 /// # Errors
 /// What the translator cannot say in a language.
-pub fn translate(decoder: Decoder) -> Result<Generated, String> {
-    let source = decoder.wgsl();
+pub fn translate(decoder: PackKind) -> Result<Generated, String> {
+    let source = (decoder.descriptor().wgsl)();
     let parsed = Parsed::new(&source)?;
-    let interface = interface::interface(&source, &parsed.module, decoder.functions());
+    let interface = interface::interface(&source, &parsed.module, decoder.descriptor().functions);
     let mut texts = BTreeMap::new();
     for language in [Language::Glsl, Language::Essl300, Language::Hlsl, Language::Msl] {
         let text = match language {

@@ -1,7 +1,8 @@
 //! SPIR-V: a compute shader that decodes a list of queries. Its words cannot be pasted into another shader.
 
 use crate::parsed::Parsed;
-use brdfc_shaders::{Decoder, ENTRY, WORKGROUP};
+use brdfc_formats::PackKind;
+use brdfc_shaders::{ENTRY, WORKGROUP};
 use naga::ShaderStage;
 use naga::back::spv::{Options, PipelineOptions, WriterFlags, write_vec};
 
@@ -9,7 +10,7 @@ use naga::back::spv::{Options, PipelineOptions, WriterFlags, write_vec};
 ///
 /// # Errors
 /// What the writer says.
-pub(crate) fn module(decoder: Decoder, source: &str) -> Result<Vec<u32>, String> {
+pub(crate) fn module(decoder: PackKind, source: &str) -> Result<Vec<u32>, String> {
     let parsed = Parsed::new(&evaluation(decoder, source))?;
     let options = Options { lang_version: (1, 3), flags: WriterFlags::DEBUG, ..Options::default() };
     let pipeline = PipelineOptions { shader_stage: ShaderStage::Compute, entry_point: ENTRY.to_owned() };
@@ -17,14 +18,14 @@ pub(crate) fn module(decoder: Decoder, source: &str) -> Result<Vec<u32>, String>
 }
 
 /// The decoder with an entry point that answers a list of queries, one per invocation.
-fn evaluation(decoder: Decoder, source: &str) -> String {
+fn evaluation(decoder: PackKind, source: &str) -> String {
     let helper = match decoder {
-        Decoder::Importance => {
+        PackKind::Importance => {
             "fn answer_of(sample: ImportanceSample) -> vec4<f32> { return vec4<f32>(sample.incoming, sample.inverse_density); }"
         }
         _ => "",
     };
-    let answer = decoder.answer().body;
+    let answer = decoder.descriptor().answer.body;
     format!(
         "{source}
 struct Query {{ a: vec4<f32>, b: vec4<f32>, c: vec4<f32> }}

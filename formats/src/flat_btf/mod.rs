@@ -6,6 +6,7 @@
 
 mod atlas;
 mod decoder;
+pub(crate) mod descriptor;
 mod directions;
 mod displacement;
 pub mod factored;

@@ -6,6 +6,7 @@
 
 mod basis;
 mod decode;
+pub(crate) mod descriptor;
 mod domain;
 mod header;
 mod pack;

@@ -4,6 +4,7 @@
 mod coordinates;
 mod curve;
 mod decode;
+pub(crate) mod descriptor;
 mod header;
 mod pack;
 pub mod shader;

@@ -2,6 +2,7 @@
 //! equations: `spec.md` in this folder.
 
 mod decode;
+pub(crate) mod descriptor;
 pub mod haar;
 mod layout;
 pub mod lift;

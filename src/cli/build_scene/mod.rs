@@ -13,7 +13,7 @@ use super::output::{
     refuse_overwriting_any, refuse_own, refuse_same_outputs, remark, tell, write_file,
 };
 use super::progress::Materials;
-use super::{Error, Common, interrupt};
+use super::{Common, Error, interrupt};
 use brdfc::{Build, Built};
 use brdfc_core::words::{counted, join_truncated};
 use brdfc_jobs::depfile::depfile;

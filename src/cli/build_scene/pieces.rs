@@ -4,13 +4,19 @@ use super::arguments::Arguments;
 use crate::interrupt::Interrupt;
 use crate::output::{print, tell};
 use crate::progress::Materials;
-use crate::{Error, Common};
+use crate::{Common, Error};
 use brdfc::{Build, Plan};
 use brdfc_core::words::counted;
 use brdfc_jobs::scene::build::build_works;
 use brdfc_jobs::scene::works::Work;
 
-pub(super) fn run(arguments: &Arguments, build: &Build, plan: &Plan, common: Common, interrupt: &Interrupt) -> Result<(), Error> {
+pub(super) fn run(
+    arguments: &Arguments,
+    build: &Build,
+    plan: &Plan,
+    common: Common,
+    interrupt: &Interrupt,
+) -> Result<(), Error> {
     if common.json {
         return Err(Error::usage("--json: found with --shard or --only; allowed with a whole build".to_owned()));
     }

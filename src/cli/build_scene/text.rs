@@ -47,4 +47,3 @@ fn bandwidth_row(file: String, map: &Packed<BandwidthFacts>) -> Vec<String> {
 fn row(file: String, size: String, largest: String, disk: u64, gpu: u64) -> Vec<String> {
     vec![file, size, largest, table::bytes(disk), table::bytes(gpu)]
 }
-

@@ -5,7 +5,7 @@ mod flat;
 use self::flat::FlatReport;
 use super::inputs::refuse_stdin_twice;
 use super::output::{print, print_json, remark};
-use super::{Error, Common};
+use super::{Common, Error};
 use crate::table;
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::DirectionPair;

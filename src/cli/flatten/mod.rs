@@ -10,7 +10,7 @@ pub(super) use text::text;
 use super::directions::in_flags;
 use super::output::{make_folder, note, print, print_json};
 use super::steps::Steps;
-use super::{Error, Common, interrupt};
+use super::{Common, Error, interrupt};
 use arguments::ImageFormat;
 use brdfc_jobs::btf_stack::StackFormat;
 use brdfc_jobs::flatten::words::{missed, remarks};

@@ -114,10 +114,7 @@ pub(super) fn meso_options(arguments: &Arguments, is_stack: bool) -> Result<Meso
         if let Some(value) = value
             && !(-10.0..=10.0).contains(&value)
         {
-            return Err(Error::usage(format!(
-                "--{option}: found {}; allowed -10 to 10 tiles",
-                format_number(value)
-            )));
+            return Err(Error::usage(format!("--{option}: found {}; allowed -10 to 10 tiles", format_number(value))));
         }
     }
     let kind = Kind::of(geometry.as_ref())?;

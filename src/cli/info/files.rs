@@ -2,7 +2,7 @@
 
 use crate::output::{print, print_json};
 use crate::table;
-use crate::{Error, Common};
+use crate::{Common, Error};
 use brdfc_formats::FormatError;
 use brdfc_jobs::pack_files::{PackFile, pack_files};
 use brdfc_shaders::DeviceNeeds;

@@ -6,7 +6,7 @@ mod surface;
 pub use files::FilesReport;
 
 use super::output::{print, print_json, printable};
-use super::{Error, Common, bandwidth, flatten};
+use super::{Common, Error, bandwidth, flatten};
 use crate::table::bytes;
 use brdfc_core::Symmetry;
 use brdfc_core::address::{SYNTH_PREFIX, split_query};

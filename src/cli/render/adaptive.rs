@@ -6,7 +6,7 @@ use super::materials::{self, Prepared, Subject};
 use super::{gpu, outputs, scene};
 use crate::output::{note, print, print_json, remark, write_file};
 use crate::table::{percent, plain, significant};
-use crate::{Error, Common};
+use crate::{Common, Error};
 use brdfc_bandwidth::DEFAULT_EPSILON;
 use brdfc_bandwidth::facts::BandwidthFacts;
 use brdfc_bandwidth::map::environment_map;
@@ -247,9 +247,7 @@ fn check(arguments: &Arguments, verification: &AdaptiveVerification) -> Result<(
         )));
     }
     match verification.adaptive.psnr {
-        Some(psnr) if psnr < limit => {
-            Err(Error::check(format!("PSNR: found {psnr:.2} dB; allowed {limit} or more")))
-        }
+        Some(psnr) if psnr < limit => Err(Error::check(format!("PSNR: found {psnr:.2} dB; allowed {limit} or more"))),
         _ => Ok(()),
     }
 }

@@ -44,7 +44,7 @@ pub(super) fn asset(arguments: &Arguments) -> Result<Option<Asset>, Error> {
         _ if flat::is_flat(&input) => AssetKind::Flat,
         "ktx2" => match open_pack(&input) {
             Ok(Pack::Pwt(pack)) => AssetKind::Pwt(Box::new(pack)),
-            Ok(other) if named_by_manifest => return Err(no_asset(&input, other.kind().name())),
+            Ok(other) if named_by_manifest => return Err(no_asset(&input, other.kind().in_words())),
             Err(error) if named_by_manifest => return Err(error.into()),
             // Told where packs of BRDFs are opened, once their flags are checked.
             _ => return Ok(None),

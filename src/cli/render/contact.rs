@@ -3,7 +3,7 @@
 use super::arguments::Arguments;
 use super::{flat, gpu, materials, outputs, scene};
 use crate::output::{note, print, print_json, remark, write_file};
-use crate::{Error, Common};
+use crate::{Common, Error};
 use brdfc_gpu::verify::views;
 use brdfc_jobs::report::contact::MaterialVerification;
 use brdfc_jobs::report::render::PictureGates;

@@ -4,7 +4,7 @@ use super::arguments::{Arguments, FormName};
 use super::materials::Subject;
 use super::{gpu, outputs, scene};
 use crate::output::note;
-use crate::{Error, Common};
+use crate::{Common, Error};
 use brdfc_core::address::is_synth;
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::surface::Appearance;

@@ -3,7 +3,7 @@
 use super::arguments::Arguments;
 use crate::inputs::refuse_stdin_twice;
 use crate::output::{note, remark};
-use crate::{Error, Common};
+use crate::{Common, Error};
 use brdfc_core::Source;
 use brdfc_formats::{BrdfPack, Pack};
 use brdfc_gpu::verify::Material;

@@ -17,7 +17,7 @@ pub use arguments::Arguments;
 pub use contact::Report as ContactReport;
 
 use super::output::{note, print, print_json, remark};
-use super::{Error, Common, graphics_environment};
+use super::{Common, Error, graphics_environment};
 use crate::table;
 use asset::{Asset, AssetKind};
 use brdfc_core::words::{format_number, join_truncated};

@@ -4,7 +4,7 @@ use super::arguments::Arguments;
 use super::materials::Subject;
 use super::{gpu, outputs, scene};
 use crate::output::{note, remark};
-use crate::{Error, Common};
+use crate::{Common, Error};
 use brdfc_formats::FormatError;
 use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::direction::dot;

@@ -24,10 +24,14 @@ const LAYERS: [&str; 12] = [
     "crates/terminal",
     ".",
 ];
-/// Crates beside the layers, with the highest layer that they may use: what tests share, the translator of shaders, and tests that
-/// need unsafe code.
-const BESIDE: [(&str, Option<&str>); 3] =
-    [("crates/testing", Some("crates/core")), ("crates/translate", Some("crates/shaders")), ("tests/vulkan", None)];
+/// Crates beside the layers, with the highest layer that they may use: what tests share, the translator of shaders, the studies, and
+/// tests that need unsafe code.
+const BESIDE: [(&str, Option<&str>); 4] = [
+    ("crates/testing", Some("crates/core")),
+    ("crates/translate", Some("crates/shaders")),
+    ("studies", Some("crates/terminal")),
+    ("tests/vulkan", None),
+];
 /// What is not used although it is lower: shaders draw what packs hold, whoever made them.
 const KEPT_APART: (&str, &str) = ("crates/gpu", "crates/codecs");
 /// The layer of many crates, one for each codec. They are stages.

@@ -5,8 +5,9 @@
 mod device;
 mod loader;
 
+use brdfc_formats::PackKind;
 use brdfc_formats::bindings::PackFile;
-use brdfc_shaders::{Decoder, Language, shader};
+use brdfc_shaders::{Language, shader};
 use brdfc_testing::engines::{Case, SIDE, cases, check};
 use brdfc_testing::gradient;
 use device::Vulkan;
@@ -18,7 +19,7 @@ fn words(bytes: &[u8]) -> Vec<u32> {
 }
 
 /// Evaluates all cases by the modules of their decoders.
-fn answers(vulkan: &Vulkan, cases: &[Case], module: impl Fn(Decoder) -> (Vec<u32>, [u32; 2])) -> Vec<Vec<[f32; 4]>> {
+fn answers(vulkan: &Vulkan, cases: &[Case], module: impl Fn(PackKind) -> (Vec<u32>, [u32; 2])) -> Vec<Vec<[f32; 4]>> {
     cases
         .iter()
         .map(|case| {
@@ -39,17 +40,17 @@ fn spirv_agrees_with_the_cpu() {
 }
 
 /// What a user of the piece writes. Registers without a space are in group 0.
-fn hlsl(decoder: Decoder) -> String {
+fn hlsl(decoder: PackKind) -> String {
     let piece = String::from_utf8(shader(decoder, Language::Hlsl).bytes).unwrap();
     let call = match decoder {
-        Decoder::Table => "float4(table_brdf_at(q.a.xyz, q.b.xyz, q.a.w, q.b.w == 1.0), 0.0)",
-        Decoder::Wavelet => "float4(wavelet_brdf_exact(q.a.xyz, q.b.xyz, q.a.w), 0.0)",
-        Decoder::FlatBtf => "float4(flat_btf_value(q.a.xy, q.a.z, q.b.xyz, q.c.xyz), 0.0)",
-        Decoder::Pwt => "float4(pwt_value(q.a.xy, q.a.z, q.b.xyz), 0.0)",
-        Decoder::Bandwidth => {
+        PackKind::Table => "float4(table_brdf_at(q.a.xyz, q.b.xyz, q.a.w, q.b.w == 1.0), 0.0)",
+        PackKind::Wavelet => "float4(wavelet_brdf_exact(q.a.xyz, q.b.xyz, q.a.w), 0.0)",
+        PackKind::FlatBtf => "float4(flat_btf_value(q.a.xy, q.a.z, q.b.xyz, q.c.xyz), 0.0)",
+        PackKind::Pwt => "float4(pwt_value(q.a.xy, q.a.z, q.b.xyz), 0.0)",
+        PackKind::Bandwidth => {
             "float4(bandwidth_brdf(q.a.xyz, q.b.xyz), bandwidth_environment(q.a.xyz), bandwidth_texture(q.c.xy), 0.0)"
         }
-        Decoder::Importance => {
+        PackKind::Importance => {
             "float4(importance_sample(q.a.xyz, uint(q.a.w)).incoming, \
              importance_sample(q.a.xyz, uint(q.a.w)).inverse_density)"
         }
@@ -76,7 +77,7 @@ fn hlsl_agrees_with_the_cpu() {
     let Some(vulkan) = Vulkan::open() else { return };
     let folder = tempfile::tempdir().unwrap();
     let (source, compiled) = (folder.path().join("shader.hlsl"), folder.path().join("shader.spv"));
-    let compile = |decoder: Decoder| {
+    let compile = |decoder: PackKind| {
         std::fs::write(&source, hlsl(decoder)).unwrap();
         let mut glslang = Command::new("glslangValidator");
         glslang.args(["-D", "-V", "-S", "comp", "-e", "evaluate"]).arg("-o").arg(&compiled).arg(&source);
@@ -85,7 +86,7 @@ fn hlsl_agrees_with_the_cpu() {
         Ok::<_, std::io::Error>(words(&std::fs::read(&compiled)?))
     };
     let mut modules = Vec::new();
-    for decoder in Decoder::ALL {
+    for decoder in PackKind::ALL {
         match compile(decoder) {
             Ok(words) => modules.push((decoder, words)),
             Err(error) => {

@@ -1,12 +1,12 @@
 //! All shaders through a second compiler: Tint, that of Chrome and Dawn, is stricter than naga. It runs in Node, by the
 //! package that `scripts/test` installs beside this file.
 
+use brdfc_formats::PackKind;
 use brdfc_formats::bandwidth::propagation::PROPAGATION_WGSL;
 use brdfc_formats::direction_mesh::DIRECTION_MESH_WGSL;
 use brdfc_formats::flat_btf::shader::FLAT_BTF_WGSL;
 use brdfc_formats::table::shader::TABLE_BRDF_WGSL;
 use brdfc_formats::wavelet::shader::WAVELET_BRDF_WGSL;
-use brdfc_shaders::Decoder;
 use serde::{Deserialize, Serialize};
 use std::process::{Command, Stdio};
 
@@ -80,7 +80,7 @@ fn complaints(module: &Module, messages: &[Message]) -> String {
 
 /// What engines paste before shaders of their own.
 fn shipped() -> Vec<Module> {
-    let decoders = Decoder::ALL.map(|decoder| Module::new(decoder.name(), decoder.wgsl()));
+    let decoders = PackKind::ALL.map(|decoder| Module::new(decoder.name(), (decoder.descriptor().wgsl)()));
     let others = [("direction mesh", DIRECTION_MESH_WGSL), ("propagation", PROPAGATION_WGSL)];
     decoders.into_iter().chain(others.map(|(name, source)| Module::new(name, source))).collect()
 }

@@ -75,7 +75,7 @@ impl Shown {
         let shown = match input.extension()?.as_str() {
             "ktx2" => match open_pack(input)? {
                 Pack::Pwt(pack) => Self::Pack(Box::new(PwtDecoder::new(pack))),
-                other => return Err(refused(input, "pack", other.kind().name(), ALLOWED)),
+                other => return Err(refused(input, "pack", other.kind().in_words(), ALLOWED)),
             },
             ptm::EXTENSION => Self::Map(ptm::open_ptm(input)?),
             _ => match input.path().filter(|path| is_light_stack(path)) {

@@ -59,7 +59,7 @@ impl LightInput {
                     check_spread(input, pack.header().size)?;
                     Ok(Self::Pack(pack))
                 }
-                other => Err(refused(input, "pack", other.kind().name(), "a polynomial wavelet tree")),
+                other => Err(refused(input, "pack", other.kind().in_words(), "a polynomial wavelet tree")),
             };
         }
         let Some(path) = input.path() else {

@@ -1,12 +1,12 @@
 //! What a page draws.
 
 use brdfc_formats::BrdfPack;
+use brdfc_formats::PackKind;
 use brdfc_formats::bindings::Bindings;
 use brdfc_formats::crop::{DirectionRange, Elevations};
 use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatValues, SampledDirections};
 use brdfc_formats::pwt::PwtPack;
 use brdfc_render::scenes::Builtin;
-use brdfc_shaders::Decoder;
 
 /// Scenes of BRDFs, the first one foremost.
 const OF_BRDFS: [Builtin; 4] = [Builtin::Sphere, Builtin::Cloth, Builtin::Teapot, Builtin::Plane];
@@ -38,12 +38,12 @@ pub enum Drawn {
 
 impl ViewItem {
     /// What decodes it.
-    pub fn decoder(&self) -> Decoder {
+    pub fn decoder(&self) -> PackKind {
         match &self.drawn {
-            Drawn::Brdf(BrdfPack::Table(_)) => Decoder::Table,
-            Drawn::Brdf(BrdfPack::Wavelet(_)) => Decoder::Wavelet,
-            Drawn::FlatBtf(..) => Decoder::FlatBtf,
-            Drawn::Pwt(_) => Decoder::Pwt,
+            Drawn::Brdf(BrdfPack::Table(_)) => PackKind::Table,
+            Drawn::Brdf(BrdfPack::Wavelet(_)) => PackKind::Wavelet,
+            Drawn::FlatBtf(..) => PackKind::FlatBtf,
+            Drawn::Pwt(_) => PackKind::Pwt,
         }
     }
 

@@ -102,7 +102,7 @@ fn of_input(input: &Input, progress: &dyn Progress) -> Result<ViewItem, ViewErro
             let facts = format!("{width} x {height} pixels under any light, {} on a GPU", bytes(pack.gpu_bytes()));
             Ok(ViewItem { name, facts, drawn: Drawn::Pwt(Box::new(pack)) })
         }
-        other => Err(ViewError::refused(&input.to_string(), other.kind().name(), ALLOWED)),
+        other => Err(ViewError::refused(&input.to_string(), other.kind().in_words(), ALLOWED)),
     }
 }
 

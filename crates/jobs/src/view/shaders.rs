@@ -1,6 +1,7 @@
 //! The shaders of pages: WGSL that is put together from parts, and what `programs.json` holds of it in GLSL ES 3.00.
 
-use brdfc_shaders::{Decoder, Program, TranslatedProgram};
+use brdfc_formats::PackKind;
+use brdfc_shaders::{Program, TranslatedProgram};
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
@@ -26,31 +27,33 @@ impl PageShader {
 
     /// All of them.
     pub fn all() -> Vec<Self> {
-        let kinds = [Decoder::Table, Decoder::Wavelet, Decoder::FlatBtf, Decoder::Pwt].map(|decoder| (decoder, false));
-        let kinds = kinds.into_iter().chain([(Decoder::Wavelet, true)]);
+        let kinds =
+            [PackKind::Table, PackKind::Wavelet, PackKind::FlatBtf, PackKind::Pwt].map(|decoder| (decoder, false));
+        let kinds = kinds.into_iter().chain([(PackKind::Wavelet, true)]);
         kinds.map(|(decoder, exact)| Self::drawing(decoder, exact)).chain([Self::showing()]).collect()
     }
 
     /// What draws a kind of pack; `exact`: the shader filters wavelets. Each has one way in it: drivers compile, and some run, both
     /// sides of a branch.
-    pub(super) fn drawing(decoder: Decoder, exact: bool) -> Self {
+    pub(super) fn drawing(decoder: PackKind, exact: bool) -> Self {
         let filtered = |name| {
             format!(
                 "fn filtered(wi: vec3<f32>, wo: vec3<f32>, level: f32) -> vec3<f32> {{ return {name}(wi, wo, level); }}\n"
             )
         };
         let of_kind = match decoder {
-            Decoder::Table => include_str!("shaders/table.wgsl").to_owned(),
-            Decoder::Wavelet => {
+            PackKind::Table => include_str!("shaders/table.wgsl").to_owned(),
+            PackKind::Wavelet => {
                 filtered(if exact { "wavelet_brdf_exact" } else { "wavelet_brdf" })
                     + include_str!("shaders/wavelet.wgsl")
             }
-            Decoder::FlatBtf => include_str!("shaders/flat_btf.wgsl").to_owned(),
-            Decoder::Pwt => include_str!("shaders/pwt.wgsl").to_owned(),
-            Decoder::Bandwidth | Decoder::Importance => unreachable!("no item has it"),
+            PackKind::FlatBtf => include_str!("shaders/flat_btf.wgsl").to_owned(),
+            PackKind::Pwt => include_str!("shaders/pwt.wgsl").to_owned(),
+            PackKind::Bandwidth | PackKind::Importance => unreachable!("no item has it"),
         };
         let (frame, corner) = (brdfc_render::shading_point::SHADING_POINT_WGSL, brdfc_render::camera::CORNER_WGSL);
-        let wgsl = [&decoder.wgsl(), &of_kind, frame, corner, include_str!("shaders/shade.wgsl")].join("\n");
+        let wgsl =
+            [&(decoder.descriptor().wgsl)(), &of_kind, frame, corner, include_str!("shaders/shade.wgsl")].join("\n");
         let name = if exact { format!("{}, exact", decoder.name()) } else { decoder.name().to_owned() };
         Self { name, wgsl, vertex: "project", fragment: "shade" }
     }

@@ -20,16 +20,8 @@ fn flat_btf(name: &str, options: &MesoOptions, recipe: &FlattenRecipe, supercomp
     let appearance = open_appearance(options, &materials, &()).unwrap_or_else(|error| panic!("{error}"));
     let values = Values::Computed(appearance);
     let materials = materials.iter().map(Input::to_string).collect();
-    let job = FlattenJob {
-        name,
-        folder: folder.path(),
-        recipe,
-        supercompress,
-        geometry,
-        materials,
-        values,
-        images: None,
-    };
+    let job =
+        FlattenJob { name, folder: folder.path(), recipe, supercompress, geometry, materials, values, images: None };
     flatten(job, &()).unwrap_or_else(|error| panic!("{name}: {error}"));
     let file = format!("{name}.ktx2");
     let bytes = std::fs::read(folder.path().join(&file)).unwrap_or_else(|error| panic!("{file}: {error}"));

@@ -2,10 +2,11 @@
 //! pack; with exact weights, and once more with the sampler filtering.
 
 use crate::texts::text;
+use brdfc_formats::PackKind;
 use brdfc_formats::bindings::Resource;
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::wavelet::Filter;
-use brdfc_shaders::{BindingKind, Decoder, Interface, Language, shader};
+use brdfc_shaders::{BindingKind, Interface, Language, shader};
 use brdfc_table::recipe::TableRecipe;
 use brdfc_testing::browser::result_of_page;
 use brdfc_testing::engines::{Case, SIDE, cases, check};
@@ -15,24 +16,24 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
 /// What a user of the piece calls.
-pub fn call(decoder: Decoder) -> &'static str {
+pub fn call(decoder: PackKind) -> &'static str {
     match decoder {
-        Decoder::Table => "vec4(table_brdf_at(a.xyz, b.xyz, a.w, b.w == 1.0), 0.0)",
-        Decoder::Wavelet => {
+        PackKind::Table => "vec4(table_brdf_at(a.xyz, b.xyz, a.w, b.w == 1.0), 0.0)",
+        PackKind::Wavelet => {
             "vec4(b.w == 1.0 ? wavelet_brdf(a.xyz, b.xyz, a.w) : wavelet_brdf_exact(a.xyz, b.xyz, a.w), 0.0)"
         }
-        Decoder::FlatBtf => "vec4(flat_btf_value(a.xy, a.z, b.xyz, c.xyz), 0.0)",
-        Decoder::Pwt => "vec4(pwt_value(a.xy, a.z, b.xyz), 0.0)",
-        Decoder::Bandwidth => {
+        PackKind::FlatBtf => "vec4(flat_btf_value(a.xy, a.z, b.xyz, c.xyz), 0.0)",
+        PackKind::Pwt => "vec4(pwt_value(a.xy, a.z, b.xyz), 0.0)",
+        PackKind::Bandwidth => {
             "vec4(bandwidth_brdf(a.xyz, b.xyz), bandwidth_environment(a.xyz), bandwidth_texture(c.xy), 0.0)"
         }
-        Decoder::Importance => {
+        PackKind::Importance => {
             "vec4(importance_sample(a.xyz, uint(a.w)).incoming, importance_sample(a.xyz, uint(a.w)).inverse_density)"
         }
     }
 }
 
-fn glsl(decoder: Decoder) -> String {
+fn glsl(decoder: PackKind) -> String {
     let piece = text(decoder, Language::Essl300);
     let call = call(decoder);
     format!(
@@ -52,12 +53,12 @@ void main() {{
     )
 }
 
-fn wgsl(decoder: Decoder) -> String {
+fn wgsl(decoder: PackKind) -> String {
     let piece = text(decoder, Language::Wgsl);
     let count = SIDE * SIDE;
     let call = call(decoder).replace("vec4(", "vec4<f32>(").replace("uint(", "u32(");
     let call = match decoder {
-        Decoder::Wavelet => {
+        PackKind::Wavelet => {
             "vec4<f32>(select(wavelet_brdf_exact(a.xyz, b.xyz, a.w), wavelet_brdf(a.xyz, b.xyz, a.w), b.w == 1.0), 0.0)"
         }
         _ => &call,
@@ -183,12 +184,12 @@ pub fn numbers(posted: &[u8], cases: usize) -> Vec<Vec<[f32; 4]>> {
 }
 
 /// Shaders of all decoders, with what they bind.
-fn shaders(source: fn(Decoder) -> String) -> BTreeMap<&'static str, (String, Interface)> {
-    let shader = |decoder: Decoder| (decoder.name(), (source(decoder), shader(decoder, Language::Wgsl).interface));
-    Decoder::ALL.into_iter().map(shader).collect()
+fn shaders(source: fn(PackKind) -> String) -> BTreeMap<&'static str, (String, Interface)> {
+    let shader = |decoder: PackKind| (decoder.name(), (source(decoder), shader(decoder, Language::Wgsl).interface));
+    PackKind::ALL.into_iter().map(shader).collect()
 }
 
-fn agrees(api: &str, source: fn(Decoder) -> String) {
+fn agrees(api: &str, source: fn(PackKind) -> String) {
     let (cases, shaders) = (cases(), shaders(source));
     let mut asked = Vec::new();
     for case in &cases {
@@ -230,7 +231,7 @@ enum Lookups {
 }
 
 /// The sampler filters: against the CPU, with the bounds of each query.
-fn agrees_by_sampler(api: &str, source: fn(Decoder) -> String, changed: fn(&str, &Interface, Lookups) -> String) {
+fn agrees_by_sampler(api: &str, source: fn(PackKind) -> String, changed: fn(&str, &Interface, Lookups) -> String) {
     let (made_up, materials, shaders) = (sampler_cases(), materials(), shaders(source));
     for lookups in [Lookups::AsTheyAre, Lookups::Rounded, Lookups::Shifted] {
         let change = |(name, (shader, interface)): (&&'static str, &(String, Interface))| {

@@ -2,7 +2,8 @@
 //! systems alone.
 
 use super::texts::{TEXTS, text};
-use brdfc_shaders::{Decoder, Language, shader};
+use brdfc_formats::PackKind;
+use brdfc_shaders::{Language, shader};
 use std::path::Path;
 use std::process::Command;
 
@@ -45,7 +46,7 @@ fn glslang_compiles_them() {
     // It writes SPIR-V into the folder that it runs in.
     let out = folder.path().join("out.spv").display().to_string();
     let mut compiled = 0;
-    for decoder in Decoder::ALL {
+    for decoder in PackKind::ALL {
         for language in TEXTS {
             let piece = text(decoder, language);
             let Some((source, arguments)) = whole(language, &piece) else { continue };
@@ -60,14 +61,14 @@ fn glslang_compiles_them() {
             compiled += 1;
         }
     }
-    assert_eq!(compiled, 3 * Decoder::ALL.len());
+    assert_eq!(compiled, 3 * PackKind::ALL.len());
 }
 
 #[test]
 fn the_validator_of_spirv_takes_them() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("shader.spv");
-    for decoder in Decoder::ALL {
+    for decoder in PackKind::ALL {
         let words = shader(decoder, Language::Spirv).bytes;
         std::fs::write(&file, &words).unwrap();
         let Some(said) = complaint("spirv-val", &["--target-env", "vulkan1.1"], &file) else { return };

@@ -2,9 +2,9 @@
 //! `bindings/web/build` makes the package.
 
 use crate::browser::{call, numbers};
+use brdfc_formats::PackKind;
 use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::wavelet::Filter;
-use brdfc_shaders::Decoder;
 use brdfc_testing::browser::{File, result_of_page};
 use brdfc_testing::engines::{Case, Query, cases, check};
 use brdfc_testing::gradient;
@@ -15,9 +15,9 @@ const PAGE: &str = "<!doctype html><meta charset=utf-8><title>brdfc</title>
 <script type=module src=package.js></script>";
 
 /// The call in WGSL.
-fn wgsl_call(decoder: Decoder) -> String {
+fn wgsl_call(decoder: PackKind) -> String {
     match decoder {
-        Decoder::Wavelet => "vec4<f32>(wavelet_brdf_exact(a.xyz, b.xyz, a.w), 0.0)".to_owned(),
+        PackKind::Wavelet => "vec4<f32>(wavelet_brdf_exact(a.xyz, b.xyz, a.w), 0.0)".to_owned(),
         _ => call(decoder).replace("vec4(", "vec4<f32>("),
     }
 }
@@ -39,7 +39,7 @@ fn agrees(api: &str) {
     }
     // Maps and samples are for renderers that this package does not have.
     let loaded =
-        |case: &Case| ![Decoder::Bandwidth, Decoder::Importance].contains(&case.decoder) && !case.files.is_empty();
+        |case: &Case| ![PackKind::Bandwidth, PackKind::Importance].contains(&case.decoder) && !case.files.is_empty();
     let cases: Vec<Case> = cases().into_iter().filter(loaded).collect();
     let mut files: Vec<(String, &str, Vec<u8>)> = Vec::new();
     let mut listed = Vec::new();

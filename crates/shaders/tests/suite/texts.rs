@@ -1,8 +1,9 @@
 //! What translated decoders say of themselves is in them.
 
-use brdfc_shaders::{BindingKind, Decoder, Language, shader};
+use brdfc_formats::PackKind;
+use brdfc_shaders::{BindingKind, Language, shader};
 
-pub fn text(decoder: Decoder, language: Language) -> String {
+pub fn text(decoder: PackKind, language: Language) -> String {
     String::from_utf8(shader(decoder, language).bytes).unwrap()
 }
 
@@ -11,15 +12,15 @@ pub const TEXTS: [Language; 5] = [Language::Wgsl, Language::Glsl, Language::Essl
 
 #[test]
 fn every_decoder_goes_into_every_language() {
-    for decoder in Decoder::ALL {
-        assert_eq!(Decoder::from_name(decoder.name()), Some(decoder));
+    for decoder in PackKind::ALL {
+        assert_eq!(PackKind::from_name(decoder.name()), Some(decoder));
         for language in TEXTS {
             let text = text(decoder, language);
             let (header, code) =
                 text.split_at(text.lines().take_while(|line| line.starts_with("//")).map(|line| line.len() + 1).sum());
             assert!(header.is_ascii(), "{header}");
             assert!(header.lines().all(|line| line.len() <= 120 && line.trim_end() == line), "{header}");
-            for function in decoder.functions() {
+            for function in decoder.descriptor().functions {
                 assert!(header.contains(&format!(" {function}(")), "{header}");
                 assert_eq!(code.matches(&format!(" {function}(")).count().min(1), 1, "{} {function}", language.name());
             }
@@ -40,7 +41,7 @@ fn every_decoder_goes_into_every_language() {
 
 #[test]
 fn interfaces_are_those_of_the_blocks() {
-    for decoder in Decoder::ALL {
+    for decoder in PackKind::ALL {
         let interface = shader(decoder, Language::Wgsl).interface;
         let numbers: Vec<u32> = interface.bindings.iter().map(|binding| binding.binding).collect();
         assert!(numbers.is_sorted_by(|a, b| a < b), "{}: {numbers:?}", decoder.name());
@@ -54,7 +55,7 @@ fn interfaces_are_those_of_the_blocks() {
         }
         assert!(interface.functions.iter().all(|function| !function.about.is_empty()), "{}", decoder.name());
     }
-    let table = shader(Decoder::Table, Language::Glsl).interface;
+    let table = shader(PackKind::Table, Language::Glsl).interface;
     assert_eq!(table.functions[0].signature, "fn table_brdf(wi: vec3<f32>, wo: vec3<f32>) -> vec3<f32>");
     let BindingKind::Uniform { block, bytes, fields } = &table.bindings[1].kind else { panic!("no block") };
     assert_eq!((block.as_str(), *bytes), ("TableBrdfParameters", 144));
@@ -69,7 +70,7 @@ fn interfaces_are_those_of_the_blocks() {
 
 #[test]
 fn headers_say_how_a_language_declares_it() {
-    let of = |language| text(Decoder::Table, language);
+    let of = |language| text(PackKind::Table, language);
     assert!(of(Language::Glsl).contains("//     vec3 table_brdf(vec3 wi, vec3 wo)\n"));
     assert!(of(Language::Hlsl).contains("//     float3 table_brdf(float3 wi, float3 wo)\n"));
     assert!(of(Language::Hlsl).contains("\nSamplerState table_brdf_sampler : register(s3);\n"));

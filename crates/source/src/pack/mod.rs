@@ -101,5 +101,5 @@ fn brdf_pack(pack: Pack) -> Result<BrdfPack, FormatError> {
         PackKind::FlatBtf => "a table or wavelet pack: a flat BTF has no one BRDF",
         _ => "a table or wavelet pack",
     };
-    Err(FormatError::whole("pack", kind.name(), allowed))
+    Err(FormatError::whole("pack", kind.in_words(), allowed))
 }

@@ -1,7 +1,8 @@
 //! Translated shaders in the repository are what naga makes of the WGSL. `./scripts/bless` writes them.
 
+use brdfc_formats::PackKind;
 use brdfc_jobs::view::PageShader;
-use brdfc_shaders::{Decoder, Generated};
+use brdfc_shaders::Generated;
 use brdfc_testing::golden::{blessing, tell};
 use brdfc_testing::repository;
 use brdfc_translate::{program, translate};
@@ -23,7 +24,7 @@ fn check(file: &str, made: &impl Serialize) {
 #[test]
 fn decoders_in_the_languages_of_engines() {
     let all: BTreeMap<&str, Generated> =
-        Decoder::ALL.map(|decoder| (decoder.name(), translate(decoder).unwrap())).into_iter().collect();
+        PackKind::ALL.map(|decoder| (decoder.name(), translate(decoder).unwrap())).into_iter().collect();
     check(Generated::FILE, &all);
 }
 

@@ -16,7 +16,7 @@ use brdfc_studies::adaptive::{
 use brdfc_studies::{Study, StudyResult};
 use brdfc_terminal::output::remark;
 use brdfc_terminal::table::{percent, plain, significant};
-use brdfc_terminal::{Error, Common};
+use brdfc_terminal::{Common, Error};
 use std::time::Instant;
 
 /// Errors at which costs are compared, dB of PSNR.

@@ -11,7 +11,7 @@ use brdfc_studies::btf::{
 use brdfc_terminal::directions::{default_set, direction_set};
 use brdfc_terminal::output::{make_folder, remark, write_file};
 use brdfc_terminal::table::{bytes, percent, plain};
-use brdfc_terminal::{Error, Common};
+use brdfc_terminal::{Common, Error};
 use std::cell::Cell;
 use std::time::{Duration, Instant};
 
@@ -24,9 +24,7 @@ const BETWEEN_REMARKS: Duration = Duration::from_secs(5);
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, Error> {
     let texels = arguments.texels.unwrap_or(TEXELS);
     if !(8..=MOST_TEXELS).contains(&texels) || !texels.is_power_of_two() {
-        return Err(Error::usage(format!(
-            "--texels: found {texels}; allowed a power of two from 8 to {MOST_TEXELS}"
-        )));
+        return Err(Error::usage(format!("--texels: found {texels}; allowed a power of two from 8 to {MOST_TEXELS}")));
     }
     let set = direction_set("directions", arguments.directions.as_ref().unwrap_or(&default_set()))?;
     let held_out = held_out(set.len()).map_err(|error| Error::usage(format!("--directions: {error}")))?;

@@ -9,7 +9,7 @@ use brdfc_studies::codecs::{
 };
 use brdfc_terminal::output::{make_folder, remark, write_file};
 use brdfc_terminal::table::{bytes, percent, plain};
-use brdfc_terminal::{Error, Common};
+use brdfc_terminal::{Common, Error};
 use std::path::Path;
 use std::process::Command;
 use std::time::Instant;

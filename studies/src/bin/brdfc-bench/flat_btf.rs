@@ -10,7 +10,7 @@ use brdfc_studies::flat_btf::{ModelRow, StudyError, StudySettings, study_model};
 use brdfc_terminal::directions::{INDIRECTION, default_set, direction_set, in_flags, map_header};
 use brdfc_terminal::output::remark;
 use brdfc_terminal::table::plain;
-use brdfc_terminal::{Error, Common};
+use brdfc_terminal::{Common, Error};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 

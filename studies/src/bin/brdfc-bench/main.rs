@@ -17,7 +17,7 @@ mod wavelet;
 use arguments::Arguments;
 use brdfc_studies::{Study, StudyResult};
 use brdfc_terminal::output::{check_folder, print, print_json};
-use brdfc_terminal::{Error, Common, run_program, usage};
+use brdfc_terminal::{Common, Error, run_program, usage};
 use clap::CommandFactory as _;
 use serde::Serialize;
 use std::process::ExitCode;

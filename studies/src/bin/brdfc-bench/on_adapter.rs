@@ -16,7 +16,7 @@ use brdfc_studies::{Study, StudyResult};
 use brdfc_table::recipe::TableRecipe;
 use brdfc_terminal::output::{make_folder, remark, write_file};
 use brdfc_terminal::table::{bytes, plain};
-use brdfc_terminal::{Error, Common, graphics_environment};
+use brdfc_terminal::{Common, Error, graphics_environment};
 use brdfc_wavelet::recipe::Recipe;
 use std::path::Path;
 use std::time::Instant;

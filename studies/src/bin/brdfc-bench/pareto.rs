@@ -7,7 +7,7 @@ use brdfc_studies::StudyResult;
 use brdfc_studies::pareto::{ParetoMaterial, ParetoRow, ParetoStudy, drawing, pareto, settings};
 use brdfc_terminal::output::{make_folder, remark, write_file};
 use brdfc_terminal::table::{bytes, percent, plain};
-use brdfc_terminal::{Error, Common};
+use brdfc_terminal::{Common, Error};
 use std::cell::Cell;
 use std::time::{Duration, Instant};
 

@@ -6,7 +6,7 @@ use brdfc_studies::StudyResult;
 use brdfc_studies::rays::{Dump, RayScene, RayStudy, RayStudyError};
 use brdfc_terminal::output::{make_folder, remark, write_file};
 use brdfc_terminal::table::{percent, plain};
-use brdfc_terminal::{Error, Common};
+use brdfc_terminal::{Common, Error};
 use std::path::Path;
 
 const BUTTON: &str = "synth:button";

@@ -7,7 +7,7 @@ use brdfc_studies::StudyResult;
 use brdfc_studies::relighting::{RelightingStudy, relighting, relit};
 use brdfc_terminal::output::{make_folder, remark, write_file};
 use brdfc_terminal::table::{bytes, percent, plain};
-use brdfc_terminal::{Error, Common};
+use brdfc_terminal::{Common, Error};
 
 /// Lights that are held out.
 const HELD_OUT: usize = 8;

@@ -156,7 +156,7 @@ fn brdf_pack(folder: &Path, entry: &MaterialEntry, name: &str) -> Result<BrdfPac
     match Pack::from_bytes(&bytes).map_err(|error| wrong_file(&path, error.to_string()))? {
         Pack::Table(pack) => Ok(BrdfPack::Table(pack)),
         Pack::Wavelet(pack) => Ok(BrdfPack::Wavelet(pack)),
-        other => Err(wrong_file(&path, other.kind().name().to_owned())),
+        other => Err(wrong_file(&path, other.kind().in_words().to_owned())),
     }
 }
 

@@ -1,0 +1,19 @@
+//! What is known of the codec apart from its packs.
+
+use super::shader::BANDWIDTH_WGSL;
+use crate::descriptor::{Answer, Descriptor};
+
+pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
+    name: "bandwidth",
+    in_words: "a bandwidth map",
+    plural: "bandwidth maps",
+    specification: "formats/src/bandwidth/spec.md",
+    wgsl: || BANDWIDTH_WGSL.to_owned(),
+    functions: &["bandwidth_brdf", "bandwidth_environment", "bandwidth_texture"],
+    answer: Answer {
+        takes: "a: wi; b: wo; c: uv",
+        gives: "bandwidths of the lobe, of the environment at wi, of the texture at uv",
+        body: "vec4<f32>(bandwidth_brdf(a.xyz, b.xyz), bandwidth_environment(a.xyz), \
+               bandwidth_texture(c.xy), 0.0)",
+    },
+};

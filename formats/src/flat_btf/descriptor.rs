@@ -1,0 +1,18 @@
+//! What is known of the codec apart from its packs.
+
+use super::shader::flat_btf_value_wgsl;
+use crate::descriptor::{Answer, Descriptor};
+
+pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
+    name: "flat-btf",
+    in_words: "a flat BTF",
+    plural: "flat BTFs",
+    specification: "formats/src/flat_btf/spec.md",
+    wgsl: flat_btf_value_wgsl,
+    functions: &["flat_btf_value", "flat_btf_light_form", "flat_btf_indirection", "factored_mipmap_level"],
+    answer: Answer {
+        takes: "a: uv and the level of detail; b: view; c: light",
+        gives: "radiance divided by that of a white diffuser",
+        body: "vec4<f32>(flat_btf_value(a.xy, a.z, b.xyz, c.xyz), 0.0)",
+    },
+};

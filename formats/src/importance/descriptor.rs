@@ -1,0 +1,18 @@
+//! What is known of the codec apart from its packs.
+
+use super::IMPORTANCE_WGSL;
+use crate::descriptor::{Answer, Descriptor};
+
+pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
+    name: "importance",
+    in_words: "an importance-sample pack",
+    plural: "importance samples",
+    specification: "formats/src/importance/spec.md",
+    wgsl: || IMPORTANCE_WGSL.to_owned(),
+    functions: &["importance_sample"],
+    answer: Answer {
+        takes: "a: wo and the index of the sample",
+        gives: "wi and 1 / density",
+        body: "answer_of(importance_sample(a.xyz, u32(a.w)))",
+    },
+};

@@ -1,0 +1,18 @@
+//! What is known of the codec apart from its packs.
+
+use super::shader::PWT_WGSL;
+use crate::descriptor::{Answer, Descriptor};
+
+pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
+    name: "pwt",
+    in_words: "a polynomial wavelet tree",
+    plural: "polynomial wavelet trees",
+    specification: "formats/src/pwt/spec.md",
+    wgsl: || PWT_WGSL.to_owned(),
+    functions: &["pwt_value", "pwt_mipmap_level"],
+    answer: Answer {
+        takes: "a: uv and the level of detail; b: wi",
+        gives: "linear RGB",
+        body: "vec4<f32>(pwt_value(a.xy, a.z, b.xyz), 0.0)",
+    },
+};

@@ -1,0 +1,18 @@
+//! What is known of the codec apart from its packs.
+
+use super::shader::TABLE_BRDF_WGSL;
+use crate::descriptor::{Answer, Descriptor};
+
+pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
+    name: "table",
+    in_words: "a table pack",
+    plural: "table packs",
+    specification: "formats/src/table/spec.md",
+    wgsl: || TABLE_BRDF_WGSL.to_owned(),
+    functions: &["table_brdf", "table_brdf_exact", "table_brdf_at", "table_brdf_level_of_detail"],
+    answer: Answer {
+        takes: "a: wi and the level of detail; b: wo and 1 where the sampler filters, else 0",
+        gives: "f_r",
+        body: "vec4<f32>(table_brdf_at(a.xyz, b.xyz, a.w, b.w == 1.0), 0.0)",
+    },
+};

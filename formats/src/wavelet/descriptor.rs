@@ -1,0 +1,19 @@
+//! What is known of the codec apart from its packs.
+
+use super::shader::WAVELET_BRDF_WGSL;
+use crate::descriptor::{Answer, Descriptor};
+
+pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
+    name: "wavelet",
+    in_words: "a wavelet pack",
+    plural: "wavelet packs",
+    specification: "formats/src/wavelet/spec.md",
+    wgsl: || WAVELET_BRDF_WGSL.to_owned(),
+    functions: &["wavelet_brdf", "wavelet_brdf_exact", "wavelet_brdf_level_of_detail"],
+    answer: Answer {
+        takes: "a: wi and the level of detail; b: wo and 1 where the sampler filters, else 0",
+        gives: "f_r",
+        body: "vec4<f32>(select(wavelet_brdf_exact(a.xyz, b.xyz, a.w), wavelet_brdf(a.xyz, b.xyz, a.w), \
+               b.w == 1.0), 0.0)",
+    },
+};
