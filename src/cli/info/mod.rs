@@ -204,10 +204,9 @@ fn with_structures(error: InputError) -> Error {
         }
         _ => String::new(),
     };
-    match Error::from(error) {
-        Error::input(text) => Error::input(text + &more),
-        other => other,
-    }
+    let error = Error::from(error);
+    let text = format!("{error}{more}");
+    error.with_message(text)
 }
 
 fn symmetry_in_words(s: Symmetry) -> String {
