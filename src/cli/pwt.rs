@@ -280,10 +280,11 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
 
 /// What is wrong with photographs, by the input's name.
 fn of_input(input: &Input, error: Error) -> Error {
-    match error {
-        Error::input(text) => Error::input(format!("{input}: {text}")),
-        other => other,
+    if error.kind() != ErrorKind::Input {
+        return error;
     }
+    let text = format!("{input}: {error}");
+    error.with_message(text)
 }
 
 fn missed(recipe: &PwtRecipe, report: &PwtReport) -> String {
