@@ -3,6 +3,7 @@
 use super::output::{note, output_parser, print_report, refuse_overwriting, refuse_unfit_output, to_json, write_file};
 use super::{Common, Error};
 use crate::table;
+use brdfc::ErrorKind;
 use brdfc_formats::pwt::LightCoordinates;
 use brdfc_jobs::encode::bytes_from_text;
 use brdfc_jobs::pwt::{LightInput, PwtError, PwtReport, make, make_map, recipe_of_map};
