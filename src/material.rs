@@ -1,6 +1,6 @@
 //! Materials: whatever has reflectance.
 
-use crate::{EncodeOptions, Error, Facts, Input, Pack, PackRecipe, Progress, Source};
+use crate::{Error, Facts, Input, Pack, PackRecipe, Progress, Source};
 use brdfc_jobs::encode::encode;
 use brdfc_source::open::{Opened, open as open_input};
 
@@ -19,7 +19,7 @@ pub fn open(input: impl Into<Input>) -> Result<Material, Error> {
 }
 
 impl Material {
-    /// A pack within a [`Budget`](crate::Budget), by [`EncodeOptions`], or by a whole [`PackRecipe`].
+    /// A pack within a [`Budget`](crate::Budget), by [`EncodeOptions`](crate::EncodeOptions), or by a whole [`PackRecipe`].
     ///
     /// # Errors
     /// A budget that no pack meets ([`ErrorKind::Check`](crate::ErrorKind::Check)); options out of range or that do not go

@@ -95,11 +95,35 @@ pub trait Progress: Sync {
         self.check()
     }
 
-    /// The progress of a named part of the work, such as one of several materials.
+    /// The progress of a named part of the work, such as one of several materials: `Box::new(self)` where parts are nothing of their
+    /// own.
     fn part<'a>(&'a self, name: &'a str) -> Box<dyn Progress + 'a>;
 
     /// The work is finished, and whether it succeeded.
     fn finished(&self, _succeeded: bool) {}
+}
+
+/// So that whoever hears of the whole can hear of its parts, too.
+impl<P: Progress + ?Sized> Progress for &P {
+    fn check(&self) -> Result<(), Cancelled> {
+        (**self).check()
+    }
+
+    fn stage(&self, stage: Stage, steps: usize) -> Result<(), Cancelled> {
+        (**self).stage(stage, steps)
+    }
+
+    fn step(&self) -> Result<(), Cancelled> {
+        (**self).step()
+    }
+
+    fn part<'a>(&'a self, name: &'a str) -> Box<dyn Progress + 'a> {
+        (**self).part(name)
+    }
+
+    fn finished(&self, succeeded: bool) {
+        (**self).finished(succeeded);
+    }
 }
 
 /// Ignores everything.

@@ -9,8 +9,8 @@ pub use arguments::Arguments;
 pub(super) use arguments::BuildArguments;
 
 use super::output::{
-    check_folder, make_folder, note, print, print_json, refuse_dash, refuse_missing_folder, refuse_overwriting,
-    refuse_overwriting_any, refuse_own, refuse_same_outputs, remark, tell, write_file,
+    check_folder, note, print, print_json, refuse_dash, refuse_missing_folder, refuse_overwriting, refuse_own,
+    refuse_same_outputs, remark, tell, write_file,
 };
 use super::progress::Materials;
 use super::{Common, Error, interrupt};
@@ -144,7 +144,7 @@ pub(super) fn tell_what_matters(built: &Built, common: Common, notes: Notes) -> 
         if notes == Notes::OfMade && made.times.is_none() {
             untold += usize::from(!lines.is_empty());
         } else {
-            lines.iter().for_each(|line| note(common, name, line));
+            lines.iter().for_each(|line| note(common, &name, line));
         }
     }
     built.outcomes.problems().iter().for_each(|line| tell(&format!("brdfc: {line}")));

@@ -1,11 +1,10 @@
 //! What a build did, in words.
 
-use crate::{Error, table};
+use crate::table;
 use brdfc_bandwidth::facts::BandwidthFacts;
-use brdfc_core::words::counted;
 use brdfc_jobs::report::build::environment_map;
 use brdfc_jobs::scene::maps::{PARTS, Packed, part_name};
-use brdfc_jobs::scene::run::{JobError, Outcomes};
+use brdfc_jobs::scene::run::Outcomes;
 
 /// The packs, a line each; where there are maps, those too.
 pub(super) fn text(outcomes: &Outcomes) -> String {

@@ -79,7 +79,7 @@ fn table_facts(pack: &TablePack) -> TablePackFacts {
 /// Files that cannot be read; packs of no known kind, or that break the rules of their layout.
 pub fn open_pack(input: impl Into<Input>) -> Result<Pack, InputError> {
     let input = input.into();
-    InputFile::of(&input, &mut ())?.parse(|bytes| Pack::from_bytes(bytes))
+    InputFile::of(&input, &mut ())?.parse(Pack::from_bytes)
 }
 
 /// Reads a pack of reflectances, of whichever codec.
