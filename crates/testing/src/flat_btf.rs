@@ -1,14 +1,17 @@
 //! Flat BTFs for tests.
 
-use crate::packs::Numbers;
-use brdfc_formats::container::{half, rgb9e5};
+use crate::packs::{Numbers, sealed};
+use brdfc_formats::FormatError;
+use brdfc_formats::bindings::{PackFile, Resource, Texels};
+use brdfc_formats::container::{Extent, TexelFormat, half, rgb9e5};
 use brdfc_formats::flat_btf::factored::{
     BASE_LAYERS, BaseTable, BasisMap, DIFFERENCE_ANGLES, FactoredErrors, FactoredFlatBtf, FactoredHeader, GROUP,
     HALF_ANGLES, ShadowFormat, ShadowMap, WeightMap, WeightRange,
 };
 use brdfc_formats::flat_btf::{
-    BlendedDirection, DiffuseMap, DisplacementHeader, DisplacementMap, FlatBtfParts, FlatHeader, FlatValues, FlatView,
-    IndirectionHeader, IndirectionMap, NormalMap, ReferenceMap, ViewWeights, VisibilityMask,
+    BlendedDirection, DiffuseMap, DisplacementHeader, DisplacementMap, FlatBtfDecoder, FlatBtfFile, FlatBtfParts,
+    FlatHeader, FlatValues, FlatView, Indirection, IndirectionHeader, IndirectionMap, MAX_COORDINATE, NormalMap,
+    ReferenceMap, ViewWeights, VisibilityMask,
 };
 use std::f32::consts::{FRAC_PI_2, TAU};
 
@@ -196,40 +199,71 @@ pub fn factored_example() -> FactoredFlatBtf {
     FactoredFlatBtf::new(basis.unwrap(), weights.unwrap(), Some(shadow.unwrap())).unwrap()
 }
 
-/// The files of [`factored_example`] by part.
-pub fn factored_files(supercompress: bool) -> [(&'static str, Vec<u8>); 3] {
-    let asset = factored_example();
-    let shadow = asset.shadow().expect("it has shadows");
-    [
-        ("basis", asset.basis().to_bytes(supercompress)),
-        ("weights", asset.weights().to_bytes(supercompress)),
-        ("shadow", shadow.to_bytes(supercompress)),
-    ]
+/// A file of small maps with a mask, and with these displacements and values.
+pub fn file(indirection: impl Into<Indirection>, values: FlatValues) -> FlatBtfFile {
+    let parts = FlatBtfParts { indirection: indirection.into(), values, ..parts(SMALL, 8) };
+    FlatBtfFile::new(FlatBtfDecoder::new(parts).unwrap(), Some(mask(SMALL, 1))).unwrap()
 }
 
-/// Reads bytes and, where they are a part of a factored flat BTF that belongs to the others of [`factored_example`], decodes
-/// the asset here and there: whatever a file holds, its values are numbers.
-pub fn factored_survives(bytes: &[u8]) -> bool {
-    let asset = factored_example();
-    let (mut basis, mut weights, mut shadow) =
-        (asset.basis().clone(), asset.weights().clone(), asset.shadow().cloned());
-    if let Ok(map) = BasisMap::from_bytes(bytes) {
-        basis = map;
-    } else if let Ok(map) = WeightMap::from_bytes(bytes) {
-        weights = map;
-    } else if let Ok(map) = ShadowMap::from_bytes(bytes) {
-        shadow = Some(map);
-    } else {
-        return false;
+/// A file of [`factored_example`] with displacements of bytes.
+pub fn factored_file() -> FlatBtfFile {
+    file(displacements(SMALL, 2, 3), FlatValues::Factored(Box::new(factored_example())))
+}
+
+/// A file of the light form, with directions and distances of displacements.
+pub fn light_file() -> FlatBtfFile {
+    file(indirection(SMALL, 9), FlatValues::None)
+}
+
+/// What a reader says of a file whose images or entries were changed.
+pub fn refusal(file: &FlatBtfFile, change: impl FnOnce(&mut PackFile)) -> FormatError {
+    let mut file = PackFile::from_bytes(&file.to_bytes(false)).expect("our own file");
+    change(&mut file);
+    FlatBtfFile::from_file(file).expect_err("a broken rule")
+}
+
+/// The image of a binding.
+pub fn image<'f>(file: &'f mut PackFile, name: &str) -> &'f mut Texels<'static> {
+    match file.bindings.all.iter_mut().find(|binding| binding.name == name).map(|binding| &mut binding.resource) {
+        Some(Resource::Texture(texels)) => texels,
+        other => panic!("{name}: {other:?}"),
     }
-    // Without shadows it is still an asset.
-    let shadow = shadow.filter(|_| basis.header().shadow == ShadowFormat::R8);
-    let Ok(asset) = FactoredFlatBtf::new(basis, weights, shadow) else { return false };
-    let (views, lights) = (asset.header().views.len() as u32, asset.header().lights.len() as u32);
+}
+
+/// Replaces a texel of an image.
+pub fn set_texel(file: &mut PackFile, name: &str, at: usize, texel: &[u8]) {
+    image(file, name).bytes.to_mut()[at * texel.len()..][..texel.len()].copy_from_slice(texel);
+}
+
+/// Gives an image another shape.
+pub fn reshape(file: &mut PackFile, name: &str, format: TexelFormat, extent: Extent, levels: u32) {
+    let image = image(file, name);
+    (image.format, image.extent, image.levels) = (format, extent, levels);
+    image.bytes.to_mut().resize(extent.texels_of_levels(levels) as usize * format.texel_bytes(), 7);
+}
+
+/// Replaces the word at a byte of an entry.
+pub fn set_word(file: &mut PackFile, key: &str, offset: usize, word: u32) {
+    let entry = file.entries.get_mut(key).expect("an entry of this name");
+    entry[offset..offset + 4].copy_from_slice(&word.to_le_bytes());
+}
+
+/// Reads a file, whatever its checksum is, and where it is a flat BTF decodes it here and there: its values are numbers,
+/// whatever it holds.
+pub fn survives(bytes: &[u8]) -> bool {
+    let Ok(file) = FlatBtfFile::from_bytes(&sealed(bytes.to_vec())) else { return false };
+    let decoder = &file.decoder;
     for (k, (uv, detail)) in (0..).zip([([0.1, 0.9], 0.0), ([1.3, -0.2], 0.6), ([0.5, 0.5], 7.0)]) {
-        let texel = asset.texel([k % asset.header().size, 0]).value(k % views, k % lights);
-        let value = asset.value(uv, detail, towards(only(k % views)), towards(only(k % lights)));
-        assert!(texel.iter().chain(&value).all(|c| (0.0..3e5).contains(c)), "{texel:?} {value:?}");
+        let direction = TOWARDS[k as usize];
+        let seen = decoder.indirection(uv, direction);
+        assert!(seen.iter().all(|c| c.abs() <= MAX_COORDINATE), "{seen:?}");
+        let mut values = decoder.light_form(uv, direction, direction).to_vec();
+        if let Some(asset) = decoder.parts().values.factored() {
+            let (views, lights) = (asset.header().views.len() as u32, asset.header().lights.len() as u32);
+            values.extend(asset.texel([k % asset.header().size, 0]).value(k % views, k % lights));
+            values.extend(asset.value(uv, detail, towards(only(k % views)), towards(only(k % lights))));
+        }
+        assert!(values.iter().all(|c| (0.0..3e5).contains(c)), "{values:?}");
     }
     true
 }
@@ -276,15 +310,9 @@ pub fn only(index: u32) -> ViewWeights {
     ViewWeights { indices: [index; 3], weights: [1.0, 0.0, 0.0] }
 }
 
-/// The asset whose indirection and second view stand in `formats/src/flat_btf/spec.md`.
+/// The indirection whose entry and texels are in `formats/src/flat_btf/spec.md`.
 pub fn example_indirection() -> IndirectionMap {
     let header = IndirectionHeader { size: 1, zenith_samples: 2, azimuth_samples: 3, largest_angle: 1.0 };
     let displacements = [[0.25, 0.0], [-0.125, 0.216_506], [-0.125, -0.216_506]];
     IndirectionMap::from_displacements(header, |_, k, a| (displacements[a as usize], 0.5 * k as f32)).unwrap()
-}
-
-pub fn example_view() -> FlatView {
-    let header =
-        FlatHeader { size: 1, view: 1, views: vec![[0.0, 0.0], [0.5, 1.0]], lights: vec![[0.0, 0.0], [1.0, 3.0]] };
-    FlatView::new(header, vec![rgb9e5::encode([1.0, 0.5, 0.25]), rgb9e5::encode([0.125, 0.0, 0.0625])]).unwrap()
 }

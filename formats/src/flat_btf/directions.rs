@@ -6,7 +6,6 @@ use crate::FormatError;
 use crate::container::{Extent, TexelFormat, Texture};
 use crate::direction_mesh::DirectionMesh;
 use crate::direction_set::DirectionSet;
-use std::collections::BTreeMap;
 
 const PART: &str = "directions";
 /// Texels in a row.
@@ -74,26 +73,8 @@ impl SampledDirections {
         words
     }
 
-    /// The bytes of the KTX2 file.
-    pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
-        let texels = self.texels().into_iter().flat_map(u32::to_le_bytes).collect();
-        let (format, extent) = (TexelFormat::R32Uint, Extent::D2(self.extent()));
-        Texture { format, extent, entries: BTreeMap::new(), levels: 1, texels }.to_bytes(supercompress)
-    }
-
-    /// Reads and checks a KTX2 file.
-    ///
-    /// # Errors
-    /// Whatever breaks the rules of `formats/src/flat_btf/spec.md`.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        Self::from_texture(&Texture::from_bytes(bytes)?)
-    }
-
-    /// [`Self::from_bytes`] of a file whose container has been read.
-    ///
-    /// # Errors
-    /// As [`Self::from_bytes`].
-    pub fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
+    /// Reads and checks the image of a file.
+    pub(super) fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
         check_format(texture, PART, TexelFormat::R32Uint)?;
         let rows = match texture.extent {
             Extent::D2([width, rows]) if width == WIDTH as u32 && (2..=MAX_ROWS).contains(&rows) => rows as usize,

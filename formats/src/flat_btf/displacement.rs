@@ -7,14 +7,10 @@ use crate::FormatError;
 use crate::container::entries::{entry, sized};
 use crate::container::{Extent, TexelFormat, Texture, half};
 use crate::cursor::Cursor;
-use std::collections::BTreeMap;
 
 const PART: &str = "displacement";
-const KIND: &str = "a map of displacements";
 /// The entry that tells a map of displacements.
 pub(crate) const HEADER: &str = "brdfc.displacement";
-/// The entry of the bounds of all blocks.
-const RANGES: &str = "brdfc.displacement.ranges";
 /// Largest tangent of a polar angle that displacements are divided by.
 pub const MAX_TANGENT: f32 = 8.0;
 /// What is added to the tangent.
@@ -117,7 +113,7 @@ impl DisplacementMap {
         let good = |bits: &u16| half::decode(*bits).abs() <= super::MAX_COORDINATE;
         if let Some(k) = ranges.iter().position(|range| !range.iter().all(good)) {
             let found = format!("{:?}", ranges[k].map(half::decode));
-            return Err(FormatError::whole(format!("{RANGES} block {k}"), found, "numbers of -1024 to 1024"));
+            return Err(FormatError::whole(format!("range {k} of the part {PART}"), found, "numbers of -1024 to 1024"));
         }
         let width = header.blocks.extent()[0] as usize;
         let rows = header.blocks.azimuth_samples as usize + 1;
@@ -181,53 +177,15 @@ impl DisplacementMap {
         (HEADER.to_owned(), self.header.to_bytes())
     }
 
-    /// The bytes of the KTX2 file.
-    pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
-        let entries = [self.entry(), (RANGES.to_owned(), self.range_bytes())];
-        Texture {
-            format: TexelFormat::Rg8Unorm,
-            extent: Extent::D2(self.header.blocks.extent()),
-            entries: BTreeMap::from(entries),
-            levels: 1,
-            texels: self.texel_bytes().to_vec(),
-        }
-        .to_bytes(supercompress)
-    }
-
-    /// Reads and checks a KTX2 file.
-    ///
-    /// # Errors
-    /// Whatever breaks the rules of `formats/src/flat_btf/spec.md`.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        Self::from_texture(&Texture::from_bytes(bytes)?)
-    }
-
-    /// [`Self::from_bytes`] of a file whose container has been read.
-    ///
-    /// # Errors
-    /// As [`Self::from_bytes`].
-    pub fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
-        Self::with_ranges(texture, entry(texture, RANGES, KIND)?)
-    }
-
-    /// From the texture of texels, with the header's entry, and that of ranges.
+    /// Reads and checks the image of a file with its entry, and that of the ranges.
     pub(super) fn from_textures(texture: &Texture, ranges: &Texture) -> Result<Self, FormatError> {
-        if ranges.format != TexelFormat::Rgba16Float {
-            let found = format!("texels of {:?}", ranges.format);
-            return Err(FormatError::whole("ranges of displacements", found, "texels of Rgba16Float"));
-        }
-        Self::with_ranges(texture, &ranges.texels)
-    }
-
-    fn with_ranges(texture: &Texture, ranges: &[u8]) -> Result<Self, FormatError> {
-        let header = DisplacementHeader::from_bytes(entry(texture, HEADER, KIND)?)?;
+        let header = DisplacementHeader::from_bytes(entry(texture, HEADER, "a map of displacements")?)?;
         check_format(texture, PART, TexelFormat::Rg8Unorm)?;
+        check_format(ranges, "ranges", TexelFormat::Rgba16Float)?;
         let extent = Extent::D2(header.blocks.extent());
         if texture.extent != extent {
             return Err(wrong_extent(PART, texture.extent, format!("a 2D texture of {extent}, as {HEADER} says")));
         }
-        let size = header.blocks.size as usize;
-        let ranges = halves(sized(ranges, RANGES, 8 * size * size)?);
-        Self::new(header, ranges, texture.texels.as_chunks::<2>().0.to_vec())
+        Self::new(header, halves(&ranges.texels), texture.texels.as_chunks::<2>().0.to_vec())
     }
 }

@@ -8,7 +8,6 @@ use super::shader::{BASIS, DIRECTIONS, NORMAL, PACKED, RANGES, REFERENCE, SHADOW
 use super::{DISPLACEMENT_ENTRY, DisplacementMap, IndirectionMap, NormalMap, ReferenceMap, maps::DiffuseMap};
 use crate::FormatError;
 use crate::bindings::{Bindings, PackFile};
-use crate::container::{MAX_TEXEL_BYTES, PackedTexture, Texture};
 use std::collections::BTreeMap;
 
 /// The entry of a KTX2 file: which texels each view sees. No shader reads it.
@@ -70,7 +69,7 @@ impl FlatBtfFile {
             entries.extend([asset.weights().entry()]);
             entries.extend(asset.shadow().map(ShadowMap::entry));
         }
-        entries.extend(self.mask.as_ref().map(|mask| (MASK.to_owned(), mask.to_bytes(true))));
+        entries.extend(self.mask.as_ref().map(|mask| (MASK.to_owned(), mask.to_bytes())));
         if !self.report.is_empty() {
             entries.insert(REPORT.to_owned(), self.report.clone().into_bytes());
         }
@@ -146,7 +145,6 @@ impl FlatBtfFile {
 }
 
 fn read_mask(bytes: &[u8]) -> Result<VisibilityMask, FormatError> {
-    let texture = PackedTexture::from_bytes(bytes).and_then(|packed| packed.unpack(MAX_TEXEL_BYTES));
-    let inside = |error: FormatError| FormatError { field: format!("{MASK}, {}", error.field).into(), ..error };
-    texture.and_then(|texture: Texture| VisibilityMask::from_texture(&texture)).map_err(inside)
+    VisibilityMask::from_bytes(bytes)
+        .map_err(|error| FormatError { field: format!("{MASK}, {}", error.field).into(), ..error })
 }

@@ -1,22 +1,19 @@
 //! Values of the flat BTF for one view and all lights, before they are factored, and which texels each view sees.
 
-use super::layout::{VERSION, check_square, floats, square_layers, word, words, wrong_extent};
+use super::layout::{check_square, floats, square_layers};
 use crate::FormatError;
 use crate::container::entries::{entry, sized};
 use crate::container::{Extent, MAX_LAYERS, TexelFormat, Texture};
-use crate::cursor::Cursor;
 use crate::direction::from_polar;
 use std::collections::BTreeMap;
 
 const PART: &str = "flat";
-/// The entry that tells a view.
-pub(crate) const HEADER: &str = "brdfc.flat-btf";
 const VIEWS: &str = "brdfc.views";
 const LIGHTS: &str = "brdfc.lights";
 /// Most views, and most lights.
 pub const MAX_DIRECTIONS: u32 = MAX_LAYERS;
 
-/// Which view a file holds, of which views and lights. The directions are the same in all files of an asset.
+/// A view, and the directions of all views and lights, which are the same in the whole asset.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlatHeader {
     /// `T`, texels per side, 1 to 8192.
@@ -37,31 +34,10 @@ impl FlatHeader {
     pub fn check(&self) -> Result<(), FormatError> {
         check_directions(&self.views, &self.lights)?;
         if self.view as usize >= self.views.len() {
-            let (field, allowed) =
-                (format!("{HEADER} view"), format!("below {}, the number of views", self.views.len()));
-            return Err(FormatError::whole(field, self.view.to_string(), allowed));
+            let allowed = format!("below {}, the number of views", self.views.len());
+            return Err(FormatError::whole(format!("view of the part {PART}"), self.view.to_string(), allowed));
         }
         Ok(())
-    }
-
-    fn entries(&self) -> BTreeMap<String, Vec<u8>> {
-        let header = [VERSION, self.size, self.view, self.views.len() as u32, self.lights.len() as u32];
-        let mut entries = direction_entries(&self.views, &self.lights);
-        entries.insert(HEADER.to_owned(), header.into_iter().flat_map(u32::to_le_bytes).collect());
-        entries
-    }
-
-    fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
-        const KIND: &str = "a view of a flat BTF";
-        let mut cursor = Cursor::new(sized(entry(texture, HEADER, KIND)?, HEADER, 20)?);
-        word(&mut cursor, HEADER, "version", VERSION..=VERSION)?;
-        let (size, view) = (cursor.u32("size")?, cursor.u32("view")?);
-        let views = word(&mut cursor, HEADER, "views", 1..=MAX_DIRECTIONS)?;
-        let lights = word(&mut cursor, HEADER, "lights", 1..=MAX_DIRECTIONS)?;
-        let [views, lights] = read_directions(texture, KIND, [views, lights])?;
-        let header = Self { size, view, views, lights };
-        header.check()?;
-        Ok(header)
     }
 }
 
@@ -145,42 +121,6 @@ impl FlatView {
         let length = self.header.size as usize * self.header.size as usize;
         &self.texels[light as usize * length..][..length]
     }
-
-    /// The bytes of the KTX2 file.
-    pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
-        let size = self.header.size;
-        Texture {
-            format: TexelFormat::Rgb9E5,
-            extent: Extent::D2Array([size, size, self.header.lights.len() as u32]),
-            entries: self.header.entries(),
-            levels: 1,
-            texels: self.texels.iter().flat_map(|texel| texel.to_le_bytes()).collect(),
-        }
-        .to_bytes(supercompress)
-    }
-
-    /// Reads and checks a KTX2 file.
-    ///
-    /// # Errors
-    /// Whatever breaks the rules of `formats/src/flat_btf/spec.md`.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        Self::from_texture(&Texture::from_bytes(bytes)?)
-    }
-
-    /// [`Self::from_bytes`] of a file whose container has been read.
-    ///
-    /// # Errors
-    /// As [`Self::from_bytes`].
-    pub fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
-        let header = FlatHeader::from_texture(texture)?;
-        let [size, lights] = square_layers(texture, PART, TexelFormat::Rgb9E5)?;
-        if (size, lights as usize) != (header.size, header.lights.len()) {
-            let (side, count) = (header.size, header.lights.len());
-            let allowed = format!("{count} layers of {side} x {side}, as {HEADER} says");
-            return Err(wrong_extent(PART, texture.extent, allowed));
-        }
-        Self::new(header, words(&texture.texels))
-    }
 }
 
 /// The part `mask`: which texels of the flat BTF are seen in which view; values of the others were filled in.
@@ -227,8 +167,8 @@ impl VisibilityMask {
         self.texels[(view * size + row) * size + column] == 255
     }
 
-    /// The bytes of the KTX2 file.
-    pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
+    /// The bytes of its KTX2 file, which is an entry of the flat BTF.
+    pub(super) fn to_bytes(&self) -> Vec<u8> {
         Texture {
             format: TexelFormat::R8Unorm,
             extent: Extent::D2Array([self.size, self.size, self.views]),
@@ -236,23 +176,13 @@ impl VisibilityMask {
             levels: 1,
             texels: self.texels.clone(),
         }
-        .to_bytes(supercompress)
+        .to_bytes(true)
     }
 
-    /// Reads and checks a KTX2 file.
-    ///
-    /// # Errors
-    /// Whatever breaks the rules of `formats/src/flat_btf/spec.md`.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        Self::from_texture(&Texture::from_bytes(bytes)?)
-    }
-
-    /// [`Self::from_bytes`] of a file whose container has been read.
-    ///
-    /// # Errors
-    /// As [`Self::from_bytes`].
-    pub fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
-        let [size, views] = square_layers(texture, Self::PART, TexelFormat::R8Unorm)?;
-        Self::new(size, views, texture.texels.clone())
+    /// Reads and checks its KTX2 file.
+    pub(super) fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
+        let texture = Texture::from_bytes(bytes)?;
+        let [size, views] = square_layers(&texture, Self::PART, TexelFormat::R8Unorm)?;
+        Self::new(size, views, texture.texels)
     }
 }

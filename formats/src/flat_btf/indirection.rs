@@ -8,11 +8,10 @@ use crate::FormatError;
 use crate::container::entries::{entry, sized};
 use crate::container::{Extent, MAX_EXTENT_2D, TexelFormat, Texture, half};
 use crate::cursor::Cursor;
-use std::collections::BTreeMap;
 
 const PART: &str = "indirection";
 /// The entry that tells an indirection map.
-pub(crate) const HEADER: &str = "brdfc.indirection";
+const HEADER: &str = "brdfc.indirection";
 /// Most samples of the polar angle.
 pub const MAX_ZENITH_SAMPLES: u32 = 256;
 /// Most samples of the azimuth.
@@ -200,31 +199,8 @@ impl IndirectionMap {
         (HEADER.to_owned(), self.header.to_bytes())
     }
 
-    /// The bytes of the KTX2 file.
-    pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
-        Texture {
-            format: TexelFormat::Rgba16Float,
-            extent: Extent::D2(self.header.extent()),
-            entries: BTreeMap::from([self.entry()]),
-            levels: 1,
-            texels: self.texel_bytes(),
-        }
-        .to_bytes(supercompress)
-    }
-
-    /// Reads and checks a KTX2 file.
-    ///
-    /// # Errors
-    /// Whatever breaks the rules of `formats/src/flat_btf/spec.md`.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        Self::from_texture(&Texture::from_bytes(bytes)?)
-    }
-
-    /// [`Self::from_bytes`] of a file whose container has been read.
-    ///
-    /// # Errors
-    /// As [`Self::from_bytes`].
-    pub fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
+    /// Reads and checks the image of a file with its entry.
+    pub(super) fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
         let header = IndirectionHeader::from_bytes(entry(texture, HEADER, "an indirection map")?)?;
         check_format(texture, PART, TexelFormat::Rgba16Float)?;
         let extent = Extent::D2(header.extent());

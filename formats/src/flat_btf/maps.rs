@@ -4,8 +4,7 @@ use super::layout::{
     check_square, check_texels, floats, half_bytes, halves, is_coordinate, square, words as packed_words,
 };
 use crate::FormatError;
-use crate::container::{Extent, TexelFormat, Texture, half, rgb9e5};
-use std::collections::BTreeMap;
+use crate::container::{TexelFormat, Texture, half, rgb9e5};
 
 /// How far the squared length of a direction of halves may be from 1.
 const UNIT_TOLERANCE: f32 = 1.0 / 128.0;
@@ -13,10 +12,6 @@ const UNIT_TOLERANCE: f32 = 1.0 / 128.0;
 /// Whether a vector is a unit vector after its components were rounded to halves.
 pub(super) fn is_unit(v: &[f32]) -> bool {
     (v.iter().map(|c| c * c).sum::<f32>() - 1.0).abs() <= UNIT_TOLERANCE
-}
-
-fn texture(format: TexelFormat, size: u32, texels: Vec<u8>) -> Texture {
-    Texture { format, extent: Extent::D2([size, size]), entries: BTreeMap::new(), levels: 1, texels }
 }
 
 /// The part `normal`: unit shading normals, in the frame of the reference plane.
@@ -61,24 +56,8 @@ impl NormalMap {
         half_bytes(&texels)
     }
 
-    /// The bytes of the KTX2 file.
-    pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
-        texture(TexelFormat::Rgba16Float, self.size, self.texel_bytes()).to_bytes(supercompress)
-    }
-
-    /// Reads and checks a KTX2 file.
-    ///
-    /// # Errors
-    /// Whatever breaks the rules of `formats/src/flat_btf/spec.md`.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        Self::from_texture(&Texture::from_bytes(bytes)?)
-    }
-
-    /// [`Self::from_bytes`] of a file whose container has been read.
-    ///
-    /// # Errors
-    /// As [`Self::from_bytes`].
-    pub fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
+    /// Reads and checks the image of a file.
+    pub(super) fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
         let size = square(texture, Self::PART, TexelFormat::Rgba16Float)?;
         let texels = halves(&texture.texels);
         check_texels(Self::PART, size, &texels, "0 as w", |t| half::decode(t[3]).to_string(), |t| t[3] == 0)?;
@@ -123,25 +102,8 @@ impl DiffuseMap {
         &self.texels
     }
 
-    /// The bytes of the KTX2 file.
-    pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
-        let texels = self.texels.iter().flat_map(|texel| texel.to_le_bytes()).collect();
-        texture(TexelFormat::Rgb9E5, self.size, texels).to_bytes(supercompress)
-    }
-
-    /// Reads and checks a KTX2 file.
-    ///
-    /// # Errors
-    /// Whatever breaks the rules of `formats/src/flat_btf/spec.md`.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        Self::from_texture(&Texture::from_bytes(bytes)?)
-    }
-
-    /// [`Self::from_bytes`] of a file whose container has been read.
-    ///
-    /// # Errors
-    /// As [`Self::from_bytes`].
-    pub fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
+    /// Reads and checks the image of a file.
+    pub(super) fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
         let size = square(texture, Self::PART, TexelFormat::Rgb9E5)?;
         Self::new(size, packed_words(&texture.texels))
     }
@@ -179,25 +141,8 @@ impl ReferenceMap {
         &self.parameters
     }
 
-    /// The bytes of the KTX2 file.
-    pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
-        let texels = self.parameters.iter().flatten().flat_map(|c| c.to_le_bytes()).collect();
-        texture(TexelFormat::Rg32Float, self.size, texels).to_bytes(supercompress)
-    }
-
-    /// Reads and checks a KTX2 file.
-    ///
-    /// # Errors
-    /// Whatever breaks the rules of `formats/src/flat_btf/spec.md`.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        Self::from_texture(&Texture::from_bytes(bytes)?)
-    }
-
-    /// [`Self::from_bytes`] of a file whose container has been read.
-    ///
-    /// # Errors
-    /// As [`Self::from_bytes`].
-    pub fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
+    /// Reads and checks the image of a file.
+    pub(super) fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
         let size = square(texture, Self::PART, TexelFormat::Rg32Float)?;
         Self::new(size, floats::<2>(&texture.texels))
     }

@@ -1,52 +1,12 @@
-//! Broken and hostile parts of factored flat BTFs: each is refused with a reason, or is part of an asset that decodes to
-//! numbers.
+//! Broken and hostile values of factored flat BTFs: each is refused with a reason, or decodes to numbers.
 
-use brdfc_formats::FormatError;
-use brdfc_formats::container::{Extent, TexelFormat, Texture};
-use brdfc_formats::flat_btf::factored::{BasisMap, FactoredFlatBtf, ShadowFormat, ShadowMap, WeightMap, WeightRange};
-use brdfc_testing::flat_btf::{Factors, SMALL, factored, factored_example, factored_files, factored_survives};
-use brdfc_testing::packs::read_texture;
-
-fn read(part: &str, bytes: &[u8]) -> Result<(), FormatError> {
-    match part {
-        "basis" => BasisMap::from_bytes(bytes).map(drop),
-        "weights" => WeightMap::from_bytes(bytes).map(drop),
-        _ => ShadowMap::from_bytes(bytes).map(drop),
-    }
-}
-
-#[test]
-fn every_truncation_is_an_error() {
-    for supercompress in [false, true] {
-        for (part, bytes) in factored_files(supercompress) {
-            assert!(factored_survives(&bytes), "{part}");
-            for length in 0..bytes.len() {
-                assert!(read(part, &bytes[..length]).is_err(), "{part}: {length} of {}", bytes.len());
-            }
-        }
-    }
-}
-
-#[test]
-fn no_single_changed_byte_is_harmful() {
-    for supercompress in [false, true] {
-        for (part, bytes) in factored_files(supercompress) {
-            let mut broken = bytes.clone();
-            let (mut valid, mut refused) = (0, 0);
-            for offset in 0..bytes.len() {
-                for pattern in [1, 4, 16, 64, 128, 0xff, 0x7f] {
-                    broken[offset] = bytes[offset] ^ pattern;
-                    let survives = factored_survives(&broken);
-                    assert!(!survives || read(part, &broken).is_ok(), "{part}: read one way, not the other");
-                    *if survives { &mut valid } else { &mut refused } += 1;
-                }
-                broken[offset] = bytes[offset];
-            }
-            println!("{part}, Zstandard {supercompress}: {valid} read, {refused} refused");
-            assert!(valid > 0 && refused > 0, "{part}: texels may change, lengths may not");
-        }
-    }
-}
+use brdfc_formats::container::{Extent, TexelFormat};
+use brdfc_formats::flat_btf::FlatValues;
+use brdfc_formats::flat_btf::factored::{BasisMap, FactoredFlatBtf, ShadowFormat, WeightMap, WeightRange};
+use brdfc_testing::flat_btf::{
+    Factors, SMALL, displacements, factored, factored_example, factored_file, file, image, refusal, reshape, set_texel,
+    set_word,
+};
 
 /// The largest numbers that files may hold, all at once.
 #[test]
@@ -65,7 +25,6 @@ fn the_largest_numbers_decode_to_numbers() {
         let weights = asset.weights();
         let ranges = vec![WeightRange { scale, low }; weights.ranges().len()];
         let weights = WeightMap::new(weights.size(), weights.levels(), ranges, weights.texels().to_vec()).unwrap();
-        assert!(factored_survives(&basis.to_bytes(false)) && factored_survives(&weights.to_bytes(false)));
         let both = FactoredFlatBtf::new(basis, weights, asset.shadow().cloned());
         let both = both.unwrap();
         for k in 0..144 {
@@ -75,47 +34,47 @@ fn the_largest_numbers_decode_to_numbers() {
     }
 }
 
-/// A file of the example with another container around its texels.
-fn changed(part: &str, change: impl FnOnce(&mut Texture)) -> String {
-    let (_, bytes) = factored_files(false).into_iter().find(|(name, _)| *name == part).expect("one of three");
-    let mut texture = read_texture(&bytes).unwrap();
-    change(&mut texture);
-    let bytes = texture.to_bytes(true);
-    assert!(!factored_survives(&bytes));
-    read(part, &bytes).unwrap_err().to_string()
-}
-
 #[test]
 fn entries_of_other_lengths_are_refused() {
-    for (part, entry, long, short) in [
-        ("basis", "brdfc.flat-btf.factored", "157 bytes; allowed 156 bytes, as groups says", "60 bytes or more"),
-        ("weights", "brdfc.flat-btf.weights", "137 bytes; allowed 136 bytes", "3 bytes; allowed 8 bytes or more"),
-        ("shadow", "brdfc.flat-btf.shadow", "5 bytes; allowed 4 bytes", "3 bytes; allowed 4 bytes"),
+    for (entry, long, short, without) in [
+        (
+            "brdfc.flat-btf.factored",
+            "157 bytes; allowed 156 bytes, as groups says",
+            "60 bytes or more",
+            "direction_mesh_words: found meshes of 3 views and 3 lights; allowed none",
+        ),
+        (
+            "brdfc.flat-btf.weights",
+            "137 bytes; allowed 136 bytes",
+            "3 bytes; allowed 8 bytes or more",
+            "brdfc.flat-btf.weights: found only ",
+        ),
+        (
+            "brdfc.flat-btf.shadow",
+            "5 bytes; allowed 4 bytes",
+            "3 bytes; allowed 4 bytes",
+            "brdfc.flat-btf.shadow: found only ",
+        ),
     ] {
         let resized = |length: Option<usize>| {
-            changed(part, |texture| {
-                let value = texture.entries.get_mut(entry).unwrap();
+            let error = refusal(&factored_file(), |file| {
+                let value = file.entries.get_mut(entry).unwrap();
                 value.resize(length.unwrap_or(value.len() + 1), 0);
-            })
+            });
+            error.to_string()
         };
         let error = resized(None);
         assert!(error.starts_with(entry) && error.ends_with(long), "{error}");
         let error = resized(Some(3));
         assert!(error.contains(short), "{error}");
-        let error = changed(part, |texture| drop(texture.entries.remove(entry)));
-        assert!(error.starts_with(entry), "{error}");
+        let error = refusal(&factored_file(), |file| drop(file.entries.remove(entry))).to_string();
+        assert!(error.starts_with(without), "{error}");
     }
 }
 
-/// Containers that are sound, around textures that are not what the entries say.
+/// Images that are not what the entries say.
 #[test]
 fn other_textures_are_refused() {
-    let resized = |part: &str, extent: Extent, levels: u32| {
-        changed(part, |texture| {
-            (texture.extent, texture.levels) = (extent, levels);
-            texture.texels.resize(extent.texels_of_levels(levels) as usize * texture.format.texel_bytes(), 7);
-        })
-    };
     for (part, extent, levels, expected) in [
         ("basis", Extent::D2([9, 47]), 1, "size of the part basis: found 9 x 47; allowed a 2D texture of 9 x 46"),
         ("basis", Extent::D2([9, 46]), 2, "byte 40, levelCount: found 2; allowed 1"),
@@ -140,24 +99,21 @@ fn other_textures_are_refused() {
             "size of the part shadow: found 3 layers of 4 x 8; allowed a 2D array",
         ),
     ] {
-        let error = resized(part, extent, levels);
-        assert!(error.starts_with(expected), "{error}");
+        let error = refusal(&factored_file(), |file| {
+            let name = format!("factored_{part}");
+            let format = image(file, &name).format;
+            reshape(file, &name, format, extent, levels);
+        });
+        assert!(error.to_string().starts_with(expected), "{error}");
     }
     for part in ["basis", "weights", "shadow"] {
-        let error = changed(part, |texture| {
-            texture.texels = vec![0; texture.texels.len() / texture.format.texel_bytes() * 2];
-            texture.format = TexelFormat::R16Unorm;
+        let error = refusal(&factored_file(), |file| {
+            let name = format!("factored_{part}");
+            let extent = image(file, &name).extent;
+            reshape(file, &name, TexelFormat::R16Unorm, extent, 1);
         });
-        assert!(error.starts_with(&format!("texels of the part {part}: found R16Unorm; allowed R")), "{error}");
-    }
-    // Parts of another asset are read, and no asset is made of them.
-    for (part, extent) in [("weights", Extent::D2Array([2, 2, 4])), ("shadow", Extent::D2Array([4, 4, 2]))] {
-        let (_, bytes) = factored_files(false).into_iter().find(|(name, _)| *name == part).unwrap();
-        let mut texture = read_texture(&bytes).unwrap();
-        (texture.extent, texture.levels) = (extent, 1);
-        texture.texels.resize(extent.texels() as usize * texture.format.texel_bytes(), 7);
-        let bytes = texture.to_bytes(false);
-        assert!(read(part, &bytes).is_ok() && !factored_survives(&bytes), "{part}");
+        let expected = format!("texels of the part {part}: found R16Unorm; allowed R");
+        assert!(error.to_string().starts_with(&expected), "{error}");
     }
 }
 
@@ -165,12 +121,9 @@ fn other_textures_are_refused() {
 #[test]
 fn wrong_headers_are_refused() {
     let two = Factors { levels: 3, groups: 2, wide_groups: 1, shadow: ShadowFormat::R8 };
-    let asset = factored(SMALL, two, 3);
-    let refusal = |entry: &str, word: usize, value: u32| {
-        let mut texture = Texture::from_bytes(&asset.basis().to_bytes(false)).unwrap();
-        texture.entries.get_mut(entry).unwrap()[4 * word..][..4].copy_from_slice(&value.to_le_bytes());
-        BasisMap::from_texture(&texture).unwrap_err().to_string()
-    };
+    let made = file(displacements(SMALL, 2, 3), FlatValues::Factored(Box::new(factored(SMALL, two, 3))));
+    let with =
+        |key: &str, word: usize, value: u32| refusal(&made, |file| set_word(file, key, 4 * word, value)).to_string();
     let [nan, inf] = [f32::NAN, f32::INFINITY].map(f32::to_bits);
     for (word, value, expected) in [
         (0, 2, "brdfc.flat-btf.factored version: found 2; allowed 1"),
@@ -198,16 +151,10 @@ fn wrong_headers_are_refused() {
         (15, nan, "brdfc.flat-btf.factored step: found NaN; allowed a finite number that is not negative"),
         (38, inf, "brdfc.flat-btf.factored step: found inf; allowed a finite number that is not negative"),
     ] {
-        assert_eq!(refusal("brdfc.flat-btf.factored", word, value), expected);
+        assert_eq!(with("brdfc.flat-btf.factored", word, value), expected);
     }
-    assert!(refusal("brdfc.lights", 0, nan).starts_with("brdfc.lights direction 0: found NaN"));
-    let weights = |word: usize, value: u32| {
-        let packed = asset.weights().to_bytes(false);
-        let mut texture = read_texture(&packed).unwrap();
-        let entry = texture.entries.get_mut("brdfc.flat-btf.weights").unwrap();
-        entry[4 * word..][..4].copy_from_slice(&value.to_le_bytes());
-        WeightMap::from_texture(texture).unwrap_err().to_string()
-    };
+    assert!(with("brdfc.lights", 0, nan).starts_with("brdfc.lights direction 0: found NaN"));
+    let weights = |word: usize, value: u32| with("brdfc.flat-btf.weights", word, value);
     assert_eq!(weights(1, 0), "brdfc.flat-btf.weights numbers: found 0; allowed 1 to 72");
     assert_eq!(weights(1, 73), "brdfc.flat-btf.weights numbers: found 73; allowed 1 to 72");
     assert_eq!(weights(0, 0), "brdfc.flat-btf.weights version: found 0; allowed 1");
@@ -219,14 +166,11 @@ fn wrong_headers_are_refused() {
     assert_eq!(refused, "numbers of the part weights: found 8; allowed a multiple of 4, 12 at least");
     for (number, told) in [(nan, "NaN"), (inf, "inf"), ((-0.5f32).to_bits(), "-0.5"), (65_537.0f32.to_bits(), "65537")]
     {
-        let error = changed("basis", |texture| {
-            let entry = 16 * (9 * 3 + 2 * 8 + 5) + 4;
-            texture.texels[entry..][..4].copy_from_slice(&number.to_le_bytes());
-        });
+        // The table begins behind three views of nine texels.
+        let word = 4 * (9 * 3 + 2 * 8 + 5) + 1;
+        let error = refusal(&factored_file(), |file| set_texel(file, "factored_basis", word, &number.to_le_bytes()));
+        let error = error.to_string();
         assert!(error.starts_with("entry (2, 5) of the base: found [") && error.contains(told), "{error}");
     }
-    let versions = changed("shadow", |texture| {
-        texture.entries.get_mut("brdfc.flat-btf.shadow").unwrap()[0] = 2;
-    });
-    assert_eq!(versions, "brdfc.flat-btf.shadow version: found 2; allowed 1");
+    assert_eq!(with("brdfc.flat-btf.shadow", 0, 2), "brdfc.flat-btf.shadow version: found 2; allowed 1");
 }

@@ -1,11 +1,12 @@
 //! Flat BTFs: known answers of the decoder, blends that stay in their block, and files that come back.
 
 use brdfc_formats::container::{half, rgb9e5};
+use brdfc_formats::flat_btf::factored::ShadowFormat;
 use brdfc_formats::flat_btf::{
-    DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatHeader, FlatValues, FlatView, IndirectionHeader, IndirectionMap,
-    NormalMap, ReferenceMap, VisibilityMask,
+    DiffuseMap, FlatBtfDecoder, FlatBtfFile, FlatBtfParts, FlatHeader, FlatValues, FlatView, IndirectionHeader,
+    IndirectionMap, NormalMap, ReferenceMap, VisibilityMask,
 };
-use brdfc_testing::flat_btf::{self, SMALL, Sizes, only};
+use brdfc_testing::flat_btf::{self, Factors, SMALL, Sizes, only};
 use brdfc_testing::packs::Numbers;
 use proptest::prelude::*;
 use std::f32::consts::{FRAC_PI_2, TAU};
@@ -276,18 +277,17 @@ fn sizes() -> impl Strategy<Value = Sizes> {
 
 proptest! {
     #[test]
-    fn files_come_back(sizes in sizes(), seed in 0u64..1000, supercompress in any::<bool>()) {
-        let parts = flat_btf::parts(sizes, seed);
-        prop_assert_eq!(&ReferenceMap::from_bytes(&parts.reference.to_bytes(supercompress)).unwrap(), &parts.reference);
-        let indirection = IndirectionMap::from_bytes(&parts.indirection.samples().unwrap().to_bytes(supercompress)).unwrap();
-        prop_assert_eq!(&parts.indirection, &indirection.into());
-        prop_assert_eq!(&NormalMap::from_bytes(&parts.normal.to_bytes(supercompress)).unwrap(), &parts.normal);
-        prop_assert_eq!(&DiffuseMap::from_bytes(&parts.diffuse.to_bytes(supercompress)).unwrap(), &parts.diffuse);
-        for view in parts.values.views() {
-            prop_assert_eq!(&FlatView::from_bytes(&view.to_bytes(supercompress)).unwrap(), view);
+    fn files_come_back(sizes in sizes(), seed in 0u64..1000, supercompress in any::<bool>(), compact in any::<bool>(), report in ".*") {
+        let factors = Factors { levels: 1, groups: 2, wide_groups: 1, shadow: ShadowFormat::R8 };
+        let mut parts = flat_btf::parts(sizes, seed);
+        parts.values = FlatValues::None;
+        if compact {
+            parts.indirection = flat_btf::displacements(sizes, sizes.reference, seed).into();
+            parts.values = FlatValues::Factored(Box::new(flat_btf::factored(sizes, factors, seed)));
         }
-        let mask = flat_btf::mask(sizes, seed);
-        prop_assert_eq!(&VisibilityMask::from_bytes(&mask.to_bytes(supercompress)).unwrap(), &mask);
+        let file = FlatBtfFile::new(FlatBtfDecoder::new(parts).unwrap(), Some(flat_btf::mask(sizes, seed))).unwrap();
+        let file = FlatBtfFile { report, ..file };
+        prop_assert_eq!(FlatBtfFile::from_bytes(&file.to_bytes(supercompress)).unwrap(), file);
     }
 
     /// What went in comes out, to the precision of halves.

@@ -4,7 +4,7 @@ use brdfc_formats::bindings::{Binding, Bindings, PackFile, Texels};
 use brdfc_formats::container::{Extent, TexelFormat, Texture};
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::flat_btf::{
-    DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatValues, IndirectionMap, NormalMap, ReferenceMap,
+    DiffuseMap, FlatBtfDecoder, FlatBtfFile, FlatBtfParts, FlatValues, NormalMap, ReferenceMap,
 };
 use brdfc_formats::pwt::shader::PwtParameters;
 use brdfc_formats::pwt::{PwtDecoder, PwtPack};
@@ -54,25 +54,32 @@ fn wavelet_packs() {
     assert_eq!(check_dump(page, &bytes), 44);
 }
 
-#[test]
-fn flat_btfs() {
-    let page = include_str!("../../src/flat_btf/spec.md");
-    let bytes = brdfc_testing::flat_btf::example_indirection().to_bytes(false);
-    assert_eq!(IndirectionMap::from_bytes(&bytes).unwrap(), brdfc_testing::flat_btf::example_indirection());
-    assert_eq!(check_dump(page, &bytes), 22);
-}
-
-/// The value below the dump.
-#[test]
-fn the_worked_value_of_the_flat_btf_page() {
-    let decoder = FlatBtfDecoder::new(FlatBtfParts {
+/// A light form with the indirection of the page.
+fn example_flat_btf() -> FlatBtfFile {
+    let parts = FlatBtfParts {
         reference: ReferenceMap::new(1, vec![[0.9, 0.5]]).unwrap(),
         indirection: brdfc_testing::flat_btf::example_indirection().into(),
         normal: NormalMap::new(1, vec![[0.0, 0.0, 1.0]]).unwrap(),
         diffuse: DiffuseMap::new(1, vec![0]).unwrap(),
         values: FlatValues::None,
-    });
-    let [u, v, z] = decoder.unwrap().indirection([0.2, 0.7], [0.5f32.sin(), 0.0, 0.5f32.cos()]);
+    };
+    FlatBtfFile::new(FlatBtfDecoder::new(parts).unwrap(), None).unwrap()
+}
+
+#[test]
+fn flat_btfs() {
+    let page = include_str!("../../src/flat_btf/spec.md");
+    let file = PackFile::from_bytes(&example_flat_btf().to_bytes(false)).unwrap();
+    let (_, image) = file.bindings.textures().find(|(name, _)| *name == "flat_btf_packed_indirection").unwrap();
+    assert_eq!(check_dump(page, &image.bytes), 4);
+    let entry: Vec<String> = file.entries["brdfc.indirection"].iter().map(|byte| format!("{byte:02x}")).collect();
+    assert!(page.contains(&format!("`{}`", entry.join(" "))), "{entry:?}");
+}
+
+/// The value below the dump.
+#[test]
+fn the_worked_value_of_the_flat_btf_page() {
+    let [u, v, z] = example_flat_btf().decoder.indirection([0.2, 0.7], [0.5f32.sin(), 0.0, 0.5f32.cos()]);
     assert!((u - 0.025).abs() < 1e-6 && v == 0.5 && (z - 0.25).abs() < 1e-6, "{u} {v} {z}");
 }
 

@@ -107,31 +107,8 @@ impl BasisMap {
         wide.iter().flat_map(half).chain(narrow.iter().flat_map(byte)).map(|step| step as f32)
     }
 
-    /// The bytes of the KTX2 file.
-    pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
-        Texture {
-            format: TexelFormat::Rgba32Uint,
-            extent: Extent::D2(self.header.basis_extent()),
-            entries: self.header.entries(),
-            levels: 1,
-            texels: self.words.iter().flat_map(|word| word.to_le_bytes()).collect(),
-        }
-        .to_bytes(supercompress)
-    }
-
-    /// Reads and checks a KTX2 file.
-    ///
-    /// # Errors
-    /// Whatever breaks the rules of `formats/src/flat_btf/factored/spec.md`.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        Self::from_texture(&Texture::from_bytes(bytes)?)
-    }
-
-    /// [`Self::from_bytes`] of a file whose container has been read.
-    ///
-    /// # Errors
-    /// As [`Self::from_bytes`].
-    pub fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
+    /// Reads and checks the image of a file with its entry.
+    pub(in crate::flat_btf) fn from_texture(texture: &Texture) -> Result<Self, FormatError> {
         let header = FactoredHeader::from_texture(texture)?;
         check_format(texture, BASIS_PART, TexelFormat::Rgba32Uint)?;
         let extent = Extent::D2(header.basis_extent());

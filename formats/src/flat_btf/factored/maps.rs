@@ -4,15 +4,14 @@
 use super::header::{BASE_LAYERS, GROUP, MAX_GROUPS};
 use crate::FormatError;
 use crate::container::entries::{entry, sized};
-use crate::container::{Extent, MAX_EXTENT_2D, MAX_LAYERS, MAX_TEXEL_BYTES, PackedTexture, TexelFormat, Texture};
+use crate::container::{Extent, MAX_EXTENT_2D, MAX_LAYERS, TexelFormat, Texture};
 use crate::cursor::Cursor;
 use crate::flat_btf::layout::{word, wrong_extent};
-use std::collections::BTreeMap;
 
 /// The entry that makes a texture the weights of a factored flat BTF.
-pub(crate) const WEIGHTS: &str = "brdfc.flat-btf.weights";
+const WEIGHTS: &str = "brdfc.flat-btf.weights";
 /// The entry that makes a texture the shadows of a factored flat BTF.
-pub(crate) const SHADOW: &str = "brdfc.flat-btf.shadow";
+const SHADOW: &str = "brdfc.flat-btf.shadow";
 const VERSION: u32 = 1;
 
 /// Layers of bytes with mipmaps.
@@ -67,11 +66,6 @@ impl Layers {
         &self.texels[first + layer as usize * length..][..length]
     }
 
-    fn to_bytes(&self, entries: BTreeMap<String, Vec<u8>>, supercompress: bool) -> Vec<u8> {
-        let (format, extent, levels) = (self.format, self.extent(), self.levels);
-        Texture { format, extent, entries, levels, texels: self.texels.clone() }.to_bytes(supercompress)
-    }
-
     fn from_texture(
         texture: Texture,
         part: &'static str,
@@ -90,10 +84,6 @@ impl Layers {
             other => Err(wrong_extent(part, other, "a 2D array of equal sides")),
         }
     }
-}
-
-fn unpack(bytes: &[u8]) -> Result<Texture, FormatError> {
-    PackedTexture::from_bytes(bytes)?.unpack_levels(MAX_TEXEL_BYTES)
 }
 
 /// What a weight of 0 to 1 stands for: `low + scale texel`.
@@ -179,11 +169,6 @@ impl WeightMap {
         self.layers.layer(level, layer)
     }
 
-    /// The bytes of the KTX2 file.
-    pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
-        self.layers.to_bytes(BTreeMap::from([self.entry()]), supercompress)
-    }
-
     /// The entry of the ranges.
     pub(in crate::flat_btf) fn entry(&self) -> (String, Vec<u8>) {
         let words = [VERSION, self.ranges.len() as u32].into_iter();
@@ -191,19 +176,8 @@ impl WeightMap {
         (WEIGHTS.to_owned(), words.flat_map(u32::to_le_bytes).collect())
     }
 
-    /// Reads and checks a KTX2 file.
-    ///
-    /// # Errors
-    /// Whatever breaks the rules of `formats/src/flat_btf/factored/spec.md`.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        Self::from_texture(unpack(bytes)?)
-    }
-
-    /// [`Self::from_bytes`] of a file whose container has been read.
-    ///
-    /// # Errors
-    /// As [`Self::from_bytes`].
-    pub fn from_texture(texture: Texture) -> Result<Self, FormatError> {
+    /// Reads and checks the image of a file with its entry.
+    pub(in crate::flat_btf) fn from_texture(texture: Texture) -> Result<Self, FormatError> {
         let bytes = entry(&texture, WEIGHTS, "the weights of a factored flat BTF")?;
         if bytes.len() < 8 {
             return Err(FormatError::whole(WEIGHTS, format!("{} bytes", bytes.len()), "8 bytes or more"));
@@ -270,29 +244,13 @@ impl ShadowMap {
         self.layers.layer(level, light)
     }
 
-    /// The bytes of the KTX2 file.
-    pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
-        self.layers.to_bytes(BTreeMap::from([self.entry()]), supercompress)
-    }
-
     /// The entry of the version.
     pub(in crate::flat_btf) fn entry(&self) -> (String, Vec<u8>) {
         (SHADOW.to_owned(), VERSION.to_le_bytes().to_vec())
     }
 
-    /// Reads and checks a KTX2 file.
-    ///
-    /// # Errors
-    /// Whatever breaks the rules of `formats/src/flat_btf/factored/spec.md`.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        Self::from_texture(unpack(bytes)?)
-    }
-
-    /// [`Self::from_bytes`] of a file whose container has been read.
-    ///
-    /// # Errors
-    /// As [`Self::from_bytes`].
-    pub fn from_texture(texture: Texture) -> Result<Self, FormatError> {
+    /// Reads and checks the image of a file with its entry.
+    pub(in crate::flat_btf) fn from_texture(texture: Texture) -> Result<Self, FormatError> {
         let bytes = sized(entry(&texture, SHADOW, "the shadows of a factored flat BTF")?, SHADOW, 4)?;
         word(&mut Cursor::new(bytes), SHADOW, "version", VERSION..=VERSION)?;
         Ok(Self { layers: Layers::from_texture(texture, Self::PART, TexelFormat::R8Unorm, MAX_LAYERS)? })
