@@ -13,6 +13,7 @@ pub mod pages;
 pub mod program;
 pub mod pwt;
 pub mod sampler;
+#[cfg(feature = "schema")]
 pub mod schema;
 pub mod tensor;
 pub mod wrapped;
