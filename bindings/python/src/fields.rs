@@ -1,5 +1,6 @@
 //! Header and texels of packs as dicts.
 
+use brdfc_formats::BrdfPack;
 use brdfc_formats::container::TexelFormat;
 use brdfc_formats::crop::Window;
 use brdfc_formats::table::TablePack;
@@ -9,8 +10,16 @@ use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+/// Whatever the pack has.
+pub fn of_pack<'py>(py: Python<'py>, pack: &BrdfPack) -> PyResult<Bound<'py, PyDict>> {
+    match pack {
+        BrdfPack::Table(pack) => table(py, pack),
+        BrdfPack::Wavelet(pack) => wavelet(py, pack),
+    }
+}
+
 /// Bits of a table's symmetry are those of its header.
-pub fn table<'py>(py: Python<'py>, pack: &TablePack) -> PyResult<Bound<'py, PyDict>> {
+fn table<'py>(py: Python<'py>, pack: &TablePack) -> PyResult<Bound<'py, PyDict>> {
     let (header, dict) = (pack.header(), PyDict::new(py));
     let (axes, [columns, rows, depth]) = (header.axes, pack.extent().map(|n| n as usize));
     let layers = axes.layers as usize;
@@ -38,7 +47,7 @@ pub fn table<'py>(py: Python<'py>, pack: &TablePack) -> PyResult<Bound<'py, PyDi
 }
 
 /// Texels are integers, as they are stored.
-pub fn wavelet<'py>(py: Python<'py>, pack: &WaveletPack) -> PyResult<Bound<'py, PyDict>> {
+fn wavelet<'py>(py: Python<'py>, pack: &WaveletPack) -> PyResult<Bound<'py, PyDict>> {
     let (header, dict) = (&pack.header, PyDict::new(py));
     dict.set_item("kind", "wavelet")?;
     dict.set_item("channels", header.channels)?;

@@ -4,10 +4,9 @@ use super::arrays::{Argument, colours};
 use super::errors::wrong;
 use super::fields;
 use super::threads::threads;
-use brdfc_formats::BrdfPack;
+use brdfc_formats::{BrdfDecoder, BrdfPack};
 use brdfc_formats::direction::DirectionPair;
-use brdfc_formats::table::{TableDecoder, TablePack};
-use brdfc_formats::wavelet::{Filter, WaveletDecoder, WaveletPack};
+use brdfc_formats::wavelet::Filter;
 use brdfc_source::open::{Facts, Opened, open, opened};
 use brdfc_source::pack::open_brdf_pack;
 use brdfc_core::words::format_number;
@@ -21,19 +20,14 @@ use rayon::prelude::*;
 /// Pairs that a thread takes at a time.
 const CHUNK: usize = 256;
 
-/// A pack that is decoded at any level of detail.
-enum Decoder {
-    Table(Box<TablePack>, TableDecoder),
-    Wavelet(Box<WaveletPack>, WaveletDecoder),
-}
-
 /// A measured file, a model or a pack: f_r at direction pairs.
 #[pyclass(frozen, module = "brdfc")]
 pub struct Material {
     name: String,
     source: Box<dyn Source>,
     facts: Facts,
-    decoder: Option<Decoder>,
+    /// Of a pack, what decodes it at any level of detail.
+    decoded: Option<(BrdfPack, BrdfDecoder)>,
 }
 
 impl Material {
@@ -45,27 +39,18 @@ impl Material {
         let name = input.to_string();
         if input.extension()? != "ktx2" {
             let Opened { source, facts } = open(input, None)?;
-            return Ok(Self { name, source, facts, decoder: None });
+            return Ok(Self { name, source, facts, decoded: None });
         }
         let pack = open_brdf_pack(input)?;
         let Opened { source, facts } = opened(&pack, None);
-        let decoder = Some(match pack {
-            BrdfPack::Table(pack) => {
-                let decoder = TableDecoder::new(&pack);
-                Decoder::Table(Box::new(pack), decoder)
-            }
-            BrdfPack::Wavelet(pack) => {
-                let decoder = WaveletDecoder::new(&pack);
-                Decoder::Wavelet(Box::new(pack), decoder)
-            }
-        });
-        Ok(Self { name, source, facts, decoder })
+        let decoder = BrdfDecoder::new(&pack);
+        Ok(Self { name, source, facts, decoded: Some((pack, decoder)) })
     }
 
     /// The level of detail that is meant.
     fn level(&self, lod: Option<f32>) -> PyResult<f32> {
         let finest = self.levels() as f32;
-        match (lod, &self.decoder) {
+        match (lod, &self.decoded) {
             (None, _) => Ok(finest),
             (Some(_), None) => Err(wrong("lod", "a number", "none: only packs have levels of detail")),
             (Some(level), _) if (0.0..=finest).contains(&level) => Ok(level),
@@ -74,9 +59,8 @@ impl Material {
     }
 
     fn value(&self, pair: DirectionPair, level: f32, tally: &mut Tally) -> [f32; 3] {
-        match &self.decoder {
-            Some(Decoder::Table(_, decoder)) => decoder.eval_at(pair, level),
-            Some(Decoder::Wavelet(_, decoder)) => decoder.eval(pair, level, Filter::Bilinear),
+        match &self.decoded {
+            Some((_, decoder)) => decoder.eval(pair, level, Filter::Bilinear),
             None => self.source.eval(pair, tally).map(|channel| channel as f32),
         }
     }
@@ -157,9 +141,8 @@ impl Material {
     ///
     /// Raises ValueError for all but packs.
     fn pack<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        match &self.decoder {
-            Some(Decoder::Table(pack, _)) => fields::table(py, pack),
-            Some(Decoder::Wavelet(pack, _)) => fields::wavelet(py, pack),
+        match &self.decoded {
+            Some((pack, _)) => fields::of_pack(py, pack),
             None => Err(wrong("pack", format!("{}, a {}", self.name, self.kind()), "a table or wavelet pack")),
         }
     }

@@ -8,7 +8,9 @@
 
 use crate::repository;
 use std::ops::Range;
+use std::panic::resume_unwind;
 use std::process::{Command, Output, Stdio};
+use std::sync::Mutex;
 
 /// What other lines of a block that is not run start with.
 const SET_UP: [&str; 16] = [
@@ -280,14 +282,29 @@ pub fn run_page(program: &Program, name: &str, page: &str, bless: bool, counts: 
 /// Runs the commands of all pages, or writes what they print where `BRDFC_BLESS` is set.
 pub fn run_pages(program: &Program) -> Counts {
     let bless = std::env::var_os("BRDFC_BLESS").is_some();
-    let mut counts = Counts::default();
-    for name in pages_with_commands() {
-        let page = read(&name);
-        let blessed = run_page(program, &name, &page, bless, &mut counts);
-        if bless && blessed != page {
-            std::fs::write(repository().join(&name), blessed).unwrap();
+    let pages = Mutex::new(pages_with_commands());
+    let run_some = || {
+        let mut counts = Counts::default();
+        loop {
+            let Some(name) = pages.lock().unwrap().pop() else { return counts };
+            let page = read(&name);
+            let blessed = run_page(program, &name, &page, bless, &mut counts);
+            if bless && blessed != page {
+                std::fs::write(repository().join(&name), blessed).unwrap();
+            }
         }
-    }
+    };
+    // Each page has a folder of its own.
+    let counts = std::thread::scope(|scope| {
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        let started: Vec<_> = (0..threads).map(|_| scope.spawn(run_some)).collect();
+        let ended = started.into_iter().map(|thread| thread.join().unwrap_or_else(|panic| resume_unwind(panic)));
+        ended.fold(Counts::default(), |sum, counts| Counts {
+            run: sum.run + counts.run,
+            parsed: sum.parsed + counts.parsed,
+            compared: sum.compared + counts.compared,
+        })
+    });
     println!("{counts:?}");
     counts
 }
