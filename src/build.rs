@@ -65,7 +65,7 @@ impl Build {
 
     /// Other output folders, from which what they have is taken.
     #[must_use]
-    pub fn from(mut self, folders: impl IntoIterator<Item = PathBuf>) -> Self {
+    pub fn reuse(mut self, folders: impl IntoIterator<Item = PathBuf>) -> Self {
         self.settings.from = folders.into_iter().collect();
         self
     }
@@ -105,10 +105,10 @@ impl Build {
         self
     }
 
-    /// Bytes that all materials which are worked on may take together: 300 MiB for each thread if nothing is said.
+    /// Bytes that all materials which are worked on may take together: 300 MiB for each thread of the pool that it runs in if nothing is said.
     #[must_use]
     pub fn memory(mut self, bytes: u64) -> Self {
-        self.settings.memory = bytes;
+        self.settings.memory = Some(bytes);
         self
     }
 
@@ -135,15 +135,18 @@ impl Build {
         self.scene.plan(&self.options)
     }
 
-    /// The files that are read, for `cargo::rerun-if-changed` and the like.
+    /// The files that are read, and the folders in which a new file would be one of them, for `cargo::rerun-if-changed` and the
+    /// like.
     ///
     /// # Errors
     /// As [`Self::plan`].
     pub fn files(&self) -> Result<Vec<PathBuf>, Error> {
-        Ok(self.files_of(&self.plan()?).into_iter().map(Path::to_owned).collect())
+        let plan = self.plan()?;
+        let files = self.files_of(&plan).into_iter().map(Path::to_owned);
+        Ok(files.chain(self.scene.folders().iter().cloned()).collect())
     }
 
-    /// The same of a plan that is there.
+    /// The files alone, of a plan that is there.
     pub fn files_of<'a>(&'a self, plan: &'a Plan) -> Vec<&'a Path> {
         plan.sources().chain(self.manifest()).collect()
     }

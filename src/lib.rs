@@ -12,7 +12,8 @@
 //! ```
 //!
 //! Every failure is an [`Error`] with an [`ErrorKind`]; those of checks have a kind of their own. Long work takes a
-//! [`Progress`], which hears of its stages and may stop it. Work runs on the caller's rayon thread pool, and nothing is printed.
+//! [`Progress`], which hears of its stages and may stop it. Work takes as many threads as the rayon pool that it is called in has, and
+//! nothing is printed.
 //! The same input, options and version give the same bytes on any number of threads.
 //!
 //! Engines load packs with the crate `brdfc-formats`, which needs nothing of this one. `docs/library.md` has examples, among
@@ -28,15 +29,22 @@ mod pack;
 
 pub use brdfc_core::progress::{Cancelled, Progress, Stage};
 pub use brdfc_core::{Source, Tally};
+pub use brdfc_formats::BrdfPack;
+pub use brdfc_formats::direction::DirectionPair;
 pub use brdfc_jobs::encode::options::EncodeOptions;
-pub use brdfc_jobs::encode::recipe::{Budget, PackRecipe};
+pub use brdfc_jobs::encode::recipe::{AutoRecipe, Budget, PackRecipe};
+pub use brdfc_jobs::output_folder::Changes;
 pub use brdfc_jobs::report::build::BuildReport;
 pub use brdfc_jobs::report::material::MaterialReport;
-pub use brdfc_jobs::scene::build::Built;
+pub use brdfc_jobs::scene::build::{BuildSettings, Built};
 pub use brdfc_jobs::scene::plan::Plan;
+pub use brdfc_jobs::scene::run::{Made, Outcome, Outcomes};
 pub use brdfc_jobs::{Error, ErrorKind};
+pub use brdfc_metrics::fraction::Fraction;
 pub use brdfc_source::Input;
 pub use brdfc_source::open::Facts;
+pub use brdfc_table::recipe::TableRecipe;
+pub use brdfc_wavelet::recipe::Recipe as WaveletRecipe;
 pub use build::Build;
 pub use material::{Material, open};
 pub use pack::{Errors, Pack};

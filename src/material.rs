@@ -9,7 +9,8 @@ pub struct Material {
     opened: Opened,
 }
 
-/// Opens a file (MERL, a scan, RGL, a pack) or an analytic model such as `synth:ggx?alpha=0.2`.
+/// Opens a file (MERL, a scan, RGL, a pack) or an analytic model such as `synth:ggx?alpha=0.2`. An `OsString` is read as a command
+/// line has it: there `-` is standard input.
 ///
 /// # Errors
 /// Files that cannot be read ([`ErrorKind::Io`](crate::ErrorKind::Io)) or do not follow their layout, unknown kinds, wrong

@@ -2,7 +2,9 @@
 
 use crate::Error;
 use crate::output::tell;
+use brdfc::ErrorKind;
 use brdfc_jobs::store::{Staging, placing};
+use brdfc_terminal::INTERRUPTED;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
@@ -44,9 +46,8 @@ pub fn watch() -> Result<Interrupt, Error> {
         std::thread::sleep(PATIENCE);
         let _placing = placing();
         Staging::remove_all();
-        let error = Error::cancelled();
-        tell(&format!("brdfc: {}", error.message()));
-        std::process::exit(i32::from(error.kind().exit_code()));
+        tell(&format!("brdfc: {INTERRUPTED}"));
+        std::process::exit(i32::from(ErrorKind::Cancelled.exit_code()));
     })
     .map_err(|error| Error::internal(format!("cannot watch for interrupts: {error}")))?;
     Ok(Interrupt(()))

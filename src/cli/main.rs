@@ -157,7 +157,7 @@ fn run(cli: Cli, common: Common) -> Result<(), Error> {
         #[cfg(feature = "render")]
         Command::Render(arguments) => render::run(&arguments, common),
         #[cfg(not(feature = "render"))]
-        Command::Render { .. } => Err(Error::without_renderer()),
+        Command::Render { .. } => Err(brdfc_terminal::without_renderer()),
         Command::Plan(arguments) => plan::run(&arguments, common),
         Command::View(arguments) => view::run(&arguments, common),
         Command::Report(arguments) => report::run(&arguments, common),

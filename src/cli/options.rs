@@ -1,7 +1,7 @@
 //! Flags that say how a pack is made.
 
 use super::Error;
-use brdfc_jobs::encode::options::EncodeOptions;
+use brdfc_jobs::encode::options::{EncodeOptions, OptionError};
 use brdfc_jobs::encode::recipe::PackRecipe;
 use clap::Args;
 
@@ -24,7 +24,11 @@ impl PackOptions {
 
     /// The recipe.
     pub fn recipe(&self) -> Result<PackRecipe, Error> {
-        let mut recipe = self.encode.resolve(&EncodeOptions::default())?;
+        let in_flags = |error: OptionError| {
+            let (flag, OptionError { found, allowed, .. }) = (error.field.replace('_', "-"), error);
+            Error::usage(format!("--{flag}: found {found}; allowed {allowed}"))
+        };
+        let mut recipe = self.encode.resolve(&EncodeOptions::default()).map_err(in_flags)?;
         recipe.set_supercompress(!self.no_supercompression);
         Ok(recipe)
     }

@@ -1,4 +1,4 @@
-// The list of bindings of a pack, a line each: the entry `brdfc.bindings`. Layout: formats/src/bindings/mod.rs.
+// The list of bindings of a pack, a line each: the entry `brdfc.bindings`. Layout: formats/src/bindings/spec.md.
 
 import { levelBytes, type Shape, TEXEL_FORMATS } from './container.js';
 import { refuse } from './refuse.js';

@@ -25,7 +25,7 @@ use std::path::Path;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum ErrorKind {
-    /// Nobody reads an output any more, which is no error of a program.
+    /// Nobody reads the stream that was written to any more: for a program, no error.
     PipeClosed,
     /// A check failed: a budget is missed, a gate is closed, there is nothing to measure.
     Check,
@@ -105,7 +105,7 @@ impl Error {
 
     /// The caller asked to stop.
     pub fn cancelled() -> Self {
-        Self::new(ErrorKind::Cancelled, "interrupted; the output folder is as it was")
+        Self::new(ErrorKind::Cancelled, "cancelled")
     }
 
     /// What kind of failure it is.
@@ -124,17 +124,12 @@ impl Error {
         Self { message: message.into(), ..self }
     }
 
-    /// What a program without the renderer says.
-    pub fn without_renderer() -> Self {
-        Self::no_adapter("no usable graphics adapter: this program was built without its feature 'render'")
-    }
-
     /// What the program made breaks the rules of its own layout.
     pub fn own_layout(error: FormatError) -> Self {
         Self::internal(format!("a pack that its own layout refuses: {error}"))
     }
 
-    /// A file or a stream that cannot be written, or that nobody reads any more.
+    /// A file or a stream that cannot be written ([`ErrorKind::Io`]), or that nobody reads any more ([`ErrorKind::PipeClosed`]).
     pub fn write(path: impl AsRef<Path>, error: &std::io::Error) -> Self {
         let closed = error.kind() == std::io::ErrorKind::BrokenPipe;
         let kind = if closed { ErrorKind::PipeClosed } else { ErrorKind::Io };
@@ -260,7 +255,7 @@ impl From<PwtError> for Error {
 
 impl From<OptionError> for Error {
     fn from(error: OptionError) -> Self {
-        Self::usage(format!("--{}: found {}; allowed {}", error.field.replace('_', "-"), error.found, error.allowed))
+        Self::usage(error.to_string())
     }
 }
 

@@ -13,15 +13,8 @@ pub(crate) fn header(decoder: PackKind, language: Language, interface: &Interfac
     let mut say = |indent: usize, words: &str| {
         text += &wrapped(&ascii(words), &format!("// {}", " ".repeat(indent)), WIDTH);
     };
-    say(
-        0,
-        &format!(
-            "PackKind of {} of brdfc {}, {}.",
-            decoder.descriptor().plural,
-            env!("CARGO_PKG_VERSION"),
-            language.title()
-        ),
-    );
+    let (packs, version) = (decoder.descriptor().plural, env!("CARGO_PKG_VERSION"));
+    say(0, &format!("Decoder of {packs} of brdfc {version}, {}.", language.title()));
     say(0, "");
     say(
         0,

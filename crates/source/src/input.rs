@@ -266,6 +266,12 @@ impl From<&str> for Input {
     }
 }
 
+impl From<String> for Input {
+    fn from(text: String) -> Self {
+        text.as_str().into()
+    }
+}
+
 impl From<&String> for Input {
     fn from(text: &String) -> Self {
         text.as_str().into()
@@ -275,6 +281,12 @@ impl From<&String> for Input {
 impl From<&Path> for Input {
     fn from(path: &Path) -> Self {
         Self::File(path.to_owned())
+    }
+}
+
+impl From<PathBuf> for Input {
+    fn from(path: PathBuf) -> Self {
+        Self::File(path)
     }
 }
 

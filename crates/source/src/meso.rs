@@ -332,7 +332,7 @@ mod tests {
         assert!(error("b.stl", obj).contains("b.stl: file name: found extension .stl; allowed .obj or .ply"));
         assert!(error("b", obj).contains("found no extension"));
         assert!(error("b.ply", obj).contains("b.ply: line 1, first line"));
-        let missing = open_meso(&folder.path().join("none.obj")).unwrap_err();
+        let missing = open_meso(folder.path().join("none.obj")).unwrap_err();
         assert!(matches!(missing, InputError::Io { .. }));
         let no_file = open_meso(folder.path()).unwrap_err().to_string();
         assert!(no_file.contains("found a folder; allowed a file or a pipe"), "{no_file}");

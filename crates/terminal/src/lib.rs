@@ -13,4 +13,4 @@ pub mod usage;
 
 pub use brdfc_jobs::{Error, ErrorKind};
 pub use common::{Common, Flags};
-pub use program::run_program;
+pub use program::{INTERRUPTED, run_program, without_renderer};

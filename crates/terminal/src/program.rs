@@ -5,6 +5,14 @@ use clap::FromArgMatches;
 use std::panic::AssertUnwindSafe;
 use std::process::ExitCode;
 
+/// What is told where the user stopped the work.
+pub const INTERRUPTED: &str = "interrupted; the output folder is as it was";
+
+/// The error of a program without the renderer.
+pub fn without_renderer() -> Error {
+    Error::no_adapter("no usable graphics adapter: this program was built without its feature 'render'")
+}
+
 /// Runs a program: parses its arguments, starts threads, does the work, prints errors, returns the exit code.
 ///
 /// `name` is what errors begin with, and `flags` are where the arguments have those that all programs share.
@@ -36,8 +44,10 @@ pub fn run_program<A: FromArgMatches>(
     match worked {
         Ok(Ok(())) => ExitCode::SUCCESS,
         Ok(Err(error)) => {
-            if error.kind() != ErrorKind::PipeClosed {
-                output::tell(&format!("{name}: {error}"));
+            match error.kind() {
+                ErrorKind::PipeClosed => {}
+                ErrorKind::Cancelled => output::tell(&format!("{name}: {INTERRUPTED}")),
+                _ => output::tell(&format!("{name}: {error}")),
             }
             ExitCode::from(error.kind().exit_code())
         }

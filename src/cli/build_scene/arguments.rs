@@ -113,7 +113,7 @@ impl Arguments {
     /// The build.
     pub(super) fn build(&self) -> Result<Build, Error> {
         let build = self.build.build(&self.options)?;
-        Ok(build.cache(!self.no_cache).from(self.from.clone()).fail_fast(self.fail_fast))
+        Ok(build.cache(!self.no_cache).reuse(self.from.clone()).fail_fast(self.fail_fast))
     }
 
     /// The file that says that all is done.

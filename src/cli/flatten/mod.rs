@@ -41,7 +41,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let name = asset_name(arguments)?;
     let mut recipe = recipe(arguments)?;
     let options = meso_options(arguments, stack.is_some())?;
-    check_outputs(arguments)?;
+    check_outputs(arguments, &name)?;
     let (geometry, materials, values) = if let Some(path) = stack {
         let stack = OrdinaryBtf::open(path)?;
         (recipe.views, recipe.lights) = (stack.views().clone(), stack.lights().clone());

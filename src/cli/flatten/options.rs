@@ -4,7 +4,7 @@ use super::arguments::{Arguments, FLAT_TEXELS, Fill, FormArgument};
 use crate::Error;
 use crate::directions::{default_set, direction_set, map_header, wrong};
 use crate::inputs::refuse_stdin_twice;
-use crate::output::{check_folder, refuse_same_outputs};
+use crate::output::{check_folder, refuse_overwriting, refuse_same_outputs};
 use brdfc_core::words::format_number;
 use brdfc_flat_btf::encode::{FlattenRecipe, Form};
 use brdfc_flat_btf::factored::FactoredTarget;
@@ -12,6 +12,7 @@ use brdfc_flat_btf::fill::FillMethod;
 use brdfc_jobs::flatten::MesoOptions;
 use brdfc_source::Input;
 use std::ffi::{OsStr, OsString};
+use std::path::Path;
 
 /// The asset's name: as given, or that of its folder.
 pub(super) fn asset_name(arguments: &Arguments) -> Result<String, Error> {
@@ -36,8 +37,13 @@ pub(super) fn asset_name(arguments: &Arguments) -> Result<String, Error> {
 }
 
 /// Outputs that cannot be written are found before any work.
-pub(super) fn check_outputs(arguments: &Arguments) -> Result<(), Error> {
+pub(super) fn check_outputs(arguments: &Arguments, name: &str) -> Result<(), Error> {
     check_folder(&arguments.out)?;
+    let materials: Vec<Input> = arguments.material.iter().map(|text| named_material(text).1).collect();
+    let optional = [&arguments.geometry, &arguments.views, &arguments.lights, &arguments.colour, &arguments.weights];
+    let inputs = [&arguments.meso].into_iter().chain(&materials).chain(optional.into_iter().flatten());
+    let inputs: Vec<&Path> = inputs.filter_map(Input::path).collect();
+    refuse_overwriting("--out", &arguments.out.join(format!("{name}.ktx2")), &inputs)?;
     refuse_same_outputs(&[("MESO", arguments.meso.path()), ("--out", Some(&arguments.out))])?;
     let Some(images) = arguments.write_images.as_deref() else {
         if arguments.image_format.is_some() {

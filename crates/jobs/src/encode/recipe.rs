@@ -62,7 +62,8 @@ impl Default for Budget {
 }
 
 impl Budget {
-    /// No limit at all: what is added makes it one.
+    /// No limit yet: what is added makes it one. Where nothing says how good or how large a pack is to be, the ΔE of the default
+    /// decides.
     pub const NONE: Self = Self { delta_e: None, error: None, bytes: None, fetches: None };
 
     /// With a largest mean ΔE*ab of pictures, 1e-6 to 100, and four times that for the 95th percentile.

@@ -33,12 +33,12 @@ pub struct BuildSettings {
     pub fail_fast: bool,
     /// Whether a failure leaves the folder as it was, after all others were made.
     pub whole: bool,
-    /// Bytes that all materials that are worked on may take together.
-    pub memory: u64,
+    /// Bytes that all materials that are worked on may take together; `None`: 300 MiB for each thread.
+    pub memory: Option<u64>,
 }
 
 impl BuildSettings {
-    /// A build into `out` that uses what was made before, makes what it can, and has 300 MiB for each thread.
+    /// A build into `out` that uses what was made before and makes what it can.
     pub fn new(out: impl Into<PathBuf>) -> Self {
         Self {
             out: out.into(),
@@ -48,8 +48,12 @@ impl BuildSettings {
             force: false,
             fail_fast: false,
             whole: false,
-            memory: memory::PER_THREAD * rayon::current_num_threads() as u64,
+            memory: None,
         }
+    }
+
+    fn memory(&self) -> u64 {
+        self.memory.unwrap_or_else(|| memory::PER_THREAD * rayon::current_num_threads() as u64)
     }
 }
 
@@ -117,10 +121,13 @@ pub fn build(plan: &Plan, settings: &BuildSettings, progress: &dyn Progress) -> 
     folder.refuse_removing(plan.sources(), &named)?;
     folder.refuse_foreign(names.iter().map(String::as_str), settings.force)?;
     let placed: BTreeSet<Digest> = there.into_values().collect();
-    let workshop = Workshop { store: &store, placed: &placed, memory: settings.memory, fail_fast: settings.fail_fast };
+    let workshop =
+        Workshop { store: &store, placed: &placed, memory: settings.memory(), fail_fast: settings.fail_fast };
     let outcomes = run(plan, &workshop, progress);
-    if outcomes.errors().any(|error| matches!(error, JobError::Cancelled(_))) {
-        progress.check()?;
+    // With `fail_fast` it is the failure of another that stops the rest.
+    let stopped = outcomes.errors().any(JobError::is_cancelled);
+    if stopped && !(settings.fail_fast && outcomes.any_failed()) {
+        return Err(Cancelled.into());
     }
     let mut report = BuildReport::new(plan, &outcomes);
     let broken = outcomes.errors().next().is_some();
@@ -212,7 +219,7 @@ pub fn build_works(
 ) -> Result<Vec<WorkResult>, BuildError> {
     let (store, folder) = opened(settings)?;
     let placed = folder.unchanged();
-    let workshop = Workshop { store: &store, placed: &placed, memory: settings.memory, fail_fast: false };
+    let workshop = Workshop { store: &store, placed: &placed, memory: settings.memory(), fail_fast: false };
     Ok(make(works, &workshop, progress))
 }
 

@@ -4,6 +4,7 @@ use super::batch::{address_of, find, given, is_material, manifest_of};
 use super::manifest::Manifest;
 use super::patterns::Named;
 use super::plan::{Plan, plan};
+use super::watch::named_in;
 use crate::encode::options::EncodeOptions;
 use crate::error::Error;
 use brdfc_core::words::counted;
@@ -21,6 +22,8 @@ pub struct Scene {
     inputs: String,
     /// Files of folders that are no kind of material.
     left_out: Vec<PathBuf>,
+    /// Where a new file would be a material.
+    folders: Vec<PathBuf>,
 }
 
 impl Scene {
@@ -31,7 +34,8 @@ impl Scene {
     pub fn of_manifest(path: &Path) -> Result<Self, Error> {
         let (_, manifest) = read_manifest(path)?;
         let inputs = path.display().to_string();
-        Ok(Self { manifest, file: Some(path.to_owned()), inputs, left_out: Vec::new() })
+        let folders = folders(&named_in(path).unwrap_or_default());
+        Ok(Self { manifest, file: Some(path.to_owned()), inputs, left_out: Vec::new(), folders })
     }
 
     /// The materials of files, folders, patterns and `synth:` addresses, each of which is used.
@@ -39,9 +43,10 @@ impl Scene {
     /// # Errors
     /// Inputs without any material; two materials of one name.
     pub fn of_materials(inputs: &[OsString]) -> Result<Self, Error> {
-        let found = find(&given(inputs))?;
+        let named = given(inputs);
+        let found = find(&named)?;
         let manifest = manifest_of(&found.sources)?;
-        Ok(Self { manifest, file: None, inputs: listed(inputs), left_out: found.others })
+        Ok(Self { manifest, file: None, inputs: listed(inputs), left_out: found.others, folders: folders(&named) })
     }
 
     /// Of a manifest if that is what is given, and otherwise of materials.
@@ -83,6 +88,11 @@ impl Scene {
         self.file.as_deref()
     }
 
+    /// The folders that were given, and those in which files match a pattern: a new file there may be a material.
+    pub fn folders(&self) -> &[PathBuf] {
+        &self.folders
+    }
+
     /// Files of folders that are no kind of material.
     pub fn left_out(&self) -> &[PathBuf] {
         &self.left_out
@@ -115,6 +125,15 @@ pub fn manifest_among(inputs: &[OsString]) -> Result<Option<PathBuf>, Error> {
         }
         manifest => Ok(manifest.map(PathBuf::from)),
     }
+}
+
+/// The folders in which a new file would be found.
+fn folders(named: &[Named]) -> Vec<PathBuf> {
+    let folder = |input: &Named| {
+        let base = if input.is_pattern() { input.base().0 } else { input.path() };
+        Some(if base.as_os_str().is_empty() { PathBuf::from(".") } else { base }).filter(|base| base.is_dir())
+    };
+    named.iter().filter_map(folder).collect()
 }
 
 /// Inputs in one line.

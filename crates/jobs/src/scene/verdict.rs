@@ -1,11 +1,23 @@
 //! Whether a build is what was asked for.
 
-use super::run::Outcomes;
+use super::error::JobError;
+use super::run::{Made, Outcomes};
 use super::scene_section::ENVIRONMENT;
 use crate::error::Error;
 use brdfc_core::words::counted;
 
 impl Outcomes {
+    /// Whether something failed, missed its budget or does not pass its gates; what was never begun does not count.
+    pub(super) fn any_failed(&self) -> bool {
+        let of_material = |result: &Result<Made, JobError>| match result {
+            Ok(made) => !made.passed(),
+            Err(error) => !error.is_cancelled(),
+        };
+        let environment = self.environment.as_ref().and_then(|made| made.as_ref().err());
+        self.materials.iter().any(|outcome| of_material(&outcome.result))
+            || environment.is_some_and(|error| !error.is_cancelled())
+    }
+
     /// What failed, missed its budget or does not pass its gates: a line each, with its name.
     pub fn problems(&self) -> Vec<String> {
         let mut lines = Vec::new();

@@ -49,7 +49,7 @@ impl PageShader {
             }
             PackKind::FlatBtf => include_str!("shaders/flat_btf.wgsl").to_owned(),
             PackKind::Pwt => include_str!("shaders/pwt.wgsl").to_owned(),
-            PackKind::Bandwidth | PackKind::Importance => unreachable!("no item has it"),
+            _ => unreachable!("no item has it"),
         };
         let (frame, corner) = (brdfc_render::shading_point::SHADING_POINT_WGSL, brdfc_render::camera::CORNER_WGSL);
         let wgsl =

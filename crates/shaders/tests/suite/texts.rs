@@ -19,6 +19,9 @@ fn every_decoder_goes_into_every_language() {
             let (header, code) =
                 text.split_at(text.lines().take_while(|line| line.starts_with("//")).map(|line| line.len() + 1).sum());
             assert!(header.is_ascii(), "{header}");
+            let first =
+                format!("// Decoder of {} of brdfc {}, ", decoder.descriptor().plural, env!("CARGO_PKG_VERSION"));
+            assert!(header.starts_with(&first), "{header}");
             assert!(header.lines().all(|line| line.len() <= 120 && line.trim_end() == line), "{header}");
             for function in decoder.descriptor().functions {
                 assert!(header.contains(&format!(" {function}(")), "{header}");

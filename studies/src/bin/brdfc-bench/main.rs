@@ -69,7 +69,7 @@ fn run(arguments: Arguments, common: Common) -> Result<(), Error> {
         | Study::Adaptive
         | Study::PixelBandwidth
         | Study::BandwidthDirections
-        | Study::Antialiasing => return Err(Error::without_renderer()),
+        | Study::Antialiasing => return Err(brdfc_terminal::without_renderer()),
     };
     if common.json { print_json(&Report { version: 1, result }) } else { print_text(&result) }
 }

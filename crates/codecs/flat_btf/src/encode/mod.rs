@@ -32,7 +32,7 @@ use brdfc_formats::FormatError;
 use brdfc_formats::direction::Vector;
 use brdfc_formats::flat_btf::{
     DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatValues, Indirection, IndirectionMap, NormalMap, ReferenceMap,
-    SampledDirections, VisibilityMask,
+    VisibilityMask,
 };
 use pass::Pass;
 use probing::{computed_probes, measured_probes};
@@ -61,8 +61,6 @@ pub struct FlatBtfEncoded {
     pub parts: FlatBtfParts,
     /// The views of a recipe that keeps every view as it is, in the scratch storage.
     pub views: Option<ScratchViews>,
-    /// What blends the sampled views and lights; not in the light form.
-    pub directions: Option<SampledDirections>,
     /// Which texels each view sees.
     pub mask: VisibilityMask,
     /// What was measured.
@@ -157,10 +155,8 @@ pub fn encode<E: Send>(
         factored: facts,
     };
     let full = recipe.form == Form::Full;
-    let directions = recipe.header(0);
-    let directions = full.then(|| SampledDirections::new(&directions.views, &directions.lights)).transpose()?;
     let views = (full && recipe.factor.is_none()).then_some(scratched);
-    Ok(FlatBtfEncoded { parts: decoder.into_parts(), views, directions, mask, report, model })
+    Ok(FlatBtfEncoded { parts: decoder.into_parts(), views, mask, report, model })
 }
 
 /// What a view from above sees, and how that moves with the view.

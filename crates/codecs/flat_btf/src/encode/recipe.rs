@@ -16,11 +16,6 @@ pub enum Form {
     Light,
 }
 
-impl Form {
-    /// The names that scripts use.
-    pub const NAMES: [(&'static str, Self); 2] = [("full", Self::Full), ("light", Self::Light)];
-}
-
 /// How a meso-structure is flattened.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlattenRecipe {

@@ -83,7 +83,7 @@ fn views_that_are_kept_are_those_that_are_factored() {
 fn the_light_form_keeps_nothing() {
     let (light, scratch) = whole(&FlattenRecipe { form: Form::Light, ..recipe() });
     let (full, _) = whole(&recipe());
-    assert!(light.views.is_none() && light.directions.is_none() && light.parts.values == FlatValues::None);
+    assert!(light.views.is_none() && light.parts.values == FlatValues::None);
     assert!(light.report.factored.is_none() && light.report.errors.at_samples.is_none());
     assert_eq!(light.parts.reference, full.parts.reference);
     assert!((0..5).all(|view| scratch.read_scratch(view).is_ok_and(|values| values.is_empty())));
