@@ -26,7 +26,7 @@ struct FlatBtfParameters {
     largest_angle: f32,    // φ_max, radians
     atlas_columns: u32,    // lights in a row of the atlas
     reserved_2: u32,
-    blocks: u32,           // N: the file `displacement` has N x N blocks; 0: there is the file `indirection`
+    blocks: u32,           // N: the image `displacement` has N x N blocks; 0: there is the image `indirection`
     largest_tangent: f32,  // of a polar angle, of displacements
     values: u32,           // of views and lights: 0 none, 1 all of them, 2 factored
     reserved_0: u32,
@@ -40,19 +40,19 @@ struct FlatBtfWeights {
 }
 
 @group(1) @binding(15) var<uniform> flat_btf_parameters: FlatBtfParameters;
-// M x M texels of two 32-bit floats, as in the file `reference`. Not filtered.
+// M x M texels of two 32-bit floats, as in the image `reference`. Not filtered.
 @group(1) @binding(16) var flat_btf_reference: texture_2d<f32>;
-// The file `indirection`: direction, distance, height in halves. Or the file `displacement`: two bytes.
+// The image `indirection`: direction, distance, height in halves. Or the image `displacement`: two bytes.
 @group(1) @binding(17) var flat_btf_packed_indirection: texture_2d<f32>;
 // Linear filter, clamp to edge.
 @group(1) @binding(18) var flat_btf_sampler: sampler;
-// The file `normal`.
+// The image `normal`.
 @group(1) @binding(19) var flat_btf_normal: texture_2d<f32>;
-// The file `diffuse`.
+// The image `diffuse`.
 @group(1) @binding(20) var flat_btf_diffuse: texture_2d<f32>;
 // One layer per view. Light l has the tile of T x T texels at column l mod atlas_columns, row l / atlas_columns.
 @group(1) @binding(21) var flat_btf_values: texture_2d_array<f32>;
-// N x N texels of four halves, the ranges of the file `displacement`; else any 2D texture.
+// N x N texels of four halves, the ranges of the image `displacement`; else any 2D texture.
 @group(1) @binding(22) var flat_btf_ranges: texture_2d<f32>;
 
 // How far neighbours may be apart, in units of their distance on the reference plane, to be on one side of a silhouette.

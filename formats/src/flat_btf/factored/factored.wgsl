@@ -45,11 +45,11 @@ struct FactoredParameters {
 }
 
 @group(1) @binding(23) var<uniform> factored_parameters: FactoredParameters;
-// The file `weights`, two layers of the base and a layer per group, with mipmaps.
+// The image `weights`, two layers of the base and a layer per group, with mipmaps.
 @group(1) @binding(24) var factored_weights: texture_2d_array<f32>;
-// The file `shadow`, a layer per light, with mipmaps; without shadows any 2D array.
+// The image `shadow`, a layer per light, with mipmaps; without shadows any 2D array.
 @group(1) @binding(25) var factored_shadow: texture_2d_array<f32>;
-// The file `basis`.
+// The image `basis`.
 @group(1) @binding(26) var factored_basis: texture_2d<u32>;
 // Linear filter, also between mipmap levels; repeats.
 @group(1) @binding(27) var factored_sampler: sampler;
