@@ -66,7 +66,16 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let opened = open(&arguments.input, None)?;
     let converted = convert(opened.source.as_ref(), target).map_err(|error| match error {
         ConvertError::Anisotropic => Error::input(format!("{}: {error}", arguments.input)),
-        ConvertError::Format(error) => Error::own_layout(error),
+        ConvertError::Format(error) => match (&arguments.grid, &arguments.dimensions) {
+            (Some(size), _) => {
+                Error::usage(format!("--grid: found {size}, which gives {}; allowed {}", error.found, error.allowed))
+            }
+            (_, Some(size)) => Error::usage(format!(
+                "--dimensions: found {size}, which gives {}; allowed {}",
+                error.found, error.allowed
+            )),
+            (None, None) => Error::own_layout(error),
+        },
     })?;
     write_file(output, &converted.bytes)?;
     let (values, bytes_on_disk, comparison) = (converted.values, converted.bytes.len(), converted.comparison);

@@ -22,7 +22,8 @@ use std::path::{Path, PathBuf};
 /// directions themselves, packs are filtered bilinearly.
 ///
 /// Of a polynomial wavelet tree ('brdfc pwt') and of a flat BTF the CSV says where: u,v (0 to 1, across and
-/// down), wi_x,wi_y,wi_z, and for a flat BTF wo_x,wo_y,wo_z; r,g,b (linear, 1 is white) are appended.
+/// down; of a flat BTF v is 1 minus the v of its shader), wi_x,wi_y,wi_z, and for a flat BTF wo_x,wo_y,wo_z; r,g,b (linear, 1 is
+/// white) are appended.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:

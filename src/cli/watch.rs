@@ -2,7 +2,7 @@
 
 use super::build_scene::{BuildArguments, Notes, tell_left_out, tell_what_matters};
 use super::interrupt;
-use super::output::{print, remark, tell};
+use super::output::{print_if_read, remark, tell};
 use super::progress::Materials;
 use super::{Common, Error};
 use brdfc::ErrorKind;
@@ -99,7 +99,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
                 return built.map(drop);
             }
             let report = report(built, std::mem::take(&mut changed), started.elapsed().as_secs_f64());
-            tell_build(&report, is_first, common)?;
+            if !tell_build(&report, is_first, common)? {
+                return Ok(());
+            }
             if is_first {
                 remark(common, &format!("watching {}; Ctrl-C ends it", files(look.count())));
             }
@@ -160,16 +162,17 @@ fn report(built: Result<Ended, Error>, changed: Vec<Change>, seconds: f64) -> Re
     Report { version: 1, changed, seconds, written: changes.written, removed: changes.removed, error, build }
 }
 
-fn tell_build(report: &Report, is_first: bool, common: Common) -> Result<(), Error> {
+/// Says what a build did, and gives whether somebody still reads the reports.
+fn tell_build(report: &Report, is_first: bool, common: Common) -> Result<bool, Error> {
     if let Some(error) = &report.error {
         tell(&format!("brdfc: {error}"));
     }
     let why = if is_first { "first build".to_owned() } else { changes(&report.changed) };
     remark(common, &format!("{why}: {} ({:.1} s)", result(report), report.seconds));
     if !common.json {
-        return Ok(());
+        return Ok(true);
     }
-    print(&(serde_json::to_string(report).expect("reports are plain data") + "\n"))
+    print_if_read(&(serde_json::to_string(report).expect("reports are plain data") + "\n"))
 }
 
 /// What was made, in words.

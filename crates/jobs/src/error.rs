@@ -25,8 +25,6 @@ use std::path::Path;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum ErrorKind {
-    /// Nobody reads the stream that was written to any more: for a program, no error.
-    PipeClosed,
     /// A check failed: a budget is missed, a gate is closed, there is nothing to measure.
     Check,
     /// Wrong options or arguments.
@@ -47,7 +45,6 @@ impl ErrorKind {
     /// The exit code that `docs/command-line.md` promises; of several failures the largest counts.
     pub fn exit_code(self) -> u8 {
         match self {
-            Self::PipeClosed => 0,
             Self::Check => 1,
             Self::Usage => 2,
             Self::Input => 3,
@@ -129,11 +126,9 @@ impl Error {
         Self::internal(format!("a pack that its own layout refuses: {error}"))
     }
 
-    /// A file or a stream that cannot be written ([`ErrorKind::Io`]), or that nobody reads any more ([`ErrorKind::PipeClosed`]).
+    /// A file or a stream that cannot be written.
     pub fn write(path: impl AsRef<Path>, error: &std::io::Error) -> Self {
-        let closed = error.kind() == std::io::ErrorKind::BrokenPipe;
-        let kind = if closed { ErrorKind::PipeClosed } else { ErrorKind::Io };
-        Self::new(kind, format!("{}: cannot write: {error}", path.as_ref().display()))
+        Self::io(format!("{}: cannot write: {error}", path.as_ref().display()))
     }
 
     /// A file that cannot be read.

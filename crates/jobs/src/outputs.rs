@@ -6,9 +6,15 @@ use brdfc_source::input_files::files_behind;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Writes a whole file, or nothing.
+/// Writes a whole file, or nothing. Whoever reads a pipe may stop: that is no error.
+///
+/// # Errors
+/// A place that cannot be written to.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Error> {
-    write_atomic(path, bytes).map_err(|error| Error::write(path, &error))
+    match write_atomic(path, bytes) {
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+        written => written.map_err(|error| Error::write(path, &error)),
+    }
 }
 
 /// An output that is one of the inputs, or of the files that an input is read from, would destroy a measurement. `option` is what names the output.
@@ -44,12 +50,12 @@ pub fn check_folder(path: &Path) -> Result<(), Error> {
     Ok(())
 }
 
-/// A folder is no stream: it has several files.
+/// A folder is no stream.
 pub fn refuse_dash(path: &Path) -> Result<(), Error> {
     if path != Path::new("-") {
         return Ok(());
     }
-    let text = "-: found in the place of a folder; allowed the name of one: it has several files";
+    let text = "-: found in the place of a folder; allowed the name of one";
     Err(Error::usage(text.to_owned()))
 }
 

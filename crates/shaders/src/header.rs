@@ -57,7 +57,9 @@ pub(crate) fn header(decoder: PackKind, language: Language, interface: &Interfac
 
 fn paste(language: Language) -> &'static str {
     match language {
-        Language::Wgsl => "Paste it before your own shader. Move bindings only where you do not bind by the list of the pack.",
+        Language::Wgsl => {
+            "Paste it before your own shader. Move bindings only where you do not bind by the list of the pack."
+        }
         Language::Glsl => "Paste it behind the #version line of your shader, 330 or higher.",
         Language::Essl300 => "Paste it behind the line '#version 300 es' of your shader.",
         Language::Hlsl => "Paste it before your own shader, and move the registers where they suit you.",

@@ -13,10 +13,20 @@ use std::ffi::OsStr;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Prints text to stdout.
+/// Prints text to stdout. A pipe that is closed early is no error, and no reason to leave out what comes behind: a check that
+/// failed has failed, whoever reads of it.
 pub fn print(text: &str) -> Result<(), Error> {
+    print_if_read(text).map(drop)
+}
+
+/// Prints text to stdout, and says whether somebody still reads.
+pub fn print_if_read(text: &str) -> Result<bool, Error> {
     let mut stdout = std::io::stdout().lock();
-    stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()).map_err(|error| Error::write("stdout", &error))
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Ok(()) => Ok(true),
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(false),
+        Err(error) => Err(Error::write("stdout", &error)),
+    }
 }
 
 /// Prints JSON to stdout.

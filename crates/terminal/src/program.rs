@@ -45,7 +45,6 @@ pub fn run_program<A: FromArgMatches>(
         Ok(Ok(())) => ExitCode::SUCCESS,
         Ok(Err(error)) => {
             match error.kind() {
-                ErrorKind::PipeClosed => {}
                 ErrorKind::Cancelled => output::tell(&format!("{name}: {INTERRUPTED}")),
                 _ => output::tell(&format!("{name}: {error}")),
             }

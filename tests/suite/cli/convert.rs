@@ -93,6 +93,7 @@ fn what_does_not_fit_is_told() {
             2,
             "--grid: found 1x8x8; allowed three numbers from 2 to 1000",
         ),
+        (&["synth:lewis", "-o", "x.csv", "--grid", "2x2x2"], 2, "--grid: found 2x2x2, which gives "),
         (&["synth:lewis", "-o", "x.binary", "--dimensions", "0x8x8"], 2, "--dimensions: found 0x8x8"),
         (&["some.csv", "-o", "some.csv"], 2, "--output: found some.csv, an input"),
         (&["gone.brdf", "-o", "x.binary"], 4, "gone.brdf: cannot read"),

@@ -31,6 +31,22 @@ fn a_closed_pipe_is_no_error() {
     }
 }
 
+/// Whoever reads the report: what failed has failed.
+#[test]
+#[cfg(unix)]
+fn a_closed_pipe_hides_no_failure() {
+    let folder = Folder::new();
+    for (line, code) in [
+        ("compare synth:lewis synth:ward --directions 10 --max-error 0.0001", 1),
+        ("encode synth:ggx -o x.ktx2 --max-delta-e 0.0001 --max-bytes 1024", 1),
+        ("build broken.brdf --out packs -q", 3),
+    ] {
+        folder.write("broken.brdf", "no scan");
+        let (_, stderr, _) = shell(&folder, &format!("{{ sleep 0.2; brdfc {line}; echo code $? >&2; }} | true"));
+        assert!(stderr.ends_with(&format!("code {code}\n")), "{line}: {stderr}");
+    }
+}
+
 #[test]
 #[cfg(target_os = "linux")]
 fn a_full_device_exits_with_4() {

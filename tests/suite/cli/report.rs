@@ -245,6 +245,21 @@ fn a_flat_btf_has_a_page_of_its_own() {
     assert!(!folder.path().join("p.html").exists());
 }
 
+/// The figures beside a page have the names of its page: never those of what the packs were made of.
+#[test]
+fn figures_are_not_written_over_sources_or_lists() {
+    let folder = Folder::new();
+    folder.run(&["convert", "synth:lambert", "-o", "paint.csv", "--grid", "4x4x8"]).succeeded();
+    folder.run(&["build", "paint.csv", "--max-bytes", "1KiB"]).succeeded();
+    for (page, over) in [("paint.html", "paint.csv"), ("packs/paint.html", "packs/paint.json")] {
+        let before = folder.read(over);
+        let ran = folder.run(&["report", "packs", "-o", page]);
+        assert_eq!(ran.code, 2, "{page}: {}", ran.stderr);
+        assert!(ran.stderr.contains(&format!("whose figures would be written over {over}")), "{}", ran.stderr);
+        assert!(folder.read(over) == before, "{over}");
+    }
+}
+
 #[test]
 fn folders_that_are_not_what_their_report_says() {
     let folder = Folder::new();
