@@ -101,9 +101,9 @@ impl Material {
 
     /// What it is: synth, merl, scan, rgl, table-pack or wavelet-pack.
     #[getter]
-    fn kind(&self) -> PyResult<String> {
-        let facts = serde_json::to_value(&self.facts).map_err(|error| wrong("facts", error.to_string(), "JSON"))?;
-        Ok(facts["kind"].as_str().unwrap_or_default().to_owned())
+    fn kind(&self) -> String {
+        let facts = serde_json::to_value(&self.facts).unwrap_or_default();
+        facts["kind"].as_str().unwrap_or_default().to_owned()
     }
 
     /// Whether it is known to look the same when turned about the normal. False for all wavelet packs, which do not say.
