@@ -18,7 +18,7 @@ pub struct Build {
 }
 
 impl Build {
-    /// Where packs go if nothing is said.
+    /// Where packs go by default.
     pub const DEFAULT_FOLDER: &str = "packs";
 
     fn new(scene: Scene) -> Self {
@@ -56,7 +56,7 @@ impl Build {
         Self { options, ..self }
     }
 
-    /// Folder for packs and reports, `packs` if nothing is said. It is made where it is not there.
+    /// Folder for packs and reports, by default `packs`. A build makes it if it is missing.
     #[must_use]
     pub fn out(mut self, folder: impl Into<PathBuf>) -> Self {
         self.settings.out = folder.into();
@@ -70,7 +70,7 @@ impl Build {
         self
     }
 
-    /// Whether what was made before is used; it is, if nothing is said.
+    /// Whether what was made before is used; by default it is.
     #[must_use]
     pub fn cache(mut self, cache: bool) -> Self {
         self.settings.looks_up = cache;
@@ -105,7 +105,7 @@ impl Build {
         self
     }
 
-    /// Bytes that all materials which are worked on may take together: 300 MiB for each thread of the pool that it runs in if nothing is said.
+    /// Bytes that the materials in work may take together, by default 300 MiB for each thread of the pool.
     #[must_use]
     pub fn memory(mut self, bytes: u64) -> Self {
         self.settings.memory = Some(bytes);
@@ -154,7 +154,7 @@ impl Build {
     /// Builds, and fails if a material fails, misses its budget or does not pass its gates.
     ///
     /// # Errors
-    /// All of that, with the materials' names; a folder that cannot be written to, or holds files of somebody else.
+    /// All of that, with the materials' names; a folder that cannot be written to, or holds files that no build wrote.
     pub fn run(&self) -> Result<BuildReport, Error> {
         let built = self.run_with(&self.plan()?, &())?;
         let problems = built.outcomes.problems();
@@ -167,10 +167,10 @@ impl Build {
         }
     }
 
-    /// Builds a plan of this build, with somebody who hears of it. What failed is in the result, not an error.
+    /// Builds a plan of this build and reports to `progress`. Materials that fail are in the result, not an error.
     ///
     /// # Errors
-    /// A folder that cannot be written to, or holds files of somebody else; cancellation.
+    /// A folder that cannot be written to, or holds files that no build wrote; cancellation.
     pub fn run_with(&self, plan: &Plan, progress: &dyn Progress) -> Result<Built, Error> {
         self.prepare(plan)?;
         Ok(build(plan, &self.settings, progress)?)

@@ -37,7 +37,7 @@ impl Material {
         }
     }
 
-    /// The same, with somebody who hears of it; where no pack meets a budget, the best of those that were tried:
+    /// The same, reporting to `progress`; where no pack meets a budget, the best of those that were tried:
     /// [`Pack::missed`] says what it misses.
     ///
     /// # Errors

@@ -162,7 +162,7 @@ fn report(built: Result<Ended, Error>, changed: Vec<Change>, seconds: f64) -> Re
     Report { version: 1, changed, seconds, written: changes.written, removed: changes.removed, error, build }
 }
 
-/// Says what a build did, and gives whether somebody still reads the reports.
+/// Reports what a build did. False: the reader of the reports has closed the pipe.
 fn tell_build(report: &Report, is_first: bool, common: Common) -> Result<bool, Error> {
     if let Some(error) = &report.error {
         tell(&format!("brdfc: {error}"));

@@ -97,8 +97,9 @@ fn materials_are_built_kept_and_taken_from_elsewhere() {
     assert_eq!(made(build("second").reuse([at("first")]).run().unwrap()), [Some(true); 2]);
     let packs = ["first", "second"].map(|out| std::fs::read(at(out).join("b.brdf.ktx2")).unwrap());
     assert!(packs[0] == packs[1]);
-    // What is read is never written over.
+    // An input of a build is neither replaced nor removed by it.
     let error = Build::from_materials([at("first/b.brdf.ktx2")]).unwrap().out(at("first")).run().unwrap_err();
+    assert!(error.kind() == ErrorKind::Usage && error.message().contains("found an input"), "{error}");
     assert!(std::fs::read(at("first/b.brdf.ktx2")).unwrap() == packs[0], "{error}");
     // Who stops a build in a stage has nothing changed, whatever 'check' says afterwards.
     let before = std::fs::read(at("first/report.json")).unwrap();

@@ -98,7 +98,7 @@ pub(crate) struct BuildArguments {
 }
 
 impl BuildArguments {
-    /// The build, where nothing else is said.
+    /// The build that these arguments ask for, with the defaults of the rest.
     pub(crate) fn build(&self, options: &EncodeOptions) -> Result<Build, Error> {
         let build = Build::from_inputs(&self.inputs)?.options(options.clone());
         let build = build.out(&self.out).keep(self.keep).force(self.force);

@@ -27,7 +27,7 @@ use brdfc_jobs::scene::run::Made;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// So many names of files are told.
+/// Most names of files in a remark.
 const NAMED: usize = 5;
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
@@ -117,7 +117,7 @@ fn dry_run(arguments: &Arguments, plan: &Plan, common: Common) -> Result<(), Err
     print(&plan_text::text(plan, &report, &arguments.build.out))
 }
 
-/// What a build of folders does not look at is told.
+/// Lists the files of given folders that the build leaves out.
 pub(super) fn tell_left_out(build: &Build, common: Common) {
     let names: Vec<String> = build.left_out().iter().map(|path| path.display().to_string()).collect();
     if !names.is_empty() {
