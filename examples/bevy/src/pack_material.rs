@@ -3,37 +3,31 @@
 //! Add [`PackMaterialPlugin`], load a `.ktx2` as a [`PackMaterial`], and put it on a mesh by [`MeshMaterial3d`]. The mesh needs
 //! normals, tangents where the pack tells directions around the normal apart, and uv for flat BTFs.
 
-use crate::pack_resources::{PackError, PackResources, features};
+use crate::pack_resources::upload;
 use crate::pack_shader::add_shader;
 use bevy::asset::io::Reader;
 use bevy::asset::{AssetLoader, LoadContext, uuid_handle};
 use bevy::ecs::system::SystemParamItem;
-use bevy::ecs::system::lifetimeless::SRes;
 use bevy::mesh::MeshVertexBufferLayoutRef;
 use bevy::pbr::{MaterialPipeline, MaterialPipelineKey};
 use bevy::prelude::*;
 use bevy::reflect::TypePath;
-use bevy::render::render_asset::RenderAssets;
 use bevy::render::render_resource::{
-    AsBindGroup, AsBindGroupError, BindGroupLayout, BindGroupLayoutDescriptor, BindGroupLayoutEntry, PipelineCache,
-    PreparedBindGroup, RenderPipelineDescriptor, SpecializedMeshPipelineError, UnpreparedBindGroup, WgpuFeatures,
+    AsBindGroup, AsBindGroupError, BindGroup, BindGroupLayout, BindGroupLayoutDescriptor, BindGroupLayoutEntry,
+    BindingResources, PipelineCache, PreparedBindGroup, RenderPipelineDescriptor, SpecializedMeshPipelineError,
+    UnpreparedBindGroup,
 };
-use bevy::render::renderer::RenderDevice;
-use bevy::render::texture::GpuImage;
-use bevy::shader::ShaderRef;
-use brdfc_formats::FormatError;
-use brdfc_formats::bindings::{Binding, Bindings, FrameBlock, MAX_SLOTS, PackFile, Resource};
-use brdfc_formats::flat_btf::shader::flat_btf_value_wgsl;
-use brdfc_formats::table::shader::TABLE_BRDF_WGSL;
-use brdfc_formats::wavelet::shader::WAVELET_BRDF_WGSL;
+use bevy::render::renderer::{RenderDevice, RenderQueue};
+use bevy::shader::{ShaderDefVal, ShaderRef};
+use brdfc_formats::bindings::{Binding, Bindings, FrameBlock, PackFile, Resource};
 use brdfc_formats::wavelet::{DEFAULT_DISTANCE_SCALE, Filter};
+use brdfc_formats::{FormatError, PackKind};
 use serde::{Deserialize, Serialize};
 
 /// What differs between decoders: which of their functions the material calls, and what a mesh has to have.
 struct PackDecoder {
-    name: &'static str,
+    kind: PackKind,
     shader: Handle<Shader>,
-    wgsl: fn() -> String,
     calls: &'static str,
     needs_uv: bool,
     /// Whether it tells directions around the normal apart.
@@ -42,9 +36,8 @@ struct PackDecoder {
 
 const DECODERS: [PackDecoder; 3] = [
     PackDecoder {
-        name: "table",
+        kind: PackKind::Table,
         shader: uuid_handle!("0a6f2f6e-6f0e-4b43-9a5c-6f3c2f5d1a01"),
-        wgsl: || TABLE_BRDF_WGSL.to_owned(),
         calls: "
 fn pack_level(uv: vec2<f32>) -> f32 {
     return 0.0;
@@ -58,9 +51,8 @@ fn pack_reflected(surface: PackSurface, wi: vec3<f32>) -> vec3<f32> {
         is_anisotropic: |bindings| word(bindings, "table_brdf_parameters", 3) > 1,
     },
     PackDecoder {
-        name: "wavelet",
+        kind: PackKind::Wavelet,
         shader: uuid_handle!("0a6f2f6e-6f0e-4b43-9a5c-6f3c2f5d1a02"),
-        wgsl: || WAVELET_BRDF_WGSL.to_owned(),
         calls: "
 fn pack_level(uv: vec2<f32>) -> f32 {
     return 0.0;
@@ -73,9 +65,8 @@ fn pack_reflected(surface: PackSurface, wi: vec3<f32>) -> vec3<f32> {
         is_anisotropic: |_| true,
     },
     PackDecoder {
-        name: "flat-btf",
+        kind: PackKind::FlatBtf,
         shader: uuid_handle!("0a6f2f6e-6f0e-4b43-9a5c-6f3c2f5d1a03"),
-        wgsl: flat_btf_value_wgsl,
         // Of tiles, v goes along the bitangent, against that of textures.
         calls: "
 fn pack_level(uv: vec2<f32>) -> f32 {
@@ -91,9 +82,9 @@ fn pack_reflected(surface: PackSurface, wi: vec3<f32>) -> vec3<f32> {
     },
 ];
 
-/// Where tiles per unit of uv are bound: the last slot, which no pack has so far.
-const REPEAT_SLOT: u32 = MAX_SLOTS - 1;
-/// What layouts are called, also the empty one that the material's pipelines have until they know their pack.
+/// Tiles per unit of uv, in front of each decoder's calls. The slot is one that the pack leaves free, so pipelines define it.
+const REPEAT_WGSL: &str = "@group(1) @binding(#{PACK_REPEAT_SLOT}) var<uniform> pack_repeat: vec4<f32>;\n";
+/// The name of layouts, also of the empty one that the material's pipelines have until they know their pack.
 const LABEL: &str = "brdfc_pack";
 
 /// A word of a uniform block; 0 where there is none.
@@ -110,40 +101,43 @@ impl Plugin for PackMaterialPlugin {
     fn build(&self, app: &mut App) {
         app.add_plugins(MaterialPlugin::<PackMaterial>::default());
         app.preregister_asset_loader::<PackLoader>(EXTENSIONS);
-        let repeat = format!("@group(1) @binding({REPEAT_SLOT}) var<uniform> pack_repeat: vec4<f32>;\n");
-        for PackDecoder { name, shader, wgsl, calls, .. } in DECODERS {
-            add_shader(app, &shader, &format!("brdfc/{name}.wgsl"), &[&wgsl(), "\n", &repeat, calls]);
+        for PackDecoder { kind, shader, calls, .. } in DECODERS {
+            let wgsl = (kind.descriptor().wgsl)();
+            add_shader(app, &shader, &format!("brdfc/{}.wgsl", kind.name()), &[&wgsl, "\n", REPEAT_WGSL, calls]);
         }
     }
 
     fn finish(&self, app: &mut App) {
-        let features = features(app);
-        app.register_asset_loader(PackLoader { features });
+        let world = app.world();
+        let device = (world.get_resource::<RenderDevice>(), world.get_resource::<RenderQueue>());
+        if let (Some(device), Some(queue)) = device {
+            let loader = PackLoader { device: device.clone(), queue: queue.clone() };
+            app.register_asset_loader(loader);
+        }
     }
 }
 
-/// A material of a pack.
+/// A material of a pack, which is on the GPU already.
 #[derive(Asset, TypePath, Debug, Clone)]
 pub struct PackMaterial {
-    #[dependency]
-    resources: PackResources,
-    /// Of [`DECODERS`].
-    decoder: usize,
-    needs_tangents: bool,
+    group: BindGroup,
+    key: PackMaterialKey,
 }
 
 /// What a pipeline is chosen by.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct PackMaterialKey {
     layout: Vec<BindGroupLayoutEntry>,
+    /// Of [`DECODERS`].
     decoder: usize,
+    repeat_slot: u32,
     needs_tangents: bool,
 }
 
-/// Each pack has a layout of its own, so the material makes its groups itself.
+/// Each pack has a layout of its own, so its group is made where it is loaded.
 impl AsBindGroup for PackMaterial {
     type Data = PackMaterialKey;
-    type Param = SRes<RenderAssets<GpuImage>>;
+    type Param = ();
 
     fn label() -> &'static str {
         LABEL
@@ -152,17 +146,16 @@ impl AsBindGroup for PackMaterial {
     fn as_bind_group(
         &self,
         _: &BindGroupLayoutDescriptor,
-        device: &RenderDevice,
-        cache: &PipelineCache,
-        images: &mut SystemParamItem<'_, '_, Self::Param>,
+        _: &RenderDevice,
+        _: &PipelineCache,
+        (): &mut SystemParamItem<'_, '_, Self::Param>,
     ) -> Result<PreparedBindGroup, AsBindGroupError> {
-        let layout = cache.get_bind_group_layout(&BindGroupLayoutDescriptor::new(LABEL, &self.resources.layout()));
-        self.resources.bind(LABEL, &layout, device, images)
+        // The group itself keeps what is bound.
+        Ok(PreparedBindGroup { bindings: BindingResources(Vec::new()), bind_group: self.group.clone() })
     }
 
     fn bind_group_data(&self) -> PackMaterialKey {
-        let Self { resources, decoder, needs_tangents } = self;
-        PackMaterialKey { layout: resources.layout(), decoder: *decoder, needs_tangents: *needs_tangents }
+        self.key.clone()
     }
 
     fn unprepared_bind_group(
@@ -191,7 +184,7 @@ impl Material for PackMaterial {
         layout: &MeshVertexBufferLayoutRef,
         key: MaterialPipelineKey<Self>,
     ) -> Result<(), SpecializedMeshPipelineError> {
-        let PackMaterialKey { layout: entries, decoder, needs_tangents } = key.bind_group_data;
+        let PackMaterialKey { layout: entries, decoder, repeat_slot, needs_tangents } = key.bind_group_data;
         // An error that names the attribute, where the mesh has none.
         if DECODERS[decoder].needs_uv {
             layout.0.get_layout(&[Mesh::ATTRIBUTE_UV_0.at_shader_location(2)])?;
@@ -207,6 +200,7 @@ impl Material for PackMaterial {
             && fragment.shader == DECODERS[0].shader
         {
             fragment.shader = DECODERS[decoder].shader.clone();
+            fragment.shader_defs.push(ShaderDefVal::UInt("PACK_REPEAT_SLOT".to_owned(), repeat_slot));
         }
         Ok(())
     }
@@ -229,12 +223,49 @@ impl Default for PackSettings {
     }
 }
 
+/// Finds the decoder of a pack in [`DECODERS`].
+///
+/// # Errors
+/// A decoder that the material does not have, or a version of it that is not that of its shader.
+fn decoder_of(bindings: &Bindings<'_>) -> Result<usize, FormatError> {
+    let name = &*bindings.decoder;
+    let Some(decoder) = DECODERS.iter().position(|decoder| decoder.kind.name() == name) else {
+        let allowed = DECODERS.map(|decoder| decoder.kind.name()).join(", ");
+        return Err(FormatError::whole("decoder", name, allowed));
+    };
+    // Of the shaders, which are those of the same crate.
+    let version = Bindings::new(name, []).version;
+    if bindings.version != version {
+        let field = format!("version of the decoder {name}");
+        return Err(FormatError::whole(field, bindings.version.to_string(), version.to_string()));
+    }
+    Ok(decoder)
+}
+
+/// The lowest slot that a pack leaves free.
+fn free_slot(bindings: &Bindings<'_>) -> u32 {
+    let mut slots = bindings.all.iter().map(|binding| binding.slot).zip(0..);
+    slots.find(|(slot, index)| slot != index).map_or(bindings.all.len() as u32, |(_, index)| index)
+}
+
+/// Why a pack was not loaded.
+#[derive(Debug, thiserror::Error)]
+pub enum PackError {
+    /// The file cannot be read.
+    #[error(transparent)]
+    Io(#[from] std::io::Error),
+    /// The file is no pack, or one that this material or this device does not draw.
+    #[error(transparent)]
+    Format(#[from] FormatError),
+}
+
 const EXTENSIONS: &[&str] = &["ktx2"];
 
-/// Loads packs as materials, by `asset_server.load::<PackMaterial>("paint.ktx2")`.
-#[derive(Debug, TypePath)]
+/// Loads packs as materials, by `asset_server.load::<PackMaterial>("paint.ktx2")`, where there is a device to upload them to.
+#[derive(TypePath)]
 pub struct PackLoader {
-    features: WgpuFeatures,
+    device: RenderDevice,
+    queue: RenderQueue,
 }
 
 impl AssetLoader for PackLoader {
@@ -246,26 +277,51 @@ impl AssetLoader for PackLoader {
         &self,
         reader: &mut dyn Reader,
         settings: &PackSettings,
-        context: &mut LoadContext<'_>,
+        _: &mut LoadContext<'_>,
     ) -> Result<PackMaterial, PackError> {
         let mut bytes = Vec::new();
         reader.read_to_end(&mut bytes).await?;
         let PackFile { mut bindings, .. } = PackFile::from_bytes(&bytes)?;
-        let decoder = DECODERS.iter().position(|decoder| decoder.name == bindings.decoder).ok_or_else(|| {
-            let names = DECODERS.map(|decoder| decoder.name).join(", ");
-            FormatError::whole("decoder", bindings.decoder.clone().into_owned(), names)
-        })?;
+        let decoder = decoder_of(&bindings)?;
         let needs_tangents = (DECODERS[decoder].is_anisotropic)(&bindings);
         let [x, y] = settings.repeat.to_array().map(f32::to_le_bytes);
         let repeat = [x, y, [0; 4], [0; 4]].concat();
-        bindings.all.push(Binding::uniform(REPEAT_SLOT, "pack_repeat", repeat));
+        let repeat_slot = free_slot(&bindings);
+        bindings.all.push(Binding::uniform(repeat_slot, "pack_repeat", repeat));
         let blend = if settings.smooth { Filter::Bilinear } else { Filter::Slices };
         let frame = FrameBlock { distance_scale: settings.distance_scale, sampler_filters: true, blend };
-        let resources = PackResources::load(bindings, frame, self.features, context)?;
-        Ok(PackMaterial { resources, decoder, needs_tangents })
+        let (layout, group) = upload(bindings, frame, &self.device, &self.queue)?;
+        Ok(PackMaterial { group, key: PackMaterialKey { layout, decoder, repeat_slot, needs_tangents } })
     }
 
     fn extensions(&self) -> &[&str] {
         EXTENSIONS
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn packs_for_other_decoders_are_refused() {
+        for (decoder, PackDecoder { kind, .. }) in DECODERS.iter().enumerate() {
+            let mut bindings = Bindings::new(kind.name(), []);
+            assert_eq!(decoder_of(&bindings), Ok(decoder));
+            bindings.version += 1;
+            let (found, allowed) = (bindings.version, bindings.version - 1);
+            let expected = format!("version of the decoder {}: found {found}; allowed {allowed}", kind.name());
+            assert_eq!(decoder_of(&bindings).unwrap_err().to_string(), expected);
+        }
+        let error = decoder_of(&Bindings::new("pwt", [])).unwrap_err().to_string();
+        assert_eq!(error, "decoder: found pwt; allowed table, wavelet, flat-btf");
+    }
+
+    #[test]
+    fn tiles_get_a_slot_that_the_pack_leaves_free() {
+        let free = |slots: &[u32]| {
+            free_slot(&Bindings::new("table", slots.iter().map(|slot| Binding::sampler(*slot, "s", false))))
+        };
+        assert_eq!([free(&[]), free(&[0, 1, 2]), free(&[0, 2, 3]), free(&[1, 999])], [0, 3, 1, 0]);
     }
 }
