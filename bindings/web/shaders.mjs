@@ -1,9 +1,12 @@
-// Writes src/shaders.ts: the decoders as 'brdfc shader' says them, without comments. BRDFC names the program.
+// Writes src/shaders.ts: the decoders as 'brdfc shader' prints them, without comments, and the version that packs of 'brdfc' have. BRDFC
+// names the program.
 import { execFileSync } from 'node:child_process';
-import { writeFileSync } from 'node:fs';
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
 
 const program = process.env.BRDFC ?? '../../target/release/brdfc';
-const run = (...words) => execFileSync(program, ['shader', ...words], { encoding: 'utf8', maxBuffer: 1 << 24 });
+const run = (...words) => execFileSync(program, words, { encoding: 'utf8', maxBuffer: 1 << 24 });
 
 /** Without comments, indentation and empty lines. */
 const bare = (text) => text
@@ -12,20 +15,65 @@ const bare = (text) => text
     .filter((line) => line !== '')
     .join('\n');
 
-/** Of the bindings that the decoders have. */
-const version = 1;
-const decoders = ['table', 'wavelet', 'flat-btf', 'pwt'];
+const flatten = (folder, name) => run(
+    'flatten', 'synth:button?resolution=16', '--texels', '8', '--views', 'grid:2x4@60', '--lights', 'grid:2x4@60', '--quiet',
+    '-o', folder, '--name', name,
+);
+
+/** Makes a small pack for each decoder, `it.ktx2` in a folder. */
+const packs = {
+    table: (folder) => run('encode', 'synth:lambert', '--codec', 'table', '--quiet', '-o', join(folder, 'it.ktx2')),
+    wavelet: (folder) => run('encode', 'synth:lambert', '--codec', 'wavelet', '--grid', '8', '--quiet', '-o', join(folder, 'it.ktx2')),
+    'flat-btf': (folder) => flatten(folder, 'it'),
+    pwt: (folder) => {
+        flatten(folder, 'views');
+        run('pwt', folder, '--quiet', '-o', join(folder, 'it.ktx2'));
+    },
+};
+const decoders = Object.keys(packs);
+
+/** Version of the bindings of a decoder, from the list of a pack. */
+function versionOf(decoder) {
+    const folder = mkdtempSync(join(tmpdir(), 'brdfc-web-'));
+    try {
+        packs[decoder](folder);
+        const pack = readFileSync(join(folder, 'it.ktx2'), 'latin1');
+        const [, found, version] = pack.match(/brdfc\.bindings\0decoder (\S+) (\d+)\n/) ?? [];
+        if (found !== decoder) {
+            throw new Error(`pack for ${decoder}: found the decoder ${found}; allowed ${decoder}`);
+        }
+        return Number(version);
+    } finally {
+        rmSync(folder, { recursive: true });
+    }
+}
+
+/** Names of the textures that a shader filters. It samples them by their global names. */
+function filteredBy(wgsl, bindings) {
+    const names = new Set([...wgsl.matchAll(/\btextureSample\w*\(\s*(\w+)/g)].map(([, name]) => name));
+    const textures = bindings.filter(({ kind }) => kind === 'texture').map(({ name }) => name);
+    const unknown = [...names].find((name) => !textures.includes(name));
+    if (unknown !== undefined) {
+        throw new Error(`textureSample: found ${unknown}; allowed ${textures.join(', ')}`);
+    }
+    return names;
+}
+
 const shaders = Object.fromEntries(decoders.map((decoder) => {
-    const { bindings, functions } = JSON.parse(run(decoder, '--language', 'wgsl', '--json'));
+    const { bindings, functions } = JSON.parse(run('shader', decoder, '--language', 'wgsl', '--json'));
+    const [essl300, wgsl] = ['essl300', 'wgsl'].map((language) => bare(run('shader', decoder, '--language', language)));
+    const filtered = filteredBy(wgsl, bindings);
     return [decoder, {
-        essl300: bare(run(decoder, '--language', 'essl300')),
-        wgsl: bare(run(decoder, '--language', 'wgsl')),
-        version,
-        bindings: bindings.map(({ binding, name, kind, dimension, bytes, fields }) => ({
+        essl300,
+        wgsl,
+        version: versionOf(decoder),
+        bindings: bindings.map(({ binding, name, kind, dimension, samples, bytes, fields }) => ({
             slot: binding,
             name,
             kind,
             dimension,
+            samples,
+            filtered: kind === 'texture' ? filtered.has(name) : undefined,
             bytes,
             offsets: fields && Object.fromEntries(fields.map(({ name, offset }) => [name, offset])),
         })),
@@ -46,12 +94,17 @@ export interface DecoderShader {
     wgsl: string;
     /** Version of the bindings. */
     version: number;
-    /** Bindings of group 1; of uniform blocks their bytes and where each field begins, of textures their dimension. */
+    /**
+     * Bindings of group 1. Uniform blocks have their bytes and the offset of each field; textures their dimension, what samples are
+     * (\`float\`, also of normalised integers, or \`uint\`), and whether the shader filters them.
+     */
     bindings: {
         slot: number;
         name: string;
         kind: string;
         dimension?: string;
+        samples?: string;
+        filtered?: boolean;
         bytes?: number;
         offsets?: Record<string, number>;
     }[];

@@ -3,21 +3,38 @@ import type { Resource } from './pack.js';
 import { refuse } from './refuse.js';
 import { type DecoderShader, SHADERS } from './shaders.js';
 
-/** The decoder of this package that a pack names, if there is one; the pack has to bind everything that it declares. */
+type Binding = Omit<DecoderShader['bindings'][number], 'offsets'>;
+
+/** The decoder of this package that a pack names, if there is one; the pack has to bind everything as it is declared. */
 export function known(decoder: string, version: number, resources: Resource[]): DecoderShader | undefined {
     const shader = Object.hasOwn(SHADERS, decoder) ? (SHADERS as Record<string, DecoderShader>)[decoder] : undefined;
     if (shader !== undefined && version !== shader.version) {
         refuse(`${ENTRY}, version of ${decoder}`, version, shader.version);
     }
-    for (const { slot, name, kind, dimension, bytes } of shader?.bindings ?? []) {
-        const allowed = `${kind} ${name}${dimension ? `, ${dimension}` : ''}${bytes ? ` of ${bytes} bytes` : ''}`;
-        const found = resources.find((resource) => resource.slot === slot) ?? refuse(`slot ${slot}`, 'nothing', allowed);
-        const isIt = found.name === name && found.kind === kind
-            && (found.kind !== 'uniform' || found.bytes.length === bytes)
-            && (found.kind !== 'texture' || found.texture.dimension === dimension);
-        if (!isIt) {
-            refuse(`slot ${slot}`, `${found.kind} ${found.name}`, `${allowed}, as the decoder ${decoder} has`);
+    for (const binding of shader?.bindings ?? []) {
+        const resource = resources.find(({ slot }) => slot === binding.slot);
+        const [found, allowed] = [resource ? summary(bindingOf(resource)) : 'nothing', summary(binding)];
+        if (found !== allowed) {
+            refuse(`slot ${binding.slot}`, found, `${allowed}, as the decoder ${decoder} has`);
         }
     }
     return shader;
+}
+
+/** A resource of a pack as the shader that fits it declares it. */
+function bindingOf(resource: Resource): Binding {
+    const { slot, name, kind } = resource;
+    switch (kind) {
+        case 'uniform': return { slot, name, kind, bytes: resource.bytes.length };
+        case 'sampler': return { slot, name, kind };
+        case 'texture': {
+            const { texture: { dimension, format }, filtered } = resource;
+            return { slot, name, kind, dimension, samples: format.endsWith('uint') ? 'uint' : 'float', filtered };
+        }
+    }
+}
+
+function summary({ name, kind, dimension, samples, filtered, bytes }: Binding): string {
+    const what = kind === 'texture' ? `, ${dimension} of ${samples}, ${filtered ? 'filtered' : 'not filtered'}` : '';
+    return `${kind} ${name}${what}${bytes === undefined ? '' : ` of ${bytes} bytes`}`;
 }

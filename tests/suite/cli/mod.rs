@@ -32,3 +32,5 @@ mod view;
 mod watch;
 #[cfg(feature = "render")]
 mod web;
+#[cfg(feature = "render")]
+mod web_errors;

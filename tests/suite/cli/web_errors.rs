@@ -1,0 +1,185 @@
+//! The package for the web refuses what is no pack, and packs that its shaders do not decode.
+
+use super::web::files;
+use crate::common::cli::Folder;
+use brdfc_formats::container::Texture;
+use brdfc_testing::browser::{File, result_of_page};
+use brdfc_testing::gradient;
+use std::collections::BTreeMap;
+
+/// A pack with other entries.
+fn with_entries(pack: &[u8], change: impl FnOnce(&mut BTreeMap<String, Vec<u8>>)) -> Vec<u8> {
+    let mut texture = Texture::from_bytes(pack).unwrap();
+    change(&mut texture.entries);
+    texture.to_bytes(true)
+}
+
+/// A pack whose list of bindings has other words, in one place.
+fn with_list(pack: &[u8], from: &str, to: &str) -> Vec<u8> {
+    with_entries(pack, |entries| {
+        let list = entries.get_mut("brdfc.bindings").unwrap();
+        let text = String::from_utf8(list.clone()).unwrap();
+        assert_eq!(text.matches(from).count(), 1, "{from}: {text}");
+        *list = text.replace(from, to).into_bytes();
+    })
+}
+
+/// What the program refuses is not drawn, either, and it is said why.
+#[test]
+fn files_that_are_damaged_are_refused_by_the_package() {
+    let folder = Folder::new();
+    folder.run(&["encode", "synth:ggx?alpha=0.3", "-o", "it.ktx2"]).succeeded();
+    folder.run(&["encode", "synth:ggx?alpha=0.3", "--codec", "wavelet", "--bits", "12", "-o", "wide.ktx2"]).succeeded();
+    let Some(mut files) = files(&folder) else { return };
+    let (table, wavelet, gradient) = (folder.read("it.ktx2"), folder.read("wide.ktx2"), gradient::file());
+    let mut flipped = gradient.clone();
+    *flipped.last_mut().unwrap() ^= 1;
+    let without_list = with_entries(&gradient, |entries| _ = entries.remove("brdfc.bindings"));
+    let with_more = with_entries(&gradient, |entries| _ = entries.insert("brdfc.image.more".to_owned(), Vec::new()));
+    let more: String = (44..=70).map(|slot| format!("{slot} sampler{slot} sampler clamp\n")).collect();
+    let with_more_samplers = with_list(&gradient, "\n\0", &format!("\n{more}\0"));
+    let mut cases = vec![
+        ("whole", gradient.clone(), "loaded"),
+        ("table", table.clone(), "loaded"),
+        ("wavelet", wavelet.clone(), "loaded"),
+        ("flipped", flipped, "the file is damaged"),
+        ("short", table[..60].to_vec(), "file: found 60 bytes ("),
+        ("empty", Vec::new(), "file: found 0 bytes ("),
+        ("text", b"no pack, but a text".to_vec(), "file: found 19 bytes ("),
+        ("no list", without_list, "brdfc.bindings: found only brdfc.checksum, brdfc.gradient, brdfc.image"),
+        ("more images", with_more, "brdfc.image.more: found an entry that no binding names; allowed those of"),
+        ("more samplers", with_more_samplers, "brdfc.bindings samplers: found 28; allowed at most 16"),
+    ];
+    for (pack, from, to, expected) in [
+        (&table, "decoder table 1", "decoder table 2", "version of table: found 2; allowed 1"),
+        (
+            &table,
+            "table_brdf_curve",
+            "table_other",
+            "slot 4: found texture table_other, 2d of float, filtered; allowed texture table_brdf_curve, 2d of float, filtered, as",
+        ),
+        (
+            &table,
+            "2d r16float 1 1 1 1 table_brdf_sampler",
+            "2d r16float 1 1 1 1 -",
+            "slot 4: found texture table_brdf_curve, 2d of float, not filtered; allowed texture table_brdf_curve, 2d of float, filtered",
+        ),
+        (
+            &table,
+            "2d r16float 1 1 1 1 table_brdf_sampler",
+            "2d r32uint 1 1 1 1 -",
+            "slot 4: found texture table_brdf_curve, 2d of uint, not filtered; allowed texture table_brdf_curve, 2d of float, filtered",
+        ),
+        (
+            &table,
+            "2d r16float 1 1 1 1 table_brdf_sampler",
+            "3d r16float 1 1 1 1 table_brdf_sampler",
+            "slot 4: found texture table_brdf_curve, 3d of float, filtered; allowed texture table_brdf_curve, 2d of float, filtered",
+        ),
+        (
+            &wavelet,
+            " -\n",
+            " wavelet_brdf_sampler\n",
+            "slot 7: found texture wavelet_brdf_index, 2d of float, filtered; allowed texture wavelet_brdf_index, 2d of float, not filtered",
+        ),
+        (&gradient, "\n\0", "\n", "bytes that are no such text; allowed lines of UTF-8 and a zero byte"),
+        (&gradient, "gradient 1", "gradient 01", "line 1: found 01; allowed 1 to 4294967295"),
+        (&gradient, "decoder", "coder", "line 1: found coder gradient 1; allowed 'decoder', its name and its version"),
+        (
+            &gradient,
+            "e frame",
+            "e clock",
+            "line 2: found 0 brdfc_frame clock; allowed frame, uniform, texture or sampler",
+        ),
+        (&gradient, "0 brdfc_frame", "1 brdfc_frame", "line 2: found 1; allowed slot 0 of a frame"),
+        (&gradient, "brdfc_frame", "Frame", "line 2: found Frame; allowed a name of a to z"),
+        (&gradient, "uniform 32", "uniform 24", "line 3: found 24; allowed a multiple of 16"),
+        (&gradient, "uniform 32", "uniform 16400", "line 3: found 16400; allowed 16 to 16384"),
+        (
+            &gradient,
+            "uniform 32",
+            "uniform 48",
+            "gradient_parameters: found 32 bytes; allowed 48, as brdfc.bindings line 3",
+        ),
+        (&gradient, "41 ", "40 ", "line 4: found slot 40; allowed slots that rise, each once"),
+        (&gradient, "gradient_ramp", "gradient_shade", "line 5: found gradient_shade; allowed a name that stands once"),
+        (&gradient, "texture file", "texture entry", "found 0 bindings of the file's own texture; allowed one"),
+        (&gradient, "texture file", "texture empty", "line 4: found 8 x 1 x 1; allowed one texel"),
+        (&gradient, "r8unorm 8", "r8unorm 9000", "line 4: found 9000; allowed 1 to 8192"),
+        (
+            &gradient,
+            "r8unorm 8",
+            "r8unorm 7",
+            "texture: found 1 levels of 2d, 8 x 1 x 1 texels of r8unorm; allowed 1 levels of 2d, 7",
+        ),
+        (&gradient, "2d r8unorm 8 1 1", "2d-array r8unorm 8192 8192 64", "allowed at most 1073741824 of all images"),
+        (
+            &gradient,
+            "gradient_shade",
+            "other",
+            "brdfc.image.other: found no such entry; allowed one, as brdfc.bindings line 5",
+        ),
+        (&gradient, "16 8 1 4", "16 8 1 6", "line 5: found 6; allowed 1 to 5"),
+        (
+            &gradient,
+            "16 8 1 4",
+            "16 8 1 3",
+            "brdfc.image.gradient_shade: found 4 levels of 2d, 16 x 8 x 1 texels of r16float",
+        ),
+        (&gradient, "r16float", "r16half", "line 5: found r16half; allowed r8unorm or "),
+        (&gradient, "r16float", "r32uint", "line 5: found gradient_sampler; allowed -, as integers are not filtered"),
+        (
+            &gradient,
+            "43 gradient_sampler",
+            "43 other",
+            "line 5: found gradient_sampler; allowed a sampler of the list, or -",
+        ),
+        (&gradient, "43 ", "1000 ", "line 6: found 1000; allowed 0 to 999"),
+        (&gradient, "sampler repeat", "sampler mirror", "line 6: found mirror; allowed clamp or repeat"),
+    ] {
+        cases.push((to, with_list(pack, from, to), expected));
+    }
+    for (k, (_, bytes, _)) in cases.iter().enumerate() {
+        files.push((format!("{k}.ktx2"), "image/ktx2", bytes.clone()));
+    }
+    let page = format!(
+        "<script type=\"module\">
+import {{ loadPack, uploadWebGpu }} from './dist/index.js';
+const told = {{ cases: [] }};
+const of = (file, options) => loadPack(file, options).then(() => 'loaded', ({{ message }}) => message);
+for (let k = 0; k < {}; k += 1) {{
+    // Those of the first ones have their checksum.
+    told.cases.push(await of(`${{k}}.ktx2`, {{ verify: k < 4 }}));
+}}
+told.scale = await of('packs/it.ktx2', {{ distanceScale: -1 }});
+told.filter = await of('packs/it.ktx2', {{ filter: 'none' }});
+const wide = await loadPack('packs/wide.ktx2');
+try {{
+    uploadWebGpu({{ features: new Set() }}, wide);
+}} catch ({{ message }}) {{
+    told.wide = message;
+}}
+fetch('/result', {{ method: 'POST', body: JSON.stringify(told) }});
+</script>",
+        cases.len()
+    );
+    files.push((String::new(), "text/html", page.into_bytes()));
+    let served: Vec<File<'_>> =
+        files.iter().map(|(name, media, bytes)| (name.as_str(), *media, bytes.as_slice())).collect();
+    let Some(told) = result_of_page(&served) else { return };
+    let told: serde_json::Value = serde_json::from_slice(&told).unwrap();
+    for (k, (name, _, expected)) in cases.iter().enumerate() {
+        let found = told["cases"][k].as_str().unwrap();
+        assert!(found.contains(expected), "{name}: {found}");
+        // A file that is fetched has its name in front.
+        assert!(*expected == "loaded" || found.starts_with(&format!("{k}.ktx2: ")), "{name}: {found}");
+    }
+    for (name, expected) in [
+        ("wide", "device: found none of the feature float32-filterable; allowed "),
+        ("scale", "distanceScale: found -1; allowed a number above 0"),
+        ("filter", "filter: found none; allowed shader or sampler"),
+    ] {
+        let found = told[name].as_str().unwrap();
+        assert!(found.contains(expected), "{name}: {found}");
+    }
+}
