@@ -3,10 +3,12 @@
 import { execFileSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
-import { join } from 'node:path';
+import { join, resolve } from 'node:path';
 
-const program = process.env.BRDFC ?? '../../target/release/brdfc';
-const run = (...words) => execFileSync(program, words, { encoding: 'utf8', maxBuffer: 1 << 24 });
+const named = process.env.BRDFC ?? '../../target/release/brdfc';
+// Packs are made in another folder; a name alone is looked for on the path.
+const program = named.includes('/') ? resolve(named) : named;
+const run = (words, cwd = '.') => execFileSync(program, [...words, '--quiet'], { cwd, encoding: 'utf8', maxBuffer: 1 << 24 });
 
 /** Without comments, indentation and empty lines. */
 const bare = (text) => text
@@ -15,34 +17,31 @@ const bare = (text) => text
     .filter((line) => line !== '')
     .join('\n');
 
-const flatten = (folder, name) => run(
-    'flatten', 'synth:button?resolution=16', '--texels', '8', '--views', 'grid:2x4@60', '--lights', 'grid:2x4@60', '--quiet',
-    '-o', folder, '--name', name,
-);
-
-/** Makes a small pack for each decoder, `it.ktx2` in a folder. */
+/** How a small pack of each decoder is made, in this order: that of `pwt` is a view of the flat BTF. */
 const packs = {
-    table: (folder) => run('encode', 'synth:lambert', '--codec', 'table', '--quiet', '-o', join(folder, 'it.ktx2')),
-    wavelet: (folder) => run('encode', 'synth:lambert', '--codec', 'wavelet', '--grid', '8', '--quiet', '-o', join(folder, 'it.ktx2')),
-    'flat-btf': (folder) => flatten(folder, 'it'),
-    pwt: (folder) => {
-        flatten(folder, 'views');
-        run('pwt', folder, '--quiet', '-o', join(folder, 'it.ktx2'));
-    },
+    table: ['encode', 'synth:lambert', '--codec', 'table', '-o', 'table.ktx2'],
+    wavelet: ['encode', 'synth:lambert', '--codec', 'wavelet', '--grid', '8', '-o', 'wavelet.ktx2'],
+    'flat-btf': [
+        'flatten', 'synth:button?resolution=16', '--texels', '8', '--views', 'grid:2x4@60', '--lights', 'grid:2x4@60',
+        '-o', '.', '--name', 'flat-btf',
+    ],
+    pwt: ['pwt', '.', '-o', 'pwt.ktx2'],
 };
 const decoders = Object.keys(packs);
 
-/** Version of the bindings of a decoder, from the list of a pack. */
-function versionOf(decoder) {
+/** Version of the bindings of each decoder, from the list of a pack. */
+function versions() {
     const folder = mkdtempSync(join(tmpdir(), 'brdfc-web-'));
     try {
-        packs[decoder](folder);
-        const pack = readFileSync(join(folder, 'it.ktx2'), 'latin1');
-        const [, found, version] = pack.match(/brdfc\.bindings\0decoder (\S+) (\d+)\n/) ?? [];
-        if (found !== decoder) {
-            throw new Error(`pack for ${decoder}: found the decoder ${found}; allowed ${decoder}`);
-        }
-        return Number(version);
+        return Object.fromEntries(Object.entries(packs).map(([decoder, words]) => {
+            run(words, folder);
+            const pack = readFileSync(join(folder, `${decoder}.ktx2`), 'latin1');
+            const [, found, version] = pack.match(/brdfc\.bindings\0decoder (\S+) (\d+)\n/) ?? [];
+            if (found !== decoder) {
+                throw new Error(`${words.join(' ')}: found a pack for the decoder ${found}; allowed ${decoder}`);
+            }
+            return [decoder, Number(version)];
+        }));
     } finally {
         rmSync(folder, { recursive: true });
     }
@@ -59,14 +58,15 @@ function filteredBy(wgsl, bindings) {
     return names;
 }
 
+const versionOf = versions();
 const shaders = Object.fromEntries(decoders.map((decoder) => {
-    const { bindings, functions } = JSON.parse(run('shader', decoder, '--language', 'wgsl', '--json'));
-    const [essl300, wgsl] = ['essl300', 'wgsl'].map((language) => bare(run('shader', decoder, '--language', language)));
+    const { bindings, functions } = JSON.parse(run(['shader', decoder, '--language', 'wgsl', '--json']));
+    const [essl300, wgsl] = ['essl300', 'wgsl'].map((language) => bare(run(['shader', decoder, '--language', language])));
     const filtered = filteredBy(wgsl, bindings);
     return [decoder, {
         essl300,
         wgsl,
-        version: versionOf(decoder),
+        version: versionOf[decoder],
         bindings: bindings.map(({ binding, name, kind, dimension, samples, bytes, fields }) => ({
             slot: binding,
             name,

@@ -233,7 +233,7 @@ fn decoder_of(bindings: &Bindings<'_>) -> Result<usize, FormatError> {
         let allowed = DECODERS.map(|decoder| decoder.kind.name()).join(", ");
         return Err(FormatError::whole("decoder", name, allowed));
     };
-    // Of the shaders, which are those of the same crate.
+    // `brdfc-formats` has the shaders, too: lists that it makes are of their version.
     let version = Bindings::new(name, []).version;
     if bindings.version != version {
         let field = format!("version of the decoder {name}");
@@ -244,8 +244,8 @@ fn decoder_of(bindings: &Bindings<'_>) -> Result<usize, FormatError> {
 
 /// The lowest slot that a pack leaves free.
 fn free_slot(bindings: &Bindings<'_>) -> u32 {
-    let mut slots = bindings.all.iter().map(|binding| binding.slot).zip(0..);
-    slots.find(|(slot, index)| slot != index).map_or(bindings.all.len() as u32, |(_, index)| index)
+    let is_free = |slot: &u32| bindings.all.iter().all(|binding| binding.slot != *slot);
+    (0..).find(is_free).expect("a pack has few slots")
 }
 
 /// Why a pack was not loaded.

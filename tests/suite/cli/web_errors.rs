@@ -24,7 +24,7 @@ fn with_list(pack: &[u8], from: &str, to: &str) -> Vec<u8> {
     })
 }
 
-/// What the program refuses is not drawn, either, and it is said why.
+/// What the program refuses the package refuses, too, and the message has the place, what was found and what is allowed.
 #[test]
 fn files_that_are_damaged_are_refused_by_the_package() {
     let folder = Folder::new();
