@@ -8,10 +8,10 @@
 //! source, then wavelet packs as the paper ranks slices, at 4:1, 16:1 and 32:1 with 8 bits. The camera is orthographic and looks along -z. One point light shines on each
 //! sphere; the colour of a pixel is equation 1 of Claustres et al. 2007, `f_r I cos θi / |x - x_light|²`.
 
-use brdfc_core::decoded;
+use brdfc_core::PackSource;
 use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::{DirectionPair, Vector, dot, normalize};
-use brdfc_jobs::encode::recipe::PackRecipe;
+use brdfc_jobs::encode::PackRecipe;
 use brdfc_jobs::encode::{EncodedPack, encode};
 use brdfc_jobs::scene::manifest::Manifest;
 use brdfc_jobs::scene::plan::plan;
@@ -59,13 +59,13 @@ fn main() -> Result<(), Box<dyn Error>> {
         // What '--codec wavelet' makes, and below what the paper ranks by.
         for (line, recipe) in (1..).zip([by_default, PackRecipe::Wavelet(Recipe::visible())]) {
             let made = encode(source.as_ref(), &recipe, &())?;
-            println!("{name}, {}: {}", made.codec.name(), cost(&made));
-            draw(&mut packs, [row, line], decoded(&made.pack, None).as_ref());
+            println!("{name}, {}: {}", made.codec.codec(), cost(&made));
+            draw(&mut packs, [row, line], &PackSource::new(&*made.pack, None));
         }
         for (column, ratio) in (1..).zip(RATIOS) {
             let paper = PackRecipe::Wavelet(Recipe { target: Target::Ratio(ratio), ..Recipe::default() });
             let made = encode(source.as_ref(), &paper.without_measuring(), &())?;
-            draw(&mut ratios, [column, row], decoded(&made.pack, None).as_ref());
+            draw(&mut ratios, [column, row], &PackSource::new(&*made.pack, None));
         }
     }
     write(&packs, &root.join("docs/packs.png"))?;

@@ -1,113 +1,84 @@
-//! Packs of reflectances: what engines draw materials from, of whichever codec.
+//! Packs of BRDFs: what engines draw materials from, whichever codec made them.
 
 use crate::bindings::Bindings;
 use crate::crop::DirectionRange;
 use crate::direction::DirectionPair;
-use crate::table::{TableDecoder, TablePack};
-use crate::wavelet::{Filter, WaveletDecoder, WaveletPack};
+use crate::symmetry::Symmetry;
+use crate::table::Angles;
+use crate::wavelet::Filter;
+use crate::{ErrorSummary, PictureSummary};
+use std::fmt::Debug;
 
-/// A pack of reflectances.
-#[derive(Debug, Clone, PartialEq)]
-#[allow(clippy::large_enum_variant)]
-pub enum BrdfPack {
-    /// Kept slices of wavelet coefficients.
-    Wavelet(WaveletPack),
-    /// Logarithms over half-difference angles.
-    Table(TablePack),
-}
+/// A pack of a BRDF, whichever its codec.
+pub trait Brdf: Debug + Send + Sync {
+    /// The name of its codec or, where the codec has several, of the variant, as `--codec` takes it.
+    fn codec(&self) -> &'static str;
 
-impl BrdfPack {
-    /// What the codec is called.
-    pub fn codec(&self) -> &'static str {
-        match self {
-            Self::Wavelet(_) => "wavelet",
-            Self::Table(pack) if pack.curve().is_some() => "factored",
-            Self::Table(_) => "table",
-        }
-    }
+    /// Colour channels that are stored, 1 or 3.
+    fn channels(&self) -> u32;
+
+    /// `μ`, 1/sr.
+    fn mean(&self) -> f32;
 
     /// Bytes on a GPU.
-    pub fn gpu_bytes(&self) -> u64 {
-        match self {
-            Self::Wavelet(pack) => pack.gpu_bytes(),
-            Self::Table(pack) => pack.gpu_bytes(),
-        }
-    }
+    fn gpu_bytes(&self) -> u64;
 
     /// Directions that it is for.
-    pub fn directions(&self) -> DirectionRange {
-        match self {
-            Self::Wavelet(pack) => pack.directions(),
-            Self::Table(pack) => pack.directions(),
-        }
-    }
+    fn directions(&self) -> DirectionRange;
 
     /// Levels of detail besides the coarsest: the finest is level `levels`.
-    pub fn levels(&self) -> u32 {
-        match self {
-            Self::Wavelet(pack) => pack.header.levels,
-            Self::Table(pack) => pack.levels(),
-        }
+    fn levels(&self) -> u32;
+
+    /// Texture fetches of one look-up at the finest level of detail, with the filter that errors are measured with.
+    fn fetches(&self) -> u32;
+
+    /// Its error against the source at direction pairs that depend on no codec; zeros if it was not measured.
+    fn off_grid(&self) -> ErrorSummary;
+
+    /// Its colour differences from the source in renderings, where the pack says them.
+    fn picture(&self) -> Option<PictureSummary> {
+        None
     }
 
-    /// Texture fetches of one look-up at the finest level of detail with the filter that errors are measured with: of
-    /// wavelet packs four reconstructions, of lifted ones sixteen.
-    pub fn fetches(&self) -> u32 {
-        match self {
-            Self::Wavelet(pack) => (if pack.header.lifted { 16 } else { 4 }) * (4 * pack.header.levels + 1),
-            Self::Table(pack) => pack.fetches(),
-        }
-    }
-
-    /// What its shader has bound.
-    pub fn bindings(&self) -> Bindings<'_> {
-        match self {
-            Self::Wavelet(pack) => pack.bindings(),
-            Self::Table(pack) => pack.bindings(),
-        }
-    }
+    /// The bindings of its shader.
+    fn bindings(&self) -> Bindings<'_>;
 
     /// The bytes of the KTX2 file.
-    pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
-        match self {
-            Self::Wavelet(pack) => pack.to_bytes(supercompress),
-            Self::Table(pack) => pack.to_bytes(supercompress),
-        }
-    }
+    fn to_bytes(&self, supercompress: bool) -> Vec<u8>;
+
+    /// Unpacks it for random access.
+    fn decoder(&self) -> Box<dyn BrdfDecoder>;
 }
 
-/// A pack made ready for random access.
-#[derive(Debug, Clone)]
-pub enum BrdfDecoder {
-    /// Of a wavelet pack.
-    Wavelet(WaveletDecoder),
-    /// Of a table pack.
-    Table(TableDecoder),
-}
+/// A pack of a BRDF, unpacked for random access.
+pub trait BrdfDecoder: Debug + Send + Sync {
+    /// Levels of detail besides the coarsest.
+    fn levels(&self) -> u32;
 
-impl BrdfDecoder {
-    /// Unpacks a pack.
-    pub fn new(pack: &BrdfPack) -> Self {
-        match pack {
-            BrdfPack::Wavelet(pack) => Self::Wavelet(WaveletDecoder::new(pack)),
-            BrdfPack::Table(pack) => Self::Table(TableDecoder::new(pack)),
-        }
+    /// Whether all three channels are equal everywhere.
+    fn is_grey(&self) -> bool;
+
+    /// The symmetries that decoded values obey exactly, up to rounding.
+    fn symmetry(&self) -> Symmetry {
+        Symmetry::NONE
     }
 
-    /// Levels of detail, the coarsest not counted: 0 where there is one alone.
-    pub fn levels(&self) -> u32 {
-        match self {
-            Self::Wavelet(decoder) => decoder.header().levels,
-            Self::Table(decoder) => decoder.levels(),
-        }
-    }
+    /// `f_r` at a direction pair, linear RGB, 1/sr, not negative. `level` is a level of detail, 0 (the coarsest) to
+    /// [`Self::levels`]. `filter` is that of wavelet packs; tables are filtered exactly.
+    fn eval(&self, pair: DirectionPair, level: f32, filter: Filter) -> [f32; 3];
 
-    /// `f_r` at a direction pair, linear RGB, 1/sr, not negative. `filter` is that of wavelet packs; tables
-    /// are filtered exactly.
-    pub fn eval(&self, pair: DirectionPair, level: f32, filter: Filter) -> [f32; 3] {
-        match self {
-            Self::Wavelet(decoder) => decoder.eval(pair, level, filter),
-            Self::Table(decoder) => decoder.eval_at(pair, level),
+    /// [`Self::eval`] of many pairs with the filter that errors are measured with; `values` has as many as `pairs`. Decoders that
+    /// look up angles first take them from `angles`, which finds them once for all packs.
+    fn eval_block<'a>(
+        &self,
+        pairs: &[DirectionPair],
+        angles: &dyn Fn() -> &'a [Angles],
+        level: f32,
+        values: &mut [[f64; 3]],
+    ) {
+        let _ = angles;
+        for (value, pair) in values.iter_mut().zip(pairs) {
+            *value = self.eval(*pair, level, Filter::Bilinear).map(f64::from);
         }
     }
 }

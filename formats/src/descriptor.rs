@@ -5,6 +5,8 @@
 pub struct Descriptor {
     /// The name of its decoder: in files, and on the command line.
     pub name: &'static str,
+    /// The version of the bindings of its shader, which packs have as well: of another version they are refused.
+    pub version: u32,
     /// What a pack of it is called in messages.
     pub in_words: &'static str,
     /// What packs of it are called.
@@ -18,6 +20,23 @@ pub struct Descriptor {
     /// How a query of three groups of four numbers, `a`, `b` and `c`, is answered: the body of the compute shader that SPIR-V has
     /// in place of a piece to paste.
     pub answer: Answer,
+    /// How shaders evaluate packs of it as BRDFs, if they are.
+    pub brdf: Option<BrdfShader>,
+}
+
+/// How a shader evaluates a pack of a BRDF: WGSL expressions.
+#[derive(Debug, Clone, Copy)]
+pub struct BrdfShader {
+    /// Whether a pack of this codec is bound; otherwise its uniform block is zero.
+    pub is_bound: &'static str,
+    /// `f_r` of `wi`, `wo` and `level`, filtered by the sampler.
+    pub filtered: &'static str,
+    /// The same, filtered by the shader: exact, and for devices whose samplers do not filter the texture.
+    pub exact: &'static str,
+    /// Whether packs may have texels of 16 bits a channel, which samplers filter on some devices only.
+    pub may_be_wide: bool,
+    /// The level of detail at `distance` from the viewer.
+    pub level_of_detail: &'static str,
 }
 
 /// How a query is answered.

@@ -1,6 +1,5 @@
 //! Which pack a KTX2 file is: decided here alone, once, before any texel is unpacked.
 
-use crate::FormatError;
 use crate::bandwidth::BandwidthMap;
 use crate::bindings::{Bindings, PackFile};
 use crate::container::PackedTexture;
@@ -10,9 +9,59 @@ use crate::importance::ImportancePack;
 use crate::pwt::PwtPack;
 use crate::table::TablePack;
 use crate::wavelet::WaveletPack;
+use crate::{Brdf, FormatError};
+use std::ops::Deref;
 
-/// Makes [`PackKind`] and [`Pack`] of one line for each codec: its name in Rust, what is held of a pack, what reads one, its folder.
+/// Makes [`PackKind`], [`Pack`] and [`BrdfPack`] of one line for each codec: its name in Rust, what is held of a pack, what reads
+/// one, its folder. Those of BRDFs come first.
 macro_rules! codecs {
+    (
+        brdfs: { $($(#[$brdf_doc:meta])* $brdf:ident($brdf_held:ty): $brdf_pack:ident, $brdf_folder:ident;)* }
+        others: { $($others:tt)* }
+    ) => {
+        codecs! {
+            $($(#[$brdf_doc])* $brdf($brdf_held): $brdf_pack, $brdf_folder;)*
+            $($others)*
+        }
+
+        /// A pack of a BRDF, of any codec. It dereferences to what all of them have.
+        #[derive(Debug, Clone, PartialEq)]
+        #[allow(clippy::large_enum_variant)]
+        pub enum BrdfPack {
+            $($(#[$brdf_doc])* $brdf($brdf_held),)*
+        }
+
+        impl Deref for BrdfPack {
+            type Target = dyn Brdf;
+
+            fn deref(&self) -> &Self::Target {
+                match self {
+                    $(Self::$brdf(pack) => pack,)*
+                }
+            }
+        }
+
+        impl TryFrom<Pack> for BrdfPack {
+            type Error = PackKind;
+
+            /// The pack if it is one of a BRDF, otherwise its kind.
+            fn try_from(pack: Pack) -> Result<Self, PackKind> {
+                match pack {
+                    $(Pack::$brdf(pack) => Ok(Self::$brdf(pack)),)*
+                    other => Err(other.kind()),
+                }
+            }
+        }
+
+        impl BrdfPack {
+            /// The kind of the pack.
+            pub fn kind(&self) -> PackKind {
+                match self {
+                    $(Self::$brdf(_) => PackKind::$brdf,)*
+                }
+            }
+        }
+    };
     ($($(#[$doc:meta])* $kind:ident($held:ty): $pack:ident, $folder:ident;)*) => {
         /// What a pack is.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -64,18 +113,22 @@ macro_rules! codecs {
 }
 
 codecs! {
-    /// A table pack.
-    Table(TablePack): TablePack, table;
-    /// A wavelet BRDF pack.
-    Wavelet(WaveletPack): WaveletPack, wavelet;
-    /// A flat BTF.
-    FlatBtf(Box<FlatBtfFile>): FlatBtfFile, flat_btf;
-    /// A polynomial wavelet tree.
-    Pwt(PwtPack): PwtPack, pwt;
-    /// A bandwidth map.
-    Bandwidth(BandwidthMap): BandwidthMap, bandwidth;
-    /// Importance samples.
-    Importance(ImportancePack): ImportancePack, importance;
+    brdfs: {
+        /// A table pack, plain or factored.
+        Table(TablePack): TablePack, table;
+        /// A wavelet BRDF pack.
+        Wavelet(WaveletPack): WaveletPack, wavelet;
+    }
+    others: {
+        /// A flat BTF.
+        FlatBtf(Box<FlatBtfFile>): FlatBtfFile, flat_btf;
+        /// A polynomial wavelet tree.
+        Pwt(PwtPack): PwtPack, pwt;
+        /// A bandwidth map.
+        Bandwidth(BandwidthMap): BandwidthMap, bandwidth;
+        /// Importance samples.
+        Importance(ImportancePack): ImportancePack, importance;
+    }
 }
 
 impl PackKind {
@@ -119,6 +172,10 @@ impl Pack {
             let known = PackKind::ALL.map(PackKind::name).join(", ");
             return Err(FormatError::whole("decoder of the pack", file.bindings.decoder, known));
         };
+        let (found, allowed) = (file.bindings.version, kind.descriptor().version);
+        if found != allowed {
+            return Err(FormatError::whole("version of the decoder", found.to_string(), allowed.to_string()));
+        }
         Self::of_kind(kind, file)
     }
 }
@@ -151,6 +208,11 @@ mod tests {
         seal(&mut other);
         let error = Pack::from_bytes(&other).unwrap_err().to_string();
         assert!(error.starts_with("decoder of the pack: found importancx; allowed table, wavelet,"), "{error}");
+        let mut newer = bytes.clone();
+        newer[name + 19] = b'2';
+        seal(&mut newer);
+        let error = Pack::from_bytes(&newer).unwrap_err().to_string();
+        assert_eq!(error, "version of the decoder: found 2; allowed 1");
     }
 
     #[test]

@@ -25,16 +25,18 @@ pub mod importance;
 mod kind;
 pub mod memory;
 pub mod pwt;
+mod symmetry;
 pub mod table;
 pub mod tap;
 pub mod vector_math;
 pub mod wavelet;
 
-pub use brdf_pack::{BrdfDecoder, BrdfPack};
-pub use descriptor::{Answer, Descriptor};
+pub use brdf_pack::{Brdf, BrdfDecoder};
+pub use descriptor::{Answer, BrdfShader, Descriptor};
 pub use error::{FormatError, Place};
 pub use error_summary::{ErrorSummary, PictureSummary};
-pub use kind::{Pack, PackKind};
+pub use kind::{BrdfPack, Pack, PackKind};
+pub use symmetry::Symmetry;
 
 /// The example of the README compiles.
 #[cfg(doctest)]

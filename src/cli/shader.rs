@@ -5,7 +5,7 @@ use super::output::{
 };
 use super::{Common, Error};
 use crate::table;
-use brdfc_formats::PackKind;
+use brdfc_formats::{BrdfShader, PackKind};
 use brdfc_shaders::{EntryPoint, Interface, Language, shader};
 use brdfc_source::Input;
 use brdfc_source::flat_btf::open_flat_btf;
@@ -61,12 +61,28 @@ pub struct Report {
     language: &'static str,
     /// Bytes of the file.
     bytes_on_disk: usize,
+    /// Version of the decoder's bindings: packs of another version are for another decoder.
+    bindings_version: u32,
     /// What to bind, and what to call.
     #[serde(flatten)]
     interface: Interface,
+    /// Of packs of BRDFs, how a shader evaluates one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    brdf: Option<Brdf>,
     /// Of SPIR-V, what runs.
     #[serde(skip_serializing_if = "Option::is_none")]
     entry_point: Option<EntryPoint>,
+}
+
+/// Expressions that evaluate a pack of a BRDF, the same in every language.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+struct Brdf {
+    /// `f_r` of `wi`, `wo` and `level`, filtered by a sampler.
+    filtered: &'static str,
+    /// The same, filtered by the shader.
+    exact: &'static str,
+    /// The level of detail at `distance` from the viewer.
+    level_of_detail: &'static str,
 }
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
@@ -87,7 +103,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         decoder: decoder.name(),
         language: arguments.language.name(),
         bytes_on_disk: shader.bytes.len(),
+        bindings_version: decoder.descriptor().version,
         interface: shader.interface,
+        brdf: decoder.descriptor().brdf.map(Brdf::from),
         entry_point: shader.entry_point,
     };
     match output {
@@ -100,6 +118,12 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
             Ok(text) if arguments.language != Language::Spirv => print(text),
             _ => write_file(Path::new("/dev/stdout"), &shader.bytes),
         },
+    }
+}
+
+impl From<BrdfShader> for Brdf {
+    fn from(BrdfShader { filtered, exact, level_of_detail, .. }: BrdfShader) -> Self {
+        Self { filtered, exact, level_of_detail }
     }
 }
 

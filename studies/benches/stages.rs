@@ -162,11 +162,10 @@ fn decoding(criterion: &mut Criterion) {
 fn measuring(criterion: &mut Criterion) {
     let s = stages();
     let decoded = PackSource::new(&s.pack, None);
+    let decoder = WaveletDecoder::new(&s.pack);
     let set = PairSet::comparison();
     let mut group = criterion.benchmark_group("measure");
-    group.bench_function("on the grid", |b| {
-        b.iter(|| grid_error(black_box(&s.table), decoded.decoder(), DirectionRange::ALL))
-    });
+    group.bench_function("on the grid", |b| b.iter(|| grid_error(black_box(&s.table), &decoder, DirectionRange::ALL)));
     group.throughput(Throughput::Elements(set.pairs.len() as u64));
     group.bench_function("off the grid", |b| b.iter(|| compare(&s.source, &decoded, &set)));
 }

@@ -1,8 +1,8 @@
 //! BRDF evaluations per second, by the shader and by the CPU decoder (section 6.3 of Claustres et al. 2007).
 
 use super::rates::Rates;
+use brdfc_formats::BrdfPack;
 use brdfc_formats::wavelet::Filter;
-use brdfc_formats::{BrdfDecoder, BrdfPack};
 use brdfc_gpu::{AdapterDescription, Gpu, GpuError, SliceFilter};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -60,7 +60,7 @@ pub fn throughput(gpu: &Gpu, packs: &[BrdfPack], progress: impl Fn(usize, usize)
     let cases: Vec<Case<'_>> = packs.iter().flat_map(cases).collect();
     let mut rows = Vec::new();
     for case in &cases {
-        let (level, decoder) = (case.level as f32, BrdfDecoder::new(case.pack));
+        let (level, decoder) = (case.level as f32, case.pack.decoder());
         let cpu = |all| rates.cpu(all, |pair| decoder.eval(pair, level, case.filter)[0]);
         let shader = |slices| rates.shader(case.pack, case.filter, level, slices);
         rows.push(Rate {

@@ -1,7 +1,8 @@
 //! Error studies that repeat tables of the papers.
 
 use brdfc_core::address::{AddressError, canonical, parse_model};
-use brdfc_wavelet::encode::{EncodeError, encode};
+use brdfc_jobs::encode::EncodeError;
+use brdfc_wavelet::encode::encode;
 use brdfc_wavelet::recipe::{Recipe, Target};
 use serde::Serialize;
 

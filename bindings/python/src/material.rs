@@ -27,7 +27,7 @@ pub struct Material {
     source: Box<dyn Source>,
     facts: Facts,
     /// Of a pack, what decodes it at any level of detail.
-    decoded: Option<(BrdfPack, BrdfDecoder)>,
+    decoded: Option<(BrdfPack, Box<dyn BrdfDecoder>)>,
 }
 
 impl Material {
@@ -43,7 +43,7 @@ impl Material {
         }
         let pack = open_brdf_pack(input)?;
         let Opened { source, facts } = opened(&pack, None);
-        let decoder = BrdfDecoder::new(&pack);
+        let decoder = pack.decoder();
         Ok(Self { name, source, facts, decoded: Some((pack, decoder)) })
     }
 

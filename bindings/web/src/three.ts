@@ -73,7 +73,7 @@ function held(renderer: THREE.WebGLRenderer, texture: THREE.Texture): { __webglT
  */
 export function packMaterial(pack: Pack, renderer: THREE.WebGLRenderer, lights: PointLight[]): THREE.ShaderMaterial {
     checkLights(lights);
-    const fragment = fragmentShader(pack.decoder, glsl(pack), isWide(pack, true));
+    const fragment = fragmentShader(pack, glsl(pack), isWide(pack, true));
     const { uniforms, uniformsGroups } = packBindings(pack, renderer);
     const material = new THREE.ShaderMaterial({
         glslVersion: THREE.GLSL3,

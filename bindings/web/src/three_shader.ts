@@ -2,29 +2,15 @@
 
 import type { Pack } from './pack.js';
 import { refuse } from './refuse.js';
-import type { DecoderName, DecoderShader } from './shaders.js';
+import type { DecoderShader } from './shaders.js';
+
+type Brdf = NonNullable<DecoderShader['brdf']>;
 
 /** Most lights of a material. */
 export const MAX_LIGHTS = 8;
 
-/** Of each decoder: `reflected`, radiance over irradiance from one direction with the cosine, and its level of detail. */
-const REFLECTED: Record<DecoderName, string> = {
-    table: `
-float levelAt(float distance) {
-    return table_brdf_level_of_detail(distance);
-}
-vec3 reflected(vec3 wi, vec3 wo, float level) {
-    return table_brdf_at(wi, wo, level, true) * wi.z;
-}
-`,
-    wavelet: `
-float levelAt(float distance) {
-    return wavelet_brdf_level_of_detail(distance);
-}
-vec3 reflected(vec3 wi, vec3 wo, float level) {
-    return WAVELET_BRDF(wi, wo, level) * wi.z;
-}
-`,
+/** `reflected`, radiance over irradiance from one direction with the cosine, and the level of detail, of decoders of surfaces. */
+const SURFACES: Record<string, string> = {
     // From behind v is negated, so that it goes along the bitangent there, too.
     'flat-btf': `
 float levelAt(float distance) {
@@ -134,13 +120,25 @@ void main() {
 }
 `;
 
-/** The shader of a decoder in GLSL; `isWide`: it filters wavelets itself, as samplers do not filter floats of 32 bits. */
-export function fragmentShader(name: string, decoder: string, isWide: boolean): string {
-    const reflected = Object.hasOwn(REFLECTED, name)
-        ? REFLECTED[name as DecoderName]
-        : refuse('material', `a pack of the decoder ${name}`, `${Object.keys(REFLECTED).join(', ')}, or a ShaderMaterial with packBindings`);
-    const wavelet = `#define WAVELET_BRDF ${isWide ? 'wavelet_brdf_exact' : 'wavelet_brdf'}\n`;
-    return wavelet + VARYINGS + decoder + reflected + FRAGMENT;
+/** The same of a BRDF, whichever its decoder. */
+function ofBrdf({ filtered, exact, level_of_detail: level }: Brdf, isWide: boolean): string {
+    return `
+float levelAt(float distance) {
+    return ${level};
+}
+vec3 reflected(vec3 wi, vec3 wo, float level) {
+    return ${isWide ? exact : filtered} * wi.z;
+}
+`;
+}
+
+/** The shader of a pack, `decoder` in GLSL; `isWide`: it filters texels itself, as samplers do not filter floats of 32 bits. */
+export function fragmentShader({ decoder: name, shader }: Pack, decoder: string, isWide: boolean): string {
+    const { brdf } = (shader ?? {}) as Partial<DecoderShader>;
+    const surface = Object.hasOwn(SURFACES, name) ? SURFACES[name] : undefined;
+    const reflected = (brdf === undefined ? surface : ofBrdf(brdf, isWide))
+        ?? refuse('material', `a pack of the decoder ${name}`, 'a BRDF, a flat BTF or a polynomial wavelet tree, or a ShaderMaterial with packBindings');
+    return VARYINGS + decoder + reflected + FRAGMENT;
 }
 
 /** Whether it tells directions around the normal apart: a table of several layers, or a flat BTF. */

@@ -3,16 +3,19 @@
 
 pub mod address;
 pub mod analytic;
+mod describe;
 pub mod half_difference;
 mod pack_source;
 pub mod pair_list;
 pub mod progress;
-mod symmetry;
+mod stray_rows;
 mod tally;
 pub mod words;
 
-pub use pack_source::{PackSource, TableSource, decoded};
-pub use symmetry::Symmetry;
+pub use brdfc_formats::Symmetry;
+pub use describe::Describe;
+pub use pack_source::PackSource;
+pub use stray_rows::StrayRows;
 pub use tally::Tally;
 
 use brdfc_formats::crop::DirectionRange;

@@ -1,35 +1,67 @@
-//! Packs on the device: one bind group for either codec, so that one shader draws both. What the codec of a pack does not use is
-//! zero.
+//! Packs of BRDFs on the device: one bind group for all codecs, so that one shader draws them all. Zeros are bound for what the
+//! codec of a pack does not use.
 
-use super::bindings::{IMAGE, SAMPLER, Slots, UNFILTERED, UNIFORM, VOLUME};
+use super::bindings::{IMAGE, INTEGERS, LAYERS, SAMPLER, Slots, UNFILTERED, UNIFORM, VOLUME};
 use super::device::Gpu;
-use brdfc_formats::bindings::{FRAME_SLOT, combined_wgsl};
-use brdfc_formats::table::shader::TABLE_BRDF_WGSL;
-use brdfc_formats::wavelet::shader::WAVELET_BRDF_WGSL;
+use brdfc_formats::bindings::combined_wgsl;
+use brdfc_formats::{BrdfShader, PackKind};
+use brdfc_shaders::{BindingKind, Generated};
+use std::collections::BTreeMap;
 use wgpu::{BindingType, ShaderStages};
 
-/// Chooses the decoder of a pack, behind both.
-const BRDF_WGSL: &str = include_str!("brdf.wgsl");
-
-/// Both decoders and what chooses between them.
-pub(super) fn brdf_source() -> String {
-    combined_wgsl([WAVELET_BRDF_WGSL, TABLE_BRDF_WGSL, BRDF_WGSL])
+/// The codecs of BRDFs.
+fn codecs() -> impl DoubleEndedIterator<Item = (PackKind, BrdfShader)> {
+    PackKind::ALL.into_iter().filter_map(|kind| Some((kind, kind.descriptor().brdf?)))
 }
 
-/// What both decoders have bound in group 1.
-pub(super) const SLOTS: [(u32, BindingType); 9] = [
-    (FRAME_SLOT, UNIFORM),
-    (1, UNIFORM),
-    (2, VOLUME),
-    (3, SAMPLER),
-    (4, IMAGE),
-    (5, UNIFORM),
-    (6, VOLUME),
-    (7, UNFILTERED),
-    (8, SAMPLER),
-];
+/// The decoders of all codecs, and functions that call the one whose pack is bound:
+///
+/// - `brdf(wi, wo, level, hardware)`: `f_r` at a level of detail; `hardware`: the sampler filters;
+/// - `brdf_level_of_detail(distance)`: the level of detail at a distance from the viewer.
+pub(super) fn brdf_source() -> String {
+    let wgsl: Vec<String> = codecs().map(|(kind, _)| (kind.descriptor().wgsl)()).collect();
+    let chosen = |of: &dyn Fn(BrdfShader) -> String| {
+        let one = |(_, shader): (PackKind, BrdfShader)| format!("if {} {{\n{}}}\n", shader.is_bound, of(shader));
+        let all: String = codecs().map(one).collect();
+        let (_, last) = codecs().next_back().expect("there are codecs of BRDFs");
+        // The last needs no condition: one of them is bound.
+        all.replace(&format!("if {} ", last.is_bound), "")
+    };
+    let value = |BrdfShader { filtered, exact, .. }: BrdfShader| {
+        format!("if hardware {{\nreturn {filtered};\n}}\nreturn {exact};\n")
+    };
+    let level = |shader: BrdfShader| format!("return {};\n", shader.level_of_detail);
+    combined_wgsl(wgsl.iter().map(String::as_str))
+        + &format!(
+            "\nfn brdf(wi: vec3<f32>, wo: vec3<f32>, level: f32, hardware: bool) -> vec3<f32> {{\n{}}}\n\
+             fn brdf_level_of_detail(distance: f32) -> f32 {{\n{}}}\n",
+            chosen(&value),
+            chosen(&level)
+        )
+}
+
+/// Slots of group 1 that the decoders of all codecs have.
+pub(super) fn slot_types() -> BTreeMap<u32, BindingType> {
+    let bindings = codecs().flat_map(|(kind, _)| &Generated::of(kind).interface.bindings);
+    bindings.map(|binding| (binding.binding, type_of(&binding.kind))).collect()
+}
+
+fn type_of(kind: &BindingKind) -> BindingType {
+    match kind {
+        BindingKind::Uniform { .. } => UNIFORM,
+        BindingKind::Sampler => SAMPLER,
+        BindingKind::Texture { dimension, samples, filtered } => match (dimension.as_str(), samples.as_str(), filtered)
+        {
+            ("2d", "uint", _) => INTEGERS,
+            ("2d", _, false) => UNFILTERED,
+            ("2d", _, true) => IMAGE,
+            ("2d-array", _, _) => LAYERS,
+            _ => VOLUME,
+        },
+    }
+}
 
 /// The layout of group 1.
 pub(super) fn slots(gpu: &Gpu, stages: ShaderStages) -> Slots {
-    Slots::new(gpu, "pack", stages, SLOTS)
+    Slots::new(gpu, "pack", stages, slot_types())
 }

@@ -49,14 +49,14 @@ impl Views {
 
 /// A pack on the CPU, decoded as a shader with exact filters does.
 pub struct PackReflectance {
-    decoder: BrdfDecoder,
+    decoder: Box<dyn BrdfDecoder>,
     decoding: Decoding,
 }
 
 impl PackReflectance {
     /// Unpacks a pack.
     pub fn new(pack: &BrdfPack, decoding: Decoding) -> Self {
-        Self { decoder: BrdfDecoder::new(pack), decoding }
+        Self { decoder: pack.decoder(), decoding }
     }
 }
 

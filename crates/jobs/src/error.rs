@@ -1,7 +1,7 @@
 //! The one error of the library. Parts of it have errors of their own, which become this one here.
 
-use crate::encode::PackError;
-use crate::encode::options::OptionError;
+use crate::encode::EncodeError;
+use crate::encode::OptionError;
 use crate::flatten::{FlattenError, MesoInputError};
 use crate::output_folder::FolderError;
 use crate::pwt::PwtError;
@@ -17,7 +17,6 @@ use brdfc_core::progress::Cancelled;
 use brdfc_flat_btf::structures::Structure;
 use brdfc_formats::FormatError;
 use brdfc_source::InputError;
-use brdfc_wavelet::encode::EncodeError;
 use std::convert::Infallible;
 use std::path::Path;
 
@@ -167,26 +166,14 @@ impl From<Cancelled> for Error {
 impl From<EncodeError> for Error {
     fn from(error: EncodeError) -> Self {
         match error {
-            EncodeError::BudgetMissed { .. } | EncodeError::NothingMeasured | EncodeError::TooFewBytes { .. } => {
-                Self::check(error.to_string())
-            }
-            EncodeError::TooManySlices { .. } => Self::usage(error.to_string()),
+            EncodeError::BudgetMissed { .. }
+            | EncodeError::NothingMeasured
+            | EncodeError::TooFewBytes { .. }
+            | EncodeError::TooFewFetches { .. }
+            | EncodeError::OtherDirections { .. } => Self::check(error.to_string()),
+            EncodeError::Size { .. } => Self::usage(error.to_string()),
+            EncodeError::Format(error) => Self::own_layout(error),
             EncodeError::Cancelled(_) => Self::cancelled(),
-        }
-    }
-}
-
-impl From<PackError> for Error {
-    fn from(error: PackError) -> Self {
-        use brdfc_table::encode::EncodeError as TableError;
-        match error {
-            PackError::Wavelet(error) => error.into(),
-            PackError::Table(TableError::TooFewBytes { .. })
-            | PackError::NothingMeasured
-            | PackError::OtherDirections { .. }
-            | PackError::TooFewFetches { .. } => Self::check(error.to_string()),
-            PackError::Table(TableError::Format(error)) => Self::own_layout(error),
-            PackError::Table(TableError::Cancelled(_)) | PackError::Cancelled(_) => Self::cancelled(),
         }
     }
 }

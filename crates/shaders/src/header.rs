@@ -93,7 +93,7 @@ fn declared(language: Language, interface: &Interface, binding: &Binding) -> Opt
                     ),
                     _ => format!("uniform block {name} of the type {block}, {bytes} bytes"),
                 },
-                BindingKind::Texture { dimension, samples } => {
+                BindingKind::Texture { dimension, samples, .. } => {
                     format!("{} texture of {samples} {name}", dimension.to_uppercase().replace("-ARRAY", " array"))
                 }
                 BindingKind::Sampler => format!("sampler {name}"),

@@ -58,6 +58,8 @@ pub enum BindingKind {
         dimension: String,
         /// `float`, also of normalised integers, or `uint`.
         samples: String,
+        /// Whether a sampler filters it; otherwise the shader only loads texels.
+        filtered: bool,
     },
     /// A sampler. GLSL has none of its own: it belongs to each texture.
     Sampler,

@@ -22,7 +22,6 @@ pub mod read;
 pub mod rgl;
 pub mod scan;
 pub mod simulate;
-mod stray_rows;
 pub mod tile_image;
 pub mod ubo_btf;
 
@@ -31,4 +30,3 @@ pub use input::{Input, StandardInput};
 pub use merl::MerlSource;
 pub use rgl::RglSource;
 pub use scan::ScanSource;
-pub use stray_rows::StrayRows;

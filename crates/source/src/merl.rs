@@ -1,9 +1,10 @@
 //! MERL tables as a source.
 
 use super::error::InputError;
-use super::format::{Describe, Format, Opened};
+use super::format::{Format, Opened};
 use super::input::InputFile;
 use super::read::{MAX_FILE_BYTES, check_length};
+use brdfc_core::Describe;
 use brdfc_core::half_difference::HalfDifference;
 use brdfc_core::pair_list::PairBlock;
 use brdfc_core::{Source, Symmetry, Tally};

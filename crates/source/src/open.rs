@@ -1,30 +1,31 @@
 //! Opens any input: a path, a `synth:` address or standard input. [`FORMATS`] is the one table of files that have reflectance.
 
-pub use super::format::{Describe, Format};
+pub use super::format::Format;
+pub use brdfc_core::Describe;
 
 use super::error::InputError;
 use super::input::{Input, InputFile};
 use super::light_stack::{self, is_light_stack};
 use super::merl::{self, MerlFacts};
-use super::pack::{self, TablePackFacts, WaveletPackFacts};
 use super::read::{ReadListener, extension_of, found_extension};
 use super::rgl::{self, RglFacts};
 use super::scan::{self, ScanFacts};
 use super::ubo_btf::is_ubo_btf;
-use super::{format, ptm};
+use super::{format, pack, ptm};
 use brdfc_core::address;
+use brdfc_encode::PackFacts;
 use brdfc_formats::{BrdfPack, FormatError};
 use std::ops::Deref;
 use std::path::Path;
 
 /// Makes [`Facts`] and [`FORMATS`] of one line for each kind of input: what is known of it, and the formats of its files.
 macro_rules! inputs {
-    ($($(#[$doc:meta])* $kind:ident($facts:ty): $($format:expr),*;)*) => {
+    ($($(#[$meta:meta])* $kind:ident($facts:ty): $($format:expr),*;)*) => {
         /// What kind of input it is, with what is worth knowing about it.
         #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
         #[serde(tag = "kind", rename_all = "kebab-case")]
         pub enum Facts {
-            $($(#[$doc])* $kind($facts),)*
+            $($(#[$meta])* $kind($facts),)*
         }
 
         impl Deref for Facts {
@@ -57,10 +58,9 @@ inputs! {
     Scan(ScanFacts): scan::text_format(), scan::csv_format(), scan::alta_format();
     /// An RGL material.
     Rgl(RglFacts): rgl::format();
-    /// A wavelet pack.
-    WaveletPack(WaveletPackFacts): ;
-    /// A table pack.
-    TablePack(TablePackFacts): pack::format();
+    /// A pack of a BRDF.
+    #[serde(untagged)]
+    Pack(PackFacts): pack::format();
 }
 
 /// An input, ready for evaluation.

@@ -13,8 +13,9 @@ use brdfc_readers::colour::rgb_weights;
 use brdfc_readers::rgl::{Azimuths, Colour, KIND, Map, Rgl};
 
 use super::error::InputError;
-use super::format::{Describe, Format, Opened};
+use super::format::{Format, Opened};
 use super::input::InputFile;
+use brdfc_core::Describe;
 use brdfc_core::{Source, Symmetry, Tally};
 use warp::{Cell, Incidence, VisibleNormals};
 

@@ -81,6 +81,7 @@ pub fn bindings() -> Bindings<'static> {
     let shade = Texels::new(TexelFormat::R16Float, Extent::D2(SHADE), texels).with_levels(LEVELS);
     Bindings::new(
         "gradient",
+        1,
         [
             Binding::frame(),
             Binding::uniform(40, "gradient_parameters", block),

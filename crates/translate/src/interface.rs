@@ -1,19 +1,25 @@
 //! What a decoder's shader asks for and offers, found by naga in the WGSL, with the words of its comments.
 
+use super::parsed::Parsed;
 use brdfc_shaders::{Binding, BindingKind, Field, Function, Interface};
-use naga::{AddressSpace, Handle, ImageDimension, Module, ScalarKind, Type, TypeInner};
+use naga::{AddressSpace, GlobalVariable, Handle, ImageDimension, Module, ScalarKind, TypeInner};
 
 /// The interface of a WGSL source and the module that naga makes of it.
 ///
 /// # Panics
 /// Where a function is not in the source.
-pub(crate) fn interface(source: &str, module: &Module, functions: &[&str]) -> Interface {
+pub(crate) fn interface(source: &str, Parsed { module, info }: &Parsed, functions: &[&str]) -> Interface {
+    let sampled: Vec<Handle<GlobalVariable>> = module
+        .functions
+        .iter()
+        .flat_map(|(function, _)| info[function].sampling_set.iter().map(|sampling| sampling.image))
+        .collect();
     let mut bindings: Vec<Binding> = module
         .global_variables
         .iter()
-        .filter_map(|(_, variable)| {
+        .filter_map(|(handle, variable)| {
             let (name, place) = (variable.name.clone()?, variable.binding?);
-            let kind = kind(source, module, variable.ty, variable.space)?;
+            let kind = kind(source, module, variable, sampled.contains(&handle))?;
             let about = words_above(source, |line| {
                 line.contains(&format!("> {name}:")) || line.contains(&format!("var {name}:"))
             });
@@ -25,10 +31,10 @@ pub(crate) fn interface(source: &str, module: &Module, functions: &[&str]) -> In
     Interface { bindings, functions }
 }
 
-fn kind(source: &str, module: &Module, ty: Handle<Type>, space: AddressSpace) -> Option<BindingKind> {
-    let ty = &module.types[ty];
+fn kind(source: &str, module: &Module, variable: &GlobalVariable, filtered: bool) -> Option<BindingKind> {
+    let ty = &module.types[variable.ty];
     match &ty.inner {
-        TypeInner::Struct { members, span } if space == AddressSpace::Uniform => {
+        TypeInner::Struct { members, span } if variable.space == AddressSpace::Uniform => {
             let block = ty.name.clone()?;
             let from = source.find(&format!("struct {block} {{"))?;
             let body = &source[from..][..source[from..].find("\n}")?];
@@ -50,7 +56,7 @@ fn kind(source: &str, module: &Module, ty: Handle<Type>, space: AddressSpace) ->
             };
             let uint = matches!(class, naga::ImageClass::Sampled { kind: ScalarKind::Uint, .. });
             let samples = if uint { "uint" } else { "float" };
-            Some(BindingKind::Texture { dimension: dimension.to_owned(), samples: samples.to_owned() })
+            Some(BindingKind::Texture { dimension: dimension.to_owned(), samples: samples.to_owned(), filtered })
         }
         TypeInner::Sampler { .. } => Some(BindingKind::Sampler),
         _ => None,

@@ -23,7 +23,7 @@ use std::collections::BTreeMap;
 pub fn translate(decoder: PackKind) -> Result<Generated, String> {
     let source = (decoder.descriptor().wgsl)();
     let parsed = Parsed::new(&source)?;
-    let interface = interface::interface(&source, &parsed.module, decoder.descriptor().functions);
+    let interface = interface::interface(&source, &parsed, decoder.descriptor().functions);
     let mut texts = BTreeMap::new();
     for language in [Language::Glsl, Language::Essl300, Language::Hlsl, Language::Msl] {
         let text = match language {

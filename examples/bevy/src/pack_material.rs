@@ -233,8 +233,7 @@ fn decoder_of(bindings: &Bindings<'_>) -> Result<usize, FormatError> {
         let allowed = DECODERS.map(|decoder| decoder.kind.name()).join(", ");
         return Err(FormatError::whole("decoder", name, allowed));
     };
-    // `brdfc-formats` has the shaders, too: lists that it makes are of their version.
-    let version = Bindings::new(name, []).version;
+    let version = DECODERS[decoder].kind.descriptor().version;
     if bindings.version != version {
         let field = format!("version of the decoder {name}");
         return Err(FormatError::whole(field, bindings.version.to_string(), version.to_string()));
@@ -306,21 +305,21 @@ mod tests {
     #[test]
     fn packs_for_other_decoders_are_refused() {
         for (decoder, PackDecoder { kind, .. }) in DECODERS.iter().enumerate() {
-            let mut bindings = Bindings::new(kind.name(), []);
+            let mut bindings = Bindings::new(kind.name(), kind.descriptor().version, []);
             assert_eq!(decoder_of(&bindings), Ok(decoder));
             bindings.version += 1;
             let (found, allowed) = (bindings.version, bindings.version - 1);
             let expected = format!("version of the decoder {}: found {found}; allowed {allowed}", kind.name());
             assert_eq!(decoder_of(&bindings).unwrap_err().to_string(), expected);
         }
-        let error = decoder_of(&Bindings::new("pwt", [])).unwrap_err().to_string();
+        let error = decoder_of(&Bindings::new("pwt", 1, [])).unwrap_err().to_string();
         assert_eq!(error, "decoder: found pwt; allowed table, wavelet, flat-btf");
     }
 
     #[test]
     fn tiles_get_a_slot_that_the_pack_leaves_free() {
         let free = |slots: &[u32]| {
-            free_slot(&Bindings::new("table", slots.iter().map(|slot| Binding::sampler(*slot, "s", false))))
+            free_slot(&Bindings::new("table", 1, slots.iter().map(|slot| Binding::sampler(*slot, "s", false))))
         };
         assert_eq!([free(&[]), free(&[0, 1, 2]), free(&[0, 2, 3]), free(&[1, 999])], [0, 3, 1, 0]);
     }

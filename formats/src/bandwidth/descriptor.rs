@@ -5,6 +5,7 @@ use crate::descriptor::{Answer, Descriptor};
 
 pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
     name: "bandwidth",
+    version: 1,
     in_words: "a bandwidth map",
     plural: "bandwidth maps",
     specification: "formats/src/bandwidth/spec.md",
@@ -16,4 +17,5 @@ pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
         body: "vec4<f32>(bandwidth_brdf(a.xyz, b.xyz), bandwidth_environment(a.xyz), \
                bandwidth_texture(c.xy), 0.0)",
     },
+    brdf: None,
 };

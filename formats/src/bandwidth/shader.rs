@@ -1,5 +1,6 @@
 //! What looks bandwidth maps up on a GPU: `formats/src/bandwidth/map.wgsl`, and what it has bound of a map.
 
+use super::descriptor::DESCRIPTOR;
 use super::map::{BandwidthKind, BandwidthMap};
 use crate::arc_tangent::arc_tangent_wgsl;
 use crate::bindings::{Binding, Bindings, Texels};
@@ -40,6 +41,6 @@ impl BandwidthMap {
             Binding::uniform(slot, parameters, self.uniform().to_vec()),
             Binding::texture(slot + 1, map, texels.of_file()),
         ];
-        Bindings::new("bandwidth", all)
+        Bindings::new(DESCRIPTOR.name, DESCRIPTOR.version, all)
     }
 }

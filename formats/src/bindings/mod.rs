@@ -187,9 +187,9 @@ impl<'a> Bindings<'a> {
         self.all.into_iter().map(Binding::into_owned).collect()
     }
 
-    /// The bindings of version 1 of a decoder, by ascending slots.
-    pub fn new(decoder: &'a str, all: impl IntoIterator<Item = Binding<'a>>) -> Self {
-        Self { decoder: decoder.into(), version: 1, all: all.into_iter().collect() }
+    /// The bindings of a version of a decoder, by ascending slots.
+    pub fn new(decoder: &'a str, version: u32, all: impl IntoIterator<Item = Binding<'a>>) -> Self {
+        Self { decoder: decoder.into(), version, all: all.into_iter().collect() }
     }
 
     /// All textures, with the names of their bindings.

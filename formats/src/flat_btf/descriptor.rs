@@ -5,6 +5,7 @@ use crate::descriptor::{Answer, Descriptor};
 
 pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
     name: "flat-btf",
+    version: 1,
     in_words: "a flat BTF",
     plural: "flat BTFs",
     specification: "formats/src/flat_btf/spec.md",
@@ -15,4 +16,5 @@ pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
         gives: "radiance divided by that of a white diffuser",
         body: "vec4<f32>(flat_btf_value(a.xy, a.z, b.xyz, c.xyz), 0.0)",
     },
+    brdf: None,
 };

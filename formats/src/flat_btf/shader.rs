@@ -1,5 +1,6 @@
 //! What a shader needs besides the textures of a flat BTF: `formats/src/flat_btf/decoder.wgsl` and its uniform block.
 
+use super::descriptor::DESCRIPTOR;
 use super::directions::SampledDirections;
 use super::factored::FactoredFlatBtf;
 use super::factored::shader::{FACTORED_WGSL, FactoredParameters};
@@ -159,7 +160,11 @@ impl FlatBtfDecoder {
             None => empty(TexelFormat::R32Uint),
         };
         let last = Binding::texture(28, DIRECTIONS, directions);
-        Bindings::new("flat-btf", first.into_iter().chain(factored_bindings(factored)).chain([last]))
+        Bindings::new(
+            DESCRIPTOR.name,
+            DESCRIPTOR.version,
+            first.into_iter().chain(factored_bindings(factored)).chain([last]),
+        )
     }
 }
 

@@ -5,6 +5,7 @@ use crate::descriptor::{Answer, Descriptor};
 
 pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
     name: "importance",
+    version: 1,
     in_words: "an importance-sample pack",
     plural: "importance samples",
     specification: "formats/src/importance/spec.md",
@@ -15,4 +16,5 @@ pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
         gives: "wi and 1 / density",
         body: "answer_of(importance_sample(a.xyz, u32(a.w)))",
     },
+    brdf: None,
 };

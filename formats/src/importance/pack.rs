@@ -2,6 +2,7 @@
 //! outgoing direction ("Interactive rendering of acquired materials on dynamic geometry using bandwidth prediction",
 //! 2012, section 3.3). Byte layout: `formats/src/importance/spec.md`.
 
+use super::descriptor::DESCRIPTOR;
 use crate::FormatError;
 use crate::bindings::{Binding, Bindings, PackFile, Texels};
 use crate::container::entries::{entry, sized};
@@ -238,7 +239,7 @@ impl ImportancePack {
             Binding::uniform(35, "importance_parameters", self.header.uniform().to_vec()),
             Binding::texture(36, "importance_texels", Texels::new(TexelFormat::Rgba32Float, extent, texels).of_file()),
         ];
-        Bindings::new("importance", all)
+        Bindings::new(DESCRIPTOR.name, DESCRIPTOR.version, all)
     }
 
     /// Reads and checks a KTX2 file.

@@ -5,6 +5,7 @@ use crate::descriptor::{Answer, Descriptor};
 
 pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
     name: "pwt",
+    version: 1,
     in_words: "a polynomial wavelet tree",
     plural: "polynomial wavelet trees",
     specification: "formats/src/pwt/spec.md",
@@ -15,4 +16,5 @@ pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
         gives: "linear RGB",
         body: "vec4<f32>(pwt_value(a.xy, a.z, b.xyz), 0.0)",
     },
+    brdf: None,
 };

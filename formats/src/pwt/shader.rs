@@ -1,5 +1,6 @@
 //! What a shader needs besides the textures of a pack: `formats/src/pwt/pwt.wgsl` and its uniform block.
 
+use super::descriptor::DESCRIPTOR;
 use super::header::{MAX_COMPONENTS, MAX_TEXTURES, TextureHeader};
 use super::pack::{PwtPack, TEXTURES};
 use crate::bindings::{Binding, Bindings, Texels};
@@ -71,6 +72,6 @@ impl PwtPack {
             .map(|(index, name)| Binding::texture(FIRST_TEXTURE + index as u32, name, texels(index).sampled(SAMPLER)));
         let first = [Binding::frame(), Binding::uniform(FIRST_TEXTURE - 1, "pwt", PwtParameters::to_bytes(self))];
         let sampler = Binding::sampler(FIRST_TEXTURE + MAX_TEXTURES as u32, SAMPLER, self.header().repeats);
-        Bindings::new("pwt", first.into_iter().chain(textures).chain([sampler]))
+        Bindings::new(DESCRIPTOR.name, DESCRIPTOR.version, first.into_iter().chain(textures).chain([sampler]))
     }
 }

@@ -1,10 +1,11 @@
 //! What is known of the codec apart from its packs.
 
 use super::shader::TABLE_BRDF_WGSL;
-use crate::descriptor::{Answer, Descriptor};
+use crate::descriptor::{Answer, BrdfShader, Descriptor};
 
 pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
     name: "table",
+    version: 1,
     in_words: "a table pack",
     plural: "table packs",
     specification: "formats/src/table/spec.md",
@@ -15,4 +16,11 @@ pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
         gives: "f_r",
         body: "vec4<f32>(table_brdf_at(a.xyz, b.xyz, a.w, b.w == 1.0), 0.0)",
     },
+    brdf: Some(BrdfShader {
+        is_bound: "table_brdf_parameters.layers > 0u",
+        filtered: "table_brdf_at(wi, wo, level, true)",
+        exact: "table_brdf_at(wi, wo, level, false)",
+        may_be_wide: false,
+        level_of_detail: "table_brdf_level_of_detail(distance)",
+    }),
 };

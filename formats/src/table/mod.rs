@@ -1,6 +1,7 @@
 //! Table packs: logarithms of `f_r` over half-difference angles, in one 3D texture that a sampler filters; of
 //! factored packs beside a curve over `θ_h`. Layout and equations: `spec.md` in this folder.
 
+mod brdf;
 mod coordinates;
 mod curve;
 mod decode;

@@ -1,6 +1,7 @@
 //! What a shader needs besides a pack's texture: `formats/src/table/decode.wgsl` and its uniform block.
 
 use super::curve::{CURVE, Curve};
+use super::descriptor::DESCRIPTOR;
 use super::header::{KNOTS, TableHeader, UNIFORM_BYTES};
 use super::pack::TablePack;
 use crate::arc_tangent::arc_tangent_wgsl;
@@ -87,7 +88,8 @@ impl TablePack {
         let texels = Texels::new(self.header().texel_format(), Extent::D3(self.extent()), self.texels());
         let parameters = TableBrdfParameters::new(self).to_bytes().to_vec();
         Bindings::new(
-            "table",
+            DESCRIPTOR.name,
+            DESCRIPTOR.version,
             [
                 Binding::frame(),
                 Binding::uniform(1, "table_brdf_parameters", parameters),

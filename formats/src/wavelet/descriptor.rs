@@ -1,10 +1,11 @@
 //! What is known of the codec apart from its packs.
 
 use super::shader::WAVELET_BRDF_WGSL;
-use crate::descriptor::{Answer, Descriptor};
+use crate::descriptor::{Answer, BrdfShader, Descriptor};
 
 pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
     name: "wavelet",
+    version: 1,
     in_words: "a wavelet pack",
     plural: "wavelet packs",
     specification: "formats/src/wavelet/spec.md",
@@ -16,4 +17,11 @@ pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
         body: "vec4<f32>(select(wavelet_brdf_exact(a.xyz, b.xyz, a.w), wavelet_brdf(a.xyz, b.xyz, a.w), \
                b.w == 1.0), 0.0)",
     },
+    brdf: Some(BrdfShader {
+        is_bound: "wavelet_brdf_parameters.levels > 0u",
+        filtered: "wavelet_brdf(wi, wo, level)",
+        exact: "wavelet_brdf_exact(wi, wo, level)",
+        may_be_wide: true,
+        level_of_detail: "wavelet_brdf_level_of_detail(distance)",
+    }),
 };

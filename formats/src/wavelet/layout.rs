@@ -1,5 +1,6 @@
 //! Bytes of the `brdfc.*` entries of a wavelet pack, and the rules a pack must keep. Normative text: `formats/src/wavelet/spec.md`.
 
+use super::descriptor::DESCRIPTOR;
 use super::lift::Lift;
 use super::shader::{WaveletBrdfParameters, index_texels};
 use crate::bindings::{Binding, Bindings, PackFile, Texels};
@@ -32,7 +33,8 @@ impl WaveletPack {
         let slices = Texels::new(self.header.texel_format(), Extent::D3(self.extent()), &self.texels[..]);
         let parameters = WaveletBrdfParameters::new(self).to_bytes().to_vec();
         Bindings::new(
-            "wavelet",
+            DESCRIPTOR.name,
+            DESCRIPTOR.version,
             [
                 Binding::frame(),
                 Binding::uniform(5, "wavelet_brdf_parameters", parameters),

@@ -1,6 +1,7 @@
 //! Wavelet BRDF packs (Claustres et al. 2007, "Wavelet encoding of BRDFs for real-time rendering"). Layout and
 //! equations: `spec.md` in this folder.
 
+mod brdf;
 mod decode;
 pub(crate) mod descriptor;
 pub mod haar;

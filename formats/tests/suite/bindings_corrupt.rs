@@ -27,7 +27,7 @@ fn marble() -> Bindings<'static> {
         Binding::sampler(44, SAMPLER, true),
         Binding::texture(50, "marble_unused", Texels::empty(TexelFormat::Rg8Unorm, Extent::D3([1; 3]))),
     ];
-    Bindings::new("marble", all)
+    Bindings::new("marble", 1, all)
 }
 
 const WORDS: &str = "brdfc.image.marble_words";
@@ -185,7 +185,7 @@ fn the_entry_is_lines_with_an_end() {
 fn crowd(others: impl Iterator<Item = Binding<'static>>) -> Result<PackFile, FormatError> {
     let texels = Texels::new(TexelFormat::R8Unorm, Extent::D2([1, 1]), vec![0]).of_file();
     let all = [Binding::texture(0, "first", texels)].into_iter().chain(others);
-    PackFile::from_bytes(&Bindings::new("crowd", all).to_file(BTreeMap::new(), false))
+    PackFile::from_bytes(&Bindings::new("crowd", 1, all).to_file(BTreeMap::new(), false))
 }
 
 fn named(slot: u32) -> &'static str {

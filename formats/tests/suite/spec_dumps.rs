@@ -32,7 +32,7 @@ fn stripes() -> Bindings<'static> {
         Binding::texture(3, "stripes_tint", texels(1, &[204])),
         Binding::sampler(4, "stripes_sampler", true),
     ];
-    Bindings::new("stripes", all)
+    Bindings::new("stripes", 1, all)
 }
 
 #[test]

@@ -2,14 +2,11 @@
 
 use crate::table;
 use brdfc_core::words::join_truncated;
-use brdfc_jobs::encode::recipe::{Budget, PackRecipe};
+use brdfc_jobs::encode::{PackRecipe, Predicted};
 use brdfc_jobs::report::build::{BuildReport, MaterialEntry, environment_map};
 use brdfc_jobs::scene::explain::{Explained, NOTHING};
 use brdfc_jobs::scene::maps::PARTS;
 use brdfc_jobs::scene::plan::{Plan, pack_name};
-use brdfc_jobs::scene::predict::Predicted;
-use brdfc_table::recipe::Size;
-use brdfc_wavelet::recipe::Target;
 use std::path::Path;
 
 /// So many names of materials are told in one line.
@@ -25,8 +22,8 @@ pub(super) fn text(plan: &Plan, report: &BuildReport, out: &Path) -> String {
             vec![
                 job.name.clone(),
                 job.needs.uses.to_string(),
-                codec(&job.recipe).to_owned(),
-                target(&job.recipe),
+                job.recipe.codec().to_owned(),
+                job.recipe.target(),
                 if job.input.path().is_some_and(|path| !path.exists()) {
                     "no such file".to_owned()
                 } else {
@@ -109,42 +106,4 @@ fn predicted(recipe: &PackRecipe, planned: &MaterialEntry) -> String {
         0 => format!("up to {}", table::bytes(most)),
         _ => format!("{} to {}", table::bytes(least), table::bytes(most)),
     }
-}
-
-fn codec(recipe: &PackRecipe) -> &'static str {
-    match recipe {
-        PackRecipe::Auto(_) => "auto",
-        PackRecipe::Table(_) => "table",
-        PackRecipe::Wavelet(_) => "wavelet",
-    }
-}
-
-/// What a pack is made to, in words.
-fn target(recipe: &PackRecipe) -> String {
-    match recipe {
-        PackRecipe::Auto(recipe) => budget(&recipe.budget),
-        PackRecipe::Table(recipe) => match recipe.size {
-            Size::Bytes(bytes) => format!("at most {}", table::bytes(bytes)),
-            Size::Nodes(axes) => format!("{} x {} x {} x {}", axes.half, axes.difference, axes.azimuth, axes.layers),
-        },
-        PackRecipe::Wavelet(recipe) => {
-            let target = match recipe.target {
-                Target::Ratio(ratio) => format!("{ratio}:1"),
-                Target::MaxError(error) => format!("ε_r at most {}", table::percent(error)),
-                Target::MaxBytes(bytes) => format!("at most {}", table::bytes(bytes)),
-            };
-            let (grid, stored, levels) = (1u32 << recipe.levels, recipe.stored_levels, recipe.levels);
-            format!("{target}, {grid} x {grid}, {stored} of {levels} levels, {} bits", recipe.bits)
-        }
-    }
-}
-
-fn budget(budget: &Budget) -> String {
-    let limits = [
-        budget.delta_e.map(|limit| format!("ΔE at most {limit}")),
-        budget.error.map(|limit| format!("ε_r at most {}", table::percent(limit))),
-        budget.bytes.map(|limit| format!("at most {}", table::bytes(limit))),
-        budget.fetches.map(|limit| format!("at most {limit} {}", if limit == 1 { "fetch" } else { "fetches" })),
-    ];
-    limits.into_iter().flatten().collect::<Vec<_>>().join(", ")
 }

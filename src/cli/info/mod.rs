@@ -130,9 +130,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         Some(Pack::Bandwidth(map)) => return bandwidth::info(&map, common),
         Some(Pack::Importance(pack)) => Some(Contents::Other(Other::ImportancePack(ImportanceFacts::new(&pack)))),
         Some(Pack::Pwt(pack)) => Some(Contents::Other(Other::PwtPack(PwtFacts::new(&pack)))),
-        Some(Pack::Wavelet(pack)) => Some(reflectance(opened(&BrdfPack::Wavelet(pack), None))),
-        Some(Pack::Table(pack)) => Some(reflectance(opened(&BrdfPack::Table(pack), None))),
-        _ => None,
+        Some(pack) => BrdfPack::try_from(pack).ok().map(|pack| reflectance(opened(&pack, None))),
+        None => None,
     };
     if contents.is_none()
         && let Some(facts) = surface(input)?

@@ -10,7 +10,7 @@ use crate::{Common, Error};
 use brdfc_bandwidth::DEFAULT_EPSILON;
 use brdfc_bandwidth::facts::BandwidthFacts;
 use brdfc_bandwidth::map::environment_map;
-use brdfc_core::decoded;
+use brdfc_core::PackSource;
 use brdfc_core::words::format_number;
 use brdfc_formats::BrdfPack;
 use brdfc_formats::bandwidth::BandwidthMap;
@@ -192,8 +192,8 @@ fn lookups(prepared: &Prepared) -> Result<Lookups, Error> {
     let source = match &prepared.source {
         Some(source) => source.as_ref(),
         None => {
-            unpacked = decoded(&prepared.pack, None);
-            unpacked.as_ref()
+            unpacked = PackSource::new(&*prepared.pack, None);
+            &unpacked
         }
     };
     match &prepared.maps[..] {

@@ -7,8 +7,8 @@ use crate::{Common, Error};
 use brdfc_core::Source;
 use brdfc_formats::{BrdfPack, Pack};
 use brdfc_gpu::verify::Material;
+use brdfc_jobs::encode::PackRecipe;
 use brdfc_jobs::encode::encode;
-use brdfc_jobs::encode::recipe::PackRecipe;
 use brdfc_jobs::scene::current::PackFolder;
 use brdfc_jobs::scene::inputs::read_manifest;
 use brdfc_jobs::scene::manifest::Manifest;
@@ -189,11 +189,8 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(
             let closed = current.gates.iter().filter(|gate| !gate.passed).map(ToString::to_string);
             let notes = stale.chain(closed).chain(current.missed).collect();
             let mut parts = current.parts.into_iter();
-            let pack = match parts.next() {
-                Some(Pack::Table(pack)) => BrdfPack::Table(pack),
-                Some(Pack::Wavelet(pack)) => BrdfPack::Wavelet(pack),
-                _ => return Err(Error::internal(format!("{name}: the store holds no pack"))),
-            };
+            let pack = parts.next().and_then(|pack| BrdfPack::try_from(pack).ok());
+            let pack = pack.ok_or_else(|| Error::internal(format!("{name}: the store holds no pack")))?;
             (pack, parts.collect(), notes)
         }
         (Subject::Pack, _) => (open_brdf_pack(&arguments.input)?, Vec::new(), Vec::new()),
@@ -223,9 +220,7 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(
         }
         _ => None,
     };
-    if let (Some(_), BrdfPack::Table(table)) = (arguments.lod, &pack)
-        && table.levels() == 0
-    {
+    if arguments.lod.is_some() && pack.levels() == 0 {
         let text = "--lod: found with a table pack of one level; allowed with packs that have levels of detail";
         return Err(Error::usage(format!("{text} (--levels)")));
     }
@@ -240,7 +235,7 @@ fn job_of<'a>(jobs: &'a [Job], name: &str) -> &'a Job {
 fn bias_and_smoothing(recipe: &PackRecipe) -> Recipe {
     match recipe {
         PackRecipe::Wavelet(recipe) => recipe.clone(),
-        PackRecipe::Auto(_) | PackRecipe::Table(_) => Recipe::default(),
+        _ => Recipe::default(),
     }
 }
 

@@ -6,18 +6,18 @@ use super::peers::{Compress, DenseTable};
 use super::volume::{Meaning, Volume};
 use super::{CodecMaterial, CodecRow};
 use crate::rates::Rates;
+use brdfc_core::PackSource;
 use brdfc_core::analytic::Ggx;
-use brdfc_core::decoded;
 use brdfc_core::{Source, Tally};
+use brdfc_formats::BrdfPack;
 use brdfc_formats::wavelet::Filter;
-use brdfc_formats::{BrdfDecoder, BrdfPack};
 use brdfc_gpu::{EVALUATE_ENTRY_WGSL, Evaluator, Gpu, GpuError, SliceFilter};
-use brdfc_jobs::encode::PackError;
+use brdfc_jobs::encode::EncodeError;
+use brdfc_jobs::encode::PackRecipe;
 use brdfc_jobs::encode::encode;
-use brdfc_jobs::encode::recipe::PackRecipe;
 use brdfc_metrics::compare::{Comparison, Reference};
 use brdfc_metrics::sampling::PairSet;
-use brdfc_table::encode::{EncodeError, Prepared, samples_for};
+use brdfc_table::encode::{Prepared, samples_for};
 use brdfc_table::recipe::{Size, TableRecipe};
 use brdfc_wavelet::recipe::{Recipe, Target};
 use std::time::Instant;
@@ -41,10 +41,7 @@ pub enum CodecStudyError {
     Gpu(#[from] GpuError),
     /// A pack could not be made.
     #[error(transparent)]
-    Pack(#[from] PackError),
-    /// A table could not be made.
-    #[error(transparent)]
-    Table(#[from] EncodeError),
+    Pack(#[from] EncodeError),
     /// What a compressor reports.
     #[error("{0}")]
     Peer(String),
@@ -98,8 +95,8 @@ impl Study<'_> {
             let start = Instant::now();
             let made = encode(self.source, &recipe.without_measuring(), &())?;
             let encode_seconds = start.elapsed().as_secs_f64();
-            let error = self.reference.compare(decoded(&made.pack, None).as_ref());
-            let decoder = BrdfDecoder::new(&made.pack);
+            let error = self.reference.compare(&PackSource::new(&*made.pack, None));
+            let decoder = made.pack.decoder();
             let level = decoder.levels() as f32;
             let cpu = self.rates.cpu(false, |pair| decoder.eval(pair, level, Filter::Bilinear)[0]);
             let shader = self.rates.shader(&made.pack, Filter::Bilinear, level, SliceFilter::Hardware)?;
@@ -111,7 +108,7 @@ impl Study<'_> {
                 encode_seconds,
                 cpu: Some(cpu),
                 shader: Some(shader),
-                ..row(made.codec.name(), made.codec.size(), &error)
+                ..row(made.codec.codec(), made.codec.size(), &error)
             });
             first.get_or_insert(made.pack);
         }

@@ -1,6 +1,6 @@
 //! What is swept.
 
-use brdfc_jobs::encode::recipe::PackRecipe;
+use brdfc_jobs::encode::PackRecipe;
 use brdfc_table::recipe::{Size, TableRecipe};
 use brdfc_wavelet::recipe::{Ranking, Recipe, Target};
 use schemars::JsonSchema;

@@ -3,12 +3,9 @@
 use super::settings::{WaveletSetting, cost};
 use super::{ParetoMaterial, ParetoRow};
 use crate::timing::best_of;
-use brdfc_core::Source;
-use brdfc_core::decoded;
-use brdfc_formats::BrdfDecoder;
+use brdfc_core::{PackSource, Source};
 use brdfc_formats::wavelet::Filter;
-use brdfc_jobs::encode::recipe::PackRecipe;
-use brdfc_jobs::encode::{EncodedPack, PackError, encode};
+use brdfc_jobs::encode::{EncodeError, EncodedPack, PackRecipe, encode};
 use brdfc_metrics::compare::Reference;
 use brdfc_metrics::sampling::{PairSet, random_pairs};
 use std::time::Instant;
@@ -30,7 +27,7 @@ pub fn pareto(
     source: &dyn Source,
     settings: &[PackRecipe],
     done: &dyn Fn(f64),
-) -> Result<ParetoMaterial, PackError> {
+) -> Result<ParetoMaterial, EncodeError> {
     let reference = Reference::new(source, PairSet::comparison());
     let pairs = random_pairs(PAIRS, SEED);
     let all: f64 = settings.iter().map(cost).sum();
@@ -38,16 +35,16 @@ pub fn pareto(
     let mut rows = Vec::with_capacity(settings.len());
     for recipe in settings {
         let (made, encode_seconds, runs) = timed(source, &recipe.clone().without_measuring())?;
-        let decoder = BrdfDecoder::new(&made.pack);
+        let decoder = made.pack.decoder();
         let level = decoder.levels() as f32;
         let decode = || pairs.iter().map(|pair| decoder.eval(*pair, level, Filter::Bilinear)[0]).sum::<f32>();
-        let error = reference.compare(decoded(&made.pack, None).as_ref());
+        let error = reference.compare(&PackSource::new(&*made.pack, None));
         let wavelet = match recipe {
             PackRecipe::Wavelet(recipe) => WaveletSetting::of(recipe),
             _ => None,
         };
         rows.push(ParetoRow {
-            codec: made.codec.name().to_owned(),
+            codec: made.codec.codec().to_owned(),
             setting: wavelet.map_or_else(|| made.codec.size(), |setting| setting.to_string()),
             wavelet,
             bytes_on_gpu: made.pack.gpu_bytes(),
@@ -69,7 +66,7 @@ pub fn pareto(
 }
 
 /// A pack, the seconds of its shortest run, and how many there were.
-fn timed(source: &dyn Source, recipe: &PackRecipe) -> Result<(EncodedPack, f64, usize), PackError> {
+fn timed(source: &dyn Source, recipe: &PackRecipe) -> Result<(EncodedPack, f64, usize), EncodeError> {
     let (mut shortest, mut all, mut runs) = (f64::INFINITY, 0.0, 0);
     loop {
         let start = Instant::now();

@@ -10,12 +10,13 @@ use brdfc_formats::vector_math;
 use brdfc_formats::wavelet::haar::{Plain, inverse};
 use brdfc_formats::wavelet::lift::{Lift, rise};
 use brdfc_formats::wavelet::{Filter, Header, WaveletDecoder, WaveletPack};
+use brdfc_jobs::encode::EncodeError;
 use brdfc_source::ScanSource;
 use brdfc_source::scan::fit;
-use brdfc_table::encode::{EncodeError as TableError, Prepared};
+use brdfc_table::encode::Prepared;
 use brdfc_table::lattice::Equations;
 use brdfc_table::recipe::TableRecipe;
-use brdfc_wavelet::encode::{EncodeError, Encoded};
+use brdfc_wavelet::encode::Encoded;
 use brdfc_wavelet::haar::forward;
 use brdfc_wavelet::log_encode::{LogEncoding, log_encode};
 use brdfc_wavelet::quantise::{Quantised, quantise};
@@ -69,7 +70,7 @@ pub struct Stages {
     /// Solution of a table's normal equations, from a first guess.
     pub solve: fn(&Equations<1>, &mut [[f32; 1]]),
     /// A table pack, its nodes rounded to texels.
-    pub table_pack: fn(&Prepared, &TableRecipe) -> Result<TablePack, TableError>,
+    pub table_pack: fn(&Prepared, &TableRecipe) -> Result<TablePack, EncodeError>,
     /// Moving least squares at one point.
     pub local_fit: LocalFit,
     /// Value of a scan at a pair.

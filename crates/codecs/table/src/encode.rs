@@ -10,8 +10,9 @@ use super::samples::{FEWEST_SAMPLES, Samples};
 use super::symmetry::Asymmetry;
 use super::targets::Targets;
 use super::{curve, levels};
+use brdfc_codec::EncodeError;
 use brdfc_core::progress::{Cancelled, Progress, Stage};
-use brdfc_core::{Source, TableSource, Tally};
+use brdfc_core::{PackSource, Source, Tally};
 use brdfc_formats::FormatError;
 use brdfc_formats::crop::{Crop, DirectionRange};
 use brdfc_formats::direction::DirectionPair;
@@ -44,27 +45,6 @@ pub struct Encoded {
     pub tally: Tally,
 }
 
-/// Why there is no pack.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum EncodeError {
-    /// The byte budget does not hold the smallest table.
-    #[error(
-        "byte budget: found {allowed} bytes; allowed at least {smallest}, which hold the smallest table with what stands beside it"
-    )]
-    TooFewBytes {
-        /// The budget.
-        allowed: u64,
-        /// The smallest table.
-        smallest: u64,
-    },
-    /// Sizes that no pack has.
-    #[error(transparent)]
-    Format(#[from] FormatError),
-    /// The caller asked to stop.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-}
-
 /// Runs all stages.
 ///
 /// # Errors
@@ -75,7 +55,7 @@ pub fn encode(source: &dyn Source, recipe: &TableRecipe, progress: &dyn Progress
 
     progress.stage(Stage::MeasureOffGrid, 1)?;
     let off_grid = match recipe.measure {
-        true => Reference::new(source, PairSet::within(recipe.directions)).compare(&TableSource::new(&pack)),
+        true => Reference::new(source, PairSet::within(recipe.directions)).compare(&PackSource::new(&pack, None)),
         false => Comparison::default(),
     };
     measured(&mut pack, &off_grid);
@@ -259,7 +239,12 @@ impl Prepared {
         let fewest = table + curve as u64;
         let most = allowed.saturating_sub(block) / texel_bytes(self.grey);
         if most < fewest {
-            return Err(EncodeError::TooFewBytes { allowed, smallest: block + texel_bytes(self.grey) * fewest });
+            return Err(EncodeError::TooFewBytes {
+                of: "",
+                allowed,
+                smallest: block + texel_bytes(self.grey) * fewest,
+                what: "the smallest table with what stands beside it",
+            });
         }
         Ok(most.min(MOST_TEXELS) as usize)
     }

@@ -2,9 +2,11 @@
 //! fitted to what is seen. `formats/src/table` has the layout, the decoder and the shader.
 
 pub mod choose;
+mod codec;
 pub mod crop;
 pub mod curve;
 pub mod encode;
+mod facts;
 pub mod fit;
 pub mod lattice;
 pub mod levels;
@@ -13,3 +15,6 @@ pub mod recipe;
 pub mod samples;
 pub mod symmetry;
 pub mod targets;
+
+pub use codec::TableReport;
+pub use facts::TablePackFacts;

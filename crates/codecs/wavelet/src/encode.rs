@@ -10,7 +10,8 @@ use super::table::Table;
 use super::tabulated::Tabulated;
 use super::visible::visible_energies;
 use super::{haar, threshold};
-use brdfc_core::progress::{Cancelled, Progress, Stage};
+use brdfc_codec::EncodeError;
+use brdfc_core::progress::{Progress, Stage};
 use brdfc_core::{PackSource, Source, Tally};
 use brdfc_formats::ErrorSummary;
 use brdfc_formats::crop::{DirectionRange, Window};
@@ -38,53 +39,6 @@ pub struct Encoded {
     pub evaluated: u64,
 }
 
-/// Why there is no pack.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum EncodeError {
-    /// The error budget cannot be met.
-    #[error(
-        "error budget: found {:.4} % relative error with all {slices} slices at {bits} bits; allowed {} %",
-        100.0 * found, 100.0 * allowed
-    )]
-    BudgetMissed {
-        /// `ε_r` with every slice kept.
-        found: f64,
-        /// The budget.
-        allowed: f64,
-        /// Slices kept.
-        slices: usize,
-        /// Bits per component.
-        bits: u32,
-    },
-    /// A black material has no relative error.
-    #[error(
-        "error budget: found a material that is black everywhere; allowed one with reflectance, or the budget says \
-         nothing"
-    )]
-    NothingMeasured,
-    /// The byte budget does not hold even the scaling slice.
-    #[error(
-        "byte budget of a wavelet pack: found {allowed} bytes; allowed at least {smallest}, which hold the scaling slice alone"
-    )]
-    TooFewBytes {
-        /// The budget.
-        allowed: u64,
-        /// The smallest pack.
-        smallest: u64,
-    },
-    /// More slices than a 3D texture has layers.
-    #[error(
-        "slices: found {found}, with the zero slice; allowed {MAX_SLICES}: ask for a higher ratio or a smaller grid"
-    )]
-    TooManySlices {
-        /// Slices asked for.
-        found: usize,
-    },
-    /// The caller asked to stop.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-}
-
 /// Runs all stages.
 ///
 /// # Errors
@@ -100,7 +54,11 @@ fn check(recipe: &Recipe) -> Result<(), EncodeError> {
     if let Target::Ratio(ratio) = recipe.target {
         let found = ratio_count(recipe.grid().cells(), ratio, most) + 1;
         if found > MAX_SLICES {
-            return Err(EncodeError::TooManySlices { found });
+            return Err(EncodeError::Size {
+                field: "slices",
+                found: format!("{found}, with the zero slice"),
+                allowed: format!("{MAX_SLICES}: ask for a higher ratio or a smaller grid"),
+            });
         }
     }
     Ok(())
@@ -212,7 +170,12 @@ fn choose(
         Target::MaxBytes(bytes) => {
             let bytes_of = |slices: usize| gpu_bytes(&header, needs.window, slices + 1);
             if bytes_of(1) > bytes {
-                return Err(EncodeError::TooFewBytes { allowed: bytes, smallest: bytes_of(1) });
+                return Err(EncodeError::TooFewBytes {
+                    of: " of a wavelet pack",
+                    allowed: bytes,
+                    smallest: bytes_of(1),
+                    what: "the scaling slice alone",
+                });
             }
             let needed: Vec<u32> = ranking.iter().copied().filter(|k| needs.coefficients[*k as usize]).collect();
             let most = needed.len().min(MAX_SLICES - 1);
@@ -227,8 +190,10 @@ fn choose(
                 let pack = assemble(coefficients, &threshold::keep(ranking, count), header);
                 grid_error(reference, &WaveletDecoder::new(&pack), needs.directions).norms.relative_mean
             };
-            fewest_within(allowed, ranking.len().min(MAX_SLICES - 1), error)
-                .map_err(|(found, slices)| EncodeError::BudgetMissed { found, allowed, slices, bits: header.bits })?
+            fewest_within(allowed, ranking.len().min(MAX_SLICES - 1), error).map_err(|(found, slices)| {
+                let best = format!("all {slices} slices at {} bits", header.bits);
+                EncodeError::BudgetMissed { found, allowed, best }
+            })?
         }
     };
     Ok(threshold::keep(ranking, count))

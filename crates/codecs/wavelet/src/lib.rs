@@ -2,8 +2,10 @@
 //! [`encode`] sequences them. Paper: Claustres, Barthe, Paulin, "Wavelet Encoding of BRDFs for Real-Time Rendering",
 //! Graphics Interface 2007.
 
+mod codec;
 pub mod crop;
 pub mod encode;
+mod facts;
 pub mod fold;
 pub mod haar;
 pub mod log_encode;
@@ -16,3 +18,6 @@ pub mod table;
 pub mod tabulated;
 pub mod threshold;
 pub mod visible;
+
+pub use codec::WaveletReport;
+pub use facts::WaveletPackFacts;

@@ -29,7 +29,7 @@ impl Layouts {
         let (uniform, image) = (UNIFORM, UNFILTERED);
         let seen = [uniform, uniform, uniform, image, image, image];
         let points = group("points", &[&seen[..], &[storage; STORAGE_BUFFERS as usize]].concat());
-        let packs = Slots::new(gpu, "packs", ShaderStages::COMPUTE, pack::SLOTS.into_iter().chain(LOOKUPS));
+        let packs = Slots::new(gpu, "packs", ShaderStages::COMPUTE, pack::slot_types().into_iter().chain(LOOKUPS));
         let surroundings = group("surroundings", &[image, image]);
         Self { points, packs, surroundings }
     }

@@ -3,14 +3,15 @@
 use super::byte_count::bytes_from_manifest;
 #[cfg(feature = "clap")]
 use super::byte_count::bytes_from_text;
-use super::recipe::{AutoRecipe, Budget, PackRecipe, Tables};
+use super::recipe::{AutoRecipe, Budget, Tables};
+use super::{OptionError, PackRecipe};
 #[cfg(feature = "clap")]
 use crate::whole_number::{any_whole_number, whole_number};
 use brdfc_core::words::format_number;
 use brdfc_formats::wavelet::MAX_LEVELS;
 use brdfc_metrics::fraction::Fraction;
 use brdfc_table::levels::MOST_LEVELS;
-use brdfc_table::recipe::{Aim, Size, TableRecipe};
+use brdfc_table::recipe::{Size, TableRecipe};
 use brdfc_wavelet::recipe::{Ranking, Recipe, Target};
 
 /// Options of an encoding; what is absent is left open. Each field is a flag (`--max-error`) and a key (`max_error`), and
@@ -97,28 +98,12 @@ impl TryFrom<EncodeOptions> for PackRecipe {
     }
 }
 
-impl TryFrom<Budget> for PackRecipe {
-    type Error = OptionError;
-
-    fn try_from(budget: Budget) -> Result<Self, OptionError> {
-        let Budget { delta_e, error, bytes, fetches } = budget;
-        let limits = EncodeOptions {
-            max_delta_e: delta_e,
-            max_error: error.map(Fraction::bare),
-            max_bytes: bytes,
-            max_fetches: fetches,
-            ..EncodeOptions::default()
-        };
-        limits.try_into()
-    }
-}
-
 /// Which values an option may have, in words; empty where its kind says all.
 pub(crate) fn range_of(field: &str) -> &'static str {
     match field {
         "codec" => "auto, table, factored or wavelet",
-        "max_delta_e" => "1e-6 to 100",
-        "max_fetches" => "1 or more",
+        "max_delta_e" => Budget::DELTA_E,
+        "max_fetches" => Budget::FETCHES,
         "levels" => "0 to 6",
         "ratio" => "1 to 4096",
         "grid" => GRIDS,
@@ -132,18 +117,6 @@ pub(crate) fn range_of(field: &str) -> &'static str {
 
 /// The parameterisation of wavelet packs that are made; those over half-difference angles are read only.
 const TANGENT_POLE: &str = "tangent-pole";
-
-/// An option out of range.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{field}: found {found}; allowed {allowed}")]
-pub struct OptionError {
-    /// Which.
-    pub field: &'static str,
-    /// What it is.
-    pub found: String,
-    /// What it may be.
-    pub allowed: String,
-}
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Codec {
@@ -284,7 +257,7 @@ impl EncodeOptions {
 
     /// Checks limits and what all codecs have.
     fn check(&self) -> Result<(), OptionError> {
-        checked_limits(self.max_delta_e, self.max_error, self.max_bytes, self.max_fetches)?;
+        self.budget()?;
         if let Some(levels) = self.levels
             && levels > MOST_LEVELS
         {
@@ -298,35 +271,24 @@ impl EncodeOptions {
         Ok(())
     }
 
+    fn budget(&self) -> Result<Budget, OptionError> {
+        Budget::checked(self.max_delta_e, self.max_error, self.max_bytes, self.max_fetches)
+    }
+
     /// The recipe of tables of the kind that is named, or of what is best.
     fn search(&self, named: Option<Tables>) -> PackRecipe {
-        let factored = named == Some(Tables::Factored);
         let (levels, reciprocal) = (self.levels.unwrap_or(0), self.reciprocal == Some(true));
-        // Where ratios alone are limited, they are what tables are made for.
-        let ratios = self.max_error.is_some() && self.max_delta_e.is_none();
-        let aim = if ratios { Aim::Ratios } else { Aim::Pictures };
-        let mut table = TableRecipe { factored, levels, aim, reciprocal, ..TableRecipe::default() };
-        if let Some(bias) = self.bias {
-            table.bias = bias;
+        let budget = self.budget().expect("checked before");
+        let mut recipe = AutoRecipe::of_budget(budget);
+        let table = TableRecipe { factored: named == Some(Tables::Factored), levels, reciprocal, ..recipe.table };
+        recipe.table = TableRecipe { bias: self.bias.unwrap_or(table.bias), ..table };
+        if named.is_some() && !budget.limits_error() && budget.fetches.is_none() {
+            let size = budget.bytes.map_or(recipe.table.size, Size::Bytes);
+            return PackRecipe::Table(TableRecipe { size, ..recipe.table });
         }
-        let limited = self.max_delta_e.is_some() || self.max_error.is_some() || self.max_fetches.is_some();
-        if named.is_some() && !limited {
-            if let Some(bytes) = self.max_bytes {
-                table.size = Size::Bytes(bytes);
-            }
-            return PackRecipe::Table(table);
-        }
-        let budget =
-            checked_limits(self.max_delta_e, self.max_error, self.max_bytes, self.max_fetches).expect("checked before");
-        // Without a limit of error or bytes the default says how good is good enough.
-        let open = !budget.limits_error() && budget.bytes.is_none();
-        let delta_e = if open { Budget::default().delta_e } else { budget.delta_e };
-        PackRecipe::Auto(AutoRecipe {
-            budget: Budget { delta_e, ..budget },
-            table,
-            // What has levels has a curve.
-            tables: named.unwrap_or(if levels > 0 { Tables::Factored } else { Tables::Both }),
-        })
+        // A pack with levels has a curve.
+        recipe.tables = named.unwrap_or(if levels > 0 { Tables::Factored } else { Tables::Both });
+        PackRecipe::Auto(recipe)
     }
 
     fn wavelet(&self, mut recipe: Recipe) -> Result<Recipe, OptionError> {
@@ -400,43 +362,12 @@ impl EncodeOptions {
     }
 }
 
-/// Limits that may be asked for.
-///
-/// # Errors
-/// The first that is out of range, under the name of its key.
-pub(crate) fn checked_limits(
-    delta_e: Option<f64>,
-    error: Option<Fraction>,
-    bytes: Option<u64>,
-    fetches: Option<u32>,
-) -> Result<Budget, OptionError> {
-    if let Some(limit) = delta_e
-        && !(1e-6..=100.0).contains(&limit)
-    {
-        return Err(problem("max_delta_e", format_number(limit), range_of("max_delta_e")));
-    }
-    let share = |error: Fraction| {
-        let wrong = |allowed: &str| problem("max_error", error.to_string(), allowed);
-        let share = error.checked().map_err(|allowed| wrong(&allowed))?;
-        let positive = "a positive fraction, such as 0.02 for 2 %, of 1e-9 or more";
-        if share < 1e-9 { Err(wrong(positive)) } else { Ok(share) }
-    };
-    let error = error.map(share).transpose()?;
-    if bytes == Some(0) {
-        return Err(problem("max_bytes", "0", "1 or more"));
-    }
-    if fetches == Some(0) {
-        return Err(problem("max_fetches", "0", range_of("max_fetches")));
-    }
-    Ok(Budget { delta_e, error, bytes, fetches })
-}
-
 fn codec(name: &str) -> Result<Codec, OptionError> {
     named("codec", name, &CODECS)
 }
 
 fn problem(field: &'static str, found: impl Into<String>, allowed: &str) -> OptionError {
-    OptionError { field, found: found.into(), allowed: allowed.to_owned() }
+    OptionError::new(field, found, allowed)
 }
 
 /// What `name` stands for among the names that are known.

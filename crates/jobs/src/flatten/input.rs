@@ -1,5 +1,6 @@
 //! Opens what is flattened: geometry, materials, images.
 
+use crate::encode::EncodeError;
 use brdfc_core::address::{AddressError, SYNTH_PREFIX};
 use brdfc_core::progress::Progress;
 use brdfc_core::{PackSource, Source};
@@ -13,7 +14,7 @@ use brdfc_source::meso::{MesoInput, open_meso};
 use brdfc_source::open::{Facts, open};
 use brdfc_source::tile_image::{FileImage, open_colours, open_shares};
 use brdfc_source::{Input, InputError};
-use brdfc_wavelet::encode::{EncodeError, encode};
+use brdfc_wavelet::encode::encode;
 use brdfc_wavelet::recipe::{Recipe, Target};
 
 /// What reports call the reference plane itself.

@@ -2,10 +2,10 @@
 
 use super::gate::GateResult;
 use super::material::{MaterialReport, StageTime};
+use crate::encode::Predicted;
 use crate::scene::explain::Explained;
 use crate::scene::maps::{MapsReport, PARTS, Packed, part_name};
 use crate::scene::plan::{Plan, pack_name};
-use crate::scene::predict::{Predicted, predict};
 use crate::scene::run::{JobError, Made, MadeEnvironment, Outcome, Outcomes, file_of};
 use crate::scene::scene_section::ENVIRONMENT;
 use crate::store::Digest;
@@ -148,7 +148,7 @@ impl BuildReport {
             let maps = job.maps.map_or([false; 2], |recipe| recipe.wanted);
             let (predicted, cached) = match known.get(job.name.as_str()) {
                 Some(made) => (Predicted::exactly(made.report.bytes_on_gpu), Some(true)),
-                None => (predict(&job.recipe), None),
+                None => (job.recipe.predict(), None),
             };
             MaterialEntry { predicted: Some(predicted), cached, ..files(&job.name, &job.declared, maps) }
         });

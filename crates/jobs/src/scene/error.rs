@@ -1,6 +1,6 @@
 //! Why a job fails.
 
-use crate::encode::PackError;
+use crate::encode::EncodeError;
 use crate::store::StoreError;
 use brdfc_core::progress::Cancelled;
 use brdfc_formats::FormatError;
@@ -14,7 +14,7 @@ pub enum JobError {
     Input(#[from] InputError),
     /// The encoder.
     #[error(transparent)]
-    Encode(PackError),
+    Encode(EncodeError),
     /// The caller asked to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
@@ -33,10 +33,10 @@ impl JobError {
     }
 }
 
-impl From<PackError> for JobError {
-    fn from(error: PackError) -> Self {
+impl From<EncodeError> for JobError {
+    fn from(error: EncodeError) -> Self {
         match error {
-            PackError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            EncodeError::Cancelled(cancelled) => Self::Cancelled(cancelled),
             other => Self::Encode(other),
         }
     }

@@ -3,15 +3,12 @@
 use super::plan::{Job, Plan};
 use super::run::Made;
 use super::uses::Use;
-use crate::encode::CodecReport;
-use crate::encode::recipe::PackRecipe;
+use crate::encode::PackRecipe;
 use crate::report::material::StageTime;
 use crate::store::Digest;
 use brdfc_core::progress::Stage;
 use brdfc_core::words::join_truncated;
 use brdfc_formats::crop::{DirectionRange, Elevations};
-use brdfc_table::recipe::{Size, TableRecipe};
-use brdfc_wavelet::recipe::{Recipe, Target};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -119,40 +116,23 @@ fn with_all_levels(job: &Job) -> PackRecipe {
 
 /// Finer levels of detail that are not stored.
 fn levels(job: &Job, made: Option<&Made>, kept: &Kept<'_>) -> Option<Explained> {
-    let recipe = match &job.recipe {
-        PackRecipe::Wavelet(recipe) => recipe,
-        // Among tables there may be none whose levels the distance takes away.
-        PackRecipe::Auto(_) | PackRecipe::Table(_) => return None,
-    };
-    if recipe.stored_levels == recipe.levels {
+    // Among tables there may be none whose levels the distance takes away.
+    let [stored, all] = job.recipe.stored_levels()?;
+    if stored == all {
         return None;
     }
-    let need = format!("levels of detail 0 to {} of {}", recipe.stored_levels, recipe.levels);
+    let need = format!("levels of detail 0 to {stored} of {all}");
     let nearest = |used: &Use| used.nearest.as_ref().is_some_and(|at| *at.get_ref() <= job.needs.nearest);
     let why = format!("nearest at {}: {}", job.needs.nearest, names(&job.uses, nearest).unwrap_or_default());
-    let saved_bytes = made.and_then(|made| match (&made.report.codec, recipe.target) {
-        (CodecReport::Wavelet(report), Target::Ratio(ratio)) => {
-            // Slices of all directions; what these leave out counts by itself.
-            let all = (report.slices_in_all as f64 / ratio).round() as u64;
-            let stored = all.min(1 << (2 * recipe.stored_levels));
-            let components = if made.report.channels == 1 { 1 } else { 4 };
-            let texel = components * if recipe.bits == 8 { 1 } else { 2 };
-            Some((all - stored) * report.slices_in_all as u64 * texel)
-        }
-        _ => None,
-    });
+    let saved_bytes =
+        made.and_then(|made| job.recipe.bytes_of_left_out_levels(&made.report.codec, made.report.channels));
     let (of_kept, saved_seconds) = less_than_kept(job, with_all_levels(job), made, kept);
     Some(Explained { saved_bytes: saved_bytes.or(of_kept), saved_seconds, ..said(job, &need, &why) })
 }
 
 /// Coarser levels of detail of tables that are not stored.
 fn coarser_levels(job: &Job, made: Option<&Made>, kept: &Kept<'_>) -> Option<Explained> {
-    let levels = |recipe: &PackRecipe| match recipe {
-        PackRecipe::Auto(recipe) => recipe.table.levels,
-        PackRecipe::Table(recipe) => recipe.levels,
-        PackRecipe::Wavelet(_) => 0,
-    };
-    let (asked, stored) = (levels(&job.asked), levels(&job.recipe));
+    let (asked, stored) = (job.asked.coarser_levels(), job.recipe.coarser_levels());
     if stored == asked {
         return None;
     }
@@ -181,8 +161,7 @@ fn directions(job: &Job, made: Option<&Made>, kept: &Kept<'_>) -> Option<Explain
     let (of_kept, saved_seconds) = less_than_kept(job, whole, made, kept);
     let found = |made: &Made| made.report.of_all_directions?.checked_sub(made.report.bytes_on_gpu);
     let saved_bytes = made.and_then(|made| match &job.recipe {
-        PackRecipe::Table(TableRecipe { size: Size::Nodes(_), .. })
-        | PackRecipe::Wavelet(Recipe { target: Target::Ratio(_), .. }) => Some(made.report.cropped_bytes),
+        recipe if recipe.has_fixed_size() => Some(made.report.cropped_bytes),
         // What is cropped is room for more nodes and slices.
         recipe if !recipe.limits_error() => None,
         _ => found(made).or(of_kept).filter(|bytes| *bytes > 0),

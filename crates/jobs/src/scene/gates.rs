@@ -1,7 +1,7 @@
 //! Gates: what a finished pack has to be, however it was asked for. A gate that saw nothing does not pass.
 
+use crate::encode::OptionError;
 use crate::encode::byte_count::bytes_from_manifest;
-use crate::encode::options::{OptionError, checked_limits};
 use crate::encode::recipe::{Budget, TAIL};
 use crate::report::gate::GateResult;
 use crate::report::material::MaterialReport;
@@ -30,7 +30,7 @@ impl Require {
     /// # Errors
     /// Values out of range.
     pub fn resolve(&self, defaults: &Self) -> Result<Budget, OptionError> {
-        checked_limits(
+        Budget::checked(
             self.max_delta_e.or(defaults.max_delta_e),
             self.max_error.or(defaults.max_error),
             self.max_bytes.or(defaults.max_bytes),
@@ -85,8 +85,8 @@ pub fn check(gates: &Budget, report: &MaterialReport) -> Vec<GateResult> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::encode::PackRecipe;
     use crate::encode::encode;
-    use crate::encode::recipe::PackRecipe;
     use brdfc_source::open::open;
 
     fn report(address: &str) -> MaterialReport {

@@ -1,31 +1,10 @@
 //! How much memory the materials that are worked on may take together.
 
-use crate::encode::recipe::PackRecipe;
 use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::Duration;
 
 /// Of each thread, where nothing is said, bytes.
 pub const PER_THREAD: u64 = 300 << 20;
-/// What a search for the smallest pack takes at its largest table, besides the source, bytes; measured with a scan.
-const SEARCH: u64 = 128 << 20;
-/// What one table takes, likewise.
-const TABLE: u64 = 40 << 20;
-/// What maps take, and a wavelet pack besides its grid.
-const OTHER: u64 = 16 << 20;
-
-/// What an encoding takes at most, besides its source, bytes.
-pub fn of_recipe(recipe: &PackRecipe) -> u64 {
-    match recipe {
-        PackRecipe::Auto(_) => SEARCH,
-        PackRecipe::Table(_) => TABLE,
-        PackRecipe::Wavelet(recipe) => {
-            // The table and its coefficients, three channels of f32.
-            let samples = 1u64 << (4 * recipe.levels);
-            OTHER + 2 * 12 * samples
-        }
-    }
-}
-
 /// What a file of this kind takes while it is read and as long as it is evaluated, bytes.
 pub fn of_source(extension: &str, length: u64) -> u64 {
     match extension {

@@ -6,8 +6,9 @@ use super::maps::{MapRecipe, part_name};
 use super::needs::{self, Needs, needs};
 use super::scene_section::ENVIRONMENT;
 use super::uses::Use;
-use crate::encode::options::OptionError;
-use crate::encode::recipe::{Budget, PackRecipe};
+use crate::encode::OptionError;
+use crate::encode::PackRecipe;
+use crate::encode::recipe::Budget;
 use brdfc_formats::wavelet::DEFAULT_DISTANCE_SCALE;
 use brdfc_source::Input;
 use std::collections::BTreeMap;
@@ -158,7 +159,7 @@ pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, PlanError> {
         let wrong = |error| PlanError { material: name.clone(), error };
         let mut recipe = material.options.resolve(&defaults.options).map_err(wrong)?;
         let asked = recipe.clone();
-        recipe.limit_levels(|levels| need.stored_levels(levels, scale));
+        recipe.limit_levels(&|levels| need.stored_levels(levels, scale));
         recipe.limit_coarser_levels(need.coarser_levels(scale));
         recipe.limit_directions(need.directions);
         let input = match address_of(&material.source) {

@@ -4,13 +4,12 @@
 pub use super::error::JobError;
 
 use super::gates;
-use super::kept_tables::KeptTables;
+use super::grid_cache::StoreGridCache;
 use super::maps::{MapRecipe, MapsReport, Packed, environment_file, material_maps, part_name};
 use super::memory::{self, Shared};
 use super::plan::{EnvironmentJob, Job, Plan, pack_name};
 use super::scene_section::ENVIRONMENT;
-use crate::encode::encode_with;
-use crate::encode::recipe::PackRecipe;
+use crate::encode::{PackRecipe, encode_cached};
 use crate::report::gate::GateResult;
 use crate::report::material::{MaterialReport, StageTime};
 use crate::stage_clock::StageClock;
@@ -257,7 +256,7 @@ impl Workshop<'_> {
         clock.stage(Stage::Read, 1)?;
         let length = job.input.path().and_then(|path| path.metadata().ok()).map_or(0, |metadata| metadata.len());
         let extension = kind_of(&job.input);
-        let bytes = memory::of_source(&extension, length).saturating_add(memory::of_recipe(&job.recipe));
+        let bytes = memory::of_source(&extension, length).saturating_add(job.recipe.memory());
         let _share = shared.take(bytes);
         progress.check()?;
         // On the pool's threads, so that no more than those work.
@@ -324,8 +323,8 @@ impl Workshop<'_> {
         recipe: &PackRecipe,
         clock: &StageClock<'_>,
     ) -> Result<Kept<PackNote>, JobError> {
-        let tables = KeptTables { store: self.store, source };
-        let encoded = encode_with(opened.source.as_ref(), recipe, &tables, clock)?;
+        let cache = StoreGridCache { store: self.store, source };
+        let encoded = encode_cached(opened.source.as_ref(), recipe, &cache, clock)?;
         let report = MaterialReport::new(&encoded, &opened.facts);
         // What is finished is kept, cancelled or not.
         let _ = clock.stage(Stage::Write, 1);

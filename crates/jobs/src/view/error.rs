@@ -1,9 +1,9 @@
 //! Why there is no page.
 
+use crate::encode::EncodeError;
 use brdfc_core::progress::Cancelled;
 use brdfc_formats::FormatError;
 use brdfc_source::InputError;
-use brdfc_table::encode::EncodeError;
 
 /// Most bytes of textures of all materials: a page is to open in a browser.
 const MOST_BYTES: u64 = 256 << 20;

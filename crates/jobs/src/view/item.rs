@@ -40,8 +40,7 @@ impl ViewItem {
     /// What decodes it.
     pub fn decoder(&self) -> PackKind {
         match &self.drawn {
-            Drawn::Brdf(BrdfPack::Table(_)) => PackKind::Table,
-            Drawn::Brdf(BrdfPack::Wavelet(_)) => PackKind::Wavelet,
+            Drawn::Brdf(pack) => pack.kind(),
             Drawn::FlatBtf(..) => PackKind::FlatBtf,
             Drawn::Pwt(_) => PackKind::Pwt,
         }

@@ -3,6 +3,7 @@
 use super::error::{ViewError, check_bytes};
 use super::item::{Drawn, ViewItem};
 use super::source_table::source_table;
+use crate::encode::EncodeError;
 use crate::report::page::{Reports, is_flat_btf, source_name, source_of};
 use crate::scene::build::notes;
 use crate::scene::plan::REPORT;
@@ -95,14 +96,15 @@ fn of_input(input: &Input, progress: &dyn Progress) -> Result<ViewItem, ViewErro
         return of_source(name, &input.to_string(), opened.source.as_ref(), progress);
     }
     match open_pack(input)? {
-        Pack::Table(pack) => Ok(of_brdf(name, BrdfPack::Table(pack))),
-        Pack::Wavelet(pack) => Ok(of_brdf(name, BrdfPack::Wavelet(pack))),
         Pack::Pwt(pack) => {
             let [width, height] = pack.header().size;
             let facts = format!("{width} x {height} pixels under any light, {} on a GPU", bytes(pack.gpu_bytes()));
             Ok(ViewItem { name, facts, drawn: Drawn::Pwt(Box::new(pack)) })
         }
-        other => Err(ViewError::refused(&input.to_string(), other.kind().in_words(), ALLOWED)),
+        pack => match BrdfPack::try_from(pack) {
+            Ok(pack) => Ok(of_brdf(name, pack)),
+            Err(kind) => Err(ViewError::refused(&input.to_string(), kind.in_words(), ALLOWED)),
+        },
     }
 }
 
@@ -112,13 +114,12 @@ fn of_brdf(name: String, pack: BrdfPack) -> ViewItem {
         many => format!("{many} fetches"),
     };
     let mut facts = format!("{}, {} on a GPU, {fetches}", pack.codec(), bytes(pack.gpu_bytes()));
-    match &pack {
-        BrdfPack::Table(table) if table.picture.max > 0.0 => {
-            facts += &format!(", ΔE {:.2} of a ball against its source", table.picture.mean);
+    match (pack.picture(), pack.off_grid().relative_mean) {
+        (Some(picture), _) if picture.max > 0.0 => {
+            facts += &format!(", ΔE {:.2} of a ball against its source", picture.mean);
         }
-        BrdfPack::Wavelet(wavelet) if wavelet.off_grid.relative_mean > 0.0 => {
-            let share = brdfc_core::words::percent(wavelet.off_grid.relative_mean.into());
-            facts += &format!(", ε_r {share} against its source");
+        (None, error) if error > 0.0 => {
+            facts += &format!(", ε_r {} against its source", brdfc_core::words::percent(error.into()));
         }
         _ => {}
     }
@@ -130,7 +131,7 @@ fn of_brdf(name: String, pack: BrdfPack) -> ViewItem {
 
 fn of_source(name: String, input: &str, source: &dyn Source, progress: &dyn Progress) -> Result<ViewItem, ViewError> {
     let table = source_table(source, progress).map_err(|error| match error {
-        brdfc_table::encode::EncodeError::Cancelled(cancelled) => ViewError::Cancelled(cancelled),
+        EncodeError::Cancelled(cancelled) => ViewError::Cancelled(cancelled),
         error => ViewError::Table { name: input.to_owned(), error },
     })?;
     let error = table.picture.mean;

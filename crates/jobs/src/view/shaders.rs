@@ -27,30 +27,21 @@ impl PageShader {
 
     /// All of them.
     pub fn all() -> Vec<Self> {
-        let kinds =
-            [PackKind::Table, PackKind::Wavelet, PackKind::FlatBtf, PackKind::Pwt].map(|decoder| (decoder, false));
-        let kinds = kinds.into_iter().chain([(PackKind::Wavelet, true)]);
-        kinds.map(|(decoder, exact)| Self::drawing(decoder, exact)).chain([Self::showing()]).collect()
+        let of_kind = |kind: PackKind| {
+            let may_be_wide = kind.descriptor().brdf.is_some_and(|shader| shader.may_be_wide);
+            [false, true].into_iter().take(1 + usize::from(may_be_wide)).map(move |exact| Self::drawing(kind, exact))
+        };
+        let drawn = PackKind::ALL.into_iter().filter(|kind| drawing_wgsl(*kind, false).is_some());
+        drawn.flat_map(of_kind).chain([Self::showing()]).collect()
     }
 
-    /// What draws a kind of pack; `exact`: the shader filters wavelets. Each has one way in it: drivers compile, and some run, both
-    /// sides of a branch.
+    /// The shader that draws a kind of pack; `exact`: the shader filters, not a sampler. Each has one way in it: drivers compile, and
+    /// some run, both sides of a branch.
+    ///
+    /// # Panics
+    /// For kinds of packs that no page draws.
     pub(super) fn drawing(decoder: PackKind, exact: bool) -> Self {
-        let filtered = |name| {
-            format!(
-                "fn filtered(wi: vec3<f32>, wo: vec3<f32>, level: f32) -> vec3<f32> {{ return {name}(wi, wo, level); }}\n"
-            )
-        };
-        let of_kind = match decoder {
-            PackKind::Table => include_str!("shaders/table.wgsl").to_owned(),
-            PackKind::Wavelet => {
-                filtered(if exact { "wavelet_brdf_exact" } else { "wavelet_brdf" })
-                    + include_str!("shaders/wavelet.wgsl")
-            }
-            PackKind::FlatBtf => include_str!("shaders/flat_btf.wgsl").to_owned(),
-            PackKind::Pwt => include_str!("shaders/pwt.wgsl").to_owned(),
-            _ => unreachable!("no item has it"),
-        };
+        let of_kind = drawing_wgsl(decoder, exact).expect("only packs that pages draw become items");
         let (frame, corner) = (brdfc_render::shading_point::SHADING_POINT_WGSL, brdfc_render::camera::CORNER_WGSL);
         let wgsl =
             [&(decoder.descriptor().wgsl)(), &of_kind, frame, corner, include_str!("shaders/shade.wgsl")].join("\n");
@@ -81,6 +72,24 @@ impl PageShader {
         let all = ALL.get_or_init(|| serde_json::from_str(include_str!("programs.json")).expect("written by a test"));
         let lacking = || panic!("{} lacks {}: ./scripts/bless", Self::FILE, self.name);
         Program::new(&self.wgsl, all.get(&self.name).unwrap_or_else(lacking))
+    }
+}
+
+/// How a kind of pack is placed, evaluated and filtered on a page; `None` for kinds that no page draws.
+fn drawing_wgsl(kind: PackKind, exact: bool) -> Option<String> {
+    if let Some(shader) = kind.descriptor().brdf {
+        let value = if exact { shader.exact } else { shader.filtered };
+        let level = shader.level_of_detail;
+        return Some(format!(
+            "fn brdf(wi: vec3<f32>, wo: vec3<f32>, level: f32) -> vec3<f32> {{ return {value}; }}\n\
+             fn brdf_level_of_detail(distance: f32) -> f32 {{ return {level}; }}\n{}",
+            include_str!("shaders/brdf.wgsl")
+        ));
+    }
+    match kind {
+        PackKind::FlatBtf => Some(include_str!("shaders/flat_btf.wgsl").to_owned()),
+        PackKind::Pwt => Some(include_str!("shaders/pwt.wgsl").to_owned()),
+        _ => None,
     }
 }
 

@@ -1,9 +1,10 @@
 //! What packs are held against: a source as a table that is larger than packs are.
 
+use crate::encode::EncodeError;
 use brdfc_core::Source;
 use brdfc_core::progress::Progress;
 use brdfc_formats::table::TablePack;
-use brdfc_table::encode::{EncodeError, encode};
+use brdfc_table::encode::encode;
 use brdfc_table::recipe::{Size, TableRecipe};
 
 /// Bytes of the table. Four times as many bring pictures of measured materials nearer to them by 0.03 ΔE at most.

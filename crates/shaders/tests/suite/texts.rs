@@ -66,7 +66,7 @@ fn interfaces_are_those_of_the_blocks() {
     assert_eq!((slope.ty.as_str(), slope.offset, slope.about.as_str()), ("f32", 44, "of the rows"));
     assert_eq!(
         table.bindings[2].kind,
-        BindingKind::Texture { dimension: "3d".to_owned(), samples: "float".to_owned() }
+        BindingKind::Texture { dimension: "3d".to_owned(), samples: "float".to_owned(), filtered: true }
     );
     assert_eq!(table.bindings[3].kind, BindingKind::Sampler);
 }

@@ -1,8 +1,8 @@
 //! What is worth knowing about a file of a scan.
 
 use super::summary::ScanSummary;
-use crate::format::Describe;
-use crate::stray_rows::StrayRows;
+use brdfc_core::Describe;
+use brdfc_core::StrayRows;
 use brdfc_core::words::percent;
 
 /// What is worth knowing of a scattered scan.

@@ -14,7 +14,7 @@ pub use summary::ScanSummary;
 use super::error::InputError;
 use super::format::{Format, Opened};
 use super::input::InputFile;
-use super::stray_rows::StrayRows;
+use brdfc_core::StrayRows;
 use brdfc_core::{Source, Symmetry, Tally};
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::DirectionPair;

@@ -1,6 +1,6 @@
 //! What is worth knowing about a scan.
 
-use crate::stray_rows::StrayRows;
+use brdfc_core::StrayRows;
 
 /// What was found while a scan was taken in.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]

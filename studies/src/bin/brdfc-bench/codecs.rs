@@ -55,7 +55,6 @@ fn error(error: CodecStudyError) -> Error {
     match error {
         CodecStudyError::Gpu(error) => error.into(),
         CodecStudyError::Pack(error) => error.into(),
-        CodecStudyError::Table(error) => Error::input(error.to_string()),
         CodecStudyError::Peer(text) => Error::input(text),
     }
 }

@@ -3,8 +3,8 @@
 use super::arguments::Arguments;
 use brdfc_formats::BrdfPack;
 use brdfc_gpu::{AdapterChoice, AdapterDescription, Gpu};
+use brdfc_jobs::encode::PackRecipe;
 use brdfc_jobs::encode::encode as encode_pack;
-use brdfc_jobs::encode::recipe::PackRecipe;
 use brdfc_render::picture::to_png;
 use brdfc_source::Input;
 use brdfc_source::open::open;

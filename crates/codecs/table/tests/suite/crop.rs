@@ -1,6 +1,6 @@
 //! What is cropped is what no look-up within the range of directions touches.
 
-use brdfc_core::TableSource;
+use brdfc_core::PackSource;
 use brdfc_core::address::parse_synth;
 use brdfc_formats::crop::{Crop, DirectionRange, Elevations, Window};
 use brdfc_formats::table::{Angles, TableDecoder, TablePack};
@@ -93,7 +93,8 @@ fn tables_are_fitted_to_the_range() {
         let crop = Crop { directions, window: window(whole.header(), directions) };
         let cropped = whole.cropped(crop).expect("within the texture");
         let within = Reference::new(source.as_ref(), PairSet::within(directions));
-        let delta_e = |reference: &Reference, pack| reference.compare(&TableSource::new(pack)).picture.delta_e.mean;
+        let delta_e =
+            |reference: &Reference, pack| reference.compare(&PackSource::new(pack, None)).picture.delta_e.mean;
         let [found, before] = [&fitted, &cropped].map(|pack| delta_e(&within, pack));
         assert!(found < 0.8 * before, "{directions}: {found} after {before}");
         let everywhere = Reference::new(source.as_ref(), PairSet::comparison());

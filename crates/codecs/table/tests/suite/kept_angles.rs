@@ -1,7 +1,7 @@
 //! Sources at lists whose angles are kept, against the same ones pair by pair: the same bits.
 
 use brdfc_core::address::parse_synth;
-use brdfc_core::{Source, TableSource};
+use brdfc_core::{PackSource, Source};
 use brdfc_formats::direction::DirectionPair;
 use brdfc_metrics::picture::picture_pairs;
 use brdfc_metrics::sampling::PairSet;
@@ -50,13 +50,13 @@ fn measured_tables_are_the_same_bits() {
 #[test]
 fn packs_and_models_are_the_same_bits() {
     for (name, pack) in tables() {
-        check(&name, &TableSource::new(&pack));
+        check(&name, &PackSource::new(&pack, None));
     }
     let model = parse_synth("synth:ward?ax=0.1&ay=0.4").unwrap();
     check("model", model.as_ref());
     let recipe = TableRecipe { size: Size::Bytes(4096), ..TableRecipe::default() };
     check(
         "anisotropic pack",
-        &TableSource::new(&brdfc_table::encode::encode(model.as_ref(), &recipe, &()).unwrap().pack),
+        &PackSource::new(&brdfc_table::encode::encode(model.as_ref(), &recipe, &()).unwrap().pack, None),
     );
 }

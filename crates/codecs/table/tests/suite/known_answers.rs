@@ -1,13 +1,14 @@
 //! Tables of materials whose answers are known.
 
+use brdfc_codec::EncodeError;
 use brdfc_core::address::parse_synth;
-use brdfc_core::{Source, TableSource, Tally};
+use brdfc_core::{PackSource, Source, Tally};
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::table::{Axes, TableDecoder, TableHeader, TablePack, TableSymmetry};
 use brdfc_metrics::compare::compare;
 use brdfc_metrics::sampling::{PairSet, cosine_directions};
 use brdfc_source::open::open_file;
-use brdfc_table::encode::{EncodeError, Encoded, encode};
+use brdfc_table::encode::{Encoded, encode};
 use brdfc_table::fit::fit;
 use brdfc_table::lattice::{Lattice, Taps};
 use brdfc_table::recipe::{Aim, Size, TableRecipe};
@@ -51,7 +52,7 @@ fn larger_tables_are_closer_and_errors_are_true() {
         let pack = TablePack::from_bytes(&encoded.bytes).unwrap();
         assert_eq!(pack, encoded.pack);
         assert!(pack.gpu_bytes() <= bytes && pack.gpu_bytes() > bytes * 3 / 4, "{} of {bytes}", pack.gpu_bytes());
-        let (found, _) = compare(plastic.as_ref(), &TableSource::new(&pack), &PairSet::comparison());
+        let (found, _) = compare(plastic.as_ref(), &PackSource::new(&pack, None), &PairSet::comparison());
         assert_eq!(found, encoded.off_grid);
         assert_eq!((pack.off_grid, pack.picture), (found.summary(), found.picture.summary()));
         let error = found.picture.delta_e.mean;
@@ -66,7 +67,7 @@ fn larger_tables_are_closer_and_errors_are_true() {
 fn tables_of_tables_are_perfect() {
     for (name, pack) in tables().into_iter().filter(|(_, pack)| pack.curve().is_none()) {
         let header = *pack.header();
-        let original = TableSource::new(&pack);
+        let original = PackSource::new(&pack, None);
         let samples = Samples::draw(&original, 60_000, false);
         let targets = Targets::new(&samples, header.bias * header.mean / mean_of(&samples), header.channels == 1);
         let lattice = Lattice::new(&header);
@@ -135,7 +136,7 @@ fn curves_keep_narrow_highlights() {
     assert_eq!(TablePack::from_bytes(&factored.bytes).unwrap(), factored.pack);
     // Without its curve the same table is nothing like the material.
     let bare = TablePack::new(*factored.pack.header(), &factored.pack.values()).unwrap();
-    let (bare, _) = compare(&paint, &TableSource::new(&bare), &PairSet::comparison());
+    let (bare, _) = compare(&paint, &PackSource::new(&bare, None), &PairSet::comparison());
     assert!(bare.picture.delta_e.mean > 10.0 * curved, "{}", bare.picture.delta_e.mean);
     // A flat material has a flat curve: nothing is added twice.
     let flat = made(source("synth:lambert?kd=1").as_ref(), true);
@@ -234,7 +235,7 @@ fn sizes_are_checked() {
     let lambert = source("synth:lambert");
     let made = |size| encode(lambert.as_ref(), &TableRecipe { size, ..TableRecipe::default() }, &());
     let error = made(Size::Bytes(100)).unwrap_err();
-    assert!(matches!(error, EncodeError::TooFewBytes { allowed: 100, smallest: 160 }), "{error}");
+    assert!(matches!(error, EncodeError::TooFewBytes { allowed: 100, smallest: 160, .. }), "{error}");
     let axes = Axes { half: 1, difference: 4, azimuth: 4, layers: 1 };
     let error = made(Size::Nodes(axes)).unwrap_err().to_string();
     assert!(error.contains("θ_h nodes: found 1; allowed 2 to 256"), "{error}");

@@ -1,6 +1,10 @@
 //! Options become recipes.
 
 use super::*;
+use crate::encode::{Predicted, encode};
+use brdfc_formats::crop::{DirectionRange, Elevations};
+use brdfc_source::open::open;
+use brdfc_table::recipe::Aim;
 
 fn keys(text: &str) -> EncodeOptions {
     toml::from_str(text).unwrap()
@@ -89,4 +93,29 @@ fn ranges_in_words_are_the_bounds() {
     for (name, _) in Ranking::NAMES {
         assert!(range_of("ranking").contains(name), "{name}");
     }
+}
+
+/// Whatever is predicted holds what is made.
+#[test]
+fn packs_are_as_large_as_predicted() {
+    let options =
+        |text: &str| toml::from_str::<EncodeOptions>(text).expect("options").resolve(&EncodeOptions::default());
+    let narrow = Elevations { from: 30.0, to: 90.0 };
+    let seen_from_above = DirectionRange { light: narrow, view: narrow };
+    let mut exact = 0;
+    for address in ["synth:lambert?kd=0.5", "synth:ggx?kd=0.1,0.2,0.3&f0=0.04&alpha=0.3"] {
+        let source = open(address, None).expect("an address").source;
+        for text in ["", "codec = 'table'", "max_bytes = 3000", "grid = 8\nratio = 4", "grid = 8\nmax_error = '20%'"] {
+            for directions in [DirectionRange::ALL, seen_from_above] {
+                let mut recipe = options(text).expect("in range");
+                recipe.limit_directions(directions);
+                recipe.limit_levels(&|levels| levels - 1);
+                let made = encode(source.as_ref(), &recipe, &()).expect("a pack").pack.gpu_bytes();
+                let Predicted { least, most } = recipe.predict();
+                assert!((least..=most).contains(&made), "{address} {text} {directions}: {least} {made} {most}");
+                exact += usize::from(made == least || made == most);
+            }
+        }
+    }
+    assert!(exact >= 2, "a ratio says how large a pack becomes");
 }

@@ -156,8 +156,8 @@ fn number(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::encode::PackRecipe;
     use crate::encode::encode;
-    use crate::encode::recipe::PackRecipe;
     use crate::report::gate::GateResult;
     use brdfc_source::open::open;
 

@@ -1,7 +1,7 @@
 //! What a page shows of a material besides figures: pictures of source and pack, and where both differ.
 
+use brdfc_core::PackSource;
 use brdfc_core::Source;
-use brdfc_core::decoded;
 use brdfc_formats::BrdfPack;
 use brdfc_metrics::by_angle::{ByAngle, by_angle};
 use brdfc_metrics::image::{LinearImage, auto_exposure, compare_images};
@@ -49,7 +49,7 @@ pub struct Evidence {
 
 /// Draws and compares, where the pack is for the directions that are asked for: the rest is left out. Both pictures of a scene have the exposure of the source's.
 pub fn evidence(pack: &BrdfPack, source: Option<&dyn Source>) -> Evidence {
-    let decoded = decoded(pack, None);
+    let decoded = PackSource::new(&**pack, None);
     let draw = |source: &dyn Source, (builtin, turned): (Builtin, bool)| -> (LinearImage, f64) {
         let scene = builtin.scene();
         let reflectance = SourceReflectance(source);
@@ -61,10 +61,10 @@ pub fn evidence(pack: &BrdfPack, source: Option<&dyn Source>) -> Evidence {
         let image = without(shade(&scene, FRAME, &hits, &materials), &outside);
         (image, share_left_out(&hits, FRAME, &outside))
     };
-    let isotropic = source.unwrap_or(decoded.as_ref()).symmetry().isotropic;
+    let isotropic = source.unwrap_or(&decoded).symmetry().isotropic;
     let scenes = SCENES.into_iter().chain((!isotropic).then_some(TURNED));
     let thumbnails = scenes.map(|scene| {
-        let (pack, left_out) = draw(decoded.as_ref(), scene);
+        let (pack, left_out) = draw(&decoded, scene);
         let source = source.map(|source| draw(source, scene).0);
         let exposure = auto_exposure(source.as_ref().unwrap_or(&pack));
         let panel = |image: &LinearImage| to_panel(image, exposure);
@@ -76,6 +76,6 @@ pub fn evidence(pack: &BrdfPack, source: Option<&dyn Source>) -> Evidence {
         Thumbnails { scene: name, turned, source, pack, difference, left_out }
     });
     let thumbnails = thumbnails.collect();
-    let by_angle = source.map(|source| by_angle(source, decoded.as_ref(), &PairSet::within(pack.directions())));
+    let by_angle = source.map(|source| by_angle(source, &decoded, &PairSet::within(pack.directions())));
     Evidence { thumbnails, by_angle }
 }

@@ -156,11 +156,8 @@ fn material(folder: &Path, entry: MaterialEntry, note: BuiltNote) -> Result<Page
 fn brdf_pack(folder: &Path, entry: &MaterialEntry, name: &str) -> Result<BrdfPack, GatherError> {
     let path = folder.join(name);
     let bytes = listed_file(folder, &entry.files, name)?;
-    match Pack::from_bytes(&bytes).map_err(|error| wrong_file(&path, error.to_string()))? {
-        Pack::Table(pack) => Ok(BrdfPack::Table(pack)),
-        Pack::Wavelet(pack) => Ok(BrdfPack::Wavelet(pack)),
-        other => Err(wrong_file(&path, other.kind().in_words().to_owned())),
-    }
+    let pack = Pack::from_bytes(&bytes).map_err(|error| wrong_file(&path, error.to_string()))?;
+    BrdfPack::try_from(pack).map_err(|kind| wrong_file(&path, kind.in_words().to_owned()))
 }
 
 /// What a material was made of, where it still is.

@@ -1,6 +1,6 @@
 //! Rows of a scan that are taken otherwise than they say.
 
-use brdfc_core::words::percent;
+use super::words::percent;
 
 /// Rows of another azimuth of incidence than the others of their scan, too few to be a measurement of anisotropy: they are
 /// taken as those of an isotropic material.

@@ -1,15 +1,13 @@
 //! The search for the smallest pack that meets a budget.
 
-use super::averaged::AveragingCost;
-use super::error::PackError;
-use super::pack::{EncodedPack, of_table};
 use super::recipe::{AutoRecipe, Budget, TAIL, Tables};
-use super::trial::Trial;
+use super::{CodecReport, EncodedPack};
+use brdfc_codec::{AveragingCost, EncodeError, Trial};
 use brdfc_core::progress::{Cancelled, Progress, Stage};
-use brdfc_core::{Source, TableSource};
+use brdfc_core::{PackSource, Source};
 use brdfc_metrics::compare::{Comparison, Reference};
 use brdfc_metrics::sampling::PairSet;
-use brdfc_table::encode::{EncodeError, Encoded, MOST_TEXELS, Prepared, measured, samples_for};
+use brdfc_table::encode::{Encoded, MOST_TEXELS, Prepared, measured, samples_for};
 use brdfc_table::recipe::{Size, TableRecipe};
 
 /// Smallest and largest table that is tried, bytes on a GPU; each next one is twice as large. Few layers leave knobs on
@@ -18,7 +16,8 @@ const SMALLEST: u64 = 1 << 10;
 const SMALLEST_ANISOTROPIC: u64 = 4 << 10;
 /// Likewise where there are levels of detail: with few nodes a row does not keep the light of a narrow highlight.
 const SMALLEST_WITH_LEVELS: u64 = 8 << 10;
-pub(crate) const LARGEST: u64 = 4 * MOST_TEXELS;
+/// Bytes on a GPU of the largest table that a search tries.
+pub const LARGEST: u64 = 4 * MOST_TEXELS;
 /// Power of the size by which the error of tables is taken to fall at most; it is 2/3 where values are smooth.
 const FASTEST: f64 = 0.8;
 /// A pack is no closer to the budget than a smaller one where it misses it by more than this share of what the smaller one does.
@@ -48,18 +47,18 @@ pub(super) fn search(
     source: &dyn Source,
     recipe: &AutoRecipe,
     progress: &dyn Progress,
-) -> Result<(EncodedPack, Reference), PackError> {
+) -> Result<(EncodedPack, Reference), EncodeError> {
     let budget = recipe.budget;
     let fewest = fewest_fetches(source) + u32::from(recipe.tables == Tables::Factored);
     if let Some(allowed) = budget.fetches
         && allowed < fewest
     {
-        return Err(PackError::TooFewFetches { allowed, fewest });
+        return Err(EncodeError::TooFewFetches { allowed, fewest });
     }
     progress.stage(Stage::MeasureOffGrid, 1)?;
     let reference = Reference::new(source, PairSet::within(recipe.table.directions));
     if reference.is_black() && budget.error.is_some() {
-        return Err(PackError::NothingMeasured);
+        return Err(EncodeError::NothingMeasured);
     }
     let mut search =
         Search { source, recipe, reference, progress, prepared: None, made: Vec::new(), tried: Vec::new() };
@@ -121,7 +120,7 @@ impl Progress for Within<'_> {
 
 impl Search<'_> {
     /// Tries tables, plain or factored or both.
-    fn tables(&mut self) -> Result<(), PackError> {
+    fn tables(&mut self) -> Result<(), EncodeError> {
         let sizes = sizes(smallest_tried(self.source, self.recipe), self.recipe.budget.bytes, self.largest());
         let plain = self.smallest(&sizes, self.recipe.tables == Tables::Factored)?;
         if self.recipe.tables != Tables::Both || !self.may_be_factored() {
@@ -157,7 +156,7 @@ impl Search<'_> {
     }
 
     /// Tries tables of one kind.
-    fn smallest(&mut self, sizes: &[u64], factored: bool) -> Result<Found, PackError> {
+    fn smallest(&mut self, sizes: &[u64], factored: bool) -> Result<Found, EncodeError> {
         // Of each size how far over the budget its table is.
         let mut excesses: Vec<Option<f64>> = vec![None; sizes.len()];
         let mut next = Some(0);
@@ -198,7 +197,7 @@ impl Search<'_> {
     }
 
     /// Makes a table; how far over the budget it is.
-    fn table(&mut self, bytes: u64, factored: bool) -> Result<f64, PackError> {
+    fn table(&mut self, bytes: u64, factored: bool) -> Result<f64, EncodeError> {
         self.progress.stage(Stage::Try, 1)?;
         let within = Within(self.progress);
         let recipe = TableRecipe { size: Size::Bytes(bytes), factored, ..self.recipe.table.clone() };
@@ -214,7 +213,7 @@ impl Search<'_> {
             return Ok(f64::INFINITY);
         }
         let mut pack = made?;
-        let off_grid = self.reference.compare(&TableSource::new(&pack));
+        let off_grid = self.reference.compare(&PackSource::new(&pack, None));
         measured(&mut pack, &off_grid);
         let bytes = pack.to_bytes(recipe.supercompress);
         let (asymmetry, tally) = (prepared.asymmetry, prepared.samples.tally);
@@ -249,6 +248,11 @@ impl Search<'_> {
         made.tried = self.tried;
         (made, self.reference)
     }
+}
+
+/// A table among packs of all codecs.
+pub(super) fn of_table(encoded: Encoded) -> EncodedPack {
+    brdfc_codec::Encoded::from(encoded).map(CodecReport::Table)
 }
 
 /// What trials of several sizes found: indices of sizes.

@@ -16,7 +16,7 @@ pub struct AveragingCost {
 
 impl AveragingCost {
     /// Of a source, and its values as others are compared with them.
-    pub(super) fn of(source: &dyn Source, reference: &Reference) -> Self {
+    pub fn of(source: &dyn Source, reference: &Reference) -> Self {
         let found = reference.compare(&Averaged(source));
         Self { delta_e: found.picture.delta_e.mean, relative_error: found.norms.relative_mean }
     }

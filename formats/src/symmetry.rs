@@ -1,7 +1,8 @@
 //! What a reflectance function does not change under.
 
 /// Symmetries of `f_r(incoming, outgoing)`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, schemars::JsonSchema))]
 pub struct Symmetry {
     /// Unchanged when both directions turn about the normal by the same angle.
     pub isotropic: bool,

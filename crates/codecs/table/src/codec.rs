@@ -1,0 +1,131 @@
+//! Table packs among the codecs of BRDFs.
+
+use super::encode::{self, encode};
+use super::recipe::{Size, TableRecipe};
+use super::symmetry::Asymmetry;
+use brdfc_codec::{AveragingCost, BrdfRecipe, BrdfReport, Encode, EncodeError, Encoded, GridCache, Predicted};
+use brdfc_core::Source;
+use brdfc_core::progress::Progress;
+use brdfc_core::words::bytes;
+use brdfc_formats::BrdfPack;
+use brdfc_formats::crop::DirectionRange;
+use brdfc_formats::table::{Axes, TableSymmetry};
+use brdfc_metrics::compare::Reference;
+use brdfc_metrics::sampling::PairSet;
+use serde::{Deserialize, Serialize};
+
+/// Memory of an encoding without its source, bytes; measured with a scan.
+const MEMORY: u64 = 40 << 20;
+
+/// The report of a table pack.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct TableReport {
+    /// Nodes per axis.
+    pub axes: Axes,
+    /// Nodes of the curve over `θ_h` of a factored pack, otherwise 0.
+    pub curve_nodes: usize,
+    /// What was folded.
+    pub symmetry: TableSymmetry,
+    /// How far the source is from each symmetry.
+    pub asymmetry: Asymmetry,
+}
+
+impl BrdfReport for TableReport {
+    fn codec(&self) -> &'static str {
+        if self.curve_nodes > 0 { "factored" } else { "table" }
+    }
+
+    fn size(&self) -> String {
+        let curve = if self.curve_nodes == 0 { String::new() } else { format!(" + {}", self.curve_nodes) };
+        format!("{}{curve}", self.axes)
+    }
+}
+
+impl From<encode::Encoded> for Encoded<TableReport> {
+    fn from(encoded: encode::Encoded) -> Self {
+        let encode::Encoded { pack, bytes, asymmetry, off_grid, tally } = encoded;
+        let (axes, symmetry) = (pack.header().axes, pack.header().symmetry);
+        let curve_nodes = pack.curve().map_or(0, |curve| curve.nodes());
+        let cropped_bytes = pack.cropped_bytes();
+        let report = TableReport { axes, curve_nodes, symmetry, asymmetry };
+        Self { cropped_bytes, ..Self::new(BrdfPack::Table(pack), bytes, report, off_grid, tally) }
+    }
+}
+
+impl BrdfRecipe for TableRecipe {
+    fn codec(&self) -> &'static str {
+        "table"
+    }
+
+    fn target(&self) -> String {
+        match self.size {
+            Size::Bytes(most) => format!("at most {}", bytes(most)),
+            Size::Nodes(axes) => format!("{} x {} x {} x {}", axes.half, axes.difference, axes.azimuth, axes.layers),
+        }
+    }
+
+    fn directions(&self) -> DirectionRange {
+        self.directions
+    }
+
+    fn limit_directions(&mut self, directions: DirectionRange) {
+        self.directions = directions;
+    }
+
+    fn has_fixed_size(&self) -> bool {
+        matches!(self.size, Size::Nodes(_))
+    }
+
+    fn limits_error(&self) -> bool {
+        false
+    }
+
+    fn skip_measuring(&mut self) {
+        self.measure = false;
+    }
+
+    fn set_supercompress(&mut self, supercompress: bool) {
+        self.supercompress = supercompress;
+    }
+
+    fn coarser_levels(&self) -> u32 {
+        self.levels
+    }
+
+    fn limit_coarser_levels(&mut self, most: u32) {
+        self.levels = self.levels.min(most);
+    }
+
+    fn memory(&self) -> u64 {
+        MEMORY
+    }
+
+    fn predict(&self) -> Predicted {
+        match self.size {
+            Size::Bytes(most) => Predicted { least: 0, most },
+            Size::Nodes(axes) => {
+                // Where a table does not start again, it has one slice less; grey texels have half the bytes.
+                let texels = |azimuth: u32| u64::from(axes.half * axes.difference * azimuth * axes.layers);
+                Predicted { least: 2 * texels(axes.azimuth), most: 4 * texels(axes.azimuth + 1) }
+            }
+        }
+    }
+}
+
+impl Encode for TableRecipe {
+    type Report = TableReport;
+
+    fn encode(
+        &self,
+        source: &dyn Source,
+        _: &dyn GridCache,
+        progress: &dyn Progress,
+    ) -> Result<Encoded<TableReport>, EncodeError> {
+        let mut made: Encoded<TableReport> = encode(source, self, progress)?.into();
+        if self.reciprocal && self.measure {
+            let reference = Reference::new(source, PairSet::within(self.directions));
+            made.averaging = Some(AveragingCost::of(source, &reference));
+        }
+        Ok(made)
+    }
+}

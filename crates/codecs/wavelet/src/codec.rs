@@ -1,0 +1,197 @@
+//! Wavelet packs among the codecs of BRDFs.
+
+use super::crop::{needed_coefficients, window};
+use super::encode::{self, encode_tabulated};
+use super::measure::GridError;
+use super::recipe::{Recipe, Target};
+use super::table::Grid;
+use super::tabulated::Tabulated;
+use brdfc_codec::{BrdfRecipe, BrdfReport, Encode, EncodeError, Encoded, GridCache, Predicted};
+use brdfc_core::Source;
+use brdfc_core::progress::{Progress, Stage};
+use brdfc_core::words::{bytes, percent};
+use brdfc_formats::BrdfPack;
+use brdfc_formats::crop::DirectionRange;
+use brdfc_formats::direction::Parameterisation;
+use brdfc_formats::wavelet::{Header, gpu_bytes};
+use brdfc_metrics::norms::Norms;
+use serde::{Deserialize, Serialize};
+
+/// Memory of an encoding without its source and its grids, bytes; measured with a scan.
+const MEMORY: u64 = 16 << 20;
+
+/// The report of a wavelet pack.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct WaveletReport {
+    /// What the two hemispheres of the table are.
+    pub parameterisation: Parameterisation,
+    /// Cells per axis and hemisphere.
+    pub grid: usize,
+    /// Finest level of detail that is stored.
+    pub stored_levels: u32,
+    /// Bits per component.
+    pub bits: u32,
+    /// Whether coarser levels and slices that are left out keep the light.
+    pub lifted: bool,
+    /// Whether the table was smoothed.
+    pub smoothed: bool,
+    /// Slices kept, the zero slice not counted.
+    pub slices_kept: usize,
+    /// Wavelet coefficients, of which a slice each would be kept at 1:1.
+    pub slices_in_all: usize,
+    /// `slices_in_all / slices_kept`.
+    pub ratio: f64,
+    /// Codec error: decoded table against table.
+    pub on_grid: GridError,
+}
+
+impl BrdfReport for WaveletReport {
+    fn codec(&self) -> &'static str {
+        "wavelet"
+    }
+
+    fn size(&self) -> String {
+        format!("{}/{} slices", self.slices_kept, self.slices_in_all)
+    }
+
+    fn on_grid(&self) -> Option<&Norms> {
+        Some(&self.on_grid.norms)
+    }
+}
+
+impl BrdfRecipe for Recipe {
+    fn codec(&self) -> &'static str {
+        "wavelet"
+    }
+
+    fn target(&self) -> String {
+        let target = match self.target {
+            Target::Ratio(ratio) => format!("{ratio}:1"),
+            Target::MaxError(error) => format!("ε_r at most {}", percent(error)),
+            Target::MaxBytes(most) => format!("at most {}", bytes(most)),
+        };
+        let (grid, stored, levels) = (1u32 << self.levels, self.stored_levels, self.levels);
+        format!("{target}, {grid} x {grid}, {stored} of {levels} levels, {} bits", self.bits)
+    }
+
+    fn directions(&self) -> DirectionRange {
+        self.directions
+    }
+
+    fn limit_directions(&mut self, directions: DirectionRange) {
+        self.directions = directions;
+    }
+
+    fn has_fixed_size(&self) -> bool {
+        matches!(self.target, Target::Ratio(_))
+    }
+
+    fn limits_error(&self) -> bool {
+        matches!(self.target, Target::MaxError(_))
+    }
+
+    fn skip_measuring(&mut self) {
+        self.measure_off_grid = false;
+    }
+
+    fn set_supercompress(&mut self, supercompress: bool) {
+        self.supercompress = supercompress;
+    }
+
+    fn stored_levels(&self) -> Option<[u32; 2]> {
+        Some([self.stored_levels, self.levels])
+    }
+
+    fn limit_levels(&mut self, finest: &dyn Fn(u32) -> u32) {
+        self.stored_levels = finest(self.levels);
+    }
+
+    fn memory(&self) -> u64 {
+        // The grid and its coefficients, three channels of f32.
+        MEMORY + 2 * 12 * (1u64 << (4 * self.levels))
+    }
+
+    fn predict(&self) -> Predicted {
+        let header = |channels: u32| Header {
+            parameterisation: self.parameterisation,
+            levels: self.levels,
+            stored_levels: self.stored_levels,
+            channels,
+            bits: self.bits,
+            mean: 1.0,
+            bias: 1.0,
+            lifted: self.lift,
+        };
+        let (grey, colour) = (header(1), header(3));
+        let window = window(&grey, self.directions.light);
+        let stored = 1usize << (2 * self.stored_levels);
+        let all = needed_coefficients(&grey, self.directions.view)[..stored].iter().filter(|needed| **needed).count();
+        let bytes = |header: &Header, slices: usize| gpu_bytes(header, window, slices + 1);
+        match self.target {
+            Target::Ratio(ratio) => {
+                let kept = ((grey.cells() as f64 / ratio).round() as usize).clamp(1, stored);
+                // Of those, the ones that no look-up within the directions touches go as well.
+                let (fewest, most) = (if all == stored { kept } else { 1 }, kept.min(all));
+                Predicted { least: bytes(&grey, fewest), most: bytes(&colour, most) }
+            }
+            Target::MaxBytes(most) => Predicted { least: 0, most },
+            Target::MaxError(_) => Predicted { least: bytes(&grey, 1), most: bytes(&colour, all) },
+        }
+    }
+}
+
+impl Encode for Recipe {
+    type Report = WaveletReport;
+
+    fn encode(
+        &self,
+        source: &dyn Source,
+        cache: &dyn GridCache,
+        progress: &dyn Progress,
+    ) -> Result<Encoded<WaveletReport>, EncodeError> {
+        progress.stage(Stage::Resample, 1)?;
+        let tabulated = tabulated(source, self.grid(), cache);
+        let encode::Encoded { pack, cropped_bytes, bytes, on_grid, off_grid, tally, evaluated } =
+            encode_tabulated(&tabulated, source, self, progress)?;
+        let header = &pack.header;
+        let slices_kept = pack.slices() - 1;
+        let report = WaveletReport {
+            parameterisation: header.parameterisation,
+            grid: header.grid(),
+            stored_levels: header.stored_levels,
+            bits: header.bits,
+            lifted: header.lifted,
+            smoothed: self.smooth,
+            slices_kept,
+            slices_in_all: header.cells(),
+            ratio: header.cells() as f64 / slices_kept as f64,
+            on_grid,
+        };
+        Ok(Encoded {
+            cropped_bytes,
+            evaluated,
+            ..Encoded::new(BrdfPack::Wavelet(pack), bytes, report, off_grid, tally)
+        })
+    }
+
+    fn bytes_of_left_out_levels(&self, report: &WaveletReport, channels: u32) -> Option<u64> {
+        let Target::Ratio(ratio) = self.target else { return None };
+        // Slices of all directions; what these leave out counts by itself.
+        let all = (report.slices_in_all as f64 / ratio).round() as u64;
+        let stored = all.min(1 << (2 * self.stored_levels));
+        let components = if channels == 1 { 1 } else { 4 };
+        let texel = components * if self.bits == 8 { 1 } else { 2 };
+        Some((all - stored) * report.slices_in_all as u64 * texel)
+    }
+}
+
+/// The source on a grid: from the cache, or sampled and put there.
+fn tabulated(source: &dyn Source, grid: Grid, cache: &dyn GridCache) -> Tabulated {
+    let name = format!("wavelet {} {}", grid.parameterisation.name(), grid.levels);
+    let cached = cache.take(&name).and_then(|(values, tally)| Tabulated::from_bytes(source, grid, &values, tally));
+    cached.unwrap_or_else(|| {
+        let made = Tabulated::new(source, grid);
+        cache.put(&name, made.to_bytes(), &made.tally);
+        made
+    })
+}

@@ -1,0 +1,114 @@
+//! What is worth knowing of a wavelet pack.
+
+use brdfc_codec::errors_in_words;
+use brdfc_core::Describe;
+use brdfc_core::words::bytes;
+use brdfc_formats::ErrorSummary;
+use brdfc_formats::crop::DirectionRange;
+use brdfc_formats::direction::Parameterisation;
+use brdfc_formats::wavelet::WaveletPack;
+
+/// What is worth knowing of a wavelet pack.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
+pub struct WaveletPackFacts {
+    /// What the two hemispheres are.
+    pub parameterisation: Parameterisation,
+    /// Cells per axis and hemisphere.
+    pub grid: usize,
+    /// Levels of detail.
+    pub levels: u32,
+    /// Finest level that holds slices.
+    pub stored_levels: u32,
+    /// Whether coarser levels and slices that are left out keep the light.
+    pub lifted: bool,
+    /// 1 or 3.
+    pub channels: u32,
+    /// Bits per component.
+    pub bits: u32,
+    /// Slices kept, the zero slice not counted.
+    pub slices_kept: usize,
+    /// `μ`, 1/sr.
+    pub mean: f32,
+    /// `ε`.
+    pub bias: f32,
+    /// Directions that it is for, and that its errors are of.
+    pub directions: DirectionRange,
+    /// Bytes on a GPU.
+    pub gpu_bytes: u64,
+    /// Codec error: decoded samples against the table they were made from.
+    pub on_grid: ErrorSummary,
+    /// The filtered pack against its source at direction pairs that depend on no grid.
+    pub off_grid: ErrorSummary,
+}
+
+impl From<&WaveletPack> for WaveletPackFacts {
+    fn from(pack: &WaveletPack) -> Self {
+        let header = &pack.header;
+        Self {
+            parameterisation: header.parameterisation,
+            grid: header.grid(),
+            levels: header.levels,
+            stored_levels: header.stored_levels,
+            lifted: header.lifted,
+            channels: header.channels,
+            bits: header.bits,
+            slices_kept: pack.slices() - 1,
+            mean: header.mean,
+            bias: header.bias,
+            directions: pack.directions(),
+            gpu_bytes: pack.gpu_bytes(),
+            on_grid: pack.on_grid,
+            off_grid: pack.off_grid,
+        }
+    }
+}
+
+impl Describe for WaveletPackFacts {
+    fn lines(&self) -> Vec<(&'static str, String)> {
+        let Self {
+            parameterisation,
+            grid,
+            levels,
+            stored_levels,
+            lifted,
+            channels,
+            bits,
+            slices_kept,
+            mean,
+            bias,
+            directions: _,
+            gpu_bytes,
+            on_grid,
+            off_grid,
+        } = self;
+        vec![
+            ("kind", "wavelet pack".to_owned()),
+            ("grid", format!("{grid} x {grid} per hemisphere, {}", parameterisation.name())),
+            (
+                "levels of detail",
+                format!(
+                    "{levels}, stored up to {stored_levels}{}",
+                    if *lifted { ", which keep the light" } else { "" }
+                ),
+            ),
+            ("texels", format!("{channels} channel{}, {bits} bits", if *channels == 1 { "" } else { "s" })),
+            ("slices kept", format!("{slices_kept} of {}", grid * grid)),
+            ("mean μ, bias ε", format!("{mean} 1/sr, {bias}")),
+            ("bytes on a GPU", bytes(*gpu_bytes)),
+            ("error on the grid (codec)", errors_in_words(on_grid)),
+            ("error off the grid (against the source)", errors_in_words(off_grid)),
+        ]
+    }
+
+    fn samples(&self) -> u64 {
+        (self.grid * self.grid * self.slices_kept) as u64
+    }
+
+    fn directions(&self) -> DirectionRange {
+        self.directions
+    }
+
+    fn levels(&self) -> Option<u32> {
+        Some(self.levels)
+    }
+}

@@ -1,0 +1,171 @@
+//! The codecs of BRDFs: [`codecs!`] has one line for each.
+
+use super::recipe::AutoRecipe;
+use brdfc_codec::{BrdfRecipe, BrdfReport, Encode, EncodeError, Encoded, GridCache};
+use brdfc_core::progress::Progress;
+use brdfc_core::{Describe, Source};
+use brdfc_formats::BrdfPack;
+use brdfc_formats::crop::DirectionRange;
+use brdfc_table::recipe::TableRecipe;
+use brdfc_table::{TablePackFacts, TableReport};
+use brdfc_wavelet::recipe::Recipe as WaveletRecipe;
+use brdfc_wavelet::{WaveletPackFacts, WaveletReport};
+use serde::{Deserialize, Serialize};
+use std::ops::{Deref, DerefMut};
+
+/// Makes [`PackRecipe`], [`CodecReport`] and [`PackFacts`] of one line for each codec: the name of its pack in [`BrdfPack`], its
+/// recipe, its report, what is worth knowing of its packs, and what `brdfc info` calls them.
+macro_rules! codecs {
+    ($($(#[$doc:meta])* $codec:ident: $recipe:ty, $report:ty, $facts:ty, $kind:literal;)*) => {
+        /// How a source becomes a pack. It dereferences to what all recipes have.
+        #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+        pub enum PackRecipe {
+            /// The smallest table, plain or factored, that meets a budget.
+            Auto(AutoRecipe),
+            $($(#[$doc])* $codec($recipe),)*
+        }
+
+        impl Deref for PackRecipe {
+            type Target = dyn BrdfRecipe;
+
+            fn deref(&self) -> &Self::Target {
+                match self {
+                    Self::Auto(recipe) => recipe,
+                    $(Self::$codec(recipe) => recipe,)*
+                }
+            }
+        }
+
+        impl DerefMut for PackRecipe {
+            fn deref_mut(&mut self) -> &mut Self::Target {
+                match self {
+                    Self::Auto(recipe) => recipe,
+                    $(Self::$codec(recipe) => recipe,)*
+                }
+            }
+        }
+
+        impl PackRecipe {
+            pub(super) fn encode(
+                &self,
+                source: &dyn Source,
+                cache: &dyn GridCache,
+                progress: &dyn Progress,
+            ) -> Result<EncodedPack, EncodeError> {
+                match self {
+                    Self::Auto(recipe) => super::within::search_within(source, recipe, progress),
+                    $(Self::$codec(recipe) => Ok(recipe.encode(source, cache, progress)?.map(CodecReport::$codec)),)*
+                }
+            }
+
+            /// Bytes on a GPU of the levels of detail that [`BrdfRecipe::limit_levels`] left out of a pack, where its report tells.
+            pub fn bytes_of_left_out_levels(&self, report: &CodecReport, channels: u32) -> Option<u64> {
+                match (self, report) {
+                    $((Self::$codec(recipe), CodecReport::$codec(report)) => {
+                        recipe.bytes_of_left_out_levels(report, channels)
+                    })*
+                    _ => None,
+                }
+            }
+        }
+
+        $(impl From<$recipe> for PackRecipe {
+            fn from(recipe: $recipe) -> Self {
+                Self::$codec(recipe)
+            }
+        })*
+
+        /// The report of a pack, by its codec. It dereferences to what all reports have.
+        #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+        #[serde(rename_all = "kebab-case")]
+        pub enum CodecReport {
+            $($(#[$doc])* $codec($report),)*
+        }
+
+        impl Deref for CodecReport {
+            type Target = dyn BrdfReport;
+
+            fn deref(&self) -> &Self::Target {
+                match self {
+                    $(Self::$codec(report) => report,)*
+                }
+            }
+        }
+
+        impl BrdfReport for CodecReport {
+            fn codec(&self) -> &'static str {
+                (**self).codec()
+            }
+
+            fn size(&self) -> String {
+                (**self).size()
+            }
+        }
+
+        /// What is worth knowing of a pack of a BRDF, by its codec.
+        #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+        #[serde(tag = "kind")]
+        pub enum PackFacts {
+            $($(#[$doc])* #[serde(rename = $kind)] $codec($facts),)*
+        }
+
+        impl PackFacts {
+            fn of_codec(&self) -> &dyn Describe {
+                match self {
+                    $(Self::$codec(facts) => facts,)*
+                }
+            }
+        }
+
+        impl From<&BrdfPack> for PackFacts {
+            fn from(pack: &BrdfPack) -> Self {
+                match pack {
+                    $(BrdfPack::$codec(pack) => Self::$codec(pack.into()),)*
+                }
+            }
+        }
+    };
+}
+
+codecs! {
+    /// A table pack, plain or factored.
+    Table: TableRecipe, TableReport, TablePackFacts, "table-pack";
+    /// A wavelet pack.
+    Wavelet: WaveletRecipe, WaveletReport, WaveletPackFacts, "wavelet-pack";
+}
+
+/// A pack of any codec with what was measured while making it.
+pub type EncodedPack = Encoded<CodecReport>;
+
+impl Describe for PackFacts {
+    fn lines(&self) -> Vec<(&'static str, String)> {
+        self.of_codec().lines()
+    }
+
+    fn samples(&self) -> u64 {
+        self.of_codec().samples()
+    }
+
+    fn directions(&self) -> DirectionRange {
+        self.of_codec().directions()
+    }
+
+    fn levels(&self) -> Option<u32> {
+        self.of_codec().levels()
+    }
+}
+
+impl Default for PackRecipe {
+    fn default() -> Self {
+        Self::Auto(AutoRecipe::default())
+    }
+}
+
+impl PackRecipe {
+    /// The same without the error against the source, unless the error decides something.
+    #[must_use]
+    pub fn without_measuring(mut self) -> Self {
+        self.skip_measuring();
+        self
+    }
+}

@@ -1,0 +1,16 @@
+//! Source to pack of a BRDF: the list of codecs, and the search for the smallest pack that meets a budget.
+
+mod auto;
+mod codecs;
+mod limits;
+pub mod recipe;
+mod run;
+mod within;
+
+pub use auto::LARGEST;
+pub use brdfc_codec::{
+    AveragingCost, BrdfRecipe, BrdfReport, Encode, EncodeError, Encoded, GridCache, Predicted, Trial,
+};
+pub use codecs::{CodecReport, EncodedPack, PackFacts, PackRecipe};
+pub use limits::OptionError;
+pub use run::{encode, encode_cached};

@@ -1,0 +1,52 @@
+//! Packs as inputs.
+
+use super::error::InputError;
+use super::format::{Format, Opened};
+use super::input::{Input, InputFile};
+use brdfc_core::PackSource;
+use brdfc_encode::PackFacts;
+use brdfc_formats::{BrdfPack, FormatError, Pack, PackKind};
+use brdfc_readers::recognise::KTX2;
+
+/// Packs of BRDFs as inputs, of whichever codec.
+pub(crate) const fn format<F: From<PackFacts>>() -> Format<F> {
+    Format { name: "pack", kind: &KTX2, open }
+}
+
+fn open<F: From<PackFacts>>(input: InputFile<'_>) -> Result<Opened<F>, InputError> {
+    let level = input.level;
+    input.parse(|bytes| Ok(opened(&brdf_pack(Pack::from_bytes(bytes)?)?, level)))
+}
+
+/// A pack as an input, decoded at a level of detail; `None` is the finest.
+pub(crate) fn opened<F: From<PackFacts>>(pack: &BrdfPack, level: Option<f32>) -> Opened<F> {
+    Opened { source: Box::new(PackSource::new(&**pack, level)), facts: PackFacts::from(pack).into() }
+}
+
+/// Reads a pack of any kind.
+///
+/// # Errors
+/// Files that cannot be read; packs of no known kind, or that break the rules of their layout.
+pub fn open_pack(input: impl Into<Input>) -> Result<Pack, InputError> {
+    let input = input.into();
+    InputFile::of(&input, &mut ())?.parse(Pack::from_bytes)
+}
+
+/// Reads a pack of reflectances, of whichever codec.
+///
+/// # Errors
+/// As [`open_pack`]; a pack of another kind, which is named.
+pub fn open_brdf_pack(input: impl Into<Input>) -> Result<BrdfPack, InputError> {
+    let input = input.into();
+    brdf_pack(open_pack(&input)?).map_err(|error| InputError::format(input.named_path(), error))
+}
+
+fn brdf_pack(pack: Pack) -> Result<BrdfPack, FormatError> {
+    BrdfPack::try_from(pack).map_err(|kind| {
+        let allowed = match kind {
+            PackKind::FlatBtf => "a table or wavelet pack: a flat BTF has no one BRDF",
+            _ => "a table or wavelet pack",
+        };
+        FormatError::whole("pack", kind.in_words(), allowed)
+    })
+}

@@ -1,0 +1,68 @@
+//! Wavelet packs among packs of BRDFs.
+
+use super::{Filter, WaveletDecoder, WaveletPack};
+use crate::bindings::Bindings;
+use crate::crop::DirectionRange;
+use crate::direction::DirectionPair;
+use crate::{Brdf, BrdfDecoder, ErrorSummary};
+
+impl Brdf for WaveletPack {
+    fn codec(&self) -> &'static str {
+        "wavelet"
+    }
+
+    fn channels(&self) -> u32 {
+        self.header.channels
+    }
+
+    fn mean(&self) -> f32 {
+        self.header.mean
+    }
+
+    fn gpu_bytes(&self) -> u64 {
+        self.gpu_bytes()
+    }
+
+    fn directions(&self) -> DirectionRange {
+        self.directions()
+    }
+
+    fn levels(&self) -> u32 {
+        self.header.levels
+    }
+
+    /// Four reconstructions, sixteen of a lifted pack.
+    fn fetches(&self) -> u32 {
+        (if self.header.lifted { 16 } else { 4 }) * (4 * self.header.levels + 1)
+    }
+
+    fn off_grid(&self) -> ErrorSummary {
+        self.off_grid
+    }
+
+    fn bindings(&self) -> Bindings<'_> {
+        self.bindings()
+    }
+
+    fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
+        self.to_bytes(supercompress)
+    }
+
+    fn decoder(&self) -> Box<dyn BrdfDecoder> {
+        Box::new(WaveletDecoder::new(self))
+    }
+}
+
+impl BrdfDecoder for WaveletDecoder {
+    fn levels(&self) -> u32 {
+        self.header().levels
+    }
+
+    fn is_grey(&self) -> bool {
+        self.header().channels == 1
+    }
+
+    fn eval(&self, pair: DirectionPair, level: f32, filter: Filter) -> [f32; 3] {
+        self.eval(pair, level, filter)
+    }
+}
