@@ -5,9 +5,8 @@ use super::output::{note, output_parser, print_report, refuse_overwriting, refus
 use super::progress::Materials;
 use super::{Common, Error};
 use crate::table;
+use brdfc::encode::{StageClock, StageTime, remarks};
 use brdfc::{Facts, Input, MaterialReport, Progress as _, Stage};
-use brdfc_jobs::report::material::{StageTime, remarks};
-use brdfc_jobs::stage_clock::StageClock;
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;

@@ -3,8 +3,7 @@
 use super::Common;
 use super::interrupt;
 use super::output::tell;
-use brdfc_core::progress::{Cancelled, Progress, Stage};
-use brdfc_jobs::scene::plan::Plan;
+use brdfc::{Cancelled, Plan, Progress, Stage};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};

@@ -3,20 +3,14 @@
 use super::output::{note, output_parser, print_report, refuse_overwriting, refuse_unfit_output, to_json, write_file};
 use super::{Common, Error};
 use crate::table;
-use brdfc::ErrorKind;
-use brdfc_formats::pwt::LightCoordinates;
-use brdfc_jobs::encode::bytes_from_text;
-use brdfc_jobs::pwt::{LightInput, PwtError, PwtReport, make, make_map, recipe_of_map};
-use brdfc_jobs::whole_number::any_whole_number;
-use brdfc_pwt::measure::StackErrors;
-use brdfc_pwt::ptm::MapModel;
-use brdfc_pwt::{DomainName, PwtRecipe, Target, Wavelet};
-use brdfc_readers::ptm::Ptm;
-use brdfc_source::Input;
-use brdfc_source::ptm::EXTENSION as PTM;
+use brdfc::relight::{
+    DomainName, LevelReport, LightCoordinates, LightInput, MapModel, PTM, Ptm, PwtError, PwtRecipe, PwtReport,
+    StackErrors, Target, Wavelet, any_above_white, make, make_map, recipe_of_map,
+};
+use brdfc::{ErrorKind, Input};
+use brdfc_terminal::values::{any_whole_number, bytes_from_text};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
-use rayon::prelude::*;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -236,8 +230,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     }
     let photographs = matches!(input, LightInput::Pictures(_));
     let mut samples = input.into_samples();
-    let is_bright = |picture: &Vec<[f32; 3]>| picture.as_flattened().iter().any(|value| *value > 1.0);
-    if photographs && samples.pictures.par_iter().any(is_bright) {
+    if photographs && any_above_white(&samples) {
         note(common, &arguments.input, "values above 1, which is white, are fitted; dB count them as 1");
     }
     samples.repeats |= arguments.tile;
@@ -343,7 +336,7 @@ fn in_words(report: &PwtReport, seconds: Seconds) -> String {
         .collect();
     let mut text = table::plain(&["scale", "coordinates", "degree", "ridge", "dB", "dB unseen"], &tried);
     text.push('\n');
-    let level = |level: &brdfc_jobs::pwt::LevelReport| {
+    let level = |level: &LevelReport| {
         let textures = report.textures.iter().find(|texture| texture.level == level.level);
         vec![
             level.level.to_string(),

@@ -5,17 +5,12 @@ use super::output::{
 };
 use super::progress::Materials;
 use super::{Common, Error};
-use brdfc_core::progress::Progress;
-use brdfc_core::words::counted;
-use brdfc_jobs::report::page::{
-    FlatPage, Reports, ViewLink, csv, flat_csv, flat_html, gather, html, is_flat_btf, sheet,
+use brdfc::report::{
+    FlatPage, REPORT, Reports, ViewLink, csv, flat_btf_file, flat_csv, flat_html, gather, html, is_flat_btf, sheet_png,
 };
-use brdfc_jobs::scene::plan::REPORT;
-use brdfc_jobs::view::{ViewOptions, open_items, view_page};
-use brdfc_metrics::fraction::Fraction;
-use brdfc_render::picture::rgb_png;
-use brdfc_source::Input;
-use brdfc_source::flat_btf::flat_btf_file;
+use brdfc::view::{ViewOptions, open_items, view_page};
+use brdfc::{Fraction, Input, Progress};
+use brdfc_terminal::words::counted;
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -107,7 +102,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     write_file(&csv_path, csv(&page).as_bytes())?;
     write_file(&json_path, to_json(&page.report()).as_bytes())?;
     if let Some(path) = &arguments.sheet {
-        write_file(path, &rgb_png(&sheet(&page)))?;
+        write_file(path, &sheet_png(&page))?;
     }
     write_file(output, html(&page).as_bytes())?;
     if common.json {

@@ -2,7 +2,7 @@
 
 use super::Common;
 use super::output::tell;
-use brdfc_core::progress::{Cancelled, Progress, Stage};
+use brdfc::{Cancelled, Progress, Stage};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::sync::Mutex;

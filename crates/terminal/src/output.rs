@@ -1,11 +1,12 @@
 //! Results to stdout, remarks to stderr.
 
 use super::{Common, Error};
-use brdfc_core::Source;
+use brdfc_core::{Source, Tally};
 use brdfc_jobs::output_folder::is_own;
 pub use brdfc_jobs::outputs::{
     check_folder, make_folder, refuse_dash, refuse_overwriting, refuse_overwriting_any, write_file,
 };
+use brdfc_jobs::report::material::repairs_in_words;
 use brdfc_jobs::write::is_standard_output;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use serde::Serialize;
@@ -141,6 +142,11 @@ pub fn note_directions(common: Common, input: &impl std::fmt::Display, source: &
     if !directions.is_all() {
         note(common, input, &format!("the pack is for {directions}; elsewhere it has the nearest that it holds"));
     }
+}
+
+/// Reports repairs of an input's values.
+pub fn note_repairs(common: Common, input: &impl std::fmt::Display, repairs: &Tally) {
+    repairs_in_words(repairs).iter().for_each(|line| note(common, input, line));
 }
 
 /// Prints a report. Behind a file that goes to standard output it would be taken for a part of it, so it is a remark then.

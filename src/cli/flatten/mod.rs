@@ -12,13 +12,12 @@ use super::output::{make_folder, note, print, print_json};
 use super::steps::Steps;
 use super::{Common, Error, interrupt};
 use arguments::ImageFormat;
-use brdfc_jobs::btf_stack::StackFormat;
-use brdfc_jobs::flatten::words::{missed, remarks};
-use brdfc_jobs::flatten::{
-    FlatAsset, FlattenError, FlattenJob, PLANE, Values, material_list, open_appearance, open_geometry, run as flatten,
+use brdfc::Input;
+use brdfc::flatten::words::{missed, remarks};
+use brdfc::flatten::{
+    FlatAsset, FlattenError, FlattenJob, OrdinaryBtf, PLANE, StackFormat, Values, material_list, open_appearance,
+    open_geometry, run as flatten,
 };
-use brdfc_source::Input;
-use brdfc_source::ordinary_btf::OrdinaryBtf;
 use options::{asset_name, check_inputs, check_outputs, meso_options, recipe};
 use serde::Serialize;
 use std::path::Path;

@@ -1,8 +1,8 @@
 //! What people read of an input of `brdfc flatten`.
 
 use crate::table::bytes;
-use brdfc_jobs::flatten::words::{height, repairs_in_words};
-use brdfc_jobs::flatten::{MeshFacts, SurfaceFacts};
+use brdfc::flatten::words::{height, repairs_in_words};
+use brdfc::inspect::{MeshFacts, SurfaceFacts};
 
 /// Lines of name and value.
 pub(super) fn in_words(facts: &SurfaceFacts) -> Vec<(&'static str, String)> {

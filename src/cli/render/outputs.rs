@@ -3,13 +3,10 @@
 use super::arguments::Arguments;
 use crate::output::{refuse_missing_folder, refuse_overwriting, refuse_same_outputs, write_file};
 use crate::{Error, table};
-use brdfc_gpu::verify::Views;
-use brdfc_jobs::report::contact::MaterialVerification;
-use brdfc_jobs::report::render::Verification;
-use brdfc_metrics::image::LinearImage;
-use brdfc_render::adaptive::{ANY_LEVEL, Prediction};
-use brdfc_render::picture::{difference_panel, heat_map, octave_map, rgb_png, sheet, to_exr, to_panel, to_png};
-use brdfc_source::Input;
+use brdfc::Input;
+use brdfc::render::{
+    LinearImage, MaterialVerification, Verification, Views, difference_panel, rgb_png, sheet, to_exr, to_panel, to_png,
+};
 use std::path::{Path, PathBuf};
 
 fn extension(path: &Path) -> String {
@@ -89,20 +86,6 @@ pub(super) fn write_images(
         write_file(path, &rgb_png(&difference))?;
     }
     Ok(())
-}
-
-/// Bandwidth, levels and variance of a prediction of so many points across and down, side by side: logarithms, from dark to
-/// pale yellow. The background is dark.
-pub(super) fn maps_png(prediction: &Prediction, [width, height]: [usize; 2]) -> Vec<u8> {
-    let coarsest = prediction.level.iter().filter(|level| **level != ANY_LEVEL).max().copied().unwrap_or(0);
-    let fineness = |level: &i32| if *level == ANY_LEVEL { 0.0 } else { 1.0 - *level as f32 / (coarsest + 1) as f32 };
-    let levels: Vec<f32> = prediction.level.iter().map(fineness).collect();
-    let variance: Vec<f32> = prediction.deviation.iter().map(|deviation| deviation * deviation).collect();
-    rgb_png(&sheet(&[
-        octave_map(&prediction.bandwidth, width, height, 8.0),
-        heat_map(&levels, width, height, 1.0),
-        octave_map(&variance, width, height, 16.0),
-    ]))
 }
 
 /// What people read.
