@@ -10,42 +10,70 @@ pub use brdfc_bandwidth::{DEFAULT_EPSILON, EPSILON_RANGE};
 pub use brdfc_formats::bandwidth::BandwidthMap;
 pub use brdfc_source::tile_image::FileImage;
 
-use crate::{Error, FormatError, Input, Material, Tally};
+use crate::{Error, Input, Material, Tally};
 use brdfc_bandwidth::map::{brdf_map, environment_map, texture_map};
 use brdfc_render::picture::{bandwidth_panel, rgb_png};
 use brdfc_source::radiance_image::open_radiance_image;
 use brdfc_source::tile_image::open_colours;
 
-/// Maps the lobes of a material, each transformed at `resolution`, and counts repairs of its values.
-///
-/// # Errors
-/// `epsilon` out of range.
-pub fn of_material(material: &Material, resolution: Resolution, epsilon: f64) -> Result<(BandwidthMap, Tally), Error> {
-    made(epsilon, || brdf_map(material.source(), resolution, epsilon))
+/// What a map is made of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Kind {
+    /// The lobes of a material, each transformed at a resolution.
+    Material(Resolution),
+    /// A latitude-longitude image of radiance.
+    Environment,
+    /// An image on a surface.
+    Texture(Placement),
 }
 
-/// Maps a latitude-longitude image of radiance.
-///
-/// # Errors
-/// `epsilon` out of range.
-pub fn of_environment(image: &FileImage<3>, epsilon: f64) -> Result<BandwidthMap, Error> {
-    made(epsilon, || environment_map(&image.pixels, image.width, epsilon))
+/// An input that was read.
+pub enum Subject {
+    /// A material.
+    Material(Material, Resolution),
+    /// A latitude-longitude image.
+    Environment(FileImage<3>),
+    /// An image on a surface.
+    Texture(FileImage<3>, Placement),
 }
 
-/// Maps an image on a surface.
-///
-/// # Errors
-/// `epsilon` out of range; sides that are not positive.
-pub fn of_texture(image: &FileImage<3>, placement: Placement, epsilon: f64) -> Result<BandwidthMap, Error> {
-    made(epsilon, || texture_map(&image.pixels, image.width, placement, epsilon))
-}
-
-fn made<T>(epsilon: f64, map: impl FnOnce() -> Result<T, FormatError>) -> Result<T, Error> {
-    let [least, most] = EPSILON_RANGE;
-    if !(least..=most).contains(&epsilon) {
-        return Err(Error::usage(format!("invalid epsilon {epsilon}: expected {least} to {most}")));
+impl Subject {
+    /// Reads an input; images are of radiance (.exr, .hdr) or of colours (.png, .jpg).
+    ///
+    /// # Errors
+    /// What cannot be read or is of another kind.
+    pub fn open(input: &Input, kind: Kind) -> Result<Self, Error> {
+        let image = || -> Result<FileImage<3>, Error> {
+            let radiance = holds_radiance(input)? == Some(true);
+            Ok(if radiance { open_radiance_image(input)? } else { open_colours(input)? })
+        };
+        Ok(match kind {
+            Kind::Material(resolution) => Self::Material(crate::open(input)?, resolution),
+            Kind::Environment => Self::Environment(image()?),
+            Kind::Texture(placement) => Self::Texture(image()?, placement),
+        })
     }
-    map().map_err(Error::own_layout)
+
+    /// The map, with repairs of a material's values.
+    ///
+    /// # Errors
+    /// `epsilon` out of range; sides of a texture that are not positive.
+    pub fn map(&self, epsilon: f64) -> Result<(BandwidthMap, Option<Tally>), Error> {
+        let [least, most] = EPSILON_RANGE;
+        if !(least..=most).contains(&epsilon) {
+            return Err(Error::usage(format!("invalid epsilon {epsilon}: expected {least} to {most}")));
+        }
+        let map = match self {
+            Self::Material(material, resolution) => {
+                brdf_map(material.source(), *resolution, epsilon).map(|(map, repairs)| (map, Some(repairs)))
+            }
+            Self::Environment(image) => environment_map(&image.pixels, image.width, epsilon).map(|map| (map, None)),
+            Self::Texture(image, placement) => {
+                texture_map(&image.pixels, image.width, *placement, epsilon).map(|map| (map, None))
+            }
+        };
+        map.map_err(Error::own_layout)
+    }
 }
 
 /// Whether an image file holds radiance (.exr, .hdr), not colours (.png, .jpg), by its extension; nothing of other files.
@@ -58,15 +86,6 @@ pub fn holds_radiance(input: &Input) -> Result<Option<bool>, Error> {
         "png" | "jpg" | "jpeg" => Some(false),
         _ => None,
     })
-}
-
-/// Reads an image of radiance or of colours: linear RGB.
-///
-/// # Errors
-/// Files that cannot be read or are no image.
-pub fn open_image(input: &Input) -> Result<FileImage<3>, Error> {
-    let radiance = holds_radiance(input)? == Some(true);
-    Ok(if radiance { open_radiance_image(input)? } else { open_colours(input)? })
 }
 
 /// A map as a PNG: from dark (1/256 of the largest value and less) to pale yellow.

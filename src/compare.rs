@@ -3,7 +3,7 @@
 pub use brdfc_flat_btf::probes::ColourErrors;
 pub use brdfc_formats::crop::DirectionRange;
 pub use brdfc_jobs::flatten::FlatComparison;
-pub use brdfc_jobs::pwt::PhotographComparison;
+pub use brdfc_jobs::pwt::{PhotographComparison, PhotographErrors};
 pub use brdfc_metrics::compare::Comparison;
 pub use brdfc_pwt::measure::StackErrors;
 

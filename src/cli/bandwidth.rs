@@ -1,14 +1,14 @@
 //! `brdfc bandwidth`: how fast a material, an environment or a texture varies, as a map.
 
 use super::output::{
-    note, note_directions, note_repairs, output_parser, print, print_json, print_report, refuse_overwriting,
-    refuse_unfit_output, to_json, write_file,
+    note, note_directions, note_repairs, output_parser, print, print_json, print_report, refuse_unfit_output, to_json,
+    write_file,
 };
 use super::{Common, Error};
 use crate::table;
 use brdfc::bandwidth::{
-    BandwidthFacts, BandwidthMap, DEFAULT_EPSILON, EPSILON_RANGE, Placement, RESOLUTIONS, Resolution, holds_radiance,
-    of_environment, of_material, of_texture, open_image,
+    self, BandwidthFacts, BandwidthMap, DEFAULT_EPSILON, EPSILON_RANGE, Placement, RESOLUTIONS, Resolution, Subject,
+    holds_radiance,
 };
 use brdfc::{Input, Tally};
 use brdfc_terminal::words::format_number;
@@ -130,13 +130,7 @@ pub(super) fn info(map: &BandwidthMap, common: Common) -> Result<(), Error> {
 }
 
 /// What is to be done, from the flags.
-enum Recipe {
-    Brdf { resolution: Resolution },
-    Environment,
-    Texture(Placement),
-}
-
-fn recipe(arguments: &Arguments) -> Result<Recipe, Error> {
+fn recipe(arguments: &Arguments) -> Result<bandwidth::Kind, Error> {
     let usage = |text: String| Err(Error::usage(text));
     let [least, most] = EPSILON_RANGE;
     if !(least..=most).contains(&arguments.epsilon) {
@@ -168,10 +162,10 @@ fn recipe(arguments: &Arguments) -> Result<Recipe, Error> {
                     "--resolution: found {found}; allowed a power of two from {least} to {most}, or auto"
                 ));
             };
-            Recipe::Brdf { resolution }
+            bandwidth::Kind::Material(resolution)
         }
-        Kind::Environment => Recipe::Environment,
-        Kind::Texture => Recipe::Texture(Placement { metres: metres(arguments)?, tiles: !arguments.no_tile }),
+        Kind::Environment => bandwidth::Kind::Environment,
+        Kind::Texture => bandwidth::Kind::Texture(Placement { metres: metres(arguments)?, tiles: !arguments.no_tile }),
     })
 }
 
@@ -185,28 +179,19 @@ fn metres(arguments: &Arguments) -> Result<[f64; 2], Error> {
 }
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
-    refuse_overwriting("--output", &arguments.output, arguments.input.path().as_slice())?;
-    refuse_unfit_output(&arguments.output, &["ktx2"])?;
+    refuse_unfit_output(&arguments.output, &["ktx2"], arguments.input.path().as_slice())?;
     let recipe = recipe(arguments)?;
     #[cfg(feature = "render")]
     check_picture(arguments)?;
-    let epsilon = arguments.epsilon;
-    let ((map, repairs), seconds) = match recipe {
-        Recipe::Brdf { resolution } => timed(
-            || brdfc::open(&arguments.input),
-            |material| {
-                note_directions(common, &arguments.input, material.source());
-                let (map, repairs) = of_material(material, resolution, epsilon)?;
-                Ok((map, Some(repairs)))
-            },
-        )?,
-        Recipe::Environment => {
-            timed(|| open_image(&arguments.input), |image| Ok((of_environment(image, epsilon)?, None)))?
-        }
-        Recipe::Texture(placement) => {
-            timed(|| open_image(&arguments.input), |image| Ok((of_texture(image, placement, epsilon)?, None)))?
-        }
-    };
+    let start = Instant::now();
+    let subject = Subject::open(&arguments.input, recipe)?;
+    if let Subject::Material(material, _) = &subject {
+        note_directions(common, &arguments.input, material.source());
+    }
+    let read = start.elapsed().as_secs_f64();
+    let start = Instant::now();
+    let (map, repairs) = subject.map(arguments.epsilon)?;
+    let seconds = Seconds { read, bandwidth: start.elapsed().as_secs_f64() };
     write_file(&arguments.output, &map.to_bytes(true))?;
     #[cfg(feature = "render")]
     if let Some(path) = &arguments.picture {
@@ -224,24 +209,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
 /// The picture is another file than the input and the map, and a PNG.
 #[cfg(feature = "render")]
 fn check_picture(arguments: &Arguments) -> Result<(), Error> {
-    use super::output::refuse_same_outputs;
+    use super::output::{refuse_other_extension, refuse_overwriting, refuse_same_outputs};
     let Some(path) = &arguments.picture else { return Ok(()) };
-    if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
-        return Err(Error::usage(format!("--picture: found {}; allowed a name that ends in .png", path.display())));
-    }
+    refuse_other_extension("--picture", path, &["png"])?;
     refuse_overwriting("--picture", path, arguments.input.path().as_slice())?;
     refuse_same_outputs(&[("--output", Some(&arguments.output)), ("--picture", Some(path))])
-}
-
-/// Reads an input and makes its map.
-fn timed<T, M>(
-    read: impl FnOnce() -> Result<T, Error>,
-    make: impl FnOnce(&T) -> Result<M, Error>,
-) -> Result<(M, Seconds), Error> {
-    let start = Instant::now();
-    let input = read()?;
-    let read = start.elapsed().as_secs_f64();
-    let start = Instant::now();
-    let map = make(&input)?;
-    Ok((map, Seconds { read, bandwidth: start.elapsed().as_secs_f64() }))
 }

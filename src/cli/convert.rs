@@ -1,6 +1,6 @@
 //! `brdfc convert`: any source as a measured file that other programs read.
 
-use super::output::{output_parser, print_report, refuse_overwriting, refuse_unfit_output, to_json, write_file};
+use super::output::{output_parser, print_report, refuse_unfit_output, to_json, write_file};
 use super::synth::dimensions;
 use super::{Common, Error};
 use crate::table;
@@ -59,21 +59,16 @@ pub struct Report {
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let output: &Path = &arguments.output;
-    refuse_overwriting("--output", output, arguments.input.path().as_slice())?;
-    refuse_unfit_output(output, &["binary", "bsdf", "csv"])?;
+    refuse_unfit_output(output, &["binary", "bsdf", "csv"], arguments.input.path().as_slice())?;
     let (kind, target) = target(arguments)?;
     let material = brdfc::open(&arguments.input)?;
     let converted = convert(material.source(), target).map_err(|error| match error {
         ConvertError::Anisotropic => Error::input(format!("{}: {error}", arguments.input)),
-        ConvertError::Format(error) => match (&arguments.grid, &arguments.dimensions) {
-            (Some(size), _) => {
-                Error::usage(format!("--grid: found {size}, which gives {}; allowed {}", error.found, error.allowed))
+        ConvertError::Format(error) => match [("grid", &arguments.grid), ("dimensions", &arguments.dimensions)] {
+            [(flag, Some(size)), _] | [_, (flag, Some(size))] => {
+                Error::usage(format!("--{flag}: found {size}, which gives {}; allowed {}", error.found, error.allowed))
             }
-            (_, Some(size)) => Error::usage(format!(
-                "--dimensions: found {size}, which gives {}; allowed {}",
-                error.found, error.allowed
-            )),
-            (None, None) => ConvertError::from(error).into(),
+            _ => ConvertError::from(error).into(),
         },
     })?;
     write_file(output, &converted.bytes)?;

@@ -1,7 +1,7 @@
 //! `brdfc encode`: one input to one pack.
 
 use super::options::PackOptions;
-use super::output::{note, output_parser, print_report, refuse_overwriting, refuse_unfit_output, to_json};
+use super::output::{note, output_parser, print_report, refuse_unfit_output, to_json};
 use super::progress::Materials;
 use super::{Common, Error};
 use crate::table;
@@ -50,8 +50,7 @@ pub struct Report {
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let recipe = arguments.options.recipe()?;
-    refuse_overwriting("--output", &arguments.output, arguments.input.path().as_slice())?;
-    refuse_unfit_output(&arguments.output, &["ktx2"])?;
+    refuse_unfit_output(&arguments.output, &["ktx2"], arguments.input.path().as_slice())?;
     // An interrupt ends the process at once: there is one file, which is whole or not there.
     let cancelled = AtomicBool::new(false);
     let progress = Materials::new(1, false, common, &cancelled);

@@ -1,9 +1,7 @@
 //! `brdfc eval`: values at given direction pairs.
 
 use super::inputs::refuse_stdin_twice;
-use super::output::{
-    note_directions, note_repairs, output_parser, print, refuse_overwriting, refuse_unfit_output, write_file,
-};
+use super::output::{note_directions, note_repairs, output_parser, print, refuse_unfit_output, write_file};
 use super::{Common, Error};
 use brdfc::Input;
 use brdfc::evaluate::{Relightable, open_level, pairs_from_csv, texels_from_bytes, values_at};
@@ -59,8 +57,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     refuse_stdin_twice(&[("INPUT", Some(&arguments.input)), ("--directions", Some(directions))])?;
     if let Some(output) = &arguments.output {
         let inputs: Vec<&Path> = [directions, &arguments.input].into_iter().filter_map(Input::path).collect();
-        refuse_overwriting("--output", output, &inputs)?;
-        refuse_unfit_output(output, &["csv"])?;
+        refuse_unfit_output(output, &["csv"], &inputs)?;
     }
     let bytes = directions.read_text()?;
     if let Some(relightable) = Relightable::open(&arguments.input)? {

@@ -1,7 +1,8 @@
 //! `brdfc report`: a page about a build.
 
 use super::output::{
-    print, print_json, refuse_dash, refuse_missing_folder, refuse_overwriting, remark, to_json, write_file,
+    print, print_json, refuse_dash, refuse_missing_folder, refuse_other_extension, refuse_overwriting, remark, to_json,
+    write_file,
 };
 use super::progress::Materials;
 use super::{Common, Error};
@@ -61,12 +62,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     }
     refuse_dash(&arguments.folder)?;
     let folder = folder_of(&arguments.folder);
-    if let Some(sheet) = &arguments.sheet
-        && !sheet.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"))
-    {
-        let found = sheet.display();
-        return Err(Error::usage(format!("--sheet: found {found}; allowed a name that ends in .png")));
-    }
+    arguments.sheet.as_ref().map_or(Ok(()), |sheet| refuse_other_extension("--sheet", sheet, &["png"]))?;
     if is_flat_btf(folder) {
         return of_flat_btf(arguments, common);
     }

@@ -2,8 +2,7 @@
 
 use super::info::{importance_in_words, lines_of};
 use super::output::{
-    note_directions, note_repairs, output_parser, print_report, refuse_overwriting, refuse_unfit_output, to_json,
-    write_file,
+    note_directions, note_repairs, output_parser, print_report, refuse_unfit_output, to_json, write_file,
 };
 use super::{Common, Error};
 use crate::table;
@@ -122,8 +121,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let recipe = recipe(arguments);
     // What the material does not decide is refused before it is read.
     recipe.check(true).map_err(wrong_flag)?;
-    refuse_overwriting("--output", &arguments.output, arguments.input.path().as_slice())?;
-    refuse_unfit_output(&arguments.output, &["ktx2"])?;
+    refuse_unfit_output(&arguments.output, &["ktx2"], arguments.input.path().as_slice())?;
     let start = Instant::now();
     let material = brdfc::open(&arguments.input)?;
     let source = material.source();

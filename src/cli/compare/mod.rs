@@ -8,7 +8,7 @@ use super::output::{print, print_json, remark};
 use super::{Common, Error};
 use crate::table;
 use brdfc::compare::{
-    Compared as Measured, Comparison, DirectionRange, Kind, Pairs, PhotographComparison, StackErrors, reflectances,
+    Compared as Measured, Comparison, DirectionRange, Kind, Pairs, PhotographComparison, reflectances,
 };
 use brdfc::evaluate::pairs_from_csv;
 use brdfc::{Facts, Fraction, Input};
@@ -78,22 +78,9 @@ enum Compared {
 struct PhotographReport {
     /// 'light-stack'.
     kind: &'static str,
-    /// Errors over all photographs.
+    /// What was measured.
     #[serde(flatten)]
-    errors: StackErrors,
-    /// Each photograph.
-    photographs: Vec<PhotographErrors>,
-}
-
-/// Errors of one photograph.
-#[derive(Debug, Serialize, schemars::JsonSchema)]
-struct PhotographErrors {
-    /// Unit vector to its light.
-    light: [f32; 3],
-    /// Peak signal-to-noise ratio of sRGB codes, dB.
-    psnr: f64,
-    /// Mean ΔE (CIE76).
-    delta_e: f64,
+    comparison: PhotographComparison,
 }
 
 /// Error of one source or pack against another.
@@ -189,15 +176,11 @@ impl Arguments {
 /// Photographs of a light stack against what was made of them.
 fn photographs(arguments: &Arguments, reference: &Path, common: Common) -> Result<(), Error> {
     arguments.refuse_flags_of_reflectances("a light stack")?;
-    let PhotographComparison { lights, errors, each } = brdfc::compare::photographs(reference, &arguments.b)?;
-    let photographs: Vec<PhotographErrors> = lights
-        .iter()
-        .zip(each)
-        .map(|(light, errors)| PhotographErrors { light: *light, psnr: errors.psnr, delta_e: errors.delta_e })
-        .collect();
+    let comparison = brdfc::compare::photographs(reference, &arguments.b)?;
+    let PhotographComparison { errors, photographs } = &comparison;
     let found = errors.delta_e;
     if common.json {
-        let report = PhotographReport { kind: "light-stack", errors, photographs };
+        let report = PhotographReport { kind: "light-stack", comparison };
         print_json(&Report { version: 1, compared: Compared::Photographs(report) })?;
     } else {
         let worst = photographs.iter().max_by(|a, b| a.delta_e.total_cmp(&b.delta_e));

@@ -1,7 +1,9 @@
 //! Pictures and text of a verification.
 
 use super::arguments::Arguments;
-use crate::output::{refuse_missing_folder, refuse_overwriting, refuse_same_outputs, write_file};
+use crate::output::{
+    refuse_missing_folder, refuse_other_extension, refuse_overwriting, refuse_same_outputs, write_file,
+};
 use crate::{Error, table};
 use brdfc::Input;
 use brdfc::render::{
@@ -37,13 +39,7 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), Error> {
     refuse_same_outputs(&files.each_ref().map(|(flag, path, _)| (*flag, path.as_deref())))?;
     for (flag, path, allowed) in files {
         let Some(path) = path else { continue };
-        if !allowed.contains(&extension(path).as_str()) {
-            let allowed = allowed.join(" or .");
-            return Err(Error::usage(format!(
-                "{flag}: found {}; allowed a name that ends in .{allowed}",
-                path.display()
-            )));
-        }
+        refuse_other_extension(flag, path, allowed)?;
         refuse_missing_folder(path)?;
         let given = [Some(&arguments.input), arguments.source.as_ref()];
         let mut inputs: Vec<&Path> = given.into_iter().flatten().filter_map(Input::path).collect();

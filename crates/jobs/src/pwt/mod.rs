@@ -7,7 +7,7 @@ mod input;
 mod make;
 mod report;
 
-pub use compare::{PhotographComparison, compare_photographs};
+pub use compare::{PhotographComparison, PhotographErrors, compare_photographs};
 pub use error::PwtError;
 pub use evaluate::{Relightable, open_flat_material};
 pub use input::{LightInput, any_above_white};
