@@ -5,7 +5,7 @@ pub use brdfc_core::address::{SYNTH_PREFIX, split_query};
 pub use brdfc_flat_btf::structures::STRUCTURES;
 pub use brdfc_formats::{Pack as AnyPack, PackKind};
 pub use brdfc_importance::ImportanceFacts;
-pub use brdfc_jobs::flatten::{MeshFacts, SurfaceFacts, describe_surface, open_asset};
+pub use brdfc_jobs::flatten::{MeshFacts, SurfaceFacts, describe_surface, open_asset, surface};
 pub use brdfc_jobs::pack_files::PackFile;
 pub use brdfc_pwt::PwtFacts;
 pub use brdfc_shaders::DeviceNeeds;

@@ -30,13 +30,14 @@ pub use brdfc_source::flat_btf::flat_view;
 pub use brdfc_source::pack::open_brdf_pack;
 pub use brdfc_source::radiance_image::open_radiance_image;
 
-use crate::flatten::{AssetFile, MesoOptions, PLANE, open_appearance, open_geometry};
+use crate::flatten::{AssetFile, MesoOptions, PLANE};
 use crate::inspect::{AnyPack, LightStack};
 use crate::{Error, Input};
 use brdfc_core::address::is_synth;
 use brdfc_core::decoded;
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_formats::direction::dot;
+use brdfc_jobs::flatten::{open_appearance, open_geometry};
 use brdfc_render::adaptive::ANY_LEVEL;
 use brdfc_render::flat::reference_plane;
 use brdfc_render::picture::{heat_map, octave_map};

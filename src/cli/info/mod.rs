@@ -1,7 +1,6 @@
 //! `brdfc info`: what an input is.
 
 mod files;
-mod surface;
 
 pub use files::FilesReport;
 
@@ -11,7 +10,7 @@ use crate::table::bytes;
 use brdfc::inspect::{
     AnyPack as Pack, DeviceNeeds, ImportanceFacts, LightStack, LightStackFacts, Opened, PtmFacts, PwtFacts, STRUCTURES,
     SYNTH_PREFIX, SurfaceFacts, Symmetry, describe_surface, flat_btf_file, is_light_stack, light_stack, open,
-    open_asset, open_pack, open_ptm, opened, ptm, split_query,
+    open_asset, open_pack, open_ptm, opened, ptm, split_query, surface,
 };
 use brdfc::{BrdfPack, Facts, FormatError, Input, InputError};
 use clap::Args;
