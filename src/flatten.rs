@@ -7,6 +7,8 @@ pub use brdfc_flat_btf::factored::FactoredTarget;
 pub use brdfc_flat_btf::fill::FillMethod;
 pub use brdfc_flat_btf::probes::ColourErrors;
 pub use brdfc_flat_btf::structures::{STRUCTURES, describe_structures};
+pub use brdfc_formats::direction_set::DirectionSet;
+pub use brdfc_formats::flat_btf::IndirectionHeader;
 pub use brdfc_jobs::btf_stack::StackFormat;
 pub use brdfc_jobs::flatten::{
     AssetFile, FlatAsset, FlattenError, FlattenJob, MesoOptions, PLANE, Surface, Values, open_asset, read_report, run,

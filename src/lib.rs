@@ -16,7 +16,7 @@
 //! nothing is printed.
 //! The same input, options and version give the same bytes on any number of threads.
 //!
-//! There is a module for each task of the command line, which has no other way in: its verbs turn flags into the settings of one.
+//! There is a module for each verb of the command line, which is a client of this library.
 //!
 //! Engines load packs with the crate `brdfc-formats`, which needs nothing of this one. `docs/library.md` has examples, among
 //! them a `build.rs`.
