@@ -1,6 +1,6 @@
 //! Pages about the packs of a build, or about a flat BTF: `brdfc report`.
 //!
-//! [`Reports::open`] reads a folder of packs, [`gather`] compares them with their sources, [`html`], [`csv`] and [`sheet_png`] are
+//! [`Reports::open`] reads a folder of packs, [`gather`] compares them with their sources, [`html`], [`csv()`] and [`sheet_png`] are
 //! what to write. [`FlatPage`] is the same of a flat BTF.
 
 pub use brdfc_jobs::report::page::{
