@@ -1,9 +1,12 @@
 //! Builds: scenes become folders of packs.
 
-use crate::{BuildReport, Built, EncodeOptions, Error, Plan, Progress};
+use crate::scene::{Explained, Job, PackFolder, Work};
+use crate::{BuildReport, Built, EncodeOptions, Error, Made, Outcomes, Plan, Progress};
 use brdfc_jobs::outputs::{make_folder, refuse_overwriting_any};
-use brdfc_jobs::scene::build::{BuildSettings, build};
+use brdfc_jobs::scene::build::{BuildSettings, build, build_works};
+use brdfc_jobs::scene::explain::explain;
 use brdfc_jobs::scene::inputs::Scene;
+use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
@@ -174,6 +177,37 @@ impl Build {
     pub fn run_with(&self, plan: &Plan, progress: &dyn Progress) -> Result<Built, Error> {
         self.prepare(plan)?;
         Ok(build(plan, &self.settings, progress)?)
+    }
+
+    /// Says what the build would do and between which sizes packs would be, and makes nothing; with `explains`, also what is needed
+    /// of each material, and why.
+    pub fn predict(&self, plan: &Plan, explains: bool) -> BuildReport {
+        let folder = PackFolder::looked_at(&self.settings.out).filter(|_| self.settings.looks_up);
+        let known = |job: &Job| folder.as_ref()?.known(job);
+        let jobs = plan.jobs.iter();
+        let known: BTreeMap<&str, Made> = jobs.filter_map(|job| Some((job.name.as_str(), known(job)?))).collect();
+        let mut report = BuildReport::planned(plan, &known);
+        if explains {
+            let made = known.iter().map(|(name, made)| (*name, made)).collect();
+            report.needs = explain(plan, &made, &|job, source| folder.as_ref()?.known_of(job, source));
+        }
+        report
+    }
+
+    /// What is needed of each material of a finished build, and why.
+    pub fn explain(&self, plan: &Plan, outcomes: &Outcomes) -> Vec<Explained> {
+        let folder = PackFolder::looked_at(&self.settings.out);
+        explain(plan, &outcomes.made().collect(), &|job, source| folder.as_ref()?.known_of(job, source))
+    }
+
+    /// Makes some parts of [`Plan::works`] and keeps them in the store of the output folder, from which a whole build takes them.
+    /// Of each part: whether it was made now.
+    ///
+    /// # Errors
+    /// A folder that cannot be written to.
+    pub fn run_works(&self, works: &[Work<'_>], progress: &dyn Progress) -> Result<Vec<Result<bool, Error>>, Error> {
+        let made = build_works(works, &self.settings, progress)?;
+        Ok(made.into_iter().map(|made| made.map_err(Error::from)).collect())
     }
 
     /// Makes the output folder, unless what goes there would be written over what is read.

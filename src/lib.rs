@@ -16,6 +16,8 @@
 //! nothing is printed.
 //! The same input, options and version give the same bytes on any number of threads.
 //!
+//! There is a module for each verb of the command line, which is a client of this library.
+//!
 //! Engines load packs with the crate `brdfc-formats`, which needs nothing of this one. `docs/library.md` has examples, among
 //! them a `build.rs`.
 
@@ -23,14 +25,30 @@
 #[doc = include_str!("../docs/library.md")]
 mod page {}
 
+pub mod bandwidth;
 mod build;
+pub mod compare;
+pub mod convert;
+pub mod encode;
+pub mod evaluate;
+pub mod flatten;
+pub mod inspect;
 mod material;
 mod pack;
+pub mod relight;
+#[cfg(feature = "render")]
+pub mod render;
+pub mod report;
+pub mod samples;
+pub mod scene;
+pub mod shader;
+pub mod synth;
+pub mod view;
 
 pub use brdfc_core::progress::{Cancelled, Progress, Stage};
 pub use brdfc_core::{Source, Tally};
-pub use brdfc_formats::BrdfPack;
 pub use brdfc_formats::direction::DirectionPair;
+pub use brdfc_formats::{Brdf, BrdfPack, FormatError};
 pub use brdfc_jobs::encode::PackRecipe;
 pub use brdfc_jobs::encode::options::EncodeOptions;
 pub use brdfc_jobs::encode::recipe::{AutoRecipe, Budget};
@@ -42,8 +60,8 @@ pub use brdfc_jobs::scene::plan::Plan;
 pub use brdfc_jobs::scene::run::{Made, Outcome, Outcomes};
 pub use brdfc_jobs::{Error, ErrorKind};
 pub use brdfc_metrics::fraction::Fraction;
-pub use brdfc_source::Input;
 pub use brdfc_source::open::Facts;
+pub use brdfc_source::{Input, InputError};
 pub use brdfc_table::recipe::TableRecipe;
 pub use brdfc_wavelet::recipe::Recipe as WaveletRecipe;
 pub use build::Build;

@@ -16,10 +16,14 @@ pub struct Material {
 /// Files that cannot be read ([`ErrorKind::Io`](crate::ErrorKind::Io)) or do not follow their layout, unknown kinds, wrong
 /// addresses ([`ErrorKind::Input`](crate::ErrorKind::Input)).
 pub fn open(input: impl Into<Input>) -> Result<Material, Error> {
-    Ok(Material { opened: open_input(input, None)? })
+    Ok(Material::new(open_input(input, None)?))
 }
 
 impl Material {
+    pub(crate) fn new(opened: Opened) -> Self {
+        Self { opened }
+    }
+
     /// A pack within a [`Budget`](crate::Budget), by [`EncodeOptions`](crate::EncodeOptions), or by a whole [`PackRecipe`].
     ///
     /// # Errors

@@ -1,25 +1,17 @@
 //! `brdfc bandwidth`: how fast a material, an environment or a texture varies, as a map.
 
 use super::output::{
-    note, note_directions, output_parser, print, print_json, print_report, refuse_overwriting, refuse_unfit_output,
-    to_json, write_file,
+    note, note_directions, note_repairs, output_parser, print, print_json, print_report, refuse_unfit_output, to_json,
+    write_file,
 };
 use super::{Common, Error};
 use crate::table;
-use brdfc_bandwidth::facts::BandwidthFacts;
-use brdfc_bandwidth::map::{brdf_map, environment_map, texture_map};
-use brdfc_bandwidth::resolution::{RESOLUTIONS, Resolution};
-use brdfc_bandwidth::texture::Placement;
-use brdfc_bandwidth::{DEFAULT_EPSILON, EPSILON_RANGE};
-use brdfc_core::Tally;
-use brdfc_core::words::format_number;
-use brdfc_formats::FormatError;
-use brdfc_formats::bandwidth::BandwidthMap;
-use brdfc_jobs::report::material::repairs_in_words;
-use brdfc_source::Input;
-use brdfc_source::open::open;
-use brdfc_source::radiance_image::open_radiance_image;
-use brdfc_source::tile_image::open_colours;
+use brdfc::bandwidth::{
+    self, BandwidthFacts, BandwidthMap, DEFAULT_EPSILON, EPSILON_RANGE, Placement, RESOLUTIONS, Resolution, Subject,
+    holds_radiance,
+};
+use brdfc::{Input, Tally};
+use brdfc_terminal::words::format_number;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -138,28 +130,13 @@ pub(super) fn info(map: &BandwidthMap, common: Common) -> Result<(), Error> {
 }
 
 /// What is to be done, from the flags.
-enum Recipe {
-    Brdf { resolution: Resolution },
-    Environment,
-    Texture(Placement),
-}
-
-/// Of what an image file is by its extension, if it is one: whether of radiance.
-fn radiance(input: &Input) -> Result<Option<bool>, Error> {
-    Ok(match input.extension()?.as_str() {
-        "exr" | "hdr" => Some(true),
-        "png" | "jpg" | "jpeg" => Some(false),
-        _ => None,
-    })
-}
-
-fn recipe(arguments: &Arguments) -> Result<Recipe, Error> {
+fn recipe(arguments: &Arguments) -> Result<bandwidth::Kind, Error> {
     let usage = |text: String| Err(Error::usage(text));
     let [least, most] = EPSILON_RANGE;
     if !(least..=most).contains(&arguments.epsilon) {
         return usage(format!("--epsilon: found {}; allowed {least} to {most}", format_number(arguments.epsilon)));
     }
-    let radiance = radiance(&arguments.input)?;
+    let radiance = holds_radiance(&arguments.input)?;
     let kind = arguments.kind.unwrap_or(match radiance {
         None => Kind::Brdf,
         Some(true) => Kind::Environment,
@@ -185,10 +162,10 @@ fn recipe(arguments: &Arguments) -> Result<Recipe, Error> {
                     "--resolution: found {found}; allowed a power of two from {least} to {most}, or auto"
                 ));
             };
-            Recipe::Brdf { resolution }
+            bandwidth::Kind::Material(resolution)
         }
-        Kind::Environment => Recipe::Environment,
-        Kind::Texture => Recipe::Texture(Placement { metres: metres(arguments)?, tiles: !arguments.no_tile }),
+        Kind::Environment => bandwidth::Kind::Environment,
+        Kind::Texture => bandwidth::Kind::Texture(Placement { metres: metres(arguments)?, tiles: !arguments.no_tile }),
     })
 }
 
@@ -202,38 +179,25 @@ fn metres(arguments: &Arguments) -> Result<[f64; 2], Error> {
 }
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
-    refuse_overwriting("--output", &arguments.output, arguments.input.path().as_slice())?;
-    refuse_unfit_output(&arguments.output, &["ktx2"])?;
+    refuse_unfit_output(&arguments.output, &["ktx2"], arguments.input.path().as_slice())?;
     let recipe = recipe(arguments)?;
     #[cfg(feature = "render")]
     check_picture(arguments)?;
-    let epsilon = arguments.epsilon;
-    let ((map, repairs), seconds) = match recipe {
-        Recipe::Brdf { resolution } => {
-            let material = || Ok(open(&arguments.input, None)?.source);
-            timed(material, |source| {
-                note_directions(common, &arguments.input, source.as_ref());
-                let (map, tally) = brdf_map(source.as_ref(), resolution, epsilon)?;
-                Ok((map, Some(tally)))
-            })?
-        }
-        Recipe::Environment => {
-            timed(|| image(&arguments.input), |(pixels, width)| Ok((environment_map(pixels, *width, epsilon)?, None)))?
-        }
-        Recipe::Texture(placement) => timed(
-            || image(&arguments.input),
-            |(pixels, width)| Ok((texture_map(pixels, *width, placement, epsilon)?, None)),
-        )?,
-    };
+    let start = Instant::now();
+    let subject = Subject::open(&arguments.input, recipe)?;
+    if let Subject::Material(material, _) = &subject {
+        note_directions(common, &arguments.input, material.source());
+    }
+    let read = start.elapsed().as_secs_f64();
+    let start = Instant::now();
+    let (map, repairs) = subject.map(arguments.epsilon)?;
+    let seconds = Seconds { read, bandwidth: start.elapsed().as_secs_f64() };
     write_file(&arguments.output, &map.to_bytes(true))?;
     #[cfg(feature = "render")]
     if let Some(path) = &arguments.picture {
-        use brdfc_render::picture::{bandwidth_panel, rgb_png};
-        write_file(path, &rgb_png(&bandwidth_panel(&map)))?;
+        write_file(path, &brdfc::bandwidth::picture(&map))?;
     }
-    for line in repairs.iter().flat_map(repairs_in_words) {
-        note(common, &arguments.input, &line);
-    }
+    repairs.iter().for_each(|repairs| note_repairs(common, &arguments.input, repairs));
     let report = Report::new(&map, repairs, Some(seconds));
     if let Some(line) = report.facts.remark() {
         note(common, &arguments.input, &line);
@@ -245,34 +209,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
 /// The picture is another file than the input and the map, and a PNG.
 #[cfg(feature = "render")]
 fn check_picture(arguments: &Arguments) -> Result<(), Error> {
-    use super::output::refuse_same_outputs;
+    use super::output::{refuse_other_extension, refuse_overwriting, refuse_same_outputs};
     let Some(path) = &arguments.picture else { return Ok(()) };
-    if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
-        return Err(Error::usage(format!("--picture: found {}; allowed a name that ends in .png", path.display())));
-    }
+    refuse_other_extension("--picture", path, &["png"])?;
     refuse_overwriting("--picture", path, arguments.input.path().as_slice())?;
     refuse_same_outputs(&[("--output", Some(&arguments.output)), ("--picture", Some(path))])
-}
-
-/// Reads an input and makes its map.
-fn timed<T, M>(
-    read: impl FnOnce() -> Result<T, Error>,
-    make: impl FnOnce(&T) -> Result<M, FormatError>,
-) -> Result<(M, Seconds), Error> {
-    let start = Instant::now();
-    let input = read()?;
-    let read = start.elapsed().as_secs_f64();
-    let start = Instant::now();
-    let map = make(&input).map_err(Error::own_layout)?;
-    Ok((map, Seconds { read, bandwidth: start.elapsed().as_secs_f64() }))
-}
-
-/// Pixels of an image, and how many there are per row.
-fn image(input: &Input) -> Result<(Vec<[f32; 3]>, usize), Error> {
-    if radiance(input)? == Some(true) {
-        let image = open_radiance_image(input)?;
-        return Ok((image.pixels, image.width));
-    }
-    let image = open_colours(input)?;
-    Ok((image.pixels, image.width))
 }

@@ -1,13 +1,12 @@
 //! `brdfc convert`: any source as a measured file that other programs read.
 
-use super::output::{output_parser, print_report, refuse_overwriting, refuse_unfit_output, to_json, write_file};
+use super::output::{output_parser, print_report, refuse_unfit_output, to_json, write_file};
 use super::synth::dimensions;
 use super::{Common, Error};
 use crate::table;
-use brdfc_jobs::convert::{ConvertError, PairGrid, Target, convert};
-use brdfc_metrics::compare::Comparison;
-use brdfc_source::Input;
-use brdfc_source::open::{Facts, open};
+use brdfc::compare::Comparison;
+use brdfc::convert::{ConvertError, PairGrid, Target, convert};
+use brdfc::{Facts, Input};
 use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -60,31 +59,26 @@ pub struct Report {
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let output: &Path = &arguments.output;
-    refuse_overwriting("--output", output, arguments.input.path().as_slice())?;
-    refuse_unfit_output(output, &["binary", "bsdf", "csv"])?;
+    refuse_unfit_output(output, &["binary", "bsdf", "csv"], arguments.input.path().as_slice())?;
     let (kind, target) = target(arguments)?;
-    let opened = open(&arguments.input, None)?;
-    let converted = convert(opened.source.as_ref(), target).map_err(|error| match error {
+    let material = brdfc::open(&arguments.input)?;
+    let converted = convert(material.source(), target).map_err(|error| match error {
         ConvertError::Anisotropic => Error::input(format!("{}: {error}", arguments.input)),
-        ConvertError::Format(error) => match (&arguments.grid, &arguments.dimensions) {
-            (Some(size), _) => {
-                Error::usage(format!("--grid: found {size}, which gives {}; allowed {}", error.found, error.allowed))
+        ConvertError::Format(error) => match [("grid", &arguments.grid), ("dimensions", &arguments.dimensions)] {
+            [(flag, Some(size)), _] | [_, (flag, Some(size))] => {
+                Error::usage(format!("--{flag}: found {size}, which gives {}; allowed {}", error.found, error.allowed))
             }
-            (_, Some(size)) => Error::usage(format!(
-                "--dimensions: found {size}, which gives {}; allowed {}",
-                error.found, error.allowed
-            )),
-            (None, None) => Error::own_layout(error),
+            _ => ConvertError::from(error).into(),
         },
     })?;
     write_file(output, &converted.bytes)?;
     let (values, bytes_on_disk, comparison) = (converted.values, converted.bytes.len(), converted.comparison);
     if common.json {
-        let report = Report { version: 1, kind, source: opened.facts, values, bytes_on_disk, comparison };
+        let report = Report { version: 1, kind, source: material.facts().clone(), values, bytes_on_disk, comparison };
         return print_report(common, output, &to_json(&report));
     }
     let wrote = format!("{values} values, {}\n", table::bytes(bytes_on_disk as u64));
-    let directions = opened.source.directions();
+    let directions = material.source().directions();
     print_report(common, output, &(wrote + &table::comparison(&comparison, directions)))
 }
 

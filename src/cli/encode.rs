@@ -1,13 +1,12 @@
 //! `brdfc encode`: one input to one pack.
 
 use super::options::PackOptions;
-use super::output::{note, output_parser, print_report, refuse_overwriting, refuse_unfit_output, to_json};
+use super::output::{note, output_parser, print_report, refuse_unfit_output, to_json};
 use super::progress::Materials;
 use super::{Common, Error};
 use crate::table;
+use brdfc::encode::{StageClock, StageTime, remarks};
 use brdfc::{Facts, Input, MaterialReport, Progress as _, Stage};
-use brdfc_jobs::report::material::{StageTime, remarks};
-use brdfc_jobs::stage_clock::StageClock;
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -51,8 +50,7 @@ pub struct Report {
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let recipe = arguments.options.recipe()?;
-    refuse_overwriting("--output", &arguments.output, arguments.input.path().as_slice())?;
-    refuse_unfit_output(&arguments.output, &["ktx2"])?;
+    refuse_unfit_output(&arguments.output, &["ktx2"], arguments.input.path().as_slice())?;
     // An interrupt ends the process at once: there is one file, which is whole or not there.
     let cancelled = AtomicBool::new(false);
     let progress = Materials::new(1, false, common, &cancelled);

@@ -1,18 +1,12 @@
 //! `brdfc eval`: values at given direction pairs.
 
 use super::inputs::refuse_stdin_twice;
-use super::output::{note, note_directions, output_parser, print, refuse_overwriting, refuse_unfit_output, write_file};
+use super::output::{note_directions, note_repairs, output_parser, print, refuse_unfit_output, write_file};
 use super::{Common, Error};
-use brdfc_core::Tally;
-use brdfc_core::words::format_number;
-use brdfc_formats::direction::DirectionPair;
-use brdfc_jobs::pwt::Relightable;
-use brdfc_jobs::report::material::repairs_in_words;
-use brdfc_readers::scan_csv::{directions_from_bytes, texels_from_bytes};
-use brdfc_source::Input;
-use brdfc_source::open::open;
+use brdfc::Input;
+use brdfc::evaluate::{Relightable, open_level, pairs_from_csv, texels_from_bytes, values_at};
+use brdfc_terminal::words::format_number;
 use clap::Args;
-use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
 /// Evaluate a source or pack at direction pairs.
@@ -45,7 +39,6 @@ pub struct Arguments {
     lod: Option<f32>,
 }
 
-const CHUNK: usize = 256;
 /// Columns of values.
 const VALUES: [&str; 3] = ["f_r", "f_g", "f_b"];
 /// Columns of values that are no reflectances.
@@ -64,18 +57,16 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     refuse_stdin_twice(&[("INPUT", Some(&arguments.input)), ("--directions", Some(directions))])?;
     if let Some(output) = &arguments.output {
         let inputs: Vec<&Path> = [directions, &arguments.input].into_iter().filter_map(Input::path).collect();
-        refuse_overwriting("--output", output, &inputs)?;
-        refuse_unfit_output(output, &["csv"])?;
+        refuse_unfit_output(output, &["csv"], &inputs)?;
     }
     let bytes = directions.read_text()?;
-    let in_file = |error| Error::input(format!("{directions}: {error}"));
     if let Some(relightable) = Relightable::open(&arguments.input)? {
         return texels(arguments, &relightable, &bytes);
     }
-    let pairs = directions_from_bytes(&bytes).map_err(in_file)?;
-    let opened = open(&arguments.input, arguments.lod)?;
-    note_directions(common, &arguments.input, opened.source.as_ref());
-    match (opened.facts.levels(), arguments.lod) {
+    let pairs = pairs_from_csv(directions, &bytes)?;
+    let material = open_level(&arguments.input, arguments.lod)?;
+    note_directions(common, &arguments.input, material.source());
+    match (material.facts().levels(), arguments.lod) {
         (Some(levels), Some(level)) if level > levels as f32 => {
             return Err(Error::usage(format!(
                 "--lod: found {}; allowed 0 to {levels}, the pack's levels",
@@ -85,24 +76,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         (Some(_), _) | (_, None) => {}
         _ => return Err(Error::usage("--lod: only packs have levels of detail".to_owned())),
     }
-
-    let chunks: Vec<(Vec<[f64; 3]>, Tally)> = pairs
-        .par_chunks(CHUNK)
-        .map(|chunk| {
-            let mut tally = Tally::default();
-            let values = chunk
-                .iter()
-                .map(|(incoming, outgoing)| opened.source.eval(DirectionPair::new(*incoming, *outgoing), &mut tally))
-                .collect();
-            (values, tally)
-        })
-        .collect();
-    let mut tally = Tally::default();
-    chunks.iter().for_each(|(_, counts)| tally += *counts);
-    for line in repairs_in_words(&tally) {
-        note(common, &arguments.input, &line);
-    }
-    write(arguments, &bytes, VALUES, chunks.iter().flat_map(|(values, _)| values))
+    let (values, repairs) = values_at(material.source(), &pairs);
+    note_repairs(common, &arguments.input, &repairs);
+    write(arguments, &bytes, VALUES, values.iter())
 }
 
 /// Values at places of a picture or a tile.
@@ -116,8 +92,7 @@ fn texels(arguments: &Arguments, relightable: &Relightable, bytes: &[u8]) -> Res
         let allowed = format!("0 to {finest}, the levels that there are");
         return Err(Error::usage(format!("--lod: found {}; allowed {allowed}", format_number(level))));
     }
-    let values: Vec<[f32; 3]> = queries.par_iter().map(|query| relightable.value(query, level)).collect();
-    write(arguments, bytes, COLOURS, values.iter())
+    write(arguments, bytes, COLOURS, relightable.values(&queries, level).iter())
 }
 
 fn write<'a, T: ToString + 'a>(

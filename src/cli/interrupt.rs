@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::output::tell;
 use brdfc::ErrorKind;
-use brdfc_jobs::store::{Staging, placing};
+use brdfc::scene::abandon;
 use brdfc_terminal::INTERRUPTED;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -44,8 +44,7 @@ pub fn watch() -> Result<Interrupt, Error> {
             std::process::exit(0);
         }
         std::thread::sleep(PATIENCE);
-        let _placing = placing();
-        Staging::remove_all();
+        let _guard = abandon();
         tell(&format!("brdfc: {INTERRUPTED}"));
         std::process::exit(i32::from(ErrorKind::Cancelled.exit_code()));
     })

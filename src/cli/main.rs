@@ -117,7 +117,7 @@ Exit codes: 0 done; 1 a check failed (error budget missed, comparison differs); 
 
 /// What stands below the list of commands.
 fn after_help() -> String {
-    format!("{EXAMPLES}\nFiles: {}.\n\n{EXIT_CODES}", brdfc_source::open::known_files())
+    format!("{EXAMPLES}\nFiles: {}.\n\n{EXIT_CODES}", brdfc::inspect::known_files())
 }
 
 /// The command line.

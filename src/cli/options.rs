@@ -1,9 +1,8 @@
 //! Flags that say how a pack is made.
 
 use super::Error;
-use brdfc_jobs::encode::OptionError;
-use brdfc_jobs::encode::PackRecipe;
-use brdfc_jobs::encode::options::EncodeOptions;
+use brdfc::encode::OptionError;
+use brdfc::{EncodeOptions, PackRecipe};
 use clap::Args;
 
 /// How a pack is made, and how it is stored.

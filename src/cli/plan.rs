@@ -4,7 +4,7 @@ use super::build_scene::tell_left_out;
 use super::output::{check_folder, print, print_json};
 use super::{Common, Error};
 use brdfc::Build;
-use brdfc_jobs::scene::graph::{Graph, Places};
+use brdfc::scene::{Graph, Places};
 use clap::{Args, ValueEnum};
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};

@@ -3,8 +3,7 @@
 use super::Common;
 use super::interrupt;
 use super::output::tell;
-use brdfc_core::progress::{Cancelled, Progress, Stage};
-use brdfc_jobs::scene::plan::Plan;
+use brdfc::{Cancelled, Plan, Progress, Stage};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
@@ -61,15 +60,7 @@ impl<'a> Materials<'a> {
         let shares: Vec<_> = SHARES.into_iter().filter(|(stage, _)| maps || !OF_MAPS.contains(stage)).collect();
         let whole = shares.iter().map(|(_, share)| share).sum();
         let terminal = std::io::stderr().is_terminal();
-        let bar = if terminal && !common.quiet {
-            let bar = ProgressBar::with_draw_target(Some(whole * total as u64), ProgressDrawTarget::stderr());
-            let style = ProgressStyle::with_template("{bar:30} {percent:>3} %  {eta} left  {msg}");
-            bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-            bar.enable_steady_tick(Duration::from_millis(200));
-            bar
-        } else {
-            ProgressBar::hidden()
-        };
+        let bar = bar(whole * total as u64, "{bar:30} {percent:>3} %  {eta} left  {msg}", terminal && !common.quiet);
         Self {
             cancelled,
             bar,
@@ -82,6 +73,17 @@ impl<'a> Materials<'a> {
             started: Instant::now(),
         }
     }
+}
+
+/// A bar on stderr; none of it unless `shown`.
+pub(super) fn bar(length: u64, template: &str, shown: bool) -> ProgressBar {
+    if !shown {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::stderr());
+    bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar.enable_steady_tick(Duration::from_millis(200));
+    bar
 }
 
 /// Takes the bar away, after errors too.

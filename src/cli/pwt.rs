@@ -1,22 +1,16 @@
 //! `brdfc pwt`: photographs under known lights to one pack that can be lit anew.
 
-use super::output::{note, output_parser, print_report, refuse_overwriting, refuse_unfit_output, to_json, write_file};
+use super::output::{note, output_parser, print_report, refuse_unfit_output, to_json, write_file};
 use super::{Common, Error};
 use crate::table;
-use brdfc::ErrorKind;
-use brdfc_formats::pwt::LightCoordinates;
-use brdfc_jobs::encode::bytes_from_text;
-use brdfc_jobs::pwt::{LightInput, PwtError, PwtReport, make, make_map, recipe_of_map};
-use brdfc_jobs::whole_number::any_whole_number;
-use brdfc_pwt::measure::StackErrors;
-use brdfc_pwt::ptm::MapModel;
-use brdfc_pwt::{DomainName, PwtRecipe, Target, Wavelet};
-use brdfc_readers::ptm::Ptm;
-use brdfc_source::Input;
-use brdfc_source::ptm::EXTENSION as PTM;
-use clap::builder::PossibleValuesParser;
+use brdfc::relight::{
+    DomainName, LevelReport, LightCoordinates, LightInput, MapModel, PTM, Ptm, PwtError, PwtRecipe, PwtReport,
+    StackErrors, Target, Wavelet, any_above_white, make, make_map, recipe_of_map,
+};
+use brdfc::{ErrorKind, Input};
+use brdfc_terminal::values::{any_whole_number, bytes_from_text};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
-use rayon::prelude::*;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -66,7 +60,7 @@ pub struct Arguments {
     /// In what the terms are polynomials of the light: of the paraboloid, of its x and y, or harmonics of the hemisphere (default: the
     /// best).
     #[arg(long, value_name = "NAME", value_parser = names(&LightCoordinates::ALL, LightCoordinates::name))]
-    coordinates: Option<String>,
+    coordinates: Option<LightCoordinates>,
     /// Highest degree, 0 to 5 (default: the best).
     #[arg(long, value_name = "D", value_parser = any_whole_number::<u32>("0 to 5"))]
     degree: Option<u32>,
@@ -75,10 +69,10 @@ pub struct Arguments {
     ridge: Option<f64>,
     /// The scale of values that are fitted (default: the best).
     #[arg(long, value_name = "NAME", value_parser = names(&DomainName::ALL, DomainName::name))]
-    domain: Option<String>,
+    domain: Option<DomainName>,
     /// The wavelet (default: haar).
     #[arg(long, value_name = "NAME", value_parser = names(&Wavelet::ALL, Wavelet::name))]
-    wavelet: Option<String>,
+    wavelet: Option<Wavelet>,
     /// Levels of the tree, 0 to 8 (default: up to 5).
     #[arg(long, value_name = "N", value_parser = any_whole_number::<u32>("0 to 8"))]
     levels: Option<u32>,
@@ -107,13 +101,13 @@ enum ModelName {
     Lrgb,
 }
 
-fn names<T: Copy>(all: &[T], name: fn(T) -> &'static str) -> PossibleValuesParser {
-    PossibleValuesParser::new(all.iter().map(|one| name(*one)).collect::<Vec<_>>())
-}
-
-/// The one of a name that the parser let through.
-fn named<T: Copy>(all: &[T], name: fn(T) -> &'static str, given: &str) -> Option<T> {
-    all.iter().copied().find(|one| name(*one) == given)
+/// Parses one of these by its name.
+fn names<T: Copy + Send + Sync + 'static>(
+    all: &'static [T],
+    name: fn(T) -> &'static str,
+) -> impl TypedValueParser<Value = T> {
+    let find = move |given: String| all.iter().copied().find(|one| name(*one) == given).expect("a name of one");
+    PossibleValuesParser::new(all.iter().map(|one| name(*one)).collect::<Vec<_>>()).map(find)
 }
 
 /// What `--json` prints.
@@ -167,18 +161,11 @@ fn recipe(arguments: &Arguments) -> Result<PwtRecipe, Error> {
         arguments.loss.map(Target::Loss),
     ];
     let recipe = PwtRecipe {
-        coordinates: arguments
-            .coordinates
-            .as_deref()
-            .and_then(|name| named(&LightCoordinates::ALL, LightCoordinates::name, name)),
+        coordinates: arguments.coordinates,
         degree: arguments.degree,
         ridge: arguments.ridge,
-        domain: arguments.domain.as_deref().and_then(|name| named(&DomainName::ALL, DomainName::name, name)),
-        wavelet: arguments
-            .wavelet
-            .as_deref()
-            .and_then(|name| named(&Wavelet::ALL, Wavelet::name, name))
-            .unwrap_or(default.wavelet),
+        domain: arguments.domain,
+        wavelet: arguments.wavelet.unwrap_or(default.wavelet),
         depth: arguments.levels,
         packets: arguments.packets.unwrap_or(default.packets),
         target: targets.into_iter().flatten().next().unwrap_or(default.target),
@@ -218,12 +205,11 @@ fn of_a_pack(arguments: &Arguments) -> Option<&'static str> {
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let recipe = recipe(arguments)?;
-    refuse_overwriting("--output", &arguments.output, arguments.input.path().as_slice())?;
     let is_map = arguments.output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(PTM));
     if let Some(option) = is_map.then(|| of_a_pack(arguments)).flatten() {
         return Err(Error::usage(format!("--{option}: found with an output .ptm; allowed with a pack")));
     }
-    refuse_unfit_output(&arguments.output, &["ktx2", PTM])?;
+    refuse_unfit_output(&arguments.output, &["ktx2", PTM], arguments.input.path().as_slice())?;
     if !is_map && arguments.model.is_some() {
         return Err(Error::usage("--model: found with a pack; allowed with an output .ptm".to_owned()));
     }
@@ -236,8 +222,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     }
     let photographs = matches!(input, LightInput::Pictures(_));
     let mut samples = input.into_samples();
-    let is_bright = |picture: &Vec<[f32; 3]>| picture.as_flattened().iter().any(|value| *value > 1.0);
-    if photographs && samples.pictures.par_iter().any(is_bright) {
+    if photographs && any_above_white(&samples) {
         note(common, &arguments.input, "values above 1, which is white, are fitted; dB count them as 1");
     }
     samples.repeats |= arguments.tile;
@@ -343,7 +328,7 @@ fn in_words(report: &PwtReport, seconds: Seconds) -> String {
         .collect();
     let mut text = table::plain(&["scale", "coordinates", "degree", "ridge", "dB", "dB unseen"], &tried);
     text.push('\n');
-    let level = |level: &brdfc_jobs::pwt::LevelReport| {
+    let level = |level: &LevelReport| {
         let textures = report.textures.iter().find(|texture| texture.level == level.level);
         vec![
             level.level.to_string(),

@@ -1,21 +1,17 @@
 //! `brdfc report`: a page about a build.
 
 use super::output::{
-    print, print_json, refuse_dash, refuse_missing_folder, refuse_overwriting, remark, to_json, write_file,
+    print, print_json, refuse_dash, refuse_missing_folder, refuse_other_extension, refuse_overwriting, remark, to_json,
+    write_file,
 };
 use super::progress::Materials;
 use super::{Common, Error};
-use brdfc_core::progress::Progress;
-use brdfc_core::words::counted;
-use brdfc_jobs::report::page::{
-    FlatPage, Reports, ViewLink, csv, flat_csv, flat_html, gather, html, is_flat_btf, sheet,
+use brdfc::report::{
+    FlatPage, REPORT, Reports, ViewLink, csv, flat_btf_file, flat_csv, flat_html, gather, html, is_flat_btf, sheet_png,
 };
-use brdfc_jobs::scene::plan::REPORT;
-use brdfc_jobs::view::{ViewOptions, open_items, view_page};
-use brdfc_metrics::fraction::Fraction;
-use brdfc_render::picture::rgb_png;
-use brdfc_source::Input;
-use brdfc_source::flat_btf::flat_btf_file;
+use brdfc::view::{ViewOptions, open_items, view_page};
+use brdfc::{Fraction, Input, Progress};
+use brdfc_terminal::words::counted;
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -66,12 +62,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     }
     refuse_dash(&arguments.folder)?;
     let folder = folder_of(&arguments.folder);
-    if let Some(sheet) = &arguments.sheet
-        && !sheet.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"))
-    {
-        let found = sheet.display();
-        return Err(Error::usage(format!("--sheet: found {found}; allowed a name that ends in .png")));
-    }
+    arguments.sheet.as_ref().map_or(Ok(()), |sheet| refuse_other_extension("--sheet", sheet, &["png"]))?;
     if is_flat_btf(folder) {
         return of_flat_btf(arguments, common);
     }
@@ -107,7 +98,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     write_file(&csv_path, csv(&page).as_bytes())?;
     write_file(&json_path, to_json(&page.report()).as_bytes())?;
     if let Some(path) = &arguments.sheet {
-        write_file(path, &rgb_png(&sheet(&page)))?;
+        write_file(path, &sheet_png(&page))?;
     }
     write_file(output, html(&page).as_bytes())?;
     if common.json {

@@ -2,17 +2,13 @@
 
 use super::info::{importance_in_words, lines_of};
 use super::output::{
-    note, note_directions, output_parser, print_report, refuse_overwriting, refuse_unfit_output, to_json, write_file,
+    note_directions, note_repairs, output_parser, print_report, refuse_unfit_output, to_json, write_file,
 };
 use super::{Common, Error};
 use crate::table;
-use brdfc_core::Tally;
-use brdfc_formats::FormatError;
-use brdfc_importance::{HalfGrid, ImportanceFacts, ImportanceRecipe, importance_samples};
-use brdfc_jobs::report::material::repairs_in_words;
-use brdfc_jobs::whole_number::any_whole_number;
-use brdfc_source::Input;
-use brdfc_source::open::open;
+use brdfc::samples::{HalfGrid, ImportanceFacts, ImportanceRecipe, draw};
+use brdfc::{FormatError, Input, Tally};
+use brdfc_terminal::values::any_whole_number;
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -125,11 +121,11 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let recipe = recipe(arguments);
     // What the material does not decide is refused before it is read.
     recipe.check(true).map_err(wrong_flag)?;
-    refuse_overwriting("--output", &arguments.output, arguments.input.path().as_slice())?;
-    refuse_unfit_output(&arguments.output, &["ktx2"])?;
+    refuse_unfit_output(&arguments.output, &["ktx2"], arguments.input.path().as_slice())?;
     let start = Instant::now();
-    let source = open(&arguments.input, None)?.source;
-    note_directions(common, &arguments.input, source.as_ref());
+    let material = brdfc::open(&arguments.input)?;
+    let source = material.source();
+    note_directions(common, &arguments.input, source);
     let read = start.elapsed().as_secs_f64();
     let isotropic = source.symmetry().isotropic;
     if let (Some(azimuths), true) = (arguments.azimuths, isotropic) {
@@ -138,13 +134,11 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     }
     recipe.check(isotropic).map_err(wrong_flag)?;
     let start = Instant::now();
-    let (pack, repairs) = importance_samples(source.as_ref(), &recipe).map_err(Error::own_layout)?;
+    let (pack, repairs) = draw(&material, &recipe)?;
     let seconds = Seconds { read, samples: start.elapsed().as_secs_f64() };
     let bytes = pack.to_bytes(true);
     write_file(&arguments.output, &bytes)?;
-    for line in repairs_in_words(&repairs) {
-        note(common, &arguments.input, &line);
-    }
+    note_repairs(common, &arguments.input, &repairs);
     let report = Report {
         version: 1,
         kind: "importance-pack",

@@ -69,8 +69,8 @@ enum Report {
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Error> {
     print_json(&match arguments.report {
-        Report::Build => schema_for!(brdfc_jobs::report::build::BuildReport),
-        Report::Material => schema_for!(brdfc_jobs::scene::build::MaterialFile),
+        Report::Build => schema_for!(brdfc::BuildReport),
+        Report::Material => schema_for!(brdfc::scene::MaterialFile),
         Report::Watch => schema_for!(super::watch::Report),
         Report::Encode => schema_for!(super::encode::Report),
         Report::Compare => schema_for!(super::compare::Report),
@@ -83,9 +83,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Error> {
         Report::Pwt => schema_for!(super::pwt::Report),
         Report::InfoSurface => schema_for!(super::info::SurfaceReport),
         Report::Flatten => schema_for!(super::flatten::Report),
-        Report::FlatBtf => schema_for!(brdfc_jobs::flatten::FlatAsset),
-        Report::Plan => schema_for!(brdfc_jobs::scene::graph::Graph),
-        Report::Page => schema_for!(brdfc_jobs::report::page::PageReport<'static>),
+        Report::FlatBtf => schema_for!(brdfc::flatten::FlatAsset),
+        Report::Plan => schema_for!(brdfc::scene::Graph),
+        Report::Page => schema_for!(brdfc::report::PageReport<'static>),
         Report::View => schema_for!(super::view::Report),
         #[cfg(feature = "render")]
         Report::Render => schema_for!(super::render::Report),

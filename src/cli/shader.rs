@@ -5,11 +5,8 @@ use super::output::{
 };
 use super::{Common, Error};
 use crate::table;
-use brdfc_formats::{BrdfShader, PackKind};
-use brdfc_shaders::{EntryPoint, Interface, Language, shader};
-use brdfc_source::Input;
-use brdfc_source::flat_btf::open_flat_btf;
-use brdfc_source::pack::open_pack;
+use brdfc::Input;
+use brdfc::shader::{BrdfShader, EntryPoint, Interface, Language, PackKind, open_flat_btf, open_pack, shader};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser as _};
 use serde::Serialize;

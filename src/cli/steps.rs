@@ -2,8 +2,9 @@
 
 use super::Common;
 use super::output::tell;
-use brdfc_core::progress::{Cancelled, Progress, Stage};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use super::progress::bar;
+use brdfc::{Cancelled, Progress, Stage};
+use indicatif::ProgressBar;
 use std::io::IsTerminal;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -31,15 +32,7 @@ struct Running {
 impl<'a> Steps<'a> {
     pub(super) fn new(common: Common, cancelled: &'a AtomicBool) -> Self {
         let terminal = std::io::stderr().is_terminal();
-        let bar = if terminal && !common.quiet {
-            let bar = ProgressBar::with_draw_target(Some(1), ProgressDrawTarget::stderr());
-            let style = ProgressStyle::with_template("{msg:14} {bar:30} {percent:>3} %  {eta} left");
-            bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-            bar.enable_steady_tick(Duration::from_millis(200));
-            bar
-        } else {
-            ProgressBar::hidden()
-        };
+        let bar = bar(1, "{msg:14} {bar:30} {percent:>3} %  {eta} left", terminal && !common.quiet);
         let now = Instant::now();
         let running = Mutex::new(Running { stage: "", steps: 1, done: 0, started: now, reported: now });
         Self { bar, lines: !terminal && !common.quiet, cancelled, running }

@@ -2,15 +2,12 @@
 
 use super::Error;
 use super::output::{is_stream, output_parser, refuse_missing_folder, write_file};
-use brdfc_core::address::{self, AddressError, split_query};
-use brdfc_core::analytic::MODELS;
-use brdfc_core::words::format_number;
-use brdfc_flat_btf::structures::{STRUCTURES, Structure, describe_structures};
-use brdfc_jobs::whole_number::whole_number;
-use brdfc_readers::merl::{Dimensions, MAX_DIMENSION};
-use brdfc_readers::meso::{obj, ply};
-use brdfc_readers::{scan as scan_text, scan_csv};
-use brdfc_source::simulate::{ScanPlan, merl_file, scan};
+use brdfc::synth::{
+    Dimensions, MAX_DIMENSION, MODELS, STRUCTURES, SYNTH_PREFIX, ScanPlan, Target, describe_models,
+    describe_structures, file, split_query,
+};
+use brdfc_terminal::values::whole_number;
+use brdfc_terminal::words::format_number;
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 
@@ -61,7 +58,7 @@ fn models() -> String {
         "Models:\n{}\nStructures (.obj, .ply):\n{}\nExamples:\n  brdfc synth lambert?kd=0.5 -o white.binary --dimensions 16x16x32\n  \
          brdfc synth 'ggx?kd=0.1,0.1,0.4&alpha=0.3' -o paint.brdf --noise 0.05 --gaps 0.1 --seed 7\n  \
          brdfc synth 'folds?resolution=64' -o folds.ply\n  brdfc synth velvet -o - --kind brdf > velvet.brdf",
-        address::describe_models(),
+        describe_models(),
         describe_structures()
     )
 }
@@ -84,47 +81,23 @@ enum Extension {
     Ply,
 }
 
-/// What an extension asks for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
-    Table,
-    Scan { csv: bool },
-    Mesh { obj: bool },
-}
-
 pub(super) fn run(arguments: &Arguments) -> Result<(), Error> {
-    let text = arguments.model.strip_prefix(address::SYNTH_PREFIX).unwrap_or(&arguments.model);
+    let text = arguments.model.strip_prefix(SYNTH_PREFIX).unwrap_or(&arguments.model);
     let kind = kind(arguments, text)?;
     refuse_missing_folder(&arguments.output)?;
     check_options(arguments, kind)?;
-    if let Kind::Mesh { obj } = kind {
-        return write_structure(arguments, text, obj);
-    }
-    let wrong = |error: AddressError| Error::input(format!("{}: {error}", arguments.model));
-    let model = address::parse_model(text).map_err(wrong)?;
-    let mut bytes = Vec::new();
-    match kind {
-        Kind::Table => {
-            let size = arguments.dimensions.as_deref().unwrap_or("90x90x180");
-            bytes = merl_file(model.as_ref(), dimensions(size)?);
-        }
-        Kind::Scan { csv } => {
-            let plan = plan(arguments, if model.symmetry().isotropic { 1 } else { 8 })?;
-            let rows = scan(model.as_ref(), &plan);
-            let written = if csv {
-                scan_csv::write(&mut bytes, &rows)
-            } else {
-                scan_text::write(&mut bytes, &comment(&plan, &address::canonical(model.as_ref())), &rows)
-            };
-            written.expect("memory can be written to");
-        }
-        Kind::Mesh { .. } => {}
-    }
-    write_file(&arguments.output, &bytes)
+    let target = match kind {
+        Extension::Binary => Target::Merl(dimensions(arguments.dimensions.as_deref().unwrap_or("90x90x180"))?),
+        Extension::Brdf => Target::Scan(plan(arguments)?),
+        Extension::Csv => Target::Csv(plan(arguments)?),
+        Extension::Obj => Target::Obj,
+        Extension::Ply => Target::Ply,
+    };
+    write_file(&arguments.output, &file(&arguments.model, target)?)
 }
 
 /// The kind of file, which has to fit what is written.
-fn kind(arguments: &Arguments, text: &str) -> Result<Kind, Error> {
+fn kind(arguments: &Arguments, text: &str) -> Result<Extension, Error> {
     let output: &Path = &arguments.output;
     let name = split_query(text).0;
     let is_structure = STRUCTURES.iter().any(|info| info.name == name);
@@ -147,20 +120,16 @@ fn kind(arguments: &Arguments, text: &str) -> Result<Kind, Error> {
     match extension.or(arguments.kind) {
         Some(Binary | Brdf | Csv) if is_structure => wrong(&format!(".obj or .ply, for the structure {name}")),
         Some(Obj | Ply) if is_model => wrong(&format!(".binary, .brdf or .csv, for the model {name}")),
-        Some(Binary) => Ok(Kind::Table),
-        Some(Brdf) => Ok(Kind::Scan { csv: false }),
-        Some(Csv) => Ok(Kind::Scan { csv: true }),
-        Some(Obj) => Ok(Kind::Mesh { obj: true }),
-        Some(Ply) => Ok(Kind::Mesh { obj: false }),
+        Some(kind) => Ok(kind),
         None => wrong(".binary, .brdf or .csv (models), .obj or .ply (structures)"),
     }
 }
 
 /// Options that would have no effect.
-fn check_options(arguments: &Arguments, kind: Kind) -> Result<(), Error> {
-    let is_scan = matches!(kind, Kind::Scan { .. });
+fn check_options(arguments: &Arguments, kind: Extension) -> Result<(), Error> {
+    let is_scan = matches!(kind, Extension::Brdf | Extension::Csv);
     for (given, option, fits, allowed) in [
-        (arguments.dimensions.is_some(), "dimensions", kind == Kind::Table, ".binary"),
+        (arguments.dimensions.is_some(), "dimensions", kind == Extension::Binary, ".binary"),
         (arguments.rows.is_some(), "rows", is_scan, ".brdf or .csv"),
         (arguments.incidences.is_some(), "incidences", is_scan, ".brdf or .csv"),
         (arguments.azimuths.is_some(), "azimuths", is_scan, ".brdf or .csv"),
@@ -175,22 +144,6 @@ fn check_options(arguments: &Arguments, kind: Kind) -> Result<(), Error> {
         }
     }
     Ok(())
-}
-
-fn write_structure(arguments: &Arguments, text: &str, is_obj: bool) -> Result<(), Error> {
-    let structure = Structure::parse(text).map_err(|error| Error::input(format!("{}: {error}", arguments.model)))?;
-    let mesh = structure.mesh().to_triangle_mesh();
-    let mut bytes = Vec::new();
-    let written = if is_obj { obj::write(&mut bytes, &mesh) } else { ply::write(&mut bytes, &mesh) };
-    written.expect("memory can be written to");
-    write_file(&arguments.output, &bytes)
-}
-
-fn comment(plan: &ScanPlan, address: &str) -> String {
-    format!(
-        "simulated scan of {address}\nnoise {}, gaps {}, duplicates {}, seed {}",
-        plan.noise, plan.gaps, plan.duplicates, plan.seed
-    )
 }
 
 pub(super) fn dimensions(text: &str) -> Result<Dimensions, Error> {
@@ -208,7 +161,7 @@ pub(super) fn dimensions(text: &str) -> Result<Dimensions, Error> {
     Ok(Dimensions { theta_half, theta_difference, phi_difference })
 }
 
-fn plan(arguments: &Arguments, default_azimuths: usize) -> Result<ScanPlan, Error> {
+fn plan(arguments: &Arguments) -> Result<ScanPlan, Error> {
     let fraction = |name: &str, value: f64, most: f64| {
         if (0.0..=most).contains(&value) {
             return Ok(value);
@@ -218,7 +171,7 @@ fn plan(arguments: &Arguments, default_azimuths: usize) -> Result<ScanPlan, Erro
     Ok(ScanPlan {
         rows: arguments.rows.unwrap_or(1440),
         incidences: arguments.incidences.unwrap_or(8),
-        azimuths: arguments.azimuths.unwrap_or(default_azimuths),
+        azimuths: arguments.azimuths,
         noise: fraction("noise", arguments.noise.unwrap_or(0.0), 2.0)?,
         gaps: fraction("gaps", arguments.gaps.unwrap_or(0.0), 0.9)?,
         duplicates: fraction("duplicates", arguments.duplicates.unwrap_or(0.0), 0.9)?,

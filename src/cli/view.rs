@@ -1,12 +1,12 @@
 //! `brdfc view`: a page that draws packs.
 
-use super::output::{print_report, refuse_overwriting, refuse_unfit_output, remark, to_json, write_file};
+use super::output::{print_report, refuse_unfit_output, remark, to_json, write_file};
 use super::steps::Steps;
 use super::{Common, Error};
 use crate::inputs::refuse_stdin_twice;
 use crate::table;
-use brdfc_jobs::view::{ViewItem, ViewOptions, open_items, view_page};
-use brdfc_source::Input;
+use brdfc::Input;
+use brdfc::view::{ViewItem, ViewOptions, open_items, view_page};
 use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -86,9 +86,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let output: &Path = &arguments.output;
     let inputs: Vec<(&str, Option<&Input>)> = arguments.inputs.iter().map(|input| ("PACK", Some(input))).collect();
     refuse_stdin_twice(&inputs)?;
-    refuse_unfit_output(output, &["html", "htm"])?;
     let paths: Vec<&Path> = arguments.inputs.iter().filter_map(Input::path).collect();
-    refuse_overwriting("--output", output, &paths)?;
+    refuse_unfit_output(output, &["html", "htm"], &paths)?;
     // An interrupt ends the process at once: files are whole or not there.
     let cancelled = AtomicBool::new(false);
     let steps = Steps::new(common, &cancelled);

@@ -57,7 +57,7 @@ fn lopsided(mut table: Merl) -> MerlSource {
 /// A noisy scan of a blue paint.
 fn scan_source() -> ScanSource {
     let plan =
-        ScanPlan { rows: 1440, incidences: 8, azimuths: 1, noise: 0.05, gaps: 0.1, duplicates: 0.05, seed: SEED };
+        ScanPlan { rows: 1440, incidences: 8, azimuths: Some(1), noise: 0.05, gaps: 0.1, duplicates: 0.05, seed: SEED };
     let rows = scan(model("ggx?kd=0.1,0.1,0.4&alpha=0.3").as_ref(), &plan);
     ScanSource::new(&Scan { rows, ..Scan::default() }).expect("enough rows")
 }

@@ -150,3 +150,57 @@ fn long_work_is_heard_of_and_stopped() {
     let stopped = Heard(Mutex::default(), Some(last));
     assert_eq!(model.encode_closest(Budget::default(), &stopped).unwrap_err().kind(), ErrorKind::Cancelled);
 }
+
+#[test]
+fn modules_make_the_files_of_the_verbs() {
+    use brdfc::bandwidth::{DEFAULT_EPSILON, Kind, Resolution, Subject};
+    use brdfc::samples::{HalfGrid, ImportanceRecipe, draw};
+    use brdfc::synth::{ScanPlan, Target, file};
+
+    let folder = folder();
+    let written = |name: &str, arguments: &[&str]| {
+        folder.run(&[arguments, &["-o", name]].concat()).succeeded();
+        std::fs::read(folder.path().join(name)).unwrap()
+    };
+    let plan = ScanPlan { rows: 60, incidences: 8, azimuths: None, noise: 0.1, gaps: 0.0, duplicates: 0.0, seed: 1 };
+    let theirs = written("scan.brdf", &["synth", MODEL, "--rows", "60", "--noise", "0.1"]);
+    assert!(file(MODEL, Target::Scan(plan)).unwrap() == theirs);
+    assert_eq!(file("synth:nothing", Target::Ply).unwrap_err().kind(), ErrorKind::Input);
+
+    let theirs = written("map.ktx2", &["bandwidth", MODEL, "--resolution", "32"]);
+    let kind = Kind::Material(Resolution::parse("32").unwrap());
+    let subject = Subject::open(&MODEL.into(), kind).unwrap();
+    assert!(subject.map(DEFAULT_EPSILON).unwrap().0.to_bytes(true) == theirs);
+    assert_eq!(subject.map(2.0).unwrap_err().kind(), ErrorKind::Usage);
+
+    let sizes = ["--polar", "4", "--count", "16", "--rings", "16", "--cells", "16"];
+    let theirs = written("samples.ktx2", &[&["samples", MODEL], &sizes[..]].concat());
+    let grid = HalfGrid { polar: 16, azimuths: 16 };
+    let recipe = ImportanceRecipe { isotropic_polar: 4, samples: 16, grid, ..ImportanceRecipe::default() };
+    let model = brdfc::open(MODEL).unwrap();
+    assert!(draw(&model, &recipe).unwrap().0.to_bytes(true) == theirs);
+    let none = ImportanceRecipe { samples: 0, ..recipe };
+    assert_eq!(draw(&model, &none).unwrap_err().kind(), ErrorKind::Usage);
+}
+
+#[test]
+fn materials_are_compared_and_evaluated() {
+    use brdfc::compare::{Kind, Pairs, reflectances};
+    use brdfc::evaluate::{pairs_from_csv, values_at};
+
+    let (a, b) = (brdfc::open(MODEL).unwrap(), brdfc::open("synth:ggx?alpha=0.32").unwrap());
+    let of = |pairs| reflectances(&a, &b, pairs).unwrap();
+    let random = of(Pairs::Random(1000));
+    assert_eq!(random.pairs, 1000);
+    assert!(random.comparison.norms.relative_mean > 0.0);
+    assert_eq!(reflectances(&a, &a, Pairs::default()).unwrap().comparison.norms.relative_mean, 0.0);
+    let list = "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n0,0,1,0,0,1\n0.6,0,0.8,0,0.6,0.8\n";
+    let pairs = pairs_from_csv(&"list.csv".into(), list.as_bytes()).unwrap();
+    let (values, repairs) = values_at(a.source(), &pairs);
+    assert_eq!(repairs, brdfc::Tally { evaluations: 2, ..brdfc::Tally::default() });
+    assert!(values[0][0] > values[1][0]);
+    assert_eq!(of(Pairs::Given(pairs)).pairs, 2);
+    let error = pairs_from_csv(&"list.csv".into(), b"wi_x\n1\n").unwrap_err();
+    assert!(error.kind() == ErrorKind::Input && error.message().starts_with("list.csv: "), "{error}");
+    assert_eq!(Kind::of(&MODEL.into()).unwrap(), Kind::Reflectance);
+}

@@ -1,7 +1,7 @@
 //! The one error of the library. Parts of it have errors of their own, which become this one here.
 
-use crate::encode::EncodeError;
-use crate::encode::OptionError;
+use crate::convert::ConvertError;
+use crate::encode::{EncodeError, OptionError};
 use crate::flatten::{FlattenError, MesoInputError};
 use crate::output_folder::FolderError;
 use crate::pwt::PwtError;
@@ -231,6 +231,15 @@ impl From<PwtError> for Error {
             PwtError::Format(error) => Self::input(error.to_string()),
             PwtError::Usage(text) => Self::usage(text),
             PwtError::Flatten(error) => error.into(),
+        }
+    }
+}
+
+impl From<ConvertError> for Error {
+    fn from(error: ConvertError) -> Self {
+        match error {
+            ConvertError::Anisotropic => Self::input(error.to_string()),
+            ConvertError::Format(error) => Self::own_layout(error),
         }
     }
 }

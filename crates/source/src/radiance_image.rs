@@ -4,6 +4,7 @@ use crate::InputError;
 use crate::exr_header::exr_headers;
 use crate::input::{Input, InputFile};
 use crate::read::{ReadListener, extension_of};
+use crate::tile_image::FileImage;
 use brdfc_formats::FormatError;
 use exr::prelude::{ReadChannels, ReadLayers, read};
 use image::{ImageFormat, ImageReader, Limits};
@@ -14,15 +15,7 @@ use std::path::Path;
 pub const MAX_SIDES: [usize; 2] = [8192, 4096];
 
 /// Linear RGB, finite and not negative.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RadianceImage {
-    /// Pixels per row, at least 1.
-    pub width: usize,
-    /// Rows, at least 1.
-    pub height: usize,
-    /// Row by row from the top.
-    pub pixels: Vec<[f32; 3]>,
-}
+pub type RadianceImage = FileImage<3>;
 
 /// Reads an image: a Radiance HDR by its extension .hdr, else an EXR.
 ///

@@ -35,8 +35,8 @@ pub struct ScanPlan {
     pub rows: usize,
     /// Incoming polar angles, evenly between 10 and 80 degrees.
     pub incidences: usize,
-    /// Incoming azimuths over the full turn; 1 for isotropic materials.
-    pub azimuths: usize,
+    /// Incoming azimuths over the full turn; by default 1 for isotropic materials, 8 for others.
+    pub azimuths: Option<usize>,
     /// Standard deviation of the multiplicative noise, a fraction.
     pub noise: f64,
     /// Fraction of the outgoing hemisphere that is hidden, as a detector's own shadow is.
@@ -49,6 +49,7 @@ pub struct ScanPlan {
 
 /// Rows of a simulated scan.
 pub fn scan(source: &dyn Source, plan: &ScanPlan) -> Vec<Row> {
+    let azimuths = plan.azimuths.unwrap_or(if source.symmetry().isotropic { 1 } else { 8 });
     let mut generator = ChaCha8Rng::seed_from_u64(plan.seed);
     let hidden: Vec<Vector> = (0..4).map(|_| upper_direction(&mut generator)).collect();
     // Four caps of solid angle 2π (1 - c) hide the asked fraction of 2π, where they do not overlap.
@@ -59,11 +60,11 @@ pub fn scan(source: &dyn Source, plan: &ScanPlan) -> Vec<Row> {
     while rows.len() < plan.rows {
         let fresh = plan.rows - repeated;
         let [theta_i, phi_i, theta_o, phi_o] = if rows.len() < fresh {
-            let number = rows.len() % (plan.incidences * plan.azimuths);
+            let number = rows.len() % (plan.incidences * azimuths);
             let (incidence, azimuth) = (number % plan.incidences, number / plan.incidences);
             let span = (plan.incidences - 1).max(1) as f64;
             let theta_i = (10.0 + 70.0 * incidence as f64 / span).to_radians();
-            let phi_i = TAU * azimuth as f64 / plan.azimuths as f64;
+            let phi_i = TAU * azimuth as f64 / azimuths as f64;
             let outgoing = loop {
                 let direction = upper_direction(&mut generator);
                 if hidden.iter().all(|centre| dot(*centre, direction) < cosine) {

@@ -10,7 +10,9 @@ pub mod output;
 mod program;
 pub mod table;
 pub mod usage;
+pub mod values;
 
+pub use brdfc_core::words;
 pub use brdfc_jobs::{Error, ErrorKind};
 pub use common::{Common, Flags};
 pub use program::{INTERRUPTED, run_program, without_renderer};

@@ -1,11 +1,12 @@
 //! Results to stdout, remarks to stderr.
 
 use super::{Common, Error};
-use brdfc_core::Source;
+use brdfc_core::{Source, Tally};
 use brdfc_jobs::output_folder::is_own;
 pub use brdfc_jobs::outputs::{
     check_folder, make_folder, refuse_dash, refuse_overwriting, refuse_overwriting_any, write_file,
 };
+use brdfc_jobs::report::material::repairs_in_words;
 use brdfc_jobs::write::is_standard_output;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use serde::Serialize;
@@ -52,19 +53,27 @@ pub fn is_stream(path: &Path) -> bool {
     is_standard_output(path) || path.metadata().is_ok_and(|m| !m.is_file())
 }
 
-/// A file that could not be written, or would be taken for another kind by its name, is refused before it is made.
-pub fn refuse_unfit_output(path: &Path, allowed: &[&str]) -> Result<(), Error> {
+/// An output that is an input, could not be written, or would be taken for another kind by its name, is refused before it is made.
+pub fn refuse_unfit_output(path: &Path, allowed: &[&str], inputs: &[&Path]) -> Result<(), Error> {
+    refuse_overwriting("--output", path, inputs)?;
     if is_stream(path) {
         return Ok(());
     }
-    let is_one = |extension: &OsStr| allowed.iter().any(|allowed| extension.eq_ignore_ascii_case(allowed));
-    if !path.extension().is_some_and(is_one) {
-        let (found, allowed) = (path.display(), allowed.join(" or ."));
-        return Err(Error::usage(format!(
-            "--output: found {found}; allowed a name that ends in .{allowed}, or - for stdout"
-        )));
-    }
+    refuse_other_extension("--output", path, allowed).map_err(|error| {
+        let text = format!("{error}, or - for stdout");
+        error.with_message(text)
+    })?;
     refuse_missing_folder(path)
+}
+
+/// Rejects a file whose name has none of the extensions.
+pub fn refuse_other_extension(option: &str, path: &Path, allowed: &[&str]) -> Result<(), Error> {
+    let is_one = |extension: &OsStr| allowed.iter().any(|allowed| extension.eq_ignore_ascii_case(allowed));
+    if path.extension().is_some_and(is_one) {
+        return Ok(());
+    }
+    let (found, allowed) = (path.display(), allowed.join(" or ."));
+    Err(Error::usage(format!("{option}: found {found}; allowed a name that ends in .{allowed}")))
 }
 
 /// Nothing can be written into a folder that is not there.
@@ -141,6 +150,11 @@ pub fn note_directions(common: Common, input: &impl std::fmt::Display, source: &
     if !directions.is_all() {
         note(common, input, &format!("the pack is for {directions}; elsewhere it has the nearest that it holds"));
     }
+}
+
+/// Reports repairs of an input's values.
+pub fn note_repairs(common: Common, input: &impl std::fmt::Display, repairs: &Tally) {
+    repairs_in_words(repairs).iter().for_each(|line| note(common, input, line));
 }
 
 /// Prints a report. Behind a file that goes to standard output it would be taken for a part of it, so it is a remark then.

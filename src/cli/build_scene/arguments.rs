@@ -1,9 +1,9 @@
 //! Flags of `brdfc build`.
 
 use crate::output::{make_folder, refuse_own, write_file};
+use brdfc::scene::Shard;
 use brdfc::{Build, EncodeOptions, Error};
-use brdfc_jobs::encode::bytes_from_text;
-use brdfc_jobs::scene::works::Shard;
+use brdfc_terminal::values::bytes_from_text;
 use clap::Args;
 use std::ffi::OsString;
 use std::path::PathBuf;

@@ -14,17 +14,10 @@ use super::output::{
 };
 use super::progress::Materials;
 use super::{Common, Error, interrupt};
-use brdfc::{Build, Built};
-use brdfc_core::words::{counted, join_truncated};
-use brdfc_jobs::depfile::depfile;
-use brdfc_jobs::output_folder::Changes;
-use brdfc_jobs::report::build::BuildReport;
-use brdfc_jobs::report::material::remarks;
-use brdfc_jobs::scene::current::PackFolder;
-use brdfc_jobs::scene::explain::explain;
-use brdfc_jobs::scene::plan::{Job, Plan, REPORT};
-use brdfc_jobs::scene::run::Made;
-use std::collections::BTreeMap;
+use brdfc::encode::remarks;
+use brdfc::scene::{PackFolder, REPORT, depfile};
+use brdfc::{Build, BuildReport, Built, Changes};
+use brdfc_terminal::words::{counted, join_truncated};
 use std::path::Path;
 
 /// Most names of files in a remark.
@@ -44,7 +37,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     tell_left_out(&build, common);
     let plan = &build.plan()?;
     if arguments.dry_run {
-        return dry_run(arguments, plan, common);
+        let report = build.predict(plan, arguments.explain);
+        return if common.json { print_json(&report) } else { print(&plan_text::text(plan, &report, out)) };
     }
 
     let inputs = build.files_of(plan);
@@ -62,9 +56,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         write_file(file, &depfile(&out.join(REPORT), &inputs))?;
     }
     if arguments.explain {
-        let folder = PackFolder::looked_at(out);
-        let kept = |job: &Job, source| folder.as_ref()?.known_of(job, source);
-        built.report.needs = explain(plan, &built.outcomes.made().collect(), &kept);
+        built.report.needs = build.explain(plan, &built.outcomes);
     }
     if common.json {
         print_json(&built.report)?;
@@ -98,23 +90,6 @@ fn check_beside(arguments: &Arguments, inputs: &[&Path]) -> Result<(), Error> {
         refuse_own(option, file, out)?;
     }
     arguments.depfile.as_deref().map_or(Ok(()), refuse_missing_folder)
-}
-
-/// Says what would be done.
-fn dry_run(arguments: &Arguments, plan: &Plan, common: Common) -> Result<(), Error> {
-    let folder = PackFolder::looked_at(&arguments.build.out).filter(|_| !arguments.no_cache);
-    let known = |job: &Job| folder.as_ref()?.known(job);
-    let known: BTreeMap<&str, Made> =
-        plan.jobs.iter().filter_map(|job| Some((job.name.as_str(), known(job)?))).collect();
-    let mut report = BuildReport::planned(plan, &known);
-    if arguments.explain {
-        let made = known.iter().map(|(name, made)| (*name, made)).collect();
-        report.needs = explain(plan, &made, &|job, source| folder.as_ref()?.known_of(job, source));
-    }
-    if common.json {
-        return print_json(&report);
-    }
-    print(&plan_text::text(plan, &report, &arguments.build.out))
 }
 
 /// Lists the files of given folders that the build leaves out.

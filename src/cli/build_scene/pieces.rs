@@ -5,10 +5,9 @@ use crate::interrupt::Interrupt;
 use crate::output::{print, tell};
 use crate::progress::Materials;
 use crate::{Common, Error};
+use brdfc::scene::Work;
 use brdfc::{Build, Plan};
-use brdfc_core::words::counted;
-use brdfc_jobs::scene::build::build_works;
-use brdfc_jobs::scene::works::Work;
+use brdfc_terminal::words::counted;
 
 pub(super) fn run(
     arguments: &Arguments,
@@ -22,7 +21,7 @@ pub(super) fn run(
     }
     let works = chosen(arguments, plan)?;
     let progress = Materials::new(works.len(), plan.environment.is_some(), common, interrupt.flag());
-    let results = build_works(&works, build.settings(), &progress)?;
+    let results = build.run_works(&works, &progress)?;
     drop(progress);
     let count = works.len();
     let mut text = String::new();
@@ -32,7 +31,7 @@ pub(super) fn run(
             Ok(made) => text += &format!("{}: {}\n", work.name(), if made { "made" } else { "there" }),
             Err(error) => {
                 tell(&format!("brdfc: {}: {error}", work.name()));
-                failures.push(Error::from(error));
+                failures.push(error);
             }
         }
     }

@@ -1,12 +1,9 @@
 //! What a build would do, in words.
 
 use crate::table;
-use brdfc_core::words::join_truncated;
-use brdfc_jobs::encode::{PackRecipe, Predicted};
-use brdfc_jobs::report::build::{BuildReport, MaterialEntry, environment_map};
-use brdfc_jobs::scene::explain::{Explained, NOTHING};
-use brdfc_jobs::scene::maps::PARTS;
-use brdfc_jobs::scene::plan::{Plan, pack_name};
+use brdfc::scene::{Explained, MaterialEntry, NOTHING, PARTS, Predicted, environment_map, pack_name};
+use brdfc::{BuildReport, PackRecipe, Plan};
+use brdfc_terminal::words::join_truncated;
 use std::path::Path;
 
 /// So many names of materials are told in one line.

@@ -1,10 +1,9 @@
 //! What a build did, in words.
 
 use crate::table;
-use brdfc_bandwidth::facts::BandwidthFacts;
-use brdfc_jobs::report::build::environment_map;
-use brdfc_jobs::scene::maps::{PARTS, Packed, part_name};
-use brdfc_jobs::scene::run::Outcomes;
+use brdfc::Outcomes;
+use brdfc::bandwidth::BandwidthFacts;
+use brdfc::scene::{PARTS, Packed, environment_map, part_name};
 
 /// The packs, a line each; where there are maps, those too.
 pub(super) fn text(outcomes: &Outcomes) -> String {

@@ -1,11 +1,8 @@
 //! One flat BTF against another.
 
 use crate::{Error, table};
-use brdfc_flat_btf::probes::ColourErrors;
-use brdfc_jobs::flatten::{FlatComparison, compare_flat};
-use brdfc_jobs::pwt::open_flat_material;
-use brdfc_render::flat::FlatMaterial;
-use brdfc_source::Input;
+use brdfc::Input;
+use brdfc::compare::{ColourErrors, FlatComparison, flat_btfs};
 use serde::Serialize;
 
 /// A flat BTF against another of the same surface.
@@ -19,16 +16,9 @@ pub(super) struct FlatReport {
 }
 
 impl FlatReport {
-    /// B against A, which is read already.
-    pub(super) fn new(a: &Input, reference: &FlatMaterial, b: &Input) -> Result<Self, Error> {
-        let Some(other) = open_flat_material(b)? else {
-            let allowed = "a flat BTF, as A is one";
-            return Err(Error::usage(format!("B: found {b}; allowed {allowed}")));
-        };
-        let comparison = compare_flat(reference, &other);
-        let comparison =
-            comparison.ok_or_else(|| Error::input(format!("{a}: found the light form; allowed the full form")))?;
-        Ok(Self { kind: "flat-btf", comparison })
+    /// B against A.
+    pub(super) fn new(a: &Input, b: &Input) -> Result<Self, Error> {
+        Ok(Self { kind: "flat-btf", comparison: flat_btfs(a, b)? })
     }
 
     fn kinds(&self) -> [(&'static str, ColourErrors); 2] {

@@ -7,17 +7,11 @@ use super::inputs::refuse_stdin_twice;
 use super::output::{print, print_json, remark};
 use super::{Common, Error};
 use crate::table;
-use brdfc_formats::crop::DirectionRange;
-use brdfc_formats::direction::DirectionPair;
-use brdfc_jobs::pwt::{PhotographComparison, compare_photographs, open_flat_material};
-use brdfc_metrics::compare::{Comparison, compare};
-use brdfc_metrics::fraction::Fraction;
-use brdfc_metrics::sampling::{PairSet, random_pairs};
-use brdfc_pwt::measure::StackErrors;
-use brdfc_readers::scan_csv::directions_from_bytes;
-use brdfc_source::Input;
-use brdfc_source::light_stack::is_light_stack;
-use brdfc_source::open::{Facts, open};
+use brdfc::compare::{
+    Compared as Measured, Comparison, DirectionRange, Kind, Pairs, PhotographComparison, reflectances,
+};
+use brdfc::evaluate::pairs_from_csv;
+use brdfc::{Facts, Fraction, Input};
 use clap::Args;
 use serde::Serialize;
 use std::path::Path;
@@ -84,22 +78,9 @@ enum Compared {
 struct PhotographReport {
     /// 'light-stack'.
     kind: &'static str,
-    /// Errors over all photographs.
+    /// What was measured.
     #[serde(flatten)]
-    errors: StackErrors,
-    /// Each photograph.
-    photographs: Vec<PhotographErrors>,
-}
-
-/// Errors of one photograph.
-#[derive(Debug, Serialize, schemars::JsonSchema)]
-struct PhotographErrors {
-    /// Unit vector to its light.
-    light: [f32; 3],
-    /// Peak signal-to-noise ratio of sRGB codes, dB.
-    psnr: f64,
-    /// Mean ΔE (CIE76).
-    delta_e: f64,
+    comparison: PhotographComparison,
 }
 
 /// Error of one source or pack against another.
@@ -118,7 +99,6 @@ struct ReflectanceReport {
     comparison: Comparison,
 }
 
-const SEED: u64 = 2007;
 const MOST_PAIRS: usize = 100_000_000;
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
@@ -129,12 +109,13 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let inputs =
         [("A", Some(&arguments.a)), ("B", Some(&arguments.b)), ("--directions", arguments.directions.as_ref())];
     refuse_stdin_twice(&inputs)?;
-    if let Some(stack) = arguments.a.path().filter(|path| is_light_stack(path)) {
+    let kind = Kind::of(&arguments.a)?;
+    if let (Kind::LightStack, Some(stack)) = (kind, arguments.a.path()) {
         return photographs(arguments, stack, common);
     }
-    if let Some(reference) = open_flat_material(&arguments.a)? {
+    if kind == Kind::FlatBtf {
         arguments.refuse_flags_of_reflectances("flat BTFs")?;
-        let report = FlatReport::new(&arguments.a, &reference, &arguments.b)?;
+        let report = FlatReport::new(&arguments.a, &arguments.b)?;
         if common.json {
             print_json(&Report { version: 1, compared: Compared::FlatBtfs(report) })?;
         } else {
@@ -142,36 +123,25 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         }
         return arguments.max_delta_e.map_or(Ok(()), |limit| report.check(&arguments.a, limit));
     }
-    let (a, b) = (open(&arguments.a, None)?, open(&arguments.b, None)?);
+    let (a, b) = (brdfc::open(&arguments.a)?, brdfc::open(&arguments.b)?);
     if arguments.max_delta_e.is_some() {
         return Err(Error::usage(
             "--max-delta-e: found with reflectances; allowed where A is a light stack or a flat BTF".to_owned(),
         ));
     }
-    // A pack that is for some directions only is no worse for what it does not hold.
-    let both = a.facts.directions().common(b.facts.directions()).ok_or_else(|| {
-        Error::check(format!(
-            "directions: found a pack for {}, and one for {}; allowed packs that have some in common",
-            a.facts.directions(),
-            b.facts.directions()
-        ))
-    })?;
-    let set = match &arguments.directions {
-        Some(directions) => PairSet::new(pairs(directions)?),
-        None => PairSet::within(both),
-    };
-    if !both.is_all() && arguments.directions.is_none() {
-        remark(common, &format!("compared where both are: {both}"));
+    let at = arguments.directions.as_ref().map_or(Ok(Pairs::default()), pairs)?;
+    let Measured { pairs, directions, comparison } = reflectances(&a, &b, at)?;
+    if !directions.is_all() {
+        remark(common, &format!("compared where both are: {directions}"));
     }
-    let (comparison, _) = compare(a.source.as_ref(), b.source.as_ref(), &set);
     let found = comparison.norms.relative_mean;
     let comparison_counts = comparison.norms.counted() > 0;
     if common.json {
-        let (pairs, directions) = (set.pairs.len(), set.directions);
-        let report = ReflectanceReport { a: a.facts, b: b.facts, pairs, directions, comparison };
+        let [a, b] = [a, b].map(|material| material.facts().clone());
+        let report = ReflectanceReport { a, b, pairs, directions, comparison };
         print_json(&Report { version: 1, compared: Compared::Reflectances(report) })?;
     } else {
-        print(&table::comparison(&comparison, set.directions))?;
+        print(&table::comparison(&comparison, directions))?;
     }
     match limit {
         Some(_) if !comparison_counts => Err(Error::check(
@@ -206,15 +176,11 @@ impl Arguments {
 /// Photographs of a light stack against what was made of them.
 fn photographs(arguments: &Arguments, reference: &Path, common: Common) -> Result<(), Error> {
     arguments.refuse_flags_of_reflectances("a light stack")?;
-    let PhotographComparison { lights, errors, each } = compare_photographs(reference, &arguments.b)?;
-    let photographs: Vec<PhotographErrors> = lights
-        .iter()
-        .zip(each)
-        .map(|(light, errors)| PhotographErrors { light: *light, psnr: errors.psnr, delta_e: errors.delta_e })
-        .collect();
+    let comparison = brdfc::compare::photographs(reference, &arguments.b)?;
+    let PhotographComparison { errors, photographs } = &comparison;
     let found = errors.delta_e;
     if common.json {
-        let report = PhotographReport { kind: "light-stack", errors, photographs };
+        let report = PhotographReport { kind: "light-stack", comparison };
         print_json(&Report { version: 1, compared: Compared::Photographs(report) })?;
     } else {
         let worst = photographs.iter().max_by(|a, b| a.delta_e.total_cmp(&b.delta_e));
@@ -236,13 +202,13 @@ fn photographs(arguments: &Arguments, reference: &Path, common: Common) -> Resul
     }
 }
 
-fn pairs(directions: &Input) -> Result<Vec<DirectionPair>, Error> {
+fn pairs(directions: &Input) -> Result<Pairs, Error> {
     let number = directions.path().and_then(|path| path.to_str()?.parse::<usize>().ok());
     if let Some(count) = number {
         if !(1..=MOST_PAIRS).contains(&count) {
             return Err(Error::usage(format!("--directions: found {count}; allowed 1 to {MOST_PAIRS}")));
         }
-        return Ok(random_pairs(count, SEED));
+        return Ok(Pairs::Random(count));
     }
     let is_number = |path: &Path| path.to_str().is_some_and(|text| text.parse::<f64>().is_ok());
     let no_list = |path: &std::path::Path| !path.exists() && (path.extension().is_none() || is_number(path));
@@ -250,10 +216,9 @@ fn pairs(directions: &Input) -> Result<Vec<DirectionPair>, Error> {
         let allowed = "a number of directions, or a list of them in a .csv file";
         return Err(Error::usage(format!("--directions: found {directions}; allowed {allowed}")));
     }
-    let bytes = directions.read_text()?;
-    let pairs = directions_from_bytes(&bytes).map_err(|error| Error::input(format!("{directions}: {error}")))?;
+    let pairs = pairs_from_csv(directions, &directions.read_text()?)?;
     if pairs.is_empty() {
         return Err(Error::input(format!("{directions}: records: found none; allowed at least one")));
     }
-    Ok(pairs.into_iter().map(|(incoming, outgoing)| DirectionPair::new(incoming, outgoing)).collect())
+    Ok(Pairs::Given(pairs))
 }

@@ -1,10 +1,9 @@
 //! The flags of `brdfc flatten`.
 
 use crate::directions::INDIRECTION;
-use brdfc_flat_btf::structures::describe_structures;
-use brdfc_jobs::encode::bytes_from_text;
-use brdfc_jobs::whole_number::{any_whole_number, whole_number};
-use brdfc_source::Input;
+use brdfc::Input;
+use brdfc::flatten::describe_structures;
+use brdfc_terminal::values::{any_whole_number, bytes_from_text, whole_number};
 use clap::{Args, ValueEnum};
 use std::ffi::OsString;
 use std::path::PathBuf;

@@ -12,16 +12,13 @@ use super::output::{make_folder, note, print, print_json};
 use super::steps::Steps;
 use super::{Common, Error, interrupt};
 use arguments::ImageFormat;
-use brdfc_jobs::btf_stack::StackFormat;
-use brdfc_jobs::flatten::words::{missed, remarks};
-use brdfc_jobs::flatten::{
-    FlatAsset, FlattenError, FlattenJob, PLANE, Values, material_list, open_appearance, open_geometry, run as flatten,
+use brdfc::Input;
+use brdfc::flatten::words::{missed, remarks};
+use brdfc::flatten::{
+    FlatAsset, FlattenError, FlattenJob, OrdinaryBtf, PLANE, StackFormat, Surface, Values, run as flatten,
 };
-use brdfc_source::Input;
-use brdfc_source::ordinary_btf::OrdinaryBtf;
 use options::{asset_name, check_inputs, check_outputs, meso_options, recipe};
 use serde::Serialize;
-use std::path::Path;
 use std::time::Instant;
 
 /// What `--json` prints.
@@ -42,21 +39,10 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let mut recipe = recipe(arguments)?;
     let options = meso_options(arguments, stack.is_some())?;
     check_outputs(arguments, &name)?;
-    let (geometry, materials, values) = if let Some(path) = stack {
-        let stack = OrdinaryBtf::open(path)?;
+    let surface = Surface::open(&options, stack)?;
+    if let Values::Measured(stack) = &surface.values {
         (recipe.views, recipe.lights) = (stack.views().clone(), stack.lights().clone());
-        let mut geometry = open_geometry(&options)?;
-        let folder = path.canonicalize().ok();
-        let folder = folder.as_deref().and_then(Path::file_name).map(|n| n.to_string_lossy().into_owned());
-        geometry.name = format!("{} over {}", folder.unwrap_or_else(|| "images".to_owned()), geometry.name);
-        (geometry, Vec::new(), Values::Measured(stack))
-    } else {
-        let geometry = open_geometry(&options)?;
-        let materials = material_list(&options, &geometry)?;
-        let appearance = open_appearance(&options, &materials, &())?;
-        let names = materials.iter().map(Input::short_name).collect();
-        (geometry, names, Values::Computed(appearance))
-    };
+    }
     recipe.check().map_err(|error| Error::usage(in_flags(&error)))?;
     make_folder(&arguments.out)?;
     arguments.write_images.as_deref().map(make_folder).transpose()?;
@@ -73,9 +59,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         folder: &arguments.out,
         recipe: &recipe,
         supercompress: !arguments.no_supercompression,
-        geometry,
-        materials,
-        values,
+        surface,
         images,
     };
     let asset = flatten(job, &steps).map_err(|error| match error {

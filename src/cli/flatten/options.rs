@@ -5,12 +5,9 @@ use crate::Error;
 use crate::directions::{default_set, direction_set, map_header, wrong};
 use crate::inputs::refuse_stdin_twice;
 use crate::output::{check_folder, refuse_overwriting, refuse_same_outputs};
-use brdfc_core::words::format_number;
-use brdfc_flat_btf::encode::{FlattenRecipe, Form};
-use brdfc_flat_btf::factored::FactoredTarget;
-use brdfc_flat_btf::fill::FillMethod;
-use brdfc_jobs::flatten::MesoOptions;
-use brdfc_source::Input;
+use brdfc::Input;
+use brdfc::flatten::{FactoredTarget, FillMethod, FlattenRecipe, Form, MesoOptions};
+use brdfc_terminal::words::format_number;
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
 

@@ -1,9 +1,8 @@
 //! What people read of an asset.
 
 use crate::output::printable;
-use brdfc_flat_btf::probes::ColourErrors;
-use brdfc_jobs::flatten::FlatAsset;
-use brdfc_jobs::flatten::words::{errors, facts};
+use brdfc::flatten::words::{errors, facts};
+use brdfc::flatten::{ColourErrors, FlatAsset};
 
 /// What people read of an asset.
 pub(crate) fn text(asset: &FlatAsset, seconds: Option<f64>) -> String {

@@ -3,14 +3,11 @@
 use crate::output::{print, print_json};
 use crate::table;
 use crate::{Common, Error};
-use brdfc_formats::FormatError;
-use brdfc_jobs::pack_files::{PackFile, pack_files};
-use brdfc_shaders::DeviceNeeds;
-use brdfc_source::read::MAX_FILE_BYTES;
-use brdfc_source::{Input, InputError};
+use brdfc::Input;
+pub(super) use brdfc::inspect::device_needs;
+use brdfc::inspect::{PackFile, files};
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::fs::File;
 
 /// What `--files --json` prints.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
@@ -25,7 +22,7 @@ pub struct FilesReport {
 
 /// Of a pack.
 pub(super) fn run(input: &Input, common: Common) -> Result<(), Error> {
-    let files = of_pack(input)?;
+    let files = files(input)?;
     if common.json {
         return print_json(&FilesReport { version: 1, kind: "files", files });
     }
@@ -45,26 +42,4 @@ pub(super) fn run(input: &Input, common: Common) -> Result<(), Error> {
     };
     let rows: Vec<Vec<String>> = files.iter().map(line).collect();
     print(&table::words(&["file", "texels", "dimension", "size", "levels", "entries"], &rows))
-}
-
-/// What the textures of a pack ask of a device.
-pub(super) fn device_needs(input: &Input) -> Result<DeviceNeeds, Error> {
-    Ok(of_pack(input)?.into_values().fold(DeviceNeeds::default(), |all, file| all.with(file.device)))
-}
-
-fn of_pack(input: &Input) -> Result<BTreeMap<String, PackFile>, Error> {
-    if input.extension()? != "ktx2" {
-        // What cannot be read says so first.
-        if let Some(path) = input.path() {
-            File::open(path).map_err(|error| InputError::Io { name: input.to_string(), error })?;
-        }
-        let error = FormatError::whole("input", "no pack", "a pack");
-        return Err(InputError::Format { name: input.to_string(), error }.into());
-    }
-    let name = match input.path() {
-        Some(path) => path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
-        None => input.to_string(),
-    };
-    let wrong = |error| InputError::Format { name: input.to_string(), error };
-    Ok(pack_files(&name, &input.read(MAX_FILE_BYTES)?).map_err(wrong)?)
 }

@@ -1,27 +1,18 @@
 //! `brdfc info`: what an input is.
 
 mod files;
-mod surface;
 
 pub use files::FilesReport;
 
 use super::output::{print, print_json, printable};
 use super::{Common, Error, bandwidth, flatten};
 use crate::table::bytes;
-use brdfc_core::Symmetry;
-use brdfc_core::address::{SYNTH_PREFIX, split_query};
-use brdfc_flat_btf::structures::STRUCTURES;
-use brdfc_formats::{BrdfPack, FormatError, Pack};
-use brdfc_importance::ImportanceFacts;
-use brdfc_jobs::flatten::{SurfaceFacts, describe_surface, open_asset};
-use brdfc_pwt::PwtFacts;
-use brdfc_shaders::DeviceNeeds;
-use brdfc_source::flat_btf::flat_btf_file;
-use brdfc_source::light_stack::{self, LightStack, LightStackFacts, is_light_stack};
-use brdfc_source::open::{Facts, Opened, open, opened};
-use brdfc_source::pack::open_pack;
-use brdfc_source::ptm::{self, PtmFacts, open_ptm};
-use brdfc_source::{Input, InputError};
+use brdfc::inspect::{
+    AnyPack as Pack, DeviceNeeds, ImportanceFacts, LightStack, LightStackFacts, Opened, PtmFacts, PwtFacts, STRUCTURES,
+    SYNTH_PREFIX, SurfaceFacts, Symmetry, describe_surface, flat_btf_file, is_light_stack, light_stack, open,
+    open_asset, open_pack, open_ptm, opened, ptm, split_query, surface,
+};
+use brdfc::{BrdfPack, Facts, FormatError, Input, InputError};
 use clap::Args;
 use serde::Serialize;
 

@@ -7,23 +7,15 @@ use super::{gpu, outputs, scene};
 use crate::output::{note, print, print_json, remark, write_file};
 use crate::table::{percent, plain, significant};
 use crate::{Common, Error};
-use brdfc_bandwidth::DEFAULT_EPSILON;
-use brdfc_bandwidth::facts::BandwidthFacts;
-use brdfc_bandwidth::map::environment_map;
-use brdfc_core::PackSource;
-use brdfc_core::words::format_number;
-use brdfc_formats::BrdfPack;
-use brdfc_formats::bandwidth::BandwidthMap;
-use brdfc_formats::{FormatError, Pack};
-use brdfc_gpu::AdaptiveRenderer;
-use brdfc_gpu::verify::PackReflectance;
-use brdfc_jobs::report::adaptive::{AdaptivePictures, AdaptiveVerification};
-use brdfc_metrics::image::{LinearImage, auto_exposure};
-use brdfc_render::adaptive::{
-    AdaptiveMaterial, AdaptivePicture, AdaptiveScene, DistantLight, Lookups, Settings, Start, ground_truth,
+use brdfc::BrdfPack;
+use brdfc::bandwidth::{BandwidthFacts, BandwidthMap, DEFAULT_EPSILON};
+use brdfc::inspect::AnyPack as Pack;
+use brdfc::render::{
+    AdaptiveMaterial, AdaptivePicture, AdaptivePictures, AdaptiveRenderer, AdaptiveScene, AdaptiveVerification,
+    DistantLight, Environment, Frame, GpuError, LinearImage, PackReflectance, Reflectance, Settings, Start,
+    auto_exposure, environment_map, ground_truth, lookups, prediction_png,
 };
-use brdfc_render::scene::Frame;
-use brdfc_render::shade::Reflectance;
+use brdfc_terminal::words::format_number;
 use serde::Serialize;
 use std::time::Instant;
 
@@ -52,7 +44,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let frame = Frame { samples: 1, ..setup.frame };
     let gpu = gpu::open(arguments)?;
     let prepared = materials::prepare(arguments, &subject, &setup.names, common)?;
-    let lookups = prepared.iter().map(lookups).collect::<Result<Vec<_>, _>>()?;
+    let of_part =
+        |part: &Prepared| lookups(&part.material(), &part.maps).map_err(|error| in_material(&part.name, error));
+    let lookups = prepared.iter().map(of_part).collect::<Result<Vec<_>, _>>()?;
     let map = environment(arguments, &subject, &setup.scene.environment)?;
     let light = DistantLight::new(&setup.scene.environment, map);
     let decoding = gpu::decoding(arguments, &subject);
@@ -136,7 +130,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     checked
 }
 
-fn timed<T>(run: impl FnOnce() -> Result<T, brdfc_gpu::GpuError>) -> Result<(T, f64), Error> {
+fn timed<T>(run: impl FnOnce() -> Result<T, GpuError>) -> Result<(T, f64), Error> {
     let started = Instant::now();
     let found = run()?;
     Ok((found, started.elapsed().as_secs_f64()))
@@ -185,31 +179,13 @@ fn refuse(arguments: &Arguments) -> Result<(), Error> {
     }
 }
 
-/// What is looked up of a material: from the folder of a build where it is there, else from the source or the pack.
-fn lookups(prepared: &Prepared) -> Result<Lookups, Error> {
-    let wrong = |error: FormatError| Error::internal(format!("{}: {error}", prepared.name));
-    let unpacked;
-    let source = match &prepared.source {
-        Some(source) => source.as_ref(),
-        None => {
-            unpacked = PackSource::new(&*prepared.pack, None);
-            &unpacked
-        }
-    };
-    match &prepared.maps[..] {
-        [Pack::Bandwidth(bandwidth), Pack::Importance(samples)] => {
-            Lookups::of_packs(source, bandwidth.clone(), samples.clone()).map_err(wrong)
-        }
-        _ => Lookups::new(source).map_err(wrong),
-    }
+fn in_material(name: &str, error: Error) -> Error {
+    let text = format!("{name}: {error}");
+    error.with_message(text)
 }
 
 /// The environment's map: that of the build where the manifest's environment lights the scene, else made afresh.
-fn environment(
-    arguments: &Arguments,
-    subject: &Subject,
-    environment: &brdfc_render::scene::Environment,
-) -> Result<BandwidthMap, Error> {
+fn environment(arguments: &Arguments, subject: &Subject, environment: &Environment) -> Result<BandwidthMap, Error> {
     if let (Subject::Scene { packs: Some(packs), environment: Some(job), .. }, None) =
         (subject, &arguments.adaptive.environment)
         && let Pack::Bandwidth(map) = packs.environment(job, &())?
@@ -230,7 +206,7 @@ fn write(
     outputs::write_images(arguments, &picture.image, truth, exposure)?;
     if let Some(path) = &arguments.adaptive.maps {
         let size = [truth.width << antialiasing_levels, truth.height << antialiasing_levels];
-        write_file(path, &outputs::maps_png(&picture.prediction, size))?;
+        write_file(path, &prediction_png(&picture.prediction, size))?;
     }
     Ok(())
 }

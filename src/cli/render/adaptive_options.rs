@@ -1,6 +1,6 @@
 //! Flags of `brdfc render --adaptive`.
 
-use brdfc_jobs::whole_number::{any_whole_number, whole_number};
+use brdfc_terminal::values::{any_whole_number, whole_number};
 use clap::Args;
 use std::path::PathBuf;
 

@@ -2,11 +2,10 @@
 
 use super::adaptive_options::AdaptiveOptions;
 use crate::options::PackOptions;
-use brdfc_formats::wavelet::Filter;
-use brdfc_jobs::scene::render_section::MAX_SAMPLES;
-use brdfc_jobs::whole_number::whole_number;
-use brdfc_render::scenes::Builtin;
-use brdfc_source::Input;
+use brdfc::Input;
+use brdfc::render::{Builtin, Filter};
+use brdfc::scene::MAX_SAMPLES;
+use brdfc_terminal::values::whole_number;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 

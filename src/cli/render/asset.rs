@@ -4,13 +4,10 @@ use super::arguments::Arguments;
 use super::materials::Subject;
 use super::{flat, pwt};
 use crate::Error;
-use brdfc_formats::Pack;
-use brdfc_formats::pwt::PwtPack;
-use brdfc_jobs::scene::inputs::read_manifest;
-use brdfc_source::Input;
-use brdfc_source::flat_btf::flat_btf_file;
-use brdfc_source::light_stack::is_light_stack;
-use brdfc_source::pack::open_pack;
+use brdfc::Input;
+use brdfc::inspect::{AnyPack as Pack, flat_btf_file, is_light_stack, open_pack};
+use brdfc::render::PwtPack;
+use brdfc::scene::read_manifest;
 use std::path::Path;
 
 /// An asset, and where it stands.

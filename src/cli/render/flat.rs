@@ -5,17 +5,12 @@ use super::materials::Subject;
 use super::{gpu, outputs, scene};
 use crate::output::note;
 use crate::{Common, Error};
-use brdfc_core::address::is_synth;
-use brdfc_flat_btf::model::MesoModel;
-use brdfc_flat_btf::surface::Appearance;
-use brdfc_gpu::draw_flat_btf;
-use brdfc_gpu::verify::Views;
-use brdfc_jobs::flatten::{AssetFile, MesoOptions, PLANE, open_appearance, open_geometry, read_report};
-use brdfc_jobs::report::render::Verification;
-use brdfc_render::flat::{FlatForm, FlatMaterial, draw_on_cpu, reference_plane};
-use brdfc_render::scenes::Builtin;
-use brdfc_source::Input;
-use brdfc_source::flat_btf::{flat_btf_file, flat_view, open_flat_btf};
+use brdfc::flatten::read_report;
+use brdfc::inspect::{flat_btf_file, open_flat_btf};
+use brdfc::render::{
+    Builtin, FlatForm, FlatMaterial, Verification, Views, draw_flat_btf, draw_flat_btf_on_cpu, draw_surface, flat_view,
+};
+use brdfc::{FormatError, Input};
 
 /// Why a plane has no picture of the surface itself.
 const NO_SURFACE: &str = "not compared with the surface itself, only shader with CPU: that takes an asset whose surface and materials are all synth: addresses, without --bounces, --colour and --weights";
@@ -40,7 +35,7 @@ pub(super) fn verification(
     // Other programs may write flat BTFs without a report.
     let asset = read_report(&file).ok();
     let gpu = gpu::open(arguments)?;
-    let wrong = |error: brdfc_formats::FormatError| Error::input(format!("{input}: {error}"));
+    let wrong = |error: FormatError| Error::input(format!("{input}: {error}"));
     let parts = file.decoder.parts();
     let has_views = parts.values.factored().is_some();
     let form = match arguments.form {
@@ -59,14 +54,12 @@ pub(super) fn verification(
     let repeat = arguments.repeat.unwrap_or(setup.builtin.tiles());
     let material = FlatMaterial::new(file.decoder, repeat).map_err(wrong)?;
     let shader = draw_flat_btf(&gpu, &setup.scene, setup.frame, &material, form)?;
-    let pack = draw_on_cpu(&setup.scene, setup.frame, &material, form);
+    let pack = draw_flat_btf_on_cpu(&setup.scene, setup.frame, &material, form);
     drop(material);
-    let surface = match setup.builtin {
-        Builtin::Plane => asset.as_ref().map(surface_again).transpose()?.flatten(),
+    let source = match (setup.builtin, &asset) {
+        (Builtin::Plane, Some(asset)) => draw_surface(&setup.scene, setup.frame, asset, repeat)?,
         _ => None,
     };
-    let source =
-        surface.map(|(model, appearance)| reference_plane(&setup.scene, setup.frame, &model, &appearance, repeat));
     if source.is_none() {
         note(common, input, if setup.builtin == Builtin::Plane { NO_SURFACE } else { CURVED });
     }
@@ -75,30 +68,6 @@ pub(super) fn verification(
     let verification = setup.verification(&gpu, &views, |_| (format!("{name} ({stored})"), bytes_on_gpu));
     outputs::write(arguments, &views, verification.exposure)?;
     Ok((verification, views))
-}
-
-/// The surface and materials that an asset was made from, where all are addresses.
-fn surface_again(asset: &AssetFile) -> Result<Option<(MesoModel, Appearance)>, Error> {
-    let (source, materials) = (&asset.source, &asset.materials);
-    let from_formula = is_synth(source) || source == PLANE;
-    let from_files = !from_formula || materials.is_empty() || !materials.iter().all(|m| is_synth(m));
-    if from_files || asset.settings.bounces > 0 || asset.images_over_the_tile {
-        return Ok(None);
-    }
-    let options = MesoOptions {
-        geometry: is_synth(source).then(|| source.into()),
-        tile: 1.0,
-        height_scale: 1.0,
-        height_offset: 0.0,
-        materials: Vec::new(),
-        colour: None,
-        weights: None,
-    };
-    let geometry = open_geometry(&options)?;
-    let materials: Vec<Input> = materials.iter().map(Input::from).collect();
-    let appearance = open_appearance(&options, &materials, &())?;
-    let model = MesoModel::new(geometry.mesh, 0).map_err(|error| Error::input(format!("{source}: {error}")))?;
-    Ok(Some((model, appearance)))
 }
 
 /// Of BRDFs: there is nothing among the flags that only flat BTFs have.

@@ -3,8 +3,7 @@
 use super::arguments::{Arguments, FilterName};
 use super::materials::Subject;
 use crate::Error;
-use brdfc_formats::wavelet::DEFAULT_DISTANCE_SCALE;
-use brdfc_gpu::{AdapterChoice, Decoding, Gpu, SliceFilter};
+use brdfc::render::{AdapterChoice, DEFAULT_DISTANCE_SCALE, Decoding, Gpu, SliceFilter};
 
 pub(super) fn open(arguments: &Arguments) -> Result<Gpu, Error> {
     let choice = arguments.adapter.clone().map_or(AdapterChoice::Best, AdapterChoice::Named);

@@ -4,18 +4,11 @@ use super::arguments::Arguments;
 use crate::inputs::refuse_stdin_twice;
 use crate::output::{note, remark};
 use crate::{Common, Error};
-use brdfc_core::Source;
-use brdfc_formats::{BrdfPack, Pack};
-use brdfc_gpu::verify::Material;
-use brdfc_jobs::encode::PackRecipe;
-use brdfc_jobs::encode::encode;
-use brdfc_jobs::scene::current::PackFolder;
-use brdfc_jobs::scene::inputs::read_manifest;
-use brdfc_jobs::scene::manifest::Manifest;
-use brdfc_jobs::scene::plan::{EnvironmentJob, Job, plan};
-use brdfc_source::open::open;
-use brdfc_source::pack::open_brdf_pack;
-use brdfc_wavelet::recipe::{Recipe, Target};
+use brdfc::encode::{WaveletTarget as Target, encode};
+use brdfc::inspect::{AnyPack as Pack, open};
+use brdfc::render::{Material, open_brdf_pack};
+use brdfc::scene::{EnvironmentJob, Job, Manifest, PackFolder, Use, plan, read_manifest};
+use brdfc::{BrdfPack, PackRecipe, Source, WaveletRecipe as Recipe};
 use std::path::{Path, PathBuf};
 
 /// Finest grid whose slices all fit into a 3D texture.
@@ -132,7 +125,7 @@ fn shown(manifest: &Manifest) -> Manifest {
     let used: Vec<String> = all.uses.iter().map(|used| used.material.get_ref().clone()).collect();
     for name in manifest.materials.keys().filter(|name| !used.contains(name)) {
         let material = toml::Spanned::new(0..0, name.clone());
-        all.uses.push(brdfc_jobs::scene::manifest::Use::of(material));
+        all.uses.push(Use::of(material));
     }
     all
 }

@@ -1,15 +1,14 @@
 //! Pictures and text of a verification.
 
 use super::arguments::Arguments;
-use crate::output::{refuse_missing_folder, refuse_overwriting, refuse_same_outputs, write_file};
+use crate::output::{
+    refuse_missing_folder, refuse_other_extension, refuse_overwriting, refuse_same_outputs, write_file,
+};
 use crate::{Error, table};
-use brdfc_gpu::verify::Views;
-use brdfc_jobs::report::contact::MaterialVerification;
-use brdfc_jobs::report::render::Verification;
-use brdfc_metrics::image::LinearImage;
-use brdfc_render::adaptive::{ANY_LEVEL, Prediction};
-use brdfc_render::picture::{difference_panel, heat_map, octave_map, rgb_png, sheet, to_exr, to_panel, to_png};
-use brdfc_source::Input;
+use brdfc::Input;
+use brdfc::render::{
+    LinearImage, MaterialVerification, Verification, Views, difference_panel, rgb_png, sheet, to_exr, to_panel, to_png,
+};
 use std::path::{Path, PathBuf};
 
 fn extension(path: &Path) -> String {
@@ -40,13 +39,7 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), Error> {
     refuse_same_outputs(&files.each_ref().map(|(flag, path, _)| (*flag, path.as_deref())))?;
     for (flag, path, allowed) in files {
         let Some(path) = path else { continue };
-        if !allowed.contains(&extension(path).as_str()) {
-            let allowed = allowed.join(" or .");
-            return Err(Error::usage(format!(
-                "{flag}: found {}; allowed a name that ends in .{allowed}",
-                path.display()
-            )));
-        }
+        refuse_other_extension(flag, path, allowed)?;
         refuse_missing_folder(path)?;
         let given = [Some(&arguments.input), arguments.source.as_ref()];
         let mut inputs: Vec<&Path> = given.into_iter().flatten().filter_map(Input::path).collect();
@@ -89,20 +82,6 @@ pub(super) fn write_images(
         write_file(path, &rgb_png(&difference))?;
     }
     Ok(())
-}
-
-/// Bandwidth, levels and variance of a prediction of so many points across and down, side by side: logarithms, from dark to
-/// pale yellow. The background is dark.
-pub(super) fn maps_png(prediction: &Prediction, [width, height]: [usize; 2]) -> Vec<u8> {
-    let coarsest = prediction.level.iter().filter(|level| **level != ANY_LEVEL).max().copied().unwrap_or(0);
-    let fineness = |level: &i32| if *level == ANY_LEVEL { 0.0 } else { 1.0 - *level as f32 / (coarsest + 1) as f32 };
-    let levels: Vec<f32> = prediction.level.iter().map(fineness).collect();
-    let variance: Vec<f32> = prediction.deviation.iter().map(|deviation| deviation * deviation).collect();
-    rgb_png(&sheet(&[
-        octave_map(&prediction.bandwidth, width, height, 8.0),
-        heat_map(&levels, width, height, 1.0),
-        octave_map(&variance, width, height, 16.0),
-    ]))
 }
 
 /// What people read.

@@ -5,19 +5,12 @@ use super::materials::Subject;
 use super::{gpu, outputs, scene};
 use crate::output::{note, remark};
 use crate::{Common, Error};
-use brdfc_formats::FormatError;
-use brdfc_formats::bindings::FrameBlock;
-use brdfc_formats::direction::dot;
-use brdfc_formats::pwt::{PwtDecoder, PwtPack};
-use brdfc_gpu::draw_pwt;
-use brdfc_gpu::verify::Views;
-use brdfc_jobs::report::render::Verification;
-use brdfc_metrics::image::LinearImage;
-use brdfc_render::pwt::{Photograph, PwtMaterial, distant_light, draw_on_cpu, draw_photographs, picture_scene};
-use brdfc_render::scene::PointLight;
-use brdfc_render::scenes::Builtin;
-use brdfc_source::Input;
-use brdfc_source::light_stack::{LightStack, is_light_stack};
+use brdfc::inspect::{LightStack, is_light_stack};
+use brdfc::render::{
+    Builtin, FrameBlock, LinearImage, Photograph, PwtDecoder, PwtMaterial, PwtPack, Verification, Views, distant_light,
+    draw_photographs, draw_pwt, draw_pwt_on_cpu, nearest_photograph, picture_scene,
+};
+use brdfc::{FormatError, Input};
 use std::path::Path;
 
 /// What messages call such a pack.
@@ -49,7 +42,7 @@ pub(super) fn verification(
         if !of_manifest {
             // The light of a photograph, so that the pack is held against what it was made of.
             for light in &mut setup.scene.lights {
-                let (nearest, _) = nearest(stack, light);
+                let (nearest, _) = nearest_photograph(stack, light);
                 *light = distant_light(stack.lights()[nearest].map(f64::from));
             }
         }
@@ -61,7 +54,7 @@ pub(super) fn verification(
     let material = PwtMaterial::new(PwtDecoder::new(pack), arguments.repeat.unwrap_or(1)).map_err(wrong)?;
     let sampling = if arguments.exact { FrameBlock::exact() } else { FrameBlock::default() };
     let shader = draw_pwt(&gpu, &setup.scene, setup.frame, &material, sampling)?;
-    let pack = draw_on_cpu(&setup.scene, setup.frame, &material);
+    let pack = draw_pwt_on_cpu(&setup.scene, setup.frame, &material);
     let source = match &stack {
         Some(stack) if setup.builtin == Builtin::Plane => {
             Some(of_photographs(&setup, stack, header.repeats, material.repeat(), common)?)
@@ -102,17 +95,6 @@ fn open_stack(source: &Input, size: [usize; 2]) -> Result<LightStack, Error> {
     Ok(stack)
 }
 
-/// The photograph whose light is nearest to where a light stands, seen from the middle of the picture, and the angle
-/// between the two in degrees.
-fn nearest(stack: &LightStack, light: &PointLight) -> (usize, f64) {
-    let [x, y, z] = light.position;
-    let length = dot(light.position, light.position).sqrt();
-    let towards = [x, -z, y].map(|c| c / length);
-    let cosine = |k: &usize| dot(stack.lights()[*k].map(f64::from), towards);
-    let best = (0..stack.len()).max_by(|a, b| cosine(a).total_cmp(&cosine(b))).unwrap_or(0);
-    (best, cosine(&best).clamp(-1.0, 1.0).acos().to_degrees())
-}
-
 /// The picture with the photograph that is nearest to each light.
 fn of_photographs(
     setup: &scene::Setup,
@@ -123,7 +105,7 @@ fn of_photographs(
 ) -> Result<LinearImage, Error> {
     let mut photographs = Vec::new();
     for light in &setup.scene.lights {
-        let (number, angle) = nearest(stack, light);
+        let (number, angle) = nearest_photograph(stack, light);
         let image = stack.image(number)?;
         let file = stack.file(number).file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         remark(common, &format!("beside {file}, whose light is {angle:.1}° from that of the picture"));

@@ -4,15 +4,11 @@ use super::arguments::Arguments;
 use super::materials::Subject;
 use super::outputs;
 use crate::Error;
-use brdfc_core::words;
-use brdfc_gpu::Gpu;
-use brdfc_gpu::verify::Views;
-use brdfc_jobs::report::render::{PartMaterial, Verification};
-use brdfc_jobs::scene::manifest::{ManifestError, line_of, near_miss};
-use brdfc_jobs::scene::render_section::{MAX_SIDE, RenderSection};
-use brdfc_render::scene::{Environment, Frame, PointLight, Scene};
-use brdfc_render::scenes::Builtin;
-use brdfc_source::radiance_image::open_radiance_image;
+use brdfc::render::{
+    Builtin, Environment, Frame, Gpu, PartMaterial, PointLight, Scene, Verification, Views, open_radiance_image,
+};
+use brdfc::scene::{LightSection, MAX_SIDE, ManifestError, RenderSection, line_of, near_miss};
+use brdfc_terminal::words;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 
@@ -101,10 +97,7 @@ pub(super) fn setup_from(arguments: &Arguments, subject: &Subject, start: &Start
         )));
     }
     if let Some(lights) = &section.lights {
-        let light = |l: &brdfc_jobs::scene::render_section::LightSection| PointLight {
-            position: l.position,
-            intensity: l.intensity.colour(),
-        };
+        let light = |l: &LightSection| PointLight { position: l.position, intensity: l.intensity.colour() };
         scene.lights = lights.iter().map(light).collect();
     }
     if let Some(path) = environment_file(arguments, subject, section) {

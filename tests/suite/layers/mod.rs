@@ -42,6 +42,9 @@ const CODECS: &str = "crates/codecs";
 /// Who may use the graphics driver only where the feature `render` asks for it.
 const GPU_BY_FEATURE: [&str; 3] = ["crates/jobs", "crates/terminal", "."];
 
+/// What the command line may name of our crates: it has no other way in than the library.
+const OF_COMMAND_LINE: [&str; 2] = ["brdfc", "brdfc_terminal"];
+
 /// Layers of stages: typed input to typed output.
 const STAGES: [&str; 10] = [
     "formats",
@@ -157,6 +160,14 @@ fn impurities(folder: &str, file: &str, text: &str) -> Vec<String> {
     wrong
 }
 
+/// Crates of ours that a file of the command line names besides the library.
+fn other_ways_in(file: &str, text: &str) -> Vec<String> {
+    let (imports, paths) = imports_and_paths(&code_of(text));
+    let named = imports.into_iter().map(|import| import.path).chain(paths);
+    let is_other = |path: &Vec<String>| path[0].starts_with("brdfc") && !OF_COMMAND_LINE.contains(&path[0].as_str());
+    named.filter(is_other).map(|path| format!("src/{file} uses {}", path.join("::"))).collect()
+}
+
 /// The files below a crate's `src/`, with their texts.
 fn sources(folder: &str) -> Vec<(String, String)> {
     let src = root().join(folder).join("src");
@@ -207,6 +218,35 @@ fn stages_are_pure() {
     }
     assert!(files > 100, "{files} files");
     assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn the_command_line_is_a_client_of_the_library() {
+    let files: Vec<_> = sources(".").into_iter().filter(|(file, _)| file.starts_with("cli/")).collect();
+    assert!(files.len() > 40, "{} files", files.len());
+    let wrong: Vec<String> = files.iter().flat_map(|(file, text)| other_ways_in(file, text)).collect();
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    let features = &manifest(".")["features"];
+    let parts = features["cli"].as_array().unwrap().iter().filter_map(toml::Value::as_str);
+    let ours: Vec<&str> = parts.filter(|part| part.starts_with("dep:brdfc")).collect();
+    assert_eq!(ours, ["dep:brdfc-terminal"], "what else of ours the program needs is the library's");
+}
+
+#[test]
+fn other_ways_in_are_seen() {
+    for (text, expected) in [
+        (
+            "use brdfc_jobs::convert::{Target, convert};",
+            &["brdfc_jobs::convert::Target", "brdfc_jobs::convert::convert"][..],
+        ),
+        ("pub(super) use brdfc_core as core;", &["brdfc_core"]),
+        ("fn f() { schema_for!(brdfc_gpu::Gpu) }", &["brdfc_gpu::Gpu"]),
+        ("use brdfc::{Build, convert::Target}; use brdfc_terminal::words; use clap::Args; use super::encode;", &[]),
+        ("// brdfc_jobs::encode\nlet text = \"brdfc_jobs::encode\";", &[]),
+    ] {
+        let expected: Vec<String> = expected.iter().map(|path| format!("src/cli/new.rs uses {path}")).collect();
+        assert_eq!(other_ways_in("cli/new.rs", text), expected, "{text}");
+    }
 }
 
 #[test]

@@ -9,6 +9,7 @@ mod input;
 mod read;
 mod run;
 mod scratch;
+pub mod surface;
 pub mod words;
 
 pub use asset::{AssetFile, FlatAsset, Settings};
@@ -17,4 +18,4 @@ pub use describe::{MeshFacts, SurfaceFacts, describe_surface};
 pub use error::FlattenError;
 pub use input::{Geometry, MesoInputError, MesoOptions, PLANE, material_list, open_appearance, open_geometry};
 pub use read::{open_asset, read_report};
-pub use run::{FlattenJob, Values, run};
+pub use run::{FlattenJob, Surface, Values, run};

@@ -3,7 +3,7 @@
 use super::asset::{AssetFile, FlatAsset, Settings};
 use super::error::FlattenError;
 use super::images::{StackImages, write_images};
-use super::input::Geometry;
+use super::input::{Geometry, MesoInputError, MesoOptions, material_list, open_appearance, open_geometry};
 use super::scratch::FolderScratch;
 use crate::btf_stack::StackFormat;
 use crate::store::{Staging, placing};
@@ -12,6 +12,7 @@ use brdfc_core::progress::Progress;
 use brdfc_flat_btf::encode::{FlatInput, FlattenRecipe, ValueSource, encode};
 use brdfc_flat_btf::surface::Appearance;
 use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfFile};
+use brdfc_source::Input;
 use brdfc_source::ordinary_btf::OrdinaryBtf;
 use std::path::Path;
 
@@ -21,6 +22,38 @@ pub enum Values {
     Computed(Appearance),
     /// Images of an ordinary BTF.
     Measured(OrdinaryBtf),
+}
+
+/// A surface and the values of its texels.
+pub struct Surface {
+    /// Its shape.
+    pub geometry: Geometry,
+    /// Sources of its materials; none of an ordinary BTF.
+    pub materials: Vec<String>,
+    /// Where values come from.
+    pub values: Values,
+}
+
+impl Surface {
+    /// Reads geometry and materials, or geometry and an ordinary BTF over it: a folder of images, or a .btf file.
+    ///
+    /// # Errors
+    /// Files that cannot be read, wrong addresses, geometry that does not close, materials that do not fit it.
+    pub fn open(options: &MesoOptions, btf: Option<&Path>) -> Result<Self, MesoInputError> {
+        let Some(path) = btf else {
+            let geometry = open_geometry(options)?;
+            let inputs = material_list(options, &geometry)?;
+            let appearance = open_appearance(options, &inputs, &())?;
+            let materials = inputs.iter().map(Input::short_name).collect();
+            return Ok(Self { geometry, materials, values: Values::Computed(appearance) });
+        };
+        let stack = OrdinaryBtf::open(path)?;
+        let mut geometry = open_geometry(options)?;
+        let folder = path.canonicalize().ok();
+        let folder = folder.as_deref().and_then(Path::file_name).map(|n| n.to_string_lossy().into_owned());
+        geometry.name = format!("{} over {}", folder.unwrap_or_else(|| "images".to_owned()), geometry.name);
+        Ok(Self { geometry, materials: Vec::new(), values: Values::Measured(stack) })
+    }
 }
 
 /// What is made, and where.
@@ -33,12 +66,8 @@ pub struct FlattenJob<'a> {
     pub recipe: &'a FlattenRecipe,
     /// Whether images are compressed with Zstandard.
     pub supercompress: bool,
-    /// The surface.
-    pub geometry: Geometry,
-    /// The materials' sources.
-    pub materials: Vec<String>,
-    /// Where values come from.
-    pub values: Values,
+    /// What is flattened.
+    pub surface: Surface,
     /// Folder and kind of the images of an ordinary BTF to write besides, computed directly.
     pub images: Option<(&'a Path, StackFormat)>,
 }
@@ -49,11 +78,12 @@ pub struct FlattenJob<'a> {
 /// A recipe that cannot be followed, a surface that cannot be laid flat, images that cannot be read, files that cannot be
 /// written. A file of that name in the folder stays as it was.
 pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<FlatAsset, FlattenError> {
-    let Geometry { mesh, weld, name: source, .. } = job.geometry;
+    let Surface { geometry, materials, values: texels } = job.surface;
+    let Geometry { mesh, weld, name: source, .. } = geometry;
     let staging = Staging::new(job.folder).map_err(|error| FlattenError::write(job.folder, error))?;
     let scratch = FolderScratch::new(staging.path().to_owned(), job.folder);
     let images;
-    let values = match &job.values {
+    let values = match &texels {
         Values::Computed(appearance) => ValueSource::Computed(appearance),
         Values::Measured(stack) => {
             images = StackImages(stack);
@@ -61,15 +91,15 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<FlatAsset, Fl
         }
     };
     let encoded = encode(FlatInput { mesh, repairs: weld, values }, job.recipe, &scratch, progress)?;
-    if let (Values::Computed(appearance), Some(images)) = (&job.values, job.images) {
+    if let (Values::Computed(appearance), Some(images)) = (&texels, job.images) {
         write_images(&encoded.model, appearance, job.recipe, images, progress)?;
     }
     let about = AssetFile {
         version: 2,
         name: job.name.to_owned(),
         source,
-        materials: job.materials,
-        images_over_the_tile: match &job.values {
+        materials,
+        images_over_the_tile: match &texels {
             Values::Computed(appearance) => appearance.colour.is_some() || appearance.weights.is_some(),
             Values::Measured(_) => false,
         },

@@ -23,14 +23,24 @@ const SAME_LIGHT: f32 = 1e-4;
 const ALLOWED: &str = "a pack of 'brdfc pwt', a .ptm or a light stack";
 
 /// Errors of what was made of photographs.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
 pub struct PhotographComparison {
-    /// Unit vectors to the lights.
-    pub lights: Vec<[f32; 3]>,
-    /// Errors of all photographs together.
+    /// Errors over all photographs.
+    #[serde(flatten)]
     pub errors: StackErrors,
-    /// Errors of each.
-    pub each: Vec<StackErrors>,
+    /// Each photograph.
+    pub photographs: Vec<PhotographErrors>,
+}
+
+/// Errors of one photograph.
+#[derive(Debug, Clone, Copy, serde::Serialize, schemars::JsonSchema)]
+pub struct PhotographErrors {
+    /// Unit vector to its light.
+    pub light: [f32; 3],
+    /// Peak signal-to-noise ratio of sRGB codes, dB.
+    pub psnr: f64,
+    /// Mean ΔE (CIE76).
+    pub delta_e: f64,
 }
 
 /// What shows a picture under a light of the reference.
@@ -63,11 +73,11 @@ pub fn compare_photographs(reference: &Path, input: &Input) -> Result<Photograph
     };
     let sums: Vec<Result<_, InputError>> = (0..stack.len()).into_par_iter().map(of_light).collect();
     let sums = sums.into_iter().collect::<Result<Vec<_>, _>>()?;
-    Ok(PhotographComparison {
-        lights: stack.lights().to_vec(),
-        errors: StackErrors::of_photographs(&sums),
-        each: sums.iter().map(|sums| StackErrors::of_photographs(std::slice::from_ref(sums))).collect(),
-    })
+    let each = stack.lights().iter().zip(&sums).map(|(light, sums)| {
+        let StackErrors { psnr, delta_e, .. } = StackErrors::of_photographs(std::slice::from_ref(sums));
+        PhotographErrors { light: *light, psnr, delta_e }
+    });
+    Ok(PhotographComparison { errors: StackErrors::of_photographs(&sums), photographs: each.collect() })
 }
 
 impl Shown {

@@ -6,6 +6,7 @@ use brdfc_readers::scan_csv::TexelQuery;
 use brdfc_render::flat::{FlatForm, FlatMaterial};
 use brdfc_source::flat_btf::{flat_btf_file, flat_view, open_flat_btf};
 use brdfc_source::{Input, InputError};
+use rayon::prelude::*;
 
 /// What has a value at a place of a picture.
 #[allow(clippy::large_enum_variant)]
@@ -45,6 +46,11 @@ impl Relightable {
             Self::Pack(decoder) => decoder.pack().header().levels,
             Self::Flat(material) => material.decoder().parts().values.levels() - 1,
         }
+    }
+
+    /// [`Self::value`] of each query.
+    pub fn values(&self, queries: &[TexelQuery], level: f32) -> Vec<[f32; 3]> {
+        queries.par_iter().map(|query| self.value(query, level)).collect()
     }
 
     /// Linear RGB. `level` counts from the coarsest, 0; [`Self::levels`] is the finest.

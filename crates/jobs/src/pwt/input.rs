@@ -98,6 +98,12 @@ impl LightInput {
     }
 }
 
+/// Whether a photograph holds values above 1, which is white: errors in dB count them as 1.
+pub fn any_above_white(samples: &LightSamples) -> bool {
+    let is_bright = |picture: &Vec<[f32; 3]>| picture.as_flattened().iter().any(|value| *value > 1.0);
+    samples.pictures.par_iter().any(is_bright)
+}
+
 pub(super) fn refused(input: &impl std::fmt::Display, field: &'static str, found: &str, allowed: &str) -> PwtError {
     let error = FormatError::whole(field, found.to_owned(), allowed);
     PwtError::Input(InputError::Format { name: input.to_string(), error })

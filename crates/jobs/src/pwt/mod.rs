@@ -7,9 +7,9 @@ mod input;
 mod make;
 mod report;
 
-pub use compare::{PhotographComparison, compare_photographs};
+pub use compare::{PhotographComparison, PhotographErrors, compare_photographs};
 pub use error::PwtError;
 pub use evaluate::{Relightable, open_flat_material};
-pub use input::LightInput;
+pub use input::{LightInput, any_above_white};
 pub use make::{HeldOut, PwtMade, make, make_map, permutation, recipe_of_map};
 pub use report::{LevelReport, PwtReport};

@@ -5,9 +5,7 @@ use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::fill::FillMethod;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::flat_btf::IndirectionHeader;
-use brdfc_jobs::flatten::{
-    FlattenJob, MesoOptions, Values, material_list, open_appearance, open_geometry, run as flatten,
-};
+use brdfc_jobs::flatten::{FlattenJob, MesoOptions, Surface, run as flatten};
 use brdfc_source::Input;
 use brdfc_testing::golden::encodes::{Packs, check_encodes};
 use brdfc_testing::testdata;
@@ -15,13 +13,8 @@ use brdfc_testing::testdata;
 /// The file of a flat BTF.
 fn flat_btf(name: &str, options: &MesoOptions, recipe: &FlattenRecipe, supercompress: bool) -> Packs {
     let folder = tempfile::tempdir().expect("a folder for the file");
-    let geometry = open_geometry(options).unwrap_or_else(|error| panic!("{error}"));
-    let materials = material_list(options, &geometry).unwrap_or_else(|error| panic!("{error}"));
-    let appearance = open_appearance(options, &materials, &()).unwrap_or_else(|error| panic!("{error}"));
-    let values = Values::Computed(appearance);
-    let materials = materials.iter().map(Input::to_string).collect();
-    let job =
-        FlattenJob { name, folder: folder.path(), recipe, supercompress, geometry, materials, values, images: None };
+    let surface = Surface::open(options, None).unwrap_or_else(|error| panic!("{error}"));
+    let job = FlattenJob { name, folder: folder.path(), recipe, supercompress, surface, images: None };
     flatten(job, &()).unwrap_or_else(|error| panic!("{name}: {error}"));
     let file = format!("{name}.ktx2");
     let bytes = std::fs::read(folder.path().join(&file)).unwrap_or_else(|error| panic!("{file}: {error}"));

@@ -12,7 +12,8 @@ const BRUSHED: &str = "synth:ward?kd=0.01&ks=0.4&ax=0.1&ay=0.6";
 
 fn simulated(model: &str, rows: usize, azimuths: usize) -> Vec<Row> {
     let model = brdfc_source::open::open(model, None).unwrap().source;
-    let plan = ScanPlan { rows, incidences: 5, azimuths, noise: 0.0, gaps: 0.0, duplicates: 0.0, seed: 5 };
+    let plan =
+        ScanPlan { rows, incidences: 5, azimuths: Some(azimuths), noise: 0.0, gaps: 0.0, duplicates: 0.0, seed: 5 };
     scan(model.as_ref(), &plan)
 }
 

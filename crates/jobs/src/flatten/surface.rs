@@ -1,11 +1,11 @@
-//! What people read of an input of `brdfc flatten`.
+//! Summaries of what is flattened.
 
-use crate::table::bytes;
-use brdfc_jobs::flatten::words::{height, repairs_in_words};
-use brdfc_jobs::flatten::{MeshFacts, SurfaceFacts};
+use super::describe::{MeshFacts, SurfaceFacts};
+use super::words::{height, repairs_in_words};
+use brdfc_core::words::bytes;
 
-/// Lines of name and value.
-pub(super) fn in_words(facts: &SurfaceFacts) -> Vec<(&'static str, String)> {
+/// Names and values.
+pub fn in_words(facts: &SurfaceFacts) -> Vec<(&'static str, String)> {
     match facts {
         SurfaceFacts::Structure { address, vertices, triangles, heights: [low, high], materials } => vec![
             ("kind", "structure, for 'brdfc flatten'".to_owned()),

@@ -1,0 +1,17 @@
+//! Flat BTFs of surfaces with relief, and of ordinary BTFs: `brdfc flatten`.
+//!
+//! [`Surface::open`] reads what [`run`] flattens; [`open_asset`] reads what it wrote.
+
+pub use brdfc_flat_btf::encode::{FlattenRecipe, Form};
+pub use brdfc_flat_btf::factored::FactoredTarget;
+pub use brdfc_flat_btf::fill::FillMethod;
+pub use brdfc_flat_btf::probes::ColourErrors;
+pub use brdfc_flat_btf::structures::{STRUCTURES, describe_structures};
+pub use brdfc_formats::direction_set::DirectionSet;
+pub use brdfc_formats::flat_btf::IndirectionHeader;
+pub use brdfc_jobs::btf_stack::StackFormat;
+pub use brdfc_jobs::flatten::{
+    AssetFile, FlatAsset, FlattenError, FlattenJob, MesoOptions, PLANE, Surface, Values, open_asset, read_report, run,
+    words,
+};
+pub use brdfc_source::ordinary_btf::OrdinaryBtf;

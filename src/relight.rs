@@ -1,0 +1,13 @@
+//! Photographs under known lights as one pack that is lit from anywhere: `brdfc pwt`.
+//!
+//! [`LightInput::open`] reads them, [`make`] makes a polynomial wavelet tree, [`make_map`] a polynomial texture map (.ptm).
+
+pub use brdfc_formats::pwt::LightCoordinates;
+pub use brdfc_jobs::pwt::{
+    LevelReport, LightInput, PwtError, PwtMade, PwtReport, any_above_white, make, make_map, recipe_of_map,
+};
+pub use brdfc_pwt::measure::StackErrors;
+pub use brdfc_pwt::ptm::MapModel;
+pub use brdfc_pwt::{DomainName, LightSamples, PwtRecipe, Target, Wavelet};
+pub use brdfc_readers::ptm::Ptm;
+pub use brdfc_source::ptm::EXTENSION as PTM;

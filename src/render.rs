@@ -1,0 +1,119 @@
+//! Packs drawn by the shaders that engines use and by the CPU, with how far apart they are: `brdfc render`, with the feature
+//! `render`.
+//!
+//! [`Gpu::open`] opens a graphics adapter, [`views`] draws a [`Scene`] of materials, [`Verification`] measures the renderings.
+//! [`AdaptiveRenderer`] shades where predicted bandwidth asks for it.
+
+pub use brdfc_bandwidth::map::environment_map;
+pub use brdfc_formats::bindings::FrameBlock;
+pub use brdfc_formats::pwt::{PwtDecoder, PwtPack};
+pub use brdfc_formats::wavelet::{DEFAULT_DISTANCE_SCALE, Filter};
+pub use brdfc_gpu::verify::{Material, PackReflectance, Views, views};
+pub use brdfc_gpu::{AdapterChoice, AdaptiveRenderer, Decoding, Gpu, GpuError, SliceFilter, draw_flat_btf, draw_pwt};
+pub use brdfc_jobs::report::adaptive::{AdaptivePictures, AdaptiveVerification};
+pub use brdfc_jobs::report::contact::MaterialVerification;
+pub use brdfc_jobs::report::render::{PartMaterial, PictureGates, Verification};
+pub use brdfc_metrics::image::{LinearImage, auto_exposure};
+pub use brdfc_render::adaptive::{
+    AdaptiveMaterial, AdaptivePicture, AdaptiveScene, DistantLight, Lookups, Prediction, Settings, Start, ground_truth,
+};
+pub use brdfc_render::contact_sheet::contact_sheet;
+pub use brdfc_render::flat::{FlatForm, FlatMaterial, draw_on_cpu as draw_flat_btf_on_cpu};
+pub use brdfc_render::picture::{difference_panel, rgb_png, sheet, to_exr, to_panel, to_png};
+pub use brdfc_render::pwt::{
+    Photograph, PwtMaterial, distant_light, draw_on_cpu as draw_pwt_on_cpu, draw_photographs, picture_scene,
+};
+pub use brdfc_render::scene::{Environment, Frame, PointLight, Scene};
+pub use brdfc_render::scenes::Builtin;
+pub use brdfc_render::shade::Reflectance;
+pub use brdfc_source::flat_btf::flat_view;
+pub use brdfc_source::pack::open_brdf_pack;
+pub use brdfc_source::radiance_image::open_radiance_image;
+
+use crate::flatten::{AssetFile, MesoOptions, PLANE};
+use crate::inspect::{AnyPack, LightStack};
+use crate::{Error, Input};
+use brdfc_core::PackSource;
+use brdfc_core::address::is_synth;
+use brdfc_flat_btf::model::MesoModel;
+use brdfc_formats::direction::dot;
+use brdfc_jobs::flatten::{open_appearance, open_geometry};
+use brdfc_render::adaptive::ANY_LEVEL;
+use brdfc_render::flat::reference_plane;
+use brdfc_render::picture::{heat_map, octave_map};
+
+/// Bandwidth and importance samples of a material for adaptive shading: from `maps` where these are both, else from its source or
+/// its pack.
+///
+/// # Errors
+/// Maps that do not fit the material.
+pub fn lookups(material: &Material<'_>, maps: &[AnyPack]) -> Result<Lookups, Error> {
+    let unpacked;
+    let source = match material.source {
+        Some(source) => source,
+        None => {
+            unpacked = PackSource::new(&**material.pack, None);
+            &unpacked
+        }
+    };
+    let found = match maps {
+        [AnyPack::Bandwidth(bandwidth), AnyPack::Importance(samples)] => {
+            Lookups::of_packs(source, bandwidth.clone(), samples.clone())
+        }
+        _ => Lookups::new(source),
+    };
+    found.map_err(|error| Error::internal(error.to_string()))
+}
+
+/// Draws the surface that a flat BTF was made of on a plane, `repeat` tiles per unit of uv; nothing where its geometry or a
+/// material was a file, or where it has light of bounces.
+///
+/// # Errors
+/// Addresses that this version does not know.
+pub fn draw_surface(scene: &Scene, frame: Frame, asset: &AssetFile, repeat: u32) -> Result<Option<LinearImage>, Error> {
+    let (source, materials) = (&asset.source, &asset.materials);
+    let from_formula = is_synth(source) || source == PLANE;
+    let from_files = !from_formula || materials.is_empty() || !materials.iter().all(|m| is_synth(m));
+    if from_files || asset.settings.bounces > 0 || asset.images_over_the_tile {
+        return Ok(None);
+    }
+    let options = MesoOptions {
+        geometry: is_synth(source).then(|| source.into()),
+        tile: 1.0,
+        height_scale: 1.0,
+        height_offset: 0.0,
+        materials: Vec::new(),
+        colour: None,
+        weights: None,
+    };
+    let geometry = open_geometry(&options)?;
+    let materials: Vec<Input> = materials.iter().map(Input::from).collect();
+    let appearance = open_appearance(&options, &materials, &())?;
+    let model = MesoModel::new(geometry.mesh, 0).map_err(|error| Error::input(format!("{source}: {error}")))?;
+    Ok(Some(reference_plane(scene, frame, &model, &appearance, repeat)))
+}
+
+/// The photograph whose light is nearest to where a light is, seen from the middle of the picture, and the angle between the two
+/// in degrees.
+pub fn nearest_photograph(stack: &LightStack, light: &PointLight) -> (usize, f64) {
+    let [x, y, z] = light.position;
+    let length = dot(light.position, light.position).sqrt();
+    let towards = [x, -z, y].map(|c| c / length);
+    let cosine = |k: &usize| dot(stack.lights()[*k].map(f64::from), towards);
+    let best = (0..stack.len()).max_by(|a, b| cosine(a).total_cmp(&cosine(b))).unwrap_or(0);
+    (best, cosine(&best).clamp(-1.0, 1.0).acos().to_degrees())
+}
+
+/// Bandwidth, levels and variance of a prediction of `width` x `height` points side by side, as a PNG: logarithms, from dark to
+/// pale yellow. The background is dark.
+pub fn prediction_png(prediction: &Prediction, [width, height]: [usize; 2]) -> Vec<u8> {
+    let coarsest = prediction.level.iter().filter(|level| **level != ANY_LEVEL).max().copied().unwrap_or(0);
+    let fineness = |level: &i32| if *level == ANY_LEVEL { 0.0 } else { 1.0 - *level as f32 / (coarsest + 1) as f32 };
+    let levels: Vec<f32> = prediction.level.iter().map(fineness).collect();
+    let variance: Vec<f32> = prediction.deviation.iter().map(|deviation| deviation * deviation).collect();
+    rgb_png(&sheet(&[
+        octave_map(&prediction.bandwidth, width, height, 8.0),
+        heat_map(&levels, width, height, 1.0),
+        octave_map(&variance, width, height, 16.0),
+    ]))
+}

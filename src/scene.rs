@@ -1,0 +1,28 @@
+//! Builds in detail: plans, parts for several machines, watching files. [`Build`](crate::Build) is `brdfc build`.
+
+pub use brdfc_jobs::depfile::depfile;
+pub use brdfc_jobs::encode::Predicted;
+pub use brdfc_jobs::file_events::FileEvents;
+pub use brdfc_jobs::report::build::{MaterialEntry, environment_map};
+pub use brdfc_jobs::scene::build::MaterialFile;
+pub use brdfc_jobs::scene::current::PackFolder;
+pub use brdfc_jobs::scene::explain::{Explained, NOTHING};
+pub use brdfc_jobs::scene::graph::{Graph, Places};
+pub use brdfc_jobs::scene::inputs::{manifest_among, read_manifest};
+pub use brdfc_jobs::scene::manifest::{Manifest, ManifestError, Use, line_of, near_miss};
+pub use brdfc_jobs::scene::maps::{PARTS, Packed, part_name};
+pub use brdfc_jobs::scene::plan::{EnvironmentJob, Job, REPORT, pack_name, plan};
+pub use brdfc_jobs::scene::render_section::{LightSection, MAX_SAMPLES, MAX_SIDE, RenderSection};
+pub use brdfc_jobs::scene::watch::{Change, Watched, What};
+pub use brdfc_jobs::scene::works::{Shard, Work};
+
+use brdfc_jobs::store::{Staging, placing};
+
+/// Removes the unfinished files of all builds of this process, which is about to exit: for handlers of signals. Waits for
+/// finished files that are being moved; none are moved while the guard lives.
+#[must_use]
+pub fn abandon() -> impl Sized {
+    let guard = placing();
+    Staging::remove_all();
+    guard
+}
