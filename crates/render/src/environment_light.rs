@@ -1,22 +1,16 @@
 //! Radiance that a surface reflects from an environment, without visibility: equation 1 of Bagher et al. 2012,
 //! "Interactive rendering of acquired materials on dynamic geometry using bandwidth prediction".
 
-use super::environment_sampler::{EnvironmentSampler, FramedEnvironmentSampler};
-use super::lobe_sampler::{BalancedSampler, LobeSampler, shift_of};
-use super::sample_means::sample_means;
-use super::scene::{Environment, Frame, Scene};
+use super::lobe_sampler::LobeSampler;
+use super::scene::Environment;
 use super::shade::Reflectance;
 use super::shading_point::ShadingPoint;
-use super::trace::Hits;
 use brdfc_formats::direction::{DirectionPair, Vector};
-use brdfc_metrics::image::LinearImage;
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
 /// Runs of samples whose spread is the stated error.
 const RUNS: usize = 16;
-/// Samples that [`converged`] starts with.
-const FIRST_SAMPLES: usize = 256;
 
 /// An integral by samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,27 +70,6 @@ pub fn reflected(
     Estimate { radiance, error, samples: length * RUNS }
 }
 
-/// [`reflected`] with twice as many samples again and again, from 256 on, until the error of no channel is above
-/// `tolerance` (radiance), or there are `most`.
-pub fn converged(
-    point: &ShadingPoint,
-    environment: &Environment,
-    material: &dyn Reflectance,
-    sampler: &dyn LobeSampler,
-    tolerance: f64,
-    most: usize,
-) -> Estimate {
-    let mut samples = FIRST_SAMPLES.min(most);
-    loop {
-        let estimate = reflected(point, environment, material, sampler, samples);
-        let enough = estimate.error.iter().all(|error| *error <= tolerance);
-        if enough || samples >= most {
-            return estimate;
-        }
-        samples = (2 * samples).min(most);
-    }
-}
-
 /// The integral as a sum over all texels, each divided into `per_side²` equal solid angles: slow, and independent of
 /// samplers. Its error falls with the square of `per_side` where lobe and environment are smooth.
 pub fn quadrature(
@@ -131,36 +104,6 @@ pub fn quadrature(
 pub(crate) fn texel_solid_angle(row: usize, width: usize, height: usize) -> f64 {
     let [above, below] = [row, row + 1].map(|edge| (PI * edge as f64 / height as f64).cos());
     (above - below) * TAU / width as f64
-}
-
-/// What a frame shows of a scene that its environment lights, `samples` directions for each of the frame's samples: half
-/// of them by the lobe of the part's material, half by the light of the environment.
-///
-/// Point lights and mirrors are left out.
-///
-/// # Panics
-/// If there are fewer materials or lobes than parts, or hits of another frame.
-pub fn shade_by_environment(
-    scene: &Scene,
-    frame: Frame,
-    hits: &Hits,
-    materials: &[&dyn Reflectance],
-    lobes: &[&dyn LobeSampler],
-    samples: usize,
-) -> LinearImage {
-    let each = frame.samples_per_pixel();
-    assert_eq!(hits.0.len(), frame.width * frame.height * each, "hits of this frame");
-    assert!(materials.len().min(lobes.len()) >= scene.parts.len(), "one material and lobe for each part");
-    let light = EnvironmentSampler::new(&scene.environment);
-    sample_means(scene, frame, |pixel, sample| {
-        let hit = hits.0[pixel * each + sample].as_ref()?;
-        let part = hit.part as usize;
-        let point = ShadingPoint::new(&scene.parts[part], hit, scene.camera.eye);
-        let framed =
-            FramedEnvironmentSampler { environment: &light, point: &point, shift: shift_of(pixel * each + sample) };
-        let both = BalancedSampler { first: lobes[part], second: &framed };
-        Some(reflected(&point, &scene.environment, materials[part], &both, samples).radiance)
-    })
 }
 
 #[cfg(test)]

@@ -2,11 +2,11 @@
 
 use super::PAPER;
 use super::apparent::{Apparent, ApparentSizes, summary};
+use super::coherency::ViewVariance;
 use super::grids::{grid_errors, stored_maps};
 use super::reconstruction::{LookUps, row};
 use super::rows::{CoherencyRow, ModelRow, Spread, StudySettings};
 use brdfc_core::address::{AddressError, parse_synth};
-use brdfc_flat_btf::coherency::ViewVariance;
 use brdfc_flat_btf::light_field::{ComputedField, FillGuide, FlattenedView, Holes, from_above, visible};
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::parameterise::ParameteriseError;

@@ -1,6 +1,7 @@
 //! The error study of Hadim et al. 2009 (section 4) on our own meso-structures.
 
 mod apparent;
+pub mod coherency;
 mod grids;
 mod measure;
 mod paper;

@@ -4,7 +4,6 @@
 //! Lengths are in tiles: the surface repeats after 1 along x and y; z is up, and the reference plane is `z = 0`.
 
 pub mod caster;
-pub mod coherency;
 pub mod diffuse;
 pub mod displacement;
 pub mod encode;

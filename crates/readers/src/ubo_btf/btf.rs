@@ -4,7 +4,6 @@ use super::colour::ColourModel;
 use super::matrix::Channel;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::{FormatError, memory};
-use std::ops::Range;
 
 /// What every file begins with.
 pub const SIGNATURE: &[u8; 10] = b"!DFMF08FCR";
@@ -122,7 +121,10 @@ impl UboBtf {
     /// Indices that the file has not.
     pub fn texel(&self, view: usize, light: usize, texel: usize) -> Result<[f32; 3], FormatError> {
         let pair = self.pair(view, light)?;
-        self.check_texels(&(texel..texel.saturating_add(1)))?;
+        let [width, height] = self.description.size;
+        if texel >= width * height {
+            return Err(FormatError::whole("texel", texel.to_string(), format!("less than {}", width * height)));
+        }
         let rows = self.channels.each_ref().map(|channel| channel.pairs().row(pair));
         Ok(self.colour(std::array::from_fn(|c| self.channels[c].texels().dot(texel, &rows[c]))))
     }
@@ -145,31 +147,6 @@ impl UboBtf {
         Ok(pixels)
     }
 
-    /// Linear RGB of texels (`row * width + column`) under all pairs of directions, as [`Self::texel`] gives it: that of
-    /// texel `t`, view `v` and light `l` stands at `((t - texels.start) * views + v) * lights + l`.
-    ///
-    /// A row of texels is `row * width..(row + 1) * width`.
-    ///
-    /// # Errors
-    /// Texels that the file has not; more values than there is memory for.
-    pub fn apparent_brdfs(&self, texels: Range<usize>) -> Result<Vec<[f32; 3]>, FormatError> {
-        self.check_texels(&texels)?;
-        let pairs = self.description.views.len() * self.description.lights.len();
-        let count = texels.len().saturating_mul(pairs);
-        let mut values = memory::filled("values of texels", count, [0.0; 3])?;
-        for (c, channel) in self.channels.iter().enumerate() {
-            let rows: Vec<Vec<f32>> = texels.clone().map(|texel| channel.texels().row(texel)).collect();
-            for pair in 0..pairs {
-                let of_pair = channel.pairs().row(pair);
-                for (k, row) in rows.iter().enumerate() {
-                    values[k * pairs + pair][c] = super::matrix::dot(&of_pair, row);
-                }
-            }
-        }
-        values.iter_mut().for_each(|value| *value = self.colour(*value));
-        Ok(values)
-    }
-
     /// Finite, whatever stands in the matrices.
     fn colour(&self, channels: [f32; 3]) -> [f32; 3] {
         self.description
@@ -186,14 +163,5 @@ impl UboBtf {
             }
         }
         Ok(view * lights + light)
-    }
-
-    fn check_texels(&self, texels: &Range<usize>) -> Result<(), FormatError> {
-        let [width, height] = self.description.size;
-        if texels.start < texels.end && texels.end <= width * height {
-            return Ok(());
-        }
-        let allowed = format!("one or more of 0..{}", width * height);
-        Err(FormatError::whole("texels", format!("{texels:?}"), allowed))
     }
 }

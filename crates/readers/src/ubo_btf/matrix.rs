@@ -108,7 +108,7 @@ impl Matrix {
         }
     }
 
-    /// [`dot`] of a row, without a copy of it.
+    /// Product with a row, without a copy of it; the order of its sums depends on nothing but the length.
     pub(super) fn dot(&self, row: usize, with: &[f32]) -> f32 {
         let range = row * self.columns..(row + 1) * self.columns;
         match &self.numbers {
@@ -122,10 +122,6 @@ impl Matrix {
 const LANES: usize = 16;
 
 /// Product of two rows of one length; the order of its sums depends on nothing but the length.
-pub(super) fn dot(a: &[f32], b: &[f32]) -> f32 {
-    dot_of(a, b, |value| value)
-}
-
 #[inline]
 fn dot_of<T: Copy>(a: &[T], b: &[f32], decode: impl Fn(T) -> f32) -> f32 {
     let (a, rest) = a.as_chunks::<LANES>();

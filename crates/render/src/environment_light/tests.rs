@@ -1,9 +1,10 @@
 use super::*;
-use crate::lobe_sampler::CosineSampler;
+use crate::environment_sampler::{EnvironmentSampler, FramedEnvironmentSampler};
+use crate::lobe_sampler::{BalancedSampler, CosineSampler};
 use crate::scene::Camera;
 use crate::shade::SourceReflectance;
 use crate::testing::{plain_scene, quad};
-use crate::trace::{Hit, trace};
+use crate::trace::Hit;
 use brdfc_core::address::parse_synth;
 
 /// A point whose normal is between all axes.
@@ -132,37 +133,5 @@ fn samples_agree_with_the_sum_over_texels_within_their_error() {
             let wrong = reflected(&point, &environment, &WithoutCosine(&material), &both, 1 << 14);
             assert!((wrong.radiance[k] - expected[k]).abs() > 10.0 * found.error[k], "{address}: {wrong:?}");
         }
-    }
-}
-
-#[test]
-fn it_samples_until_the_error_is_small_enough() {
-    let (point, environment) = (point(), lamps());
-    let light = EnvironmentSampler::new(&environment);
-    let framed = framed(&light, &point);
-    let both = BalancedSampler { first: &CosineSampler::default(), second: &framed };
-    let run = |tolerance, most| converged(&point, &environment, &Lambert([0.5; 3]), &both, tolerance, most);
-    let [rough, fine] = [0.1, 0.002].map(|tolerance| run(tolerance, 1 << 20));
-    assert!(rough.samples < fine.samples && fine.samples < 1 << 20, "{rough:?} {fine:?}");
-    assert!(fine.error.iter().all(|error| *error <= 0.002));
-    assert_eq!(run(0.0, 1000).samples, 1008);
-}
-
-#[test]
-fn a_picture_in_a_constant_environment() {
-    let mut scene = plain_scene(quad(0.8, 0.0), CAMERA);
-    scene.environment = plain(2.0);
-    let frame = Frame { width: 16, height: 12, samples: 2 };
-    let draw = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let hits = trace(&scene, frame);
-        let lobes: [&dyn LobeSampler; 1] = [&CosineSampler::default()];
-        pool.install(|| shade_by_environment(&scene, frame, &hits, &[&Lambert([0.5; 3])], &lobes, 512))
-    };
-    let image = draw(1);
-    assert_eq!(image, draw(4));
-    assert!(image.coverage.contains(&1.0) && image.coverage.contains(&0.0));
-    for (pixel, coverage) in image.pixels.iter().zip(&image.coverage) {
-        assert!((pixel[0] - coverage).abs() < 0.02, "{pixel:?} {coverage}");
     }
 }
