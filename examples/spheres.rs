@@ -59,7 +59,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         // What '--codec wavelet' makes, and below what the paper ranks by.
         for (line, recipe) in (1..).zip([by_default, PackRecipe::Wavelet(Recipe::visible())]) {
             let made = encode(source.as_ref(), &recipe, &())?;
-            println!("{name}, {}: {}", made.codec.codec(), cost(&made));
+            println!("{name}, {}: {}", made.codec.variant(), cost(&made));
             draw(&mut packs, [row, line], &PackSource::new(&*made.pack, None));
         }
         for (column, ratio) in (1..).zip(RATIOS) {

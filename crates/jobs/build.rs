@@ -5,13 +5,15 @@ use std::hash::{DefaultHasher, Hasher as _};
 use std::path::{Path, PathBuf};
 
 /// Relative to this crate. What prints, draws or manages files is not among them.
-const DECIDES: [&str; 10] = [
+const DECIDES: [&str; 12] = [
     "../../formats/src",
     "../core/src",
     "../readers/src",
     "../source/src",
     "../metrics/src",
+    "../codec/src",
     "../codecs",
+    "../encode/src",
     "src/encode",
     "src/report/material.rs",
     "src/scene/maps.rs",

@@ -11,8 +11,8 @@ use std::fmt::Debug;
 
 /// A pack of a BRDF, whichever its codec.
 pub trait Brdf: Debug + Send + Sync {
-    /// The name of its codec or, where the codec has several, of the variant, as `--codec` takes it.
-    fn codec(&self) -> &'static str;
+    /// The variant of its codec, as `--codec` takes it: the name of the codec where it has one variant alone.
+    fn variant(&self) -> &'static str;
 
     /// Colour channels that are stored, 1 or 3.
     fn channels(&self) -> u32;
@@ -26,7 +26,7 @@ pub trait Brdf: Debug + Send + Sync {
     /// Directions that it is for.
     fn directions(&self) -> DirectionRange;
 
-    /// Levels of detail besides the coarsest: the finest is level `levels`.
+    /// Levels of detail less one: level 0 is the coarsest, level `levels` the finest.
     fn levels(&self) -> u32;
 
     /// Texture fetches of one look-up at the finest level of detail, with the filter that errors are measured with.
@@ -52,7 +52,7 @@ pub trait Brdf: Debug + Send + Sync {
 
 /// A pack of a BRDF, unpacked for random access.
 pub trait BrdfDecoder: Debug + Send + Sync {
-    /// Levels of detail besides the coarsest.
+    /// Levels of detail less one: level 0 is the coarsest, level `levels` the finest.
     fn levels(&self) -> u32;
 
     /// Whether all three channels are equal everywhere.

@@ -12,15 +12,15 @@ use crate::wavelet::WaveletPack;
 use crate::{Brdf, FormatError};
 use std::ops::Deref;
 
-/// Makes [`PackKind`], [`Pack`] and [`BrdfPack`] of one line for each codec: its name in Rust, what is held of a pack, what reads
-/// one, its folder. Those of BRDFs come first.
+/// Makes [`PackKind`], [`Pack`] and [`BrdfPack`] of one line for each codec. Of BRDFs: its name in Rust, its pack, its folder; of
+/// others: the name, the type that [`Pack`] holds, the type that reads a pack, the folder.
 macro_rules! codecs {
     (
-        brdfs: { $($(#[$brdf_doc:meta])* $brdf:ident($brdf_held:ty): $brdf_pack:ident, $brdf_folder:ident;)* }
+        brdfs: { $($(#[$brdf_doc:meta])* $brdf:ident($brdf_pack:ident): $brdf_folder:ident;)* }
         others: { $($others:tt)* }
     ) => {
         codecs! {
-            $($(#[$brdf_doc])* $brdf($brdf_held): $brdf_pack, $brdf_folder;)*
+            $($(#[$brdf_doc])* $brdf($brdf_pack): $brdf_pack, $brdf_folder;)*
             $($others)*
         }
 
@@ -28,7 +28,7 @@ macro_rules! codecs {
         #[derive(Debug, Clone, PartialEq)]
         #[allow(clippy::large_enum_variant)]
         pub enum BrdfPack {
-            $($(#[$brdf_doc])* $brdf($brdf_held),)*
+            $($(#[$brdf_doc])* $brdf($brdf_pack),)*
         }
 
         impl Deref for BrdfPack {
@@ -115,9 +115,9 @@ macro_rules! codecs {
 codecs! {
     brdfs: {
         /// A table pack, plain or factored.
-        Table(TablePack): TablePack, table;
+        Table(TablePack): table;
         /// A wavelet BRDF pack.
-        Wavelet(WaveletPack): WaveletPack, wavelet;
+        Wavelet(WaveletPack): wavelet;
     }
     others: {
         /// A flat BTF.

@@ -64,7 +64,7 @@ pub fn throughput(gpu: &Gpu, packs: &[BrdfPack], progress: impl Fn(usize, usize)
         let cpu = |all| rates.cpu(all, |pair| decoder.eval(pair, level, case.filter)[0]);
         let shader = |slices| rates.shader(case.pack, case.filter, level, slices);
         rows.push(Rate {
-            codec: case.pack.codec().to_owned(),
+            codec: case.pack.variant().to_owned(),
             filter: case.name.to_owned(),
             level: case.level,
             fetches: case.fetches,

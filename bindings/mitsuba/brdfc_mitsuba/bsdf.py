@@ -37,7 +37,7 @@ def pack_bsdf():
             self.name = str(mi.file_resolver().resolve(str(props["filename"])))
             material = brdfc.open(self.name)
             if not isinstance(material, brdfc.Material):
-                raise ValueError(f"{self.name}: pack: found a {material.kind}; allowed a table or wavelet pack")
+                raise ValueError(f"{self.name}: pack: found a {material.kind}; allowed a pack of a BRDF")
             pack = material.pack()
             lod = props["lod"] if "lod" in props else None
             if lod is not None and not (is_number(lod) and 0.0 <= lod <= material.levels):

@@ -23,7 +23,7 @@ def check(results, folder):
     file, missing = pack("plastic", folder), os.path.join(folder, "nothing.ktx2")
     cases = {
         "a file that is missing": ({"filename": missing}, f"{missing}: cannot read: No such file or directory"),
-        "a file that is no pack": ({"filename": RED}, "a merl; allowed a table or wavelet pack"),
+        "a file that is no pack": ({"filename": RED}, "a merl; allowed a pack of a BRDF"),
         "a level that there is not": ({"filename": file, "lod": 3.0}, "lod: found 3; allowed 0 to 0, the pack's levels"),
         "a level that is a text": ({"filename": file, "lod": "fine"}, "lod: found fine; allowed 0 to 0, the pack's levels"),
         "a text for a truth": ({"filename": file, "exchanged": "yes"}, "exchanged: found yes; allowed true or false"),

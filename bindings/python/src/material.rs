@@ -143,7 +143,7 @@ impl Material {
     fn pack<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         match &self.decoded {
             Some((pack, _)) => fields::of_pack(py, pack),
-            None => Err(wrong("pack", format!("{}, a {}", self.name, self.kind()), "a table or wavelet pack")),
+            None => Err(wrong("pack", format!("{}, a {}", self.name, self.kind()), "a pack of a BRDF")),
         }
     }
 

@@ -207,7 +207,7 @@ def check_errors(folder):
         "lod: found a number; allowed none: only packs have levels of detail": lambda: material.eval(up, up, 1),
         "lod: found 9; allowed 0 to 5, the pack's levels": lambda: pack.eval(up, up, lod=9),
         "lod: found NaN; allowed 0 to 5, the pack's levels": lambda: pack.eval(up, up, lod=np.nan),
-        "pack: found synth:lambert, a synth; allowed a table or wavelet pack": material.pack,
+        "pack: found synth:lambert, a synth; allowed a pack of a BRDF": material.pack,
     }
     for expected, call in calls.items():
         found, text = raised(call)

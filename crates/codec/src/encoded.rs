@@ -8,8 +8,8 @@ use brdfc_metrics::norms::Norms;
 
 /// What a codec reports of a pack.
 pub trait BrdfReport {
-    /// The name of the codec or of its variant, as `--codec` takes it.
-    fn codec(&self) -> &'static str;
+    /// The variant of the codec, as `--codec` takes it: the name of the codec where it has one variant alone.
+    fn variant(&self) -> &'static str;
 
     /// How large the pack is, in the codec's own units: `13x6x6`.
     fn size(&self) -> String;
@@ -87,7 +87,7 @@ impl<R: BrdfReport> Encoded<R> {
     pub fn trial(&self, meets: bool) -> Trial {
         let picture = &self.off_grid.picture.delta_e;
         Trial {
-            codec: self.codec.codec().to_owned(),
+            codec: self.codec.variant().to_owned(),
             size: self.codec.size(),
             bytes_on_gpu: self.pack.gpu_bytes(),
             fetches: self.pack.fetches(),

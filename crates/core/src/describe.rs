@@ -16,7 +16,7 @@ pub trait Describe {
         DirectionRange::ALL
     }
 
-    /// Levels of detail besides the finest, of packs alone.
+    /// Levels of detail less one, of packs alone: level 0 is the coarsest.
     fn levels(&self) -> Option<u32> {
         None
     }

@@ -93,8 +93,8 @@ macro_rules! codecs {
         }
 
         impl BrdfReport for CodecReport {
-            fn codec(&self) -> &'static str {
-                (**self).codec()
+            fn variant(&self) -> &'static str {
+                (**self).variant()
             }
 
             fn size(&self) -> String {

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use wgpu::{BindingType, ShaderStages};
 
 /// The codecs of BRDFs.
-fn codecs() -> impl DoubleEndedIterator<Item = (PackKind, BrdfShader)> {
+fn codecs() -> impl Iterator<Item = (PackKind, BrdfShader)> {
     PackKind::ALL.into_iter().filter_map(|kind| Some((kind, kind.descriptor().brdf?)))
 }
 
@@ -21,11 +21,16 @@ fn codecs() -> impl DoubleEndedIterator<Item = (PackKind, BrdfShader)> {
 pub(super) fn brdf_source() -> String {
     let wgsl: Vec<String> = codecs().map(|(kind, _)| (kind.descriptor().wgsl)()).collect();
     let chosen = |of: &dyn Fn(BrdfShader) -> String| {
-        let one = |(_, shader): (PackKind, BrdfShader)| format!("if {} {{\n{}}}\n", shader.is_bound, of(shader));
-        let all: String = codecs().map(one).collect();
-        let (_, last) = codecs().next_back().expect("there are codecs of BRDFs");
-        // The last needs no condition: one of them is bound.
-        all.replace(&format!("if {} ", last.is_bound), "")
+        let mut text = String::new();
+        let mut all = codecs().peekable();
+        while let Some((_, shader)) = all.next() {
+            // The last needs no condition: one of them is bound.
+            text += &match all.peek() {
+                Some(_) => format!("if {} {{\n{}}}\n", shader.is_bound, of(shader)),
+                None => of(shader),
+            };
+        }
+        text
     };
     let value = |BrdfShader { filtered, exact, .. }: BrdfShader| {
         format!("if hardware {{\nreturn {filtered};\n}}\nreturn {exact};\n")

@@ -44,8 +44,8 @@ pub fn open_brdf_pack(input: impl Into<Input>) -> Result<BrdfPack, InputError> {
 fn brdf_pack(pack: Pack) -> Result<BrdfPack, FormatError> {
     BrdfPack::try_from(pack).map_err(|kind| {
         let allowed = match kind {
-            PackKind::FlatBtf => "a table or wavelet pack: a flat BTF has no one BRDF",
-            _ => "a table or wavelet pack",
+            PackKind::FlatBtf => "a pack of a BRDF: a flat BTF has no one BRDF",
+            _ => "a pack of a BRDF",
         };
         FormatError::whole("pack", kind.in_words(), allowed)
     })

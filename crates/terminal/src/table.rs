@@ -41,7 +41,7 @@ pub fn material_row(report: &MaterialReport, seconds: Option<f64>) -> Vec<String
     let picture = &report.off_grid.picture.delta_e;
     vec![
         if report.samples_in == 0 { "-".to_owned() } else { report.samples_in.to_string() },
-        report.codec.codec().to_owned(),
+        report.codec.variant().to_owned(),
         report.codec.size(),
         report.fetches.to_string(),
         bytes(report.bytes_on_disk),

@@ -1,5 +1,6 @@
 //! Table packs among packs of BRDFs.
 
+use super::descriptor::DESCRIPTOR;
 use super::{Angles, TableDecoder, TablePack};
 use crate::bindings::Bindings;
 use crate::crop::DirectionRange;
@@ -9,8 +10,8 @@ use crate::wavelet::Filter;
 use crate::{Brdf, BrdfDecoder, ErrorSummary, PictureSummary};
 
 impl Brdf for TablePack {
-    fn codec(&self) -> &'static str {
-        if self.curve().is_some() { "factored" } else { "table" }
+    fn variant(&self) -> &'static str {
+        if self.curve().is_some() { "factored" } else { DESCRIPTOR.name }
     }
 
     fn channels(&self) -> u32 {

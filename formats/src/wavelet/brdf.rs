@@ -1,5 +1,6 @@
 //! Wavelet packs among packs of BRDFs.
 
+use super::descriptor::DESCRIPTOR;
 use super::{Filter, WaveletDecoder, WaveletPack};
 use crate::bindings::Bindings;
 use crate::crop::DirectionRange;
@@ -7,8 +8,8 @@ use crate::direction::DirectionPair;
 use crate::{Brdf, BrdfDecoder, ErrorSummary};
 
 impl Brdf for WaveletPack {
-    fn codec(&self) -> &'static str {
-        "wavelet"
+    fn variant(&self) -> &'static str {
+        DESCRIPTOR.name
     }
 
     fn channels(&self) -> u32 {

@@ -108,7 +108,7 @@ impl Study<'_> {
                 encode_seconds,
                 cpu: Some(cpu),
                 shader: Some(shader),
-                ..row(made.codec.codec(), made.codec.size(), &error)
+                ..row(made.codec.variant(), made.codec.size(), &error)
             });
             first.get_or_insert(made.pack);
         }

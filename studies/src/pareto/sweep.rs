@@ -44,7 +44,7 @@ pub fn pareto(
             _ => None,
         };
         rows.push(ParetoRow {
-            codec: made.codec.codec().to_owned(),
+            codec: made.codec.variant().to_owned(),
             setting: wavelet.map_or_else(|| made.codec.size(), |setting| setting.to_string()),
             wavelet,
             bytes_on_gpu: made.pack.gpu_bytes(),

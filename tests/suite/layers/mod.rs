@@ -6,7 +6,7 @@ pub mod code;
 
 use circles::{Crate, circles};
 use code::{code_of, imports_and_paths, rust_files};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// The layers, lowest first: folders of crates. A crate may use those of lower layers, and none of its own.
@@ -203,6 +203,37 @@ fn no_circles_between_files() {
     }
     assert!(files > 250, "{files} files");
     assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+/// Folders of the crates of ours that those in a folder are made of, itself included.
+fn made_of(folder: &str) -> BTreeSet<String> {
+    let folders = manifest(".")["workspace"]["dependencies"].as_table().unwrap().clone();
+    let mut all = BTreeSet::new();
+    let mut open = vec![folder.to_owned()];
+    while let Some(folder) = open.pop() {
+        if all.insert(folder.clone()) {
+            let used = manifest(&folder)["dependencies"].as_table().unwrap().clone();
+            let path = |name: &String| Some(folders.get(name)?.get("path")?.as_str()?.to_owned());
+            open.extend(used.keys().filter_map(path));
+        }
+    }
+    all
+}
+
+/// Packs in a store are those of the encoders that made them: the key hashes the sources of all that decides a pack.
+#[test]
+fn keys_of_the_store_change_with_every_crate_that_encodes() {
+    let script = std::fs::read_to_string(root().join("crates/jobs/build.rs")).unwrap();
+    let list = script.split_once("DECIDES").unwrap().1.split_once("];").unwrap().0;
+    let hashed: Vec<&str> = list.split('"').skip(1).step_by(2).collect();
+    let crates: BTreeSet<String> = ["crates/encode", "crates/source"].into_iter().flat_map(made_of).collect();
+    assert!(crates.len() >= 9, "{crates:?}");
+    let is_hashed = |folder: &str| {
+        let from_jobs = folder.strip_prefix("crates/").map_or(format!("../../{folder}"), |name| format!("../{name}"));
+        hashed.iter().any(|place| format!("{from_jobs}/src").starts_with(place))
+    };
+    let missing: Vec<&String> = crates.iter().filter(|folder| !is_hashed(folder)).collect();
+    assert!(missing.is_empty(), "{missing:?} decide packs, and crates/jobs/build.rs does not hash them");
 }
 
 #[test]

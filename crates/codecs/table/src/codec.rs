@@ -7,9 +7,9 @@ use brdfc_codec::{AveragingCost, BrdfRecipe, BrdfReport, Encode, EncodeError, En
 use brdfc_core::Source;
 use brdfc_core::progress::Progress;
 use brdfc_core::words::bytes;
-use brdfc_formats::BrdfPack;
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::table::{Axes, TableSymmetry};
+use brdfc_formats::{BrdfPack, PackKind};
 use brdfc_metrics::compare::Reference;
 use brdfc_metrics::sampling::PairSet;
 use serde::{Deserialize, Serialize};
@@ -31,8 +31,8 @@ pub struct TableReport {
 }
 
 impl BrdfReport for TableReport {
-    fn codec(&self) -> &'static str {
-        if self.curve_nodes > 0 { "factored" } else { "table" }
+    fn variant(&self) -> &'static str {
+        if self.curve_nodes > 0 { "factored" } else { PackKind::Table.name() }
     }
 
     fn size(&self) -> String {
@@ -54,7 +54,7 @@ impl From<encode::Encoded> for Encoded<TableReport> {
 
 impl BrdfRecipe for TableRecipe {
     fn codec(&self) -> &'static str {
-        "table"
+        PackKind::Table.name()
     }
 
     fn target(&self) -> String {

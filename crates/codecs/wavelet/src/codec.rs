@@ -1,7 +1,7 @@
 //! Wavelet packs among the codecs of BRDFs.
 
 use super::crop::{needed_coefficients, window};
-use super::encode::{self, encode_tabulated};
+use super::encode::{self, check, encode_tabulated};
 use super::measure::GridError;
 use super::recipe::{Recipe, Target};
 use super::table::Grid;
@@ -10,10 +10,10 @@ use brdfc_codec::{BrdfRecipe, BrdfReport, Encode, EncodeError, Encoded, GridCach
 use brdfc_core::Source;
 use brdfc_core::progress::{Progress, Stage};
 use brdfc_core::words::{bytes, percent};
-use brdfc_formats::BrdfPack;
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::wavelet::{Header, gpu_bytes};
+use brdfc_formats::{BrdfPack, PackKind};
 use brdfc_metrics::norms::Norms;
 use serde::{Deserialize, Serialize};
 
@@ -46,8 +46,8 @@ pub struct WaveletReport {
 }
 
 impl BrdfReport for WaveletReport {
-    fn codec(&self) -> &'static str {
-        "wavelet"
+    fn variant(&self) -> &'static str {
+        PackKind::Wavelet.name()
     }
 
     fn size(&self) -> String {
@@ -61,7 +61,7 @@ impl BrdfReport for WaveletReport {
 
 impl BrdfRecipe for Recipe {
     fn codec(&self) -> &'static str {
-        "wavelet"
+        PackKind::Wavelet.name()
     }
 
     fn target(&self) -> String {
@@ -149,6 +149,7 @@ impl Encode for Recipe {
         cache: &dyn GridCache,
         progress: &dyn Progress,
     ) -> Result<Encoded<WaveletReport>, EncodeError> {
+        check(self)?;
         progress.stage(Stage::Resample, 1)?;
         let tabulated = tabulated(source, self.grid(), cache);
         let encode::Encoded { pack, cropped_bytes, bytes, on_grid, off_grid, tally, evaluated } =

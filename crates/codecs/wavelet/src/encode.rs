@@ -49,7 +49,7 @@ pub fn encode(source: &dyn Source, recipe: &Recipe, progress: &dyn Progress) -> 
     encode_tabulated(&Tabulated::new(source, recipe.grid()), source, recipe, progress)
 }
 
-fn check(recipe: &Recipe) -> Result<(), EncodeError> {
+pub(super) fn check(recipe: &Recipe) -> Result<(), EncodeError> {
     let most = 1usize << (2 * recipe.stored_levels);
     if let Target::Ratio(ratio) = recipe.target {
         let found = ratio_count(recipe.grid().cells(), ratio, most) + 1;

@@ -155,7 +155,7 @@ impl EncodeOptions {
             Some(Codec::Auto | Codec::Factored) => {
                 let mut defaults = defaults.without_wavelet();
                 // A table with levels is a factored one.
-                if self.levels.is_some_and(|levels| levels > 0) && defaults.codec.as_deref() == Some("table") {
+                if self.levels.is_some_and(|levels| levels > 0) && defaults.named() == Some(Codec::Table) {
                     defaults.codec = Some("factored".to_owned());
                 }
                 defaults
@@ -165,47 +165,35 @@ impl EncodeOptions {
         };
         let all = self.over(&defaults);
         all.check()?;
-        let explicit = all.codec.as_deref().map(codec).transpose()?;
-        let of_wavelet = all.of_wavelet();
-        match explicit {
+        match all.codec.as_deref().map(codec).transpose()? {
             Some(Codec::Wavelet) => Ok(PackRecipe::Wavelet(all.wavelet(Recipe::visible())?)),
-            None if of_wavelet.is_some() || all.bias.is_some() => {
+            // Without a codec, options of wavelet packs ask for one.
+            None if all.of_wavelet().is_some() || all.bias.is_some() => {
                 Ok(PackRecipe::Wavelet(all.wavelet(Recipe::default())?))
             }
-            _ => {
-                if let Some((field, found)) = of_wavelet {
-                    let name = all.codec.as_deref().unwrap_or("auto");
-                    return Err(problem(field, found, &format!("the codec wavelet, not {name}")));
-                }
-                if let (Some(Codec::Table), Some(levels @ 1..)) = (explicit, all.levels) {
-                    return Err(problem(
-                        "levels",
-                        levels.to_string(),
-                        "0 with the codec table; levels are rows of a curve, which factored packs have",
-                    ));
-                }
-                Ok(all.search(match explicit {
-                    Some(Codec::Table) => Some(Tables::Plain),
-                    Some(Codec::Factored) => Some(Tables::Factored),
-                    _ => None,
-                }))
-            }
+            Some(Codec::Table) => all.tables(Some(Tables::Plain)),
+            Some(Codec::Factored) => all.tables(Some(Tables::Factored)),
+            Some(Codec::Auto) | None => all.tables(None),
         }
+    }
+
+    /// The codec that is named, if it is one.
+    fn named(&self) -> Option<Codec> {
+        codec(self.codec.as_deref()?).ok()
     }
 
     /// Without what wavelet packs alone have, and a bias that was meant for them.
     fn without_wavelet(&self) -> Self {
         let (ratio, grid, bits, lift, smooth) = (None, None, None, None, None);
-        let for_table = self.codec.as_deref().is_some_and(|name| name != "wavelet");
-        let bias = self.bias.filter(|_| for_table);
-        let codec = self.codec.clone().filter(|name| name == "table" || name == "factored");
+        let named = self.named();
+        let bias = self.bias.filter(|_| matches!(named, Some(Codec::Auto | Codec::Table | Codec::Factored)));
+        let codec = self.codec.clone().filter(|_| matches!(named, Some(Codec::Table | Codec::Factored)));
         Self { ratio, grid, bits, lift, smooth, bias, parameterisation: None, ranking: None, codec, ..self.clone() }
     }
 
     /// Without what wavelet packs do not have.
     fn without_search(&self) -> Self {
-        let for_wavelet = self.codec.as_deref().is_none_or(|name| name == "wavelet");
-        let bias = self.bias.filter(|_| for_wavelet);
+        let bias = self.bias.filter(|_| matches!(self.named(), Some(Codec::Wavelet)) || self.codec.is_none());
         Self { max_delta_e: None, max_fetches: None, reciprocal: None, levels: None, bias, codec: None, ..self.clone() }
     }
 
@@ -275,8 +263,16 @@ impl EncodeOptions {
         Budget::checked(self.max_delta_e, self.max_error, self.max_bytes, self.max_fetches)
     }
 
-    /// The recipe of tables of the kind that is named, or of what is best.
-    fn search(&self, named: Option<Tables>) -> PackRecipe {
+    /// The recipe of tables of the kind that is named, or a search among both.
+    fn tables(&self, named: Option<Tables>) -> Result<PackRecipe, OptionError> {
+        if let Some((field, found)) = self.of_wavelet() {
+            let name = self.codec.as_deref().unwrap_or("auto");
+            return Err(problem(field, found, &format!("the codec wavelet, not {name}")));
+        }
+        if let (Some(Tables::Plain), Some(levels @ 1..)) = (named, self.levels) {
+            let allowed = "0 with the codec table; levels are rows of a curve, which factored packs have";
+            return Err(problem("levels", levels.to_string(), allowed));
+        }
         let (levels, reciprocal) = (self.levels.unwrap_or(0), self.reciprocal == Some(true));
         let budget = self.budget().expect("checked before");
         let mut recipe = AutoRecipe::of_budget(budget);
@@ -284,11 +280,11 @@ impl EncodeOptions {
         recipe.table = TableRecipe { bias: self.bias.unwrap_or(table.bias), ..table };
         if named.is_some() && !budget.limits_error() && budget.fetches.is_none() {
             let size = budget.bytes.map_or(recipe.table.size, Size::Bytes);
-            return PackRecipe::Table(TableRecipe { size, ..recipe.table });
+            return Ok(PackRecipe::Table(TableRecipe { size, ..recipe.table }));
         }
         // A pack with levels has a curve.
         recipe.tables = named.unwrap_or(if levels > 0 { Tables::Factored } else { Tables::Both });
-        PackRecipe::Auto(recipe)
+        Ok(PackRecipe::Auto(recipe))
     }
 
     fn wavelet(&self, mut recipe: Recipe) -> Result<Recipe, OptionError> {

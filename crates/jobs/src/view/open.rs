@@ -20,7 +20,7 @@ use brdfc_source::pack::open_pack;
 use std::path::Path;
 
 /// What can be drawn.
-const ALLOWED: &str = "a table or wavelet pack, a flat BTF, a pack of 'brdfc pwt', the folder of a \
+const ALLOWED: &str = "a pack of a BRDF, a flat BTF, a pack of 'brdfc pwt', the folder of a \
                        build, or a material; several of them by their names";
 
 /// What else a page draws.
@@ -113,7 +113,7 @@ fn of_brdf(name: String, pack: BrdfPack) -> ViewItem {
         1 => "one fetch".to_owned(),
         many => format!("{many} fetches"),
     };
-    let mut facts = format!("{}, {} on a GPU, {fetches}", pack.codec(), bytes(pack.gpu_bytes()));
+    let mut facts = format!("{}, {} on a GPU, {fetches}", pack.variant(), bytes(pack.gpu_bytes()));
     match (pack.picture(), pack.off_grid().relative_mean) {
         (Some(picture), _) if picture.max > 0.0 => {
             facts += &format!(", ΔE {:.2} of a ball against its source", picture.mean);

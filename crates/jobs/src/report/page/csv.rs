@@ -21,7 +21,7 @@ pub fn csv(page: &Page) -> String {
                     off_grid.albedo_max_difference,
                     off_grid.reciprocity,
                 ];
-                fields.extend([report.codec.codec().to_owned(), quoted(&report.codec.size())]);
+                fields.extend([report.codec.variant().to_owned(), quoted(&report.codec.size())]);
                 fields.push(report.fetches.to_string());
                 fields.extend([report.bytes_on_disk, report.bytes_on_gpu].map(|bytes| bytes.to_string()));
                 fields.extend(numbers.map(|number| number.to_string()));

@@ -84,7 +84,7 @@ fn table(page: &Page) -> Markup {
                     }
                     @if let Some(report) = &entry.report {
                         @let picture = &report.off_grid.picture.delta_e;
-                        td { (report.codec.codec()) } td { (report.codec.size()) } td { (report.fetches) }
+                        td { (report.codec.variant()) } td { (report.codec.size()) } td { (report.fetches) }
                         td data-value=(report.bytes_on_disk) { (bytes(report.bytes_on_disk)) }
                         td data-value=(report.bytes_on_gpu) { (bytes(report.bytes_on_gpu)) }
                         td { (format!("{:.2}", picture.mean)) @if !report.directions.is_all() { "*" } }
@@ -147,7 +147,7 @@ fn section(material: &PageMaterial, view: Option<&ViewLink>) -> Markup {
             }
             @if let Some(report) = &entry.report {
                 p {
-                    (report.codec.codec()) " " (report.codec.size()) ", " (bytes(report.bytes_on_gpu)) " on the GPU, "
+                    (report.codec.variant()) " " (report.codec.size()) ", " (bytes(report.bytes_on_gpu)) " on the GPU, "
                     (bytes(report.bytes_on_disk)) " on disk, "
                     @if report.fetches == 1 { "one fetch" } @else { (report.fetches) " fetches" }
                     @if let Some(missed) = &report.missed { ". " span.bad { (missed) } }
