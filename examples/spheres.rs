@@ -8,6 +8,7 @@
 //! source, then wavelet packs as the paper ranks slices, at 4:1, 16:1 and 32:1 with 8 bits. The camera is orthographic and looks along -z. One point light shines on each
 //! sphere; the colour of a pixel is equation 1 of Claustres et al. 2007, `f_r I cos θi / |x - x_light|²`.
 
+use brdfc::encode::encoders::wavelet::recipe::{Recipe, Target};
 use brdfc_core::PackSource;
 use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::{DirectionPair, Vector, dot, normalize};
@@ -16,7 +17,6 @@ use brdfc_jobs::encode::{EncodedPack, encode};
 use brdfc_jobs::scene::manifest::Manifest;
 use brdfc_jobs::scene::plan::plan;
 use brdfc_source::open::open;
-use brdfc_wavelet::recipe::{Recipe, Target};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{Rgb, RgbImage};
 use rayon::prelude::*;

@@ -1,8 +1,6 @@
 //! Encoding with all its parts: recipes, what was tried, how long stages took. [`Material::encode`](crate::Material::encode) is
 //! `brdfc encode`.
 
-pub use brdfc_jobs::encode::{BrdfRecipe, BrdfReport, CodecReport, EncodedPack, OptionError, Trial, encode};
+pub use brdfc_jobs::encode::{BrdfRecipe, BrdfReport, CodecReport, EncodedPack, OptionError, Trial, encode, encoders};
 pub use brdfc_jobs::report::material::{StageTime, remarks, repairs_in_words};
 pub use brdfc_jobs::stage_clock::StageClock;
-pub use brdfc_table::recipe::Size as TableSize;
-pub use brdfc_wavelet::recipe::Target as WaveletTarget;

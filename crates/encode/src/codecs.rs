@@ -6,12 +6,15 @@ use brdfc_core::progress::Progress;
 use brdfc_core::{Describe, Source};
 use brdfc_formats::BrdfPack;
 use brdfc_formats::crop::DirectionRange;
-use brdfc_table::recipe::TableRecipe;
-use brdfc_table::{TablePackFacts, TableReport};
-use brdfc_wavelet::recipe::Recipe as WaveletRecipe;
-use brdfc_wavelet::{WaveletPackFacts, WaveletReport};
+use encoders::{table, wavelet};
 use serde::{Deserialize, Serialize};
 use std::ops::{Deref, DerefMut};
+
+/// The encoders, each with the types of its recipe.
+pub mod encoders {
+    pub use brdfc_table as table;
+    pub use brdfc_wavelet as wavelet;
+}
 
 /// Makes [`PackRecipe`], [`CodecReport`] and [`PackFacts`] of one line for each codec: the name of its pack in [`BrdfPack`], its
 /// recipe, its report, what is worth knowing of its packs, and what `brdfc info` calls them.
@@ -129,9 +132,9 @@ macro_rules! codecs {
 
 codecs! {
     /// A table pack, plain or factored.
-    Table: TableRecipe, TableReport, TablePackFacts, "table-pack";
+    Table: table::recipe::TableRecipe, table::TableReport, table::TablePackFacts, "table-pack";
     /// A wavelet pack.
-    Wavelet: WaveletRecipe, WaveletReport, WaveletPackFacts, "wavelet-pack";
+    Wavelet: wavelet::recipe::Recipe, wavelet::WaveletReport, wavelet::WaveletPackFacts, "wavelet-pack";
 }
 
 /// A pack of any codec with what was measured while making it.

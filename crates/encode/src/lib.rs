@@ -11,6 +11,6 @@ pub use auto::LARGEST;
 pub use brdfc_codec::{
     AveragingCost, BrdfRecipe, BrdfReport, Encode, EncodeError, Encoded, GridCache, Predicted, Trial,
 };
-pub use codecs::{CodecReport, EncodedPack, PackFacts, PackRecipe};
+pub use codecs::{CodecReport, EncodedPack, PackFacts, PackRecipe, encoders};
 pub use limits::OptionError;
 pub use run::{encode, encode_cached};

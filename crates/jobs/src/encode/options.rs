@@ -3,6 +3,9 @@
 use super::byte_count::bytes_from_manifest;
 #[cfg(feature = "clap")]
 use super::byte_count::bytes_from_text;
+use super::encoders::table::levels::MOST_LEVELS;
+use super::encoders::table::recipe::{Size, TableRecipe};
+use super::encoders::wavelet::recipe::{Ranking, Recipe, Target};
 use super::recipe::{AutoRecipe, Budget, Tables};
 use super::{OptionError, PackRecipe};
 #[cfg(feature = "clap")]
@@ -10,9 +13,6 @@ use crate::whole_number::{any_whole_number, whole_number};
 use brdfc_core::words::format_number;
 use brdfc_formats::wavelet::MAX_LEVELS;
 use brdfc_metrics::fraction::Fraction;
-use brdfc_table::levels::MOST_LEVELS;
-use brdfc_table::recipe::{Size, TableRecipe};
-use brdfc_wavelet::recipe::{Ranking, Recipe, Target};
 
 /// Options of an encoding; what is absent is left open. Each field is a flag (`--max-error`) and a key (`max_error`), and
 /// its comment is the help of the flag; `docs/scene.md` describes the keys.
