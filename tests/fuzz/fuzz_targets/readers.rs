@@ -3,18 +3,18 @@
 
 mod edits;
 
-use brdfc_readers::colour::rgb_weights;
+use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::DirectionPair;
+use brdfc_formats::direction_set::DirectionSet;
 use brdfc_readers::alta::AltaTable;
+use brdfc_readers::colour::rgb_weights;
 use brdfc_readers::light_stack::LightPositions;
 use brdfc_readers::merl::{self, Merl};
 use brdfc_readers::ptm::Ptm;
 use brdfc_readers::rgl::Rgl;
 use brdfc_readers::scan::Scan;
-use brdfc_formats::direction_set::DirectionSet;
 use brdfc_readers::scan_csv;
 use brdfc_readers::ubo_btf::{Channel, ColourModel, Description, Scalar, UboBtf};
-use brdfc_core::{Source, Tally};
 use brdfc_source::{MerlSource, RglSource, ScanSource};
 use brdfc_testing::tensor;
 use libfuzzer_sys::fuzz_target;
@@ -62,7 +62,8 @@ fn valid(reader: u8) -> Vec<u8> {
                 size: [2, 3],
                 colour_model: ColourModel::LogYRatioUv,
             };
-            let channel = |k| Channel::new(k, &vec![0.25; 9 * k], &vec![-0.5; 6 * k], Scalar::Half).expect("whole rows");
+            let channel =
+                |k| Channel::new(k, &vec![0.25; 9 * k], &vec![-0.5; 6 * k], Scalar::Half).expect("whole rows");
             UboBtf::new(description, [2, 1, 1].map(channel)).expect("as many rows").to_bytes(Scalar::Half)
         }
         _ => {
