@@ -1,5 +1,5 @@
 //! How long a browser that was just started takes to the first picture of pages that `brdfc view` wrote, and how many it draws in a
-//! second then: `cargo bench -p brdfc-studies --bench first_picture -- PAGE.html...`
+//! second then: `cargo bench -p brdfc-benches --bench first_picture -- PAGE.html...`
 
 use brdfc_testing::browser::{result_of_page, with_script};
 use std::process::ExitCode;

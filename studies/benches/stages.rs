@@ -1,4 +1,4 @@
-//! One benchmark per stage, on inputs made in memory with fixed seeds: `cargo bench -p brdfc-studies`, with `-- haar` for some.
+//! One benchmark per stage, on inputs made in memory with fixed seeds: `cargo bench -p brdfc-benches`, with `-- haar` for some.
 //!
 //! The grid is 32 x 32 per hemisphere unless the name says otherwise. All stages use every core.
 

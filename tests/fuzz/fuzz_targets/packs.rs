@@ -16,7 +16,7 @@ use std::sync::LazyLock;
 
 /// The committed packs with their names.
 static COMMITTED: LazyLock<Vec<(String, Vec<u8>)>> =
-    LazyLock::new(|| codecs().into_iter().flat_map(|codec| corpus::packs(codec)).collect());
+    LazyLock::new(|| codecs().into_iter().flat_map(corpus::packs).collect());
 
 fn valid(choice: u8) -> Vec<u8> {
     let parameterisation = Parameterisation::NAMES[usize::from(choice & 1)].1;

@@ -18,6 +18,7 @@ use brdfc_readers::ubo_btf::{Channel, ColourModel, Description, Scalar, UboBtf};
 use brdfc_source::{MerlSource, RglSource, ScanSource};
 use brdfc_testing::tensor;
 use libfuzzer_sys::fuzz_target;
+use std::f32::consts::FRAC_PI_2;
 
 const READERS: u8 = 10;
 
@@ -43,7 +44,7 @@ fn valid(reader: u8) -> Vec<u8> {
             let rows: String = (0..9).map(|k| format!("0.{k} 0.3 -0.{k} 1e-{k}\n")).collect();
             format!("#DIM 3 1\n#PARAM_IN ISOTROPIC_TL_TV_PROJ_DPHI\n#PARAM_OUT INV_STERADIAN\n{rows}").into_bytes()
         }
-        5 => tensor::Material { phi_i: vec![0.0, 0.8, 1.5707], ..Default::default() }.container().build(),
+        5 => tensor::Material { phi_i: vec![0.0, 0.8, FRAC_PI_2], ..Default::default() }.container().build(),
         6 => tensor::Material { wavelengths: Some(vec![450.0, 650.0]), colour: |at| at.s, ..Default::default() }
             .container()
             .build(),

@@ -29,8 +29,8 @@ const LAYERS: [&str; 14] = [
 /// Crates next to the layers, with the highest layer that they may use: shared test code, the translator of shaders, the studies.
 const BESIDE: [(&str, &str); 3] =
     [("crates/testing", "crates/core"), ("crates/translate", "crates/shaders"), ("studies", "crates/terminal")];
-/// Crates that are tests, and may use any other: fuzz targets, and tests that need unsafe code.
-const TESTS: [&str; 2] = ["tests/fuzz", "tests/vulkan"];
+/// Crates that are tests, and may use any other: benchmarks, fuzz targets, and tests that need unsafe code.
+const TESTS: [&str; 3] = ["studies/benches", "tests/fuzz", "tests/vulkan"];
 /// What is not used although it is lower: shaders draw what packs hold, whoever made them.
 const KEPT_APART: (&str, &str) = ("crates/gpu", "crates/codecs");
 /// The layer of many crates, one for each codec. They are stages.

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 
 /// Repeat a study of the papers, with the paper's own figures beside ours.
 ///
-/// Timings of single stages are criterion benchmarks: 'cargo bench -p brdfc-studies'.
+/// Timings of single stages are criterion benchmarks: 'cargo bench -p brdfc-benches'.
 #[derive(Debug, Parser)]
 #[command(
     name = "brdfc-bench",
