@@ -8,4 +8,5 @@ mod dependencies;
 mod determinism;
 mod layers;
 mod library;
+mod packages;
 mod readme;

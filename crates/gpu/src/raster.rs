@@ -15,11 +15,8 @@ use wgpu::{
 };
 
 /// What the shaders of scenes have in common: camera, lights, corners, `project`. Bind group 0.
-pub const VIEW_WGSL: &str = concat!(
-    include_str!("../../render/src/shading_point.wgsl"),
-    include_str!("../../render/src/corner.wgsl"),
-    include_str!("view.wgsl")
-);
+pub const VIEW_WGSL: &str =
+    concat!(include_str!("shading_point.wgsl"), include_str!("corner.wgsl"), include_str!("view.wgsl"));
 
 const COLOUR: TextureFormat = TextureFormat::Rgba32Float;
 const DEPTH: TextureFormat = TextureFormat::Depth32Float;

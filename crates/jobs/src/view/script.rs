@@ -1,15 +1,15 @@
 //! The script of a page: modules that stand in one scope.
 
-/// In the order in which they use each other. What knows and uploads textures is the package for the web's.
+/// In the order in which they use each other. Those that know and upload textures are links to the files of `bindings/web`.
 const MODULES: [&str; 12] = [
-    include_str!("../../../../bindings/web/src/levels.js"),
+    include_str!("shared/levels.js"),
     include_str!("page/state.js"),
     include_str!("page/data.js"),
     include_str!("page/colour.js"),
     include_str!("page/camera.js"),
-    include_str!("../../../../bindings/web/src/upload_webgl.js"),
+    include_str!("shared/upload_webgl.js"),
     include_str!("page/webgl.js"),
-    include_str!("../../../../bindings/web/src/upload_webgpu.js"),
+    include_str!("shared/upload_webgpu.js"),
     include_str!("page/webgpu.js"),
     include_str!("page/drawing.js"),
     include_str!("page/controls.js"),

@@ -1,0 +1,1 @@
+../../render/src/shading_point.wgsl

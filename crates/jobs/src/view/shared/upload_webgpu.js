@@ -1,0 +1,1 @@
+../../../../../bindings/web/src/upload_webgpu.js
