@@ -1,9 +1,14 @@
-// Writes src/shaders.ts: the decoders as 'brdfc shader' prints them, without comments. BRDFC names the program.
+// Writes src/shaders.ts: the decoders as 'brdfc shader' prints them, without comments. BRDFC names the program. Copies the modules that
+// are also part of the pages of 'brdfc view'.
 import { execFileSync } from 'node:child_process';
-import { writeFileSync } from 'node:fs';
+import { copyFileSync, writeFileSync } from 'node:fs';
 
 const program = process.env.BRDFC ?? '../../target/release/brdfc';
 const run = (words) => execFileSync(program, [...words, '--quiet'], { encoding: 'utf8', maxBuffer: 1 << 24 });
+
+for (const name of ['levels.js', 'upload_webgl.js', 'upload_webgpu.js']) {
+    copyFileSync(`../../crates/jobs/src/view/shared/${name}`, `src/${name}`);
+}
 
 /** Without comments, indentation and empty lines. */
 const bare = (text) => text

@@ -1,5 +1,4 @@
-//! Packages are whole: what a published crate compiles is in its own folder. Links count as files of the folder they are in,
-//! because `cargo package` copies the files that they point to.
+//! Packages are whole: what a published crate compiles is in its own folder.
 
 use crate::layers::code::rust_files;
 use crate::layers::members;

@@ -5,7 +5,7 @@ use super::device::{Gpu, GpuError};
 use super::evaluate::SliceFilter;
 use super::load::LoadedScene;
 use super::pack;
-use super::raster::{Rasteriser, Target, VIEW_WGSL};
+use super::raster::{Rasteriser, Target, view_wgsl};
 use super::surface::{self, ENVIRONMENT_WGSL, PERIODIC_WGSL, SURFACE_WGSL};
 use brdfc_formats::BrdfPack;
 use brdfc_formats::bindings::FrameBlock;
@@ -14,13 +14,13 @@ use brdfc_metrics::image::LinearImage;
 use brdfc_render::scene::{Camera, Frame, Scene};
 use wgpu::ShaderStages;
 
-/// The scene's entry points over the decoder, behind [`VIEW_WGSL`], [`PERIODIC_WGSL`], [`SURFACE_WGSL`] and
+/// The scene's entry points over the decoder, behind [`view_wgsl`], [`PERIODIC_WGSL`], [`SURFACE_WGSL`] and
 /// [`ENVIRONMENT_WGSL`].
 pub const SCENE_WGSL: &str = include_str!("scene.wgsl");
 
 /// The whole shader: decoders, surfaces, environment, scene.
 pub fn scene_source() -> String {
-    [&pack::brdf_source(), VIEW_WGSL, PERIODIC_WGSL, SURFACE_WGSL, ENVIRONMENT_WGSL, SCENE_WGSL].join("\n")
+    [&pack::brdf_source(), &view_wgsl(), PERIODIC_WGSL, SURFACE_WGSL, ENVIRONMENT_WGSL, SCENE_WGSL].join("\n")
 }
 
 /// How packs are decoded in an image.

@@ -4,7 +4,7 @@ use super::bindings::{self, Slots, UNIFORM};
 use super::device::{Gpu, GpuError};
 use super::flat_textures;
 use super::load::LoadedScene;
-use super::raster::{Rasteriser, VIEW_WGSL};
+use super::raster::{Rasteriser, view_wgsl};
 use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::flat_btf::shader::flat_btf_value_wgsl;
 use brdfc_metrics::image::LinearImage;
@@ -12,12 +12,12 @@ use brdfc_render::flat::{FlatForm, FlatMaterial};
 use brdfc_render::scene::{Camera, Frame, Scene};
 use wgpu::{BindGroupLayout, BufferUsages, ShaderStages};
 
-/// The entry points over the decoder of flat BTFs, behind [`VIEW_WGSL`].
+/// The entry points over the decoder of flat BTFs, behind [`view_wgsl`].
 pub const FLAT_SCENE_WGSL: &str = include_str!("flat_scene.wgsl");
 
 /// The whole shader: decoders, scene.
 pub fn flat_scene_source() -> String {
-    [&flat_btf_value_wgsl(), VIEW_WGSL, FLAT_SCENE_WGSL].join("\n")
+    [&flat_btf_value_wgsl(), &view_wgsl(), FLAT_SCENE_WGSL].join("\n")
 }
 
 /// Draws a scene whose parts are all of one flat BTF, by the shader with exact filters.

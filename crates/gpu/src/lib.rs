@@ -32,5 +32,5 @@ pub use flat_btf::{EVALUATE_FLAT_BTF_WGSL, FlatBtfAnswer, FlatBtfEvaluator, Flat
 pub use load::LoadedScene;
 pub use pwt::{EVALUATE_PWT_WGSL, LoadedPwt, PwtAnswer, PwtEvaluator, PwtQuery};
 pub use pwt_scene::{PWT_SCENE_WGSL, PwtRenderer, draw_pwt, pwt_scene_source};
-pub use raster::{Target, VIEW_WGSL};
+pub use raster::{Target, view_wgsl};
 pub use surface::{ENVIRONMENT_WGSL, PERIODIC_WGSL, SURFACE_WGSL};

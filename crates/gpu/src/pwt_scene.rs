@@ -4,7 +4,7 @@ use super::bindings::{self, Slots, UNIFORM};
 use super::device::{Gpu, GpuError};
 use super::load::LoadedScene;
 use super::pwt_textures;
-use super::raster::{Rasteriser, VIEW_WGSL};
+use super::raster::{Rasteriser, view_wgsl};
 use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::pwt::shader::PWT_WGSL;
 use brdfc_metrics::image::LinearImage;
@@ -12,12 +12,12 @@ use brdfc_render::pwt::PwtMaterial;
 use brdfc_render::scene::{Camera, Frame, Scene};
 use wgpu::{BindGroupLayout, BufferUsages, ShaderStages};
 
-/// The entry points over the decoder, behind [`VIEW_WGSL`].
+/// The entry points over the decoder, behind [`view_wgsl`].
 pub const PWT_SCENE_WGSL: &str = include_str!("pwt_scene.wgsl");
 
 /// The whole shader: decoder and scene.
 pub fn pwt_scene_source() -> String {
-    [PWT_WGSL, VIEW_WGSL, PWT_SCENE_WGSL].join("\n")
+    [PWT_WGSL, &view_wgsl(), PWT_SCENE_WGSL].join("\n")
 }
 
 /// Draws a scene whose parts are all of one pack. Mipmap levels follow from how uv changes between pixels.

@@ -4,7 +4,9 @@ use super::bindings::{UNIFORM, buffer_type};
 use super::device::{Gpu, GpuError};
 use super::load::{LoadedScene, VERTEX_WORDS, load, view_words};
 use brdfc_metrics::image::LinearImage;
+use brdfc_render::camera::CORNER_WGSL;
 use brdfc_render::scene::{Camera, Frame, Scene};
+use brdfc_render::shading_point::SHADING_POINT_WGSL;
 use std::borrow::Cow;
 use wgpu::{
     BindGroup, BindGroupLayout, BindGroupLayoutDescriptor, BindGroupLayoutEntry, BufferBindingType, CompareFunction,
@@ -15,8 +17,9 @@ use wgpu::{
 };
 
 /// What the shaders of scenes have in common: camera, lights, corners, `project`. Bind group 0.
-pub const VIEW_WGSL: &str =
-    concat!(include_str!("shading_point.wgsl"), include_str!("corner.wgsl"), include_str!("view.wgsl"));
+pub fn view_wgsl() -> String {
+    [SHADING_POINT_WGSL, CORNER_WGSL, include_str!("view.wgsl")].concat()
+}
 
 const COLOUR: TextureFormat = TextureFormat::Rgba32Float;
 const DEPTH: TextureFormat = TextureFormat::Depth32Float;

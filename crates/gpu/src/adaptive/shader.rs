@@ -1,7 +1,7 @@
 //! The shaders of adaptive shading, put together from their files.
 
 use super::super::pack::brdf_source;
-use super::super::raster::VIEW_WGSL;
+use super::super::raster::view_wgsl;
 use super::super::surface::{ENVIRONMENT_WGSL, PERIODIC_WGSL, SURFACE_WGSL};
 use brdfc_formats::bandwidth::propagation::PROPAGATION_WGSL;
 use brdfc_formats::bandwidth::shader::BANDWIDTH_WGSL;
@@ -44,7 +44,7 @@ impl Default for AdaptiveShaders {
             ENVIRONMENT_WGSL.to_owned(),
         ];
         Self {
-            g_buffer: [VIEW_WGSL, PERIODIC_WGSL, &surface, G_BUFFER].join("\n"),
+            g_buffer: [&view_wgsl(), PERIODIC_WGSL, &surface, G_BUFFER].join("\n"),
             steps: [shared.join("\n"), STEPS.join("\n"), RESOLVE.to_owned()].join("\n"),
         }
     }

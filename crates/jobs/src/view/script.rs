@@ -1,6 +1,6 @@
 //! The script of a page: modules that stand in one scope.
 
-/// In the order in which they use each other. Those that know and upload textures are links to the files of `bindings/web`.
+/// In the order in which they use each other. Those of the folder `shared` are also part of the package for the web.
 const MODULES: [&str; 12] = [
     include_str!("shared/levels.js"),
     include_str!("page/state.js"),

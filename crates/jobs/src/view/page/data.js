@@ -1,6 +1,6 @@
 // What stands in the page, unpacked.
 
-import { levelSize } from '../../../../../bindings/web/src/levels.js';
+import { levelSize } from '../shared/levels.js';
 
 /**
  * Bytes of a text: Base64 of what zlib compressed.

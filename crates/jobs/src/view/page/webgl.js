@@ -1,6 +1,6 @@
 // Pictures by WebGL 2.
 
-import { uploadTexture } from '../../../../../bindings/web/src/upload_webgl.js';
+import { uploadTexture } from '../shared/upload_webgl.js';
 import { CORNER } from './data.js';
 
 /** Where blocks are bound. */

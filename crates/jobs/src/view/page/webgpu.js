@@ -1,6 +1,6 @@
 // Pictures by WebGPU.
 
-import { gpuResource } from '../../../../../bindings/web/src/upload_webgpu.js';
+import { gpuResource } from '../shared/upload_webgpu.js';
 import { CORNER } from './data.js';
 import { BYTES, FLOATS } from './webgl.js';
 

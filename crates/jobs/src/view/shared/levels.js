@@ -1,1 +1,13 @@
-../../../../../bindings/web/src/levels.js
+// Mipmap levels of textures: for the package, and for the pages of 'brdfc view'.
+
+/**
+ * Columns, rows, and slices or layers of a level, 0 the finest: layers are as many on each.
+ *
+ * @param {Pick<import('./container.js').TextureData, 'dimension' | 'size'>} texture
+ * @param {number} level
+ * @returns {[number, number, number]}
+ */
+export function levelSize({ dimension, size: [width, height, depth] }, level) {
+    const side = (/** @type {number} */ finest) => Math.max(finest >> level, 1);
+    return [side(width), side(height), dimension === '3d' ? side(depth) : depth];
+}

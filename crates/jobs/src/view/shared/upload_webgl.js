@@ -1,1 +1,109 @@
-../../../../../bindings/web/src/upload_webgl.js
+// Textures of packs in WebGL 2: for the package, and for the pages of 'brdfc view'.
+
+import { levelSize } from './levels.js';
+
+/** @typedef {import('./container.js').TextureData} TextureData */
+
+/**
+ * Internal format, format and type of a texel, as names of a context's constants.
+ *
+ * @type {Partial<Record<TextureData['format'], readonly [string, string, string]>>}
+ */
+export const GL_FORMATS = {
+    r8unorm: ['R8', 'RED', 'UNSIGNED_BYTE'],
+    rg8unorm: ['RG8', 'RG', 'UNSIGNED_BYTE'],
+    rgba8unorm: ['RGBA8', 'RGBA', 'UNSIGNED_BYTE'],
+    rgb10a2unorm: ['RGB10_A2', 'RGBA', 'UNSIGNED_INT_2_10_10_10_REV'],
+    r16float: ['R16F', 'RED', 'HALF_FLOAT'],
+    rgba16float: ['RGBA16F', 'RGBA', 'HALF_FLOAT'],
+    r32uint: ['R32UI', 'RED_INTEGER', 'UNSIGNED_INT'],
+    rg32float: ['RG32F', 'RG', 'FLOAT'],
+    rgba32uint: ['RGBA32UI', 'RGBA_INTEGER', 'UNSIGNED_INT'],
+    rgba32float: ['RGBA32F', 'RGBA', 'FLOAT'],
+    rgb9e5ufloat: ['RGB9_E5', 'RGB', 'UNSIGNED_INT_5_9_9_9_REV'],
+};
+
+/**
+ * Texels in the array that WebGL takes for their type.
+ *
+ * @param {TextureData} data
+ * @param {number} level
+ * @returns {ArrayBufferView<ArrayBuffer>}
+ */
+export function typed(data, level) {
+    const bytes = data.levels[level].buffer;
+    switch (GL_FORMATS[data.format]?.[2]) {
+        case 'UNSIGNED_BYTE': return new Uint8Array(bytes);
+        case 'HALF_FLOAT': return new Uint16Array(bytes);
+        case 'FLOAT': return new Float32Array(bytes);
+        default: return new Uint32Array(bytes);
+    }
+}
+
+/** How texels are read from memory: constants by name, and what these textures take. Flipping is refused for arrays. */
+const UNPACKING = /** @type {const} */ ([
+    ['UNPACK_FLIP_Y_WEBGL', false],
+    ['UNPACK_PREMULTIPLY_ALPHA_WEBGL', false],
+    ['UNPACK_ALIGNMENT', 1],
+    ['UNPACK_ROW_LENGTH', 0],
+    ['UNPACK_IMAGE_HEIGHT', 0],
+    ['UNPACK_SKIP_PIXELS', 0],
+    ['UNPACK_SKIP_ROWS', 0],
+    ['UNPACK_SKIP_IMAGES', 0],
+]);
+const BOUND = { '2d': 'TEXTURE_BINDING_2D', '2d-array': 'TEXTURE_BINDING_2D_ARRAY', '3d': 'TEXTURE_BINDING_3D' };
+
+/**
+ * Uploads one texture, with its mipmap levels. The context has the state afterwards that it had before, as others use it, too.
+ *
+ * @param {WebGL2RenderingContext} gl
+ * @param {TextureData} data
+ * @param {boolean} filtered whether a sampler filters it
+ * @param {boolean} repeats whether its coordinates repeat; else they are clamped to the edge
+ * @returns {{ target: number, texture: WebGLTexture }}
+ */
+export function uploadTexture(gl, data, filtered, repeats) {
+    const names = GL_FORMATS[data.format];
+    if (names === undefined) {
+        throw new Error(`found texels of ${data.format}; allowed what WebGL 2 has`);
+    }
+    const constants = /** @type {Record<string, number>} */ (/** @type {unknown} */ (gl));
+    const [internal, format, type] = names.map((name) => constants[name]);
+    const target = { '2d': gl.TEXTURE_2D, '2d-array': gl.TEXTURE_2D_ARRAY, '3d': gl.TEXTURE_3D }[data.dimension];
+    const texture = gl.createTexture();
+    const before = {
+        texture: gl.getParameter(constants[BOUND[data.dimension]]),
+        buffer: gl.getParameter(gl.PIXEL_UNPACK_BUFFER_BINDING),
+        unpacking: UNPACKING.map(([name]) => gl.getParameter(constants[name])),
+    };
+    gl.bindTexture(target, texture);
+    gl.bindBuffer(gl.PIXEL_UNPACK_BUFFER, null);
+    UNPACKING.forEach(([name, value]) => gl.pixelStorei(constants[name], value));
+    const [columns, rows] = data.size;
+    if (data.dimension === '2d') {
+        gl.texStorage2D(target, data.levels.length, internal, columns, rows);
+    } else {
+        gl.texStorage3D(target, data.levels.length, internal, ...data.size);
+    }
+    data.levels.forEach((_, level) => {
+        const [width, height, depth] = levelSize(data, level);
+        if (data.dimension === '2d') {
+            gl.texSubImage2D(target, level, 0, 0, width, height, format, type, typed(data, level));
+        } else {
+            gl.texSubImage3D(target, level, 0, 0, 0, width, height, depth, format, type, typed(data, level));
+        }
+    });
+    // Samplers do not filter integers and, without an extension, floats of 32 bits; shaders do not ask for it.
+    const linear = filtered && !data.format.endsWith('32float');
+    const mipmaps = data.levels.length > 1;
+    const small = linear ? (mipmaps ? gl.LINEAR_MIPMAP_LINEAR : gl.LINEAR) : mipmaps ? gl.NEAREST_MIPMAP_NEAREST : gl.NEAREST;
+    gl.texParameteri(target, gl.TEXTURE_MIN_FILTER, small);
+    gl.texParameteri(target, gl.TEXTURE_MAG_FILTER, linear ? gl.LINEAR : gl.NEAREST);
+    for (const axis of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T, gl.TEXTURE_WRAP_R]) {
+        gl.texParameteri(target, axis, repeats ? gl.REPEAT : gl.CLAMP_TO_EDGE);
+    }
+    UNPACKING.forEach(([name], k) => gl.pixelStorei(constants[name], before.unpacking[k]));
+    gl.bindBuffer(gl.PIXEL_UNPACK_BUFFER, before.buffer);
+    gl.bindTexture(target, before.texture);
+    return { target, texture };
+}

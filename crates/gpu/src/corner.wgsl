@@ -1,1 +1,0 @@
-../../render/src/corner.wgsl

@@ -1,1 +1,0 @@
-../../render/src/shading_point.wgsl
