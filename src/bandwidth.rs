@@ -61,7 +61,12 @@ impl Subject {
     pub fn map(&self, epsilon: f64) -> Result<(BandwidthMap, Option<Tally>), Error> {
         let [least, most] = EPSILON_RANGE;
         if !(least..=most).contains(&epsilon) {
-            return Err(Error::usage(format!("invalid epsilon {epsilon}: expected {least} to {most}")));
+            return Err(Error::usage(format!("epsilon: found {epsilon}; allowed {least} to {most}")));
+        }
+        if let Self::Texture(_, Placement { metres, .. }) = self
+            && !metres.iter().all(|side| side.is_finite() && *side > 0.0)
+        {
+            return Err(Error::usage(format!("sides of the texture: found {metres:?} m; allowed positive numbers")));
         }
         let map = match self {
             Self::Material(material, resolution) => {

@@ -68,7 +68,7 @@ pub struct Compared {
 /// Measures `b` against `a`. Directions that only one of two packs holds are left out.
 ///
 /// # Errors
-/// Packs without a direction in common.
+/// Packs without a direction in common; no pairs.
 pub fn reflectances(a: &Material, b: &Material, pairs: Pairs) -> Result<Compared, Error> {
     let [of_a, of_b] = [a, b].map(|material| material.facts().directions());
     let both = of_a.common(of_b).ok_or_else(|| {
@@ -80,6 +80,9 @@ pub fn reflectances(a: &Material, b: &Material, pairs: Pairs) -> Result<Compared
         Pairs::Random(count) => PairSet::new(random_pairs(count, SEED)),
         Pairs::Given(pairs) => PairSet::new(pairs),
     };
+    if set.pairs.is_empty() {
+        return Err(Error::check("pairs: found none; allowed one or more"));
+    }
     let (comparison, _) = brdfc_metrics::compare::compare(a.source(), b.source(), &set);
     Ok(Compared { pairs: set.pairs.len(), directions: set.directions, comparison })
 }

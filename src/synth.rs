@@ -3,7 +3,7 @@
 pub use brdfc_core::address::{SYNTH_PREFIX, describe_models, split_query};
 pub use brdfc_core::analytic::MODELS;
 pub use brdfc_flat_btf::structures::{STRUCTURES, describe_structures};
-pub use brdfc_readers::merl::{Dimensions, MAX_DIMENSION};
+pub use brdfc_readers::merl::Dimensions;
 pub use brdfc_source::simulate::ScanPlan;
 
 use crate::Error;
@@ -31,12 +31,18 @@ pub enum Target {
 /// The bytes of a file of `MODEL?param=value&...` or `STRUCTURE?param=value&...`, with or without `synth:`.
 ///
 /// # Errors
-/// What is no such model or structure; parameters out of range.
+/// What is no such model or structure; parameters, dimensions or plans out of range.
 pub fn file(address: &str, target: Target) -> Result<Vec<u8>, Error> {
     let text = address.strip_prefix(SYNTH_PREFIX).unwrap_or(address);
     let wrong = |error: AddressError| Error::input(format!("{address}: {error}"));
     let model = || parse_model(text).map_err(wrong);
     let mesh = || Ok::<_, Error>(Structure::parse(text).map_err(wrong)?.mesh().to_triangle_mesh());
+    let checked = match target {
+        Target::Merl(dimensions) => dimensions.check_for_writing(),
+        Target::Csv(plan) | Target::Scan(plan) => plan.check(),
+        Target::Obj | Target::Ply => Ok(()),
+    };
+    checked.map_err(|error| Error::usage(error.to_string()))?;
     let mut bytes = Vec::new();
     let written = match target {
         Target::Merl(dimensions) => return Ok(merl_file(model()?.as_ref(), dimensions)),

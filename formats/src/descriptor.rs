@@ -29,6 +29,8 @@ pub struct Descriptor {
 pub struct BrdfShader {
     /// Whether a pack of this codec is bound; otherwise its uniform block is zero.
     pub is_bound: &'static str,
+    /// Statements that return `f_r` of `wi`, `wo` and `level`; the sampler filters where `hardware` is true, otherwise the shader.
+    pub either: &'static str,
     /// `f_r` of `wi`, `wo` and `level`, filtered by the sampler.
     pub filtered: &'static str,
     /// The same, filtered by the shader: exact, and for devices whose samplers do not filter the texture.

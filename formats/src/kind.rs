@@ -174,7 +174,8 @@ impl Pack {
         };
         let (found, allowed) = (file.bindings.version, kind.descriptor().version);
         if found != allowed {
-            return Err(FormatError::whole("version of the decoder", found.to_string(), allowed.to_string()));
+            let field = format!("version of the decoder {}", kind.name());
+            return Err(FormatError::whole(field, found.to_string(), allowed.to_string()));
         }
         Self::of_kind(kind, file)
     }
@@ -212,7 +213,7 @@ mod tests {
         newer[name + 19] = b'2';
         seal(&mut newer);
         let error = Pack::from_bytes(&newer).unwrap_err().to_string();
-        assert_eq!(error, "version of the decoder: found 2; allowed 1");
+        assert_eq!(error, "version of the decoder importance: found 2; allowed 1");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! `brdfc eval`: values at given direction pairs.
 
 use super::inputs::refuse_stdin_twice;
-use super::output::{note_directions, note_repairs, output_parser, print, refuse_unfit_output, write_file};
+use super::output::{as_flag, note_directions, note_repairs, output_parser, print, refuse_unfit_output, write_file};
 use super::{Common, Error};
 use brdfc::Input;
 use brdfc::evaluate::{Relightable, open_level, pairs_from_csv, texels_from_bytes, values_at};
@@ -45,14 +45,6 @@ const VALUES: [&str; 3] = ["f_r", "f_g", "f_b"];
 const COLOURS: [&str; 3] = ["r", "g", "b"];
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
-    if let Some(level) = arguments.lod
-        && !(0.0..=64.0).contains(&level)
-    {
-        return Err(Error::usage(format!(
-            "--lod: found {}; allowed 0 to the pack's number of levels",
-            format_number(level)
-        )));
-    }
     let directions = &arguments.directions;
     refuse_stdin_twice(&[("INPUT", Some(&arguments.input)), ("--directions", Some(directions))])?;
     if let Some(output) = &arguments.output {
@@ -64,18 +56,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         return texels(arguments, &relightable, &bytes);
     }
     let pairs = pairs_from_csv(directions, &bytes)?;
-    let material = open_level(&arguments.input, arguments.lod)?;
+    let material = open_level(&arguments.input, arguments.lod).map_err(as_flag)?;
     note_directions(common, &arguments.input, material.source());
-    match (material.facts().levels(), arguments.lod) {
-        (Some(levels), Some(level)) if level > levels as f32 => {
-            return Err(Error::usage(format!(
-                "--lod: found {}; allowed 0 to {levels}, the pack's levels",
-                format_number(level)
-            )));
-        }
-        (Some(_), _) | (_, None) => {}
-        _ => return Err(Error::usage("--lod: only packs have levels of detail".to_owned())),
-    }
     let (values, repairs) = values_at(material.source(), &pairs);
     note_repairs(common, &arguments.input, &repairs);
     write(arguments, &bytes, VALUES, values.iter())
@@ -88,7 +70,7 @@ fn texels(arguments: &Arguments, relightable: &Relightable, bytes: &[u8]) -> Res
         .map_err(|error| Error::input(format!("{directions}: {error}")))?;
     let finest = relightable.levels() as f32;
     let level = arguments.lod.unwrap_or(finest);
-    if level > finest {
+    if !(0.0..=finest).contains(&level) {
         let allowed = format!("0 to {finest}, the levels that there are");
         return Err(Error::usage(format!("--lod: found {}; allowed {allowed}", format_number(level))));
     }

@@ -63,7 +63,7 @@ pub struct Report {
     /// What to bind, and what to call.
     #[serde(flatten)]
     interface: Interface,
-    /// Of packs of BRDFs, how a shader evaluates one.
+    /// Of packs of BRDFs, how a shader evaluates one, in languages whose functions take no bindings.
     #[serde(skip_serializing_if = "Option::is_none")]
     brdf: Option<Brdf>,
     /// Of SPIR-V, what runs.
@@ -71,7 +71,7 @@ pub struct Report {
     entry_point: Option<EntryPoint>,
 }
 
-/// Expressions that evaluate a pack of a BRDF, the same in every language.
+/// Expressions that evaluate a pack of a BRDF, the same in WGSL, GLSL, GLSL ES 3.00 and HLSL.
 #[derive(Debug, Serialize, schemars::JsonSchema)]
 struct Brdf {
     /// `f_r` of `wi`, `wo` and `level`, filtered by a sampler.
@@ -94,6 +94,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         return Err(Error::usage(text.to_owned()));
     }
     let shader = shader(decoder, arguments.language);
+    // Functions in MSL take what is bound as parameters, and SPIR-V is a whole shader.
+    let takes_no_bindings = !matches!(arguments.language, Language::Msl | Language::Spirv);
     let report = Report {
         version: 1,
         kind: "shader",
@@ -102,7 +104,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         bytes_on_disk: shader.bytes.len(),
         bindings_version: decoder.descriptor().version,
         interface: shader.interface,
-        brdf: decoder.descriptor().brdf.map(Brdf::from),
+        brdf: decoder.descriptor().brdf.filter(|_| takes_no_bindings).map(Brdf::from),
         entry_point: shader.entry_point,
     };
     match output {

@@ -1,13 +1,13 @@
 //! `brdfc synth`: analytic models as files.
 
 use super::Error;
-use super::output::{is_stream, output_parser, refuse_missing_folder, write_file};
+use super::output::{as_flag, is_stream, output_parser, refuse_missing_folder, write_file};
+use brdfc::FormatError;
 use brdfc::synth::{
-    Dimensions, MAX_DIMENSION, MODELS, STRUCTURES, SYNTH_PREFIX, ScanPlan, Target, describe_models,
-    describe_structures, file, split_query,
+    Dimensions, MODELS, STRUCTURES, SYNTH_PREFIX, ScanPlan, Target, describe_models, describe_structures, file,
+    split_query,
 };
 use brdfc_terminal::values::whole_number;
-use brdfc_terminal::words::format_number;
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 
@@ -63,9 +63,6 @@ fn models() -> String {
     )
 }
 
-/// Most cells of a table that is written: 6 GiB of file.
-const MOST_CELLS: usize = 1 << 28;
-
 /// What a file's name ends with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Extension {
@@ -88,12 +85,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Error> {
     check_options(arguments, kind)?;
     let target = match kind {
         Extension::Binary => Target::Merl(dimensions(arguments.dimensions.as_deref().unwrap_or("90x90x180"))?),
-        Extension::Brdf => Target::Scan(plan(arguments)?),
-        Extension::Csv => Target::Csv(plan(arguments)?),
+        Extension::Brdf => Target::Scan(plan(arguments)),
+        Extension::Csv => Target::Csv(plan(arguments)),
         Extension::Obj => Target::Obj,
         Extension::Ply => Target::Ply,
     };
-    write_file(&arguments.output, &file(&arguments.model, target)?)
+    write_file(&arguments.output, &file(&arguments.model, target).map_err(as_flag)?)
 }
 
 /// The kind of file, which has to fit what is written.
@@ -147,34 +144,25 @@ fn check_options(arguments: &Arguments, kind: Extension) -> Result<(), Error> {
 }
 
 pub(super) fn dimensions(text: &str) -> Result<Dimensions, Error> {
-    let wrong = || {
-        Error::usage(format!(
-            "--dimensions: found {text}; allowed three numbers from 1 to {MAX_DIMENSION}, such as 90x90x180, of at \
-             most {MOST_CELLS} cells"
-        ))
-    };
     let parts: Vec<usize> = text.split('x').map(|p| p.parse().unwrap_or(0)).collect();
-    let [theta_half, theta_difference, phi_difference] = parts[..] else { return Err(wrong()) };
-    if parts.iter().any(|n| !(1..=MAX_DIMENSION).contains(n)) || parts.iter().product::<usize>() > MOST_CELLS {
-        return Err(wrong());
-    }
-    Ok(Dimensions { theta_half, theta_difference, phi_difference })
+    let dimensions = match parts[..] {
+        [theta_half, theta_difference, phi_difference] => Dimensions { theta_half, theta_difference, phi_difference },
+        _ => Dimensions { theta_half: 0, theta_difference: 0, phi_difference: 0 },
+    };
+    // In the words that were given.
+    let wrong = |error: FormatError| Error::usage(format!("--dimensions: found {text}; allowed {}", error.allowed));
+    dimensions.check_for_writing().map_err(wrong)?;
+    Ok(dimensions)
 }
 
-fn plan(arguments: &Arguments) -> Result<ScanPlan, Error> {
-    let fraction = |name: &str, value: f64, most: f64| {
-        if (0.0..=most).contains(&value) {
-            return Ok(value);
-        }
-        Err(Error::usage(format!("--{name}: found {}; allowed 0 to {most}", format_number(value))))
-    };
-    Ok(ScanPlan {
+fn plan(arguments: &Arguments) -> ScanPlan {
+    ScanPlan {
         rows: arguments.rows.unwrap_or(1440),
         incidences: arguments.incidences.unwrap_or(8),
         azimuths: arguments.azimuths,
-        noise: fraction("noise", arguments.noise.unwrap_or(0.0), 2.0)?,
-        gaps: fraction("gaps", arguments.gaps.unwrap_or(0.0), 0.9)?,
-        duplicates: fraction("duplicates", arguments.duplicates.unwrap_or(0.0), 0.9)?,
+        noise: arguments.noise.unwrap_or(0.0),
+        gaps: arguments.gaps.unwrap_or(0.0),
+        duplicates: arguments.duplicates.unwrap_or(0.0),
         seed: arguments.seed.unwrap_or(1),
-    })
+    }
 }

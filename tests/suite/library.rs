@@ -165,6 +165,11 @@ fn modules_make_the_files_of_the_verbs() {
     let plan = ScanPlan { rows: 60, incidences: 8, azimuths: None, noise: 0.1, gaps: 0.0, duplicates: 0.0, seed: 1 };
     let theirs = written("scan.brdf", &["synth", MODEL, "--rows", "60", "--noise", "0.1"]);
     assert!(file(MODEL, Target::Scan(plan)).unwrap() == theirs);
+    for wrong in
+        [ScanPlan { incidences: 0, ..plan }, ScanPlan { gaps: 4.0, ..plan }, ScanPlan { duplicates: 2.0, ..plan }]
+    {
+        assert_eq!(file(MODEL, Target::Csv(wrong)).unwrap_err().kind(), ErrorKind::Usage, "{wrong:?}");
+    }
     assert_eq!(file("synth:nothing", Target::Ply).unwrap_err().kind(), ErrorKind::Input);
 
     let theirs = written("map.ktx2", &["bandwidth", MODEL, "--resolution", "32"]);
@@ -186,7 +191,7 @@ fn modules_make_the_files_of_the_verbs() {
 #[test]
 fn materials_are_compared_and_evaluated() {
     use brdfc::compare::{Kind, Pairs, reflectances};
-    use brdfc::evaluate::{pairs_from_csv, values_at};
+    use brdfc::evaluate::{open_level, pairs_from_csv, values_at};
 
     let (a, b) = (brdfc::open(MODEL).unwrap(), brdfc::open("synth:ggx?alpha=0.32").unwrap());
     let of = |pairs| reflectances(&a, &b, pairs).unwrap();
@@ -200,6 +205,10 @@ fn materials_are_compared_and_evaluated() {
     assert_eq!(repairs, brdfc::Tally { evaluations: 2, ..brdfc::Tally::default() });
     assert!(values[0][0] > values[1][0]);
     assert_eq!(of(Pairs::Given(pairs)).pairs, 2);
+    for none in [Pairs::Given(Vec::new()), Pairs::Random(0)] {
+        assert_eq!(reflectances(&a, &b, none).unwrap_err().kind(), ErrorKind::Check);
+    }
+    assert_eq!(open_level(MODEL, Some(1.0)).err().map(|error| error.kind()), Some(ErrorKind::Usage));
     let error = pairs_from_csv(&"list.csv".into(), b"wi_x\n1\n").unwrap_err();
     assert!(error.kind() == ErrorKind::Input && error.message().starts_with("list.csv: "), "{error}");
     assert_eq!(Kind::of(&MODEL.into()).unwrap(), Kind::Reflectance);

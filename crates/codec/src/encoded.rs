@@ -48,7 +48,7 @@ pub struct Encoded<R> {
     pub of_all_directions: Option<u64>,
 }
 
-impl<R: BrdfReport> Encoded<R> {
+impl<R> Encoded<R> {
     /// A pack that no search made.
     pub fn new(pack: BrdfPack, bytes: Vec<u8>, codec: R, off_grid: Comparison, tally: Tally) -> Self {
         Self {
@@ -80,21 +80,6 @@ impl<R: BrdfReport> Encoded<R> {
             tried: self.tried,
             missed: self.missed,
             of_all_directions: self.of_all_directions,
-        }
-    }
-
-    /// The pack as one that a search tried.
-    pub fn trial(&self, meets: bool) -> Trial {
-        let picture = &self.off_grid.picture.delta_e;
-        Trial {
-            codec: self.codec.variant().to_owned(),
-            size: self.codec.size(),
-            bytes_on_gpu: self.pack.gpu_bytes(),
-            fetches: self.pack.fetches(),
-            delta_e: picture.mean,
-            delta_e_p95: picture.p95,
-            relative_error: self.off_grid.norms.relative_mean,
-            meets,
         }
     }
 }

@@ -24,10 +24,10 @@ pub enum EncodeError {
     )]
     NothingMeasured,
     /// A byte budget below the smallest pack of the codec.
-    #[error("byte budget{of}: found {allowed} bytes; allowed at least {smallest}, which hold {what}")]
+    #[error("{field}: found {allowed} bytes; allowed at least {smallest}, which hold {what}")]
     TooFewBytes {
-        /// Of which packs, or nothing.
-        of: &'static str,
+        /// Which budget.
+        field: &'static str,
         /// The budget.
         allowed: u64,
         /// Bytes of the smallest pack.

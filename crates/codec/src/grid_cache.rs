@@ -7,8 +7,8 @@ pub trait GridCache {
     /// Bytes that were put under this name, and what was repaired in them.
     fn take(&self, name: &str) -> Option<(Vec<u8>, Tally)>;
 
-    /// Stores bytes. Failing to is no error: they are made again.
-    fn put(&self, name: &str, values: Vec<u8>, tally: &Tally);
+    /// Stores bytes, which are made only by a cache that stores them. Failing to is no error: they are sampled again.
+    fn put(&self, name: &str, values: &dyn Fn() -> Vec<u8>, tally: &Tally);
 }
 
 impl GridCache for () {
@@ -16,5 +16,5 @@ impl GridCache for () {
         None
     }
 
-    fn put(&self, _: &str, _: Vec<u8>, _: &Tally) {}
+    fn put(&self, _: &str, _: &dyn Fn() -> Vec<u8>, _: &Tally) {}
 }

@@ -1,13 +1,13 @@
 //! The search for the smallest pack that meets a budget.
 
-use super::recipe::{AutoRecipe, Budget, TAIL, Tables};
+use super::recipe::{AutoRecipe, Budget, LARGEST, TAIL, Tables};
 use super::{CodecReport, EncodedPack};
 use brdfc_codec::{AveragingCost, EncodeError, Trial};
 use brdfc_core::progress::{Cancelled, Progress, Stage};
 use brdfc_core::{PackSource, Source};
 use brdfc_metrics::compare::{Comparison, Reference};
 use brdfc_metrics::sampling::PairSet;
-use brdfc_table::encode::{Encoded, MOST_TEXELS, Prepared, measured, samples_for};
+use brdfc_table::encode::{Encoded, Prepared, measured, samples_for};
 use brdfc_table::recipe::{Size, TableRecipe};
 
 /// Smallest and largest table that is tried, bytes on a GPU; each next one is twice as large. Few layers leave knobs on
@@ -16,8 +16,6 @@ const SMALLEST: u64 = 1 << 10;
 const SMALLEST_ANISOTROPIC: u64 = 4 << 10;
 /// Likewise where there are levels of detail: with few nodes a row does not keep the light of a narrow highlight.
 const SMALLEST_WITH_LEVELS: u64 = 8 << 10;
-/// Bytes on a GPU of the largest table that a search tries.
-pub const LARGEST: u64 = 4 * MOST_TEXELS;
 /// Power of the size by which the error of tables is taken to fall at most; it is 2/3 where values are smooth.
 const FASTEST: f64 = 0.8;
 /// A pack is no closer to the budget than a smaller one where it misses it by more than this share of what the smaller one does.
@@ -224,7 +222,7 @@ impl Search<'_> {
     /// Notes a pack, and keeps it where it may be the one; how far over the budget it is.
     fn consider(&mut self, made: EncodedPack) -> f64 {
         let excess = excess(&self.recipe.budget, &made.off_grid);
-        self.tried.push(made.trial(excess <= 1.0));
+        self.tried.push(Trial::new(&made, &*made.codec, excess <= 1.0));
         self.made.push((excess, made));
         excess
     }

@@ -3,7 +3,7 @@
 use super::recipe::AutoRecipe;
 use brdfc_codec::{BrdfRecipe, BrdfReport, Encode, EncodeError, Encoded, GridCache};
 use brdfc_core::progress::Progress;
-use brdfc_core::{Describe, Source};
+use brdfc_core::{Describe, Source, StrayRows};
 use brdfc_formats::BrdfPack;
 use brdfc_formats::crop::DirectionRange;
 use encoders::{table, wavelet};
@@ -49,14 +49,16 @@ macro_rules! codecs {
         }
 
         impl PackRecipe {
+            /// Encodes a source. `search` finds the pack of a budget.
             pub(super) fn encode(
                 &self,
+                search: impl FnOnce(&AutoRecipe) -> Result<EncodedPack, EncodeError>,
                 source: &dyn Source,
                 cache: &dyn GridCache,
                 progress: &dyn Progress,
             ) -> Result<EncodedPack, EncodeError> {
                 match self {
-                    Self::Auto(recipe) => super::within::search_within(source, recipe, progress),
+                    Self::Auto(recipe) => search(recipe),
                     $(Self::$codec(recipe) => Ok(recipe.encode(source, cache, progress)?.map(CodecReport::$codec)),)*
                 }
             }
@@ -92,16 +94,6 @@ macro_rules! codecs {
                 match self {
                     $(Self::$codec(report) => report,)*
                 }
-            }
-        }
-
-        impl BrdfReport for CodecReport {
-            fn variant(&self) -> &'static str {
-                (**self).variant()
-            }
-
-            fn size(&self) -> String {
-                (**self).size()
             }
         }
 
@@ -155,6 +147,18 @@ impl Describe for PackFacts {
 
     fn levels(&self) -> Option<u32> {
         self.of_codec().levels()
+    }
+
+    fn rows_raised(&self) -> u64 {
+        self.of_codec().rows_raised()
+    }
+
+    fn stray_rows(&self) -> Option<StrayRows> {
+        self.of_codec().stray_rows()
+    }
+
+    fn in_words(&self) -> Vec<(&'static str, String)> {
+        self.of_codec().in_words()
     }
 }
 

@@ -7,7 +7,6 @@ pub mod recipe;
 mod run;
 mod within;
 
-pub use auto::LARGEST;
 pub use brdfc_codec::{
     AveragingCost, BrdfRecipe, BrdfReport, Encode, EncodeError, Encoded, GridCache, Predicted, Trial,
 };

@@ -1,12 +1,14 @@
 //! The recipe of a search: a budget that sizes of tables are tried against.
 
-use super::auto::LARGEST;
 use brdfc_codec::{BrdfRecipe, Predicted};
 use brdfc_core::words::{bytes, percent};
 use brdfc_formats::crop::DirectionRange;
+use brdfc_table::encode::MOST_TEXELS;
 use brdfc_table::recipe::{Aim, TableRecipe};
 use serde::{Deserialize, Serialize};
 
+/// Bytes on a GPU of the largest table that a search tries.
+pub(super) const LARGEST: u64 = 4 * MOST_TEXELS;
 /// Memory of a search at its largest table, without its source, bytes; measured with a scan.
 const MEMORY: u64 = 128 << 20;
 

@@ -1,5 +1,6 @@
 //! One source to one pack, as a recipe says.
 
+use super::within::search_within;
 use super::{EncodedPack, PackRecipe};
 use brdfc_codec::{EncodeError, GridCache};
 use brdfc_core::Source;
@@ -28,7 +29,7 @@ pub fn encode_cached(
     let common = has.common(needed).ok_or(EncodeError::OtherDirections { has, needed })?;
     let mut recipe = recipe.clone();
     recipe.limit_directions(common);
-    recipe.encode(source, cache, progress)
+    recipe.encode(|recipe| search_within(source, recipe, progress), source, cache, progress)
 }
 
 #[cfg(test)]
@@ -68,8 +69,8 @@ mod tests {
             all.iter().find(|(of, ..)| of == name).map(|(_, values, tally)| (values.clone(), *tally))
         }
 
-        fn put(&self, name: &str, values: Vec<u8>, tally: &Tally) {
-            self.0.borrow_mut().push((name.to_owned(), values, *tally));
+        fn put(&self, name: &str, values: &dyn Fn() -> Vec<u8>, tally: &Tally) {
+            self.0.borrow_mut().push((name.to_owned(), values(), *tally));
         }
     }
 

@@ -32,9 +32,7 @@ pub(super) fn brdf_source() -> String {
         }
         text
     };
-    let value = |BrdfShader { filtered, exact, .. }: BrdfShader| {
-        format!("if hardware {{\nreturn {filtered};\n}}\nreturn {exact};\n")
-    };
+    let value = |shader: BrdfShader| format!("{}\n", shader.either);
     let level = |shader: BrdfShader| format!("return {};\n", shader.level_of_detail);
     combined_wgsl(wgsl.iter().map(String::as_str))
         + &format!(
@@ -58,10 +56,11 @@ fn type_of(kind: &BindingKind) -> BindingType {
         BindingKind::Texture { dimension, samples, filtered } => match (dimension.as_str(), samples.as_str(), filtered)
         {
             ("2d", "uint", _) => INTEGERS,
-            ("2d", _, false) => UNFILTERED,
-            ("2d", _, true) => IMAGE,
-            ("2d-array", _, _) => LAYERS,
-            _ => VOLUME,
+            ("2d", "float", false) => UNFILTERED,
+            ("2d", "float", true) => IMAGE,
+            ("2d-array", "float", true) => LAYERS,
+            ("3d", "float", true) => VOLUME,
+            other => unreachable!("no decoder of a BRDF has a texture of {other:?}"),
         },
     }
 }

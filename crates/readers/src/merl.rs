@@ -36,6 +36,24 @@ impl Dimensions {
     /// The dimensions of the MERL database.
     pub const MERL: Self = Self { theta_half: 90, theta_difference: 90, phi_difference: 180 };
 
+    /// Most cells of a table that is written.
+    pub const MAX_CELLS: usize = 1 << 28;
+
+    /// Checks sides and their product.
+    ///
+    /// # Errors
+    /// A side that is not 1 to [`MAX_DIMENSION`], more than [`Self::MAX_CELLS`] cells.
+    pub fn check_for_writing(self) -> Result<(), FormatError> {
+        let Self { theta_half, theta_difference, phi_difference } = self;
+        let sides = [theta_half, theta_difference, phi_difference];
+        if sides.iter().all(|n| (1..=MAX_DIMENSION).contains(n)) && self.cells() <= Self::MAX_CELLS {
+            return Ok(());
+        }
+        let allowed =
+            format!("three numbers from 1 to {MAX_DIMENSION}, such as 90x90x180, of at most {} cells", Self::MAX_CELLS);
+        Err(FormatError::whole("dimensions", sides.map(|n| n.to_string()).join("x"), allowed))
+    }
+
     /// Cells of one colour plane.
     pub fn cells(self) -> usize {
         self.theta_half * self.theta_difference * self.phi_difference

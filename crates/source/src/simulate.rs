@@ -1,6 +1,8 @@
 //! Simulated measurements of a source: what a goniometer or a MERL rig would have recorded of it.
 
+use brdfc_core::words::format_number;
 use brdfc_core::{Source, Tally};
+use brdfc_formats::FormatError;
 use brdfc_formats::direction::{DirectionPair, Vector, dot, from_polar, rotate_from_normal};
 use brdfc_readers::merl::{self, Dimensions};
 use brdfc_readers::scan::Row;
@@ -45,6 +47,30 @@ pub struct ScanPlan {
     pub duplicates: f64,
     /// Seed of everything random.
     pub seed: u64,
+}
+
+impl ScanPlan {
+    /// Checks that a scan can be simulated.
+    ///
+    /// # Errors
+    /// The first field out of range.
+    pub fn check(&self) -> Result<(), FormatError> {
+        let wrong = |field: &'static str, found: String, allowed: &str| Err(FormatError::whole(field, found, allowed));
+        for (field, count) in
+            [("rows", self.rows), ("incidences", self.incidences), ("azimuths", self.azimuths.unwrap_or(1))]
+        {
+            if count == 0 {
+                return wrong(field, "0".to_owned(), "1 or more");
+            }
+        }
+        let fractions = [("noise", self.noise, 2.0), ("gaps", self.gaps, 0.9), ("duplicates", self.duplicates, 0.9)];
+        for (field, found, most) in fractions {
+            if !(0.0..=most).contains(&found) {
+                return wrong(field, format_number(found), &format!("0 to {most}"));
+            }
+        }
+        Ok(())
+    }
 }
 
 /// Rows of a simulated scan.

@@ -2,6 +2,7 @@
 
 use super::{Common, Error};
 use brdfc_core::{Source, Tally};
+use brdfc_jobs::ErrorKind;
 use brdfc_jobs::output_folder::is_own;
 pub use brdfc_jobs::outputs::{
     check_folder, make_folder, refuse_dash, refuse_overwriting, refuse_overwriting_any, write_file,
@@ -164,4 +165,13 @@ pub fn print_report(common: Common, output: &Path, text: &str) -> Result<(), Err
         return Ok(());
     }
     print(text)
+}
+
+/// Wrong settings of the library under the name of the flag that they came from.
+pub fn as_flag(error: Error) -> Error {
+    if error.kind() != ErrorKind::Usage {
+        return error;
+    }
+    let text = format!("--{error}");
+    error.with_message(text)
 }

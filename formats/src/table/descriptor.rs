@@ -18,6 +18,7 @@ pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
     },
     brdf: Some(BrdfShader {
         is_bound: "table_brdf_parameters.layers > 0u",
+        either: "return table_brdf_at(wi, wo, level, hardware);",
         filtered: "table_brdf_at(wi, wo, level, true)",
         exact: "table_brdf_at(wi, wo, level, false)",
         may_be_wide: false,

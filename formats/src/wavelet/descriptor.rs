@@ -19,6 +19,7 @@ pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
     },
     brdf: Some(BrdfShader {
         is_bound: "wavelet_brdf_parameters.levels > 0u",
+        either: "if hardware {\n        return wavelet_brdf(wi, wo, level);\n    }\n    return wavelet_brdf_exact(wi, wo, level);",
         filtered: "wavelet_brdf(wi, wo, level)",
         exact: "wavelet_brdf_exact(wi, wo, level)",
         may_be_wide: true,

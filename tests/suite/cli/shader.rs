@@ -19,6 +19,9 @@ fn every_kind_in_every_language() {
             assert_eq!((&report["decoder"], &report["language"]), (&kind.into(), &language.into()));
             assert_eq!(report["entry_point"]["name"].as_str(), (language == "spirv").then_some("evaluate"));
             let called = report["functions"][0]["name"].as_str().unwrap();
+            assert_eq!(report["bindings_version"], 1);
+            let calls = ["table", "wavelet"].contains(&kind) && !["msl", "spirv"].contains(&language);
+            assert_eq!(report["brdf"]["filtered"].is_string(), calls, "{file}");
             if language != "spirv" {
                 assert!(String::from_utf8(bytes).unwrap().contains(&format!(" {called}(")), "{file}");
             }

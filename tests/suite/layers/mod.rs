@@ -263,6 +263,16 @@ fn the_command_line_is_a_client_of_the_library() {
     assert_eq!(ours, ["dep:brdfc-terminal"], "what else of ours the program needs is the library's");
 }
 
+/// Manifests turn the harness of these off, so that they are not compiled twice: a test in them would never run.
+#[test]
+fn files_that_are_not_compiled_as_tests_have_none() {
+    let bench = root().join("studies/src/bin/brdfc-bench");
+    let texts = rust_files(&bench).into_iter().map(|file| std::fs::read_to_string(file).unwrap());
+    let texts: Vec<String> = sources(".").into_iter().map(|(_, text)| text).chain(texts).collect();
+    assert!(texts.len() > 60, "{} files", texts.len());
+    assert!(texts.iter().all(|text| !text.contains("#[test]") && !text.contains("cfg(test)")));
+}
+
 #[test]
 fn other_ways_in_are_seen() {
     for (text, expected) in [

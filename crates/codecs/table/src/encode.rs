@@ -240,7 +240,7 @@ impl Prepared {
         let most = allowed.saturating_sub(block) / texel_bytes(self.grey);
         if most < fewest {
             return Err(EncodeError::TooFewBytes {
-                of: "",
+                field: "byte budget",
                 allowed,
                 smallest: block + texel_bytes(self.grey) * fewest,
                 what: "the smallest table with what stands beside it",

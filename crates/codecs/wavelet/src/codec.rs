@@ -192,7 +192,7 @@ fn tabulated(source: &dyn Source, grid: Grid, cache: &dyn GridCache) -> Tabulate
     let cached = cache.take(&name).and_then(|(values, tally)| Tabulated::from_bytes(source, grid, &values, tally));
     cached.unwrap_or_else(|| {
         let made = Tabulated::new(source, grid);
-        cache.put(&name, made.to_bytes(), &made.tally);
+        cache.put(&name, &|| made.to_bytes(), &made.tally);
         made
     })
 }

@@ -171,7 +171,7 @@ fn choose(
             let bytes_of = |slices: usize| gpu_bytes(&header, needs.window, slices + 1);
             if bytes_of(1) > bytes {
                 return Err(EncodeError::TooFewBytes {
-                    of: " of a wavelet pack",
+                    field: "byte budget of a wavelet pack",
                     allowed: bytes,
                     smallest: bytes_of(1),
                     what: "the scaling slice alone",

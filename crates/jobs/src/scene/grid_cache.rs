@@ -23,8 +23,8 @@ impl GridCache for StoreGridCache<'_> {
         Some((self.store.object(files.first()?)?, report))
     }
 
-    fn put(&self, name: &str, values: Vec<u8>, tally: &Tally) {
+    fn put(&self, name: &str, values: &dyn Fn() -> Vec<u8>, tally: &Tally) {
         // What cannot be stored is made again.
-        let _ = self.store.keep(self.key(name), &[values], tally);
+        let _ = self.store.keep(self.key(name), &[values()], tally);
     }
 }
