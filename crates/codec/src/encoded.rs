@@ -82,4 +82,19 @@ impl<R> Encoded<R> {
             of_all_directions: self.of_all_directions,
         }
     }
+
+    /// The pack as one that a search tried, with the report of its codec.
+    pub fn trial(&self, report: &dyn BrdfReport, meets: bool) -> Trial {
+        let picture = &self.off_grid.picture.delta_e;
+        Trial {
+            codec: report.variant().to_owned(),
+            size: report.size(),
+            bytes_on_gpu: self.pack.gpu_bytes(),
+            fetches: self.pack.fetches(),
+            delta_e: picture.mean,
+            delta_e_p95: picture.p95,
+            relative_error: self.off_grid.norms.relative_mean,
+            meets,
+        }
+    }
 }

@@ -222,7 +222,7 @@ impl Search<'_> {
     /// Notes a pack, and keeps it where it may be the one; how far over the budget it is.
     fn consider(&mut self, made: EncodedPack) -> f64 {
         let excess = excess(&self.recipe.budget, &made.off_grid);
-        self.tried.push(Trial::new(&made, &*made.codec, excess <= 1.0));
+        self.tried.push(made.trial(&*made.codec, excess <= 1.0));
         self.made.push((excess, made));
         excess
     }

@@ -3,7 +3,7 @@
 use super::auto::{Within, excess, of_table, search, smallest_tried};
 use super::recipe::AutoRecipe;
 use super::{CodecReport, EncodedPack};
-use brdfc_codec::{EncodeError, Trial};
+use brdfc_codec::EncodeError;
 use brdfc_core::progress::{Progress, Stage};
 use brdfc_core::{PackSource, Source};
 use brdfc_formats::BrdfPack;
@@ -62,7 +62,7 @@ fn smaller(reference: &Reference, recipe: &AutoRecipe, mut made: EncodedPack, wh
     let over = excess(&recipe.budget, &off_grid);
     let bytes = pack.to_bytes(recipe.table.supercompress);
     let cropped = of_table(Encoded { pack, bytes, asymmetry: *asymmetry, off_grid, tally: whole.tally });
-    made.tried.push(Trial::new(&cropped, &*cropped.codec, over <= 1.0));
+    made.tried.push(cropped.trial(&*cropped.codec, over <= 1.0));
     if over > 1.0 {
         return made;
     }

@@ -1,11 +1,11 @@
 //! What is known of the codec apart from its packs.
 
-use super::shader::BANDWIDTH_WGSL;
+use super::shader::{BANDWIDTH_WGSL, DECODER};
 use crate::descriptor::{Answer, Descriptor};
 
 pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
-    name: "bandwidth",
-    version: 1,
+    name: DECODER.0,
+    version: DECODER.1,
     in_words: "a bandwidth map",
     plural: "bandwidth maps",
     specification: "formats/src/bandwidth/spec.md",

@@ -1,10 +1,12 @@
 //! What looks bandwidth maps up on a GPU: `formats/src/bandwidth/map.wgsl`, and what it has bound of a map.
 
-use super::descriptor::DESCRIPTOR;
 use super::map::{BandwidthKind, BandwidthMap};
 use crate::arc_tangent::arc_tangent_wgsl;
 use crate::bindings::{Binding, Bindings, Texels};
 use crate::container::{Extent, TexelFormat};
+
+/// The name of the decoder and the version of its bindings.
+pub(super) const DECODER: (&str, u32) = ("bandwidth", 1);
 
 /// The WGSL look-ups. It declares a uniform block and a texture for each kind of map, in bind group 1; see the file.
 pub const BANDWIDTH_WGSL: &str = concat!(include_str!("map.wgsl"), arc_tangent_wgsl!("bandwidth", "BANDWIDTH"));
@@ -41,6 +43,6 @@ impl BandwidthMap {
             Binding::uniform(slot, parameters, self.uniform().to_vec()),
             Binding::texture(slot + 1, map, texels.of_file()),
         ];
-        Bindings::new(DESCRIPTOR.name, DESCRIPTOR.version, all)
+        Bindings::new(DECODER.0, DECODER.1, all)
     }
 }

@@ -1,11 +1,11 @@
 //! What is known of the codec apart from its packs.
 
-use super::shader::flat_btf_value_wgsl;
+use super::shader::{DECODER, flat_btf_value_wgsl};
 use crate::descriptor::{Answer, Descriptor};
 
 pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
-    name: "flat-btf",
-    version: 1,
+    name: DECODER.0,
+    version: DECODER.1,
     in_words: "a flat BTF",
     plural: "flat BTFs",
     specification: "formats/src/flat_btf/spec.md",

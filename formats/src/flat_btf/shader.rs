@@ -1,6 +1,5 @@
 //! What a shader needs besides the textures of a flat BTF: `formats/src/flat_btf/decoder.wgsl` and its uniform block.
 
-use super::descriptor::DESCRIPTOR;
 use super::directions::SampledDirections;
 use super::factored::FactoredFlatBtf;
 use super::factored::shader::{FACTORED_WGSL, FactoredParameters};
@@ -9,6 +8,9 @@ use crate::bindings::{Binding, Bindings, Texels};
 use crate::container::{Extent, TexelFormat};
 use crate::direction_mesh::DIRECTION_MESH_WGSL;
 use crate::flat_btf::{FlatBtfDecoder, FlatValues, Indirection};
+
+/// The name of the decoder and the version of its bindings.
+pub(super) const DECODER: (&str, u32) = ("flat-btf", 1);
 
 /// The WGSL decoder. It declares a uniform block, six textures and a sampler in bind group 1; see the file.
 pub const FLAT_BTF_WGSL: &str = concat!(
@@ -160,11 +162,7 @@ impl FlatBtfDecoder {
             None => empty(TexelFormat::R32Uint),
         };
         let last = Binding::texture(28, DIRECTIONS, directions);
-        Bindings::new(
-            DESCRIPTOR.name,
-            DESCRIPTOR.version,
-            first.into_iter().chain(factored_bindings(factored)).chain([last]),
-        )
+        Bindings::new(DECODER.0, DECODER.1, first.into_iter().chain(factored_bindings(factored)).chain([last]))
     }
 }
 

@@ -1,11 +1,12 @@
 //! What is known of the codec apart from its packs.
 
 use super::IMPORTANCE_WGSL;
+use super::pack::DECODER;
 use crate::descriptor::{Answer, Descriptor};
 
 pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
-    name: "importance",
-    version: 1,
+    name: DECODER.0,
+    version: DECODER.1,
     in_words: "an importance-sample pack",
     plural: "importance samples",
     specification: "formats/src/importance/spec.md",

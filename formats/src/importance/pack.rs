@@ -2,7 +2,6 @@
 //! outgoing direction ("Interactive rendering of acquired materials on dynamic geometry using bandwidth prediction",
 //! 2012, section 3.3). Byte layout: `formats/src/importance/spec.md`.
 
-use super::descriptor::DESCRIPTOR;
 use crate::FormatError;
 use crate::bindings::{Binding, Bindings, PackFile, Texels};
 use crate::container::entries::{entry, sized};
@@ -10,6 +9,9 @@ use crate::container::{Extent, MAX_EXTENT_2D, TexelFormat, Texture};
 use crate::cursor::Cursor;
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
+
+/// The name of the decoder and the version of its bindings.
+pub(super) const DECODER: (&str, u32) = ("importance", 1);
 
 /// The WGSL look-up. It declares a uniform block and a texture in bind group 1; see the file.
 pub const IMPORTANCE_WGSL: &str = include_str!("pack.wgsl");
@@ -239,7 +241,7 @@ impl ImportancePack {
             Binding::uniform(35, "importance_parameters", self.header.uniform().to_vec()),
             Binding::texture(36, "importance_texels", Texels::new(TexelFormat::Rgba32Float, extent, texels).of_file()),
         ];
-        Bindings::new(DESCRIPTOR.name, DESCRIPTOR.version, all)
+        Bindings::new(DECODER.0, DECODER.1, all)
     }
 
     /// Reads and checks a KTX2 file.

@@ -1,11 +1,11 @@
 //! What is known of the codec apart from its packs.
 
-use super::shader::PWT_WGSL;
+use super::shader::{DECODER, PWT_WGSL};
 use crate::descriptor::{Answer, Descriptor};
 
 pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
-    name: "pwt",
-    version: 1,
+    name: DECODER.0,
+    version: DECODER.1,
     in_words: "a polynomial wavelet tree",
     plural: "polynomial wavelet trees",
     specification: "formats/src/pwt/spec.md",

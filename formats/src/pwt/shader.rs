@@ -1,10 +1,12 @@
 //! What a shader needs besides the textures of a pack: `formats/src/pwt/pwt.wgsl` and its uniform block.
 
-use super::descriptor::DESCRIPTOR;
 use super::header::{MAX_COMPONENTS, MAX_TEXTURES, TextureHeader};
 use super::pack::{PwtPack, TEXTURES};
 use crate::bindings::{Binding, Bindings, Texels};
 use crate::container::{Extent, TexelFormat};
+
+/// The name of the decoder and the version of its bindings.
+pub(super) const DECODER: (&str, u32) = ("pwt", 1);
 
 /// The WGSL decoder. It declares a uniform block, four textures and a sampler in bind group 1; see the file.
 pub const PWT_WGSL: &str = concat!(include_str!("../bindings/frame.wgsl"), include_str!("pwt.wgsl"));
@@ -72,6 +74,6 @@ impl PwtPack {
             .map(|(index, name)| Binding::texture(FIRST_TEXTURE + index as u32, name, texels(index).sampled(SAMPLER)));
         let first = [Binding::frame(), Binding::uniform(FIRST_TEXTURE - 1, "pwt", PwtParameters::to_bytes(self))];
         let sampler = Binding::sampler(FIRST_TEXTURE + MAX_TEXTURES as u32, SAMPLER, self.header().repeats);
-        Bindings::new(DESCRIPTOR.name, DESCRIPTOR.version, first.into_iter().chain(textures).chain([sampler]))
+        Bindings::new(DECODER.0, DECODER.1, first.into_iter().chain(textures).chain([sampler]))
     }
 }

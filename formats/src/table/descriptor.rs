@@ -1,11 +1,11 @@
 //! What is known of the codec apart from its packs.
 
-use super::shader::TABLE_BRDF_WGSL;
+use super::shader::{DECODER, TABLE_BRDF_WGSL};
 use crate::descriptor::{Answer, BrdfShader, Descriptor};
 
 pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
-    name: "table",
-    version: 1,
+    name: DECODER.0,
+    version: DECODER.1,
     in_words: "a table pack",
     plural: "table packs",
     specification: "formats/src/table/spec.md",

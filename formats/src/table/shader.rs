@@ -1,13 +1,15 @@
 //! What a shader needs besides a pack's texture: `formats/src/table/decode.wgsl` and its uniform block.
 
 use super::curve::{CURVE, Curve};
-use super::descriptor::DESCRIPTOR;
 use super::header::{KNOTS, TableHeader, UNIFORM_BYTES};
 use super::pack::TablePack;
 use crate::arc_tangent::arc_tangent_wgsl;
 use crate::bindings::{Binding, Bindings, Texels};
 use crate::container::{Extent, TexelFormat};
 use crate::crop::Window;
+
+/// The name of the decoder and the version of its bindings.
+pub(super) const DECODER: (&str, u32) = ("table", 1);
 
 /// The WGSL decoder. It declares a uniform block, two textures and a sampler in bind group 1; see the file.
 pub const TABLE_BRDF_WGSL: &str = concat!(
@@ -88,8 +90,8 @@ impl TablePack {
         let texels = Texels::new(self.header().texel_format(), Extent::D3(self.extent()), self.texels());
         let parameters = TableBrdfParameters::new(self).to_bytes().to_vec();
         Bindings::new(
-            DESCRIPTOR.name,
-            DESCRIPTOR.version,
+            DECODER.0,
+            DECODER.1,
             [
                 Binding::frame(),
                 Binding::uniform(1, "table_brdf_parameters", parameters),

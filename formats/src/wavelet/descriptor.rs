@@ -1,11 +1,12 @@
 //! What is known of the codec apart from its packs.
 
+use super::layout::DECODER;
 use super::shader::WAVELET_BRDF_WGSL;
 use crate::descriptor::{Answer, BrdfShader, Descriptor};
 
 pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
-    name: "wavelet",
-    version: 1,
+    name: DECODER.0,
+    version: DECODER.1,
     in_words: "a wavelet pack",
     plural: "wavelet packs",
     specification: "formats/src/wavelet/spec.md",

@@ -1,6 +1,5 @@
 //! Bytes of the `brdfc.*` entries of a wavelet pack, and the rules a pack must keep. Normative text: `formats/src/wavelet/spec.md`.
 
-use super::descriptor::DESCRIPTOR;
 use super::lift::Lift;
 use super::shader::{WaveletBrdfParameters, index_texels};
 use crate::bindings::{Binding, Bindings, PackFile, Texels};
@@ -12,6 +11,9 @@ use crate::direction::Parameterisation;
 use crate::wavelet::{Header, MAX_LEVELS, MAX_SLICES, SliceScale, WaveletPack};
 use crate::{ErrorSummary, FormatError};
 use std::collections::BTreeMap;
+
+/// The name of the decoder and the version of its bindings.
+pub(super) const DECODER: (&str, u32) = ("wavelet", 1);
 
 const VERSION: u32 = 1;
 /// The entry that tells a wavelet pack.
@@ -33,8 +35,8 @@ impl WaveletPack {
         let slices = Texels::new(self.header.texel_format(), Extent::D3(self.extent()), &self.texels[..]);
         let parameters = WaveletBrdfParameters::new(self).to_bytes().to_vec();
         Bindings::new(
-            DESCRIPTOR.name,
-            DESCRIPTOR.version,
+            DECODER.0,
+            DECODER.1,
             [
                 Binding::frame(),
                 Binding::uniform(5, "wavelet_brdf_parameters", parameters),
