@@ -12,22 +12,33 @@ use brdfc_core::words::format_number;
 use brdfc_readers::scan_csv::directions_from_bytes;
 use brdfc_source::open::open;
 
+/// Checks a level of detail before a pack says how many it has.
+///
+/// # Errors
+/// One that no pack has.
+pub fn check_level(level: Option<f32>) -> Result<(), Error> {
+    match level {
+        Some(level) if !(0.0..=64.0).contains(&level) => Err(wrong_level(level, "0 to the pack's number of levels")),
+        _ => Ok(()),
+    }
+}
+
+fn wrong_level(found: f32, allowed: &str) -> Error {
+    Error::usage(format!("lod: found {}; allowed {allowed}", format_number(found)))
+}
+
 /// Opens a material; a pack at a level of detail, 0 (coarsest) to its number of levels (finest, the default).
 ///
 /// # Errors
 /// As [`crate::open`]; a level that the pack does not have, or one of what is no pack.
 pub fn open_level(input: impl Into<Input>, level: Option<f32>) -> Result<Material, Error> {
-    let wrong =
-        |found: f32, allowed: String| Error::usage(format!("lod: found {}; allowed {allowed}", format_number(found)));
-    if let Some(level) = level.filter(|level| !(*level >= 0.0)) {
-        return Err(wrong(level, "0 to the pack's number of levels".to_owned()));
-    }
+    check_level(level)?;
     let material = Material::new(open(input, level)?);
     match (level, material.facts().levels()) {
         (Some(level), Some(levels)) if level > levels as f32 => {
-            Err(wrong(level, format!("0 to {levels}, the pack's levels")))
+            Err(wrong_level(level, &format!("0 to {levels}, the pack's levels")))
         }
-        (Some(level), None) => Err(wrong(level, "none: only packs have levels of detail".to_owned())),
+        (Some(level), None) => Err(wrong_level(level, "none: only packs have levels of detail")),
         _ => Ok(material),
     }
 }

@@ -4,7 +4,7 @@ use super::inputs::refuse_stdin_twice;
 use super::output::{as_flag, note_directions, note_repairs, output_parser, print, refuse_unfit_output, write_file};
 use super::{Common, Error};
 use brdfc::Input;
-use brdfc::evaluate::{Relightable, open_level, pairs_from_csv, texels_from_bytes, values_at};
+use brdfc::evaluate::{Relightable, check_level, open_level, pairs_from_csv, texels_from_bytes, values_at};
 use brdfc_terminal::words::format_number;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -45,6 +45,7 @@ const VALUES: [&str; 3] = ["f_r", "f_g", "f_b"];
 const COLOURS: [&str; 3] = ["r", "g", "b"];
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
+    check_level(arguments.lod).map_err(as_flag)?;
     let directions = &arguments.directions;
     refuse_stdin_twice(&[("INPUT", Some(&arguments.input)), ("--directions", Some(directions))])?;
     if let Some(output) = &arguments.output {
