@@ -86,6 +86,12 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let output = arguments.output.as_deref();
     if let Some(output) = output {
         refuse_overwriting("--output", output, &[Path::new(&arguments.kind)])?;
+        if output.extension().is_some_and(|extension| extension == "ktx2") {
+            let found = output.display();
+            return Err(Error::usage(format!(
+                "--output: found {found}, as packs are called; allowed another extension"
+            )));
+        }
         refuse_missing_folder(output)?;
     }
     let decoder = decoder(&arguments.kind)?;

@@ -37,6 +37,14 @@ fn every_kind_in_every_language() {
         told.stdout
     );
     assert_eq!(folder.read("other.glsl"), folder.read("table.glsl"));
+    folder.write("pack.ktx2", "a pack");
+    let refused = folder.run(&["shader", "table", "--language", "glsl", "-o", "pack.ktx2"]);
+    assert!(
+        refused.code == 2 && refused.stderr.contains("--output: found pack.ktx2, as packs are called"),
+        "{}",
+        refused.stderr
+    );
+    assert_eq!(folder.read("pack.ktx2"), b"a pack");
 }
 
 #[test]
