@@ -5,7 +5,7 @@ use std::hash::{DefaultHasher, Hasher as _};
 use std::path::{Path, PathBuf};
 
 /// Relative to this crate. What prints, draws or manages files is not among them.
-const DECIDES: [&str; 12] = [
+const DECIDES: [&str; 11] = [
     "../../formats/src",
     "../core/src",
     "../readers/src",
@@ -14,7 +14,6 @@ const DECIDES: [&str; 12] = [
     "../codec/src",
     "../codecs",
     "../encode/src",
-    "src/encode",
     "src/report/material.rs",
     "src/scene/maps.rs",
     "../../Cargo.lock",

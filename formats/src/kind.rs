@@ -1,16 +1,8 @@
-//! Which pack a KTX2 file is: decided here alone, once, before any texel is unpacked.
+//! Which pack a KTX2 file is: decided here alone, once, before any texel is unpacked. The list of codecs is in `lib.rs`.
 
-use crate::bandwidth::BandwidthMap;
-use crate::bindings::{Bindings, PackFile};
+use crate::bindings::PackFile;
 use crate::container::PackedTexture;
-use crate::descriptor::Descriptor;
-use crate::flat_btf::FlatBtfFile;
-use crate::importance::ImportancePack;
-use crate::pwt::PwtPack;
-use crate::table::TablePack;
-use crate::wavelet::WaveletPack;
-use crate::{Brdf, FormatError};
-use std::ops::Deref;
+use crate::{FormatError, Pack, PackKind};
 
 /// Makes [`PackKind`], [`Pack`] and [`BrdfPack`] of one line for each codec. Of BRDFs: its name in Rust, its pack, its folder; of
 /// others: the name, the type that [`Pack`] holds, the type that reads a pack, the folder.
@@ -31,8 +23,8 @@ macro_rules! codecs {
             $($(#[$brdf_doc])* $brdf($brdf_pack),)*
         }
 
-        impl Deref for BrdfPack {
-            type Target = dyn Brdf;
+        impl std::ops::Deref for BrdfPack {
+            type Target = dyn $crate::Brdf;
 
             fn deref(&self) -> &Self::Target {
                 match self {
@@ -74,9 +66,9 @@ macro_rules! codecs {
             pub const ALL: [Self; [$(Self::$kind),*].len()] = [$(Self::$kind),*];
 
             /// What is known of the codec apart from its packs.
-            pub fn descriptor(self) -> &'static Descriptor {
+            pub fn descriptor(self) -> &'static $crate::Descriptor {
                 match self {
-                    $(Self::$kind => &crate::$folder::descriptor::DESCRIPTOR,)*
+                    $(Self::$kind => &$crate::$folder::descriptor::DESCRIPTOR,)*
                 }
             }
         }
@@ -89,7 +81,7 @@ macro_rules! codecs {
         }
 
         impl Pack {
-            fn of_kind(kind: PackKind, file: PackFile) -> Result<Self, FormatError> {
+            fn of_kind(kind: PackKind, file: $crate::bindings::PackFile) -> Result<Self, $crate::FormatError> {
                 Ok(match kind {
                     $(PackKind::$kind => Self::$kind($pack::from_file(file)?.into()),)*
                 })
@@ -103,32 +95,13 @@ macro_rules! codecs {
             }
 
             /// What its shader has bound.
-            pub fn bindings(&self) -> Bindings<'_> {
+            pub fn bindings(&self) -> $crate::bindings::Bindings<'_> {
                 match self {
                     $(Self::$kind(pack) => pack.bindings(),)*
                 }
             }
         }
     };
-}
-
-codecs! {
-    brdfs: {
-        /// A table pack, plain or factored.
-        Table(TablePack): table;
-        /// A wavelet BRDF pack.
-        Wavelet(WaveletPack): wavelet;
-    }
-    others: {
-        /// A flat BTF.
-        FlatBtf(Box<FlatBtfFile>): FlatBtfFile, flat_btf;
-        /// A polynomial wavelet tree.
-        Pwt(PwtPack): PwtPack, pwt;
-        /// A bandwidth map.
-        Bandwidth(BandwidthMap): BandwidthMap, bandwidth;
-        /// Importance samples.
-        Importance(ImportancePack): ImportancePack, importance;
-    }
 }
 
 impl PackKind {
@@ -185,7 +158,7 @@ impl Pack {
 mod tests {
     use super::*;
     use crate::container::{Texture, seal};
-    use crate::importance::ImportanceHeader;
+    use crate::importance::{ImportanceHeader, ImportancePack};
 
     fn example() -> ImportancePack {
         let header = ImportanceHeader { polar: 2, azimuths: 1, samples: 2 };

@@ -22,6 +22,7 @@ mod error;
 mod error_summary;
 pub mod flat_btf;
 pub mod importance;
+#[macro_use]
 mod kind;
 pub mod memory;
 pub mod pwt;
@@ -35,8 +36,34 @@ pub use brdf_pack::{Brdf, BrdfDecoder};
 pub use descriptor::{Answer, BrdfShader, Descriptor};
 pub use error::{FormatError, Place};
 pub use error_summary::{ErrorSummary, PictureSummary};
-pub use kind::{BrdfPack, Pack, PackKind};
 pub use symmetry::Symmetry;
+
+use bandwidth::BandwidthMap;
+use flat_btf::FlatBtfFile;
+use importance::ImportancePack;
+use pwt::PwtPack;
+use table::TablePack;
+use wavelet::WaveletPack;
+
+// The codecs, a line for each.
+codecs! {
+    brdfs: {
+        /// A table pack, plain or factored.
+        Table(TablePack): table;
+        /// A wavelet BRDF pack.
+        Wavelet(WaveletPack): wavelet;
+    }
+    others: {
+        /// A flat BTF.
+        FlatBtf(Box<FlatBtfFile>): FlatBtfFile, flat_btf;
+        /// A polynomial wavelet tree.
+        Pwt(PwtPack): PwtPack, pwt;
+        /// A bandwidth map.
+        Bandwidth(BandwidthMap): BandwidthMap, bandwidth;
+        /// Importance samples.
+        Importance(ImportancePack): ImportancePack, importance;
+    }
+}
 
 /// The example of the README compiles.
 #[cfg(doctest)]

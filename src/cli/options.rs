@@ -28,7 +28,7 @@ impl PackOptions {
             let (flag, OptionError { found, allowed, .. }) = (error.field.replace('_', "-"), error);
             Error::usage(format!("--{flag}: found {found}; allowed {allowed}"))
         };
-        let mut recipe = self.encode.resolve(&EncodeOptions::default()).map_err(in_flags)?;
+        let mut recipe = PackRecipe::from_options(&self.encode, &EncodeOptions::default()).map_err(in_flags)?;
         recipe.set_supercompress(!self.no_supercompression);
         Ok(recipe)
     }

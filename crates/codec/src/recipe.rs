@@ -1,6 +1,6 @@
 //! Recipes: everything that decides the bytes of a pack besides the source.
 
-use super::{BrdfReport, EncodeError, Encoded, GridCache};
+use super::{BrdfReport, EncodeError, EncodeOptions, Encoded, GridCache, OptionError, Variant};
 use brdfc_core::Source;
 use brdfc_core::progress::Progress;
 use brdfc_formats::crop::DirectionRange;
@@ -60,9 +60,18 @@ pub trait BrdfRecipe {
 }
 
 /// A recipe that one encoder follows.
-pub trait Encode: BrdfRecipe {
+pub trait Encode: BrdfRecipe + Sized {
     /// What is reported of a pack.
     type Report: BrdfReport;
+
+    /// What users may ask for.
+    const VARIANTS: &'static [Variant];
+
+    /// The recipe of a variant, from options that it has.
+    ///
+    /// # Errors
+    /// Options that are out of range or do not go together. The budget has been checked.
+    fn from_options(variant: &str, options: &EncodeOptions) -> Result<Self, OptionError>;
 
     /// Encodes a source, evaluated on a grid of the cache where it is there.
     ///

@@ -1,8 +1,9 @@
 //! What every stage shares, without files: reflectance that can be evaluated at a direction pair, tallies of repairs, progress
-//! and cancelling, and numbers as people read them.
+//! and cancelling, and numbers as people write and read them.
 
 pub mod address;
 pub mod analytic;
+pub mod byte_count;
 mod describe;
 pub mod half_difference;
 mod pack_source;
@@ -10,6 +11,7 @@ pub mod pair_list;
 pub mod progress;
 mod stray_rows;
 mod tally;
+pub mod whole_number;
 pub mod words;
 
 pub use brdfc_formats::Symmetry;

@@ -1,8 +1,8 @@
 //! The search for the smallest pack that meets a budget.
 
-use super::recipe::{AutoRecipe, Budget, LARGEST, TAIL, Tables};
+use super::recipe::{AutoRecipe, LARGEST, Tables};
 use super::{CodecReport, EncodedPack};
-use brdfc_codec::{AveragingCost, EncodeError, Trial};
+use brdfc_codec::{AveragingCost, Budget, EncodeError, TAIL, Trial};
 use brdfc_core::progress::{Cancelled, Progress, Stage};
 use brdfc_core::{PackSource, Source};
 use brdfc_metrics::compare::{Comparison, Reference};

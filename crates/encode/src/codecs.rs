@@ -1,7 +1,9 @@
 //! The codecs of BRDFs: [`codecs!`] has one line for each.
 
 use super::recipe::AutoRecipe;
-use brdfc_codec::{BrdfRecipe, BrdfReport, Encode, EncodeError, Encoded, GridCache};
+use brdfc_codec::{
+    BrdfRecipe, BrdfReport, Encode, EncodeError, EncodeOptions, Encoded, GridCache, OptionError, Variant,
+};
 use brdfc_core::progress::Progress;
 use brdfc_core::{Describe, Source, StrayRows};
 use brdfc_formats::BrdfPack;
@@ -49,6 +51,12 @@ macro_rules! codecs {
         }
 
         impl PackRecipe {
+            /// The codecs, as users ask for them.
+            pub(super) const CODECS: &[AskedCodec] = &[$(AskedCodec {
+                variants: <$recipe>::VARIANTS,
+                recipe: |variant, options| Ok(Self::$codec(<$recipe>::from_options(variant, options)?)),
+            }),*];
+
             /// Encodes a source. `search` finds the pack of a budget.
             pub(super) fn encode(
                 &self,
@@ -127,6 +135,14 @@ codecs! {
     Table: table::recipe::TableRecipe, table::TableReport, table::TablePackFacts, "table-pack";
     /// A wavelet pack.
     Wavelet: wavelet::recipe::Recipe, wavelet::WaveletReport, wavelet::WaveletPackFacts, "wavelet-pack";
+}
+
+/// A codec, as users ask for it.
+pub(super) struct AskedCodec {
+    /// What they may ask for.
+    pub(super) variants: &'static [Variant],
+    /// The recipe of a variant, see [`Encode::from_options`].
+    pub(super) recipe: fn(&str, &EncodeOptions) -> Result<PackRecipe, OptionError>,
 }
 
 /// A pack of any codec with what was measured while making it.

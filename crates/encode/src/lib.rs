@@ -2,7 +2,7 @@
 
 mod auto;
 mod codecs;
-mod limits;
+mod options;
 pub mod recipe;
 mod run;
 mod within;
@@ -11,5 +11,5 @@ pub use brdfc_codec::{
     AveragingCost, BrdfRecipe, BrdfReport, Encode, EncodeError, Encoded, GridCache, Predicted, Trial,
 };
 pub use codecs::{CodecReport, EncodedPack, PackFacts, PackRecipe, encoders};
-pub use limits::OptionError;
+pub use options::codec_names;
 pub use run::{encode, encode_cached};

@@ -1,6 +1,7 @@
 //! The recipe of a search: a budget that sizes of tables are tried against.
 
-use brdfc_codec::{BrdfRecipe, Predicted};
+use super::PackRecipe;
+use brdfc_codec::{BrdfRecipe, Budget, Predicted};
 use brdfc_core::words::{bytes, percent};
 use brdfc_formats::crop::DirectionRange;
 use brdfc_table::encode::MOST_TEXELS;
@@ -34,64 +35,6 @@ pub enum Tables {
     Both,
 }
 
-/// Limits of a pack. Those that are absent are none.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
-pub struct Budget {
-    /// Largest mean ΔE*ab of pictures, and four times that for its 95th percentile.
-    pub delta_e: Option<f64>,
-    /// Largest `ε_r` off the grid, a fraction.
-    pub error: Option<f64>,
-    /// Most bytes on a GPU.
-    pub bytes: Option<u64>,
-    /// Most texture fetches of a look-up.
-    pub fetches: Option<u32>,
-}
-
-/// The 95th percentile of ΔE may be so many times the mean that is allowed.
-pub const TAIL: f64 = 4.0;
-
-impl Default for Budget {
-    /// A mean ΔE of 0.5 with 95 % below 2: differences that are hardly seen side by side.
-    fn default() -> Self {
-        Self { delta_e: Some(0.5), error: None, bytes: None, fetches: None }
-    }
-}
-
-impl Budget {
-    /// No limit yet: what is added makes it one. Where nothing says how good or how large a pack is to be, the ΔE of the default
-    /// decides.
-    pub const NONE: Self = Self { delta_e: None, error: None, bytes: None, fetches: None };
-
-    /// With a largest mean ΔE*ab of pictures, 1e-6 to 100, and four times that for the 95th percentile.
-    #[must_use]
-    pub fn delta_e(self, largest: f64) -> Self {
-        Self { delta_e: Some(largest), ..self }
-    }
-
-    /// With a largest `ε_r`, a fraction.
-    #[must_use]
-    pub fn error(self, largest: f64) -> Self {
-        Self { error: Some(largest), ..self }
-    }
-
-    /// With a number of bytes on a GPU that is the most.
-    #[must_use]
-    pub fn bytes(self, most: u64) -> Self {
-        Self { bytes: Some(most), ..self }
-    }
-
-    /// With a number of texture fetches that is the most.
-    #[must_use]
-    pub fn fetches(self, most: u32) -> Self {
-        Self { fetches: Some(most), ..self }
-    }
-
-    /// Whether it says how good a pack has to be.
-    pub fn limits_error(&self) -> bool {
-        self.delta_e.is_some() || self.error.is_some()
-    }
-}
-
 impl Default for AutoRecipe {
     fn default() -> Self {
         Self { budget: Budget::default(), table: TableRecipe::default(), tables: Tables::Both }
@@ -107,6 +50,24 @@ impl AutoRecipe {
         let aim = if budget.error.is_some() && budget.delta_e.is_none() { Aim::Ratios } else { Aim::Pictures };
         let table = TableRecipe { aim, ..TableRecipe::default() };
         Self { budget: Budget { delta_e, ..budget }, table, tables: Tables::Both }
+    }
+}
+
+impl AutoRecipe {
+    /// The recipe of a variant of tables: the table, or the search where limits of error or fetches ask for one or `auto` does.
+    pub(super) fn of_table(variant: &str, table: TableRecipe, budget: Budget) -> PackRecipe {
+        if variant != TableRecipe::AUTO && !budget.limits_error() && budget.fetches.is_none() {
+            return PackRecipe::Table(table);
+        }
+        let tables = match variant {
+            // A pack with levels has a curve.
+            TableRecipe::AUTO if table.levels == 0 => Tables::Both,
+            _ if table.has_curve() => Tables::Factored,
+            _ => Tables::Plain,
+        };
+        let recipe = Self::of_budget(budget);
+        let table = TableRecipe { size: recipe.table.size, aim: recipe.table.aim, ..table };
+        PackRecipe::Auto(Self { table, tables, ..recipe })
     }
 }
 

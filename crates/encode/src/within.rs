@@ -102,7 +102,7 @@ fn uncropped(made: &EncodedPack) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recipe::Budget;
+    use brdfc_codec::Budget;
     use brdfc_core::address::parse_synth;
     use brdfc_formats::crop::Elevations;
     use brdfc_metrics::sampling::PairSet;

@@ -18,7 +18,6 @@ pub mod scene;
 pub mod stage_clock;
 pub mod store;
 pub mod view;
-pub mod whole_number;
 pub mod write;
 
 pub use error::{Error, ErrorKind};

@@ -1,6 +1,6 @@
 //! Flags that every program has.
 
-use brdfc_jobs::whole_number::whole_number;
+use brdfc_core::whole_number::whole_number;
 use clap::Args;
 
 /// How a program works and talks, whatever it is asked to do.

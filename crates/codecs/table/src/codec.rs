@@ -1,18 +1,27 @@
 //! Table packs among the codecs of BRDFs.
 
 use super::encode::{self, encode};
+use super::levels::MOST_LEVELS;
 use super::recipe::{Size, TableRecipe};
 use super::symmetry::Asymmetry;
-use brdfc_codec::{AveragingCost, BrdfRecipe, BrdfReport, Encode, EncodeError, Encoded, GridCache, Predicted};
+use brdfc_codec::{
+    AveragingCost, BrdfRecipe, BrdfReport, Encode, EncodeError, EncodeOptions, Encoded, GridCache, OptionError,
+    Predicted, Variant,
+};
 use brdfc_core::Source;
 use brdfc_core::progress::Progress;
 use brdfc_core::words::bytes;
+use brdfc_formats::BrdfPack;
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::table::{Axes, TableSymmetry};
-use brdfc_formats::{BrdfPack, PackKind};
 use brdfc_metrics::compare::Reference;
 use brdfc_metrics::sampling::PairSet;
 use serde::{Deserialize, Serialize};
+
+/// The variant without a curve; the name of the codec, too.
+const TABLE: &str = "table";
+/// The variant with a curve.
+const FACTORED: &str = "factored";
 
 /// Memory of an encoding without its source, bytes; measured with a scan.
 const MEMORY: u64 = 40 << 20;
@@ -32,7 +41,7 @@ pub struct TableReport {
 
 impl BrdfReport for TableReport {
     fn variant(&self) -> &'static str {
-        if self.curve_nodes > 0 { "factored" } else { PackKind::Table.name() }
+        if self.curve_nodes > 0 { FACTORED } else { TABLE }
     }
 
     fn size(&self) -> String {
@@ -54,7 +63,7 @@ impl From<encode::Encoded> for Encoded<TableReport> {
 
 impl BrdfRecipe for TableRecipe {
     fn codec(&self) -> &'static str {
-        PackKind::Table.name()
+        TABLE
     }
 
     fn target(&self) -> String {
@@ -112,8 +121,41 @@ impl BrdfRecipe for TableRecipe {
     }
 }
 
+/// Options of plain tables.
+const OPTIONS: [&str; 6] = ["max_delta_e", "max_error", "max_bytes", "max_fetches", "reciprocal", "bias"];
+/// Those of tables with a curve, and of a search.
+const FACTORED_OPTIONS: [&str; 7] =
+    ["max_delta_e", "max_error", "max_bytes", "max_fetches", "reciprocal", "bias", "levels"];
+
+impl TableRecipe {
+    /// The variant that a search chooses.
+    pub const AUTO: &str = "auto";
+}
+
 impl Encode for TableRecipe {
     type Report = TableReport;
+
+    const VARIANTS: &'static [Variant] = &[
+        Variant { name: Self::AUTO, options: &FACTORED_OPTIONS },
+        Variant { name: TABLE, options: &OPTIONS },
+        Variant { name: FACTORED, options: &FACTORED_OPTIONS },
+    ];
+
+    fn from_options(variant: &str, options: &EncodeOptions) -> Result<Self, OptionError> {
+        let default = Self::default();
+        let levels = options.levels.unwrap_or(0);
+        if levels > MOST_LEVELS {
+            return Err(EncodeOptions::out_of_range("levels", levels.to_string()));
+        }
+        Ok(Self {
+            size: options.max_bytes.map_or(default.size, Size::Bytes),
+            factored: variant == FACTORED,
+            levels,
+            reciprocal: options.reciprocal == Some(true),
+            bias: options.bias()?.unwrap_or(default.bias),
+            ..default
+        })
+    }
 
     fn encode(
         &self,

@@ -3,19 +3,24 @@
 use super::crop::{needed_coefficients, window};
 use super::encode::{self, check, encode_tabulated};
 use super::measure::GridError;
-use super::recipe::{Recipe, Target};
+use super::recipe::{Ranking, Recipe, Target};
 use super::table::Grid;
 use super::tabulated::Tabulated;
-use brdfc_codec::{BrdfRecipe, BrdfReport, Encode, EncodeError, Encoded, GridCache, Predicted};
+use brdfc_codec::{
+    BrdfRecipe, BrdfReport, Encode, EncodeError, EncodeOptions, Encoded, GridCache, OptionError, Predicted, Variant,
+};
 use brdfc_core::Source;
 use brdfc_core::progress::{Progress, Stage};
-use brdfc_core::words::{bytes, percent};
+use brdfc_core::words::{bytes, format_number, percent};
+use brdfc_formats::BrdfPack;
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::Parameterisation;
-use brdfc_formats::wavelet::{Header, gpu_bytes};
-use brdfc_formats::{BrdfPack, PackKind};
+use brdfc_formats::wavelet::{Header, MAX_LEVELS, gpu_bytes};
 use brdfc_metrics::norms::Norms;
 use serde::{Deserialize, Serialize};
+
+/// The name of the codec.
+const WAVELET: &str = "wavelet";
 
 /// Memory of an encoding without its source and its grids, bytes; measured with a scan.
 const MEMORY: u64 = 16 << 20;
@@ -47,7 +52,7 @@ pub struct WaveletReport {
 
 impl BrdfReport for WaveletReport {
     fn variant(&self) -> &'static str {
-        PackKind::Wavelet.name()
+        WAVELET
     }
 
     fn size(&self) -> String {
@@ -61,7 +66,7 @@ impl BrdfReport for WaveletReport {
 
 impl BrdfRecipe for Recipe {
     fn codec(&self) -> &'static str {
-        PackKind::Wavelet.name()
+        WAVELET
     }
 
     fn target(&self) -> String {
@@ -143,6 +148,56 @@ impl BrdfRecipe for Recipe {
 impl Encode for Recipe {
     type Report = WaveletReport;
 
+    const VARIANTS: &'static [Variant] = &[Variant {
+        name: WAVELET,
+        options: &[
+            "max_error",
+            "max_bytes",
+            "ratio",
+            "grid",
+            "bits",
+            "parameterisation",
+            "bias",
+            "ranking",
+            "lift",
+            "smooth",
+        ],
+    }];
+
+    /// Slices are ranked by what is seen where the codec is named, otherwise by energy.
+    fn from_options(_: &str, options: &EncodeOptions) -> Result<Self, OptionError> {
+        let mut recipe = if options.codec.is_some() { Self::visible() } else { Self::default() };
+        if let Some(grid) = options.grid {
+            if !grid.is_power_of_two() || !(2..=1 << MAX_LEVELS).contains(&grid) {
+                return Err(EncodeOptions::out_of_range("grid", grid.to_string()));
+            }
+            recipe.levels = grid.ilog2();
+            recipe.stored_levels = recipe.levels;
+        }
+        if let Some(bits) = options.bits {
+            if bits != 8 && !(10..=16).contains(&bits) {
+                return Err(EncodeOptions::out_of_range("bits", bits.to_string()));
+            }
+            recipe.bits = bits;
+        }
+        if let Some(name) = options.parameterisation.as_deref().filter(|name| *name != recipe.parameterisation.name()) {
+            let allowed = "tangent-pole; half-difference angles are those of the codec table";
+            return Err(OptionError::new("parameterisation", format!("\"{name}\""), allowed));
+        }
+        if let Some(name) = &options.ranking {
+            let known = Ranking::NAMES.iter().find(|(known, _)| known == name);
+            let Some((_, ranking)) = known else {
+                return Err(EncodeOptions::out_of_range("ranking", format!("\"{name}\"")));
+            };
+            recipe.ranking = *ranking;
+        }
+        recipe.lift = options.lift.unwrap_or(recipe.lift);
+        recipe.smooth = options.smooth.unwrap_or(recipe.smooth);
+        recipe.bias = options.bias()?.unwrap_or(recipe.bias);
+        recipe.target = target(options)?.unwrap_or(recipe.target);
+        Ok(recipe)
+    }
+
     fn encode(
         &self,
         source: &dyn Source,
@@ -184,6 +239,23 @@ impl Encode for Recipe {
         let texel = components * if self.bits == 8 { 1 } else { 2 };
         Some((all - stored) * report.slices_in_all as u64 * texel)
     }
+}
+
+/// The target that options name, if they do.
+fn target(options: &EncodeOptions) -> Result<Option<Target>, OptionError> {
+    let given = [options.ratio.is_some(), options.max_error.is_some(), options.max_bytes.is_some()];
+    if given.iter().filter(|given| **given).count() > 1 {
+        let field = if options.ratio.is_some() { "ratio" } else { "max_error" };
+        return Err(OptionError::new(field, "more than one target", "one of ratio, max_error and max_bytes"));
+    }
+    if let Some(ratio) = options.ratio {
+        if !(1.0..=4096.0).contains(&ratio) {
+            return Err(EncodeOptions::out_of_range("ratio", format_number(ratio)));
+        }
+        return Ok(Some(Target::Ratio(ratio)));
+    }
+    let error = options.budget()?.error.map(Target::MaxError);
+    Ok(error.or(options.max_bytes.map(Target::MaxBytes)))
 }
 
 /// The source on a grid: from the cache, or sampled and put there.

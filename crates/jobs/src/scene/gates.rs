@@ -1,10 +1,9 @@
 //! Gates: what a finished pack has to be, however it was asked for. A gate that saw nothing does not pass.
 
-use crate::encode::OptionError;
-use crate::encode::byte_count::bytes_from_manifest;
-use crate::encode::recipe::{Budget, TAIL};
 use crate::report::gate::GateResult;
 use crate::report::material::MaterialReport;
+use brdfc_codec::{Budget, OptionError, TAIL};
+use brdfc_core::byte_count::bytes_from_manifest;
 use brdfc_core::words::counted;
 use brdfc_metrics::fraction::Fraction;
 use serde::Deserialize;

@@ -5,7 +5,7 @@ use super::manifest::Manifest;
 use super::patterns::Named;
 use super::plan::{Plan, plan};
 use super::watch::named_in;
-use crate::encode::options::EncodeOptions;
+use crate::encode::EncodeOptions;
 use crate::error::Error;
 use brdfc_core::words::counted;
 use brdfc_source::read::{MAX_TEXT_BYTES, read_file};

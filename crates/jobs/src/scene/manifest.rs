@@ -11,7 +11,7 @@ use super::scene_section::{SCENE_KEYS, SceneSection};
 use super::shapes::{self, Key, Shape, key};
 use super::uses::USE_KEYS;
 use crate::encode::OptionError;
-use crate::encode::options::{EncodeOptions, range_of};
+use crate::encode::{EncodeOptions, PackRecipe, codec_names, range_of};
 use crate::keys::keys_of;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -135,7 +135,8 @@ impl Manifest {
             suggestion: None,
         };
         let (options, require) = (&self.defaults.options, &self.defaults.require);
-        options.resolve(&EncodeOptions::default()).map_err(|p| error(line(&["defaults", p.field]), "defaults", p))?;
+        PackRecipe::from_options(options, &EncodeOptions::default())
+            .map_err(|p| error(line(&["defaults", p.field]), "defaults", p))?;
         require
             .resolve(&Require::default())
             .map_err(|p| error(line(&["defaults", "require", p.field]), "defaults.require", p))?;
@@ -158,7 +159,8 @@ impl Manifest {
                     format!("{SOURCES}; standard input is for commands of one file, such as 'brdfc encode -'");
                 return Err(place.error(&["materials", name, "source"], "\"-\"".to_owned(), &allowed));
             }
-            material.options.resolve(options).map_err(|p| error(line(&["materials", name, p.field]), &prefix, p))?;
+            PackRecipe::from_options(&material.options, options)
+                .map_err(|p| error(line(&["materials", name, p.field]), &prefix, p))?;
             let in_require = format!("{prefix}.require");
             material
                 .require
@@ -226,5 +228,5 @@ fn option_key(name: &'static str) -> Key {
         "max_fetches" | "levels" | "grid" | "bits" => Shape::WholeNumber,
         _ => Shape::Number,
     };
-    key(name, shape, range_of(name))
+    key(name, shape, if name == "codec" { codec_names() } else { range_of(name) })
 }

@@ -1,7 +1,7 @@
 //! What kind of value each key of a manifest has, in words. Kinds are checked here, ranges where values are read.
 
 use super::place::{ManifestError, line_of, near_miss};
-use crate::encode::byte_count;
+use brdfc_core::byte_count;
 use brdfc_metrics::fraction::{self, Fraction};
 use std::borrow::Cow;
 use toml::Spanned;

@@ -1,9 +1,9 @@
 //! Flags of `brdfc-bench`.
 
-use brdfc_jobs::whole_number::{any_whole_number, whole_number};
 use brdfc_source::Input;
 use brdfc_studies::Study;
 use brdfc_terminal::inputs::refuse_stdin_twice;
+use brdfc_terminal::values::{any_whole_number, whole_number};
 use brdfc_terminal::{Error, Flags};
 use clap::{Parser, ValueEnum};
 use std::path::PathBuf;

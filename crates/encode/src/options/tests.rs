@@ -1,17 +1,21 @@
 //! Options become recipes.
 
 use super::*;
-use crate::encode::{Predicted, encode};
+use crate::recipe::Tables;
+use crate::{Predicted, encode};
+use brdfc_codec::range_of;
 use brdfc_formats::crop::{DirectionRange, Elevations};
 use brdfc_source::open::open;
-use brdfc_table::recipe::Aim;
+use brdfc_table::levels::MOST_LEVELS;
+use brdfc_table::recipe::{Aim, Size, TableRecipe};
+use brdfc_wavelet::recipe::{Ranking, Recipe};
 
 fn keys(text: &str) -> EncodeOptions {
     toml::from_str(text).unwrap()
 }
 
 fn resolved(own: &str, defaults: &str) -> PackRecipe {
-    keys(own).resolve(&keys(defaults)).unwrap()
+    PackRecipe::from_options(&keys(own), &keys(defaults)).unwrap()
 }
 
 #[test]
@@ -21,7 +25,7 @@ fn the_codec_follows_from_the_options() {
     assert_eq!(paper, Recipe::default());
     let PackRecipe::Wavelet(named) = resolved("codec = 'wavelet'", "") else { panic!("a wavelet pack") };
     assert_eq!(named, Recipe::visible());
-    for wavelet in ["grid = 8", "bits = 12", "parameterisation = 'tangent-pole'", "ranking = 'energy'", "bias = 0.1"] {
+    for wavelet in ["grid = 8", "bits = 12", "parameterisation = 'tangent-pole'", "ranking = 'energy'"] {
         assert!(matches!(resolved(wavelet, ""), PackRecipe::Wavelet(_)), "{wavelet}");
     }
     let PackRecipe::Table(table) = resolved("codec = 'table'\nmax_bytes = 4096\nbias = 0.001", "") else {
@@ -38,7 +42,7 @@ fn the_codec_follows_from_the_options() {
     assert!(far.tables == Tables::Factored && far.table.levels == 3);
     assert_eq!(far.budget, Budget::default());
     for wrong in ["codec = 'table'\nlevels = 2", "codec = 'wavelet'\nlevels = 2", "levels = 7"] {
-        assert_eq!(keys(wrong).resolve(&EncodeOptions::default()).unwrap_err().field, "levels", "{wrong}");
+        assert_eq!(PackRecipe::try_from(keys(wrong)).unwrap_err().field, "levels", "{wrong}");
     }
     let PackRecipe::Auto(filled) = resolved("max_bytes = 4096", "") else { panic!("a search") };
     assert_eq!(filled.budget, Budget { delta_e: None, error: None, bytes: Some(4096), fetches: None });
@@ -67,8 +71,10 @@ fn defaults_that_do_not_go_with_the_codec_are_left_out() {
         panic!("a table")
     };
     assert_eq!((levels.levels, levels.factored, levels.bias), (2, true, 0.001));
-    let PackRecipe::Table(levels) = resolved("levels = 2", "codec = 'table'") else { panic!("a table") };
-    assert!(levels.factored && levels.levels == 2);
+    let PackRecipe::Auto(levels) = resolved("levels = 2", "codec = 'table'") else { panic!("a search") };
+    assert!(levels.tables == Tables::Factored && levels.table.levels == 2);
+    let PackRecipe::Auto(bias) = resolved("bias = 0.1", "") else { panic!("a search") };
+    assert_eq!(bias.table.bias, 0.1);
     let PackRecipe::Table(both) = resolved("reciprocal = true", "codec = 'table'\nbias = 0.001") else {
         panic!("a table")
     };
@@ -87,9 +93,8 @@ fn defaults_that_do_not_go_with_the_codec_are_left_out() {
 #[test]
 fn ranges_in_words_are_the_bounds() {
     assert_eq!(range_of("levels"), format!("0 to {MOST_LEVELS}"));
-    for (name, _) in CODECS {
-        assert!(range_of("codec").contains(name), "{name}");
-    }
+    assert_eq!(codec_names(), "auto, table, factored or wavelet");
+    assert_eq!(range_of("parameterisation"), Recipe::default().parameterisation.name());
     for (name, _) in Ranking::NAMES {
         assert!(range_of("ranking").contains(name), "{name}");
     }
@@ -98,8 +103,7 @@ fn ranges_in_words_are_the_bounds() {
 /// Whatever is predicted holds what is made.
 #[test]
 fn packs_are_as_large_as_predicted() {
-    let options =
-        |text: &str| toml::from_str::<EncodeOptions>(text).expect("options").resolve(&EncodeOptions::default());
+    let options = |text: &str| PackRecipe::try_from(keys(text));
     let narrow = Elevations { from: 30.0, to: 90.0 };
     let seen_from_above = DirectionRange { light: narrow, view: narrow };
     let mut exact = 0;

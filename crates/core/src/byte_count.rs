@@ -4,7 +4,7 @@ use serde::de::{Deserializer, Error, Unexpected, Visitor};
 use std::fmt;
 
 /// What may stand in place of what is no number of bytes.
-pub(crate) const ALLOWED: &str = "a whole number of bytes, such as 16384, 16KiB or 1MiB";
+pub const ALLOWED: &str = "a whole number of bytes, such as 16384, 16KiB or 1MiB";
 
 /// Of a text: a whole number, alone or with KiB, MiB or GiB, which may be shortened to their first letters.
 ///
@@ -24,7 +24,10 @@ pub fn bytes_from_text(text: &str) -> Result<u64, String> {
 }
 
 /// Of a key of a manifest: a number or a text.
-pub(crate) fn bytes_from_manifest<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<u64>, D::Error> {
+///
+/// # Errors
+/// What is no number of bytes.
+pub fn bytes_from_manifest<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<u64>, D::Error> {
     struct NumberOrText;
     impl Visitor<'_> for NumberOrText {
         type Value = u64;

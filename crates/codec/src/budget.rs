@@ -1,9 +1,8 @@
-//! Checks of what users limit.
+//! Limits of a pack, and checks of them.
 
-use super::PackRecipe;
-use super::recipe::{AutoRecipe, Budget};
 use brdfc_core::words::format_number;
 use brdfc_metrics::fraction::Fraction;
+use serde::{Deserialize, Serialize};
 
 /// An option out of range.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -24,7 +23,63 @@ impl OptionError {
     }
 }
 
+/// Limits of a pack. Those that are absent are none.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Budget {
+    /// Largest mean ΔE*ab of pictures, and four times that for its 95th percentile.
+    pub delta_e: Option<f64>,
+    /// Largest `ε_r` off the grid, a fraction.
+    pub error: Option<f64>,
+    /// Most bytes on a GPU.
+    pub bytes: Option<u64>,
+    /// Most texture fetches of a look-up.
+    pub fetches: Option<u32>,
+}
+
+/// The 95th percentile of ΔE may be so many times the mean that is allowed.
+pub const TAIL: f64 = 4.0;
+
+impl Default for Budget {
+    /// A mean ΔE of 0.5 with 95 % below 2: differences that are hardly seen side by side.
+    fn default() -> Self {
+        Self { delta_e: Some(0.5), error: None, bytes: None, fetches: None }
+    }
+}
+
 impl Budget {
+    /// No limit yet: what is added makes it one. Where nothing says how good or how large a pack is to be, the ΔE of the default
+    /// decides.
+    pub const NONE: Self = Self { delta_e: None, error: None, bytes: None, fetches: None };
+
+    /// With a largest mean ΔE*ab of pictures, 1e-6 to 100, and four times that for the 95th percentile.
+    #[must_use]
+    pub fn delta_e(self, largest: f64) -> Self {
+        Self { delta_e: Some(largest), ..self }
+    }
+
+    /// With a largest `ε_r`, a fraction.
+    #[must_use]
+    pub fn error(self, largest: f64) -> Self {
+        Self { error: Some(largest), ..self }
+    }
+
+    /// With a number of bytes on a GPU that is the most.
+    #[must_use]
+    pub fn bytes(self, most: u64) -> Self {
+        Self { bytes: Some(most), ..self }
+    }
+
+    /// With a number of texture fetches that is the most.
+    #[must_use]
+    pub fn fetches(self, most: u32) -> Self {
+        Self { fetches: Some(most), ..self }
+    }
+
+    /// Whether it says how good a pack has to be.
+    pub fn limits_error(&self) -> bool {
+        self.delta_e.is_some() || self.error.is_some()
+    }
+
     /// Values of ΔE that may be a limit.
     pub const DELTA_E: &str = "1e-6 to 100";
     /// Numbers of fetches that may be a limit.
@@ -59,14 +114,5 @@ impl Budget {
             return Err(OptionError::new("max_fetches", "0", Self::FETCHES));
         }
         Ok(Self { delta_e, error, bytes, fetches })
-    }
-}
-
-impl TryFrom<Budget> for PackRecipe {
-    type Error = OptionError;
-
-    fn try_from(Budget { delta_e, error, bytes, fetches }: Budget) -> Result<Self, OptionError> {
-        let budget = Budget::checked(delta_e, error.map(Fraction::bare), bytes, fetches)?;
-        Ok(Self::Auto(AutoRecipe::of_budget(budget)))
     }
 }

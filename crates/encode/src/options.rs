@@ -1,0 +1,122 @@
+//! Options become recipes.
+
+use super::PackRecipe;
+use super::codecs::AskedCodec;
+use super::recipe::AutoRecipe;
+use brdfc_codec::{Budget, EncodeOptions, OptionError, Variant};
+use brdfc_metrics::fraction::Fraction;
+use std::sync::LazyLock;
+
+/// What is asked for: a codec of the list, one of its variants.
+#[derive(Clone, Copy, PartialEq)]
+struct Asked {
+    codec: usize,
+    variant: &'static Variant,
+}
+
+impl Asked {
+    /// All that may be asked for, that which no option asks for first.
+    fn all() -> impl Iterator<Item = Self> {
+        let codecs = PackRecipe::CODECS.iter().enumerate();
+        codecs.flat_map(|(codec, AskedCodec { variants, .. })| {
+            variants.iter().map(move |variant| Self { codec, variant })
+        })
+    }
+
+    /// What a name asks for.
+    fn named(name: &str) -> Result<Self, OptionError> {
+        let unknown = || OptionError::new("codec", format!("\"{name}\""), codec_names());
+        Self::all().find(|asked| asked.variant.name == name).ok_or_else(unknown)
+    }
+
+    fn has(&self, option: &str) -> bool {
+        self.variant.options.contains(&option)
+    }
+
+    /// What options ask for that name no codec: what `preferred` is if it has them all, otherwise the first that has. Where none
+    /// has, the first that has the first option.
+    fn by_options(options: &EncodeOptions, preferred: Option<Self>) -> Self {
+        let given: Vec<&str> = options.given().map(|(option, _)| option).collect();
+        let has_all = |asked: &Self| given.iter().all(|option| asked.has(option));
+        let any = |condition: &dyn Fn(&Self) -> bool| preferred.into_iter().chain(Self::all()).find(condition);
+        any(&has_all).or_else(|| any(&|asked| asked.has(given[0]))).expect("each option is of a codec")
+    }
+
+    /// The error of an option that it does not have.
+    fn refuses(&self, option: &'static str, found: &str, options: &EncodeOptions) -> OptionError {
+        let asks = options.given().map(|(other, _)| other).find(|other| self.has(other));
+        let with = match asks {
+            Some(other) if options.codec.is_none() => other.to_owned(),
+            _ => format!("the codec {}", self.variant.name),
+        };
+        let having = join(Self::all().filter(|asked| asked.has(option)));
+        OptionError::new(option, format!("{found} with {with}"), format!("it with the codec {having}"))
+    }
+}
+
+/// Names: `auto, table or factored`.
+fn join(asked: impl Iterator<Item = Asked>) -> String {
+    let names: Vec<&str> = asked.map(|asked| asked.variant.name).collect();
+    match names.split_last() {
+        Some((last, others @ [_, ..])) => format!("{} or {last}", others.join(", ")),
+        _ => names.concat(),
+    }
+}
+
+/// The names that `--codec` takes, in words.
+pub fn codec_names() -> &'static str {
+    static NAMES: LazyLock<String> = LazyLock::new(|| join(Asked::all()));
+    &NAMES
+}
+
+impl PackRecipe {
+    /// The recipe of options; what they leave open comes from `defaults`, then from [`PackRecipe::default`].
+    ///
+    /// Limits are taken from one of both, all together. Defaults that do not go with the codec that the options name, or ask
+    /// for by what one codec alone has, are left out.
+    ///
+    /// # Errors
+    /// Values out of range; options that do not go together.
+    pub fn from_options(options: &EncodeOptions, defaults: &EncodeOptions) -> Result<Self, OptionError> {
+        let of = |options: &EncodeOptions| options.codec.as_deref().map(Asked::named).transpose();
+        let by_default = of(defaults)?.unwrap_or_else(|| Asked::by_options(defaults, None));
+        let asked = of(options)?.unwrap_or_else(|| Asked::by_options(options, Some(by_default)));
+        let all = if asked == by_default {
+            options.over(defaults)
+        } else {
+            // A bias is meant for one codec.
+            let keeps_bias = asked.codec == by_default.codec;
+            let fitting = defaults.only(|option| asked.has(option) && (keeps_bias || option != "bias"));
+            options.over(&EncodeOptions { codec: None, ..fitting })
+        };
+        if let Some((option, found)) = all.given().find(|(option, _)| !asked.has(option)) {
+            return Err(asked.refuses(option, &found, &all));
+        }
+        let budget = all.budget()?;
+        let recipe = (Self::CODECS[asked.codec].recipe)(asked.variant.name, &all)?;
+        Ok(match recipe {
+            Self::Table(table) => AutoRecipe::of_table(asked.variant.name, table, budget),
+            recipe => recipe,
+        })
+    }
+}
+
+impl TryFrom<EncodeOptions> for PackRecipe {
+    type Error = OptionError;
+
+    fn try_from(options: EncodeOptions) -> Result<Self, OptionError> {
+        Self::from_options(&options, &EncodeOptions::default())
+    }
+}
+
+impl TryFrom<Budget> for PackRecipe {
+    type Error = OptionError;
+
+    fn try_from(Budget { delta_e, error, bytes, fetches }: Budget) -> Result<Self, OptionError> {
+        let budget = Budget::checked(delta_e, error.map(Fraction::bare), bytes, fetches)?;
+        Ok(Self::Auto(AutoRecipe::of_budget(budget)))
+    }
+}
+
+#[cfg(test)]
+mod tests;
