@@ -85,8 +85,8 @@ class Material:
         """Header and texels of a pack, for decoders elsewhere. Raises ValueError for all but packs."""
 
     @property
-    def kind(self) -> Literal["synth", "merl", "scan", "rgl", "table-pack", "wavelet-pack"]:
-        """What it is."""
+    def kind(self) -> str:
+        """What it is, as `brdfc info --json` says: "merl", "table-pack" and so on."""
 
     @property
     def isotropic(self) -> bool:

@@ -1,13 +1,15 @@
-// Writes src/shaders.ts: the decoders as 'brdfc shader' prints them, without comments. BRDFC names the program. Copies the modules that
-// are also part of the pages of 'brdfc view'.
+// Writes src/shaders.ts: the decoders of the pages of 'brdfc view' as 'brdfc shader' prints them, without comments. BRDFC names the
+// program. Copies the modules that are also part of these pages.
 import { execFileSync } from 'node:child_process';
-import { copyFileSync, writeFileSync } from 'node:fs';
+import { copyFileSync, readFileSync, writeFileSync } from 'node:fs';
 
 const program = process.env.BRDFC ?? '../../target/release/brdfc';
 const run = (words) => execFileSync(program, [...words, '--quiet'], { encoding: 'utf8', maxBuffer: 1 << 24 });
 
+const view = '../../crates/jobs/src/view';
+
 for (const name of ['levels.js', 'upload_webgl.js', 'upload_webgpu.js']) {
-    copyFileSync(`../../crates/jobs/src/view/shared/${name}`, `src/${name}`);
+    copyFileSync(`${view}/shared/${name}`, `src/${name}`);
 }
 
 /** Without comments, indentation and empty lines. */
@@ -17,7 +19,9 @@ const bare = (text) => text
     .filter((line) => line !== '')
     .join('\n');
 
-const decoders = ['table', 'wavelet', 'flat-btf', 'pwt'];
+const namesIn = (file) => Object.keys(JSON.parse(readFileSync(file, 'utf8')));
+const drawn = namesIn(`${view}/programs.json`);
+const decoders = namesIn('../../crates/shaders/src/generated.json').filter((name) => drawn.includes(name));
 
 const shaders = Object.fromEntries(decoders.map((decoder) => {
     const said = JSON.parse(run(['shader', decoder, '--language', 'wgsl', '--json']));

@@ -29,8 +29,13 @@ pub trait Brdf: Debug + Send + Sync {
     /// Levels of detail less one: level 0 is the coarsest, level `levels` the finest.
     fn levels(&self) -> u32;
 
+    /// Texture fetches of one look-up at a level of detail, slices filtered by the sampler. `filter` is that of wavelet packs.
+    fn fetches_at(&self, level: u32, filter: Filter) -> u32;
+
     /// Texture fetches of one look-up at the finest level of detail, with the filter that errors are measured with.
-    fn fetches(&self) -> u32;
+    fn fetches(&self) -> u32 {
+        self.fetches_at(self.levels(), Filter::Bilinear)
+    }
 
     /// Its error against the source at direction pairs that depend on no codec; zeros if it was not measured.
     fn off_grid(&self) -> ErrorSummary;

@@ -29,8 +29,7 @@ Examples:
   brdfc shader wavelet --language spirv -o wavelet.spv
   brdfc shader table --language glsl --json")]
 pub struct Arguments {
-    /// table, wavelet, flat-btf, pwt, bandwidth or importance; or a pack.
-    #[arg(value_name = "KIND")]
+    #[arg(value_name = "KIND", help = kinds())]
     kind: OsString,
     /// The language.
     #[arg(long, short, value_parser = PossibleValuesParser::new(Language::ALL.map(Language::name)).map(|name| language(&name)))]
@@ -38,6 +37,12 @@ pub struct Arguments {
     /// The file to write (default: standard output).
     #[arg(long, short, value_name = "FILE", value_parser = output_parser())]
     output: Option<PathBuf>,
+}
+
+/// What KIND may be.
+fn kinds() -> String {
+    let [others @ .., last] = PackKind::ALL.map(PackKind::name);
+    format!("{} or {last}; or a pack", others.join(", "))
 }
 
 /// One of the names that clap lets through.

@@ -63,7 +63,7 @@ pub struct Report {
 struct Item {
     /// What the page calls it.
     name: String,
-    /// What decodes it: 'table', 'wavelet', 'flat-btf' or 'pwt'.
+    /// What decodes it, as `brdfc shader` calls it.
     decoder: &'static str,
     /// Bytes of its textures on a GPU.
     bytes_on_gpu: u64,

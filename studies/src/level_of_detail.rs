@@ -138,7 +138,7 @@ pub fn level_of_detail(
         let slowest = levels.first().map_or(seconds, |first| first.seconds);
         levels.push(LevelTime {
             level,
-            fetches: fetches(pack, level),
+            fetches: [Filter::Slices, Filter::Bilinear].map(|filter| pack.fetches_at(level, filter)),
             seconds,
             speed_up: [0, 1].map(|k| (slowest[k] - seconds_without_light) / (seconds[k] - seconds_without_light)),
             paper: (finest - level).checked_sub(1).and_then(|below| PAPER.get(below as usize).copied()),
@@ -172,14 +172,6 @@ pub fn level_of_detail(
         smooth: flicker(&animation.smooth, &far, exposure),
     };
     Ok((result, animation))
-}
-
-/// Texture fetches of a look-up, nearest and bilinear; tables have one filter.
-fn fetches(pack: &BrdfPack, level: u32) -> [u32; 2] {
-    match pack {
-        BrdfPack::Wavelet(pack) => [1, if pack.header.lifted { 16 } else { 4 }].map(|cells| cells * (4 * level + 1)),
-        BrdfPack::Table(pack) => [pack.fetches(); 2],
-    }
 }
 
 /// The camera of frame `k`: moved back along the horizontal part of its direction.

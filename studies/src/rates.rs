@@ -1,9 +1,9 @@
 //! How many evaluations per second, by shaders and on the CPU.
 
 use super::timing::best_of;
-use brdfc_formats::BrdfPack;
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::wavelet::Filter;
+use brdfc_formats::{BrdfPack, PackKind};
 use brdfc_gpu::{Evaluator, Gpu, GpuError, LoadedPack, SliceFilter};
 use brdfc_metrics::sampling::random_pairs;
 use rayon::prelude::*;
@@ -19,15 +19,15 @@ const SEED: u64 = 5;
 
 /// Compiled shaders and the pairs that they are run on.
 pub(crate) struct Rates<'g> {
-    of_tables: Evaluator<'g>,
-    of_wavelets: Evaluator<'g>,
+    evaluators: Vec<(PackKind, Evaluator<'g>)>,
     pairs: Vec<DirectionPair>,
 }
 
 impl<'g> Rates<'g> {
     pub(crate) fn new(gpu: &'g Gpu) -> Result<Self, GpuError> {
-        let (of_tables, of_wavelets) = (Evaluator::of_tables(gpu)?, Evaluator::new(gpu)?);
-        Ok(Self { of_tables, of_wavelets, pairs: random_pairs(SHADER_PAIRS, SEED) })
+        let brdfs = PackKind::ALL.into_iter().filter_map(|kind| Some((kind, kind.descriptor().brdf?)));
+        let evaluators = brdfs.map(|(kind, brdf)| Ok((kind, Evaluator::of(gpu, kind, brdf)?)));
+        Ok(Self { evaluators: evaluators.collect::<Result<_, GpuError>>()?, pairs: random_pairs(SHADER_PAIRS, SEED) })
     }
 
     /// Evaluations per second of a pack at a level of detail, with the sampler's weights or exact ones.
@@ -38,10 +38,8 @@ impl<'g> Rates<'g> {
         level: f32,
         slices: SliceFilter,
     ) -> Result<f64, GpuError> {
-        let evaluator = match pack {
-            BrdfPack::Table(_) => &self.of_tables,
-            BrdfPack::Wavelet(_) => &self.of_wavelets,
-        };
+        let found = self.evaluators.iter().find(|(kind, _)| *kind == pack.kind());
+        let (_, evaluator) = found.expect("all codecs of BRDFs have one");
         self.shader_of(evaluator, &evaluator.load(pack, filter)?, level, slices)
     }
 

@@ -14,19 +14,19 @@ pub struct Throughput {
     pub adapter: AdapterDescription,
     /// Threads of the last column.
     pub threads: usize,
-    /// A row for each table, and for each filter and level of detail of wavelet packs.
+    /// A row for each filter and level of detail of each pack.
     pub rows: Vec<Rate>,
 }
 
 /// Evaluations per second of one pack.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Rate {
-    /// `table`, `factored` or `wavelet`.
+    /// The variant of its codec, as `--codec` takes it.
     pub codec: String,
     /// Of wavelet packs `nearest` or `bilinear`, over the four inner cells; slices are filtered bilinearly by the sampler in
-    /// both. Of tables `trilinear`.
+    /// both. Of packs that have one filter `trilinear`.
     pub filter: String,
-    /// Level of detail; tables have one.
+    /// Level of detail.
     pub level: u32,
     /// Texture fetches of one evaluation with the sampler.
     pub fetches: u32,
@@ -48,7 +48,6 @@ struct Case<'a> {
     filter: Filter,
     name: &'static str,
     level: u32,
-    fetches: u32,
 }
 
 /// Measures packs. `progress` hears how many rows of how many are done.
@@ -67,7 +66,7 @@ pub fn throughput(gpu: &Gpu, packs: &[BrdfPack], progress: impl Fn(usize, usize)
             codec: case.pack.variant().to_owned(),
             filter: case.name.to_owned(),
             level: case.level,
-            fetches: case.fetches,
+            fetches: case.pack.fetches_at(case.level, case.filter),
             bytes_on_gpu: case.pack.gpu_bytes(),
             shader: shader(SliceFilter::Hardware)?,
             shader_exact: shader(SliceFilter::Exact)?,
@@ -79,20 +78,14 @@ pub fn throughput(gpu: &Gpu, packs: &[BrdfPack], progress: impl Fn(usize, usize)
     Ok(Throughput { adapter: gpu.description().clone(), threads: rayon::current_num_threads(), rows })
 }
 
-/// What is measured of a pack.
-fn cases(pack: &BrdfPack) -> Vec<Case<'_>> {
-    match pack {
-        BrdfPack::Table(_) => {
-            vec![Case { pack, filter: Filter::Bilinear, name: "trilinear", level: 0, fetches: pack.fetches() }]
-        }
-        BrdfPack::Wavelet(wavelet) => [(Filter::Slices, "nearest", 1), (Filter::Bilinear, "bilinear", 4)]
-            .into_iter()
-            .flat_map(|(filter, name, reconstructions)| {
-                (0..=wavelet.header.levels).map(move |level| {
-                    let fetches = reconstructions * (4 * level + 1);
-                    Case { pack, filter, name, level, fetches }
-                })
-            })
-            .collect(),
-    }
+/// What is measured of a pack: every level of detail, with both filters where it has two.
+fn cases(pack: &BrdfPack) -> impl Iterator<Item = Case<'_>> {
+    let filters = if pack.fetches_at(0, Filter::Slices) == pack.fetches_at(0, Filter::Bilinear) {
+        vec![(Filter::Bilinear, "trilinear")]
+    } else {
+        vec![(Filter::Slices, "nearest"), (Filter::Bilinear, "bilinear")]
+    };
+    filters
+        .into_iter()
+        .flat_map(move |(filter, name)| (0..=pack.levels()).map(move |level| Case { pack, filter, name, level }))
 }

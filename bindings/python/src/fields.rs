@@ -10,25 +10,28 @@ use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// Whatever the pack has.
+/// What all packs have, and what decoders in Python read of a codec's own.
 pub fn of_pack<'py>(py: Python<'py>, pack: &BrdfPack) -> PyResult<Bound<'py, PyDict>> {
-    match pack {
-        BrdfPack::Table(pack) => table(py, pack),
-        BrdfPack::Wavelet(pack) => wavelet(py, pack),
+    let dict = PyDict::new(py);
+    dict.set_item("kind", pack.kind().name())?;
+    dict.set_item("channels", pack.channels())?;
+    dict.set_item("mean", pack.mean())?;
+    if let BrdfPack::Table(pack) = pack {
+        add_table(&dict, pack)?;
+    } else if let BrdfPack::Wavelet(pack) = pack {
+        add_wavelet(&dict, pack)?;
     }
+    Ok(dict)
 }
 
 /// Bits of a table's symmetry are those of its header.
-fn table<'py>(py: Python<'py>, pack: &TablePack) -> PyResult<Bound<'py, PyDict>> {
-    let (header, dict) = (pack.header(), PyDict::new(py));
+fn add_table(dict: &Bound<'_, PyDict>, pack: &TablePack) -> PyResult<()> {
+    let (py, header) = (dict.py(), pack.header());
     let (axes, [columns, rows, depth]) = (header.axes, pack.extent().map(|n| n as usize));
     let layers = axes.layers as usize;
-    dict.set_item("kind", "table")?;
-    dict.set_item("channels", header.channels)?;
     dict.set_item("symmetry", header.symmetry.bits())?;
     dict.set_item("nodes", (axes.half, axes.difference, axes.azimuth, axes.layers))?;
-    set_window(&dict, pack.window())?;
-    dict.set_item("mean", header.mean)?;
+    set_window(dict, pack.window())?;
     dict.set_item("bias", header.bias)?;
     dict.set_item("low", PyArray1::from_slice(py, &header.low))?;
     dict.set_item("span", PyArray1::from_slice(py, &header.span))?;
@@ -43,20 +46,17 @@ fn table<'py>(py: Python<'py>, pack: &TablePack) -> PyResult<Bound<'py, PyDict>>
         }
         None => dict.set_item("curve", py.None())?,
     }
-    Ok(dict)
+    Ok(())
 }
 
 /// Texels are integers, as they are stored.
-fn wavelet<'py>(py: Python<'py>, pack: &WaveletPack) -> PyResult<Bound<'py, PyDict>> {
-    let (header, dict) = (&pack.header, PyDict::new(py));
-    dict.set_item("kind", "wavelet")?;
-    dict.set_item("channels", header.channels)?;
+fn add_wavelet(dict: &Bound<'_, PyDict>, pack: &WaveletPack) -> PyResult<()> {
+    let (py, header) = (dict.py(), &pack.header);
     dict.set_item("parameterisation", header.parameterisation.name())?;
     dict.set_item("levels", header.levels)?;
     dict.set_item("stored_levels", header.stored_levels)?;
     dict.set_item("bits", header.bits)?;
-    set_window(&dict, pack.window())?;
-    dict.set_item("mean", header.mean)?;
+    set_window(dict, pack.window())?;
     dict.set_item("bias", header.bias)?;
     dict.set_item("index", PyArray1::from_slice(py, &pack.index))?;
     let scales: Vec<f32> = pack.scales.iter().flat_map(|scale| [scale.scale, scale.offset]).collect();
@@ -80,7 +80,7 @@ fn wavelet<'py>(py: Python<'py>, pack: &WaveletPack) -> PyResult<Bound<'py, PyDi
     } else {
         dict.set_item("lift", py.None())?;
     }
-    Ok(dict)
+    Ok(())
 }
 
 fn set_window(dict: &Bound<'_, PyDict>, window: Window) -> PyResult<()> {

@@ -99,7 +99,7 @@ impl Material {
         colours(py, values, &shape)
     }
 
-    /// What it is: synth, merl, scan, rgl, table-pack or wavelet-pack.
+    /// What it is, as `brdfc info --json` says: merl, table-pack and so on.
     #[getter]
     fn kind(&self) -> String {
         let facts = serde_json::to_value(&self.facts).unwrap_or_default();

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// One pack that was tried.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Trial {
-    /// `table`, `factored` or `wavelet`.
+    /// The variant of its codec, as `--codec` takes it.
     pub codec: String,
     /// Nodes per axis, with those of a curve, or slices.
     pub size: String,

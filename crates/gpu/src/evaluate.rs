@@ -5,12 +5,12 @@ use super::bindings::Slots;
 use super::device::{Gpu, GpuError};
 use super::items::{ItemPipeline, Items};
 use super::pack;
-use brdfc_formats::BrdfPack;
 use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::table::shader::TABLE_BRDF_WGSL;
 use brdfc_formats::wavelet::Filter;
 use brdfc_formats::wavelet::shader::WAVELET_BRDF_WGSL;
+use brdfc_formats::{BrdfPack, BrdfShader, PackKind};
 use wgpu::ShaderStages;
 
 /// The compute entry point over the decoder.
@@ -78,6 +78,21 @@ impl<'g> Evaluator<'g> {
     /// What the driver reports.
     pub fn of_tables(gpu: &'g Gpu) -> Result<Self, GpuError> {
         Self::with_shaders(gpu, TABLE_BRDF_WGSL, EVALUATE_TABLE_WGSL)
+    }
+
+    /// Compiles the shipped shader of a codec of BRDFs, for `f_r` alone: log values are 0.
+    ///
+    /// # Errors
+    /// What the driver reports.
+    pub fn of(gpu: &'g Gpu, kind: PackKind, brdf: BrdfShader) -> Result<Self, GpuError> {
+        let BrdfShader { either, level_of_detail, .. } = brdf;
+        let calls = format!(
+            "fn f_r_of(wi: vec3<f32>, wo: vec3<f32>, level: f32, hardware: bool) -> vec3<f32> {{\n{either}\n}}\n\
+             fn log_value_of(wi: vec3<f32>, wo: vec3<f32>, level: f32, hardware: bool) -> vec3<f32> {{\n    \
+             return vec3<f32>(0.0);\n}}\n\
+             fn level_at(distance: f32) -> f32 {{\n    return {level_of_detail};\n}}\n"
+        );
+        Self::with_shaders(gpu, &(kind.descriptor().wgsl)(), &(calls + EVALUATE_ENTRY_WGSL))
     }
 
     /// Compiles other sources, such as instrumented ones. `entry` is pasted behind `decoder`.

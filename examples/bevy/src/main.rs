@@ -15,7 +15,7 @@ use std::path::PathBuf;
 const USAGE: &str = "\
 usage: brdfc-bevy PACK.ktx2 [OPTION...]
 
-Draws a ball from a table pack, a wavelet pack or a flat BTF: in a window (cargo feature 'window'), or one frame to a file.
+Draws a ball from a pack of a BRDF or a flat BTF: in a window (cargo feature 'window'), or one frame to a file.
 
   --frame OUT.png       the file
   --size WIDTHxHEIGHT   of the frame, pixels (default 256x256)

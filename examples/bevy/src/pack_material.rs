@@ -1,4 +1,4 @@
-//! A Bevy material that draws the packs of `brdfc`: tables, wavelets and flat BTFs, under Bevy's point, spot and directional lights.
+//! A Bevy material that draws the packs of `brdfc`: BRDFs and flat BTFs, under Bevy's point, spot and directional lights.
 //!
 //! Add [`PackMaterialPlugin`], load a `.ktx2` as a [`PackMaterial`], and put it on a mesh by [`MeshMaterial3d`]. The mesh needs
 //! normals, tangents where the pack tells directions around the normal apart, and uv for flat BTFs.
@@ -6,7 +6,8 @@
 use crate::pack_resources::upload;
 use crate::pack_shader::add_shader;
 use bevy::asset::io::Reader;
-use bevy::asset::{AssetLoader, LoadContext, uuid_handle};
+use bevy::asset::uuid::Uuid;
+use bevy::asset::{AssetLoader, LoadContext};
 use bevy::ecs::system::SystemParamItem;
 use bevy::mesh::MeshVertexBufferLayoutRef;
 use bevy::pbr::{MaterialPipeline, MaterialPipelineKey};
@@ -21,54 +22,42 @@ use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy::shader::{ShaderDefVal, ShaderRef};
 use brdfc_formats::bindings::{Binding, Bindings, FrameBlock, PackFile, Resource};
 use brdfc_formats::wavelet::{DEFAULT_DISTANCE_SCALE, Filter};
-use brdfc_formats::{FormatError, PackKind};
+use brdfc_formats::{BrdfShader, FormatError, PackKind};
 use serde::{Deserialize, Serialize};
+use std::marker::PhantomData;
+use std::sync::LazyLock;
 
 /// What differs between decoders: which of their functions the material calls, and what a mesh has to have.
 struct PackDecoder {
     kind: PackKind,
     shader: Handle<Shader>,
-    calls: &'static str,
+    calls: String,
     needs_uv: bool,
-    /// Whether it tells directions around the normal apart.
-    is_anisotropic: fn(&Bindings<'_>) -> bool,
 }
 
-const DECODERS: [PackDecoder; 3] = [
-    PackDecoder {
-        kind: PackKind::Table,
-        shader: uuid_handle!("0a6f2f6e-6f0e-4b43-9a5c-6f3c2f5d1a01"),
-        calls: "
-fn pack_level(uv: vec2<f32>) -> f32 {
+/// Those that the material draws: of all BRDFs, and of flat BTFs.
+static DECODERS: LazyLock<Vec<PackDecoder>> =
+    LazyLock::new(|| PackKind::ALL.into_iter().filter_map(PackDecoder::of).collect());
+
+impl PackDecoder {
+    fn of(kind: PackKind) -> Option<Self> {
+        let needs_uv = kind == PackKind::FlatBtf;
+        let calls = match kind.descriptor().brdf {
+            Some(BrdfShader { level_of_detail, filtered, .. }) => format!(
+                "
+fn pack_level(uv: vec2<f32>) -> f32 {{
     return 0.0;
-}
-fn pack_reflected(surface: PackSurface, wi: vec3<f32>) -> vec3<f32> {
-    return table_brdf_at(wi, surface.wo, table_brdf_level_of_detail(surface.distance), true) * wi.z;
-}
-",
-        needs_uv: false,
-        // The word `layers` of its block.
-        is_anisotropic: |bindings| word(bindings, "table_brdf_parameters", 3) > 1,
-    },
-    PackDecoder {
-        kind: PackKind::Wavelet,
-        shader: uuid_handle!("0a6f2f6e-6f0e-4b43-9a5c-6f3c2f5d1a02"),
-        calls: "
-fn pack_level(uv: vec2<f32>) -> f32 {
-    return 0.0;
-}
-fn pack_reflected(surface: PackSurface, wi: vec3<f32>) -> vec3<f32> {
-    return wavelet_brdf(wi, surface.wo, wavelet_brdf_level_of_detail(surface.distance)) * wi.z;
-}
-",
-        needs_uv: false,
-        is_anisotropic: |_| true,
-    },
-    PackDecoder {
-        kind: PackKind::FlatBtf,
-        shader: uuid_handle!("0a6f2f6e-6f0e-4b43-9a5c-6f3c2f5d1a03"),
-        // Of tiles, v goes along the bitangent, against that of textures.
-        calls: "
+}}
+fn pack_reflected(surface: PackSurface, wi: vec3<f32>) -> vec3<f32> {{
+    let wo = surface.wo;
+    let distance = surface.distance;
+    let level = {level_of_detail};
+    return {filtered} * wi.z;
+}}
+"
+            ),
+            // Of tiles, v goes along the bitangent, against that of textures.
+            None if needs_uv => "
 fn pack_level(uv: vec2<f32>) -> f32 {
     return factored_mipmap_level(dpdx(uv * pack_repeat.xy), dpdy(uv * pack_repeat.xy));
 }
@@ -76,22 +65,30 @@ fn pack_reflected(surface: PackSurface, wi: vec3<f32>) -> vec3<f32> {
     let tiles = vec2<f32>(surface.uv.x, -surface.uv.y) * pack_repeat.xy;
     return flat_btf_value(tiles, surface.level, surface.wo, wi) / 3.14159274;
 }
-",
-        needs_uv: true,
-        is_anisotropic: |_| true,
-    },
-];
+"
+            .to_owned(),
+            None => return None,
+        };
+        let uuid = Uuid::from_u128(0x0a6f2f6e_6f0e_4b43_9a5c_6f3c2f5d1a01 + kind as u128);
+        Some(Self { kind, shader: Handle::Uuid(uuid, PhantomData), calls, needs_uv })
+    }
+}
+
+/// Whether a pack tells directions around the normal apart: all do but tables of one layer, by the word `layers` of their block.
+fn is_anisotropic(bindings: &Bindings<'_>) -> bool {
+    word(bindings, "table_brdf_parameters", 3) != Some(1)
+}
 
 /// Tiles per unit of uv, in front of each decoder's calls. The slot is one that the pack leaves free, so pipelines define it.
 const REPEAT_WGSL: &str = "@group(1) @binding(#{PACK_REPEAT_SLOT}) var<uniform> pack_repeat: vec4<f32>;\n";
 /// The name of layouts, also of the empty one that the material's pipelines have until they know their pack.
 const LABEL: &str = "brdfc_pack";
 
-/// A word of a uniform block; 0 where there is none.
-fn word(bindings: &Bindings<'_>, block: &str, index: usize) -> u32 {
+/// A word of a uniform block, where the pack has that block.
+fn word(bindings: &Bindings<'_>, block: &str, index: usize) -> Option<u32> {
     let found = bindings.all.iter().find(|binding| binding.name == block).map(|binding| &binding.resource);
-    let Some(Resource::Uniform(bytes)) = found else { return 0 };
-    bytes.as_chunks::<4>().0.get(index).map_or(0, |word| u32::from_le_bytes(*word))
+    let Some(Resource::Uniform(bytes)) = found else { return None };
+    bytes.as_chunks::<4>().0.get(index).map(|word| u32::from_le_bytes(*word))
 }
 
 /// The material, its shaders and the loader of packs.
@@ -101,9 +98,9 @@ impl Plugin for PackMaterialPlugin {
     fn build(&self, app: &mut App) {
         app.add_plugins(MaterialPlugin::<PackMaterial>::default());
         app.preregister_asset_loader::<PackLoader>(EXTENSIONS);
-        for PackDecoder { kind, shader, calls, .. } in DECODERS {
+        for PackDecoder { kind, shader, calls, .. } in DECODERS.iter() {
             let wgsl = (kind.descriptor().wgsl)();
-            add_shader(app, &shader, &format!("brdfc/{}.wgsl", kind.name()), &[&wgsl, "\n", REPEAT_WGSL, calls]);
+            add_shader(app, shader, &format!("brdfc/{}.wgsl", kind.name()), &[&wgsl, "\n", REPEAT_WGSL, calls]);
         }
     }
 
@@ -230,8 +227,8 @@ impl Default for PackSettings {
 fn decoder_of(bindings: &Bindings<'_>) -> Result<usize, FormatError> {
     let name = &*bindings.decoder;
     let Some(decoder) = DECODERS.iter().position(|decoder| decoder.kind.name() == name) else {
-        let allowed = DECODERS.map(|decoder| decoder.kind.name()).join(", ");
-        return Err(FormatError::whole("decoder", name, allowed));
+        let allowed: Vec<&str> = DECODERS.iter().map(|decoder| decoder.kind.name()).collect();
+        return Err(FormatError::whole("decoder", name, allowed.join(", ")));
     };
     let version = DECODERS[decoder].kind.descriptor().version;
     if bindings.version != version {
@@ -282,7 +279,7 @@ impl AssetLoader for PackLoader {
         reader.read_to_end(&mut bytes).await?;
         let PackFile { mut bindings, .. } = PackFile::from_bytes(&bytes)?;
         let decoder = decoder_of(&bindings)?;
-        let needs_tangents = (DECODERS[decoder].is_anisotropic)(&bindings);
+        let needs_tangents = is_anisotropic(&bindings);
         let [x, y] = settings.repeat.to_array().map(f32::to_le_bytes);
         let repeat = [x, y, [0; 4], [0; 4]].concat();
         let repeat_slot = free_slot(&bindings);

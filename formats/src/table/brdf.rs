@@ -34,7 +34,7 @@ impl Brdf for TablePack {
         self.levels()
     }
 
-    fn fetches(&self) -> u32 {
+    fn fetches_at(&self, _: u32, _: Filter) -> u32 {
         self.fetches()
     }
 

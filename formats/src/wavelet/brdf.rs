@@ -32,9 +32,11 @@ impl Brdf for WaveletPack {
         self.header.levels
     }
 
-    /// Four reconstructions, sixteen of a lifted pack.
-    fn fetches(&self) -> u32 {
-        (if self.header.lifted { 16 } else { 4 }) * (4 * self.header.levels + 1)
+    /// A reconstruction for each inner cell, of lifted packs for each of its outer cells, too.
+    fn fetches_at(&self, level: u32, filter: Filter) -> u32 {
+        let inner = if filter == Filter::Bilinear { 4 } else { 1 };
+        let outer = if self.header.lifted && filter != Filter::Nearest { 4 } else { 1 };
+        inner * outer * (4 * level + 1)
     }
 
     fn off_grid(&self) -> ErrorSummary {

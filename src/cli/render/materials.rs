@@ -6,7 +6,7 @@ use crate::output::{note, remark};
 use crate::{Common, Error};
 use brdfc::encode::encode;
 use brdfc::encode::encoders::wavelet::recipe::Target;
-use brdfc::inspect::{AnyPack as Pack, open};
+use brdfc::inspect::{AnyPack as Pack, PackKind, open};
 use brdfc::render::{Material, open_brdf_pack};
 use brdfc::scene::{EnvironmentJob, Job, Manifest, PackFolder, Use, plan, read_manifest};
 use brdfc::{BrdfPack, PackRecipe, Source, WaveletRecipe as Recipe};
@@ -172,7 +172,8 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(
     };
     let source = input.map(|input| open(&input, None)).transpose()?.map(|opened| opened.source);
     if arguments.table && !matches!((subject, &recipe), (Subject::Pack, _) | (_, PackRecipe::Wavelet(_))) {
-        return Err(no_table());
+        // A search makes tables.
+        return Err(no_table(PackKind::from_name(recipe.codec()).unwrap_or(PackKind::Table)));
     }
     let (pack, maps, notes) = match (subject, &source) {
         (Subject::Scene { jobs, packs: Some(packs), .. }, _) => {
@@ -196,7 +197,7 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(
     };
     let table = match &source {
         Some(source) if arguments.table => {
-            let BrdfPack::Wavelet(wavelet) = &pack else { return Err(no_table()) };
+            let BrdfPack::Wavelet(wavelet) = &pack else { return Err(no_table(pack.kind())) };
             let levels = wavelet.header.levels;
             if levels > MAX_TABLE_LEVELS {
                 let text = "--table: found a grid of 64; allowed up to 32, whose slices all fit into a texture";
@@ -215,8 +216,9 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(
         _ => None,
     };
     if arguments.lod.is_some() && pack.levels() == 0 {
-        let text = "--lod: found with a table pack of one level; allowed with packs that have levels of detail";
-        return Err(Error::usage(format!("{text} (--levels)")));
+        let found = pack.kind().in_words();
+        let allowed = "packs that have levels of detail (--levels)";
+        return Err(Error::usage(format!("--lod: found with {found} of one level; allowed with {allowed}")));
     }
     Ok((Prepared { name: name.to_owned(), pack, source, table, maps }, notes))
 }
@@ -233,7 +235,7 @@ fn bias_and_smoothing(recipe: &PackRecipe) -> Recipe {
     }
 }
 
-fn no_table() -> Error {
-    let text = "--table: found a table pack; allowed wavelet packs (--codec wavelet), whose grid it shows the error of";
-    Error::usage(text.to_owned())
+fn no_table(kind: PackKind) -> Error {
+    let (found, allowed) = (kind.in_words(), "wavelet packs (--codec wavelet), whose grid it shows the error of");
+    Error::usage(format!("--table: found {found}; allowed {allowed}"))
 }

@@ -32,7 +32,7 @@ pub struct ParetoMaterial {
 /// One setting of one codec.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ParetoRow {
-    /// `table`, `factored` or `wavelet`.
+    /// The variant of its codec, as `--codec` takes it.
     pub codec: String,
     /// Nodes of a table; of wavelets what was asked for, in words.
     pub setting: String,

@@ -220,8 +220,10 @@ fn a_reconstruction_costs_four_fetches_per_level_and_one() {
     assert!(entry.matches("log_fetches").count() == 3);
     let evaluator = Evaluator::with_shaders(gpu, &instrumented, &entry).unwrap();
     let pairs = pairs(50, 6);
-    for levels in [1u32, 3, 5] {
-        let pack = pack(header(Parameterisation::HalfDifference, levels, 3, 8), 1 << levels, 3);
+    let plain = [1, 3, 5].map(|levels| header(Parameterisation::HalfDifference, levels, 3, 8));
+    for header in plain.into_iter().chain([lifted(3, 3, 8)]) {
+        let (levels, is_lifted) = (header.levels, header.lifted);
+        let pack = wavelet(&pack(header, 1 << levels, 3));
         for (filter, slices, reconstructions, texels) in [
             (Filter::Nearest, SliceFilter::Exact, 1, 1),
             (Filter::Nearest, SliceFilter::Hardware, 1, 1),
@@ -230,12 +232,18 @@ fn a_reconstruction_costs_four_fetches_per_level_and_one() {
             (Filter::Slices, SliceFilter::Exact, 1, 4),
             (Filter::Bilinear, SliceFilter::Exact, 4, 4),
         ] {
-            let loaded = evaluator.load(&wavelet(&pack), filter).unwrap();
+            // Of lifted packs each outer cell is reconstructed by itself.
+            let outer = if is_lifted && filter != Filter::Nearest { 4 } else { 1 };
+            let (reconstructions, texels) = (reconstructions * outer, if is_lifted { 1 } else { texels });
+            let loaded = evaluator.load(&pack, filter).unwrap();
             for level in 0..=levels {
                 // An index look-up per detail, and a coefficient of 1 or 4 texels.
                 let expected = reconstructions * (2 * level * (1 + texels) + texels);
                 if texels == 1 && reconstructions == 1 {
                     assert_eq!(expected, 4 * level + 1);
+                }
+                if slices == SliceFilter::Hardware {
+                    assert_eq!(expected, pack.fetches_at(level, filter));
                 }
                 for found in evaluator.eval(&loaded, &pairs, level as f32, slices).unwrap() {
                     assert_eq!(found.fetches, expected as f32, "{filter:?}, {slices:?}, level {level}");

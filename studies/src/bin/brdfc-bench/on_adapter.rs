@@ -93,8 +93,8 @@ fn pack(input: &Input) -> Result<BrdfPack, Error> {
     if input.extension()? == "ktx2" {
         let pack = open_brdf_pack(input)?;
         if pack.levels() == 0 {
-            let text = "found a table pack of one level of detail; allowed packs with more (encode --levels)";
-            return Err(Error::input(format!("{input}: pack: {text}")));
+            let found = format!("found {} of one level of detail", pack.kind().in_words());
+            return Err(Error::input(format!("{input}: pack: {found}; allowed packs with more (encode --levels)")));
         }
         return Ok(pack);
     }
@@ -138,11 +138,12 @@ pub(super) fn throughput_text(result: &Throughput) -> String {
     let all = format!("CPU, {} threads", result.threads);
     let header = ["codec", "filter", "level", "fetches", "on GPU", "shader", "shader, exact", "CPU, 1 thread", &all];
     let mega = |rate: f64| format!("{:.2}", rate / 1e6);
+    let has_levels = |codec: &str| result.rows.iter().any(|row| row.codec == codec && row.level > 0);
     let rows: Vec<Vec<String>> = result
         .rows
         .iter()
         .map(|row| {
-            let level = if row.codec == "wavelet" { row.level.to_string() } else { "-".to_owned() };
+            let level = if has_levels(&row.codec) { row.level.to_string() } else { "-".to_owned() };
             let mut cells = vec![row.codec.clone(), row.filter.clone(), level, row.fetches.to_string()];
             cells.push(bytes(row.bytes_on_gpu));
             cells.extend([row.shader, row.shader_exact, row.cpu_one, row.cpu_all].map(mega));
