@@ -48,6 +48,9 @@ pub struct Answer {
     pub takes: &'static str,
     /// What an answer holds, in words.
     pub gives: &'static str,
-    /// A WGSL expression.
+    /// A WGSL expression of `a`, `b` and `c`, of calls alone: in GLSL and HLSL it is the same where `vec4f`, `u32` and `select` are
+    /// macros.
     pub body: &'static str,
+    /// Where the expression is a struct, its type and the four numbers of such a `sample`.
+    pub of_struct: Option<[&'static str; 2]>,
 }

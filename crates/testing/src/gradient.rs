@@ -21,8 +21,8 @@ const BOUND: f32 = 4e-3;
 /// What changes with the frame; the scale is not that of the default.
 pub const FRAME: FrameBlock = FrameBlock { distance_scale: 2.0, sampler_filters: true, blend: Filter::Bilinear };
 
-/// What evaluates a query in WGSL, and in GLSL but for the name of the type.
-pub const CALL: &str = "vec4(gradient(a.xy, a.z), 0.0)";
+/// What evaluates a query, as [`call`](crate::engines::call) has it.
+pub const CALL: &str = "vec4f(gradient(a.xy, a.z), 0.0)";
 
 const WGSL: &str = "
 struct GradientParameters { low: vec4<f32>, high: vec4<f32> }

@@ -4,14 +4,14 @@
 
 pub mod browser;
 pub mod checks;
+pub mod codec;
+pub mod codecs;
 pub mod engines;
-pub mod flat_btf;
 pub mod golden;
 pub mod gradient;
 pub mod packs;
 pub mod pages;
 pub mod program;
-pub mod pwt;
 pub mod sampler;
 #[cfg(feature = "schema")]
 pub mod schema;

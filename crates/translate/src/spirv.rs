@@ -1,7 +1,7 @@
 //! SPIR-V: a compute shader that decodes a list of queries. Its words cannot be pasted into another shader.
 
 use crate::parsed::Parsed;
-use brdfc_formats::PackKind;
+use brdfc_formats::{Answer, PackKind};
 use brdfc_shaders::{ENTRY, WORKGROUP};
 use naga::ShaderStage;
 use naga::back::spv::{Options, PipelineOptions, WriterFlags, write_vec};
@@ -19,13 +19,13 @@ pub(crate) fn module(decoder: PackKind, source: &str) -> Result<Vec<u32>, String
 
 /// The decoder with an entry point that answers a list of queries, one per invocation.
 fn evaluation(decoder: PackKind, source: &str) -> String {
-    let helper = match decoder {
-        PackKind::Importance => {
-            "fn answer_of(sample: ImportanceSample) -> vec4<f32> { return vec4<f32>(sample.incoming, sample.inverse_density); }"
+    let Answer { body, of_struct, .. } = decoder.descriptor().answer;
+    let (helper, answer) = match of_struct {
+        Some([ty, numbers]) => {
+            (format!("fn answer_of(sample: {ty}) -> vec4f {{ return {numbers}; }}"), format!("answer_of({body})"))
         }
-        _ => "",
+        None => (String::new(), body.to_owned()),
     };
-    let answer = decoder.descriptor().answer.body;
     format!(
         "{source}
 struct Query {{ a: vec4<f32>, b: vec4<f32>, c: vec4<f32> }}

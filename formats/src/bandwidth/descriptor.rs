@@ -14,8 +14,9 @@ pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
     answer: Answer {
         takes: "a: wi; b: wo; c: uv",
         gives: "bandwidths of the lobe, of the environment at wi, of the texture at uv",
-        body: "vec4<f32>(bandwidth_brdf(a.xyz, b.xyz), bandwidth_environment(a.xyz), \
+        body: "vec4f(bandwidth_brdf(a.xyz, b.xyz), bandwidth_environment(a.xyz), \
                bandwidth_texture(c.xy), 0.0)",
+        of_struct: None,
     },
     brdf: None,
 };

@@ -14,7 +14,8 @@ pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
     answer: Answer {
         takes: "a: uv and the level of detail; b: view; c: light",
         gives: "radiance divided by that of a white diffuser",
-        body: "vec4<f32>(flat_btf_value(a.xy, a.z, b.xyz, c.xyz), 0.0)",
+        body: "vec4f(flat_btf_value(a.xy, a.z, b.xyz, c.xyz), 0.0)",
+        of_struct: None,
     },
     brdf: None,
 };

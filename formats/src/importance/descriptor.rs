@@ -15,7 +15,8 @@ pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
     answer: Answer {
         takes: "a: wo and the index of the sample",
         gives: "wi and 1 / density",
-        body: "answer_of(importance_sample(a.xyz, u32(a.w)))",
+        body: "importance_sample(a.xyz, u32(a.w))",
+        of_struct: Some(["ImportanceSample", "vec4f(sample.incoming, sample.inverse_density)"]),
     },
     brdf: None,
 };

@@ -14,7 +14,8 @@ pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
     answer: Answer {
         takes: "a: uv and the level of detail; b: wi",
         gives: "linear RGB",
-        body: "vec4<f32>(pwt_value(a.xy, a.z, b.xyz), 0.0)",
+        body: "vec4f(pwt_value(a.xy, a.z, b.xyz), 0.0)",
+        of_struct: None,
     },
     brdf: None,
 };

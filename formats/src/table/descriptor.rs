@@ -14,7 +14,8 @@ pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
     answer: Answer {
         takes: "a: wi and the level of detail; b: wo and 1 where the sampler filters, else 0",
         gives: "f_r",
-        body: "vec4<f32>(table_brdf_at(a.xyz, b.xyz, a.w, b.w == 1.0), 0.0)",
+        body: "vec4f(table_brdf_at(a.xyz, b.xyz, a.w, b.w == 1.0), 0.0)",
+        of_struct: None,
     },
     brdf: Some(BrdfShader {
         is_bound: "table_brdf_parameters.layers > 0u",

@@ -15,8 +15,9 @@ pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
     answer: Answer {
         takes: "a: wi and the level of detail; b: wo and 1 where the sampler filters, else 0",
         gives: "f_r",
-        body: "vec4<f32>(select(wavelet_brdf_exact(a.xyz, b.xyz, a.w), wavelet_brdf(a.xyz, b.xyz, a.w), \
+        body: "vec4f(select(wavelet_brdf_exact(a.xyz, b.xyz, a.w), wavelet_brdf(a.xyz, b.xyz, a.w), \
                b.w == 1.0), 0.0)",
+        of_struct: None,
     },
     brdf: Some(BrdfShader {
         is_bound: "wavelet_brdf_parameters.levels > 0u",

@@ -1,14 +1,11 @@
 //! Bindings of packs: what is written is read, each rule of their text and of the entries that they name is broken in turn,
 //! and a flipped bit anywhere is found.
 
-use brdfc_formats::bandwidth::{BandwidthHeader, BandwidthKind, BandwidthMap};
 use brdfc_formats::bindings::{Binding, Bindings, MAX_BINDINGS, PackFile, Texels};
 use brdfc_formats::container::{Extent, PackedTexture, TexelFormat, Texture};
-use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfFile, FlatBtfParts, FlatValues};
-use brdfc_formats::importance::{ImportanceHeader, ImportancePack};
-use brdfc_formats::{FormatError, Pack};
-use brdfc_testing::flat_btf::{SMALL, parts};
-use brdfc_testing::packs::{BINDINGS_ENTRY, change_image, read_texture, rebind, sealed, tables};
+use brdfc_formats::{FormatError, Pack, PackKind};
+use brdfc_testing::codecs::tested;
+use brdfc_testing::packs::{BINDINGS_ENTRY, change_image, read_texture, rebind, sealed};
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 
@@ -356,30 +353,13 @@ fn files_without_their_checksum_are_refused() {
     }
 }
 
-/// A small pack of each codec.
+/// A small pack of each codec, and of the one that there is not.
 fn small_packs() -> Vec<(&'static str, Vec<u8>)> {
-    let kind = BandwidthKind::Texture { metres: [0.5, 0.25], tiles: true };
-    let header = BandwidthHeader { kind, epsilon: 0.01, transformed: [4, 2] };
-    let map = BandwidthMap::new(header, [2, 1], &[8.0, 12.5]).unwrap();
-    let header = ImportanceHeader { polar: 1, azimuths: 1, samples: 2 };
-    let samples = ImportancePack::new(header, vec![[0.0, 0.0, 1.0, 1.0]; 2]).unwrap();
-    let (_, table) = tables().into_iter().find(|(name, _)| name == "symmetry 3, layers 1, curve").unwrap();
-    let parts = FlatBtfParts { values: FlatValues::None, ..parts(SMALL, 7) };
-    let flat = FlatBtfFile::new(FlatBtfDecoder::new(parts).unwrap(), None).unwrap();
-    [false, true]
-        .into_iter()
-        .flat_map(|supercompress| {
-            [
-                ("bandwidth", map.to_bytes(supercompress)),
-                ("importance", samples.to_bytes(supercompress)),
-                ("marble", marble().to_file(own(), supercompress)),
-                ("pwt", brdfc_testing::pwt::example().to_bytes(supercompress)),
-                ("table", table.to_bytes(supercompress)),
-                ("wavelet", brdfc_testing::packs::example().to_bytes(supercompress)),
-                ("flat-btf", flat.to_bytes(supercompress)),
-            ]
-        })
-        .collect()
+    let of = |supercompress| {
+        let packs = PackKind::ALL.map(|kind| (kind.name(), tested(kind).small_pack(supercompress)));
+        packs.into_iter().chain([("marble", marble().to_file(own(), supercompress))])
+    };
+    of(false).chain(of(true)).collect()
 }
 
 #[test]

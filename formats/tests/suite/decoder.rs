@@ -2,7 +2,8 @@
 
 use brdfc_formats::direction::{DirectionPair, Parameterisation, cell_centre};
 use brdfc_formats::wavelet::{Filter, RowScratch, SliceScale, WaveletDecoder, WaveletPack};
-use brdfc_testing::packs::{header, pack, pairs};
+use brdfc_testing::codecs::wavelet::{header, pack};
+use brdfc_testing::packs::pairs;
 
 const FILTERS: [Filter; 2] = [Filter::Nearest, Filter::Bilinear];
 

@@ -5,7 +5,8 @@ use std::f64::consts::{PI, SQRT_2};
 
 use brdfc_formats::direction::{DirectionPair, Parameterisation};
 use brdfc_formats::wavelet::{Filter, WaveletDecoder, WaveletPack};
-use brdfc_testing::packs::{header, lifted, pack, pairs};
+use brdfc_testing::codecs::wavelet::{header, lifted, pack};
+use brdfc_testing::packs::pairs;
 
 /// One wrong constant.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -8,7 +8,7 @@ use brdfc_formats::flat_btf::factored::{
 };
 use brdfc_formats::flat_btf::shader::FLAT_BTF_WGSL;
 use brdfc_formats::flat_btf::{BlendedDirection, FlatBtfFile, ViewWeights, unit_vectors};
-use brdfc_testing::flat_btf::{
+use brdfc_testing::codecs::flat_btf::{
     Factors, SMALL, Sizes, base_table, directions, factored, factored_example, only, towards, weights,
 };
 use brdfc_testing::golden::corpus::packs;

@@ -3,7 +3,7 @@
 use brdfc_formats::container::{Extent, TexelFormat};
 use brdfc_formats::flat_btf::FlatValues;
 use brdfc_formats::flat_btf::factored::{BasisMap, FactoredFlatBtf, ShadowFormat, WeightMap, WeightRange};
-use brdfc_testing::flat_btf::{
+use brdfc_testing::codecs::flat_btf::{
     Factors, SMALL, displacements, factored, factored_example, factored_file, file, image, refusal, reshape, set_texel,
     set_word,
 };

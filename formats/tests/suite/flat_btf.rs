@@ -6,8 +6,8 @@ use brdfc_formats::flat_btf::{
     DiffuseMap, FlatBtfDecoder, FlatBtfFile, FlatBtfParts, FlatHeader, FlatValues, FlatView, IndirectionHeader,
     IndirectionMap, NormalMap, ReferenceMap, VisibilityMask,
 };
-use brdfc_testing::flat_btf::{self, Factors, SMALL, Sizes, only};
-use brdfc_testing::packs::Numbers;
+use brdfc_testing::codecs::flat_btf::{self, Factors, SMALL, Sizes, only};
+use brdfc_testing::packs::{Numbers, unit_vector};
 use proptest::prelude::*;
 use std::f32::consts::{FRAC_PI_2, TAU};
 
@@ -42,7 +42,7 @@ fn a_plane_has_no_parallax() {
     let mut numbers = Numbers::new(1);
     for _ in 0..500 {
         let uv = [numbers.between(-3.0, 3.0) as f32, numbers.between(-3.0, 3.0) as f32];
-        let view = flat_btf::unit_vector(&mut numbers);
+        let view = unit_vector(&mut numbers);
         let centre = uv.map(|c| ((c - c.floor()) * 8.0).floor() / 8.0 + 0.0625);
         assert_eq!(decoder.indirection(uv, view), [centre[0], centre[1], 0.0], "{uv:?} {view:?}");
     }
@@ -152,7 +152,7 @@ fn blends_never_leave_a_block() {
     let among = asset(sizes, |texel, k, a| if texel == [1, 1] { one(k, a) } else { ([1024.0, 0.0], 1024.0) });
     let among = FlatBtfDecoder::new(among).unwrap();
     let mut numbers = Numbers::new(9);
-    let mut views: Vec<[f32; 3]> = (0..2000).map(|_| flat_btf::unit_vector(&mut numbers)).collect();
+    let mut views: Vec<[f32; 3]> = (0..2000).map(|_| unit_vector(&mut numbers)).collect();
     for k in 0..=16 {
         for a in 0..=64 {
             views.push(from_angles(1.2 * k as f32 / 16.0, TAU * a as f32 / 64.0));
@@ -194,7 +194,7 @@ fn views_and_lights_are_blended_by_their_weights() {
     for _ in 0..200 {
         let (views, lights) = (flat_btf::weights(&mut numbers, 3), flat_btf::weights(&mut numbers, 5));
         let uv = [numbers.unit() as f32, numbers.unit() as f32];
-        let view = flat_btf::unit_vector(&mut numbers);
+        let view = unit_vector(&mut numbers);
         let mut expected = [0.0; 3];
         for v in 0..3 {
             for l in 0..3 {

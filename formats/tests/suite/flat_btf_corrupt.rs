@@ -5,7 +5,7 @@ use brdfc_formats::container::{Extent, TexelFormat, Texture, half};
 use brdfc_formats::flat_btf::{
     DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatHeader, FlatView, IndirectionHeader, IndirectionMap, VisibilityMask,
 };
-use brdfc_testing::flat_btf::{
+use brdfc_testing::codecs::flat_btf::{
     self, SMALL, factored_file, image, light_file, refusal, reshape, set_texel, set_word, survives,
 };
 use std::collections::BTreeMap;

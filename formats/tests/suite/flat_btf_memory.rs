@@ -3,7 +3,7 @@
 use brdfc_formats::flat_btf::{
     Atlas, FlatBtfDecoder, FlatBtfFile, FlatBtfParts, FlatValues, SampledDirections, VisibilityMask,
 };
-use brdfc_testing::flat_btf::{SMALL, Sizes, parts};
+use brdfc_testing::codecs::flat_btf::{SMALL, Sizes, parts};
 
 /// As the bindings of a shader take them, part by part.
 fn uploaded(parts: FlatBtfParts) -> usize {

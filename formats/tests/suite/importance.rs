@@ -2,8 +2,7 @@
 
 use brdfc_formats::container::{Extent, TexelFormat, Texture};
 use brdfc_formats::importance::{IMPORTANCE_ENTRY, ImportanceHeader, ImportancePack};
-use brdfc_testing::flat_btf;
-use brdfc_testing::packs::{Numbers, check_dump, sealed};
+use brdfc_testing::packs::{Numbers, check_dump, sealed, unit_vector};
 
 /// The pack of the page.
 fn example() -> ImportancePack {
@@ -50,7 +49,7 @@ fn rows_hold_their_directions() {
         // Every direction has a row, and is less than a row's width from its middle.
         let mut numbers = Numbers::new(3);
         for _ in 0..1000 {
-            let outgoing = flat_btf::unit_vector(&mut numbers);
+            let outgoing = unit_vector(&mut numbers);
             let row = header.row(outgoing);
             assert!(row < header.rows());
             if outgoing[2] > 0.0 && polar > 1 {
@@ -71,7 +70,7 @@ fn files_come_back() {
         let header = ImportanceHeader { polar, azimuths, samples };
         let mut numbers = Numbers::new(9);
         let texel = |_| {
-            let [x, y, z] = flat_btf::unit_vector(&mut numbers);
+            let [x, y, z] = unit_vector(&mut numbers);
             [x, y, z.abs(), 0.5]
         };
         let pack = ImportancePack::new(header, (0..header.rows() * samples).map(texel).collect()).unwrap();

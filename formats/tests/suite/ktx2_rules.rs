@@ -227,7 +227,7 @@ fn check(bytes: &[u8], expected: &Expected, supercompressed: bool) -> Vec<(Strin
 
 #[test]
 fn files_keep_the_rules_of_the_validator() {
-    for (name, pack) in brdfc_testing::packs::packs() {
+    for (name, pack) in brdfc_testing::codecs::wavelet::packs() {
         for supercompress in [false, true] {
             println!("{name}, supercompress {supercompress}");
             let entries = check(&pack.to_bytes(supercompress), &expected(&pack), supercompress);
@@ -268,7 +268,7 @@ fn every_kind_of_texture_keeps_the_rules_of_the_validator() {
 
 #[test]
 fn another_reader_finds_the_same_texels_and_entries() {
-    for (name, pack) in brdfc_testing::packs::packs() {
+    for (name, pack) in brdfc_testing::codecs::wavelet::packs() {
         for supercompress in [false, true] {
             println!("{name}, supercompress {supercompress}");
             let bytes = pack.to_bytes(supercompress);
@@ -337,7 +337,7 @@ fn check_entries<'a>(pack: &WaveletPack, entry: impl Fn(&str) -> &'a [u8]) {
 
 #[test]
 fn reading_gives_back_what_was_written() {
-    for (name, pack) in brdfc_testing::packs::packs() {
+    for (name, pack) in brdfc_testing::codecs::wavelet::packs() {
         for supercompress in [false, true] {
             let read = WaveletPack::from_bytes(&pack.to_bytes(supercompress)).unwrap();
             assert_eq!(read, pack, "{name}");
@@ -350,7 +350,7 @@ fn reading_gives_back_what_was_written() {
 /// A rule that no file breaks proves little: the checks above must notice broken files.
 #[test]
 fn the_checks_notice_broken_files() {
-    let pack = brdfc_testing::packs::example();
+    let pack = brdfc_testing::codecs::wavelet::example();
     // One sample, like the pack, and three levels with padding between them.
     let texture = Texture {
         format: TexelFormat::R8Unorm,

@@ -147,7 +147,7 @@ fn another_implementation_reads_packs_and_writes_the_same_bytes() {
         count += 1;
     };
     for supercompress in [false, true] {
-        for (_, pack) in brdfc_testing::packs::packs() {
+        for (_, pack) in brdfc_testing::codecs::wavelet::packs() {
             let file = pack.to_bytes(supercompress);
             save(&file, &expectation(&pack, &file, supercompress), &pack.texels);
             // The image in an entry is a file of its own.

@@ -7,15 +7,16 @@ use brdfc_formats::FormatError;
 use brdfc_formats::container::{Extent, TexelFormat, Texture};
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::wavelet::{SliceScale, WaveletPack};
-use brdfc_testing::packs::{change_image, sealed, survives};
+use brdfc_testing::codecs::wavelet::survives;
+use brdfc_testing::packs::{change_image, sealed};
 
 /// One small pack of each texel format.
 fn small_packs() -> Vec<WaveletPack> {
     [(1, 8), (3, 8), (1, 12), (3, 16)]
         .into_iter()
         .map(|(channels, bits)| {
-            brdfc_testing::packs::pack(
-                brdfc_testing::packs::header(Parameterisation::HalfDifference, 2, channels, bits),
+            brdfc_testing::codecs::wavelet::pack(
+                brdfc_testing::codecs::wavelet::header(Parameterisation::HalfDifference, 2, channels, bits),
                 3,
                 u64::from(bits),
             )
@@ -67,7 +68,7 @@ fn no_single_corrupt_byte_panics() {
 
 #[test]
 fn values_of_the_header_fields_at_their_limits_do_not_panic() {
-    let bytes = brdfc_testing::packs::example().to_bytes(false);
+    let bytes = brdfc_testing::codecs::wavelet::example().to_bytes(false);
     for offset in (12..104).step_by(4) {
         for value in [0, 1, 0x7fff_ffff, 0x8000_0000, 0xffff_fff0, u32::MAX] {
             let mut broken = bytes.clone();
@@ -83,7 +84,7 @@ fn values_of_the_header_fields_at_their_limits_do_not_panic() {
 
 /// The example as a texture, whose entries a test may change.
 fn texture() -> Texture {
-    Texture::from_bytes(&brdfc_testing::packs::example().to_bytes(false)).unwrap()
+    Texture::from_bytes(&brdfc_testing::codecs::wavelet::example().to_bytes(false)).unwrap()
 }
 
 fn refusal(texture: &Texture) -> FormatError {
@@ -217,7 +218,7 @@ fn uniform_block_and_entries_agree() {
 fn absurd_scales_still_decode_to_numbers() {
     for [scale, offset] in [[f32::MAX, 0.0], [0.0, f32::MAX], [f32::MAX, f32::MIN], [0.0, f32::MIN], [1e30, 1e30]] {
         for slice in [1, 2] {
-            let mut pack = brdfc_testing::packs::example();
+            let mut pack = brdfc_testing::codecs::wavelet::example();
             pack.scales[slice] = SliceScale { scale, offset };
             assert!(survives(&pack.to_bytes(false)), "scale {scale}, offset {offset}");
         }
@@ -272,7 +273,7 @@ fn entries_of_other_names_are_ignored() {
     let mut more = texture();
     more.entries.insert("brdfc.note".into(), vec![1, 2, 3]);
     let bytes = sealed(more.to_bytes(true));
-    assert_eq!(WaveletPack::from_bytes(&bytes).unwrap(), brdfc_testing::packs::example());
+    assert_eq!(WaveletPack::from_bytes(&bytes).unwrap(), brdfc_testing::codecs::wavelet::example());
 }
 
 #[test]
@@ -286,7 +287,7 @@ fn the_zero_slice_is_zero() {
 
 /// A supercompressed file of the example with other bytes as its level.
 fn with_level(level: &[u8], uncompressed: u64) -> Vec<u8> {
-    let mut bytes = brdfc_testing::packs::example().to_bytes(true);
+    let mut bytes = brdfc_testing::codecs::wavelet::example().to_bytes(true);
     bytes.truncate(texels_start(&bytes));
     bytes.extend_from_slice(level);
     bytes[88..96].copy_from_slice(&(level.len() as u64).to_le_bytes());
@@ -296,7 +297,7 @@ fn with_level(level: &[u8], uncompressed: u64) -> Vec<u8> {
 
 #[test]
 fn compressed_data_that_lie_about_their_length_are_refused() {
-    let texels = brdfc_testing::packs::example().texels;
+    let texels = brdfc_testing::codecs::wavelet::example().texels;
     let frame = |bytes: &[u8]| zstd::bulk::compress(bytes, 3).unwrap();
     assert!(survives(&with_level(&frame(&texels), 12)));
     let bomb = frame(&vec![0; 1 << 26]);
@@ -362,7 +363,7 @@ fn a_large_texture_of_one_value_is_read() {
 fn extents_beyond_the_limits_are_refused_before_memory_is_asked_for() {
     for extent in [[2048; 3], [2048, 2048, 512], [2049, 1, 1], [1, 2049, 1], [1, 1, 2049], [u32::MAX; 3], [0, 1, 1]] {
         for supercompress in [false, true] {
-            let mut bytes = brdfc_testing::packs::example().to_bytes(supercompress);
+            let mut bytes = brdfc_testing::codecs::wavelet::example().to_bytes(supercompress);
             for (axis, size) in extent.into_iter().enumerate() {
                 bytes[20 + 4 * axis..24 + 4 * axis].copy_from_slice(&size.to_le_bytes());
             }
@@ -375,7 +376,7 @@ fn extents_beyond_the_limits_are_refused_before_memory_is_asked_for() {
 
 #[test]
 fn other_textures_are_refused() {
-    let bytes = brdfc_testing::packs::example().to_bytes(false);
+    let bytes = brdfc_testing::codecs::wavelet::example().to_bytes(false);
     for (offset, value, field) in [
         (0, 0, "identifier"),
         (12, 10, "vkFormat"),

@@ -4,7 +4,7 @@ use brdfc_formats::Pack;
 use brdfc_formats::pwt::{
     Component, Domain, LightBasis, LightCoordinates, MAX_TERMS, PwtDecoder, PwtHeader, PwtPack, TextureHeader,
 };
-use brdfc_testing::pwt::{packs, plain, random, single};
+use brdfc_testing::codecs::pwt::{packs, plain, random, single};
 use proptest::prelude::*;
 
 const UP: [f32; 3] = [0.0, 0.0, 1.0];

@@ -3,8 +3,8 @@
 use brdfc_formats::container::{Extent, TexelFormat, Texture};
 use brdfc_formats::pwt::{Domain, LightBasis, LightCoordinates, PWT_ENTRY, PwtDecoder, PwtHeader, PwtPack};
 use brdfc_formats::{FormatError, Pack};
+use brdfc_testing::codecs::pwt::{example, packs, plain, single};
 use brdfc_testing::packs::{read_texture, rebind, sealed};
-use brdfc_testing::pwt::{example, packs, plain, single};
 use std::collections::BTreeMap;
 
 const SECOND: &str = "brdfc.image.pwt_texture_1";

@@ -2,7 +2,7 @@
 //! writes, and it calls nothing that browsers refuse.
 
 use brdfc_formats::pwt::shader::{PWT_WGSL, PwtParameters};
-use brdfc_testing::pwt::packs;
+use brdfc_testing::codecs::pwt::packs;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 fn parsed() -> naga::Module {

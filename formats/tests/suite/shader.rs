@@ -1,19 +1,17 @@
 //! The shipped WGSL without a graphics adapter: it validates, its uniform block is the one that Rust writes, and it calls
 //! nothing that browsers refuse.
 
-use brdfc_formats::bandwidth::shader::BANDWIDTH_WGSL;
+use brdfc_formats::PackKind;
 use brdfc_formats::bindings::{FRAME_WGSL, FrameBlock, combined_wgsl};
 use brdfc_formats::crop::{Crop, DirectionRange, Window};
 use brdfc_formats::direction::Parameterisation;
-use brdfc_formats::flat_btf::shader::{FLAT_BTF_WGSL, FlatBtfParameters, flat_btf_value_wgsl};
+use brdfc_formats::flat_btf::shader::{FLAT_BTF_WGSL, FlatBtfParameters};
 use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts};
-use brdfc_formats::importance::IMPORTANCE_WGSL;
-use brdfc_formats::pwt::shader::PWT_WGSL;
 use brdfc_formats::table::shader::TABLE_BRDF_WGSL;
 use brdfc_formats::wavelet::WaveletPack;
 use brdfc_formats::wavelet::lift::Lift;
 use brdfc_formats::wavelet::shader::{WAVELET_BRDF_WGSL, WaveletBrdfParameters};
-use brdfc_testing::packs::{header, lifted, pack};
+use brdfc_testing::codecs::wavelet::{header, lifted, pack};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 fn parsed() -> naga::Module {
@@ -135,9 +133,8 @@ fn the_flat_btf_shader_validates() {
 /// All decoders can be pasted into one shader: they share no names and no slots but that of the frame's block.
 #[test]
 fn the_shaders_share_no_names() {
-    let flat_btf = flat_btf_value_wgsl();
-    let source =
-        combined_wgsl([TABLE_BRDF_WGSL, WAVELET_BRDF_WGSL, PWT_WGSL, &flat_btf, BANDWIDTH_WGSL, IMPORTANCE_WGSL]);
+    let decoders = PackKind::ALL.map(|kind| (kind.descriptor().wgsl)());
+    let source = combined_wgsl(decoders.iter().map(String::as_str));
     let module =
         naga::front::wgsl::parse_str(&source).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&source)));
     assert!(Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module).is_ok());
@@ -154,7 +151,8 @@ fn the_uniform_block_of_flat_btfs_is_the_one_that_rust_writes() {
     let (_, block) = module.types.iter().find(|(_, ty)| find(ty)).expect("the block has its name");
     let naga::TypeInner::Struct { members, span } = &block.inner else { panic!("not a struct") };
     assert_eq!(*span as usize, FlatBtfParameters::SIZE);
-    let decoder = FlatBtfDecoder::new(brdfc_testing::flat_btf::parts(brdfc_testing::flat_btf::SMALL, 1)).unwrap();
+    let decoder =
+        FlatBtfDecoder::new(brdfc_testing::codecs::flat_btf::parts(brdfc_testing::codecs::flat_btf::SMALL, 1)).unwrap();
     let bytes = FlatBtfParameters::new(&decoder).to_bytes();
     let names: Vec<&str> = members.iter().map(|member| member.name.as_deref().unwrap()).collect();
     let words = [
@@ -179,7 +177,8 @@ fn the_uniform_block_of_flat_btfs_is_the_one_that_rust_writes() {
         let kind = if is_float { naga::ScalarKind::Float } else { naga::ScalarKind::Uint };
         assert_eq!(module.types[member.ty].inner.scalar_kind(), Some(kind), "{name}");
     }
-    let indirection = brdfc_testing::flat_btf::displacements(brdfc_testing::flat_btf::SMALL, 1, 1).into();
+    let indirection =
+        brdfc_testing::codecs::flat_btf::displacements(brdfc_testing::codecs::flat_btf::SMALL, 1, 1).into();
     let compact = FlatBtfDecoder::new(FlatBtfParts { indirection, ..decoder.into_parts() }).unwrap();
     let bytes = FlatBtfParameters::new(&compact).to_bytes();
     assert_eq!(bytes[28..36], [1u32.to_le_bytes(), (f64::from(1.3f32).tan() as f32).to_le_bytes()].concat());
@@ -198,19 +197,21 @@ fn the_block_of_the_frame_is_the_one_that_rust_writes() {
     assert_eq!(FrameBlock::exact().to_bytes()[4..8], [0; 4]);
 }
 
-/// Each shader is whole by itself, so the arctangent stands in each: with the same steps.
+/// Each shader is whole by itself, so the arctangent stands in each that has one: with the same steps.
 #[test]
 fn the_arctangent_is_one() {
-    let of = |shader: &str, prefix: &str| {
-        let start = shader.find(&format!("fn {prefix}_atan2(")).unwrap_or_else(|| panic!("no {prefix}_atan2"));
-        let function = &shader[start..][..shader[start..].find("\n}\n").expect("an end")];
-        function.replace(&format!("{prefix}_"), "").replace(&format!("{}_", prefix.to_uppercase()), "")
+    let of = |shader: &str| -> Vec<String> {
+        let functions = shader.split("fn ").filter_map(|rest| {
+            let prefix = rest.split('(').next()?.strip_suffix("_atan2")?;
+            let function = &rest[..rest.find("\n}\n").expect("an end")];
+            Some(function.replace(&format!("{prefix}_"), "").replace(&format!("{}_", prefix.to_uppercase()), ""))
+        });
+        functions.collect()
     };
-    let first = of(WAVELET_BRDF_WGSL, "wavelet_brdf");
-    assert!(first.lines().count() > 20, "{first}");
-    assert_eq!(of(FLAT_BTF_WGSL, "flat_btf"), first);
-    assert_eq!(of(BANDWIDTH_WGSL, "bandwidth"), first);
-    assert_ne!(of(&WAVELET_BRDF_WGSL.replace("9.642198e-2", "9.6e-2"), "wavelet_brdf"), first);
+    let found: Vec<String> = PackKind::ALL.into_iter().flat_map(|kind| of(&(kind.descriptor().wgsl)())).collect();
+    assert!(found.len() > 2 && found[0].lines().count() > 20, "{found:#?}");
+    assert!(found.iter().all(|function| *function == found[0]), "{found:#?}");
+    assert_ne!(of(&WAVELET_BRDF_WGSL.replace("9.642198e-2", "9.6e-2")), found[..1]);
 }
 
 /// What the README calls, and its shader, are WGSL behind the decoders that it names.
@@ -223,15 +224,8 @@ fn what_the_readme_calls_validates() {
         let result = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module);
         assert!(result.is_ok(), "{}", result.unwrap_err().emit_to_string(source));
     };
-    let flat_btf = flat_btf_value_wgsl();
-    for (decoder, wgsl) in [
-        ("table", TABLE_BRDF_WGSL),
-        ("wavelet", WAVELET_BRDF_WGSL),
-        ("flat-btf", &flat_btf),
-        ("pwt", PWT_WGSL),
-        ("bandwidth", BANDWIDTH_WGSL),
-        ("importance", IMPORTANCE_WGSL),
-    ] {
+    for kind in PackKind::ALL {
+        let (decoder, wgsl) = (kind.name(), (kind.descriptor().wgsl)());
         let row =
             page.lines().find(|line| line.starts_with(&format!("| `{decoder}` | "))).expect("a row of the decoder");
         let calls: Vec<&str> = row.split('`').skip(5).step_by(2).collect();

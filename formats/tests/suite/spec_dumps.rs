@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 #[test]
 fn containers() {
     let page = include_str!("../../src/container/spec.md");
-    let bytes = brdfc_testing::packs::example().to_bytes(false);
+    let bytes = brdfc_testing::codecs::wavelet::example().to_bytes(false);
     assert!(Texture::from_bytes(&bytes).is_ok());
     // The entries between stand on the page of wavelet packs.
     assert_eq!(check_dump(page, &bytes), 15);
@@ -49,8 +49,8 @@ fn bindings() {
 #[test]
 fn wavelet_packs() {
     let page = include_str!("../../src/wavelet/spec.md");
-    let bytes = brdfc_testing::packs::example().to_bytes(false);
-    assert_eq!(WaveletPack::from_bytes(&bytes).unwrap(), brdfc_testing::packs::example());
+    let bytes = brdfc_testing::codecs::wavelet::example().to_bytes(false);
+    assert_eq!(WaveletPack::from_bytes(&bytes).unwrap(), brdfc_testing::codecs::wavelet::example());
     assert_eq!(check_dump(page, &bytes), 44);
 }
 
@@ -58,7 +58,7 @@ fn wavelet_packs() {
 fn example_flat_btf() -> FlatBtfFile {
     let parts = FlatBtfParts {
         reference: ReferenceMap::new(1, vec![[0.9, 0.5]]).unwrap(),
-        indirection: brdfc_testing::flat_btf::example_indirection().into(),
+        indirection: brdfc_testing::codecs::flat_btf::example_indirection().into(),
         normal: NormalMap::new(1, vec![[0.0, 0.0, 1.0]]).unwrap(),
         diffuse: DiffuseMap::new(1, vec![0]).unwrap(),
         values: FlatValues::None,
@@ -88,7 +88,7 @@ fn the_worked_value_of_the_flat_btf_page() {
 fn the_worked_values_of_the_wavelet_page() {
     let page = include_str!("../../src/wavelet/spec.md");
     let (_, foot) = page.split_once("For `wi = (0, 0.6, 0.8)` and `wo = (0.6, 0, 0.8)`").expect("the pair");
-    let decoder = WaveletDecoder::new(&brdfc_testing::packs::example());
+    let decoder = WaveletDecoder::new(&brdfc_testing::codecs::wavelet::example());
     let pair = DirectionPair::new([0.0, 0.6, 0.8], [0.6, 0.0, 0.8]);
     for (filter, level, v, f) in [
         (Filter::Nearest, 1.0, "-0.676777", "0.249126"),
@@ -113,7 +113,7 @@ fn the_worked_values_of_the_wavelet_page() {
 #[test]
 fn polynomial_wavelet_trees() {
     let page = include_str!("../../src/pwt/spec.md");
-    let example = brdfc_testing::pwt::example();
+    let example = brdfc_testing::codecs::pwt::example();
     let bytes = example.to_bytes(false);
     assert_eq!(PwtPack::from_bytes(&bytes).unwrap(), example);
     assert_eq!(check_dump(page, &bytes), 64);

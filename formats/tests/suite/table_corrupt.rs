@@ -3,7 +3,8 @@
 use brdfc_formats::FormatError;
 use brdfc_formats::container::{Extent, TexelFormat, Texture};
 use brdfc_formats::table::{Curve, TableDecoder, TablePack};
-use brdfc_testing::packs::{change_image, pairs, rebind, sealed, tables};
+use brdfc_testing::codecs::table::tables;
+use brdfc_testing::packs::{change_image, pairs, rebind, sealed};
 
 /// The smallest packs: of both texel formats, with one layer and more, plain and factored.
 fn small_packs() -> Vec<TablePack> {

@@ -7,10 +7,10 @@ mod edits;
 use brdfc_formats::container::seal;
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::wavelet::WaveletPack;
+use brdfc_testing::codecs::{flat_btf, of_pack, wavelet};
 use brdfc_testing::golden::corpus;
 use brdfc_testing::golden::lists::codecs;
-use brdfc_testing::golden::values::of_pack;
-use brdfc_testing::{flat_btf, packs};
+use brdfc_testing::packs::sealed;
 use libfuzzer_sys::fuzz_target;
 use std::sync::LazyLock;
 
@@ -23,7 +23,7 @@ fn valid(choice: u8) -> Vec<u8> {
     let channels = if choice & 2 == 0 { 1 } else { 3 };
     let bits = if choice & 4 == 0 { 8 } else { 12 };
     let levels = 1 + u32::from(choice >> 3 & 1);
-    packs::pack(packs::header(parameterisation, levels, channels, bits), 3, 1).to_bytes(choice & 16 != 0)
+    wavelet::pack(wavelet::header(parameterisation, levels, channels, bits), 3, 1).to_bytes(choice & 16 != 0)
 }
 
 fuzz_target!(|data: &[u8]| {
@@ -47,8 +47,8 @@ fuzz_target!(|data: &[u8]| {
     } else {
         rest.to_vec()
     };
-    let bytes = packs::sealed(bytes);
-    let survives = packs::survives(&bytes);
+    let bytes = sealed(bytes);
+    let survives = wavelet::survives(&bytes);
     assert!(survives || choice & 0x80 != 0 || rest.len() >= 4, "the edits are lost on a file that was never valid");
     if survives {
         let pack = WaveletPack::from_bytes(&bytes).expect("it was read before");

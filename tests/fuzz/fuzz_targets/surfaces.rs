@@ -14,7 +14,7 @@ use brdfc_readers::direction_list;
 use brdfc_readers::meso::{TriangleMesh, obj, ply};
 use brdfc_source::meso::{heights_from_exr, heights_from_png};
 use brdfc_source::radiance_image;
-use brdfc_testing::flat_btf;
+use brdfc_testing::codecs::flat_btf;
 use libfuzzer_sys::fuzz_target;
 
 const READERS: u8 = 11;

@@ -136,7 +136,7 @@ fn importance_samples_are_told_from_other_packs() {
 #[test]
 fn polynomial_wavelet_trees_are_told_from_other_packs() {
     let folder = Folder::new();
-    let bytes = brdfc_testing::pwt::example().to_bytes(true);
+    let bytes = brdfc_testing::codecs::pwt::example().to_bytes(true);
     folder.write("p.ktx2", &bytes);
     folder.write("pairs.csv", "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n0,0,1,0,0,1\n");
     let report = folder.run(&["info", "p.ktx2", "--json"]).succeeded().json();

@@ -2,13 +2,13 @@
 
 use super::schemas::conforms;
 use crate::common::cli::Folder;
-
-const KINDS: [&str; 6] = ["table", "wavelet", "flat-btf", "pwt", "bandwidth", "importance"];
+use brdfc_formats::PackKind;
 
 #[test]
 fn every_kind_in_every_language() {
     let folder = Folder::new();
-    for kind in KINDS {
+    for decoder in PackKind::ALL {
+        let kind = decoder.name();
         for language in ["wgsl", "glsl", "essl300", "hlsl", "msl", "spirv"] {
             let file = format!("{kind}.{language}");
             let run = ["shader", kind, "--language", language, "-o", &file];
@@ -20,7 +20,7 @@ fn every_kind_in_every_language() {
             assert_eq!(report["entry_point"]["name"].as_str(), (language == "spirv").then_some("evaluate"));
             let called = report["functions"][0]["name"].as_str().unwrap();
             assert_eq!(report["bindings_version"], 1);
-            let calls = ["table", "wavelet"].contains(&kind) && !["msl", "spirv"].contains(&language);
+            let calls = decoder.descriptor().brdf.is_some() && !["msl", "spirv"].contains(&language);
             assert_eq!(report["brdf"]["filtered"].is_string(), calls, "{file}");
             if language != "spirv" {
                 assert!(String::from_utf8(bytes).unwrap().contains(&format!(" {called}(")), "{file}");
@@ -67,15 +67,13 @@ fn packs_and_folders_say_their_kind() {
 #[test]
 fn what_is_no_kind_is_told() {
     let folder = Folder::new();
+    let kinds = PackKind::ALL.map(PackKind::name).join(", ");
+    let unknown = format!("KIND: found tabel; allowed {kinds}, or a pack");
     folder.write("some.ktx2", b"no pack");
     folder.write("report.json", b"{}");
     std::fs::create_dir(folder.path().join("empty")).unwrap();
     for (arguments, code, problem) in [
-        (
-            &["shader", "tabel", "--language", "glsl"][..],
-            2,
-            "KIND: found tabel; allowed table, wavelet, flat-btf, pwt, bandwidth, importance, or a pack",
-        ),
+        (&["shader", "tabel", "--language", "glsl"][..], 2, unknown.as_str()),
         (&["shader", "table"], 2, "--language"),
         (&["shader", "table", "--language", "cg"], 2, "invalid value 'cg'"),
         (&["shader", "some.ktx2", "--language", "glsl"], 3, "some.ktx2: "),

@@ -8,7 +8,8 @@ mod loader;
 use brdfc_formats::PackKind;
 use brdfc_formats::bindings::PackFile;
 use brdfc_shaders::{Language, shader};
-use brdfc_testing::engines::{Case, SIDE, cases, check};
+use brdfc_testing::codecs::cases;
+use brdfc_testing::engines::{Case, SIDE, call, check, macros};
 use brdfc_testing::gradient;
 use device::Vulkan;
 use std::process::Command;
@@ -42,21 +43,10 @@ fn spirv_agrees_with_the_cpu() {
 /// What a user of the piece writes. Registers without a space are in group 0.
 fn hlsl(decoder: PackKind) -> String {
     let piece = String::from_utf8(shader(decoder, Language::Hlsl).bytes).unwrap();
-    let call = match decoder {
-        PackKind::Table => "float4(table_brdf_at(q.a.xyz, q.b.xyz, q.a.w, q.b.w == 1.0), 0.0)",
-        PackKind::Wavelet => "float4(wavelet_brdf_exact(q.a.xyz, q.b.xyz, q.a.w), 0.0)",
-        PackKind::FlatBtf => "float4(flat_btf_value(q.a.xy, q.a.z, q.b.xyz, q.c.xyz), 0.0)",
-        PackKind::Pwt => "float4(pwt_value(q.a.xy, q.a.z, q.b.xyz), 0.0)",
-        PackKind::Bandwidth => {
-            "float4(bandwidth_brdf(q.a.xyz, q.b.xyz), bandwidth_environment(q.a.xyz), bandwidth_texture(q.c.xy), 0.0)"
-        }
-        PackKind::Importance => {
-            "float4(importance_sample(q.a.xyz, uint(q.a.w)).incoming, \
-             importance_sample(q.a.xyz, uint(q.a.w)).inverse_density)"
-        }
-    };
+    let (macros, call) = (macros(Language::Hlsl), call(decoder));
     format!(
         "{piece}
+{macros}
 struct Query {{ float4 a; float4 b; float4 c; }};
 StructuredBuffer<Query> queries : register(t0, space1);
 RWStructuredBuffer<float4> answers : register(u1, space1);
@@ -64,7 +54,7 @@ RWStructuredBuffer<float4> answers : register(u1, space1);
     uint count, stride;
     queries.GetDimensions(count, stride);
     if (id.x < count) {{
-        Query q = queries[id.x];
+        float4 a = queries[id.x].a, b = queries[id.x].b, c = queries[id.x].c;
         answers[id.x] = {call};
     }}
 }}
@@ -105,7 +95,6 @@ fn a_codec_that_exists_nowhere_else_agrees_with_the_cpu() {
     let Some(vulkan) = Vulkan::open() else { return };
     let PackFile { bindings, .. } = PackFile::from_bytes(&gradient::file()).unwrap();
     assert_eq!(bindings.decoder, "gradient");
-    let call = gradient::CALL.replace("vec4(", "vec4<f32>(");
     let module = vulkan.wgsl(format!(
         "{}
 @group(0) @binding(0) var<storage, read> queries: array<array<vec4<f32>, 3>>;
@@ -113,12 +102,13 @@ fn a_codec_that_exists_nowhere_else_agrees_with_the_cpu() {
 @compute @workgroup_size(64) fn evaluate(@builtin(global_invocation_id) id: vec3<u32>) {{
     if id.x < {}u {{
         let a = queries[id.x][0];
-        answers[id.x] = {call};
+        answers[id.x] = {};
     }}
 }}
 ",
         gradient::wgsl(),
-        SIDE * SIDE
+        SIDE * SIDE,
+        gradient::CALL
     ));
     let queries = gradient::queries();
     gradient::check("wgpu", &vulkan.evaluate(&module, [0, 1], &queries, (&bindings.all, gradient::FRAME)));

@@ -104,7 +104,7 @@ impl PwtFacts {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use brdfc_testing::pwt::{example, packs};
+    use brdfc_testing::codecs::pwt::{example, packs};
 
     #[test]
     fn facts_of_known_packs() {

@@ -5,7 +5,8 @@ use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::wavelet::Filter;
 use brdfc_gpu::{Compute, Evaluator, GpuError, SliceFilter};
-use brdfc_testing::packs::{header, pack, pairs};
+use brdfc_testing::codecs::wavelet::{header, pack};
+use brdfc_testing::packs::pairs;
 
 #[test]
 fn lists_of_any_length() {

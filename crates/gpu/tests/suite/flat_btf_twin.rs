@@ -4,8 +4,8 @@ use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::flat_btf::shader::{FLAT_BTF_FILTER_PRECISION, FLAT_BTF_WGSL};
 use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts, FlatValues, IndirectionMap, MAX_TANGENT, TANGENT_BIAS};
 use brdfc_gpu::{FlatBtfAnswer, FlatBtfEvaluator, FlatBtfQuery, Gpu};
-use brdfc_testing::flat_btf::{self, SMALL, Sizes};
-use brdfc_testing::packs::Numbers;
+use brdfc_testing::codecs::flat_btf::{self, SMALL, Sizes};
+use brdfc_testing::packs::{Numbers, unit_vector};
 use std::f32::consts::{FRAC_PI_2, TAU};
 
 const ASSETS: [Sizes; 3] = [
@@ -17,7 +17,7 @@ const ASSETS: [Sizes; 3] = [
 /// Random queries, and views at the samples, at the pole, at the seam of the azimuth and below the horizon.
 fn queries(sizes: Sizes, count: usize, seed: u64) -> Vec<FlatBtfQuery> {
     let mut numbers = Numbers::new(seed);
-    let mut views: Vec<[f32; 3]> = (0..count).map(|_| flat_btf::unit_vector(&mut numbers)).collect();
+    let mut views: Vec<[f32; 3]> = (0..count).map(|_| unit_vector(&mut numbers)).collect();
     let header = flat_btf::header(sizes);
     for k in 0..sizes.zenith {
         for a in 0..sizes.azimuth {
@@ -35,7 +35,7 @@ fn queries(sizes: Sizes, count: usize, seed: u64) -> Vec<FlatBtfQuery> {
         FlatBtfQuery {
             uv,
             view,
-            light: flat_btf::unit_vector(&mut numbers),
+            light: unit_vector(&mut numbers),
             views: flat_btf::weights(&mut numbers, sizes.views),
             lights: flat_btf::weights(&mut numbers, sizes.lights),
         }

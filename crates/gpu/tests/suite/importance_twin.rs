@@ -3,8 +3,7 @@
 use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::importance::{IMPORTANCE_WGSL, ImportanceHeader, ImportancePack};
 use brdfc_gpu::{Compute, Gpu};
-use brdfc_testing::flat_btf;
-use brdfc_testing::packs::Numbers;
+use brdfc_testing::packs::{Numbers, unit_vector};
 
 const ENTRY: &str = "
 fn compute(at: u32) {
@@ -28,7 +27,7 @@ fn pack(header: ImportanceHeader, seed: u64) -> ImportancePack {
     let mut numbers = Numbers::new(seed);
     let texels = (0..header.rows() * header.samples)
         .map(|_| {
-            let [x, y, z] = flat_btf::unit_vector(&mut numbers);
+            let [x, y, z] = unit_vector(&mut numbers);
             [x, y, z.abs(), numbers.between(-6.0, 6.0).exp2() as f32]
         })
         .collect();
@@ -55,7 +54,7 @@ fn inputs(count: usize, seed: u64) -> Vec<f32> {
     ];
     let mut all = Vec::with_capacity(4 * count);
     for k in 0..count {
-        let outgoing = if k < fixed.len() { fixed[k] } else { flat_btf::unit_vector(&mut numbers) };
+        let outgoing = if k < fixed.len() { fixed[k] } else { unit_vector(&mut numbers) };
         all.extend(outgoing);
         // Small numbers as bits are subnormal, which a device may flush: keep them above.
         all.push(f32::from_bits(0x0100_0000 + numbers.bits() % 0x100_0000));

@@ -8,7 +8,8 @@ use brdfc_formats::wavelet::{
     DEFAULT_DISTANCE_SCALE, Filter, SliceScale, WaveletDecoder, WaveletPack, level_of_detail,
 };
 use brdfc_gpu::{EVALUATE_WGSL, Evaluated, Evaluator, Gpu, SliceFilter};
-use brdfc_testing::packs::{header, lifted, pack, packs, pairs};
+use brdfc_testing::codecs::wavelet::{header, lifted, pack, packs};
+use brdfc_testing::packs::pairs;
 
 const FILTERS: [Filter; 3] = [Filter::Nearest, Filter::Slices, Filter::Bilinear];
 

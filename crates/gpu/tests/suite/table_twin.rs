@@ -6,7 +6,8 @@ use brdfc_formats::table::shader::TABLE_BRDF_WGSL;
 use brdfc_formats::table::{LogValues, TableDecoder, TablePack};
 use brdfc_formats::wavelet::Filter;
 use brdfc_gpu::{EVALUATE_TABLE_WGSL, Evaluated, Evaluator, Gpu, SliceFilter};
-use brdfc_testing::packs::{pairs, tables};
+use brdfc_testing::codecs::table::tables;
+use brdfc_testing::packs::pairs;
 
 /// Curves of the packs that are tested have values between -1 and 2.
 const CURVE_RANGE: f32 = 3.0;

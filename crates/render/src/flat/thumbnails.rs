@@ -177,7 +177,7 @@ fn ends(values: &[f32]) -> [f32; 2] {
 mod tests {
     use super::*;
     use brdfc_formats::flat_btf::{DiffuseMap, FlatBtfDecoder, FlatBtfParts, FlatValues};
-    use brdfc_testing::flat_btf::{SMALL, parts};
+    use brdfc_testing::codecs::flat_btf::{SMALL, parts};
 
     const SEEN: [u8; 16] = [255, 255, 0, 0, 255, 255, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0];
 

@@ -9,35 +9,18 @@ use brdfc_formats::wavelet::Filter;
 use brdfc_shaders::{BindingKind, Interface, Language, shader};
 use brdfc_table::recipe::TableRecipe;
 use brdfc_testing::browser::result_of_page;
-use brdfc_testing::engines::{Case, SIDE, cases, check};
-use brdfc_testing::sampler::{SamplerCase, check_sampler, check_shifted, of_table, of_wavelet, sampler_cases};
+use brdfc_testing::codecs::{cases, sampler_cases, table, wavelet};
+use brdfc_testing::engines::{Case, SIDE, call, check, macros};
+use brdfc_testing::sampler::{SamplerCase, check_sampler, check_shifted};
 use brdfc_wavelet::recipe::Recipe;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
-/// What a user of the piece calls.
-pub fn call(decoder: PackKind) -> &'static str {
-    match decoder {
-        PackKind::Table => "vec4(table_brdf_at(a.xyz, b.xyz, a.w, b.w == 1.0), 0.0)",
-        PackKind::Wavelet => {
-            "vec4(b.w == 1.0 ? wavelet_brdf(a.xyz, b.xyz, a.w) : wavelet_brdf_exact(a.xyz, b.xyz, a.w), 0.0)"
-        }
-        PackKind::FlatBtf => "vec4(flat_btf_value(a.xy, a.z, b.xyz, c.xyz), 0.0)",
-        PackKind::Pwt => "vec4(pwt_value(a.xy, a.z, b.xyz), 0.0)",
-        PackKind::Bandwidth => {
-            "vec4(bandwidth_brdf(a.xyz, b.xyz), bandwidth_environment(a.xyz), bandwidth_texture(c.xy), 0.0)"
-        }
-        PackKind::Importance => {
-            "vec4(importance_sample(a.xyz, uint(a.w)).incoming, importance_sample(a.xyz, uint(a.w)).inverse_density)"
-        }
-    }
-}
-
 fn glsl(decoder: PackKind) -> String {
-    let piece = text(decoder, Language::Essl300);
-    let call = call(decoder);
+    let (piece, macros, call) = (text(decoder, Language::Essl300), macros(Language::Essl300), call(decoder));
     format!(
         "#version 300 es\n{piece}
+{macros}
 uniform highp sampler2D query_a;
 uniform highp sampler2D query_b;
 uniform highp sampler2D query_c;
@@ -56,13 +39,7 @@ void main() {{
 fn wgsl(decoder: PackKind) -> String {
     let piece = text(decoder, Language::Wgsl);
     let count = SIDE * SIDE;
-    let call = call(decoder).replace("vec4(", "vec4<f32>(").replace("uint(", "u32(");
-    let call = match decoder {
-        PackKind::Wavelet => {
-            "vec4<f32>(select(wavelet_brdf_exact(a.xyz, b.xyz, a.w), wavelet_brdf(a.xyz, b.xyz, a.w), b.w == 1.0), 0.0)"
-        }
-        _ => &call,
-    };
+    let call = call(decoder);
     // Packs bind the frame block even where no called function reads it; an automatic layout has only what is read.
     let frame = if piece.contains("brdfc_frame") { "_ = brdfc_frame.blend;" } else { "" };
     format!(
@@ -208,11 +185,11 @@ fn materials() -> Vec<SamplerCase> {
     for (name, input) in [("red plastic", red.as_str()), ("GGX, alpha 0.3", "synth:ggx?alpha=0.3")] {
         let source = opened(input);
         let recipe = TableRecipe { measure: false, ..TableRecipe::default() };
-        all.push(of_table(name, &brdfc_table::encode::encode(source.as_ref(), &recipe, &()).unwrap().pack));
+        all.push(table::sampler_case(name, &brdfc_table::encode::encode(source.as_ref(), &recipe, &()).unwrap().pack));
         for (bits, parameterisation) in [(8, Parameterisation::TangentPole), (16, Parameterisation::HalfDifference)] {
             let recipe = Recipe { bits, parameterisation, measure_off_grid: false, ..Recipe::default() };
             let pack = brdfc_wavelet::encode::encode(source.as_ref(), &recipe, &()).unwrap().pack;
-            all.push(of_wavelet(&format!("{name}, {bits} bits"), &pack, Filter::Bilinear));
+            all.push(wavelet::sampler_case(&format!("{name}, {bits} bits"), &pack, Filter::Bilinear));
         }
     }
     all

@@ -29,7 +29,7 @@ function program(gl, fragment) {
     return made;
 }
 
-async function withWebGl(cases) {
+async function withWebGl(cases, macros) {
     const gl = new OffscreenCanvas(side, side).getContext('webgl2');
     gl.getExtension('EXT_color_buffer_float');
     gl.viewport(0, 0, side, side);
@@ -49,6 +49,7 @@ async function withWebGl(cases) {
         const pack = await load(k, item);
         const made = program(gl, `#version 300 es
 ${pack.shader.essl300}
+${macros}
 uniform highp sampler2D query_a;
 uniform highp sampler2D query_b;
 uniform highp sampler2D query_c;
@@ -58,7 +59,7 @@ void main() {
     vec4 a = texelFetch(query_a, at, 0);
     vec4 b = texelFetch(query_b, at, 0);
     vec4 c = texelFetch(query_c, at, 0);
-    answer = ${item.glsl};
+    answer = ${item.call};
 }`);
         gl.useProgram(made);
         const uploaded = uploadWebGl(gl, pack);
@@ -100,7 +101,7 @@ async function withWebGpu(cases) {
         let a = queries[id.x];
         let b = queries[${count}u + id.x];
         let c = queries[${2 * count}u + id.x];
-        answers[id.x] = ${item.wgsl};
+        answers[id.x] = ${item.call};
     }
 }`;
         const module = device.createShaderModule({ code });
@@ -137,7 +138,7 @@ async function withWebGpu(cases) {
 }
 
 /** As users of three.js do: its textures, its uniforms. */
-async function withThree(cases) {
+async function withThree(cases, macros) {
     const THREE = await import('three');
     const { packBindings } = await import('./dist/three.js');
     const renderer = new THREE.WebGLRenderer({ canvas: new OffscreenCanvas(side, side) });
@@ -162,6 +163,7 @@ async function withThree(cases) {
             uniforms: { ...uniforms, query_a: query(0), query_b: query(1), query_c: query(2) },
             vertexShader: 'void main() { gl_Position = vec4(position.xy, 0.0, 1.0); }',
             fragmentShader: `${pack.shader.essl300}
+${macros}
 uniform highp sampler2D query_a;
 uniform highp sampler2D query_b;
 uniform highp sampler2D query_c;
@@ -171,7 +173,7 @@ void main() {
     vec4 a = texelFetch(query_a, at, 0);
     vec4 b = texelFetch(query_b, at, 0);
     vec4 c = texelFetch(query_c, at, 0);
-    answer = ${item.glsl};
+    answer = ${item.call};
 }`,
         });
         const scene = new THREE.Scene().add(new THREE.Mesh(new THREE.PlaneGeometry(2, 2), material));
@@ -185,8 +187,8 @@ void main() {
 }
 
 try {
-    const { api, cases } = JSON.parse(new TextDecoder().decode(await bytes('/cases.json')));
-    const found = await { webgl2: withWebGl, webgpu: withWebGpu, three: withThree }[api](cases);
+    const { api, macros, cases } = JSON.parse(new TextDecoder().decode(await bytes('/cases.json')));
+    const found = await { webgl2: withWebGl, webgpu: withWebGpu, three: withThree }[api](cases, macros);
     await fetch('/result', { method: 'POST', body: new Blob(found) });
 } catch (error) {
     await fetch('/result', { method: 'POST', body: `error: ${error.stack ?? error}` });

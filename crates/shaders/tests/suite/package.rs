@@ -1,12 +1,14 @@
 //! The package for the web: packs as files, loaded and bound by it, in WebGL 2 and in WebGPU, against the CPU decoder.
 //! `bindings/web/build` makes the package.
 
-use crate::browser::{call, numbers};
-use brdfc_formats::PackKind;
+use crate::browser::numbers;
 use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::wavelet::Filter;
+use brdfc_formats::{BrdfShader, PackKind};
+use brdfc_shaders::Language;
 use brdfc_testing::browser::{File, result_of_page};
-use brdfc_testing::engines::{Case, Query, cases, check};
+use brdfc_testing::codecs::cases;
+use brdfc_testing::engines::{Case, Query, call, check, macros};
 use brdfc_testing::gradient;
 use serde_json::{Value, json};
 
@@ -14,12 +16,11 @@ const PAGE: &str = "<!doctype html><meta charset=utf-8><title>brdfc</title>
 <script type=importmap>{ \"imports\": { \"three\": \"/three/three.module.js\" } }</script>
 <script type=module src=package.js></script>";
 
-/// The call in WGSL.
-fn wgsl_call(decoder: PackKind) -> String {
-    match decoder {
-        PackKind::Wavelet => "vec4<f32>(wavelet_brdf_exact(a.xyz, b.xyz, a.w), 0.0)".to_owned(),
-        _ => call(decoder).replace("vec4(", "vec4<f32>("),
-    }
+/// The call that asks samplers for nothing: the package binds textures of floats as ones that are not filtered.
+fn exact_call(decoder: PackKind) -> String {
+    let of_brdf =
+        |brdf: BrdfShader| format!("vec4f({}, 0.0)", brdf.exact.replace("(wi, wo, level", "(a.xyz, b.xyz, a.w"));
+    decoder.descriptor().brdf.map_or_else(|| call(decoder), of_brdf)
 }
 
 fn agrees(api: &str) {
@@ -62,17 +63,16 @@ fn agrees(api: &str) {
         listed.push(item);
     };
     for case in &cases {
-        let calls = json!({ "glsl": call(case.decoder), "wgsl": wgsl_call(case.decoder) });
-        add(&case.name, case.files[0].clone(), &case.queries, case.frame, calls);
+        let item = json!({ "call": exact_call(case.decoder) });
+        add(&case.name, case.files[0].clone(), &case.queries, case.frame, item);
     }
     // The package has no decoder of this one.
     let unknown = json!({
-        "glsl": gradient::CALL,
-        "wgsl": gradient::CALL.replace("vec4(", "vec4<f32>("),
+        "call": gradient::CALL,
         "shader": { "essl300": gradient::ESSL300, "wgsl": gradient::wgsl() },
     });
     add("gradient", gradient::file(), &gradient::queries(), gradient::FRAME, unknown);
-    let list = json!({ "api": api, "cases": listed }).to_string();
+    let list = json!({ "api": api, "macros": macros(Language::Essl300), "cases": listed }).to_string();
     let mut served: Vec<File<'_>> = vec![
         ("", "text/html", PAGE.as_bytes()),
         ("package.js", "text/javascript", include_bytes!("package.js")),

@@ -5,7 +5,7 @@ use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfFile, FlatBtfParts, FlatVal
 use brdfc_formats::importance::{ImportanceHeader, ImportancePack};
 use brdfc_source::InputError;
 use brdfc_source::flat_btf::{flat_btf_file, flat_view, open_flat_btf};
-use brdfc_testing::flat_btf::{Factors, SMALL, factored, mask, parts};
+use brdfc_testing::codecs::flat_btf::{Factors, SMALL, factored, mask, parts};
 use std::path::Path;
 
 fn example(seed: u64) -> FlatBtfFile {

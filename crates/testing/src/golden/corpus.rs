@@ -1,7 +1,7 @@
 //! Committed packs that every version must read to the same values.
 
-use super::values::of_pack;
 use super::{Entries, Hashes, REFUSED, changes, folder, hash, lists, tell};
+use crate::codecs::of_pack;
 use brdfc_formats::FormatError;
 use std::collections::BTreeMap;
 

@@ -2,8 +2,9 @@
 
 use super::corpus::{add, entries, moved};
 use super::{Change, blessing, hash, lists};
+use crate::codec::Measured;
+use crate::codecs::tested;
 use brdfc_formats::container::{MAX_TEXEL_BYTES, PackedTexture};
-use brdfc_formats::pwt::PWT_ENTRY;
 use std::collections::BTreeMap;
 
 /// Largest file that goes into the corpus of packs that later versions must read.
@@ -12,26 +13,24 @@ const CORPUS_BYTES: usize = 12 << 10;
 /// Files by name, as `corpus` has them.
 pub type Packs = BTreeMap<String, Vec<u8>>;
 
-/// Entries of packs that do not hold what the encoder stores, but what was measured of it, or what follows from both.
-const MEASURED: [&str; 3] = ["brdfc.checksum", "brdfc.wavelet.errors", "brdfc.table.errors"];
+/// The entry that follows from all others.
+const CHECKSUM: &str = "brdfc.checksum";
 
-/// Where measured errors stand in the entry of a polynomial wavelet tree.
-const PWT_ERRORS: std::ops::Range<usize> = 84..100;
-
-/// What an encoder stores, whatever the container puts around it: format and extent, entries, texels.
-fn contents(bytes: &[u8]) -> String {
+/// What an encoder stores, whatever the container puts around it: format and extent, entries but for what was measured, texels.
+fn contents(bytes: &[u8], measured: &[Measured]) -> String {
     let texture = PackedTexture::from_bytes(bytes).and_then(|packed| packed.unpack_levels(MAX_TEXEL_BYTES));
     let texture =
         texture.unwrap_or_else(|error| panic!("the container's reader refuses a pack that was just made: {error}"));
     // vkFormat to layerCount.
     let mut stored = bytes[12..36].to_vec();
-    for (key, value) in texture.entries.iter().filter(|(key, _)| !MEASURED.contains(&key.as_str())) {
+    for (key, value) in texture.entries.iter().filter(|(key, _)| *key != CHECKSUM) {
         let mut value = value.clone();
-        if key == PWT_ENTRY {
-            value.drain(PWT_ERRORS);
-        } else if key.starts_with("brdfc.image.") {
+        match measured.iter().find(|(entry, _)| entry == key) {
+            Some((_, None)) => continue,
+            Some((_, Some(range))) => drop(value.drain(range.clone())),
             // A file in an entry.
-            value = contents(&value).into_bytes();
+            None if key.starts_with("brdfc.image.") => value = contents(&value, &[]).into_bytes(),
+            None => {}
         }
         stored.extend(format!("{key} {} ", value.len()).into_bytes());
         stored.extend(value);
@@ -47,9 +46,10 @@ pub fn check_encodes(codec: &'static str, packs: &Packs, kept: impl Fn(&str) -> 
             add(codec, file.trim_end_matches(".ktx2"), bytes);
         }
     }
+    let measured = tested(lists::kind(codec)).measured();
     let mut found = entries(packs);
     for (name, hashes) in &mut found {
-        hashes.insert("contents", contents(&packs[name]));
+        hashes.insert("contents", contents(&packs[name], measured));
     }
     lists::encodes(codec).check(found, |changes| inverse_in_words(codec, changes));
 }

@@ -151,3 +151,8 @@ pub fn form(k: usize, bytes: &[u8]) -> Vec<u8> {
     let sections = Sections::of(bytes);
     sealed([other_entries, other_sections, other_frame][k](&sections))
 }
+
+/// A file of our own writer in every other form, by this name with that of the form.
+pub fn foreign_forms(name: &str, bytes: &[u8]) -> Vec<(String, Vec<u8>)> {
+    FORMS.iter().enumerate().map(|(k, form_name)| (format!("{name}-foreign-{form_name}"), form(k, bytes))).collect()
+}

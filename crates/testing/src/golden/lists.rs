@@ -1,20 +1,26 @@
 //! The two lists of every codec.
 
-use super::{Column, List, folder};
+use super::{Column, List};
+use brdfc_formats::PackKind;
 
-/// The codecs: every folder of the formats that has goldens.
+/// The codecs, by their folders of the formats.
 pub fn codecs() -> Vec<&'static str> {
-    let folders = std::fs::read_dir(crate::repository().join("formats/src")).expect("the formats can be listed");
-    let name = |folder: std::fs::DirEntry| folder.file_name().into_string().ok();
-    let names = folders.filter_map(|folder| name(folder.ok()?));
-    let mut codecs: Vec<&str> = names.filter(|name| folder(name).is_dir()).map(|name| &*name.leak()).collect();
-    codecs.sort_unstable();
-    codecs
+    PackKind::ALL.into_iter().map(folder_name).collect()
+}
+
+/// The folder that a codec's specification is in.
+fn folder_name(kind: PackKind) -> &'static str {
+    kind.descriptor().specification.rsplit('/').nth(1).expect("a page in the codec's folder")
+}
+
+/// The codec of a folder.
+pub fn kind(codec: &str) -> PackKind {
+    PackKind::ALL.into_iter().find(|kind| folder_name(*kind) == codec).unwrap_or_else(|| panic!("no codec {codec}"))
 }
 
 /// Whether packs of a codec have reflectances, and say how wrong they are.
 fn of_reflectances(codec: &str) -> bool {
-    ["table", "wavelet"].contains(&codec)
+    kind(codec).descriptor().brdf.is_some()
 }
 
 /// Packs in the codec's folder, as decoders read them.

@@ -6,8 +6,8 @@ use brdfc_pwt::image::Plane;
 use brdfc_pwt::levels::{StepUp, TermImages, magnified, range, steps, term_images};
 use brdfc_pwt::tree::{PacketTree, Transform};
 use brdfc_pwt::{Border, Wavelet};
+use brdfc_testing::codecs::pwt::plain;
 use brdfc_testing::packs::Numbers;
-use brdfc_testing::pwt::plain;
 
 #[test]
 fn magnified_by_hand() {

@@ -4,7 +4,7 @@ use super::stacks::{lambert, polynomial, spiral};
 use brdfc_formats::pwt::{Domain, LightBasis, LightCoordinates, PwtDecoder, PwtHeader, PwtPack};
 use brdfc_pwt::measure::stack_errors;
 use brdfc_pwt::{LightSamples, PwtRecipe, encode};
-use brdfc_testing::pwt::{plain, single};
+use brdfc_testing::codecs::pwt::{plain, single};
 
 /// A grey pack of one value, its sRGB code as a share.
 fn grey(code: f32) -> PwtDecoder {

@@ -10,7 +10,8 @@ use brdfc_table::crop::window;
 use brdfc_table::encode::encode;
 use brdfc_table::recipe::{Size, TableRecipe};
 use brdfc_table::samples::Samples;
-use brdfc_testing::packs::{pairs, tables};
+use brdfc_testing::codecs::table::tables;
+use brdfc_testing::packs::pairs;
 
 fn range(light: [f32; 2], view: [f32; 2]) -> DirectionRange {
     let [light, view] = [light, view].map(|[from, to]| Elevations { from, to });

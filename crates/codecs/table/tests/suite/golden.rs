@@ -3,8 +3,8 @@
 use brdfc_source::open::open;
 use brdfc_table::encode::encode;
 use brdfc_table::recipe::{Size, TableRecipe};
+use brdfc_testing::codecs::table::tables;
 use brdfc_testing::golden::encodes::{Packs, check_encodes};
-use brdfc_testing::packs::tables;
 use brdfc_testing::testdata;
 
 #[test]

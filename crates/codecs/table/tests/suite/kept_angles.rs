@@ -9,7 +9,7 @@ use brdfc_metrics::values::{values_at, values_of_list};
 use brdfc_readers::merl::{Dimensions, Merl, write};
 use brdfc_source::MerlSource;
 use brdfc_table::recipe::{Size, TableRecipe};
-use brdfc_testing::packs::tables;
+use brdfc_testing::codecs::table::tables;
 
 /// Tables with cells that are missing, of half a turn and of a whole one.
 fn merl(phi_difference: usize) -> MerlSource {

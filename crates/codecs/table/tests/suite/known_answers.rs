@@ -15,7 +15,8 @@ use brdfc_table::recipe::{Aim, Size, TableRecipe};
 use brdfc_table::samples::Samples;
 use brdfc_table::symmetry::Asymmetry;
 use brdfc_table::targets::Targets;
-use brdfc_testing::packs::{pairs, tables};
+use brdfc_testing::codecs::table::tables;
+use brdfc_testing::packs::pairs;
 use brdfc_testing::testdata;
 use std::path::Path;
 

@@ -1,0 +1,51 @@
+//! What tests know of each codec, in a file of its name.
+
+pub mod bandwidth;
+pub mod flat_btf;
+pub mod importance;
+pub mod pwt;
+pub mod table;
+pub mod wavelet;
+
+use crate::codec::TestedCodec;
+use crate::engines::Case;
+use crate::golden::Hashes;
+use crate::sampler::SamplerCase;
+use brdfc_formats::{FormatError, Pack, PackKind};
+
+/// What tests know of a codec.
+pub fn tested(kind: PackKind) -> &'static dyn TestedCodec {
+    match kind {
+        PackKind::Table => &table::Table,
+        PackKind::Wavelet => &wavelet::Wavelet,
+        PackKind::FlatBtf => &flat_btf::FlatBtf,
+        PackKind::Pwt => &pwt::Pwt,
+        PackKind::Bandwidth => &bandwidth::Bandwidth,
+        PackKind::Importance => &importance::Importance,
+    }
+}
+
+/// The cases of all codecs, each of which has some.
+pub fn cases() -> Vec<Case> {
+    let of_kind = |kind| {
+        let cases = tested(kind).cases();
+        assert!(!cases.is_empty() && cases.iter().all(|case| case.decoder == kind), "{}", kind.name());
+        cases
+    };
+    PackKind::ALL.into_iter().flat_map(of_kind).collect()
+}
+
+/// The cases of all codecs with the sampler filtering. Their texels are random, so that neighbours are as far apart as can be: no
+/// material is.
+pub fn sampler_cases() -> Vec<SamplerCase> {
+    PackKind::ALL.into_iter().flat_map(|kind| tested(kind).sampler_cases()).collect()
+}
+
+/// What the decoder of its kind makes of one file.
+///
+/// # Errors
+/// What the reader refuses.
+pub fn of_pack(bytes: &[u8]) -> Result<Hashes, FormatError> {
+    let pack = Pack::from_bytes(bytes)?;
+    Ok(tested(pack.kind()).hashes(pack))
+}
