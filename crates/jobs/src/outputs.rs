@@ -56,7 +56,7 @@ pub fn refuse_dash(path: &Path) -> Result<(), Error> {
         return Ok(());
     }
     let text = "-: found in the place of a folder; allowed the name of one";
-    Err(Error::usage(text.to_owned()))
+    Err(Error::usage(text))
 }
 
 /// Makes an output folder where there is none.

@@ -41,6 +41,11 @@ pub fn to_json(value: &impl Serialize) -> String {
     serde_json::to_string_pretty(value).expect("results are plain data") + "\n"
 }
 
+/// What is printed of a report: JSON where that was asked for, or else this text.
+pub fn json_or(common: Common, report: &impl Serialize, text: String) -> String {
+    if common.json { to_json(report) } else { text }
+}
+
 /// Parses the one file that a command writes: `-` is standard output.
 pub fn output_parser() -> impl TypedValueParser<Value = PathBuf> {
     PathBufValueParser::new().map(|path| if path == Path::new("-") { PathBuf::from(STANDARD_OUTPUT) } else { path })
@@ -75,6 +80,14 @@ pub fn refuse_other_extension(option: &str, path: &Path, allowed: &[&str]) -> Re
     }
     let (found, allowed) = (path.display(), allowed.join(" or ."));
     Err(Error::usage(format!("{option}: found {found}; allowed a name that ends in .{allowed}")))
+}
+
+/// Refuses the first of some flags that is given where it says nothing: of each whether it is given, and what it goes with.
+pub fn refuse_flags(found: impl std::fmt::Display, flags: &[(bool, &str, &str)]) -> Result<(), Error> {
+    match flags.iter().find(|(given, ..)| *given) {
+        Some((_, flag, allowed)) => Err(Error::wrong_usage(flag, format!("with {found}"), allowed)),
+        None => Ok(()),
+    }
 }
 
 /// Nothing can be written into a folder that is not there.

@@ -7,7 +7,8 @@
 mod journal;
 mod placed;
 
-use crate::store::{DONE, Digest, FOLDER, Store, StoreError, read_record, write_record};
+use crate::error::Error;
+use crate::store::{DONE, Digest, FOLDER, Store, read_record, write_record};
 use journal::Journal;
 use placed::{PLACED, Placed, Placements};
 use std::collections::{BTreeMap, BTreeSet};
@@ -35,37 +36,6 @@ pub enum Contents {
     Bytes(Vec<u8>),
 }
 
-/// Why the folder cannot be what it should be.
-#[derive(Debug, thiserror::Error)]
-pub enum FolderError {
-    /// What is read would be removed.
-    #[error(
-        "{path}: found an input, which this build would remove, as it makes no file of that name; allowed another output \
-         folder, or --keep"
-    )]
-    Input {
-        /// Which.
-        path: String,
-    },
-    /// A file of somebody else has a name that a build needs.
-    #[error("{path}: found {found}; allowed nothing, or what an earlier build wrote there (--force replaces a file)")]
-    Foreign {
-        /// Which.
-        path: String,
-        /// What it is.
-        found: &'static str,
-    },
-    /// A file of the store that went away meanwhile.
-    #[error("{path}: cannot write: what was made for it is gone from the store")]
-    Lost {
-        /// Which was to be made of it.
-        path: String,
-    },
-    /// A file that cannot be written.
-    #[error(transparent)]
-    Write(#[from] StoreError),
-}
-
 /// What changed in the folder.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Changes {
@@ -90,7 +60,7 @@ impl OutputFolder {
     ///
     /// # Errors
     /// A folder that cannot be written to.
-    pub fn open(path: &Path, store: &Store) -> Result<Self, StoreError> {
+    pub fn open(path: &Path, store: &Store) -> Result<Self, Error> {
         let root = store.root().to_owned();
         let _lock = lock(&root)?;
         Journal::finish(path, &root)?;
@@ -135,7 +105,7 @@ impl OutputFolder {
     ///
     /// # Errors
     /// The first that is there and that no build wrote.
-    pub fn refuse_foreign<'a>(&self, names: impl IntoIterator<Item = &'a str>, force: bool) -> Result<(), FolderError> {
+    pub fn refuse_foreign<'a>(&self, names: impl IntoIterator<Item = &'a str>, force: bool) -> Result<(), Error> {
         for name in names {
             let path = self.path.join(name);
             let Ok(metadata) = path.symlink_metadata() else { continue };
@@ -145,7 +115,8 @@ impl OutputFolder {
                 () if metadata.is_symlink() => "a link that no build made",
                 () => "a file that no build wrote",
             };
-            return Err(FolderError::Foreign { path: path.display().to_string(), found });
+            let allowed = "nothing, or what an earlier build wrote there (--force replaces a file)";
+            return Err(Error::io(format!("{}: found {found}; allowed {allowed}", path.display())));
         }
         Ok(())
     }
@@ -164,14 +135,18 @@ impl OutputFolder {
         &self,
         inputs: impl Iterator<Item = &'a Path>,
         names: &BTreeSet<&str>,
-    ) -> Result<(), FolderError> {
+    ) -> Result<(), Error> {
         let mut removed = self.placements.files.keys().filter(|name| !names.contains(name.as_str())).peekable();
         if removed.peek().is_none() {
             return Ok(());
         }
         let read: BTreeSet<PathBuf> = inputs.filter_map(|input| input.canonicalize().ok()).collect();
         match removed.find(|name| self.path.join(name).canonicalize().is_ok_and(|path| read.contains(&path))) {
-            Some(name) => Err(FolderError::Input { path: self.path.join(name).display().to_string() }),
+            Some(name) => {
+                let found = "an input, which this build would remove, as it makes no file of that name";
+                let allowed = "another output folder, or --keep";
+                Err(Error::wrong_usage(self.path.join(name).display(), found, allowed))
+            }
             None => Ok(()),
         }
     }
@@ -186,7 +161,7 @@ impl OutputFolder {
         &mut self,
         store: &Store,
         files: impl FnOnce(&BTreeMap<String, Digest>) -> Vec<NewFile>,
-    ) -> Result<Changes, FolderError> {
+    ) -> Result<Changes, Error> {
         let _lock = lock(&self.root)?;
         // Another build may have been faster.
         Journal::finish(&self.path, &self.root)?;
@@ -195,7 +170,7 @@ impl OutputFolder {
         }
         let unchanged: BTreeMap<String, Placed> = self.placements.verified(&self.path);
         let files = files(&unchanged.iter().map(|(name, placed)| (name.clone(), placed.digest)).collect());
-        let mut journal = Journal::new(&self.root)?;
+        let mut journal = Journal::new(&self.root);
         let mut changes = Changes::default();
         let mut placements = Placements::default();
         for file in &files {
@@ -212,10 +187,11 @@ impl OutputFolder {
                 Contents::Bytes(bytes) => bytes.clone(),
                 Contents::Kept(digest) => {
                     let found = store.object(digest).or_else(|| self.bytes(digest));
-                    found.ok_or_else(|| FolderError::Lost { path: target.display().to_string() })?
+                    let lost = || std::io::Error::other("what was made for it is gone from the store");
+                    found.ok_or_else(|| Error::write(&target, &lost()))?
                 }
             };
-            journal.write(&file.name, &bytes).map_err(|error| StoreError::new(&target, error))?;
+            journal.write(&file.name, &bytes).map_err(|error| Error::write(&target, &error))?;
             placements.files.insert(file.name.clone(), Placed { digest, stamp: None });
             changes.written.push(file.name.clone());
         }
@@ -236,7 +212,7 @@ impl OutputFolder {
         placements.stamp(&self.path);
         let record = self.root.join(PLACED);
         crate::write::write_atomic(&record, &write_record(&placements))
-            .map_err(|error| StoreError::new(&record, error))?;
+            .map_err(|error| Error::write(&record, &error))?;
         self.placements = placements;
         Ok(changes)
     }
@@ -252,9 +228,9 @@ pub fn is_own(place: &Path, out: &Path) -> bool {
 }
 
 /// Waits until no other process moves files.
-fn lock(root: &Path) -> Result<File, StoreError> {
+fn lock(root: &Path) -> Result<File, Error> {
     let path = root.join(LOCK);
-    let error = |error| StoreError::new(&path, error);
+    let error = |error: std::io::Error| Error::write(&path, &error);
     let file = File::options().create(true).truncate(false).write(true).open(&path).map_err(error)?;
     // Where files cannot be locked, two builds at a time are the user's to avoid.
     let _ = file.lock();

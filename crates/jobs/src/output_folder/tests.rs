@@ -95,7 +95,7 @@ fn old_files_go_before_new_ones_come() {
     let there = There::new();
     there.place(&[bytes("a", "1")]);
     let root = there.folder.path().join(FOLDER);
-    let mut journal = Journal::new(&root).unwrap();
+    let mut journal = Journal::new(&root);
     journal.write("a", b"2").unwrap();
     journal.remove("a");
     journal.commit(there.folder.path(), &root, &write_record(&Placements::default())).unwrap();
@@ -108,7 +108,7 @@ fn what_was_listed_is_finished_by_the_next() {
     let there = There::new();
     there.place(&[bytes("a", "old"), bytes("b", "old"), bytes("report.json", "old")]);
     let root = there.folder.path().join(FOLDER);
-    let mut begun = Journal::new(&root).unwrap();
+    let mut begun = Journal::new(&root);
     begun.write("a", b"new").unwrap();
     std::mem::forget(begun);
     there.open();

@@ -5,11 +5,12 @@ use super::memory;
 use super::plan::{Plan, REPORT, list_name};
 use super::run::{Made, Outcome, Outcomes, Workshop, file_of, run};
 use super::works::{Work, WorkResult, make};
-use crate::output_folder::{Changes, Contents, FolderError, NewFile, OutputFolder};
+use crate::error::Error;
+use crate::output_folder::{Changes, Contents, NewFile, OutputFolder};
 use crate::report::build::{BuildReport, environment_map};
 use crate::report::material::{MaterialReport, StageTime};
 use crate::scene::maps::MapsReport;
-use crate::store::{Digest, FOLDER, Store, StoreError, placing, read_record, write_record};
+use crate::store::{Digest, FOLDER, Store, placing, read_record, write_record};
 use brdfc_core::progress::{Cancelled, Progress};
 use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
 use serde::{Deserialize, Serialize};
@@ -68,23 +69,6 @@ pub struct Built {
     pub changes: Option<Changes>,
 }
 
-/// Why there is no build.
-#[derive(Debug, thiserror::Error)]
-pub enum BuildError {
-    /// The output folder.
-    #[error(transparent)]
-    Folder(#[from] FolderError),
-    /// The caller asked to stop. What was finished is kept for the next build.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-}
-
-impl From<StoreError> for BuildError {
-    fn from(error: StoreError) -> Self {
-        Self::Folder(error.into())
-    }
-}
-
 /// The parts of a material, as `<material>.json` lists them.
 #[derive(Debug, Clone, Serialize, schemars::JsonSchema)]
 pub struct MaterialFile {
@@ -107,7 +91,7 @@ pub struct MaterialFile {
 ///
 /// # Errors
 /// A folder that cannot be written to, or holds files of somebody else; cancellation.
-pub fn build(plan: &Plan, settings: &BuildSettings, progress: &dyn Progress) -> Result<Built, BuildError> {
+pub fn build(plan: &Plan, settings: &BuildSettings, progress: &dyn Progress) -> Result<Built, Error> {
     let (store, mut folder) = opened(settings)?;
     if folder.is_new()
         && let Some(report) = earlier_report(&settings.out)
@@ -216,7 +200,7 @@ pub fn build_works(
     works: &[Work<'_>],
     settings: &BuildSettings,
     progress: &dyn Progress,
-) -> Result<Vec<WorkResult>, BuildError> {
+) -> Result<Vec<WorkResult>, Error> {
     let (store, folder) = opened(settings)?;
     let placed = folder.unchanged();
     let workshop = Workshop { store: &store, placed: &placed, memory: settings.memory(), fail_fast: false };
@@ -224,7 +208,7 @@ pub fn build_works(
 }
 
 /// The store and the folder, with what was brought from elsewhere.
-fn opened(settings: &BuildSettings) -> Result<(Store, OutputFolder), BuildError> {
+fn opened(settings: &BuildSettings) -> Result<(Store, OutputFolder), Error> {
     let store = Store::open(&settings.out, settings.looks_up)?;
     settings.from.iter().try_for_each(|other| store.take_from(other))?;
     let folder = OutputFolder::open(&settings.out, &store)?;

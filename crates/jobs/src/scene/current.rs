@@ -4,10 +4,11 @@ use super::error::JobError;
 use super::memory::{self, Shared};
 use super::plan::{EnvironmentJob, Job};
 use super::run::{Made, Workshop, file_of};
+use crate::error::Error;
 use crate::output_folder::OutputFolder;
 use crate::report::build::environment_map;
 use crate::report::gate::GateResult;
-use crate::store::{Digest, Store, StoreError};
+use crate::store::{Digest, Store};
 use brdfc_core::progress::Progress;
 use brdfc_formats::Pack;
 use std::collections::BTreeSet;
@@ -37,7 +38,7 @@ impl PackFolder {
     ///
     /// # Errors
     /// A folder that cannot be written to.
-    pub fn open(path: &Path) -> Result<Self, StoreError> {
+    pub fn open(path: &Path) -> Result<Self, Error> {
         let store = Store::open(path, true)?;
         let folder = OutputFolder::open(path, &store)?;
         let placed = folder.unchanged();
@@ -100,7 +101,7 @@ impl PackFolder {
     }
 
     fn pack(&self, name: &str, digest: &Digest) -> Result<Pack, JobError> {
-        let gone = || StoreError::new(Path::new(name), std::io::Error::other("it is gone from the store"));
+        let gone = || Error::write(name, &std::io::Error::other("it is gone from the store"));
         let bytes = self.store.object(digest).or_else(|| self.folder.bytes(digest)).ok_or_else(gone)?;
         Pack::from_bytes(&bytes).map_err(JobError::Map)
     }

@@ -121,7 +121,7 @@ pub fn manifest_among(inputs: &[OsString]) -> Result<Option<PathBuf>, Error> {
     match inputs.iter().find(|input| is_manifest(input)) {
         Some(_) if !alone => {
             let found = listed(inputs);
-            Err(Error::usage(format!("inputs: found {found}; allowed one manifest, or files and folders")))
+            Err(Error::wrong_usage("inputs", found, "one manifest, or files and folders"))
         }
         manifest => Ok(manifest.map(PathBuf::from)),
     }

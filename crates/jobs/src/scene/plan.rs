@@ -9,6 +9,7 @@ use super::uses::Use;
 use crate::encode::OptionError;
 use crate::encode::PackRecipe;
 use crate::encode::recipe::Budget;
+use crate::error::Error;
 use brdfc_formats::wavelet::DEFAULT_DISTANCE_SCALE;
 use brdfc_source::Input;
 use std::collections::BTreeMap;
@@ -110,16 +111,6 @@ pub fn pack_name(material: &str) -> String {
     part_name(material, "brdf")
 }
 
-/// Options of a material that do not go together with those of the whole build.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{material}: {}: found {}; allowed {}", error.field, error.found, error.allowed)]
-pub struct PlanError {
-    /// Which.
-    pub material: String,
-    /// What is wrong.
-    pub error: OptionError,
-}
-
 fn uses_by_material(manifest: &Manifest) -> BTreeMap<&str, Vec<(String, Use)>> {
     let mut all: BTreeMap<&str, Vec<(String, Use)>> = BTreeMap::new();
     for (number, used) in manifest.uses.iter().enumerate() {
@@ -132,7 +123,7 @@ fn uses_by_material(manifest: &Manifest) -> BTreeMap<&str, Vec<(String, Use)>> {
 ///
 /// # Errors
 /// Options of a material that do not go together with the defaults; of a manifest as it was parsed there are none.
-pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, PlanError> {
+pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, Error> {
     let needed = needs(manifest);
     let mut uses = uses_by_material(manifest);
     let scale = manifest.scene.distance_scale.unwrap_or(DEFAULT_DISTANCE_SCALE);
@@ -156,7 +147,7 @@ pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, PlanError> {
             plan.skipped.push(name.clone());
             continue;
         };
-        let wrong = |error| PlanError { material: name.clone(), error };
+        let wrong = |error: OptionError| Error::from(error).prefixed(name);
         let mut recipe = material.options.resolve(&defaults.options).map_err(wrong)?;
         let asked = recipe.clone();
         recipe.limit_levels(&|levels| need.stored_levels(levels, scale));

@@ -5,7 +5,6 @@
 //! WGSL and in GLSL ES 3.00.
 
 mod data;
-mod error;
 mod html;
 mod item;
 mod mesh;
@@ -16,13 +15,13 @@ mod script;
 mod shaders;
 mod source_table;
 
-pub use error::ViewError;
 pub use item::{Drawn, ViewItem};
 pub use open::{ViewOptions, open_items};
 pub use shaders::PageShader;
 
+use crate::error::Error;
 use data::{PageData, PageItem, Programs};
-use error::check_bytes;
+use open::check_bytes;
 use std::collections::BTreeMap;
 
 /// A page, and what of it is not the packs' own.
@@ -38,7 +37,7 @@ pub struct ViewPage {
 ///
 /// # Errors
 /// More textures than a page should hold.
-pub fn view_page(items: &[ViewItem]) -> Result<ViewPage, ViewError> {
+pub fn view_page(items: &[ViewItem]) -> Result<ViewPage, Error> {
     let scenes = scenes::of(items);
     let listed: Vec<PageItem> = items.iter().map(PageItem::new).collect();
     let mut programs = BTreeMap::new();

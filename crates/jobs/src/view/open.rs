@@ -1,9 +1,9 @@
 //! Inputs to what a page draws.
 
-use super::error::{ViewError, check_bytes};
 use super::item::{Drawn, ViewItem};
 use super::source_table::source_table;
 use crate::encode::EncodeError;
+use crate::error::Error;
 use crate::report::page::{Reports, is_flat_btf, source_name, source_of};
 use crate::scene::build::notes;
 use crate::scene::plan::REPORT;
@@ -11,17 +11,34 @@ use brdfc_core::Source;
 use brdfc_core::progress::Progress;
 use brdfc_core::words::bytes;
 use brdfc_formats::flat_btf::FlatBtfFile;
-use brdfc_formats::{BrdfPack, Pack};
-use brdfc_source::Input;
+use brdfc_formats::{BrdfPack, FormatError, Pack};
 use brdfc_source::flat_btf::open_flat_btf;
 use brdfc_source::light_stack::is_light_stack;
 use brdfc_source::open::open;
 use brdfc_source::pack::open_pack;
+use brdfc_source::{Input, InputError};
 use std::path::Path;
 
 /// What can be drawn.
 const ALLOWED: &str = "a pack of a BRDF, a flat BTF, a pack of 'brdfc pwt', the folder of a \
                        build, or a material; several of them by their names";
+
+/// Most bytes of textures of all materials: a page is to open in a browser.
+const MOST_BYTES: u64 = 256 << 20;
+
+/// Refuses more textures than a page should hold.
+pub(super) fn check_bytes(name: &str, size: u64) -> Result<(), Error> {
+    if size <= MOST_BYTES {
+        return Ok(());
+    }
+    let allowed = "256 MiB in a page: fewer materials, or smaller ones";
+    Err(refused(name, format!("{} of textures", bytes(size)), allowed))
+}
+
+/// An input of another kind.
+fn refused(name: &str, found: impl Into<String>, allowed: &'static str) -> Error {
+    InputError::Format { name: name.to_owned(), error: FormatError::whole("input", found, allowed) }.into()
+}
 
 /// What else a page draws.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,7 +51,7 @@ pub struct ViewOptions {
 ///
 /// # Errors
 /// What cannot be read, breaks its layout, or cannot be drawn; cancellation.
-pub fn open_items(inputs: &[Input], options: ViewOptions, progress: &dyn Progress) -> Result<Vec<ViewItem>, ViewError> {
+pub fn open_items(inputs: &[Input], options: ViewOptions, progress: &dyn Progress) -> Result<Vec<ViewItem>, Error> {
     let mut items: Vec<ViewItem> = Vec::new();
     for input in inputs {
         progress.check()?;
@@ -73,7 +90,7 @@ fn unlike(items: &[ViewItem], name: String) -> String {
     numbered.into_iter().find(|name| !is_taken(name)).expect("numbers do not end")
 }
 
-fn of_input(input: &Input, progress: &dyn Progress) -> Result<ViewItem, ViewError> {
+fn of_input(input: &Input, progress: &dyn Progress) -> Result<ViewItem, Error> {
     let name = match input.path() {
         Some(path) => path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned(),
         None => input.to_string(),
@@ -84,11 +101,11 @@ fn of_input(input: &Input, progress: &dyn Progress) -> Result<ViewItem, ViewErro
         }
         if is_light_stack(path) {
             let allowed = "a pack of it, which 'brdfc pwt' makes";
-            return Err(ViewError::refused(&input.to_string(), "a light stack", allowed));
+            return Err(refused(&input.to_string(), "a light stack", allowed));
         }
         if path.is_dir() {
             let found = if has_packs(path) { "a folder of packs without the report of a build" } else { "a folder" };
-            return Err(ViewError::refused(&input.to_string(), found, ALLOWED));
+            return Err(refused(&input.to_string(), found, ALLOWED));
         }
     }
     if input.extension()? != "ktx2" {
@@ -103,7 +120,7 @@ fn of_input(input: &Input, progress: &dyn Progress) -> Result<ViewItem, ViewErro
         }
         pack => match BrdfPack::try_from(pack) {
             Ok(pack) => Ok(of_brdf(name, pack)),
-            Err(kind) => Err(ViewError::refused(&input.to_string(), kind.in_words(), ALLOWED)),
+            Err(kind) => Err(refused(&input.to_string(), kind.in_words(), ALLOWED)),
         },
     }
 }
@@ -129,10 +146,10 @@ fn of_brdf(name: String, pack: BrdfPack) -> ViewItem {
     ViewItem { name, facts, drawn: Drawn::Brdf(pack) }
 }
 
-fn of_source(name: String, input: &str, source: &dyn Source, progress: &dyn Progress) -> Result<ViewItem, ViewError> {
+fn of_source(name: String, input: &str, source: &dyn Source, progress: &dyn Progress) -> Result<ViewItem, Error> {
     let table = source_table(source, progress).map_err(|error| match error {
-        EncodeError::Cancelled(cancelled) => ViewError::Cancelled(cancelled),
-        error => ViewError::Table { name: input.to_owned(), error },
+        EncodeError::Cancelled(cancelled) => cancelled.into(),
+        error => Error::input(format!("{input}: {error}")),
     })?;
     let error = table.picture.mean;
     let size = bytes(table.gpu_bytes());
@@ -140,7 +157,7 @@ fn of_source(name: String, input: &str, source: &dyn Source, progress: &dyn Prog
     Ok(ViewItem { name, facts, drawn: Drawn::Brdf(BrdfPack::Table(table)) })
 }
 
-fn of_flat_btf(name: String, path: &Path) -> Result<ViewItem, ViewError> {
+fn of_flat_btf(name: String, path: &Path) -> Result<ViewItem, Error> {
     let FlatBtfFile { decoder, directions, .. } = open_flat_btf(path)?;
     let parts = decoder.parts();
     let size = parts.gpu_bytes();
@@ -152,7 +169,7 @@ fn of_flat_btf(name: String, path: &Path) -> Result<ViewItem, ViewError> {
 }
 
 /// The packs of a build, each followed by its source.
-fn of_build(folder: &Path, options: ViewOptions, progress: &dyn Progress) -> Result<Vec<ViewItem>, ViewError> {
+fn of_build(folder: &Path, options: ViewOptions, progress: &dyn Progress) -> Result<Vec<ViewItem>, Error> {
     let notes = notes(folder);
     let mut items = Vec::new();
     for (material, pack) in Reports::open(folder, None)?.brdf_packs()? {
@@ -169,7 +186,7 @@ fn of_build(folder: &Path, options: ViewOptions, progress: &dyn Progress) -> Res
         }
     }
     if items.is_empty() {
-        return Err(ViewError::refused(&folder.display().to_string(), "a build without packs", ALLOWED));
+        return Err(refused(&folder.display().to_string(), "a build without packs", ALLOWED));
     }
     Ok(items)
 }

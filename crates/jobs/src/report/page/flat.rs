@@ -1,7 +1,7 @@
 //! What the page of a flat BTF is made of: its report, and pictures of what it holds.
 
-use super::error::GatherError;
 use super::view_link::ViewLink;
+use crate::error::Error;
 use crate::flatten::{FlatAsset, open_asset};
 use crate::scene::plan::REPORT;
 use brdfc_render::flat::{FlatMaterial, FlatPictures, flat_pictures};
@@ -33,7 +33,7 @@ impl FlatPage {
     ///
     /// # Errors
     /// A file that cannot be read, or breaks the rules of its layout.
-    pub fn open(path: &Path) -> Result<Self, GatherError> {
+    pub fn open(path: &Path) -> Result<Self, Error> {
         let (file, asset) = open_asset(path)?;
         let material = FlatMaterial::new(file.decoder, REPEAT).map_err(|error| InputError::format(path, error))?;
         let pictures = flat_pictures(&material, file.mask.as_ref());

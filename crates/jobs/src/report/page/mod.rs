@@ -2,7 +2,6 @@
 
 mod against;
 mod csv;
-mod error;
 mod evidence;
 mod figures;
 mod flat;
@@ -17,7 +16,6 @@ mod view_link;
 
 pub use against::{Regression, regressions};
 pub use csv::{csv, flat_csv};
-pub use error::GatherError;
 pub use evidence::{Evidence, Thumbnails, evidence};
 pub use flat::{FlatPage, is_flat_btf};
 pub use flat_html::flat_html;
