@@ -93,11 +93,10 @@ pub fn reflectances(a: &Material, b: &Material, pairs: Pairs) -> Result<Compared
 /// Files that cannot be read, are broken or are no flat BTF; one without values for views.
 pub fn flat_btfs(a: &Input, b: &Input) -> Result<FlatComparison, Error> {
     let open = |name: &str, input: &Input| {
-        let no_flat_btf = || Error::usage(format!("{name}: found {input}; allowed a flat BTF, as A is one"));
+        let no_flat_btf = || Error::wrong_usage(name, input, "a flat BTF, as A is one");
         open_flat_material(input)?.ok_or_else(no_flat_btf)
     };
-    compare_flat(&open("A", a)?, &open("B", b)?)
-        .ok_or_else(|| Error::input(format!("{a}: found the light form; allowed the full form")))
+    compare_flat(&open("A", a)?, &open("B", b)?).ok_or_else(|| Error::wrong_input(a, "the light form", "the full form"))
 }
 
 /// Measures a pack, a polynomial texture map or another light stack against the photographs of a light stack, as sRGB levels

@@ -1,8 +1,8 @@
 //! `brdfc report`: a page about a build.
 
 use super::output::{
-    print, print_json, refuse_dash, refuse_missing_folder, refuse_other_extension, refuse_overwriting, remark, to_json,
-    write_file,
+    print, print_json, refuse_dash, refuse_flags, refuse_missing_folder, refuse_other_extension, refuse_overwriting,
+    remark, to_json, write_file,
 };
 use super::progress::Materials;
 use super::{Common, Error};
@@ -58,7 +58,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let output = arguments.output.as_path();
     if !is_html(output) {
         let found = output.display();
-        return Err(Error::usage(format!("--output: found {found}; allowed a name that ends in .html")));
+        return Err(Error::wrong_usage("--output", found, "a name that ends in .html"));
     }
     refuse_dash(&arguments.folder)?;
     let folder = folder_of(&arguments.folder);
@@ -69,7 +69,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let tolerance = arguments
         .tolerance
         .checked()
-        .map_err(|allowed| Error::usage(format!("--tolerance: found {}; allowed {allowed}", arguments.tolerance)))?;
+        .map_err(|allowed| Error::wrong_usage("--tolerance", arguments.tolerance, allowed))?;
     let against = arguments.against.as_ref().map(|path| if path.is_dir() { path.join(REPORT) } else { path.clone() });
     let [csv_path, json_path] = ["csv", "json"].map(|extension| output.with_extension(extension));
     let own = folder.join(REPORT);
@@ -110,7 +110,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     remark(common, &format!("{}: {}", output.display(), counted(page.materials.len(), "material")));
     match page.regressions.len() {
         0 => Ok(()),
-        1 => Err(Error::check("one figure is worse than before".to_owned())),
+        1 => Err(Error::check("one figure is worse than before")),
         count => Err(Error::check(format!("{count} figures are worse than before"))),
     }
 }
@@ -138,7 +138,7 @@ fn refuse_unfit_view(path: &Path, output: &Path, others: &[&Path]) -> Result<(),
     if !is_html(path) || is_same || folder(path) != folder(output) {
         let found = path.display();
         let allowed = "another name than the page's that ends in .html, in its folder";
-        return Err(Error::usage(format!("--view: found {found}; allowed {allowed}")));
+        return Err(Error::wrong_usage("--view", found, allowed));
     }
     refuse_overwriting("--view", path, others)
 }
@@ -170,12 +170,9 @@ fn folder_of(path: &Path) -> &Path {
 /// The page of a flat BTF.
 fn of_flat_btf(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let (folder, output) = (arguments.folder.as_path(), arguments.output.as_path());
-    for (given, flag) in [(arguments.against.is_some(), "--against"), (arguments.sheet.is_some(), "--sheet")] {
-        if given {
-            let text = format!("{flag}: found with {}, a flat BTF; allowed with a build", folder.display());
-            return Err(Error::usage(text));
-        }
-    }
+    let given = [(arguments.against.is_some(), "--against"), (arguments.sheet.is_some(), "--sheet")];
+    let flags = given.map(|(given, flag)| (given, flag, "with a build"));
+    refuse_flags(format!("{}, a flat BTF", folder.display()), &flags)?;
     let file = flat_btf_file(folder)?;
     let [csv_path, json_path] = ["csv", "json"].map(|extension| output.with_extension(extension));
     refuse_pages_over(output, [&csv_path, &json_path], file.as_deref().as_slice())?;

@@ -9,7 +9,7 @@ pub use arguments::Arguments;
 pub(super) use arguments::BuildArguments;
 
 use super::output::{
-    check_folder, note, print, print_json, refuse_dash, refuse_missing_folder, refuse_overwriting, refuse_own,
+    check_folder, json_or, note, print, refuse_dash, refuse_missing_folder, refuse_overwriting, refuse_own,
     refuse_same_outputs, remark, tell, write_file,
 };
 use super::progress::Materials;
@@ -38,7 +38,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let plan = &build.plan()?;
     if arguments.dry_run {
         let report = build.predict(plan, arguments.explain);
-        return if common.json { print_json(&report) } else { print(&plan_text::text(plan, &report, out)) };
+        return print(&json_or(common, &report, plan_text::text(plan, &report, out)));
     }
 
     let inputs = build.files_of(plan);
@@ -58,11 +58,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     if arguments.explain {
         built.report.needs = build.explain(plan, &built.outcomes);
     }
-    if common.json {
-        print_json(&built.report)?;
-    } else {
-        print(&(text::text(&built.outcomes) + &plan_text::needs(&built.report.needs)))?;
-    }
+    let text = text::text(&built.outcomes) + &plan_text::needs(&built.report.needs);
+    print(&json_or(common, &built.report, text))?;
     if !plan.skipped.is_empty() {
         remark(
             common,
@@ -84,7 +81,7 @@ fn check_beside(arguments: &Arguments, inputs: &[&Path]) -> Result<(), Error> {
     refuse_same_outputs(&files)?;
     for (option, file) in files.into_iter().filter_map(|(option, file)| Some((option, file?))) {
         if file == Path::new("-") {
-            return Err(Error::usage(format!("{option}: found -; allowed a file (one of this name is ./-)")));
+            return Err(Error::wrong_usage(option, "-", "a file (one of this name is ./-)"));
         }
         refuse_overwriting(option, file, inputs)?;
         refuse_own(option, file, out)?;

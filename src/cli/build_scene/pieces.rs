@@ -17,7 +17,7 @@ pub(super) fn run(
     interrupt: &Interrupt,
 ) -> Result<(), Error> {
     if common.json {
-        return Err(Error::usage("--json: found with --shard or --only; allowed with a whole build".to_owned()));
+        return Err(Error::wrong_usage("--json", "with --shard or --only", "with a whole build"));
     }
     let works = chosen(arguments, plan)?;
     let progress = Materials::new(works.len(), plan.environment.is_some(), common, interrupt.flag());
@@ -53,7 +53,7 @@ fn chosen<'a>(arguments: &Arguments, plan: &'a Plan) -> Result<Vec<Work<'a>>, Er
         let found = works.iter().find(|work| work.name() == *name).copied();
         found.ok_or_else(|| {
             let names: Vec<String> = works.iter().map(Work::name).collect();
-            Error::usage(format!("--only: found {name}; allowed {}", names.join(", ")))
+            Error::wrong_usage("--only", name, names.join(", "))
         })
     };
     arguments.only.iter().map(named).collect()

@@ -1,6 +1,6 @@
 //! `brdfc info --files`: what the KTX2 files of a pack hold besides texels.
 
-use crate::output::{print, print_json};
+use crate::output::{json_or, print};
 use crate::table;
 use crate::{Common, Error};
 use brdfc::Input;
@@ -23,9 +23,6 @@ pub struct FilesReport {
 /// Of a pack.
 pub(super) fn run(input: &Input, common: Common) -> Result<(), Error> {
     let files = files(input)?;
-    if common.json {
-        return print_json(&FilesReport { version: 1, kind: "files", files });
-    }
     let line = |(name, file): (&String, &PackFile)| {
         let [width, height, depth] = file.size;
         let entries = file.entries.keys().cloned().collect::<Vec<_>>().join(" ");
@@ -41,5 +38,6 @@ pub(super) fn run(input: &Input, common: Common) -> Result<(), Error> {
         ]
     };
     let rows: Vec<Vec<String>> = files.iter().map(line).collect();
-    print(&table::words(&["file", "texels", "dimension", "size", "levels", "entries"], &rows))
+    let text = table::words(&["file", "texels", "dimension", "size", "levels", "entries"], &rows);
+    print(&json_or(common, &FilesReport { version: 1, kind: "files", files }, text))
 }

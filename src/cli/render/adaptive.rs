@@ -4,7 +4,7 @@ use super::adaptive_options::{ANTIALIAS, AdaptiveOptions, MOST};
 use super::arguments::Arguments;
 use super::materials::{self, Prepared, Subject};
 use super::{gpu, outputs, scene};
-use crate::output::{note, print, print_json, remark, write_file};
+use crate::output::{note, print, print_json, refuse_flags, remark, write_file};
 use crate::table::{percent, plain, significant};
 use crate::{Common, Error};
 use brdfc::BrdfPack;
@@ -44,8 +44,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let frame = Frame { samples: 1, ..setup.frame };
     let gpu = gpu::open(arguments)?;
     let prepared = materials::prepare(arguments, &subject, &setup.names, common)?;
-    let of_part =
-        |part: &Prepared| lookups(&part.material(), &part.maps).map_err(|error| in_material(&part.name, error));
+    let of_part = |part: &Prepared| lookups(&part.material(), &part.maps).map_err(|error| error.prefixed(&part.name));
     let lookups = prepared.iter().map(of_part).collect::<Result<Vec<_>, _>>()?;
     let map = environment(arguments, &subject, &setup.scene.environment)?;
     let light = DistantLight::new(&setup.scene.environment, map);
@@ -138,9 +137,7 @@ fn timed<T>(run: impl FnOnce() -> Result<T, GpuError>) -> Result<(T, f64), Error
 
 /// Settings and points per pixel, from the flags.
 fn settings(options: &AdaptiveOptions) -> Result<(Settings, u32), Error> {
-    let usage = |flag: &str, found: String, allowed: &str| {
-        Err(Error::usage(format!("--{flag}: found {found}; allowed {allowed}")))
-    };
+    let usage = |flag: &str, found: String, allowed: &str| Err(Error::wrong_usage(format!("--{flag}"), found, allowed));
     let default = Settings::default();
     let samples = options.budget.unwrap_or(default.samples);
     if !(0.01..=MOST as f32).contains(&samples) {
@@ -164,24 +161,16 @@ fn settings(options: &AdaptiveOptions) -> Result<(Settings, u32), Error> {
 
 /// Flags that say nothing here.
 fn refuse(arguments: &Arguments) -> Result<(), Error> {
-    let given = [
-        ("--table", arguments.table, "without"),
-        ("--max-delta-e", arguments.max_delta_e.is_some(), "without (--min-psnr is for it)"),
-        ("--max-delta-e-p95", arguments.max_delta_e_p95.is_some(), "without (--min-psnr is for it)"),
-        ("--max-flip", arguments.max_flip.is_some(), "without (--min-psnr is for it)"),
-        ("--samples", arguments.samples.is_some(), "without (--antialias is for it)"),
-        ("--form", arguments.form.is_some(), "without"),
-        ("--repeat", arguments.repeat.is_some(), "without"),
+    let flags = [
+        (arguments.table, "--table", "without"),
+        (arguments.max_delta_e.is_some(), "--max-delta-e", "without (--min-psnr is for it)"),
+        (arguments.max_delta_e_p95.is_some(), "--max-delta-e-p95", "without (--min-psnr is for it)"),
+        (arguments.max_flip.is_some(), "--max-flip", "without (--min-psnr is for it)"),
+        (arguments.samples.is_some(), "--samples", "without (--antialias is for it)"),
+        (arguments.form.is_some(), "--form", "without"),
+        (arguments.repeat.is_some(), "--repeat", "without"),
     ];
-    match given.iter().find(|(_, given, _)| *given) {
-        Some((flag, _, allowed)) => Err(Error::usage(format!("{flag}: found with --adaptive; allowed {allowed}"))),
-        None => Ok(()),
-    }
-}
-
-fn in_material(name: &str, error: Error) -> Error {
-    let text = format!("{name}: {error}");
-    error.with_message(text)
+    refuse_flags("--adaptive", &flags)
 }
 
 /// The environment's map: that of the build where the manifest's environment lights the scene, else made afresh.

@@ -3,7 +3,7 @@
 use super::arguments::{Arguments, FormName};
 use super::materials::Subject;
 use super::{gpu, outputs, scene};
-use crate::output::note;
+use crate::output::{self, note};
 use crate::{Common, Error};
 use brdfc::flatten::read_report;
 use brdfc::inspect::{flat_btf_file, open_flat_btf};
@@ -72,8 +72,6 @@ pub(super) fn verification(
 
 /// Of BRDFs: there is nothing among the flags that only flat BTFs have.
 pub(super) fn refuse_flags(arguments: &Arguments) -> Result<(), Error> {
-    let form = arguments.form.map(|_| "--form");
-    let Some(flag) = form.or(arguments.repeat.map(|_| "--repeat")) else { return Ok(()) };
-    let text = format!("{flag}: found with {}; allowed with a flat BTF", arguments.input);
-    Err(Error::usage(text))
+    let given = [(arguments.form.is_some(), "--form"), (arguments.repeat.is_some(), "--repeat")];
+    output::refuse_flags(&arguments.input, &given.map(|(given, flag)| (given, flag, "with a flat BTF")))
 }
