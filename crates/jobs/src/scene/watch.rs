@@ -216,7 +216,7 @@ impl Drop for End<'_> {
 }
 
 /// What a manifest names that can be read.
-pub(super) fn named_in(manifest: &Path) -> Option<Vec<Named>> {
+pub(crate) fn named_in(manifest: &Path) -> Option<Vec<Named>> {
     let bytes = read_file(manifest, MAX_TEXT_BYTES).ok()?;
     let manifest_text = std::str::from_utf8(&bytes).ok()?;
     Some(Manifest::parse(manifest_text).ok()?.inputs(parent(manifest)))
