@@ -11,9 +11,9 @@ use brdfc::BrdfPack;
 use brdfc::bandwidth::{BandwidthFacts, BandwidthMap, DEFAULT_EPSILON};
 use brdfc::inspect::AnyPack as Pack;
 use brdfc::render::{
-    AdaptiveMaterial, AdaptivePicture, AdaptivePictures, AdaptiveRenderer, AdaptiveScene, AdaptiveVerification,
-    DistantLight, Environment, Frame, GpuError, LinearImage, PackReflectance, Reflectance, Settings, Start,
-    auto_exposure, environment_map, ground_truth, lookups, prediction_png,
+    AdaptiveMaterial, AdaptivePicture, AdaptiveRenderer, AdaptiveScene, AdaptiveVerification, DistantLight,
+    Environment, Frame, GpuError, LinearImage, PackReflectance, Reflectance, Settings, Shading, Start, auto_exposure,
+    environment_map, ground_truth, lookups, prediction_png,
 };
 use brdfc_terminal::words::format_number;
 use serde::Serialize;
@@ -100,20 +100,28 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         let of_maps = lookup.samples.gpu_bytes() + BandwidthFacts::new(&lookup.bandwidth).gpu_bytes;
         (prepared.name.clone(), prepared.pack.gpu_bytes() + of_maps)
     };
-    let verification = AdaptiveVerification::new(AdaptivePictures {
-        scene: setup.builtin.name(),
-        frame,
+    let against = (&truth, exposure);
+    let shaded = [picture.samples(), picture.shaded()];
+    let of_forward = [surface_points * u64::from(count), surface_points];
+    let verification = AdaptiveVerification {
+        scene: setup.builtin.name().to_owned(),
+        width: frame.width,
+        height: frame.height,
+        points: antialias as usize,
         surface_points,
-        adapter: gpu.description(),
+        exposure,
+        adapter: gpu.description().clone(),
         parts: setup.parts(of_part),
         environment: [setup.scene.environment.width, setup.scene.environment.height],
-        settings: &settings,
-        exposure,
-        adaptive: (&picture, [bandwidth_seconds, seconds]),
-        forward: (&forward, count, forward_seconds),
-        truth: (&truth, truth_samples, truth_seconds),
+        settings: (&settings).into(),
+        adaptive: Shading::new(&picture.image, shaded, surface_points, seconds, against),
+        bandwidth_seconds,
+        levels: picture.levels.clone(),
+        forward: Shading::new(&forward, of_forward, surface_points, forward_seconds, against),
+        truth_samples,
         truth_psnr,
-    });
+        truth_seconds,
+    };
     write(arguments, &picture, &truth, exposure, settings.antialiasing_levels)?;
     if surface_points == 0 {
         note(common, &arguments.input, "no pixel shows a surface; look at render.camera");
