@@ -98,10 +98,7 @@ impl Checked<'_> {
         field: &str,
         line: usize,
     ) -> Result<(), ManifestError> {
-        let wrong = |allowed: String| {
-            let found = self.shown(value);
-            Err(ManifestError { line, field: field.to_owned(), found, allowed, suggestion: None })
-        };
+        let wrong = |allowed: String| Err(ManifestError::new(line, field, self.shown(value), allowed));
         let heading = field;
         match (shape, value.get_ref()) {
             (Shape::Table(keys), DeValue::Table(table)) => self.table(table, keys, field, &format!("[{heading}]")),
@@ -114,7 +111,7 @@ impl Checked<'_> {
                         let line = line_of(self.text, Some(entry.span()));
                         let allowed = format!("{} = {}", key.name, in_words(&key.shape, key.range, key.name));
                         let found = format!("no {}", key.name);
-                        return Err(ManifestError { line, field, found, allowed, suggestion: None });
+                        return Err(ManifestError::new(line, field, found, allowed));
                     }
                 }
                 Ok(())
