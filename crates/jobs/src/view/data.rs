@@ -39,37 +39,10 @@ impl Programs {
 #[derive(Debug, Serialize)]
 pub(super) struct PageScene {
     pub name: String,
-    pub camera: PageCamera,
-    pub lights: Vec<PageLight>,
+    pub camera: Camera,
+    pub lights: Vec<PointLight>,
     pub background: [f32; 3],
     pub mesh: PackedMesh,
-}
-
-#[derive(Debug, Serialize)]
-#[serde(rename_all = "camelCase")]
-pub(super) struct PageCamera {
-    eye: [f64; 3],
-    target: [f64; 3],
-    up: [f64; 3],
-    field_of_view: f64,
-}
-
-impl From<Camera> for PageCamera {
-    fn from(Camera { eye, target, up, field_of_view }: Camera) -> Self {
-        Self { eye, target, up, field_of_view }
-    }
-}
-
-#[derive(Debug, Serialize)]
-pub(super) struct PageLight {
-    position: [f64; 3],
-    intensity: [f64; 3],
-}
-
-impl From<PointLight> for PageLight {
-    fn from(PointLight { position, intensity }: PointLight) -> Self {
-        Self { position, intensity }
-    }
 }
 
 /// A material.
