@@ -294,25 +294,22 @@ fn write_map(
 }
 
 fn in_words(report: &PwtReport, seconds: Seconds) -> String {
-    let tried: Vec<Vec<String>> = report
-        .tried
-        .iter()
-        .map(|c| {
-            vec![
-                c.domain.name().to_owned(),
-                c.coordinates.name().to_owned(),
-                c.degree.to_string(),
-                format!("{:e}", c.ridge),
-                format!("{:.2}", c.psnr),
-                c.held_out_psnr.map_or("-".to_owned(), |psnr| format!("{psnr:.2}")),
-            ]
-        })
-        .collect();
-    let mut text = table::plain(&["scale", "coordinates", "degree", "ridge", "dB", "dB unseen"], &tried);
+    let decimals = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.2}"));
+    let tried = report.tried.iter().map(|c| {
+        [
+            c.domain.name().to_owned(),
+            c.coordinates.name().to_owned(),
+            c.degree.to_string(),
+            format!("{:e}", c.ridge),
+            format!("{:.2}", c.psnr),
+            decimals(c.held_out_psnr),
+        ]
+    });
+    let mut text = table::plain(&["scale", "coordinates", "degree", "ridge", "dB", "dB unseen"], tried);
     text.push('\n');
     let level = |level: &LevelReport| {
         let textures = report.textures.iter().find(|texture| texture.level == level.level);
-        vec![
+        [
             level.level.to_string(),
             level.subbands.to_string(),
             table::percent(level.energy),
@@ -321,8 +318,8 @@ fn in_words(report: &PwtReport, seconds: Seconds) -> String {
             textures.map_or("-".to_owned(), |t| format!("{} x {}", t.layers, t.channels)),
         ]
     };
-    let levels: Vec<Vec<String>> = report.levels.iter().map(level).collect();
-    text.push_str(&table::plain(&["level", "subbands", "energy", "degree", "texels", "layers x channels"], &levels));
+    let header = ["level", "subbands", "energy", "degree", "texels", "layers x channels"];
+    text.push_str(&table::plain(&header, report.levels.iter().map(level)));
     text.push('\n');
     let held = report.held_out.as_ref();
     let row = vec![
@@ -332,8 +329,8 @@ fn in_words(report: &PwtReport, seconds: Seconds) -> String {
         report.fetches.to_string(),
         format!("{:.2}", report.psnr),
         format!("{:.2}", report.delta_e),
-        held.map_or("-".to_owned(), |held| format!("{:.2}", held.psnr)),
-        held.map_or("-".to_owned(), |held| format!("{:.2}", held.delta_e)),
+        decimals(held.map(|held| held.psnr)),
+        decimals(held.map(|held| held.delta_e)),
         format!("{:.2}", seconds.read + seconds.encode),
     ];
     let header = ["lights", "GPU", "file", "fetches", "dB", "ΔE", "dB held out", "ΔE held out", "seconds"];

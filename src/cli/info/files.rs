@@ -28,16 +28,8 @@ pub(super) fn run(input: &Input, common: Common) -> Result<(), Error> {
         let entries = file.entries.keys().cloned().collect::<Vec<_>>().join(" ");
         let size =
             if file.dimension == "2d" { format!("{width}x{height}") } else { format!("{width}x{height}x{depth}") };
-        vec![
-            name.clone(),
-            file.texel_format.to_owned(),
-            file.dimension.to_owned(),
-            size,
-            file.levels.to_string(),
-            entries,
-        ]
+        [name.clone(), file.texel_format.to_owned(), file.dimension.to_owned(), size, file.levels.to_string(), entries]
     };
-    let rows: Vec<Vec<String>> = files.iter().map(line).collect();
-    let text = table::words(&["file", "texels", "dimension", "size", "levels", "entries"], &rows);
+    let text = table::words(&["file", "texels", "dimension", "size", "levels", "entries"], files.iter().map(line));
     print(&json_or(common, &FilesReport { version: 1, kind: "files", files }, text))
 }

@@ -241,32 +241,23 @@ fn text(v: &AdaptiveVerification) -> String {
     for part in &v.parts {
         text += &format!("{}: {}, {}\n", part.part, part.material, crate::table::bytes(part.bytes_on_gpu));
     }
-    let rows: Vec<Vec<String>> = [("adaptive", &v.adaptive), ("forward", &v.forward)]
-        .into_iter()
-        .map(|(name, shading)| {
-            vec![
-                name.to_owned(),
-                shading.samples.to_string(),
-                format!("{:.2}", shading.samples_per_point),
-                shading.shaded.to_string(),
-                format!("{:.2} s", shading.seconds),
-                shading.psnr.map_or("-".to_owned(), |psnr| format!("{psnr:.2} dB")),
-                format!("{:.4}", shading.flip),
-            ]
-        })
-        .collect();
+    let rows = [("adaptive", &v.adaptive), ("forward", &v.forward)].map(|(name, shading)| {
+        [
+            name.to_owned(),
+            shading.samples.to_string(),
+            format!("{:.2}", shading.samples_per_point),
+            shading.shaded.to_string(),
+            format!("{:.2} s", shading.seconds),
+            shading.psnr.map_or("-".to_owned(), |psnr| format!("{psnr:.2} dB")),
+            format!("{:.4}", shading.flip),
+        ]
+    });
     let header = ["shading", "samples", "per point", "shaded pixels", "time", "PSNR", "FLIP"];
-    let levels: Vec<Vec<String>> = v
-        .levels
-        .iter()
-        .enumerate()
-        .filter(|(_, level)| level.shaded > 0)
-        .map(|(number, level)| {
-            vec![number.to_string(), level.pixels.to_string(), level.shaded.to_string(), level.samples.to_string()]
-        })
-        .collect();
-    text += &format!("\n{}\n", plain(&header, &rows));
-    text += &plain(&["level", "pixels", "shaded", "samples"], &levels);
+    text += &format!("\n{}\n", plain(&header, rows));
+    let levels = v.levels.iter().enumerate().filter(|(_, level)| level.shaded > 0).map(|(number, level)| {
+        [number.to_string(), level.pixels.to_string(), level.shaded.to_string(), level.samples.to_string()]
+    });
+    text += &plain(&["level", "pixels", "shaded", "samples"], levels);
     text += &format!(
         "\nbandwidth buffer: {:.3} s, {} of forward shading with {} samples. Ground truth: {} samples per point, \
          {:.1} s{}.\n",
