@@ -50,7 +50,8 @@ enum Shown {
     Stack(LightStack),
 }
 
-/// Holds a pack, a polynomial texture map or another light stack against the photographs of a light stack.
+/// Measures a pack, a polynomial texture map or another light stack against the photographs of a light stack, as sRGB levels
+/// and by ΔE (CIE76).
 ///
 /// # Errors
 /// What cannot be read or is none of these; another size; a stack under other lights.
