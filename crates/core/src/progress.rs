@@ -80,17 +80,11 @@ pub trait Progress: Sync {
     }
 
     /// A stage of so many steps starts; the one before it is done.
-    ///
-    /// # Errors
-    /// As [`Self::check`].
     fn stage(&self, _stage: Stage, _steps: usize) -> Result<(), Cancelled> {
         self.check()
     }
 
     /// A step of the stage is done.
-    ///
-    /// # Errors
-    /// As [`Self::check`].
     fn step(&self) -> Result<(), Cancelled> {
         self.check()
     }

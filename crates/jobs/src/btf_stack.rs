@@ -50,9 +50,6 @@ pub fn write_image(
 }
 
 /// Writes an image of any stack, and the folders above it where there are none; it is whole or not there.
-///
-/// # Errors
-/// As [`write_image`].
 pub(crate) fn write_pixels(
     path: &Path,
     pixels: &[[f32; 3]],

@@ -7,9 +7,6 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Writes a whole file, or nothing. Whoever reads a pipe may stop: that is no error.
-///
-/// # Errors
-/// A place that cannot be written to.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     match write_atomic(path, bytes) {
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),

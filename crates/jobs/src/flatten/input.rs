@@ -165,9 +165,6 @@ fn listed(options: &MesoOptions, geometry: &Geometry) -> Result<Vec<Input>, Erro
 }
 
 /// Opens the materials. Scans, whose every evaluation is a fit, are tabulated first: unfiltered, 16 bits.
-///
-/// # Errors
-/// Files that cannot be read.
 pub fn open_appearance(
     options: &MesoOptions,
     materials: &[Input],

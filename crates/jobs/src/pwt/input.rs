@@ -137,9 +137,6 @@ fn not_negative(image: Image) -> Vec<[f32; 3]> {
 }
 
 /// All photographs of a light stack, decoded side by side.
-///
-/// # Errors
-/// What cannot be read.
 fn photographs(path: &Path) -> Result<LightSamples, Error> {
     let stack = LightStack::open(path)?;
     check_amount(&path.display(), stack.size(), stack.len())?;

@@ -26,9 +26,6 @@ pub struct Require {
 
 impl Require {
     /// The gates, each from here or else from `defaults`.
-    ///
-    /// # Errors
-    /// Values out of range.
     pub fn resolve(&self, defaults: &Self) -> Result<Budget, OptionError> {
         Budget::checked(
             self.max_delta_e.or(defaults.max_delta_e),

@@ -85,9 +85,6 @@ impl MapRecipe {
 }
 
 /// The bytes of the files that are wanted.
-///
-/// # Errors
-/// When the work is cancelled.
 pub fn material_maps(
     source: &dyn Source,
     recipe: &MapRecipe,

@@ -58,9 +58,6 @@ pub(super) const fn required(name: &'static str, shape: Shape, range: &'static s
 }
 
 /// Checks the keys of a manifest and the kinds of their values.
-///
-/// # Errors
-/// The first that is wrong.
 pub(super) fn check(text: &str, tree: &DeTable<'_>, keys: &[Key]) -> Result<(), ManifestError> {
     Checked { text }.table(tree, keys, "", "")
 }

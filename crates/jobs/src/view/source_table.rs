@@ -11,9 +11,6 @@ use brdfc_table::recipe::{Size, TableRecipe};
 const BYTES: u64 = 128 << 10;
 
 /// The table, which notes its own error.
-///
-/// # Errors
-/// Cancellation.
 pub(super) fn source_table(source: &dyn Source, progress: &dyn Progress) -> Result<TablePack, EncodeError> {
     let recipe = TableRecipe { size: Size::Bytes(BYTES), ..TableRecipe::default() };
     Ok(encode(source, &recipe, progress)?.pack)

@@ -45,9 +45,6 @@ pub(super) fn wrong_file(path: &Path, found: String) -> Error {
 }
 
 /// A bandwidth map or importance samples.
-///
-/// # Errors
-/// As [`listed_file`], and files of other kinds.
 pub(super) fn map_part(folder: &Path, listed: &[FileEntry], name: &str) -> Result<PagePart, Error> {
     let bytes = listed_file(folder, listed, name)?;
     let path = folder.join(name);
