@@ -18,16 +18,7 @@ use std::path::{Path, PathBuf};
 /// Held while files change places.
 const LOCK: &str = "lock";
 
-/// A file to put in place.
-#[derive(Debug, Clone, PartialEq)]
-pub struct NewFile {
-    /// Its name in the folder.
-    pub name: String,
-    /// Its bytes.
-    pub contents: Contents,
-}
-
-/// The bytes of a file.
+/// The bytes of a file to put in place.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Contents {
     /// A file of the store.
@@ -57,9 +48,6 @@ pub struct OutputFolder {
 
 impl OutputFolder {
     /// Finishes what a killed build had begun, and reads what earlier builds put here.
-    ///
-    /// # Errors
-    /// A folder that cannot be written to.
     pub fn open(path: &Path, store: &Store) -> Result<Self, Error> {
         let root = store.root().to_owned();
         let _lock = lock(&root)?;
@@ -84,11 +72,6 @@ impl OutputFolder {
         self.placements.also(&self.path, listed);
     }
 
-    /// Hashes of the files of earlier builds that are unchanged.
-    pub fn unchanged(&self) -> BTreeSet<Digest> {
-        self.placements.unchanged(&self.path)
-    }
-
     /// The bytes of a file that a build put in place.
     pub fn bytes(&self, digest: &Digest) -> Option<Vec<u8>> {
         let (name, _) = self.placements.files.iter().find(|(_, placed)| placed.digest == *digest)?;
@@ -102,9 +85,6 @@ impl OutputFolder {
     }
 
     /// Whether a build may write files of these names.
-    ///
-    /// # Errors
-    /// The first that is there and that no build wrote.
     pub fn refuse_foreign<'a>(&self, names: impl IntoIterator<Item = &'a str>, force: bool) -> Result<(), Error> {
         for name in names {
             let path = self.path.join(name);
@@ -128,9 +108,6 @@ impl OutputFolder {
     }
 
     /// Whether none of these inputs is a file of an earlier build that is removed when files of these names are put in place.
-    ///
-    /// # Errors
-    /// The first that is.
     pub fn refuse_removing<'a>(
         &self,
         inputs: impl Iterator<Item = &'a Path>,
@@ -151,49 +128,46 @@ impl OutputFolder {
         }
     }
 
-    /// Puts all files in place, and removes those of earlier builds that are not among them. Until all are written aside the
+    /// Puts all files in place by their names, and removes those of earlier builds that are not among them. Until all are written aside the
     /// folder stays as it is. `files` is given those of earlier builds that are there and unchanged, while no other build can
     /// change them: what of them is to stay is to be among what it returns.
-    ///
-    /// # Errors
-    /// A file that cannot be written: then nothing has changed.
     pub fn place(
         &mut self,
         store: &Store,
-        files: impl FnOnce(&BTreeMap<String, Digest>) -> Vec<NewFile>,
+        files: impl FnOnce(&BTreeMap<String, Digest>) -> Vec<(String, Contents)>,
     ) -> Result<Changes, Error> {
         let _lock = lock(&self.root)?;
         // Another build may have been faster.
         Journal::finish(&self.path, &self.root)?;
         if let Some(placements) = read_record::<Placements>(&self.root.join(PLACED)) {
-            self.placements.merge(placements);
+            self.placements.files.extend(placements.files);
         }
         let unchanged: BTreeMap<String, Placed> = self.placements.verified(&self.path);
         let files = files(&unchanged.iter().map(|(name, placed)| (name.clone(), placed.digest)).collect());
         let mut journal = Journal::new(&self.root);
         let mut changes = Changes::default();
         let mut placements = Placements::default();
-        for file in &files {
-            let digest = match &file.contents {
+        for (name, contents) in files {
+            let digest = match &contents {
                 Contents::Kept(digest) => *digest,
                 Contents::Bytes(bytes) => Digest::of(bytes),
             };
-            if let Some(placed) = unchanged.get(&file.name).filter(|placed| placed.digest == digest) {
-                placements.files.insert(file.name.clone(), placed.clone());
+            if let Some(placed) = unchanged.get(&name).filter(|placed| placed.digest == digest) {
+                placements.files.insert(name, placed.clone());
                 continue;
             }
-            let target = self.path.join(&file.name);
-            let bytes = match &file.contents {
-                Contents::Bytes(bytes) => bytes.clone(),
+            let target = self.path.join(&name);
+            let bytes = match contents {
+                Contents::Bytes(bytes) => bytes,
                 Contents::Kept(digest) => {
-                    let found = store.object(digest).or_else(|| self.bytes(digest));
+                    let found = store.object(&digest).or_else(|| self.bytes(&digest));
                     let lost = || std::io::Error::other("what was made for it is gone from the store");
                     found.ok_or_else(|| Error::write(&target, &lost()))?
                 }
             };
-            journal.write(&file.name, &bytes).map_err(|error| Error::write(&target, &error))?;
-            placements.files.insert(file.name.clone(), Placed { digest, stamp: None });
-            changes.written.push(file.name.clone());
+            journal.write(&name, &bytes).map_err(|error| Error::write(&target, &error))?;
+            placements.files.insert(name.clone(), Placed { digest, stamp: None });
+            changes.written.push(name);
         }
         for name in self.placements.files.keys().filter(|name| !placements.files.contains_key(*name)) {
             if unchanged.contains_key(name) {

@@ -6,7 +6,7 @@ use super::plan::{Plan, REPORT, list_name};
 use super::run::{Made, Outcome, Outcomes, Workshop, file_of, run};
 use super::works::{Work, WorkResult, make};
 use crate::error::Error;
-use crate::output_folder::{Changes, Contents, NewFile, OutputFolder};
+use crate::output_folder::{Changes, Contents, OutputFolder};
 use crate::report::build::{BuildReport, environment_map};
 use crate::report::material::{MaterialReport, StageTime};
 use crate::scene::maps::MapsReport;
@@ -126,7 +126,7 @@ pub fn build(plan: &Plan, settings: &BuildSettings, progress: &dyn Progress) -> 
         folder.place(&store, |there| {
             let mut stays = Vec::new();
             if let Some(kept) = kept(plan, settings, there) {
-                let file = |name: String| Some(NewFile { contents: Contents::Kept(*there.get(&name)?), name });
+                let file = |name: String| Some((name.clone(), Contents::Kept(*there.get(&name)?)));
                 stays = files_of(&kept).into_iter().filter_map(file).collect();
                 report = report.clone().with_kept(kept);
             }
@@ -193,16 +193,13 @@ fn notes_in(path: &Path) -> BTreeMap<String, BuiltNote> {
 }
 
 /// Makes some pieces of a build and keeps them in the store of its folder, which stays as it is otherwise.
-///
-/// # Errors
-/// A folder that cannot be written to.
 pub fn build_works(
     works: &[Work<'_>],
     settings: &BuildSettings,
     progress: &dyn Progress,
 ) -> Result<Vec<WorkResult>, Error> {
     let (store, folder) = opened(settings)?;
-    let placed = folder.unchanged();
+    let placed = folder.there().into_values().collect();
     let workshop = Workshop { store: &store, placed: &placed, memory: settings.memory(), fail_fast: false };
     Ok(make(works, &workshop, progress))
 }
@@ -221,21 +218,21 @@ pub fn earlier_report(out: &Path) -> Option<BuildReport> {
 }
 
 /// Everything that stands in the folder, the report last.
-fn files(outcomes: &Outcomes, report: BuildReport) -> Vec<NewFile> {
+fn files(outcomes: &Outcomes, report: BuildReport) -> Vec<(String, Contents)> {
     let mut files = Vec::new();
     for (name, made) in outcomes.made() {
         for (part, digest) in &made.files {
-            files.push(NewFile { name: file_of(name, part), contents: Contents::Kept(*digest) });
+            files.push((file_of(name, part), Contents::Kept(*digest)));
         }
         let parts = made.files.iter().map(|(part, _)| ((*part).to_owned(), file_of(name, part))).collect();
         let (material, report, maps) = (name.to_owned(), made.report.clone(), made.maps.clone());
         let list = MaterialFile { version: 1, material, parts, report, maps };
-        files.push(NewFile { name: list_name(name), contents: Contents::Bytes(json(&list)) });
+        files.push((list_name(name), Contents::Bytes(json(&list))));
     }
     if let Some(Ok(made)) = &outcomes.environment {
-        files.push(NewFile { name: environment_map(), contents: Contents::Kept(made.file) });
+        files.push((environment_map(), Contents::Kept(made.file)));
     }
-    files.push(NewFile { name: REPORT.to_owned(), contents: Contents::Bytes(json(&report)) });
+    files.push((REPORT.to_owned(), Contents::Bytes(json(&report))));
     files
 }
 

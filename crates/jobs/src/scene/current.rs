@@ -35,13 +35,10 @@ pub struct Current {
 
 impl PackFolder {
     /// A folder that is there.
-    ///
-    /// # Errors
-    /// A folder that cannot be written to.
     pub fn open(path: &Path) -> Result<Self, Error> {
         let store = Store::open(path, true)?;
         let folder = OutputFolder::open(path, &store)?;
-        let placed = folder.unchanged();
+        let placed = folder.there().into_values().collect();
         Ok(Self { store, folder, placed })
     }
 
@@ -72,9 +69,6 @@ impl PackFolder {
     }
 
     /// A material. What had to be made is kept in the store; the files in the folder stay as they are.
-    ///
-    /// # Errors
-    /// As of a build.
     pub fn material(&self, job: &Job, progress: &dyn Progress) -> Result<Current, JobError> {
         let workshop = self.workshop();
         let made = workshop.material(job, &Shared::new(workshop.memory), progress)?;
@@ -91,9 +85,6 @@ impl PackFolder {
     }
 
     /// The map of the environment.
-    ///
-    /// # Errors
-    /// As of a build.
     pub fn environment(&self, job: &EnvironmentJob, progress: &dyn Progress) -> Result<Pack, JobError> {
         let workshop = self.workshop();
         let made = workshop.environment(job, &Shared::new(workshop.memory), progress)?;

@@ -8,7 +8,6 @@ use super::run::{PACK, Wanted, Workshop, in_turn};
 use super::scene_section::ENVIRONMENT;
 use brdfc_core::progress::Progress;
 use std::str::FromStr;
-use std::sync::Mutex;
 
 /// The maps of a material, as a part.
 const MAPS: &str = "maps";
@@ -108,7 +107,6 @@ pub type WorkResult = Result<bool, JobError>;
 /// Makes pieces and keeps them in the store. One that fails does not stop the others.
 pub fn make(works: &[Work<'_>], workshop: &Workshop<'_>, progress: &dyn Progress) -> Vec<WorkResult> {
     let shared = Shared::new(workshop.memory);
-    let results: Mutex<Vec<Option<WorkResult>>> = Mutex::new(works.iter().map(|_| None).collect());
     in_turn(works.len(), |number| {
         let work = works[number];
         let name = work.name();
@@ -121,10 +119,8 @@ pub fn make(works: &[Work<'_>], workshop: &Workshop<'_>, progress: &dyn Progress
             }
         };
         part.finished(result.is_ok());
-        results.lock().expect("nobody panics with it")[number] = Some(result);
-    });
-    let results = results.into_inner().expect("nobody panics with it");
-    results.into_iter().map(|result| result.expect("each was done")).collect()
+        result
+    })
 }
 
 #[cfg(test)]

@@ -65,9 +65,6 @@ pub struct Store {
 
 impl Store {
     /// Of this output folder, which is there. Without `looks_up` everything is made again.
-    ///
-    /// # Errors
-    /// A folder that cannot be written to.
     pub fn open(folder: &Path, looks_up: bool) -> Result<Self, Error> {
         let root = folder.join(FOLDER);
         let new = |folder: &Path| std::fs::create_dir_all(folder).map_err(|error| Error::write(folder, &error));
@@ -120,9 +117,6 @@ impl Store {
     }
 
     /// Keeps what was made: first its files, then the entry that names them.
-    ///
-    /// # Errors
-    /// A file that cannot be written.
     pub fn keep<T: Serialize>(&self, key: Key, files: &[Vec<u8>], report: &T) -> Result<Vec<Digest>, Error> {
         let mut digests = Vec::new();
         for bytes in files {

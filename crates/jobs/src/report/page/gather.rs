@@ -167,7 +167,8 @@ pub fn source_of(note: &BuiltNote) -> Result<Box<dyn Source>, String> {
         return Err("where the source is was not noted: the folder has no store".to_owned());
     }
     let input = Input::from(note.source.as_str());
-    let (opened, digest) = opened_with_digest(&input, &kind_of(&input)).map_err(|error| error.to_string())?;
+    let (opened, digest, _) =
+        opened_with_digest(&input, &kind_of(&input), u64::MAX).map_err(|error| error.to_string())?;
     match note.digest {
         Some(built) if built != digest => Err(format!("{}: it has changed since the build", note.source)),
         _ => Ok(opened.source),
