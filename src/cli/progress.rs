@@ -4,7 +4,7 @@ use super::Common;
 use super::interrupt;
 use super::output::tell;
 use brdfc::{Cancelled, Plan, Progress, Stage};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
@@ -75,22 +75,16 @@ impl<'a> Materials<'a> {
     }
 }
 
-/// A bar on stderr; none of it unless `shown`.
+/// A bar on stderr, which goes away when it is dropped; none of it unless `shown`.
 pub(super) fn bar(length: u64, template: &str, shown: bool) -> ProgressBar {
     if !shown {
         return ProgressBar::hidden();
     }
-    let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::stderr());
+    let bar =
+        ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::stderr()).with_finish(ProgressFinish::AndClear);
     bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));
     bar.enable_steady_tick(Duration::from_millis(200));
     bar
-}
-
-/// Takes the bar away, after errors too.
-impl Drop for Materials<'_> {
-    fn drop(&mut self) {
-        self.bar.finish_and_clear();
-    }
 }
 
 impl Progress for Materials<'_> {
