@@ -49,7 +49,7 @@ pub(super) struct PageScene {
 #[derive(Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct PageItem {
-    name: String,
+    pub(super) name: String,
     facts: String,
     decoder: &'static str,
     resources: Vec<PageResource>,
@@ -64,7 +64,7 @@ pub(super) struct PageItem {
     /// The finest level.
     finest: u32,
     /// Whether its texels are 32-bit floats that a sampler is declared for.
-    wide: bool,
+    pub(super) wide: bool,
 }
 
 impl PageItem {
@@ -88,16 +88,6 @@ impl PageItem {
             finest,
             wide,
         }
-    }
-
-    /// What it is called.
-    pub(super) fn name(&self) -> &str {
-        &self.name
-    }
-
-    /// Whether its texels are 32-bit floats that a sampler is declared for.
-    pub(super) fn is_wide(&self) -> bool {
-        self.wide
     }
 
     /// Bytes of its textures as they are uploaded.

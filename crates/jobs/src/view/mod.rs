@@ -42,7 +42,7 @@ pub fn view_page(items: &[ViewItem]) -> Result<ViewPage, Error> {
     let listed: Vec<PageItem> = items.iter().map(PageItem::new).collect();
     let mut programs = BTreeMap::new();
     for (item, listed) in items.iter().zip(&listed) {
-        for exact in if listed.is_wide() { &[false, true][..] } else { &[false] } {
+        for exact in if listed.wide { &[false, true][..] } else { &[false] } {
             let shader = PageShader::drawing(item.decoder(), *exact);
             programs.entry(shader.name.clone()).or_insert_with(|| shader.program());
         }
@@ -50,7 +50,7 @@ pub fn view_page(items: &[ViewItem]) -> Result<ViewPage, Error> {
     let mut texels = 0;
     for item in &listed {
         texels += item.texel_bytes();
-        check_bytes(item.name(), texels)?;
+        check_bytes(&item.name, texels)?;
     }
     let bytes_of_packs: usize = listed.iter().map(PageItem::bytes).sum();
     let programs = Programs { of: programs, show: PageShader::showing().program() }.packed();

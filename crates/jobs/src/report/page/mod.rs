@@ -8,7 +8,7 @@ mod flat;
 mod flat_html;
 mod gather;
 mod html;
-mod markup;
+pub(crate) mod markup;
 mod parts;
 mod sheet;
 mod style;
@@ -23,7 +23,6 @@ pub use gather::{Page, PageMaterial, Reports, gather, source_of};
 pub use html::html;
 pub use parts::PagePart;
 pub use sheet::sheet;
-pub use style::PALETTE;
 pub use view_link::{ViewLink, source_name};
 
 use super::build::MaterialEntry;
