@@ -59,13 +59,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let build = Build::from_inputs(&arguments.inputs)?;
     tell_left_out(&build, common);
     let plan = build.plan()?;
-    let places = Places {
-        program,
-        inputs,
-        manifest: build.manifest().map(Path::to_owned),
-        options: Vec::new(),
-        out: arguments.out.clone(),
-    };
+    let places = Places { program, inputs, manifest: build.manifest().map(Path::to_owned), out: arguments.out.clone() };
     let graph = Graph::new(&plan, &places);
     match arguments.format {
         Format::Json => print_json(&graph),

@@ -2,7 +2,7 @@
 
 use super::arguments::{Arguments, FLAT_TEXELS, Fill, FormArgument};
 use crate::Error;
-use crate::directions::{default_set, direction_set, map_header, wrong};
+use crate::directions::{default_set, direction_set, map_header};
 use crate::inputs::refuse_stdin_twice;
 use crate::output::{check_folder, refuse_flags, refuse_overwriting, refuse_same_outputs};
 use brdfc::Input;
@@ -191,7 +191,7 @@ fn split_name(text: &OsStr) -> Option<(String, OsString)> {
 pub(super) fn recipe(arguments: &Arguments) -> Result<FlattenRecipe, Error> {
     let flat_texels = arguments.flat_texels.unwrap_or((arguments.texels as usize).next_power_of_two());
     if !(4..=2048).contains(&flat_texels) || !flat_texels.is_power_of_two() {
-        return Err(wrong("flat-texels", &flat_texels, FLAT_TEXELS));
+        return Err(Error::wrong_usage("--flat-texels", flat_texels, FLAT_TEXELS));
     }
     let indirection = map_header(arguments.texels, &arguments.indirection, arguments.largest_angle)?;
     let views = direction_set("views", arguments.views.as_ref().unwrap_or(&default_set()))?;
@@ -229,7 +229,7 @@ fn factor_target(arguments: &Arguments) -> Result<Option<FactoredTarget>, Error>
         return refuse_flags("--form light, which has no views", &flags).map(|()| None);
     }
     if let Some(found) = arguments.max_delta_e.filter(|e| !(*e > 0.0 && *e <= 100.0)) {
-        return Err(wrong("max-delta-e", &format_number(found), "above 0, up to 100"));
+        return Err(Error::wrong_usage("--max-delta-e", format_number(found), "above 0, up to 100"));
     }
     let target = match arguments.max_bytes {
         Some(bytes) => FactoredTarget::Bytes(bytes),

@@ -6,7 +6,7 @@ use crate::encode::Predicted;
 use crate::scene::explain::Explained;
 use crate::scene::maps::{MapsReport, PARTS, Packed, part_name};
 use crate::scene::plan::{Plan, pack_name};
-use crate::scene::run::{JobError, Made, MadeEnvironment, Outcome, Outcomes, file_of};
+use crate::scene::run::{JobError, Made, MadeEnvironment, Outcome, Outcomes};
 use crate::scene::scene_section::ENVIRONMENT;
 use crate::store::Digest;
 use brdfc_bandwidth::facts::BandwidthFacts;
@@ -240,7 +240,7 @@ fn material_entry(declared: &str, outcome: &Outcome) -> MaterialEntry {
             let Made { report, maps, gates, files: made_files, times, .. } = made;
             let listed = made_files
                 .iter()
-                .map(|(part, blake3)| FileEntry { file: file_of(&outcome.name, part), blake3: *blake3 });
+                .map(|(part, blake3)| FileEntry { file: part_name(&outcome.name, part), blake3: *blake3 });
             let made = |maps: &MapsReport| [maps.bandwidth.is_some(), maps.samples.is_some()];
             let of_maps = maps.as_ref().map_or([false; 2], made);
             MaterialEntry {

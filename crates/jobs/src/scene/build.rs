@@ -3,13 +3,13 @@
 use super::error::JobError;
 use super::memory;
 use super::plan::{Plan, REPORT, list_name};
-use super::run::{Made, Outcome, Outcomes, Workshop, file_of, run};
+use super::run::{Made, Outcome, Outcomes, Workshop, run};
 use super::works::{Work, WorkResult, make};
 use crate::error::Error;
 use crate::output_folder::{Changes, Contents, OutputFolder};
 use crate::report::build::{BuildReport, environment_map};
 use crate::report::material::{MaterialReport, StageTime};
-use crate::scene::maps::MapsReport;
+use crate::scene::maps::{MapsReport, part_name};
 use crate::store::{Digest, FOLDER, Store, placing, read_record, write_record};
 use brdfc_core::progress::{Cancelled, Progress};
 use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
@@ -222,9 +222,9 @@ fn files(outcomes: &Outcomes, report: BuildReport) -> Vec<(String, Contents)> {
     let mut files = Vec::new();
     for (name, made) in outcomes.made() {
         for (part, digest) in &made.files {
-            files.push((file_of(name, part), Contents::Kept(*digest)));
+            files.push((part_name(name, part), Contents::Kept(*digest)));
         }
-        let parts = made.files.iter().map(|(part, _)| ((*part).to_owned(), file_of(name, part))).collect();
+        let parts = made.files.iter().map(|(part, _)| ((*part).to_owned(), part_name(name, part))).collect();
         let (material, report, maps) = (name.to_owned(), made.report.clone(), made.maps.clone());
         let list = MaterialFile { version: 1, material, parts, report, maps };
         files.push((list_name(name), Contents::Bytes(json(&list))));

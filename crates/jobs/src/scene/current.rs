@@ -1,9 +1,10 @@
 //! What a scene needs of a folder of packs: taken from there where it is current, made where it is not.
 
 use super::error::JobError;
+use super::maps::part_name;
 use super::memory::{self, Shared};
 use super::plan::{EnvironmentJob, Job};
-use super::run::{Made, Workshop, file_of};
+use super::run::{Made, Workshop};
 use crate::error::Error;
 use crate::output_folder::OutputFolder;
 use crate::report::build::environment_map;
@@ -75,7 +76,7 @@ impl PackFolder {
         let mut current =
             Current { parts: Vec::new(), missed: made.report.missed, gates: made.gates, stale: Vec::new() };
         for (part, digest) in &made.files {
-            let name = file_of(&job.name, part);
+            let name = part_name(&job.name, part);
             current.parts.push(self.pack(&name, digest)?);
             if self.folder.holds_other(&name, digest) {
                 current.stale.push(name);

@@ -54,8 +54,6 @@ pub struct Places {
     pub inputs: Vec<String>,
     /// The manifest, if there is one: a file that all jobs read.
     pub manifest: Option<PathBuf>,
-    /// Further options of a build.
-    pub options: Vec<String>,
     /// The output folder.
     pub out: PathBuf,
 }
@@ -67,7 +65,6 @@ impl Graph {
         let build = |more: &[&str]| {
             let mut command = vec![places.program.clone(), "build".to_owned()];
             command.extend(places.inputs.iter().cloned());
-            command.extend(places.options.iter().cloned());
             command.extend(["--out".to_owned(), places.out.display().to_string()]);
             command.extend(more.iter().map(|argument| (*argument).to_owned()));
             command

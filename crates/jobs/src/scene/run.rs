@@ -5,9 +5,9 @@ pub use super::error::JobError;
 
 use super::gates;
 use super::grid_cache::StoreGridCache;
-use super::maps::{MapRecipe, MapsReport, Packed, environment_file, material_maps, part_name};
+use super::maps::{MapRecipe, MapsReport, Packed, environment_file, material_maps};
 use super::memory::{self, Shared};
-use super::plan::{EnvironmentJob, Job, Plan, pack_name};
+use super::plan::{EnvironmentJob, Job, Plan};
 use super::scene_section::ENVIRONMENT;
 use crate::encode::{PackRecipe, encode_cached};
 use crate::report::gate::GateResult;
@@ -408,11 +408,6 @@ fn of_shelf(job: &Job, shelf: Shelf, times: Option<Vec<StageTime>>) -> Made {
     let (report, pack_times) = pack.report;
     let gates = gates::check(&job.gates, &report);
     Made { report, maps, source: shelf.source, gates, files, times, pack_times }
-}
-
-/// The file of a part of a material.
-pub fn file_of(material: &str, part: &str) -> String {
-    if part == PACK { pack_name(material) } else { part_name(material, part) }
 }
 
 fn pack_key(source: Digest, recipe: &PackRecipe) -> Key {
