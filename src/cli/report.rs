@@ -1,8 +1,8 @@
 //! `brdfc report`: a page about a build.
 
 use super::output::{
-    print, print_json, refuse_dash, refuse_flags, refuse_missing_folder, refuse_other_extension, refuse_overwriting,
-    remark, to_json, write_file,
+    folder_of, print, print_json, refuse_dash, refuse_flags, refuse_missing_folder, refuse_other_extension,
+    refuse_overwriting, remark, to_json, write_file,
 };
 use super::progress::Materials;
 use super::{Common, Error};
@@ -61,7 +61,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         return Err(Error::wrong_usage("--output", found, "a name that ends in .html"));
     }
     refuse_dash(&arguments.folder)?;
-    let folder = folder_of(&arguments.folder);
+    let folder = build_folder(&arguments.folder);
     arguments.sheet.as_ref().map_or(Ok(()), |sheet| refuse_other_extension("--sheet", sheet, &["png"]))?;
     if is_flat_btf(folder) {
         return of_flat_btf(arguments, common);
@@ -130,12 +130,9 @@ fn write_view(arguments: &Arguments, progress: &dyn Progress) -> Result<Option<V
 
 /// It stands beside the page that links to it, and is no other file.
 fn refuse_unfit_view(path: &Path, output: &Path, others: &[&Path]) -> Result<(), Error> {
-    let folder = |path: &Path| match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder.canonicalize().ok(),
-        _ => Path::new(".").canonicalize().ok(),
-    };
+    let [folder, of_output] = [path, output].map(|path| folder_of(path).canonicalize().ok());
     let is_same = path.file_name() == output.file_name();
-    if !is_html(path) || is_same || folder(path) != folder(output) {
+    if !is_html(path) || is_same || folder != of_output {
         let found = path.display();
         let allowed = "another name than the page's that ends in .html, in its folder";
         return Err(Error::wrong_usage("--view", found, allowed));
@@ -159,12 +156,8 @@ fn refuse_pages_over(output: &Path, beside: [&PathBuf; 2], inputs: &[&Path]) -> 
 }
 
 /// The folder of a build; its report may be named as well.
-fn folder_of(path: &Path) -> &Path {
-    if path.file_name().is_some_and(|name| name == REPORT) {
-        // Without a folder in its name it is in this one.
-        return path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    }
-    path
+fn build_folder(path: &Path) -> &Path {
+    if path.file_name().is_some_and(|name| name == REPORT) { folder_of(path) } else { path }
 }
 
 /// The page of a flat BTF.

@@ -8,6 +8,7 @@ pub use brdfc_jobs::outputs::{
     check_folder, make_folder, refuse_dash, refuse_overwriting, refuse_overwriting_any, write_file,
 };
 use brdfc_jobs::report::material::repairs_in_words;
+pub use brdfc_jobs::write::folder_of;
 use brdfc_jobs::write::is_standard_output;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use serde::Serialize;
@@ -92,12 +93,11 @@ pub fn refuse_flags(found: impl std::fmt::Display, flags: &[(bool, &str, &str)])
 
 /// Nothing can be written into a folder that is not there.
 pub fn refuse_missing_folder(path: &Path) -> Result<(), Error> {
-    match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() && !folder.exists() => {
-            Err(Error::write(path, &std::io::Error::other(format!("there is no folder {}", folder.display()))))
-        }
-        _ => Ok(()),
+    let folder = folder_of(path);
+    if folder.exists() {
+        return Ok(());
     }
+    Err(Error::write(path, &std::io::Error::other(format!("there is no folder {}", folder.display()))))
 }
 
 /// Outputs that are one file: the later would be written over the earlier.
@@ -127,10 +127,7 @@ pub fn refuse_own(option: &str, file: &Path, out: &Path) -> Result<(), Error> {
 
 /// Where a path leads, be there anything or not.
 fn place(path: &Path) -> PathBuf {
-    let parent = || {
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        Some(folder.canonicalize().ok()?.join(path.file_name()?))
-    };
+    let parent = || Some(folder_of(path).canonicalize().ok()?.join(path.file_name()?));
     let there = path.canonicalize().ok().or_else(parent);
     there.or_else(|| std::path::absolute(path).ok()).unwrap_or_else(|| path.to_owned())
 }

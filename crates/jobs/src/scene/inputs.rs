@@ -4,6 +4,7 @@ use super::batch::{address_of, is_material};
 use super::manifest::Manifest;
 use super::patterns::Named;
 use crate::error::Error;
+use crate::write::or_here;
 use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -38,7 +39,7 @@ pub fn manifest_among(inputs: &[OsString]) -> Result<Option<PathBuf>, Error> {
 pub(crate) fn folders(named: &[Named]) -> Vec<PathBuf> {
     let folder = |input: &Named| {
         let base = if input.is_pattern() { input.base().0 } else { input.path() };
-        Some(if base.as_os_str().is_empty() { PathBuf::from(".") } else { base }).filter(|base| base.is_dir())
+        Some(or_here(&base).to_owned()).filter(|base| base.is_dir())
     };
     named.iter().filter_map(folder).collect()
 }

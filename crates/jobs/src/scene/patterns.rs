@@ -1,6 +1,7 @@
 //! Paths and patterns as people write them.
 
 use crate::error::Error;
+use crate::write::or_here;
 use fast_glob::glob_match;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
@@ -53,7 +54,7 @@ impl Named {
     pub fn files(&self) -> Result<Vec<PathBuf>, Error> {
         let (base, rest) = self.split();
         let pattern = Pattern::new(&rest, &self.path())?;
-        let root = if base.as_os_str().is_empty() { Path::new(".") } else { &base };
+        let root = or_here(&base);
         // Links to folders are followed as far as the pattern says how far: one upwards would lead to all files once more.
         let walk = WalkDir::new(root).min_depth(1).max_depth(pattern.depth()).follow_links(!pattern.is_deep);
         let mut files = Vec::new();

@@ -7,6 +7,7 @@ use crate::error::Error;
 use crate::report::page::{Reports, is_flat_btf, source_name, source_of};
 use crate::scene::build::notes;
 use crate::scene::plan::REPORT;
+use crate::write::or_here;
 use brdfc_core::Source;
 use brdfc_core::progress::Progress;
 use brdfc_core::words::bytes;
@@ -70,7 +71,7 @@ pub fn open_items(inputs: &[Input], options: ViewOptions, progress: &dyn Progres
 /// The folder of a build, by itself or by its report.
 fn build_folder(path: &Path) -> Option<&Path> {
     if path.file_name().is_some_and(|name| name == REPORT) {
-        return path.parent().map(|folder| if folder.as_os_str().is_empty() { Path::new(".") } else { folder });
+        return path.parent().map(or_here);
     }
     path.join(REPORT).is_file().then_some(path)
 }
