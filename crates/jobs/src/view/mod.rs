@@ -13,7 +13,6 @@ mod packed;
 mod scenes;
 mod script;
 mod shaders;
-mod source_table;
 
 pub use item::{Drawn, ViewItem};
 pub use open::{ViewOptions, open_items};

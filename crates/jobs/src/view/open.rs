@@ -1,7 +1,6 @@
 //! Inputs to what a page draws.
 
 use super::item::{Drawn, ViewItem};
-use super::source_table::source_table;
 use crate::encode::EncodeError;
 use crate::error::Error;
 use crate::report::page::{Reports, is_flat_btf, source_name, source_of};
@@ -18,12 +17,17 @@ use brdfc_source::light_stack::is_light_stack;
 use brdfc_source::open::open;
 use brdfc_source::pack::open_pack;
 use brdfc_source::{Input, InputError};
+use brdfc_table::encode::encode;
+use brdfc_table::recipe::{Size, TableRecipe};
 use std::path::Path;
 
 /// What can be drawn.
 const ALLOWED: &str = "a pack of a BRDF, a flat BTF, a pack of 'brdfc pwt', the folder of a \
                        build, or a material; several of them by their names";
 
+/// Bytes of the table that a source is drawn as, larger than packs are. Four times as many bring pictures of measured materials
+/// nearer to them by 0.03 ΔE at most.
+const TABLE_BYTES: u64 = 128 << 10;
 /// Most bytes of textures of all materials: a page is to open in a browser.
 const MOST_BYTES: u64 = 256 << 20;
 
@@ -148,10 +152,12 @@ fn of_brdf(name: String, pack: BrdfPack) -> ViewItem {
 }
 
 fn of_source(name: String, input: &str, source: &dyn Source, progress: &dyn Progress) -> Result<ViewItem, Error> {
-    let table = source_table(source, progress).map_err(|error| match error {
+    let recipe = TableRecipe { size: Size::Bytes(TABLE_BYTES), ..TableRecipe::default() };
+    let encoded = encode(source, &recipe, progress).map_err(|error| match error {
         EncodeError::Cancelled(cancelled) => cancelled.into(),
-        error => Error::input(format!("{input}: {error}")),
+        error => Error::input(error).prefixed(input),
     })?;
+    let table = encoded.pack;
     let error = table.picture.mean;
     let size = bytes(table.gpu_bytes());
     let facts = format!("the source as a table of {size}: ΔE {error:.2} of a ball against the source itself");
