@@ -1,7 +1,7 @@
 //! What a build would do, in words.
 
 use crate::table;
-use brdfc::scene::{Explained, Job, MaterialEntry, NOTHING, PARTS, Predicted, environment_map, pack_name};
+use brdfc::scene::{Explained, Job, MaterialEntry, NOTHING, Predicted, environment_map, pack_name};
 use brdfc::{BuildReport, PackRecipe, Plan};
 use brdfc_terminal::words::join_truncated;
 use std::path::Path;
@@ -29,13 +29,8 @@ pub(super) fn text(plan: &Plan, report: &BuildReport, out: &Path) -> String {
         let map = out.join(environment_map()).display().to_string();
         text += &format!("lit by {}: {map}\n", job.source);
     }
-    for (part, words) in PARTS.into_iter().zip(["bandwidth maps", "importance samples"]) {
-        let of: Vec<&str> = plan
-            .jobs
-            .iter()
-            .filter(|job| job.maps.is_some_and(|recipe| recipe.parts().any(|wanted| wanted == part)))
-            .map(|job| job.name.as_str())
-            .collect();
+    for (k, words) in ["bandwidth maps", "importance samples"].into_iter().enumerate() {
+        let of: Vec<&str> = plan.jobs.iter().filter(|job| job.maps[k]).map(|job| job.name.as_str()).collect();
         if !of.is_empty() {
             text += &format!("{words} of {}\n", of.join(", "));
         }

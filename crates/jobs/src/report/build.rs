@@ -145,12 +145,11 @@ impl BuildReport {
     /// Of a build that is only planned, with the materials that need not be made again.
     pub fn planned(plan: &Plan, known: &BTreeMap<&str, Made>) -> Self {
         let materials = plan.jobs.iter().map(|job| {
-            let maps = job.maps.map_or([false; 2], |recipe| recipe.wanted);
             let (predicted, cached) = match known.get(job.name.as_str()) {
                 Some(made) => (Predicted::exactly(made.report.bytes_on_gpu), Some(true)),
                 None => (job.recipe.predict(), None),
             };
-            MaterialEntry { predicted: Some(predicted), cached, ..files(&job.name, &job.declared, maps) }
+            MaterialEntry { predicted: Some(predicted), cached, ..files(&job.name, &job.declared, job.maps) }
         });
         let environment = plan.environment.as_ref().map(|job| EnvironmentEntry {
             source: job.declared.clone(),

@@ -2,7 +2,7 @@
 
 use super::batch::address_of;
 use super::manifest::Manifest;
-use super::maps::{MapRecipe, part_name};
+use super::maps::{WantedMaps, part_name, wanted_parts};
 use super::needs::{self, Needs, needs};
 use super::scene_section::ENVIRONMENT;
 use super::uses::Use;
@@ -30,8 +30,8 @@ pub struct Job {
     pub asked: PackRecipe,
     /// How it is encoded, needs included.
     pub recipe: PackRecipe,
-    /// How its maps are made, where it needs them.
-    pub maps: Option<MapRecipe>,
+    /// Which maps it needs.
+    pub maps: WantedMaps,
     /// What its finished pack has to be.
     pub gates: Budget,
     /// What the scene asks of it.
@@ -56,8 +56,6 @@ pub struct EnvironmentJob {
     pub source: String,
     /// Likewise, as it is opened.
     pub path: PathBuf,
-    /// `ε` of the bandwidth.
-    pub epsilon: f64,
 }
 
 /// What a build will do.
@@ -91,7 +89,7 @@ impl Plan {
     pub fn files(&self) -> impl Iterator<Item = String> {
         let environment = self.environment.iter().map(|_| part_name(ENVIRONMENT, "bandwidth"));
         let of_job = |job: &Job| {
-            let maps = job.maps.iter().flat_map(MapRecipe::parts).map(|part| part_name(&job.name, part));
+            let maps = wanted_parts(job.maps).map(|part| part_name(&job.name, part));
             [pack_name(&job.name), list_name(&job.name)].into_iter().chain(maps).collect::<Vec<_>>()
         };
         self.jobs.iter().flat_map(of_job).chain(environment).chain([REPORT.to_owned()])
@@ -131,7 +129,6 @@ pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, Error> {
         declared: declared.to_owned(),
         source: folder.join(declared).display().to_string(),
         path: folder.join(declared),
-        epsilon: MapRecipe::default().epsilon,
     });
     let scene = manifest.scene.name.clone().unwrap_or_else(|| "scene".to_owned());
     let mut plan = Plan {
@@ -164,7 +161,7 @@ pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, Error> {
             input,
             asked,
             recipe,
-            maps: MapRecipe::wanted(need.bandwidth, need.samples),
+            maps: [need.bandwidth, need.samples],
             gates: material.require.resolve(&defaults.require).map_err(wrong)?,
             needs: *need,
             uses: uses.remove(name.as_str()).unwrap_or_default(),

@@ -5,7 +5,7 @@ pub use super::error::JobError;
 
 use super::gates;
 use super::grid_cache::StoreGridCache;
-use super::maps::{MapRecipe, MapsReport, Packed, environment_file, material_maps};
+use super::maps::{MapsReport, Packed, WantedMaps, environment_file, map_recipe, material_maps, wanted_parts};
 use super::memory::{self, Shared};
 use super::plan::{EnvironmentJob, Job, Plan};
 use super::scene_section::ENVIRONMENT;
@@ -200,7 +200,7 @@ impl Wanted {
 
 impl Shelf {
     fn has(&self, job: &Job, wanted: Wanted) -> bool {
-        let maps = self.maps.is_some() || job.maps.is_none();
+        let maps = self.maps.is_some() || job.maps == [false; 2];
         (self.pack.is_some() || !wanted.pack) && (maps || !wanted.maps)
     }
 }
@@ -287,18 +287,18 @@ impl Workshop<'_> {
         if wanted.pack && shelf.pack.is_none() {
             shelf.pack = Some(self.make_pack(&opened, source, &job.recipe, clock)?);
         }
-        if let (true, Some(recipe), None) = (wanted.maps, &job.maps, &shelf.maps) {
-            shelf.maps = Some(self.make_maps(&opened, source, recipe, clock)?);
+        if wanted.maps && job.maps != [false; 2] && shelf.maps.is_none() {
+            shelf.maps = Some(self.make_maps(&opened, source, job.maps, clock)?);
         }
         Ok((shelf, false))
     }
 
     fn look_up(&self, job: &Job, source: Digest) -> Shelf {
-        let (store, placed) = (self.store, self.placed);
+        let (store, placed, has_maps) = (self.store, self.placed, job.maps != [false; 2]);
         Shelf {
             source,
             pack: store.look_up(&pack_key(source, &job.recipe), placed),
-            maps: job.maps.and_then(|recipe| store.look_up(&maps_key(source, &recipe), placed)),
+            maps: if has_maps { store.look_up(&maps_key(source, job.maps), placed) } else { None },
         }
     }
 
@@ -330,12 +330,12 @@ impl Workshop<'_> {
         &self,
         opened: &Opened,
         source: Digest,
-        recipe: &MapRecipe,
+        wanted: WantedMaps,
         clock: &StageClock<'_>,
     ) -> Result<Kept<MapsReport>, JobError> {
-        let (files, report) = material_maps(opened.source.as_ref(), recipe, clock)?;
+        let (files, report) = material_maps(opened.source.as_ref(), wanted, clock)?;
         let _ = clock.stage(Stage::Write, 1);
-        let files = self.store.keep(maps_key(source, recipe), &files, &report)?;
+        let files = self.store.keep(maps_key(source, wanted), &files, &report)?;
         Ok(Kept { report, files })
     }
 
@@ -348,7 +348,7 @@ impl Workshop<'_> {
     ) -> Result<MadeEnvironment, JobError> {
         progress.check()?;
         let path = job.path.as_path();
-        let key = |source| Key::new("environment", source, &job.epsilon);
+        let key = |source| Key::new("environment", source, &map_recipe().1);
         let kept = |source| self.store.look_up(&key(source), self.placed);
         let found = |Kept { report, files }, times| MadeEnvironment { report, file: files[0], times };
         if let Some(kept) = self.store.known(path).and_then(kept) {
@@ -358,7 +358,7 @@ impl Workshop<'_> {
         let _share = shared.take(self.memory / 2);
         let extension = extension_of(path);
         let mut heard = HeardDigest::new(&extension, memory::longest_source(&extension, self.memory));
-        let (bytes, report) = rayon::scope(|_| environment_file(path, job.epsilon, &mut heard, &clock))?;
+        let (bytes, report) = rayon::scope(|_| environment_file(path, &mut heard, &clock))?;
         let (source, stamp) = heard.finish().map_err(|error| InputError::io(path, error))?;
         self.remember(path, source, stamp);
         if let Some(kept) = kept(source) {
@@ -402,7 +402,7 @@ fn of_shelf(job: &Job, shelf: Shelf, times: Option<Vec<StageTime>>) -> Made {
     let pack = shelf.pack.expect("the shelf is complete");
     let mut files = vec![(PACK, pack.files[0])];
     let maps = shelf.maps.map(|maps| {
-        files.extend(job.maps.iter().flat_map(MapRecipe::parts).zip(maps.files));
+        files.extend(wanted_parts(job.maps).zip(maps.files));
         maps.report
     });
     let (report, pack_times) = pack.report;
@@ -414,8 +414,8 @@ fn pack_key(source: Digest, recipe: &PackRecipe) -> Key {
     Key::new(PACK, source, recipe)
 }
 
-fn maps_key(source: Digest, recipe: &MapRecipe) -> Key {
-    Key::new("maps", source, recipe)
+fn maps_key(source: Digest, wanted: WantedMaps) -> Key {
+    Key::new("maps", source, &(map_recipe(), wanted))
 }
 
 fn extension_of(path: &Path) -> String {

@@ -67,7 +67,7 @@ impl Plan {
                 continue;
             }
             works.push(Work::Pack(job));
-            works.extend(job.maps.map(|_| Work::Maps(job)));
+            works.extend((job.maps != [false; 2]).then_some(Work::Maps(job)));
         }
         works
     }
