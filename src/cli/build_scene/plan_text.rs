@@ -19,7 +19,7 @@ pub(super) fn text(plan: &Plan, report: &BuildReport, out: &Path) -> String {
             job.recipe.codec().to_owned(),
             job.recipe.target(),
             if is_missing { "no such file".to_owned() } else { predicted(&job.recipe, planned) },
-            job.source.clone(),
+            job.input.to_string(),
             out.join(pack_name(&job.name)).display().to_string(),
         ]
     };
@@ -27,7 +27,7 @@ pub(super) fn text(plan: &Plan, report: &BuildReport, out: &Path) -> String {
     let mut text = table::plain(&header, plan.jobs.iter().zip(&report.materials).map(row));
     if let Some(job) = &plan.environment {
         let map = out.join(environment_map()).display().to_string();
-        text += &format!("lit by {}: {map}\n", job.source);
+        text += &format!("lit by {}: {map}\n", job.path.display());
     }
     for (k, words) in ["bandwidth maps", "importance samples"].into_iter().enumerate() {
         let of: Vec<&str> = plan.jobs.iter().filter(|job| job.maps[k]).map(|job| job.name.as_str()).collect();

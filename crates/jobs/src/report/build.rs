@@ -169,12 +169,12 @@ impl BuildReport {
         for entry in &mut self.materials {
             (entry.cached, entry.stages) = (None, None);
             if let Some(job) = plan.jobs.iter().find(|job| job.name == entry.material) {
-                plain(&mut entry.error, &job.source, &job.declared);
+                plain(&mut entry.error, &job.input.to_string(), &job.declared);
             }
         }
         if let (Some(entry), Some(job)) = (&mut self.environment, &plan.environment) {
             (entry.cached, entry.stages) = (None, None);
-            plain(&mut entry.error, &job.source, &job.declared);
+            plain(&mut entry.error, &job.path.display().to_string(), &job.declared);
         }
         self
     }

@@ -72,7 +72,7 @@ impl Graph {
         let manifest = places.manifest.as_ref().map(|path| path.display().to_string());
         let jobs = plan.works().into_iter().map(|work| {
             let name = work.name();
-            let source = Some(work.source().to_owned()).filter(|source| Path::new(source).exists());
+            let source = Some(work.source()).filter(|source| Path::new(source).exists());
             GraphJob {
                 material: work.material().map(str::to_owned),
                 part: work.part().to_owned(),

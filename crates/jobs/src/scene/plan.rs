@@ -22,9 +22,7 @@ pub struct Job {
     pub name: String,
     /// Path or address as the manifest has it.
     pub declared: String,
-    /// Path or address, resolved against the manifest's folder, as messages show it.
-    pub source: String,
-    /// Likewise, as it is opened: paths need not be UTF-8.
+    /// Path or address, resolved against the manifest's folder.
     pub input: Input,
     /// How it is to be encoded, without a look at needs.
     pub asked: PackRecipe,
@@ -52,9 +50,7 @@ impl Job {
 pub struct EnvironmentJob {
     /// Path as the manifest has it.
     pub declared: String,
-    /// Path, resolved against the manifest's folder, as messages show it.
-    pub source: String,
-    /// Likewise, as it is opened.
+    /// Path, resolved against the manifest's folder.
     pub path: PathBuf,
 }
 
@@ -125,11 +121,8 @@ pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, Error> {
     let needed = needs(manifest);
     let mut uses = uses_by_material(manifest);
     let scale = manifest.scene.distance_scale.unwrap_or(DEFAULT_DISTANCE_SCALE);
-    let environment = needs::environment(manifest, &needed).map(|declared| EnvironmentJob {
-        declared: declared.to_owned(),
-        source: folder.join(declared).display().to_string(),
-        path: folder.join(declared),
-    });
+    let environment = needs::environment(manifest, &needed)
+        .map(|declared| EnvironmentJob { declared: declared.to_owned(), path: folder.join(declared) });
     let scene = manifest.scene.name.clone().unwrap_or_else(|| "scene".to_owned());
     let mut plan = Plan {
         scene,
@@ -157,7 +150,6 @@ pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, Error> {
         plan.jobs.push(Job {
             name: name.clone(),
             declared: material.source.display().to_string(),
-            source: input.to_string(),
             input,
             asked,
             recipe,

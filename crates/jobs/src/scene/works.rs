@@ -34,10 +34,10 @@ impl Work<'_> {
     }
 
     /// Path or address that it reads.
-    pub fn source(&self) -> &str {
+    pub fn source(&self) -> String {
         match self {
-            Self::Pack(job) | Self::Maps(job) => &job.source,
-            Self::Environment(job) => &job.source,
+            Self::Pack(job) | Self::Maps(job) => job.input.to_string(),
+            Self::Environment(job) => job.path.display().to_string(),
         }
     }
 
