@@ -129,19 +129,24 @@ fn check_spread(input: &impl std::fmt::Display, size: [u32; 2]) -> Result<(), Er
     Err(refused(input, "size", &found, &allowed))
 }
 
-/// Linear RGB. What a file has below black is noise.
-fn not_negative(image: Image) -> Vec<[f32; 3]> {
-    let mut pixels = image.pixels;
-    pixels.as_flattened_mut().iter_mut().for_each(|value| *value = value.max(0.0));
-    pixels
+/// Linear RGB of so many photographs, decoded side by side; of several errors the first. What a file has below black is noise.
+fn decoded(
+    count: usize,
+    image: impl Fn(usize) -> Result<Image, InputError> + Sync + Send,
+) -> Result<Vec<Vec<[f32; 3]>>, InputError> {
+    let images: Vec<Result<Image, _>> = (0..count).into_par_iter().map(image).collect();
+    let not_negative = |mut image: Image| {
+        image.pixels.as_flattened_mut().iter_mut().for_each(|value| *value = value.max(0.0));
+        image.pixels
+    };
+    images.into_iter().map(|image| image.map(not_negative)).collect()
 }
 
 /// All photographs of a light stack, decoded side by side.
 fn photographs(path: &Path) -> Result<LightSamples, Error> {
     let stack = LightStack::open(path)?;
     check_amount(&path.display(), stack.size(), stack.len())?;
-    let images: Vec<Result<_, InputError>> = (0..stack.len()).into_par_iter().map(|light| stack.image(light)).collect();
-    let pictures = images.into_iter().map(|image| image.map(not_negative)).collect::<Result<_, _>>()?;
+    let pictures = decoded(stack.len(), |light| stack.image(light))?;
     Ok(LightSamples { size: stack.size(), lights: stack.lights().to_vec(), pictures, repeats: false, defined: None })
 }
 
@@ -150,9 +155,7 @@ fn one_view(path: &Path, view: usize) -> Result<LightSamples, Error> {
     check_view(view, btf.views().len())?;
     let lights: Vec<[f32; 3]> = btf.lights().directions().into_iter().map(single).collect();
     check_amount(&path.display(), btf.size(), lights.len())?;
-    let images: Vec<Result<_, InputError>> =
-        (0..lights.len()).into_par_iter().map(|light| btf.image(view, light)).collect();
-    let pictures = images.into_iter().map(|image| image.map(not_negative)).collect::<Result<_, _>>()?;
+    let pictures = decoded(lights.len(), |light| btf.image(view, light))?;
     Ok(LightSamples { size: btf.size(), lights, pictures, repeats: true, defined: None })
 }
 
