@@ -96,10 +96,7 @@ fn unlike(items: &[ViewItem], name: String) -> String {
 }
 
 fn of_input(input: &Input, progress: &dyn Progress) -> Result<ViewItem, Error> {
-    let name = match input.path() {
-        Some(path) => path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned(),
-        None => input.to_string(),
-    };
+    let name = input.short_name();
     if let Some(path) = input.path() {
         if is_flat_btf(path) {
             return of_flat_btf(name, path);
