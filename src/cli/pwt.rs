@@ -8,9 +8,9 @@ use brdfc::relight::{
     Target, Wavelet, any_above_white, make, make_map, recipe_of_map,
 };
 use brdfc::{ErrorKind, Input};
-use brdfc_terminal::values::{any_whole_number, bytes_from_text};
+use brdfc_terminal::values::{any_whole_number, bytes_from_text, one_of};
+use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -86,20 +86,17 @@ pub struct Arguments {
     #[arg(long, value_name = "SEED", default_value_t = 0, requires = "hold_out")]
     seed: u64,
     /// Layout of a .ptm.
-    #[arg(long, value_enum)]
-    model: Option<ModelName>,
+    #[arg(long, value_parser = one_of(&MODELS))]
+    model: Option<MapModel>,
     /// Store texels as they are, without Zstandard.
     #[arg(long)]
     no_supercompression: bool,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum ModelName {
-    /// A polynomial for each channel (default).
-    Rgb,
-    /// One polynomial, and a colour that it multiplies.
-    Lrgb,
-}
+const MODELS: [(&str, MapModel, &str); 2] = [
+    ("rgb", MapModel::Rgb, "A polynomial for each channel (default)"),
+    ("lrgb", MapModel::Lrgb, "One polynomial, and a colour that it multiplies"),
+];
 
 /// Parses one of these by its name.
 fn names<T: Copy + Send + Sync + 'static>(
@@ -227,7 +224,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let read = start.elapsed().as_secs_f64();
     let start = Instant::now();
     if is_map {
-        let model = if arguments.model == Some(ModelName::Lrgb) { MapModel::Lrgb } else { MapModel::Rgb };
+        let model = arguments.model.unwrap_or(MapModel::Rgb);
         let (map, errors) = make_map(&samples, model).map_err(|error| of_input(&arguments.input, error))?;
         return write_map(
             arguments,

@@ -11,7 +11,6 @@ use super::directions::in_flags;
 use super::output::{json_or, make_folder, note, print};
 use super::steps::Steps;
 use super::{Common, Error, interrupt};
-use arguments::ImageFormat;
 use brdfc::flatten::words::{missed, remarks};
 use brdfc::flatten::{FlatAsset, FlattenJob, OrdinaryBtf, StackFormat, Surface, Values, run as flatten};
 use options::{asset_name, check_inputs, check_outputs, meso_options, recipe};
@@ -45,10 +44,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     arguments.write_images.as_deref().map(make_folder).transpose()?;
     let interrupt = interrupt::watch()?;
     let steps = Steps::new(common, interrupt.flag());
-    let format = match arguments.image_format {
-        Some(ImageFormat::Exr) => StackFormat::Exr,
-        Some(ImageFormat::Png) | None => StackFormat::Png,
-    };
+    let format = arguments.image_format.unwrap_or(StackFormat::Png);
     let images = arguments.write_images.as_deref().map(|folder| (folder, format));
     let job = FlattenJob {
         name: &name,

@@ -1,6 +1,6 @@
 //! Flags to what is flattened and how: which of them go with which input, and their ranges.
 
-use super::arguments::{Arguments, FLAT_TEXELS, Fill, FormArgument};
+use super::arguments::{Arguments, FLAT_TEXELS};
 use crate::Error;
 use crate::directions::{default_set, direction_set, map_header};
 use crate::inputs::refuse_stdin_twice;
@@ -158,7 +158,7 @@ fn check_placement(arguments: &Arguments, is_stack: bool) -> Result<(), Error> {
         let allowed = "with an ordinary BTF: a folder of images or a .btf file";
         refuse_flags("a surface", &[(arguments.geometry.is_some(), "--geometry", allowed)])?;
     }
-    let of_light = arguments.fill.is_some() && arguments.form == FormArgument::Light;
+    let of_light = arguments.fill.is_some() && arguments.form == Form::Light;
     refuse_flags("--form light, which has no views to fill", &[(of_light, "--fill", "with --form full")])
 }
 
@@ -202,16 +202,10 @@ pub(super) fn recipe(arguments: &Arguments) -> Result<FlattenRecipe, Error> {
         oversampling: arguments.oversampling,
         views,
         lights,
-        fill: match arguments.fill {
-            Some(Fill::PushPull) => FillMethod::PushPull,
-            Some(Fill::Poisson) | None => FillMethod::Poisson,
-        },
+        fill: arguments.fill.unwrap_or(FillMethod::Poisson),
         bounces: arguments.bounces,
         rounds: arguments.stretch_rounds,
-        form: match arguments.form {
-            FormArgument::Full => Form::Full,
-            FormArgument::Light => Form::Light,
-        },
+        form: arguments.form,
         factor: factor_target(arguments)?,
         compact: true,
     })
@@ -222,7 +216,7 @@ const MAX_DELTA_E: f64 = 0.7;
 
 /// What factors are to be like; nothing of the light form, which has none.
 fn factor_target(arguments: &Arguments) -> Result<Option<FactoredTarget>, Error> {
-    if arguments.form == FormArgument::Light {
+    if arguments.form == Form::Light {
         let given =
             [(arguments.max_delta_e.is_some(), "--max-delta-e"), (arguments.max_bytes.is_some(), "--max-bytes")];
         let flags = given.map(|(given, flag)| (given, flag, "with --form full"));

@@ -1,6 +1,6 @@
 //! Pictures of flat BTFs.
 
-use super::arguments::{Arguments, FormName};
+use super::arguments::Arguments;
 use super::materials::Subject;
 use super::{gpu, outputs, scene};
 use crate::output::{self, note};
@@ -38,12 +38,7 @@ pub(super) fn verification(
     let wrong = |error: FormatError| Error::input(format!("{input}: {error}"));
     let parts = file.decoder.parts();
     let has_views = parts.values.factored().is_some();
-    let form = match arguments.form {
-        Some(FormName::Full) => FlatForm::Full,
-        Some(FormName::Light) => FlatForm::Light,
-        None if has_views => FlatForm::Full,
-        None => FlatForm::Light,
-    };
+    let form = arguments.form.unwrap_or(if has_views { FlatForm::Full } else { FlatForm::Light });
     let (stored, bytes_on_gpu) = match form {
         FlatForm::Light => ("light form", file.decoder.bindings(false, None).gpu_bytes()),
         FlatForm::Full => {

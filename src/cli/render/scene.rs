@@ -139,7 +139,7 @@ fn builtin(
     default: Builtin,
 ) -> Result<Builtin, Error> {
     if let Some(name) = arguments.scene {
-        return Ok(name.into());
+        return Ok(name);
     }
     let Some(name) = &section.scene else { return Ok(default) };
     let known = Builtin::NAMES.map(|(name, _)| name);
