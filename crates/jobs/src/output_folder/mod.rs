@@ -128,9 +128,9 @@ impl OutputFolder {
         }
     }
 
-    /// Puts all files in place by their names, and removes those of earlier builds that are not among them. Until all are written aside the
-    /// folder stays as it is. `files` is given those of earlier builds that are there and unchanged, while no other build can
-    /// change them: what of them is to stay is to be among what it returns.
+    /// Puts all files in place by their names, and removes those of earlier builds that are not among them. Until all are
+    /// written aside the folder stays as it is. `files` is given those of earlier builds that are there and unchanged, while no
+    /// other build can change them: what of them is to stay is to be among what it returns.
     pub fn place(
         &mut self,
         store: &Store,
