@@ -10,7 +10,6 @@ use brdfc::{Facts, Input, MaterialReport, Progress as _, Stage};
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
 
 /// Encode one material as a pack for GPUs.
 ///
@@ -52,8 +51,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let recipe = arguments.options.recipe()?;
     refuse_unfit_output(&arguments.output, &["ktx2"], arguments.input.path().as_slice())?;
     // An interrupt ends the process at once: there is one file, which is whole or not there.
-    let cancelled = AtomicBool::new(false);
-    let progress = Materials::new(1, false, common, &cancelled);
+    let progress = Materials::new(1, false, common);
     let name = arguments.output.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let part = progress.part(&name);
     let clock = StageClock::new(part.as_ref());

@@ -14,7 +14,6 @@ use brdfc::{Fraction, Input, Progress};
 use brdfc_terminal::words::counted;
 use clap::Args;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 
 /// Write a page about the packs in a folder, or about a flat BTF: pictures, errors, checks.
 ///
@@ -90,8 +89,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         refuse_overwriting("--sheet", path, &built)?;
     }
     // An interrupt ends the process at once: files are whole or not there.
-    let cancelled = AtomicBool::new(false);
-    let progress = Materials::new(reports.count(), false, common, &cancelled);
+    let progress = Materials::new(reports.count(), false, common);
     let mut page = gather(reports, tolerance, &progress)?;
     page.view = write_view(arguments, &progress)?;
     drop(progress);

@@ -42,8 +42,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     recipe.check().map_err(|error| Error::usage(in_flags(&error)))?;
     make_folder(&arguments.out)?;
     arguments.write_images.as_deref().map(make_folder).transpose()?;
-    let interrupt = interrupt::watch()?;
-    let steps = Steps::new(common, interrupt.flag());
+    let steps = Steps::new(common, interrupt::watch()?);
     let format = arguments.image_format.unwrap_or(StackFormat::Png);
     let images = arguments.write_images.as_deref().map(|folder| (folder, format));
     let job = FlattenJob {
