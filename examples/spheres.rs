@@ -45,7 +45,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let demo = root.join("testdata/demo");
     let manifest = Manifest::parse(&std::fs::read_to_string(demo.join("scene.toml"))?)?;
     let mut rows: Vec<(String, String)> =
-        plan(&manifest, &demo)?.jobs.into_iter().map(|job| (job.name, job.source)).collect();
+        plan(&manifest, &demo)?.jobs.into_iter().map(|job| (job.name, job.input.to_string())).collect();
     rows.push(("sharp".to_owned(), SHARP.to_owned()));
 
     let (count, tile) = (rows.len() as u32, TILE as u32);

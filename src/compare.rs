@@ -3,17 +3,16 @@
 pub use brdfc_flat_btf::probes::ColourErrors;
 pub use brdfc_formats::crop::DirectionRange;
 pub use brdfc_jobs::flatten::FlatComparison;
-pub use brdfc_jobs::pwt::{PhotographComparison, PhotographErrors};
+pub use brdfc_jobs::pwt::{PhotographComparison, PhotographErrors, compare_photographs as photographs};
 pub use brdfc_metrics::compare::Comparison;
 pub use brdfc_pwt::measure::StackErrors;
 
 use crate::{DirectionPair, Error, Input, Material};
 use brdfc_jobs::flatten::compare_flat;
-use brdfc_jobs::pwt::{compare_photographs, open_flat_material};
+use brdfc_jobs::pwt::open_flat_material;
 use brdfc_metrics::sampling::{PairSet, random_pairs};
 use brdfc_source::flat_btf::flat_btf_file;
 use brdfc_source::light_stack::is_light_stack;
-use std::path::Path;
 
 const SEED: u64 = 2007;
 
@@ -93,18 +92,8 @@ pub fn reflectances(a: &Material, b: &Material, pairs: Pairs) -> Result<Compared
 /// Files that cannot be read, are broken or are no flat BTF; one without values for views.
 pub fn flat_btfs(a: &Input, b: &Input) -> Result<FlatComparison, Error> {
     let open = |name: &str, input: &Input| {
-        let no_flat_btf = || Error::usage(format!("{name}: found {input}; allowed a flat BTF, as A is one"));
+        let no_flat_btf = || Error::wrong_usage(name, input, "a flat BTF, as A is one");
         open_flat_material(input)?.ok_or_else(no_flat_btf)
     };
-    compare_flat(&open("A", a)?, &open("B", b)?)
-        .ok_or_else(|| Error::input(format!("{a}: found the light form; allowed the full form")))
-}
-
-/// Measures a pack, a polynomial texture map or another light stack against the photographs of a light stack, as sRGB levels
-/// and by ΔE (CIE76).
-///
-/// # Errors
-/// What cannot be read or is none of these; another size; a stack under other lights.
-pub fn photographs(a: &Path, b: &Input) -> Result<PhotographComparison, Error> {
-    Ok(compare_photographs(a, b)?)
+    compare_flat(&open("A", a)?, &open("B", b)?).ok_or_else(|| Error::wrong_input(a, "the light form", "the full form"))
 }

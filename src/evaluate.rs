@@ -24,7 +24,7 @@ pub fn check_level(level: Option<f32>) -> Result<(), Error> {
 }
 
 fn wrong_level(found: f32, allowed: &str) -> Error {
-    Error::usage(format!("lod: found {}; allowed {allowed}", format_number(found)))
+    Error::wrong_usage("lod", format_number(found), allowed)
 }
 
 /// Opens a material; a pack at a level of detail, 0 (coarsest) to its number of levels (finest, the default).

@@ -11,7 +11,6 @@ pub use brdfc_formats::direction_set::DirectionSet;
 pub use brdfc_formats::flat_btf::IndirectionHeader;
 pub use brdfc_jobs::btf_stack::StackFormat;
 pub use brdfc_jobs::flatten::{
-    AssetFile, FlatAsset, FlattenError, FlattenJob, MesoOptions, PLANE, Surface, Values, open_asset, read_report, run,
-    words,
+    AssetFile, FlatAsset, FlattenJob, MesoOptions, PLANE, Surface, Values, open_asset, read_report, run, words,
 };
 pub use brdfc_source::ordinary_btf::OrdinaryBtf;

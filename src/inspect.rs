@@ -34,11 +34,7 @@ pub fn files(input: &Input) -> Result<BTreeMap<String, PackFile>, Error> {
         }
         return Err(wrong(FormatError::whole("input", "no pack", "a pack")).into());
     }
-    let name = match input.path() {
-        Some(path) => path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
-        None => input.to_string(),
-    };
-    Ok(pack_files(&name, &input.read(MAX_FILE_BYTES)?).map_err(wrong)?)
+    Ok(pack_files(&input.short_name(), &input.read(MAX_FILE_BYTES)?).map_err(wrong)?)
 }
 
 /// The features that a device needs for all textures of a pack.

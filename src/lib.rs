@@ -26,7 +26,6 @@
 mod page {}
 
 pub mod bandwidth;
-mod build;
 pub mod compare;
 pub mod convert;
 pub mod encode;
@@ -49,6 +48,7 @@ pub use brdfc_core::progress::{Cancelled, Progress, Stage};
 pub use brdfc_core::{Source, Tally};
 pub use brdfc_formats::direction::DirectionPair;
 pub use brdfc_formats::{Brdf, BrdfPack, FormatError};
+pub use brdfc_jobs::build::Build;
 pub use brdfc_jobs::encode::PackRecipe;
 pub use brdfc_jobs::encode::encoders::table::recipe::TableRecipe;
 pub use brdfc_jobs::encode::encoders::wavelet::recipe::Recipe as WaveletRecipe;
@@ -57,13 +57,12 @@ pub use brdfc_jobs::encode::{Budget, EncodeOptions};
 pub use brdfc_jobs::output_folder::Changes;
 pub use brdfc_jobs::report::build::BuildReport;
 pub use brdfc_jobs::report::material::MaterialReport;
-pub use brdfc_jobs::scene::build::{BuildSettings, Built};
+pub use brdfc_jobs::scene::build::Built;
 pub use brdfc_jobs::scene::plan::Plan;
 pub use brdfc_jobs::scene::run::{Made, Outcome, Outcomes};
 pub use brdfc_jobs::{Error, ErrorKind};
 pub use brdfc_metrics::fraction::Fraction;
 pub use brdfc_source::open::Facts;
 pub use brdfc_source::{Input, InputError};
-pub use build::Build;
 pub use material::{Material, open};
 pub use pack::{Errors, Pack};

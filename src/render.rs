@@ -10,7 +10,7 @@ pub use brdfc_formats::pwt::{PwtDecoder, PwtPack};
 pub use brdfc_formats::wavelet::{DEFAULT_DISTANCE_SCALE, Filter};
 pub use brdfc_gpu::verify::{Material, PackReflectance, Views, views};
 pub use brdfc_gpu::{AdapterChoice, AdaptiveRenderer, Decoding, Gpu, GpuError, SliceFilter, draw_flat_btf, draw_pwt};
-pub use brdfc_jobs::report::adaptive::{AdaptivePictures, AdaptiveVerification};
+pub use brdfc_jobs::report::adaptive::{AdaptiveVerification, Shading};
 pub use brdfc_jobs::report::contact::MaterialVerification;
 pub use brdfc_jobs::report::render::{PartMaterial, PictureGates, Verification};
 pub use brdfc_metrics::image::{LinearImage, auto_exposure};

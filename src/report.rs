@@ -3,7 +3,6 @@
 //! [`Reports::open`] reads a folder of packs, [`gather`] compares them with their sources, [`html`], [`csv()`] and [`sheet_png`] are
 //! what to write. [`FlatPage`] is the same of a flat BTF.
 
-pub use brdfc_jobs::report::page::GatherError;
 pub use brdfc_jobs::report::page::{
     FlatPage, Page, PageReport, Reports, ViewLink, csv, flat_csv, flat_html, gather, html, is_flat_btf,
 };

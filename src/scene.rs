@@ -11,7 +11,6 @@ pub use brdfc_jobs::scene::graph::{Graph, Places};
 pub use brdfc_jobs::scene::inputs::{manifest_among, read_manifest};
 pub use brdfc_jobs::scene::manifest::{Manifest, ManifestError, Use, line_of, near_miss};
 pub use brdfc_jobs::scene::maps::{PARTS, Packed, part_name};
-pub use brdfc_jobs::scene::plan::PlanError;
 pub use brdfc_jobs::scene::plan::{EnvironmentJob, Job, REPORT, pack_name, plan};
 pub use brdfc_jobs::scene::render_section::{LightSection, MAX_SAMPLES, MAX_SIDE, RenderSection};
 pub use brdfc_jobs::scene::watch::{Change, Watched, What};

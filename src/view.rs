@@ -1,4 +1,3 @@
 //! Pages that draw packs in a browser: `brdfc view`.
 
-pub use brdfc_jobs::view::ViewError;
 pub use brdfc_jobs::view::{ViewItem, ViewOptions, ViewPage, open_items, view_page};

@@ -1,8 +1,7 @@
 //! `brdfc bandwidth`: how fast a material, an environment or a texture varies, as a map.
 
 use super::output::{
-    note, note_directions, note_repairs, output_parser, print, print_json, print_report, refuse_unfit_output, to_json,
-    write_file,
+    json_or, note, note_directions, note_repairs, output_parser, print, print_report, refuse_unfit_output, write_file,
 };
 use super::{Common, Error};
 use crate::table;
@@ -126,7 +125,7 @@ impl Report {
 /// `brdfc info` of a map.
 pub(super) fn info(map: &BandwidthMap, common: Common) -> Result<(), Error> {
     let report = Report::new(map, None, None);
-    if common.json { print_json(&report) } else { print(&report.text()) }
+    print(&json_or(common, &report, report.text()))
 }
 
 /// What is to be done, from the flags.
@@ -202,8 +201,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     if let Some(line) = report.facts.remark() {
         note(common, &arguments.input, &line);
     }
-    let text = if common.json { to_json(&report) } else { report.text() };
-    print_report(common, &arguments.output, &text)
+    print_report(common, &arguments.output, &json_or(common, &report, report.text()))
 }
 
 /// The picture is another file than the input and the map, and a PNG.

@@ -1,6 +1,6 @@
 //! `brdfc convert`: any source as a measured file that other programs read.
 
-use super::output::{output_parser, print_report, refuse_unfit_output, to_json, write_file};
+use super::output::{json_or, output_parser, print_report, refuse_flags, refuse_unfit_output, write_file};
 use super::synth::dimensions;
 use super::{Common, Error};
 use crate::table;
@@ -73,25 +73,20 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     })?;
     write_file(output, &converted.bytes)?;
     let (values, bytes_on_disk, comparison) = (converted.values, converted.bytes.len(), converted.comparison);
-    if common.json {
-        let report = Report { version: 1, kind, source: material.facts().clone(), values, bytes_on_disk, comparison };
-        return print_report(common, output, &to_json(&report));
-    }
     let wrote = format!("{values} values, {}\n", table::bytes(bytes_on_disk as u64));
-    let directions = material.source().directions();
-    print_report(common, output, &(wrote + &table::comparison(&comparison, directions)))
+    let text = wrote + &table::comparison(&comparison, material.source().directions());
+    let report = Report { version: 1, kind, source: material.facts().clone(), values, bytes_on_disk, comparison };
+    print_report(common, output, &json_or(common, &report, text))
 }
 
 /// What the name of the output asks for.
 fn target(arguments: &Arguments) -> Result<(&'static str, Target), Error> {
     let is = |name: &str| arguments.output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(name));
-    let found = arguments.output.display();
-    if arguments.dimensions.is_some() && !is("binary") {
-        return Err(Error::usage(format!("--dimensions: found with {found}; allowed with a file in .binary")));
-    }
-    if arguments.grid.is_some() && !is("csv") {
-        return Err(Error::usage(format!("--grid: found with {found}; allowed with a file in .csv")));
-    }
+    let flags = [
+        (arguments.dimensions.is_some() && !is("binary"), "--dimensions", "with a file in .binary"),
+        (arguments.grid.is_some() && !is("csv"), "--grid", "with a file in .csv"),
+    ];
+    refuse_flags(arguments.output.display(), &flags)?;
     if is("csv") {
         return Ok(("csv", Target::Csv(pair_grid(arguments.grid.as_deref().unwrap_or("12x24x48"))?)));
     }

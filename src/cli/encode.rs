@@ -1,7 +1,7 @@
 //! `brdfc encode`: one input to one pack.
 
 use super::options::PackOptions;
-use super::output::{note, output_parser, print_report, refuse_unfit_output, to_json};
+use super::output::{json_or, note, output_parser, print_report, refuse_unfit_output};
 use super::progress::Materials;
 use super::{Common, Error};
 use crate::table;
@@ -10,7 +10,6 @@ use brdfc::{Facts, Input, MaterialReport, Progress as _, Stage};
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
 
 /// Encode one material as a pack for GPUs.
 ///
@@ -52,8 +51,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let recipe = arguments.options.recipe()?;
     refuse_unfit_output(&arguments.output, &["ktx2"], arguments.input.path().as_slice())?;
     // An interrupt ends the process at once: there is one file, which is whole or not there.
-    let cancelled = AtomicBool::new(false);
-    let progress = Materials::new(1, false, common, &cancelled);
+    let progress = Materials::new(1, false, common);
     let name = arguments.output.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let part = progress.part(&name);
     let clock = StageClock::new(part.as_ref());
@@ -72,16 +70,15 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     for line in remarks(&report) {
         note(common, &arguments.input, &line);
     }
-    let text = if common.json {
-        to_json(&Report { version: 2, input: material.facts().clone(), report, stages })
-    } else {
-        let mut row = vec![arguments.output.display().to_string()];
-        row.extend(table::material_row(&report, Some(stages.iter().map(|s| s.seconds).sum())));
-        let mut header = table::MATERIAL_HEADER;
-        header[0] = "pack";
-        let table = table::plain(&header, &[row]);
-        if report.tried.is_empty() { table } else { format!("{}\n{table}", table::trials(&report.tried, &of_trials)) }
-    };
-    print_report(common, &arguments.output, &text)?;
+    let mut row = vec![arguments.output.display().to_string()];
+    row.extend(table::material_row(&report, Some(stages.iter().map(|s| s.seconds).sum())));
+    let mut header = table::MATERIAL_HEADER;
+    header[0] = "pack";
+    let mut text = table::plain(&header, &[row]);
+    if !report.tried.is_empty() {
+        text = format!("{}\n{text}", table::trials(&report.tried, &of_trials));
+    }
+    let report = Report { version: 2, input: material.facts().clone(), report, stages };
+    print_report(common, &arguments.output, &json_or(common, &report, text))?;
     missed.map_or(Ok(()), Err)
 }

@@ -73,7 +73,7 @@ fn texels(arguments: &Arguments, relightable: &Relightable, bytes: &[u8]) -> Res
     let level = arguments.lod.unwrap_or(finest);
     if !(0.0..=finest).contains(&level) {
         let allowed = format!("0 to {finest}, the levels that there are");
-        return Err(Error::usage(format!("--lod: found {}; allowed {allowed}", format_number(level))));
+        return Err(Error::wrong_usage("--lod", format_number(level), allowed));
     }
     write(arguments, bytes, COLOURS, relightable.values(&queries, level).iter())
 }

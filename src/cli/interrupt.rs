@@ -14,20 +14,10 @@ const PATIENCE: Duration = Duration::from_millis(250);
 static AT_WORK: AtomicBool = AtomicBool::new(true);
 static ASKED: AtomicBool = AtomicBool::new(false);
 
-/// Whether somebody asked to stop.
-pub struct Interrupt(());
-
-impl Interrupt {
-    /// Set by the first interrupt.
-    pub fn flag(&self) -> &'static AtomicBool {
-        &ASKED
-    }
-
-    /// Whether there is work that an interrupt breaks off, as there is at first. Where there is none it ends the program as it
-    /// was meant to end, with exit code 0.
-    pub fn at_work(&self, at_work: bool) {
-        AT_WORK.store(at_work, Ordering::Relaxed);
-    }
+/// Whether there is work that an interrupt breaks off, as there is at first. Where there is none it ends the program as it was
+/// meant to end, with exit code 0.
+pub fn at_work(at_work: bool) {
+    AT_WORK.store(at_work, Ordering::Relaxed);
 }
 
 /// Whether an interrupt came.
@@ -35,9 +25,9 @@ pub fn is_asked() -> bool {
     ASKED.load(Ordering::Relaxed)
 }
 
-/// From now on an interrupt sets a flag, and soon after ends the process. Nothing is half written: finished files are put in
-/// place all together.
-pub fn watch() -> Result<Interrupt, Error> {
+/// From now on an interrupt sets the flag that this returns, and soon after ends the process. Nothing is half written: finished
+/// files are put in place all together.
+pub fn watch() -> Result<&'static AtomicBool, Error> {
     ctrlc::set_handler(|| {
         ASKED.store(true, Ordering::Relaxed);
         if !AT_WORK.load(Ordering::Relaxed) {
@@ -49,5 +39,5 @@ pub fn watch() -> Result<Interrupt, Error> {
         std::process::exit(i32::from(ErrorKind::Cancelled.exit_code()));
     })
     .map_err(|error| Error::internal(format!("cannot watch for interrupts: {error}")))?;
-    Ok(Interrupt(()))
+    Ok(&ASKED)
 }

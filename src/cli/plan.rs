@@ -47,9 +47,7 @@ enum Format {
 fn in_commands(what: &str, name: &OsStr) -> Result<String, Error> {
     name.to_str().map(str::to_owned).ok_or_else(|| {
         let found = name.display();
-        Error::usage(format!(
-            "{what}: found {found}; allowed UTF-8: the name is a part of commands ('brdfc build' takes any name)"
-        ))
+        Error::wrong_usage(what, found, "UTF-8: the name is a part of commands ('brdfc build' takes any name)")
     })
 }
 
@@ -61,19 +59,11 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let build = Build::from_inputs(&arguments.inputs)?;
     tell_left_out(&build, common);
     let plan = build.plan()?;
-    let places = Places {
-        program,
-        inputs,
-        manifest: build.manifest().map(Path::to_owned),
-        options: Vec::new(),
-        out: arguments.out.clone(),
-    };
+    let places = Places { program, inputs, manifest: build.manifest().map(Path::to_owned), out: arguments.out.clone() };
     let graph = Graph::new(&plan, &places);
     match arguments.format {
         Format::Json => print_json(&graph),
-        Format::Ninja if common.json => {
-            Err(Error::usage("--json: found with --format ninja; allowed with --format json".to_owned()))
-        }
+        Format::Ninja if common.json => Err(Error::wrong_usage("--json", "with --format ninja", "with --format json")),
         Format::Ninja => print(&graph.ninja()),
     }
 }

@@ -4,7 +4,7 @@ use super::Common;
 use super::interrupt;
 use super::output::tell;
 use brdfc::{Cancelled, Plan, Progress, Stage};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
@@ -30,7 +30,8 @@ const OF_MAPS: [Stage; 2] = [Stage::BandwidthMap, Stage::ImportanceSamples];
 
 /// Progress over a number of materials, the environment counted as one.
 pub(super) struct Materials<'a> {
-    cancelled: &'a AtomicBool,
+    /// Set where the work is of no use any more; an interrupt counts, too.
+    cancelled: Option<&'a AtomicBool>,
     bar: ProgressBar,
     lines: bool,
     shares: Vec<(Stage, u64)>,
@@ -44,25 +45,24 @@ pub(super) struct Materials<'a> {
 
 impl<'a> Materials<'a> {
     /// Of all that a plan has.
-    pub(super) fn of(plan: &Plan, common: Common, cancelled: &'a AtomicBool) -> Self {
+    pub(super) fn of(plan: &Plan, common: Common) -> Self {
         let maps = plan.environment.is_some();
-        Self::new(plan.jobs.len() + usize::from(maps), maps, common, cancelled)
+        Self::new(plan.jobs.len() + usize::from(maps), maps, common)
     }
 
-    /// No plain lines where there is no terminal.
-    pub(super) fn without_lines(mut self) -> Self {
-        self.lines = false;
-        self
+    /// Ends when this is set. No plain lines where there is no terminal.
+    pub(super) fn until(self, cancelled: &'a AtomicBool) -> Self {
+        Self { cancelled: Some(cancelled), lines: false, ..self }
     }
 
     /// Of `total` materials, with maps or without.
-    pub(super) fn new(total: usize, maps: bool, common: Common, cancelled: &'a AtomicBool) -> Self {
+    pub(super) fn new(total: usize, maps: bool, common: Common) -> Self {
         let shares: Vec<_> = SHARES.into_iter().filter(|(stage, _)| maps || !OF_MAPS.contains(stage)).collect();
         let whole = shares.iter().map(|(_, share)| share).sum();
         let terminal = std::io::stderr().is_terminal();
         let bar = bar(whole * total as u64, "{bar:30} {percent:>3} %  {eta} left  {msg}", terminal && !common.quiet);
         Self {
-            cancelled,
+            cancelled: None,
             bar,
             lines: !terminal && !common.quiet,
             shares,
@@ -75,27 +75,21 @@ impl<'a> Materials<'a> {
     }
 }
 
-/// A bar on stderr; none of it unless `shown`.
+/// A bar on stderr, which goes away when it is dropped; none of it unless `shown`.
 pub(super) fn bar(length: u64, template: &str, shown: bool) -> ProgressBar {
     if !shown {
         return ProgressBar::hidden();
     }
-    let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::stderr());
+    let bar =
+        ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::stderr()).with_finish(ProgressFinish::AndClear);
     bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));
     bar.enable_steady_tick(Duration::from_millis(200));
     bar
 }
 
-/// Takes the bar away, after errors too.
-impl Drop for Materials<'_> {
-    fn drop(&mut self) {
-        self.bar.finish_and_clear();
-    }
-}
-
 impl Progress for Materials<'_> {
     fn check(&self) -> Result<(), Cancelled> {
-        let is_over = self.cancelled.load(Ordering::Relaxed) || interrupt::is_asked();
+        let is_over = self.cancelled.is_some_and(|flag| flag.load(Ordering::Relaxed)) || interrupt::is_asked();
         if is_over { Err(Cancelled) } else { Ok(()) }
     }
 

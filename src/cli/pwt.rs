@@ -1,16 +1,16 @@
 //! `brdfc pwt`: photographs under known lights to one pack that can be lit anew.
 
-use super::output::{note, output_parser, print_report, refuse_unfit_output, to_json, write_file};
+use super::output::{json_or, note, output_parser, print_report, refuse_flags, refuse_unfit_output, write_file};
 use super::{Common, Error};
 use crate::table;
 use brdfc::relight::{
-    DomainName, LevelReport, LightCoordinates, LightInput, MapModel, PTM, Ptm, PwtError, PwtRecipe, PwtReport,
-    StackErrors, Target, Wavelet, any_above_white, make, make_map, recipe_of_map,
+    DomainName, LevelReport, LightCoordinates, LightInput, MapModel, PTM, Ptm, PwtRecipe, PwtReport, StackErrors,
+    Target, Wavelet, any_above_white, make, make_map, recipe_of_map,
 };
 use brdfc::{ErrorKind, Input};
-use brdfc_terminal::values::{any_whole_number, bytes_from_text};
+use brdfc_terminal::values::{any_whole_number, bytes_from_text, one_of};
+use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -86,20 +86,17 @@ pub struct Arguments {
     #[arg(long, value_name = "SEED", default_value_t = 0, requires = "hold_out")]
     seed: u64,
     /// Layout of a .ptm.
-    #[arg(long, value_enum)]
-    model: Option<ModelName>,
+    #[arg(long, value_parser = one_of(&MODELS))]
+    model: Option<MapModel>,
     /// Store texels as they are, without Zstandard.
     #[arg(long)]
     no_supercompression: bool,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum ModelName {
-    /// A polynomial for each channel (default).
-    Rgb,
-    /// One polynomial, and a colour that it multiplies.
-    Lrgb,
-}
+const MODELS: [(&str, MapModel, &str); 2] = [
+    ("rgb", MapModel::Rgb, "A polynomial for each channel (default)"),
+    ("lrgb", MapModel::Lrgb, "One polynomial, and a colour that it multiplies"),
+];
 
 /// Parses one of these by its name.
 fn names<T: Copy + Send + Sync + 'static>(
@@ -181,38 +178,36 @@ fn recipe(arguments: &Arguments) -> Result<PwtRecipe, Error> {
     Ok(recipe)
 }
 
-/// An option that was given and says nothing of a polynomial texture map.
-fn of_a_pack(arguments: &Arguments) -> Option<&'static str> {
+/// Refuses options that say nothing of a polynomial texture map.
+fn refuse_flags_of_packs(arguments: &Arguments) -> Result<(), Error> {
     let given = [
-        (arguments.quality.is_some(), "quality"),
-        (arguments.max_delta_e.is_some(), "max-delta-e"),
-        (arguments.max_bytes.is_some(), "max-bytes"),
-        (arguments.energy.is_some(), "energy"),
-        (arguments.loss.is_some(), "loss"),
-        (arguments.tile, "tile"),
-        (arguments.coordinates.is_some(), "coordinates"),
-        (arguments.degree.is_some(), "degree"),
-        (arguments.ridge.is_some(), "ridge"),
-        (arguments.domain.is_some(), "domain"),
-        (arguments.wavelet.is_some(), "wavelet"),
-        (arguments.levels.is_some(), "levels"),
-        (arguments.packets.is_some(), "packets"),
-        (arguments.hold_out != 0, "hold-out"),
-        (arguments.no_supercompression, "no-supercompression"),
+        (arguments.quality.is_some(), "--quality"),
+        (arguments.max_delta_e.is_some(), "--max-delta-e"),
+        (arguments.max_bytes.is_some(), "--max-bytes"),
+        (arguments.energy.is_some(), "--energy"),
+        (arguments.loss.is_some(), "--loss"),
+        (arguments.tile, "--tile"),
+        (arguments.coordinates.is_some(), "--coordinates"),
+        (arguments.degree.is_some(), "--degree"),
+        (arguments.ridge.is_some(), "--ridge"),
+        (arguments.domain.is_some(), "--domain"),
+        (arguments.wavelet.is_some(), "--wavelet"),
+        (arguments.levels.is_some(), "--levels"),
+        (arguments.packets.is_some(), "--packets"),
+        (arguments.hold_out != 0, "--hold-out"),
+        (arguments.no_supercompression, "--no-supercompression"),
     ];
-    given.into_iter().find(|(given, _)| *given).map(|(_, option)| option)
+    refuse_flags("an output .ptm", &given.map(|(given, flag)| (given, flag, "with a pack")))
 }
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let recipe = recipe(arguments)?;
     let is_map = arguments.output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(PTM));
-    if let Some(option) = is_map.then(|| of_a_pack(arguments)).flatten() {
-        return Err(Error::usage(format!("--{option}: found with an output .ptm; allowed with a pack")));
+    if is_map {
+        refuse_flags_of_packs(arguments)?;
     }
     refuse_unfit_output(&arguments.output, &["ktx2", PTM], arguments.input.path().as_slice())?;
-    if !is_map && arguments.model.is_some() {
-        return Err(Error::usage("--model: found with a pack; allowed with an output .ptm".to_owned()));
-    }
+    refuse_flags("a pack", &[(!is_map && arguments.model.is_some(), "--model", "with an output .ptm")])?;
     let start = Instant::now();
     let input = LightInput::open(&arguments.input, arguments.view)?;
     let of_map = matches!(input, LightInput::Map(_));
@@ -229,8 +224,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let read = start.elapsed().as_secs_f64();
     let start = Instant::now();
     if is_map {
-        let model = if arguments.model == Some(ModelName::Lrgb) { MapModel::Lrgb } else { MapModel::Rgb };
-        let (map, errors) = make_map(&samples, model).map_err(|error| of_input(&arguments.input, error.into()))?;
+        let model = arguments.model.unwrap_or(MapModel::Rgb);
+        let (map, errors) = make_map(&samples, model).map_err(|error| of_input(&arguments.input, error))?;
         return write_map(
             arguments,
             common,
@@ -240,13 +235,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         );
     }
     let recipe = if of_map { recipe_of_map(recipe) } else { recipe };
-    let made = make(&samples, &recipe, arguments.hold_out, arguments.seed).map_err(|error| match error {
-        // How many there may be depends on the size.
-        PwtError::Format(error) if error.field == "levels" => {
-            Error::usage(format!("--levels: found {}; allowed {}", error.found, error.allowed))
-        }
-        error => of_input(&arguments.input, error.into()),
-    })?;
+    let made = make(&samples, &recipe, arguments.hold_out, arguments.seed)
+        .map_err(|error| of_input(&arguments.input, error))?;
     let seconds = Seconds { read, encode: start.elapsed().as_secs_f64() };
     let bytes = made.encoded.pack.to_bytes(!arguments.no_supercompression);
     write_file(&arguments.output, &bytes)?;
@@ -255,22 +245,15 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     if !report.met {
         note(common, &arguments.input, "the best that there is was written");
     }
-    let text = if common.json {
-        to_json(&Report { version: 1, made: Made::Pwt(report), seconds })
-    } else {
-        in_words(&report, seconds)
-    };
-    print_report(common, &arguments.output, &text)?;
+    let text = in_words(&report, seconds);
+    let report = Report { version: 1, made: Made::Pwt(report), seconds };
+    print_report(common, &arguments.output, &json_or(common, &report, text))?;
     missed.map_or(Ok(()), |text| Err(Error::check(text)))
 }
 
 /// What is wrong with photographs, by the input's name.
 fn of_input(input: &Input, error: Error) -> Error {
-    if error.kind() != ErrorKind::Input {
-        return error;
-    }
-    let text = format!("{input}: {error}");
-    error.with_message(text)
+    if error.kind() == ErrorKind::Input { error.prefixed(input) } else { error }
 }
 
 fn missed(recipe: &PwtRecipe, report: &PwtReport) -> String {
@@ -295,42 +278,35 @@ fn write_map(
     let bytes = map.to_bytes();
     write_file(&arguments.output, &bytes)?;
     let made = Made::Ptm { model, size: map.size(), bytes_on_disk: bytes.len(), errors };
-    let text = if common.json {
-        to_json(&Report { version: 1, made, seconds })
-    } else {
-        let [width, height] = map.size();
-        let row = vec![
-            format!("{} x {}", width, height),
-            map.model().name().to_owned(),
-            table::bytes(bytes.len() as u64),
-            format!("{:.2}", errors.psnr),
-            format!("{:.2}", errors.delta_e),
-        ];
-        table::plain(&["pixels", "layout", "bytes", "dB", "mean ΔE"], &[row])
-    };
-    print_report(common, &arguments.output, &text)
+    let [width, height] = map.size();
+    let row = vec![
+        format!("{width} x {height}"),
+        map.model().name().to_owned(),
+        table::bytes(bytes.len() as u64),
+        format!("{:.2}", errors.psnr),
+        format!("{:.2}", errors.delta_e),
+    ];
+    let text = table::plain(&["pixels", "layout", "bytes", "dB", "mean ΔE"], &[row]);
+    print_report(common, &arguments.output, &json_or(common, &Report { version: 1, made, seconds }, text))
 }
 
 fn in_words(report: &PwtReport, seconds: Seconds) -> String {
-    let tried: Vec<Vec<String>> = report
-        .tried
-        .iter()
-        .map(|c| {
-            vec![
-                c.domain.name().to_owned(),
-                c.coordinates.name().to_owned(),
-                c.degree.to_string(),
-                format!("{:e}", c.ridge),
-                format!("{:.2}", c.psnr),
-                c.held_out_psnr.map_or("-".to_owned(), |psnr| format!("{psnr:.2}")),
-            ]
-        })
-        .collect();
-    let mut text = table::plain(&["scale", "coordinates", "degree", "ridge", "dB", "dB unseen"], &tried);
+    let decimals = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.2}"));
+    let tried = report.tried.iter().map(|c| {
+        [
+            c.domain.name().to_owned(),
+            c.coordinates.name().to_owned(),
+            c.degree.to_string(),
+            format!("{:e}", c.ridge),
+            format!("{:.2}", c.psnr),
+            decimals(c.held_out_psnr),
+        ]
+    });
+    let mut text = table::plain(&["scale", "coordinates", "degree", "ridge", "dB", "dB unseen"], tried);
     text.push('\n');
     let level = |level: &LevelReport| {
         let textures = report.textures.iter().find(|texture| texture.level == level.level);
-        vec![
+        [
             level.level.to_string(),
             level.subbands.to_string(),
             table::percent(level.energy),
@@ -339,8 +315,8 @@ fn in_words(report: &PwtReport, seconds: Seconds) -> String {
             textures.map_or("-".to_owned(), |t| format!("{} x {}", t.layers, t.channels)),
         ]
     };
-    let levels: Vec<Vec<String>> = report.levels.iter().map(level).collect();
-    text.push_str(&table::plain(&["level", "subbands", "energy", "degree", "texels", "layers x channels"], &levels));
+    let header = ["level", "subbands", "energy", "degree", "texels", "layers x channels"];
+    text.push_str(&table::plain(&header, report.levels.iter().map(level)));
     text.push('\n');
     let held = report.held_out.as_ref();
     let row = vec![
@@ -350,8 +326,8 @@ fn in_words(report: &PwtReport, seconds: Seconds) -> String {
         report.fetches.to_string(),
         format!("{:.2}", report.psnr),
         format!("{:.2}", report.delta_e),
-        held.map_or("-".to_owned(), |held| format!("{:.2}", held.psnr)),
-        held.map_or("-".to_owned(), |held| format!("{:.2}", held.delta_e)),
+        decimals(held.map(|held| held.psnr)),
+        decimals(held.map(|held| held.delta_e)),
         format!("{:.2}", seconds.read + seconds.encode),
     ];
     let header = ["lights", "GPU", "file", "fetches", "dB", "ΔE", "dB held out", "ΔE held out", "seconds"];

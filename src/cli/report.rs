@@ -1,8 +1,8 @@
 //! `brdfc report`: a page about a build.
 
 use super::output::{
-    print, print_json, refuse_dash, refuse_missing_folder, refuse_other_extension, refuse_overwriting, remark, to_json,
-    write_file,
+    folder_of, print, print_json, refuse_dash, refuse_flags, refuse_missing_folder, refuse_other_extension,
+    refuse_overwriting, remark, to_json, write_file,
 };
 use super::progress::Materials;
 use super::{Common, Error};
@@ -14,7 +14,6 @@ use brdfc::{Fraction, Input, Progress};
 use brdfc_terminal::words::counted;
 use clap::Args;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 
 /// Write a page about the packs in a folder, or about a flat BTF: pictures, errors, checks.
 ///
@@ -58,10 +57,10 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let output = arguments.output.as_path();
     if !is_html(output) {
         let found = output.display();
-        return Err(Error::usage(format!("--output: found {found}; allowed a name that ends in .html")));
+        return Err(Error::wrong_usage("--output", found, "a name that ends in .html"));
     }
     refuse_dash(&arguments.folder)?;
-    let folder = folder_of(&arguments.folder);
+    let folder = build_folder(&arguments.folder);
     arguments.sheet.as_ref().map_or(Ok(()), |sheet| refuse_other_extension("--sheet", sheet, &["png"]))?;
     if is_flat_btf(folder) {
         return of_flat_btf(arguments, common);
@@ -69,7 +68,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let tolerance = arguments
         .tolerance
         .checked()
-        .map_err(|allowed| Error::usage(format!("--tolerance: found {}; allowed {allowed}", arguments.tolerance)))?;
+        .map_err(|allowed| Error::wrong_usage("--tolerance", arguments.tolerance, allowed))?;
     let against = arguments.against.as_ref().map(|path| if path.is_dir() { path.join(REPORT) } else { path.clone() });
     let [csv_path, json_path] = ["csv", "json"].map(|extension| output.with_extension(extension));
     let own = folder.join(REPORT);
@@ -90,8 +89,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         refuse_overwriting("--sheet", path, &built)?;
     }
     // An interrupt ends the process at once: files are whole or not there.
-    let cancelled = AtomicBool::new(false);
-    let progress = Materials::new(reports.count(), false, common, &cancelled);
+    let progress = Materials::new(reports.count(), false, common);
     let mut page = gather(reports, tolerance, &progress)?;
     page.view = write_view(arguments, &progress)?;
     drop(progress);
@@ -110,7 +108,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     remark(common, &format!("{}: {}", output.display(), counted(page.materials.len(), "material")));
     match page.regressions.len() {
         0 => Ok(()),
-        1 => Err(Error::check("one figure is worse than before".to_owned())),
+        1 => Err(Error::check("one figure is worse than before")),
         count => Err(Error::check(format!("{count} figures are worse than before"))),
     }
 }
@@ -130,15 +128,12 @@ fn write_view(arguments: &Arguments, progress: &dyn Progress) -> Result<Option<V
 
 /// It stands beside the page that links to it, and is no other file.
 fn refuse_unfit_view(path: &Path, output: &Path, others: &[&Path]) -> Result<(), Error> {
-    let folder = |path: &Path| match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder.canonicalize().ok(),
-        _ => Path::new(".").canonicalize().ok(),
-    };
+    let [folder, of_output] = [path, output].map(|path| folder_of(path).canonicalize().ok());
     let is_same = path.file_name() == output.file_name();
-    if !is_html(path) || is_same || folder(path) != folder(output) {
+    if !is_html(path) || is_same || folder != of_output {
         let found = path.display();
         let allowed = "another name than the page's that ends in .html, in its folder";
-        return Err(Error::usage(format!("--view: found {found}; allowed {allowed}")));
+        return Err(Error::wrong_usage("--view", found, allowed));
     }
     refuse_overwriting("--view", path, others)
 }
@@ -159,23 +154,16 @@ fn refuse_pages_over(output: &Path, beside: [&PathBuf; 2], inputs: &[&Path]) -> 
 }
 
 /// The folder of a build; its report may be named as well.
-fn folder_of(path: &Path) -> &Path {
-    if path.file_name().is_some_and(|name| name == REPORT) {
-        // Without a folder in its name it is in this one.
-        return path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    }
-    path
+fn build_folder(path: &Path) -> &Path {
+    if path.file_name().is_some_and(|name| name == REPORT) { folder_of(path) } else { path }
 }
 
 /// The page of a flat BTF.
 fn of_flat_btf(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let (folder, output) = (arguments.folder.as_path(), arguments.output.as_path());
-    for (given, flag) in [(arguments.against.is_some(), "--against"), (arguments.sheet.is_some(), "--sheet")] {
-        if given {
-            let text = format!("{flag}: found with {}, a flat BTF; allowed with a build", folder.display());
-            return Err(Error::usage(text));
-        }
-    }
+    let given = [(arguments.against.is_some(), "--against"), (arguments.sheet.is_some(), "--sheet")];
+    let flags = given.map(|(given, flag)| (given, flag, "with a build"));
+    refuse_flags(format!("{}, a flat BTF", folder.display()), &flags)?;
     let file = flat_btf_file(folder)?;
     let [csv_path, json_path] = ["csv", "json"].map(|extension| output.with_extension(extension));
     refuse_pages_over(output, [&csv_path, &json_path], file.as_deref().as_slice())?;

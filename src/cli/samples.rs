@@ -2,7 +2,7 @@
 
 use super::info::{importance_in_words, lines_of};
 use super::output::{
-    note_directions, note_repairs, output_parser, print_report, refuse_unfit_output, to_json, write_file,
+    json_or, note_directions, note_repairs, output_parser, print_report, refuse_unfit_output, write_file,
 };
 use super::{Common, Error};
 use crate::table;
@@ -112,7 +112,7 @@ fn recipe(arguments: &Arguments) -> ImportanceRecipe {
 /// A number out of range, by the flag that it came from.
 fn wrong_flag(error: FormatError) -> Error {
     match FLAGS.iter().find(|(field, _)| error.field.ends_with(field)) {
-        Some((_, flag)) => Error::usage(format!("{flag}: found {}; allowed {}", error.found, error.allowed)),
+        Some((_, flag)) => Error::wrong_usage(flag, error.found, error.allowed),
         None => Error::own_layout(error),
     }
 }
@@ -150,8 +150,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         repairs,
         seconds,
     };
-    let text = if common.json { to_json(&report) } else { report.text() };
-    print_report(common, &arguments.output, &text)
+    print_report(common, &arguments.output, &json_or(common, &report, report.text()))
 }
 
 impl Report {

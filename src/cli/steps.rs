@@ -39,13 +39,6 @@ impl<'a> Steps<'a> {
     }
 }
 
-/// Takes the bar away, after errors too.
-impl Drop for Steps<'_> {
-    fn drop(&mut self) {
-        self.bar.finish_and_clear();
-    }
-}
-
 impl Progress for Steps<'_> {
     fn check(&self) -> Result<(), Cancelled> {
         if self.cancelled.load(Ordering::Relaxed) { Err(Cancelled) } else { Ok(()) }

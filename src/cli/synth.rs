@@ -1,7 +1,7 @@
 //! `brdfc synth`: analytic models as files.
 
 use super::Error;
-use super::output::{as_flag, is_stream, output_parser, refuse_missing_folder, write_file};
+use super::output::{as_flag, is_stream, output_parser, refuse_flags, refuse_missing_folder, write_file};
 use brdfc::FormatError;
 use brdfc::synth::{
     Dimensions, MODELS, STRUCTURES, SYNTH_PREFIX, ScanPlan, Target, describe_models, describe_structures, file,
@@ -124,23 +124,22 @@ fn kind(arguments: &Arguments, text: &str) -> Result<Extension, Error> {
 
 /// Options that would have no effect.
 fn check_options(arguments: &Arguments, kind: Extension) -> Result<(), Error> {
-    let is_scan = matches!(kind, Extension::Brdf | Extension::Csv);
-    for (given, option, fits, allowed) in [
-        (arguments.dimensions.is_some(), "dimensions", kind == Extension::Binary, ".binary"),
-        (arguments.rows.is_some(), "rows", is_scan, ".brdf or .csv"),
-        (arguments.incidences.is_some(), "incidences", is_scan, ".brdf or .csv"),
-        (arguments.azimuths.is_some(), "azimuths", is_scan, ".brdf or .csv"),
-        (arguments.noise.is_some(), "noise", is_scan, ".brdf or .csv"),
-        (arguments.gaps.is_some(), "gaps", is_scan, ".brdf or .csv"),
-        (arguments.duplicates.is_some(), "duplicates", is_scan, ".brdf or .csv"),
-        (arguments.seed.is_some(), "seed", is_scan, ".brdf or .csv"),
-    ] {
-        if given && !fits {
-            let found = arguments.output.display();
-            return Err(Error::usage(format!("--{option}: found with {found}; allowed with a file in {allowed}")));
-        }
+    let found = arguments.output.display();
+    let of_tables = arguments.dimensions.is_some() && kind != Extension::Binary;
+    refuse_flags(&found, &[(of_tables, "--dimensions", "with a file in .binary")])?;
+    if matches!(kind, Extension::Brdf | Extension::Csv) {
+        return Ok(());
     }
-    Ok(())
+    let of_scans = [
+        (arguments.rows.is_some(), "--rows"),
+        (arguments.incidences.is_some(), "--incidences"),
+        (arguments.azimuths.is_some(), "--azimuths"),
+        (arguments.noise.is_some(), "--noise"),
+        (arguments.gaps.is_some(), "--gaps"),
+        (arguments.duplicates.is_some(), "--duplicates"),
+        (arguments.seed.is_some(), "--seed"),
+    ];
+    refuse_flags(&found, &of_scans.map(|(given, flag)| (given, flag, "with a file in .brdf or .csv")))
 }
 
 pub(super) fn dimensions(text: &str) -> Result<Dimensions, Error> {
@@ -150,7 +149,7 @@ pub(super) fn dimensions(text: &str) -> Result<Dimensions, Error> {
         _ => Dimensions { theta_half: 0, theta_difference: 0, phi_difference: 0 },
     };
     // In the words that were given.
-    let wrong = |error: FormatError| Error::usage(format!("--dimensions: found {text}; allowed {}", error.allowed));
+    let wrong = |error: FormatError| Error::wrong_usage("--dimensions", text, error.allowed);
     dimensions.check_for_writing().map_err(wrong)?;
     Ok(dimensions)
 }

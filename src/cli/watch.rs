@@ -1,6 +1,6 @@
 //! `brdfc watch`: a build that is made again whenever what it reads changes.
 
-use super::build_scene::{BuildArguments, Notes, tell_left_out, tell_what_matters};
+use super::build_scene::{BuildArguments, tell_left_out, tell_what_matters};
 use super::interrupt;
 use super::output::{print_if_read, remark, tell};
 use super::progress::Materials;
@@ -72,7 +72,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         Some(manifest) => Watched::of_manifest(&manifest, out),
         None => Watched::of_inputs(inputs, out),
     };
-    let interrupt = interrupt::watch()?;
+    interrupt::watch()?;
     let mut events = FileEvents::new(poll);
     let mut look = watched.look();
     let (mut changed, mut is_first) = (Vec::new(), true);
@@ -80,10 +80,10 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let mut before = look.clone();
     loop {
         let started = Instant::now();
-        interrupt.at_work(true);
+        interrupt::at_work(true);
         let (built, meanwhile) = watched.during(&mut events, &look, |cancelled| {
             let built = one_build(arguments, common, is_first, cancelled);
-            interrupt.at_work(false);
+            interrupt::at_work(false);
             built
         });
         let is_over = !built.as_ref().is_err_and(|error| error.kind() == ErrorKind::Cancelled);
@@ -137,10 +137,10 @@ fn one_build(arguments: &Arguments, common: Common, is_first: bool, cancelled: &
     let build = arguments.build.build(&arguments.options)?.whole(true);
     tell_left_out(&build, once);
     let plan = &build.plan()?;
-    let progress = Materials::of(plan, once, cancelled).without_lines();
+    let progress = Materials::of(plan, once).until(cancelled);
     let built = build.run_with(plan, &progress)?;
     drop(progress);
-    let kept = tell_what_matters(&built, common, Notes::OfMade);
+    let kept = tell_what_matters(&built, common, true);
     if kept > 0 {
         let which = format!("{} kept as {}", counted(kept, "material"), if kept == 1 { "it was" } else { "they were" });
         remark(once, &format!("note: {which} with notes, which 'brdfc build' tells"));

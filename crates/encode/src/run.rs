@@ -15,9 +15,6 @@ pub fn encode(source: &dyn Source, recipe: &PackRecipe, progress: &dyn Progress)
 }
 
 /// Encodes a source whose grids are cached.
-///
-/// # Errors
-/// As [`encode`].
 pub fn encode_cached(
     source: &dyn Source,
     recipe: &PackRecipe,

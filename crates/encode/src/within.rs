@@ -19,9 +19,6 @@ use brdfc_table::encode::{Encoded, measured};
 /// highlight may be all that is left. Unless what meets it is as small as tables come, the search is done without the range as
 /// well, up to as many nodes as were found. What that makes, cropped, is kept where it meets the limit within the range and
 /// is smaller. So above the smallest tables a range costs no bytes where that of all directions would do.
-///
-/// # Errors
-/// As [`search`].
 pub(super) fn search_within(
     source: &dyn Source,
     recipe: &AutoRecipe,

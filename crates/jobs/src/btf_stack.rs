@@ -3,6 +3,7 @@
 use super::write::write_atomic;
 use brdfc_readers::btf_stack::{ImageAngles, image_name};
 use brdfc_readers::colour::encode_srgb_byte;
+use brdfc_render::picture::{Panel, rgb_png};
 use exr::prelude::{
     Blocks, Compression, Encoding, Image, Layer, LayerAttributes, LineOrder, SpecificChannels, Vec2, WritableImage, f16,
 };
@@ -50,9 +51,6 @@ pub fn write_image(
 }
 
 /// Writes an image of any stack, and the folders above it where there are none; it is whole or not there.
-///
-/// # Errors
-/// As [`write_image`].
 pub(crate) fn write_pixels(
     path: &Path,
     pixels: &[[f32; 3]],
@@ -60,8 +58,9 @@ pub(crate) fn write_pixels(
     format: StackFormat,
 ) -> std::io::Result<()> {
     let wrong = |text: String| Error::new(ErrorKind::InvalidInput, text);
-    let sides = [width, height].map(u32::try_from);
-    let [Ok(columns), Ok(rows)] = sides else { return Err(wrong(format!("an image of {width} x {height} pixels"))) };
+    if [width, height].iter().any(|side| u32::try_from(*side).is_err()) {
+        return Err(wrong(format!("an image of {width} x {height} pixels")));
+    }
     if pixels.is_empty() || width.checked_mul(height) != Some(pixels.len()) {
         return Err(wrong(format!("{} pixels for an image of {width} x {height}", pixels.len())));
     }
@@ -69,26 +68,16 @@ pub(crate) fn write_pixels(
         return Err(wrong(format!("{:?} at pixel ({}, {})", pixels[at], at % width, at / width)));
     }
     let bytes = match format {
-        StackFormat::Png => to_png(pixels, columns, rows).map_err(Error::other)?,
+        StackFormat::Png => {
+            let rgb = pixels.iter().flatten().map(|value| encode_srgb_byte(f64::from(*value))).collect();
+            rgb_png(&Panel { width, height, rgb })
+        }
         StackFormat::Exr => to_exr(pixels, width, height).map_err(Error::other)?,
     };
     if let Some(parent) = path.parent() {
         std::fs::create_dir_all(parent)?;
     }
     write_atomic(path, &bytes)
-}
-
-fn to_png(pixels: &[[f32; 3]], width: u32, height: u32) -> Result<Vec<u8>, png::EncodingError> {
-    let codes: Vec<u8> = pixels.iter().flatten().map(|value| encode_srgb_byte(f64::from(*value))).collect();
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, width, height);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-    let mut writer = encoder.write_header()?;
-    writer.write_image_data(&codes)?;
-    writer.finish()?;
-    Ok(bytes)
 }
 
 fn to_exr(pixels: &[[f32; 3]], width: usize, height: usize) -> Result<Vec<u8>, exr::error::Error> {

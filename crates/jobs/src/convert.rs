@@ -1,5 +1,6 @@
 //! Any source as a measured file that other programs read, with the error that this brings.
 
+use crate::error::Error;
 use brdfc_core::Source;
 use brdfc_core::pair_list::PairList;
 use brdfc_formats::FormatError;
@@ -75,6 +76,15 @@ pub enum ConvertError {
     /// What was written cannot be read: a table or a list too small.
     #[error(transparent)]
     Format(#[from] FormatError),
+}
+
+impl From<ConvertError> for Error {
+    fn from(error: ConvertError) -> Self {
+        match error {
+            ConvertError::Anisotropic => Self::input(error),
+            ConvertError::Format(error) => Self::own_layout(error),
+        }
+    }
 }
 
 impl From<MerlError> for ConvertError {

@@ -1,23 +1,13 @@
-//! The one error of the library. Parts of it have errors of their own, which become this one here.
+//! The one error of the library. What stages fail by becomes this one here.
 
-use crate::convert::ConvertError;
 use crate::encode::{EncodeError, OptionError};
-use crate::flatten::{FlattenError, MesoInputError};
-use crate::output_folder::FolderError;
-use crate::pwt::PwtError;
-use crate::report::page::GatherError;
-use crate::scene::batch::BatchError;
-use crate::scene::build::BuildError;
-use crate::scene::patterns::PatternError;
-use crate::scene::plan::PlanError;
-use crate::scene::run::JobError;
-use crate::view::ViewError;
 use brdfc_core::address::SYNTH_PREFIX;
 use brdfc_core::progress::Cancelled;
 use brdfc_flat_btf::structures::Structure;
 use brdfc_formats::FormatError;
 use brdfc_source::InputError;
 use std::convert::Infallible;
+use std::fmt::Display;
 use std::path::Path;
 
 /// What kind of failure an error is: what a caller does about it, and the exit code of a program.
@@ -65,37 +55,37 @@ pub struct Error {
 
 impl Error {
     /// An error of a kind.
-    pub fn new(kind: ErrorKind, message: impl Into<String>) -> Self {
-        Self { kind, message: message.into() }
+    pub fn new(kind: ErrorKind, message: impl ToString) -> Self {
+        Self { kind, message: message.to_string() }
     }
 
     /// A check that failed.
-    pub fn check(message: impl Into<String>) -> Self {
+    pub fn check(message: impl ToString) -> Self {
         Self::new(ErrorKind::Check, message)
     }
 
     /// Wrong options or arguments.
-    pub fn usage(message: impl Into<String>) -> Self {
+    pub fn usage(message: impl ToString) -> Self {
         Self::new(ErrorKind::Usage, message)
     }
 
     /// Invalid input.
-    pub fn input(message: impl Into<String>) -> Self {
+    pub fn input(message: impl ToString) -> Self {
         Self::new(ErrorKind::Input, message)
     }
 
     /// What cannot be read or written.
-    pub fn io(message: impl Into<String>) -> Self {
+    pub fn io(message: impl ToString) -> Self {
         Self::new(ErrorKind::Io, message)
     }
 
     /// No graphics adapter that can be used.
-    pub fn no_adapter(message: impl Into<String>) -> Self {
+    pub fn no_adapter(message: impl ToString) -> Self {
         Self::new(ErrorKind::NoAdapter, message)
     }
 
     /// A fault of this library.
-    pub fn internal(message: impl Into<String>) -> Self {
+    pub fn internal(message: impl ToString) -> Self {
         Self::new(ErrorKind::Internal, message)
     }
 
@@ -114,10 +104,27 @@ impl Error {
         &self.message
     }
 
-    /// The same kind of failure, told otherwise.
+    /// The same kind of failure with another sentence.
     #[must_use]
-    pub fn with_message(self, message: impl Into<String>) -> Self {
-        Self { message: message.into(), ..self }
+    pub fn with_message(self, message: impl ToString) -> Self {
+        Self { message: message.to_string(), ..self }
+    }
+
+    /// The same failure of `name`, which its sentence begins with.
+    #[must_use]
+    pub fn prefixed(self, name: impl Display) -> Self {
+        let message = format!("{name}: {}", self.message);
+        Self { message, ..self }
+    }
+
+    /// An option or argument that is not as it may be.
+    pub fn wrong_usage(option: impl Display, found: impl Display, allowed: impl Display) -> Self {
+        Self::usage(format!("{option}: found {found}; allowed {allowed}"))
+    }
+
+    /// An input that is not as it may be.
+    pub fn wrong_input(input: impl Display, found: impl Display, allowed: impl Display) -> Self {
+        Self::input(format!("{input}: found {found}; allowed {allowed}"))
     }
 
     /// What the program made breaks the rules of its own layout.
@@ -170,122 +177,17 @@ impl From<EncodeError> for Error {
             | EncodeError::NothingMeasured
             | EncodeError::TooFewBytes { .. }
             | EncodeError::TooFewFetches { .. }
-            | EncodeError::OtherDirections { .. } => Self::check(error.to_string()),
-            EncodeError::Size { .. } => Self::usage(error.to_string()),
+            | EncodeError::OtherDirections { .. } => Self::check(error),
+            EncodeError::Size { .. } => Self::usage(error),
             EncodeError::Format(error) => Self::own_layout(error),
             EncodeError::Cancelled(_) => Self::cancelled(),
         }
     }
 }
 
-impl From<JobError> for Error {
-    fn from(error: JobError) -> Self {
-        match error {
-            JobError::Input(error) => error.into(),
-            JobError::Encode(error) => error.into(),
-            JobError::Cancelled(_) => Self::cancelled(),
-            JobError::Map(error) => Self::own_layout(error),
-            JobError::Store(error) => Self::io(error.to_string()),
-        }
-    }
-}
-
-impl From<BuildError> for Error {
-    fn from(error: BuildError) -> Self {
-        match error {
-            BuildError::Folder(error @ FolderError::Input { .. }) => Self::usage(error.to_string()),
-            BuildError::Folder(error) => Self::io(error.to_string()),
-            BuildError::Cancelled(_) => Self::cancelled(),
-        }
-    }
-}
-
-impl From<MesoInputError> for Error {
-    fn from(error: MesoInputError) -> Self {
-        let message = error.to_string();
-        match error {
-            MesoInputError::Input(error) => error.into(),
-            MesoInputError::Tabulate { error, .. } => error.into(),
-            MesoInputError::Address { .. } | MesoInputError::Geometry { .. } => Self::input(message),
-            MesoInputError::Options(_) => Self::usage(message),
-        }
-    }
-}
-
-impl From<FlattenError> for Error {
-    fn from(error: FlattenError) -> Self {
-        let message = error.to_string();
-        match error {
-            FlattenError::Input(error) => error.into(),
-            FlattenError::Parameterise(_) | FlattenError::Pack(_) => Self::input(message),
-            FlattenError::Write { .. } => Self::io(message),
-            FlattenError::Cancelled(_) => Self::cancelled(),
-        }
-    }
-}
-
-impl From<PwtError> for Error {
-    fn from(error: PwtError) -> Self {
-        match error {
-            PwtError::Input(error) => error.into(),
-            PwtError::Format(error) => Self::input(error.to_string()),
-            PwtError::Usage(text) => Self::usage(text),
-            PwtError::Flatten(error) => error.into(),
-        }
-    }
-}
-
-impl From<ConvertError> for Error {
-    fn from(error: ConvertError) -> Self {
-        match error {
-            ConvertError::Anisotropic => Self::input(error.to_string()),
-            ConvertError::Format(error) => Self::own_layout(error),
-        }
-    }
-}
-
 impl From<OptionError> for Error {
     fn from(error: OptionError) -> Self {
-        Self::usage(error.to_string())
-    }
-}
-
-impl From<ViewError> for Error {
-    fn from(error: ViewError) -> Self {
-        match error {
-            ViewError::Input(error) => error.into(),
-            ViewError::Folder(error) => error.into(),
-            ViewError::Table { .. } => Self::input(error.to_string()),
-            ViewError::Cancelled(cancelled) => cancelled.into(),
-        }
-    }
-}
-
-impl From<GatherError> for Error {
-    fn from(error: GatherError) -> Self {
-        match error {
-            GatherError::Input(error) => error.into(),
-            GatherError::Folder { .. } => Self::input(error.to_string()),
-            GatherError::Cancelled(_) => Self::cancelled(),
-        }
-    }
-}
-
-impl From<BatchError> for Error {
-    fn from(error: BatchError) -> Self {
-        let message = error.to_string();
-        match error {
-            BatchError::Io { .. } | BatchError::Pattern(PatternError::Io { .. }) => Self::io(message),
-            BatchError::Nothing { .. } => Self::check(message),
-            BatchError::Pattern(_) => Self::usage(message),
-            BatchError::SameName { .. } | BatchError::Name { .. } => Self::input(message),
-        }
-    }
-}
-
-impl From<PlanError> for Error {
-    fn from(error: PlanError) -> Self {
-        Self::usage(error.to_string())
+        Self::usage(error)
     }
 }
 
@@ -302,7 +204,7 @@ impl From<brdfc_gpu::GpuError> for Error {
                  Arch             sudo pacman -S vulkan-swrast vulkan-icd-loader"
             )),
             GpuError::TooLarge(text) => Self::usage(text),
-            GpuError::Failed(_) => Self::no_adapter(error.to_string()),
+            GpuError::Failed(_) => Self::no_adapter(error),
         }
     }
 }

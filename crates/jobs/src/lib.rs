@@ -1,6 +1,7 @@
 //! The main job: a scene manifest becomes packs. What no use asks for is not opened, computed or written.
 
 pub mod btf_stack;
+pub mod build;
 pub mod convert;
 pub mod depfile;
 pub mod encode;

@@ -7,9 +7,6 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Writes a whole file, or nothing. Whoever reads a pipe may stop: that is no error.
-///
-/// # Errors
-/// A place that cannot be written to.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     match write_atomic(path, bytes) {
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
@@ -56,7 +53,7 @@ pub fn refuse_dash(path: &Path) -> Result<(), Error> {
         return Ok(());
     }
     let text = "-: found in the place of a folder; allowed the name of one";
-    Err(Error::usage(text.to_owned()))
+    Err(Error::usage(text))
 }
 
 /// Makes an output folder where there is none.

@@ -8,40 +8,35 @@ use std::time::Instant;
 /// Times the stages of what it passes on.
 pub struct StageClock<'a> {
     listener: &'a dyn Progress,
-    times: Mutex<Times>,
-}
-
-#[derive(Default)]
-struct Times {
-    ended: Vec<StageTime>,
-    running: Option<(Stage, Instant)>,
-}
-
-impl Times {
-    fn end(&mut self) {
-        if let Some((stage, start)) = self.running.take() {
-            self.ended.push(StageTime { stage: stage.name().to_owned(), seconds: start.elapsed().as_secs_f64() });
-        }
-    }
+    /// When each stage began.
+    starts: Mutex<Vec<(Stage, Instant)>>,
 }
 
 impl<'a> StageClock<'a> {
     /// A clock that passes everything on to `listener`.
     pub fn new(listener: &'a dyn Progress) -> Self {
-        Self { listener, times: Mutex::default() }
+        Self { listener, starts: Mutex::default() }
     }
 
     /// Times of the stages that ended.
     pub fn so_far(&self) -> Vec<StageTime> {
-        self.times.lock().unwrap_or_else(PoisonError::into_inner).ended.clone()
+        times(&self.starts.lock().unwrap_or_else(PoisonError::into_inner), None)
     }
 
     /// Ends the last stage and gives all times.
     pub fn finish(self) -> Vec<StageTime> {
-        let mut times = self.times.into_inner().unwrap_or_else(PoisonError::into_inner);
-        times.end();
-        times.ended
+        times(&self.starts.into_inner().unwrap_or_else(PoisonError::into_inner), Some(Instant::now()))
     }
+}
+
+/// Times from each start to the next; of the last one to `end`.
+fn times(starts: &[(Stage, Instant)], end: Option<Instant>) -> Vec<StageTime> {
+    let ends = starts.iter().skip(1).map(|(_, start)| *start).chain(end);
+    let time = |((stage, start), end): (&(Stage, Instant), Instant)| StageTime {
+        stage: stage.name().to_owned(),
+        seconds: (end - *start).as_secs_f64(),
+    };
+    starts.iter().zip(ends).map(time).collect()
 }
 
 impl Progress for StageClock<'_> {
@@ -50,10 +45,7 @@ impl Progress for StageClock<'_> {
     }
 
     fn stage(&self, stage: Stage, steps: usize) -> Result<(), Cancelled> {
-        let mut times = self.times.lock().unwrap_or_else(PoisonError::into_inner);
-        times.end();
-        times.running = Some((stage, Instant::now()));
-        drop(times);
+        self.starts.lock().unwrap_or_else(PoisonError::into_inner).push((stage, Instant::now()));
         self.listener.stage(stage, steps)
     }
 

@@ -1,7 +1,8 @@
 //! Fractions as people write them.
 
 use brdfc_core::words::format_number;
-use serde::de::{Deserialize, Deserializer, Error, Visitor};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer};
 use std::fmt;
 use std::str::FromStr;
 
@@ -68,31 +69,16 @@ impl FromStr for Fraction {
 
 impl<'de> Deserialize<'de> for Fraction {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct NumberOrText;
-        impl Visitor<'_> for NumberOrText {
-            type Value = Fraction;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str(ALLOWED)
-            }
-
-            fn visit_f64<E: Error>(self, value: f64) -> Result<Fraction, E> {
-                Ok(Fraction::bare(value))
-            }
-
-            fn visit_i64<E: Error>(self, value: i64) -> Result<Fraction, E> {
-                Ok(Fraction::bare(value as f64))
-            }
-
-            fn visit_u64<E: Error>(self, value: u64) -> Result<Fraction, E> {
-                Ok(Fraction::bare(value as f64))
-            }
-
-            fn visit_str<E: Error>(self, text: &str) -> Result<Fraction, E> {
-                text.parse().map_err(|_| E::invalid_value(serde::de::Unexpected::Str(text), &self))
-            }
+        #[derive(Deserialize)]
+        #[serde(untagged)]
+        enum NumberOrText {
+            Number(f64),
+            Text(String),
         }
-        deserializer.deserialize_any(NumberOrText)
+        match NumberOrText::deserialize(deserializer)? {
+            NumberOrText::Number(value) => Ok(Self::bare(value)),
+            NumberOrText::Text(text) => text.parse().map_err(D::Error::custom),
+        }
     }
 }
 

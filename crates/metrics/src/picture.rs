@@ -138,12 +138,6 @@ impl ReferencePicture {
     }
 }
 
-/// Compares pictures of `approximation` with those of `reference`; the tally is the reference's.
-pub fn picture_error(reference: &dyn Source, approximation: &dyn Source) -> (PictureError, Tally) {
-    let (reference, tally) = ReferencePicture::new(reference, DirectionRange::ALL);
-    (reference.compare(approximation), tally)
-}
-
 /// Radiance of all pixels under lights of 1.
 fn pixels(source: &dyn Source, pairs: &PairList) -> (Vec<[f32; 3]>, Tally) {
     let (values, tally) = values_of_list(source, pairs);
@@ -168,9 +162,13 @@ mod tests {
     use brdfc_core::address::parse_synth;
     use brdfc_formats::crop::Elevations;
 
+    fn on_a_ball(reference: &dyn Source, approximation: &dyn Source) -> PictureError {
+        ReferencePicture::new(reference, DirectionRange::ALL).0.compare(approximation)
+    }
+
     fn error(reference: &str, approximation: &str) -> PictureError {
         let [a, b] = [reference, approximation].map(|address| parse_synth(address).expect("an address"));
-        picture_error(a.as_ref(), b.as_ref()).0
+        on_a_ball(a.as_ref(), b.as_ref())
     }
 
     #[test]
@@ -203,7 +201,7 @@ mod tests {
             let directions = DirectionRange { light: range, view: range };
             ReferencePicture::new(a.as_ref(), directions).0.compare(b.as_ref())
         };
-        let (ball, nearly_all) = (picture_error(a.as_ref(), b.as_ref()).0, within(0.0, 89.9));
+        let (ball, nearly_all) = (on_a_ball(a.as_ref(), b.as_ref()), within(0.0, 89.9));
         let ratio = nearly_all.delta_e.mean / ball.delta_e.mean;
         assert!((0.5..2.0).contains(&ratio), "{nearly_all:?} {ball:?}");
         let steep = within(85.0, 90.0);

@@ -57,7 +57,8 @@ pub struct Part {
 }
 
 /// A pinhole camera.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[serde(rename_all = "camelCase")]
 pub struct Camera {
     /// Where it is.
     pub eye: Vector,
@@ -70,7 +71,7 @@ pub struct Camera {
 }
 
 /// A light of no extent.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct PointLight {
     /// Where it is.
     pub position: Vector,

@@ -8,6 +8,7 @@ use brdfc_formats::flat_btf::{IndirectionHeader, MAX_AZIMUTH_SAMPLES, MAX_ZENITH
 use brdfc_readers::direction_list;
 use brdfc_source::Input;
 use brdfc_source::read::MAX_TEXT_BYTES;
+use std::fmt::Display;
 use std::path::Path;
 
 /// Views of the indirection map by default: azimuths as close as those of `ubo2003` at its largest polar angle, where
@@ -34,15 +35,16 @@ pub fn direction_set(option: &str, input: &Input) -> Result<DirectionSet, Error>
         "ubo2014" => return Ok(DirectionSet::ubo2014()),
         _ => {}
     }
+    let wrong = |found: &dyn Display, allowed: &str| Error::wrong_usage(format!("--{option}"), found, allowed);
     if let Some(grid) = text.strip_prefix("grid:") {
         let parsed = grid.split_once('@').and_then(|(size, angle)| Some((pair(size)?, angle.parse::<f64>().ok()?)));
         let Some(([zeniths, azimuths], angle)) = parsed else {
             let allowed = "grid:ZxA@DEGREES, such as grid:5x12@75";
-            return Err(Error::usage(format!("--{option}: found {text}; allowed {allowed}")));
+            return Err(wrong(&text, allowed));
         };
         if zeniths == 1 {
             let allowed = "2 polar angles or more: the first is the zenith, to which azimuths and DEGREES say nothing";
-            return Err(Error::usage(format!("--{option}: found {text}; allowed {allowed}")));
+            return Err(wrong(&text, allowed));
         }
         return DirectionSet::grid(zeniths as usize, azimuths as usize, angle)
             .map(|set| named(set, text))
@@ -50,7 +52,7 @@ pub fn direction_set(option: &str, input: &Input) -> Result<DirectionSet, Error>
     }
     if !input.is_stdin() && input.extension()? != "csv" {
         let allowed = "ubo2003, ubo2014, grid:ZxA@DEGREES, a .csv file, or - for one from stdin";
-        return Err(Error::usage(format!("--{option}: found {input}; allowed {allowed}")));
+        return Err(wrong(&input, allowed));
     }
     let bytes = input.read(MAX_TEXT_BYTES)?;
     direction_list::from_csv(&bytes)
@@ -61,15 +63,15 @@ pub fn direction_set(option: &str, input: &Input) -> Result<DirectionSet, Error>
 /// The indirection map that `--texels`, `--indirection` and `--largest-angle`, in degrees, ask for, of any size.
 pub fn map_header(texels: u32, indirection: &str, largest_angle: f64) -> Result<IndirectionHeader, Error> {
     if !(largest_angle > 0.0 && largest_angle <= 89.0) {
-        return Err(wrong("largest-angle", &format_number(largest_angle), "above 0, up to 89 degrees"));
+        return Err(Error::wrong_usage("--largest-angle", format_number(largest_angle), "above 0, up to 89 degrees"));
     }
     let [zenith_samples, azimuth_samples] = pair(indirection)
-        .ok_or_else(|| wrong("indirection", &indirection, "polar angles x azimuths, such as 16x24"))?;
+        .ok_or_else(|| Error::wrong_usage("--indirection", indirection, "polar angles x azimuths, such as 16x24"))?;
     let largest_angle = largest_angle.to_radians() as f32;
     let header = IndirectionHeader { size: texels, zenith_samples, azimuth_samples, largest_angle };
     if !(2..=MAX_ZENITH_SAMPLES).contains(&zenith_samples) || !(3..=MAX_AZIMUTH_SAMPLES).contains(&azimuth_samples) {
         let allowed = format!("2 to {MAX_ZENITH_SAMPLES} polar angles x 3 to {MAX_AZIMUTH_SAMPLES} azimuths");
-        return Err(wrong("indirection", &indirection, &allowed));
+        return Err(Error::wrong_usage("--indirection", indirection, allowed));
     }
     Ok(header)
 }
@@ -84,9 +86,4 @@ pub fn in_flags(error: &FormatError) -> String {
         ),
         _ => error.to_string(),
     }
-}
-
-/// A value of an option that is not allowed.
-pub fn wrong(option: &str, found: &dyn std::fmt::Display, allowed: &str) -> Error {
-    Error::usage(format!("--{option}: found {found}; allowed {allowed}"))
 }

@@ -8,6 +8,7 @@ pub use brdfc_jobs::outputs::{
     check_folder, make_folder, refuse_dash, refuse_overwriting, refuse_overwriting_any, write_file,
 };
 use brdfc_jobs::report::material::repairs_in_words;
+pub use brdfc_jobs::write::folder_of;
 use brdfc_jobs::write::is_standard_output;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use serde::Serialize;
@@ -39,6 +40,11 @@ pub fn print_json(value: &impl Serialize) -> Result<(), Error> {
 /// JSON with a final newline.
 pub fn to_json(value: &impl Serialize) -> String {
     serde_json::to_string_pretty(value).expect("results are plain data") + "\n"
+}
+
+/// What is printed of a report: JSON where that was asked for, or else this text.
+pub fn json_or(common: Common, report: &impl Serialize, text: String) -> String {
+    if common.json { to_json(report) } else { text }
 }
 
 /// Parses the one file that a command writes: `-` is standard output.
@@ -77,14 +83,21 @@ pub fn refuse_other_extension(option: &str, path: &Path, allowed: &[&str]) -> Re
     Err(Error::usage(format!("{option}: found {found}; allowed a name that ends in .{allowed}")))
 }
 
+/// Refuses the first of some flags that is given where it says nothing: of each whether it is given, and what it goes with.
+pub fn refuse_flags(found: impl std::fmt::Display, flags: &[(bool, &str, &str)]) -> Result<(), Error> {
+    match flags.iter().find(|(given, ..)| *given) {
+        Some((_, flag, allowed)) => Err(Error::wrong_usage(flag, format!("with {found}"), allowed)),
+        None => Ok(()),
+    }
+}
+
 /// Nothing can be written into a folder that is not there.
 pub fn refuse_missing_folder(path: &Path) -> Result<(), Error> {
-    match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() && !folder.exists() => {
-            Err(Error::write(path, &std::io::Error::other(format!("there is no folder {}", folder.display()))))
-        }
-        _ => Ok(()),
+    let folder = folder_of(path);
+    if folder.exists() {
+        return Ok(());
     }
+    Err(Error::write(path, &std::io::Error::other(format!("there is no folder {}", folder.display()))))
 }
 
 /// Outputs that are one file: the later would be written over the earlier.
@@ -114,10 +127,7 @@ pub fn refuse_own(option: &str, file: &Path, out: &Path) -> Result<(), Error> {
 
 /// Where a path leads, be there anything or not.
 fn place(path: &Path) -> PathBuf {
-    let parent = || {
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        Some(folder.canonicalize().ok()?.join(path.file_name()?))
-    };
+    let parent = || Some(folder_of(path).canonicalize().ok()?.join(path.file_name()?));
     let there = path.canonicalize().ok().or_else(parent);
     there.or_else(|| std::path::absolute(path).ok()).unwrap_or_else(|| path.to_owned())
 }

@@ -10,22 +10,23 @@ use brdfc_metrics::norms::Norms;
 use unicode_width::UnicodeWidthStr as _;
 
 /// Rows with a header, numbers to the right, no frame: copies well into a terminal, a mail or a diff.
-pub fn plain(header: &[&str], rows: &[Vec<String>]) -> String {
+pub fn plain(header: &[&str], rows: impl IntoIterator<Item: AsRef<[String]>>) -> String {
     aligned(header, rows, |column| column > 0)
 }
 
 /// A table of words, aligned to the left.
-pub fn words(header: &[&str], rows: &[Vec<String>]) -> String {
+pub fn words(header: &[&str], rows: impl IntoIterator<Item: AsRef<[String]>>) -> String {
     aligned(header, rows, |_| false)
 }
 
 /// Columns as wide as their widest cell, two spaces apart.
-fn aligned(header: &[&str], rows: &[Vec<String>], right: impl Fn(usize) -> bool) -> String {
+fn aligned(header: &[&str], rows: impl IntoIterator<Item: AsRef<[String]>>, right: impl Fn(usize) -> bool) -> String {
     let header: Vec<String> = header.iter().map(|name| (*name).to_owned()).collect();
-    let all = || std::iter::once(&header).chain(rows);
+    let rows: Vec<_> = rows.into_iter().collect();
+    let all = || std::iter::once(&header[..]).chain(rows.iter().map(AsRef::as_ref));
     let widths: Vec<usize> =
         (0..header.len()).map(|column| all().map(|row| row[column].width()).max().unwrap_or(0)).collect();
-    let line = |row: &Vec<String>| {
+    let line = |row: &[String]| {
         let mut line = String::new();
         for (column, (cell, width)) in row.iter().zip(&widths).enumerate() {
             let room = " ".repeat(width - cell.width());
@@ -59,48 +60,29 @@ pub const MATERIAL_HEADER: [&str; 11] =
 
 /// What was tried for a pack, a line each; `seconds` are those of the trials.
 pub fn trials(tried: &[Trial], seconds: &[f64]) -> String {
-    let rows: Vec<Vec<String>> = tried
-        .iter()
-        .enumerate()
-        .map(|(k, trial)| {
-            vec![
-                trial.codec.clone(),
-                trial.size.clone(),
-                trial.fetches.to_string(),
-                bytes(trial.bytes_on_gpu),
-                percent(trial.relative_error),
-                format!("{:.2}", trial.delta_e),
-                format!("{:.2}", trial.delta_e_p95),
-                seconds.get(k).map_or("-".to_owned(), |s| format!("{s:.2} s")),
-                if trial.meets { "yes" } else { "no" }.to_owned(),
-            ]
-        })
-        .collect();
-    plain(&["tried", "size", "fetches", "on GPU", "ε_r", "ΔE", "ΔE 95 %", "time", "meets the budget"], &rows)
+    let row = |(k, trial): (usize, &Trial)| {
+        [
+            trial.codec.clone(),
+            trial.size.clone(),
+            trial.fetches.to_string(),
+            bytes(trial.bytes_on_gpu),
+            percent(trial.relative_error),
+            format!("{:.2}", trial.delta_e),
+            format!("{:.2}", trial.delta_e_p95),
+            seconds.get(k).map_or("-".to_owned(), |s| format!("{s:.2} s")),
+            if trial.meets { "yes" } else { "no" }.to_owned(),
+        ]
+    };
+    let header = ["tried", "size", "fetches", "on GPU", "ε_r", "ΔE", "ΔE 95 %", "time", "meets the budget"];
+    plain(&header, tried.iter().enumerate().map(row))
 }
 
 /// All norms of a comparison within a range of directions, a line each.
 pub fn comparison(comparison: &Comparison, directions: DirectionRange) -> String {
-    let mut rows = norms_rows(&comparison.norms);
     // Of a ball little may be within: pixels are spread over the range instead.
     let of = if directions.is_all() { "of a ball" } else { "within the directions" };
-    let picture = &comparison.picture;
-    for (name, value) in [
-        (format!("ΔE {of}, mean"), picture.delta_e.mean),
-        (format!("ΔE {of}, 95th percentile"), picture.delta_e.p95),
-        (format!("ΔE {of}, maximum"), picture.delta_e.max),
-        (format!("ΔE2000 {of}, mean"), picture.delta_e_2000.mean),
-    ] {
-        rows.push(vec![name, format!("{value:.3}")]);
-    }
-    rows.push(vec!["largest albedo difference".to_owned(), format!("{:.3e}", comparison.albedo_max_difference)]);
-    rows.push(vec!["reciprocity error of B".to_owned(), percent(comparison.reciprocity)]);
-    let table = plain(&["norm", "value"], &rows);
-    if directions.is_all() { table } else { format!("directions: {directions}\n{table}") }
-}
-
-fn norms_rows(norms: &Norms) -> Vec<Vec<String>> {
-    [
+    let Comparison { norms, picture, .. } = comparison;
+    let rows = [
         ("samples", norms.samples.to_string()),
         ("below 0.1 % of the mean, left out of ratios", norms.below_floor.to_string()),
         ("ε, RMS difference (1/sr)", format!("{:.4e}", norms.rms)),
@@ -111,10 +93,15 @@ fn norms_rows(norms: &Norms) -> Vec<Vec<String>> {
         ("relative difference, maximum", percent(norms.relative_max)),
         ("RMS of log difference", format!("{:.4e}", norms.log_rms)),
         ("RMS of ln(1 + f cos θi) difference", format!("{:.4e}", norms.cosine_log_rms)),
-    ]
-    .into_iter()
-    .map(|(name, value)| vec![name.to_owned(), value])
-    .collect()
+        (&format!("ΔE {of}, mean"), format!("{:.3}", picture.delta_e.mean)),
+        (&format!("ΔE {of}, 95th percentile"), format!("{:.3}", picture.delta_e.p95)),
+        (&format!("ΔE {of}, maximum"), format!("{:.3}", picture.delta_e.max)),
+        (&format!("ΔE2000 {of}, mean"), format!("{:.3}", picture.delta_e_2000.mean)),
+        ("largest albedo difference", format!("{:.3e}", comparison.albedo_max_difference)),
+        ("reciprocity error of B", percent(comparison.reciprocity)),
+    ];
+    let table = plain(&["norm", "value"], rows.map(|(name, value)| [name.to_owned(), value]));
+    if directions.is_all() { table } else { format!("directions: {directions}\n{table}") }
 }
 
 /// `ε_r`, or a dash where no sample was above the floor.

@@ -9,7 +9,7 @@ pub use arguments::Arguments;
 pub(super) use arguments::BuildArguments;
 
 use super::output::{
-    check_folder, note, print, print_json, refuse_dash, refuse_missing_folder, refuse_overwriting, refuse_own,
+    check_folder, json_or, note, print, refuse_dash, refuse_missing_folder, refuse_overwriting, refuse_own,
     refuse_same_outputs, remark, tell, write_file,
 };
 use super::progress::Materials;
@@ -38,31 +38,28 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let plan = &build.plan()?;
     if arguments.dry_run {
         let report = build.predict(plan, arguments.explain);
-        return if common.json { print_json(&report) } else { print(&plan_text::text(plan, &report, out)) };
+        return print(&json_or(common, &report, plan_text::text(plan, &report, out)));
     }
 
     let inputs = build.files_of(plan);
     build.prepare(plan)?;
     check_beside(arguments, &inputs)?;
-    let interrupt = interrupt::watch()?;
+    interrupt::watch()?;
     if arguments.shard.is_some() || !arguments.only.is_empty() {
-        return pieces::run(arguments, &build, plan, common, &interrupt);
+        return pieces::run(arguments, &build, plan, common);
     }
-    let progress = Materials::of(plan, common, interrupt.flag());
+    let progress = Materials::of(plan, common);
     let mut built = build.run_with(plan, &progress)?;
     drop(progress);
-    tell_what_matters(&built, common, Notes::All);
+    tell_what_matters(&built, common, false);
     if let Some(file) = &arguments.depfile {
         write_file(file, &depfile(&out.join(REPORT), &inputs))?;
     }
     if arguments.explain {
         built.report.needs = build.explain(plan, &built.outcomes);
     }
-    if common.json {
-        print_json(&built.report)?;
-    } else {
-        print(&(text::text(&built.outcomes) + &plan_text::needs(&built.report.needs)))?;
-    }
+    let text = text::text(&built.outcomes) + &plan_text::needs(&built.report.needs);
+    print(&json_or(common, &built.report, text))?;
     if !plan.skipped.is_empty() {
         remark(
             common,
@@ -84,7 +81,7 @@ fn check_beside(arguments: &Arguments, inputs: &[&Path]) -> Result<(), Error> {
     refuse_same_outputs(&files)?;
     for (option, file) in files.into_iter().filter_map(|(option, file)| Some((option, file?))) {
         if file == Path::new("-") {
-            return Err(Error::usage(format!("{option}: found -; allowed a file (one of this name is ./-)")));
+            return Err(Error::wrong_usage(option, "-", "a file (one of this name is ./-)"));
         }
         refuse_overwriting(option, file, inputs)?;
         refuse_own(option, file, out)?;
@@ -101,22 +98,14 @@ pub(super) fn tell_left_out(build: &Build, common: Common) {
     }
 }
 
-/// Whose notes are told.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Notes {
-    /// Those of all materials.
-    All,
-    /// Those of materials that were made now.
-    OfMade,
-}
-
-/// Failures and misses, and notes on what was made. Gives the number of materials whose notes were not told.
-pub(super) fn tell_what_matters(built: &Built, common: Common, notes: Notes) -> usize {
+/// Failures and misses, and notes on materials, or on those that were made now alone. Gives the number of materials whose notes
+/// were not told.
+pub(super) fn tell_what_matters(built: &Built, common: Common, only_made: bool) -> usize {
     let mut untold = 0;
     for (name, made) in built.outcomes.made() {
         let of_map = made.maps.as_ref().and_then(|maps| maps.bandwidth.as_ref()?.facts.remark());
         let lines: Vec<String> = remarks(&made.report).into_iter().chain(of_map).collect();
-        if notes == Notes::OfMade && made.times.is_none() {
+        if only_made && made.times.is_none() {
             untold += usize::from(!lines.is_empty());
         } else {
             lines.iter().for_each(|line| note(common, &name, line));

@@ -1,7 +1,6 @@
 //! Pieces of a build, for several machines.
 
 use super::arguments::Arguments;
-use crate::interrupt::Interrupt;
 use crate::output::{print, tell};
 use crate::progress::Materials;
 use crate::{Common, Error};
@@ -9,18 +8,12 @@ use brdfc::scene::Work;
 use brdfc::{Build, Plan};
 use brdfc_terminal::words::counted;
 
-pub(super) fn run(
-    arguments: &Arguments,
-    build: &Build,
-    plan: &Plan,
-    common: Common,
-    interrupt: &Interrupt,
-) -> Result<(), Error> {
+pub(super) fn run(arguments: &Arguments, build: &Build, plan: &Plan, common: Common) -> Result<(), Error> {
     if common.json {
-        return Err(Error::usage("--json: found with --shard or --only; allowed with a whole build".to_owned()));
+        return Err(Error::wrong_usage("--json", "with --shard or --only", "with a whole build"));
     }
     let works = chosen(arguments, plan)?;
-    let progress = Materials::new(works.len(), plan.environment.is_some(), common, interrupt.flag());
+    let progress = Materials::new(works.len(), plan.environment.is_some(), common);
     let results = build.run_works(&works, &progress)?;
     drop(progress);
     let count = works.len();
@@ -53,7 +46,7 @@ fn chosen<'a>(arguments: &Arguments, plan: &'a Plan) -> Result<Vec<Work<'a>>, Er
         let found = works.iter().find(|work| work.name() == *name).copied();
         found.ok_or_else(|| {
             let names: Vec<String> = works.iter().map(Work::name).collect();
-            Error::usage(format!("--only: found {name}; allowed {}", names.join(", ")))
+            Error::wrong_usage("--only", name, names.join(", "))
         })
     };
     arguments.only.iter().map(named).collect()

@@ -1,7 +1,7 @@
 //! What a build would do, in words.
 
 use crate::table;
-use brdfc::scene::{Explained, MaterialEntry, NOTHING, PARTS, Predicted, environment_map, pack_name};
+use brdfc::scene::{Explained, Job, MaterialEntry, NOTHING, Predicted, environment_map, pack_name};
 use brdfc::{BuildReport, PackRecipe, Plan};
 use brdfc_terminal::words::join_truncated;
 use std::path::Path;
@@ -11,39 +11,26 @@ pub(super) const MOST_NAMED: usize = 6;
 
 /// A line for each material.
 pub(super) fn text(plan: &Plan, report: &BuildReport, out: &Path) -> String {
-    let rows: Vec<Vec<String>> = plan
-        .jobs
-        .iter()
-        .zip(&report.materials)
-        .map(|(job, planned)| {
-            vec![
-                job.name.clone(),
-                job.needs.uses.to_string(),
-                job.recipe.codec().to_owned(),
-                job.recipe.target(),
-                if job.input.path().is_some_and(|path| !path.exists()) {
-                    "no such file".to_owned()
-                } else {
-                    predicted(&job.recipe, planned)
-                },
-                job.source.clone(),
-                out.join(pack_name(&job.name)).display().to_string(),
-            ]
-        })
-        .collect();
+    let row = |(job, planned): (&Job, &MaterialEntry)| {
+        let is_missing = job.input.path().is_some_and(|path| !path.exists());
+        [
+            job.name.clone(),
+            job.needs.uses.to_string(),
+            job.recipe.codec().to_owned(),
+            job.recipe.target(),
+            if is_missing { "no such file".to_owned() } else { predicted(&job.recipe, planned) },
+            job.input.to_string(),
+            out.join(pack_name(&job.name)).display().to_string(),
+        ]
+    };
     let header = ["material", "uses", "codec", "target", "on GPU", "source", "pack"];
-    let mut text = table::plain(&header, &rows);
+    let mut text = table::plain(&header, plan.jobs.iter().zip(&report.materials).map(row));
     if let Some(job) = &plan.environment {
         let map = out.join(environment_map()).display().to_string();
-        text += &format!("lit by {}: {map}\n", job.source);
+        text += &format!("lit by {}: {map}\n", job.path.display());
     }
-    for (part, words) in PARTS.into_iter().zip(["bandwidth maps", "importance samples"]) {
-        let of: Vec<&str> = plan
-            .jobs
-            .iter()
-            .filter(|job| job.maps.is_some_and(|recipe| recipe.parts().any(|wanted| wanted == part)))
-            .map(|job| job.name.as_str())
-            .collect();
+    for (k, words) in ["bandwidth maps", "importance samples"].into_iter().enumerate() {
+        let of: Vec<&str> = plan.jobs.iter().filter(|job| job.maps[k]).map(|job| job.name.as_str()).collect();
         if !of.is_empty() {
             text += &format!("{words} of {}\n", of.join(", "));
         }

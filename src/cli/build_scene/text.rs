@@ -14,7 +14,7 @@ pub(super) fn text(outcomes: &Outcomes) -> String {
         row.extend(table::material_row(&made.report, seconds));
         row
     });
-    let packs = table::plain(&table::MATERIAL_HEADER, &packs.collect::<Vec<_>>());
+    let packs = table::plain(&table::MATERIAL_HEADER, packs);
 
     let mut rows = Vec::new();
     if let Some(Ok(made)) = &outcomes.environment {

@@ -31,7 +31,7 @@ impl FlatReport {
             let figures = [errors.mean, errors.p95, errors.max].map(|delta_e| format!("{delta_e:.2}"));
             [kind.to_owned(), errors.samples.to_string()].into_iter().chain(figures).collect::<Vec<_>>()
         });
-        table::plain(&["ΔE", "look-ups", "mean", "95 %", "largest"], &rows)
+        table::plain(&["ΔE", "look-ups", "mean", "95 %", "largest"], rows)
     }
 
     /// Holds both means against a limit.

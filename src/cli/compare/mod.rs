@@ -4,7 +4,7 @@ mod flat;
 
 use self::flat::FlatReport;
 use super::inputs::refuse_stdin_twice;
-use super::output::{print, print_json, remark};
+use super::output::{json_or, print, refuse_flags, remark};
 use super::{Common, Error};
 use crate::table;
 use brdfc::compare::{
@@ -102,9 +102,9 @@ struct ReflectanceReport {
 const MOST_PAIRS: usize = 100_000_000;
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
-    let limit = arguments.max_error.map(|limit| {
-        limit.checked().map_err(|allowed| Error::usage(format!("--max-error: found {limit}; allowed {allowed}")))
-    });
+    let limit = arguments
+        .max_error
+        .map(|limit| limit.checked().map_err(|allowed| Error::wrong_usage("--max-error", limit, allowed)));
     let limit = limit.transpose()?;
     let inputs =
         [("A", Some(&arguments.a)), ("B", Some(&arguments.b)), ("--directions", arguments.directions.as_ref())];
@@ -116,18 +116,12 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     if kind == Kind::FlatBtf {
         arguments.refuse_flags_of_reflectances("flat BTFs")?;
         let report = FlatReport::new(&arguments.a, &arguments.b)?;
-        if common.json {
-            print_json(&Report { version: 1, compared: Compared::FlatBtfs(report) })?;
-        } else {
-            print(&report.table())?;
-        }
+        print_compared(common, Compared::FlatBtfs(report), report.table())?;
         return arguments.max_delta_e.map_or(Ok(()), |limit| report.check(&arguments.a, limit));
     }
     let (a, b) = (brdfc::open(&arguments.a)?, brdfc::open(&arguments.b)?);
     if arguments.max_delta_e.is_some() {
-        return Err(Error::usage(
-            "--max-delta-e: found with reflectances; allowed where A is a light stack or a flat BTF".to_owned(),
-        ));
+        return Err(Error::wrong_usage("--max-delta-e", "with reflectances", "where A is a light stack or a flat BTF"));
     }
     let at = arguments.directions.as_ref().map_or(Ok(Pairs::default()), pairs)?;
     let Measured { pairs, directions, comparison } = reflectances(&a, &b, at)?;
@@ -136,13 +130,10 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     }
     let found = comparison.norms.relative_mean;
     let comparison_counts = comparison.norms.counted() > 0;
-    if common.json {
-        let [a, b] = [a, b].map(|material| material.facts().clone());
-        let report = ReflectanceReport { a, b, pairs, directions, comparison };
-        print_json(&Report { version: 1, compared: Compared::Reflectances(report) })?;
-    } else {
-        print(&table::comparison(&comparison, directions))?;
-    }
+    let text = table::comparison(&comparison, directions);
+    let [a, b] = [a, b].map(|material| material.facts().clone());
+    let report = ReflectanceReport { a, b, pairs, directions, comparison };
+    print_compared(common, Compared::Reflectances(report), text)?;
     match limit {
         Some(_) if !comparison_counts => Err(Error::check(
             "mean relative difference: found no sample above 0.1 % of the reference's mean; allowed at least one, or \
@@ -161,16 +152,17 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
 impl Arguments {
     /// For what is compared by ΔE.
     fn refuse_flags_of_reflectances(&self, what: &str) -> Result<(), Error> {
-        for (given, flag) in [(self.directions.is_some(), "--directions"), (self.max_error.is_some(), "--max-error")] {
-            if given {
-                return Err(Error::usage(format!("{flag}: found with {what}; allowed with reflectances")));
-            }
-        }
+        let given = [(self.directions.is_some(), "--directions"), (self.max_error.is_some(), "--max-error")];
+        refuse_flags(what, &given.map(|(given, flag)| (given, flag, "with reflectances")))?;
         match self.max_delta_e.filter(|limit| !(0.0..=1000.0).contains(limit)) {
-            Some(limit) => Err(Error::usage(format!("--max-delta-e: found {limit}; allowed 0 to 1000"))),
+            Some(limit) => Err(Error::wrong_usage("--max-delta-e", limit, "0 to 1000")),
             None => Ok(()),
         }
     }
+}
+
+fn print_compared(common: Common, compared: Compared, text: String) -> Result<(), Error> {
+    print(&json_or(common, &Report { version: 1, compared }, text))
 }
 
 /// Photographs of a light stack against what was made of them.
@@ -179,21 +171,17 @@ fn photographs(arguments: &Arguments, reference: &Path, common: Common) -> Resul
     let comparison = brdfc::compare::photographs(reference, &arguments.b)?;
     let PhotographComparison { errors, photographs } = &comparison;
     let found = errors.delta_e;
-    if common.json {
-        let report = PhotographReport { kind: "light-stack", comparison };
-        print_json(&Report { version: 1, compared: Compared::Photographs(report) })?;
-    } else {
-        let worst = photographs.iter().max_by(|a, b| a.delta_e.total_cmp(&b.delta_e));
-        let [x, y, z] = worst.map_or([0.0; 3], |worst| worst.light);
-        let row = vec![
-            errors.lights.to_string(),
-            format!("{:.2}", errors.psnr),
-            format!("{found:.2}"),
-            worst.map_or("-".to_owned(), |worst| format!("{:.2}", worst.delta_e)),
-            format!("({x:.2}, {y:.2}, {z:.2})"),
-        ];
-        print(&table::plain(&["photographs", "dB", "mean ΔE", "worst", "under the light"], &[row]))?;
-    }
+    let worst = photographs.iter().max_by(|a, b| a.delta_e.total_cmp(&b.delta_e));
+    let [x, y, z] = worst.map_or([0.0; 3], |worst| worst.light);
+    let row = vec![
+        errors.lights.to_string(),
+        format!("{:.2}", errors.psnr),
+        format!("{found:.2}"),
+        worst.map_or("-".to_owned(), |worst| format!("{:.2}", worst.delta_e)),
+        format!("({x:.2}, {y:.2}, {z:.2})"),
+    ];
+    let text = table::plain(&["photographs", "dB", "mean ΔE", "worst", "under the light"], &[row]);
+    print_compared(common, Compared::Photographs(PhotographReport { kind: "light-stack", comparison }), text)?;
     match arguments.max_delta_e {
         Some(limit) if found > limit => {
             Err(Error::check(format!("mean ΔE: found {}; allowed {limit}", table::apart(found, limit))))
@@ -214,7 +202,7 @@ fn pairs(directions: &Input) -> Result<Pairs, Error> {
     let no_list = |path: &std::path::Path| !path.exists() && (path.extension().is_none() || is_number(path));
     if directions.path().is_none_or(no_list) && !directions.is_stdin() {
         let allowed = "a number of directions, or a list of them in a .csv file";
-        return Err(Error::usage(format!("--directions: found {directions}; allowed {allowed}")));
+        return Err(Error::wrong_usage("--directions", directions, allowed));
     }
     let pairs = pairs_from_csv(directions, &directions.read_text()?)?;
     if pairs.is_empty() {

@@ -2,9 +2,9 @@
 
 use crate::directions::INDIRECTION;
 use brdfc::Input;
-use brdfc::flatten::describe_structures;
-use brdfc_terminal::values::{any_whole_number, bytes_from_text, whole_number};
-use clap::{Args, ValueEnum};
+use brdfc::flatten::{FillMethod, Form, StackFormat, describe_structures};
+use brdfc_terminal::values::{any_whole_number, bytes_from_text, one_of, whole_number};
+use clap::Args;
 use std::ffi::OsString;
 use std::path::PathBuf;
 
@@ -71,8 +71,8 @@ pub struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = whole_number::<usize>(1..=16))]
     pub(super) oversampling: usize,
     /// What texels of the full form get that a view does not see (default: poisson).
-    #[arg(long, value_enum)]
-    pub(super) fill: Option<Fill>,
+    #[arg(long, value_parser = one_of(&FILLS))]
+    pub(super) fill: Option<FillMethod>,
     /// Rays per texel that gather the light of one bounce; 0: direct light and cast shadows only.
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole_number::<usize>(0..=1024))]
     pub(super) bounces: usize,
@@ -80,8 +80,8 @@ pub struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole_number::<usize>(0..=100))]
     pub(super) stretch_rounds: usize,
     /// full: every view and light, as factors; light: normal map and diffuse colours instead.
-    #[arg(long, value_enum, default_value = "full")]
-    pub(super) form: FormArgument,
+    #[arg(long, value_parser = one_of(&FORMS), default_value = "full")]
+    pub(super) form: Form,
     /// Mean ΔE (CIE76) of factors from the views, where texels are seen, to stay below (default: 0.7). What nothing meets keeps the best, with exit
     /// code 1 where it was asked for.
     #[arg(long, value_name = "E")]
@@ -94,8 +94,8 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR")]
     pub(super) write_images: Option<PathBuf>,
     /// Kind of these images: png (8 bits, sRGB) or exr (16-bit floats, linear) (default: png).
-    #[arg(long, value_enum)]
-    pub(super) image_format: Option<ImageFormat>,
+    #[arg(long, value_parser = one_of(&IMAGE_FORMATS))]
+    pub(super) image_format: Option<StackFormat>,
     /// Store texels as they are, without Zstandard.
     #[arg(long)]
     pub(super) no_supercompression: bool,
@@ -104,27 +104,13 @@ pub struct Arguments {
 /// What texels of a flat BTF may be, per side.
 pub(super) const FLAT_TEXELS: &str = "a power of two from 4 to 2048";
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum Fill {
-    /// Gradients of the view that sees them most from above.
-    Poisson,
-    /// Means of what is seen around them: faster, as in the paper.
-    PushPull,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum FormArgument {
-    /// Equation 1.
-    Full,
-    /// Normal map and diffuse colours.
-    Light,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum ImageFormat {
-    Png,
-    Exr,
-}
+const FILLS: [(&str, FillMethod, &str); 2] = [
+    ("poisson", FillMethod::Poisson, "Gradients of the view that sees them most from above"),
+    ("push-pull", FillMethod::PushPull, "Means of what is seen around them: faster, as in the paper"),
+];
+const FORMS: [(&str, Form, &str); 2] =
+    [("full", Form::Full, "Equation 1"), ("light", Form::Light, "Normal map and diffuse colours")];
+const IMAGE_FORMATS: [(&str, StackFormat, &str); 2] = [("png", StackFormat::Png, ""), ("exr", StackFormat::Exr, "")];
 
 fn after_help() -> String {
     format!(

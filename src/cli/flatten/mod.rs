@@ -8,15 +8,11 @@ pub use arguments::Arguments;
 pub(super) use text::text;
 
 use super::directions::in_flags;
-use super::output::{make_folder, note, print, print_json};
+use super::output::{json_or, make_folder, note, print};
 use super::steps::Steps;
 use super::{Common, Error, interrupt};
-use arguments::ImageFormat;
-use brdfc::Input;
 use brdfc::flatten::words::{missed, remarks};
-use brdfc::flatten::{
-    FlatAsset, FlattenError, FlattenJob, OrdinaryBtf, PLANE, StackFormat, Surface, Values, run as flatten,
-};
+use brdfc::flatten::{FlatAsset, FlattenJob, OrdinaryBtf, StackFormat, Surface, Values, run as flatten};
 use options::{asset_name, check_inputs, check_outputs, meso_options, recipe};
 use serde::Serialize;
 use std::time::Instant;
@@ -46,14 +42,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     recipe.check().map_err(|error| Error::usage(in_flags(&error)))?;
     make_folder(&arguments.out)?;
     arguments.write_images.as_deref().map(make_folder).transpose()?;
-    let interrupt = interrupt::watch()?;
-    let steps = Steps::new(common, interrupt.flag());
-    let format = match arguments.image_format {
-        Some(ImageFormat::Exr) => StackFormat::Exr,
-        Some(ImageFormat::Png) | None => StackFormat::Png,
-    };
+    let steps = Steps::new(common, interrupt::watch()?);
+    let format = arguments.image_format.unwrap_or(StackFormat::Png);
     let images = arguments.write_images.as_deref().map(|folder| (folder, format));
-    let relief = options.geometry.as_ref().map_or_else(|| PLANE.to_owned(), Input::to_string);
     let job = FlattenJob {
         name: &name,
         folder: &arguments.out,
@@ -62,10 +53,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         surface,
         images,
     };
-    let asset = flatten(job, &steps).map_err(|error| match error {
-        FlattenError::Parameterise(error) => Error::input(format!("{relief}: {error}")),
-        error => error.into(),
-    })?;
+    let asset = flatten(job, &steps)?;
     drop(steps);
     for line in remarks(&asset.about) {
         note(common, &arguments.meso, &line);
@@ -75,11 +63,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         note(common, &arguments.meso, text);
     }
     let seconds = started.elapsed().as_secs_f64();
-    if common.json {
-        print_json(&Report { asset, seconds })?;
-    } else {
-        print(&text(&asset, Some(seconds)))?;
-    }
+    let text = text(&asset, Some(seconds));
+    print(&json_or(common, &Report { asset, seconds }, text))?;
     // Nobody asked for the default.
     missed.filter(|_| arguments.max_delta_e.is_some()).map_or(Ok(()), |text| Err(Error::check(text)))
 }

@@ -1,10 +1,10 @@
 //! Flags to what is flattened and how: which of them go with which input, and their ranges.
 
-use super::arguments::{Arguments, FLAT_TEXELS, Fill, FormArgument};
+use super::arguments::{Arguments, FLAT_TEXELS};
 use crate::Error;
-use crate::directions::{default_set, direction_set, map_header, wrong};
+use crate::directions::{default_set, direction_set, map_header};
 use crate::inputs::refuse_stdin_twice;
-use crate::output::{check_folder, refuse_overwriting, refuse_same_outputs};
+use crate::output::{check_folder, refuse_flags, refuse_overwriting, refuse_same_outputs};
 use brdfc::Input;
 use brdfc::flatten::{FactoredTarget, FillMethod, FlattenRecipe, Form, MesoOptions};
 use brdfc_terminal::words::format_number;
@@ -44,7 +44,7 @@ pub(super) fn check_outputs(arguments: &Arguments, name: &str) -> Result<(), Err
     refuse_same_outputs(&[("MESO", arguments.meso.path()), ("--out", Some(&arguments.out))])?;
     let Some(images) = arguments.write_images.as_deref() else {
         if arguments.image_format.is_some() {
-            return Err(Error::usage("--image-format: found alone; allowed with --write-images".to_owned()));
+            return Err(Error::wrong_usage("--image-format", "alone", "with --write-images"));
         }
         return Ok(());
     };
@@ -53,7 +53,7 @@ pub(super) fn check_outputs(arguments: &Arguments, name: &str) -> Result<(), Err
     if arguments.bounces > 0 {
         let text = "--write-images: found with --bounces; allowed without: the images hold direct light only, and would \
                     show less than the flat BTF";
-        return Err(Error::usage(text.to_owned()));
+        return Err(Error::usage(text));
     }
     let files = std::fs::read_dir(images).map_or(0, Iterator::count);
     if files > 0 {
@@ -121,15 +121,13 @@ pub(super) fn meso_options(arguments: &Arguments, is_stack: bool) -> Result<Meso
         }
     }
     let kind = Kind::of(geometry.as_ref())?;
-    for (given, option, goes_with, allowed) in [
-        (arguments.tile.is_some(), "--tile", Kind::Mesh, "a mesh"),
-        (arguments.height_scale.is_some(), "--height-scale", Kind::HeightMap, "a height map"),
-        (arguments.height_offset.is_some(), "--height-offset", Kind::HeightMap, "a height map"),
-    ] {
-        if given && kind != goes_with {
-            return Err(Error::usage(format!("{option}: found with {}; allowed with {allowed}", kind.in_words())));
-        }
-    }
+    let (no_mesh, no_map) = (kind != Kind::Mesh, kind != Kind::HeightMap);
+    let flags = [
+        (no_mesh && arguments.tile.is_some(), "--tile", "with a mesh"),
+        (no_map && arguments.height_scale.is_some(), "--height-scale", "with a height map"),
+        (no_map && arguments.height_offset.is_some(), "--height-offset", "with a height map"),
+    ];
+    refuse_flags(kind.in_words(), &flags)?;
     let materials = arguments.material.iter().map(|text| named_material(text)).collect();
     Ok(MesoOptions {
         geometry,
@@ -144,30 +142,24 @@ pub(super) fn meso_options(arguments: &Arguments, is_stack: bool) -> Result<Meso
 
 /// Options that would have no effect.
 fn check_placement(arguments: &Arguments, is_stack: bool) -> Result<(), Error> {
-    let for_stacks = [(arguments.geometry.is_some(), "--geometry")];
-    let for_surfaces = [
-        (!arguments.material.is_empty(), "--material"),
-        (arguments.colour.is_some(), "--colour"),
-        (arguments.weights.is_some(), "--weights"),
-        (arguments.bounces > 0, "--bounces"),
-        (arguments.write_images.is_some(), "--write-images"),
-        (arguments.views.is_some(), "--views"),
-        (arguments.lights.is_some(), "--lights"),
-    ];
-    let wrong: &[(bool, &str)] = if is_stack { &for_surfaces } else { &for_stacks };
-    if let Some((_, option)) = wrong.iter().find(|(given, _)| *given) {
-        let (found, allowed) = if is_stack {
-            ("an ordinary BTF, which has its own views and lights", "with a surface, whose appearance is computed")
-        } else {
-            ("a surface", "with an ordinary BTF: a folder of images or a .btf file")
-        };
-        return Err(Error::usage(format!("{option}: found with {found}; allowed {allowed}")));
+    if is_stack {
+        let for_surfaces = [
+            (!arguments.material.is_empty(), "--material"),
+            (arguments.colour.is_some(), "--colour"),
+            (arguments.weights.is_some(), "--weights"),
+            (arguments.bounces > 0, "--bounces"),
+            (arguments.write_images.is_some(), "--write-images"),
+            (arguments.views.is_some(), "--views"),
+            (arguments.lights.is_some(), "--lights"),
+        ];
+        let flags = for_surfaces.map(|(given, flag)| (given, flag, "with a surface, whose appearance is computed"));
+        refuse_flags("an ordinary BTF, which has its own views and lights", &flags)?;
+    } else {
+        let allowed = "with an ordinary BTF: a folder of images or a .btf file";
+        refuse_flags("a surface", &[(arguments.geometry.is_some(), "--geometry", allowed)])?;
     }
-    if arguments.fill.is_some() && arguments.form == FormArgument::Light {
-        let text = "--fill: found with --form light, which has no views to fill; allowed with --form full";
-        return Err(Error::usage(text.to_owned()));
-    }
-    Ok(())
+    let of_light = arguments.fill.is_some() && arguments.form == Form::Light;
+    refuse_flags("--form light, which has no views to fill", &[(of_light, "--fill", "with --form full")])
 }
 
 /// `NAME=INPUT`, or an input alone; the `=` of an address is no name's.
@@ -199,7 +191,7 @@ fn split_name(text: &OsStr) -> Option<(String, OsString)> {
 pub(super) fn recipe(arguments: &Arguments) -> Result<FlattenRecipe, Error> {
     let flat_texels = arguments.flat_texels.unwrap_or((arguments.texels as usize).next_power_of_two());
     if !(4..=2048).contains(&flat_texels) || !flat_texels.is_power_of_two() {
-        return Err(wrong("flat-texels", &flat_texels, FLAT_TEXELS));
+        return Err(Error::wrong_usage("--flat-texels", flat_texels, FLAT_TEXELS));
     }
     let indirection = map_header(arguments.texels, &arguments.indirection, arguments.largest_angle)?;
     let views = direction_set("views", arguments.views.as_ref().unwrap_or(&default_set()))?;
@@ -210,16 +202,10 @@ pub(super) fn recipe(arguments: &Arguments) -> Result<FlattenRecipe, Error> {
         oversampling: arguments.oversampling,
         views,
         lights,
-        fill: match arguments.fill {
-            Some(Fill::PushPull) => FillMethod::PushPull,
-            Some(Fill::Poisson) | None => FillMethod::Poisson,
-        },
+        fill: arguments.fill.unwrap_or(FillMethod::Poisson),
         bounces: arguments.bounces,
         rounds: arguments.stretch_rounds,
-        form: match arguments.form {
-            FormArgument::Full => Form::Full,
-            FormArgument::Light => Form::Light,
-        },
+        form: arguments.form,
         factor: factor_target(arguments)?,
         compact: true,
     })
@@ -230,16 +216,14 @@ const MAX_DELTA_E: f64 = 0.7;
 
 /// What factors are to be like; nothing of the light form, which has none.
 fn factor_target(arguments: &Arguments) -> Result<Option<FactoredTarget>, Error> {
-    if arguments.form == FormArgument::Light {
-        let given = [(arguments.max_delta_e.is_some(), "max-delta-e"), (arguments.max_bytes.is_some(), "max-bytes")];
-        if let Some((_, option)) = given.iter().find(|(given, _)| *given) {
-            let text = format!("--{option}: found with --form light, which has no views; allowed with --form full");
-            return Err(Error::usage(text));
-        }
-        return Ok(None);
+    if arguments.form == Form::Light {
+        let given =
+            [(arguments.max_delta_e.is_some(), "--max-delta-e"), (arguments.max_bytes.is_some(), "--max-bytes")];
+        let flags = given.map(|(given, flag)| (given, flag, "with --form full"));
+        return refuse_flags("--form light, which has no views", &flags).map(|()| None);
     }
     if let Some(found) = arguments.max_delta_e.filter(|e| !(*e > 0.0 && *e <= 100.0)) {
-        return Err(wrong("max-delta-e", &format_number(found), "above 0, up to 100"));
+        return Err(Error::wrong_usage("--max-delta-e", format_number(found), "above 0, up to 100"));
     }
     let target = match arguments.max_bytes {
         Some(bytes) => FactoredTarget::Bytes(bytes),

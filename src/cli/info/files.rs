@@ -1,6 +1,6 @@
 //! `brdfc info --files`: what the KTX2 files of a pack hold besides texels.
 
-use crate::output::{print, print_json};
+use crate::output::{json_or, print};
 use crate::table;
 use crate::{Common, Error};
 use brdfc::Input;
@@ -23,23 +23,13 @@ pub struct FilesReport {
 /// Of a pack.
 pub(super) fn run(input: &Input, common: Common) -> Result<(), Error> {
     let files = files(input)?;
-    if common.json {
-        return print_json(&FilesReport { version: 1, kind: "files", files });
-    }
     let line = |(name, file): (&String, &PackFile)| {
         let [width, height, depth] = file.size;
         let entries = file.entries.keys().cloned().collect::<Vec<_>>().join(" ");
         let size =
             if file.dimension == "2d" { format!("{width}x{height}") } else { format!("{width}x{height}x{depth}") };
-        vec![
-            name.clone(),
-            file.texel_format.to_owned(),
-            file.dimension.to_owned(),
-            size,
-            file.levels.to_string(),
-            entries,
-        ]
+        [name.clone(), file.texel_format.to_owned(), file.dimension.to_owned(), size, file.levels.to_string(), entries]
     };
-    let rows: Vec<Vec<String>> = files.iter().map(line).collect();
-    print(&table::words(&["file", "texels", "dimension", "size", "levels", "entries"], &rows))
+    let text = table::words(&["file", "texels", "dimension", "size", "levels", "entries"], files.iter().map(line));
+    print(&json_or(common, &FilesReport { version: 1, kind: "files", files }, text))
 }

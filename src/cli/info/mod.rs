@@ -4,7 +4,7 @@ mod files;
 
 pub use files::FilesReport;
 
-use super::output::{print, print_json, printable};
+use super::output::{json_or, print, print_json, printable};
 use super::{Common, Error, bandwidth, flatten};
 use crate::table::bytes;
 use brdfc::inspect::{
@@ -101,12 +101,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         return files::run(&file.map_or_else(|| input.clone(), Input::File), common);
     }
     if let Some(facts) = relightable(input)? {
-        let contents = Contents::Other(facts);
-        return if common.json {
-            print_json(&Report { version: 1, contents, devices: None })
-        } else {
-            print_lines(&contents_in_words(&contents))
-        };
+        let report = Report { version: 1, contents: Contents::Other(facts), devices: None };
+        return print(&json_or(common, &report, lines_of(&contents_in_words(&report.contents))));
     }
     if let Some(file) = input.path().map(flat_btf_file).transpose()?.flatten() {
         let (_, asset) = open_asset(&file)?;
@@ -127,26 +123,17 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     if contents.is_none()
         && let Some(facts) = surface(input)?
     {
-        if common.json {
-            return print_json(&SurfaceReport { version: 1, facts });
-        }
-        return print_lines(&surface::in_words(&facts));
+        let text = lines_of(&surface::in_words(&facts));
+        return print(&json_or(common, &SurfaceReport { version: 1, facts }, text));
     }
     let contents = match contents {
         Some(contents) => contents,
         None => reflectance(open(input, None).map_err(with_structures)?),
     };
     let devices = if is_pack { Some(files::device_needs(input)?) } else { None };
-    if common.json {
-        return print_json(&Report { version: 1, contents, devices });
-    }
     let mut lines = contents_in_words(&contents);
-    lines.extend(devices.map(|needs| ("devices", needs.in_words())));
-    print_lines(&lines)
-}
-
-fn print_lines(lines: &[(&'static str, String)]) -> Result<(), Error> {
-    print(&lines_of(lines))
+    lines.extend(devices.as_ref().map(|needs| ("devices", needs.in_words())));
+    print(&json_or(common, &Report { version: 1, contents, devices }, lines_of(&lines)))
 }
 
 /// Names and values, a line each, the values below each other.

@@ -4,16 +4,16 @@ use super::adaptive_options::{ANTIALIAS, AdaptiveOptions, MOST};
 use super::arguments::Arguments;
 use super::materials::{self, Prepared, Subject};
 use super::{gpu, outputs, scene};
-use crate::output::{note, print, print_json, remark, write_file};
+use crate::output::{note, print, print_json, refuse_flags, remark, write_file};
 use crate::table::{percent, plain, significant};
 use crate::{Common, Error};
 use brdfc::BrdfPack;
 use brdfc::bandwidth::{BandwidthFacts, BandwidthMap, DEFAULT_EPSILON};
 use brdfc::inspect::AnyPack as Pack;
 use brdfc::render::{
-    AdaptiveMaterial, AdaptivePicture, AdaptivePictures, AdaptiveRenderer, AdaptiveScene, AdaptiveVerification,
-    DistantLight, Environment, Frame, GpuError, LinearImage, PackReflectance, Reflectance, Settings, Start,
-    auto_exposure, environment_map, ground_truth, lookups, prediction_png,
+    AdaptiveMaterial, AdaptivePicture, AdaptiveRenderer, AdaptiveScene, AdaptiveVerification, DistantLight,
+    Environment, Frame, GpuError, LinearImage, PackReflectance, Reflectance, Settings, Shading, Start, auto_exposure,
+    environment_map, ground_truth, lookups, prediction_png,
 };
 use brdfc_terminal::words::format_number;
 use serde::Serialize;
@@ -44,8 +44,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let frame = Frame { samples: 1, ..setup.frame };
     let gpu = gpu::open(arguments)?;
     let prepared = materials::prepare(arguments, &subject, &setup.names, common)?;
-    let of_part =
-        |part: &Prepared| lookups(&part.material(), &part.maps).map_err(|error| in_material(&part.name, error));
+    let of_part = |part: &Prepared| lookups(&part.material(), &part.maps).map_err(|error| error.prefixed(&part.name));
     let lookups = prepared.iter().map(of_part).collect::<Result<Vec<_>, _>>()?;
     let map = environment(arguments, &subject, &setup.scene.environment)?;
     let light = DistantLight::new(&setup.scene.environment, map);
@@ -101,20 +100,28 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         let of_maps = lookup.samples.gpu_bytes() + BandwidthFacts::new(&lookup.bandwidth).gpu_bytes;
         (prepared.name.clone(), prepared.pack.gpu_bytes() + of_maps)
     };
-    let verification = AdaptiveVerification::new(AdaptivePictures {
-        scene: setup.builtin.name(),
-        frame,
+    let against = (&truth, exposure);
+    let shaded = [picture.samples(), picture.shaded()];
+    let of_forward = [surface_points * u64::from(count), surface_points];
+    let verification = AdaptiveVerification {
+        scene: setup.builtin.name().to_owned(),
+        width: frame.width,
+        height: frame.height,
+        points: antialias as usize,
         surface_points,
-        adapter: gpu.description(),
+        exposure,
+        adapter: gpu.description().clone(),
         parts: setup.parts(of_part),
         environment: [setup.scene.environment.width, setup.scene.environment.height],
-        settings: &settings,
-        exposure,
-        adaptive: (&picture, [bandwidth_seconds, seconds]),
-        forward: (&forward, count, forward_seconds),
-        truth: (&truth, truth_samples, truth_seconds),
+        settings: (&settings).into(),
+        adaptive: Shading::new(&picture.image, shaded, surface_points, seconds, against),
+        bandwidth_seconds,
+        levels: picture.levels.clone(),
+        forward: Shading::new(&forward, of_forward, surface_points, forward_seconds, against),
+        truth_samples,
         truth_psnr,
-    });
+        truth_seconds,
+    };
     write(arguments, &picture, &truth, exposure, settings.antialiasing_levels)?;
     if surface_points == 0 {
         note(common, &arguments.input, "no pixel shows a surface; look at render.camera");
@@ -138,9 +145,7 @@ fn timed<T>(run: impl FnOnce() -> Result<T, GpuError>) -> Result<(T, f64), Error
 
 /// Settings and points per pixel, from the flags.
 fn settings(options: &AdaptiveOptions) -> Result<(Settings, u32), Error> {
-    let usage = |flag: &str, found: String, allowed: &str| {
-        Err(Error::usage(format!("--{flag}: found {found}; allowed {allowed}")))
-    };
+    let usage = |flag: &str, found: String, allowed: &str| Err(Error::wrong_usage(format!("--{flag}"), found, allowed));
     let default = Settings::default();
     let samples = options.budget.unwrap_or(default.samples);
     if !(0.01..=MOST as f32).contains(&samples) {
@@ -164,24 +169,16 @@ fn settings(options: &AdaptiveOptions) -> Result<(Settings, u32), Error> {
 
 /// Flags that say nothing here.
 fn refuse(arguments: &Arguments) -> Result<(), Error> {
-    let given = [
-        ("--table", arguments.table, "without"),
-        ("--max-delta-e", arguments.max_delta_e.is_some(), "without (--min-psnr is for it)"),
-        ("--max-delta-e-p95", arguments.max_delta_e_p95.is_some(), "without (--min-psnr is for it)"),
-        ("--max-flip", arguments.max_flip.is_some(), "without (--min-psnr is for it)"),
-        ("--samples", arguments.samples.is_some(), "without (--antialias is for it)"),
-        ("--form", arguments.form.is_some(), "without"),
-        ("--repeat", arguments.repeat.is_some(), "without"),
+    let flags = [
+        (arguments.table, "--table", "without"),
+        (arguments.max_delta_e.is_some(), "--max-delta-e", "without (--min-psnr is for it)"),
+        (arguments.max_delta_e_p95.is_some(), "--max-delta-e-p95", "without (--min-psnr is for it)"),
+        (arguments.max_flip.is_some(), "--max-flip", "without (--min-psnr is for it)"),
+        (arguments.samples.is_some(), "--samples", "without (--antialias is for it)"),
+        (arguments.form.is_some(), "--form", "without"),
+        (arguments.repeat.is_some(), "--repeat", "without"),
     ];
-    match given.iter().find(|(_, given, _)| *given) {
-        Some((flag, _, allowed)) => Err(Error::usage(format!("{flag}: found with --adaptive; allowed {allowed}"))),
-        None => Ok(()),
-    }
-}
-
-fn in_material(name: &str, error: Error) -> Error {
-    let text = format!("{name}: {error}");
-    error.with_message(text)
+    refuse_flags("--adaptive", &flags)
 }
 
 /// The environment's map: that of the build where the manifest's environment lights the scene, else made afresh.
@@ -244,32 +241,23 @@ fn text(v: &AdaptiveVerification) -> String {
     for part in &v.parts {
         text += &format!("{}: {}, {}\n", part.part, part.material, crate::table::bytes(part.bytes_on_gpu));
     }
-    let rows: Vec<Vec<String>> = [("adaptive", &v.adaptive), ("forward", &v.forward)]
-        .into_iter()
-        .map(|(name, shading)| {
-            vec![
-                name.to_owned(),
-                shading.samples.to_string(),
-                format!("{:.2}", shading.samples_per_point),
-                shading.shaded.to_string(),
-                format!("{:.2} s", shading.seconds),
-                shading.psnr.map_or("-".to_owned(), |psnr| format!("{psnr:.2} dB")),
-                format!("{:.4}", shading.flip),
-            ]
-        })
-        .collect();
+    let rows = [("adaptive", &v.adaptive), ("forward", &v.forward)].map(|(name, shading)| {
+        [
+            name.to_owned(),
+            shading.samples.to_string(),
+            format!("{:.2}", shading.samples_per_point),
+            shading.shaded.to_string(),
+            format!("{:.2} s", shading.seconds),
+            shading.psnr.map_or("-".to_owned(), |psnr| format!("{psnr:.2} dB")),
+            format!("{:.4}", shading.flip),
+        ]
+    });
     let header = ["shading", "samples", "per point", "shaded pixels", "time", "PSNR", "FLIP"];
-    let levels: Vec<Vec<String>> = v
-        .levels
-        .iter()
-        .enumerate()
-        .filter(|(_, level)| level.shaded > 0)
-        .map(|(number, level)| {
-            vec![number.to_string(), level.pixels.to_string(), level.shaded.to_string(), level.samples.to_string()]
-        })
-        .collect();
-    text += &format!("\n{}\n", plain(&header, &rows));
-    text += &plain(&["level", "pixels", "shaded", "samples"], &levels);
+    text += &format!("\n{}\n", plain(&header, rows));
+    let levels = v.levels.iter().enumerate().filter(|(_, level)| level.shaded > 0).map(|(number, level)| {
+        [number.to_string(), level.pixels.to_string(), level.shaded.to_string(), level.samples.to_string()]
+    });
+    text += &plain(&["level", "pixels", "shaded", "samples"], levels);
     text += &format!(
         "\nbandwidth buffer: {:.3} s, {} of forward shading with {} samples. Ground truth: {} samples per point, \
          {:.1} s{}.\n",

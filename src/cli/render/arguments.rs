@@ -3,10 +3,10 @@
 use super::adaptive_options::AdaptiveOptions;
 use crate::options::PackOptions;
 use brdfc::Input;
-use brdfc::render::{Builtin, Filter};
+use brdfc::render::{Builtin, Filter, FlatForm};
 use brdfc::scene::MAX_SAMPLES;
-use brdfc_terminal::values::whole_number;
-use clap::{Args, ValueEnum};
+use brdfc_terminal::values::{one_of, whole_number};
+use clap::Args;
 use std::path::PathBuf;
 
 /// Draw packs with the shaders that engines use, and say how wrong they look.
@@ -58,8 +58,8 @@ pub struct Arguments {
     )]
     pub(super) contact: Option<PathBuf>,
     /// Which scene (default: the manifest's, or sphere; for a light stack's pack a plane, seen from above).
-    #[arg(long, value_enum, value_name = "SCENE")]
-    pub(super) scene: Option<SceneName>,
+    #[arg(long, value_name = "SCENE", value_parser = one_of(&SCENES))]
+    pub(super) scene: Option<Builtin>,
     /// Pixels, such as 800x600, each 1 to 8192 (default 512x512, with --contact 160x160).
     #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
     pub(super) size: Option<String>,
@@ -70,8 +70,8 @@ pub struct Arguments {
     #[arg(long, value_name = "X")]
     pub(super) exposure: Option<f64>,
     /// How values between cells are found (default: bilinear).
-    #[arg(long, value_enum)]
-    pub(super) filter: Option<FilterName>,
+    #[arg(long, value_parser = one_of(&FILTERS))]
+    pub(super) filter: Option<Filter>,
     /// Filter slices, or the texels of a light stack's pack, in the shader with exact weights instead of the sampler.
     #[arg(long)]
     pub(super) exact: bool,
@@ -103,8 +103,8 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME")]
     pub(super) adapter: Option<String>,
     /// Of a flat BTF: every view and light, or normal map and diffuse colours (default: full where the file has views).
-    #[arg(long, value_enum)]
-    pub(super) form: Option<FormName>,
+    #[arg(long, value_parser = one_of(&FORMS))]
+    pub(super) form: Option<FlatForm>,
     /// Of a flat BTF: tiles per unit of the scene's uv, 1 to 1024 (default: 4 on plane, bottle, vase and teapot, else 8); of a
     /// light stack's pack that is a tile, likewise (default: 1).
     #[arg(long, value_name = "N", value_parser = whole_number::<u32>(1..=1024))]
@@ -115,71 +115,22 @@ pub struct Arguments {
     pub(super) options: PackOptions,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum SceneName {
-    /// A ball.
-    Sphere,
-    /// A draped cloth: its tangents follow the weave.
-    Cloth,
-    /// A still life of four materials, one bumped, one mirroring its environment.
-    Table,
-    /// A landscape at a grazing angle, for levels of detail.
-    Terrain,
-    /// A square on the ground, seen obliquely.
-    Plane,
-    /// A bottle: a surface of revolution.
-    Bottle,
-    /// A vase: a surface of revolution.
-    Vase,
-    /// A teapot with lid, spout and handle.
-    Teapot,
-    /// A ball with a smooth and a bumpy half, without point lights: for environments.
-    BumpyBall,
-    /// A torus with a smooth and a ribbed half, likewise.
-    RibbedTorus,
-}
-
-impl From<SceneName> for Builtin {
-    fn from(name: SceneName) -> Self {
-        match name {
-            SceneName::Sphere => Self::Sphere,
-            SceneName::Cloth => Self::Cloth,
-            SceneName::Table => Self::Table,
-            SceneName::Terrain => Self::Terrain,
-            SceneName::Plane => Self::Plane,
-            SceneName::Bottle => Self::Bottle,
-            SceneName::Vase => Self::Vase,
-            SceneName::Teapot => Self::Teapot,
-            SceneName::BumpyBall => Self::BumpyBall,
-            SceneName::RibbedTorus => Self::RibbedTorus,
-        }
-    }
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum FormName {
-    /// Equation 1 of Hadim et al. 2009.
-    Full,
-    /// Their light form.
-    Light,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum FilterName {
-    /// The nearest cell.
-    Nearest,
-    /// Bilinear in slices, one reconstruction.
-    Slices,
-    /// Bilinear, four reconstructions.
-    Bilinear,
-}
-
-impl From<FilterName> for Filter {
-    fn from(name: FilterName) -> Self {
-        match name {
-            FilterName::Nearest => Self::Nearest,
-            FilterName::Slices => Self::Slices,
-            FilterName::Bilinear => Self::Bilinear,
-        }
-    }
-}
+const SCENES: [(&str, Builtin, &str); 10] = [
+    ("sphere", Builtin::Sphere, "A ball"),
+    ("cloth", Builtin::Cloth, "A draped cloth: its tangents follow the weave"),
+    ("table", Builtin::Table, "A still life of four materials, one bumped, one mirroring its environment"),
+    ("terrain", Builtin::Terrain, "A landscape at a grazing angle, for levels of detail"),
+    ("plane", Builtin::Plane, "A square on the ground, seen obliquely"),
+    ("bottle", Builtin::Bottle, "A bottle: a surface of revolution"),
+    ("vase", Builtin::Vase, "A vase: a surface of revolution"),
+    ("teapot", Builtin::Teapot, "A teapot with lid, spout and handle"),
+    ("bumpy-ball", Builtin::BumpyBall, "A ball with a smooth and a bumpy half, without point lights: for environments"),
+    ("ribbed-torus", Builtin::RibbedTorus, "A torus with a smooth and a ribbed half, likewise"),
+];
+const FORMS: [(&str, FlatForm, &str); 2] =
+    [("full", FlatForm::Full, "Equation 1 of Hadim et al. 2009"), ("light", FlatForm::Light, "Their light form")];
+const FILTERS: [(&str, Filter, &str); 3] = [
+    ("nearest", Filter::Nearest, "The nearest cell"),
+    ("slices", Filter::Slices, "Bilinear in slices, one reconstruction"),
+    ("bilinear", Filter::Bilinear, "Bilinear, four reconstructions"),
+];

@@ -1,9 +1,9 @@
 //! What goes over a whole scene: a flat BTF, or a picture under any light. Named itself, or by a manifest.
 
 use super::arguments::Arguments;
+use super::flat;
 use super::materials::Subject;
-use super::{flat, pwt};
-use crate::Error;
+use crate::{Error, output};
 use brdfc::Input;
 use brdfc::inspect::{AnyPack as Pack, flat_btf_file, is_light_stack, open_pack};
 use brdfc::render::PwtPack;
@@ -75,14 +75,14 @@ fn is_unpacked_stack(input: &Input) -> bool {
 
 fn not_packed(input: &Input) -> Error {
     let allowed = "a pack of it, which 'brdfc pwt' makes; photographs go beside the pack with --source";
-    Error::input(format!("{input}: found a light stack; allowed {allowed}"))
+    Error::wrong_input(input, "a light stack", allowed)
 }
 
 /// Whether a flag goes with assets of this kind.
 pub(super) fn refuse_flags(arguments: &Arguments, asset: &Asset) -> Result<(), Error> {
     let is_flat = matches!(asset.kind, AssetKind::Flat);
-    let (of_brdfs, of_flat, of_both) = ("BRDFs", "flat BTFs", "BRDFs and pictures under any light");
-    for (given, flag, allowed) in [
+    let (of_brdfs, of_both) = ("with BRDFs", "with BRDFs and pictures under any light");
+    let flags = [
         (arguments.packs.is_some(), "--packs", of_brdfs),
         (arguments.table, "--table", of_brdfs),
         (arguments.lod.is_some(), "--lod", of_brdfs),
@@ -92,13 +92,8 @@ pub(super) fn refuse_flags(arguments: &Arguments, asset: &Asset) -> Result<(), E
         (arguments.adaptive.adaptive, "--adaptive", of_brdfs),
         (is_flat && arguments.source.is_some(), "--source", of_both),
         (is_flat && arguments.exact, "--exact", of_both),
-        (!is_flat && arguments.form.is_some(), "--form", of_flat),
-    ] {
-        if given {
-            let what = if is_flat { "a flat BTF" } else { pwt::WHAT };
-            let text = format!("{flag}: found with {}, {what}; allowed with {allowed}", asset.input);
-            return Err(Error::usage(text));
-        }
-    }
-    Ok(())
+        (!is_flat && arguments.form.is_some(), "--form", "with flat BTFs"),
+    ];
+    let what = if is_flat { "a flat BTF" } else { "a picture under any light" };
+    output::refuse_flags(format!("{}, {what}", asset.input), &flags)
 }

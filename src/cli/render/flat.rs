@@ -1,9 +1,9 @@
 //! Pictures of flat BTFs.
 
-use super::arguments::{Arguments, FormName};
+use super::arguments::Arguments;
 use super::materials::Subject;
 use super::{gpu, outputs, scene};
-use crate::output::note;
+use crate::output::{self, note};
 use crate::{Common, Error};
 use brdfc::flatten::read_report;
 use brdfc::inspect::{flat_btf_file, open_flat_btf};
@@ -38,12 +38,7 @@ pub(super) fn verification(
     let wrong = |error: FormatError| Error::input(format!("{input}: {error}"));
     let parts = file.decoder.parts();
     let has_views = parts.values.factored().is_some();
-    let form = match arguments.form {
-        Some(FormName::Full) => FlatForm::Full,
-        Some(FormName::Light) => FlatForm::Light,
-        None if has_views => FlatForm::Full,
-        None => FlatForm::Light,
-    };
+    let form = arguments.form.unwrap_or(if has_views { FlatForm::Full } else { FlatForm::Light });
     let (stored, bytes_on_gpu) = match form {
         FlatForm::Light => ("light form", file.decoder.bindings(false, None).gpu_bytes()),
         FlatForm::Full => {
@@ -72,8 +67,6 @@ pub(super) fn verification(
 
 /// Of BRDFs: there is nothing among the flags that only flat BTFs have.
 pub(super) fn refuse_flags(arguments: &Arguments) -> Result<(), Error> {
-    let form = arguments.form.map(|_| "--form");
-    let Some(flag) = form.or(arguments.repeat.map(|_| "--repeat")) else { return Ok(()) };
-    let text = format!("{flag}: found with {}; allowed with a flat BTF", arguments.input);
-    Err(Error::usage(text))
+    let given = [(arguments.form.is_some(), "--form"), (arguments.repeat.is_some(), "--repeat")];
+    output::refuse_flags(&arguments.input, &given.map(|(given, flag)| (given, flag, "with a flat BTF")))
 }

@@ -1,9 +1,9 @@
 //! The adapter, and how its shaders look values up.
 
-use super::arguments::{Arguments, FilterName};
+use super::arguments::Arguments;
 use super::materials::Subject;
 use crate::Error;
-use brdfc::render::{AdapterChoice, DEFAULT_DISTANCE_SCALE, Decoding, Gpu, SliceFilter};
+use brdfc::render::{AdapterChoice, DEFAULT_DISTANCE_SCALE, Decoding, Filter, Gpu, SliceFilter};
 
 pub(super) fn open(arguments: &Arguments) -> Result<Gpu, Error> {
     let choice = arguments.adapter.clone().map_or(AdapterChoice::Best, AdapterChoice::Named);
@@ -12,7 +12,7 @@ pub(super) fn open(arguments: &Arguments) -> Result<Gpu, Error> {
 
 pub(super) fn decoding(arguments: &Arguments, subject: &Subject) -> Decoding {
     Decoding {
-        filter: arguments.filter.unwrap_or(FilterName::Bilinear).into(),
+        filter: arguments.filter.unwrap_or(Filter::Bilinear),
         slices: if arguments.exact { SliceFilter::Exact } else { SliceFilter::Hardware },
         level: arguments.lod,
         distance_scale: subject.distance_scale().unwrap_or(DEFAULT_DISTANCE_SCALE),

@@ -2,7 +2,7 @@
 
 use super::arguments::Arguments;
 use crate::inputs::refuse_stdin_twice;
-use crate::output::{note, remark};
+use crate::output::{note, refuse_flags, remark};
 use crate::{Common, Error};
 use brdfc::encode::encode;
 use brdfc::encode::encoders::wavelet::recipe::Target;
@@ -73,26 +73,20 @@ pub(super) fn subject(arguments: &Arguments) -> Result<Subject, Error> {
     let input = &arguments.input;
     let kind = input.extension()?;
     refuse_stdin_twice(&[("INPUT", Some(input)), ("--source", arguments.source.as_ref())])?;
-    let misplaced = |flag: &str, goes_with: &str| {
-        Err(Error::usage(format!("{flag}: found with {input}; allowed with {goes_with}")))
-    };
-    if kind != "toml" && arguments.packs.is_some() {
-        return misplaced("--packs", "a manifest");
-    }
-    if kind != "ktx2" && arguments.source.is_some() {
-        return misplaced("--source", "a pack");
-    }
-    if (kind == "ktx2" || kind == "toml") && arguments.options.any() {
-        return misplaced("encoding options", "an input that is encoded; those of a scene stand in its manifest");
-    }
-    if kind == "ktx2" && arguments.table && arguments.source.is_none() {
-        return misplaced("--table", "a source: name it with --source");
-    }
+    let (is_scene, is_pack) = (kind == "toml", kind == "ktx2");
+    let of_encoded = "with an input that is encoded; those of a scene stand in its manifest";
+    let flags = [
+        (!is_scene && arguments.packs.is_some(), "--packs", "with a manifest"),
+        (!is_pack && arguments.source.is_some(), "--source", "with a pack"),
+        ((is_pack || is_scene) && arguments.options.any(), "encoding options", of_encoded),
+        (is_pack && arguments.table && arguments.source.is_none(), "--table", "with a source: name it with --source"),
+    ];
+    refuse_flags(input, &flags)?;
     match kind.as_str() {
         "toml" => {
             let Some(path) = input.path().map(Path::to_owned) else {
                 let allowed = "a file: its paths start at its folder";
-                return Err(Error::usage(format!("SCENE.toml: found {input}; allowed {allowed}")));
+                return Err(Error::wrong_usage("SCENE.toml", input, allowed));
             };
             let (text, manifest) = read_manifest(&path)?;
             let folder = path.parent().unwrap_or(Path::new(""));
@@ -117,7 +111,7 @@ fn pack_folder(arguments: &Arguments) -> Result<Option<PackFolder>, Error> {
         None if PackFolder::is_one(default) => default,
         None => return Ok(None),
     };
-    PackFolder::open(folder).map(Some).map_err(|error| Error::io(error.to_string()))
+    PackFolder::open(folder).map(Some)
 }
 
 /// The manifest with a use of each material, so that the plan has a job for it.
@@ -193,7 +187,7 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(
             let made = encode(source.as_ref(), &recipe.clone().without_measuring(), &())?;
             (made.pack, Vec::new(), made.missed.into_iter().collect())
         }
-        (_, None) => return Err(Error::internal("nothing to draw".to_owned())),
+        (_, None) => return Err(Error::internal("nothing to draw")),
     };
     let table = match &source {
         Some(source) if arguments.table => {
@@ -201,7 +195,7 @@ fn prepare_one(arguments: &Arguments, subject: &Subject, name: &str) -> Result<(
             let levels = wavelet.header.levels;
             if levels > MAX_TABLE_LEVELS {
                 let text = "--table: found a grid of 64; allowed up to 32, whose slices all fit into a texture";
-                return Err(Error::usage(text.to_owned()));
+                return Err(Error::usage(text));
             }
             let whole = Recipe {
                 parameterisation: wavelet.header.parameterisation,

@@ -50,7 +50,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     if let Some(level) = arguments.lod
         && !(0.0..=6.0).contains(&level)
     {
-        return Err(Error::usage(format!("--lod: found {}; allowed 0 to 6", format_number(level))));
+        return Err(Error::wrong_usage("--lod", format_number(level), "0 to 6"));
     }
     let asset = asset::asset(arguments)?;
     if let Some(asset) = &asset {
@@ -101,7 +101,7 @@ fn gates(arguments: &Arguments) -> Result<PictureGates, Error> {
     ];
     for (flag, limit, most, allowed) in given {
         if let Some(limit) = limit.filter(|limit| !(0.0..=most).contains(limit)) {
-            return Err(Error::usage(format!("{flag}: found {}; allowed {allowed}", format_number(limit))));
+            return Err(Error::wrong_usage(flag, format_number(limit), allowed));
         }
     }
     let [delta_e, delta_e_p95, flip] = given.map(|(_, limit, ..)| limit);

@@ -92,18 +92,14 @@ pub(super) fn text(verification: &Verification) -> String {
         text += &format!("{}: {}, {}\n", part.part, part.material, table::bytes(part.bytes_on_gpu));
     }
     text.push('\n');
-    let rows: Vec<Vec<String>> = v
-        .rows()
-        .into_iter()
-        .map(|(name, difference)| {
-            let mut row = vec![name.to_owned()];
-            row.extend(table::image_row(difference));
-            row
-        })
-        .collect();
+    let rows = v.rows().into_iter().map(|(name, difference)| {
+        let mut row = vec![name.to_owned()];
+        row.extend(table::image_row(difference));
+        row
+    });
     let mut header = vec!["ΔE of CIE L*a*b* over surfaces"];
     header.extend(table::IMAGE_HEADER);
-    text + &table::plain(&header, &rows)
+    text + &table::plain(&header, rows)
 }
 
 /// What drew what; `more` stands behind the number of samples.
@@ -115,19 +111,16 @@ fn head(v: &Verification, more: &str) -> String {
 
 /// What people read of many materials.
 pub(super) fn contact_text(materials: &[MaterialVerification]) -> String {
-    let rows: Vec<Vec<String>> = materials
-        .iter()
-        .map(|material| {
-            let v = &material.verification;
-            let total = v.total.as_ref().map(|total| &total.delta_e);
-            let figures = [total.map(|e| e.mean), total.map(|e| e.p95), total.map(|e| e.max)];
-            let parts = [v.codec.as_ref().map(|codec| codec.delta_e.mean), Some(v.shading.delta_e.mean)];
-            let mut row = vec![material.material.clone(), table::bytes(material.bytes_on_gpu)];
-            row.extend(figures.into_iter().chain(parts).map(|e| e.map_or("-".to_owned(), |e| format!("{e:.3}"))));
-            row
-        })
-        .collect();
+    let rows = materials.iter().map(|material| {
+        let v = &material.verification;
+        let total = v.total.as_ref().map(|total| &total.delta_e);
+        let figures = [total.map(|e| e.mean), total.map(|e| e.p95), total.map(|e| e.max)];
+        let parts = [v.codec.as_ref().map(|codec| codec.delta_e.mean), Some(v.shading.delta_e.mean)];
+        let mut row = vec![material.material.clone(), table::bytes(material.bytes_on_gpu)];
+        row.extend(figures.into_iter().chain(parts).map(|e| e.map_or("-".to_owned(), |e| format!("{e:.3}"))));
+        row
+    });
     let header = ["material", "on GPU", "ΔE", "95 %", "max", "of the codec", "of the shader"];
     let head = materials.first().map_or_else(String::new, |first| head(&first.verification, ""));
-    format!("{head}\n{}", table::plain(&header, &rows))
+    format!("{head}\n{}", table::plain(&header, rows))
 }

@@ -13,8 +13,6 @@ use brdfc::render::{
 use brdfc::{FormatError, Input};
 use std::path::Path;
 
-/// What messages call such a pack.
-pub(super) const WHAT: &str = "a picture under any light";
 /// Pixels of the picture's longer side where nothing is said.
 const LONGER_SIDE: usize = 512;
 
@@ -49,8 +47,7 @@ pub(super) fn verification(
     }
     let gpu = gpu::open(arguments)?;
     let bytes_on_gpu = pack.gpu_bytes();
-    let wrong =
-        |error: FormatError| Error::usage(format!("--repeat: found {}; allowed {}", error.found, error.allowed));
+    let wrong = |error: FormatError| Error::wrong_usage("--repeat", error.found, error.allowed);
     let material = PwtMaterial::new(PwtDecoder::new(pack), arguments.repeat.unwrap_or(1)).map_err(wrong)?;
     let sampling = if arguments.exact { FrameBlock::exact() } else { FrameBlock::default() };
     let shader = draw_pwt(&gpu, &setup.scene, setup.frame, &material, sampling)?;

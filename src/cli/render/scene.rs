@@ -118,10 +118,7 @@ pub(super) fn setup_from(arguments: &Arguments, subject: &Subject, start: &Start
     if let Some(exposure) = arguments.exposure
         && !(exposure > 0.0 && exposure.is_finite())
     {
-        return Err(Error::usage(format!(
-            "--exposure: found {}; allowed a positive number",
-            words::format_number(exposure)
-        )));
+        return Err(Error::wrong_usage("--exposure", words::format_number(exposure), "a positive number"));
     }
     let exposure = arguments.exposure.or(section.exposure);
     let names = names(arguments, subject, builtin)?;
@@ -142,7 +139,7 @@ fn builtin(
     default: Builtin,
 ) -> Result<Builtin, Error> {
     if let Some(name) = arguments.scene {
-        return Ok(name.into());
+        return Ok(name);
     }
     let Some(name) = &section.scene else { return Ok(default) };
     let known = Builtin::NAMES.map(|(name, _)| name);
@@ -197,7 +194,7 @@ pub(super) fn materials_in_turn(arguments: &Arguments, subject: &Subject) -> Res
 
 fn at(subject: &Subject, name: &Spanned<String>, field: &str, known: &[&str]) -> Error {
     let Subject::Scene { path, text, .. } = subject else {
-        return Error::internal("only manifests have spans".to_owned());
+        return Error::internal("only manifests have spans");
     };
     let error = ManifestError {
         line: line_of(text, Some(name.span())),

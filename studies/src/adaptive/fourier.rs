@@ -1,7 +1,8 @@
 //! Predicted bandwidth against windowed Fourier transforms of the picture (figure 12 of Bagher et al. 2012).
 
 use super::case::Case;
-use brdfc_metrics::image::{WINDOW, luminance, window_bandwidths};
+use super::spectrum::{WINDOW, window_bandwidths};
+use brdfc_metrics::image::luminance;
 use brdfc_readers::colour::encode_srgb;
 use brdfc_render::adaptive::predict;
 use schemars::JsonSchema;

@@ -8,6 +8,7 @@ mod curve;
 mod directions;
 mod equal_error;
 mod fourier;
+mod spectrum;
 
 pub use antialiasing::{AntialiasingRow, AntialiasingStudy, Exponents, antialiasing_study, exponents};
 pub use case::{Case, Lighting, StudyMaterial};

@@ -1,7 +1,6 @@
 //! Microfacets with the Trowbridge-Reitz distribution.
 
-use super::model::{Analytic, DIFFUSE, ModelInfo, Parameter, Shorthand, is_equal_in_all_channels, weighted_sum};
-use crate::{Source, Symmetry, Tally};
+use super::model::{Analytic, DIFFUSE, ModelInfo, Parameter, Shorthand, weighted_sum};
 use brdfc_formats::direction::{DirectionPair, Vector, half_vector};
 use std::f64::consts::{FRAC_1_PI, PI};
 
@@ -56,14 +55,8 @@ impl Analytic for Ggx {
     fn values(&self) -> Vec<[f64; 3]> {
         vec![self.kd, self.f0, [self.alpha_x; 3], [self.alpha_y; 3]]
     }
-}
 
-impl Source for Ggx {
-    fn eval(&self, pair: DirectionPair, tally: &mut Tally) -> [f64; 3] {
-        tally.evaluations += 1;
-        if !pair.is_above_horizon() {
-            return [0.0; 3];
-        }
+    fn above_horizon(&self, pair: DirectionPair) -> [f64; 3] {
         let (i, o) = (pair.incoming, pair.outgoing);
         let h = half_vector(pair);
         let (x, y) = (h[0] / self.alpha_x, h[1] / self.alpha_y);
@@ -79,11 +72,7 @@ impl Source for Ggx {
         weighted_sum(self.kd, FRAC_1_PI, fresnel, masked)
     }
 
-    fn symmetry(&self) -> Symmetry {
-        Symmetry { isotropic: self.alpha_x == self.alpha_y, ..Symmetry::FULL }
-    }
-
-    fn is_grey(&self) -> bool {
-        is_equal_in_all_channels(self.kd) && is_equal_in_all_channels(self.f0)
+    fn is_isotropic(&self) -> bool {
+        self.alpha_x == self.alpha_y
     }
 }

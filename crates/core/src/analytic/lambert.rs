@@ -1,7 +1,6 @@
 //! Ideal diffuse reflection.
 
-use super::model::{Analytic, DIFFUSE, ModelInfo, Parameter, is_equal_in_all_channels, over_lambert};
-use crate::{Source, Symmetry, Tally};
+use super::model::{Analytic, DIFFUSE, ModelInfo, Parameter, over_lambert};
 use brdfc_formats::direction::DirectionPair;
 
 /// `f_r = kd / π` (Lambert 1760, "Photometria").
@@ -27,19 +26,8 @@ impl Analytic for Lambert {
     fn values(&self) -> Vec<[f64; 3]> {
         vec![self.kd]
     }
-}
 
-impl Source for Lambert {
-    fn eval(&self, pair: DirectionPair, tally: &mut Tally) -> [f64; 3] {
-        tally.evaluations += 1;
-        if pair.is_above_horizon() { over_lambert(self.kd, [0.0; 3], 0.0) } else { [0.0; 3] }
-    }
-
-    fn symmetry(&self) -> Symmetry {
-        Symmetry::FULL
-    }
-
-    fn is_grey(&self) -> bool {
-        is_equal_in_all_channels(self.kd)
+    fn above_horizon(&self, _: DirectionPair) -> [f64; 3] {
+        over_lambert(self.kd, [0.0; 3], 0.0)
     }
 }

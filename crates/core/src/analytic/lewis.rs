@@ -1,7 +1,6 @@
 //! Phong's lobe, made reciprocal and energy conserving.
 
-use super::model::{Analytic, DIFFUSE, ModelInfo, Parameter, is_equal_in_all_channels, over_lambert};
-use crate::{Source, Symmetry, Tally};
+use super::model::{Analytic, DIFFUSE, ModelInfo, Parameter, over_lambert};
 use brdfc_formats::direction::DirectionPair;
 use std::f64::consts::TAU;
 
@@ -38,25 +37,11 @@ impl Analytic for Lewis {
     fn values(&self) -> Vec<[f64; 3]> {
         vec![self.kd, self.ks, [self.exponent; 3]]
     }
-}
 
-impl Source for Lewis {
-    fn eval(&self, pair: DirectionPair, tally: &mut Tally) -> [f64; 3] {
-        tally.evaluations += 1;
-        if !pair.is_above_horizon() {
-            return [0.0; 3];
-        }
+    fn above_horizon(&self, pair: DirectionPair) -> [f64; 3] {
         let (i, o) = (pair.incoming, pair.outgoing);
         let cos_alpha = i[2] * o[2] - i[0] * o[0] - i[1] * o[1];
         let lobe = if cos_alpha > 0.0 { cos_alpha.powf(self.exponent) } else { 0.0 };
         over_lambert(self.kd, self.ks, (self.exponent + 2.0) / TAU * lobe)
-    }
-
-    fn symmetry(&self) -> Symmetry {
-        Symmetry::FULL
-    }
-
-    fn is_grey(&self) -> bool {
-        is_equal_in_all_channels(self.kd) && is_equal_in_all_channels(self.ks)
     }
 }

@@ -1,15 +1,39 @@
 //! What every model says of itself, and the sums that several of them are.
 
-use crate::Source;
+use crate::{Source, Symmetry, Tally};
+use brdfc_formats::direction::DirectionPair;
 use std::f64::consts::FRAC_1_PI;
 
-/// A model with named parameters.
+/// A model with named parameters, mirror symmetric and reciprocal.
 pub trait Analytic: Source {
     /// Name, parameters and ranges of the model.
     fn info(&self) -> &'static ModelInfo;
 
     /// The values of `info().parameters`, in that order; a number stands in all three channels.
     fn values(&self) -> Vec<[f64; 3]>;
+
+    /// `f_r` where both directions are above the horizon.
+    fn above_horizon(&self, pair: DirectionPair) -> [f64; 3];
+
+    /// Whether values stay as they are as a pair is turned about the normal.
+    fn is_isotropic(&self) -> bool {
+        true
+    }
+}
+
+impl<A: Analytic> Source for A {
+    fn eval(&self, pair: DirectionPair, tally: &mut Tally) -> [f64; 3] {
+        tally.evaluations += 1;
+        if pair.is_above_horizon() { self.above_horizon(pair) } else { [0.0; 3] }
+    }
+
+    fn symmetry(&self) -> Symmetry {
+        Symmetry { isotropic: self.is_isotropic(), ..Symmetry::FULL }
+    }
+
+    fn is_grey(&self) -> bool {
+        self.values().iter().all(|[r, g, b]| r == g && g == b)
+    }
 }
 
 /// What a parameter holds.
@@ -88,11 +112,6 @@ pub struct ModelInfo {
 
 /// What every `kd` means.
 pub(super) const DIFFUSE: &str = "diffuse albedo";
-
-/// Whether a colour is a grey.
-pub(super) fn is_equal_in_all_channels(colour: [f64; 3]) -> bool {
-    colour[0] == colour[1] && colour[1] == colour[2]
-}
 
 /// `kd diffuse + ks specular`, per channel.
 pub(super) fn weighted_sum(kd: [f64; 3], diffuse: f64, ks: [f64; 3], specular: f64) -> [f64; 3] {

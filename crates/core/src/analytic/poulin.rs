@@ -1,8 +1,7 @@
 //! Parallel cylinders: anisotropy from geometry.
 
-use super::model::{Analytic, DIFFUSE, ModelInfo, Parameter, is_equal_in_all_channels, weighted_sum};
+use super::model::{Analytic, DIFFUSE, ModelInfo, Parameter, weighted_sum};
 use super::quadrature::integrate;
-use crate::{Source, Symmetry, Tally};
 use brdfc_formats::direction::{DirectionPair, Vector, half_vector};
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
 
@@ -129,31 +128,22 @@ impl Analytic for Poulin {
     fn values(&self) -> Vec<[f64; 3]> {
         vec![self.kd, self.ks, [self.spacing; 3], [self.floor; 3], [self.exponent; 3]]
     }
-}
 
-impl Source for Poulin {
-    fn eval(&self, pair: DirectionPair, tally: &mut Tally) -> [f64; 3] {
-        tally.evaluations += 1;
-        if !pair.is_above_horizon() {
-            return [0.0; 3];
-        }
+    fn above_horizon(&self, pair: DirectionPair) -> [f64; 3] {
         let [diffuse, lobe] = self.profile_integrals(on_one_side(pair));
         let lobe_scale = (self.exponent + 2.0) / TAU;
         weighted_sum(self.kd, FRAC_1_PI * diffuse / self.spacing, self.ks, lobe_scale * lobe / self.spacing)
     }
 
-    fn symmetry(&self) -> Symmetry {
-        Symmetry { isotropic: self.floor == 1.0, ..Symmetry::FULL }
-    }
-
-    fn is_grey(&self) -> bool {
-        is_equal_in_all_channels(self.kd) && is_equal_in_all_channels(self.ks)
+    fn is_isotropic(&self) -> bool {
+        self.floor == 1.0
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Source as _, Tally};
     use brdfc_formats::direction::{dot, from_polar};
     use proptest::prelude::*;
 

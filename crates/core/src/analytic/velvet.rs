@@ -1,7 +1,6 @@
 //! Velvet: fibres that stand up, and shine at their sides.
 
-use super::model::{Analytic, DIFFUSE, ModelInfo, Parameter, is_equal_in_all_channels, over_lambert};
-use crate::{Source, Symmetry, Tally};
+use super::model::{Analytic, DIFFUSE, ModelInfo, Parameter, over_lambert};
 use brdfc_formats::direction::{DirectionPair, half_vector};
 use std::f64::consts::PI;
 
@@ -48,14 +47,8 @@ impl Analytic for Velvet {
     fn values(&self) -> Vec<[f64; 3]> {
         vec![self.kd, self.ks, [self.spread_x; 3], [self.spread_y; 3]]
     }
-}
 
-impl Source for Velvet {
-    fn eval(&self, pair: DirectionPair, tally: &mut Tally) -> [f64; 3] {
-        tally.evaluations += 1;
-        if !pair.is_above_horizon() {
-            return [0.0; 3];
-        }
+    fn above_horizon(&self, pair: DirectionPair) -> [f64; 3] {
         let [x, y, z] = half_vector(pair);
         let (i, o) = (pair.incoming[2], pair.outgoing[2]);
         // cot² θh cos² φh = (z x / (x² + y²))²; infinite at the normal, where the lobe has its hole.
@@ -70,11 +63,7 @@ impl Source for Velvet {
         over_lambert(self.kd, self.ks, distribution / (4.0 * (i + o - i * o)))
     }
 
-    fn symmetry(&self) -> Symmetry {
-        Symmetry { isotropic: self.spread_x == self.spread_y, ..Symmetry::FULL }
-    }
-
-    fn is_grey(&self) -> bool {
-        is_equal_in_all_channels(self.kd) && is_equal_in_all_channels(self.ks)
+    fn is_isotropic(&self) -> bool {
+        self.spread_x == self.spread_y
     }
 }

@@ -1,7 +1,6 @@
 //! Ward's anisotropic Gaussian lobe.
 
-use super::model::{Analytic, DIFFUSE, ModelInfo, Parameter, is_equal_in_all_channels, over_lambert};
-use crate::{Source, Symmetry, Tally};
+use super::model::{Analytic, DIFFUSE, ModelInfo, Parameter, over_lambert};
 use brdfc_formats::direction::{DirectionPair, half_vector};
 use std::f64::consts::PI;
 
@@ -44,14 +43,8 @@ impl Analytic for Ward {
     fn values(&self) -> Vec<[f64; 3]> {
         vec![self.kd, self.ks, [self.slope_x; 3], [self.slope_y; 3]]
     }
-}
 
-impl Source for Ward {
-    fn eval(&self, pair: DirectionPair, tally: &mut Tally) -> [f64; 3] {
-        tally.evaluations += 1;
-        if !pair.is_above_horizon() {
-            return [0.0; 3];
-        }
+    fn above_horizon(&self, pair: DirectionPair) -> [f64; 3] {
         let h = half_vector(pair);
         let (x, y) = (h[0] / self.slope_x, h[1] / self.slope_y);
         let gaussian = (-(x * x + y * y) / (h[2] * h[2])).exp();
@@ -60,11 +53,7 @@ impl Source for Ward {
         over_lambert(self.kd, self.ks, gaussian / (4.0 * PI * self.slope_x * self.slope_y * root))
     }
 
-    fn symmetry(&self) -> Symmetry {
-        Symmetry { isotropic: self.slope_x == self.slope_y, ..Symmetry::FULL }
-    }
-
-    fn is_grey(&self) -> bool {
-        is_equal_in_all_channels(self.kd) && is_equal_in_all_channels(self.ks)
+    fn is_isotropic(&self) -> bool {
+        self.slope_x == self.slope_y
     }
 }

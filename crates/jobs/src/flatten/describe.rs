@@ -1,6 +1,7 @@
 //! What inputs of flattening are, before they are flattened.
 
-use super::input::{MesoInputError, structure};
+use super::input::structure;
+use crate::error::Error;
 use brdfc_flat_btf::structures::Structure;
 use brdfc_flat_btf::weld::{MesoError, WeldReport, weld};
 use brdfc_readers::meso::TriangleMesh;
@@ -103,7 +104,7 @@ pub struct MeshFacts {
 ///
 /// # Errors
 /// Files that cannot be read or do not follow their layout, wrong addresses. A mesh that does not close is none.
-pub fn describe_surface(input: &Input) -> Result<Option<SurfaceFacts>, MesoInputError> {
+pub fn describe_surface(input: &Input) -> Result<Option<SurfaceFacts>, Error> {
     if let Some(structure) = structure(input)? {
         return Ok(Some(describe_structure(&structure)));
     }

@@ -1,7 +1,7 @@
 //! Images of an ordinary BTF: those that come in, as the encoder asks for them, and those that are written besides.
 
-use super::error::FlattenError;
 use crate::btf_stack::{StackFormat, write_image};
+use crate::error::Error;
 use brdfc_core::progress::{Progress, Stage};
 use brdfc_flat_btf::encode::FlattenRecipe;
 use brdfc_flat_btf::measured::ViewImages;
@@ -18,9 +18,9 @@ use std::path::Path;
 pub(super) struct StackImages<'a>(pub(super) &'a OrdinaryBtf);
 
 impl ViewImages for StackImages<'_> {
-    type Error = FlattenError;
+    type Error = Error;
 
-    fn image(&self, view: usize, light: usize) -> Result<TileImage<3>, FlattenError> {
+    fn image(&self, view: usize, light: usize) -> Result<TileImage<3>, Error> {
         let image = self.0.image(view, light)?;
         Ok(TileImage { width: image.width, height: image.height, pixels: image.pixels })
     }
@@ -33,7 +33,7 @@ pub(super) fn write_images(
     recipe: &FlattenRecipe,
     (folder, format): (&Path, StackFormat),
     progress: &dyn Progress,
-) -> Result<(), FlattenError> {
+) -> Result<(), Error> {
     let (views, lights) = (recipe.views.directions(), recipe.lights.directions());
     progress.stage(Stage::Images, views.len())?;
     let size = recipe.indirection.size as usize;
@@ -45,7 +45,7 @@ pub(super) fn write_images(
             let rows: Vec<[f32; 3]> = image.chunks_exact(size).rev().flatten().copied().collect();
             let angles = ImageAngles { light: recipe.lights.angles[light], view: recipe.views.angles[view] };
             write_image(folder, light * views.len() + view, angles, &rows, [size; 2], format)
-                .map_err(|error| FlattenError::write(folder, error))
+                .map_err(|error| Error::write(folder, &error))
         };
         (0..lights.len()).into_par_iter().try_for_each(|light| write(light).map(drop))?;
         progress.step()?;

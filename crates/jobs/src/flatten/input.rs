@@ -1,7 +1,7 @@
 //! Opens what is flattened: geometry, materials, images.
 
-use crate::encode::EncodeError;
-use brdfc_core::address::{AddressError, SYNTH_PREFIX};
+use crate::error::Error;
+use brdfc_core::address::SYNTH_PREFIX;
 use brdfc_core::progress::Progress;
 use brdfc_core::{PackSource, Source};
 use brdfc_flat_btf::mesh::{MAX_MATERIALS, PeriodicMesh};
@@ -10,10 +10,10 @@ use brdfc_flat_btf::surface::Appearance;
 use brdfc_flat_btf::tile_image::TileImage;
 use brdfc_flat_btf::weld::{MesoError, WeldReport, from_heights, weld};
 use brdfc_formats::wavelet::WaveletPack;
+use brdfc_source::Input;
 use brdfc_source::meso::{MesoInput, open_meso};
 use brdfc_source::open::{Facts, open};
 use brdfc_source::tile_image::{FileImage, open_colours, open_shares};
-use brdfc_source::{Input, InputError};
 use brdfc_wavelet::encode::encode;
 use brdfc_wavelet::recipe::{Recipe, Target};
 
@@ -53,52 +53,17 @@ pub struct Geometry {
     pub default_materials: Vec<String>,
     /// The input as reports name it: an address with all parameters, or a file's name without its folder.
     pub name: String,
-}
-
-/// Why an input cannot be flattened.
-#[derive(Debug, thiserror::Error)]
-pub enum MesoInputError {
-    /// A file.
-    #[error(transparent)]
-    Input(#[from] InputError),
-    /// The address of a structure.
-    #[error("{name}: {error}")]
-    Address {
-        /// The input.
-        name: String,
-        /// What is wrong.
-        error: AddressError,
-    },
-    /// Geometry that is no periodic surface.
-    #[error("{name}: {error}")]
-    Geometry {
-        /// The input.
-        name: String,
-        /// What is wrong.
-        error: Box<MesoError>,
-    },
-    /// A scan that cannot be tabulated.
-    #[error("{name}: {error}")]
-    Tabulate {
-        /// The input.
-        name: String,
-        /// What is wrong.
-        error: EncodeError,
-    },
-    /// Options that do not fit the geometry.
-    #[error("{0}")]
-    Options(String),
+    /// The input as errors name it.
+    pub input: String,
 }
 
 /// Reads geometry.
 ///
 /// # Errors
 /// Files that cannot be read, wrong addresses, geometry that does not close.
-pub fn open_geometry(options: &MesoOptions) -> Result<Geometry, MesoInputError> {
+pub fn open_geometry(options: &MesoOptions) -> Result<Geometry, Error> {
     let Some(input) = &options.geometry else {
-        let structure =
-            Structure::parse(FLAT).map_err(|error| MesoInputError::Address { name: PLANE.to_owned(), error })?;
-        let mut mesh = structure.mesh();
+        let mut mesh = Structure::parse(FLAT).expect("an address of ours").mesh();
         // Rounding of the mean height.
         mesh.positions.iter_mut().for_each(|point| point[2] = 0.0);
         return Ok(Geometry {
@@ -107,6 +72,7 @@ pub fn open_geometry(options: &MesoOptions) -> Result<Geometry, MesoInputError> 
             material_names: Vec::new(),
             default_materials: Vec::new(),
             name: PLANE.to_owned(),
+            input: PLANE.to_owned(),
         });
     };
     if let Some(structure) = structure(input)? {
@@ -116,10 +82,11 @@ pub fn open_geometry(options: &MesoOptions) -> Result<Geometry, MesoInputError> 
             material_names: Vec::new(),
             default_materials: structure.default_materials().iter().map(|m| (*m).to_owned()).collect(),
             name: structure.canonical(),
+            input: input.to_string(),
         });
     }
     let name = input.short_name();
-    let wrong = |error| MesoInputError::Geometry { name: input.to_string(), error: Box::new(error) };
+    let wrong = |error: MesoError| Error::input(error).prefixed(input);
     let (mesh, weld, material_names) = match open_meso(input)? {
         MesoInput::Mesh(mesh) => {
             let (welded, report) = weld(&mesh, options.tile).map_err(wrong)?;
@@ -130,14 +97,14 @@ pub fn open_geometry(options: &MesoOptions) -> Result<Geometry, MesoInputError> 
             (from_heights(map.width, map.height, &map.heights, scale, offset).map_err(wrong)?, None, Vec::new())
         }
     };
-    Ok(Geometry { mesh, weld, material_names, default_materials: Vec::new(), name })
+    Ok(Geometry { mesh, weld, material_names, default_materials: Vec::new(), name, input: input.to_string() })
 }
 
 /// The structure at an address; nothing of files.
-pub(super) fn structure(input: &Input) -> Result<Option<Structure>, MesoInputError> {
+pub(super) fn structure(input: &Input) -> Result<Option<Structure>, Error> {
     let Some(address) = input.address() else { return Ok(None) };
     let text = address.strip_prefix(SYNTH_PREFIX).unwrap_or(address);
-    Structure::parse(text).map(Some).map_err(|error| MesoInputError::Address { name: address.to_owned(), error })
+    Structure::parse(text).map(Some).map_err(|error| Error::input(error).prefixed(address))
 }
 
 /// What a surface without a material is made of.
@@ -147,41 +114,35 @@ const DEFAULT_MATERIAL: &str = "synth:lambert?kd=0.5";
 ///
 /// # Errors
 /// Names that the mesh does not have, and materials without a source.
-pub fn material_list(options: &MesoOptions, geometry: &Geometry) -> Result<Vec<Input>, MesoInputError> {
+pub fn material_list(options: &MesoOptions, geometry: &Geometry) -> Result<Vec<Input>, Error> {
     let materials = listed(options, geometry)?;
     if options.weights.is_some() && materials.len() < 2 {
-        let text = "--weights: found one material; allowed two or more, whose shares the image gives";
-        return Err(MesoInputError::Options(text.to_owned()));
+        return Err(Error::wrong_usage("--weights", "one material", "two or more, whose shares the image gives"));
     }
     Ok(materials)
 }
 
-fn listed(options: &MesoOptions, geometry: &Geometry) -> Result<Vec<Input>, MesoInputError> {
+fn listed(options: &MesoOptions, geometry: &Geometry) -> Result<Vec<Input>, Error> {
     let names = &geometry.material_names;
     let unnamed: Vec<&Input> = options.materials.iter().filter(|(n, _)| n.is_none()).map(|(_, s)| s).collect();
     let named: Vec<&String> = options.materials.iter().filter_map(|(name, _)| name.as_ref()).collect();
+    let wrong = |found: String, allowed: String| Err(Error::wrong_usage("--material", found, allowed));
     for (at, name) in named.iter().enumerate() {
         if named[..at].contains(name) {
-            let text = format!("--material: found the name {name} twice; allowed one material for each name");
-            return Err(MesoInputError::Options(text));
+            return wrong(format!("the name {name} twice"), "one material for each name".to_owned());
         }
         if !names.contains(name) {
             let allowed = if names.is_empty() { "no names: the surface has none".to_owned() } else { names.join(", ") };
-            return Err(MesoInputError::Options(format!("--material: found the name {name}; allowed {allowed}")));
+            return wrong(format!("the name {name}"), allowed);
         }
     }
-    if unnamed.len() > MAX_MATERIALS {
-        let text = format!("--material: found {} materials; allowed at most {MAX_MATERIALS}", unnamed.len());
-        return Err(MesoInputError::Options(text));
+    let count = unnamed.len();
+    if count > MAX_MATERIALS {
+        return wrong(format!("{count} materials"), format!("at most {MAX_MATERIALS}"));
     }
     if !names.is_empty() {
-        if unnamed.len() > 1 || (!unnamed.is_empty() && named.len() == names.len()) {
-            let text = format!(
-                "--material: found {} without a name; allowed one, for the rest of {}",
-                unnamed.len(),
-                names.join(", ")
-            );
-            return Err(MesoInputError::Options(text));
+        if count > 1 || (count > 0 && named.len() == names.len()) {
+            return wrong(format!("{count} without a name"), format!("one, for the rest of {}", names.join(", ")));
         }
         // Of a mesh with names: its own source, or the one without a name.
         let rest = unnamed.last().map_or_else(|| DEFAULT_MATERIAL.into(), |input| (*input).clone());
@@ -189,13 +150,10 @@ fn listed(options: &MesoOptions, geometry: &Geometry) -> Result<Vec<Input>, Meso
         return Ok(names.iter().map(|name| own(name).map_or(&rest, |(_, input)| input).clone()).collect());
     }
     let defaults = &geometry.default_materials;
-    let wanted = if options.weights.is_some() { unnamed.len().max(1) } else { defaults.len().max(1) };
-    if unnamed.len() > wanted {
-        let text = format!(
-            "--material: found {} materials; allowed {wanted}, as many as the surface blends (or give --weights)",
-            unnamed.len()
-        );
-        return Err(MesoInputError::Options(text));
+    let wanted = if options.weights.is_some() { count.max(1) } else { defaults.len().max(1) };
+    if count > wanted {
+        let allowed = format!("{wanted}, as many as the surface blends (or give --weights)");
+        return wrong(format!("{count} materials"), allowed);
     }
     let source = |k: usize| {
         // One material alone is that of the whole surface.
@@ -207,14 +165,11 @@ fn listed(options: &MesoOptions, geometry: &Geometry) -> Result<Vec<Input>, Meso
 }
 
 /// Opens the materials. Scans, whose every evaluation is a fit, are tabulated first: unfiltered, 16 bits.
-///
-/// # Errors
-/// Files that cannot be read.
 pub fn open_appearance(
     options: &MesoOptions,
     materials: &[Input],
     progress: &dyn Progress,
-) -> Result<Appearance, MesoInputError> {
+) -> Result<Appearance, Error> {
     let sources = materials.iter().map(|material| open_material(material, progress)).collect::<Result<_, _>>()?;
     let colour = options.colour.as_ref().map(open_colours).transpose()?;
     let weights = options.weights.as_ref().map(open_shares).transpose()?;
@@ -225,14 +180,13 @@ fn tile_image<const N: usize>(FileImage { width, height, pixels }: FileImage<N>)
     TileImage { width, height, pixels }
 }
 
-fn open_material(material: &Input, progress: &dyn Progress) -> Result<Box<dyn Source>, MesoInputError> {
+fn open_material(material: &Input, progress: &dyn Progress) -> Result<Box<dyn Source>, Error> {
     let opened = open(material, None)?;
     if !matches!(opened.facts, Facts::Scan(_)) {
         return Ok(opened.source);
     }
     let recipe = Recipe { target: Target::Ratio(1.0), bits: 16, supercompress: false, ..Recipe::default() };
-    let encoded = encode(opened.source.as_ref(), &recipe, progress)
-        .map_err(|error| MesoInputError::Tabulate { name: material.to_string(), error })?;
+    let encoded = encode(opened.source.as_ref(), &recipe, progress)?;
     let pack = WaveletPack::from_bytes(&encoded.bytes).expect("our own pack");
     Ok(Box::new(PackSource::new(&pack, None)))
 }

@@ -3,7 +3,6 @@
 mod asset;
 mod comparison;
 mod describe;
-mod error;
 mod images;
 mod input;
 mod read;
@@ -15,7 +14,6 @@ pub mod words;
 pub use asset::{AssetFile, FlatAsset, Settings};
 pub use comparison::{FlatComparison, compare_flat};
 pub use describe::{MeshFacts, SurfaceFacts, describe_surface};
-pub use error::FlattenError;
-pub use input::{Geometry, MesoInputError, MesoOptions, PLANE, material_list, open_appearance, open_geometry};
+pub use input::{Geometry, MesoOptions, PLANE, material_list, open_appearance, open_geometry};
 pub use read::{open_asset, read_report};
 pub use run::{FlattenJob, Surface, Values, run};

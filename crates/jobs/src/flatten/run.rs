@@ -1,15 +1,15 @@
 //! Makes a flat BTF and puts its file in place.
 
 use super::asset::{AssetFile, FlatAsset, Settings};
-use super::error::FlattenError;
 use super::images::{StackImages, write_images};
-use super::input::{Geometry, MesoInputError, MesoOptions, material_list, open_appearance, open_geometry};
+use super::input::{Geometry, MesoOptions, material_list, open_appearance, open_geometry};
 use super::scratch::FolderScratch;
 use crate::btf_stack::StackFormat;
+use crate::error::Error;
 use crate::store::{Staging, placing};
 use crate::write::write_atomic;
 use brdfc_core::progress::Progress;
-use brdfc_flat_btf::encode::{FlatInput, FlattenRecipe, ValueSource, encode};
+use brdfc_flat_btf::encode::{EncodeError, FlatInput, FlattenRecipe, ValueSource, encode};
 use brdfc_flat_btf::surface::Appearance;
 use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfFile};
 use brdfc_source::Input;
@@ -39,7 +39,7 @@ impl Surface {
     ///
     /// # Errors
     /// Files that cannot be read, wrong addresses, geometry that does not close, materials that do not fit it.
-    pub fn open(options: &MesoOptions, btf: Option<&Path>) -> Result<Self, MesoInputError> {
+    pub fn open(options: &MesoOptions, btf: Option<&Path>) -> Result<Self, Error> {
         let Some(path) = btf else {
             let geometry = open_geometry(options)?;
             let inputs = material_list(options, &geometry)?;
@@ -77,10 +77,10 @@ pub struct FlattenJob<'a> {
 /// # Errors
 /// A recipe that cannot be followed, a surface that cannot be laid flat, images that cannot be read, files that cannot be
 /// written. A file of that name in the folder stays as it was.
-pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<FlatAsset, FlattenError> {
+pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<FlatAsset, Error> {
     let Surface { geometry, materials, values: texels } = job.surface;
-    let Geometry { mesh, weld, name: source, .. } = geometry;
-    let staging = Staging::new(job.folder).map_err(|error| FlattenError::write(job.folder, error))?;
+    let Geometry { mesh, weld, name: source, input, .. } = geometry;
+    let staging = Staging::new(job.folder).map_err(|error| Error::write(job.folder, &error))?;
     let scratch = FolderScratch::new(staging.path().to_owned(), job.folder);
     let images;
     let values = match &texels {
@@ -90,7 +90,14 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<FlatAsset, Fl
             ValueSource::Measured(&images)
         }
     };
-    let encoded = encode(FlatInput { mesh, repairs: weld, values }, job.recipe, &scratch, progress)?;
+    let encoded = encode(FlatInput { mesh, repairs: weld, values }, job.recipe, &scratch, progress).map_err(
+        |error| match error {
+            EncodeError::Parameterise(error) => Error::input(error).prefixed(input),
+            EncodeError::Format(error) => Error::input(error),
+            EncodeError::Outside(error) => error,
+            EncodeError::Cancelled(cancelled) => cancelled.into(),
+        },
+    )?;
     if let (Values::Computed(appearance), Some(images)) = (&texels, job.images) {
         write_images(&encoded.model, appearance, job.recipe, images, progress)?;
     }
@@ -106,12 +113,13 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<FlatAsset, Fl
         settings: Settings::new(job.recipe, job.supercompress),
         report: encoded.report,
     };
-    let mut file = FlatBtfFile::new(FlatBtfDecoder::new(encoded.parts)?, Some(encoded.mask))?;
+    let decoder = FlatBtfDecoder::new(encoded.parts).map_err(Error::input)?;
+    let mut file = FlatBtfFile::new(decoder, Some(encoded.mask)).map_err(Error::input)?;
     file.report = serde_json::to_string(&about).expect("plain data");
     let bytes = file.to_bytes(job.supercompress);
     let _placing = placing();
     progress.check()?;
     let path = job.folder.join(format!("{}.ktx2", job.name));
-    write_atomic(&path, &bytes).map_err(|error| FlattenError::write(&path, error))?;
+    write_atomic(&path, &bytes).map_err(|error| Error::write(&path, &error))?;
     Ok(FlatAsset::new(about, &file, bytes.len() as u64))
 }

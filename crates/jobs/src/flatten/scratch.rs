@@ -1,6 +1,6 @@
 //! Scratch storage in a folder.
 
-use super::error::FlattenError;
+use crate::error::Error;
 use brdfc_flat_btf::encode::Scratch;
 use brdfc_source::InputError;
 use std::path::{Path, PathBuf};
@@ -29,14 +29,13 @@ impl FolderScratch {
 }
 
 impl Scratch for FolderScratch {
-    type Error = FlattenError;
+    type Error = Error;
 
-    fn write_scratch(&self, view: u32, values: &[u8]) -> Result<(), FlattenError> {
-        std::fs::write(self.file(view), values)
-            .map_err(|error| FlattenError::Write { path: self.in_words(view), error })
+    fn write_scratch(&self, view: u32, values: &[u8]) -> Result<(), Error> {
+        std::fs::write(self.file(view), values).map_err(|error| Error::write(self.in_words(view), &error))
     }
 
-    fn read_scratch(&self, view: u32) -> Result<Vec<u8>, FlattenError> {
+    fn read_scratch(&self, view: u32) -> Result<Vec<u8>, Error> {
         std::fs::read(self.file(view)).map_err(|error| InputError::Io { name: self.in_words(view), error }.into())
     }
 }

@@ -2,7 +2,8 @@
 //! nothing; what is listed is moved by whoever comes next.
 
 use super::placed::PLACED;
-use crate::store::{StoreError, read_record, write_record};
+use crate::error::Error;
+use crate::store::{read_record, write_record};
 use crate::write::is_plain;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -27,8 +28,8 @@ pub(super) struct Journal {
 
 impl Journal {
     /// An empty one. The caller holds the folder's lock.
-    pub(super) fn new(root: &Path) -> Result<Self, StoreError> {
-        Ok(Self { folder: root.join(FOLDER), moves: Moves::default() })
+    pub(super) fn new(root: &Path) -> Self {
+        Self { folder: root.join(FOLDER), moves: Moves::default() }
     }
 
     pub(super) fn is_there(root: &Path) -> bool {
@@ -56,9 +57,9 @@ impl Journal {
     }
 
     /// Does it all, and puts the record of what is placed then in place with it: whoever finishes it knows what is ours.
-    pub(super) fn commit(self, folder: &Path, root: &Path, placed: &[u8]) -> Result<(), StoreError> {
+    pub(super) fn commit(self, folder: &Path, root: &Path, placed: &[u8]) -> Result<(), Error> {
         let list = self.folder.join(LIST);
-        let error = |error| StoreError::new(&list, error);
+        let error = |error: std::io::Error| Error::write(&list, &error);
         std::fs::create_dir_all(&self.folder).map_err(error)?;
         std::fs::write(self.folder.join(PLACED), placed).map_err(error)?;
         let aside = self.folder.join("list.new");
@@ -69,7 +70,7 @@ impl Journal {
 
     /// Does what a list says that somebody left, and removes what was written aside without one. The caller holds the
     /// folder's lock.
-    pub(super) fn finish(folder: &Path, root: &Path) -> Result<(), StoreError> {
+    pub(super) fn finish(folder: &Path, root: &Path) -> Result<(), Error> {
         let aside = root.join(FOLDER);
         let moves: Moves = read_record(&aside.join(LIST)).unwrap_or_default();
         // Where two names that differ in case alone are one file, the old one is to go before the new one comes; where that was
@@ -82,9 +83,7 @@ impl Journal {
         for name in moves.remove.iter().filter(|name| is_plain(name) && !is_new(name)) {
             let path = folder.join(name);
             match std::fs::remove_file(&path) {
-                Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                    return Err(StoreError::new(&path, error));
-                }
+                Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(Error::write(&path, &error)),
                 _ => {}
             }
         }
@@ -93,15 +92,15 @@ impl Journal {
             match std::fs::rename(&from, &to) {
                 // It was moved before.
                 Err(error) if error.kind() == std::io::ErrorKind::NotFound && !from.exists() => {}
-                moved => moved.map_err(|error| StoreError::new(&to, error))?,
+                moved => moved.map_err(|error| Error::write(&to, &error))?,
             }
         }
         let (from, to) = (aside.join(PLACED), root.join(PLACED));
         if moves != Moves::default() && from.exists() {
-            std::fs::rename(&from, &to).map_err(|error| StoreError::new(&to, error))?;
+            std::fs::rename(&from, &to).map_err(|error| Error::write(&to, &error))?;
         }
         match std::fs::remove_dir_all(&aside) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(StoreError::new(&aside, error)),
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(Error::write(&aside, &error)),
             _ => Ok(()),
         }
     }

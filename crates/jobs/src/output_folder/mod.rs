@@ -7,7 +7,8 @@
 mod journal;
 mod placed;
 
-use crate::store::{DONE, Digest, FOLDER, Store, StoreError, read_record, write_record};
+use crate::error::Error;
+use crate::store::{DONE, Digest, FOLDER, Store, read_record, write_record};
 use journal::Journal;
 use placed::{PLACED, Placed, Placements};
 use std::collections::{BTreeMap, BTreeSet};
@@ -17,53 +18,13 @@ use std::path::{Path, PathBuf};
 /// Held while files change places.
 const LOCK: &str = "lock";
 
-/// A file to put in place.
-#[derive(Debug, Clone, PartialEq)]
-pub struct NewFile {
-    /// Its name in the folder.
-    pub name: String,
-    /// Its bytes.
-    pub contents: Contents,
-}
-
-/// The bytes of a file.
+/// The bytes of a file to put in place.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Contents {
     /// A file of the store.
     Kept(Digest),
     /// These.
     Bytes(Vec<u8>),
-}
-
-/// Why the folder cannot be what it should be.
-#[derive(Debug, thiserror::Error)]
-pub enum FolderError {
-    /// What is read would be removed.
-    #[error(
-        "{path}: found an input, which this build would remove, as it makes no file of that name; allowed another output \
-         folder, or --keep"
-    )]
-    Input {
-        /// Which.
-        path: String,
-    },
-    /// A file of somebody else has a name that a build needs.
-    #[error("{path}: found {found}; allowed nothing, or what an earlier build wrote there (--force replaces a file)")]
-    Foreign {
-        /// Which.
-        path: String,
-        /// What it is.
-        found: &'static str,
-    },
-    /// A file of the store that went away meanwhile.
-    #[error("{path}: cannot write: what was made for it is gone from the store")]
-    Lost {
-        /// Which was to be made of it.
-        path: String,
-    },
-    /// A file that cannot be written.
-    #[error(transparent)]
-    Write(#[from] StoreError),
 }
 
 /// What changed in the folder.
@@ -87,10 +48,7 @@ pub struct OutputFolder {
 
 impl OutputFolder {
     /// Finishes what a killed build had begun, and reads what earlier builds put here.
-    ///
-    /// # Errors
-    /// A folder that cannot be written to.
-    pub fn open(path: &Path, store: &Store) -> Result<Self, StoreError> {
+    pub fn open(path: &Path, store: &Store) -> Result<Self, Error> {
         let root = store.root().to_owned();
         let _lock = lock(&root)?;
         Journal::finish(path, &root)?;
@@ -114,11 +72,6 @@ impl OutputFolder {
         self.placements.also(&self.path, listed);
     }
 
-    /// Hashes of the files of earlier builds that are unchanged.
-    pub fn unchanged(&self) -> BTreeSet<Digest> {
-        self.placements.unchanged(&self.path)
-    }
-
     /// The bytes of a file that a build put in place.
     pub fn bytes(&self, digest: &Digest) -> Option<Vec<u8>> {
         let (name, _) = self.placements.files.iter().find(|(_, placed)| placed.digest == *digest)?;
@@ -132,10 +85,7 @@ impl OutputFolder {
     }
 
     /// Whether a build may write files of these names.
-    ///
-    /// # Errors
-    /// The first that is there and that no build wrote.
-    pub fn refuse_foreign<'a>(&self, names: impl IntoIterator<Item = &'a str>, force: bool) -> Result<(), FolderError> {
+    pub fn refuse_foreign<'a>(&self, names: impl IntoIterator<Item = &'a str>, force: bool) -> Result<(), Error> {
         for name in names {
             let path = self.path.join(name);
             let Ok(metadata) = path.symlink_metadata() else { continue };
@@ -145,7 +95,8 @@ impl OutputFolder {
                 () if metadata.is_symlink() => "a link that no build made",
                 () => "a file that no build wrote",
             };
-            return Err(FolderError::Foreign { path: path.display().to_string(), found });
+            let allowed = "nothing, or what an earlier build wrote there (--force replaces a file)";
+            return Err(Error::io(format!("{}: found {found}; allowed {allowed}", path.display())));
         }
         Ok(())
     }
@@ -157,67 +108,66 @@ impl OutputFolder {
     }
 
     /// Whether none of these inputs is a file of an earlier build that is removed when files of these names are put in place.
-    ///
-    /// # Errors
-    /// The first that is.
     pub fn refuse_removing<'a>(
         &self,
         inputs: impl Iterator<Item = &'a Path>,
         names: &BTreeSet<&str>,
-    ) -> Result<(), FolderError> {
+    ) -> Result<(), Error> {
         let mut removed = self.placements.files.keys().filter(|name| !names.contains(name.as_str())).peekable();
         if removed.peek().is_none() {
             return Ok(());
         }
         let read: BTreeSet<PathBuf> = inputs.filter_map(|input| input.canonicalize().ok()).collect();
         match removed.find(|name| self.path.join(name).canonicalize().is_ok_and(|path| read.contains(&path))) {
-            Some(name) => Err(FolderError::Input { path: self.path.join(name).display().to_string() }),
+            Some(name) => {
+                let found = "an input, which this build would remove, as it makes no file of that name";
+                let allowed = "another output folder, or --keep";
+                Err(Error::wrong_usage(self.path.join(name).display(), found, allowed))
+            }
             None => Ok(()),
         }
     }
 
-    /// Puts all files in place, and removes those of earlier builds that are not among them. Until all are written aside the
-    /// folder stays as it is. `files` is given those of earlier builds that are there and unchanged, while no other build can
-    /// change them: what of them is to stay is to be among what it returns.
-    ///
-    /// # Errors
-    /// A file that cannot be written: then nothing has changed.
+    /// Puts all files in place by their names, and removes those of earlier builds that are not among them. Until all are
+    /// written aside the folder stays as it is. `files` is given those of earlier builds that are there and unchanged, while no
+    /// other build can change them: what of them is to stay is to be among what it returns.
     pub fn place(
         &mut self,
         store: &Store,
-        files: impl FnOnce(&BTreeMap<String, Digest>) -> Vec<NewFile>,
-    ) -> Result<Changes, FolderError> {
+        files: impl FnOnce(&BTreeMap<String, Digest>) -> Vec<(String, Contents)>,
+    ) -> Result<Changes, Error> {
         let _lock = lock(&self.root)?;
         // Another build may have been faster.
         Journal::finish(&self.path, &self.root)?;
         if let Some(placements) = read_record::<Placements>(&self.root.join(PLACED)) {
-            self.placements.merge(placements);
+            self.placements.files.extend(placements.files);
         }
         let unchanged: BTreeMap<String, Placed> = self.placements.verified(&self.path);
         let files = files(&unchanged.iter().map(|(name, placed)| (name.clone(), placed.digest)).collect());
-        let mut journal = Journal::new(&self.root)?;
+        let mut journal = Journal::new(&self.root);
         let mut changes = Changes::default();
         let mut placements = Placements::default();
-        for file in &files {
-            let digest = match &file.contents {
+        for (name, contents) in files {
+            let digest = match &contents {
                 Contents::Kept(digest) => *digest,
                 Contents::Bytes(bytes) => Digest::of(bytes),
             };
-            if let Some(placed) = unchanged.get(&file.name).filter(|placed| placed.digest == digest) {
-                placements.files.insert(file.name.clone(), placed.clone());
+            if let Some(placed) = unchanged.get(&name).filter(|placed| placed.digest == digest) {
+                placements.files.insert(name, placed.clone());
                 continue;
             }
-            let target = self.path.join(&file.name);
-            let bytes = match &file.contents {
-                Contents::Bytes(bytes) => bytes.clone(),
+            let target = self.path.join(&name);
+            let bytes = match contents {
+                Contents::Bytes(bytes) => bytes,
                 Contents::Kept(digest) => {
-                    let found = store.object(digest).or_else(|| self.bytes(digest));
-                    found.ok_or_else(|| FolderError::Lost { path: target.display().to_string() })?
+                    let found = store.object(&digest).or_else(|| self.bytes(&digest));
+                    let lost = || std::io::Error::other("what was made for it is gone from the store");
+                    found.ok_or_else(|| Error::write(&target, &lost()))?
                 }
             };
-            journal.write(&file.name, &bytes).map_err(|error| StoreError::new(&target, error))?;
-            placements.files.insert(file.name.clone(), Placed { digest, stamp: None });
-            changes.written.push(file.name.clone());
+            journal.write(&name, &bytes).map_err(|error| Error::write(&target, &error))?;
+            placements.files.insert(name.clone(), Placed { digest, stamp: None });
+            changes.written.push(name);
         }
         for name in self.placements.files.keys().filter(|name| !placements.files.contains_key(*name)) {
             if unchanged.contains_key(name) {
@@ -236,7 +186,7 @@ impl OutputFolder {
         placements.stamp(&self.path);
         let record = self.root.join(PLACED);
         crate::write::write_atomic(&record, &write_record(&placements))
-            .map_err(|error| StoreError::new(&record, error))?;
+            .map_err(|error| Error::write(&record, &error))?;
         self.placements = placements;
         Ok(changes)
     }
@@ -252,9 +202,9 @@ pub fn is_own(place: &Path, out: &Path) -> bool {
 }
 
 /// Waits until no other process moves files.
-fn lock(root: &Path) -> Result<File, StoreError> {
+fn lock(root: &Path) -> Result<File, Error> {
     let path = root.join(LOCK);
-    let error = |error| StoreError::new(&path, error);
+    let error = |error: std::io::Error| Error::write(&path, &error);
     let file = File::options().create(true).truncate(false).write(true).open(&path).map_err(error)?;
     // Where files cannot be locked, two builds at a time are the user's to avoid.
     let _ = file.lock();

@@ -3,7 +3,7 @@
 use crate::store::{Digest, Stamp};
 use crate::write::is_plain;
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::SystemTime;
 
@@ -36,16 +36,6 @@ impl Placements {
                 }
             }
         }
-    }
-
-    /// Adds what another build put in place meanwhile.
-    pub(super) fn merge(&mut self, other: Self) {
-        self.files.extend(other.files);
-    }
-
-    /// Hashes of the files that are unchanged.
-    pub(super) fn unchanged(&self, folder: &Path) -> BTreeSet<Digest> {
-        self.verified(folder).into_values().map(|placed| placed.digest).collect()
     }
 
     /// Those that are unchanged, with the stamps by which they are known the next time.

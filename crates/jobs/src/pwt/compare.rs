@@ -1,7 +1,7 @@
 //! Photographs and what was made of them, held against each other one by one: no picture is kept.
 
-use super::error::PwtError;
 use super::input::refused;
+use crate::error::Error;
 use brdfc_formats::pwt::PwtDecoder;
 use brdfc_formats::{FormatError, Pack};
 use brdfc_pwt::measure::{PhotographSums, StackErrors, photograph_sums};
@@ -50,11 +50,12 @@ enum Shown {
     Stack(LightStack),
 }
 
-/// Holds a pack, a polynomial texture map or another light stack against the photographs of a light stack.
+/// Measures a pack, a polynomial texture map or another light stack against the photographs of a light stack, as sRGB levels
+/// and by ΔE (CIE76).
 ///
 /// # Errors
 /// What cannot be read or is none of these; another size; a stack under other lights.
-pub fn compare_photographs(reference: &Path, input: &Input) -> Result<PhotographComparison, PwtError> {
+pub fn compare_photographs(reference: &Path, input: &Input) -> Result<PhotographComparison, Error> {
     let stack = LightStack::open(reference)?;
     let shown = Shown::open(input, &stack)?;
     let width = stack.size()[0];
@@ -81,7 +82,7 @@ pub fn compare_photographs(reference: &Path, input: &Input) -> Result<Photograph
 }
 
 impl Shown {
-    fn open(input: &Input, reference: &LightStack) -> Result<Self, PwtError> {
+    fn open(input: &Input, reference: &LightStack) -> Result<Self, Error> {
         let shown = match input.extension()?.as_str() {
             "ktx2" => match open_pack(input)? {
                 Pack::Pwt(pack) => Self::Pack(Box::new(PwtDecoder::new(pack))),
@@ -98,7 +99,7 @@ impl Shown {
             Self::Map(map) => map.size().map(|side| side as usize),
             Self::Stack(stack) => stack.size(),
         };
-        let wrong = |error: FormatError| PwtError::Input(InputError::Format { name: input.to_string(), error });
+        let wrong = |error: FormatError| Error::from(InputError::Format { name: input.to_string(), error });
         let [width, height] = reference.size();
         if found != [width, height] {
             let allowed = format!("{width} x {height}, as the reference has");

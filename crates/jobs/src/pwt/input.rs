@@ -1,7 +1,7 @@
 //! What becomes a polynomial wavelet tree: photographs under known lights, one view of a BTF, a polynomial texture map, or a
 //! tree that is there already.
 
-use super::error::PwtError;
+use crate::error::Error;
 use brdfc_formats::direction::Vector;
 use brdfc_formats::flat_btf::{FlatHeader, VisibilityMask, unit_vectors};
 use brdfc_formats::pwt::{PwtDecoder, PwtPack};
@@ -42,10 +42,10 @@ impl LightInput {
     ///
     /// # Errors
     /// What cannot be read, or is none of these; a view that is not there; more photographs than memory should hold.
-    pub fn open(input: &Input, view: Option<usize>) -> Result<Self, PwtError> {
+    pub fn open(input: &Input, view: Option<usize>) -> Result<Self, Error> {
         let extension = input.extension()?;
         if view.is_some() && (["ktx2", ptm::EXTENSION].contains(&extension.as_str())) {
-            return Err(PwtError::Usage("--view: found with one view; allowed with BTFs".to_owned()));
+            return Err(Error::wrong_usage("--view", "with one view", "with BTFs"));
         }
         if extension == ptm::EXTENSION {
             let map = ptm::open_ptm(input)?;
@@ -67,9 +67,7 @@ impl LightInput {
         };
         if is_light_stack(path) {
             if view.is_some() {
-                return Err(PwtError::Usage(
-                    "--view: found with a light stack, which has one; allowed with BTFs".to_owned(),
-                ));
+                return Err(Error::wrong_usage("--view", "with a light stack, which has one", "with BTFs"));
             }
             return Ok(Self::Pictures(photographs(path)?));
         }
@@ -104,12 +102,12 @@ pub fn any_above_white(samples: &LightSamples) -> bool {
     samples.pictures.par_iter().any(is_bright)
 }
 
-pub(super) fn refused(input: &impl std::fmt::Display, field: &'static str, found: &str, allowed: &str) -> PwtError {
+pub(super) fn refused(input: &impl std::fmt::Display, field: &'static str, found: &str, allowed: &str) -> Error {
     let error = FormatError::whole(field, found.to_owned(), allowed);
-    PwtError::Input(InputError::Format { name: input.to_string(), error })
+    InputError::Format { name: input.to_string(), error }.into()
 }
 
-fn check_amount(input: &impl std::fmt::Display, size: [usize; 2], lights: usize) -> Result<(), PwtError> {
+fn check_amount(input: &impl std::fmt::Display, size: [usize; 2], lights: usize) -> Result<(), Error> {
     let numbers = size.map(|side| side as u64).into_iter().product::<u64>() * 3 * lights as u64;
     if numbers <= MOST_NUMBERS {
         return Ok(());
@@ -120,7 +118,7 @@ fn check_amount(input: &impl std::fmt::Display, size: [usize; 2], lights: usize)
 }
 
 /// A map or a pack is fitted again at what it shows under [`SPREAD`] lights.
-fn check_spread(input: &impl std::fmt::Display, size: [u32; 2]) -> Result<(), PwtError> {
+fn check_spread(input: &impl std::fmt::Display, size: [u32; 2]) -> Result<(), Error> {
     let pixels: u64 = size.map(u64::from).iter().product();
     let most = MOST_NUMBERS / 3 / SPREAD as u64;
     if pixels <= most {
@@ -131,39 +129,39 @@ fn check_spread(input: &impl std::fmt::Display, size: [u32; 2]) -> Result<(), Pw
     Err(refused(input, "size", &found, &allowed))
 }
 
-/// Linear RGB. What a file has below black is noise.
-fn not_negative(image: Image) -> Vec<[f32; 3]> {
-    let mut pixels = image.pixels;
-    pixels.as_flattened_mut().iter_mut().for_each(|value| *value = value.max(0.0));
-    pixels
+/// Linear RGB of so many photographs, decoded side by side; of several errors the first. What a file has below black is noise.
+fn decoded(
+    count: usize,
+    image: impl Fn(usize) -> Result<Image, InputError> + Sync + Send,
+) -> Result<Vec<Vec<[f32; 3]>>, InputError> {
+    let images: Vec<Result<Image, _>> = (0..count).into_par_iter().map(image).collect();
+    let not_negative = |mut image: Image| {
+        image.pixels.as_flattened_mut().iter_mut().for_each(|value| *value = value.max(0.0));
+        image.pixels
+    };
+    images.into_iter().map(|image| image.map(not_negative)).collect()
 }
 
 /// All photographs of a light stack, decoded side by side.
-///
-/// # Errors
-/// What cannot be read.
-fn photographs(path: &Path) -> Result<LightSamples, PwtError> {
+fn photographs(path: &Path) -> Result<LightSamples, Error> {
     let stack = LightStack::open(path)?;
     check_amount(&path.display(), stack.size(), stack.len())?;
-    let images: Vec<Result<_, InputError>> = (0..stack.len()).into_par_iter().map(|light| stack.image(light)).collect();
-    let pictures = images.into_iter().map(|image| image.map(not_negative)).collect::<Result<_, _>>()?;
+    let pictures = decoded(stack.len(), |light| stack.image(light))?;
     Ok(LightSamples { size: stack.size(), lights: stack.lights().to_vec(), pictures, repeats: false, defined: None })
 }
 
-fn one_view(path: &Path, view: usize) -> Result<LightSamples, PwtError> {
+fn one_view(path: &Path, view: usize) -> Result<LightSamples, Error> {
     let btf = OrdinaryBtf::open(path)?;
     check_view(view, btf.views().len())?;
     let lights: Vec<[f32; 3]> = btf.lights().directions().into_iter().map(single).collect();
     check_amount(&path.display(), btf.size(), lights.len())?;
-    let images: Vec<Result<_, InputError>> =
-        (0..lights.len()).into_par_iter().map(|light| btf.image(view, light)).collect();
-    let pictures = images.into_iter().map(|image| image.map(not_negative)).collect::<Result<_, _>>()?;
+    let pictures = decoded(lights.len(), |light| btf.image(view, light))?;
     Ok(LightSamples { size: btf.size(), lights, pictures, repeats: true, defined: None })
 }
 
 /// A view of a flat BTF, with the texels that it sees as defined ones where the asset says which. Its rows go up, those of
 /// pictures down.
-fn flat_view(path: &Path, view: usize) -> Result<LightSamples, PwtError> {
+fn flat_view(path: &Path, view: usize) -> Result<LightSamples, Error> {
     let file = open_flat_btf(path)?;
     let number = u32::try_from(view).unwrap_or(u32::MAX);
     let (found, views) = decoded_view(&file, number).map_err(|error| InputError::format(path, error))?;
@@ -193,9 +191,9 @@ fn single(direction: Vector) -> [f32; 3] {
     direction.map(|c| c as f32)
 }
 
-fn check_view(view: usize, views: usize) -> Result<(), PwtError> {
+fn check_view(view: usize, views: usize) -> Result<(), Error> {
     if view < views {
         return Ok(());
     }
-    Err(PwtError::Usage(format!("--view: found {view}; allowed 0 to {}", views.saturating_sub(1))))
+    Err(Error::wrong_usage("--view", view, format!("0 to {}", views.saturating_sub(1))))
 }

@@ -1,6 +1,7 @@
 //! Packs and maps of photographs, and how wrong they are at lights left out.
 
-use super::error::PwtError;
+use crate::error::Error;
+use brdfc_formats::FormatError;
 use brdfc_formats::pwt::{LightCoordinates, PwtDecoder};
 use brdfc_pwt::measure::{StackErrors, picture_errors, stack_errors};
 use brdfc_pwt::ptm::{MapModel, fit_map, pictures_of};
@@ -35,20 +36,29 @@ pub struct PwtMade {
 ///
 /// # Errors
 /// Photographs or options out of range; more lights left out than there are to spare.
-pub fn make(samples: &LightSamples, recipe: &PwtRecipe, hold_out: usize, seed: u64) -> Result<PwtMade, PwtError> {
+pub fn make(samples: &LightSamples, recipe: &PwtRecipe, hold_out: usize, seed: u64) -> Result<PwtMade, Error> {
     if hold_out == 0 {
-        return Ok(PwtMade { encoded: encode(samples, recipe)?, held_out: None, lights: samples.lights.len() });
+        let encoded = encode(samples, recipe).map_err(wrong)?;
+        return Ok(PwtMade { encoded, held_out: None, lights: samples.lights.len() });
     }
     if hold_out >= samples.lights.len() {
         let allowed = format!("0 to {}: one light is fitted at least", samples.lights.len().saturating_sub(1));
-        return Err(PwtError::Usage(format!("--hold-out: found {hold_out}; allowed {allowed}")));
+        return Err(Error::wrong_usage("--hold-out", hold_out, allowed));
     }
     let left_out = &permutation(samples.lights.len(), seed)[..hold_out];
-    let encoded = encode(&samples.without(left_out), recipe)?;
+    let encoded = encode(&samples.without(left_out), recipe).map_err(wrong)?;
     let rest: Vec<usize> = (0..samples.lights.len()).filter(|light| !left_out.contains(light)).collect();
     let errors = stack_errors(&PwtDecoder::new(encoded.pack.clone()), &samples.without(&rest), 1);
     let held_out = HeldOut { lights: left_out.to_vec(), psnr: errors.psnr, delta_e: errors.delta_e };
     Ok(PwtMade { encoded, held_out: Some(held_out), lights: rest.len() })
+}
+
+/// Photographs out of range; or levels, of which there may be as many as their size allows.
+fn wrong(error: FormatError) -> Error {
+    match error.field.as_ref() {
+        "levels" => Error::wrong_usage("--levels", error.found, error.allowed),
+        _ => Error::input(error),
+    }
 }
 
 /// The numbers below `count` in an order that a seed decides (Fisher and Yates).
@@ -76,8 +86,8 @@ pub fn recipe_of_map(recipe: PwtRecipe) -> PwtRecipe {
 ///
 /// # Errors
 /// Photographs out of range.
-pub fn make_map(samples: &LightSamples, model: MapModel) -> Result<(Ptm, StackErrors), PwtError> {
-    let map = fit_map(samples, model)?;
+pub fn make_map(samples: &LightSamples, model: MapModel) -> Result<(Ptm, StackErrors), Error> {
+    let map = fit_map(samples, model).map_err(wrong)?;
     let shown = pictures_of(&map, samples.lights.clone());
     let errors = picture_errors(&shown, samples);
     Ok((map, errors))

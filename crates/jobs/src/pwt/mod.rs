@@ -1,14 +1,12 @@
 //! `brdfc pwt`: photographs under known lights become a pack, or a polynomial texture map.
 
 mod compare;
-mod error;
 mod evaluate;
 mod input;
 mod make;
 mod report;
 
 pub use compare::{PhotographComparison, PhotographErrors, compare_photographs};
-pub use error::PwtError;
 pub use evaluate::{Relightable, open_flat_material};
 pub use input::{LightInput, any_above_white};
 pub use make::{HeldOut, PwtMade, make, make_map, permutation, recipe_of_map};

@@ -3,8 +3,7 @@
 use super::render::PartMaterial;
 use brdfc_gpu::AdapterDescription;
 use brdfc_metrics::image::{LinearImage, PIXELS_PER_DEGREE, flip, signal_to_noise};
-use brdfc_render::adaptive::{AdaptivePicture, LevelCount, Settings};
-use brdfc_render::scene::Frame;
+use brdfc_render::adaptive::{LevelCount, Settings};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -92,30 +91,13 @@ pub struct Shading {
 }
 
 impl Shading {
-    /// Of an adaptive picture.
-    pub fn adaptive(picture: &AdaptivePicture, points: u64, seconds: f64, truth: &LinearImage, exposure: f64) -> Self {
-        Self::new(&picture.image, [picture.samples(), picture.shaded()], points, seconds, truth, exposure)
-    }
-
-    /// Of a picture with `count` samples for each of so many points.
-    pub fn forward(
-        image: &LinearImage,
-        count: u32,
-        points: u64,
-        seconds: f64,
-        truth: &LinearImage,
-        exposure: f64,
-    ) -> Self {
-        Self::new(image, [points * u64::from(count), points], points, seconds, truth, exposure)
-    }
-
-    fn new(
+    /// Of a picture of so many points, by its samples and shaded pixels, against the ground truth.
+    pub fn new(
         image: &LinearImage,
         [samples, shaded]: [u64; 2],
         points: u64,
         seconds: f64,
-        truth: &LinearImage,
-        exposure: f64,
+        (truth, exposure): (&LinearImage, f64),
     ) -> Self {
         let error = signal_to_noise(image, truth, exposure);
         Self {
@@ -126,63 +108,6 @@ impl Shading {
             invalid_pixels: error.invalid_pixels,
             psnr: error.psnr,
             flip: flip(image, truth, exposure, PIXELS_PER_DEGREE).mean_on_surfaces,
-        }
-    }
-}
-
-/// The pictures that [`AdaptiveVerification::new`] compares, and what they show.
-pub struct AdaptivePictures<'a> {
-    /// Which scene.
-    pub scene: &'a str,
-    /// Its size.
-    pub frame: Frame,
-    /// Points that show a surface.
-    pub surface_points: u64,
-    /// What drew.
-    pub adapter: &'a AdapterDescription,
-    /// Parts with their materials.
-    pub parts: Vec<PartMaterial>,
-    /// Width and height of the environment.
-    pub environment: [usize; 2],
-    /// What was asked for.
-    pub settings: &'a Settings,
-    /// Factor from radiance to the display's range.
-    pub exposure: f64,
-    /// Adaptive picture, seconds of the bandwidth buffer and of the whole.
-    pub adaptive: (&'a AdaptivePicture, [f64; 2]),
-    /// Forward picture, samples per point and seconds.
-    pub forward: (&'a LinearImage, u32, f64),
-    /// Ground truth, samples per point and seconds.
-    pub truth: (&'a LinearImage, usize, f64),
-    /// PSNR of its standard error.
-    pub truth_psnr: Option<f64>,
-}
-
-impl AdaptiveVerification {
-    /// Compares pictures.
-    pub fn new(pictures: AdaptivePictures<'_>) -> Self {
-        let (picture, [bandwidth_seconds, seconds]) = pictures.adaptive;
-        let (forward, count, forward_seconds) = pictures.forward;
-        let (truth, truth_samples, truth_seconds) = pictures.truth;
-        let (points, exposure) = (pictures.surface_points, pictures.exposure);
-        Self {
-            scene: pictures.scene.to_owned(),
-            width: pictures.frame.width,
-            height: pictures.frame.height,
-            points: 1 << (2 * pictures.settings.antialiasing_levels),
-            surface_points: points,
-            exposure,
-            adapter: pictures.adapter.clone(),
-            parts: pictures.parts,
-            environment: pictures.environment,
-            settings: pictures.settings.into(),
-            adaptive: Shading::adaptive(picture, points, seconds, truth, exposure),
-            bandwidth_seconds,
-            levels: picture.levels.clone(),
-            forward: Shading::forward(forward, count, points, forward_seconds, truth, exposure),
-            truth_samples,
-            truth_psnr: pictures.truth_psnr,
-            truth_seconds,
         }
     }
 }

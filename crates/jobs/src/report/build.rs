@@ -6,7 +6,7 @@ use crate::encode::Predicted;
 use crate::scene::explain::Explained;
 use crate::scene::maps::{MapsReport, PARTS, Packed, part_name};
 use crate::scene::plan::{Plan, pack_name};
-use crate::scene::run::{JobError, Made, MadeEnvironment, Outcome, Outcomes, file_of};
+use crate::scene::run::{JobError, Made, MadeEnvironment, Outcome, Outcomes};
 use crate::scene::scene_section::ENVIRONMENT;
 use crate::store::Digest;
 use brdfc_bandwidth::facts::BandwidthFacts;
@@ -145,12 +145,11 @@ impl BuildReport {
     /// Of a build that is only planned, with the materials that need not be made again.
     pub fn planned(plan: &Plan, known: &BTreeMap<&str, Made>) -> Self {
         let materials = plan.jobs.iter().map(|job| {
-            let maps = job.maps.map_or([false; 2], |recipe| recipe.wanted);
             let (predicted, cached) = match known.get(job.name.as_str()) {
                 Some(made) => (Predicted::exactly(made.report.bytes_on_gpu), Some(true)),
                 None => (job.recipe.predict(), None),
             };
-            MaterialEntry { predicted: Some(predicted), cached, ..files(&job.name, &job.declared, maps) }
+            MaterialEntry { predicted: Some(predicted), cached, ..files(&job.name, &job.declared, job.maps) }
         });
         let environment = plan.environment.as_ref().map(|job| EnvironmentEntry {
             source: job.declared.clone(),
@@ -170,12 +169,12 @@ impl BuildReport {
         for entry in &mut self.materials {
             (entry.cached, entry.stages) = (None, None);
             if let Some(job) = plan.jobs.iter().find(|job| job.name == entry.material) {
-                plain(&mut entry.error, &job.source, &job.declared);
+                plain(&mut entry.error, &job.input.to_string(), &job.declared);
             }
         }
         if let (Some(entry), Some(job)) = (&mut self.environment, &plan.environment) {
             (entry.cached, entry.stages) = (None, None);
-            plain(&mut entry.error, &job.source, &job.declared);
+            plain(&mut entry.error, &job.path.display().to_string(), &job.declared);
         }
         self
     }
@@ -240,7 +239,7 @@ fn material_entry(declared: &str, outcome: &Outcome) -> MaterialEntry {
             let Made { report, maps, gates, files: made_files, times, .. } = made;
             let listed = made_files
                 .iter()
-                .map(|(part, blake3)| FileEntry { file: file_of(&outcome.name, part), blake3: *blake3 });
+                .map(|(part, blake3)| FileEntry { file: part_name(&outcome.name, part), blake3: *blake3 });
             let made = |maps: &MapsReport| [maps.bandwidth.is_some(), maps.samples.is_some()];
             let of_maps = maps.as_ref().map_or([false; 2], made);
             MaterialEntry {

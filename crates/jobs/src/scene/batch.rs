@@ -2,61 +2,17 @@
 
 use super::manifest::{Manifest, Material, Use};
 use super::names;
-use super::patterns::{Named, PatternError};
+use super::patterns::Named;
+use crate::error::{Error, ErrorKind};
 use brdfc_core::address;
 use brdfc_readers::scan_csv::{ANGLE_COLUMNS, VECTOR_COLUMNS};
 use brdfc_source::open::{FORMATS, files_but_for};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::{OsStr, OsString};
+use std::fmt::Display;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
-
-/// Why files are no list of materials.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum BatchError {
-    /// Nothing that is a material.
-    #[error("{place}: found {found}; allowed {allowed}")]
-    Nothing {
-        /// Where it was looked for.
-        place: String,
-        /// What is there.
-        found: String,
-        /// What may be there.
-        allowed: String,
-    },
-    /// A pattern that cannot be followed.
-    #[error(transparent)]
-    Pattern(#[from] PatternError),
-    /// What cannot be listed.
-    #[error("{path}: cannot read: {error}")]
-    Io {
-        /// Which folder.
-        path: String,
-        /// What the system says.
-        error: String,
-    },
-    /// Two materials of one name.
-    #[error("{first} and {second}: found the name {name} for both; allowed one material of a name, whatever its case")]
-    SameName {
-        /// The name of the second.
-        name: String,
-        /// The earlier one's source.
-        first: String,
-        /// The later one's source.
-        second: String,
-    },
-    /// A name that no file can have.
-    #[error("{source_name}: found the name {name}; allowed {allowed}")]
-    Name {
-        /// Which source.
-        source_name: String,
-        /// Its name.
-        name: String,
-        /// What names may be.
-        allowed: String,
-    },
-}
 
 /// What files of packs end in.
 const PACKS: &str = "ktx2";
@@ -75,7 +31,7 @@ pub struct Found {
 ///
 /// # Errors
 /// Folders that cannot be listed, or hold no material; patterns that nothing matches.
-pub fn find(inputs: &[Named]) -> Result<Found, BatchError> {
+pub fn find(inputs: &[Named]) -> Result<Found, Error> {
     let mut found = Found::default();
     let mut seen = BTreeSet::new();
     for input in inputs {
@@ -87,7 +43,7 @@ pub fn find(inputs: &[Named]) -> Result<Found, BatchError> {
             found.others.extend(others);
             sources
         } else if input.is_pattern() {
-            matching(input)?
+            matching(input, path.display())?
         } else {
             vec![path.into()]
         };
@@ -134,8 +90,8 @@ fn has_values(path: &Path) -> bool {
     read.is_err() || [ANGLE_COLUMNS[0], VECTOR_COLUMNS[6]].iter().any(|column| text.contains(column))
 }
 
-fn of_folder(folder: &Path) -> Result<(Vec<OsString>, Vec<PathBuf>), BatchError> {
-    let io = |error: std::io::Error| BatchError::Io { path: folder.display().to_string(), error: error.to_string() };
+fn of_folder(folder: &Path) -> Result<(Vec<OsString>, Vec<PathBuf>), Error> {
+    let io = |error: std::io::Error| Error::read(folder, &error);
     let mut files = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(io)? {
         let path = entry.map_err(io)?.path();
@@ -153,19 +109,19 @@ fn of_folder(folder: &Path) -> Result<(Vec<OsString>, Vec<PathBuf>), BatchError>
             count => format!("{count} files of other kinds"),
         };
         let allowed = format!("a folder with files {}; packs are taken by name alone", files_but_for(PACKS));
-        return Err(BatchError::Nothing { place: folder.display().to_string(), found, allowed });
+        return Err(Error::check(format!("{}: found {found}; allowed {allowed}", folder.display())));
     }
     Ok((measured.into_iter().map(OsString::from).collect(), others))
 }
 
-fn matching(pattern: &Named) -> Result<Vec<OsString>, BatchError> {
+/// The files that match; `told` is how errors name the pattern.
+fn matching(pattern: &Named, told: impl Display) -> Result<Vec<OsString>, Error> {
     let (built, files): (Vec<PathBuf>, Vec<PathBuf>) = pattern.files()?.into_iter().partition(|path| is_built(path));
     if files.is_empty() {
-        let allowed = "a file, or a pattern such as scans/*.binary that files match".to_owned();
+        let allowed = "a file, or a pattern such as scans/*.binary that files match";
         let found =
             if built.is_empty() { "no file that matches" } else { "packs of a build alone, which are taken by name" };
-        let place = pattern.path().display().to_string();
-        return Err(BatchError::Nothing { place, found: found.to_owned(), allowed });
+        return Err(Error::check(format!("{told}: found {found}; allowed {allowed}")));
     }
     Ok(files.into_iter().map(OsString::from).collect())
 }
@@ -180,7 +136,7 @@ fn is_built(path: &Path) -> bool {
 ///
 /// # Errors
 /// Two sources of one name.
-pub fn manifest_of(sources: &[OsString]) -> Result<Manifest, BatchError> {
+pub fn manifest_of(sources: &[OsString]) -> Result<Manifest, Error> {
     let mut manifest = Manifest::default();
     let mut names = Names::default();
     for source in sources {
@@ -207,7 +163,7 @@ impl Manifest {
     ///
     /// # Errors
     /// Patterns that nothing matches; two materials of one name.
-    pub fn expanded(mut self, folder: &Path) -> Result<Self, BatchError> {
+    pub fn expanded(mut self, folder: &Path) -> Result<Self, Error> {
         let named = |material: &Material| Named::new(folder, &material.source);
         let is_group = |material: &Material| address_of(&material.source).is_none() && named(material).is_pattern();
         let groups: Vec<String> =
@@ -219,8 +175,8 @@ impl Manifest {
         let mut added = Vec::new();
         for group in groups {
             let material = self.materials.remove(&group).expect("it is one of them");
-            let at_key = |error| in_manifest(error, &group, &material);
-            for path in matching(&named(&material)).map_err(at_key)? {
+            let source = material.source.display();
+            for path in matching(&named(&material), source).map_err(|error| in_manifest(error, &group, &material))? {
                 // As the manifest might have named it.
                 let declared = Path::new(&path).strip_prefix(folder).map_or(path.clone(), OsString::from);
                 added.push((group.clone(), Material { source: declared, ..material.clone() }));
@@ -239,23 +195,13 @@ impl Manifest {
     }
 }
 
-/// The error of a material's source, with its place in the manifest.
-fn in_manifest(error: BatchError, name: &str, material: &Material) -> BatchError {
-    let at = |rest: String| format!("line {}, materials.{name}.source, {rest}", material.line);
-    match error {
-        BatchError::Nothing { found, allowed, .. } => {
-            BatchError::Nothing { place: at(material.source.display().to_string()), found, allowed }
-        }
-        BatchError::Pattern(PatternError::Text { pattern }) => PatternError::Text { pattern: at(pattern) }.into(),
-        BatchError::Pattern(PatternError::Wrong { pattern, problem }) => {
-            PatternError::Wrong { pattern: at(pattern), problem }.into()
-        }
-        BatchError::SameName { name, first, second } => BatchError::SameName { name, first: at(first), second },
-        BatchError::Name { source_name, name, allowed } => {
-            BatchError::Name { source_name: at(source_name), name, allowed }
-        }
-        other => other,
+/// The error of a material's source, with its place in the manifest. Folders that cannot be read are named alone.
+fn in_manifest(error: Error, name: &str, material: &Material) -> Error {
+    if error.kind() == ErrorKind::Io {
+        return error;
     }
+    let text = format!("line {}, materials.{name}.source, {error}", material.line);
+    error.with_message(text)
 }
 
 fn each_member(used: Use, members: &BTreeMap<String, Vec<String>>) -> Vec<Use> {
@@ -274,19 +220,19 @@ impl Names {
     }
 
     /// The name of a source.
-    fn add(&mut self, source: &OsStr) -> Result<String, BatchError> {
+    fn add(&mut self, source: &OsStr) -> Result<String, Error> {
         let told = source.display().to_string();
         let name = match address_of(source).and_then(|address| address.strip_prefix(address::SYNTH_PREFIX)) {
             Some(model) => model.split('?').next().unwrap_or_default().to_owned(),
             None => names::of_file(Path::new(source)),
         };
-        names::check_name(&name, true).map_err(|allowed| BatchError::Name {
-            source_name: told.clone(),
-            name: name.clone(),
-            allowed,
-        })?;
+        names::check_name(&name, true)
+            .map_err(|allowed| Error::wrong_input(&told, format!("the name {name}"), allowed))?;
         match self.0.insert(name.to_ascii_lowercase(), told.clone()) {
-            Some(first) => Err(BatchError::SameName { name, first, second: told }),
+            Some(first) => {
+                let (both, found) = (format!("{first} and {told}"), format!("the name {name} for both"));
+                Err(Error::wrong_input(both, found, "one material of a name, whatever its case"))
+            }
             None => Ok(name),
         }
     }

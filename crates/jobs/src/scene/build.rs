@@ -3,13 +3,14 @@
 use super::error::JobError;
 use super::memory;
 use super::plan::{Plan, REPORT, list_name};
-use super::run::{Made, Outcome, Outcomes, Workshop, file_of, run};
+use super::run::{Made, Outcome, Outcomes, Workshop, run};
 use super::works::{Work, WorkResult, make};
-use crate::output_folder::{Changes, Contents, FolderError, NewFile, OutputFolder};
+use crate::error::Error;
+use crate::output_folder::{Changes, Contents, OutputFolder};
 use crate::report::build::{BuildReport, environment_map};
 use crate::report::material::{MaterialReport, StageTime};
-use crate::scene::maps::MapsReport;
-use crate::store::{Digest, FOLDER, Store, StoreError, placing, read_record, write_record};
+use crate::scene::maps::{MapsReport, part_name};
+use crate::store::{Digest, FOLDER, Store, placing, read_record, write_record};
 use brdfc_core::progress::{Cancelled, Progress};
 use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
 use serde::{Deserialize, Serialize};
@@ -68,23 +69,6 @@ pub struct Built {
     pub changes: Option<Changes>,
 }
 
-/// Why there is no build.
-#[derive(Debug, thiserror::Error)]
-pub enum BuildError {
-    /// The output folder.
-    #[error(transparent)]
-    Folder(#[from] FolderError),
-    /// The caller asked to stop. What was finished is kept for the next build.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-}
-
-impl From<StoreError> for BuildError {
-    fn from(error: StoreError) -> Self {
-        Self::Folder(error.into())
-    }
-}
-
 /// The parts of a material, as `<material>.json` lists them.
 #[derive(Debug, Clone, Serialize, schemars::JsonSchema)]
 pub struct MaterialFile {
@@ -107,7 +91,7 @@ pub struct MaterialFile {
 ///
 /// # Errors
 /// A folder that cannot be written to, or holds files of somebody else; cancellation.
-pub fn build(plan: &Plan, settings: &BuildSettings, progress: &dyn Progress) -> Result<Built, BuildError> {
+pub fn build(plan: &Plan, settings: &BuildSettings, progress: &dyn Progress) -> Result<Built, Error> {
     let (store, mut folder) = opened(settings)?;
     if folder.is_new()
         && let Some(report) = earlier_report(&settings.out)
@@ -142,7 +126,7 @@ pub fn build(plan: &Plan, settings: &BuildSettings, progress: &dyn Progress) -> 
         folder.place(&store, |there| {
             let mut stays = Vec::new();
             if let Some(kept) = kept(plan, settings, there) {
-                let file = |name: String| Some(NewFile { contents: Contents::Kept(*there.get(&name)?), name });
+                let file = |name: String| Some((name.clone(), Contents::Kept(*there.get(&name)?)));
                 stays = files_of(&kept).into_iter().filter_map(file).collect();
                 report = report.clone().with_kept(kept);
             }
@@ -209,22 +193,19 @@ fn notes_in(path: &Path) -> BTreeMap<String, BuiltNote> {
 }
 
 /// Makes some pieces of a build and keeps them in the store of its folder, which stays as it is otherwise.
-///
-/// # Errors
-/// A folder that cannot be written to.
 pub fn build_works(
     works: &[Work<'_>],
     settings: &BuildSettings,
     progress: &dyn Progress,
-) -> Result<Vec<WorkResult>, BuildError> {
+) -> Result<Vec<WorkResult>, Error> {
     let (store, folder) = opened(settings)?;
-    let placed = folder.unchanged();
+    let placed = folder.there().into_values().collect();
     let workshop = Workshop { store: &store, placed: &placed, memory: settings.memory(), fail_fast: false };
     Ok(make(works, &workshop, progress))
 }
 
 /// The store and the folder, with what was brought from elsewhere.
-fn opened(settings: &BuildSettings) -> Result<(Store, OutputFolder), BuildError> {
+fn opened(settings: &BuildSettings) -> Result<(Store, OutputFolder), Error> {
     let store = Store::open(&settings.out, settings.looks_up)?;
     settings.from.iter().try_for_each(|other| store.take_from(other))?;
     let folder = OutputFolder::open(&settings.out, &store)?;
@@ -237,21 +218,21 @@ pub fn earlier_report(out: &Path) -> Option<BuildReport> {
 }
 
 /// Everything that stands in the folder, the report last.
-fn files(outcomes: &Outcomes, report: BuildReport) -> Vec<NewFile> {
+fn files(outcomes: &Outcomes, report: BuildReport) -> Vec<(String, Contents)> {
     let mut files = Vec::new();
     for (name, made) in outcomes.made() {
         for (part, digest) in &made.files {
-            files.push(NewFile { name: file_of(name, part), contents: Contents::Kept(*digest) });
+            files.push((part_name(name, part), Contents::Kept(*digest)));
         }
-        let parts = made.files.iter().map(|(part, _)| ((*part).to_owned(), file_of(name, part))).collect();
+        let parts = made.files.iter().map(|(part, _)| ((*part).to_owned(), part_name(name, part))).collect();
         let (material, report, maps) = (name.to_owned(), made.report.clone(), made.maps.clone());
         let list = MaterialFile { version: 1, material, parts, report, maps };
-        files.push(NewFile { name: list_name(name), contents: Contents::Bytes(json(&list)) });
+        files.push((list_name(name), Contents::Bytes(json(&list))));
     }
     if let Some(Ok(made)) = &outcomes.environment {
-        files.push(NewFile { name: environment_map(), contents: Contents::Kept(made.file) });
+        files.push((environment_map(), Contents::Kept(made.file)));
     }
-    files.push(NewFile { name: REPORT.to_owned(), contents: Contents::Bytes(json(&report)) });
+    files.push((REPORT.to_owned(), Contents::Bytes(json(&report))));
     files
 }
 

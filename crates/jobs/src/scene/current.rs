@@ -1,13 +1,15 @@
 //! What a scene needs of a folder of packs: taken from there where it is current, made where it is not.
 
 use super::error::JobError;
+use super::maps::part_name;
 use super::memory::{self, Shared};
 use super::plan::{EnvironmentJob, Job};
-use super::run::{Made, Workshop, file_of};
+use super::run::{Made, Workshop};
+use crate::error::Error;
 use crate::output_folder::OutputFolder;
 use crate::report::build::environment_map;
 use crate::report::gate::GateResult;
-use crate::store::{Digest, Store, StoreError};
+use crate::store::{Digest, Store};
 use brdfc_core::progress::Progress;
 use brdfc_formats::Pack;
 use std::collections::BTreeSet;
@@ -34,13 +36,10 @@ pub struct Current {
 
 impl PackFolder {
     /// A folder that is there.
-    ///
-    /// # Errors
-    /// A folder that cannot be written to.
-    pub fn open(path: &Path) -> Result<Self, StoreError> {
+    pub fn open(path: &Path) -> Result<Self, Error> {
         let store = Store::open(path, true)?;
         let folder = OutputFolder::open(path, &store)?;
-        let placed = folder.unchanged();
+        let placed = folder.there().into_values().collect();
         Ok(Self { store, folder, placed })
     }
 
@@ -71,16 +70,13 @@ impl PackFolder {
     }
 
     /// A material. What had to be made is kept in the store; the files in the folder stay as they are.
-    ///
-    /// # Errors
-    /// As of a build.
     pub fn material(&self, job: &Job, progress: &dyn Progress) -> Result<Current, JobError> {
         let workshop = self.workshop();
         let made = workshop.material(job, &Shared::new(workshop.memory), progress)?;
         let mut current =
             Current { parts: Vec::new(), missed: made.report.missed, gates: made.gates, stale: Vec::new() };
         for (part, digest) in &made.files {
-            let name = file_of(&job.name, part);
+            let name = part_name(&job.name, part);
             current.parts.push(self.pack(&name, digest)?);
             if self.folder.holds_other(&name, digest) {
                 current.stale.push(name);
@@ -90,9 +86,6 @@ impl PackFolder {
     }
 
     /// The map of the environment.
-    ///
-    /// # Errors
-    /// As of a build.
     pub fn environment(&self, job: &EnvironmentJob, progress: &dyn Progress) -> Result<Pack, JobError> {
         let workshop = self.workshop();
         let made = workshop.environment(job, &Shared::new(workshop.memory), progress)?;
@@ -100,7 +93,7 @@ impl PackFolder {
     }
 
     fn pack(&self, name: &str, digest: &Digest) -> Result<Pack, JobError> {
-        let gone = || StoreError::new(Path::new(name), std::io::Error::other("it is gone from the store"));
+        let gone = || Error::write(name, &std::io::Error::other("it is gone from the store"));
         let bytes = self.store.object(digest).or_else(|| self.folder.bytes(digest)).ok_or_else(gone)?;
         Pack::from_bytes(&bytes).map_err(JobError::Map)
     }

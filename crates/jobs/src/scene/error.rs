@@ -1,7 +1,7 @@
 //! Why a job fails.
 
 use crate::encode::EncodeError;
-use crate::store::StoreError;
+use crate::error::Error;
 use brdfc_core::progress::Cancelled;
 use brdfc_formats::FormatError;
 use brdfc_source::InputError;
@@ -21,9 +21,9 @@ pub enum JobError {
     /// A map that its own layout refuses: a fault of the program.
     #[error("{0}")]
     Map(FormatError),
-    /// A file that cannot be written.
+    /// A file of the store that cannot be written.
     #[error(transparent)]
-    Store(#[from] StoreError),
+    Store(#[from] Error),
 }
 
 impl JobError {
@@ -38,6 +38,18 @@ impl From<EncodeError> for JobError {
         match error {
             EncodeError::Cancelled(cancelled) => Self::Cancelled(cancelled),
             other => Self::Encode(other),
+        }
+    }
+}
+
+impl From<JobError> for Error {
+    fn from(error: JobError) -> Self {
+        match error {
+            JobError::Input(error) => error.into(),
+            JobError::Encode(error) => error.into(),
+            JobError::Cancelled(cancelled) => cancelled.into(),
+            JobError::Map(error) => Self::own_layout(error),
+            JobError::Store(error) => error,
         }
     }
 }

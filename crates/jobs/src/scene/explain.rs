@@ -97,7 +97,7 @@ pub type Kept<'a> = dyn Fn(&Job, Digest) -> Option<Made> + 'a;
 
 /// What a pack has less than what was made before by another recipe: bytes, and seconds where they differ by more than runs do.
 fn less_than_kept(job: &Job, recipe: PackRecipe, made: Option<&Made>, kept: &Kept<'_>) -> (Option<u64>, Option<f64>) {
-    let other = made.and_then(|made| kept(&Job { recipe, maps: None, ..job.clone() }, made.source));
+    let other = made.and_then(|made| kept(&Job { recipe, maps: [false; 2], ..job.clone() }, made.source));
     let Some((made, other)) = made.zip(other) else { return (None, None) };
     let bytes = other.report.bytes_on_gpu.checked_sub(made.report.bytes_on_gpu);
     let [before, now] = [&other, made].map(|made| seconds(&made.pack_times, |_| true));
@@ -171,7 +171,7 @@ fn directions(job: &Job, made: Option<&Made>, kept: &Kept<'_>) -> Option<Explain
 
 /// Maps that are not made of a scene that has an environment.
 fn without_maps(job: &Job, plan: &Plan, maps: [Option<Mean>; 2]) -> Option<Explained> {
-    let wanted = job.maps.map_or([false; 2], |recipe| recipe.wanted);
+    let wanted = job.maps;
     if !plan.has_environment || wanted == [true; 2] {
         return None;
     }

@@ -25,9 +25,6 @@ pub struct Require {
 
 impl Require {
     /// The gates, each from here or else from `defaults`.
-    ///
-    /// # Errors
-    /// Values out of range.
     pub fn resolve(&self, defaults: &Self) -> Result<Budget, OptionError> {
         Budget::checked(
             self.max_delta_e.or(defaults.max_delta_e),
@@ -40,43 +37,37 @@ impl Require {
 
 /// Holds a material against its gates.
 pub fn check(gates: &Budget, report: &MaterialReport) -> Vec<GateResult> {
-    let of = |gate: &str, found: String, allowed: String, passed: bool| {
-        GateResult::new(&format!("require.{gate}"), found, allowed, passed)
+    let mut results = Vec::new();
+    let mut hold = |gate: &str, found: String, allowed: String, passed: bool| {
+        results.push(GateResult::new(&format!("require.{gate}"), found, allowed, passed));
     };
     let (norms, picture) = (&report.off_grid.norms, &report.off_grid.picture.delta_e);
-    let black = report.off_grid.mean <= 0.0;
-    let above_floor = norms.samples - norms.below_floor.min(norms.samples);
-    let mut results = Vec::new();
     if let Some(limit) = gates.delta_e {
         let allowed = format!("{limit}, and 95 % below {}", TAIL * limit);
-        results.push(if black {
-            of("max_delta_e", "no light: the material is black wherever it was looked at".to_owned(), allowed, false)
+        if report.off_grid.mean <= 0.0 {
+            let found = "no light: the material is black wherever it was looked at";
+            hold("max_delta_e", found.to_owned(), allowed, false);
         } else {
             let found = format!("{:.3}, and 95 % below {:.3}", picture.mean, picture.p95);
             // What is no number is not below either.
-            of("max_delta_e", found, allowed, picture.mean <= limit && picture.p95 <= TAIL * limit)
-        });
+            hold("max_delta_e", found, allowed, picture.mean <= limit && picture.p95 <= TAIL * limit);
+        }
     }
     if let Some(limit) = gates.error {
         let allowed = format!("{} %", 100.0 * limit);
-        results.push(if above_floor == 0 {
-            of("max_error", "no sample above the floor".to_owned(), allowed, false)
+        if norms.counted() == 0 {
+            hold("max_error", "no sample above the floor".to_owned(), allowed, false);
         } else {
             let found = format!("{:.3} %", 100.0 * norms.relative_mean);
-            of("max_error", found, allowed, norms.relative_mean <= limit)
-        });
+            hold("max_error", found, allowed, norms.relative_mean <= limit);
+        }
     }
     if let Some(limit) = gates.bytes {
-        let passed = report.bytes_on_gpu <= limit;
-        results.push(of(
-            "max_bytes",
-            format!("{} bytes", report.bytes_on_gpu),
-            counted(limit as usize, "byte"),
-            passed,
-        ));
+        let (found, allowed) = (format!("{} bytes", report.bytes_on_gpu), counted(limit as usize, "byte"));
+        hold("max_bytes", found, allowed, report.bytes_on_gpu <= limit);
     }
     if let Some(limit) = gates.fetches {
-        results.push(of("max_fetches", report.fetches.to_string(), limit.to_string(), report.fetches <= limit));
+        hold("max_fetches", report.fetches.to_string(), limit.to_string(), report.fetches <= limit);
     }
     results
 }

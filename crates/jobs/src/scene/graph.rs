@@ -54,8 +54,6 @@ pub struct Places {
     pub inputs: Vec<String>,
     /// The manifest, if there is one: a file that all jobs read.
     pub manifest: Option<PathBuf>,
-    /// Further options of a build.
-    pub options: Vec<String>,
     /// The output folder.
     pub out: PathBuf,
 }
@@ -67,7 +65,6 @@ impl Graph {
         let build = |more: &[&str]| {
             let mut command = vec![places.program.clone(), "build".to_owned()];
             command.extend(places.inputs.iter().cloned());
-            command.extend(places.options.iter().cloned());
             command.extend(["--out".to_owned(), places.out.display().to_string()]);
             command.extend(more.iter().map(|argument| (*argument).to_owned()));
             command
@@ -75,7 +72,7 @@ impl Graph {
         let manifest = places.manifest.as_ref().map(|path| path.display().to_string());
         let jobs = plan.works().into_iter().map(|work| {
             let name = work.name();
-            let source = Some(work.source().to_owned()).filter(|source| Path::new(source).exists());
+            let source = Some(work.source()).filter(|source| Path::new(source).exists());
             GraphJob {
                 material: work.material().map(str::to_owned),
                 part: work.part().to_owned(),

@@ -77,20 +77,14 @@ impl Manifest {
     /// Text that is no TOML, unknown keys (with the nearest known one), values out of range, uses of materials that
     /// are not there.
     pub fn parse(text: &str) -> Result<Self, ManifestError> {
-        let tree = DeTable::parse(text).map_err(|error| ManifestError {
-            line: line_of(text, error.span()),
-            field: "manifest".to_owned(),
-            found: format!("{} in \"{}\"", error.message(), snippet(text, error.span())),
-            allowed: "TOML as docs/scene.md describes it".to_owned(),
-            suggestion: None,
+        let tree = DeTable::parse(text).map_err(|error| {
+            let found = format!("{} in \"{}\"", error.message(), snippet(text, error.span()));
+            ManifestError::new(line_of(text, error.span()), "manifest", found, "TOML as docs/scene.md describes it")
         })?;
         shapes::check(text, tree.get_ref(), &all_keys())?;
-        let manifest = Self::read(text, tree.clone()).map_err(|error| ManifestError {
-            line: line_of(text, error.span()),
-            field: "manifest".to_owned(),
-            found: error.message().to_owned(),
-            allowed: "what docs/scene.md describes".to_owned(),
-            suggestion: None,
+        let manifest = Self::read(text, tree.clone()).map_err(|error| {
+            let found = error.message().to_owned();
+            ManifestError::new(line_of(text, error.span()), "manifest", found, "what docs/scene.md describes")
         })?;
         manifest.check(text, tree.get_ref())?;
         Ok(manifest)
@@ -127,12 +121,8 @@ impl Manifest {
         self.scene.check(&place)?;
         self.render.check(&place)?;
         let line = |path: &[&str]| line_of_key(text, tree, path);
-        let error = |line, prefix: &str, problem: OptionError| ManifestError {
-            line,
-            field: format!("{prefix}.{}", problem.field),
-            found: problem.found,
-            allowed: problem.allowed,
-            suggestion: None,
+        let error = |line, prefix: &str, OptionError { field, found, allowed }| {
+            ManifestError::new(line, format!("{prefix}.{field}"), found, allowed)
         };
         let (options, require) = (&self.defaults.options, &self.defaults.require);
         PackRecipe::from_options(options, &EncodeOptions::default())
@@ -171,13 +161,12 @@ impl Manifest {
             let name = used.material.get_ref();
             if !self.materials.contains_key(name) {
                 let known: Vec<&str> = self.materials.keys().map(String::as_str).collect();
-                return Err(ManifestError {
-                    line: line_of(text, Some(used.material.span())),
-                    field: format!("uses[{number}].material"),
-                    found: format!("\"{name}\""),
-                    allowed: if known.is_empty() { "a material (there are none)".to_owned() } else { known.join(", ") },
-                    suggestion: near_miss(name, &known),
-                });
+                let allowed =
+                    if known.is_empty() { "a material (there are none)".to_owned() } else { known.join(", ") };
+                let line = line_of(text, Some(used.material.span()));
+                let error =
+                    ManifestError::new(line, format!("uses[{number}].material"), format!("\"{name}\""), allowed);
+                return Err(ManifestError { suggestion: near_miss(name, &known), ..error });
             }
             used.check(number, text, self.scene.environment.is_some())?;
         }

@@ -13,28 +13,13 @@ use brdfc_source::read::ReadListener;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// Everything that decides the bytes of the maps, besides the source.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct MapRecipe {
-    /// Pixels per side at which lobes are transformed.
-    pub resolution: Resolution,
-    /// `ε` of the bandwidth.
-    pub epsilon: f64,
-    /// Sizes of the importance samples.
-    pub samples: ImportanceRecipe,
-    /// Which of [`PARTS`] are made, at least one.
-    pub wanted: [bool; 2],
-}
+/// Which of [`PARTS`] are wanted of a material.
+pub type WantedMaps = [bool; 2];
 
-impl Default for MapRecipe {
-    fn default() -> Self {
-        Self {
-            resolution: Resolution::default(),
-            epsilon: DEFAULT_EPSILON,
-            samples: ImportanceRecipe::default(),
-            wanted: [true; 2],
-        }
-    }
+/// Everything that decides the bytes of maps, besides the source and which are wanted: pixels per side at which lobes are
+/// transformed, `ε` of the bandwidth, sizes of the importance samples.
+pub(super) fn map_recipe() -> (Resolution, f64, ImportanceRecipe) {
+    (Resolution::default(), DEFAULT_EPSILON, ImportanceRecipe::default())
 }
 
 /// A file that was written, and what it holds.
@@ -72,40 +57,30 @@ pub fn part_name(material: &str, part: &str) -> String {
     format!("{material}.{part}.ktx2")
 }
 
-impl MapRecipe {
-    /// The maps that are wanted, if any.
-    pub fn wanted(bandwidth: bool, samples: bool) -> Option<Self> {
-        (bandwidth || samples).then(|| Self { wanted: [bandwidth, samples], ..Self::default() })
-    }
-
-    /// Which of [`PARTS`] are made, in the order in which [`material_maps`] gives their bytes.
-    pub fn parts(&self) -> impl Iterator<Item = &'static str> {
-        PARTS.into_iter().zip(self.wanted).filter_map(|(part, wanted)| wanted.then_some(part))
-    }
+/// The parts that are wanted, in the order in which [`material_maps`] gives their bytes.
+pub fn wanted_parts(wanted: WantedMaps) -> impl Iterator<Item = &'static str> {
+    PARTS.into_iter().zip(wanted).filter_map(|(part, wanted)| wanted.then_some(part))
 }
 
 /// The bytes of the files that are wanted.
-///
-/// # Errors
-/// When the work is cancelled.
 pub fn material_maps(
     source: &dyn Source,
-    recipe: &MapRecipe,
+    [wants_bandwidth, wants_samples]: WantedMaps,
     progress: &dyn Progress,
 ) -> Result<(Vec<Vec<u8>>, MapsReport), JobError> {
-    let [wants_bandwidth, wants_samples] = recipe.wanted;
+    let (resolution, epsilon, samples) = map_recipe();
     let mut files = Vec::new();
     let mut report = MapsReport { bandwidth: None, samples: None, repairs: Tally::default() };
     if wants_bandwidth {
         progress.stage(Stage::BandwidthMap, 1)?;
-        let (map, tally) = brdf_map(source, recipe.resolution, recipe.epsilon).map_err(JobError::Map)?;
+        let (map, tally) = brdf_map(source, resolution, epsilon).map_err(JobError::Map)?;
         report.repairs += tally;
         files.push(map.to_bytes(true));
         report.bandwidth = files.last().map(|bytes| Packed::new(bytes, BandwidthFacts::new(&map)));
     }
     if wants_samples {
         progress.stage(Stage::ImportanceSamples, 1)?;
-        let (pack, tally) = importance_samples(source, &recipe.samples).map_err(JobError::Map)?;
+        let (pack, tally) = importance_samples(source, &samples).map_err(JobError::Map)?;
         report.repairs += tally;
         files.push(pack.to_bytes(true));
         report.samples = files.last().map(|bytes| Packed::new(bytes, ImportanceFacts::new(&pack)));
@@ -119,14 +94,13 @@ pub fn material_maps(
 /// An image that cannot be used; when the work is cancelled.
 pub fn environment_file(
     path: &Path,
-    epsilon: f64,
     listener: &mut dyn ReadListener,
     progress: &dyn Progress,
 ) -> Result<(Vec<u8>, Packed<BandwidthFacts>), JobError> {
     progress.stage(Stage::Read, 1)?;
     let image = open_radiance_image_heard(path, listener)?;
     progress.stage(Stage::BandwidthMap, 1)?;
-    let map = environment_map(&image.pixels, image.width, epsilon).map_err(JobError::Map)?;
+    let map = environment_map(&image.pixels, image.width, DEFAULT_EPSILON).map_err(JobError::Map)?;
     let bytes = map.to_bytes(true);
     let report = Packed::new(&bytes, BandwidthFacts::new(&map));
     Ok((bytes, report))

@@ -1,36 +1,11 @@
 //! Paths and patterns as people write them.
 
+use crate::error::Error;
+use crate::write::or_here;
 use fast_glob::glob_match;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use walkdir::{DirEntry, WalkDir};
-
-/// Why a pattern matches nothing that could be told.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum PatternError {
-    /// What cannot be matched.
-    #[error("{pattern}: found a pattern with a name that is no UTF-8; allowed its folder, or the names of files")]
-    Text {
-        /// Which pattern.
-        pattern: String,
-    },
-    /// No pattern.
-    #[error("{pattern}: found a wrong pattern, {problem}; allowed a pattern such as scans/*.binary")]
-    Wrong {
-        /// Which pattern.
-        pattern: String,
-        /// What is wrong with it.
-        problem: String,
-    },
-    /// A folder that cannot be listed.
-    #[error("{path}: cannot read: {error}")]
-    Io {
-        /// Which folder.
-        path: String,
-        /// What the system says.
-        error: String,
-    },
-}
 
 /// A path or a pattern that somebody wrote, relative to a folder. What stands in the name of the folder stands for itself.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -76,21 +51,21 @@ impl Named {
     ///
     /// # Errors
     /// Patterns that are none, folders that cannot be read.
-    pub fn files(&self) -> Result<Vec<PathBuf>, PatternError> {
+    pub fn files(&self) -> Result<Vec<PathBuf>, Error> {
         let (base, rest) = self.split();
         let pattern = Pattern::new(&rest, &self.path())?;
-        let root = if base.as_os_str().is_empty() { Path::new(".") } else { &base };
+        let root = or_here(&base);
         // Links to folders are followed as far as the pattern says how far: one upwards would lead to all files once more.
         let walk = WalkDir::new(root).min_depth(1).max_depth(pattern.depth()).follow_links(!pattern.is_deep);
         let mut files = Vec::new();
         for entry in walk.into_iter().filter_entry(|entry| pattern.may_lead_on(entry)) {
             let entry = match entry {
                 Ok(entry) => entry,
-                Err(error) if error.path().is_some_and(|path| path.is_dir() && error.loop_ancestor().is_none()) => {
-                    return Err(unreadable(error.path().unwrap_or(root), &error));
-                }
-                // A link that leads nowhere or round, or no folder at all.
-                Err(_) => continue,
+                Err(error) => match (error.path(), error.io_error()) {
+                    (Some(path), Some(error)) if path.is_dir() => return Err(Error::read(path, error)),
+                    // A link that leads nowhere or round, or no folder at all.
+                    _ => continue,
+                },
             };
             let below = entry.path().strip_prefix(root).unwrap_or(entry.path());
             if glob_match(&pattern.whole, below.as_os_str().as_encoded_bytes()) && entry.path().is_file() {
@@ -100,11 +75,6 @@ impl Named {
         files.sort();
         Ok(files)
     }
-}
-
-fn unreadable(path: &Path, error: &walkdir::Error) -> PatternError {
-    let told = error.io_error().map_or_else(|| error.to_string(), ToString::to_string);
-    PatternError::Io { path: path.display().to_string(), error: told }
 }
 
 fn has_wildcards(name: &OsStr) -> bool {
@@ -120,13 +90,15 @@ struct Pattern {
 }
 
 impl Pattern {
-    fn new(parts: &[&OsStr], told: &Path) -> Result<Self, PatternError> {
+    fn new(parts: &[&OsStr], told: &Path) -> Result<Self, Error> {
         let texts: Option<Vec<&str>> = parts.iter().map(|part| part.to_str()).collect();
-        let texts = texts.ok_or_else(|| PatternError::Text { pattern: told.display().to_string() })?;
+        let wrong = |found: &str, allowed: &str| Error::wrong_usage(told.display(), found, allowed);
+        let no_text = || wrong("a pattern with a name that is no UTF-8", "its folder, or the names of files");
+        let texts = texts.ok_or_else(no_text)?;
         let of_parts = texts.iter().find_map(|text| problem(text));
         let back = texts.contains(&"..").then_some("with .. behind the first wildcard");
         if let Some(problem) = back.or(of_parts) {
-            return Err(PatternError::Wrong { pattern: told.display().to_string(), problem: problem.to_owned() });
+            return Err(wrong(&format!("a wrong pattern, {problem}"), "a pattern such as scans/*.binary"));
         }
         let plain = texts.iter().take_while(|text| **text != "**");
         let levels: Vec<_> = plain.map(|text| ((*text).to_owned(), text.starts_with('.'))).collect();

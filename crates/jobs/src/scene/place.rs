@@ -18,6 +18,13 @@ pub struct ManifestError {
     pub suggestion: Option<String>,
 }
 
+impl ManifestError {
+    /// On a line, of a key.
+    pub(super) fn new(line: usize, field: impl Into<String>, found: String, allowed: impl Into<String>) -> Self {
+        Self { line, field: field.into(), found, allowed: allowed.into(), suggestion: None }
+    }
+}
+
 /// Where keys of a manifest stand.
 pub(super) struct Place<'a> {
     pub(super) text: &'a str,
@@ -27,13 +34,7 @@ pub(super) struct Place<'a> {
 impl Place<'_> {
     /// An error at the deepest key of `path` that is there.
     pub(super) fn error(&self, path: &[&str], found: String, allowed: &str) -> ManifestError {
-        ManifestError {
-            line: line_of_key(self.text, self.tree, path),
-            field: path.join("."),
-            found,
-            allowed: allowed.to_owned(),
-            suggestion: None,
-        }
+        ManifestError::new(line_of_key(self.text, self.tree, path), path.join("."), found, allowed)
     }
 }
 

@@ -2,12 +2,13 @@
 
 use super::batch::address_of;
 use super::manifest::Manifest;
-use super::maps::{MapRecipe, part_name};
+use super::maps::{WantedMaps, part_name, wanted_parts};
 use super::needs::{self, Needs, needs};
 use super::scene_section::ENVIRONMENT;
 use super::uses::Use;
 use crate::encode::PackRecipe;
 use crate::encode::{Budget, OptionError};
+use crate::error::Error;
 use brdfc_formats::wavelet::DEFAULT_DISTANCE_SCALE;
 use brdfc_source::Input;
 use std::collections::BTreeMap;
@@ -20,16 +21,14 @@ pub struct Job {
     pub name: String,
     /// Path or address as the manifest has it.
     pub declared: String,
-    /// Path or address, resolved against the manifest's folder, as messages show it.
-    pub source: String,
-    /// Likewise, as it is opened: paths need not be UTF-8.
+    /// Path or address, resolved against the manifest's folder.
     pub input: Input,
     /// How it is to be encoded, without a look at needs.
     pub asked: PackRecipe,
     /// How it is encoded, needs included.
     pub recipe: PackRecipe,
-    /// How its maps are made, where it needs them.
-    pub maps: Option<MapRecipe>,
+    /// Which maps it needs.
+    pub maps: WantedMaps,
     /// What its finished pack has to be.
     pub gates: Budget,
     /// What the scene asks of it.
@@ -50,12 +49,8 @@ impl Job {
 pub struct EnvironmentJob {
     /// Path as the manifest has it.
     pub declared: String,
-    /// Path, resolved against the manifest's folder, as messages show it.
-    pub source: String,
-    /// Likewise, as it is opened.
+    /// Path, resolved against the manifest's folder.
     pub path: PathBuf,
-    /// `ε` of the bandwidth.
-    pub epsilon: f64,
 }
 
 /// What a build will do.
@@ -89,7 +84,7 @@ impl Plan {
     pub fn files(&self) -> impl Iterator<Item = String> {
         let environment = self.environment.iter().map(|_| part_name(ENVIRONMENT, "bandwidth"));
         let of_job = |job: &Job| {
-            let maps = job.maps.iter().flat_map(MapRecipe::parts).map(|part| part_name(&job.name, part));
+            let maps = wanted_parts(job.maps).map(|part| part_name(&job.name, part));
             [pack_name(&job.name), list_name(&job.name)].into_iter().chain(maps).collect::<Vec<_>>()
         };
         self.jobs.iter().flat_map(of_job).chain(environment).chain([REPORT.to_owned()])
@@ -109,16 +104,6 @@ pub fn pack_name(material: &str) -> String {
     part_name(material, "brdf")
 }
 
-/// Options of a material that do not go together with those of the whole build.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{material}: {}: found {}; allowed {}", error.field, error.found, error.allowed)]
-pub struct PlanError {
-    /// Which.
-    pub material: String,
-    /// What is wrong.
-    pub error: OptionError,
-}
-
 fn uses_by_material(manifest: &Manifest) -> BTreeMap<&str, Vec<(String, Use)>> {
     let mut all: BTreeMap<&str, Vec<(String, Use)>> = BTreeMap::new();
     for (number, used) in manifest.uses.iter().enumerate() {
@@ -131,16 +116,12 @@ fn uses_by_material(manifest: &Manifest) -> BTreeMap<&str, Vec<(String, Use)>> {
 ///
 /// # Errors
 /// Options of a material that do not go together with the defaults; of a manifest as it was parsed there are none.
-pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, PlanError> {
+pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, Error> {
     let needed = needs(manifest);
     let mut uses = uses_by_material(manifest);
     let scale = manifest.scene.distance_scale.unwrap_or(DEFAULT_DISTANCE_SCALE);
-    let environment = needs::environment(manifest, &needed).map(|declared| EnvironmentJob {
-        declared: declared.to_owned(),
-        source: folder.join(declared).display().to_string(),
-        path: folder.join(declared),
-        epsilon: MapRecipe::default().epsilon,
-    });
+    let environment = needs::environment(manifest, &needed)
+        .map(|declared| EnvironmentJob { declared: declared.to_owned(), path: folder.join(declared) });
     let scene = manifest.scene.name.clone().unwrap_or_else(|| "scene".to_owned());
     let mut plan = Plan {
         scene,
@@ -155,7 +136,7 @@ pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, PlanError> {
             plan.skipped.push(name.clone());
             continue;
         };
-        let wrong = |error| PlanError { material: name.clone(), error };
+        let wrong = |error: OptionError| Error::from(error).prefixed(name);
         let mut recipe = PackRecipe::from_options(&material.options, &defaults.options).map_err(wrong)?;
         let asked = recipe.clone();
         recipe.limit_levels(&|levels| need.stored_levels(levels, scale));
@@ -168,11 +149,10 @@ pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, PlanError> {
         plan.jobs.push(Job {
             name: name.clone(),
             declared: material.source.display().to_string(),
-            source: input.to_string(),
             input,
             asked,
             recipe,
-            maps: MapRecipe::wanted(need.bandwidth, need.samples),
+            maps: [need.bandwidth, need.samples],
             gates: material.require.resolve(&defaults.require).map_err(wrong)?,
             needs: *need,
             uses: uses.remove(name.as_str()).unwrap_or_default(),

@@ -5,15 +5,15 @@ pub use super::error::JobError;
 
 use super::gates;
 use super::grid_cache::StoreGridCache;
-use super::maps::{MapRecipe, MapsReport, Packed, environment_file, material_maps, part_name};
+use super::maps::{MapsReport, Packed, WantedMaps, environment_file, map_recipe, material_maps, wanted_parts};
 use super::memory::{self, Shared};
-use super::plan::{EnvironmentJob, Job, Plan, pack_name};
+use super::plan::{EnvironmentJob, Job, Plan};
 use super::scene_section::ENVIRONMENT;
 use crate::encode::{PackRecipe, encode_cached};
 use crate::report::gate::GateResult;
 use crate::report::material::{MaterialReport, StageTime};
 use crate::stage_clock::StageClock;
-use crate::store::{Digest, HeardDigest, Kept, Key, Store};
+use crate::store::{Digest, HeardDigest, Kept, Key, Stamp, Store};
 use brdfc_bandwidth::facts::BandwidthFacts;
 use brdfc_core::progress::{Cancelled, Progress, Stage};
 use brdfc_source::open::{Facts, Opened, open, open_file_heard};
@@ -105,18 +105,18 @@ pub fn run(plan: &Plan, workshop: &Workshop<'_>, progress: &dyn Progress) -> Out
     // Two materials of one source and recipe are made once.
     let same = |k: usize| plan.jobs[..k].iter().position(|job| job.is_same_work(&plan.jobs[k]));
     let twins: Vec<Option<usize>> = (0..plan.jobs.len()).map(same).collect();
-    let (environment, materials) = (Mutex::new(None), Mutex::new(Vec::new()));
-    in_turn(first + plan.jobs.len(), |number| {
+    let environment = Mutex::new(None);
+    let made = in_turn(first + plan.jobs.len(), |number| {
         let Some(number) = number.checked_sub(first) else {
-            let Some(job) = &plan.environment else { return };
+            let job = plan.environment.as_ref()?;
             let part = progress.part(ENVIRONMENT);
             let result = workshop.environment(job, &shared, part.as_ref());
             part.finished(result.is_ok());
             *environment.lock().expect("nobody panics with it") = Some(result);
-            return;
+            return None;
         };
         if twins[number].is_some() {
-            return;
+            return None;
         }
         let job = &plan.jobs[number];
         let part = progress.part(&job.name);
@@ -130,41 +130,42 @@ pub fn run(plan: &Plan, workshop: &Workshop<'_>, progress: &dyn Progress) -> Out
         if workshop.fail_fast && !result.as_ref().is_ok_and(Made::passed) {
             stop.store(true, Ordering::Relaxed);
         }
-        materials.lock().expect("nobody panics with it").push((number, result));
+        Some(result)
     });
-    let mut made = materials.into_inner().expect("nobody panics with it");
-    for (number, twin) in twins.iter().enumerate() {
-        let Some(twin) = twin else { continue };
-        let job = &plan.jobs[number];
-        let part = progress.part(&job.name);
-        let first = made.iter().find_map(|(other, result)| if other == twin { result.as_ref().ok() } else { None });
-        let result = match first {
-            Some(made) => Ok(Made { gates: gates::check(&job.gates, &made.report), times: None, ..made.clone() }),
-            // What it fails by names the source as this material has it.
-            None => workshop.material(job, &shared, part.as_ref()),
+    let mut materials: Vec<Outcome> = Vec::new();
+    for ((job, twin), result) in plan.jobs.iter().zip(twins).zip(made.into_iter().skip(first)) {
+        let of_twin = || {
+            let part = progress.part(&job.name);
+            let result = match twin.and_then(|twin| materials[twin].result.as_ref().ok()) {
+                Some(made) => Ok(Made { gates: gates::check(&job.gates, &made.report), times: None, ..made.clone() }),
+                // What it fails by names the source as this material has it.
+                None => workshop.material(job, &shared, part.as_ref()),
+            };
+            part.finished(result.is_ok());
+            result
         };
-        part.finished(result.is_ok());
-        made.push((number, result));
+        let result = result.unwrap_or_else(of_twin);
+        materials.push(Outcome { name: job.name.clone(), result });
     }
-    made.sort_by_key(|(number, _)| *number);
-    let materials = made.into_iter().map(|(k, result)| Outcome { name: plan.jobs[k].name.clone(), result }).collect();
     Outcomes { materials, environment: environment.into_inner().expect("nobody panics with it") }
 }
 
-/// Does all work in order, as many at a time as there are threads.
+/// Does all work in order, as many at a time as there are threads, and gives the results in that order.
 ///
 /// Each thread of a pool of its own does whole pieces of work, one after the other; a thread that waits does parts of others'
 /// loops. As tasks of the common pool they would be begun by a thread that waits for a part of a loop, too: more of them would
 /// take memory, and the one below would stand still until the one above is done, or for ever, where that waits for its memory.
-pub(super) fn in_turn(count: usize, work: impl Fn(usize) + Sync) {
+pub(super) fn in_turn<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let next = AtomicUsize::new(0);
+    let results: Mutex<Vec<Option<T>>> = Mutex::new((0..count).map(|_| None).collect());
     let one_by_one = || {
         loop {
             let number = next.fetch_add(1, Ordering::Relaxed);
             if number >= count {
                 return;
             }
-            work(number);
+            let result = work(number);
+            results.lock().expect("nobody panics with it")[number] = Some(result);
         }
     };
     match rayon::ThreadPoolBuilder::new().num_threads(rayon::current_num_threads()).build() {
@@ -173,6 +174,8 @@ pub(super) fn in_turn(count: usize, work: impl Fn(usize) + Sync) {
         }
         Err(_) => one_by_one(),
     }
+    let results = results.into_inner().expect("nobody panics with it");
+    results.into_iter().map(|result| result.expect("each was done")).collect()
 }
 
 /// What stands in the store of one material.
@@ -197,7 +200,7 @@ impl Wanted {
 
 impl Shelf {
     fn has(&self, job: &Job, wanted: Wanted) -> bool {
-        let maps = self.maps.is_some() || job.maps.is_none();
+        let maps = self.maps.is_some() || job.maps == [false; 2];
         (self.pack.is_some() || !wanted.pack) && (maps || !wanted.maps)
     }
 }
@@ -215,8 +218,8 @@ impl Workshop<'_> {
     /// A material that is in the store, made of what its source is now.
     pub fn known(&self, job: &Job) -> Option<Made> {
         let known = job.input.path().and_then(|path| self.store.known(path));
-        let extension = kind_of(&job.input);
-        self.known_of(job, known.or_else(|| digest_of(&job.input, &extension))?)
+        let read = || Some(opened_with_digest(&job.input, &kind_of(&job.input), u64::MAX).ok()?.1);
+        self.known_of(job, known.or_else(read)?)
     }
 
     /// A material that is in the store, made of the source with this hash.
@@ -272,7 +275,11 @@ impl Workshop<'_> {
         extension: &str,
         clock: &StageClock<'_>,
     ) -> Result<(Shelf, bool), JobError> {
-        let (opened, source) = self.read(&job.input, extension)?;
+        let longest = memory::longest_source(extension, self.memory);
+        let (opened, source, stamp) = opened_with_digest(&job.input, extension, longest)?;
+        if let Some(path) = job.input.path() {
+            self.remember(path, source, stamp);
+        }
         let mut shelf = self.look_up(job, source);
         if shelf.has(job, wanted) {
             return Ok((shelf, true));
@@ -280,40 +287,26 @@ impl Workshop<'_> {
         if wanted.pack && shelf.pack.is_none() {
             shelf.pack = Some(self.make_pack(&opened, source, &job.recipe, clock)?);
         }
-        if let (true, Some(recipe), None) = (wanted.maps, &job.maps, &shelf.maps) {
-            shelf.maps = Some(self.make_maps(&opened, source, recipe, clock)?);
+        if wanted.maps && job.maps != [false; 2] && shelf.maps.is_none() {
+            shelf.maps = Some(self.make_maps(&opened, source, job.maps, clock)?);
         }
         Ok((shelf, false))
     }
 
     fn look_up(&self, job: &Job, source: Digest) -> Shelf {
-        let (store, placed) = (self.store, self.placed);
+        let (store, placed, has_maps) = (self.store, self.placed, job.maps != [false; 2]);
         Shelf {
             source,
             pack: store.look_up(&pack_key(source, &job.recipe), placed),
-            maps: job.maps.and_then(|recipe| store.look_up(&maps_key(source, &recipe), placed)),
+            maps: if has_maps { store.look_up(&maps_key(source, job.maps), placed) } else { None },
         }
     }
 
-    /// Reads a source once: what it holds, and the hash of what was read.
-    fn read(&self, source: &Input, extension: &str) -> Result<(Opened, Digest), JobError> {
-        let Some(path) = source.path() else { return Ok(opened_with_digest(source, extension)?) };
-        let mut heard = HeardDigest::new(extension, memory::longest_source(extension, self.memory));
-        let opened = open_file_heard(path, None, &mut heard)?;
-        let digest = self.noted(path, heard)?;
-        Ok((opened, digest))
-    }
-
-    fn noted(&self, path: &Path, heard: HeardDigest) -> Result<Digest, JobError> {
-        let changed = |_| {
-            let error = std::io::Error::other("it was written to meanwhile");
-            JobError::Input(InputError::io(path, error))
-        };
-        let (digest, stamp) = heard.finish().map_err(changed)?;
+    /// Notes by what a source is known again that was read.
+    fn remember(&self, path: &Path, digest: Digest, stamp: Option<Stamp>) {
         if let Some(stamp) = stamp {
             self.store.remember(path, stamp, digest);
         }
-        Ok(digest)
     }
 
     fn make_pack(
@@ -337,19 +330,16 @@ impl Workshop<'_> {
         &self,
         opened: &Opened,
         source: Digest,
-        recipe: &MapRecipe,
+        wanted: WantedMaps,
         clock: &StageClock<'_>,
     ) -> Result<Kept<MapsReport>, JobError> {
-        let (files, report) = material_maps(opened.source.as_ref(), recipe, clock)?;
+        let (files, report) = material_maps(opened.source.as_ref(), wanted, clock)?;
         let _ = clock.stage(Stage::Write, 1);
-        let files = self.store.keep(maps_key(source, recipe), &files, &report)?;
+        let files = self.store.keep(maps_key(source, wanted), &files, &report)?;
         Ok(Kept { report, files })
     }
 
     /// The environment's map, from the store or made now.
-    ///
-    /// # Errors
-    /// As [`Self::material`].
     pub fn environment(
         &self,
         job: &EnvironmentJob,
@@ -358,7 +348,7 @@ impl Workshop<'_> {
     ) -> Result<MadeEnvironment, JobError> {
         progress.check()?;
         let path = job.path.as_path();
-        let key = |source| Key::new("environment", source, &job.epsilon);
+        let key = |source| Key::new("environment", source, &map_recipe().1);
         let kept = |source| self.store.look_up(&key(source), self.placed);
         let found = |Kept { report, files }, times| MadeEnvironment { report, file: files[0], times };
         if let Some(kept) = self.store.known(path).and_then(kept) {
@@ -368,8 +358,9 @@ impl Workshop<'_> {
         let _share = shared.take(self.memory / 2);
         let extension = extension_of(path);
         let mut heard = HeardDigest::new(&extension, memory::longest_source(&extension, self.memory));
-        let (bytes, report) = rayon::scope(|_| environment_file(path, job.epsilon, &mut heard, &clock))?;
-        let source = self.noted(path, heard)?;
+        let (bytes, report) = rayon::scope(|_| environment_file(path, &mut heard, &clock))?;
+        let (source, stamp) = heard.finish().map_err(|error| InputError::io(path, error))?;
+        self.remember(path, source, stamp);
         if let Some(kept) = kept(source) {
             return Ok(found(kept, None));
         }
@@ -379,28 +370,27 @@ impl Workshop<'_> {
     }
 }
 
-/// The hash of a source that can be read; nothing is noted.
-pub(crate) fn digest_of(source: &Input, extension: &str) -> Option<Digest> {
-    opened_with_digest(source, extension).ok().map(|(_, digest)| digest)
-}
-
-/// A source, and the hash of what was read of it.
+/// A source of this kind and of so many bytes at most, the hash of what was read of it, and by what it is known again.
 ///
 /// # Errors
 /// What cannot be read, or changes meanwhile.
-pub(crate) fn opened_with_digest(source: &Input, extension: &str) -> Result<(Opened, Digest), InputError> {
+pub(crate) fn opened_with_digest(
+    source: &Input,
+    extension: &str,
+    longest: u64,
+) -> Result<(Opened, Digest, Option<Stamp>), InputError> {
     let Some(path) = source.path() else {
         let opened = open(source, None)?;
         let digest = match &opened.facts {
             Facts::Synth(model) => Digest::of(model.address.as_bytes()),
             _ => Digest::of(source.to_string().as_bytes()),
         };
-        return Ok((opened, digest));
+        return Ok((opened, digest, None));
     };
-    let mut heard = HeardDigest::new(extension, u64::MAX);
+    let mut heard = HeardDigest::new(extension, longest);
     let opened = open_file_heard(path, None, &mut heard)?;
-    let changed = |_| InputError::io(path, std::io::Error::other("it was written to meanwhile"));
-    Ok((opened, heard.finish().map_err(changed)?.0))
+    let (digest, stamp) = heard.finish().map_err(|error| InputError::io(path, error))?;
+    Ok((opened, digest, stamp))
 }
 
 /// The ending of a file's name, by which its kind is told.
@@ -412,7 +402,7 @@ fn of_shelf(job: &Job, shelf: Shelf, times: Option<Vec<StageTime>>) -> Made {
     let pack = shelf.pack.expect("the shelf is complete");
     let mut files = vec![(PACK, pack.files[0])];
     let maps = shelf.maps.map(|maps| {
-        files.extend(job.maps.iter().flat_map(MapRecipe::parts).zip(maps.files));
+        files.extend(wanted_parts(job.maps).zip(maps.files));
         maps.report
     });
     let (report, pack_times) = pack.report;
@@ -420,17 +410,12 @@ fn of_shelf(job: &Job, shelf: Shelf, times: Option<Vec<StageTime>>) -> Made {
     Made { report, maps, source: shelf.source, gates, files, times, pack_times }
 }
 
-/// The file of a part of a material.
-pub fn file_of(material: &str, part: &str) -> String {
-    if part == PACK { pack_name(material) } else { part_name(material, part) }
-}
-
 fn pack_key(source: Digest, recipe: &PackRecipe) -> Key {
     Key::new(PACK, source, recipe)
 }
 
-fn maps_key(source: Digest, recipe: &MapRecipe) -> Key {
-    Key::new("maps", source, recipe)
+fn maps_key(source: Digest, wanted: WantedMaps) -> Key {
+    Key::new("maps", source, &(map_recipe(), wanted))
 }
 
 fn extension_of(path: &Path) -> String {

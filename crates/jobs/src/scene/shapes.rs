@@ -58,9 +58,6 @@ pub(super) const fn required(name: &'static str, shape: Shape, range: &'static s
 }
 
 /// Checks the keys of a manifest and the kinds of their values.
-///
-/// # Errors
-/// The first that is wrong.
 pub(super) fn check(text: &str, tree: &DeTable<'_>, keys: &[Key]) -> Result<(), ManifestError> {
     Checked { text }.table(tree, keys, "", "")
 }
@@ -98,10 +95,7 @@ impl Checked<'_> {
         field: &str,
         line: usize,
     ) -> Result<(), ManifestError> {
-        let wrong = |allowed: String| {
-            let found = self.shown(value);
-            Err(ManifestError { line, field: field.to_owned(), found, allowed, suggestion: None })
-        };
+        let wrong = |allowed: String| Err(ManifestError::new(line, field, self.shown(value), allowed));
         let heading = field;
         match (shape, value.get_ref()) {
             (Shape::Table(keys), DeValue::Table(table)) => self.table(table, keys, field, &format!("[{heading}]")),
@@ -114,7 +108,7 @@ impl Checked<'_> {
                         let line = line_of(self.text, Some(entry.span()));
                         let allowed = format!("{} = {}", key.name, in_words(&key.shape, key.range, key.name));
                         let found = format!("no {}", key.name);
-                        return Err(ManifestError { line, field, found, allowed, suggestion: None });
+                        return Err(ManifestError::new(line, field, found, allowed));
                     }
                 }
                 Ok(())

@@ -91,70 +91,54 @@ impl Use {
 
     /// Checks ranges. `has_environment`: of the scene.
     pub(super) fn check(&self, number: usize, text: &str, has_environment: bool) -> Result<(), ManifestError> {
-        let wrong = |key: &str, span: Range<usize>, found: String, allowed: String| ManifestError {
-            line: line_of(text, Some(span)),
-            field: format!("uses[{number}].{key}"),
-            found,
-            allowed,
-            suggestion: None,
+        let wrong = |key: &str, span: Range<usize>, found: String, allowed: &str| {
+            Err(ManifestError::new(line_of(text, Some(span)), format!("uses[{number}].{key}"), found, allowed))
         };
         for (key, distance) in [("nearest", &self.nearest), ("farthest", &self.farthest)] {
             if let Some(distance) = distance
                 && !(distance.get_ref().is_finite() && *distance.get_ref() >= 0.0)
             {
-                let found = format_number(*distance.get_ref());
-                return Err(wrong(key, distance.span(), found, DISTANCES.to_owned()));
+                return wrong(key, distance.span(), format_number(*distance.get_ref()), DISTANCES);
             }
         }
         if let (Some(nearest), Some(farthest)) = (&self.nearest, &self.farthest)
             && farthest.get_ref() < nearest.get_ref()
         {
             let allowed = format!("{} or more, which is the nearest", format_number(*nearest.get_ref()));
-            return Err(wrong("farthest", farthest.span(), format_number(*farthest.get_ref()), allowed));
+            return wrong("farthest", farthest.span(), format_number(*farthest.get_ref()), &allowed);
         }
         for (key, range) in [("light_elevation", &self.light_elevation), ("view_elevation", &self.view_elevation)] {
             let Some(range) = range else { continue };
             let [from, to] = *range.get_ref();
             if !(0.0 <= from && from + NARROWEST <= to && to <= 90.0) {
-                return Err(wrong(
-                    key,
-                    range.span(),
-                    format!("[{}, {}]", format_number(from), format_number(to)),
-                    ELEVATIONS.to_owned(),
-                ));
+                let found = format!("[{}, {}]", format_number(from), format_number(to));
+                return wrong(key, range.span(), found, ELEVATIONS);
             }
         }
         for (key, list, known) in [("lighting", &self.lighting, LIGHTING), ("maps", &self.maps, MAPS)] {
             let Some(list) = list else { continue };
             if let Some(name) = list.get_ref().iter().find(|name| !known.contains(&name.as_str())) {
-                return Err(wrong(key, list.span(), format!("\"{name}\""), known.join(", ")));
+                return wrong(key, list.span(), format!("\"{name}\""), &known.join(", "));
             }
         }
         if let Some(lighting) = &self.lighting {
             let found = || format!("{:?}", lighting.get_ref());
             if lighting.get_ref().is_empty() {
-                return Err(wrong(
-                    "lighting",
-                    lighting.span(),
-                    found(),
-                    "one or both of points, environment".to_owned(),
-                ));
+                return wrong("lighting", lighting.span(), found(), "one or both of points, environment");
             }
             if !has_environment && self.is_lit_by_environment() {
-                let allowed = "[\"points\"]: the scene has no environment".to_owned();
-                return Err(wrong("lighting", lighting.span(), found(), allowed));
+                return wrong("lighting", lighting.span(), found(), "[\"points\"]: the scene has no environment");
             }
         }
         let lit_by_environment = has_environment && self.is_lit_by_environment();
         if let (Some(range), true) = (&self.light_elevation, lit_by_environment) {
             let found = format!("{:?} under an environment", range.get_ref());
-            let allowed = "it beside lighting = [\"points\"]: an environment lights from everywhere".to_owned();
-            return Err(wrong("light_elevation", range.span(), found, allowed));
+            let allowed = "it beside lighting = [\"points\"]: an environment lights from everywhere";
+            return wrong("light_elevation", range.span(), found, allowed);
         }
         if let (Some(maps), false) = (&self.maps, lit_by_environment) {
             let found = format!("{:?} without an environment", maps.get_ref());
-            let allowed = "it where an environment lights the object".to_owned();
-            return Err(wrong("maps", maps.span(), found, allowed));
+            return wrong("maps", maps.span(), found, "it where an environment lights the object");
         }
         Ok(())
     }

@@ -40,9 +40,6 @@ impl Outcomes {
 
     /// Whether all was made, within its budget and past its gates. Of several failures the kind with the highest exit code
     /// decides.
-    ///
-    /// # Errors
-    /// What failed, counted.
     pub fn verdict(self) -> Result<(), Error> {
         let count = self.materials.len();
         let missed = self.made().filter(|(_, made)| made.report.missed.is_some()).count();

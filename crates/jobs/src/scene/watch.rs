@@ -6,6 +6,7 @@ use super::manifest::Manifest;
 use super::patterns::Named;
 use crate::file_events::{FileEvents, Folders, Waker};
 use crate::store::Stamp;
+use crate::write::or_here;
 use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsString;
@@ -216,7 +217,7 @@ impl Drop for End<'_> {
 }
 
 /// What a manifest names that can be read.
-pub(super) fn named_in(manifest: &Path) -> Option<Vec<Named>> {
+pub(crate) fn named_in(manifest: &Path) -> Option<Vec<Named>> {
     let bytes = read_file(manifest, MAX_TEXT_BYTES).ok()?;
     let manifest_text = std::str::from_utf8(&bytes).ok()?;
     Some(Manifest::parse(manifest_text).ok()?.inputs(parent(manifest)))
@@ -228,10 +229,6 @@ fn stamp(path: &Path) -> Option<Stamp> {
 
 fn parent(path: &Path) -> &Path {
     path.parent().unwrap_or(Path::new(""))
-}
-
-fn or_here(path: &Path) -> &Path {
-    if path.as_os_str().is_empty() { Path::new(".") } else { path }
 }
 
 #[cfg(test)]

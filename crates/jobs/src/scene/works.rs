@@ -8,7 +8,6 @@ use super::run::{PACK, Wanted, Workshop, in_turn};
 use super::scene_section::ENVIRONMENT;
 use brdfc_core::progress::Progress;
 use std::str::FromStr;
-use std::sync::Mutex;
 
 /// The maps of a material, as a part.
 const MAPS: &str = "maps";
@@ -35,10 +34,10 @@ impl Work<'_> {
     }
 
     /// Path or address that it reads.
-    pub fn source(&self) -> &str {
+    pub fn source(&self) -> String {
         match self {
-            Self::Pack(job) | Self::Maps(job) => &job.source,
-            Self::Environment(job) => &job.source,
+            Self::Pack(job) | Self::Maps(job) => job.input.to_string(),
+            Self::Environment(job) => job.path.display().to_string(),
         }
     }
 
@@ -68,7 +67,7 @@ impl Plan {
                 continue;
             }
             works.push(Work::Pack(job));
-            works.extend(job.maps.map(|_| Work::Maps(job)));
+            works.extend((job.maps != [false; 2]).then_some(Work::Maps(job)));
         }
         works
     }
@@ -108,7 +107,6 @@ pub type WorkResult = Result<bool, JobError>;
 /// Makes pieces and keeps them in the store. One that fails does not stop the others.
 pub fn make(works: &[Work<'_>], workshop: &Workshop<'_>, progress: &dyn Progress) -> Vec<WorkResult> {
     let shared = Shared::new(workshop.memory);
-    let results: Mutex<Vec<Option<WorkResult>>> = Mutex::new(works.iter().map(|_| None).collect());
     in_turn(works.len(), |number| {
         let work = works[number];
         let name = work.name();
@@ -121,10 +119,8 @@ pub fn make(works: &[Work<'_>], workshop: &Workshop<'_>, progress: &dyn Progress
             }
         };
         part.finished(result.is_ok());
-        results.lock().expect("nobody panics with it")[number] = Some(result);
-    });
-    let results = results.into_inner().expect("nobody panics with it");
-    results.into_iter().map(|result| result.expect("each was done")).collect()
+        result
+    })
 }
 
 #[cfg(test)]

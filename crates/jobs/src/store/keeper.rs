@@ -4,6 +4,7 @@ use super::digest::{Digest, Key};
 use super::record::{read_record, write_record};
 use super::staging::Staging;
 use super::stamp::Stamp;
+use crate::error::Error;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -28,28 +29,6 @@ const MARKS: [(&str, &str); 2] = [
 const KEPT_FOR: Duration = Duration::from_secs(30 * 24 * 3600);
 /// Times of use are noted this coarsely.
 const NOTED: Duration = Duration::from_secs(24 * 3600);
-
-/// A file of the store that cannot be read or written.
-#[derive(Debug, thiserror::Error)]
-#[error("{path}: cannot {what}: {error}")]
-pub struct StoreError {
-    /// Which.
-    pub path: String,
-    /// What was to be done.
-    pub what: &'static str,
-    /// What the system says.
-    pub error: std::io::Error,
-}
-
-impl StoreError {
-    pub(crate) fn new(path: &Path, error: std::io::Error) -> Self {
-        Self { path: path.display().to_string(), what: "write", error }
-    }
-
-    fn read(path: &Path, error: std::io::Error) -> Self {
-        Self { path: path.display().to_string(), what: "read", error }
-    }
-}
 
 /// What an entry says: a report, and the files that were made.
 #[derive(Debug, Clone, PartialEq)]
@@ -86,14 +65,11 @@ pub struct Store {
 
 impl Store {
     /// Of this output folder, which is there. Without `looks_up` everything is made again.
-    ///
-    /// # Errors
-    /// A folder that cannot be written to.
-    pub fn open(folder: &Path, looks_up: bool) -> Result<Self, StoreError> {
+    pub fn open(folder: &Path, looks_up: bool) -> Result<Self, Error> {
         let root = folder.join(FOLDER);
-        let new = |folder: &Path| std::fs::create_dir_all(folder).map_err(|error| StoreError::new(folder, error));
+        let new = |folder: &Path| std::fs::create_dir_all(folder).map_err(|error| Error::write(folder, &error));
         [ENTRIES, OBJECTS, SOURCES].iter().try_for_each(|name| new(&root.join(name)))?;
-        let staging = Staging::new(&root).map_err(|error| StoreError::new(&root, error))?;
+        let staging = Staging::new(&root).map_err(|error| Error::write(&root, &error))?;
         let store = Self { root, looks_up, staging, staged: AtomicU64::new(0) };
         for (name, text) in MARKS {
             if !store.root.join(name).exists() {
@@ -141,10 +117,7 @@ impl Store {
     }
 
     /// Keeps what was made: first its files, then the entry that names them.
-    ///
-    /// # Errors
-    /// A file that cannot be written.
-    pub fn keep<T: Serialize>(&self, key: Key, files: &[Vec<u8>], report: &T) -> Result<Vec<Digest>, StoreError> {
+    pub fn keep<T: Serialize>(&self, key: Key, files: &[Vec<u8>], report: &T) -> Result<Vec<Digest>, Error> {
         let mut digests = Vec::new();
         for bytes in files {
             let digest = Digest::of(bytes);
@@ -167,15 +140,15 @@ impl Store {
     ///
     /// # Errors
     /// A folder without a store; what cannot be read or written.
-    pub fn take_from(&self, folder: &Path) -> Result<(), StoreError> {
+    pub fn take_from(&self, folder: &Path) -> Result<(), Error> {
         for kind in [OBJECTS, ENTRIES] {
             let other = folder.join(FOLDER).join(kind);
-            let error = |error| StoreError::read(&other, error);
+            let error = |error: std::io::Error| Error::read(&other, &error);
             for file in std::fs::read_dir(&other).map_err(error)? {
                 let from = file.map_err(error)?.path();
                 let to = self.root.join(kind).join(from.file_name().unwrap_or_default());
                 if !to.exists() {
-                    self.write(&to, &std::fs::read(&from).map_err(|error| StoreError::read(&from, error))?)?;
+                    self.write(&to, &std::fs::read(&from).map_err(|error| Error::read(&from, &error))?)?;
                 }
             }
         }
@@ -196,13 +169,13 @@ impl Store {
     }
 
     /// Writes a file whole or not at all.
-    fn write(&self, path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
+    fn write(&self, path: &Path, bytes: &[u8]) -> Result<(), Error> {
         let number = self.staged.fetch_add(1, Ordering::Relaxed);
         let aside = self.staging.path().join(number.to_string());
         let written = std::fs::write(&aside, bytes).and_then(|()| std::fs::rename(&aside, path));
         written.map_err(|error| {
             let _ = std::fs::remove_file(&aside);
-            StoreError::new(path, error)
+            Error::write(path, &error)
         })
     }
 

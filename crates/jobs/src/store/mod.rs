@@ -11,7 +11,7 @@ mod staging;
 mod stamp;
 
 pub use digest::{Digest, Key};
-pub use keeper::{DONE, FOLDER, Kept, Store, StoreError};
+pub use keeper::{DONE, FOLDER, Kept, Store};
 pub use record::{read_record, write_record};
 pub use staging::{PREFIX, SUFFIX, Staging, abandoned, placing};
 pub use stamp::{HeardDigest, Stamp};

@@ -39,9 +39,6 @@ pub struct Staging {
 
 impl Staging {
     /// Makes one in `parent`, which is there, after what dead processes left there is swept.
-    ///
-    /// # Errors
-    /// What the system says.
     pub fn new(parent: &Path) -> std::io::Result<Self> {
         sweep(parent);
         let folder = tempfile::Builder::new().prefix(PREFIX).suffix(SUFFIX).tempdir_in(parent)?;

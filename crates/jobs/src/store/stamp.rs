@@ -56,10 +56,6 @@ pub struct HeardDigest {
     limit: u64,
 }
 
-/// A file changed while it was read.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ChangedMeanwhile;
-
 impl HeardDigest {
     /// Of a file of this kind, that has at most so many bytes. Files of other kinds are read in another order.
     pub fn new(kind: &str, limit: u64) -> Self {
@@ -72,10 +68,10 @@ impl HeardDigest {
     ///
     /// # Errors
     /// A file that was written to meanwhile: what was read may be no file that ever was.
-    pub fn finish(self) -> Result<(Digest, Option<Stamp>), ChangedMeanwhile> {
+    pub fn finish(self) -> std::io::Result<(Digest, Option<Stamp>)> {
         let now = self.file.as_ref().and_then(|file| Stamp::of(&file.metadata().ok()?));
         if now != self.stamp {
-            return Err(ChangedMeanwhile);
+            return Err(std::io::Error::other("it was written to meanwhile"));
         }
         let stamp = self.stamp.filter(|stamp| stamp.is_settled(self.started));
         Ok((Digest::finish(&self.hasher), stamp))
@@ -130,6 +126,6 @@ mod tests {
         let mut heard = HeardDigest::new("brdf", 100);
         heard.opened(file.as_file(), 5).unwrap();
         file.write_all(b" and more").unwrap();
-        assert_eq!(heard.finish(), Err(ChangedMeanwhile));
+        assert!(heard.finish().is_err());
     }
 }

@@ -39,44 +39,17 @@ impl Programs {
 #[derive(Debug, Serialize)]
 pub(super) struct PageScene {
     pub name: String,
-    pub camera: PageCamera,
-    pub lights: Vec<PageLight>,
+    pub camera: Camera,
+    pub lights: Vec<PointLight>,
     pub background: [f32; 3],
     pub mesh: PackedMesh,
-}
-
-#[derive(Debug, Serialize)]
-#[serde(rename_all = "camelCase")]
-pub(super) struct PageCamera {
-    eye: [f64; 3],
-    target: [f64; 3],
-    up: [f64; 3],
-    field_of_view: f64,
-}
-
-impl From<Camera> for PageCamera {
-    fn from(Camera { eye, target, up, field_of_view }: Camera) -> Self {
-        Self { eye, target, up, field_of_view }
-    }
-}
-
-#[derive(Debug, Serialize)]
-pub(super) struct PageLight {
-    position: [f64; 3],
-    intensity: [f64; 3],
-}
-
-impl From<PointLight> for PageLight {
-    fn from(PointLight { position, intensity }: PointLight) -> Self {
-        Self { position, intensity }
-    }
 }
 
 /// A material.
 #[derive(Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct PageItem {
-    name: String,
+    pub(super) name: String,
     facts: String,
     decoder: &'static str,
     resources: Vec<PageResource>,
@@ -91,7 +64,7 @@ pub(super) struct PageItem {
     /// The finest level.
     finest: u32,
     /// Whether its texels are 32-bit floats that a sampler is declared for.
-    wide: bool,
+    pub(super) wide: bool,
 }
 
 impl PageItem {
@@ -115,16 +88,6 @@ impl PageItem {
             finest,
             wide,
         }
-    }
-
-    /// What it is called.
-    pub(super) fn name(&self) -> &str {
-        &self.name
-    }
-
-    /// Whether its texels are 32-bit floats that a sampler is declared for.
-    pub(super) fn is_wide(&self) -> bool {
-        self.wide
     }
 
     /// Bytes of its textures as they are uploaded.

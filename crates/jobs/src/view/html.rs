@@ -2,8 +2,8 @@
 
 use super::data::PageData;
 use super::script::script;
-use crate::report::page::PALETTE;
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use crate::report::page::markup::file;
+use maud::{Markup, PreEscaped, html};
 
 const STYLE: &str = "
 * { box-sizing: border-box; }
@@ -39,33 +39,22 @@ fn ramp() -> String {
     format!(":root {{ --ramp: {}; }}", colours.join(", "))
 }
 
-/// A whole file.
+/// The page.
 pub(super) fn html(title: &str, data: &PageData) -> String {
     // No end of the element within it, and no comment.
     let text = serde_json::to_string(data).expect("data is plain").replace('<', "\\u003c");
-    let document = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { (title) }
-                style { (PreEscaped(PALETTE)) (PreEscaped(ramp())) (PreEscaped(STYLE)) }
-            }
-            body {
-                div #stage {
-                    canvas #canvas tabindex="0" aria-label="The material on a surface. Arrow keys turn it, with Shift they move the light." {}
-                    input type="range" name="split" form="controls" min="0" max="1" step="0.002" aria-label="Where the left picture ends";
-                    div #border {}
-                    p #wrong hidden {}
-                }
-                (controls(title, data))
-                script type="application/json" #data { (PreEscaped(text)) }
-                script type="module" { (PreEscaped(script())) }
-            }
+    let body = html! {
+        div #stage {
+            canvas #canvas tabindex="0" aria-label="The material on a surface. Arrow keys turn it, with Shift they move the light." {}
+            input type="range" name="split" form="controls" min="0" max="1" step="0.002" aria-label="Where the left picture ends";
+            div #border {}
+            p #wrong hidden {}
         }
+        (controls(title, data))
+        script type="application/json" #data { (PreEscaped(text)) }
+        script type="module" { (PreEscaped(script())) }
     };
-    document.into_string()
+    file(title, &(ramp() + STYLE), &body)
 }
 
 fn controls(title: &str, data: &PageData) -> Markup {
@@ -116,7 +105,7 @@ fn choices(data: &PageData, or_none: bool) -> Markup {
     html! {
         select name=(if or_none { "right" } else { "left" }) {
             @if or_none { option value="-1" { "nothing" } }
-            @for (number, item) in data.items.iter().enumerate() { option value=(number) { (item.name()) } }
+            @for (number, item) in data.items.iter().enumerate() { option value=(number) { (item.name) } }
         }
     }
 }

@@ -5,7 +5,6 @@
 //! WGSL and in GLSL ES 3.00.
 
 mod data;
-mod error;
 mod html;
 mod item;
 mod mesh;
@@ -14,15 +13,14 @@ mod packed;
 mod scenes;
 mod script;
 mod shaders;
-mod source_table;
 
-pub use error::ViewError;
 pub use item::{Drawn, ViewItem};
 pub use open::{ViewOptions, open_items};
 pub use shaders::PageShader;
 
+use crate::error::Error;
 use data::{PageData, PageItem, Programs};
-use error::check_bytes;
+use open::check_bytes;
 use std::collections::BTreeMap;
 
 /// A page, and what of it is not the packs' own.
@@ -38,12 +36,12 @@ pub struct ViewPage {
 ///
 /// # Errors
 /// More textures than a page should hold.
-pub fn view_page(items: &[ViewItem]) -> Result<ViewPage, ViewError> {
+pub fn view_page(items: &[ViewItem]) -> Result<ViewPage, Error> {
     let scenes = scenes::of(items);
     let listed: Vec<PageItem> = items.iter().map(PageItem::new).collect();
     let mut programs = BTreeMap::new();
     for (item, listed) in items.iter().zip(&listed) {
-        for exact in if listed.is_wide() { &[false, true][..] } else { &[false] } {
+        for exact in if listed.wide { &[false, true][..] } else { &[false] } {
             let shader = PageShader::drawing(item.decoder(), *exact);
             programs.entry(shader.name.clone()).or_insert_with(|| shader.program());
         }
@@ -51,7 +49,7 @@ pub fn view_page(items: &[ViewItem]) -> Result<ViewPage, ViewError> {
     let mut texels = 0;
     for item in &listed {
         texels += item.texel_bytes();
-        check_bytes(item.name(), texels)?;
+        check_bytes(&item.name, texels)?;
     }
     let bytes_of_packs: usize = listed.iter().map(PageItem::bytes).sum();
     let programs = Programs { of: programs, show: PageShader::showing().program() }.packed();

@@ -22,11 +22,6 @@ fn page_scene(of: ItemScene) -> PageScene {
         ItemScene::Picture(size) => picture_scene(size.map(|side| side as usize), [1; 2]),
     };
     let [part] = &scene.parts[..] else { unreachable!("scenes of pages have one part") };
-    PageScene {
-        name: of.name(),
-        camera: scene.camera.into(),
-        lights: scene.lights.iter().copied().map(Into::into).collect(),
-        background: scene.background,
-        mesh: PackedMesh::new(&part.mesh),
-    }
+    let mesh = PackedMesh::new(&part.mesh);
+    PageScene { name: of.name(), camera: scene.camera, lights: scene.lights, background: scene.background, mesh }
 }

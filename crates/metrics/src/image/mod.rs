@@ -3,13 +3,11 @@
 mod difference;
 mod flip;
 mod psnr;
-mod spectrum;
 
 pub use difference::{ImageDifference, Spread, auto_exposure, compare_images, delta_e_map, luminance};
 pub(crate) use difference::{colour_difference, shown_colour, spread};
 pub use flip::{Flip, PIXELS_PER_DEGREE, flip};
 pub use psnr::{SignalToNoise, signal_to_noise};
-pub use spectrum::{WINDOW, window_bandwidth, window_bandwidths};
 
 /// A rectangle of linear radiance.
 #[derive(Debug, Clone, PartialEq)]

@@ -43,7 +43,7 @@ pub enum Builtin {
 }
 
 impl Builtin {
-    /// The names that manifests and the command line use.
+    /// The names that manifests and the command line use, in the order of the scenes.
     pub const NAMES: [(&'static str, Self); 10] = [
         ("sphere", Self::Sphere),
         ("cloth", Self::Cloth),
@@ -59,18 +59,7 @@ impl Builtin {
 
     /// Its name.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Sphere => "sphere",
-            Self::Cloth => "cloth",
-            Self::Table => "table",
-            Self::Terrain => "terrain",
-            Self::Plane => "plane",
-            Self::Bottle => "bottle",
-            Self::Vase => "vase",
-            Self::Teapot => "teapot",
-            Self::BumpyBall => "bumpy-ball",
-            Self::RibbedTorus => "ribbed-torus",
-        }
+        Self::NAMES[self as usize].0
     }
 
     /// Tiles per unit of uv that show a relief well.

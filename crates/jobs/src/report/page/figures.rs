@@ -21,11 +21,7 @@ type Drawn = Result<(), Box<dyn std::error::Error>>;
 pub(super) fn errors_by_angle(angles: &[AngleError]) -> String {
     let most = angles.iter().map(|angle| angle.relative_mean).filter(|e| e.is_finite()).fold(1e-3, f64::max);
     plot(|area| {
-        let mut chart = ChartBuilder::on(area)
-            .margin(6)
-            .x_label_area_size(28)
-            .y_label_area_size(44)
-            .build_cartesian_2d(0.0..90.0f64, 0.0..100.0 * 1.1 * most)?;
+        let mut chart = chart(area).build_cartesian_2d(0.0..90.0f64, 0.0..100.0 * 1.1 * most)?;
         mesh(&mut chart, "incoming angle, degrees", "ε_r, %")?;
         let bar = |angle: &AngleError| {
             let top = 100.0 * angle.relative_mean;
@@ -52,11 +48,7 @@ pub(super) fn error_over_bytes(report: &MaterialReport) -> String {
     };
     let (bytes, errors) = (ends(&mut all().map(|point| point.0)), ends(&mut all().map(|point| point.1)));
     plot(|area| {
-        let mut chart = ChartBuilder::on(area)
-            .margin(6)
-            .x_label_area_size(28)
-            .y_label_area_size(44)
-            .build_cartesian_2d(bytes.log_scale(), errors.log_scale())?;
+        let mut chart = chart(area).build_cartesian_2d(bytes.log_scale(), errors.log_scale())?;
         mesh(&mut chart, "bytes on the GPU", "mean ΔE")?;
         let point = |(bytes, error, wavelet): &(f64, f64, bool)| {
             Circle::new((*bytes, *error), 3, if *wavelet { SECOND } else { FIRST }.filled())
@@ -75,16 +67,18 @@ pub(super) fn albedos(report: &MaterialReport) -> String {
         first.map(|point| [point.theta, grey(point.reference), grey(point.approximation)]).collect();
     let most = points.iter().flat_map(|p| [p[1], p[2]]).filter(|v| v.is_finite()).fold(1e-3, f64::max);
     plot(|area| {
-        let mut chart = ChartBuilder::on(area)
-            .margin(6)
-            .x_label_area_size(28)
-            .y_label_area_size(44)
-            .build_cartesian_2d(0.0..90.0f64, 0.0..1.15 * most)?;
+        let mut chart = chart(area).build_cartesian_2d(0.0..90.0f64, 0.0..1.15 * most)?;
         mesh(&mut chart, "incoming angle, degrees", "albedo")?;
         chart.draw_series(LineSeries::new(points.iter().map(|p| (p[0], p[1])), INK.stroke_width(1)))?;
         chart.draw_series(points.iter().map(|p| Circle::new((p[0], p[2]), 2, SECOND.filled())))?;
         Ok(())
     })
+}
+
+fn chart<'a, 'b>(area: &'a Area<'b>) -> ChartBuilder<'a, 'b, SVGBackend<'b>> {
+    let mut chart = ChartBuilder::on(area);
+    chart.margin(6).x_label_area_size(28).y_label_area_size(44);
+    chart
 }
 
 fn mesh<'a, X, Y>(

@@ -1,10 +1,10 @@
 //! What a page is made of: the report in a folder, its packs, and their sources where they still are.
 
 use super::against::{Regression, regressions};
-use super::error::GatherError;
 use super::evidence::{Evidence, evidence};
 use super::parts::{PagePart, listed_file, map_part, wrong_file};
 use super::view_link::ViewLink;
+use crate::error::Error;
 use crate::output_folder::OutputFolder;
 use crate::report::build::{BUILD_VERSION, BuildReport, EnvironmentEntry, MaterialEntry};
 use crate::scene::build::{BuiltNote, notes};
@@ -66,13 +66,14 @@ impl Reports {
     ///
     /// # Errors
     /// What cannot be read, or is no report.
-    pub fn open(folder: &Path, against: Option<&Path>) -> Result<Self, GatherError> {
+    pub fn open(folder: &Path, against: Option<&Path>) -> Result<Self, Error> {
         if OutputFolder::is_unfinished(folder) {
-            return Err(GatherError::Folder {
-                path: folder.display().to_string(),
-                found: "a build that was killed while files changed places".to_owned(),
-                allowed: "a folder that is whole; 'brdfc build' finishes it",
-            });
+            let found = "a build that was killed while files changed places";
+            return Err(Error::wrong_input(
+                folder.display(),
+                found,
+                "a folder that is whole; 'brdfc build' finishes it",
+            ));
         }
         let new = read_report(&folder.join(REPORT))?;
         Ok(Self { folder: folder.to_owned(), new, old: against.map(read_report).transpose()? })
@@ -90,7 +91,7 @@ impl Reports {
     ///
     /// # Errors
     /// Packs that are not those of the report.
-    pub fn brdf_packs(&self) -> Result<Vec<(String, BrdfPack)>, GatherError> {
+    pub fn brdf_packs(&self) -> Result<Vec<(String, BrdfPack)>, Error> {
         let made = self.new.materials.iter().filter(|entry| entry.report.is_some());
         let named = made.filter_map(|entry| Some((entry, entry.pack.as_ref()?)));
         named.map(|(entry, name)| Ok((entry.material.clone(), brdf_pack(&self.folder, entry, name)?))).collect()
@@ -106,7 +107,7 @@ impl Reports {
 ///
 /// # Errors
 /// Packs that are not those of the report.
-pub fn gather(reports: Reports, tolerance: f64, progress: &dyn Progress) -> Result<Page, GatherError> {
+pub fn gather(reports: Reports, tolerance: f64, progress: &dyn Progress) -> Result<Page, Error> {
     let Reports { folder, new: report, old } = reports;
     let folder = folder.as_path();
     let notes = notes(folder);
@@ -121,18 +122,15 @@ pub fn gather(reports: Reports, tolerance: f64, progress: &dyn Progress) -> Resu
         part.finished(material.is_ok());
         material
     };
-    let materials = report.materials.into_par_iter().map(drawn).collect::<Result<_, GatherError>>()?;
+    let materials = report.materials.into_par_iter().map(drawn).collect::<Result<_, Error>>()?;
     let environment = report.environment.map(|entry| environment(folder, entry)).transpose()?;
     Ok(Page { scene: report.scene, materials, environment, skipped: report.skipped, is_held, regressions, view: None })
 }
 
-fn read_report(path: &Path) -> Result<BuildReport, GatherError> {
+fn read_report(path: &Path) -> Result<BuildReport, Error> {
     let bytes = read_file(path, MAX_TEXT_BYTES)?;
-    let wrong = |found: String| GatherError::Folder {
-        path: path.display().to_string(),
-        found,
-        allowed: "the report.json of a build by this version of brdfc, which 'brdfc build' writes anew",
-    };
+    let allowed = "the report.json of a build by this version of brdfc, which 'brdfc build' writes anew";
+    let wrong = |found: String| Error::wrong_input(path.display(), found, allowed);
     let report: BuildReport = serde_json::from_slice(&bytes).map_err(|error| wrong(json_problem(&error)))?;
     match report.version {
         BUILD_VERSION => Ok(report),
@@ -140,7 +138,7 @@ fn read_report(path: &Path) -> Result<BuildReport, GatherError> {
     }
 }
 
-fn material(folder: &Path, entry: MaterialEntry, note: BuiltNote) -> Result<PageMaterial, GatherError> {
+fn material(folder: &Path, entry: MaterialEntry, note: BuiltNote) -> Result<PageMaterial, Error> {
     let Some(name) = entry.pack.as_ref().filter(|_| entry.report.is_some()) else {
         return Ok(PageMaterial { entry, note, evidence: None, maps: Vec::new(), without_source: None });
     };
@@ -153,7 +151,7 @@ fn material(folder: &Path, entry: MaterialEntry, note: BuiltNote) -> Result<Page
 }
 
 /// The pack of a material, if it is that of the report.
-fn brdf_pack(folder: &Path, entry: &MaterialEntry, name: &str) -> Result<BrdfPack, GatherError> {
+fn brdf_pack(folder: &Path, entry: &MaterialEntry, name: &str) -> Result<BrdfPack, Error> {
     let path = folder.join(name);
     let bytes = listed_file(folder, &entry.files, name)?;
     let pack = Pack::from_bytes(&bytes).map_err(|error| wrong_file(&path, error.to_string()))?;
@@ -169,14 +167,15 @@ pub fn source_of(note: &BuiltNote) -> Result<Box<dyn Source>, String> {
         return Err("where the source is was not noted: the folder has no store".to_owned());
     }
     let input = Input::from(note.source.as_str());
-    let (opened, digest) = opened_with_digest(&input, &kind_of(&input)).map_err(|error| error.to_string())?;
+    let (opened, digest, _) =
+        opened_with_digest(&input, &kind_of(&input), u64::MAX).map_err(|error| error.to_string())?;
     match note.digest {
         Some(built) if built != digest => Err(format!("{}: it has changed since the build", note.source)),
         _ => Ok(opened.source),
     }
 }
 
-fn environment(folder: &Path, entry: EnvironmentEntry) -> Result<(EnvironmentEntry, Option<PagePart>), GatherError> {
+fn environment(folder: &Path, entry: EnvironmentEntry) -> Result<(EnvironmentEntry, Option<PagePart>), Error> {
     let listed = entry.file.as_slice();
     let part = listed.first().map(|file| map_part(folder, listed, &file.file)).transpose()?;
     Ok((entry, part))

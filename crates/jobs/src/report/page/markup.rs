@@ -6,8 +6,8 @@ use base64::engine::general_purpose::STANDARD;
 use brdfc_render::picture::{DELTA_E_FULL_SCALE, Panel, rgb_png};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-/// A whole file of HTML.
-pub(super) fn document(title: &str, content: &Markup) -> String {
+/// A whole file of HTML, in the colours of light and dark pages.
+pub(crate) fn file(title: &str, style: &str, body: &Markup) -> String {
     let document = html! {
         (DOCTYPE)
         html lang="en" {
@@ -15,16 +15,17 @@ pub(super) fn document(title: &str, content: &Markup) -> String {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 title { (title) }
-                style { (PreEscaped(PALETTE)) (PreEscaped(STYLE)) }
+                style { (PreEscaped(PALETTE)) (PreEscaped(style)) }
             }
-            body {
-                h1 { (title) }
-                (content)
-                script { (PreEscaped(SCRIPT)) }
-            }
+            body { (body) }
         }
     };
     document.into_string()
+}
+
+/// A report about packs.
+pub(super) fn document(title: &str, content: &Markup) -> String {
+    file(title, STYLE, &html! { h1 { (title) } (content) script { (PreEscaped(SCRIPT)) } })
 }
 
 /// A picture inside the page.

@@ -2,14 +2,12 @@
 
 mod against;
 mod csv;
-mod error;
 mod evidence;
 mod figures;
 mod flat;
-mod flat_html;
 mod gather;
 mod html;
-mod markup;
+pub(crate) mod markup;
 mod parts;
 mod sheet;
 mod style;
@@ -17,15 +15,12 @@ mod view_link;
 
 pub use against::{Regression, regressions};
 pub use csv::{csv, flat_csv};
-pub use error::GatherError;
 pub use evidence::{Evidence, Thumbnails, evidence};
-pub use flat::{FlatPage, is_flat_btf};
-pub use flat_html::flat_html;
+pub use flat::{FlatPage, flat_html, is_flat_btf};
 pub use gather::{Page, PageMaterial, Reports, gather, source_of};
 pub use html::html;
 pub use parts::PagePart;
 pub use sheet::sheet;
-pub use style::PALETTE;
 pub use view_link::{ViewLink, source_name};
 
 use super::build::MaterialEntry;

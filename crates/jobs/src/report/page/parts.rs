@@ -1,6 +1,6 @@
 //! The files of a build besides packs: what they hold, and a picture of it.
 
-use super::error::GatherError;
+use crate::error::Error;
 use crate::report::build::FileEntry;
 use crate::store::Digest;
 use brdfc_bandwidth::facts::BandwidthFacts;
@@ -29,7 +29,7 @@ pub struct PagePart {
 ///
 /// # Errors
 /// What cannot be read, and another file than the listed one.
-pub(super) fn listed_file(folder: &Path, listed: &[FileEntry], name: &str) -> Result<Vec<u8>, GatherError> {
+pub(super) fn listed_file(folder: &Path, listed: &[FileEntry], name: &str) -> Result<Vec<u8>, Error> {
     let path = folder.join(name);
     let bytes = read_file(&path, MAX_FILE_BYTES)?;
     let entry = listed.iter().find(|file| file.file == name);
@@ -40,19 +40,12 @@ pub(super) fn listed_file(folder: &Path, listed: &[FileEntry], name: &str) -> Re
 }
 
 /// A file that is not what the report says.
-pub(super) fn wrong_file(path: &Path, found: String) -> GatherError {
-    GatherError::Folder {
-        path: path.display().to_string(),
-        found,
-        allowed: "the pack that report.json names; run 'brdfc build'",
-    }
+pub(super) fn wrong_file(path: &Path, found: String) -> Error {
+    Error::wrong_input(path.display(), found, "the pack that report.json names; run 'brdfc build'")
 }
 
 /// A bandwidth map or importance samples.
-///
-/// # Errors
-/// As [`listed_file`], and files of other kinds.
-pub(super) fn map_part(folder: &Path, listed: &[FileEntry], name: &str) -> Result<PagePart, GatherError> {
+pub(super) fn map_part(folder: &Path, listed: &[FileEntry], name: &str) -> Result<PagePart, Error> {
     let bytes = listed_file(folder, listed, name)?;
     let path = folder.join(name);
     let (bytes_on_gpu, words, picture) =

@@ -1,7 +1,7 @@
 //! How a page looks, and the script that sorts its table; without it the table is as it was written.
 
 /// Colours of light and dark pages.
-pub const PALETTE: &str = "
+pub(super) const PALETTE: &str = "
 :root { color-scheme: light dark; --ink: #1c1e21; --paper: #fbfbfa; --faint: #d9d9d6; --soft: #6a6d72; --bad: #b3261e;
   --good: #2e7d32; --card: #ffffff; }
 @media (prefers-color-scheme: dark) { :root { --ink: #e8e8e6; --paper: #16181a; --faint: #3a3d40; --soft: #a0a3a8;

@@ -1,11 +1,21 @@
 //! Builds: scenes become folders of packs.
 
-use crate::scene::{Explained, Job, PackFolder, Work};
-use crate::{BuildReport, Built, EncodeOptions, Error, Made, Outcomes, Plan, Progress};
-use brdfc_jobs::outputs::{make_folder, refuse_overwriting_any};
-use brdfc_jobs::scene::build::{BuildSettings, build, build_works};
-use brdfc_jobs::scene::explain::explain;
-use brdfc_jobs::scene::inputs::Scene;
+use crate::encode::options::EncodeOptions;
+use crate::error::Error;
+use crate::outputs::{make_folder, refuse_overwriting_any};
+use crate::report::build::BuildReport;
+use crate::scene::batch::{find, given, manifest_of};
+use crate::scene::build::{BuildSettings, Built, build, build_works};
+use crate::scene::current::PackFolder;
+use crate::scene::explain::{Explained, explain};
+use crate::scene::inputs::{folders, listed, manifest_among, read_manifest};
+use crate::scene::manifest::Manifest;
+use crate::scene::plan::{Job, Plan, plan};
+use crate::scene::run::{Made, Outcomes};
+use crate::scene::watch::named_in;
+use crate::scene::works::Work;
+use brdfc_core::progress::Progress;
+use brdfc_core::words::counted;
 use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -15,7 +25,15 @@ use std::path::{Path, PathBuf};
 /// What was made before of the same source by the same options is kept. The output folder changes at the end, all at once.
 #[derive(Debug, Clone)]
 pub struct Build {
-    scene: Scene,
+    manifest: Manifest,
+    /// The manifest's file, if there is one.
+    file: Option<PathBuf>,
+    /// What the scene was read from, for messages.
+    inputs: String,
+    /// Files of folders that are no kind of material.
+    left_out: Vec<PathBuf>,
+    /// The folders that were given, and those in which files match a pattern: a new file there may be a material.
+    folders: Vec<PathBuf>,
     options: EncodeOptions,
     settings: BuildSettings,
 }
@@ -24,17 +42,22 @@ impl Build {
     /// Where packs go by default.
     pub const DEFAULT_FOLDER: &str = "packs";
 
-    fn new(scene: Scene) -> Self {
-        let settings = BuildSettings::new(Self::DEFAULT_FOLDER);
-        Self { scene, options: EncodeOptions::default(), settings }
-    }
-
     /// The packs that a scene needs: `docs/scene.md` describes the manifest. Materials that it does not use are not opened.
     ///
     /// # Errors
     /// A manifest that cannot be read, or is none; patterns in it that nothing matches.
     pub fn from_manifest(path: impl AsRef<Path>) -> Result<Self, Error> {
-        Ok(Self::new(Scene::of_manifest(path.as_ref())?))
+        let path = path.as_ref();
+        let (_, manifest) = read_manifest(path)?;
+        Ok(Self {
+            manifest,
+            file: Some(path.to_owned()),
+            inputs: path.display().to_string(),
+            left_out: Vec::new(),
+            folders: folders(&named_in(path).unwrap_or_default()),
+            options: EncodeOptions::default(),
+            settings: BuildSettings::new(Self::DEFAULT_FOLDER),
+        })
     }
 
     /// The packs of files, folders, patterns and `synth:` addresses, each named after its file.
@@ -42,7 +65,18 @@ impl Build {
     /// # Errors
     /// Inputs without any material; two materials of one name.
     pub fn from_materials<I: Into<OsString>>(inputs: impl IntoIterator<Item = I>) -> Result<Self, Error> {
-        Ok(Self::new(Scene::of_materials(&inputs.into_iter().map(Into::into).collect::<Vec<_>>())?))
+        let inputs: Vec<OsString> = inputs.into_iter().map(Into::into).collect();
+        let named = given(&inputs);
+        let found = find(&named)?;
+        Ok(Self {
+            manifest: manifest_of(&found.sources)?,
+            file: None,
+            inputs: listed(&inputs),
+            left_out: found.others,
+            folders: folders(&named),
+            options: EncodeOptions::default(),
+            settings: BuildSettings::new(Self::DEFAULT_FOLDER),
+        })
     }
 
     /// Either: a manifest if that is what is given.
@@ -50,7 +84,10 @@ impl Build {
     /// # Errors
     /// As [`Self::from_manifest`] and [`Self::from_materials`]; a manifest among other inputs.
     pub fn from_inputs(inputs: &[OsString]) -> Result<Self, Error> {
-        Ok(Self::new(Scene::of_inputs(inputs)?))
+        match manifest_among(inputs)? {
+            Some(path) => Self::from_manifest(path),
+            None => Self::from_materials(inputs),
+        }
     }
 
     /// How materials are encoded that do not say so themselves.
@@ -115,27 +152,36 @@ impl Build {
         self
     }
 
-    /// How the build is done.
-    pub fn settings(&self) -> &BuildSettings {
-        &self.settings
-    }
-
     /// The manifest's file, if there is one.
     pub fn manifest(&self) -> Option<&Path> {
-        self.scene.file()
+        self.file.as_deref()
     }
 
     /// Files of folders that are no kind of material.
     pub fn left_out(&self) -> &[PathBuf] {
-        self.scene.left_out()
+        &self.left_out
     }
 
-    /// What the build will do.
+    /// What the build will do. Options win over the table `defaults` of the manifest, not over what a material says of itself.
     ///
     /// # Errors
     /// Options out of range or that do not go together; nothing to build.
     pub fn plan(&self) -> Result<Plan, Error> {
-        self.scene.plan(&self.options)
+        let mut manifest = self.manifest.clone();
+        manifest.defaults.options = self.options.over(&manifest.defaults.options);
+        let folder = self.manifest().and_then(Path::parent).unwrap_or(Path::new(""));
+        let mut plan = plan(&manifest, folder)?;
+        if self.file.is_none() {
+            "materials".clone_into(&mut plan.scene);
+        }
+        if plan.is_empty() {
+            return Err(Error::check(format!(
+                "nothing to build: found {}, and no use of any, in {}; allowed one or more ([[uses]], material = \"...\")",
+                counted(plan.skipped.len(), "material"),
+                self.inputs,
+            )));
+        }
+        Ok(plan)
     }
 
     /// The files that are read, and the folders in which a new file would be one of them, for `cargo::rerun-if-changed` and the
@@ -146,7 +192,7 @@ impl Build {
     pub fn files(&self) -> Result<Vec<PathBuf>, Error> {
         let plan = self.plan()?;
         let files = self.files_of(&plan).into_iter().map(Path::to_owned);
-        Ok(files.chain(self.scene.folders().iter().cloned()).collect())
+        Ok(files.chain(self.folders.iter().cloned()).collect())
     }
 
     /// The files alone, of a plan that is there.
@@ -176,7 +222,7 @@ impl Build {
     /// A folder that cannot be written to, or holds files that no build wrote; cancellation.
     pub fn run_with(&self, plan: &Plan, progress: &dyn Progress) -> Result<Built, Error> {
         self.prepare(plan)?;
-        Ok(build(plan, &self.settings, progress)?)
+        build(plan, &self.settings, progress)
     }
 
     /// Says what the build would do and between which sizes packs would be, and makes nothing; with `explains`, also what is needed
