@@ -2,7 +2,6 @@
 
 use super::bindings::Slots;
 use super::device::{Gpu, GpuError};
-use super::evaluate::SliceFilter;
 use super::load::LoadedScene;
 use super::pack;
 use super::raster::{Rasteriser, Target, view_wgsl};
@@ -21,6 +20,15 @@ pub const SCENE_WGSL: &str = include_str!("scene.wgsl");
 /// The whole shader: decoders, surfaces, environment, scene.
 pub fn scene_source() -> String {
     [&pack::brdf_source(), &view_wgsl(), PERIODIC_WGSL, SURFACE_WGSL, ENVIRONMENT_WGSL, SCENE_WGSL].join("\n")
+}
+
+/// Who filters slices over the outer direction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SliceFilter {
+    /// The texture unit, as engines do: weights of few bits.
+    Hardware,
+    /// The shader, with exact weights: the same bits as the CPU decoder where arithmetic is correctly rounded.
+    Exact,
 }
 
 /// How packs are decoded in an image.
