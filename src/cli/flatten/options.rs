@@ -6,7 +6,7 @@ use crate::directions::{default_set, direction_set, map_header, wrong};
 use crate::inputs::refuse_stdin_twice;
 use crate::output::{check_folder, refuse_overwriting, refuse_same_outputs};
 use brdfc::Input;
-use brdfc::flatten::{FactoredTarget, FillMethod, FlattenRecipe, Form, MesoOptions};
+use brdfc::flatten::{FactoredTarget, FillMethod, FlattenRecipe, MesoOptions};
 use brdfc_terminal::words::format_number;
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
@@ -216,12 +216,7 @@ pub(super) fn recipe(arguments: &Arguments) -> Result<FlattenRecipe, Error> {
         },
         bounces: arguments.bounces,
         rounds: arguments.stretch_rounds,
-        form: match arguments.form {
-            FormArgument::Full => Form::Full,
-            FormArgument::Light => Form::Light,
-        },
-        factor: factor_target(arguments)?,
-        compact: true,
+        factored: factor_target(arguments)?,
     })
 }
 
