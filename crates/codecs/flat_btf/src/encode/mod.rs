@@ -84,7 +84,7 @@ pub fn encode<E: Send>(
 ) -> Result<FlatBtfEncoded, EncodeError<E>> {
     recipe.check()?;
     progress.stage(Stage::Parameterise, steps(recipe.rounds))?;
-    let model = MesoModel::watched(input.mesh, recipe.rounds, progress)?;
+    let model = MesoModel::new(input.mesh, recipe.rounds, progress)?;
     let texels = model.texels(recipe.flat_texels);
     let size = recipe.flat_texels as u32;
     let single = |v: Vector| v.map(|c| c as f32);
